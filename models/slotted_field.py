@@ -1,0 +1,316 @@
+"""Slotted magnetostatic field of an iron-cored linear motor, by finite differences.
+
+Problem. In one pole pitch tau, antiperiodic because magnets and currents change sign from pole to pole,
+A(x + tau, y) = -A(x, y), the vector potential A(x, y) along z obeys
+
+    -div(nu grad A) = J + curl M,   B_x = dA/dy,   B_y = -dA/dx,   nu = 1/mu0, in the magnet 1/(mu0 mu_rec),
+
+over the back iron, in the gap and in three open slots. Both irons are infinitely permeable: dA/dn = 0 on them.
+
+    y = h_m + g + d          ________           slot bottom (iron)
+                            |  N i   |
+    y = h_m + g     --------+        +-------   tooth faces (iron)
+                               gap
+    y = h_m             +----------+            magnet top; coercivity H_c along +-y: current sheets +-H_c on its sides
+    y = 0           ----+----------+--------    back iron
+
+Method. Five-point scheme (control volumes) on a tensor grid aligned with slot edges, tooth faces, mid-gap and magnet
+top, graded quadratically towards the tooth corners: there A varies as r^(2/3), and this grading keeps second order.
+The magnet's sides may stand anywhere in x: cubic interpolation spreads each sheet over four nodes, so the forces move
+smoothly with every dimension. The forces are Maxwell's stress over the mid-gap line.
+
+Signs. The mover (magnets) hangs below the stator; y points up. With a magnet that points up centred at x_m, slot s
+carries N (i_d sin k(x_s - x_m) + i_q cos k(x_s - x_m)), k = pi/tau, where i_d, i_q are *peak* phase currents (amplitude
+of a phase, sqrt(2) times the rms value). i_q > 0 pushes the mover along +x, i_d > 0 weakens the attraction.
+
+Source: the motor of Fulford, Maggiore and Apkarian, Table I, whose closed-form forces (1)-(4) this field checks.
+"""
+
+from __future__ import annotations
+
+from dataclasses import astuple, dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_matrix, csc_matrix
+from scipy.sparse.linalg import SuperLU, splu
+
+Array = NDArray[np.float64]
+
+MU0 = 4e-7 * np.pi
+SLOTS_PER_POLE = 3
+POSITIONS = 6
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """One motor: Table I of the paper, and what the paper leaves open (mu_rec, slot_depth).
+
+    The winding fixes three slots a pole, so the slots stand at tau/3. A t1 other than tau/3 is represented by the
+    opening b with b^2/(tau/3) = b0^2/t1, the quantity on which Carter's correction depends to leading order.
+    """
+
+    L_A: float = 50e-3  # [m] magnet length across the motion
+    p_m: float = 4.0  # [-] magnets
+    tau: float = 57.15e-3  # [m] pole pitch
+    tau_p: float = 28.58e-3  # [m] magnet width
+    t1: float = 19.05e-3  # [m] slot pitch
+    b0: float = 12.7e-3  # [m] slot opening
+    h_m: float = 5e-3  # [m] magnet height
+    W: float = 900.0  # [-] turns per phase
+    poles: float = 6.0  # [-] stator poles
+    H_c: float = 875400.0  # [A/m] coercivity
+    mu_rec: float = 1.0  # [-] recoil permeability; the closed form's charge sheet has 1
+    slot_depth: float = 25.4e-3  # [m] two openings: deeper moves no force by more than 4e-6 of itself
+
+    @property
+    def opening(self) -> float:
+        """Return the width [m] of a slot on the pitch tau/3."""
+        return self.b0 * float(np.sqrt(self.tau / (SLOTS_PER_POLE * self.t1)))
+
+    @property
+    def conductors(self) -> float:
+        """Return N = 2 W/poles, the conductors in a slot (single layer, one slot per pole and phase)."""
+        return 2.0 * self.W / self.poles
+
+
+@dataclass(frozen=True)
+class Forces:
+    """Forces of one motor at one gap, per peak phase current; means over a slot pitch but for the cogging."""
+
+    thrust: float  # [N/A] along x, per i_q
+    vertical: float  # [N/A] downwards, per i_d
+    attraction: float  # [N/A^2] upwards, per i_d^2 + i_q^2
+    lift: float  # [N] upwards, without current
+    cogging: float  # [N] amplitude of the component of period t1, without current
+
+
+@dataclass(frozen=True)
+class Converged:
+    """Forces extrapolated to cells of no size, with the correction that this made as the error of each."""
+
+    value: Forces
+    error: Forces
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Tensor grid of one pole: x[0] = 0 is the left edge of slot 0, and x[-1] = tau stands for x[0] with A negated."""
+
+    x: Array  # [m] (nx + 1,)
+    y: Array  # [m] (ny + 1,)
+    top: int  # row of the magnet top
+    middle: int  # row of the mid-gap line
+    face: int  # row of the tooth faces
+    air: NDArray[np.bool_]  # (nx, ny) cells that are not iron
+    nodes: NDArray[np.bool_]  # (nx, ny + 1) nodes on air
+    slot: NDArray[np.intp]  # (nx,) slot above each column of cells, -1 above a tooth
+
+
+@dataclass(frozen=True)
+class Field:
+    """Potential A [Wb/m] on the nodes, (nx, ny + 1), and the currents I [A] that make it."""
+
+    grid: Grid
+    A: Array
+    I: Array
+
+
+def grid(geometry: Geometry, gap: float, cells: int) -> Grid:
+    """Return the grid with `cells` cells across half a slot, a tooth, the magnet, a quarter gap and half a slot depth.
+
+    Raises ValueError when a length is not positive, a slot leaves no tooth, or the magnet is as wide as the pole.
+    """
+    _check(geometry, gap, cells)
+    b, pitch = geometry.opening, geometry.tau / SLOTS_PER_POLE
+    even = np.linspace(0.0, 1.0, 2 * cells + 1)
+    column = np.r_[b * _both_ends(2 * cells)[:-1], b + (pitch - b) * _both_ends(cells)[:-1]]
+    x = np.r_[np.add.outer(pitch * np.arange(SLOTS_PER_POLE), column).ravel(), geometry.tau]
+    half, low = gap / 2, geometry.h_m + gap / 2
+    y = np.r_[geometry.h_m * even[:-1:2], geometry.h_m + half * even[:-1], low + half * (1 - (1 - even[:-1]) ** 2),
+              low + half + geometry.slot_depth * even**2]
+    slot = np.concatenate([np.r_[np.full(2 * cells, s), np.full(cells, -1)] for s in range(SLOTS_PER_POLE)])
+    air = np.ones((len(x) - 1, len(y) - 1), dtype=bool)
+    air[slot < 0, 5 * cells:] = False
+    nodes = _to_nodes(air.astype(float)) > 0
+    return Grid(x, y, cells, 3 * cells, 5 * cells, air, nodes, slot)
+
+
+def _check(geometry: Geometry, gap: float, cells: int) -> None:
+    for field in fields(geometry):
+        value = getattr(geometry, field.name)
+        if not (np.isfinite(value) and value > 0):
+            raise ValueError(f"{field.name} = {value} of the motor must be positive and finite; give it in SI units")
+    if not (np.isfinite(gap) and gap > 0):
+        raise ValueError(f"the gap is {gap} m but the field needs a positive gap; keep the mover off the stator")
+    if cells < 2:
+        raise ValueError(f"cells = {cells} but cubic interpolation needs at least 2; refine the grid")
+    if geometry.opening >= geometry.tau / SLOTS_PER_POLE:
+        raise ValueError(f"slot opening {geometry.opening} m leaves no tooth in tau/3; reduce b0")
+    if geometry.tau_p >= geometry.tau:
+        raise ValueError(f"magnet width {geometry.tau_p} m reaches the pole pitch {geometry.tau} m; reduce tau_p")
+
+
+def _both_ends(n: int) -> Array:
+    s = np.linspace(0.0, 1.0, n + 1)
+    return s * s * (3 - 2 * s)
+
+
+def _to_nodes(cell: Array) -> Array:
+    """Return a quarter of the sum of the cells that adjoin each node, taken as periodic in x; (nx, ny + 1)."""
+    rows = np.pad(cell, ((0, 0), (1, 1)))
+    rows = (rows[:, 1:] + rows[:, :-1]) / 2
+    return (rows + np.roll(rows, 1, axis=0)) / 2
+
+
+def _wrap(a: Array) -> Array:
+    return np.concatenate([a, -a[:1]])
+
+
+def _matrix(g: Grid, geometry: Geometry, x_m: float) -> csc_matrix:
+    """Return the five-point matrix of -div(nu mu0 grad A); nu is averaged in series along x, in parallel along y."""
+    nu_x, nu_y = g.air.astype(float), g.air.astype(float)
+    share = np.abs(_magnet_share(g, geometry, x_m))[:, None]
+    nu_x[:, :g.top] /= 1 + share * (geometry.mu_rec - 1)
+    nu_y[:, :g.top] *= 1 + share * (1 / geometry.mu_rec - 1)
+    h_x, h_y = np.diff(g.x)[:, None], np.diff(g.y)[None, :]
+    along_x = np.pad(nu_x * h_y, ((0, 0), (1, 1)))
+    along_x = (along_x[:, 1:] + along_x[:, :-1]) / 2 / h_x
+    along_y = nu_y * h_x
+    along_y = (along_y + np.roll(along_y, 1, axis=0)) / 2 / h_y
+    number = np.cumsum(g.nodes.ravel()).reshape(g.nodes.shape) - 1
+    sign = np.ones_like(along_x)
+    sign[-1] = -1
+    i, j = np.nonzero(along_x)
+    m, n = np.nonzero(along_y)
+    start = np.r_[number[i, j], number[m, n]]
+    end = np.r_[number[(i + 1) % len(number), j], number[m, n + 1]]
+    weight = np.r_[along_x[i, j], along_y[m, n]]
+    cross = -weight * np.r_[sign[i, j], np.ones(len(m))]
+    rows, columns = np.r_[start, end, start, end], np.r_[start, end, end, start]
+    size = int(g.nodes.sum())
+    return coo_matrix((np.r_[weight, weight, cross, cross], (rows, columns)), shape=(size, size)).tocsc()
+
+
+def _magnet_share(g: Grid, geometry: Geometry, x_m: float) -> Array:
+    """Return the share of each column of cells that lies in a magnet, negative in one that points down; (nx,)."""
+    first = np.floor(x_m / geometry.tau)
+    share = np.zeros(len(g.x) - 1)
+    for turn in (-1, 0, 1):
+        centre = x_m - (first - turn) * geometry.tau
+        inside = np.clip(g.x, centre - geometry.tau_p / 2, centre + geometry.tau_p / 2)
+        share += (-1) ** ((first - turn) % 2) * np.diff(inside) / np.diff(g.x)
+    return share
+
+
+def _sheet(g: Grid, position: float) -> Array:
+    """Return the weights that spread a unit current at x = position over its four nearest nodes; (nx,)."""
+    tau, count = g.x[-1], len(g.x) - 1
+    turn = np.floor(position / tau)
+    position -= turn * tau
+    near = np.searchsorted(g.x, position, side="right") - 1 + np.arange(-1, 3)
+    x = g.x[near % count] + (near // count) * tau
+    weights = np.zeros(count)
+    for m in range(4):
+        others = np.delete(x, m)
+        sign = (-1) ** ((turn + near[m] // count) % 2)
+        weights[near[m] % count] += sign * np.prod((position - others) / (x[m] - others))
+    return weights
+
+
+def magnet_currents(g: Grid, geometry: Geometry, x_m: float) -> Array:
+    """Return the nodes' share [A] of the sheets +-H_c of a magnet pointing up at x_m and of its neighbours.
+
+    A cell that a magnet of mu_rec != 1 covers in part, f of it, has the mean H_c f mu_rec/(1 + f (mu_rec - 1)).
+    """
+    f = _magnet_share(g, geometry, x_m)
+    excess = f * (geometry.mu_rec / (1 + np.abs(f) * (geometry.mu_rec - 1)) - 1)
+    sides = _sheet(g, x_m - geometry.tau_p / 2) - _sheet(g, x_m + geometry.tau_p / 2)
+    h_y = np.where(np.arange(len(g.y) - 1) < g.top, np.diff(g.y), 0.0)
+    heights = (np.r_[h_y, 0.0] + np.r_[0.0, h_y]) / 2
+    return geometry.H_c * np.outer(sides + excess - np.r_[-excess[-1], excess[:-1]], heights)
+
+
+def slot_currents(g: Grid, ampere_turns: Array) -> Array:
+    """Return the nodes' share [A] of currents (3,) [A] spread evenly over the slots."""
+    area = np.diff(g.x)[:, None] * np.diff(g.y)[None, :]
+    area[:, :g.face] = 0.0
+    density = np.r_[ampere_turns, 0.0][g.slot] / (area[g.slot == 0].sum())
+    return _to_nodes(density[:, None] * area)
+
+
+def slot_positions(geometry: Geometry) -> Array:
+    """Return the slots' centres [m] in one pole, (3,)."""
+    return np.asarray(geometry.opening / 2 + geometry.tau / SLOTS_PER_POLE * np.arange(SLOTS_PER_POLE))
+
+
+def factorise(g: Grid, geometry: Geometry, x_m: float) -> SuperLU:
+    """Return the sparse LU of the field's matrix; x_m [m] matters only when mu_rec is not 1."""
+    return splu(_matrix(g, geometry, x_m))
+
+
+def solve(g: Grid, lu: SuperLU, currents: Array) -> Field:
+    """Return the field of the nodes' currents [A], (nx, ny + 1)."""
+    A = np.zeros(g.nodes.shape)
+    A[g.nodes] = lu.solve(MU0 * currents[g.nodes])
+    return Field(g, A, currents)
+
+
+def stress(geometry: Geometry, one: Field, other: Field) -> tuple[float, float]:
+    """Return the bilinear force (F_x, F_y) [N] on the mover, so that stress(f, f) is the force of the field f.
+
+    F_x = l integral of B_x B_y/mu0 dx and F_y = l integral of (B_y^2 - B_x^2)/(2 mu0) dx over the mid-gap line of a
+    pole, l = L_A p_m being the length of all poles.
+    """
+    B, C = _mid_gap(one), _mid_gap(other)
+    h = np.diff(one.grid.x)
+    scale = geometry.L_A * geometry.p_m / MU0
+    B_x, C_x = (B[0][1:] + B[0][:-1]) / 2, (C[0][1:] + C[0][:-1]) / 2
+    square = B[0] * C[0]
+    F_x = scale * np.sum(h * (B_x * C[1] + C_x * B[1])) / 2
+    F_y = scale * np.sum(h * (B[1] * C[1] - (square[1:] + square[:-1]) / 2)) / 2
+    return float(F_x), float(F_y)
+
+
+def _mid_gap(field: Field) -> tuple[Array, Array]:
+    """Return B_x [T] on the nodes, (nx + 1,), and B_y [T] between them, (nx,), along the mid-gap line."""
+    A, y, j = _wrap(field.A), field.grid.y, field.grid.middle
+    h, k = y[j] - y[j - 1], y[j + 1] - y[j]
+    B_x = ((A[:, j] - A[:, j - 1]) * k / h + (A[:, j + 1] - A[:, j]) * h / k) / (h + k)
+    return B_x, -np.diff(A[:, j]) / np.diff(field.grid.x)
+
+
+def coenergy(geometry: Geometry, field: Field) -> float:
+    """Return l/2 sum of I A [J]; at given currents its slopes along x_m and against the gap are F_x and F_y."""
+    return float(geometry.L_A * geometry.p_m * np.sum(field.I * field.A) / 2)
+
+
+def forces(geometry: Geometry, gap: float, cells: int = 12) -> Forces:
+    """Return the forces at a gap [m] on one grid of `cells` (see `grid`), by superposing magnets, d and q currents.
+
+    Raises ValueError when the geometry has no field (see `grid`).
+    """
+    g = grid(geometry, gap, cells)
+    k, x_s = np.pi / geometry.tau, slot_positions(geometry)
+    rows, lu = [], None
+    for x_m in x_s[0] + geometry.tau / SLOTS_PER_POLE * np.arange(POSITIONS) / POSITIONS:
+        if lu is None or geometry.mu_rec != 1:
+            lu = factorise(g, geometry, x_m)
+        magnet = solve(g, lu, magnet_currents(g, geometry, x_m))
+        d = solve(g, lu, slot_currents(g, geometry.conductors * np.sin(k * (x_s - x_m))))
+        q = solve(g, lu, slot_currents(g, geometry.conductors * np.cos(k * (x_s - x_m))))
+        rows.append((2 * stress(geometry, magnet, q)[0], -2 * stress(geometry, magnet, d)[1],
+                     stress(geometry, d, d)[1], *reversed(stress(geometry, magnet, magnet))))
+    table = np.array(rows)
+    thrust, vertical, attraction, lift = (float(mean) for mean in table[:, :4].mean(axis=0))
+    return Forces(thrust, vertical, attraction, lift, 2 * float(np.abs(np.fft.rfft(table[:, 4])[1])) / POSITIONS)
+
+
+def extrapolated(geometry: Geometry, gap: float, cells: int = 12) -> Converged:
+    """Return (4 F(2 cells) - F(cells))/3, Richardson's value for a scheme of second order, and its last correction.
+
+    Raises ValueError when the geometry has no field (see `grid`).
+    """
+    coarse, fine = (np.array(astuple(forces(geometry, gap, n))) for n in (cells, 2 * cells))
+    correction = (fine - coarse) / 3
+    return Converged(Forces(*map(float, fine + correction)), Forces(*map(float, np.abs(correction))))

@@ -1,0 +1,84 @@
+"""Plants: dx/dt = f(x, u, p), y = h(x, u, p), symbolic, with the box of states and inputs in which they are valid."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from synth.errors import SignalError
+from synth.signals import Parameter, Signal, names
+
+Symbols = Mapping[str, ca.SX]
+Physics = Callable[[Symbols, Symbols, Symbols], tuple[Mapping[str, ca.SX], Mapping[str, ca.SX]]]
+
+
+@dataclass(frozen=True, eq=False)
+class Plant:
+    """A continuous nonlinear model; the signals' ranges are its domain.
+
+    `f` and `h` are CasADi functions of (x, u, p) with columns in the order of the signals.
+    """
+
+    name: str
+    states: tuple[Signal, ...]
+    inputs: tuple[Signal, ...]
+    outputs: tuple[Signal, ...]
+    parameters: tuple[Parameter, ...]
+    f: ca.Function
+    h: ca.Function
+
+    @property
+    def values(self) -> NDArray[np.float64]:
+        """The parameters' values, in order."""
+        return np.array([p.value for p in self.parameters])
+
+    def parameter(self, name: str) -> Parameter:
+        """Return the parameter called `name`."""
+        for p in self.parameters:
+            if p.name == name:
+                return p
+        raise SignalError(f"plant '{self.name}' has no parameter '{name}': it has {', '.join(names(self.parameters))}")
+
+    def with_parameters(self, **values: float) -> "Plant":
+        """Return the plant with some parameters' values replaced."""
+        for name in values:
+            self.parameter(name)
+        changed = tuple(replace(p, value=values.get(p.name, p.value)) for p in self.parameters)
+        return replace(self, parameters=changed)
+
+
+def symbols(signals: Sequence[Signal | Parameter]) -> dict[str, ca.SX]:
+    """Return one scalar SX symbol for each signal, by name."""
+    return {name: ca.SX.sym(name) for name in names(signals)}
+
+
+def build(
+    name: str,
+    states: Sequence[Signal],
+    inputs: Sequence[Signal],
+    outputs: Sequence[Signal],
+    parameters: Sequence[Parameter],
+    physics: Physics,
+) -> Plant:
+    """Make a Plant from `physics(x, u, p) -> (derivatives by state, outputs by name)`.
+
+    Raises SignalError when a derivative or output is missing or one is not known, or when a state's unit is unreadable.
+    """
+    x, u, p = symbols(states), symbols(inputs), symbols(parameters)
+    derivative, output = physics(x, u, p)
+    _same_names(f"plant '{name}': derivatives", names(states), derivative)
+    _same_names(f"plant '{name}': outputs", names(outputs), output)
+    args = [ca.vcat(list(s.values())) for s in (x, u, p)]
+    f = ca.Function("f", args, [ca.vcat([derivative[s.name] for s in states])], ["x", "u", "p"], ["dx"])
+    h = ca.Function("h", args, [ca.vcat([output[s.name] for s in outputs])], ["x", "u", "p"], ["y"])
+    return Plant(name, tuple(states), tuple(inputs), tuple(outputs), tuple(parameters), f, h)
+
+
+def _same_names(what: str, wanted: Sequence[str], found: Mapping[str, ca.SX]) -> None:
+    missing, unknown = [n for n in wanted if n not in found], [n for n in found if n not in wanted]
+    if missing or unknown:
+        raise SignalError(
+            f"{what}: missing {missing or 'none'}, not declared {unknown or 'none'}: give one for each signal"
+        )

@@ -1,0 +1,114 @@
+"""Signals: a name, a unit and a range; the unit is an SI product such as ``kg m^2/s^2``.
+
+A unit denotes a point in the free abelian group over the base units (m, kg, s, A, K, rad); two units agree when their
+exponents do, so that ``N`` and ``kg m/s^2`` are one unit while ``rad`` and ``1`` are not. There are no prefixes: every
+quantity is in SI base scale, and factors of a thousand cannot hide in a name.
+"""
+
+import math
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from fractions import Fraction
+
+from synth.errors import SignalError
+
+Dimension = tuple[tuple[str, Fraction], ...]
+
+_DERIVED = {
+    "N": "kg m/s^2",
+    "J": "kg m^2/s^2",
+    "W": "kg m^2/s^3",
+    "V": "kg m^2/s^3/A",
+    "ohm": "kg m^2/s^3/A^2",
+    "H": "kg m^2/s^2/A^2",
+    "T": "kg/s^2/A",
+    "Hz": "1/s",
+}
+_BASE = ("m", "kg", "s", "A", "K", "rad")
+_FACTOR = re.compile(r"(?P<op>[ /])?(?P<name>1|[A-Za-z]+)(?:\^(?P<power>-?\d+))?")
+
+
+def dimension(unit: str) -> Dimension:
+    """Parse `unit` into sorted (base unit, exponent) pairs.
+
+    Raises SignalError when the text is no product of known units.
+    """
+    exponents: dict[str, Fraction] = {}
+    position = 0
+    while position < len(unit):
+        match = _FACTOR.match(unit, position)
+        if match is None or (position > 0) != (match["op"] is not None):
+            raise SignalError(f"unit '{unit}' cannot be read at '{unit[position:]}': write it like 'kg m^2/s^2'")
+        power = Fraction(match["power"] or 1) * (-1 if match["op"] == "/" else 1)
+        for name, exponent in _factor(match["name"], unit):
+            exponents[name] = exponents.get(name, Fraction(0)) + power * exponent
+        position = match.end()
+    if not unit:
+        raise SignalError("a unit is empty: write '1' for a number without unit")
+    return tuple(sorted((name, e) for name, e in exponents.items() if e))
+
+
+def _factor(name: str, unit: str) -> Dimension:
+    if name == "1":
+        return ()
+    if name in _BASE:
+        return ((name, Fraction(1)),)
+    if name in _DERIVED:
+        return dimension(_DERIVED[name])
+    known = ", ".join((*_BASE, *_DERIVED))
+    raise SignalError(f"unit '{unit}' contains '{name}', which is not one of {known}: use SI units without prefix")
+
+
+@dataclass(frozen=True)
+class Signal:
+    """A scalar quantity that is wired by name.
+
+    `low` and `high` bound the values, in `unit`, for which the design holds. An identifier of C serves as `name`.
+    """
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    about: str = ""
+
+    def __post_init__(self) -> None:
+        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", self.name):
+            raise SignalError(f"signal name '{self.name}' is no identifier: use letters, digits and underscores")
+        dimension(self.unit)
+        if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
+            raise SignalError(
+                f"signal '{self.name}' has the range {self.low} .. {self.high} {self.unit}: "
+                "both ends must be finite and low below high"
+            )
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A physical constant: value in `unit`, relative tolerance, and the source that states it."""
+
+    name: str
+    value: float
+    unit: str
+    tolerance: float
+    source: str
+
+    def __post_init__(self) -> None:
+        dimension(self.unit)
+        if not math.isfinite(self.value) or not self.tolerance >= 0:
+            raise SignalError(
+                f"parameter '{self.name}' has value {self.value} and tolerance {self.tolerance}: "
+                "the value must be finite and the tolerance a relative number >= 0"
+            )
+
+
+def names(signals: Iterable[Signal | Parameter]) -> tuple[str, ...]:
+    """Return the names in order; raise SignalError when one stands twice."""
+    found = tuple(s.name for s in signals)
+    for name in found:
+        if found.count(name) > 1:
+            raise SignalError(
+                f"the name '{name}' is declared {found.count(name)} times: each signal needs its own name"
+            )
+    return found

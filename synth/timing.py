@@ -1,0 +1,46 @@
+"""Time as a type: a model is continuous, or sampled with one period; the two never mix."""
+
+import math
+from dataclasses import dataclass
+
+from synth.errors import TimingError
+
+
+@dataclass(frozen=True)
+class Continuous:
+    """Time t in R, seconds."""
+
+    def __str__(self) -> str:
+        return "continuous time"
+
+
+@dataclass(frozen=True)
+class Discrete:
+    """Time t = k T with the sample period T = `period_s`, seconds."""
+
+    period_s: float
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.period_s) and self.period_s > 0):
+            raise TimingError(f"the sample period is {self.period_s} s: it must be finite and positive")
+
+    def __str__(self) -> str:
+        return f"discrete time of {self.period_s:g} s"
+
+
+Time = Continuous | Discrete
+
+
+def common(*times: Time) -> Time:
+    """Return the one time that all share; raise TimingError naming the first that differs."""
+    for time in times[1:]:
+        if time != times[0]:
+            raise TimingError(f"{times[0]} meets {time}: discretise or resample one of them")
+    return times[0]
+
+
+def period(time: Time) -> float:
+    """Return the sample period in seconds; raise TimingError for continuous time."""
+    if isinstance(time, Discrete):
+        return time.period_s
+    raise TimingError("a sample period was asked of a continuous model: discretise it first")

@@ -1,0 +1,92 @@
+"""Imports follow the flow of data: synth <- models <- designs, and inside synth each layer sees only those before it.
+
+An import from layer a to layer b is allowed when rank(b) <= rank(a).
+"""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+VOCABULARY = ("errors", "signals", "timing", "plant", "statespace", "block")
+LAYERS = ("analyse", "synthesise", "emit", "execute", "simulate", "verify", "report", "cli")
+RANK = {("synth", name): 0 for name in VOCABULARY}
+RANK |= {("synth", name): rank for rank, name in enumerate(LAYERS, 1)}
+RANK |= {("models",): len(LAYERS) + 1, ("designs",): len(LAYERS) + 2}
+NOT_IN_A_REFERENCE = {"casadi", "synth", "models", "designs", "importlib"}
+
+
+def imports(path: Path, text: str) -> Iterator[tuple[str, ...]]:
+    """Yield every module that a file may load, as its dotted parts; `from a import b` may load a.b."""
+    package = path.parent.parts
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            yield from (tuple(alias.name.split(".")) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = package[: len(package) - node.level + 1] if node.level else ()
+            module = (*base, *(node.module or "").split(".")) if node.module else base
+            yield from ((*module, alias.name) for alias in node.names)
+
+
+def rank(module: tuple[str, ...]) -> int | None:
+    """Return a module's place in the order, None outside the three packages; a name of synth itself ranks 0."""
+    return RANK.get(module[:2], 0) if module[0] == "synth" else RANK.get(module[:1])
+
+
+def violations(path: Path, text: str) -> list[str]:
+    name = path.with_suffix("").parts
+    if name[0] == "synth" and name[1] != "__init__" and name[:2] not in RANK:
+        return [f"{path} has no place in the order; add {name[1]} to VOCABULARY or LAYERS"]
+    own = rank(name)
+    banned = NOT_IN_A_REFERENCE if path.name == "reference.py" and path.parts[0] == "designs" else set()
+    found = []
+    for module in imports(path, text):
+        other = rank(module)
+        if module[0] in banned or (own is not None and other is not None and other > own):
+            found.append(f"{path} imports {'.'.join(module)}")
+    return found
+
+
+def sources() -> list[Path]:
+    return [file for top in ("synth", "models", "designs") for file in sorted((ROOT / top).rglob("*.py"))]
+
+
+def test_imports_follow_the_flow_of_data() -> None:
+    assert sources()
+    found = {file: violations(file.relative_to(ROOT), file.read_text(encoding="utf-8")) for file in sources()}
+    assert not {file: what for file, what in found.items() if what}
+
+
+@pytest.mark.parametrize(
+    ("path", "text"),
+    [
+        ("synth/helpers/text.py", ""),
+        ("synth/signals.py", "import models.pmlsm"),
+        ("synth/signals.py", "from synth import analyse"),
+        ("synth/signals.py", "from . import cli"),
+        ("synth/analyse/trim.py", "def f():\n    from synth.emit import lower"),
+        ("synth/emit/lower.py", "from ..execute import host"),
+        ("models/pmlsm.py", "from designs.maglev_5dof import design"),
+        ("designs/maglev_5dof/reference.py", "import casadi as ca"),
+        ("designs/maglev_5dof/reference.py", "from synth.riccati import solve"),
+        ("designs/maglev_5dof/reference.py", "from .design import PLANT"),
+        ("designs/maglev_5dof/reference.py", "from importlib import import_module"),
+    ],
+)
+def test_a_planted_violation_is_found(path: str, text: str) -> None:
+    assert violations(Path(path), text)
+
+
+@pytest.mark.parametrize(
+    ("path", "text"),
+    [
+        ("synth/emit/lower.py", "from ..analyse import trim\nfrom synth.emit import ranges\nimport casadi, synth"),
+        ("models/pmlsm.py", "from synth.plant import Plant\nfrom . import windings"),
+        ("designs/maglev_5dof/design.py", "from synth.cli import main\nfrom models import pmlsm\nfrom . import audit"),
+        ("designs/maglev_5dof/reference.py", "import numpy as np\nfrom scipy import linalg"),
+    ],
+)
+def test_an_import_along_the_flow_is_allowed(path: str, text: str) -> None:
+    assert not violations(Path(path), text)
