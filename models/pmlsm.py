@@ -1,0 +1,155 @@
+"""Forces of one iron-cored permanent-magnet linear synchronous motor (PMLSM).
+
+    stator iron, slotted, with currents   ^ F_V < 0 : the mover is attracted, the gap g closes
+    ------------------------------------  |
+          g                               v F_V > 0 : the gap opens; down, for a mover that hangs below its stator
+    ====== magnets, height h_m =========
+    mover iron                            --> F_H along the motion
+
+    (1) F_H = -K_h L_h(g) i_q
+    (2) F_V = -K_v1 L_v1(g) + K_v2 L_v2(g) i_d - K_v3 L_v3(g) (i_d^2 + i_q^2)
+
+g is the gap in m; i_d, i_q are rms currents in A (a phase peaks at sqrt(2) i); forces are in N; k = pi/tau.
+
+Every function takes `p`, the parameters by name: CasADi symbols, CasADi matrices and floats serve alike.
+
+Readings of the print. It says "3 pole pairs" for p, K_v2 ~ 1/p^2 and L_v3 ~ coth^2. Maxwell's stress of a current sheet
+between two irons gives p = 6 poles, K_v2 ~ 1/p (only then K_v2^2 = 4 K_v1 K_v3) and L_v3 ~ csch^2: the tangential field
+on the sheet lowers the attraction by the missing coth^2 - csch^2 = 1. `Reading` names each choice.
+
+Source: Fulford, Maggiore, Apkarian, "Control of a 5DOF Magnetically Levitated Positioning Stage", (1)-(4), Table I.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import casadi as ca
+
+from synth.signals import Parameter
+
+Values = Mapping[str, ca.SX]
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How the printed formulas are read; the default is what Maxwell's stress gives.
+
+    `lv3` is the factor in L_v3, `kv2_power` the power of p in K_v2, `p_counts` what p stands for in (3) and (4).
+    """
+
+    lv3: Literal["csch2", "coth2"] = "csch2"
+    kv2_power: Literal[1, 2] = 1
+    p_counts: Literal["poles", "pole_pairs"] = "poles"
+
+
+TABLE = "Table I"
+PARAMETERS = (
+    Parameter("b0", 12.7e-3, "m", 4e-3, TABLE),  # stator slot width
+    Parameter("t1", 19.05e-3, "m", 3e-4, TABLE),  # stator slot pitch
+    Parameter("W", 900.0, "1", 0.0, TABLE),  # turns per phase
+    Parameter("w_c", 57.15e-3, "m", 1e-4, TABLE),  # coil pitch
+    Parameter("p", 6.0, "1", 0.0, "Table I prints 3 pole pairs; (3) and (4) hold for the 6 poles"),
+    Parameter("z1", 18.0, "1", 0.0, TABLE),  # stator slots
+    Parameter("h_m", 5e-3, "m", 0.1, TABLE),  # magnet height
+    Parameter("L_A", 50e-3, "m", 0.01, TABLE),  # magnet length
+    Parameter("p_m", 4.0, "1", 0.0, TABLE),  # magnets
+    Parameter("tau", 57.15e-3, "m", 1e-4, TABLE),  # pole pitch
+    Parameter("tau_p", 28.58e-3, "m", 2e-4, TABLE),  # magnet width
+    Parameter("H_c", 875400.0, "A/m", 6e-5, "Table I; also taken as the magnets' surface charge sigma_m in (4)"),
+    Parameter("mu_rec", 1.05, "1", 0.05, "not printed: recoil permeability usual for NdFeB of grade N35"),
+    Parameter("mu0", 1.25663706e-6, "N/A^2", 1e-9, "4 pi 1e-7, to CODATA 2018"),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Constants:
+    """The factors of (1) and (2) that do not depend on the gap: K_h N/A, K_v1 N/T^2, K_v2 N/(A T), K_v3 N/A^2."""
+
+    K_h: ca.SX
+    K_v1: ca.SX
+    K_v2: ca.SX
+    K_v3: ca.SX
+
+
+@dataclass(frozen=True, eq=False)
+class Coefficients:
+    """The factors of (1) and (2) that depend on the gap: L_h 1, L_v1 T^2, L_v2 T, L_v3 1."""
+
+    L_h: ca.SX
+    L_v1: ca.SX
+    L_v2: ca.SX
+    L_v3: ca.SX
+
+
+def winding_factor(p: Values) -> ca.SX:
+    """Return k_w1: pitch factor sin(pi w_c / (2 tau)) times the distribution factor of q = z1/(3 p) slots.
+
+    Both factors are 1 for full pitch and one slot per pole and phase, as here.
+    """
+    q = p["z1"] / (3 * p["p"])
+    return ca.sin(ca.pi * p["w_c"] / (2 * p["tau"])) * ca.sin(ca.pi / 6) / (q * ca.sin(ca.pi / (6 * q)))
+
+
+def carter_coefficient(g: ca.SX, p: Values) -> ca.SX:
+    """Return K_c = t1 / (t1 - g gamma_1(g)), the factor by which slots lengthen the gap `g` in m. Source: (4)."""
+    half = p["b0"] / (2 * g)
+    gamma_1 = 4 / ca.pi * (half * ca.atan(half) - ca.log(ca.sqrt(1 + half**2)))
+    return p["t1"] / (p["t1"] - g * gamma_1)
+
+
+def permeance_factor(g: ca.SX, p: Values) -> ca.SX:
+    """Return lambda = 1 - b0^2 / (4 t1 (g + b0/2 + h_m/mu_rec)), the pull that slot openings lose. Source: (4)."""
+    return 1 - p["b0"] ** 2 / (4 * p["t1"] * (g + p["b0"] / 2 + p["h_m"] / p["mu_rec"]))
+
+
+def magnet_field(g: ca.SX, p: Values) -> ca.SX:
+    """Return B_pmy1, the amplitude in T of the magnets' fundamental at the stator.
+
+    B_pmy1 = (4/pi) mu0 sigma_m sin(pi tau_p / (2 tau)) sinh(k h_m) / sinh(k (h_m + g)), sigma_m = H_c: charge sheets on
+    the magnets' faces between two irons of infinite permeability, which is also what K_h L_h in (3), (4) contains.
+    """
+    k = ca.pi / p["tau"]
+    sheet = 4 / ca.pi * p["mu0"] * p["H_c"] * ca.sin(k * p["tau_p"] / 2)
+    return sheet * ca.sinh(k * p["h_m"]) / ca.sinh(k * (p["h_m"] + g))
+
+
+def constants(p: Values, reading: Reading = Reading()) -> Constants:
+    """Return K_h, K_v1, K_v2, K_v3. Source: (3), (4), with p and its power in K_v2 as `reading` says."""
+    k, k_w1 = ca.pi / p["tau"], winding_factor(p)
+    poles = p["p"] if reading.p_counts == "poles" else p["p"] / 2
+    magnets = p["L_A"] * p["p_m"]
+    charge = p["H_c"] * p["mu0"] * ca.sinh(k * p["h_m"]) * ca.sin(k * p["tau_p"] / 2)
+    return Constants(
+        K_h=12 * ca.sqrt(2) * p["W"] * k_w1 * magnets * charge / (ca.pi * poles),
+        K_v1=magnets * p["tau"] / (4 * p["mu0"]),
+        K_v2=3 * ca.sqrt(2) * magnets * p["W"] * k_w1 / poles**reading.kv2_power,
+        K_v3=18 * magnets * p["W"] ** 2 * k_w1**2 * p["mu0"] / (p["tau"] * poles**2),
+    )
+
+
+def coefficients(g: ca.SX, p: Values, reading: Reading = Reading()) -> Coefficients:
+    """Return L_h, L_v1, L_v2, L_v3 at the gap `g` in m. Source: (3), (4), with the factor in L_v3 as `reading` says."""
+    height = ca.pi / p["tau"] * (p["h_m"] + g)
+    lambda_, K_c, B = permeance_factor(g, p), carter_coefficient(g, p), magnet_field(g, p)
+    stress = {"csch2": 1 / ca.sinh(height) ** 2, "coth2": 1 / ca.tanh(height) ** 2}[reading.lv3]
+    return Coefficients(
+        L_h=lambda_ / (K_c * ca.sinh(height)),
+        L_v1=lambda_ * B**2,
+        L_v2=lambda_ * B / (ca.tanh(height) * K_c),
+        L_v3=lambda_ * stress / K_c**2,
+    )
+
+
+def thrust(g: ca.SX, i_q: ca.SX, p: Values, reading: Reading = Reading()) -> ca.SX:
+    """Return F_H = -K_h L_h(g) i_q in N, for a gap in m and an rms current in A. Source: (1)."""
+    return -constants(p, reading).K_h * coefficients(g, p, reading).L_h * i_q
+
+
+def normal_force(g: ca.SX, i_d: ca.SX, i_q: ca.SX, p: Values, reading: Reading = Reading()) -> ca.SX:
+    """Return F_V = -K_v1 L_v1 + K_v2 L_v2 i_d - K_v3 L_v3 (i_d^2 + i_q^2) in N, positive when it opens the gap.
+
+    `g` is the gap in m, `i_d` and `i_q` are rms currents in A. Source: (2).
+    """
+    K, L = constants(p, reading), coefficients(g, p, reading)
+    return -K.K_v1 * L.L_v1 + K.K_v2 * L.L_v2 * i_d - K.K_v3 * L.L_v3 * (i_d**2 + i_q**2)

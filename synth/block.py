@@ -1,0 +1,338 @@
+"""Blocks: one discrete step (x, u) -> (x', y) with named signals, and their composition by name.
+
+    u --->[ x' = f(x, u, k) ]---> y          k: constants ("gains") that emission rounds to the target's scalar type
+          [ y  = h(x, u, k) ]
+
+Everything that runs in the loop is a Block. Each real state has declared bounds, which the step itself enforces, so
+that x' lies in its box for every x in the box and every u. `compose` joins Blocks where an output and an input share a
+name. It judges loops signal by signal from what each expression really depends on: a cycle of Blocks that a state
+breaks is no algebraic loop.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from synth.errors import SignalError, WiringError
+from synth.signals import Signal, dimension, names
+from synth.timing import Discrete, common
+
+Exprs = Mapping[str, ca.SX]
+
+
+@dataclass(frozen=True)
+class State:
+    """What a Block remembers: a signal and its value after `init`; `integer` marks counters and flags."""
+
+    signal: Signal
+    initial: float
+    integer: bool = False
+
+    def __post_init__(self) -> None:
+        if not self.signal.low <= self.initial <= self.signal.high:
+            raise SignalError(f"state '{self.name}' starts at {self.initial}, outside its bounds: start it inside")
+
+    @property
+    def name(self) -> str:
+        """The signal's name."""
+        return self.signal.name
+
+
+@dataclass(frozen=True)
+class Constant:
+    """A shipped number, exact until emission rounds it; `source` says what it was computed from."""
+
+    name: str
+    value: float
+    unit: str
+    source: str
+
+
+@dataclass(frozen=True)
+class Named:
+    """An intermediate signal of a composition: what it is called, which Block computes it, and the equation's tag."""
+
+    signal: Signal
+    block: str
+    tag: str
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One bit of the word that a step returns: `output` is the flag signal, `input` the input it speaks of."""
+
+    bit: int
+    output: str
+    input: str | None
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """One discrete step, symbolic. `symbol` holds a scalar SX symbol for each input, state and constant."""
+
+    name: str
+    tag: str
+    time: Discrete
+    inputs: tuple[Signal, ...]
+    outputs: tuple[Signal, ...]
+    states: tuple[State, ...]
+    constants: tuple[Constant, ...]
+    symbol: Exprs
+    output: Exprs
+    next: Exprs
+    inside: tuple[tuple[Named, ca.SX], ...] = ()
+    faults: tuple[Fault, ...] = field(default=())
+
+    def rounded(self, scalar: type[np.floating]) -> "Block":
+        """Return the Block with each constant rounded to `scalar`: what is analysed is then what ships."""
+        return replace(self, constants=tuple(replace(c, value=float(scalar(c.value))) for c in self.constants))
+
+    @property
+    def initial(self) -> NDArray[np.float64]:
+        """The states after `init`, in order."""
+        return np.array([s.initial for s in self.states])
+
+    def function(self) -> ca.Function:
+        """Return the step as a CasADi function (x, u) -> (x', y), columns in the order of the signals."""
+        x, u = self._columns(s.name for s in self.states), self._columns(s.name for s in self.inputs)
+        next = ca.vcat([self.next[s.name] for s in self.states])
+        y = ca.vcat([self.output[s.name] for s in self.outputs])
+        symbols = [self.symbol[c.name] for c in self.constants]
+        values = [ca.SX(c.value) for c in self.constants]
+        next, y = ca.substitute([next, y], symbols, values) if symbols else (next, y)
+        return ca.Function(self.name, [x, u], [next, y], ["x", "u"], ["x_next", "y"])
+
+    def _columns(self, wanted) -> ca.SX:  # type: ignore[no-untyped-def]
+        return ca.vcat([self.symbol[name] for name in wanted])
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """What a law computes: outputs, the states' next values, and further signals worth a name."""
+
+    output: Exprs
+    next: Exprs = field(default_factory=dict)
+    named: Sequence[tuple[Signal, ca.SX]] = ()
+
+
+Law = Callable[[Exprs, Exprs, Exprs], Step]
+
+
+def build(
+    name: str,
+    time: Discrete,
+    law: Law,
+    *,
+    inputs: Sequence[Signal],
+    outputs: Sequence[Signal],
+    states: Sequence[State] = (),
+    constants: Sequence[Constant] = (),
+    tag: str = "",
+) -> Block:
+    """Make a Block from `law(u, x, k) -> Step`, clamping each real state to its declared bounds.
+
+    Raises SignalError when a name stands twice, or an output or a next state is missing or not declared.
+    """
+    for group in (tuple(inputs) + tuple(outputs), tuple(s.signal for s in states)):
+        names(group)
+    symbol = {n: ca.SX.sym(n) for n in (*(s.name for s in (*inputs, *states)), *(c.name for c in constants))}
+    if len(symbol) < len(inputs) + len(states) + len(constants):
+        raise SignalError(f"block '{name}': an input, a state and a constant share a name: give each its own")
+    step = law(_pick(symbol, inputs), _pick(symbol, states), _pick(symbol, constants))
+    _complete(f"block '{name}': outputs", [s.name for s in outputs], step.output)
+    _complete(f"block '{name}': next states", [s.name for s in states], step.next)
+    next = {s.name: step.next[s.name] if s.integer else clip(step.next[s.name], s.signal) for s in states}
+    output = {s.name: ca.SX(step.output[s.name]) for s in outputs}
+    inside = [(Named(signal, name, tag), ca.SX(expr)) for signal, expr in step.named]
+    inside += [(Named(s, name, tag), output[s.name]) for s in outputs]
+    return Block(
+        name,
+        tag,
+        time,
+        tuple(inputs),
+        tuple(outputs),
+        tuple(states),
+        tuple(constants),
+        symbol,
+        output,
+        next,
+        tuple(inside),
+    )
+
+
+def clip(expr: ca.SX, bounds: Signal) -> ca.SX:
+    """Return `expr` limited to the range of `bounds`."""
+    return ca.fmax(ca.fmin(expr, bounds.high), bounds.low)
+
+
+def _pick(symbol: Exprs, wanted: Sequence[Signal | State | Constant]) -> Exprs:
+    return {s.name: symbol[s.name] for s in wanted}
+
+
+def _complete(what: str, wanted: Sequence[str], found: Exprs) -> None:
+    missing, unknown = [n for n in wanted if n not in found], [n for n in found if n not in wanted]
+    if missing or unknown:
+        raise SignalError(f"{what}: missing {missing or 'none'}, not declared {unknown or 'none'}: give one for each")
+
+
+def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], outputs: Sequence[str]) -> Block:
+    """Wire `blocks` by signal name into one Block with the open `inputs` and the chosen `outputs`.
+
+    States and constants carry their Block's name in front: ``filter_y`` and ``lag`` make ``filter_y_lag``.
+
+    Raises WiringError for a signal with two drivers, with unlike units, with none although a Block needs it, asked for
+    although nobody drives or needs it, and for an algebraic loop; TimingError for unlike sample periods.
+    """
+    time = common(*(b.time for b in blocks))
+    assert isinstance(time, Discrete)
+    blocks = [_prefixed(b) for b in blocks]
+    driver = _drivers(blocks)
+    opened = _open_inputs(name, blocks, driver, inputs)
+    symbol: dict[str, ca.SX] = {n: ca.SX.sym(n) for n in (*driver, *opened)}
+    definitions = {s: _rewired(b, symbol, [b.output[s]])[0] for s, b in driver.items()}
+    resolved, inside = _resolve(blocks, definitions, symbol)
+    for s in outputs:
+        if s not in driver:
+            raise WiringError(f"'{name}': output '{s}' is driven by no Block: drive it or leave it out")
+    keys, values = [symbol[s] for s in resolved], [resolved[s] for s in resolved]
+    states = tuple(s for b in blocks for s in b.states)
+    next: dict[str, ca.SX] = {}
+    for b in blocks:
+        exprs = _rewired(b, symbol, [b.next[s.name] for s in b.states])
+        next |= zip((s.name for s in b.states), ca.substitute(exprs, keys, values) if exprs else [], strict=True)
+    constants = tuple(c for b in blocks for c in b.constants)
+    kept = {s: symbol[s] for s in opened} | {
+        n.name: b.symbol[n.name] for b in blocks for n in (*b.states, *b.constants)
+    }
+    signals = {s.name: s for b in blocks for s in b.outputs}
+    faults = tuple(f for b in blocks for f in b.faults)
+    return Block(
+        name,
+        "",
+        time,
+        tuple(opened[s] for s in inputs),
+        tuple(signals[s] for s in outputs),
+        states,
+        constants,
+        kept,
+        {s: resolved[s] for s in (*outputs, *(f.output for f in faults))},
+        next,
+        inside,
+        faults,
+    )
+
+
+def _prefixed(block: Block) -> Block:
+    """Return the Block with its name in front of each state and constant, so that copies of one Block can meet."""
+    local = {s.name: f"{block.name}_{s.name}" for s in (*block.states, *block.constants)}
+    symbol = {local.get(n, n): s for n, s in block.symbol.items()}
+    states = tuple(replace(s, signal=replace(s.signal, name=local[s.name])) for s in block.states)
+    constants = tuple(replace(c, name=local[c.name]) for c in block.constants)
+    next = {local[n]: e for n, e in block.next.items()}
+    return replace(block, symbol=symbol, states=states, constants=constants, next=next)
+
+
+def _drivers(blocks: Sequence[Block]) -> dict[str, Block]:
+    driver: dict[str, Block] = {}
+    for b in blocks:
+        for s in b.outputs:
+            if s.name in driver:
+                first = driver[s.name].name
+                raise WiringError(f"signal '{s.name}' has two drivers, '{first}' and '{b.name}': rename one of them")
+            driver[s.name] = b
+    owners: dict[str, str] = {}
+    for b in blocks:
+        for n in (s.name for s in (*b.states, *b.constants)):
+            if n in driver or n in owners:
+                owner = owners.get(n) or driver[n].name
+                raise WiringError(f"'{n}' of block '{b.name}' is also a name in '{owner}': rename one of the Blocks")
+            owners[n] = b.name
+    return driver
+
+
+def _open_inputs(
+    name: str, blocks: Sequence[Block], driver: Mapping[str, Block], allowed: Sequence[str]
+) -> dict[str, Signal]:
+    opened: dict[str, tuple[Signal, str]] = {}
+    for b in blocks:
+        for s in b.inputs:
+            if s.name in driver:
+                source = next(o for o in driver[s.name].outputs if o.name == s.name)
+                _same_unit(source, driver[s.name].name, s, b.name)
+            elif s.name not in allowed:
+                raise WiringError(
+                    f"signal '{s.name}' is needed by '{b.name}' but no Block drives it: "
+                    f"add a Block that does, or list it among the inputs of '{name}'"
+                )
+            elif s.name in opened:
+                _same_unit(*opened[s.name], s, b.name)
+            else:
+                opened[s.name] = (s, b.name)
+    for s in allowed:
+        if s not in opened:
+            why = f"is driven by '{driver[s].name}'" if s in driver else "is needed by no Block"
+            raise WiringError(f"'{name}': input '{s}' {why}: take it off the inputs")
+    return {n: s for n, (s, _) in opened.items()}
+
+
+def _same_unit(first: Signal, first_block: str, second: Signal, second_block: str) -> None:
+    if dimension(first.unit) != dimension(second.unit):
+        raise WiringError(
+            f"signal '{first.name}' is in {first.unit} in '{first_block}' but in {second.unit} in '{second_block}': "
+            "convert it in a Block between them"
+        )
+
+
+def _rewired(block: Block, symbol: Exprs, exprs: Sequence[ca.SX]) -> list[ca.SX]:
+    """Return a Block's expressions with its own input symbols replaced by the composition's."""
+    if not block.inputs or not exprs:
+        return list(exprs)
+    old, new = [block.symbol[s.name] for s in block.inputs], [symbol[s.name] for s in block.inputs]
+    return list(ca.substitute(list(exprs), old, new))
+
+
+def _resolve(
+    blocks: Sequence[Block], definitions: Exprs, symbol: Exprs
+) -> tuple[dict[str, ca.SX], tuple[tuple[Named, ca.SX], ...]]:
+    """Resolve each driven signal into states, constants and open inputs, in the order of computation."""
+    needs = {s: [v.name() for v in ca.symvar(e) if v.name() in definitions] for s, e in definitions.items()}
+    order: list[str] = []
+    path: list[str] = []
+
+    def visit(signal: str) -> None:
+        if signal in path:
+            cycle = " <- ".join([*path[path.index(signal) :], signal])
+            raise WiringError(f"algebraic loop {cycle}: put a state (one sample of delay) on one of these signals")
+        if signal in order:
+            return
+        path.append(signal)
+        for need in needs[signal]:
+            visit(need)
+        order.append(path.pop())
+
+    for b in blocks:
+        for s in b.outputs:
+            visit(s.name)
+    owner = {s.name: b for b in blocks for s in b.outputs}
+    resolved: dict[str, ca.SX] = {}
+    inside: list[tuple[Named, ca.SX]] = []
+    waiting = {b.name: [(n, e) for n, e in b.inside if n.signal.name not in owner] for b in blocks}
+    for signal in order:
+        b = owner[signal]
+        keys, values = [symbol[s] for s in resolved], list(resolved.values())
+        ready = [pair for pair in waiting[b.name] if _needs(b, pair[1]) & set(owner) <= set(resolved)]
+        waiting[b.name] = [pair for pair in waiting[b.name] if all(pair is not r for r in ready)]
+        exprs = [definitions[signal], *_rewired(b, symbol, [e for _, e in ready])]
+        exprs = ca.substitute(exprs, keys, values) if keys else exprs
+        resolved[signal] = exprs[0]
+        inside += zip((n for n, _ in ready), exprs[1:], strict=True)
+        inside.append((next(n for n, _ in b.inside if n.signal.name == signal), exprs[0]))
+    return resolved, tuple(inside)
+
+
+def _needs(block: Block, expr: ca.SX) -> set[str]:
+    """Return the names of the Block's inputs on which `expr` depends."""
+    return {v.name() for v in ca.symvar(expr)} & {s.name for s in block.inputs}

@@ -1,0 +1,256 @@
+"""Run emitted C on this machine: its structs as NumPy records, its step in compiled loops.
+
+    state', out_k, faults_k = step(state, in_k),  k = 0 .. N-1
+
+The manifest says where each member of a struct lies; the compiler is made to confirm it. Bits pass untouched: a float32
+array given for a float member is copied, so that the payload of a NaN arrives as it was.
+"""
+
+import ctypes
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from synth.errors import DesignError, SignalError
+from synth.execute import compile as host_compiler
+
+Records = NDArray[np.void]
+Columns = dict[str, NDArray[Any]]
+
+SCALARS = {"float": np.float32, "double": np.float64, "uint32_t": np.uint32, "int32_t": np.int32}
+_GLUE_FILE = "synth_host.c"
+_GLUE = """#include <stddef.h>
+#include <stdint.h>
+{includes}
+#pragma GCC diagnostic error "-Wincompatible-pointer-types"
+#pragma GCC diagnostic error "-Wpointer-sign"
+#define AGREES(claim, holds) typedef char claim[(holds) ? 1 : -1]
+{claims}
+
+void synth_host_init({state} *state) {{ {init}(state); }}
+
+uint32_t synth_host_step(void *state, const void *in, void *out) {{
+    {state} *const s = state;
+    const {input} *const i = in;
+    {output} *const o = out;
+    return {step}(s, i, o);
+}}
+
+void synth_host_steps(int64_t n, int64_t stride, {state} *state, const {input} *in, {output} *out, uint32_t *faults) {{
+    for (int64_t k = 0; k < n; k++) faults[k] = {step}(state + k * stride, in + k, out + k);
+}}
+"""
+
+
+class Step(NamedTuple):
+    """One step: output values by name, and the fault bits."""
+
+    outputs: dict[str, Any]
+    faults: int
+
+
+class Replay(NamedTuple):
+    """N steps in a row: output columns (N,) by name, fault bits (N,), and the state after the last."""
+
+    outputs: Columns
+    faults: NDArray[np.uint32]
+    state: Records
+
+
+class Batch(NamedTuple):
+    """One step from each of N states: output columns (N,) by name, fault bits (N,), and the states (N,) after it."""
+
+    outputs: Columns
+    faults: NDArray[np.uint32]
+    states: Records
+
+
+@dataclass(frozen=True, eq=False)
+class Controller:
+    """Compiled C with the contract `init(state)`, `faults = step(state, in, out)`; `load` makes one.
+
+    `inputs`, `outputs` and `state` are the structs as NumPy dtypes. A state is a record of shape (), owned by the
+    caller: `state = controller.init(); state["xi"] = 0.5`.
+    """
+
+    manifest: Mapping[str, Any]
+    inputs: np.dtype[np.void]
+    outputs: np.dtype[np.void]
+    state: np.dtype[np.void]
+    library: ctypes.CDLL
+
+    @property
+    def period_s(self) -> float:
+        """The sample period, seconds."""
+        return float(self.manifest["period_s"])
+
+    @property
+    def scalar(self) -> type[np.float32] | type[np.float64]:
+        """The type of every real member."""
+        return np.float32 if self.manifest["scalar"] == "float32" else np.float64
+
+    @property
+    def step_address(self) -> int:
+        """The address of `uint32_t step(void *state, const void *in, void *out)`."""
+        return ctypes.cast(self.library.synth_host_step, ctypes.c_void_p).value or 0
+
+    def init(self) -> Records:
+        """Return the state after `init`, a record of shape ()."""
+        state = np.zeros((), self.state)
+        _prototype(self.library, "synth_host_init", ctypes.c_void_p)(state.ctypes.data)
+        return state
+
+    def step(self, state: Records, inputs: Mapping[str, Any]) -> Step:
+        """Advance `state` in place by one step.
+
+        Raises SignalError when an input is missing or not known, or when `state` is not what `init` returns.
+        """
+        self._require_states(state, ())
+        outputs, faults = self._advance(state, self.records(inputs, 1))
+        return Step({name: outputs[name][0] for name in outputs.dtype.names or ()}, int(faults[0]))
+
+    def replay(self, inputs: Mapping[str, ArrayLike], state: Records | None = None) -> Replay:
+        """Run N steps from `state`, which stays as it is, or from `init`; inputs are columns (N,) or constants.
+
+        Raises SignalError as `step`, and when the columns' lengths differ or there is none.
+        """
+        start = self.init() if state is None else state
+        self._require_states(start, ())
+        after = start.copy()
+        outputs, faults = self._advance(after, self.records(inputs, _length(inputs)))
+        return Replay(columns(outputs), faults, after)
+
+    def batch(self, states: Records, inputs: Mapping[str, ArrayLike]) -> Batch:
+        """Take one step from each of the `states` (N,), which stay as they are; inputs are columns (N,) or constants.
+
+        Raises SignalError as `step`.
+        """
+        self._require_states(states, (np.size(states),))
+        after = states.copy()
+        outputs, faults = self._advance(after, self.records(inputs, len(after)))
+        return Batch(columns(outputs), faults, after)
+
+    def records(self, inputs: Mapping[str, ArrayLike], n: int) -> Records:
+        """Return n input structs from columns (n,) or constants by name.
+
+        Raises SignalError when an input is missing or not known, or when a column's length is not n.
+        """
+        known = self.inputs.names or ()
+        missing, unknown = [k for k in known if k not in inputs], [k for k in inputs if k not in known]
+        if missing or unknown:
+            raise SignalError(
+                f"inputs of '{self.manifest['design']}': missing {missing or 'none'}, not known {unknown or 'none'}: "
+                f"give each of {', '.join(known)}"
+            )
+        filled = np.zeros(n, self.inputs)
+        for name, values in inputs.items():
+            fill(filled, name, values)
+        return filled
+
+    def _advance(self, states: Records, inputs: Records) -> tuple[Records, NDArray[np.uint32]]:
+        n = len(inputs)
+        outputs, faults = np.zeros(n, self.outputs), np.zeros(n, np.uint32)
+        run = _prototype(self.library, "synth_host_steps", *[ctypes.c_int64] * 2, *[ctypes.c_void_p] * 4)
+        run(n, states.ndim, *(array.ctypes.data for array in (states, inputs, outputs, faults)))
+        return outputs, faults
+
+    def _require_states(self, states: Records, shape: tuple[int, ...]) -> None:
+        fits = isinstance(states, np.ndarray) and states.dtype == self.state and states.shape == shape
+        if not (fits and states.flags.c_contiguous and states.flags.writeable):
+            raise SignalError(
+                f"state of '{self.manifest['design']}': found {type(states).__name__} of shape {np.shape(states)}, need "
+                f"a writeable contiguous array of shape {shape} with the dtype `controller.state`: start from `init()`"
+            )
+
+
+def load(files: Mapping[str, str], manifest: Mapping[str, Any], flags: Sequence[str] = ()) -> Controller:
+    """Compile `{filename: text}` of emitted C as `manifest` describes it; `flags` follow the compiler's own.
+
+    Raises DesignError when the manifest or a header is not whole, and CompileError when the compiler refuses the C or
+    finds a struct that is laid out otherwise than the manifest says.
+    """
+    dtypes = {role: _dtype(role, manifest) for role in ("input", "output", "state")}
+    library = host_compiler.shared_library({**files, _GLUE_FILE: _glue(files, manifest)}, flags)
+    return Controller(manifest, dtypes["input"], dtypes["output"], dtypes["state"], ctypes.CDLL(str(library)))
+
+
+def columns(records: Records) -> Columns:
+    """Return each member of the records (N,) as an array (N,) of its own."""
+    return {name: records[name].copy() for name in records.dtype.names or ()}
+
+
+def fill(records: Records, name: str, values: ArrayLike, where: NDArray[np.bool_] | None = None) -> None:
+    """Write a column (N,) or a constant into member `name` of the records (N,), or only those `where` it is true.
+
+    Raises SignalError when the column's length is not N.
+    """
+    column = records[name]
+    given = np.asarray(values)
+    if given.shape not in (column.shape, column.shape[1:]):
+        raise SignalError(
+            f"samples of '{name}': found the shape {given.shape}, need {column.shape}: give one value for each sample"
+        )
+    # A value too large for float32 becomes infinite, as a fault to be injected may well be.
+    with np.errstate(over="ignore", invalid="ignore"):
+        typed = np.broadcast_to(given.astype(column.dtype), column.shape)
+    if where is None:
+        column[...] = typed
+    else:
+        column[where] = typed[where]
+
+
+def _length(inputs: Mapping[str, ArrayLike]) -> int:
+    found = {name: len(np.asarray(values)) for name, values in inputs.items() if np.ndim(values)}
+    if len(set(found.values())) != 1:
+        raise SignalError(f"inputs have the lengths {found}: give columns of one length, at least one of them")
+    return next(iter(found.values()))
+
+
+def _prototype(library: ctypes.CDLL, name: str, *arguments: type) -> Any:
+    return ctypes.CFUNCTYPE(None, *arguments)((name, library))
+
+
+def _dtype(role: str, manifest: Mapping[str, Any]) -> np.dtype[np.void]:
+    try:
+        struct = manifest["structs"][role]
+        formats = [(SCALARS[f["ctype"]], (f["count"],) if f["count"] > 1 else ()) for f in struct["fields"]]
+        names, offsets = ([f[key] for f in struct["fields"]] for key in ("name", "offset"))
+        spec = {"names": names, "formats": formats, "offsets": offsets, "itemsize": struct["size"]}
+        return np.dtype(spec)  # type: ignore[call-overload, no-any-return]
+    except (KeyError, ValueError, TypeError) as error:
+        raise DesignError(
+            f"manifest, struct '{role}': {type(error).__name__} {error}; needed are type, size and, for each field, "
+            f"name, offset, count and one ctype of {', '.join(SCALARS)}: emit the C anew"
+        ) from error
+
+
+def _glue(files: Mapping[str, str], manifest: Mapping[str, Any]) -> str:
+    headers = sorted(name for name in files if name.endswith(".h"))
+    if not headers:
+        raise DesignError(f"emitted C: found {sorted(files)}, need the header beside the source: add the .h file")
+    structs = manifest["structs"]
+    return _GLUE.format(
+        includes="\n".join(f'#include "{name}"' for name in headers),
+        claims="\n".join(line for role in structs for line in _claims(role, structs[role])),
+        init=manifest["functions"]["init"],
+        step=manifest["functions"]["step"],
+        **{role: structs[role]["type"] for role in structs},
+    )
+
+
+def _claims(role: str, struct: Mapping[str, Any]) -> list[str]:
+    """The manifest's layout as C that compiles only if it holds; each claim's name is the compiler's message."""
+    T, size = struct["type"], struct["size"]
+    lines = [f"AGREES(manifest_{role}_has_{size}_bytes, sizeof({T}) == {size});"]
+    for field in struct["fields"]:
+        name, offset, count, ctype = (field[key] for key in ("name", "offset", "count", "ctype"))
+        member, address = f"manifest_{role}_{name}", "" if count > 1 else "&"
+        lines += [
+            f"AGREES({member}_at_{offset}, offsetof({T}, {name}) == {offset});",
+            f"AGREES({member}_has_{count}, sizeof((({T} *)0)->{name}) == {count} * sizeof({ctype}));",
+            f"static inline const {ctype} *{member}_is_{ctype}(const {T} *s) {{ return {address}s->{name}; }}",
+        ]
+    return lines

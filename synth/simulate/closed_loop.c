@@ -1,0 +1,157 @@
+/* A sampled controller around a continuous plant.
+ *
+ *   plant state x --h--> outputs y --encoders--> measurements --step--> commands --delay, mixing--> plant inputs u
+ *        ^                                                                                               |
+ *        +-------------------------------- RK4, `substeps` in each period <------------------------------+
+ *
+ * plant.h gives N_X, N_U, N_Y, HAS_DISTURBANCE, the sizes of CasADi's work vectors and the prototypes of its functions.
+ * The caller owns every array. All members of loop_t are eight bytes wide.
+ */
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "plant.h"
+
+typedef struct {
+    int64_t samples, substeps, delay;
+    double period;
+    const double *p;
+    double *x;
+    const uint8_t *locked; /* (N_X): this state keeps its value */
+
+    int64_t stops;
+    const int64_t *stop_position, *stop_velocity;
+    const double *stop_low, *stop_high;
+    double *impact; /* (stops): greatest speed taken out by a stop */
+
+    int64_t sensors;
+    const int64_t *sensor_source, *sensor_offset; /* plant output; byte offset in the controller's input */
+    const double *sensor_resolution;              /* 0: ideal */
+    const uint8_t *overridden;                    /* (samples, sensors): the input holds this sample already */
+
+    int64_t commands;
+    const int64_t *command_offset; /* byte offset in the controller's output */
+    const double *mixing;          /* (N_U, commands) */
+    const double *forcing;         /* (N_U) */
+    double *waiting;               /* (max(delay, 1), commands): computed and not yet applied */
+
+    int64_t single; /* the controller's scalars are float */
+    uint32_t (*step)(void *state, const void *in, void *out);
+    void *state;
+    int64_t in_size, out_size;
+    char *in, *out; /* (samples) structs; `in` holds set-points and overridden samples */
+    uint32_t *faults;
+
+    double *states, *outputs, *applied; /* (samples, N_X), (samples, N_Y), (samples, N_U) */
+} loop_t;
+
+static void evaluate(int (*f)(const double **, double **, long long *, double *, int), const double *const given[3],
+                     double *result) {
+    const double *arg[SIZE_ARG];
+    double *res[SIZE_RES];
+    long long iw[SIZE_IW];
+    double w[SIZE_W];
+    memcpy(arg, given, 3 * sizeof *given);
+    res[0] = result;
+    f(arg, res, iw, w, 0);
+}
+
+static void derivative(const loop_t *loop, const double *x, const double *u, double t, double *dx) {
+    const double *const given[3] = {x, u, loop->p};
+    evaluate(synth_plant_f, given, dx);
+#if HAS_DISTURBANCE
+    double extra[N_X];
+    const double *const moment[3] = {x, &t, 0};
+    evaluate(synth_plant_disturbance, moment, extra);
+    for (int i = 0; i < N_X; i++) dx[i] += extra[i];
+#else
+    (void)t;
+#endif
+    for (int i = 0; i < N_X; i++) {
+        if (loop->locked[i]) dx[i] = 0.0;
+    }
+}
+
+static void rk4(const loop_t *loop, const double *u, double t, double h) {
+    double *const x = loop->x;
+    double k1[N_X], k2[N_X], k3[N_X], k4[N_X], z[N_X];
+    derivative(loop, x, u, t, k1);
+    for (int i = 0; i < N_X; i++) z[i] = x[i] + 0.5 * h * k1[i];
+    derivative(loop, z, u, t + 0.5 * h, k2);
+    for (int i = 0; i < N_X; i++) z[i] = x[i] + 0.5 * h * k2[i];
+    derivative(loop, z, u, t + 0.5 * h, k3);
+    for (int i = 0; i < N_X; i++) z[i] = x[i] + h * k3[i];
+    derivative(loop, z, u, t + h, k4);
+    for (int i = 0; i < N_X; i++) x[i] += h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]);
+}
+
+static void stop(const loop_t *loop) {
+    for (int64_t i = 0; i < loop->stops; i++) {
+        double *const position = &loop->x[loop->stop_position[i]], *const velocity = &loop->x[loop->stop_velocity[i]];
+        const int below = *position < loop->stop_low[i], above = *position > loop->stop_high[i];
+        if (below) *position = loop->stop_low[i];
+        if (above) *position = loop->stop_high[i];
+        if ((below && *velocity < 0.0) || (above && *velocity > 0.0)) {
+            loop->impact[i] = fmax(loop->impact[i], fabs(*velocity));
+            *velocity = 0.0;
+        }
+    }
+}
+
+static void measure(const loop_t *loop, int64_t k, const double *y) {
+    char *const in = loop->in + k * loop->in_size;
+    for (int64_t i = 0; i < loop->sensors; i++) {
+        if (loop->overridden[k * loop->sensors + i]) continue;
+        const double true_value = y[loop->sensor_source[i]], resolution = loop->sensor_resolution[i];
+        const double value = resolution > 0.0 ? resolution * rint(true_value / resolution) : true_value;
+        const float narrow = (float)value;
+        if (loop->single) memcpy(in + loop->sensor_offset[i], &narrow, sizeof narrow);
+        else memcpy(in + loop->sensor_offset[i], &value, sizeof value);
+    }
+}
+
+static void command(const loop_t *loop, int64_t k, double *values) {
+    const char *const out = loop->out + k * loop->out_size;
+    for (int64_t i = 0; i < loop->commands; i++) {
+        float narrow;
+        if (loop->single) {
+            memcpy(&narrow, out + loop->command_offset[i], sizeof narrow);
+            values[i] = (double)narrow;
+        } else memcpy(&values[i], out + loop->command_offset[i], sizeof values[i]);
+    }
+}
+
+static void mix(const loop_t *loop, const double *commands, double *u) {
+    for (int64_t j = 0; j < N_U; j++) {
+        u[j] = loop->forcing[j];
+        for (int64_t i = 0; i < loop->commands; i++) {
+            const double weight = loop->mixing[j * loop->commands + i];
+            /* An infinite command must not reach an input that does not listen to it. */
+            if (weight != 0.0) u[j] += weight * commands[i];
+        }
+    }
+}
+
+void synth_closed_loop(const loop_t *loop) {
+    const double h = loop->period / (double)loop->substeps;
+    double u[N_U], y[N_Y];
+    mix(loop, loop->waiting, u);
+    for (int64_t k = 0; k < loop->samples; k++) {
+        const double *const given[3] = {loop->x, u, loop->p};
+        evaluate(synth_plant_h, given, y);
+        memcpy(loop->states + k * N_X, loop->x, N_X * sizeof *y);
+        memcpy(loop->outputs + k * N_Y, y, N_Y * sizeof *y);
+        measure(loop, k, y);
+        loop->faults[k] = loop->step(loop->state, loop->in + k * loop->in_size, loop->out + k * loop->out_size);
+        double *const slot = loop->waiting + (loop->delay ? k % loop->delay : 0) * loop->commands;
+        if (loop->delay == 0) command(loop, k, slot);
+        mix(loop, slot, u);
+        if (loop->delay > 0) command(loop, k, slot);
+        memcpy(loop->applied + k * N_U, u, N_U * sizeof *u);
+        for (int64_t j = 0; j < loop->substeps; j++) {
+            rk4(loop, u, (double)(k * loop->substeps + j) * h, h);
+            stop(loop);
+        }
+    }
+}

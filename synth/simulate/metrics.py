@@ -1,0 +1,114 @@
+"""Figures of merit of a response y(t) to a set-point r, from samples of its error e = y - r.
+
+    overshoot     max over t of (y - r) s / |r - y0|, at least 0, with s the sign of the step r - y0
+    first reach   the least t_j - t_0 with |e_j| <= band
+    settling      the least t_j - t_0 with |e_k| <= band for all k >= j
+    mean error    the mean of |e_k| over start <= t_k <= stop
+
+A time is infinite when the record does not contain the event: a response that is outside its band at the last sample
+has not settled. A sample that is no number lies outside every band. Settling is judged by the record that is given, so
+the record should go on well beyond it. The paper's t_s is the settling time for 0.1 mm or 0.1 mrad, and its t_enc, "the
+time it takes for the tracking error to reach encoder resolution", is taken in the stricter sense of settling, for
+10 um or 20 urad; the first reach stands beside it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from synth.errors import SignalError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class StepResponse:
+    """Metrics of one step: overshoot as a fraction of the step; times in seconds from the step, inf if never."""
+
+    overshoot: float
+    t_s: float
+    t_enc: float
+    first_reach: float
+
+
+def step_response(
+    time: ArrayLike, y: ArrayLike, start: float, target: float, band: float, resolution: float
+) -> StepResponse:
+    """Return the metrics of a step from `start` to `target` at time[0]; time and y are (N,).
+
+    t_s is for `band`; t_enc and first_reach are for `resolution`; all three in the unit of y.
+
+    Raises SignalError when there is no step, when the arrays do not fit or when a band is not positive.
+    """
+    error = np.asarray(y, dtype=np.float64) - target
+    return StepResponse(
+        overshoot=overshoot(y, start, target),
+        t_s=settling_time(time, error, band),
+        t_enc=settling_time(time, error, resolution),
+        first_reach=first_reach(time, error, resolution),
+    )
+
+
+def overshoot(y: ArrayLike, start: float, target: float) -> float:
+    """Return how far y (N,) goes beyond `target`, as a fraction of the step from `start`.
+
+    Raises SignalError when there is no step or no sample.
+    """
+    values, step = np.asarray(y, dtype=np.float64), target - start
+    if step == 0 or not np.isfinite(step):
+        raise SignalError(f"step from {start} to {target}: overshoot needs a finite step other than 0; give another")
+    if values.size == 0:
+        raise SignalError("response: found no sample, overshoot needs at least one; simulate longer")
+    return float(np.maximum(0.0, np.max((values - target) / step)))
+
+
+def settling_time(time: ArrayLike, error: ArrayLike, band: float) -> float:
+    """Return the seconds from time[0] after which |error| stays at or below `band`; inf if it ends outside."""
+    t, inside = _inside(time, error, band)
+    if not inside[-1]:
+        return np.inf
+    outside = np.flatnonzero(~inside)
+    return float(t[outside[-1] + 1] - t[0]) if outside.size else 0.0
+
+
+def first_reach(time: ArrayLike, error: ArrayLike, band: float) -> float:
+    """Return the seconds from time[0] to the first sample with |error| at or below `band`; inf if there is none."""
+    t, inside = _inside(time, error, band)
+    return float(t[np.argmax(inside)] - t[0]) if inside.any() else np.inf
+
+
+def mean_absolute(time: ArrayLike, error: ArrayLike, start: float = -np.inf, stop: float = np.inf) -> float:
+    """Return the mean of |error| over the samples with start <= time <= stop, seconds, in the unit of `error`.
+
+    Raises SignalError when the window holds no sample.
+    """
+    t, e = _series(time, error)
+    window = (t >= start) & (t <= stop)
+    if not window.any():
+        raise SignalError(
+            f"mean error: no sample in {start:g} .. {stop:g} s, the record spans {t[0]:g} .. {t[-1]:g} s: "
+            "give a window that holds one"
+        )
+    return float(np.mean(np.abs(e[window])))
+
+
+def first_exit(time: ArrayLike, y: ArrayLike, low: float, high: float) -> float:
+    """Return the first time, seconds, at which y (N,) is not in low .. high; inf if it stays."""
+    t, values = _series(time, y)
+    outside = ~((values >= low) & (values <= high))
+    return float(t[np.argmax(outside)]) if outside.any() else np.inf
+
+
+def _inside(time: ArrayLike, error: ArrayLike, band: float) -> tuple[Array, NDArray[np.bool_]]:
+    if not band > 0:
+        raise SignalError(f"error band is {band}: it must be positive; give it in the unit of the error")
+    t, e = _series(time, error)
+    return t, np.abs(e) <= band
+
+
+def _series(time: ArrayLike, values: ArrayLike) -> tuple[Array, Array]:
+    t, v = np.asarray(time, dtype=np.float64), np.asarray(values, dtype=np.float64)
+    if t.ndim != 1 or t.shape != v.shape or t.size == 0:
+        raise SignalError(f"response: found times {t.shape} and values {v.shape}, need one value for each of N >= 1 times")
+    return t, v
