@@ -21,7 +21,9 @@ def functions(functions: Sequence[ca.Function], name: str) -> dict[str, str]:
     if not re.fullmatch(r"[A-Za-z]\w*", name):
         raise EmitError(f"C file: found the name {name!r}, need an identifier; use letters, digits and underscores")
     if not found or len(set(found)) < len(found):
-        raise EmitError(f"CasADi functions of '{name}': found {found}, need at least one and no name twice; rename them")
+        raise EmitError(
+            f"CasADi functions of '{name}': found {found}, need at least one and no name twice; rename them"
+        )
     generator = ca.CodeGenerator(name, {"with_header": False})
     for f in functions:
         generator.add(f)

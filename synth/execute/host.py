@@ -161,8 +161,8 @@ class Controller:
         fits = isinstance(states, np.ndarray) and states.dtype == self.state and states.shape == shape
         if not (fits and states.flags.c_contiguous and states.flags.writeable):
             raise SignalError(
-                f"state of '{self.manifest['design']}': found {type(states).__name__} of shape {np.shape(states)}, need "
-                f"a writeable contiguous array of shape {shape} with the dtype `controller.state`: start from `init()`"
+                f"state of '{self.manifest['design']}': found {type(states).__name__} of shape {np.shape(states)}, "
+                f"need a writeable contiguous array of shape {shape} with the dtype `controller.state`: start from `init()`"
             )
 
 
@@ -219,7 +219,7 @@ def _dtype(role: str, manifest: Mapping[str, Any]) -> np.dtype[np.void]:
         formats = [(SCALARS[f["ctype"]], (f["count"],) if f["count"] > 1 else ()) for f in struct["fields"]]
         names, offsets = ([f[key] for f in struct["fields"]] for key in ("name", "offset"))
         spec = {"names": names, "formats": formats, "offsets": offsets, "itemsize": struct["size"]}
-        return np.dtype(spec)  # type: ignore[call-overload, no-any-return]
+        return np.dtype(spec)  # type: ignore[call-overload]
     except (KeyError, ValueError, TypeError) as error:
         raise DesignError(
             f"manifest, struct '{role}': {type(error).__name__} {error}; needed are type, size and, for each field, "

@@ -1,25 +1,23 @@
-"""Simulate a plant in continuous time under compiled C in sampled time, T apart, the whole loop in C.
+"""Simulate a plant in continuous time under compiled C in sampled time, T apart, with the whole loop in C.
 
-    x' = f(x, u(t), p) + d(x, t)                      by `substeps` steps of RK4 in each period
+    dx/dt = f(x, u(t), p) + d(x, t)                   by `substeps` steps of RK4 in each period
     m_k = encoder(h(x(kT), u_{k-1}, p))               or the override's sample
     c_k = step(state, m_k, references_k)
     u(t) = M c_{k-delay} + forcing                    for kT <= t < (k+1)T, with c_j = hold for j < 0
 
-Wires are named from the receiving end: `sensors[controller input] = plant output` and
-`actuators[plant input] = controller output`, or `= {controller output: weight, ...}` for a row of M. A hard stop is
-inelastic: after each substep the position is put back and the velocity into the stop is taken out. A locked coordinate
-keeps its position and velocity.
+A hard stop is inelastic: after each substep the position is put back and the velocity into the stop is taken out. A
+locked coordinate keeps its position and velocity.
 """
 
 import ctypes
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Sequence
 from importlib import resources
+from itertools import chain
 from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from synth.emit import casadi_c
 from synth.errors import SignalError, WiringError
@@ -27,13 +25,14 @@ from synth.execute import compile as host_compiler
 from synth.execute import host
 from synth.plant import Plant
 from synth.signals import Signal, dimension, names
-from synth.simulate.sensors import Encoder, Override
+from synth.simulate.scenario import Array, Scenario, Trajectory, sample_times
+from synth.simulate.sensors import Encoder
 
-Array = NDArray[np.float64]
-Columns = dict[str, NDArray[Any]]
+__all__ = ["Scenario", "Trajectory", "sample_times", "simulate"]
 
-_SINGLE, _DOUBLE, _POINTER = ctypes.c_int64, ctypes.c_double, ctypes.c_void_p
-_INTEGERS = ("samples", "substeps", "delay", "stops", "sensors", "commands", "single", "in_size", "out_size")
+Arrays = dict[str, NDArray[Any]]
+
+_COUNTS = ("samples", "substeps", "delay", "stops", "sensors", "commands", "single", "in_size", "out_size")
 _MEMBERS = (
     *("samples", "substeps", "delay", "period", "p", "x", "locked"),
     *("stops", "stop_position", "stop_velocity", "stop_low", "stop_high", "impact"),
@@ -41,3 +40,225 @@ _MEMBERS = (
     *("commands", "command_offset", "mixing", "forcing", "waiting"),
     *("single", "step", "state", "in_size", "out_size", "in", "out", "faults", "states", "outputs", "applied"),
 )
+_HEADER = """#define N_X {x}
+#define N_U {u}
+#define N_Y {y}
+#define SIZE_ARG {arg}
+#define SIZE_RES {res}
+#define SIZE_IW {iw}
+#define SIZE_W {w}
+#define HAS_DISTURBANCE {disturbed}
+{prototypes}
+"""
+
+
+class _Loop(ctypes.Structure):
+    """`loop_t` of closed_loop.c, member for member."""
+
+    _fields_ = [
+        (m, ctypes.c_int64 if m in _COUNTS else ctypes.c_double if m == "period" else ctypes.c_void_p) for m in _MEMBERS
+    ]
+
+
+def simulate(
+    plant: Plant,
+    controller: host.Controller,
+    scenario: Scenario,
+    disturbance: ca.Function | None = None,
+    flags: Sequence[str] = (),
+) -> Trajectory:
+    """Run the scenario from `controller.init()`; `disturbance(x, t)` (n,) adds to dx/dt, in the states' units per s.
+
+    The plant's parameters enter at run time: one compilation, with `flags`, serves every `plant.with_parameters(...)`.
+
+    Raises SignalError for a name or value that does not fit and WiringError for a wire that does not.
+    """
+    time = sample_times(scenario.duration_s, controller.period_s)
+    arrays = (
+        _plant_arrays(plant, scenario, len(time))
+        | _controller_arrays(controller, scenario, len(time))
+        | _sensor_arrays(plant, controller, scenario, len(time))
+        | _actuator_arrays(plant, controller, scenario)
+    )
+    counts = {
+        "samples": len(time),
+        "substeps": scenario.substeps,
+        "delay": scenario.delay,
+        "stops": len(scenario.stops),
+        "sensors": len(scenario.sensors),
+        "commands": len(arrays["command_offset"]),
+        "single": int(controller.scalar is np.float32),
+        "in_size": controller.inputs.itemsize,
+        "out_size": controller.outputs.itemsize,
+    }
+    addresses = {name: array.ctypes.data for name, array in arrays.items()}
+    loop = _Loop(**counts, **addresses, period=controller.period_s, step=controller.step_address)
+    _compiled(plant, disturbance, flags)(ctypes.byref(loop))
+    return _trajectory(plant, scenario, time, arrays)
+
+
+def _trajectory(plant: Plant, scenario: Scenario, time: Array, arrays: Arrays) -> Trajectory:
+    signals = {"states": plant.states, "outputs": plant.outputs, "applied": plant.inputs}
+    groups = {g: dict(zip(names(s), arrays[g].T.copy(), strict=True)) for g, s in signals.items()}
+    groups |= {"measured": host.columns(arrays["in"]), "commands": host.columns(arrays["out"])}
+    for array in (time, arrays["faults"], *chain(*(columns.values() for columns in groups.values()))):
+        array.flags.writeable = False
+    impacts = dict(zip(scenario.stops, arrays["impact"].tolist(), strict=True))
+    return Trajectory(time=time, faults=arrays["faults"], impacts=impacts, **groups)
+
+
+def _plant_arrays(plant: Plant, scenario: Scenario, n: int) -> Arrays:
+    states, start = names(plant.states), _start(plant, scenario)
+    velocity = scenario.velocities
+    _require_known("velocities", chain(velocity.keys(), velocity.values()), states)
+    _require_known("stops", scenario.stops, velocity)
+    _require_known("locked", scenario.locked, velocity)
+    for q, (low, high) in scenario.stops.items():
+        if not low <= start[q] <= high:
+            raise SignalError(f"'{q}' starts at {start[q]}, not within its stops {low} .. {high}: start between them")
+    locked = {*scenario.locked, *(velocity[q] for q in scenario.locked)}
+    bounds = np.array(list(scenario.stops.values()), dtype=np.float64).reshape(-1, 2)
+    return {
+        "p": plant.values.astype(np.float64),
+        "x": np.array([start[s] for s in states], dtype=np.float64),
+        "locked": np.array([s in locked for s in states], dtype=np.uint8),
+        "stop_position": np.array([states.index(q) for q in scenario.stops], dtype=np.int64),
+        "stop_velocity": np.array([states.index(velocity[q]) for q in scenario.stops], dtype=np.int64),
+        "stop_low": bounds[:, 0].copy(),
+        "stop_high": bounds[:, 1].copy(),
+        "impact": np.zeros(len(bounds)),
+        "states": np.zeros((n, len(states))),
+        "outputs": np.zeros((n, len(plant.outputs))),
+        "applied": np.zeros((n, len(plant.inputs))),
+    }
+
+
+def _start(plant: Plant, scenario: Scenario) -> dict[str, float]:
+    _require_known("x0", scenario.x0, names(plant.states))
+    for s in plant.states:
+        if s.name not in scenario.x0 and not s.low <= 0 <= s.high:
+            raise SignalError(f"x0 leaves out '{s.name}', whose range {s.low} .. {s.high} {s.unit} excludes 0: give it")
+    return {s.name: float(scenario.x0.get(s.name, 0.0)) for s in plant.states}
+
+
+def _controller_arrays(controller: host.Controller, scenario: Scenario, n: int) -> Arrays:
+    known, wired = controller.inputs.names or (), (*scenario.sensors, *scenario.references)
+    _require_known("sensors and references", wired, known)
+    _require_known("overrides", scenario.overrides, known)
+    for name in known:
+        if wired.count(name) != 1:
+            raise WiringError(
+                f"controller input '{name}' has {wired.count(name)} sources: name it in one of sensors and references"
+            )
+    inputs = np.zeros(n, controller.inputs)
+    for name, values in scenario.references.items():
+        host.fill(inputs, name, values)
+    for name, override in scenario.overrides.items():
+        host.fill(inputs, name, override.values, _mask(name, override.mask, n))
+    outputs, faults = np.zeros(n, controller.outputs), np.zeros(n, np.uint32)
+    return {"state": controller.init(), "in": inputs, "out": outputs, "faults": faults}
+
+
+def _sensor_arrays(plant: Plant, controller: host.Controller, scenario: Scenario, n: int) -> Arrays:
+    sensors, outputs = scenario.sensors, {s.name: s for s in plant.outputs}
+    _require_known("sensors", sensors.values(), outputs)
+    _require_known("encoders", scenario.encoders, sensors)
+    for name, source in sensors.items():
+        _require_like(controller, "input", name, outputs[source])
+    overridden = np.zeros((n, len(sensors)), dtype=np.uint8)
+    for i, name in enumerate(sensors):
+        if name in scenario.overrides:
+            overridden[:, i] = scenario.overrides[name].mask
+    resolutions = [scenario.encoders.get(name, Encoder()).resolution for name in sensors]
+    return {
+        "sensor_source": np.array([names(plant.outputs).index(s) for s in sensors.values()], dtype=np.int64),
+        "sensor_offset": np.array([_offset(controller.inputs, name) for name in sensors], dtype=np.int64),
+        "sensor_resolution": np.array(resolutions, dtype=np.float64),
+        "overridden": overridden,
+    }
+
+
+def _actuator_arrays(plant: Plant, controller: host.Controller, scenario: Scenario) -> Arrays:
+    inputs, known = {s.name: s for s in plant.inputs}, controller.outputs.names or ()
+    rows = {name: {w: 1.0} if isinstance(w, str) else dict(w) for name, w in scenario.actuators.items()}
+    commands = tuple(dict.fromkeys(chain(*rows.values())))
+    _require_known("actuators and forcing", chain(rows, scenario.forcing), inputs)
+    _require_known("actuators", commands, known)
+    _require_known("hold", scenario.hold, known)
+    for name, signal in inputs.items():
+        if name not in rows and name not in scenario.forcing:
+            raise WiringError(f"plant input '{name}' has no source: name it in actuators or in forcing")
+        for command in rows.get(name, {}):
+            _require_like(controller, "output", command, signal)
+    hold = np.array([scenario.hold.get(c, 0.0) for c in commands], dtype=np.float64)
+    return {
+        "command_offset": np.array([_offset(controller.outputs, c) for c in commands], dtype=np.int64),
+        "mixing": np.array([[rows.get(u, {}).get(c, 0.0) for c in commands] for u in inputs], dtype=np.float64),
+        "forcing": np.array([scenario.forcing.get(u, 0.0) for u in inputs], dtype=np.float64),
+        "waiting": np.tile(hold, (max(scenario.delay, 1), 1)),
+    }
+
+
+def _offset(struct: np.dtype[np.void], name: str) -> int:
+    assert struct.fields is not None
+    return int(struct.fields[name][1])
+
+
+def _mask(name: str, mask: NDArray[np.bool_], n: int) -> NDArray[np.bool_]:
+    found = np.asarray(mask)
+    if found.dtype != np.bool_ or found.shape != (n,):
+        raise SignalError(f"override mask of '{name}' is {found.dtype} {found.shape}: give {n} booleans, one a sample")
+    return found
+
+
+def _require_known(what: str, given: Iterable[str], known: Iterable[str]) -> None:
+    valid = tuple(known)
+    for name in given:
+        if name not in valid:
+            raise SignalError(f"{what}: '{name}' is not one of {', '.join(valid) or '(none)'}: correct the name")
+
+
+def _require_like(controller: host.Controller, role: str, name: str, signal: Signal) -> None:
+    """Refuse a wire between signals of unlike units, or to a member that is not one real number."""
+    found = next(f for f in controller.manifest["structs"][role]["fields"] if f["name"] == name)
+    real = (found["ctype"], found["count"]) == ("float" if controller.scalar is np.float32 else "double", 1)
+    if not real or dimension(found["unit"]) != dimension(signal.unit):
+        raise WiringError(
+            f"controller {role} '{name}' is {found['count']} {found['ctype']} in {found['unit']}, plant signal "
+            f"'{signal.name}' one real number in {signal.unit}: wire like to like"
+        )
+
+
+def _compiled(plant: Plant, disturbance: ca.Function | None, flags: Sequence[str]) -> Callable[..., None]:
+    functions = [_dense(plant.f, "synth_plant_f"), _dense(plant.h, "synth_plant_h")]
+    if disturbance is not None:
+        n = len(plant.states)
+        shapes = [*map(disturbance.size_in, range(disturbance.n_in())), disturbance.size_out(0)]
+        if shapes != [(n, 1), (1, 1), (n, 1)]:
+            raise WiringError(f"disturbance has arguments and result of {shapes}: need (x, t) of {(n, 1)}, (1, 1)")
+        functions.append(_dense(disturbance, "synth_plant_disturbance"))
+    loop_c = resources.files("synth.simulate").joinpath("closed_loop.c").read_text(encoding="utf-8")
+    sources = {"closed_loop.c": loop_c, "plant.h": _header(plant, functions), **casadi_c.functions(functions, "plant")}
+    library = ctypes.CDLL(str(host_compiler.shared_library(sources, flags)))
+    return ctypes.CFUNCTYPE(None, ctypes.POINTER(_Loop))(("synth_closed_loop", library))
+
+
+def _dense(f: ca.Function, name: str) -> ca.Function:
+    """The function under another name with every entry of its results stored, structural zeros too."""
+    given = f.sx_in()
+    return ca.Function(name, given, ca.cse([ca.densify(result) for result in f.call(given)]))
+
+
+def _header(plant: Plant, functions: Sequence[ca.Function]) -> str:
+    signature = "(const double **arg, double **res, long long *iw, double *w, int mem);"
+    return _HEADER.format(
+        x=len(plant.states),
+        u=len(plant.inputs),
+        y=len(plant.outputs),
+        arg=max(3, *(f.sz_arg() for f in functions)),
+        res=max(f.sz_res() for f in functions),
+        iw=max(1, *(f.sz_iw() for f in functions)),
+        w=max(1, *(f.sz_w() for f in functions)),
+        disturbed=int(len(functions) == 3),
+        prototypes="\n".join(f"int {f.name()}{signature}" for f in functions),
+    )

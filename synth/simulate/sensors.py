@@ -1,4 +1,4 @@
-"""Sensors: what the controller reads when the plant's output is y.
+"""Sensors: what the controller reads when the plant's output is y, in its unit.
 
     encoder:   m = r round(y / r), halves to even, so |m - y| <= r/2 for the resolution r;  m = y for r = 0
     override:  m_k = v_k at every sample k of the mask, whatever the sensor reads

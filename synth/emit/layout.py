@@ -1,0 +1,93 @@
+"""Memory layout of the three structs: members ordered by size, no padding, the same on every target.
+
+With 8-byte scalars an odd count of 4-byte members is filled up by an explicit `reserved`.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from synth.block import Block
+from synth.errors import EmitError
+from synth.signals import Signal
+
+CTYPES: dict[type[np.floating], str] = {np.float32: "float", np.float64: "double"}
+_SIZE = {"float": 4, "double": 8, "uint32_t": 4}
+
+
+@dataclass(frozen=True)
+class Member:
+    """One member: `low` and `high` are exact in the scalar type, as the step enforces them."""
+
+    name: str
+    offset: int
+    ctype: str
+    unit: str
+    low: float
+    high: float
+    about: str
+
+    @property
+    def comment(self) -> str:
+        """Unit, range and meaning, for the header."""
+        return f"{self.unit}, {self.low:.6g} .. {self.high:.6g}" + (f": {self.about}" if self.about else "")
+
+
+@dataclass(frozen=True)
+class Struct:
+    """A struct of kind input, output or state."""
+
+    kind: str
+    type: str
+    size: int
+    fields: tuple[Member, ...]
+
+
+@dataclass(frozen=True)
+class Layout:
+    """The scalar type and the three structs."""
+
+    scalar: type[np.floating]
+    input: Struct
+    output: Struct
+    state: Struct
+
+    @property
+    def ctype(self) -> str:
+        """The scalar's name in C."""
+        return CTYPES[self.scalar]
+
+    @property
+    def structs(self) -> tuple[Struct, Struct, Struct]:
+        """Input, output and state."""
+        return (self.input, self.output, self.state)
+
+
+def layout(block: Block, scalar: type[np.floating]) -> Layout:
+    """Lay out a Block's structs for a scalar type; raise EmitError for a type that is neither float32 nor float64."""
+    if scalar not in CTYPES:
+        raise EmitError(f"scalar type {scalar} cannot be emitted: choose numpy.float32 or numpy.float64")
+    real, whole = CTYPES[scalar], "uint32_t"
+    states = [(s.signal, whole if s.integer else real) for s in block.states]
+    return Layout(
+        scalar,
+        _struct(block.name, "input", [(s, real) for s in block.inputs], scalar),
+        _struct(block.name, "output", [(s, real) for s in block.outputs], scalar),
+        _struct(block.name, "state", states or [(_EMPTY, whole)], scalar),
+    )
+
+
+_EMPTY = Signal("reserved", "1", 0, 1, "C knows no empty struct")
+
+
+def _struct(name: str, kind: str, members: Sequence[tuple[Signal, str]], scalar: type[np.floating]) -> Struct:
+    ordered = sorted(members, key=lambda m: -_SIZE[m[1]])
+    widest = max(_SIZE[c] for _, c in ordered)
+    if sum(_SIZE[c] for _, c in ordered) % widest:
+        ordered.append((Signal("reserved", "1", 0, 1, "fills the struct up"), "uint32_t"))
+    fields, offset = [], 0
+    for s, c in ordered:
+        fields.append(Member(s.name, offset, c, s.unit, float(scalar(s.low)), float(scalar(s.high)), s.about))
+        offset += _SIZE[c]
+    return Struct(kind, f"{name}_{kind}_t", offset, tuple(fields))

@@ -1,0 +1,88 @@
+"""What a closed-loop simulation is given and what it returns; `closed_loop` states the equations.
+
+Wires are named from the receiving end: `sensors[controller input] = plant output`, and
+`actuators[plant input] = controller output` or `{controller output: weight, ...}`.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import chain
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from synth.errors import SignalError
+from synth.simulate.sensors import Encoder, Override
+
+Array = NDArray[np.float64]
+Columns = dict[str, NDArray[Any]]
+
+
+@dataclass(frozen=True, eq=False)
+class Scenario:
+    """What is simulated: the wires, the start, the set-points and what disturbs the loop; SI units throughout.
+
+    Every controller input is in `sensors` or in `references` (a constant or one value for each sample); every plant
+    input is in `actuators` or in `forcing` (a constant that is added), or in both. A state that `x0` leaves out starts
+    at 0, a command that `hold` leaves out is 0 before the first, and a sensor without encoder is ideal. `velocities`
+    pairs the positions that `stops` (low, high) and `locked` may name with their velocities. `delay` counts samples.
+    """
+
+    duration_s: float
+    x0: Mapping[str, float]
+    sensors: Mapping[str, str]
+    actuators: Mapping[str, str | Mapping[str, float]]
+    references: Mapping[str, ArrayLike] = field(default_factory=dict)
+    encoders: Mapping[str, Encoder] = field(default_factory=dict)
+    overrides: Mapping[str, Override] = field(default_factory=dict)
+    hold: Mapping[str, float] = field(default_factory=dict)
+    forcing: Mapping[str, float] = field(default_factory=dict)
+    velocities: Mapping[str, str] = field(default_factory=dict)
+    stops: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    locked: Sequence[str] = ()
+    delay: int = 1
+    substeps: int = 4
+
+    def __post_init__(self) -> None:
+        if not (self.delay >= 0 and self.substeps >= 1):
+            raise SignalError(
+                f"delay is {self.delay} samples and substeps {self.substeps}: give at least 0 and at least 1"
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """One value for each sample t = kT, k = 0 .. N-1, in read-only columns (N,) by name.
+
+    `states` and `outputs` are the plant's own, before any encoder; `applied` the plant's inputs from t on; `measured`
+    the controller's inputs as it got them, fit for `controller.replay`; `commands` its outputs. `impacts` is the
+    greatest speed that each stop has taken out.
+    """
+
+    time: Array
+    states: Columns
+    outputs: Columns
+    applied: Columns
+    measured: Columns
+    commands: Columns
+    faults: NDArray[np.uint32]
+    impacts: dict[str, float]
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        """Return the column called `name`: from the first of states, outputs, applied, measured, commands with it.
+
+        Raises SignalError when none has it.
+        """
+        groups = (self.states, self.outputs, self.applied, self.measured, self.commands)
+        for columns in groups:
+            if name in columns:
+                return columns[name]
+        raise SignalError(f"trajectory has no '{name}': choose one of {', '.join(dict.fromkeys(chain(*groups)))}")
+
+
+def sample_times(duration_s: float, period_s: float) -> Array:
+    """Return t = kT for k = 0 .. N-1 with N = round(duration/T), seconds; raise SignalError when N is below 1."""
+    if not 0.5 < duration_s / period_s < np.inf:
+        raise SignalError(f"duration is {duration_s} s: give at least one period of {period_s:g} s")
+    return np.arange(round(duration_s / period_s), dtype=np.float64) * np.float64(period_s)

@@ -1,0 +1,69 @@
+"""Velocity from position: the critically damped filter D(s) = s w^2 / (s + w)^2, sampled without approximation.
+
+With p the filtered position and v the velocity, dp/dt = v, dv/dt = w^2 (q - p) - 2 w v. Between samples q is taken to
+be linear (first-order hold), so that with d = q_k - q_{k-1} and x = (p, v)
+
+    x_k = F x_{k-1} + Gamma_1 q_{k-1} + Gamma_2 d / T,   F = exp(A T).
+
+The state that is kept is the lag l = q - p and v. They obey
+
+    l_k = F_11 l - F_12 v + (1 - G_1) d,    v_k = -F_21 l + F_22 v + G_2 d,    G = Gamma_2 / T,
+
+in which no position of the order of the stroke stands: single precision loses nothing. The velocity is that of the
+measurement. The derivative of the error would turn each step of a set-point into a pulse of w times its height.
+"""
+
+import casadi as ca
+
+from synth.analyse import discretise
+from synth.block import Block, Constant, Exprs, State, Step, build
+from synth.errors import SignalError
+from synth.signals import Signal
+from synth.timing import Discrete
+
+
+def block(name: str, time: Discrete, position: Signal, velocity: Signal, bandwidth: float, lag: float) -> Block:
+    """Return the filter from ``position`` to ``velocity`` with w = `bandwidth` in rad/s.
+
+    It starts without a jump: while the input ``ready`` is 0 the lag and the velocity stay 0. `lag` bounds the kept lag,
+    in the unit of the position; the velocity's range bounds the kept velocity.
+
+    Raises SignalError when the bandwidth is not positive or lies above the Nyquist frequency.
+    """
+    nyquist = ca.pi / time.period_s
+    if not 0 < bandwidth < nyquist:
+        raise SignalError(f"the filter's bandwidth is {bandwidth} rad/s: it must lie between 0 and {nyquist:.6g} rad/s")
+    w = bandwidth
+    F, G = discretise.first_order_hold([[0, 1], [-w * w, -2 * w]], [[0], [w * w]], time.period_s)
+    source = f"D(s) = s w^2/(s+w)^2, w = {w:g} rad/s, first-order hold"
+    values = {"f11": F[0, 0], "f12": F[0, 1], "f21": F[1, 0], "f22": F[1, 1], "g1": 1 - G[0, 0], "g2": G[1, 0]}
+    units = {"f11": "1", "f12": "s", "f21": "1/s", "f22": "1", "g1": "1", "g2": "1/s"}
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        q, l, v, started = u[position.name], x["lag"], x["v"], u["ready"]
+        d = q - x["q_prev"]
+        lag_k = ca.if_else(started, k["f11"] * l - k["f12"] * v + k["g1"] * d, 0)
+        v_k = ca.if_else(started, k["f22"] * v - k["f21"] * l + k["g2"] * d, 0)
+        return Step({velocity.name: v_k}, {"q_prev": q, "lag": lag_k, "v": v_k})
+
+    states = [
+        State(
+            Signal("q_prev", position.unit, position.low, position.high, "position one sample ago"), _start(position)
+        ),
+        State(Signal("lag", position.unit, -lag, lag, "position less filtered position"), 0),
+        State(Signal("v", velocity.unit, velocity.low, velocity.high, "filtered velocity"), 0),
+    ]
+    return build(
+        name,
+        time,
+        law,
+        inputs=[position, Signal("ready", "1", 0, 1, "every measurement was good at once")],
+        outputs=[velocity],
+        states=states,
+        constants=[Constant(n, float(value), units[n], source) for n, value in values.items()],
+        tag="derivative filter",
+    )
+
+
+def _start(position: Signal) -> float:
+    return min(max(0.0, position.low), position.high)

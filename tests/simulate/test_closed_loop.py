@@ -1,0 +1,233 @@
+"""The simulated loop must be the loop of the equations: against matrix recursions, SciPy's integrator and mechanics."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from synth.errors import SignalError, WiringError
+from synth.execute.host import Controller
+from synth.plant import Plant
+from synth.simulate import closed_loop
+from synth.simulate.closed_loop import Scenario, Trajectory
+from synth.simulate.sensors import Encoder, Override
+
+T, KP, KD, BIAS = 1e-3, 400.0, 6.0, 2.0
+Level = Callable[[str], Controller]
+BASE = Scenario(
+    duration_s=0.3,
+    x0={"q": 0.021, "v": 0.01},
+    sensors={"gap": "gap"},
+    actuators={"i": "current"},
+    references={"gap_ref": 0.02},
+    forcing={"j": 0.0},
+    velocities={"q": "v", "s": "w"},
+)
+
+
+def recursion(n: int, delay: int, hold: float, start: tuple[float, float] = (0.021, 0.01)) -> np.ndarray:
+    """The free mass of 2 kg under the regulator, exactly discretised, by hand: rows (q, v, command)."""
+    A, B = np.array([[1, T], [0, 1]]), np.array([T**2 / 2, T]) / -2.0
+    x, last, waiting, rows = np.array(start), 0.02, [hold] * delay, []
+    for _ in range(n):
+        waiting.append(BIAS + KP * (x[0] - 0.02) + KD * (x[0] - last) / T)
+        rows.append([*x, waiting[-1]])
+        last, x = x[0], A @ x + B * waiting.pop(0)
+    return np.array(rows)
+
+
+def gap_error(trajectory: Trajectory, expected: np.ndarray) -> float:
+    found = np.column_stack([trajectory["q"], trajectory["v"], trajectory["current"]])
+    return float(np.max(np.abs(found - expected) / np.abs(expected).max(axis=0)))
+
+
+@pytest.mark.parametrize("delay", [0, 1, 2, 3])
+def test_linear_loop_is_the_matrix_recursion(mass: Plant, level: Level, delay: int) -> None:
+    found = closed_loop.simulate(mass, level("float64"), replace(BASE, delay=delay, hold={"current": 1.5}))
+    assert gap_error(found, recursion(300, delay, 1.5)) < 1e-11
+    assert gap_error(found, recursion(300, delay + 1, 1.5)) > 1e-3
+    if delay:
+        assert gap_error(found, recursion(300, delay, 0.0)) > 1e-5
+
+
+def test_single_precision_controller_is_near_the_double(mass: Plant, level: Level) -> None:
+    found = closed_loop.simulate(mass, level("float32"), replace(BASE, hold={"current": 1.5}))
+    assert found["current"].dtype == np.float32
+    assert 1e-9 < gap_error(found, recursion(300, 1, 1.5)) < 1e-3
+
+
+def fine_reference(n: int) -> np.ndarray:
+    """The magnet under the regulator with one sample of delay, by SciPy at 1e-12: rows (q, v)."""
+    x, last, command, rows = np.array([0.021, 0.01]), 0.02, 2.0, []
+    for _ in range(n):
+        rows.append(x)
+        applied, command = command, BIAS + 400.0 * (x[0] - 0.02) + 6.0 * (x[0] - last) / T
+        last = x[0]
+        slope = lambda t, z, i=applied: [z[1], 9.81 - 0.002 / 2.0 * (i / z[0]) ** 2]  # noqa: E731
+        x = solve_ivp(slope, (0, T), x, method="DOP853", rtol=1e-12, atol=1e-14).y[:, -1]
+    return np.array(rows)
+
+
+def test_nonlinear_loop_and_its_substeps(magnet: Plant, level: Level) -> None:
+    scenario, exact = replace(BASE, hold={"current": 2.0}, duration_s=0.2), fine_reference(200)
+
+    def error(substeps: int) -> float:
+        found = closed_loop.simulate(magnet, level("float64"), replace(scenario, substeps=substeps))
+        return float(np.max(np.abs(found["q"] - exact[:, 0])))
+
+    assert error(40) < 1e-13
+    assert error(4) < 1e-11
+    assert 8 < error(1) / error(2) < 32, "fourth order: half the step leaves a sixteenth of the error"
+
+
+@pytest.mark.parametrize("scalar", ["float32", "float64"])
+def test_encoders_quantise_what_the_controller_reads(magnet: Plant, level: Level, scalar: str) -> None:
+    encoder, controller = Encoder(1e-5), level(scalar)
+    found = closed_loop.simulate(magnet, controller, replace(BASE, encoders={"gap": encoder}))
+    assert np.array_equal(found.measured["gap"], encoder.read(found.outputs["gap"]).astype(controller.scalar))
+    assert np.max(np.abs(found.measured["gap"] - found["q"])) <= 0.5e-5 + 1e-9
+    assert not np.array_equal(found.measured["gap"], found["q"].astype(controller.scalar))
+
+
+@pytest.mark.parametrize("scalar", ["float32", "float64"])
+def test_replay_of_what_was_measured_gives_the_same_bits(magnet: Plant, level: Level, scalar: str) -> None:
+    controller, references = level(scalar), {"gap_ref": 0.02 + 1e-4 * np.sin(np.arange(300) / 10)}
+    found = closed_loop.simulate(magnet, controller, replace(BASE, references=references))
+    again = controller.replay(found.measured)
+    assert again.outputs["current"].tobytes() == found.commands["current"].tobytes()
+    assert again.faults.tobytes() == found.faults.tobytes()
+    assert int(again.state["ticks"]) == 300
+
+
+def test_overridden_samples_arrive_bit_for_bit(magnet: Plant, level: Level) -> None:
+    bits = np.zeros(300, np.uint32)
+    bits[[50, 51, 60]] = 0x7FA12345, 0xFF800000, 0x00000001  # a signalling NaN, -infinity, the least subnormal
+    mask = bits != 0
+    scenario = replace(BASE, overrides={"gap": Override(mask, bits.view(np.float32))})
+    found = closed_loop.simulate(magnet, level("float32"), scenario)
+    assert np.array_equal(found.measured["gap"].view(np.uint32)[mask], bits[mask])
+    assert np.array_equal(found.faults != 0, mask)
+    assert np.array_equal(found.measured["gap"][~mask], found.outputs["gap"].astype(np.float32)[~mask])
+    assert np.isfinite(found["q"]).all()
+
+
+def test_overridden_set_points(mass: Plant, level: Level) -> None:
+    scenario = replace(BASE, overrides={"gap_ref": Override(np.arange(300) == 7, np.full(300, 1e300))})
+    assert np.isinf(closed_loop.simulate(mass, level("float32"), scenario).measured["gap_ref"][7])
+
+
+def falling(**changes: Any) -> Scenario:
+    free = replace(BASE, actuators={}, forcing={"i": 0.0, "j": 0.0}, x0={"q": 0.02})
+    return replace(free, **changes)
+
+
+def test_a_stop_takes_the_speed_out(magnet: Plant, level: Level) -> None:
+    scenario = falling(stops={"q": (0.01, 0.03)}, substeps=40)
+    found = closed_loop.simulate(magnet, level("float64"), scenario)
+    fall = np.sqrt(2 * 0.01 / 9.81)
+    before, after = found.time < fall - T, found.time > fall + T
+    assert np.allclose(found["q"][before], 0.02 + 9.81 / 2 * found.time[before] ** 2, atol=1e-12)
+    assert (found["q"][after] == 0.03).all() and (found["v"][after] == 0).all()
+    assert found.impacts["q"] == pytest.approx(9.81 * fall, rel=2e-3)
+
+
+def test_a_mass_leaves_its_stop_when_pulled_off(mass: Plant, level: Level) -> None:
+    push = replace(BASE, x0={"q": 0.02}, references={"gap_ref": np.where(np.arange(300) < 100, 0.05, 0.01)})
+    found = closed_loop.simulate(mass, level("float64"), replace(push, stops={"q": (0.01, 0.025)}))
+    assert (found["q"][60:100] == 0.025).all()
+    assert found["q"][160] < 0.024 and found["q"].min() >= 0.01
+    unstopped = closed_loop.simulate(mass, level("float64"), push)
+    assert unstopped["q"].max() > 0.03 and not unstopped.impacts
+
+
+def test_locked_coordinates_stay(mass: Plant, level: Level) -> None:
+    scenario = replace(BASE, forcing={"j": 3.0}, x0={"q": 0.021, "s": 0.5}, locked=["s"])
+    found = closed_loop.simulate(mass, level("float64"), scenario)
+    assert (found["s"] == 0.5).all() and (found["w"] == 0).all() and np.ptp(found["q"]) > 1e-4
+    free = closed_loop.simulate(mass, level("float64"), replace(scenario, locked=()))
+    assert free["s"][-1] == pytest.approx(0.5 + 1.5 / 2 * 0.299**2)
+
+
+def test_actuators_may_mix_commands_and_forcing(mass: Plant, level: Level) -> None:
+    scenario = replace(BASE, actuators={"i": "current", "j": {"current": 0.25}}, forcing={"j": 2.0})
+    found = closed_loop.simulate(mass, level("float64"), scenario)
+    assert np.array_equal(found.applied["i"][1:], found.commands["current"][:-1])
+    assert np.allclose(found.applied["j"], 2.0 + 0.25 * found.applied["i"], rtol=1e-15)
+    assert np.isinf(found.commands["overflow"]).all(), "an infinite command that no input listens to must do no harm"
+
+
+def test_disturbance_depends_on_state_and_time(mass: Plant, level: Level) -> None:
+    x, t = ca.SX.sym("x", 4), ca.SX.sym("t")
+    extra = ca.Function("extra", [x, t], [ca.vertcat(0, -30 * x[1], 0, ca.cos(20 * t))])
+    scenario = falling(x0={"q": 0.02, "v": 0.1})
+    found = closed_loop.simulate(mass, level("float64"), scenario, extra)
+    assert np.allclose(found["v"], 0.1 * np.exp(-30 * found.time), atol=1e-8)
+    assert np.allclose(found["s"], (1 - np.cos(20 * found.time)) / 400, atol=1e-10)
+    with pytest.raises(WiringError, match="disturbance"):
+        closed_loop.simulate(mass, level("float64"), scenario, ca.Function("extra", [x], [x]))
+
+
+def test_a_perturbed_plant_needs_no_compiler(
+    magnet: Plant, level: Level, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    controller = level("float64")
+    monkeypatch.setenv("SYNTH_CACHE", str(tmp_path))
+    found = [closed_loop.simulate(magnet.with_parameters(m=m), controller, falling())["v"][-1] for m in (2.0, 4.0)]
+    assert len(list(tmp_path.iterdir())) == 1
+    pulled = closed_loop.simulate(magnet.with_parameters(m=4.0), controller, falling(forcing={"i": 1.0, "j": 4.0}))
+    assert found == pytest.approx([9.81 * 0.299] * 2)
+    assert pulled["w"][-1] == pytest.approx(0.299) and pulled["v"][-1] < found[1]
+
+
+def test_outputs_are_taken_with_the_input_of_the_interval_before(mass: Plant, level: Level) -> None:
+    found = closed_loop.simulate(mass, level("float64"), replace(BASE, hold={"current": 1.25}))
+    assert np.array_equal(found["lift"], -np.array([1.25, *found.applied["i"][:-1]]))
+
+
+def test_a_trajectory_is_read_by_name_and_not_written(mass: Plant, level: Level) -> None:
+    found = closed_loop.simulate(mass, level("float64"), BASE)
+    assert found["gap"] is found.outputs["gap"] and len(found.time) == 300
+    with pytest.raises(ValueError, match="read-only"):
+        found["q"][0] = 0.0
+    with pytest.raises(SignalError, match=r"'gasp'.*gap_ref"):
+        found["gasp"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "error", "says"),
+    [
+        ({"x0": {"v": 0.0}}, SignalError, "'q', whose range"),
+        ({"x0": {"q": 0.02, "u": 0.0}}, SignalError, "x0: 'u' is not one of q, v, s, w"),
+        ({"sensors": {"gap": "height"}}, SignalError, "'height' is not one of gap, lift"),
+        ({"sensors": {"gap": "lift"}}, WiringError, "in m, plant signal 'lift'"),
+        ({"sensors": {}}, WiringError, "'gap' has 0 sources"),
+        ({"references": {"gap_ref": 0.02, "gap": 0.0}}, WiringError, "'gap' has 2 sources"),
+        ({"references": {"gap_ref": np.zeros(299)}}, SignalError, r"\(299,\), need \(300,\)"),
+        ({"forcing": {}}, WiringError, "plant input 'j' has no source"),
+        ({"actuators": {"i": "voltage"}}, SignalError, "'voltage' is not one of current, overflow"),
+        ({"hold": {"voltage": 0.0}}, SignalError, "hold: 'voltage'"),
+        ({"encoders": {"gap_ref": Encoder(1e-5)}}, SignalError, "encoders: 'gap_ref'"),
+        ({"overrides": {"gap": Override(np.zeros(3, bool), 0.0)}}, SignalError, "override mask of 'gap'"),
+        ({"velocities": {"q": "u"}}, SignalError, "velocities: 'u'"),
+        ({"stops": {"v": (0.0, 1.0)}}, SignalError, "stops: 'v'"),
+        ({"stops": {"q": (0.03, 0.04)}}, SignalError, "not within its stops"),
+        ({"locked": ["v"]}, SignalError, "locked: 'v'"),
+        ({"duration_s": 0.0}, SignalError, "duration is 0.0 s"),
+    ],
+)
+def test_what_does_not_fit_is_named(
+    mass: Plant, level: Level, changes: dict[str, Any], error: type[Exception], says: str
+) -> None:
+    with pytest.raises(error, match=says):
+        closed_loop.simulate(mass, level("float64"), replace(BASE, **changes))
+
+
+def test_a_scenario_refuses_negative_delay_and_no_substep() -> None:
+    for changes in ({"delay": -1}, {"substeps": 0}):
+        with pytest.raises(SignalError, match="at least"):
+            replace(BASE, **changes)
