@@ -11,7 +11,7 @@
 
 g is the gap in m; i_d, i_q are rms currents in A (a phase peaks at sqrt(2) i); forces are in N; k = pi/tau.
 
-Every function takes `p`, the parameters by name: CasADi symbols, CasADi matrices and floats serve alike.
+Every function takes `p`, the parameters by name: symbols or numbers.
 
 Readings of the print. It says "3 pole pairs" for p, K_v2 ~ 1/p^2 and L_v3 ~ coth^2. Maxwell's stress of a current sheet
 between two irons gives p = 6 poles, K_v2 ~ 1/p (only then K_v2^2 = 4 K_v1 K_v3) and L_v3 ~ csch^2: the tangential field
@@ -22,6 +22,7 @@ Source: Fulford, Maggiore, Apkarian, "Control of a 5DOF Magnetically Levitated P
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import pi
 from typing import Literal
 
 import casadi as ca
@@ -43,6 +44,9 @@ class Reading:
     p_counts: Literal["poles", "pole_pairs"] = "poles"
 
 
+STRESS = Reading()
+PRINTED = Reading("coth2", 2, "pole_pairs")
+
 TABLE = "Table I"
 PARAMETERS = (
     Parameter("b0", 12.7e-3, "m", 4e-3, TABLE),  # stator slot width
@@ -57,8 +61,8 @@ PARAMETERS = (
     Parameter("tau", 57.15e-3, "m", 1e-4, TABLE),  # pole pitch
     Parameter("tau_p", 28.58e-3, "m", 2e-4, TABLE),  # magnet width
     Parameter("H_c", 875400.0, "A/m", 6e-5, "Table I; also taken as the magnets' surface charge sigma_m in (4)"),
-    Parameter("mu_rec", 1.05, "1", 0.05, "not printed: recoil permeability usual for NdFeB of grade N35"),
-    Parameter("mu0", 1.25663706e-6, "N/A^2", 1e-9, "4 pi 1e-7, to CODATA 2018"),
+    Parameter("mu_rec", 1.0, "1", 0.05, "not printed: charge sheets, as (4) takes the magnets, have that of air"),
+    Parameter("mu0", 4e-7 * pi, "N/A^2", 1e-9, "CODATA 2018"),
 )
 
 
@@ -114,7 +118,7 @@ def magnet_field(g: ca.SX, p: Values) -> ca.SX:
     return sheet * ca.sinh(k * p["h_m"]) / ca.sinh(k * (p["h_m"] + g))
 
 
-def constants(p: Values, reading: Reading = Reading()) -> Constants:
+def constants(p: Values, reading: Reading = STRESS) -> Constants:
     """Return K_h, K_v1, K_v2, K_v3. Source: (3), (4), with p and its power in K_v2 as `reading` says."""
     k, k_w1 = ca.pi / p["tau"], winding_factor(p)
     poles = p["p"] if reading.p_counts == "poles" else p["p"] / 2
@@ -128,7 +132,7 @@ def constants(p: Values, reading: Reading = Reading()) -> Constants:
     )
 
 
-def coefficients(g: ca.SX, p: Values, reading: Reading = Reading()) -> Coefficients:
+def coefficients(g: ca.SX, p: Values, reading: Reading = STRESS) -> Coefficients:
     """Return L_h, L_v1, L_v2, L_v3 at the gap `g` in m. Source: (3), (4), with the factor in L_v3 as `reading` says."""
     height = ca.pi / p["tau"] * (p["h_m"] + g)
     lambda_, K_c, B = permeance_factor(g, p), carter_coefficient(g, p), magnet_field(g, p)
@@ -141,12 +145,12 @@ def coefficients(g: ca.SX, p: Values, reading: Reading = Reading()) -> Coefficie
     )
 
 
-def thrust(g: ca.SX, i_q: ca.SX, p: Values, reading: Reading = Reading()) -> ca.SX:
+def thrust(g: ca.SX, i_q: ca.SX, p: Values, reading: Reading = STRESS) -> ca.SX:
     """Return F_H = -K_h L_h(g) i_q in N, for a gap in m and an rms current in A. Source: (1)."""
     return -constants(p, reading).K_h * coefficients(g, p, reading).L_h * i_q
 
 
-def normal_force(g: ca.SX, i_d: ca.SX, i_q: ca.SX, p: Values, reading: Reading = Reading()) -> ca.SX:
+def normal_force(g: ca.SX, i_d: ca.SX, i_q: ca.SX, p: Values, reading: Reading = STRESS) -> ca.SX:
     """Return F_V = -K_v1 L_v1 + K_v2 L_v2 i_d - K_v3 L_v3 (i_d^2 + i_q^2) in N, positive when it opens the gap.
 
     `g` is the gap in m, `i_d` and `i_q` are rms currents in A. Source: (2).

@@ -28,7 +28,7 @@ Source: the motor of Fulford, Maggiore and Apkarian, Table I, whose closed-form 
 
 from __future__ import annotations
 
-from dataclasses import astuple, dataclass, fields
+from dataclasses import asdict, astuple, dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,7 +61,7 @@ class Geometry:
     poles: float = 6.0  # [-] stator poles
     H_c: float = 875400.0  # [A/m] coercivity
     mu_rec: float = 1.0  # [-] recoil permeability; the closed form's charge sheet has 1
-    slot_depth: float = 25.4e-3  # [m] two openings: deeper moves no force by more than 4e-6 of itself
+    slot_depth: float = 25.4e-3  # [m] two openings: deeper moves no force by more than 5e-6 of itself
 
     @property
     def opening(self) -> float:
@@ -137,12 +137,9 @@ def grid(geometry: Geometry, gap: float, cells: int) -> Grid:
 
 
 def _check(geometry: Geometry, gap: float, cells: int) -> None:
-    for field in fields(geometry):
-        value = getattr(geometry, field.name)
+    for name, value in {"gap": gap, **asdict(geometry)}.items():
         if not (np.isfinite(value) and value > 0):
-            raise ValueError(f"{field.name} = {value} of the motor must be positive and finite; give it in SI units")
-    if not (np.isfinite(gap) and gap > 0):
-        raise ValueError(f"the gap is {gap} m but the field needs a positive gap; keep the mover off the stator")
+            raise ValueError(f"{name} = {value} of the motor must be positive and finite; give it in SI units")
     if cells < 2:
         raise ValueError(f"cells = {cells} but cubic interpolation needs at least 2; refine the grid")
     if geometry.opening >= geometry.tau / SLOTS_PER_POLE:
@@ -163,12 +160,8 @@ def _to_nodes(cell: Array) -> Array:
     return (rows + np.roll(rows, 1, axis=0)) / 2
 
 
-def _wrap(a: Array) -> Array:
-    return np.concatenate([a, -a[:1]])
-
-
-def _matrix(g: Grid, geometry: Geometry, x_m: float) -> csc_matrix:
-    """Return the five-point matrix of -div(nu mu0 grad A); nu is averaged in series along x, in parallel along y."""
+def matrix(g: Grid, geometry: Geometry, x_m: float) -> csc_matrix:
+    """Return the five-point matrix of -div(nu mu0 grad A), nu averaged in series along x and in parallel along y."""
     nu_x, nu_y = g.air.astype(float), g.air.astype(float)
     share = np.abs(_magnet_share(g, geometry, x_m))[:, None]
     nu_x[:, :g.top] /= 1 + share * (geometry.mu_rec - 1)
@@ -187,9 +180,8 @@ def _matrix(g: Grid, geometry: Geometry, x_m: float) -> csc_matrix:
     end = np.r_[number[(i + 1) % len(number), j], number[m, n + 1]]
     weight = np.r_[along_x[i, j], along_y[m, n]]
     cross = -weight * np.r_[sign[i, j], np.ones(len(m))]
-    rows, columns = np.r_[start, end, start, end], np.r_[start, end, end, start]
-    size = int(g.nodes.sum())
-    return coo_matrix((np.r_[weight, weight, cross, cross], (rows, columns)), shape=(size, size)).tocsc()
+    places = np.r_[start, end, start, end], np.r_[start, end, end, start]
+    return coo_matrix((np.r_[weight, weight, cross, cross], places)).tocsc()
 
 
 def _magnet_share(g: Grid, geometry: Geometry, x_m: float) -> Array:
@@ -235,18 +227,13 @@ def slot_currents(g: Grid, ampere_turns: Array) -> Array:
     """Return the nodes' share [A] of currents (3,) [A] spread evenly over the slots."""
     area = np.diff(g.x)[:, None] * np.diff(g.y)[None, :]
     area[:, :g.face] = 0.0
-    density = np.r_[ampere_turns, 0.0][g.slot] / (area[g.slot == 0].sum())
+    density = np.r_[ampere_turns, 0.0][g.slot] / area[g.slot == 0].sum()
     return _to_nodes(density[:, None] * area)
 
 
 def slot_positions(geometry: Geometry) -> Array:
     """Return the slots' centres [m] in one pole, (3,)."""
     return np.asarray(geometry.opening / 2 + geometry.tau / SLOTS_PER_POLE * np.arange(SLOTS_PER_POLE))
-
-
-def factorise(g: Grid, geometry: Geometry, x_m: float) -> SuperLU:
-    """Return the sparse LU of the field's matrix; x_m [m] matters only when mu_rec is not 1."""
-    return splu(_matrix(g, geometry, x_m))
 
 
 def solve(g: Grid, lu: SuperLU, currents: Array) -> Field:
@@ -267,35 +254,35 @@ def stress(geometry: Geometry, one: Field, other: Field) -> tuple[float, float]:
     scale = geometry.L_A * geometry.p_m / MU0
     B_x, C_x = (B[0][1:] + B[0][:-1]) / 2, (C[0][1:] + C[0][:-1]) / 2
     square = B[0] * C[0]
-    F_x = scale * np.sum(h * (B_x * C[1] + C_x * B[1])) / 2
-    F_y = scale * np.sum(h * (B[1] * C[1] - (square[1:] + square[:-1]) / 2)) / 2
-    return float(F_x), float(F_y)
+    F_x = np.sum(h * (B_x * C[1] + C_x * B[1])) / 2
+    F_y = np.sum(h * (B[1] * C[1] - (square[1:] + square[:-1]) / 2)) / 2
+    return float(scale * F_x), float(scale * F_y)
 
 
 def _mid_gap(field: Field) -> tuple[Array, Array]:
     """Return B_x [T] on the nodes, (nx + 1,), and B_y [T] between them, (nx,), along the mid-gap line."""
-    A, y, j = _wrap(field.A), field.grid.y, field.grid.middle
+    A, y, j = np.r_[field.A, -field.A[:1]], field.grid.y, field.grid.middle
     h, k = y[j] - y[j - 1], y[j + 1] - y[j]
     B_x = ((A[:, j] - A[:, j - 1]) * k / h + (A[:, j + 1] - A[:, j]) * h / k) / (h + k)
     return B_x, -np.diff(A[:, j]) / np.diff(field.grid.x)
 
 
 def coenergy(geometry: Geometry, field: Field) -> float:
-    """Return l/2 sum of I A [J]; at given currents its slopes along x_m and against the gap are F_x and F_y."""
+    """Return l/2 sum of I A [J]; at given currents its slopes along x_m and against the gap are F_x and F_y.
+
+    Along x_m this holds for what the slot currents add: a sheet's energy in its own field varies within a cell.
+    """
     return float(geometry.L_A * geometry.p_m * np.sum(field.I * field.A) / 2)
 
 
 def forces(geometry: Geometry, gap: float, cells: int = 12) -> Forces:
-    """Return the forces at a gap [m] on one grid of `cells` (see `grid`), by superposing magnets, d and q currents.
-
-    Raises ValueError when the geometry has no field (see `grid`).
-    """
+    """Return the forces at a gap [m] by superposing magnets, d and q currents; `cells` and ValueError as in `grid`."""
     g = grid(geometry, gap, cells)
     k, x_s = np.pi / geometry.tau, slot_positions(geometry)
     rows, lu = [], None
     for x_m in x_s[0] + geometry.tau / SLOTS_PER_POLE * np.arange(POSITIONS) / POSITIONS:
         if lu is None or geometry.mu_rec != 1:
-            lu = factorise(g, geometry, x_m)
+            lu = splu(matrix(g, geometry, x_m))
         magnet = solve(g, lu, magnet_currents(g, geometry, x_m))
         d = solve(g, lu, slot_currents(g, geometry.conductors * np.sin(k * (x_s - x_m))))
         q = solve(g, lu, slot_currents(g, geometry.conductors * np.cos(k * (x_s - x_m))))
@@ -307,10 +294,7 @@ def forces(geometry: Geometry, gap: float, cells: int = 12) -> Forces:
 
 
 def extrapolated(geometry: Geometry, gap: float, cells: int = 12) -> Converged:
-    """Return (4 F(2 cells) - F(cells))/3, Richardson's value for a scheme of second order, and its last correction.
-
-    Raises ValueError when the geometry has no field (see `grid`).
-    """
+    """Return Richardson's (4 F(2 cells) - F(cells))/3, the scheme being of second order; ValueError as in `grid`."""
     coarse, fine = (np.array(astuple(forces(geometry, gap, n))) for n in (cells, 2 * cells))
     correction = (fine - coarse) / 3
     return Converged(Forces(*map(float, fine + correction)), Forces(*map(float, np.abs(correction))))

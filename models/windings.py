@@ -49,10 +49,10 @@ def axis_currents(phases: PhaseCurrents, angle: ca.SX) -> AxisCurrents:
 
     i_d = sqrt(2)/3 sum_k i_k cos th_k, i_q = -sqrt(2)/3 sum_k i_k sin th_k; a current common to all phases drops out.
     """
-    pairs = list(zip((phases.a, phases.b, phases.c), _axes(angle), strict=True))
-    d = sum(i * ca.cos(th) for i, th in pairs)
-    q = -sum(i * ca.sin(th) for i, th in pairs)
-    return AxisCurrents(ca.sqrt(2) / 3 * d, ca.sqrt(2) / 3 * q)
+    a, b, c = _axes(angle)
+    d = phases.a * ca.cos(a) + phases.b * ca.cos(b) + phases.c * ca.cos(c)
+    q = phases.a * ca.sin(a) + phases.b * ca.sin(b) + phases.c * ca.sin(c)
+    return AxisCurrents(ca.sqrt(2) / 3 * d, -ca.sqrt(2) / 3 * q)
 
 
 def _axes(angle: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:

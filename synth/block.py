@@ -9,7 +9,7 @@ name. It judges loops signal by signal from what each expression really depends 
 breaks is no algebraic loop.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import casadi as ca
@@ -105,7 +105,7 @@ class Block:
         next, y = ca.substitute([next, y], symbols, values) if symbols else (next, y)
         return ca.Function(self.name, [x, u], [next, y], ["x", "u"], ["x_next", "y"])
 
-    def _columns(self, wanted) -> ca.SX:  # type: ignore[no-untyped-def]
+    def _columns(self, wanted: Iterable[str]) -> ca.SX:
         return ca.vcat([self.symbol[name] for name in wanted])
 
 
@@ -298,7 +298,8 @@ def _resolve(
     blocks: Sequence[Block], definitions: Exprs, symbol: Exprs
 ) -> tuple[dict[str, ca.SX], tuple[tuple[Named, ca.SX], ...]]:
     """Resolve each driven signal into states, constants and open inputs, in the order of computation."""
-    needs = {s: [v.name() for v in ca.symvar(e) if v.name() in definitions] for s, e in definitions.items()}
+    driven = {s: symbol[s] for s in definitions}
+    needs = {s: sorted(_depends(e, driven)) for s, e in definitions.items()}
     order: list[str] = []
     path: list[str] = []
 
@@ -335,4 +336,10 @@ def _resolve(
 
 def _needs(block: Block, expr: ca.SX) -> set[str]:
     """Return the names of the Block's inputs on which `expr` depends."""
-    return {v.name() for v in ca.symvar(expr)} & {s.name for s in block.inputs}
+    return _depends(expr, {s.name: block.symbol[s.name] for s in block.inputs})
+
+
+def _depends(expr: ca.SX, symbol: Exprs) -> set[str]:
+    """Return the names of those symbols that stand in `expr`; symbols are told apart by identity, not by name."""
+    present = {v.element_hash() for v in ca.symvar(expr)}
+    return {name for name, s in symbol.items() if s.element_hash() in present}

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from synth.block import Block
+from synth.block import Block, Named
 from synth.emit.layout import Layout, Struct
 from synth.emit.lower import LOGICAL, Node, Program
 
@@ -135,7 +135,7 @@ class _Printer:
         for k in range(len(self.p.nodes) + 1):
             while marks and marks[0][0] <= k:
                 named = marks.pop(0)[1]
-                if pending and (title := _title(self.block, named)) != told:
+                if pending and (title := _title(named)) != told:
                     lines += ["", f"    /* {title} */"]
                     told = title
                 lines += pending
@@ -252,5 +252,5 @@ class _Printer:
         return name
 
 
-def _title(block: Block, named) -> str:  # type: ignore[no-untyped-def]
+def _title(named: Named) -> str:
     return f"{named.block}: {named.tag}" if named.tag else named.block

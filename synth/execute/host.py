@@ -162,7 +162,7 @@ class Controller:
         if not (fits and states.flags.c_contiguous and states.flags.writeable):
             raise SignalError(
                 f"state of '{self.manifest['design']}': found {type(states).__name__} of shape {np.shape(states)}, "
-                f"need a writeable contiguous array of shape {shape} with the dtype `controller.state`: start from `init()`"
+                f"need a writeable contiguous one of shape {shape} and dtype `controller.state`: start from `init()`"
             )
 
 
@@ -189,7 +189,7 @@ def fill(records: Records, name: str, values: ArrayLike, where: NDArray[np.bool_
     """
     column = records[name]
     given = np.asarray(values)
-    if given.shape not in (column.shape, column.shape[1:]):
+    if given.shape not in ((), column.shape[1:], column.shape):
         raise SignalError(
             f"samples of '{name}': found the shape {given.shape}, need {column.shape}: give one value for each sample"
         )

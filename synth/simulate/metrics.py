@@ -110,5 +110,5 @@ def _inside(time: ArrayLike, error: ArrayLike, band: float) -> tuple[Array, NDAr
 def _series(time: ArrayLike, values: ArrayLike) -> tuple[Array, Array]:
     t, v = np.asarray(time, dtype=np.float64), np.asarray(values, dtype=np.float64)
     if t.ndim != 1 or t.shape != v.shape or t.size == 0:
-        raise SignalError(f"response: found times {t.shape} and values {v.shape}: give one value for each of N >= 1 times")
+        raise SignalError(f"response has times {t.shape} and values {v.shape}: give one value for each of N >= 1 times")
     return t, v

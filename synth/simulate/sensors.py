@@ -1,7 +1,9 @@
-"""Sensors: what the controller reads when the plant's output is y, in its unit.
+"""Sensors: what the controller reads when the plant's output is y.
 
     encoder:   m = r round(y / r), halves to even, so |m - y| <= r/2 for the resolution r;  m = y for r = 0
     override:  m_k = v_k at every sample k of the mask, whatever the sensor reads
+
+Resolutions and values are in the unit of y.
 """
 
 import math
@@ -15,7 +17,7 @@ from synth.errors import SignalError
 
 @dataclass(frozen=True)
 class Encoder:
-    """An incremental encoder of `resolution` in the unit of what it measures; 0 makes it ideal."""
+    """An incremental encoder of `resolution`, in the unit of what it measures; 0 makes it ideal."""
 
     resolution: float = 0.0
 

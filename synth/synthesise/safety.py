@@ -76,7 +76,7 @@ def guard(time: Discrete, inputs: Sequence[Guarded], bad_samples: int) -> Block:
     states += [State(f, 0, True) for f in flags] if latches else []
     outputs = [_renamed(g.signal, f"{g.signal.name}_held", g.signal.about) for g in inputs]
     outputs += [_flag(f"fault_{g.signal.name}", "refused this sample") for g in inputs] + (flags if latches else [])
-    block = build("guard", time, law, inputs=[g.signal for g in inputs], outputs=outputs, states=states, tag="guard")
+    block = build("guard", time, law, inputs=[g.signal for g in inputs], outputs=outputs, states=states, tag="range acceptance, hold, latch")
     faults = [Fault(i, f"fault_{g.signal.name}", g.signal.name) for i, g in enumerate(inputs)]
     faults += [Fault(LATCH_BIT, "latched", None)] if latches else []
     return replace(block, faults=tuple(faults))
@@ -114,7 +114,7 @@ def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Bl
         ],
         outputs=outputs,
         states=[State(_renamed(s, f"last_{s.name}", "last output"), safety.safe_output[s.name]) for s in outputs],
-        tag="safe output",
+        tag="slew to the safe output once latched",
     )
 
 

@@ -10,7 +10,6 @@ from synth.execute import host
 from synth.signals import Parameter, Signal
 
 T = 1e-3
-GAINS = {"KP": 400.0, "KD": 6.0, "BIAS": 2.0}
 LEVEL_C = """#include "level.h"
 #define KP (real)400
 #define KD (real)6
@@ -22,6 +21,7 @@ uint32_t level_step(level_state_t *state, const level_input_t *in, level_output_
     const real gap = good ? in->gap : state->last;
     out->current = BIAS + KP * (gap - in->gap_ref) + KD * ((gap - state->last) / PERIOD);
     out->overflow = (real)1 / (gap - gap);
+    out->trim = (real)100 * in->gap_ref;
     state->last = gap;
     state->ticks = state->ticks + 1u;
     return good ? 0u : 1u;
@@ -30,7 +30,7 @@ uint32_t level_step(level_state_t *state, const level_input_t *in, level_output_
 LEVEL_H = """#include <stdint.h>
 typedef REAL real;
 typedef struct { real gap, gap_ref; } level_input_t;
-typedef struct { real current, overflow; } level_output_t;
+typedef struct { real current, overflow, trim; } level_output_t;
 typedef struct { real last; uint32_t ticks; PAD } level_state_t;
 void level_init(level_state_t *state);
 uint32_t level_step(level_state_t *state, const level_input_t *in, level_output_t *out);
@@ -45,10 +45,15 @@ def level_manifest(scalar: str) -> dict[str, object]:
     size, real = (4, "float") if scalar == "float32" else (8, "double")
     fields = {
         "input": [field("gap", 0, real, "m"), field("gap_ref", size, real, "m")],
-        "output": [field("current", 0, real, "A"), field("overflow", size, real, "A")],
+        "output": [
+            field("current", 0, real, "A"),
+            field("overflow", size, real, "A"),
+            field("trim", 2 * size, real, "A"),
+        ],
         "state": [field("last", 0, real, "m"), field("ticks", size, "uint32_t")],
     }
-    structs = {role: {"type": f"level_{role}_t", "size": 2 * size, "fields": f} for role, f in fields.items()}
+    sizes = {"input": 2 * size, "output": 3 * size, "state": 2 * size}
+    structs = {role: {"type": f"level_{role}_t", "size": sizes[role], "fields": f} for role, f in fields.items()}
     functions = {"init": "level_init", "step": "level_step"}
     return {"design": "level", "period_s": T, "scalar": scalar, "functions": functions, "structs": structs}
 

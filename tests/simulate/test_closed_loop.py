@@ -145,6 +145,22 @@ def test_a_mass_leaves_its_stop_when_pulled_off(mass: Plant, level: Level) -> No
     assert unstopped["q"].max() > 0.03 and not unstopped.impacts
 
 
+def test_the_lower_stop_records_the_speed_of_the_impact(mass: Plant, level: Level) -> None:
+    scenario = falling(x0={"q": 0.02, "v": -0.5}, stops={"q": (0.01, 0.03)})
+    found = closed_loop.simulate(mass, level("float64"), scenario)
+    assert found.impacts == {"q": 0.5} and found["q"][-1] == 0.01 and found["v"][-1] == 0
+
+
+def test_a_stop_leaves_the_speed_away_from_it(mass: Plant, level: Level) -> None:
+    # 10 m/s^2 turn -6 mm/s round within one step of 1 ms, which ends 1 um below the stop.
+    scenario = falling(
+        x0={"q": 0.01, "v": -6e-3}, forcing={"i": -20.0, "j": 0.0}, stops={"q": (0.01, 0.03)}, substeps=1
+    )
+    found = closed_loop.simulate(mass, level("float64"), scenario)
+    assert found["q"][1] == 0.01 and found["v"][1] == pytest.approx(4e-3)
+    assert found["q"][2] == pytest.approx(0.01 + 9e-6)
+
+
 def test_locked_coordinates_stay(mass: Plant, level: Level) -> None:
     scenario = replace(BASE, forcing={"j": 3.0}, x0={"q": 0.021, "s": 0.5}, locked=["s"])
     found = closed_loop.simulate(mass, level("float64"), scenario)
@@ -154,11 +170,19 @@ def test_locked_coordinates_stay(mass: Plant, level: Level) -> None:
 
 
 def test_actuators_may_mix_commands_and_forcing(mass: Plant, level: Level) -> None:
-    scenario = replace(BASE, actuators={"i": "current", "j": {"current": 0.25}}, forcing={"j": 2.0})
+    rows = {"j": {"trim": 0.5, "current": 0.25}, "i": "current"}
+    scenario = replace(BASE, actuators=rows, forcing={"j": 2.0}, references={"gap_ref": np.linspace(0.02, 0.021, 300)})
     found = closed_loop.simulate(mass, level("float64"), scenario)
-    assert np.array_equal(found.applied["i"][1:], found.commands["current"][:-1])
-    assert np.allclose(found.applied["j"], 2.0 + 0.25 * found.applied["i"], rtol=1e-15)
-    assert np.isinf(found.commands["overflow"]).all(), "an infinite command that no input listens to must do no harm"
+    current, trim = found.commands["current"][:-1], found.commands["trim"][:-1]
+    assert np.array_equal(found.applied["i"], [0, *current])
+    assert np.allclose(found.applied["j"], [2.0, *(2.0 + 0.5 * trim + 0.25 * current)], rtol=1e-15)
+
+
+def test_an_infinite_command_reaches_only_the_input_that_listens(mass: Plant, level: Level) -> None:
+    scenario = replace(BASE, actuators={"i": "current", "j": "overflow"}, hold={"current": 1.5})
+    found = closed_loop.simulate(mass, level("float64"), scenario)
+    assert np.isinf(found.applied["j"][1:]).all()
+    assert gap_error(found, recursion(300, 1, 1.5)) < 1e-11
 
 
 def test_disturbance_depends_on_state_and_time(mass: Plant, level: Level) -> None:
@@ -209,7 +233,7 @@ def test_a_trajectory_is_read_by_name_and_not_written(mass: Plant, level: Level)
         ({"references": {"gap_ref": 0.02, "gap": 0.0}}, WiringError, "'gap' has 2 sources"),
         ({"references": {"gap_ref": np.zeros(299)}}, SignalError, r"\(299,\), need \(300,\)"),
         ({"forcing": {}}, WiringError, "plant input 'j' has no source"),
-        ({"actuators": {"i": "voltage"}}, SignalError, "'voltage' is not one of current, overflow"),
+        ({"actuators": {"i": "voltage"}}, SignalError, "'voltage' is not one of current, overflow, trim"),
         ({"hold": {"voltage": 0.0}}, SignalError, "hold: 'voltage'"),
         ({"encoders": {"gap_ref": Encoder(1e-5)}}, SignalError, "encoders: 'gap_ref'"),
         ({"overrides": {"gap": Override(np.zeros(3, bool), 0.0)}}, SignalError, "override mask of 'gap'"),

@@ -1,0 +1,149 @@
+"""The controller of the five-axis maglev stage as Blocks: F(8), (12), (14), (16), (17) between encoders and currents.
+
+    encoders, set-points -> guard -> kinematics -> filters -> regulators -> decoupling and limits -> safe output
+
+The published gains come from continuous LQR; they are used at 1 kHz as the paper did, with the sampled-data optimum
+beside them in gains.json. Readings where the paper is silent: the velocity is that of the measurement (the derivative
+of the error would kick at each step); the phi loop takes the theta loop's weights, which the paper does not publish;
+a motor's limit is on sqrt(i_d^2 + i_q^2), levitation first, and the currents that remain are the ones that a_1, b_1
+and c_1 are compensated for.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import reduce
+from math import pi, sin, sqrt
+
+import casadi as ca
+import numpy as np
+
+from models import maglev_stage, windings
+from synth.block import Block, Exprs, Step, build, clip, compose
+from synth.plant import Plant
+from synth.signals import Signal
+from synth.statespace import StateSpace
+from synth.synthesise import derivative_filter, feedback_linearisation, internal_model, lqr, regulator, safety
+from synth.timing import Continuous, Discrete
+
+NAME = "maglev_5dof"
+TIME = Discrete(1e-3)
+OMEGA0 = 1.5 * pi  # rad/s, the frequency of the references, F section IV-B
+FREQUENCIES = (0.0, OMEGA0)  # rad/s, the exosystem of F(15)
+FILTER = 1000.0  # rad/s: 300 makes the phi loop unstable and 500 leaves it a peak sensitivity of 4.6
+CURRENT = 7 / sqrt(2)  # A rms, 7 A peak, F section II
+RATED = 5 / sqrt(2)  # A rms, 5 A peak continuous, F section II
+ANTI_WINDUP = (7e-5, 7e-5, 7e-5)  # E_x = E_z, F section IV-A
+BAD_SAMPLES = 5
+SAFE_CURRENT = 2.5  # A rms of i_d: lets the platen down from every gap of 18.1 mm or more
+SLEW = 100.0  # A/s
+
+
+GAP, PHI, THETA, STROKE = (0.018, 0.031), 0.003, 0.014, 0.05  # m, rad, rad, m: the box of the stage
+ENCODER_13, ENCODER_24 = (0.0168, 0.0322), (0.0124, 0.0366)  # m: motor gaps over that box
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One controlled coordinate: its signals, LQR weights on (e, v, xi1, xi2, xi3) with R = 1, bounds of its states."""
+
+    name: str
+    position: Signal
+    reference: Signal
+    weights: tuple[float, float, float, float, float]
+    velocity_bound: float
+    xi_bounds: tuple[float, float, float]
+    excess: Signal | None = None
+
+    @property
+    def velocity(self) -> Signal:
+        """The filtered velocity."""
+        unit, bound = f"{self.position.unit}/s", self.velocity_bound
+        return Signal(f"v_{self.name}", unit, -bound, bound, "filtered velocity")
+
+    @property
+    def demand(self) -> Signal:
+        """The demanded acceleration w."""
+        return Signal(f"w_{self.name}", f"{self.position.unit}/s^2", -1e4, 1e4, "demanded acceleration")
+
+
+def _axes() -> tuple[Axis, ...]:
+    y, xz = (3e4, 3e4, 2.5e9, 2.5e7, 2.5e7), (1500.0, 1500.0, 4.5e8, 2.25e6, 2.25e6)
+    theta = (4e4, 4e4, 4e9, 4e7, 4e7)
+    narrow, wide = (2e-3, 2e-2, 2e-1), (5e-3, 5e-2, 5e-1)
+    reference = {n: Signal(f"{n}_ref_held", g.signal.unit, g.signal.low, g.signal.high) for n, g in _SET_POINTS.items()}
+    gap = Signal("y", "m", 0.0145, 0.0345, "gap at the centre")
+    x, z = (Signal(f"{n}_held", "m", -STROKE, STROKE) for n in "xz")
+    phi = Signal("phi", "rad", -0.02, 0.02, "rotation about X")
+    tilt = Signal("theta", "rad", -0.031, 0.031, "rotation about Z")
+    excess = {n: Signal(f"excess_{n}", "A", -1e6, 1e6, f"u_{n} limited less u_{n} demanded") for n in "xz"}
+    return (
+        Axis("y", gap, reference["y"], y, 20.0, narrow),
+        Axis("x", x, reference["x"], xz, 20.0, wide, excess["x"]),
+        Axis("z", z, reference["z"], xz, 20.0, wide, excess["z"]),
+        Axis("phi", phi, reference["phi"], theta, 60.0, narrow),
+        Axis("theta", tilt, reference["theta"], theta, 60.0, narrow),
+    )
+
+
+def _measured(name: str, bounds: tuple[float, float], initial: float, about: str) -> safety.Guarded:
+    return safety.Guarded(Signal(name, "m", *bounds, about), initial, True)
+
+
+_MEASUREMENTS = (
+    *(_measured(f"y{j}", (ENCODER_13, ENCODER_24)[j % 2 == 0], GAP[1], f"gap of motor {j}") for j in range(1, 5)),
+    *(_measured(n, (-STROKE, STROKE), 0.0, f"platen along {n.upper()}") for n in "xz"),
+)
+_SET_POINTS = {
+    "y": safety.Guarded(Signal("y_ref", "m", *GAP, "set-point of the gap"), GAP[1], False),
+    "x": safety.Guarded(Signal("x_ref", "m", -STROKE, STROKE, "set-point along X"), 0.0, False),
+    "z": safety.Guarded(Signal("z_ref", "m", -STROKE, STROKE, "set-point along Z"), 0.0, False),
+    "phi": safety.Guarded(Signal("phi_ref", "rad", -PHI, PHI, "set-point of the rotation about X"), 0.0, False),
+    "theta": safety.Guarded(Signal("theta_ref", "rad", -THETA, THETA, "set-point of the rotation about Z"), 0.0, False),
+}
+INPUTS = (*_MEASUREMENTS, *_SET_POINTS.values())
+OUTPUTS = tuple(
+    Signal(f"i_{axis}{j}", "A", -CURRENT, CURRENT, f"{what} current of motor {j}, rms")
+    for axis, what in (("d", "direct"), ("q", "quadrature"))
+    for j in range(1, 5)
+)
+AXES = _axes()
+SAFETY = safety.Safety(
+    BAD_SAMPLES,
+    {s.name: SAFE_CURRENT if s.name.startswith("i_d") else 0.0 for s in OUTPUTS},
+    {s.name: SLEW for s in OUTPUTS},
+    "zero current slams the platen up below 28.7 mm; 2.5 A rms lets it down from 18.1 mm and above",
+)
+
+
+def axis_plant(axis: Axis) -> StateSpace:
+    """Return the double integrator q'' = w of F(13) with the internal model of F(14), states (e, v, xi1, xi2, xi3)."""
+    integrator = StateSpace(
+        [[0, 1], [0, 0]], [[0], [1]], [[1, 0]], [[0]], ("e", "v"), (axis.demand.name,), ("e",), Continuous()
+    )
+    return internal_model.augmented(integrator, FREQUENCIES)
+
+
+def gain(axis: Axis) -> lqr.Gain:
+    """Return the axis' continuous LQR gain, w = K (e, v, xi)."""
+    return lqr.lqr(axis_plant(axis), np.diag(axis.weights), np.eye(1))
+
+
+def _filter(axis: Axis) -> Block:
+    return derivative_filter.block(f"filter_{axis.name}", TIME, axis.position, axis.velocity, FILTER, lag=0.1)
+
+
+def regulator_block(axis: Axis) -> Block:
+    """Return the regulator of one axis, F(14)-(17)."""
+    return regulator.block(
+        f"regulator_{axis.name}",
+        TIME,
+        gain(axis),
+        FREQUENCIES,
+        position=axis.position,
+        reference=axis.reference,
+        velocity=axis.velocity,
+        demand=axis.demand,
+        bounds=axis.xi_bounds,
+        anti_windup=(axis.excess, ANTI_WINDUP) if axis.excess else None,
+        tag="F(14)-(17)" if axis.excess else "F(14)-(16)",
+    )

@@ -1,0 +1,258 @@
+"""A platen levitated below four linear motors: three translations and two rotations.
+
+                    ^ Z                     y  gap of the centre, positive down; x, z horizontal
+                 [motor 3]                  phi, theta  rotations about X and Z
+                                            (5) g1 = y - r sin phi,  g2 = y + r sin theta,
+    [motor 4]    platen    [motor 2] --> X      g3 = y + r sin phi,  g4 = y - r sin theta
+                                            u_x  quadrature current of motors 2 and 4
+                 [motor 1]                  u_z  quadrature current of motors 1 and 3
+
+With the forces F_H, F_V of `models.pmlsm` at each gap, the full model is
+
+    (6) y''     = G + sum_j F_V(g_j) / M_y
+        x''     = (F_H(g2) + F_H(g4)) / M_x,            z'' = (F_H(g1) + F_H(g3)) / M_z
+    (7) phi''   = r (F_V(g3) - F_V(g1)) / I_x - k_s_phi phi
+        theta'' = r (F_V(g2) - F_V(g4)) / I_z - k_s_theta theta
+
+and, with the direct currents (8) from v = (v_y, v_phi, v_theta), a polynomial in v (9), whose small terms (11) drops.
+The last terms of (6) read -C_v3 (L_v3(g1) + L_v3(g3)) u_z^2 - C_v3 (L_v3(g2) + L_v3(g4)) u_x^2. Currents are rms.
+
+Source: Fulford, Maggiore, Apkarian, "Control of a 5DOF Magnetically Levitated Positioning Stage", (5)-(11).
+"""
+
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, replace
+from math import sqrt
+
+import casadi as ca
+
+from models import pmlsm
+from synth.errors import ModelError
+from synth.plant import Plant, build, symbols
+from synth.signals import Parameter, Signal
+
+Exprs = Mapping[str, ca.SX]
+
+PEAK = 7 / sqrt(2)  # A rms: 7 A peak
+TABLE = pmlsm.TABLE
+PARAMETERS = (
+    *pmlsm.PARAMETERS,
+    Parameter("motor_separation", 0.4, "m", 1.25e-3, "Table I; enters no equation"),
+    Parameter("M_x", 10.6, "kg", 5e-3, TABLE),
+    Parameter("M_z", 8.6, "kg", 6e-3, TABLE),
+    Parameter("M_y", 6.9, "kg", 8e-3, TABLE),
+    Parameter("r", 0.397, "m", 1.3e-3, TABLE),
+    Parameter("I_x", 0.5268, "kg m^2/rad", 1e-4, TABLE),
+    Parameter("I_z", 0.5268, "kg m^2/rad", 1e-4, TABLE),
+    Parameter("k_s_phi", 15000.0, "1/s^2", 0.3, "not printed: chosen below 35719, where 5 A still reach 3 mrad"),
+    Parameter("k_s_theta", 3000.0, "1/s^2", 0.3, "not printed: chosen below 9818, where 5 A still reach 14 mrad"),
+    Parameter("G", 9.81, "m/s^2", 3e-3, "standard gravity to three digits"),
+)
+STATES = (
+    Signal("y", "m", 0.018, 0.031, "gap at the centre, x1"),
+    Signal("vy", "m/s", -0.5, 0.5, "x2"),
+    Signal("x", "m", -0.05, 0.05, "x3"),
+    Signal("vx", "m/s", -1.0, 1.0, "x4"),
+    Signal("z", "m", -0.05, 0.05, "x5"),
+    Signal("vz", "m/s", -1.0, 1.0, "x6"),
+    Signal("phi", "rad", -0.003, 0.003, "rotation about X, x7"),
+    Signal("wphi", "rad/s", -0.5, 0.5, "x8"),
+    Signal("theta", "rad", -0.014, 0.014, "rotation about Z, x9"),
+    Signal("wtheta", "rad/s", -1.0, 1.0, "x10"),
+)
+RATE = {"y": "vy", "x": "vx", "z": "vz", "phi": "wphi", "theta": "wtheta"}
+INPUTS = (
+    *(Signal(f"i_d{j}", "A", -PEAK, PEAK, f"rms direct current of motor {j}") for j in (1, 2, 3, 4)),
+    Signal("u_x", "A", -PEAK, PEAK, "rms quadrature current of motors 2 and 4"),
+    Signal("u_z", "A", -PEAK, PEAK, "rms quadrature current of motors 1 and 3"),
+)
+OUTPUTS = (
+    *(signal for signal in STATES if signal.name in RATE),
+    *(Signal(f"g{j}", "m", 0.012, 0.037, f"gap of motor {j}") for j in (1, 2, 3, 4)),
+)
+QUADRATURE = ("u_z", "u_x", "u_z", "u_x")  # of motors 1 to 4
+TRANSFORMED = ("v_y", "v_phi", "v_theta")
+
+# (9): each coefficient's acceleration and the monomial of v that it multiplies.
+TERMS: Mapping[str, tuple[str, tuple[str, ...]]] = {
+    "a1": ("y", ()),
+    "a2": ("y", ("v_phi",)),
+    "a3": ("y", ("v_y",)),
+    "a4": ("y", ("v_phi", "v_y")),
+    "a5": ("y", ("v_phi", "v_phi")),
+    "a6": ("y", ("v_y", "v_y")),
+    "a7": ("y", ("v_theta",)),
+    "a8": ("y", ("v_y", "v_theta")),
+    "a9": ("y", ("v_theta", "v_theta")),
+    "b1": ("phi", ()),
+    "b2": ("phi", ("v_phi",)),
+    "b3": ("phi", ("v_y",)),
+    "b4": ("phi", ("v_phi", "v_y")),
+    "b5": ("phi", ("v_phi", "v_phi")),
+    "b6": ("phi", ("v_y", "v_y")),
+    "c1": ("theta", ()),
+    "c2": ("theta", ("v_theta",)),
+    "c3": ("theta", ("v_y",)),
+    "c4": ("theta", ("v_y", "v_theta")),
+    "c5": ("theta", ("v_theta", "v_theta")),
+    "c6": ("theta", ("v_y", "v_y")),
+}
+NEGLIGIBLE = ("a4", "a5", "a6", "a8", "a9", "b4", "b5", "b6", "c4", "c5", "c6")  # what (11) drops
+
+
+def nominal(**changed: float) -> dict[str, ca.SX]:
+    """Return the parameters' values by name as constant expressions, some of them `changed`."""
+    return {p.name: ca.SX(changed.get(p.name, p.value)) for p in PARAMETERS}
+
+
+def gaps(x: Exprs, p: Exprs) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+    """Return g1..g4 in m from y in m and phi, theta in rad. Source: (5)."""
+    phi, theta = p["r"] * ca.sin(x["phi"]), p["r"] * ca.sin(x["theta"])
+    return x["y"] - phi, x["y"] + theta, x["y"] + phi, x["y"] - theta
+
+
+def kinematics(y1: ca.SX, y2: ca.SX, y3: ca.SX, y4: ca.SX, r: ca.SX) -> dict[str, ca.SX]:
+    """Return y in m and phi, theta in rad from the heights at the four motors in m; the inverse of (5).
+
+    y = mean(y1..y4), sin phi = (y3 - y1)/(2 r), sin theta = (y2 - y4)/(2 r).
+    """
+    return {
+        "y": (y1 + y2 + y3 + y4) / 4,
+        "phi": ca.asin((y3 - y1) / (2 * r)),
+        "theta": ca.asin((y2 - y4) / (2 * r)),
+    }
+
+
+def input_transformation(v: Exprs) -> dict[str, ca.SX]:
+    """Return i_d1..i_d4 in A from v_y, v_phi, v_theta in A. Source: (8)."""
+    return {
+        "i_d1": (v["v_y"] + v["v_phi"]) / 2,
+        "i_d2": (v["v_y"] - v["v_theta"]) / 2,
+        "i_d3": (v["v_y"] - v["v_phi"]) / 2,
+        "i_d4": (v["v_y"] + v["v_theta"]) / 2,
+    }
+
+
+def accelerations(x: Exprs, u: Exprs, p: Exprs, reading: pmlsm.Reading = pmlsm.STRESS) -> dict[str, ca.SX]:
+    """Return y'', x'', z'' in m/s^2 and phi'', theta'' in rad/s^2 from y, phi, theta and the six currents.
+
+    Source: (6), (7), with every quadratic term.
+    """
+    g = gaps(x, p)
+    motors = list(zip(g, (u[f"i_d{j}"] for j in (1, 2, 3, 4)), (u[name] for name in QUADRATURE), strict=True))
+    F_V = [pmlsm.normal_force(gap, i_d, i_q, p, reading) for gap, i_d, i_q in motors]
+    F_H = [pmlsm.thrust(gap, i_q, p, reading) for gap, _, i_q in motors]
+    return {
+        "y": p["G"] + sum(F_V) / p["M_y"],
+        "x": (F_H[1] + F_H[3]) / p["M_x"],
+        "z": (F_H[0] + F_H[2]) / p["M_z"],
+        "phi": p["r"] * (F_V[2] - F_V[0]) / p["I_x"] - p["k_s_phi"] * x["phi"],
+        "theta": p["r"] * (F_V[1] - F_V[3]) / p["I_z"] - p["k_s_theta"] * x["theta"],
+    }
+
+
+def plant(lv3: str = "csch2") -> Plant:
+    """Return the full model (5)-(7): ten states, six currents, outputs y, x, z, phi, theta and the motors' gaps.
+
+    `lv3` is "csch2" or, as printed, "coth2".
+
+    Raises ModelError for another `lv3`.
+    """
+    reading = _reading(lv3)
+
+    def physics(x: Exprs, u: Exprs, p: Exprs) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
+        second = accelerations(x, u, p, reading)
+        derivative = {q: x[v] for q, v in RATE.items()} | {v: second[q] for q, v in RATE.items()}
+        named_gaps = {f"g{j}": g for j, g in enumerate(gaps(x, p), 1)}
+        return derivative, {q: x[q] for q in RATE} | named_gaps
+
+    return build("maglev_stage", STATES, INPUTS, OUTPUTS, PARAMETERS, physics)
+
+
+@dataclass(frozen=True, eq=False)
+class InputPolynomial:
+    """The accelerations as polynomials in v: (9), or (11) when terms are left out.
+
+    `x` holds the symbols y, phi, theta; `u` those of u_x, u_z; `v` those of v_y, v_phi, v_theta. `coefficients` maps
+    a1..a9, b1..b6, c1..c6 (each kept name of `TERMS`) and h_x, h_z to expressions in x, in u, and in what symbols the
+    parameters contained. The unit of a coefficient is that of its acceleration over A^degree.
+    """
+
+    x: Exprs
+    u: Exprs
+    v: Exprs
+    coefficients: Exprs
+
+    def accelerations(self) -> dict[str, ca.SX]:
+        """Return the five accelerations, put together from the kept monomials."""
+        total = {q: ca.SX(0) for q in RATE}
+        for name, expr in self.coefficients.items():
+            if name in TERMS:
+                acceleration, monomial = TERMS[name]
+                total[acceleration] += expr * _product(self.v[n] for n in monomial)
+        return total | {q: self.coefficients[f"h_{q}"] * self.u[f"u_{q}"] for q in ("x", "z")}
+
+    def decoupling(self) -> ca.SX:
+        """Return [[a3, a2, a7], [b3, b2, 0], [c3, 0, c2]], the matrix (3, 3) in (11) and (12)."""
+        second = self.accelerations()
+        vertical = ca.vcat([second[q] for q in ("y", "phi", "theta")])
+        v = ca.vcat([self.v[name] for name in TRANSFORMED])
+        return ca.substitute(ca.jacobian(vertical, v), v, ca.SX.zeros(v.numel()))
+
+
+def input_polynomial(p: Exprs, lv3: str = "csch2") -> InputPolynomial:
+    """Return (9): the coefficients are derivatives at v = 0 of the full model (6), (7) under (8).
+
+    `p` holds the parameters by name, as numbers (`nominal()`) or as symbols.
+
+    Raises ModelError for an unknown `lv3`.
+    """
+    x = {name: ca.SX.sym(name) for name in ("y", "phi", "theta")}
+    u = {name: ca.SX.sym(name) for name in ("u_x", "u_z")}
+    v = {name: ca.SX.sym(name) for name in TRANSFORMED}
+    second = accelerations(x, u | input_transformation(v), p, _reading(lv3))
+    found = {name: _coefficient(second[q], v, monomial) for name, (q, monomial) in TERMS.items()}
+    found |= {f"h_{q}": ca.jacobian(second[q], u[f"u_{q}"]) for q in ("x", "z")}
+    return InputPolynomial(x, u, v, found)
+
+
+def simplified(model: InputPolynomial, dropped: Collection[str] = NEGLIGIBLE) -> InputPolynomial:
+    """Return the model without the `dropped` terms: (11) for the default.
+
+    Raises ModelError for a name that the model does not have.
+    """
+    unknown = [name for name in dropped if name not in model.coefficients or name not in TERMS]
+    if unknown:
+        kept = ", ".join(name for name in model.coefficients if name in TERMS)
+        raise ModelError(f"the terms {', '.join(unknown)} cannot be dropped: the polynomial has {kept}")
+    return replace(model, coefficients={n: e for n, e in model.coefficients.items() if n not in dropped})
+
+
+def parameter_symbols() -> dict[str, ca.SX]:
+    """Return one symbol for each parameter, by name."""
+    return symbols(PARAMETERS)
+
+
+def _reading(lv3: str) -> pmlsm.Reading:
+    if lv3 == "csch2":
+        return pmlsm.Reading("csch2")
+    if lv3 == "coth2":
+        return pmlsm.Reading("coth2")
+    raise ModelError(f"the factor in L_v3 is named '{lv3}': choose 'csch2', or 'coth2' as printed")
+
+
+def _coefficient(expr: ca.SX, v: Exprs, monomial: tuple[str, ...]) -> ca.SX:
+    """Return the coefficient of a monomial: its mixed derivative at v = 0 over the factorials of its powers."""
+    factor = 1
+    for position, name in enumerate(monomial):
+        expr = ca.jacobian(expr, v[name])
+        factor *= 1 + monomial[:position].count(name)
+    at_zero = ca.substitute(expr, ca.vcat(list(v.values())), ca.SX.zeros(len(v)))
+    return ca.simplify(at_zero / factor)
+
+
+def _product(factors: Iterable[ca.SX]) -> ca.SX:
+    result = ca.SX(1)
+    for factor in factors:
+        result *= factor
+    return result

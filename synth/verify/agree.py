@@ -1,0 +1,165 @@
+"""Agreement of independent witnesses of one step (x, u) -> (x', y, faults).
+
+    reference   NumPy, written from the paper's equations, with gains of its own
+    casadi      CasADi's evaluation of the Block
+    casadi_c    CasADi's own C of the Block, double
+    c64, c32    the emitted C in double and in single precision
+
+A difference of the value v from the value r is |v - r| / max(floor, |r|), with the floor in the signal's unit: 1 A for
+currents. Every witness takes the same bits in: samples are drawn once, in the scalar type of the coarser witness.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from synth.block import Block
+from synth.emit import casadi_c
+from synth.execute import compile as host_compiler
+from synth.execute import host
+
+Columns = Mapping[str, NDArray[Any]]
+
+
+@dataclass(frozen=True)
+class Stepped:
+    """N steps: outputs and next states as columns (N,) by name, fault words (N,)."""
+
+    outputs: Columns
+    states: Columns
+    faults: NDArray[np.uint32]
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """How far `second` is from `first` over `samples` steps: the worst difference, its signal and its sample.
+
+    `ulps` is the worst difference in units in the last place of the second's scalar type at the value; `faults_differ`
+    counts samples whose fault words are unlike.
+    """
+
+    first: str
+    second: str
+    what: str
+    samples: int
+    worst: float
+    signal: str
+    sample: int
+    ulps: float
+    faults_differ: int
+
+
+Witness = Callable[[Columns, Columns], Stepped]
+
+
+def compare(
+    what: str,
+    first: tuple[str, Stepped],
+    second: tuple[str, Stepped],
+    floor: float,
+    scalar: type[np.floating] = np.float64,
+) -> Agreement:
+    """Compare the outputs of two witnesses of the same N steps; a value that is no number differs by infinity."""
+    (name, r), (other, v) = first, second
+    worst, where, sample, ulps = 0.0, "", 0, 0.0
+    for signal, expected in r.outputs.items():
+        found = np.asarray(v.outputs[signal], dtype=np.float64)
+        reference = np.asarray(expected, dtype=np.float64)
+        with np.errstate(invalid="ignore"):
+            gap = np.abs(found - reference)
+        gap = np.where(np.isfinite(gap), gap, np.inf)
+        difference = gap / np.maximum(floor, np.abs(reference))
+        spacing = np.spacing(np.maximum(np.abs(reference), floor).astype(scalar)).astype(np.float64)
+        ulps = max(ulps, float(np.max(gap / spacing)))
+        k = int(np.argmax(difference))
+        if not where or difference[k] > worst:
+            worst, where, sample = float(difference[k]), signal, k
+    unlike = int(np.count_nonzero(np.asarray(r.faults) != np.asarray(v.faults)))
+    return Agreement(name, other, what, len(r.faults), worst, where, sample, ulps, unlike)
+
+
+def emitted(controller: host.Controller) -> Witness:
+    """Return emitted C as a witness: one step from each of N states."""
+
+    def step(states: Columns, inputs: Columns) -> Stepped:
+        n = len(next(iter(inputs.values())))
+        records = np.zeros(n, controller.state)
+        for name, values in states.items():
+            records[name] = values
+        batch = controller.batch(records, inputs)
+        return Stepped(batch.outputs, host.columns(batch.states), batch.faults)
+
+    return step
+
+
+def casadi(block: Block) -> Witness:
+    """Return CasADi's evaluation of the Block as a witness."""
+    return _function(block, _with_faults(block))
+
+
+def casadi_own_c(block: Block, flags: Sequence[str] = ()) -> Witness:
+    """Return CasADi's own C of the Block, compiled here, as a witness."""
+    f = _with_faults(block)
+    library = host_compiler.shared_library(casadi_c.functions([f], f"{block.name}_casadi"), flags)
+    return _function(block, ca.external(f.name(), str(library)))
+
+
+def reference(step: Callable[[Any, Any], tuple[Columns, Columns, Any]]) -> Witness:
+    """Return a NumPy step(state, inputs) -> (state', outputs, faults) as a witness."""
+
+    def witness(states: Columns, inputs: Columns) -> Stepped:
+        after, outputs, faults = step(states, inputs)
+        return Stepped(outputs, after, np.asarray(faults, dtype=np.uint32))
+
+    return witness
+
+
+def recorded(witness: Witness, states: Mapping[str, float], inputs: Columns) -> Stepped:
+    """Run a witness over N recorded inputs in a row, from one state, by one step at a time."""
+    n = len(next(iter(inputs.values())))
+    now: Columns = {name: np.array([value]) for name, value in states.items()}
+    outputs: dict[str, NDArray[Any]] = {}
+    faults = np.zeros(n, np.uint32)
+    for k in range(n):
+        stepped = witness(now, {name: values[k : k + 1] for name, values in inputs.items()})
+        now, faults[k] = stepped.states, stepped.faults[0]
+        for name, value in stepped.outputs.items():
+            outputs.setdefault(name, np.empty(n))[k] = value[0]
+    return Stepped(outputs, now, faults)
+
+
+def replayed(controller: host.Controller, inputs: Columns) -> Stepped:
+    """Run emitted C over N recorded inputs in a row, from `init`."""
+    replay = controller.replay(inputs)
+    state = {name: np.atleast_1d(replay.state[name]) for name in replay.state.dtype.names or ()}
+    return Stepped(replay.outputs, state, replay.faults)
+
+
+def _with_faults(block: Block) -> ca.Function:
+    """Return (x, u) -> (x', y, fault word)."""
+    f = block.function()
+    x, u = f.sx_in()
+    symbols = [block.symbol[s.name] for s in (*block.states, *block.inputs)]
+    bits = [ca.substitute(block.output[b.output], ca.vcat(symbols), ca.vertcat(x, u)) for b in block.faults]
+    word = sum((2.0**b.bit * ca.if_else(bit, 1, 0) for b, bit in zip(block.faults, bits, strict=True)), start=ca.SX(0))
+    next, y = f.call([x, u])
+    dense = [ca.densify(e) for e in (next, y, word)]
+    return ca.Function(f"{block.name}_witness", [x, u], ca.cse(dense))
+
+
+def _function(block: Block, f: ca.Function) -> Witness:
+    def step(states: Columns, inputs: Columns) -> Stepped:
+        x = np.array([np.asarray(states[s.name], dtype=np.float64) for s in block.states])
+        u = np.array([np.asarray(inputs[s.name], dtype=np.float64) for s in block.inputs])
+        next, y, word = (np.asarray(r) for r in f(x, u))
+        return Stepped(
+            {s.name: row for s, row in zip(block.outputs, y, strict=True)},
+            {s.name: row for s, row in zip(block.states, next, strict=True)},
+            word[0].astype(np.uint32),
+        )
+
+    return step
