@@ -9,10 +9,8 @@ a motor's limit is on sqrt(i_d^2 + i_q^2), levitation first, and the currents th
 and c_1 are compensated for.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import reduce
-from math import pi, sin, sqrt
+from dataclasses import dataclass, replace
+from math import pi, sqrt
 
 import casadi as ca
 import numpy as np
@@ -147,3 +145,108 @@ def regulator_block(axis: Axis) -> Block:
         anti_windup=(axis.excess, ANTI_WINDUP) if axis.excess else None,
         tag="F(14)-(17)" if axis.excess else "F(14)-(16)",
     )
+
+
+def kinematics(plant: Plant) -> Block:
+    """Return the Block from the four vertical encoders to y, phi and theta, the inverse of F(5)."""
+    r = plant.parameter("r").value
+    held = [Signal(f"y{j}_held", "m", *(ENCODER_13, ENCODER_24)[j % 2 == 0]) for j in range(1, 5)]
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        return Step(maglev_stage.kinematics(*(u[s.name] for s in held), r))
+
+    outputs = [a.position for a in AXES if a.name in ("y", "phi", "theta")]
+    return build("kinematics", TIME, law, inputs=held, outputs=outputs, tag="F(5) inverted")
+
+
+def decoupling(plant: Plant, lv3: str = "csch2") -> Block:
+    """Return the Block from demanded accelerations to limited currents, F(8) and F(12).
+
+    The model is taken at the platen's pose, limited to the box of the stage, so that it is evaluated nowhere else. Each
+    motor keeps hypot(i_d, i_q) <= CURRENT with i_d served first: the first pass finds what levitation needs without
+    thrust and limits the thrust to what is left; the second finds what levitation needs with that thrust.
+    """
+    box = {"y": Signal("y", "m", *GAP), "phi": Signal("phi", "rad", -PHI, PHI)}
+    box["theta"] = Signal("theta", "rad", -THETA, THETA)
+    motor = Signal("i", "A", -CURRENT, CURRENT)
+    values = {p.name: p.value for p in plant.parameters}
+    model = maglev_stage.simplified(maglev_stage.input_polynomial(maglev_stage.nominal(**values), lv3))
+    positions = [a.position for a in AXES if a.name in box]
+    demands = [a.demand for a in AXES]
+    excess = [a.excess for a in AXES if a.excess]
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        pose = [clip(u[n], box[n]) for n in model.x]
+        second = model.accelerations()
+        w = [u[f"w_{n}"] for n in ("y", "phi", "theta")]
+        inverse = feedback_linearisation.linearise([second[n] for n in ("y", "phi", "theta")], model.v, w)
+        direct = list(maglev_stage.input_transformation(inverse.inputs).values())
+        slopes = [model.coefficients["h_x"], model.coefficients["h_z"]]
+        direct_and_slopes = ca.substitute([*direct, *slopes], list(model.x.values()), pose)
+        direct, (h_x, h_z) = direct_and_slopes[:4], direct_and_slopes[4:]
+        demand = {"x": u["w_x"] / h_x, "z": u["w_z"] / h_z}
+
+        def levitation(thrust: dict[str, ca.SX]) -> list[ca.SX]:
+            at = ca.substitute(direct, [model.u["u_x"], model.u["u_z"]], [thrust["x"], thrust["z"]])
+            return [clip(i, motor) for i in at]
+
+        def limited(thrust: dict[str, ca.SX], i_d: list[ca.SX]) -> dict[str, ca.SX]:
+            worst = {"x": ca.fmax(i_d[1] ** 2, i_d[3] ** 2), "z": ca.fmax(i_d[0] ** 2, i_d[2] ** 2)}
+            room = {n: ca.sqrt(CURRENT**2 - square) for n, square in worst.items()}
+            return {n: ca.fmax(ca.fmin(thrust[n], room[n]), -room[n]) for n in thrust}
+
+        thrust_1 = limited(demand, levitation({"x": ca.SX(0), "z": ca.SX(0)}))
+        i_d = levitation(thrust_1)
+        thrust = limited(thrust_1, i_d)
+        i_q = [thrust[name[-1]] for name in maglev_stage.QUADRATURE]
+        output = {f"i_d{j}_computed": i for j, i in enumerate(i_d, 1)}
+        output |= {f"i_q{j}_computed": i for j, i in enumerate(i_q, 1)}
+        output |= {f"excess_{n}": thrust[n] - demand[n] for n in thrust}
+        thrusts = [(Signal(f"u_{n}_demand", "A", -1e6, 1e6), demand[n]) for n in ("x", "z")]
+        return Step(output, named=thrusts)
+
+    computed = [replace(s, name=f"{s.name}_computed") for s in OUTPUTS]
+    inputs, outputs = [*positions, *demands], [*computed, *excess]
+    return build("decoupling", TIME, law, inputs=inputs, outputs=outputs, tag="F(8), F(12), limits")
+
+
+def controller(plant: Plant, lv3: str = "csch2") -> Block:
+    """Return the whole controller for the stage's parameters: six encoders and five set-points in, eight currents out."""
+    guard = safety.guard(TIME, INPUTS, BAD_SAMPLES)
+    loops = [block for a in AXES for block in (_filter(a), regulator_block(a))]
+    blocks = [guard, kinematics(plant), *loops, decoupling(plant, lv3), safety.safe_output(TIME, OUTPUTS, SAFETY)]
+    return compose(NAME, blocks, inputs=[g.signal.name for g in INPUTS], outputs=[s.name for s in OUTPUTS])
+
+
+def phase_currents(plant: Plant) -> Block:
+    """Return the commutation: 12 phase currents from the motors' direct and quadrature currents and the position.
+
+    Motors 2 and 4 lie along X, 1 and 3 along Z. Inputs are held while bad, and nothing latches here: the controller
+    that computes the currents does.
+    """
+    tau = plant.parameter("tau").value
+    positions = {n: Signal(n, "m", -STROKE, STROKE, f"platen along {n.upper()}") for n in "xz"}
+    guarded = [safety.Guarded(s, SAFETY.safe_output[s.name], False) for s in OUTPUTS]
+    guarded += [safety.Guarded(s, 0.0, False) for s in positions.values()]
+    peak = sqrt(2) * sqrt(2) * CURRENT  # both inputs at their limit
+    outputs = [
+        Signal(f"i_{phase}{j}", "A", -peak, peak, f"phase {phase} of motor {j}, instantaneous")
+        for j in range(1, 5)
+        for phase in "abc"
+    ]
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        output = {}
+        for j, thrust in enumerate(maglev_stage.QUADRATURE, 1):
+            angle = windings.electrical_angle(u[f"{thrust[-1]}_held"], tau)
+            phases = windings.phase_currents(u[f"i_d{j}_held"], u[f"i_q{j}_held"], angle)
+            output |= {f"i_a{j}": phases.a, f"i_b{j}": phases.b, f"i_c{j}": phases.c}
+        return Step(output)
+
+    held = [replace(g.signal, name=f"{g.signal.name}_held") for g in guarded]
+    blocks = [
+        safety.guard(TIME, guarded, BAD_SAMPLES),
+        build("commutation", TIME, law, inputs=held, outputs=outputs, tag="inverse Park"),
+    ]
+    inputs, names = [g.signal.name for g in guarded], [s.name for s in outputs]
+    return compose(f"{NAME}_phase", blocks, inputs=inputs, outputs=names)

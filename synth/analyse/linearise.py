@@ -1,6 +1,8 @@
 """Linearisation: dx = A x + B u, y = C x + D u for small deviations from an operating point.
 
-    A = df/dx, B = df/du, C = dh/dx, D = dh/du   at (x0, u0, p0), by exact differentiation of the plant's expressions.
+    A = df/dx, B = df/du, C = dh/dx, D = dh/du
+
+at (x0, u0, p0), by exact differentiation of the plant's expressions.
 """
 
 import casadi as ca

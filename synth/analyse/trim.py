@@ -3,8 +3,8 @@
     minimise  sum_j ((w_j - ref_j) / scale_j)^2   subject to   f(x, u, p) = 0
 
 over the named free signals, everything else held. ref_j is the value nearest zero in the signal's range and scale_j
-half the width of that range. So among several roots the one nearest zero is found, and where inputs are redundant the
-smallest ones serve.
+half the width of that range. Where inputs are redundant the smallest ones serve. Of several roots, as a quadratic input
+gives them, the one reached from zero is taken: a local minimum of the distance.
 
 Method. Least squares from the reference finds a root, or the least that the equations can come to. Newton's method on
 the conditions of stationarity, J^T l + z = 0 and f = 0 with z = (w - ref)/scale, then makes it the nearest one.
@@ -179,9 +179,7 @@ def _polished(problem: _Problem, z: Array) -> Array:
     return polished if nearer and problem.met(polished) else z
 
 
-def _no_trim(
-    plant: Plant, problem: _Problem, z: Array, free: tuple[str, ...], fixed: tuple[str, ...]
-) -> ModelError:
+def _no_trim(plant: Plant, problem: _Problem, z: Array, free: tuple[str, ...], fixed: tuple[str, ...]) -> ModelError:
     residual = problem.residual(z)
     worst = int(np.nanargmax(np.abs(residual) / problem.tolerance))
     state: Signal = plant.states[worst]

@@ -169,11 +169,14 @@ class Controller:
 def load(files: Mapping[str, str], manifest: Mapping[str, Any], flags: Sequence[str] = ()) -> Controller:
     """Compile `{filename: text}` of emitted C as `manifest` describes it; `flags` follow the compiler's own.
 
+    Files that are neither .c nor .h are left out.
+
     Raises DesignError when the manifest or a header is not whole, and CompileError when the compiler refuses the C or
     finds a struct that is laid out otherwise than the manifest says.
     """
     dtypes = {role: _dtype(role, manifest) for role in ("input", "output", "state")}
-    library = host_compiler.shared_library({**files, _GLUE_FILE: _glue(files, manifest)}, flags)
+    code = {name: text for name, text in files.items() if name.endswith((".c", ".h"))}
+    library = host_compiler.shared_library({**code, _GLUE_FILE: _glue(files, manifest)}, flags)
     return Controller(manifest, dtypes["input"], dtypes["output"], dtypes["state"], ctypes.CDLL(str(library)))
 
 
