@@ -216,6 +216,18 @@ def input_polynomial(p: Exprs, lv3: str = "csch2") -> InputPolynomial:
     return InputPolynomial(x, u, v, found)
 
 
+def quadratic_part(p: Exprs, lv3: str, x: Exprs) -> tuple[dict[str, ca.SX], list[ca.SX]]:
+    """Return what of y'', phi'', theta'' is of second degree in i_d1..i_d4, and the symbols of those four currents.
+
+    These are the terms that (11) drops, before (8) ties the currents together. `x` holds the symbols y, phi, theta.
+    """
+    i_d = {f"i_d{j}": ca.SX.sym(f"i_d{j}") for j in (1, 2, 3, 4)}
+    u, currents = {"u_x": ca.SX(0), "u_z": ca.SX(0)} | i_d, list(i_d.values())
+    second = accelerations(x, u, p, _reading(lv3))
+    halved = {q: [ca.jacobian(ca.jacobian(second[q], i), i) / 2 for i in currents] for q in ("y", "phi", "theta")}
+    return {q: sum(h * i**2 for h, i in zip(row, currents, strict=True)) for q, row in halved.items()}, currents
+
+
 def simplified(model: InputPolynomial, dropped: Collection[str] = NEGLIGIBLE) -> InputPolynomial:
     """Return the model without the `dropped` terms: (11) for the default.
 

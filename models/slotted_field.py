@@ -127,11 +127,15 @@ def grid(geometry: Geometry, gap: float, cells: int) -> Grid:
     column = np.r_[b * _both_ends(2 * cells)[:-1], b + (pitch - b) * _both_ends(cells)[:-1]]
     x = np.r_[np.add.outer(pitch * np.arange(SLOTS_PER_POLE), column).ravel(), geometry.tau]
     half, low = gap / 2, geometry.h_m + gap / 2
-    y = np.r_[geometry.h_m * even[:-1:2], geometry.h_m + half * even[:-1], low + half * (1 - (1 - even[:-1]) ** 2),
-              low + half + geometry.slot_depth * even**2]
+    y = np.r_[
+        geometry.h_m * even[:-1:2],
+        geometry.h_m + half * even[:-1],
+        low + half * (1 - (1 - even[:-1]) ** 2),
+        low + half + geometry.slot_depth * even**2,
+    ]
     slot = np.concatenate([np.r_[np.full(2 * cells, s), np.full(cells, -1)] for s in range(SLOTS_PER_POLE)])
     air = np.ones((len(x) - 1, len(y) - 1), dtype=bool)
-    air[slot < 0, 5 * cells:] = False
+    air[slot < 0, 5 * cells :] = False
     nodes = _to_nodes(air.astype(float)) > 0
     return Grid(x, y, cells, 3 * cells, 5 * cells, air, nodes, slot)
 
@@ -164,8 +168,8 @@ def matrix(g: Grid, geometry: Geometry, x_m: float) -> csc_matrix:
     """Return the five-point matrix of -div(nu mu0 grad A), nu averaged in series along x and in parallel along y."""
     nu_x, nu_y = g.air.astype(float), g.air.astype(float)
     share = np.abs(_magnet_share(g, geometry, x_m))[:, None]
-    nu_x[:, :g.top] /= 1 + share * (geometry.mu_rec - 1)
-    nu_y[:, :g.top] *= 1 + share * (1 / geometry.mu_rec - 1)
+    nu_x[:, : g.top] /= 1 + share * (geometry.mu_rec - 1)
+    nu_y[:, : g.top] *= 1 + share * (1 / geometry.mu_rec - 1)
     h_x, h_y = np.diff(g.x)[:, None], np.diff(g.y)[None, :]
     along_x = np.pad(nu_x * h_y, ((0, 0), (1, 1)))
     along_x = (along_x[:, 1:] + along_x[:, :-1]) / 2 / h_x
@@ -226,7 +230,7 @@ def magnet_currents(g: Grid, geometry: Geometry, x_m: float) -> Array:
 def slot_currents(g: Grid, ampere_turns: Array) -> Array:
     """Return the nodes' share [A] of currents (3,) [A] spread evenly over the slots."""
     area = np.diff(g.x)[:, None] * np.diff(g.y)[None, :]
-    area[:, :g.face] = 0.0
+    area[:, : g.face] = 0.0
     density = np.r_[ampere_turns, 0.0][g.slot] / area[g.slot == 0].sum()
     return _to_nodes(density[:, None] * area)
 
@@ -286,8 +290,14 @@ def forces(geometry: Geometry, gap: float, cells: int = 12) -> Forces:
         magnet = solve(g, lu, magnet_currents(g, geometry, x_m))
         d = solve(g, lu, slot_currents(g, geometry.conductors * np.sin(k * (x_s - x_m))))
         q = solve(g, lu, slot_currents(g, geometry.conductors * np.cos(k * (x_s - x_m))))
-        rows.append((2 * stress(geometry, magnet, q)[0], -2 * stress(geometry, magnet, d)[1],
-                     stress(geometry, d, d)[1], *reversed(stress(geometry, magnet, magnet))))
+        rows.append(
+            (
+                2 * stress(geometry, magnet, q)[0],
+                -2 * stress(geometry, magnet, d)[1],
+                stress(geometry, d, d)[1],
+                *reversed(stress(geometry, magnet, magnet)),
+            )
+        )
     table = np.array(rows)
     thrust, vertical, attraction, lift = (float(mean) for mean in table[:, :4].mean(axis=0))
     return Forces(thrust, vertical, attraction, lift, 2 * float(np.abs(np.fft.rfft(table[:, 4])[1])) / POSITIONS)

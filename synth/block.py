@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.errors import SignalError, WiringError
-from synth.signals import Signal, dimension, names
+from synth.signals import Signal, dimension, identifier, names
 from synth.timing import Discrete, common
 
 Exprs = Mapping[str, ca.SX]
@@ -32,8 +32,16 @@ class State:
     integer: bool = False
 
     def __post_init__(self) -> None:
-        if not self.signal.low <= self.initial <= self.signal.high:
-            raise SignalError(f"state '{self.name}' starts at {self.initial}, outside its bounds: start it inside")
+        low, high = self.signal.low, self.signal.high
+        if not low <= self.initial <= high:
+            raise SignalError(
+                f"state '{self.name}' starts at {self.initial}, outside its bounds {low} .. {high}: start it inside"
+            )
+        if self.integer and (low < 0 or self.initial != int(self.initial)):
+            raise SignalError(
+                f"integer state '{self.name}' starts at {self.initial} with the lower bound {low}: "
+                "it counts up from 0, so start it at a whole number and bound it by 0 or more"
+            )
 
     @property
     def name(self) -> str:
@@ -49,6 +57,13 @@ class Constant:
     value: float
     unit: str
     source: str
+
+    def __post_init__(self) -> None:
+        identifier("constant", self.name)
+        if not np.isfinite(self.value):
+            raise SignalError(
+                f"constant '{self.name}' is {self.value}: it must be finite; scale it for the scalar type"
+            )
 
 
 @dataclass(frozen=True)
@@ -86,9 +101,13 @@ class Block:
     inside: tuple[tuple[Named, ca.SX], ...] = ()
     faults: tuple[Fault, ...] = field(default=())
 
+    def __post_init__(self) -> None:
+        identifier("block", self.name)
+
     def rounded(self, scalar: type[np.floating]) -> "Block":
         """Return the Block with each constant rounded to `scalar`: what is analysed is then what ships."""
-        return replace(self, constants=tuple(replace(c, value=float(scalar(c.value))) for c in self.constants))
+        with np.errstate(over="ignore"):  # an overflow is infinite, which a Constant refuses
+            return replace(self, constants=tuple(replace(c, value=float(scalar(c.value))) for c in self.constants))
 
     @property
     def initial(self) -> NDArray[np.float64]:
@@ -134,20 +153,24 @@ def build(
 ) -> Block:
     """Make a Block from `law(u, x, k) -> Step`, clamping each real state to its declared bounds.
 
-    Raises SignalError when a name stands twice, or an output or a next state is missing or not declared.
+    Raises SignalError when a name stands twice, when an output or a next state is missing or not declared, or when an
+    expression depends on a symbol that is not the Block's own.
     """
-    for group in (tuple(inputs) + tuple(outputs), tuple(s.signal for s in states)):
+    for group in ((*inputs, *outputs), tuple(s.signal for s in states)):
         names(group)
-    symbol = {n: ca.SX.sym(n) for n in (*(s.name for s in (*inputs, *states)), *(c.name for c in constants))}
-    if len(symbol) < len(inputs) + len(states) + len(constants):
+    private = [s.name for s in states] + [c.name for c in constants]
+    symbol = {n: ca.SX.sym(n) for n in (*(s.name for s in inputs), *private)}
+    if len(symbol) < len(inputs) + len(private):
         raise SignalError(f"block '{name}': an input, a state and a constant share a name: give each its own")
     step = law(_pick(symbol, inputs), _pick(symbol, states), _pick(symbol, constants))
     _complete(f"block '{name}': outputs", [s.name for s in outputs], step.output)
     _complete(f"block '{name}': next states", [s.name for s in states], step.next)
-    next = {s.name: step.next[s.name] if s.integer else clip(step.next[s.name], s.signal) for s in states}
+    advanced = {s.name: ca.SX(step.next[s.name]) for s in states}
+    next = {s.name: advanced[s.name] if s.integer else clip(advanced[s.name], s.signal) for s in states}
     output = {s.name: ca.SX(step.output[s.name]) for s in outputs}
     inside = [(Named(signal, name, tag), ca.SX(expr)) for signal, expr in step.named]
     inside += [(Named(s, name, tag), output[s.name]) for s in outputs]
+    _closed(name, [*next.values(), *(e for _, e in inside)], symbol)
     return Block(
         name,
         tag,
@@ -172,6 +195,15 @@ def _pick(symbol: Exprs, wanted: Sequence[Signal | State | Constant]) -> Exprs:
     return {s.name: symbol[s.name] for s in wanted}
 
 
+def _closed(name: str, exprs: Sequence[ca.SX], symbol: Exprs) -> None:
+    own = {s.element_hash() for s in symbol.values()}
+    for v in ca.symvar(ca.vcat(exprs)) if exprs else []:
+        if v.element_hash() not in own:
+            raise SignalError(
+                f"block '{name}' uses '{v}', which is none of its inputs, states or constants: declare it"
+            )
+
+
 def _complete(what: str, wanted: Sequence[str], found: Exprs) -> None:
     missing, unknown = [n for n in wanted if n not in found], [n for n in found if n not in wanted]
     if missing or unknown:
@@ -184,13 +216,17 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
     States and constants carry their Block's name in front: ``filter_y`` and ``lag`` make ``filter_y_lag``.
 
     Raises WiringError for a signal with two drivers, with unlike units, with none although a Block needs it, asked for
-    although nobody drives or needs it, and for an algebraic loop; TimingError for unlike sample periods.
+    although nobody drives or needs it, for an algebraic loop, and for a fault bit that is set twice; SignalError for
+    an input or output listed twice; TimingError for unlike sample periods.
     """
+    if not blocks:
+        raise WiringError(f"'{name}': there is no Block to wire: give at least one")
     time = common(*(b.time for b in blocks))
     assert isinstance(time, Discrete)
     blocks = [_prefixed(b) for b in blocks]
     driver = _drivers(blocks)
     opened = _open_inputs(name, blocks, driver, inputs)
+    _own_bits(blocks, driver)
     symbol: dict[str, ca.SX] = {n: ca.SX.sym(n) for n in (*driver, *opened)}
     definitions = {s: _rewired(b, symbol, [b.output[s]])[0] for s, b in driver.items()}
     resolved, inside = _resolve(blocks, definitions, symbol)
@@ -204,21 +240,21 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
         exprs = _rewired(b, symbol, [b.next[s.name] for s in b.states])
         next |= zip((s.name for s in b.states), ca.substitute(exprs, keys, values) if exprs else [], strict=True)
     constants = tuple(c for b in blocks for c in b.constants)
-    kept = {s: symbol[s] for s in opened} | {
-        n.name: b.symbol[n.name] for b in blocks for n in (*b.states, *b.constants)
-    }
+    kept = {s: symbol[s] for s in opened} | {n: b.symbol[n] for b in blocks for n in _private(b)}
     signals = {s.name: s for b in blocks for s in b.outputs}
     faults = tuple(f for b in blocks for f in b.faults)
+    flags = [e for b in blocks for e in _rewired(b, symbol, [b.output[f.output] for f in b.faults])]
+    flags = ca.substitute(flags, keys, values) if flags else []
     return Block(
         name,
         "",
         time,
-        tuple(opened[s] for s in inputs),
-        tuple(signals[s] for s in outputs),
+        tuple(opened[s] for s in names(opened[s] for s in inputs)),
+        tuple(signals[s] for s in names(signals[s] for s in outputs)),
         states,
         constants,
         kept,
-        {s: resolved[s] for s in (*outputs, *(f.output for f in faults))},
+        {s: resolved[s] for s in outputs} | dict(zip((f.output for f in faults), flags, strict=True)),
         next,
         inside,
         faults,
@@ -227,12 +263,17 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
 
 def _prefixed(block: Block) -> Block:
     """Return the Block with its name in front of each state and constant, so that copies of one Block can meet."""
-    local = {s.name: f"{block.name}_{s.name}" for s in (*block.states, *block.constants)}
+    local = {n: f"{block.name}_{n}" for n in _private(block)}
     symbol = {local.get(n, n): s for n, s in block.symbol.items()}
     states = tuple(replace(s, signal=replace(s.signal, name=local[s.name])) for s in block.states)
     constants = tuple(replace(c, name=local[c.name]) for c in block.constants)
     next = {local[n]: e for n, e in block.next.items()}
     return replace(block, symbol=symbol, states=states, constants=constants, next=next)
+
+
+def _private(block: Block) -> list[str]:
+    """Return the names of the states and constants."""
+    return [s.name for s in block.states] + [c.name for c in block.constants]
 
 
 def _drivers(blocks: Sequence[Block]) -> dict[str, Block]:
@@ -245,7 +286,7 @@ def _drivers(blocks: Sequence[Block]) -> dict[str, Block]:
             driver[s.name] = b
     owners: dict[str, str] = {}
     for b in blocks:
-        for n in (s.name for s in (*b.states, *b.constants)):
+        for n in _private(b):
             if n in driver or n in owners:
                 owner = owners.get(n) or driver[n].name
                 raise WiringError(f"'{n}' of block '{b.name}' is also a name in '{owner}': rename one of the Blocks")
@@ -271,11 +312,30 @@ def _open_inputs(
                 _same_unit(*opened[s.name], s, b.name)
             else:
                 opened[s.name] = (s, b.name)
-    for s in allowed:
-        if s not in opened:
-            why = f"is driven by '{driver[s].name}'" if s in driver else "is needed by no Block"
-            raise WiringError(f"'{name}': input '{s}' {why}: take it off the inputs")
+    for n in allowed:
+        if n not in opened:
+            why = f"is driven by '{driver[n].name}'" if n in driver else "is needed by no Block"
+            raise WiringError(f"'{name}': input '{n}' {why}: take it off the inputs")
+    for b in blocks:
+        for n in _private(b):
+            if n in opened:
+                raise WiringError(f"input '{n}' is also a name in block '{b.name}': rename one of them")
     return {n: s for n, (s, _) in opened.items()}
+
+
+def _own_bits(blocks: Sequence[Block], driver: Mapping[str, Block]) -> None:
+    taken: dict[int, str] = {}
+    for b in blocks:
+        for f in b.faults:
+            if f.bit in taken:
+                raise WiringError(
+                    f"fault bit {f.bit} is set by '{taken[f.bit]}' and by '{b.name}': guard all inputs in one Block"
+                )
+            if driver.get(f.output, b) is not b:
+                raise WiringError(
+                    f"flag '{f.output}' of '{b.name}' is also driven by '{driver[f.output].name}': rename one of them"
+                )
+            taken[f.bit] = b.name
 
 
 def _same_unit(first: Signal, first_block: str, second: Signal, second_block: str) -> None:
@@ -320,17 +380,21 @@ def _resolve(
     owner = {s.name: b for b in blocks for s in b.outputs}
     resolved: dict[str, ca.SX] = {}
     inside: list[tuple[Named, ca.SX]] = []
-    waiting = {b.name: [(n, e) for n, e in b.inside if n.signal.name not in owner] for b in blocks}
+    waiting = {b: [(n, e) for n, e in b.inside if n.signal.name not in owner] for b in blocks}
     for signal in order:
         b = owner[signal]
         keys, values = [symbol[s] for s in resolved], list(resolved.values())
-        ready = [pair for pair in waiting[b.name] if _needs(b, pair[1]) & set(owner) <= set(resolved)]
-        waiting[b.name] = [pair for pair in waiting[b.name] if all(pair is not r for r in ready)]
+        ready = [pair for pair in waiting[b] if _needs(b, pair[1]) & set(owner) <= set(resolved)]
+        waiting[b] = [pair for pair in waiting[b] if all(pair is not r for r in ready)]
         exprs = [definitions[signal], *_rewired(b, symbol, [e for _, e in ready])]
         exprs = ca.substitute(exprs, keys, values) if keys else exprs
         resolved[signal] = exprs[0]
         inside += zip((n for n, _ in ready), exprs[1:], strict=True)
         inside.append((next(n for n, _ in b.inside if n.signal.name == signal), exprs[0]))
+    for b, late in waiting.items():  # what only a next state needs
+        exprs = _rewired(b, symbol, [e for _, e in late])
+        exprs = ca.substitute(exprs, [symbol[s] for s in resolved], list(resolved.values())) if exprs else []
+        inside += zip((n for n, _ in late), exprs, strict=True)
     return resolved, tuple(inside)
 
 

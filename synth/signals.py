@@ -26,6 +26,10 @@ _DERIVED = {
     "Hz": "1/s",
 }
 _BASE = ("m", "kg", "s", "A", "K", "rad")
+_KEYWORDS = frozenset(
+    "auto break case char const continue default do double else enum extern float for goto if inline int long register "
+    "restrict return short signed sizeof static struct switch typedef union unsigned void volatile while".split()
+)
 _FACTOR = re.compile(r"(?P<op>[ /])?(?P<name>1|[A-Za-z]+)(?:\^(?P<power>-?\d+))?")
 
 
@@ -60,6 +64,14 @@ def _factor(name: str, unit: str) -> Dimension:
     raise SignalError(f"unit '{unit}' contains '{name}', which is not one of {known}: use SI units without prefix")
 
 
+def identifier(kind: str, name: str) -> None:
+    """Raise SignalError when `name` cannot stand in C as the name of a `kind`."""
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or name in _KEYWORDS:
+        raise SignalError(
+            f"{kind} name '{name}' is no identifier of C: use letters, digits and underscores, and no word of C itself"
+        )
+
+
 @dataclass(frozen=True)
 class Signal:
     """A scalar quantity that is wired by name.
@@ -74,8 +86,7 @@ class Signal:
     about: str = ""
 
     def __post_init__(self) -> None:
-        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", self.name):
-            raise SignalError(f"signal name '{self.name}' is no identifier: use letters, digits and underscores")
+        identifier("signal", self.name)
         dimension(self.unit)
         if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
             raise SignalError(

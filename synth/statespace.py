@@ -47,11 +47,14 @@ class StateSpace:
                 row, column = np.argwhere(~np.isfinite(value))[0]
                 raise SignalError(f"{letter}[{row}, {column}] is {value[row, column]}: all entries must be finite")
             object.__setattr__(self, letter, value)
+        for kind, labels in {"state": self.states, "input": self.inputs, "output": self.outputs}.items():
+            if len(set(labels)) < len(labels):
+                raise SignalError(f"a name stands twice among the {kind}s {', '.join(labels)}: give each its own")
 
     @property
     def poles(self) -> NDArray[np.complex128]:
         """Eigenvalues of A, sorted by real then imaginary part."""
-        return np.sort_complex(np.linalg.eigvals(self.A))
+        return np.sort_complex(np.linalg.eigvals(self.A).astype(np.complex128))
 
     def response(self, s_or_z: ArrayLike) -> NDArray[np.complex128]:
         """Return C (v I - A)^-1 B + D at each point v of `s_or_z` (k,) as an array (k, p, m)."""
@@ -59,7 +62,7 @@ class StateSpace:
         resolvent = np.linalg.solve(
             v[:, None, None] * np.eye(len(self.A)) - self.A, np.broadcast_to(self.B, (len(v), *self.B.shape))
         )
-        return self.C @ resolvent + self.D
+        return np.asarray(self.C @ resolvent + self.D, dtype=np.complex128)
 
     def channel(self, output: str, input: str) -> "StateSpace":
         """Return the single-input single-output model from `input` to `output`."""

@@ -3,10 +3,10 @@
     encoders, set-points -> guard -> kinematics -> filters -> regulators -> decoupling and limits -> safe output
 
 The published gains come from continuous LQR; they are used at 1 kHz as the paper did, with the sampled-data optimum
-beside them in gains.json. Readings where the paper is silent: the velocity is that of the measurement (the derivative
-of the error would kick at each step); the phi loop takes the theta loop's weights, which the paper does not publish;
-a motor's limit is on sqrt(i_d^2 + i_q^2), levitation first, and the currents that remain are the ones that a_1, b_1
-and c_1 are compensated for.
+beside them in gains.json. Readings where the paper is silent: the phi loop takes the theta loop's weights, which are
+not published for it; a motor's limit is on sqrt(i_d^2 + i_q^2), levitation first, and a_1, b_1 and c_1 are taken at the
+thrust currents that remain. One thing is added: F(12) inverts the simplified model, and the terms that it drops are put
+back at the currents found so far. `restored=False` leaves F(12) as printed.
 """
 
 from dataclasses import dataclass, replace
@@ -42,21 +42,27 @@ ENCODER_13, ENCODER_24 = (0.0168, 0.0322), (0.0124, 0.0366)  # m: motor gaps ove
 
 @dataclass(frozen=True)
 class Axis:
-    """One controlled coordinate: its signals, LQR weights on (e, v, xi1, xi2, xi3) with R = 1, bounds of its states."""
+    """One controlled coordinate: its signals, LQR weights on (e, de, xi1, xi2, xi3) with R = 1, bounds of its states."""
 
     name: str
     position: Signal
     reference: Signal
     weights: tuple[float, float, float, float, float]
-    velocity_bound: float
+    rate_bound: float
     xi_bounds: tuple[float, float, float]
     excess: Signal | None = None
 
     @property
-    def velocity(self) -> Signal:
-        """The filtered velocity."""
-        unit, bound = f"{self.position.unit}/s", self.velocity_bound
-        return Signal(f"v_{self.name}", unit, -bound, bound, "filtered velocity")
+    def error(self) -> Signal:
+        """The tracking error, position less reference."""
+        q, r = self.position, self.reference
+        return Signal(f"e_{self.name}", q.unit, q.low - r.high, q.high - r.low, "tracking error")
+
+    @property
+    def rate(self) -> Signal:
+        """The filtered derivative of the error."""
+        unit, bound = f"{self.position.unit}/s", self.rate_bound
+        return Signal(f"de_{self.name}", unit, -bound, bound, "filtered rate of the error")
 
     @property
     def demand(self) -> Signal:
@@ -75,9 +81,9 @@ def _axes() -> tuple[Axis, ...]:
     tilt = Signal("theta", "rad", -0.031, 0.031, "rotation about Z")
     excess = {n: Signal(f"excess_{n}", "A", -1e6, 1e6, f"u_{n} limited less u_{n} demanded") for n in "xz"}
     return (
-        Axis("y", gap, reference["y"], y, 20.0, narrow),
-        Axis("x", x, reference["x"], xz, 20.0, wide, excess["x"]),
-        Axis("z", z, reference["z"], xz, 20.0, wide, excess["z"]),
+        Axis("y", gap, reference["y"], y, 30.0, narrow),
+        Axis("x", x, reference["x"], xz, 30.0, wide, excess["x"]),
+        Axis("z", z, reference["z"], xz, 30.0, wide, excess["z"]),
         Axis("phi", phi, reference["phi"], theta, 60.0, narrow),
         Axis("theta", tilt, reference["theta"], theta, 60.0, narrow),
     )
@@ -114,20 +120,20 @@ SAFETY = safety.Safety(
 
 
 def axis_plant(axis: Axis) -> StateSpace:
-    """Return the double integrator q'' = w of F(13) with the internal model of F(14), states (e, v, xi1, xi2, xi3)."""
+    """Return the double integrator q'' = w of F(13) with the internal model of F(14), states (e, de, xi1, xi2, xi3)."""
     integrator = StateSpace(
-        [[0, 1], [0, 0]], [[0], [1]], [[1, 0]], [[0]], ("e", "v"), (axis.demand.name,), ("e",), Continuous()
+        [[0, 1], [0, 0]], [[0], [1]], [[1, 0]], [[0]], ("e", "de"), (axis.demand.name,), ("e",), Continuous()
     )
     return internal_model.augmented(integrator, FREQUENCIES)
 
 
 def gain(axis: Axis) -> lqr.Gain:
-    """Return the axis' continuous LQR gain, w = K (e, v, xi)."""
+    """Return the axis' continuous LQR gain, w = K (e, de, xi)."""
     return lqr.lqr(axis_plant(axis), np.diag(axis.weights), np.eye(1))
 
 
 def _filter(axis: Axis) -> Block:
-    return derivative_filter.block(f"filter_{axis.name}", TIME, axis.position, axis.velocity, FILTER, lag=0.1)
+    return derivative_filter.block(f"filter_{axis.name}", TIME, axis.error, axis.rate, FILTER)
 
 
 def regulator_block(axis: Axis) -> Block:
@@ -137,9 +143,8 @@ def regulator_block(axis: Axis) -> Block:
         TIME,
         gain(axis),
         FREQUENCIES,
-        position=axis.position,
-        reference=axis.reference,
-        velocity=axis.velocity,
+        error=axis.error,
+        rate=axis.rate,
         demand=axis.demand,
         bounds=axis.xi_bounds,
         anti_windup=(axis.excess, ANTI_WINDUP) if axis.excess else None,
@@ -159,45 +164,64 @@ def kinematics(plant: Plant) -> Block:
     return build("kinematics", TIME, law, inputs=held, outputs=outputs, tag="F(5) inverted")
 
 
-def decoupling(plant: Plant, lv3: str = "csch2") -> Block:
+def errors() -> Block:
+    """Return the Block that subtracts the set-points from the positions."""
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        return Step({a.error.name: u[a.position.name] - u[a.reference.name] for a in AXES})
+
+    inputs, outputs = [s for a in AXES for s in (a.position, a.reference)], [a.error for a in AXES]
+    return build("errors", TIME, law, inputs=inputs, outputs=outputs, tag="F(14) e")
+
+
+def decoupling(plant: Plant, lv3: str = "csch2", restored: bool = True) -> Block:
     """Return the Block from demanded accelerations to limited currents, F(8) and F(12).
 
     The model is taken at the platen's pose, limited to the box of the stage, so that it is evaluated nowhere else. Each
     motor keeps hypot(i_d, i_q) <= CURRENT with i_d served first: the first pass finds what levitation needs without
-    thrust and limits the thrust to what is left; the second finds what levitation needs with that thrust.
+    thrust and limits the thrust to what is left; the second finds what levitation needs with that thrust. Where terms
+    are `restored`, the second pass and a third take them at the currents of the pass before.
     """
     box = {"y": Signal("y", "m", *GAP), "phi": Signal("phi", "rad", -PHI, PHI)}
     box["theta"] = Signal("theta", "rad", -THETA, THETA)
     motor = Signal("i", "A", -CURRENT, CURRENT)
-    values = {p.name: p.value for p in plant.parameters}
-    model = maglev_stage.simplified(maglev_stage.input_polynomial(maglev_stage.nominal(**values), lv3))
+    values = maglev_stage.nominal(**{p.name: p.value for p in plant.parameters})
+    model = maglev_stage.simplified(maglev_stage.input_polynomial(values, lv3))
     positions = [a.position for a in AXES if a.name in box]
     demands = [a.demand for a in AXES]
     excess = [a.excess for a in AXES if a.excess]
 
+    names = ("y", "phi", "theta")
+
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        pose = [clip(u[n], box[n]) for n in model.x]
         second = model.accelerations()
-        w = [u[f"w_{n}"] for n in ("y", "phi", "theta")]
-        inverse = feedback_linearisation.linearise([second[n] for n in ("y", "phi", "theta")], model.v, w)
+        w = {n: ca.SX.sym(f"w_{n}") for n in names}
+        inverse = feedback_linearisation.linearise([second[n] for n in names], model.v, list(w.values()))
         direct = list(maglev_stage.input_transformation(inverse.inputs).values())
-        slopes = [model.coefficients["h_x"], model.coefficients["h_z"]]
-        direct_and_slopes = ca.substitute([*direct, *slopes], list(model.x.values()), pose)
-        direct, (h_x, h_z) = direct_and_slopes[:4], direct_and_slopes[4:]
+        missing, currents = maglev_stage.quadratic_part(values, lv3, model.x)
+        symbols, pose = list(model.x.values()), [clip(u[n], box[n]) for n in model.x]
+        exprs = [*direct, model.coefficients["h_x"], model.coefficients["h_z"], *(missing[n] for n in names)]
+        posed = ca.substitute(exprs, symbols, pose)
+        direct, (h_x, h_z), missing_at = posed[:4], posed[4:6], posed[6:]
         demand = {"x": u["w_x"] / h_x, "z": u["w_z"] / h_z}
 
-        def levitation(thrust: dict[str, ca.SX]) -> list[ca.SX]:
-            at = ca.substitute(direct, [model.u["u_x"], model.u["u_z"]], [thrust["x"], thrust["z"]])
-            return [clip(i, motor) for i in at]
+        def levitation(thrust: dict[str, ca.SX], before: list[ca.SX] | None) -> list[ca.SX]:
+            """Direct currents for the demands at a thrust, with the dropped terms at the currents `before`."""
+            rest = ca.substitute(missing_at, currents, before) if restored and before else [ca.SX(0)] * 3
+            demanded = [u[f"w_{n}"] - q for n, q in zip(names, rest, strict=True)]
+            old = [*w.values(), model.u["u_x"], model.u["u_z"]]
+            return [clip(i, motor) for i in ca.substitute(direct, old, [*demanded, thrust["x"], thrust["z"]])]
 
         def limited(thrust: dict[str, ca.SX], i_d: list[ca.SX]) -> dict[str, ca.SX]:
             worst = {"x": ca.fmax(i_d[1] ** 2, i_d[3] ** 2), "z": ca.fmax(i_d[0] ** 2, i_d[2] ** 2)}
             room = {n: ca.sqrt(CURRENT**2 - square) for n, square in worst.items()}
             return {n: ca.fmax(ca.fmin(thrust[n], room[n]), -room[n]) for n in thrust}
 
-        thrust_1 = limited(demand, levitation({"x": ca.SX(0), "z": ca.SX(0)}))
-        i_d = levitation(thrust_1)
-        thrust = limited(thrust_1, i_d)
+        i_d = levitation({"x": ca.SX(0), "z": ca.SX(0)}, None)
+        thrust = limited(demand, i_d)
+        for _ in range(2 if restored else 1):
+            i_d = levitation(thrust, i_d)
+        thrust = limited(thrust, i_d)
         i_q = [thrust[name[-1]] for name in maglev_stage.QUADRATURE]
         output = {f"i_d{j}_computed": i for j, i in enumerate(i_d, 1)}
         output |= {f"i_q{j}_computed": i for j, i in enumerate(i_q, 1)}
@@ -210,11 +234,18 @@ def decoupling(plant: Plant, lv3: str = "csch2") -> Block:
     return build("decoupling", TIME, law, inputs=inputs, outputs=outputs, tag="F(8), F(12), limits")
 
 
-def controller(plant: Plant, lv3: str = "csch2") -> Block:
-    """Return the whole controller for the stage's parameters: six encoders and five set-points in, eight currents out."""
+def controller(plant: Plant, lv3: str = "csch2", restored: bool = True) -> Block:
+    """Return the whole controller for the stage's parameters, from six encoders and five set-points to the currents."""
     guard = safety.guard(TIME, INPUTS, BAD_SAMPLES)
     loops = [block for a in AXES for block in (_filter(a), regulator_block(a))]
-    blocks = [guard, kinematics(plant), *loops, decoupling(plant, lv3), safety.safe_output(TIME, OUTPUTS, SAFETY)]
+    blocks = [
+        guard,
+        kinematics(plant),
+        errors(),
+        *loops,
+        decoupling(plant, lv3, restored),
+        safety.safe_output(TIME, OUTPUTS, SAFETY),
+    ]
     return compose(NAME, blocks, inputs=[g.signal.name for g in INPUTS], outputs=[s.name for s in OUTPUTS])
 
 

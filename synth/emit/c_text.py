@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from synth.block import Block, Named
-from synth.emit.layout import Layout, Struct
+from synth.errors import EmitError
+from synth.emit.layout import CTYPES, Layout, Struct
 from synth.emit.lower import LOGICAL, Node, Program
 
 _INFIX = {"add": ("+", 4), "sub": ("-", 4), "mul": ("*", 5), "div": ("/", 5), "lt": ("<", 3), "le": ("<=", 3)}
@@ -37,8 +38,12 @@ class Text:
 
 
 def literal(value: float, scalar: type[np.floating]) -> Text:
-    """Return the shortest literal that reads back as `value` in the scalar type."""
-    text = str(scalar(value)).lower()
+    """Return the shortest literal that reads back as `value` in the scalar type; raise EmitError if none is finite."""
+    with np.errstate(over="ignore"):
+        rounded = scalar(value)
+    if not np.isfinite(rounded):
+        raise EmitError(f"the number {value:g} is not finite in {CTYPES[scalar]}: scale the expression")
+    text = str(rounded).lower()
     text = text if "." in text or "e" in text else text + ".0"
     text += "f" if scalar is np.float32 else ""
     return Text(text, _ATOM if not text.startswith("-") else 6)
@@ -85,15 +90,17 @@ def source(block: Block, program: Program, layout: Layout) -> str:
     printer = _Printer(block, program, layout)
     body = printer.body()
     used = {n.op for n in program.nodes}
+    read = {n.name for n in program.nodes if n.op == "constant"}
     parts = [f'/* {block.name}. Generated: do not edit. */\n#include "{block.name}.h"\n']
     if used & _LIBM:
         parts.append("#include <math.h>\n")
     parts.append("\n")
-    if block.constants:
+    if read:
         rows = (
             f"static const {layout.ctype} {c.name} = {literal(c.value, layout.scalar).c};".ljust(60)
             + f"/* {c.unit}; {c.source} */"
             for c in block.constants
+            if c.name in read
         )
         parts.append("\n".join(rows) + "\n\n")
     for op, sign in (("min", "<"), ("max", ">")):
@@ -109,7 +116,7 @@ def _init(block: Block, layout: Layout) -> str:
     for s in block.states:
         value = f"{int(s.initial)}u" if s.integer else literal(s.initial, layout.scalar).c
         rows.append(f"    state->{s.name} = {value};")
-    rows += [f"    state->{f.name} = 0u;" for f in layout.state.fields if f.name.startswith("reserved")]
+    rows += [f"    state->{f.name} = 0u;" for f in layout.state.fields if f.name == "reserved"]
     return f"void {block.name}_init({block.name}_state_t *state)\n{{\n" + "\n".join(rows) + "\n}\n"
 
 
@@ -121,7 +128,8 @@ class _Printer:
         self.uses = program.uses()
         self.text: dict[int, Text] = {}
         self.taken = {"state", "in", "out", "faults", "min", "max"} | {c.name for c in block.constants}
-        self.name = {}
+        self.taken |= _LIBM | {f"{function}f" for function in _LIBM}
+        self.name: dict[int, str] = {}
         for _, named, node in program.marks:
             if node not in self.name and program.nodes[node].op not in ("input", "state", "constant", "literal"):
                 self.name[node] = self._free(named.signal.name)
@@ -145,6 +153,9 @@ class _Printer:
         if pending:
             lines += ["", "    /* next states */", *pending]
         stores = self._stores()
+        idle = [] if self.block.states else ["    (void)state;"]
+        idle += [] if any(n.op == "input" for n in self.p.nodes) else ["    (void)in;"]
+        lines = ["", *idle, *lines] if idle else lines
         return _step_head(self.block.name) + "\n{" + "\n".join([*lines, "", *stores]) + "\n}\n"
 
     def _line(self, k: int) -> list[str]:

@@ -65,7 +65,11 @@ class Layout:
 
 
 def layout(block: Block, scalar: type[np.floating]) -> Layout:
-    """Lay out a Block's structs for a scalar type; raise EmitError for a type that is neither float32 nor float64."""
+    """Lay out a Block's structs for a scalar type.
+
+    Raises EmitError for a type that is neither float32 nor float64, for a Block without input or output, and for a
+    bound that the type cannot hold.
+    """
     if scalar not in CTYPES:
         raise EmitError(f"scalar type {scalar} cannot be emitted: choose numpy.float32 or numpy.float64")
     real, whole = CTYPES[scalar], "uint32_t"
@@ -78,16 +82,26 @@ def layout(block: Block, scalar: type[np.floating]) -> Layout:
     )
 
 
+def _bound(value: float, signal: Signal, scalar: type[np.floating]) -> float:
+    with np.errstate(over="ignore"):
+        bound = float(scalar(value))
+    if not np.isfinite(bound):
+        raise EmitError(f"signal '{signal.name}' has the bound {value:g}, too large for {CTYPES[scalar]}: narrow it")
+    return bound
+
+
 _EMPTY = Signal("reserved", "1", 0, 1, "C knows no empty struct")
 
 
 def _struct(name: str, kind: str, members: Sequence[tuple[Signal, str]], scalar: type[np.floating]) -> Struct:
+    if not members:
+        raise EmitError(f"block '{name}' has no {kind}, and C knows no empty struct: give it at least one")
     ordered = sorted(members, key=lambda m: -_SIZE[m[1]])
     widest = max(_SIZE[c] for _, c in ordered)
     if sum(_SIZE[c] for _, c in ordered) % widest:
         ordered.append((Signal("reserved", "1", 0, 1, "fills the struct up"), "uint32_t"))
     fields, offset = [], 0
     for s, c in ordered:
-        fields.append(Member(s.name, offset, c, s.unit, float(scalar(s.low)), float(scalar(s.high)), s.about))
+        fields.append(Member(s.name, offset, c, s.unit, _bound(s.low, s, scalar), _bound(s.high, s, scalar), s.about))
         offset += _SIZE[c]
     return Struct(kind, f"{name}_{kind}_t", offset, tuple(fields))

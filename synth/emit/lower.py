@@ -142,7 +142,8 @@ def _operation(op: int, args: tuple[int, ...], nodes: list[Node]) -> Node:
         return Node(UNARY[op], args[:1])
     if op not in BINARY:
         known = ", ".join(sorted({*UNARY.values(), *BINARY.values()}))
-        raise EmitError(f"operation {op} of CasADi has no form in C here: write the expression with {known}")
+        called = next((n for n, value in vars(ca).items() if n.startswith("OP_") and value == op), f"number {op}")
+        raise EmitError(f"operation {called} of CasADi has no form in C here: write the expression with {known}")
     if op == ca.OP_ADD:
         first, second = nodes[args[0]], nodes[args[1]]
         if first.op == second.op == "when":

@@ -1,7 +1,7 @@
-"""Velocity from position: the critically damped filter D(s) = s w^2 / (s + w)^2, sampled without approximation.
+"""Rate of a signal: the critically damped filter D(s) = s w^2 / (s + w)^2, sampled without approximation.
 
-With p the filtered position and v the velocity, dp/dt = v, dv/dt = w^2 (q - p) - 2 w v. Between samples q is taken to
-be linear (first-order hold), so that with d = q_k - q_{k-1} and x = (p, v)
+With p the filtered signal and v its rate, dp/dt = v, dv/dt = w^2 (q - p) - 2 w v. Between samples q is taken to be
+linear (first-order hold), so that with d = q_k - q_{k-1} and x = (p, v)
 
     x_k = F x_{k-1} + Gamma_1 q_{k-1} + Gamma_2 d / T,   F = exp(A T).
 
@@ -9,9 +9,10 @@ The state that is kept is the lag l = q - p and v. They obey
 
     l_k = F_11 l - F_12 v + (1 - G_1) d,    v_k = -F_21 l + F_22 v + G_2 d,    G = Gamma_2 / T,
 
-in which no position of the order of the stroke stands: single precision loses nothing. The velocity is that of the
-measurement. The derivative of the error would turn each step of a set-point into a pulse of w times its height.
+in which q enters only by its differences: single precision loses nothing.
 """
+
+from dataclasses import replace
 
 import casadi as ca
 
@@ -22,11 +23,11 @@ from synth.signals import Signal
 from synth.timing import Discrete
 
 
-def block(name: str, time: Discrete, position: Signal, velocity: Signal, bandwidth: float, lag: float) -> Block:
-    """Return the filter from ``position`` to ``velocity`` with w = `bandwidth` in rad/s.
+def block(name: str, time: Discrete, signal: Signal, rate: Signal, bandwidth: float) -> Block:
+    """Return the filter from `signal` to its `rate` with w = `bandwidth` in rad/s.
 
-    It starts without a jump: while the input ``ready`` is 0 the lag and the velocity stay 0. `lag` bounds the kept lag,
-    in the unit of the position; the velocity's range bounds the kept velocity.
+    It starts without a jump: while the input ``ready`` is 0 the lag and the rate stay 0. The signals' ranges bound the
+    kept states; a lag is bounded by the width of the signal's range.
 
     Raises SignalError when the bandwidth is not positive or lies above the Nyquist frequency.
     """
@@ -40,30 +41,25 @@ def block(name: str, time: Discrete, position: Signal, velocity: Signal, bandwid
     units = {"f11": "1", "f12": "s", "f21": "1/s", "f22": "1", "g1": "1", "g2": "1/s"}
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        q, l, v, started = u[position.name], x["lag"], x["v"], u["ready"]
+        q, l, v, started = u[signal.name], x["lag"], x["v"], u["ready"]
         d = q - x["q_prev"]
         lag_k = ca.if_else(started, k["f11"] * l - k["f12"] * v + k["g1"] * d, 0)
         v_k = ca.if_else(started, k["f22"] * v - k["f21"] * l + k["g2"] * d, 0)
-        return Step({velocity.name: v_k}, {"q_prev": q, "lag": lag_k, "v": v_k})
+        return Step({rate.name: v_k}, {"q_prev": q, "lag": lag_k, "v": v_k})
 
+    width = signal.high - signal.low
     states = [
-        State(
-            Signal("q_prev", position.unit, position.low, position.high, "position one sample ago"), _start(position)
-        ),
-        State(Signal("lag", position.unit, -lag, lag, "position less filtered position"), 0),
-        State(Signal("v", velocity.unit, velocity.low, velocity.high, "filtered velocity"), 0),
+        State(replace(signal, name="q_prev", about="signal one sample ago"), min(max(0.0, signal.low), signal.high)),
+        State(replace(signal, name="lag", low=-width, high=width, about="signal less filtered signal"), 0),
+        State(replace(rate, name="v", about="filtered rate"), 0),
     ]
     return build(
         name,
         time,
         law,
-        inputs=[position, Signal("ready", "1", 0, 1, "every measurement was good at once")],
-        outputs=[velocity],
+        inputs=[signal, Signal("ready", "1", 0, 1, "every measurement was good at once")],
+        outputs=[rate],
         states=states,
         constants=[Constant(n, float(value), units[n], source) for n, value in values.items()],
         tag="derivative filter",
     )
-
-
-def _start(position: Signal) -> float:
-    return min(max(0.0, position.low), position.high)

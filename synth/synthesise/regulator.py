@@ -1,6 +1,6 @@
 """The internal-model regulator as a Block: F(14)-(17) for one axis, exactly discretised.
 
-    e = q - q_ref,   w = K [e, v, xi],   xi' = Phi_d xi + N_d e + E_d (u_limited - u_demanded)
+    w = K [e, de, xi],   xi' = Phi_d xi + N_d e + E_d (u_limited - u_demanded)
 
 The last term is the anti-windup; an axis without it leaves it out.
 """
@@ -24,17 +24,16 @@ def block(
     gain: Gain,
     frequencies: Sequence[float],
     *,
-    position: Signal,
-    reference: Signal,
-    velocity: Signal,
+    error: Signal,
+    rate: Signal,
     demand: Signal,
     bounds: Sequence[float],
     anti_windup: tuple[Signal, ArrayLike] | None = None,
     tag: str,
 ) -> Block:
-    """Return the regulator of one axis.
+    """Return the regulator of one axis, from the error e = q - q_ref and its rate de to the demand w.
 
-    `gain` is (1, 2 + n) on (e, v, xi) for the exosystem of `frequencies` in rad/s, of order n; `bounds` (n,) limits
+    `gain` is (1, 2 + n) on (e, de, xi) for the exosystem of `frequencies` in rad/s, of order n; `bounds` (n,) limits
     |xi|. `anti_windup` is the signal u_limited - u_demanded and E (n,).
 
     Raises SignalError when the gain's or the bounds' size does not fit the exosystem.
@@ -51,18 +50,14 @@ def block(
     terms = _terms(model, xi, excess)
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        e = u[position.name] - u[reference.name]
-        signal = {"e": e, "v": u[velocity.name]} | {s: x[s] for s in xi}
+        signal = {"e": u[error.name], "de": u[rate.name]} | {s: x[s] for s in xi}
         signal |= {"excess": u[excess.name]} if excess else {}
-        w = sum(k[f"k_{s}"] * signal[s] for s in ("e", "v", *xi))
+        w = sum(k[f"k_{s}"] * signal[s] for s in ("e", "de", *xi))
         next = {s: sum((k[c] if c else 1) * signal[t] for t, c, _ in terms[s]) for s in xi}
-        return Step({demand.name: w}, next, [(error, e)])
+        return Step({demand.name: w}, next)
 
-    error = Signal(
-        f"e_{position.name}", position.unit, position.low - reference.high, position.high - reference.low, "error"
-    )
-    units = [f"{position.unit} s^{n - i}" for i in range(n)]
-    gains = zip(("e", "v", *xi), gain.K[0], ("1/s^2", "1/s", *(f"1/s^{n + 2 - i}" for i in range(n))), strict=True)
+    units = [f"{error.unit} s^{n - i}" for i in range(n)]
+    gains = zip(("e", "de", *xi), gain.K[0], ("1/s^2", "1/s", *(f"1/s^{n + 2 - i}" for i in range(n))), strict=True)
     constants = [Constant(f"k_{s}", float(v), unit, f"{tag}: gain on {s}") for s, v, unit in gains]
     constants += [
         Constant(c, value, "1", f"{tag}: {s} from {t}, exact over one period")
@@ -74,7 +69,7 @@ def block(
         name,
         time,
         law,
-        inputs=[position, reference, velocity, *([excess] if excess else [])],
+        inputs=[error, rate, *([excess] if excess else [])],
         outputs=[demand],
         states=[
             State(Signal(s, unit, -b, b, "internal model"), 0) for s, unit, b in zip(xi, units, bounds, strict=True)

@@ -9,6 +9,7 @@ latches.
                    |------------------------- latched -------------------------------^
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
@@ -34,7 +35,7 @@ class Guarded:
 
 @dataclass(frozen=True)
 class Safety:
-    """After `bad_samples` bad samples in a row of a measurement the outputs slew to `safe_output`; `reason` says why."""
+    """After `bad_samples` bad samples of a measurement in a row the outputs slew to `safe_output`; `reason` says why."""
 
     bad_samples: int
     safe_output: Mapping[str, float]
@@ -76,7 +77,15 @@ def guard(time: Discrete, inputs: Sequence[Guarded], bad_samples: int) -> Block:
     states += [State(f, 0, True) for f in flags] if latches else []
     outputs = [_renamed(g.signal, f"{g.signal.name}_held", g.signal.about) for g in inputs]
     outputs += [_flag(f"fault_{g.signal.name}", "refused this sample") for g in inputs] + (flags if latches else [])
-    block = build("guard", time, law, inputs=[g.signal for g in inputs], outputs=outputs, states=states, tag="range acceptance, hold, latch")
+    block = build(
+        "guard",
+        time,
+        law,
+        inputs=[g.signal for g in inputs],
+        outputs=outputs,
+        states=states,
+        tag="range acceptance, hold, latch",
+    )
     faults = [Fault(i, f"fault_{g.signal.name}", g.signal.name) for i, g in enumerate(inputs)]
     faults += [Fault(LATCH_BIT, "latched", None)] if latches else []
     return replace(block, faults=tuple(faults))
@@ -85,14 +94,23 @@ def guard(time: Discrete, inputs: Sequence[Guarded], bad_samples: int) -> Block:
 def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Block:
     """Return the Block that passes ``<name>_computed`` on as ``<name>`` and, once latched, slews to the safe output.
 
-    Raises SignalError when a safe output or a rate is missing, or a safe output lies outside its range.
+    Either way the output is limited to its range.
+
+    Raises SignalError when a safe output or a rate is missing, a rate is not positive, or a safe output lies outside
+    its range.
     """
     for s in outputs:
         if s.name not in safety.safe_output or s.name not in safety.slew_per_s:
             raise SignalError(f"output '{s.name}' has no safe value or no rate: declare both")
         if not s.low <= safety.safe_output[s.name] <= s.high:
             raise SignalError(
-                f"the safe output {safety.safe_output[s.name]} of '{s.name}' is outside {s.low} .. {s.high}"
+                f"the safe output {safety.safe_output[s.name]} of '{s.name}' is outside {s.low} .. {s.high}: "
+                "choose one inside"
+            )
+        if not 0 < safety.slew_per_s[s.name] < math.inf:
+            raise SignalError(
+                f"output '{s.name}' slews at {safety.slew_per_s[s.name]} {s.unit} per second: "
+                "the rate must be finite and positive"
             )
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
@@ -102,7 +120,7 @@ def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Bl
             last = x[f"last_{s.name}"]
             move = clip(safety.safe_output[s.name] - last, Signal("move", s.unit, -rate, rate))
             value[s.name] = ca.if_else(u["latched"], last + move, u[f"{s.name}_computed"])
-        return Step(value, {f"last_{n}": v for n, v in value.items()})
+        return Step({s.name: clip(value[s.name], s) for s in outputs}, {f"last_{n}": v for n, v in value.items()})
 
     return build(
         "safe_output",
