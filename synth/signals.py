@@ -26,9 +26,9 @@ _DERIVED = {
     "Hz": "1/s",
 }
 _BASE = ("m", "kg", "s", "A", "K", "rad")
-_KEYWORDS = frozenset(
-    "auto break case char const continue default do double else enum extern float for goto if inline int long register "
-    "restrict return short signed sizeof static struct switch typedef union unsigned void volatile while".split()
+_KEYWORD = re.compile(
+    "auto|break|case|char|const|continue|default|do|double|else|enum|extern|float|for|goto|if|inline|int|long|register|"
+    "restrict|return|short|signed|sizeof|static|struct|switch|typedef|union|unsigned|void|volatile|while"
 )
 _FACTOR = re.compile(r"(?P<op>[ /])?(?P<name>1|[A-Za-z]+)(?:\^(?P<power>-?\d+))?")
 
@@ -66,7 +66,7 @@ def _factor(name: str, unit: str) -> Dimension:
 
 def identifier(kind: str, name: str) -> None:
     """Raise SignalError when `name` cannot stand in C as the name of a `kind`."""
-    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or name in _KEYWORDS:
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or _KEYWORD.fullmatch(name):
         raise SignalError(
             f"{kind} name '{name}' is no identifier of C: use letters, digits and underscores, and no word of C itself"
         )

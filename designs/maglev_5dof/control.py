@@ -38,11 +38,12 @@ SLEW = 100.0  # A/s
 
 GAP, PHI, THETA, STROKE = (0.018, 0.031), 0.003, 0.014, 0.05  # m, rad, rad, m: the box of the stage
 ENCODER_13, ENCODER_24 = (0.0168, 0.0322), (0.0124, 0.0366)  # m: motor gaps over that box
+ENCODER_XZ = 0.1  # m: twice the stroke, so that neither overshoot nor the give of a stop reads as a broken encoder
 
 
 @dataclass(frozen=True)
 class Axis:
-    """One controlled coordinate: its signals, LQR weights on (e, de, xi1, xi2, xi3) with R = 1, bounds of its states."""
+    """One controlled coordinate: signals, LQR weights on (e, de, xi1, xi2, xi3) with R = 1, bounds of its states."""
 
     name: str
     position: Signal
@@ -76,7 +77,7 @@ def _axes() -> tuple[Axis, ...]:
     narrow, wide = (2e-3, 2e-2, 2e-1), (5e-3, 5e-2, 5e-1)
     reference = {n: Signal(f"{n}_ref_held", g.signal.unit, g.signal.low, g.signal.high) for n, g in _SET_POINTS.items()}
     gap = Signal("y", "m", 0.0145, 0.0345, "gap at the centre")
-    x, z = (Signal(f"{n}_held", "m", -STROKE, STROKE) for n in "xz")
+    x, z = (Signal(f"{n}_held", "m", -ENCODER_XZ, ENCODER_XZ) for n in "xz")
     phi = Signal("phi", "rad", -0.02, 0.02, "rotation about X")
     tilt = Signal("theta", "rad", -0.031, 0.031, "rotation about Z")
     excess = {n: Signal(f"excess_{n}", "A", -1e6, 1e6, f"u_{n} limited less u_{n} demanded") for n in "xz"}
@@ -95,7 +96,7 @@ def _measured(name: str, bounds: tuple[float, float], initial: float, about: str
 
 _MEASUREMENTS = (
     *(_measured(f"y{j}", (ENCODER_13, ENCODER_24)[j % 2 == 0], GAP[1], f"gap of motor {j}") for j in range(1, 5)),
-    *(_measured(n, (-STROKE, STROKE), 0.0, f"platen along {n.upper()}") for n in "xz"),
+    *(_measured(n, (-ENCODER_XZ, ENCODER_XZ), 0.0, f"platen along {n.upper()}") for n in "xz"),
 )
 _SET_POINTS = {
     "y": safety.Guarded(Signal("y_ref", "m", *GAP, "set-point of the gap"), GAP[1], False),
@@ -256,7 +257,7 @@ def phase_currents(plant: Plant) -> Block:
     that computes the currents does.
     """
     tau = plant.parameter("tau").value
-    positions = {n: Signal(n, "m", -STROKE, STROKE, f"platen along {n.upper()}") for n in "xz"}
+    positions = {n: Signal(n, "m", -ENCODER_XZ, ENCODER_XZ, f"platen along {n.upper()}") for n in "xz"}
     guarded = [safety.Guarded(s, SAFETY.safe_output[s.name], False) for s in OUTPUTS]
     guarded += [safety.Guarded(s, 0.0, False) for s in positions.values()]
     peak = sqrt(2) * sqrt(2) * CURRENT  # both inputs at their limit

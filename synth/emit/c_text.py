@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from synth.block import Block, Named
-from synth.errors import EmitError
 from synth.emit.layout import CTYPES, Layout, Struct
 from synth.emit.lower import LOGICAL, Node, Program
+from synth.errors import EmitError
 
 _INFIX = {"add": ("+", 4), "sub": ("-", 4), "mul": ("*", 5), "div": ("/", 5), "lt": ("<", 3), "le": ("<=", 3)}
 _INFIX |= {"eq": ("==", 2), "ne": ("!=", 2), "and": ("&&", 1), "or": ("||", 0)}

@@ -35,7 +35,7 @@ class Guarded:
 
 @dataclass(frozen=True)
 class Safety:
-    """After `bad_samples` bad samples of a measurement in a row the outputs slew to `safe_output`; `reason` says why."""
+    """After `bad_samples` bad samples of a measurement on end the outputs slew to `safe_output`; `reason` says why."""
 
     bad_samples: int
     safe_output: Mapping[str, float]

@@ -1,0 +1,27 @@
+"""Experiments: a simulated run, what of it is shown, and the figures that it must keep."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synth.check import Check
+from synth.simulate.scenario import Trajectory
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """One run. `shown` names the trajectory's columns to plot, `references` the set-points (N,) beside them.
+
+    `figures` are measured values in the units of their names' endings, free of any limit; `checks` have limits.
+    """
+
+    name: str
+    title: str
+    about: str
+    trajectory: Trajectory
+    shown: tuple[str, ...]
+    references: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+    figures: Mapping[str, float] = field(default_factory=dict)
+    checks: tuple[Check, ...] = ()

@@ -1,0 +1,81 @@
+"""Units form the free abelian group over the base units; names and ranges are refused where they mean nothing."""
+
+import math
+from fractions import Fraction
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from synth.errors import SignalError
+from synth.signals import Parameter, Signal, dimension, identifier, names
+
+BASE = ("A", "K", "kg", "m", "rad", "s")
+
+
+@pytest.mark.parametrize(
+    ("unit", "exponents"),
+    [
+        ("1", {}),
+        ("m", {"m": 1}),
+        ("kg m^2/s^2", {"kg": 1, "m": 2, "s": -2}),
+        ("1/s", {"s": -1}),
+        ("m^-1", {"m": -1}),
+        ("rad/rad", {}),
+        ("rad", {"rad": 1}),
+        ("N", {"kg": 1, "m": 1, "s": -2}),
+        ("N^2/N", {"kg": 1, "m": 1, "s": -2}),
+        ("V A", {"kg": 1, "m": 2, "s": -3}),
+        ("H A^2/J", {}),
+        ("T", {"kg": 1, "s": -2, "A": -1}),
+        ("V/ohm", {"A": 1}),
+        ("Hz s", {}),
+    ],
+)
+def test_a_unit_is_a_product_of_base_units(unit: str, exponents: dict[str, int]) -> None:
+    assert dict(dimension(unit)) == {name: Fraction(e) for name, e in exponents.items()}
+
+
+@given(st.dictionaries(st.sampled_from(BASE), st.integers(-9, 9).filter(bool)), st.randoms())
+def test_the_order_of_factors_does_not_matter(exponents: dict[str, int], random: object) -> None:
+    factors = [(name, e) for name, e in exponents.items()]
+    random.shuffle(factors)  # type: ignore[attr-defined]
+    unit = " ".join(["1", *(f"{name}^{e}" for name, e in factors)])
+    assert dict(dimension(unit)) == exponents
+
+
+@pytest.mark.parametrize(
+    ("unit", "named"),
+    [("", "empty"), ("mm", "'mm'"), ("m s)", "')'"), ("m^0.5", "'.5'"), ("/s", "'/s'"), ("m ", "' '"), ("m*s", "'*s'")],
+)
+def test_an_unreadable_unit_is_refused_at_the_place(unit: str, named: str) -> None:
+    with pytest.raises(SignalError, match="unit") as caught:
+        dimension(unit)
+    assert named in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["", "2x", "x-y", "_x", "x y", "double", "for", "ä"])
+def test_a_name_that_c_refuses_is_refused(name: str) -> None:
+    with pytest.raises(SignalError, match="no identifier of C"):
+        Signal(name, "1", 0, 1)
+    with pytest.raises(SignalError, match=f"constant name '{name}'"):
+        identifier("constant", name)
+
+
+@pytest.mark.parametrize(("low", "high"), [(1, 1), (1, 0), (math.nan, 1), (0, math.nan), (-math.inf, 1), (0, math.inf)])
+def test_a_range_is_finite_and_not_empty(low: float, high: float) -> None:
+    with pytest.raises(SignalError, match="'gap' has the range .* below high"):
+        Signal("gap", "m", low, high)
+
+
+@pytest.mark.parametrize(("value", "tolerance"), [(math.nan, 0), (math.inf, 0), (1, -0.1), (1, math.nan)])
+def test_a_parameter_is_finite_with_a_tolerance(value: float, tolerance: float) -> None:
+    with pytest.raises(SignalError, match="parameter 'mass'"):
+        Parameter("mass", value, "kg", tolerance, "scale")
+
+
+def test_names_stand_once_and_in_order() -> None:
+    a, b = Signal("a", "1", 0, 1), Signal("b", "m", 0, 1)
+    assert names([b, a]) == ("b", "a")
+    with pytest.raises(SignalError, match="'a' is declared 2 times"):
+        names([a, b, a])

@@ -1,0 +1,91 @@
+"""Linear models against python-control, and what their shapes and names refuse."""
+
+from typing import Any
+
+import control
+import numpy as np
+import pytest
+
+from synth.errors import SignalError
+from synth.statespace import StateSpace, from_control
+from synth.timing import Continuous, Discrete, Time
+
+TIMES: list[Time] = [Continuous(), Discrete(1e-3)]
+
+
+def model(time: Time, n: int = 4, m: int = 2, p: int = 3) -> StateSpace:
+    rng = np.random.default_rng(n + 10 * m + 100 * p)
+    A, B, C, D = (rng.normal(size=shape) for shape in ((n, n), (n, m), (p, n), (p, m)))
+    labels = [tuple(f"{letter}{i}" for i in range(k)) for letter, k in (("x", n), ("u", m), ("y", p))]
+    return StateSpace(0.4 * A, B, C, D, *labels, time)
+
+
+def change(**fields: Any) -> StateSpace:
+    good = model(Continuous())
+    return StateSpace(**{name: getattr(good, name) for name in good.__dataclass_fields__} | fields)
+
+
+@pytest.mark.parametrize("time", TIMES)
+@pytest.mark.parametrize("n", [0, 4])
+def test_the_way_to_python_control_and_back_keeps_everything(time: Time, n: int) -> None:
+    first = model(time, n)
+    back = from_control(first.to_control())
+    for letter in "ABCD":
+        np.testing.assert_array_equal(getattr(back, letter), getattr(first, letter))
+    assert (back.states, back.inputs, back.outputs) == (first.states, first.inputs, first.outputs)
+    assert back.time == time
+
+
+@pytest.mark.parametrize("time", TIMES)
+def test_response_and_poles_agree_with_python_control(time: Time) -> None:
+    mine = model(time)
+    theirs = mine.to_control()
+    points = np.array([1j, 3 - 2j, np.exp(0.3j)])
+    expected = np.array([theirs(v) for v in points])
+    np.testing.assert_allclose(mine.response(points), expected, rtol=1e-11, atol=1e-12)
+    np.testing.assert_allclose(mine.poles, np.sort_complex(theirs.poles()), rtol=1e-11)
+    np.testing.assert_allclose(mine.channel("y2", "u1").response(points)[:, 0, 0], expected[:, 2, 1], rtol=1e-11)
+
+
+def test_a_static_gain_responds_with_itself() -> None:
+    static = model(Continuous(), 0)
+    np.testing.assert_array_equal(static.response([0, 5j]), [static.D, static.D])
+    assert static.poles.size == 0
+
+
+@pytest.mark.parametrize("dt", [None, True])
+def test_a_system_without_a_time_base_is_refused(dt: object) -> None:
+    with pytest.raises(SignalError, match="no sample period"):
+        from_control(control.ss([[0.5]], [[1]], [[1]], [[0]], dt))
+
+
+@pytest.mark.parametrize(
+    ("fields", "text"),
+    [
+        ({"A": np.zeros((4, 3))}, r"A has shape \(4, 3\) but the signal names ask for \(4, 4\)"),
+        ({"D": np.zeros(2)}, r"D has shape \(2,\)"),
+        ({"B": np.full((4, 2), np.nan)}, r"B\[0, 0\] is nan"),
+        ({"C": np.diag([1, 1, np.inf, 1])[:3]}, r"C\[2, 2\] is inf"),
+        ({"states": ("a", "b", "a", "c")}, "twice among the states"),
+        ({"outputs": ("a", "b", "b")}, "twice among the outputs"),
+    ],
+)
+def test_what_does_not_fit_is_refused(fields: dict[str, Any], text: str) -> None:
+    with pytest.raises(SignalError, match=text):
+        change(**fields)
+
+
+def test_an_unknown_channel_is_refused_with_the_known_ones() -> None:
+    with pytest.raises(SignalError, match="'y9' is not one of y0, y1, y2"):
+        model(Continuous()).channel("y9", "u0")
+    with pytest.raises(SignalError, match="'y0' is not one of u0, u1"):
+        model(Continuous()).channel("y0", "y0")
+
+
+def test_matrices_are_copies_that_cannot_be_written() -> None:
+    A = np.zeros((4, 4))
+    mine = change(A=A)
+    A[0, 0] = 7
+    assert mine.A[0, 0] == 0
+    with pytest.raises(ValueError, match="read-only"):
+        mine.A[0, 0] = 1
