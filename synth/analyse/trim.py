@@ -61,8 +61,9 @@ class OperatingPoint:
 
 @dataclass(frozen=True, eq=False)
 class _Problem:
-    """f(z) = 0 in the scaled free variables z, with derivatives, and the tolerance of each equation."""
+    """f(z, held) = 0 in the scaled free variables z, with derivatives, and the tolerance of each equation."""
 
+    held: Array
     f: ca.Function
     jacobian: ca.Function
     stationarity: ca.Function
@@ -70,7 +71,7 @@ class _Problem:
     tolerance: Array
 
     def residual(self, z: Array) -> Array:
-        return np.asarray(self.f(z)).ravel()
+        return np.asarray(self.f(z, self.held)).ravel()
 
     def met(self, z: Array) -> bool:
         return bool((np.abs(self.residual(z)) <= self.tolerance).all())
@@ -109,7 +110,8 @@ def _problem(
     plant: Plant, fixed: Mapping[str, float], free: tuple[str, ...], reference: Array, scale: Array
 ) -> _Problem:
     z = ca.SX.sym("z", len(free))
-    value = {n: ca.SX(v) for n, v in fixed.items()}
+    held = ca.SX.sym("held", len(fixed))  # symbols: a constant zero would cancel the infinities that it causes
+    value = {n: held[i] for i, n in enumerate(fixed)}
     value |= {n: reference[i] + scale[i] * z[i] for i, n in enumerate(free)}
     x = ca.vcat([value.get(s.name, ca.SX(0)) for s in plant.states])
     u = ca.vcat([value.get(s.name, ca.SX(0)) for s in plant.inputs])
@@ -118,12 +120,13 @@ def _problem(
     J = ca.jacobian(f, z)
     conditions = ca.vertcat(z + ca.mtimes(J.T, multiplier), f)
     unknowns = ca.vertcat(z, multiplier)
-    stationarity = ca.Function("s", [unknowns], [conditions, ca.jacobian(conditions, unknowns)])
-    function = ca.Function("f", [z], [f])
-    size = np.abs(np.asarray(function(np.zeros(len(free)))).ravel())
+    stationarity = ca.Function("s", [unknowns, held], [conditions, ca.jacobian(conditions, unknowns)])
+    function, slope = ca.Function("f", [z, held], [f]), ca.Function("J", [z, held], [J])
+    values = np.array(list(fixed.values()), dtype=np.float64)
+    size = np.abs(np.asarray(function(np.zeros(len(free)), values)).ravel())
     per_second = np.array([(s.high - s.low) / 2 for s in plant.states])
     tolerance = RELATIVE_TOLERANCE * (per_second + np.where(np.isfinite(size), size, 0.0))
-    return _Problem(function, ca.Function("J", [z], [J]), stationarity, len(free), tolerance)
+    return _Problem(values, function, slope, stationarity, len(free), tolerance)
 
 
 def _nearest(plant: Plant, problem: _Problem, free: tuple[str, ...], fixed: tuple[str, ...]) -> Array:
@@ -150,7 +153,9 @@ def _least_squares(plant: Plant, problem: _Problem) -> Iterator[Array]:
             yield least_squares(
                 lambda w: problem.residual(w) / problem.tolerance * RELATIVE_TOLERANCE,
                 z,
-                lambda w: np.asarray(problem.jacobian(w)) / problem.tolerance[:, None] * RELATIVE_TOLERANCE,
+                lambda w: (
+                    np.asarray(problem.jacobian(w, problem.held)) / problem.tolerance[:, None] * RELATIVE_TOLERANCE
+                ),
                 xtol=1e-15,
                 ftol=1e-15,
                 gtol=1e-15,
@@ -164,10 +169,10 @@ def _least_squares(plant: Plant, problem: _Problem) -> Iterator[Array]:
 
 def _polished(problem: _Problem, z: Array) -> Array:
     """Return the stationary point near the root `z`, or `z` itself where Newton's method leads to nothing nearer."""
-    J = np.asarray(problem.jacobian(z))
+    J = np.asarray(problem.jacobian(z, problem.held))
     w = np.concatenate([z, -np.linalg.lstsq(J.T, z, rcond=None)[0]])
     for _ in range(NEWTON_STEPS):
-        conditions, slope = (np.asarray(m) for m in problem.stationarity(w))
+        conditions, slope = (np.asarray(m) for m in problem.stationarity(w, problem.held))
         step = np.linalg.lstsq(slope, conditions.ravel(), rcond=None)[0]
         if not np.isfinite(step).all():
             return z

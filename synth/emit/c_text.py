@@ -77,7 +77,7 @@ def header(block: Block, layout: Layout) -> str:
 
 
 def _struct(name: str, struct: Struct) -> str:
-    rows = [f"    {f.ctype} {f.name};".ljust(40) + f"/* {f.comment} */" for f in struct.fields]
+    rows = [f"    {f.ctype} {f.name};".ljust(40) + f"/* {_prose(f.comment)} */" for f in struct.fields]
     return "typedef struct {\n" + "\n".join(rows) + f"\n}} {struct.type};"
 
 
@@ -98,7 +98,7 @@ def source(block: Block, program: Program, layout: Layout) -> str:
     if read:
         rows = (
             f"static const {layout.ctype} {c.name} = {literal(c.value, layout.scalar).c};".ljust(60)
-            + f"/* {c.unit}; {c.source} */"
+            + f"/* {c.unit}; {_prose(c.source)} */"
             for c in block.constants
             if c.name in read
         )
@@ -264,4 +264,9 @@ class _Printer:
 
 
 def _title(named: Named) -> str:
-    return f"{named.block}: {named.tag}" if named.tag else named.block
+    return f"{named.block}: {_prose(named.tag)}" if named.tag else named.block
+
+
+def _prose(text: str) -> str:
+    """Return a text that neither opens nor closes a comment."""
+    return text.replace("*/", "* /").replace("/*", "/ *")

@@ -35,9 +35,10 @@ def block(name: str, time: Discrete, signal: Signal, rate: Signal, bandwidth: fl
     if not 0 < bandwidth < nyquist:
         raise SignalError(f"the filter's bandwidth is {bandwidth} rad/s: it must lie between 0 and {nyquist:.6g} rad/s")
     w = bandwidth
-    F, G = discretise.first_order_hold([[0, 1], [-w * w, -2 * w]], [[0], [w * w]], time.period_s)
+    hold = discretise.first_order_hold([[0, 1], [-w * w, -2 * w]], [[0], [w * w]], time.period_s)
     source = f"D(s) = s w^2/(s+w)^2, w = {w:g} rad/s, first-order hold"
-    values = {"f11": F[0, 0], "f12": F[0, 1], "f21": F[1, 0], "f22": F[1, 1], "g1": 1 - G[0, 0], "g2": G[1, 0]}
+    F, H = hold.F, hold.H
+    values = {"f11": F[0, 0], "f12": F[0, 1], "f21": F[1, 0], "f22": F[1, 1], "g1": 1 - H[0, 0], "g2": H[1, 0]}
     units = {"f11": "1", "f12": "s", "f21": "1/s", "f22": "1", "g1": "1", "g2": "1/s"}
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:

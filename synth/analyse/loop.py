@@ -1,0 +1,96 @@
+"""Opening a sampled loop at one signal: what ships, linearised, around the plant with its hold and delay.
+
+    u_s --> [ controller without s ] --> [ delay ] --> [ hold, plant, sampler ] --> [ controller ] --> y_s
+
+The controller's Block is composed with the signal s cut: its driver then drives ``s_out``, its readers read ``s``. The
+loop L from s to -s_out has the closed loop 1 + L.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+
+from synth.analyse import discretise
+from synth.block import Block
+from synth.errors import SignalError
+from synth.signals import names
+from synth.statespace import StateSpace
+
+
+def cut(blocks: Sequence[Block], signal: str) -> tuple[Block, ...]:
+    """Return the Blocks with the driver of `signal` renamed to ``<signal>_out``.
+
+    Raises SignalError when no Block drives it.
+    """
+    out = f"{signal}_out"
+    if not any(signal in names(b.outputs) for b in blocks):
+        raise SignalError(f"no Block drives '{signal}': open the loop at a signal that one drives")
+    return tuple(_renamed(b, signal, out) if signal in names(b.outputs) else b for b in blocks)
+
+
+def _renamed(block: Block, old: str, new: str) -> Block:
+    outputs = tuple(replace(s, name=new) if s.name == old else s for s in block.outputs)
+    inside = tuple(
+        (replace(n, signal=replace(n.signal, name=new)) if n.signal.name == old else n, e) for n, e in block.inside
+    )
+    output = {new if n == old else n: e for n, e in block.output.items()}
+    return replace(block, outputs=outputs, inside=inside, output=output)
+
+
+def linearised(block: Block, state: Mapping[str, float], inputs: Mapping[str, float]) -> StateSpace:
+    """Return the Block's Jacobians at a state and inputs, by name; a state that is not given is at its initial value.
+
+    Raises SignalError for a value missing or a name not known.
+    """
+    known = (*(s.name for s in block.states), *names(block.inputs))
+    unknown = [n for n in (*state, *inputs) if n not in known]
+    missing = [n for n in names(block.inputs) if n not in inputs]
+    if unknown or missing:
+        raise SignalError(f"block '{block.name}': not known {unknown or 'none'}, missing {missing or 'none'}")
+    f = block.function()
+    x, u = f.sx_in()
+    next, y = f.call([x, u])
+    jacobians = [ca.densify(ca.jacobian(e, a)) for e in (next, y) for a in (x, u)]
+    x0 = [state.get(s.name, s.initial) for s in block.states]
+    u0 = [inputs[n] for n in names(block.inputs)]
+    A, B, C, D = (np.asarray(ca.DM(m)) for m in ca.Function("jacobians", [x, u], jacobians)(x0, u0))
+    states = tuple(s.name for s in block.states)
+    return StateSpace(A, B, C, D, states, names(block.inputs), names(block.outputs), block.time)
+
+
+def opened(
+    plant: StateSpace,
+    controller: StateSpace,
+    signal: str,
+    sensors: Mapping[str, str],
+    actuators: Mapping[str, str],
+    delay: int = 1,
+) -> StateSpace:
+    """Return L from `signal` to minus ``<signal>_out``: the continuous plant held and sampled under the controller.
+
+    `sensors[controller input] = plant output`, `actuators[plant input] = controller output`; other controller inputs
+    stay at rest.
+    """
+    period = controller.time.period_s  # type: ignore[union-attr]
+    held = discretise.with_delay(discretise.zero_order_hold(plant, period), delay)
+    S = np.zeros((len(controller.inputs), len(plant.outputs)))
+    for into, source in sensors.items():
+        S[controller.inputs.index(into), plant.outputs.index(source)] = 1
+    U = np.zeros((len(plant.inputs), len(controller.outputs)))
+    for into, source in actuators.items():
+        U[plant.inputs.index(into), controller.outputs.index(source)] = 1
+    P, K = held, controller
+    if (P.D != 0).any():
+        raise SignalError("the sampled plant passes inputs straight on: give the loop at least one sample of delay")
+    e = np.zeros((len(K.inputs), 1))
+    e[K.inputs.index(signal)] = 1
+    y = np.zeros((1, len(K.outputs)))
+    y[0, K.outputs.index(f"{signal}_out")] = 1
+    A = np.block([[P.A + P.B @ U @ K.D @ S @ P.C, P.B @ U @ K.C], [K.B @ S @ P.C, K.A]])
+    B = np.vstack([P.B @ U @ K.D @ e, K.B @ e])
+    C = -np.hstack([y @ K.D @ S @ P.C, y @ K.C])
+    D = -y @ K.D @ e
+    states = tuple(f"plant_{s}" for s in P.states) + K.states
+    return StateSpace(A, B, C, D, states, (signal,), (f"{signal}_out",), controller.time)

@@ -1,0 +1,110 @@
+"""Linear quadratic regulators, u = K x (the sign is inside K, as in F(16)).
+
+lqr    min int (x'Qx + u'Ru + 2 x'Nu) dt,            continuous model, or the sum for a sampled one
+lqrd   the same integral for a continuous model whose input is held over each period T:
+
+       int_0^T (x'Qx + u'Ru) dt = [x; u]' W [x; u],   W = int_0^T M(t)' diag(Q, R) M(t) dt,   M(t) = exp([[A, B], [0, 0]] t)
+
+       which has a cross term even where Q and R have none. W by Van Loan's exponential (1978).
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import ArrayLike, NDArray
+
+from synth.analyse import discretise, precise
+from synth.errors import TimingError
+from synth.statespace import Array, StateSpace, readonly
+from synth.synthesise import riccati
+from synth.timing import Continuous, Time
+
+
+@dataclass(frozen=True, eq=False)
+class Gain:
+    """State feedback u = K x, K (m, n), with the weights that it minimises and its certificate."""
+
+    K: Array
+    Q: Array
+    R: Array
+    N: Array
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    time: Time
+    certificate: riccati.Riccati
+
+    @property
+    def poles(self) -> NDArray[np.complex128]:
+        """Eigenvalues of A + B K, in 1/s or in z."""
+        return self.certificate.poles
+
+    def rounded(self, scalar: type[np.floating]) -> "Gain":
+        """Return the gain as it ships in a scalar type."""
+        return replace(self, K=readonly(self.K.astype(scalar)))
+
+
+@dataclass(frozen=True, eq=False)
+class SampledCost:
+    """The held model over one period and the weights Q, R, N of the exact cost integral."""
+
+    model: StateSpace
+    Q: Array
+    R: Array
+    N: Array
+
+
+def lqr(model: StateSpace, Q: ArrayLike, R: ArrayLike, N: ArrayLike | None = None) -> Gain:
+    """Return the optimal gain of a model in its own time; Q (n, n), R (m, m), N (n, m).
+
+    Raises as `riccati.solve`.
+    """
+    found = riccati.solve(model, Q, R, N)
+    cross = np.zeros(model.B.shape) if N is None else N
+    weights = (readonly(Q), readonly(R), readonly(cross))
+    return Gain(readonly(-found.L), *weights, model.states, model.inputs, model.time, found)
+
+
+def lqrd(model: StateSpace, Q: ArrayLike, R: ArrayLike, period_s: float) -> Gain:
+    """Return the optimal gain for a continuous model whose input is held over `period_s`, for the continuous cost.
+
+    Raises TimingError for a sampled model; else as `riccati.solve`.
+    """
+    cost = sampled_cost(model, Q, R, period_s)
+    return lqr(cost.model, cost.Q, cost.R, cost.N)
+
+
+def sampled_cost(model: StateSpace, Q: ArrayLike, R: ArrayLike, period_s: float) -> SampledCost:
+    """Return the held model and its exact weights over one period."""
+    if not isinstance(model.time, Continuous):
+        raise TimingError(f"a model in {model.time} was given to sample: give the continuous model")
+    held = discretise.zero_order_hold(model, period_s)
+    n, m = model.B.shape
+    F = np.block([[model.A, model.B], [np.zeros((m, n + m))]])
+    weight = np.block([[np.asarray(Q, float), np.zeros((n, m))], [np.zeros((m, n)), np.asarray(R, float)]])
+    k = n + m
+    H = np.block([[-F.T, weight], [np.zeros((k, k)), F]])
+    with precise.precision():
+        E = (precise.matrix(H) * precise.flint.arb(period_s)).exp()
+        M = precise.flint.arb_mat([[E[k + i, k + j] for j in range(k)] for i in range(k)])
+        G = precise.flint.arb_mat([[E[i, k + j] for j in range(k)] for i in range(k)])
+        W = precise.rounded(M.transpose() * G)
+    W = (W + W.T) / 2
+    return SampledCost(held, readonly(W[:n, :n]), readonly(W[n:, n:]), readonly(W[:n, n:]))
+
+
+def cost_ratio(model: StateSpace, gain: Gain, Q: ArrayLike, R: ArrayLike, period_s: float) -> float:
+    """Return the cost of using `gain` at a sample period over that of `lqrd`, for the worst initial state.
+
+    Infinite when the sampled loop with `gain` is unstable. The model is continuous, the gain of any origin.
+    """
+    cost = sampled_cost(model, Q, R, period_s)
+    best = lqr(cost.model, cost.Q, cost.R, cost.N)
+    closed = cost.model.A + cost.model.B @ gain.K
+    if np.abs(np.linalg.eigvals(closed)).max() >= 1:
+        return np.inf
+    K, N = gain.K, cost.N
+    step = cost.Q + K.T @ cost.R @ K + N @ K + (N @ K).T
+    n = len(closed)
+    X = np.linalg.solve(np.eye(n * n) - np.kron(closed.T, closed.T), step.reshape(-1)).reshape(n, n)
+    return float(scipy.linalg.eigh((X + X.T) / 2, best.certificate.X, eigvals_only=True)[-1])

@@ -1,0 +1,198 @@
+"""The five-axis model against its printed equations in NumPy, and its polynomial forms against the model."""
+
+from collections.abc import Mapping
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from models import maglev_stage, pmlsm
+from synth.errors import ModelError
+from synth.plant import Plant
+from synth.signals import Signal, names
+
+VALUES = {p.name: p.value for p in maglev_stage.PARAMETERS}
+
+
+def force_factors(g: float, lv3: str) -> dict[str, float]:
+    """Return the eight factors of (3), (4) in NumPy."""
+    P = VALUES
+    k, kw, D = np.pi / P["tau"], np.sin(np.pi * P["w_c"] / 2 / P["tau"]), P["h_m"] + g
+    s = np.sin(np.pi * P["tau_p"] / 2 / P["tau"])
+    B = 4 / np.pi * P["mu0"] * P["H_c"] * s * np.sinh(k * P["h_m"]) / np.sinh(k * D)
+    beta = P["b0"] / 2 / g
+    gamma = 4 / np.pi * (beta * np.arctan(beta) - 0.5 * np.log1p(beta**2))
+    Kc = P["t1"] / (P["t1"] - g * gamma)
+    lam = 1 - P["b0"] ** 2 / (4 * P["t1"] * (g + P["b0"] / 2 + P["h_m"] / P["mu_rec"]))
+    A = P["L_A"] * P["p_m"]
+    stress = {"csch2": np.sinh(k * D) ** -2, "coth2": np.tanh(k * D) ** -2}[lv3]
+    return {
+        "h": 12 * np.sqrt(2) * P["W"] * kw * A * P["H_c"] * P["mu0"] * np.sinh(k * P["h_m"]) * s / np.pi / P["p"]
+        * lam / Kc / np.sinh(k * D),
+        "v1": A * P["tau"] / 4 / P["mu0"] * lam * B**2,
+        "v2": 3 * np.sqrt(2) * A * P["W"] * kw / P["p"] * lam * B / np.tanh(k * D) / Kc,
+        "v3": 18 * A * P["W"] ** 2 * kw**2 * P["mu0"] / P["tau"] / P["p"] ** 2 * lam * stress / Kc**2,
+    }  # fmt: skip
+
+
+def printed(x: Mapping[str, float], u: Mapping[str, float], lv3: str = "csch2") -> np.ndarray:
+    """Return (6), (7) as printed, term by term."""
+    P = VALUES
+    r = P["r"]
+    g1, g2 = x["y"] - r * np.sin(x["phi"]), x["y"] + r * np.sin(x["theta"])
+    g3, g4 = x["y"] + r * np.sin(x["phi"]), x["y"] - r * np.sin(x["theta"])
+    K1, K2, K3, K4 = (force_factors(g, lv3) for g in (g1, g2, g3, g4))
+    u1, u2, u3, u4, ux, uz = (u[n] for n in names(maglev_stage.INPUTS))
+    y = -K3["v1"] - K1["v1"] - K2["v1"] - K4["v1"] + K3["v2"] * u3 + K1["v2"] * u1 + K2["v2"] * u2 + K4["v2"] * u4
+    y += -(K3["v3"] + K1["v3"]) * uz**2 - K3["v3"] * u3**2 - K1["v3"] * u1**2
+    y += -(K2["v3"] + K4["v3"]) * ux**2 - K2["v3"] * u2**2 - K4["v3"] * u4**2
+    phi = -K3["v1"] + K3["v2"] * u3 - K3["v3"] * u3**2 + K1["v1"] - K1["v2"] * u1 + K1["v3"] * u1**2
+    phi += -(K3["v3"] - K1["v3"]) * uz**2
+    theta = -K2["v1"] + K2["v2"] * u2 - K2["v3"] * u2**2 + K4["v1"] - K4["v2"] * u4 + K4["v3"] * u4**2
+    theta += -(K2["v3"] - K4["v3"]) * ux**2
+    k_rot = r * P["M_y"] / P["I_x"]
+    return np.array(
+        [
+            P["G"] + y / P["M_y"],
+            -(K2["h"] + K4["h"]) / P["M_x"] * ux,
+            -(K3["h"] + K1["h"]) / P["M_z"] * uz,
+            k_rot * phi / P["M_y"] - P["k_s_phi"] * x["phi"],
+            k_rot * theta / P["M_y"] - P["k_s_theta"] * x["theta"],
+        ]
+    )
+
+
+def random_points(count: int) -> list[tuple[dict[str, float], dict[str, float]]]:
+    rng = np.random.default_rng(7)
+
+    def draw(signals: tuple[Signal, ...]) -> dict[str, float]:
+        return {s.name: float(rng.uniform(s.low, s.high)) for s in signals}
+
+    return [(draw(maglev_stage.STATES), draw(maglev_stage.INPUTS)) for _ in range(count)]
+
+
+def worst_difference(plant: Plant, lv3: str) -> float:
+    worst = 0.0
+    for x, u in random_points(50):
+        derivative = np.asarray(plant.f(list(x.values()), list(u.values()), plant.values)).ravel()
+        dx = dict(zip(names(plant.states), derivative, strict=True))
+        assert all(dx[q] == x[v] for q, v in maglev_stage.RATE.items())
+        found = np.array([dx[v] for v in maglev_stage.RATE.values()])
+        worst = max(worst, float(np.abs(found - printed(x, u, lv3)).max()))
+    return worst
+
+
+@pytest.mark.parametrize("lv3", ["csch2", "coth2"])
+def test_the_plant_is_what_is_printed(lv3: str) -> None:
+    assert worst_difference(maglev_stage.plant(lv3), lv3) < 1e-11
+
+
+@pytest.mark.parametrize("term", ["v1", "v2", "v3"])
+def test_a_planted_sign_error_is_found(term: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    right = pmlsm.normal_force
+
+    def wrong(g: ca.SX, i_d: ca.SX, i_q: ca.SX, p: Mapping[str, ca.SX], reading: pmlsm.Reading) -> ca.SX:
+        K, L = pmlsm.constants(p, reading), pmlsm.coefficients(g, p, reading)
+        part = {
+            "v1": -K.K_v1 * L.L_v1,
+            "v2": K.K_v2 * L.L_v2 * i_d,
+            "v3": -K.K_v3 * L.L_v3 * (i_d**2 + i_q**2),
+        }[term]
+        return right(g, i_d, i_q, p, reading) - 2 * part
+
+    monkeypatch.setattr(pmlsm, "normal_force", wrong)
+    assert worst_difference(maglev_stage.plant(), "csch2") > 0.1
+
+
+def test_kinematics_invert_the_gaps() -> None:
+    for x, _ in random_points(10):
+        back = maglev_stage.kinematics(*(float(g) for g in maglev_stage.gaps(x, VALUES)), VALUES["r"])
+        assert [float(back[n]) for n in ("y", "phi", "theta")] == pytest.approx([x["y"], x["phi"], x["theta"]])
+
+
+def test_outputs_are_coordinates_and_gaps_within_their_ranges() -> None:
+    plant = maglev_stage.plant()
+    for x, u in random_points(50):
+        y = np.asarray(plant.h(list(x.values()), list(u.values()), plant.values)).ravel()
+        assert np.allclose(y[:5], [x[q] for q in maglev_stage.RATE], atol=0)
+        assert np.allclose(y[5:], [float(g) for g in maglev_stage.gaps(x, VALUES)])
+        assert all(s.low <= v <= s.high for s, v in zip(plant.outputs, y, strict=True))
+
+
+def evaluate(model: maglev_stage.InputPolynomial, exprs: list[ca.SX], point: Mapping[str, float]) -> np.ndarray:
+    symbols = {**model.x, **model.u, **model.v}
+    f = ca.Function("f", [ca.vcat(list(symbols.values()))], [ca.vcat(exprs)])
+    return np.asarray(f([point[n] for n in symbols])).ravel()
+
+
+def random_v(count: int) -> list[dict[str, float]]:
+    rng = np.random.default_rng(3)
+    v = [dict(zip(maglev_stage.TRANSFORMED, rng.uniform(-5, 5, 3), strict=True)) for _ in range(count)]
+    return [x | u | w for (x, u), w in zip(random_points(count), v, strict=True)]
+
+
+@pytest.mark.parametrize("lv3", ["csch2", "coth2"])
+def test_the_polynomial_sums_to_the_full_model(lv3: str) -> None:
+    model = maglev_stage.input_polynomial(maglev_stage.nominal(), lv3)
+    for at in random_v(20):
+        found = evaluate(model, list(model.accelerations().values()), at)
+        u = at | {n: float(i) for n, i in maglev_stage.input_transformation(at).items()}
+        assert np.abs(found - printed(at, u, lv3)).max() < 1e-11
+
+
+def test_a_polynomial_that_lacks_a_term_does_not_sum_to_the_model() -> None:
+    whole = maglev_stage.input_polynomial(maglev_stage.nominal())
+    at = random_v(1)[0]
+    for term in maglev_stage.TERMS:
+        part = maglev_stage.simplified(whole, [term])
+        difference = [a - b for a, b in zip(whole.accelerations().values(), part.accelerations().values(), strict=True)]
+        assert np.abs(evaluate(whole, difference, at)).max() > 1e-6, term
+
+
+def test_the_simplified_model_is_the_full_one_without_the_dropped_terms() -> None:
+    full = maglev_stage.input_polynomial(maglev_stage.nominal())
+    kept = maglev_stage.simplified(full)
+    assert set(full.coefficients) - set(kept.coefficients) == set(maglev_stage.NEGLIGIBLE)
+    for at in random_v(10):
+        c = dict(zip(full.coefficients, evaluate(full, list(full.coefficients.values()), at), strict=True))
+        vy, vphi, vtheta = (at[n] for n in maglev_stage.TRANSFORMED)
+        y = c["a4"] * vphi * vy + c["a5"] * vphi**2 + c["a6"] * vy**2 + c["a8"] * vy * vtheta + c["a9"] * vtheta**2
+        phi = c["b4"] * vphi * vy + c["b5"] * vphi**2 + c["b6"] * vy**2
+        theta = c["c4"] * vy * vtheta + c["c5"] * vtheta**2 + c["c6"] * vy**2
+        whole, rest = (evaluate(m, list(m.accelerations().values()), at) for m in (full, kept))
+        assert np.allclose(whole - rest, [y, 0, 0, phi, theta], rtol=0, atol=1e-11)
+        matrix = evaluate(kept, [ca.vec(kept.decoupling().T)], at).reshape(3, 3)
+        expected = [[c["a3"], c["a2"], c["a7"]], [c["b3"], c["b2"], 0], [c["c3"], 0, c["c2"]]]
+        assert np.allclose(matrix, expected, rtol=1e-12)
+        assert matrix[1, 1] < 0 and matrix[2, 2] < 0
+
+
+def test_coefficients_depend_on_what_is_printed_in_their_brackets() -> None:
+    model = maglev_stage.input_polynomial(maglev_stage.nominal())
+    both, by_phi, by_theta = {"y", "phi", "theta"}, {"y", "phi"}, {"y", "theta"}
+    printed_arguments = {"a1": both | {"u_x", "u_z"}, "a3": both, "a6": both, "h_x": by_theta, "h_z": by_phi}
+    printed_arguments |= dict.fromkeys(("a2", "a4", "a5", "b2", "b3", "b4", "b5", "b6"), by_phi)
+    printed_arguments |= dict.fromkeys(("a7", "a8", "a9", "c2", "c3", "c4", "c5", "c6"), by_theta)
+    printed_arguments |= {"b1": by_phi | {"u_z"}, "c1": by_theta | {"u_x"}}
+    assert {n: {s.name() for s in ca.symvar(e)} for n, e in model.coefficients.items()} == printed_arguments
+
+
+def test_unknown_names_are_refused() -> None:
+    model = maglev_stage.input_polynomial(maglev_stage.nominal())
+    with pytest.raises(ModelError, match="a10"):
+        maglev_stage.simplified(model, ["a10"])
+    with pytest.raises(ModelError, match="h_x"):
+        maglev_stage.simplified(model, ["h_x"])
+    with pytest.raises(ModelError, match=r"sech2.*csch2"):
+        maglev_stage.plant("sech2")
+
+
+def test_parameters_may_stay_symbols() -> None:
+    p = maglev_stage.parameter_symbols()
+    model = maglev_stage.input_polynomial(p)
+    f = ca.Function("a3", [ca.vcat(list(model.x.values())), ca.vcat(list(p.values()))], [model.coefficients["a3"]])
+    at_rest = [0.025, 0.0, 0.0]
+    slope = force_factors(0.025, "csch2")["v2"]
+    for mass in (6.9, 7.0):
+        expected = 2 * slope / mass  # v_y / 2 into each of four motors
+        assert float(f(at_rest, list((VALUES | {"M_y": mass}).values()))) == pytest.approx(expected, rel=1e-12)

@@ -1,0 +1,47 @@
+"""Phase currents: sum, amplitude, the way back, and the slots' currents that they must reproduce."""
+
+import math
+
+import numpy as np
+import pytest
+
+from models import windings
+
+CASES = [(1.0, 0.0, 0.3), (-2.0, 3.5, 2.0), (0.7, -0.1, -4.0), (0.0, 4.95, 100.0)]
+
+
+@pytest.mark.parametrize(("d", "q", "angle"), CASES)
+def test_phases_sum_to_zero_and_come_back(d: float, q: float, angle: float) -> None:
+    phases = windings.phase_currents(d, q, angle)
+    assert phases.a + phases.b + phases.c == pytest.approx(0, abs=1e-13)
+    back = windings.axis_currents(phases, angle)
+    assert (back.d, back.q) == pytest.approx((d, q), abs=1e-12)
+    swapped = windings.axis_currents(windings.PhaseCurrents(phases.a, phases.c, phases.b), angle)
+    assert (swapped.d, swapped.q) != pytest.approx((d, q), abs=1e-2)
+
+
+@pytest.mark.parametrize(("d", "q", "angle"), CASES)
+def test_amplitude_and_rms(d: float, q: float, angle: float) -> None:
+    turn = angle + np.linspace(0, 2 * np.pi, 3600, endpoint=False)
+    b = np.array([windings.phase_currents(d, q, th).b for th in turn])
+    assert np.abs(b).max() == pytest.approx(math.sqrt(2) * math.hypot(d, q), rel=1e-5)
+    assert np.sqrt(np.mean(b**2)) == pytest.approx(math.hypot(d, q), rel=1e-12)
+
+
+def test_a_common_current_drops_out() -> None:
+    phases = windings.phase_currents(1.0, 2.0, 0.4)
+    shifted = windings.PhaseCurrents(phases.a + 5, phases.b + 5, phases.c + 5)
+    back = windings.axis_currents(shifted, 0.4)
+    assert (back.d, back.q) == pytest.approx((1.0, 2.0), abs=1e-12)
+
+
+@pytest.mark.parametrize("x_m", [0.0, 0.004, -0.031])
+def test_the_phases_are_the_travelling_wave_of_the_slots(x_m: float) -> None:
+    # A slot at x_s carries sqrt(2) (i_d sin k(x_s - x_m) - i_q cos k(x_s - x_m)): i_d > 0 weakens a magnet at x_m, and
+    # i_q > 0 pushes it along -x, as F_H = -K_h L_h i_q says. Phase b lies two slots of tau/3 after a, c four.
+    tau, i_d, i_q = 0.05715, 1.2, -0.8
+    k = math.pi / tau
+    phases = windings.phase_currents(i_d, i_q, windings.electrical_angle(x_m, tau))
+    for slot, current in zip((0, 2, 4), (phases.a, phases.b, phases.c), strict=True):
+        at = k * (slot * tau / 3 - x_m)
+        assert current == pytest.approx(math.sqrt(2) * (i_d * math.sin(at) - i_q * math.cos(at)), abs=1e-12)
