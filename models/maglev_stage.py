@@ -225,7 +225,7 @@ def quadratic_part(p: Exprs, lv3: str, x: Exprs) -> tuple[dict[str, ca.SX], list
     u, currents = {"u_x": ca.SX(0), "u_z": ca.SX(0)} | i_d, list(i_d.values())
     second = accelerations(x, u, p, _reading(lv3))
     halved = {q: [ca.jacobian(ca.jacobian(second[q], i), i) / 2 for i in currents] for q in ("y", "phi", "theta")}
-    return {q: sum(h * i**2 for h, i in zip(row, currents, strict=True)) for q, row in halved.items()}, currents
+    return {q: _sum_of_squares(row, currents) for q, row in halved.items()}, currents
 
 
 def simplified(model: InputPolynomial, dropped: Collection[str] = NEGLIGIBLE) -> InputPolynomial:
@@ -261,6 +261,10 @@ def _coefficient(expr: ca.SX, v: Exprs, monomial: tuple[str, ...]) -> ca.SX:
         factor *= 1 + monomial[:position].count(name)
     at_zero = ca.substitute(expr, ca.vcat(list(v.values())), ca.SX.zeros(len(v)))
     return ca.simplify(at_zero / factor)
+
+
+def _sum_of_squares(weights: Iterable[ca.SX], values: Iterable[ca.SX]) -> ca.SX:
+    return sum((w * v**2 for w, v in zip(weights, values, strict=True)), ca.SX(0))
 
 
 def _product(factors: Iterable[ca.SX]) -> ca.SX:

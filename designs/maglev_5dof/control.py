@@ -137,8 +137,8 @@ def _filter(axis: Axis) -> Block:
     return derivative_filter.block(f"filter_{axis.name}", TIME, axis.error, axis.rate, FILTER)
 
 
-def regulator_block(axis: Axis) -> Block:
-    """Return the regulator of one axis, F(14)-(17)."""
+def regulator_block(axis: Axis, wound: bool = True) -> Block:
+    """Return the regulator of one axis, F(14)-(17), or F(14)-(16) when `wound` is false."""
     return regulator.block(
         f"regulator_{axis.name}",
         TIME,
@@ -148,7 +148,7 @@ def regulator_block(axis: Axis) -> Block:
         rate=axis.rate,
         demand=axis.demand,
         bounds=axis.xi_bounds,
-        anti_windup=(axis.excess, ANTI_WINDUP) if axis.excess else None,
+        anti_windup=(axis.excess, ANTI_WINDUP) if axis.excess and wound else None,
         tag="F(14)-(17)" if axis.excess else "F(14)-(16)",
     )
 
@@ -235,19 +235,18 @@ def decoupling(plant: Plant, lv3: str = "csch2", restored: bool = True) -> Block
     return build("decoupling", TIME, law, inputs=inputs, outputs=outputs, tag="F(8), F(12), limits")
 
 
-def controller(plant: Plant, lv3: str = "csch2", restored: bool = True) -> Block:
-    """Return the whole controller for the stage's parameters, from six encoders and five set-points to the currents."""
+def blocks(plant: Plant, lv3: str = "csch2", restored: bool = True, wound: bool = True) -> list[Block]:
+    """Return the Blocks of the controller for the stage's parameters; `wound=False` leaves the anti-windup out."""
     guard = safety.guard(TIME, INPUTS, BAD_SAMPLES)
-    loops = [block for a in AXES for block in (_filter(a), regulator_block(a))]
-    blocks = [
-        guard,
-        kinematics(plant),
-        errors(),
-        *loops,
-        decoupling(plant, lv3, restored),
-        safety.safe_output(TIME, OUTPUTS, SAFETY),
-    ]
-    return compose(NAME, blocks, inputs=[g.signal.name for g in INPUTS], outputs=[s.name for s in OUTPUTS])
+    loops = [block for a in AXES for block in (_filter(a), regulator_block(a, wound))]
+    limits = [decoupling(plant, lv3, restored), safety.safe_output(TIME, OUTPUTS, SAFETY)]
+    return [guard, kinematics(plant), errors(), *loops, *limits]
+
+
+def controller(plant: Plant, lv3: str = "csch2", restored: bool = True, wound: bool = True) -> Block:
+    """Return the whole controller, from six encoders and five set-points to the motors' currents."""
+    parts, inputs = blocks(plant, lv3, restored, wound), [g.signal.name for g in INPUTS]
+    return compose(NAME, parts, inputs=inputs, outputs=[s.name for s in OUTPUTS])
 
 
 def phase_currents(plant: Plant) -> Block:

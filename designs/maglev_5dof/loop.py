@@ -69,7 +69,7 @@ class Loop:
         return closed_loop.simulate(self.plant, self.controller, scenario, self.disturbance)
 
 
-def compiled(plant: Plant, scalar: type[np.floating], lv3: str = "csch2", restored: bool = True) -> host.Controller:
-    """Return the emitted controller for the parameters of `plant`, compiled in a scalar type."""
-    emitted = write.emit(control.controller(plant, lv3, restored), scalar, control.SAFETY)
+def compiled(plant: Plant, scalar: type[np.floating], **variant: Any) -> host.Controller:
+    """Return the emitted controller for the parameters of `plant`, compiled; `variant` as for `control.controller`."""
+    emitted = write.emit(control.controller(plant, **variant), scalar, control.SAFETY)
     return host.load(emitted.files, emitted.manifest)

@@ -12,7 +12,7 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 
-from synth.analyse import discretise
+from synth.analyse import discretise, structure
 from synth.block import Block
 from synth.errors import SignalError
 from synth.signals import names
@@ -93,4 +93,4 @@ def opened(
     C = -np.hstack([y @ K.D @ S @ P.C, y @ K.C])
     D = -y @ K.D @ e
     states = tuple(f"plant_{s}" for s in P.states) + K.states
-    return StateSpace(A, B, C, D, states, (signal,), (f"{signal}_out",), controller.time)
+    return structure.connected(StateSpace(A, B, C, D, states, (signal,), (f"{signal}_out",), controller.time))

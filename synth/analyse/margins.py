@@ -4,12 +4,12 @@
                ^-            |
                |-------------+
 
-    gain crossing    |L| = 1:       phase margin arg L + pi in (-pi, pi], delay margin (arg L + pi mod 2 pi) / w
+    gain crossing    |L| = 1:       phase margin arg(-L), delay margin (arg(-L) mod 2 pi) / w
     phase crossing   L < 0, real:   gain margin 1/|L|: above 1 the gain may rise by it, below 1 it may fall to it
     modulus margin   min |1 + L|,   the inverse of the peak sensitivity Ms
 
-A sampled loop is taken on z = exp(i w T) up to w = pi/T, exactly; its hold and delays are part of its model. The grid is
-refined until neighbours differ little, and each crossing and the peak are then found by bracketing, so that no grid
+A sampled loop is taken on z = exp(i w T) up to w = pi/T, exactly; its hold and delays are part of its model. The grid
+is refined until neighbours differ little, and each crossing and the peak are then found by bracketing, so that no grid
 decides.
 """
 
@@ -87,8 +87,7 @@ def of_loop(loop: StateSpace, low: float = 1e-2, high: float | None = None) -> M
     Raises SignalError when the loop has another count of inputs or outputs than one.
     """
     L = response(loop)
-    w = _refined(L, _grid(loop, low, high))
-    value = L(w)
+    w, value = _refined(L, _grid(loop, low, high))
     gains = [_gain_crossing(L, f) for f in _roots(lambda v: np.log(np.abs(L(v))), w, np.log(np.abs(value)))]
     phases = _roots(lambda v: L(v).imag, w, value.imag)
     negative = [PhaseCrossing(f, float(-1 / L(f)[0].real)) for f in phases if L(f)[0].real < 0]
@@ -99,7 +98,7 @@ def of_loop(loop: StateSpace, low: float = 1e-2, high: float | None = None) -> M
 
 
 def response(loop: StateSpace) -> Response:
-    """Return w (k,) rad/s -> L (k,) of a scalar loop, by the eigenvectors of A.
+    """Return w (k,) rad/s -> L (k,) of a scalar loop.
 
     Raises SignalError when the loop is not scalar.
     """
@@ -132,17 +131,21 @@ def _grid(loop: StateSpace, low: float, high: float | None) -> Array:
     return w[(w >= low) & (w <= top)]
 
 
-def _refined(L: Response, w: Array) -> Array:
+def _refined(L: Response, w: Array) -> tuple[Array, Complex]:
     """Halve each interval over which log L turns or grows by more than a little."""
+    value = L(w)
     for _ in range(12):
         with np.errstate(divide="ignore"):
-            step = np.abs(np.diff(np.log(L(w))))
-        step = np.minimum(step, np.abs(step - 2 * np.pi))
+            turn = np.diff(np.log(value))
+        step = np.hypot(turn.real, (turn.imag + np.pi) % (2 * np.pi) - np.pi)
         wide = (step > 0.15) & (np.diff(w) > 1e-9 * w[1:])
         if not wide.any():
-            return w
-        w = np.sort(np.concatenate([w, np.sqrt(w[:-1] * w[1:])[wide]]))
-    return w
+            break
+        between = np.sqrt(w[:-1] * w[1:])[wide]
+        order = np.argsort(np.concatenate([w, between]), kind="stable")
+        value = np.concatenate([value, L(between)])[order]
+        w = np.concatenate([w, between])[order]
+    return w, value
 
 
 def _roots(f: Callable[[float], NDArray[np.float64]], w: Array, value: Array) -> list[float]:

@@ -5,12 +5,13 @@
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from synth.errors import ModelError
+from synth.statespace import StateSpace
 from synth.timing import Continuous, Time
 
 MARGIN = 1e-9  # relative: nearer to zero than this a mode counts as neither moved nor shown, or as not decaying
@@ -60,6 +61,20 @@ def require_detectable(A: ArrayLike, C: ArrayLike, states: Sequence[str], what: 
             f"({what}, A) is not detectable: mode {_number(mode.value)} in {who} has |C v| = {mode.measure:.0e}: "
             f"weight or measure {who}, or take it out of the model"
         )
+
+
+def connected(model: StateSpace) -> StateSpace:
+    """Return the model without the states that no input reaches or that reach no output, told by zeros of A, B, C.
+
+    The response stays the same to the last bit.
+    """
+    moves = model.A != 0
+    reached, seen = (model.B != 0).any(axis=1), (model.C != 0).any(axis=0)
+    for _ in range(len(model.A)):
+        reached, seen = reached | moves[:, reached].any(axis=1), seen | moves[seen].any(axis=0)
+    keep = np.flatnonzero(reached & seen)
+    states = tuple(model.states[i] for i in keep)
+    return replace(model, A=model.A[np.ix_(keep, keep)], B=model.B[keep], C=model.C[:, keep], states=states)
 
 
 def _dominant(vector: NDArray[np.complex128], states: Sequence[str]) -> tuple[str, ...]:

@@ -131,40 +131,33 @@ def _problem(
 
 def _nearest(plant: Plant, problem: _Problem, free: tuple[str, ...], fixed: tuple[str, ...]) -> Array:
     """Return the scaled root nearest zero; raise ModelError with the equation that stays unmet."""
-    if not problem.size:
-        if problem.met(np.zeros(0)):
-            return np.zeros(0)
-        raise _no_trim(plant, problem, np.zeros(0), free, fixed)
     found = []
-    for z in _least_squares(plant, problem):
+    for z in _least_squares(plant, problem) if free else [np.zeros(0)]:
         if problem.met(z):
-            return _polished(problem, z)
+            return _polished(problem, z) if free else z
         found.append(z)
     best = min(found, key=lambda z: float(np.max(np.abs(problem.residual(z)) / problem.tolerance)))
     raise _no_trim(plant, problem, best, free, fixed)
 
 
 def _least_squares(plant: Plant, problem: _Problem) -> Iterator[Array]:
-    finite = False
-    for start in STARTS:
-        z = np.full(problem.size, start)
-        if np.isfinite(problem.residual(z)).all():
-            finite = True
-            yield least_squares(
-                lambda w: problem.residual(w) / problem.tolerance * RELATIVE_TOLERANCE,
-                z,
-                lambda w: (
-                    np.asarray(problem.jacobian(w, problem.held)) / problem.tolerance[:, None] * RELATIVE_TOLERANCE
-                ),
-                xtol=1e-15,
-                ftol=1e-15,
-                gtol=1e-15,
-            ).x
-    if not finite:
+    weight = RELATIVE_TOLERANCE / problem.tolerance
+    starts = [np.full(problem.size, start) for start in STARTS]
+    starts = [z for z in starts if np.isfinite(problem.residual(z)).all()]
+    if not starts:
         raise ModelError(
-            f"plant '{plant.name}': the derivatives are not finite near the values held for trim: "
+            f"plant '{plant.name}': the derivatives are not finite at the values held for trim: "
             "hold the signals inside the plant's domain"
         )
+    for start in starts:
+        yield least_squares(
+            lambda z: weight * problem.residual(z),
+            start,
+            lambda z: weight[:, None] * np.asarray(problem.jacobian(z, problem.held)),
+            xtol=1e-15,
+            ftol=1e-15,
+            gtol=1e-15,
+        ).x
 
 
 def _polished(problem: _Problem, z: Array) -> Array:
@@ -186,7 +179,8 @@ def _polished(problem: _Problem, z: Array) -> Array:
 
 def _no_trim(plant: Plant, problem: _Problem, z: Array, free: tuple[str, ...], fixed: tuple[str, ...]) -> ModelError:
     residual = problem.residual(z)
-    worst = int(np.nanargmax(np.abs(residual) / problem.tolerance))
+    excess = np.where(np.isfinite(residual), np.abs(residual) / problem.tolerance, np.inf)
+    worst = int(excess.argmax())
     state: Signal = plant.states[worst]
     return ModelError(
         f"plant '{plant.name}' has no trim: d({state.name})/dt = 0 cannot be met; the least found is "

@@ -3,9 +3,9 @@
 lqr    min int (x'Qx + u'Ru + 2 x'Nu) dt,            continuous model, or the sum for a sampled one
 lqrd   the same integral for a continuous model whose input is held over each period T:
 
-       int_0^T (x'Qx + u'Ru) dt = [x; u]' W [x; u],   W = int_0^T M(t)' diag(Q, R) M(t) dt,   M(t) = exp([[A, B], [0, 0]] t)
+       int_0^T (x'Qx + u'Ru) dt = [x; u]' W [x; u],   W = int_0^T M(t)' diag(Q, R) M(t) dt
 
-       which has a cross term even where Q and R have none. W by Van Loan's exponential (1978).
+       with M(t) = exp([[A, B], [0, 0]] t), which has a cross term even where Q and R have none; W by Van Loan (1978).
 """
 
 from dataclasses import dataclass, replace

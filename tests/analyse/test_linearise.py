@@ -40,7 +40,8 @@ def differences(stage: Plant, at: OperatingPoint) -> tuple[np.ndarray, ...]:
 
 
 def agrees(model: StateSpace, found: tuple[np.ndarray, ...]) -> bool:
-    return all(np.allclose(M, N, rtol=1e-7, atol=1e-6) for M, N in zip((model.A, model.B, model.C, model.D), found, strict=True))  # fmt: skip # noqa: E501
+    pairs = zip((model.A, model.B, model.C, model.D), found, strict=True)
+    return all(np.allclose(M, N, rtol=1e-7, atol=1e-6) for M, N in pairs)
 
 
 def tilted() -> tuple[Plant, OperatingPoint]:

@@ -36,7 +36,7 @@ def aligned(struct: Struct) -> np.dtype:
 
 
 @pytest.mark.parametrize("scalar", [np.float32, np.float64])
-@pytest.mark.parametrize(("reals", "integers"), product([0, 1, 2], [0, 1, 2, 3]))
+@pytest.mark.parametrize(("reals", "integers"), list(product([0, 1, 2], [0, 1, 2, 3])))
 def test_members_lie_without_padding(scalar: type[np.floating], reals: int, integers: int) -> None:
     found = layout(make(3, 1, reals, integers), scalar)
     for struct in found.structs:

@@ -167,6 +167,18 @@ def test_the_simplified_model_is_the_full_one_without_the_dropped_terms() -> Non
         assert matrix[1, 1] < 0 and matrix[2, 2] < 0
 
 
+def test_the_quadratic_part_is_what_the_simplified_model_drops() -> None:
+    full = maglev_stage.input_polynomial(maglev_stage.nominal())
+    second, currents = maglev_stage.quadratic_part(maglev_stage.nominal(), "csch2", full.x)
+    transformed = list(maglev_stage.input_transformation(full.v).values())
+    part = ca.substitute([second[q] for q in ("y", "phi", "theta")], currents, transformed)
+    whole, rest = (m.accelerations() for m in (full, maglev_stage.simplified(full)))
+    for at in random_v(10):
+        dropped = evaluate(full, [whole[q] - rest[q] for q in ("y", "phi", "theta")], at)
+        assert np.allclose(evaluate(full, part, at), dropped, rtol=0, atol=1e-11)
+        assert np.abs(dropped).min() > 1e-3
+
+
 def test_coefficients_depend_on_what_is_printed_in_their_brackets() -> None:
     model = maglev_stage.input_polynomial(maglev_stage.nominal())
     both, by_phi, by_theta = {"y", "phi", "theta"}, {"y", "phi"}, {"y", "theta"}
