@@ -19,7 +19,7 @@ from models import maglev_stage, windings
 from synth.block import Block, Exprs, Step, build, clip, compose
 from synth.plant import Plant
 from synth.signals import Signal
-from synth.statespace import StateSpace
+from synth.statespace import StateSpace, readonly
 from synth.synthesise import derivative_filter, feedback_linearisation, internal_model, lqr, regulator, safety
 from synth.timing import Continuous, Discrete
 
@@ -122,9 +122,8 @@ SAFETY = safety.Safety(
 
 def axis_plant(axis: Axis) -> StateSpace:
     """Return the double integrator q'' = w of F(13) with the internal model of F(14), states (e, de, xi1, xi2, xi3)."""
-    integrator = StateSpace(
-        [[0, 1], [0, 0]], [[0], [1]], [[1, 0]], [[0]], ("e", "de"), (axis.demand.name,), ("e",), Continuous()
-    )
+    A, B, C, D = (readonly(m) for m in ([[0, 1], [0, 0]], [[0], [1]], [[1, 0]], [[0]]))
+    integrator = StateSpace(A, B, C, D, ("e", "de"), (axis.demand.name,), ("e",), Continuous())
     return internal_model.augmented(integrator, FREQUENCIES)
 
 
@@ -159,7 +158,8 @@ def kinematics(plant: Plant) -> Block:
     held = [Signal(f"y{j}_held", "m", *(ENCODER_13, ENCODER_24)[j % 2 == 0]) for j in range(1, 5)]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        return Step(maglev_stage.kinematics(*(u[s.name] for s in held), r))
+        y1, y2, y3, y4 = (u[s.name] for s in held)
+        return Step(maglev_stage.kinematics(y1, y2, y3, y4, ca.SX(r)))
 
     outputs = [a.position for a in AXES if a.name in ("y", "phi", "theta")]
     return build("kinematics", TIME, law, inputs=held, outputs=outputs, tag="F(5) inverted")
@@ -267,9 +267,9 @@ def phase_currents(plant: Plant) -> Block:
     ]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        output = {}
+        output: dict[str, ca.SX] = {}
         for j, thrust in enumerate(maglev_stage.QUADRATURE, 1):
-            angle = windings.electrical_angle(u[f"{thrust[-1]}_held"], tau)
+            angle = windings.electrical_angle(u[f"{thrust[-1]}_held"], ca.SX(tau))
             phases = windings.phase_currents(u[f"i_d{j}_held"], u[f"i_q{j}_held"], angle)
             output |= {f"i_a{j}": phases.a, f"i_b{j}": phases.b, f"i_c{j}": phases.c}
         return Step(output)

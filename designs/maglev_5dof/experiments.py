@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designs.maglev_5dof import control
-from designs.maglev_5dof.loop import ANGLE_RESOLUTION, NO_ROTATION, RESOLUTION, Loop
+from designs.maglev_5dof.loop import ACTUATORS, ANGLE_RESOLUTION, NO_ROTATION, RESOLUTION, Loop
 from synth.check import Check
 from synth.simulate import metrics
 from synth.simulate.experiment import Experiment
@@ -187,9 +187,8 @@ def tracking(loop: Loop, four: bool, duration_s: float = TRACK_TO) -> tuple[Traj
     """Run the 4-DOF tracking or the 3-DOF ellipse, from rest at the start of the reference."""
     time = sample_times(duration_s, control.TIME.period_s)
     references = reference_4dof(time) if four else reference_3dof(time)
-    actuators = {} if four else {"actuators": NO_ROTATION}
     start = {n: float(references[f"{n}_ref"][0]) for n in ("y", "x", "z")}
-    return loop.run(duration_s, start, references, **actuators), references
+    return loop.run(duration_s, start, references, actuators=ACTUATORS if four else NO_ROTATION), references
 
 
 def trackings(loop: Loop) -> list[Experiment]:

@@ -77,12 +77,18 @@ def smooth_series(motor: sf.Geometry, gap: float) -> np.ndarray:
     area = motor.L_A * motor.p_m * motor.tau
     sheet = np.where(n % 3 == 0, 0.0, 3 * N / motor.tau)
     csch2 = (2 * np.exp(-k * H) / (1 - np.exp(-2 * k * H))) ** 2
-    return np.array([thrust, thrust / np.tanh(k[0] * H), area * sf.MU0 / 4 * np.sum(sheet**2 * csch2),
-                     area / 4 / sf.MU0 * np.sum(B**2)])
+    return np.array(
+        [
+            thrust,
+            thrust / np.tanh(k[0] * H),
+            area * sf.MU0 / 4 * np.sum(sheet**2 * csch2),
+            area / 4 / sf.MU0 * np.sum(B**2),
+        ]
+    )
 
 
 def miss(found: sf.Forces, wanted: np.ndarray) -> float:
-    return float(np.max(np.abs(np.array(astuple(found))[:len(wanted)] / wanted - 1)))
+    return float(np.max(np.abs(np.array(astuple(found))[: len(wanted)] / wanted - 1)))
 
 
 @pytest.fixture(scope="module")
@@ -207,8 +213,10 @@ def test_slot_depth_does_not_matter() -> None:
 
 def _changes(name: str) -> tuple[np.ndarray, np.ndarray]:
     """Return the relative changes of the forces for 0.5 and 1 % more of one dimension."""
-    base, half, full = (np.array(astuple(sf.forces(replace(MOTOR, **{name: getattr(MOTOR, name) * f}), 25e-3, 8)))
-                        for f in (1.0, 1.005, 1.01))
+    base, half, full = (
+        np.array(astuple(sf.forces(replace(MOTOR, **{name: getattr(MOTOR, name) * f}), 25e-3, 8)))
+        for f in (1.0, 1.005, 1.01)
+    )
     return half / base - 1, full / base - 1
 
 
@@ -243,13 +251,19 @@ def test_published_motor(converged: dict[float, sf.Converged]) -> None:
     assert 12.488 / np.sqrt(2) / at[25e-3].thrust == pytest.approx(0.972, abs=1e-3)
     assert 13.446 / np.sqrt(2) / at[25e-3].vertical == pytest.approx(0.983, abs=1e-3)
     assert [closed / at[gap].lift for closed, gap in zip((47.111, 25.937, 14.603), GAPS, strict=True)] == pytest.approx(
-        [1.115, 1.1185, 1.122], abs=1e-3)
+        [1.115, 1.1185, 1.122], abs=1e-3
+    )
 
 
-@pytest.mark.parametrize(("change", "word"), [
-    ({"b0": 19.1e-3}, "reduce b0"), ({"tau_p": 60e-3}, "reduce tau_p"), ({"H_c": -1.0}, "H_c"),
-    ({"h_m": np.nan}, "h_m"),
-])
+@pytest.mark.parametrize(
+    ("change", "word"),
+    [
+        ({"b0": 19.1e-3}, "reduce b0"),
+        ({"tau_p": 60e-3}, "reduce tau_p"),
+        ({"H_c": -1.0}, "H_c"),
+        ({"h_m": np.nan}, "h_m"),
+    ],
+)
 def test_impossible_motor_is_refused(change: dict[str, float], word: str) -> None:
     with pytest.raises(ValueError, match=word):
         sf.forces(replace(MOTOR, **change), 25e-3)

@@ -1,0 +1,147 @@
+"""The paper's loop in continuous time with ideal sensing, free of sampling, filters and encoders.
+
+    axis s:    w_s = K_s (e_s, de_s, xi_s),   dxi_s = Phi xi_s + N e_s                   (14)-(16), Gamma xi within K
+    law:       v = D^-1 (w_y - a1, w_phi - b1, w_theta - c1),   u_x = w_x/h_x, u_z = w_z/h_z,   i_d of (8)     (12)
+    plant:     (6), (7) with every quadratic term
+
+The linear loop is the double integrator e'' = w of (13) instead of law and plant. Currents are not limited: in the runs
+of the audit none reaches 7 A peak.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+
+from designs.maglev_5dof import control
+from models import maglev_stage
+from synth.plant import Plant
+from synth.simulate import metrics
+
+Array = NDArray[np.float64]
+Reference = Callable[[ca.SX], ca.SX]
+SAMPLE = 1e-3  # s, at which the continuous responses are judged
+RELATIVE, ABSOLUTE = 1e-9, 1e-12  # of the integration
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Errors in m and rad by axis at the times (N,); `left_at` is when the gap left its range, s, or infinity."""
+
+    time: Array
+    error: Mapping[str, Array]
+    left_at: float
+
+    def mean_error(self, axis: str, start: float) -> float:
+        """Return the mean |e| of an axis from `start` s on; NaN when the gap left its range."""
+        return metrics.mean_absolute(self.time, self.error[axis], start) if np.isinf(self.left_at) else np.nan
+
+
+def axis(name: str) -> control.Axis:
+    """Return the controlled axis called `name`."""
+    return next(a for a in control.AXES if a.name == name)
+
+
+def closed_loop(name: str) -> Array:
+    """Return A + B K (5, 5) of the linear loop of an axis."""
+    plant = control.axis_plant(axis(name))
+    return np.asarray(plant.A + plant.B @ control.gain(axis(name)).K)
+
+
+def linear_step(
+    name: str, step: float, band: float, resolution: float, duration_s: float = 10.0
+) -> metrics.StepResponse:
+    """Return the metrics of a step in m or rad on the linear loop, from rest with xi = 0, de = 0."""
+    time = np.arange(round(duration_s / SAMPLE)) * SAMPLE
+    transition = expm(closed_loop(name) * SAMPLE)
+    state, error = np.array([-step, 0.0, 0.0, 0.0, 0.0]), np.zeros(len(time))
+    for k in range(len(time)):
+        error[k] = state[0]
+        state = transition @ state
+    return metrics.step_response(time, error + step, 0.0, step, band, resolution)
+
+
+def run(
+    plant: Plant,
+    known: Plant,
+    references: Mapping[str, Reference],
+    start: Mapping[str, float],
+    duration_s: float,
+    lv3: str = "csch2",
+) -> Motion:
+    """Integrate the axes named in `references` from rest at `start` (m, rad); the others rest at 0.
+
+    `known` holds the parameters that (12) knows; `lv3` is the reading of L_v3 in plant and law. Without phi and theta
+    among the axes v_phi = v_theta = 0.
+    """
+    names = tuple(references)
+    derivative = _derivative(plant, known, references, lv3)
+    state = np.zeros(5 * len(names))
+    state[: 2 * len(names) : 2] = [start.get(n, 0.0) for n in names]
+    low, high = control.GAP
+
+    def leaves(t: float, x: Array) -> float:
+        return float((x[0] - low) * (high - x[0]))
+
+    leaves.terminal = True  # type: ignore[attr-defined]
+    time = np.arange(round(duration_s / SAMPLE)) * SAMPLE
+    found = solve_ivp(
+        lambda t, x: np.asarray(derivative(t, x)).ravel(),
+        (0.0, time[-1]),
+        state,
+        method="LSODA",
+        t_eval=time,
+        events=leaves,
+        rtol=RELATIVE,
+        atol=ABSOLUTE,
+    )
+    t = ca.SX.sym("t")
+    target = ca.Function("r", [t], [ca.vcat([ca.SX(references[n](t)) for n in names])])
+    error = found.y[: 2 * len(names) : 2] - np.asarray(target(found.t[None, :]))
+    left = float(found.t_events[0][0]) if len(found.t_events[0]) else np.inf
+    return Motion(found.t, dict(zip(names, error, strict=True)), left)
+
+
+def _derivative(plant: Plant, known: Plant, references: Mapping[str, Reference], lv3: str) -> ca.Function:
+    """Return d/dt of (q, v of each axis, then xi of each) as a function of (t, state)."""
+    names = tuple(references)
+    t, state = ca.SX.sym("t"), ca.SX.sym("state", 5 * len(names))
+    moving = {n: state[2 * k] for k, n in enumerate(names)}
+    speed = {n: state[2 * k + 1] for k, n in enumerate(names)}
+    w, d_xi = {n: ca.SX(0) for n in maglev_stage.RATE}, []
+    for k, n in enumerate(names):
+        r = ca.SX(references[n](t))
+        xi = state[2 * len(names) + 3 * k : 2 * len(names) + 3 * k + 3]
+        z = ca.vertcat(moving[n] - r, speed[n] - ca.jacobian(r, t), xi)
+        w[n] = ca.mtimes(ca.DM(np.asarray(control.gain(axis(n)).K)), z)
+        d_xi.append(ca.mtimes(ca.DM(np.asarray(control.axis_plant(axis(n)).A)), z)[2:])
+    inputs = law(known, lv3, moving, w)
+    values = {p.name: ca.SX(p.value) for p in plant.parameters}
+    pose = {n: moving.get(n, ca.SX(0)) for n in ("y", "phi", "theta")}
+    reading = maglev_stage.pmlsm.Reading("coth2") if lv3 == "coth2" else maglev_stage.pmlsm.STRESS
+    second = maglev_stage.accelerations(pose, inputs, values, reading)
+    slopes = [slope for n in names for slope in (speed[n], second[n])]
+    return ca.Function("derivative", [t, state], [ca.vcat([*slopes, *d_xi])], {"cse": True})
+
+
+def law(known: Plant, lv3: str, position: Mapping[str, ca.SX], w: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
+    """Return i_d1..i_d4, u_x, u_z in A from positions and demanded accelerations. Source: (8), (12)."""
+    values = {p.name: ca.SX(p.value) for p in known.parameters}
+    model = maglev_stage.simplified(maglev_stage.input_polynomial(values, lv3))
+    c = model.coefficients
+    u = {f"u_{n}": w[n] / c[f"h_{n}"] for n in ("x", "z")}
+    if "theta" in position:
+        free = ca.vcat([w["y"] - c["a1"], w["phi"] - c["b1"], w["theta"] - c["c1"]])
+        v = dict(zip(maglev_stage.TRANSFORMED, ca.vertsplit(ca.solve(model.decoupling(), free)), strict=True))
+    else:
+        v = {"v_y": (w["y"] - c["a1"]) / c["a3"], "v_phi": ca.SX(0), "v_theta": ca.SX(0)}
+    inputs = maglev_stage.input_transformation(v) | u
+    thrust = ca.substitute(
+        ca.vcat(list(inputs.values())), ca.vcat(list(model.u.values())), ca.vcat([u[n] for n in model.u])
+    )
+    pose = ca.vcat([position.get(n, ca.SX(0)) for n in model.x])
+    return dict(zip(inputs, ca.vertsplit(ca.substitute(thrust, ca.vcat(list(model.x.values())), pose)), strict=True))

@@ -1,0 +1,366 @@
+"""The maglev controller, one step of 1 ms, in NumPy from F(1)-(17): the witness against which generated C is held.
+
+    motor   F_V = -a + b i_d - c (i_d^2 + i_q^2), F_H = -h i_q, with a, b, c, h > 0 functions of the gap     F(1)-(4)
+    stage   M_y y'' = M_y G + sum_j F_Vj;  M_x x'' = F_H2 + F_H4;  M_z z'' = F_H1 + F_H3                     F(5)-(7)
+            I phi'' = r (F_V3 - F_V1) - I k_phi phi;  I theta'' = r (F_V2 - F_V4) - I k_theta theta
+    loop    xi' = Phi xi + N e + E (u_limited - u), w = K (e, e', xi), one copy an axis                      F(14)-(17)
+    law     the currents for which y'', x'', z'', phi'', theta'' = w, by F(8) and F(12)
+
+Gains solve the Riccati equation in exact arithmetic and are rounded once. Every step function takes scalars or arrays
+(n,) of n independent controllers. Lengths in m, angles in rad, currents in A rms.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from math import pi, sin, sqrt
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+
+Array = NDArray[np.float64]
+Columns = Mapping[str, NDArray[Any]]
+Rational = NDArray[np.object_]
+
+PERIOD = Fraction(1, 1000)  # s
+AXES = ("y", "x", "z", "phi", "theta")
+MOTORS = (1, 2, 3, 4)
+CURRENT = 7 / sqrt(2)  # A rms, 7 A peak, F section II
+FILTER = 1000  # rad/s
+OMEGA0 = 1.5 * pi  # rad/s, F section IV-B
+ANTI_WINDUP = 7e-5  # each entry of E_x = E_z, F section IV-A
+BAD_SAMPLES = 5
+SLEW = 100.0  # A/s
+BOX = {"y": (0.018, 0.031), "phi": (-0.003, 0.003), "theta": (-0.014, 0.014)}
+ODD, EVEN = (0.0168, 0.0322), (0.0124, 0.0366)  # gaps of motors 1, 3 and 2, 4
+LIMITS = {"y1": ODD, "y2": EVEN, "y3": ODD, "y4": EVEN, "x": (-0.1, 0.1), "z": (-0.1, 0.1)}
+MEASUREMENTS = tuple(LIMITS)
+LIMITS |= {f"{s}_ref": BOX.get(s, (-0.05, 0.05)) for s in AXES}
+POSITIONS = {"y": (0.0145, 0.0345), "x": (-0.1, 0.1), "z": (-0.1, 0.1), "phi": (-0.02, 0.02), "theta": (-0.031, 0.031)}
+RATES = {"y": 30.0, "x": 30.0, "z": 30.0, "phi": 60.0, "theta": 60.0}  # m/s, rad/s
+XI = {s: np.array([0.5, 5.0, 50.0]) / 100 if s in ("x", "z") else np.array([0.2, 2.0, 20.0]) / 100 for s in AXES}
+SAFE = {f"i_{a}{j}": 2.5 if a == "d" else 0.0 for a in "dq" for j in MOTORS}
+WEIGHTS = {"y": (3e4, 3e4, 2.5e9, 2.5e7, 2.5e7)}
+WEIGHTS |= dict.fromkeys(("x", "z"), (1500.0, 1500.0, 4.5e8, 2.25e6, 2.25e6))
+WEIGHTS |= dict.fromkeys(("phi", "theta"), (4e4, 4e4, 4e9, 4e7, 4e7))
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """F table I; p counts poles, H_c stands for sigma_m, and the springs are torque over inertia."""
+
+    t1: float = 0.01905  # m
+    b0: float = 0.0127  # m
+    W: float = 900.0
+    k_w1: float = 1.0
+    p: float = 6.0
+    h_m: float = 0.005  # m
+    L_A: float = 0.05  # m
+    p_m: float = 4.0
+    tau: float = 0.05715  # m
+    tau_p: float = 0.02858  # m
+    H_c: float = 875400.0  # A/m
+    mu0: float = 4e-7 * pi  # H/m
+    mu_rec: float = 1.0
+    M_x: float = 10.6  # kg
+    M_y: float = 6.9  # kg
+    M_z: float = 8.6  # kg
+    r: float = 0.397  # m
+    I: float = 0.5268  # kg m^2
+    k_s_phi: float = 15000.0  # 1/s^2
+    k_s_theta: float = 3000.0  # 1/s^2
+    G: float = 9.81  # m/s^2
+
+
+@dataclass(frozen=True)
+class Motor:
+    """Coefficients of one motor's forces at its gap: a in N, b and h in N/A, c in N/A^2."""
+
+    a: Array
+    b: Array
+    c: Array
+    h: Array
+
+    def vertical(self, i_d: Array, i_q: Array) -> Array:
+        """Return F_V in N, downwards positive. F(2)."""
+        return -self.a + self.b * i_d - self.c * (i_d**2 + i_q**2)
+
+
+@dataclass(frozen=True)
+class Constants:
+    """What the step multiplies by: K (5,) an axis, Phi (3, 3), N (3,), E (3,) of one period, the filter's F and G."""
+
+    parameters: Parameters
+    K: Mapping[str, Array]
+    Phi: Array
+    N: Array
+    E: Array
+    F: Array
+    G: Array
+    restored: bool = True
+
+
+def motor(g: Array, p: Parameters) -> Motor:
+    """Return the force coefficients at a gap g in m. F(2)-(4), with csch^2 in L_v3."""
+    k = pi / p.tau
+    s, c = np.sinh(k * (p.h_m + g)), np.cosh(k * (p.h_m + g))
+    slot = p.b0 / (2 * g)
+    gamma = 4 / pi * (slot * np.arctan(slot) - 0.5 * np.log1p(slot**2))
+    inverse_carter = 1 - g * gamma / p.t1
+    leak = 1 - p.b0**2 / (4 * p.t1 * (g + p.b0 / 2 + p.h_m / p.mu_rec))
+    sheet = 4 / pi * p.mu0 * p.H_c * sin(pi * p.tau_p / (2 * p.tau)) * np.sinh(k * p.h_m)  # B_pmy1 sinh(k (h_m + g))
+    area, turns = p.L_A * p.p_m, p.W * p.k_w1 / p.p
+    return Motor(
+        a=area * p.tau / (4 * p.mu0) * leak * (sheet / s) ** 2,
+        b=3 * sqrt(2) * area * turns * leak * inverse_carter * sheet * c / s**2,
+        c=18 * area * turns**2 * p.mu0 / p.tau * leak * (inverse_carter / s) ** 2,
+        h=3 * sqrt(2) * area * turns * leak * inverse_carter * sheet / s,
+    )
+
+
+def motors(y: Array, phi: Array, theta: Array, p: Parameters) -> list[Motor]:
+    """Return the four motors at a pose. F(5)."""
+    tilt, roll = p.r * np.sin(phi), p.r * np.sin(theta)
+    return [motor(g, p) for g in (y - tilt, y + roll, y + tilt, y - roll)]
+
+
+def plant(state: Array, currents: Array, p: Parameters) -> Array:
+    """Return the derivative of x1..x10 (10, ...) under i_d1..i_d4, i_q1..i_q4 (8, ...). F(6)-(7), F table II."""
+    y, v_y, _, v_x, _, v_z, phi, v_phi, theta, v_theta = state
+    m, i_q = motors(y, phi, theta, p), currents[4:]
+    F = [m[j].vertical(currents[j], i_q[j]) for j in range(4)]
+    x = -(m[1].h * i_q[1] + m[3].h * i_q[3]) / p.M_x
+    z = -(m[0].h * i_q[0] + m[2].h * i_q[2]) / p.M_z
+    tilt = p.r * (F[2] - F[0]) / p.I - p.k_s_phi * phi
+    roll = p.r * (F[1] - F[3]) / p.I - p.k_s_theta * theta
+    return np.stack([v_y, p.G + sum(F) / p.M_y, v_x, x, v_z, z, v_phi, tilt, v_theta, roll])
+
+
+def _rational(rows: Iterable[Iterable[float | Fraction]]) -> Rational:
+    return np.array([[Fraction(v) for v in row] for row in rows], dtype=object)
+
+
+def _float(A: Rational) -> Array:
+    return A.astype(np.float64)
+
+
+def exponential(A: Rational, terms: int = 40) -> Rational:
+    """Return sum_{n < terms} A^n / n!, exact but for the tail, for ||A^n|| / n! that falls off."""
+    total = term = _rational(np.eye(len(A)))
+    for n in range(1, terms):
+        term = term.dot(A) / n
+        total = total + term
+    return total
+
+
+def internal_model() -> Rational:
+    """Return Phi (3, 3). F(15)."""
+    return _rational([[0, 1, 0], [0, 0, 1], [0, -(Fraction(OMEGA0) ** 2), 0]])
+
+
+def regulated() -> tuple[Rational, Rational]:
+    """Return (A, B) of (e, e', xi1, xi2, xi3) under w. F(13)-(15)."""
+    A = _rational(np.zeros((5, 5)))
+    A[0, 1] = A[4, 0] = Fraction(1)
+    A[2:, 2:] = internal_model()
+    return A, _rational([[0], [1], [0], [0], [0]])
+
+
+def riccati(A: Rational, B: Rational, Q: Rational) -> Rational:
+    """Return X of A'X + XA - XBB'X + Q = 0, from SciPy's by defect correction with exact residuals.
+
+    Each pass is a Newton-Kleinman step: (A - BB'X)' D + D (A - BB'X) = -residual(X), X <- X + D.
+    """
+    X = _rational(linalg.solve_continuous_are(_float(A), _float(B), _float(Q), np.eye(B.shape[1])))
+    X = (X + X.T) / 2
+    for _ in range(4):
+        XB = X.dot(B)
+        defect = A.T.dot(X) + X.dot(A) - XB.dot(XB.T) + Q
+        closed = _float(A - B.dot(XB.T))
+        D = _rational(linalg.solve_continuous_lyapunov(closed.T, -_float(defect)))
+        X = X + (D + D.T) / 2
+    return X
+
+
+def gain(weights: Sequence[float]) -> Array:
+    """Return K (5,) of w = K (e, e', xi) that minimises the integral of z' diag(weights) z + w^2. F(16)."""
+    A, B = regulated()
+    return -_float(B.T.dot(riccati(A, B, _rational(np.diag(weights)))))[0]
+
+
+def regulator() -> tuple[Array, Array, Array]:
+    """Return exp(Phi T), int_0^T exp(Phi s) ds N and int_0^T exp(Phi s) ds E. F(14), (15), (17)."""
+    M = _rational(np.zeros((5, 5)))
+    M[:3, :3] = internal_model()
+    M[2, 3] = Fraction(1)
+    M[:3, 4] = Fraction(ANTI_WINDUP)
+    M = _float(exponential(M * PERIOD))
+    return M[:3, :3], M[:3, 3], M[:3, 4]
+
+
+def derivative_filter() -> tuple[Array, Array]:
+    """Return F and G of (lag, v) <- F (lag, v) + G (q - q_prev), lag = q - p, for v = s w^2/(s+w)^2 q, q(t) linear.
+
+    With p' = v, v' = w^2 (q - p) - 2 w v and q a ramp between samples, exactly over one period. F section III.
+    """
+    w = Fraction(FILTER)
+    M = _rational(np.zeros((4, 4)))
+    M[:2, :3] = _rational([[0, 1, 0], [-(w**2), -2 * w, w**2]])
+    M[2, 3] = 1 / PERIOD
+    M = exponential(M * PERIOD)
+    F, ramp = M[:2, :2], M[:2, 3]
+    return _float(F * _rational([[1, -1], [-1, 1]])), _float(_rational([[1 - ramp[0], ramp[1]]]))[0]
+
+
+@cache
+def constants(
+    scalar: type[np.floating] = np.float64, restored: bool = True, parameters: Parameters | None = None
+) -> Constants:
+    """Return the controller's constants, rounded to `scalar` and held in double; `restored=False` is F(12) as printed."""
+
+    def rounded(A: Array) -> Array:
+        out = A.astype(scalar).astype(np.float64)
+        out.flags.writeable = False
+        return out
+
+    Phi, N, E = map(rounded, regulator())
+    F, G = map(rounded, derivative_filter())
+    by_weights = {q: rounded(gain(q)) for q in set(WEIGHTS.values())}
+    K = {s: by_weights[WEIGHTS[s]] for s in AXES}
+    return Constants(parameters or Parameters(), K, Phi, N, E, F, G, restored)
+
+
+def initial_state() -> dict[str, Array]:
+    """Return the state after init, by name."""
+    state = {f"guard_last_{s}": 0.031 if s[0] == "y" else 0.0 for s in LIMITS}
+    state |= dict.fromkeys([f"guard_bad_{s}" for s in MEASUREMENTS], 0) | {"guard_latched": 0, "guard_ready": 0}
+    for s in AXES:
+        state |= dict.fromkeys([f"filter_{s}_{n}" for n in ("q_prev", "lag", "v")], 0.0)
+        state |= dict.fromkeys([f"regulator_{s}_xi{n}" for n in (1, 2, 3)], 0.0)
+    state |= {f"safe_output_last_{s}": value for s, value in SAFE.items()}
+    return {name: np.float64(value) for name, value in state.items()}
+
+
+def guard(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
+    """Return the values to use, the guard's next state and the fault word. A value that is no number is in no range."""
+    values, after, word = {}, {}, np.int64(0)
+    with np.errstate(invalid="ignore"):
+        given = {s: np.asarray(inputs[s], dtype=np.float64) for s in LIMITS}
+        good = {s: (given[s] >= low) & (given[s] <= high) for s, (low, high) in LIMITS.items()}
+    for bit, s in enumerate(LIMITS):
+        values[s] = after[f"guard_last_{s}"] = np.where(good[s], given[s], state[f"guard_last_{s}"])
+        word = word + np.where(good[s], 0, 1 << bit)
+    for s in MEASUREMENTS:
+        after[f"guard_bad_{s}"] = np.where(good[s], 0, np.minimum(state[f"guard_bad_{s}"] + 1, BAD_SAMPLES))
+    worst = np.max([after[f"guard_bad_{s}"] for s in MEASUREMENTS], axis=0)
+    after["guard_latched"] = np.where(worst >= BAD_SAMPLES, 1, state["guard_latched"])
+    after["guard_ready"] = np.where(np.all([good[s] for s in MEASUREMENTS], axis=0), 1, state["guard_ready"])
+    return values, after, np.asarray(word + (1 << 31) * (after["guard_latched"] > 0)).astype(np.uint32)
+
+
+def pose(v: Columns, r: float) -> dict[str, Array]:
+    """Return y, x, z, phi and theta from six encoders. F(5) inverted."""
+    phi, theta = np.arcsin((v["y3"] - v["y1"]) / (2 * r)), np.arcsin((v["y2"] - v["y4"]) / (2 * r))
+    return {"y": (v["y1"] + v["y2"] + v["y3"] + v["y4"]) / 4, "x": v["x"], "z": v["z"], "phi": phi, "theta": theta}
+
+
+def rate(s: str, e: Array, state: Columns, k: Constants) -> tuple[Array, dict[str, Array]]:
+    """Return the filtered derivative of the error e of axis s and the filter's next state, at rest until ready."""
+    lag, v, step = state[f"filter_{s}_lag"], state[f"filter_{s}_v"], e - state[f"filter_{s}_q_prev"]
+    ready = np.asarray(state["guard_ready"]) > 0
+    lag, v = (np.where(ready, k.F[n, 0] * lag + k.F[n, 1] * v + k.G[n] * step, 0.0) for n in (0, 1))
+    low, high = POSITIONS[s][0] - LIMITS[f"{s}_ref"][1], POSITIONS[s][1] - LIMITS[f"{s}_ref"][0]
+    span = high - low
+    after = {"q_prev": np.clip(e, low, high), "lag": np.clip(lag, -span, span), "v": np.clip(v, -RATES[s], RATES[s])}
+    return v, {f"filter_{s}_{name}": value for name, value in after.items()}
+
+
+def demand(s: str, e: Array, v: Array, state: Columns, k: Constants) -> Array:
+    """Return the demanded acceleration w = K (e, e', xi) of axis s. F(16)."""
+    K = k.K[s]
+    return K[0] * e + K[1] * v + sum(K[1 + n] * state[f"regulator_{s}_xi{n}"] for n in (1, 2, 3))
+
+
+def model_step(s: str, e: Array, excess: Array | float, state: Columns, k: Constants) -> dict[str, Array]:
+    """Return the next xi of axis s, within its bounds. F(14), (17)."""
+    xi = [state[f"regulator_{s}_xi{n}"] for n in (1, 2, 3)]
+    after = [k.N[n] * e + k.E[n] * excess + sum(k.Phi[n, m] * xi[m] for m in range(3)) for n in range(3)]
+    return {f"regulator_{s}_xi{n + 1}": np.clip(after[n], -XI[s][n], XI[s][n]) for n in range(3)}
+
+
+def direct_currents(w: Columns, at: Columns, m: list[Motor], load: list[Array], p: Parameters) -> list[Array]:
+    """Return i_d1..i_d4 for the demands w at a pose, with `load` the upward forces in N that do not depend on them.
+
+    The forces f_j = b_j i_dj have a given sum f, differences f3 - f1 = d and f2 - f4 = c, and the currents obey
+    i_d1 + i_d3 = i_d2 + i_d4, which is F(8): one linear equation in f1 + f3. F(12).
+    """
+    f = p.M_y * (w["y"] - p.G) + sum(load)
+    d = p.I / p.r * (w["phi"] + p.k_s_phi * at["phi"]) + load[2] - load[0]
+    c = p.I / p.r * (w["theta"] + p.k_s_theta * at["theta"]) + load[1] - load[3]
+    s1, s2, s3, s4 = (1 / one.b for one in m)
+    odd = ((s2 + s4) * f + (s2 - s4) * c - (s3 - s1) * d) / (s1 + s2 + s3 + s4)
+    even = f - odd
+    return [s1 * (odd - d) / 2, s2 * (even + c) / 2, s3 * (odd + d) / 2, s4 * (even - c) / 2]
+
+
+def limited(u: list[Array], i_d: list[Array]) -> list[Array]:
+    """Return (u_x, u_z) within what the direct currents leave of each motor's CURRENT. F section III."""
+    room = [np.sqrt(CURRENT**2 - np.maximum(i_d[j] ** 2, i_d[j + 2] ** 2)) for j in (1, 0)]
+    return [np.clip(u[n], -room[n], room[n]) for n in (0, 1)]
+
+
+def currents(w: Columns, q: Columns, k: Constants) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Return the eight motor currents and, of x and z, u limited less u demanded. F(12), (17), levitation first.
+
+    The first pass plans levitation without thrust and limits the thrust to what it leaves, later ones plan it with that
+    thrust. Where the law is `restored` they also take the squares of i_d, which F(11) drops, from the pass before.
+    """
+    p = k.parameters
+    at = {s: np.clip(q[s], *BOX[s]) for s in BOX}
+    m = motors(at["y"], at["phi"], at["theta"], p)
+    u = [-p.M_x * w["x"] / (m[1].h + m[3].h), -p.M_z * w["z"] / (m[0].h + m[2].h)]
+
+    def levitation(i_q: list[Array | float], before: list[Array | float]) -> list[Array]:
+        load = [one.a + one.c * (i_q[j] ** 2 + before[j] ** 2) for j, one in enumerate(m)]
+        return [np.clip(i, -CURRENT, CURRENT) for i in direct_currents(w, at, m, load, p)]
+
+    i_d = levitation([0.0] * 4, [0.0] * 4)
+    u_x, u_z = limited(u, i_d)
+    for _ in range(2 if k.restored else 1):
+        i_d = levitation([u_z, u_x, u_z, u_x], [*i_d] if k.restored else [0.0] * 4)
+    u_x, u_z = limited([u_x, u_z], i_d)
+    out = {f"i_d{j}": i for j, i in zip(MOTORS, i_d, strict=True)}
+    out |= {f"i_q{j}": i for j, i in zip(MOTORS, (u_z, u_x, u_z, u_x), strict=True)}
+    return out, {"x": u_x - u[0], "z": u_z - u[1]}
+
+
+def safe_output(computed: Columns, state: Columns, latched: Array) -> dict[str, Array]:
+    """Return the outputs: as computed, or once latched on a slew from the last ones to the safe ones."""
+    out, reach = {}, SLEW * float(PERIOD)
+    for s, target in SAFE.items():
+        last = state[f"safe_output_last_{s}"]
+        out[s] = np.where(latched > 0, last + np.clip(target - last, -reach, reach), computed[s])
+    return out
+
+
+def step(
+    state: Columns, inputs: Columns, k: Constants | None = None
+) -> tuple[dict[str, Array], dict[str, Array], Array]:
+    """Return (next state, outputs, fault word) of one sample, columns by name. F(5), (8), (12), (14)-(17)."""
+    k = k or constants()
+    values, after, word = guard(state, inputs)
+    q = pose(values, k.parameters.r)
+    e = {s: q[s] - values[f"{s}_ref"] for s in AXES}
+    w = {}
+    for s in AXES:
+        v, filtered = rate(s, e[s], state, k)
+        after |= filtered
+        w[s] = demand(s, e[s], v, state, k)
+    computed, excess = currents(w, q, k)
+    for s in AXES:
+        after |= model_step(s, e[s], excess.get(s, 0.0), state, k)
+    out = safe_output(computed, state, after["guard_latched"])
+    return after | {f"safe_output_last_{s}": i for s, i in out.items()}, out, word

@@ -1,0 +1,186 @@
+"""The audit of a paper: what it prints, what that recomputes to, and the verdict that follows from the two.
+
+A row compares figures v_i with the numbers that a paper prints. Its verdict is computed from two statements,
+
+    R   reproduces: the figures meet the print under the formulas as printed
+    RC  reproduces after the correction that `why` states: as printed they do not, corrected they do
+    N   does not reproduce: they meet it neither way
+
+A figure v agrees with a printed number when |v - printed| is below one unit of the last printed digit, so that
+both rounding and cutting off count as agreement.
+"""
+
+import math
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from decimal import Decimal, InvalidOperation
+from enum import StrEnum
+from typing import Any
+
+from synth.errors import DesignError
+
+
+class Verdict(StrEnum):
+    """Reproduces, reproduces after the stated correction, does not reproduce."""
+
+    REPRODUCES = "R"
+    CORRECTED = "RC"
+    FAILS = "N"
+
+
+@dataclass(frozen=True)
+class Printed:
+    """A number as printed, digit for digit, in `unit`."""
+
+    text: str
+    unit: str
+
+    @property
+    def value(self) -> float:
+        """The number."""
+        return float(self.text)
+
+    @property
+    def last_digit(self) -> float:
+        """One unit of the last printed digit."""
+        exponent = Decimal(self.text).as_tuple().exponent
+        return 10.0 ** int(exponent)
+
+    def agrees(self, value: float) -> bool:
+        """Return whether `value`, in the same unit, is the printed number, rounded or cut off."""
+        return abs(value - self.value) < self.last_digit
+
+
+@dataclass(frozen=True)
+class Published:
+    """What a paper prints for one row: where, in words, and its numbers by name."""
+
+    id: str
+    paper: str
+    where: str
+    text: str
+    numbers: Mapping[str, Printed]
+
+    def __getitem__(self, name: str) -> Printed:
+        """Return the printed number called `name`."""
+        if name not in self.numbers:
+            raise DesignError(f"row {self.id} prints no '{name}': it has {', '.join(self.numbers) or 'no number'}")
+        return self.numbers[name]
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One recomputed value; the unit may carry a prefix (mm, um), as the paper's does."""
+
+    name: str
+    value: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Row:
+    """One audited statement. `depends` names the plant parameters that the figures follow from."""
+
+    published: Published
+    recomputed: tuple[Figure, ...]
+    verdict: Verdict
+    why: str
+    depends: tuple[str, ...] = field(default=())
+
+    @property
+    def id(self) -> str:
+        """The row's name, such as F-1."""
+        return self.published.id
+
+    def __getitem__(self, name: str) -> float:
+        """Return the recomputed value called `name`."""
+        for figure in self.recomputed:
+            if figure.name == name:
+                return figure.value
+        known = ", ".join(f.name for f in self.recomputed)
+        raise DesignError(f"row {self.id} recomputes no '{name}': it has {known}")
+
+    def document(self) -> dict[str, Any]:
+        """Return the row as JSON knows it: values unrounded, null for one that does not exist or is infinite."""
+        figures = [{"name": f.name, "value": _finite(f.value), "unit": f.unit} for f in self.recomputed]
+        published = self.published
+        return {
+            "id": published.id,
+            "paper": published.paper,
+            "where": published.where,
+            "published": published.text,
+            "recomputed": figures,
+            "verdict": str(self.verdict),
+            "why": self.why,
+        }
+
+
+def judge(as_printed: bool, corrected: bool = False) -> Verdict:
+    """Return the verdict on figures that meet the print as printed, or only `corrected`, or neither way."""
+    if as_printed:
+        return Verdict.REPRODUCES
+    return Verdict.CORRECTED if corrected else Verdict.FAILS
+
+
+def row(
+    published: Published,
+    figures: Iterable[tuple[str, float, str]],
+    verdict: Verdict,
+    why: str,
+    depends: Iterable[str] = (),
+) -> Row:
+    """Return a row from (name, value, unit) of each figure.
+
+    Raises DesignError when a name stands twice or there is no figure.
+    """
+    found = tuple(Figure(name, float(value), unit) for name, value, unit in figures)
+    known = [f.name for f in found]
+    if not known or len(set(known)) < len(known):
+        raise DesignError(f"row {published.id} has the figures {known}: give at least one, and each its own name")
+    return Row(published, found, verdict, why, tuple(depends))
+
+
+def published(text: str) -> dict[str, Published]:
+    """Read the rows of a published.toml: `[ID]` with paper, where, text and numbers = {name = ["14.3", "%"]}.
+
+    Raises DesignError for a row without these, or a number that is none.
+    """
+    return {name: _published(name, entry) for name, entry in tomllib.loads(text).items()}
+
+
+def document(rows: Iterable[Row]) -> list[dict[str, Any]]:
+    """Return the rows as JSON knows them."""
+    return [r.document() for r in rows]
+
+
+def table(rows: Iterable[Row]) -> str:
+    """Return the rows as a Markdown table, figures to five digits."""
+    lines = ["| row | where | published | recomputed | verdict | why |", "|---|---|---|---|---|---|"]
+    for r in rows:
+        figures = "; ".join(f"{f.name} {f.value:.5g}{'' if f.unit == '1' else ' ' + f.unit}" for f in r.recomputed)
+        cells = (r.id, r.published.where, r.published.text, figures, str(r.verdict), r.why)
+        lines.append("| " + " | ".join(" ".join(c.replace("|", "\\|").split()) for c in cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def _published(name: str, entry: Mapping[str, Any]) -> Published:
+    if missing := [key for key in ("paper", "where", "text") if not entry.get(key)]:
+        raise DesignError(f"published row {name} lacks {', '.join(missing)}: say what is printed, and where")
+    numbers = {key: _printed(name, key, value) for key, value in entry.get("numbers", {}).items()}
+    return Published(name, entry["paper"], entry["where"], entry["text"], numbers)
+
+
+def _printed(name: str, key: str, value: Any) -> Printed:
+    try:
+        digits, unit = value
+        Decimal(digits)
+    except (TypeError, ValueError, InvalidOperation) as cause:
+        raise DesignError(
+            f'published row {name}: {key} = {value!r} is no printed number: write ["14.3", "%"], digits in quotes'
+        ) from cause
+    return Printed(digits, unit)
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

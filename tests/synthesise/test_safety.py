@@ -1,0 +1,299 @@
+"""Guard and safe output as compiled C against a recursion in NumPy, for any bits that inputs can hold.
+
+    reading, angle (measurements), wish (set-point)  -->  force = clip(gain (wish - reading) / angle, -high, high)
+
+The law divides by an input that may be zero: what a law computes need be neither finite nor in range.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from synth.block import Block, Step, build, compose
+from synth.emit.write import emit
+from synth.errors import SignalError
+from synth.execute import compile as compiler
+from synth.execute import host
+from synth.signals import Signal
+from synth.synthesise.safety import LATCH_BIT, Guarded, Safety, guard, safe_output
+from synth.timing import Discrete
+
+f32 = np.float32
+TIME = Discrete(1e-3)
+INPUTS = [
+    Guarded(Signal("reading", "m", 0.0168, 0.0322), 0.031, True),
+    Guarded(Signal("angle", "rad", -0.1, 0.3), 0.2, True),
+    Guarded(Signal("wish", "m", 0.018, 0.031), 0.02, False),
+]
+FORCE = Signal("force", "A", -4.9497, 4.9497)
+SAFE = Safety(5, {"force": 2.5}, {"force": 100.0}, "the stage rests on its feet")
+GAIN = 100.0
+LATCHED = 1 << LATCH_BIT
+GOOD = {"reading": 0.02, "angle": 0.1, "wish": 0.021}
+NAMES = tuple(GOOD)
+# Bit patterns: NaNs quiet and signalling with payloads, infinities, zeros, subnormals, extremes, bounds and their
+# neighbours outside.
+EDGES = [0x7FC00000, 0xFFC12345, 0x7F800001, 0x7F800000, 0xFF800000, 0x0, 0x80000000, 0x1, 0x80000001, 0x007FFFFF]
+EDGES += [0x7F7FFFFF, 0xFF7FFFFF]
+for g in INPUTS:
+    low, high = f32(g.signal.low), f32(g.signal.high)
+    near = [low, high, np.nextafter(low, f32(-9)), np.nextafter(high, f32(9)), f32((low + high) / 2)]
+    EDGES += np.array(near, f32).view(np.uint32).tolist()
+
+
+def controller(safety: Safety = SAFE) -> Block:
+    held = [Signal(f"{n}_held", g.signal.unit, -1, 1) for n, g in zip(NAMES, INPUTS, strict=True)]
+    law = build(
+        "law",
+        TIME,
+        lambda u, x, k: Step({"force_computed": GAIN * (u["wish_held"] - u["reading_held"]) / u["angle_held"]}),
+        inputs=held,
+        outputs=[Signal("force_computed", "A", -1, 1)],
+    )
+    blocks = [safe_output(TIME, [FORCE], safety), law, guard(TIME, INPUTS, safety.bad_samples)]
+    return compose("guarded", blocks, inputs=NAMES, outputs=["force"])
+
+
+def load(change: Callable[[str], str] = str, safety: Safety = SAFE) -> host.Controller:
+    made = emit(controller(safety), f32, safety)
+    return host.load(dict(made.files) | {"guarded.c": change(made.files["guarded.c"])}, made.manifest)
+
+
+@pytest.fixture(scope="module")
+def guarded() -> host.Controller:
+    return load()
+
+
+def recursion(u: Mapping[str, np.ndarray], safety: Safety = SAFE) -> tuple[np.ndarray, np.ndarray]:
+    """Return outputs (N,) and fault words (N,), each operation rounded to single precision."""
+    last = {g.signal.name: f32(g.initial) for g in INPUTS}
+    bad, latched, out = dict.fromkeys(NAMES, 0), False, f32(safety.safe_output["force"])
+    rate = f32(safety.slew_per_s["force"] * TIME.period_s)
+    outputs, words = [], []
+    for k in range(len(u["wish"])):
+        word = 0
+        for bit, g in enumerate(INPUTS):
+            name, value = g.signal.name, u[g.signal.name][k]
+            if f32(g.signal.low) <= value <= f32(g.signal.high):
+                last[name], bad[name] = value, 0
+            else:
+                word |= 1 << bit
+                bad[name] += 1
+                latched |= g.measurement and bad[name] >= safety.bad_samples
+        with np.errstate(all="ignore"):
+            computed = f32(GAIN) * (last["wish"] - last["reading"]) / last["angle"]
+            move = min(max(f32(safety.safe_output["force"]) - out, -rate), rate)
+            out = out + move if latched else computed
+        # Not a number is limited as if it were too large.
+        out = f32(FORCE.high) if np.isnan(out) else min(max(out, f32(FORCE.low)), f32(FORCE.high))
+        outputs.append(out)
+        words.append(word | LATCHED * latched)
+    return np.array(outputs, f32), np.array(words, np.uint32)
+
+
+def columns(rows: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarray]:
+    """Samples of inputs, each good unless given otherwise."""
+    return {n: np.array([{**GOOD, **row}[n] for row in rows], f32) for n in NAMES}
+
+
+def from_bits(bits: np.ndarray) -> dict[str, np.ndarray]:
+    return dict(zip(NAMES, np.ascontiguousarray(bits.T).view(f32), strict=True))
+
+
+def disagreements(found: host.Controller, u: Mapping[str, np.ndarray], safety: Safety = SAFE) -> int:
+    replay, (force, faults) = found.replay(u), recursion(u, safety)
+    return int((replay.outputs["force"] != force).sum() + (replay.faults != faults).sum())
+
+
+def edge_rows(seed: int, count: int = 600) -> dict[str, np.ndarray]:
+    """Mostly good samples, with runs of edges or random bits strewn in."""
+    rng = np.random.default_rng(seed)
+    good = np.array([rng.uniform(g.signal.low, g.signal.high, count) for g in INPUTS], f32).view(np.uint32)
+    odd = np.where(rng.random((3, count)) < 0.3, rng.choice(EDGES, (3, count)), rng.integers(0, 2**32, (3, count)))
+    is_odd = np.zeros((3, count), bool)
+    for row, start, length in rng.integers((0, 0, 1), (3, count, 16), (15, 3)):
+        is_odd[row, start : start + length] = True
+    return from_bits(np.where(is_odd, odd, good).astype(np.uint32).T)
+
+
+PATTERNS = st.sampled_from(EDGES) | st.integers(0, 2**32 - 1)
+
+
+@settings(max_examples=150, deadline=None)
+@given(arrays(np.uint32, st.tuples(st.integers(1, 30), st.just(3)), elements=PATTERNS))
+def test_outputs_are_finite_and_in_range_for_any_bits(guarded: host.Controller, bits: np.ndarray) -> None:
+    u = from_bits(bits)
+    force = guarded.replay(u).outputs["force"]
+    assert (np.abs(force) <= f32(FORCE.high)).all()
+    assert disagreements(guarded, u) == 0
+
+
+def test_long_mixtures_equal_the_recursion(guarded: host.Controller) -> None:
+    latched = []
+    for seed in range(12):
+        u = edge_rows(seed)
+        assert disagreements(guarded, u) == 0
+        latched.append((guarded.replay(u).faults >= LATCHED).mean())
+    assert 0.1 < np.mean(latched) < 0.9
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (" <= reading", " < reading"),
+        ("reading <= ", "reading < "),
+        ("guard_latched != 0u || ", ""),
+        ("<= t43", "< t43"),
+        ("5.0f <= ", "6.0f <= "),
+        ("_force + max(min(", "_force + min(max("),
+        ("= max(t55, -4.9497f)", "= t55"),
+        ("0x80000000u", "0x40000000u"),
+        ("-0.1f", "-0.2f"),
+        ("state->guard_last_wish = ", "state->guard_last_wish = 0.5f * "),
+    ],
+)
+def test_a_planted_change_of_the_c_is_seen(old: str, new: str) -> None:
+    def change(text: str) -> str:
+        assert old in text
+        return text.replace(old, new)
+
+    mutant = load(change)
+    bounds = columns([{"reading": v} for v in (0.0168, 0.0322)])
+    run = columns([{}] + [{"angle": np.nan}] * 5 + [{}] * 3)
+    assert sum(disagreements(mutant, u) for u in (bounds, run, *map(edge_rows, range(3)))) > 0
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_both_bounds_are_accepted_and_their_neighbours_refused(guarded: host.Controller, name: str) -> None:
+    signal = INPUTS[NAMES.index(name)].signal
+    for bound, outside in ((f32(signal.low), f32(-9)), (f32(signal.high), f32(9))):
+        faults = guarded.replay(columns([{name: bound}, {name: np.nextafter(bound, outside)}])).faults
+        assert faults.tolist() == [0, 1 << NAMES.index(name)]
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e-40, -1e-40, 3e38, -3e38])
+@pytest.mark.parametrize("name", ["reading", "wish"])
+def test_a_bad_value_is_flagged_and_the_last_good_one_serves(guarded: host.Controller, name: str, value: float) -> None:
+    bit = 1 << NAMES.index(name)
+    # Before the first good sample the declared initial value serves.
+    initial = INPUTS[NAMES.index(name)].initial
+    rows = columns([{name: value}, {name: 0.0205}, {name: value}, {name: value}, {}])
+    meant = columns([{name: initial}, {name: 0.0205}, {name: 0.0205}, {name: 0.0205}, {}])
+    replay = guarded.replay(rows)
+    assert replay.faults.tolist() == [bit, 0, bit, bit, 0]
+    np.testing.assert_array_equal(replay.outputs["force"], guarded.replay(meant).outputs["force"])
+
+
+def test_subnormals_in_range_are_accepted(guarded: host.Controller) -> None:
+    assert guarded.replay(columns([{"angle": v} for v in (1e-40, -1e-40, 0.0, -0.0)])).faults.tolist() == [0] * 4
+
+
+@pytest.mark.parametrize("name", ["reading", "angle"])
+def test_five_bad_samples_on_end_latch_and_four_do_not(guarded: host.Controller, name: str) -> None:
+    bad, bit = {name: np.nan}, 1 << NAMES.index(name)
+    four = guarded.replay(columns(([bad] * 4 + [{}]) * 6)).faults
+    assert four.tolist() == ([bit] * 4 + [0]) * 6
+    five = guarded.replay(columns([{}] + [bad] * 5 + [{}] * 3)).faults
+    assert five.tolist() == [0] + [bit] * 4 + [bit | LATCHED] + [LATCHED] * 3
+
+
+def test_bad_samples_of_two_measurements_do_not_add_up(guarded: host.Controller) -> None:
+    rows = [{"reading": np.nan}, {"reading": np.nan}, {"angle": np.nan}, {"angle": np.nan}] * 8
+    assert (guarded.replay(columns(rows)).faults < LATCHED).all()
+
+
+def test_a_bad_set_point_never_latches(guarded: host.Controller) -> None:
+    replay = guarded.replay(columns([{"wish": 0.0205}] + [{"wish": np.nan}] * 500))
+    assert replay.faults.tolist() == [0] + [4] * 500
+    assert len(set(replay.outputs["force"])) == 1
+
+
+def test_latched_outputs_slew_to_the_safe_output_until_init(guarded: host.Controller) -> None:
+    pulling = {"reading": 0.03, "wish": 0.018, "angle": 0.01}  # the law asks for less than the lower limit
+    latched = guarded.replay(columns([pulling] * 3 + [{**pulling, "reading": np.nan}] * 5))
+    force = latched.outputs["force"]
+    step = SAFE.slew_per_s["force"] * TIME.period_s
+    assert (force[:7] == f32(FORCE.low)).all()
+    np.testing.assert_allclose(force[7] - force[6], step, rtol=1e-5)
+    # Good samples come back, and nothing but init releases it.
+    after = guarded.replay(columns([pulling] * 200), latched.state)
+    travelled = np.concatenate([force[7:], after.outputs["force"]])
+    assert (np.diff(travelled) >= 0).all() and (np.diff(travelled) <= step * (1 + 1e-5)).all()
+    needed = int(np.ceil((2.5 + 4.9497) / step)) - 1
+    assert travelled[needed - 1] < 2.5 and (travelled[needed:] == f32(2.5)).all()
+    assert (after.faults == LATCHED).all()
+    assert guarded.step(guarded.init(), pulling).faults == 0
+
+
+@pytest.mark.parametrize("safe", [4.9497, -4.9497, 0.1])
+def test_a_rate_that_spans_the_range_does_not_overshoot_it(safe: float) -> None:
+    safety = Safety(1, {"force": safe}, {"force": 2e4}, "fast")
+    fast = load(safety=safety)
+    rows = [{"reading": r, "wish": w} for r, w in np.random.default_rng(0).uniform(0.0181, 0.031, (400, 2))]
+    for row in rows:
+        u = columns([row, {**row, "angle": np.nan}, row])
+        force = fast.replay(u).outputs["force"]
+        assert (np.abs(force) <= f32(FORCE.high)).all() and force[2] == f32(safe)
+        assert disagreements(fast, u, safety) == 0
+
+
+def test_ready_follows_the_first_sample_with_every_measurement_good() -> None:
+    step = guard(TIME, INPUTS, 5).function()
+    block = guard(TIME, INPUTS, 5)
+    at, x, seen = [s.name for s in block.outputs].index("ready"), block.initial, []
+    for sample in ([0.02, 9, 0.02], [9, 0.1, 0.02], [0.02, 0.1, 9], [9, 9, 9], [9, 9, 9]):
+        next, y = step(x, sample)
+        x = next.full().ravel()
+        seen.append(float(y[at]))
+    assert seen == [0, 0, 0, 1, 1]
+
+
+def test_set_points_alone_need_no_latch() -> None:
+    block = guard(TIME, INPUTS[2:], 5)
+    assert [f.bit for f in block.faults] == [0] and [s.name for s in block.states] == ["last_wish"]
+
+
+def test_the_c_is_free_of_warnings() -> None:
+    files = emit(controller(), f32).files
+    compiler.check({n: t for n, t in files.items() if n.endswith((".c", ".h"))})
+
+
+def many(count: int) -> list[Guarded]:
+    return [Guarded(Signal(f"u{i}", "1", 0, 1), 0, True) for i in range(count)]
+
+
+@pytest.mark.parametrize(
+    ("inputs", "bad_samples", "text"),
+    [
+        (many(32), 5, "32 inputs are guarded but the fault word has 31 bits: split"),
+        (many(2), 0, "bad_samples is 0: a latch needs at least 1"),
+        (many(1) * 2, 5, "'u0' is declared 2 times|'u0_held' is declared 2 times"),
+        ([Guarded(Signal("u", "1", 0, 1), 2, True)], 5, "'last_u' starts at 2, outside"),
+    ],
+)
+def test_what_cannot_be_guarded_is_refused(inputs: list[Guarded], bad_samples: int, text: str) -> None:
+    with pytest.raises(SignalError, match=text):
+        guard(TIME, inputs, bad_samples)
+    assert len(guard(TIME, many(31), 1).faults) == 32
+
+
+@pytest.mark.parametrize(
+    ("safe", "slew", "text"),
+    [
+        ({}, {"force": 1}, "'force' has no safe value or no rate: declare both"),
+        ({"force": 0}, {}, "'force' has no safe value or no rate"),
+        ({"force": 5}, {"force": 1}, "safe output 5 of 'force' is outside .*: choose one inside"),
+        ({"force": np.nan}, {"force": 1}, "safe output nan"),
+        ({"force": 0}, {"force": 0}, "'force' slews at 0 A per second: the rate must be finite and positive"),
+        ({"force": 0}, {"force": np.inf}, "slews at inf"),
+        ({"force": 0}, {"force": np.nan}, "slews at nan"),
+    ],
+)
+def test_an_incomplete_safety_is_refused(safe: dict[str, float], slew: dict[str, float], text: str) -> None:
+    with pytest.raises(SignalError, match=text):
+        safe_output(TIME, [FORCE], Safety(5, safe, slew, "test"))
