@@ -8,7 +8,7 @@ The linear loop is the double integrator e'' = w of (13) instead of law and plan
 of the audit none reaches 7 A peak.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 import casadi as ca
@@ -17,10 +17,12 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from designs.maglev_5dof import control
-from models import maglev_stage
+from designs.maglev_5dof import audit_model, control
+from designs.maglev_5dof.audit_motor import values
+from models import maglev_stage, pmlsm
 from synth.plant import Plant
 from synth.simulate import metrics
+from synth.simulate.scenario import sample_times
 
 Array = NDArray[np.float64]
 Reference = Callable[[ca.SX], ca.SX]
@@ -52,11 +54,9 @@ def closed_loop(name: str) -> Array:
     return np.asarray(plant.A + plant.B @ control.gain(axis(name)).K)
 
 
-def linear_step(
-    name: str, step: float, band: float, resolution: float, duration_s: float = 10.0
-) -> metrics.StepResponse:
-    """Return the metrics of a step in m or rad on the linear loop, from rest with xi = 0, de = 0."""
-    time = np.arange(round(duration_s / SAMPLE)) * SAMPLE
+def linear_step(name: str, step: float, band: float, resolution: float) -> metrics.StepResponse:
+    """Return the metrics over 10 s of a step in m or rad on the linear loop, from rest with xi = 0, de = 0."""
+    time = sample_times(10.0, SAMPLE)
     transition = expm(closed_loop(name) * SAMPLE)
     state, error = np.array([-step, 0.0, 0.0, 0.0, 0.0]), np.zeros(len(time))
     for k in range(len(time)):
@@ -88,7 +88,7 @@ def run(
         return float((x[0] - low) * (high - x[0]))
 
     leaves.terminal = True  # type: ignore[attr-defined]
-    time = np.arange(round(duration_s / SAMPLE)) * SAMPLE
+    time = sample_times(duration_s, SAMPLE)
     found = solve_ivp(
         lambda t, x: np.asarray(derivative(t, x)).ravel(),
         (0.0, time[-1]),
@@ -120,28 +120,29 @@ def _derivative(plant: Plant, known: Plant, references: Mapping[str, Reference],
         w[n] = ca.mtimes(ca.DM(np.asarray(control.gain(axis(n)).K)), z)
         d_xi.append(ca.mtimes(ca.DM(np.asarray(control.axis_plant(axis(n)).A)), z)[2:])
     inputs = law(known, lv3, moving, w)
-    values = {p.name: ca.SX(p.value) for p in plant.parameters}
     pose = {n: moving.get(n, ca.SX(0)) for n in ("y", "phi", "theta")}
-    reading = maglev_stage.pmlsm.Reading("coth2") if lv3 == "coth2" else maglev_stage.pmlsm.STRESS
-    second = maglev_stage.accelerations(pose, inputs, values, reading)
+    reading = pmlsm.Reading("coth2" if lv3 == "coth2" else "csch2")
+    second = maglev_stage.accelerations(pose, inputs, values(plant), reading)
     slopes = [slope for n in names for slope in (speed[n], second[n])]
     return ca.Function("derivative", [t, state], [ca.vcat([*slopes, *d_xi])], {"cse": True})
 
 
 def law(known: Plant, lv3: str, position: Mapping[str, ca.SX], w: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
-    """Return i_d1..i_d4, u_x, u_z in A from positions and demanded accelerations. Source: (8), (12)."""
-    values = {p.name: ca.SX(p.value) for p in known.parameters}
-    model = maglev_stage.simplified(maglev_stage.input_polynomial(values, lv3))
-    c = model.coefficients
-    u = {f"u_{n}": w[n] / c[f"h_{n}"] for n in ("x", "z")}
-    if "theta" in position:
-        free = ca.vcat([w["y"] - c["a1"], w["phi"] - c["b1"], w["theta"] - c["c1"]])
-        v = dict(zip(maglev_stage.TRANSFORMED, ca.vertsplit(ca.solve(model.decoupling(), free)), strict=True))
-    else:
-        v = {"v_y": (w["y"] - c["a1"]) / c["a3"], "v_phi": ca.SX(0), "v_theta": ca.SX(0)}
-    inputs = maglev_stage.input_transformation(v) | u
-    thrust = ca.substitute(
-        ca.vcat(list(inputs.values())), ca.vcat(list(model.u.values())), ca.vcat([u[n] for n in model.u])
-    )
+    """Return i_d1..i_d4, u_x, u_z in A from positions and demanded accelerations. Source: (8), (12).
+
+    Without theta among the positions v_phi = v_theta = 0, and (12) is its first row.
+    """
+    model = maglev_stage.simplified(maglev_stage.input_polynomial(values(known), lv3))
+    found = audit_model.inverse(model, w)
+    if "theta" not in position:
+        c = model.coefficients
+        alone = ca.substitute((w["y"] - c["a1"]) / c["a3"], ca.vcat(list(model.u.values())), _listed(found, model.u))
+        found |= {"v_y": alone, "v_phi": ca.SX(0), "v_theta": ca.SX(0)}
+    inputs = maglev_stage.input_transformation(found) | {n: found[n] for n in model.u}
     pose = ca.vcat([position.get(n, ca.SX(0)) for n in model.x])
-    return dict(zip(inputs, ca.vertsplit(ca.substitute(thrust, ca.vcat(list(model.x.values())), pose)), strict=True))
+    at_pose = ca.substitute(ca.vcat(list(inputs.values())), ca.vcat(list(model.x.values())), pose)
+    return dict(zip(inputs, ca.vertsplit(at_pose), strict=True))
+
+
+def _listed(found: Mapping[str, ca.SX], wanted: Iterable[str]) -> ca.SX:
+    return ca.vcat([found[n] for n in wanted])

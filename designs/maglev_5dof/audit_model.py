@@ -24,8 +24,8 @@ def dominance_as_printed(plant: Plant, printed: Published) -> Row:
     """F-5: recompute Fig. 3 with coth^2."""
     figures, dominated = _magnitudes(plant, printed, "coth2")
     why = (
-        "Rule: at 20, 25 and 30 mm the least of a2, a3, a7 exceeds the greatest of the terms that (11) drops. With coth^2, "
-        "as printed, a6 exceeds a2. Units are m/s^2 over A or A^2."
+        "Rule: at 20, 25 and 30 mm the least of a2, a3, a7 exceeds the greatest of the terms that (11) drops. With "
+        "coth^2, as printed, a6 exceeds a2."
     )
     return row(printed, figures, judge(dominated), why, (*FORCES, "M_y", "r"))
 
@@ -49,8 +49,8 @@ def order_of_a1(plant: Plant, printed: Published) -> Row:
     found = {g: float(a1([g * MM, 0, 0, 0, 0])) for g in (20, 25, 30)}
     order, largest = printed["order"].value, max(abs(a) for a in found.values())
     why = (
-        "Rule: the greatest |a1| lies within half a decade of 10^3. In SI units it is two decades below, and at 30 mm less "
-        "than a3 times 1 A; no unit of length that fits the other terms of Fig. 3 gives 10^3."
+        "Rule: the greatest |a1| lies within half a decade of 10^3. In SI units it is nearly two decades below, and at "
+        "30 mm less than a3 times 1 A."
     )
     verdict = judge(order / sqrt(10) <= largest <= order * sqrt(10))
     figures = [(f"a1 at {g} mm", a, "m/s^2") for g, a in found.items()]
@@ -62,10 +62,9 @@ def invertibility(plant: Plant, printed: Published) -> Row:
     model = maglev_stage.simplified(_polynomial(plant, "csch2"))
     found = magnitude.conditioning(model.decoupling(), model.x, _box(plant, "y", "phi", "theta"))
     figures = [
-        ("least |det|", found.min_abs_det, "1/(kg^3 m^2 A^3)"),
+        ("least |det|", found.min_abs_det, "m rad^2/s^6/A^3"),
         ("greatest condition number", found.max_cond, "1"),
     ]
-    figures[0] = ("least |det|", found.min_abs_det, "m rad^2/(s^6 A^3)")
     why = (
         "Rule: the determinant keeps its sign and the condition number stays below 1000 over gaps of 18 to 31 mm, "
         "+-3 mrad and +-14 mrad. Both are searched for, not proven."
@@ -79,13 +78,13 @@ def double_integrators(plant: Plant, printed: Published) -> Row:
     full = _polynomial(plant, "csch2")
     model = maglev_stage.simplified(full)
     w = {n: ca.SX.sym(f"w_{n}") for n in maglev_stage.RATE}
-    law = _inverse(model, w)
+    law = inverse(model, w)
     nominal = _under(model, law, w)
     reduced = sum(_vanishes(nominal[n] - w[n], model, w) for n in w)
     rest = _under(full, law, w)
     zero = ca.vcat([*w.values(), *full.u.values()])
     terms = {n: ca.substitute(rest[n], zero, ca.SX.zeros(zero.numel())) for n in ("y", "phi", "theta")}
-    greatest = {n: 0.0 for n in terms}
+    greatest = dict.fromkeys(terms, 0.0)
     for gap in (18, 20, 25, 30, 31):
         found = magnitude.magnitudes(terms, full.x, _box(plant, "phi", "theta"), "y", [gap * MM], {})
         greatest = {n: max(greatest[n], float(found.of(n)[0])) for n in terms}
@@ -93,8 +92,8 @@ def double_integrators(plant: Plant, printed: Published) -> Row:
     figures = [("axes of (11) that obey x'' = w", float(reduced), "1")]
     figures += [(f"greatest |{n}''| of (9) at w = 0", greatest[n], units[n]) for n in terms]
     why = (
-        "Rule: at 50 points of the box |x'' - w| <= 1e-9 (1 + |w|) on all five axes of the simplified model (11). On the "
-        "full model (9) the dropped terms remain as disturbances, searched for at five gaps over both angles."
+        "Rule: at 50 points of the box |x'' - w| <= 1e-9 (1 + |w|) on all five axes of the simplified model (11). On "
+        "the full model (9) the dropped terms remain as disturbances, searched for at five gaps over both angles."
     )
     depends = (*FORCES, "M_y", "r", "I_x", "I_z", "G", "k_s_phi", "k_s_theta")
     return row(printed, figures, judge(reduced == printed["axes"].value), why, depends)
@@ -131,14 +130,26 @@ def rotation_range(plant: Plant, printed: Published) -> Row:
     ]
     printed_ranges = all(printed[f"{n}_range"].agrees(2 * printed[n].value) for n in ("phi", "theta"))
     why = (
-        "Rule: twice the amplitudes are the printed ranges, and some central gap lets both swing with all motors between "
-        "18 and 31 mm. The whole theta fits only near the middle, as the paper says of its stoppers."
+        "Rule: twice the amplitudes are the printed ranges, and some central gap lets each swing with all motors "
+        "between 18 and 31 mm. The whole theta fits only near the middle, as the paper says of its stoppers."
     )
     return row(printed, figures, judge(printed_ranges and 2 * max(swing.values()) <= room), why, ("r",))
 
 
+def inverse(model: maglev_stage.InputPolynomial, w: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
+    """Return v_y, v_phi, v_theta, u_x, u_z in A from the demanded accelerations, in the symbols of `model`.
+
+    Source: (12).
+    """
+    second, names = model.accelerations(), ("y", "phi", "theta")
+    law = feedback_linearisation.linearise([second[n] for n in names], model.v, [w[n] for n in names])
+    u = {f"u_{n}": w[n] / model.coefficients[f"h_{n}"] for n in ("x", "z")}
+    old, new = ca.vcat(list(model.u.values())), ca.vcat([u[n] for n in model.u])
+    return u | {n: ca.substitute(e, old, new) for n, e in law.inputs.items()}
+
+
 def _polynomial(plant: Plant, lv3: str) -> maglev_stage.InputPolynomial:
-    return maglev_stage.input_polynomial({n: ca.SX(v) for n, v in values(plant).items()}, lv3)
+    return maglev_stage.input_polynomial(values(plant), lv3)
 
 
 def _box(plant: Plant, *names: str) -> list[Signal]:
@@ -151,7 +162,7 @@ def _magnitudes(plant: Plant, printed: Published, lv3: str) -> tuple[list[tuple[
     gaps = np.array([printed["gap_low"].value, 25.0, printed["gap_high"].value])
     box = [Signal(n, "rad", -printed[n].value, printed[n].value) for n in ("phi", "theta")]
     terms = {n: model.coefficients[n] for n in (*DOMINANT, *SMALL)}
-    found = magnitude.magnitudes(terms, model.x | model.u, box, "y", gaps * MM, {"u_x": 0.0, "u_z": 0.0})
+    found = magnitude.magnitudes(terms, {**model.x, **model.u}, box, "y", gaps * MM, {"u_x": 0.0, "u_z": 0.0})
     figures = []
     for name in sorted(terms):
         unit = "m/s^2/A" if name in DOMINANT else "m/s^2/A^2"
@@ -161,7 +172,7 @@ def _magnitudes(plant: Plant, printed: Published, lv3: str) -> tuple[list[tuple[
 
 
 def _under(model: maglev_stage.InputPolynomial, law: Mapping[str, ca.SX], w: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
-    inputs = model.u | model.v
+    inputs = {**model.u, **model.v}
     old, new = ca.vcat(list(inputs.values())), ca.vcat([law[n] for n in inputs])
     return {n: ca.substitute(e, old, new) for n, e in model.accelerations().items()}
 

@@ -31,8 +31,7 @@ def levitation(plant: Plant, printed: Published) -> Row:
     def held(reading: pmlsm.Reading) -> bool:
         return all(abs(holding_current(plant, g, reading)) <= limit for g in gaps)
 
-    p = values(plant)
-    balance = brentq(lambda g: 4 * pmlsm.normal_force(g, 0.0, 0.0, p) + p["M_y"] * p["G"], 0.01, 0.1, xtol=1e-12)
+    balance = brentq(lambda g: _quadratic(plant, g, CSCH)[0], 0.01, 0.1, xtol=1e-12)
     figures = [
         ("gap of balance without current", balance / MM, "mm"),
         ("i_d at 25 mm", holding_current(plant, 0.025, COTH), "A"),
@@ -41,9 +40,9 @@ def levitation(plant: Plant, printed: Published) -> Row:
         ("i_d at 31 mm, csch^2", holding_current(plant, 0.031, CSCH), "A"),
     ]
     why = (
-        "Rule: a real holding current of at most 7 A peak exists at every gap from 18 to 31 mm. As printed (K_v2 ~ 1/p^2, "
-        "p = 3) it does not; with K_v2 ~ 1/p, p = 6, B_pmy1 of charge sheets sigma_m = H_c and back iron under the magnets "
-        "it does, with coth^2 and with csch^2 in L_v3. Currents are rms; i_d at 25 mm is for coth^2 where not marked."
+        "Rule: a real holding current of at most 7 A peak exists at every gap from 18 to 31 mm. As printed "
+        "(K_v2 ~ 1/p^2, p = 3) it does not; with K_v2 ~ 1/p, p = 6, B_pmy1 of charge sheets sigma_m = H_c and back iron "
+        "under the magnets it does, with coth^2 and with csch^2 in L_v3. Currents are rms, for coth^2 where not marked."
     )
     verdict = judge(held(pmlsm.PRINTED), held(COTH) and held(CSCH))
     return row(printed, figures, verdict, why, (*FORCES, "M_y", "G"))
@@ -52,16 +51,13 @@ def levitation(plant: Plant, printed: Published) -> Row:
 def printed_power(plant: Plant, printed: Published) -> Row:
     """F-2: recompute the discriminant of the holding current with K_v2 ~ 1/p^2."""
     squared = pmlsm.Reading("coth2", 2)
-    p, g = values(plant), 0.025
-    least = _least_real_gap(plant, squared)
-    K = pmlsm.constants(p, squared)
-    right = pmlsm.constants(p, pmlsm.STRESS)
+    g, least = 0.025, _least_real_gap(plant, squared)
     figures = [
         ("discriminant at 25 mm with 1/p^2", discriminant(plant, g, squared), "N^2/A^2"),
         ("discriminant at 25 mm with 1/p", discriminant(plant, g, COTH), "N^2/A^2"),
         ("least gap with a real i_d, 1/p^2", least / MM, "mm"),
-        ("K_v2^2/(4 K_v1 K_v3) with 1/p^2", K.K_v2**2 / (4 * K.K_v1 * K.K_v3), "1"),
-        ("K_v2^2/(4 K_v1 K_v3) with 1/p", right.K_v2**2 / (4 * right.K_v1 * right.K_v3), "1"),
+        ("K_v2^2/(4 K_v1 K_v3) with 1/p^2", _ratio(plant, squared), "1"),
+        ("K_v2^2/(4 K_v1 K_v3) with 1/p", _ratio(plant, COTH), "1"),
     ]
     why = (
         "Rule: i_d at 25 mm is real. With 1/p^2 the discriminant is negative: no direct current holds the platen. "
@@ -73,17 +69,18 @@ def printed_power(plant: Plant, printed: Published) -> Row:
 def pole_pairs(plant: Plant, printed: Published, cells: int = 12) -> Row:
     """F-3: recompute the thrust at 25 mm with p = 3 and p = 6 against the slotted field."""
     field = sqrt(2) * slotted_field.extrapolated(geometry(plant), 0.025, cells).value.thrust
-    with_3 = pmlsm.thrust(0.025, -1.0, values(plant), pmlsm.Reading(p_counts="pole_pairs"))
-    with_6 = pmlsm.thrust(0.025, -1.0, values(plant), pmlsm.STRESS)
+    readings = (pmlsm.Reading(p_counts="pole_pairs"), pmlsm.STRESS)
+    gap, current, p = ca.SX(0.025), ca.SX(-1.0), values(plant)
+    with_3, with_6 = (float(pmlsm.thrust(gap, current, p, reading)) for reading in readings)
     figures = [
         ("F_H, p = 3", with_3, "N/A"),
         ("F_H, p = 6", with_6, "N/A"),
         ("F_H, finite differences", field, "N/A"),
     ]
     why = (
-        "Rule: within 5 % of the thrust per rms ampere that finite differences of the slotted motor give at 25 mm. p = 3 "
-        "doubles it; p = 6, the poles, meets it. The field is extrapolated to cells of no size; 12.858, got on one grid, "
-        "carries the 0.1 % error of that grid."
+        "Rule: within 5 % of the thrust per rms ampere that finite differences of the slotted motor give at 25 mm. "
+        "p = 3 doubles it; p = 6, the poles, meets it. The field is extrapolated to cells of no size; a figure of one "
+        "grid, such as 12.858, still carries that grid's error of 0.1 %."
     )
     verdict = judge(abs(with_3 / field - 1) < 0.05, abs(with_6 / field - 1) < 0.05)
     return row(printed, figures, verdict, why, FORCES)
@@ -96,9 +93,9 @@ def cogging(plant: Plant, printed: Published, cells: int = 12) -> Row:
     figures = [(f"cogging at {g} mm", f.cogging, "N") for g, f in gaps.items()]
     figures += [(f"share of the continuous thrust at {g} mm", share[g], "%") for g in gaps]
     why = (
-        "Rule: from 15 mm on the amplitude stays below 1 % of the thrust at 5 A, the continuous rating. The amplitudes are "
-        "of the component of period t1, from six positions; the largest of six samples is sqrt(3)/2 of it, 0.0771 N at "
-        "20 mm and 0.0136 N at 25 mm, since no sample falls on the crest."
+        "Rule: from 15 mm on the amplitude stays below 1 % of the thrust at 5 A, the continuous rating. Amplitudes are "
+        "those of the component of period t1, fitted to six positions; the largest of the six samples is only "
+        "sqrt(3)/2 of it, 0.0771 N at 20 mm and 0.0136 N at 25 mm, since none falls on the crest."
     )
     return row(printed, figures, judge(all(s < 1.0 for s in share.values())), why, FIELD)
 
@@ -130,8 +127,14 @@ def holding_current(plant: Plant, gap: float, reading: pmlsm.Reading) -> float:
 def _quadratic(plant: Plant, gap: float, reading: pmlsm.Reading) -> tuple[float, float, float]:
     """Return c, b, a of c + b i_d + a i_d^2 = F_V + M_y G/4."""
     p = values(plant)
-    K, L = pmlsm.constants(p, reading), pmlsm.coefficients(gap, p, reading)
-    return p["M_y"] * p["G"] / 4 - K.K_v1 * L.L_v1, K.K_v2 * L.L_v2, -K.K_v3 * L.L_v3
+    K, L = pmlsm.constants(p, reading), pmlsm.coefficients(ca.SX(gap), p, reading)
+    free = p["M_y"] * p["G"] / 4 - K.K_v1 * L.L_v1
+    return float(free), float(K.K_v2 * L.L_v2), float(-K.K_v3 * L.L_v3)
+
+
+def _ratio(plant: Plant, reading: pmlsm.Reading) -> float:
+    K = pmlsm.constants(values(plant), reading)
+    return float(K.K_v2**2 / (4 * K.K_v1 * K.K_v3))
 
 
 def _least_real_gap(plant: Plant, reading: pmlsm.Reading) -> float:

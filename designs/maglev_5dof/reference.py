@@ -18,7 +18,7 @@ from math import pi, sin, sqrt
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy import linalg
 
 Array = NDArray[np.float64]
@@ -91,7 +91,9 @@ class Motor:
 
 @dataclass(frozen=True)
 class Constants:
-    """What the step multiplies by: K (5,) an axis, Phi (3, 3), N (3,), E (3,) of one period, the filter's F and G."""
+    """What is rounded once: K (5,) an axis; Phi (3, 3), N (3,), E (3,) and the filter's F (2, 2), G (2,) of one
+    period; the ranges of the inputs. `restored` puts back the squares of i_d that F(11) drops.
+    """
 
     parameters: Parameters
     K: Mapping[str, Array]
@@ -100,6 +102,7 @@ class Constants:
     E: Array
     F: Array
     G: Array
+    limits: Mapping[str, Array]
     restored: bool = True
 
 
@@ -197,8 +200,8 @@ def regulator() -> tuple[Array, Array, Array]:
     M[:3, :3] = internal_model()
     M[2, 3] = Fraction(1)
     M[:3, 4] = Fraction(ANTI_WINDUP)
-    M = _float(exponential(M * PERIOD))
-    return M[:3, :3], M[:3, 3], M[:3, 4]
+    exact = _float(exponential(M * PERIOD))
+    return exact[:3, :3], exact[:3, 3], exact[:3, 4]
 
 
 def derivative_filter() -> tuple[Array, Array]:
@@ -210,8 +213,8 @@ def derivative_filter() -> tuple[Array, Array]:
     M = _rational(np.zeros((4, 4)))
     M[:2, :3] = _rational([[0, 1, 0], [-(w**2), -2 * w, w**2]])
     M[2, 3] = 1 / PERIOD
-    M = exponential(M * PERIOD)
-    F, ramp = M[:2, :2], M[:2, 3]
+    exact = exponential(M * PERIOD)
+    F, ramp = exact[:2, :2], exact[:2, 3]
     return _float(F * _rational([[1, -1], [-1, 1]])), _float(_rational([[1 - ramp[0], ramp[1]]]))[0]
 
 
@@ -219,10 +222,10 @@ def derivative_filter() -> tuple[Array, Array]:
 def constants(
     scalar: type[np.floating] = np.float64, restored: bool = True, parameters: Parameters | None = None
 ) -> Constants:
-    """Return the controller's constants, rounded to `scalar` and held in double; `restored=False` is F(12) as printed."""
+    """Return the constants, rounded to `scalar` and held in double; `restored=False` is F(12) as printed."""
 
-    def rounded(A: Array) -> Array:
-        out = A.astype(scalar).astype(np.float64)
+    def rounded(A: ArrayLike) -> Array:
+        out = np.asarray(A, dtype=scalar).astype(np.float64)
         out.flags.writeable = False
         return out
 
@@ -230,29 +233,29 @@ def constants(
     F, G = map(rounded, derivative_filter())
     by_weights = {q: rounded(gain(q)) for q in set(WEIGHTS.values())}
     K = {s: by_weights[WEIGHTS[s]] for s in AXES}
-    return Constants(parameters or Parameters(), K, Phi, N, E, F, G, restored)
+    limits = {s: rounded(bounds) for s, bounds in LIMITS.items()}
+    return Constants(parameters or Parameters(), K, Phi, N, E, F, G, limits, restored)
 
 
 def initial_state() -> dict[str, Array]:
     """Return the state after init, by name."""
-    state = {f"guard_last_{s}": 0.031 if s[0] == "y" else 0.0 for s in LIMITS}
+    state: dict[str, float] = {f"guard_last_{s}": 0.031 if s[0] == "y" else 0.0 for s in LIMITS}
     state |= dict.fromkeys([f"guard_bad_{s}" for s in MEASUREMENTS], 0) | {"guard_latched": 0, "guard_ready": 0}
     for s in AXES:
         state |= dict.fromkeys([f"filter_{s}_{n}" for n in ("q_prev", "lag", "v")], 0.0)
         state |= dict.fromkeys([f"regulator_{s}_xi{n}" for n in (1, 2, 3)], 0.0)
     state |= {f"safe_output_last_{s}": value for s, value in SAFE.items()}
-    return {name: np.float64(value) for name, value in state.items()}
+    return {name: np.array(value, dtype=np.float64) for name, value in state.items()}
 
 
-def guard(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
+def guard(state: Columns, inputs: Columns, limits: Columns) -> tuple[dict[str, Array], dict[str, Array], NDArray[Any]]:
     """Return the values to use, the guard's next state and the fault word. A value that is no number is in no range."""
-    values, after, word = {}, {}, np.int64(0)
     with np.errstate(invalid="ignore"):
-        given = {s: np.asarray(inputs[s], dtype=np.float64) for s in LIMITS}
-        good = {s: (given[s] >= low) & (given[s] <= high) for s, (low, high) in LIMITS.items()}
-    for bit, s in enumerate(LIMITS):
-        values[s] = after[f"guard_last_{s}"] = np.where(good[s], given[s], state[f"guard_last_{s}"])
-        word = word + np.where(good[s], 0, 1 << bit)
+        given = {s: np.asarray(inputs[s], dtype=np.float64) for s in limits}
+        good = {s: (given[s] >= low) & (given[s] <= high) for s, (low, high) in limits.items()}
+    values = {s: np.where(good[s], given[s], state[f"guard_last_{s}"]) for s in limits}
+    after = {f"guard_last_{s}": value for s, value in values.items()}
+    word = np.sum([np.where(good[s], 0, 1 << bit) for bit, s in enumerate(limits)], axis=0)
     for s in MEASUREMENTS:
         after[f"guard_bad_{s}"] = np.where(good[s], 0, np.minimum(state[f"guard_bad_{s}"] + 1, BAD_SAMPLES))
     worst = np.max([after[f"guard_bad_{s}"] for s in MEASUREMENTS], axis=0)
@@ -348,10 +351,10 @@ def safe_output(computed: Columns, state: Columns, latched: Array) -> dict[str, 
 
 def step(
     state: Columns, inputs: Columns, k: Constants | None = None
-) -> tuple[dict[str, Array], dict[str, Array], Array]:
+) -> tuple[dict[str, Array], dict[str, Array], NDArray[Any]]:
     """Return (next state, outputs, fault word) of one sample, columns by name. F(5), (8), (12), (14)-(17)."""
     k = k or constants()
-    values, after, word = guard(state, inputs)
+    values, after, word = guard(state, inputs, k.limits)
     q = pose(values, k.parameters.r)
     e = {s: q[s] - values[f"{s}_ref"] for s in AXES}
     w = {}

@@ -143,7 +143,8 @@ def _with_faults(block: Block) -> ca.Function:
     """Return (x, u) -> (x', y, fault word)."""
     f = block.function()
     x, u = f.sx_in()
-    symbols = [block.symbol[s.name] for s in (*block.states, *block.inputs)]
+    names = [*(s.name for s in block.states), *(s.name for s in block.inputs)]
+    symbols = [block.symbol[n] for n in names]
     bits = [ca.substitute(block.output[b.output], ca.vcat(symbols), ca.vertcat(x, u)) for b in block.faults]
     word = sum((2.0**b.bit * ca.if_else(bit, 1, 0) for b, bit in zip(block.faults, bits, strict=True)), start=ca.SX(0))
     next, y = f.call([x, u])

@@ -1,0 +1,181 @@
+"""Verification of the emitted C: NumPy reference, CasADi, CasADi's own C, and the C in double and in single precision.
+
+Random steps start from states and inputs drawn over the whole domain, each sample independent; most leave the motors
+unsaturated, so that a difference is not hidden by a limit. Edge steps put every input on the ends of its range, beyond
+them, and on values that are no numbers. Recorded inputs of closed loops are replayed from `init`.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from designs.maglev_5dof import control, experiments, reference
+from designs.maglev_5dof.loop import Loop, compiled
+from synth.block import Block
+from synth.check import Check
+from synth.execute import host
+from synth.plant import Plant
+from synth.simulate.scenario import Trajectory
+from synth.verify import agree
+from synth.verify.evidence import Evidence
+
+Columns = dict[str, NDArray[np.float64]]
+RANDOM_STEPS = 100_000
+EDGE_STEPS = 20_000
+SEED = 20_090_901
+INSIDE = 1e-8  # m, rad: a range ends at another number in single than in double precision
+FLOOR = 1.0  # A
+EXACT = 1e-12  # of max(1 A, |i|): float64 C against the reference
+POINTWISE = {
+    "y": 1e-7,
+    "x": 1e-7,
+    "z": 1e-7,
+    "phi": 5e-7,
+    "theta": 5e-7,
+}  # m, rad: single against double, ideal sensing
+MEANS = {"y": 1e-7, "x": 1e-7, "z": 1e-7, "phi": 2e-7, "theta": 2e-7}  # m, rad: mean errors, with encoders
+SPECIAL = (np.nan, np.inf, -np.inf, 5e-324, -5e-324, 1e-40, -0.0, 0.0, 1e300, -1e300)
+
+
+def random_steps(block: Block, n: int) -> tuple[Columns, Columns]:
+    """Draw n independent (states, inputs) over the domain; the platen is near its set-points, so that few saturate."""
+    rng = np.random.default_rng(SEED)
+    states, inputs = _anywhere(block, rng, n)
+    bounds = {a.name: (a.reference.low + INSIDE, a.reference.high - INSIDE) for a in control.AXES}
+    pose = {name: rng.uniform(*ends, n) for name, ends in bounds.items()}
+    r = reference.Parameters().r
+    tilt, roll = r * np.sin(pose["phi"]), r * np.sin(pose["theta"])
+    inputs |= {"y1": pose["y"] - tilt, "y3": pose["y"] + tilt, "y2": pose["y"] + roll, "y4": pose["y"] - roll}
+    inputs |= {"x": pose["x"], "z": pose["z"]}
+    for a in control.AXES:
+        error = rng.uniform(-1, 1, n) * 10.0 ** rng.uniform(-6, -3.3, n)
+        inputs[f"{a.name}_ref"] = np.clip(pose[a.name] - error, *bounds[a.name])
+        states[f"filter_{a.name}_q_prev"] = error + rng.normal(0, 1e-6, n)
+        states[f"filter_{a.name}_lag"] = rng.normal(0, 1e-6, n)
+        states[f"filter_{a.name}_v"] = rng.normal(0, 3e-3, n)
+        for i, bound in enumerate(a.xi_bounds):
+            states[f"regulator_{a.name}_xi{i + 1}"] = rng.normal(0, 0.004 * bound, n)
+    states |= {"guard_ready": (rng.uniform(size=n) < 0.98).astype(float), "guard_latched": np.zeros(n)}
+    states |= {f"guard_bad_{g.signal.name}": np.zeros(n) for g in control.INPUTS if g.measurement}
+    return states, inputs
+
+
+def edge_steps(block: Block, n: int) -> tuple[Columns, Columns]:
+    """Draw n independent (states, inputs) anywhere in the declared bounds, with inputs on ends and on no numbers."""
+    rng = np.random.default_rng(SEED + 1)
+    states, inputs = _anywhere(block, rng, n)
+    for s in block.inputs:
+        ends = (s.low, s.high, np.nextafter(s.low, -1), np.nextafter(s.high, 1), *SPECIAL)
+        chosen = rng.integers(0, 4 * len(ends), n)
+        inputs[s.name] = np.where(chosen < len(ends), np.take(ends, chosen % len(ends)), inputs[s.name])
+    return states, inputs
+
+
+def _anywhere(block: Block, rng: np.random.Generator, n: int) -> tuple[Columns, Columns]:
+    states = {}
+    for s in block.states:
+        low, high = s.signal.low, s.signal.high
+        whole = rng.integers(int(low), int(high) + 1, n).astype(float) if s.integer else rng.uniform(low, high, n)
+        states[s.name] = whole
+    return states, {s.name: rng.uniform(s.low, s.high, n) for s in block.inputs}
+
+
+def saturated(outputs: agree.Columns) -> NDArray[np.bool_]:
+    """Tell for each sample whether some motor stands at its limit."""
+    motors = [np.hypot(outputs[f"i_d{j}"], outputs[f"i_q{j}"]) for j in range(1, 5)]
+    return np.max(motors, axis=0) > control.CURRENT * (1 - 1e-9)
+
+
+def verify(plant: Plant, told: Callable[[str], None], replay_s: float = 60.0) -> Evidence:
+    """Compare all witnesses; `replay_s` is how much of the recorded closed loop the reference replays, in s."""
+    block = control.controller(plant)
+    c64, c32 = compiled(plant, np.float64), compiled(plant, np.float32)
+    witnesses = {
+        "reference": agree.reference(reference.step),
+        "casadi": agree.casadi(block),
+        "casadi_c": agree.casadi_own_c(block),
+        "c64": agree.emitted(c64),
+    }
+    agreements: list[agree.Agreement] = []
+    checks: list[Check] = []
+    for what, (states, inputs) in {
+        "random": random_steps(block, RANDOM_STEPS),
+        "edge": edge_steps(block, EDGE_STEPS),
+    }.items():
+        told(f"{what} steps")
+        found = {name: witness(states, inputs) for name, witness in witnesses.items()}
+        compared = [
+            agree.compare(f"{what} steps", (name, found[name]), ("c64", found["c64"]), FLOOR)
+            for name in ("reference", "casadi", "casadi_c")
+        ]
+        agreements += compared
+        checks += _exact(compared)
+        if what == "random":
+            share = float(np.mean(saturated(found["c64"].outputs)))
+            checks.append(Check("share of random steps at a limit", share, 0.5, "1"))
+            agreements.append(_single(c32, c64, states, inputs))
+    told("replay of a closed loop")
+    agreements += (compared := replays(Loop(plant, c64), block, replay_s))
+    checks += _exact(compared)
+    told("single against double over 60 s")
+    checks += single_against_double(plant, c32, c64)
+    return Evidence(control.NAME, tuple(agreements), tuple(checks))
+
+
+def _exact(compared: list[agree.Agreement]) -> list[Check]:
+    checks = []
+    for a in compared:
+        about = f"worst of {a.samples} steps, {a.signal}"
+        checks.append(Check(f"{a.what}: {a.first} against {a.second}", a.worst, EXACT, "max(1 A, |i|)", about))
+        checks.append(Check(f"{a.what}: fault words of {a.first} and {a.second} unlike", a.faults_differ, 0, "1"))
+    return checks
+
+
+def _single(c32: host.Controller, c64: host.Controller, states: Columns, inputs: Columns) -> agree.Agreement:
+    """Compare single with double on the same bits: what is drawn is rounded to single first."""
+    x, u = ({n: v.astype(np.float32) for n, v in columns.items()} for columns in (states, inputs))
+    double = agree.emitted(c64)(x, u)
+    single = agree.emitted(c32)(x, u)
+    return agree.compare("random steps", ("c64", double), ("c32", single), FLOOR, np.float32)
+
+
+def replays(loop: Loop, block: Block, replay_s: float) -> list[agree.Agreement]:
+    """Replay the recorded inputs of the 4-DOF tracking with encoders through the reference and CasADi."""
+    trajectory, _ = experiments.tracking(loop, True, replay_s)
+    inputs = trajectory.measured
+    c64 = agree.replayed(loop.controller, inputs)
+    start = {s.name: s.initial for s in block.states}
+    by_reference = agree.recorded(
+        agree.reference(reference.step), {n: float(v) for n, v in reference.initial_state().items()}, inputs
+    )
+    by_casadi = agree.recorded(agree.casadi(block), start, inputs)
+    what = f"replay of {replay_s:g} s"
+    pairs = (("reference", by_reference), ("casadi", by_casadi))
+    return [agree.compare(what, pair, ("c64", c64), FLOOR) for pair in pairs]
+
+
+def single_against_double(plant: Plant, c32: host.Controller, c64: host.Controller) -> list[Check]:
+    """Compare 60 s of 4-DOF tracking in both types: point by point with ideal sensing, by mean errors with encoders."""
+    checks = []
+    ideal = [_tracked(plant, c, 0.0) for c in (c32, c64)]
+    for axis, limit in POINTWISE.items():
+        worst = float(np.max(np.abs(ideal[0][0][axis] - ideal[1][0][axis])))
+        checks.append(Check(f"single less double, {axis}", worst, limit, _unit(axis), "60 s, ideal sensing"))
+    means = [experiments.mean_errors(*_tracked(plant, c)) for c in (c32, c64)]
+    for axis, limit in MEANS.items():
+        gap = abs(means[0][axis] - means[1][axis])
+        checks.append(Check(f"mean error, single less double, {axis}", gap, limit, _unit(axis), "60 s, encoders"))
+    return checks
+
+
+def _tracked(
+    plant: Plant, controller: host.Controller, resolution: float | None = None
+) -> tuple[Trajectory, dict[str, NDArray[np.float64]]]:
+    loop = Loop(plant, controller)
+    return experiments.tracking(loop if resolution is None else replace(loop, resolution=resolution), True)
+
+
+def _unit(axis: str) -> str:
+    return "rad" if axis in ("phi", "theta") else "m"

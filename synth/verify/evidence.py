@@ -1,0 +1,31 @@
+"""Evidence: what was measured when a design was verified, with the limits that it had to keep."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from synth.check import Check
+from synth.verify.agree import Agreement
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """The agreements between witnesses and the checks drawn from them."""
+
+    design: str
+    agreements: Sequence[Agreement]
+    checks: Sequence[Check]
+
+    @property
+    def passed(self) -> bool:
+        """Whether every check keeps its limit."""
+        return all(c.passed for c in self.checks)
+
+    def document(self) -> Mapping[str, Any]:
+        """Return the evidence as a JSON document."""
+        return {
+            "design": self.design,
+            "passed": self.passed,
+            "agreements": [asdict(a) for a in self.agreements],
+            "checks": [asdict(c) | {"passed": c.passed} for c in self.checks],
+        }

@@ -1,0 +1,62 @@
+"""A workspace: a folder with models/ and designs/<name>/design.py, whose `DESIGN` says what the toolkit can do with it.
+
+The folder is put first on the path of this process, which serves one workspace only, so that two never mix.
+"""
+
+import importlib
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from synth.emit.write import Emitted
+from synth.errors import DesignError
+from synth.report.audit import Row
+from synth.simulate.experiment import Experiment
+from synth.verify.evidence import Evidence
+
+Told = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Design:
+    """One design; each task hears the progress that it reports.
+
+    `emit(scalar)` returns what is written to generated_c/<name>/, by folder. `verify` returns evidence, `simulate` the
+    experiments, `audit` the published figures recomputed, `report` the page made of all these.
+    """
+
+    name: str
+    scalar: type[np.floating]
+    emit: Callable[[type[np.floating]], Mapping[str, Emitted]]
+    verify: Callable[[Told, bool], Evidence]
+    simulate: Callable[[Told], Sequence[Experiment]]
+    audit: Callable[[], Iterator[Row]]
+    report: Callable[[Mapping[str, Emitted], Evidence, Sequence[Experiment], Sequence[Row]], str]
+
+
+def designs(root: Path, wanted: Sequence[str] = ()) -> list[Design]:
+    """Load the designs of the workspace at `root`, all of them when none is wanted by name.
+
+    Raises DesignError when the folder is no workspace, a design is not there, or it has no `DESIGN`.
+    """
+    folder = root / "designs"
+    found = sorted(path.parent.name for path in folder.glob("*/design.py"))
+    if not found:
+        raise DesignError(f"{root} holds no designs/<name>/design.py: call synth in the root of a workspace")
+    for name in wanted:
+        if name not in found:
+            raise DesignError(f"design '{name}' is not here: there are {', '.join(found)}")
+    if str(root) not in sys.path:
+        sys.path.insert(0, str(root))
+    return [_load(name) for name in (wanted or found)]
+
+
+def _load(name: str) -> Design:
+    module = importlib.import_module(f"designs.{name}.design")
+    design = getattr(module, "DESIGN", None)
+    if not isinstance(design, Design):
+        raise DesignError(f"designs/{name}/design.py defines no DESIGN: end it with DESIGN = workspace.Design(...)")
+    return design
