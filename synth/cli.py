@@ -107,7 +107,7 @@ def simulate(names: Names = None, json_wanted: AsJson = False) -> None:
 
 @app.command()
 def audit(names: Names = None, json_wanted: AsJson = False) -> None:
-    """Recompute every published figure: published, recomputed, verdict and why. The verdicts do not fail the command."""
+    """Recompute every published figure: published, recomputed, verdict, why. No verdict fails the command."""
     rows = []
     console = Console()
     for design in workspace.designs(Path.cwd(), names or ()):
@@ -116,12 +116,12 @@ def audit(names: Names = None, json_wanted: AsJson = False) -> None:
             say(f"audit {row.id}")
             rows.append(row)
     if json_wanted:
-        print(json.dumps([row.document() for row in rows], indent=1))
+        typer.echo(json.dumps([row.document() for row in rows], indent=1))
         return
     table = Table("row", "published", "recomputed", "verdict", "why", show_lines=True)
     for row in rows:
         found = "\n".join(f"{q.name}: {q.value:.6g} {q.unit}" for q in row.recomputed)
-        table.add_row(row.id, row.published, found, row.verdict, row.why)
+        table.add_row(row.id, row.published.text, found, str(row.verdict), row.why)
     console.print(table)
 
 
@@ -154,5 +154,5 @@ def _print_checks(title: str, checks: Sequence[Check], figures: Mapping[str, flo
 
 def _finish(json_wanted: bool, documents: Sequence[Mapping[str, Any]], failed: bool) -> None:
     if json_wanted:
-        print(json.dumps(documents, indent=1))
+        typer.echo(json.dumps(documents, indent=1))
     raise typer.Exit(1 if failed else 0)

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-VOCABULARY = ("errors", "signals", "timing", "plant", "statespace", "block")
-LAYERS = ("analyse", "synthesise", "emit", "execute", "simulate", "verify", "report", "cli")
+VOCABULARY = ("errors", "check", "signals", "timing", "plant", "statespace", "block")
+LAYERS = ("analyse", "synthesise", "emit", "execute", "simulate", "verify", "report", "workspace", "cli")
 RANK = {("synth", name): 0 for name in VOCABULARY}
 RANK |= {("synth", name): rank for rank, name in enumerate(LAYERS, 1)}
 RANK |= {("models",): len(LAYERS) + 1, ("designs",): len(LAYERS) + 2}

@@ -41,8 +41,9 @@ def levitation(plant: Plant, printed: Published) -> Row:
     ]
     why = (
         "Rule: a real holding current of at most 7 A peak exists at every gap from 18 to 31 mm. As printed "
-        "(K_v2 ~ 1/p^2, p = 3) it does not; with K_v2 ~ 1/p, p = 6, B_pmy1 of charge sheets sigma_m = H_c and back iron "
-        "under the magnets it does, with coth^2 and with csch^2 in L_v3. Currents are rms, for coth^2 where not marked."
+        "(K_v2 ~ 1/p^2, p = 3) it does not; with K_v2 ~ 1/p, p = 6, B_pmy1 of charge sheets sigma_m = H_c and back "
+        "iron under the magnets it does, with coth^2 and with csch^2 in L_v3. Currents are rms, for coth^2 where not "
+        "marked."
     )
     verdict = judge(held(pmlsm.PRINTED), held(COTH) and held(CSCH))
     return row(printed, figures, verdict, why, (*FORCES, "M_y", "G"))

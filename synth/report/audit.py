@@ -174,11 +174,13 @@ def _published(name: str, entry: Mapping[str, Any]) -> Published:
 def _printed(name: str, key: str, value: Any) -> Printed:
     try:
         digits, unit = value
-        Decimal(digits)
+        number = Decimal(digits)
     except (TypeError, ValueError, InvalidOperation) as cause:
         raise DesignError(
             f'published row {name}: {key} = {value!r} is no printed number: write ["14.3", "%"], digits in quotes'
         ) from cause
+    if not (isinstance(digits, str) and isinstance(unit, str) and number.is_finite()):
+        raise DesignError(f"published row {name}: {key} = {value!r} is not as printed: put the digits in quotes")
     return Printed(digits, unit)
 
 

@@ -1,0 +1,71 @@
+/* maglev_5dof_phase: one step every 0.001 s, float. Generated: do not edit. */
+#ifndef MAGLEV_5DOF_PHASE_H
+#define MAGLEV_5DOF_PHASE_H
+
+#include <stdint.h>
+
+typedef struct {
+    float i_d1;                         /* A, -4.94975 .. 4.94975: direct current of motor 1, rms */
+    float i_d2;                         /* A, -4.94975 .. 4.94975: direct current of motor 2, rms */
+    float i_d3;                         /* A, -4.94975 .. 4.94975: direct current of motor 3, rms */
+    float i_d4;                         /* A, -4.94975 .. 4.94975: direct current of motor 4, rms */
+    float i_q1;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 1, rms */
+    float i_q2;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 2, rms */
+    float i_q3;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 3, rms */
+    float i_q4;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 4, rms */
+    float x;                            /* m, -0.1 .. 0.1: platen along X */
+    float z;                            /* m, -0.1 .. 0.1: platen along Z */
+} maglev_5dof_phase_input_t;
+
+typedef struct {
+    float i_a1;                         /* A, -9.8995 .. 9.8995: phase a of motor 1, instantaneous */
+    float i_b1;                         /* A, -9.8995 .. 9.8995: phase b of motor 1, instantaneous */
+    float i_c1;                         /* A, -9.8995 .. 9.8995: phase c of motor 1, instantaneous */
+    float i_a2;                         /* A, -9.8995 .. 9.8995: phase a of motor 2, instantaneous */
+    float i_b2;                         /* A, -9.8995 .. 9.8995: phase b of motor 2, instantaneous */
+    float i_c2;                         /* A, -9.8995 .. 9.8995: phase c of motor 2, instantaneous */
+    float i_a3;                         /* A, -9.8995 .. 9.8995: phase a of motor 3, instantaneous */
+    float i_b3;                         /* A, -9.8995 .. 9.8995: phase b of motor 3, instantaneous */
+    float i_c3;                         /* A, -9.8995 .. 9.8995: phase c of motor 3, instantaneous */
+    float i_a4;                         /* A, -9.8995 .. 9.8995: phase a of motor 4, instantaneous */
+    float i_b4;                         /* A, -9.8995 .. 9.8995: phase b of motor 4, instantaneous */
+    float i_c4;                         /* A, -9.8995 .. 9.8995: phase c of motor 4, instantaneous */
+} maglev_5dof_phase_output_t;
+
+typedef struct {
+    float guard_last_i_d1;              /* A, -4.94975 .. 4.94975: last good value */
+    float guard_last_i_d2;              /* A, -4.94975 .. 4.94975: last good value */
+    float guard_last_i_d3;              /* A, -4.94975 .. 4.94975: last good value */
+    float guard_last_i_d4;              /* A, -4.94975 .. 4.94975: last good value */
+    float guard_last_i_q1;              /* A, -4.94975 .. 4.94975: last good value */
+    float guard_last_i_q2;              /* A, -4.94975 .. 4.94975: last good value */
+    float guard_last_i_q3;              /* A, -4.94975 .. 4.94975: last good value */
+    float guard_last_i_q4;              /* A, -4.94975 .. 4.94975: last good value */
+    float guard_last_x;                 /* m, -0.1 .. 0.1: last good value */
+    float guard_last_z;                 /* m, -0.1 .. 0.1: last good value */
+} maglev_5dof_phase_state_t;
+
+/* The layout is the same on every target. */
+typedef char maglev_5dof_phase_input_size_is_40[(sizeof(maglev_5dof_phase_input_t) == 40u) ? 1 : -1];
+typedef char maglev_5dof_phase_output_size_is_48[(sizeof(maglev_5dof_phase_output_t) == 48u) ? 1 : -1];
+typedef char maglev_5dof_phase_state_size_is_40[(sizeof(maglev_5dof_phase_state_t) == 40u) ? 1 : -1];
+
+/* Put the state to its initial values. The caller owns it. */
+void maglev_5dof_phase_init(maglev_5dof_phase_state_t *state);
+
+/* Compute one sample: read `in`, write `out`, advance `state`.
+ * It returns the fault bits:
+ *   bit  0  i_d1: not finite or outside its range
+ *   bit  1  i_d2: not finite or outside its range
+ *   bit  2  i_d3: not finite or outside its range
+ *   bit  3  i_d4: not finite or outside its range
+ *   bit  4  i_q1: not finite or outside its range
+ *   bit  5  i_q2: not finite or outside its range
+ *   bit  6  i_q3: not finite or outside its range
+ *   bit  7  i_q4: not finite or outside its range
+ *   bit  8  x: not finite or outside its range
+ *   bit  9  z: not finite or outside its range
+ */
+uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in, maglev_5dof_phase_output_t *out);
+
+#endif

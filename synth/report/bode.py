@@ -1,0 +1,109 @@
+"""Bode plots of scalar open loops L, with their crossings, and of the sensitivity S = 1/(1 + L).
+
+    gain      20 log10 |L|
+    phase     arg L, unwrapped so that a pole on the axis takes 180 degrees off, in (-360, 0] at the highest gain
+              crossing
+    |S|       20 log10 |S|, whose greatest value is Ms, the inverse of the modulus margin
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, MultipleLocator, NullFormatter
+
+from synth.analyse import margins
+from synth.analyse.margins import Margins
+from synth.report.figures import COLOURS, styled
+from synth.statespace import Array, StateSpace
+from synth.timing import Discrete
+
+DECIBELS = (-60.0, 80.0)  # what is shown: the poles of an internal model are infinitely high
+
+
+@dataclass(frozen=True, eq=False)
+class LoopCurve:
+    """An open loop: frequencies (N,) in rad/s, rising, the response L (N,), and its margins."""
+
+    label: str
+    frequency: Array
+    response: margins.Complex
+    margins: Margins
+
+
+def curve(
+    label: str, loop: StateSpace, found: Margins, low: float = 0.5, high: float = 1e4, points: int = 700
+) -> LoopCurve:
+    """Return a scalar loop's response from `low` rad/s to `high`, a sampled one's to Nyquist at most, with its margins.
+
+    Raises SignalError when the loop is not scalar.
+    """
+    top = min(high, np.pi / loop.time.period_s) if isinstance(loop.time, Discrete) else high
+    crossings = [c.frequency for c in (*found.gain_crossings, *found.phase_crossings)]
+    w = np.unique([*np.geomspace(low, top, points), *(f for f in crossings if low < f < top)])
+    return LoopCurve(label, w, margins.response(loop)(w), found)
+
+
+def phase(curve: LoopCurve) -> Array:
+    """Return the phase of L in degrees (N,), continuous but for poles and zeros on the axis."""
+    angle = np.angle(curve.response)
+    # A step near 180 degrees is a pole on the axis, which lowers the phase: keep steps within -225 .. 135 degrees.
+    steps = (np.diff(angle) + 1.25 * np.pi) % (2 * np.pi) - 1.25 * np.pi
+    degrees = np.degrees(angle[0] + np.concatenate([[0.0], np.cumsum(steps)]))
+    crossings = [c.frequency for c in curve.margins.gain_crossings]
+    at = np.interp(max(crossings, default=curve.frequency[-1]), curve.frequency, degrees)
+    return np.asarray(degrees - 360 * np.ceil(at / 360), dtype=np.float64)
+
+
+def bode_plot(curves: Sequence[LoopCurve]) -> Figure:
+    """Draw gain, phase and sensitivity over frequency in Hz, one colour a loop.
+
+    A dot marks each gain crossing, a diamond each phase crossing.
+    """
+    with styled():
+        figure = Figure(figsize=(9.0, 6.2), layout="constrained")
+        gain, angle, sensitivity = figure.subplots(3, 1, sharex=True, height_ratios=(3, 3, 2))
+        for c, colour in zip(curves, COLOURS, strict=False):
+            _draw(gain, angle, sensitivity, c, colour)
+        _decibels(gain, "|L|, dB", DECIBELS, 20)
+        _decibels(sensitivity, "|S|, dB", (-40.0, 15.0), 10)
+        _degrees(angle, [phase(c) for c in curves])
+        gain.legend(loc="upper right")
+        sensitivity.set_xscale("log")
+        sensitivity.set_xlabel("frequency, Hz")
+        sensitivity.xaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
+        sensitivity.xaxis.set_minor_formatter(NullFormatter())
+        figure.align_ylabels()
+    return figure
+
+
+def _draw(gain: Axes, angle: Axes, sensitivity: Axes, curve: LoopCurve, colour: str) -> None:
+    f, level, degrees = curve.frequency / (2 * np.pi), _db(curve.response), phase(curve)
+    gain.plot(f, level, color=colour, label=curve.label)
+    angle.plot(f, degrees, color=colour)
+    sensitivity.plot(f, -_db(1 + curve.response), color=colour)
+    for crossings, marker in ((curve.margins.gain_crossings, "o"), (curve.margins.phase_crossings, "D")):
+        at = np.array([c.frequency for c in crossings if f[0] <= c.frequency / (2 * np.pi) <= f[-1]]) / (2 * np.pi)
+        for axes, values in ((gain, level), (angle, degrees)):
+            axes.plot(at, np.interp(at, f, values), ls="", marker=marker, ms=4.5, mfc="white", mec=colour, zorder=5)
+
+
+def _db(response: margins.Complex) -> Array:
+    return np.asarray(20 * np.log10(np.maximum(np.abs(response), 1e-300)), dtype=np.float64)
+
+
+def _decibels(axes: Axes, label: str, limits: tuple[float, float], step: float) -> None:
+    axes.set(ylabel=label, ylim=limits)
+    axes.axhline(0.0, color="#666666", lw=0.8)
+    axes.yaxis.set_major_locator(MultipleLocator(step))
+
+
+def _degrees(axes: Axes, phases: Sequence[Array]) -> None:
+    low = max(min(float(p.min()) for p in phases), -540.0)
+    high = min(max(float(p.max()) for p in phases), 360.0)
+    axes.set(ylabel="arg L, °", ylim=(90 * np.floor(low / 90) - 10, 90 * np.ceil(high / 90) + 10))
+    for level in (-540.0, -180.0, 180.0):
+        axes.axhline(level, color="#666666", lw=0.8)
+    axes.yaxis.set_major_locator(MultipleLocator(90))

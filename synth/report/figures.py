@@ -1,0 +1,276 @@
+"""Figures of sampled signals v_k at the times t_k, drawn from arrays; the same arrays give the same bytes.
+
+    decimated     each of N/2 equal runs of samples is shown by its least and its greatest, so that no spike is lost
+    error         |v - r| on a logarithmic axis, cut off a thousand times below its level, where it has one
+
+Values come in SI units; positions are shown in mm and mrad, errors in um and urad. The figures belong to nobody: no
+state of matplotlib is read or left changed, and `svg` and `png` turn each into text or bytes.
+"""
+
+import io
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from typing import Any
+
+import matplotlib.style
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from mpl_toolkits.mplot3d import Axes3D
+from numpy.typing import ArrayLike, NDArray
+
+from synth.errors import SignalError
+from synth.simulate.experiment import Experiment
+
+Array = NDArray[np.float64]
+Window = tuple[float, float]
+
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")  # told apart with any colour vision
+REFERENCE_COLOUR = "#000000"
+POINTS = 2000  # drawn for each curve: more than a screen is wide
+DEPTH = 1e-3  # of an encoder's count: below it an error is of no interest
+FLOOR = 1e-5  # of the greatest error, where no level is given
+SMALLEST = 1e-12  # m or rad: what an error of nothing is drawn at
+SYMBOLS = {"phi": "φ", "theta": "θ"}
+COARSE = {"m": ("mm", 1e3), "rad": ("mrad", 1e3)}
+FINE = {"m": ("µm", 1e6), "rad": ("µrad", 1e6)}
+STYLE = {
+    "font.size": 9.0,
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans", "Verdana", "Arial"],
+    "axes.grid": True,
+    "axes.edgecolor": "#666666",
+    "axes.linewidth": 0.6,
+    "axes.labelsize": 9.0,
+    "axes.titlesize": 9.5,
+    "axes.xmargin": 0.0,
+    "grid.color": "#dddddd",
+    "grid.linewidth": 0.5,
+    "lines.linewidth": 1.1,
+    "xtick.color": "#333333",
+    "ytick.color": "#333333",
+    "legend.fontsize": 8.0,
+    "legend.framealpha": 0.85,
+    "legend.edgecolor": "#cccccc",
+    "svg.fonttype": "none",
+}
+_NO_METADATA = {"Date": None, "Creator": None, "Format": None, "Type": None}
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A labelled signal (N,) in its panel's SI unit; a set-point is drawn dashed and black."""
+
+    label: str
+    values: ArrayLike
+    reference: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """Curves that share an axis: the quantity, its SI unit, and levels (label, value) to draw across."""
+
+    quantity: str
+    unit: str
+    curves: tuple[Curve, ...]
+    levels: tuple[tuple[str, float], ...] = ()
+
+
+def styled() -> AbstractContextManager[None]:
+    """Return the context in which every figure is made and written, whatever the user's own settings."""
+    return matplotlib.style.context(["default", STYLE])
+
+
+def svg(figure: Figure, name: str) -> str:
+    """Return a figure as one <svg> element; its ids begin with `name`, so that many figures can share a page.
+
+    Raises SignalError when `name` cannot begin an id.
+    """
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]*", name):
+        raise SignalError(f"figure name '{name}' cannot begin an id: use letters, digits, '_' and '-'")
+    text = io.StringIO()
+    with styled(), matplotlib.rc_context({"svg.hashsalt": name}):
+        FigureCanvasSVG(figure).print_svg(text, metadata=_NO_METADATA)
+    return _slim(text.getvalue()[text.getvalue().index("<svg") :], name)
+
+
+def png(figure: Figure, dpi: float = 150) -> bytes:
+    """Return a figure as the bytes of a PNG file, `dpi` pixels for an inch."""
+    data = io.BytesIO()
+    figure.set_dpi(dpi)
+    with styled():
+        FigureCanvasAgg(figure).print_png(data, metadata={"Software": None})
+    return data.getvalue()
+
+
+def _slim(text: str, name: str) -> str:
+    """Drop the ids that nothing refers to, put `name` before the others, and shorten the coordinates of paths."""
+    used = set(re.findall(r"(?:url\(#|href=\"#)([^\")]+)", text))
+    text = re.sub(r' id="([^"]*)"', lambda m: f' id="{name}-{m[1]}"' if m[1] in used else "", text)
+    text = re.sub(r'(url\(#|href="#)', rf"\g<1>{name}-", text)
+    text = re.sub(r' d="[^"]*"', lambda m: re.sub(r"(\.\d\d)\d+", r"\1", m[0]), text)
+    return text.strip()
+
+
+def decimate(values: ArrayLike, points: int = POINTS) -> NDArray[np.intp]:
+    """Return at most `points` + 2 rising indices of values (N,) that hold the extremes of each run and both ends."""
+    v = np.asarray(values, dtype=np.float64)
+    if len(v) <= points:
+        return np.arange(len(v))
+    edges = np.linspace(0, len(v), points // 2 + 1).astype(int)
+    extremes = [a + f(v[a:b]) for a, b in zip(edges[:-1], edges[1:], strict=True) for f in (np.argmin, np.argmax)]
+    return np.unique([0, *extremes, len(v) - 1])
+
+
+def time_plot(time: ArrayLike, panels: Sequence[Panel], window: Window | None = None) -> Figure:
+    """Draw panels (positions, currents, ...) above each other over time in s."""
+    return _stacked(time, panels, lambda axes, t, p: _signals(axes, t, p, window))
+
+
+def error_plot(time: ArrayLike, panels: Sequence[Panel]) -> Figure:
+    """Draw the magnitude of each panel's curves, which are errors, on logarithmic axes over time in s."""
+    return _stacked(time, panels, _errors)
+
+
+def response(
+    experiment: Experiment,
+    units: Mapping[str, str],
+    levels: Mapping[str, float] | None = None,
+    window: Window | None = None,
+) -> Figure:
+    """Draw what an experiment shows: on the left each signal and its set-point, on the right |error|.
+
+    `units` gives each signal's SI unit, `levels` a line across its error (an encoder's count, SI), and `window` the
+    part in s that the left side shows.
+
+    Raises SignalError when a unit is missing.
+    """
+    time, rows = experiment.trajectory.time, [n for n in experiment.shown if n in experiment.references]
+    missing = [n for n in experiment.shown if n not in units]
+    if missing:
+        raise SignalError(f"experiment '{experiment.name}' shows {', '.join(missing)} without a unit: give each an SI unit")
+    positions, errors = _panels(experiment, units, levels or {})
+    if not rows:
+        return time_plot(time, positions, window)
+    with styled():
+        figure = Figure(figsize=(9.0, 0.7 + 1.75 * len(positions)), layout="constrained")
+        grid = figure.subplots(len(positions), 2, sharex="col", squeeze=False)
+        for (left, right), position, error in zip(grid, positions, errors, strict=True):
+            _signals(left, time, position, window)
+            _errors(right, time, error)
+        for axes in grid[0]:
+            _legend(axes)
+        _label_time(figure, (*grid[-1],))
+    return figure
+
+
+def _panels(
+    experiment: Experiment, units: Mapping[str, str], levels: Mapping[str, float]
+) -> tuple[list[Panel], list[Panel]]:
+    positions, errors = [], []
+    for name in experiment.shown:
+        found, unit = np.asarray(experiment.trajectory[name], dtype=np.float64), units[name]
+        reference, symbol = experiment.references.get(name), SYMBOLS.get(name, name)
+        drawn = (Curve("true value", found),) + (() if reference is None else (Curve("set-point", reference, True),))
+        error = () if reference is None else (Curve("|true value − set-point|", found - reference),)
+        level = (("one count", levels[name]),) if name in levels else ()
+        positions.append(Panel(symbol, unit, drawn))
+        errors.append(Panel(f"|error| of {symbol}", unit, error, level))
+    return positions, errors
+
+
+def path_3d(
+    set_point: ArrayLike, path: ArrayLike, labels: tuple[str, str, str], unit: str = "m", points: int = 2 * POINTS
+) -> Figure:
+    """Draw a path (3, N) through space over the broad path (3, N) of its set-point; the third coordinate points up."""
+    shown, factor = COARSE.get(unit, (unit, 1.0))
+    styles: tuple[dict[str, Any], ...] = ({"color": "#bbbbbb", "lw": 4.5}, {"color": COLOURS[0], "lw": 0.9})
+    with styled():
+        figure = Figure(figsize=(6.0, 4.6))
+        axes = figure.add_axes((0.0, 0.03, 0.94, 0.97), projection=Axes3D.name)
+        assert isinstance(axes, Axes3D)
+        for label, xyz, style in zip(("set-point", "true path"), (set_point, path), styles, strict=True):
+            axes.plot(*(factor * _along(np.asarray(xyz, dtype=np.float64), points)), label=label, **style)
+        axes.set(**dict(zip(("xlabel", "ylabel", "zlabel"), (f"{n}, {shown}" for n in labels), strict=True)))
+        axes.legend(loc="upper left")
+    return figure
+
+
+def _along(path: Array, points: int) -> Array:
+    """Return about `points` columns of a path (3, N), evenly spread in time, and the extremes of each coordinate."""
+    even = np.linspace(0, path.shape[1] - 1, points).astype(int)
+    return path[:, np.unique([*even, *path.argmin(axis=1), *path.argmax(axis=1)])]
+
+
+def _stacked(time: ArrayLike, panels: Sequence[Panel], draw: Callable[[Axes, Array, Panel], None]) -> Figure:
+    with styled():
+        figure = Figure(figsize=(9.0, 0.7 + 1.75 * len(panels)), layout="constrained")
+        column = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+        for axes, panel in zip(column, panels, strict=True):
+            draw(axes, np.asarray(time, dtype=np.float64), panel)
+            _legend(axes)
+        _label_time(figure, column[-1:])
+    return figure
+
+
+def _signals(axes: Axes, time: Array, panel: Panel, window: Window | None) -> None:
+    unit, factor = COARSE.get(panel.unit, (panel.unit, 1.0))
+    low, high = window or (time[0], time[-1])
+    inside = (time >= low) & (time <= high)
+    for (k, curve), style in zip(enumerate(panel.curves), _styles(panel.curves), strict=True):
+        _fitting(time, panel, curve)
+        v = factor * np.asarray(curve.values, dtype=np.float64)[inside]
+        at = decimate(v)
+        axes.plot(time[inside][at], v[at], label=curve.label, zorder=3 + k, **style)
+    for label, level in panel.levels:
+        axes.axhline(factor * level, color="#666666", ls=":", lw=0.9, label=label)
+    axes.set_ylabel(f"{panel.quantity}, {unit}")
+
+
+def _errors(axes: Axes, time: Array, panel: Panel) -> None:
+    unit, factor = FINE.get(panel.unit, (panel.unit, 1.0))
+    sizes = [np.abs(_fitting(time, panel, c)) for c in panel.curves]
+    greatest = max((float(np.nanmax(v)) for v in sizes if np.isfinite(v).any()), default=0.0)
+    least = max(min((DEPTH * level for _, level in panel.levels), default=FLOOR * greatest), SMALLEST)
+    for v, curve, style in zip(sizes, panel.curves, _styles(panel.curves), strict=True):
+        at = decimate(v)
+        axes.plot(time[at], factor * np.maximum(v[at], least), label=curve.label, **(style | {"linewidth": 0.6}))
+    for label, level in panel.levels:
+        axes.axhline(factor * level, color=COLOURS[1], ls=":", lw=1.0, label=label)
+    axes.set_yscale("log")
+    axes.set_ylim(factor * least, factor * max(2 * greatest, 10 * least))
+    axes.yaxis.set_major_locator(LogLocator(10, numticks=7))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.set_ylabel(f"{panel.quantity}, {unit}")
+
+
+def _fitting(time: Array, panel: Panel, curve: Curve) -> Array:
+    v = np.asarray(curve.values, dtype=np.float64)
+    if v.shape != time.shape:
+        raise SignalError(f"'{curve.label}' of panel '{panel.quantity}' has {v.shape} values for {time.shape} times")
+    return v
+
+
+def _styles(curves: Iterable[Curve]) -> list[dict[str, Any]]:
+    colours = iter(COLOURS * 4)
+    reference = {"color": REFERENCE_COLOUR, "linestyle": "--", "linewidth": 0.9}
+    return [reference if c.reference else {"color": next(colours)} for c in curves]
+
+
+def _legend(axes: Axes) -> None:
+    """Put the legend of two curves or more above the axes, where it hides none."""
+    count = len(axes.get_legend_handles_labels()[0])
+    if count > 1:
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=count, frameon=False, borderaxespad=0.1)
+
+
+def _label_time(figure: Figure, lowest: Iterable[Axes]) -> None:
+    for axes in lowest:
+        axes.set_xlabel("time, s")
+    figure.align_ylabels()

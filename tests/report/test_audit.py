@@ -1,0 +1,104 @@
+"""The generic part of an audit: what counts as agreement, how a verdict follows, what the JSON holds."""
+
+import json
+from math import inf, nan
+
+import pytest
+
+from synth.errors import DesignError
+from synth.report import audit
+from synth.report.audit import Printed, Verdict, judge
+
+TEXT = """
+[A-1]
+paper = "A"
+where = "Fig. 1"
+text = "the pole is -2.61 1/s | damped"
+numbers = { pole = ["-2.61", "1/s"], step = ["7", "mm"] }
+"""
+
+
+@pytest.mark.parametrize(
+    ("value", "same"), [(-2.614, True), (-2.606, True), (-2.6199, True), (-2.6201, False), (2.61, False)]
+)
+def test_agreement_reaches_one_unit_of_the_last_digit(value: float, same: bool) -> None:
+    assert Printed("-2.61", "1/s").agrees(value) is same
+
+
+@pytest.mark.parametrize(("text", "digit"), [("-2.61", 0.01), ("22", 1.0), ("33.040", 1e-3), ("2.5e9", 1e8)])
+def test_the_last_digit_is_that_of_the_print(text: str, digit: float) -> None:
+    assert Printed(text, "1").last_digit == pytest.approx(digit, rel=1e-12)
+
+
+def test_nothing_agrees_that_is_no_number() -> None:
+    assert not Printed("14.3", "%").agrees(nan)
+    assert not Printed("14.3", "%").agrees(inf)
+
+
+@pytest.mark.parametrize(
+    ("as_printed", "corrected", "verdict"),
+    [(True, True, "R"), (True, False, "R"), (False, True, "RC"), (False, False, "N")],
+)
+def test_the_verdict_follows_from_two_statements(as_printed: bool, corrected: bool, verdict: str) -> None:
+    assert judge(as_printed, corrected) == verdict
+
+
+def row(value: float) -> audit.Row:
+    found = audit.published(TEXT)["A-1"]
+    return audit.row(found, [("pole", value, "1/s")], judge(found["pole"].agrees(value)), "why | so", ("m",))
+
+
+def test_the_document_has_the_declared_keys_and_unrounded_values() -> None:
+    value = -2.6144397110588162
+    (found,) = json.loads(json.dumps(audit.document([row(value)])))
+    assert list(found) == ["id", "paper", "where", "published", "recomputed", "verdict", "why"]
+    assert found["recomputed"] == [{"name": "pole", "value": value, "unit": "1/s"}]
+    assert (found["id"], found["paper"], found["verdict"]) == ("A-1", "A", "R")
+
+
+@pytest.mark.parametrize("value", [nan, inf, -inf])
+def test_a_value_that_does_not_exist_is_null(value: float) -> None:
+    text = json.dumps(audit.document([row(value)]), allow_nan=False)
+    assert json.loads(text)[0]["recomputed"][0]["value"] is None
+    assert json.loads(text)[0]["verdict"] == "N"
+
+
+def test_the_table_has_one_line_a_row_and_keeps_its_columns() -> None:
+    lines = audit.table([row(-2.6), row(-3.0)]).splitlines()
+    assert len(lines) == 4
+    assert all(line.replace("\\|", "").count("|") == 7 for line in lines)
+    assert "-2.6 1/s" in lines[2] and lines[3].count("| N |") == 1
+
+
+def test_figures_and_numbers_are_read_by_name() -> None:
+    found = row(-2.6)
+    assert found["pole"] == -2.6
+    assert found.published["step"].value == 7
+    for wrong in (lambda: found["zero"], lambda: found.published["zero"]):
+        with pytest.raises(DesignError, match=r"A-1.*'zero'.*pole"):
+            wrong()
+
+
+@pytest.mark.parametrize("figures", [[], [("a", 1.0, "m"), ("a", 2.0, "m")]])
+def test_a_row_without_figures_or_with_two_of_a_name_is_refused(figures: list[tuple[str, float, str]]) -> None:
+    with pytest.raises(DesignError, match="A-1"):
+        audit.row(audit.published(TEXT)["A-1"], figures, Verdict.REPRODUCES, "why")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "right"),
+    [
+        ('where = "Fig. 1"', ""),
+        ('["7", "mm"]', '["7", "mm", "m"]'),
+        ('["7", "mm"]', '["seven", "mm"]'),
+        ('["7", "mm"]', "7"),
+    ],
+)
+def test_a_published_row_that_lacks_something_is_refused(wrong: str, right: str) -> None:
+    with pytest.raises(DesignError, match="published row A-1"):
+        audit.published(TEXT.replace(wrong, right))
+
+
+def test_digits_must_stand_in_quotes() -> None:
+    with pytest.raises(DesignError, match="in quotes"):
+        audit.published(TEXT.replace('["7", "mm"]', '[7.50, "mm"]'))
