@@ -9,6 +9,7 @@ Each comes from one exponential of a block matrix (Van Loan 1978), computed in b
 
 from dataclasses import dataclass, replace
 
+import flint
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -27,38 +28,32 @@ class Ramp:
     H: Array
 
 
-def exponential(M: ArrayLike) -> Array:
-    """Return exp(M) (n, n), each entry rounded once."""
-    with precise.precision():
-        return readonly(precise.rounded(precise.matrix(M).exp()))
-
-
 def zero_order_hold(model: StateSpace, period_s: float) -> StateSpace:
     """Return the model sampled with its inputs held over each period.
 
-    Raises TimingError when the model is sampled already or the period is not positive.
+    Raises TimingError when the model is sampled already or the period is not positive; ModelError as
+    `precise.resolved`.
     """
     if not isinstance(model.time, Continuous):
         raise TimingError(f"a model in {model.time} was given to be sampled: give the continuous model")
     time = Discrete(period_s)
     n, m = model.B.shape
-    E = _scaled_exponential(np.block([[model.A, model.B], [np.zeros((m, n + m))]]), period_s)
+    E = _exponential(np.block([[model.A, model.B], [np.zeros((m, n + m))]]), period_s)
     return replace(model, A=E[:n, :n], B=E[:n, n:], time=time)
 
 
 def first_order_hold(A: ArrayLike, B: ArrayLike, period_s: float) -> Ramp:
-    """Return the exact response over one period to an input that is linear in between; A (n, n), B (n, m)."""
+    """Return the exact response over one period to an input that is linear in between; A (n, n), B (n, m).
+
+    Raises TimingError when the period is not positive; ModelError as `precise.resolved`.
+    """
     A, B = np.asarray(A, dtype=np.float64), np.asarray(B, dtype=np.float64)
     Discrete(period_s)
     n, m = B.shape
     M = np.zeros((n + 2 * m, n + 2 * m))
     M[:n, :n], M[:n, n : n + m], M[n : n + m, n + m :] = A, B, np.eye(m)
-    with precise.precision():
-        T = precise.flint.arb(period_s)
-        E = (precise.matrix(M) * T).exp()
-        scaled = precise.flint.arb_mat([[E[i, n + m + j] / T for j in range(m)] for i in range(n)])
-        F_G, H = precise.rounded(E), precise.rounded(scaled)
-    return Ramp(readonly(F_G[:n, :n]), readonly(F_G[:n, n : n + m]), readonly(H))
+    E = _exponential(M, period_s, columns_over_T=m)
+    return Ramp(*(readonly(E[:n, part]) for part in (slice(n), slice(n, n + m), slice(n + m, None))))
 
 
 def with_delay(model: StateSpace, samples: int = 1) -> StateSpace:
@@ -78,6 +73,15 @@ def with_delay(model: StateSpace, samples: int = 1) -> StateSpace:
     return model
 
 
-def _scaled_exponential(M: Array, period_s: float) -> Array:
-    with precise.precision():
-        return precise.rounded((precise.matrix(M) * precise.flint.arb(period_s)).exp())
+def _exponential(M: Array, period_s: float, columns_over_T: int = 0) -> Array:
+    """Return exp(M T), its last columns divided by T, each entry rounded once."""
+    divided = len(M) - columns_over_T
+
+    def compute() -> flint.arb_mat:
+        T = flint.arb(period_s)
+        scale = flint.arb_mat(np.eye(len(M)).tolist())
+        for j in range(divided, len(M)):
+            scale[j, j] = 1 / T
+        return (precise.matrix(M) * T).exp() * scale
+
+    return precise.resolved(compute, f"the exponential over {period_s:g} s")

@@ -16,7 +16,8 @@ from synth.analyse import discretise, structure
 from synth.block import Block
 from synth.errors import SignalError
 from synth.signals import names
-from synth.statespace import StateSpace
+from synth.statespace import Array, StateSpace
+from synth.timing import period
 
 
 def cut(blocks: Sequence[Block], signal: str) -> tuple[Block, ...]:
@@ -36,7 +37,8 @@ def _renamed(block: Block, old: str, new: str) -> Block:
         (replace(n, signal=replace(n.signal, name=new)) if n.signal.name == old else n, e) for n, e in block.inside
     )
     output = {new if n == old else n: e for n, e in block.output.items()}
-    return replace(block, outputs=outputs, inside=inside, output=output)
+    faults = tuple(replace(f, output=new) if f.output == old else f for f in block.faults)
+    return replace(block, outputs=outputs, inside=inside, output=output, faults=faults)
 
 
 def linearised(block: Block, state: Mapping[str, float], inputs: Mapping[str, float]) -> StateSpace:
@@ -72,25 +74,32 @@ def opened(
 
     `sensors[controller input] = plant output`, `actuators[plant input] = controller output`; other controller inputs
     stay at rest.
+
+    Raises TimingError for a sampled plant or a continuous controller; SignalError for a name that is not known, or
+    when without a delay the plant passes its inputs straight on.
     """
-    period = controller.time.period_s  # type: ignore[union-attr]
-    held = discretise.with_delay(discretise.zero_order_hold(plant, period), delay)
-    S = np.zeros((len(controller.inputs), len(plant.outputs)))
-    for into, source in sensors.items():
-        S[controller.inputs.index(into), plant.outputs.index(source)] = 1
-    U = np.zeros((len(plant.inputs), len(controller.outputs)))
-    for into, source in actuators.items():
-        U[plant.inputs.index(into), controller.outputs.index(source)] = 1
-    P, K = held, controller
+    P = discretise.with_delay(discretise.zero_order_hold(plant, period(controller.time)), delay)
+    K = controller
     if (P.D != 0).any():
         raise SignalError("the sampled plant passes inputs straight on: give the loop at least one sample of delay")
-    e = np.zeros((len(K.inputs), 1))
-    e[K.inputs.index(signal)] = 1
-    y = np.zeros((1, len(K.outputs)))
-    y[0, K.outputs.index(f"{signal}_out")] = 1
+    S = _wires(K.inputs, P.outputs, sensors)
+    U = _wires(P.inputs, K.outputs, actuators)
+    e = _wires(K.inputs, (signal,), {signal: signal})
+    y = _wires(("out",), K.outputs, {"out": f"{signal}_out"})
     A = np.block([[P.A + P.B @ U @ K.D @ S @ P.C, P.B @ U @ K.C], [K.B @ S @ P.C, K.A]])
     B = np.vstack([P.B @ U @ K.D @ e, K.B @ e])
     C = -np.hstack([y @ K.D @ S @ P.C, y @ K.C])
     D = -y @ K.D @ e
     states = tuple(f"plant_{s}" for s in P.states) + K.states
     return structure.connected(StateSpace(A, B, C, D, states, (signal,), (f"{signal}_out",), controller.time))
+
+
+def _wires(into: Sequence[str], source: Sequence[str], wires: Mapping[str, str]) -> Array:
+    """Return the matrix (into, source) of zeros with a one for each wire."""
+    W = np.zeros((len(into), len(source)))
+    for end, start in wires.items():
+        for name, known in ((end, into), (start, source)):
+            if name not in known:
+                raise SignalError(f"the wire from '{start}' to '{end}': '{name}' is not one of {', '.join(known)}")
+        W[into.index(end), source.index(start)] = 1
+    return W

@@ -1,18 +1,20 @@
 """Matrices in high precision, by ball arithmetic (Arb): computed once, rounded to double once.
 
-A result that is rounded from 200 bits is the same on every machine, whatever linear algebra library it has.
+A result that is rounded from hundreds of bits is the same on every machine, whatever linear algebra library it has.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import flint
 import numpy as np
 from numpy.typing import ArrayLike
 
+from synth.errors import ModelError
 from synth.statespace import Array
 
 BITS = 256
+ZERO = flint.arb(2) ** -200  # relative to the largest entry: what is smaller is rounding error of a zero
 
 
 @contextmanager
@@ -33,8 +35,30 @@ def matrix(values: ArrayLike) -> flint.arb_mat:
 
 
 def rounded(balls: flint.arb_mat) -> Array:
-    """Return the midpoints (n, m), each rounded to the nearest double."""
-    return np.array([[float(balls[i, j].mid()) for j in range(balls.ncols())] for i in range(balls.nrows())])
+    """Return the midpoints (n, m), each rounded to the nearest double; below ZERO of the largest entry they are 0."""
+    least = ZERO * norm(balls)
+    found = np.zeros((balls.nrows(), balls.ncols()))
+    for i, j in np.ndindex(*found.shape):
+        middle = balls[i, j].mid()
+        found[i, j] = 0.0 if abs(middle) < least else float(middle)
+    return found
+
+
+def resolved(compute: Callable[[], flint.arb_mat], what: str) -> Array:
+    """Return `compute()` (n, m), called `what`, rounded; more bits are taken until each ball is far below half an ulp.
+
+    Raises ModelError when 16 times the usual bits do not do.
+    """
+    for bits in (BITS, 4 * BITS, 16 * BITS):
+        with precision(bits):
+            balls = compute()
+            least = ZERO * norm(balls)
+            if all(v.rel_accuracy_bits() >= 64 or abs(v) < least for v in balls.entries()):
+                return rounded(balls)
+    raise ModelError(
+        f"{what} is not determined by {16 * BITS} bits: its fastest mode grows or decays too far in one period; "
+        "take a shorter period or leave that mode out of the model"
+    )
 
 
 def middle(balls: flint.arb_mat) -> flint.arb_mat:
@@ -43,8 +67,9 @@ def middle(balls: flint.arb_mat) -> flint.arb_mat:
 
 
 def norm(balls: flint.arb_mat) -> float:
-    """Return an upper bound of the largest entry's absolute value."""
-    return max(float(abs(v).upper()) for v in balls.entries())
+    """Return an upper bound of the largest entry's absolute value, to double precision; inf if one is not known."""
+    bounds = [float(abs(v).upper()) for v in balls.entries()]
+    return max((np.inf if np.isnan(b) else b for b in bounds), default=0.0)
 
 
 def identity(n: int) -> flint.arb_mat:

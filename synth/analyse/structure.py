@@ -2,19 +2,25 @@
 
 (A, B) is stabilisable when w^H B != 0 for each left eigenvector w^H A = s w^H of a mode s that does not decay;
 (A, C) is detectable when C v != 0 for each right eigenvector of such a mode.
+
+The modes with w^H B = 0 are those of A on the complement of the least subspace that contains B and that A maps into
+itself (Kalman). It is built up by orthonormal steps, so that no test hangs on an eigenvalue of A: those of a chain of
+integrators scatter by far more than the precision of A.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
 from synth.errors import ModelError
-from synth.statespace import StateSpace
+from synth.statespace import Array, StateSpace
 from synth.timing import Continuous, Time
 
-MARGIN = 1e-9  # relative: nearer to zero than this a mode counts as neither moved nor shown, or as not decaying
+COUPLING = 1e-11  # of the balanced matrices' size: what is weaker counts as rounding error and moves nothing
+DECAY = 1e-12  # of the modes' size: what decays slower counts as not decaying
 
 
 @dataclass(frozen=True)
@@ -29,17 +35,17 @@ class Mode:
 def unmoved(A: ArrayLike, B: ArrayLike, states: Sequence[str], time: Time) -> list[Mode]:
     """Return the modes that do not decay and that no input moves; A (n, n), B (n, m)."""
     A, B = np.asarray(A, dtype=float), np.asarray(B, dtype=float)
-    values = np.linalg.eigvals(A)
-    scale = max(1.0, float(np.abs(A).max()))
+    balanced, (scaling, _) = scipy.linalg.matrix_balance(A, permute=False, separate=True)
+    unreached = scipy.linalg.null_space(_reached(balanced, B / scaling[:, None]).T)
+    values, vectors = np.linalg.eig(unreached.T @ balanced.T @ unreached)
+    size = float(np.abs(values).max(initial=0.0))
     found = []
-    for s in values:
-        decays = s.real < -MARGIN * scale if isinstance(time, Continuous) else abs(s) < 1 - MARGIN
-        if decays:
-            continue
-        pencil = np.hstack([A - s * np.eye(len(A)), B])
-        U, sigma, _ = np.linalg.svd(pencil)
-        if sigma[-1] <= MARGIN * max(1.0, float(sigma[0])) * 1e-3:
-            found.append(Mode(complex(s), float(sigma[-1]), _dominant(U[:, -1], states)))
+    for s, v in zip(values, vectors.T, strict=True):
+        decays = s.real < -DECAY * size if isinstance(time, Continuous) else abs(s) < 1 - DECAY
+        if not decays:
+            w = (unreached @ v) / scaling
+            w /= np.linalg.norm(w)
+            found.append(Mode(complex(s), float(np.linalg.norm(w @ B)), _dominant(w, states)))
     return found
 
 
@@ -63,10 +69,24 @@ def require_detectable(A: ArrayLike, C: ArrayLike, states: Sequence[str], what: 
         )
 
 
+def has_transmission_zero(model: StateSpace, s: complex) -> bool:
+    """Tell whether the Rosenbrock matrix [[A - s I, B], [C, D]] loses row rank at s."""
+    rosenbrock = np.block([[model.A - s * np.eye(len(model.A)), model.B], [model.C, model.D]])
+    rows, columns = rosenbrock.shape
+    if rows > columns:
+        return True
+    # Rows and columns of like size leave the rank as it is and make the test independent of units.
+    for axis in (1, 0) * 5:
+        size = np.sqrt(np.abs(rosenbrock).max(axis=axis, keepdims=True))
+        rosenbrock = rosenbrock / np.where(size > 0, size, 1.0)
+    values = np.linalg.svd(rosenbrock, compute_uv=False)
+    return bool(values[-1] <= COUPLING * values[0])
+
+
 def connected(model: StateSpace) -> StateSpace:
     """Return the model without the states that no input reaches or that reach no output, told by zeros of A, B, C.
 
-    The response stays the same to the last bit.
+    The response is the same function.
     """
     moves = model.A != 0
     reached, seen = (model.B != 0).any(axis=1), (model.C != 0).any(axis=0)
@@ -77,9 +97,28 @@ def connected(model: StateSpace) -> StateSpace:
     return replace(model, A=model.A[np.ix_(keep, keep)], B=model.B[keep], C=model.C[:, keep], states=states)
 
 
+def _reached(A: Array, B: Array) -> Array:
+    """Return an orthonormal basis (n, k) of the least subspace that contains B and that A maps into itself."""
+    size = np.linalg.norm(B, axis=0)
+    basis = new = _range(B[:, size > 0] / size[size > 0])
+    step = A / (np.linalg.norm(A) or 1.0)
+    while new.shape[1]:
+        new = step @ new
+        for _ in range(2):  # once more for what rounding left
+            new = new - basis @ (basis.T @ new)
+        new = _range(new)
+        basis = np.hstack([basis, new])
+    return basis
+
+
+def _range(M: Array) -> Array:
+    U, sigma, _ = np.linalg.svd(M, full_matrices=False)
+    return U[:, sigma > COUPLING]
+
+
 def _dominant(vector: NDArray[np.complex128], states: Sequence[str]) -> tuple[str, ...]:
     size = np.abs(vector)
-    return tuple(states[i] for i in np.argsort(-size) if size[i] > 0.1 * size.max())
+    return tuple(states[i] for i in np.argsort(-size, kind="stable") if size[i] > 0.1 * size.max())
 
 
 def _number(value: complex) -> str:

@@ -8,6 +8,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,11 +17,14 @@ from matplotlib.ticker import FuncFormatter, MultipleLocator, NullFormatter
 
 from synth.analyse import margins
 from synth.analyse.margins import Margins
+from synth.errors import SignalError
 from synth.report.figures import COLOURS, styled
 from synth.statespace import Array, StateSpace
 from synth.timing import Discrete
 
 DECIBELS = (-60.0, 80.0)  # what is shown: the poles of an internal model are infinitely high
+WIDTHS = (3.2, 1.9, 0.8)  # curves that coincide stay visible under each other
+NYQUIST = 0.98  # of pi/T is shown: at pi/T itself L is real, and its phase jumps there
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,12 +40,12 @@ class LoopCurve:
 def curve(
     label: str, loop: StateSpace, found: Margins, low: float = 0.5, high: float = 1e4, points: int = 700
 ) -> LoopCurve:
-    """Return a scalar loop's response from `low` rad/s to `high`, a sampled one's to Nyquist at most, with its margins.
+    """Return a scalar loop's response from `low` rad/s to `high`, a sampled one's nearly to Nyquist, with its margins.
 
     Raises SignalError when the loop is not scalar.
     """
-    top = min(high, np.pi / loop.time.period_s) if isinstance(loop.time, Discrete) else high
-    crossings = [c.frequency for c in (*found.gain_crossings, *found.phase_crossings)]
+    top = min(high, NYQUIST * np.pi / loop.time.period_s) if isinstance(loop.time, Discrete) else high
+    crossings = [*(c.frequency for c in found.gain_crossings), *(c.frequency for c in found.phase_crossings)]
     w = np.unique([*np.geomspace(low, top, points), *(f for f in crossings if low < f < top)])
     return LoopCurve(label, w, margins.response(loop)(w), found)
 
@@ -58,17 +62,21 @@ def phase(curve: LoopCurve) -> Array:
 
 
 def bode_plot(curves: Sequence[LoopCurve]) -> Figure:
-    """Draw gain, phase and sensitivity over frequency in Hz, one colour a loop.
+    """Draw gain, phase and sensitivity over frequency in Hz, one colour a loop, for three loops at most.
 
     A dot marks each gain crossing, a diamond each phase crossing.
+
+    Raises SignalError when there are none or more than three.
     """
+    if not 1 <= len(curves) <= len(WIDTHS):
+        raise SignalError(f"Bode plot has {len(curves)} loops: give 1 to {len(WIDTHS)}, more could not be told apart")
     with styled():
         figure = Figure(figsize=(9.0, 6.2), layout="constrained")
         gain, angle, sensitivity = figure.subplots(3, 1, sharex=True, height_ratios=(3, 3, 2))
-        for c, colour in zip(curves, COLOURS, strict=False):
-            _draw(gain, angle, sensitivity, c, colour)
+        for c, colour, width in zip(curves, COLOURS, WIDTHS, strict=False):
+            _draw(gain, angle, sensitivity, c, {"color": colour, "linewidth": width})
         _decibels(gain, "|L|, dB", DECIBELS, 20)
-        _decibels(sensitivity, "|S|, dB", (-40.0, 15.0), 10)
+        _decibels(sensitivity, "|S|, dB", (-40.0, max(10.0, *(float(_S(c).max()) + 2 for c in curves))), 20)
         _degrees(angle, [phase(c) for c in curves])
         gain.legend(loc="upper right")
         sensitivity.set_xscale("log")
@@ -79,19 +87,26 @@ def bode_plot(curves: Sequence[LoopCurve]) -> Figure:
     return figure
 
 
-def _draw(gain: Axes, angle: Axes, sensitivity: Axes, curve: LoopCurve, colour: str) -> None:
+def _draw(gain: Axes, angle: Axes, sensitivity: Axes, curve: LoopCurve, style: dict[str, Any]) -> None:
     f, level, degrees = curve.frequency / (2 * np.pi), _db(curve.response), phase(curve)
-    gain.plot(f, level, color=colour, label=curve.label)
-    angle.plot(f, degrees, color=colour)
-    sensitivity.plot(f, -_db(1 + curve.response), color=colour)
-    for crossings, marker in ((curve.margins.gain_crossings, "o"), (curve.margins.phase_crossings, "D")):
-        at = np.array([c.frequency for c in crossings if f[0] <= c.frequency / (2 * np.pi) <= f[-1]]) / (2 * np.pi)
+    gain.plot(f, level, label=curve.label, **style)
+    angle.plot(f, degrees, **style)
+    sensitivity.plot(f, _S(curve), **style)
+    look = {"ls": "", "ms": 4.5, "mfc": "white", "mec": style["color"], "zorder": 5}
+    gains = [c.frequency for c in curve.margins.gain_crossings]
+    phases = [c.frequency for c in curve.margins.phase_crossings]
+    for found, marker in ((gains, "o"), (phases, "D")):
+        at = np.array([w for w in found if curve.frequency[0] <= w <= curve.frequency[-1]]) / (2 * np.pi)
         for axes, values in ((gain, level), (angle, degrees)):
-            axes.plot(at, np.interp(at, f, values), ls="", marker=marker, ms=4.5, mfc="white", mec=colour, zorder=5)
+            axes.plot(at, np.interp(at, f, values), marker=marker, **look)
 
 
 def _db(response: margins.Complex) -> Array:
     return np.asarray(20 * np.log10(np.maximum(np.abs(response), 1e-300)), dtype=np.float64)
+
+
+def _S(curve: LoopCurve) -> Array:
+    return -_db(1 + curve.response)
 
 
 def _decibels(axes: Axes, label: str, limits: tuple[float, float], step: float) -> None:
@@ -106,4 +121,4 @@ def _degrees(axes: Axes, phases: Sequence[Array]) -> None:
     axes.set(ylabel="arg L, °", ylim=(90 * np.floor(low / 90) - 10, 90 * np.ceil(high / 90) + 10))
     for level in (-540.0, -180.0, 180.0):
         axes.axhline(level, color="#666666", lw=0.8)
-    axes.yaxis.set_major_locator(MultipleLocator(90))
+    axes.yaxis.set_major_locator(MultipleLocator(90 if high - low < 540 else 180))

@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import matplotlib.style
@@ -21,7 +22,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import ArrayLike, NDArray
 
 from synth.errors import SignalError
@@ -123,7 +123,7 @@ def decimate(values: ArrayLike, points: int = POINTS) -> NDArray[np.intp]:
     if len(v) <= points:
         return np.arange(len(v))
     edges = np.linspace(0, len(v), points // 2 + 1).astype(int)
-    extremes = [a + f(v[a:b]) for a, b in zip(edges[:-1], edges[1:], strict=True) for f in (np.argmin, np.argmax)]
+    extremes = [a + f(v[a:b]) for a, b in pairwise(edges) for f in (np.argmin, np.argmax)]
     return np.unique([0, *extremes, len(v) - 1])
 
 
@@ -150,19 +150,19 @@ def response(
 
     Raises SignalError when a unit is missing.
     """
-    time, rows = experiment.trajectory.time, [n for n in experiment.shown if n in experiment.references]
-    missing = [n for n in experiment.shown if n not in units]
-    if missing:
-        raise SignalError(f"experiment '{experiment.name}' shows {', '.join(missing)} without a unit: give each an SI unit")
+    time, missing = experiment.trajectory.time, [n for n in experiment.shown if n not in units]
+    if missing or not experiment.shown:
+        which = f"{', '.join(missing)} without a unit: give each an SI unit" if missing else "nothing: name a signal"
+        raise SignalError(f"experiment '{experiment.name}' shows {which}")
     positions, errors = _panels(experiment, units, levels or {})
-    if not rows:
+    if not any(e.curves for e in errors):
         return time_plot(time, positions, window)
     with styled():
         figure = Figure(figsize=(9.0, 0.7 + 1.75 * len(positions)), layout="constrained")
         grid = figure.subplots(len(positions), 2, sharex="col", squeeze=False)
         for (left, right), position, error in zip(grid, positions, errors, strict=True):
             _signals(left, time, position, window)
-            _errors(right, time, error)
+            _errors(right, time, error) if error.curves else right.set_visible(False)
         for axes in grid[0]:
             _legend(axes)
         _label_time(figure, (*grid[-1],))
@@ -192,8 +192,7 @@ def path_3d(
     styles: tuple[dict[str, Any], ...] = ({"color": "#bbbbbb", "lw": 4.5}, {"color": COLOURS[0], "lw": 0.9})
     with styled():
         figure = Figure(figsize=(6.0, 4.6))
-        axes = figure.add_axes((0.0, 0.03, 0.94, 0.97), projection=Axes3D.name)
-        assert isinstance(axes, Axes3D)
+        axes: Any = figure.add_axes((0.0, 0.03, 0.94, 0.97), projection="3d")
         for label, xyz, style in zip(("set-point", "true path"), (set_point, path), styles, strict=True):
             axes.plot(*(factor * _along(np.asarray(xyz, dtype=np.float64), points)), label=label, **style)
         axes.set(**dict(zip(("xlabel", "ylabel", "zlabel"), (f"{n}, {shown}" for n in labels), strict=True)))

@@ -13,9 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from synth.analyse import discretise
+from synth.analyse import discretise, structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, readonly
+from synth.timing import Continuous, Discrete, common
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,10 +56,11 @@ def exosystem(frequencies: Sequence[float]) -> InternalModel:
 def discrete(frequencies: Sequence[float], period_s: float, E: ArrayLike | None = None) -> DiscreteInternalModel:
     """Return the internal model over one period, with e and the anti-windup input E (n,) constant in between.
 
-    Raises SignalError as `exosystem`, for a frequency at or above Nyquist's, and for an E of another size.
+    Raises SignalError as `exosystem`, for a frequency at or above Nyquist's, and for an E of another size; TimingError
+    when the period is not positive.
     """
     model = exosystem(frequencies)
-    n, nyquist = len(model.Phi), np.pi / period_s
+    n, nyquist = len(model.Phi), np.pi / Discrete(period_s).period_s
     if max(frequencies) >= nyquist:
         raise SignalError(f"exosystem frequency {max(frequencies)} rad/s: it must lie below {nyquist:.6g} rad/s")
     column = np.zeros((n, 1)) if E is None else np.asarray(E, dtype=np.float64).reshape(-1, 1)
@@ -73,29 +75,22 @@ def augmented(plant: StateSpace, frequencies: Sequence[float]) -> StateSpace:
 
     All states are outputs.
 
-    Raises SignalError when the plant has another count of outputs than one, ModelError when a transmission zero of the
-    plant at an exosystem mode makes the regulator problem unsolvable.
+    Raises TimingError for a sampled plant; SignalError as `exosystem`, or when the plant has another count of outputs
+    than one; ModelError when a transmission zero of the plant at an exosystem mode makes the problem unsolvable.
     """
+    common(Continuous(), plant.time)
     if len(plant.outputs) != 1:
         raise SignalError(f"the plant has outputs {', '.join(plant.outputs)}: give the one whose error is regulated")
     model = exosystem(frequencies)
     for w in frequencies:
-        _require_no_zero(plant, float(w))
+        if structure.has_transmission_zero(plant, 1j * w):
+            raise ModelError(
+                f"the plant from {', '.join(plant.inputs)} to {plant.outputs[0]} has a transmission zero at {w:g} rad/s, "
+                "a frequency of the exosystem: it cannot be regulated there; drop it or change the actuators"
+            )
     n, k = len(plant.A), len(model.Phi)
     A = np.block([[plant.A, np.zeros((n, k))], [model.N @ plant.C, model.Phi]])
     B = np.vstack([plant.B, model.N @ plant.D])
     states = plant.states + tuple(f"xi{i + 1}" for i in range(k))
     D = np.zeros((n + k, plant.B.shape[1]))
     return StateSpace(A, B, np.eye(n + k), D, states, plant.inputs, states, plant.time)
-
-
-def _require_no_zero(plant: StateSpace, w: float) -> None:
-    """Refuse a plant whose Rosenbrock matrix loses row rank at s = i w."""
-    n, p = len(plant.A), len(plant.outputs)
-    rosenbrock = np.block([[plant.A - 1j * w * np.eye(n), plant.B], [plant.C, plant.D]])
-    values = np.linalg.svd(rosenbrock, compute_uv=False)
-    if values.size < n + p or values[n + p - 1] <= 1e-12 * values[0]:
-        raise ModelError(
-            f"the plant from {', '.join(plant.inputs)} to {', '.join(plant.outputs)} has a transmission zero at "
-            f"{w:g} rad/s, a frequency of the exosystem: it cannot be regulated there; drop it or change the actuators"
-        )

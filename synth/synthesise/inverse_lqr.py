@@ -7,6 +7,8 @@ For one input, u = K x optimal for x'Qx + R u^2, open-loop polynomial d(s) and c
 (the symmetric root locus). Both sides are even; comparing powers of s^2 gives n linear equations in the n weights. They
 are unique when the even polynomials n_i(s) n_i(-s) are linearly independent. Published poles are rounded, so the
 weights come out near, not on, the numbers that were used: `reproduces` tells whether given weights round to the print.
+LQR never gives poles on the right, and p(s) p(-s) cannot tell s from -s: such poles are refused, and so are weights
+below zero.
 """
 
 from collections.abc import Sequence

@@ -8,17 +8,17 @@ lqrd   the same integral for a continuous model whose input is held over each pe
        with M(t) = exp([[A, B], [0, 0]] t), which has a cross term even where Q and R have none; W by Van Loan (1978).
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
+import flint
 import numpy as np
 import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
 from synth.analyse import discretise, precise
-from synth.errors import TimingError
 from synth.statespace import Array, StateSpace, readonly
 from synth.synthesise import riccati
-from synth.timing import Continuous, Time
+from synth.timing import Time
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,10 +38,6 @@ class Gain:
     def poles(self) -> NDArray[np.complex128]:
         """Eigenvalues of A + B K, in 1/s or in z."""
         return self.certificate.poles
-
-    def rounded(self, scalar: type[np.floating]) -> "Gain":
-        """Return the gain as it ships in a scalar type."""
-        return replace(self, K=readonly(self.K.astype(scalar)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,20 +71,25 @@ def lqrd(model: StateSpace, Q: ArrayLike, R: ArrayLike, period_s: float) -> Gain
 
 
 def sampled_cost(model: StateSpace, Q: ArrayLike, R: ArrayLike, period_s: float) -> SampledCost:
-    """Return the held model and its exact weights over one period."""
-    if not isinstance(model.time, Continuous):
-        raise TimingError(f"a model in {model.time} was given to sample: give the continuous model")
+    """Return the held model and its exact weights over one period.
+
+    Raises TimingError for a sampled model; SignalError for weights as `riccati.solve`; ModelError as
+    `precise.resolved`.
+    """
+    Q, R, _ = riccati.checked_weights(model, Q, R, None)
     held = discretise.zero_order_hold(model, period_s)
     n, m = model.B.shape
     F = np.block([[model.A, model.B], [np.zeros((m, n + m))]])
-    weight = np.block([[np.asarray(Q, float), np.zeros((n, m))], [np.zeros((m, n)), np.asarray(R, float)]])
-    k = n + m
-    H = np.block([[-F.T, weight], [np.zeros((k, k)), F]])
-    with precise.precision():
-        E = (precise.matrix(H) * precise.flint.arb(period_s)).exp()
-        M = precise.flint.arb_mat([[E[k + i, k + j] for j in range(k)] for i in range(k)])
-        G = precise.flint.arb_mat([[E[i, k + j] for j in range(k)] for i in range(k)])
-        W = precise.rounded(M.transpose() * G)
+    H = np.block([[-F.T, scipy.linalg.block_diag(Q, R)], [np.zeros((n + m, n + m)), F]])
+
+    def compute() -> flint.arb_mat:
+        E = (precise.matrix(H) * flint.arb(period_s)).exp()
+        k = range(n + m)
+        M = flint.arb_mat([[E[n + m + i, n + m + j] for j in k] for i in k])
+        G = flint.arb_mat([[E[i, n + m + j] for j in k] for i in k])
+        return M.transpose() * G
+
+    W = precise.resolved(compute, f"the cost over {period_s:g} s")
     W = (W + W.T) / 2
     return SampledCost(held, readonly(W[:n, :n]), readonly(W[n:, n:]), readonly(W[:n, n:]))
 
@@ -96,7 +97,10 @@ def sampled_cost(model: StateSpace, Q: ArrayLike, R: ArrayLike, period_s: float)
 def cost_ratio(model: StateSpace, gain: Gain, Q: ArrayLike, R: ArrayLike, period_s: float) -> float:
     """Return the cost of using `gain` at a sample period over that of `lqrd`, for the worst initial state.
 
-    Infinite when the sampled loop with `gain` is unstable. The model is continuous, the gain of any origin.
+    Infinite when the sampled loop with `gain` is unstable. The model is continuous, the gain of any origin. A state of
+    which the optimal cost is zero is left aside.
+
+    Raises as `lqrd`.
     """
     cost = sampled_cost(model, Q, R, period_s)
     best = lqr(cost.model, cost.Q, cost.R, cost.N)

@@ -1,0 +1,86 @@
+"""Every experiment keeps its limits, and a wrong sign anywhere makes one fail."""
+
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+import pytest
+
+from designs.maglev_5dof import control, experiments
+from designs.maglev_5dof.loop import Loop, compiled
+from synth.block import Block, Constant
+from synth.check import Check
+from synth.emit import write
+from synth.execute import host
+from synth.plant import Plant
+from synth.simulate.experiment import Experiment
+
+
+@pytest.fixture(scope="module")
+def found(shipped: Loop, stage: Plant) -> dict[str, Experiment]:
+    unwound = Loop(stage, compiled(stage, np.float32, wound=False))
+    return {e.name: e for e in experiments.run(shipped, unwound, lambda _: None)}
+
+
+def test_every_check_passes(found: dict[str, Experiment]) -> None:
+    failed = [
+        f"{e.name}: {c.name} {c.found:.4g} > {c.limit:.4g} {c.unit}"
+        for e in found.values()
+        for c in e.checks
+        if not c.passed
+    ]
+    assert not failed
+    assert sum(len(e.checks) for e in found.values()) >= 80
+
+
+def test_names_are_unique_and_no_run_without_a_planted_fault_reports_one(found: dict[str, Experiment]) -> None:
+    for name, e in found.items():
+        expected = name.startswith("set_down")
+        assert bool((e.trajectory.faults != 0).any()) == expected, name
+
+
+def test_both_ellipses_stay_in_range(found: dict[str, Experiment]) -> None:
+    for name in ("ellipse", "tracking"):
+        y = found[name].trajectory["y"]
+        assert 0.018 < y.min() < y.max() < 0.031
+
+
+def test_zero_current_slams_up_and_the_safe_output_does_not(found: dict[str, Experiment]) -> None:
+    assert found["zero_current"].figures["speed there, m/s"] > 0.4
+    assert found["zero_current"].figures["time to the upper stop, s"] < 0.05
+    for name in ("set_down_18.1", "set_down_20", "set_down_25", "set_down_30"):
+        e = found[name]
+        assert e.trajectory["y"][-1] == pytest.approx(0.031, abs=1e-6)
+        assert e.trajectory["y"].min() > 0.018
+
+
+def test_limits_have_two_sides() -> None:
+    assert Check("a", 1.0, 1.0, "m").passed and not Check("a", 1.1, 1.0, "m").passed
+    assert not Check("a", np.nan, 1.0, "m").passed and not Check("a", np.inf, 1.0, "m").passed
+
+
+def _with_gain(block: Block, name: str) -> Block:
+    def turned(c: Constant) -> Constant:
+        return replace(c, value=-c.value) if c.name == name else c
+
+    return replace(block, constants=tuple(turned(c) for c in block.constants))
+
+
+def test_a_wrong_sign_in_a_gain_is_caught(stage: Plant) -> None:
+    block = _with_gain(control.controller(stage), "regulator_y_k_de")
+    emitted = write.emit(block, np.float32, control.SAFETY)
+    run = experiments.step(Loop(stage, host.load(emitted.files, emitted.manifest)), "y", 0.022, 0.029, gap=0.022)
+    assert run.response.t_s > experiments.Y_LIMITS[1]
+
+
+@pytest.mark.parametrize("parameter", ["k_s_theta", "G"])
+def test_a_wrong_sign_in_the_physics_is_caught(stage: Plant, single: host.Controller, parameter: str) -> None:
+    value = stage.parameter(parameter).value
+    wrong = Loop(stage.with_parameters(**MappingProxyType({parameter: -value})), single)
+    axis, start, target = ("theta", 0.0, 0.01) if parameter == "k_s_theta" else ("y", 0.022, 0.029)
+    run = experiments.step(wrong, axis, start, target)
+    assert run.response.t_s > experiments.THETA_LIMITS[1]
+
+
+def test_anti_windup_is_what_differs(found: dict[str, Experiment]) -> None:
+    assert found["windup_with"].figures["overshoot"] < 0.9 * found["windup_without"].figures["overshoot"]

@@ -1,0 +1,108 @@
+"""Any bit pattern on the inputs: outputs finite and within limits, the right fault bits, recovery or the latch."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from designs.maglev_5dof import control, experiments
+from designs.maglev_5dof.loop import Loop
+from synth.emit import write
+from synth.execute import host
+from synth.plant import Plant
+from synth.simulate.scenario import sample_times
+from synth.simulate.sensors import Override
+
+NAMES = [g.signal.name for g in control.INPUTS]
+MEASURED = [g.signal.name for g in control.INPUTS if g.measurement]
+LATCHED = 1 << 31
+BAD = (np.nan, np.inf, -np.inf, 1e30, -1e30, 5e-324, -1.0)
+LIMIT = 4.950
+
+
+def bits(values: list[int]) -> np.ndarray:
+    return np.array(values, dtype=np.uint32).view(np.float32)
+
+
+def require_sound(replay: host.Replay, state_manifest: list[dict]) -> None:
+    outputs = {n: v.astype(float) for n, v in replay.outputs.items()}
+    for j in range(1, 5):
+        current = np.hypot(outputs[f"i_d{j}"], outputs[f"i_q{j}"])
+        assert np.isfinite(current).all() and current.max() <= LIMIT
+    for member in state_manifest:
+        value = float(replay.state[member["name"]])
+        assert member["low"] <= value <= member["high"], member["name"]
+
+
+@settings(max_examples=150, deadline=None, derandomize=True)
+@given(st.data())
+def test_any_bits_for_ever(single: host.Controller, data: st.DataObject) -> None:
+    """Random words on every input, any sequence: nothing escapes, every state stays in its bounds."""
+    n = 40
+    seed = data.draw(st.integers(0, 2**32 - 1))
+    rng = np.random.default_rng(seed)
+    words = {name: bits(rng.integers(0, 2**32, n, dtype=np.uint64).tolist()) for name in NAMES}
+    for name in data.draw(st.sets(st.sampled_from(NAMES))):
+        signal = next(g.signal for g in control.INPUTS if g.signal.name == name)
+        words[name] = rng.uniform(signal.low, signal.high, n).astype(np.float32)
+    replay = single.replay(words)
+    require_sound(replay, single.manifest["structs"]["state"]["fields"])
+    for i, g in enumerate(control.INPUTS):
+        low, high = np.float32(g.signal.low), np.float32(g.signal.high)
+        with np.errstate(invalid="ignore"):
+            good = (words[g.signal.name] >= low) & (words[g.signal.name] <= high)
+        np.testing.assert_array_equal((replay.faults >> i) & 1, ~good)
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("bad", BAD)
+def test_one_bad_sample_is_held_and_flagged_and_the_loop_recovers(shipped: Loop, name: str, bad: float) -> None:
+    time = sample_times(1.5, control.TIME.period_s)
+    mask = (time >= 0.5) & (time < 0.5015)
+    signal = next(g.signal for g in control.INPUTS if g.signal.name == name)
+    in_range = signal.low <= bad <= signal.high
+    trajectory = shipped.run(1.5, {"y": 0.025}, {}, overrides={name: Override(mask, np.full(len(time), bad))})
+    expected = np.where(mask & (not in_range), 1 << NAMES.index(name), 0)
+    np.testing.assert_array_equal(trajectory.faults, expected)
+    assert np.max(np.abs(trajectory["y"][-100:] - 0.025)) < 2e-5
+    assert experiments.motor_currents(trajectory).max() <= LIMIT
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_bad_for_ever_latches_a_measurement_and_never_a_set_point(shipped: Loop, name: str) -> None:
+    time = sample_times(3.0, control.TIME.period_s)
+    lost = Override(time >= 0.5, np.full(len(time), np.nan))
+    trajectory = shipped.run(3.0, {"y": 0.025}, {}, overrides={name: lost})
+    latched = trajectory.faults & LATCHED != 0
+    if name in MEASURED:
+        assert np.argmax(latched) == np.argmax(time >= 0.5) + control.BAD_SAMPLES - 1 and latched[-1]
+        final = {n: float(v[-1]) for n, v in trajectory.commands.items()}
+        assert final == {n: pytest.approx(v) for n, v in control.SAFETY.safe_output.items()}
+        steps = [np.abs(np.diff(v.astype(float)[latched])).max() for v in trajectory.commands.values()]
+        assert max(steps) <= control.SLEW * control.TIME.period_s * (1 + 1e-5)
+    else:
+        assert not latched.any()
+        assert np.max(np.abs(trajectory["y"][-100:] - 0.025)) < 2e-5
+
+
+def test_a_latch_stays_until_init(single: host.Controller) -> None:
+    good = {g.signal.name: np.full(50, g.initial) for g in control.INPUTS}
+    lost = dict(good) | {"z": np.where(np.arange(50) < 5, np.nan, 0.0)}
+    latched = single.replay(lost)
+    after = single.replay(good, latched.state)
+    assert (after.faults == LATCHED).all()
+    assert single.replay(good).faults.max() == 0
+
+
+@pytest.mark.parametrize(("old", "new"), [("4.9497476f", "7.5f"), (", 0.002f), -0.002f)", ", 1.0f), -1.0f)")])
+def test_a_lost_limit_is_caught(stage: Plant, old: str, new: str) -> None:
+    """The planted defect: C whose limit is wider, or whose state has a wider one, fails this check."""
+    emitted = write.emit(control.controller(stage), np.float32, control.SAFETY)
+    text = emitted.files["maglev_5dof.c"]
+    assert old in text
+    wrong = host.load({**emitted.files, "maglev_5dof.c": text.replace(old, new)}, emitted.manifest)
+    rng = np.random.default_rng(3)
+    ranges = {g.signal.name: (g.signal.low, g.signal.high) for g in control.INPUTS}
+    replay = wrong.replay({n: rng.uniform(*r, 200).astype(np.float32) for n, r in ranges.items()})
+    with pytest.raises(AssertionError):
+        require_sound(replay, wrong.manifest["structs"]["state"]["fields"])

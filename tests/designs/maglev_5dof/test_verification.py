@@ -1,0 +1,91 @@
+"""The witnesses agree to the stated limits, and a planted defect in the C, a gain or the physics parts them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from designs.maglev_5dof import control, reference, verification
+from designs.maglev_5dof.loop import compiled
+from models import maglev_stage
+from synth.emit import write
+from synth.execute import host
+from synth.plant import Plant
+from synth.verify import agree
+from synth.verify.evidence import Evidence
+
+
+def test_every_check_passes(evidence: Evidence) -> None:
+    assert [c for c in evidence.checks if not c.passed] == []
+    by = {(a.what, a.first): a for a in evidence.agreements}
+    assert by["random steps", "reference"].samples == 100_000
+    assert by["replay of 60 s", "reference"].samples == 60_000
+    assert {first for _, first in by} == {"reference", "casadi", "casadi_c", "c64"}
+    assert evidence.document()["passed"] is True
+
+
+@pytest.fixture(scope="module")
+def drawn(stage: Plant) -> tuple[verification.Columns, verification.Columns]:
+    return verification.random_steps(control.controller(stage), 2000)
+
+
+def _worst(controller: host.Controller, drawn: tuple[verification.Columns, verification.Columns]) -> agree.Agreement:
+    expected = agree.reference(reference.step)(*drawn)
+    return agree.compare("planted", ("reference", expected), ("c64", agree.emitted(controller)(*drawn)), 1.0)
+
+
+def _emitted(stage: Plant) -> write.Emitted:
+    return write.emit(control.controller(stage), np.float64, control.SAFETY)
+
+
+def test_the_sound_c_agrees(double: host.Controller, drawn: tuple[verification.Columns, verification.Columns]) -> None:
+    found = _worst(double, drawn)
+    assert found.worst <= verification.EXACT and found.faults_differ == 0
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("y3_held - y1_held", "y1_held - y3_held"),
+        ("y1 <= 0.0322", "y1 < 0.03"),
+        ("-15000.0", "15000.0"),
+    ],
+)
+def test_a_planted_change_in_the_c_is_caught(
+    stage: Plant, drawn: tuple[verification.Columns, verification.Columns], old: str, new: str
+) -> None:
+    emitted = _emitted(stage)
+    text = emitted.files["maglev_5dof.c"]
+    assert old in text
+    files = {**emitted.files, "maglev_5dof.c": text.replace(old, new, 1)}
+    found = _worst(host.load(files, emitted.manifest), drawn)
+    assert found.worst > 1e3 * verification.EXACT or found.faults_differ > 0
+
+
+def test_a_planted_sign_in_a_gain_is_caught(
+    stage: Plant, drawn: tuple[verification.Columns, verification.Columns]
+) -> None:
+    block = control.controller(stage)
+    constants = tuple(replace(c, value=-c.value) if c.name == "regulator_x_k_xi2" else c for c in block.constants)
+    emitted = write.emit(replace(block, constants=constants), np.float64, control.SAFETY)
+    assert _worst(host.load(emitted.files, emitted.manifest), drawn).worst > 1e3 * verification.EXACT
+
+
+def test_a_planted_sign_in_the_physics_is_caught(
+    stage: Plant, drawn: tuple[verification.Columns, verification.Columns]
+) -> None:
+    wrong = stage.with_parameters(k_s_theta=-stage.parameter("k_s_theta").value)
+    assert _worst(compiled(wrong, np.float64), drawn).worst > 1e3 * verification.EXACT
+
+
+def test_the_plant_agrees_with_the_reference_plant() -> None:
+    """F(5)-(7) in CasADi against the same in NumPy, over the box of states and currents."""
+    plant, rng = maglev_stage.plant(), np.random.default_rng(1)
+    x = np.array([rng.uniform(s.low, s.high, 500) for s in plant.states])
+    u = np.array([rng.uniform(s.low, s.high, 500) for s in plant.inputs])
+    found = np.asarray(plant.f(x, u, np.tile(plant.values[:, None], 500)))
+    currents = np.array([*u[:4], u[5], u[4], u[5], u[4]])
+    expected = reference.plant(x, currents, reference.Parameters())
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9)
+    turned = reference.plant(x, -currents, reference.Parameters())
+    assert np.abs(found - turned).max() > 1.0
