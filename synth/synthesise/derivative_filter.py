@@ -3,23 +3,25 @@
 With p the filtered signal and v its rate, dp/dt = v, dv/dt = w^2 (q - p) - 2 w v. Between samples q is taken to be
 linear (first-order hold), so that with d = q_k - q_{k-1} and x = (p, v)
 
-    x_k = F x_{k-1} + Gamma_1 q_{k-1} + Gamma_2 d / T,   F = exp(A T).
+    x_k = F x_{k-1} + Gamma q_{k-1} + H d,   F = exp(A T), Gamma = (1 - F_11, -F_21)^T.
 
 The state that is kept is the lag l = q - p and v. They obey
 
-    l_k = F_11 l - F_12 v + (1 - G_1) d,    v_k = -F_21 l + F_22 v + G_2 d,    G = Gamma_2 / T,
+    l_k = F_11 l - F_12 v + (1 - H_1) d,    v_k = -F_21 l + F_22 v + H_2 d,
 
 in which q enters only by its differences: single precision loses nothing.
 """
 
 from dataclasses import replace
 
+from math import pi
+
 import casadi as ca
 
 from synth.analyse import discretise
 from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.errors import SignalError
-from synth.signals import Signal
+from synth.signals import Signal, dimension
 from synth.timing import Discrete
 
 
@@ -29,13 +31,16 @@ def block(name: str, time: Discrete, signal: Signal, rate: Signal, bandwidth: fl
     It starts without a jump: while the input ``ready`` is 0 the lag and the rate stay 0. The signals' ranges bound the
     kept states; a lag is bounded by the width of the signal's range.
 
-    Raises SignalError when the bandwidth is not positive or lies above the Nyquist frequency.
+    Raises SignalError when the bandwidth is not positive or not below the Nyquist frequency, or when the unit of the
+    rate is not the signal's per second.
     """
-    nyquist = ca.pi / time.period_s
+    if dimension(rate.unit) != dimension(f"{signal.unit}/s"):
+        raise SignalError(f"the rate '{rate.name}' of '{signal.name}' is in {rate.unit}: it must be in {signal.unit}/s")
+    nyquist = pi / time.period_s
     if not 0 < bandwidth < nyquist:
         raise SignalError(f"the filter's bandwidth is {bandwidth} rad/s: it must lie between 0 and {nyquist:.6g} rad/s")
     w = bandwidth
-    hold = discretise.first_order_hold([[0, 1], [-w * w, -2 * w]], [[0], [w * w]], time.period_s)
+    hold = discretise.first_order_hold([[0.0, 1.0], [-w * w, -2 * w]], [[0.0], [w * w]], time.period_s)
     source = f"D(s) = s w^2/(s+w)^2, w = {w:g} rad/s, first-order hold"
     F, H = hold.F, hold.H
     values = {"f11": F[0, 0], "f12": F[0, 1], "f21": F[1, 0], "f22": F[1, 1], "g1": 1 - H[0, 0], "g2": H[1, 0]}

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.optimize import nnls
 
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, readonly
@@ -37,16 +38,17 @@ class DiagonalWeights:
 def diagonal_weights(model: StateSpace, poles: Sequence[complex], R: float = 1.0) -> DiagonalWeights:
     """Return the diagonal weights whose optimal loop has `poles` (n,) in rad/s, for a continuous model of one input.
 
-    Raises SignalError for a sampled model, several inputs or a wrong count of poles; ModelError when no diagonal
-    weights give the poles.
+    Raises SignalError for a sampled model, several inputs, a wrong count of poles, poles that are not in conjugate
+    pairs or an R <= 0; ModelError when no diagonal weights >= 0 give the poles.
     """
     n, m = model.B.shape
     if not isinstance(model.time, Continuous) or m != 1 or len(poles) != n:
         raise SignalError(f"need a continuous model of 1 input and {n} poles: found {model.time}, {m} and {len(poles)}")
-    d = np.poly(model.A)
-    rows = _numerators(model)
-    columns = np.array([_even(row) for row in rows]).T
-    wanted = R * (_even(np.real(np.poly(poles))) - _even(d))[1:]
+    p = _characteristic(poles)
+    if R <= 0:
+        raise SignalError(f"the weight R is {R}: it must be positive")
+    columns = np.array([_even(row) for row in _numerators(model)]).T
+    wanted = R * (_even(p) - _even(np.asarray(np.poly(model.A), dtype=np.float64)))[1:]
     scale = np.maximum(np.abs(columns).max(axis=1), np.abs(wanted))
     scale[scale == 0] = 1.0
     U, sigma, Vt = np.linalg.svd(columns / scale[:, None])
@@ -55,8 +57,18 @@ def diagonal_weights(model: StateSpace, poles: Sequence[complex], R: float = 1.0
     residual = float(np.linalg.norm((columns @ q - wanted) / scale) / np.linalg.norm(wanted / scale))
     if residual > 1e-8:
         raise ModelError(
-            f"no diagonal weights give the poles {list(poles)}: the symmetric root locus is missed by {residual:.2g} of "
-            "its size; weight products of states too, or check the poles"
+            f"no diagonal weights give the poles {list(poles)}: the symmetric root locus is missed by {residual:.2g} "
+            "of its size; weight products of states too, or check the poles"
+        )
+    effect = q * np.abs(columns / scale[:, None]).max(axis=0)
+    if effect.min() < -1e-9 and rank < n:
+        q, missed = nnls(columns / scale[:, None], wanted / scale)
+        effect = np.where(missed <= 1e-8 * np.linalg.norm(wanted / scale), 0.0, effect)
+    if effect.min() < -1e-9:
+        i = int(np.argmin(effect))
+        raise ModelError(
+            f"the poles {list(poles)} need the weight {q[i]:.4g} on {model.states[i]}, but LQR takes none below 0: "
+            "check the poles, or give them with more digits where that weight should be 0"
         )
     return DiagonalWeights(readonly(q), R, rank == n, readonly(Vt[rank:].T), residual)
 
@@ -64,7 +76,7 @@ def diagonal_weights(model: StateSpace, poles: Sequence[complex], R: float = 1.0
 def reproduces(
     model: StateSpace, q: ArrayLike, poles: Sequence[complex], digits: Sequence[int], R: float = 1.0
 ) -> bool:
-    """Tell whether the weights give each of `poles` when real and imaginary part are rounded to its decimal `digits`."""
+    """Tell whether the weights give each of `poles` once its parts are rounded to its count of decimals in `digits`."""
     found = list(lqr.lqr(model, np.diag(np.asarray(q, dtype=float)), R * np.eye(1)).poles)
     for pole, places in zip(poles, digits, strict=True):
         nearest = min(found, key=lambda s, at=pole: abs(s - at))  # type: ignore[misc]
@@ -73,6 +85,18 @@ def reproduces(
         if abs(nearest.real - complex(pole).real) > half or abs(nearest.imag - complex(pole).imag) > half:
             return False
     return True
+
+
+def _characteristic(poles: Sequence[complex]) -> Array:
+    """Return prod (s - pole), highest power first."""
+    given = np.asarray(poles, dtype=np.complex128)
+    if (given.real >= 0).any():
+        raise ModelError(
+            f"no weights give the pole {given[given.real >= 0][0]:.4g}: an optimal loop has none with Re >= 0"
+        )
+    if not np.array_equal(np.sort_complex(given), np.sort_complex(given.conj())):
+        raise SignalError(f"the poles {list(poles)} are not in conjugate pairs: give both of each pair")
+    return np.real(np.poly(given))
 
 
 def _numerators(model: StateSpace) -> list[Array]:

@@ -109,6 +109,10 @@ def cost_ratio(model: StateSpace, gain: Gain, Q: ArrayLike, R: ArrayLike, period
         return np.inf
     K, N = gain.K, cost.N
     step = cost.Q + K.T @ cost.R @ K + N @ K + (N @ K).T
-    n = len(closed)
-    X = np.linalg.solve(np.eye(n * n) - np.kron(closed.T, closed.T), step.reshape(-1)).reshape(n, n)
-    return float(scipy.linalg.eigh((X + X.T) / 2, best.certificate.X, eigvals_only=True)[-1])
+    X, least = scipy.linalg.solve_discrete_lyapunov(closed.T, step), best.certificate.X
+    size = np.sqrt(np.diag(least))
+    d = 1 / np.where(size > 0, size, 1.0)
+    values, V = np.linalg.eigh(d[:, None] * least * d)
+    costly = values > 1e-13 * values[-1]
+    W = d[:, None] * V[:, costly] / np.sqrt(values[costly])
+    return float(np.linalg.eigvalsh(W.T @ (X + X.T) @ W / 2)[-1])

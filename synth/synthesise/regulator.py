@@ -7,12 +7,13 @@ The last term is the anti-windup; an axis without it leaves it out.
 
 from collections.abc import Sequence
 
+import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
 from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.errors import SignalError
-from synth.signals import Signal
+from synth.signals import Signal, dimension
 from synth.synthesise import internal_model
 from synth.synthesise.lqr import Gain
 from synth.timing import Discrete
@@ -36,8 +37,10 @@ def block(
     `gain` is (1, 2 + n) on (e, de, xi) for the exosystem of `frequencies` in rad/s, of order n; `bounds` (n,) limits
     |xi|. `anti_windup` is the signal u_limited - u_demanded and E (n,).
 
-    Raises SignalError when the gain's or the bounds' size does not fit the exosystem.
+    Raises SignalError when the gain's or the bounds' size does not fit the exosystem, or the units of rate and demand
+    not the error's.
     """
+    _require_units(error, rate, demand)
     excess, E = anti_windup or (None, None)
     model = internal_model.discrete(frequencies, time.period_s, E=E)
     n = len(model.Phi)
@@ -52,15 +55,16 @@ def block(
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         signal = {"e": u[error.name], "de": u[rate.name]} | {s: x[s] for s in xi}
         signal |= {"excess": u[excess.name]} if excess else {}
-        w = sum(k[f"k_{s}"] * signal[s] for s in ("e", "de", *xi))
-        next = {s: sum((k[c] if c else 1) * signal[t] for t, c, _ in terms[s]) for s in xi}
+        w = sum((k[f"k_{s}"] * signal[s] for s in ("e", "de", *xi)), start=ca.SX(0))
+        next = {s: sum(((k[c] if c else 1) * signal[t] for t, c, _ in terms[s]), start=ca.SX(0)) for s in xi}
         return Step({demand.name: w}, next)
 
     units = [f"{error.unit} s^{n - i}" for i in range(n)]
+    power = {"e": 0} | {s: n - i for i, s in enumerate(xi)}
     gains = zip(("e", "de", *xi), gain.K[0], ("1/s^2", "1/s", *(f"1/s^{n + 2 - i}" for i in range(n))), strict=True)
     constants = [Constant(f"k_{s}", float(v), unit, f"{tag}: gain on {s}") for s, v, unit in gains]
     constants += [
-        Constant(c, value, "1", f"{tag}: {s} from {t}, exact over one period")
+        Constant(c, value, _term_unit(error, excess, power[s], power.get(t)), f"{tag}: {s} from {t}, exact over T")
         for s in xi
         for t, c, value in terms[s]
         if c
@@ -89,3 +93,20 @@ def _terms(
         s: [(t, "" if v == 1 else f"{s}_{t}", float(v)) for t, v in zip(sources, row, strict=True) if v != 0]
         for s, row in zip(xi, matrix, strict=True)
     }
+
+
+def _require_units(error: Signal, rate: Signal, demand: Signal) -> None:
+    """Refuse a rate that is not in the error's unit per s, or a demand that is not in that per s^2."""
+    for signal, per in ((rate, "/s"), (demand, "/s^2")):
+        if dimension(signal.unit) != dimension(error.unit + per):
+            raise SignalError(
+                f"'{signal.name}' is in {signal.unit}, but the error '{error.name}' asks for {error.unit}{per}"
+            )
+
+
+def _term_unit(error: Signal, excess: Signal | None, to: int, source: int | None) -> str:
+    """Return the unit of the term into an xi in error s^to from one in error s^source, or from the excess (None)."""
+    if source is not None:
+        return {0: "1", 1: "s"}.get(to - source) or (f"s^{to - source}" if to > source else f"1/s^{source - to}")
+    assert excess is not None
+    return f"{error.unit} s^{to}/" + excess.unit.translate({ord(" "): "/", ord("/"): " "})
