@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
 from designs.maglev_5dof import audit_loops, audit_model, audit_motor
-from designs.maglev_5dof.audit_loops import Bench
+from designs.maglev_5dof.audit_bench import Bench
 from models import maglev_stage
 from synth.plant import Plant
 from synth.report.audit import Published, Row, published

@@ -142,7 +142,8 @@ def plant(state: Array, currents: Array, p: Parameters) -> Array:
     return np.stack([v_y, p.G + sum(F) / p.M_y, v_x, x, v_z, z, v_phi, tilt, v_theta, roll])
 
 
-def _rational(rows: Iterable[Iterable[float | Fraction]]) -> Rational:
+def rational(rows: Iterable[Iterable[float | Fraction]]) -> Rational:
+    """Return a matrix of exact fractions from rows of floats or fractions."""
     return np.array([[Fraction(v) for v in row] for row in rows], dtype=object)
 
 
@@ -152,7 +153,7 @@ def _float(A: Rational) -> Array:
 
 def exponential(A: Rational, terms: int = 40) -> Rational:
     """Return sum_{n < terms} A^n / n!, exact but for the tail, for ||A^n|| / n! that falls off."""
-    total = term = _rational(np.eye(len(A)))
+    total = term = rational(np.eye(len(A)))
     for n in range(1, terms):
         term = term.dot(A) / n
         total = total + term
@@ -161,15 +162,15 @@ def exponential(A: Rational, terms: int = 40) -> Rational:
 
 def internal_model() -> Rational:
     """Return Phi (3, 3). F(15)."""
-    return _rational([[0, 1, 0], [0, 0, 1], [0, -(Fraction(OMEGA0) ** 2), 0]])
+    return rational([[0, 1, 0], [0, 0, 1], [0, -(Fraction(OMEGA0) ** 2), 0]])
 
 
 def regulated() -> tuple[Rational, Rational]:
     """Return (A, B) of (e, e', xi1, xi2, xi3) under w. F(13)-(15)."""
-    A = _rational(np.zeros((5, 5)))
+    A = rational(np.zeros((5, 5)))
     A[0, 1] = A[4, 0] = Fraction(1)
     A[2:, 2:] = internal_model()
-    return A, _rational([[0], [1], [0], [0], [0]])
+    return A, rational([[0], [1], [0], [0], [0]])
 
 
 def riccati(A: Rational, B: Rational, Q: Rational) -> Rational:
@@ -177,13 +178,13 @@ def riccati(A: Rational, B: Rational, Q: Rational) -> Rational:
 
     Each pass is a Newton-Kleinman step: (A - BB'X)' D + D (A - BB'X) = -residual(X), X <- X + D.
     """
-    X = _rational(linalg.solve_continuous_are(_float(A), _float(B), _float(Q), np.eye(B.shape[1])))
+    X = rational(linalg.solve_continuous_are(_float(A), _float(B), _float(Q), np.eye(B.shape[1])))
     X = (X + X.T) / 2
     for _ in range(4):
         XB = X.dot(B)
         defect = A.T.dot(X) + X.dot(A) - XB.dot(XB.T) + Q
         closed = _float(A - B.dot(XB.T))
-        D = _rational(linalg.solve_continuous_lyapunov(closed.T, -_float(defect)))
+        D = rational(linalg.solve_continuous_lyapunov(closed.T, -_float(defect)))
         X = X + (D + D.T) / 2
     return X
 
@@ -191,12 +192,12 @@ def riccati(A: Rational, B: Rational, Q: Rational) -> Rational:
 def gain(weights: Sequence[float]) -> Array:
     """Return K (5,) of w = K (e, e', xi) that minimises the integral of z' diag(weights) z + w^2. F(16)."""
     A, B = regulated()
-    return -_float(B.T.dot(riccati(A, B, _rational(np.diag(weights)))))[0]
+    return -_float(B.T.dot(riccati(A, B, rational(np.diag(weights)))))[0]
 
 
 def regulator() -> tuple[Array, Array, Array]:
     """Return exp(Phi T), int_0^T exp(Phi s) ds N and int_0^T exp(Phi s) ds E. F(14), (15), (17)."""
-    M = _rational(np.zeros((5, 5)))
+    M = rational(np.zeros((5, 5)))
     M[:3, :3] = internal_model()
     M[2, 3] = Fraction(1)
     M[:3, 4] = Fraction(ANTI_WINDUP)
@@ -210,12 +211,12 @@ def derivative_filter() -> tuple[Array, Array]:
     With p' = v, v' = w^2 (q - p) - 2 w v and q a ramp between samples, exactly over one period. F section III.
     """
     w = Fraction(FILTER)
-    M = _rational(np.zeros((4, 4)))
-    M[:2, :3] = _rational([[0, 1, 0], [-(w**2), -2 * w, w**2]])
+    M = rational(np.zeros((4, 4)))
+    M[:2, :3] = rational([[0, 1, 0], [-(w**2), -2 * w, w**2]])
     M[2, 3] = 1 / PERIOD
     exact = exponential(M * PERIOD)
     F, ramp = exact[:2, :2], exact[:2, 3]
-    return _float(F * _rational([[1, -1], [-1, 1]])), _float(_rational([[1 - ramp[0], ramp[1]]]))[0]
+    return _float(F * rational([[1, -1], [-1, 1]])), _float(rational([[1 - ramp[0], ramp[1]]]))[0]
 
 
 @cache

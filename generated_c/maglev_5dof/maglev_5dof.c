@@ -13,15 +13,15 @@ static const float regulator_y_k_de = -182.75494f;          /* 1/s; F(14)-(16): 
 static const float regulator_y_k_xi1 = -50000.0f;           /* 1/s^5; F(14)-(16): gain on xi1 */
 static const float regulator_y_k_xi2 = 2725.4595f;          /* 1/s^4; F(14)-(16): gain on xi2 */
 static const float regulator_y_k_xi3 = -7806.842f;          /* 1/s^3; F(14)-(16): gain on xi3 */
-static const float regulator_y_xi1_xi2 = 0.0009999963f;     /* 1; F(14)-(16): xi1 from xi2, exact over one period */
-static const float regulator_y_xi1_xi3 = 4.999991e-07f;     /* 1; F(14)-(16): xi1 from xi3, exact over one period */
-static const float regulator_y_xi1_e = 1.6666649e-10f;      /* 1; F(14)-(16): xi1 from e, exact over one period */
-static const float regulator_y_xi2_xi2 = 0.9999889f;        /* 1; F(14)-(16): xi2 from xi2, exact over one period */
-static const float regulator_y_xi2_xi3 = 0.0009999963f;     /* 1; F(14)-(16): xi2 from xi3, exact over one period */
-static const float regulator_y_xi2_e = 4.999991e-07f;       /* 1; F(14)-(16): xi2 from e, exact over one period */
-static const float regulator_y_xi3_xi2 = -0.022206528f;     /* 1; F(14)-(16): xi3 from xi2, exact over one period */
-static const float regulator_y_xi3_xi3 = 0.9999889f;        /* 1; F(14)-(16): xi3 from xi3, exact over one period */
-static const float regulator_y_xi3_e = 0.0009999963f;       /* 1; F(14)-(16): xi3 from e, exact over one period */
+static const float regulator_y_xi1_xi2 = 0.0009999963f;     /* s; F(14)-(16): xi1 from xi2, exact over T */
+static const float regulator_y_xi1_xi3 = 4.999991e-07f;     /* s^2; F(14)-(16): xi1 from xi3, exact over T */
+static const float regulator_y_xi1_e = 1.6666649e-10f;      /* s^3; F(14)-(16): xi1 from e, exact over T */
+static const float regulator_y_xi2_xi2 = 0.9999889f;        /* 1; F(14)-(16): xi2 from xi2, exact over T */
+static const float regulator_y_xi2_xi3 = 0.0009999963f;     /* s; F(14)-(16): xi2 from xi3, exact over T */
+static const float regulator_y_xi2_e = 4.999991e-07f;       /* s^2; F(14)-(16): xi2 from e, exact over T */
+static const float regulator_y_xi3_xi2 = -0.022206528f;     /* 1/s^1; F(14)-(16): xi3 from xi2, exact over T */
+static const float regulator_y_xi3_xi3 = 0.9999889f;        /* 1; F(14)-(16): xi3 from xi3, exact over T */
+static const float regulator_y_xi3_e = 0.0009999963f;       /* s; F(14)-(16): xi3 from e, exact over T */
 static const float filter_x_f11 = 0.7357589f;               /* 1; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
 static const float filter_x_f12 = 0.00036787943f;           /* s; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
 static const float filter_x_f21 = -367.87946f;              /* 1/s; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
@@ -33,18 +33,18 @@ static const float regulator_x_k_de = -50.50415f;           /* 1/s; F(14)-(17): 
 static const float regulator_x_k_xi1 = -21213.203f;         /* 1/s^5; F(14)-(17): gain on xi1 */
 static const float regulator_x_k_xi2 = -1253.5868f;         /* 1/s^4; F(14)-(17): gain on xi2 */
 static const float regulator_x_k_xi3 = -2742.1863f;         /* 1/s^3; F(14)-(17): gain on xi3 */
-static const float regulator_x_xi1_xi2 = 0.0009999963f;     /* 1; F(14)-(17): xi1 from xi2, exact over one period */
-static const float regulator_x_xi1_xi3 = 4.999991e-07f;     /* 1; F(14)-(17): xi1 from xi3, exact over one period */
-static const float regulator_x_xi1_e = 1.6666649e-10f;      /* 1; F(14)-(17): xi1 from e, exact over one period */
-static const float regulator_x_xi1_excess = 7.0035014e-08f; /* 1; F(14)-(17): xi1 from excess, exact over one period */
-static const float regulator_x_xi2_xi2 = 0.9999889f;        /* 1; F(14)-(17): xi2 from xi2, exact over one period */
-static const float regulator_x_xi2_xi3 = 0.0009999963f;     /* 1; F(14)-(17): xi2 from xi3, exact over one period */
-static const float regulator_x_xi2_e = 4.999991e-07f;       /* 1; F(14)-(17): xi2 from e, exact over one period */
-static const float regulator_x_xi2_excess = 7.0034744e-08f; /* 1; F(14)-(17): xi2 from excess, exact over one period */
-static const float regulator_x_xi3_xi2 = -0.022206528f;     /* 1; F(14)-(17): xi3 from xi2, exact over one period */
-static const float regulator_x_xi3_xi3 = 0.9999889f;        /* 1; F(14)-(17): xi3 from xi3, exact over one period */
-static const float regulator_x_xi3_e = 0.0009999963f;       /* 1; F(14)-(17): xi3 from e, exact over one period */
-static const float regulator_x_xi3_excess = 6.922251e-08f;  /* 1; F(14)-(17): xi3 from excess, exact over one period */
+static const float regulator_x_xi1_xi2 = 0.0009999963f;     /* s; F(14)-(17): xi1 from xi2, exact over T */
+static const float regulator_x_xi1_xi3 = 4.999991e-07f;     /* s^2; F(14)-(17): xi1 from xi3, exact over T */
+static const float regulator_x_xi1_e = 1.6666649e-10f;      /* s^3; F(14)-(17): xi1 from e, exact over T */
+static const float regulator_x_xi1_excess = 7.0035014e-08f; /* m s^3/A; F(14)-(17): xi1 from excess, exact over T */
+static const float regulator_x_xi2_xi2 = 0.9999889f;        /* 1; F(14)-(17): xi2 from xi2, exact over T */
+static const float regulator_x_xi2_xi3 = 0.0009999963f;     /* s; F(14)-(17): xi2 from xi3, exact over T */
+static const float regulator_x_xi2_e = 4.999991e-07f;       /* s^2; F(14)-(17): xi2 from e, exact over T */
+static const float regulator_x_xi2_excess = 7.0034744e-08f; /* m s^2/A; F(14)-(17): xi2 from excess, exact over T */
+static const float regulator_x_xi3_xi2 = -0.022206528f;     /* 1/s^1; F(14)-(17): xi3 from xi2, exact over T */
+static const float regulator_x_xi3_xi3 = 0.9999889f;        /* 1; F(14)-(17): xi3 from xi3, exact over T */
+static const float regulator_x_xi3_e = 0.0009999963f;       /* s; F(14)-(17): xi3 from e, exact over T */
+static const float regulator_x_xi3_excess = 6.922251e-08f;  /* m s^1/A; F(14)-(17): xi3 from excess, exact over T */
 static const float filter_z_f11 = 0.7357589f;               /* 1; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
 static const float filter_z_f12 = 0.00036787943f;           /* s; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
 static const float filter_z_f21 = -367.87946f;              /* 1/s; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
@@ -56,18 +56,18 @@ static const float regulator_z_k_de = -50.50415f;           /* 1/s; F(14)-(17): 
 static const float regulator_z_k_xi1 = -21213.203f;         /* 1/s^5; F(14)-(17): gain on xi1 */
 static const float regulator_z_k_xi2 = -1253.5868f;         /* 1/s^4; F(14)-(17): gain on xi2 */
 static const float regulator_z_k_xi3 = -2742.1863f;         /* 1/s^3; F(14)-(17): gain on xi3 */
-static const float regulator_z_xi1_xi2 = 0.0009999963f;     /* 1; F(14)-(17): xi1 from xi2, exact over one period */
-static const float regulator_z_xi1_xi3 = 4.999991e-07f;     /* 1; F(14)-(17): xi1 from xi3, exact over one period */
-static const float regulator_z_xi1_e = 1.6666649e-10f;      /* 1; F(14)-(17): xi1 from e, exact over one period */
-static const float regulator_z_xi1_excess = 7.0035014e-08f; /* 1; F(14)-(17): xi1 from excess, exact over one period */
-static const float regulator_z_xi2_xi2 = 0.9999889f;        /* 1; F(14)-(17): xi2 from xi2, exact over one period */
-static const float regulator_z_xi2_xi3 = 0.0009999963f;     /* 1; F(14)-(17): xi2 from xi3, exact over one period */
-static const float regulator_z_xi2_e = 4.999991e-07f;       /* 1; F(14)-(17): xi2 from e, exact over one period */
-static const float regulator_z_xi2_excess = 7.0034744e-08f; /* 1; F(14)-(17): xi2 from excess, exact over one period */
-static const float regulator_z_xi3_xi2 = -0.022206528f;     /* 1; F(14)-(17): xi3 from xi2, exact over one period */
-static const float regulator_z_xi3_xi3 = 0.9999889f;        /* 1; F(14)-(17): xi3 from xi3, exact over one period */
-static const float regulator_z_xi3_e = 0.0009999963f;       /* 1; F(14)-(17): xi3 from e, exact over one period */
-static const float regulator_z_xi3_excess = 6.922251e-08f;  /* 1; F(14)-(17): xi3 from excess, exact over one period */
+static const float regulator_z_xi1_xi2 = 0.0009999963f;     /* s; F(14)-(17): xi1 from xi2, exact over T */
+static const float regulator_z_xi1_xi3 = 4.999991e-07f;     /* s^2; F(14)-(17): xi1 from xi3, exact over T */
+static const float regulator_z_xi1_e = 1.6666649e-10f;      /* s^3; F(14)-(17): xi1 from e, exact over T */
+static const float regulator_z_xi1_excess = 7.0035014e-08f; /* m s^3/A; F(14)-(17): xi1 from excess, exact over T */
+static const float regulator_z_xi2_xi2 = 0.9999889f;        /* 1; F(14)-(17): xi2 from xi2, exact over T */
+static const float regulator_z_xi2_xi3 = 0.0009999963f;     /* s; F(14)-(17): xi2 from xi3, exact over T */
+static const float regulator_z_xi2_e = 4.999991e-07f;       /* s^2; F(14)-(17): xi2 from e, exact over T */
+static const float regulator_z_xi2_excess = 7.0034744e-08f; /* m s^2/A; F(14)-(17): xi2 from excess, exact over T */
+static const float regulator_z_xi3_xi2 = -0.022206528f;     /* 1/s^1; F(14)-(17): xi3 from xi2, exact over T */
+static const float regulator_z_xi3_xi3 = 0.9999889f;        /* 1; F(14)-(17): xi3 from xi3, exact over T */
+static const float regulator_z_xi3_e = 0.0009999963f;       /* s; F(14)-(17): xi3 from e, exact over T */
+static const float regulator_z_xi3_excess = 6.922251e-08f;  /* m s^1/A; F(14)-(17): xi3 from excess, exact over T */
 static const float filter_phi_f11 = 0.7357589f;             /* 1; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
 static const float filter_phi_f12 = 0.00036787943f;         /* s; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
 static const float filter_phi_f21 = -367.87946f;            /* 1/s; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
@@ -79,15 +79,15 @@ static const float regulator_phi_k_de = -209.99985f;        /* 1/s; F(14)-(16): 
 static const float regulator_phi_k_xi1 = -63245.555f;       /* 1/s^5; F(14)-(16): gain on xi1 */
 static const float regulator_phi_k_xi2 = 1910.5604f;        /* 1/s^4; F(14)-(16): gain on xi2 */
 static const float regulator_phi_k_xi3 = -9901.297f;        /* 1/s^3; F(14)-(16): gain on xi3 */
-static const float regulator_phi_xi1_xi2 = 0.0009999963f;   /* 1; F(14)-(16): xi1 from xi2, exact over one period */
-static const float regulator_phi_xi1_xi3 = 4.999991e-07f;   /* 1; F(14)-(16): xi1 from xi3, exact over one period */
-static const float regulator_phi_xi1_e = 1.6666649e-10f;    /* 1; F(14)-(16): xi1 from e, exact over one period */
-static const float regulator_phi_xi2_xi2 = 0.9999889f;      /* 1; F(14)-(16): xi2 from xi2, exact over one period */
-static const float regulator_phi_xi2_xi3 = 0.0009999963f;   /* 1; F(14)-(16): xi2 from xi3, exact over one period */
-static const float regulator_phi_xi2_e = 4.999991e-07f;     /* 1; F(14)-(16): xi2 from e, exact over one period */
-static const float regulator_phi_xi3_xi2 = -0.022206528f;   /* 1; F(14)-(16): xi3 from xi2, exact over one period */
-static const float regulator_phi_xi3_xi3 = 0.9999889f;      /* 1; F(14)-(16): xi3 from xi3, exact over one period */
-static const float regulator_phi_xi3_e = 0.0009999963f;     /* 1; F(14)-(16): xi3 from e, exact over one period */
+static const float regulator_phi_xi1_xi2 = 0.0009999963f;   /* s; F(14)-(16): xi1 from xi2, exact over T */
+static const float regulator_phi_xi1_xi3 = 4.999991e-07f;   /* s^2; F(14)-(16): xi1 from xi3, exact over T */
+static const float regulator_phi_xi1_e = 1.6666649e-10f;    /* s^3; F(14)-(16): xi1 from e, exact over T */
+static const float regulator_phi_xi2_xi2 = 0.9999889f;      /* 1; F(14)-(16): xi2 from xi2, exact over T */
+static const float regulator_phi_xi2_xi3 = 0.0009999963f;   /* s; F(14)-(16): xi2 from xi3, exact over T */
+static const float regulator_phi_xi2_e = 4.999991e-07f;     /* s^2; F(14)-(16): xi2 from e, exact over T */
+static const float regulator_phi_xi3_xi2 = -0.022206528f;   /* 1/s^1; F(14)-(16): xi3 from xi2, exact over T */
+static const float regulator_phi_xi3_xi3 = 0.9999889f;      /* 1; F(14)-(16): xi3 from xi3, exact over T */
+static const float regulator_phi_xi3_e = 0.0009999963f;     /* s; F(14)-(16): xi3 from e, exact over T */
 static const float filter_theta_f11 = 0.7357589f;           /* 1; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
 static const float filter_theta_f12 = 0.00036787943f;       /* s; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
 static const float filter_theta_f21 = -367.87946f;          /* 1/s; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
@@ -99,15 +99,15 @@ static const float regulator_theta_k_de = -209.99985f;      /* 1/s; F(14)-(16): 
 static const float regulator_theta_k_xi1 = -63245.555f;     /* 1/s^5; F(14)-(16): gain on xi1 */
 static const float regulator_theta_k_xi2 = 1910.5604f;      /* 1/s^4; F(14)-(16): gain on xi2 */
 static const float regulator_theta_k_xi3 = -9901.297f;      /* 1/s^3; F(14)-(16): gain on xi3 */
-static const float regulator_theta_xi1_xi2 = 0.0009999963f; /* 1; F(14)-(16): xi1 from xi2, exact over one period */
-static const float regulator_theta_xi1_xi3 = 4.999991e-07f; /* 1; F(14)-(16): xi1 from xi3, exact over one period */
-static const float regulator_theta_xi1_e = 1.6666649e-10f;  /* 1; F(14)-(16): xi1 from e, exact over one period */
-static const float regulator_theta_xi2_xi2 = 0.9999889f;    /* 1; F(14)-(16): xi2 from xi2, exact over one period */
-static const float regulator_theta_xi2_xi3 = 0.0009999963f; /* 1; F(14)-(16): xi2 from xi3, exact over one period */
-static const float regulator_theta_xi2_e = 4.999991e-07f;   /* 1; F(14)-(16): xi2 from e, exact over one period */
-static const float regulator_theta_xi3_xi2 = -0.022206528f; /* 1; F(14)-(16): xi3 from xi2, exact over one period */
-static const float regulator_theta_xi3_xi3 = 0.9999889f;    /* 1; F(14)-(16): xi3 from xi3, exact over one period */
-static const float regulator_theta_xi3_e = 0.0009999963f;   /* 1; F(14)-(16): xi3 from e, exact over one period */
+static const float regulator_theta_xi1_xi2 = 0.0009999963f; /* s; F(14)-(16): xi1 from xi2, exact over T */
+static const float regulator_theta_xi1_xi3 = 4.999991e-07f; /* s^2; F(14)-(16): xi1 from xi3, exact over T */
+static const float regulator_theta_xi1_e = 1.6666649e-10f;  /* s^3; F(14)-(16): xi1 from e, exact over T */
+static const float regulator_theta_xi2_xi2 = 0.9999889f;    /* 1; F(14)-(16): xi2 from xi2, exact over T */
+static const float regulator_theta_xi2_xi3 = 0.0009999963f; /* s; F(14)-(16): xi2 from xi3, exact over T */
+static const float regulator_theta_xi2_e = 4.999991e-07f;   /* s^2; F(14)-(16): xi2 from e, exact over T */
+static const float regulator_theta_xi3_xi2 = -0.022206528f; /* 1/s^1; F(14)-(16): xi3 from xi2, exact over T */
+static const float regulator_theta_xi3_xi3 = 0.9999889f;    /* 1; F(14)-(16): xi3 from xi3, exact over T */
+static const float regulator_theta_xi3_e = 0.0009999963f;   /* s; F(14)-(16): xi3 from e, exact over T */
 
 static inline float min(float a, float b)
 {

@@ -1,9 +1,9 @@
 """Bode plots of scalar open loops L, with their crossings, and of the sensitivity S = 1/(1 + L).
 
-    gain      20 log10 |L|
-    phase     arg L, unwrapped so that a pole on the axis takes 180 degrees off, in (-360, 0] at the highest gain
-              crossing
-    |S|       20 log10 |S|, whose greatest value is Ms, the inverse of the modulus margin
+gain      20 log10 |L|
+phase     arg L, unwrapped so that a pole on the axis takes 180 degrees off, in (-360, 0] at the highest gain
+          crossing
+|S|       20 log10 |S|, whose greatest value is Ms, the inverse of the modulus margin
 """
 
 from collections.abc import Sequence

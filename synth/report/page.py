@@ -4,7 +4,6 @@ A Report is data. `render` numbers its figures and tables, counts its checks, an
 text is escaped; the <svg> of a Figure alone is markup, and a page that would load anything from elsewhere is refused.
 """
 
-import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
@@ -14,16 +13,14 @@ from importlib import resources
 from itertools import chain
 
 import jinja2
-from markupsafe import Markup, escape
+from markupsafe import Markup
 
 from synth.check import Check
 from synth.errors import DesignError
+from synth.report import notation
 
 Cell = str | float
-FINEST = {"m": ("mm", "µm", "nm"), "rad": ("mrad", "µrad", "nrad"), "s": ("ms", "µs", "ns")}
-UPRIGHT = frozenset("sin cos sinh cosh tanh coth csch exp sqrt min max sign round abs atan det mod".split())
-_TOKEN = re.compile(r"(?P<name>[A-Za-zΑ-Ωα-ω]+)|(?P<shift>[_^])(?:\{(?P<group>[^{}]*)\}|(?P<one>-?[A-Za-z0-9Α-Ωα-ω*]+))")
-_LOADS = {"src", "srcset", "href", "xlink:href", "data", "poster", "action", "formaction", "background", "style"}
+_LOADS = {"src", "srcset", "href", "xlink:href", "data", "poster", "action", "formaction", "background"}
 _STYLE_LOADS = re.compile(r"url\(\s*['\"]?([^'\")]*)|@import\s+['\"]?([^'\";]*)")
 
 
@@ -41,14 +38,14 @@ class Text:
 
 @dataclass(frozen=True)
 class Equations:
-    """Displayed equations: the tag, such as F(12), and the text, with x_1 or x_{ref} lowered and x^2 or x^{-1} raised."""
+    """Displayed equations: the tag, such as F(12), and the text as notation.equation reads it."""
 
     rows: tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of texts and numbers under their columns; a number is shown to four digits, a text as it is.
+    """Rows of texts and numbers under their columns; a number is shown to `digits`, a text as it is.
 
     Raises DesignError when a row has another count of cells than there are columns.
     """
@@ -56,6 +53,7 @@ class Table:
     caption: str
     columns: tuple[str, ...]
     rows: tuple[tuple[Cell, ...], ...]
+    digits: int = 4
 
     def __post_init__(self) -> None:
         for row in self.rows:
@@ -119,6 +117,39 @@ class Report:
         return tuple(c for c in self.checks if not c.passed)
 
 
+@dataclass(frozen=True)
+class Part:
+    """A section in its place: its number, such as 4.2, how deep it stands, and how many of its checks failed."""
+
+    number: str
+    depth: int
+    section: Section
+
+    @property
+    def id(self) -> str:
+        """The anchor of its heading."""
+        return "s" + self.number.replace(".", "-")
+
+    @property
+    def failed(self) -> int:
+        """How many checks failed here or inside."""
+        return sum(not c.passed for c in self.section.checks())
+
+
+def parts(sections: Iterable[Section], above: str = "") -> Iterator[Part]:
+    """Yield the sections with their numbers, each followed by those inside it."""
+    for k, section in enumerate(sections, 1):
+        number = f"{above}{k}"
+        yield Part(number, number.count(".") + 1, section)
+        yield from parts(section.sections, f"{number}.")
+
+
+def failures(parts: Iterable[Part]) -> tuple[tuple[Part, Check], ...]:
+    """Return each check that did not pass, with the part whose own block holds it."""
+    own = ((p, c) for p in parts for b in p.section.blocks if isinstance(b, Checks) for c in b.checks)
+    return tuple((p, c) for p, c in own if not c.passed)
+
+
 def render(report: Report) -> str:
     """Return the report as one HTML document.
 
@@ -127,10 +158,14 @@ def render(report: Report) -> str:
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    environment.filters |= {"number": number, "limit": quantities, "equation": equation, "svg": _inline}
+    written = {f.__name__: f for f in (notation.number, notation.quantities, notation.equation)}
+    environment.filters |= written | {"svg": _inline}
     environment.tests["text"] = lambda cell: isinstance(cell, str)
     template = resources.files(__package__).joinpath("page.html.j2").read_text(encoding="utf-8")
-    html = environment.from_string(template).render(report=report, kind=lambda block: type(block).__name__.lower())
+    placed = tuple(parts(report.sections))
+    html = environment.from_string(template).render(
+        report=report, parts=placed, failures=failures(placed), kind=lambda block: type(block).__name__.lower()
+    )
     if found := external(html):
         raise DesignError(f"the report would load {', '.join(found)}: put all that it shows into the page itself")
     if twice := _repeated_ids(html):
@@ -160,7 +195,7 @@ class _Reader(HTMLParser):
         for name, value in attrs:
             if name == "id":
                 self.ids.append(value or "")
-            elif name in _LOADS - {"style"}:
+            elif name in _LOADS:
                 self.addresses.append((value or "").strip())
             self.addresses += _in_style(value or "")
 
@@ -181,50 +216,6 @@ def _repeated_ids(html: str) -> list[str]:
     reader.feed(html)
     reader.close()
     return [i for i, count in Counter(reader.ids).items() if count > 1]
-
-
-def number(value: Cell, digits: int = 4) -> str:
-    """Return a number to some significant digits as a reader writes it; a text as it is."""
-    if isinstance(value, str):
-        return value
-    if not math.isfinite(value):
-        return "no number" if math.isnan(value) else "∞" if value > 0 else "−∞"
-    if isinstance(value, int):
-        return f"{value:,}".replace(",", "\u202f").replace("-", "−")
-    text = f"{value:.{digits}g}"
-    if "e" in text:
-        mantissa, exponent = text.split("e")
-        text = f"{mantissa}·10{str(int(exponent)).translate(str.maketrans('-0123456789', '⁻⁰¹²³⁴⁵⁶⁷⁸⁹'))}"
-    return text.replace("-", "−")
-
-
-def quantities(values: Iterable[float], unit: str) -> tuple[str, ...]:
-    """Return values in SI `unit` as texts, all under the one prefix that suits the greatest: 12.3 µm, not 1.23e-05 m."""
-    values = tuple(values)
-    greatest = max((abs(v) for v in values if math.isfinite(v)), default=0.0)
-    shown, factor = unit, 1.0
-    for k, finer in enumerate(FINEST.get(unit, ()), 1):
-        if 0 < greatest < 0.9999 * 1000.0 ** (1 - k):
-            shown, factor = finer, 1000.0**k
-    suffix = "" if unit == "1" else f" {shown}"
-    return tuple(number(v if isinstance(v, int) and factor == 1 else factor * v) + suffix for v in values)
-
-
-def equation(text: str) -> Markup:
-    """Return an equation as HTML: names slanted, what follows _ lowered, what follows ^ raised, each in braces or not."""
-    found, at = [], 0
-    for match in _TOKEN.finditer(text):
-        found.append(escape(text[at : match.start()]))
-        found.append(_token(match))
-        at = match.end()
-    return Markup("").join([*found, escape(text[at:])])
-
-
-def _token(match: re.Match[str]) -> Markup:
-    if name := match["name"]:
-        return escape(name) if name in UPRIGHT else Markup("<i>{}</i>").format(name)
-    inner = match["group"] if match["group"] is not None else match["one"]
-    return Markup("<sub>{}</sub>" if match["shift"] == "_" else "<sup>{}</sup>").format(equation(inner))
 
 
 def _inline(svg: str) -> Markup:

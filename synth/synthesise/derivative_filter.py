@@ -13,7 +13,6 @@ in which q enters only by its differences: single precision loses nothing.
 """
 
 from dataclasses import replace
-
 from math import pi
 
 import casadi as ca

@@ -85,8 +85,8 @@ def augmented(plant: StateSpace, frequencies: Sequence[float]) -> StateSpace:
     for w in frequencies:
         if structure.has_transmission_zero(plant, 1j * w):
             raise ModelError(
-                f"the plant from {', '.join(plant.inputs)} to {plant.outputs[0]} has a transmission zero at {w:g} rad/s, "
-                "a frequency of the exosystem: it cannot be regulated there; drop it or change the actuators"
+                f"the plant from {', '.join(plant.inputs)} to {plant.outputs[0]} has a transmission zero at {w:g} "
+                "rad/s, a frequency of the exosystem: it cannot be regulated there; drop it or change the actuators"
             )
     n, k = len(plant.A), len(model.Phi)
     A = np.block([[plant.A, np.zeros((n, k))], [model.N @ plant.C, model.Phi]])

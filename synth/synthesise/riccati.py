@@ -29,8 +29,9 @@ Mat = flint.arb_mat
 class Riccati:
     """The stabilising solution X (n, n) and L (m, n), u = -L x, with its certificate.
 
-    `poles` are those of A - B L, in 1/s or in z; `residual` bounds the largest entry of the equation's residual at the rounded X over
-    that of Q; `forward_error` estimates the largest error of X over its largest entry; `least_eigenvalue` is that of X.
+    `poles` are those of A - B L, in 1/s or in z; `residual` bounds the largest entry of the equation's residual at the
+    rounded X over that of Q; `forward_error` estimates the largest error of X over its largest entry;
+    `least_eigenvalue` is that of X.
     """
 
     X: Array
@@ -83,7 +84,7 @@ class _Problem:
             Y = flint.arb_mat(n, n, precise.middle(operator.solve(right)).entries())
         except ZeroDivisionError as error:
             raise ModelError(
-                "a Newton step of the Riccati equation has no solution: its closed loop has poles s, s' with s + s' = 0 "
+                "a Newton step of the Riccati equation has no solution: its closed loop has poles s + s' = 0 "
                 "(s s' = 1 in discrete time); start nearer to the stabilising solution or scale the weights"
             ) from error
         return precise.middle((Y + Y.transpose()) * flint.arb(0.5))

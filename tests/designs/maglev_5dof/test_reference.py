@@ -4,7 +4,7 @@ The full plant is the reference's own F(6)-(7); F(11) is taken from it by differ
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import asin, cos, exp, pi, sin, sqrt
 
 import numpy as np
@@ -67,7 +67,7 @@ class TestMotor:
         assert self.worst(replace(P, **wrong)) > 1e-4
 
     def test_forces_come_from_one_field(self) -> None:
-        """F_V + F0 coth-shifted is a perfect square: b^2 = 4 a c cosh^2, with csch^2 in c; and h = b tanh."""
+        """With csch^2 in c, b^2 = 4 a c cosh^2 and h = b tanh."""
         g = np.linspace(0.0124, 0.0366, 50)
         m, x = reference.motor(g, P), pi / P.tau * (P.h_m + g)
         np.testing.assert_allclose(m.b**2, 4 * m.a * m.c * np.cosh(x) ** 2, rtol=1e-13)
@@ -78,15 +78,16 @@ class TestMotor:
         assert reference.motor(np.array(0.025), P).c / 2 == pytest.approx(0.11962, rel=2e-3)
 
 
-class TestGains:
-    # F section IV-A: printed closed-loop poles, to their last digit
-    POLES = {
-        "y": (-173.2, -2.61 + 5.48j, -2.16 + 1.77j),
-        "x": (-38.73, -3.2 + 5.89j, -2.69 + 2.23j),
-        "theta": (-200, -2.81 + 5.58j, -2.19 + 1.82j),
-    }
-    DIGITS = {"y": (0.1, 0.01, 0.01), "x": (0.01, 0.02, 0.01), "theta": (0.1, 0.01, 0.01)}
+# F section IV-A: printed closed-loop poles, to their last digit
+POLES = {
+    "y": (-173.2, -2.61 + 5.48j, -2.16 + 1.77j),
+    "x": (-38.73, -3.2 + 5.89j, -2.69 + 2.23j),
+    "theta": (-200, -2.81 + 5.58j, -2.19 + 1.82j),
+}
+DIGITS = {"y": (0.1, 0.01, 0.01), "x": (0.01, 0.02, 0.01), "theta": (0.1, 0.01, 0.01)}
 
+
+class TestGains:
     @staticmethod
     def poles(K: Array) -> Array:
         A, B = (M.astype(float) for M in reference.regulated())
@@ -96,12 +97,12 @@ class TestGains:
 
     @pytest.mark.parametrize("axis", ["y", "x", "theta"])
     def test_published_poles(self, axis: str) -> None:
-        error = np.abs(self.poles(reference.constants().K[axis]) - np.array(self.POLES[axis]))
-        assert np.all(error < self.DIGITS[axis])
+        error = np.abs(self.poles(reference.constants().K[axis]) - np.array(POLES[axis]))
+        assert np.all(error < DIGITS[axis])
 
     def test_poles_of_another_axis_do_not_pass(self) -> None:
-        error = np.abs(self.poles(reference.constants().K["theta"]) - np.array(self.POLES["y"]))
-        assert not np.all(error < self.DIGITS["y"])
+        error = np.abs(self.poles(reference.constants().K["theta"]) - np.array(POLES["y"]))
+        assert not np.all(error < DIGITS["y"])
 
     @pytest.mark.parametrize("axis", reference.AXES)
     def test_first_internal_gain_is_a_square_root(self, axis: str) -> None:
@@ -132,7 +133,7 @@ class TestGains:
     def test_exact_residual(self) -> None:
         """X as returned leaves a residual far under the rounding of a double; SciPy's own X does not."""
         A, B = reference.regulated()
-        Q = reference._rational(np.diag(reference.WEIGHTS["y"]))
+        Q = reference.rational(np.diag(reference.WEIGHTS["y"]))
 
         def residual(X: NDArray[np.object_]) -> float:
             XB = X.dot(B)
@@ -140,7 +141,7 @@ class TestGains:
 
         assert residual(reference.riccati(A, B, Q)) < 1e-25
         plain = linalg.solve_continuous_are(*(M.astype(float) for M in (A, B, Q)), np.eye(1))
-        assert residual(reference._rational(plain)) > 1e-20
+        assert residual(reference.rational(plain)) > 1e-20
 
     def test_rounding_to_single(self) -> None:
         single, double = reference.constants(np.float32), reference.constants()
@@ -251,6 +252,15 @@ class TestGuard:
         assert state["filter_y_v"][0] == pytest.approx(-1e-3 * (1 - 2 * exp(-1)) / T, rel=1e-12)
 
 
+@pytest.fixture(scope="module")
+def samples() -> tuple[dict[str, Array], dict[str, Array]]:
+    """Return poses in the box of the stage and moderate demands."""
+    rng = np.random.default_rng(2)
+    bounds = {"y": 3.0, "x": 2.0, "z": 2.0, "phi": 10.0, "theta": 10.0}
+    q = {s: rng.uniform(*reference.BOX[s], 2000) for s in ODE}
+    return q, {s: rng.uniform(-b, b, 2000) for s, b in bounds.items()}
+
+
 class TestLaw:
     @staticmethod
     def at(y: Array, phi: Array, theta: Array, u: Array) -> Array:
@@ -275,15 +285,6 @@ class TestLaw:
         D = np.stack([(accelerations(e) - accelerations(-e)) / 2 for e in unit], axis=1)
         missing = np.stack([w[s] for s in ODE]) - accelerations(zero)
         return self.by_8(np.linalg.solve(D.transpose(2, 0, 1), missing.T[:, :, None])[:, :, 0].T)
-
-    @pytest.fixture(scope="class")
-    def samples(self) -> tuple[dict[str, Array], dict[str, Array]]:
-        rng = np.random.default_rng(2)
-        q = {s: rng.uniform(*reference.BOX[s], 2000) for s in ODE}
-        w = {
-            s: rng.uniform(-b, b, 2000) for s, b in (("y", 3.0), ("x", 2.0), ("z", 2.0), ("phi", 10.0), ("theta", 10.0))
-        }
-        return q, w
 
     def test_as_printed(self, samples: tuple[dict[str, Array], dict[str, Array]]) -> None:
         q, w = samples
@@ -368,116 +369,3 @@ def test_scalars_and_columns_agree() -> None:
         np.testing.assert_allclose([one[0][s] for s in after], [v[j] for v in after.values()], rtol=1e-13, atol=1e-15)
         np.testing.assert_allclose([one[1][s] for s in out], [v[j] for v in out.values()], rtol=1e-13, atol=1e-15)
         assert one[2] == word[j]
-
-
-@dataclass(frozen=True)
-class Run:
-    """A closed loop at 1 kHz: x (N, 10, n), set-points (N, n) by axis."""
-
-    x: Array
-    references: dict[str, Array]
-
-    def error(self, axis: str, column: int) -> Array:
-        row = 2 * reference.AXES.index(axis)
-        return self.x[:, row, column] - self.references[axis][:, column]
-
-
-def closed_loop(x: Array, references: dict[str, Array], k: reference.Constants) -> Run:
-    """Run from rest under ideal sensing; a sample's currents act one sample later, the first at once."""
-    state, applied, path = start(x.shape[1]), None, []
-    for n in range(len(references["y"])):
-        tilt, roll = P.r * np.sin(x[6]), P.r * np.sin(x[8])
-        at = {"y1": x[0] - tilt, "y2": x[0] + roll, "y3": x[0] + tilt, "y4": x[0] - roll, "x": x[2], "z": x[4]}
-        state, out, _ = reference.step(state, at | {f"{s}_ref": r[n] for s, r in references.items()}, k)
-        commanded = np.stack([out[s] for s in reference.SAFE])
-        path.append(x)
-        x = runge_kutta(x, commanded if applied is None else applied)
-        applied = commanded
-    return Run(np.array(path), references)
-
-
-def runge_kutta(x: Array, u: Array) -> Array:
-    a = reference.plant(x, u, P)
-    b = reference.plant(x + T / 2 * a, u, P)
-    c = reference.plant(x + T / 2 * b, u, P)
-    return x + T / 6 * (a + 2 * b + 2 * c + reference.plant(x + T * c, u, P))
-
-
-STEP, THRUST, TRACK, KICK = range(4)
-
-
-def scenario(duration: float) -> tuple[Array, dict[str, Array]]:
-    """Return starts and set-points: 22 to 29 mm; x by 30 mm; the 4-DOF references of F IV-B; 22 to 29 mm at 10 ms."""
-    t = np.arange(0, duration, T)
-    wave = reference.OMEGA0 * t
-    r = {s: np.zeros((len(t), 4)) for s in reference.AXES}
-    r["y"][:] = 0.029, 0.025, 0.025, 0.029
-    r["y"][:10, KICK] = 0.022
-    r["x"][:, THRUST] = 0.03
-    r["y"][:, TRACK] -= 0.005 * np.cos(wave)
-    r["x"][:, TRACK], r["z"][:, TRACK] = -0.03 * np.cos(wave), 0.03 * np.sin(wave)
-    r["theta"][:, TRACK] = 0.01 * np.sin(wave)
-    x = np.zeros((10, 4))
-    x[0] = 0.022, 0.025, 0.020, 0.022
-    x[2, TRACK] = -0.03
-    return x, r
-
-
-@pytest.fixture(scope="module")
-def restored() -> Run:
-    return closed_loop(*scenario(3.0), reference.constants())
-
-
-def linear_step(axis: str, height: float, n: int, delayed: bool = True) -> Array:
-    """Return the error of q'' = w after a step, sampled with one sample of delay, from K, SciPy's filter and model."""
-    K, w = reference.constants().K[axis], reference.FILTER
-    M = np.zeros((4, 4))
-    M[:3, :3], M[2, 3] = reference.internal_model().astype(float), 1.0
-    A = linalg.expm(M * T)
-    b, a, _ = signal.cont2discrete(([w**2, 0.0], [1.0, 2.0 * w, w**2]), T, method="foh")
-    b, past, rates = b.ravel(), np.zeros(2), np.zeros(2)
-    e, v, xi, applied, path = -height, 0.0, np.zeros(3), None, []
-    for _ in range(n):
-        path.append(e)
-        q = e + height  # the filter starts at rest on the first error, so that only the change counts
-        rate = b[0] * q + b[1:] @ past - a[1:] @ rates
-        past, rates = np.array([q, past[0]]), np.array([rate, rates[0]])
-        demand = K[0] * e + K[1] * rate + K[2:] @ xi
-        xi = A[:3, :3] @ xi + A[:3, 3] * e
-        acting = demand if applied is None or not delayed else applied
-        e, v, applied = e + T * v + T**2 / 2 * acting, v + T * acting, demand
-    return np.array(path)
-
-
-def test_steps_are_those_of_the_double_integrator(restored: Run) -> None:
-    """Restored, the law leaves F(13) with the hold and the delay: errors within 0.3 % of the step."""
-    for axis, height, column in (("y", 0.007, STEP), ("x", 0.03, THRUST)):
-        expected = linear_step(axis, height, 3000)
-        found = restored.error(axis, column)
-        assert np.max(np.abs(found - expected)) < 3e-3 * height
-        prompt = linear_step(axis, height, 3000, delayed=False)
-        assert np.max(np.abs(prompt - expected)) > 3e-3 * height
-
-
-def test_table_iii(restored: Run) -> None:
-    """F table III: overshoot under 30 %, |error| below 0.1 mm within 3 s; the 7 mm step overshoots 13.5 to 14 %."""
-    assert 13.3 < 100 * np.max(restored.error("y", STEP)) / 0.007 < 14.3
-    for axis, height, column in (("y", 0.007, STEP), ("x", 0.03, THRUST), ("y", 0.007, KICK)):
-        error = restored.error(axis, column)
-        assert np.max(error) < 0.3 * height
-        assert np.max(np.abs(error[2500:])) < 1e-4
-
-
-def test_levitation_comes_first(restored: Run) -> None:
-    """The gap holds while x steps by 30 mm."""
-    assert np.max(np.abs(restored.error("y", THRUST))) < 10e-6
-
-
-def test_tracking(restored: Run) -> None:
-    """Mean |error| over the last period of 3 s: the 4-DOF references, printed law about 45 um in y, restored under 2."""
-    x, r = scenario(3.0)
-    one = {s: v[:, TRACK : TRACK + 1] for s, v in r.items()}
-    printed = closed_loop(x[:, TRACK : TRACK + 1], one, reference.constants(restored=False))
-    period = slice(-round(2 * pi / reference.OMEGA0 / T), None)
-    assert 40e-6 < np.mean(np.abs(printed.error("y", 0)[period])) < 50e-6
-    assert np.mean(np.abs(restored.error("y", TRACK)[period])) < 2e-6

@@ -1,0 +1,111 @@
+"""Tables and sections made of the toolkit's own results: parameters, gains, margins, experiments, agreements, files."""
+
+import hashlib
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+
+from synth.plant import Plant
+from synth.report import bode, figures
+from synth.report.audit import Row
+from synth.report.notation import number, readable
+from synth.report.page import Cell, Checks, Figure, Section, Table
+from synth.simulate.experiment import Experiment
+from synth.verify.agree import Agreement
+
+
+def parameters(plant: Plant) -> Table:
+    """Return the plant's parameters: value, unit, relative tolerance in %, source."""
+    rows = tuple((p.name, p.value, readable(p.unit), 100 * p.tolerance, p.source) for p in plant.parameters)
+    return Table("Parameters", ("name", "value", "unit", "tolerance, %", "source"), rows, digits=6)
+
+
+def experiment(
+    run: Experiment,
+    units: Mapping[str, str],
+    levels: Mapping[str, float] | None = None,
+    window: figures.Window | None = None,
+    beside: str = "",
+) -> Section:
+    """Return one run: its figure, its measured figures and its checks; the arguments are those of figures.response.
+
+    `beside` says what the paper's figure shows.
+
+    Raises SignalError when a unit is missing.
+    """
+    drawn = figures.svg(figures.response(run, units, levels, window), _id(run.name))
+    caption = f"{run.title}: {run.about}."
+    if run.references and window:
+        caption += f" On the left {window[0]:g} to {window[1]:g} s."
+    measured = (Table("Measured", ("figure", "value", "unit"), _measured(run)),) if run.figures else ()
+    checks = (Checks("Checks", run.checks),) if run.checks else ()
+    return Section(run.title, (Figure(drawn, caption, beside), *measured, *checks))
+
+
+def loop(title: str, name: str, curves: Sequence[bode.LoopCurve]) -> Section:
+    """Return one loop under several conditions: its Bode plot and a table of the worst of its margins.
+
+    Raises SignalError when there are too many curves to tell apart.
+    """
+    drawn = figures.svg(bode.bode_plot(curves), _id(name))
+    caption = f"{title}: open loop and sensitivity. Dots mark |L| = 1, diamonds L < 0."
+    return Section(title, (Figure(drawn, caption), margins_table(title, curves)))
+
+
+def margins_table(caption: str, curves: Iterable[bode.LoopCurve]) -> Table:
+    """Return the margins of each loop, the worst over all its crossings."""
+    columns = (
+        *("loop", "closed loop", "highest crossover, Hz", "gain up to, ×", "gain down to, ×", "phase, °"),
+        *("delay, ms", "modulus", "Ms", "Ms at, Hz"),
+    )
+    return Table(f"Margins, {caption}, the worst of all crossings", columns, tuple(_margins(c) for c in curves))
+
+
+def agreements(found: Iterable[Agreement]) -> Table:
+    """Return how far each pair of witnesses is apart."""
+    columns = ("compared", "steps", "of", "with", "worst difference", "in", "at step", "ulp", "fault words unlike")
+    rows = tuple(
+        (a.what, a.samples, a.first, a.second, a.worst, a.signal, a.sample, a.ulps, a.faults_differ) for a in found
+    )
+    return Table("Agreement of the witnesses; differences relative to max(floor, |value|)", columns, rows)
+
+
+def audit(rows: Iterable[Row]) -> Table:
+    """Return the audit: what is printed, what it recomputes to, the verdict and why."""
+    columns = ("row", "where", "published", "recomputed", "verdict", "why")
+    return Table(
+        "Published figures recomputed. R: reproduces; RC: after the stated correction; N: does not",
+        columns,
+        tuple((r.id, r.published.where, r.published.text, _recomputed(r), str(r.verdict), r.why) for r in rows),
+    )
+
+
+def files(texts: Mapping[str, str]) -> Table:
+    """Return the size in bytes (UTF-8) and the SHA-256 of each file."""
+    data = {name: text.encode("utf-8") for name, text in texts.items()}
+    rows = tuple((name, len(b), hashlib.sha256(b).hexdigest()) for name, b in data.items())
+    return Table("Files", ("file", "bytes", "SHA-256"), rows)
+
+
+def _id(name: str) -> str:
+    return "f-" + re.sub(r"[^A-Za-z0-9_-]", "_", name)
+
+
+def _measured(run: Experiment) -> tuple[tuple[Cell, ...], ...]:
+    """Split 'mean |e_y|, um' into what is measured and its unit."""
+    named = ((*(name.rsplit(", ", 1) if ", " in name else (name, "1")), value) for name, value in run.figures.items())
+    return tuple((what, value, readable(unit)) for what, unit, value in named)
+
+
+def _margins(curve: bode.LoopCurve) -> tuple[Cell, ...]:
+    m = curve.margins
+    highest = max((c.frequency for c in m.gain_crossings), default=math.nan) / (2 * math.pi)
+    return (
+        *(curve.label, "stable" if m.stable else "UNSTABLE", highest, m.gain_margin, m.gain_reduction_margin),
+        *(m.phase_margin, 1e3 * m.delay_margin, m.modulus_margin, m.peak_sensitivity),
+        m.peak_frequency / (2 * math.pi),
+    )
+
+
+def _recomputed(row: Row) -> str:
+    return "; ".join(f"{f.name} {number(f.value, 5)} {readable(f.unit)}".rstrip() for f in row.recomputed)
