@@ -16,6 +16,7 @@ import casadi as ca
 import numpy as np
 
 from models import maglev_stage, windings
+from synth.analyse import magnitude
 from synth.block import Block, Exprs, Step, build, clip, compose
 from synth.plant import Plant
 from synth.signals import Signal
@@ -186,7 +187,7 @@ def decoupling(plant: Plant, lv3: str = "csch2", restored: bool = True) -> Block
     box = {"y": Signal("y", "m", *GAP), "phi": Signal("phi", "rad", -PHI, PHI)}
     box["theta"] = Signal("theta", "rad", -THETA, THETA)
     motor = Signal("i", "A", -CURRENT, CURRENT)
-    values = maglev_stage.nominal(**{p.name: p.value for p in plant.parameters})
+    values = _values(plant)
     model = maglev_stage.simplified(maglev_stage.input_polynomial(values, lv3))
     positions = [a.position for a in AXES if a.name in box]
     demands = [a.demand for a in AXES]
@@ -235,12 +236,23 @@ def decoupling(plant: Plant, lv3: str = "csch2", restored: bool = True) -> Block
     return build("decoupling", TIME, law, inputs=inputs, outputs=outputs, tag="F(8), F(12), limits")
 
 
+def _values(plant: Plant) -> dict[str, ca.SX]:
+    return maglev_stage.nominal(**{p.name: p.value for p in plant.parameters})
+
+
 def blocks(plant: Plant, lv3: str = "csch2", restored: bool = True, wound: bool = True) -> list[Block]:
     """Return the Blocks of the controller for the stage's parameters; `wound=False` leaves the anti-windup out."""
     guard = safety.guard(TIME, INPUTS, BAD_SAMPLES)
     loops = [block for a in AXES for block in (_filter(a), regulator_block(a, wound))]
     limits = [decoupling(plant, lv3, restored), safety.safe_output(TIME, OUTPUTS, SAFETY)]
     return [guard, kinematics(plant), errors(), *loops, *limits]
+
+
+def require_invertible(plant: Plant) -> None:
+    """Raise ModelError, saying where, for a plant whose decoupling matrix in F(12) is singular in the box."""
+    model = maglev_stage.simplified(maglev_stage.input_polynomial(_values(plant)))
+    box = (Signal("y", "m", *GAP), Signal("phi", "rad", -PHI, PHI), Signal("theta", "rad", -THETA, THETA))
+    magnitude.require_invertible(model.decoupling(), model.x, box, "decoupling matrix of F(12)")
 
 
 def controller(plant: Plant, lv3: str = "csch2", restored: bool = True, wound: bool = True) -> Block:

@@ -26,6 +26,7 @@ BAD_SET_POINT = slice(800, 810)
 def emitted(scalar: type[np.floating]) -> dict[str, write.Emitted]:
     """Return the files of maglev_5dof and maglev_5dof_phase in a scalar type, by folder."""
     plant = maglev_stage.plant()
+    control.require_invertible(plant)
     controller = write.emit(control.controller(plant), scalar, control.SAFETY, {"design": gains(plant, scalar)})
     phase = write.emit(control.phase_currents(plant), scalar)
     recorded = _recorded(plant, host.load(controller.files, controller.manifest))
@@ -102,7 +103,7 @@ class Recorded:
 
 
 def _recorded(plant: Plant, controller: host.Controller) -> Recorded:
-    """Return a lift-off from the 31 mm stop with moves in x, z and theta, three bad encoder samples, a bad set-point."""
+    """Return a lift-off from the stop with moves in x, z and theta, three bad encoder samples and a bad set-point."""
     time = sample_times(STEPS * control.TIME.period_s, control.TIME.period_s)
     wave = np.sin(control.OMEGA0 * time)
     references = {

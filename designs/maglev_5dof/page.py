@@ -19,7 +19,7 @@ BESIDE = {
     "y_22_29": "Fig. 4 of the paper: overshoot 1 mm or 14.3 %, t_s below 3 s, t_enc about 5 s for a step of 7 mm.",
     "theta_10": "Fig. 5 of the paper: overshoot 2.2 mrad or 22 %, t_s below 5 s, t_enc below 10 s, with fluctuations.",
     "ellipse": "Fig. 6 of the paper; its mean errors are 33.04 um in y, 78.33 um in x, 68.25 um in z.",
-    "tracking": "Figs. 7 and 8 of the paper; its mean errors are 47.03 um in y, 77.98 and 76.85 um in x and z, 123.9 urad.",
+    "tracking": "Figs. 7 and 8 of the paper; mean errors 47.03 um in y, 77.98 in x, 76.85 in z, 123.9 urad in theta.",
 }
 MODEL = (
     ("F(1)", "F_H = -K_h L_h(g) i_q"),
@@ -88,11 +88,11 @@ def _gains(plant: Plant) -> page.Section:
     rows = []
     for name, g in found.items():
         gain, optimum, certificate = g["K"], g["sampled_data_optimum"], g["certificate"]
+        origin = "" if g["published_weights"] else " (theta's, unpublished)"
         rows.append(
             (
                 name,
-                ", ".join(f"{q:g}" for q in g["weights_Q"])
-                + ("" if g["published_weights"] else " (theta's, unpublished)"),
+                ", ".join(f"{q:g}" for q in g["weights_Q"]) + origin,
                 ", ".join(f"{k:.6g}" for k in gain),
                 ", ".join(g["poles_rad_s"]),
                 f"{certificate['relative_residual_below']:g}",

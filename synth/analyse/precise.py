@@ -36,7 +36,7 @@ def matrix(values: ArrayLike) -> flint.arb_mat:
 
 def rounded(balls: flint.arb_mat) -> Array:
     """Return the midpoints (n, m), each rounded to the nearest double; below ZERO of the largest entry they are 0."""
-    least = ZERO * norm(balls)
+    least = _least(balls)
     found = np.zeros((balls.nrows(), balls.ncols()))
     for i, j in np.ndindex(*found.shape):
         middle = balls[i, j].mid()
@@ -52,7 +52,7 @@ def resolved(compute: Callable[[], flint.arb_mat], what: str) -> Array:
     for bits in (BITS, 4 * BITS, 16 * BITS):
         with precision(bits):
             balls = compute()
-            least = ZERO * norm(balls)
+            least = _least(balls)
             if all(v.rel_accuracy_bits() >= 64 or abs(v) < least for v in balls.entries()):
                 return rounded(balls)
     raise ModelError(
@@ -70,6 +70,12 @@ def norm(balls: flint.arb_mat) -> float:
     """Return an upper bound of the largest entry's absolute value, to double precision; inf if one is not known."""
     bounds = [float(abs(v).upper()) for v in balls.entries()]
     return max((np.inf if np.isnan(b) else b for b in bounds), default=0.0)
+
+
+def _least(balls: flint.arb_mat) -> flint.arb:
+    """Return the size below which an entry counts as 0; none does beside an entry of unknown size."""
+    largest = norm(balls)
+    return ZERO * largest if np.isfinite(largest) else flint.arb(0)
 
 
 def identity(n: int) -> flint.arb_mat:

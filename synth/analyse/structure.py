@@ -20,7 +20,7 @@ from synth.statespace import Array, StateSpace
 from synth.timing import Continuous, Time
 
 COUPLING = 1e-11  # of the balanced matrices' size: what is weaker counts as rounding error and moves nothing
-DECAY = 1e-12  # of the modes' size: what decays slower counts as not decaying
+DECAY = 1e-12  # of the size of balanced A: what decays slower counts as not decaying
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ def unmoved(A: ArrayLike, B: ArrayLike, states: Sequence[str], time: Time) -> li
     balanced, (scaling, _) = scipy.linalg.matrix_balance(A, permute=False, separate=True)
     unreached = scipy.linalg.null_space(_reached(balanced, B / scaling[:, None]).T)
     values, vectors = np.linalg.eig(unreached.T @ balanced.T @ unreached)
-    size = float(np.abs(values).max(initial=0.0))
+    size = float(np.linalg.norm(balanced))
     found = []
     for s, v in zip(values, vectors.T, strict=True):
         decays = s.real < -DECAY * size if isinstance(time, Continuous) else abs(s) < 1 - DECAY

@@ -23,7 +23,7 @@ from synth.statespace import Array, StateSpace
 from synth.timing import Discrete
 
 DECIBELS = (-60.0, 80.0)  # what is shown: the poles of an internal model are infinitely high
-WIDTHS = (3.2, 1.9, 0.8)  # curves that coincide stay visible under each other
+WIDTHS = (2.6, 1.6, 0.7)  # curves that coincide stay visible under each other
 NYQUIST = 0.98  # of pi/T is shown: at pi/T itself L is real, and its phase jumps there
 
 

@@ -23,7 +23,7 @@ def number(value: float | str, digits: int = 4) -> str:
         return value
     if not math.isfinite(value):
         return "no number" if math.isnan(value) else "∞" if value > 0 else "−∞"
-    if value == int(value) and abs(value) < 1e6 or isinstance(value, int):
+    if (value == int(value) and abs(value) < 1e6) or isinstance(value, int):
         text = f"{int(value):,}"
     elif 10.0**digits <= abs(value) < 1e6:
         text = f"{value:,.0f}"

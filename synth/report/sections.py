@@ -53,12 +53,12 @@ def loop(title: str, name: str, curves: Sequence[bode.LoopCurve]) -> Section:
 
 
 def margins_table(caption: str, curves: Iterable[bode.LoopCurve]) -> Table:
-    """Return the margins of each loop, the worst over all its crossings."""
+    """Return the margins of each loop, the worst over all its crossings, and its highest crossover."""
     columns = (
-        *("loop", "closed loop", "highest crossover, Hz", "gain up to, ×", "gain down to, ×", "phase, °"),
+        *("loop", "closed loop", "crossover, Hz", "gain up, ×", "gain down, ×", "phase, °"),
         *("delay, ms", "modulus", "Ms", "Ms at, Hz"),
     )
-    return Table(f"Margins, {caption}, the worst of all crossings", columns, tuple(_margins(c) for c in curves))
+    return Table(f"Margins, {caption}: the worst of all crossings; the highest crossover", columns, tuple(_margins(c) for c in curves))
 
 
 def agreements(found: Iterable[Agreement]) -> Table:

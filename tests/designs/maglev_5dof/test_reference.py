@@ -17,6 +17,9 @@ from designs.maglev_5dof import reference
 Array = NDArray[np.float64]
 P = reference.Parameters()
 T = 1e-3
+# bounds of error, lag and rate that the step keeps
+FILTER_BOUNDS = {"y": (0.0165, 0.033, 30), "x": (0.15, 0.3, 30), "z": (0.15, 0.3, 30)}
+FILTER_BOUNDS |= {"phi": (0.023, 0.046, 60), "theta": (0.045, 0.09, 60)}
 ODE = {"y": 1, "phi": 7, "theta": 9}  # rows of the plant's derivative
 
 
@@ -87,6 +90,14 @@ POLES = {
 DIGITS = {"y": (0.1, 0.01, 0.01), "x": (0.01, 0.02, 0.01), "theta": (0.1, 0.01, 0.01)}
 
 
+# K of (e, e', xi1, xi2, xi3) from a Riccati solution made apart from this one
+GAINS = {
+    "y": (-1699.7, -182.75, -50000.0, 2725.5, -7806.8),
+    "x": (-525.33, -50.504, -21213.0, -1253.6, -2742.2),
+    "theta": (-2050.0, -210.00, -63246.0, 1910.6, -9901.3),
+}
+
+
 class TestGains:
     @staticmethod
     def poles(K: Array) -> Array:
@@ -99,6 +110,10 @@ class TestGains:
     def test_published_poles(self, axis: str) -> None:
         error = np.abs(self.poles(reference.constants().K[axis]) - np.array(POLES[axis]))
         assert np.all(error < DIGITS[axis])
+
+    @pytest.mark.parametrize("axis", ["y", "x", "theta"])
+    def test_digits(self, axis: str) -> None:
+        np.testing.assert_allclose(reference.constants().K[axis], GAINS[axis], rtol=3e-5)
 
     def test_poles_of_another_axis_do_not_pass(self) -> None:
         error = np.abs(self.poles(reference.constants().K["theta"]) - np.array(POLES["y"]))
@@ -157,7 +172,7 @@ class TestDiscretisation:
         np.testing.assert_allclose(k.Phi, [[1, s / o, (1 - c) / o**2], [0, c, s / o], [0, -o * s, c]], rtol=1e-10)
         np.testing.assert_allclose(k.N, [(o * T - s) / o**3, (1 - c) / o**2, s / o], rtol=1e-9)
         M = np.zeros((4, 4))
-        M[:3, :3], M[:3, 3] = reference.internal_model().astype(float), reference.ANTI_WINDUP
+        M[:3, :3], M[:3, 3] = reference.internal_model().astype(float), 7e-5
         np.testing.assert_allclose(k.E, linalg.expm(M * T)[:3, 3], rtol=1e-13)
 
     def test_filter_is_exact_on_ramps_between_samples(self) -> None:
@@ -201,6 +216,14 @@ class TestGuard:
         assert held[f"guard_last_{name}"] == state[f"guard_last_{name}"]
         _, expected, _ = reference.step(state, inputs(**{name: state[f"guard_last_{name}"][0]}))
         assert {s: i[0] for s, i in out.items()} == {s: i[0] for s, i in expected.items()}
+
+    def test_ranges(self) -> None:
+        """Motor gaps over the box of gap and angles; twice the stroke; the box itself."""
+        assert reference.LIMITS == {
+            **{"y1": (0.0168, 0.0322), "y2": (0.0124, 0.0366), "y3": (0.0168, 0.0322), "y4": (0.0124, 0.0366)},
+            **{"x": (-0.1, 0.1), "z": (-0.1, 0.1), "y_ref": (0.018, 0.031), "x_ref": (-0.05, 0.05)},
+            **{"z_ref": (-0.05, 0.05), "phi_ref": (-0.003, 0.003), "theta_ref": (-0.014, 0.014)},
+        }
 
     def test_bounds_are_inside(self) -> None:
         for name, (low, high) in reference.LIMITS.items():
@@ -316,6 +339,16 @@ class TestLaw:
             assert np.mean(restored(s)) < np.mean(printed(s)) / 5
         assert np.mean(printed("y")) > 1e-2
 
+    def test_the_model_is_taken_inside_the_box(self) -> None:
+        """Past the box the law is that of its edge, for the same demands."""
+        w = {s: np.array(0.5) for s in reference.AXES}
+        edge = {"y": np.array(0.018), "phi": np.array(0.003), "theta": np.array(-0.014)}
+        past = {"y": np.array(0.017), "phi": np.array(0.004), "theta": np.array(-0.02)}
+        inner = {s: 0.99 * v for s, v in edge.items()} | {"y": np.array(0.0181)}
+        at_edge, beyond, within = (reference.currents(w, q, reference.constants())[0] for q in (edge, past, inner))
+        assert at_edge == beyond
+        assert at_edge != within
+
     @pytest.mark.parametrize("restored", [True, False])
     def test_motor_limit(self, restored: bool) -> None:
         rng, n = np.random.default_rng(3), 20_000
@@ -324,7 +357,8 @@ class TestLaw:
         assert np.all(rms <= 7 / sqrt(2) * (1 + 1e-15))
         assert np.mean(rms > 4.949) > 0.5
         for s in reference.AXES:
-            assert np.all(np.abs(state[f"filter_{s}_v"]) <= reference.RATES[s])
+            for part, bound in zip(("q_prev", "lag", "v"), FILTER_BOUNDS[s], strict=True):
+                assert np.all(np.abs(state[f"filter_{s}_{part}"]) <= bound * (1 + 1e-15))
             for i, bound in enumerate(reference.XI[s]):
                 assert np.all(np.abs(state[f"regulator_{s}_xi{i + 1}"]) <= bound)
 
