@@ -16,7 +16,8 @@ from typing import Literal, TypeVar, cast
 import casadi as ca
 import numpy as np
 
-from designs.maglev_5dof import audit_continuous, control, experiments, loop
+from designs.maglev_5dof import audit_continuous, experiments, loop
+from designs.maglev_5dof.audit_continuous import Reference
 from designs.maglev_5dof.audit_motor import geometry
 from models import slotted_field
 from synth.execute import host
@@ -86,14 +87,13 @@ class Bench:
         return ca.Function("guides", [x, t], [ca.vcat(list(added.values()))])
 
     def _ideal(self, four: bool, springs: Springs, lv3: str) -> audit_continuous.Motion:
-        w = control.OMEGA0
-        references: dict[str, audit_continuous.Reference] = {
-            "y": lambda t: 0.005 * ca.sin(w * t - pi / 2) + 0.025,
-            "x": lambda t: 0.03 * ca.sin(w * t - pi / 2),
-            "z": lambda t: 0.03 * ca.sin(w * t),
+        references = {
+            "y": Reference(0.025, 0.005, -pi / 2),
+            "x": Reference(0.0, 0.03, -pi / 2),
+            "z": Reference(0.0, 0.03),
         }
         if four:
-            references |= {"phi": lambda t: ca.SX(0), "theta": lambda t: 0.01 * ca.sin(w * t)}
+            references |= {"phi": Reference(), "theta": Reference(0.0, 0.01)}
         start = {"y": 0.020, "x": -0.03}
         return audit_continuous.run(*self._pair(springs), references, start, self.duration_s / 3, lv3)
 

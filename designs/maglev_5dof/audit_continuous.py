@@ -8,8 +8,9 @@ The linear loop is the double integrator e'' = w of (13) instead of law and plan
 of the audit none reaches 7 A peak.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cache
 
 import casadi as ca
 import numpy as np
@@ -18,16 +19,27 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from designs.maglev_5dof import audit_model, control
-from designs.maglev_5dof.audit_motor import values
 from models import maglev_stage, pmlsm
 from synth.plant import Plant
 from synth.simulate import metrics
 from synth.simulate.scenario import sample_times
 
 Array = NDArray[np.float64]
-Reference = Callable[[ca.SX], ca.SX]
 SAMPLE = 1e-3  # s, at which the continuous responses are judged
 RELATIVE, ABSOLUTE = 1e-9, 1e-12  # of the integration
+
+
+@dataclass(frozen=True)
+class Reference:
+    """mean + amplitude sin(omega0 t + phase), m or rad; constant for the amplitude 0."""
+
+    mean: float = 0.0
+    amplitude: float = 0.0
+    phase: float = 0.0
+
+    def at(self, time: Array) -> Array:
+        """Return the values at the times (N,) in s."""
+        return self.mean + self.amplitude * np.sin(control.OMEGA0 * time + self.phase)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +91,8 @@ def run(
     among the axes v_phi = v_theta = 0.
     """
     names = tuple(references)
-    derivative = _derivative(plant, known, references, lv3)
+    derivative = _derivative(tuple(axis(n) for n in names), lv3)
+    waves = np.array([[w.mean, w.amplitude, w.phase] for w in references.values()])
     state = np.zeros(5 * len(names))
     state[: 2 * len(names) : 2] = [start.get(n, 0.0) for n in names]
     low, high = control.GAP
@@ -90,7 +103,7 @@ def run(
     leaves.terminal = True  # type: ignore[attr-defined]
     time = sample_times(duration_s, SAMPLE)
     found = solve_ivp(
-        lambda t, x: np.asarray(derivative(t, x)).ravel(),
+        lambda t, x: np.asarray(derivative(t, x, plant.values, known.values, waves)).ravel(),
         (0.0, time[-1]),
         state,
         method="LSODA",
@@ -99,40 +112,43 @@ def run(
         rtol=RELATIVE,
         atol=ABSOLUTE,
     )
-    t = ca.SX.sym("t")
-    target = ca.Function("r", [t], [ca.vcat([ca.SX(references[n](t)) for n in names])])
-    error = found.y[: 2 * len(names) : 2] - np.asarray(target(found.t[None, :]))
+    error = {n: found.y[2 * k] - references[n].at(found.t) for k, n in enumerate(names)}
     left = float(found.t_events[0][0]) if len(found.t_events[0]) else np.inf
-    return Motion(found.t, dict(zip(names, error, strict=True)), left)
+    return Motion(found.t, error, left)
 
 
-def _derivative(plant: Plant, known: Plant, references: Mapping[str, Reference], lv3: str) -> ca.Function:
-    """Return d/dt of (q, v of each axis, then xi of each) as a function of (t, state)."""
-    names = tuple(references)
-    t, state = ca.SX.sym("t"), ca.SX.sym("state", 5 * len(names))
-    moving = {n: state[2 * k] for k, n in enumerate(names)}
-    speed = {n: state[2 * k + 1] for k, n in enumerate(names)}
-    w, d_xi = {n: ca.SX(0) for n in maglev_stage.RATE}, []
-    for k, n in enumerate(names):
-        r = ca.SX(references[n](t))
-        xi = state[2 * len(names) + 3 * k : 2 * len(names) + 3 * k + 3]
-        z = ca.vertcat(moving[n] - r, speed[n] - ca.jacobian(r, t), xi)
-        w[n] = ca.mtimes(ca.DM(np.asarray(control.gain(axis(n)).K)), z)
-        d_xi.append(ca.mtimes(ca.DM(np.asarray(control.axis_plant(axis(n)).A)), z)[2:])
-    inputs = law(known, lv3, moving, w)
-    pose = {n: moving.get(n, ca.SX(0)) for n in ("y", "phi", "theta")}
+@cache
+def _derivative(axes: tuple[control.Axis, ...], lv3: str) -> ca.Function:
+    """Return d/dt of (q, v of each axis, then xi of each) for (t, state, parameters, those known to (12), waves)."""
+    count = len(axes)
+    t, state, waves = ca.SX.sym("t"), ca.SX.sym("state", 5 * count), ca.SX.sym("waves", count, 3)
+    true, known = maglev_stage.parameter_symbols(), maglev_stage.parameter_symbols()
+    position = {a.name: state[2 * k] for k, a in enumerate(axes)}
+    speed = {a.name: state[2 * k + 1] for k, a in enumerate(axes)}
+    w, d_xi = dict.fromkeys(maglev_stage.RATE, ca.SX(0)), []
+    for k, a in enumerate(axes):
+        reference = waves[k, 0] + waves[k, 1] * ca.sin(control.OMEGA0 * t + waves[k, 2])
+        xi = state[2 * count + 3 * k : 2 * count + 3 * k + 3]
+        z = ca.vertcat(position[a.name] - reference, speed[a.name] - ca.jacobian(reference, t), xi)
+        w[a.name] = ca.mtimes(ca.DM(np.asarray(control.gain(a).K)), z)
+        d_xi.append(ca.mtimes(ca.DM(np.asarray(control.axis_plant(a).A)), z)[2:])
+    inputs = law(known, lv3, position, w)
+    pose = {n: position.get(n, ca.SX(0)) for n in ("y", "phi", "theta")}
     reading = pmlsm.Reading("coth2" if lv3 == "coth2" else "csch2")
-    second = maglev_stage.accelerations(pose, inputs, values(plant), reading)
-    slopes = [slope for n in names for slope in (speed[n], second[n])]
-    return ca.Function("derivative", [t, state], [ca.vcat([*slopes, *d_xi])], {"cse": True})
+    second = maglev_stage.accelerations(pose, inputs, true, reading)
+    slopes = [slope for a in axes for slope in (speed[a.name], second[a.name])]
+    arguments = [t, state, ca.vcat(list(true.values())), ca.vcat(list(known.values())), waves]
+    return ca.Function("derivative", arguments, [ca.vcat([*slopes, *d_xi])], {"cse": True})
 
 
-def law(known: Plant, lv3: str, position: Mapping[str, ca.SX], w: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
+def law(
+    known: Mapping[str, ca.SX], lv3: str, position: Mapping[str, ca.SX], w: Mapping[str, ca.SX]
+) -> dict[str, ca.SX]:
     """Return i_d1..i_d4, u_x, u_z in A from positions and demanded accelerations. Source: (8), (12).
 
-    Without theta among the positions v_phi = v_theta = 0, and (12) is its first row.
+    `known` holds the parameters by name. Without theta among the positions v_phi = v_theta = 0, and (12) is its first row.
     """
-    model = maglev_stage.simplified(maglev_stage.input_polynomial(values(known), lv3))
+    model = maglev_stage.simplified(maglev_stage.input_polynomial(known, lv3))
     found = audit_model.inverse(model, w)
     if "theta" not in position:
         c = model.coefficients

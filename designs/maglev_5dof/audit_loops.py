@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping
 
-import casadi as ca
 import numpy as np
 
 from designs.maglev_5dof import audit_continuous, experiments, loop
 from designs.maglev_5dof.audit_bench import FRICTION, SPRINGS, Bench, Springs
+from designs.maglev_5dof.audit_continuous import Reference
 from designs.maglev_5dof.audit_motor import FORCES, MAGNETS
 from synth.report.audit import Published, Row, judge, row
 from synth.simulate import metrics
@@ -44,7 +44,7 @@ def gap_step(bench: Bench, printed: Published) -> Row:
     size = printed["step"].value * 1e-3
     linear = audit_continuous.linear_step("y", size, experiments.BAND, loop.RESOLUTION)
     low = 0.022
-    motion = audit_continuous.run(bench.plant, bench.plant, {"y": lambda t: ca.SX(low + size)}, {"y": low}, 6.0)
+    motion = audit_continuous.run(bench.plant, bench.plant, {"y": Reference(low + size)}, {"y": low}, 6.0)
     gap = motion.error["y"] + low + size
     full = metrics.step_response(motion.time, gap, low, low + size, experiments.BAND, loop.RESOLUTION)
     figures = [*_step_figures("linear", linear), *_step_figures("nonlinear, 22 to 29 mm", full)]

@@ -93,8 +93,8 @@ def double_integrators(plant: Plant, printed: Published) -> Row:
     figures += [(f"greatest |{n}''| of (9) at w = 0", greatest[n], units[n]) for n in terms]
     why = (
         "Rule: at 50 points of the box |x'' - w| <= 1e-9 (1 + |w|) on all five axes of the simplified model (11). On "
-        "the full model (9) the dropped terms remain as disturbances, searched for at five gaps over both angles; the winding does "
-        "not matter, the law scales its currents."
+        "the full model (9) the dropped terms remain as disturbances, searched for at five gaps over both angles; the "
+        "winding does not matter, since the law scales its currents."
     )
     depends = (*MAGNETS, "M_y", "r", "I_x", "I_z", "G", "k_s_phi", "k_s_theta")
     return row(printed, figures, judge(reduced == printed["axes"].value), why, depends)

@@ -216,7 +216,8 @@ def decoupling(plant: Plant, lv3: str = "csch2", restored: bool = True) -> Block
 
         def limited(thrust: dict[str, ca.SX], i_d: list[ca.SX]) -> dict[str, ca.SX]:
             worst = {"x": ca.fmax(i_d[1] ** 2, i_d[3] ** 2), "z": ca.fmax(i_d[0] ** 2, i_d[2] ** 2)}
-            room = {n: ca.sqrt(CURRENT**2 - square) for n, square in worst.items()}
+            # In single precision, or fused, the square of a current at its limit may exceed the square of the limit.
+            room = {n: ca.sqrt(ca.fmax(CURRENT**2 - square, 0)) for n, square in worst.items()}
             return {n: ca.fmax(ca.fmin(thrust[n], room[n]), -room[n]) for n in thrust}
 
         i_d = levitation({"x": ca.SX(0), "z": ca.SX(0)}, None)

@@ -25,10 +25,8 @@ MODEL = (
     ("F(1)", "F_H = -K_h L_h(g) i_q"),
     ("F(2)", "F_V = -K_{v1} L_{v1}(g) + K_{v2} L_{v2}(g) i_d - K_{v3} L_{v3}(g) (i_d^2 + i_q^2)"),
     ("F(5)", "g_1 = y - r sin φ,  g_2 = y + r sin θ,  g_3 = y + r sin φ,  g_4 = y - r sin θ"),
-    (
-        "F(6)",
-        "y'' = G + (F_{V1} + F_{V2} + F_{V3} + F_{V4}) / M_y,  x'' = (F_{H2} + F_{H4}) / M_x,  z'' = (F_{H1} + F_{H3}) / M_z",
-    ),
+    ("F(6)", "y'' = G + (F_{V1} + F_{V2} + F_{V3} + F_{V4}) / M_y"),
+    ("F(6)", "x'' = (F_{H2} + F_{H4}) / M_x,  z'' = (F_{H1} + F_{H3}) / M_z"),
     ("F(7)", "φ'' = r (F_{V3} - F_{V1}) / I_x - k_{sφ} φ,  θ'' = r (F_{V2} - F_{V4}) / I_z - k_{sθ} θ"),
 )
 LAW = (
@@ -58,7 +56,7 @@ def report(
         "carry and move a platen. This page was computed from the physics; every figure on it was measured on the C "
         "that ships, or on the model that the C was derived from."
     )
-    facts = (("sample period", f"{control.TIME.period_s * 1e3:g} ms"), ("scalar type", "float32"))
+    facts: tuple[tuple[str, str], ...] = (("sample period", f"{control.TIME.period_s * 1e3:g} ms"), ("scalar type", "float32"))
     facts += (("inputs", "6 encoders, 5 set-points"), ("outputs", "direct and quadrature currents of 4 motors, rms"))
     return page.render(page.Report("maglev_5dof", about, sections, facts))
 
@@ -71,8 +69,8 @@ def _model(plant: Plant) -> page.Section:
     )
     text = page.Text(
         "Forces are positive downwards, where they open the gap; currents are rms. L_v3 contains csch^2: the printed "
-        "coth^2 leaves out the stress of the tangential field on the winding. p counts the 6 poles. The guides' springs "
-        "k_s are not published; the values below are assumptions, and the controller compensates them."
+        "coth^2 leaves out the stress of the tangential field on the winding. p counts the 6 poles. The guides' "
+        "springs k_s are not published; the values below are assumptions, and the controller compensates them."
     )
     law = page.Text(
         "The controller inverts the model without the terms that the paper drops, then puts these terms back at the "

@@ -276,9 +276,9 @@ def rate(s: str, e: Array, state: Columns, k: Constants) -> tuple[Array, dict[st
     lag, v, step = state[f"filter_{s}_lag"], state[f"filter_{s}_v"], e - state[f"filter_{s}_q_prev"]
     ready = np.asarray(state["guard_ready"]) > 0
     lag, v = (np.where(ready, k.F[n, 0] * lag + k.F[n, 1] * v + k.G[n] * step, 0.0) for n in (0, 1))
-    low, high = POSITIONS[s][0] - LIMITS[f"{s}_ref"][1], POSITIONS[s][1] - LIMITS[f"{s}_ref"][0]
-    span = high - low
-    after = {"q_prev": np.clip(e, low, high), "lag": np.clip(lag, -span, span), "v": np.clip(v, -RATES[s], RATES[s])}
+    (low, high), (least, most) = POSITIONS[s], LIMITS[f"{s}_ref"]
+    span = (high - least) - (low - most)
+    after = {"q_prev": e, "lag": np.clip(lag, -span, span), "v": np.clip(v, -RATES[s], RATES[s])}
     return v, {f"filter_{s}_{name}": value for name, value in after.items()}
 
 

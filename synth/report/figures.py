@@ -219,7 +219,7 @@ def _stacked(time: ArrayLike, panels: Sequence[Panel], draw: Callable[[Axes, Arr
 
 def _signals(axes: Axes, time: Array, panel: Panel, window: Window | None) -> None:
     unit, factor = COARSE.get(panel.unit, (panel.unit, 1.0))
-    low, high = window or (time[0], time[-1])
+    low, high = window or _span(time)
     inside = (time >= low) & (time <= high)
     for (k, curve), style in zip(enumerate(panel.curves), _styles(panel.curves), strict=True):
         _fitting(time, panel, curve)
@@ -228,7 +228,7 @@ def _signals(axes: Axes, time: Array, panel: Panel, window: Window | None) -> No
         axes.plot(time[inside][at], v[at], label=curve.label, zorder=3 + k, **style)
     for label, level in panel.levels:
         axes.axhline(factor * level, color="#666666", ls=":", lw=0.9, label=label)
-    axes.set_ylabel(f"{panel.quantity}, {unit}")
+    axes.set(ylabel=f"{panel.quantity}, {unit}", xlim=(low, high))
 
 
 def _errors(axes: Axes, time: Array, panel: Panel) -> None:
@@ -246,7 +246,12 @@ def _errors(axes: Axes, time: Array, panel: Panel) -> None:
     axes.yaxis.set_major_locator(LogLocator(10, numticks=7))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
     axes.yaxis.set_minor_formatter(NullFormatter())
-    axes.set_ylabel(f"{panel.quantity}, {unit}")
+    axes.set(ylabel=f"{panel.quantity}, {unit}", xlim=_span(time))
+
+
+def _span(time: Array) -> Window:
+    """Return the whole time, the last sample's period included, so that 60 s of samples end at 60 s."""
+    return float(time[0]), float(2 * time[-1] - time[-2]) if len(time) > 1 else float(time[0]) + 1.0
 
 
 def _fitting(time: Array, panel: Panel, curve: Curve) -> Array:

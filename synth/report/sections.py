@@ -58,7 +58,11 @@ def margins_table(caption: str, curves: Iterable[bode.LoopCurve]) -> Table:
         *("loop", "closed loop", "crossover, Hz", "gain up, ×", "gain down, ×", "phase, °"),
         *("delay, ms", "modulus", "Ms", "Ms at, Hz"),
     )
-    return Table(f"Margins, {caption}: the worst of all crossings; the highest crossover", columns, tuple(_margins(c) for c in curves))
+    return Table(
+        f"Margins, {caption}: the worst of all crossings; the highest crossover",
+        columns,
+        tuple(_margins(c) for c in curves),
+    )
 
 
 def agreements(found: Iterable[Agreement]) -> Table:
@@ -108,4 +112,4 @@ def _margins(curve: bode.LoopCurve) -> tuple[Cell, ...]:
 
 
 def _recomputed(row: Row) -> str:
-    return "; ".join(f"{f.name} {number(f.value, 5)} {readable(f.unit)}".rstrip() for f in row.recomputed)
+    return "\n".join(f"{f.name} {number(f.value, 5)} {readable(f.unit)}".rstrip() for f in row.recomputed)

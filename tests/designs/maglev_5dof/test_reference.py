@@ -220,9 +220,17 @@ class TestGuard:
     def test_ranges(self) -> None:
         """Motor gaps over the box of gap and angles; twice the stroke; the box itself."""
         assert reference.LIMITS == {
-            **{"y1": (0.0168, 0.0322), "y2": (0.0124, 0.0366), "y3": (0.0168, 0.0322), "y4": (0.0124, 0.0366)},
-            **{"x": (-0.1, 0.1), "z": (-0.1, 0.1), "y_ref": (0.018, 0.031), "x_ref": (-0.05, 0.05)},
-            **{"z_ref": (-0.05, 0.05), "phi_ref": (-0.003, 0.003), "theta_ref": (-0.014, 0.014)},
+            "y1": (0.0168, 0.0322),
+            "y2": (0.0124, 0.0366),
+            "y3": (0.0168, 0.0322),
+            "y4": (0.0124, 0.0366),
+            "x": (-0.1, 0.1),
+            "z": (-0.1, 0.1),
+            "y_ref": (0.018, 0.031),
+            "x_ref": (-0.05, 0.05),
+            "z_ref": (-0.05, 0.05),
+            "phi_ref": (-0.003, 0.003),
+            "theta_ref": (-0.014, 0.014),
         }
 
     def test_bounds_are_inside(self) -> None:

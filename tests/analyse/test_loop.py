@@ -1,0 +1,166 @@
+"""A loop that is opened and closed again has the poles of one that was never opened."""
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from synth.analyse import loop, margins
+from synth.block import Block, Exprs, State, Step, build, compose
+from synth.errors import SignalError, TimingError
+from synth.signals import Signal
+from synth.statespace import StateSpace
+from synth.timing import Continuous, Discrete
+from tests import tolerances
+
+T = 0.01
+TIME = Discrete(T)
+KP, KD = 30.0, 8.0
+ENCODER, Q = Signal("encoder", "m", -1, 1), Signal("q", "m", -1, 1)
+RATE, FORCE = Signal("rate", "m/s", -100, 100), Signal("force", "N", -1e3, 1e3)
+SENSORS, ACTUATORS = {"encoder": "position"}, {"f": "force"}
+
+
+def plant(passes: float = 0.0) -> StateSpace:
+    """1 kg on a spring of -4 N/m (as a magnet's), with a second output that nothing reads."""
+    A, B, C = [[0, 1], [4, 0]], [[0], [1]], [[1, 0], [0, 1]]
+    names = (("x", "v"), ("f",), ("position", "speed"))
+    return StateSpace(A, B, C, [[passes], [0]], *names, Continuous())
+
+
+def blocks() -> list[Block]:
+    """Sensor, rate by difference, PD law with a slight cubic term."""
+    sense = build("sense", TIME, lambda u, x, k: Step({"q": u["encoder"]}), inputs=[ENCODER], outputs=[Q])
+
+    def difference(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        return Step({"rate": (u["q"] - x["last"]) / T}, {"last": u["q"]})
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        return Step({"force": -KP * u["q"] - KD * u["rate"] - 5 * u["q"] ** 3 + u["feed"]})
+
+    last, feed = State(Signal("last", "m", -1, 1), 0), Signal("feed", "N", -10, 10)
+    return [
+        sense,
+        build("rater", TIME, difference, inputs=[Q], outputs=[RATE], states=[last]),
+        build("law", TIME, law, inputs=[Q, RATE, feed], outputs=[FORCE]),
+    ]
+
+
+def controller(signal: str) -> StateSpace:
+    outputs = ["force", f"{signal}_out"] if signal != "force" else ["force_out", "rate"]
+    inputs = ["encoder", "feed", signal]
+    parts = loop.cut(blocks(), signal)
+    if signal == "force":  # the actuator reads what is cut
+        through = build("through", TIME, lambda u, x, k: Step({"drive": u["force"]}), inputs=[FORCE], outputs=[DRIVE])
+        parts, outputs = (*parts, through), ["drive", "force_out"]
+    block = compose("pd", parts, inputs=inputs, outputs=outputs)
+    return loop.linearised(block, {}, dict.fromkeys(inputs, 0.0))
+
+
+DRIVE = Signal("drive", "N", -1e3, 1e3)
+
+
+def opened(signal: str, delay: int = 1) -> StateSpace:
+    actuators = {"f": "drive"} if signal == "force" else ACTUATORS
+    return loop.opened(plant(), controller(signal), signal, SENSORS, actuators, delay)
+
+
+def closed_poles(L: StateSpace) -> np.ndarray:
+    return np.linalg.eigvals(L.A - L.B @ np.linalg.solve(np.eye(1) + L.D, L.C))
+
+
+def independent_poles(delay: int) -> np.ndarray:
+    """The loop written out by hand: x'' = 4 x + f has exp(A T) in cosh and sinh."""
+    c, s = np.cosh(2 * T), np.sinh(2 * T)
+    F, G = np.array([[c, s / 2], [2 * s, c]]), np.array([(c - 1) / 4, s / 2])
+    n = 2 + delay + 1  # x, v, delayed forces, last q
+    M = np.zeros((n, n))
+    M[:2, :2] = F
+    force = np.zeros(n)
+    force[0], force[-1] = -KP - KD / T, KD / T
+    chain = [M[2 + i] for i in range(delay)]
+    M[:2, 2] = G
+    for i in range(delay - 1):
+        chain[i][2 + i + 1] = 1
+    chain[-1][:] = force
+    M[-1, 0] = 1
+    return np.linalg.eigvals(M)
+
+
+def sorted_like(poles: np.ndarray) -> np.ndarray:
+    return np.sort_complex(np.round(poles[np.abs(poles) > 1e-6], 9))
+
+
+@pytest.mark.parametrize("signal", ["q", "rate", "force"])
+@pytest.mark.parametrize("delay", [1, 2])
+def test_closing_the_loop_again_gives_the_poles_of_the_whole(signal: str, delay: int) -> None:
+    """`rate` cut leaves the proportional path closed; the whole is the same wherever it is cut."""
+    ours, whole = sorted_like(closed_poles(opened(signal, delay))), sorted_like(independent_poles(delay))
+    np.testing.assert_allclose(ours, whole, rtol=0, atol=tolerances.of("pencil"))
+    other = sorted_like(independent_poles(3 - delay))
+    assert len(other) != len(ours) or np.abs(ours - other).max() > 1e-3  # another delay is told apart
+
+
+def test_the_loop_at_the_position_is_the_product_of_its_parts() -> None:
+    """L = (K_p + K_d (z - 1) / (T z)) z^-1 P(z) at a loop cut where nothing runs beside it."""
+    z = np.exp(1j * np.linspace(0.05, np.pi, 7))
+    c, s = np.cosh(2 * T), np.sinh(2 * T)
+    P = ((c - 1) / 4 * (z - c) + s / 2 * s / 2) / ((z - c) ** 2 - s**2)
+    expected = (KP + KD * (z - 1) / (T * z)) / z * P
+    for signal in ("q", "force"):
+        np.testing.assert_allclose(opened(signal).response(z)[:, 0, 0], expected, rtol=tolerances.of("pencil"))
+
+
+def test_the_stiffness_of_the_magnet_is_its_lower_gain_margin() -> None:
+    """At rest L = -K_p / 4: the gain may fall to 4/30 before the magnet wins."""
+    found = margins.of_loop(opened("q"))
+    assert found.stable and found.gain_reduction_margin == pytest.approx(4 / KP, rel=1e-6)
+
+
+def test_inputs_that_are_not_wired_stay_at_rest_and_names_say_what_is_what() -> None:
+    L = opened("q")
+    assert (L.inputs, L.outputs, L.time) == (("q",), ("q_out",), TIME)
+    assert L.states == ("plant_x", "plant_v", "plant_f_late1", "rater_last")
+
+
+def test_jacobians_agree_with_differences_off_rest() -> None:
+    block = compose("pd", blocks(), inputs=["encoder", "feed"], outputs=["force"])
+    at, h = {"encoder": 0.3, "feed": 1.0}, 1e-6
+    found, f = loop.linearised(block, {"rater_last": 0.2}, at), block.function()
+    up, down = (np.array(f([0.2], [0.3 + d, 1.0])[1]).item() for d in (h, -h))
+    assert found.D[0, 0] == pytest.approx((up - down) / (2 * h), rel=1e-6)
+    assert found.D[0, 0] == pytest.approx(-KP - KD / T - 15 * 0.3**2, rel=tolerances.of("double"))
+    np.testing.assert_array_equal(found.A, [[0]])
+    np.testing.assert_allclose(found.C, [[KD / T]])
+
+
+def test_names_that_are_not_known_are_refused() -> None:
+    with pytest.raises(SignalError, match="no Block drives 'gap': open the loop at a signal that one drives"):
+        loop.cut(blocks(), "gap")
+    block = compose("pd", blocks(), inputs=["encoder", "feed"], outputs=["force"])
+    with pytest.raises(SignalError, match=r"not known \['spin'\], missing \['feed'\]"):
+        loop.linearised(block, {"spin": 1.0}, {"encoder": 0.0})
+    for sensors, actuators in (({"encoder": "height"}, ACTUATORS), ({"eye": "position"}, ACTUATORS)):
+        with pytest.raises(SignalError, match=r"'(height|eye)' is not one of"):
+            loop.opened(plant(), controller("q"), "q", sensors, actuators)
+    with pytest.raises(SignalError, match=r"from 'torque' to 'f': 'torque' is not one of force, q_out"):
+        loop.opened(plant(), controller("q"), "q", SENSORS, {"f": "torque"})
+    with pytest.raises(SignalError, match="'rate' is not one of encoder, feed, q"):
+        loop.opened(plant(), controller("q"), "rate", SENSORS, ACTUATORS)
+
+
+def test_time_and_direct_paths_are_checked() -> None:
+    with pytest.raises(TimingError, match="continuous"):
+        loop.opened(plant(), plant(), "f", {}, {})
+    with pytest.raises(SignalError, match="at least one sample of delay"):
+        loop.opened(plant(1.0), controller("q"), "q", SENSORS, ACTUATORS, delay=0)
+    loop.opened(plant(1.0), controller("q"), "q", SENSORS, ACTUATORS, delay=1)
+
+
+def test_a_flag_that_is_cut_stays_the_flag_of_its_fault() -> None:
+    from dataclasses import replace
+
+    from synth.block import Fault
+
+    flagged = replace(blocks()[0], faults=(Fault(0, "q", None),))
+    (cut,) = loop.cut([flagged], "q")
+    assert cut.faults[0].output == "q_out" and ca.is_equal(cut.output["q_out"], flagged.output["q"])

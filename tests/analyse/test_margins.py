@@ -1,0 +1,213 @@
+"""Margins against closed forms, against python-control, and against the poles of loops closed at the margin."""
+
+import control
+import numpy as np
+import pytest
+import scipy.signal
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from synth.analyse import discretise, margins
+from synth.errors import ModelError, SignalError
+from synth.statespace import StateSpace, from_control
+from synth.timing import Continuous
+from tests import tolerances
+
+EXACT = tolerances.of("frequency")
+
+
+def loop(numerator: object, denominator: object, period: float = 0) -> StateSpace:
+    A, B, C, D = scipy.signal.tf2ss(np.asarray(numerator, float), np.asarray(denominator, float))
+    return from_control(control.ss(A, B, C, D, period))
+
+
+def gain(L: StateSpace, k: float) -> StateSpace:
+    return StateSpace(L.A, L.B, k * L.C, k * L.D, L.states, L.inputs, L.outputs, L.time)
+
+
+def decays(L: StateSpace) -> bool:
+    """Tell it from the roots of denominator + numerator, whatever the time."""
+    b, a = scipy.signal.ss2tf(L.A, L.B, L.C, L.D)
+    roots = np.roots(np.polyadd(a, b[0]))
+    return bool((roots.real < 0).all() if isinstance(L.time, Continuous) else (np.abs(roots) < 1).all())
+
+
+def test_an_integrator_has_90_degrees_at_its_gain() -> None:
+    found = margins.of_loop(loop([5], [1, 0]))
+    (crossing,) = found.gain_crossings
+    assert found.stable and crossing.frequency == pytest.approx(5, rel=EXACT)
+    assert found.phase_margin == pytest.approx(90, rel=EXACT)
+    assert found.delay_margin == pytest.approx(np.pi / 2 / 5, rel=EXACT)
+    assert found.gain_margin == np.inf and found.gain_reduction_margin == 0 and not found.phase_crossings
+    assert found.peak_sensitivity == pytest.approx(1, abs=1e-5)  # reached at infinity
+
+
+@pytest.mark.parametrize("k", [1e-4, 1e6])
+def test_no_crossing_is_too_slow_or_too_fast(k: float) -> None:
+    found = margins.of_loop(loop([k], [1, 0]))
+    assert [c.frequency for c in found.gain_crossings] == pytest.approx([k], rel=EXACT)
+
+
+def test_a_second_order_loop_meets_its_closed_form() -> None:
+    """L = w^2 / (s (s + 2 zeta w)): crossing at w sqrt(sqrt(4 zeta^4 + 1) - 2 zeta^2), S = (s^2 + 2 zeta w s) / (..)."""
+    w, zeta = 30.0, 0.25
+    found = margins.of_loop(loop([w * w], [1, 2 * zeta * w, 0]))
+    crossing = w * np.sqrt(np.sqrt(4 * zeta**4 + 1) - 2 * zeta**2)
+    v = np.linspace(0.5, 2, 2_000_001)
+    sensitivity = np.abs((-(v**2) + 2j * zeta * v) / (1 - v**2 + 2j * zeta * v))
+    assert found.gain_crossings[0].frequency == pytest.approx(crossing, rel=EXACT)
+    assert found.phase_margin == pytest.approx(np.degrees(np.arctan2(2 * zeta * w, crossing)), rel=EXACT)
+    assert found.peak_sensitivity == pytest.approx(sensitivity.max(), rel=tolerances.of("peak"))
+    assert found.peak_frequency == pytest.approx(w * v[sensitivity.argmax()], rel=1e-5)
+    assert found.modulus_margin == pytest.approx(1 / sensitivity.max(), rel=tolerances.of("peak"))
+
+
+def test_three_equal_lags_have_the_gain_margin_8() -> None:
+    found = margins.of_loop(gain(loop([1], [1, 3, 3, 1]), 4))
+    assert found.gain_margin == pytest.approx(2, rel=EXACT)
+    assert found.phase_crossings[0].frequency == pytest.approx(np.sqrt(3), rel=EXACT)
+    assert not margins.of_loop(gain(loop([1], [1, 3, 3, 1]), 8.01)).stable
+    assert margins.of_loop(gain(loop([1], [1, 3, 3, 1]), 7.99)).stable
+
+
+def test_an_unstable_plants_lower_gain_margin_lies_at_zero_frequency() -> None:
+    found = margins.of_loop(loop([4], [1, -1]))
+    assert found.stable and found.gain_margin == np.inf
+    assert found.gain_reduction_margin == pytest.approx(0.25, rel=EXACT)
+    assert found.phase_crossings[0].frequency == 0
+    assert decays(loop([1.01], [1, -1])) and not decays(loop([0.99], [1, -1]))
+    maglev = margins.of_loop(loop([9, 12], [1, 3, -1, -3]))  # 3 (3 s + 4) / ((s + 3) (s + 1) (s - 1))
+    assert maglev.gain_reduction_margin == pytest.approx(0.25, rel=EXACT)
+
+
+def test_an_input_that_passes_straight_on_crosses_at_infinity() -> None:
+    found = margins.of_loop(loop([-0.5, 0, 0], [1, 2, 1]))
+    assert found.gain_margin == pytest.approx(2, rel=EXACT)
+    assert found.phase_crossings[-1].frequency == np.inf
+    with pytest.raises(ModelError, match="1 \\+ L has no inverse"):
+        margins.of_loop(loop([-1, 0], [1, 1]))
+
+
+@pytest.mark.parametrize("w0", [0.37, 61.8, 4321.0])
+@pytest.mark.parametrize("zeta", [1e-3, 1e-6])
+def test_a_resonance_far_narrower_than_the_grid_is_found(w0: float, zeta: float) -> None:
+    """An integrator of gain w0/1000 with a residue so large that the resonance reaches |L| of some 50."""
+    peak = 50 * 2 * zeta
+    resonance = control.tf([peak * w0**2], [1, 2 * zeta * w0, w0**2]) + control.tf([w0 / 1000], [1, 0])
+    found = margins.of_loop(from_control(control.ss(resonance)))
+    around = [c.frequency for c in found.gain_crossings if abs(c.frequency / w0 - 1) < 0.5]
+    assert len(around) == 2 and around[0] < w0 < around[1]
+    assert np.abs(np.array(around) / w0 - 1) == pytest.approx(50 * zeta, rel=0.1)
+    assert len(found.phase_crossings) == 1
+
+
+def test_a_notch_far_narrower_than_the_grid_is_found() -> None:
+    notch = control.tf([1, 2e-7, 1], [1, 2e-3, 1]) * control.tf([1.5], [1])
+    found = margins.of_loop(from_control(control.ss(notch)))
+    assert len(found.gain_crossings) == 2
+
+
+def test_a_peak_of_sensitivity_far_narrower_than_the_grid_is_found() -> None:
+    """L passes -1 at a distance of 1e-4, where nothing in L itself is narrow."""
+    L = gain(loop([1], [1, 3, 3, 1]), 8 * (1 - 1e-6))
+    found = margins.of_loop(L)
+    w = np.sqrt(3) * (1 + np.linspace(-1e-5, 1e-5, 20001))
+    brute = 1 / np.abs(1 + L.response(1j * w)[:, 0, 0]).min()
+    assert brute > 1e5 and found.peak_sensitivity == pytest.approx(brute, rel=1e-4)
+
+
+@settings(derandomize=True, max_examples=20, deadline=None)
+@given(st.integers(0, 10**6), st.booleans())
+def test_random_loops_agree_with_python_control(seed: int, sampled: bool) -> None:
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(2, 5))
+    poles = np.concatenate([-rng.uniform(0.2, 5, n), [0.0]])
+    zeros = -rng.uniform(0.5, 8, n - 1)
+    L = loop(np.poly(zeros) * rng.uniform(0.5, 30), np.poly(poles))
+    L = discretise.with_delay(discretise.zero_order_hold(L, 0.05), 1) if sampled else L
+    found, witness = margins.of_loop(L), control.stability_margins(L.to_control(), returnall=True)
+    gm, pm, _, wpc, wgc, _ = witness
+    assume(len(wgc) > 0)
+    assert [c.frequency for c in found.gain_crossings] == pytest.approx(sorted(wgc), rel=1e-5)
+    at = np.argsort(wgc)
+    ours = [(c.phase_margin + 180) % 360 for c in found.gain_crossings]
+    assert ours == pytest.approx(list((np.asarray(pm)[at] + 180) % 360), abs=1e-3)
+    inner = [(f, g) for f, g in sorted(zip(wpc, gm, strict=True)) if f > 1e-3 and np.isfinite(g) and g > 0]
+    mine = [c for c in found.phase_crossings if c.frequency > 1e-3]
+    for f, g in inner:
+        assert any(c.frequency == pytest.approx(f, rel=1e-4) and c.gain_margin == pytest.approx(g, rel=1e-3) for c in mine)
+    assert found.stable == decays(L)
+
+
+def test_a_sampled_loop_may_cross_at_nyquist() -> None:
+    """L = 1 / (z + 0.5) at z = -1 is -2, at z = 1 is 2/3: stable below the gain 0.5 only."""
+    L = loop([0.4], [1, 0.5], 0.1)
+    found = margins.of_loop(L)
+    assert found.stable and found.phase_crossings[-1].frequency == pytest.approx(np.pi / 0.1)
+    assert found.gain_margin == pytest.approx(0.5 / 0.4, rel=EXACT)
+    assert decays(gain(L, 0.999 * found.gain_margin)) and not decays(gain(L, 1.001 * found.gain_margin))
+    assert found.peak_sensitivity == pytest.approx(5, rel=EXACT)  # 1/|1 - 0.8|, at Nyquist itself
+
+
+@settings(derandomize=True, max_examples=10, deadline=None)
+@given(st.integers(0, 10**6), st.booleans())
+def test_the_loop_is_marginal_at_each_of_its_margins(seed: int, sampled: bool) -> None:
+    rng = np.random.default_rng(seed)
+    L = loop(rng.uniform(1, 20) * np.poly(-rng.uniform(1, 9, 1)), np.poly([0, *-rng.uniform(0.5, 9, 3)]))
+    L = discretise.zero_order_hold(L, 0.05) if sampled else L
+    found = margins.of_loop(L)
+    assume(found.stable)
+    if np.isfinite(found.gain_margin):
+        assert decays(gain(L, found.gain_margin * (1 - 1e-4))) and not decays(gain(L, found.gain_margin * (1 + 1e-4)))
+    # a rotation of L by its phase margin puts it on -1, and then S has no bound
+    crossing = found.gain_crossings[0]
+    value = margins.response(L)(crossing.frequency)[0] * np.exp(-1j * np.radians(crossing.phase_margin))
+    assert value == pytest.approx(-1, abs=1e-7)
+
+
+@pytest.mark.parametrize("k", [0.5, 1.0, 2.0])
+def test_a_sampled_loop_bears_the_whole_samples_below_its_delay_margin_and_no_more(k: float) -> None:
+    T = 0.01
+    L = discretise.zero_order_hold(loop([20 * k, 60 * k], [1, 8, 0]), T)
+    samples = margins.of_loop(L).delay_margin / T
+    below = int(np.floor(samples))
+    assert below >= 3 and decays(discretise.with_delay(L, below)) and not decays(discretise.with_delay(L, below + 1))
+
+
+def test_a_continuous_loop_bears_its_delay_margin_and_no_more() -> None:
+    """A Padé delay of order 8 stands in for the delay."""
+    L = loop([20, 60], [1, 8, 0])
+    most = margins.of_loop(L).delay_margin
+    for factor, bears in ((0.99, True), (1.01, False)):
+        late = control.tf(*control.pade(factor * most, 8)) * control.tf([20, 60], [1, 8, 0])
+        assert (np.roots(np.polyadd(late.num[0][0], late.den[0][0])).real < 0).all() == bears
+
+
+def test_poles_on_the_axis_are_no_crossings() -> None:
+    """A resonator inside the controller: L is infinite at 3 rad/s, and its imaginary part changes sign there."""
+    b, a = np.polymul([2.0, 3.0], [1, 1, 9]), np.polymul([1, 0, 0], [1, 0, 9])
+    found = margins.of_loop(loop(b, a))
+    assert found.stable == decays(loop(b, a))
+    assert all(abs(c.frequency - 3) > 1e-3 for c in found.phase_crossings)
+    assert np.isfinite(found.peak_sensitivity) and found.gain_crossings
+    undamped = margins.of_loop(loop([1], [1, 0, 1]))
+    assert not undamped.stable and undamped.gain_crossings[0].frequency == pytest.approx(np.sqrt(2), rel=EXACT)
+
+
+def test_a_loop_without_states_and_one_without_gain_are_served() -> None:
+    still = StateSpace(np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), [[-0.5]], (), ("u",), ("y",), Continuous())
+    assert margins.of_loop(still).gain_margin == 2 and margins.of_loop(still).peak_sensitivity == 2
+    nothing = margins.of_loop(loop([0.0], [1, 1]))
+    assert nothing.stable and nothing.peak_sensitivity == 1 and not nothing.gain_crossings
+
+
+def test_a_hidden_undamped_mode_is_not_stable() -> None:
+    hidden = StateSpace(
+        np.diag([-1.0, 0.0]), [[1], [0]], [[1, 1]], [[0]], ("a", "b"), ("u",), ("y",), Continuous()
+    )
+    assert not margins.of_loop(hidden).stable
+
+
+def test_a_loop_of_two_inputs_is_refused() -> None:
+    with pytest.raises(SignalError, match="open it at one signal"):
+        margins.of_loop(StateSpace([[-1]], [[1, 1]], [[1]], [[0, 0]], ("x",), ("a", "b"), ("y",), Continuous()))
