@@ -26,7 +26,7 @@ from synth.simulate.scenario import sample_times
 
 Array = NDArray[np.float64]
 SAMPLE = 1e-3  # s, at which the continuous responses are judged
-RELATIVE, ABSOLUTE = 1e-9, 1e-12  # of the integration
+RELATIVE, ABSOLUTE = 1e-8, 1e-11  # of the integration
 
 
 @dataclass(frozen=True)
@@ -91,8 +91,10 @@ def run(
     among the axes v_phi = v_theta = 0.
     """
     names = tuple(references)
-    derivative = _derivative(tuple(axis(n) for n in names), lv3)
+    t, x = ca.SX.sym("t"), ca.SX.sym("x", 5 * len(names))
     waves = np.array([[w.mean, w.amplitude, w.phase] for w in references.values()])
+    symbolic = _derivative(tuple(axis(n) for n in names), lv3)
+    derivative = ca.Function("derivative", [t, x], [symbolic(t, x, plant.values, known.values, waves)], {"cse": True})
     state = np.zeros(5 * len(names))
     state[: 2 * len(names) : 2] = [start.get(n, 0.0) for n in names]
     low, high = control.GAP
@@ -103,7 +105,7 @@ def run(
     leaves.terminal = True  # type: ignore[attr-defined]
     time = sample_times(duration_s, SAMPLE)
     found = solve_ivp(
-        lambda t, x: np.asarray(derivative(t, x, plant.values, known.values, waves)).ravel(),
+        lambda t, x: np.asarray(derivative(t, x)).ravel(),
         (0.0, time[-1]),
         state,
         method="LSODA",
@@ -146,7 +148,8 @@ def law(
 ) -> dict[str, ca.SX]:
     """Return i_d1..i_d4, u_x, u_z in A from positions and demanded accelerations. Source: (8), (12).
 
-    `known` holds the parameters by name. Without theta among the positions v_phi = v_theta = 0, and (12) is its first row.
+    `known` holds the parameters by name. Without theta among the positions v_phi = v_theta = 0, and (12) is its first
+    row.
     """
     model = maglev_stage.simplified(maglev_stage.input_polynomial(known, lv3))
     found = audit_model.inverse(model, w)

@@ -4,7 +4,8 @@ The four motors hold the platen level at a gap g when 4 F_V(g, i_d) + M_y G = 0,
 discriminant D = (K_v2 L_v2)^2 - 4 K_v3 L_v3 (K_v1 L_v1 - M_y G/4). A real holding current needs D >= 0.
 """
 
-from math import inf, nan, sqrt
+from collections.abc import Callable
+from math import nan, sqrt
 
 import casadi as ca
 import numpy as np
@@ -52,7 +53,7 @@ def levitation(plant: Plant, printed: Published) -> Row:
 def printed_power(plant: Plant, printed: Published) -> Row:
     """F-2: recompute the discriminant of the holding current with K_v2 ~ 1/p^2."""
     squared = pmlsm.Reading("coth2", 2)
-    g, least = 0.025, _least_real_gap(plant, squared)
+    g, least = 0.025, _crossing(lambda gap: discriminant(plant, gap, squared))
     figures = [
         ("discriminant at 25 mm with 1/p^2", discriminant(plant, g, squared), "N^2/A^2"),
         ("discriminant at 25 mm with 1/p", discriminant(plant, g, COTH), "N^2/A^2"),
@@ -138,8 +139,7 @@ def _ratio(plant: Plant, reading: pmlsm.Reading) -> float:
     return float(K.K_v2**2 / (4 * K.K_v1 * K.K_v3))
 
 
-def _least_real_gap(plant: Plant, reading: pmlsm.Reading) -> float:
-    """Return the gap in m at which D changes from below to above 0, or infinity when it stays below up to 100 mm."""
-
-
-XX
+def _crossing(value: Callable[[float], float]) -> float:
+    """Return the gap in m, from 5 to 100 mm, at which `value` changes its sign; NaN where it does not."""
+    ends = 0.005, 0.1
+    return nan if value(ends[0]) * value(ends[1]) > 0 else float(brentq(value, *ends, xtol=1e-12))

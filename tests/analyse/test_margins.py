@@ -98,7 +98,7 @@ def test_a_resonance_far_narrower_than_the_grid_is_found(w0: float, zeta: float)
     around = [c.frequency for c in found.gain_crossings if abs(c.frequency / w0 - 1) < 0.5]
     assert len(around) == 2 and around[0] < w0 < around[1]
     assert np.abs(np.array(around) / w0 - 1) == pytest.approx(50 * zeta, rel=0.1)
-    assert len(found.phase_crossings) == 1
+    assert found.stable and not found.phase_crossings  # each part stays above -180 degrees, and so does their sum
 
 
 def test_a_notch_far_narrower_than_the_grid_is_found() -> None:
@@ -116,6 +116,7 @@ def test_a_peak_of_sensitivity_far_narrower_than_the_grid_is_found() -> None:
     assert brute > 1e5 and found.peak_sensitivity == pytest.approx(brute, rel=1e-4)
 
 
+@pytest.mark.filterwarnings("ignore:stability_margins. Falling back:UserWarning")
 @settings(derandomize=True, max_examples=20, deadline=None)
 @given(st.integers(0, 10**6), st.booleans())
 def test_random_loops_agree_with_python_control(seed: int, sampled: bool) -> None:
@@ -135,7 +136,9 @@ def test_random_loops_agree_with_python_control(seed: int, sampled: bool) -> Non
     inner = [(f, g) for f, g in sorted(zip(wpc, gm, strict=True)) if f > 1e-3 and np.isfinite(g) and g > 0]
     mine = [c for c in found.phase_crossings if c.frequency > 1e-3]
     for f, g in inner:
-        assert any(c.frequency == pytest.approx(f, rel=1e-4) and c.gain_margin == pytest.approx(g, rel=1e-3) for c in mine)
+        assert any(
+            c.frequency == pytest.approx(f, rel=1e-4) and c.gain_margin == pytest.approx(g, rel=1e-3) for c in mine
+        )
     assert found.stable == decays(L)
 
 
@@ -197,14 +200,12 @@ def test_poles_on_the_axis_are_no_crossings() -> None:
 def test_a_loop_without_states_and_one_without_gain_are_served() -> None:
     still = StateSpace(np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), [[-0.5]], (), ("u",), ("y",), Continuous())
     assert margins.of_loop(still).gain_margin == 2 and margins.of_loop(still).peak_sensitivity == 2
-    nothing = margins.of_loop(loop([0.0], [1, 1]))
+    nothing = margins.of_loop(gain(loop([1], [1, 1]), 0.0))
     assert nothing.stable and nothing.peak_sensitivity == 1 and not nothing.gain_crossings
 
 
 def test_a_hidden_undamped_mode_is_not_stable() -> None:
-    hidden = StateSpace(
-        np.diag([-1.0, 0.0]), [[1], [0]], [[1, 1]], [[0]], ("a", "b"), ("u",), ("y",), Continuous()
-    )
+    hidden = StateSpace(np.diag([-1.0, 0.0]), [[1], [0]], [[1, 1]], [[0]], ("a", "b"), ("u",), ("y",), Continuous())
     assert not margins.of_loop(hidden).stable
 
 

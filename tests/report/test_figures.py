@@ -1,0 +1,152 @@
+"""Figures: what is drawn is the data, no spike is lost, and the same data give the same bytes."""
+
+import re
+from collections.abc import Callable
+
+import matplotlib
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+from matplotlib.figure import Figure
+
+from synth.analyse import margins
+from synth.errors import SignalError
+from synth.report import bode, figures
+from synth.report.figures import Curve, Panel
+from synth.simulate.experiment import Experiment
+from synth.statespace import StateSpace
+from synth.timing import Continuous
+
+UNITS = {"y": "m", "theta": "rad"}
+TIME = np.arange(400) * 1e-3
+
+
+def small(scale: float = 1.0) -> Figure:
+    return figures.time_plot(TIME, [Panel("y", "m", (Curve("y", scale * np.sin(9 * TIME)),))])
+
+
+@given(hnp.arrays(np.float64, st.integers(1, 3000), elements=st.floats(-1e6, 1e6)), st.integers(2, 200))
+@settings(max_examples=60, deadline=None)
+def test_decimation_keeps_the_extremes_and_the_ends(values: np.ndarray, points: int) -> None:
+    at = figures.decimate(values, points)
+    assert len(at) <= points + 2 and (np.diff(at) > 0).all()
+    assert values[at].max() == values.max() and values[at].min() == values.min()
+    assert (at[0], at[-1]) == (0, len(values) - 1)
+
+
+def test_a_spike_of_one_sample_is_drawn_where_every_30th_sample_would_miss_it(run: Callable[..., Experiment]) -> None:
+    experiment = run()
+    gap = experiment.trajectory["y"] - experiment.references["y"]
+    assert np.abs(gap[::30]).max() < 1e-5
+    figure = figures.response(experiment, UNITS)
+    error = np.asarray(figure.axes[1].lines[0].get_ydata(), dtype=float)
+    assert error.max() == pytest.approx(1e6 * np.abs(gap).max(), rel=1e-12)
+    assert error.max() > 2990
+
+
+def test_signals_are_in_mm_and_mrad_and_errors_in_um_and_urad(run: Callable[..., Experiment]) -> None:
+    y, e_y, theta, e_theta = figures.response(run(), UNITS, {"y": 1e-5}, (0.0, 8.0)).axes
+    labels = [axes.get_ylabel() for axes in (y, e_y, theta, e_theta)]
+    assert labels == ["y, mm", "|error| of y, µm", "θ, mrad", "|error| of θ, µrad"]
+    assert [axes.get_yscale() for axes in (y, e_y, theta, e_theta)] == ["linear", "log", "linear", "log"]
+    drawn = np.asarray(theta.lines[0].get_ydata(), dtype=float)
+    assert np.abs(drawn).max() == pytest.approx(10.03, abs=0.05)
+    assert np.asarray(e_theta.lines[0].get_ydata(), dtype=float).max() == pytest.approx(30, rel=1e-3)
+    assert y.get_xlim() == (0.0, 8.0) and e_y.get_xlim() == pytest.approx((0.0, 60.0))
+    assert np.asarray(e_y.lines[1].get_ydata(), dtype=float).tolist() == pytest.approx([10.0, 10.0])
+
+
+def test_a_run_without_set_points_shows_its_signals_alone(run: Callable[..., Experiment]) -> None:
+    assert len(figures.response(run(references=False), UNITS).axes) == 2
+
+
+def test_an_error_of_nothing_can_be_drawn() -> None:
+    figure = figures.error_plot(TIME, [Panel("e", "m", (Curve("e", np.zeros(400)),))])
+    assert "<path" in figures.svg(figure, "nothing")
+
+
+def test_a_missing_unit_and_a_wrong_length_are_refused(run: Callable[..., Experiment]) -> None:
+    with pytest.raises(SignalError, match="theta without a unit"):
+        figures.response(run(), {"y": "m"})
+    with pytest.raises(SignalError, match="'y' of panel 'gap'"):
+        figures.time_plot(TIME, [Panel("gap", "m", (Curve("y", TIME[1:]),))])
+    with pytest.raises(SignalError, match="cannot begin an id"):
+        figures.svg(small(), "3 mm")
+
+
+def test_the_same_data_give_the_same_bytes_whatever_the_users_settings() -> None:
+    before = dict(matplotlib.rcParams)
+    first, picture = figures.svg(small(), "a"), figures.png(small())
+    assert dict(matplotlib.rcParams) == before
+    with matplotlib.rc_context({"axes.facecolor": "red", "font.size": 30, "svg.hashsalt": "x", "svg.fonttype": "path"}):
+        assert figures.svg(small(), "a") == first and figures.png(small()) == picture
+    assert figures.svg(small(1.1), "a") != first
+    assert picture.startswith(b"\x89PNG")
+
+
+def test_an_svg_bears_no_date_no_program_and_only_ids_of_its_own() -> None:
+    first, second = (figures.svg(small(), name) for name in "ab")
+    ids = [re.findall(r' id="([^"]*)"', text) for text in (first, second)]
+    assert ids[0] and not set(ids[0]) & set(ids[1]) and all(i.startswith("a-") for i in ids[0])
+    assert set(re.findall(r"url\(#([^)]+)\)|href=\"#([^\"]+)\"", first))
+    referred = {a or b for a, b in re.findall(r"url\(#([^)]+)\)|href=\"#([^\"]+)\"", first)}
+    assert referred == set(ids[0])
+    assert "<metadata" not in first and "atplotlib" not in first and first.startswith("<svg")
+
+
+def test_coordinates_are_shortened_but_stay_within_a_hundredth() -> None:
+    figure = small()
+    text = figures.svg(figure, "a")
+    assert max(len(d) for d in re.findall(r"\.(\d+)", " ".join(re.findall(r' d="([^"]*)"', text)))) == 2
+
+
+def test_a_path_in_space_keeps_its_extremes() -> None:
+    t = np.linspace(0, 60, 60_000)
+    path = np.array([0.03 * np.cos(4.7 * t), 0.03 * np.sin(4.7 * t), 0.025 + 0 * t])
+    path[2, 777] = 0.031
+    figure = figures.path_3d(path, path, ("x", "z", "y"))
+    axes = figure.axes[0]
+    drawn = np.array(axes.lines[1].get_data_3d())  # type: ignore[attr-defined]
+    assert drawn.shape[1] < 5000 and drawn[2].max() == pytest.approx(31.0)
+    assert axes.get_xlabel() == "x, mm"
+    assert len(figures.svg(figure, "path")) < 300_000
+
+
+def resonant() -> StateSpace:
+    """Return L = 40 / ((s^2 + 1)(s + 5)), whose phase is -atan(w/5), less 180 degrees above 1 rad/s."""
+    A = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [-5.0, -1.0, -5.0]])
+    B, C = np.array([[0.0], [0.0], [1.0]]), np.array([[40.0, 0.0, 0.0]])
+    return StateSpace(A, B, C, np.zeros((1, 1)), ("a", "b", "c"), ("u",), ("y",), Continuous())
+
+
+def test_the_phase_follows_the_poles() -> None:
+    loop = resonant()
+    found = bode.curve("L", loop, margins.of_loop(loop), 0.05, 100.0)
+    w = found.frequency
+    expected = -np.degrees(np.arctan(w / 5)) - np.where(w > 1, 180.0, 0.0)
+    away = np.abs(np.log(w)) > 1e-3
+    assert np.allclose(bode.phase(found)[away], expected[away], atol=1e-6)
+    # np.unwrap takes the pole the other way: what the rule of this module is there for
+    assert not np.allclose(np.degrees(np.unwrap(np.angle(found.response)))[away], expected[away], atol=1.0)
+
+
+def test_a_bode_plot_marks_the_crossings() -> None:
+    loop = resonant()
+    found = bode.curve("L", loop, margins.of_loop(loop), 0.05, 100.0)
+    gain, angle, sensitivity = bode.bode_plot([found]).axes
+    dots = [line for line in gain.lines if line.get_marker() == "o"]
+    assert len(dots) == 1 and len(dots[0].get_xdata()) == len(found.margins.gain_crossings) > 0
+    assert np.allclose(np.asarray(dots[0].get_ydata(), dtype=float), 0.0, atol=1e-6)
+    peak = np.asarray(sensitivity.lines[0].get_ydata(), dtype=float).max()
+    assert peak == pytest.approx(20 * np.log10(found.margins.peak_sensitivity), abs=0.1)
+    assert sensitivity.get_xlabel() == "frequency, Hz" and angle.get_ylabel() == "arg L, °"
+
+
+def test_more_loops_than_can_be_told_apart_are_refused() -> None:
+    loop = resonant()
+    found = bode.curve("L", loop, margins.of_loop(loop))
+    for count in (0, 4):
+        with pytest.raises(SignalError, match=f"has {count} loops"):
+            bode.bode_plot([found] * count)
