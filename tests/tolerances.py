@@ -14,7 +14,7 @@ TABLE: dict[str, tuple[float, str]] = {
     "multiple_root": (1e-5, "the eigenvalues of a pole of multiplicity 2 or 3 scatter by a root of the precision"),
     "settled": (1e-9, "what is left of a transient after the 30 or more time constants simulated"),
     "print_K": (0.5, "units of the last printed digit: a figure that is rounded right is off by half of one"),
-    "print_q": (0.05, "relative: poles printed to three digits determine the weights to a few per cent"),
+    "print_q": (0.1, "relative: poles printed to three digits determine the weights to several per cent"),
 }
 
 

@@ -240,7 +240,7 @@ def _errors(axes: Axes, time: Array, panel: Panel) -> None:
         at = decimate(v)
         axes.plot(time[at], factor * np.maximum(v[at], least), label=curve.label, **(style | {"linewidth": 0.6}))
     for label, level in panel.levels:
-        axes.axhline(factor * level, color=COLOURS[1], ls=":", lw=1.0, label=label)
+        axes.axhline(factor * level, color=COLOURS[1], ls=":", lw=1.2, zorder=5, label=label)
     axes.set_yscale("log")
     axes.set_ylim(factor * least, factor * max(2 * greatest, 10 * least))
     axes.yaxis.set_major_locator(LogLocator(10, numticks=7))

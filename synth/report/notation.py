@@ -10,6 +10,7 @@ PREFIXED = {"m": ("mm", "µm", "nm"), "rad": ("mrad", "µrad", "nrad"), "s": ("m
 UPRIGHT = frozenset(
     f"{inverse}{name}{h}" for inverse in ("", "a") for name in ("sin", "cos", "tan", "cot", "csc") for h in ("", "h")
 ) | {"exp", "log", "sqrt", "min", "max", "sign", "round", "abs", "det", "mod", "hypot"}
+_SIGNS = str.maketrans("-*'", "−·′")
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _TOKEN = re.compile(
     r"(?P<name>[A-Za-zΑ-Ωα-ω]+)"
@@ -70,7 +71,7 @@ def equation(text: str) -> Markup:
 
 
 def _between(text: str) -> Markup:
-    return escape(text.replace("-", "−").replace("*", "·"))
+    return escape(text.translate(_SIGNS))
 
 
 def _token(match: re.Match[str]) -> Markup:

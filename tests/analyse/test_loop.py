@@ -1,11 +1,13 @@
 """A loop that is opened and closed again has the poles of one that was never opened."""
 
+from dataclasses import replace
+
 import casadi as ca
 import numpy as np
 import pytest
 
 from synth.analyse import loop, margins
-from synth.block import Block, Exprs, State, Step, build, compose
+from synth.block import Block, Exprs, Fault, State, Step, build, compose
 from synth.errors import SignalError, TimingError
 from synth.signals import Signal
 from synth.statespace import StateSpace
@@ -17,6 +19,7 @@ TIME = Discrete(T)
 KP, KD = 30.0, 8.0
 ENCODER, Q = Signal("encoder", "m", -1, 1), Signal("q", "m", -1, 1)
 RATE, FORCE = Signal("rate", "m/s", -100, 100), Signal("force", "N", -1e3, 1e3)
+DRIVE = Signal("drive", "N", -1e3, 1e3)
 SENSORS, ACTUATORS = {"encoder": "position"}, {"f": "force"}
 
 
@@ -54,9 +57,6 @@ def controller(signal: str) -> StateSpace:
         parts, outputs = (*parts, through), ["drive", "force_out"]
     block = compose("pd", parts, inputs=inputs, outputs=outputs)
     return loop.linearised(block, {}, dict.fromkeys(inputs, 0.0))
-
-
-DRIVE = Signal("drive", "N", -1e3, 1e3)
 
 
 def opened(signal: str, delay: int = 1) -> StateSpace:
@@ -102,7 +102,7 @@ def test_closing_the_loop_again_gives_the_poles_of_the_whole(signal: str, delay:
 
 def test_the_loop_at_the_position_is_the_product_of_its_parts() -> None:
     """L = (K_p + K_d (z - 1) / (T z)) z^-1 P(z) at a loop cut where nothing runs beside it."""
-    z = np.exp(1j * np.linspace(0.05, np.pi, 7))
+    z = np.exp(1j * np.linspace(0.05, 3.0, 7))
     c, s = np.cosh(2 * T), np.sinh(2 * T)
     P = ((c - 1) / 4 * (z - c) + s / 2 * s / 2) / ((z - c) ** 2 - s**2)
     expected = (KP + KD * (z - 1) / (T * z)) / z * P
@@ -157,10 +157,6 @@ def test_time_and_direct_paths_are_checked() -> None:
 
 
 def test_a_flag_that_is_cut_stays_the_flag_of_its_fault() -> None:
-    from dataclasses import replace
-
-    from synth.block import Fault
-
     flagged = replace(blocks()[0], faults=(Fault(0, "q", None),))
     (cut,) = loop.cut([flagged], "q")
     assert cut.faults[0].output == "q_out" and ca.is_equal(cut.output["q_out"], flagged.output["q"])

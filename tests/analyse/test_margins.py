@@ -49,7 +49,7 @@ def test_no_crossing_is_too_slow_or_too_fast(k: float) -> None:
 
 
 def test_a_second_order_loop_meets_its_closed_form() -> None:
-    """L = w^2 / (s (s + 2 zeta w)): crossing at w sqrt(sqrt(4 zeta^4 + 1) - 2 zeta^2), S = (s^2 + 2 zeta w s) / (..)."""
+    """L = w^2 / (s (s + 2 zeta w)): crossing at w sqrt(sqrt(4 zeta^4 + 1) - 2 zeta^2), S by brute force."""
     w, zeta = 30.0, 0.25
     found = margins.of_loop(loop([w * w], [1, 2 * zeta * w, 0]))
     crossing = w * np.sqrt(np.sqrt(4 * zeta**4 + 1) - 2 * zeta**2)

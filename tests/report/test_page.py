@@ -182,9 +182,9 @@ def test_quantities_share_a_prefix_and_differ_where_they_differ(
 
 
 def test_equations_are_lowered_raised_and_escaped() -> None:
-    html = str(notation.equation("F_V = -Kv_1 e^{-k g} csch^2 x < θ_{ref}"))
+    html = str(notation.equation("F_V' = -Kv_1 e^{-k g} csch^2 x < θ_{ref}"))
     assert html == (
-        "<i>F</i><sub><i>V</i></sub> = −<i>Kv</i><sub>1</sub> <i>e</i><sup>−<i>k</i> <i>g</i></sup> "
+        "<i>F</i><sub><i>V</i></sub>′ = −<i>Kv</i><sub>1</sub> <i>e</i><sup>−<i>k</i> <i>g</i></sup> "
         "csch<sup>2</sup> <i>x</i> &lt; <i>θ</i><sub><i>ref</i></sub>"
     )
 

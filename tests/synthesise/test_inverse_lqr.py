@@ -1,0 +1,140 @@
+"""Weights are recovered from the poles that they give, and poles that no weights give are refused."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from synth.errors import ModelError, SignalError
+from synth.statespace import StateSpace
+from synth.synthesise import internal_model, inverse_lqr, lqr
+from synth.timing import Continuous, Discrete
+from tests import tolerances
+
+# Poles as printed, their decimals, and the weights of which the poles are those to the last printed digit.
+PRINTED = {
+    "y": (
+        (-173.2, -2.61 + 5.48j, -2.61 - 5.48j, -2.16 + 1.77j, -2.16 - 1.77j),
+        (1, 2, 2, 2, 2),
+        (3e4, 3e4, 2.5e9, 2.5e7, 2.5e7),
+    ),
+    "x, z": (
+        (-38.73, -3.2 + 5.89j, -3.2 - 5.89j, -2.69 + 2.23j, -2.69 - 2.23j),
+        (2, 1, 1, 2, 2),
+        (1500, 1500, 4.5e8, 2.25e6, 2.25e6),
+    ),
+    "theta": (
+        (-200, -2.81 + 5.58j, -2.81 - 5.58j, -2.19 + 1.82j, -2.19 - 1.82j),
+        (0, 2, 2, 2, 2),
+        (4e4, 4e4, 4e9, 4e7, 4e7),
+    ),
+}
+
+
+def model(A: object, B: object, time: Continuous | Discrete | None = None) -> StateSpace:
+    A, B = np.asarray(A, float), np.asarray(B, float)
+    states, inputs = tuple(f"x{i}" for i in range(len(A))), tuple(f"u{i}" for i in range(B.shape[1]))
+    return StateSpace(A, B, np.eye(len(A)), np.zeros(B.shape), states, inputs, states, time or Continuous())
+
+
+DOUBLE = model([[0, 1], [0, 0]], [[0], [1]])
+
+
+def axis() -> StateSpace:
+    double = StateSpace([[0, 1], [0, 0]], [[0], [1]], [[1, 0]], [[0]], ("e", "de"), ("w",), ("e",), Continuous())
+    return internal_model.augmented(double, (0.0, 1.5 * np.pi))
+
+
+@pytest.mark.parametrize("name", PRINTED)
+def test_the_published_weights_are_the_unique_ones(name: str) -> None:
+    poles, digits, weights = PRINTED[name]
+    found = inverse_lqr.diagonal_weights(axis(), lqr.lqr(axis(), np.diag(weights), [[1.0]]).poles)
+    assert found.unique and found.nullspace.shape == (5, 0) and found.residual < 1e-8
+    np.testing.assert_allclose(found.q, weights, rtol=1e-6)
+    assert inverse_lqr.reproduces(axis(), weights, poles, digits)
+    detuned = np.array(weights) * np.where(np.arange(5) == 2, 1.1, 1.0)
+    assert not inverse_lqr.reproduces(axis(), detuned, poles, digits)
+
+
+@pytest.mark.parametrize("name", PRINTED)
+def test_the_printed_poles_lead_near_the_weights(name: str) -> None:
+    poles, _, weights = PRINTED[name]
+    found = inverse_lqr.diagonal_weights(axis(), poles)
+    assert found.unique
+    heavy = [0, 2, 4]  # e, xi1 and xi3: de and xi2 are small differences of large numbers
+    np.testing.assert_allclose(found.q[heavy], np.array(weights)[heavy], rtol=tolerances.of("print_q"))
+    np.testing.assert_allclose(
+        np.sort_complex(lqr.lqr(axis(), np.diag(np.maximum(found.q, 0)), [[1.0]]).poles),
+        np.sort_complex(poles),
+        rtol=1e-6,
+    )
+
+
+def test_the_double_integrator_is_solved_by_hand() -> None:
+    """Poles -a, -b: q0 = (a b)^2, q1 = a^2 + b^2, times R."""
+    found = inverse_lqr.diagonal_weights(DOUBLE, [-3, -5], R=2.0)
+    np.testing.assert_allclose(found.q, [2 * 225, 2 * 34], rtol=tolerances.of("double"))
+
+
+@settings(derandomize=True, max_examples=15, deadline=None)
+@given(st.integers(0, 10**6))
+def test_random_weights_come_back_from_their_poles(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(2, 5))
+    c, q, R = model(rng.normal(size=(n, n)), rng.normal(size=(n, 1))), rng.uniform(0.5, 5, n), rng.uniform(0.5, 2)
+    poles = lqr.lqr(c, np.diag(q), [[R]]).poles
+    found = inverse_lqr.diagonal_weights(c, poles, R)
+    again = lqr.lqr(c, np.diag(np.maximum(found.q, 0)), [[R]]).poles
+    np.testing.assert_allclose(np.sort_complex(again), np.sort_complex(poles), rtol=tolerances.of("multiple_root"))
+
+
+def test_weights_that_act_alike_are_not_unique_and_the_nullspace_says_how() -> None:
+    """Two states with the same transfer function from the input: only the sum of their weights counts."""
+    twin = model([[-1, 0, 0], [0, -1, 0], [0, 0, -2]], [[1], [1], [1]])
+    poles = lqr.lqr(twin, np.diag([3.0, 4.0, 2.0]), [[1.0]]).poles
+    found = inverse_lqr.diagonal_weights(twin, poles)
+    assert not found.unique and found.nullspace.shape == (3, 1)
+    assert found.q[0] + found.q[1] == pytest.approx(7) and found.q[2] == pytest.approx(2)
+    np.testing.assert_allclose(np.abs(found.nullspace[:, 0]), [np.sqrt(0.5), np.sqrt(0.5), 0], atol=1e-12)
+    moved = lqr.lqr(twin, np.diag(found.q + 3 * found.nullspace[:, 0]), [[1.0]]).poles
+    np.testing.assert_allclose(np.sort_complex(moved), np.sort_complex(poles), rtol=tolerances.of("multiple_root"))
+
+
+def test_of_many_weights_some_that_are_not_negative_are_found() -> None:
+    """The third state is the sum of the first two's outputs' rate: the least-norm answer alone may be negative."""
+    c = model([[0, 1, 0], [0, 0, 0], [0, 1, -1]], [[0], [1], [0]])
+    for seed in range(5):
+        q = np.random.default_rng(seed).uniform(0, 1, 3) * [1, 1, 0.01]
+        poles = lqr.lqr(c, np.diag(q), [[1.0]]).poles
+        assert inverse_lqr.diagonal_weights(c, poles).q.min() >= -1e-9
+
+
+@pytest.mark.parametrize(
+    ("poles", "kind", "message"),
+    [
+        ([-1, 3], ModelError, r"no weights give the pole 3\+0j: an optimal loop has none with Re >= 0"),
+        ([2j, -2j], ModelError, "Re >= 0"),
+        ([-1 + 1j, -2], SignalError, "conjugate pairs"),
+        ([-0.1 + 3j, -0.1 - 3j], ModelError, r"need the weight -17\.98 on x1, but LQR takes none below 0"),
+        ([-1], SignalError, "need a continuous model of 1 input and 2 poles"),
+    ],
+)
+def test_impossible_poles_are_refused(poles: list[complex], kind: type[Exception], message: str) -> None:
+    with pytest.raises(kind, match=message):
+        inverse_lqr.diagonal_weights(DOUBLE, poles)
+
+
+def test_a_mode_that_the_input_does_not_move_cannot_be_given_another_pole() -> None:
+    c = model([[-1, 0], [0, -2]], [[1], [0]])
+    inverse_lqr.diagonal_weights(c, [-3, -2])
+    with pytest.raises(ModelError, match="symmetric root locus is missed by"):
+        inverse_lqr.diagonal_weights(c, [-3, -4])
+
+
+def test_other_models_are_refused() -> None:
+    with pytest.raises(SignalError, match="discrete time"):
+        inverse_lqr.diagonal_weights(model([[0.5]], [[1]], Discrete(0.1)), [-1])
+    with pytest.raises(SignalError, match="1 input"):
+        inverse_lqr.diagonal_weights(model([[0.5]], [[1, 1]]), [-1])
+    with pytest.raises(SignalError, match="the weight R is 0"):
+        inverse_lqr.diagonal_weights(DOUBLE, [-1, -2], R=0)
