@@ -149,21 +149,6 @@ def published(text: str) -> dict[str, Published]:
     return {name: _published(name, entry) for name, entry in tomllib.loads(text).items()}
 
 
-def document(rows: Iterable[Row]) -> list[dict[str, Any]]:
-    """Return the rows as JSON knows them."""
-    return [r.document() for r in rows]
-
-
-def table(rows: Iterable[Row]) -> str:
-    """Return the rows as a Markdown table, figures to five digits."""
-    lines = ["| row | where | published | recomputed | verdict | why |", "|---|---|---|---|---|---|"]
-    for r in rows:
-        figures = "; ".join(f"{f.name} {f.value:.5g}{'' if f.unit == '1' else ' ' + f.unit}" for f in r.recomputed)
-        cells = (r.id, r.published.where, r.published.text, figures, str(r.verdict), r.why)
-        lines.append("| " + " | ".join(" ".join(c.replace("|", "\\|").split()) for c in cells) + " |")
-    return "\n".join(lines) + "\n"
-
-
 def _published(name: str, entry: Mapping[str, Any]) -> Published:
     if missing := [key for key in ("paper", "where", "text") if not entry.get(key)]:
         raise DesignError(f"published row {name} lacks {', '.join(missing)}: say what is printed, and where")

@@ -50,7 +50,7 @@ def row(value: float) -> audit.Row:
 
 def test_the_document_has_the_declared_keys_and_unrounded_values() -> None:
     value = -2.6144397110588162
-    (found,) = json.loads(json.dumps(audit.document([row(value)])))
+    (found,) = json.loads(json.dumps([row(value).document()]))
     assert list(found) == ["id", "paper", "where", "published", "recomputed", "verdict", "why"]
     assert found["recomputed"] == [{"name": "pole", "value": value, "unit": "1/s"}]
     assert (found["id"], found["paper"], found["verdict"]) == ("A-1", "A", "R")
@@ -58,16 +58,9 @@ def test_the_document_has_the_declared_keys_and_unrounded_values() -> None:
 
 @pytest.mark.parametrize("value", [nan, inf, -inf])
 def test_a_value_that_does_not_exist_is_null(value: float) -> None:
-    text = json.dumps(audit.document([row(value)]), allow_nan=False)
+    text = json.dumps([row(value).document()], allow_nan=False)
     assert json.loads(text)[0]["recomputed"][0]["value"] is None
     assert json.loads(text)[0]["verdict"] == "N"
-
-
-def test_the_table_has_one_line_a_row_and_keeps_its_columns() -> None:
-    lines = audit.table([row(-2.6), row(-3.0)]).splitlines()
-    assert len(lines) == 4
-    assert all(line.replace("\\|", "").count("|") == 7 for line in lines)
-    assert "-2.6 1/s" in lines[2] and lines[3].count("| N |") == 1
 
 
 def test_figures_and_numbers_are_read_by_name() -> None:

@@ -25,7 +25,7 @@ BOUNDS = (100.0, 100.0, 100.0)
 
 def gain() -> lqr.Gain:
     augmented = internal_model.augmented(DOUBLE, FREQUENCIES)
-    return lqr.lqr(augmented, np.diag([100.0, 10, 1e4, 1e3, 1e3]), [[1.0]])
+    return lqr.lqr(augmented, np.diag([1e4, 1e2, 1e8, 1e5, 1e6]), [[1.0]])
 
 
 def block(**changes: object) -> Block:
@@ -39,7 +39,7 @@ def last_errors(reference: float, omega: float, regulator_frequency: float = OME
     tuned = block(frequencies=(0.0, regulator_frequency))
     step, held = tuned.function(), discretise.zero_order_hold(DOUBLE, T)
     x, xi, errors = np.array([0.2, 0.0]), tuned.initial, []
-    for k in range(6000):
+    for k in range(2400):
         t = k * T
         e = x[0] - reference * np.sin(omega * t + 0.4)
         de = x[1] - reference * omega * np.cos(omega * t + 0.4)
