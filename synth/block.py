@@ -1,12 +1,10 @@
-"""Blocks: one discrete step (x, u) -> (x', y) with named signals, and their composition by name.
+"""Blocks: one discrete step (x, u) -> (x', y) with named signals.
 
     u --->[ x' = f(x, u, k) ]---> y          k: constants ("gains") that emission rounds to the target's scalar type
           [ y  = h(x, u, k) ]
 
 Everything that runs in the loop is a Block. Each real state has declared bounds, which the step itself enforces, so
-that x' lies in its box for every x in the box and every u. `compose` joins Blocks where an output and an input share a
-name. It judges loops signal by signal from what each expression really depends on: a cycle of Blocks that a state
-breaks is no algebraic loop.
+that x' lies in its box for every x in the box and every u.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -16,9 +14,9 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.errors import SignalError, WiringError
-from synth.signals import Signal, dimension, identifier, names
-from synth.timing import Discrete, common
+from synth.errors import SignalError
+from synth.signals import Signal, identifier, names
+from synth.timing import Discrete
 
 Exprs = Mapping[str, ca.SX]
 
@@ -208,202 +206,3 @@ def _complete(what: str, wanted: Sequence[str], found: Exprs) -> None:
     missing, unknown = [n for n in wanted if n not in found], [n for n in found if n not in wanted]
     if missing or unknown:
         raise SignalError(f"{what}: missing {missing or 'none'}, not declared {unknown or 'none'}: give one for each")
-
-
-def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], outputs: Sequence[str]) -> Block:
-    """Wire `blocks` by signal name into one Block with the open `inputs` and the chosen `outputs`.
-
-    States and constants carry their Block's name in front: ``filter_y`` and ``lag`` make ``filter_y_lag``.
-
-    Raises WiringError for a signal with two drivers, with unlike units, with none although a Block needs it, asked for
-    although nobody drives or needs it, for an algebraic loop, and for a fault bit that is set twice; SignalError for
-    an input or output listed twice; TimingError for unlike sample periods.
-    """
-    if not blocks:
-        raise WiringError(f"'{name}': there is no Block to wire: give at least one")
-    time = common(*(b.time for b in blocks))
-    assert isinstance(time, Discrete)
-    blocks = [_prefixed(b) for b in blocks]
-    driver = _drivers(blocks)
-    opened = _open_inputs(name, blocks, driver, inputs)
-    _own_bits(blocks, driver)
-    symbol: dict[str, ca.SX] = {n: ca.SX.sym(n) for n in (*driver, *opened)}
-    definitions = {s: _rewired(b, symbol, [b.output[s]])[0] for s, b in driver.items()}
-    resolved, inside = _resolve(blocks, definitions, symbol)
-    for s in outputs:
-        if s not in driver:
-            raise WiringError(f"'{name}': output '{s}' is driven by no Block: drive it or leave it out")
-    keys, values = [symbol[s] for s in resolved], [resolved[s] for s in resolved]
-    states = tuple(s for b in blocks for s in b.states)
-    next: dict[str, ca.SX] = {}
-    for b in blocks:
-        exprs = _rewired(b, symbol, [b.next[s.name] for s in b.states])
-        next |= zip((s.name for s in b.states), ca.substitute(exprs, keys, values) if exprs else [], strict=True)
-    constants = tuple(c for b in blocks for c in b.constants)
-    kept = {s: symbol[s] for s in opened} | {n: b.symbol[n] for b in blocks for n in _private(b)}
-    signals = {s.name: s for b in blocks for s in b.outputs}
-    faults = tuple(f for b in blocks for f in b.faults)
-    flags = [e for b in blocks for e in _rewired(b, symbol, [b.output[f.output] for f in b.faults])]
-    flags = ca.substitute(flags, keys, values) if flags else []
-    return Block(
-        name,
-        "",
-        time,
-        tuple(opened[s] for s in names(opened[s] for s in inputs)),
-        tuple(signals[s] for s in names(signals[s] for s in outputs)),
-        states,
-        constants,
-        kept,
-        {s: resolved[s] for s in outputs} | dict(zip((f.output for f in faults), flags, strict=True)),
-        next,
-        inside,
-        faults,
-    )
-
-
-def _prefixed(block: Block) -> Block:
-    """Return the Block with its name in front of each state and constant, so that copies of one Block can meet."""
-    local = {n: f"{block.name}_{n}" for n in _private(block)}
-    symbol = {local.get(n, n): s for n, s in block.symbol.items()}
-    states = tuple(replace(s, signal=replace(s.signal, name=local[s.name])) for s in block.states)
-    constants = tuple(replace(c, name=local[c.name]) for c in block.constants)
-    next = {local[n]: e for n, e in block.next.items()}
-    return replace(block, symbol=symbol, states=states, constants=constants, next=next)
-
-
-def _private(block: Block) -> list[str]:
-    """Return the names of the states and constants."""
-    return [s.name for s in block.states] + [c.name for c in block.constants]
-
-
-def _drivers(blocks: Sequence[Block]) -> dict[str, Block]:
-    driver: dict[str, Block] = {}
-    for b in blocks:
-        for s in b.outputs:
-            if s.name in driver:
-                first = driver[s.name].name
-                raise WiringError(f"signal '{s.name}' has two drivers, '{first}' and '{b.name}': rename one of them")
-            driver[s.name] = b
-    owners: dict[str, str] = {}
-    for b in blocks:
-        for n in _private(b):
-            if n in driver or n in owners:
-                owner = owners.get(n) or driver[n].name
-                raise WiringError(f"'{n}' of block '{b.name}' is also a name in '{owner}': rename one of the Blocks")
-            owners[n] = b.name
-    return driver
-
-
-def _open_inputs(
-    name: str, blocks: Sequence[Block], driver: Mapping[str, Block], allowed: Sequence[str]
-) -> dict[str, Signal]:
-    opened: dict[str, tuple[Signal, str]] = {}
-    for b in blocks:
-        for s in b.inputs:
-            if s.name in driver:
-                source = next(o for o in driver[s.name].outputs if o.name == s.name)
-                _same_unit(source, driver[s.name].name, s, b.name)
-            elif s.name not in allowed:
-                raise WiringError(
-                    f"signal '{s.name}' is needed by '{b.name}' but no Block drives it: "
-                    f"add a Block that does, or list it among the inputs of '{name}'"
-                )
-            elif s.name in opened:
-                _same_unit(*opened[s.name], s, b.name)
-            else:
-                opened[s.name] = (s, b.name)
-    for n in allowed:
-        if n not in opened:
-            why = f"is driven by '{driver[n].name}'" if n in driver else "is needed by no Block"
-            raise WiringError(f"'{name}': input '{n}' {why}: take it off the inputs")
-    for b in blocks:
-        for n in _private(b):
-            if n in opened:
-                raise WiringError(f"input '{n}' is also a name in block '{b.name}': rename one of them")
-    return {n: s for n, (s, _) in opened.items()}
-
-
-def _own_bits(blocks: Sequence[Block], driver: Mapping[str, Block]) -> None:
-    taken: dict[int, str] = {}
-    for b in blocks:
-        for f in b.faults:
-            if f.bit in taken:
-                raise WiringError(
-                    f"fault bit {f.bit} is set by '{taken[f.bit]}' and by '{b.name}': guard all inputs in one Block"
-                )
-            if driver.get(f.output, b) is not b:
-                raise WiringError(
-                    f"flag '{f.output}' of '{b.name}' is also driven by '{driver[f.output].name}': rename one of them"
-                )
-            taken[f.bit] = b.name
-
-
-def _same_unit(first: Signal, first_block: str, second: Signal, second_block: str) -> None:
-    if dimension(first.unit) != dimension(second.unit):
-        raise WiringError(
-            f"signal '{first.name}' is in {first.unit} in '{first_block}' but in {second.unit} in '{second_block}': "
-            "convert it in a Block between them"
-        )
-
-
-def _rewired(block: Block, symbol: Exprs, exprs: Sequence[ca.SX]) -> list[ca.SX]:
-    """Return a Block's expressions with its own input symbols replaced by the composition's."""
-    if not block.inputs or not exprs:
-        return list(exprs)
-    old, new = [block.symbol[s.name] for s in block.inputs], [symbol[s.name] for s in block.inputs]
-    return list(ca.substitute(list(exprs), old, new))
-
-
-def _resolve(
-    blocks: Sequence[Block], definitions: Exprs, symbol: Exprs
-) -> tuple[dict[str, ca.SX], tuple[tuple[Named, ca.SX], ...]]:
-    """Resolve each driven signal into states, constants and open inputs, in the order of computation."""
-    driven = {s: symbol[s] for s in definitions}
-    needs = {s: sorted(_depends(e, driven)) for s, e in definitions.items()}
-    order: list[str] = []
-    path: list[str] = []
-
-    def visit(signal: str) -> None:
-        if signal in path:
-            cycle = " <- ".join([*path[path.index(signal) :], signal])
-            raise WiringError(f"algebraic loop {cycle}: put a state (one sample of delay) on one of these signals")
-        if signal in order:
-            return
-        path.append(signal)
-        for need in needs[signal]:
-            visit(need)
-        order.append(path.pop())
-
-    for b in blocks:
-        for s in b.outputs:
-            visit(s.name)
-    owner = {s.name: b for b in blocks for s in b.outputs}
-    resolved: dict[str, ca.SX] = {}
-    inside: list[tuple[Named, ca.SX]] = []
-    waiting = {b: [(n, e) for n, e in b.inside if n.signal.name not in owner] for b in blocks}
-    for signal in order:
-        b = owner[signal]
-        keys, values = [symbol[s] for s in resolved], list(resolved.values())
-        ready = [pair for pair in waiting[b] if _needs(b, pair[1]) & set(owner) <= set(resolved)]
-        waiting[b] = [pair for pair in waiting[b] if all(pair is not r for r in ready)]
-        exprs = [definitions[signal], *_rewired(b, symbol, [e for _, e in ready])]
-        exprs = ca.substitute(exprs, keys, values) if keys else exprs
-        resolved[signal] = exprs[0]
-        inside += zip((n for n, _ in ready), exprs[1:], strict=True)
-        inside.append((next(n for n, _ in b.inside if n.signal.name == signal), exprs[0]))
-    for b, late in waiting.items():  # what only a next state needs
-        exprs = _rewired(b, symbol, [e for _, e in late])
-        exprs = ca.substitute(exprs, [symbol[s] for s in resolved], list(resolved.values())) if exprs else []
-        inside += zip((n for n, _ in late), exprs, strict=True)
-    return resolved, tuple(inside)
-
-
-def _needs(block: Block, expr: ca.SX) -> set[str]:
-    """Return the names of the Block's inputs on which `expr` depends."""
-    return _depends(expr, {s.name: block.symbol[s.name] for s in block.inputs})
-
-
-def _depends(expr: ca.SX, symbol: Exprs) -> set[str]:
-    """Return the names of those symbols that stand in `expr`; symbols are told apart by identity, not by name."""
-    present = {v.element_hash() for v in ca.symvar(expr)}
-    return {name for name, s in symbol.items() if s.element_hash() in present}

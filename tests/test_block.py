@@ -8,7 +8,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from synth.block import Block, Constant, Fault, State, Step, build, compose
+from synth.block import Block, Constant, Fault, State, Step, build
+from synth.compose import compose
 from synth.errors import SignalError, TimingError, WiringError
 from synth.signals import Signal
 from synth.timing import Discrete

@@ -17,7 +17,8 @@ import numpy as np
 
 from models import maglev_stage, windings
 from synth.analyse import magnitude
-from synth.block import Block, Exprs, Step, build, clip, compose
+from synth.block import Block, Exprs, Step, build, clip
+from synth.compose import compose
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.statespace import StateSpace, readonly

@@ -7,7 +7,7 @@ import numpy as np
 from designs.maglev_5dof import control
 from designs.maglev_5dof.loop import ACTUATORS, SENSORS
 from synth.analyse import linearise, loop, margins, trim
-from synth.block import compose
+from synth.compose import compose
 from synth.plant import Plant
 from synth.statespace import StateSpace
 

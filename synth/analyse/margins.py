@@ -148,7 +148,9 @@ def _grid(loop: StateSpace, closed: Complex, low: float | None, high: float | No
             width = max(abs(s.real), 1e-6 * abs(s.imag))
             points.append(abs(s.imag) + width * np.linspace(-4, 4, 32))
     w = np.unique(np.concatenate(points))
-    return w[(w >= start) & (w <= top)]
+    w = w[(w >= start) & (w <= top)]
+    # Both poles of a pair seed the same nodes but for the last bit; a bracket between such twins would hold no peak.
+    return w[np.append(np.diff(w) > 1e-8 * w[1:], True)]
 
 
 def _zeros(loop: StateSpace) -> Complex:
@@ -219,10 +221,11 @@ def _peak(L: Response, w: Array, value: Complex, ends: dict[float, float]) -> tu
     candidates = [(abs(1 + v), f) for f, v in ends.items()] + [(float(distance.min()), float(w[distance.argmin()]))]
     falling = np.flatnonzero((distance[1:-1] <= distance[:-2]) & (distance[1:-1] <= distance[2:])) + 1
     for k in falling[distance[falling] < 1.5 * distance.min()]:
+        a, h = w[k - 1], w[k + 1] - w[k - 1]  # searched in units of the bracket, which may be far narrower than w
         found = minimize_scalar(
-            lambda v: abs(1 + L(v)[0]), bounds=(w[k - 1], w[k + 1]), method="bounded", options={"xatol": 1e-10 * w[k]}
+            lambda t, a=a, h=h: abs(1 + L(a + h * t)[0]), bounds=(0, 1), method="bounded", options={"xatol": 1e-9}
         )
-        candidates.append((float(found.fun), float(found.x)))
+        candidates.append((float(found.fun), float(a + h * found.x)))
     least, where = min(candidates)
     return (1 / least if least > 0 else np.inf), where
 

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from synth.analyse import loop, margins
-from synth.block import Block, Exprs, Fault, State, Step, build, compose
+from synth.block import Block, Exprs, Fault, State, Step, build
+from synth.compose import compose
 from synth.errors import SignalError, TimingError
 from synth.signals import Signal
 from synth.statespace import StateSpace

@@ -8,7 +8,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from synth.block import Block, Constant, State, Step, build, compose
+from synth.block import Block, Constant, State, Step, build
+from synth.compose import compose
 from synth.emit import lower
 from synth.errors import EmitError
 from synth.signals import Signal

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from synth.block import compose
+from synth.compose import compose
 from synth.emit.manifest import dumps
 from synth.emit.write import Emitted, emit
 from synth.errors import CompileError

@@ -14,7 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from synth.block import Block, Step, build, compose
+from synth.block import Block, Step, build
+from synth.compose import compose
 from synth.emit.write import emit
 from synth.errors import SignalError
 from synth.execute import compile as compiler
