@@ -151,8 +151,9 @@ def replays(loop: Loop, block: Block, replay_s: float) -> list[agree.Agreement]:
         agree.reference(reference.step), {n: float(v) for n, v in reference.initial_state().items()}, inputs
     )
     by_casadi = agree.recorded(agree.casadi(block), start, inputs)
+    by_casadi_c = agree.recorded(agree.casadi_own_c(block), start, inputs)
     what = f"replay of {replay_s:g} s"
-    pairs = (("reference", by_reference), ("casadi", by_casadi))
+    pairs = (("reference", by_reference), ("casadi", by_casadi), ("casadi_c", by_casadi_c))
     return [agree.compare(what, pair, ("c64", c64), FLOOR) for pair in pairs]
 
 

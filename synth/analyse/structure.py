@@ -35,8 +35,8 @@ class Mode:
 def unmoved(A: ArrayLike, B: ArrayLike, states: Sequence[str], time: Time) -> list[Mode]:
     """Return the modes that do not decay and that no input moves; A (n, n), B (n, m)."""
     A, B = np.asarray(A, dtype=float), np.asarray(B, dtype=float)
-    balanced, (scaling, _) = scipy.linalg.matrix_balance(A, permute=False, separate=True)
-    unreached = scipy.linalg.null_space(_reached(balanced, B / scaling[:, None]).T)
+    balanced, moved, scaling = _scaled(A, B)
+    unreached = scipy.linalg.null_space(_reached(balanced, moved).T)
     values, vectors = np.linalg.eig(unreached.T @ balanced.T @ unreached)
     size = float(np.linalg.norm(balanced))
     found = []
@@ -47,6 +47,26 @@ def unmoved(A: ArrayLike, B: ArrayLike, states: Sequence[str], time: Time) -> li
             w /= np.linalg.norm(w)
             found.append(Mode(complex(s), float(np.linalg.norm(w @ B)), _dominant(w, states)))
     return found
+
+
+def _scaled(A: Array, B: Array) -> tuple[Array, Array, Array]:
+    """Return D^-1 A D, D^-1 B E and the diagonal of D: powers of 2 for which entries differ least (Curtis, Reid 1972).
+
+    What is reached must not depend on the units of states, inputs and time: the logarithms of the entries are brought
+    together in the least squares sense, those of A at one common rate. Powers of 2 round nothing.
+    """
+    n, m = B.shape
+    both = np.abs(np.hstack([A, B]))
+    np.fill_diagonal(both, 0.0)
+    rows, columns = np.nonzero(both)
+    k = np.arange(len(rows))
+    equations = np.zeros((len(rows), n + m + 1))
+    equations[k, columns] = 1.0
+    equations[k, rows] -= 1.0
+    equations[k[columns < n], -1] = -1.0
+    exponents = np.round(np.linalg.lstsq(equations, -np.log2(both[rows, columns]), rcond=None)[0])
+    D, E = 2.0 ** exponents[:n], 2.0 ** exponents[n:-1]
+    return A * D / D[:, None], B * E / D[:, None], D
 
 
 def require_stabilisable(A: ArrayLike, B: ArrayLike, states: Sequence[str], inputs: Sequence[str], time: Time) -> None:

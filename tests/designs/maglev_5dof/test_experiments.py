@@ -54,6 +54,16 @@ def test_zero_current_slams_up_and_the_safe_output_does_not(found: dict[str, Exp
         assert e.trajectory["y"].min() > 0.018
 
 
+@pytest.mark.parametrize("gap", np.arange(0.0181, 0.031, 0.0003).tolist())
+def test_the_safe_output_lets_the_platen_down_from_every_gap(shipped: Loop, gap: float) -> None:
+    """From rest, under the safe output alone; zero current instead slams it up from 28.7 mm and below."""
+    safe = {f"i_d{j}": control.SAFE_CURRENT for j in range(1, 5)} | {"u_x": 0.0, "u_z": 0.0}
+    y = shipped.run(2.0, {"y": gap}, {}, actuators={}, forcing=safe)["y"]
+    assert y[-1] == pytest.approx(0.031, abs=1e-9) and np.diff(y).min() > -1e-9
+    y = shipped.run(2.0, {"y": gap}, {}, actuators={}, forcing=dict.fromkeys(safe, 0.0))["y"]
+    assert y[-1] == pytest.approx(0.018 if gap < 0.0287 else 0.031, abs=1e-9)
+
+
 def test_limits_have_two_sides() -> None:
     assert Check("a", 1.0, 1.0, "m").passed and not Check("a", 1.1, 1.0, "m").passed
     assert not Check("a", np.nan, 1.0, "m").passed and not Check("a", np.inf, 1.0, "m").passed
