@@ -4,12 +4,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from designs.maglev_5dof import audit_continuous, experiments, loop
+from designs.maglev_5dof import audit_continuous, control, experiments, loop
 from designs.maglev_5dof.audit_bench import FRICTION, SPRINGS, Bench, Springs
 from designs.maglev_5dof.audit_continuous import Reference
 from designs.maglev_5dof.audit_motor import FORCES, MAGNETS
 from synth.report.audit import Published, Row, judge, row
 from synth.simulate import metrics
+from synth.synthesise import inverse_lqr
 
 NEAR = 0.10  # a tracking error agrees within this part of the printed one
 SPRING_CASES: tuple[Springs, ...] = ("absent", "known", "unknown")
@@ -29,14 +30,25 @@ def poles(name: str, printed: Published) -> Row:
         "second_real": float(second.real),
         "second_imaginary": float(second.imag),
     }
-    weights = ", ".join(f"{q:g}" for q in audit_continuous.axis(name).weights)
+    axis = audit_continuous.axis(name)
+    weights = ", ".join(f"{q:g}" for q in axis.weights)
+    inverse = inverse_lqr.diagonal_weights(control.axis_plant(axis), _printed_poles(printed))
     why = (
         f"Rule: every part within one unit of its last printed digit. Poles of the continuous LQR with R = 1 and "
-        f"Q = diag({weights}) on (e, de, xi), weights that the paper does not print."
+        f"Q = diag({weights}) on (e, de, xi), weights that the paper does not print. The symmetric root locus of the "
+        "printed poles has one solution in diagonal weights, near these: the print rounds it."
     )
     agree = all(printed[n].agrees(value) for n, value in recomputed.items())
     figures = [(n.replace("_", " pair, "), value, "1/s") for n, value in recomputed.items()]
+    recovered = zip(("e", "de", "xi1", "xi2", "xi3"), inverse.q, strict=True)
+    figures += [(f"weight on {state} from the printed poles", q, "1") for state, q in recovered]
+    figures.append(("diagonal weights that give the printed poles, free directions", inverse.nullspace.shape[1], "1"))
     return row(printed, figures, judge(agree), why)
+
+
+def _printed_poles(printed: Published) -> list[complex]:
+    pairs = [complex(printed[f"{n}_real"].value, printed[f"{n}_imaginary"].value) for n in ("first", "second")]
+    return [complex(printed["fast"].value), *(s for pair in pairs for s in (pair, pair.conjugate()))]
 
 
 def gap_step(bench: Bench, printed: Published) -> Row:

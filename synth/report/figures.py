@@ -9,7 +9,7 @@ state of matplotlib is read or left changed, and `svg` and `png` turn each into 
 
 import io
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from itertools import pairwise
@@ -129,12 +129,14 @@ def decimate(values: ArrayLike, points: int = POINTS) -> NDArray[np.intp]:
 
 def time_plot(time: ArrayLike, panels: Sequence[Panel], window: Window | None = None) -> Figure:
     """Draw panels (positions, currents, ...) above each other over time in s."""
-    return _stacked(time, panels, lambda axes, t, p: _signals(axes, t, p, window))
-
-
-def error_plot(time: ArrayLike, panels: Sequence[Panel]) -> Figure:
-    """Draw the magnitude of each panel's curves, which are errors, on logarithmic axes over time in s."""
-    return _stacked(time, panels, _errors)
+    with styled():
+        figure = Figure(figsize=(9.0, 0.7 + 1.75 * len(panels)), layout="constrained")
+        column = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+        for axes, panel in zip(column, panels, strict=True):
+            _signals(axes, np.asarray(time, dtype=np.float64), panel, window)
+            _legend(axes)
+        _label_time(figure, column[-1:])
+    return figure
 
 
 def response(
@@ -204,17 +206,6 @@ def _along(path: Array, points: int) -> Array:
     """Return about `points` columns of a path (3, N), evenly spread in time, and the extremes of each coordinate."""
     even = np.linspace(0, path.shape[1] - 1, points).astype(int)
     return path[:, np.unique([*even, *path.argmin(axis=1), *path.argmax(axis=1)])]
-
-
-def _stacked(time: ArrayLike, panels: Sequence[Panel], draw: Callable[[Axes, Array, Panel], None]) -> Figure:
-    with styled():
-        figure = Figure(figsize=(9.0, 0.7 + 1.75 * len(panels)), layout="constrained")
-        column = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-        for axes, panel in zip(column, panels, strict=True):
-            draw(axes, np.asarray(time, dtype=np.float64), panel)
-            _legend(axes)
-        _label_time(figure, column[-1:])
-    return figure
 
 
 def _signals(axes: Axes, time: Array, panel: Panel, window: Window | None) -> None:

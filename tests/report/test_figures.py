@@ -62,11 +62,6 @@ def test_a_run_without_set_points_shows_its_signals_alone(run: Callable[..., Exp
     assert len(figures.response(run(references=False), UNITS).axes) == 2
 
 
-def test_an_error_of_nothing_can_be_drawn() -> None:
-    figure = figures.error_plot(TIME, [Panel("e", "m", (Curve("e", np.zeros(400)),))])
-    assert "<path" in figures.svg(figure, "nothing")
-
-
 def test_a_missing_unit_and_a_wrong_length_are_refused(run: Callable[..., Experiment]) -> None:
     with pytest.raises(SignalError, match="theta without a unit"):
         figures.response(run(), {"y": "m"})
