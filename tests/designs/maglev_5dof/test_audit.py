@@ -12,7 +12,7 @@ from designs.maglev_5dof import audit, audit_model, control
 from designs.maglev_5dof.audit_bench import SPRINGS, Bench
 from models import maglev_stage
 from synth.analyse import trim
-from synth.report.audit import Row, document
+from synth.report.audit import Row
 
 PLANT = maglev_stage.plant()
 NAMES = tuple(p.name for p in PLANT.parameters)
@@ -87,7 +87,7 @@ def test_verdicts_and_completeness(rows: dict[str, Row]) -> None:
     assert {name: str(r.verdict) for name, r in rows.items()} == VERDICTS
     assert list(rows) == list(audit.ROWS) == list(audit.printed())
     assert all(r.why.startswith("Rule") and r.published.where for r in rows.values())
-    assert [d["id"] for d in document(rows.values())] == list(rows)
+    assert [r.document()["id"] for r in rows.values()] == list(rows)
 
 
 def test_rows_come_one_by_one() -> None:
