@@ -9,15 +9,15 @@
     modulus margin   min |1 + L|,   the inverse of the peak sensitivity Ms
 
 A sampled loop is taken on z = exp(i w T) up to w = pi/T, exactly; its hold and delays are part of its model. L is real
-at w = 0 and at pi/T or infinity, and a phase crossing may lie there. The grid is dense at the poles and zeros of L and
-1 + L and refined until neighbours differ little; each crossing and the peak are then found by bracketing.
+at w = 0 and at pi/T or infinity, and a phase crossing may lie there. The grid is dense at the poles of L and of the
+closed loop and refined until neighbours differ little, in phase too, which turns at a zero; each crossing and the peak
+are then found by bracketing.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq, minimize_scalar
 
@@ -133,17 +133,17 @@ def _closed_poles(loop: StateSpace) -> Complex:
 
 
 def _grid(loop: StateSpace, closed: Complex, low: float | None, high: float | None) -> Array:
-    """Return frequencies from low to high, denser around each lightly damped pole and zero of L and pole of 1 + L."""
-    poles, zeros = np.linalg.eigvals(loop.A).astype(np.complex128), _zeros(loop)
+    """Return frequencies from low to high, denser around each lightly damped pole of L and of the closed loop."""
+    poles = np.linalg.eigvals(loop.A).astype(np.complex128)
     if isinstance(loop.time, Continuous):
         size = np.abs(np.concatenate([poles, closed]))
         top, bottom = high or 1e3 * float(size.max(initial=1.0)), 1e-9 * float(size.max(initial=1.0))
     else:
         top, bottom = np.pi / loop.time.period_s * (1 - 1e-9), 1e-6 / loop.time.period_s
-        poles, zeros, closed = (np.log(p[p != 0]) / loop.time.period_s for p in (poles, zeros, closed))
+        poles, closed = (np.log(p[p != 0]) / loop.time.period_s for p in (poles, closed))
     start = low or float(np.clip(1e-2 * np.abs(closed).min(initial=1.0), min(bottom, 1e-2), 1e-2))
     points = [np.geomspace(start, top, 400)]
-    for s in np.concatenate([poles, zeros, closed]):
+    for s in np.concatenate([poles, closed]):
         if abs(s.imag) > start:
             width = max(abs(s.real), 1e-6 * abs(s.imag))
             points.append(abs(s.imag) + width * np.linspace(-4, 4, 32))
@@ -151,13 +151,6 @@ def _grid(loop: StateSpace, closed: Complex, low: float | None, high: float | No
     w = w[(w >= start) & (w <= top)]
     # Both poles of a pair seed the same nodes but for the last bit; a bracket between such twins would hold no peak.
     return w[np.append(np.diff(w) > 1e-8 * w[1:], True)]
-
-
-def _zeros(loop: StateSpace) -> Complex:
-    n = len(loop.A)
-    pencil, unit = np.block([[loop.A, loop.B], [loop.C, loop.D]]), np.diag([1.0] * n + [0.0])
-    zeros = scipy.linalg.eigvals(pencil, unit).astype(np.complex128)
-    return zeros[np.isfinite(zeros)]
 
 
 def _ends(loop: StateSpace) -> dict[float, float]:

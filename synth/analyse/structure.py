@@ -122,7 +122,7 @@ def _reached(A: Array, B: Array) -> Array:
     size = np.linalg.norm(B, axis=0)
     basis = new = _range(B[:, size > 0] / size[size > 0])
     step = A / (np.linalg.norm(A) or 1.0)
-    while new.shape[1]:
+    while new.shape[1] and basis.shape[1] < len(A):
         new = step @ new
         for _ in range(2):  # once more for what rounding left
             new = new - basis @ (basis.T @ new)

@@ -168,6 +168,17 @@ def test_the_loop_is_marginal_at_each_of_its_margins(seed: int, sampled: bool) -
     assert value == pytest.approx(-1, abs=1e-7)
 
 
+def test_a_crossing_below_180_degrees_needs_most_of_a_turn_of_delay() -> None:
+    """L = k (s + 1)^2 / s^3 is unstable for small k: its phase margin is negative, its delay margin is not."""
+    L = loop(0.1 * np.poly([-1, -1]), [1, 0, 0, 0])
+    found = margins.of_loop(L)
+    (crossing,) = found.gain_crossings
+    assert not found.stable and crossing.phase_margin < 0 < crossing.delay_margin
+    late = margins.response(L)(crossing.frequency)[0] * np.exp(-1j * crossing.frequency * crossing.delay_margin)
+    assert late == pytest.approx(-1, abs=1e-7)
+    assert crossing.delay_margin == pytest.approx(np.radians(360 + crossing.phase_margin) / crossing.frequency)
+
+
 @pytest.mark.parametrize("k", [0.5, 1.0, 2.0])
 def test_a_sampled_loop_bears_the_whole_samples_below_its_delay_margin_and_no_more(k: float) -> None:
     T = 0.01

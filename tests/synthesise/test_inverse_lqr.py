@@ -100,12 +100,12 @@ def test_weights_that_act_alike_are_not_unique_and_the_nullspace_says_how() -> N
 
 
 def test_of_many_weights_some_that_are_not_negative_are_found() -> None:
-    """The third state is the sum of the first two's outputs' rate: the least-norm answer alone may be negative."""
-    c = model([[0, 1, 0], [0, 0, 0], [0, 1, -1]], [[0], [1], [0]])
-    for seed in range(5):
-        q = np.random.default_rng(seed).uniform(0, 1, 3) * [1, 1, 0.01]
-        poles = lqr.lqr(c, np.diag(q), [[1.0]]).poles
-        assert inverse_lqr.diagonal_weights(c, poles).q.min() >= -1e-9
+    """x3 follows x1 + x2: q3 acts as q1 and q2 do together, and beside (10, 0, 0) least norm is (20, -10, 10) / 3."""
+    c = model([[0, 1, 0], [0, 0, 0], [1, 2, -1]], [[0], [1], [1]])
+    poles = lqr.lqr(c, np.diag([10.0, 0, 0]), [[1.0]]).poles
+    found = inverse_lqr.diagonal_weights(c, poles)
+    assert not found.unique and found.q.min() >= 0
+    assert found.q @ [1, 0, 1] == pytest.approx(10) and found.q @ [0, 1, 1] == pytest.approx(0, abs=1e-6)
 
 
 @pytest.mark.parametrize(
