@@ -4,6 +4,7 @@ With --json stdout is one document and progress goes to stderr. Exit status: 0 w
 """
 
 import json
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -37,10 +38,10 @@ def _commands() -> None:
 
 
 def main() -> None:
-    """Run the command line; an error of this package is told in one line and exits with 2."""
+    """Run the command line; an error of this package or of a file is told in one line and exits with 2."""
     try:
         app()
-    except SynthError as error:
+    except (SynthError, OSError) as error:
         Console(stderr=True).print(f"[bold red]error:[/] {error}", highlight=False, soft_wrap=True)
         raise SystemExit(2) from error
 
@@ -68,7 +69,7 @@ def build(names: Names = None, json_wanted: AsJson = False) -> None:
         reports = root / "reports"
         page = design.report(emitted, evidence, experiments, rows)
         write.save({f"{design.name}.html": page}, reports)
-        document = json.dumps(evidence.document(), indent=1) + "\n"
+        document = _json(evidence.document()) + "\n"
         write.save({f"{design.name}.evidence.json": document}, reports)
         checks = [*evidence.checks, *(c for e in experiments for c in e.checks)]
         bad = [c for c in checks if not c.passed]
@@ -116,7 +117,7 @@ def audit(names: Names = None, json_wanted: AsJson = False) -> None:
             say(f"audit {row.id}")
             rows.append(row)
     if json_wanted:
-        typer.echo(json.dumps([row.document() for row in rows], indent=1))
+        typer.echo(_json([row.document() for row in rows]))
         return
     table = Table("row", "published", "recomputed", "verdict", "why", show_lines=True)
     for row in rows:
@@ -152,7 +153,20 @@ def _print_checks(title: str, checks: Sequence[Check], figures: Mapping[str, flo
     Console().print(table)
 
 
+def _json(document: Any) -> str:
+    """Return strict JSON: null for a number that JSON does not have."""
+    return json.dumps(_finite(document), indent=1, allow_nan=False)
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {k: _finite(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(v) for v in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
 def _finish(json_wanted: bool, documents: Sequence[Mapping[str, Any]], failed: bool) -> None:
     if json_wanted:
-        typer.echo(json.dumps(documents, indent=1))
+        typer.echo(_json(documents))
     raise typer.Exit(1 if failed else 0)

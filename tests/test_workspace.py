@@ -6,6 +6,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -47,14 +48,22 @@ def test_simulate_prints_one_document(root: Path) -> None:
 def test_a_failed_check_is_exit_status_1(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from designs.maglev_5dof import experiments
 
-    monkeypatch.setattr(experiments, "Y_LIMITS", (0.01, 2.2, 4.0))
+    monkeypatch.setattr(experiments, "Y_LIMITS", (0.01, np.inf, 4.0))
     result = RUNNER.invoke(app, ["simulate", "--json"])
     assert result.exit_code == 1
+    assert "Infinity" not in result.stdout
     failed = [c for e in json.loads(result.stdout)[0]["experiments"] for c in e["checks"] if not c["passed"]]
     assert {c["name"] for c in failed} == {"overshoot"}
 
 
-@pytest.mark.parametrize(("arguments", "told"), [(["verify", "other"], "other"), (["emit", "maglev_5dof"], "--out")])
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["verify", "other"], "other"),
+        (["emit", "maglev_5dof"], "--out"),
+        (["emit", "maglev_5dof", "--out", "README.md"], "README"),
+    ],
+)
 def test_wrong_usage_is_exit_status_2_in_one_line(arguments: list[str], told: str) -> None:
     command = [sys.executable, "-c", "from synth.cli import main; main()", *arguments]
     result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60)

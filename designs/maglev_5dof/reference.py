@@ -34,6 +34,7 @@ OMEGA0 = 1.5 * pi  # rad/s, F section IV-B
 ANTI_WINDUP = 7e-5  # each entry of E_x = E_z, F section IV-A
 BAD_SAMPLES = 5
 SLEW = 100.0  # A/s
+COMPENSATED = {"phi": 0.75, "theta": 0.95}  # the part of each guide spring that the restored law cancels
 BOX = {"y": (0.018, 0.031), "phi": (-0.003, 0.003), "theta": (-0.014, 0.014)}
 ODD, EVEN = (0.0168, 0.0322), (0.0124, 0.0366)  # gaps of motors 1, 3 and 2, 4
 LIMITS = {"y1": ODD, "y2": EVEN, "y3": ODD, "y4": EVEN, "x": (-0.1, 0.1), "z": (-0.1, 0.1)}
@@ -295,15 +296,16 @@ def model_step(s: str, e: Array, excess: Array | float, state: Columns, k: Const
     return {f"regulator_{s}_xi{n + 1}": np.clip(after[n], -XI[s][n], XI[s][n]) for n in range(3)}
 
 
-def direct_currents(w: Columns, at: Columns, m: list[Motor], load: list[Array], p: Parameters) -> list[Array]:
+def direct_currents(w: Columns, at: Columns, m: list[Motor], load: list[Array], k: Constants) -> list[Array]:
     """Return i_d1..i_d4 for the demands w at a pose, with `load` the upward forces in N that do not depend on them.
 
     The forces f_j = b_j i_dj have a given sum f, differences f3 - f1 = d and f2 - f4 = c, and the currents obey
     i_d1 + i_d3 = i_d2 + i_d4, which is F(8): one linear equation in f1 + f3. F(12).
     """
+    p, part = k.parameters, COMPENSATED if k.restored else {"phi": 1.0, "theta": 1.0}
     f = p.M_y * (w["y"] - p.G) + sum(load)
-    d = p.I / p.r * (w["phi"] + p.k_s_phi * at["phi"]) + load[2] - load[0]
-    c = p.I / p.r * (w["theta"] + p.k_s_theta * at["theta"]) + load[1] - load[3]
+    d = p.I / p.r * (w["phi"] + part["phi"] * p.k_s_phi * at["phi"]) + load[2] - load[0]
+    c = p.I / p.r * (w["theta"] + part["theta"] * p.k_s_theta * at["theta"]) + load[1] - load[3]
     s1, s2, s3, s4 = (1 / one.b for one in m)
     odd = ((s2 + s4) * f + (s2 - s4) * c - (s3 - s1) * d) / (s1 + s2 + s3 + s4)
     even = f - odd
@@ -329,7 +331,7 @@ def currents(w: Columns, q: Columns, k: Constants) -> tuple[dict[str, Array], di
 
     def levitation(i_q: list[Array | float], before: list[Array | float]) -> list[Array]:
         load = [one.a + one.c * (i_q[j] ** 2 + before[j] ** 2) for j, one in enumerate(m)]
-        return [np.clip(i, -CURRENT, CURRENT) for i in direct_currents(w, at, m, load, p)]
+        return [np.clip(i, -CURRENT, CURRENT) for i in direct_currents(w, at, m, load, k)]
 
     i_d = levitation([0.0] * 4, [0.0] * 4)
     u_x, u_z = limited(u, i_d)

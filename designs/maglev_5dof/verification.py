@@ -17,7 +17,8 @@ from synth.block import Block
 from synth.check import Check
 from synth.execute import host
 from synth.plant import Plant
-from synth.simulate.scenario import Trajectory
+from synth.simulate.scenario import Trajectory, sample_times
+from synth.simulate.sensors import Override
 from synth.verify import agree
 from synth.verify.evidence import Evidence
 
@@ -107,7 +108,7 @@ def verify(plant: Plant, told: Callable[[str], None], replay_s: float = 60.0) ->
         told(f"{what} steps")
         found = {name: witness(states, inputs) for name, witness in witnesses.items()}
         compared = [
-            agree.compare(f"{what} steps", (name, found[name]), ("c64", found["c64"]), FLOOR)
+            agree.compare(f"{what} steps", (name, found[name]), ("c64", found["c64"]), FLOOR, block)
             for name in ("reference", "casadi", "casadi_c")
         ]
         agreements += compared
@@ -115,8 +116,8 @@ def verify(plant: Plant, told: Callable[[str], None], replay_s: float = 60.0) ->
         if what == "random":
             share = float(np.mean(saturated(found["c64"].outputs)))
             checks.append(Check("share of random steps at a limit", share, 0.5, "1"))
-            agreements.append(_single(c32, c64, states, inputs))
-    told("replay of a closed loop")
+            agreements.append(_single(block, c32, c64, states, inputs))
+    told("replays of closed loops")
     agreements += (compared := replays(Loop(plant, c64), block, replay_s))
     checks += _exact(compared)
     told("single against double over 60 s")
@@ -129,32 +130,52 @@ def _exact(compared: list[agree.Agreement]) -> list[Check]:
     for a in compared:
         about = f"worst of {a.samples} steps, {a.signal}"
         checks.append(Check(f"{a.what}: {a.first} against {a.second}", a.worst, EXACT, "max(1 A, |i|)", about))
+        checks.append(
+            Check(f"{a.what}: next states of {a.first} and {a.second}", a.state_worst, EXACT, "of range", a.state)
+        )
         checks.append(Check(f"{a.what}: fault words of {a.first} and {a.second} unlike", a.faults_differ, 0, "1"))
     return checks
 
 
-def _single(c32: host.Controller, c64: host.Controller, states: Columns, inputs: Columns) -> agree.Agreement:
+def _single(
+    block: Block, c32: host.Controller, c64: host.Controller, states: Columns, inputs: Columns
+) -> agree.Agreement:
     """Compare single with double on the same bits: what is drawn is rounded to single first."""
     x, u = ({n: v.astype(np.float32) for n, v in columns.items()} for columns in (states, inputs))
     double = agree.emitted(c64)(x, u)
     single = agree.emitted(c32)(x, u)
-    return agree.compare("random steps", ("c64", double), ("c32", single), FLOOR, np.float32)
+    return agree.compare("random steps", ("c64", double), ("c32", single), FLOOR, block, np.float32)
 
 
 def replays(loop: Loop, block: Block, replay_s: float) -> list[agree.Agreement]:
-    """Replay the recorded inputs of the 4-DOF tracking with encoders through the reference and CasADi."""
-    trajectory, _ = experiments.tracking(loop, True, replay_s)
-    inputs = trajectory.measured
-    c64 = agree.replayed(loop.controller, inputs)
+    """Replay recorded inputs from `init`: the 4-DOF tracking with encoders, a saturated step, faults up to the latch."""
+    tracking, _ = experiments.tracking(loop, True, replay_s)
+    saturated = experiments.step(loop, "x", -0.05, 0.05, gap=0.030, after=2.0).trajectory
+    faulty = loop.run(2.0, {"y": 0.025}, {}, overrides=_bad_samples())
+    runs = {f"replay of {replay_s:g} s": tracking, "replay of a saturated step": saturated, "replay of faults": faulty}
+    return [a for what, run in runs.items() for a in _replayed(what, loop, block, run)]
+
+
+def _bad_samples() -> dict[str, Override]:
+    """Single bad samples of y2 and a set-point, four in a row of x, and in the end z for ever, which latches."""
+    time = sample_times(2.0, control.TIME.period_s)
+    masks = {"y2": time % 0.25 < 1e-9, "x_ref": time % 0.3 < 1e-9, "x": (time > 0.8) & (time < 0.8045), "z": time > 1.5}
+    return {name: Override(mask, np.full(len(time), np.nan)) for name, mask in masks.items()}
+
+
+def _replayed(what: str, loop: Loop, block: Block, run: Trajectory) -> list[agree.Agreement]:
+    inputs = run.measured
+    c64 = ("c64", agree.replayed(loop.controller, inputs))
     start = {s.name: s.initial for s in block.states}
-    by_reference = agree.recorded(
-        agree.reference(reference.step), {n: float(v) for n, v in reference.initial_state().items()}, inputs
-    )
-    by_casadi = agree.recorded(agree.casadi(block), start, inputs)
-    by_casadi_c = agree.recorded(agree.casadi_own_c(block), start, inputs)
-    what = f"replay of {replay_s:g} s"
-    pairs = (("reference", by_reference), ("casadi", by_casadi), ("casadi_c", by_casadi_c))
-    return [agree.compare(what, pair, ("c64", c64), FLOOR) for pair in pairs]
+    witnesses = {
+        "reference": agree.reference(reference.step),
+        "casadi": agree.casadi(block),
+        "casadi_c": agree.casadi_own_c(block),
+    }
+    return [
+        agree.compare(what, (name, agree.recorded(witness, start, inputs)), c64, FLOOR, block)
+        for name, witness in witnesses.items()
+    ]
 
 
 def single_against_double(plant: Plant, c32: host.Controller, c64: host.Controller) -> list[Check]:

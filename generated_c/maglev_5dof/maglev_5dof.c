@@ -396,12 +396,12 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float t491 = 9.223132f * t443;
     const float t494 = t491 + -9.223132f * t437;
     const float t495 = t494 * t458;
-    const float t501 = -15000.0f * t375;
+    const float t501 = -11250.0f * t375;
     const float t503 = w_phi - (0.397f * (t479 - t472) / 0.5268f + t501);
     const float t507 = 9.223132f * t456;
     const float t508 = -9.223132f * t450 + t507;
     const float t509 = t508 * t445;
-    const float t514 = -3000.0f * t311;
+    const float t514 = -2850.0f * t311;
     const float t516 = w_theta - (0.397f * (t475 - t483) / 0.5268f + t514);
     const float t523 = t491 + 9.223132f * t450 + 9.223132f * t437 + t507;
     const float t527 = 47.959236f * t437 + t444;

@@ -67,9 +67,34 @@ def margins_table(caption: str, curves: Iterable[bode.LoopCurve]) -> Table:
 
 def agreements(found: Iterable[Agreement]) -> Table:
     """Return how far each pair of witnesses is apart."""
-    columns = ("compared", "steps", "of", "with", "worst difference", "in", "at step", "ulp", "fault words unlike")
+    columns = (
+        "compared",
+        "steps",
+        "of",
+        "with",
+        "worst difference",
+        "in",
+        "at step",
+        "ulp",
+        "fault words unlike",
+        "worst state, of range",
+        "state",
+    )
     rows = tuple(
-        (a.what, a.samples, a.first, a.second, a.worst, a.signal, a.sample, a.ulps, a.faults_differ) for a in found
+        (
+            a.what,
+            a.samples,
+            a.first,
+            a.second,
+            a.worst,
+            a.signal,
+            a.sample,
+            a.ulps,
+            a.faults_differ,
+            a.state_worst,
+            a.state,
+        )
+        for a in found
     )
     return Table("Agreement of the witnesses; differences relative to max(floor, |value|)", columns, rows)
 

@@ -5,8 +5,9 @@
     casadi_c    CasADi's own C of the Block, double
     c64, c32    the emitted C in double and in single precision
 
-A difference of the value v from the value r is |v - r| / max(floor, |r|), with the floor in the signal's unit: 1 A for
-currents. Every witness takes the same bits in: samples are drawn once, in the scalar type of the coarser witness.
+A difference of the output v from the output r is |v - r| / max(floor, |r|), with the floor in the signal's unit: 1 A
+for currents. A difference of next states is relative to the width of the state's declared range. Every witness takes
+the same bits in: samples are drawn once, in the scalar type of the coarser witness.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -36,10 +37,11 @@ class Stepped:
 
 @dataclass(frozen=True)
 class Agreement:
-    """How far `second` is from `first` over `samples` steps: the worst difference, its signal and its sample.
+    """How far `second` is from `first` over `samples` steps: the worst difference of an output, its signal and sample.
 
-    `ulps` is the worst difference in units in the last place of the second's scalar type at the value; `faults_differ`
-    counts samples whose fault words are unlike.
+    `state_worst` is the worst difference of a next state, and `state` its name. `ulps` is the worst difference of an
+    output in units in the last place of the second's scalar type at the value; `faults_differ` counts samples whose
+    fault words are unlike.
     """
 
     first: str
@@ -51,6 +53,8 @@ class Agreement:
     sample: int
     ulps: float
     faults_differ: int
+    state_worst: float
+    state: str
 
 
 Witness = Callable[[Columns, Columns], Stepped]
@@ -61,25 +65,37 @@ def compare(
     first: tuple[str, Stepped],
     second: tuple[str, Stepped],
     floor: float,
+    block: Block,
     scalar: type[np.floating] = np.float64,
 ) -> Agreement:
-    """Compare the outputs of two witnesses of the same N steps; a value that is no number differs by infinity."""
+    """Compare outputs, fault words and next states of two witnesses of the same N steps of a Block.
+
+    A value that is no number differs by infinity. A recorded run has the states after its last step only.
+    """
     (name, r), (other, v) = first, second
-    worst, where, sample, ulps = 0.0, "", 0, 0.0
-    for signal, expected in r.outputs.items():
-        found = np.asarray(v.outputs[signal], dtype=np.float64)
-        reference = np.asarray(expected, dtype=np.float64)
-        with np.errstate(invalid="ignore"):
-            gap = np.abs(found - reference)
-        gap = np.where(np.isfinite(gap), gap, np.inf)
-        difference = gap / np.maximum(floor, np.abs(reference))
-        spacing = np.spacing(np.maximum(np.abs(reference), floor).astype(scalar)).astype(np.float64)
-        ulps = max(ulps, float(np.max(gap / spacing)))
-        k = int(np.argmax(difference))
-        if not where or difference[k] > worst:
-            worst, where, sample = float(difference[k]), signal, k
+    gaps = {s.name: _gap(r.outputs[s.name], v.outputs[s.name]) for s in block.outputs}
+    sizes = {s.name: np.maximum(floor, np.abs(np.asarray(r.outputs[s.name], dtype=np.float64))) for s in block.outputs}
+    signal, sample, worst = _worst({n: gap / sizes[n] for n, gap in gaps.items()})
+    ulps = max(float(np.max(gap / np.spacing(sizes[n].astype(scalar)).astype(np.float64))) for n, gap in gaps.items())
+    widths = {s.name: s.signal.high - s.signal.low for s in block.states}
+    state, _, state_worst = _worst({n: _gap(r.states[n], v.states[n]) / w for n, w in widths.items()})
     unlike = int(np.count_nonzero(np.asarray(r.faults) != np.asarray(v.faults)))
-    return Agreement(name, other, what, len(r.faults), worst, where, sample, ulps, unlike)
+    return Agreement(name, other, what, len(r.faults), worst, signal, sample, ulps, unlike, state_worst, state)
+
+
+def _gap(expected: Any, found: Any) -> NDArray[np.float64]:
+    with np.errstate(invalid="ignore"):
+        gap = np.abs(np.asarray(found, dtype=np.float64) - np.asarray(expected, dtype=np.float64))
+    return np.atleast_1d(np.where(np.isfinite(gap), gap, np.inf))
+
+
+def _worst(differences: Mapping[str, NDArray[np.float64]]) -> tuple[str, int, float]:
+    """Return the name, the sample and the size of the greatest difference."""
+    name = max(differences, key=lambda n: float(np.max(differences[n])), default="")
+    if not name:
+        return "", 0, 0.0
+    k = int(np.argmax(differences[name]))
+    return name, k, float(differences[name][k])
 
 
 def emitted(controller: host.Controller) -> Witness:
