@@ -148,7 +148,7 @@ def _single(
 
 
 def replays(loop: Loop, block: Block, replay_s: float) -> list[agree.Agreement]:
-    """Replay recorded inputs from `init`: the 4-DOF tracking with encoders, a saturated step, faults up to the latch."""
+    """Replay recorded inputs from `init`: the 4-DOF tracking with encoders, a saturated step, faults to the latch."""
     tracking, _ = experiments.tracking(loop, True, replay_s)
     saturated = experiments.step(loop, "x", -0.05, 0.05, gap=0.030, after=2.0).trajectory
     faulty = loop.run(2.0, {"y": 0.025}, {}, overrides=_bad_samples())

@@ -200,7 +200,7 @@ def test_an_experiment_becomes_a_section(run: Callable[..., Experiment]) -> None
 
 
 def test_agreements_and_files_become_tables() -> None:
-    table = sections.agreements([Agreement("reference", "c64", "random", 1000, 3e-14, "i_d1", 7, 12.0, 2)])
-    assert table.rows == (("random", 1000, "reference", "c64", 3e-14, "i_d1", 7, 12.0, 2),)
+    table = sections.agreements([Agreement("reference", "c64", "random", 1000, 3e-14, "i_d1", 7, 12.0, 2, 1e-15, "xi")])
+    assert table.rows == (("random", 1000, "reference", "c64", 3e-14, "i_d1", 7, 12.0, 2, 1e-15, "xi"),)
     digest = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"  # FIPS 180-2, appendix B.1
     assert sections.files({"abc.c": "abc"}).rows == (("abc.c", 3, digest),)

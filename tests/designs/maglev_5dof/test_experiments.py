@@ -85,11 +85,11 @@ def test_a_wrong_sign_in_a_gain_is_caught(stage: Plant) -> None:
 
 @pytest.mark.parametrize("parameter", ["k_s_theta", "G"])
 def test_a_wrong_sign_in_the_physics_is_caught(stage: Plant, single: host.Controller, parameter: str) -> None:
-    value = stage.parameter(parameter).value
-    wrong = Loop(stage.with_parameters(**MappingProxyType({parameter: -value})), single)
-    axis, start, target = ("theta", 0.0, 0.01) if parameter == "k_s_theta" else ("y", 0.022, 0.029)
-    run = experiments.step(wrong, axis, start, target)
-    assert run.response.t_s > experiments.THETA_LIMITS[1]
+    wrong = stage.with_parameters(**MappingProxyType({parameter: -stage.parameter(parameter).value}))
+    runs = [experiments.step(Loop(plant, single), "theta", 0.0, 0.01) for plant in (stage, wrong)]
+    late, gone = experiments.THETA_LIMITS[1], 1e-3
+    found = [r.response.t_s > late or np.abs(r.trajectory["y"] - 0.025).max() > gone for r in runs]
+    assert found == [False, True]
 
 
 def test_anti_windup_is_what_differs(found: dict[str, Experiment]) -> None:
