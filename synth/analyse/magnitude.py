@@ -230,7 +230,7 @@ def _zero_between(expr: _Compiled, start: Array, end: Array) -> Array:
         return start
     if along(1.0) == 0:
         return end
-    return start + brentq(along, 0.0, 1.0) * (end - start)
+    return start + brentq(along, 0.0, 1.0, disp=False) * (end - start)
 
 
 def _descend(expr: _Compiled, start: Array, sign: float) -> tuple[float, Array]:
