@@ -204,6 +204,7 @@ def one(name: str, **changed: float) -> Row:
         ("F-4", {"tau": 0.12, "t1": 0.04, "b0": 0.03, "w_c": 0.12}, "N"),  # slots wide beside the gap
         ("F-5b", {"r": 0.1}, "N"),  # an arm so short that the angles hardly matter
         ("F-6", {"H_c": 4e6}, "R"),  # magnets that attract at 10^2 times the acceleration
+        ("F-7", {"b0": 0.06}, "N"),  # slots so wide that no tooth is left: the Carter coefficient runs through a pole
         ("F-17", {"r": 0.2}, "N"),
         ("F-18", {"r": 0.5}, "N"),  # the tilt no longer fits between the stops
     ],
