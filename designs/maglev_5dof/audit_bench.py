@@ -2,9 +2,9 @@
 
 "Ideal" is the loop in continuous time with ideal sensing (`audit_continuous`). "Encoders" is the compiled controller
 at 1 kHz on encoders of 10 um with its filters and one sample of delay: with the printed law (12), or `restored`, with
-the shipped law, which puts back the terms that (11) drops. Tracking errors are means of |e|, with encoders from 10 to
-60 s. Ideal runs are periodic by 12 s, and the mean is over the six whole periods up to 20 s. Shorter runs keep these
-proportions.
+the shipped law, which puts back the terms that (11) drops and cancels the guide springs in part. Tracking errors are
+means of |e|, with encoders from 10 to 60 s. Ideal runs are periodic by 12 s, and the mean is over the six whole periods
+up to 20 s. Shorter runs keep these proportions.
 """
 
 from collections.abc import Callable, Mapping

@@ -68,7 +68,7 @@ def _gain(axis: control.Axis, scalar: type[np.floating]) -> dict[str, Any]:
         "poles_rad_s": [_complex(s) for s in gain.poles],
         "certificate": {
             "relative_residual_below": _bound(certificate.residual),
-            "relative_forward_error_below": _bound(certificate.forward_error),
+            "relative_forward_error_estimate": _bound(certificate.forward_error),
         },
         "sampled_data_optimum": {
             "K": [_digits(v, 6) for v in sampled.K[0]],

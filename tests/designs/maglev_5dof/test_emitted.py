@@ -60,6 +60,6 @@ def test_gains_ship_the_published_weights_and_their_certificate() -> None:
     y = gains["design"]["y"]
     assert y["K"] == [float(np.float32(v)) for v in y["K"]]
     np.testing.assert_allclose(y["K"], [-1699.7, -182.75, -50000, 2725.5, -7806.8], rtol=3e-5)
-    assert y["certificate"]["relative_forward_error_below"] < 1e-15
+    assert y["certificate"]["relative_forward_error_estimate"] < 1e-15
     assert not gains["design"]["phi"]["published_weights"]
     assert gains["constants"]["regulator_y_k_e"]["value"] == y["K"][0]
