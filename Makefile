@@ -1,10 +1,11 @@
-# `make build` and `make test` need python3 and make alone; everything else comes into .venv, pinned.
+# `make build` and `make test` need python3 and make alone; everything else comes into .venv, pinned. `make bench` adds
+# gcc's figures where arm-none-eabi-gcc is installed; `make prove` needs frama-c, clang with libFuzzer, and cppcheck.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-.PHONY: build test clean
+.PHONY: build test bench prove clean
 
 build: $(STAMP)
 	$(BIN)/synth build
@@ -13,6 +14,15 @@ test: $(STAMP)
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/python -m pytest
+
+bench: $(STAMP)
+	$(BIN)/synth cost
+	$(BIN)/synth verify --target cortex-m4f
+	$(BIN)/synth verify --target cortex-m7
+	$(BIN)/python -m benchmarks.axes
+
+prove: $(STAMP)
+	$(BIN)/synth prove --whole
 
 # The build backend is installed first and build isolation is off, so that it too is the pinned one.
 $(STAMP): pyproject.toml constraints.txt

@@ -20,7 +20,7 @@ The last terms of (6) read -C_v3 (L_v3(g1) + L_v3(g3)) u_z^2 - C_v3 (L_v3(g2) + 
 Source: Fulford, Maggiore, Apkarian, "Control of a 5DOF Magnetically Levitated Positioning Stage", (5)-(11).
 """
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
 
@@ -216,18 +216,6 @@ def input_polynomial(p: Exprs, lv3: str = "csch2") -> InputPolynomial:
     return InputPolynomial(x, u, v, found)
 
 
-def quadratic_part(p: Exprs, lv3: str, x: Exprs) -> tuple[dict[str, ca.SX], list[ca.SX]]:
-    """Return what of y'', phi'', theta'' is of second degree in i_d1..i_d4, and the symbols of those four currents.
-
-    These are the terms that (11) drops, before (8) ties the currents together. `x` holds the symbols y, phi, theta.
-    """
-    i_d = {f"i_d{j}": ca.SX.sym(f"i_d{j}") for j in (1, 2, 3, 4)}
-    u, currents = {"u_x": ca.SX(0), "u_z": ca.SX(0)} | i_d, list(i_d.values())
-    second = accelerations(x, u, p, _reading(lv3))
-    halved = {q: [ca.jacobian(ca.jacobian(second[q], i), i) / 2 for i in currents] for q in ("y", "phi", "theta")}
-    return {q: _sum_of_squares(row, currents) for q, row in halved.items()}, currents
-
-
 def simplified(model: InputPolynomial, dropped: Collection[str] = NEGLIGIBLE) -> InputPolynomial:
     """Return the model without the `dropped` terms: (11) for the default.
 
@@ -238,6 +226,34 @@ def simplified(model: InputPolynomial, dropped: Collection[str] = NEGLIGIBLE) ->
         kept = ", ".join(name for name in model.coefficients if name in TERMS)
         raise ModelError(f"the terms {', '.join(unknown)} cannot be dropped: the polynomial has {kept}")
     return replace(model, coefficients={n: e for n, e in model.coefficients.items() if n not in dropped})
+
+
+def direct_currents(
+    w: Exprs, x: Exprs, squares: Sequence[ca.SX], motors: Sequence[pmlsm.ForceLaw], p: Exprs
+) -> dict[str, ca.SX]:
+    """Return i_d1..i_d4 in A for which y'', phi'', theta'' = `w`: (8) and (12), with i_d^2 + i_q^2 = `squares`, given.
+
+    With the forces f_j = b_j i_dj, which carry the loads a_j + c_j (i_d^2 + i_q^2)_j and accelerate,
+
+        f_1 + f_2 + f_3 + f_4 = n,    f_3 - f_1 = d,    f_2 - f_4 = e,    i_d1 + i_d3 = i_d2 + i_d4
+
+    where the last is (8). This is one linear equation in f_1 + f_3; halves of all forces are computed. `w` holds y, phi
+    and theta in m/s^2 and rad/s^2, `x` holds phi and theta in rad, `squares` and `motors` go by motor.
+    """
+    half = [m.half_a + m.half_c * square for m, square in zip(motors, squares, strict=True)]  # of the loads
+    s1, s2, s3, s4 = (1 / m.b for m in motors)
+    n = p["M_y"] / 2 * (w["y"] - p["G"]) + (half[0] + half[1] + half[2] + half[3])
+    d = p["I_x"] / (2 * p["r"]) * (w["phi"] + p["k_s_phi"] * x["phi"]) + (half[2] - half[0])
+    e = p["I_z"] / (2 * p["r"]) * (w["theta"] + p["k_s_theta"] * x["theta"]) + (half[1] - half[3])
+    odd = ((s2 + s4) * n + (s2 - s4) * e - (s3 - s1) * d) / (s1 + s3 + (s2 + s4))
+    even = n - odd
+    return {"i_d1": s1 * (odd - d), "i_d2": s2 * (even + e), "i_d3": s3 * (odd + d), "i_d4": s4 * (even - e)}
+
+
+def thrust_currents(w: Exprs, motors: Sequence[pmlsm.ForceLaw], p: Exprs) -> dict[str, ca.SX]:
+    """Return u_x, u_z in A for which x'', z'' = `w` in m/s^2. Source: (12)."""
+    h = [m.h for m in motors]
+    return {"u_x": -p["M_x"] * w["x"] / (h[1] + h[3]), "u_z": -p["M_z"] * w["z"] / (h[0] + h[2])}
 
 
 def parameter_symbols() -> dict[str, ca.SX]:
@@ -261,10 +277,6 @@ def _coefficient(expr: ca.SX, v: Exprs, monomial: tuple[str, ...]) -> ca.SX:
         factor *= 1 + monomial[:position].count(name)
     at_zero = ca.substitute(expr, ca.vcat(list(v.values())), ca.SX.zeros(len(v)))
     return ca.simplify(at_zero / factor)
-
-
-def _sum_of_squares(weights: Iterable[ca.SX], values: Iterable[ca.SX]) -> ca.SX:
-    return sum((w * v**2 for w, v in zip(weights, values, strict=True)), ca.SX(0))
 
 
 def _product(factors: Iterable[ca.SX]) -> ca.SX:

@@ -86,6 +86,20 @@ class Coefficients:
     L_v3: ca.SX
 
 
+@dataclass(frozen=True, eq=False)
+class ForceLaw:
+    """One motor at its gap: F_V = -a + b i_d - c (i_d^2 + i_q^2), F_H = -h i_q; a N, b N/A, c N/A^2, h N/A.
+
+    `half_a` and `half_c` are a/2 and c/2, `ratio` is half_a/h^2 in A^2/N.
+    """
+
+    half_a: ca.SX
+    half_c: ca.SX
+    b: ca.SX
+    h: ca.SX
+    ratio: ca.SX
+
+
 def winding_factor(p: Values) -> ca.SX:
     """Return k_w1: pitch factor sin(pi w_c / (2 tau)) times the distribution factor of q = z1/(3 p) slots.
 
@@ -157,3 +171,23 @@ def normal_force(g: ca.SX, i_d: ca.SX, i_q: ca.SX, p: Values, reading: Reading =
     """
     K, L = constants(p, reading), coefficients(g, p, reading)
     return -K.K_v1 * L.L_v1 + K.K_v2 * L.L_v2 * i_d - K.K_v3 * L.L_v3 * (i_d**2 + i_q**2)
+
+
+def force_law(g: ca.SX, p: Values) -> ForceLaw:
+    """Return (1) and (2) at the gap `g` in m, for the reading STRESS, with all four coefficients from the thrust's h.
+
+    With S = B_pmy1 sinh(k (h_m + g)), which does not depend on the gap, K_v2 S = K_h and K_v2^2 = 4 K_v1 K_v3, so that
+
+        c = K_v3 / K_h^2 h^2 / lambda,    a = K_v1 (S / K_h)^2 h^2 K_c^2 / lambda,    b^2 = h^2 + 4 a c
+
+    1 / lambda = 1 + beta / (g + b0/2 + h_m/mu_rec - beta), beta = b0^2 / (4 t1). Source: (3), (4).
+    """
+    K, L = constants(p), coefficients(g, p)
+    S = K.K_h / K.K_v2
+    beta = p["b0"] ** 2 / (4 * p["t1"])
+    inverse = 1 / (g + (p["b0"] / 2 + p["h_m"] / p["mu_rec"] - beta))
+    h = K.K_h * L.L_h
+    ratio = K.K_v1 / 2 * (S / K.K_h) ** 2 * carter_coefficient(g, p) ** 2 / permeance_factor(g, p)
+    k = K.K_v3 / (2 * K.K_h**2)
+    half_a, half_c = h**2 * ratio, h**2 * (k + k * beta * inverse)
+    return ForceLaw(half_a, half_c, ca.sqrt(h**2 + 16 * (half_a * half_c)), h, ratio)

@@ -10,14 +10,34 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
+from synth.block import Block
 from synth.emit.write import Emitted
 from synth.errors import DesignError
+from synth.execute import host
 from synth.report.audit import Row
 from synth.simulate.experiment import Experiment
+from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
+from synth.verify.steps import Steps
 
 Told = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Bench:
+    """What is measured of a design as machine code.
+
+    `block` is what is emitted under the design's name. `replay` returns inputs (N,) of a closed loop with faults, and
+    `sequences` the steps that look for the costliest one and reach every decision; both take the compiled C. Below
+    `floor`, in the outputs' unit, a difference of outputs is absolute.
+    """
+
+    block: Callable[[], Block]
+    replay: Callable[[host.Controller], Mapping[str, NDArray[np.floating]]]
+    sequences: Callable[[host.Controller, Told], Sequence[Steps]]
+    floor: float
 
 
 @dataclass(frozen=True)
@@ -25,7 +45,8 @@ class Design:
     """One design; each task hears the progress that it reports.
 
     `emit(scalar)` returns what is written to generated_c/<name>/, by folder. `verify` returns evidence, `simulate` the
-    experiments, `audit` the published figures recomputed, `report` the page made of all these.
+    experiments, `audit` the published figures recomputed, `report` the page made of all these and of the cost, which
+    is None where nothing could measure it.
     """
 
     name: str
@@ -34,7 +55,8 @@ class Design:
     verify: Callable[[Told, bool], Evidence]
     simulate: Callable[[Told], Sequence[Experiment]]
     audit: Callable[[], Iterator[Row]]
-    report: Callable[[Mapping[str, Emitted], Evidence, Sequence[Experiment], Sequence[Row]], str]
+    bench: Bench
+    report: Callable[[Mapping[str, Emitted], Evidence, Sequence[Experiment], Sequence[Row], Cost | None], str]
 
 
 def designs(root: Path, wanted: Sequence[str] = ()) -> list[Design]:

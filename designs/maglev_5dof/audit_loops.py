@@ -15,7 +15,8 @@ from synth.synthesise import inverse_lqr
 NEAR = 0.10  # a tracking error agrees within this part of the printed one
 SPRING_CASES: tuple[Springs, ...] = ("absent", "known", "unknown")
 _TRACKED = (("y", "um"), ("theta", "urad"))
-STAGE = (*FORCES, "M_x", "M_z", "M_y", "r", "I_x", "I_z", "G")
+LEVEL = (*FORCES, "M_x", "M_z", "M_y", "G")  # what counts while the platen does not turn
+TURNING = (*LEVEL, "r", "I_z", "k_s_theta")  # and while it turns by theta
 
 
 def poles(name: str, printed: Published) -> Row:
@@ -121,7 +122,7 @@ def ellipse(bench: Bench, printed: Published) -> Row:
         "re-estimated parameters are not published. v_phi = v_theta = 0, so that the guide springs play no part."
     )
     corrected = _within({"y": csch}, printed) or _within({"y": coarse}, printed)
-    return row(printed, figures, judge(_within({"y": coth}, printed), corrected), why, STAGE)
+    return row(printed, figures, judge(_within({"y": coth}, printed), corrected), why, LEVEL)
 
 
 def tracking(bench: Bench, printed: Published) -> Row:
@@ -139,7 +140,7 @@ def tracking(bench: Bench, printed: Published) -> Row:
         f"{_spring_constants(bench)}, and (12) the same where it knows them; both have 0 where they are absent. With "
         "coth^2 and without springs the dropped terms throw the platen out of its range."
     )
-    return row(printed, figures, judge(False, near), why, (*STAGE, "k_s_theta"))
+    return row(printed, figures, judge(False, near), why, TURNING)
 
 
 def horizontal_errors(bench: Bench, printed: Published) -> Row:
@@ -162,7 +163,7 @@ def horizontal_errors(bench: Bench, printed: Published) -> Row:
     )
     unfitted = cases["encoders, printed law"]
     verdict = judge(_within({n: unfitted[n] for n in ("x", "z")}, printed))
-    return row(printed, figures, verdict, why, (*STAGE, "k_s_theta"))
+    return row(printed, figures, verdict, why, TURNING)
 
 
 def _spring_constants(bench: Bench) -> str:

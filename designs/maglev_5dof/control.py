@@ -4,25 +4,27 @@
 
 The published gains come from continuous LQR; they are used at 1 kHz as the paper did, with the sampled-data optimum
 beside them in gains.json. Readings where the paper is silent: the phi loop takes the theta loop's weights, which are
-not published for it; a motor's limit is on sqrt(i_d^2 + i_q^2), levitation first, and a_1, b_1 and c_1 are taken at the
-thrust currents that remain. Two things are changed, and `restored=False` leaves F(12) as printed: the terms that it
-drops are put back at the currents found so far, and only a part of the guides' springs is compensated.
+not published for it; a motor's limit is on sqrt(i_d^2 + i_q^2), levitation first; each motor's forces are taken at its
+own measured gap, and what i_q^2 attracts at the thrust current of the sample before. Two things are changed, and
+`restored=False` leaves F(12) as printed: what it drops of i_d^2 is put back at the currents of the sample before, and
+only a part of the guides' springs is compensated.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import pi, sqrt
 
 import casadi as ca
 import numpy as np
 
-from models import maglev_stage, windings
+from models import maglev_stage, pmlsm, windings
 from synth.analyse import magnitude
 from synth.block import Block, Exprs, Step, build, clip
 from synth.compose import compose
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.statespace import StateSpace, readonly
-from synth.synthesise import derivative_filter, feedback_linearisation, internal_model, lqr, regulator, safety
+from synth.synthesise import derivative_filter, internal_model, lqr, regulator, safety
 from synth.timing import Continuous, Discrete
 
 NAME = "maglev_5dof"
@@ -31,11 +33,13 @@ OMEGA0 = 1.5 * pi  # rad/s, the frequency of the references, F section IV-B
 FREQUENCIES = (0.0, OMEGA0)  # rad/s, the exosystem of F(15)
 FILTER = 1000.0  # rad/s: 300 makes the phi loop unstable and 500 leaves it a peak sensitivity of 4.6
 CURRENT = 7 / sqrt(2)  # A rms, 7 A peak, F section II
+DIRECT = CURRENT * (1 - 1e-4)  # of i_d: keeps the root of what it leaves of CURRENT away from 0
 RATED = 5 / sqrt(2)  # A rms, 5 A peak continuous, F section II
 ANTI_WINDUP = (7e-5, 7e-5, 7e-5)  # E_x = E_z, F section IV-A
 BAD_SAMPLES = 5
 SAFE_CURRENT = 2.5  # A rms of i_d: lets the platen down from every gap of 18.1 mm or more
 SLEW = 100.0  # A/s
+SURROGATE_ERROR = {np.float32: 5e-7, np.float64: 1e-14}  # relative; the force law itself is known to some 1e-3
 
 
 # The part of each guide spring that F(12) cancels: too much makes an axis unstable, too little only slow. Springs that
@@ -55,8 +59,7 @@ class Axis:
     position: Signal
     reference: Signal
     weights: tuple[float, float, float, float, float]
-    rate_bound: float
-    xi_bounds: tuple[float, float, float]
+    eta_bounds: tuple[float, float, float]
     excess: Signal | None = None
 
     @property
@@ -68,7 +71,7 @@ class Axis:
     @property
     def rate(self) -> Signal:
         """The filtered derivative of the error."""
-        unit, bound = f"{self.position.unit}/s", self.rate_bound
+        unit, bound = f"{self.position.unit}/s", (self.error.high - self.error.low) / TIME.period_s
         return Signal(f"de_{self.name}", unit, -bound, bound, "filtered rate of the error")
 
     @property
@@ -80,7 +83,7 @@ class Axis:
 def _axes() -> tuple[Axis, ...]:
     y, xz = (3e4, 3e4, 2.5e9, 2.5e7, 2.5e7), (1500.0, 1500.0, 4.5e8, 2.25e6, 2.25e6)
     theta = (4e4, 4e4, 4e9, 4e7, 4e7)
-    narrow, wide = (2e-3, 2e-2, 2e-1), (5e-3, 5e-2, 5e-1)
+    eta = (600.0, 3.0, 600.0)
     reference = {n: Signal(f"{n}_ref_held", g.signal.unit, g.signal.low, g.signal.high) for n, g in _SET_POINTS.items()}
     gap = Signal("y", "m", 0.0145, 0.0345, "gap at the centre")
     x, z = (Signal(f"{n}_held", "m", -ENCODER_XZ, ENCODER_XZ) for n in "xz")
@@ -88,11 +91,11 @@ def _axes() -> tuple[Axis, ...]:
     tilt = Signal("theta", "rad", -0.031, 0.031, "rotation about Z")
     excess = {n: Signal(f"excess_{n}", "A", -1e6, 1e6, f"u_{n} limited less u_{n} demanded") for n in "xz"}
     return (
-        Axis("y", gap, reference["y"], y, 30.0, narrow),
-        Axis("x", x, reference["x"], xz, 30.0, wide, excess["x"]),
-        Axis("z", z, reference["z"], xz, 30.0, wide, excess["z"]),
-        Axis("phi", phi, reference["phi"], theta, 60.0, narrow),
-        Axis("theta", tilt, reference["theta"], theta, 60.0, narrow),
+        Axis("y", gap, reference["y"], y, eta),
+        Axis("x", x, reference["x"], xz, eta, excess["x"]),
+        Axis("z", z, reference["z"], xz, eta, excess["z"]),
+        Axis("phi", phi, reference["phi"], theta, eta),
+        Axis("theta", tilt, reference["theta"], theta, eta),
     )
 
 
@@ -112,18 +115,28 @@ _SET_POINTS = {
     "theta": safety.Guarded(Signal("theta_ref", "rad", -THETA, THETA, "set-point of the rotation about Z"), 0.0, False),
 }
 INPUTS = (*_MEASUREMENTS, *_SET_POINTS.values())
-OUTPUTS = tuple(
-    Signal(f"i_{axis}{j}", "A", -CURRENT, CURRENT, f"{what} current of motor {j}, rms")
-    for axis, what in (("d", "direct"), ("q", "quadrature"))
-    for j in range(1, 5)
+_DIRECT = tuple(Signal(f"i_d{j}", "A", -CURRENT, CURRENT, f"direct current of motor {j}, rms") for j in range(1, 5))
+CURRENTS = (
+    *_DIRECT,
+    *(Signal(f"u_{n}", "A", -CURRENT, CURRENT, f"thrust current along {n.upper()}, rms") for n in "xz"),
+)
+OUTPUTS = (
+    *_DIRECT,
+    *(Signal(f"i_q{j}", "A", -CURRENT, CURRENT, f"quadrature current of motor {j}, rms") for j in range(1, 5)),
 )
 AXES = _axes()
-SAFETY = safety.Safety(
-    BAD_SAMPLES,
-    {s.name: SAFE_CURRENT if s.name.startswith("i_d") else 0.0 for s in OUTPUTS},
-    {s.name: SLEW for s in OUTPUTS},
-    "zero current slams the platen up below 28.7 mm; 2.5 A rms lets it down from 18.1 mm and above",
-)
+
+
+def _safety(currents: Sequence[Signal]) -> safety.Safety:
+    return safety.Safety(
+        BAD_SAMPLES,
+        {s.name: SAFE_CURRENT if s.name.startswith("i_d") else 0.0 for s in currents},
+        {s.name: SLEW for s in currents},
+        "zero current slams the platen up below 28.7 mm; 2.5 A rms lets it down from 18.1 mm and above",
+    )
+
+
+SAFETY = _safety(OUTPUTS)
 
 
 def axis_plant(axis: Axis) -> StateSpace:
@@ -152,7 +165,7 @@ def regulator_block(axis: Axis, wound: bool = True) -> Block:
         error=axis.error,
         rate=axis.rate,
         demand=axis.demand,
-        bounds=axis.xi_bounds,
+        bounds=axis.eta_bounds,
         anti_windup=(axis.excess, ANTI_WINDUP) if axis.excess and wound else None,
         tag="F(14)-(17)" if axis.excess else "F(14)-(16)",
     )
@@ -181,77 +194,76 @@ def errors() -> Block:
     return build("errors", TIME, law, inputs=inputs, outputs=outputs, tag="F(14) e")
 
 
-def decoupling(plant: Plant, lv3: str = "csch2", restored: bool = True) -> Block:
+def decoupling(plant: Plant, restored: bool = True) -> Block:
     """Return the Block from demanded accelerations to limited currents, F(8) and F(12).
 
-    The model is taken at the platen's pose, limited to the box of the stage, so that it is evaluated nowhere else. Each
-    motor keeps hypot(i_d, i_q) <= CURRENT with i_d served first: the first pass finds what levitation needs without
-    thrust and limits the thrust to what is left; the second finds what levitation needs with that thrust. Where terms
-    are `restored`, the second pass and a third take them at the currents of the pass before.
+    Each motor's forces are taken at its own measured gap. The attraction by i_d^2 + i_q^2 is taken at the currents of
+    the sample before, so that the rest is linear; where it is not `restored`, that of i_d^2 is left out as in F(11).
+    Each motor keeps hypot(i_d, i_q) <= CURRENT with i_d served first.
     """
-    box = {"y": Signal("y", "m", *GAP), "phi": Signal("phi", "rad", -PHI, PHI)}
-    box["theta"] = Signal("theta", "rad", -THETA, THETA)
-    motor = Signal("i", "A", -CURRENT, CURRENT)
+    lifting = Signal("i", "A", -DIRECT, DIRECT)
     values = _values(plant)
     values |= {n: part * values[n] for n, part in COMPENSATED.items()} if restored else {}
-    model = maglev_stage.simplified(maglev_stage.input_polynomial(values, lv3))
-    positions = [a.position for a in AXES if a.name in box]
-    demands = [a.demand for a in AXES]
-    excess = [a.excess for a in AXES if a.excess]
-
-    names = ("y", "phi", "theta")
+    held = [Signal(f"y{j}_held", "m", *(ENCODER_13, ENCODER_24)[j % 2 == 0]) for j in range(1, 5)]
+    angles = [a.position for a in AXES if a.name in ("phi", "theta")]
+    demands, excess = [a.demand for a in AXES], [a.excess for a in AXES if a.excess]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        second = model.accelerations()
-        w = {n: ca.SX.sym(f"w_{n}") for n in names}
-        inverse = feedback_linearisation.linearise([second[n] for n in names], model.v, list(w.values()))
-        direct = list(maglev_stage.input_transformation(inverse.inputs).values())
-        missing, currents = maglev_stage.quadratic_part(values, lv3, model.x)
-        symbols, pose = list(model.x.values()), [clip(u[n], box[n]) for n in model.x]
-        exprs = [*direct, model.coefficients["h_x"], model.coefficients["h_z"], *(missing[n] for n in names)]
-        posed = ca.substitute(exprs, symbols, pose)
-        direct, (h_x, h_z), missing_at = posed[:4], posed[4:6], posed[6:]
-        demand = {"x": u["w_x"] / h_x, "z": u["w_z"] / h_z}
+        motors = [pmlsm.force_law(u[s.name], values) for s in held]
+        w = {a.name: u[a.demand.name] for a in AXES}
+        before = {s.name: u[f"{s.name}_before"] for s in CURRENTS}
+        thrust_before = [before[name] for name in maglev_stage.QUADRATURE]
+        squares = [i_q**2 for i_q in thrust_before]
+        if restored:
+            squares = [i_q + before[f"i_d{j}"] ** 2 for j, i_q in enumerate(squares, 1)]
+        direct = maglev_stage.direct_currents(w, u, squares, motors, values)
+        i_d = {n: clip(i, lifting) for n, i in direct.items()}
+        demand = maglev_stage.thrust_currents(w, motors, values)
+        pairs = {"u_x": (i_d["i_d2"], i_d["i_d4"]), "u_z": (i_d["i_d1"], i_d["i_d3"])}
+        thrust = {n: _limited(demand[n], *pair) for n, pair in pairs.items()}
+        output = {f"{n}_computed": i for n, i in (i_d | thrust).items()}
+        output |= {f"excess_{n[-1]}": thrust[n] - demand[n] for n in thrust}
+        named = []
+        for j, (m, square) in enumerate(zip(motors, squares, strict=True), 1):
+            named += [(Signal(f"thrust_{j}", "N/A", 0, 100), m.h), (Signal(f"pull_{j}", "A^2/N", 0, 100), m.ratio)]
+            named += [(Signal(f"half_a_{j}", "N", 0, 1e3), m.half_a), (Signal(f"half_c_{j}", "N/A^2", 0, 10), m.half_c)]
+            named += [(Signal(f"half_load_{j}", "N", 0, 1e3), m.half_a + m.half_c * square)]
+            named += [(Signal(f"inverse_b_{j}", "A/N", 0, 1), 1 / m.b)]
+        named += [(Signal(f"{n}_demand", "A", -1e6, 1e6), demand[n]) for n in thrust]
+        return Step(output, named=named)
 
-        def levitation(thrust: dict[str, ca.SX], before: list[ca.SX] | None) -> list[ca.SX]:
-            """Direct currents for the demands at a thrust, with the dropped terms at the currents `before`."""
-            rest = ca.substitute(missing_at, currents, before) if restored and before else [ca.SX(0)] * 3
-            demanded = [u[f"w_{n}"] - q for n, q in zip(names, rest, strict=True)]
-            old = [*w.values(), model.u["u_x"], model.u["u_z"]]
-            return [clip(i, motor) for i in ca.substitute(direct, old, [*demanded, thrust["x"], thrust["z"]])]
-
-        def limited(thrust: dict[str, ca.SX], i_d: list[ca.SX]) -> dict[str, ca.SX]:
-            worst = {"x": ca.fmax(i_d[1] ** 2, i_d[3] ** 2), "z": ca.fmax(i_d[0] ** 2, i_d[2] ** 2)}
-            # In single precision, or fused, the square of a current at its limit may exceed the square of the limit.
-            room = {n: ca.sqrt(ca.fmax(CURRENT**2 - square, 0)) for n, square in worst.items()}
-            return {n: ca.fmax(ca.fmin(thrust[n], room[n]), -room[n]) for n in thrust}
-
-        i_d = levitation({"x": ca.SX(0), "z": ca.SX(0)}, None)
-        thrust = limited(demand, i_d)
-        for _ in range(2 if restored else 1):
-            i_d = levitation(thrust, i_d)
-        thrust = limited(thrust, i_d)
-        i_q = [thrust[name[-1]] for name in maglev_stage.QUADRATURE]
-        output = {f"i_d{j}_computed": i for j, i in enumerate(i_d, 1)}
-        output |= {f"i_q{j}_computed": i for j, i in enumerate(i_q, 1)}
-        output |= {f"excess_{n}": thrust[n] - demand[n] for n in thrust}
-        thrusts = [(Signal(f"u_{n}_demand", "A", -1e6, 1e6), demand[n]) for n in ("x", "z")]
-        return Step(output, named=thrusts)
-
-    computed = [replace(s, name=f"{s.name}_computed") for s in OUTPUTS]
-    inputs, outputs = [*positions, *demands], [*computed, *excess]
+    computed = [replace(s, name=f"{s.name}_computed") for s in CURRENTS]
+    before = [replace(s, name=f"{s.name}_before") for s in CURRENTS]
+    inputs, outputs = [*held, *angles, *demands, *before], [*computed, *excess]
     return build("decoupling", TIME, law, inputs=inputs, outputs=outputs, tag="F(8), F(12), limits")
+
+
+def _limited(thrust: ca.SX, *direct: ca.SX) -> ca.SX:
+    """Return the thrust current within what the direct currents of its two motors leave of CURRENT."""
+    room = ca.sqrt(CURRENT**2 - ca.fmax(direct[0] ** 2, direct[1] ** 2))
+    return ca.fmax(ca.fmin(thrust, room), -room)
+
+
+def shares() -> Block:
+    """Return the Block that gives both motors of an axis its thrust current."""
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        return Step({f"i_q{j}": u[name] for j, name in enumerate(maglev_stage.QUADRATURE, 1)})
+
+    thrusts = [s for s in CURRENTS if s.name.startswith("u")]
+    outputs = [s for s in OUTPUTS if s.name.startswith("i_q")]
+    return build("shares", TIME, law, inputs=thrusts, outputs=outputs, tag="F(6)")
 
 
 def _values(plant: Plant) -> dict[str, ca.SX]:
     return maglev_stage.nominal(**{p.name: p.value for p in plant.parameters})
 
 
-def blocks(plant: Plant, lv3: str = "csch2", restored: bool = True, wound: bool = True) -> list[Block]:
+def blocks(plant: Plant, restored: bool = True, wound: bool = True) -> list[Block]:
     """Return the Blocks of the controller for the stage's parameters; `wound=False` leaves the anti-windup out."""
     guard = safety.guard(TIME, INPUTS, BAD_SAMPLES)
     loops = [block for a in AXES for block in (_filter(a), regulator_block(a, wound))]
-    limits = [decoupling(plant, lv3, restored), safety.safe_output(TIME, OUTPUTS, SAFETY)]
+    limits = [decoupling(plant, restored), safety.safe_output(TIME, CURRENTS, _safety(CURRENTS)), shares()]
     return [guard, kinematics(plant), errors(), *loops, *limits]
 
 
@@ -262,10 +274,10 @@ def require_invertible(plant: Plant) -> None:
     magnitude.require_invertible(model.decoupling(), model.x, box, "decoupling matrix of F(12)")
 
 
-def controller(plant: Plant, lv3: str = "csch2", restored: bool = True, wound: bool = True) -> Block:
+def controller(plant: Plant, restored: bool = True, wound: bool = True) -> Block:
     """Return the whole controller, from six encoders and five set-points to the motors' currents."""
-    parts, inputs = blocks(plant, lv3, restored, wound), [g.signal.name for g in INPUTS]
-    return compose(NAME, parts, inputs=inputs, outputs=[s.name for s in OUTPUTS])
+    parts, inputs = blocks(plant, restored, wound), [g.signal.name for g in INPUTS]
+    return safety.frozen(compose(NAME, parts, inputs=inputs, outputs=[s.name for s in OUTPUTS]))
 
 
 def phase_currents(plant: Plant) -> Block:
@@ -278,7 +290,7 @@ def phase_currents(plant: Plant) -> Block:
     positions = {n: Signal(n, "m", -ENCODER_XZ, ENCODER_XZ, f"platen along {n.upper()}") for n in "xz"}
     guarded = [safety.Guarded(s, SAFETY.safe_output[s.name], False) for s in OUTPUTS]
     guarded += [safety.Guarded(s, 0.0, False) for s in positions.values()]
-    peak = sqrt(2) * sqrt(2) * CURRENT  # both inputs at their limit
+    peak = 2 * CURRENT * (1 + 1e-6)  # both inputs at their limit, rounded
     outputs = [
         Signal(f"i_{phase}{j}", "A", -peak, peak, f"phase {phase} of motor {j}, instantaneous")
         for j in range(1, 5)
@@ -291,7 +303,7 @@ def phase_currents(plant: Plant) -> Block:
             angle = windings.electrical_angle(u[f"{thrust[-1]}_held"], ca.SX(tau))
             phases = windings.phase_currents(u[f"i_d{j}_held"], u[f"i_q{j}_held"], angle)
             output |= {f"i_a{j}": phases.a, f"i_b{j}": phases.b, f"i_c{j}": phases.c}
-        return Step(output)
+        return Step({s.name: clip(output[s.name], s) for s in outputs})
 
     held = [replace(g.signal, name=f"{g.signal.name}_held") for g in guarded]
     blocks = [

@@ -4,13 +4,14 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from designs.maglev_5dof import audit, control, emitted, experiments, page, verification
+from designs.maglev_5dof import audit, bench, control, emitted, experiments, page, verification
 from designs.maglev_5dof.loop import Loop, compiled
 from models import maglev_stage
+from synth.block import Block
 from synth.report.audit import Row
 from synth.simulate.experiment import Experiment
 from synth.verify.evidence import Evidence
-from synth.workspace import Design
+from synth.workspace import Bench, Design
 
 QUICK_REPLAY, WHOLE_REPLAY = 5.0, 60.0  # s of a closed loop that the reference replays
 
@@ -33,6 +34,11 @@ def rows() -> Iterator[Row]:
     return iter(audit.rows(maglev_stage.plant()))
 
 
+def block() -> Block:
+    """Return the controller for the stage's parameters."""
+    return control.controller(maglev_stage.plant())
+
+
 DESIGN = Design(
     name=control.NAME,
     scalar=np.float32,
@@ -40,5 +46,6 @@ DESIGN = Design(
     verify=verify,
     simulate=simulate,
     audit=rows,
+    bench=Bench(block, bench.replay, bench.sequences, bench.FLOOR),
     report=page.report,
 )

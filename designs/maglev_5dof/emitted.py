@@ -15,8 +15,8 @@ from synth.execute import host
 from synth.plant import Plant
 from synth.simulate.scenario import sample_times
 from synth.simulate.sensors import Override
-from synth.statespace import readonly
-from synth.synthesise import lqr
+from synth.statespace import Array, readonly
+from synth.synthesise import internal_model, lqr
 
 STEPS = 1000
 BAD = slice(700, 703)  # samples of the test vectors at which the x encoder reads out of range
@@ -27,7 +27,13 @@ def emitted(scalar: type[np.floating]) -> dict[str, write.Emitted]:
     """Return the files of maglev_5dof and maglev_5dof_phase in a scalar type, by folder."""
     plant = maglev_stage.plant()
     control.require_invertible(plant)
-    controller = write.emit(control.controller(plant), scalar, control.SAFETY, {"design": gains(plant, scalar)})
+    controller = write.emit(
+        control.controller(plant),
+        scalar,
+        control.SAFETY,
+        {"design": gains(plant, scalar)},
+        error=control.SURROGATE_ERROR[scalar],
+    )
     phase = write.emit(control.phase_currents(plant), scalar)
     recorded = _recorded(plant, host.load(controller.files, controller.manifest))
     commutation = host.load(phase.files, phase.manifest)
@@ -54,17 +60,19 @@ def _gain(axis: control.Axis, scalar: type[np.floating]) -> dict[str, Any]:
     Q, R = np.diag(axis.weights), np.eye(1)
     gain = control.gain(axis)
     sampled = lqr.lqrd(model, Q, R, period)
-    shipped = replace(gain, K=readonly(gain.K.astype(scalar)))
-    ratio = lqr.cost_ratio(model, shipped, Q, R, period)
+    T = internal_model.leapfrog(control.FREQUENCIES, period).T
+    ratio = lqr.cost_ratio(model, replace(gain, K=_shipped(axis, T, scalar)), Q, R, period)
     certificate = gain.certificate
     return {
         "plant": "q'' = w, xi' = Phi xi + N e, Phi and N for the frequencies below; states e, de, xi1, xi2, xi3",
+        "coordinates": "K is on these states; the constants are on e, de, sum, p1, q1 with xi = T (sum, p1, q1)",
+        "T": T.tolist(),
         "frequencies_rad_s": list(control.FREQUENCIES),
         "weights_Q": list(axis.weights),
         "weight_R": 1.0,
         "published_weights": axis.name != "phi",
         "period_s": period,
-        "K": [float(v) for v in shipped.K[0]],
+        "K": [float(v) for v in gain.K[0].astype(scalar)],
         "poles_rad_s": [_complex(s) for s in gain.poles],
         "certificate": {
             "relative_residual_below": _bound(certificate.residual),
@@ -75,6 +83,14 @@ def _gain(axis: control.Axis, scalar: type[np.floating]) -> dict[str, Any]:
             "worst_cost_ratio_of_K": _digits(ratio, 4),
         },
     }
+
+
+def _shipped(axis: control.Axis, T: Array, scalar: type[np.floating]) -> Array:
+    """Return the gain (1, 5) on (e, de, xi) to which the rounded constants on (e, de, eta) amount."""
+    block = control.regulator_block(axis).rounded(scalar)
+    k = {c.name: c.value for c in block.constants}
+    on_eta = [k[f"k_{s.name}"] for s in block.states]
+    return readonly([[k["k_e"], k["k_de"], *np.linalg.solve(T.T, on_eta)]])
 
 
 def _bound(value: float) -> float:

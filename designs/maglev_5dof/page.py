@@ -12,6 +12,7 @@ from synth.plant import Plant
 from synth.report import bode, figures, page, sections
 from synth.report.audit import Row
 from synth.simulate.experiment import Experiment
+from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 
 UNITS = {"y": "m", "x": "m", "z": "m", "phi": "rad", "theta": "rad"}
@@ -34,14 +35,22 @@ MODEL = (
 )
 LAW = (
     ("F(14)", "ξ' = Φ ξ + N e + E (u_{limited} - u)"),
+    ("F(14)", "sum' = sum + e,  p' = p + c q,  q' = q - p' + e,  c = 2 - 2 cos(ω_0 T_s),  ξ = T (sum, p, q)"),
     ("F(16)", "w = K (e, e', ξ)"),
-    ("F(12)", "(v_y, v_φ, v_θ) = D^{-1} (w - a),  u_x = w_x / h_x,  u_z = w_z / h_z"),
-    ("F(8)", "i_{d1} = (v_y + v_φ)/2,  i_{d2} = (v_y - v_θ)/2,  i_{d3} = (v_y - v_φ)/2,  i_{d4} = (v_y + v_θ)/2"),
+    ("F(12)", "l_j = a_j + c_j (i_{d}^2 + i_{q}^2),  currents of the sample before"),
+    ("F(12)", "f_1 + f_2 + f_3 + f_4 = M_y (w_y - G) + l_1 + l_2 + l_3 + l_4"),
+    ("F(12)", "f_3 - f_1 = I_x (w_φ + k_φ φ) / r + l_3 - l_1,  f_2 - f_4 = I_z (w_θ + k_θ θ) / r + l_2 - l_4"),
+    ("F(8)", "f_j = b_j i_{dj},  i_{d1} + i_{d3} = i_{d2} + i_{d4}"),
+    ("F(12)", "u_x = -M_x w_x / (h_2 + h_4),  u_z = -M_z w_z / (h_1 + h_3)"),
 )
 
 
 def report(
-    files: Mapping[str, Emitted], evidence: Evidence, experiments: Sequence[Experiment], rows: Sequence[Row]
+    files: Mapping[str, Emitted],
+    evidence: Evidence,
+    experiments: Sequence[Experiment],
+    rows: Sequence[Row],
+    cost: Cost | None,
 ) -> str:
     """Return the whole report as one HTML document."""
     plant = maglev_stage.plant()
@@ -52,6 +61,7 @@ def report(
         _experiments(plant, experiments, {row.id: row.published.text for row in rows}),
         _audit(rows),
         _verification(evidence),
+        sections.cost(cost),
         page.Section("Files", (sections.files(_texts(files)),)),
     )
     about = (
@@ -76,10 +86,15 @@ def _model(plant: Plant) -> page.Section:
     )
     parts = ", ".join(f"{part:.0%} of {name}" for name, part in control.COMPENSATED.items())
     law = page.Text(
-        "The controller inverts the model without the terms that the paper drops, then puts these terms back at the "
-        "currents found so far, twice; rows F-14 and F-15 of the audit show the errors with and without. It cancels "
-        f"{parts}: too much of a spring makes an axis unstable, too little only slow. Each motor keeps √(i_d² + i_q²) "
-        "within 7 A peak, with the direct current served first."
+        "a_j, b_j, c_j and h_j are the factors of F_V = -a + b i_d - c (i_d² + i_q²) and F_H = -h i_q at motor j's "
+        "own measured gap. The controller inverts the model without the squares of currents, which the paper drops "
+        "in part, and puts these terms back at the currents of the sample before, so that the law stays linear; rows "
+        f"F-14 and F-15 of the audit show the errors with and without those of i_d. k_φ and k_θ are {parts}: too much "
+        "of a spring makes an axis unstable, too little only slow. Each motor keeps √(i_d² + i_q²) within 7 A peak, "
+        "with the direct current served first. The internal model is kept in coordinates in which one sample is a "
+        "sum and a rotation by leapfrog, which stays on the unit circle whatever its constant is rounded to. A state "
+        "of it that would leave its bound stands still; once the safe output is latched, filters and internal models "
+        "stand still too."
     )
     blocks = (text, page.Equations(MODEL), law, page.Equations(LAW), sections.parameters(plant))
     return page.Section("Model and control law", blocks)
@@ -103,10 +118,10 @@ def _gains(plant: Plant) -> page.Section:
         )
     columns = ("axis", "diag Q, R = 1", "K", "poles, rad/s", "residual below", "error, about", "cost ratio to lqrd")
     text = page.Text(
-        "w = K (e, e', ξ). The published poles come from continuous LQR with these weights; rows F-8 to F-10 of the "
-        "audit recover them from the print. The last column is the cost of this gain, held at 1 kHz, over that of the "
-        "sampled-data optimum with the exact cost integral, for the worst initial state. Residual and error of the "
-        "Riccati solution are relative."
+        "w = K (e, e', ξ); the constants of the C hold K T in place of K. The published poles come from continuous "
+        "LQR with these weights; rows F-8 to F-10 of the audit recover them from the print. The last column is the "
+        "cost of the rounded gain, held at 1 kHz, over that of the sampled-data optimum with the exact cost "
+        "integral, for the worst initial state. Residual and error of the Riccati solution are relative."
     )
     return page.Section("Gains and certificates", (text, page.Table("Gains as shipped", columns, tuple(rows))))
 
@@ -116,9 +131,10 @@ def _loops(plant: Plant) -> page.Section:
     k_s, own = plant.parameter("k_s_phi").value, -float(control.gain(control.AXES[3]).K[0, 0])
     cancelled = control.COMPENSATED["k_s_phi"]
     text = page.Text(
-        "Each loop is opened at its measured position, the other four closed: the rounded controller as it ships, "
-        "one sample of computation delay, the hold, and the plant linearised at the gap. A gain margin below 1 is "
-        "the factor down to which the gain may fall. Of the φ axis' guide spring of "
+        "Each loop is opened at its measured position, at the gaps too at which the law takes the forces, the other "
+        "four closed: the rounded controller as it ships, one sample of computation delay, the hold, and both plant "
+        "and controller linearised about the platen at rest, held by its currents. A gain margin below 1 is the "
+        "factor down to which the gain may fall. Of the φ axis' guide spring of "
         f"{k_s:g} s⁻² the controller cancels {cancelled:.0%}; its own stiffness is {own:.0f} s⁻², so that the axis is "
         f"stable while the true spring is above {(cancelled * k_s - own) / k_s:.0%} of the assumed one."
     )

@@ -4,7 +4,9 @@
     stage   M_y y'' = M_y G + sum_j F_Vj;  M_x x'' = F_H2 + F_H4;  M_z z'' = F_H1 + F_H3                     F(5)-(7)
             I phi'' = r (F_V3 - F_V1) - I k_phi phi;  I theta'' = r (F_V2 - F_V4) - I k_theta theta
     loop    xi' = Phi xi + N e + E (u_limited - u), w = K (e, e', xi), one copy an axis                      F(14)-(17)
-    law     the currents for which y'', x'', z'', phi'', theta'' = w, by F(8) and F(12)
+    law     the currents for which y'', x'', z'', phi'', theta'' = w, by F(8) and F(12), each motor at its measured gap
+
+The controller keeps xi = T eta, where one sample is sum' = sum + e and a rotation p' = p + c q, q' = q - p' + e.
 
 Gains solve the Riccati equation in exact arithmetic and are rounded once. Every step function takes scalars or arrays
 (n,) of n independent controllers. Lengths in m, angles in rad, currents in A rms.
@@ -17,6 +19,7 @@ from functools import cache
 from math import pi, sin, sqrt
 from typing import Any
 
+import mpmath  # type: ignore[import-untyped]
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import linalg
@@ -29,6 +32,7 @@ PERIOD = Fraction(1, 1000)  # s
 AXES = ("y", "x", "z", "phi", "theta")
 MOTORS = (1, 2, 3, 4)
 CURRENT = 7 / sqrt(2)  # A rms, 7 A peak, F section II
+DIRECT = CURRENT * (1 - 1e-4)  # the limit of i_d
 FILTER = 1000  # rad/s
 OMEGA0 = 1.5 * pi  # rad/s, F section IV-B
 ANTI_WINDUP = 7e-5  # each entry of E_x = E_z, F section IV-A
@@ -40,10 +44,10 @@ ODD, EVEN = (0.0168, 0.0322), (0.0124, 0.0366)  # gaps of motors 1, 3 and 2, 4
 LIMITS = {"y1": ODD, "y2": EVEN, "y3": ODD, "y4": EVEN, "x": (-0.1, 0.1), "z": (-0.1, 0.1)}
 MEASUREMENTS = tuple(LIMITS)
 LIMITS |= {f"{s}_ref": BOX.get(s, (-0.05, 0.05)) for s in AXES}
-POSITIONS = {"y": (0.0145, 0.0345), "x": (-0.1, 0.1), "z": (-0.1, 0.1), "phi": (-0.02, 0.02), "theta": (-0.031, 0.031)}
-RATES = {"y": 30.0, "x": 30.0, "z": 30.0, "phi": 60.0, "theta": 60.0}  # m/s, rad/s
-XI = {s: np.array([0.5, 5.0, 50.0]) / 100 if s in ("x", "z") else np.array([0.2, 2.0, 20.0]) / 100 for s in AXES}
-SAFE = {f"i_{a}{j}": 2.5 if a == "d" else 0.0 for a in "dq" for j in MOTORS}
+ETA = ("sum", "p1", "q1")
+ETA_BOUNDS = (600.0, 3.0, 600.0)
+SAFE = {"i_d1": 2.5, "i_d2": 2.5, "i_d3": 2.5, "i_d4": 2.5, "u_x": 0.0, "u_z": 0.0}
+THRUSTS = ("u_z", "u_x", "u_z", "u_x")  # of motors 1 to 4
 WEIGHTS = {"y": (3e4, 3e4, 2.5e9, 2.5e7, 2.5e7)}
 WEIGHTS |= dict.fromkeys(("x", "z"), (1500.0, 1500.0, 4.5e8, 2.25e6, 2.25e6))
 WEIGHTS |= dict.fromkeys(("phi", "theta"), (4e4, 4e4, 4e9, 4e7, 4e7))
@@ -92,17 +96,15 @@ class Motor:
 
 @dataclass(frozen=True)
 class Constants:
-    """What is rounded once: K (5,) an axis; Phi (3, 3), N (3,), E (3,) and the filter's F (2, 2), G (2,) of one
-    period; the ranges of the inputs. `restored` puts back the squares of i_d that F(11) drops.
+    """What is rounded once: K (5,) on (e, e', eta) an axis; c and E (3,) of eta; fade, rho and h of the filter; the
+    ranges of the inputs. `restored` puts back the squares of i_d that F(11) drops.
     """
 
     parameters: Parameters
     K: Mapping[str, Array]
-    Phi: Array
-    N: Array
+    c: float
     E: Array
-    F: Array
-    G: Array
+    filter: Array
     limits: Mapping[str, Array]
     restored: bool = True
 
@@ -152,15 +154,6 @@ def _float(A: Rational) -> Array:
     return A.astype(np.float64)
 
 
-def exponential(A: Rational, terms: int = 40) -> Rational:
-    """Return sum_{n < terms} A^n / n!, exact but for the tail, for ||A^n|| / n! that falls off."""
-    total = term = rational(np.eye(len(A)))
-    for n in range(1, terms):
-        term = term.dot(A) / n
-        total = total + term
-    return total
-
-
 def internal_model() -> Rational:
     """Return Phi (3, 3). F(15)."""
     return rational([[0, 1, 0], [0, 0, 1], [0, -(Fraction(OMEGA0) ** 2), 0]])
@@ -196,28 +189,54 @@ def gain(weights: Sequence[float]) -> Array:
     return -_float(B.T.dot(riccati(A, B, rational(np.diag(weights)))))[0]
 
 
-def regulator() -> tuple[Array, Array, Array]:
-    """Return exp(Phi T), int_0^T exp(Phi s) ds N and int_0^T exp(Phi s) ds E. F(14), (15), (17)."""
-    M = rational(np.zeros((5, 5)))
-    M[:3, :3] = internal_model()
-    M[2, 3] = Fraction(1)
-    M[:3, 4] = Fraction(ANTI_WINDUP)
-    exact = _float(exponential(M * PERIOD))
-    return exact[:3, :3], exact[:3, 3], exact[:3, 4]
+@dataclass(frozen=True)
+class Turning:
+    """One sample of the internal model in eta = (sum, p, q), T of xi = T eta, and what E adds to eta; 60 digits."""
+
+    c: mpmath.mpf
+    T: mpmath.matrix
+    E: mpmath.matrix
 
 
-def derivative_filter() -> tuple[Array, Array]:
-    """Return F and G of (lag, v) <- F (lag, v) + G (q - q_prev), lag = q - p, for v = s w^2/(s+w)^2 q, q(t) linear.
+def turning() -> Turning:
+    """Return the internal model of one period in eta. F(14), (15), (17).
 
-    With p' = v, v' = w^2 (q - p) - 2 w v and q a ramp between samples, exactly over one period. F section III.
+    Both forms are driven by e alone, so that (N, Phi N, Phi^2 N) = T (B, A B, A^2 B). The anti-windup enters p before
+    q is computed from it.
     """
-    w = Fraction(FILTER)
-    M = rational(np.zeros((4, 4)))
-    M[:2, :3] = rational([[0, 1, 0], [-(w**2), -2 * w, w**2]])
-    M[2, 3] = 1 / PERIOD
-    exact = exponential(M * PERIOD)
-    F, ramp = exact[:2, :2], exact[:2, 3]
-    return _float(F * rational([[1, -1], [-1, 1]])), _float(rational([[1 - ramp[0], ramp[1]]]))[0]
+    with mpmath.workdps(60):
+        M = mpmath.zeros(5)
+        for i, row in enumerate(internal_model()):
+            M[i, 4] = mpmath.mpf(ANTI_WINDUP)
+            for j, entry in enumerate(row):
+                M[i, j] = mpmath.mpf(entry.numerator) / entry.denominator
+        M[2, 3] = 1
+        held = mpmath.expm(M * mpmath.mpf(PERIOD.numerator) / PERIOD.denominator)
+        c = 3 - held[0, 0] - held[1, 1] - held[2, 2]  # the trace of a rotation by w T is 2 cos(w T)
+        A = mpmath.matrix([[1, 0, 0], [0, 1, c], [0, -1, 1 - c]])
+        T = _driven(held[:3, :3], held[:3, 3]) * mpmath.inverse(_driven(A, mpmath.matrix([1, 0, 1])))
+        E = mpmath.lu_solve(T, held[:3, 4])
+        E[2] += E[1]
+        return Turning(c, T, E)
+
+
+def _driven(A: mpmath.matrix, B: mpmath.matrix) -> mpmath.matrix:
+    columns = [B, A * B, A * A * B]
+    return mpmath.matrix([[column[i] for column in columns] for i in range(3)])
+
+
+def derivative_filter() -> tuple[float, float, float]:
+    """Return fade, rho, h of s <- fade s + d, r <- fade r + s + rho s_before, v = h r, d = q - q_prev. F section III.
+
+    It is v = s w^2/(s+w)^2 q with q a ramp between samples, exactly. A unit step of q answers with w^2 t exp(-w t); the
+    ramp from 0 to 1 over one period T with 1/T times the integral of it, and the sum over all samples of v is 1/T.
+    """
+    with mpmath.workdps(60):
+        T = mpmath.mpf(PERIOD.numerator) / PERIOD.denominator
+        wT = FILTER * T
+        fade = mpmath.exp(-wT)
+        h = (1 - (1 + wT) * fade) / T
+        return float(fade), float((1 - fade) ** 2 / (h * T) - 1), float(h)
 
 
 @cache
@@ -231,21 +250,28 @@ def constants(
         out.flags.writeable = False
         return out
 
-    Phi, N, E = map(rounded, regulator())
-    F, G = map(rounded, derivative_filter())
-    by_weights = {q: rounded(gain(q)) for q in set(WEIGHTS.values())}
+    model = turning()
+    by_weights = {q: rounded(in_eta(gain(q), model)) for q in set(WEIGHTS.values())}
     K = {s: by_weights[WEIGHTS[s]] for s in AXES}
     limits = {s: rounded(bounds) for s, bounds in LIMITS.items()}
-    return Constants(parameters or Parameters(), K, Phi, N, E, F, G, limits, restored)
+    c, E, filter = float(rounded(float(model.c))), rounded([float(v) for v in model.E]), rounded(derivative_filter())
+    return Constants(parameters or Parameters(), K, c, E, filter, limits, restored)
+
+
+def in_eta(K: Array, model: Turning) -> Array:
+    """Return K (5,) on (e, e', eta) from K on (e, e', xi)."""
+    with mpmath.workdps(60):
+        turned = mpmath.matrix([K[2:].tolist()]) * model.T
+        return np.array([K[0], K[1], *(float(turned[0, j]) for j in range(3))])
 
 
 def initial_state() -> dict[str, Array]:
     """Return the state after init, by name."""
     state: dict[str, float] = {f"guard_last_{s}": 0.031 if s[0] == "y" else 0.0 for s in LIMITS}
-    state |= dict.fromkeys([f"guard_bad_{s}" for s in MEASUREMENTS], 0) | {"guard_latched": 0, "guard_ready": 0}
+    state |= {"guard_left": BAD_SAMPLES, "guard_latched": 0, "guard_ready": 0}
     for s in AXES:
-        state |= dict.fromkeys([f"filter_{s}_{n}" for n in ("q_prev", "lag", "v")], 0.0)
-        state |= dict.fromkeys([f"regulator_{s}_xi{n}" for n in (1, 2, 3)], 0.0)
+        state |= dict.fromkeys([f"filter_{s}_{n}" for n in ("q_prev", "s", "r")], 0.0)
+        state |= dict.fromkeys([f"regulator_{s}_{n}" for n in ETA], 0.0)
     state |= {f"safe_output_last_{s}": value for s, value in SAFE.items()}
     return {name: np.array(value, dtype=np.float64) for name, value in state.items()}
 
@@ -258,11 +284,11 @@ def guard(state: Columns, inputs: Columns, limits: Columns) -> tuple[dict[str, A
     values = {s: np.where(good[s], given[s], state[f"guard_last_{s}"]) for s in limits}
     after = {f"guard_last_{s}": value for s, value in values.items()}
     word = np.sum([np.where(good[s], 0, 1 << bit) for bit, s in enumerate(limits)], axis=0)
-    for s in MEASUREMENTS:
-        after[f"guard_bad_{s}"] = np.where(good[s], 0, np.minimum(state[f"guard_bad_{s}"] + 1, BAD_SAMPLES))
-    worst = np.max([after[f"guard_bad_{s}"] for s in MEASUREMENTS], axis=0)
-    after["guard_latched"] = np.where(worst >= BAD_SAMPLES, 1, state["guard_latched"])
-    after["guard_ready"] = np.where(np.all([good[s] for s in MEASUREMENTS], axis=0), 1, state["guard_ready"])
+    complete = np.all([good[s] for s in MEASUREMENTS], axis=0)
+    left = np.where(complete, BAD_SAMPLES, np.asarray(state["guard_left"]) - 1)
+    after["guard_left"] = np.maximum(left, 1)
+    after["guard_latched"] = np.where(left < 1, 1, state["guard_latched"])
+    after["guard_ready"] = np.where(complete, 1, state["guard_ready"])
     return values, after, np.asarray(word + (1 << 31) * (after["guard_latched"] > 0)).astype(np.uint32)
 
 
@@ -274,26 +300,27 @@ def pose(v: Columns, r: float) -> dict[str, Array]:
 
 def rate(s: str, e: Array, state: Columns, k: Constants) -> tuple[Array, dict[str, Array]]:
     """Return the filtered derivative of the error e of axis s and the filter's next state, at rest until ready."""
-    lag, v, step = state[f"filter_{s}_lag"], state[f"filter_{s}_v"], e - state[f"filter_{s}_q_prev"]
-    ready = np.asarray(state["guard_ready"]) > 0
-    lag, v = (np.where(ready, k.F[n, 0] * lag + k.F[n, 1] * v + k.G[n] * step, 0.0) for n in (0, 1))
-    (low, high), (least, most) = POSITIONS[s], LIMITS[f"{s}_ref"]
-    span = (high - least) - (low - most)
-    after = {"q_prev": e, "lag": np.clip(lag, -span, span), "v": np.clip(v, -RATES[s], RATES[s])}
-    return v, {f"filter_{s}_{name}": value for name, value in after.items()}
+    fade, rho, h = k.filter
+    before = state[f"filter_{s}_s"]
+    faded = fade * before + np.where(np.asarray(state["guard_ready"]) > 0, e - state[f"filter_{s}_q_prev"], 0.0)
+    r = fade * state[f"filter_{s}_r"] + faded + rho * before
+    return h * r, {f"filter_{s}_{name}": value for name, value in (("q_prev", e), ("s", faded), ("r", r))}
 
 
 def demand(s: str, e: Array, v: Array, state: Columns, k: Constants) -> Array:
-    """Return the demanded acceleration w = K (e, e', xi) of axis s. F(16)."""
+    """Return the demanded acceleration w = K (e, e', eta) of axis s. F(16)."""
     K = k.K[s]
-    return K[0] * e + K[1] * v + sum(K[1 + n] * state[f"regulator_{s}_xi{n}"] for n in (1, 2, 3))
+    return K[0] * e + K[1] * v + sum(K[2 + n] * state[f"regulator_{s}_{name}"] for n, name in enumerate(ETA))
 
 
 def model_step(s: str, e: Array, excess: Array | float, state: Columns, k: Constants) -> dict[str, Array]:
-    """Return the next xi of axis s, within its bounds. F(14), (17)."""
-    xi = [state[f"regulator_{s}_xi{n}"] for n in (1, 2, 3)]
-    after = [k.N[n] * e + k.E[n] * excess + sum(k.Phi[n, m] * xi[m] for m in range(3)) for n in range(3)]
-    return {f"regulator_{s}_xi{n + 1}": np.clip(after[n], -XI[s][n], XI[s][n]) for n in range(3)}
+    """Return the next eta of axis s; an entry that would leave its bounds stays as it is. F(14), (17)."""
+    now = [np.asarray(state[f"regulator_{s}_{name}"], dtype=np.float64) for name in ETA]
+    total = now[0] + e + k.E[0] * excess
+    p = now[1] + k.c * now[2] + k.E[1] * excess
+    q = now[2] - p + e + k.E[2] * excess
+    kept = [np.where(np.abs(v) <= b, v, old) for v, old, b in zip((total, p, q), now, ETA_BOUNDS, strict=True)]
+    return {f"regulator_{s}_{name}": v for name, v in zip(ETA, kept, strict=True)}
 
 
 def direct_currents(w: Columns, at: Columns, m: list[Motor], load: list[Array], k: Constants) -> list[Array]:
@@ -312,43 +339,38 @@ def direct_currents(w: Columns, at: Columns, m: list[Motor], load: list[Array], 
     return [s1 * (odd - d) / 2, s2 * (even + c) / 2, s3 * (odd + d) / 2, s4 * (even - c) / 2]
 
 
-def limited(u: list[Array], i_d: list[Array]) -> list[Array]:
-    """Return (u_x, u_z) within what the direct currents leave of each motor's CURRENT. F section III."""
-    room = [np.sqrt(CURRENT**2 - np.maximum(i_d[j] ** 2, i_d[j + 2] ** 2)) for j in (1, 0)]
-    return [np.clip(u[n], -room[n], room[n]) for n in (0, 1)]
+def limited(u: Array, first: Array, second: Array) -> Array:
+    """Return a thrust current within what the direct currents of its two motors leave of CURRENT. F section III."""
+    room = np.sqrt(CURRENT**2 - np.maximum(first**2, second**2))
+    return np.clip(u, -room, room)
 
 
-def currents(w: Columns, q: Columns, k: Constants) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Return the eight motor currents and, of x and z, u limited less u demanded. F(12), (17), levitation first.
+def currents(
+    w: Columns, q: Columns, gaps: list[Array], before: Columns, k: Constants
+) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Return i_d1..i_d4, u_x, u_z and, of x and z, u limited less u demanded. F(12), (17), levitation first.
 
-    The first pass plans levitation without thrust and limits the thrust to what it leaves, later ones plan it with that
-    thrust. Where the law is `restored` they also take the squares of i_d, which F(11) drops, from the pass before.
+    The attraction by i_q^2 and, where the law is `restored`, by i_d^2 is that of the currents `before`, one sample ago.
     """
     p = k.parameters
-    at = {s: np.clip(q[s], *BOX[s]) for s in BOX}
-    m = motors(at["y"], at["phi"], at["theta"], p)
-    u = [-p.M_x * w["x"] / (m[1].h + m[3].h), -p.M_z * w["z"] / (m[0].h + m[2].h)]
-
-    def levitation(i_q: list[Array | float], before: list[Array | float]) -> list[Array]:
-        load = [one.a + one.c * (i_q[j] ** 2 + before[j] ** 2) for j, one in enumerate(m)]
-        return [np.clip(i, -CURRENT, CURRENT) for i in direct_currents(w, at, m, load, k)]
-
-    i_d = levitation([0.0] * 4, [0.0] * 4)
-    u_x, u_z = limited(u, i_d)
-    for _ in range(2 if k.restored else 1):
-        i_d = levitation([u_z, u_x, u_z, u_x], [*i_d] if k.restored else [0.0] * 4)
-    u_x, u_z = limited([u_x, u_z], i_d)
-    out = {f"i_d{j}": i for j, i in zip(MOTORS, i_d, strict=True)}
-    out |= {f"i_q{j}": i for j, i in zip(MOTORS, (u_z, u_x, u_z, u_x), strict=True)}
-    return out, {"x": u_x - u[0], "z": u_z - u[1]}
+    m = [motor(g, p) for g in gaps]
+    squares = [before[u] ** 2 for u in THRUSTS]
+    if k.restored:
+        squares = [i_q + before[f"i_d{j}"] ** 2 for j, i_q in zip(MOTORS, squares, strict=True)]
+    load = [one.a + one.c * square for one, square in zip(m, squares, strict=True)]
+    i_d = [np.clip(i, -DIRECT, DIRECT) for i in direct_currents(w, q, m, load, k)]
+    demanded = {"x": -p.M_x * w["x"] / (m[1].h + m[3].h), "z": -p.M_z * w["z"] / (m[0].h + m[2].h)}
+    u = {"x": limited(demanded["x"], i_d[1], i_d[3]), "z": limited(demanded["z"], i_d[0], i_d[2])}
+    out = {f"i_d{j}": i for j, i in zip(MOTORS, i_d, strict=True)} | {f"u_{s}": value for s, value in u.items()}
+    return out, {s: u[s] - demanded[s] for s in u}
 
 
-def safe_output(computed: Columns, state: Columns, latched: Array) -> dict[str, Array]:
-    """Return the outputs: as computed, or once latched on a slew from the last ones to the safe ones."""
+def slewed(computed: Columns, state: Columns, latched: Array) -> dict[str, Array]:
+    """Return the currents: as computed, or once latched on a slew from the last ones to the safe ones."""
     out, reach = {}, SLEW * float(PERIOD)
     for s, target in SAFE.items():
         last = state[f"safe_output_last_{s}"]
-        out[s] = np.where(latched > 0, last + np.clip(target - last, -reach, reach), computed[s])
+        out[s] = np.where(latched > 0, np.clip(target, last - reach, last + reach), computed[s])
     return out
 
 
@@ -365,8 +387,15 @@ def step(
         v, filtered = rate(s, e[s], state, k)
         after |= filtered
         w[s] = demand(s, e[s], v, state, k)
-    computed, excess = currents(w, q, k)
+    gaps = [values[f"y{j}"] for j in MOTORS]
+    before = {s: state[f"safe_output_last_{s}"] for s in SAFE}
+    computed, excess = currents(w, q, gaps, before, k)
     for s in AXES:
         after |= model_step(s, e[s], excess.get(s, 0.0), state, k)
-    out = safe_output(computed, state, after["guard_latched"])
-    return after | {f"safe_output_last_{s}": i for s, i in out.items()}, out, word
+    latched = after["guard_latched"]
+    still = [name for name in after if not name.startswith("guard_")]
+    after |= {name: np.where(latched > 0, state[name], after[name]) for name in still}
+    out = slewed(computed, state, latched)
+    after |= {f"safe_output_last_{s}": i for s, i in out.items()}
+    motors = {f"i_d{j}": out[f"i_d{j}"] for j in MOTORS} | {f"i_q{j}": out[THRUSTS[j - 1]] for j in MOTORS}
+    return after, motors, word

@@ -41,58 +41,51 @@ typedef struct {
     float guard_last_z_ref;             /* m, -0.05 .. 0.05: last good value */
     float guard_last_phi_ref;           /* rad, -0.003 .. 0.003: last good value */
     float guard_last_theta_ref;         /* rad, -0.014 .. 0.014: last good value */
-    uint32_t guard_bad_y1;              /* 1, 0 .. 5: bad samples in a row */
-    uint32_t guard_bad_y2;              /* 1, 0 .. 5: bad samples in a row */
-    uint32_t guard_bad_y3;              /* 1, 0 .. 5: bad samples in a row */
-    uint32_t guard_bad_y4;              /* 1, 0 .. 5: bad samples in a row */
-    uint32_t guard_bad_x;               /* 1, 0 .. 5: bad samples in a row */
-    uint32_t guard_bad_z;               /* 1, 0 .. 5: bad samples in a row */
+    uint32_t guard_left;                /* 1, 1 .. 5: samples with a bad measurement until it latches */
     uint32_t guard_latched;             /* 1, 0 .. 1: safe output until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
     float filter_y_q_prev;              /* m, -0.0165 .. 0.0165: signal one sample ago */
-    float filter_y_lag;                 /* m, -0.033 .. 0.033: signal less filtered signal */
-    float filter_y_v;                   /* m/s, -30 .. 30: filtered rate */
-    float regulator_y_xi1;              /* m s^3, -0.002 .. 0.002: internal model */
-    float regulator_y_xi2;              /* m s^2, -0.02 .. 0.02: internal model */
-    float regulator_y_xi3;              /* m s^1, -0.2 .. 0.2: internal model */
+    float filter_y_s;                   /* m, -0.0522105 .. 0.0522105: fading sum of the differences */
+    float filter_y_r;                   /* m, -0.124911 .. 0.124911: filtered rate over h */
+    float regulator_y_sum;              /* m, -600 .. 600: internal model */
+    float regulator_y_p1;               /* m, -3 .. 3: internal model */
+    float regulator_y_q1;               /* m, -600 .. 600: internal model */
     float filter_x_q_prev;              /* m, -0.15 .. 0.15: signal one sample ago */
-    float filter_x_lag;                 /* m, -0.3 .. 0.3: signal less filtered signal */
-    float filter_x_v;                   /* m/s, -30 .. 30: filtered rate */
-    float regulator_x_xi1;              /* m s^3, -0.005 .. 0.005: internal model */
-    float regulator_x_xi2;              /* m s^2, -0.05 .. 0.05: internal model */
-    float regulator_x_xi3;              /* m s^1, -0.5 .. 0.5: internal model */
+    float filter_x_s;                   /* m, -0.47464 .. 0.47464: fading sum of the differences */
+    float filter_x_r;                   /* m, -1.13555 .. 1.13555: filtered rate over h */
+    float regulator_x_sum;              /* m, -600 .. 600: internal model */
+    float regulator_x_p1;               /* m, -3 .. 3: internal model */
+    float regulator_x_q1;               /* m, -600 .. 600: internal model */
     float filter_z_q_prev;              /* m, -0.15 .. 0.15: signal one sample ago */
-    float filter_z_lag;                 /* m, -0.3 .. 0.3: signal less filtered signal */
-    float filter_z_v;                   /* m/s, -30 .. 30: filtered rate */
-    float regulator_z_xi1;              /* m s^3, -0.005 .. 0.005: internal model */
-    float regulator_z_xi2;              /* m s^2, -0.05 .. 0.05: internal model */
-    float regulator_z_xi3;              /* m s^1, -0.5 .. 0.5: internal model */
+    float filter_z_s;                   /* m, -0.47464 .. 0.47464: fading sum of the differences */
+    float filter_z_r;                   /* m, -1.13555 .. 1.13555: filtered rate over h */
+    float regulator_z_sum;              /* m, -600 .. 600: internal model */
+    float regulator_z_p1;               /* m, -3 .. 3: internal model */
+    float regulator_z_q1;               /* m, -600 .. 600: internal model */
     float filter_phi_q_prev;            /* rad, -0.023 .. 0.023: signal one sample ago */
-    float filter_phi_lag;               /* rad, -0.046 .. 0.046: signal less filtered signal */
-    float filter_phi_v;                 /* rad/s, -60 .. 60: filtered rate */
-    float regulator_phi_xi1;            /* rad s^3, -0.002 .. 0.002: internal model */
-    float regulator_phi_xi2;            /* rad s^2, -0.02 .. 0.02: internal model */
-    float regulator_phi_xi3;            /* rad s^1, -0.2 .. 0.2: internal model */
+    float filter_phi_s;                 /* rad, -0.0727782 .. 0.0727782: fading sum of the differences */
+    float filter_phi_r;                 /* rad, -0.174118 .. 0.174118: filtered rate over h */
+    float regulator_phi_sum;            /* rad, -600 .. 600: internal model */
+    float regulator_phi_p1;             /* rad, -3 .. 3: internal model */
+    float regulator_phi_q1;             /* rad, -600 .. 600: internal model */
     float filter_theta_q_prev;          /* rad, -0.045 .. 0.045: signal one sample ago */
-    float filter_theta_lag;             /* rad, -0.09 .. 0.09: signal less filtered signal */
-    float filter_theta_v;               /* rad/s, -60 .. 60: filtered rate */
-    float regulator_theta_xi1;          /* rad s^3, -0.002 .. 0.002: internal model */
-    float regulator_theta_xi2;          /* rad s^2, -0.02 .. 0.02: internal model */
-    float regulator_theta_xi3;          /* rad s^1, -0.2 .. 0.2: internal model */
+    float filter_theta_s;               /* rad, -0.142392 .. 0.142392: fading sum of the differences */
+    float filter_theta_r;               /* rad, -0.340666 .. 0.340666: filtered rate over h */
+    float regulator_theta_sum;          /* rad, -600 .. 600: internal model */
+    float regulator_theta_p1;           /* rad, -3 .. 3: internal model */
+    float regulator_theta_q1;           /* rad, -600 .. 600: internal model */
     float safe_output_last_i_d1;        /* A, -4.94975 .. 4.94975: last output */
     float safe_output_last_i_d2;        /* A, -4.94975 .. 4.94975: last output */
     float safe_output_last_i_d3;        /* A, -4.94975 .. 4.94975: last output */
     float safe_output_last_i_d4;        /* A, -4.94975 .. 4.94975: last output */
-    float safe_output_last_i_q1;        /* A, -4.94975 .. 4.94975: last output */
-    float safe_output_last_i_q2;        /* A, -4.94975 .. 4.94975: last output */
-    float safe_output_last_i_q3;        /* A, -4.94975 .. 4.94975: last output */
-    float safe_output_last_i_q4;        /* A, -4.94975 .. 4.94975: last output */
+    float safe_output_last_u_x;         /* A, -4.94975 .. 4.94975: last output */
+    float safe_output_last_u_z;         /* A, -4.94975 .. 4.94975: last output */
 } maglev_5dof_state_t;
 
 /* The layout is the same on every target. */
-typedef char maglev_5dof_input_size_is_44[(sizeof(maglev_5dof_input_t) == 44u) ? 1 : -1];
-typedef char maglev_5dof_output_size_is_32[(sizeof(maglev_5dof_output_t) == 32u) ? 1 : -1];
-typedef char maglev_5dof_state_size_is_228[(sizeof(maglev_5dof_state_t) == 228u) ? 1 : -1];
+extern char maglev_5dof_input_size_is_44[(sizeof(maglev_5dof_input_t) == 44u) ? 1 : -1];
+extern char maglev_5dof_output_size_is_32[(sizeof(maglev_5dof_output_t) == 32u) ? 1 : -1];
+extern char maglev_5dof_state_size_is_200[(sizeof(maglev_5dof_state_t) == 200u) ? 1 : -1];
 
 /* Put the state to its initial values. The caller owns it. */
 void maglev_5dof_init(maglev_5dof_state_t *state);

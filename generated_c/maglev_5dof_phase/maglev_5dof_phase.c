@@ -1,15 +1,11 @@
 /* maglev_5dof_phase. Generated: do not edit. */
 #include "maglev_5dof_phase.h"
 #include <math.h>
+#include <stdbool.h>
 
-static inline float min(float a, float b)
+static inline float limit(float x, float high)
 {
-    return (a < b) ? a : b;
-}
-
-static inline float max(float a, float b)
-{
-    return (a > b) ? a : b;
+    return (fabsf(x) <= high) ? x : ((x < 0.0f) ? -high : fabsf(high));
 }
 
 void maglev_5dof_phase_init(maglev_5dof_phase_state_t *state)
@@ -30,118 +26,130 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
 {
     /* guard: range acceptance, hold, latch */
     const float i_d1 = in->i_d1;
-    const int t5 = -4.9497476f <= i_d1 && i_d1 <= 4.9497476f;
-    const int fault_i_d1 = !t5;
-    const float guard_last_i_d1 = state->guard_last_i_d1;
-    const float i_d1_held = (t5) ? i_d1 : guard_last_i_d1;
+    float i_d1_held = i_d1;
+    uint32_t faults = 0u;
+    if (fabsf(i_d1) <= 4.9497476f) {
+        state->guard_last_i_d1 = i_d1;
+    } else {
+        i_d1_held = state->guard_last_i_d1;
+        faults = 0x00000001u;
+    }
     const float i_d2 = in->i_d2;
-    const int t12 = -4.9497476f <= i_d2 && i_d2 <= 4.9497476f;
-    const int fault_i_d2 = !t12;
-    const float guard_last_i_d2 = state->guard_last_i_d2;
-    const float i_d2_held = (t12) ? i_d2 : guard_last_i_d2;
+    float i_d2_held = i_d2;
+    if (fabsf(i_d2) <= 4.9497476f) {
+        state->guard_last_i_d2 = i_d2;
+    } else {
+        i_d2_held = state->guard_last_i_d2;
+        faults |= 0x00000002u;
+    }
     const float i_d3 = in->i_d3;
-    const int t19 = -4.9497476f <= i_d3 && i_d3 <= 4.9497476f;
-    const int fault_i_d3 = !t19;
-    const float guard_last_i_d3 = state->guard_last_i_d3;
-    const float i_d3_held = (t19) ? i_d3 : guard_last_i_d3;
+    float i_d3_held = i_d3;
+    if (fabsf(i_d3) <= 4.9497476f) {
+        state->guard_last_i_d3 = i_d3;
+    } else {
+        i_d3_held = state->guard_last_i_d3;
+        faults |= 0x00000004u;
+    }
     const float i_d4 = in->i_d4;
-    const int t26 = -4.9497476f <= i_d4 && i_d4 <= 4.9497476f;
-    const int fault_i_d4 = !t26;
-    const float guard_last_i_d4 = state->guard_last_i_d4;
-    const float i_d4_held = (t26) ? i_d4 : guard_last_i_d4;
+    float i_d4_held = i_d4;
+    if (fabsf(i_d4) <= 4.9497476f) {
+        state->guard_last_i_d4 = i_d4;
+    } else {
+        i_d4_held = state->guard_last_i_d4;
+        faults |= 0x00000008u;
+    }
     const float i_q1 = in->i_q1;
-    const int t33 = -4.9497476f <= i_q1 && i_q1 <= 4.9497476f;
-    const int fault_i_q1 = !t33;
-    const float guard_last_i_q1 = state->guard_last_i_q1;
-    const float i_q1_held = (t33) ? i_q1 : guard_last_i_q1;
+    float i_q1_held = i_q1;
+    if (fabsf(i_q1) <= 4.9497476f) {
+        state->guard_last_i_q1 = i_q1;
+    } else {
+        i_q1_held = state->guard_last_i_q1;
+        faults |= 0x00000010u;
+    }
     const float i_q2 = in->i_q2;
-    const int t40 = -4.9497476f <= i_q2 && i_q2 <= 4.9497476f;
-    const int fault_i_q2 = !t40;
-    const float guard_last_i_q2 = state->guard_last_i_q2;
-    const float i_q2_held = (t40) ? i_q2 : guard_last_i_q2;
+    float i_q2_held = i_q2;
+    if (fabsf(i_q2) <= 4.9497476f) {
+        state->guard_last_i_q2 = i_q2;
+    } else {
+        i_q2_held = state->guard_last_i_q2;
+        faults |= 0x00000020u;
+    }
     const float i_q3 = in->i_q3;
-    const int t47 = -4.9497476f <= i_q3 && i_q3 <= 4.9497476f;
-    const int fault_i_q3 = !t47;
-    const float guard_last_i_q3 = state->guard_last_i_q3;
-    const float i_q3_held = (t47) ? i_q3 : guard_last_i_q3;
+    float i_q3_held = i_q3;
+    if (fabsf(i_q3) <= 4.9497476f) {
+        state->guard_last_i_q3 = i_q3;
+    } else {
+        i_q3_held = state->guard_last_i_q3;
+        faults |= 0x00000040u;
+    }
     const float i_q4 = in->i_q4;
-    const int t54 = -4.9497476f <= i_q4 && i_q4 <= 4.9497476f;
-    const int fault_i_q4 = !t54;
-    const float guard_last_i_q4 = state->guard_last_i_q4;
-    const float i_q4_held = (t54) ? i_q4 : guard_last_i_q4;
+    float i_q4_held = i_q4;
+    if (fabsf(i_q4) <= 4.9497476f) {
+        state->guard_last_i_q4 = i_q4;
+    } else {
+        i_q4_held = state->guard_last_i_q4;
+        faults |= 0x00000080u;
+    }
     const float x = in->x;
-    const int t63 = -0.1f <= x && x <= 0.1f;
-    const int fault_x = !t63;
-    const float guard_last_x = state->guard_last_x;
-    const float x_held = (t63) ? x : guard_last_x;
+    float x_held = x;
+    if (fabsf(x) <= 0.1f) {
+        state->guard_last_x = x;
+    } else {
+        x_held = state->guard_last_x;
+        faults |= 0x00000100u;
+    }
     const float z = in->z;
-    const int t70 = -0.1f <= z && z <= 0.1f;
-    const int fault_z = !t70;
-    const float guard_last_z = state->guard_last_z;
-    const float z_held = (t70) ? z : guard_last_z;
+    float z_held = z;
+    if (fabsf(z) <= 0.1f) {
+        state->guard_last_z = z;
+    } else {
+        z_held = state->guard_last_z;
+        faults |= 0x00000200u;
+    }
 
     /* commutation: inverse Park */
-    const float t80 = 3.1415927f * z_held / 0.05715f + 1.5707964f;
-    const float t81 = cosf(t80);
-    const float t83 = sinf(t80);
-    const float i_a1 = 1.4142135f * (i_d1_held * t81 - i_q1_held * t83);
-    const float t88 = t80 - 2.0943952f;
-    const float t89 = cosf(t88);
-    const float t91 = sinf(t88);
-    const float i_b1 = 1.4142135f * (i_d1_held * t89 - i_q1_held * t91);
-    const float t95 = t80 + 2.0943952f;
-    const float t96 = cosf(t95);
-    const float t98 = sinf(t95);
-    const float i_c1 = 1.4142135f * (i_d1_held * t96 - i_q1_held * t98);
-    const float t104 = 3.1415927f * x_held / 0.05715f + 1.5707964f;
-    const float t105 = cosf(t104);
-    const float t107 = sinf(t104);
-    const float i_a2 = 1.4142135f * (i_d2_held * t105 - i_q2_held * t107);
-    const float t111 = t104 - 2.0943952f;
-    const float t112 = cosf(t111);
-    const float t114 = sinf(t111);
-    const float i_b2 = 1.4142135f * (i_d2_held * t112 - i_q2_held * t114);
-    const float t118 = t104 + 2.0943952f;
-    const float t119 = cosf(t118);
-    const float t121 = sinf(t118);
-    const float i_c2 = 1.4142135f * (i_d2_held * t119 - i_q2_held * t121);
-    const float i_a3 = 1.4142135f * (i_d3_held * t81 - i_q3_held * t83);
-    const float i_b3 = 1.4142135f * (i_d3_held * t89 - i_q3_held * t91);
-    const float i_c3 = 1.4142135f * (i_d3_held * t96 - i_q3_held * t98);
-    const float i_a4 = 1.4142135f * (i_d4_held * t105 - i_q4_held * t107);
-    const float i_b4 = 1.4142135f * (i_d4_held * t112 - i_q4_held * t114);
-    const float i_c4 = 1.4142135f * (i_d4_held * t119 - i_q4_held * t121);
-
-    state->guard_last_i_d1 = max(min(i_d1_held, 4.9497476f), -4.9497476f);
-    state->guard_last_i_d2 = max(min(i_d2_held, 4.9497476f), -4.9497476f);
-    state->guard_last_i_d3 = max(min(i_d3_held, 4.9497476f), -4.9497476f);
-    state->guard_last_i_d4 = max(min(i_d4_held, 4.9497476f), -4.9497476f);
-    state->guard_last_i_q1 = max(min(i_q1_held, 4.9497476f), -4.9497476f);
-    state->guard_last_i_q2 = max(min(i_q2_held, 4.9497476f), -4.9497476f);
-    state->guard_last_i_q3 = max(min(i_q3_held, 4.9497476f), -4.9497476f);
-    state->guard_last_i_q4 = max(min(i_q4_held, 4.9497476f), -4.9497476f);
-    state->guard_last_x = max(min(x_held, 0.1f), -0.1f);
-    state->guard_last_z = max(min(z_held, 0.1f), -0.1f);
+    const float t1 = (54.971f * z_held) + 1.5707964f;
+    const float t2 = cosf(t1);
+    const float t3 = sinf(t1);
+    const float i_a1 = limit(1.4142135f * ((i_d1_held * t2) - (i_q1_held * t3)), 9.899505f);
     out->i_a1 = i_a1;
+    const float t4 = t1 - 2.0943952f;
+    const float t5 = cosf(t4);
+    const float t6 = sinf(t4);
+    const float i_b1 = limit(1.4142135f * ((i_d1_held * t5) - (i_q1_held * t6)), 9.899505f);
     out->i_b1 = i_b1;
+    const float t7 = t1 + 2.0943952f;
+    const float t8 = cosf(t7);
+    const float t9 = sinf(t7);
+    const float i_c1 = limit(1.4142135f * ((i_d1_held * t8) - (i_q1_held * t9)), 9.899505f);
     out->i_c1 = i_c1;
+    const float t10 = (54.971f * x_held) + 1.5707964f;
+    const float t11 = cosf(t10);
+    const float t12 = sinf(t10);
+    const float i_a2 = limit(1.4142135f * ((i_d2_held * t11) - (i_q2_held * t12)), 9.899505f);
     out->i_a2 = i_a2;
+    const float t13 = t10 - 2.0943952f;
+    const float t14 = cosf(t13);
+    const float t15 = sinf(t13);
+    const float i_b2 = limit(1.4142135f * ((i_d2_held * t14) - (i_q2_held * t15)), 9.899505f);
     out->i_b2 = i_b2;
+    const float t16 = t10 + 2.0943952f;
+    const float t17 = cosf(t16);
+    const float t18 = sinf(t16);
+    const float i_c2 = limit(1.4142135f * ((i_d2_held * t17) - (i_q2_held * t18)), 9.899505f);
     out->i_c2 = i_c2;
+    const float i_a3 = limit(1.4142135f * ((i_d3_held * t2) - (i_q3_held * t3)), 9.899505f);
     out->i_a3 = i_a3;
+    const float i_b3 = limit(1.4142135f * ((i_d3_held * t5) - (i_q3_held * t6)), 9.899505f);
     out->i_b3 = i_b3;
+    const float i_c3 = limit(1.4142135f * ((i_d3_held * t8) - (i_q3_held * t9)), 9.899505f);
     out->i_c3 = i_c3;
+    const float i_a4 = limit(1.4142135f * ((i_d4_held * t11) - (i_q4_held * t12)), 9.899505f);
     out->i_a4 = i_a4;
+    const float i_b4 = limit(1.4142135f * ((i_d4_held * t14) - (i_q4_held * t15)), 9.899505f);
     out->i_b4 = i_b4;
+    const float i_c4 = limit(1.4142135f * ((i_d4_held * t17) - (i_q4_held * t18)), 9.899505f);
     out->i_c4 = i_c4;
-    return (fault_i_d1 ? 0x00000001u : 0u)
-        | (fault_i_d2 ? 0x00000002u : 0u)
-        | (fault_i_d3 ? 0x00000004u : 0u)
-        | (fault_i_d4 ? 0x00000008u : 0u)
-        | (fault_i_q1 ? 0x00000010u : 0u)
-        | (fault_i_q2 ? 0x00000020u : 0u)
-        | (fault_i_q3 ? 0x00000040u : 0u)
-        | (fault_i_q4 ? 0x00000080u : 0u)
-        | (fault_x ? 0x00000100u : 0u)
-        | (fault_z ? 0x00000200u : 0u);
+
+    return faults;
 }

@@ -46,9 +46,9 @@ typedef struct {
 } maglev_5dof_phase_state_t;
 
 /* The layout is the same on every target. */
-typedef char maglev_5dof_phase_input_size_is_40[(sizeof(maglev_5dof_phase_input_t) == 40u) ? 1 : -1];
-typedef char maglev_5dof_phase_output_size_is_48[(sizeof(maglev_5dof_phase_output_t) == 48u) ? 1 : -1];
-typedef char maglev_5dof_phase_state_size_is_40[(sizeof(maglev_5dof_phase_state_t) == 40u) ? 1 : -1];
+extern char maglev_5dof_phase_input_size_is_40[(sizeof(maglev_5dof_phase_input_t) == 40u) ? 1 : -1];
+extern char maglev_5dof_phase_output_size_is_48[(sizeof(maglev_5dof_phase_output_t) == 48u) ? 1 : -1];
+extern char maglev_5dof_phase_state_size_is_40[(sizeof(maglev_5dof_phase_state_t) == 40u) ? 1 : -1];
 
 /* Put the state to its initial values. The caller owns it. */
 void maglev_5dof_phase_init(maglev_5dof_phase_state_t *state);

@@ -1,17 +1,16 @@
 """Lowering: a Block becomes a straight-line program, one node a value, in the order in which CasADi computes it.
 
-After common-subexpression elimination CasADi lists its instructions depth first in the order of the outputs asked for.
-The intermediate signals of the composition are asked for first, in the order of computation, so the lines that compute
-a signal stand directly before it and carry its Block's equation tag. CasADi's pair of `if_else_zero` and a negated
-condition is read back as the choice that it was.
+Common subexpressions are eliminated first; the intermediate signals of the composition are marked. CasADi's pair of
+`if_else_zero` and a negated condition is read back as the choice that it was. The fault word is built bit by bit.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import casadi as ca
 
 from synth.block import Block, Named, State
+from synth.emit.polynomial import Polynomial
 from synth.errors import EmitError
 
 UNARY = {
@@ -65,26 +64,56 @@ class Node:
 
 @dataclass(frozen=True)
 class Program:
-    """Nodes in the order of computation, and where each named signal, output, next state and fault bit is found.
+    """Nodes in the order of computation, and where each named signal, output, next state and the fault word is found.
 
-    `marks` holds (nodes computed so far, signal, node): the signal is complete once that many nodes stand.
+    `marks` holds (signal, node) in the order of the composition; `word` is None for a Block without faults.
+    `polynomials` are those that nodes of the operation "polynomial" evaluate, by the name of the node. `products` are
+    constants that folding made of two others, by name. `titles` says for each Block of the composition, by name, what
+    it is and the equation that it computes.
     """
 
     nodes: tuple[Node, ...]
-    marks: tuple[tuple[int, Named, int], ...]
+    marks: tuple[tuple[Named, int], ...]
     outputs: dict[str, int]
     next: dict[str, int]
     integers: frozenset[str] = field(default=frozenset())
+    word: int | None = None
+    polynomials: Mapping[str, Polynomial] = field(default_factory=dict)
+    products: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    titles: Mapping[str, str] = field(default_factory=dict)
 
-    def uses(self) -> list[int]:
-        """Return how many times each node is read by other nodes, marks apart."""
-        count = [0] * len(self.nodes)
-        for node in self.nodes:
+    def moved(self, nodes: tuple[Node, ...], index: Sequence[int]) -> "Program":
+        """Return the program with new nodes, where the old node k is now the node index[k]; dead nodes are dropped."""
+        outputs, next = ({name: index[k] for name, k in ends.items()} for ends in (self.outputs, self.next))
+        marks = tuple((named, index[k]) for named, k in self.marks)
+        word = None if self.word is None else index[self.word]
+        return _pruned(replace(self, nodes=nodes, marks=marks, outputs=outputs, next=next, word=word))
+
+    def substituted(self, equal: Mapping[int, int]) -> "Program":
+        """Return the program in which each node of `equal` is read as the earlier node that it equals."""
+        index: list[int] = []
+        for k in range(len(self.nodes)):
+            index.append(index[equal[k]] if k in equal else k)
+        nodes = tuple(replace(n, args=tuple(index[a] for a in n.args)) for n in self.nodes)
+        return self.moved(nodes, index)
+
+    def owner(self, state: str) -> str:
+        """Return the Block of the composition that a state belongs to: the longest name that leads its own, or ""."""
+        parts = state.split("_")
+        leading = ("_".join(parts[:n]) for n in range(len(parts) - 1, 0, -1))
+        return next((name for name in leading if name in self.titles), "")
+
+    def ends(self) -> list[int]:
+        """Return the nodes that are stored or returned."""
+        return [*self.outputs.values(), *self.next.values(), *([] if self.word is None else [self.word])]
+
+    def users(self) -> list[list[int]]:
+        """Return for each node the nodes that read it, once for each reading."""
+        found: list[list[int]] = [[] for _ in self.nodes]
+        for k, node in enumerate(self.nodes):
             for a in node.args:
-                count[a] += 2 if node.op == "sq" else 1
-        for a in (*self.outputs.values(), *self.next.values()):
-            count[a] += 1
-        return count
+                found[a].append(k)
+        return found
 
 
 def program(block: Block) -> Program:
@@ -99,22 +128,38 @@ def program(block: Block) -> Program:
     f = ca.Function("step", [ca.vcat([block.symbol[n] for _, n in loads])], [ca.vcat(shared)])
     nodes, results = _walk(f, loads)
     count = len(block.inside)
-    marks = tuple((at, named, node) for (named, _), (at, node) in zip(block.inside, results[:count], strict=True))
-    tail = [node for _, node in results[count:]]
+    marks = tuple((named, node) for (named, _), node in zip(block.inside, results[:count], strict=True))
+    tail = results[count:]
     outputs = dict(zip(block.output, tail, strict=False))
     next = dict(zip(block.next, tail[len(outputs) :], strict=True))
-    return _prune(Program(tuple(nodes), marks, outputs, next, frozenset(_integers(block.states))))
+    word = _word(nodes, [(outputs[fault.output], fault.bit) for fault in block.faults])
+    outputs = {s.name: outputs[s.name] for s in block.outputs}
+    titles = {n.block: f"{n.block}: {n.tag}" if n.tag else n.block for n, _ in block.inside}
+    integers = frozenset(_integers(block.states))
+    return _pruned(Program(tuple(nodes), marks, outputs, next, integers, word, titles=titles))
+
+
+def _word(nodes: list[Node], faults: Sequence[tuple[int, int]]) -> int | None:
+    """Append the fault word: each bit is set where its flag is; return its place, None without faults."""
+    if not faults:
+        return None
+    nodes.append(Node("literal", value=0.0))
+    for flag, bit in faults:
+        before = len(nodes) - 1
+        nodes.append(Node("bit", (before,), value=float(1 << bit)))
+        nodes.append(Node("choose", (flag, before + 1, before)))
+    return len(nodes) - 1
 
 
 def _integers(states: Sequence[State]) -> list[str]:
     return [s.name for s in states if s.integer]
 
 
-def _walk(f: ca.Function, loads: list[tuple[str, str]]) -> tuple[list[Node], list[tuple[int, int]]]:
-    """Turn the instruction list into nodes in single-assignment form; return also (nodes so far, node) by output."""
+def _walk(f: ca.Function, loads: list[tuple[str, str]]) -> tuple[list[Node], list[int]]:
+    """Turn the instruction list into nodes in single-assignment form; return also the node of each output."""
     nodes: list[Node] = []
     slot: dict[int, int] = {}
-    results: list[tuple[int, int]] = []
+    results: list[int] = []
     known: dict[Node, int] = {}
 
     def add(node: Node) -> int:
@@ -126,7 +171,7 @@ def _walk(f: ca.Function, loads: list[tuple[str, str]]) -> tuple[list[Node], lis
     for k in range(f.n_instructions()):
         op, i, o = f.instruction_id(k), f.instruction_input(k), f.instruction_output(k)
         if op == ca.OP_OUTPUT:
-            results.append((len(nodes), slot[i[0]]))
+            results.append(slot[i[0]])
         elif op == ca.OP_INPUT:
             kind, name = loads[i[1]]
             slot[o[0]] = add(Node(kind, name=name))
@@ -154,16 +199,15 @@ def _operation(op: int, args: tuple[int, ...], nodes: list[Node]) -> Node:
     return Node(BINARY[op], args)
 
 
-def _prune(p: Program) -> Program:
-    """Drop nodes that nothing needs any more, such as the halves of a choice."""
-    live = set(p.outputs.values()) | set(p.next.values())
+def _pruned(p: Program) -> Program:
+    """Drop nodes that nothing needs any more, and marks on them."""
+    live = set(p.ends())
     for k in range(len(p.nodes) - 1, -1, -1):
         if k in live:
             live.update(p.nodes[k].args)
     index = {old: new for new, old in enumerate(sorted(live))}
-    nodes = tuple(
-        Node(n.op, tuple(index[a] for a in n.args), n.value, n.name) for k, n in enumerate(p.nodes) if k in live
-    )
-    marks = tuple((sum(1 for k in live if k < at), named, index[node]) for at, named, node in p.marks if node in live)
+    nodes = tuple(replace(p.nodes[k], args=tuple(index[a] for a in p.nodes[k].args)) for k in index)
     outputs, next = ({name: index[k] for name, k in ends.items()} for ends in (p.outputs, p.next))
-    return Program(nodes, marks, outputs, next, p.integers)
+    marks = tuple((named, index[k]) for named, k in p.marks if k in index)
+    word = None if p.word is None else index[p.word]
+    return replace(p, nodes=nodes, marks=marks, outputs=outputs, next=next, word=word)

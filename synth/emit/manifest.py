@@ -2,18 +2,31 @@
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from synth.block import Block
 from synth.emit.layout import Layout, Struct
+from synth.emit.printer import Line
+from synth.emit.replace import Surrogate
 from synth.synthesise.safety import Safety
 
 
-def manifest(block: Block, layout: Layout, safety: Safety | None, texts: Mapping[str, str]) -> dict[str, Any]:
-    """Return the manifest of the emitted `texts` (file name to text) as a JSON document."""
+def manifest(
+    block: Block,
+    layout: Layout,
+    safety: Safety | None,
+    texts: Mapping[str, str],
+    surrogates: Sequence[Surrogate],
+    source: Sequence[Line],
+) -> dict[str, Any]:
+    """Return the manifest of the emitted `texts` (file name to text) as a JSON document.
+
+    `trace` holds for each Block of the composition, with its equation, the lines of <name>.c that compute it, as runs
+    [first, last], counted from 1.
+    """
     return {
         "design": block.name,
         "period_s": block.time.period_s,
@@ -24,7 +37,8 @@ def manifest(block: Block, layout: Layout, safety: Safety | None, texts: Mapping
             {"bit": f.bit, "input": f.input} if f.input else {"bit": f.bit, "latched": True} for f in block.faults
         ],
         "safety": _safety(safety),
-        "surrogates": [],
+        "surrogates": [_surrogate(s) for s in surrogates],
+        "trace": _trace(source),
         "sha256": {name: hashlib.sha256(text.encode()).hexdigest() for name, text in texts.items()},
     }
 
@@ -35,6 +49,32 @@ def _struct(struct: Struct) -> dict[str, Any]:
         for f in struct.fields
     ]
     return {"type": struct.type, "size": struct.size, "fields": fields}
+
+
+def _surrogate(s: Surrogate) -> dict[str, Any]:
+    p = s.polynomial
+    return {
+        "tag": s.tag,
+        "function": s.name,
+        "variable": s.variable,
+        "low": p.low,
+        "high": p.high,
+        "degree": p.degree,
+        "max_relative_error": p.max_relative_error,
+        "checked_values": p.checked_values,
+    }
+
+
+def _trace(source: Sequence[Line]) -> dict[str, list[list[int]]]:
+    runs: dict[str, list[list[int]]] = {}
+    before = ""
+    for number, line in enumerate(source, 1):
+        if line.tag and line.tag == before:
+            runs[line.tag][-1][1] = number
+        elif line.tag:
+            runs.setdefault(line.tag, []).append([number, number])
+        before = line.tag
+    return runs
 
 
 def _safety(safety: Safety | None) -> dict[str, Any] | None:

@@ -1,8 +1,8 @@
-"""Turn C texts into a shared library for this machine, once.
+"""Turn C texts into a file of machine code, once: a shared library for this machine, or what a cross compiler makes.
 
-A library is a function of its sources, its flags, its compiler and the kind of processor:
+The product is a function of its sources, its flags, its compiler and the kind of processor:
 
-    path = cache / SHA-256(texts, flags, compiler, processor) / library.so
+    path = cache / SHA-256(texts, flags, compiler, processor) / product
 
 so a path that exists holds the right code and is never built again. Contraction of a*b + c into one rounding is off
 unless a flag turns it on: with it, the last bits depend on the processor.
@@ -39,11 +39,11 @@ STRICT_FLAGS = (
 
 @dataclass(frozen=True)
 class Compiler:
-    """A C compiler: the words that call it, what it says it is, and the flags it needs to build for this machine."""
+    """A C compiler: the words that call it, what it says it is, and the flags that name the machine to build for."""
 
     command: tuple[str, ...]
     identity: str
-    host_flags: tuple[str, ...] = ()
+    machine_flags: tuple[str, ...] = ()
 
 
 def find_compiler() -> Compiler:
@@ -52,9 +52,9 @@ def find_compiler() -> Compiler:
     Raises CompileError if `$CC` cannot be run, or if there is none of the three.
     """
     if chosen := shlex.split(os.environ.get("CC", "")):
-        return _identified(tuple(chosen), "set CC to a C compiler, or unset it")
+        return identified(tuple(chosen), "set CC to a C compiler, or unset it")
     if shutil.which("cc"):
-        return _identified(("cc",), "mend it, or set CC to another C compiler")
+        return identified(("cc",), "mend it, or set CC to another C compiler")
     if zig := zig_compiler():
         return zig
     raise CompileError(
@@ -69,7 +69,7 @@ def zig_compiler() -> Compiler | None:
         return None
     command = (sys.executable, "-m", "ziglang", "cc")
     # Left alone, zig builds for the very processor it runs on, and a shared cache would hold code that others trap on.
-    return _identified(command, "reinstall the wheel: `pip install --force-reinstall ziglang`", ("-mcpu=baseline",))
+    return identified(command, "reinstall the wheel: `pip install --force-reinstall ziglang`", ("-mcpu=baseline",))
 
 
 def shared_library(sources: Mapping[str, str], flags: Sequence[str] = (), compiler: Compiler | None = None) -> Path:
@@ -81,22 +81,39 @@ def shared_library(sources: Mapping[str, str], flags: Sequence[str] = (), compil
     Raises CompileError if a name is no plain file name, if there is no `.c` file, if the cache cannot be written, or
     if the compiler refuses the sources.
     """
-    units = _units(sources)
-    compiler = compiler or find_compiler()
-    folder = cache_folder() / _key(sources, flags, compiler)
-    library = folder / "library.so"
-    if library.exists():
-        return library
+    options = [*LIBRARY_FLAGS, *flags]
+    return build(sources, options, "library.so", compiler or find_compiler(), libraries=("-lm",))
+
+
+def build(
+    sources: Mapping[str, str],
+    options: Sequence[str],
+    product: str,
+    compiler: Compiler,
+    *,
+    units: Sequence[str] | None = None,
+    libraries: Sequence[str] = (),
+) -> Path:
+    """Call the compiler on `units`, or on every `.c` file, of `{filename: text}`; return the path of `product`.
+
+    `options` follow the compiler's own `machine_flags`, and `libraries` stand last on the command line.
+
+    Raises CompileError as `shared_library` does.
+    """
+    named = _units(sources)
+    command = [*compiler.machine_flags, *options, *(units or named), "-o", product, *libraries]
+    folder = cache_folder() / _key(sources, command, compiler)
+    if (folder / product).exists():
+        return folder / product
     with _work_folder(cache_folder()) as work:
         built = Path(work)
         _write(sources, built)
-        options = [*LIBRARY_FLAGS, *compiler.host_flags, *flags]
-        _run([*compiler.command, *options, *units, "-o", library.name, "-lm"], built)
+        _run([*compiler.command, *command], built)
         folder.mkdir(exist_ok=True)
-        # Each file moves whole and the library last: a process that sees it sees all of it, whoever built it.
-        for name in [*sources, library.name]:
+        # Each file moves whole and the product last: a process that sees it sees all of it, whoever built it.
+        for name in [*sources, product]:
             os.replace(built / name, folder / name)
-    return library
+    return folder / product
 
 
 def check(sources: Mapping[str, str], flags: Sequence[str] = STRICT_FLAGS, compiler: Compiler | None = None) -> None:
@@ -109,23 +126,27 @@ def check(sources: Mapping[str, str], flags: Sequence[str] = STRICT_FLAGS, compi
     with tempfile.TemporaryDirectory() as work:
         _write(sources, Path(work))
         for unit in units:
-            _run([*compiler.command, *compiler.host_flags, *flags, "-c", unit, "-o", "object.o"], Path(work))
+            _run([*compiler.command, *compiler.machine_flags, *flags, "-c", unit, "-o", "object.o"], Path(work))
 
 
 def cache_folder() -> Path:
-    """Return where libraries are kept: `$SYNTH_CACHE`, else `$XDG_CACHE_HOME/synth`, else `~/.cache/synth`."""
+    """Return where products are kept: `$SYNTH_CACHE`, else `$XDG_CACHE_HOME/synth`, else `~/.cache/synth`."""
     if chosen := os.environ.get("SYNTH_CACHE"):
         return Path(chosen).absolute()
     base = os.environ.get("XDG_CACHE_HOME")
     return (Path(base) if base else Path.home() / ".cache") / "synth"
 
 
-def _identified(command: tuple[str, ...], mend: str, host_flags: tuple[str, ...] = ()) -> Compiler:
+def identified(command: tuple[str, ...], mend: str, machine_flags: tuple[str, ...] = ()) -> Compiler:
+    """Return the compiler that `command` calls, with what it says of itself.
+
+    Raises CompileError, with the `mend`, when the command cannot be run.
+    """
     try:
         said = subprocess.run([*command, "--version"], capture_output=True, text=True, check=True).stdout
     except (OSError, subprocess.CalledProcessError) as error:
         raise CompileError(f"C compiler: `{shlex.join(command)} --version` fails ({error}); {mend}") from error
-    return Compiler(command, said.strip(), host_flags)
+    return Compiler(command, said.strip(), machine_flags)
 
 
 def _units(sources: Mapping[str, str]) -> list[str]:
@@ -138,10 +159,10 @@ def _units(sources: Mapping[str, str]) -> list[str]:
     return units
 
 
-def _key(sources: Mapping[str, str], flags: Sequence[str], compiler: Compiler) -> str:
+def _key(sources: Mapping[str, str], arguments: Sequence[str], compiler: Compiler) -> str:
     built_from = [
         sorted(sources.items()),
-        [*LIBRARY_FLAGS, *compiler.host_flags, *flags],
+        list(arguments),
         [*compiler.command, compiler.identity],
         [platform.system(), platform.machine()],
     ]

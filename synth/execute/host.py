@@ -22,14 +22,15 @@ Columns = dict[str, NDArray[Any]]
 
 SCALARS = {"float": np.float32, "double": np.float64, "uint32_t": np.uint32, "int32_t": np.int32}
 _GLUE_FILE = "synth_host.c"
-_GLUE = """#include <stddef.h>
+_LAYOUT = """#include <stddef.h>
 #include <stdint.h>
 {includes}
 #pragma GCC diagnostic error "-Wincompatible-pointer-types"
 #pragma GCC diagnostic error "-Wpointer-sign"
 #define AGREES(claim, holds) typedef char claim[(holds) ? 1 : -1]
 {claims}
-
+"""
+_GLUE = """{layout}
 void synth_host_init({state} *state) {{ {init}(state); }}
 
 uint32_t synth_host_step(void *state, const void *in, void *out) {{
@@ -108,7 +109,7 @@ class Controller:
 
         Raises SignalError when an input is missing or not known, or when `state` is not what `init` returns.
         """
-        self._require_states(state, ())
+        require_states(self.manifest, self.state, state, ())
         outputs, faults = self._advance(state, self.records(inputs, 1))
         return Step({name: outputs[name][0] for name in outputs.dtype.names or ()}, int(faults[0]))
 
@@ -118,9 +119,9 @@ class Controller:
         Raises SignalError as `step`, and when the columns' lengths differ or there is none.
         """
         start = self.init() if state is None else state
-        self._require_states(start, ())
+        require_states(self.manifest, self.state, start, ())
         after = start.copy()
-        outputs, faults = self._advance(after, self.records(inputs, _length(inputs)))
+        outputs, faults = self._advance(after, self.records(inputs, length(inputs)))
         return Replay(columns(outputs), faults, after)
 
     def batch(self, states: Records, inputs: Mapping[str, ArrayLike]) -> Batch:
@@ -128,7 +129,7 @@ class Controller:
 
         Raises SignalError as `step`.
         """
-        self._require_states(states, (np.size(states),))
+        require_states(self.manifest, self.state, states, (np.size(states),))
         after = states.copy()
         outputs, faults = self._advance(after, self.records(inputs, len(after)))
         return Batch(columns(outputs), faults, after)
@@ -138,17 +139,7 @@ class Controller:
 
         Raises SignalError when an input is missing or not known, or when a column's length is not n.
         """
-        known = self.inputs.names or ()
-        missing, unknown = [k for k in known if k not in inputs], [k for k in inputs if k not in known]
-        if missing or unknown:
-            raise SignalError(
-                f"inputs of '{self.manifest['design']}': missing {missing or 'none'}, not known {unknown or 'none'}: "
-                f"give each of {', '.join(known)}"
-            )
-        filled = np.zeros(n, self.inputs)
-        for name, values in inputs.items():
-            fill(filled, name, values)
-        return filled
+        return records(self.manifest, self.inputs, inputs, n)
 
     def _advance(self, states: Records, inputs: Records) -> tuple[Records, NDArray[np.uint32]]:
         n = len(inputs)
@@ -156,14 +147,6 @@ class Controller:
         run = _prototype(self.library, "synth_host_steps", *[ctypes.c_int64] * 2, *[ctypes.c_void_p] * 4)
         run(n, states.ndim, *(array.ctypes.data for array in (states, inputs, outputs, faults)))
         return outputs, faults
-
-    def _require_states(self, states: Records, shape: tuple[int, ...]) -> None:
-        fits = isinstance(states, np.ndarray) and states.dtype == self.state and states.shape == shape
-        if not (fits and states.flags.c_contiguous and states.flags.writeable):
-            raise SignalError(
-                f"state of '{self.manifest['design']}': found {type(states).__name__} of shape {np.shape(states)}, "
-                f"need a writeable contiguous one of shape {shape} and dtype `controller.state`: start from `init()`"
-            )
 
 
 def load(files: Mapping[str, str], manifest: Mapping[str, Any], flags: Sequence[str] = ()) -> Controller:
@@ -174,10 +157,74 @@ def load(files: Mapping[str, str], manifest: Mapping[str, Any], flags: Sequence[
     Raises DesignError when the manifest or a header is not whole, and CompileError when the compiler refuses the C or
     finds a struct that is laid out otherwise than the manifest says.
     """
-    dtypes = {role: _dtype(role, manifest) for role in ("input", "output", "state")}
-    code = {name: text for name, text in files.items() if name.endswith((".c", ".h"))}
-    library = host_compiler.shared_library({**code, _GLUE_FILE: _glue(files, manifest)}, flags)
+    dtypes = {role: dtype(role, manifest) for role in ("input", "output", "state")}
+    library = host_compiler.shared_library({**code(files), _GLUE_FILE: _glue(files, manifest)}, flags)
     return Controller(manifest, dtypes["input"], dtypes["output"], dtypes["state"], ctypes.CDLL(str(library)))
+
+
+def code(files: Mapping[str, str]) -> dict[str, str]:
+    """Return the C among emitted files: those that end in .c or .h."""
+    return {name: text for name, text in files.items() if name.endswith((".c", ".h"))}
+
+
+def dtype(role: str, manifest: Mapping[str, Any]) -> np.dtype[np.void]:
+    """Return the struct "input", "output" or "state" of a manifest as a NumPy dtype.
+
+    Raises DesignError when the manifest is not whole.
+    """
+    try:
+        struct = manifest["structs"][role]
+        formats = [(SCALARS[f["ctype"]], (f["count"],) if f["count"] > 1 else ()) for f in struct["fields"]]
+        names, offsets = ([f[key] for f in struct["fields"]] for key in ("name", "offset"))
+        spec = {"names": names, "formats": formats, "offsets": offsets, "itemsize": struct["size"]}
+        return np.dtype(spec)  # type: ignore[call-overload]
+    except (KeyError, ValueError, TypeError) as error:
+        raise DesignError(
+            f"manifest, struct '{role}': {type(error).__name__} {error}; needed are type, size and, for each field, "
+            f"name, offset, count and one ctype of {', '.join(SCALARS)}: emit the C anew"
+        ) from error
+
+
+def layout(files: Mapping[str, str], manifest: Mapping[str, Any]) -> str:
+    """Return C that compiles only where the headers' structs are laid out as the manifest says.
+
+    Raises DesignError when there is no header.
+    """
+    headers = sorted(name for name in files if name.endswith(".h"))
+    if not headers:
+        raise DesignError(f"emitted C: found {sorted(files)}, need the header beside the source: add the .h file")
+    structs = manifest["structs"]
+    return _LAYOUT.format(
+        includes="\n".join(f'#include "{name}"' for name in headers),
+        claims="\n".join(line for role in structs for line in _claims(role, structs[role])),
+    )
+
+
+def records(manifest: Mapping[str, Any], struct: np.dtype[np.void], inputs: Mapping[str, ArrayLike], n: int) -> Records:
+    """Return n input structs from columns (n,) or constants by name, as `Controller.records` does."""
+    known = struct.names or ()
+    missing, unknown = [k for k in known if k not in inputs], [k for k in inputs if k not in known]
+    if missing or unknown:
+        raise SignalError(
+            f"inputs of '{manifest['design']}': missing {missing or 'none'}, not known {unknown or 'none'}: "
+            f"give each of {', '.join(known)}"
+        )
+    filled = np.zeros(n, struct)
+    for name, values in inputs.items():
+        fill(filled, name, values)
+    return filled
+
+
+def require_states(
+    manifest: Mapping[str, Any], struct: np.dtype[np.void], states: Records, shape: tuple[int, ...]
+) -> None:
+    """Raise SignalError when `states` are no writeable contiguous records of this struct and shape."""
+    fits = isinstance(states, np.ndarray) and states.dtype == struct and states.shape == shape
+    if not (fits and states.flags.c_contiguous and states.flags.writeable):
+        raise SignalError(
+            f"state of '{manifest['design']}': found {type(states).__name__} of shape {np.shape(states)}, "
+            f"need a writeable contiguous one of shape {shape} and dtype `controller.state`: start from `init()`"
+        )
 
 
 def columns(records: Records) -> Columns:
@@ -205,7 +252,11 @@ def fill(records: Records, name: str, values: ArrayLike, where: NDArray[np.bool_
         column[where] = typed[where]
 
 
-def _length(inputs: Mapping[str, ArrayLike]) -> int:
+def length(inputs: Mapping[str, ArrayLike]) -> int:
+    """Return N of input columns (N,) among constants.
+
+    Raises SignalError when the columns' lengths differ or there is none.
+    """
     found = {name: len(np.asarray(values)) for name, values in inputs.items() if np.ndim(values)}
     if len(set(found.values())) != 1:
         raise SignalError(f"inputs have the lengths {found}: give columns of one length, at least one of them")
@@ -216,28 +267,10 @@ def _prototype(library: ctypes.CDLL, name: str, *arguments: type) -> Any:
     return ctypes.CFUNCTYPE(None, *arguments)((name, library))
 
 
-def _dtype(role: str, manifest: Mapping[str, Any]) -> np.dtype[np.void]:
-    try:
-        struct = manifest["structs"][role]
-        formats = [(SCALARS[f["ctype"]], (f["count"],) if f["count"] > 1 else ()) for f in struct["fields"]]
-        names, offsets = ([f[key] for f in struct["fields"]] for key in ("name", "offset"))
-        spec = {"names": names, "formats": formats, "offsets": offsets, "itemsize": struct["size"]}
-        return np.dtype(spec)  # type: ignore[call-overload]
-    except (KeyError, ValueError, TypeError) as error:
-        raise DesignError(
-            f"manifest, struct '{role}': {type(error).__name__} {error}; needed are type, size and, for each field, "
-            f"name, offset, count and one ctype of {', '.join(SCALARS)}: emit the C anew"
-        ) from error
-
-
 def _glue(files: Mapping[str, str], manifest: Mapping[str, Any]) -> str:
-    headers = sorted(name for name in files if name.endswith(".h"))
-    if not headers:
-        raise DesignError(f"emitted C: found {sorted(files)}, need the header beside the source: add the .h file")
     structs = manifest["structs"]
     return _GLUE.format(
-        includes="\n".join(f'#include "{name}"' for name in headers),
-        claims="\n".join(line for role in structs for line in _claims(role, structs[role])),
+        layout=layout(files, manifest),
         init=manifest["functions"]["init"],
         step=manifest["functions"]["step"],
         **{role: structs[role]["type"] for role in structs},

@@ -9,9 +9,10 @@ from synth.plant import Plant
 from synth.report import bode, figures
 from synth.report.audit import Row
 from synth.report.notation import number, readable
-from synth.report.page import Cell, Checks, Figure, Section, Table
+from synth.report.page import Cell, Checks, Figure, Section, Table, Text
 from synth.simulate.experiment import Experiment
 from synth.verify.agree import Agreement
+from synth.verify.cost import NOTE, Cost, tables
 
 
 def parameters(plant: Plant) -> Table:
@@ -107,6 +108,14 @@ def audit(rows: Iterable[Row]) -> Table:
         columns,
         tuple((r.id, r.published.where, r.published.text, _recomputed(r), str(r.verdict), r.why) for r in rows),
     )
+
+
+def cost(found: Cost | None) -> Section:
+    """Return what the emitted step costs on a core, beside the C of other generators; None: nothing measured it."""
+    if found is None:
+        return Section("Cost", (Text("Not measured: no emulator or no cross compiler was installed."),))
+    rendered = (Table(t.caption, t.columns, t.rows, digits=6) for t in tables(found))
+    return Section("Cost", (Text(f"{NOTE} {'; '.join(found.absent)}."), *rendered))
 
 
 def files(texts: Mapping[str, str]) -> Table:

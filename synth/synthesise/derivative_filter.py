@@ -5,11 +5,12 @@ linear (first-order hold), so that with d = q_k - q_{k-1} and x = (p, v)
 
     x_k = F x_{k-1} + Gamma q_{k-1} + H d,   F = exp(A T), Gamma = (1 - F_11, -F_21)^T.
 
-The state that is kept is the lag l = q - p and v. They obey
+Both poles lie at lambda = exp(-w T), and from the differences d to v this is the cascade
 
-    l_k = F_11 l - F_12 v + (1 - H_1) d,    v_k = -F_21 l + F_22 v + H_2 d,
+    s_k = lambda s_{k-1} + d_k,    r_k = lambda r_{k-1} + s_k + rho s_{k-1},    v_k = H_2 r_k
 
-in which q enters only by its differences: single precision loses nothing.
+with rho H_2 = -(H_2 F_11 + F_21 (1 - H_1)). q enters only by its differences: single precision loses nothing. By
+induction |s| <= max|d| / (1 - lambda) and |v| <= max|d| / T, so no state needs a limit.
 """
 
 from dataclasses import replace
@@ -23,12 +24,14 @@ from synth.errors import SignalError
 from synth.signals import Signal, dimension
 from synth.timing import Discrete
 
+SLACK = 1e-4  # of a state's bound, so that rounding in single precision cannot pass it
+
 
 def block(name: str, time: Discrete, signal: Signal, rate: Signal, bandwidth: float) -> Block:
     """Return the filter from `signal` to its `rate` with w = `bandwidth` in rad/s.
 
-    It starts without a jump: while the input ``ready`` is 0 the lag and the rate stay 0. The signals' ranges bound the
-    kept states; a lag is bounded by the width of the signal's range.
+    It starts without a jump: until the input ``ready`` is 1 the rate stays 0. The width of the signal's range bounds
+    the kept states.
 
     Raises SignalError when the bandwidth is not positive or not below the Nyquist frequency, or when the unit of the
     rate is not the signal's per second.
@@ -38,26 +41,28 @@ def block(name: str, time: Discrete, signal: Signal, rate: Signal, bandwidth: fl
     nyquist = pi / time.period_s
     if not 0 < bandwidth < nyquist:
         raise SignalError(f"the filter's bandwidth is {bandwidth} rad/s: it must lie between 0 and {nyquist:.6g} rad/s")
-    w = bandwidth
-    hold = discretise.first_order_hold([[0.0, 1.0], [-w * w, -2 * w]], [[0.0], [w * w]], time.period_s)
-    source = f"D(s) = s w^2/(s+w)^2, w = {w:g} rad/s, first-order hold"
+    w, T = bandwidth, time.period_s
+    hold = discretise.first_order_hold([[0.0, 1.0], [-w * w, -2 * w]], [[0.0], [w * w]], T)
     F, H = hold.F, hold.H
-    values = {"f11": F[0, 0], "f12": F[0, 1], "f21": F[1, 0], "f22": F[1, 1], "g1": 1 - H[0, 0], "g2": H[1, 0]}
-    units = {"f11": "1", "f12": "s", "f21": "1/s", "f22": "1", "g1": "1", "g2": "1/s"}
+    fade = F[0, 0] / (1 + w * T)  # F_11 = (1 + w T) exp(-w T)
+    values = {"fade": fade, "rho": -F[0, 0] - F[1, 0] * (1 - H[0, 0]) / H[1, 0], "h": H[1, 0]}
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        q, l, v, started = u[signal.name], x["lag"], x["v"], u["ready"]
-        d = q - x["q_prev"]
-        lag_k = ca.if_else(started, k["f11"] * l - k["f12"] * v + k["g1"] * d, 0)
-        v_k = ca.if_else(started, k["f22"] * v - k["f21"] * l + k["g2"] * d, 0)
-        return Step({rate.name: v_k}, {"q_prev": q, "lag": lag_k, "v": v_k})
+        q = u[signal.name]
+        d = ca.if_else(u["ready"], q - x["q_prev"], 0)
+        s = k["fade"] * x["s"] + d
+        r = k["fade"] * x["r"] + s + k["rho"] * x["s"]
+        return Step({rate.name: k["h"] * r}, {"q_prev": q, "s": s, "r": r})
 
     width = signal.high - signal.low
+    faded, fastest = (1 + SLACK) * width / (1 - fade), (1 + 2 * SLACK) * width / (T * H[1, 0])
     states = [
         State(replace(signal, name="q_prev", about="signal one sample ago"), min(max(0.0, signal.low), signal.high)),
-        State(replace(signal, name="lag", low=-width, high=width, about="signal less filtered signal"), 0),
-        State(replace(rate, name="v", about="filtered rate"), 0),
+        State(replace(signal, name="s", low=-faded, high=faded, about="fading sum of the differences"), 0),
+        State(replace(signal, name="r", low=-fastest, high=fastest, about="filtered rate over h"), 0),
     ]
+    source = f"D(s) = s w^2/(s+w)^2, w = {w:g} rad/s, first-order hold"
+    units = {"fade": "1", "rho": "1", "h": "1/s"}
     return build(
         name,
         time,

@@ -10,10 +10,11 @@ Francis and Wonham (1976).
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import flint
 import numpy as np
 from numpy.typing import ArrayLike
 
-from synth.analyse import discretise, structure
+from synth.analyse import precise, structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, readonly
 from synth.timing import Continuous, Discrete, common
@@ -28,11 +29,19 @@ class InternalModel:
 
 
 @dataclass(frozen=True, eq=False)
-class DiscreteInternalModel:
-    """Phi (n, n), N (n, 1) and E (n, 1) over one period, exactly; E is zero where none was asked for."""
+class Leapfrog:
+    """The internal model over one period, exactly, in coordinates eta with xi = T eta in which a sample costs least.
 
-    Phi: Array
-    N: Array
+        eta_0' = eta_0 + e                                              for the frequency 0
+        p' = p + c q,   q' = q - p' + e,   c = 2 - 2 cos(w T)           for each other frequency w
+
+    Each pair turns by w T whatever c is rounded to: its determinant is 1 and its trace 2 - c, so the poles stay on the
+    unit circle and only w is rounded. `c` (m,) by rising frequency, `T` (n, n); `E` (n, 1) is what the anti-windup
+    input adds to eta_0', p', q' in this order of computation, 0 where none was asked for.
+    """
+
+    c: Array
+    T: Array
     E: Array
 
 
@@ -53,21 +62,35 @@ def exosystem(frequencies: Sequence[float]) -> InternalModel:
     return InternalModel(readonly(Phi), readonly(np.eye(n)[:, -1:]))
 
 
-def discrete(frequencies: Sequence[float], period_s: float, E: ArrayLike | None = None) -> DiscreteInternalModel:
-    """Return the internal model over one period, with e and the anti-windup input E (n,) constant in between.
+def leapfrog(frequencies: Sequence[float], period_s: float, E: ArrayLike | None = None) -> Leapfrog:
+    """Return the internal model with e and the anti-windup input E (n,) constant over each period.
+
+    The sampled companion form and the leapfrog form have the same poles and are both driven by e alone, so T takes one
+    controllability matrix to the other.
 
     Raises SignalError as `exosystem`, for a frequency at or above Nyquist's, and for an E of another size; TimingError
     when the period is not positive.
     """
-    model = exosystem(frequencies)
-    n, nyquist = len(model.Phi), np.pi / Discrete(period_s).period_s
+    n, nyquist = len(exosystem(frequencies).Phi), np.pi / Discrete(period_s).period_s
     if max(frequencies) >= nyquist:
         raise SignalError(f"exosystem frequency {max(frequencies)} rad/s: it must lie below {nyquist:.6g} rad/s")
-    column = np.zeros((n, 1)) if E is None else np.asarray(E, dtype=np.float64).reshape(-1, 1)
-    if column.shape != (n, 1):
+    column = np.zeros(n) if E is None else np.asarray(E, dtype=np.float64).ravel()
+    if column.shape != (n,):
         raise SignalError(f"the anti-windup gain has {column.size} entries, the internal model {n} states: give {n}")
-    held = discretise.first_order_hold(model.Phi, np.hstack([model.N, column]), period_s)
-    return DiscreteInternalModel(held.F, readonly(held.G[:, :1]), readonly(held.G[:, 1:]))
+    w = sorted(float(f) for f in frequencies if f)
+
+    def compute() -> flint.arb_mat:
+        held = (_driven(w, n, column) * flint.arb(period_s)).exp()
+        c = [4 * (flint.arb(f) * flint.arb(period_s) / 2).sin() ** 2 for f in w]
+        T = _controllability(_part(held, n, 0, n), _part(held, n, n, n + 1)) * _controllability(*_turns(c, n)).inv()
+        added = [*T.solve(_part(held, n, n + 1, n + 2)).entries()]
+        for q in range(n - 2 * len(c) + 1, n, 2):
+            added[q] += added[q - 1]
+        padded = [*c, *[flint.arb(0)] * n]
+        return flint.arb_mat([[*(T[i, j] for j in range(n)), added[i], padded[i]] for i in range(n)])
+
+    found = precise.resolved(compute, f"the internal model over {period_s:g} s")
+    return Leapfrog(readonly(found[: len(w), n + 1]), readonly(found[:, :n]), readonly(found[:, n : n + 1]))
 
 
 def augmented(plant: StateSpace, frequencies: Sequence[float]) -> StateSpace:
@@ -94,3 +117,43 @@ def augmented(plant: StateSpace, frequencies: Sequence[float]) -> StateSpace:
     states = plant.states + tuple(f"xi{i + 1}" for i in range(k))
     D = np.zeros((n + k, plant.B.shape[1]))
     return StateSpace(A, B, np.eye(n + k), D, states, plant.inputs, states, plant.time)
+
+
+def _driven(w: Sequence[float], n: int, E: Array) -> flint.arb_mat:
+    """Return [[Phi, N, E], [0, 0, 0]], (n + 2, n + 2), with the exact coefficients of s^m prod (s^2 + w^2)."""
+    polynomial = flint.arb_poly([0, 1] if n > 2 * len(w) else [1])
+    for f in w:
+        polynomial *= flint.arb_poly([flint.arb(f) ** 2, 0, 1])
+    M = flint.arb_mat(n + 2, n + 2)
+    for i in range(n):
+        M[n - 1, i] = -polynomial[i]
+        M[i, n + 1] = flint.arb(float(E[i]))
+    for i in range(n - 1):
+        M[i, i + 1] = flint.arb(1)
+    M[n - 1, n] = flint.arb(1)
+    return M
+
+
+def _turns(c: Sequence[flint.arb], n: int) -> tuple[flint.arb_mat, flint.arb_mat]:
+    """Return one sample of the leapfrog form of order n as (A, B)."""
+    A, B = precise.identity(n), flint.arb_mat(n, 1)
+    first = n - 2 * len(c)
+    if first:
+        B[0, 0] = flint.arb(1)
+    for k, step in enumerate(c):
+        p, q = first + 2 * k, first + 2 * k + 1
+        A[p, q], A[q, p], A[q, q], B[q, 0] = step, flint.arb(-1), 1 - step, flint.arb(1)
+    return A, B
+
+
+def _controllability(A: flint.arb_mat, B: flint.arb_mat) -> flint.arb_mat:
+    """Return (B, A B, .., A^(n-1) B), (n, n)."""
+    columns = [B]
+    for _ in range(A.nrows() - 1):
+        columns.append(A * columns[-1])
+    return flint.arb_mat([[c[i, 0] for c in columns] for i in range(A.nrows())])
+
+
+def _part(M: flint.arb_mat, rows: int, first: int, last: int) -> flint.arb_mat:
+    """Return the columns first .. last - 1 of the upper `rows`."""
+    return flint.arb_mat([[M[i, j] for j in range(first, last)] for i in range(rows)])

@@ -1,9 +1,9 @@
 """Guard and safe output: what a controller does with inputs that cannot be true.
 
 An input is accepted when low <= value <= high; NaN fails both comparisons. While it is refused the last accepted value
-serves, before the first the declared initial one. A *measurement* that is refused `bad_samples` times in a row latches:
-the outputs then slew at a declared rate to the declared safe output and stay there until `init`. A *set-point* never
-latches.
+serves, before the first the declared initial one. After `bad_samples` samples in a row in which a *measurement* is
+refused, the same one or not, it latches: the outputs then slew at a declared rate to the declared safe output and stay
+there until `init`. A *set-point* never latches.
 
     inputs --->[ guard ]---> <name>_held ---> controller ---> <name>_computed --->[ safe output ]---> outputs
                    |------------------------- latched -------------------------------^
@@ -12,7 +12,6 @@ latches.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import reduce
 
 import casadi as ca
 
@@ -22,6 +21,7 @@ from synth.signals import Signal
 from synth.timing import Discrete
 
 LATCH_BIT = 31
+GUARD, SAFE_OUTPUT = "guard", "safe_output"
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,10 @@ class Guarded:
 
 @dataclass(frozen=True)
 class Safety:
-    """After `bad_samples` bad samples of a measurement on end the outputs slew to `safe_output`; `reason` says why."""
+    """After `bad_samples` samples in a row with a bad measurement the outputs slew to `safe_output`.
+
+    `reason` says why these values.
+    """
 
     bad_samples: int
     safe_output: Mapping[str, float]
@@ -62,23 +65,27 @@ def guard(time: Discrete, inputs: Sequence[Guarded], bad_samples: int) -> Block:
         good = {s.name: ca.logic_and(u[s.name] >= s.low, u[s.name] <= s.high) for s in (g.signal for g in inputs)}
         held = {n: ca.if_else(good[n], u[n], x[f"last_{n}"]) for n in good}
         next = {f"last_{n}": held[n] for n in good}
+        named: list[tuple[Signal, ca.SX]] = []
         output = {f"{n}_held": held[n] for n in good} | {f"fault_{n}": ca.logic_not(good[n]) for n in good}
         if latches:
-            bad = {n: ca.if_else(good[n], 0, ca.fmin(x[f"bad_{n}"] + 1, bad_samples)) for n in measured}
-            latched = reduce(ca.logic_or, [x["latched"], *(b >= bad_samples for b in bad.values())])
-            ready = ca.logic_or(x["ready"], reduce(ca.logic_and, [good[n] for n in measured]))
-            next |= {f"bad_{n}": b for n, b in bad.items()} | {"latched": latched, "ready": ready}
+            complete, last = ca.SX(1), x["left"] <= 1
+            for n in measured:
+                complete = ca.if_else(good[n], complete, 0)
+            latched = ca.if_else(complete, x["latched"], ca.if_else(last, 1, x["latched"]))
+            next["left"] = ca.if_else(complete, bad_samples, ca.if_else(last, x["left"], x["left"] - 1))
+            next |= {"latched": ca.if_else(latched, 1, x["latched"]), "ready": ca.if_else(complete, 1, x["ready"])}
             output |= {"latched": latched, "ready": x["ready"]}
-        return Step(output, next)
+            named.append((_flag("complete", "every measurement accepted this sample"), complete))
+        return Step(output, next, named)
 
     states = [State(_renamed(g.signal, f"last_{g.signal.name}", "last good value"), g.initial) for g in inputs]
-    states += [State(Signal(f"bad_{n}", "1", 0, bad_samples, "bad samples in a row"), 0, True) for n in measured]
+    left = Signal("left", "1", 1, max(bad_samples, 2), "samples with a bad measurement until it latches")
     flags = [_flag("latched", "safe output until init"), _flag("ready", "every measurement was good at once")]
-    states += [State(f, 0, True) for f in flags] if latches else []
+    states += [State(left, bad_samples, True), *(State(f, 0, True) for f in flags)] if latches else []
     outputs = [_renamed(g.signal, f"{g.signal.name}_held", g.signal.about) for g in inputs]
     outputs += [_flag(f"fault_{g.signal.name}", "refused this sample") for g in inputs] + (flags if latches else [])
     block = build(
-        "guard",
+        GUARD,
         time,
         law,
         inputs=[g.signal for g in inputs],
@@ -94,7 +101,7 @@ def guard(time: Discrete, inputs: Sequence[Guarded], bad_samples: int) -> Block:
 def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Block:
     """Return the Block that passes ``<name>_computed`` on as ``<name>`` and, once latched, slews to the safe output.
 
-    Either way the output is limited to its range.
+    Either way the output is limited to its range. ``<name>_before`` is the output of the sample before.
 
     Raises SignalError when a safe output or a rate is missing, a rate is not positive, or a safe output lies outside
     its range.
@@ -116,24 +123,35 @@ def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Bl
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         value = {}
         for s in outputs:
-            rate = safety.slew_per_s[s.name] * time.period_s
-            last = x[f"last_{s.name}"]
-            move = clip(safety.safe_output[s.name] - last, Signal("move", s.unit, -rate, rate))
-            value[s.name] = ca.if_else(u["latched"], last + move, u[f"{s.name}_computed"])
-        return Step({s.name: clip(value[s.name], s) for s in outputs}, {f"last_{n}": v for n, v in value.items()})
+            move, last = safety.slew_per_s[s.name] * time.period_s, x[f"last_{s.name}"]
+            slewed = ca.fmax(ca.fmin(safety.safe_output[s.name], last + move), last - move)
+            value[s.name] = clip(ca.if_else(u["latched"], slewed, u[f"{s.name}_computed"]), s)
+        before = {f"{s.name}_before": x[f"last_{s.name}"] for s in outputs}
+        return Step(value | before, {f"last_{n}": v for n, v in value.items()})
 
     return build(
-        "safe_output",
+        SAFE_OUTPUT,
         time,
         law,
         inputs=[
             _flag("latched", "safe output until init"),
             *(_renamed(s, f"{s.name}_computed", s.about) for s in outputs),
         ],
-        outputs=outputs,
+        outputs=[*outputs, *(_renamed(s, f"{s.name}_before", "one sample ago") for s in outputs)],
         states=[State(_renamed(s, f"last_{s.name}", "last output"), safety.safe_output[s.name]) for s in outputs],
         tag="slew to the safe output once latched",
     )
+
+
+def frozen(block: Block) -> Block:
+    """Return a guarded composition whose states, but for the guard's and the last outputs, stand still once latched.
+
+    What they would become has no influence any more, so that a latched step computes nothing but the slew.
+    """
+    latched = next(block.output[f.output] for f in block.faults if f.bit == LATCH_BIT)
+    still = [s.name for s in block.states if not s.name.startswith((f"{GUARD}_", f"{SAFE_OUTPUT}_"))]
+    held = {n: ca.if_else(latched, block.symbol[n], block.next[n]) for n in still}
+    return replace(block, next={**block.next, **held})
 
 
 def _renamed(signal: Signal, name: str, about: str) -> Signal:

@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import casadi as ca
 import numpy as np
 import pytest
 
-from synth.block import Block, Constant, State, Step, build
+from synth.block import Block, Constant, Fault, State, Step, build
 from synth.compose import compose
 from synth.emit import lower
 from synth.errors import EmitError
@@ -114,9 +115,25 @@ def test_marks_stand_in_the_order_of_computation() -> None:
     inner = make(lambda u, x, k: Step({"y": u["a"] * u["b"]}, named=[(signal("sum"), u["a"] + u["b"])]))
     outer = build("outer", TIME, lambda u, x, k: Step({"z": u["y"] * 3}), inputs=[signal("y")], outputs=[signal("z")])
     program = lower.program(compose("both", [outer, inner], inputs=["a", "b"], outputs=["z"]))
-    places = [at for at, _, _ in program.marks]
-    assert [named.signal.name for _, named, _ in program.marks if named.signal.name != "sum"] == ["y", "z"]
-    assert places == sorted(places) and all(node < at for at, _, node in program.marks)
+    assert [named.signal.name for named, _ in program.marks if named.signal.name != "sum"] == ["y", "z"]
+    made = {named.signal.name: program.nodes[node].op for named, node in program.marks}
+    assert made["y"] == "mul" and made["z"] == "mul" and program.titles == {"lowered": "lowered", "outer": "outer"}
+
+
+def test_what_equals_an_earlier_node_is_read_as_it() -> None:
+    program = lower.program(make(everything, "y z", **FULL))
+    sine = next(k for k, n in enumerate(program.nodes) if n.op == "sin")
+    a = program.nodes[sine].args[0]
+    without = program.substituted({sine: a})
+    assert not any(n.op == "sin" for n in without.nodes) and len(without.nodes) == len(program.nodes) - 1
+
+
+def test_each_fault_sets_its_bit_of_the_word() -> None:
+    block = make(lambda u, x, k: Step({"y": 2 * u["a"], "bad": u["a"] > 1}), "y bad")
+    guarded = replace(block, faults=(Fault(3, "bad", "a"),))
+    program = lower.program(guarded)
+    word = program.nodes[program.word]
+    assert word.op == "choose" and program.nodes[word.args[1]] == lower.Node("bit", (word.args[2],), 8.0)
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ from models import maglev_stage, pmlsm
 from synth.errors import ModelError
 from synth.plant import Plant
 from synth.signals import Signal, names
+from synth.synthesise import feedback_linearisation
 
 VALUES = {p.name: p.value for p in maglev_stage.PARAMETERS}
 
@@ -167,18 +168,6 @@ def test_the_simplified_model_is_the_full_one_without_the_dropped_terms() -> Non
         assert matrix[1, 1] < 0 and matrix[2, 2] < 0
 
 
-def test_the_quadratic_part_is_what_the_simplified_model_drops() -> None:
-    full = maglev_stage.input_polynomial(maglev_stage.nominal())
-    second, currents = maglev_stage.quadratic_part(maglev_stage.nominal(), "csch2", full.x)
-    transformed = list(maglev_stage.input_transformation(full.v).values())
-    part = ca.substitute([second[q] for q in ("y", "phi", "theta")], currents, transformed)
-    whole, rest = (m.accelerations() for m in (full, maglev_stage.simplified(full)))
-    for at in random_v(10):
-        dropped = evaluate(full, [whole[q] - rest[q] for q in ("y", "phi", "theta")], at)
-        assert np.allclose(evaluate(full, part, at), dropped, rtol=0, atol=1e-11)
-        assert np.abs(dropped).min() > 1e-3
-
-
 def test_coefficients_depend_on_what_is_printed_in_their_brackets() -> None:
     model = maglev_stage.input_polynomial(maglev_stage.nominal())
     both, by_phi, by_theta = {"y", "phi", "theta"}, {"y", "phi"}, {"y", "theta"}
@@ -208,3 +197,66 @@ def test_parameters_may_stay_symbols() -> None:
     for mass in (6.9, 7.0):
         expected = 2 * slope / mass  # v_y / 2 into each of four motors
         assert float(f(at_rest, list((VALUES | {"M_y": mass}).values()))) == pytest.approx(expected, rel=1e-12)
+
+
+def motors(x: Mapping[str, float]) -> list[pmlsm.ForceLaw]:
+    return [pmlsm.force_law(g, VALUES) for g in maglev_stage.gaps(x, VALUES)]
+
+
+def true_squares(u: Mapping[str, float], with_direct: bool = True) -> list[float]:
+    """Return i_d^2 + i_q^2 by motor, or i_q^2 alone."""
+    return [
+        u[thrust] ** 2 + (u[f"i_d{j}"] ** 2 if with_direct else 0.0)
+        for j, thrust in enumerate(maglev_stage.QUADRATURE, 1)
+    ]
+
+
+def inverse_errors(scale: float = 1.0) -> tuple[float, float]:
+    """Return how far the inverse misses random currents that keep (8): direct ones and thrusts, A at most.
+
+    Accelerations are the printed (6), (7) in NumPy, and the squares those of the currents, times `scale`.
+    """
+    worst = np.zeros(2)
+    for at in random_v(50):
+        u = at | {n: float(i) for n, i in maglev_stage.input_transformation(at).items()}
+        w = dict(zip(("y", "x", "z", "phi", "theta"), printed(at, u), strict=True))
+        squares = [scale * s for s in true_squares(u)]
+        direct = maglev_stage.direct_currents(w, at, squares, motors(at), VALUES)
+        thrust = maglev_stage.thrust_currents(w, motors(at), VALUES)
+        missed = [[abs(float(i) - u[n]) for n, i in found.items()] for found in (direct, thrust)]
+        worst = np.maximum(worst, [max(m) for m in missed])
+    return float(worst[0]), float(worst[1])
+
+
+def test_the_currents_invert_the_full_model_where_their_squares_are_the_true_ones() -> None:
+    direct, thrust = inverse_errors()
+    assert direct < 1e-12 and thrust < 1e-12
+    assert inverse_errors(0.99)[0] > 1e-3  # squares that are off by a hundredth show
+
+
+@pytest.mark.parametrize("name", ["k_s_phi", "k_s_theta", "r", "M_y", "I_x", "I_z", "G"])
+def test_a_planted_change_in_a_parameter_of_the_inverse_shows(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    right = maglev_stage.direct_currents
+    changed = VALUES | {name: 1.01 * VALUES[name]}
+    monkeypatch.setattr(maglev_stage, "direct_currents", lambda w, x, squares, m, p: right(w, x, squares, m, changed))
+    assert inverse_errors()[0] > 1e-3
+
+
+def test_without_the_squares_of_the_direct_currents_it_is_12() -> None:
+    """The witness: (11) solved for v by cofactors of its decoupling matrix, and (8)."""
+    model = maglev_stage.simplified(maglev_stage.input_polynomial(maglev_stage.nominal()))
+    axes = ("y", "phi", "theta")
+    wanted = {q: ca.SX.sym(f"w_{q}") for q in axes}
+    second = model.accelerations()
+    law = feedback_linearisation.linearise([second[q] for q in axes], model.v, [wanted[q] for q in axes])
+    symbols = [*model.x.values(), *model.u.values(), *wanted.values()]
+    i_d = maglev_stage.input_transformation(law.inputs)
+    witness = ca.Function("witness", [ca.vcat(symbols)], [ca.vcat(list(i_d.values()))])
+    rng = np.random.default_rng(5)
+    for x, u in random_points(50):
+        w = dict(zip(axes, rng.uniform(-10, 10, 3), strict=True))
+        found = maglev_stage.direct_currents(w, x, true_squares(u, with_direct=False), motors(x), VALUES)
+        point = [*(x[n] for n in model.x), *(u[n] for n in model.u), *w.values()]
+        expected = np.asarray(witness(point)).ravel()
+        np.testing.assert_allclose([float(i) for i in found.values()], expected, rtol=0, atol=1e-11)
+        assert float(found["i_d1"] + found["i_d3"]) == pytest.approx(float(found["i_d2"] + found["i_d4"]), abs=1e-12)

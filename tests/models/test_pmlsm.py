@@ -123,3 +123,56 @@ def test_symbols_and_numbers_agree() -> None:
     F = ca.Function("F", [g, ca.vcat(list(p.values()))], [pmlsm.normal_force(g, 1.5, -2.0, p)])
     expected = pmlsm.normal_force(0.021, 1.5, -2.0, NOMINAL)
     assert float(F(0.021, list(NOMINAL.values()))) == pytest.approx(expected, rel=1e-14)
+
+
+# Table I, and motors whose slots, magnets and winding are others.
+MOTORS = [
+    {},
+    {"b0": 6e-3},
+    {"mu_rec": 1.1, "h_m": 7e-3},
+    {"tau": 0.07, "w_c": 0.05, "z1": 36.0},
+    {"H_c": 5e5, "p": 4.0},
+]
+GAPS = np.linspace(0.0124, 0.0366, 30).tolist()
+
+
+def law_errors(changed: dict[str, float], reading: pmlsm.Reading) -> np.ndarray:
+    """Return how far a, b, c and h of the force law are from constants times coefficients, relatively, at most."""
+    p, worst = NOMINAL | changed, np.zeros(4)
+    K = pmlsm.constants(p, reading)
+    for g in GAPS:
+        found, L = pmlsm.force_law(g, p), pmlsm.coefficients(g, p, reading)
+        ours = np.array([2 * found.half_a, found.b, 2 * found.half_c, found.h], dtype=float)
+        printed = np.array([K.K_v1 * L.L_v1, K.K_v2 * L.L_v2, K.K_v3 * L.L_v3, K.K_h * L.L_h], dtype=float)
+        worst = np.maximum(worst, np.abs(ours / printed - 1))
+    return worst
+
+
+@pytest.mark.parametrize("changed", MOTORS)
+def test_the_force_law_is_constants_times_coefficients(changed: dict[str, float]) -> None:
+    assert law_errors(changed, pmlsm.STRESS).max() < 1e-14
+    assert (law_errors(changed, pmlsm.Reading("coth2")) > 1e-2).tolist() == [False, False, True, False]
+
+
+def test_another_power_of_p_has_another_force_law() -> None:
+    assert (law_errors({}, pmlsm.Reading(kv2_power=2)) > 1).tolist() == [False, True, False, False]
+
+
+@pytest.mark.parametrize("changed", MOTORS)
+def test_lift_thrust_and_attractions_are_sides_of_one_triangle(changed: dict[str, float]) -> None:
+    """b^2 = h^2 + 4 a c, from the printed factors alone; not so with coth^2."""
+    p = NOMINAL | changed
+    for reading, holds in ((pmlsm.STRESS, True), (pmlsm.Reading("coth2"), False)):
+        K = pmlsm.constants(p, reading)
+        for g in GAPS:
+            L = pmlsm.coefficients(g, p, reading)
+            b, h, ac = K.K_v2 * L.L_v2, K.K_h * L.L_h, K.K_v1 * L.L_v1 * K.K_v3 * L.L_v3
+            assert (abs((h**2 + 4 * ac) / b**2 - 1) < 1e-14) is holds
+
+
+def test_the_ratio_of_the_force_law_grows_slowly_with_the_gap() -> None:
+    """half_a / h^2 has lost the exponentials of the gap: a polynomial of low degree will do for it."""
+    found = [pmlsm.force_law(g, NOMINAL) for g in GAPS]
+    np.testing.assert_allclose([float(f.ratio) for f in found], [float(f.half_a / f.h**2) for f in found], rtol=1e-14)
+    ratios = [float(f.ratio) for f in found]
+    assert max(ratios) < 1.25 * min(ratios) and float(found[0].half_a) > 10 * float(found[-1].half_a)

@@ -80,10 +80,31 @@ def test_the_dc_gain_survives_single_precision() -> None:
     assert not run(rounded, np.full(20, 0.123456789), from_rest(20)).any()
 
 
-def test_states_carry_the_ranges_of_the_signals() -> None:
+def test_states_carry_bounds_by_induction() -> None:
+    """|d| <= width: |s| <= width / (1 - lambda), and the rate stays below width / T, as r below that over h."""
     states = {s.name: s for s in derivative_filter.block("f", Discrete(T), Signal("q", "m", 0.5, 2), RATE, W).states}
-    bounds = {n: (s.signal.low, s.signal.high, s.initial) for n, s in states.items()}
-    assert bounds == {"q_prev": (0.5, 2, 0.5), "lag": (-1.5, 1.5, 0), "v": (-5000, 5000, 0)}
+    bounds = {n: (s.signal.high, s.initial) for n, s in states.items()}
+    fade, h = np.exp(-1), (1 - 2 * np.exp(-1)) / T  # w T = 1
+    assert list(bounds) == ["q_prev", "s", "r"] and bounds["q_prev"] == (2, 0.5) and states["q_prev"].signal.low == 0.5
+    assert bounds["s"] == (pytest.approx(1.5 / (1 - fade), rel=2e-4), 0)
+    assert bounds["r"] == (pytest.approx(1.5 / T / h, rel=3e-4), 0)
+    assert all(s.signal.low == -s.signal.high for n, s in states.items() if n != "q_prev")
+
+
+@pytest.mark.parametrize("scalar", [np.float32, np.float64])
+@pytest.mark.parametrize("bandwidth", [50.0, 1000.0, 3000.0])
+def test_no_motion_takes_the_states_to_their_bounds(bandwidth: float, scalar: type[np.floating]) -> None:
+    """The differences that stretch a state most are full widths of one sign, more than any q can make.
+
+    The states come to rest inside by half of the slack and more, so that the limits of the Block never act.
+    """
+    rounded = block(bandwidth).rounded(scalar)
+    step, x = rounded.function(), rounded.initial
+    high = np.array([s.signal.high for s in rounded.states])
+    for _ in range(2000):
+        x = np.asarray(step([-1.0, *x[1:]], [1.0, 1.0])[0]).ravel()
+    assert (x[1:] < high[1:] * (1 - derivative_filter.SLACK / 2)).all()
+    assert (x[1:] > high[1:] * (1 - 3 * derivative_filter.SLACK)).all()
 
 
 @pytest.mark.parametrize("bandwidth", [0.0, -5.0, np.pi / T, np.inf, np.nan])

@@ -1,8 +1,11 @@
 """The exosystem's poles, its exact sampling, and plants that cannot be regulated."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 import scipy.integrate
+import scipy.linalg
 
 from synth.analyse import structure
 from synth.errors import ModelError, SignalError, TimingError
@@ -45,31 +48,94 @@ def test_frequencies_that_make_no_exosystem_are_refused(frequencies: tuple[float
         internal_model.exosystem(frequencies)
 
 
-def test_sampling_is_the_solution_over_one_period() -> None:
-    period, E = 0.05, np.array([0.3, -0.2, 0.5])
-    c, d = internal_model.exosystem((0.0, 7.0)), internal_model.discrete((0.0, 7.0), period, E)
-    x0, e, excess = np.array([0.4, -1.0, 2.0]), 0.7, -1.3
-    solved = scipy.integrate.solve_ivp(
-        lambda t, x: c.Phi @ x + c.N[:, 0] * e + E * excess, (0, period), x0, rtol=1e-11, atol=1e-13
-    ).y[:, -1]
-    ours = d.Phi @ x0 + d.N[:, 0] * e + d.E[:, 0] * excess
-    np.testing.assert_allclose(ours, solved, rtol=tolerances.of("ode"))
-    assert not internal_model.discrete((0.0, 7.0), period).E.any()
+FREQUENCIES = [(0.0,), (7.0,), (0.0, 7.0), (2.0, 7.0), (0.0, 2.0, 7.0, 31.0)]
 
 
-def test_the_sampled_poles_lie_on_the_unit_circle() -> None:
-    poles = np.linalg.eigvals(internal_model.discrete((0.0, 7.0), T).Phi)
-    wanted = np.exp(1j * np.array([-7.0, 0, 7.0]) * T)
-    np.testing.assert_allclose(poles[np.argsort(np.angle(poles))], wanted, atol=tolerances.of("last_bit") * 1e6)
+def turned(c: Sequence[float], eta: np.ndarray, e: float, added: Sequence[float]) -> np.ndarray:
+    """Return one sample of the leapfrog form, written out in its order of computation."""
+    first, after = len(eta) % 2, np.array(eta, dtype=float)
+    if first:
+        after[0] = eta[0] + e + added[0]
+    for k, step in enumerate(c):
+        p, q = first + 2 * k, first + 2 * k + 1
+        after[p] = eta[p] + step * eta[q] + added[p]
+        after[q] = eta[q] - after[p] + e + added[q]
+    return after
+
+
+def matrices(c: Sequence[float], E: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the leapfrog form as eta' = A eta + B e + D x, column by column."""
+    n = len(E)
+    none, units = np.zeros(n), np.eye(n)
+    A = np.column_stack([turned(c, unit, 0.0, none) for unit in units])
+    return A, turned(c, none, 1.0, none), turned(c, none, 0.0, E)
+
+
+def held(frequencies: Sequence[float], period: float, E: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return xi over one period under constant e and x, by SciPy's exponential of the companion form."""
+    model = internal_model.exosystem(frequencies)
+    n = len(model.Phi)
+    M = np.zeros((n + 2, n + 2))
+    M[:n, :n], M[:n, n:] = model.Phi, np.column_stack([model.N[:, 0], E])
+    X = scipy.linalg.expm(M * period)
+    return X[:n, :n], X[:n, n], X[:n, n + 1]
+
+
+@pytest.mark.parametrize(("frequencies", "period"), [*((f, 0.05) for f in FREQUENCIES), ((0.0, 4.7), T)])
+def test_the_coordinates_lead_to_the_sampled_companion_form(frequencies: tuple[float, ...], period: float) -> None:
+    """xi = T eta: Phi_d T = T A, N_d = T B and E_d = T D, each row to the rounding of SciPy's exponential."""
+    n = len(internal_model.exosystem(frequencies).Phi)
+    E = np.linspace(0.3, -0.5, n)
+    found = internal_model.leapfrog(frequencies, period, E)
+    A, B, D = matrices(found.c, found.E[:, 0])
+    Phi, N, E_d = held(frequencies, period, E)
+    row = 1 / np.abs(found.T).max(axis=1)[:, None]
+    np.testing.assert_allclose(row * (Phi @ found.T), row * (found.T @ A), rtol=0, atol=tolerances.of("double"))
+    np.testing.assert_allclose(found.T @ B, N, rtol=tolerances.of("ode"))
+    np.testing.assert_allclose(found.T @ D, E_d, rtol=tolerances.of("ode"), atol=tolerances.of("double"))
+    assert not internal_model.leapfrog(frequencies, period).E.any()
+
+
+def test_a_run_is_the_solution_of_the_continuous_form() -> None:
+    """From xi = 0 under an error and an anti-windup that change at each sample."""
+    period, E, rng = 0.05, np.array([0.3, -0.2, 0.5]), np.random.default_rng(3)
+    model, found = internal_model.exosystem((0.0, 7.0)), internal_model.leapfrog((0.0, 7.0), period, E)
+    eta, xi = np.zeros(3), np.zeros(3)
+    for e, x in rng.normal(size=(40, 2)):
+        drive = model.N[:, 0] * e + E * x
+        eta = turned(found.c, eta, e, found.E[:, 0] * x)
+        xi = scipy.integrate.solve_ivp(
+            lambda t, v, d=drive: model.Phi @ v + d, (0, period), xi, rtol=1e-11, atol=1e-13
+        ).y[:, -1]
+    np.testing.assert_allclose(found.T @ eta, xi, rtol=10 * tolerances.of("ode"))
+
+
+@pytest.mark.parametrize("scalar", [np.float16, np.float32, np.float64])
+def test_the_poles_stay_on_the_unit_circle_whatever_c_is_rounded_to(scalar: type[np.floating]) -> None:
+    found = internal_model.leapfrog((0.0, 7.0, 40.0), T)
+    c = found.c.astype(scalar).astype(float)
+    A = matrices(c, np.zeros(5))[0]
+    poles = np.linalg.eigvals(A)
+    np.testing.assert_allclose(np.abs(poles), 1, rtol=0, atol=tolerances.of("double"))
+    angles = np.sort(np.angle(poles)[np.angle(poles) > 1e-6])
+    np.testing.assert_allclose(angles, np.array([7.0, 40.0]) * T, rtol=float(np.finfo(scalar).eps) + 1e-10)
+
+
+def test_the_companion_form_leaves_the_circle_when_it_is_rounded() -> None:
+    """What the leapfrog form is for: the same model sampled as it stands grows or decays in single precision."""
+    Phi = held((0.0, 4.7), T, np.zeros(3))[0].astype(np.float32).astype(float)
+    assert np.abs(np.abs(np.linalg.eigvals(Phi)) - 1).max() > 1e-9
 
 
 def test_the_sampled_model_has_its_limits() -> None:
     with pytest.raises(SignalError, match=r"frequency 3200.0 rad/s: it must lie below 3141\.59 rad/s"):
-        internal_model.discrete((0.0, 3200.0), T)
+        internal_model.leapfrog((0.0, 3200.0), T)
     with pytest.raises(SignalError, match="has 2 entries, the internal model 3 states: give 3"):
-        internal_model.discrete((0.0, 7.0), T, [1.0, 2.0])
+        internal_model.leapfrog((0.0, 7.0), T, [1.0, 2.0])
     with pytest.raises(TimingError, match="finite and positive"):
-        internal_model.discrete((0.0, 7.0), 0.0)
+        internal_model.leapfrog((0.0, 7.0), 0.0)
+    with pytest.raises(SignalError, match="distinct finite numbers >= 0"):
+        internal_model.leapfrog((7.0, 7.0), T)
 
 
 def test_the_augmented_plant_is_driven_by_the_output() -> None:

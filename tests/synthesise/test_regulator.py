@@ -1,9 +1,12 @@
 """The regulator in a loop leaves no error at the frequencies of its exosystem, and fits its gain, units and plant."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
+import casadi as ca
 import numpy as np
 import pytest
+import scipy.linalg
 
 from synth.analyse import discretise, loop
 from synth.block import Block
@@ -60,16 +63,32 @@ def test_another_sine_does() -> None:
 
 
 def test_the_block_is_the_sampled_internal_model() -> None:
+    """By xi = T eta it is xi' = Phi_d xi + N_d e + E_d excess, w = K (e, de, xi), sampled by SciPy's exponential."""
     E = np.array([0.1, -0.2, 0.3])
     found = loop.linearised(block(anti_windup=(EXCESS, E)), {}, {"e": 0, "de": 0, "excess": 0})
-    d = internal_model.discrete(FREQUENCIES, T, E)
-    np.testing.assert_array_equal(found.A, d.Phi)
-    np.testing.assert_array_equal(found.B, np.hstack([d.N, np.zeros((3, 1)), d.E]))
-    np.testing.assert_array_equal(np.hstack([found.D[:, :2], found.C]), gain().K)
-    assert found.inputs == ("e", "de", "excess") and found.D[0, 2] == 0
+    model, to_xi = internal_model.exosystem(FREQUENCIES), internal_model.leapfrog(FREQUENCIES, T).T
+    M = np.zeros((5, 5))
+    M[:3, :3], M[:3, 3:] = model.Phi, np.column_stack([model.N[:, 0], E])
+    held = scipy.linalg.expm(M * T)
+    back = np.linalg.inv(to_xi)
+    np.testing.assert_allclose(to_xi @ found.A @ back, held[:3, :3], rtol=0, atol=tolerances.of("settled"))
+    np.testing.assert_allclose(to_xi @ found.B[:, [0, 2]], held[:3, 3:], rtol=tolerances.of("settled"))
+    np.testing.assert_allclose(np.hstack([found.D[:, :2], found.C @ back]), gain().K, rtol=tolerances.of("settled"))
+    assert found.inputs == ("e", "de", "excess") and found.D[0, 2] == 0 and not found.B[:, 1].any()
     without = loop.linearised(block(), {}, {"e": 0, "de": 0})
-    assert without.inputs == ("e", "de")
-    np.testing.assert_array_equal(without.A, d.Phi)
+    assert without.inputs == ("e", "de") and without.states == ("sum", "p1", "q1")
+    np.testing.assert_array_equal(without.A, found.A)
+
+
+def test_a_regulator_of_two_sines_has_a_pair_for_each() -> None:
+    frequencies = (OMEGA, 2.0)
+    augmented = internal_model.augmented(DOUBLE, frequencies)
+    wide = lqr.lqr(augmented, np.diag([1e4, 1e2, 1e8, 1e5, 1e6, 1e5]), [[1.0]])
+    found = block(gain=wide, frequencies=frequencies, bounds=(100.0,) * 4)
+    assert [s.name for s in found.states] == ["p1", "q1", "p2", "q2"]
+    A = loop.linearised(found, {}, {"e": 0, "de": 0}).A
+    poles = np.linalg.eigvals(A)
+    np.testing.assert_allclose(np.sort(np.angle(poles)) / T, [-OMEGA, -2.0, 2.0, OMEGA], rtol=tolerances.of("settled"))
 
 
 @pytest.mark.parametrize("omega", [3.0, OMEGA, 12.0])
@@ -79,25 +98,72 @@ def test_the_closed_loop_is_stable_and_infinite_gain_sits_at_the_exosystem(omega
     assert (at > 1e6) == (omega == OMEGA)
 
 
-def test_states_stay_within_their_bounds() -> None:
-    tight = block(bounds=(1e-3, 2e-3, 3e-3))
-    step, xi = tight.function(), tight.initial
-    for _ in range(500):
-        xi = np.asarray(step(xi, [10, 0])[0]).ravel()
-    assert (np.abs(xi) <= [1e-3, 2e-3, 3e-3]).all() and np.abs(xi).max() > 0.9e-3
+TIGHT = (1e-3, 1e-4, 3e-3)
+
+
+def run(tuned: Block, eta: Sequence[float], errors: Sequence[float]) -> np.ndarray:
+    """Return the states (N, 3) after each error."""
+    step, x, path = tuned.function(), np.array(eta, dtype=float), []
+    for e in errors:
+        x = np.asarray(step(x, [e, 0])[0]).ravel()
+        path.append(x)
+    return np.array(path)
+
+
+def test_a_state_that_would_leave_its_bounds_stands_still() -> None:
+    found = run(block(bounds=TIGHT), [0, 0, 0], [3e-4] * 40)
+    assert (np.abs(found) <= TIGHT).all()
+    assert found[2, 0] == pytest.approx(9e-4) and (found[2:, 0] == found[2, 0]).all()  # 12e-4 would be too much
+    assert found[:, 1].max() <= TIGHT[1] and np.unique(found[:, 1]).size > 3
+    back = run(block(bounds=TIGHT), found[-1], [-3e-4] * 2)
+    assert back[-1, 0] == pytest.approx(3e-4)  # the other way it moves at once
+
+
+def still(tuned: Block) -> Block:
+    """The planted defect: all states stand still where one would leave its bounds."""
+    names, inside = [s.name for s in tuned.states], ca.SX(1)
+    free = block(bounds=(1e9, 1e9, 1e9))
+    moved = ca.substitute([free.next[n] for n in names], list(free.symbol.values()), list(tuned.symbol.values()))
+    for s, v in zip(tuned.states, moved, strict=True):
+        inside = ca.logic_and(inside, ca.fabs(v) <= s.signal.high)
+    return replace(tuned, next={n: ca.if_else(inside, v, tuned.symbol[n]) for n, v in zip(names, moved, strict=True)})
+
+
+def turns(tuned: Block, p: float, q: float) -> bool:
+    """Tell whether the oscillation from p, q in parts of its bounds changes sign twice a period in 20 periods."""
+    start = [0.0, p * TIGHT[1], q * TIGHT[2]]
+    period = round(2 * np.pi / OMEGA / T)
+    found = run(tuned, start, [0.0] * (20 * period))
+    crossings = np.count_nonzero(np.diff(np.sign(found[:, 2])) != 0)
+    return bool(38 <= crossings <= 42 and np.abs(found).max(axis=0)[2] <= TIGHT[2])
+
+
+@pytest.mark.parametrize("p", [-1.0, -0.5, 0.0, 0.9, 1.0])
+@pytest.mark.parametrize("q", [-1.0, 0.3, 1.0])
+def test_an_oscillation_at_its_bounds_keeps_turning(p: float, q: float) -> None:
+    """It never locks: of two neighbours at their bounds the rotation takes one inwards."""
+    assert turns(block(bounds=TIGHT), p, q)
+
+
+def test_states_that_stand_still_together_would_lock() -> None:
+    assert not turns(still(block(bounds=TIGHT)), 1.0, 1.0)
 
 
 def test_units_follow_from_the_terms() -> None:
     wound = block(anti_windup=(EXCESS, [1, 1, 1]))
-    signals = {s.name: s.signal.unit for s in wound.states} | {"e": "m", "de": "m/s", "excess": "A"}
-    for constant in wound.constants:
-        head, _, source = constant.name.partition("_")
-        target, source = ("m/s^2", source) if head == "k" else (signals[head], source)
-        product = dimension(f"{constant.unit} {signals[source]}")
-        assert product == dimension(target), constant.name
+    assert {s.signal.unit for s in wound.states} == {"m"}
+    units = {c.name: c.unit for c in wound.constants}
+    for name, source, target in (
+        *((f"k_{s}", "m", "m/s^2") for s in ("e", "sum", "p1", "q1")),
+        ("k_de", "m/s", "m/s^2"),
+        ("c1", "m", "m"),
+        *((f"{s}_excess", "A", "m") for s in ("sum", "p1", "q1")),
+    ):
+        assert dimension(f"{units.pop(name)} {source}") == dimension(target), name
+    assert not units
     force = Signal("excess", "kg m/s^2", -1, 1)
-    units = {c.name: c.unit for c in block(anti_windup=(force, [1, 1, 1])).constants}
-    assert dimension(f"{units['xi1_excess']} N") == dimension("m s^3")
+    by_force = {c.name: c.unit for c in block(anti_windup=(force, [1, 1, 1])).constants}
+    assert dimension(f"{by_force['p1_excess']} N") == dimension("m")
 
 
 @pytest.mark.parametrize(

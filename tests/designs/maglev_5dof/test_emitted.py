@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from designs.maglev_5dof import emitted
+from designs.maglev_5dof import emitted, reference
 from synth.emit.write import Emitted
 from synth.execute import compile as host_compiler
 from synth.execute import host
@@ -39,7 +39,7 @@ def test_the_committed_c_answers_its_vectors(name: str) -> None:
     assert len(vectors["faults"]) == emitted.STEPS
     assert replay.faults.tolist() == vectors["faults"]
     for signal, values in vectors["outputs"].items():
-        # The C library's sine and logarithm may differ in the last place from one machine to the next.
+        # The C library's sine may differ in the last place from one machine to another; fused sums round once less.
         np.testing.assert_allclose(replay.outputs[signal], values, rtol=0, atol=2e-5)
     moved = {n: np.roll(v, 1) for n, v in vectors["outputs"].items()}
     assert any(not np.allclose(replay.outputs[n], moved[n], rtol=0, atol=2e-5) for n in moved)
@@ -63,3 +63,17 @@ def test_gains_ship_the_published_weights_and_their_certificate() -> None:
     assert y["certificate"]["relative_forward_error_estimate"] < 1e-15
     assert not gains["design"]["phi"]["published_weights"]
     assert gains["constants"]["regulator_y_k_e"]["value"] == y["K"][0]
+
+
+def test_the_constants_are_the_gains_in_the_coordinates_of_the_loop(regenerated: dict[str, Emitted]) -> None:
+    """K on (e, de, xi) and xi = T eta: the constants on eta are K T, rounded once to single precision."""
+    gains = json.loads(regenerated["maglev_5dof"].files["gains.json"])
+    for axis, found in gains["design"].items():
+        shipped = [gains["constants"][f"regulator_{axis}_k_{s}"]["value"] for s in ("e", "de", "sum", "p1", "q1")]
+        exact = np.array(reference.gain(reference.WEIGHTS[axis]))
+        exact[2:] = exact[2:] @ np.array(found["T"])
+        np.testing.assert_allclose(shipped, exact, rtol=2.0**-24 * 1.001)
+        assert shipped == [float(np.float32(v)) for v in shipped]
+        assert 1 <= found["sampled_data_optimum"]["worst_cost_ratio_of_K"] < 2
+        moved = np.roll(np.array(found["T"]), 1, axis=1)
+        assert not np.allclose(shipped[2:], np.array(found["K"])[2:] @ moved, rtol=1e-3)

@@ -1,6 +1,7 @@
 """Any bit pattern on the inputs: outputs finite and within limits, the right fault bits, recovery or the latch."""
 
 import platform
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -87,6 +88,31 @@ def test_bad_for_ever_latches_a_measurement_and_never_a_set_point(shipped: Loop,
         assert np.max(np.abs(trajectory["y"][-100:] - 0.025)) < 2e-5
 
 
+def test_bad_samples_of_several_measurements_in_a_row_latch(single: host.Controller) -> None:
+    good = {g.signal.name: np.full(12, g.initial) for g in control.INPUTS}
+    turns = {name: good[name].copy() for name in MEASURED}
+    for k, name in enumerate(MEASURED):
+        turns[name][k] = np.nan
+    faults = single.replay(good | turns).faults
+    assert (faults >> 31).tolist() == [0] * 4 + [1] * 8
+    spared = {name: np.where(np.arange(12) == 4, good[name], values) for name, values in turns.items()}
+    assert (single.replay(good | spared).faults < LATCHED).all()
+
+
+def test_once_latched_filters_and_internal_models_stand_still(single: host.Controller) -> None:
+    n, k = 400, 200
+    inputs = {g.signal.name: np.full(n, g.initial) for g in control.INPUTS} | {"x_ref": np.linspace(0, 0.05, n)}
+    inputs["z"] = np.where((np.arange(n) >= k) & (np.arange(n) < k + control.BAD_SAMPLES), np.nan, 0.0)
+    at = [single.replay({name: v[:stop] for name, v in inputs.items()}).state for stop in (k + 4, k + 5, k + 6, n)]
+    loops = [m for m in at[0].dtype.names or () if m.startswith(("filter_", "regulator_"))]
+    assert len(loops) == 30
+    moved = [[name for name in loops if b[name] != a[name]] for a, b in pairwise(at)]
+    assert moved == [[], [], []]  # from the last sample that was not latched on
+    before = single.replay({name: v[: k + 3] for name, v in inputs.items()}).state
+    assert {name for name in loops if before[name] != at[0][name]} >= {"filter_x_q_prev", "regulator_x_sum"}
+    assert at[0]["safe_output_last_i_d1"] != at[1]["safe_output_last_i_d1"] and at[-1]["safe_output_last_i_d1"] == 2.5
+
+
 def test_a_latch_stays_until_init(single: host.Controller) -> None:
     good = {g.signal.name: np.full(50, g.initial) for g in control.INPUTS}
     lost = dict(good) | {"z": np.where(np.arange(50) < 5, np.nan, 0.0)}
@@ -96,10 +122,15 @@ def test_a_latch_stays_until_init(single: host.Controller) -> None:
     assert single.replay(good).faults.max() == 0
 
 
+def _emitted(stage: Plant) -> write.Emitted:
+    error = control.SURROGATE_ERROR[np.float32]
+    return write.emit(control.controller(stage), np.float32, control.SAFETY, error=error)
+
+
 @pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="-mfma is a flag of x86-64 compilers")
 def test_a_motor_at_its_limit_with_fused_operations(stage: Plant) -> None:
     """Contraction, the default of gcc for ARM, rounds a product less: no root of a negative number comes of it."""
-    emitted = write.emit(control.controller(stage), np.float32, control.SAFETY)
+    emitted = _emitted(stage)
     fused = host.load(emitted.files, emitted.manifest, ("-ffp-contract=fast", "-mfma"))
     held = {g.signal.name: np.full(3000, g.initial) for g in control.INPUTS}
     moves = {"y_ref": np.full(3000, 0.018), "x_ref": np.full(3000, 0.05), "z_ref": np.full(3000, -0.05)}
@@ -108,14 +139,22 @@ def test_a_motor_at_its_limit_with_fused_operations(stage: Plant) -> None:
     assert max(float(np.abs(replay.outputs[f"i_d{j}"]).max()) for j in range(1, 5)) > 4.949
 
 
-@pytest.mark.parametrize(("old", "new"), [("4.9497476f", "7.5f"), (", 0.002f), -0.002f)", ", 1.0f), -1.0f)")])
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (f"{np.float32(control.DIRECT)!s}f", "7.5f"),
+        ("24.5f", "60.0f"),
+        ("(regulator_y_sum_next) <= 600.0f", "(regulator_y_sum_next) <= 6e9f"),
+    ],
+)
 def test_a_lost_limit_is_caught(stage: Plant, old: str, new: str) -> None:
     """The planted defect: C whose limit is wider, or whose state has a wider one, fails this check."""
-    emitted = write.emit(control.controller(stage), np.float32, control.SAFETY)
+    emitted = _emitted(stage)
     text = emitted.files["maglev_5dof.c"]
     assert old in text
     wrong = host.load({**emitted.files, "maglev_5dof.c": text.replace(old, new)}, emitted.manifest)
-    held = {g.signal.name: np.full(20_000, g.initial) for g in control.INPUTS}
-    replay = wrong.replay(held | {"y_ref": np.full(20_000, 0.018), "x_ref": np.full(20_000, 0.05)})
+    n = 100_000  # enough for a standing error of 13 mm to wind the sum up
+    held = {g.signal.name: np.full(n, g.initial) for g in control.INPUTS}
+    replay = wrong.replay(held | {"y_ref": np.full(n, 0.018), "x_ref": np.full(n, 0.05)})
     with pytest.raises(AssertionError):
         require_sound(replay, wrong.manifest["structs"]["state"]["fields"])

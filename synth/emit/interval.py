@@ -1,0 +1,226 @@
+"""Interval arithmetic of the scalar type itself: where a computed value lies when its arguments lie in intervals.
+
+For an operation f as the processor computes it, F, and intervals X_1, X_2 this module gives Y with F(x_1, x_2) in Y
+for all x_i in X_i. Rounding to nearest is monotone, so the ends of Y are computed ends: where f grows, F(high) bounds
+F(x) exactly. Subnormal numbers are taken to be computed, not flushed to zero.
+
+An Interval holds n intervals at once, so that many boxes of arguments cost little more than one.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import inf
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+Mask = NDArray[np.bool_]
+
+PIECES = 64  # of a polynomial's range
+
+
+@dataclass(frozen=True, eq=False)
+class Interval:
+    """Intervals low..high (n,) of the scalar type, ends included; `nan` (n,): the value may also be no number."""
+
+    low: Array
+    high: Array
+    nan: Mask
+
+    @property
+    def finite(self) -> Mask:
+        """Whether the value is surely a finite number."""
+        return np.isfinite(self.low) & np.isfinite(self.high) & ~self.nan
+
+    @property
+    def empty(self) -> Mask:
+        """Whether no value is left."""
+        return (self.low > self.high) & ~self.nan
+
+    @property
+    def zero(self) -> Mask:
+        """Whether 0 is among the values."""
+        return (self.low <= 0) & (self.high >= 0)
+
+    @property
+    def infinite(self) -> Mask:
+        """Whether an infinity is among the values."""
+        return np.isinf(self.low) | np.isinf(self.high)
+
+
+def interval(low: float, high: float, nan: bool, scalar: type[np.floating]) -> Interval:
+    """Return one interval; its ends are rounded to the scalar type."""
+    with np.errstate(over="ignore"):
+        return Interval(np.array([low], scalar), np.array([high], scalar), np.array([nan]))
+
+
+def point(value: float, scalar: type[np.floating]) -> Interval:
+    """Return the interval that holds one value, rounded to the scalar type."""
+    return interval(value, value, False, scalar)
+
+
+def meet(a: Interval, b: Interval) -> Interval:
+    """Return what lies in both."""
+    return Interval(np.maximum(a.low, b.low), np.minimum(a.high, b.high), a.nan & b.nan)
+
+
+def either(a: Interval, b: Interval) -> Interval:
+    """Return the hull of both, of one alone where the other is empty."""
+    no_a, no_b = a.low > a.high, b.low > b.high
+    low = np.where(no_a, b.low, np.where(no_b, a.low, np.minimum(a.low, b.low)))
+    high = np.where(no_a, b.high, np.where(no_b, a.high, np.maximum(a.high, b.high)))
+    return Interval(low, high, a.nan | b.nan)
+
+
+def unrounded(a: Interval) -> Interval:
+    """Return an enclosure of the exact product of which `a` encloses the rounded one."""
+    bound = a.low.dtype.type(inf)
+    return Interval(np.nextafter(a.low, -bound), np.nextafter(a.high, bound), a.nan)
+
+
+def truth(a: Interval) -> Interval:
+    """Return whether the value counts as true in C, as 0..1; what is no number is unlike 0."""
+    never = (a.low == 0) & (a.high == 0) & ~a.nan
+    return _logical(~a.zero, ~never, a.low.dtype.type)
+
+
+def _logical(surely: Mask, possibly: Mask, scalar: type[np.floating]) -> Interval:
+    return Interval(surely.astype(scalar), possibly.astype(scalar), np.zeros_like(surely))
+
+
+def _hull(candidates: list[Array], nan: Mask) -> Interval:
+    return Interval(np.minimum.reduce(candidates), np.maximum.reduce(candidates), nan)
+
+
+def _add(a: Interval, b: Interval) -> Interval:
+    low, high = a.low + b.low, a.high + b.high
+    clash = ((a.high == inf) & (b.low == -inf)) | ((a.low == -inf) & (b.high == inf))
+    return Interval(np.where(np.isnan(low), -inf, low), np.where(np.isnan(high), inf, high), a.nan | b.nan | clash)
+
+
+def _neg(a: Interval) -> Interval:
+    return Interval(-a.high, -a.low, a.nan)
+
+
+def _mul(a: Interval, b: Interval) -> Interval:
+    ends = [x * y for x in (a.low, a.high) for y in (b.low, b.high)]
+    clash = (a.zero & b.infinite) | (a.infinite & b.zero)
+    # 0 times an end that is infinite stands for 0 times the finite numbers before it.
+    return _hull([np.where(np.isnan(e), 0, e) for e in ends], a.nan | b.nan | clash)
+
+
+def _sq(a: Interval) -> Interval:
+    ends = [a.low * a.low, a.high * a.high]
+    found = _hull(ends, a.nan)
+    return Interval(np.where(a.zero, 0, found.low), found.high, a.nan)
+
+
+def _div(a: Interval, b: Interval) -> Interval:
+    ends = [x / y for x in (a.low, a.high) for y in (b.low, b.high)]
+    found = _hull([np.where(np.isnan(e), 0, e) for e in ends], a.nan | b.nan)
+    nan = found.nan | (a.zero & b.zero) | (a.infinite & b.infinite)
+    return Interval(np.where(b.zero, -inf, found.low), np.where(b.zero, inf, found.high), nan)
+
+
+def _inv(a: Interval) -> Interval:
+    one = np.ones_like(a.low)
+    return _div(Interval(one, one, np.zeros_like(a.nan)), a)
+
+
+def _fabs(a: Interval) -> Interval:
+    low, high = np.abs(a.low), np.abs(a.high)
+    return Interval(np.where(a.zero, 0, np.minimum(low, high)), np.maximum(low, high), a.nan)
+
+
+def _min(a: Interval, b: Interval) -> Interval:
+    # (a < b) ? a : b gives b when either is no number
+    high = np.where(a.nan, b.high, np.minimum(a.high, b.high))
+    return Interval(np.minimum(a.low, b.low), high, b.nan)
+
+
+def _max(a: Interval, b: Interval) -> Interval:
+    low = np.where(a.nan, b.low, np.maximum(a.low, b.low))
+    return Interval(low, np.maximum(a.high, b.high), b.nan)
+
+
+def _clamp(x: Interval, low: Interval, high: Interval) -> Interval:
+    # fabs(x) <= high ? x : (x < 0) ? low : high, where low is -high; should high be negative, x is never given
+    found, odd = _max(_min(x, high), low), (high.low < 0) | high.nan
+    outer = _hull([found.low, found.high, low.low, low.high, high.low, high.high], low.nan | high.nan)
+    return Interval(np.where(odd, outer.low, found.low), np.where(odd, outer.high, found.high), outer.nan)
+
+
+def _sqrt(a: Interval) -> Interval:
+    return Interval(np.sqrt(np.maximum(a.low, 0)), np.sqrt(np.maximum(a.high, 0)), a.nan | (a.low < 0))
+
+
+def _lt(a: Interval, b: Interval) -> Interval:
+    return _logical((a.high < b.low) & ~(a.nan | b.nan), a.low < b.high, a.low.dtype.type)
+
+
+def _le(a: Interval, b: Interval) -> Interval:
+    return _logical((a.high <= b.low) & ~(a.nan | b.nan), a.low <= b.high, a.low.dtype.type)
+
+
+def _eq(a: Interval, b: Interval) -> Interval:
+    one = (a.low == a.high) & (b.low == b.high) & (a.low == b.low) & ~(a.nan | b.nan)
+    return _logical(one, (a.low <= b.high) & (b.low <= a.high), a.low.dtype.type)
+
+
+def _not(a: Interval) -> Interval:
+    t = truth(a)
+    return Interval(1 - t.high, 1 - t.low, np.zeros_like(a.nan))
+
+
+def _and(a: Interval, b: Interval) -> Interval:
+    return _min(truth(a), truth(b))
+
+
+def _or(a: Interval, b: Interval) -> Interval:
+    return _max(truth(a), truth(b))
+
+
+EXACT: dict[str, Callable[..., Interval]] = {
+    "neg": _neg,
+    "fabs": _fabs,
+    "add": _add,
+    "sub": lambda a, b: _add(a, _neg(b)),
+    "mul": _mul,
+    "sq": _sq,
+    "twice": lambda a: _add(a, a),
+    "div": _div,
+    "inv": _inv,
+    "sqrt": _sqrt,
+    "min": _min,
+    "max": _max,
+    "clamp": _clamp,
+    "lt": _lt,
+    "le": _le,
+    "eq": _eq,
+    "ne": lambda a, b: _not(_eq(a, b)),
+    "not": _not,
+    "and": _and,
+    "or": _or,
+}
+
+
+def polynomial(coefficients: Sequence[float], v: Interval, contracted: bool) -> Interval:
+    """Return where c_0 + v (c_1 + v (... + v c_n)) lies, computed from the inside; a term that is 0 is not added.
+
+    One interval is cut into pieces, so that what v adds and takes away again counts less.
+    """
+    scalar, pieces = v.low.dtype.type, max(1, PIECES // v.low.size)
+    parts = np.linspace(0, 1, pieces + 1, dtype=scalar)[:, None]
+    edges = np.clip(v.low + (v.high - v.low) * parts, v.low, v.high)
+    edges[-1] = v.high
+    piece = Interval(edges[:-1], edges[1:], v.nan)
+    last = np.full_like(piece.low, coefficients[-1])
+    q = Interval(last, last, np.zeros(last.shape, bool))
+    for c in coefficients[-2::-1]:
+        product = _mul(piece, q)
+        q = _add(point(c, scalar), unrounded(product) if contracted else product) if c else product
+    low, high, unknown = q.low.min(axis=0), q.high.max(axis=0), v.infinite | ~np.isfinite(v.high - v.low)
+    nan = np.broadcast_to(q.nan, edges[1:].shape).any(axis=0)
+    return Interval(np.where(unknown, -inf, low), np.where(unknown, inf, high), nan | unknown)

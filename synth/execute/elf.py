@@ -1,0 +1,191 @@
+"""Read machine code: what a linked ELF file loads, what its symbols name, and how many bytes it takes.
+
+Bytes are counted by where they lie: `code` and `literals` share the executable sections, and the mapping symbols $t and
+$d of the Arm ABI tell them apart; `constants` are the read-only data, `data` what must lie in RAM. Unwinding tables
+(.ARM.exidx, .ARM.extab) are left out: nothing but a C++ exception reads them. So are `_init` and `_fini` of the C
+start-up, which zig's linker keeps whatever the root of the image is.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from elftools.elf.constants import SH_FLAGS
+from elftools.elf.elffile import ELFFile
+from numpy.typing import NDArray
+
+from synth.errors import CompileError
+
+OUTSIDE = "(no function)"
+_KEPT = ("_init", "_fini")
+_UNWINDING = ("SHT_ARM_EXIDX", ".ARM.extab")
+
+
+class Segment(NamedTuple):
+    """Bytes to be loaded at an address, zeros after the file's own."""
+
+    address: int
+    content: bytes
+
+
+class Region(NamedTuple):
+    """Bytes of an executable section: Thumb instructions, or literals among them."""
+
+    address: int
+    content: bytes
+    thumb: bool
+
+
+class Function(NamedTuple):
+    """A function of `size` bytes; `name` is the most public of its names."""
+
+    name: str
+    address: int
+    size: int
+
+
+@dataclass(frozen=True)
+class Size:
+    """Bytes of an image: `code` is instructions and padding, `literals` constants among them, `constants` .rodata.
+
+    `data` is initialised and zeroed RAM. `functions` gives the bytes of each function, its literals included.
+    """
+
+    code: int
+    literals: int
+    constants: int
+    data: int
+    functions: Mapping[str, int]
+
+    @property
+    def flash(self) -> int:
+        """What a microcontroller stores, without the first values of `data`."""
+        return self.code + self.literals + self.constants
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """A linked image: segments to load, addresses by name, functions and regions in order of address."""
+
+    segments: tuple[Segment, ...]
+    addresses: Mapping[str, int]
+    functions: tuple[Function, ...]
+    regions: tuple[Region, ...]
+    constants: int
+    data: int
+
+    def address(self, name: str) -> int:
+        """Return the address of a function, without the Thumb bit.
+
+        Raises CompileError when the image has none of that name.
+        """
+        if name not in self.addresses:
+            raise CompileError(
+                f"linked image: found no function '{name}', need one that the sources define and do not make static: "
+                "correct the name"
+            )
+        return self.addresses[name] & ~1
+
+    def function_at(self, addresses: NDArray[np.integer[Any]]) -> NDArray[np.intp]:
+        """Return for each address the index of the function that holds it, len(functions) where none does."""
+        starts = np.array([f.address for f in self.functions], dtype=np.int64)
+        ends = np.array([f.address + f.size for f in self.functions], dtype=np.int64)
+        found = np.searchsorted(starts, addresses, side="right") - 1
+        return np.where((found >= 0) & (addresses < ends[found]), found, len(self.functions))
+
+    def size(self) -> Size:
+        """Count the bytes of the image."""
+        functions = {f.name: f.size for f in self.functions if f.name not in _KEPT}
+        kept = sum(f.size for f in self.functions if f.name in _KEPT)
+        code, literals = (sum(len(r.content) for r in self.regions if r.thumb is thumb) for thumb in (True, False))
+        return Size(code - kept, literals, self.constants, self.data, functions)
+
+
+def read(path: Path) -> Program:
+    """Read a linked image.
+
+    Raises CompileError when the file has no symbols, as after `-s`.
+    """
+    with path.open("rb") as file:
+        elf = ELFFile(file)
+        symbols, sections = _symbols(elf), [s for s in elf.iter_sections() if _loaded(s)]
+        return Program(
+            segments=tuple(_segment(s) for s in elf.iter_segments("PT_LOAD") if s["p_memsz"]),
+            addresses={s.name: s["st_value"] for s in symbols if s["st_shndx"] != "SHN_UNDEF" and s.name},
+            functions=tuple(_functions(symbols, [s["sh_addr"] + s["sh_size"] for s in sections if _executable(s)])),
+            regions=tuple(r for s in sections if _executable(s) for r in _regions(s, symbols)),
+            constants=sum(s["sh_size"] for s in sections if not _executable(s) and not _writeable(s)),
+            data=sum(s["sh_size"] for s in sections if _writeable(s)),
+        )
+
+
+def undefined(path: Path) -> frozenset[str]:
+    """Return the names that an object file needs from elsewhere."""
+    with path.open("rb") as file:
+        return frozenset(s.name for s in _symbols(ELFFile(file)) if s["st_shndx"] == "SHN_UNDEF" and s.name)
+
+
+def defined(path: Path) -> frozenset[str]:
+    """Return the names of the functions in an object file, static ones included."""
+    with path.open("rb") as file:
+        return frozenset(s.name for s in _symbols(ELFFile(file)) if _is_function(s))
+
+
+def _symbols(elf: Any) -> list[Any]:
+    table = elf.get_section_by_name(".symtab")
+    if table is None:
+        raise CompileError(
+            "machine code: found no symbol table, need one to tell functions apart: leave out the flag -s"
+        )
+    return list(table.iter_symbols())
+
+
+def _segment(segment: Any) -> Segment:
+    return Segment(segment["p_vaddr"], segment.data().ljust(segment["p_memsz"], b"\0"))
+
+
+def _functions(symbols: list[Any], ends: list[int]) -> list[Function]:
+    """Each function once; it ends with its size, at the latest where the next begins or the section ends.
+
+    Functions of the run-time libraries run into one another: the bytes count for the last that began.
+    """
+    named: dict[int, tuple[tuple[bool, int, str], int]] = {}
+    for symbol in filter(_is_function, symbols):
+        # Of several names at one address the external one is meant, then the shortest.
+        rank = (symbol["st_info"]["bind"] == "STB_LOCAL", len(symbol.name), symbol.name)
+        address = symbol["st_value"] & ~1
+        named[address] = min(named.get(address, (rank, 0)), (rank, symbol["st_size"]), key=lambda found: found[0])
+    edges = sorted({*named, *ends})
+    rooms = {address: edges[edges.index(address) + 1] - address for address in named}
+    return [Function(rank[-1], at, min(size or rooms[at], rooms[at])) for at, (rank, size) in sorted(named.items())]
+
+
+def _regions(section: Any, symbols: list[Any]) -> list[Region]:
+    start, content = section["sh_addr"], section.data()
+    marks = {
+        s["st_value"]: s.name.startswith("$t")
+        for s in symbols
+        if s.name[:2] in ("$t", "$d") and start <= s["st_value"] < start + len(content)
+    }
+    edges = sorted({start: False} | marks)
+    ends = [*edges[1:], start + len(content)]
+    return [Region(a, content[a - start : b - start], marks.get(a, False)) for a, b in zip(edges, ends, strict=True)]
+
+
+def _is_function(symbol: Any) -> bool:
+    return symbol["st_info"]["type"] == "STT_FUNC" and symbol["st_shndx"] != "SHN_UNDEF"
+
+
+def _loaded(section: Any) -> bool:
+    unwinding = section["sh_type"] in _UNWINDING or section.name in _UNWINDING
+    return bool(section["sh_flags"] & SH_FLAGS.SHF_ALLOC) and not unwinding
+
+
+def _executable(section: Any) -> bool:
+    return bool(section["sh_flags"] & SH_FLAGS.SHF_EXECINSTR)
+
+
+def _writeable(section: Any) -> bool:
+    return bool(section["sh_flags"] & SH_FLAGS.SHF_WRITE)

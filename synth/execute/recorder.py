@@ -1,0 +1,112 @@
+"""Record, in compiled code, the instructions that an emulated core executes.
+
+The emulator calls its code hook behind the test of an IT block's condition: an instruction that is predicated false is
+not in the record. A conditional branch is, whether it branches or not. `trace` puts the others back.
+"""
+
+import ctypes
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib import resources
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from unicorn import UC_HOOK_CODE, Uc, UcError, arm_const
+from unicorn.unicorn_py3.unicorn import uclib
+
+from synth.errors import SynthError
+from synth.execute import compile as host_compiler
+
+CAPACITY = 1 << 20
+
+
+class _Recorder(ctypes.Structure):
+    """`recorder_t` of recorder.c, member for member."""
+
+    _fields_ = [
+        ("capacity", ctypes.c_int64),
+        ("count", ctypes.c_int64),
+        ("address", ctypes.c_void_p),
+        ("read_register", ctypes.c_void_p),
+        ("sp", ctypes.c_int32),
+        ("lowest_sp", ctypes.c_uint32),
+    ]
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """R instructions of n calls: their addresses (R,), and how many they are by each call's end (n,)."""
+
+    addresses: NDArray[np.uint32]
+    ends: NDArray[np.int64]
+
+
+class Recorder:
+    """A buffer of executed instructions; `call_ended` after each call, `take` when `is_filling` and at the end."""
+
+    def __init__(self, capacity: int) -> None:
+        self._addresses = np.empty(capacity, np.uint32)
+        self._ends: list[int] = []
+        self.memory = _Recorder(
+            capacity=capacity,
+            address=self._addresses.ctypes.data,
+            read_register=ctypes.cast(uclib.uc_reg_read, ctypes.c_void_p).value,
+            sp=arm_const.UC_ARM_REG_SP,
+            lowest_sp=0xFFFFFFFF,
+        )
+
+    @property
+    def is_filling(self) -> bool:
+        """Whether less than half of the buffer is left."""
+        return bool(2 * self.memory.count > self.memory.capacity)
+
+    @property
+    def lowest_sp(self) -> int:
+        """The lowest stack pointer before any recorded instruction."""
+        return int(self.memory.lowest_sp)
+
+    def call_ended(self) -> None:
+        """Note that a call has returned.
+
+        Raises SynthError when it executed more instructions than the buffer holds.
+        """
+        if self.memory.count > self.memory.capacity:
+            raise SynthError(
+                f"one call executed {self.memory.count} instructions, {self.memory.capacity // 2} can be recorded: "
+                "measure a smaller function"
+            )
+        self._ends.append(self.memory.count)
+
+    def take(self) -> Record:
+        """Return what was recorded and empty the buffer."""
+        n = self.memory.count
+        record = Record(self._addresses[:n].copy(), np.array(self._ends, dtype=np.int64))
+        self.memory.count, self._ends = 0, []
+        return record
+
+
+@contextmanager
+def attached(engine: Uc, capacity: int = CAPACITY) -> Iterator[Recorder]:
+    """Record all that the engine executes within the `with` block."""
+    recorder, handle = Recorder(capacity), ctypes.c_size_t()
+    callback = ctypes.cast(_library().synth_record, ctypes.c_void_p)
+    # The binding's own hook_add takes Python functions only, which cost ten times as much as this one.
+    everything = ctypes.c_uint64(1), ctypes.c_uint64(0)
+    status = uclib.uc_hook_add(
+        engine._uch, ctypes.byref(handle), UC_HOOK_CODE, callback, ctypes.byref(recorder.memory), *everything
+    )
+    if status:
+        raise UcError(status)
+    engine.ctl_flush_tb()  # code that ran before was translated without the hook
+    try:
+        yield recorder
+    finally:
+        uclib.uc_hook_del(engine._uch, handle)
+        engine.ctl_flush_tb()
+
+
+def _library() -> Any:
+    text = resources.files("synth.execute").joinpath("recorder.c").read_text(encoding="utf-8")
+    return ctypes.CDLL(str(host_compiler.shared_library({"recorder.c": text})))

@@ -1,0 +1,216 @@
+"""What N calls cost, from the record of the instructions that they executed.
+
+    instructions[k] = sum over functions of by_function[f][k]
+    decision        = an instruction that the flags, or a register against zero, let through or not
+
+Every instruction that was fetched counts once, also when it is predicated false: the core spends a cycle on it. A
+decision is a conditional branch (b<cond>, cbz, cbnz), or the first instruction of an IT block, or one that follows a
+new comparison inside the block: the others of the block are decided with it. VSEL, VMAXNM and VMINNM select a value
+and decide no flow; the ways of a table branch (tbb, tbh) are not followed.
+"""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from capstone import CS_ARCH_ARM, CS_MODE_MCLASS, CS_MODE_THUMB, Cs, CsInsn
+from capstone.arm import (
+    ARM_CC_AL,
+    ARM_INS_B,
+    ARM_INS_BL,
+    ARM_INS_BLX,
+    ARM_INS_BX,
+    ARM_INS_CBNZ,
+    ARM_INS_CBZ,
+    ARM_INS_IT,
+    ARM_INS_TBB,
+    ARM_INS_TBH,
+    ARM_REG_PC,
+)
+from numpy.typing import NDArray
+
+from synth.errors import SynthError
+from synth.execute import elf
+from synth.execute.recorder import Record
+
+_BRANCHES = (ARM_INS_B, ARM_INS_BL, ARM_INS_BLX, ARM_INS_BX, ARM_INS_CBNZ, ARM_INS_CBZ, ARM_INS_TBB, ARM_INS_TBH)
+
+
+@dataclass(frozen=True, eq=False)
+class Code:
+    """The I instructions of an image in order of address.
+
+    `conditional` marks conditional branches, cbz and cbnz, and what is predicated; `transfers` what may go on
+    elsewhere; `decides` the decisions. `function` indexes the program's functions, their number standing for none.
+    """
+
+    program: elf.Program
+    instructions: tuple[CsInsn, ...]
+    address: NDArray[np.int64]
+    conditional: NDArray[np.bool_]
+    transfers: NDArray[np.bool_]
+    decides: NDArray[np.bool_]
+    function: NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """M instructions of n calls: index into Code (M,), whether each took effect (M,), count by each call's end (n,).
+
+    Of no effect are what is predicated false and a conditional branch that does not branch.
+    """
+
+    index: NDArray[np.intp]
+    passed: NDArray[np.bool_]
+    ends: NDArray[np.int64]
+
+    @property
+    def lengths(self) -> NDArray[np.int64]:
+        """Instructions of each call, (n,)."""
+        return np.diff(self.ends, prepend=0)
+
+
+class Site(NamedTuple):
+    """A decision: where it is, how it reads, and how often its condition held and did not."""
+
+    address: int
+    function: str
+    text: str
+    taken: int
+    not_taken: int
+
+    @property
+    def missing(self) -> str:
+        """What was never seen: "", "taken", "not taken" or "reached"."""
+        if not self.taken and not self.not_taken:
+            return "reached"
+        return "" if self.taken and self.not_taken else "not taken" if self.taken else "taken"
+
+
+@dataclass(frozen=True, eq=False)
+class Counts:
+    """Of n calls: instructions by function (n, F + 1); of I instructions: how often each was executed, and passed."""
+
+    by_function: NDArray[np.int64]
+    executed: NDArray[np.int64]
+    passed: NDArray[np.int64]
+
+
+def decode(program: elf.Program) -> Code:
+    """Disassemble every instruction of a program.
+
+    Raises SynthError at bytes that are none.
+    """
+    engine = Cs(CS_ARCH_ARM, CS_MODE_THUMB | CS_MODE_MCLASS)
+    engine.detail = True
+    found = tuple(i for region in program.regions if region.thumb for i in _disassembled(engine, region))
+    address = np.array([i.address for i in found], dtype=np.int64)
+    return Code(
+        program=program,
+        instructions=found,
+        address=address,
+        conditional=np.array([_is_conditional(i) for i in found], dtype=bool),
+        transfers=np.array([_transfers(i) for i in found], dtype=bool),
+        decides=_decisions(found),
+        function=program.function_at(address),
+    )
+
+
+def follow(code: Code, record: Record) -> Trace:
+    """Return the path that a record took through the code, with what it skipped in IT blocks.
+
+    Raises SynthError when it left the program's instructions.
+    """
+    at = np.minimum(np.searchsorted(code.address, record.addresses), len(code.address) - 1)
+    _require_known(code, at, record)
+    after = np.append(at[1:], 0)
+    after[record.ends - 1] = -1
+    # Whatever does not branch goes on behind itself, or behind what is predicated false there.
+    skipped = np.where(code.transfers[at], 0, after - at - 1)
+    unconditional = np.append(0, np.cumsum(~code.conditional))
+    if (skipped < 0).any() or (unconditional[at + 1 + skipped] != unconditional[at + 1]).any():
+        raise SynthError("execution skipped instructions that are not predicated, need a path that the code allows")
+    shown = 1 + skipped
+    places = np.cumsum(shown) - shown
+    passed = np.zeros(shown.sum(), dtype=bool)
+    passed[places] = ~(code.conditional[at] & code.transfers[at]) | (after != at + 1)
+    index = np.repeat(at - places, shown) + np.arange(len(passed))
+    return Trace(index, passed, np.cumsum(shown)[record.ends - 1])
+
+
+def count(code: Code, trace: Trace) -> Counts:
+    """Count a trace by call and function, and by instruction."""
+    n, functions, size = len(trace.ends), len(code.program.functions) + 1, len(code.address)
+    call = np.repeat(np.arange(n), trace.lengths)
+    cells = np.bincount(call * functions + code.function[trace.index], minlength=n * functions)
+    executed = np.bincount(trace.index, minlength=size)
+    return Counts(cells.reshape(n, functions), executed, np.bincount(trace.index[trace.passed], minlength=size))
+
+
+def join(parts: Sequence[Counts]) -> Counts:
+    """Return the counts of all calls from those of some after others."""
+    return Counts(
+        np.concatenate([part.by_function for part in parts]),
+        np.sum([part.executed for part in parts], axis=0),
+        np.sum([part.passed for part in parts], axis=0),
+    )
+
+
+def by_function(code: Code, counts: Counts) -> dict[str, NDArray[np.int64]]:
+    """Return the instructions of each call (N,) by the functions that executed any, the costliest first."""
+    names = [*(f.name for f in code.program.functions), elf.OUTSIDE]
+    totals = counts.by_function.sum(axis=0)
+    ordered = np.argsort(-totals, kind="stable")
+    return {names[f]: counts.by_function[:, f].copy() for f in ordered if totals[f]}
+
+
+def sites(code: Code, counts: Counts, functions: Collection[str]) -> tuple[Site, ...]:
+    """Return every decision in the named functions, in order of address."""
+    names = [*(f.name for f in code.program.functions), elf.OUTSIDE]
+    return tuple(
+        Site(
+            address=int(code.address[i]),
+            function=names[code.function[i]],
+            text=f"{code.instructions[i].mnemonic} {code.instructions[i].op_str}".strip(),
+            taken=int(counts.passed[i]),
+            not_taken=int(counts.executed[i] - counts.passed[i]),
+        )
+        for i in np.flatnonzero(code.decides)
+        if names[code.function[i]] in functions
+    )
+
+
+def _disassembled(engine: Cs, region: elf.Region) -> list[CsInsn]:
+    found = list(engine.disasm(region.content, region.address))
+    read = sum(i.size for i in found)
+    # Linkers fill up to the next function with bytes that need not be instructions: fewer than a word of them.
+    if len(region.content) - read >= 4:
+        raise SynthError(f"machine code: found no Thumb instruction at {region.address + read:#x}, need one")
+    return found
+
+
+def _require_known(code: Code, at: NDArray[np.intp], record: Record) -> None:
+    strayed = code.address[at] != record.addresses
+    if strayed.any():
+        raise SynthError(f"execution reached {record.addresses[strayed][0]:#x}, need an instruction of the image there")
+
+
+def _is_conditional(instruction: CsInsn) -> bool:
+    # For IT itself the disassembler gives the condition of the block that it opens.
+    predicated = instruction.id != ARM_INS_IT and instruction.cc not in (0, ARM_CC_AL)
+    return predicated or instruction.id in (ARM_INS_CBZ, ARM_INS_CBNZ)
+
+
+def _transfers(instruction: CsInsn) -> bool:
+    return instruction.id in _BRANCHES or ARM_REG_PC in instruction.regs_access()[1]
+
+
+def _decisions(instructions: tuple[CsInsn, ...]) -> NDArray[np.bool_]:
+    decides = np.zeros(len(instructions), dtype=bool)
+    decided = False  # whether the flags were already asked, and not set since
+    for i, instruction in enumerate(instructions):
+        conditional = _is_conditional(instruction)
+        decides[i] = conditional and (not decided or instruction.id in _BRANCHES)
+        decided = conditional and not instruction.update_flags
+    return decides

@@ -1,0 +1,237 @@
+"""What a step costs on a core: instructions, estimated cycles, bytes, and the decisions that were seen both ways.
+
+    issued      instructions that were fetched: what is predicated false counts, the core spends a cycle on it
+    executed    those that were not predicated false
+    share       issued / (clock x period), as if each took one cycle; instructions are not cycles and no worst case
+
+The data alone; `meter` measures it.
+"""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+CLOCK_HZ = 168e6
+OWN = "synth"
+NOTE = (
+    "Instructions, not cycles, and counted on the steps that were run, not a bound of the worst case. The share of the "
+    "period is that of as many cycles at 168 MHz. The cycles are an estimate from the table that Arm publishes, for "
+    "memory without wait states; nothing was timed."
+)
+
+
+@dataclass(frozen=True)
+class Spread:
+    """The least, the mean and the most of a figure over some steps."""
+
+    least: int
+    mean: float
+    most: int
+
+    def __str__(self) -> str:
+        return f"{self.least} .. {self.mean:.0f} .. {self.most}"
+
+
+@dataclass(frozen=True)
+class Memory:
+    """Bytes: instructions, constants in flash, RAM of the code's own, the caller's state and signals, the stack.
+
+    Code and constants hold all that the step reaches, libm included; signals are inputs and outputs.
+    """
+
+    code: int
+    constants: int
+    data: int
+    state: int
+    signals: int
+    stack: int
+
+    @property
+    def working(self) -> int:
+        """RAM that a step works in: state, inputs, outputs, stack and data."""
+        return self.state + self.signals + self.stack + self.data
+
+
+@dataclass(frozen=True)
+class Figures:
+    """One generator's step, by one build, over steps that all generators are given.
+
+    `cycles` are the least and the most of an estimate, each over the steps. `functions` are mean instructions a step,
+    the costliest first. `doubles` are the calls for double arithmetic in the generator's own code. `difference` is the
+    worst difference of an output from the host's, of its range.
+    """
+
+    generator: str
+    build: str
+    steps: int
+    issued: Spread
+    executed: Spread
+    cycles: tuple[Spread, Spread]
+    functions: Mapping[str, float]
+    memory: Memory
+    doubles: int
+    difference: float
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What the emitted C issues in one named sequence, by one build."""
+
+    name: str
+    build: str
+    steps: int
+    issued: Spread
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """Decisions in the step's machine code, by one build, and those of which a direction was never seen."""
+
+    build: str
+    decisions: int
+    missing: tuple[str, ...]
+
+    @property
+    def both(self) -> int:
+        """How many were seen both ways."""
+        return self.decisions - len(self.missing)
+
+
+@dataclass(frozen=True)
+class Cost:
+    """All figures of one design on one core.
+
+    `operations` counts what the emitted program computes, loads and decides, by kind; `absent` says what was not
+    measured, and why.
+    """
+
+    design: str
+    core: str
+    period_s: float
+    compared: tuple[Figures, ...]
+    sequences: tuple[Measured, ...]
+    coverage: tuple[Coverage, ...]
+    operations: Mapping[str, int]
+    absent: tuple[str, ...]
+
+    def share(self, issued: float) -> float:
+        """Return the part of the period that so many instructions take, were each one cycle."""
+        return issued / (CLOCK_HZ * self.period_s)
+
+    def ratio(self, found: Figures) -> float:
+        """Return mean instructions of a generator over those of the first one by the same build."""
+        first = next(f for f in self.compared if f.build == found.build)
+        return found.issued.mean / first.issued.mean
+
+    @property
+    def most(self) -> Mapping[str, int]:
+        """The most instructions that any step of the emitted C took, by build."""
+        return {b: max(m.issued.most for m in self.sequences if m.build == b) for b in self.builds}
+
+    @property
+    def builds(self) -> tuple[str, ...]:
+        """The builds that were measured."""
+        return tuple(dict.fromkeys(m.build for m in self.sequences))
+
+    @property
+    def arithmetic(self) -> int:
+        """Arithmetic operations of the program, both sides of every choice."""
+        return sum(n for name, n in self.operations.items() if not name.startswith(("load", "store", "choice")))
+
+    def document(self) -> Mapping[str, Any]:
+        """Return the figures as a JSON document."""
+        worst = self.most
+        return asdict(self) | {
+            "clock_hz": CLOCK_HZ,
+            "note": NOTE,
+            "ratios": [{"generator": f.generator, "build": f.build, "ratio": self.ratio(f)} for f in self.compared],
+            "shares": {build: self.share(most) for build, most in worst.items()},
+            "most": worst,
+            "instructions_per_operation": {
+                f.build: f.issued.mean / self.arithmetic for f in self.compared if f.generator == OWN
+            },
+        }
+
+
+def spread(values: NDArray[np.int64]) -> Spread:
+    """Summarise a figure (N,), N >= 1."""
+    return Spread(int(values.min()), float(values.mean()), int(values.max()))
+
+
+class Table(NamedTuple):
+    """A caption, columns, and rows of texts."""
+
+    caption: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+def tables(found: Cost) -> tuple[Table, ...]:
+    """Return the figures as tables, for a terminal or a page."""
+    return (_compared(found), _bytes(found), _functions(found), _sequences(found), _coverage(found), _operations(found))
+
+
+def _compared(found: Cost) -> Table:
+    columns = (
+        *("generator", "build", "issued", "executed", "ratio", "period, %"),
+        *("cycles, estimate", "outputs off, of range"),
+    )
+    rows = tuple(
+        (
+            *(f.generator, f.build, str(f.issued), str(f.executed)),
+            *(f"{found.ratio(f):.2f}", f"{100 * found.share(f.issued.mean):.3g}"),
+            *(f"{f.cycles[0].mean:.0f} .. {f.cycles[1].mean:.0f}", f"{f.difference:.1e}"),
+        )
+        for f in found.compared
+    )
+    steps = found.compared[0].steps
+    caption = f"Instructions a step, least .. mean .. most, {found.core}, over the same {steps} closed-loop steps"
+    return Table(caption, columns, rows)
+
+
+def _bytes(found: Cost) -> Table:
+    columns = (
+        *("generator", "build", "code", "constants", "RAM of libm", "state", "inputs, outputs", "stack", "RAM in all"),
+        "double symbols",
+    )
+    rows = []
+    for f in found.compared:
+        m = f.memory
+        sizes = (m.code, m.constants, m.data, m.state, m.signals, m.stack, m.working)
+        rows.append((f.generator, f.build, *map(str, sizes), str(f.doubles)))
+    return Table("Bytes, with all of libm that the step reaches", columns, tuple(rows))
+
+
+def _functions(found: Cost) -> Table:
+    rows = tuple(
+        (f.generator, f.build, ", ".join(f"{name} {mean:.0f}" for name, mean in f.functions.items()))
+        for f in found.compared
+    )
+    return Table("Mean instructions a step by function, the costliest", ("generator", "build", "functions"), rows)
+
+
+def _sequences(found: Cost) -> Table:
+    by_name: dict[str, list[Measured]] = {}
+    for m in found.sequences:
+        by_name.setdefault(m.name, []).append(m)
+    rows = [(name, str(parts[0].steps), *(str(m.issued) for m in parts)) for name, parts in by_name.items()]
+    rows.append(("most", "", *(f"{n}: {100 * found.share(n):.3g} % of the period" for n in found.most.values())))
+    caption = "Instructions of the emitted C by sequence: least .. mean .. most"
+    return Table(caption, ("sequence", "steps", *found.builds), tuple(rows))
+
+
+def _coverage(found: Cost) -> Table:
+    rows = tuple((c.build, str(c.decisions), str(c.both), "\n".join(c.missing) or "none") for c in found.coverage)
+    caption = "Decisions in the machine code of the emitted step"
+    return Table(caption, ("build", "decisions", "seen both ways", "missing"), rows)
+
+
+def _operations(found: Cost) -> Table:
+    own = [f for f in found.compared if f.generator == OWN]
+    caption = f"Operations of the program, both sides of every choice: {found.arithmetic} of arithmetic and logic"
+    rows = [(name, str(n)) for name, n in found.operations.items()]
+    rows += [(f"instructions an operation, {f.build}", f"{f.issued.mean / found.arithmetic:.2f}") for f in own]
+    return Table(caption, ("operation", "count"), tuple(rows))

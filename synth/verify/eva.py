@@ -1,0 +1,280 @@
+"""Prove by abstract interpretation (Frama-C's Eva) that one step stays inside its contract.
+
+For every state in its declared box S and all finite inputs,
+
+    step(S x R^m) raises no alarm,    outputs in Y,    next states in S,    and init gives a state in S,
+
+so that by induction every reachable state lies in S. An alarm is any operation whose result Eva cannot show to be
+defined and finite: an overflow to infinity, a division by zero, the root of a negative number, an access out of bounds,
+a member that was not written, a wrapping unsigned sum. Eva computes with intervals of float and double and with every
+operation rounded to nearest, as without contraction. Infinite and NaN inputs are the matter of `nonfinite`.
+
+"No alarm" alone is no proof: an analysis that stops early raises none. So the end of each harness must be seen to be
+reached, and the number of proved claims must be the number that the manifest asks for.
+
+What one analysis of the whole box leaves open, and one of good inputs alone does not, is tried again, once for each
+input, with that input's range split into good, too low and too high: that keeps a guard's verdict tied to its input
+however far apart the C uses them. Each analysis covers the whole box, and excludes a failure unless an earlier one of
+its own alarms comes true; so no failure can be the first of an execution unless every analysis raises it, and only
+what all leave open is open.
+"""
+
+import csv
+import os
+import subprocess
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import partial, reduce
+from pathlib import Path
+from typing import Any
+
+from synth.check import Check
+from synth.errors import CompileError
+from synth.verify import contract
+from synth.verify.contract import Member
+
+TIME_LIMIT_S = 300
+_PROCESSES = 2
+_HARNESS = "synth_eva.c"
+_REPORT = "properties.csv"
+# Two branchings are remembered, so that what a comparison found still holds where its result is used; equalities carry
+# it from |v| to v; a polynomial in one variable is bounded on that many parts of its range; short loops are unrolled.
+_OPTIONS = (
+    "-eva",
+    "-main=drive",
+    "-warn-special-float=non-finite",
+    "-warn-unsigned-overflow",
+    "-warn-decimal-float=none",
+    "-eva-domains=equality",
+    "-eva-partition-history=2",
+    "-eva-interprocedural-history",
+    "-eva-interprocedural-splits",
+    "-eva-no-remove-redundant-alarms",
+    "-eva-subdivide-non-linear=200",
+    "-eva-auto-loop-unroll=100",
+    "-eva-msg-key=-final-states,-initial-state",
+)
+# Frama-C knows these by contracts that Eva cannot invert; so they get bodies, exact on finite arguments.
+_BODIES = """
+float fabsf(float x) { return (x < 0.0f) ? -x : x; }
+double fabs(double x) { return (x < 0.0) ? -x : x; }
+"""
+_DRAW = {
+    "float": "Frama_C_float_interval",
+    "double": "Frama_C_double_interval",
+    "uint32_t": "Frama_C_unsigned_int_interval",
+    "int32_t": "Frama_C_interval",
+}
+_LARGEST = {"float": "FLT_MAX", "double": "DBL_MAX"}
+
+
+@dataclass(frozen=True)
+class Proof:
+    """What Eva said of init and one step: `proved` of `expected` claims, the alarms, and what it could not show.
+
+    `trusted` names the library functions that were taken at their contract's word.
+    """
+
+    design: str
+    proved: int
+    expected: int
+    alarms: tuple[str, ...]
+    unproved: tuple[str, ...]
+    trusted: tuple[str, ...]
+
+    def checks(self) -> tuple[Check, ...]:
+        """Return the proof as figures that must all be zero."""
+        scope = f"every state in its bounds, all finite inputs; {self.proved} of {self.expected} claims proved"
+        trust = f"; contracts trusted: {', '.join(self.trusted)}" if self.trusted else ""
+        open_claims = max(len(self.unproved), self.expected - self.proved)
+        return (
+            Check("Eva: alarms in one step", len(self.alarms), 0, "alarms", _first(scope + trust, self.alarms)),
+            Check("Eva: claims not proved", open_claims, 0, "claims", _first(scope, self.unproved)),
+        )
+
+
+@dataclass(frozen=True)
+class _Analysis:
+    """Properties as text: the same one has the same text in every analysis of a harness."""
+
+    proved: frozenset[str]
+    alarms: frozenset[str]
+    unproved: frozenset[str]
+    trusted: frozenset[str]
+
+    @property
+    def open(self) -> frozenset[str]:
+        return self.alarms | self.unproved
+
+
+def prove(files: Mapping[str, str], manifest: Mapping[str, Any]) -> Proof:
+    """Prove the contract of `manifest` for emitted `{filename: text}`.
+
+    Raises CompileError when Frama-C is missing, refuses the C or takes longer than TIME_LIMIT_S for one analysis, and
+    DesignError when the manifest or the files are not whole.
+    """
+    outputs, states = contract.members(manifest, "output"), contract.members(manifest, "state")
+    step, init = _analyses(files, (_step_harness(files, manifest, _any), _init_harness(files, manifest)))
+    step = _split_further(files, manifest, step)
+    return Proof(
+        design=manifest["design"],
+        proved=len(step.proved) + len(init.proved),
+        expected=len(_claims("output", outputs)) + 2 * len(_claims("state", states)),
+        alarms=(*sorted(init.alarms), *sorted(step.alarms)),
+        unproved=(*sorted(init.unproved), *sorted(step.unproved)),
+        trusted=tuple(sorted(init.trusted | step.trusted)),
+    )
+
+
+def _split_further(files: Mapping[str, str], manifest: Mapping[str, Any], step: _Analysis) -> _Analysis:
+    """Analyse again with one input split, for each input, unless what is open stays so when every input is good."""
+    if not step.open:
+        return step
+    (good,) = _analyses(files, [_step_harness(files, manifest, _good)])
+    if step.open <= good.open:
+        return step
+    inputs = [m for m in contract.members(manifest, "input") if m.real]
+    harnesses = [_step_harness(files, manifest, partial(_split, m)) for m in inputs]
+    return reduce(_either, _analyses(files, harnesses), step)
+
+
+def _either(a: _Analysis, b: _Analysis) -> _Analysis:
+    return _Analysis(a.proved | b.proved, a.alarms & b.alarms, a.unproved & b.unproved, a.trusted | b.trusted)
+
+
+def _step_harness(files: Mapping[str, str], manifest: Mapping[str, Any], draw: Callable[[Member], str]) -> str:
+    inputs, outputs, states = (contract.members(manifest, role) for role in ("input", "output", "state"))
+    body = [
+        *(_draw("state", m, m.literal(m.low), m.literal(m.high)) for m in states),
+        *map(draw, inputs),
+        f"{manifest['functions']['step']}(&state, &input, &output);",
+        *_claims("output", outputs),
+        *_claims("state", states),
+    ]
+    return _harness(files, manifest, body)
+
+
+def _init_harness(files: Mapping[str, str], manifest: Mapping[str, Any]) -> str:
+    body = [f"{manifest['functions']['init']}(&state);", *_claims("state", contract.members(manifest, "state"))]
+    return _harness(files, manifest, body)
+
+
+def _harness(files: Mapping[str, str], manifest: Mapping[str, Any], body: Sequence[str]) -> str:
+    includes = [f'#include "{name}"' for name in contract.headers(files)]
+    # Locals start uninitialised: a member that is read before it is written, or that the manifest hides, is an alarm.
+    structs = [f"{manifest['structs'][role]['type']} {role};" for role in ("state", "input", "output")]
+    lines = [*includes, "#include <float.h>", '#include "__fc_builtin.h"', _BODIES, "void drive(void) {"]
+    return "\n".join([*lines, *structs, "int part = Frama_C_interval(0, 2);", *body, "//@ check \\false;", "}", ""])
+
+
+def _draw(struct: str, member: Member, low: str, high: str) -> str:
+    return f"{struct}.{member.path} = {_DRAW[member.ctype]}({low}, {high});"
+
+
+def _any(member: Member) -> str:
+    return _draw("input", member, *_all_finite(member))
+
+
+def _good(member: Member) -> str:
+    return _draw("input", member, member.literal(member.low), member.literal(member.high))
+
+
+def _split(chosen: Member, member: Member) -> str:
+    """Draw the chosen input in three parts that stay apart; on one line, so that all harnesses share their lines."""
+    if member != chosen:
+        return _any(member)
+    least, most = _all_finite(member)
+    low = _draw("input", member, least, member.literal(member.below()))
+    high = _draw("input", member, member.literal(member.above()), most)
+    return f"/*@ split part; */ if (part == 0) {{ {_good(member)} }} else if (part == 1) {{ {low} }} else {{ {high} }}"
+
+
+def _all_finite(member: Member) -> tuple[str, str]:
+    if member.real:
+        return f"-{_LARGEST[member.ctype]}", _LARGEST[member.ctype]
+    return ("0u", "0xffffffffu") if member.ctype == "uint32_t" else ("(-0x7fffffff - 1)", "0x7fffffff")
+
+
+def _claims(struct: str, members: Sequence[Member]) -> list[str]:
+    """One claim a line: a `check` leaves the state as it is, so that no claim helps the next."""
+    lines = []
+    for m in members:
+        value, (low, high) = f"{struct}.{m.path}", (_exact(m, v) for v in (m.low, m.high))
+        lines += [f"//@ check \\is_finite({value});"] if m.real else []
+        lines += [f"//@ check {low} <= {value};", f"//@ check {value} <= {high};"]
+    return lines
+
+
+def _exact(member: Member, value: float) -> str:
+    # In a claim a literal is a real number; a suffix would have it read as a decimal and rounded.
+    return float(value).hex() if member.real else str(int(value))
+
+
+def _analyses(files: Mapping[str, str], harnesses: Sequence[str]) -> list[_Analysis]:
+    with ThreadPoolExecutor(_PROCESSES) as pool:
+        return list(pool.map(lambda harness: _analyse(files, harness), harnesses))
+
+
+def _analyse(files: Mapping[str, str], harness: str) -> _Analysis:
+    frama_c = contract.tool("frama-c", "frama-c-base")
+    with tempfile.TemporaryDirectory() as work:
+        folder = Path(work)
+        for name, text in {**files, _HARNESS: harness}.items():
+            (folder / name).write_text(text, encoding="utf-8")
+        command = [frama_c, *_OPTIONS, *contract.units(files), _HARNESS, "-then", f"-report-csv={_REPORT}"]
+        said = _run(command, folder)
+        with (folder / _REPORT).open(encoding="utf-8", newline="") as report:
+            rows = list(csv.DictReader(report, delimiter="\t", quoting=csv.QUOTE_NONE))
+    return _judged(rows, said)
+
+
+def _run(command: Sequence[str], folder: Path) -> str:
+    # Frama-C takes the working folder from the environment.
+    around = {**os.environ, "PWD": str(folder)}
+    try:
+        done = subprocess.run(command, cwd=folder, env=around, capture_output=True, text=True, timeout=TIME_LIMIT_S)
+    except subprocess.TimeoutExpired as error:
+        raise CompileError(
+            f"Frama-C: no result within {TIME_LIMIT_S} s, need one: simplify the C, or split the design"
+        ) from error
+    if done.returncode != 0 or not (folder / _REPORT).exists():
+        raise CompileError(
+            f"Frama-C: stopped with status {done.returncode}, need 0: mend the lines it names\n{done.stdout[-2000:]}"
+            f"{done.stderr[-2000:]}"
+        )
+    return done.stdout
+
+
+def _judged(rows: Sequence[Mapping[str, str]], said: str) -> _Analysis:
+    """Sort Frama-C's properties: what is proved, what is an alarm, what is open."""
+    own = [row for row in rows if not row["directory"].startswith("FRAMAC_SHARE")]
+    ends = [row for row in own if row["property"] == "\\false" and row["file"] == _HARNESS]
+    claims = [row for row in own if row["property kind"] == "user check" and row not in ends]
+    others = [row for row in own if row not in claims and row not in ends and row["status"] not in ("Valid", "Dead")]
+    alarms = [row for row in others if not row["property kind"].startswith("precondition")]
+    unproved = [row for row in claims if row["status"] != "Valid"] + [row for row in others if row not in alarms]
+    # What is false must be seen to be false: were the end out of reach, every claim there would hold.
+    reached = [row["status"] for row in ends] == ["Invalid or unreachable"]
+    return _Analysis(
+        proved=frozenset(_told(row) for row in claims if row["status"] == "Valid"),
+        alarms=frozenset(map(_told, alarms)),
+        unproved=frozenset(map(_told, unproved)) | (frozenset() if reached else {"the end is never reached"}),
+        trusted=_trusted(said),
+    )
+
+
+def _trusted(said: str) -> frozenset[str]:
+    marker = "using specification for function "
+    named = [line.split(marker)[1].strip() for line in said.splitlines() if marker in line]
+    return frozenset(name for name in named if not name.startswith("Frama_C_"))
+
+
+def _told(row: Mapping[str, str]) -> str:
+    return f"{row['file']}:{row['line']}: {row['property kind']}: {row['property']}"
+
+
+def _first(scope: str, found: Sequence[str], shown: int = 3) -> str:
+    more = [f"and {len(found) - shown} more"] if len(found) > shown else []
+    return "; ".join([scope, *found[:shown], *more])

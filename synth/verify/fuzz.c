@@ -1,0 +1,209 @@
+/* Drive one emitted controller from arbitrary bytes and hold it to its contract after every step.
+ * synth_fuzz_tables.h is written from the manifest: INPUTS, OUTPUTS, STATES, FAULTS, LATCH, BAD_SAMPLES, the types and
+ * the functions. The bytes are read round and round, so that every input gives STEPS_A_RUN steps. */
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef enum { FLOAT, DOUBLE, UINT32, INT32 } scalar_t;
+typedef struct { const char *name; size_t offset; scalar_t type; double low; double high; } member_t;
+typedef struct { uint32_t bits; size_t first; size_t count; } fault_t;
+
+#include "synth_fuzz_tables.h"
+
+enum { STEPS_A_RUN = 16 };
+#define COUNT(table) (sizeof(table) / sizeof((table)[0]))
+
+typedef struct { const uint8_t *data; size_t size; size_t at; } bytes_t;
+
+static uint64_t steps;
+
+static void tell(void) { fprintf(stderr, "steps: %llu\n", (unsigned long long)steps); }
+
+static uint8_t byte(bytes_t *bytes)
+{
+    return bytes->size ? bytes->data[bytes->at++ % bytes->size] : 0u;
+}
+
+static uint64_t word(bytes_t *bytes, int count)
+{
+    uint64_t value = 0u;
+    while (count-- > 0) value = value << 8 | byte(bytes);
+    return value;
+}
+
+/* Every value of every type is exact as a double; a NaN keeps being one. */
+static double get(const void *record, const member_t *m)
+{
+    const char *at = (const char *)record + m->offset;
+    float f; double d; uint32_t u; int32_t i;
+    switch (m->type) {
+    case FLOAT: memcpy(&f, at, sizeof f); return (double)f;
+    case DOUBLE: memcpy(&d, at, sizeof d); return d;
+    case UINT32: memcpy(&u, at, sizeof u); return (double)u;
+    default: memcpy(&i, at, sizeof i); return (double)i;
+    }
+}
+
+/* `value` must be within the range of an integer member. */
+static void set(void *record, const member_t *m, double value)
+{
+    char *at = (char *)record + m->offset;
+    const float f = (float)value;
+    uint32_t u; int32_t i;
+    switch (m->type) {
+    case FLOAT: memcpy(at, &f, sizeof f); break;
+    case DOUBLE: memcpy(at, &value, sizeof value); break;
+    case UINT32: u = (uint32_t)value; memcpy(at, &u, sizeof u); break;
+    default: i = (int32_t)value; memcpy(at, &i, sizeof i); break;
+    }
+}
+
+static void set_bits(void *record, const member_t *m, bytes_t *bytes)
+{
+    const uint64_t bits = word(bytes, m->type == DOUBLE ? 8 : 4);
+    const uint32_t low_bits = (uint32_t)bits;
+    char *at = (char *)record + m->offset;
+    if (m->type == DOUBLE) memcpy(at, &bits, sizeof bits);
+    else memcpy(at, &low_bits, sizeof low_bits);
+}
+
+static bool within(double value, const member_t *m) { return m->low <= value && value <= m->high; }
+
+/* A NaN becomes the upper bound. */
+static double forced(double value, const member_t *m)
+{
+    return value <= m->low ? m->low : value <= m->high ? value : m->high;
+}
+
+static double between(bytes_t *bytes, const member_t *m)
+{
+    const double value = m->low + (m->high - m->low) * ((double)word(bytes, 3) / 16777215.0);
+    return forced(m->type == FLOAT ? (double)(float)value : value, m);
+}
+
+static void draw_state(void *state, bytes_t *bytes)
+{
+    for (size_t k = 0; k < COUNT(STATES); k++) {
+        const member_t *m = &STATES[k];
+        switch (byte(bytes) & 7u) {
+        case 0: set(state, m, m->low); break;
+        case 1: set(state, m, m->high); break;
+        case 2: case 3: set_bits(state, m, bytes); set(state, m, forced(get(state, m), m)); break;
+        default: set(state, m, between(bytes, m)); break;
+        }
+    }
+}
+
+/* The neighbour just outside a bound; an integer bound has none to spare. */
+static double outside(const member_t *m, bool above)
+{
+    const double bound = above ? m->high : m->low, towards = above ? INFINITY : -INFINITY;
+    if (m->type == FLOAT) return (double)nextafterf((float)bound, (float)towards);
+    return m->type == DOUBLE ? nextafter(bound, towards) : bound;
+}
+
+/* What raw bits seldom are; an integer has no such values. */
+static void set_special(void *record, const member_t *m, bytes_t *bytes)
+{
+    static const double SPECIAL[] = {NAN, -NAN, INFINITY, -INFINITY, 0.0, -0.0, 1e-40, 1e38};
+    const double value = SPECIAL[byte(bytes) % COUNT(SPECIAL)];
+    if (m->type == FLOAT || m->type == DOUBLE) set(record, m, value);
+    else set_bits(record, m, bytes);
+}
+
+static void draw_input(void *input, bytes_t *bytes)
+{
+    for (size_t k = 0; k < COUNT(INPUTS); k++) {
+        const member_t *m = &INPUTS[k];
+        switch (byte(bytes) & 15u) {
+        case 0: set_bits(input, m, bytes); break;
+        case 1: set_special(input, m, bytes); break;
+        case 2: set(input, m, m->low); break;
+        case 3: set(input, m, m->high); break;
+        case 4: set(input, m, outside(m, false)); break;
+        case 5: set(input, m, outside(m, true)); break;
+        default: set(input, m, between(bytes, m)); break;
+        }
+    }
+}
+
+static void finding(const char *what, const char *name, double found, double low, double high)
+{
+    fprintf(stderr, "FINDING: %s %s is %.9g, need %.9g .. %.9g\n", what, name, found, low, high);
+    abort();
+}
+
+static void require_bounds(const char *what, const void *record, const member_t *members, size_t count)
+{
+    for (size_t k = 0; k < count; k++) {
+        const double value = get(record, &members[k]);
+        if (!within(value, &members[k])) finding(what, members[k].name, value, members[k].low, members[k].high);
+    }
+}
+
+/* The bits that the inputs call for. */
+static uint32_t expected(const void *input)
+{
+    uint32_t bits = 0u;
+    for (size_t k = 0; k < COUNT(FAULTS); k++) {
+        bool bad = false;
+        for (size_t j = 0; j < FAULTS[k].count; j++) {
+            const member_t *m = &INPUTS[FAULTS[k].first + j];
+            bad = bad || !within(get(input, m), m);
+        }
+        bits |= bad ? FAULTS[k].bits : 0u;
+    }
+    return bits;
+}
+
+/* From init the latch may rise only after BAD_SAMPLES samples in a row with a bad input, and it never falls. */
+static void require_faults(uint32_t found, uint32_t before, uint32_t called_for, uint32_t row, bool from_init)
+{
+    const double word = (double)(found & ~LATCH), wanted = (double)called_for;
+    if (word != wanted) finding("fault word", "", word, wanted, wanted);
+    if ((before & LATCH) && !(found & LATCH)) finding("latch", "", 0.0, 1.0, 1.0);
+    if (from_init && (found & LATCH) && !(before & LATCH) && row < BAD_SAMPLES)
+        finding("latch", "from init", 1.0, 0.0, 0.0);
+}
+
+int LLVMFuzzerInitialize(int *argc, char ***argv)
+{
+    (void)argc;
+    (void)argv;
+    return atexit(tell);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    bytes_t bytes = {data, size, 0u};
+    /* On the heap, so that the sanitizer sees a step that writes past a struct. */
+    state_t *const state = malloc(sizeof *state);
+    input_t *const input = malloc(sizeof *input);
+    output_t *const output = malloc(sizeof *output);
+    uint32_t row = 0u, faults = 0u;
+    const bool from_init = (byte(&bytes) & 1u) == 0u;
+
+    INIT(state);
+    require_bounds("initial state", state, STATES, COUNT(STATES));
+    if (!from_init) draw_state(state, &bytes);
+    for (int k = 0; k < STEPS_A_RUN; k++) {
+        memset(output, 0xff, sizeof *output); /* NaN until written */
+        draw_input(input, &bytes);
+        const uint32_t before = faults, called_for = expected(input);
+        row = called_for != 0u ? row + 1u : 0u;
+        faults = STEP(state, input, output);
+        steps++;
+        require_faults(faults, before, called_for, row, from_init);
+        require_bounds("output", output, OUTPUTS, COUNT(OUTPUTS));
+        require_bounds("state", state, STATES, COUNT(STATES));
+    }
+    free(state);
+    free(input);
+    free(output);
+    return 0;
+}

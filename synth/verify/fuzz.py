@@ -1,0 +1,188 @@
+"""Search for a broken contract with libFuzzer, AddressSanitizer and UndefinedBehaviorSanitizer.
+
+Arbitrary bytes become runs of 16 steps, from `init` or from a state forced into its declared bounds S, with inputs of
+every bit pattern: raw bits, values in range, bounds and their neighbours outside. After each step
+
+    outputs in Y, all finite;  states in S;  fault bit k is 1 where input k is not finite or out of range, else 0;
+    the latch never falls, and from init rises only after the declared number of samples in a row with a bad input.
+
+A campaign finds defects and proves nothing; it runs the machine code, where `eva` reads the C.
+"""
+
+import re
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from synth.check import Check
+from synth.errors import CompileError, DesignError
+from synth.verify import contract
+from synth.verify.contract import Member
+
+STEPS_A_RUN = 16
+_SEED = 20201
+_SEEDS, _LENGTH = 32, 2048
+_TABLES = "synth_fuzz_tables.h"
+_DRIVER = "synth_fuzz.c"
+_FLAGS = (
+    "-std=c99",
+    "-O1",
+    "-g",
+    "-ffp-contract=off",
+    "-fsanitize=fuzzer,address,undefined,float-cast-overflow,float-divide-by-zero",
+    "-fno-sanitize-recover=all",
+)
+_SCALARS = {"float": "FLOAT", "double": "DOUBLE", "uint32_t": "UINT32", "int32_t": "INT32"}
+_FINDINGS = re.compile(r"^(?:FINDING: .*|.*runtime error: .*|.*ERROR: \w+: .*)$", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """How many steps and runs were made, what corpus they left, and the first finding, empty where there is none.
+
+    `covered` counts the edges of the program that were reached, `features` what libFuzzer told apart.
+    """
+
+    design: str
+    wanted: int
+    steps: int
+    runs: int
+    covered: int
+    features: int
+    corpus: int
+    finding: str
+
+    def checks(self) -> tuple[Check, ...]:
+        """Return the campaign as figures that must be zero."""
+        about = (
+            f"{self.steps} steps in {self.runs} runs, {self.covered} edges and {self.features} features reached, "
+            f"{self.corpus} inputs kept"
+        )
+        told = "; ".join(filter(None, (about, self.finding)))
+        return (
+            Check("fuzzing: findings", int(bool(self.finding)), 0, "findings", told),
+            Check("fuzzing: steps missing", max(0, self.wanted - self.steps), 0, "steps", about),
+        )
+
+
+def run(files: Mapping[str, str], manifest: Mapping[str, Any], steps: int) -> Campaign:
+    """Run at least `steps` steps of emitted `{filename: text}`, or until the first finding; the seed is fixed.
+
+    Raises CompileError when clang or its libFuzzer is missing, or refuses the C, and DesignError when the manifest is
+    not whole.
+    """
+    runs = -(-steps // STEPS_A_RUN)
+    with tempfile.TemporaryDirectory() as work:
+        folder = Path(work)
+        program = _build(files, _tables(files, manifest), folder)
+        seeds = _seeds(folder)
+        options = (f"-runs={runs}", f"-seed={_SEED}", f"-max_len={_LENGTH}", "-len_control=0", "-detect_leaks=0")
+        command = [
+            *_same_addresses(),
+            str(program),
+            *options,
+            "-print_final_stats=1",
+            f"-artifact_prefix={folder}/",
+            f"-seed_inputs={seeds}",
+        ]
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, errors="replace")
+    return _told(manifest["design"], steps, done.returncode, done.stderr)
+
+
+def _build(files: Mapping[str, str], tables: str, folder: Path) -> Path:
+    clang = contract.tool("clang", "clang libclang-rt-14-dev")
+    driver = resources.files("synth.verify").joinpath("fuzz.c").read_text(encoding="utf-8")
+    for name, text in {**files, _TABLES: tables, _DRIVER: driver}.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    command = [clang, *_FLAGS, *contract.units(files), _DRIVER, "-o", "fuzz", "-lm"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    if done.returncode != 0:
+        raise CompileError(
+            "clang: did not build the fuzzer, which needs the C to compile and libFuzzer: mend the C, or run "
+            f"`apt-get install libclang-rt-14-dev`\n{done.stderr[-2000:]}"
+        )
+    return folder / "fuzz"
+
+
+def _same_addresses() -> tuple[str, ...]:
+    """What to run the fuzzer under: its choices depend on addresses, which are the same each time where that may be."""
+    fixed = ("setarch", "-R")
+    may = shutil.which("setarch") and subprocess.run([*fixed, "true"], capture_output=True).returncode == 0
+    return fixed if may else ()
+
+
+def _seeds(folder: Path) -> str:
+    """Name a few long random inputs to begin with: from nothing, libFuzzer takes long to grow a whole run."""
+    draw = np.random.default_rng(_SEED)
+    names = [f"seed{k:02}" for k in range(_SEEDS)]
+    for name in names:
+        (folder / name).write_bytes(draw.bytes(_LENGTH))
+    return ",".join(names)
+
+
+def _told(design: str, wanted: int, status: int, said: str) -> Campaign:
+    finding = found[0] if (found := _FINDINGS.findall(said)) else ""
+    if status != 0 and not finding:
+        finding = f"the fuzzer ended with status {status}: {said[-300:]}"
+    return Campaign(
+        design=design,
+        wanted=wanted,
+        steps=_last(r"^steps: (\d+)", said),
+        runs=_last(r"^stat::number_of_executed_units: +(\d+)", said),
+        covered=_last(r" cov: (\d+)", said),
+        features=_last(r" ft: (\d+)", said),
+        corpus=_last(r" corp: (\d+)", said),
+        finding=finding.strip(),
+    )
+
+
+def _last(pattern: str, said: str) -> int:
+    found = re.findall(pattern, said, re.MULTILINE)
+    return int(found[-1]) if found else 0
+
+
+def _tables(files: Mapping[str, str], manifest: Mapping[str, Any]) -> str:
+    structs, functions = manifest["structs"], manifest["functions"]
+    inputs = contract.members(manifest, "input")
+    latch = sum(1 << fault["bit"] for fault in manifest["faults"] if fault.get("latched"))
+    bad_samples = (manifest.get("safety") or {}).get("bad_samples", 0)
+    return "\n".join(
+        [
+            *(f'#include "{name}"' for name in contract.headers(files)),
+            *(f"typedef {structs[role]['type']} {role}_t;" for role in structs),
+            *(_table(f"{role.upper()}S", structs[role]["type"], contract.members(manifest, role)) for role in structs),
+            f"static const fault_t FAULTS[] = {{{', '.join(_faults(manifest, inputs))}}};",
+            f"#define LATCH {latch:#x}u",
+            f"#define BAD_SAMPLES {bad_samples}u",
+            f"#define INIT {functions['init']}",
+            f"#define STEP {functions['step']}",
+            "",
+        ]
+    )
+
+
+def _table(name: str, struct: str, members: tuple[Member, ...]) -> str:
+    rows = "".join(
+        f'    {{"{m.path}", offsetof({struct}, {m.path}), {_SCALARS[m.ctype]}, {m.low.hex()}, {m.high.hex()}}},\n'
+        for m in members
+    )
+    return f"static const member_t {name}[] = {{\n{rows}}};"
+
+
+def _faults(manifest: Mapping[str, Any], inputs: tuple[Member, ...]) -> list[str]:
+    """The fault table: bit, first member and number of members of each input that has a bit."""
+    rows = []
+    for fault in manifest["faults"]:
+        if (name := fault.get("input")) is not None:
+            places = [k for k, m in enumerate(inputs) if m.path.split("[")[0] == name]
+            if not places:
+                raise DesignError(f"manifest, fault bit {fault['bit']}: there is no input '{name}': emit the C anew")
+            rows.append(f"{{{1 << fault['bit']:#x}u, {places[0]}u, {len(places)}u}}")
+    return rows or ["{0u, 0u, 0u}"]

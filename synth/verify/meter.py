@@ -1,0 +1,207 @@
+"""Measure steps as machine code on an emulated Cortex-M4F: every generator over the same steps, by the same compilers.
+
+Each step starts from the state that it is given, so that all generators see the same (x_k, u_k) and none drifts away.
+Needs the extra `target`.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synth.block import Block
+from synth.emit.write import Emitted
+from synth.errors import CompileError
+from synth.execute import cross, elf, host, image, recorder
+from synth.verify import cost, lines, operations, rivals, steps
+from synth.verify.cost import Cost, Coverage, Figures, Measured, Memory
+from synth.verify.rivals import Candidate
+from synth.verify.steps import Steps
+
+CORE = "cortex-m4f"
+COMMON = 500  # closed-loop steps that every generator is given: CasADi's as emitted takes 60,000 instructions each
+BRIEF, BRIEF_COMMON, DRAWN = 500, 25, 4000  # steps where a few seconds must do
+FUNCTIONS = 8  # that are named
+_LINES = ("-g",)  # the line table alone: the code stays as it is
+
+
+Columns = Mapping[str, NDArray[Any]]
+
+
+class Build(NamedTuple):
+    """A compiler with what follows the flags of `cross.FLAGS`."""
+
+    name: str
+    compiler: str
+    flags: tuple[str, ...] = ()
+
+
+_BUILDS = (
+    Build("gcc, newlib", "gcc"),
+    Build("gcc, newlib, small", "gcc", ("-Os",)),
+    Build("gcc, newlib, contracted", "gcc", cross.CONTRACTED),
+    Build("zig, musl", "zig"),
+)
+
+
+class Run(NamedTuple):
+    """One candidate over N steps by one build: the cost, the outputs, the bytes of the image and where it lies."""
+
+    cost: image.Cost
+    outputs: host.Columns
+    size: elf.Size
+    path: Path
+
+
+def builds() -> tuple[Build, ...]:
+    """Return the builds whose compilers are installed.
+
+    Raises CompileError when there is none.
+    """
+    installed = cross.available()
+    if not installed:
+        raise CompileError(
+            "cross compiler: found neither zig nor arm-none-eabi-gcc, need one: run `pip install ziglang`, or install "
+            "gcc-arm-none-eabi and newlib"
+        )
+    return tuple(b for b in _BUILDS if b.compiler in installed)
+
+
+def measure(
+    emitted: Emitted, block: Block, sequences: Sequence[Steps], told: Callable[[str], None], common: int = COMMON
+) -> Cost:
+    """Measure the float32 C of a Block over all sequences, and every generator over `common` steps of closed loops.
+
+    Steps with a fault are not among the common ones: a latched step skips the control law, which flatters the ratio.
+
+    Raises CompileError when no cross compiler is installed or one refuses a text, and SignalError when no sequence is
+    of a closed loop.
+    """
+    controller = host.load(emitted.files, emitted.manifest)
+    loops = steps.joined("closed loops", [s for s in sequences if s.closed_loop])
+    shared = steps.thinned(steps.without_faults(controller, loops), common)
+    own = rivals.emitted(emitted)
+    candidates = (own, rivals.casadi(block, shimmed=False), rivals.casadi(block, shimmed=True))
+    compared, measured, coverage = [], [], []
+    for build in builds():
+        for candidate in candidates:
+            told(f"{candidate.name} by {build.name}: {len(shared)} steps")
+            compared.append(figures(candidate, shared, build, controller))
+        told(f"{own.name} by {build.name}: {sum(map(len, sequences))} steps")
+        whole = run(own, steps.joined("all", sequences), build)
+        measured += _by_sequence(whole.cost.instructions, sequences, build)
+        coverage.append(covered(own, whole, build))
+    return Cost(
+        block.name,
+        CORE,
+        block.time.period_s,
+        tuple(compared),
+        tuple(measured),
+        tuple(coverage),
+        operations.of_block(block, np.float32),
+        rivals.absent(),
+    )
+
+
+def brief(emitted: Emitted, block: Block, inputs: Columns) -> Cost:
+    """Measure in a few seconds: some steps of one closed loop, and random states for the decisions.
+
+    Raises CompileError and SignalError as `measure`.
+    """
+    controller = host.load(emitted.files, emitted.manifest)
+    loop = steps.thinned(steps.recorded(controller, "closed loop", inputs, closed_loop=True), BRIEF)
+    return measure(emitted, block, [loop, steps.drawn(controller, DRAWN)], lambda _: None, BRIEF_COMMON)
+
+
+def run(candidate: Candidate, given: Steps, build: Build) -> Run:
+    """Measure a candidate over the given steps."""
+    path = _linked(candidate, build)
+    machine = _booted(candidate, build, path)
+    placed = candidate.placed(machine, given)
+    found = machine.measure(candidate.entry, placed.arguments).cost
+    return Run(found, placed.outputs(), machine.program.size(), path)
+
+
+def executed(candidate: Candidate, given: Steps, build: Build) -> NDArray[np.int64]:
+    """Count for each step (N,) the instructions that were not predicated false."""
+    machine = _booted(candidate, build, _linked(candidate, build))
+    arguments = candidate.placed(machine, given).arguments
+    counts = []
+    with recorder.attached(machine.engine) as record:
+        for row in arguments:
+            machine.calls(candidate.entry, row[np.newaxis])
+            record.call_ended()
+            if record.is_filling:
+                counts.append(np.diff(record.take().ends, prepend=0))
+        counts.append(np.diff(record.take().ends, prepend=0))
+    return np.concatenate(counts)
+
+
+def figures(candidate: Candidate, given: Steps, build: Build, controller: host.Controller) -> Figures:
+    """Measure a candidate over the given steps and compare its outputs with those of the emitted C on this machine."""
+    found = run(candidate, given, build)
+    spent, size = found.cost, found.size
+    assert spent.cycles is not None
+    mean = {name: float(n.mean()) for name, n in list(spent.by_function.items())[:FUNCTIONS]}
+    memory = Memory(
+        code=size.code,
+        constants=size.constants + size.literals,
+        data=size.data,
+        state=candidate.state,
+        signals=candidate.signals,
+        stack=spent.stack_bytes,
+    )
+    return Figures(
+        generator=candidate.name,
+        build=build.name,
+        steps=len(given),
+        issued=cost.spread(spent.instructions),
+        executed=cost.spread(executed(candidate, given, build)),
+        cycles=(cost.spread(spent.cycles.low), cost.spread(spent.cycles.high)),
+        functions=mean,
+        memory=memory,
+        doubles=len(cross.double_symbols(candidate.files, build.compiler, build.flags)),
+        difference=_difference(controller, given, found.outputs),
+    )
+
+
+def covered(candidate: Candidate, found: Run, build: Build) -> Coverage:
+    """Return the decisions in a candidate's own functions that a run has reached, the missing ones in its words."""
+    unseen = found.cost.missing
+    table = lines.read(found.path) if unseen else lines.Lines((), ())
+    missing = [
+        f"{s.function} at {s.address:#x}: `{s.text}` never {s.missing}{_source(candidate, table, s.address)}"
+        for s in unseen
+    ]
+    return Coverage(build.name, len(found.cost.sites), tuple(missing))
+
+
+def _source(candidate: Candidate, table: lines.Lines, address: int) -> str:
+    name, line = table.at(address)
+    text = candidate.files.get(name, "").splitlines()
+    return f"; {name}:{line}: {text[line - 1].strip()}" if 0 < line <= len(text) else ""
+
+
+def _linked(candidate: Candidate, build: Build) -> Path:
+    return cross.link(candidate.files, [candidate.entry], CORE, build.compiler, (*build.flags, *_LINES))
+
+
+def _booted(candidate: Candidate, build: Build, path: Path) -> image.Image:
+    own = cross.functions(candidate.files, CORE, build.compiler, (*build.flags, *_LINES))
+    return image.boot(elf.read(path), CORE, own)
+
+
+def _by_sequence(instructions: NDArray[np.int64], sequences: Sequence[Steps], build: Build) -> list[Measured]:
+    ends = np.cumsum([len(s) for s in sequences])[:-1]
+    parts = np.split(instructions, ends)
+    return [Measured(s.name, build.name, len(s), cost.spread(part)) for s, part in zip(sequences, parts, strict=True)]
+
+
+def _difference(controller: host.Controller, given: Steps, outputs: Columns) -> float:
+    """Return the worst difference of an output from the emitted C's on this machine, of the output's range."""
+    expected = steps.taken(controller, given).outputs
+    widths = {f["name"]: f["high"] - f["low"] for f in controller.manifest["structs"]["output"]["fields"]}
+    gaps = [np.max(np.abs(outputs[n].astype(float) - v.astype(float))) / widths[n] for n, v in expected.items()]
+    return float(max(gaps))

@@ -1,0 +1,112 @@
+"""Show that an infinite or NaN input does what a finite input out of range does, by partial evaluation.
+
+For one input k, let every other input and the whole state stay free. The compiler specialises the step for input k
+held at a constant, and the claim is that the specialised codes are the same text:
+
+    step(x, u; u_k = NaN) = step(x, u; u_k = +inf) = step(x, u; u_k = -inf) = step(x, u; u_k = the largest number).
+
+Replacing the special inputs one after the other, any combination of them does what finite inputs do, for which `eva`
+has the proof. Frama-C 25 cannot do this itself: for a NaN it takes both branches of every comparison.
+"""
+
+import re
+import subprocess
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from synth.check import Check
+from synth.errors import CompileError
+from synth.verify import contract
+from synth.verify.contract import Member
+
+_FLAGS = ("-std=c99", "-O1", "-ffp-contract=off", "-S", "-emit-llvm")
+_FILE = "synth_nonfinite.c"
+_VALUES = {
+    "float": {
+        "largest": "FLT_MAX",
+        "nan": '__builtin_nanf("")',
+        "negative_nan": '-__builtin_nanf("")',
+        "plus_inf": "__builtin_inff()",
+        "minus_inf": "-__builtin_inff()",
+    },
+    "double": {
+        "largest": "DBL_MAX",
+        "nan": '__builtin_nan("")',
+        "negative_nan": '-__builtin_nan("")',
+        "plus_inf": "__builtin_inf()",
+        "minus_inf": "-__builtin_inf()",
+    },
+}
+_WRAPPER = """
+uint32_t input_{k}_{kind}({state} *state, const {input} *in, {output} *out)
+{{
+    {input} u = *in;
+    u.{path} = {value};
+    return {step}(state, &u, out);
+}}
+"""
+_BODY = re.compile(r"^define [^\n]*@input_(\d+)_(\w+)\([^\n]*\n(.*?)^}", re.DOTALL | re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Sameness:
+    """Which inputs were compared, how many specialised steps, and those that do otherwise than the largest number."""
+
+    design: str
+    inputs: tuple[str, ...]
+    compared: int
+    different: tuple[str, ...]
+
+    def checks(self) -> tuple[Check, ...]:
+        """Return the comparison as a figure that must be zero."""
+        about = f"{self.compared} steps specialised for NaN or infinity at one of {len(self.inputs)} inputs"
+        named = "; ".join([about, *self.different[:3]])
+        name = "inputs not finite: steps unlike the one for a finite input out of range"
+        return (Check(name, len(self.different), 0, "steps", named),)
+
+
+def compare(files: Mapping[str, str], manifest: Mapping[str, Any]) -> Sameness:
+    """Compare the specialised steps of emitted `{filename: text}` for every real input of `manifest`.
+
+    Raises CompileError when clang is missing or refuses the C, and DesignError when the manifest is not whole.
+    """
+    inputs = [m for m in contract.members(manifest, "input") if m.real]
+    bodies = {(int(k), kind): body for k, kind, body in _BODY.findall(_specialised(files, manifest, inputs))}
+    special = [(k, kind) for k, m in enumerate(inputs) for kind in _VALUES[m.ctype] if kind != "largest"]
+    different = [f"{inputs[k].path} = {kind}" for k, kind in special if bodies[k, kind] != bodies[k, "largest"]]
+    return Sameness(manifest["design"], tuple(m.path for m in inputs), len(special), tuple(different))
+
+
+def _specialised(files: Mapping[str, str], manifest: Mapping[str, Any], inputs: list[Member]) -> str:
+    """The wrappers as clang's intermediate code, the step inlined into each."""
+    clang = contract.tool("clang", "clang")
+    with tempfile.TemporaryDirectory() as work:
+        for name, text in {**files, _FILE: _wrappers(files, manifest, inputs)}.items():
+            (Path(work) / name).write_text(text, encoding="utf-8")
+        done = subprocess.run([clang, *_FLAGS, _FILE, "-o", "out.ll"], cwd=work, capture_output=True, text=True)
+        if done.returncode != 0:
+            raise CompileError(f"clang: refused the emitted C, need it to compile: mend it\n{done.stderr[-2000:]}")
+        return (Path(work) / "out.ll").read_text(encoding="utf-8")
+
+
+def _wrappers(files: Mapping[str, str], manifest: Mapping[str, Any], inputs: list[Member]) -> str:
+    step = manifest["functions"]["step"]
+    types = {role: struct["type"] for role, struct in manifest["structs"].items()}
+    prototype = "uint32_t {step}({state} *state, const {input} *in, {output} *out) __attribute__((always_inline));"
+    wrappers = [
+        _WRAPPER.format(k=k, kind=kind, path=m.path, value=value, step=step, **types)
+        for k, m in enumerate(inputs)
+        for kind, value in _VALUES[m.ctype].items()
+    ]
+    return "\n".join(
+        [
+            "#include <float.h>",
+            *(f'#include "{name}"' for name in contract.headers(files)),
+            prototype.format(step=step, **types),
+            *(f'#include "{name}"' for name in contract.units(files)),
+            *wrappers,
+        ]
+    )

@@ -1,0 +1,37 @@
+"""What the emitted program computes, counted by kind: arithmetic, comparisons and logic, choices, loads and stores.
+
+A polynomial counts as the products and sums of its evaluation, a limit to +-h as one operation. Both sides of every
+choice count, though a step takes one.
+"""
+
+from collections import Counter
+
+import numpy as np
+
+from synth.block import Block
+from synth.emit import reduced
+from synth.emit.lower import Program
+
+_KINDS = {"sq": "mul", "twice": "mul", "inv": "div", "clamp": "limit", "choose": "choice", "when": "choice"}
+_KINDS |= dict.fromkeys(("lt", "le", "eq", "ne"), "compare") | dict.fromkeys(("and", "or", "not", "bit"), "logic")
+_KINDS |= {"input": "load input", "state": "load state", "constant": "load constant", "literal": "load constant"}
+
+
+def of_block(block: Block, scalar: type[np.floating]) -> dict[str, int]:
+    """Count the operations of a Block as it is printed in a scalar type, the most frequent kind first.
+
+    Raises EmitError as `emit`.
+    """
+    return of_program(reduced.reduce(block.rounded(scalar), scalar).program)
+
+
+def of_program(program: Program) -> dict[str, int]:
+    """Count the operations of a program."""
+    found = Counter(_KINDS.get(n.op, n.op) for n in program.nodes if n.op != "polynomial")
+    for node in program.nodes:
+        if node.op == "polynomial":
+            c = program.polynomials[node.name].coefficients
+            found += Counter({"mul": len(c) - 1, "add": sum(1 for value in c[:-1] if value)})
+    kept = sum(program.nodes[k].op == "state" and program.nodes[k].name == name for name, k in program.next.items())
+    found["store"] = len(program.outputs) + len(program.next) - kept
+    return dict(found.most_common())

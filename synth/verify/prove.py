@@ -1,0 +1,39 @@
+"""Every proof about emitted C, in one order and at one of two depths.
+
+    Eva            all states in bounds, all finite inputs: the contract holds, no operation is undefined
+    nonfinite      a NaN or infinite input does what a finite one out of range does
+    fuzzing        10,000,000 steps (whole) or 300,000 (subset) of machine code under sanitizers
+    misra          cppcheck's addon finds nothing
+
+The first two are proofs over the whole declared domain at either depth.
+"""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from synth.check import Check
+from synth.verify import eva, fuzz, misra, nonfinite
+
+WHOLE_STEPS = 10_000_000
+SUBSET_STEPS = 300_000
+
+
+def prove(
+    files: Mapping[str, str], manifest: Mapping[str, Any], whole: bool, told: Callable[[str], None]
+) -> tuple[Check, ...]:
+    """Run every proof on the .c and .h files of emitted `{filename: text}`; other files are left out.
+
+    `whole` chooses the depth; `told` hears what begins.
+
+    Raises CompileError when a tool is missing or refuses the C, and DesignError when the manifest is not whole.
+    """
+    code = {name: text for name, text in files.items() if name.endswith((".c", ".h"))}
+    steps = WHOLE_STEPS if whole else SUBSET_STEPS
+    told("Eva: every state in its bounds, all finite inputs")
+    checks = eva.prove(code, manifest).checks()
+    told("partial evaluation: inputs that are not finite")
+    checks += nonfinite.compare(code, manifest).checks()
+    told(f"fuzzing: {steps} steps")
+    checks += fuzz.run(code, manifest, steps).checks()
+    told("cppcheck --addon=misra")
+    return checks + misra.inspect(code).checks()

@@ -1,0 +1,156 @@
+"""Steps to measure: pairs (x_k, u_k), each with a state of its own, so that any of them can be left out.
+
+recorded    x_{k+1} = step(x_k, u_k) from `init`, by the compiled C
+drawn       x anywhere in its declared bounds, u anywhere, on the ends of its range, beyond, or no number
+faulty      every input bad alone and all at once, for 1 sample up to the latch, and latched until it rests
+"""
+
+import ctypes
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from synth.errors import SignalError
+from synth.execute import host
+
+SEED = 19_680
+GOOD, LATCHED = 4, 80  # samples before and after a run of bad ones, and of a latched step
+_BEYOND = 0.1  # of the range
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """N steps: `states` (N,) and `inputs` (N,), records of the emitted structs.
+
+    `closed_loop` marks those of a controlled plant.
+    """
+
+    name: str
+    states: host.Records
+    inputs: host.Records
+    closed_loop: bool = False
+
+    def __len__(self) -> int:
+        return len(self.inputs)
+
+    def part(self, chosen: slice | NDArray[np.intp]) -> "Steps":
+        """Return the chosen steps."""
+        return Steps(self.name, self.states[chosen], self.inputs[chosen], self.closed_loop)
+
+
+def recorded(
+    controller: host.Controller, name: str, inputs: Mapping[str, ArrayLike], closed_loop: bool = False
+) -> Steps:
+    """Return the N steps from `init` under input columns (N,) or constants, with the state before each.
+
+    Raises SignalError as `host.Controller.replay`.
+    """
+    n = host.length(inputs)
+    given = controller.records(inputs, n)
+    states, outputs = np.zeros(n + 1, controller.state), np.zeros((), controller.outputs)
+    states[0] = controller.init()
+    step = ctypes.CFUNCTYPE(ctypes.c_uint32, *[ctypes.c_void_p] * 3)(controller.step_address)
+    for k in range(n):
+        states[k + 1] = states[k]
+        step(states[k + 1 :].ctypes.data, given[k:].ctypes.data, outputs.ctypes.data)
+    return Steps(name, states[:n], given, closed_loop)
+
+
+def joined(name: str, parts: Sequence[Steps]) -> Steps:
+    """Return the steps of all parts, one after the other.
+
+    Raises SignalError when there is none.
+    """
+    if not parts:
+        raise SignalError(f"steps '{name}': found no part, need at least one: give sequences")
+    states, inputs = np.concatenate([p.states for p in parts]), np.concatenate([p.inputs for p in parts])
+    return Steps(name, states, inputs, all(p.closed_loop for p in parts))
+
+
+def thinned(steps: Steps, n: int) -> Steps:
+    """Return at most n of the steps, evenly spaced."""
+    chosen = np.linspace(0, len(steps) - 1, min(n, len(steps))).round().astype(np.intp)
+    return steps.part(chosen)
+
+
+def taken(controller: host.Controller, steps: Steps) -> host.Batch:
+    """Return what the compiled C computes in each step."""
+    return controller.batch(np.ascontiguousarray(steps.states), host.columns(steps.inputs))
+
+
+def without_faults(controller: host.Controller, steps: Steps) -> Steps:
+    """Return the steps whose fault word is 0."""
+    return steps.part(np.flatnonzero(taken(controller, steps).faults == 0))
+
+
+def in_range(controller: host.Controller, n: int) -> Steps:
+    """Record n steps under inputs drawn uniformly from their declared ranges, each sample anew."""
+    rng = np.random.default_rng(SEED)
+    fields = _fields(controller, "input")
+    return recorded(controller, "random inputs in range", {f["name"]: _uniform(rng, f, n) for f in fields})
+
+
+def drawn(controller: host.Controller, n: int) -> Steps:
+    """Draw n steps, states in their declared bounds and often on their ends, inputs also out of range."""
+    rng = np.random.default_rng(SEED + 1)
+    states, inputs = np.zeros(n, controller.state), np.zeros(n, controller.inputs)
+    for f in _fields(controller, "state"):
+        states[f["name"]] = _often(rng, _uniform(rng, f, n), (f["low"], f["high"]), 0.4)
+    for f in _fields(controller, "input"):
+        inputs[f["name"]] = _often(rng, _uniform(rng, f, n), (f["low"], f["high"], *_bad(f)), 0.1)
+    return Steps("random states and inputs", states, inputs)
+
+
+def faulty(controller: host.Controller, good: Mapping[str, float]) -> Steps:
+    """Record bad samples of each input alone and of all, between `good` ones, up to the latch and beyond.
+
+    Raises SignalError as `recorded`, and DesignError for a manifest without safety.
+    """
+    guarded = [f["input"] for f in controller.manifest["faults"] if "input" in f]
+    runs = [
+        recorded(controller, "faults", columns)
+        for names in (*((name,) for name in guarded), guarded)
+        for columns in _fault_runs(controller, names, good)
+    ]
+    return joined("faults", runs)
+
+
+def _fault_runs(
+    controller: host.Controller, names: Sequence[str], good: Mapping[str, float]
+) -> Iterator[dict[str, NDArray[np.float64]]]:
+    """Yield input columns: GOOD samples, 1 .. limit bad ones and GOOD again; the last run stays bad."""
+    limit = (controller.manifest["safety"] or {}).get("bad_samples", 1)
+    fields = {f["name"]: f for f in _fields(controller, "input")}
+    for bad in range(1, limit + 1):
+        after = LATCHED if bad == limit else GOOD
+        columns = {name: np.full(GOOD + bad + after, float(value)) for name, value in good.items()}
+        for name in names:
+            columns[name][GOOD : GOOD + bad] = np.resize(_bad(fields[name]), bad)
+        yield columns
+
+
+def _bad(field: Mapping[str, Any]) -> tuple[float, ...]:
+    low, high = field["low"], field["high"]
+    beyond = _BEYOND * (high - low)
+    return (np.nan, high + beyond, low - beyond, np.inf, -np.inf)
+
+
+def _fields(controller: host.Controller, struct: str) -> list[dict[str, Any]]:
+    return list(controller.manifest["structs"][struct]["fields"])
+
+
+def _uniform(rng: np.random.Generator, field: Mapping[str, Any], n: int) -> NDArray[np.float64]:
+    low, high = field["low"], field["high"]
+    if field["ctype"] in ("uint32_t", "int32_t"):
+        return rng.integers(int(low), int(high) + 1, n).astype(float)
+    return rng.uniform(low, high, n)
+
+
+def _often(
+    rng: np.random.Generator, values: NDArray[np.float64], others: Sequence[float], share: float
+) -> NDArray[np.float64]:
+    """Return the values with a share of them replaced by one of the others."""
+    return np.where(rng.uniform(size=len(values)) < share, rng.choice(others, len(values)), values)

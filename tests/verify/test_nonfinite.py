@@ -1,0 +1,38 @@
+"""A special input must do what a finite one out of range does, and a NaN that is let through must show."""
+
+import shutil
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from synth.verify import nonfinite
+
+Plant = Callable[[str, str], dict[str, str]]
+pytestmark = pytest.mark.skipif(not shutil.which("clang"), reason="clang: apt-get install clang")
+GUARD = "(0.0125f <= in->g1) && (in->g1 <= 0.0365f)"
+
+
+def test_every_special_input_of_the_sound_controller_is_a_bad_one(
+    files: dict[str, str], manifest: dict[str, Any]
+) -> None:
+    same = nonfinite.compare(files, manifest)
+    assert (same.inputs, same.compared, same.different) == (("g1", "g2", "r"), 3 * 4, ())
+    assert all(check.passed for check in same.checks())
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "different"),
+    [
+        (GUARD, "!((in->g1 < 0.0125f) || (in->g1 > 0.0365f))", ("g1 = nan", "g1 = negative_nan")),
+        (GUARD, "(0.0125f <= in->g1) && !(in->g1 > 0.0365f)", ()),
+        ("e = (0.5f * (g1 + g2)) - r", "e = (0.5f * (g1 + g2)) - ((in->r < 1.0f) ? r : 0.02f)", ("r = minus_inf",)),
+    ],
+    ids=["NaN let through", "NaN refused in another way", "used past the guard"],
+)
+def test_what_differs_is_named(
+    planted: Plant, manifest: dict[str, Any], old: str, new: str, different: tuple[str, ...]
+) -> None:
+    same = nonfinite.compare(planted(old, new), manifest)
+    assert same.different == different
+    assert all(check.passed for check in same.checks()) == (not different)

@@ -1,0 +1,38 @@
+"""All proofs together: they pass on sound C, tell what they do, and each defect fails in the rows that it concerns."""
+
+import shutil
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from synth.verify import prove
+
+Plant = Callable[[str, str], dict[str, str]]
+pytestmark = pytest.mark.skipif(
+    not all(map(shutil.which, ("frama-c", "clang", "cppcheck"))),
+    reason="apt-get install frama-c-base clang libclang-rt-14-dev cppcheck",
+)
+
+
+@pytest.fixture(autouse=True)
+def short(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(prove, "SUBSET_STEPS", 20_000)
+    monkeypatch.setattr(prove, "WHOLE_STEPS", 40_000)
+
+
+@pytest.mark.parametrize(("whole", "steps"), [(False, 20_000), (True, 40_000)])
+def test_sound_c_passes_at_either_depth(
+    files: dict[str, str], manifest: dict[str, Any], whole: bool, steps: int
+) -> None:
+    told: list[str] = []
+    checks = prove.prove(files | {"gains.json": "{}"}, manifest, whole, told.append)
+    assert all(check.passed for check in checks)
+    assert [line.split(":")[0] for line in told] == ["Eva", "partial evaluation", "fuzzing", "cppcheck --addon=misra"]
+    assert any(f"{steps} steps" in check.about for check in checks if check.name == "fuzzing: findings")
+
+
+def test_a_defect_fails_where_it_shows(planted: Plant, manifest: dict[str, Any]) -> None:
+    checks = prove.prove(planted("clamped(scale * i1, -4.95f, 4.95f)", "2.0f * i1"), manifest, False, lambda _: None)
+    assert {check.name for check in checks if not check.passed} >= {"Eva: claims not proved", "fuzzing: findings"}
+    assert all(check.passed for check in checks if "not finite" in check.name or "misra" in check.name)
