@@ -12,6 +12,7 @@ only a part of the guides' springs is compensated.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from math import pi, sqrt
 
 import casadi as ca
@@ -146,6 +147,7 @@ def axis_plant(axis: Axis) -> StateSpace:
     return internal_model.augmented(integrator, FREQUENCIES)
 
 
+@cache
 def gain(axis: Axis) -> lqr.Gain:
     """Return the axis' continuous LQR gain, w = K (e, de, xi)."""
     return lqr.lqr(axis_plant(axis), np.diag(axis.weights), np.eye(1))

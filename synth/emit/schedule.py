@@ -138,7 +138,7 @@ class _Level:
         return waiting
 
     def _last(self, k: int, places: dict[int, int], known: dict[int, int]) -> int:
-        """Return the place of the last marked node that node k needs or is, -1 for none; `known` has earlier results."""
+        """Return the place of the last marked node that node k needs or is, -1 for none; `known` has earlier ones."""
         first = self.first_of.get
         stack = [first(k, k)]
         while stack:
