@@ -93,7 +93,7 @@ def _mul(f: _Folder, a: int, b: int) -> int | None:
     for number, other in ((f.number(a), b), (f.number(b), a)):
         if number is not None:
             return times(f, number, other)
-    if l * m != 1:
+    if l != 1 or m != 1:
         return times(f, l * m, f.make(Node("mul", (x, y))))
     return f.place(Node("sq", (x,))) if x == y else None
 
@@ -281,6 +281,9 @@ def _shared_divisions(p: Program) -> Program:
     def make(f: _Folder, node: Node, old: Node) -> int:
         if node.op != "div" or old.args[1] not in shared:
             return f.place(node)
-        return f.make(Node("mul", (node.args[0], f.place(Node("inv", node.args[1:])))))
+        top, inverse = node.args[0], f.place(Node("inv", node.args[1:]))
+        if (number := f.number(top)) is None:
+            return f.make(Node("mul", (top, inverse)))
+        return inverse if number == 1 else f.place(Node("mul", (top, inverse)))
 
     return _rebuilt(p, make)

@@ -73,7 +73,8 @@ def _arguments(
     program: Program, users: Sequence[Sequence[int]], found: Sequence[ranges.Range], f: univariate.Univariate
 ) -> dict[int, _Reciprocal | None]:
     """Return the nodes in which a root may be written: its variable, and reciprocals of it that are computed anyway."""
-    own = set(univariate.cone(program, f.root, f.variable))
+    cone = set(univariate.cone(program, f.root, f.variable))
+    own = {k for k in cone if cone.issuperset(users[k])} | {f.root}
     near = sorted({k for a in users[f.variable] for k in users[a]} - own)
     candidates = {k: _reciprocal(program, k, f.variable) for k in near}
     return {f.variable: None} | {k: c for k, c in candidates.items() if c and found[k].finite}

@@ -107,7 +107,9 @@ class _Step:
             first = args[0] < args[1] if node.op == "min" else args[0] > args[1]
             return self._passed(k, node.args[0 if first else 1])
         if node.op == "clamp":
-            return self._passed(k, node.args[0]) if abs(args[0]) <= args[2] else args[1] if args[0] < 0 else args[2]
+            return (
+                self._passed(k, node.args[0]) if abs(args[0]) <= args[2] else args[1] if args[0] < 0 else abs(args[2])
+            )
         if node.op == "bit":
             return args[0] + self.scalar(node.value)
         if node.op == "neg" and node.args[0] in self.exact:
