@@ -13,6 +13,8 @@ TABLE: dict[str, tuple[float, str]] = {
     "peak": (1e-7, "a minimum is found to the root of the precision of its value"),
     "multiple_root": (1e-5, "the eigenvalues of a pole of multiplicity 2 or 3 scatter by a root of the precision"),
     "settled": (1e-9, "what is left of a transient after the 30 or more time constants simulated"),
+    "libm_ulps": (8, "units: two functions of libm off by up to 3 each, their product and the rounding of the inputs"),
+    "folded": (1e-13, "folding moves a few dozen roundings in double, and libm's functions differ in the last bit"),
     "print_K": (0.5, "units of the last printed digit: a figure that is rounded right is off by half of one"),
     "print_q": (0.1, "relative: poles printed to three digits determine the weights to several per cent"),
 }

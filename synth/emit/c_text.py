@@ -80,10 +80,10 @@ def _polynomial(s: Surrogate, layout: Layout) -> list[str]:
     about = f"{s.variable} {'-' if p.centre > 0 else '+'} {abs(p.centre):.9g}" if p.centre else s.variable
     about = f"({about}) * {p.scale:g}" if p.scale != 1 else about
     argument = {"none": f"t = {about}", "odd": f"{s.tag} / x, t = x^2, x = {about}", "even": f"t = x^2, x = {about}"}
-    c = [literal(v, layout.scalar).c for v in p.coefficients]
-    text = c[-1]
-    for term in c[-2::-1]:
-        text = f"{term} + (t * ({text}))" if "t" in text else f"{term} + (t * {text})"
+    text = literal(p.coefficients[-1], layout.scalar).c
+    for c in p.coefficients[-2::-1]:
+        text = f"t * ({text})" if "t" in text else f"t * {text}"
+        text = f"{literal(c, layout.scalar).c} + ({text})" if c else text
     return [
         f"/* {prose(s.tag)} for {prose(s.variable)} in {p.low:.9g} .. {p.high:.9g}: {argument[p.parity]};",
         f" * relative error at most {p.max_relative_error:.2g}. */",

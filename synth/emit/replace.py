@@ -15,7 +15,7 @@ from functools import cache
 import flint
 import numpy as np
 
-from synth.emit import ranges, surrogate, univariate
+from synth.emit import ranges, surrogate, univariate, wording
 from synth.emit.lower import Node, Program
 from synth.emit.polynomial import Polynomial
 from synth.emit.univariate import Analytic, Key
@@ -190,11 +190,11 @@ def _free(signal: str, taken: set[str]) -> str:
 
 
 def _variable(program: Program, names: Mapping[int, str], k: int) -> str:
-    """Say what a node is: a signal, a reciprocal of one, or a difference of two."""
+    """Say what a node is: a signal, a reciprocal, a sum or a difference of others, or else an expression."""
     node = program.nodes[k]
-    sides = [names.get(a, f"{program.nodes[a].value:.9g}") for a in node.args]
+    sides = [names.get(a) or wording.expression(program, a, spelled=False) for a in node.args]
     if k in names or node.op not in ("inv", "div", "add", "sub"):
-        return names.get(k, node.op)
+        return names.get(k) or wording.expression(program, k, spelled=False)
     if node.op in ("add", "sub"):
         return f"{sides[0]} {'+' if node.op == 'add' else '-'} {sides[1]}"
     return f"{sides[0] if node.op == 'div' else 1} / ({_variable(program, names, node.args[-1])})"

@@ -10,15 +10,17 @@ import numpy as np
 
 from synth.block import Block
 from synth.emit import c_text, layout, manifest, reduced
+from synth.emit.lower import Program
 from synth.synthesise.safety import Safety
 
 
 @dataclass(frozen=True)
 class Emitted:
-    """The emitted text files and the manifest that describes them."""
+    """The emitted text files, the manifest that describes them, and the program that was printed, where it is known."""
 
     files: Mapping[str, str]
     manifest: Mapping[str, Any]
+    program: Program | None = None
 
 
 def emit(
@@ -52,7 +54,7 @@ def emit(
     }
     texts["manifest.json"] = manifest.dumps(document)
     texts["gains.json"] = manifest.dumps(shipped_gains | dict(gains or {}))
-    return Emitted(texts, json.loads(texts["manifest.json"]))
+    return Emitted(texts, json.loads(texts["manifest.json"]), printed.program)
 
 
 def save(files: Mapping[str, str], folder: Path) -> None:

@@ -100,7 +100,7 @@ def measure(
         tuple(compared),
         tuple(measured),
         tuple(coverage),
-        operations.of_block(block, np.float32),
+        operations.of_program(emitted.program) if emitted.program else operations.of_block(block, np.float32),
         rivals.absent(),
     )
 

@@ -1,6 +1,5 @@
-"""A lowered program, interpreted node by node in NumPy, computes what CasADi computes."""
+"""A lowered program, interpreted node by node, computes what CasADi computes."""
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -15,29 +14,9 @@ from synth.emit import lower
 from synth.errors import EmitError
 from synth.signals import Signal
 from synth.timing import Discrete
+from tests.emit.meaning import interpret
 
 TIME = Discrete(1e-3)
-MEANING: dict[str, Callable[..., Any]] = {
-    "neg": lambda a: -a,
-    "sq": lambda a: a * a,
-    "twice": lambda a: 2 * a,
-    "inv": lambda a: 1 / a,
-    "not": lambda a: not a,
-    "add": lambda a, b: a + b,
-    "sub": lambda a, b: a - b,
-    "mul": lambda a, b: a * b,
-    "div": lambda a, b: a / b,
-    "min": min,
-    "max": max,
-    "lt": lambda a, b: a < b,
-    "le": lambda a, b: a <= b,
-    "eq": lambda a, b: a == b,
-    "ne": lambda a, b: a != b,
-    "and": lambda a, b: bool(a) and bool(b),
-    "or": lambda a, b: bool(a) or bool(b),
-    "when": lambda a, b: b if a else 0.0,
-    "choose": lambda a, b, c: b if a else c,
-}
 
 
 def signal(name: str, low: float = -10) -> Signal:
@@ -47,19 +26,6 @@ def signal(name: str, low: float = -10) -> Signal:
 def make(law: Callable[..., Step], outputs: str = "y", **fields: Any) -> Block:
     inputs, named = [signal("a"), signal("b")], [signal(n) for n in outputs.split()]
     return build("lowered", TIME, law, inputs=inputs, outputs=named, **fields)
-
-
-def interpret(program: lower.Program, loads: dict[str, float]) -> list[float]:
-    values: list[Any] = []
-    for node in program.nodes:
-        args = [values[a] for a in node.args]
-        if node.op in ("input", "state", "constant"):
-            values.append(loads[node.name])
-        elif node.op == "literal":
-            values.append(node.value)
-        else:
-            values.append(MEANING.get(node.op, getattr(math, node.op, None))(*args))
-    return [float(v) for v in values]
 
 
 def everything(u: Any, x: Any, k: Any) -> Step:
@@ -128,12 +94,51 @@ def test_what_equals_an_earlier_node_is_read_as_it() -> None:
     assert not any(n.op == "sin" for n in without.nodes) and len(without.nodes) == len(program.nodes) - 1
 
 
+def marked(program: lower.Program) -> dict[str, lower.Node]:
+    return {named.signal.name: program.nodes[k] for named, k in program.marks}
+
+
+def test_nodes_that_nothing_needs_any_more_are_dropped_with_their_marks() -> None:
+    def law(u: Any, x: Any, k: Any) -> Step:
+        e = ca.exp(u["b"])
+        return Step({"y": ca.sin(e)}, named=[(signal("e"), e)])
+
+    program = lower.program(make(law))
+    e, y = next(k for k, n in enumerate(program.nodes) if n.op == "exp"), program.outputs["y"]
+    assert marked(program) == {"e": program.nodes[e], "y": program.nodes[y]}
+    shortened, gone = program.substituted({e: program.nodes[e].args[0]}), program.substituted({y: 0})
+    assert [n.op for n in shortened.nodes] == ["input", "sin"] and marked(shortened)["e"].name == "b"
+    assert [n.op for n in gone.nodes] == ["input"] and list(marked(gone)) == ["y"]
+
+
+def test_users_count_each_reading() -> None:
+    program = lower.program(make(lambda u, x, k: Step({"y": u["a"] * u["a"] + u["a"]})))
+    a = next(k for k, n in enumerate(program.nodes) if n.name == "a")
+    assert len(program.users()[a]) == sum(n.args.count(a) for n in program.nodes) >= 2
+
+
+@pytest.mark.parametrize(
+    ("state", "owner"),
+    [("lag_x", "lag"), ("lag_filter_x", "lag_filter"), ("lag_filters_x", "lag"), ("lagging_x", ""), ("x", "")],
+)
+def test_a_state_belongs_to_the_longest_block_name_that_leads_its_own(state: str, owner: str) -> None:
+    titles = dict.fromkeys(("lag", "lag_filter", "other"), "")
+    assert lower.Program((), (), {}, {}, titles=titles).owner(state) == owner
+
+
 def test_each_fault_sets_its_bit_of_the_word() -> None:
-    block = make(lambda u, x, k: Step({"y": 2 * u["a"], "bad": u["a"] > 1}), "y bad")
-    guarded = replace(block, faults=(Fault(3, "bad", "a"),))
-    program = lower.program(guarded)
-    word = program.nodes[program.word]
-    assert word.op == "choose" and program.nodes[word.args[1]] == lower.Node("bit", (word.args[2],), 8.0)
+    law = lambda u, x, k: Step({"y": 2 * u["a"], "high": u["a"] > 1, "low": u["b"] < 0})  # noqa: E731
+    block = make(law, "y high low")
+    faults = [Fault(3, "high", "a"), Fault(31, "low", None), Fault(0, "high", None)]
+    program = lower.program(replace(block, faults=tuple(faults), outputs=block.outputs[:1]))
+    assert program.word is not None and list(program.outputs) == ["y"]
+    for a, b in ((0, 0), (2, 0), (0, -1), (2, -1)):
+        word = interpret(program, {"a": a, "b": b})[program.word]
+        assert word == (a > 1) * 0b1001 | (b < 0) << 31
+
+
+def test_a_block_without_faults_has_no_word() -> None:
+    assert lower.program(make(lambda u, x, k: Step({"y": u["a"]}))).word is None
 
 
 @pytest.mark.parametrize(
