@@ -1,21 +1,26 @@
-"""Emission is deterministic, rounds once, and touches only the files that change."""
+"""Emission is deterministic, rounds once, grows with the Block and no faster, and touches only files that change."""
 
 import json
 import subprocess
 import sys
 from pathlib import Path
+from types import FrameType
+from typing import Any
 
 import casadi as ca
 import numpy as np
 import pytest
 
 from synth.block import Block, Constant, State, Step, build
+from synth.compose import compose
+from synth.emit import reduced, replace
 from synth.emit.write import emit, save
 from synth.errors import EmitError, SignalError
 from synth.signals import Signal
 from synth.timing import Discrete
 
 FLOATS = [np.float32, np.float64]
+OWN = str(Path(reduced.__file__).parent)
 
 
 def filter_block(k: float = 0.1) -> Block:
@@ -63,7 +68,82 @@ def test_what_a_type_cannot_hold_is_refused() -> None:
         emit(filter_block(), np.float16)
     with pytest.raises(SignalError, match="constant 'k' is inf"):
         emit(filter_block(1e39), np.float32)
-    assert "k = 1e+39;" in emit(filter_block(1e39), np.float64).files["lagged.c"]
+    assert "k = 1e+39;" in emit(filter_block(1e39), np.float64, libm=True).files["lagged.c"]
+
+
+def axis(i: int) -> Block:
+    """Return a filter, a law with anti-windup and a counter for one axis of many, with a function of its gap."""
+
+    def law(u: dict[str, ca.SX], x: dict[str, ca.SX], k: dict[str, ca.SX]) -> Step:
+        live, e = u["live"], u[f"gap{i}"] - u[f"wish{i}"]
+        de = x["f"] + k["h"] * (e - x["e"])
+        force = ca.exp(-u[f"gap{i}"]) * (k["ke"] * e + k["kd"] * de + k["ki"] * x["sum"])
+        next = {"e": ca.if_else(live, e, x["e"]), "f": ca.if_else(live, de, x["f"])}
+        next |= {"sum": ca.if_else(ca.fabs(x["sum"] + e) <= 3, x["sum"] + e, x["sum"])}
+        next |= {"n": ca.if_else(live, ca.fmin(x["n"] + 1, 7), 0)}
+        return Step({f"force{i}": ca.fmax(ca.fmin(force, 5), -5)}, next, [(Signal(f"e{i}", "1", -2, 2), e)])
+
+    bounds = {"e": 2.0, "f": 50.0, "sum": 3.0}
+    states = [*(State(Signal(n, "1", -b, b), 0) for n, b in bounds.items()), State(Signal("n", "1", 0, 7), 0, True)]
+    constants = [Constant(n, v, "1", "test") for n, v in (("h", 0.5), ("ke", 2.5), ("kd", 0.25), ("ki", 0.125))]
+    inputs = [Signal(n, "1", 0, 1) for n in (f"gap{i}", f"wish{i}", "live")]
+    outputs = [Signal(f"force{i}", "1", -5, 5)]
+    return build(
+        f"axis{i}", Discrete(1e-3), law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag="law"
+    )
+
+
+def axes(n: int) -> Block:
+    inputs = [f"{name}{i}" for i in range(n) for name in ("gap", "wish")] + ["live"]
+    blocks = [axis(i) for i in range(n)]
+    return compose("axes", blocks, inputs=inputs, outputs=[f"force{i}" for i in range(n)])
+
+
+def work(n: int) -> dict[str, int]:
+    """Return the lines of the C of n axes, the nodes of their program, and the calls that emission makes of itself."""
+    block, calls = axes(n), 0
+
+    def count(frame: FrameType, event: str, _: object) -> None:
+        nonlocal calls
+        calls += event == "call" and OWN in frame.f_code.co_filename
+
+    sys.setprofile(count)
+    try:
+        made = emit(block, np.float32, error=1e-3)
+    finally:
+        sys.setprofile(None)
+    nodes = len(reduced.reduce(block.rounded(np.float32), np.float32, error=1e-3).program.nodes)
+    return {"lines": made.files["axes.c"].count("\n"), "nodes": nodes, "calls": calls}
+
+
+def growth() -> dict[str, float]:
+    """Return how much four times as many axes take."""
+    emit(axes(1), np.float32, error=1e-3)  # the axes' one function is fitted once
+    few, many = work(6), work(24)
+    return {what: many[what] / few[what] for what in few}
+
+
+def test_emission_grows_with_the_number_of_axes_and_no_faster() -> None:
+    found = growth()
+    assert all(3.5 < ratio < 4.1 for ratio in found.values()), found
+
+
+def test_a_search_through_all_nodes_for_each_axis_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = replace._arguments
+
+    def searched(program: Any, users: Any, found: Any, f: Any) -> Any:
+        for k in range(len(program.nodes)):
+            replace._reciprocal(program, k, f.variable)
+        return plain(program, users, found, f)
+
+    monkeypatch.setattr(replace, "_arguments", searched)
+    assert growth()["calls"] > 4.1
+
+
+def test_axes_share_their_function_and_their_branch() -> None:
+    text = emit(axes(5), np.float32, error=1e-3).files["axes.c"]
+    assert text.count("_polynomial(float t)") == 1 and text.count("_polynomial(") == 6
+    assert text.count("if (live != 0.0f)") == 1
 
 
 def test_only_changed_files_are_written(tmp_path: Path) -> None:
