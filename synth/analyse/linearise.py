@@ -31,4 +31,5 @@ def linearise(plant: Plant, point: OperatingPoint) -> StateSpace:
     jacobians = [ca.jacobian(expr, arg) for expr in (f, h) for arg in (x, u)]
     at_point = ca.Function("jacobians", [x, u, p], jacobians)(point.x, point.u, point.p)
     A, B, C, D = (np.asarray(ca.DM(matrix)) for matrix in at_point)
-    return StateSpace(A, B, C, D, point.states, point.inputs, names(plant.outputs), Continuous())
+    units = {s.name: s.unit for s in (*plant.states, *plant.inputs, *plant.outputs)}
+    return StateSpace(A, B, C, D, point.states, point.inputs, names(plant.outputs), Continuous(), units)

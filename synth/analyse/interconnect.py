@@ -1,0 +1,79 @@
+"""Linear models wired by the names of their signals.
+
+With all models side by side, x' = A x + B u, y = C x + D u, and every input a sum of outputs and of external inputs r,
+
+    u = W y + V r,     u = (I - W D)^-1 (W C x + V r).
+
+A model's input that has the name of an output is wired to it, one that has the name of an external input to that; any
+other wire is given as {input: {signal: factor}}.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import scipy.linalg
+
+from synth.errors import ModelError, SignalError
+from synth.signals import dimension
+from synth.statespace import Array, StateSpace, System, of
+from synth.timing import common
+
+Wires = Mapping[str, Mapping[str, float]]
+
+
+def connect(models: Sequence[System], inputs: Sequence[str], outputs: Sequence[str], wires: Wires) -> StateSpace:
+    """Return the model from the external `inputs` to some of the models' `outputs`.
+
+    `wires[input]` = {signal: factor} gives a model's input as a sum of outputs and external inputs; an input in no wire
+    takes the signal of its own name, and is 0 where there is none. States keep their names.
+
+    Raises TimingError for unlike times; SignalError for a name that is not known or stands twice, or for a wire of
+    factor 1 or -1 between unlike units; ModelError for an algebraic loop without a solution.
+    """
+    parts = [of(m) for m in models]
+    time = common(*(m.time for m in parts))
+    u, y, x = (_joined(kind, parts) for kind in ("inputs", "outputs", "states"))
+    if both := sorted(set(inputs) & set(y)):
+        raise SignalError(f"'{both[0]}' is an external input and a model's output: rename one of them")
+    units = {name: unit for m in parts for name, unit in m.units.items()}
+    sources = (*y, *inputs)
+    own = {name: {name: 1.0} for name in u if name in sources}
+    M = _matrix({**own, **wires}, u, sources, units)
+    W, V = M[:, : len(y)], M[:, len(y) :]
+    A, B, C, D = (scipy.linalg.block_diag(*(getattr(m, letter) for m in parts)) for letter in "ABCD")
+    A, B, C, D = (v.reshape(s) for v, s in zip((A, B, C, D), _shapes(len(x), len(u), len(y)), strict=True))
+    loop = np.eye(len(u)) - W @ D
+    if np.linalg.cond(loop) > 1 / np.finfo(float).eps:
+        raise ModelError(
+            "the models pass signals around a loop at once, without a solution: I - W D is singular; "
+            "put a state or a delay into the loop"
+        )
+    F, G = np.linalg.solve(loop, W @ C), np.linalg.solve(loop, V)
+    joined = StateSpace(A + B @ F, B @ G, C + D @ F, D @ G, x, tuple(inputs), y, time, units)
+    return joined.select(outputs, inputs)
+
+
+def _joined(kind: str, parts: Sequence[StateSpace]) -> tuple[str, ...]:
+    names = tuple(name for m in parts for name in getattr(m, kind))
+    for name in names:
+        if names.count(name) > 1:
+            raise SignalError(f"'{name}' stands {names.count(name)} times among the models' {kind}: rename one")
+    return names
+
+
+def _shapes(n: int, m: int, p: int) -> tuple[tuple[int, int], ...]:
+    return (n, n), (n, m), (p, n), (p, m)
+
+
+def _matrix(wires: Wires, u: Sequence[str], sources: Sequence[str], units: Mapping[str, str]) -> Array:
+    M = np.zeros((len(u), len(sources)))
+    for end, sums in wires.items():
+        for start, factor in sums.items():
+            for name, known in ((end, u), (start, sources)):
+                if name not in known:
+                    raise SignalError(f"wire from '{start}' to '{end}': '{name}' is not one of {', '.join(known)}")
+            here, there = units.get(end), units.get(start)
+            if here and there and abs(factor) == 1 and dimension(here) != dimension(there):
+                raise SignalError(f"wire from '{start}' in {there} to '{end}' in {here}: give the factor between them")
+            M[u.index(end), sources.index(start)] = factor
+    return M

@@ -1,0 +1,92 @@
+"""How results look at a prompt and in a notebook: a title, sentences, and tables whose rows and columns are named.
+
+A class decorated with `printed` tells what it shows by its method ``sheet()``.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from html import escape
+from typing import Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+
+@dataclass(frozen=True)
+class Table:
+    """Named columns over rows of texts; each row is as long as `columns`."""
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """What a result shows: sentences first, then tables."""
+
+    title: str
+    lines: tuple[str, ...] = ()
+    tables: tuple[Table, ...] = ()
+
+
+class Shown(Protocol):
+    """What has a sheet."""
+
+    def sheet(self) -> Sheet:
+        """Return what a prompt shows."""
+        ...
+
+
+T = TypeVar("T", bound=Callable[..., Shown])
+
+
+def printed(kind: T) -> T:
+    """Let a class print its sheet: as text at a prompt, as HTML in a notebook."""
+    setattr(kind, "__repr__", lambda self: text(self.sheet()))  # noqa: B010
+    setattr(kind, "_repr_html_", lambda self: html(self.sheet()))  # noqa: B010
+    return kind
+
+
+def number(value: complex, digits: int = 5) -> str:
+    """Return a real or complex number with `digits` significant digits; an imaginary part of 0 is left out."""
+    if not np.imag(value):
+        return f"{float(np.real(value)):.{digits}g}"
+    return f"{np.real(value):.{digits}g}{np.imag(value):+.{digits}g}i"
+
+
+def named(name: str, unit: str) -> str:
+    """Return the name with its unit in brackets, alone where no unit is known."""
+    return f"{name} [{unit}]" if unit else name
+
+
+def matrix(corner: str, values: ArrayLike, rows: Sequence[str], columns: Sequence[str]) -> Table:
+    """Return a matrix (rows, columns), called `corner`, as a table with named rows and columns."""
+    body = ((label, *(number(v) for v in row)) for label, row in zip(rows, np.asarray(values).tolist(), strict=True))
+    return Table((corner, *columns), tuple(body))
+
+
+def text(sheet: Sheet) -> str:
+    """Return a sheet as lines of text, columns aligned."""
+    return "\n".join([sheet.title, *sheet.lines, *(line for table in sheet.tables for line in _aligned(table))])
+
+
+def html(sheet: Sheet) -> str:
+    """Return a sheet as HTML."""
+    parts = [f"<p><strong>{escape(sheet.title)}</strong></p>", *(f"<p>{escape(line)}</p>" for line in sheet.lines)]
+    for table in sheet.tables:
+        rows = [_row("th", table.columns), *(_row("td", row) for row in table.rows)]
+        parts.append(f"<table>{''.join(rows)}</table>")
+    return "\n".join(parts)
+
+
+def _aligned(table: Table) -> list[str]:
+    lines = (table.columns, *table.rows)
+    widths = [max(len(line[k]) for line in lines) for k in range(len(table.columns))]
+    return [
+        "  ".join([line[0].ljust(widths[0]), *(v.rjust(w) for v, w in zip(line[1:], widths[1:], strict=True))]).rstrip()
+        for line in lines
+    ]
+
+
+def _row(tag: str, cells: Sequence[str]) -> str:
+    return "<tr>" + "".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in cells) + "</tr>"
