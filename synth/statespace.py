@@ -77,7 +77,7 @@ class StateSpace:
         """Return the four matrices as one table: states and outputs down, states and inputs across."""
         after = "d/dt" if isinstance(self.time, Continuous) else "next"
         rows = [*(f"{after} {label}" for label in self.labels(self.states)), *self.labels(self.outputs)]
-        table = show.matrix("", np.block([[self.A, self.B], [self.C, self.D]]), rows, (*self.states, *self.inputs))
+        table = show.matrix("", np.block([[self.A, self.B], [self.C, self.D]]), rows, (*self.states, *self.labels(self.inputs)))
         size = f"{len(self.states)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs"
         return show.Sheet(f"Linear model in {self.time}: {size}", tables=(table,))
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from synth.errors import SignalError
-from synth.statespace import StateSpace, from_control
+from synth.statespace import StateSpace, from_control, of
 from synth.timing import Continuous, Discrete, Time
 
 TIMES: list[Time] = [Continuous(), Discrete(1e-3)]
@@ -89,3 +89,63 @@ def test_matrices_are_copies_that_cannot_be_written() -> None:
     assert mine.A[0, 0] == 0
     with pytest.raises(ValueError, match="read-only"):
         mine.A[0, 0] = 1
+
+
+def test_arrays_and_python_control_systems_are_read_as_models() -> None:
+    arrays = ([[0.5, 1.0], [0.0, 0.2]], [[0.0], [1.0]], [[1.0, 0.0]], [[0.0]])
+    for given in ((*arrays, Discrete(0.1)), (*arrays, 0.1), control.ss(*arrays, 0.1)):
+        found = of(given)
+        assert found.time == Discrete(0.1)
+        for letter, value in zip("ABCD", arrays, strict=True):
+            np.testing.assert_array_equal(getattr(found, letter), value)
+    assert of(arrays).time == of((*arrays, 0)).time == Continuous()
+    assert of(arrays) is not None and of(arrays).outputs == ("y1",)
+
+
+def test_a_model_is_read_as_itself_and_a_transfer_function_by_its_response() -> None:
+    mine = model(Continuous())
+    assert of(mine) is mine
+    np.testing.assert_allclose(of(control.tf([2, 1], [1, 3, 5])).response(2j)[0, 0, 0], (4j + 1) / (6j + 1), rtol=1e-14)
+
+
+def test_all_states_are_outputs_where_no_C_is_given() -> None:
+    found = of((np.diag([1.0, 2.0]), [[1.0], [1.0]]))
+    assert found.states == found.outputs == ("x1", "x2") and found.inputs == ("u1",)
+    np.testing.assert_array_equal(found.C, np.eye(2))
+
+
+@pytest.mark.parametrize(
+    ("system", "message"),
+    [
+        (3.0, "float is no linear model"),
+        ((), "0 arrays make no linear model"),
+        (([[1.0]],), "1 arrays make no linear model"),
+        (([[1.0]], [[1.0]], [[1.0]], [[1.0]], None), "sample period is None"),
+        (([[1.0]], [[1.0]], [[1.0]], [[1.0]], True), "sample period is True"),
+        (([[1.0, 2.0]], [[1.0]]), "A has shape"),
+        (([1.0, 2.0], [[1.0]]), "A has shape .2,.: give a matrix"),
+        (([["a"]], [[1.0]]), "A is no array of real numbers"),
+        (([[1.0]], [[np.nan]]), "B.0, 0. is nan"),
+        (control.ss([[0.5]], [[1]], [[1]], [[0]], True), "no sample period"),
+    ],
+)
+def test_what_is_no_model_is_refused(system: Any, message: str) -> None:
+    with pytest.raises(SignalError, match=message):
+        of(system)
+
+
+def test_units_follow_the_signals() -> None:
+    found = change(units={"x0": "m", "u1": "A", "y2": "m", "gone": "s"})
+    assert found.units == {"x0": "m", "u1": "A", "y2": "m"} and found.unit("x1") == ""
+    assert found.renamed({"x0": "gap"}).unit("gap") == "m" and found.channel("y2", "u1").unit("u1") == "A"
+    assert "d/dt x0 [m]" in repr(found) and "u1 [A]" in repr(found)
+    with pytest.raises(SignalError, match="unit 'mm'"):
+        change(units={"x0": "mm"})
+
+
+def test_some_outputs_and_inputs_are_selected_in_the_order_given() -> None:
+    mine = model(Continuous())
+    part = mine.select(("y2", "y0"), ("u1",))
+    np.testing.assert_allclose(part.response(3j)[0], mine.response(3j)[0][np.ix_([2, 0], [1])], rtol=1e-13)
+    with pytest.raises(SignalError, match="'u7' is not one of u0, u1"):
+        mine.select(("y0",), ("u7",))
