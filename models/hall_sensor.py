@@ -1,0 +1,32 @@
+"""Two-axis Hall sensors: voltages from the flux density at a point of a moving platen.
+
+    V_u = V_0 + s (cos(phi) B_X + sin(phi) B_Y)
+    V_v = V_0 + s (cos(phi) B_Y - sin(phi) B_X)
+
+for a sensor whose axes u, v turn with the platen by phi about Z, with the sensitivity s in V/T of sensor and amplifier.
+Tilt about X and Y moves the sensor but does not turn its axes.
+
+Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", the measurement model; Yu, Kim, section 3.
+"""
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from models.halbach import Field
+
+
+@dataclass(frozen=True, eq=False)
+class Voltages:
+    """What a sensor's two axes read, V."""
+
+    u: ca.SX
+    v: ca.SX
+
+
+def voltages(field: Field, phi: ca.SX, sensitivity: ca.SX, offset: ca.SX) -> Voltages:
+    """Return the voltages in V for a field in T, a yaw in rad, a sensitivity in V/T and an offset in V."""
+    c, s = ca.cos(phi), ca.sin(phi)
+    return Voltages(
+        offset + sensitivity * (c * field.x + s * field.y), offset + sensitivity * (c * field.y - s * field.x)
+    )
