@@ -28,6 +28,7 @@ typedef struct {
     int64_t sensors;
     const int64_t *sensor_source, *sensor_offset; /* plant output; byte offset in the controller's input */
     const double *sensor_resolution;              /* 0: ideal */
+    const double *noise;                          /* (samples, sensors): added before the encoder */
     const uint8_t *overridden;                    /* (samples, sensors): the input holds this sample already */
 
     int64_t commands;
@@ -103,8 +104,9 @@ static void measure(const loop_t *loop, int64_t k, const double *y) {
     char *const in = loop->in + k * loop->in_size;
     for (int64_t i = 0; i < loop->sensors; i++) {
         if (loop->overridden[k * loop->sensors + i]) continue;
-        const double true_value = y[loop->sensor_source[i]], resolution = loop->sensor_resolution[i];
-        const double value = resolution > 0.0 ? resolution * rint(true_value / resolution) : true_value;
+        const double seen = y[loop->sensor_source[i]] + loop->noise[k * loop->sensors + i];
+        const double resolution = loop->sensor_resolution[i];
+        const double value = resolution > 0.0 ? resolution * rint(seen / resolution) : seen;
         const float narrow = (float)value;
         if (loop->single) memcpy(in + loop->sensor_offset[i], &narrow, sizeof narrow);
         else memcpy(in + loop->sensor_offset[i], &value, sizeof value);

@@ -1,7 +1,7 @@
 """Simulate a plant in continuous time under compiled C in sampled time, T apart, with the whole loop in C.
 
     dx/dt = f(x, u(t), p) + d(x, t)                   by `substeps` steps of RK4 in each period
-    m_k = encoder(h(x(kT), u_{k-1}, p))               or the override's sample
+    m_k = encoder(h(x(kT), u_{k-1}, p) + noise_k)     or the override's sample
     c_k = step(state, m_k, references_k)
     u(t) = M c_{k-delay} + forcing                    for kT <= t < (k+1)T, with c_j = hold for j < 0
 
@@ -17,7 +17,7 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from synth.emit import casadi_c
 from synth.errors import SignalError, WiringError
@@ -36,7 +36,7 @@ _COUNTS = ("samples", "substeps", "delay", "stops", "sensors", "commands", "sing
 _MEMBERS = (
     *("samples", "substeps", "delay", "period", "p", "x", "locked"),
     *("stops", "stop_position", "stop_velocity", "stop_low", "stop_high", "impact"),
-    *("sensors", "sensor_source", "sensor_offset", "sensor_resolution", "overridden"),
+    *("sensors", "sensor_source", "sensor_offset", "sensor_resolution", "noise", "overridden"),
     *("commands", "command_offset", "mixing", "forcing", "waiting"),
     *("single", "step", "state", "in_size", "out_size", "in", "out", "faults", "states", "outputs", "applied"),
 )
@@ -163,17 +163,23 @@ def _sensor_arrays(plant: Plant, controller: host.Controller, scenario: Scenario
     sensors, outputs = scenario.sensors, {s.name: s for s in plant.outputs}
     _require_known("sensors", sensors.values(), outputs)
     _require_known("encoders", scenario.encoders, sensors)
+    _require_known("noise", scenario.noise, sensors)
     for name, source in sensors.items():
         _require_like(controller, "input", name, outputs[source])
     overridden = np.zeros((n, len(sensors)), dtype=np.uint8)
     for i, name in enumerate(sensors):
         if name in scenario.overrides:
             overridden[:, i] = scenario.overrides[name].mask
+    noise = np.zeros((n, len(sensors)))
+    for i, name in enumerate(sensors):
+        if name in scenario.noise:
+            noise[:, i] = _noise(name, scenario.noise[name], n)
     resolutions = [scenario.encoders.get(name, Encoder()).resolution for name in sensors]
     return {
         "sensor_source": np.array([names(plant.outputs).index(s) for s in sensors.values()], dtype=np.int64),
         "sensor_offset": np.array([_offset(controller.inputs, name) for name in sensors], dtype=np.int64),
         "sensor_resolution": np.array(resolutions, dtype=np.float64),
+        "noise": noise,
         "overridden": overridden,
     }
 
@@ -208,6 +214,13 @@ def _mask(name: str, mask: NDArray[np.bool_], n: int) -> NDArray[np.bool_]:
     found = np.asarray(mask)
     if found.dtype != np.bool_ or found.shape != (n,):
         raise SignalError(f"override mask of '{name}' is {found.dtype} {found.shape}: give {n} booleans, one a sample")
+    return found
+
+
+def _noise(name: str, values: ArrayLike, n: int) -> Array:
+    found = np.asarray(values, dtype=np.float64)
+    if found.shape != (n,) or not np.isfinite(found).all():
+        raise SignalError(f"noise of '{name}' is {found.shape}: give {n} finite numbers, one a sample")
     return found
 
 

@@ -25,8 +25,9 @@ class Scenario:
 
     Every controller input is in `sensors` or in `references` (a constant or one value for each sample); every plant
     input is in `actuators` or in `forcing` (a constant that is added), or in both. A state that `x0` leaves out starts
-    at 0, a command that `hold` leaves out is 0 before the first, and a sensor without encoder is ideal. `velocities`
-    pairs the positions that `stops` (low, high) and `locked` may name with their velocities. `delay` counts samples.
+    at 0, a command that `hold` leaves out is 0 before the first, and a sensor without encoder is ideal. `noise` (N,) is
+    added to what a sensor sees, before its encoder. `velocities` pairs the positions that `stops` (low, high) and
+    `locked` may name with their velocities. `delay` counts samples.
     """
 
     duration_s: float
@@ -35,6 +36,7 @@ class Scenario:
     actuators: Mapping[str, str | Mapping[str, float]]
     references: Mapping[str, ArrayLike] = field(default_factory=dict)
     encoders: Mapping[str, Encoder] = field(default_factory=dict)
+    noise: Mapping[str, ArrayLike] = field(default_factory=dict)
     overrides: Mapping[str, Override] = field(default_factory=dict)
     hold: Mapping[str, float] = field(default_factory=dict)
     forcing: Mapping[str, float] = field(default_factory=dict)

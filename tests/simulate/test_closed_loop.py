@@ -94,6 +94,14 @@ def test_encoders_quantise_what_the_controller_reads(magnet: Plant, level: Level
     assert not np.array_equal(found.measured["gap"], found["q"].astype(controller.scalar))
 
 
+def test_noise_is_added_before_the_encoder(magnet: Plant, level: Level) -> None:
+    encoder, noise = Encoder(1e-5), np.random.default_rng(4).normal(0, 3e-5, 300)
+    changed = replace(BASE, encoders={"gap": encoder}, noise={"gap": noise})
+    found = closed_loop.simulate(magnet, level("float64"), changed)
+    assert np.array_equal(found.measured["gap"], encoder.read(found.outputs["gap"] + noise))
+    assert 2e-5 < np.std(found.measured["gap"] - found.outputs["gap"]) < 4e-5
+
+
 @pytest.mark.parametrize("scalar", ["float32", "float64"])
 def test_replay_of_what_was_measured_gives_the_same_bits(magnet: Plant, level: Level, scalar: str) -> None:
     controller, references = level(scalar), {"gap_ref": 0.02 + 1e-4 * np.sin(np.arange(300) / 10)}
@@ -236,6 +244,9 @@ def test_a_trajectory_is_read_by_name_and_not_written(mass: Plant, level: Level)
         ({"actuators": {"i": "voltage"}}, SignalError, "'voltage' is not one of current, overflow, trim"),
         ({"hold": {"voltage": 0.0}}, SignalError, "hold: 'voltage'"),
         ({"encoders": {"gap_ref": Encoder(1e-5)}}, SignalError, "encoders: 'gap_ref'"),
+        ({"noise": {"gap_ref": np.zeros(300)}}, SignalError, "noise: 'gap_ref'"),
+        ({"noise": {"gap": np.full(300, np.nan)}}, SignalError, "300 finite numbers"),
+        ({"noise": {"gap": 0.0}}, SignalError, r"noise of 'gap' is \(\)"),
         ({"overrides": {"gap": Override(np.zeros(3, bool), 0.0)}}, SignalError, "override mask of 'gap'"),
         ({"velocities": {"q": "u"}}, SignalError, "velocities: 'u'"),
         ({"stops": {"v": (0.0, 1.0)}}, SignalError, "stops: 'v'"),
