@@ -1,5 +1,5 @@
 # `make build` and `make test` need python3 and make alone; everything else comes into .venv, pinned. `make bench` adds
-# gcc's figures where arm-none-eabi-gcc is installed; `make prove` needs frama-c, clang with libFuzzer, and cppcheck.
+# gcc's figures where arm-none-eabi-gcc is installed, and sets synthesis beside SciPy and python-control; `make prove` needs frama-c, clang with libFuzzer, and cppcheck.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
@@ -20,6 +20,8 @@ bench: $(STAMP)
 	$(BIN)/synth verify --target cortex-m4f
 	$(BIN)/synth verify --target cortex-m7
 	$(BIN)/python -m benchmarks.axes
+	$(BIN)/python -m benchmarks.synthesis
+	$(BIN)/python -m benchmarks.disk
 
 prove: $(STAMP)
 	$(BIN)/synth prove --whole

@@ -50,7 +50,7 @@ def printed(kind: T) -> T:
 def number(value: complex, digits: int = 5) -> str:
     """Return a real or complex number with `digits` significant digits; an imaginary part of 0 is left out."""
     if not np.imag(value):
-        return f"{float(np.real(value)):.{digits}g}"
+        return f"{float(np.real(value)) + 0.0:.{digits}g}"  # + 0.0 takes the sign off a zero
     return f"{np.real(value):.{digits}g}{np.imag(value):+.{digits}g}i"
 
 

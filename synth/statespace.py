@@ -77,7 +77,9 @@ class StateSpace:
         """Return the four matrices as one table: states and outputs down, states and inputs across."""
         after = "d/dt" if isinstance(self.time, Continuous) else "next"
         rows = [*(f"{after} {label}" for label in self.labels(self.states)), *self.labels(self.outputs)]
-        table = show.matrix("", np.block([[self.A, self.B], [self.C, self.D]]), rows, (*self.states, *self.labels(self.inputs)))
+        table = show.matrix(
+            "", np.block([[self.A, self.B], [self.C, self.D]]), rows, (*self.states, *self.labels(self.inputs))
+        )
         size = f"{len(self.states)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs"
         return show.Sheet(f"Linear model in {self.time}: {size}", tables=(table,))
 
@@ -187,6 +189,8 @@ def _numbered(letter: str, count: int) -> tuple[str, ...]:
 def two_dimensional(name: str, values: ArrayLike) -> Array:
     """Return a matrix as float64, a scalar as (1, 1); raise SignalError, calling it `name`, when it is no matrix."""
     try:
+        if np.iscomplexobj(values):
+            raise ValueError("it is complex")
         array = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise SignalError(f"{name} is no array of real numbers ({error}): give a matrix") from error

@@ -32,7 +32,7 @@ def test_a_notebook_gets_escaped_html() -> None:
 
 @pytest.mark.parametrize(
     ("value", "shown"),
-    [(1 / 3, "0.33333"), (1e10, "1e+10"), (-0.0, "-0"), (2 - 0.5j, "2-0.5i"), (np.complex128(3), "3"), (np.nan, "nan")],
+    [(1 / 3, "0.33333"), (1e10, "1e+10"), (-0.0, "0"), (2 - 0.5j, "2-0.5i"), (np.complex128(3), "3"), (np.nan, "nan")],
 )
 def test_numbers_keep_five_digits(value: complex, shown: str) -> None:
     assert show.number(value) == shown

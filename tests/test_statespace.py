@@ -125,6 +125,7 @@ def test_all_states_are_outputs_where_no_C_is_given() -> None:
         (([[1.0, 2.0]], [[1.0]]), "A has shape"),
         (([1.0, 2.0], [[1.0]]), "A has shape .2,.: give a matrix"),
         (([["a"]], [[1.0]]), "A is no array of real numbers"),
+        (([[1j]], [[1.0]]), "A is no array of real numbers .it is complex"),
         (([[1.0]], [[np.nan]]), "B.0, 0. is nan"),
         (control.ss([[0.5]], [[1]], [[1]], [[0]], True), "no sample period"),
     ],

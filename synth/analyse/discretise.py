@@ -5,6 +5,13 @@ First-order hold (u linear between samples):    x+ = F x + G u + H (u+ - u),
                                                 H = (1/T) int_0^T exp(A s) (T - s) ds B
 
 Each comes from one exponential of a block matrix (Van Loan 1978), computed in ball arithmetic and rounded once.
+
+What a quadratic form gathers over a period, with a cost x'Wx of x' = F x, or a noise of density V (F', V for F, W):
+
+    M = exp(F T),   W(T) = int_0^T exp(F t)' W exp(F t) dt,   W(2 t) = W(t) + M(t)' W(t) M(t),   M(2 t) = M(t)^2
+
+In double precision both start as Taylor series at t with 2 |F| t <= 1 and are doubled until t = T. Nothing is
+subtracted there, so that no digits are lost where exp(-F t) and exp(F t) are of unlike size, as in a block exponential.
 """
 
 from dataclasses import dataclass, replace
@@ -12,11 +19,15 @@ from dataclasses import dataclass, replace
 import flint
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.linalg import lapack
 
 from synth.analyse import precise
-from synth.errors import TimingError
-from synth.statespace import Array, StateSpace, readonly
+from synth.errors import ModelError, SignalError, TimingError
+from synth.statespace import Array, StateSpace, System, of, readonly, two_dimensional
 from synth.timing import Continuous, Discrete
+
+TERMS = 19  # 2 |F| t <= 1: the first term that is left out is below 1 / 20! = 4e-19 of the sum
+LINK = 2.0**-40  # of the largest entry: where a row or column of F is zero, balancing takes this for its entries
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,12 +39,41 @@ class Ramp:
     H: Array
 
 
-def zero_order_hold(model: StateSpace, period_s: float) -> StateSpace:
-    """Return the model sampled with its inputs held over each period.
+@dataclass(frozen=True, eq=False)
+class Propagation:
+    """M = exp(F T) (n, n) and W = int_0^T exp(F t)' W exp(F t) dt (n, n), symmetric."""
+
+    M: Array
+    W: Array
+
+
+def gramian(F: ArrayLike, W: ArrayLike, period_s: float, exact: bool = False) -> Propagation:
+    """Return exp(F T) and the integral of exp(F t)' W exp(F t) over a period; F (n, n), W (n, n) symmetric.
+
+    The integral has W's unit times s. In double precision its error is some 1e-15 of its size where W is positive
+    semidefinite; `exact` computes both in ball arithmetic and rounds each entry once.
+
+    Raises SignalError for shapes that do not fit, entries that are not finite or an asymmetric W; TimingError when the
+    period is not positive; ModelError when a mode grows beyond what a double holds, or as `precise.resolved`.
+    """
+    F, W = _square("F", F), _square("W", W)
+    if F.shape != W.shape:
+        raise SignalError(f"F is {F.shape} and W is {W.shape}: give two matrices of one order")
+    if not np.array_equal(W, W.T):
+        i, j = np.argwhere(W != W.T)[0]
+        raise SignalError(f"W is not symmetric: [{i}, {j}] is {W[i, j]}, [{j}, {i}] is {W[j, i]}; give (W + W') / 2")
+    Discrete(period_s)
+    M, W = _van_loan(F, W, period_s) if exact else _doubled(F, W, period_s)
+    return Propagation(readonly(M), readonly(W))
+
+
+def zero_order_hold(system: System, period_s: float) -> StateSpace:
+    """Return the model sampled with its inputs held over each period; names and units stay.
 
     Raises TimingError when the model is sampled already or the period is not positive; ModelError as
     `precise.resolved`.
     """
+    model = of(system)
     if not isinstance(model.time, Continuous):
         raise TimingError(f"a model in {model.time} was given to be sampled: give the continuous model")
     time = Discrete(period_s)
@@ -56,11 +96,14 @@ def first_order_hold(A: ArrayLike, B: ArrayLike, period_s: float) -> Ramp:
     return Ramp(*(readonly(E[:n, part]) for part in (slice(n), slice(n, n + m), slice(n + m, None))))
 
 
-def with_delay(model: StateSpace, samples: int = 1) -> StateSpace:
+def with_delay(system: System, samples: int = 1) -> StateSpace:
     """Return a sampled model whose inputs arrive `samples` periods late; each delay is a state ``<input>_late<k>``.
+
+    Such a state has the unit of its input.
 
     Raises TimingError for a continuous model or a negative count.
     """
+    model = of(system)
     if isinstance(model.time, Continuous) or samples < 0:
         raise TimingError(f"a delay of {samples} samples in {model.time}: sample the model and delay it by 0 or more")
     for k in range(samples):
@@ -69,8 +112,74 @@ def with_delay(model: StateSpace, samples: int = 1) -> StateSpace:
         B = np.vstack([np.zeros((n, m)), np.eye(m)])
         C, D = np.hstack([model.C, model.D]), np.zeros_like(model.D)
         late = tuple(f"{name}_late{k + 1}" for name in model.inputs)
-        model = replace(model, A=A, B=B, C=C, D=D, states=model.states + late)
+        units = {new: model.unit(name) for new, name in zip(late, model.inputs, strict=True) if name in model.units}
+        model = replace(model, A=A, B=B, C=C, D=D, states=model.states + late, units={**model.units, **units})
     return model
+
+
+def _doubled(F: Array, W: Array, period_s: float) -> tuple[Array, Array]:
+    """Return M and W(T) in double precision, from balanced F: x = D z with powers of 2 in the diagonal D."""
+    D = _balancing(F)
+    Ft, W = F * D / D[:, None] * period_s, W * D * D[:, None] * period_s
+    size = float(np.abs(Ft).sum(axis=1).max(initial=0.0))
+    doublings = max(0, int(np.ceil(np.log2(2 * size)))) if 0 < size < np.inf else 0
+    with np.errstate(over="ignore", invalid="ignore"):
+        E, W = _series(Ft * 2.0**-doublings, W * 2.0**-doublings)
+        one = np.eye(len(F))
+        M, decayed = one + E, False
+        for _ in range(doublings):
+            W = W + M.T @ W @ M
+            W = (W + W.T) / 2
+            # What slow modes change beside fast ones stands in E = M - I alone; once all have decayed, in M.
+            decayed = decayed or float(np.abs(M).sum(axis=1).max()) < 0.5
+            E = E if decayed else 2 * E + E @ E
+            M = M @ M if decayed else one + E
+        M, W = M * D[:, None] / D, W / D / D[:, None]
+    if not (np.isfinite(M).all() and np.isfinite(W).all()):
+        raise ModelError(
+            f"a mode grows beyond what a double holds within {period_s:g} s: take a shorter period or leave that mode "
+            "out of the model"
+        )
+    return M, W
+
+
+def _series(Ft: Array, Wt: Array) -> tuple[Array, Array]:
+    """Return exp(Ft) - I and sum_k d^k(Wt) / (k + 1)!, d(X) = Ft' X + X Ft."""
+    n = len(Ft)
+    term = total = np.concatenate([Ft, Wt])
+    for k in range(2, TERMS + 1):
+        term = term @ Ft / k
+        term[n:] += term[n:].T
+        total = total + term
+    return total[:n], total[n:]
+
+
+def _balancing(F: Array) -> Array:
+    """Return powers of 2 (n,) that bring rows and columns of D^-1 F D to like size."""
+    size = np.abs(F)
+    return np.asarray(lapack.dgebal(size + LINK * size.max(initial=0.0), scale=1, permute=0)[3], dtype=np.float64)
+
+
+def _van_loan(F: Array, W: Array, period_s: float) -> tuple[Array, Array]:
+    """Return M and W(T), each entry rounded once."""
+    n = len(F)
+    H = np.block([[-F.T, W], [np.zeros((n, n)), F]])
+
+    def compute() -> flint.arb_mat:
+        E = (precise.matrix(H) * flint.arb(period_s)).exp()
+        M = flint.arb_mat([[E[n + i, n + j] for j in range(n)] for i in range(n)])
+        G = flint.arb_mat([[E[i, n + j] for j in range(n)] for i in range(n)])
+        return M.transpose() * G
+
+    gathered = precise.resolved(compute, f"the integral over {period_s:g} s")
+    return _exponential(F, period_s), (gathered + gathered.T) / 2
+
+
+def _square(name: str, values: ArrayLike) -> Array:
+    matrix = two_dimensional(name, values)
+    if matrix.shape[0] != matrix.shape[1] or not np.isfinite(matrix).all():
+        raise SignalError(f"{name} is {matrix.shape}: give a square matrix of finite numbers")
+    return matrix
 
 
 def _exponential(M: Array, period_s: float, columns_over_T: int = 0) -> Array:

@@ -4,20 +4,29 @@
 
 The controller's Block is composed with the signal s cut: its driver then drives ``s_out``, its readers read ``s``. The
 loop L from s to -s_out has the closed loop 1 + L.
+
+A plant x' = A x + B u(t - tau) whose input is held over each period T and late by tau = (d + f) T, 0 <= f < 1, sees
+u[k-d-1] for the first f T of the period k and u[k-d] for the rest of it:
+
+    x[k+1] = exp(A T) x[k] + exp(A (1-f) T) G(f T) u[k-d-1] + G((1-f) T) u[k-d],      G(t) = int_0^t exp(A s) ds B
+    y[k]   = C x[k] + D u[k-d-1]                                                      D u[k-d] where f = 0
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import casadi as ca
+import flint
 import numpy as np
 
-from synth.analyse import discretise, structure
+from synth.analyse import discretise, precise, structure
 from synth.block import Block
-from synth.errors import SignalError
+from synth.errors import SignalError, TimingError
 from synth.signals import names
-from synth.statespace import Array, StateSpace
-from synth.timing import period
+from synth.statespace import Array, StateSpace, System, of
+from synth.timing import Continuous, Discrete, period
+
+WHOLE = 1e-9  # of a sample: a delay that is nearer to a whole count of samples is that count
 
 
 def cut(blocks: Sequence[Block], signal: str) -> tuple[Block, ...]:
@@ -62,24 +71,73 @@ def linearised(block: Block, state: Mapping[str, float], inputs: Mapping[str, fl
     return StateSpace(A, B, C, D, states, names(block.inputs), names(block.outputs), block.time)
 
 
+def sampled(plant: System, period_s: float, delay_s: float = 0.0) -> StateSpace:
+    """Return a continuous plant with its inputs held over each period and late by any `delay_s` >= 0, exactly.
+
+    Each whole sample of delay is a state ``<input>_late<k>``; a fraction is one more, ``<input>_held``: u[k-d-1], which
+    the hold still shows at the sample k.
+
+    Raises TimingError for a plant that is sampled already, a period that is not positive or a delay that is negative or
+    not finite; ModelError as `precise.resolved`.
+    """
+    return _late(of(plant), Discrete(period_s), delay_s / period_s)
+
+
+def _late(plant: StateSpace, time: Discrete, samples: float) -> StateSpace:
+    T = time.period_s
+    if not isinstance(plant.time, Continuous):
+        raise TimingError(f"a model in {plant.time} was given to be sampled at {T:g} s: give the continuous model")
+    if not (np.isfinite(samples) and samples >= 0):
+        raise TimingError(f"the delay is {samples * T:g} s: it must be finite and 0 or more")
+    whole = round(samples)
+    if abs(samples - whole) < WHOLE:
+        return discretise.with_delay(discretise.zero_order_hold(plant, T), whole)
+    begun = int(np.floor(samples))
+    n, m = plant.B.shape
+    E = _split(plant, T, samples - begun)
+    A = np.block([[E[:n, : n + m]], [np.zeros((m, n + m))]])
+    B = np.vstack([E[:n, n + m :], np.eye(m)])
+    C, D = np.hstack([plant.C, plant.D]), np.zeros_like(plant.D)
+    held = {f"{name}_held": name for name in plant.inputs}
+    units = {**plant.units, **{new: plant.units[name] for new, name in held.items() if name in plant.units}}
+    split = replace(plant, A=A, B=B, C=C, D=D, states=(*plant.states, *held), time=time, units=units)
+    return discretise.with_delay(split, begun)
+
+
+def _split(plant: StateSpace, T: float, fraction: float) -> Array:
+    """Return [exp(A T), the effect of u[k-d-1], that of u[k-d]], rounded once."""
+    n, m = plant.B.shape
+    before, after = np.zeros((n + 2 * m, n + 2 * m)), np.zeros((n + 2 * m, n + 2 * m))
+    before[:n, :n], before[:n, n : n + m] = plant.A, plant.B
+    after[:n, :n], after[:n, n + m :] = plant.A, plant.B
+
+    def compute() -> flint.arb_mat:
+        first = flint.arb(T) * flint.arb(fraction)
+        return (precise.matrix(after) * (flint.arb(T) - first)).exp() * (precise.matrix(before) * first).exp()
+
+    return precise.resolved(compute, f"the exponential over {T:g} s")
+
+
 def opened(
-    plant: StateSpace,
-    controller: StateSpace,
+    plant: System,
+    controller: System,
     signal: str,
     sensors: Mapping[str, str],
     actuators: Mapping[str, str],
-    delay: int = 1,
+    delay: float = 1,
 ) -> StateSpace:
     """Return L from `signal` to minus ``<signal>_out``: the continuous plant held and sampled under the controller.
 
     `sensors[controller input] = plant output`, `actuators[plant input] = controller output`; other controller inputs
     stay at rest.
 
+    `delay` is in samples, any number from 0.
+
     Raises TimingError for a sampled plant or a continuous controller; SignalError for a name that is not known, or
     when without a delay the plant passes its inputs straight on.
     """
-    P = discretise.with_delay(discretise.zero_order_hold(plant, period(controller.time)), delay)
-    K = controller
+    K = of(controller)
+    P = _late(of(plant), Discrete(period(K.time)), delay)
     if (P.D != 0).any():
         raise SignalError("the sampled plant passes inputs straight on: give the loop at least one sample of delay")
     S = _wires(K.inputs, P.outputs, sensors)
@@ -91,7 +149,8 @@ def opened(
     C = -np.hstack([y @ K.D @ S @ P.C, y @ K.C])
     D = -y @ K.D @ e
     states = tuple(f"plant_{s}" for s in P.states) + K.states
-    return structure.connected(StateSpace(A, B, C, D, states, (signal,), (f"{signal}_out",), controller.time))
+    units = {**K.units, **{f"plant_{s}": P.units[s] for s in P.states if s in P.units}}
+    return structure.connected(StateSpace(A, B, C, D, states, (signal,), (f"{signal}_out",), K.time, units))
 
 
 def _wires(into: Sequence[str], source: Sequence[str], wires: Mapping[str, str]) -> Array:

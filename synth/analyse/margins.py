@@ -8,26 +8,33 @@
     phase crossing   L < 0, real:   gain margin 1/|L|: above 1 the gain may rise by it, below 1 it may fall to it
     modulus margin   min |1 + L|,   the inverse of the peak sensitivity Ms
 
-A sampled loop is taken on z = exp(i w T) up to w = pi/T, exactly; its hold and delays are part of its model. L is real
-at w = 0 and at pi/T or infinity, and a phase crossing may lie there. The grid is dense at the poles of L and of the
-closed loop and refined until neighbours differ little, in phase too, which turns at a zero; each crossing and the peak
-are then found by bracketing.
+A sampled loop is taken on z = exp(i w T) up to w = pi/T, exactly; its hold and delays are part of its model, and its
+delay margin is exact for whole samples (for others, close the loop on `loop.sampled`). A continuous loop may have an
+exact delay and hold (`transfer.delayed`). L is real at w = 0 and at pi/T or infinity, and a phase crossing may lie
+there. A continuous loop with |L| >= 1 at infinity bears no delay at all: its delay margin is 0.
+
+Between the nodes of `transfer.trace` each crossing and the peak are found by bracketing, and a pair of crossings inside
+one interval by the turn between them. Where |L| = 1 or L < 0 over a whole stretch (an all-pass, an undamped loop), the
+crossings told are the worst of the stretch.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
-from synth.errors import ModelError, SignalError
+from synth import show
+from synth.analyse import transfer
+from synth.analyse.transfer import Complex, Curve, Delayed, Loop, Response
 from synth.statespace import Array, StateSpace
-from synth.timing import Continuous
 
-Complex = NDArray[np.complex128]
-Response = Callable[[ArrayLike], Complex]
-NOTHING = 1e-12  # below it |L| is rounding error and no crossing is reported
+NOTHING = 1e-12  # |L| below it, or above its inverse, is rounding error and no crossing is reported
+FLAT = 1e-10  # log |L| or sin(arg L) stays below it over neighbouring nodes only where it is 0 all along
+NEAR = 0.3  # neighbours differ by half of it at most: a turn farther from 0 does not reach it
+
+response = transfer.response
 
 
 @dataclass(frozen=True)
@@ -47,15 +54,21 @@ class PhaseCrossing:
     gain_margin: float
 
 
-@dataclass(frozen=True)
+@show.printed
+@dataclass(frozen=True, repr=False)
 class Margins:
-    """All crossings of a loop; `stable` is told from the poles of 1 + L, Ms is at `peak_frequency` rad/s."""
+    """All crossings of a loop; Ms is at `peak_frequency` rad/s.
+
+    `stable` is told from the poles of 1 + L, or their count where a delay leaves infinitely many; `direct` is |L| at
+    infinity, 0 for a sampled loop.
+    """
 
     stable: bool
     gain_crossings: tuple[GainCrossing, ...]
     phase_crossings: tuple[PhaseCrossing, ...]
     peak_sensitivity: float
     peak_frequency: float
+    direct: float = 0.0
 
     @property
     def modulus_margin(self) -> float:
@@ -69,8 +82,8 @@ class Margins:
 
     @property
     def delay_margin(self) -> float:
-        """The smallest delay in s that makes the loop oscillate, inf without a gain crossing."""
-        return min((c.delay_margin for c in self.gain_crossings), default=np.inf)
+        """The least delay in s that makes the loop oscillate: inf without a gain crossing, 0 where `direct` >= 1."""
+        return 0.0 if self.direct >= 1 else min((c.delay_margin for c in self.gain_crossings), default=np.inf)
 
     @property
     def gain_margin(self) -> float:
@@ -82,125 +95,135 @@ class Margins:
         """The largest factor below 1 that makes the loop oscillate, 0 without one."""
         return max((c.gain_margin for c in self.phase_crossings if c.gain_margin <= 1), default=0.0)
 
+    def sheet(self) -> show.Sheet:
+        """Return the worst of all crossings, then each crossing."""
+        lines = (
+            () if self.stable else ("Not stable: what follows tells how far the loop is from its verge, not safety.",)
+        )
+        if self.direct >= 1:
+            lines = (*lines, f"Delay margin 0: |L| is {self.direct:.4g} at infinity, where any delay turns it onto -1.")
+        worst = (
+            ("gain may rise by", show.number(self.gain_margin), "1"),
+            ("gain may fall to", show.number(self.gain_reduction_margin), "1"),
+            ("phase margin", show.number(self.phase_margin), "degrees"),
+            ("delay margin", show.number(self.delay_margin), "s"),
+            ("modulus margin", show.number(self.modulus_margin), "1"),
+            ("peak sensitivity", show.number(self.peak_sensitivity), f"at {_both(self.peak_frequency)}"),
+        )
+        gains = [
+            (*_pair(c.frequency), show.number(c.phase_margin), show.number(c.delay_margin)) for c in self.gain_crossings
+        ]
+        phases = [(*_pair(c.frequency), show.number(c.gain_margin)) for c in self.phase_crossings]
+        tables = [show.Table(("margin", "value", "unit"), worst)]
+        if gains:
+            columns = ("|L| = 1 at [rad/s]", "[Hz]", "phase margin [degrees]", "delay margin [s]")
+            tables.append(show.Table(columns, tuple(gains)))
+        if phases:
+            tables.append(show.Table(("L < 0 at [rad/s]", "[Hz]", "gain margin"), tuple(phases)))
+        return show.Sheet(f"Margins of a {'stable' if self.stable else 'NOT STABLE'} loop", lines, tuple(tables))
 
-def of_loop(loop: StateSpace, low: float | None = None, high: float | None = None) -> Margins:
+
+def _pair(frequency: float) -> tuple[str, str]:
+    return show.number(frequency), show.number(frequency / (2 * np.pi))
+
+
+def _both(frequency: float) -> str:
+    return "{} rad/s, {} Hz".format(*_pair(frequency))
+
+
+def of_loop(loop: Loop, low: float | None = None, high: float | None = None) -> Margins:
     """Return the margins of a scalar loop between `low` and `high` rad/s, and where L is real at their far ends.
 
     Left out, `low` lies below and `high` above all poles of the open and the closed loop; a sampled loop always goes up
-    to Nyquist.
+    to Nyquist. A delayed loop crosses L < 0 for ever: what is told goes on until |L| settles within 0.01, and for two
+    turns of the delay at least.
 
     Raises SignalError when the loop has another count of inputs or outputs than one; ModelError when 1 + L has no
-    inverse.
+    inverse, or when rounding hides whether a delayed loop is stable.
     """
-    L = response(loop)
-    closed = _closed_poles(loop)
-    w, value = _refined(L, _grid(loop, closed, low, high))
-    gains = [_gain_crossing(L, f) for f in _roots(lambda v: _log(L(v)), w, _log(value))]
-    at = {f: complex(L(f)[0]) for f in _roots(lambda v: L(v).imag, w, value.imag)}
+    found = transfer.read(loop)
+    curve = transfer.trace(found, low, high)
+    L, ends = curve.L, dict(curve.ends)
+    unit = _unit(curve)
+    gains = [_gain_crossing(L, f) for f in unit]
+    at = {f: complex(L(f)[0]) for f in _real(curve, unit)}
     real = {f: v.real for f, v in at.items() if abs(v.imag) <= 1e-6 * abs(v)}  # else a pole, where L.imag jumps
-    real |= _ends(loop)
-    phases = [PhaseCrossing(f, -1 / v) for f, v in sorted(real.items()) if v < -NOTHING]
-    return Margins(_stable(loop, closed), tuple(gains), tuple(phases), *_peak(L, w, value, _ends(loop)))
+    phases = [PhaseCrossing(f, -1 / v) for f, v in sorted((real | ends).items()) if NOTHING < -v < 1 / NOTHING]
+    direct = abs(ends.get(np.inf, 0.0))
+    return Margins(_stable(found, curve), tuple(gains), tuple(phases), *_peak(curve), direct)
 
 
-def response(loop: StateSpace) -> Response:
-    """Return w (k,) rad/s -> L (k,) of a scalar loop; exactly on a pole, L right beside it.
-
-    Raises SignalError when the loop is not scalar.
-    """
-    if (len(loop.inputs), len(loop.outputs)) != (1, 1):
-        raise SignalError(f"the loop has inputs {loop.inputs} and outputs {loop.outputs}: open it at one signal")
-    time = loop.time
-
-    def points(w: Array) -> Complex:
-        return np.asarray(1j * w if isinstance(time, Continuous) else np.exp(1j * w * time.period_s))
-
-    def L(frequencies: ArrayLike) -> Complex:
-        w = np.atleast_1d(np.asarray(frequencies, dtype=np.float64))
-        try:
-            return loop.response(points(w))[:, 0, 0]
-        except np.linalg.LinAlgError:
-            return loop.response(points(w * (1 + 1e-14)))[:, 0, 0]
-
-    return L
+def _unit(curve: Curve) -> list[float]:
+    """Return where |L| = 1; of a stretch the worst for the phase and for a delay."""
+    value, w = transfer.log(curve.value), curve.w
+    found = [] if len(w) < 3 else _roots(lambda v: transfer.log(curve.L(v)), w, value)
+    for run in _stretches(value):
+        above = np.angle(-curve.value[run])
+        found += [float(w[run][np.abs(above).argmin()]), float(w[run][(above % (2 * np.pi) / w[run]).argmin()])]
+    return sorted(set(found))
 
 
-def _closed_poles(loop: StateSpace) -> Complex:
-    D = float(loop.D[0, 0])
-    if D == -1:
-        raise ModelError("the loop passes its input straight on with the factor -1: 1 + L has no inverse; delay it")
-    return np.linalg.eigvals(loop.A - loop.B @ loop.C / (1 + D)).astype(np.complex128)
+def _real(curve: Curve, unit: list[float]) -> list[float]:
+    """Return where L is real; of a stretch where |L| is 1, as at each of `unit`, or nearest to it."""
+
+    def sine(v: Array | float) -> Array:
+        return _sine(curve.L(v))
+
+    value, w = _sine(curve.value), curve.w
+    found = _roots(sine, w, value)
+    for run in _stretches(value):
+        inside = [f for f in unit if w[run][0] <= f <= w[run][-1]]
+        found += inside or [float(w[run][np.abs(transfer.log(curve.value[run])).argmin()])]
+    return sorted(set(found))
 
 
-def _grid(loop: StateSpace, closed: Complex, low: float | None, high: float | None) -> Array:
-    """Return frequencies from low to high, denser around each lightly damped pole of L and of the closed loop."""
-    poles = np.linalg.eigvals(loop.A).astype(np.complex128)
-    if isinstance(loop.time, Continuous):
-        size = np.abs(np.concatenate([poles, closed]))
-        top, bottom = high or 1e3 * float(size.max(initial=1.0)), 1e-9 * float(size.max(initial=1.0))
-    else:
-        top, bottom = np.pi / loop.time.period_s * (1 - 1e-9), 1e-6 / loop.time.period_s
-        poles, closed = (np.log(p[p != 0]) / loop.time.period_s for p in (poles, closed))
-    start = low or float(np.clip(1e-2 * np.abs(closed).min(initial=1.0), min(bottom, 1e-2), 1e-2))
-    points = [np.geomspace(start, top, 400)]
-    for s in np.concatenate([poles, closed]):
-        if abs(s.imag) > start:
-            width = max(abs(s.real), 1e-6 * abs(s.imag))
-            points.append(abs(s.imag) + width * np.linspace(-4, 4, 32))
-    w = np.unique(np.concatenate(points))
-    w = w[(w >= start) & (w <= top)]
-    # Both poles of a pair seed the same nodes but for the last bit; a bracket between such twins would hold no peak.
-    return w[np.append(np.diff(w) > 1e-8 * w[1:], True)]
+def _sine(value: Complex) -> Array:
+    return np.asarray(value.imag / np.maximum(np.abs(value), 1e-300))
 
 
-def _ends(loop: StateSpace) -> dict[float, float]:
-    """Return L at w = 0 and at Nyquist or infinity, where it is real, unless it has a pole there."""
-    if isinstance(loop.time, Continuous):
-        return _real(loop, {0.0: 0.0}) | {np.inf: float(loop.D[0, 0])}
-    return _real(loop, {0.0: 1.0, np.pi / loop.time.period_s: -1.0})
-
-
-def _real(loop: StateSpace, points: dict[float, float]) -> dict[float, float]:
-    found = {}
-    for w, v in points.items():
-        sigma = np.linalg.svd(v * np.eye(len(loop.A)) - loop.A, compute_uv=False)
-        if sigma.size == 0 or sigma[-1] > 1e-12 * sigma[0]:
-            found[w] = float(loop.response(v)[0, 0, 0].real)
-    return found
-
-
-def _refined(L: Response, w: Array) -> tuple[Array, Complex]:
-    """Halve each interval over which log L or log(1 + L) turns or grows by more than a little."""
-    value = L(w)
-    for _ in range(12):
-        wide = (_step(value) > 0.15) | (_step(1 + value) > 0.15)
-        wide &= np.diff(w) > 1e-9 * w[1:]
-        if not wide.any():
-            break
-        between = np.sqrt(w[:-1] * w[1:])[wide]
-        order = np.argsort(np.concatenate([w, between]), kind="stable")
-        value = np.concatenate([value, L(between)])[order]
-        w = np.concatenate([w, between])[order]
-    return w, value
-
-
-def _step(value: Complex) -> Array:
-    """Return how far log `value` moves from point to point."""
-    turn = np.diff(np.angle(value))
-    return np.hypot(np.diff(_log(value)), (turn + np.pi) % (2 * np.pi) - np.pi)
-
-
-def _log(value: Complex) -> Array:
-    return np.log(np.maximum(np.abs(value), 1e-300))
+def _stretches(value: Array) -> list[slice]:
+    """Return the runs of three or more nodes on which `value` is 0 but for rounding."""
+    flat = np.concatenate([[False], np.abs(value) < FLAT, [False]])
+    edges = np.flatnonzero(np.diff(flat.astype(int)))
+    return [slice(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a >= 3]
 
 
 def _roots(f: Callable[[float], NDArray[np.float64]], w: Array, value: Array) -> list[float]:
-    """Return where f is zero, from its `value` on w; of a stretch of zeros the first point."""
+    """Return where f is zero, from its `value` on w, but for stretches of zeros."""
+    w, value = _with_turns(f, w, value)
     signs = np.sign(value)
-    found = [float(w[k]) for k in np.flatnonzero(signs == 0) if k == 0 or signs[k - 1] != 0]
+    for run in _stretches(value):
+        signs[run] = np.nan
+    found = [float(v) for v in w[signs == 0]]
     for k in np.flatnonzero(signs[:-1] * signs[1:] < 0):
         found.append(float(brentq(lambda v: float(np.ravel(f(v))[0]), w[k], w[k + 1], xtol=1e-12 * w[k], rtol=1e-13)))
     return sorted(found)
+
+
+def _with_turns(f: Callable[[float], NDArray[np.float64]], w: Array, value: Array) -> tuple[Array, Array]:
+    """Return the nodes and, where f turns between them beyond 0 and back, the point of the turn."""
+    size, sign = np.abs(value), np.sign(value)
+    turns = (size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:]) & (size[1:-1] < NEAR)
+    turns &= size[1:-1] < 4 * (np.maximum(size[:-2], size[2:]) - size[1:-1])  # a smooth turn goes down by less
+    turns &= w[2:] - w[:-2] > 16 * transfer.NARROW * w[2:]
+    turns &= (sign[1:-1] == sign[:-2]) & (sign[1:-1] == sign[2:]) & (size[1:-1] > FLAT)
+    for k in np.flatnonzero(turns) + 1:
+        where, least = _least(_scaled(f, sign[k]), w[k - 1], w[k + 1])
+        if least < 0:
+            at = int(np.searchsorted(w, where))
+            w, value = np.insert(w, at, where), np.insert(value, at, sign[k] * least)
+            return _with_turns(f, w, value)
+    return w, value
+
+
+def _scaled(f: Callable[[float], NDArray[np.float64]], factor: float) -> Callable[[float], float]:
+    return lambda v: factor * float(np.ravel(f(v))[0])
+
+
+def _least(f: Callable[[float], float], a: float, b: float) -> tuple[float, float]:
+    """Return where f is least in a bracket, which may be far narrower than a, and its value."""
+    found = minimize_scalar(lambda t: f(a + (b - a) * t), bounds=(0, 1), method="bounded", options={"xatol": 1e-9})
+    return float(a + (b - a) * found.x), float(found.fun)
 
 
 def _gain_crossing(L: Response, frequency: float) -> GainCrossing:
@@ -208,23 +231,23 @@ def _gain_crossing(L: Response, frequency: float) -> GainCrossing:
     return GainCrossing(frequency, float(np.degrees(above)), (above % (2 * np.pi)) / frequency)
 
 
-def _peak(L: Response, w: Array, value: Complex, ends: dict[float, float]) -> tuple[float, float]:
+def _peak(curve: Curve) -> tuple[float, float]:
     """Return the largest 1/|1 + L| and its frequency."""
-    distance = np.abs(1 + value)
-    candidates = [(abs(1 + v), f) for f, v in ends.items()] + [(float(distance.min()), float(w[distance.argmin()]))]
+    w, distance = curve.w, np.abs(1 + curve.value)
+    candidates = [(abs(1 + v), f) for f, v in curve.ends.items()] + [
+        (float(distance.min()), float(w[distance.argmin()]))
+    ]
     falling = np.flatnonzero((distance[1:-1] <= distance[:-2]) & (distance[1:-1] <= distance[2:])) + 1
-    for k in falling[distance[falling] < 1.5 * distance.min()]:
-        a, h = w[k - 1], w[k + 1] - w[k - 1]  # searched in units of the bracket, which may be far narrower than w
-        found = minimize_scalar(
-            lambda t, a=a, h=h: abs(1 + L(a + h * t)[0]), bounds=(0, 1), method="bounded", options={"xatol": 1e-9}
-        )
-        candidates.append((float(found.fun), float(a + h * found.x)))
+    near = falling[distance[falling] < 1.2 * distance.min()]  # neighbours differ by less, and a flat S has many
+    for k in near[np.argsort(distance[near], kind="stable")[:20]]:
+        where, least = _least(lambda v: float(abs(1 + curve.L(v)[0])), w[k - 1], w[k + 1])
+        candidates.append((least, where))
     least, where = min(candidates)
     return (1 / least if least > 0 else np.inf), where
 
 
-def _stable(loop: StateSpace, closed: Complex) -> bool:
-    """Tell whether all closed-loop poles decay, by more than the rounding error of A."""
-    if isinstance(loop.time, Continuous):
-        return bool((closed.real < -1e-14 * np.abs(closed).max(initial=0.0)).all())
-    return bool((np.abs(closed) < 1 - 1e-14).all())
+def _stable(loop: StateSpace | Delayed, curve: Curve) -> bool:
+    """Tell whether all closed-loop poles decay."""
+    if isinstance(loop, Delayed):
+        return transfer.count_unstable(loop, curve) == 0
+    return transfer.decay(transfer.closed_poles(loop), loop.time)

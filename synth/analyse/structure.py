@@ -1,72 +1,164 @@
-"""Structure of a linear model: which modes the inputs move and the outputs show (Popov, Belevitch, Hautus).
+"""Structure of a linear model: its poles, its zeros, and the modes that inputs move and outputs show.
 
-(A, B) is stabilisable when w^H B != 0 for each left eigenvector w^H A = s w^H of a mode s that does not decay;
-(A, C) is detectable when C v != 0 for each right eigenvector of such a mode.
+A pole s has a right eigenvector, A v = s v. A transmission zero is an s at which the response G(s) has less than its
+usual rank: in the square and the tall case inputs u exp(s t) with the right initial state x give no output,
 
-The modes with w^H B = 0 are those of A on the complement of the least subspace that contains B and that A maps into
-itself (Kalman). It is built up by orthonormal steps, so that no test hangs on an eigenvalue of A: those of a chain of
-integrators scatter by far more than the precision of A.
+    [[A - s I, B], [C, D]] [x; u] = 0,
+
+and with fewer outputs than inputs the outputs obey w^T G(s) = 0. (A, B) is stabilisable when w^H B != 0 for each left
+eigenvector w^H A = s w^H of a mode s that does not decay; (A, C) is detectable when C v != 0 for each right eigenvector
+of such a mode (Popov, Belevitch, Hautus).
+
+Directions and measures are those of the scaled model (`staircase.scaled`), so that units do not matter. The largest
+component of a direction is 1; components below a tenth are left out.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.linalg
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from synth import show
+from synth.analyse import staircase
+from synth.analyse.staircase import Complex
 from synth.errors import ModelError
-from synth.statespace import Array, StateSpace
+from synth.statespace import Array, StateSpace, System, of
 from synth.timing import Continuous, Time
 
-COUPLING = 1e-11  # of the balanced matrices' size: what is weaker counts as rounding error and moves nothing
-DECAY = 1e-12  # of the size of balanced A: what decays slower counts as not decaying
+DECAY = 1e-12  # of the size of scaled A: what decays slower counts as not decaying
+DOMINANT = 0.1  # of the largest component: what is smaller is not named
+
+Direction = Mapping[str, complex]
 
 
 @dataclass(frozen=True)
 class Mode:
-    """A mode (eigenvalue) with the norm of w^H B or C v, and the states that dominate its direction."""
+    """A mode (eigenvalue) with the norm of w^H B or C v, and the components of its direction by state."""
 
     value: complex
     measure: float
-    states: tuple[str, ...]
+    direction: Direction
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """The states that dominate the direction, the largest first."""
+        return tuple(self.direction)
+
+
+@dataclass(frozen=True)
+class Root:
+    """A pole or zero with its damping, its frequency in Hz, and its direction in states, inputs and outputs.
+
+    In discrete time `value` is in z, damping and frequency are those of s = log(z) / T. At s = 0 no damping is defined:
+    it is NaN.
+    """
+
+    value: complex
+    damping: float
+    frequency: float
+    states: Direction
+    inputs: Direction
+    outputs: Direction
+
+
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
+class Poles:
+    """The poles of a model, the slowest first, each with the states of its right eigenvector."""
+
+    roots: tuple[Root, ...]
+    time: Time
+
+    @property
+    def values(self) -> Complex:
+        """The poles (n,) in 1/s or in z."""
+        return np.array([r.value for r in self.roots], dtype=np.complex128)
+
+    def sheet(self) -> show.Sheet:
+        """Return one line for each pole or pair."""
+        return show.Sheet(f"Poles in {self.time}: {len(self.roots)}", tables=_tables("pole", self.roots))
+
+
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
+class Zeros:
+    """The finite transmission zeros of a model, the slowest first, and the usual `rank` of its response (p, m).
+
+    `unmoved` and `unseen` are the modes outside the response, which are no transmission zeros: no input moves the
+    former, no output shows the latter. Directions are defined when the rank is the lesser of p and m.
+    """
+
+    roots: tuple[Root, ...]
+    rank: int
+    shape: tuple[int, int]
+    unmoved: tuple[Mode, ...]
+    unseen: tuple[Mode, ...]
+    time: Time
+
+    @property
+    def values(self) -> Complex:
+        """The zeros (k,) in 1/s or in z."""
+        return np.array([r.value for r in self.roots], dtype=np.complex128)
+
+    def sheet(self) -> show.Sheet:
+        """Return one line for each zero or pair, and what degenerates."""
+        lines = []
+        if self.rank < min(self.shape):
+            lines.append(
+                f"The response has rank {self.rank} at every s though it has {self.shape[0]} outputs and "
+                f"{self.shape[1]} inputs: some combination of inputs moves no output; no directions are defined."
+            )
+        lines += [f"No input moves mode {_number(m.value)} in {spelled(m.direction)}." for m in self.unmoved]
+        lines += [f"No output shows mode {_number(m.value)} in {spelled(m.direction)}." for m in self.unseen]
+        title = f"Transmission zeros in {self.time}: {len(self.roots)}"
+        return show.Sheet(title, tuple(lines), _tables("zero", self.roots))
+
+
+def poles(system: System) -> Poles:
+    """Return the poles of a System, each with damping, frequency and the states that take part in it.
+
+    Raises SignalError as `statespace.of`.
+    """
+    model = of(system)
+    part = staircase.of_model(model)
+    values, vectors = staircase.modes(part.A, np.eye(len(part.A)))
+    nothing = np.zeros((0, len(values)), dtype=np.complex128)
+    return Poles(_roots(model, values * part.rate, vectors, nothing, nothing), model.time)
+
+
+def transmission_zeros(system: System) -> Zeros:
+    """Return the finite transmission zeros of a System with any numbers of inputs and outputs.
+
+    Raises SignalError as `statespace.of`.
+    """
+    model = of(system)
+    part = staircase.of_model(model)
+    seen = staircase.kalman(part)
+    Z = seen.kept
+    found = staircase.zeros(Z.T @ part.A @ Z, Z.T @ part.B, part.C @ Z, part.D)
+    nothing = np.zeros((0, len(found.values)), dtype=np.complex128)
+    u, y = (found.u, nothing) if found.right else (nothing, found.u)
+    return Zeros(
+        _roots(model, found.values * part.rate, Z @ found.x, u, y),
+        found.rank,
+        model.D.shape,
+        named_modes(seen.unreached, part.B.T, part.rate, model.states),
+        named_modes(seen.unseen, part.C, part.rate, model.states),
+        model.time,
+    )
 
 
 def unmoved(A: ArrayLike, B: ArrayLike, states: Sequence[str], time: Time) -> list[Mode]:
     """Return the modes that do not decay and that no input moves; A (n, n), B (n, m)."""
     A, B = np.asarray(A, dtype=float), np.asarray(B, dtype=float)
-    balanced, moved, scaling = _scaled(A, B)
-    unreached = scipy.linalg.null_space(_reached(balanced, moved).T)
-    values, vectors = np.linalg.eig(unreached.T @ balanced.T @ unreached)
-    size = float(np.linalg.norm(balanced))
-    found = []
-    for s, v in zip(values, vectors.T, strict=True):
-        decays = s.real < -DECAY * size if isinstance(time, Continuous) else abs(s) < 1 - DECAY
-        if not decays:
-            w = (unreached @ v) / scaling
-            w /= np.linalg.norm(w)
-            found.append(Mode(complex(s), float(np.linalg.norm(w @ B)), _dominant(w, states)))
-    return found
-
-
-def _scaled(A: Array, B: Array) -> tuple[Array, Array, Array]:
-    """Return D^-1 A D, D^-1 B E and the diagonal of D: powers of 2 for which entries differ least (Curtis, Reid 1972).
-
-    What is reached must not depend on the units of states, inputs and time: the logarithms of the entries are brought
-    together in the least squares sense, those of A at one common rate. Powers of 2 round nothing.
-    """
     n, m = B.shape
-    both = np.abs(np.hstack([A, B]))
-    np.fill_diagonal(both, 0.0)
-    rows, columns = np.nonzero(both)
-    k = np.arange(len(rows))
-    equations = np.zeros((len(rows), n + m + 1))
-    equations[k, columns] = 1.0
-    equations[k, rows] -= 1.0
-    equations[k[columns < n], -1] = -1.0
-    exponents = np.round(np.linalg.lstsq(equations, -np.log2(both[rows, columns]), rcond=None)[0])
-    D, E = 2.0 ** exponents[:n], 2.0 ** exponents[n:-1]
-    return A * D / D[:, None], B * E / D[:, None], D
+    part = staircase.scaled(A, B, np.zeros((0, n)), np.zeros((0, m)))
+    found = named_modes(staircase.modes(part.A.T, staircase.split(part.A, part.B).outside), part.B.T, part.rate, states)
+    if isinstance(time, Continuous):
+        slow = DECAY * float(np.linalg.norm(part.A)) * part.rate
+        return [mode for mode in found if mode.value.real >= -slow]
+    return [mode for mode in found if abs(mode.value) >= 1 - DECAY]
 
 
 def require_stabilisable(A: ArrayLike, B: ArrayLike, states: Sequence[str], inputs: Sequence[str], time: Time) -> None:
@@ -75,7 +167,7 @@ def require_stabilisable(A: ArrayLike, B: ArrayLike, states: Sequence[str], inpu
         who = ", ".join(mode.states)
         raise ModelError(
             f"(A, B) is not stabilisable: mode {_number(mode.value)} in {who} has |w^H B| = {mode.measure:.0e} "
-            f"for the inputs {', '.join(inputs)}: actuate {who} or take it out of the model"
+            f"for the inputs {', '.join(inputs)}: actuate {who} or take it out of the model{_along(mode)}"
         )
 
 
@@ -85,8 +177,20 @@ def require_detectable(A: ArrayLike, C: ArrayLike, states: Sequence[str], what: 
         who = ", ".join(mode.states)
         raise ModelError(
             f"({what}, A) is not detectable: mode {_number(mode.value)} in {who} has |C v| = {mode.measure:.0e}: "
-            f"weight or measure {who}, or take it out of the model"
+            f"weight or measure {who}, or take it out of the model{_along(mode)}"
         )
+
+
+def check_stabilisable(system: System) -> None:
+    """Raise ModelError naming the first mode of a System that does not decay and that none of its inputs moves."""
+    model = of(system)
+    require_stabilisable(model.A, model.B, model.states, model.inputs, model.time)
+
+
+def check_detectable(system: System) -> None:
+    """Raise ModelError naming the first mode of a System that does not decay and that none of its outputs shows."""
+    model = of(system)
+    require_detectable(model.A, model.C, model.states, ", ".join(model.outputs) or "no output", model.time)
 
 
 def has_transmission_zero(model: StateSpace, s: complex) -> bool:
@@ -100,7 +204,7 @@ def has_transmission_zero(model: StateSpace, s: complex) -> bool:
         size = np.sqrt(np.abs(rosenbrock).max(axis=axis, keepdims=True))
         rosenbrock = rosenbrock / np.where(size > 0, size, 1.0)
     values = np.linalg.svd(rosenbrock, compute_uv=False)
-    return bool(values[-1] <= COUPLING * values[0])
+    return bool(values[-1] <= staircase.COUPLING * values[0])
 
 
 def connected(model: StateSpace) -> StateSpace:
@@ -117,28 +221,73 @@ def connected(model: StateSpace) -> StateSpace:
     return replace(model, A=model.A[np.ix_(keep, keep)], B=model.B[keep], C=model.C[:, keep], states=states)
 
 
-def _reached(A: Array, B: Array) -> Array:
-    """Return an orthonormal basis (n, k) of the least subspace that contains B and that A maps into itself."""
-    size = np.linalg.norm(B, axis=0)
-    basis = new = _range(B[:, size > 0] / size[size > 0])
-    step = A / (np.linalg.norm(A) or 1.0)
-    while new.shape[1] and basis.shape[1] < len(A):
-        new = step @ new
-        for _ in range(2):  # once more for what rounding left
-            new = new - basis @ (basis.T @ new)
-        new = _range(new)
-        basis = np.hstack([basis, new])
-    return basis
+def pair(value: complex) -> str:
+    """Return a real root, or a root and its conjugate, as text."""
+    return f"{value.real:.5g} +- {abs(value.imag):.5g}i" if value.imag else show.number(value)
 
 
-def _range(M: Array) -> Array:
-    U, sigma, _ = np.linalg.svd(M, full_matrices=False)
-    return U[:, sigma > COUPLING]
+def rates(values: Complex, time: Time) -> Complex:
+    """Return the s (k,) of roots: themselves in continuous time, else log(z) / T, and -inf for z = 0."""
+    if isinstance(time, Continuous):
+        return values
+    safe = np.where(values == 0, 1.0, values)
+    return np.where(values == 0, -np.inf, np.log(safe) / time.period_s)
 
 
-def _dominant(vector: NDArray[np.complex128], states: Sequence[str]) -> tuple[str, ...]:
+def direction(vector: Complex, names: Sequence[str]) -> dict[str, complex]:
+    """Return the dominant components of a vector (n,) by name, the largest first and made 1; none of a zero vector."""
     size = np.abs(vector)
-    return tuple(states[i] for i in np.argsort(-size, kind="stable") if size[i] > 0.1 * size.max())
+    if not size.max(initial=0.0):
+        return {}
+    order = [i for i in np.argsort(-np.round(size / size.max(), 6), kind="stable") if size[i] > DOMINANT * size.max()]
+    share = np.round(vector / vector[order[0]], 6) + 0.0  # + 0.0: no minus before a zero
+    return {names[i]: complex(share[i]) for i in order}
+
+
+def spelled(direction: Direction) -> str:
+    """Return a direction as text, its components before the names; a lone name stands for itself."""
+    if len(direction) == 1:
+        return next(iter(direction))
+    return ", ".join(f"{show.number(share, 2)} {name}" for name, share in direction.items())
+
+
+def named_modes(found: tuple[Complex, Complex], C: Array, rate: float, states: Sequence[str]) -> tuple[Mode, ...]:
+    """Return scaled eigenvalues (k,) with vectors (n, k) as modes; the norm of C v, C (p, n), is the measure."""
+    return tuple(
+        Mode(complex(s * rate), float(np.linalg.norm(C @ v)), direction(v, states))
+        for s, v in zip(found[0], found[1].T, strict=True)
+    )
+
+
+def _roots(model: StateSpace, values: Complex, x: Complex, u: Complex, y: Complex) -> tuple[Root, ...]:
+    found = []
+    for k, (s, rate) in enumerate(zip(values, rates(values, model.time), strict=True)):
+        size = float(np.abs(rate))
+        damping = float(0.0 - np.real(rate) / size) if 0 < size < np.inf else (1.0 if size else np.nan)
+        along = (direction(v[:, k], who) for v, who in ((x, model.states), (u, model.inputs), (y, model.outputs)))
+        found.append(Root(complex(s), damping, size / (2 * np.pi), *along))
+    return tuple(sorted(found, key=lambda r: (r.frequency, r.value.real, r.value.imag)))
+
+
+def _tables(kind: str, roots: Sequence[Root]) -> tuple[show.Table, ...]:
+    """Return a table of roots, a conjugate pair in one line; none without roots."""
+    columns = ("states", "inputs", "outputs")
+    shown = [c for c in columns if any(getattr(r, c) for r in roots)]
+    rows = [
+        (
+            pair(r.value),
+            "" if np.isnan(r.damping) else f"{r.damping:.4g}",
+            f"{r.frequency:.5g}",
+            *(spelled(getattr(r, c)) for c in shown),
+        )
+        for r in roots
+        if r.value.imag >= 0
+    ]
+    return (show.Table((kind, "damping", "frequency [Hz]", *shown), tuple(rows)),) if rows else ()
+
+
+def _along(mode: Mode) -> str:
+    return f"; its direction is {spelled(mode.direction)} (scaled)" if len(mode.direction) > 1 else ""
 
 
 def _number(value: complex) -> str:

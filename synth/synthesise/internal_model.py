@@ -1,31 +1,154 @@
-"""The internal model of an exosystem: poles at 0 and +-i w_k make constants and sines of those frequencies vanish.
+"""The internal model of an exosystem w' = S w, of which references and disturbances are linear combinations.
 
-    xi' = Phi xi + N e,   Phi in companion form of s^m prod_k (s^2 + w_k^2),  N = (0, .., 0, 1)^T
+    xi' = (I_p (x) Phi) xi + (I_p (x) N) e,     Phi in companion form of the minimal polynomial of S,
+                                                N = (0, .., 0, 1)^T
 
-with m = 1 when the frequency 0 is among them. By the internal model principle a stable loop around a copy of it has
-e -> 0 for every reference and input disturbance of those frequencies. Source: F(14), (15), after Davison (1976) and
-Francis and Wonham (1976).
+for p regulated outputs: a copy of Phi for each error. By the internal model principle a stable loop around it has
+e -> 0 for every reference and disturbance of the exosystem, whatever the plant, as long as the loop is stable; one copy
+for several errors does not do. Constants have the mode 0, ramps a double one, sines +-i w. Modes that decay need no
+regulator. Sources: F(14), (15), after Davison (1976) and Francis and Wonham (1976).
+
+Sampled, with e held over each period T, xi+ = exp(Phi T) xi + int_0^T exp(Phi s) ds N e has the modes exp(s T), rounded
+once from the exact ones. The error of a plant under zero-order hold is then zero at the samples. Between them a sine
+leaves the response to the steps of u, for a reference of frequency w the share that the plant passes at w + 2 pi k / T;
+after a constant nothing is left there.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import flint
 import numpy as np
 from numpy.typing import ArrayLike
 
-from synth.analyse import precise, structure
-from synth.errors import ModelError, SignalError
-from synth.statespace import Array, StateSpace, readonly
-from synth.timing import Continuous, Discrete, common
+from synth import show
+from synth.analyse import precise
+from synth.errors import SignalError
+from synth.statespace import Array, StateSpace, System, readonly
+from synth.statespace import of as model_of
+from synth.synthesise import minimal_polynomial, regulator_equations
+from synth.synthesise.minimal_polynomial import Mode
+from synth.timing import Continuous, Discrete, Time, common
 
 
-@dataclass(frozen=True, eq=False)
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
 class InternalModel:
-    """Phi (n, n) and N (n, 1), continuous."""
+    """One copy, Phi (n, n) and N (n, 1), of an exosystem with `modes` in 1/s, whatever `time` the copy is in."""
 
     Phi: Array
     N: Array
+    modes: tuple[Mode, ...]
+    time: Time
+
+    def names(self, outputs: Sequence[str]) -> tuple[str, ...]:
+        """Return the states of a copy for each of the outputs: xi1, xi2, .. of one output, else xi1_<output>, .."""
+        ends = [""] if len(outputs) == 1 else [f"_{name}" for name in outputs]
+        return tuple(f"xi{k + 1}{end}" for end in ends for k in range(len(self.Phi)))
+
+    def units(self, outputs: Sequence[str], units: Mapping[str, str]) -> dict[str, str]:
+        """Return the states' units, each an integral of its successor, as far as those of the outputs are known."""
+        n, names = len(self.Phi), self.names(outputs)
+        powers = [f" s^{k}" if k > 1 else " s" * k for k in range(n - 1, -1, -1)]
+        ends = [units.get(name) and units[name] + power for name in outputs for power in powers]
+        return {name: end for name, end in zip(names, ends, strict=True) if end}
+
+    def sheet(self) -> show.Sheet:
+        """Return the modes."""
+        rows = tuple((show.number(m.value), f"{abs(m.value.imag):.5g}", str(m.multiplicity)) for m in self.modes)
+        table = show.Table(("mode [1/s]", "frequency [rad/s]", "multiplicity"), rows)
+        return show.Sheet(f"Internal model of order {len(self.Phi)} for each error, {self.time}", tables=(table,))
+
+
+Exosystem = InternalModel | Sequence[float] | Mapping[float, int] | Sequence[Sequence[float]] | Array
+"""An InternalModel; frequencies in rad/s; {frequency: multiplicity}; or a matrix S (q, q) in 1/s."""
+
+
+def of(given: Exosystem) -> InternalModel:
+    """Return an Exosystem as an InternalModel; frequencies and matrices give a continuous one.
+
+    Raises SignalError as `exosystem` and `from_matrix`.
+    """
+    if isinstance(given, InternalModel):
+        return given
+    if isinstance(given, Mapping):
+        return exosystem(given)
+    if not np.ndim(given):
+        raise SignalError(f"{given!r} is no exosystem: give frequencies in rad/s as a list, or a matrix")
+    return exosystem(np.asarray(given).tolist()) if np.ndim(given) == 1 else from_matrix(given)
+
+
+def exosystem(frequencies: Sequence[float] | Mapping[float, int]) -> InternalModel:
+    """Return the continuous model of distinct `frequencies` >= 0 in rad/s; frequency 0 gives one integrator.
+
+    With {frequency: multiplicity} 0 counted twice stands for ramps, another frequency counted twice for sines that
+    grow as t does.
+
+    Raises SignalError for none, a negative, an infinite or a repeated frequency, or a multiplicity below 1.
+    """
+    w = [float(f) for f in frequencies]
+    if not w or any(not np.isfinite(f) or f < 0 for f in w) or len(set(w)) < len(w):
+        raise SignalError(
+            f"exosystem frequencies {w} rad/s: give distinct finite numbers >= 0, at least one; a ramp is {{0: 2}}"
+        )
+    counts = [*frequencies.values()] if isinstance(frequencies, Mapping) else [1] * len(w)
+    for f, count in zip(w, counts, strict=True):
+        if int(count) != count or count < 1:
+            raise SignalError(f"exosystem frequency {f} rad/s has multiplicity {count}: give a whole number >= 1")
+    return _continuous([Mode(complex(0, f), int(count)) for f, count in zip(w, counts, strict=True)])
+
+
+def from_matrix(S: ArrayLike) -> InternalModel:
+    """Return the continuous model of an exosystem w' = S w, S (q, q) in 1/s; that of w+ = S_T w has S = log(S_T) / T.
+
+    Raises SignalError as `minimal_polynomial.roots`, and for a mode that decays.
+    """
+    modes = minimal_polynomial.roots(S)
+    for mode in modes:
+        if mode.value.real < 0:
+            raise SignalError(
+                f"the exosystem has the mode {show.number(mode.value)} 1/s, which decays and leaves no error in any "
+                "stable loop: take it out of S"
+            )
+    return _continuous(modes)
+
+
+def _continuous(modes: Sequence[Mode]) -> InternalModel:
+    with precise.precision():
+        coefficients = [float(c.mid()) for c in minimal_polynomial.product(modes)]
+    n = len(coefficients) - 1
+    Phi = np.diag(np.ones(n - 1), 1)
+    Phi[-1] = -np.array(coefficients[:-1]) + 0.0
+    ordered = sorted(modes, key=lambda m: (abs(m.value), m.value.imag))
+    return InternalModel(readonly(Phi), readonly(np.eye(n)[:, -1:]), tuple(ordered), Continuous())
+
+
+def in_time(given: Exosystem, time: Time) -> InternalModel:
+    """Return the model in continuous time, or sampled as the module docstring says, with its modes exp(s T).
+
+    Raises SignalError as `of` and for a frequency at or above Nyquist's; TimingError for a model that is sampled
+    already, in another time; ModelError as `precise.resolved`.
+    """
+    model = of(given)
+    if model.time == time or isinstance(time, Continuous):
+        common(time, model.time)
+        return model
+    common(Continuous(), model.time)
+    n, T = len(model.Phi), time.period_s
+    _require_below_nyquist([abs(m.value.imag) for m in model.modes], T)
+
+    def compute() -> flint.arb_mat:
+        driven = _driven(minimal_polynomial.product(model.modes), np.zeros(n))
+        return _part((driven * flint.arb(T)).exp(), n, 0, n + 1)
+
+    found = precise.resolved(compute, f"the internal model over {T:g} s")
+    return InternalModel(readonly(found[:, :n]), readonly(found[:, n:]), model.modes, time)
+
+
+def _require_below_nyquist(frequencies: Sequence[float], period_s: float) -> None:
+    nyquist = np.pi / Discrete(period_s).period_s
+    if max(frequencies) >= nyquist:
+        raise SignalError(f"exosystem frequency {max(frequencies)} rad/s: it must lie below {nyquist:.6g} rad/s")
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,23 +168,6 @@ class Leapfrog:
     E: Array
 
 
-def exosystem(frequencies: Sequence[float]) -> InternalModel:
-    """Return the companion form for distinct `frequencies` >= 0 in rad/s; frequency 0 gives one integrator.
-
-    Raises SignalError for none, a negative, an infinite or a repeated frequency.
-    """
-    w = [float(f) for f in frequencies]
-    if not w or any(not np.isfinite(f) or f < 0 for f in w) or len(set(w)) < len(w):
-        raise SignalError(f"exosystem frequencies {w} rad/s: give distinct finite numbers >= 0, at least one")
-    polynomial = np.array([1.0])
-    for f in w:
-        polynomial = np.convolve(polynomial, [1.0, 0.0, f * f] if f else [1.0, 0.0])
-    n = len(polynomial) - 1
-    Phi = np.diag(np.ones(n - 1), 1)
-    Phi[-1] = -polynomial[:0:-1] + 0.0
-    return InternalModel(readonly(Phi), readonly(np.eye(n)[:, -1:]))
-
-
 def leapfrog(frequencies: Sequence[float], period_s: float, E: ArrayLike | None = None) -> Leapfrog:
     """Return the internal model with e and the anti-windup input E (n,) constant over each period.
 
@@ -71,16 +177,16 @@ def leapfrog(frequencies: Sequence[float], period_s: float, E: ArrayLike | None 
     Raises SignalError as `exosystem`, for a frequency at or above Nyquist's, and for an E of another size; TimingError
     when the period is not positive.
     """
-    n, nyquist = len(exosystem(frequencies).Phi), np.pi / Discrete(period_s).period_s
-    if max(frequencies) >= nyquist:
-        raise SignalError(f"exosystem frequency {max(frequencies)} rad/s: it must lie below {nyquist:.6g} rad/s")
+    modes = exosystem(frequencies).modes
+    _require_below_nyquist(frequencies, period_s)
+    n = sum(mode.order for mode in modes)
     column = np.zeros(n) if E is None else np.asarray(E, dtype=np.float64).ravel()
     if column.shape != (n,):
         raise SignalError(f"the anti-windup gain has {column.size} entries, the internal model {n} states: give {n}")
     w = sorted(float(f) for f in frequencies if f)
 
     def compute() -> flint.arb_mat:
-        held = (_driven(w, n, column) * flint.arb(period_s)).exp()
+        held = (_driven(minimal_polynomial.product(modes), column) * flint.arb(period_s)).exp()
         c = [4 * (flint.arb(f) * flint.arb(period_s) / 2).sin() ** 2 for f in w]
         T = _controllability(_part(held, n, 0, n), _part(held, n, n, n + 1)) * _controllability(*_turns(c, n)).inv()
         added = [*T.solve(_part(held, n, n + 1, n + 2)).entries()]
@@ -93,37 +199,28 @@ def leapfrog(frequencies: Sequence[float], period_s: float, E: ArrayLike | None 
     return Leapfrog(readonly(found[: len(w), n + 1]), readonly(found[:, :n]), readonly(found[:, n : n + 1]))
 
 
-def augmented(plant: StateSpace, frequencies: Sequence[float]) -> StateSpace:
-    """Return a continuous plant with the internal model driven by its one output, states (plant's, xi1, xi2, ..).
+def augmented(plant: System, given: Exosystem) -> StateSpace:
+    """Return a plant with an internal model driven by each of its outputs; all inputs act, all states are outputs.
 
-    All states are outputs.
+    The states are the plant's, then `InternalModel.names`. A sampled plant is given the sampled model.
 
-    Raises TimingError for a sampled plant; SignalError as `exosystem`, or when the plant has another count of outputs
-    than one; ModelError when a transmission zero of the plant at an exosystem mode makes the problem unsolvable.
+    Raises as `in_time`; ModelError as `regulator_equations.require_solvable`.
     """
-    common(Continuous(), plant.time)
-    if len(plant.outputs) != 1:
-        raise SignalError(f"the plant has outputs {', '.join(plant.outputs)}: give the one whose error is regulated")
-    model = exosystem(frequencies)
-    for w in frequencies:
-        if structure.has_transmission_zero(plant, 1j * w):
-            raise ModelError(
-                f"the plant from {', '.join(plant.inputs)} to {plant.outputs[0]} has a transmission zero at {w:g} "
-                "rad/s, a frequency of the exosystem: it cannot be regulated there; drop it or change the actuators"
-            )
-    n, k = len(plant.A), len(model.Phi)
-    A = np.block([[plant.A, np.zeros((n, k))], [model.N @ plant.C, model.Phi]])
-    B = np.vstack([plant.B, model.N @ plant.D])
-    states = plant.states + tuple(f"xi{i + 1}" for i in range(k))
-    D = np.zeros((n + k, plant.B.shape[1]))
-    return StateSpace(A, B, np.eye(n + k), D, states, plant.inputs, states, plant.time)
+    part = model_of(plant)
+    model = in_time(given, part.time)
+    regulator_equations.require_solvable(part, model.modes)
+    (n, m), p, k = part.B.shape, len(part.outputs), len(model.Phi)
+    N = np.kron(np.eye(p), model.N)
+    A = np.block([[part.A, np.zeros((n, p * k))], [N @ part.C, np.kron(np.eye(p), model.Phi)]])
+    B = np.vstack([part.B, N @ part.D])
+    states = part.states + model.names(part.outputs)
+    units = {**part.units, **model.units(part.outputs, part.units)}
+    return StateSpace(A, B, np.eye(n + p * k), np.zeros((n + p * k, m)), states, part.inputs, states, part.time, units)
 
 
-def _driven(w: Sequence[float], n: int, E: Array) -> flint.arb_mat:
-    """Return [[Phi, N, E], [0, 0, 0]], (n + 2, n + 2), with the exact coefficients of s^m prod (s^2 + w^2)."""
-    polynomial = flint.arb_poly([0, 1] if n > 2 * len(w) else [1])
-    for f in w:
-        polynomial *= flint.arb_poly([flint.arb(f) ** 2, 0, 1])
+def _driven(polynomial: flint.arb_poly, E: Array) -> flint.arb_mat:
+    """Return [[Phi, N, E], [0, 0, 0]], (n + 2, n + 2), with the exact coefficients of a monic polynomial."""
+    n = len(E)
     M = flint.arb_mat(n + 2, n + 2)
     for i in range(n):
         M[n - 1, i] = -polynomial[i]

@@ -1,29 +1,43 @@
 """Linear quadratic regulators, u = K x (the sign is inside K, as in F(16)).
 
-lqr    min int (x'Qx + u'Ru + 2 x'Nu) dt,            continuous model, or the sum for a sampled one
-lqrd   the same integral for a continuous model whose input is held over each period T:
+    lqr    min int (x'Qx + u'Ru + 2 x'Nu) dt,            continuous model, or the sum for a sampled one
+    dlqr   the sum, for a sampled model alone
+    lqrd   the same integral for a continuous model whose input is held over each period T:
 
-       int_0^T (x'Qx + u'Ru) dt = [x; u]' W [x; u],   W = int_0^T M(t)' diag(Q, R) M(t) dt
+           int_0^T (x'Qx + u'Ru + 2 x'Nu) dt = [x; u]' W [x; u],   W = int_0^T M(t)' [Q, N; N', R] M(t) dt
 
-       with M(t) = exp([[A, B], [0, 0]] t), which has a cross term even where Q and R have none; W by Van Loan (1978).
+           with M(t) = exp([[A, B], [0, 0]] t), which has a cross term even where Q and R have none (Van Loan 1978)
+
+    u --->[ x' = A x + B u, or x+ ]--- x ---+          y = C x + D u,  q' = y, or q+ = q + T y
+    ^                                       |
+    +------------------[ K ]<---------------+
+
+`output_weighted` turns weights on outputs into such weights, `integral` adds the states q. In double precision; with
+`exact` in ball arithmetic, for gains that must be the same on every machine.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
-import flint
 import numpy as np
 import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
-from synth.analyse import discretise, precise
-from synth.statespace import Array, StateSpace, readonly
-from synth.synthesise import riccati
-from synth.timing import Time
+from synth import show
+from synth.analyse import discretise
+from synth.errors import SignalError, TimingError
+from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.synthesise import riccati, weights
+from synth.timing import Continuous, Discrete, Time
 
 
-@dataclass(frozen=True, eq=False)
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
 class Gain:
-    """State feedback u = K x, K (m, n), with the weights that it minimises and its certificate."""
+    """State feedback u = K x, K (m, n), with the weights that it minimises and its certificate.
+
+    An entry of K has the unit of its input over that of its state, as far as `units` tells them by name.
+    """
 
     K: Array
     Q: Array
@@ -33,14 +47,43 @@ class Gain:
     inputs: tuple[str, ...]
     time: Time
     certificate: riccati.Riccati
+    units: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def poles(self) -> NDArray[np.complex128]:
         """Eigenvalues of A + B K, in 1/s or in z."""
         return self.certificate.poles
 
+    def sheet(self) -> show.Sheet:
+        """Return the certificate, the gain by name and the poles."""
+        rows, columns = (
+            [show.named(name, self.units.get(name, "")) for name in names] for names in (self.inputs, self.states)
+        )
+        title = f"Optimal gain u = K x in {self.time}: {len(rows)} inputs, {len(columns)} states"
+        tables = (show.matrix("K", self.K, rows, columns), riccati.modes(self.poles, self.time))
+        return show.Sheet(title, self.certificate.lines(), tables)
 
-@dataclass(frozen=True, eq=False)
+
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
+class Weights:
+    """Weights x'Qx + u'Ru + 2 x'Nu: Q (n, n), R (m, m), N (n, m)."""
+
+    Q: Array
+    R: Array
+    N: Array
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+
+    def sheet(self) -> show.Sheet:
+        """Return the weights as one table."""
+        names = (*self.states, *self.inputs)
+        joint = weights.joined(self.Q, self.R, self.N)
+        return show.Sheet("Weights [Q, N; N', R]", tables=(show.matrix("", joint, names, names),))
+
+
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
 class SampledCost:
     """The held model over one period and the weights Q, R, N of the exact cost integral."""
 
@@ -49,61 +92,96 @@ class SampledCost:
     R: Array
     N: Array
 
+    def sheet(self) -> show.Sheet:
+        """Return the weights as one table."""
+        made = Weights(self.Q, self.R, self.N, self.model.states, self.model.inputs).sheet()
+        return replace(made, title=f"Cost over one period in {self.model.time}: weights [Q, N; N', R]")
 
-def lqr(model: StateSpace, Q: ArrayLike, R: ArrayLike, N: ArrayLike | None = None) -> Gain:
+
+def lqr(system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None = None, exact: bool = False) -> Gain:
     """Return the optimal gain of a model in its own time; Q (n, n), R (m, m), N (n, m).
 
-    Raises as `riccati.solve`.
+    Q and R are matrices, diagonals or {name: weight}. Raises as `riccati.solve`.
     """
-    found = riccati.solve(model, Q, R, N)
-    cross = np.zeros(model.B.shape) if N is None else N
-    weights = (readonly(Q), readonly(R), readonly(cross))
-    return Gain(readonly(-found.L), *weights, model.states, model.inputs, model.time, found)
+    model = of(system)
+    found = riccati.solve(model, Q, R, N, exact=exact)
+    kept = found.Q, found.R, found.N
+    return Gain(readonly(-found.L), *kept, model.states, model.inputs, model.time, found, model.units)
 
 
-def lqrd(model: StateSpace, Q: ArrayLike, R: ArrayLike, period_s: float) -> Gain:
+def dlqr(system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None = None, exact: bool = False) -> Gain:
+    """Return the gain of a sampled model that minimises the sum over the samples; arguments as for `lqr`.
+
+    Raises TimingError for a continuous model; else as `riccati.solve`.
+    """
+    model = of(system)
+    if not isinstance(model.time, Discrete):
+        raise TimingError(
+            "dlqr takes a sampled model, this one is continuous: use lqrd with the period, which keeps the continuous "
+            "cost, or sample it with zero_order_hold"
+        )
+    return lqr(model, Q, R, N, exact)
+
+
+def lqrd(
+    system: System,
+    Q: weights.Weight,
+    R: weights.Weight,
+    period_s: float,
+    N: ArrayLike | None = None,
+    exact: bool = False,
+) -> Gain:
     """Return the optimal gain for a continuous model whose input is held over `period_s`, for the continuous cost.
 
     Raises TimingError for a sampled model; else as `riccati.solve`.
     """
-    cost = sampled_cost(model, Q, R, period_s)
-    return lqr(cost.model, cost.Q, cost.R, cost.N)
+    cost = sampled_cost(system, Q, R, period_s, N, exact)
+    return lqr(cost.model, cost.Q, cost.R, cost.N, exact)
 
 
-def sampled_cost(model: StateSpace, Q: ArrayLike, R: ArrayLike, period_s: float) -> SampledCost:
+def sampled_cost(
+    system: System,
+    Q: weights.Weight,
+    R: weights.Weight,
+    period_s: float,
+    N: ArrayLike | None = None,
+    exact: bool = False,
+) -> SampledCost:
     """Return the held model and its exact weights over one period.
 
     Raises TimingError for a sampled model; SignalError for weights as `riccati.solve`; ModelError as
-    `precise.resolved`.
+    `discretise.gramian`.
     """
-    Q, R, _ = riccati.checked_weights(model, Q, R, None)
-    held = discretise.zero_order_hold(model, period_s)
+    model = of(system)
+    Q, R, N = riccati.checked_weights(model, Q, R, N)
+    if not isinstance(model.time, Continuous):
+        raise TimingError(f"the cost over a period is asked of a model in {model.time}: give the continuous model")
     n, m = model.B.shape
-    F = np.block([[model.A, model.B], [np.zeros((m, n + m))]])
-    H = np.block([[-F.T, scipy.linalg.block_diag(Q, R)], [np.zeros((n + m, n + m)), F]])
-
-    def compute() -> flint.arb_mat:
-        E = (precise.matrix(H) * flint.arb(period_s)).exp()
-        k = range(n + m)
-        M = flint.arb_mat([[E[n + m + i, n + m + j] for j in k] for i in k])
-        G = flint.arb_mat([[E[i, n + m + j] for j in k] for i in k])
-        return M.transpose() * G
-
-    W = precise.resolved(compute, f"the cost over {period_s:g} s")
-    W = (W + W.T) / 2
-    return SampledCost(held, readonly(W[:n, :n]), readonly(W[n:, n:]), readonly(W[:n, n:]))
+    F = np.zeros((n + m, n + m))
+    F[:n, :n], F[:n, n:] = model.A, model.B
+    over = discretise.gramian(F, weights.joined(Q, R, N), period_s, exact=exact)
+    held = replace(model, A=over.M[:n, :n], B=over.M[:n, n:], time=Discrete(period_s))
+    return SampledCost(held, readonly(over.W[:n, :n]), readonly(over.W[n:, n:]), readonly(over.W[:n, n:]))
 
 
-def cost_ratio(model: StateSpace, gain: Gain, Q: ArrayLike, R: ArrayLike, period_s: float) -> float:
+def cost_ratio(
+    system: System,
+    gain: Gain,
+    Q: weights.Weight,
+    R: weights.Weight,
+    period_s: float,
+    N: ArrayLike | None = None,
+    exact: bool = False,
+) -> float:
     """Return the cost of using `gain` at a sample period over that of `lqrd`, for the worst initial state.
 
-    Infinite when the sampled loop with `gain` is unstable. The model is continuous, the gain of any origin. A state of
-    which the optimal cost is zero is left aside.
+    Infinite when the sampled loop with `gain` is unstable. The model is continuous, the gain of any origin: with that
+    of `lqr` this is the price of emulation. A state of which the optimal cost is zero is left aside.
 
     Raises as `lqrd`.
     """
-    cost = sampled_cost(model, Q, R, period_s)
-    best = lqr(cost.model, cost.Q, cost.R, cost.N)
+    cost = sampled_cost(system, Q, R, period_s, N, exact)
+    best = lqr(cost.model, cost.Q, cost.R, cost.N, exact)
     closed = cost.model.A + cost.model.B @ gain.K
     if np.abs(np.linalg.eigvals(closed)).max() >= 1:
         return np.inf
@@ -116,3 +194,56 @@ def cost_ratio(model: StateSpace, gain: Gain, Q: ArrayLike, R: ArrayLike, period
     costly = values > 1e-13 * values[-1]
     W = d[:, None] * V[:, costly] / np.sqrt(values[costly])
     return float(np.linalg.eigvalsh(W.T @ (X + X.T) @ W / 2)[-1])
+
+
+def output_weighted(system: System, Qy: weights.Weight, R: weights.Weight) -> Weights:
+    """Return the weights on states and inputs that amount to y'Qy y + u'Ru, y = C x + D u; Qy (p, p), R (m, m).
+
+    Q = C'Qy C, N = C'Qy D, R + D'Qy D: R may be semidefinite where D'Qy D makes up for it.
+
+    Raises SignalError for weights that do not fit or are asymmetric or indefinite.
+    """
+    model = of(system)
+    Qy, R = weights.semidefinite("Qy", Qy, model.outputs), weights.semidefinite("R", R, model.inputs)
+    n = len(model.states)
+    both = np.hstack([model.C, model.D])
+    W = both.T @ Qy @ both
+    W = (W + W.T) / 2
+    Q, R, N = (readonly(v) for v in (W[:n, :n], W[n:, n:] + R, W[:n, n:]))
+    return Weights(Q, R, N, model.states, model.inputs)
+
+
+def integral(system: System, outputs: Sequence[str]) -> StateSpace:
+    """Return the model with a state ``<output>_integral`` for each of some outputs: q' = y, or q+ = q + T y.
+
+    They come after the states, with the unit of y times s, and are outputs as well (Y(31), Y(32)).
+
+    Raises SignalError for an output that is not known or stands twice.
+    """
+    model = of(system)
+    chosen = model.select(outputs, model.inputs)
+    if len(set(outputs)) < len(outputs):
+        raise SignalError(f"an output stands twice among {', '.join(outputs)}: its integral is one state")
+    sampled = isinstance(model.time, Discrete)
+    k, T = len(outputs), model.time.period_s if isinstance(model.time, Discrete) else 1.0
+    names = tuple(f"{name}_integral" for name in outputs)
+    units = {new: _times_s(model.unit(y)) for new, y in zip(names, outputs, strict=True) if y in model.units}
+    n, m = model.B.shape
+    corner = np.eye(k) if sampled else np.zeros((k, k))
+    return StateSpace(
+        A=np.block([[model.A, np.zeros((n, k))], [T * chosen.C, corner]]),
+        B=np.vstack([model.B, T * chosen.D]),
+        C=scipy.linalg.block_diag(model.C, np.eye(k)),
+        D=np.vstack([model.D, np.zeros((k, m))]),
+        states=(*model.states, *names),
+        inputs=model.inputs,
+        outputs=(*model.outputs, *names),
+        time=model.time,
+        units={**model.units, **units},
+    )
+
+
+def _times_s(unit: str) -> str:
+    if unit == "1":
+        return "s"
+    return unit.removesuffix("/s") if unit.endswith("/s") else f"{unit} s"

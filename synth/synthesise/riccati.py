@@ -4,206 +4,253 @@
     discrete    A'XA - X - (A'XB + N) S^-1 (B'XA + N') + Q = 0,       L = S^-1 (B'XA + N'),            A - B L stable
                                              S = R + B'XB
 
-for A (n, n), B (n, m), Q (n, n) >= 0, R (m, m) > 0, N (n, m). SciPy's solution is the start of Newton's method
-(Kleinman 1968, Hewer 1971) in ball arithmetic, so that X and L come out correct to the last bit of double and alike on
-every machine. The certificate is of the rounded X: its residual, and one further Newton step as its distance from the
-solution. `certify` gives it for an X of any origin.
+for A (n, n), B (n, m), Q (n, n), R (m, m) > 0, N (n, m) and a cost [Q, N; N', R] >= 0. By default in double precision:
+states and inputs are balanced by powers of 2, doubling gives a start, and Newton's method with a residual of twice the
+precision ends within rounding. What comes out is taken when its own certificate holds; else SciPy's Schur method gives
+the start, then ball arithmetic takes over, for 12 states or fewer. With `exact` ball arithmetic rounds X and L
+correctly, alike on every machine.
 """
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
-import flint
 import numpy as np
 import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
-from synth.analyse import precise, structure
+from synth import show
 from synth.errors import ModelError, SignalError
-from synth.statespace import Array, StateSpace, readonly
-from synth.timing import Continuous
+from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.synthesise import doubling, equation, exact_riccati, newton, solvability, weights
+from synth.synthesise.equation import Equation, Solution
+from synth.timing import Continuous, Time
 
-Mat = flint.arb_mat
+TRUSTED = 1e-8  # forward error up to which a solution in double precision is taken
+BALLS = 12  # states up to which ball arithmetic is tried
 
 
-@dataclass(frozen=True, eq=False)
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
 class Riccati:
-    """The stabilising solution X (n, n) and L (m, n), u = -L x, with its certificate.
+    """The stabilising solution X (n, n) and L (m, n), u = -L x, for the weights Q, R, N, with its certificate.
 
-    `poles` are those of A - B L, in 1/s or in z; `residual` bounds the largest entry of the equation's residual at the
-    rounded X over that of Q; `forward_error` estimates the largest error of X over its largest entry;
-    `least_eigenvalue` is that of X.
+    `poles` (n,) are those of A - B L, in 1/s or in z. `defect` and `step` (n, n) hold the absolute entries of the
+    equation's left side at X and of the further Newton step from X, an estimate of X's error; from them
+
+    `residual`       the largest entry of the left side at X, each beside the sum of the absolute terms it is left of
+    `forward_error`  the largest error of X_ij over sqrt(X_ii X_jj); infinite where A - B L is not stable
+    `condition`      the factor from relative changes of the equation's terms to those of sqrt(X_ii X_jj), at most
+
+    so that units do not matter. `least_eigenvalue` is that of X.
     """
 
     X: Array
     L: Array
+    Q: Array
+    R: Array
+    N: Array
     poles: NDArray[np.complex128]
     residual: float
     forward_error: float
+    condition: float
     least_eigenvalue: float
+    defect: Array
+    step: Array
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    time: Time
+
+    def sheet(self) -> show.Sheet:
+        """Return the certificate and the tables of L, X and the poles."""
+        n, m = len(self.states), len(self.inputs)
+        tables = (
+            show.matrix("L", self.L, self.inputs, self.states),
+            show.matrix("X", self.X, self.states, self.states),
+            modes(self.poles, self.time),
+        )
+        return show.Sheet(f"Riccati solution in {self.time}: {n} states, {m} inputs", self.lines(), tables)
+
+    def lines(self) -> tuple[str, ...]:
+        """Return the certificate in words."""
+        return (
+            f"residual {self.residual:.1e}, error of X {self.forward_error:.1e}, condition {self.condition:.1e}, "
+            f"least eigenvalue of X {self.least_eigenvalue:.3g}",
+        )
 
 
-@dataclass(frozen=True, eq=False)
-class _Problem:
-    A: Mat
-    B: Mat
-    Q: Mat
-    R: Mat
-    N: Mat
-    continuous: bool
-
-    def feedback(self, X: Mat) -> Mat:
-        """Return L for X."""
-        if self.continuous:
-            return precise.middle(self.R.solve(self.B.transpose() * X + self.N.transpose()))
-        S = self.R + self.B.transpose() * X * self.B
-        return precise.middle(S.solve(self.B.transpose() * X * self.A + self.N.transpose()))
-
-    def residual(self, X: Mat) -> Mat:
-        """Return the equation's left side at X."""
-        if self.continuous:
-            cross = X * self.B + self.N
-            gain = self.R.solve(cross.transpose())
-            return self.A.transpose() * X + X * self.A - cross * gain + self.Q
-        cross = self.A.transpose() * X * self.B + self.N
-        gain = (self.R + self.B.transpose() * X * self.B).solve(cross.transpose())
-        return self.A.transpose() * X * self.A - X - cross * gain + self.Q
-
-    def newton(self, X: Mat) -> Mat:
-        """Return the next iterate: the cost of the feedback L(X), from a linear (Lyapunov or Stein) equation."""
-        L = self.feedback(X)
-        closed = (self.A - self.B * L).transpose()
-        cost = self.Q + L.transpose() * self.R * L - self.N * L - (self.N * L).transpose()
-        n = closed.nrows()
-        one = precise.identity(n)
-        if self.continuous:
-            operator = precise.kronecker(closed, one) + precise.kronecker(one, closed)
-        else:
-            operator = precise.kronecker(closed, closed) - precise.identity(n * n)
-        right = flint.arb_mat([[-v] for v in cost.entries()])
-        try:
-            Y = flint.arb_mat(n, n, precise.middle(operator.solve(right)).entries())
-        except ZeroDivisionError as error:
-            raise ModelError(
-                "a Newton step of the Riccati equation has no solution: its closed loop has poles s + s' = 0 "
-                "(s s' = 1 in discrete time); start nearer to the stabilising solution or scale the weights"
-            ) from error
-        return precise.middle((Y + Y.transpose()) * flint.arb(0.5))
+def modes(poles: NDArray[np.complex128], time: Time) -> show.Table:
+    """Return a table of poles in 1/s or in z with their natural frequency in Hz and their damping."""
+    z = np.where(poles == 0, np.finfo(float).tiny, poles)
+    s = poles if isinstance(time, Continuous) else np.log(z) / time.period_s
+    rows = (
+        (show.number(p), show.number(abs(v) / (2 * np.pi)), show.number(-v.real / abs(v) if v else np.nan))
+        for p, v in zip(poles, s, strict=True)
+    )
+    return show.Table(("pole [1/s]" if isinstance(time, Continuous) else "pole, z", "f [Hz]", "damping"), tuple(rows))
 
 
-def certify(model: StateSpace, Q: ArrayLike, R: ArrayLike, X: ArrayLike, N: ArrayLike | None = None) -> Riccati:
-    """Return a symmetric X (n, n) of any origin with its L and its certificate; arguments else as for `solve`.
-
-    Raises SignalError as `solve`, or when X does not fit; ModelError when its L leaves the closed loop singular.
-    """
-    Q, R, N = checked_weights(model, Q, R, N)
-    X = _symmetric("X", X, len(model.A))
-    with precise.precision():
-        problem = _problem(model, Q, R, N)
-        return _certified(problem, precise.matrix(X))
-
-
-def solve(model: StateSpace, Q: ArrayLike, R: ArrayLike, N: ArrayLike | None = None) -> Riccati:
+def solve(
+    system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None = None, exact: bool = False
+) -> Riccati:
     """Solve the Riccati equation of a model's A, B in its own time; Q (n, n), R (m, m), N (n, m), zero if left out.
 
-    Raises SignalError for matrices that do not fit, an asymmetric Q or R, an indefinite Q or an R that is not positive
-    definite; ModelError when (A, B) is not stabilisable or (Q, A) not detectable, naming the mode and its states, or
-    when no stabilising solution is found.
+    Q weights the states, R the inputs, as matrix, diagonal or {name: weight}. `exact` rounds each entry of X and L
+    correctly, at a cost that grows with n^6.
+
+    Raises SignalError for weights that do not fit, an asymmetric Q or R, an indefinite cost or an R that is not
+    positive definite; ModelError when (A, B) is not stabilisable or (Q, A) not detectable, naming the mode and its
+    states, or when no stabilising solution is found.
     """
-    Q, R, N = checked_weights(model, Q, R, N)
-    structure.require_stabilisable(model.A, model.B, model.states, model.inputs, model.time)
-    shifted = model.A - model.B @ np.linalg.solve(R, N.T)
-    structure.require_detectable(shifted, Q - N @ np.linalg.solve(R, N.T), model.states, "Q", model.time)
-    start = _start(model, Q, R, N)
-    with precise.precision():
-        problem = _problem(model, Q, R, N)
-        found = _certified(problem, _refined(problem, precise.matrix(start)))
-    stable = found.poles.real < 0 if problem.continuous else np.abs(found.poles) < 1
-    if not stable.all():
-        raise ModelError(
-            f"the Riccati equation's solution leaves the pole {found.poles[~stable][0]:.4g}, which does not decay: "
-            "scale the weights and the states so that they are of like size"
-        )
-    return found
+    model = of(system)
+    stated = _stated(model, Q, R, N)
+    balance = _Balance.of(stated)
+    found = _solution(model, stated, balance)
+    if exact:
+        found = _from_balls(exact_riccati.solve(stated, found.X), balance)
+    certified = _certified(model, stated, found, balance)
+    solvability.prove(model, stated, balance.scaled, certified.poles)
+    return certified
 
 
-def checked_weights(model: StateSpace, Q: ArrayLike, R: ArrayLike, N: ArrayLike | None) -> tuple[Array, Array, Array]:
+def certify(
+    system: System,
+    Q: weights.Weight,
+    R: weights.Weight,
+    X: ArrayLike,
+    N: ArrayLike | None = None,
+    exact: bool = False,
+) -> Riccati:
+    """Return a symmetric X (n, n) of any origin with its L and its certificate; arguments else as for `solve`.
+
+    Raises SignalError as `solve`, or when X does not fit; ModelError when S = R + B'XB is not positive definite.
+    """
+    model = of(system)
+    stated, X = _stated(model, Q, R, N), weights.symmetric("X", X, model.states)
+    balance = _Balance.of(stated)
+    found = _from_balls(exact_riccati.certify(stated, X), balance) if exact else _evaluated(X, balance)
+    return _certified(model, stated, found, balance)
+
+
+def checked_weights(
+    system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None
+) -> tuple[Array, Array, Array]:
     """Return the weights as arrays (n, n), (m, m), (n, m).
 
-    Raises SignalError for matrices that do not fit, an asymmetric or indefinite Q, or an R that is not positive
-    definite.
+    Raises SignalError for weights that do not fit, an asymmetric Q or R, an R that is not positive definite, or a cost
+    that is not positive semidefinite.
     """
-    n, m = model.B.shape
-    Q, R = _symmetric("Q", Q, n), _symmetric("R", R, m)
-    N = np.zeros((n, m)) if N is None else np.asarray(N, dtype=np.float64)
-    if N.shape != (n, m) or not np.isfinite(N).all():
-        raise SignalError(f"the cross weight N is {N.shape}: {n} states and {m} inputs need a finite one of {(n, m)}")
-    _check_definite(Q, R, N)
+    model = of(system)
+    Q, R = weights.symmetric("Q", Q, model.states), weights.definite("R", R, model.inputs)
+    N = weights.cross("N", N, model.states, model.inputs)
+    joint = weights.joined(Q, R, N) if N.any() else Q
+    if not weights.is_above(joint, -weights.ROUNDING):
+        what = "Q - N R^-1 N'" if N.any() else "Q"
+        lowest = weights.lowest_eigenvalue(Q - N @ np.linalg.solve(R, N.T))
+        raise SignalError(
+            f"{what} has the eigenvalue {lowest:.3g}: the cost must be positive semidefinite; raise Q or lower N"
+        )
     return Q, R, N
 
 
-def _problem(model: StateSpace, Q: Array, R: Array, N: Array) -> _Problem:
-    A, B = precise.matrix(model.A), precise.matrix(model.B)
-    continuous = isinstance(model.time, Continuous)
-    return _Problem(A, B, precise.matrix(Q), precise.matrix(R), precise.matrix(N), continuous)
+def _stated(model: StateSpace, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None) -> Equation:
+    if not model.states or not model.inputs:
+        raise SignalError(f"the model has {len(model.states)} states and {len(model.inputs)} inputs: it needs of each")
+    return Equation(model.A, model.B, *checked_weights(model, Q, R, N), isinstance(model.time, Continuous))
 
 
-def _refined(problem: _Problem, X: Mat) -> Mat:
-    """Return Newton's limit; its steps square the error, so that the last leaves some 1e-70."""
-    for _ in range(30):
-        previous, X = X, problem.newton(X)
-        if precise.norm(X - previous) <= 1e-40 * precise.norm(X):
-            return X
-    raise ModelError("Newton's method on the Riccati equation does not settle: scale the weights or the states")
+@dataclass(frozen=True, eq=False)
+class _Balance:
+    """The scaled equation, the scales D (n,), E (m,) of states and inputs, and the map that doubling takes."""
+
+    scaled: Equation
+    D: Array
+    E: Array
+    bilinear: doubling.Bilinear
+
+    @staticmethod
+    def of(stated: Equation) -> "_Balance":
+        D, E = stated.scales()
+        scaled = stated.scaled(D, E)
+        return _Balance(scaled, D, E, doubling.fitting(scaled))
+
+    def back(self, found: Solution) -> Solution:
+        """Return a solution of the scaled equation as that of the equation itself."""
+        return found.scaled(1 / self.D, 1 / self.E)
 
 
-def _certified(problem: _Problem, X: Mat) -> Riccati:
-    L = problem.feedback(X)
-    shipped = readonly(precise.rounded(X))
-    ball = precise.matrix(shipped)
-    closed = precise.rounded(problem.A - problem.B * L)
-    return Riccati(
-        X=shipped,
-        L=readonly(precise.rounded(L)),
-        poles=np.sort_complex(np.linalg.eigvals(closed).astype(np.complex128)),
-        residual=precise.norm(problem.residual(ball)) / (precise.norm(problem.Q) or 1.0),
-        forward_error=precise.norm(problem.newton(ball) - ball) / (precise.norm(X) or 1.0),
-        least_eigenvalue=float(np.linalg.eigvalsh(shipped).min()),
+def _solution(model: StateSpace, stated: Equation, balance: _Balance) -> Solution:
+    """Return the first solution whose certificate holds."""
+    scaled, nearest, start = balance.scaled, np.inf, None
+    for start in _starts(model, stated, balance):
+        found = None if start is None else newton.refined(scaled, start, balance.bilinear)
+        if found is not None:
+            nearest = found.error(scaled)
+            if nearest <= TRUSTED:
+                return balance.back(found)
+    if len(model.states) <= BALLS and start is not None:
+        return _from_balls(exact_riccati.solve(stated, start / balance.D / balance.D[:, None]), balance)
+    raise ModelError(
+        f"the Riccati equation has no stabilising solution that double precision resolves: an error of {nearest:.1e} "
+        f"of X is left, and the weight R has the condition {np.linalg.cond(scaled.R):.1e}; weight inputs and "
+        f"states more alike, or leave out modes that hardly move, so that {BALLS} states are left for ball arithmetic"
     )
 
 
-def _start(model: StateSpace, Q: Array, R: Array, N: Array) -> Array:
-    continuous = isinstance(model.time, Continuous)
-    solver = scipy.linalg.solve_continuous_are if continuous else scipy.linalg.solve_discrete_are
+def _starts(model: StateSpace, stated: Equation, balance: _Balance) -> Iterator[Array | None]:
+    """Yield X of the scaled equation: by doubling; from a moderate gain; by SciPy.
+
+    After the first a mode that prevents every solution is named.
+    """
+    scaled = balance.scaled
+    yield doubling.solution(scaled, balance.bilinear)
+    solvability.search(model, stated)
+    moderate = scaled.moderate()
+    X = doubling.solution(moderate, doubling.fitting(moderate))
+    yield None if X is None else newton.evaluated(scaled, moderate.gain(X), balance.bilinear)
+    solver = scipy.linalg.solve_continuous_are if scaled.continuous else scipy.linalg.solve_discrete_are
     try:
-        return solver(model.A, model.B, Q, R, s=N)
+        yield solver(scaled.A, scaled.B, scaled.Q, scaled.R, s=scaled.N)
+    except np.linalg.LinAlgError:
+        return
+
+
+def _evaluated(X: Array, balance: _Balance) -> Solution:
+    """Return a symmetric X (n, n) with its L, residual and Newton step."""
+    X, scaled = X * balance.D * balance.D[:, None], balance.scaled
+    try:
+        defect, L = scaled.residual(X)
     except np.linalg.LinAlgError as error:
-        raise ModelError(
-            f"the Riccati equation has no stabilising solution within double precision ({error}): "
-            "scale the weights and the states so that they are of like size"
-        ) from error
+        raise ModelError("R + B'XB is not positive definite: this X is far from any that stabilises") from error
+    closed = scaled.A - scaled.B @ L
+    decay = doubling.decay(closed, balance.bilinear)
+    step = np.full_like(X, np.inf) if decay is None else decay.gathered(defect)
+    return balance.back(newton.certified(scaled, Solution(X, L, closed, defect, step), decay))
 
 
-def _symmetric(name: str, value: ArrayLike, n: int) -> Array:
-    matrix = np.asarray(value, dtype=np.float64)
-    if matrix.shape != (n, n) or not np.isfinite(matrix).all():
-        raise SignalError(f"the matrix {name} is {matrix.shape}: give a finite one of {(n, n)}")
-    if not np.array_equal(matrix, matrix.T):
-        i, j = np.argwhere(matrix != matrix.T)[0]
-        raise SignalError(
-            f"the matrix {name} is not symmetric: [{i}, {j}] is {matrix[i, j]}, [{j}, {i}] is {matrix[j, i]}; "
-            "give (M + M') / 2"
-        )
-    return matrix
+def _certified(model: StateSpace, stated: Equation, found: Solution, balance: _Balance) -> Riccati:
+    scaled = found.scaled(balance.D, balance.E)
+    return Riccati(
+        X=readonly(found.X),
+        L=readonly(found.L),
+        Q=readonly(stated.Q),
+        R=readonly(stated.R),
+        N=readonly(stated.N),
+        poles=np.sort_complex(np.linalg.eigvals(found.closed).astype(np.complex128)),
+        residual=found.residual,
+        forward_error=equation.relative(scaled.step, scaled.X),
+        condition=found.condition,
+        least_eigenvalue=float(np.linalg.eigvalsh(found.X)[0]),
+        defect=readonly(np.abs(found.defect)),
+        step=readonly(np.abs(found.step)),
+        states=model.states,
+        inputs=model.inputs,
+        time=model.time,
+    )
 
 
-def _check_definite(Q: Array, R: Array, N: Array) -> None:
-    least = float(np.linalg.eigvalsh(R).min())
-    if least <= 0:
-        raise SignalError(
-            f"the weight R has the eigenvalue {least:.3g}: it must be positive definite; weight each input"
-        )
-    lowest = float(np.linalg.eigvalsh(Q - N @ np.linalg.solve(R, N.T)).min())
-    if lowest < -1e-12 * max(1.0, float(np.abs(Q).max())):
-        raise SignalError(
-            f"Q - N R^-1 N' has the eigenvalue {lowest:.3g}: the cost must be positive semidefinite; raise Q or lower N"
-        )
+def _from_balls(found: Solution, balance: _Balance) -> Solution:
+    """Return a solution from ball arithmetic with its certificate."""
+    scaled = found.scaled(balance.D, balance.E)
+    decay = doubling.decay(scaled.closed, balance.bilinear)
+    known = newton.certified(balance.scaled, scaled, decay)
+    return replace(found, residual=known.residual, condition=known.condition)

@@ -1,9 +1,12 @@
-"""Weights and covariances by name: a symmetric matrix (n, n), its diagonal (n,), or {signal: diagonal entry}."""
+"""Weights and covariances by name: a symmetric matrix (n, n), its diagonal (n,), or {signal: diagonal entry}.
+
+Whether a matrix is definite must not hang on units: M is judged as D M D, the diagonal of which is 1 where M's is
+above 0.
+"""
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import ArrayLike
 
 from synth.errors import SignalError
@@ -11,7 +14,8 @@ from synth.statespace import Array
 
 Weight = ArrayLike | Mapping[str, float]
 
-ROUNDING = 1e-12  # of the largest eigenvalue: an eigenvalue this far below zero is the rounding error of a zero
+ROUNDING = 1e-12  # of the unit diagonal: an eigenvalue this far below zero is the rounding error of a zero
+SINGULAR = 2.0**-50  # of the unit diagonal, times n: an eigenvalue below it may be the rounding error of a zero
 
 
 def symmetric(what: str, value: Weight, names: Sequence[str]) -> Array:
@@ -26,7 +30,7 @@ def symmetric(what: str, value: Weight, names: Sequence[str]) -> Array:
         if unknown := [name for name in value if name not in names]:
             raise SignalError(f"the weight {what} names '{unknown[0]}', which is not one of {', '.join(names)}")
         value = [float(value.get(name, 0.0)) for name in names]
-    matrix = np.asarray(value, dtype=np.float64)
+    matrix = _numbers(what, value)
     n = len(names)
     if matrix.shape == (n,):
         matrix = np.diag(matrix)
@@ -47,25 +51,74 @@ def symmetric(what: str, value: Weight, names: Sequence[str]) -> Array:
 def semidefinite(what: str, value: Weight, names: Sequence[str]) -> Array:
     """Return the weight as `symmetric` does; raise SignalError, too, when it has an eigenvalue below 0."""
     matrix = symmetric(what, value, names)
-    lowest, size = _lowest(matrix)
-    if lowest < -ROUNDING * size:
+    if not is_above(matrix, -ROUNDING):
+        lowest = lowest_eigenvalue(matrix)
         raise SignalError(f"the matrix {what} has the eigenvalue {lowest:.3g}: it must be positive semidefinite")
     return matrix
 
 
 def definite(what: str, value: Weight, names: Sequence[str]) -> Array:
-    """Return the weight as `symmetric` does; raise SignalError, too, when it has an eigenvalue of 0 or below."""
+    """Return the weight as `symmetric` does; raise SignalError, too, when it has an eigenvalue of 0 or below.
+
+    What is 0 within rounding is refused as well.
+    """
     matrix = symmetric(what, value, names)
-    lowest, _ = _lowest(matrix)
-    if lowest <= 0:
+    if not is_above(matrix, SINGULAR * len(matrix)):
+        lowest = lowest_eigenvalue(matrix)
         raise SignalError(
-            f"the matrix {what} has the eigenvalue {lowest:.3g}: it must be positive definite; weight each of "
-            f"{', '.join(names)}"
+            f"the matrix {what} has the eigenvalue {lowest:.3g}: it must be positive definite beyond rounding; weight "
+            f"each of {', '.join(names)}"
         )
     return matrix
 
 
-def _lowest(matrix: Array) -> tuple[float, float]:
-    """Return the lowest eigenvalue of a symmetric matrix and the largest absolute one."""
-    values = scipy.linalg.eigvalsh(matrix) if len(matrix) else np.zeros(1)
-    return float(values[0]), float(np.abs(values).max())
+def cross(what: str, value: ArrayLike | None, rows: Sequence[str], columns: Sequence[str]) -> Array:
+    """Return a cross weight (n, m) between two lists of signals, 0 where it is None.
+
+    Raises SignalError for another shape or an entry that is not finite.
+    """
+    shape = (len(rows), len(columns))
+    matrix = np.zeros(shape) if value is None else _numbers(what, value)
+    if matrix.shape != shape or not np.isfinite(matrix).all():
+        raise SignalError(
+            f"the cross weight {what} is {matrix.shape}: {shape[0]} states and {shape[1]} inputs need a finite one of "
+            f"{shape}"
+        )
+    return matrix
+
+
+def joined(Q: Array, R: Array, N: Array) -> Array:
+    """Return [Q, N; N', R] (n + m, n + m) of Q (n, n), R (m, m), N (n, m)."""
+    return np.vstack([np.hstack([Q, N]), np.hstack([N.T, R])])
+
+
+def is_above(matrix: Array, least: float) -> bool:
+    """Tell whether all eigenvalues of a symmetric matrix (n, n), scaled to a unit diagonal, are above `least`."""
+    scaled = _unit(matrix)
+    scaled.flat[:: len(scaled) + 1] -= least
+    try:
+        np.linalg.cholesky(scaled)
+    except np.linalg.LinAlgError:
+        return False
+    return True
+
+
+def lowest_eigenvalue(matrix: Array) -> float:
+    """Return the lowest eigenvalue; where rounding hides its sign, that of the matrix scaled to a unit diagonal."""
+    values = np.linalg.eigvalsh(matrix)
+    if abs(values[0]) > ROUNDING * np.abs(values).max():
+        return float(values[0])
+    return float(np.linalg.eigvalsh(_unit(matrix))[0])
+
+
+def _unit(matrix: Array) -> Array:
+    diagonal = np.abs(np.diag(matrix))
+    root = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+    return np.asarray(matrix / root / root[:, None])
+
+
+def _numbers(what: str, value: ArrayLike) -> Array:
+    try:
+        return np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise SignalError(f"the weight {what} is no array of real numbers ({error}): give a matrix") from error

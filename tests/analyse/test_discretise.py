@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from synth.analyse import discretise, precise
-from synth.errors import ModelError, TimingError
+from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import StateSpace
 from synth.timing import Continuous, Discrete
 from tests import tolerances
@@ -123,6 +123,116 @@ def test_a_delay_multiplies_the_response_by_a_power_of_z(samples: int) -> None:
         late.response(z), held.response(z) * z[:, None, None] ** -samples, rtol=1e3 * tolerances.of("double")
     )
     assert late.states[len(held.states) :] == tuple(f"{u}_late{k + 1}" for k in range(samples) for u in held.inputs)
+
+
+def gathered(seed: int, spread: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """F, W >= 0 of low rank and the scaling D^-1 F D, D W D with D of unlike powers of 10."""
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(1, 7))
+    F, root = rng.normal(size=(n, n)) * 10.0 ** rng.uniform(-1, 2), rng.normal(size=(n, int(rng.integers(1, n + 1))))
+    D = 10.0 ** rng.uniform(-spread, spread, n)
+    W = root @ root.T * D * D[:, None]
+    return F * D / D[:, None], (W + W.T) / 2, D
+
+
+def off(found: np.ndarray, exact: np.ndarray, D: np.ndarray) -> float:
+    """The largest error of a quadratic form over its largest entry, both in the units before scaling."""
+    found, exact = (v / D / D[:, None] for v in (found, exact))
+    return float(np.abs(found - exact).max() / np.abs(exact).max())
+
+
+@settings(derandomize=True, max_examples=30, deadline=None)
+@given(st.integers(0, 10**6), st.sampled_from([0.0, 3.0, 6.0]), st.floats(1e-4, 0.3))
+def test_what_gathers_over_a_period_agrees_with_ball_arithmetic(seed: int, spread: float, period_s: float) -> None:
+    F, W, D = gathered(seed, spread)
+    found, exact = discretise.gramian(F, W, period_s), discretise.gramian(F, W, period_s, exact=True)
+    growth = max(1.0, np.abs(F * D[:, None] / D).sum(axis=1).max() * period_s)
+    assert off(found.W, exact.W, D) <= tolerances.of("folded") * growth
+    M, E = found.M * D[:, None] / D, exact.M * D[:, None] / D
+    assert np.abs(M - E).max() <= tolerances.of("folded") * growth * max(1.0, np.abs(E).max())
+    np.testing.assert_array_equal(found.W, found.W.T)
+    values = np.linalg.eigvalsh(found.W / D / D[:, None])
+    assert values[0] >= -tolerances.of("folded") * values[-1]
+
+
+@pytest.mark.parametrize("exact", [False, True])
+def test_what_gathers_over_a_period_agrees_with_quadrature(exact: bool) -> None:
+    F, W, _ = gathered(3, 0.0)
+    nodes, weights = np.polynomial.legendre.leggauss(24)
+    flows = [scipy.linalg.expm(F * T / 2 * (v + 1)) for v in nodes]
+    integral = T / 2 * sum(w * M.T @ W @ M for w, M in zip(weights, flows, strict=True))
+    found = discretise.gramian(F, W, T, exact=exact)
+    np.testing.assert_allclose(found.W, integral, rtol=0, atol=tolerances.of("quadrature") * np.abs(integral).max())
+    np.testing.assert_allclose(found.M, scipy.linalg.expm(F * T), rtol=0, atol=tolerances.of("double"))
+    transposed = discretise.gramian(F.T, W, T, exact=exact).W  # another integral unless F is symmetric
+    assert np.abs(transposed - integral).max() > 1e-3 * np.abs(integral).max()
+
+
+def test_a_slow_mode_beside_a_fast_one_keeps_its_digits() -> None:
+    """Modes a_i: W_ij = (exp((a_i + a_j) T) - 1) / (a_i + a_j); one block exponential in double overflows."""
+    a, period_s = np.array([-1e6, -1e-3, 1e-3, -40.0]), 1.0
+    found = discretise.gramian(np.diag(a), np.ones((4, 4)), period_s)
+    rate = a + a[:, None]
+    known = np.where(rate == 0, period_s, np.expm1(rate * period_s) / np.where(rate == 0, 1, rate))
+    np.testing.assert_allclose(found.W, known, rtol=tolerances.of("folded"))
+    np.testing.assert_allclose(np.diag(found.M)[1:3], np.exp(a[1:3]), rtol=tolerances.of("folded"))
+    with np.errstate(all="ignore"):
+        block = scipy.linalg.expm(np.block([[-np.diag(a), np.ones((4, 4))], [np.zeros((4, 4)), np.diag(a)]]))
+        assert not np.isfinite(block).all()
+
+
+def test_what_has_decayed_keeps_its_relative_precision() -> None:
+    found = discretise.gramian(np.diag([-300.0, -200.0]), np.eye(2), 1.0)
+    np.testing.assert_allclose(np.diag(found.M), np.exp([-300.0, -200.0]), rtol=1e3 * tolerances.of("folded"))
+
+
+def test_a_chain_of_integrators_gathers_its_closed_form() -> None:
+    """x_i' = x_i+1 with a cost of x_1: W_ij = T^(i+j+1) / (i! j! (i+j+1)), from 0."""
+    n = 5
+    W, i = np.zeros((n, n)), np.arange(n)
+    W[0, 0] = 1
+    found = discretise.gramian(np.diag(np.ones(n - 1), 1), W, T)
+    factorial = np.array([1.0, 1, 2, 6, 24])
+    known = T ** (i + i[:, None] + 1) / (factorial * factorial[:, None] * (i + i[:, None] + 1))
+    np.testing.assert_allclose(found.W, known, rtol=1e2 * tolerances.of("last_bit"))
+    np.testing.assert_allclose(found.M, scipy.linalg.expm(np.diag(np.ones(n - 1), 1) * T), rtol=1e-14, atol=1e-25)
+
+
+def test_nothing_gathers_where_nothing_is_weighted_or_moves() -> None:
+    still = discretise.gramian(np.zeros((2, 2)), np.eye(2), T)
+    np.testing.assert_array_equal(still.M, np.eye(2))
+    np.testing.assert_array_equal(still.W, T * np.eye(2))
+    assert not discretise.gramian([[1.0]], [[0.0]], T).W.any()
+
+
+def test_what_cannot_be_gathered_is_refused() -> None:
+    with pytest.raises(ModelError, match=r"beyond what a double holds within 1 s: take a shorter period"):
+        discretise.gramian([[1e3]], [[1.0]], 1.0)
+    with pytest.raises(SignalError, match=r"W is not symmetric: \[0, 1\] is 1.0, \[1, 0\] is 0.0"):
+        discretise.gramian(np.eye(2), [[1, 1], [0, 1]], T)
+    with pytest.raises(SignalError, match=r"F is \(2, 2\) and W is \(3, 3\)"):
+        discretise.gramian(np.eye(2), np.eye(3), T)
+    with pytest.raises(SignalError, match=r"F is .* square matrix of finite numbers"):
+        discretise.gramian([[np.nan]], [[1.0]], T)
+    with pytest.raises(TimingError, match="finite and positive"):
+        discretise.gramian([[1.0]], [[1.0]], 0.0)
+
+
+def test_arrays_and_python_control_systems_are_sampled_too() -> None:
+    c = random_model(3)
+    held = discretise.zero_order_hold(c, T)
+    for system in ((c.A, c.B, c.C, c.D), c.to_control()):
+        again = discretise.zero_order_hold(system, T)
+        assert again.A.tobytes() == held.A.tobytes() and again.B.tobytes() == held.B.tobytes()
+    late = discretise.with_delay(held.to_control())
+    assert late.A.tobytes() == discretise.with_delay(held).A.tobytes()
+
+
+def test_sampling_and_delay_carry_units() -> None:
+    units = {"x": "m", "v": "m/s", "f": "N", "y": "m"}
+    c = StateSpace([[0, 1], [0, 0]], [[0], [1]], [[1, 0]], [[0]], ("x", "v"), ("f",), ("y",), Continuous(), units)
+    late = discretise.with_delay(discretise.zero_order_hold(c, T), 2)
+    assert late.units == {**units, "f_late1": "N", "f_late2": "N"}
 
 
 def test_time_is_not_mixed() -> None:

@@ -67,3 +67,12 @@ def test_a_wire_between_unlike_units_needs_its_factor() -> None:
         interconnect.connect([spring], [], ["y"], {"u": {"y": -1.0}})
     stiff = interconnect.connect([spring], [], ["y"], {"u": {"y": -3.0}})
     assert stiff.A[0, 0] == -4 and stiff.unit("y") == "m"
+
+
+def test_units_make_no_algebraic_loop() -> None:
+    """A loop through two gains of 1e12 and 1e-12 is that of two gains of 1."""
+    for scale in (1.0, 1e12):
+        first = of((np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), [[scale]])).renamed({"u1": "a", "y1": "b"})
+        second = of((np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), [[1 / scale]]))
+        wires = {"a": {"r": 1.0, "y1": -1.0}, "u1": {"b": 1.0}}
+        assert interconnect.connect([first, second], ["r"], ["y1"], wires).response(0)[0, 0, 0] == 0.5

@@ -1,10 +1,12 @@
 """A loop that is opened and closed again has the poles of one that was never opened."""
 
+import itertools
 from dataclasses import replace
 
 import casadi as ca
 import numpy as np
 import pytest
+import scipy.linalg
 
 from synth.analyse import loop, margins
 from synth.block import Block, Exprs, Fault, State, Step, build
@@ -85,6 +87,87 @@ def independent_poles(delay: int) -> np.ndarray:
     chain[-1][:] = force
     M[-1, 0] = 1
     return np.linalg.eigvals(M)
+
+
+def held(u: np.ndarray, tau: float, A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> np.ndarray:
+    """y at the samples of x' = A x + B u(t - tau), u held, from one exponential for each piece of constant input."""
+    n, m = B.shape
+    last = len(u) * T
+    switches = {round(k * T + shift, 12) for k in range(len(u) + 1) for shift in (0.0, tau)}
+    times, x, y = sorted(t for t in switches if t <= last), np.zeros(n), []
+    for a, b in itertools.pairwise(times):
+        k = int(np.floor(((a + b) / 2 - tau) / T))
+        value = u[k] if k >= 0 else np.zeros(m)
+        # where u jumps at a sample, the sample sees what was there after the jump
+        if abs(a / T - round(a / T)) < 1e-9:
+            y.append(C @ x + D @ value)
+        E = scipy.linalg.expm(np.block([[A, B], [np.zeros((m, n + m))]]) * (b - a))
+        x = E[:n, :n] @ x + E[:n, n:] @ value
+    return np.array(y)
+
+
+def stepped(model: StateSpace, u: np.ndarray) -> np.ndarray:
+    x, y = np.zeros(len(model.A)), []
+    for value in u:
+        y.append(model.C @ x + model.D @ value)
+        x = model.A @ x + model.B @ value
+    return np.array(y)
+
+
+@pytest.mark.parametrize("samples", [0.0, 0.3, 1.0, 1.3, 2.7, 3.0])
+def test_a_plant_with_any_delay_is_sampled_exactly(samples: float) -> None:
+    """Two inputs, a direct path, an undamped mode; half a sample more, the planted defect, is seen."""
+    rng = np.random.default_rng(3)
+    A, B, C = np.array([[0, 1, 0], [-900, 0, 2], [0, 0, -50.0]]), rng.normal(size=(3, 2)), rng.normal(size=(2, 3))
+    D, u = rng.normal(size=(2, 2)), rng.normal(size=(15, 2))
+    expected = held(u, samples * T, A, B, C, D)
+    found = stepped(loop.sampled((A, B, C, D), T, samples * T), u)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=tolerances.of("double"))
+    late = stepped(loop.sampled((A, B, C, D), T, (samples + 0.5) * T), u)
+    assert np.abs(late - expected).max() > 1e-3
+
+
+def test_delayed_inputs_are_states_with_names_and_units() -> None:
+    known = replace(plant(), units={"f": "N", "x": "m", "position": "m"})
+    late = loop.sampled(known, T, 2.5 * T)
+    assert late.states == ("x", "v", "f_held", "f_late1", "f_late2") and late.time == TIME
+    assert [late.unit(s) for s in late.states] == ["m", "", "N", "N", "N"]
+    assert loop.sampled(known, T, 2 * T).states == ("x", "v", "f_late1", "f_late2")
+    # 0.3 / 0.1 is 2.9999999999999996
+    assert loop.sampled(known, 0.1, 0.3).states == ("x", "v", "f_late1", "f_late2", "f_late3")
+
+
+def test_the_poles_of_a_delayed_sampled_loop_near_those_of_a_finely_sampled_one() -> None:
+    """1.5 samples of delay before the hold are 15 samples of a tenth, with the controller's output held over ten."""
+    P, K = plant(), np.array([-3 * KP, -KD])
+    coarse = loop.sampled(P, T, 1.5 * T)
+    closed = coarse.A + coarse.B @ (K @ np.hstack([np.eye(2), np.zeros((2, 2))]))[None]
+    fine = loop.sampled(P, T / 10, 0.0)
+    x, commands, told = np.array([1.0, 0.0]), [0.0] * 15, []
+    z = np.concatenate([x, [0.0, 0.0]])
+    for k in range(200):
+        if k % 10 == 0:
+            told.append(np.abs(x - z[:2]).max())
+            z, command = closed @ z, float(K @ x)
+        x, commands = fine.A @ x + fine.B[:, 0] * commands[0], [*commands[1:], command]
+    assert max(told) < tolerances.of("double") < np.abs(x).max()
+
+
+def test_a_loop_is_opened_with_a_fraction_of_a_sample_too() -> None:
+    between = [margins.of_loop(opened("q", delay)).phase_margin for delay in (1, 1.5, 2)]
+    crossing = margins.of_loop(opened("q", 1)).gain_crossings[0].frequency
+    assert between[0] - between[1] == pytest.approx(np.degrees(crossing * T / 2), rel=0.02)
+    assert between[0] - between[2] == pytest.approx(np.degrees(crossing * T), rel=0.02)
+
+
+def test_what_cannot_be_sampled_is_refused() -> None:
+    with pytest.raises(TimingError, match=r"discrete time of 0.01 s was given to be sampled"):
+        loop.sampled(loop.sampled(plant(), T), T)
+    for delay in (-1e-3, np.nan, np.inf):
+        with pytest.raises(TimingError, match=r"the delay is .* it must be finite and 0 or more"):
+            loop.sampled(plant(), T, delay)
+    with pytest.raises(TimingError, match="must be finite and positive"):
+        loop.sampled(plant(), 0.0)
 
 
 def sorted_like(poles: np.ndarray) -> np.ndarray:

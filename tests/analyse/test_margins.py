@@ -7,10 +7,10 @@ import scipy.signal
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from synth.analyse import discretise, margins
+from synth.analyse import discretise, margins, transfer
 from synth.errors import ModelError, SignalError
 from synth.statespace import StateSpace, from_control
-from synth.timing import Continuous
+from synth.timing import Continuous, Discrete
 from tests import tolerances
 
 EXACT = tolerances.of("frequency")
@@ -223,3 +223,131 @@ def test_a_hidden_undamped_mode_is_not_stable() -> None:
 def test_a_loop_of_two_inputs_is_refused() -> None:
     with pytest.raises(SignalError, match="open it at one signal"):
         margins.of_loop(StateSpace([[-1]], [[1, 1]], [[1]], [[0, 0]], ("x",), ("a", "b"), ("y",), Continuous()))
+
+
+def turned(L: StateSpace, factor: complex) -> np.ndarray:
+    """The poles of the loop closed on `factor` L."""
+    return np.linalg.eigvals(L.A - factor * L.B @ L.C / (1 + factor * L.D[0, 0]))
+
+
+def off_boundary(L: StateSpace, factor: complex, frequency: float) -> float:
+    """How far, relative to the frequency, a closed-loop pole is from the point of the boundary at `frequency`."""
+    poles = turned(L, factor)
+    if isinstance(L.time, Discrete):
+        poles = np.log(poles[poles != 0]) / L.time.period_s
+    return float(np.abs(poles - 1j * frequency).min() / frequency)
+
+
+@settings(derandomize=True, max_examples=25, deadline=None)
+@given(st.integers(0, 10**6), st.booleans())
+def test_a_closed_loop_pole_lies_on_the_boundary_at_each_crossing(seed: int, sampled: bool) -> None:
+    """At a gain crossing L times exp(-i phase margin), at a phase crossing L times the gain margin."""
+    rng = np.random.default_rng(seed)
+    resonance = [1, 2 * 10 ** rng.uniform(-4, -1), 1]
+    poles = np.polymul(resonance, np.poly([*-rng.uniform(0.2, 5, 2), 0.0]))
+    L = loop(rng.uniform(0.1, 3) * np.poly(-rng.uniform(0.5, 4, 2)), poles)
+    L = discretise.with_delay(discretise.zero_order_hold(L, 0.3), 2) if sampled else L
+    found = margins.of_loop(L)
+    crossings = [(c.frequency, np.exp(-1j * np.radians(c.phase_margin))) for c in found.gain_crossings]
+    crossings += [(c.frequency, c.gain_margin) for c in found.phase_crossings if 0 < c.frequency < 10]
+    assert crossings
+    for frequency, factor in crossings:
+        assert off_boundary(L, factor, frequency) < 1e-6
+    (frequency, factor), *_ = crossings
+    assert off_boundary(L, factor * np.exp(0.01j), frequency) > 1e-6  # a hundredth of a radian is seen
+
+
+def test_radians_for_degrees_would_be_seen() -> None:
+    """The planted defect."""
+    L = loop([5], [1, 1, 0])
+    (crossing,) = margins.of_loop(L).gain_crossings
+    assert off_boundary(L, np.exp(-1j * np.radians(crossing.phase_margin)), crossing.frequency) < 1e-9
+    assert off_boundary(L, np.exp(-1j * crossing.phase_margin), crossing.frequency) > 0.1
+
+
+@pytest.mark.parametrize("above", [1e-3, 1e-5, 1e-7])
+def test_a_pair_of_crossings_closer_than_the_grid_is_found(above: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A resonance whose peak is 1 + above; without the search between nodes, the planted defect, the pair is missed."""
+    zeta, wn = 0.05, 10.0
+    gain = (1 + above) * 2 * zeta * np.sqrt(1 - zeta**2)
+    L = loop([gain * wn**2], [1, 2 * zeta * wn, wn**2])
+    v = np.roots([1, 4 * zeta**2 - 2, 1 - gain**2])  # |L| = 1 at (w / wn)^2
+    found = [c.frequency for c in margins.of_loop(L).gain_crossings]
+    assert found == pytest.approx(sorted(wn * np.sqrt(v.real)), rel=1e-8)
+    assert margins.of_loop(gain_of(L, (1 - above) / (1 + above))).gain_crossings == ()
+    monkeypatch.setattr(margins, "_with_turns", lambda f, w, value: (w, value))
+    assert above > 1e-4 or len(margins.of_loop(L).gain_crossings) == 0
+
+
+def gain_of(L: StateSpace, k: float) -> StateSpace:
+    return gain(L, k)
+
+
+def test_an_all_pass_tells_the_worst_of_its_crossings() -> None:
+    """L = (s^2 - s + 1) / (s^2 + s + 1) is -1 at 1 rad/s; at 0.999 of its gain nothing crosses."""
+    L = loop([1, -1, 1], [1, 1, 1])
+    found = margins.of_loop(L)
+    assert not found.stable and len(found.gain_crossings) <= 2
+    assert found.phase_margin == pytest.approx(0, abs=1) and found.delay_margin == 0
+    assert margins.of_loop(gain(L, 0.999)).gain_crossings == () and margins.of_loop(gain(L, 0.999)).stable
+    # (1 - z / 2) / (z - 1 / 2) with the gain 1 is -1 at Nyquist
+    sampled = margins.of_loop(loop([-0.5, 1], [1, -0.5], 0.1))
+    assert sampled.phase_margin < 1e-3 and len(sampled.gain_crossings) <= 2
+
+
+def test_an_undamped_loop_is_real_all_along() -> None:
+    """L = 1 / (s^2 + 1) < 0 above 1 rad/s: whatever the gain, a pole is on the axis; the margin told is 1."""
+    found = margins.of_loop(loop([1], [1, 0, 1]))
+    assert not found.stable and found.phase_margin == pytest.approx(0, abs=1e-6)
+    assert [c.gain_margin for c in found.phase_crossings] == pytest.approx([1], rel=EXACT)
+    double = margins.of_loop(loop([1], [1, 0, 0]))
+    assert [c.gain_margin for c in double.phase_crossings] == pytest.approx([1], rel=EXACT)
+
+
+def test_an_undamped_resonance_is_no_crossing_of_the_negative_axis() -> None:
+    """Its real residue turns L from + to - through infinity, with the same small imaginary part on both sides."""
+    L = from_control(control.ss(control.tf([1e-3], [1, 0]) + control.tf([1e-6], [1, 0, 1])))
+    found = margins.of_loop(L)
+    assert not found.phase_crossings and len(found.gain_crossings) == 3
+    w = np.array([c.frequency for c in found.gain_crossings])
+    assert np.abs(1e-3 / (1j * w) + 1e-6 / (1 - w**2)) == pytest.approx(1, rel=1e-6)
+
+
+def test_a_loop_that_stays_at_one_bears_no_delay() -> None:
+    for D, pole in ((2.0, 3.0), (1.0, 3.0), (-1.5, 1.0)):
+        found = margins.of_loop(loop([D, 0.5], [1, pole]))
+        assert found.direct == abs(D) and found.delay_margin == 0 and "Delay margin 0: |L| is" in repr(found)
+        assert not margins.of_loop(transfer.delayed(loop([D, 0.5], [1, pole]), 1e-3)).stable
+    found = margins.of_loop(loop([2, 1], [1, 3]))
+    assert found.stable and found.gain_crossings[0].delay_margin > 0  # which alone would be wrong
+    assert margins.of_loop(loop([0.9, 1], [1, 3])).delay_margin == np.inf
+
+
+@pytest.mark.parametrize("below", [1e-2, 1e-4, 1e-6])
+def test_a_resonance_just_below_nyquist_is_found(below: float) -> None:
+    """A pole pair at pi - below with a damping of a tenth of that."""
+    angle, radius = np.pi - below, 1 - below / 10
+    L = loop([0.5 * below**2], [1, -2 * radius * np.cos(angle), radius**2], 1.0)
+    found = margins.of_loop(L)
+    w = np.pi - below * np.linspace(0, 4, 200_001)
+    z = np.exp(1j * w)
+    size = np.abs(0.5 * below**2 / (z**2 - 2 * radius * np.cos(angle) * z + radius**2))
+    assert len(found.gain_crossings) == np.count_nonzero(np.diff(size > 1)) == 2
+    for c in found.gain_crossings:
+        assert off_boundary(L, np.exp(-1j * np.radians(c.phase_margin)), c.frequency) < 1e-9
+
+
+def test_each_kind_of_system_is_read() -> None:
+    arrays = ([[0.0]], [[1.0]], [[5.0]], [[0.0]])
+    for system in (arrays, (*arrays, Continuous()), control.tf([5], [1, 0]), control.ss([[0]], [[1]], [[5]], [[0]])):
+        assert margins.of_loop(system).gain_crossings[0].frequency == pytest.approx(5, rel=EXACT)
+    (crossing,) = margins.of_loop(([[1.0]], [[1.0]], [[0.5]], [[0.0]], Discrete(0.1))).gain_crossings
+    assert crossing.frequency == pytest.approx(2 * np.arcsin(0.25) / 0.1, rel=EXACT)  # |z - 1| = 2 sin(w T / 2)
+
+
+def test_margins_print_in_both_units_of_frequency() -> None:
+    text = repr(margins.of_loop(loop([20, 60], [1, 3, 0, -1])))
+    assert "Margins of a stable loop" in text and "phase margin" in text and "[Hz]" in text
+    table = margins.of_loop(loop([5], [1, 0])).sheet().tables[1]
+    assert table.rows == (("5", "0.79577", "90", "0.31416"),)
+    assert "NOT STABLE" in repr(margins.of_loop(loop([2], [-1, 1])))

@@ -4,10 +4,11 @@ import control
 import numpy as np
 import pytest
 import scipy.linalg
+import slycot
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from synth.analyse import structure
+from synth.analyse import staircase, structure
 from synth.errors import ModelError
 from synth.statespace import StateSpace
 from synth.timing import Continuous, Discrete
@@ -119,3 +120,180 @@ def test_what_is_not_connected_goes_and_the_response_stays() -> None:
     np.testing.assert_allclose(part.response(s), whole.response(s), rtol=tolerances.of("double"))
     through = structure.connected(system([[-1.0]], [[0]], [[1]]))
     assert through.states == () and not through.response(s).any()
+
+
+def in_units(model: StateSpace, seed: int, decades: float = 3) -> StateSpace:
+    """Return the same model with its states, inputs and outputs in other units, up to 10^decades apart."""
+    rng = np.random.default_rng(seed)
+    x, u, y = (10.0 ** rng.uniform(-decades, decades, k) for k in (*model.B.shape, len(model.C)))
+    A, B, C, D = model.A / x[:, None] * x, model.B / x[:, None] * u, model.C / y[:, None] * x, model.D / y[:, None] * u
+    return StateSpace(A, B, C, D, model.states, model.inputs, model.outputs, model.time)
+
+
+def turned(model: StateSpace, seed: int) -> StateSpace:
+    U = orthogonal(len(model.A), np.random.default_rng(seed))
+    return StateSpace(
+        U @ model.A @ U.T, U @ model.B, model.C @ U.T, model.D, model.states, model.inputs, model.outputs, model.time
+    )
+
+
+def random_model(seed: int) -> StateSpace:
+    """Return a random model, its direct term nothing, of rank 1 or full, and with chains of integrators at times."""
+    rng = np.random.default_rng(seed)
+    n, m, p = rng.integers(2, 7), rng.integers(1, 4), rng.integers(1, 4)
+    D = [np.zeros((p, m)), rng.normal(size=(p, 1)) @ rng.normal(size=(1, m)), rng.normal(size=(p, m))][seed % 3]
+    A = np.diag(np.ones(n - 1), 1) if seed % 4 == 1 else rng.normal(size=(n, n))
+    plain = system(A, rng.normal(size=(n, m)), rng.normal(size=(p, n)))
+    return StateSpace(plain.A, plain.B, plain.C, D, plain.states, plain.inputs, plain.outputs, CONTINUOUS)
+
+
+def nearest(found: np.ndarray, wanted: np.ndarray) -> float:
+    """Return the largest distance of a pairing by size, relative to the largest value or 1."""
+    assert len(found) == len(wanted)
+    left = list(found)
+    worst = 0.0
+    for w in wanted:
+        k = int(np.argmin(np.abs(np.array(left) - w)))
+        worst = max(worst, abs(left.pop(k) - w))
+    return worst / max(1.0, float(np.abs(wanted).max(initial=0.0)))
+
+
+@settings(derandomize=True, max_examples=60, deadline=None)
+@given(st.integers(0, 10**6))
+def test_transmission_zeros_are_those_of_slicot_in_any_units(seed: int) -> None:
+    model = random_model(seed)
+    wanted, rank = slicot_zeros(model)
+    found = structure.transmission_zeros(in_units(model, seed))
+    assert nearest(found.values, wanted) < tolerances.of("zeros")
+    assert found.rank == rank and not found.unmoved and not found.unseen
+
+
+def slicot_zeros(model: StateSpace) -> tuple[np.ndarray, int]:
+    """Return the finite generalised eigenvalues of the pencil that SLICOT's AB08ND deflates to, and its rank."""
+    n, m, p = len(model.A), model.B.shape[1], len(model.C)
+    big = max(n, m, p)
+    room = max(8, big * (big + 4) + 3 * big + 8 * big)
+    nu, rank, *_, Af, Bf = slycot.ab08nd(n, m, p, model.A, model.B, model.C, model.D, ldwork=room)[:10]
+    return scipy.linalg.eigvals(Af[:nu, :nu], Bf[:nu, :nu]), rank
+
+
+def planted_zeros(zeros: list[float], seed: int) -> StateSpace:
+    """Return two channels with numerators (s - z) over (s + 1)(s + 2), mixed at inputs and outputs by regular M, N."""
+    rng = np.random.default_rng(seed)
+    channels = [([[0, 1], [-2, -3]], [[0], [1]], [[-z, 1]]) for z in zeros]
+    A, B, C = (scipy.linalg.block_diag(*parts) for parts in zip(*channels, strict=True))
+    M, N = (np.eye(2) + 0.4 * rng.uniform(-1, 1, (2, 2)) for _ in range(2))
+    return turned(system(A, B @ M, N @ C), seed)
+
+
+@pytest.mark.parametrize("zeros", [[3.0, -0.5], [1e4, -1e-3], [2.0, 2.0]])
+def test_planted_zeros_are_found_with_directions(zeros: list[float]) -> None:
+    model = planted_zeros(zeros, 1)
+    found = structure.transmission_zeros(model)
+    np.testing.assert_allclose(sorted(found.values.real), sorted(zeros), rtol=1e-9)
+    for root in found.roots:
+        G = model.response(root.value)[0]
+        u = np.array([root.inputs.get(name, 0.0) for name in model.inputs])
+        if len(root.inputs) == 2 and zeros[0] != zeros[1]:  # no component was left out: the inputs as scaled
+            u = staircase.of_model(model).u * u
+            quiet = np.linalg.svd(G)[2][-1].conj()
+            assert abs(np.vdot(quiet, u)) / np.linalg.norm(u) == pytest.approx(1, abs=1e-6), "told to six digits"
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_late_response_has_no_spurious_zeros_while_the_bare_pencil_shows_some(seed: int) -> None:
+    """A force reaches the output after three integrations; QZ turns the infinite zeros of the pencil into finite."""
+    chain = turned(
+        system([[0, 1, 0, 0], [0, 0, 1, 0], [-3, 1, -2, 1], [1, 0, 1, -5]], np.eye(4, 1, -2), np.eye(1, 4)), seed
+    )
+    (root,) = structure.transmission_zeros(chain).roots
+    assert root.value == pytest.approx(-5)
+    pencil = np.block([[chain.A, chain.B], [chain.C, chain.D]])
+    bare = scipy.linalg.eigvals(pencil, scipy.linalg.block_diag(np.eye(4), 0))
+    assert (np.abs(bare[np.isfinite(bare)]) > 1e3).any(), "planted: what deflation is for"
+
+
+def test_modes_outside_the_response_are_no_zeros_and_are_named() -> None:
+    A = np.diag([-1.0, -2.0, -3.0, -4.0])
+    model = system(A, [[1], [1], [0], [1]], [[1, 1, 1, 0]])
+    found = structure.transmission_zeros(model)
+    assert found.values == pytest.approx([-1.5])
+    assert [(m.value, m.states) for m in found.unmoved] == [(-3, ("x2",))]
+    assert [(m.value, m.states) for m in found.unseen] == [(-4, ("x3",))]
+    assert "No input moves mode -3 in x2." in str(found) and "No output shows mode -4 in x3." in str(found)
+    assert nearest(control.zeros(model.to_control()), np.array([-1.5, -3, -4])) < 1e-9, "the invariant zeros"
+
+
+def test_fewer_outputs_than_inputs_give_the_direction_of_the_outputs() -> None:
+    A, B, C = np.diag([-1.0, -2.0, -3.0]), np.array([[1.0, 1.0], [1.0, 2.0], [1.0, 0.0]]), [[1.0, 0.0, 0.0]]
+    free = structure.transmission_zeros(system(A, B, C))
+    assert not free.roots and free.rank == 1
+    blocked = system(
+        scipy.linalg.block_diag([[0, 1], [-2, -3]], -5), [[0, 0], [1, 2], [1, 0]], [[-3.0, 1, 0]]
+    )  # both inputs pass through s - 3
+    (root,) = structure.transmission_zeros(blocked).roots
+    assert root.value == pytest.approx(3) and dict(root.outputs) == {"y0": 1} and not root.inputs
+
+
+def test_a_response_without_full_rank_says_so() -> None:
+    twice = system(np.diag([-1.0, -2.0]), np.eye(2), [[1, 1], [2, 2]])
+    found = structure.transmission_zeros(twice)
+    assert found.rank == 1 and "rank 1 at every s though it has 2 outputs and 2 inputs" in str(found)
+    assert all(not (r.states or r.inputs or r.outputs) for r in found.roots)
+
+
+def test_poles_print_damping_frequency_and_states_in_any_units() -> None:
+    w = 2 * np.pi * 100
+    model = system([[0, 1, 0], [-w * w, -0.02 * w, 0], [0, 0, 0]], [[0], [1], [1]], [[1, 0, 1]])
+    for seed in range(4):
+        found = structure.poles(in_units(model, seed))
+        rest, one, other = found.roots
+        assert rest.value == 0 and np.isnan(rest.damping) and tuple(rest.states) == ("x2",)
+        assert one.value == pytest.approx(other.value.conjugate())
+        assert one.damping == pytest.approx(0.01) and one.frequency == pytest.approx(100)
+        assert set(one.states) == {"x0", "x1"}
+    assert str(found).splitlines()[1].split() == ["pole", "damping", "frequency", "[Hz]", "states"]
+    assert str(found).splitlines()[3].startswith("-6.2832 +- 628.29i     0.01             100")
+
+
+def test_sampled_poles_have_the_damping_of_the_rate_that_they_stand_for() -> None:
+    s, T = -3 + 40j, SAMPLED.period_s
+    z = np.exp(s * T)
+    roots = structure.poles(([[z.real, z.imag], [-z.imag, z.real]], np.eye(2), SAMPLED)).roots
+    assert [r.frequency for r in roots] == pytest.approx([abs(s) / (2 * np.pi)] * 2)
+    assert roots[0].damping == pytest.approx(3 / abs(s))
+    (dead,) = structure.poles(([[0.0]], [[1.0]], SAMPLED)).roots
+    assert dead.frequency == np.inf and dead.damping == 1
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_verdict_on_the_modes_is_the_same_in_metres_and_in_millimetres(seed: int) -> None:
+    A = [[0, 1, 0, 0], [-4, 0, 1, 0], [0, 0, 0, 1], [0, 0, 2, 0]]
+    good, bad = system(A, [[0], [1], [0], [1]], np.eye(4)), system(A, [[0], [1], [0], [0]], np.eye(4))
+    structure.check_stabilisable(in_units(good, seed))
+    with pytest.raises(ModelError, match=r"mode [-+0-9.]+ in x[23], x[23] has .*; its direction is 1 x[23], ") as one:
+        structure.check_stabilisable(bad)
+    with pytest.raises(ModelError) as other:
+        structure.check_stabilisable(in_units(bad, seed))
+    assert mode_and_states(one) == mode_and_states(other)
+    with pytest.raises(ModelError, match=r"\(y0, A\) is not detectable: mode 1\.414 in x[23], x[23] has"):
+        structure.check_detectable(in_units(unseen(), seed))
+
+
+def mode_and_states(caught: pytest.ExceptionInfo[ModelError]) -> tuple[str, set[str]]:
+    words = str(caught.value).split(": ")[1].split(" has ")[0].removeprefix("mode ").split(" in ")
+    return words[0], set(words[1].split(", "))
+
+
+def unseen() -> StateSpace:
+    A = [[0, 1, 0, 0], [-4, 0, 0, 0], [0, 0, 0, 1], [1, 0, 2, 0]]
+    return system(A, np.eye(4), [[1, 0, 0, 0]])
+
+
+def test_every_kind_of_system_is_read() -> None:
+    arrays = ([[0, 1], [0, -3]], [[0], [1]], [[4, 1]], [[0.0]])
+    for given_as in (arrays, (*arrays, 0), control.ss(*arrays), control.tf([1, 4], [1, 3, 0])):
+        assert structure.transmission_zeros(given_as).values == pytest.approx([-4])
+        assert sorted(structure.poles(given_as).values.real) == pytest.approx([-3, 0])
+        structure.check_stabilisable(given_as)
+        structure.check_detectable(given_as)

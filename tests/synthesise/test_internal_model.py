@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 
+import flint
 import numpy as np
 import pytest
 import scipy.integrate
 import scipy.linalg
 
-from synth.analyse import structure
+from synth.analyse import precise, structure
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import StateSpace
 from synth.synthesise import internal_model
@@ -161,7 +162,105 @@ def test_a_transmission_zero_at_a_frequency_is_refused_by_name(scale: float) -> 
 
 
 def test_other_plants_are_refused() -> None:
-    with pytest.raises(SignalError, match="outputs y0, y1: give the one whose error is regulated"):
+    with pytest.raises(
+        ModelError, match=r"2 outputs \(y0, y1\) cannot be regulated by 1 inputs \(force\): regulate fewer"
+    ):
         internal_model.augmented(plant(np.eye(3)[:2]), (0.0,))
+    sampled = internal_model.in_time((0.0,), Discrete(T))
     with pytest.raises(TimingError, match="continuous time meets discrete time"):
-        internal_model.augmented(plant([1, 0, 0], Discrete(T)), (0.0,))
+        internal_model.augmented(plant([1, 0, 0]), sampled)
+    with pytest.raises(TimingError, match="continuous time meets discrete time"):
+        internal_model.augmented(plant([1, 0, 0], Discrete(2 * T)), sampled)
+
+
+@pytest.mark.parametrize("counts", [{0.0: 2}, {3.0: 2}, {0.0: 3, 2.0: 1}, {2.0: 2, 0.0: 1, 5.0: 1}])
+def test_multiplicities_stand_in_the_characteristic_polynomial(counts: dict[float, int]) -> None:
+    found = internal_model.exosystem(counts)
+    wanted = np.array([1.0])
+    for w, count in counts.items():
+        for _ in range(count):
+            wanted = np.polymul(wanted, [1, 0, w * w] if w else [1, 0])
+    np.testing.assert_allclose(np.poly(found.Phi), wanted, atol=tolerances.of("double") * np.abs(wanted).max())
+    assert {m.value.imag: m.multiplicity for m in found.modes} == counts
+
+
+@pytest.mark.parametrize("count", [0, -1, 1.5])
+def test_a_multiplicity_is_a_whole_number_from_1(count: float) -> None:
+    with pytest.raises(SignalError, match=r"frequency 2\.0 rad/s has multiplicity .*: give a whole number >= 1"):
+        internal_model.exosystem({0.0: 1, 2.0: count})  # type: ignore[dict-item]
+
+
+def test_an_exosystem_is_read_from_frequencies_multiplicities_and_matrices() -> None:
+    ramp_and_sine = scipy.linalg.block_diag([[0, 1], [0, 0]], [[0, 3], [-3, 0]])
+    by_count, by_matrix = internal_model.of({0.0: 2, 3.0: 1}), internal_model.of(ramp_and_sine)
+    np.testing.assert_allclose(by_matrix.Phi, by_count.Phi, rtol=tolerances.of("double"))
+    assert internal_model.of(by_count) is by_count
+    np.testing.assert_array_equal(internal_model.of(np.array([0.0, 3.0])).Phi, internal_model.exosystem((0.0, 3.0)).Phi)
+    with pytest.raises(SignalError, match=r"4\.7 is no exosystem: give frequencies in rad/s as a list, or a matrix"):
+        internal_model.of(4.7)  # type: ignore[arg-type]
+
+
+def test_modes_that_decay_are_to_be_left_out() -> None:
+    S = scipy.linalg.block_diag([[0, 2], [-2, 0]], [[-0.5]])
+    with pytest.raises(SignalError, match=r"has the mode -0\.5 1/s, which decays .*: take it out of S"):
+        internal_model.from_matrix(S)
+    grows = internal_model.from_matrix([[0.5]])
+    assert grows.Phi.tolist() == [[0.5]]
+
+
+def distances(Phi: np.ndarray, points: Sequence[complex]) -> list[float]:
+    """Return |p(z) / p'(z)| at each point for p = det(z I - Phi), in 400 bits: how far off a simple root is."""
+    n = len(Phi)
+    with precise.precision(400):
+        p = precise.matrix(Phi).charpoly()
+        found = []
+        for z in points:
+            powers = [z**k for k in range(n + 1)]
+            value = sum((p[k] * powers[k] for k in range(n + 1)), start=flint.acb(0))
+            slope = sum((k * p[k] * powers[k - 1] for k in range(1, n + 1)), start=flint.acb(0))
+            found.append(float(abs(value / slope).mid()))
+    return found
+
+
+@pytest.mark.parametrize(("frequencies", "period"), [((0.0, 4.7), T), ((0.0, 2.0, 7.0, 31.0), 0.02)])
+def test_the_sampled_modes_lie_on_the_unit_circle_at_the_frequencies(
+    frequencies: tuple[float, ...], period: float
+) -> None:
+    """To a few units of the last place, though they lie close together; Euler's rule misses by some (w T)^2 / 2."""
+    found = internal_model.in_time(frequencies, Discrete(period))
+    with precise.precision(400):
+        points = [(flint.acb(0, w) * flint.arb(period)).exp() for w in frequencies]
+    assert max(distances(found.Phi, points)) < 10 * np.finfo(float).eps
+    Phi, N, _ = held(frequencies, period, np.zeros(len(found.Phi)))
+    np.testing.assert_allclose(found.Phi, Phi, atol=tolerances.of("double") * np.abs(Phi).max())
+    np.testing.assert_allclose(found.N[:, 0], N, rtol=tolerances.of("ode"))
+    euler = np.eye(len(Phi)) + internal_model.exosystem(frequencies).Phi * period
+    assert max(distances(euler, points)) > 0.2 * (max(frequencies) * period) ** 2
+
+
+def test_the_sampled_model_lies_below_nyquist() -> None:
+    with pytest.raises(SignalError, match=r"frequency 3200.0 rad/s: it must lie below 3141\.59 rad/s"):
+        internal_model.in_time((0.0, 3200.0), Discrete(T))
+
+
+def test_each_error_has_a_copy_with_names_and_units() -> None:
+    units = {"gap": "m", "tilt": "rad"}
+    two = StateSpace(-np.eye(2), np.eye(2), np.eye(2), np.zeros((2, 2)), ("a", "b"), ("f", "g"), ("gap", "tilt"),
+                     Continuous(), units)  # fmt: skip
+    whole, one = internal_model.augmented(two, (0.0, 2.0)), internal_model.exosystem((0.0, 2.0))
+    assert whole.states[2:] == ("xi1_gap", "xi2_gap", "xi3_gap", "xi1_tilt", "xi2_tilt", "xi3_tilt")
+    assert [whole.unit(x) for x in whole.states[2:5]] == ["m s^2", "m s", "m"]
+    assert whole.unit("xi1_tilt") == "rad s^2"
+    np.testing.assert_array_equal(whole.A[2:5, 2:5], one.Phi)
+    np.testing.assert_array_equal(whole.A[5:, 5:], one.Phi)
+    assert not whole.A[2:5, 5:].any()
+    np.testing.assert_array_equal(whole.A[2:, :2], scipy.linalg.block_diag(one.N, one.N))
+
+
+def test_a_sampled_plant_gets_the_sampled_model() -> None:
+    whole = internal_model.augmented(plant([1, 0, 0], Discrete(T)), (0.0, 2.0))
+    model = internal_model.in_time((0.0, 2.0), Discrete(T))
+    np.testing.assert_array_equal(whole.A[3:, 3:], model.Phi)
+    np.testing.assert_array_equal(whole.A[3:, :1], model.N)
+    assert whole.time == Discrete(T)
+    assert "Internal model of order 3 for each error, discrete time of 0.001 s" in repr(model)

@@ -1,0 +1,87 @@
+"""The box of a model's signals: points scattered in it, and how a point of it is told.
+
+Points are columns (d, k), in the order of the signals and in their units. They are the same on every machine.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import casadi as ca
+import numpy as np
+
+from synth.errors import ModelError
+from synth.signals import Signal
+from synth.statespace import Array, readonly
+
+PRINTED = 1e-6  # of a half range: what is less prints as 0
+
+
+@dataclass(frozen=True, eq=False)
+class Box:
+    """Symbols (d,) of `signals`, and symbols of `constants` (q,) with their `values`.
+
+    Constants stay symbols so that CasADi does not fold them: 0.1 + 0.2 - 0.3, once folded, is a small number like any.
+    """
+
+    symbols: ca.SX
+    signals: tuple[Signal, ...]
+    constants: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
+    values: Array = field(default_factory=lambda: readonly([]))
+
+    def with_values(self, exprs: ca.SX) -> ca.SX:
+        """Return the expressions with the constants' values put in."""
+        return ca.substitute(exprs, self.constants, ca.SX(ca.DM(self.values.tolist())))
+
+    def evaluated(self, exprs: ca.SX, points: Array) -> Array:
+        """Return the values (k, l, points) of `exprs` (k, l) at columns of `points` (d, points).
+
+        Raises ModelError where one is not finite.
+        """
+        function = ca.Function("e", [self.symbols, self.constants], [ca.densify(ca.vec(exprs))])
+        found = np.asarray(function(points, self.values)).reshape(exprs.size2(), exprs.size1(), -1).transpose(1, 0, 2)
+        require_finite("the model or a derivative of it", found, self.signals, points)
+        return found
+
+
+def scatter(box: Sequence[Signal], count: int, seed: int) -> Array:
+    """Return `count` points spread evenly at random over the inside of the box, as (d, count)."""
+    unit = np.random.default_rng(seed).uniform(size=(len(box), count))
+    return within(box, unit)
+
+
+def within(box: Sequence[Signal], unit: Array) -> Array:
+    """Return the points of the box at coordinates from 0 to 1, both (d, k)."""
+    low, high = (np.array([getattr(s, end) for s in box]).reshape(-1, 1) for end in ("low", "high"))
+    return low + (high - low) * unit
+
+
+def half_widths(box: Sequence[Signal]) -> Array:
+    """Return half of each signal's range (d,)."""
+    return np.array([(s.high - s.low) / 2 for s in box])
+
+
+def centre(box: Sequence[Signal]) -> Array:
+    """Return the middle of each signal's range (d,)."""
+    return np.array([(s.high + s.low) / 2 for s in box])
+
+
+def entering(expr: ca.SX, symbols: ca.SX, box: Sequence[Signal]) -> list[int]:
+    """Return the places of the signals whose `symbols` (d,) occur in an expression."""
+    occurs = {s.element_hash() for s in ca.symvar(expr)}
+    return [k for k in range(len(box)) if symbols[k].element_hash() in occurs]
+
+
+def where(box: Sequence[Signal], point: Array) -> str:
+    """Return a point (d,) as text: each signal with its value and unit."""
+    values = np.where(np.abs(point) > PRINTED * half_widths(box), point, 0.0)
+    return ", ".join(f"{s.name} = {v:.6g} {s.unit}".removesuffix(" 1") for s, v in zip(box, values, strict=True))
+
+
+def require_finite(what: str, values: Array, box: Sequence[Signal], points: Array) -> None:
+    """Raise ModelError, saying where, when an entry of `values` (..., k) at `points` (d, k) is not finite."""
+    bad = np.flatnonzero(~np.isfinite(values.reshape(-1, points.shape[1])).all(axis=0))
+    if len(bad):
+        raise ModelError(
+            f"{what} is not finite at {where(box, points[:, bad[0]])}: "
+            "shrink the ranges of the signals to where the model is finite"
+        )

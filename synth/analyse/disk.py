@@ -1,0 +1,234 @@
+"""Disk margins: how far gains and phases of all channels of a loop may go astray at once, each in its own way.
+
+         r --->(+)---> [ f ] ---> [ L ] ---+---> y          f = diag(f_1 .. f_p),  1 + L f = 0 is the closed loop
+               -^                          |
+                +--------------------------+
+
+    f_i = (1 + (1 - sigma)/2 delta_i) / (1 - (1 + sigma)/2 delta_i),        |delta_i| < alpha, complex
+
+The loop stays stable for all such f exactly when alpha <= 1 / mu(S + (sigma - 1)/2 I) at all frequencies, where
+S = 1/(1 + L) and mu is the structured singular value for diag(delta) (Seiler, Packard, Gahinet 2020). The least of that
+over w is the disk margin. The skew sigma is 0 for gains that rise and fall by the same factor, 1 for a margin of S,
+-1 for one of T = L/(1 + L). f covers all gains between two factors, and all phases up to an angle.
+
+`sensitivity.close` gives the loop of a plant and a controller, opened at the inputs, the outputs or both; `each` takes
+one channel of L at a time and leaves the others as they are. A sampled loop is taken on z = exp(i w T), exactly.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synth import show
+from synth.analyse import structured_peak
+from synth.errors import ModelError, SignalError
+from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.timing import Continuous, Time
+
+Complex = NDArray[np.complex128]
+Matrices = tuple[Array, Array, Array, Array]
+
+
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
+class DiskMargin:
+    """The disk margin of a loop with p channels: it lies between `lower` and `upper`.
+
+    No f with |delta_i| < `lower` destabilises the loop; when `certified`, that has been shown for all frequencies, else
+    at the grid's points alone. `delta` (p,), of modulus `upper`, puts a closed-loop pole at `frequency` rad/s.
+    `curve` (k,) is the margin at each of `frequencies` (k,), 0 and infinity or Nyquist among them: a lower bound, tight
+    to 1 % or so away from its least values.
+    """
+
+    channels: tuple[str, ...]
+    skew: float
+    time: Time
+    lower: float
+    upper: float
+    certified: bool
+    frequency: float
+    delta: Complex
+    frequencies: Array
+    curve: Array
+
+    def __post_init__(self) -> None:
+        delta = np.array(self.delta, dtype=np.complex128)
+        delta.flags.writeable = False
+        object.__setattr__(self, "delta", delta)
+        object.__setattr__(self, "frequencies", readonly(self.frequencies))
+        object.__setattr__(self, "curve", readonly(self.curve))
+
+    @property
+    def alpha(self) -> float:
+        """The disk margin that holds: `lower`."""
+        return self.lower
+
+    @property
+    def gain_low(self) -> float:
+        """The factor below 1 down to which all gains may fall at once; below 0, no positive gain is too low."""
+        a, b = _halves(self.skew)
+        if b * self.alpha <= -1 or (np.isinf(self.alpha) and b <= 0):
+            return -np.inf
+        return (1 - a * self.alpha) / (1 + b * self.alpha) if np.isfinite(self.alpha) else -a / b
+
+    @property
+    def gain_high(self) -> float:
+        """The factor above 1 up to which all gains may rise at once; inf when none is too high."""
+        a, b = _halves(self.skew)
+        if np.isinf(self.alpha) or b * self.alpha >= 1:
+            return np.inf
+        return (1 + a * self.alpha) / (1 - b * self.alpha)
+
+    @property
+    def phase(self) -> float:
+        """The angle in degrees by which all phases may turn at once, inf when any may."""
+        a, b = _halves(self.skew)
+        if np.isinf(self.alpha) or self.alpha * abs(self.skew) > 2:
+            return np.inf if self.skew else 180.0
+        square = self.alpha**2
+        cosine = (2 - square * (a * a + b * b)) / (2 * (1 + a * b * square))
+        return float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
+
+    @property
+    def worst(self) -> Mapping[str, complex]:
+        """`delta` by the names of the channels."""
+        return dict(zip(self.channels, self.delta.tolist(), strict=True))
+
+    @property
+    def factors(self) -> Complex:
+        """f (p,) for `delta`: the factors on the channels that make the loop oscillate at `frequency`."""
+        a, b = _halves(self.skew)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            f = (1 + a * self.delta) / (1 - b * self.delta)
+        return np.where(np.isfinite(f), f, np.inf)
+
+    def destabiliser(self) -> StateSpace:
+        """Return diag(f) as a model with real coefficients: each delta_i an all-pass with the phase that it needs.
+
+        Raises ModelError when no finite delta destabilises, or when f is unbounded at high frequency.
+        """
+        if not np.isfinite(self.upper):
+            raise ModelError("no delta of finite size destabilises this loop: there is no factor to be built")
+        w = self.frequency
+        if not isinstance(self.time, Continuous):
+            w = float(np.tan(w * self.time.period_s / 2))
+        parts = [_first_order(delta, w, self.skew) for delta in self.delta.tolist()]
+        A, B, C, D = (np.diag([part[k] for part in parts]) for k in range(4))
+        if not isinstance(self.time, Continuous):
+            A, B, C, D = _sampled(A, B, C, D)
+        states, outputs = (tuple(f"{name}_{kind}" for name in self.channels) for kind in ("allpass", "astray"))
+        return StateSpace(A, B, C, D, states, self.channels, outputs, self.time)
+
+    def sheet(self) -> show.Sheet:
+        """Return margin, gains, phase, and the worst factor of each channel."""
+        n = show.number
+        proof = "shown for all frequencies" if self.certified else "seen on a grid, not shown between its points"
+        lines = (
+            f"{n(self.lower)} <= alpha <= {n(self.upper)}, skew {n(self.skew)}; the lower bound is {proof}",
+            f"all gains may change at once by factors from {n(self.gain_low)} to {n(self.gain_high)}, or all phases "
+            f"by {n(self.phase)} deg",
+            f"the factors f below put a closed-loop pole at {n(self.frequency)} rad/s",
+        )
+        rows = tuple(
+            (name, n(delta), n(abs(f)), n(float(np.degrees(np.angle(f)))))
+            for (name, delta), f in zip(self.worst.items(), self.factors.tolist(), strict=True)
+        )
+        table = show.Table(("channel", "delta", "|f|", "arg f [deg]"), rows)
+        count = f"{len(self.channels)} channel{'s' * (len(self.channels) > 1)}"
+        return show.Sheet(f"Disk margin of {count} in {self.time}: {n(self.alpha)}", lines, (table,))
+
+
+def of_loop(loop: System, skew: float = 0.0, certify: bool = True) -> DiskMargin:
+    """Return the disk margin of a loop L (p, p), all channels varied at once; they are called as L's inputs.
+
+    Without `certify` the margin is that of a grid, refined around its peak, and nothing is claimed between its points.
+
+    Raises SignalError when L is not square or the skew is not finite; ModelError when 1 + L has no inverse or the
+    closed loop does not decay.
+    """
+    model = of(loop)
+    return _margin(_closed(model, skew), model.inputs, skew, certify)
+
+
+def each(loop: System, skew: float = 0.0) -> Mapping[str, DiskMargin]:
+    """Return the disk margin of each channel of a loop, the others left as they are, by the names of L's inputs.
+
+    Raises as `of_loop`.
+    """
+    model = of(loop)
+    closed = _closed(model, skew)
+    return {
+        name: _margin(closed.select((output,), (name,)), (name,), skew, certify=True)
+        for name, output in zip(closed.inputs, closed.outputs, strict=True)
+    }
+
+
+def _halves(skew: float) -> tuple[float, float]:
+    return (1 - skew) / 2, (1 + skew) / 2
+
+
+def _closed(loop: StateSpace, skew: float) -> StateSpace:
+    """Return S + (sigma - 1)/2 I of a square loop whose closed loop decays."""
+    p = len(loop.inputs)
+    if not p or p != len(loop.outputs):
+        raise SignalError(
+            f"the loop has {p} inputs ({', '.join(loop.inputs)}) and {len(loop.outputs)} outputs "
+            f"({', '.join(loop.outputs)}): give it as many outputs as inputs, at least one"
+        )
+    if not np.isfinite(skew):
+        raise SignalError(f"the skew is {skew}: it must be finite; 0 is the balanced one")
+    through = np.eye(p) + loop.D
+    if np.linalg.cond(through) > 1 / np.finfo(float).eps:
+        raise ModelError("1 + L has no inverse at infinite frequency, I + D is singular: put a delay into the loop")
+    R = np.linalg.inv(through)
+    A = loop.A - loop.B @ R @ loop.C
+    _require_decay(A, loop.time)
+    return replace(loop, A=A, B=loop.B @ R, C=-R @ loop.C, D=R - _halves(skew)[0] * np.eye(p))
+
+
+def _require_decay(A: Array, time: Time) -> None:
+    poles = np.linalg.eigvals(A)
+    if isinstance(time, Continuous):
+        lasting = poles.real >= -1e-14 * np.abs(poles).max(initial=0.0)
+    else:
+        lasting = np.abs(poles) >= 1 - 1e-14
+    if lasting.any():
+        found = ", ".join(show.number(s) for s in poles[lasting & (poles.imag >= 0)].tolist())
+        raise ModelError(
+            f"the closed loop does not decay: it has poles at {found}, and so no margin; stabilise the loop first "
+            "(its feedback is negative, 1 + L: turn the sign if yours is in L)"
+        )
+
+
+def _margin(closed: StateSpace, channels: tuple[str, ...], skew: float, certify: bool) -> DiskMargin:
+    peak = structured_peak.over_frequency(closed, certify)
+    with np.errstate(divide="ignore"):
+        lower, upper, curve = 1 / np.float64(peak.level), 1 / np.float64(peak.lower), 1 / peak.bounds
+    bounds = float(lower), float(upper), peak.certified
+    return DiskMargin(channels, float(skew), closed.time, *bounds, peak.frequency, peak.delta, peak.frequencies, curve)
+
+
+def _sampled(A: Array, B: Array, C: Array, D: Array) -> Matrices:
+    """Return the model in z of one in s = (z - 1)/(z + 1)."""
+    one, root = np.eye(len(A)), np.sqrt(2)
+    inverse = np.linalg.inv(one - A)
+    return inverse @ (A + one), root * inverse @ B, root * C @ inverse, D + C @ inverse @ B
+
+
+def _first_order(delta: complex, w: float, skew: float) -> tuple[float, float, float, float]:
+    """Return a, b, c, d of f(s) with delta(s) = k (s - z)/(s + z), z > 0 and delta(i w) = delta; k if delta is real."""
+    half, other = _halves(skew)
+    turn = float(np.angle(delta)) % np.pi
+    real = min(turn, np.pi - turn) < 1e-9
+    k = delta.real if real else float(abs(delta) * np.sign(delta.imag))
+    if abs(1 - other * k) < 1e-12:
+        raise ModelError("f is unbounded at high frequency: this margin reaches up to infinite gain")
+    d = (1 + half * k) / (1 - other * k)
+    if real:
+        return -1.0, 0.0, 0.0, d
+    # f = ((1 + half k) s + (1 - half k) z) / ((1 - other k) s + (1 + other k) z)
+    z = w * np.tan(turn / 2)
+    pole = (1 + other * k) / (1 - other * k) * z
+    return -pole, 1.0, (1 - half * k) / (1 - other * k) * z - d * pole, d

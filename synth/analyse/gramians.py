@@ -1,0 +1,229 @@
+"""How strongly inputs reach the states of a linear model and how well outputs show them.
+
+Energy. With Phi(t) = exp(A t), or A^t in discrete time (sums for integrals),
+
+    Wc = int Phi B B' Phi' dt      x' Wc^-1 x: least input energy int u'u dt that takes 0 to x
+    Wo = int Phi' C' C Phi dt      x' Wo x: output energy int y'y dt that x gives
+    Hankel singular values         sqrt of the eigenvalues of Wc Wo, which no change of states alters
+
+An unstable part has integrals backward in time: A = T diag(As, Au) T^-1 with Au in place of -Au, or of its inverse.
+Modes on the border have none; `over` integrates to a horizon instead. An input's share is its part of
+trace(Wc Wo) = sum of squared Hankel values; shares compare inputs in the units that they have.
+"""
+
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+
+from synth import show
+from synth.analyse import discretise, staircase, structure
+from synth.errors import ModelError, TimingError
+from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.timing import Continuous
+
+BORDER = 1e12  # Gramians of unit noise on scaled states that exceed this come of a mode on the border of stability
+
+Integral = Callable[[Array, Array], Array]
+
+
+@dataclass(frozen=True, eq=False)
+class _Span:
+    """W = `integral(F, Q)` of F'^t Q F^t over some time, and the `edge` that F' W + W F, or F' W F - W, must equal."""
+
+    integral: Integral
+    edge: Integral
+    text: str
+
+
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
+class Gramians:
+    """Wc (n, n), Wo (n, n) in the units of the states, Hankel singular values (n,), largest first, and shares.
+
+    `directions` has the states of each Hankel value; `by_input` and `by_output` are shares that sum to 1; `residual`
+    is the larger one of the two Lyapunov equations, over the size of its terms; `span` says over which time.
+    """
+
+    Wc: Array
+    Wo: Array
+    hankel: Array
+    directions: tuple[structure.Direction, ...]
+    by_input: Mapping[str, float]
+    by_output: Mapping[str, float]
+    residual: float
+    span: str
+
+    def sheet(self) -> show.Sheet:
+        """Return the Hankel singular values with their states, and the shares."""
+        total = float((self.hankel**2).sum()) or 1.0
+        rows = tuple(
+            (f"{v:.4g}", f"{v * v / total:.2%}", structure.spelled(along) or "none")
+            for v, along in zip(self.hankel, self.directions, strict=True)
+        )
+        shares = tuple((n, f"{v:.2%}") for part in (self.by_input, self.by_output) for n, v in part.items())
+        tables = (show.Table(("Hankel value", "share", "states"), rows), show.Table(("signal", "share"), shares))
+        return show.Sheet(f"Gramians {self.span}; residual {self.residual:.1e}", tables=tables)
+
+
+def gramians(system: System) -> Gramians:
+    """Return the Gramians of a System over all time, those of its unstable part backward in time.
+
+    Raises SignalError as `statespace.of`; ModelError naming a mode on the border of stability.
+    """
+    model = of(system)
+    x = staircase.of_model(model).x
+    A = model.A * x / x[:, None]
+    continuous = isinstance(model.time, Continuous)
+    rate = float(np.linalg.norm(A)) if continuous else 1.0
+    try:
+        T, k = _stable_first(A, continuous)
+        span = _over_all_time(len(A), k, continuous)
+        back = _inverse(T)
+        noise = T @ span.integral((back @ A @ T).T, back @ back.T) @ T.T
+    except (np.linalg.LinAlgError, RuntimeWarning) as error:
+        raise _border(model) from error
+    if len(A) and not np.linalg.norm(noise) * rate < BORDER:
+        raise _border(model)
+    return _gramians(model, x[:, None] * T, span)
+
+
+def over(system: System, horizon_s: float) -> Gramians:
+    """Return the Gramians of a System from 0 to `horizon_s`, rounded to whole samples in discrete time.
+
+    Raises SignalError as `statespace.of`; TimingError when the horizon is not positive or shorter than a sample;
+    ModelError as `discretise.gramian`.
+    """
+    model = of(system)
+    X = np.diag(staircase.of_model(model).x)
+    if not 0 < horizon_s < np.inf:
+        raise TimingError(f"the horizon is {horizon_s} s: give a finite positive time")
+    if isinstance(model.time, Continuous):
+        return _gramians(model, X, _over_time(horizon_s))
+    samples = round(horizon_s / model.time.period_s)
+    if samples < 1:
+        raise TimingError(f"the horizon of {horizon_s:g} s is shorter than a sample of {model.time.period_s:g} s")
+    return _gramians(model, X, _over_samples(samples))
+
+
+def _stable_first(A: Array, continuous: bool) -> tuple[Array, int]:
+    """Return T for which T^-1 A T is block diagonal, and the order of its first block, which holds the stable modes."""
+    R, U, k = scipy.linalg.schur(A, sort="lhp" if continuous else "iuc") if len(A) else (A, A, 0)
+    T = np.eye(len(A))
+    if 0 < k < len(A):
+        T[:k, k:] = scipy.linalg.solve_sylvester(R[:k, :k], -R[k:, k:], -R[:k, k:])
+    return U @ T, k
+
+
+def _over_all_time(n: int, k: int, continuous: bool) -> _Span:
+    """Return the span over which the first k of n coordinates run forward in time, the others backward."""
+    sign = np.where(np.arange(n) < k, -1.0, 1.0)
+
+    def integral(F: Array, Q: Array) -> Array:
+        forward = _lyapunov(F[:k, :k], Q[:k, :k], continuous)
+        F, Q = F[k:, k:], Q[k:, k:]
+        if continuous:
+            return np.asarray(scipy.linalg.block_diag(forward, _lyapunov(-F, Q, continuous)))
+        back = _inverse(F)
+        return np.asarray(scipy.linalg.block_diag(forward, _lyapunov(back, back.T @ Q @ back, continuous)))
+
+    def edge(F: Array, Q: Array) -> Array:
+        return np.where(sign == sign[:, None], sign * Q, 0.0)
+
+    return _Span(integral, edge, "over all time" if k == n else "over the future of what decays, the past of the rest")
+
+
+def _over_time(horizon_s: float) -> _Span:
+    def edge(F: Array, Q: Array) -> Array:
+        M = discretise.gramian(F, Q, horizon_s).M
+        return M.T @ Q @ M - Q
+
+    return _Span(lambda F, Q: discretise.gramian(F, Q, horizon_s).W, edge, f"over {horizon_s:g} s")
+
+
+def _over_samples(samples: int) -> _Span:
+    def edge(F: Array, Q: Array) -> Array:
+        M = np.linalg.matrix_power(F, samples)
+        return M.T @ Q @ M - Q
+
+    return _Span(lambda F, Q: _summed(F, Q, samples), edge, f"over {samples} samples")
+
+
+def _lyapunov(F: Array, Q: Array, continuous: bool) -> Array:
+    """Return int exp(F' t) Q exp(F t) dt, or the sum over F'^k Q F^k from 0, of a stable F."""
+    if not len(F):
+        return Q
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # SciPy warns of modes s + s' near 0 and goes on
+        if continuous:
+            return np.asarray(scipy.linalg.solve_continuous_lyapunov(F.T, -Q))
+        return np.asarray(scipy.linalg.solve_discrete_lyapunov(F.T, Q))
+
+
+def _inverse(T: Array) -> Array:
+    return np.asarray(np.linalg.inv(T), dtype=np.float64)
+
+
+def _summed(F: Array, Q: Array, samples: int) -> Array:
+    """Return the sum over F'^k Q F^k for k below `samples`, doubling the span: W(a + b) = W(a) + F'^a W(b) F^a."""
+    W, power = np.zeros_like(Q), np.eye(len(F))
+    for digit in f"{samples:b}":
+        W, power = W + power.T @ W @ power, power @ power
+        if digit == "1":
+            W, power = Q + F.T @ W @ F, power @ F
+    return W
+
+
+def _gramians(model: StateSpace, T: Array, span: _Span) -> Gramians:
+    """Return the Gramians, integrated in the coordinates T^-1 x."""
+    back = _inverse(T)
+    A, B, C = back @ model.A @ T, back @ model.B, model.C @ T
+    Wc, Wo = span.integral(A.T, B @ B.T), span.integral(A, C.T @ C)
+    left, right = _root(Wo), _root(Wc)
+    _, hankel, V = np.linalg.svd(left.T @ right)
+    along = (T @ right @ V.T).T / staircase.of_model(model).x
+    by_input = np.diag(B.T @ span.integral(A, Wo) @ B)
+    by_output = np.diag(C @ span.integral(A.T, Wc) @ C.T)
+    continuous = isinstance(model.time, Continuous)
+    residuals = [_residual(F, Q, W, span, continuous) for F, Q, W in ((A.T, B @ B.T, Wc), (A, C.T @ C, Wo))]
+    return Gramians(
+        readonly(T @ Wc @ T.T),
+        readonly(back.T @ Wo @ back),
+        readonly(hankel),
+        tuple(structure.direction(v, model.states) for v in along),
+        _shares(by_input, model.inputs),
+        _shares(by_output, model.outputs),
+        max(residuals),
+        span.text,
+    )
+
+
+def _residual(F: Array, Q: Array, W: Array, span: _Span, continuous: bool) -> float:
+    """Return the residual of the Lyapunov equation over the norms of its terms."""
+    left, edge = (F.T @ W + W @ F if continuous else F.T @ W @ F - W), span.edge(F, Q)
+    size = np.linalg.norm(F.T @ W) + np.linalg.norm(edge)
+    return float(np.linalg.norm(left - edge) / (size or 1.0))
+
+
+def _root(W: Array) -> Array:
+    """Return L with L L' = W, W positive semidefinite up to rounding."""
+    values, vectors = np.linalg.eigh((W + W.T) / 2)
+    return vectors * np.sqrt(np.maximum(values, 0.0))
+
+
+def _shares(parts: Array, names: Sequence[str]) -> dict[str, float]:
+    total = float(parts.sum())
+    return {name: float(v) / total if total else 0.0 for name, v in zip(names, parts, strict=True)}
+
+
+def _border(model: StateSpace) -> ModelError:
+    roots = structure.poles(model).roots
+    rates = structure.rates(np.array([r.value for r in roots]), model.time).real
+    worst = roots[int(np.argmin(np.abs(rates)))]
+    return ModelError(
+        f"the model has no Gramian over all time: mode {structure.pair(worst.value)} in "
+        f"{structure.spelled(worst.states)} lies on the border of stability; close a loop around it, take it out of "
+        "the model, or take `over` a horizon"
+    )

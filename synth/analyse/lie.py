@@ -1,0 +1,128 @@
+"""Plants that are affine in their inputs, and derivatives along them.
+
+    dx/dt = f(x) + G(x) u,    y = h(x) + E(x) u,    x (n,), u (m,), y (p,)
+
+Along a solution a function e(x) changes at the rate L_f e + (L_G e) u with
+
+    L_f e = de/dx f,    L_G e = de/dx G.
+
+Source: Isidori, Nonlinear Control Systems, 4.1 and 5.1.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from synth.analyse import rounding
+from synth.analyse.box import Box
+from synth.errors import ModelError, SignalError
+from synth.plant import Plant
+from synth.signals import Signal, names
+
+
+@dataclass(frozen=True, eq=False)
+class Affine:
+    """The plant called `name` as f (n,), G (n, m), h (p,), E (p, m) in the symbols of `box`: states and parameters.
+
+    Structural zeros of G and E are entries that vanish all over the domain. `held` has the inputs that stand still.
+    """
+
+    name: str
+    states: tuple[Signal, ...]
+    inputs: tuple[Signal, ...]
+    outputs: tuple[Signal, ...]
+    box: Box
+    f: ca.SX
+    G: ca.SX
+    h: ca.SX
+    E: ca.SX
+    held: Mapping[str, float]
+
+    @property
+    def x(self) -> ca.SX:
+        """The states' symbols (n,)."""
+        return self.box.symbols
+
+    def along_drift(self, e: ca.SX) -> ca.SX:
+        """Return L_f e for each entry of e (k,)."""
+        return ca.cse(ca.jtimes(e, self.x, self.f))  # without it the length grows as the factorial of the order
+
+    def along_inputs(self, e: ca.SX) -> ca.SX:
+        """Return L_G e (k, m) for the entries of e (k,), with zeros taken out."""
+        return rounding.without_zeros(ca.cse(ca.mtimes(ca.jacobian(e, self.x), self.G)), self.box)
+
+
+def affine(plant: Plant, outputs: Sequence[str] | None = None, held: Mapping[str, float] | None = None) -> Affine:
+    """Return the plant in affine form: the named `outputs`, all when left out, and the inputs that are not `held`.
+
+    `held` gives inputs that stand still, by name, in their units.
+
+    Raises SignalError for a name that is not the plant's, ModelError when an equation is not affine in the inputs.
+    """
+    held = dict(held or {})
+    rows = _rows(plant, outputs)
+    inputs = _inputs(plant, held)
+    x, u = (ca.vertcat(*(ca.SX.sym(s.name) for s in part)) for part in (plant.states, inputs))
+    free = dict(zip(names(inputs), ca.vertsplit(u), strict=True))
+    everything = ca.vertcat(*(free[s.name] if s.name in free else ca.SX(held[s.name]) for s in plant.inputs))
+    p = ca.vertcat(ca.SX(0, 1), *(ca.SX.sym(s.name) for s in plant.parameters))
+    whole = ca.vertcat(plant.f(x, everything, p), plant.h(x, everything, p)[rows])
+    base = ca.SX([float(np.clip(0.0, s.low, s.high)) for s in inputs])
+    slopes, level = (ca.substitute(e, u, base) for e in (ca.jacobian(whole, u), whole))
+    equations = [f"the rate of '{s.name}'" for s in plant.states] + [f"'{plant.outputs[k].name}'" for k in rows]
+    both = Box(ca.vertcat(x, u), (*plant.states, *inputs), p, plant.values)
+    _require_affine(plant.name, equations, (whole, slopes, base), both)
+    of_states = Box(x, plant.states, p, plant.values)
+    slopes = rounding.without_zeros(slopes, of_states)
+    ends = [0, len(plant.states), len(equations)]
+    (f, h), (G, E) = ca.vertsplit(level - ca.mtimes(slopes, base), ends), ca.vertsplit(slopes, ends)
+    outs = tuple(plant.outputs[k] for k in rows)
+    return Affine(plant.name, plant.states, inputs, outs, of_states, f, G, h, E, held)
+
+
+def _rows(plant: Plant, outputs: Sequence[str] | None) -> list[int]:
+    known = names(plant.outputs)
+    wanted = known if outputs is None else tuple(outputs)
+    if unknown := [n for n in wanted if n not in known]:
+        raise SignalError(f"plant '{plant.name}' has no output '{unknown[0]}': it has {', '.join(known)}")
+    if not wanted or len(set(wanted)) < len(wanted):
+        raise SignalError(f"the outputs are ({', '.join(wanted)}): name at least one, and each once")
+    return [known.index(n) for n in wanted]
+
+
+def _inputs(plant: Plant, held: Mapping[str, float]) -> tuple[Signal, ...]:
+    known = names(plant.inputs)
+    if unknown := [n for n in held if n not in known]:
+        raise SignalError(f"plant '{plant.name}' has no input '{unknown[0]}' to hold: it has {', '.join(known)}")
+    if bad := [n for n, v in held.items() if not np.isfinite(v)]:
+        raise SignalError(f"the input '{bad[0]}' is held at {held[bad[0]]}: give a finite value")
+    inputs = tuple(s for s in plant.inputs if s.name not in held)
+    if not inputs:
+        raise SignalError(f"plant '{plant.name}': every input is held: leave at least one free")
+    return inputs
+
+
+def _require_affine(
+    plant: str,
+    equations: Sequence[str],
+    parts: tuple[ca.SX, ca.SX, ca.SX],
+    box: Box,
+) -> None:
+    """Refuse equations e (k,) that are not e(u with u_j = base_j) + slope_j (u_j - base_j) for every input j."""
+    whole, slopes, base = parts
+    m = base.numel()
+    u, inputs = box.symbols[-m:], box.signals[-m:]
+    bent: dict[str, list[str]] = {}
+    for j, input in enumerate(inputs):
+        rest = whole - ca.substitute(whole, u[j], base[j]) - slopes[:, j] * (u[j] - base[j])
+        for k in np.flatnonzero(~rounding.vanish(ca.densify(rest), box)):
+            bent.setdefault(equations[int(k)], []).append(input.name)
+    if bent:
+        told = "; ".join(f"{equation} in {', '.join(bent[equation])}" for equation in equations if equation in bent)
+        who = ", ".join(s.name for s in inputs if any(s.name in part for part in bent.values()))
+        raise ModelError(
+            f"plant '{plant}' is not affine in its inputs: {told}. Put an integrator before {who} "
+            "(dynamic_extension.integrators), or declare the whole term as the input and invert it outside, or hold it"
+        )

@@ -1,0 +1,242 @@
+"""Where a matrix M(s) (p, m), p <= m, of a model's signals comes nearest to losing rank, over the box of the signals.
+
+Rows and columns have unlike units. So columns are in half ranges of their inputs, and each row over its largest norm in
+the box. In that measure, with S the largest singular value anywhere in the box,
+
+    condition(s) = S / (least singular value at s) :
+
+how many times as much of its range an input may need at s as where M is strongest. It is infinite where M has no right
+inverse.
+
+Method. Values on a grid that contains the vertices (for more than four signals: the vertices, the centre and a Halton
+sequence), descent by a simplex from the least, and bisection to a singular point where the determinant of a square M
+changes its sign. That nothing worse hides between the points is as sure as they are dense, no proof.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+
+import casadi as ca
+import numpy as np
+from scipy.optimize import brentq, minimize
+from scipy.stats import qmc
+
+from synth import show
+from synth.analyse import box, rounding
+from synth.errors import ModelError, SignalError
+from synth.signals import Signal, names
+from synth.statespace import Array, readonly
+
+GRID = 9  # points along each of up to DENSE signals
+DENSE = 4
+SPREAD = 2000  # points of the sequence, for more signals
+SEEDS = 3  # points from which the simplex starts
+CONDITION_LIMIT = 1e8
+NOTABLE = 1e-9  # relative: a refined point that is worse by less is not taken for the round one it started from
+
+
+@dataclass(frozen=True, eq=False)
+class Scaled:
+    """M by columns in half ranges and rows over their largest norms `rows` (p,); `box` has the signals that enter it.
+
+    `function` gives vec M of points; `inputs` and `labels` name the columns and rows, `strongest` is S.
+    """
+
+    function: ca.Function
+    box: tuple[Signal, ...]
+    inputs: tuple[Signal, ...]
+    labels: tuple[str, ...]
+    rows: Array
+    strongest: float
+
+    def at(self, points: Array) -> Array:
+        """Return the scaled matrices (k, p, m) at points of the box (d, k)."""
+        shape = (len(self.inputs), len(self.labels), points.shape[1])
+        values = np.asarray(self.function(points)).reshape(shape)
+        box.require_finite("the matrix that the inputs enter by", values, self.box, points)
+        return np.asarray(values.transpose(2, 1, 0) * box.half_widths(self.inputs) / self.rows[:, None])
+
+    def condition(self, points: Array) -> Array:
+        """Return S over the least singular value (k,) at points of the box (d, k)."""
+        least = np.linalg.svd(self.at(points), compute_uv=False)[:, -1]
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.where(least > rounding.LIMIT * self.strongest, self.strongest / least, np.inf))
+
+
+@dataclass(frozen=True)
+class Worst:
+    """The largest condition of a matrix over a box, infinite where it is singular, and the point by name and as text.
+
+    `at` holds the signals that enter the matrix; `where` only the one whose value is enough, if there is such a one.
+    """
+
+    condition: float
+    at: Mapping[str, float]
+    where: str
+
+    @property
+    def singular(self) -> bool:
+        """Whether the condition passes 1e8."""
+        return not self.condition <= CONDITION_LIMIT
+
+
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
+class ConditionMap:
+    """Conditions (k, l) of the matrix called `what` over `points` (k,) and (l,) of two signals, the rest `held`."""
+
+    what: str
+    down: Signal
+    across: Signal
+    points: tuple[Array, Array]
+    held: Mapping[str, float]
+    condition: Array
+
+    @property
+    def worst(self) -> Worst:
+        """The worst cell; a tie goes to the one nearest the middle of the map."""
+        k, l = np.indices(self.condition.shape)
+        off = np.abs(k - (k.max() / 2)) + np.abs(l - (l.max() / 2))
+        k0, l0 = np.unravel_index(np.lexsort((off.ravel(), -self.condition.ravel()))[0], self.condition.shape)
+        point = np.array([self.points[0][k0], self.points[1][l0]])
+        at = {self.down.name: float(point[0]), self.across.name: float(point[1]), **self.held}
+        return Worst(float(self.condition[k0, l0]), at, box.where((self.down, self.across), point))
+
+    def sheet(self) -> show.Sheet:
+        """Return the worst cell and the map, `down` by rows and `across` by columns."""
+        worst, (down, across) = self.worst, self.points
+        lines = [f"worst cell: {show.number(worst.condition)} at {worst.where}"]
+        if self.held:
+            lines.append("held: " + ", ".join(f"{n} = {v:.6g}" for n, v in self.held.items()))
+        corner = f"{show.named(self.down.name, self.down.unit)} \\ {show.named(self.across.name, self.across.unit)}"
+        rows = [(f"{v:.4g}", *(f"{c:.3g}" for c in row)) for v, row in zip(down, self.condition, strict=True)]
+        table = show.Table((corner, *(f"{v:.4g}" for v in across)), tuple(rows))
+        return show.Sheet(f"Condition of the {self.what}", tuple(lines), (table,))
+
+
+def scaled(
+    matrix: ca.SX, symbols: ca.SX, signals: Sequence[Signal], inputs: Sequence[Signal], labels: Sequence[str]
+) -> Scaled:
+    """Return `matrix` (p, m) of the `symbols` (d,) of `signals`, with a row for each label and a column for each input.
+
+    Raises ModelError when a row is zero all over the box, or an entry is not finite.
+    """
+    places = box.entering(matrix, symbols, signals)
+    entering = tuple(signals[k] for k in places)
+    function = ca.Function("M", [symbols[places]], [ca.densify(ca.vec(matrix))])
+    bare = Scaled(function, entering, tuple(inputs), tuple(labels), np.ones(len(labels)), 1.0)
+    values = bare.at(_points(entering))
+    rows = np.linalg.norm(values, axis=2).max(axis=0)
+    if not rows.all():
+        raise ModelError(f"the row of '{labels[int(rows.argmin())]}' is zero all over the domain: no input enters it")
+    strongest = float(np.linalg.norm(values / rows[:, None], 2, axis=(1, 2)).max())
+    return replace(bare, rows=readonly(rows), strongest=strongest)
+
+
+def worst(matrix: Scaled) -> Worst:
+    """Return where over its box the matrix comes nearest to losing rank, or loses it."""
+    points = _points(matrix.box)
+    off = (points - box.centre(matrix.box)[:, None]) / box.half_widths(matrix.box)[:, None]
+    points = points[:, np.argsort(np.abs(off).sum(axis=0), kind="stable")]  # of equals, the one nearest the middle
+    condition = matrix.condition(points)
+    seeds = np.argsort(-condition, kind="stable")[:SEEDS]
+    if np.isinf(condition[seeds[0]]):
+        return _told(matrix, np.inf, points[:, seeds[0]])
+    if (crossing := _crossing(matrix, points)) is not None:
+        return _told(matrix, np.inf, crossing)
+    if not len(points):
+        return _told(matrix, float(condition[0]), points[:, 0])
+    best, at = float(condition[seeds[0]]), points[:, seeds[0]]
+    for k in seeds:
+        value, refined = _refined(matrix, points[:, k])
+        if value > best * (1 + NOTABLE):
+            best, at = value, refined
+    return _told(matrix, best, at)
+
+
+def mapped(
+    matrix: Scaled, down: str, across: str, held: Mapping[str, float] | None = None, what: str = "decoupling matrix"
+) -> ConditionMap:
+    """Return the map of the condition over the ranges of two signals; others stand in the middle or as `held`.
+
+    Raises SignalError for a signal that does not enter the matrix.
+    """
+    known, held = names(matrix.box), dict(held or {})
+    for name in (down, across, *held):
+        if name not in known:
+            raise SignalError(f"the {what} does not depend on '{name}': it depends on {', '.join(known) or 'nothing'}")
+    if len({down, across, *held}) < 2 + len(held):
+        raise SignalError(f"'{down}' and '{across}' span the map: name two signals, and hold neither")
+    middle = dict(zip(known, box.centre(matrix.box).tolist(), strict=True)) | held
+    first, second = (matrix.box[known.index(n)] for n in (down, across))
+    axes = [np.linspace(s.low, s.high, GRID) for s in (first, second)]
+    points = np.array([middle[n] for n in known])[:, None] * np.ones(GRID * GRID)
+    points[[known.index(down), known.index(across)]] = [g.ravel() for g in np.meshgrid(*axes, indexing="ij")]
+    rest = {n: v for n, v in middle.items() if n not in (down, across)}
+    condition = readonly(matrix.condition(points).reshape(GRID, GRID))
+    return ConditionMap(what, first, second, (readonly(axes[0]), readonly(axes[1])), rest, condition)
+
+
+def _points(signals: Sequence[Signal]) -> Array:
+    d = len(signals)
+    if d <= DENSE:
+        axes = np.meshgrid(*[np.linspace(0.0, 1.0, GRID)] * d, indexing="ij")
+        return box.within(signals, np.array([a.ravel() for a in axes]).reshape(d, -1) if d else np.zeros((0, 1)))
+    vertices = np.array(list(product((0.0, 1.0), repeat=min(d, 10))))
+    vertices = np.hstack([vertices, np.full((len(vertices), d - vertices.shape[1]), 0.5)])
+    spread = qmc.Halton(d, scramble=False).random(SPREAD)
+    return box.within(signals, np.vstack([np.full((1, d), 0.5), vertices, spread]).T)
+
+
+def _crossing(matrix: Scaled, points: Array) -> Array | None:
+    """Return a point between two of `points` where the determinant of a square matrix is zero, if it changes sign."""
+    if len(matrix.labels) != len(matrix.inputs):
+        return None
+    determinant = np.linalg.det(matrix.at(points))
+    start, end = points[:, determinant.argmin()], points[:, determinant.argmax()]
+    if not determinant.min() < 0 < determinant.max():
+        return None
+
+    def along(t: float) -> float:
+        return float(np.linalg.det(matrix.at((start + t * (end - start))[:, None]))[0])
+
+    at = np.asarray(start + brentq(along, 0.0, 1.0, xtol=1e-15) * (end - start))
+    if not matrix.condition(at[:, None])[0] > 1 / np.sqrt(np.finfo(float).eps):
+        raise ModelError(
+            f"the matrix has a pole near {box.where(matrix.box, at)}: its determinant changes sign without a zero; "
+            "shrink the ranges of the signals to where the model is finite"
+        )
+    return at
+
+
+def _refined(matrix: Scaled, start: Array) -> tuple[float, Array]:
+    low, width = start * 0 + [s.low for s in matrix.box], 2 * box.half_widths(matrix.box)
+
+    def least(unit: Array) -> float:
+        return float(np.linalg.svd(matrix.at((low + width * unit)[:, None]), compute_uv=False)[0, -1])
+
+    options = {"xatol": 1e-10, "fatol": 1e-15}
+    bounds = [(0.0, 1.0)] * len(start)
+    unit = minimize(least, (start - low) / width, method="Nelder-Mead", bounds=bounds, options=options).x
+    at = low + width * unit
+    return float(matrix.condition(at[:, None])[0]), at
+
+
+def _told(matrix: Scaled, condition: float, at: Array) -> Worst:
+    named = dict(zip(names(matrix.box), map(float, at), strict=True))
+    enough = _enough(matrix, at) if np.isinf(condition) and len(at) > 1 else None
+    if enough is not None:
+        return Worst(condition, named, box.where(matrix.box[enough : enough + 1], at[[enough]]))
+    return Worst(condition, named, box.where(matrix.box, at) or "every point")
+
+
+def _enough(matrix: Scaled, at: Array) -> int | None:
+    """Return the place of a signal whose value alone makes the matrix singular, wherever the others are."""
+    points = box.scatter(matrix.box, rounding.POINTS, rounding.SEEDS[0])
+    for k, value in enumerate(at):
+        points_k = points.copy()
+        points_k[k] = value
+        if not (matrix.condition(points_k) <= CONDITION_LIMIT).any():
+            return k
+    return None

@@ -1,0 +1,206 @@
+"""The largest structured singular value of a stable model over all frequencies, proved between the frequencies too.
+
+    M(s) = C (s I - A)^-1 B + D, (p, p),        peak = max over 0 <= w <= inf of mu(M(i w))
+
+mu is bounded as in `structured_singular_value`, first on a grid that is dense at lightly damped poles. Between the
+points a scaling D that was found at one of them is kept: sigma_max(D M(i w) D^-1) crosses a level g only where i w is
+an eigenvalue of the Hamiltonian (Boyd, Balakrishnan, Kabamba 1989), with B, C and D scaled,
+
+    [  F   G  ]       F = A + B R^-1 D'C,     G = B R^-1 B',     Q = C'(I + D R^-1 D')C,     R = g^2 I - D'D
+    [ -Q  -F' ]
+
+so that its eigenvalues cut the axis into intervals in which the bound lies on one side of g throughout. Those below are
+done; in the others the next scaling is taken, until none is left. A point found there above the peak becomes the peak.
+Where one more scaling gains little because two singular values meet, the level is raised step by step.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synth.analyse import schur_response
+from synth.analyse import structured_singular_value as ssv
+from synth.analyse.schur_response import Response
+from synth.statespace import Array, StateSpace
+
+Complex = NDArray[np.complex128]
+Interval = tuple[float, float]
+COARSE, FINE = 1e-2, 1e-8  # relative, of the bounds on the grid and at the points that decide
+# (count, e): this many eigenvalue problems are solved for the level (1 + e) peak before the next e is taken.
+LEVELS = ((4, 1e-6), (4, 1e-5), (4, 1e-4), (48, 1e-3), (16, 1e-2), (16, 1e-1))
+
+
+@dataclass(frozen=True, eq=False)
+class Peak:
+    """mu(M(i w)) <= `level` at all w, when `certified`; `lower` = mu's lower bound at `frequency`, with its `delta`.
+
+    `frequencies` (k,) in rad/s and `bounds` (k,) are the points and the upper bounds of mu there.
+    """
+
+    level: float
+    certified: bool
+    lower: float
+    delta: Complex
+    frequency: float
+    frequencies: Array
+    bounds: Array
+
+
+@dataclass(eq=False)
+class _Points:
+    """Frequencies with M, the bound and its scaling; `fine` marks bounds that are as low as they can be made."""
+
+    w: Array
+    M: Complex
+    bound: Array
+    scaling: Array
+    fine: NDArray[np.bool_]
+
+    def refine(self, k: int) -> None:
+        """Make the bound at point k fine."""
+        if not self.fine[k]:
+            found = ssv.upper(self.M[k : k + 1], FINE)
+            self.bound[k], self.scaling[k], self.fine[k] = found.value[0], found.scaling[0], True
+
+    def add(self, M: Response, frequencies: Array, tolerance: float) -> None:
+        """Add frequencies, bounded to the tolerance."""
+        new = _points(M, frequencies, tolerance)
+        for name in ("w", "M", "bound", "scaling", "fine"):
+            setattr(self, name, np.concatenate([getattr(self, name), getattr(new, name)]))
+
+    def highest(self, inside: NDArray[np.bool_]) -> int:
+        """Return the point with the highest fine bound among those inside."""
+        places = np.flatnonzero(inside)
+        k, seen = -1, -1
+        while (k := int(places[self.bound[places].argmax()])) != seen:
+            self.refine(k)
+            seen = k
+        return k
+
+
+def _points(M: Response, frequencies: Array, tolerance: float) -> _Points:
+    response = M.at(frequencies)
+    found = ssv.upper(response, tolerance)
+    fine = np.full(len(frequencies), tolerance <= FINE)
+    return _Points(frequencies, response, found.value, found.scaling, fine)
+
+
+def over_frequency(model: StateSpace, certify: bool = True) -> Peak:
+    """Return the largest mu of a stable model (p, p) over all frequencies.
+
+    Without `certify` it is that of the grid and of the points around its peak.
+    """
+    M = schur_response.of(model)
+    points = _points(M, grid(M.poles), COARSE)
+    _climb(M, points)
+    top = points.highest(points.w >= 0)
+    level, certified = _covered(M, points) if certify else (float(points.bound[top]), False)
+    highest = _highest(points)
+    level *= 1 + 2 * max(_rounding(M, points, k) for k in highest)
+    found = {k: ssv.lower(points.M[k]) for k in highest}
+    k = max((k for k in found if 0 < points.w[k] < np.inf or _is_real(found[k].delta)), key=lambda k: found[k].value)
+    order, w = np.argsort(points.w), M.unwarped(points.w)
+    return Peak(level, certified, found[k].value, found[k].delta, float(w[k]), w[order], points.bound[order])
+
+
+def _rounding(M: Response, points: _Points, k: int) -> float:
+    """Return the error that rounding makes in sigma_max(D M D^-1) at a point, relative."""
+    error = M.error(float(points.w[k]))[None]
+    return float(ssv.gain(error, points.scaling[k])[0]) / max(float(points.bound[k]), 1e-300)
+
+
+def grid(poles: Complex) -> Array:
+    """Return 0, frequencies in rad/s beyond all poles and dense where one is lightly damped, and inf."""
+    if not len(poles):
+        return np.array([0.0, 1.0, np.inf])
+    size = np.abs(poles)
+    low, high = 1e-3 * max(float(size.min()), 1e-12 * float(size.max())), 1e3 * float(size.max())
+    around = poles.imag[:, None] + np.abs(poles.real)[:, None] * np.array([-3.0, -1.0, -0.3, 0.0, 0.3, 1.0, 3.0])
+    w = np.unique(np.concatenate([np.geomspace(low, high, 120), around[around > low]]))
+    return np.concatenate([[0.0], w, [np.inf]])
+
+
+def _climb(M: Response, points: _Points, rounds: int = 4) -> None:
+    """Add points around the highest one, ever closer."""
+    for _ in range(rounds):
+        k = points.highest(points.w >= 0)
+        w = points.w[k]
+        below, above = points.w[points.w < w].max(initial=0.0), points.w[points.w > w].min(initial=np.inf)
+        ends = [e for e in (below, above) if 0 < e < np.inf or (e == 0 and w > 0)]
+        if np.isinf(w) or not ends:
+            return
+        new = np.concatenate([w + (e - w) * np.array([0.1, 0.3, 0.6]) for e in ends])
+        points.add(M, new[new != w], FINE)
+
+
+def _highest(points: _Points, count: int = 3) -> list[int]:
+    """Return the highest points, and next to an end of the axis among them the one beside it.
+
+    At an end a real system has real values, so that it may have no delta that mu asks for.
+    """
+    places = np.flatnonzero(points.fine)
+    places = places[np.argsort(-points.bound[places], kind="stable")[:count]]
+    inner = np.flatnonzero((points.w > 0) & np.isfinite(points.w))
+    beside = [inner[points.w[inner].argmin()]] if (points.w[places] == 0).any() else []
+    beside += [inner[points.w[inner].argmax()]] if np.isinf(points.w[places]).any() else []
+    return [int(k) for k in (*places, *beside)]
+
+
+def _is_real(delta: Complex) -> bool:
+    """Tell whether a system with real coefficients can have these values at an end of the axis."""
+    return bool((np.abs(delta.imag) <= 1e-9 * np.abs(delta)).all())
+
+
+def _covered(M: Response, points: _Points) -> tuple[float, bool]:
+    """Return the level that mu keeps under at all frequencies, and whether that has been shown for all."""
+    peak, left = float(points.bound[points.highest(points.w >= 0)]), [(0.0, np.inf)]
+    if not peak:
+        return 0.0, True  # M vanishes at more points than it has poles
+    for margin in (e for count, e in LEVELS for _ in range(count)):
+        while True:
+            k = _chosen(M, points, left[-1])
+            if points.bound[k] <= peak:
+                break
+            peak = float(points.bound[k])
+        level = (1 + margin) * peak
+        left += _above(M, points.scaling[k], level, left.pop())
+        if not left:
+            return level, True
+    return peak, False
+
+
+def _chosen(M: Response, points: _Points, interval: Interval) -> int:
+    """Return the highest point inside the interval, in its middle where it holds none."""
+    a, b = interval
+    inside = ((points.w > a) & (points.w < b)) | ((points.w == a) & (a == 0)) | ((points.w == b) & np.isinf(b))
+    if not inside.any():
+        points.add(M, np.array([0.5 * (a + b) if np.isfinite(b) else 2 * a]), FINE)
+        return len(points.w) - 1
+    return points.highest(inside)
+
+
+def _above(M: Response, x: Array, level: float, interval: Interval) -> list[Interval]:
+    """Return the parts of the interval in which sigma_max(D M D^-1) is not below the level."""
+    a, b = interval
+    cuts = np.unique(np.abs(hamiltonian_eigenvalues(M, x, level).imag))
+    cuts = cuts[(cuts > a) & (cuts < b)]
+    ends = np.concatenate([[a], cuts[np.append(np.diff(cuts) > 1e-12 * cuts[1:], True)[: len(cuts)]], [b]])
+    middles = np.where(np.isinf(ends[1:]), 2 * ends[:-1] + M.size, 0.5 * (ends[:-1] + ends[1:]))
+    below = ssv.gain(M.at(middles), x) < level
+    found: list[Interval] = []
+    for low, high, done in zip(ends[:-1], ends[1:], below, strict=True):
+        if not done and found and found[-1][1] == low:
+            found[-1] = (found[-1][0], float(high))
+        elif not done:
+            found.append((float(low), float(high)))
+    return found
+
+
+def hamiltonian_eigenvalues(M: Response, x: Array, level: float) -> Complex:
+    """Return s (2 n,), among them each i w at which `level` is a singular value of D M(i w) D^-1, D^2 = diag(x)."""
+    n, d = len(M.A), np.sqrt(x)
+    B, C, D = M.B / d, M.C * d[:, None], M.D * d[:, None] / d
+    K = np.linalg.solve(level**2 * np.eye(len(d)) - D.T @ D, np.hstack([D.T @ C, B.T]))
+    F, G, Q = M.A + B @ K[:, :n], B @ K[:, n:], C.T @ (C + D @ K[:, :n])
+    return np.asarray(np.linalg.eigvals(np.block([[F, G], [-Q, -F.T]])), dtype=np.complex128)

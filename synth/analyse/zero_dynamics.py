@@ -1,0 +1,227 @@
+"""Zero dynamics at an equilibrium: how the states move that the outputs do not show while they are held at rest.
+
+With relative degrees r_i and the linear model dx/dt = A x + B u, y = C x + D u, as many inputs as outputs, the outputs
+stay at rest on the subspace Z of all x with C_i A^k x = 0, k < r_i, under the input that keeps C_i A^r_i x + D_i u = 0:
+
+    dz/dt = Z^T (A - B D*^-1 C*) Z z,   C*_i = C_i A^r_i,   D*_i = C_i A^(r_i - 1) B,   x = Z z,
+
+of order n - sum r. Its eigenvalues are the transmission zeros of the model: the s at which
+
+    P(s) = [[A - s I, B], [C, D]]
+
+loses rank. Both are computed, one from the chains of derivatives and one from the pencil P, and compared.
+
+Sources: Isidori, Nonlinear Control Systems, 4.3 and 5.1; Rosenbrock, State-space and Multivariable Theory, 1970.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+
+from synth import show, statespace
+from synth.analyse import box, linearise
+from synth.analyse.relative_degree import RelativeDegree
+from synth.analyse.trim import OperatingPoint
+from synth.errors import ModelError, SignalError
+from synth.plant import Plant
+from synth.signals import names
+from synth.statespace import Array, StateSpace, System
+
+Verdict = Literal["none", "minimum phase", "not minimum phase", "not hyperbolic"]
+
+SLOW = 1e-6  # of the model's norm: what it adds to the norm of its zero dynamics, for their size
+AXIS = 1e-6  # of that size: real parts this small count as 0; a double eigenvalue scatters by 1e-8
+AGREED = 1e-5  # of that size: what the two ways may differ by, as eigenvalues of multiplicity 2 or 3 scatter
+SINGULAR = 1e8  # condition of D* from which the degree counts as undefined
+AT_REST = 1e-6  # of a state's half range per second
+
+
+@dataclass(frozen=True)
+class Mode:
+    """An eigenvalue in 1/s, and the states that move most in it, in half ranges."""
+
+    value: complex
+    states: tuple[str, ...]
+
+
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
+class ZeroDynamics:
+    """The modes of the zero dynamics, the transmission `zeros` of the pencil, and how far apart they are.
+
+    `distance` is the largest of paired values, over the size of the dynamics.
+    `verdict`: "none" where the order is 0; "minimum phase" where all modes decay; "not minimum phase" where one grows;
+    "not hyperbolic" where none grows and one lies on the imaginary axis, so that the linear model does not decide.
+    """
+
+    modes: tuple[Mode, ...]
+    zeros: NDArray[np.complex128]
+    distance: float
+    verdict: Verdict
+
+    @property
+    def order(self) -> int:
+        """n - sum r."""
+        return len(self.modes)
+
+    @property
+    def agreed(self) -> bool:
+        """Whether the two ways to the zeros agree."""
+        return self.distance <= AGREED
+
+    def sheet(self) -> show.Sheet:
+        """Return the verdict and each mode with its states."""
+        if not self.modes:
+            return show.Sheet("Zero dynamics: none, the degree is full")
+        meaning = {
+            "minimum phase": "they decay",
+            "not minimum phase": "one grows unseen while the outputs rest: choose other outputs",
+            "not hyperbolic": "a mode on the imaginary axis: the linear model does not decide",
+        }
+        word = "agree" if self.agreed else "DISAGREE"
+        lines = (
+            meaning[self.verdict],
+            f"restricted dynamics and pencil {word}: {self.distance:.1e} of their size apart",
+        )
+        rows = tuple((show.number(mode.value), ", ".join(mode.states)) for mode in self.modes)
+        table = show.Table(("mode [1/s]", "states"), rows)
+        return show.Sheet(f"Zero dynamics of order {self.order}: {self.verdict}", lines, (table,))
+
+
+def at_point(plant: Plant, degree: RelativeDegree, point: OperatingPoint, weight: Array | None = None) -> ZeroDynamics:
+    """Return the zero dynamics of the plant's outputs and inputs in `degree` at the equilibrium `point`.
+
+    Where there are more inputs than outputs, `weight` W (m, m) gives those of the least u' W u.
+
+    Raises SignalError when the point is another plant's, ModelError when it is no equilibrium, does not have the inputs
+    that the degree holds, or the decoupling matrix is singular there.
+    """
+    model = linearise.linearise(plant, point).select(degree.outputs, names(degree.model.inputs))
+    _require_same(plant, degree, point)
+    if weight is not None:
+        star = _stars(model, degree.degrees)[1]
+        N = np.linalg.solve(weight, star.T)
+        shares = tuple(f"share_of_{name}" for name in degree.outputs)
+        model = replace(model, B=model.B @ N, D=model.D @ N, inputs=shares)
+    sizes = dict(zip(model.states, box.half_widths(plant.states).tolist(), strict=True))
+    return of_linear(model, degree.degrees, sizes)
+
+
+def of_linear(system: System, degrees: Sequence[int], sizes: Mapping[str, float] | None = None) -> ZeroDynamics:
+    """Return the zero dynamics of a continuous model with relative `degrees` (p,).
+
+    `sizes` gives the half range of each state, by name, 1 when left out: which states move most is told in them.
+
+    Raises SignalError when the numbers do not fit, ModelError when the decoupling matrix is singular.
+    """
+    model = statespace.of(system)
+    n, m = model.B.shape
+    if len(degrees) != len(model.C) or m != len(model.C):
+        raise SignalError(
+            f"{len(degrees)} degrees, {len(model.C)} outputs and {m} inputs: zero dynamics need as many of each"
+        )
+    T = np.array([(sizes or {}).get(name, 1.0) for name in model.states])
+    scaled = _scaled(model, T)
+    C, D = _stars(scaled, degrees)
+    _require_regular(D, model)
+    chains = _chains(scaled, degrees)
+    Z = scipy.linalg.null_space(chains / np.linalg.norm(chains, axis=1, keepdims=True)) if len(chains) else np.eye(n)
+    if Z.shape[1] != n - len(chains):
+        raise ModelError(
+            f"the degrees {tuple(degrees)} are not those of this model: the derivatives below them depend on each other"
+        )
+    F = Z.T @ (scaled.A - scaled.B @ np.linalg.solve(D, C)) @ Z
+    values, vectors = np.linalg.eig(F)
+    order = np.lexsort((values.imag, values.real))
+    modes = tuple(Mode(complex(values[k]), _dominant(Z @ vectors[:, k], model.states)) for k in order)
+    zeros = _pencil_zeros(scaled, len(modes))
+    size = float(np.linalg.norm(F)) + SLOW * float(np.linalg.norm(scaled.A))
+    return ZeroDynamics(modes, zeros, _distance(values, zeros, size), _verdict(values.real, size))
+
+
+def _require_same(plant: Plant, degree: RelativeDegree, point: OperatingPoint) -> None:
+    rates = np.abs(np.asarray(plant.f(point.x, point.u, point.p)).ravel())
+    if not (rates <= AT_REST * box.half_widths(plant.states)).all():
+        worst = int(np.argmax(rates / box.half_widths(plant.states)))
+        raise ModelError(
+            f"plant '{plant.name}' is not at rest at the point: '{plant.states[worst].name}' changes by "
+            f"{rates[worst]:.3g} per s: trim the plant"
+        )
+    for name, value in degree.model.held.items():
+        if not np.isclose(point[name], value, rtol=1e-9, atol=0):
+            raise ModelError(f"the input '{name}' is held at {value:g}, but {point[name]:g} at the point: trim with it")
+    if not np.array_equal(point.p, plant.values):
+        raise ModelError(f"the point was found for other parameters than those of plant '{plant.name}': trim again")
+
+
+def _scaled(model: StateSpace, T: Array) -> StateSpace:
+    """Return the model with states in units of T, and inputs and outputs of size 1."""
+    A, B, C = model.A * T / T[:, None], model.B / T[:, None], model.C * T
+    columns = np.linalg.norm(np.vstack([B, model.D]), axis=0)
+    rows = np.linalg.norm(np.hstack([C, model.D]), axis=1)
+    columns, rows = (np.where(size > 0, size, 1.0) for size in (columns, rows))
+    D = model.D / columns / rows[:, None]
+    return StateSpace(A, B / columns, C / rows[:, None], D, model.states, model.inputs, model.outputs, model.time)
+
+
+def _chains(model: StateSpace, degrees: Sequence[int]) -> Array:
+    rows = [c @ np.linalg.matrix_power(model.A, k) for c, r in zip(model.C, degrees, strict=True) for k in range(r)]
+    return np.array(rows).reshape(-1, len(model.A))
+
+
+def _stars(model: StateSpace, degrees: Sequence[int]) -> tuple[Array, Array]:
+    """Return C* and D*."""
+    power = np.linalg.matrix_power
+    C = np.array([c @ power(model.A, r) for c, r in zip(model.C, degrees, strict=True)])
+    parts = zip(model.C, model.D, degrees, strict=True)
+    return C, np.array([c @ power(model.A, r - 1) @ model.B if r else d for c, d, r in parts])
+
+
+def _require_regular(D: Array, model: StateSpace) -> None:
+    size = np.linalg.norm(D, axis=1, keepdims=True)
+    condition = float(np.linalg.cond(D / size)) if size.all() else np.inf
+    if not condition <= SINGULAR:
+        raise ModelError(
+            f"the relative degree of ({', '.join(model.outputs)}) is not defined at the point: the decoupling matrix "
+            f"has the condition {condition:.3g} there (at most {SINGULAR:.3g} is needed): take another point"
+        )
+
+
+def _pencil_zeros(model: StateSpace, count: int) -> NDArray[np.complex128]:
+    """Return the `count` least eigenvalues of the pencil P; the others are the infinite ones, sum r + p of them."""
+    n, m = model.B.shape
+    rate = float(np.linalg.norm(model.A)) or 1.0
+    P = np.block([[model.A / rate, model.B], [model.C, model.D]])
+    E = scipy.linalg.block_diag(np.eye(n), np.zeros((m, m)))
+    alpha, beta = scipy.linalg.eigvals(P, E, homogeneous_eigvals=True)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        size = np.where(np.abs(beta) > 0, np.abs(alpha) / np.abs(beta), np.inf)
+    finite = np.argsort(size, kind="stable")[:count]
+    return np.sort_complex((rate * alpha[finite] / beta[finite]).astype(np.complex128))
+
+
+def _distance(values: NDArray[np.complex128], zeros: NDArray[np.complex128], size: float) -> float:
+    """Return the largest distance of paired values, over the size."""
+    apart = np.abs(values[:, None] - zeros[None, :])
+    if not np.isfinite(apart).all():
+        return np.inf
+    rows, columns = linear_sum_assignment(apart)
+    return float(apart[rows, columns].max(initial=0.0)) / (size or 1.0)
+
+
+def _verdict(real: Array, size: float) -> Verdict:
+    if not len(real):
+        return "none"
+    if real.max() > AXIS * size:
+        return "not minimum phase"
+    return "minimum phase" if real.max() < -AXIS * size else "not hyperbolic"
+
+
+def _dominant(vector: NDArray[np.complex128], states: Sequence[str]) -> tuple[str, ...]:
+    size = np.abs(vector)
+    return tuple(states[i] for i in np.argsort(-size, kind="stable") if size[i] > 0.1 * size.max())

@@ -1,0 +1,169 @@
+"""The two algebraic Riccati equations in double precision: balancing, residual and Newton's step.
+
+    continuous  A'X + XA - P R^-1 P' + Q = 0,         P = XB + N,                     L = R^-1 P'
+    discrete    A'XA - X - P S^-1 P' + Q = 0,         P = A'XB + N, S = R + B'XB,     L = S^-1 P'
+
+The residual of an X near the solution is what is left of large terms. For any L, with the small d = P' - R L,
+
+    continuous  XA + A'X + Q - P L - L'd - d' R^-1 d,          d = B'X + N' - R L
+    discrete    A'X (A - B L) + Q - X - N L - L'd - d' S^-1 d, d = B'X (A - B L) + N' - R L
+
+is the same function; its large terms are evaluated to twice the precision of double, the small ones plainly.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import lapack
+
+from synth.analyse import twofold
+from synth.analyse.twofold import Twofold
+from synth.statespace import Array
+
+LEAST = 2.0**-52  # of the largest diagonal entry of balanced X: below it a state costs nothing within rounding
+POLISHED = 1e-10  # of each row of L: a correction this small leaves nothing to correct
+POLISHINGS = 8
+LOOSER = 1e-2  # how much closer X is to be known than what its error adds to L, which is corrected for it
+LINK = 2.0**-50  # of the largest entry: where a row or column is zero, balancing takes this for its entries
+
+
+@dataclass(frozen=True, eq=False)
+class Equation:
+    """A (n, n), B (n, m), Q (n, n), R (m, m), N (n, m)."""
+
+    A: Array
+    B: Array
+    Q: Array
+    R: Array
+    N: Array
+    continuous: bool
+
+    def scaled(self, D: Array, E: Array) -> "Equation":
+        """Return the equation for x = D z, u = E v, whose solution is D X D; diagonals (n,), (m,)."""
+        row, column = D[:, None], E[:, None]
+        A, B = self.A * D / row, self.B * E / row
+        return Equation(A, B, self.Q * D * row, self.R * E * column, self.N * E * row, self.continuous)
+
+    def scales(self) -> tuple[Array, Array]:
+        """Return powers of 2, D (n,) and E (m,), that bring R's diagonal to 1 and balance A, B R^-1 B' and Q."""
+        E = np.exp2(-np.round(np.log2(np.diag(self.R)) / 2))
+        n, B = len(self.A), np.abs(self.B * E)
+        M = np.empty((2 * n, 2 * n))
+        M[:n, :n] = np.abs(self.A)
+        M[:n, n:], M[n:, :n], M[n:, n:] = B @ B.T, np.abs(self.Q), M[:n, :n].T
+        size = lapack.dgebal(M + LINK * M.max(), scale=1, permute=0)[3]
+        return np.exp2(np.round(np.log2(size[:n] / size[n:]) / 2)), E
+
+    def moderate(self) -> "Equation":
+        """Return the equation with more weight on states or inputs: loops neither much faster nor slower than A."""
+        B, n = self.B, len(self.A)
+        rate = float(np.linalg.norm(self.A)) if self.continuous else 1.0
+        G = float(np.linalg.norm(B @ np.linalg.solve(self.R, B.T)))
+        more = max(1.0, G * float(np.linalg.norm(self.Q)) / (rate * rate or 1.0))
+        return replace(self, Q=self.Q + rate * rate / G * np.eye(n), R=self.R * more)
+
+    def gain(self, X: Array) -> Array:
+        """Return L (m, n) in double precision."""
+        return np.asarray(np.linalg.solve(self.weight(X), self._cross(X)), dtype=np.float64)
+
+    def _cross(self, X: Array) -> Array:
+        """Return P'."""
+        XB = self.B.T @ X
+        return (XB if self.continuous else XB @ self.A) + self.N.T
+
+    def weight(self, X: Array) -> Array:
+        """Return R or S."""
+        return self.R if self.continuous else self.R + self.B.T @ X @ self.B
+
+    def residual(self, X: Array) -> tuple[Array, Array]:
+        """Return the equation's left side at a symmetric X, from sums in twice the precision, and L, polished by d.
+
+        Raises LinAlgError when R or S is not positive definite.
+        """
+        S, L = self.weight(X), self.gain(X)
+        np.linalg.cholesky(S)
+        for _ in range(POLISHINGS):
+            left, d = self._sums(X, L)
+            small = np.linalg.solve(S, d.high)
+            found = left.high + (left.low - (L.T + small.T) @ d.high)
+            polished = L + small
+            if (np.abs(small).max(axis=1) <= POLISHED * np.abs(L).max(axis=1)).all():
+                break
+            L = polished
+        return (found + found.T) / 2, polished
+
+    def _sums(self, X: Array, L: Array) -> tuple[Twofold, Twofold]:
+        """Return the large terms of the residual (n, n), and d (m, n)."""
+        n, AB = len(X), np.hstack([self.A, self.B])
+        if self.continuous:
+            XAB = twofold.product(X, AB)
+            XA, P = XAB[:, :n], XAB[:, n:] + self.N
+            return XA + XA.T + self.Q - twofold.product(P, L), P.T - twofold.product(self.R, L)
+        stacked = twofold.product(np.vstack([self.B, self.N, self.R]), L)
+        both = twofold.product(AB.T, twofold.product(X, -stacked[:n] + self.A))
+        return both[:n] + self.Q - X - stacked[n : 2 * n], both[n:] + self.N.T - stacked[2 * n :]
+
+    def terms(self, X: Array) -> Array:
+        """Return the sum (n, n) of the absolute values of the equation's terms at X."""
+        A, B, X, N = np.abs(self.A), np.abs(self.B), np.abs(X), np.abs(self.N)
+        XA, BX = X @ A, B.T @ X
+        moved, P = (XA + XA.T, BX + N.T) if self.continuous else (A.T @ XA + X, BX @ A + N.T)
+        return np.asarray(moved + np.abs(self.Q) + P.T @ np.abs(np.linalg.inv(self.weight(X))) @ P)
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """X (n, n) and L (m, n) with the closed loop A - B L, and of X what is left of the equation and Newton's step.
+
+    `residual` and `condition` are those of `newton.certified`.
+    """
+
+    X: Array
+    L: Array
+    closed: Array
+    defect: Array
+    step: Array
+    residual: float = np.inf
+    condition: float = np.inf
+
+    def moved(self, equation: Equation) -> Array:
+        """Return what the step of X adds to L (m, n)."""
+        step = self.step if equation.continuous else self.step @ self.closed
+        return np.asarray(np.linalg.solve(equation.weight(self.X), equation.B.T @ step))
+
+    def corrected(self, equation: Equation) -> "Solution":
+        """Return the solution with L for X + step: L resolves more of X than X's own rounding leaves."""
+        L = self.L + self.moved(equation)
+        return replace(self, L=L, closed=equation.A - equation.B @ L)
+
+    def error(self, equation: Equation) -> float:
+        """Return the error of X, or what it adds to L if that is more, in units in which X has a unit diagonal."""
+        size = sizes(self.X)
+        added, L = np.abs(self.moved(equation) / size).max(axis=1), np.abs(self.L / size).max(axis=1)
+        X = float(np.abs(self.step / size / size[:, None]).max())
+        return max(X, LOOSER * float((added / np.where(L > 0, L, 1.0)).max()))
+
+    def scaled(self, D: Array, E: Array) -> "Solution":
+        """Return the solution of `Equation.scaled(D, E)` for that of the equation itself."""
+        row, both = D[:, None], D * D[:, None]
+        return Solution(
+            X=self.X * both,
+            L=self.L * D / E[:, None],
+            closed=self.closed * D / row,
+            defect=self.defect * both,
+            step=self.step * both,
+            residual=self.residual,
+            condition=self.condition,
+        )
+
+
+def sizes(X: Array) -> Array:
+    """Return sqrt(X_ii) (n,) of a balanced X, with a floor for states that cost nothing."""
+    diagonal = np.abs(np.diag(X))
+    return np.sqrt(np.maximum(diagonal, LEAST * diagonal.max(initial=0.0) or 1.0))
+
+
+def relative(step: Array, X: Array) -> float:
+    """Return the largest |step_ij| / sqrt(X_ii X_jj), in which units do not matter."""
+    size = sizes(X)
+    return float((np.abs(step) / size / size[:, None]).max())

@@ -1,0 +1,272 @@
+"""Lead-lag compensators, continuous and sampled, and their design on a sampled plant.
+
+    K(s) = k prod (s - z_i) / prod (s - p_i),          real zeros z and poles p, at most as many zeros as poles
+
+Y(21) gives one by time constants, k (1 + a s) / (1 + b s) (1 + c s) / s, and Y(23) by zeros and poles; PI is
+k (1 + c s) / s, PD with its filter k (1 + a s) / (1 + b s). Four ways to sample it with the period T keep the order:
+
+    tustin      s = (2 / T) (z - 1) / (z + 1)
+    prewarped   s = (w / tan(w T / 2)) (z - 1) / (z + 1),      so that K is the same at the frequency w
+    matched     each zero and pole at exp(T .), |K| the same at w
+    held        what K makes of a staircase at its input, which lags by some T / 2 where K is not smooth
+
+An integrator goes to z = 1 in each. With more poles than zeros, tustin, prewarped and matched put the zeros at infinity
+to z = -1, and K still answers at once. With more zeros than poles K is no model, and is refused.
+
+Each number is computed in ball arithmetic and rounded once. The model is a chain of sections
+x' = p x + u, y = (p - z) x + u, in the order given, the gain last.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import flint
+import numpy as np
+
+from synth import show
+from synth.analyse import discretise, precise
+from synth.errors import SignalError, TimingError
+from synth.statespace import StateSpace
+from synth.timing import Continuous, Discrete, Time
+
+
+@show.printed
+@dataclass(frozen=True, repr=False)
+class Compensator:
+    """K by gain, zeros and poles, in 1/s, or in z for a sampled one; `units` maps input and output to units.
+
+    Raises SignalError for a gain of 0, a number that is not real and finite, or more zeros than poles.
+    """
+
+    gain: float
+    zeros: tuple[float, ...]
+    poles: tuple[float, ...]
+    time: Time = field(default_factory=Continuous)
+    input: str = "error"
+    output: str = "command"
+    units: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for what, values in (("gain", (self.gain,)), ("zeros", self.zeros), ("poles", self.poles)):
+            for v in values:
+                if isinstance(v, complex) or not np.isfinite(v):
+                    raise SignalError(f"the compensator has {v} among its {what}: give real, finite numbers")
+        if self.gain == 0:
+            raise SignalError("the compensator's gain is 0: give another")
+        if len(self.zeros) > len(self.poles):
+            raise SignalError(
+                f"the compensator has {len(self.zeros)} zeros but {len(self.poles)} poles, which would differentiate "
+                "its input without bound: add a filter pole beyond the crossover for each zero too many"
+            )
+
+    @property
+    def model(self) -> StateSpace:
+        """The chain of sections as a StateSpace with one state for each pole."""
+        return _chain(self)
+
+    def sheet(self) -> show.Sheet:
+        """Return gain, zeros and poles."""
+        variable = "1/s" if isinstance(self.time, Continuous) else "z"
+        rows = [("gain", show.number(self.gain, 8))]
+        rows += [(f"zero [{variable}]", show.number(v, 8)) for v in self.zeros]
+        rows += [(f"pole [{variable}]", show.number(v, 8)) for v in self.poles]
+        ends = " to ".join(show.named(name, self.units.get(name, "")) for name in (self.input, self.output))
+        return show.Sheet(f"Compensator in {self.time}, {ends}", (), (show.Table(("", "value"), tuple(rows)),))
+
+
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
+class LeadLag:
+    """A compensator and what is sampled of it; `zeros` and `poles` are those in z, `gain` the factor before them.
+
+    The errors compare the sampled one with the continuous one at `at` rad/s: |K_d / K| - 1 and arg(K_d / K) in degrees.
+    The hold and the delay behind K are no part of them.
+    """
+
+    continuous: Compensator
+    discrete: StateSpace
+    method: str
+    at: float
+    gain: float
+    zeros: tuple[complex, ...]
+    poles: tuple[complex, ...]
+    gain_error: float
+    phase_error: float
+
+    def sheet(self) -> show.Sheet:
+        """Return both, side by side, and the errors."""
+        rows = [("gain", show.number(self.continuous.gain, 8), show.number(self.gain, 8))]
+        for what in ("zero", "pole"):
+            one, two = getattr(self.continuous, f"{what}s"), getattr(self, f"{what}s")
+            for k in range(max(len(one), len(two))):
+                left, right = (show.number(v[k], 8) if k < len(v) else "" for v in (one, two))
+                rows.append((what, left, right))
+        ends = " to ".join(self.discrete.labels((*self.discrete.inputs, *self.discrete.outputs)))
+        line = (
+            f"at {show.number(self.at)} rad/s ({show.number(self.at / (2 * np.pi))} Hz) the sampled one is off by "
+            f"{self.gain_error:.2e} of the gain and {self.phase_error:.2e} degrees"
+        )
+        title = f"Lead-lag, {self.method}, {ends}, {self.discrete.time}"
+        return show.Sheet(title, (line,), (show.Table(("", "continuous [1/s]", "sampled [z]"), tuple(rows)),))
+
+
+Method = Callable[[Compensator, float, float], LeadLag]
+"""`tustin`, `prewarped`, `matched` or `held`: (compensator, period in s, the frequency `at` in rad/s) -> LeadLag."""
+
+
+def from_constants(
+    gain: float,
+    numerator_s: Sequence[float],
+    denominator_s: Sequence[float],
+    integrators: int = 0,
+    *,
+    input: str = "error",
+    output: str = "command",
+    units: Mapping[str, str] | None = None,
+) -> Compensator:
+    """Return gain prod (1 + a s) / (prod (1 + b s) s^integrators) for the time constants a and b in seconds.
+
+    Raises SignalError for a time constant that is not positive and as `Compensator`.
+    """
+    for v in (*numerator_s, *denominator_s):
+        if not (np.isfinite(v) and v > 0):
+            raise SignalError(f"the time constant {v} s is not positive and finite: leave the factor out or mend it")
+    k = gain * float(np.prod([1.0, *numerator_s])) / float(np.prod([1.0, *denominator_s]))
+    poles = (*(-1 / b for b in denominator_s), *(0.0,) * integrators)
+    return Compensator(k, tuple(-1 / a for a in numerator_s), poles, Continuous(), input, output, units or {})
+
+
+def tustin(compensator: Compensator, period_s: float, at: float) -> LeadLag:
+    """Return the trapezoidal rule; its frequency scale is bent: K_d(w) = K((2/T) tan(w T / 2)).
+
+    Raises TimingError for a sampled compensator or when `at` is not below Nyquist; SignalError for a pole at 2/T.
+    """
+    _require(compensator, period_s, at)
+    with precise.precision():
+        return _bilinear(compensator, period_s, at, flint.arb(2) / flint.arb(period_s), "tustin")
+
+
+def prewarped(compensator: Compensator, period_s: float, at: float) -> LeadLag:
+    """Return the trapezoidal rule that is exact at the frequency `at` in rad/s.
+
+    Raises as `tustin`.
+    """
+    _require(compensator, period_s, at)
+    with precise.precision():
+        half = flint.arb(at) * flint.arb(period_s) / 2
+        return _bilinear(compensator, period_s, at, flint.arb(at) / half.tan(), "prewarped tustin")
+
+
+def matched(compensator: Compensator, period_s: float, at: float) -> LeadLag:
+    """Return matched zeros and poles, with the gain matched at `at` rad/s; its sign makes the phases near.
+
+    Raises TimingError as `tustin`.
+    """
+    _require(compensator, period_s, at)
+    with precise.precision():
+        T = flint.arb(period_s)
+        missing = len(compensator.poles) - len(compensator.zeros)
+        zeros = [*((flint.arb(z) * T).exp() for z in compensator.zeros), *[flint.arb(-1)] * missing]
+        poles = [(flint.arb(p) * T).exp() for p in compensator.poles]
+        here = _value(
+            flint.arb(compensator.gain), _balls(compensator.zeros), _balls(compensator.poles), flint.acb(0, at)
+        )
+        ratio = here / _value(flint.arb(1), zeros, poles, flint.acb(0, flint.arb(at) * T).exp())
+        gain = abs(ratio) if ratio.real.mid() > 0 else -abs(ratio)
+        return _told(compensator, _sampled(compensator, period_s, gain, zeros, poles), "matched", at)
+
+
+def held(compensator: Compensator, period_s: float, at: float) -> LeadLag:
+    """Return the compensator with its input held over each period, exactly.
+
+    Raises TimingError as `tustin`; ModelError as `precise.resolved`.
+    """
+    _require(compensator, period_s, at)
+    return _told(compensator, discretise.zero_order_hold(compensator.model, period_s), "held", at)
+
+
+def _require(compensator: Compensator, period_s: float, at: float) -> None:
+    if not isinstance(compensator.time, Continuous):
+        raise TimingError(f"a compensator in {compensator.time} was given to be sampled: give the continuous one")
+    Discrete(period_s)
+    if not 0 < at * period_s < np.pi:
+        raise TimingError(
+            f"the frequency {at:g} rad/s is not between 0 and Nyquist, {np.pi / period_s:.6g} rad/s: "
+            "give one between them or a shorter period"
+        )
+
+
+def _bilinear(compensator: Compensator, period_s: float, at: float, scale: flint.arb, method: str) -> LeadLag:
+    zeros, poles = _balls(compensator.zeros), _balls(compensator.poles)
+    for v in (*zeros, *poles):
+        if abs(float((1 - v / scale).mid())) < 1e-9:
+            raise SignalError(f"{float(v):g} 1/s is where the rule {method} goes to infinity: move it or the period")
+    gain = flint.arb(compensator.gain)
+    for z in zeros:
+        gain *= scale - z
+    for p in poles:
+        gain /= scale - p
+    z_zeros, z_poles = ([(scale + v) / (scale - v) for v in part] for part in (zeros, poles))
+    z_zeros += [flint.arb(-1)] * (len(poles) - len(zeros))
+    return _told(compensator, _sampled(compensator, period_s, gain, z_zeros, z_poles), method, at)
+
+
+def _sampled(
+    like: Compensator, period_s: float, gain: flint.arb, zeros: Sequence[flint.arb], poles: Sequence[flint.arb]
+) -> Compensator:
+    """Return the compensator in z, each number rounded once."""
+    g, z, p = (tuple(float(v.mid()) for v in part) for part in ([gain], zeros, poles))
+    return Compensator(g[0], z, p, Discrete(period_s), like.input, like.output, like.units)
+
+
+def _told(compensator: Compensator, sampled: Compensator | StateSpace, method: str, at: float) -> LeadLag:
+    """Return the result with its errors at `at`."""
+    if isinstance(sampled, Compensator):
+        discrete, gain, zeros = sampled.model, sampled.gain, sampled.zeros
+        poles: tuple[complex, ...] = sampled.poles
+    else:
+        discrete, poles = sampled, tuple(np.diag(sampled.A).tolist())
+        # det(z I - A + B C) = det(z I - A) (1 + C (z I - A)^-1 B)
+        open_, closed = (
+            np.atleast_1d(np.poly(np.linalg.eigvals(A))) for A in (sampled.A, sampled.A - sampled.B @ sampled.C)
+        )
+        above = closed + (sampled.D[0, 0] - 1) * open_
+        above = np.trim_zeros(np.where(np.abs(above) > 1e-14 * np.abs(above).max(), above, 0.0), "f")
+        gain, zeros = float(above[0]), tuple(np.roots(above).tolist())
+    z = np.exp(1j * at * discrete.time.period_s) if isinstance(discrete.time, Discrete) else np.nan
+    ratio = complex(discrete.response(z)[0, 0, 0] / compensator.model.response(1j * at)[0, 0, 0])
+    errors = (abs(ratio) - 1, float(np.degrees(np.angle(ratio))))
+    return LeadLag(compensator, discrete, method, at, gain, zeros, poles, *errors)
+
+
+def _balls(values: Sequence[float]) -> list[flint.arb]:
+    return [flint.arb(v) for v in values]
+
+
+def _value(gain: flint.arb, zeros: Sequence[flint.arb], poles: Sequence[flint.arb], at: flint.acb) -> flint.acb:
+    value = flint.acb(gain)
+    for z in zeros:
+        value *= at - z
+    for p in poles:
+        value /= at - p
+    return value
+
+
+def _chain(K: Compensator) -> StateSpace:
+    """Return the sections in a row; what enters one is row x + through u, in `unit`."""
+    n = len(K.poles)
+    A, B = np.zeros((n, n)), np.zeros((n, 1))
+    row, through, unit = np.zeros(n), 1.0, K.units.get(K.input, "")
+    states, units = [], dict(K.units)
+    for k, p in enumerate(K.poles):
+        A[k], B[k, 0] = row, through
+        A[k, k] = p
+        states.append(f"{K.output}_section{k + 1}")
+        after = f"{unit} s" if unit and isinstance(K.time, Continuous) else unit
+        units |= {states[-1]: after} if after else {}
+        if k < len(K.zeros):
+            row[k] = p - K.zeros[k]
+        else:
+            row, through, unit = np.eye(n)[k], 0.0, after
+    C, D = K.gain * row[None], np.array([[K.gain * through]])
+    return StateSpace(A, B, C, D, tuple(states), (K.input,), (K.output,), K.time, units)

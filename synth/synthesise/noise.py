@@ -1,0 +1,179 @@
+"""White noise on a linear model: x' = A x + B u + G w, y = C x + D u + F w + v (x+ = .. in discrete time).
+
+With E w w' = W, E v v' = V and E w v' = S (densities in continuous time, covariances at each sample in discrete time)
+states and outputs get noise of
+
+    W_x = G W G',    V_y = V + F W F' + F S + S' F',    S_xy = G (W F' + S)
+
+A continuous model whose inputs are held over T gathers W_T = int_0^T exp(A s) G W G' exp(A' s) ds in a period.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import ArrayLike
+
+from synth import show
+from synth.analyse import discretise, precise
+from synth.errors import ModelError, SignalError
+from synth.statespace import Array, StateSpace, System, of, readonly, two_dimensional
+from synth.synthesise import weights
+from synth.timing import Continuous, Time
+
+Entry = ArrayLike | Sequence[str] | None
+"""Where w enters: a matrix G (n, q); names of inputs, which are then noise alone and not known; None for one noise on
+each state."""
+
+SINGULAR = 1e-12  # of a covariance scaled to a diagonal of 1: an eigenvalue below it counts as zero
+DOUBLINGS = 60  # of the span over which a covariance is summed: a decay too slow for it is below rounding of the pole
+
+
+@dataclass(frozen=True, eq=False)
+class Noise:
+    """Covariances or densities on the states, W (n, n), on the outputs, V (p, p), and of both, S (n, p)."""
+
+    W: Array
+    V: Array
+    S: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Noisy:
+    """A model, its inputs all known, with its noise."""
+
+    model: StateSpace
+    noise: Noise
+
+
+@dataclass(frozen=True, eq=False)
+class _Entered:
+    """A model without the inputs that are noise, and where w enters it: G (n, q), F (p, q) and the names of w."""
+
+    model: StateSpace
+    G: Array
+    F: Array
+    names: tuple[str, ...]
+
+
+def white(system: System, W: weights.Weight, V: weights.Weight, G: Entry = None, S: ArrayLike | None = None) -> Noisy:
+    """Return a model in its own time with w of W (q, q), v of V (p, p) and E w v' = S (q, p).
+
+    Raises SignalError for what does not fit, is not finite, asymmetric or indefinite; ModelError when a combination of
+    outputs has no noise.
+    """
+    entered = _entered(of(system), G)
+    outputs = entered.model.outputs
+    W, V = weights.semidefinite("W", W, entered.names), weights.semidefinite("V", V, outputs)
+    S = np.zeros((len(W), len(V))) if S is None else two_dimensional("S", S)
+    if S.shape != (len(W), len(V)) or not np.isfinite(S).all():
+        raise SignalError(f"S is {S.shape}: {len(W)} noises and {len(V)} outputs need a finite {(len(W), len(V))}")
+    if _least(np.block([[W, S], [S.T, V]]))[0] < -SINGULAR:
+        raise SignalError("S is larger than W and V allow: [[W, S], [S', V]] must be positive semidefinite; lower S")
+    with precise.precision():
+        g, f, w, v, s = (precise.matrix(part) for part in (entered.G, entered.F, W, V, S))
+        ft = f.transpose()
+        states, measured = g * w * g.transpose(), v + f * w * ft + f * s + s.transpose() * ft
+        noise = Noise(*(readonly(precise.rounded(part)) for part in (states, measured, g * (w * ft + s))))
+    _require_measurement(noise.V, outputs)
+    return Noisy(entered.model, noise)
+
+
+def sampled(
+    system: System, W: weights.Weight, V: weights.Weight, period_s: float, G: Entry = None, exact: bool = False
+) -> Noisy:
+    """Return a continuous model with w of density W (q, q) held over `period_s`; each sample has V (p, p).
+
+    `exact` rounds each entry of the process noise once, alike on every machine.
+
+    Raises TimingError for a sampled model or a period that is not positive; SignalError as `white`, and for a w that
+    reaches an output at once, as no sample of it has a finite covariance; ModelError as `white` and
+    `discretise.gramian`.
+    """
+    entered = _entered(of(system), G)
+    model = entered.model
+    if entered.F.any():
+        j = int(np.flatnonzero(entered.F.any(axis=1))[0])
+        raise SignalError(
+            f"white noise reaches {model.outputs[j]} at once, where a sample has no finite covariance: put the "
+            "sensor's bandwidth into the model"
+        )
+    held = discretise.zero_order_hold(model, period_s)
+    W = weights.semidefinite("W", W, entered.names)
+    with precise.precision():
+        g = precise.matrix(entered.G)
+        density = precise.rounded(g * precise.matrix(W) * g.transpose())
+    process = discretise.gramian(model.A.T, density, period_s, exact).W
+    V = weights.semidefinite("V", V, model.outputs)
+    _require_measurement(V, model.outputs)
+    return Noisy(held, Noise(process, readonly(V), readonly(np.zeros(model.C.T.shape))))
+
+
+def stationary(A: ArrayLike, W: ArrayLike, time: Time) -> Array:
+    """Return the covariance X (n, n) that white noise of W (n, n) keeps up in x' = A x + w, or in x+ = A x + w.
+
+        A X + X A' + W = 0,     A X A' + W = X
+
+    X is summed over doubled spans of time; nothing is subtracted, so that small entries keep their digits.
+
+    Raises ModelError naming a pole that does not decay.
+    """
+    A, X = np.asarray(A, dtype=np.float64), np.asarray(W, dtype=np.float64)
+    poles = np.linalg.eigvals(A)
+    decay = -poles.real if isinstance(time, Continuous) else 1 - np.abs(poles)
+    if (decay <= 0).any():
+        raise ModelError(
+            f"the pole {show.number(complex(poles[np.argmin(decay)]))} does not decay, so that no covariance stays "
+            "finite: stabilise it or take it out of the model"
+        )
+    if isinstance(time, Continuous) and len(A):
+        over = discretise.gramian(A.T, X, 1 / float(np.abs(poles).max()))
+        A, X = over.M.T, over.W
+    for _ in range(DOUBLINGS):
+        added = A @ X @ A.T
+        X, A = X + (added + added.T) / 2, A @ A
+    return readonly(X)
+
+
+def _entered(model: StateSpace, G: Entry) -> _Entered:
+    n, p = len(model.states), len(model.outputs)
+    if not n or not p:
+        raise SignalError(f"the model has {n} states and {p} outputs: a filter needs one of each at least")
+    if G is None:
+        return _Entered(model, np.eye(n), np.zeros((p, n)), model.states)
+    if names := _names(G):
+        noisy = model.select(model.outputs, names)
+        known = tuple(name for name in model.inputs if name not in names)
+        return _Entered(model.select(model.outputs, known), noisy.B, noisy.D, names)
+    G = two_dimensional("G", G)
+    if len(G) != n or not G.size or not np.isfinite(G).all():
+        raise SignalError(f"G is {G.shape}: {n} states need a finite matrix of {n} rows, or names of inputs")
+    return _Entered(model, G, np.zeros((p, G.shape[1])), tuple(f"w{k + 1}" for k in range(G.shape[1])))
+
+
+def _names(G: Entry) -> tuple[str, ...]:
+    if isinstance(G, str):
+        return (G,)
+    given = tuple(G) if isinstance(G, Sequence) else ()
+    return tuple(str(name) for name in given) if all(isinstance(name, str) for name in given) else ()
+
+
+def _least(covariance: Array) -> tuple[float, Array]:
+    """Return the least eigenvalue of a covariance scaled to a diagonal of 1, and its direction."""
+    size = np.sqrt(np.diag(covariance))
+    size = np.where(size > 0, size, 1.0)
+    values, vectors = scipy.linalg.eigh(covariance / size / size[:, None])
+    return float(values[0]), vectors[:, 0]
+
+
+def _require_measurement(V: Array, outputs: Sequence[str]) -> None:
+    least, direction = _least(V)
+    if least < SINGULAR:
+        part = np.abs(direction) > 0.1 * np.abs(direction).max()
+        who = ", ".join(name for name, takes_part in zip(outputs, part, strict=True) if takes_part)
+        raise ModelError(
+            f"the measurement of {who} has no white noise in some direction: V, scaled to a diagonal of 1, has the "
+            f"eigenvalue {least:.1e}; give each output a white noise of its own, or take what is measured without it "
+            "as known and estimate the other states by a reduced-order observer"
+        )

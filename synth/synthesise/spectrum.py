@@ -1,0 +1,42 @@
+"""The eigenvalues of a matrix given exactly, and which of them decay.
+
+Eigenvalues of a matrix of doubles are computed with the bits in force and rounded once: also those of a Jordan block,
+which double precision scatters by a root of its precision. What is left to see is what rounding the matrix did.
+"""
+
+import flint
+import numpy as np
+from numpy.typing import NDArray
+
+from synth.analyse import precise, structure
+from synth.statespace import Array
+from synth.timing import Continuous, Time
+
+Complex = NDArray[np.complex128]
+
+
+def ball(values: Array) -> flint.arb_mat:
+    """Return the doubles of a matrix, exactly, also of one without rows or columns."""
+    return precise.matrix(values) if values.size else flint.arb_mat(*values.shape)
+
+
+def decays(poles: Complex, time: Time) -> NDArray[np.bool_]:
+    """Tell of each pole whether its mode decays, by more than rounding error."""
+    if isinstance(time, Continuous):
+        return poles.real < -structure.DECAY * np.abs(poles).max(initial=0.0)
+    return np.abs(poles) < 1 - structure.DECAY
+
+
+def of(F: flint.arb_mat) -> Complex:
+    """Return the eigenvalues (n,) of a square matrix, sorted, computed in the precision in force, rounded once."""
+    if not F.nrows():
+        return np.zeros(0, dtype=np.complex128)
+    values = flint.acb_mat(F).eig(algorithm="approx")
+    return np.sort_complex(np.array([_tidy(complex(v)) for v in values], dtype=np.complex128))
+
+
+def _tidy(value: complex) -> complex:
+    """Return a value without a part that the precision leaves beside the other."""
+    least = 1e-30 * abs(value)
+    real, imaginary = (v if abs(v) > least else 0.0 for v in (value.real, value.imag))
+    return complex(real, imaginary)

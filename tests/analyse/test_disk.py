@@ -1,0 +1,380 @@
+"""Disk margins against a random search for destabilising factors, closed forms, python-control and poles."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import control
+import numpy as np
+import pytest
+import scipy.linalg
+from scipy.optimize import minimize
+
+from synth.analyse import disk, margins, sensitivity, structured_peak
+from synth.errors import ModelError, SignalError
+from synth.statespace import StateSpace, of
+from synth.timing import Continuous, Discrete
+from tests import tolerances
+
+Complex = np.typing.NDArray[np.complex128]
+Array = np.typing.NDArray[np.float64]
+DOUBLE = tolerances.of("double")
+LEVEL = 3e-6  # the first level of the certificate is 1e-6 above the peak, and the peak is found to as much
+NARROW = np.array([[0.0, 1.0], [-1.0, -2e-5]])  # a resonance at 1 rad/s with a damping of 1e-5
+
+
+def regulated(p: int, sampled: bool, seed: int) -> tuple[StateSpace, StateSpace]:
+    """Return a random plant (p, p) and a linear-quadratic-Gaussian controller, u = -K y."""
+    rng = np.random.default_rng(seed)
+    n = p + 2
+    A = rng.standard_normal((n, n))
+    A -= (np.linalg.eigvals(A).real.max() + rng.uniform(-0.3, 0.5)) * np.eye(n)
+    B, C, I, O = rng.standard_normal((n, p)), rng.standard_normal((p, n)), np.eye(p), np.zeros((p, p))
+    Q, time = np.eye(n), Discrete(0.3) if sampled else Continuous()
+    if sampled:
+        both = scipy.linalg.expm(np.block([[A, B], [np.zeros((p, n + p))]]) * 0.3)
+        A, B = both[:n, :n], both[:n, n:]
+        X, Y = scipy.linalg.solve_discrete_are(A, B, Q, I), scipy.linalg.solve_discrete_are(A.T, C.T, Q, I)
+        G, F = np.linalg.solve(I + B.T @ X @ B, B.T @ X @ A), A @ Y @ C.T @ np.linalg.inv(I + C @ Y @ C.T)
+    else:
+        X, Y = scipy.linalg.solve_continuous_are(A, B, Q, I), scipy.linalg.solve_continuous_are(A.T, C.T, Q, I)
+        G, F = B.T @ X, Y @ C.T
+    return of((A, B, C, O, time)), of((A - B @ G - F @ C, F, G, O, time))
+
+
+def point(loop: StateSpace, w: Array) -> Complex:
+    return np.exp(1j * w * loop.time.period_s) if isinstance(loop.time, Discrete) else 1j * w
+
+
+def searched(loop: StateSpace, skew: float, seed: int = 0) -> tuple[float, float, Complex]:
+    """Return the least |delta| that a search over w and phases finds, with w and delta, from 1 + L f = 0 alone.
+
+    With f_i = (1 + a d_i)/(1 - b d_i), d = r exp(i phi), it says det((1 + L) - r (b - a L) exp(i phi)) = 0.
+    """
+    rng, p = np.random.default_rng(seed), len(loop.inputs)
+    a, b, one = (1 - skew) / 2, (1 + skew) / 2, np.eye(p)
+
+    def frequency(x: Array) -> Array:
+        w = np.exp(np.clip(x, -30, 30))
+        return np.pi / loop.time.period_s * w / (1 + w) if isinstance(loop.time, Discrete) else w
+
+    def inverse_radii(v: Array) -> Complex:
+        L = loop.response(point(loop, frequency(v[:, 0])))
+        turns = np.exp(1j * np.concatenate([np.zeros((len(v), 1)), v[:, 1:]], axis=1))
+        values = np.linalg.eigvals(np.linalg.solve(one + L, (b * one - a * L) * turns[:, None, :]))
+        return values[np.arange(len(v)), np.abs(values).argmax(axis=1)]
+
+    starts = np.hstack([rng.uniform(-7, 7, (2000, 1)), rng.uniform(0, 2 * np.pi, (2000, p - 1))])
+    best = starts[np.argsort(-np.abs(inverse_radii(starts)))[:6]]
+    ends = [minimize(lambda v: -np.log(np.abs(inverse_radii(v[None])[0])), v, method="BFGS") for v in best]
+    v = min(ends, key=lambda end: end.fun).x
+    delta = np.exp(1j * np.append(0.0, v[1:])) / inverse_radii(v[None])[0]
+    return float(np.abs(delta[0])), float(frequency(v[:1])[0]), delta
+
+
+def off_pole(loop: StateSpace, w: float, skew: float, delta: Complex) -> float:
+    """Return how far the nearest pole of the loop closed over f(delta) is from the point of w."""
+    f = np.diag((1 + (1 - skew) / 2 * delta) / (1 - (1 + skew) / 2 * delta))
+    closed = loop.A - loop.B @ f @ np.linalg.solve(np.eye(len(f)) + loop.D @ f, loop.C)
+    return float(np.abs(np.linalg.eigvals(closed) - point(loop, np.array(w))).min())
+
+
+def holds(found: disk.DiskMargin, destabilising: float) -> bool:
+    """Tell whether a margin is below what destabilises, and not by more than the search can be off."""
+    slack = 1.01 if len(found.channels) <= 3 else 1.05
+    return found.certified and found.alpha <= destabilising * (1 + DOUBLE) and destabilising <= slack * found.alpha
+
+
+CASES = [(p, sampled, seed) for p in (1, 2, 3, 4) for sampled in (False, True) for seed in (0, 1)]
+
+
+@pytest.mark.parametrize(("p", "sampled", "seed"), CASES)
+def test_a_search_finds_no_smaller_factors_and_none_much_larger(p: int, sampled: bool, seed: int) -> None:
+    loop = sensitivity.close(*regulated(p, sampled, seed)).L
+    skew = (0.0, 0.7, -1.0, 1.0)[(p + seed) % 4]
+    found = disk.of_loop(loop, skew)
+    destabilising, w, delta = searched(loop, skew)
+    assert holds(found, destabilising)
+    assert off_pole(loop, w, skew, delta) < 1e-6  # the search did not err
+    assert found.lower <= found.upper <= found.lower * (1 + LEVEL)
+    assert off_pole(loop, found.frequency, skew, found.delta) < 1e-6
+
+
+@pytest.mark.parametrize(
+    "planted",
+    [
+        pytest.param(lambda skew: ((1 + skew) / 2, (1 - skew) / 2), id="the skew's sign turned"),
+        pytest.param(lambda skew: (0.0, 1.0), id="S in place of S - 1/2"),
+        pytest.param(lambda skew: (1 - skew, (1 + skew) / 2), id="S - 1 in place of S - 1/2"),
+    ],
+)
+def test_the_search_catches_a_wrong_closed_loop(
+    planted: Callable[[float], tuple[float, float]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    loop = sensitivity.close(*regulated(2, False, 1)).L
+    destabilising = searched(loop, 0.4)[0]
+    assert holds(disk.of_loop(loop, 0.4), destabilising)
+    monkeypatch.setattr(disk, "_halves", planted)
+    assert not holds(disk.of_loop(loop, 0.4), destabilising)
+
+
+@pytest.mark.parametrize("sampled", [False, True])
+def test_a_peak_off_the_grid_is_found_by_the_certificate(sampled: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With a planted grid of five points the margin of the grid alone is wrong, and the certificate mends it."""
+    loop = sensitivity.close(*regulated(3, sampled, 5)).Li
+    destabilising = searched(loop, 0.0)[0]
+    monkeypatch.setattr(structured_peak, "grid", lambda poles: np.array([0.0, 1e-3, 20.0, 1e3, np.inf]))
+    monkeypatch.setattr(structured_peak, "_climb", lambda M, points: None)
+    assert disk.of_loop(loop, certify=False).alpha > 1.02 * destabilising
+    assert holds(disk.of_loop(loop), destabilising)
+
+
+def test_a_certificate_that_looks_at_one_interval_alone_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A planted defect: what lies above the level counts as done."""
+    loop = sensitivity.close(*regulated(3, False, 5)).Li
+    destabilising = searched(loop, 0.0)[0]
+    monkeypatch.setattr(structured_peak, "grid", lambda poles: np.array([0.0, 1e-3, 20.0, 1e3, np.inf]))
+    monkeypatch.setattr(structured_peak, "_climb", lambda M, points: None)
+    monkeypatch.setattr(structured_peak, "_above", lambda M, x, level, interval: [])
+    assert not holds(disk.of_loop(loop), destabilising)
+
+
+def test_where_singular_values_meet_the_level_is_raised_until_the_axis_is_covered() -> None:
+    """The scaling then gains little at its neighbours: this loop takes some twenty intervals, and 1e-3 more."""
+    loop = sensitivity.close(*regulated(3, True, 10)).both
+    found = disk.of_loop(loop)
+    destabilising, w, delta = searched(loop, 0.0)
+    assert off_pole(loop, w, 0.0, delta) < 1e-6
+    assert found.certified and found.alpha <= destabilising * (1 + DOUBLE)
+    assert found.upper <= found.lower * (1 + 2e-3)
+    assert found.upper > found.lower * (1 + 1e-4)  # else it is no such case
+
+
+def narrow() -> StateSpace:
+    """Return a loop of two channels with a resonance at 1 rad/s whose width is 2e-5 rad/s."""
+    A = scipy.linalg.block_diag(NARROW, -1.0, -2.0)
+    B = np.array([[0.0, 0.0], [2e-5, 1e-5], [1.0, 0.0], [0.0, 1.0]])
+    C = np.array([[0.0, -0.6, 1.0, 0.3], [0.0, -0.4, -0.2, 1.0]])
+    return of((A, B, C, np.zeros((2, 2))))
+
+
+@pytest.mark.parametrize(
+    ("loop", "grid"),
+    [
+        pytest.param(narrow(), np.geomspace(1e-2, 1.1e2, 400), id="between the points"),
+        pytest.param(sensitivity.close(*regulated(2, False, 2)).Li, np.geomspace(1e-3, 0.5, 400), id="beyond the last"),
+    ],
+)
+def test_a_peak_that_python_control_misses_is_found(loop: StateSpace, grid: Array) -> None:
+    found = disk.of_loop(loop)
+    assert control.disk_margins(loop.to_control(), grid)[0] > 1.05 * found.upper
+    assert found.certified and found.upper <= found.lower * (1 + LEVEL)
+    assert off_pole(loop, found.frequency, 0.0, found.delta) < 1e-9
+
+
+@pytest.mark.parametrize("skew", [0.0, 1.0, -1.0])
+@pytest.mark.parametrize("p", [2, 3])
+def test_python_control_agrees_on_a_fine_grid(p: int, skew: float) -> None:
+    """Its grid misses the peak by some 1e-5, its phase the half-plane's case; its gain margin is the smaller one."""
+    loop = sensitivity.close(*regulated(p, False, 3)).Li
+    found = disk.of_loop(loop, skew)
+    alpha, gain, phase = control.disk_margins(loop.to_control(), np.geomspace(1e-3, 1e2, 800), skew)
+    assert found.lower <= alpha and alpha == pytest.approx(found.alpha, rel=2e-4)
+    smaller = min(found.gain_high, 1 / found.gain_low) if found.gain_low > 0 else found.gain_high
+    assert 20 * np.log10(smaller) == pytest.approx(gain, rel=1e-3)
+    assert found.phase == pytest.approx(phase, rel=1e-3)
+
+
+@pytest.mark.parametrize("zeta", [0.1, 0.4])
+def test_a_second_order_loop_meets_its_closed_form(zeta: float) -> None:
+    """L = w^2/(s (s + 2 zeta w)): max |T| = 1/(2 zeta sqrt(1 - zeta^2)) at w sqrt(1 - 2 zeta^2)."""
+    w = 30.0
+    loop = of(control.ss(control.tf([w * w], [1, 2 * zeta * w, 0])))
+    least = 2 * zeta * np.sqrt(1 - zeta**2)
+    found = disk.of_loop(loop, skew=-1.0)
+    assert found.lower <= least <= found.upper * (1 + DOUBLE) and found.lower == pytest.approx(least, rel=LEVEL)
+    assert found.frequency == pytest.approx(w * np.sqrt(1 - 2 * zeta**2), rel=1e-3)  # the peak is flat
+    assert (found.gain_low, found.gain_high) == pytest.approx((1 - least, 1 + least), rel=LEVEL)
+    assert found.phase == pytest.approx(np.degrees(2 * np.arcsin(least / 2)), rel=LEVEL)
+    modulus = disk.of_loop(loop, skew=1.0)
+    assert modulus.alpha == pytest.approx(margins.of_loop(loop).modulus_margin, rel=LEVEL)
+    assert modulus.gain_high == pytest.approx(1 / (1 - modulus.alpha), rel=DOUBLE)
+    balanced = disk.of_loop(loop)
+    assert balanced.gain_low * balanced.gain_high == pytest.approx(1.0, rel=DOUBLE)
+    assert balanced.phase == pytest.approx(np.degrees(2 * np.arctan(balanced.alpha / 2)), rel=DOUBLE)
+
+
+def test_an_integrator_keeps_every_gain_and_90_degrees() -> None:
+    """|S - 1/2| = 1/2 at all frequencies: alpha = 2, f is the right half-plane; T and S alone give less."""
+    loop = of(([[0.0]], [[1.0]], [[5.0]], [[0.0]]))
+    found = disk.of_loop(loop)
+    assert found.alpha == pytest.approx(2.0, rel=LEVEL) and found.gain_low == pytest.approx(0.0, abs=LEVEL)
+    assert found.phase == pytest.approx(90.0, rel=LEVEL) and found.gain_high > 1e5
+    assert disk.of_loop(loop, 1.0).alpha == pytest.approx(1.0, rel=LEVEL)
+    assert disk.of_loop(loop, -1.0).alpha == pytest.approx(1.0, rel=LEVEL)
+
+
+def satellite() -> tuple[StateSpace, StateSpace]:
+    """Return the spinning satellite (Doyle 1986) with a = 10 and the controller u = -y."""
+    a = 10.0
+    plant = of(([[0, a], [-a, 0]], np.eye(2), [[1, a], [-a, 1]], np.zeros((2, 2))))
+    return plant, of((np.zeros((0, 0)), np.zeros((0, 2)), np.zeros((2, 0)), np.eye(2)))
+
+
+def test_the_spinning_satellite_is_robust_in_each_channel_and_fragile_in_both() -> None:
+    """Each channel alone has L = 1/s; with both, 1 -+ d in the gains destabilises for d > 1/sqrt(101) at w = 0."""
+    loop = sensitivity.close(*satellite()).Li
+    for alone in disk.each(loop).values():
+        assert alone.alpha == pytest.approx(2.0, rel=LEVEL)
+    found = disk.of_loop(loop, skew=-1.0)
+    assert found.alpha == pytest.approx(1 / np.sqrt(101), rel=LEVEL)
+    balanced = disk.of_loop(loop)
+    assert balanced.alpha == pytest.approx(0.09975124, rel=LEVEL)  # python-control's figure on a fine grid
+    assert (balanced.gain_low, balanced.gain_high, balanced.phase) == pytest.approx((0.905, 1.105, 5.71), abs=5e-3)
+    both = disk.of_loop(sensitivity.close(*satellite()).both)
+    assert both.channels == ("u1", "u2", "y1", "y2") and both.alpha == pytest.approx(balanced.alpha / 2, rel=2e-3)
+
+
+@pytest.mark.parametrize("sampled", [False, True])
+def test_one_channel_at_a_time_is_the_scalar_loop_with_the_other_closed(sampled: bool) -> None:
+    loop = sensitivity.close(*regulated(2, sampled, 7)).L
+    w = np.geomspace(1e-3, np.pi / 0.3, 20001)
+    L = loop.response(point(loop, w))
+    found = disk.each(loop)
+    assert tuple(found) == loop.inputs
+    for k, alone in enumerate(found.values()):
+        j = 1 - k
+        scalar = L[:, k, k] - L[:, k, j] * L[:, j, k] / (1 + L[:, j, j])
+        assert alone.alpha == pytest.approx(2 / np.abs((1 - scalar) / (1 + scalar)).max(), rel=1e-4)
+        assert alone.alpha > disk.of_loop(loop).alpha and alone.channels == (loop.inputs[k],)
+
+
+@pytest.mark.parametrize("sampled", [False, True])
+def test_factors_at_inputs_and_outputs_at_once_are_a_search_of_the_whole_loop(sampled: bool) -> None:
+    plant, controller = regulated(2, sampled, 4)
+    closed = sensitivity.close(plant, controller)
+    both = disk.of_loop(closed.both)
+    parts = [disk.of_loop(part).alpha for part in (closed.Li, closed.L)]
+    assert both.certified and both.alpha < min(parts)
+    f_u, f_y = np.diag(both.factors[:2]), np.diag(both.factors[2:])
+    closed = np.block(
+        [
+            [plant.A, -plant.B @ f_u @ controller.C],
+            [controller.B @ f_y @ plant.C, controller.A],
+        ]
+    )
+    assert np.abs(np.linalg.eigvals(closed) - point(plant, np.array(both.frequency))).min() < 1e-6
+
+
+@pytest.mark.parametrize(("sampled", "skew"), [(False, 0.0), (False, 1.0), (True, 0.0), (True, -1.0)])
+def test_the_destabiliser_is_a_real_system_that_puts_a_pole_on_the_boundary(sampled: bool, skew: float) -> None:
+    loop = sensitivity.close(*regulated(3, sampled, 0 if sampled else 3)).Li
+    found = disk.of_loop(loop, skew)
+    f = found.destabiliser()
+    assert f.inputs == loop.inputs and f.time == loop.time and np.isrealobj(f.A)
+    value = np.diagonal(f.response(point(loop, np.array(found.frequency)))[0])
+    assert value == pytest.approx(found.factors, rel=1e-6)
+    poles = control.feedback(control.series(f.to_control(), loop.to_control()), np.eye(3)).poles()
+    assert np.abs(poles - point(loop, np.array(found.frequency))).min() < 1e-6
+    # It is the size alpha everywhere: delta = (f - 1)/(a + b f).
+    a, b = (1 - skew) / 2, (1 + skew) / 2
+    values = np.diagonal(f.response(point(loop, np.linspace(0.1, 9.0, 20))), axis1=1, axis2=2)
+    assert np.abs((values - 1) / (a + b * values)) == pytest.approx(found.upper, rel=1e-6)
+
+
+def test_static_loops() -> None:
+    """L = diag(3, 1): S - 1/2 = diag(-1/4, 0), so that f_1 = -1/3 destabilises; L = 1: nothing does but f = -1."""
+    empty = np.zeros((0, 0)), np.zeros((0, 2)), np.zeros((2, 0))
+    found = disk.of_loop((*empty, np.diag([3.0, 1.0])))
+    assert found.certified and found.alpha == pytest.approx(4.0, rel=LEVEL)
+    assert found.factors[0] == pytest.approx(-1 / 3, rel=1e-6)
+    unit = disk.of_loop((*empty, np.eye(2)))
+    assert unit.alpha == np.inf and unit.gain_low == -1 and unit.gain_high == np.inf and unit.phase == 180
+    with pytest.raises(ModelError, match="no delta of finite size"):
+        unit.destabiliser()
+    L = np.array([[1.0, 8.0], [0.3, 1.0]])
+    M = np.linalg.inv(np.eye(2) + L) - np.eye(2) / 2
+    turns = np.exp(1j * np.linspace(0, 2 * np.pi, 3601))
+    mu = max(np.abs(np.linalg.eigvals(M * np.array([1.0, turn]))).max() for turn in turns)
+    assert disk.of_loop((*empty, L, Discrete(1e-3))).alpha == pytest.approx(1 / mu, rel=1e-5)
+
+
+def test_the_peak_may_lie_at_zero_at_nyquist_or_at_infinity() -> None:
+    """T = 4/(s + 3) is largest at 0; 1/(z + 0.5) closes to a pole at z = -0.9; L = -0.5 s/(s + 1) at infinity."""
+    slow = disk.of_loop(control.ss(control.tf([4], [1, -1])), -1.0)
+    assert slow.frequency == 0 and slow.alpha == pytest.approx(0.75, rel=LEVEL)
+    assert slow.factors == pytest.approx([0.25], rel=LEVEL)
+    fast = disk.of_loop(control.ss(control.tf([0.4], [1, 0.5], 0.1)), -1.0)
+    assert fast.frequency == pytest.approx(np.pi / 0.1) and fast.alpha == pytest.approx(0.1 / 0.4, rel=LEVEL)
+    assert fast.factors == pytest.approx([1.25], rel=LEVEL)
+    direct = disk.of_loop(control.ss(control.tf([-0.5, 0], [1, 1])), -1.0)
+    assert direct.frequency == np.inf and direct.alpha == pytest.approx(1.0, rel=LEVEL)
+    assert direct.factors == pytest.approx([2.0], rel=LEVEL)
+    assert [m.certified for m in (slow, fast, direct)] == [True] * 3
+
+
+def test_units_of_state_and_time_do_not_matter() -> None:
+    loop = sensitivity.close(*regulated(3, False, 2)).Li
+    scale = 10.0 ** np.linspace(-4, 4, len(loop.A))
+    A, B, C = 1e3 * loop.A * scale / scale[:, None], 1e3 * loop.B / scale[:, None], loop.C * scale
+    found, expected = disk.of_loop((A, B, C, loop.D)), disk.of_loop(loop)
+    assert found.alpha == pytest.approx(expected.alpha, rel=1e-6)
+    assert found.frequency == pytest.approx(1e3 * expected.frequency, rel=1e-3)
+
+
+@pytest.mark.parametrize("pole", [-0.99999, 0.99999])
+def test_a_sampled_pole_near_minus_one_or_one_costs_no_accuracy(pole: float) -> None:
+    """L = g/(z - p), T = g/(z - p + g): |T| is largest at z = -1 or 1, where it is g/(1 - |p - g|)."""
+    gain = -0.5 * (1 - abs(pole)) * np.sign(pole)
+    found = disk.of_loop(([[pole]], [[1.0]], [[gain]], [[0.0]], Discrete(1e-3)), -1.0)
+    assert found.alpha == pytest.approx((1 - abs(pole - gain)) / abs(gain), rel=LEVEL)
+
+
+def test_the_curve_is_the_margin_of_each_frequency() -> None:
+    loop = sensitivity.close(*regulated(3, True, 1)).Li
+    found = disk.of_loop(loop)
+    assert found.frequencies[0] == 0 and found.frequencies[-1] == pytest.approx(np.pi / 0.3)
+    assert (np.diff(found.frequencies) >= 0).all() and found.curve.min() == pytest.approx(found.alpha, rel=LEVEL)
+    inner = slice(1, -1, 20)
+    alpha = control.disk_margins(loop.to_control(), found.frequencies[inner], returnall=True)[0]
+    assert (found.curve[inner] <= alpha * (1 + 1e-6)).all() and found.curve[inner] == pytest.approx(alpha, rel=0.01)
+
+
+def test_a_model_is_read_from_arrays_and_from_python_control() -> None:
+    loop = sensitivity.close(*regulated(2, True, 1)).Li
+    expected = disk.of_loop(loop).alpha
+    assert disk.of_loop((loop.A, loop.B, loop.C, loop.D, 0.3)).alpha == expected
+    assert disk.of_loop(loop.to_control()).alpha == expected
+
+
+def test_an_unstable_closed_loop_is_refused_with_its_poles() -> None:
+    with pytest.raises(ModelError, match=r"poles at 0\.5.*stabilise"):
+        disk.of_loop(control.ss(control.tf([0.5], [1, -1])))
+    with pytest.raises(ModelError, match=r"poles at 2\+3i, .*no margin"):
+        disk.of_loop(([[2.0, 3.0], [-3.0, 2.0]], np.eye(2), np.zeros((2, 2)), np.zeros((2, 2))))
+    with pytest.raises(ModelError, match="poles at -1"):
+        disk.each(([[-1.0]], [[0.0]], [[0.0]], [[0.0]], Discrete(0.1)))
+
+
+def test_what_cannot_be_read_is_refused() -> None:
+    with pytest.raises(SignalError, match="as many outputs as inputs"):
+        disk.of_loop(([[-1.0]], [[1.0, 2.0]], [[1.0]]))
+    with pytest.raises(SignalError, match="the skew is nan"):
+        disk.of_loop(([[-1.0]], [[1.0]], [[1.0]]), np.nan)
+    with pytest.raises(SignalError, match="must be finite"):
+        disk.of_loop(([[np.nan]], [[1.0]], [[1.0]]))
+    with pytest.raises(ModelError, match=r"I \+ D is singular"):
+        disk.of_loop(([[-1.0]], [[1.0]], [[1.0]], [[-1.0]]))
+    unbounded = disk.of_loop(([[0.0]], [[1.0]], [[1.0]], [[0.0]]), 1.0)
+    with pytest.raises(ModelError, match="unbounded"):
+        replace(unbounded, delta=np.array([1.0 + 0j])).destabiliser()
+
+
+def test_a_margin_prints_what_it_claims() -> None:
+    found = disk.of_loop(sensitivity.close(*satellite()).Li)
+    text = repr(found)
+    assert "Disk margin of 2 channels in continuous time: 0.09975" in text and "shown for all frequencies" in text
+    assert "0.90499 to 1.105" in text and "5.7106 deg" in text and "\nu1 " in text and "|f|" in text
+    assert "not shown between" in repr(disk.of_loop(sensitivity.close(*satellite()).Li, certify=False))
+    assert list(found.worst.items()) == [("u1", found.delta[0]), ("u2", found.delta[1])]
+    with pytest.raises(ValueError, match="read-only"):
+        found.curve[0] = 1.0

@@ -1,0 +1,156 @@
+"""Gramians are those of their definition, of SLICOT and of hand calculation, in any units."""
+
+import control
+import numpy as np
+import pytest
+import scipy.linalg
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from synth.analyse import discretise, gramians
+from synth.errors import ModelError, TimingError
+from synth.statespace import StateSpace
+from synth.timing import Continuous, Discrete
+from tests import tolerances
+
+
+def model(seed: int, shift: float | None, period_s: float = 0.0, decades: float = 3) -> StateSpace:
+    """Return a random model, its slowest or fastest mode moved to the real part `shift` if one is given."""
+    rng = np.random.default_rng(seed)
+    n, m, p = (int(rng.integers(1, k)) for k in (6, 4, 4))
+    A = rng.normal(size=(n, n))
+    if shift is not None:
+        A -= (np.linalg.eigvals(A).real.max() - shift) * np.eye(n)
+    x = 10.0 ** rng.uniform(-decades, decades, n)
+    A, B, C = A * x / x[:, None], rng.normal(size=(n, m)) / x[:, None], rng.normal(size=(p, n)) * x
+    labels = tuple(tuple(f"{letter}{k}" for k in range(size)) for letter, size in (("x", n), ("u", m), ("y", p)))
+    found = StateSpace(A, B, C, np.zeros((p, m)), *labels, Continuous())
+    return discretise.zero_order_hold(found, period_s) if period_s else found
+
+
+@settings(derandomize=True, max_examples=25, deadline=None)
+@given(st.integers(0, 10**6))
+def test_stable_gramians_are_those_of_slicot(seed: int) -> None:
+    """In other units x = X x~, too: Wc = X Wc~ X, and the same Hankel values."""
+    plain, other = model(seed, -0.1, decades=0), model(seed, -0.1)
+    found, sys = gramians.gramians(plain), plain.to_control()
+    close = {"rtol": tolerances.of("lyapunov"), "atol": tolerances.of("lyapunov") * np.abs(found.Wc).max()}
+    np.testing.assert_allclose(found.Wc, control.gram(sys, "c"), **close)
+    np.testing.assert_allclose(found.Wo, control.gram(sys, "o"), **close)
+    wanted = np.sort(np.asarray(control.hankel_singular_values(sys)).ravel())[::-1]
+    np.testing.assert_allclose(found.hankel, wanted, atol=tolerances.of("lyapunov") * wanted[0])
+    np.testing.assert_allclose(gramians.gramians(other).hankel, wanted, atol=tolerances.of("lyapunov") * wanted[0])
+    assert found.residual < tolerances.of("double") and found.span == "over all time"
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_unstable_parts_run_backward_in_time(seed: int) -> None:
+    """What T blkdiag(Ws, Wu) T' must be: the integral over the stable part's future and the unstable one's past."""
+    system = model(seed + 40, None)
+    found = gramians.gramians(system)
+    values, V = np.linalg.eig(system.A)
+    b = np.linalg.solve(V, system.B.astype(complex))
+    same_side = np.sign(values.real)[:, None] == np.sign(values.real)
+    sided = np.where(same_side, np.sign(values.real)[:, None] / (values[:, None] + values.conj()), 0.0)
+    np.testing.assert_allclose(found.Wc, (V @ (sided * (b @ b.conj().T)) @ V.conj().T).real, rtol=1e-6)
+
+
+def test_sampled_gramians_are_sums_over_the_samples() -> None:
+    A = np.array([[0.5, 0.2, 0.1], [0.0, -0.8, 0.3], [0.0, 0.0, 2.0]])
+    B, C = np.array([[1.0], [2.0], [1.0]]), np.array([[1.0, 0.0, 1.0]])
+    found = gramians.gramians((A, B, C, [[0.0]], Discrete(1e-3)))
+    values, V = np.linalg.eig(A)
+    b = np.linalg.solve(V, B)
+    forward = [1, 1, 0] if values[2] == 2 else np.abs(values) < 1
+    ahead = sum(np.outer(r := V @ (np.asarray(forward)[:, None] * values[:, None] ** k * b), r) for k in range(400))
+    back = sum(np.outer(r := V @ (np.where(forward, 0, values**-k)[:, None] * b), r) for k in range(1, 100))
+    np.testing.assert_allclose(found.Wc, ahead + back, rtol=tolerances.of("settled"))
+    assert found.span == "over the future of what decays, the past of the rest"
+
+
+def test_one_mode_by_hand() -> None:
+    """x' = -a x + b u + 2 b w, y = c x: Wc = 5 b^2 / 2 a, Wo = c^2 / 2 a, and w has four fifths of it."""
+    a, b, c = 3.0, 2.0, 0.5
+    found = gramians.gramians(([[-a]], [[b, 2 * b]], [[c]]))
+    assert found.Wc[0, 0] == pytest.approx(5 * b * b / (2 * a)) and found.Wo[0, 0] == pytest.approx(c * c / (2 * a))
+    assert found.hankel == pytest.approx([np.sqrt(5) * b * c / (2 * a)])
+    assert found.by_input == pytest.approx({"u1": 0.2, "u2": 0.8}) and found.by_output == pytest.approx({"y1": 1})
+    assert "Hankel value" in str(found) and "u2       80.00%" in str(found)
+
+
+@settings(derandomize=True, max_examples=10, deadline=None)
+@given(st.integers(0, 10**6))
+def test_shares_are_those_of_each_input_and_output_alone(seed: int) -> None:
+    system = model(seed, -0.2)
+    found = gramians.gramians(system)
+    total = float((found.hankel**2).sum())
+    for name, share in found.by_input.items():
+        alone = gramians.gramians(system.select(system.outputs, (name,)))
+        assert share * total == pytest.approx(float((alone.hankel**2).sum()), rel=1e-6)
+    for name, share in found.by_output.items():
+        alone = gramians.gramians(system.select((name,), system.inputs))
+        assert share * total == pytest.approx(float((alone.hankel**2).sum()), rel=1e-6)
+
+
+def test_a_weak_state_is_named_last() -> None:
+    A = np.diag([-1.0, -1.5, -2.0])
+    found = gramians.gramians((A, [[1.0], [1e-4], [1.0]], np.eye(3), np.zeros((3, 1))))
+    assert "x2" in found.directions[-1] and found.hankel[-1] < 1e-3 * found.hankel[0]
+
+
+def test_a_mode_on_the_border_is_named_with_the_mend() -> None:
+    A = scipy.linalg.block_diag([[0.0, 1.0], [0.0, 0.0]], [[-1.0]])
+    for seed in range(4):
+        U = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0] if seed else np.eye(3)
+        for time, M in ((Continuous(), A), (Discrete(1e-3), A + np.diag([1.0, 1.0, 0.5]))):
+            with pytest.raises(ModelError, match=r"mode .* in .* lies on the border of stability; close a loop .*over"):
+                gramians.gramians((U @ M @ U.T, U @ [[0.0], [1.0], [1.0]], time))
+    with pytest.raises(ModelError, match=r"mode 0 in x1 lies"):
+        gramians.gramians((A, [[0.0], [1.0], [1.0]]))
+    gramians.gramians(([[-1e-9]], [[1.0]]))
+
+
+def test_over_a_horizon_a_double_integrator_has_the_gramian_of_the_textbook() -> None:
+    T = 0.3
+    found = gramians.over(([[0.0, 1.0], [0.0, 0.0]], [[0.0], [1.0]], [[1.0, 0.0]]), T)
+    np.testing.assert_allclose(found.Wc, [[T**3 / 3, T**2 / 2], [T**2 / 2, T]], rtol=tolerances.of("double"))
+    np.testing.assert_allclose(found.Wo, [[T, T**2 / 2], [T**2 / 2, T**3 / 3]], rtol=tolerances.of("double"))
+    assert found.residual < tolerances.of("double") and found.span == "over 0.3 s"
+
+
+def test_over_a_horizon_agrees_with_quadrature_and_with_sums() -> None:
+    system = model(5, 0.3)
+
+    nodes, weights = np.polynomial.legendre.leggauss(24)
+    n = len(system.A)
+    wanted = sum(
+        w * (r := scipy.linalg.expm(system.A * (1 + t)) @ system.B) @ r.T for t, w in zip(nodes, weights, strict=True)
+    )
+    np.testing.assert_allclose(gramians.over(system, 2.0).Wc, wanted, rtol=tolerances.of("quadrature"))
+    sampled = model(5, 0.3, 1e-2)
+    for samples in (1, 2, 7, 100):
+        found = gramians.over(sampled, samples * 1e-2)
+        power, Wc = sampled.B, np.zeros((n, n))
+        for _ in range(samples):
+            Wc, power = Wc + power @ power.T, sampled.A @ power
+        np.testing.assert_allclose(found.Wc, Wc, rtol=tolerances.of("settled"))
+
+
+def test_horizons_without_sense_are_refused() -> None:
+    for horizon in (0.0, -1.0, np.nan, np.inf):
+        with pytest.raises(TimingError, match=r"the horizon is .*: give a finite positive time"):
+            gramians.over(([[0.0]], [[1.0]]), horizon)
+    with pytest.raises(TimingError, match="shorter than a sample"):
+        gramians.over(([[0.0]], [[1.0]], Discrete(1.0)), 0.2)
+
+
+def test_the_residual_catches_a_wrong_integral(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Planted: the Lyapunov equation is solved for the transposed matrix."""
+    right = gramians._lyapunov
+    monkeypatch.setattr(gramians, "_lyapunov", lambda F, Q, continuous: right(F.T, Q, continuous))
+    system = ([[-1.0, 3.0], [0.0, -2.0]], [[1.0], [0.0]], [[1.0, 2.0]])
+    assert gramians.gramians(system).residual > 1e-3
+
+
+def test_a_python_control_system_is_read() -> None:
+    assert gramians.gramians(control.ss(-1, 1, 1, 0)).hankel == pytest.approx([0.5])

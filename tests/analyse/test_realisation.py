@@ -1,0 +1,123 @@
+"""The minimal realisation keeps the response, the names that it can, and tells what it removed."""
+
+import control
+import numpy as np
+import pytest
+import scipy.linalg
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from synth.analyse import realisation, staircase
+from synth.errors import ModelError
+from synth.statespace import StateSpace
+from synth.timing import Continuous, Discrete, Time
+from tests import tolerances
+
+CONTINUOUS = Continuous()
+POINTS = np.array([0.3 + 0.2j, 2j, 5.0, 0.01j])
+
+
+def planted(seed: int, time: Time = CONTINUOUS) -> tuple[StateSpace, list[float], list[float]]:
+    """Return a random model in random coordinates and units with modes out of reach and out of sight."""
+    rng = np.random.default_rng(seed)
+    n, r, o, m, p = (int(rng.integers(low, 4)) for low in (1, 0, 0, 1, 1))
+    unreached, unseen = np.sort(rng.uniform(0.1, 0.4, r)), np.sort(rng.uniform(0.5, 0.9, o))
+    zero = np.zeros
+    A = np.block(
+        [
+            [rng.normal(size=(n, n)) / 3, rng.normal(size=(n, r)), zero((n, o))],
+            [zero((r, n)), np.diag(unreached), zero((r, o))],
+            [rng.normal(size=(o, n)), rng.normal(size=(o, r)), np.diag(unseen)],
+        ]
+    )
+    B = np.vstack([rng.normal(size=(n, m)), zero((r, m)), rng.normal(size=(o, m))])
+    C = np.hstack([rng.normal(size=(p, n + r)), zero((p, o))])
+    U = np.linalg.qr(rng.normal(size=(len(A), len(A))))[0]
+    x, u, y = (10.0 ** rng.uniform(-3, 3, k) for k in (len(A), m, p))
+    A, B, C = (U @ A @ U.T) * x / x[:, None], (U @ B) * u / x[:, None], (C @ U.T) * x / y[:, None]
+    labels = tuple(tuple(f"{letter}{k}" for k in range(size)) for letter, size in (("x", len(A)), ("u", m), ("y", p)))
+    return StateSpace(A, B, C, rng.normal(size=(p, m)), *labels, time), list(unreached), list(unseen)
+
+
+@settings(derandomize=True, max_examples=40, deadline=None)
+@given(st.integers(0, 10**6))
+def test_planted_modes_leave_and_the_response_stays(seed: int) -> None:
+    model, unreached, unseen = planted(seed, Discrete(1e-3) if seed % 2 else CONTINUOUS)
+    found = realisation.minimal(model)
+    assert sorted(m.value.real for m in found.unmoved) == pytest.approx(unreached, rel=1e-7)
+    assert sorted(m.value.real for m in found.unseen) == pytest.approx(unseen, rel=1e-7)
+    assert len(found.model.A) == len(model.A) - len(unreached) - len(unseen)
+    before, after = model.response(POINTS), found.model.response(POINTS)
+    np.testing.assert_allclose(after, before, rtol=0, atol=1e-9 * np.abs(before).max(axis=(0, 1), keepdims=True).max())
+
+
+def test_the_order_is_that_of_slicot() -> None:
+    for seed in range(10):
+        model, *_ = planted(seed)
+        part = staircase.of_model(model)  # SLICOT's cut depends on units
+        wanted = control.minreal(control.ss(part.A, part.B, part.C, part.D), tol=1e-9, verbose=False)
+        assert len(realisation.minimal(model).model.A) == wanted.nstates
+
+
+def test_states_that_survive_untouched_keep_name_unit_and_rows() -> None:
+    """Two equal masses driven by one force: their difference is out of reach; the slide beside them stays as it is."""
+    pair = np.kron(np.eye(2), [[0.0, 1.0], [-4.0, -0.1]])
+    A = scipy.linalg.block_diag(pair, [[0.0, 1.0], [0.0, -3.0]], [[-7.0]])
+    B = np.array([[0.0, 0], [1, 0], [0, 0], [1, 0], [0, 0], [0, 2], [1, 0]])
+    C = np.array([[1.0, 0, 1, 0, 0, 0, 0], [0, 0, 0, 0, 1, 0, 0]])
+    states = ("a", "va", "b", "vb", "slide", "speed", "heat")
+    units = {"slide": "m", "speed": "m/s", "a": "m", "f": "N"}
+    model = StateSpace(A, B, C, np.zeros((2, 2)), states, ("f", "g"), ("sum", "part1"), CONTINUOUS, units)
+    found = realisation.minimal(model)
+    assert found.model.states == ("slide", "speed", "part2", "part3"), "part1 is an output"
+    assert found.model.units == {"slide": "m", "speed": "m/s", "f": "N"}
+    np.testing.assert_array_equal(found.model.A[:2, :2], A[4:6, 4:6])
+    np.testing.assert_array_equal(found.model.B[:2], B[4:6])
+    assert found.removed == ("a", "va", "b", "vb", "heat") and found.added == ("part2", "part3")
+    assert {frozenset(m.states) for m in found.unmoved} == {frozenset(("a", "va", "b", "vb"))}
+    assert [(m.value, m.states) for m in found.unseen] == [(-7, ("heat",))]
+    np.testing.assert_allclose(found.model.response(POINTS), model.response(POINTS), atol=tolerances.of("double"))
+    assert "Minimal model: 4 of 7 states" in str(found)
+    assert "-0.05 +- 1.9994i" in str(found) and "no input moves it" in str(found)
+
+
+def test_a_minimal_model_comes_back_as_it_was() -> None:
+    A, B, C = [[0.0, 1e-3], [-1e5, -0.1]], [[0.0], [3.0]], [[1e6, 0.0]]
+    found = realisation.minimal((A, B, C, [[0.0]]))
+    for letter, wanted in zip("ABC", (A, B, C), strict=True):
+        np.testing.assert_array_equal(getattr(found.model, letter), wanted)
+    assert not (found.removed or found.added or found.unmoved or found.unseen) and found.difference == 0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_chain_of_integrators_in_any_coordinates_is_minimal(seed: int) -> None:
+    U = np.linalg.qr(np.random.default_rng(seed).normal(size=(4, 4)))[0]
+    A = U @ np.diag(np.ones(3), 1) @ U.T
+    found = realisation.minimal((A, U @ np.eye(4, 1, -3), np.eye(1, 4) @ U.T))
+    assert len(found.model.A) == 4 and not found.added
+    cut = realisation.minimal((A, U @ np.eye(4, 1, -2), np.eye(1, 4) @ U.T))
+    assert len(cut.model.A) == 3 and len(cut.unmoved) == 1
+
+
+def test_a_model_without_response_keeps_its_direct_term() -> None:
+    found = realisation.minimal(([[-1.0]], [[0.0]], [[1.0]], [[2.0]]))
+    assert found.model.states == () and found.model.D == [[2.0]] and found.removed == ("x1",)
+
+
+def test_a_part_left_out_that_acts_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Planted: one state too many is thrown away."""
+    whole = staircase.kalman
+
+    def careless(part: staircase.Scaled) -> staircase.Kalman:
+        found = whole(part)
+        return staircase.Kalman(found.kept[:, :-1], found.unreached, found.unseen)
+
+    model, *_ = planted(3)
+    monkeypatch.setattr(staircase, "kalman", careless)
+    with pytest.raises(ModelError, match="minimal realisation changes the response by"):
+        realisation.minimal(model)
+
+
+def test_a_python_control_system_is_read() -> None:
+    found = realisation.minimal(control.ss(np.diag([-1.0, -2.0]), [[1.0], [0.0]], [[1.0, 1.0]], 0))
+    assert [m.value for m in found.unmoved] == [-2]

@@ -1,0 +1,71 @@
+"""Scaling sees neither units nor rounding noise; splits are orthonormal; deflation keeps the zeros of the pencil."""
+
+import numpy as np
+import pytest
+import scipy.linalg
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from synth.analyse import staircase
+from tests import tolerances
+
+
+def matrices(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    n, m, p = (int(rng.integers(1, k)) for k in (7, 4, 4))
+    return tuple(rng.normal(size=shape) for shape in ((n, n), (n, m), (p, n), (p, m)))
+
+
+@settings(derandomize=True, max_examples=30, deadline=None)
+@given(st.integers(0, 10**6))
+def test_scaling_undoes_units_of_powers_of_two(seed: int) -> None:
+    A, B, C, D = matrices(seed)
+    rng = np.random.default_rng(seed)
+    x, u, y = (2.0 ** rng.integers(-30, 30, k) for k in (*B.shape, len(C)))
+    t = 2.0 ** int(rng.integers(-10, 10))
+    one = staircase.scaled(A, B, C, D)
+    other = staircase.scaled(A * x / x[:, None] * t, B * u / x[:, None] * t, C * x / y[:, None], D * u / y[:, None])
+    for letter in "ABCD":
+        a, b = getattr(one, letter), getattr(other, letter)
+        assert ((np.abs(a) / 16 <= np.abs(b)) & (np.abs(b) <= 16 * np.abs(a))).all(), "each power is rounded"
+    np.testing.assert_array_equal(other.A * other.rate * other.x[:, None] / other.x, A * x / x[:, None] * t)
+
+
+def test_rounding_noise_does_not_steer_the_scaling() -> None:
+    A = scipy.linalg.block_diag(*([[0.0, 1.0], [-(10.0**k), -1.0]] for k in range(4)))
+    B, C = np.eye(8)[:, [1, 3, 5]], np.eye(8)[[0, 2]]
+    noise = 1e-17 * np.random.default_rng(0).normal(size=(10, 11)) * 1000
+    M = np.block([[A, B], [C, np.zeros((2, 3))]])
+    M = np.where(M == 0, noise, M)
+    found = staircase.kalman(staircase.scaled(M[:8, :8], M[:8, 8:], M[8:, :8], M[8:, 8:]))
+    assert found.kept.shape[1] == 4 and len(found.unreached[0]) == 2 and len(found.unseen[0]) == 2
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_split_is_orthonormal_and_keeps_coordinates(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    mixed = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    A = scipy.linalg.block_diag(mixed @ np.diag([-1.0, -1.0, -2.0]) @ mixed.T, [[-3.0]], [[-4.0]])
+    B = np.vstack([mixed @ [[1.0], [0.0], [1.0]], [[1.0]], [[0.0]]])
+    found = staircase.split(A, B)
+    both = np.hstack([found.inside, found.outside])
+    np.testing.assert_allclose(both.T @ both, np.eye(5), atol=tolerances.of("double"))
+    np.testing.assert_array_equal(found.inside[:, 0], np.eye(5)[3])
+    np.testing.assert_array_equal(found.outside[:, 0], np.eye(5)[4])
+    assert np.abs(found.outside.T @ B).max() < tolerances.of("double")
+    assert np.abs(found.outside.T @ A @ found.inside).max() < tolerances.of("double")
+
+
+@settings(derandomize=True, max_examples=30, deadline=None)
+@given(st.integers(0, 10**6))
+def test_zeros_come_with_vectors_at_which_the_pencil_is_singular(seed: int) -> None:
+    A, B, C, D = matrices(seed)
+    found = staircase.zeros(A, B, C, 0 * D if seed % 2 else D)
+    if not found.right:
+        A, B, C, D = A.T, C.T, B.T, D.T
+    D = 0 * D if seed % 2 else D
+    for s, x, u in zip(found.values, found.x.T, found.u.T, strict=True):
+        if found.rank == min(D.shape):
+            size = np.linalg.norm(np.concatenate([x, u])) * max(1.0, abs(s))
+            assert np.linalg.norm(A @ x - s * x + B @ u) < tolerances.of("zeros") * size
+            assert np.linalg.norm(C @ x + D @ u) < tolerances.of("zeros") * size
