@@ -1,5 +1,5 @@
 # `make build` and `make test` need python3 and make alone; everything else comes into .venv, pinned. `make bench` adds
-# gcc's figures where arm-none-eabi-gcc is installed, and sets synthesis beside SciPy and python-control; `make prove` needs frama-c, clang with libFuzzer, and cppcheck.
+# gcc's figures where arm-none-eabi-gcc is installed; `make prove` needs frama-c, clang with libFuzzer, and cppcheck.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin

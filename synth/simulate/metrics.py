@@ -1,6 +1,7 @@
 """Figures of merit of a response y(t) to a set-point r, from samples of its error e = y - r.
 
     overshoot     max over t of (y - r) s / |r - y0|, at least 0, with s the sign of the step r - y0
+    rise time     from the first sample beyond 10 % of the step to the first beyond 90 %, between samples linearly
     first reach   the least t_j - t_0 with |e_j| <= band
     settling      the least t_j - t_0 with |e_k| <= band for all k >= j
     mean error    the mean of |e_k| over start <= t_k <= stop
@@ -61,6 +62,29 @@ def overshoot(y: ArrayLike, start: float, target: float) -> float:
     if values.size == 0:
         raise SignalError("response: found no sample, overshoot needs at least one; simulate longer")
     return float(np.maximum(0.0, np.max((values - target) / step)))
+
+
+def rise_time(time: ArrayLike, y: ArrayLike, start: float, target: float) -> float:
+    """Return the seconds from 10 to 90 % of the step, crossed first; inf if 90 % is never reached.
+
+    Raises SignalError when there is no step.
+    """
+    step = target - start
+    if step == 0 or not np.isfinite(step):
+        raise SignalError(f"step from {start} to {target}: a rise time needs a finite step other than 0; give another")
+    t, values = _series(time, y)
+    part = (values - start) / step
+    ends = [_crossed(t, part, level) for level in (0.1, 0.9)]
+    return ends[1] - ends[0] if np.isfinite(ends[1]) else np.inf
+
+
+def _crossed(t: Array, part: Array, level: float) -> float:
+    """Return when `part` (N,) first reaches `level`, linear between samples; inf if never."""
+    above = np.flatnonzero(part >= level)
+    if not above.size:
+        return np.inf
+    k = int(above[0])
+    return float(np.interp(level, part[k - 1 : k + 1], t[k - 1 : k + 1])) if k else float(t[0])
 
 
 def settling_time(time: ArrayLike, error: ArrayLike, band: float) -> float:

@@ -85,3 +85,15 @@ def test_no_overshoot_is_zero() -> None:
 def test_what_cannot_be_judged_is_refused(call, says: str) -> None:
     with pytest.raises(SignalError, match=says):
         call()
+
+
+def test_the_rise_time_of_a_lag_is_its_time_constant_times_log_9() -> None:
+    time = np.linspace(0, 1, 100_001)
+    found = metrics.rise_time(time, 2 - 3 * (1 - np.exp(-time / 0.05)), 2, -1)
+    assert found == pytest.approx(0.05 * np.log(9), rel=1e-6)
+    coarse = metrics.rise_time(time[::1000], 1 - np.exp(-time[::1000] / 0.05), 0, 1)
+    assert coarse == pytest.approx(0.05 * np.log(9), rel=0.02)  # linear between samples of a fifth of the time constant
+    assert metrics.rise_time(time, 0.8 * time, 0, 1) == np.inf
+    assert metrics.rise_time([0.0, 1.0], [1.0, 1.0], 0, 1) == 0
+    with pytest.raises(SignalError, match="a rise time needs a finite step"):
+        metrics.rise_time(time, time, 1, 1)
