@@ -9,6 +9,7 @@ An Interval holds n intervals at once, so that many boxes of arguments cost litt
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from math import inf
 from typing import Any
 
@@ -91,7 +92,7 @@ def _logical(surely: Mask, possibly: Mask, scalar: type[np.floating]) -> Interva
 
 
 def _hull(candidates: list[Array], nan: Mask) -> Interval:
-    return Interval(np.minimum.reduce(candidates), np.maximum.reduce(candidates), nan)
+    return Interval(reduce(np.minimum, candidates), reduce(np.maximum, candidates), nan)
 
 
 def _add(a: Interval, b: Interval) -> Interval:

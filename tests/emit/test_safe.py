@@ -11,7 +11,7 @@ import pytest
 
 from designs.maglev_5dof import control
 from models import maglev_stage
-from synth.block import Block, Constant, Fault, State, Step, build
+from synth.block import Block, Constant, Fault, State, Step, build, clip
 from synth.compose import compose
 from synth.emit import bisection, lower, ranges, safe
 from synth.emit.ranges import Range
@@ -222,3 +222,11 @@ def test_a_proof_that_trusts_points_or_skips_cells_would_pass_what_is_singular(m
     assert "violated" in refusal(block)
     monkeypatch.setattr(bisection, "prove", middle_only)
     proved(block)
+
+
+def test_a_divisor_behind_a_clamp_at_numbers_is_refused_where_it_is_zero() -> None:
+    """The clamp's limits are single numbers while its argument is bisected."""
+    held = Signal("held", "1", -0.5, 0.5)
+    block = make(lambda u: 1 / (clip(u["u"] * u["v"] - u["w"], held) * u["u"] - 0.2), U, V, W)
+    with pytest.raises(EmitError, match=r"clamp\(.*denominator must exclude 0"):
+        proved(block)
