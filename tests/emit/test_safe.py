@@ -13,7 +13,7 @@ from designs.maglev_5dof import control
 from models import maglev_stage
 from synth.block import Block, Constant, Fault, State, Step, build, clip
 from synth.compose import compose
-from synth.emit import bisection, lower, ranges, safe
+from synth.emit import bisection, lower, ranges, safe, write
 from synth.emit.ranges import Range
 from synth.errors import EmitError
 from synth.signals import Signal
@@ -226,7 +226,11 @@ def test_a_proof_that_trusts_points_or_skips_cells_would_pass_what_is_singular(m
 
 def test_a_divisor_behind_a_clamp_at_numbers_is_refused_where_it_is_zero() -> None:
     """The clamp's limits are single numbers while its argument is bisected."""
-    held = Signal("held", "1", -0.5, 0.5)
-    block = make(lambda u: 1 / (clip(u["u"] * u["v"] - u["w"], held) * u["u"] - 0.2), U, V, W)
+    signals = [Signal(name, "1", -1, 1) for name in "abc"]
+
+    def law(u: Any) -> ca.SX:
+        held = clip(u["a"] * u["b"] + 0.3 * u["a"] - u["b"] * u["c"], Signal("held", "1", -0.5, 0.5))
+        return 1 / (held * u["a"] - 0.2 + 0.01 * u["b"])
+
     with pytest.raises(EmitError, match=r"clamp\(.*denominator must exclude 0"):
-        proved(block)
+        write.emit(make(law, *signals), F32)
