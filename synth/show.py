@@ -11,6 +11,9 @@ from typing import Protocol, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+COLUMNS, ROWS = 16, 32  # of a table, and lines of sentences: the middle of what has more is left out
+DOTS = "..."
+
 
 @dataclass(frozen=True)
 class Table:
@@ -37,10 +40,11 @@ class Shown(Protocol):
         ...
 
 
-T = TypeVar("T", bound=Callable[..., Shown])
+K = TypeVar("K", bound=Callable[..., Shown])
+T = TypeVar("T")
 
 
-def printed(kind: T) -> T:
+def printed(kind: K) -> K:
     """Let a class print its sheet: as text at a prompt, as HTML in a notebook."""
     setattr(kind, "__repr__", lambda self: text(self.sheet()))  # noqa: B010
     setattr(kind, "_repr_html_", lambda self: html(self.sheet()))  # noqa: B010
@@ -66,17 +70,36 @@ def matrix(corner: str, values: ArrayLike, rows: Sequence[str], columns: Sequenc
 
 
 def text(sheet: Sheet) -> str:
-    """Return a sheet as lines of text, columns aligned."""
-    return "\n".join([sheet.title, *sheet.lines, *(line for table in sheet.tables for line in _aligned(table))])
+    """Return a sheet as lines of text, columns aligned; of a large table its first and last rows and columns."""
+    lines = (line for table in sheet.tables for line in _aligned(_abbreviated(table)))
+    return "\n".join([sheet.title, *_some(sheet.lines, DOTS, ROWS), *lines])
 
 
 def html(sheet: Sheet) -> str:
-    """Return a sheet as HTML."""
-    parts = [f"<p><strong>{escape(sheet.title)}</strong></p>", *(f"<p>{escape(line)}</p>" for line in sheet.lines)]
-    for table in sheet.tables:
+    """Return a sheet as HTML; of a large table its first and last rows and columns."""
+    lines = (f"<p>{escape(line)}</p>" for line in _some(sheet.lines, DOTS, ROWS))
+    parts = [f"<p><strong>{escape(sheet.title)}</strong></p>", *lines]
+    for table in map(_abbreviated, sheet.tables):
         rows = [_row("th", table.columns), *(_row("td", row) for row in table.rows)]
         parts.append(f"<table>{''.join(rows)}</table>")
     return "\n".join(parts)
+
+
+def _some(items: Sequence[T], dots: T, most: int) -> tuple[T, ...]:
+    """Return the items, when there are more than `most` the first and last of them with `dots` between."""
+    if len(items) <= most:
+        return tuple(items)
+    return (*items[: most // 2], dots, *items[-(most // 2) :])
+
+
+def _abbreviated(table: Table) -> Table:
+    """Return a table without its middle columns and rows, where it has many; the column of names stays."""
+
+    def cells(line: tuple[str, ...]) -> tuple[str, ...]:
+        return (*line[:1], *_some(line[1:], DOTS, COLUMNS))
+
+    columns = cells(table.columns)
+    return Table(columns, _some([cells(row) for row in table.rows], (DOTS,) * len(columns), ROWS))
 
 
 def _aligned(table: Table) -> list[str]:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from synth import show
-from synth.errors import SignalError
+from synth.errors import ModelError, SignalError
 from synth.signals import dimension
 from synth.timing import Continuous, Discrete, Time
 
@@ -34,7 +34,8 @@ class StateSpace:
     A is (n, n), B (n, m), C (p, n), D (p, m), in the SI units of the named signals; `units` maps names to units, as far
     as they are known. An output that has the name of a state has its unit.
 
-    Raises SignalError when shapes and names do not fit, an entry is not finite or a unit cannot be read.
+    Raises SignalError when shapes and names do not fit, an entry is no finite real number, a unit cannot be read or
+    `time` is no Time.
     """
 
     A: Array
@@ -48,9 +49,11 @@ class StateSpace:
     units: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        if not isinstance(self.time, Continuous | Discrete):
+            raise SignalError(f"the time is {self.time!r}: give Continuous() or Discrete(period in seconds)")
         n, m, p = len(self.states), len(self.inputs), len(self.outputs)
         for letter, shape in {"A": (n, n), "B": (n, m), "C": (p, n), "D": (p, m)}.items():
-            value = readonly(getattr(self, letter))
+            value = readonly(_real(letter, getattr(self, letter)))
             if value.shape != shape:
                 raise SignalError(f"{letter} has shape {value.shape} but the signal names ask for {shape}")
             if not np.isfinite(value).all():
@@ -89,11 +92,22 @@ class StateSpace:
         return np.sort_complex(np.linalg.eigvals(self.A).astype(np.complex128))
 
     def response(self, s_or_z: ArrayLike) -> NDArray[np.complex128]:
-        """Return C (v I - A)^-1 B + D at each point v of `s_or_z` (k,) as an array (k, p, m)."""
-        v = np.atleast_1d(np.asarray(s_or_z, dtype=np.complex128))
-        resolvent = np.linalg.solve(
-            v[:, None, None] * np.eye(len(self.A)) - self.A, np.broadcast_to(self.B, (len(v), *self.B.shape))
-        )
+        """Return C (v I - A)^-1 B + D at each point v of `s_or_z` (k,) as an array (k, p, m).
+
+        Raises SignalError when the points are no list of numbers; ModelError naming a pole among them.
+        """
+        try:
+            v = np.atleast_1d(np.asarray(s_or_z, dtype=np.complex128))
+        except (TypeError, ValueError) as error:
+            raise SignalError(f"the points are no numbers ({error}): give a list of them") from error
+        if v.ndim != 1:
+            raise SignalError(f"the points have shape {v.shape}: give a list, as by points.ravel()")
+        shifted = v[:, None, None] * np.eye(len(self.A)) - self.A
+        try:
+            resolvent = np.linalg.solve(shifted, np.broadcast_to(self.B, (len(v), *self.B.shape)))
+        except np.linalg.LinAlgError as error:
+            pole = v[int(np.argmin(np.linalg.slogdet(shifted)[1]))]
+            raise ModelError(f"the response has no value at {show.number(pole)}, a pole: leave it out") from error
         return np.asarray(self.C @ resolvent + self.D, dtype=np.complex128)
 
     def channel(self, output: str, input: str) -> "StateSpace":
@@ -118,44 +132,95 @@ class StateSpace:
         return replace(self, states=states, inputs=inputs, outputs=outputs, units=units)
 
     def to_control(self) -> Any:
-        """Return the same model as a python-control StateSpace."""
+        """Return the same model as a python-control StateSpace.
+
+        Raises SignalError for states without inputs or outputs, which python-control does not take.
+        """
         import control
 
         dt = self.time.period_s if isinstance(self.time, Discrete) else 0
-        return control.ss(
-            self.A, self.B, self.C, self.D, dt, states=self.states, inputs=self.inputs, outputs=self.outputs
-        )
+        labels = {"states": self.states, "inputs": self.inputs, "outputs": self.outputs}
+        try:
+            return control.ss(self.A, self.B, self.C, self.D, dt, **labels)
+        except control.ControlDimension as error:
+            raise SignalError(
+                f"python-control takes no model with {len(self.inputs)} inputs and {len(self.outputs)} outputs "
+                f"({error}): give it at least one of each"
+            ) from error
 
 
 System = StateSpace | Sequence[Any] | Any
 """A StateSpace; arrays (A, B), (A, B, C) or (A, B, C, D), a Time after them, or as in SciPy (A, B, C, D, dt); or a
-state-space model or transfer function of python-control."""
+state-space model or transfer function of python-control or of scipy.signal."""
 
 
 def of(system: System) -> StateSpace:
     """Return a System as a StateSpace; arrays get the names x1.., u1.., y1.., C is I and D is 0 where left out.
 
-    Arrays without a Time are continuous; a `dt` of 0 says continuous, else it is the period in seconds.
+    Arrays without a Time are continuous; a `dt` of 0 says continuous, else it is the period in seconds. SciPy's own
+    systems without a `dt` are continuous.
 
-    Raises SignalError when it cannot be read, shapes do not fit, an entry is not finite or the time base is missing.
+    Raises SignalError when it cannot be read, shapes do not fit, an entry is not finite or the time base is missing;
+    TimingError when the period is not positive.
     """
     if isinstance(system, StateSpace):
         return system
     if isinstance(system, tuple | list):
         return _from_arrays(system)
+    if all(hasattr(system, name) for name in ("to_ss", "to_tf", "to_zpk")):
+        return _from_scipy(system)
     if all(hasattr(system, name) for name in ("A", "B", "C", "D", "dt")):
         return from_control(system)
     if all(hasattr(system, name) for name in ("num", "den", "dt")):
-        import control
-
-        try:
-            return from_control(control.ss(system))
-        except (control.ControlMIMONotImplemented, ValueError) as error:
-            raise SignalError(f"the transfer function has no state-space form ({error}): give A, B, C, D") from error
+        return _from_fractions(system)
     raise SignalError(
-        f"a {type(system).__name__} is no linear model: give a StateSpace, arrays (A, B, C, D) or a python-control "
-        "system"
+        f"a {type(system).__name__} is no linear model: give a StateSpace, arrays (A, B, C, D) or a system of "
+        "python-control or scipy.signal"
     )
+
+
+def _from_fractions(system: Any) -> StateSpace:
+    """Return python-control's transfer functions, each in companion form: nothing is cancelled."""
+    p, m = len(system.num), len(system.num[0])
+    parts = [[_companion(system.num[i][j], system.den[i][j]) for j in range(m)] for i in range(p)]
+    order = sum(len(part[0]) for row in parts for part in row)
+    A, B, C, D = np.zeros((order, order)), np.zeros((order, m)), np.zeros((p, order)), np.zeros((p, m))
+    first = 0
+    for i, j in np.ndindex(p, m):
+        a, b, c, D[i, j] = parts[i][j]
+        own = slice(first, first + len(a))
+        A[own, own], B[own, j], C[i, own] = a, b, c
+        first = own.stop
+    labels = (tuple(system.input_labels), tuple(system.output_labels))
+    return StateSpace(A, B, C, D, _numbered("x", order), *labels, _time(system.dt))
+
+
+def _companion(numerator: Any, denominator: Any) -> tuple[Array, Array, Array, float]:
+    """Return A (n, n), B (n,), C (n,) and D of numerator over denominator, highest powers first."""
+    given = [two_dimensional(name, [v])[0] for name, v in (("numerator", numerator), ("denominator", denominator))]
+    if not all(np.isfinite(v).all() for v in given):
+        raise SignalError(f"the transfer function {given[0]} / {given[1]} is not finite: give finite coefficients")
+    b, a = (np.trim_zeros(v, "f") for v in given)
+    if not len(a) or len(b) > len(a):
+        raise SignalError(
+            f"the transfer function {given[0]} / {given[1]} has no state-space form: its denominator must be other "
+            "than 0 and of no less degree than its numerator"
+        )
+    n = len(a) - 1
+    a, b = a / a[0], np.concatenate([np.zeros(len(a) - len(b)), b]) / a[0]
+    A = np.eye(n, k=-1)
+    A[:1] = -a[1:]
+    return A, np.eye(n, 1)[:, 0], b[1:] - b[0] * a[1:], float(b[0])
+
+
+def _from_scipy(system: Any) -> StateSpace:
+    """Return a system of scipy.signal; those in continuous time have no `dt`, or None for it."""
+    try:
+        found = system.to_ss()
+    except ValueError as error:
+        raise SignalError(f"the scipy.signal system has no state-space form ({error}): give A, B, C, D") from error
+    dt = getattr(found, "dt", None)
+    return _from_arrays((found.A, found.B, found.C, found.D, 0 if dt is None else dt))
 
 
 def _from_arrays(arrays: Sequence[Any]) -> StateSpace:
@@ -177,9 +242,15 @@ def _given_time(arrays: Sequence[Any]) -> Time:
         return last
     if len(arrays) < 5:
         return Continuous()
-    if last is None or last is True or np.ndim(last):
-        raise SignalError(f"the sample period is {last}: give 0 for continuous time or a period in seconds")
-    return Discrete(float(last)) if last else Continuous()
+    return _time(last)
+
+
+def _time(dt: Any) -> Time:
+    """Return the time that a `dt` stands for: 0 for continuous, else a period in seconds."""
+    value = dt.item() if isinstance(dt, np.ndarray | np.generic) and dt.size == 1 and not np.ndim(dt) else dt
+    if not isinstance(value, int | float) or value is True:
+        raise SignalError(f"there is no sample period, dt is {dt!r}: give 0 for continuous time or a period in seconds")
+    return Discrete(float(value)) if value else Continuous()
 
 
 def _numbered(letter: str, count: int) -> tuple[str, ...]:
@@ -188,16 +259,21 @@ def _numbered(letter: str, count: int) -> tuple[str, ...]:
 
 def two_dimensional(name: str, values: ArrayLike) -> Array:
     """Return a matrix as float64, a scalar as (1, 1); raise SignalError, calling it `name`, when it is no matrix."""
-    try:
-        if np.iscomplexobj(values):
-            raise ValueError("it is complex")
-        array = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise SignalError(f"{name} is no array of real numbers ({error}): give a matrix") from error
+    array = _real(name, values)
     array = array.reshape(1, 1) if array.ndim == 0 else array
     if array.ndim != 2:
         raise SignalError(f"{name} has shape {array.shape}: give a matrix with two dimensions")
     return array
+
+
+def _real(name: str, values: ArrayLike) -> Array:
+    """Return an array as float64; raise SignalError, calling it `name`, when its entries are no real numbers."""
+    try:
+        if np.iscomplexobj(values):
+            raise ValueError("it is complex")
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise SignalError(f"{name} is no array of real numbers ({error}): give a matrix") from error
 
 
 def _places(names: Sequence[str], known: Sequence[str]) -> list[int]:
@@ -209,8 +285,6 @@ def _places(names: Sequence[str], known: Sequence[str]) -> list[int]:
 
 def from_control(system: Any) -> StateSpace:
     """Return a python-control StateSpace as this package's; raise SignalError when its time base is not given."""
-    if system.dt is None or system.dt is True:
-        raise SignalError("the python-control system has no sample period: give dt = 0 or a period in seconds")
-    time = Discrete(float(system.dt)) if system.dt else Continuous()
+    time = _time(system.dt)
     labels = (tuple(system.state_labels), tuple(system.input_labels), tuple(system.output_labels))
     return StateSpace(system.A, system.B, system.C, system.D, *labels, time)

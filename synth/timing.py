@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from numbers import Real
 
 from synth.errors import TimingError
 
@@ -16,11 +17,16 @@ class Continuous:
 
 @dataclass(frozen=True)
 class Discrete:
-    """Time t = k T with the sample period T = `period_s`, seconds."""
+    """Time t = k T with the sample period T = `period_s`, seconds.
+
+    Raises TimingError when the period is no finite positive number.
+    """
 
     period_s: float
 
     def __post_init__(self) -> None:
+        if not isinstance(self.period_s, Real) or isinstance(self.period_s, bool):
+            raise TimingError(f"the sample period is {self.period_s!r}: give a number of seconds")
         if not (math.isfinite(self.period_s) and self.period_s > 0):
             raise TimingError(f"the sample period is {self.period_s} s: it must be finite and positive")
 

@@ -45,7 +45,9 @@ def violations(path: Path, text: str) -> list[str]:
     for module in imports(path, text):
         other = rank(module)
         independent = module[:1] == ("designs",) and any(part.startswith("reference") for part in module[2:])
-        if (reference and module[0] in NOT_IN_A_REFERENCE and not independent) or (own is not None and other is not None and other > own):
+        if (reference and module[0] in NOT_IN_A_REFERENCE and not independent) or (
+            own is not None and other is not None and other > own
+        ):
             found.append(f"{path} imports {'.'.join(module)}")
     return found
 

@@ -43,5 +43,20 @@ def test_a_matrix_names_its_rows_and_columns() -> None:
     assert found == show.Table(("K", "x", "v"), (("u1", "1", "0"), ("u2", "0", "1")))
 
 
+def test_of_a_large_table_the_ends_are_shown_in_text_and_in_html() -> None:
+    names = [f"n{k}" for k in range(200)]
+    sheet = show.Sheet("large", tuple(names), (show.matrix("", np.diag(np.arange(200.0)), names, names),))
+    lines = show.text(sheet).splitlines()
+    assert lines[1:34] == [*names[:16], "...", *names[-16:]]
+    assert lines[34].split() == [*names[:8], "...", *names[-8:]]
+    assert [line.split()[0] for line in lines[35:]] == [*names[:16], "...", *names[-16:]]
+    assert lines[36].split() == ["n1", "0", "1", *"000000", "...", *"00000000"]
+    assert lines[-1].split()[-1] == "199"
+    found = show.html(sheet)
+    assert len(found) < 20_000 and found.count("<tr>") == 34 and found.count("<th>") == 18 and "<td>199</td>" in found
+    small = show.matrix("", np.eye(16), names[:16], names[:16])
+    assert "..." not in show.text(show.Sheet("small", (), (small,)))
+
+
 def test_a_unit_stands_in_brackets_where_it_is_known() -> None:
     assert show.named("gap", "m") == "gap [m]" and show.named("gap", "") == "gap"

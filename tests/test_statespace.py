@@ -5,8 +5,9 @@ from typing import Any
 import control
 import numpy as np
 import pytest
+import scipy.signal
 
-from synth.errors import SignalError
+from synth.errors import ModelError, SignalError
 from synth.statespace import StateSpace, from_control, of
 from synth.timing import Continuous, Discrete, Time
 
@@ -66,6 +67,10 @@ def test_a_system_without_a_time_base_is_refused(dt: object) -> None:
         ({"D": np.zeros(2)}, r"D has shape \(2,\)"),
         ({"B": np.full((4, 2), np.nan)}, r"B\[0, 0\] is nan"),
         ({"C": np.diag([1, 1, np.inf, 1])[:3]}, r"C\[2, 2\] is inf"),
+        ({"A": 1j * np.eye(4)}, "A is no array of real numbers .it is complex"),
+        ({"A": "text"}, "A is no array of real numbers"),
+        ({"B": [[1.0, 2.0], [1.0]]}, "B is no array of real numbers"),
+        ({"time": 0.1}, r"the time is 0\.1: give Continuous\(\) or Discrete"),
         ({"states": ("a", "b", "a", "c")}, "twice among the states"),
         ({"outputs": ("a", "b", "b")}, "twice among the outputs"),
     ],
@@ -108,6 +113,36 @@ def test_a_model_is_read_as_itself_and_a_transfer_function_by_its_response() -> 
     np.testing.assert_allclose(of(control.tf([2, 1], [1, 3, 5])).response(2j)[0, 0, 0], (4j + 1) / (6j + 1), rtol=1e-14)
 
 
+@pytest.mark.parametrize("dt", [None, 0.1])
+def test_systems_of_scipy_are_read(dt: float | None) -> None:
+    given = {} if dt is None else {"dt": dt}
+    form = scipy.signal.TransferFunction([2.0, 1.0], [1.0, 3.0, 5.0], **given)
+    for system in (form, form.to_ss(), form.to_zpk()):
+        found = of(system)
+        assert found.time == (Continuous() if dt is None else Discrete(dt)) and found.states == ("x1", "x2")
+        np.testing.assert_allclose(found.response(2j)[0, 0, 0], (4j + 1) / (6j + 1), rtol=1e-12)
+
+
+def test_a_response_is_asked_for_at_a_list_of_points_off_the_poles() -> None:
+    system = of(([[1.0, 0.0], [0.0, -2.0]], [[1.0], [1.0]]))
+    with pytest.raises(ModelError, match=r"the response has no value at -2, a pole: leave it out"):
+        system.response([3.0, -2.0, 1j])
+    with pytest.raises(SignalError, match=r"the points have shape \(1, 2\): give a list"):
+        system.response([[3.0, 4.0]])
+    with pytest.raises(SignalError, match="the points are no numbers"):
+        system.response("a")
+
+
+def test_a_model_that_python_control_does_not_hold_is_refused() -> None:
+    with pytest.raises(SignalError, match=r"no model with 0 inputs and 1 outputs .*: give it at least one of each"):
+        of(([[-1.0]], np.zeros((1, 0)))).to_control()
+
+
+def test_a_model_of_200_states_prints_its_ends() -> None:
+    shown = repr(of((np.eye(200), np.ones((200, 1)), np.ones((1, 200)))))
+    assert len(shown) < 10_000 and "d/dt x1 " in shown and "y1" in shown and "d/dt x100" not in shown
+
+
 def test_all_states_are_outputs_where_no_C_is_given() -> None:
     found = of((np.diag([1.0, 2.0]), [[1.0], [1.0]]))
     assert found.states == found.outputs == ("x1", "x2") and found.inputs == ("u1",)
@@ -120,8 +155,12 @@ def test_all_states_are_outputs_where_no_C_is_given() -> None:
         (3.0, "float is no linear model"),
         ((), "0 arrays make no linear model"),
         (([[1.0]],), "1 arrays make no linear model"),
-        (([[1.0]], [[1.0]], [[1.0]], [[1.0]], None), "sample period is None"),
-        (([[1.0]], [[1.0]], [[1.0]], [[1.0]], True), "sample period is True"),
+        (([[1.0]], [[1.0]], [[1.0]], [[1.0]], None), "no sample period, dt is None"),
+        (([[1.0]], [[1.0]], [[1.0]], [[1.0]], True), "no sample period, dt is True"),
+        (([[1.0]], [[1.0]], [[1.0]], [[1.0]], "x"), "no sample period, dt is 'x'"),
+        (([[1.0]], [[1.0]], [[1.0]], [[1.0]], np.array([0.1])), "no sample period, dt is array"),
+        (scipy.signal.dlti([1.0], [1.0, 0.5]), "no sample period, dt is True"),
+        (scipy.signal.TransferFunction([1.0, 2.0, 3.0], [1.0, 2.0]), "has no state-space form .*: give A, B, C, D"),
         (([[1.0, 2.0]], [[1.0]]), "A has shape"),
         (([1.0, 2.0], [[1.0]]), "A has shape .2,.: give a matrix"),
         (([["a"]], [[1.0]]), "A is no array of real numbers"),
@@ -150,3 +189,31 @@ def test_some_outputs_and_inputs_are_selected_in_the_order_given() -> None:
     np.testing.assert_allclose(part.response(3j)[0], mine.response(3j)[0][np.ix_([2, 0], [1])], rtol=1e-13)
     with pytest.raises(SignalError, match="'u7' is not one of u0, u1"):
         mine.select(("y0",), ("u7",))
+
+
+def test_nothing_of_a_transfer_function_is_cancelled() -> None:
+    """A minimal realisation would lose the unstable pole that (s - 1) / (s^2 - 1) hides."""
+    found = of(control.tf([1, -1], [1, 0, -1]))
+    np.testing.assert_allclose(np.sort(found.poles.real), [-1, 1], atol=1e-12)
+    assert found.response(2.0)[0, 0, 0] == pytest.approx(1 / 3)
+
+
+def test_transfer_functions_of_several_channels_are_read() -> None:
+    theirs = control.tf([[[1.0], [2.0, 1.0]], [[3.0], [0.0]]], [[[1.0, 2.0], [1.0, 1.0, 5.0]], [[4.0], [1.0]]], 0.1)
+    mine = of(theirs)
+    for z in (0.3, np.exp(0.4j)):
+        np.testing.assert_allclose(mine.response(z)[0], theirs(z), rtol=1e-13)
+    assert mine.time == Discrete(0.1) and len(mine.states) == 3
+
+
+@pytest.mark.parametrize(
+    ("numerator", "denominator", "message"),
+    [
+        ([np.nan], [1, 0.2, 1, 0], "not finite"),
+        ([1, 0, 0], [1, 1], "of no less degree"),
+        ([1], [np.inf, 1], "not finite"),
+    ],
+)
+def test_a_transfer_function_without_a_model_is_refused(numerator: Any, denominator: Any, message: str) -> None:
+    with pytest.raises(SignalError, match=message):
+        of(control.tf(numerator, denominator))

@@ -1,7 +1,9 @@
 """Continuous and sampled time never mix, nor do two periods."""
 
 import math
+from typing import Any
 
+import numpy as np
 import pytest
 
 from synth.errors import TimingError
@@ -12,6 +14,13 @@ from synth.timing import Continuous, Discrete, Time, common, period
 def test_a_period_is_finite_and_positive(period_s: float) -> None:
     with pytest.raises(TimingError, match=f"{period_s} s: it must be finite and positive"):
         Discrete(period_s)
+
+
+@pytest.mark.parametrize("period_s", ["a", None, True, 1j, [1.0], np.array([0.1])])
+def test_a_period_is_a_number(period_s: Any) -> None:
+    with pytest.raises(TimingError, match=r"the sample period is .*: give a number of seconds"):
+        Discrete(period_s)
+    assert Discrete(np.float64(0.1)) == Discrete(0.1)
 
 
 @pytest.mark.parametrize("time", [Continuous(), Discrete(1e-3)])

@@ -9,13 +9,22 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.linalg
+from scipy.linalg import lapack
 
 from synth import show
 from synth.analyse import staircase, structure
+from synth.analyse.staircase import Complex
 from synth.statespace import Array, System, of
 from synth.timing import Time
 
+CHUNK = 16  # modes that are taken together
+SMALL = 60  # states up to which a singular value decomposition is quicker than inverse iteration
+BLOCK, STEPS, SETTLED = 4, 60, 1e-4  # vectors, steps at most, and the relative change at which inverse iteration stops
+HUGE = 1e150  # its square is still a double
 WEAK = 1e-3  # a mode whose measure is less counts as weakly reached or seen
+
+Measures = tuple[float, dict[str, float]]
 
 
 @dataclass(frozen=True)
@@ -79,21 +88,76 @@ def couplings(system: System) -> Couplings:
     """
     model = of(system)
     part = staircase.of_model(model)
+    roots = structure.poles(model).roots
+    values = np.unique([complex(r.value.real, abs(r.value.imag)) / part.rate for r in roots])  # one of each pair
+    reach = _measures(part.A, part.B, model.inputs, values)
+    sight = _measures(part.A.T, part.C.T, model.outputs, values)
     found = []
-    for root in structure.poles(model).roots:
-        shifted = part.A - root.value / part.rate * np.eye(len(part.A))
-        reach, by_input = _measures(shifted, part.B, model.inputs)
-        sight, by_output = _measures(shifted.T, part.C.T, model.outputs)
-        found.append(Coupling(root.value, root.states, reach, sight, by_input, by_output))
+    for root in roots:
+        s = complex(root.value.real, abs(root.value.imag)) / part.rate
+        (by_all, by_input), (to_all, by_output) = reach[s], sight[s]
+        found.append(Coupling(root.value, root.states, by_all, to_all, by_input, by_output))
     return Couplings(tuple(found), model.time)
 
 
-def _measures(shifted: staircase.Complex, B: Array, names: Sequence[str]) -> tuple[float, dict[str, float]]:
-    """Return the least singular value of [A - s I, B] for all columns of B, made of length 1, and for each alone."""
+def _measures(A: Array, B: Array, names: Sequence[str], values: Complex) -> dict[complex, Measures]:
+    """Return for each s the least singular value of [A - s I, B], for all columns of B, made of length 1, and for each.
+
+    One Schur form A' = V T V^H serves all: the singular values are those of [T - s* I; B' V].
+    """
+    if not len(values):
+        return {}
     size = np.linalg.norm(B, axis=0)
-    unit = B / np.where(size > 0, size, 1.0)
+    T, V = scipy.linalg.schur(A.T.astype(np.complex128), output="complex")
+    rows = (B / np.where(size > 0, size, 1.0)).T @ V
+    found = {}
+    for some in np.array_split(values, -(-len(values) // CHUNK)):
+        shifted = T - some.conj()[:, None, None] * np.eye(len(T))
+        whole, alone = shifted, np.zeros((len(names), len(some)))
+        for j in np.flatnonzero(size):
+            one = _with_row(shifted, rows[j])
+            alone[j] = [_least(R) for R in one]
+            whole = one if whole is shifted else _with_row(whole, rows[j])
+        every = alone.sum(axis=0) if np.count_nonzero(size) < 2 else [_least(R) for R in whole]
+        for s, most, each in zip(some, every, alone.T, strict=True):
+            found[complex(s)] = (float(most), {name: float(v) for name, v in zip(names, each, strict=True)})
+    return found
 
-    def least(columns: Array) -> float:
-        return float(np.linalg.svd(np.hstack([shifted, columns]), compute_uv=False)[-1])
 
-    return least(unit), {name: least(unit[:, [j]]) for j, name in enumerate(names)}
+def _with_row(T: Complex, row: Complex) -> Complex:
+    """Return the triangular factors (k, n, n) of matrices T (k, n, n), upper triangular, with one `row` (n,) below."""
+    R, r = T.copy(), np.tile(row, (len(T), 1))
+    for j in range(len(row)):
+        a, b = R[:, j, j].copy(), r[:, j].copy()
+        size = np.hypot(np.abs(a), np.abs(b))
+        a, b, size = (v[:, None] for v in (np.where(size > 0, a, 1.0), b, np.where(size > 0, size, 1.0)))
+        above, below = R[:, j, j:], r[:, j:]
+        R[:, j, j:], r[:, j:] = (a.conj() * above + b.conj() * below) / size, (a * below - b * above) / size
+    return R
+
+
+def _least(R: Complex) -> float:
+    """Return the least singular value of an upper triangular matrix (n, n)."""
+    if len(R) > SMALL and np.isfinite(found := _iterated(R)):
+        return found
+    return float(np.linalg.svd(R, compute_uv=False)[-1])
+
+
+def _iterated(R: Complex) -> float:
+    """Return the least singular value by inverse iteration on a block of vectors; NaN where the inverse overflows."""
+    diagonal = np.diag(R)
+    tiny = np.finfo(float).eps ** 2 * np.abs(R).max()
+    R = np.asfortranarray(R + np.diag(np.where(np.abs(diagonal) < tiny, tiny, 0.0)))
+    X, sigma = np.random.default_rng(0).normal(size=(len(R), BLOCK)).astype(np.complex128), np.inf
+    for _ in range(STEPS):
+        Y = lapack.ztrtrs(R, X, trans=2)[0]
+        if not np.abs(Y).max() < HUGE:
+            return np.nan
+        Z = lapack.ztrtrs(R, np.linalg.qr(Y)[0])[0]
+        if not np.abs(Z).max() < HUGE:
+            return np.nan
+        last, sigma = sigma, 1.0 / float(np.linalg.norm(Z, 2))
+        if last - sigma <= SETTLED * sigma:
+            return sigma
+        X = np.linalg.qr(Z)[0]
+    return np.nan

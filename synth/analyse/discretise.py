@@ -27,7 +27,9 @@ from synth.statespace import Array, StateSpace, System, of, readonly, two_dimens
 from synth.timing import Continuous, Discrete
 
 TERMS = 19  # 2 |F| t <= 1: the first term that is left out is below 1 / 20! = 4e-19 of the sum
-LINK = 2.0**-40  # of the largest entry: where a row or column of F is zero, balancing takes this for its entries
+LOOKS = (7, 12)  # terms after which to look whether more are needed
+LAST = 2.0**-60  # of each entry of the sum: a term this small, the next being smaller, is the last that is added
+LINK = 2.0**-40  # of the largest balanced entry: what stands for zeros when rows or columns of zeros are scaled
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,8 +64,8 @@ def gramian(F: ArrayLike, W: ArrayLike, period_s: float, exact: bool = False) ->
     if not np.array_equal(W, W.T):
         i, j = np.argwhere(W != W.T)[0]
         raise SignalError(f"W is not symmetric: [{i}, {j}] is {W[i, j]}, [{j}, {i}] is {W[j, i]}; give (W + W') / 2")
-    Discrete(period_s)
-    M, W = _van_loan(F, W, period_s) if exact else _doubled(F, W, period_s)
+    T = _period(period_s).period_s
+    M, W = _van_loan(F, W, T) if exact else _doubled(F, W, T)
     return Propagation(readonly(M), readonly(W))
 
 
@@ -76,23 +78,25 @@ def zero_order_hold(system: System, period_s: float) -> StateSpace:
     model = of(system)
     if not isinstance(model.time, Continuous):
         raise TimingError(f"a model in {model.time} was given to be sampled: give the continuous model")
-    time = Discrete(period_s)
+    time = _period(period_s)
     n, m = model.B.shape
-    E = _exponential(np.block([[model.A, model.B], [np.zeros((m, n + m))]]), period_s)
+    E = _exponential(np.block([[model.A, model.B], [np.zeros((m, n + m))]]), time.period_s)
     return replace(model, A=E[:n, :n], B=E[:n, n:], time=time)
 
 
 def first_order_hold(A: ArrayLike, B: ArrayLike, period_s: float) -> Ramp:
     """Return the exact response over one period to an input that is linear in between; A (n, n), B (n, m).
 
-    Raises TimingError when the period is not positive; ModelError as `precise.resolved`.
+    Raises SignalError for shapes that do not fit or entries that are not finite; TimingError when the period is not
+    positive; ModelError as `precise.resolved`.
     """
-    A, B = np.asarray(A, dtype=np.float64), np.asarray(B, dtype=np.float64)
-    Discrete(period_s)
+    A, B, T = _square("A", A), two_dimensional("B", B), _period(period_s).period_s
+    if len(B) != len(A) or not np.isfinite(B).all():
+        raise SignalError(f"A is {A.shape} and B is {B.shape}: give B {len(A)} rows of finite numbers")
     n, m = B.shape
     M = np.zeros((n + 2 * m, n + 2 * m))
     M[:n, :n], M[:n, n : n + m], M[n : n + m, n + m :] = A, B, np.eye(m)
-    E = _exponential(M, period_s, columns_over_T=m)
+    E = _exponential(M, T, columns_over_T=m)
     return Ramp(*(readonly(E[:n, part]) for part in (slice(n), slice(n, n + m), slice(n + m, None))))
 
 
@@ -101,9 +105,11 @@ def with_delay(system: System, samples: int = 1) -> StateSpace:
 
     Such a state has the unit of its input.
 
-    Raises TimingError for a continuous model or a negative count.
+    Raises TimingError for a continuous model or a count that is negative or not whole.
     """
     model = of(system)
+    if not isinstance(samples, int | np.integer):
+        raise TimingError(f"a delay of {samples!r} samples was asked for: give a whole number")
     if isinstance(model.time, Continuous) or samples < 0:
         raise TimingError(f"a delay of {samples} samples in {model.time}: sample the model and delay it by 0 or more")
     for k in range(samples):
@@ -119,7 +125,7 @@ def with_delay(system: System, samples: int = 1) -> StateSpace:
 
 def _doubled(F: Array, W: Array, period_s: float) -> tuple[Array, Array]:
     """Return M and W(T) in double precision, from balanced F: x = D z with powers of 2 in the diagonal D."""
-    D = _balancing(F)
+    D = balancing(F)
     Ft, W = F * D / D[:, None] * period_s, W * D * D[:, None] * period_s
     size = float(np.abs(Ft).sum(axis=1).max(initial=0.0))
     doublings = max(0, int(np.ceil(np.log2(2 * size)))) if 0 < size < np.inf else 0
@@ -151,13 +157,22 @@ def _series(Ft: Array, Wt: Array) -> tuple[Array, Array]:
         term = term @ Ft / k
         term[n:] += term[n:].T
         total = total + term
+        if k in LOOKS and (np.abs(term) <= LAST * np.abs(total)).all():
+            break
     return total[:n], total[n:]
 
 
-def _balancing(F: Array) -> Array:
-    """Return powers of 2 (n,) that bring rows and columns of D^-1 F D to like size."""
-    size = np.abs(F)
-    return np.asarray(lapack.dgebal(size + LINK * size.max(initial=0.0), scale=1, permute=0)[3], dtype=np.float64)
+def balancing(M: Array) -> Array:
+    """Return powers of 2 (n,), D, that bring rows and columns of D^-1 M D to like size; M (n, n).
+
+    A row or column of zeros can be scaled at will: it is, in the end, by a link of small size to all others.
+    """
+    if not len(M):
+        return np.ones(0)
+    size = np.abs(M)
+    first = lapack.dgebal(size, scale=1, permute=0)[3]
+    size = size * first / first[:, None]
+    return np.asarray(first * lapack.dgebal(size + LINK * size.max(), scale=1, permute=0)[3], dtype=np.float64)
 
 
 def _van_loan(F: Array, W: Array, period_s: float) -> tuple[Array, Array]:
@@ -173,6 +188,11 @@ def _van_loan(F: Array, W: Array, period_s: float) -> tuple[Array, Array]:
 
     gathered = precise.resolved(compute, f"the integral over {period_s:g} s")
     return _exponential(F, period_s), (gathered + gathered.T) / 2
+
+
+def _period(period_s: float) -> Discrete:
+    """Return a period as time, in double precision whatever kind of number it came as."""
+    return Discrete(float(Discrete(period_s).period_s))
 
 
 def _square(name: str, values: ArrayLike) -> Array:

@@ -14,6 +14,7 @@ trace(Wc Wo) = sum of squared Hankel values; shares compare inputs in the units 
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 import scipy.linalg
@@ -24,7 +25,7 @@ from synth.errors import ModelError, TimingError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.timing import Continuous
 
-BORDER = 1e12  # Gramians of unit noise on scaled states that exceed this come of a mode on the border of stability
+BORDER = 1e12  # Gramians of noise as large as each row of scaled A that exceed this come of a mode on the border
 
 Integral = Callable[[Array, Array], Array]
 
@@ -58,10 +59,11 @@ class Gramians:
 
     def sheet(self) -> show.Sheet:
         """Return the Hankel singular values with their states, and the shares."""
-        total = float((self.hankel**2).sum()) or 1.0
+        relative = self.hankel / (self.hankel.max(initial=0.0) or 1.0)  # its square stays within the range of a double
+        part = relative**2 / ((relative**2).sum() or 1.0)
         rows = tuple(
-            (f"{v:.4g}", f"{v * v / total:.2%}", structure.spelled(along) or "none")
-            for v, along in zip(self.hankel, self.directions, strict=True)
+            (f"{v:.4g}", f"{share:.2%}", structure.spelled(along) or "none")
+            for v, share, along in zip(self.hankel, part, self.directions, strict=True)
         )
         shares = tuple((n, f"{v:.2%}") for part in (self.by_input, self.by_output) for n, v in part.items())
         tables = (show.Table(("Hankel value", "share", "states"), rows), show.Table(("signal", "share"), shares))
@@ -77,15 +79,15 @@ def gramians(system: System) -> Gramians:
     x = staircase.of_model(model).x
     A = model.A * x / x[:, None]
     continuous = isinstance(model.time, Continuous)
-    rate = float(np.linalg.norm(A)) if continuous else 1.0
+    moved = np.abs(A).sum(axis=1) if continuous else np.ones(len(A))  # what rounding of A moves of each state
     try:
         T, k = _stable_first(A, continuous)
         span = _over_all_time(len(A), k, continuous)
         back = _inverse(T)
-        noise = T @ span.integral((back @ A @ T).T, back @ back.T) @ T.T
+        noise = T @ span.integral((back @ A @ T).T, (back * moved) @ back.T) @ T.T
     except (np.linalg.LinAlgError, RuntimeWarning) as error:
         raise _border(model) from error
-    if len(A) and not np.linalg.norm(noise) * rate < BORDER:
+    if len(A) and not np.linalg.norm(noise) < BORDER:
         raise _border(model)
     return _gramians(model, x[:, None] * T, span)
 
@@ -98,10 +100,12 @@ def over(system: System, horizon_s: float) -> Gramians:
     """
     model = of(system)
     X = np.diag(staircase.of_model(model).x)
+    if not isinstance(horizon_s, Real):
+        raise TimingError(f"the horizon is {horizon_s!r}: give a number of seconds")
     if not 0 < horizon_s < np.inf:
         raise TimingError(f"the horizon is {horizon_s} s: give a finite positive time")
     if isinstance(model.time, Continuous):
-        return _gramians(model, X, _over_time(horizon_s))
+        return _gramians(model, X, _over_time(horizon_s) if len(X) else _Span(_nothing, _nothing, _text(horizon_s)))
     samples = round(horizon_s / model.time.period_s)
     if samples < 1:
         raise TimingError(f"the horizon of {horizon_s:g} s is shorter than a sample of {model.time.period_s:g} s")
@@ -140,7 +144,15 @@ def _over_time(horizon_s: float) -> _Span:
         M = discretise.gramian(F, Q, horizon_s).M
         return M.T @ Q @ M - Q
 
-    return _Span(lambda F, Q: discretise.gramian(F, Q, horizon_s).W, edge, f"over {horizon_s:g} s")
+    return _Span(lambda F, Q: discretise.gramian(F, Q, horizon_s).W, edge, _text(horizon_s))
+
+
+def _text(horizon_s: float) -> str:
+    return f"over {horizon_s:g} s"
+
+
+def _nothing(F: Array, Q: Array) -> Array:
+    return Q
 
 
 def _over_samples(samples: int) -> _Span:
@@ -221,9 +233,10 @@ def _shares(parts: Array, names: Sequence[str]) -> dict[str, float]:
 def _border(model: StateSpace) -> ModelError:
     roots = structure.poles(model).roots
     rates = structure.rates(np.array([r.value for r in roots]), model.time).real
-    worst = roots[int(np.argmin(np.abs(rates)))]
+    k = int(np.argmin(np.abs(rates)))
+    worst, near = roots[k], ", within rounding of the fastest mode" if rates[k] and len(rates) > 1 else ""
     return ModelError(
         f"the model has no Gramian over all time: mode {structure.pair(worst.value)} in "
-        f"{structure.spelled(worst.states)} lies on the border of stability; close a loop around it, take it out of "
-        "the model, or take `over` a horizon"
+        f"{structure.spelled(worst.states)} lies on the border of stability{near}; close a loop around it, "
+        "take it out of the model, or take `over` a horizon"
     )

@@ -9,6 +9,7 @@ other wire is given as {input: {signal: factor}}.
 """
 
 from collections.abc import Mapping, Sequence
+from numbers import Real
 
 import numpy as np
 import scipy.linalg
@@ -27,10 +28,13 @@ def connect(models: Sequence[System], inputs: Sequence[str], outputs: Sequence[s
     `wires[input]` = {signal: factor} gives a model's input as a sum of outputs and external inputs; an input in no wire
     takes the signal of its own name, and is 0 where there is none. States keep their names.
 
-    Raises TimingError for unlike times; SignalError for a name that is not known or stands twice, or for a wire of
-    factor 1 or -1 between unlike units; ModelError for an algebraic loop without a solution.
+    Raises TimingError for unlike times; SignalError for no models, a name that is not known or stands twice, an
+    external input that reaches no model, a factor that is no finite number or a wire of factor 1 or -1 between unlike
+    units; ModelError for an algebraic loop without a solution.
     """
     parts = [of(m) for m in models]
+    if not parts:
+        raise SignalError("there are no models to connect: give at least one")
     time = common(*(m.time for m in parts))
     u, y, x = (_joined(kind, parts) for kind in ("inputs", "outputs", "states"))
     if both := sorted(set(inputs) & set(y)):
@@ -38,7 +42,14 @@ def connect(models: Sequence[System], inputs: Sequence[str], outputs: Sequence[s
     units = {name: unit for m in parts for name, unit in m.units.items()}
     sources = (*y, *inputs)
     own = {name: {name: 1.0} for name in u if name in sources}
-    M = _matrix({**own, **wires}, u, sources, units)
+    wired = {**own, **wires}
+    M = _matrix(wired, u, sources, units)
+    for name in inputs:
+        if not any(name in sums for sums in wired.values()):
+            raise SignalError(
+                f"the external input '{name}' reaches no model: wire it, or give it the name of an input that is in no "
+                f"wire: {', '.join(n for n in u if n not in wired) or 'there is none'}"
+            )
     W, V = M[:, : len(y)], M[:, len(y) :]
     A, B, C, D = (scipy.linalg.block_diag(*(getattr(m, letter) for m in parts)) for letter in "ABCD")
     A, B, C, D = (v.reshape(s) for v, s in zip((A, B, C, D), _shapes(len(x), len(u), len(y)), strict=True))
@@ -78,10 +89,14 @@ def _shapes(n: int, m: int, p: int) -> tuple[tuple[int, int], ...]:
 def _matrix(wires: Wires, u: Sequence[str], sources: Sequence[str], units: Mapping[str, str]) -> Array:
     M = np.zeros((len(u), len(sources)))
     for end, sums in wires.items():
+        if not isinstance(sums, Mapping):
+            raise SignalError(f"the wire to '{end}' is {sums!r}: give {{signal: factor}}")
         for start, factor in sums.items():
             for name, known in ((end, u), (start, sources)):
                 if name not in known:
                     raise SignalError(f"wire from '{start}' to '{end}': '{name}' is not one of {', '.join(known)}")
+            if not isinstance(factor, Real) or not np.isfinite(factor):
+                raise SignalError(f"wire from '{start}' to '{end}': the factor is {factor!r}: give a finite number")
             here, there = units.get(end), units.get(start)
             if here and there and abs(factor) == 1 and dimension(here) != dimension(there):
                 raise SignalError(f"wire from '{start}' in {there} to '{end}' in {here}: give the factor between them")

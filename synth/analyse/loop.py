@@ -14,6 +14,7 @@ u[k-d-1] for the first f T of the period k and u[k-d] for the rest of it:
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from numbers import Real
 
 import casadi as ca
 import flint
@@ -21,12 +22,13 @@ import numpy as np
 
 from synth.analyse import discretise, precise, structure
 from synth.block import Block
-from synth.errors import SignalError, TimingError
+from synth.errors import ModelError, SignalError, TimingError
 from synth.signals import names
 from synth.statespace import Array, StateSpace, System, of
 from synth.timing import Continuous, Discrete, period
 
 WHOLE = 1e-9  # of a sample: a delay that is nearer to a whole count of samples is that count
+LONGEST = 500  # states for the delay: the eigenvalues of the loop cost their cube
 
 
 def cut(blocks: Sequence[Block], signal: str) -> tuple[Block, ...]:
@@ -77,10 +79,18 @@ def sampled(plant: System, period_s: float, delay_s: float = 0.0) -> StateSpace:
     Each whole sample of delay is a state ``<input>_late<k>``; a fraction is one more, ``<input>_held``: u[k-d-1], which
     the hold still shows at the sample k.
 
-    Raises TimingError for a plant that is sampled already, a period that is not positive or a delay that is negative or
-    not finite; ModelError as `precise.resolved`.
+    Raises TimingError for a plant that is sampled already, a period that is not positive, or a delay that is negative,
+    not finite or longer than 500 states hold; ModelError for a mode that grows beyond what a double holds within a
+    period, and as `precise.resolved`.
     """
-    return _late(of(plant), Discrete(period_s), delay_s / period_s)
+    time = Discrete(period_s)
+    return _late(of(plant), time, _number(delay_s) / time.period_s)
+
+
+def _number(delay: float) -> float:
+    if not isinstance(delay, Real) or isinstance(delay, bool):
+        raise TimingError(f"the delay is {delay!r}: give a number")
+    return float(delay)
 
 
 def _late(plant: StateSpace, time: Discrete, samples: float) -> StateSpace:
@@ -89,23 +99,33 @@ def _late(plant: StateSpace, time: Discrete, samples: float) -> StateSpace:
         raise TimingError(f"a model in {plant.time} was given to be sampled at {T:g} s: give the continuous model")
     if not (np.isfinite(samples) and samples >= 0):
         raise TimingError(f"the delay is {samples * T:g} s: it must be finite and 0 or more")
-    whole = round(samples)
+    whole, m = round(samples), plant.B.shape[1]
+    if whole * max(m, 1) > LONGEST:
+        raise TimingError(
+            f"the delay is {samples * T:g} s, {samples:.6g} samples of {T:g} s for each of {m} inputs: at most "
+            f"{LONGEST} states are added for it; take a longer period, or keep the loop continuous (transfer.delayed)"
+        )
+    n, fraction = len(plant.A), samples - np.floor(samples)
     if abs(samples - whole) < WHOLE:
-        return discretise.with_delay(discretise.zero_order_hold(plant, T), whole)
-    begun = int(np.floor(samples))
+        E = _split(plant, T, 0.0)
+        return discretise.with_delay(replace(plant, A=E[:, :n], B=E[:, n + m :], time=time), whole)
+    return discretise.with_delay(_between(plant, time, fraction), int(samples))
+
+
+def _between(plant: StateSpace, time: Discrete, fraction: float) -> StateSpace:
+    """Return the plant with its inputs held and late by a fraction of a period."""
     n, m = plant.B.shape
-    E = _split(plant, T, samples - begun)
-    A = np.block([[E[:n, : n + m]], [np.zeros((m, n + m))]])
-    B = np.vstack([E[:n, n + m :], np.eye(m)])
+    E = _split(plant, time.period_s, fraction)
+    A = np.block([[E[:, : n + m]], [np.zeros((m, n + m))]])
+    B = np.vstack([E[:, n + m :], np.eye(m)])
     C, D = np.hstack([plant.C, plant.D]), np.zeros_like(plant.D)
     held = {f"{name}_held": name for name in plant.inputs}
     units = {**plant.units, **{new: plant.units[name] for new, name in held.items() if name in plant.units}}
-    split = replace(plant, A=A, B=B, C=C, D=D, states=(*plant.states, *held), time=time, units=units)
-    return discretise.with_delay(split, begun)
+    return replace(plant, A=A, B=B, C=C, D=D, states=(*plant.states, *held), time=time, units=units)
 
 
 def _split(plant: StateSpace, T: float, fraction: float) -> Array:
-    """Return [exp(A T), the effect of u[k-d-1], that of u[k-d]], rounded once."""
+    """Return [exp(A T), the effect of u[k-d-1], that of u[k-d]] (n, n + 2 m), rounded once."""
     n, m = plant.B.shape
     before, after = np.zeros((n + 2 * m, n + 2 * m)), np.zeros((n + 2 * m, n + 2 * m))
     before[:n, :n], before[:n, n : n + m] = plant.A, plant.B
@@ -115,7 +135,13 @@ def _split(plant: StateSpace, T: float, fraction: float) -> Array:
         first = flint.arb(T) * flint.arb(fraction)
         return (precise.matrix(after) * (flint.arb(T) - first)).exp() * (precise.matrix(before) * first).exp()
 
-    return precise.resolved(compute, f"the exponential over {T:g} s")
+    E = precise.resolved(compute, f"the exponential over {T:g} s")[:n]
+    if not np.isfinite(E).all():
+        raise ModelError(
+            f"a mode of the plant grows beyond what a double holds within {T:g} s: take a shorter period or leave that "
+            "mode out of the plant"
+        )
+    return E
 
 
 def opened(
@@ -133,11 +159,11 @@ def opened(
 
     `delay` is in samples, any number from 0.
 
-    Raises TimingError for a sampled plant or a continuous controller; SignalError for a name that is not known, or
-    when without a delay the plant passes its inputs straight on.
+    Raises TimingError for a sampled plant, a continuous controller or a delay as `sampled`; ModelError as `sampled`;
+    SignalError for a name that is not known, or when without a delay the plant passes its inputs straight on.
     """
     K = of(controller)
-    P = _late(of(plant), Discrete(period(K.time)), delay)
+    P = _late(of(plant), Discrete(period(K.time)), _number(delay))
     if (P.D != 0).any():
         raise SignalError("the sampled plant passes inputs straight on: give the loop at least one sample of delay")
     S = _wires(K.inputs, P.outputs, sensors)

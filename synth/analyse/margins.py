@@ -138,8 +138,8 @@ def of_loop(loop: Loop, low: float | None = None, high: float | None = None) -> 
     to Nyquist. A delayed loop crosses L < 0 for ever: what is told goes on until |L| settles within 0.01, and for two
     turns of the delay at least.
 
-    Raises SignalError when the loop has another count of inputs or outputs than one; ModelError when 1 + L has no
-    inverse, or when rounding hides whether a delayed loop is stable.
+    Raises SignalError when the loop has another count of inputs or outputs than one, or for limits that are not
+    0 < low < high; ModelError when 1 + L has no inverse, or when rounding hides whether a delayed loop is stable.
     """
     found = transfer.read(loop)
     curve = transfer.trace(found, low, high)

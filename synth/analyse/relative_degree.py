@@ -82,6 +82,21 @@ class RelativeDegree:
         m, labels = self.model, [self.outputs[i] for i in rows]
         return singularity.scaled(self.decoupling[list(rows), :], m.x, m.states, m.inputs, labels)
 
+    @cached_property
+    def authority(self) -> Mapping[str, float]:
+        """How far the inputs' half ranges reach through D_i over how far the drift a_i does, by output; inf without it.
+
+        Each is the largest at scattered points of the domain.
+
+        Raises ModelError where D or a is not finite.
+        """
+        points = np.hstack([box.scatter(self.model.states, rounding.POINTS, seed) for seed in rounding.SEEDS])
+        both = np.abs(self.model.box.evaluated(ca.densify(ca.horzcat(self.decoupling, self.drift)), points))
+        reach = np.einsum("pmk,m->pk", both[:, :-1], box.half_widths(self.model.inputs)).max(axis=1)
+        drift = both[:, -1].max(axis=1)
+        found = [float(r / a) if a else np.inf for r, a in zip(reach, drift, strict=True)]
+        return dict(zip(self.outputs, found, strict=True))
+
     def require_defined(self) -> None:
         """Raise ModelError, saying where and why, unless D has rank p all over the domain."""
         if self.worst is None:
@@ -126,8 +141,10 @@ class RelativeDegree:
         for signal, r, row in zip(self.model.outputs, self.degrees, range(len(self.degrees)), strict=True):
             at = self.lost[signal.name]
             entering = [s.name for j, s in enumerate(self.model.inputs) if self.decoupling.sparsity().has_nz(row, j)]
-            rows.append((signal.name, str(r), ", ".join(entering), f"{at.condition:.4g}", at.where))
-        table = show.Table(("output", "degree", "through", "largest over least row", "least at"), tuple(rows))
+            over = f"{self.authority[signal.name]:.3g}"
+            rows.append((signal.name, str(r), ", ".join(entering), over, f"{at.condition:.4g}", at.where))
+        columns = ("output", "degree", "through", "inputs over drift", "largest over least row", "least at")
+        table = show.Table(columns, tuple(rows))
         return show.Sheet(f"Relative degree of '{self.model.name}'", tuple(lines), (table,))
 
 

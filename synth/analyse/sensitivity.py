@@ -149,8 +149,9 @@ class ClosedLoop:
 def close(plant: System, controller: System) -> ClosedLoop:
     """Return the closed loop of a plant (p outputs, m inputs) and a controller (m, p), wired in their signals' order.
 
-    Raises TimingError when one is continuous and the other sampled; SignalError for counts or units that do not fit, or
-    when the controller drives the plant's inputs by name in another order; ModelError when I + P K has no inverse.
+    Raises TimingError when one is continuous and the other sampled; SignalError for a plant without inputs or outputs,
+    for counts or units that do not fit, or when the controller drives the plant's inputs by name in another order;
+    ModelError when I + P K has no inverse.
     """
     P, K = of(plant), of(controller)
     _require_fit(P, K)
@@ -186,6 +187,11 @@ def _require_fit(P: StateSpace, K: StateSpace) -> None:
             f"loop.sampled(plant, {period(K.time):g}, delay_s), which is exact for any delay"
         )
     common(P.time, K.time)
+    if not (P.inputs and P.outputs):
+        raise SignalError(
+            f"the plant has {len(P.inputs)} inputs and {len(P.outputs)} outputs, and no loop is to be closed: "
+            "give it at least one of each"
+        )
     if (len(K.inputs), len(K.outputs)) != (len(P.outputs), len(P.inputs)):
         raise SignalError(
             f"the plant goes from {len(P.inputs)} inputs to {len(P.outputs)} outputs, the controller from "

@@ -16,11 +16,15 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from synth.errors import SignalError
 from synth.statespace import Array, StateSpace
 
 Complex = NDArray[np.complex128]
 
 COUPLING = 1e-11  # of the scaled matrices' size: what is weaker counts as rounding error and moves nothing
+LARGEST = 332.0  # of the exponents of 2 of entries and units: cubes of what is larger leave the range of a double
+OVERLAP = 1e-7  # of the cosines between what is reached and what is seen: those less are rounding error
+RESIDUAL = 1e-9  # of each column of scaled A: what w^H A - s w^H exceeds makes no eigenvector
 NOISE = 1e-14  # of the largest entries in its row and column: what is smaller tells nothing about units
 
 
@@ -42,18 +46,27 @@ def scaled(A: Array, B: Array, C: Array, D: Array) -> Scaled:
     """Return the model in units that bring the logarithms of its entries together in the least squares sense.
 
     Powers of 2 round nothing.
+
+    Raises SignalError for entries or units whose cubes a double does not hold.
     """
     (n, m), p = B.shape, len(C)
     M = np.abs(np.block([[A, B], [C, D]]))
     least = np.minimum(M.max(axis=1, initial=0.0)[:, None], M.max(axis=0, initial=0.0))
     row, column = np.nonzero(NOISE * least < M)
+    logs = np.log2(M[row, column])
     k = np.arange(len(row))
     equations = np.zeros((len(k), n + m + p + 1))
     equations[k, column] = 1.0
     equations[k, np.where(row < n, row, row + m)] -= 1.0
     equations[k[row < n], -1] = -1.0
-    normal, right = equations.T @ equations, -equations.T @ np.log2(M[row, column])  # integers: nothing is lost
+    normal, right = equations.T @ equations, -equations.T @ logs  # integers: nothing is lost
     exponents = np.linalg.lstsq(normal, right, rcond=NOISE)[0]
+    if max(np.abs(logs).max(initial=0.0), np.abs(exponents).max(initial=0.0)) > LARGEST:
+        worst = int(np.argmax(np.abs(logs)))
+        raise SignalError(
+            f"an entry of the model has the size {M[row[worst], column[worst]]:.1e}: all must lie within some "
+            "1e-100 .. 1e100; set it to 0 or take other units"
+        )
     sizes = np.exp2(np.round(exponents))
     x, u, y, rate = sizes[:n], sizes[n : n + m], sizes[n + m : -1], float(sizes[-1])
     return Scaled(
@@ -66,6 +79,19 @@ def of_model(model: StateSpace) -> Scaled:
     return scaled(model.A, model.B, model.C, model.D)
 
 
+@dataclass(frozen=True)
+class Gap:
+    """The least singular value that counted as a coupling, and the largest that counted as zero."""
+
+    kept: float
+    left: float
+
+    @property
+    def ratio(self) -> float:
+        """How many times the former is the latter."""
+        return self.kept / self.left if self.left else np.inf
+
+
 @dataclass(frozen=True, eq=False)
 class Split:
     """Orthonormal bases: `inside` (n, k) of the subspace that B reaches, `outside` (n, n - k) of its complement.
@@ -75,13 +101,14 @@ class Split:
 
     inside: Array
     outside: Array
+    gap: Gap
 
 
-def split(A: Array, B: Array) -> Split:
-    """Split the states of a scaled pair, A (n, n), B (n, m), into what B reaches and the rest."""
-    reached = _reached(A, B)
+def split(A: Array, B: Array, cut: float = COUPLING) -> Split:
+    """Split the states of a scaled pair, A (n, n), B (n, m), into what B reaches by more than `cut` and the rest."""
+    reached, gap = _reached(A, B, cut)
     rest = _complement(reached)
-    return Split(_complement(rest), rest)
+    return Split(_complement(rest), rest, gap)
 
 
 def _complement(basis: Array) -> Array:
@@ -101,27 +128,62 @@ class Kalman:
     """What is reached and seen: `kept` (n, k), orthonormal, in scaled coordinates; and the modes of the rest.
 
     `unreached` holds eigenvalues with left vectors w, w^H B = 0, `unseen` those of what is reached with right vectors
-    v, C v = 0; each vector is a column (n,).
+    v, C v = 0; each vector is a column (n,). `gap` is the narrowest one of the decisions taken.
     """
 
     kept: Array
     unreached: tuple[Complex, Complex]
     unseen: tuple[Complex, Complex]
+    gap: Gap
 
 
-def kalman(part: Scaled) -> Kalman:
-    """Return the part of a scaled model that its response shows, and the modes that are left out."""
-    reach = split(part.A, part.B)
+def kalman(part: Scaled, cut: float = COUPLING) -> Kalman:
+    """Return the part of a scaled model that its response shows, and the modes that are left out.
+
+    What is seen is found apart from what is reached: in the reached part alone rounding has grown by the whole
+    staircase and may count as a coupling, while the angles between the two subspaces are right ones or far from it.
+    """
+    reach, sight = split(part.A, part.B, cut), split(part.A.T, part.C.T, cut)
+    _, cosines, V = np.linalg.svd(sight.inside.T @ reach.inside)
+    k = int((cosines > OVERLAP).sum())
+    rest = _complement(V[:k].T)
+    inside = _complement(rest)
     A = reach.inside.T @ part.A @ reach.inside
-    sight = split(A.T, (part.C @ reach.inside).T)
-    unreached, unseen = modes(part.A.T, reach.outside), modes(A, sight.outside)
-    return Kalman(reach.inside @ sight.inside, unreached, (unseen[0], reach.inside @ unseen[1]))
+    unreached, unseen = modes(part.A.T, reach.outside), modes(A, rest)
+    gap = min(reach.gap, sight.gap, _gap(cosines, OVERLAP), key=lambda g: g.ratio)
+    return Kalman(reach.inside @ inside, unreached, (unseen[0], reach.inside @ unseen[1]), gap)
+
+
+def _gap(sigma: Array, cut: float) -> Gap:
+    """Return the gap about a cut through singular values that are 1 at best."""
+    above = sigma > cut
+    return Gap(float(sigma[above].min(initial=1.0)), float(sigma[~above].max(initial=0.0)))
 
 
 def modes(A: Array, basis: Array) -> tuple[Complex, Complex]:
     """Return the eigenvalues (k,) of A (n, n) on an invariant subspace with orthonormal `basis`, and vectors (n, k)."""
     values, vectors = np.linalg.eig(basis.T @ A @ basis)
     return values.astype(np.complex128), (basis @ vectors).astype(np.complex128)
+
+
+def unreached(part: Scaled) -> tuple[Complex, Complex]:
+    """Return scaled modes (k,) that B does not reach, with left eigenvectors (n, k).
+
+    The staircase loses what differs by rounding of the fastest mode, and then leaves combinations that are no
+    eigenvectors. In their place come eigenvectors of A itself that B does not reach.
+    """
+    values, w = modes(part.A.T, split(part.A, part.B).outside)
+    w = w / np.linalg.norm(w, axis=0)
+    allowed = RESIDUAL * (np.linalg.norm(part.A, axis=0)[:, None] + np.abs(values))
+    true = (np.abs(part.A.T @ w - values * w) <= allowed).all(axis=0)
+    if true.all():
+        return values, w
+    every, W = modes(part.A.T, np.eye(len(part.A)))
+    size = np.linalg.norm(part.B, axis=0)
+    reach = np.abs(W.T @ (part.B / np.where(size > 0, size, 1.0))).max(axis=1, initial=0.0)
+    known = np.abs(every[:, None] - values[true]) <= RESIDUAL * (np.abs(every)[:, None] + np.abs(values[true]))
+    new = (reach <= COUPLING) & ~known.any(axis=1)
+    return np.concatenate([values[true], every[new]]), np.hstack([w[:, true], W[:, new]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,20 +246,21 @@ def _finite(A: Array, B: Array, C: Array, D: Array) -> tuple[Complex, Complex]:
     return values.astype(np.complex128), (quiet @ vectors).astype(np.complex128)
 
 
-def _reached(A: Array, B: Array) -> Array:
+def _reached(A: Array, B: Array, cut: float) -> tuple[Array, Gap]:
     """Return an orthonormal basis (n, k) of the least subspace that contains B and that A maps into itself."""
     size = np.linalg.norm(B, axis=0)
-    basis = new = _range(B[:, size > COUPLING] / size[size > COUPLING])
+    new, sigma = _range(B[:, size > COUPLING] / size[size > COUPLING], cut)
+    basis, found = new, [sigma]
     step = A / (np.linalg.norm(A) or 1.0)
     while new.shape[1] and basis.shape[1] < len(A):
         new = step @ new
         for _ in range(2):  # once more for what rounding left
             new = new - basis @ (basis.T @ new)
-        new = _range(new)
-        basis = np.hstack([basis, new])
-    return basis
+        new, sigma = _range(new, cut)
+        basis, found = np.hstack([basis, new]), [*found, sigma]
+    return basis, _gap(np.concatenate(found), cut)
 
 
-def _range(M: Array) -> Array:
+def _range(M: Array, cut: float) -> tuple[Array, Array]:
     U, sigma, _ = np.linalg.svd(M, full_matrices=False)
-    return U[:, sigma > COUPLING]
+    return U[:, sigma > cut], sigma

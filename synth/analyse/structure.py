@@ -26,7 +26,8 @@ from synth.errors import ModelError
 from synth.statespace import Array, StateSpace, System, of
 from synth.timing import Continuous, Time
 
-DECAY = 1e-12  # of the size of scaled A: what decays slower counts as not decaying
+DECAY = 1e-12  # of |w|' |A|, w a scaled left eigenvector of length 1: what decays slower counts as not decaying
+NAMED = 8  # components of a direction that a text lists
 DOMINANT = 0.1  # of the largest component: what is smaller is not named
 
 Direction = Mapping[str, complex]
@@ -154,11 +155,10 @@ def unmoved(A: ArrayLike, B: ArrayLike, states: Sequence[str], time: Time) -> li
     A, B = np.asarray(A, dtype=float), np.asarray(B, dtype=float)
     n, m = B.shape
     part = staircase.scaled(A, B, np.zeros((0, n)), np.zeros((0, m)))
-    found = named_modes(staircase.modes(part.A.T, staircase.split(part.A, part.B).outside), part.B.T, part.rate, states)
-    if isinstance(time, Continuous):
-        slow = DECAY * float(np.linalg.norm(part.A)) * part.rate
-        return [mode for mode in found if mode.value.real >= -slow]
-    return [mode for mode in found if abs(mode.value) >= 1 - DECAY]
+    values, w = staircase.unreached(part)
+    slow = DECAY * np.linalg.norm(np.abs(w).T @ np.abs(part.A), axis=1)
+    lasting = values.real >= -slow if isinstance(time, Continuous) else np.abs(values) * part.rate >= 1 - DECAY
+    return list(named_modes((values[lasting], w[:, lasting]), part.B.T, part.rate, states))
 
 
 def require_stabilisable(A: ArrayLike, B: ArrayLike, states: Sequence[str], inputs: Sequence[str], time: Time) -> None:
@@ -167,7 +167,7 @@ def require_stabilisable(A: ArrayLike, B: ArrayLike, states: Sequence[str], inpu
         who = ", ".join(mode.states)
         raise ModelError(
             f"(A, B) is not stabilisable: mode {_number(mode.value)} in {who} has |w^H B| = {mode.measure:.0e} "
-            f"for the inputs {', '.join(inputs)}: actuate {who} or take it out of the model{_along(mode)}"
+            f"for the inputs {', '.join(inputs)}: actuate {who} or take it out of the model{_remark(mode, A, time)}"
         )
 
 
@@ -177,7 +177,7 @@ def require_detectable(A: ArrayLike, C: ArrayLike, states: Sequence[str], what: 
         who = ", ".join(mode.states)
         raise ModelError(
             f"({what}, A) is not detectable: mode {_number(mode.value)} in {who} has |C v| = {mode.measure:.0e}: "
-            f"weight or measure {who}, or take it out of the model{_along(mode)}"
+            f"weight or measure {who}, or take it out of the model{_remark(mode, A, time)}"
         )
 
 
@@ -245,10 +245,11 @@ def direction(vector: Complex, names: Sequence[str]) -> dict[str, complex]:
 
 
 def spelled(direction: Direction) -> str:
-    """Return a direction as text, its components before the names; a lone name stands for itself."""
+    """Return a direction as text, its largest components before the names; a lone name stands for itself."""
     if len(direction) == 1:
         return next(iter(direction))
-    return ", ".join(f"{show.number(share, 2)} {name}" for name, share in direction.items())
+    listed = ", ".join(f"{show.number(share, 2)} {name}" for name, share in list(direction.items())[:NAMED])
+    return listed if len(direction) <= NAMED else f"{listed} and {len(direction) - NAMED} more"
 
 
 def named_modes(found: tuple[Complex, Complex], C: Array, rate: float, states: Sequence[str]) -> tuple[Mode, ...]:
@@ -286,8 +287,13 @@ def _tables(kind: str, roots: Sequence[Root]) -> tuple[show.Table, ...]:
     return (show.Table((kind, "damping", "frequency [Hz]", *shown), tuple(rows)),) if rows else ()
 
 
-def _along(mode: Mode) -> str:
-    return f"; its direction is {spelled(mode.direction)} (scaled)" if len(mode.direction) > 1 else ""
+def _remark(mode: Mode, A: ArrayLike, time: Time) -> str:
+    """Return the direction of a mode in several states, and that rounding hides the mode, where it does."""
+    along = f"; its direction is {spelled(mode.direction)} (scaled)" if len(mode.direction) > 1 else ""
+    size, fastest = abs(mode.value), float(np.abs(np.linalg.eigvals(np.asarray(A, dtype=float))).max())
+    slow = mode.value.real < 0 or 0 < size <= 10 * staircase.COUPLING * fastest
+    lost = slow if isinstance(time, Continuous) else size < 1
+    return f"{along}; this is within rounding of the fastest mode, {fastest:.0e}" if lost else along
 
 
 def _number(value: complex) -> str:

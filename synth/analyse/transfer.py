@@ -17,6 +17,7 @@ which turns at a zero.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -57,8 +58,7 @@ Loop = System | Delayed
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """L on frequencies w (N,) in rad/s, rising; `ends` has L at w = 0 and at pi/T or infinity, unless it has a pole
-    there."""
+    """L on frequencies w (N,) in rad/s, rising; `ends` has L at w = 0 and at pi/T or infinity, where it has no pole."""
 
     L: Response
     w: Array
@@ -98,7 +98,7 @@ def scalar(model: StateSpace) -> StateSpace:
 def response(loop: Loop) -> Response:
     """Return w (k,) rad/s -> L (k,) of a scalar loop; exactly on a pole, L right beside it.
 
-    Raises SignalError when the loop is not scalar.
+    Raises SignalError when the loop is not scalar; w -> L raises ModelError at a pole that has nothing beside it, at 0.
     """
     found = read(loop)
     model = found.model if isinstance(found, Delayed) else found
@@ -112,7 +112,7 @@ def response(loop: Loop) -> Response:
         late = _lateness(found, w) if isinstance(found, Delayed) else 1.0
         try:
             return late * model.response(points(w))[:, 0, 0]
-        except np.linalg.LinAlgError:
+        except ModelError:
             return late * model.response(points(w * (1 + 1e-14)))[:, 0, 0]
 
     return L
@@ -219,6 +219,11 @@ def _rates(poles: Complex, model: StateSpace) -> Complex:
 def _span(
     model: StateSpace, closed: Complex, poles: Complex, low: float | None, high: float | None
 ) -> tuple[float, float]:
+    for name, v in (("low", low), ("high", high)):
+        if v is not None and (not isinstance(v, Real) or isinstance(v, bool) or not 0 < v < np.inf):
+            raise SignalError(f"`{name}` is {v!r}: give a finite frequency above 0 in rad/s, or leave it out")
+    if low is not None and high is not None and low >= high:
+        raise SignalError(f"the frequencies go from {low:g} to {high:g} rad/s: give 0 < low < high, below Nyquist")
     size = np.abs(np.concatenate([closed, poles]))
     if isinstance(model.time, Discrete):
         top, bottom = np.pi / model.time.period_s * (1 - 1e-9), 1e-6 / model.time.period_s

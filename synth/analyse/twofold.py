@@ -27,6 +27,10 @@ class Twofold:
         """The transpose."""
         return Twofold(self.high.T, self.low.T)
 
+    def rounded(self) -> Array:
+        """Return the matrix in double precision."""
+        return self.high + self.low
+
     def __getitem__(self, part: slice | tuple[slice, slice]) -> "Twofold":
         return Twofold(self.high[part], self.low[part])
 

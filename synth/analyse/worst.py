@@ -178,6 +178,9 @@ def _value(loop: LoopOf, figure: Figure, values: Mapping[str, float]) -> float:
         value = float(figure.of(loop(values)))
     except SynthError as error:
         raise ModelError(f"no {figure.name} at {told}: {error}") from error
+    except Exception as error:  # whatever the user's own function raises: without the values it cannot be found again
+        found = f"{type(error).__name__}: {error}"
+        raise ModelError(f"no {figure.name} at {told}: {found}; mend the loop or narrow the tolerances") from error
     if np.isnan(value):
         raise ModelError(f"the {figure.name} is no number at {told}: mend the loop or narrow the tolerances")
     return value

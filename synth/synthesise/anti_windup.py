@@ -31,7 +31,7 @@ from synth import show
 from synth.analyse.staircase import Complex
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly, two_dimensional
-from synth.synthesise import steady_error, weights
+from synth.synthesise import names, reading, spectrum, weights
 from synth.synthesise.internal_model import InternalModel
 from synth.synthesise.regulator_equations import equilibrated
 from synth.synthesise.servo import Servo
@@ -107,11 +107,11 @@ def conditioning(controller: System, references: Sequence[str], decay_per_s: flo
     Raises SignalError for an unknown reference, another count or a rate that is not positive; ModelError when neither
     D_r nor, with D_r = 0, C B_r is invertible, and for zeros that do not decay.
     """
-    model = of(controller)
-    part = model.select(model.outputs, references)
-    if len(references) != len(model.outputs):
+    model, given = of(controller), names.of("references", references)
+    part = model.select(model.outputs, given)
+    if len(given) != len(model.outputs):
         raise SignalError(
-            f"conditioning on {', '.join(references)}: give as many references as commands, "
+            f"conditioning on {', '.join(given)}: give as many references as commands, "
             f"{len(model.outputs)} for {', '.join(model.outputs)}, or use back_calculation"
         )
     if part.D.any():
@@ -123,7 +123,7 @@ def conditioning(controller: System, references: Sequence[str], decay_per_s: flo
     return _wound(
         model,
         readonly(E),
-        f"it is a zero from {', '.join(references)}, so that no choice here helps: back_calculation does",
+        f"it is a zero from {', '.join(given)}, so that no choice here helps: back_calculation does",
     )
 
 
@@ -137,8 +137,9 @@ def _wound(model: StateSpace, gain: Array, mend: str) -> AntiWindup:
         inputs=(*model.inputs, *excess),
         units={**model.units, **units},
     )
-    values = np.sort_complex(np.linalg.eigvals(model.A - gain @ model.C).astype(np.complex128))
-    if (lasting := steady_error.slowest(values, model.time)) is not None:
+    held = model.A - gain @ model.C
+    values = np.sort_complex(np.linalg.eigvals(held).astype(np.complex128))
+    if (lasting := spectrum.lasting(held, model.time)) is not None:
         raise ModelError(
             f"while its commands are held the controller has the eigenvalue {show.number(lasting)}, which does not "
             f"decay, so that it winds up: {mend}"
@@ -203,6 +204,7 @@ def _pole(decay_per_s: float | None, time: Time) -> float:
 
 
 def _positive(decay_per_s: float) -> float:
-    if not (np.isfinite(decay_per_s) and decay_per_s > 0):
+    rate = reading.real("rate decay_per_s", decay_per_s)
+    if rate.ndim or not (np.isfinite(rate) and rate > 0):
         raise SignalError(f"the anti-windup decays at {decay_per_s} 1/s: give a finite rate above 0")
-    return float(decay_per_s)
+    return float(rate)

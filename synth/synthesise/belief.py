@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from synth import show
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
-from synth.synthesise import weights
+from synth.synthesise import reading, weights
 from synth.timing import period
 
 Values = ArrayLike | Mapping[str, float]
@@ -122,10 +122,7 @@ def _vector(what: str, values: Values, names: Sequence[str]) -> Array:
                 f"{what} is given for {', '.join(values)}: '{unlike[0]}' is not in {', '.join(names)} too"
             )
         values = [values[name] for name in names]
-    try:
-        vector = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise SignalError(f"{what} is no array of real numbers ({error}): give one for each signal") from error
+    vector = reading.real(f"values of {what}", values)
     if vector.shape != (len(names),) or not np.isfinite(vector).all():
         raise SignalError(
             f"{what} is {vector}: give finite numbers for {', '.join(names)}; leave out a sample that is missing"
@@ -146,5 +143,5 @@ def _triangular(M: Array) -> Array:
 
     The largest rows come first, so that reflections do not lose the small ones (Powell, Reid 1969).
     """
-    order = np.argsort(-np.abs(M).max(axis=1), kind="stable")
+    order = np.argsort(-np.abs(M).max(axis=1, initial=0.0), kind="stable")
     return np.asarray(scipy.linalg.qr(M[order], mode="economic")[1], dtype=np.float64)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, readonly
+from synth.synthesise import reading
 from synth.synthesise.servo import Servo
 
 BUMP = 1e-12  # of the terms of a command: a difference above it is no rounding error
@@ -24,7 +25,7 @@ def start(regulator: Servo, state: ArrayLike, present: ArrayLike) -> Array:
     Raises SignalError for sizes that do not fit, ModelError naming the controls that no xi keeps from a jump.
     """
     plant, controls, K_xi = regulator.plant, regulator.controls, regulator.K_xi
-    x, u = (np.asarray(v, dtype=np.float64).ravel() for v in (state, present))
+    x, u = reading.real("states", state).ravel(), reading.real("present inputs", present).ravel()
     if (len(x), len(u)) != (len(plant.A), len(controls)) or not np.isfinite([*x, *u]).all():
         raise SignalError(
             f"a bumpless start from {len(x)} states and {len(u)} present inputs: give {len(plant.A)} finite states "

@@ -54,16 +54,20 @@ def feedback(system: System) -> Deadbeat:
         raise TimingError("no constant gain is deadbeat in continuous time: sample the model, or place fast poles")
     part = pole_placement.scaled(model)
     split = staircase.split(part.A, part.B)
-    if len(model.inputs) == 1 and not split.outside.size:
+    if len(model.inputs) == 1 and len(model.A) and not split.outside.size:
         wanted = np.zeros(len(model.A), dtype=np.complex128)
         K, steps = pole_placement.ackermann(part.A, part.B, wanted), len(wanted)
     else:
         K, steps = _nilpotent(model, part)
     gain = readonly(part.u[:, None] * K / part.x)
+    left = _remainder(model, part, gain, steps) if steps else 0.0
+    return Deadbeat(gain, steps, left, model.states, model.inputs, model.time)
+
+
+def _remainder(model: StateSpace, part: staircase.Scaled, gain: Array, steps: int) -> float:
     with precise.precision():
         power = pole_placement.closed(model, gain) ** steps
-        left = float(np.linalg.norm(precise.rounded(power) * part.x / part.x[:, None], 2)) if steps else 0.0
-    return Deadbeat(gain, steps, left, model.states, model.inputs, model.time)
+        return float(np.linalg.norm(precise.rounded(power) * part.x / part.x[:, None], 2))
 
 
 def lasting(model: StateSpace) -> tuple[complex, str]:

@@ -11,7 +11,7 @@ slowest pole, so that the poles are first moved towards z = 0 by a bilinear map,
 
     B_d = sqrt(g) J B,   Q_d = g J'Q J,   N_d = sqrt(g) J'(N - k Q J B),   R_d = R - k (N'J B + B'J'N) + k^2 B'J'Q J B
 
-and W_d = g J'W J for the linear equations. c is the geometric mean of the poles' |s|, or |(z - 1) / (z + 1)|.
+and W_d = g J'W J for the linear equations. c is near the geometric mean of the poles' |s|, or |z - 1| / 2.
 """
 
 from collections.abc import Sequence
@@ -24,7 +24,8 @@ from synth.synthesise.equation import Equation
 
 PASSES = 60  # doublings: 2^60 periods; what has not settled by then does not
 SETTLED = 1e-7  # of H: what is still to come is the square of the last increment, and Newton's method comes after
-DECAYED = 1e-4  # of a state: what is left of Y after it is the square of this
+DECAYED = 1e-2  # of a state: what is left of Y after it is the square of this
+FACTORS = (1.0, 2.0, 4.0)  # of the mean rate, to be tried
 LARGEST = 10.0  # root mean square of the singular values of c J, or (1 + k) J: far from the eigenvalues of A
 
 
@@ -107,13 +108,13 @@ def solution(equation: Equation, bilinear: Bilinear) -> Array | None:
 @np.errstate(all="ignore")
 def _settled(A: Array, G: Array, H: Array) -> Array | None:
     """Return the limit of H; raise LinAlgError when I + G H is singular."""
-    n = len(A)
-    one = np.eye(n)
+    one = np.eye(len(A))
     for _ in range(PASSES):
-        V = np.linalg.solve(one + G @ H, np.concatenate([A, G], axis=1))
-        step = A.T @ (H @ V[:, :n])
-        G = G + A @ (V[:, n:] @ A.T)
-        A = A @ V[:, :n]
+        inverse = np.linalg.inv(one + G @ H)
+        V = inverse @ A
+        step = (H @ A).T @ V
+        G = G + (A @ inverse) @ (G @ A.T)
+        A = A @ V
         H = H + step
         G, H = (G + G.T) / 2, (H + H.T) / 2
         size = float(np.vdot(H, H))
@@ -126,26 +127,25 @@ def _settled(A: Array, G: Array, H: Array) -> Array | None:
 
 def fitting(equation: Equation) -> Bilinear:
     """Return the map for the poles of the optimal loop, its rate moved off the eigenvalues of A."""
-    n, c = len(equation.A), _mean(equation)
-    for _ in range(20):
-        bilinear = Bilinear(c, equation.continuous)
+    c, tried = _mean(equation), []
+    for bilinear in (Bilinear(factor * c, equation.continuous) for factor in FACTORS):
         J = bilinear.resolvent(equation.A)
-        unit = c if equation.continuous else 1 + bilinear.k
-        if J is not None and unit * np.linalg.norm(J) < LARGEST * np.sqrt(n):
-            break
-        c *= 1.5
-    return bilinear
+        unit = bilinear.c if equation.continuous else 1 + bilinear.k
+        tried.append(np.inf if J is None else unit * float(np.linalg.norm(J)))
+        if tried[-1] < LARGEST * np.sqrt(len(equation.A)):
+            return bilinear
+    return Bilinear(FACTORS[int(np.argmin(tried))] * c, equation.continuous)
 
 
 def _mean(e: Equation) -> float:
-    """Return the geometric mean of the poles' |s| or |(z - 1) / (z + 1)|, from determinants of the whole pencil."""
+    """Return the geometric mean of the poles' |s|, or of |z - 1| / 2 but 1 at most, from the pencil's determinant."""
     (A, G, Q), one = _standard(e), np.eye(len(e.A))
     if e.continuous:
         above = _logarithm(A, -G, -Q, -A.T)
         largest = np.log(max(float(np.linalg.norm(M)) for M in (A, G, Q)))
         return float(np.exp(above if above > largest - 30 else largest))
-    above = _logarithm(A - one, -G, -Q, one - A.T) - _logarithm(A + one, G, -Q, one + A.T)
-    return float(np.exp(min(max(above, -30.0), 0.0)))
+    above = _logarithm(A - one, -G, -Q, one - A.T)
+    return float(np.exp(min(max(above, -30.0), np.log(2.0)))) / 2
 
 
 def _logarithm(*quarters: Array) -> float:

@@ -14,17 +14,17 @@ is the same function; its large terms are evaluated to twice the precision of do
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import lapack
+from numpy.typing import NDArray
 
-from synth.analyse import twofold
+from synth.analyse import discretise, twofold
 from synth.analyse.twofold import Twofold
 from synth.statespace import Array
+
+Complex = NDArray[np.complex128]
 
 LEAST = 2.0**-52  # of the largest diagonal entry of balanced X: below it a state costs nothing within rounding
 POLISHED = 1e-10  # of each row of L: a correction this small leaves nothing to correct
 POLISHINGS = 8
-LOOSER = 1e-2  # how much closer X is to be known than what its error adds to L, which is corrected for it
-LINK = 2.0**-50  # of the largest entry: where a row or column is zero, balancing takes this for its entries
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,9 +49,8 @@ class Equation:
         E = np.exp2(-np.round(np.log2(np.diag(self.R)) / 2))
         n, B = len(self.A), np.abs(self.B * E)
         M = np.empty((2 * n, 2 * n))
-        M[:n, :n] = np.abs(self.A)
-        M[:n, n:], M[n:, :n], M[n:, n:] = B @ B.T, np.abs(self.Q), M[:n, :n].T
-        size = lapack.dgebal(M + LINK * M.max(), scale=1, permute=0)[3]
+        M[:n, :n], M[:n, n:], M[n:, :n], M[n:, n:] = self.A, B @ B.T, self.Q, self.A.T
+        size = discretise.balancing(M)
         return np.exp2(np.round(np.log2(size[:n] / size[n:]) / 2)), E
 
     def moderate(self) -> "Equation":
@@ -83,9 +82,10 @@ class Equation:
         S, L = self.weight(X), self.gain(X)
         np.linalg.cholesky(S)
         for _ in range(POLISHINGS):
-            left, d = self._sums(X, L)
-            small = np.linalg.solve(S, d.high)
-            found = left.high + (left.low - (L.T + small.T) @ d.high)
+            left, rest = self._sums(X, L)
+            d = rest.rounded()
+            small = np.linalg.solve(S, d)
+            found = left.high + (left.low - (L.T + small.T) @ d)
             polished = L + small
             if (np.abs(small).max(axis=1) <= POLISHED * np.abs(L).max(axis=1)).all():
                 break
@@ -94,12 +94,12 @@ class Equation:
 
     def _sums(self, X: Array, L: Array) -> tuple[Twofold, Twofold]:
         """Return the large terms of the residual (n, n), and d (m, n)."""
-        n, AB = len(X), np.hstack([self.A, self.B])
+        n, AB = len(X), np.concatenate([self.A, self.B], axis=1)
         if self.continuous:
             XAB = twofold.product(X, AB)
             XA, P = XAB[:, :n], XAB[:, n:] + self.N
             return XA + XA.T + self.Q - twofold.product(P, L), P.T - twofold.product(self.R, L)
-        stacked = twofold.product(np.vstack([self.B, self.N, self.R]), L)
+        stacked = twofold.product(np.concatenate([self.B, self.N, self.R]), L)
         both = twofold.product(AB.T, twofold.product(X, -stacked[:n] + self.A))
         return both[:n] + self.Q - X - stacked[n : 2 * n], both[n:] + self.N.T - stacked[2 * n :]
 
@@ -115,7 +115,7 @@ class Equation:
 class Solution:
     """X (n, n) and L (m, n) with the closed loop A - B L, and of X what is left of the equation and Newton's step.
 
-    `residual` and `condition` are those of `newton.certified`.
+    `known` are the loop's poles (n,) where they are known better than A - B L, rounded, tells them.
     """
 
     X: Array
@@ -123,47 +123,28 @@ class Solution:
     closed: Array
     defect: Array
     step: Array
-    residual: float = np.inf
-    condition: float = np.inf
-
-    def moved(self, equation: Equation) -> Array:
-        """Return what the step of X adds to L (m, n)."""
-        step = self.step if equation.continuous else self.step @ self.closed
-        return np.asarray(np.linalg.solve(equation.weight(self.X), equation.B.T @ step))
-
-    def corrected(self, equation: Equation) -> "Solution":
-        """Return the solution with L for X + step: L resolves more of X than X's own rounding leaves."""
-        L = self.L + self.moved(equation)
-        return replace(self, L=L, closed=equation.A - equation.B @ L)
-
-    def error(self, equation: Equation) -> float:
-        """Return the error of X, or what it adds to L if that is more, in units in which X has a unit diagonal."""
-        size = sizes(self.X)
-        added, L = np.abs(self.moved(equation) / size).max(axis=1), np.abs(self.L / size).max(axis=1)
-        X = float(np.abs(self.step / size / size[:, None]).max())
-        return max(X, LOOSER * float((added / np.where(L > 0, L, 1.0)).max()))
+    known: Complex | None = None
 
     def scaled(self, D: Array, E: Array) -> "Solution":
         """Return the solution of `Equation.scaled(D, E)` for that of the equation itself."""
-        row, both = D[:, None], D * D[:, None]
-        return Solution(
-            X=self.X * both,
-            L=self.L * D / E[:, None],
-            closed=self.closed * D / row,
-            defect=self.defect * both,
-            step=self.step * both,
-            residual=self.residual,
-            condition=self.condition,
-        )
+        row = D[:, None]
+        both = D * row
+        L, closed = self.L * D / E[:, None], self.closed * D / row
+        return Solution(self.X * both, L, closed, self.defect * both, self.step * both, self.known)
+
+    def poles(self) -> Complex:
+        """Return the closed loop's poles (n,)."""
+        if self.known is not None:
+            return self.known
+        return np.sort_complex(np.linalg.eigvals(self.closed).astype(np.complex128))
+
+
+def decays(poles: Complex, continuous: bool) -> bool:
+    """Tell whether a loop with these poles is stable."""
+    return bool((poles.real < 0).all() if continuous else (np.abs(poles) < 1).all())
 
 
 def sizes(X: Array) -> Array:
     """Return sqrt(X_ii) (n,) of a balanced X, with a floor for states that cost nothing."""
-    diagonal = np.abs(np.diag(X))
-    return np.sqrt(np.maximum(diagonal, LEAST * diagonal.max(initial=0.0) or 1.0))
-
-
-def relative(step: Array, X: Array) -> float:
-    """Return the largest |step_ij| / sqrt(X_ii X_jj), in which units do not matter."""
-    size = sizes(X)
-    return float((np.abs(step) / size / size[:, None]).max())
+    diagonal = np.abs(X.diagonal())
+    return np.asarray(np.sqrt(np.maximum(diagonal, LEAST * float(diagonal.max()) or 1.0)))

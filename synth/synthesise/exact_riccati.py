@@ -1,14 +1,17 @@
 """Riccati equations in ball arithmetic: X and L correct to the last bit of double, alike on every machine.
 
-Newton's method (Kleinman 1968, Hewer 1971) from any start near the stabilising solution,
+Newton's method (Kleinman 1968, Hewer 1971) from a start near the stabilising solution, or else from the limit of
+doubling (module `doubling`) in high precision,
 
     continuous  Ac'X + X Ac + Q - N L - L'N' + L'R L = 0,     discrete  Ac'X Ac - X + Q - N L - L'N' + L'R L = 0
 
 with Ac = A - B L, L that of the last X. Each step solves n^2 equations at once: for states of a dozen or fewer. More
-bits are taken until the ball of the last step's solution tells each entry to far below half an ulp.
+bits are taken until the ball of the last step's solution tells each entry to far below half an ulp. The poles are those
+of A - B L before it is rounded.
 """
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import flint
 import numpy as np
@@ -16,12 +19,15 @@ import numpy as np
 from synth.analyse import precise
 from synth.errors import ModelError
 from synth.statespace import Array
-from synth.synthesise.equation import Equation, Solution
+from synth.synthesise.equation import Complex, Equation, Solution, decays
 
 Mat = flint.arb_mat
 
 BITS = (precise.BITS, 4 * precise.BITS, 16 * precise.BITS)
 STEPS = 30
+PASSES = 200  # doublings
+STILL = 1e-20  # of H: a pass that adds less ends the doubling
+LEVEL = 1e-30  # of a pole: a part, real or imaginary, this small is the rounding error of a zero
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,20 +75,22 @@ class _Problem:
         return (Y + Y.transpose()) * flint.arb(0.5)
 
 
-def solve(equation: Equation, start: Array) -> Solution:
-    """Return the solution near `start` (n, n), which must be close enough for Newton's method to reach it.
+def solve(equation: Equation, start: Array | None = None) -> Solution:
+    """Return the stabilising solution; a `start` (n, n) near it saves the doubling.
 
-    Raises ModelError when it does not.
+    Raises ModelError when neither leads to it.
     """
     for bits in BITS:
         with precise.precision(bits):
             problem = _problem(equation)
-            X = _limit(problem, precise.matrix(start))
-            if X is not None:
-                return _found(problem, X)
+            for begin in _starts(problem, start):
+                X = _limit(problem, begin)
+                found = None if X is None else _found(problem, X)
+                if X is not None and found is not None and np.isfinite(found.step).all():
+                    return _apart(found, X)
     raise ModelError(
-        f"Newton's method on the Riccati equation does not settle within {BITS[-1]} bits, or a step has no solution: "
-        "start nearer to the stabilising solution, scale the weights or the states, or leave out modes that hardly move"
+        f"Newton's method on the Riccati equation does not settle within {BITS[-1]} bits, or a step has no solution, "
+        "or its loop does not decay: scale the weights or the states, or leave out modes that hardly move"
     )
 
 
@@ -125,14 +133,79 @@ def _tells(balls: Mat) -> bool:
     return all(v.rel_accuracy_bits() >= 64 or abs(v) < least for v in balls.entries())
 
 
+def _apart(found: Solution, X: Mat) -> Solution:
+    """Return the solution with its distance from X, known to far more bits, where Newton's step overstates it.
+
+    So it does where rounding X changes the loop: X is of the size 1e17, say, and L what is left of differences.
+    """
+    apart = _bounds(precise.matrix(found.X) - X)
+    return replace(found, step=np.where(found.step > 2 * apart, apart, found.step))
+
+
+def _starts(problem: _Problem, start: Array | None) -> Iterator[Mat]:
+    if start is not None:
+        yield precise.matrix(start)
+    limit = _doubled(problem)
+    if limit is not None:
+        yield limit
+
+
+def _doubled(p: _Problem) -> Mat | None:
+    """Return the limit of doubling, None where it has none; any stabilisable pair will do."""
+    Bt, Nt = p.B.transpose(), p.N.transpose()
+    one = precise.identity(p.A.nrows())
+    try:
+        A, G, H = p.A - p.B * p.R.solve(Nt), p.B * p.R.solve(Bt), p.Q - p.N * p.R.solve(Nt)
+        if p.continuous:
+            A, G, H = _mapped(A, G, H)
+        for _ in range(PASSES):
+            inverse = precise.middle((one + G * H).inv())
+            V, A_t = inverse * A, A.transpose()
+            step = A_t * H * V
+            G, H, A = (precise.middle(Y) for Y in (G + A * inverse * G * A_t, H + step, A * V))
+            G, H = (G + G.transpose()) * flint.arb(0.5), (H + H.transpose()) * flint.arb(0.5)
+            if not precise.norm(H) < 1e300:
+                return None
+            if precise.norm(step) <= STILL * precise.norm(H):
+                return H
+    except ZeroDivisionError:
+        return None
+    return None
+
+
+def _mapped(A: Mat, G: Mat, H: Mat) -> tuple[Mat, Mat, Mat]:
+    """Return the discrete equation that has the same solution, by z = (c + s) / (c - s)."""
+    c = flint.arb(max(map(precise.norm, (A, G, H))) * A.nrows() or 1.0)  # beyond the eigenvalues of A
+    one = precise.identity(A.nrows())
+    J = precise.middle((A - one * c).inv())
+    W = precise.middle((A.transpose() - one * c + H * J * G).inv())
+    return one + W.transpose() * (2 * c), J * G * W * (2 * c), W * H * J * (2 * c)
+
+
+def _poles(closed: Mat) -> Complex:
+    """Return the eigenvalues (n,) of a loop, each to far more digits than those of double."""
+    values = flint.acb_mat(precise.middle(closed)).eig(algorithm="approx")
+    return np.sort_complex(np.array([_level(complex(float(v.real), float(v.imag))) for v in values]))
+
+
+def _level(s: complex) -> complex:
+    """Return a number without the rounding error that stands for a part of zero."""
+    return complex(*(0.0 if abs(part) <= LEVEL * abs(s) else part for part in (s.real, s.imag)))
+
+
 def _found(problem: _Problem, X: Mat) -> Solution:
-    """Return X and the L that belongs to it, each rounded once; the rest is that of the rounded X."""
+    """Return X and the L that belongs to it, each rounded once; the rest is that of the rounded X.
+
+    Where the loop does not decay the step is infinite: X is near another solution.
+    """
     L = problem.feedback(X)
     shipped = precise.rounded(X)
     ball = precise.matrix(shipped)
-    closed = precise.rounded(problem.A - problem.B * L)
+    closed = problem.A - problem.B * L
+    poles = _poles(closed)
     defect, step = _bounds(problem.residual(ball)), _bounds(problem.newton(ball) - ball)
-    return Solution(shipped, precise.rounded(L), closed, defect, step)
+    step = step if decays(poles, problem.continuous) else np.full_like(step, np.inf)
+    return Solution(shipped, precise.rounded(L), precise.rounded(closed), defect, step, poles)
 
 
 def _bounds(balls: Mat) -> Array:

@@ -40,6 +40,8 @@ from synth.synthesise import cofactors, dynamic_extension, weights
 SEED = 7  # not one of those that the relative degree was told by
 LOST = 2.0**26  # of the demands' size: how far terms may grow and cancel, half of the digits
 
+AUTHORITY = 1e-12  # of the drift: inputs that reach less far than this enter by the rounding error of a constant
+
 
 @dataclass(frozen=True, eq=False)
 class Law:
@@ -149,15 +151,26 @@ def of_plant(
     where there are more of them than outputs.
 
     Raises SignalError for names and weights; ModelError when the plant is not affine in its inputs, has no defined
-    relative degree somewhere in its domain, or has more inputs than outputs and no weight; else as
-    `zero_dynamics.at_point`.
+    relative degree somewhere in its domain, has inputs that over their ranges move an output by less than 1e-12 of its
+    drift, or has more inputs than outputs and no weight; else as `zero_dynamics.at_point`.
     """
     degree = relative_degree.of_plant(plant, outputs, held)
     degree.require_defined()
+    _require_authority(degree)
     W = _weight(degree, weight)
     solved, w = _solved(degree, W, point)
     zeros = zero_dynamics.at_point(plant, degree, point, W) if point is not None else None
     return Linearisation(plant, degree, degree.model.x, w, solved.value, solved.determinant, zeros)
+
+
+def _require_authority(degree: RelativeDegree) -> None:
+    for (name, found), r in zip(degree.authority.items(), degree.degrees, strict=True):
+        if found < AUTHORITY:
+            raise ModelError(
+                f"over their ranges the inputs move derivative {r} of '{name}' by {found:.2g} of what the drift does "
+                f"(at least {AUTHORITY:g} is needed): such a coefficient is the rounding error of constants folded "
+                "before they reached the model; write it as the zero that it is, or widen the inputs' ranges"
+            )
 
 
 def _weight(degree: RelativeDegree, weight: weights.Weight | None) -> Array | None:

@@ -6,10 +6,12 @@
     fit_trajectory   y_k = h(x_k, u_k, theta) + e_k along x' = f(x, u, theta) with inputs held over each period
 
 The first two count all errors to the equation: noise of a signal that multiplies a parameter biases it, so that such a
-signal wants averaging first. The third counts them to the outputs. An unstable plant is followed over short spans, each
-from the logged state; their noise is then part of e.
+signal wants averaging first. The third counts them to the outputs: a logged state is a measurement like others, so
+that start states are estimated, not taken from the log. An unstable plant is followed over short spans, each with start
+states of its own.
 
-Derivatives are CasADi's, exact; Runge-Kutta steps of fourth order carry the sensitivities S = dx/dtheta along.
+Derivatives are CasADi's, exact; Runge-Kutta steps of fourth order carry the sensitivities S = dx/dtheta along, as many
+as it takes (`trajectory_fit`).
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,10 +24,10 @@ from synth.errors import ModelError, SignalError
 from synth.plant import Plant
 from synth.signals import Parameter, names
 from synth.statespace import Array
-from synth.synthesise import least_squares, trajectory
-from synth.synthesise.gauss_newton import Fit, minimise
-from synth.synthesise.least_squares import Estimate
+from synth.synthesise import gauss_newton, least_squares, reading, trajectory, trajectory_fit
+from synth.synthesise.estimate import Estimate
 from synth.synthesise.logs import Log
+from synth.synthesise.trajectory_fit import TrajectoryFit
 
 PROBE = 0.37  # relative change of a parameter that shows whether a derivative depends on it
 LINEAR = 1e-9  # of the largest entry of a derivative: by how much it may change then
@@ -49,6 +51,10 @@ def fit_linear(
     Raises SignalError for a symbol that is neither, or a signal that the log does not hold; ModelError naming a
     parameter in which an equation is not linear; else as `least_squares.solve`.
     """
+    reading.distinct("parameters", names(parameters))
+    reading.distinct("equations", tuple(equations))
+    if missing := [p.name for p in parameters if p.name not in symbols]:
+        raise SignalError(f"parameter '{missing[0]}' has no symbol: give it in `symbols`")
     theta = ca.vcat([symbols[p.name] for p in parameters])
     data = ca.vcat(list(signals.values()))
     g = ca.vcat(list(equations.values()))
@@ -76,6 +82,7 @@ def fit_equations(
     Raises SignalError for a name that is not known, a signal that the log does not hold or parameters in no equation;
     ModelError when no product of the parameters makes an equation linear; else as `least_squares.solve`.
     """
+    parameters = reading.distinct("parameters", parameters)
     chosen = [plant.parameter(name) for name in parameters]
     where = [names(plant.parameters).index(name) for name in parameters]
     x, u, p = (
@@ -83,7 +90,7 @@ def fit_equations(
     )
     f, rates = plant.f(x, u, p), dict(rates or {})
     states = names(plant.states)
-    if unknown := [name for name in (*rates, *(noise or ())) if name not in states]:
+    if unknown := [name for name in (*rates, *(noise if isinstance(noise, Mapping) else ())) if name not in states]:
         raise SignalError(f"'{unknown[0]}' is no state of plant '{plant.name}': it has {', '.join(states)}")
     theta = ca.SX.sym("theta", len(where))
     full = ca.SX(plant.values)
@@ -101,7 +108,8 @@ def fit_equations(
     samples = log.columns([every[k] for k in needed])
     equations = tuple(states[i] for i in used)
     products = [_linearising(g[k], theta, data, chosen, samples, name) for k, name in enumerate(equations)]
-    return _affine(equations, g * ca.vcat(products), theta, data, chosen, samples, (noise, level))
+    used_noise = {n: v for n, v in noise.items() if n in equations} if isinstance(noise, Mapping) else noise
+    return _affine(equations, g * ca.vcat(products), theta, data, chosen, samples, (used_noise, level))
 
 
 def fit_trajectory(
@@ -116,30 +124,39 @@ def fit_trajectory(
     noise: Mapping[str, float] | None = None,
     level: float = 0.95,
     substeps: int = 4,
-) -> Fit:
+) -> TrajectoryFit:
     """Estimate parameters of a plant from trajectories, starting from the parameters' values.
 
-    `measured` names the outputs or states in the log to be matched. With a `span` the simulation starts anew from the
-    logged states every `span` samples. Without one it runs through the log, from the `initial` values of states, or
-    from the first row; the initial values of the states in `free` are estimated too, as ``<state>_0``.
-    `within_tolerance` bounds each parameter by its relative tolerance. `substeps` Runge-Kutta steps make one period.
+    `measured` names the outputs or states in the log to be matched. With a `span` the simulation starts anew after
+    every `span` periods. All start states are estimated, from the log's as first guess, and told as ``<state>_0`` where
+    there is no span. Without a span, states in `initial` start from the values given there, exactly, unless they are in
+    `free` too. `within_tolerance` bounds each parameter by its relative tolerance. `substeps` Runge-Kutta steps a
+    period are tried first, then twice as many until that moves no parameter.
 
     Raises SignalError for a name that is not known, a signal that the log does not hold or a span below 1; TimingError
-    for a log without period; else as `gauss_newton.minimise`.
+    for a log without period; ModelError where no number of steps is enough; else as `gauss_newton.minimise`.
     """
+    parameters, measured = reading.distinct("parameters", parameters), reading.distinct("measured signals", measured)
+    free = reading.distinct("free states", free) if free else ()
     chosen = [plant.parameter(name) for name in parameters]
-    problem = trajectory.problem(plant, log, parameters, measured, span, initial or {}, free, substeps)
     values = np.array([p.value for p in chosen], dtype=np.float64)
-    reach = (
-        np.array([p.tolerance for p in chosen]) * np.abs(values) if within_tolerance else np.full(len(chosen), np.inf)
-    )
-    no_bound = np.full(len(free), np.inf)
-    start = np.concatenate([values, problem.initial])
-    bounds = (np.concatenate([values - reach, -no_bound]), np.concatenate([values + reach, no_bound]))
-    labels = (*parameters, *(f"{name}_0" for name in free))
+    first = trajectory.problem(plant, log, parameters, measured, span, initial or {}, free, substeps)
+    starts = [plant.states[i] for i in first.free]
+    labels = (*parameters, *(f"{s.name}_0" for s in starts)) if span is None else parameters
+    reach = np.array([p.tolerance for p in chosen]) * np.abs(values) if within_tolerance else np.inf
+    no_bound = np.full(len(labels) - len(values), np.inf)
+    low, high = (np.concatenate([values + sign * reach, sign * no_bound]) for sign in (-1, 1))
     units = {s.name: s.unit for s in (*plant.states, *plant.outputs)} | {p.name: p.unit for p in chosen}
-    units |= {f"{name}_0": units[name] for name in free}
-    return minimise(problem.simulate, problem.y, start, labels, tuple(measured), bounds, noise, level, units)
+    units |= {f"{s.name}_0": s.unit for s in starts}
+
+    def problem(steps: int) -> trajectory.Problem:
+        return trajectory.problem(plant, log, parameters, measured, span, initial or {}, free, steps)
+
+    def minimise(at: trajectory.Problem, start: Array) -> gauss_newton.Fit:
+        return gauss_newton.minimise(at.simulate, at.y, start, labels, measured, (low, high), noise, level, units)
+
+    start = np.concatenate([values, first.starts.ravel()])
+    return trajectory_fit.certified(problem, minimise, start, parameters, substeps)
 
 
 def _affine(
@@ -161,7 +178,8 @@ def _affine(
     value, slope = _sampled(g, theta, data, np.array([p.value for p in parameters], dtype=np.float64), samples)
     y = np.einsum("npk,k->np", slope, [p.value for p in parameters]) - value
     units = {p.name: p.unit for p in parameters}
-    return least_squares.solve(slope, y, names(parameters), equations, *confidence, units)
+    near = np.array([p.value for p in parameters], dtype=np.float64)
+    return least_squares.solve(slope, y, names(parameters), equations, *confidence, units, near)
 
 
 def _sampled(g: ca.SX, theta: ca.SX, data: ca.SX, at: Array, samples: Array) -> tuple[Array, Array]:
@@ -177,6 +195,12 @@ def _curved(g: ca.SX, theta: ca.SX, data: ca.SX, parameters: Sequence[Parameter]
     rows = samples[np.unique(np.linspace(0, len(samples) - 1, ROWS).astype(int))]
     base = np.array([p.value for p in parameters], dtype=np.float64)
     slope = _sampled(g, theta, data, base, rows)[1]
+    if not np.isfinite(slope).all():
+        values = ", ".join(f"{p.name} = {p.value:g}" for p in parameters)
+        raise ModelError(
+            f"the equations or their derivatives are not finite at {values}: give parameters that divide a value other "
+            "than 0, and leave out rows in which a signal does"
+        )
     size = np.abs(slope).max(axis=0, initial=0.0)
     found = []
     for i, p in enumerate(parameters):

@@ -14,7 +14,7 @@ leaves the response to the steps of u, for a reference of frequency w the share 
 after a constant nothing is left there.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import flint
@@ -26,9 +26,11 @@ from synth.analyse import precise
 from synth.errors import SignalError
 from synth.statespace import Array, StateSpace, System, readonly
 from synth.statespace import of as model_of
-from synth.synthesise import minimal_polynomial, regulator_equations
+from synth.synthesise import minimal_polynomial, reading, regulator_equations
 from synth.synthesise.minimal_polynomial import Mode
 from synth.timing import Continuous, Discrete, Time, common
+
+MOST = 100  # times that a mode counts: no signal grows as t^100
 
 
 @show.printed
@@ -84,17 +86,23 @@ def exosystem(frequencies: Sequence[float] | Mapping[float, int]) -> InternalMod
     With {frequency: multiplicity} 0 counted twice stands for ramps, another frequency counted twice for sines that
     grow as t does.
 
-    Raises SignalError for none, a negative, an infinite or a repeated frequency, or a multiplicity below 1.
+    Raises SignalError for none, a negative, an infinite or a repeated frequency, what is no number, or a multiplicity
+    below 1 or above MOST.
     """
-    w = [float(f) for f in frequencies]
+    if isinstance(frequencies, str) or not isinstance(frequencies, Iterable):
+        raise SignalError(f"the exosystem is {frequencies!r}: give frequencies in rad/s as a list")
+    w = [float(f) for f in reading.real("exosystem frequencies", list(frequencies)).ravel()]
     if not w or any(not np.isfinite(f) or f < 0 for f in w) or len(set(w)) < len(w):
         raise SignalError(
             f"exosystem frequencies {w} rad/s: give distinct finite numbers >= 0, at least one; a ramp is {{0: 2}}"
         )
     counts = [*frequencies.values()] if isinstance(frequencies, Mapping) else [1] * len(w)
     for f, count in zip(w, counts, strict=True):
-        if int(count) != count or count < 1:
-            raise SignalError(f"exosystem frequency {f} rad/s has multiplicity {count}: give a whole number >= 1")
+        number = reading.real(f"multiplicity of {f} rad/s", count)
+        if number.ndim or not 1 <= number <= MOST or number != np.floor(number):
+            raise SignalError(
+                f"exosystem frequency {f} rad/s has multiplicity {count}: give a whole number of 1 .. {MOST}"
+            )
     return _continuous([Mode(complex(0, f), int(count)) for f, count in zip(w, counts, strict=True)])
 
 
@@ -180,9 +188,11 @@ def leapfrog(frequencies: Sequence[float], period_s: float, E: ArrayLike | None 
     modes = exosystem(frequencies).modes
     _require_below_nyquist(frequencies, period_s)
     n = sum(mode.order for mode in modes)
-    column = np.zeros(n) if E is None else np.asarray(E, dtype=np.float64).ravel()
-    if column.shape != (n,):
-        raise SignalError(f"the anti-windup gain has {column.size} entries, the internal model {n} states: give {n}")
+    column = np.zeros(n) if E is None else reading.real("entries of the anti-windup gain", E).ravel()
+    if column.shape != (n,) or not np.isfinite(column).all():
+        raise SignalError(
+            f"the anti-windup gain has {column.size} entries, the internal model {n} states: give {n} finite numbers"
+        )
     w = sorted(float(f) for f in frequencies if f)
 
     def compute() -> flint.arb_mat:

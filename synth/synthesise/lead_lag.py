@@ -19,14 +19,15 @@ x' = p x + u, y = (p - z) x + u, in the order given, the gain last.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import cast
 
 import flint
 import numpy as np
 
 from synth import show
 from synth.analyse import discretise, precise
-from synth.errors import SignalError, TimingError
-from synth.statespace import StateSpace
+from synth.errors import ModelError, SignalError, TimingError
+from synth.statespace import Array, StateSpace
 from synth.timing import Continuous, Discrete, Time
 
 
@@ -158,9 +159,9 @@ def prewarped(compensator: Compensator, period_s: float, at: float) -> LeadLag:
 
 
 def matched(compensator: Compensator, period_s: float, at: float) -> LeadLag:
-    """Return matched zeros and poles, with the gain matched at `at` rad/s; its sign makes the phases near.
+    """Return matched zeros and poles, with the gain matched at `at` rad/s, of the sign that it has at rest.
 
-    Raises TimingError as `tustin`.
+    Raises TimingError as `tustin`; ModelError when with that sign the phases at `at` are a right angle apart or more.
     """
     _require(compensator, period_s, at)
     with precise.precision():
@@ -168,11 +169,14 @@ def matched(compensator: Compensator, period_s: float, at: float) -> LeadLag:
         missing = len(compensator.poles) - len(compensator.zeros)
         zeros = [*((flint.arb(z) * T).exp() for z in compensator.zeros), *[flint.arb(-1)] * missing]
         poles = [(flint.arb(p) * T).exp() for p in compensator.poles]
-        here = _value(
-            flint.arb(compensator.gain), _balls(compensator.zeros), _balls(compensator.poles), flint.acb(0, at)
-        )
+        here = _value(flint.arb(1), _balls(compensator.zeros), _balls(compensator.poles), flint.acb(0, at))
         ratio = here / _value(flint.arb(1), zeros, poles, flint.acb(0, flint.arb(at) * T).exp())
-        gain = abs(ratio) if ratio.real.mid() > 0 else -abs(ratio)
+        if not ratio.real > 0:  # s and z = exp(s T) lie on one side of each zero and pole: the signs at rest are equal
+            raise ModelError(
+                f"at {at:g} rad/s the matched compensator of the right sign at rest is {_apart(ratio):.4g} degrees off "
+                "in phase: match at a lower frequency, shorten the period, or use `prewarped`"
+            )
+        gain = flint.arb(compensator.gain) * abs(ratio)
         return _told(compensator, _sampled(compensator, period_s, gain, zeros, poles), "matched", at)
 
 
@@ -219,24 +223,42 @@ def _sampled(
     return Compensator(g[0], z, p, Discrete(period_s), like.input, like.output, like.units)
 
 
+def _apart(ratio: flint.acb) -> float:
+    return abs(float(ratio.arg().mid())) * 180 / np.pi
+
+
 def _told(compensator: Compensator, sampled: Compensator | StateSpace, method: str, at: float) -> LeadLag:
     """Return the result with its errors at `at`."""
     if isinstance(sampled, Compensator):
-        discrete, gain, zeros = sampled.model, sampled.gain, sampled.zeros
+        discrete, gain = sampled.model, sampled.gain
+        zeros: tuple[complex, ...] = sampled.zeros
         poles: tuple[complex, ...] = sampled.poles
     else:
         discrete, poles = sampled, tuple(np.diag(sampled.A).tolist())
-        # det(z I - A + B C) = det(z I - A) (1 + C (z I - A)^-1 B)
-        open_, closed = (
-            np.atleast_1d(np.poly(np.linalg.eigvals(A))) for A in (sampled.A, sampled.A - sampled.B @ sampled.C)
-        )
-        above = closed + (sampled.D[0, 0] - 1) * open_
-        above = np.trim_zeros(np.where(np.abs(above) > 1e-14 * np.abs(above).max(), above, 0.0), "f")
-        gain, zeros = float(above[0]), tuple(np.roots(above).tolist())
+        gain, zeros = _factored(sampled)
     z = np.exp(1j * at * discrete.time.period_s) if isinstance(discrete.time, Discrete) else np.nan
     ratio = complex(discrete.response(z)[0, 0, 0] / compensator.model.response(1j * at)[0, 0, 0])
     errors = (abs(ratio) - 1, float(np.degrees(np.angle(ratio))))
     return LeadLag(compensator, discrete, method, at, gain, zeros, poles, *errors)
+
+
+def _factored(model: StateSpace) -> tuple[float, tuple[complex, ...]]:
+    """Return gain and zeros of a scalar model; its doubles are rational numbers, and each result is rounded once."""
+    A, B, C, D = (_rational(v) for v in (model.A, model.B, model.C, model.D))
+    # det(z I - A + B C) = det(z I - A) (1 + C (z I - A)^-1 B)
+    above = (A - B * C).charpoly() + (D[0, 0] - 1) * A.charpoly()
+    if above.degree() < 0:
+        return 0.0, ()
+    with precise.precision():
+        found = cast("list[tuple[flint.acb, int]]", above.numer().complex_roots())
+        roots = [v for v, times in found for _ in range(times)]
+        zeros = tuple(complex(float(v.real.mid()), float(v.imag.mid())) for v in roots)
+        return float(flint.arb(above[above.degree()])), zeros
+
+
+def _rational(values: Array) -> flint.fmpq_mat:
+    rows, columns = values.shape
+    return flint.fmpq_mat(rows, columns, [flint.fmpq(*float(v).as_integer_ratio()) for v in values.ravel()])
 
 
 def _balls(values: Sequence[float]) -> list[flint.arb]:

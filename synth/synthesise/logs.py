@@ -6,21 +6,25 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from synth import show
 from synth.errors import SignalError, TimingError
 from synth.statespace import Array, readonly
+from synth.synthesise import reading
 from synth.timing import Discrete
 
 JITTER = 1e-2  # of the period: by how much the distance of two rows may differ from it
+DRIFT = 1e-4  # of the log's duration: by how much the times may differ from it, twice what poor quartz clocks do
 
 
-@dataclass(frozen=True, eq=False)
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
 class Log:
     """Samples (N,) of each signal by name, in the signals' SI units, one period apart if there is one.
 
-    `times` (N,), in s, are compared with the period and not kept.
+    `times` (N,), in s, are compared with the period, row by row and over the whole log, and not kept.
 
-    Raises SignalError for samples of unlike number or that are not finite, naming row and signal; TimingError for a
-    period that is not positive, or times that are not one period apart.
+    Raises SignalError for samples of unlike number, none, or that are not finite, naming row and signal; TimingError
+    for a period that is not positive, or times that are not one period apart.
     """
 
     samples: Mapping[str, Array]
@@ -28,6 +32,8 @@ class Log:
     times: ArrayLike | None = None
 
     def __post_init__(self) -> None:
+        if not isinstance(self.samples, Mapping):
+            raise SignalError(f"the log is a {type(self.samples).__name__}: give samples by name, like {{'x': [1, 2]}}")
         object.__setattr__(self, "samples", {name: _column(name, v) for name, v in self.samples.items()})
         if not self.samples:
             raise SignalError("the log holds no signal: give samples by name")
@@ -37,8 +43,10 @@ class Log:
                 raise SignalError(
                     f"the log has {len(values)} samples of '{name}' and {len(self)} of '{first}': give as many of each"
                 )
+        if not len(self):
+            raise SignalError(f"the log has no sample of '{first}': give one row or more")
         if self.period_s is not None:
-            Discrete(self.period_s)
+            _check_period(self.period_s)
         if self.times is not None:
             self._check_times(_column("times", self.times))
             object.__setattr__(self, "times", None)
@@ -60,6 +68,13 @@ class Log:
             raise TimingError("the log has no sample period: give period_s")
         return self.period_s
 
+    def sheet(self) -> show.Sheet:
+        """Return the number of rows, the period, and the least, mean and largest sample of each signal."""
+        spread = [(v.min(), v.mean(), v.max(), v.std()) for v in self.samples.values()]
+        table = show.matrix("signal", spread, tuple(self.samples), ("least", "mean", "largest", "deviation"))
+        each = "" if self.period_s is None else f", {self.period_s:g} s apart"
+        return show.Sheet(f"Log of {len(self)} rows{each}", tables=(table,))
+
     def _check_times(self, times: Array) -> None:
         if len(times) != len(self):
             raise SignalError(f"the log has {len(times)} times and {len(self)} rows: give one for each row")
@@ -71,13 +86,22 @@ class Log:
                 f"{gaps[k]:.6g} s pass between rows {k} and {k + 1} of the log, whose period is {period:g} s: "
                 "split the log there, or resample it"
             )
+        if abs(float(gaps.sum()) - len(gaps) * period) > max(JITTER, DRIFT * len(gaps)) * period:
+            raise TimingError(
+                f"the rows of the log are {gaps.mean():.6g} s apart on average, and its period is {period:g} s: "
+                f"give period_s = {gaps.mean():.6g}, or mend the clock"
+            )
+
+
+def _check_period(period_s: float) -> None:
+    try:
+        Discrete(period_s)
+    except TypeError as error:
+        raise TimingError(f"the sample period is {period_s!r}: give seconds as a number") from error
 
 
 def _column(name: str, values: ArrayLike) -> Array:
-    try:
-        column = readonly(values)
-    except (TypeError, ValueError) as error:
-        raise SignalError(f"the samples of '{name}' are no real numbers ({error}): give an array (N,)") from error
+    column = readonly(reading.real(f"samples of '{name}'", values))
     if column.ndim != 1:
         raise SignalError(f"the samples of '{name}' have the shape {column.shape}: give an array (N,)")
     if not np.isfinite(column).all():

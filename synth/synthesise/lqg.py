@@ -78,19 +78,24 @@ class Controller:
 @show.printed
 @dataclass(frozen=True, eq=False, repr=False)
 class Expectation:
-    """The mean of x'Q x + u'R u + 2 x'N u for each second, or each sample, and the standard deviations behind it."""
+    """The mean of x'Q x + u'R u + 2 x'N u for each second, or each sample, and the standard deviations behind it.
+
+    `residual` is that of the equation of the covariance, over its terms.
+    """
 
     cost: float
     deviations: dict[str, float]
     units: dict[str, str]
+    residual: float
     time: Time
 
     def sheet(self) -> show.Sheet:
-        """Return the cost and each signal's standard deviation."""
+        """Return the cost, the residual and each signal's standard deviation."""
         rows = [show.named(name, self.units.get(name, "")) for name in self.deviations]
         table = show.matrix("signal", np.array([list(self.deviations.values())]).T, rows, ("standard deviation",))
         each = "second" if isinstance(self.time, Continuous) else "sample"
-        return show.Sheet(f"Expected cost of LQG control for each {each}: {show.number(self.cost)}", tables=(table,))
+        title = f"Expected cost of LQG control for each {each}: {show.number(self.cost)}"
+        return show.Sheet(title, (f"Equation of the covariance solved to {self.residual:.1e}",), (table,))
 
 
 def predictor(gain: lqr.Gain, estimator: kalman.Estimator) -> Controller:
@@ -121,7 +126,8 @@ def expected(controller: Controller, acting: noise.Noise | None = None) -> Expec
     k = len(e.W) + len(e.V)
     Sigma, B = np.block([[e.W, e.S], [e.S.T, e.V]]), loop.B[:, :k]
     driven = B @ Sigma @ B.T
-    X = noise.stationary(loop.A, (driven + driven.T) / 2, loop.time)
+    driven = (driven + driven.T) / 2
+    X = noise.stationary(loop.A, driven, loop.time)
     part = loop.select(gain.inputs, loop.inputs[:k])
     z = [loop.states.index(name) for name in gain.states]
     zz, zu = X[np.ix_(z, z)], X[z] @ part.C.T
@@ -130,7 +136,8 @@ def expected(controller: Controller, acting: noise.Noise | None = None) -> Expec
     values = np.sqrt(np.concatenate([np.diag(zz), np.diag(uu)]))
     names = (*gain.states, *gain.inputs)
     units = {name: loop.unit(name) for name in names}
-    return Expectation(cost, dict(zip(names, values.tolist(), strict=True)), units, loop.time)
+    residual = noise.residual(loop.A, driven, X, loop.time)
+    return Expectation(cost, dict(zip(names, values.tolist(), strict=True)), units, residual, loop.time)
 
 
 def _controller(gain: lqr.Gain, estimator: kalman.Estimator, form: StateSpace) -> Controller:

@@ -24,11 +24,11 @@ import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
 from synth import show
-from synth.analyse import discretise
-from synth.errors import SignalError, TimingError
-from synth.statespace import Array, StateSpace, System, of, readonly
-from synth.synthesise import riccati, weights
-from synth.timing import Continuous, Discrete, Time
+from synth.analyse import discretise, structure
+from synth.errors import ModelError, SignalError, TimingError
+from synth.statespace import Array, StateSpace, System, of, readonly, two_dimensional
+from synth.synthesise import doubling, riccati, weights
+from synth.timing import Continuous, Discrete, Time, period
 
 
 @show.printed
@@ -104,7 +104,10 @@ def lqr(system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | Non
     Q and R are matrices, diagonals or {name: weight}. Raises as `riccati.solve`.
     """
     model = of(system)
-    found = riccati.solve(model, Q, R, N, exact=exact)
+    return _gain(model, riccati.solve(model, Q, R, N, exact))
+
+
+def _gain(model: StateSpace, found: riccati.Riccati) -> Gain:
     kept = found.Q, found.R, found.N
     return Gain(readonly(-found.L), *kept, model.states, model.inputs, model.time, found, model.units)
 
@@ -133,10 +136,37 @@ def lqrd(
 ) -> Gain:
     """Return the optimal gain for a continuous model whose input is held over `period_s`, for the continuous cost.
 
-    Raises TimingError for a sampled model; else as `riccati.solve`.
+    Raises TimingError for a sampled model; ModelError when it is for the period that no feedback stabilises it; else as
+    `riccati.solve`.
     """
-    cost = sampled_cost(system, Q, R, period_s, N, exact)
-    return lqr(cost.model, cost.Q, cost.R, cost.N, exact)
+    model = of(system)
+    return _held_gain(model, sampled_cost(model, Q, R, period_s, N, exact), exact)
+
+
+def _held_gain(model: StateSpace, cost: SampledCost, exact: bool) -> Gain:
+    try:
+        return _gain(cost.model, riccati.solved(cost.model, cost.Q, cost.R, cost.N, exact))
+    except ModelError:
+        _require_period(model, cost.model)
+        raise
+
+
+def _require_period(model: StateSpace, held: StateSpace) -> None:
+    """Raise ModelError when it is for the sample period alone that no feedback stabilises the held model.
+
+    That is so when modes of the continuous model differ by a multiple of 2 pi i / T (Kalman, Ho, Narendra 1963).
+    """
+    structure.check_stabilisable(model)
+    try:
+        structure.check_stabilisable(held)
+    except ModelError as error:
+        fastest = float(np.abs(model.poles.imag).max())
+        advice = f", below {np.pi / fastest:.4g} s" if fastest else ""
+        raise ModelError(
+            f"the input stabilises the continuous model, but not when it is held over {period(held.time):.6g} s, a "
+            "period at which modes that it moves look alike from sample to sample: take another period, best a "
+            f"shorter one{advice}"
+        ) from error
 
 
 def sampled_cost(
@@ -160,7 +190,7 @@ def sampled_cost(
     F = np.zeros((n + m, n + m))
     F[:n, :n], F[:n, n:] = model.A, model.B
     over = discretise.gramian(F, weights.joined(Q, R, N), period_s, exact=exact)
-    held = replace(model, A=over.M[:n, :n], B=over.M[:n, n:], time=Discrete(period_s))
+    held = replace(model, A=over.M[:n, :n], B=over.M[:n, n:], time=Discrete(float(period_s)))
     return SampledCost(held, readonly(over.W[:n, :n]), readonly(over.W[n:, n:]), readonly(over.W[:n, n:]))
 
 
@@ -178,22 +208,40 @@ def cost_ratio(
     Infinite when the sampled loop with `gain` is unstable. The model is continuous, the gain of any origin: with that
     of `lqr` this is the price of emulation. A state of which the optimal cost is zero is left aside.
 
-    Raises as `lqrd`.
+    Raises SignalError when the gain is that of other states or inputs; ModelError when the optimal cost is zero from
+    every state; else as `lqrd`.
     """
-    cost = sampled_cost(system, Q, R, period_s, N, exact)
-    best = lqr(cost.model, cost.Q, cost.R, cost.N, exact)
-    closed = cost.model.A + cost.model.B @ gain.K
-    if np.abs(np.linalg.eigvals(closed)).max() >= 1:
-        return np.inf
-    K, N = gain.K, cost.N
-    step = cost.Q + K.T @ cost.R @ K + N @ K + (N @ K).T
-    X, least = scipy.linalg.solve_discrete_lyapunov(closed.T, step), best.certificate.X
-    size = np.sqrt(np.diag(least))
+    model = of(system)
+    K, cost = _fitting(gain, model), sampled_cost(model, Q, R, period_s, N, exact)
+    least = _held_gain(model, cost, exact).certificate.X
+    size = np.sqrt(np.maximum(np.diag(least), 0.0))
+    if not size.any():
+        raise ModelError(
+            "the optimal cost is zero from every state, so that nothing can be compared with it: weight a state"
+        )
     d = 1 / np.where(size > 0, size, 1.0)
-    values, V = np.linalg.eigh(d[:, None] * least * d)
+    NK = cost.N @ K
+    step, unit = cost.Q + K.T @ cost.R @ K + NK + NK.T, d * d[:, None]
+    decay = doubling.decay((cost.model.A + cost.model.B @ K) * d / d[:, None], doubling.Bilinear(1.0, False))
+    if decay is None:
+        return np.inf
+    values, V = np.linalg.eigh(least * unit)
     costly = values > 1e-13 * values[-1]
-    W = d[:, None] * V[:, costly] / np.sqrt(values[costly])
-    return float(np.linalg.eigvalsh(W.T @ (X + X.T) @ W / 2)[-1])
+    W = V[:, costly] / np.sqrt(values[costly])
+    return float(np.linalg.eigvalsh(W.T @ decay.gathered(step * unit) @ W)[-1])
+
+
+def _fitting(gain: Gain, model: StateSpace) -> Array:
+    """Return K (m, n) of a gain for this very model."""
+    if (gain.states, gain.inputs) != (model.states, model.inputs):
+        raise SignalError(
+            f"the gain is from {', '.join(gain.states)} to {', '.join(gain.inputs)}, the model has the states "
+            f"{', '.join(model.states)} and the inputs {', '.join(model.inputs)}: give the gain of this model"
+        )
+    K = two_dimensional("K", gain.K)
+    if K.shape != model.B.T.shape or not np.isfinite(K).all():
+        raise SignalError(f"the gain K is {K.shape}: this model needs a finite one of {model.B.T.shape}")
+    return K
 
 
 def output_weighted(system: System, Qy: weights.Weight, R: weights.Weight) -> Weights:
@@ -222,8 +270,6 @@ def integral(system: System, outputs: Sequence[str]) -> StateSpace:
     """
     model = of(system)
     chosen = model.select(outputs, model.inputs)
-    if len(set(outputs)) < len(outputs):
-        raise SignalError(f"an output stands twice among {', '.join(outputs)}: its integral is one state")
     sampled = isinstance(model.time, Discrete)
     k, T = len(outputs), model.time.period_s if isinstance(model.time, Discrete) else 1.0
     names = tuple(f"{name}_integral" for name in outputs)

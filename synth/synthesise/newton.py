@@ -11,30 +11,49 @@ singular within rounding (iterative refinement). After a small step D the residu
 and these sums, of the size of D, need no more than double precision.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from synth.statespace import Array
 from synth.synthesise import doubling
 from synth.synthesise.doubling import Bilinear, Decay
-from synth.synthesise.equation import Equation, Solution, sizes
+from synth.synthesise.equation import Complex, Equation, Solution, sizes
 
 ROUNDED = 2.0**-52  # of sqrt(X_ii X_jj), times n: an error that only makes up for the rounding of X
+FINE = 1e-10  # likewise: an error that is enough where the linear equation is rigid
+RIGID = 1e13  # condition above which the linear equation is solved to a few digits, and steps gain no more
 STALLED = 1e-6  # likewise: errors below it should shrink each time
-KEPT = 1e-3  # likewise: after an error this small the linear equation of the last step does
+KEPT = 1e-8  # likewise: after an error this small the linear equation of the last step does
+SMALL = 1e-10  # likewise: from an error this small the residual may follow
 STEPS = 60  # from a loop that is stable but far from the best, each step halves what is too much
+LOOSER = 1e-2  # how much closer X is to be known than what its error adds to L, of which L is rid in the end
+
+
+@dataclass(frozen=True, eq=False)
+class Certified:
+    """A solution of a balanced equation with what `riccati.Riccati` tells of it.
+
+    `error` is the forward error, or what it adds to L, as far as that counts; `poles` (n,) are those of its loop.
+    """
+
+    solution: Solution
+    residual: float
+    forward_error: float
+    condition: float
+    error: float
+    poles: Complex
 
 
 @np.errstate(all="ignore")
-def refined(equation: Equation, X: Array, bilinear: Bilinear) -> Solution | None:
+def refined(equation: Equation, X: Array, bilinear: Bilinear) -> Certified | None:
     """Return the solution that Newton's method reaches from X (n, n).
 
     Returns None when a loop on the way does not decay, or R or S is not positive definite in double precision. How near
-    it came is told by its `step`.
+    it came is told by its `error`.
     """
     X = (X + X.T) / 2  # the residual is that of a symmetric X
-    last, decay, found, known = np.inf, None, None, np.inf
+    last, decay, best, T, condition = np.inf, None, None, None, np.inf
     try:
         defect, L = equation.residual(X)
         for _ in range(STEPS):
@@ -42,56 +61,88 @@ def refined(equation: Equation, X: Array, bilinear: Bilinear) -> Solution | None
             decay = decay if decay and last < KEPT else doubling.decay(closed, bilinear)
             if decay is None:
                 return None
-            now = Solution(X, L, closed, defect, decay.gathered(defect))
-            error = now.error(equation)
-            if not np.isfinite(error):
+            now = _Iterate.of(equation, Solution(X, L, closed, defect, decay.gathered(defect)))
+            if not np.isfinite(now.error):
                 return None
-            stalled = error < STALLED and error > last / 2
-            if found is None or not stalled:
-                found = now
-            if error <= ROUNDED * len(X) or stalled:
-                return certified(equation, found.corrected(equation), decay)
-            if error < STALLED and known == np.inf:
-                known = _condition(equation.terms(X), X, decay)
-            X, last = X + now.step, error
-            defect, L = _followed(now, equation, X) if _follows(error, known) else equation.residual(X)
+            if T is None and now.error < STALLED:
+                T = equation.terms(X)
+                condition = _condition(T, now.size, decay)
+            stalled = T is not None and now.error > last / 2
+            best = now if best is None or not stalled else best
+            if T is not None and (stalled or now.is_fine(condition)):
+                return best.certified(equation, T, condition)
+            X, last = X + now.solution.step, now.error
+            follows = now.error < SMALL and now.error * condition < 1
+            defect, L = now.followed(equation, X) if follows else equation.residual(X)
     except np.linalg.LinAlgError:
         return None
     return None
 
 
-def _follows(error: float, condition: float) -> bool:
-    """Tell whether rounding in `_followed` stays far below that of X: it is that of a double, times the step."""
-    return error * condition < 1.0
+@dataclass(frozen=True, eq=False)
+class _Iterate:
+    """A solution on the way, with what its step adds to L, its sizes, its forward error and its error."""
+
+    solution: Solution
+    added: Array
+    size: Array
+    forward_error: float
+    error: float
+
+    @staticmethod
+    def of(equation: Equation, found: Solution) -> "_Iterate":
+        size = sizes(found.X)
+        step = found.step if equation.continuous else found.step @ found.closed
+        added = np.linalg.solve(equation.weight(found.X), equation.B.T @ step)
+        more, L = (np.abs(v / size).max(axis=1) for v in (added, found.L))
+        forward = float((np.abs(found.step) / size / size[:, None]).max())
+        error = max(forward, LOOSER * float((more / np.where(L > 0, L, 1.0)).max()))
+        return _Iterate(found, np.asarray(added), size, forward, error)
+
+    def is_fine(self, condition: float) -> bool:
+        """Tell whether the error is that of rounding, or small where another step would hardly lessen it."""
+        return self.error <= (FINE if condition > RIGID else ROUNDED * len(self.size))
+
+    def followed(self, equation: Equation, X: Array) -> tuple[Array, Array]:
+        """Return residual and L at an X (n, n) near this one."""
+        D, Ac = X - self.solution.X, self.solution.closed
+        DAc = D @ Ac
+        M = equation.B.T @ (D if equation.continuous else DAc)
+        added = np.linalg.solve(equation.weight(X), M)
+        linear = DAc + DAc.T if equation.continuous else Ac.T @ DAc - D
+        defect = self.solution.defect + linear - M.T @ added
+        return (defect + defect.T) / 2, self.solution.L + added
+
+    def certified(self, equation: Equation, T: Array, condition: float) -> Certified:
+        """Return the solution with L for X + step, which resolves more of X than X's own rounding leaves."""
+        L = self.solution.L + self.added
+        found = replace(self.solution, L=L, closed=equation.A - equation.B @ L)
+        return Certified(found, _beside(found.defect, T), self.forward_error, condition, self.error, found.poles())
 
 
-def _followed(last: Solution, equation: Equation, X: Array) -> tuple[Array, Array]:
-    """Return residual and L at an X (n, n) near the last."""
-    D, Ac = X - last.X, last.closed
-    DAc = D @ Ac
-    M = equation.B.T @ (D if equation.continuous else DAc)
-    added = np.linalg.solve(equation.weight(X), M)
-    linear = DAc + DAc.T if equation.continuous else Ac.T @ DAc - D
-    defect = last.defect + linear - M.T @ added
-    return (defect + defect.T) / 2, last.L + added
+@np.errstate(all="ignore")
+def certified(equation: Equation, found: Solution, bilinear: Bilinear) -> Certified:
+    """Return the certificate of a solution of any origin; its condition is infinite where its loop does not decay."""
+    T, decay = equation.terms(found.X), doubling.decay(found.closed, bilinear)
+    now = _Iterate.of(equation, found)
+    condition = np.inf if decay is None else _condition(T, now.size, decay)
+    return Certified(found, _beside(found.defect, T), now.forward_error, condition, now.error, found.poles())
 
 
-def certified(equation: Equation, found: Solution, decay: Decay | None) -> Solution:
-    """Return a solution with its residual and its condition, infinite where its loop has no decay.
-
-    Both are told beside the sum T of the equation's absolute terms. Of the residual d the largest |d_ij| / t_ij counts,
-    t_ij the greater of T_ij and sqrt(T_ii T_jj). Relative changes of the terms, |dT_ij| <= T_ij, make
-    dT <= diag(T 1), and the linear equation of Newton's step keeps that order.
-    """
-    T = equation.terms(found.X)
-    root = np.sqrt(np.diag(T))
+def _beside(defect: Array, T: Array) -> float:
+    """Return the largest |d_ij| over the greater of T_ij and sqrt(T_ii T_jj)."""
+    root = np.sqrt(T.diagonal())
     beside = np.maximum(T, root * root[:, None])
-    residual = float(np.divide(np.abs(found.defect), beside, out=np.zeros_like(T), where=beside > 0).max())
-    return replace(found, residual=residual, condition=np.inf if decay is None else _condition(T, found.X, decay))
+    return float(np.divide(np.abs(defect), beside, out=np.zeros_like(T), where=beside > 0).max())
 
 
-def _condition(T: Array, X: Array, decay: Decay) -> float:
-    return float((np.diag(decay.gathered(np.diag(T.sum(axis=1)))) / sizes(X) ** 2).max())
+def _condition(T: Array, size: Array, decay: Decay) -> float:
+    """Return what relative changes of the terms, |dT_ij| <= T_ij, do to X_ij over s_i s_j at most; sizes s.
+
+    They make dT <= diag(s_i sum_j T_ij / s_j), and the linear equation of Newton's step keeps that order.
+    """
+    changed = decay.gathered(np.diag(size * (T / size).sum(axis=1)))
+    return float((changed.diagonal() / (size * size)).max())
 
 
 @np.errstate(all="ignore")

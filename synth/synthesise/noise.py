@@ -19,7 +19,7 @@ from synth import show
 from synth.analyse import discretise, precise
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly, two_dimensional
-from synth.synthesise import weights
+from synth.synthesise import spectrum, weights
 from synth.timing import Continuous, Time
 
 Entry = ArrayLike | Sequence[str] | None
@@ -27,7 +27,9 @@ Entry = ArrayLike | Sequence[str] | None
 each state."""
 
 SINGULAR = 1e-12  # of a covariance scaled to a diagonal of 1: an eigenvalue below it counts as zero
-DOUBLINGS = 60  # of the span over which a covariance is summed: a decay too slow for it is below rounding of the pole
+DOUBLINGS = 80  # of the span over which a covariance is summed: with 2^40 for the slowest decay in discrete time
+SETTLED = 2.0**-60  # of what a start has grown to at most: what is left of it when the sum over time is complete
+SIZES = (1e-100, 1e100)  # variances whose squares, beside those of a model, are numbers in double precision
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +78,7 @@ def white(system: System, W: weights.Weight, V: weights.Weight, G: Entry = None,
         ft = f.transpose()
         states, measured = g * w * g.transpose(), v + f * w * ft + f * s + s.transpose() * ft
         noise = Noise(*(readonly(precise.rounded(part)) for part in (states, measured, g * (w * ft + s))))
+    _require_size(noise, entered.model)
     _require_measurement(noise.V, outputs)
     return Noisy(entered.model, noise)
 
@@ -106,8 +109,10 @@ def sampled(
         density = precise.rounded(g * precise.matrix(W) * g.transpose())
     process = discretise.gramian(model.A.T, density, period_s, exact).W
     V = weights.semidefinite("V", V, model.outputs)
+    noise = Noise(process, readonly(V), readonly(np.zeros(model.C.T.shape)))
+    _require_size(noise, model)
     _require_measurement(V, model.outputs)
-    return Noisy(held, Noise(process, readonly(V), readonly(np.zeros(model.C.T.shape))))
+    return Noisy(held, noise)
 
 
 def stationary(A: ArrayLike, W: ArrayLike, time: Time) -> Array:
@@ -115,25 +120,61 @@ def stationary(A: ArrayLike, W: ArrayLike, time: Time) -> Array:
 
         A X + X A' + W = 0,     A X A' + W = X
 
-    X is summed over doubled spans of time; nothing is subtracted, so that small entries keep their digits.
+    X is summed over doubled spans of time, from below the fastest to above the slowest decay, and mended once by the
+    sum for what an exact residual leaves.
 
-    Raises ModelError naming a pole that does not decay.
+    Raises ModelError naming a pole that does not decay by more than rounding error, or when double precision does not
+    tell.
     """
-    A, X = np.asarray(A, dtype=np.float64), np.asarray(W, dtype=np.float64)
-    poles = np.linalg.eigvals(A)
-    decay = -poles.real if isinstance(time, Continuous) else 1 - np.abs(poles)
-    if (decay <= 0).any():
+    A, W = np.asarray(A, dtype=np.float64), np.asarray(W, dtype=np.float64)
+    if (pole := spectrum.lasting(A, time)) is not None:
         raise ModelError(
-            f"the pole {show.number(complex(poles[np.argmin(decay)]))} does not decay, so that no covariance stays "
-            "finite: stabilise it or take it out of the model"
+            f"the pole {show.number(pole)} does not decay, so that no covariance stays finite: stabilise it or take it "
+            "out of the model"
         )
-    if isinstance(time, Continuous) and len(A):
-        over = discretise.gramian(A.T, X, 1 / float(np.abs(poles).max()))
-        A, X = over.M.T, over.W
+    if not len(A):
+        return readonly(W)
+    X = _summed(A, W, time)
+    return readonly(X + _summed(A, _unbalance(A, W, X, time), time))
+
+
+def residual(A: Array, W: Array, X: Array, time: Time) -> float:
+    """Return the largest entry of A X + X A' + W, or of A X A' + W - X, over the sum of its terms' sizes."""
+    if not len(A):
+        return 0.0
+    a, x = np.abs(A), np.abs(X)
+    terms = a @ x + x @ a.T + np.abs(W) if isinstance(time, Continuous) else a @ x @ a.T + np.abs(W) + x
+    return float((np.abs(_unbalance(A, W, X, time)) / np.where(terms > 0, terms, 1.0)).max())
+
+
+def _unbalance(A: Array, W: Array, X: Array, time: Time) -> Array:
+    """Return A X + X A' + W, or A X A' + W - X, each entry rounded once."""
+    with precise.precision():
+        a, w, x = (precise.matrix(M) for M in (A, W, X))
+        ax, at = a * x, a.transpose()
+        left = precise.rounded(ax + x * at + w if isinstance(time, Continuous) else ax * at + w - x)
+    return (left + left.T) / 2
+
+
+def _summed(A: Array, W: Array, time: Time) -> Array:
+    """Return the covariance that W gathers until what it started from has decayed."""
+    M, X = A, W
+    if isinstance(time, Continuous):
+        over = discretise.gramian(A.T, W, 1 / (float(np.abs(np.linalg.eigvals(A).real).min()) or 1.0))
+        M, X = over.M.T, over.W
+    D, grown = discretise.balancing(A), 1.0
     for _ in range(DOUBLINGS):
-        added = A @ X @ A.T
-        X, A = X + (added + added.T) / 2, A @ A
-    return readonly(X)
+        size = float(np.abs(M * D / D[:, None]).max())
+        if size <= SETTLED * grown:
+            return X
+        added, grown = M @ X @ M.T, max(grown, size)
+        X, M = X + (added + added.T) / 2, M @ M
+        if not (np.isfinite(M).all() and np.isfinite(X).all()):
+            break
+    raise ModelError(
+        "the covariance is not determined in double precision, for rounding of the model decides whether it stays "
+        "finite: give the model more damping or take slow modes out of it"
+    )
 
 
 def _entered(model: StateSpace, G: Entry) -> _Entered:
@@ -165,6 +206,17 @@ def _least(covariance: Array) -> tuple[float, Array]:
     size = np.where(size > 0, size, 1.0)
     values, vectors = scipy.linalg.eigh(covariance / size / size[:, None])
     return float(values[0]), vectors[:, 0]
+
+
+def _require_size(noise: Noise, model: StateSpace) -> None:
+    """Raise SignalError for a variance other than 0 that is too large or too small to be squared."""
+    sizes = np.concatenate([np.diag(noise.W), np.diag(noise.V)])
+    for name, size in zip((*model.states, *model.outputs), sizes, strict=True):
+        if size and not SIZES[0] <= size <= SIZES[1]:
+            raise SignalError(
+                f"the noise on {name} has the size {size:.3g}: a filter needs 0 or {SIZES[0]:.0e} .. {SIZES[1]:.0e}; "
+                "choose units in which it is nearer to 1, or take 0 for a noise that counts for nothing"
+            )
 
 
 def _require_measurement(V: Array, outputs: Sequence[str]) -> None:

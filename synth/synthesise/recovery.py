@@ -24,7 +24,7 @@ from synth import show
 from synth.analyse import structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, readonly
-from synth.synthesise import kalman, lqg, lqr, noise, weights
+from synth.synthesise import kalman, lqg, lqr, noise, reading, weights
 from synth.timing import Continuous, Discrete
 
 POINTS = 400
@@ -95,7 +95,7 @@ def at_input(
     plant, s = model.select(model.outputs, gain.inputs), _points(model, qs, band)
     full = lqr.integral(plant, lqg.integrals(gain, plant))
     full = replace(full, C=np.eye(len(full.A)), D=np.zeros_like(full.B), outputs=full.states)
-    target = -gain.K @ full.select(gain.states, gain.inputs).response(s)
+    target = _present(-gain.K @ full.select(gain.states, gain.inputs).response(s), "K")
 
     def step(q: float) -> Step:
         raised = replace(e, W=readonly(e.W + q * q * _square(plant.B)))
@@ -123,6 +123,7 @@ def at_output(
     Q, R = weights.semidefinite("Q", Q, plant.states), weights.definite("R", R, plant.inputs)
     p = len(plant.outputs)
     target = replace(plant, B=estimator.L, D=np.zeros((p, p)), inputs=plant.outputs).response(s)
+    target = _present(target, "L")
 
     def step(q: float) -> Step:
         controller = form(lqr.lqr(plant, Q + q * q * _square(plant.C.T), R), estimator)
@@ -137,12 +138,13 @@ def at_output(
 
 def _points(model: StateSpace, qs: Sequence[float], band: tuple[float, float]) -> Complex:
     """Return the points of the band in s or in z."""
-    low, high = band
+    low, high = reading.real("limits of the band", band).ravel()[:2] if np.size(band) == 2 else (np.nan, np.nan)
+    sweep = reading.real("numbers q of the sweep", qs)
     top = np.pi / model.time.period_s if isinstance(model.time, Discrete) else np.inf
     if not 0 < low < high < top:
-        raise SignalError(f"the band is {low} .. {high} rad/s: give 0 < low < high, and high below {top:.6g} rad/s")
-    if len(qs) == 0 or not all(0 <= q < np.inf for q in qs):
-        raise SignalError(f"the sweep is over q = {list(qs)}: give finite numbers >= 0, at least one")
+        raise SignalError(f"the band is {band} rad/s: give 0 < low < high, and high below {top:.6g} rad/s")
+    if sweep.ndim != 1 or not sweep.size or not ((sweep >= 0) & (sweep < np.inf)).all():
+        raise SignalError(f"the sweep is over q = {qs}: give finite numbers >= 0, at least one")
     if model.D.any():
         raise ModelError(
             f"{', '.join(model.outputs)} depend on {', '.join(model.inputs)} at once: recovery needs a plant without a "
@@ -161,6 +163,16 @@ def _compensator(controller: lqg.Controller, s: Complex) -> Complex:
     """Return the response (k, m, p) from y to u."""
     F = controller.compensator.select(controller.gain.inputs, controller.estimator.model.outputs)
     return F.response(s)
+
+
+def _present(target: Complex, gain: str) -> Complex:
+    """Return the target's response; raise ModelError where it is 0, so that no distance is relative to it."""
+    if not np.abs(target).max(axis=(1, 2), initial=0.0).all():
+        raise ModelError(
+            f"the target loop of the gain {gain} is 0 in the band: there is nothing to recover; choose weights or "
+            f"noise for which {gain} acts, or leave the plant as it is"
+        )
+    return target
 
 
 def _distance(ratio: Complex, target: Complex) -> float:

@@ -10,7 +10,7 @@ decomposition of the scaled C leave over, so that M is as regular as picking can
 state, M only reorders. The blocks are computed in ball arithmetic and rounded once.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import flint
@@ -21,6 +21,7 @@ from synth import show
 from synth.analyse import precise, staircase, structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.synthesise import names as signal_names
 from synth.synthesise.spectrum import ball
 
 DEPENDENT = 0.1  # of the largest share of a dependence between outputs: a smaller one is not named
@@ -52,12 +53,14 @@ def of_model(system: System, measured: Sequence[str] | str) -> Partition:
     """Return a model split by its measured signals: outputs, or states that no output is named after.
 
     Raises SignalError for a name that is not known or stands twice, or for none; ModelError when measured signals
-    depend on each other, when nothing is left to estimate, or naming a mode that does not decay and that they do not
-    show.
+    depend on each other, when nothing is left to estimate, as in a model without states, or naming a mode that does not
+    decay and that they do not show.
     """
     model = of(system)
-    C, D = rows(model, measured)
-    names = _names(measured)
+    if not model.states:
+        raise ModelError("the model has no states: nothing is left to estimate")
+    names = signal_names.of("measured signals", measured)
+    C, D = rows(model, names)
     left, condition = _left_over(model, names, C)
     M = np.vstack([C, np.eye(len(model.A))[left]])
     estimated = tuple(model.states[i] for i in left)
@@ -70,18 +73,12 @@ def of_model(system: System, measured: Sequence[str] | str) -> Partition:
     return found
 
 
-def _names(measured: Sequence[str] | str) -> tuple[str, ...]:
-    if not isinstance(measured, Iterable):
-        raise SignalError(f"the measured signals are {measured}: give names")
-    return (measured,) if isinstance(measured, str) else tuple(measured)
-
-
 def rows(model: StateSpace, measured: Sequence[str] | str) -> tuple[Array, Array]:
     """Return C (p, n) and D (p, m) of the measured signals.
 
     Raises SignalError for a name that is not known or stands twice, or for none.
     """
-    names = _names(measured)
+    names = signal_names.of("measured signals", measured)
     if not names or len(set(names)) < len(names):
         raise SignalError(f"the measured signals are {', '.join(names) or 'none'}: name one or more, each once")
     n, m = model.B.shape

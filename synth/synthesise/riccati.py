@@ -6,13 +6,13 @@
 
 for A (n, n), B (n, m), Q (n, n), R (m, m) > 0, N (n, m) and a cost [Q, N; N', R] >= 0. By default in double precision:
 states and inputs are balanced by powers of 2, doubling gives a start, and Newton's method with a residual of twice the
-precision ends within rounding. What comes out is taken when its own certificate holds; else SciPy's Schur method gives
-the start, then ball arithmetic takes over, for 12 states or fewer. With `exact` ball arithmetic rounds X and L
-correctly, alike on every machine.
+precision ends within rounding. What comes out is taken when its own certificate holds. Else the start is a gain for
+more moderate weights, then SciPy's Schur method; then ball arithmetic takes over, for 12 states or fewer. With `exact`
+ball arithmetic rounds X and L correctly, alike on every machine.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
@@ -21,8 +21,8 @@ from numpy.typing import ArrayLike, NDArray
 from synth import show
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
-from synth.synthesise import doubling, equation, exact_riccati, newton, solvability, weights
-from synth.synthesise.equation import Equation, Solution
+from synth.synthesise import doubling, exact_riccati, newton, solvability, weights
+from synth.synthesise.equation import Equation, Solution, decays
 from synth.timing import Continuous, Time
 
 TRUSTED = 1e-8  # forward error up to which a solution in double precision is taken
@@ -41,7 +41,7 @@ class Riccati:
     `forward_error`  the largest error of X_ij over sqrt(X_ii X_jj); infinite where A - B L is not stable
     `condition`      the factor from relative changes of the equation's terms to those of sqrt(X_ii X_jj), at most
 
-    so that units do not matter. `least_eigenvalue` is that of X.
+    so that units do not matter; `least_eigenvalue` is that of X_ij over sqrt(X_ii X_jj).
     """
 
     X: Array
@@ -74,7 +74,7 @@ class Riccati:
         """Return the certificate in words."""
         return (
             f"residual {self.residual:.1e}, error of X {self.forward_error:.1e}, condition {self.condition:.1e}, "
-            f"least eigenvalue of X {self.least_eigenvalue:.3g}",
+            f"least eigenvalue of X, its diagonal made 1, {self.least_eigenvalue:.3g}",
         )
 
 
@@ -102,14 +102,21 @@ def solve(
     states, or when no stabilising solution is found.
     """
     model = of(system)
+    return solved(model, *checked_weights(model, Q, R, N), exact)
+
+
+def solved(model: StateSpace, Q: Array, R: Array, N: Array, exact: bool) -> Riccati:
+    """Do as `solve` for weights that `checked_weights` returned."""
     stated = _stated(model, Q, R, N)
     balance = _Balance.of(stated)
-    found = _solution(model, stated, balance)
+    certified = _solution(model, stated, balance)
+    found = balance.back(certified.solution)
     if exact:
-        found = _from_balls(exact_riccati.solve(stated, found.X), balance)
-    certified = _certified(model, stated, found, balance)
-    solvability.prove(model, stated, balance.scaled, certified.poles)
-    return certified
+        found = exact_riccati.solve(stated, found.X)
+        certified = balance.certified(found)
+    result = _result(model, stated, found, certified)
+    solvability.prove(model, stated, balance.scaled, result.poles)
+    return result
 
 
 def certify(
@@ -125,10 +132,11 @@ def certify(
     Raises SignalError as `solve`, or when X does not fit; ModelError when S = R + B'XB is not positive definite.
     """
     model = of(system)
-    stated, X = _stated(model, Q, R, N), weights.symmetric("X", X, model.states)
+    stated = _stated(model, *checked_weights(model, Q, R, N))
+    X = weights.symmetric("X", X, model.states)
     balance = _Balance.of(stated)
-    found = _from_balls(exact_riccati.certify(stated, X), balance) if exact else _evaluated(X, balance)
-    return _certified(model, stated, found, balance)
+    found = exact_riccati.certify(stated, X) if exact else balance.back(_evaluated(X, balance))
+    return _result(model, stated, found, balance.certified(found))
 
 
 def checked_weights(
@@ -152,10 +160,10 @@ def checked_weights(
     return Q, R, N
 
 
-def _stated(model: StateSpace, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None) -> Equation:
+def _stated(model: StateSpace, Q: Array, R: Array, N: Array) -> Equation:
     if not model.states or not model.inputs:
         raise SignalError(f"the model has {len(model.states)} states and {len(model.inputs)} inputs: it needs of each")
-    return Equation(model.A, model.B, *checked_weights(model, Q, R, N), isinstance(model.time, Continuous))
+    return Equation(model.A, model.B, Q, R, N, isinstance(model.time, Continuous))
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,23 +185,32 @@ class _Balance:
         """Return a solution of the scaled equation as that of the equation itself."""
         return found.scaled(1 / self.D, 1 / self.E)
 
+    def certified(self, found: Solution) -> newton.Certified:
+        """Return the certificate of a solution of the equation itself."""
+        return newton.certified(self.scaled, found.scaled(self.D, self.E), self.bilinear)
 
-def _solution(model: StateSpace, stated: Equation, balance: _Balance) -> Solution:
-    """Return the first solution whose certificate holds."""
-    scaled, nearest, start = balance.scaled, np.inf, None
+
+def _solution(model: StateSpace, stated: Equation, balance: _Balance) -> newton.Certified:
+    """Return the first solution of the balanced equation whose certificate holds."""
+    scaled, nearest = balance.scaled, np.inf
     for start in _starts(model, stated, balance):
         found = None if start is None else newton.refined(scaled, start, balance.bilinear)
-        if found is not None:
-            nearest = found.error(scaled)
+        if found is not None and decays(found.poles, scaled.continuous):
+            nearest = found.error
             if nearest <= TRUSTED:
-                return balance.back(found)
-    if len(model.states) <= BALLS and start is not None:
-        return _from_balls(exact_riccati.solve(stated, start / balance.D / balance.D[:, None]), balance)
-    raise ModelError(
-        f"the Riccati equation has no stabilising solution that double precision resolves: an error of {nearest:.1e} "
-        f"of X is left, and the weight R has the condition {np.linalg.cond(scaled.R):.1e}; weight inputs and "
-        f"states more alike, or leave out modes that hardly move, so that {BALLS} states are left for ball arithmetic"
-    )
+                return found
+    n, hardly = len(model.states), solvability.hardly_moved(model, scaled)
+    if n > BALLS:
+        left = f"an error of {nearest:.1e} of X is left" if np.isfinite(nearest) else "no loop that decays was found"
+        raise ModelError(
+            f"the Riccati equation has no stabilising solution that double precision resolves: {left}, and the weight "
+            f"R has the condition {np.linalg.cond(scaled.R):.1e}; {hardly} weight inputs and states more alike, or "
+            f"leave out modes that hardly move; {BALLS} states or fewer are left to ball arithmetic, not {n}"
+        )
+    try:
+        return newton.certified(scaled, exact_riccati.solve(scaled), balance.bilinear)
+    except ModelError as error:
+        raise ModelError(f"{error}; {hardly} actuate it, or take it out of the model") from error
 
 
 def _starts(model: StateSpace, stated: Equation, balance: _Balance) -> Iterator[Array | None]:
@@ -215,7 +232,7 @@ def _starts(model: StateSpace, stated: Equation, balance: _Balance) -> Iterator[
 
 
 def _evaluated(X: Array, balance: _Balance) -> Solution:
-    """Return a symmetric X (n, n) with its L, residual and Newton step."""
+    """Return the solution of the balanced equation to which a symmetric X (n, n) amounts."""
     X, scaled = X * balance.D * balance.D[:, None], balance.scaled
     try:
         defect, L = scaled.residual(X)
@@ -224,33 +241,24 @@ def _evaluated(X: Array, balance: _Balance) -> Solution:
     closed = scaled.A - scaled.B @ L
     decay = doubling.decay(closed, balance.bilinear)
     step = np.full_like(X, np.inf) if decay is None else decay.gathered(defect)
-    return balance.back(newton.certified(scaled, Solution(X, L, closed, defect, step), decay))
+    return Solution(X, L, closed, defect, step)
 
 
-def _certified(model: StateSpace, stated: Equation, found: Solution, balance: _Balance) -> Riccati:
-    scaled = found.scaled(balance.D, balance.E)
+def _result(model: StateSpace, stated: Equation, found: Solution, certified: newton.Certified) -> Riccati:
     return Riccati(
         X=readonly(found.X),
         L=readonly(found.L),
         Q=readonly(stated.Q),
         R=readonly(stated.R),
         N=readonly(stated.N),
-        poles=np.sort_complex(np.linalg.eigvals(found.closed).astype(np.complex128)),
-        residual=found.residual,
-        forward_error=equation.relative(scaled.step, scaled.X),
-        condition=found.condition,
-        least_eigenvalue=float(np.linalg.eigvalsh(found.X)[0]),
+        poles=certified.poles,
+        residual=certified.residual,
+        forward_error=certified.forward_error,
+        condition=certified.condition,
+        least_eigenvalue=float(np.linalg.eigvalsh(weights.unit_diagonal(found.X))[0]),
         defect=readonly(np.abs(found.defect)),
         step=readonly(np.abs(found.step)),
         states=model.states,
         inputs=model.inputs,
         time=model.time,
     )
-
-
-def _from_balls(found: Solution, balance: _Balance) -> Solution:
-    """Return a solution from ball arithmetic with its certificate."""
-    scaled = found.scaled(balance.D, balance.E)
-    decay = doubling.decay(scaled.closed, balance.bilinear)
-    known = newton.certified(balance.scaled, scaled, decay)
-    return replace(found, residual=known.residual, condition=known.condition)

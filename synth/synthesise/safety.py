@@ -6,7 +6,11 @@ refused, the same one or not, it latches: the outputs then slew at a declared ra
 there until `init`. A *set-point* never latches.
 
     inputs --->[ guard ]---> <name>_held ---> controller ---> <name>_computed --->[ safe output ]---> outputs
-                   |------------------------- latched -------------------------------^
+                 ^ |------------------------- latched -------------------------------^
+                 '-- suspect_<name> <---- [ a state of whoever compares measurements ]
+
+A measurement in its range may still contradict the others. Who finds so names it a sample later as ``suspect_<name>``,
+and it is refused for as long as that is 1.
 """
 
 import math
@@ -46,13 +50,15 @@ class Safety:
     reason: str
 
 
-def guard(time: Discrete, inputs: Sequence[Guarded], bad_samples: int) -> Block:
+def guard(time: Discrete, inputs: Sequence[Guarded], bad_samples: int, suspected: Sequence[str] = ()) -> Block:
     """Return the Block that accepts or replaces each input.
 
     It drives ``<name>_held``, ``fault_<name>``, ``latched`` (this sample included) and ``ready``: whether a sample
-    before this one has seen every measurement accepted.
+    before this one has seen every measurement accepted. A measurement in `suspected` is refused, too, while the further
+    input ``suspect_<name>`` is 1.
 
-    Raises SignalError for more inputs than the fault word has bits, or for fewer than one bad sample.
+    Raises SignalError for more inputs than the fault word has bits, for fewer than one bad sample, or for a suspected
+    name that is no measurement or stands twice.
     """
     if len(inputs) > LATCH_BIT:
         raise SignalError(f"{len(inputs)} inputs are guarded but the fault word has {LATCH_BIT} bits: split the Block")
@@ -60,9 +66,18 @@ def guard(time: Discrete, inputs: Sequence[Guarded], bad_samples: int) -> Block:
         raise SignalError(f"bad_samples is {bad_samples}: a latch needs at least 1 bad sample")
     measured = [g.signal.name for g in inputs if g.measurement]
     latches = bool(measured)
+    suspicions = {name: _flag(f"suspect_{name}", "contradicts the other measurements") for name in suspected}
+    for name in suspected:
+        if name not in measured or len(suspicions) < len(suspected):
+            raise SignalError(
+                f"suspected are {', '.join(suspected)}, but '{name}' is no measurement or one of them stands twice: "
+                f"name each once, among {', '.join(measured) or 'no measurements'}"
+            )
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         good = {s.name: ca.logic_and(u[s.name] >= s.low, u[s.name] <= s.high) for s in (g.signal for g in inputs)}
+        for name, suspicion in suspicions.items():
+            good[name] = ca.logic_and(good[name], ca.logic_not(u[suspicion.name]))
         held = {n: ca.if_else(good[n], u[n], x[f"last_{n}"]) for n in good}
         next = {f"last_{n}": held[n] for n in good}
         named: list[tuple[Signal, ca.SX]] = []
@@ -88,7 +103,7 @@ def guard(time: Discrete, inputs: Sequence[Guarded], bad_samples: int) -> Block:
         GUARD,
         time,
         law,
-        inputs=[g.signal for g in inputs],
+        inputs=[*(g.signal for g in inputs), *suspicions.values()],
         outputs=outputs,
         states=states,
         tag="range acceptance, hold, latch",

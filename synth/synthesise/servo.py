@@ -28,7 +28,7 @@ from synth import show
 from synth.analyse.staircase import Complex
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly, two_dimensional
-from synth.synthesise import internal_model, steady_error
+from synth.synthesise import internal_model, names, steady_error
 from synth.synthesise.internal_model import Exosystem, InternalModel
 from synth.synthesise.steady_error import SteadyError, named
 from synth.timing import common
@@ -131,7 +131,8 @@ def observed(servo: Servo, L: ArrayLike, measured: Names = None) -> Servo:
     L is (n, l) for the outputs `measured`. Raises as `estimated`; SignalError for an L of another shape.
     """
     plant = servo.plant
-    seen = plant.select(plant.outputs if measured is None else measured, servo.controls)
+    ends = plant.outputs if measured is None else names.of("measured outputs", measured)
+    seen = plant.select(ends, servo.controls)
     gain = two_dimensional("L", L)
     if gain.shape != seen.C.T.shape:
         raise SignalError(f"L is {gain.shape}: give {seen.C.T.shape}, states by the outputs {', '.join(seen.outputs)}")
@@ -175,12 +176,14 @@ def parts(
 ) -> tuple[StateSpace, StateSpace, InternalModel]:
     """Return the plant, its part from the controls to the regulated outputs, and the internal model, in one time.
 
-    Raises SignalError for an unknown name; else as `internal_model.in_time`.
+    Raises SignalError for an unknown name or no regulated output; else as `internal_model.in_time`.
     """
     plant = of(system)
-    acting = plant.select(
-        plant.outputs if regulated is None else regulated, plant.inputs if controls is None else controls
-    )
+    ends = plant.outputs if regulated is None else names.of("regulated outputs", regulated)
+    if not ends:
+        known = ", ".join(plant.outputs) or "none: give the model a C"
+        raise SignalError(f"no output is regulated: name one or more; the model's outputs are {known}")
+    acting = plant.select(ends, plant.inputs if controls is None else names.of("controls", controls))
     return plant, acting, internal_model.in_time(exosystem, plant.time)
 
 
@@ -197,10 +200,10 @@ def _certified(
     controller = _controller(plant, model, regulated, controls, K, estimator or _identity(plant))
     loop = steady_error.closed(plant, _seen(plant, measured, estimator is None), regulated, controls, controller)
     steady = steady_error.evaluate(loop, named(regulated, "error"), model)
-    if (lasting := steady_error.slowest(steady.poles, plant.time)) is not None:
+    if steady.lasting is not None:
         raise ModelError(
-            f"the servo loop has the pole {show.number(lasting)}, which does not decay: give gains that stabilise the "
-            "plant together with the internal model, and an estimator whose error decays"
+            f"the servo loop has the pole {show.number(steady.lasting)}, which does not decay: give gains that "
+            "stabilise the plant together with the internal model, and an estimator whose error decays"
         )
     return Servo(plant, model, regulated, controls, K, measured, controller, estimator, steady)
 
@@ -223,8 +226,8 @@ def _controller(
     A, B = scipy.linalg.block_diag(Phi, estimator.A), scipy.linalg.block_diag(N, estimator.B)
     C, D = np.hstack([K_xi, K_x @ estimator.C]), np.hstack([np.zeros((len(controls), p)), K_x @ estimator.D])
     units = {**plant.units, **model.units(regulated, plant.units)}
-    for names, end in ((regulated, "error"), (controls, "command"), (controls, "limited")):
-        units |= {f"{name}_{end}": plant.unit(name) for name in names if plant.unit(name)}
+    for signals, end in ((regulated, "error"), (controls, "command"), (controls, "limited")):
+        units |= {f"{name}_{end}": plant.unit(name) for name in signals if plant.unit(name)}
     states = (*model.names(regulated), *own)
     inputs = (*named(regulated, "error"), *fed)
     return StateSpace(A, B, C, D, states, inputs, named(controls, "command"), plant.time, units)

@@ -14,14 +14,12 @@ from synth.analyse import structure
 from synth.errors import ModelError
 from synth.statespace import StateSpace
 from synth.synthesise import weights
-from synth.synthesise.equation import Equation
+from synth.synthesise.equation import Complex, Equation, decays
 
 MARGIN = 1e-11  # of the fastest pole: what decays slower may be the rounding error of a mode that does not decay
 MIRRORED = 0.02  # of a mode: a pole nearer than this to its mirror image may be one
 ALONE = 1e-3  # of a mode: others are farther from one that stands alone
 SEEN = 1e-10  # of the largest eigenvalue of Q
-
-Complex = NDArray[np.complex128]
 
 
 def prove(model: StateSpace, stated: Equation, scaled: Equation, poles: Complex) -> None:
@@ -30,14 +28,34 @@ def prove(model: StateSpace, stated: Equation, scaled: Equation, poles: Complex)
     `scaled` is the balanced equation.
     """
     size = float(np.abs(poles).max())
-    decays = -poles.real / (size or 1.0) if stated.continuous else 1 - np.abs(poles)
-    if decays.min() < MARGIN or not _sees(scaled, poles):
+    rates = -poles.real / (size or 1.0) if stated.continuous else 1 - np.abs(poles)
+    if rates.min() < MARGIN or not _sees(scaled, poles):
         search(model, stated)
-    if decays.min() <= 0:
+    if not decays(poles, stated.continuous):
         raise ModelError(
-            f"the Riccati equation's solution leaves the pole {poles[np.argmin(decays)]:.4g}, which does not decay: "
+            f"the Riccati equation's solution leaves the pole {poles[np.argmin(rates)]:.4g}, which does not decay: "
             "scale the weights and the states so that they are of like size"
         )
+
+
+def hardly_moved(model: StateSpace, scaled: Equation) -> str:
+    """Tell the mode that does not decay and is the nearest to one that no input moves.
+
+    How near is the least singular value of [A - s I, B], balanced: a change of A and B of that size stops all inputs.
+    """
+    s = np.linalg.eigvals(scaled.A).astype(np.complex128)
+    lasting = s[s.real >= 0 if scaled.continuous else np.abs(s) >= 1]
+    if not lasting.size:
+        return "all modes decay by themselves;"
+    one = np.eye(len(s))
+    split = [np.linalg.svd(np.hstack([scaled.A - v * one, scaled.B]))[:2] for v in lasting]
+    k = min(range(len(split)), key=lambda i: float(split[i][1][-1]))
+    U, sigma = split[k]
+    who = structure.spelled(structure.direction(U[:, -1].conj(), model.states))
+    reach = float(sigma[-1] / sigma[0])
+    return (
+        f"mode {lasting[k]:.4g} in {who} is moved least: a change by {reach:.0e} of A and B hides it from all inputs;"
+    )
 
 
 def search(model: StateSpace, stated: Equation) -> None:

@@ -1,4 +1,4 @@
-"""The eigenvalues of a matrix given exactly, and which of them decay.
+"""The eigenvalues of a matrix given exactly, and which of them decay, by more than rounding error.
 
 Eigenvalues of a matrix of doubles are computed with the bits in force and rounded once: also those of a Jordan block,
 which double precision scatters by a root of its precision. What is left to see is what rounding the matrix did.
@@ -8,7 +8,7 @@ import flint
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.analyse import precise, structure
+from synth.analyse import discretise, precise, structure
 from synth.statespace import Array
 from synth.timing import Continuous, Time
 
@@ -25,6 +25,24 @@ def decays(poles: Complex, time: Time) -> NDArray[np.bool_]:
     if isinstance(time, Continuous):
         return poles.real < -structure.DECAY * np.abs(poles).max(initial=0.0)
     return np.abs(poles) < 1 - structure.DECAY
+
+
+def lasting(A: Array, time: Time) -> complex | None:
+    """Return the eigenvalue of A (n, n) that grows fastest of those that do not decay, None where all do.
+
+    Counted as not decaying is what rounding of A may hold up: Re s >= -DECAY |w|' |A|, w the left eigenvector of length
+    1 in units that balance A, so that a slow mode beside fast ones is judged by its own size; |z| >= 1 - DECAY.
+    """
+    if not len(A):
+        return None
+    D = discretise.balancing(A)
+    balanced = A * D / D[:, None]
+    values, w = np.linalg.eig(balanced.T)
+    if isinstance(time, Continuous):
+        growth = values.real + structure.DECAY * np.linalg.norm(np.abs(w).T @ np.abs(balanced), axis=1)
+    else:
+        growth = np.abs(values) - 1 + structure.DECAY
+    return complex(values[np.argmax(growth)]) if growth.max() >= 0 else None
 
 
 def of(F: flint.arb_mat) -> Complex:

@@ -29,7 +29,7 @@ from synth.analyse import precise
 from synth.analyse.staircase import Complex
 from synth.errors import ModelError
 from synth.statespace import Array, StateSpace, System, of, readonly
-from synth.synthesise import internal_model
+from synth.synthesise import internal_model, names, spectrum
 from synth.synthesise.minimal_polynomial import Mode
 from synth.synthesise.regulator_equations import equilibrated
 from synth.timing import Continuous, Time, common
@@ -44,7 +44,7 @@ class SteadyError:
     """What is left in each error of a signal from each source, for k modes, p errors and q sources.
 
     `response` (k, p, q) is |T_0| in the signals' units; `leftover` (k, p, q) is relative and the largest over the
-    multiplicity, infinite in a loop that is not stable.
+    multiplicity, infinite in a loop that is not stable, `lasting` then being a pole that does not decay.
     """
 
     modes: tuple[Mode, ...]
@@ -53,6 +53,7 @@ class SteadyError:
     response: Array
     leftover: Array
     poles: Complex
+    lasting: complex | None
     time: Time
 
     @property
@@ -63,31 +64,33 @@ class SteadyError:
     @property
     def vanishes(self) -> bool:
         """Whether the loop is stable and each error dies out under each signal of the exosystem."""
-        return self.worst <= VANISHING
+        return self.lasting is None and self.worst <= VANISHING
 
     def sheet(self) -> show.Sheet:
         """Return the verdict, and the largest leftover over the errors for each source and mode."""
         verdict = f"Each error dies out: {self.worst:.1e} is left at most."
         if not self.vanishes:
             verdict = f"An error STAYS: {self.worst:.1e} is left."
-        if (lasting := slowest(self.poles, self.time)) is not None:
-            verdict = f"The loop is NOT STABLE: its pole {show.number(lasting)} does not decay."
+        if self.lasting is not None:
+            verdict = f"The loop is NOT STABLE: its pole {show.number(self.lasting)} does not decay."
         modes = tuple(f"{show.number(m.value)}{f', {m.multiplicity} times' * (m.multiplicity > 1)}" for m in self.modes)
-        table = show.matrix("source", self.leftover.max(axis=1).T, self.sources, modes)
+        table = show.matrix("source", self.leftover.max(axis=1, initial=0.0).T, self.sources, modes)
         return show.Sheet("Share of the exosystem's signals that is left, at its modes in 1/s", (verdict,), (table,))
 
 
 def evaluate(system: System, errors: Sequence[str], exosystem: internal_model.Exosystem) -> SteadyError:
     """Return what a closed loop leaves, from all its inputs to the outputs `errors`, of the signals of an exosystem.
 
+    A pole that decays by no more than rounding error counts as lasting (`spectrum.lasting`).
+
     Raises SignalError for an error that is no output, or as `internal_model.of`; ModelError for a pole at a mode.
     """
-    model = of(system)
-    loop, modes = model.select(errors, model.inputs), internal_model.of(exosystem).modes
+    model, ends = of(system), names.of("errors", errors)
+    loop, modes = model.select(ends, model.inputs), internal_model.of(exosystem).modes
     poles, shape = loop.poles, (len(modes), *loop.D.shape)
-    if slowest(poles, loop.time) is not None:
+    if (lasting := spectrum.lasting(loop.A, loop.time)) is not None:
         endless = readonly(np.full(shape, np.inf))
-        return SteadyError(modes, tuple(errors), loop.inputs, endless, endless, poles, loop.time)
+        return SteadyError(modes, ends, loop.inputs, endless, endless, poles, lasting, loop.time)
     exact = [_taylor(loop, mode) for mode in modes]
     frequencies = [*_frequencies(poles, loop.time), *(_point(m.value, loop.time) for m in modes)]
     size = np.max([_terms(loop, complex(v)) for v in frequencies], axis=0)
@@ -97,13 +100,7 @@ def evaluate(system: System, errors: Sequence[str], exosystem: internal_model.Ex
         for mode, T in zip(modes, exact, strict=True)
     ]
     response = readonly([T[0] for T in exact])
-    return SteadyError(modes, tuple(errors), loop.inputs, response, readonly(leftover), poles, loop.time)
-
-
-def slowest(poles: Complex, time: Time) -> complex | None:
-    """Return the pole that grows fastest of those that do not decay, None where all do."""
-    growth = poles.real if isinstance(time, Continuous) else np.abs(poles) - 1
-    return complex(poles[np.argmax(growth)]) if growth.max(initial=-1.0) >= 0 else None
+    return SteadyError(modes, ends, loop.inputs, response, readonly(leftover), poles, None, loop.time)
 
 
 def closed(
@@ -175,8 +172,8 @@ def _taylor(loop: StateSpace, mode: Mode) -> list[Array]:
     """Return the sizes (p, q) of the coefficients of T at a mode, as many as its multiplicity."""
     found = []
     with precise.precision():
-        A, X, C, D = (flint.acb_mat(precise.matrix(M)) for M in (loop.A, loop.B, loop.C, loop.D))
-        pencil = flint.acb_mat(precise.identity(len(loop.A))) * _point(mode.value, loop.time) - A
+        A, X, C, D = (flint.acb_mat(spectrum.ball(M)) for M in (loop.A, loop.B, loop.C, loop.D))
+        pencil = flint.acb_mat(spectrum.ball(np.eye(len(loop.A)))) * _point(mode.value, loop.time) - A
         for _ in range(mode.multiplicity):
             try:
                 X = pencil.solve(X)
@@ -185,7 +182,8 @@ def _taylor(loop: StateSpace, mode: Mode) -> list[Array]:
                     f"the loop has a pole at the mode {show.number(mode.value)} 1/s of the exosystem: make it stable"
                 ) from error
             T = C * X + D
-            found.append(readonly([[float(abs(T[i, j]).mid()) for j in range(T.ncols())] for i in range(T.nrows())]))
+            sizes = [float(abs(T[i, j]).mid()) for i in range(T.nrows()) for j in range(T.ncols())]
+            found.append(readonly(np.reshape(sizes, loop.D.shape)))
             X, D = X * flint.acb(-1), D * flint.acb(0)
     return found
 

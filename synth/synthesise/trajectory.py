@@ -1,9 +1,10 @@
-"""A plant's trajectories through a log, with their derivatives by parameters and initial states.
+"""A plant's trajectories through a log, with their derivatives by parameters and start states.
 
     x_{k+1} = R(x_k, u_k, theta),       S_{k+1} = dR/dx S_k + dR/dtheta
     y_k = h(x_k, u_k, theta),           dy_k/dtheta = dh/dx S_k + dh/dtheta
 
-R is a number of Runge-Kutta steps of fourth order over one period, with u held.
+R is one Runge-Kutta step of fourth order over a part of a period, with u held. The log is followed in spans of rows,
+none of which belongs to two; each starts from states of its own.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,33 +17,44 @@ from synth.errors import SignalError
 from synth.plant import Plant
 from synth.signals import names
 from synth.statespace import Array
+from synth.synthesise import bordered, reading
 from synth.synthesise.logs import Log
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """What was measured, y (N, p), and what a simulation needs; `initial` are the start values of the free states."""
+    """What was measured, y (N, p), in the first N rows of the log, and what a simulation needs.
+
+    `starts` (spans, f) are the first guesses of the f `free` start states of each span, x0 (n, spans) all of them.
+    `steps` follows the spans with `substeps` steps a period; their start states are kept `apart` from the parameters.
+    """
 
     y: Array
-    initial: Array
+    starts: Array
     steps: ca.Function
-    spans: int
-    length: int
+    substeps: int
     u: Array
     x0: Array
-    S0: Array
     free: tuple[int, ...]
-    skip: int
+    parameters: int
+    apart: bool
 
-    def simulate(self, theta: Array) -> tuple[Array, Array]:
-        """Return the outputs (N, p) and their derivatives (N, p, k) for parameters and free initial states (k,)."""
-        k, p = len(theta), self.y.shape[1]
-        x0 = self.x0.copy()
-        x0[list(self.free)] = theta[k - len(self.free) :, None]
-        start = np.vstack([x0, np.tile(self.S0.ravel(order="F")[:, None], self.spans)])
-        y = np.asarray(ca.DM(self.steps(start, self.u, np.tile(theta[:, None], self.spans * self.length))[1]))
-        y = y.T.reshape(self.spans, self.length, (1 + k) * p)[:, self.skip :].reshape(-1, (1 + k) * p)
-        return y[:, :p], y[:, p:].reshape(-1, k, p).transpose(0, 2, 1)
+    def simulate(self, theta: Array) -> tuple[Array, Array | bordered.Jacobian]:
+        """Return the outputs (N, p) and their derivatives, those by start states of several spans apart.
+
+        `theta` holds the k parameters, then the free start states span by span.
+        """
+        k, f, (spans, p) = self.parameters, len(self.free), (len(self.starts), self.y.shape[1])
+        x0, S0 = self.x0.copy(), np.zeros((len(self.x0), k + f))
+        x0[list(self.free)] = theta[k:].reshape(spans, f).T
+        S0[list(self.free), range(k, k + f)] = 1.0
+        start = np.vstack([x0, np.tile(S0.ravel(order="F")[:, None], spans)])
+        found = self.steps(start, self.u, np.tile(theta[:k, None], self.u.shape[1]))[1]
+        each = np.asarray(ca.DM(found)).T[:: self.substeps].reshape(spans, -1, 1 + k + f, p)
+        g, J = each[:, :, 0].reshape(-1, p), each[:, :, 1:].transpose(0, 1, 3, 2)
+        if not self.apart:
+            return g, J[0]
+        return g, bordered.Jacobian(J[..., :k].reshape(-1, p, k), J[..., k:])
 
 
 def problem(
@@ -56,28 +68,21 @@ def problem(
     substeps: int,
 ) -> Problem:
     """Return the simulations of a plant that match a log; arguments as for `identify.fit_trajectory`."""
-    states, outputs = names(plant.states), names(plant.outputs)
+    states = names(plant.states)
     _check(plant, measured, span, initial, free, len(log), substeps)
-    u = log.columns(names(plant.inputs)).T
-    y = log.columns(measured)
     unfixed = [name for name in states if name not in initial]
-    first = log.columns(unfixed)
-    step = _step(plant, parameters, measured, outputs, free, log.period() / substeps, substeps)
-    k = len(parameters) + len(free)
-    S0 = np.zeros((len(states), k))
-    where = tuple(states.index(name) for name in free)
-    S0[list(where), range(len(parameters), k)] = 1.0
-    if span is None:
-        spans, length, skip = 1, len(log), 0
-        known = dict(zip(unfixed, first[0], strict=True)) | dict(initial)
-        x0 = np.array([[known[name]] for name in states])
-    else:
-        spans, length, skip = (len(log) - 1) // span, span + 1, 1
-        rows = np.add.outer(span * np.arange(spans), np.arange(length))
-        x0 = first[rows[:, 0]].T
-        u, y = u[:, rows.ravel()], y[rows[:, 1:].ravel()]
-    steps = step.mapaccum(length).map(spans) if spans > 1 else step.mapaccum(length)
-    return Problem(y, x0[list(where), 0], steps, spans, length, u, x0, S0, where, skip)
+    y, u, first = log.columns(measured), log.columns(names(plant.inputs)).T, log.columns(unfixed)
+    length = len(log) if span is None else span + 1
+    spans = len(log) // length
+    where = tuple(states.index(name) for name in states if name in free or name in unfixed)
+    x0 = np.array([first[::length, unfixed.index(n)][:spans] if n in unfixed else [initial[n]] for n in states])
+    step = _step(plant, parameters, measured, len(where), log.period() / substeps)
+    steps = step.mapaccum(length * substeps)
+    steps = steps.map(spans) if spans > 1 else steps
+    held = np.repeat(u[:, : spans * length], substeps, axis=1)
+    return Problem(
+        y[: spans * length], x0[list(where)].T, steps, substeps, held, x0, where, len(parameters), span is not None
+    )
 
 
 def _check(
@@ -96,42 +101,41 @@ def _check(
     for name in (*initial, *free):
         if name not in states:
             raise SignalError(f"'{name}' is no state of plant '{plant.name}': it has {', '.join(states)}")
-    if not measured:
-        raise SignalError("nothing is measured: name the outputs or states of the log to match")
-    if span is not None and not 1 <= span < rows:
+    for name, value in initial.items():
+        if reading.real(f"initial value of '{name}'", value).shape or not np.isfinite(value):
+            raise SignalError(f"the initial value of '{name}' is {value}: give a finite number")
+    if span is not None and not 1 <= reading.whole("span", span) < rows:
         raise SignalError(f"the span is {span} samples: give 1 or more, and fewer than the log's {rows} rows")
     if span is not None and (initial or free):
-        raise SignalError("spans start from the logged states: leave `initial` and `free` out, or leave out the span")
-    if substeps < 1:
+        raise SignalError(
+            "the start states of spans are all estimated: leave `initial` and `free` out, or leave out the span"
+        )
+    if span is not None and (span + 1) * len(measured) < len(states):
+        raise SignalError(
+            f"spans of {span} periods hold {(span + 1) * len(measured)} samples for {len(states)} start states: take "
+            "longer ones, or measure more signals"
+        )
+    if reading.whole("number of Runge-Kutta steps", substeps) < 1:
         raise SignalError(f"{substeps} Runge-Kutta steps a period were asked for: give 1 or more")
 
 
-def _step(
-    plant: Plant,
-    parameters: Sequence[str],
-    measured: Sequence[str],
-    outputs: Sequence[str],
-    free: Sequence[str],
-    h: float,
-    substeps: int,
-) -> ca.Function:
-    """Return (x and S stacked, u, theta) -> (the same a period later, y and dy stacked)."""
-    n, k = len(plant.states), len(parameters) + len(free)
+def _step(plant: Plant, parameters: Sequence[str], measured: Sequence[str], free: int, h: float) -> ca.Function:
+    """Return (x and S stacked, u, theta) -> (the same after h seconds, y and dy stacked)."""
+    n, k = len(plant.states), len(parameters)
     x, u, theta = ca.SX.sym("x", n), ca.SX.sym("u", len(plant.inputs)), ca.SX.sym("theta", k)
-    S = ca.SX.sym("S", n, k)
+    S = ca.SX.sym("S", n, k + free)
     p = ca.SX(plant.values)
     for i, name in enumerate(parameters):
         p[names(plant.parameters).index(name)] = theta[i]
-    after = x
-    for _ in range(substeps):
-        k1 = plant.f(after, u, p)
-        k2 = plant.f(after + h / 2 * k1, u, p)
-        k3 = plant.f(after + h / 2 * k2, u, p)
-        k4 = plant.f(after + h * k3, u, p)
-        after = after + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-    h_all = plant.h(x, u, p)
-    states = names(plant.states)
+    k1 = plant.f(x, u, p)
+    k2 = plant.f(x + h / 2 * k1, u, p)
+    k3 = plant.f(x + h / 2 * k2, u, p)
+    k4 = plant.f(x + h * k3, u, p)
+    after = x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    h_all, states, outputs = plant.h(x, u, p), names(plant.states), names(plant.outputs)
     y = ca.vcat([h_all[outputs.index(m)] if m in outputs else x[states.index(m)] for m in measured])
-    dx, dy = (ca.jacobian(v, x) @ S + ca.jacobian(v, theta) for v in (after, y))
-    stacked = [ca.vertcat(v, ca.vec(ca.densify(dv))) for v, dv in ((after, dx), (y, dy))]
+    stacked = []
+    for v in (after, y):
+        own = ca.horzcat(ca.jacobian(v, theta), ca.SX.zeros(v.numel(), free))
+        stacked.append(ca.vertcat(v, ca.vec(ca.densify(ca.jacobian(v, x) @ S + own))))
     return ca.Function("step", [ca.vertcat(x, ca.vec(S)), u, theta], stacked)

@@ -26,11 +26,7 @@ def symmetric(what: str, value: Weight, names: Sequence[str]) -> Array:
     Raises SignalError for a name that is not known, a wrong shape, an entry that is not finite, or an asymmetric
     matrix.
     """
-    if isinstance(value, Mapping):
-        if unknown := [name for name in value if name not in names]:
-            raise SignalError(f"the weight {what} names '{unknown[0]}', which is not one of {', '.join(names)}")
-        value = [float(value.get(name, 0.0)) for name in names]
-    matrix = _numbers(what, value)
+    matrix = _by_name(what, value, names) if isinstance(value, Mapping) else _numbers(what, value)
     n = len(names)
     if matrix.shape == (n,):
         matrix = np.diag(matrix)
@@ -89,12 +85,12 @@ def cross(what: str, value: ArrayLike | None, rows: Sequence[str], columns: Sequ
 
 def joined(Q: Array, R: Array, N: Array) -> Array:
     """Return [Q, N; N', R] (n + m, n + m) of Q (n, n), R (m, m), N (n, m)."""
-    return np.vstack([np.hstack([Q, N]), np.hstack([N.T, R])])
+    return np.concatenate([np.concatenate([Q, N], axis=1), np.concatenate([N.T, R], axis=1)])
 
 
 def is_above(matrix: Array, least: float) -> bool:
     """Tell whether all eigenvalues of a symmetric matrix (n, n), scaled to a unit diagonal, are above `least`."""
-    scaled = _unit(matrix)
+    scaled = unit_diagonal(matrix)
     scaled.flat[:: len(scaled) + 1] -= least
     try:
         np.linalg.cholesky(scaled)
@@ -108,17 +104,35 @@ def lowest_eigenvalue(matrix: Array) -> float:
     values = np.linalg.eigvalsh(matrix)
     if abs(values[0]) > ROUNDING * np.abs(values).max():
         return float(values[0])
-    return float(np.linalg.eigvalsh(_unit(matrix))[0])
+    return float(np.linalg.eigvalsh(unit_diagonal(matrix))[0])
 
 
-def _unit(matrix: Array) -> Array:
+def unit_diagonal(matrix: Array) -> Array:
+    """Return D M D of a symmetric M (n, n), its diagonal 1 where M's is above 0, -1 where it is below."""
     diagonal = np.abs(np.diag(matrix))
     root = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
     return np.asarray(matrix / root / root[:, None])
 
 
+def _by_name(what: str, value: Mapping[str, float], names: Sequence[str]) -> Array:
+    """Return the diagonal (n,)."""
+    if unknown := [name for name in value if name not in names]:
+        raise SignalError(f"the weight {what} names '{unknown[0]}', which is not one of {', '.join(names)}")
+    diagonal = np.zeros(len(names))
+    for k, name in enumerate(names):
+        entry = _numbers(f"{what} of '{name}'", value.get(name, 0.0))
+        if entry.ndim:
+            raise SignalError(f"the weight {what} of '{name}' has shape {entry.shape}: give a number")
+        diagonal[k] = entry
+    return diagonal
+
+
 def _numbers(what: str, value: ArrayLike) -> Array:
     try:
+        if np.ma.is_masked(value):
+            raise ValueError("some entries are masked")
+        if np.iscomplexobj(value):
+            raise ValueError("it is complex")
         return np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise SignalError(f"the weight {what} is no array of real numbers ({error}): give a matrix") from error

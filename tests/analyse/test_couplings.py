@@ -7,8 +7,9 @@ import scipy.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from synth.analyse import couplings, realisation
-from synth.statespace import StateSpace
+from synth.analyse import couplings, realisation, staircase
+from synth.errors import SignalError
+from synth.statespace import StateSpace, of
 from synth.timing import Continuous, Discrete
 from tests import tolerances
 
@@ -62,6 +63,36 @@ def test_one_input_cannot_move_two_modes_of_one_value() -> None:
     found = couplings.couplings(control.ss(-np.eye(2), [[1.0], [1.0]], np.eye(2), 0, 1e-3))
     assert found.time == Discrete(1e-3)
     assert all(m.reach < tolerances.of("double") and m.sight > 0.5 for m in found.modes)
+
+
+def test_the_measures_of_a_large_model_are_the_least_singular_values() -> None:
+    """Above SMALL states inverse iteration takes the place of a decomposition for each mode, input and output."""
+    rng = np.random.default_rng(4)
+    n = couplings.SMALL + 10
+    A, B, C = rng.normal(size=(n, n)), rng.normal(size=(n, 2)), rng.normal(size=(1, n))
+    part = staircase.of_model(of((A, B, C)))
+    b, c = part.B / np.linalg.norm(part.B, axis=0), part.C / np.linalg.norm(part.C)
+    found = couplings.couplings((A, B, C)).modes
+    assert {m.value.imag > 0 for m in found} == {True, False}, "both of a pair"
+    for mode in found[::16]:
+        shifted = part.A - mode.value / part.rate * np.eye(n)
+        stacks = (np.hstack([shifted, b]), np.hstack([shifted, b[:, 1:]]), np.vstack([shifted, c]))
+        wanted = [np.linalg.svd(M, compute_uv=False)[-1] for M in stacks]
+        assert [mode.reach, mode.by_input["u2"], mode.sight] == pytest.approx(wanted, rel=1e-3)
+        assert mode.sight == mode.by_output["y1"]
+
+
+def test_a_long_chain_of_integrators_does_not_overflow() -> None:
+    n = couplings.SMALL + 10
+    found = couplings.couplings((np.diag(np.ones(n - 1), 1), np.eye(n, 1, -n // 2), np.eye(1, n)))
+    assert all(m.reach < tolerances.of("double") and m.sight == pytest.approx(1) for m in found.modes)
+
+
+@pytest.mark.filterwarnings("error")
+def test_sizes_at_the_ends_of_the_range_are_refused_or_right() -> None:
+    assert couplings.couplings(([[-1e-310]], [[1.0]], [[1.0]])).modes[0].reach == pytest.approx(1)
+    with pytest.raises(SignalError, match="an entry of the model has the size"):
+        couplings.couplings(([[-1e308]], [[1.0]], [[1.0]]))
 
 
 def test_a_model_without_inputs_is_out_of_reach() -> None:

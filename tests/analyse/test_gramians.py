@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from synth.analyse import discretise, gramians
-from synth.errors import ModelError, TimingError
+from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import StateSpace
-from synth.timing import Continuous, Discrete
+from synth.timing import Continuous, Discrete, Time
 from tests import tolerances
 
 
@@ -103,11 +103,38 @@ def test_a_mode_on_the_border_is_named_with_the_mend() -> None:
     for seed in range(4):
         U = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0] if seed else np.eye(3)
         for time, M in ((Continuous(), A), (Discrete(1e-3), A + np.diag([1.0, 1.0, 0.5]))):
-            with pytest.raises(ModelError, match=r"mode .* in .* lies on the border of stability; close a loop .*over"):
+            with pytest.raises(
+                ModelError, match=r"mode .* in .* lies on the border of stability.*; close a loop .*over"
+            ):
                 gramians.gramians((U @ M @ U.T, U @ [[0.0], [1.0], [1.0]], time))
     with pytest.raises(ModelError, match=r"mode 0 in x1 lies"):
         gramians.gramians((A, [[0.0], [1.0], [1.0]]))
     gramians.gramians(([[-1e-9]], [[1.0]]))
+
+
+def test_a_slow_mode_beside_a_fast_one_decays_where_the_matrix_tells_it() -> None:
+    """-1e-4 beside -1e9 is exact on the diagonal; turned, rounding of the fast mode alone moves it by 1e-7."""
+    A = np.diag([-1e-4, -1e9])
+    assert gramians.gramians((A, np.ones((2, 1)))).Wc[0, 0] == pytest.approx(5e3)
+    U = np.linalg.qr(np.random.default_rng(0).normal(size=(2, 2)))[0]
+    with pytest.raises(ModelError, match="border of stability, within rounding of the fastest mode; close"):
+        gramians.gramians((U @ A @ U.T, np.ones((2, 1))))
+
+
+@pytest.mark.parametrize("time", [Continuous(), Discrete(1e-3)])
+def test_a_model_without_states_has_empty_gramians(time: Time, capfd: pytest.CaptureFixture[str]) -> None:
+    static = StateSpace(np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), [[1.0]], (), ("u",), ("y",), time)
+    for found in (gramians.over(static, 1.0), gramians.gramians(static)):
+        assert found.Wc.shape == found.Wo.shape == (0, 0) and found.by_input == {"u": 0}
+    assert capfd.readouterr() == ("", ""), "LAPACK writes to the terminal when it is given nothing"
+
+
+@pytest.mark.filterwarnings("error")
+def test_sizes_at_the_ends_of_the_range_are_refused_or_right() -> None:
+    with pytest.raises(SignalError, match=r"an entry of the model has the size 1\.0e\+308: all must lie within"):
+        gramians.gramians(([[-1e308]], [[1.0]]))
+    found = gramians.gramians(([[-1e-200]], [[1.0]]))
+    assert found.Wc[0, 0] == pytest.approx(5e199) and "100.00%" in str(found)
 
 
 def test_over_a_horizon_a_double_integrator_has_the_gramian_of_the_textbook() -> None:
@@ -137,6 +164,8 @@ def test_over_a_horizon_agrees_with_quadrature_and_with_sums() -> None:
 
 
 def test_horizons_without_sense_are_refused() -> None:
+    with pytest.raises(TimingError, match="the horizon is 'x': give a number of seconds"):
+        gramians.over(([[0.0]], [[1.0]]), "x")  # type: ignore[arg-type]
     for horizon in (0.0, -1.0, np.nan, np.inf):
         with pytest.raises(TimingError, match=r"the horizon is .*: give a finite positive time"):
             gramians.over(([[0.0]], [[1.0]]), horizon)

@@ -1,5 +1,7 @@
 """Wired models against python-control's connections, and the wires that are refused."""
 
+from typing import Any
+
 import control
 import numpy as np
 import pytest
@@ -58,6 +60,23 @@ def test_what_cannot_be_wired_is_refused() -> None:
     short = of(([[-1.0]], [[1.0]], [[1.0]], [[1.0]])).renamed({"y1": "y", "u1": "u"})
     with pytest.raises(ModelError, match="I - W D is singular"):
         connected([short], {"u": {"y": 1.0}}, ())
+
+
+@pytest.mark.parametrize("factor", ["x", 1j, np.nan, None])
+def test_a_factor_is_a_finite_number(factor: Any) -> None:
+    with pytest.raises(SignalError, match=r"wire from 'r' to 'u': the factor is .*: give a finite number"):
+        interconnect.connect([PLANT], ["r", "d"], ["y"], {"u": {"r": factor}})
+
+
+def test_what_connects_nothing_is_refused() -> None:
+    with pytest.raises(SignalError, match="there are no models to connect"):
+        interconnect.connect([], [], [], {})
+    with pytest.raises(SignalError, match=r"the wire to 'u' is 'r': give \{signal: factor\}"):
+        interconnect.connect([PLANT], ["r", "d"], ["y"], {"u": "r"})  # type: ignore[dict-item]
+    with pytest.raises(SignalError, match=r"'force' reaches no model: .* in no wire: u, d"):
+        interconnect.connect([PLANT], ["force"], ["y"], {})
+    with pytest.raises(SignalError, match=r"'u' reaches no model: .* in no wire: d"):
+        interconnect.connect([PLANT], ["u", "r"], ["y"], {"u": {"r": 1.0}})
 
 
 def test_a_wire_between_unlike_units_needs_its_factor() -> None:

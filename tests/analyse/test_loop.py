@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from synth.analyse import loop, margins
+from synth.analyse import discretise, loop, margins
 from synth.block import Block, Exprs, Fault, State, Step, build
 from synth.compose import compose
-from synth.errors import SignalError, TimingError
+from synth.errors import ModelError, SignalError, TimingError
 from synth.signals import Signal
 from synth.statespace import StateSpace
 from synth.timing import Continuous, Discrete
@@ -23,6 +23,7 @@ KP, KD = 30.0, 8.0
 ENCODER, Q = Signal("encoder", "m", -1, 1), Signal("q", "m", -1, 1)
 RATE, FORCE = Signal("rate", "m/s", -100, 100), Signal("force", "N", -1e3, 1e3)
 DRIVE = Signal("drive", "N", -1e3, 1e3)
+NAMES = (("a", "b", "c"), ("u", "v"), ("a", "b", "c"))
 SENSORS, ACTUATORS = {"encoder": "position"}, {"f": "force"}
 
 
@@ -166,8 +167,36 @@ def test_what_cannot_be_sampled_is_refused() -> None:
     for delay in (-1e-3, np.nan, np.inf):
         with pytest.raises(TimingError, match=r"the delay is .* it must be finite and 0 or more"):
             loop.sampled(plant(), T, delay)
+    for delay in ("late", None, 1j, True, [1.0]):
+        with pytest.raises(TimingError, match=r"the delay is .*: give a number"):
+            loop.sampled(plant(), T, delay)
+        with pytest.raises(TimingError, match=r"the delay is .*: give a number"):
+            opened("q", delay)
     with pytest.raises(TimingError, match="must be finite and positive"):
         loop.sampled(plant(), 0.0)
+
+
+def test_a_delay_of_very_many_samples_is_refused_before_it_is_built() -> None:
+    for call in (lambda: loop.sampled(plant(), T, 1e6), lambda: opened("q", 10**8), lambda: opened("q", 501.5)):
+        with pytest.raises(TimingError, match=r"samples of 0.01 s for each of 1 inputs: at most 500 .* longer period"):
+            call()
+    assert len(loop.sampled(plant(), T, 20.3 * T).states) == 2 + 21
+
+
+@pytest.mark.parametrize("delay", [0.0, 1.0, 0.4])
+def test_a_mode_that_no_double_holds_over_a_period_is_refused(delay: float) -> None:
+    fast = ([[1e5, 0.0], [0.0, -1.0]], [[1.0], [1.0]], [[1.0, 1.0]], [[0.0]])
+    with pytest.raises(ModelError, match=r"grows beyond what a double holds within 0.01 s: take a shorter period"):
+        loop.sampled(fast, T, delay * T)
+    assert np.isfinite(loop.sampled(fast, 1e-3, delay * 1e-3).A).all()  # e^100
+
+
+def test_without_a_delay_the_sampled_plant_is_that_of_the_hold() -> None:
+    rng = np.random.default_rng(5)
+    P = StateSpace(rng.normal(size=(3, 3)), rng.normal(size=(3, 2)), np.eye(3), np.zeros((3, 2)), *NAMES, Continuous())
+    found, expected = loop.sampled(P, T), discretise.zero_order_hold(P, T)
+    assert np.array_equal(found.A, expected.A) and np.array_equal(found.B, expected.B)
+    assert (found.states, found.inputs, found.time) == (expected.states, expected.inputs, TIME)
 
 
 def sorted_like(poles: np.ndarray) -> np.ndarray:

@@ -1,5 +1,7 @@
 """The minimal realisation keeps the response, the names that it can, and tells what it removed."""
 
+from dataclasses import replace
+
 import control
 import numpy as np
 import pytest
@@ -8,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from synth.analyse import realisation, staircase
-from synth.errors import ModelError
+from synth.errors import ModelError, SignalError
 from synth.statespace import StateSpace
 from synth.timing import Continuous, Discrete, Time
 from tests import tolerances
@@ -108,14 +110,71 @@ def test_a_part_left_out_that_acts_is_caught(monkeypatch: pytest.MonkeyPatch) ->
     """Planted: one state too many is thrown away."""
     whole = staircase.kalman
 
-    def careless(part: staircase.Scaled) -> staircase.Kalman:
-        found = whole(part)
-        return staircase.Kalman(found.kept[:, :-1], found.unreached, found.unseen)
+    def careless(part: staircase.Scaled, cut: float) -> staircase.Kalman:
+        found = whole(part, cut)
+        return staircase.Kalman(found.kept[:, :-1], found.unreached, found.unseen, found.gap)
 
     model, *_ = planted(3)
     monkeypatch.setattr(staircase, "kalman", careless)
     with pytest.raises(ModelError, match="minimal realisation changes the response by"):
         realisation.minimal(model)
+
+
+def blended(seed: int) -> tuple[tuple[np.ndarray, ...], int]:
+    """Return A, B, C without direct term in coordinates far from orthogonal, all four parts of Kalman's form at random.
+
+    The order of the part that is reached and seen comes with it; it may be 0.
+    """
+    rng = np.random.default_rng(seed)
+    sizes, m, p = rng.integers(0, 5, 4), int(rng.integers(1, 3)), int(rng.integers(1, 3))
+    kind = np.repeat(range(4), sizes)  # reached and seen, reached only, seen only, neither
+    n, reached, seen = len(kind), np.isin(kind, (0, 1)), np.isin(kind, (0, 2))
+    A = rng.normal(size=(n, n))
+    A[np.ix_(~reached, reached)] = 0.0  # nothing reached moves what is not
+    A[np.ix_(seen, ~seen)] = 0.0  # nothing unseen moves what is seen
+    B, C = rng.normal(size=(n, m)) * reached[:, None], rng.normal(size=(p, n)) * seen
+    T = rng.normal(size=(n, n))
+    back, x = np.linalg.inv(T), 10.0 ** rng.uniform(-5, 5, n)
+    return ((T @ A @ back) * x / x[:, None], T @ B / x[:, None], (C @ back) * x), int(sizes[0])
+
+
+def test_the_order_is_found_in_coordinates_far_from_orthogonal() -> None:
+    """Also where the response is zero. The staircase may lose more digits than its cut, which must be told then."""
+    told = 0
+    for seed in range(60):
+        system, order = blended(seed)
+        found = realisation.minimal(system)
+        if len(found.model.A) != order:
+            assert found.fewer is not None and found.fewer.order == order and "may be surplus" in str(found), seed
+            told += 1
+    assert told <= 3
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_response_of_zero_has_no_states(seed: int) -> None:
+    U = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
+    found = realisation.minimal((U @ np.diag([-1.0, -2, -3]) @ U.T, U @ np.eye(3, 1), np.array([[0.0, 1, 1]]) @ U.T))
+    assert found.model.states == () and found.gap.kept > 1e-3 and found.gap.left < 1e-13
+    assert "Least coupling kept" in str(found) and "uncertain" not in str(found)
+    near = replace(found, gap=staircase.Gap(2e-11, 5e-12))
+    assert "they lie so close that the order is uncertain" in str(near)
+
+
+def test_what_couples_weakly_yet_above_rounding_is_kept_and_told() -> None:
+    U = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0]
+    A = U @ np.diag([-1.0, -2, -3]) @ U.T
+    found = realisation.minimal((A, U @ [[1.0], [1.0], [3e-10]], np.ones((1, 3)) @ U.T))
+    assert len(found.model.A) == 3 and found.fewer is not None and found.fewer.order == 2
+    assert 1e-12 < found.fewer.difference < 1e-9
+
+
+@pytest.mark.filterwarnings("error")
+def test_sizes_at_the_ends_of_the_range_are_refused_or_right() -> None:
+    for small in (-1e-310, -1e-200):
+        assert [[small]] == realisation.minimal(([[small]], [[1.0]], [[1.0]])).model.A
+    for A, B in ((-1e308, 1.0), (-1.0, 1e308), (-1.0, 1e-310)):
+        with pytest.raises(SignalError, match="an entry of the model has the size"):
+            realisation.minimal(([[A]], [[B]], [[1.0]]))
 
 
 def test_a_python_control_system_is_read() -> None:

@@ -157,3 +157,13 @@ def test_each_kind_of_system_is_read() -> None:
     systems = (arrays, control.tf([5], [1, 0]))
     values = [sensitivity.close(P, K).T.response(3j)[0, 0, 0] for P in systems for K in systems]
     assert values == pytest.approx([25 / (25 - 9)] * 4)
+
+
+@pytest.mark.parametrize(("p", "m"), [(0, 0), (1, 0), (0, 1)])
+@pytest.mark.parametrize("n", [0, 1])
+def test_a_plant_without_inputs_or_outputs_is_refused(n: int, p: int, m: int) -> None:
+    def empty(outputs: int, inputs: int) -> tuple[np.ndarray, ...]:
+        return -np.eye(n), np.zeros((n, inputs)), np.zeros((outputs, n)), np.zeros((outputs, inputs))
+
+    with pytest.raises(SignalError, match=f"the plant has {m} inputs and {p} outputs, .* at least one of each"):
+        sensitivity.close(empty(p, m), empty(m, p))

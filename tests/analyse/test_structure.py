@@ -45,7 +45,7 @@ def test_undetectable_pairs_name_the_weight_and_the_state() -> None:
     structure.require_detectable([[0, 1], [0, 0]], np.diag([1.0, 0.0]), ("gap", "speed"), "Q", CONTINUOUS)
 
 
-@pytest.mark.parametrize(("value", "time"), [(-0.1, CONTINUOUS), (0.99, SAMPLED), (-0.99, SAMPLED)])
+@pytest.mark.parametrize(("value", "time"), [(-0.1, CONTINUOUS), (0.5, SAMPLED), (0.99, SAMPLED), (-0.99, SAMPLED)])
 def test_a_mode_that_decays_needs_no_input(value: float, time: Continuous | Discrete) -> None:
     structure.require_stabilisable([[value]], [[0.0]], ("x",), ("u",), time)
 

@@ -7,7 +7,7 @@ import scipy.special
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from synth.analyse import margins, transfer
+from synth.analyse import discretise, margins, transfer
 from synth.errors import ModelError, SignalError, TimingError
 from synth.timing import Continuous, Discrete
 from tests import tolerances
@@ -178,3 +178,23 @@ def test_each_kind_of_system_is_read_and_a_delayed_loop_prints() -> None:
     values = [transfer.response(s)(3.0)[0] for s in systems]
     assert values == pytest.approx([5 / (2 + 3j)] * 3)
     assert "delay 0.1 s, hold 0.2 s, both exact" in repr(transfer.delayed(arrays, 0.1, 0.2))
+
+
+LIMITS = [{"low": v} for v in (np.nan, -1.0, 0.0, np.inf, "slow", 1j, True, [1.0])]
+LIMITS += [{"high": v} for v in (np.nan, -1.0, 0, np.inf)] + [{"low": 10.0, "high": 1.0}, {"low": 1.0, "high": 1.0}]
+
+
+@pytest.mark.parametrize("limits", LIMITS, ids=str)
+def test_limits_that_are_no_range_of_frequencies_are_refused(limits: dict[str, float]) -> None:
+    """In a sampled loop too, though its `high` is Nyquist whatever is given."""
+    L = tf([3], [1, 1])
+    for found in (L, transfer.delayed(L, 0.1), discretise.zero_order_hold(L, 0.1)):
+        with pytest.raises(SignalError, match=r"give a finite frequency above 0|give 0 < low < high"):
+            margins.of_loop(found, **limits)
+
+
+def test_on_an_undamped_pole_the_response_is_that_beside_it() -> None:
+    L = transfer.response(([[0, 1], [-1, 0]], [[0], [1]], [[1, 0]], [[0]]))
+    assert abs(L(1.0)[0]) > 1e12
+    with pytest.raises(ModelError, match="a pole"):
+        transfer.response(([[0.0]], [[1.0]], [[1.0]], [[0.0]]))(0.0)

@@ -154,3 +154,30 @@ def test_what_cannot_be_searched_is_refused() -> None:
         worst.search(lambda v: ([[-1.0]], [[1.0]], [[1.0]], [[-1.0]]), k, worst.PHASE_MARGIN)
     with pytest.raises(ModelError, match="the thing is no number at k = 5"):
         worst.search(lambda v: integrator(1.0), k, worst.Figure("thing", "1", lambda s: np.nan))
+
+
+@pytest.mark.parametrize("what", ["division", "matrix", "name", "figure"])
+def test_whatever_fails_in_the_loop_is_told_with_the_values(what: str) -> None:
+    """At k = 1, the end of the box, each fails in its own way."""
+
+    def loop_of(v: Mapping[str, float]) -> StateSpace:
+        if what == "division" and v["k"] == 1.0:
+            return integrator(1 / (v["k"] - 1.0))
+        if what == "matrix":
+            np.linalg.inv(np.array([[v["k"] - 1.0]]))
+        return integrator(v["gain"] if what == "name" else v["k"])
+
+    figure = worst.Figure("length", "1", lambda L: L.length) if what == "figure" else worst.PHASE_MARGIN
+    expected = {"division": "ZeroDivisionError", "matrix": "LinAlgError", "name": "KeyError: 'gain'"}
+    kind = expected.get(what, "AttributeError")
+    with pytest.raises(ModelError, match=rf"no {figure.name} at k = [12]: {kind}.*mend the loop") as raised:
+        worst.search(loop_of, [parameter("k", 2.0, 0.5)], figure)
+    assert type(raised.value.__cause__).__name__ == kind.split(":")[0]
+
+
+def test_a_stop_by_the_user_goes_through() -> None:
+    def stopped(v: Mapping[str, float]) -> StateSpace:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        worst.search(stopped, [parameter("k", 2.0, 0.5)], worst.PHASE_MARGIN)

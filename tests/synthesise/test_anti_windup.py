@@ -222,3 +222,23 @@ def test_any_form_of_system_is_read_and_the_result_prints() -> None:
     again = anti_windup.of_gain(regulator.controller.to_control(), found.E)
     np.testing.assert_array_equal(again.E, found.E)
     assert "With all actuators at their limits the controller has the eigenvalues 0.95123" in repr(found)
+
+
+@pytest.mark.parametrize("sampled", [False, True])
+def test_no_gain_leaves_the_modes_and_is_refused_whatever_rounding_says(sampled: bool) -> None:
+    plant = ([[-1.0]], [[1.0]], [[1.0]])
+    for w in np.linspace(0, 30, 21):
+        n = 3 if w else 2
+        if sampled:
+            regulator = optimal_servo.lqrd(plant, [w], np.ones(n), [1.0], 0.01)
+        else:
+            regulator = optimal_servo.lqr(plant, [w], np.ones(n), [1.0])
+        with pytest.raises(ModelError, match="which does not decay"):
+            anti_windup.of_gain(regulator.controller, np.zeros((n - 1, 1)))
+
+
+@pytest.mark.parametrize("rate", [1j, "a", None, [1.0], np.nan])
+def test_a_rate_that_is_no_number_is_refused(rate: float) -> None:
+    regulator = optimal_servo.lqr(([[-1.0]], [[1.0]], [[1.0]]), [0.0], np.ones(2), [1.0])
+    with pytest.raises(SignalError, match="decay"):
+        anti_windup.back_calculation(regulator, rate)

@@ -180,7 +180,7 @@ def test_a_belief_prints_names_units_and_deviations() -> None:
     ("make", "error", "message"),
     [
         (lambda: belief.initial(model(), [1, -1]), SignalError, "P has the eigenvalue -1"),
-        (lambda: belief.initial(model(), [1, 1], ["a", "b"]), SignalError, "x is no array of real numbers"),
+        (lambda: belief.initial(model(), [1, 1], ["a", "b"]), SignalError, "the values of x are no real numbers"),
         (lambda: belief.initial(model(), [1, 1], {"x": 1}), SignalError, "x is given for x: 'v'"),
         (
             lambda: belief.update(belief.initial(model(), [1, 1]), model(), [1, 1, 1], {"gap": np.nan}),
@@ -221,3 +221,25 @@ def test_arrays_and_python_control_systems_are_models() -> None:
         now = belief.Belief(start.x, start.root, tuple(names), {})
         now = belief.update(belief.predict(now, system, W), system, [1e-4], [1.0])
         np.testing.assert_array_equal(now.x, want.x)
+
+
+@pytest.mark.parametrize("wrong", [np.array([1 + 2j]), [1 + 2j], np.array([1 + 0j])])
+def test_complex_values_are_refused(wrong: object) -> None:
+    """An imaginary part must not get lost on the way."""
+    plant = of((0.5, 1.0, 1.0, 0.0, Discrete(0.1)))
+    start = belief.initial(plant, [1.0])
+    for make in (
+        lambda: belief.initial(plant, [1.0], wrong),
+        lambda: belief.predict(start, plant, [1.0], wrong),
+        lambda: belief.update(start, plant, [1.0], wrong),
+        lambda: belief.update(start, plant, [1.0], {"y1": 1 + 2j}),
+    ):
+        with pytest.raises(SignalError, match="complex"):
+            make()
+
+
+def test_a_model_without_states_is_believed() -> None:
+    nothing = np.zeros((0, 0))
+    plant = StateSpace(nothing, np.zeros((0, 1)), np.zeros((1, 0)), [[1.0]], (), ("u",), ("y",), Discrete(0.1))
+    found = belief.predict(belief.initial(plant, nothing), plant, nothing, [1.0])
+    assert belief.update(found, plant, [1.0], [1.0], [1.0]).x.shape == (0,)

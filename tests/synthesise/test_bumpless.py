@@ -73,3 +73,12 @@ def test_a_start_that_must_jump_names_the_controls() -> None:
         bumpless.start(found, [0.0], [0.5])
     with pytest.raises(SignalError, match="give 1 finite states"):
         bumpless.start(found, [np.nan], [0.5, 0.5])
+
+
+def test_values_that_are_not_real_are_refused() -> None:
+    regulator = optimal_servo.lqr(([[-1.0]], [[1.0]], [[1.0]]), [0.0], np.ones(2), [1.0])
+    for wrong in ([1j], np.array([1 + 2j]), ["a"]):
+        with pytest.raises(SignalError, match="the states are no real numbers"):
+            bumpless.start(regulator, wrong, [0.0])
+        with pytest.raises(SignalError, match="the present inputs are no real numbers"):
+            bumpless.start(regulator, [0.0], wrong)

@@ -80,3 +80,10 @@ def test_what_has_no_deadbeat_gain() -> None:
         deadbeat.feedback(names)
     with pytest.raises(TimingError, match="no constant gain is deadbeat in continuous time"):
         deadbeat.feedback((A, B))
+
+
+def test_a_model_without_states_is_at_rest_at_once() -> None:
+    nothing = (np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), [[0.0]])
+    found = deadbeat.feedback((*nothing, Discrete(0.1)))
+    assert found.K.shape == (1, 0)
+    assert (found.steps, found.remainder) == (0, 0.0)

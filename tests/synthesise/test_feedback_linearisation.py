@@ -12,7 +12,7 @@ from scipy.linalg import expm
 from models import maglev_stage
 from synth.analyse import box, rounding, trim
 from synth.errors import ModelError, SignalError
-from synth.plant import Plant
+from synth.plant import Plant, Symbols
 from synth.synthesise import dynamic_extension, feedback_linearisation
 from synth.synthesise.feedback_linearisation import Linearisation, linearise
 from tests import textbook_plants, tolerances
@@ -147,6 +147,9 @@ def test_a_degree_read_too_low_for_want_of_a_bound_on_rounding_does_not_pass(mon
     with monkeypatch.context() as planted:
         planted.setattr(rounding, "LIMIT", 0.0)
         planted.setattr(feedback_linearisation.singularity, "CONDITION_LIMIT", np.inf)
+        with pytest.raises(ModelError, match="rounding error of constants"):
+            feedback_linearisation.of_plant(plant)
+        planted.setattr(feedback_linearisation, "AUTHORITY", 0.0)
         law = feedback_linearisation.of_plant(plant)
     assert law.degree.degrees == (1,)
     try:
@@ -280,6 +283,28 @@ def test_a_map_of_the_unicycle_is_worst_where_it_is_slowest() -> None:
 def test_plants_without_a_law_are_refused(plant: Callable[[], Plant], text: str) -> None:
     with pytest.raises(ModelError, match=text):
         feedback_linearisation.of_plant(plant())
+
+
+def sliding(coefficient: float, reach: float = 1.0) -> Plant:
+    """x1' = 4 x2 + c u, x2' = u, y = x1, |x2| <= 1 and |u| <= reach: the inputs over the drift are c reach / 4."""
+    states = [textbook_plants.Signal("x1", "m", -1, 1), textbook_plants.Signal("x2", "m/s", -1, 1)]
+    inputs = [textbook_plants.Signal("u", "m/s^2", -reach, reach)]
+
+    def physics(x: Symbols, u: Symbols, p: Symbols) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
+        return {"x1": 4 * x["x2"] + coefficient * u["u"], "x2": u["u"]}, {"y": x["x1"]}
+
+    return textbook_plants.build("sliding", states, inputs, [textbook_plants.Signal("y", "m", -1, 1)], [], physics)
+
+
+def test_an_input_that_enters_by_a_folded_rounding_error_is_refused() -> None:
+    """0.1 + 0.2 - 0.3 is 5.6e-17 before the plant sees it; left out, the degree is 2."""
+    with pytest.raises(ModelError, match=r"derivative 1 of 'y' by 1.4e-17 of what the drift .* rounding error of cons"):
+        feedback_linearisation.of_plant(sliding(0.1 + 0.2 - 0.3))
+    assert feedback_linearisation.of_plant(sliding(0.0)).degree.degrees == (2,)
+    weak = feedback_linearisation.of_plant(sliding(1e-9, reach=0.5))
+    # the farthest of 48 scattered points is near an end of the range
+    assert weak.degree.degrees == (1,) and weak.degree.authority["y"] == pytest.approx(1e-9 * 0.5 / 4, rel=0.1)
+    assert weak.check().passed and "inputs over drift" in repr(weak) and "1.25e-10" in repr(weak)
 
 
 def test_the_aircrafts_law_by_hand() -> None:

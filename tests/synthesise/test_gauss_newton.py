@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 import scipy.optimize
 
-from synth.errors import ModelError
-from synth.synthesise import gauss_newton, least_squares
+from synth.errors import ModelError, SignalError
+from synth.synthesise import gauss_newton
+from synth.synthesise.estimate import Estimate
 
 T = np.linspace(0, 3, 40)
 NAMES = ("amplitude", "rate")
@@ -84,7 +85,9 @@ def test_what_the_data_do_not_determine_is_named() -> None:
         g, J = decay(np.array([theta[0] * theta[1], theta[2]]))
         return g, np.stack([J[:, :, 0] * theta[1], J[:, :, 0] * theta[0], J[:, :, 1]], axis=2)
 
-    with pytest.raises(ModelError, match=r"the data leave 0\.\d+ gain - 0\.\d+ size undetermined"):
+    with pytest.raises(
+        ModelError, match=r"the data leave (1/gain and size|gain and 1/size) in proportion undetermined"
+    ):
         gauss_newton.minimise(product, data(1), [1.0, 1.0, 1.0], ("gain", "size", "rate"), ("y",))
 
 
@@ -113,4 +116,45 @@ def test_the_intervals_catch_a_wrong_derivative() -> None:
     right = gauss_newton.minimise(decay, y, [1.9, 1.2], NAMES, ("y",)).estimate
     wrong = gauss_newton.minimise(half, y, [1.9, 1.2], NAMES, ("y",)).estimate
     assert abs(wrong.errors[1] / right.errors[1] - 1) > 0.2
-    assert isinstance(right, least_squares.Estimate)
+    assert isinstance(right, Estimate)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"y": np.ones((39, 1))}, r"the outputs have the shape \(39, 1\), the model's \(40, 1\)"),
+        ({"start": [1.0]}, r"start has the shape \(1,\): give 2 values"),
+        ({"start": [1.0, 1.0, 1.0]}, r"the start \(3,\)"),
+        ({"start": [1.0, 5.0], "bounds": (0, 2)}, r"'rate' starts at 5, outside its bounds 0 to 2"),
+        ({"bounds": (2, 0)}, r"'amplitude' starts at 1.5, outside its bounds 2 to 0"),
+        ({"bounds": ([0.0], [1.0, 1.0])}, r"the lower bound has the shape \(1,\)"),
+        ({"parameters": ("a", "a")}, r"'a' stands twice"),
+        ({"outputs": "y"}, r"the outputs are the text 'y'"),
+        ({"noise": 0.1}, r"the noise is 0\.1"),
+        ({"level": "x"}, r"the confidence level is x"),
+    ],
+)
+def test_requests_without_sense_are_refused(change: dict[str, object], message: str) -> None:
+    given_as = {"y": data(1), "start": [1.5, 1.0], "parameters": NAMES, "outputs": ("y",)}
+    with pytest.raises(SignalError, match=message):
+        gauss_newton.minimise(decay, **(given_as | change))
+
+
+def test_an_outlier_is_named() -> None:
+    y = data(1)
+    y[17] += 3
+    found = gauss_newton.minimise(decay, y.tolist(), [1.5, 1.0], NAMES, ("y",)).estimate.largest
+    assert found.row == 17 and found.deviations > 5
+    with pytest.raises(ModelError, match=r"which is largest for 'y' in row 17"):
+        gauss_newton.minimise(flipped, y, [1.0, 1.0], NAMES, ("y",))
+
+
+def test_noise_that_does_not_settle_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    def twice(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        g, J = decay(theta)
+        return np.hstack([g, 2 * g]), np.concatenate([J, 2 * J], axis=1)
+
+    y = np.hstack([data(1), 2 * data(2, 0.5)])
+    monkeypatch.setattr(gauss_newton, "PASSES", 1)
+    with pytest.raises(ModelError, match=r"does not settle in 1 fits: give the `noise`"):
+        gauss_newton.minimise(twice, y, [1.5, 1.0], NAMES, ("p", "q"))

@@ -3,22 +3,16 @@
 import casadi as ca
 import numpy as np
 import pytest
-import scipy.linalg
-import scipy.optimize
 
 from designs.maglev_5dof import reference
 from models import maglev_stage
 from synth.analyse import trim
 from synth.errors import ModelError, SignalError
-from synth.plant import Plant, build
-from synth.signals import Parameter, Signal
 from synth.synthesise import identify
 from synth.synthesise.logs import Log
+from tests.synthesise.mass_spring import DAMP, MASS, SPRING, run, stage
 
 X, U = {"x": ca.SX.sym("x"), "v": ca.SX.sym("v"), "a": ca.SX.sym("a")}, {"f": ca.SX.sym("f")}
-MASS, DAMP, SPRING = (
-    Parameter(n, v, u, 0.2, "test") for n, v, u in (("m", 2, "kg"), ("d", 3, "kg/s"), ("k", 40, "N/m"))
-)
 P = {p.name: ca.SX.sym(p.name) for p in (MASS, DAMP, SPRING)}
 FORCE = P["m"] * X["a"] + P["d"] * X["v"] + P["k"] * ca.sin(X["x"]) - U["f"]
 
@@ -60,7 +54,7 @@ def test_a_collinear_regressor_is_caught() -> None:
     x = np.linspace(-0.01, 0.01, 30)
     log = Log({"x": x, "v": 0 * x, "a": -9 * np.sin(x), "f": 22 * np.sin(x)})
     with pytest.raises(
-        ModelError, match=r"leave d and 0\.11 m \+ 0\.99 k undetermined|leave 0\.11 m \+ 0\.99 k and d und"
+        ModelError, match=r"leave (d and )?a change of m by \+100 % and k by \+45 % (and d )?undetermined"
     ):
         identify.fit_linear({"force": FORCE}, X | U, (MASS, DAMP, SPRING), P, log)
 
@@ -139,108 +133,15 @@ def test_points_without_use_are_refused_by_name() -> None:
         identify.fit_equations(plant, log, ("k_s_theta",), rates={"theta_rate": "x"})
 
 
-def stage(unstable: bool = False) -> Plant:
-    """Return m v' = k x - d v + f, or with -k, seen by an encoder at x + offset."""
-
-    def physics(x: dict, u: dict, p: dict) -> tuple[dict, dict]:
-        force = (1 if unstable else -1) * p["k"] * x["x"] - p["d"] * x["v"] + u["f"]
-        return {"x": x["v"], "v": force / p["m"]}, {"s": x["x"] + p["offset"]}
-
-    return build(
-        "stage",
-        (Signal("x", "m", -1, 1), Signal("v", "m/s", -9, 9)),
-        (Signal("f", "N", -9, 9),),
-        (Signal("s", "m", -1, 1),),
-        (MASS, DAMP, SPRING, Parameter("offset", 0.0, "m", 0.0, "test")),
-        physics,
-    )
-
-
-def run(
-    truth: dict[str, float], start: list[float], seed: int, noise: float, unstable: bool = False, push: float = 3.0
-) -> Log:
-    """Return 300 rows at 10 ms of the stage under random held forces, by the exponential of the held model."""
-    rng, T = np.random.default_rng(seed), 0.01
-    f, state, rows = np.repeat(push * rng.uniform(-1, 1, 30), 10), np.array(start), []
-    sign = 1 if unstable else -1
-    A = np.array([[0, 1, 0], [sign * truth["k"], -truth["d"], 1], [0, 0, 0]]) / [[1], [truth["m"]], [1]]
-    M = scipy.linalg.expm(A * T)
-    for k in range(len(f)):
-        rows.append(state)
-        if unstable:  # hold it by feedback, as a logged loop does
-            f[k] += -90 * state[0] - 12 * state[1]
-        state = M[:2, :2] @ state + M[:2, 2] * f[k]
-    x, v = np.array(rows).T
-    return Log(
-        {
-            "f": f,
-            "x": x + noise * rng.normal(size=len(x)),
-            "v": v + noise * rng.normal(size=len(x)),
-            "s": x + truth.get("offset", 0.0) + noise * rng.normal(size=len(x)),
-        },
-        T,
-    )
-
-
-def test_a_trajectory_gives_mass_damping_spring_and_the_start() -> None:
-    truth = {"m": 1.8, "d": 3.6, "k": 47.0}
-    log = run(truth, [0.05, -0.1], 3, 1e-3)
-    found = identify.fit_trajectory(stage(), log, tuple(truth), ("s",), initial={"x": 0.0, "v": 0.0}, free=("x", "v"))
-    wanted = np.array([*truth.values(), 0.05, -0.1])
-    low, high = found.estimate.intervals.T
-    assert ((low < wanted) & (wanted < high)).all() and found.estimate.names == ("m", "d", "k", "x_0", "v_0")
-    assert found.estimate.units["v_0"] == "m/s" and found.steps < 15
-    assert found.estimate.rms["s"] == pytest.approx(1e-3, rel=0.15)
-    np.testing.assert_allclose(found.estimate.values, scipy_fit(log), rtol=2e-4, atol=1e-5)
-
-
-def scipy_fit(log: Log) -> np.ndarray:
-    """Return the same parameters by SciPy from the exact sampled model of the linear stage."""
-
-    def residual(v: np.ndarray) -> np.ndarray:
-        m, d, k, x, s = v
-        M = scipy.linalg.expm(np.array([[0, 1, 0], [-k / m, -d / m, 1 / m], [0, 0, 0]]) * 0.01)
-        state, found = np.array([x, s]), []
-        for f in log.samples["f"]:
-            found.append(state[0])
-            state = M[:2, :2] @ state + M[:2, 2] * f
-        return np.array(found) - log.samples["s"]
-
-    return scipy.optimize.least_squares(residual, [2, 3, 40, 0, 0], x_scale=[1, 1, 10, 0.1, 0.1], xtol=1e-12).x
-
-
-def test_an_unstable_stage_is_followed_over_short_spans() -> None:
-    truth = {"m": 1.8, "d": 3.6, "k": 47.0}
-    log = run(truth, [0.05, -0.1], 4, 1e-6, unstable=True)
-    found = identify.fit_trajectory(stage(unstable=True), log, ("m", "d", "k"), ("x", "v"), span=5)
-    np.testing.assert_allclose(found.estimate.values, list(truth.values()), rtol=2e-3)
-    with pytest.raises(ModelError, match="not finite at the start"):
-        long = Log(log.samples, 1.0)
-        identify.fit_trajectory(stage(unstable=True), long, ("m",), ("x",))
-
-
-def test_a_tolerance_bounds_a_parameter() -> None:
-    log = run({"m": 2.0, "d": 3.0, "k": 60.0}, [0.05, 0.0], 5, 1e-4)
-    found = identify.fit_trajectory(
-        stage(), log, ("k",), ("s",), initial={"x": 0.05, "v": 0.0}, free=("x",), within_tolerance=True
-    )
-    assert found.held == {"k": pytest.approx(48.0)} and found.estimate.names == ("x_0",)
-
-
-def test_parameters_that_act_together_are_named() -> None:
-    """Without force d / m and k / m alone act."""
-    log = run({"m": 2.0, "d": 3.0, "k": 40.0}, [0.05, 0.0], 6, 0.0, push=0.0)
-    start = {"x": 0.05, "v": 0.0}
-    with pytest.raises(ModelError, match=r"the data leave 0\.05 m \+ 0\.075 d \+ 1 k undetermined"):
-        identify.fit_trajectory(stage(), log, ("m", "d", "k"), ("s",), initial=start)
-    assert identify.fit_trajectory(stage(), log, ("d", "k"), ("s",), initial=start).by_name == pytest.approx(
-        {"d": 3, "k": 40}, rel=1e-6
-    )
-
-
 def test_rates_make_the_equations_those_of_motion() -> None:
     rng = np.random.default_rng(8)
     x, v, a = rng.normal(size=(3, 40))
     log = Log({"x": x, "v": v, "acc": a, "f": 1.8 * a + 3.6 * v + 47 * x + 0.01 * rng.normal(size=40)})
     found = identify.fit_equations(stage(), log, ("m", "d", "k"), rates={"v": "acc"})
     np.testing.assert_allclose(found.values, [1.8, 3.6, 47.0], rtol=0.01)
+
+
+def test_an_equation_that_is_not_finite_at_the_assumed_values_is_refused() -> None:
+    log = run({"m": 2.0, "d": 3.0, "k": 40.0}, [0.05, 0.0], 6, 1e-3)
+    with pytest.raises(ModelError, match="not finite at m = 0: give parameters that divide a value other than 0"):
+        identify.fit_equations(stage().with_parameters(m=0.0), log, ("m",))

@@ -115,7 +115,13 @@ def test_of_many_weights_some_that_are_not_negative_are_found() -> None:
         ([2j, -2j], ModelError, "Re >= 0"),
         ([-1 + 1j, -2], SignalError, "conjugate pairs"),
         ([-0.1 + 3j, -0.1 - 3j], ModelError, r"need the weight -17\.98 on x1, but LQR takes none below 0"),
-        ([-1], SignalError, "need a continuous model of 1 input and 2 poles"),
+        (
+            [-1],
+            SignalError,
+            r"need a model of 1 input, with states, and 2 finite poles: found 1 inputs and poles \[-1\]",
+        ),
+        ([np.nan, -1], SignalError, "2 finite poles"),
+        (["a", -1], SignalError, r"the poles are no numbers .*: give a list of 2"),
     ],
 )
 def test_impossible_poles_are_refused(poles: list[complex], kind: type[Exception], message: str) -> None:
@@ -131,9 +137,109 @@ def test_a_mode_that_the_input_does_not_move_cannot_be_given_another_pole() -> N
 
 
 def test_other_models_are_refused() -> None:
-    with pytest.raises(SignalError, match="discrete time"):
+    with pytest.raises(ModelError, match=r"no weights give the pole -1\+0j: an optimal loop has none with \|z\| >= 1"):
         inverse_lqr.diagonal_weights(model([[0.5]], [[1]], Discrete(0.1)), [-1])
     with pytest.raises(SignalError, match="1 input"):
         inverse_lqr.diagonal_weights(model([[0.5]], [[1, 1]]), [-1])
-    with pytest.raises(SignalError, match="the weight R is 0"):
-        inverse_lqr.diagonal_weights(DOUBLE, [-1, -2], R=0)
+    for R in (0, -1.0, np.nan, "a", 1j):
+        with pytest.raises(SignalError, match=r"(weight|matrix) R (has|is)"):
+            inverse_lqr.diagonal_weights(DOUBLE, [-1, -2], R=R)
+    with pytest.raises(SignalError, match="1 input, with states"):
+        inverse_lqr.diagonal_weights((np.zeros((0, 0)), np.zeros((0, 1))), [])
+    with pytest.raises(SignalError, match="0 states and 1 inputs: it needs of each"):
+        inverse_lqr.gain_weights((np.zeros((0, 0)), np.zeros((0, 1))), np.zeros((1, 0)))
+
+
+@pytest.mark.parametrize("digits", [[1], [1, 1, 1], [1, 0.5]])
+def test_each_printed_pole_has_its_decimals(digits: list[int]) -> None:
+    with pytest.raises(SignalError, match="give a whole number for each of 2 poles"):
+        inverse_lqr.reproduces(DOUBLE, [1, 1], [-1, -2], digits)
+
+
+@pytest.mark.parametrize("time", [Continuous(), Discrete(0.1)])
+@settings(derandomize=True, max_examples=15, deadline=None)
+@given(seed=st.integers(0, 10**6), decades=st.sampled_from([0, 6]))
+def test_weights_from_poles_do_not_hang_on_units(time: Continuous | Discrete, seed: int, decades: int) -> None:
+    """A chain of n states, so that the weights are unique, in units over twelve decades."""
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(2, 5))
+    A = np.diag(rng.uniform(0.5, 1, n - 1), 1) + np.diag(rng.uniform(-0.9, 0.9, n))
+    d, q = 10.0 ** rng.uniform(-decades, decades, n), rng.uniform(0.5, 5, n)
+    c = model(A * d / d[:, None], np.eye(n)[:, -1:] / d[:, None], time)
+    poles = lqr.lqr((A, np.eye(n)[:, -1:], time), q, [2.0]).poles
+    found = inverse_lqr.diagonal_weights(c, poles, 2.0)
+    assert found.unique
+    np.testing.assert_allclose(found.q / d**2, q, rtol=tolerances.of("multiple_root"))
+
+
+def test_a_sampled_lag_by_hand() -> None:
+    """x+ = a x + u, pole p: X = R (a / p - 1), q = X - a p X; a deadbeat pole of an x that forgets takes any weight."""
+    found = inverse_lqr.diagonal_weights(model([[0.5]], [[1.0]], Discrete(0.1)), [0.1], R=2.0)
+    np.testing.assert_allclose(found.q, [2 * 4 * 0.95], rtol=tolerances.of("double"))
+    assert not inverse_lqr.diagonal_weights(model([[0.0]], [[1.0]], Discrete(0.1)), [0.0]).unique
+    with pytest.raises(ModelError, match="is missed by"):
+        inverse_lqr.diagonal_weights(model([[0.5]], [[1.0]], Discrete(0.1)), [0.0])
+
+
+def test_the_poles_of_the_open_loop_need_no_weight() -> None:
+    c = model([[-1.0, 1], [0, -2]], [[0], [1.0]])
+    np.testing.assert_allclose(inverse_lqr.diagonal_weights(c, [-1, -2]).q, 0, atol=tolerances.of("double"))
+
+
+@pytest.mark.parametrize("time", [Continuous(), Discrete(0.1)])
+@settings(derandomize=True, max_examples=20, deadline=None)
+@given(seed=st.integers(0, 10**6))
+def test_random_weights_come_back_from_their_gain(time: Continuous | Discrete, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    n, m = int(rng.integers(2, 5)), int(rng.integers(1, 3))
+    c = model(rng.normal(size=(n, n)), rng.normal(size=(n, m)), time)
+    q, r = rng.uniform(0.5, 5, n), np.concatenate([[1.0], rng.uniform(0.5, 2, m - 1)])
+    K = lqr.lqr(c, q, r).K
+    found = inverse_lqr.gain_weights(c, K)
+    if found.unique:
+        np.testing.assert_allclose(found.q, q, rtol=tolerances.of("multiple_root"))
+        np.testing.assert_allclose(found.r, r, rtol=tolerances.of("multiple_root"))
+    again = lqr.lqr(c, found.q, found.r).K
+    np.testing.assert_allclose(again, K, rtol=0, atol=tolerances.of("multiple_root") * np.abs(K).max())
+    if m > 1:  # more equations than weights: a gain that is changed a little is optimal for none
+        with pytest.raises(ModelError, match="make this gain optimal"):
+            inverse_lqr.gain_weights(c, K * rng.uniform(0.99, 1.01, K.shape))
+
+
+def test_a_published_gain_gives_the_weights_of_its_poles() -> None:
+    weights = PRINTED["x, z"][2]
+    found = lqr.lqr(axis(), weights, [1.0])
+    by_gain, by_poles = inverse_lqr.gain_weights(axis(), found.K), inverse_lqr.diagonal_weights(axis(), found.poles)
+    assert by_gain.unique and by_poles.unique
+    np.testing.assert_allclose(by_gain.q, weights, rtol=1e-6)
+    np.testing.assert_allclose(by_gain.q, by_poles.q, rtol=1e-6)
+
+
+def test_the_null_space_of_a_gain_tells_weights_that_change_nothing() -> None:
+    """No input moves x1, and it moves nothing."""
+    c = model([[-1, 0], [0, -2]], [[1], [0]])
+    found = inverse_lqr.gain_weights(c, lqr.lqr(c, [3.0, 4.0], [1.0]).K)
+    assert not found.unique and found.q[0] == pytest.approx(3) and found.q[1] >= 0
+    np.testing.assert_allclose(np.abs(found.nullspace[:, 0]), [0, 1, 0], atol=1e-12)
+    assert "1 combinations of them change nothing" in repr(found)
+
+
+def test_gains_that_are_optimal_for_nothing_are_refused() -> None:
+    """Of the double integrator u = -k x - d x': optimal for q = (k^2, d^2 - 2 k) alone."""
+    np.testing.assert_allclose(inverse_lqr.gain_weights(DOUBLE, [[-2.0, -3.0]]).q, [4, 5], rtol=1e-9)
+    np.testing.assert_allclose(inverse_lqr.gain_weights(DOUBLE, [[-2.0, -2.0]]).q, [4, 0], atol=1e-9)
+    with pytest.raises(ModelError, match=r"no diagonal weights .* missed by"):
+        inverse_lqr.gain_weights(DOUBLE, [[-2.0, -1.0]])
+    with pytest.raises(ModelError, match=r"leaves the pole .*u = K x has the sign inside K"):
+        inverse_lqr.gain_weights(DOUBLE, [[2.0, 3.0]])
+    with pytest.raises(SignalError, match=r"the gain K is \(1, 3\): 1 inputs and 2 states need a finite one"):
+        inverse_lqr.gain_weights(DOUBLE, [[1, 2, 3]])
+
+
+def test_arrays_and_python_control_systems_are_read_and_results_print() -> None:
+    for system in ((DOUBLE.A, DOUBLE.B), DOUBLE.to_control()):
+        np.testing.assert_allclose(inverse_lqr.diagonal_weights(system, [-3, -5]).q, [225, 34], rtol=1e-9)
+        np.testing.assert_allclose(inverse_lqr.gain_weights(system, [[-15.0, -8.0]]).q, [225, 34], rtol=1e-9)
+    text = repr(inverse_lqr.gain_weights(DOUBLE, [[-15.0, -8.0]]))
+    assert "they are unique" in text and "x0" in text and "225" in text
+    assert "Diagonal weights for R = 1" in repr(inverse_lqr.diagonal_weights(DOUBLE, [-3, -5]))

@@ -417,3 +417,15 @@ def test_the_gain_as_printed_tends_to_one() -> None:
     assert (np.diff(gains) > 0).all()
     assert gains[-1] > 1 - 1e-6
     assert kalman.discrete(model, [100.0], [25e-10], Gamma).M[0, 0] == pytest.approx(0.1360, abs=5e-5)
+
+
+@pytest.mark.parametrize("size", [1e-310, 1e-120, 1e120])
+def test_variances_that_cannot_be_squared_are_refused(size: float) -> None:
+    plant = ([[0, 1.0], [0, 0]], [[0], [1.0]], [[1.0, 0]], [[0.0]])
+    for make in (
+        lambda: kalman.continuous(plant, [size, size], [size]),
+        lambda: kalman.discrete((*plant, 0.1), [1.0, 1.0], [size]),
+        lambda: kalman.sampled(plant, [size, size], [size], 0.1),
+    ):
+        with pytest.raises(SignalError, match=r"the noise on (x1|y1) has the size .*; choose units"):
+            make()

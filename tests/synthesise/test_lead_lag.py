@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from synth.analyse import loop, margins, sensitivity
-from synth.errors import SignalError, TimingError
+from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import StateSpace
 from synth.synthesise import lead_lag
 from synth.synthesise.lead_lag import Compensator
@@ -107,6 +107,37 @@ def test_matched_zeros_and_poles_lie_at_the_exponentials() -> None:
     assert abs(found.gain_error) < 1e-13 and abs(found.phase_error) > 0.1
     lag = lead_lag.matched(Compensator(-3.0, (), (-50.0, -300.0)), T, W)
     assert lag.zeros == (-1.0, -1.0) and lag.gain < 0
+
+
+def test_matching_never_turns_the_sign_at_rest() -> None:
+    slow = Compensator(1.0, (), (-100.0, -60.0, -45.0, -33.0))
+    with pytest.raises(ModelError, match=r"at 50 rad/s .* 126.4 degrees off in phase: match at a lower frequency"):
+        lead_lag.matched(slow, 0.05, 50.0)
+    for K in (slow, Compensator(-1.0, (2.0,), (-100.0, 3.0, -45.0))):  # zero and pole to the right, gain negative
+        found = lead_lag.matched(K, 0.05, 5.0)
+        ratio = (found.discrete.response(1.0) / K.model.response(0.0))[0, 0, 0].real
+        assert ratio == pytest.approx(1.0, abs=0.1) and abs(found.gain_error) < 1e-13
+
+
+@pytest.mark.parametrize("period", [1e-4, 1e-3, 1e-2])
+@pytest.mark.parametrize(
+    ("zeros", "poles"),
+    [
+        ((), (-20.0, -50.0, -300.0, -301.0)),  # three zeros at infinity lie near -10, -1 and -0.1
+        ((-7.0,), (-20.0, -50.0, -300.0, 0.0)),
+        ((-50.0, -50.0), (-50.0, -50.0)),  # all cancel: double zeros on double poles
+        ((-20.0, -7.0), (-50.0, -1e9)),  # a pole that is 0 in z
+    ],
+)
+def test_the_zeros_of_the_held_one_are_those_of_its_model(
+    zeros: tuple[float, ...], poles: tuple[float, ...], period: float
+) -> None:
+    """The listing says what the model does, to the digits of the model, however small its gain."""
+    found = lead_lag.held(Compensator(-3.0, zeros, poles), period, W)
+    z = np.array([0.3 + 2j, -3.0, 1.4j])
+    listed = [np.prod([z - v for v in part], axis=0) for part in (found.zeros, found.poles)]
+    value = found.gain * listed[0] / listed[1]
+    np.testing.assert_allclose(found.discrete.response(z)[:, 0, 0], value, rtol=tolerances.of("double"))
 
 
 def test_the_errors_at_the_frequency_are_told() -> None:

@@ -24,6 +24,10 @@ def test_columns_come_by_name() -> None:
         ({"a": [1.0, 2.0], "b": [1.0]}, r"1 samples of 'b' and 2 of 'a'"),
         ({"a": [[1.0]]}, r"shape \(1, 1\)"),
         ({"a": ["x"]}, r"'a' are no real numbers"),
+        ({"a": [1.0, 1j]}, r"'a' are no real numbers \(they are complex\)"),
+        ({"a": np.ma.array([1.0, 2.0], mask=[0, 1])}, r"'a' are no real numbers \(some are masked\)"),
+        ({"a": []}, r"no sample of 'a'"),
+        ([[1.0]], r"the log is a list: give samples by name"),
         ({}, r"holds no signal"),
     ],
 )
@@ -42,3 +46,18 @@ def test_rows_that_are_not_one_period_apart_are_named() -> None:
         Log({"a": np.zeros(3)}, 1e-3, [0.0, 1e-3])
     with pytest.raises(TimingError, match="period is 0"):
         Log({"a": np.zeros(3)}, 0.0)
+
+
+def test_a_clock_that_drifts_is_caught() -> None:
+    """Each gap is 0.9 % too long: within the jitter of one row, not of a log."""
+    with pytest.raises(TimingError, match=r"0\.1009 s apart on average, .* period is 0\.1 s: give period_s = 0\.1009"):
+        Log({"a": np.zeros(300)}, 0.1, np.arange(300) * 0.1009)
+    Log({"a": np.zeros(300)}, 0.1, 1.7e9 + np.arange(300) * 0.1 * (1 + 2e-5))
+    with pytest.raises(TimingError, match="the sample period is 'x'"):
+        Log({"a": np.zeros(3)}, "x")
+
+
+def test_a_log_prints_what_it_holds_and_not_its_samples() -> None:
+    text = str(Log({"gap": np.linspace(0, 3, 100_000)}, 1e-3))
+    assert "Log of 100000 rows, 0.001 s apart" in text and len(text) < 300
+    assert text.splitlines()[-1].split() == ["gap", "0", "1.5", "3", "0.86603"]

@@ -5,11 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from synth.errors import ModelError, SignalError, TimingError
-from synth.statespace import StateSpace, of
+from synth.statespace import Array, StateSpace, of
 from synth.synthesise import kalman, lqg, lqr, noise
 from synth.timing import Continuous, Discrete, Time
 from tests import tolerances
@@ -187,6 +188,51 @@ def test_a_stationary_covariance_satisfies_its_equation(seed: int) -> None:
     damped = 0.95 * A / np.abs(np.linalg.eigvals(A)).max()
     X = noise.stationary(damped, W, Discrete(1.0))
     assert np.abs(damped @ X @ damped.T + W - X).max() < tolerances.of("lyapunov") * np.abs(X).max()
+
+
+@pytest.mark.parametrize("ratio", [1e6, 1e10, 1e15, 1e18])
+def test_a_covariance_keeps_its_digits_beside_a_fast_mode(ratio: float) -> None:
+    """x' = -a x + w has the variance W / 2 a, and E x1 x2 = W12 / (a1 + a2)."""
+    W = np.array([[1.0, 0.5], [0.5, 1.0]])
+    X = noise.stationary(np.diag([-1, -ratio]), W, Continuous())
+    exact = W / np.add.outer([1, ratio], [1, ratio])
+    np.testing.assert_allclose(X, exact, rtol=tolerances.of("double"))
+    assert noise.residual(np.diag([-1, -ratio]), W, X, Continuous()) < tolerances.of("double")
+    worse = X * (1 + 1e-6 * np.eye(2))  # planted
+    assert noise.residual(np.diag([-1, -ratio]), W, worse, Continuous()) > 1e-7
+
+
+def test_a_dense_stiff_covariance_is_that_of_its_modes() -> None:
+    """Symmetric A = V diag(a) V' of a rotation with exact entries, rates 1 .. 1e6, W = -A - A': X = I."""
+    V = np.array([[1, 1, 1, 1], [1, -1, 1, -1], [1, 1, -1, -1], [1, -1, -1, 1]]) / 2
+    A = V @ np.diag([-1.0, -128.0, -8192.0, -1048576.0]) @ V.T
+    X = noise.stationary(A, -2 * A, Continuous())
+    np.testing.assert_allclose(X, np.eye(4), atol=tolerances.of("double"))
+
+
+@pytest.mark.parametrize("time", [Continuous(), Discrete(0.01)])
+def test_a_covariance_of_an_undamped_mode_is_refused_whatever_rounding_says(time: Continuous | Discrete) -> None:
+    for w in range(1, 21):
+        turn = np.array([[0.0, w], [-w, 0.0]])
+        A = turn if isinstance(time, Continuous) else scipy.linalg.expm(turn * time.period_s)
+        with pytest.raises(ModelError, match="does not decay, so that no covariance stays finite"):
+            noise.stationary(A, np.eye(2), time)
+
+
+def test_the_expected_cost_of_a_stiff_loop_is_that_of_its_parts() -> None:
+    """Two plants of one state apart, 1e-6 and 1e9 1/s: the cost is the sum of each one's own."""
+    rates, one = (1e-6, 1e9), np.ones((1, 1))
+
+    def cost(A: Array) -> lqg.Expectation:
+        n = len(A)
+        plant = (A, np.eye(n), np.eye(n))
+        gain = lqr.lqr(plant, np.ones(n), np.ones(n))
+        return lqg.expected(lqg.current(gain, kalman.continuous(plant, np.ones(n), np.ones(n))))
+
+    both = cost(np.diag([-a for a in rates]))
+    np.testing.assert_allclose(both.cost, sum(cost(-a * one).cost for a in rates), rtol=tolerances.of("double"))
+    assert both.residual < tolerances.of("double")
+    assert "Equation of the covariance solved to" in repr(both)
 
 
 # Integrators

@@ -229,3 +229,22 @@ def at_input(
     plant: StateSpace | None = None, qs: tuple[float, ...] = QS, band: tuple[float, float] = BAND
 ) -> recovery.Recovery:
     return recovery.at_input(regulator(), plant or doyle_stein(), [1, 1], [1], qs, band)
+
+
+def test_a_gain_of_zero_leaves_nothing_to_recover() -> None:
+    """A plant that forgets its state within a sample needs neither gain nor filter."""
+    plant = ([[0.0]], [[1.0]], [[1.0]], [[0.0]], 0.1)
+    with pytest.raises(ModelError, match="target loop of the gain K is 0 in the band: there is nothing to recover"):
+        recovery.at_input(lqr.lqr(plant, [1.0], [1.0]), plant, [1.0], [1.0], [0, 1.0], (0.1, 10))
+    with pytest.raises(ModelError, match="target loop of the gain L is 0 in the band: there is nothing to recover"):
+        recovery.at_output(kalman.discrete(plant, [1.0], [1.0]), [1.0], [1.0], [0, 1.0], (0.1, 10))
+
+
+@pytest.mark.parametrize(
+    ("qs", "band"),
+    [([1j], (0.1, 10)), (["a"], (0.1, 10)), (1.0, (0.1, 10)), ([1.0], (1, 2, 3)), ([1.0], None), ([1.0], (1j, 2))],
+)
+def test_a_sweep_that_is_no_list_of_numbers_is_refused(qs: list[float], band: tuple[float, float]) -> None:
+    plant = ([[-1.0]], [[1.0]], [[1.0]])
+    with pytest.raises(SignalError, match=r"the sweep|the band"):
+        recovery.at_input(lqr.lqr(plant, [1.0], [1.0]), plant, [1.0], [1.0], qs, band)

@@ -271,3 +271,24 @@ def test_any_system_is_read_and_the_result_prints_itself() -> None:
     assert "v [m/s]" in text and "next v_x3" in text
     assert "d/dt v_x3" in repr(reduced_observer.from_gain(CART, "x", 5))
     assert "after 2 samples" in repr(first)
+
+
+@pytest.mark.parametrize("time", [Continuous(), Discrete(T)])
+def test_a_model_without_states_has_nothing_to_estimate(time: Continuous | Discrete) -> None:
+    none = np.zeros((0, 0))
+    model = StateSpace(none, np.zeros((0, 1)), np.zeros((1, 0)), [[0.0]], (), ("u",), ("y",), time)
+    for make in (
+        lambda: reduced_observer.from_gain(model, "y", [[1.0]]),
+        lambda: reduced_observer.by_poles(model, "y", []),
+        lambda: reduced_observer.by_riccati(model, "y", none),
+        lambda: reduced_observer.deadbeat(model, "y"),
+    ):
+        with pytest.raises(ModelError, match="the model has no states: nothing is left to estimate"):
+            make()
+
+
+@pytest.mark.parametrize("measured", [np.array([["y1"]]), [["y1"]], np.array([[1.0, 2.0]]), [None]])
+def test_measured_signals_in_a_matrix_are_refused(measured: list[str]) -> None:
+    plant = ([[0, 1.0], [0, 0]], [[0], [1.0]], [[1.0, 0]])
+    with pytest.raises(SignalError, match=r"the measured signals are .*: give names of signals, in one list"):
+        reduced_observer.by_poles(plant, measured, [-1.0])

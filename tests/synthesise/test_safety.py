@@ -350,3 +350,98 @@ def test_what_cannot_be_guarded_is_refused(inputs: list[Guarded], bad_samples: i
 def test_an_incomplete_safety_is_refused(safe: dict[str, float], slew: dict[str, float], text: str) -> None:
     with pytest.raises(SignalError, match=text):
         safe_output(TIME, [FORCE], Safety(5, safe, slew, "test"))
+
+
+SUSPICIOUS = {"reading": "suspect_reading", "angle": "suspect_angle"}
+
+
+def watched(change: Callable[[str], str] = str) -> host.Controller:
+    """The guarded law with a Block that suspects, from the next sample on, what it is told to."""
+    told = [Signal(f"tell_{n}", "1", 0, 1) for n in SUSPICIOUS]
+    kept = [State(Signal(f"told_{n}", "1", 0, 1), 0, True) for n in SUSPICIOUS]
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        next = {f"told_{n}": u[f"tell_{n}"] > 0.5 for n in SUSPICIOUS}
+        return Step({s: x[f"told_{n}"] for n, s in SUSPICIOUS.items()}, next)
+
+    outputs = [Signal(s, "1", 0, 1) for s in SUSPICIOUS.values()]
+    watch = build("watch", TIME, law, inputs=told, outputs=outputs, states=kept)
+    force = build(
+        "law",
+        TIME,
+        lambda u, x, k: Step({"force_computed": u["reading_held"] + u["angle_held"] + 0 * u["wish_held"]}),
+        inputs=[Signal(f"{n}_held", g.signal.unit, -1, 1) for n, g in zip(NAMES, INPUTS, strict=True)],
+        outputs=[Signal("force_computed", "A", -1, 1)],
+    )
+    blocks = [guard(TIME, INPUTS, 5, tuple(SUSPICIOUS)), watch, force, safe_output(TIME, [FORCE], SAFE)]
+    whole = compose("watched", blocks, inputs=[*NAMES, *(s.name for s in told)], outputs=["force"])
+    made = emit(whole, f32, SAFE)
+    return host.load(dict(made.files) | {"watched.c": change(made.files["watched.c"])}, made.manifest)
+
+
+def suspected_runs(
+    found: host.Controller, readings: Sequence[float], tell: Sequence[int]
+) -> tuple[list[int], np.ndarray]:
+    """Return fault words and forces while reading is told of, with the angle at 0.1 rad."""
+    rows = {"reading": np.array(readings, f32), "angle": 0.1, "wish": 0.02, "tell_reading": tell, "tell_angle": 0}
+    run = found.replay(rows)
+    return run.faults.tolist(), run.outputs["force"]
+
+
+def follows(found: host.Controller) -> bool:
+    readings, tell = [0.02, 0.021, 0.022, 0.023, 0.024, 0.025, 0.026], [0, 0, 1, 1, 0, 0, 0]
+    faults, force = suspected_runs(found, readings, tell)
+    held = np.array([0.02, 0.021, 0.022, 0.022, 0.022, 0.025, 0.026], f32) + f32(0.1)
+    return faults == [0, 0, 0, 1, 1, 0, 0] and bool((force == held).all())
+
+
+def test_a_suspect_is_refused_as_long_as_it_is_suspected() -> None:
+    assert follows(watched())
+
+
+@pytest.mark.parametrize("told", ["reading", "angle"])
+def test_a_suspect_counts_for_the_latch(told: str) -> None:
+    rows = {"reading": 0.02, "angle": 0.1, "wish": 0.02} | {f"tell_{n}": float(n == told) for n in SUSPICIOUS}
+    faults = watched().replay({n: np.full(8, v) for n, v in rows.items()}).faults
+    bit = 1 << NAMES.index(told)
+    assert faults.tolist() == [0, *[bit] * 4, *[bit | LATCHED] * 3]
+
+
+def test_a_suspect_out_of_range_is_refused_once_and_the_other_input_is_not_touched() -> None:
+    found = watched()
+    faults, force = suspected_runs(found, [0.02, 9.0, 9.0, 0.021], [1, 1, 0, 0])
+    assert faults == [0, 1, 1, 0] and (force == np.array([0.02, 0.02, 0.02, 0.021], f32) + f32(0.1)).all()
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("!(watch_told_reading != 0u)", "true"),
+        ("!(watch_told_reading != 0u)", "(watch_told_reading != 0u)"),
+        ("state->watch_told_reading = ", "state->watch_told_angle = "),
+    ],
+)
+def test_a_planted_change_of_suspicion_is_seen(old: str, new: str) -> None:
+    def change(text: str) -> str:
+        assert old in text
+        return text.replace(old, new)
+
+    assert not follows(watched(change))
+
+
+@pytest.mark.parametrize("suspected", [("wish",), ("reading", "reading"), ("nobody",)])
+def test_what_cannot_be_suspected_is_refused(suspected: tuple[str, ...]) -> None:
+    with pytest.raises(
+        SignalError, match=f"'{suspected[-1]}' is no measurement or one of them stands twice: name each"
+    ):
+        guard(TIME, INPUTS, 5, suspected)
+    with pytest.raises(SignalError, match="among no measurements"):
+        guard(TIME, INPUTS[2:], 5, suspected)
+
+
+def test_nobody_suspected_changes_nothing() -> None:
+    plain, none = guard(TIME, INPUTS, 5), guard(TIME, INPUTS, 5, ())
+    assert emit(plain, f32).files == emit(none, f32).files
+    assert [s.name for s in plain.inputs] == list(NAMES)
+    more = guard(TIME, INPUTS, 5, ("angle",))
+    assert [s.name for s in more.inputs] == [*NAMES, "suspect_angle"] and more.states == plain.states

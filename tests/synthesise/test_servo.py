@@ -10,6 +10,7 @@ import scipy.signal
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from synth import statespace
 from synth.analyse import discretise
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import StateSpace
@@ -272,3 +273,36 @@ def test_a_servo_prints_gains_units_poles_and_certificate() -> None:
     assert "Servo regulator of gap by force in continuous time" in text
     assert "xi1 [m s^2]" in text
     assert "Each error dies out" in text
+
+
+@pytest.mark.parametrize("period", [None, 0.01])
+@pytest.mark.parametrize("w", [0.0, *range(1, 20), 300.0])
+def test_an_internal_model_that_is_not_fed_back_is_refused(w: float, period: float | None) -> None:
+    """K_xi = 0 leaves the modes where they are, on the axis or the circle, whatever rounding says."""
+    plant = statespace.of(([[-1.0]], [[1.0]], [[1.0]]))
+    plant = plant if period is None else discretise.zero_order_hold(plant, period)
+    with pytest.raises(ModelError, match="does not decay: give gains that stabilise the plant"):
+        servo.of_gain(plant, [w], [[-1.0] + [0.0] * (2 if w else 1)])
+
+
+@pytest.mark.parametrize("period", [None, 0.01])
+def test_several_modes_that_are_not_fed_back_are_refused(period: float | None) -> None:
+    plant = statespace.of(([[-1.0]], [[1.0]], [[1.0]]))
+    plant = plant if period is None else discretise.zero_order_hold(plant, period)
+    for modes in ({0.0: 2}, {0.0: 1, 3.0: 1, 100.0: 1}, {2.0: 2}, {0.0: 3}):
+        order = internal_model.of(modes).Phi.shape[0]
+        with pytest.raises(ModelError, match="does not decay: give gains"):
+            servo.of_gain(plant, modes, [[-1.0] + [0.0] * order])
+
+
+def test_no_regulated_output_and_names_that_are_none_are_refused() -> None:
+    plant = statespace.of(([[-1.0]], [[1.0]], [[1.0]]))
+    for nothing in (plant.select([], plant.inputs), discretise.zero_order_hold(plant.select([], plant.inputs), 0.1)):
+        with pytest.raises(SignalError, match="no output is regulated: name one or more"):
+            servo.of_gain(nothing, [0.0], [[-1.0]])
+    for wrong in (np.array([["y1"]]), [["y1"]], 3):
+        with pytest.raises(SignalError, match=r"the regulated outputs are .*: give names"):
+            servo.of_gain(plant, [0.0], [[-1.0, -1.0]], regulated=wrong)
+        with pytest.raises(SignalError, match=r"the controls are .*: give names"):
+            servo.of_gain(plant, [0.0], [[-1.0, -1.0]], controls=wrong)
+    assert servo.of_gain(plant, [0.0], [[-1.0, -1.0]], regulated="y1").regulated == ("y1",)

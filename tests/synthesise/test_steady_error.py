@@ -197,3 +197,27 @@ def test_any_form_of_system_is_read() -> None:
     loop = transfer([1, 0], [1, 2, 1])
     again = steady_error.evaluate(loop.to_control(), ["e"], (0.0, 1.0))
     np.testing.assert_array_equal(again.response, steady_error.evaluate(loop, ["e"], (0.0, 1.0)).response)
+
+
+@pytest.mark.parametrize("time", [Continuous(), Discrete(T)])
+def test_a_loop_without_states_or_errors_is_certified(time: Continuous | Discrete) -> None:
+    """A constant passes everything on; where nothing is regulated nothing is left."""
+    gain = StateSpace(np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), [[0.5]], (), ("r",), ("e",), time)
+    found = steady_error.evaluate(gain, ["e"], (0.0, 1.0))
+    np.testing.assert_allclose(found.response[:, 0, 0], [0.5, 0.5], rtol=tolerances.of("double"))
+    assert not found.vanishes
+    empty = steady_error.evaluate(gain, [], (0.0, 1.0))
+    assert empty.response.shape == (2, 0, 1)
+    assert empty.vanishes
+    assert "Each error dies out" in repr(empty)
+
+
+@pytest.mark.parametrize("errors", [np.array([["e"]]), [["e"]], 3, None, [3]])
+def test_errors_that_are_no_names_are_refused(errors: list[str]) -> None:
+    with pytest.raises(SignalError, match=r"the errors are .*: give names of signals, in one list"):
+        steady_error.evaluate(transfer([1], [1, 1]), errors, (0.0,))
+
+
+def test_an_unstable_loop_without_sources_is_not_certified() -> None:
+    loop = transfer([1], [1, -1]).select(["e"], [])
+    assert not steady_error.evaluate(loop, ["e"], (0.0,)).vanishes

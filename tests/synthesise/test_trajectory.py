@@ -8,7 +8,7 @@ import scipy.integrate
 from synth.errors import SignalError, TimingError
 from synth.plant import Plant, build
 from synth.signals import Parameter, Signal
-from synth.synthesise import trajectory
+from synth.synthesise import bordered, trajectory
 from synth.synthesise.logs import Log
 from tests import tolerances
 
@@ -58,8 +58,9 @@ def test_a_trajectory_is_that_of_an_adaptive_integrator() -> None:
 @pytest.mark.parametrize(("span", "free"), [(None, ()), (None, ("v", "x")), (1, ()), (7, ())])
 def test_derivatives_are_those_of_differences(span: int | None, free: tuple[str, ...]) -> None:
     problem = trajectory.problem(pendulum(), log(), ("c", "w"), ("s", "x"), span, {}, free, 2)
-    theta = np.concatenate([[0.3, 2.5], problem.initial])
+    theta = np.concatenate([[0.3, 2.5], problem.starts.ravel()])
     g, J = problem.simulate(theta)
+    J = dense(J) if isinstance(J, bordered.Jacobian) else J
     assert g.shape == problem.y.shape and J.shape == (*g.shape, len(theta))
     for k in range(len(theta)):
         step = np.zeros(len(theta))
@@ -68,18 +69,25 @@ def test_derivatives_are_those_of_differences(span: int | None, free: tuple[str,
         np.testing.assert_allclose(J[:, :, k], difference, atol=1e-7)
 
 
-def test_spans_start_from_the_logged_states() -> None:
+def dense(J: bordered.Jacobian) -> np.ndarray:
+    """Return a Jacobian (N, p, k + s f) with all its zeros."""
+    groups, length, p, f = J.own.shape
+    own = np.zeros((groups, length, p, groups, f))
+    own[range(groups), :, :, range(groups)] = J.own
+    return np.concatenate([J.shared, own.reshape(groups * length, p, groups * f)], axis=2)
+
+
+def test_spans_start_from_states_of_their_own() -> None:
     logged = log()
     problem = trajectory.problem(pendulum(), logged, ("w",), ("x",), 7, {}, (), 2)
-    assert len(problem.y) == 8 * 7
-    np.testing.assert_array_equal(
-        problem.y[:, 0], logged.samples["x"][[7 * k + i for k in range(8) for i in range(1, 8)]]
-    )
-    alone = Log({name: v[14:22] for name, v in logged.samples.items()}, 0.02)
+    assert len(problem.y) == 7 * 8 and problem.starts.shape == (7, 2), "60 rows in spans of 8, none of them shared"
+    np.testing.assert_array_equal(problem.y[:, 0], logged.samples["x"][:56])
+    np.testing.assert_array_equal(problem.starts[:, 1], logged.samples["v"][:56:8])
+    alone = Log({name: v[16:24] for name, v in logged.samples.items()}, 0.02)
     single = trajectory.problem(pendulum(), alone, ("w",), ("x",), None, {}, (), 2)
     np.testing.assert_allclose(
-        problem.simulate(np.array([2.0]))[0][14:21],
-        single.simulate(np.array([2.0]))[0][1:],
+        problem.simulate(np.concatenate([[2.0], problem.starts.ravel()]))[0][16:24],
+        single.simulate(np.concatenate([[2.0], single.starts.ravel()]))[0],
         rtol=tolerances.of("double"),
     )
 
@@ -88,13 +96,16 @@ def test_spans_start_from_the_logged_states() -> None:
     ("change", "message"),
     [
         ({"measured": ("y",)}, "'y' is no output or state of plant 'pendulum': it has x, v, s"),
-        ({"measured": ()}, "nothing is measured"),
         ({"initial": {"s": 1.0}}, "'s' is no state"),
         ({"free": ("w",)}, "'w' is no state"),
         ({"span": 0}, "the span is 0 samples"),
         ({"span": 60}, "the span is 60 samples: give 1 or more, and fewer than the log's 60 rows"),
-        ({"span": 3, "free": ("x",)}, "spans start from the logged states"),
+        ({"span": 3, "free": ("x",)}, "start states of spans are all estimated"),
+        ({"span": 1.5}, "the span is 1.5: give a whole number"),
+        ({"initial": {"x": np.nan}}, "the initial value of 'x' is nan"),
+        ({"initial": {"x": "a"}}, "initial value of 'x' are no real numbers"),
         ({"substeps": 0}, "0 Runge-Kutta steps"),
+        ({"substeps": 1.5}, "the number of Runge-Kutta steps is 1.5: give a whole number"),
     ],
 )
 def test_requests_without_sense_are_refused(change: dict[str, object], message: str) -> None:

@@ -1,0 +1,107 @@
+"""Estimated parameters, their confidence and what tells how good the fit is."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+import scipy.stats
+
+from synth import show
+from synth.errors import SignalError
+from synth.statespace import Array
+
+
+@dataclass(frozen=True)
+class Residual:
+    """The largest residual of `many`: its output and row, and its size in standard deviations of a residual there."""
+
+    output: str
+    row: int
+    deviations: float
+    many: int
+
+    @property
+    def expected(self) -> float:
+        """What the largest of as many normal residuals reaches, in the median."""
+        return float(scipy.stats.norm.isf((1 - 0.5 ** (1 / self.many)) / 2))
+
+    def __str__(self) -> str:
+        return (
+            f"The largest residual is that of '{self.output}' in row {self.row}: {self.deviations:.3g} standard "
+            f"deviations; normal noise reaches some {self.expected:.2g} in {self.many} residuals."
+        )
+
+
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
+class Estimate:
+    """Parameters (k,) with their covariance (k, k), and what tells how good they are.
+
+    `rms` and `r_squared` are those of the residual by output, the latter against the outputs' variance, NaN where that
+    is zero; `freedom` is N p - k, `freedoms` (k,) that of each interval, less where the noise of several outputs was
+    estimated; `condition` that of Phi with columns of length 1; `level` the intervals' probability.
+    """
+
+    names: tuple[str, ...]
+    values: Array
+    covariance: Array
+    rms: Mapping[str, float]
+    r_squared: Mapping[str, float]
+    freedom: int
+    freedoms: Array
+    condition: float
+    level: float
+    largest: Residual
+    units: Mapping[str, str] = field(default_factory=dict)
+
+    def __getitem__(self, name: str) -> float:
+        """Return the estimate of a parameter."""
+        if name not in self.names:
+            raise SignalError(f"'{name}' was not estimated: {', '.join(self.names)} were")
+        return float(self.values[self.names.index(name)])
+
+    @property
+    def by_name(self) -> dict[str, float]:
+        """The estimates by name."""
+        return dict(zip(self.names, self.values.tolist(), strict=True))
+
+    @property
+    def errors(self) -> Array:
+        """The standard errors (k,)."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def intervals(self) -> Array:
+        """The lower and upper end (k, 2) of each confidence interval."""
+        reach = scipy.stats.t.ppf((1 + self.level) / 2, self.freedoms) * self.errors
+        return np.column_stack([self.values - reach, self.values + reach])
+
+    @property
+    def correlation(self) -> Array:
+        """The correlation (k, k) of the estimates; zero beside an exact one."""
+        size = np.where(self.errors > 0, self.errors, 1.0)
+        return self.covariance / size / size[:, None]
+
+    def sheet(self) -> show.Sheet:
+        """Return estimates with errors and intervals, their correlation, and the residual of each output."""
+        labels = [show.named(name, self.units.get(name, "")) for name in self.names]
+        columns = ("parameter", "estimate", "standard error", f"{100 * self.level:.4g} % from", "to")
+        rows = tuple(
+            (label, *(show.number(v, 6) for v in (value, error, low, high)))
+            for label, value, error, (low, high) in zip(
+                labels, self.values, self.errors, self.intervals.tolist(), strict=True
+            )
+        )
+        fits = tuple(
+            (show.named(n, self.units.get(n, "")), f"{v:.4g}", f"{self.r_squared[n]:.6g}") for n, v in self.rms.items()
+        )
+        tables = (
+            show.Table(columns, rows),
+            show.Table(("output", "residual rms", "R^2"), fits),
+            show.matrix("correlation", np.round(self.correlation, 4), self.names, self.names),
+        )
+        line = f"{self.freedom} degrees of freedom, condition number {self.condition:.3g}."
+        if (self.freedoms < (1 - 1e-6) * self.freedom).any():
+            least = int(self.freedoms.argmin())
+            line += f" '{self.names[least]}' has {self.freedoms[least]:.3g}, as the outputs' noise is estimated."
+        return show.Sheet("Estimated parameters", (line, str(self.largest)), tables)
