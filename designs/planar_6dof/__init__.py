@@ -1,0 +1,1 @@
+"""The parts of the planar positioner that its controllers share: sensing, filters, lifts, allocation, commutation."""

@@ -1,0 +1,108 @@
+"""What the field above the matrix is to the Hall sensors: amplitude, and fits of position, slope and power.
+
+    S(t) = sin t + b sin 5t + d sin 9t,   C(t) = cos t + b cos 5t + d cos 9t     t = 2 pi X / l; b, d = A_5/A_1, A_9/A_1
+
+    t         = r (p_0 + p_1 r^2 + ..),         r = S / C in -1 .. 1, meeting pi/4 at r = 1
+    S'        = C^3 (q_0 + q_1 S^2)
+    S^2 + C^2 = g_0 + g_1 (S C)^2 + g_2 (S C)^4
+
+Each is the fit of least squares over POINTS points of a section or two, in ball arithmetic, each coefficient rounded
+once: alike on every machine. The angle of C + i S is t + arg(1 + b e^4it + d e^8it), so that t is an odd function of r
+by itself: the first fit is arctangent and calibration in one.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import flint
+
+from models import halbach
+from synth.analyse import precise
+from synth.plant import Plant
+
+POINTS = 64
+TERMS = 4  # of the position: 3 leave 55 um at most, 4 leave 9.5 um, 5 leave 6.4 um, 7 leave 3.3 um
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Amplitude A in V, pitch l in m, and the fits in powers of volts.
+
+    `position` are the coefficients in m of r, r^3, ..; `slope` those of c^3, c^3 s^2 in 3 pi/2 A S', a voltage per rad;
+    `power` those of 1, (s c)^2, (s c)^4 in s^2 + c^2, for s = A S, c = A C.
+    """
+
+    amplitude: float
+    pitch: float
+    position: tuple[float, ...]
+    slope: tuple[float, ...]
+    power: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class _Wave:
+    """S, C and S' at a point."""
+
+    s: flint.arb
+    c: flint.arb
+    slope: flint.arb
+
+
+def of(plant: Plant) -> Calibration:
+    """Return the calibration for the field at the sensors' nominal height."""
+    return _of(*(plant.parameter(name).value for name in ("l", "Delta", "mu0_M0", "height", "sensitivity")))
+
+
+@cache
+def _of(*values: float) -> Calibration:
+    with precise.precision():
+        l, Delta, m, height, sensitivity = (flint.arb(v) for v in values)
+        A = {n: sensitivity * _amplitude(n, l, Delta, m, height) for n in halbach.HARMONICS}
+        parts = {n: a / A[1] for n, a in A.items()}
+        t = [flint.arb.pi() * (2 * j + 1) / (8 * POINTS) for j in range(POINTS)]
+        sections = [_wave(2 * v, parts) for v in t]
+        slope = _fitted([[o.c**3, o.c**3 * o.s**2] for o in sections], [o.slope for o in sections])
+        shapes = [[flint.arb(1), (o.s * o.c) ** 2, (o.s * o.c) ** 4] for o in sections]
+        power = _fitted(shapes, [o.s**2 + o.c**2 for o in sections])
+        D, radian = 3 * flint.arb.pi() / 2, l / (2 * flint.arb.pi())
+        return Calibration(
+            float(A[1]),
+            float(l),
+            tuple(float(v * radian) for v in _position(t, parts)),
+            tuple(float(D * v / A[1] ** (2 * k + 2)) for k, v in enumerate(slope)),
+            tuple(float(v * A[1] ** (2 - 4 * k)) for k, v in enumerate(power)),
+        )
+
+
+def _amplitude(n: int, l: flint.arb, Delta: flint.arb, m: flint.arb, z: flint.arb) -> flint.arb:
+    """Return A_n in T, the field of `halbach.amplitude`."""
+    k = n * flint.arb.pi()
+    w = 2 * k / l
+    return 4 / k * (k / 4).sin() * m * (1 - (-w * Delta).exp()) * (-w * z).exp()
+
+
+def _wave(t: flint.arb, parts: Mapping[int, flint.arb]) -> _Wave:
+    zero = flint.arb(0)
+    return _Wave(
+        sum((a * (n * t).sin() for n, a in parts.items()), start=zero),
+        sum((a * (n * t).cos() for n, a in parts.items()), start=zero),
+        sum((n * a * (n * t).cos() for n, a in parts.items()), start=zero),
+    )
+
+
+def _position(t: Sequence[flint.arb], parts: Mapping[int, flint.arb]) -> list[flint.arb]:
+    """Return the p_k: t = r (pi/4 + (1 - r^2) Q(r^2)), multiplied out."""
+    waves = [_wave(v, parts) for v in t]
+    r = [o.s / o.c for o in waves]
+    eighth, zero = flint.arb.pi() / 4, flint.arb(0)
+    shapes = [[v * (1 - v**2) * v ** (2 * k) for k in range(TERMS - 1)] for v in r]
+    Q = _fitted(shapes, [angle - v * eighth for angle, v in zip(t, r, strict=True)])
+    p = [a - b for a, b in zip([*Q, zero], [zero, *Q], strict=True)]
+    return [p[0] + eighth, *p[1:]]
+
+
+def _fitted(rows: Sequence[Sequence[flint.arb]], targets: Sequence[flint.arb]) -> list[flint.arb]:
+    """Return the coefficients that minimise the sum of the squares of rows x coefficients - targets."""
+    M, y = flint.arb_mat([list(row) for row in rows]), flint.arb_mat([[v] for v in targets])
+    return list((M.transpose() * M).solve(M.transpose() * y).entries())

@@ -1,0 +1,153 @@
+"""A Hall channel that sticks, drops to zero or reads NaN, at rest or in motion: noticed when, and what happens then.
+
+Each of the six channels fails by itself, FAILURE seconds after the start, with noise. An experiment is one kind of
+failure; its trajectory is that of the channel with which the stage goes furthest astray before the currents are taken
+away. Refusal of a channel is counted in samples from the first bad one, 0 for that one itself; from the latch on the
+currents may change by SLEW only.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from designs.planar_6dof import interface
+from designs.planar_6dof.loop import Array, Loop
+from models import planar_stage
+from synth.check import Check
+from synth.simulate.experiment import Experiment
+from synth.simulate.scenario import Trajectory, sample_times
+from synth.simulate.sensors import Override
+from synth.synthesise import safety
+
+Kind = Literal["stuck", "zero", "nan"]
+
+FAILURE, DURATION = 0.3, 1.8  # s
+START = {"x": 0.009, "y": 0.005}  # m: where no channel reads zero
+SPEED = {"x": 0.020, "y": 0.015}  # m/s, in motion
+HALL = planar_stage.HALL
+SLEW = interface.SLEW * (1 + 1e-5)  # A/s: single precision of 1.26 A over a sample
+WORDS = {"stuck": "sticks", "zero": "drops to zero", "nan": "reads NaN"}
+
+
+@dataclass(frozen=True, eq=False)
+class Failed:
+    """A run in which `channel` fails at `sample`; `strayed` (N,) is how far x or y is from where it should be, m."""
+
+    channel: str
+    sample: int
+    run: Trajectory
+    strayed: Array
+
+    @property
+    def refused(self) -> int | None:
+        """Samples from the failure to the first in which the channel is refused, None if never."""
+        return self._first(HALL.index(self.channel))
+
+    @property
+    def latched(self) -> int | None:
+        """Samples from the failure to the latch, None if never."""
+        return self._first(safety.LATCH_BIT)
+
+    @property
+    def others(self) -> tuple[str, ...]:
+        """The channels that are refused though they are sound."""
+        word = int(np.bitwise_or.reduce(self.run.faults))
+        return tuple(n for i, n in enumerate(HALL) if word >> i & 1 and n != self.channel)
+
+    @property
+    def astray(self) -> float:
+        """How far the stage is off at most before the latch, m."""
+        end = None if self.latched is None else self.sample + self.latched
+        return float(self.strayed[:end].max())
+
+    def slew(self) -> float:
+        """Return the greatest change of a current from the latch on, A/s."""
+        if self.latched is None:
+            return 0.0
+        step = float(self.run.time[1] - self.run.time[0])
+        return float(np.abs(np.diff(self._currents()[:, self.sample + self.latched - 1 :], axis=1)).max()) / step
+
+    def left(self) -> float:
+        """Return the largest current at the end, A, 0 without a latch."""
+        return 0.0 if self.latched is None else float(np.abs(self._currents()[:, -1]).max())
+
+    def coasting(self) -> float:
+        """Return how fast the platen goes on without current at the end, m/s, 0 without a latch."""
+        speed = float(np.hypot(self.run["vx"][-1], self.run["vy"][-1]))
+        return 0.0 if self.latched is None else speed
+
+    def _currents(self) -> Array:
+        return np.array([self.run.commands[s.name] for s in interface.OUTPUTS], dtype=np.float64)
+
+    def _first(self, bit: int) -> int | None:
+        found = np.flatnonzero(self.run.faults >> bit & 1)
+        return int(found[0]) - self.sample if found.size else None
+
+
+def fail(loop: Loop, channel: str, kind: Kind, moving: bool) -> Failed:
+    """Run the stage with a channel that fails after FAILURE seconds and stays so."""
+    time = sample_times(DURATION, loop.period_s)
+    k = int(np.argmax(time >= FAILURE))
+    wanted = {a: np.full(len(time), at) + moving * SPEED[a] * np.maximum(time - 0.1, 0.0) for a, at in START.items()}
+    value = _read(loop, wanted, channel, k) if kind == "stuck" else {"zero": 0.0, "nan": np.nan}[kind]
+    bad = Override(np.arange(len(time)) >= k, np.full(len(time), value))
+    run = loop.run(DURATION, wanted, START, overrides={channel: bad})
+    return Failed(channel, k, run, np.max([np.abs(run[a] - r) for a, r in wanted.items()], axis=0))
+
+
+def _read(loop: Loop, wanted: dict[str, Array], channel: str, k: int) -> float:
+    """Return what a channel reads at sample k as long as it is sound."""
+    until = {axis: values[: k + 1] for axis, values in wanted.items()}
+    return float(loop.run((k + 1) * loop.period_s, until, START).measured[channel][k])
+
+
+def experiment(loop: Loop, kind: Kind, moving: bool) -> Experiment:
+    """Return what one kind of failure does, over all channels."""
+    runs = [fail(loop, channel, kind, moving) for channel in HALL]
+    worst = max(runs, key=lambda f: f.astray)
+    where = "in motion" if moving else "at rest"
+    return Experiment(
+        f"{kind}_{'moving' if moving else 'resting'}",
+        f"A Hall channel {WORDS[kind]} {where}",
+        f"each of six channels by itself after {FAILURE:g} s; shown is {worst.channel}",
+        worst.run,
+        ("x", "y", "phi"),
+        {},
+        _figures(runs),
+        checks(runs, kind, moving),
+    )
+
+
+def _figures(runs: list[Failed]) -> dict[str, float]:
+    found: dict[str, float] = {}
+    for f in runs:
+        found[f"samples until {f.channel} is refused"] = np.inf if f.refused is None else f.refused
+        found[f"samples until the latch, {f.channel}"] = np.inf if f.latched is None else f.latched
+        found[f"sound channels refused, {f.channel}"] = len(f.others)
+        found[f"furthest astray before the latch, {f.channel}, um"] = 1e6 * f.astray
+        found[f"coasts at, {f.channel}, mm/s"] = 1e3 * f.coasting()
+    return found
+
+
+def checks(runs: list[Failed], kind: Kind, moving: bool) -> tuple[Check, ...]:
+    """Return what holds of every failure, and that it is noticed unless it is one that sticks at rest."""
+    early = max(int(np.count_nonzero(f.run.faults[: f.sample])) for f in runs)
+    found = [
+        Check("samples with a fault before the failure", float(early), 0.0, "1"),
+        Check("change of a current from the latch on", max(f.slew() for f in runs), SLEW, "A/s", "declared: 126"),
+        Check("current left at the end after a latch", max(f.left() for f in runs), 0.0, "A"),
+    ]
+    if kind == "nan":
+        late = max(np.inf if f.latched is None else f.latched for f in runs)
+        found.append(Check("samples until the latch", float(late), interface.BAD_SAMPLES - 1.0, "1", "every channel"))
+    elif kind == "zero" or moving:
+        unnoticed = sum(f.latched is None for f in runs)
+        found.append(Check("channels whose failure is not noticed", float(unnoticed), 0.0, "1", "in 1.5 s"))
+    return tuple(found)
+
+
+def experiments(loop: Loop) -> list[Experiment]:
+    """Return the three kinds of failure, at rest and in motion."""
+    kinds: tuple[Kind, ...] = ("nan", "zero", "stuck")
+    return [experiment(loop, kind, moving) for moving in (False, True) for kind in kinds]

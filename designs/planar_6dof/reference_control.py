@@ -1,0 +1,187 @@
+"""What both controllers of the planar positioner share beside sensing, in plain NumPy, for comparison: Y(17)-(25).
+
+    guard      a value out of range, or of a suspected Hall channel, is replaced by the last good; five in a row latch
+    vertical   d1..d3 are the lifts z + theta r_y - psi r_x of three points; compensators by Tustin's rule
+    motors     (f_Ay, f_By, f_Cx, f_Az, f_Bz, f_Cz) = T^-1 w, w turned into the platen's frame; i = f / K, limited
+    phases     alpha + i beta = exp(i angle) (i_Q + i i_D), phases at 0, 120, 240 degrees of it                     (17)
+
+Y is Yu and Kim, "Design of Precision Positioner with Hall-effect Sensors and Multivariable Control Methodology".
+Written from its equations, with constants of its own. Arrays are columns: N platens advance one sample at a time.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from math import pi, sqrt
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+Columns = Mapping[str, Array]
+
+AXES = ("x", "y", "phi", "z", "theta", "psi")
+PITCH = 0.3048 / 6  # m, Table 2
+GAMMA = 2 * pi / PITCH  # rad/m
+ARM = 117.15 * 0.0022 / (13.2547 * 1.52)  # m, implied by (26)
+CENTRES = {"A": (-ARM, -ARM), "B": (ARM, -ARM), "C": (0.0, 2 * ARM)}  # m
+AREA, TURNS = 8.6524e-5, 305  # m^2, Table 1
+LIMIT = 1.26  # A, Table 1
+QUADRATURE = 0.95 * LIMIT
+REACH = 0.7 * PITCH
+YAW = 0.02  # rad
+LASER_ARM = 0.06  # m
+BAD_SAMPLES, SLEW = 5, 126.0  # A/s
+HALL = ("V_ax", "V_ay", "V_bx", "V_by", "V_cx", "V_cy")
+LIMITS = dict.fromkeys(HALL, 5.0) | dict.fromkeys(("d1", "d2", "d3"), 5e-4)
+MEASUREMENTS = tuple(LIMITS)
+BOX = {"x": 0.11, "y": 0.10, "phi": YAW, "z": 2e-4, "theta": 2e-3, "psi": 2e-3}
+LIMITS |= {f"{axis}_ref": high for axis, high in BOX.items()}
+PHASES = tuple(f"i_{motor}{phase}" for motor in CENTRES for phase in "ABC")
+VERTICAL = {  # (23)-(25): gain, zero, pole in rad/s, and the part of the gain at low frequencies that is used
+    "z": ("323252", "102.91", "776.828", "0.65"),
+    "theta": ("900", "80.0413", "604.199", "0.5"),
+    "psi": ("1100", "80.0413", "604.199", "0.15"),
+}
+
+
+def force_constant() -> float:
+    """Return K in N/A: (17) with 3/pi, the distribution factor of bands of 60 degrees, and two pitches."""
+    thickness, across = 6 * AREA / PITCH, PITCH
+    G = sqrt(2) * across * PITCH**2 / pi**2 * (1 - np.exp(-GAMMA * thickness)) * (1 - np.exp(-pi / 2))
+    return float(0.5 * 3 / pi * 0.71 * TURNS / AREA * 2 * G * np.exp(-GAMMA * 2.3e-3))
+
+
+def wrench() -> Array:
+    """Return T (6, 6) of w = T f: forces add up, torques are r x f about Z, X and Y. Table 3."""
+    columns = []
+    for motor, (r_x, r_y) in CENTRES.items():
+        f = np.array([1.0, 0.0, 0.0] if motor == "C" else [0.0, 1.0, 0.0])
+        columns.append([f[0], f[1], r_x * f[1] - r_y * f[0], 0, 0, 0])
+    for r_x, r_y in CENTRES.values():
+        columns.append([0, 0, 0, 1, r_y, -r_x])
+    return np.array(columns).T
+
+
+@dataclass(frozen=True)
+class Compensator:
+    """K(z) = D (z - z1) (z - z2) / ((z - p) (z - 1))."""
+
+    D: float
+    z1: float
+    z2: float
+    p: float
+
+
+def tustin(gain: Fraction, zeros: tuple[Fraction, Fraction], pole: Fraction, T: Fraction) -> Compensator:
+    """Return gain (s + a) (s + b) / ((s + c) s) with s = (2/T) (z - 1)/(z + 1), exactly."""
+    w = 2 / T
+    D = gain * (w + zeros[0]) * (w + zeros[1]) / ((w + pole) * w)
+    z1, z2, p = ((w - v) / (w + v) for v in (*zeros, pole))
+    return Compensator(*(float(v) for v in (D, z1, z2, p)))
+
+
+def vertical(axis: str, T: Fraction) -> Compensator:
+    """Return the compensator of z, theta or psi at the period T in s; the pole is moved to 2/T. (23)-(25)."""
+    gain, zero, pole, part = (Fraction(v) for v in VERTICAL[axis])
+    moved = 2 / T
+    return tustin(part * gain * moved / pole, (zero, Fraction(10)), moved, T)
+
+
+def compensated(axis: str, k: Compensator, e: Array, state: Columns) -> Array:
+    """Return the demand of an axis for the error e. (21)-(25)."""
+    return k.D * e + state[f"loop_{axis}_lag"] + state[f"loop_{axis}_integral"]
+
+
+def advanced(axis: str, k: Compensator, e: Array, made: Array, state: Columns) -> dict[str, Array]:
+    """Return the next states of a compensator, whose reset follows what is made."""
+    lag = k.p * state[f"loop_{axis}_lag"] + k.D * (k.p - k.z1) * e
+    integral = state[f"loop_{axis}_integral"]
+    return {f"loop_{axis}_lag": lag, f"loop_{axis}_integral": integral + (1 - k.z2) * (made - integral)}
+
+
+def guard(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
+    """Return the values to use, the guard's next state and the fault word. A value that is no number is in no range."""
+    with np.errstate(invalid="ignore"):
+        given = {s: np.asarray(inputs[s], dtype=np.float64) for s in LIMITS}
+        good = {s: np.abs(given[s]) <= high for s, high in LIMITS.items()}
+    doubted = np.asarray(state["sensing_doubt"]) > 0
+    good |= {s: good[s] & ~(doubted & (np.asarray(state[f"sensing_found_{s}"]) > 0)) for s in HALL}
+    values = {s: np.where(good[s], given[s], state[f"guard_last_{s}"]) for s in LIMITS}
+    after = {f"guard_last_{s}": value for s, value in values.items()}
+    word = np.sum([np.where(good[s], 0, 1 << bit) for bit, s in enumerate(LIMITS)], axis=0)
+    complete = np.all([good[s] for s in MEASUREMENTS], axis=0)
+    left = np.where(complete, BAD_SAMPLES, np.asarray(state["guard_left"]) - 1)
+    after["guard_left"] = np.maximum(left, 1)
+    after["guard_latched"] = np.where(left < 1, 1, state["guard_latched"])
+    after["guard_ready"] = np.where(complete, 1, state["guard_ready"])
+    return values, after, np.asarray(word + (1 << 31) * (after["guard_latched"] > 0)).astype(np.uint32)
+
+
+def heights(v: Columns) -> dict[str, Array]:
+    """Return z, theta and psi for three distances."""
+    points = np.array([[1, y, -x] for x, y in ((-LASER_ARM, -LASER_ARM), (LASER_ARM, -LASER_ARM), (0.0, LASER_ARM))])
+    found = np.linalg.inv(points) @ np.stack([v["d1"], v["d2"], v["d3"]])
+    return dict(zip(("z", "theta", "psi"), found, strict=True))
+
+
+def motors(w: Columns, phi: Array) -> tuple[dict[str, tuple[Array, Array]], dict[str, Array]]:
+    """Return (i_Q, i_D) in A by motor, and what they make of each axis, for demands in the matrix' frame. Table 3."""
+    K, T, turn = force_constant(), wrench(), np.exp(-1j * np.clip(phi, -YAW, YAW))
+    platen = (w["x"] + 1j * w["y"]) * turn
+    wanted = np.linalg.inv(T) @ np.stack([platen.real, platen.imag, *(w[axis] for axis in AXES[2:])]) / K
+    i_q = np.clip(wanted[:3], -QUADRATURE, QUADRATURE)
+    room = np.sqrt(LIMIT**2 - i_q**2)
+    i_d = np.clip(wanted[3:], -room, room)
+    made = T @ np.concatenate([i_q, i_d]) * K
+    matrix = (made[0] + 1j * made[1]) * np.conj(turn)
+    currents = {motor: (i_q[j], i_d[j]) for j, motor in enumerate(CENTRES)}
+    return currents, dict(zip(AXES, (matrix.real, matrix.imag, *made[2:]), strict=True))
+
+
+def phases(currents: Mapping[str, tuple[Array, Array]], q: Columns) -> dict[str, Array]:
+    """Return the phase currents of the motors at a pose, (17) inverted; the distances to a pitch's middle are clipped.
+
+    A and B are clipped at the middle between them, less the quarter of a pitch that they are behind.
+    """
+    phi, found = np.clip(q["phi"], -YAW, YAW), {}
+    behind, quarter = ARM * np.cos(phi), PITCH / 4
+    back = np.clip(q["x"] - q["pitch_x"] * PITCH - 2 * ARM * np.sin(phi), -REACH, REACH)
+    front = np.clip(q["y"] - q["pitch_y"] * PITCH - behind + quarter, -REACH, REACH) - quarter
+    aside = ARM * np.sin(phi)
+    for motor, along in (("A", front - aside), ("B", front + aside), ("C", back)):
+        i_q, i_d = currents[motor]
+        rotor = np.exp(1j * GAMMA * along) * (i_q + 1j * i_d)
+        for phase, at in zip("ABC", (0, 1, 2), strict=True):
+            found[f"i_{motor}{phase}"] = (rotor * np.exp(-2j * pi / 3 * at)).real
+    return found
+
+
+def driven(computed: Columns, state: Columns, latched: Array, T: Fraction) -> dict[str, Array]:
+    """Return the phase currents within their limit: as computed, or once latched on a slew to 0."""
+    out, reach = {}, SLEW * float(T)
+    for name in PHASES:
+        last = state[f"safe_output_last_{name}"]
+        slewed = np.clip(0.0, last - reach, last + reach)
+        out[name] = np.clip(np.where(latched > 0, slewed, computed[name]), -LIMIT, LIMIT)
+    return out
+
+
+def initial_state(axes: tuple[str, ...]) -> dict[str, Array]:
+    """Return the state after init of guard, output and the compensators of `axes`, by name."""
+    names = [f"guard_last_{s}" for s in LIMITS] + [f"safe_output_last_{s}" for s in PHASES]
+    names += [f"loop_{axis}_{part}" for axis in axes for part in ("integral", "lag")]
+    return {name: np.array(0.0) for name in (*names, "guard_latched", "guard_ready")} | {
+        "guard_left": np.array(float(BAD_SAMPLES))
+    }
+
+
+def concluded(
+    state: Columns, after: dict[str, Array], computed: Columns, T: Fraction
+) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Return the next state, which stands still once latched but for the guard, and the phase currents."""
+    latched = after["guard_latched"]
+    kept = {n: v if n.startswith("guard_") else np.where(latched > 0, state[n], v) for n, v in after.items()}
+    out = driven(computed, state, latched, T)
+    return kept | {f"safe_output_last_{name}": i for name, i in out.items()}, out

@@ -1,0 +1,230 @@
+"""Hall sensing and Kalman filters of the planar positioner in plain NumPy, for comparison: Y(1)-(16).
+
+Y is Yu and Kim, "Design of Precision Positioner with Hall-effect Sensors and Multivariable Control Methodology".
+Written from its equations, with constants and gains of its own. Arrays are columns: N platens advance one sample at a
+time.
+
+The gains of the filters come from the spectrum of the innovation instead of a Riccati equation. Held jerk w reaches the
+position as T^3/6 (z^2 + 4 z + 1) / (z - 1)^3, so that the poles of the filter are the roots inside the unit circle of
+
+    R (z - 1)^6 - q (T^3/6)^2 z (z^2 + 4 z + 1)^2 = 0
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from math import pi
+from typing import Any
+
+import mpmath  # type: ignore[import-untyped]
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+Columns = Mapping[str, Array]
+
+HALL = ("V_ax", "V_ay", "V_bx", "V_by", "V_cx", "V_cy")
+PITCH = 0.3048 / 6  # m, Table 2
+REMANENCE = 0.71  # T, Table 2
+THICKNESS = PITCH / 4  # m, Table 2
+HEIGHT = 3e-3  # m
+SENSITIVITY = 0.4 * 21  # V/T, section 3.1
+DEVIATION = 5e-5  # m, after (9)
+DENSITY = {"x": 100.0, "y": 100.0, "phi": 1e5}  # (13)
+BOUND = {"x": 0.2, "y": 0.2, "phi": 0.05}  # m, rad: of a filter's states
+YAW = 0.025  # rad
+COUNT = 2  # pitches to either side
+WEIGHT, REGULAR, LEAST = 0.1, 0.01, 1e-6  # of the third equation, of its sum of squares; in the ratio of a pair
+RESIDUAL, POWER, EVIDENCE = 0.08, 0.15, 0.04  # of A, of A^2
+LEAN = 0.04  # of A
+MEMORY = 3.0  # samples
+TERMS, POINTS = 4, 64  # of the fitted position
+
+
+@dataclass(frozen=True)
+class Constants:
+    """Amplitude in V, fits of position, slope and power, and the gains of the filters (k_p, k_s, k_h) by axis."""
+
+    amplitude: float
+    position: Array
+    slope: Array
+    power: Array
+    gain: Mapping[str, Array]
+
+
+@cache
+def constants(period_s: float) -> Constants:
+    """Return the constants at a sample period in s."""
+    amplitude = {n: harmonic(n) for n in (1, 5, 9)}
+    t = pi / 8 * (2 * np.arange(POINTS) + 1) / POINTS
+    s, c, _ = wave(t, amplitude)
+    r = s / c
+    shapes = np.stack([r * (1 - r**2) * r ** (2 * k) for k in range(TERMS - 1)], axis=1)
+    Q = np.linalg.lstsq(shapes, t - pi / 4 * r)[0]
+    position = np.append(Q, 0) - np.append(-pi / 4, Q)
+    s, c, derivative = wave(2 * t, amplitude)
+    slope = np.linalg.lstsq(np.stack([c**3, c**3 * s**2], axis=1), derivative)[0]
+    product = (s * c) ** 2
+    power = np.linalg.lstsq(np.stack([product**0, product, product**2], axis=1), s**2 + c**2)[0]
+    A = amplitude[1]
+    return Constants(
+        A,
+        position * PITCH / (2 * pi),
+        1.5 * pi * slope / A ** np.array([2, 4]),
+        power * A ** np.array([2.0, -2.0, -6.0]),
+        {axis: gain(q, period_s) for axis, q in DENSITY.items()},
+    )
+
+
+def harmonic(n: int) -> float:
+    """Return the amplitude in V of the field's n-th harmonic as a sensor reads it."""
+    w = 2 * pi * n / PITCH
+    field = 4 / (n * pi) * np.sin(n * pi / 4) * REMANENCE * (1 - np.exp(-w * THICKNESS)) * np.exp(-w * HEIGHT)
+    return float(SENSITIVITY * field)
+
+
+def wave(t: Array, amplitude: Mapping[int, float]) -> tuple[Array, Array, Array]:
+    """Return S, C and dS/dt at the phases t (n,), of A_1."""
+    parts = [(n, a / amplitude[1]) for n, a in amplitude.items()]
+    sine = sum((a * np.sin(n * t) for n, a in parts), start=np.zeros_like(t))
+    cosine = sum((a * np.cos(n * t) for n, a in parts), start=np.zeros_like(t))
+    return sine, cosine, sum((n * a * np.cos(n * t) for n, a in parts), start=np.zeros_like(t))
+
+
+def gain(q: float, T: float) -> Array:
+    """Return K of (16) at rest, on position, velocity times T and acceleration times T^2/2."""
+    with mpmath.workdps(50):
+        ratio = mpmath.mpf(q) * (mpmath.mpf(T) ** 3 / 6) ** 2 / mpmath.mpf(DEVIATION) ** 2
+        sixth = [mpmath.binomial(6, k) * (-1) ** k for k in range(7)]
+        square = [0, 1, 8, 18, 8, 1, 0]
+        roots = mpmath.polyroots([a - ratio * b for a, b in zip(sixth, square, strict=True)], 500, extraprec=500)
+        p = [z for z in roots if abs(z) < 1]
+        A = mpmath.matrix([[1, 1, 1], [0, 1, 2], [0, 0, 1]])
+        wanted = mpmath.eye(3)
+        for z in p:
+            wanted = wanted * (A - z * mpmath.eye(3))
+        seen = mpmath.matrix([[1, 0, 0], [1, 1, 1], [1, 2, 4]])  # C, C A, C A^2
+        K = mpmath.lu_solve(A, wanted * mpmath.lu_solve(seen, mpmath.matrix([0, 0, 1])))
+        return np.array([float(mpmath.re(k)) for k in K])
+
+
+def initial_state() -> dict[str, Array]:
+    """Return the state after init, by name."""
+    names = ["sensing_count_x", "sensing_count_y", "sensing_doubt", *(f"sensing_found_{v}" for v in HALL)]
+    names += [f"filter_{axis}_{part}" for axis in DENSITY for part in "psh"]
+    return {name: np.array(0.0) for name in names}
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Voltages of one axis with the yaw turned back, V, and the excess of their squares' sum, V^2."""
+
+    s: Array
+    c: Array
+    k: Constants
+    m: Array = field(init=False)
+
+    def __post_init__(self) -> None:
+        product = (self.s * self.c) ** 2
+        q = self.k.power
+        object.__setattr__(self, "m", self.s**2 + self.c**2 - (q[0] + q[1] * product + q[2] * product**2))
+
+    @property
+    def slope(self) -> Array:
+        """D A S', V."""
+        return self.c**3 * (self.k.slope[0] + self.k.slope[1] * self.s**2)
+
+    @property
+    def place(self) -> Array:
+        """The position within the pitch, m."""
+        near = np.abs(self.s) <= np.abs(self.c)
+        r = self.s * self.c / (np.maximum(self.s**2, self.c**2) + LEAST * self.k.amplitude**2)
+        f = sum((a * r ** (2 * n + 1) for n, a in enumerate(self.k.position)), start=np.zeros_like(r))
+        back = np.where(f > 0, f - PITCH / 2, f + PITCH / 2)
+        return np.where(near, np.where(self.c < 0, back, f), np.where(self.s < 0, -PITCH / 4, PITCH / 4) - f)
+
+
+def sense(state: Columns, v: Columns, ready: Array, k: Constants) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Return raw position, pitches and residuals, and the next state, from held voltages by name. Y(1)-(5), Fig. 4."""
+    A, phi = k.amplitude, state["filter_phi_p"]
+    x = Pair(v["V_ax"] - phi * v["V_ay"], phi * v["V_ay"] - v["V_bx"], k)
+    y = Pair(v["V_ay"] + phi * v["V_ax"], -v["V_cy"] - phi * v["V_ax"], k)
+    h1, h2 = y.slope + x.c + x.s, x.slope + y.c + y.s
+    h3 = 2 * (2 * x.s * y.s - y.s * x.c - x.s * y.c)
+    r1, r2, r3 = v["V_by"] - v["V_ay"] - h1 * phi, v["V_cx"] - v["V_ax"] + h2 * phi, x.m - y.m
+    weight = WEIGHT / A**2
+    information = h1**2 + h2**2 + weight * h3**2 + REGULAR * A**2
+    step = (h1 * r1 - h2 * r2 + weight * h3 * r3) / information
+    bad = {"m_x": np.abs(x.m) > POWER * A**2, "m_y": np.abs(y.m) > POWER * A**2}
+    bad |= {"r_1": np.abs(r1) > RESIDUAL * A, "r_2": np.abs(r2) > RESIDUAL * A}
+    out = {"m_x": x.m, "m_y": y.m, "r_1": r1, "r_2": r2}
+    doubt = (ready > 0) & (bad["m_x"] | bad["m_y"] | bad["r_1"] | bad["r_2"])
+    out["phi_raw"] = np.clip(phi + np.where(doubt, 0, step), -YAW, YAW)
+    before = state["sensing_doubt"]
+    after = {"sensing_doubt": np.where(doubt, MEMORY, np.maximum(before - 1, 0))}
+    for axis, pair in (("x", x), ("y", y)):
+        count, predicted = state[f"sensing_count_{axis}"], state[f"filter_{axis}_p"]
+        off = pair.place + PITCH * count - predicted
+        turn = np.where(np.abs(off) > PITCH / 2, np.where(off > 0, -1, 1), 0)
+        out[f"{axis}_raw"] = np.where(doubt, predicted, predicted + off + PITCH * turn)
+        out[f"pitch_{axis}"] = np.where(doubt, count, np.clip(count + turn, -COUNT, COUNT))
+        after[f"sensing_count_{axis}"] = out[f"pitch_{axis}"]
+    named = suspects(x, y, (h1, h2, r1, r2), bad, v, k)
+    for name, found in named.items():
+        held = np.where(before > 1, state[f"sensing_found_{name}"], 0.0)
+        after[f"sensing_found_{name}"] = np.where(before > 0, np.where(doubt, 1.0 * found, held), 0.0)
+    return out, after
+
+
+def suspects(
+    x: Pair, y: Pair, yawed: tuple[Array, Array, Array, Array], bad: Columns, v: Columns, k: Constants
+) -> dict[str, Array]:
+    """Return for each voltage whether it may be the wrong one, from h1, h2, r1, r2 and what is out of bounds."""
+    A, (h1, h2, r1, r2) = k.amplitude, yawed
+    parity = h2 * r1 + h1 * r2
+    least = LEAST * A**2
+    size = np.sqrt(h1**2 + h2**2 + least)
+    by_x, by_y = h1 / (h1**2 + least), h2 / (h2**2 + least)
+    turn_x, turn_y = r1 * by_x, -r2 * by_y  # what the yaw is wrong by, if V_ax or V_cx, V_ay or V_by is
+    told_x = Pair(x.s - turn_x * v["V_ay"], x.c + turn_x * v["V_ay"], k)
+    told_y = Pair(y.s + turn_y * v["V_ax"], y.c - turn_y * v["V_ax"], k)
+    mend_x = np.abs(Pair(told_x.s + parity * by_x, told_x.c, k).m) - np.abs(told_x.m)
+    mend_y = np.abs(Pair(told_y.s + parity * by_y, told_y.c, k).m) - np.abs(told_y.m)
+    lean, slack, margin = np.abs(h1 * r1) - np.abs(h2 * r2), LEAN * A * size, EVIDENCE * A**2
+    beside = bad["r_1"] | bad["r_2"]
+    x_alone, y_alone = bad["m_x"] & ~beside, bad["m_y"] & ~beside
+    first, second = beside & (lean > -slack), beside & (lean < slack)
+    clear_x = np.abs(parity + h1 * x.m * x.s / (2 * x.s**2 + least)) - np.abs(parity)
+    clear_y = np.abs(parity + h2 * y.m * y.s / (2 * y.s**2 + least)) - np.abs(parity)
+    return {
+        "V_ax": (second & (mend_x < margin)) | (x_alone & (clear_x < slack)),
+        "V_ay": (first & (mend_y < margin)) | (y_alone & (clear_y < slack)),
+        "V_bx": x_alone & (clear_x > -slack),
+        "V_by": first & (mend_y > -margin),
+        "V_cx": second & (mend_x > -margin),
+        "V_cy": y_alone & (clear_y > -slack),
+    }
+
+
+def estimate(state: Columns, raw: Columns, ready: Array, k: Constants) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Return the filtered x, y, phi and the filters' next states. Y(6)-(16)."""
+    out: dict[str, Array] = {}
+    after: dict[str, Array] = {}
+    for axis, bound in BOUND.items():
+        p, s, h = (state[f"filter_{axis}_{part}"] for part in "psh")
+        measured, K = raw[f"{axis}_raw"], k.gain[axis]
+        e = measured - p
+        now = [p + K[0] * e, s + K[1] * e, h + K[2] * e]
+        next = [now[0] + now[1] + now[2], now[1] + 2 * now[2], now[2]]
+        kept = (ready > 0) & np.all(np.abs(next) <= bound, axis=0)
+        out[axis] = np.where(kept, now[0], measured)
+        rest = (measured, np.zeros_like(measured), np.zeros_like(measured))
+        after |= {f"filter_{axis}_{n}": np.where(kept, v, r) for n, v, r in zip("psh", next, rest, strict=True)}
+    return out, after
+
+
+def step(state: Columns, v: Columns, ready: Array, k: Constants) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Return all outputs and the next state of sensing and filters for one sample of held voltages."""
+    raw, after = sense(state, v, ready, k)
+    pose, filtered = estimate(state, raw, ready, k)
+    return raw | pose, after | filtered

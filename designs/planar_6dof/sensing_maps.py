@@ -1,0 +1,230 @@
+"""By place in the matrix: errors and noise of the raw position, and what a failed sensor does before it is noticed.
+
+Everything is computed with the Block itself, in double precision, from the voltages of the plant, over a pitch in x and
+in y. Nothing here is noisy: what noise does to the residuals is far inside their bounds.
+
+A voltage that drops to zero is not noticed at 10 % of the places, near its own zeros, and makes x or y wrong by 1.1 mm
+at most; V_bx and V_cy at 40 %, by 6 mm, since s = A S with c = 0 is nearly what a place near by has. All that sticks
+while the platen moves at 0.1 m/s is noticed within 14 mm. Until then the yaw is wrong by up to 35 mrad, which the range
+of the raw yaw bounds, and x or y by 1.7 mm, but by 12.4 mm, a quarter of a pitch, where V_bx or V_cy sticks.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from designs.planar_6dof import calibration, filtering, sensing
+from models import planar_stage
+from synth import show
+from synth.block import Block
+from synth.compose import compose
+from synth.plant import Plant
+from synth.statespace import Array, readonly
+from synth.timing import Discrete
+
+NOISE = filtering.DEVIATION  # m rms of a position
+NUDGE = 1e-4  # V, of a difference quotient
+SPEED = 0.1  # m/s, at which the platen moves away from where a sensor sticks
+SETTLED = 100  # samples after which nothing more is noticed of a sensor at rest
+
+Columns = Mapping[str, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorMap:
+    """Over a pitch, rows x and columns y at `place` (n,) in m: error (n, n) and noise rms (n, n) of each raw axis."""
+
+    place: Array
+    error: Columns
+    noise: Columns
+
+
+@dataclass(frozen=True)
+class Unseen:
+    """What a failed voltage does before it is noticed: shares of the places, and the largest errors in m and rad.
+
+    `named` is the share of the noticed failures in which the voltage is among those named, `alone` in which it is the
+    only one. `moved` is the largest movement in m before the failure is noticed; inf where it is not within a pitch.
+    """
+
+    voltage: str
+    failure: str
+    unnoticed: float
+    named: float
+    alone: float
+    moved: float
+    position: float
+    yaw: float
+
+
+@show.printed
+@dataclass(frozen=True, repr=False)
+class Faults:
+    """What every failure of every voltage does before it is noticed."""
+
+    rows: tuple[Unseen, ...]
+
+    def sheet(self) -> show.Sheet:
+        """Return the failures as a table."""
+        columns = (
+            "voltage",
+            "failure",
+            "unnoticed, %",
+            "named, %",
+            "alone, %",
+            "moved, mm",
+            "position, mm",
+            "yaw, mrad",
+        )
+        rows = tuple(
+            (
+                *(r.voltage, r.failure, *(f"{100 * v:.1f}" for v in (r.unnoticed, r.named, r.alone))),
+                *(f"{1e3 * v:.2f}" for v in (r.moved, r.position, r.yaw)),
+            )
+            for r in self.rows
+        )
+        lines = ("Share of places where it is not noticed, and the largest errors before it is or where it is not.",)
+        return show.Sheet("Hall sensors that fail", lines, (show.Table(columns, rows),))
+
+
+def voltages(plant: Plant, pose: Mapping[str, ArrayLike]) -> dict[str, Array]:
+    """Return the six voltages (N,) of N poses in m and rad by axis; an axis that is left out is 0."""
+    columns = np.broadcast_arrays(*(np.asarray(pose.get(s.name, 0.0), float).ravel() for s in plant.states))
+    x = np.array(columns)
+    u, p = np.zeros((len(plant.inputs), x.shape[1])), np.tile(plant.values[:, None], x.shape[1])
+    y = plant.h.map(x.shape[1])(x, u, p).full()
+    names = [s.name for s in plant.outputs]
+    return {name: y[names.index(name)] for name in planar_stage.HALL}
+
+
+def estimation(plant: Plant, time: Discrete) -> Block:
+    """Return sensing and filters as one Block, from held voltages and ``ready``."""
+    parts = [sensing.sensing(plant, time), *filtering.blocks(time)]
+    inputs = [*(s.name for s in sensing.HELD), sensing.READY.name]
+    raw = [s.name for s in (*sensing.RAW.values(), *sensing.COUNTS, *sensing.RESIDUALS, *sensing.SUSPECTS)]
+    return compose("estimation", parts, inputs=inputs, outputs=[*raw, *filtering.AXES])
+
+
+def error_map(plant: Plant, yaw: float = 0.0, lift: float = 0.0, doubt: float = 0.0, points: int = 48) -> ErrorMap:
+    """Return the map at a yaw in rad, known to `doubt` in rad, and a lift in m."""
+    block = sensing.sensing(plant, Discrete(1e-3))
+    l = calibration.of(plant).pitch
+    place = l * ((np.arange(points) + 0.5) / points - 0.5)
+    x, y = (v.ravel() for v in np.meshgrid(place, place, indexing="ij"))
+    u = voltages(plant, {"x": x, "y": y, "phi": yaw, "z": lift})
+    known = {
+        "x_predicted": x,
+        "y_predicted": y,
+        "phi_predicted": np.full_like(x, yaw + doubt),
+        "ready": np.ones_like(x),
+    }
+    step = block.function().map(len(x))
+    state = np.tile(block.initial[:, None], len(x))
+    raw = [s.name for s in sensing.RAW.values()]
+
+    def evaluated(change: str = "", by: float = 0.0) -> Array:
+        given = {f"{name}_held": v + (by if name == change else 0.0) for name, v in u.items()} | known
+        outputs = step(state, np.array([given[s.name] for s in block.inputs]))[1].full()
+        return outputs[: len(raw)]
+
+    error = evaluated() - np.array([x, y, np.full_like(x, yaw)])
+    slopes = [(evaluated(name, NUDGE) - evaluated(name, -NUDGE)) / (2 * NUDGE) for name in u]
+    noise = deviation(plant) * np.sqrt(np.sum(np.square(slopes), axis=0))
+    squares = [
+        {axis: readonly(v.reshape(points, points)) for axis, v in zip(sensing.RAW, rows, strict=True)}
+        for rows in (error, noise)
+    ]
+    return ErrorMap(readonly(place), *squares)
+
+
+def deviation(plant: Plant) -> float:
+    """Return the noise rms of a voltage in V that makes NOISE in a position."""
+    cal = calibration.of(plant)
+    return float(cal.amplitude * 2 * np.pi / cal.pitch * NOISE)
+
+
+def faults(plant: Plant, time: Discrete, points: int = 12) -> Faults:
+    """Return what each voltage does that drops to zero at rest, or sticks while it moves at SPEED."""
+    rows = [_dropped(plant, time, name, points) for name in planar_stage.HALL]
+    return Faults((*rows, *(_stuck(plant, time, name, points) for name in planar_stage.HALL)))
+
+
+@dataclass(frozen=True, eq=False)
+class _Watch:
+    """Over N starts: when a failure was noticed, -1 if never, who was named, and the errors (axes, N) until then."""
+
+    noticed: NDArray[np.int64]
+    named: NDArray[np.bool_]
+    error: Array
+
+
+def _watched(
+    plant: Plant, time: Discrete, start: Array, velocity: Array, samples: int, failed: str, stuck: bool
+) -> _Watch:
+    """Follow N platens from `start` (2, N) in m with `velocity` (2, N) in m/s and a voltage that fails at once."""
+    block, n = estimation(plant, time), start.shape[1]
+    step, names = block.function().map(n), [s.name for s in block.states]
+    state = np.tile(block.initial[:, None], n).astype(float)
+    for i, axis in enumerate("xy"):
+        state[names.index(f"filter_{axis}_p")] = start[i]
+        state[names.index(f"filter_{axis}_s")] = time.period_s * velocity[i]
+    outputs = [s.name for s in block.outputs]
+    estimated, suspects = ([outputs.index(s) for s in names] for names in (filtering.AXES, _SUSPECTS))
+    pose = start + time.period_s * np.arange(samples)[:, None, None] * velocity
+    u = voltages(plant, {axis: pose[:, i] for i, axis in enumerate("xy")})
+    u = {name: v.reshape(samples, n) for name, v in u.items()}
+    u[failed] = np.tile(u[failed][:1], (samples, 1)) if stuck else np.zeros((samples, n))
+    noticed, named, worst = np.full(n, -1), np.zeros((len(_SUSPECTS), n), bool), np.zeros((3, n))
+    for k in range(samples):
+        after, found = (v.full() for v in step(state, np.array([*(v[k] for v in u.values()), np.ones(n)])))
+        doubtful, suspected = after[names.index("sensing_doubt")] > 0, found[suspects] > 0
+        error = np.abs(found[estimated] - np.array([*pose[k], np.zeros(n)]))
+        worst = np.where((noticed < 0) & ~doubtful, np.maximum(worst, error), worst)
+        fresh = suspected.any(axis=0) & (noticed < 0)
+        noticed, named, state = np.where(fresh, k, noticed), np.where(fresh, suspected, named), after
+        if (noticed >= 0).all():
+            break
+    return _Watch(noticed, named, worst)
+
+
+_SUSPECTS = tuple(s.name for s in sensing.SUSPECTS)
+
+
+def _summary(name: str, failure: str, seen: _Watch, moved: NDArray[np.floating[Any]]) -> Unseen:
+    noticed = seen.noticed >= 0
+    own = seen.named[planar_stage.HALL.index(name)]
+    alone = own & (seen.named.sum(axis=0) == 1)
+    return Unseen(
+        name,
+        failure,
+        float(np.mean(~noticed)),
+        float(own[noticed].mean()) if noticed.any() else 0.0,
+        float(alone[noticed].mean()) if noticed.any() else 0.0,
+        float(np.where(noticed, moved, np.inf).max()),
+        float(seen.error[:2].max()),
+        float(seen.error[2].max()),
+    )
+
+
+def _places(plant: Plant, points: int) -> Array:
+    place = calibration.of(plant).pitch * ((np.arange(points) + 0.5) / points - 0.5)
+    return np.array([v.ravel() for v in np.meshgrid(place, place, indexing="ij")])
+
+
+def _dropped(plant: Plant, time: Discrete, name: str, points: int) -> Unseen:
+    start = _places(plant, points)
+    seen = _watched(plant, time, start, np.zeros_like(start), SETTLED, name, stuck=False)
+    return _summary(name, "zero", seen, np.zeros(start.shape[1]))
+
+
+def _stuck(plant: Plant, time: Discrete, name: str, points: int) -> Unseen:
+    """Return what happens on the way from each place, to and fro along the voltage's own axis, over a pitch at most."""
+    place = _places(plant, points)
+    along = np.array([[name[-1] == axis] for axis in "xy"])
+    velocity = SPEED * along * np.repeat([1.0, -1.0], place.shape[1])
+    samples = round(calibration.of(plant).pitch / SPEED / time.period_s)
+    seen = _watched(plant, time, np.tile(place, 2), velocity, samples, name, stuck=True)
+    return _summary(name, "stuck", seen, SPEED * time.period_s * seen.noticed)

@@ -1,0 +1,148 @@
+"""The vertical axes z, theta, psi, from three laser distances to force and torques, by (23)-(25).
+
+    [d1]   [1  -r   r] [z    ]       d1..d3 --->[ heights ]---> z, theta, psi ---+
+    [d2] = [1  -r  -r] [theta]                                                   v -
+    [d3]   [1   r   0] [psi  ]       set-points ------------------------------->(+)--->[ K(z) ]---> f_z, m_theta, m_psi
+
+    published   K (s + a) (s + 10) / ((s + b) s), as printed
+    shipped     the same zeros, the pole b at 2/T, and a part of the gain at low frequencies
+
+With a sample of delay psi as printed is unstable at 1 kHz and at 800 Hz, for its crossover is 110 Hz with the printed
+Iyy; theta has a peak sensitivity of 6.6 and 38. As shipped no loop has more than 2.1, at either rate. Sampled by
+Tustin's rule: the crossovers are a twelfth of the rate at most, where it bends the phase by a tenth of a degree, and of
+the rules that keep the order it lags least. It puts a pole at 2/T to z = 0.
+
+Each loop is a lead and a reset, whose zero z2 is that of s + 10. The reset is driven by what the motors make:
+
+    f = w + I,   I+ = z2 I + (1 - z2) made,   w = D e + V,   V+ = p V + D (p - z1) e,       e = set-point - position
+
+While made = f this is f = w (z - z2) / (z - 1). At a limit I goes to what is made, no further, with the time constant
+of the reset: there is no windup, and no limit to be computed. Source: Yu, Kim, section 5.2, (19), (20), (23)-(25).
+"""
+
+from dataclasses import dataclass, replace
+from math import pi
+from typing import Literal
+
+from designs.planar_6dof import allocation
+from designs.planar_6dof.allocation import AXES, BOX, DEMANDS, MADE
+from models import planar_stage
+from synth.block import Block, Constant, Exprs, State, Step, build
+from synth.plant import Plant
+from synth.signals import Signal
+from synth.synthesise import lead_lag
+from synth.timing import Discrete
+
+Reading = Literal["shipped", "published"]
+
+PUBLISHED = {
+    "z": (323252.0, 102.91, 776.828),
+    "theta": (900.0, 80.0413, 604.199),
+    "psi": (1100.0, 80.0413, 604.199),
+}
+PART = {"z": 0.65, "theta": 0.5, "psi": 0.15}  # of the published gain at low frequencies
+RESET = 10.0  # rad/s
+COMPARED = 2 * pi * 30  # rad/s, at which sampled and continuous compensators are compared
+LASER = 5e-4  # m
+DISTANCES = tuple(Signal(f"{name}_held", "m", -LASER, LASER, "laser distance") for name in planar_stage.LASERS)
+REACH = {"x": 0.4, "y": 0.4, "phi": 0.1, "z": LASER, "theta": 0.01, "psi": 0.01}  # m, rad: of what is measured
+POSITIONS = {axis: replace(BOX[axis], low=-high, high=high) for axis, high in REACH.items()}
+EQUATION = {"x": "21", "y": "21", "phi": "22", "z": "23", "theta": "24", "psi": "25"}
+MARGIN = 1.01  # of states over what bounds them: rounding stays below it
+REFERENCES = {axis: replace(BOX[axis], name=f"{axis}_ref_held", about="set-point") for axis in AXES}
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A compensator, its sampled form, and that in the parts of the module's text: D, p, D (p - z1) and z2."""
+
+    axis: str
+    sampled: lead_lag.LeadLag
+    D: float
+    pole: float
+    into_lag: float
+    reset: float
+
+
+def heights(plant: Plant, time: Discrete) -> Block:
+    """Return the Block from the laser distances to z, theta and psi; tilts count to first order."""
+    r = plant.parameter("laser_arm").value
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        left, right, back = (u[s.name] for s in DISTANCES)
+        front = (left + right) / 2
+        return Step({"z": (front + back) / 2, "theta": (back - front) / (2 * r), "psi": (left - right) / (2 * r)})
+
+    outputs = [POSITIONS[axis] for axis in ("z", "theta", "psi")]
+    return build("heights", time, law, inputs=DISTANCES, outputs=outputs, tag="laser distances inverted")
+
+
+def compensator(axis: str, time: Discrete, reading: Reading = "shipped") -> lead_lag.Compensator:
+    """Return the continuous compensator of z, theta or psi, from m to N or rad to N m. Source: (23)-(25)."""
+    gain, zero, pole = PUBLISHED[axis]
+    if reading == "shipped":
+        nearer = 2 / time.period_s
+        gain, pole = PART[axis] * gain * nearer / pole, nearer
+    return lead_lag.Compensator(gain, (-zero, -RESET), (-pole, 0.0), output=demand(axis).name)
+
+
+def demand(axis: str) -> Signal:
+    """Return the force or torque that is demanded for an axis."""
+    return DEMANDS[AXES.index(axis)]
+
+
+def made(axis: str) -> Signal:
+    """Return the force or torque that the limited currents make of an axis."""
+    return MADE[AXES.index(axis)]
+
+
+def loop(axis: str, continuous: lead_lag.Compensator, time: Discrete) -> Loop:
+    """Return a compensator with two zeros, a pole and an integrator, in this order, sampled and split into its parts.
+
+    The zero of the reset is the second one.
+    """
+    sampled = lead_lag.tustin(continuous, time.period_s, COMPARED)
+    z1, z2 = (float(z.real) for z in sampled.zeros)
+    p, D = float(sampled.poles[0].real), sampled.gain
+    p = p if abs(p) > 1e-12 else 0.0
+    return Loop(axis, sampled, D, p, D * (p - z1), z2)
+
+
+def block(plant: Plant, part: Loop, time: Discrete) -> Block:
+    """Return the Block of one loop, from the position, the set-point and what is made to the demand.
+
+    Both states stay in their ranges as long as the position does, and what is made is within `authority`.
+    """
+    axis, position, reference = part.axis, POSITIONS[part.axis], REFERENCES[part.axis]
+    wanted, driven = demand(axis), made(axis)
+    most = MARGIN * abs(part.into_lag) * (position.high + reference.high) / (1 - abs(part.pole))
+    integral = MARGIN * allocation.authority(plant)[axis]
+    states = [
+        State(Signal("integral", wanted.unit, -integral, integral, "of the error"), 0.0),
+        State(Signal("lag", wanted.unit, -most, most, "what the lead takes back"), 0.0),
+    ]
+    per, tag = f"{wanted.unit}/{position.unit}", f"({EQUATION[axis]})"
+    numbers = (
+        ("direct", part.D, per, "gain of the error"),
+        ("into_lag", part.into_lag, per, "gain times pole less zero"),
+        ("pole", part.pole, "1", "pole in z"),
+        ("reset", part.reset, "1", "zero of the integrator in z"),
+        ("driven", 1 - part.reset, "1", "1 less that"),
+    )
+    constants = [Constant(name, value, unit, f"{tag}: {what}") for name, value, unit, what in numbers if value]
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        error = u[reference.name] - u[position.name]
+        lag = k["into_lag"] * error + (k["pole"] * x["lag"] if part.pole else 0)
+        integral = k["reset"] * x["integral"] + k["driven"] * u[driven.name]
+        return Step({wanted.name: k["direct"] * error + x["lag"] + x["integral"]}, {"integral": integral, "lag": lag})
+
+    inputs = [position, reference, driven]
+    name = f"loop_{axis}"
+    return build(name, time, law, inputs=inputs, outputs=[wanted], states=states, constants=constants, tag=tag)
+
+
+def blocks(plant: Plant, time: Discrete, reading: Reading = "shipped") -> list[Block]:
+    """Return the Blocks of the three vertical loops."""
+    loops = (loop(axis, compensator(axis, time, reading), time) for axis in allocation.VERTICAL)
+    return [block(plant, part, time) for part in loops]

@@ -1,0 +1,133 @@
+"""One axis of the stage under its lead-lag compensator, with ideal sensing: margins and steps.
+
+An inertia m with a spring k, q'' = (f - k q) / m, under f = K(s) (r - q), K(s) = g (s - z1) (s - z2) / ((s - p) s).
+
+    continuous   as it stands
+    held         the continuous loop times (1 - exp(-sT)) / (sT), and exp(-s tau) for a computation delay tau
+    sampled      the exactly sampled plant, without delay; K by Tustin's rule for a step, and for margins by the rule
+                 prewarped at the continuous crossover, where it is then the same
+
+Steps start from rest at t = 0 and are relative to their size; the rise is from 10 to 90 %. A time is infinite when the
+record, LONG seconds, does not contain the event.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synth import timing
+from synth.analyse import loop, margins, sensitivity, transfer
+from synth.statespace import StateSpace
+from synth.synthesise import lead_lag
+from synth.timing import Continuous
+
+Array = NDArray[np.float64]
+
+FINE, LONG = 1e-5, 1.2  # s: the grid of continuous steps, and how long all are watched
+BAND = 0.02
+
+
+@dataclass(frozen=True)
+class Axis:
+    """An inertia in kg or kg m^2 with a spring in N/m or N m/rad, under a compensator by gain, zeros and poles."""
+
+    inertia: float
+    spring: float
+    gain: float
+    zeros: tuple[float, ...]
+    poles: tuple[float, ...]
+
+    @property
+    def compensator(self) -> lead_lag.Compensator:
+        """K(s)."""
+        return lead_lag.Compensator(self.gain, self.zeros, self.poles)
+
+    @property
+    def plant(self) -> StateSpace:
+        """1 / (m s^2 + k)."""
+        A, B = np.array([[0.0, 1.0], [-self.spring / self.inertia, 0.0]]), np.array([[0.0], [1 / self.inertia]])
+        return StateSpace(A, B, np.eye(2)[:1], np.zeros((1, 1)), ("q", "v"), ("f",), ("q",), Continuous())
+
+
+@dataclass(frozen=True)
+class Margin:
+    """The crossover in Hz, phase margin in degrees and delay margin in s of a loop, and whether it is stable."""
+
+    crossover: float
+    phase: float
+    delay: float
+    stable: bool
+
+
+@dataclass(frozen=True)
+class Step:
+    """Rise in s, overshoot in %, and the last time in s at which a step is outside its band."""
+
+    rise: float
+    overshoot: float
+    settled: float
+
+
+@cache
+def margin(axis: Axis, hold_s: float = 0.0, delay_s: float = 0.0) -> Margin:
+    """Return the margins of the continuous loop, or of the held one, with a delay."""
+    L = sensitivity.close(axis.plant, axis.compensator.model).L
+    return _margin(margins.of_loop(transfer.delayed(L, delay_s, hold_s) if hold_s else L))
+
+
+@cache
+def sampled_margin(axis: Axis, period_s: float) -> Margin:
+    """Return the margins of the sampled loop."""
+    rule = lead_lag.prewarped(axis.compensator, period_s, 2 * pi * margin(axis).crossover)
+    return _margin(margins.of_loop(_sampled(axis, rule).L))
+
+
+@cache
+def step(axis: Axis) -> Step:
+    """Return the step of the continuous loop."""
+    T = sensitivity.close(axis.plant, axis.compensator.model).T
+    poles, V = np.linalg.eig(T.A)
+    time: Array = np.arange(round(LONG / FINE), dtype=np.float64) * FINE
+    shares = (T.C @ V)[0] * np.linalg.solve(V, T.B)[:, 0] / poles
+    return measured(time, 1 + (np.exp(np.outer(time, poles)) @ shares).real)
+
+
+@cache
+def sampled_step(axis: Axis, period_s: float) -> Step:
+    """Return the step of the sampled loop."""
+    T, y = _sampled(axis, lead_lag.tustin(axis.compensator, period_s, 1 / period_s)).T, []
+    x = np.zeros(len(T.A))
+    for _ in range(round(LONG / period_s)):
+        y.append(float((T.C @ x + T.D[:, 0])[0]))
+        x = T.A @ x + T.B[:, 0]
+    return measured(np.arange(len(y), dtype=np.float64) * period_s, np.array(y))
+
+
+def measured(time: Array, y: Array, band: float = BAND) -> Step:
+    """Return the figures of a record y (N,) of a step from 0 to 1 at time[0], s."""
+    outside = np.flatnonzero(np.abs(y - 1) > band)
+    last = 0.0 if not len(outside) else time[outside[-1]] - time[0] if outside[-1] + 1 < len(y) else np.inf
+    return Step(_reach(time, y, 0.9) - _reach(time, y, 0.1), 100 * (float(y.max()) - 1), float(last))
+
+
+def gain_at(axis: Axis, frequency: float) -> float:
+    """Return |L| of the continuous loop at a frequency in Hz."""
+    s = 2j * pi * frequency
+    return float(abs(axis.plant.response(s)[0, 0, 0] * axis.compensator.model.response(s)[0, 0, 0]))
+
+
+def _sampled(axis: Axis, rule: lead_lag.LeadLag) -> sensitivity.ClosedLoop:
+    return sensitivity.close(loop.sampled(axis.plant, timing.period(rule.discrete.time)), rule.discrete)
+
+
+def _margin(found: margins.Margins) -> Margin:
+    last = max(found.gain_crossings, key=lambda c: c.frequency)
+    return Margin(last.frequency / (2 * pi), last.phase_margin, last.delay_margin, found.stable)
+
+
+def _reach(time: Array, y: Array, level: float) -> float:
+    """Return the first time of a sample at or above a level."""
+    return float(time[np.argmax(y >= level)]) if (y >= level).any() else np.inf

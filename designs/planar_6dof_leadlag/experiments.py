@@ -1,0 +1,140 @@
+"""The lead-lag controller's experiments, Y section 5.2: steps (Fig. 8), the large circle (Fig. 9), and failures.
+
+The circle begins in the middle of the travel, its radius growing over GROWTH. Where the sensors switch at the borders
+of the eight sections of a pitch, the error of the raw position may jump by no more than three times what it changes
+from sample to sample elsewhere: the borders must not show in the noise.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from designs.planar_6dof import experiments as shared
+from designs.planar_6dof import failures, voltages
+from designs.planar_6dof.loop import Array, Loop
+from designs.planar_6dof_leadlag import audit, audit_records
+from synth.check import Check
+from synth.report.audit import Row
+from synth.simulate.experiment import Experiment
+from synth.simulate.scenario import Trajectory, sample_times
+
+STEPS = {"x": 20e-6, "y": 100e-6, "phi": 0.01 * pi / 180}  # m, rad, Fig. 8
+SIZES = {"x": "20 um", "y": "100 um", "phi": "0.01 degrees"}
+# Y-9, whose band is not printed: into 2 % it takes 0.33 s. Around 20 % is within a quarter of it, as Y-9b is judged.
+LIMITS = shared.Limits(rise=0.025, overshoot=0.25, settling=0.220, band=0.05, voltage=voltages.STATED)
+RADIUS, RATE, GROWTH = 0.1, 0.2094, 5.0  # m, rad/s, s
+REVOLUTION = 2 * pi / RATE
+PAIRS = {"x": ("V_ax", "V_bx"), "y": ("V_ay", "V_cy")}  # s and -c of an axis
+JUMP = 3.0
+RECORD = 200.0  # s, over which an rms is within 0.8 % of what it tends to; over 20 s it is within 2.5 %
+
+
+@dataclass(frozen=True, eq=False)
+class Circle:
+    """A run around the circle, its set-points x, y (N,) in m, and whether the radius has grown (N,)."""
+
+    run: Trajectory
+    references: dict[str, Array]
+    grown: NDArray[np.bool_]
+
+    def error(self, axis: str) -> Array:
+        """Return the true error of x or y on the full circle, m."""
+        return np.asarray((self.run[axis] - self.references[axis])[self.grown])
+
+
+def circle(loop: Loop) -> Circle:
+    """Run a whole revolution after the radius has grown to RADIUS."""
+    time = sample_times(GROWTH + REVOLUTION, loop.period_s)
+    part = np.clip(time / GROWTH, 0, 1)
+    r = RADIUS * part**3 * (10 - 15 * part + 6 * part**2)
+    wanted = {"x": r * np.cos(RATE * time), "y": r * np.sin(RATE * time)}
+    return Circle(loop.run(GROWTH + REVOLUTION, wanted, {}), wanted, time >= GROWTH)
+
+
+def switched(run: Trajectory, axis: str) -> NDArray[np.bool_]:
+    """Tell for each sample (N,) whether another sensor is read than in the one before, by what they measure."""
+    s, c = (np.abs(run.measured[name]) for name in PAIRS[axis])
+    first = s <= c
+    return np.asarray(np.diff(first, prepend=first[0]))
+
+
+def jumps(loop: Loop, run: Trajectory, axis: str) -> tuple[Array, Array]:
+    """Return by how much the raw position's error changes at a switching sample, and at the others, m."""
+    error = loop.seen(run)[f"{axis}_raw"] - run[axis]
+    change, there = np.diff(error, prepend=error[0]), switched(run, axis)
+    return change[there], change[~there]
+
+
+def circle_experiment(loop: Loop) -> Experiment:
+    """Return the circle of Fig. 9."""
+    found, ideal = circle(loop), circle(loop.ideal)
+    pitch = loop.plant.parameter("l").value
+    figures, checks = voltages.figures(loop.plant, found.run, ideal.run), []
+    for axis in "xy":
+        there, elsewhere = jumps(loop, found.run, axis)
+        rms = float(np.sqrt(np.mean(elsewhere**2)))
+        worst = float(np.abs(there).max())
+        smooth = jumps(loop, ideal.run, axis)[0]
+        figures |= {
+            f"pitches crossed, {axis}": float(np.ptp(found.run[axis])) / pitch,
+            f"switching samples, {axis}": float(len(there)),
+            f"largest jump at one, {axis}, um": 1e6 * worst,
+            f"rms elsewhere, {axis}, um": 1e6 * rms,
+            f"largest jump at one without noise, {axis}, um": 1e6 * float(np.abs(smooth).max()),
+            f"error of {axis}, um rms": 1e6 * float(np.sqrt(np.mean(found.error(axis) ** 2))),
+            f"error of {axis} without noise, um rms": 1e6 * float(np.sqrt(np.mean(ideal.error(axis) ** 2))),
+        }
+        checks.append(Check(f"jump of {axis} at a switching sample", worst / rms, JUMP, "1", "times the rms elsewhere"))
+        lost = float(np.abs(found.error(axis)).max())
+        checks.append(Check(f"greatest error of {axis}", lost, pitch / 16, "m", "half a section: no count is lost"))
+    needed = figures["largest voltage without noise, V"]
+    checks.append(Check("largest voltage without noise", needed, voltages.STATED, "V", "Table 1"))
+    figures["greatest yaw, urad"] = 1e6 * float(np.abs(found.run["phi"]).max())
+    title = "Circle of 200 mm diameter at 0.2094 rad/s (Fig. 9)"
+    about = f"a revolution of {REVOLUTION:.4g} s after {GROWTH:g} s in which the radius grows"
+    return Experiment(
+        "circle", title, about, found.run, ("x", "y"), found.references, figures, (*checks, *shared.usual(found.run))
+    )
+
+
+def steps(loop: Loop) -> dict[str, shared.StepRun]:
+    """Return the steps of Fig. 8 by axis."""
+    return {axis: shared.step(loop, axis, height) for axis, height in STEPS.items()}
+
+
+def step_experiments(loop: Loop) -> list[Experiment]:
+    """Return the steps of Fig. 8; the text's theta is phi in its caption."""
+    return [
+        shared.step_experiment(loop, run, f"step_{axis}", f"{axis} by {SIZES[axis]} (Fig. 8)", LIMITS)
+        for axis, run in steps(loop).items()
+    ]
+
+
+def run(loop: Loop, told: Callable[[str], None]) -> list[Experiment]:
+    """Run every experiment; `told` hears what comes next."""
+    found: list[Experiment] = []
+    parts: tuple[tuple[str, Callable[[], list[Experiment]]], ...] = (
+        ("steps", lambda: step_experiments(loop)),
+        ("circle", lambda: [circle_experiment(loop)]),
+        ("standstill", lambda: shared.standstills(loop)),
+        ("failures of a Hall channel", lambda: failures.experiments(loop)),
+    )
+    for name, part in parts:
+        told(name)
+        found += part()
+    return found
+
+
+def rows(loop: Loop) -> Iterator[Row]:
+    """Recompute `audit.RECORDED`: the noise as filtered, which is what the controller acts on, and the steps.
+
+    The noise tends to 6.9 um: that it counts as the print's 6 is close, and takes a record of RECORD to say.
+    """
+    printed = audit.printed()
+    yield audit_records.noise(printed["Y-34"], shared.filtered_at_rest(loop, RECORD))
+    found = steps(loop)
+    records = {axis: run.response for axis, run in found.items()}
+    yield audit_records.steps(printed, printed["Y-35"], found["x"].time, records)

@@ -1,0 +1,251 @@
+"""The reduced-order LQG controller of the planar positioner at 800 Hz, Y(26)-(49), as Blocks.
+
+    A model of (26) with integrators (31), states (x y phi z1 z2 z3 d f v), u = (i_AQ, i_BQ, i_CQ), K of (49) by lqrd.
+
+        f_x = k i_C,   f_y = k (i_A + i_B),   m_phi = k a (i_B - i_A),   k = 13.2547 M
+
+    makes demands of its currents, so that the allocation compensates the yaw of motor C that (26) leaves out. In these
+    K falls apart into three axes q'' = b f. Each knows the force f1 that the motors make until the next sample, that of
+    the sample before, and estimates the rate alone, with L = (1 - p) / T:
+
+        v^  = x3 + L q,                     x3+ = F x3 + G q + H f1                                        (33), (35)
+        q1  = q + T v^ + b T^2/2 f1,        v1  = v^ + b T f1           where the axis is when f acts
+        w   = k1 (q - q1) - k2 v1,          f = w + k (r - q) + I            k = k1 + k3 T
+        I+  = (1 - g) I + g (made - w),     f1+ = made                       g = k3 T / k
+
+While made = f this is I+ = I + k3 T (r - q) and f = k1 (r - q1) - k2 v1 + I+. At a limit I follows what is made with a
+time constant of T/g, some 20 ms.
+
+K belongs to a loop without delay. The prediction q1, v1 puts it where it was designed for: without it phi has a phase
+margin of 10 to 19 degrees with a sample of delay, with it 31 to 35. Positions come as they are measured: behind the
+Kalman filter (6)-(16), which knows nothing of f, this loop is unstable for every p.
+
+p. A larger one lets less noise through and leaves less margin. Peak sensitivity, and current in A rms of motor C for
+13 um of noise in x, of A and B for 0.3 mrad in phi:
+
+    p        0           0.5         0.7         0.8         0.9
+    x        1.56  0.37  1.71  0.17  1.82  0.11  1.90  0.08  1.96  0.05
+    y        1.43        1.58        1.74        1.87        2.02
+    phi      2.20  1.9   2.12  0.87  2.03  0.57  1.96  0.44  1.84  0.32
+
+Until every measurement has been good once the platen counts as at rest where it is.
+
+H of (42) is no choice: the observer that it makes has its poles at z = -1.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Literal
+
+import casadi as ca
+import numpy as np
+
+from designs.planar_6dof import allocation, interface, vertical
+from designs.planar_6dof.allocation import HORIZONTAL
+from designs.planar_6dof.sensing import READY
+from designs.planar_6dof.vertical import MARGIN, POSITIONS, REFERENCES, Reading
+from synth.analyse import discretise
+from synth.block import Block, Constant, Exprs, State, Step, build
+from synth.plant import Plant
+from synth.signals import Signal
+from synth.statespace import Array, StateSpace, readonly
+from synth.synthesise import kalman, lqr, reduced_observer
+from synth.timing import Continuous, Discrete
+
+NAME = "planar_6dof_lqg"
+TIME = Discrete(1 / 800)
+INPUTS, OUTPUTS, SAFETY = interface.INPUTS, interface.OUTPUTS, interface.SAFETY
+STATES = ("x", "y", "phi", "z1", "z2", "z3", "d", "f", "v")
+CURRENTS = ("i_AQ", "i_BQ", "i_CQ")
+PER_AMPERE, YAW_PER_AMPERE = 13.2547, 117.15  # m/s^2/A, rad/s^2/A, (26)
+WEIGHTS = (1e4, 1e3, 1e3, 1e10, 1e9, 1e10, 1e2, 1e1, 2e1)  # reproduces (49) in all its digits
+PRINTED_WEIGHTS = (1e3, 1e4, 1e3, 1e9, 1e8, 1e8, 1e2, 1e2, 1e2)  # (47), which does not
+OBSERVER_POLE = {"x": 0.7, "y": 0.7, "phi": 0.9}
+RATES = {"x": "d", "y": "f", "phi": "v"}
+NOISE = {"x": 5e-5, "y": 5e-5, "phi": 1e-3}  # m, rad, of a sample: (9) and (46), that of phi is not printed
+PUSHED = {"x": 0.3, "y": 0.3, "phi": 3.0}  # m^2/s^3, rad^2/s^3: densities of acceleration for the full-order filter
+FASTEST = 20.0  # m/s, rad/s, of a full-order estimate
+MEASURED = {axis: replace(POSITIONS[axis], name=f"{axis}_raw", about="as measured") for axis in HORIZONTAL}
+Order = Literal["reduced", "full"]
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One axis q'' = b f and its gains: f = k1 (r - q) - k2 q' + k3 sum (r - q)."""
+
+    name: str
+    b: float
+    k1: float
+    k2: float
+    k3: float
+
+
+def model() -> StateSpace:
+    """Return (31), (32) with the currents as inputs, as printed."""
+    A, B = np.zeros((9, 9)), np.zeros((9, 3))
+    A[:3, 6:], A[3:6, :3] = np.eye(3), np.eye(3)
+    B[6, 2] = B[7, 0] = B[7, 1] = PER_AMPERE
+    B[8, 0], B[8, 1] = -YAW_PER_AMPERE, YAW_PER_AMPERE
+    units = dict(zip(STATES, ("m", "m", "rad", "m s", "m s", "rad s", "m/s", "m/s", "rad/s"), strict=True))
+    units |= dict.fromkeys(CURRENTS, "A")
+    return StateSpace(A, B, np.eye(3, 9), np.zeros((3, 3)), STATES, CURRENTS, STATES[:3], Continuous(), units)
+
+
+@cache
+def gain(weights: Sequence[float] = WEIGHTS) -> lqr.Gain:
+    """Return K of (49), u = K x, for the diagonal of Q and R = I at 800 Hz."""
+    return lqr.lqrd(model(), weights, np.eye(3), TIME.period_s, exact=True)
+
+
+def demanded(plant: Plant) -> Array:
+    """Return K (3, 9) of the demands f_x, f_y in N and m_phi in N m, by the states of (31)."""
+    k, a, K = PER_AMPERE * plant.parameter("M").value, plant.parameter("a").value, gain().K
+    return readonly([k * K[2], k * (K[0] + K[1]), k * a * (K[1] - K[0])])
+
+
+def axes(plant: Plant) -> tuple[Axis, ...]:
+    """Return x, y and phi with their gains, in N or N m."""
+    k, a, K = PER_AMPERE * plant.parameter("M").value, plant.parameter("a").value, -demanded(plant)
+    pushed = (PER_AMPERE / k, PER_AMPERE / k, YAW_PER_AMPERE / (k * a))
+    return tuple(
+        Axis(name, b, float(K[i, i]), float(K[i, 6 + i]), float(K[i, 3 + i]) * TIME.period_s)
+        for i, (name, b) in enumerate(zip(HORIZONTAL, pushed, strict=True))
+    )
+
+
+def continuous(axis: Axis) -> StateSpace:
+    """Return q'' = b f with the states q and its rate."""
+    made, rate, unit = vertical.demand(axis.name), RATES[axis.name], POSITIONS[axis.name].unit
+    arrays: tuple[list[list[float]], ...] = ([[0, 1], [0, 0]], [[0], [axis.b]], [[1, 0]], [[0]])
+    A, B, C, D = (readonly(m) for m in arrays)
+    units = {axis.name: unit, rate: f"{unit}/s", made.name: made.unit}
+    return StateSpace(A, B, C, D, (axis.name, rate), (made.name,), (axis.name,), Continuous(), units)
+
+
+def observer(axis: Axis, pole: float | None = None) -> reduced_observer.ReducedObserver:
+    """Return the observer of the rate with L = (1 - p) / T."""
+    p = OBSERVER_POLE[axis.name] if pole is None else pole
+    held = discretise.zero_order_hold(continuous(axis), TIME.period_s)
+    return reduced_observer.from_gain(held, axis.name, [[(1 - p) / TIME.period_s]])
+
+
+def estimator(axis: Axis) -> kalman.Estimator:
+    """Return the full-order filter of position and rate, pushed by white acceleration."""
+    W, V = [PUSHED[axis.name]], [NOISE[axis.name] ** 2]
+    return kalman.sampled(continuous(axis), W, V, TIME.period_s, G=[[0.0], [1.0]], exact=True)
+
+
+def reduced_order(plant: Plant, axis: Axis) -> Block:
+    """Return the regulator of one axis on the observer of its rate alone; x3 is kept in units of what it demands."""
+    found, T = observer(axis), TIME.period_s
+    q, f1 = MEASURED[axis.name], allocation.authority(plant)[axis.name]
+    on_rate, on_force = axis.k1 * T + axis.k2, axis.b * T * (axis.k1 * T / 2 + axis.k2)
+    F, G, H, L = float(found.F[0, 0]), *(on_rate * float(m[0, 0]) for m in (found.G, found.H, found.L))
+    x3 = MARGIN * (abs(G) * q.high + abs(H) * f1) / (1 - abs(F))
+    per = _per_position(axis.name)
+    constants = [
+        Constant("on_force", on_force, "1", "(49): b T (k1 T / 2 + k2)"),
+        Constant("L", L, per, "(33): (k1 T + k2) L, L = (1 - p) / T"),
+        Constant("F", F, "1", "(35): A22 - L A12"),
+        Constant("G", G, per, "(33): (k1 T + k2) (F L + A21 - L A11)"),
+        Constant("H", H, "1", "(33): (k1 T + k2) (B2 - L B1)"),
+    ]
+
+    def estimate(u: Exprs, x: Exprs, k: Exprs) -> tuple[ca.SX, dict[str, ca.SX]]:
+        seen = k["L"] * u[q.name]
+        now = ca.if_else(u[READY.name], x["x3"], -seen)
+        after = k["F"] * now + k["G"] * u[q.name] + k["H"] * x["force"]
+        return -(now + seen + k["on_force"] * x["force"]), {"x3": after}
+
+    unit = vertical.demand(axis.name).unit
+    state = State(Signal("x3", unit, -x3, x3, "for the estimated rate less L position"), 0.0)
+    return _regulator(plant, axis, estimate, [state], constants, x3 + L * q.high + on_force * f1)
+
+
+def full_order(plant: Plant, axis: Axis) -> Block:
+    """Return the regulator of one axis on the Kalman filter of its position and rate."""
+    found, T, q = estimator(axis), TIME.period_s, MEASURED[axis.name]
+    per, force = _per_position(axis.name), vertical.demand(axis.name).unit.replace(" ", "/")
+    constants = [
+        Constant("on_position", axis.k1, per, "(49): k1"),
+        Constant("on_rate", axis.k2, f"{per} s", "(49): k2"),
+        Constant("into_position", float(found.M[0, 0]), "1", "(40): M"),
+        Constant("into_rate", float(found.M[1, 0]), "1/s", "(40): M"),
+        Constant("period", T, "s", "T"),
+        Constant("moved", axis.b * T**2 / 2, f"{q.unit}/{force}", "b T^2 / 2"),
+        Constant("sped", axis.b * T, f"{q.unit}/s/{force}", "b T"),
+    ]
+
+    def estimate(u: Exprs, x: Exprs, k: Exprs) -> tuple[ca.SX, dict[str, ca.SX]]:
+        surprise = ca.if_else(u[READY.name], u[q.name] - x["position"], 0)
+        rate = x["rate"] + k["into_rate"] * surprise
+        before = ca.if_else(u[READY.name], x["position"], u[q.name])
+        position = before + k["into_position"] * surprise + k["period"] * rate + k["moved"] * x["force"]
+        after = {"position": position, "rate": rate + k["sped"] * x["force"]}
+        return k["on_position"] * (u[q.name] - position) - k["on_rate"] * after["rate"], after
+
+    expected = [Signal("position", q.unit, q.low, q.high), Signal("rate", f"{q.unit}/s", -FASTEST, FASTEST)]
+    states = [State(replace(s, about="expected at this sample"), 0.0) for s in expected]
+    most = axis.k1 * 4 * q.high + axis.k2 * (FASTEST + 2 * float(found.M[1, 0]) * q.high)
+    return _regulator(plant, axis, estimate, states, constants, 1.1 * most)
+
+
+Estimate = Callable[[Exprs, Exprs, Exprs], tuple[ca.SX, dict[str, ca.SX]]]
+
+
+def _regulator(
+    plant: Plant, axis: Axis, estimate: Estimate, states: list[State], constants: list[Constant], most: float
+) -> Block:
+    """Return the regulator of one axis for `estimate(u, x, k) -> (w, next states)`, where |w| <= `most`.
+
+    The integral and the force that acts until the next sample are added to the states.
+    """
+    q, r = MEASURED[axis.name], REFERENCES[axis.name]
+    wanted, driven = vertical.demand(axis.name), vertical.made(axis.name)
+    k, f1 = axis.k1 + axis.k3, allocation.authority(plant)[axis.name]
+    integral, g = MARGIN * (most + f1), axis.k3 / k
+
+    def law(u: Exprs, x: Exprs, c: Exprs) -> Step:
+        w, after = estimate(u, x, c)
+        integral = c["kept"] * x["integral"] + c["driven"] * (u[driven.name] - w)
+        force = c["on_error"] * (u[r.name] - u[q.name]) + (w + x["integral"])
+        return Step({wanted.name: force}, after | {"integral": integral, "force": u[driven.name]})
+
+    shared = [
+        Constant("on_error", k, _per_position(axis.name), "(49): k1 + k3 T"),
+        Constant("kept", 1 - g, "1", "(49): 1 - k3 T / (k1 + k3 T)"),
+        Constant("driven", g, "1", "(49): k3 T / (k1 + k3 T)"),
+    ]
+    kept = [
+        State(Signal("integral", wanted.unit, -integral, integral, "of the error"), 0.0),
+        State(Signal("force", wanted.unit, -f1, f1, "that acts until the next sample"), 0.0),
+    ]
+    return build(
+        f"lqg_{axis.name}",
+        TIME,
+        law,
+        inputs=[q, r, driven, READY],
+        outputs=[wanted],
+        states=[*states, *kept],
+        constants=[*shared, *constants],
+        tag="(28)-(35), (49)",
+    )
+
+
+def _per_position(axis: str) -> str:
+    """Return the unit of a demand over a position."""
+    return f"{vertical.demand(axis).unit}/{POSITIONS[axis].unit}"
+
+
+def law(plant: Plant, order: Order = "reduced", reading: Reading = "shipped") -> list[Block]:
+    """Return the Blocks from positions and held set-points to computed phase currents."""
+    regulator = {"reduced": reduced_order, "full": full_order}[order]
+    horizontal = [regulator(plant, axis) for axis in axes(plant)]
+    upright = vertical.blocks(plant, TIME, reading)
+    return [*horizontal, *upright, allocation.allocation(plant, TIME), allocation.commutation(plant, TIME)]
+
+
+def controller(plant: Plant, order: Order = "reduced", reading: Reading = "shipped") -> Block:
+    """Return the whole controller, from Hall voltages, distances and set-points to the motors' phase currents."""
+    return interface.controller(NAME, plant, TIME, law(plant, order, reading))

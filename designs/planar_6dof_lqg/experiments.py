@@ -1,0 +1,67 @@
+"""The LQG controller's experiments, Y section 5.3: steps (Fig. 10) with the spectrum of x, noise, and failures.
+
+The paper states no rise, overshoot or settling of these steps. Its noise moves the currents of motors A and B by 0.6 A
+rms from sample to sample, which takes 30 V where Table 1 states 6.525 V: no limit is set to the voltages here, and the
+standstills behind amplifiers tell what becomes of y and phi.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from math import pi
+
+from designs.planar_6dof import experiments as shared
+from designs.planar_6dof import failures
+from designs.planar_6dof.loop import Loop
+from designs.planar_6dof_lqg import audit, audit_records
+from synth.check import Check
+from synth.report.audit import Row
+from synth.simulate.experiment import Experiment
+
+STEPS = {"x": 50e-6, "y": 50e-6, "phi": 0.3 * pi / 180}  # m, rad, Fig. 10
+TITLES = {"x": "x by 50 um", "y": "y by 50 um", "phi": "phi by 0.3 degrees"}
+FIGURES = {"x": "Fig. 10(a), (d)", "y": "Fig. 10(b)", "phi": "Fig. 10(c)"}
+RECORD = 20.0  # s, of noise, and of x whose spectrum is taken, after a second in which the step settles
+
+
+def step_experiments(loop: Loop) -> list[Experiment]:
+    """Return the steps of Fig. 10."""
+    found = []
+    for axis, height in STEPS.items():
+        run = shared.step(loop, axis, height)
+        found.append(shared.step_experiment(loop, run, f"step_{axis}", f"{TITLES[axis]} ({FIGURES[axis]})", None))
+    return [_with_spectrum(loop, found[0]), *found[1:]]
+
+
+def spectrum(loop: Loop) -> Row:
+    """Return Y-41 for the step of x, of the position as measured."""
+    run = shared.step(loop, "x", STEPS["x"], 1.0 + RECORD)
+    record = run.shown[run.sample + round(1.0 / loop.period_s) :]
+    return audit_records.spectrum(audit.printed()["Y-41"], record, loop.period_s)
+
+
+def _with_spectrum(loop: Loop, step: Experiment) -> Experiment:
+    row = spectrum(loop)
+    above = row["above its neighbours"]
+    check = Check("most prominent line", above, audit_records.DOMINANT, "dB", "above its neighbours, x as measured")
+    figures = {**step.figures, "most prominent line, Hz": row["most prominent line"]}
+    return replace(step, figures=figures, checks=(*step.checks, check))
+
+
+def run(loop: Loop, told: Callable[[str], None]) -> list[Experiment]:
+    """Run every experiment; `told` hears what comes next."""
+    found: list[Experiment] = []
+    parts: tuple[tuple[str, Callable[[], list[Experiment]]], ...] = (
+        ("steps", lambda: step_experiments(loop)),
+        ("standstill", lambda: shared.standstills(loop)),
+        ("failures of a Hall channel", lambda: failures.experiments(loop)),
+    )
+    for name, part in parts:
+        told(name)
+        found += part()
+    return found
+
+
+def rows(loop: Loop) -> Iterator[Row]:
+    """Recompute `audit.RECORDED`: the noise as filtered, as for the lead-lag controller, and the spectrum."""
+    yield audit_records.noise(audit.printed()["Y-40"], shared.filtered_at_rest(loop, RECORD))
+    yield spectrum(loop)

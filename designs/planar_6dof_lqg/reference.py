@@ -1,0 +1,147 @@
+"""The reduced-order LQG controller of the planar positioner, one step of 1.25 ms, in NumPy: the witness of the C.
+
+    (26) is three axes q'' = b s in s = i_C, (i_A + i_B)/2, (i_B - i_A)/2, of which each costs R s^2, R = 1, 2, 2.
+    (31) adds the integral of q. s = -K (q, z, q'), by (43)-(45) with the currents held, as MATLAB's lqrd
+    v^ = x3 + L q, x3+ = p x3 - L (1 - p) q + (b T - L b T^2/2) s1,    L = (1 - p)/T                              (33)
+    s  = -K (q1 - r, z1, v1) one sample ahead, where s1, that of the sample before, has moved the axis
+
+Gains are solved in 60 digits and rounded once. Every function takes scalars or columns (n,) of n independent
+controllers. Lengths in m, angles in rad, currents in A.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+import mpmath  # type: ignore[import-untyped]
+import numpy as np
+from numpy.typing import NDArray
+
+from designs.planar_6dof import reference_control as shared
+from designs.planar_6dof import reference_sensing as sensing
+
+Array = NDArray[Any]
+Columns = Mapping[str, Array]
+
+PERIOD = Fraction(1, 800)  # s
+PER_AMPERE, YAW_PER_AMPERE = 13.2547, 117.15  # (26)
+FORCE = PER_AMPERE * 1.52  # N/A
+WEIGHTS = {"x": (1e4, 1e10, 1e2), "y": (1e3, 1e9, 1e1), "phi": (1e3, 1e10, 2e1)}  # of q, z, q'
+POLE = {"x": "0.7", "y": "0.7", "phi": "0.9"}
+HORIZONTAL, UPRIGHT = ("x", "y", "phi"), ("z", "theta", "psi")
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One axis in forces: q'' = b f, f = -k (q, q', T z)."""
+
+    b: float
+    k_q: float
+    k_v: float
+    k_z: float
+    p: float
+
+
+@cache
+def axes() -> dict[str, Axis]:
+    """Return the three axes with their gains in N or N m per m, m/s, and m of each sample."""
+    T, found = float(PERIOD), {}
+    made = {"x": FORCE, "y": 2 * FORCE, "phi": 2 * FORCE * shared.ARM}
+    pushed = {"x": PER_AMPERE, "y": 2 * PER_AMPERE, "phi": 2 * YAW_PER_AMPERE}
+    for axis, weights in WEIGHTS.items():
+        K = gain(pushed[axis], weights, 1 if axis == "x" else 2)
+        k_q, k_z, k_v = (made[axis] * v for v in K)
+        found[axis] = Axis(pushed[axis] / made[axis], k_q, k_v, k_z * T, float(Fraction(POLE[axis])))
+    return found
+
+
+def gain(b: float, weights: tuple[float, float, float], R: float) -> Array:
+    """Return K (3,) of s = -K (q, z, q') for the integral of x' diag(weights) x + R s^2 with s held over a period."""
+    with mpmath.workdps(60):
+        A, B, Q, N, M = sampled(b, weights, R)
+        E = mpmath.inverse(M)
+        F, G, H = A - B * E * N.T, B * E * B.T, Q - N * E * N.T
+        one = mpmath.eye(3)
+        for _ in range(12):  # structure-preserving doubling: H goes to the solution as 2^-2^k
+            W = mpmath.inverse(one + G * H)
+            F, G, H = F * W * F, G + F * W * G * F.T, H + F.T * H * W * F
+        K = mpmath.inverse(M + B.T * H * B) * (B.T * H * A + N.T)
+        return np.array([float(K[0, j]) for j in range(3)])
+
+
+def sampled(b: float, weights: tuple[float, float, float], R: float) -> tuple[mpmath.matrix, ...]:
+    """Return A, B and the weights Q, N, R of one period. Van Loan 1978."""
+    F, W, T = mpmath.zeros(4), mpmath.diag([*weights, R]), mpmath.mpf(PERIOD.numerator) / PERIOD.denominator
+    F[0, 2] = F[1, 0] = 1
+    F[2, 3] = mpmath.mpf(b)
+    Z = mpmath.zeros(8)
+    for i in range(4):
+        for j in range(4):
+            Z[i, j], Z[i, j + 4], Z[i + 4, j + 4] = -F[j, i], W[i, j], F[i, j]
+    E = mpmath.expm(Z * T, method="taylor")
+    M = E[4:, 4:]
+    W = M.T * E[:4, 4:]
+    return M[:3, :3], M[:3, 3], W[:3, :3], W[:3, 3], W[3:, 3:]
+
+
+def initial_state() -> dict[str, Array]:
+    """Return the state after init, by name."""
+    names = [f"lqg_{axis}_{part}" for axis in HORIZONTAL for part in ("x3", "integral", "force")]
+    return shared.initial_state(UPRIGHT) | sensing.initial_state() | {name: np.array(0.0) for name in names}
+
+
+def estimated(name: str, q: Array, ready: Array, state: Columns) -> Array:
+    """Return x3 in m/s or rad/s, that of a platen at rest until every measurement has been good once. (33)."""
+    k = axes()[name]
+    return np.where(ready > 0, state[f"lqg_{name}_x3"] / on_rate(k), -(1 - k.p) / float(PERIOD) * q)
+
+
+def regulated(name: str, q: Array, r: Array, x3: Array, state: Columns) -> tuple[Array, Array]:
+    """Return the demand of an axis, and how far it is from what the error and the integral make. (33), (49)."""
+    k, T, f1 = axes()[name], float(PERIOD), state[f"lqg_{name}_force"]
+    v = x3 + (1 - k.p) / T * q
+    q1, v1 = q + T * v + k.b * T**2 / 2 * f1, v + k.b * T * f1
+    w = -k.k_q * (q1 - q) - k.k_v * v1
+    return w + (k.k_q + k.k_z) * (r - q) + state[f"lqg_{name}_integral"], w
+
+
+def on_rate(k: Axis) -> float:
+    """Return the gain of the estimated rate, in whose units x3 is kept."""
+    return k.k_q * float(PERIOD) + k.k_v
+
+
+def advanced(name: str, q: Array, w: Array, x3: Array, made: Array, state: Columns) -> dict[str, Array]:
+    """Return the next observer, integral and force of an axis. (33)."""
+    k, T, f1 = axes()[name], float(PERIOD), state[f"lqg_{name}_force"]
+    L, g = (1 - k.p) / T, k.k_z / (k.k_q + k.k_z)
+    moved = k.p * x3 - L * (1 - k.p) * q + k.b * T * (1 - L * T / 2) * f1
+    integral = state[f"lqg_{name}_integral"]
+    return {
+        f"lqg_{name}_x3": on_rate(k) * moved,
+        f"lqg_{name}_integral": integral + g * (made - w - integral),
+        f"lqg_{name}_force": made,
+    }
+
+
+def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
+    """Return (next state, phase currents, fault word) of one sample, columns by name."""
+    values, after, word = shared.guard(state, inputs)
+    ready = np.asarray(state["guard_ready"])
+    pose, moved = sensing.step(state, values, ready, sensing.constants(float(PERIOD)))
+    pose |= shared.heights(values)
+    wanted, w, k = {}, {}, {axis: shared.vertical(axis, PERIOD) for axis in UPRIGHT}
+    x3 = {axis: estimated(axis, pose[f"{axis}_raw"], ready, state) for axis in HORIZONTAL}
+    for axis in HORIZONTAL:
+        wanted[axis], w[axis] = regulated(axis, pose[f"{axis}_raw"], values[f"{axis}_ref"], x3[axis], state)
+    e = {axis: values[f"{axis}_ref"] - pose[axis] for axis in UPRIGHT}
+    for axis in UPRIGHT:
+        wanted[axis] = shared.compensated(axis, k[axis], e[axis], state)
+    currents, made = shared.motors(wanted, pose["phi"])
+    for axis in HORIZONTAL:
+        after |= advanced(axis, pose[f"{axis}_raw"], w[axis], x3[axis], made[axis], state)
+    for axis in UPRIGHT:
+        after |= shared.advanced(axis, k[axis], e[axis], made[axis], state)
+    kept, out = shared.concluded(state, after | moved, shared.phases(currents, pose), PERIOD)
+    return kept, out, word

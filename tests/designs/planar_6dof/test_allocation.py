@@ -1,0 +1,189 @@
+"""Allocation and commutation against the stage's physics, and the limits that they keep."""
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from designs.planar_6dof import allocation, reference_control
+from models import lorentz_motor, planar_stage
+from synth.block import Block
+from synth.emit import write
+from synth.errors import EmitError
+from synth.execute import host
+from synth.signals import names
+from synth.timing import Discrete
+from synth.verify import agree
+from tests import tolerances
+
+DOUBLE = tolerances.of("double")
+PLANT = planar_stage.plant()
+TIME = Discrete(1e-3)
+V = {p.name: p.value for p in PLANT.parameters}
+P = {n: ca.SX(v) for n, v in V.items()}
+K = allocation.force_constant(PLANT)
+N = 20_000
+
+
+def compiled(block: Block) -> agree.Witness:
+    emitted = write.emit(block, np.float64)
+    return agree.emitted(host.load(emitted.files, emitted.manifest))
+
+
+@pytest.fixture(scope="module")
+def allocated() -> dict[str, agree.Witness]:
+    block = allocation.allocation(PLANT, TIME)
+    return {"casadi": agree.casadi(block), "c64": compiled(block)}
+
+
+@pytest.fixture(scope="module")
+def commutated() -> dict[str, agree.Witness]:
+    block = allocation.commutation(PLANT, TIME)
+    return {"casadi": agree.casadi(block), "c64": compiled(block)}
+
+
+def demands(size: float, n: int = N) -> dict[str, np.ndarray]:
+    """Return demands of `size` of what the motors can make of each axis, and a yaw over its range."""
+    rng, most = np.random.default_rng(0), allocation.authority(PLANT)
+    found = {s.name: size * most[a] * rng.uniform(-1, 1, n) for a, s in zip(most, allocation.DEMANDS, strict=True)}
+    return found | {"phi": rng.uniform(-0.02, 0.02, n)}
+
+
+def poses(n: int = N) -> dict[str, np.ndarray]:
+    """Return currents within the limit, poses over the whole travel, and the pitches in which they lie."""
+    rng, found = np.random.default_rng(1), {}
+    for motor in planar_stage.MOTORS:
+        found[f"i_{motor}Q"] = allocation.QUADRATURE * rng.uniform(-1, 1, n)
+        found[f"i_{motor}D"] = np.sqrt(allocation.LIMIT**2 - found[f"i_{motor}Q"] ** 2) * rng.uniform(-1, 1, n)
+    found |= {s.name: rng.uniform(s.low, s.high, n) for s in allocation.POSE}
+    return found | {f"pitch_{a}": np.round(found[a] / V["l"] + rng.uniform(-0.15, 0.15, n)) for a in "xy"}
+
+
+def forces(q: dict[str, np.ndarray], out: agree.Columns) -> tuple[np.ndarray, np.ndarray]:
+    """Return what the stage's motors make of phase currents (3, n), along their motion and up, at the nominal gap."""
+    x = {n: ca.SX.sym(n) for n in ("x", "y", "phi")}
+    u = {n: ca.SX.sym(n) for n in names(planar_stage.INPUTS)}
+    made = planar_stage.motor_forces(x | dict.fromkeys(("z", "theta", "psi"), ca.SX(0)), u, P)
+    both = ca.vcat([getattr(made[m], axis) for axis in "yz" for m in planar_stage.MOTORS])
+    f = ca.Function("f", [ca.vcat([*x.values(), *u.values()])], [both])
+    columns = [q[n] for n in x] + [np.asarray(out[f"{n}_computed"]) for n in u]
+    found = np.asarray(f.map(len(q["x"]))(np.array(columns)))
+    return found[:3], found[3:]
+
+
+def test_shares_undo_the_wrench() -> None:
+    T, S = allocation.wrench(PLANT), allocation.shares(PLANT)
+    for product in (T @ S, S @ T):
+        np.testing.assert_allclose(product, np.eye(6), rtol=0, atol=tolerances.of("last_bit"))
+
+
+def test_shares_have_the_signs_of_table_3() -> None:
+    table = {"x": "-++000", "y": "++0000", "phi": "-+0000", "z": "000+++", "theta": "000--+", "psi": "000+-0"}
+    for row, (axis, expected) in zip(allocation.shares(PLANT).T, table.items(), strict=True):
+        found = "".join("+" if v > 1e-12 else "-" if v < -1e-12 else "0" for v in row)
+        assert found == expected, axis
+
+
+def test_the_wrench_is_that_of_the_stage() -> None:
+    """Its columns are the stage's accelerations at rest, times the inertias, for 1 N of each motor."""
+    at_rest = {n: ca.SX(0) for n in names(PLANT.states)}
+    inertia = np.array([V[n] for n in ("M", "M", "Izz", "M", "Ixx", "Iyy")])
+    columns = []
+    for direct in (False, True):
+        for motor in planar_stage.MOTORS:
+            u = {n: ca.SX(0) for n in names(PLANT.inputs)}
+            where = planar_stage.centres(at_rest, P)[motor]
+            i = (ca.SX(0), ca.SX(1 / K)) if direct else (ca.SX(1 / K), ca.SX(0))
+            phases = lorentz_motor.commutated(*i, where.X if motor == "C" else where.Y, P)
+            u |= {f"i_{motor}{phase}": v for phase, v in phases.items()}
+            moved = planar_stage.accelerations(at_rest, u, P)
+            columns.append([float(moved[axis]) for axis in allocation.AXES] * inertia)
+    np.testing.assert_allclose(allocation.wrench(PLANT), np.array(columns).T, rtol=DOUBLE, atol=DOUBLE)
+
+
+@pytest.mark.parametrize("witness", ["casadi", "c64"])
+def test_motors_make_what_is_commanded_anywhere(commutated: dict[str, agree.Witness], witness: str) -> None:
+    """Over the travel, all pitches and the yaw: K i_Q along, K i_D up, to rounding, and nothing across."""
+    q = poses()
+    along, up = forces(q, commutated[witness]({}, q).outputs)
+    for axis, made in (("Q", along), ("D", up)):
+        wanted = K * np.array([q[f"i_{m}{axis}"] for m in planar_stage.MOTORS])
+        np.testing.assert_allclose(made, wanted, rtol=0, atol=DOUBLE * K * allocation.LIMIT)
+
+
+def test_phases_are_those_of_the_reference_and_within_the_limit(commutated: dict[str, agree.Witness]) -> None:
+    q = poses()
+    currents = {m: (q[f"i_{m}Q"], q[f"i_{m}D"]) for m in planar_stage.MOTORS}
+    expected = reference_control.phases(currents, q)
+    found = commutated["c64"]({}, q).outputs
+    for name, i in expected.items():
+        np.testing.assert_allclose(found[f"{name}_computed"], i, rtol=0, atol=DOUBLE)
+        assert np.abs(i).max() <= allocation.LIMIT * (1 + DOUBLE)
+
+
+@pytest.mark.parametrize(("parameter", "off"), [("a", 1e-10), ("b", 1e-10), ("c", 1e-9), ("l", 1e-12)])
+def test_a_planted_place_is_found(parameter: str, off: float) -> None:
+    """Motors that are 0.1 nm from where the commutation takes them, or 1 nm times the yaw, make other forces."""
+    q = poses(1000)
+    moved = PLANT.with_parameters(**{parameter: V[parameter] + off})
+    along, _ = forces(q, agree.casadi(allocation.commutation(moved, TIME))({}, q).outputs)
+    wanted = K * np.array([q[f"i_{m}Q"] for m in planar_stage.MOTORS])
+    assert np.abs(along - wanted).max() > DOUBLE * K * allocation.LIMIT
+
+
+@pytest.mark.parametrize("witness", ["casadi", "c64"])
+def test_what_the_motors_can_do_is_done(allocated: dict[str, agree.Witness], witness: str) -> None:
+    u = demands(0.1)
+    out = allocated[witness]({}, u).outputs
+    for axis, wanted in zip(allocation.AXES, allocation.DEMANDS, strict=True):
+        size = allocation.authority(PLANT)[axis]
+        np.testing.assert_allclose(out[f"made_{axis}"], u[wanted.name], rtol=0, atol=DOUBLE * size)
+
+
+def test_currents_are_those_of_the_reference(allocated: dict[str, agree.Witness]) -> None:
+    for size in (0.1, 1.0, 100.0):
+        u = demands(size)
+        wanted = {a: u[s.name] for a, s in zip(allocation.AXES, allocation.DEMANDS, strict=True)}
+        currents, made = reference_control.motors(wanted, u["phi"])
+        out = allocated["c64"]({}, u).outputs
+        for m, pair in currents.items():
+            for axis, i in zip("QD", pair, strict=True):
+                np.testing.assert_allclose(out[f"i_{m}{axis}"], i, rtol=0, atol=max(1, size) * DOUBLE)
+        for axis, force in made.items():
+            most = allocation.authority(PLANT)[axis]
+            np.testing.assert_allclose(out[f"made_{axis}"], force, rtol=0, atol=max(1, size) * DOUBLE * most)
+
+
+def test_limits_put_the_horizontal_axes_first_and_leave_the_vertical_ones_a_part(
+    allocated: dict[str, agree.Witness],
+) -> None:
+    u = demands(10.0)
+    out = allocated["c64"]({}, u).outputs
+    alone = allocated["c64"]({}, u | {s.name: np.zeros(N) for s in allocation.DEMANDS[3:]}).outputs
+    for m in planar_stage.MOTORS:
+        i_q, i_d = out[f"i_{m}Q"], out[f"i_{m}D"]
+        assert np.hypot(i_q, i_d).max() <= allocation.LIMIT * (1 + DOUBLE)
+        np.testing.assert_array_equal(i_q, alone[f"i_{m}Q"])
+        assert np.mean(np.abs(i_q) == allocation.QUADRATURE) > 0.5
+        assert np.abs(i_d)[np.abs(i_q) == allocation.QUADRATURE].max() > 0.31 * allocation.LIMIT
+    made = np.array([out[f"made_{axis}"] for axis in allocation.AXES])
+    most = np.array(list(allocation.authority(PLANT).values()))[:, None]
+    assert (np.abs(made) <= most * (1 + DOUBLE)).all()
+
+
+def test_the_root_is_proved_and_that_of_currents_without_a_limit_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    write.emit(allocation.allocation(PLANT, TIME), np.float32)
+    monkeypatch.setattr(allocation, "clip", lambda expr, bounds: expr)
+    with pytest.raises(EmitError, match="sqrt"):
+        write.emit(allocation.allocation(PLANT, TIME), np.float32)
+
+
+def test_the_functions_of_the_angle_become_polynomials() -> None:
+    text = write.emit(allocation.commutation(PLANT, TIME), np.float64).files["commutation.c"]
+    step = text[text.index("commutation_step(") :]
+    assert "sin(" not in step and "cos(" not in step and "quarter_cosine_back_polynomial(" in step
+
+
+def test_k_is_the_lorentz_integrals_and_not_as_printed() -> None:
+    printed = float(lorentz_motor.force_constant(P, "printed"))
+    for other in (printed * 3 / np.pi, reference_control.force_constant()):
+        assert pytest.approx(other, rel=DOUBLE) == K

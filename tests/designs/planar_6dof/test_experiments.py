@@ -1,0 +1,224 @@
+"""The planar positioner's experiments keep their limits, what they measure is right, and planted defects are seen."""
+
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from designs.planar_6dof import allocation, experiments, failures, voltages
+from designs.planar_6dof import loop as loops
+from designs.planar_6dof.loop import Loop
+from designs.planar_6dof_leadlag import control as leadlag
+from designs.planar_6dof_leadlag import experiments as leadlag_experiments
+from designs.planar_6dof_lqg import control as lqg
+from designs.planar_6dof_lqg import experiments as lqg_experiments
+from models import halbach, planar_stage
+from synth.block import Block
+from synth.simulate.experiment import Experiment
+from synth.simulate.sensors import Override
+
+PLANT = planar_stage.plant()
+VALUES = {p.name: ca.SX(p.value) for p in PLANT.parameters}
+Found = dict[str, dict[str, Experiment]]
+STEPS = ("step_x", "step_y", "step_phi")
+RESTS = ("standstill", "standstill_printed_noise", "standstill_6.525_V", "standstill_24_V")
+FAILURES = [f"{kind}_{where}" for where in ("resting", "moving") for kind in ("nan", "zero", "stuck")]
+
+
+@pytest.fixture(scope="module")
+def lead() -> Loop:
+    return loops.of(leadlag.controller(PLANT), leadlag.TIME)
+
+
+@pytest.fixture(scope="module")
+def optimal() -> Loop:
+    return loops.of(lqg.controller(PLANT), lqg.TIME)
+
+
+@pytest.fixture(scope="module")
+def found(lead: Loop, optimal: Loop) -> Found:
+    runs = (leadlag_experiments.run(lead, lambda _: None), lqg_experiments.run(optimal, lambda _: None))
+    return {name: {e.name: e for e in run} for name, run in zip(("leadlag", "lqg"), runs, strict=True)}
+
+
+def test_every_experiment_keeps_its_limits(found: Found) -> None:
+    checks = [(n, e.name, c) for n, run in found.items() for e in run.values() for c in e.checks]
+    assert not [f"{n} {e}: {c.name} {c.found:.4g} > {c.limit:.4g} {c.unit}" for n, e, c in checks if not c.passed]
+    assert len(checks) >= 80
+    assert set(found["leadlag"]) == {*STEPS, "circle", *RESTS, *FAILURES}
+    assert set(found["lqg"]) == {*STEPS, *RESTS, *FAILURES}
+
+
+def test_steps_of_the_lead_lag_controller(found: Found) -> None:
+    """With the Kalman filter and a sample of delay; `test_control` finds the same with the positions known."""
+    for axis, rise, beyond in (("x", 19.2, 23.8), ("y", 19.1, 23.8), ("phi", 10.4, 17.4)):
+        e = found["leadlag"][f"step_{axis}"]
+        assert 1e3 * e.figures["rise, s"] == pytest.approx(rise, abs=0.3)
+        assert 100 * e.figures["overshoot"] == pytest.approx(beyond, abs=1)
+        assert abs(e.figures["true error at the end, without noise, of the step"]) < 0.01
+
+
+def test_noise_at_rest(found: Found) -> None:
+    """As runs of 400 s have it, within 3 sd of a short one; what is raw follows what is planted."""
+    for name, filtered, true in (("leadlag", (6.9, 6.9), (4.15, 4.15)), ("lqg", (6.33, 8.17), (9.03, 8.69))):
+        e = found[name]["standstill"]
+        for axis, seen, moved in zip("xy", filtered, true, strict=True):
+            assert e.figures[f"filtered {axis}, um rms"] == pytest.approx(seen, rel=0.1)
+            assert e.figures[f"true {axis}, um rms"] == pytest.approx(moved, rel=0.1)
+    for run in found.values():
+        for name, factor in (("standstill", 13), ("standstill_printed_noise", 50)):
+            assert 0.9 * factor < run[name].figures["raw x, um rms"] < 2 * factor
+
+
+def test_the_stated_voltage_is_too_little_for_the_noise_of_the_lqg_controller(found: Found) -> None:
+    """The lead-lag controller does with it: its noise is that with ideal amplifiers, but for the length of a record."""
+    for name, low, high in (("leadlag", 0.85, 1.15), ("lqg", 3.0, 7.0)):
+        ideal, short = (found[name][n].figures for n in ("standstill", "standstill_6.525_V"))
+        for axis in ("y, um", "phi, urad"):
+            assert low < short[f"true {axis} rms"] / ideal[f"true {axis} rms"] < high
+
+
+def test_the_circle_crosses_pitches_and_no_border_shows(found: Found) -> None:
+    e = found["leadlag"]["circle"]
+    for axis in "xy":
+        assert e.figures[f"pitches crossed, {axis}"] > 3.9
+        assert e.figures[f"switching samples, {axis}"] > 30
+
+
+def test_recorded_rows(lead: Loop, optimal: Loop) -> None:
+    rows = {r.id: r for r in (*leadlag_experiments.rows(lead), *lqg_experiments.rows(optimal))}
+    verdicts = {name: str(r.verdict) for name, r in rows.items()}
+    assert verdicts == {"Y-34": "R", "Y-35": "N", "Y-40": "N", "Y-41": "R"}
+    assert rows["Y-34"]["rms, x"] == pytest.approx(6.9, rel=0.025) == rows["Y-34"]["rms, y"]
+    assert rows["Y-35"]["last time outside its band, x"] > 220
+
+
+# What is measured
+
+
+def test_noise_is_that_of_a_position(lead: Loop) -> None:
+    drawn = loops.noise(lead, 20000)
+    assert np.std(drawn["V_ax"]) == pytest.approx(13e-6 * loops.slope(lead.plant), rel=0.02)
+    assert np.std(drawn["d1"]) == pytest.approx(loops.LASER_NOISE, rel=0.02)
+    assert abs(np.corrcoef(drawn["V_ax"], drawn["V_cy"])[0, 1]) < 0.03
+    quarter = lead.plant.parameter("l").value / 4
+    at = {x: float(lead.run(0.002, {}, {"x": x}).outputs["V_ax"][0]) for x in (-1e-5, 1e-5, quarter)}
+    parts = [float(halbach.amplitude(n, ca.SX(3e-3), VALUES)) for n in halbach.HARMONICS]
+    assert at[quarter] * parts[0] / sum(parts) == pytest.approx(loops.slope(lead.plant) * quarter / (np.pi / 2))
+    flatter = np.dot(halbach.HARMONICS, parts) / parts[0]
+    assert (at[1e-5] - at[-1e-5]) / 2e-5 == pytest.approx(flatter * loops.slope(lead.plant), rel=1e-4)
+    assert 1 - flatter == pytest.approx(0.22, abs=0.005)
+
+
+def test_one_seed_is_one_run(lead: Loop) -> None:
+    first, again, other = (replace(lead, seed=s).run(0.05, {}, {}).measured["V_bx"] for s in (0, 0, 1))
+    np.testing.assert_array_equal(first, again)
+    assert (first != other).any()
+    counts = first / loops.ADC
+    np.testing.assert_allclose(counts, np.rint(counts), atol=0.01)  # single precision of a count
+
+
+def test_substeps_are_fine_enough(lead: Loop) -> None:
+    """Four times as many change the position by less than a thousandth of its noise."""
+    few, many = (lead.run(0.3, {"x": 1e-4, "psi": 1e-4}, {}, substeps=n) for n in (loops.SUBSTEPS, 4 * loops.SUBSTEPS))
+    np.testing.assert_allclose(few["x"], many["x"], atol=1e-3 * loops.NOISE)
+
+
+def test_voltages_are_those_of_resistance_inductance_and_motion(lead: Loop) -> None:
+    """At v along x, motor C alone has a voltage of amplitude 2 K v / 3; without motion, R i and L di/dt."""
+    plant, v, T = planar_stage.plant(), 0.1, lead.period_s
+    idle = dict.fromkeys(loops.ACTUATORS, 0.0)
+    run = replace(lead, plant=plant).ideal.run(0.6, {}, {"vx": v}, actuators={}, forcing=idle)
+    u = voltages.needed(plant, run)
+    assert np.abs(u[6:]).max() == pytest.approx(2 / 3 * allocation.force_constant(plant) * v, rel=1e-3)
+    assert np.abs(u[:6]).max() < 1e-9
+    R, L = (plant.parameter(n).value for n in ("resistance", "inductance"))
+    still = replace(lead, plant=plant).ideal.run(0.002, {}, {}, actuators={}, forcing=idle | {"i_AA": 0.01})
+    u = voltages.needed(plant, still)
+    assert u[0, 0] == pytest.approx(0.01 * (R + L / T)) and u[0, 1] == pytest.approx(0.01 * R, rel=0.03)
+
+
+def test_an_amplifier_without_limit_follows_and_one_with_a_limit_slews(lead: Loop) -> None:
+    """From 0 to 0.2 A: 1 - exp(-t/LAG) without a limit, and (1 - exp(-t R/L)) u/R as long as u is the limit."""
+    idle = dict.fromkeys(loops.ACTUATORS, 0.0) | {"i_CA": 0.2}
+    R, L = (PLANT.parameter(n).value for n in ("resistance", "inductance"))
+    for volts in (1e3, 0.5):
+        bad = replace(lead, plant=voltages.amplified(volts)).ideal
+        run = bad.run(0.003, {}, {}, actuators={}, forcing=idle, substeps=64)
+        t = run.time
+        expected = 0.2 * (1 - np.exp(-t / voltages.LAG)) if volts > 1 else 0.5 / R * (1 - np.exp(-t * R / L))
+        np.testing.assert_allclose(run["true_i_CA"], expected, rtol=0.01)  # the platen gives way
+
+
+def test_a_failed_channel_is_the_one_that_is_named(lead: Loop) -> None:
+    for channel in failures.HALL:
+        f = failures.fail(lead, channel, "nan", moving=False)
+        assert f.refused == 0 and f.latched == 4 and not f.others
+    late = failures.fail(replace(lead, noise=0.0), "V_ax", "stuck", moving=False)
+    assert late.refused is None and late.latched is None and late.left() == 0 == late.slew()
+
+
+# Planted defects
+
+
+def planted(block: Block, name: str, factor: float) -> Block:
+    changed = tuple(replace(c, value=factor * c.value) if c.name == name else c for c in block.constants)
+    assert changed != block.constants
+    return replace(block, constants=changed)
+
+
+def failed(e: Experiment) -> set[str]:
+    return {c.name for c in e.checks if not c.passed}
+
+
+@pytest.mark.parametrize(("parameter", "factor"), [("turns", 0.6), ("M", 1.6), ("turns", -1.0)])
+def test_a_wrong_plant_is_caught(lead: Loop, parameter: str, factor: float) -> None:
+    """A loop gain that is off by a third, or its sign."""
+    wrong = lead.plant.with_parameters(**{parameter: factor * lead.plant.parameter(parameter).value})
+    bad = replace(lead, plant=wrong)
+    run = experiments.step(bad, "x", leadlag_experiments.STEPS["x"])
+    found = experiments.step_experiment(bad, run, "", "", leadlag_experiments.LIMITS)
+    assert failed(found) & {"rise", "overshoot", "settling"}
+
+
+def test_delay_counts_and_a_second_sample_is_caught(lead: Loop) -> None:
+    found = []
+    for delay in (0, 1, 2):
+        late = replace(lead, delay=delay)
+        run = experiments.step(late, "x", leadlag_experiments.STEPS["x"])
+        found.append(experiments.step_experiment(late, run, "", "", leadlag_experiments.LIMITS))
+    beyond = [e.figures["overshoot"] for e in found]
+    assert beyond[0] + 0.005 < beyond[1] < beyond[2] - 0.005
+    assert [failed(e) for e in found] == [set(), set(), {"overshoot"}]
+
+
+def test_a_jump_at_a_border_is_caught(lead: Loop, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A calibration that is 1 % too long leaves 0.13 mm between two sections."""
+    monkeypatch.setattr(leadlag_experiments, "REVOLUTION", 8.0)
+    wrong = loops.compiled(planted(loops.view(leadlag.TIME), "sensing_position_1", 1.01))
+    found = leadlag_experiments.circle_experiment(replace(lead, view=wrong))
+    assert failed(found) == {"jump of x at a switching sample", "jump of y at a switching sample"}
+
+
+def test_a_fault_is_caught(lead: Loop) -> None:
+    mask = np.arange(100) == 50
+    run = lead.run(0.1, {}, {}, overrides={"V_by": Override(mask, np.full(100, np.nan))})
+    assert experiments.usual(run)[0].found == 1 and not experiments.usual(run)[0].passed
+
+
+def test_a_jump_to_zero_a_current_that_stays_and_a_late_latch_are_caught(lead: Loop) -> None:
+    def caught(f: failures.Failed, kind: failures.Kind = "nan") -> set[str]:
+        return {c.name for c in failures.checks([f], kind, moving=False) if not c.passed}
+
+    good = failures.fail(lead, "V_cx", "nan", moving=True)
+    before = np.arange(len(good.run.time)) < good.sample + 4
+    still = {name: np.full(len(before), 0.1) for name in loops.ACTUATORS}
+    gone = {name: np.where(before, 0.5, 0.0) for name in loops.ACTUATORS}
+    assert not caught(good) and 0 < good.slew() <= failures.SLEW
+    assert caught(replace(good, run=replace(good.run, commands=gone))) == {"change of a current from the latch on"}
+    assert caught(replace(good, run=replace(good.run, commands=still))) == {"current left at the end after a latch"}
+    assert caught(replace(good, sample=good.sample - 1)) == {"samples until the latch"}
+    assert caught(replace(good, sample=good.sample + 1)) == {"samples with a fault before the failure"}
+    unseen = failures.fail(replace(lead, noise=0.0), "V_ax", "stuck", moving=False)
+    assert caught(unseen, "zero") == {"channels whose failure is not noticed"} and not caught(unseen, "stuck")

@@ -1,0 +1,49 @@
+"""The cores alone: certified by the library, the same as its compensators, and what a step costs."""
+
+import numpy as np
+import pytest
+
+from designs.planar_6dof.allocation import HORIZONTAL
+from designs.planar_6dof_lqg import control, core
+from synth.analyse import loop
+from synth.emit import write
+from synth.execute import host
+from synth.verify import meter, rivals, steps
+from tests import tolerances
+
+BARS = {"reduced": 95, "full": 150}  # instructions by gcc on a Cortex-M4F, no state at its limit
+
+
+def test_the_loop_separates_and_is_as_slow_as_the_regulator() -> None:
+    found = core.compensator()
+    assert found.separation < tolerances.of("double")
+    assert np.abs(found.poles).max() == pytest.approx(0.94863, abs=1e-5)
+    np.testing.assert_allclose(sorted(found.observer.poles.real), sorted(control.OBSERVER_POLE.values()), rtol=1e-12)
+
+
+def test_the_reduced_core_is_the_librarys_compensator() -> None:
+    found = loop.linearised(core.block("reduced"), {}, dict.fromkeys(HORIZONTAL, 0.0))
+    z = np.exp(1j * np.geomspace(1e-3, np.pi, 30))
+    np.testing.assert_allclose(found.response(z), core.compensator().model.response(z), rtol=1e-9, atol=1e-9)
+
+
+def test_the_full_core_regulates_the_plant_with_the_estimators_poles() -> None:
+    held = control.discretise.zero_order_hold(core.plant(), control.TIME.period_s)
+    K = loop.linearised(core.block("full"), {}, dict.fromkeys(HORIZONTAL, 0.0))
+    poles = np.linalg.eigvals(np.block([[held.A, held.B @ K.C], [K.B @ held.C, K.A]]))
+    assert not K.D.any()
+    assert np.abs(poles).max() < 0.96
+    for wanted in core.estimator().poles:
+        assert np.abs(poles - wanted).min() < tolerances.of("multiple_root")
+
+
+@pytest.mark.parametrize("order", BARS)
+def test_what_a_step_costs(order: control.Order) -> None:
+    builds = [b for b in meter.builds() if b.name == "gcc, newlib"]
+    if not builds:
+        pytest.skip("no arm-none-eabi-gcc")
+    emitted = write.emit(core.block(order), np.float32)
+    controller = host.load(emitted.files, emitted.manifest)
+    errors = {axis: 1e-6 * np.sin(np.arange(50) + i) for i, axis in enumerate(HORIZONTAL)}
+    given = steps.recorded(controller, "small", errors, closed_loop=True)
+    assert meter.run(rivals.emitted(emitted), given, builds[0]).cost.instructions.max() <= BARS[order]
