@@ -19,7 +19,7 @@ from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory, sample_times
 
 SETTLE, AFTER = 0.5, 2.0  # s before a step, and after it
-REST, SHORT = 12.0, 6.0  # s of standstill, of which the first is left out; behind amplifiers
+REST, SHORT = 10.0, 5.0  # s of standstill, of which the first is left out; behind amplifiers
 SUPPLIES, FINE = (voltages.STATED, 24.0), 8  # V; substeps of a sample, for an amplifier's lag of 0.25 ms
 UNITS = {"x": ("m", "um", 1e-6), "y": ("m", "um", 1e-6), "phi": ("rad", "urad", 1e-6)}
 
