@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth import show
-from synth.analyse import structured_peak
+from synth.analyse import equilibrate, structured_peak
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.timing import Continuous, Time
@@ -180,7 +180,7 @@ def _closed(loop: StateSpace, skew: float) -> StateSpace:
     if not np.isfinite(skew):
         raise SignalError(f"the skew is {skew}: it must be finite; 0 is the balanced one")
     through = np.eye(p) + loop.D
-    if np.linalg.cond(through) > 1 / np.finfo(float).eps:
+    if equilibrate.is_singular(through):
         raise ModelError("1 + L has no inverse at infinite frequency, I + D is singular: put a delay into the loop")
     R = np.linalg.inv(through)
     A = loop.A - loop.B @ R @ loop.C

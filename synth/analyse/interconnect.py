@@ -14,6 +14,7 @@ from numbers import Real
 import numpy as np
 import scipy.linalg
 
+from synth.analyse import equilibrate
 from synth.errors import ModelError, SignalError
 from synth.signals import dimension
 from synth.statespace import Array, StateSpace, System, of
@@ -54,7 +55,7 @@ def connect(models: Sequence[System], inputs: Sequence[str], outputs: Sequence[s
     A, B, C, D = (scipy.linalg.block_diag(*(getattr(m, letter) for m in parts)) for letter in "ABCD")
     A, B, C, D = (v.reshape(s) for v, s in zip((A, B, C, D), _shapes(len(x), len(u), len(y)), strict=True))
     loop = np.eye(len(u)) - W @ D
-    if _is_singular(loop):
+    if equilibrate.is_singular(loop):
         raise ModelError(
             "the models pass signals around a loop at once, without a solution: I - W D is singular; "
             "put a state or a delay into the loop"
@@ -62,16 +63,6 @@ def connect(models: Sequence[System], inputs: Sequence[str], outputs: Sequence[s
     F, G = np.linalg.solve(loop, W @ C), np.linalg.solve(loop, V)
     joined = StateSpace(A + B @ F, B @ G, C + D @ F, D @ G, x, tuple(inputs), y, time, units)
     return joined.select(outputs, inputs)
-
-
-def _is_singular(loop: Array) -> bool:
-    """Tell whether a matrix has no inverse within rounding, its signals scaled to like size, so that units are free."""
-    for axis in (1, 0) * 5:
-        size = np.sqrt(np.abs(loop).max(axis=axis, keepdims=True))
-        if not size.all():
-            return True
-        loop = loop / size
-    return bool(np.linalg.cond(loop) > 1 / np.finfo(float).eps) if loop.size else False
 
 
 def _joined(kind: str, parts: Sequence[StateSpace]) -> tuple[str, ...]:

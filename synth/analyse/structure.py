@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 
 from synth import show
 from synth.analyse import staircase
+from synth.analyse.equilibrate import equilibrated
 from synth.analyse.staircase import Complex
 from synth.errors import ModelError
 from synth.statespace import Array, StateSpace, System, of
@@ -199,11 +200,7 @@ def has_transmission_zero(model: StateSpace, s: complex) -> bool:
     rows, columns = rosenbrock.shape
     if rows > columns:
         return True
-    # Rows and columns of like size leave the rank as it is and make the test independent of units.
-    for axis in (1, 0) * 5:
-        size = np.sqrt(np.abs(rosenbrock).max(axis=axis, keepdims=True))
-        rosenbrock = rosenbrock / np.where(size > 0, size, 1.0)
-    values = np.linalg.svd(rosenbrock, compute_uv=False)
+    values = np.linalg.svd(equilibrated(rosenbrock)[0], compute_uv=False)
     return bool(values[-1] <= staircase.COUPLING * values[0])
 
 

@@ -28,12 +28,12 @@ import scipy.special
 from numpy.typing import ArrayLike
 
 from synth import show
+from synth.analyse.equilibrate import equilibrated
 from synth.analyse.staircase import Complex
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly, two_dimensional
 from synth.synthesise import names, reading, spectrum, weights
 from synth.synthesise.internal_model import InternalModel
-from synth.synthesise.regulator_equations import equilibrated
 from synth.synthesise.servo import Servo
 from synth.timing import Continuous, Time
 

@@ -1,4 +1,4 @@
-"""What is given for identification, read once: arrays of real numbers, distinct names, whole numbers, probabilities."""
+"""What is given, read once: arrays of real numbers, distinct names, whole numbers, probabilities."""
 
 import operator
 from collections.abc import Sequence

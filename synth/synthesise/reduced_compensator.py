@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from synth import show
-from synth.analyse import interconnect, precise, staircase
+from synth.analyse import equilibrate, interconnect, precise, staircase
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly, two_dimensional
 from synth.synthesise import spectrum
@@ -178,7 +178,7 @@ def _model(observer: ReducedObserver, extra: StateSpace, K: Array) -> StateSpace
 
 
 def _solved(loop: flint.arb_mat, right: flint.arb_mat) -> flint.arb_mat:
-    if loop.nrows() and np.linalg.cond(precise.rounded(loop)) > 1 / np.finfo(float).eps:
+    if equilibrate.is_singular(precise.rounded(loop)):
         raise ModelError(
             "u acts on itself at once, through D and K, without a solution: I + K from_x1 D is singular; put a sample "
             "of delay into the plant (discretise.with_delay)"

@@ -15,7 +15,6 @@ taken.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
 import scipy.linalg
@@ -23,13 +22,11 @@ from numpy.typing import ArrayLike
 
 from synth import show
 from synth.analyse import staircase, structure
-from synth.analyse.staircase import Complex
+from synth.analyse.equilibrate import equilibrated
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly, two_dimensional
 from synth.synthesise import minimal_polynomial
 from synth.timing import Continuous, Time
-
-Matrix = TypeVar("Matrix", Array, Complex)
 
 SOLVED = 1e-9  # of the terms of an equation: a residual above it says that there is no solution
 
@@ -182,13 +179,3 @@ def _equations(model: StateSpace, S: Array, E: Array, F: Array) -> _Equations:
     M, rows, columns = equilibrated(M)
     effort = np.tile(np.arange(n + m) >= n, q)
     return _Equations(M, -rows * np.vstack([E, F]).T.ravel(), columns, effort)
-
-
-def equilibrated(M: Matrix) -> tuple[Matrix, Array, Array]:
-    """Return diag(r) M diag(c) with rows and columns of like size, r and c; the rank is that of M in any units."""
-    r, c = np.ones(len(M)), np.ones(M.shape[1])
-    for _ in range(5):
-        for axis, factor in ((1, r), (0, c)):
-            size = np.sqrt(np.abs(r[:, None] * M * c).max(axis=axis, initial=0.0))
-            factor /= np.where(size > 0, size, 1.0)
-    return r[:, None] * M * c, r, c

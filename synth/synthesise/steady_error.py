@@ -26,12 +26,12 @@ import scipy.linalg
 
 from synth import show
 from synth.analyse import precise
+from synth.analyse.equilibrate import equilibrated
 from synth.analyse.staircase import Complex
 from synth.errors import ModelError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.synthesise import internal_model, names, spectrum
 from synth.synthesise.minimal_polynomial import Mode
-from synth.synthesise.regulator_equations import equilibrated
 from synth.timing import Continuous, Time, common
 
 VANISHING = 1e-8  # of the signals that make up the error: modes rounded by 1e-16 beside poles that are 1e-8 away

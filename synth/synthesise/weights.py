@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from synth.errors import SignalError
 from synth.statespace import Array
+from synth.synthesise import reading
 
 Weight = ArrayLike | Mapping[str, float]
 
@@ -26,7 +27,11 @@ def symmetric(what: str, value: Weight, names: Sequence[str]) -> Array:
     Raises SignalError for a name that is not known, a wrong shape, an entry that is not finite, or an asymmetric
     matrix.
     """
-    matrix = _by_name(what, value, names) if isinstance(value, Mapping) else _numbers(what, value)
+    matrix = (
+        _by_name(what, value, names)
+        if isinstance(value, Mapping)
+        else reading.real(f"entries of the weight {what}", value)
+    )
     n = len(names)
     if matrix.shape == (n,):
         matrix = np.diag(matrix)
@@ -74,7 +79,7 @@ def cross(what: str, value: ArrayLike | None, rows: Sequence[str], columns: Sequ
     Raises SignalError for another shape or an entry that is not finite.
     """
     shape = (len(rows), len(columns))
-    matrix = np.zeros(shape) if value is None else _numbers(what, value)
+    matrix = np.zeros(shape) if value is None else reading.real(f"entries of the weight {what}", value)
     if matrix.shape != shape or not np.isfinite(matrix).all():
         raise SignalError(
             f"the cross weight {what} is {matrix.shape}: {shape[0]} states and {shape[1]} inputs need a finite one of "
@@ -120,19 +125,8 @@ def _by_name(what: str, value: Mapping[str, float], names: Sequence[str]) -> Arr
         raise SignalError(f"the weight {what} names '{unknown[0]}', which is not one of {', '.join(names)}")
     diagonal = np.zeros(len(names))
     for k, name in enumerate(names):
-        entry = _numbers(f"{what} of '{name}'", value.get(name, 0.0))
+        entry = reading.real(f"entries of the weight {what} of '{name}'", value.get(name, 0.0))
         if entry.ndim:
             raise SignalError(f"the weight {what} of '{name}' has shape {entry.shape}: give a number")
         diagonal[k] = entry
     return diagonal
-
-
-def _numbers(what: str, value: ArrayLike) -> Array:
-    try:
-        if np.ma.is_masked(value):
-            raise ValueError("some entries are masked")
-        if np.iscomplexobj(value):
-            raise ValueError("it is complex")
-        return np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise SignalError(f"the weight {what} is no array of real numbers ({error}): give a matrix") from error

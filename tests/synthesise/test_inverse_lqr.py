@@ -142,7 +142,7 @@ def test_other_models_are_refused() -> None:
     with pytest.raises(SignalError, match="1 input"):
         inverse_lqr.diagonal_weights(model([[0.5]], [[1, 1]]), [-1])
     for R in (0, -1.0, np.nan, "a", 1j):
-        with pytest.raises(SignalError, match=r"(weight|matrix) R (has|is)"):
+        with pytest.raises(SignalError, match=r"(weight|matrix) R (has|is|are)"):
             inverse_lqr.diagonal_weights(DOUBLE, [-1, -2], R=R)
     with pytest.raises(SignalError, match="1 input, with states"):
         inverse_lqr.diagonal_weights((np.zeros((0, 0)), np.zeros((0, 1))), [])

@@ -50,11 +50,11 @@ def test_rounding_passes_as_zero_but_not_as_more() -> None:
         (np.eye(3), r"the matrix Q is \(3, 3\): give \(2, 2\), its diagonal or a weight by name"),
         ([1.0, np.inf], "the matrix Q has inf for v, v: give finite numbers"),
         ([[1.0, 2.0], [0.0, 1.0]], r"Q is not symmetric: \[0, 1\] is 2.0, \[1, 0\] is 0.0; give \(M \+ M'\) / 2"),
-        (["a", "b"], "the weight Q is no array of real numbers"),
-        (np.array([1 + 1j, 1]), r"the weight Q is no array of real numbers \(it is complex\)"),
-        (np.ma.masked_array([1.0, 1.0], [False, True]), "some entries are masked"),
-        ({"x": "a"}, "the weight Q of 'x' is no array of real numbers"),
-        ({"x": 1j}, "the weight Q of 'x' is no array of real numbers"),
+        (["a", "b"], "entries of the weight Q are no real numbers"),
+        (np.array([1 + 1j, 1]), r"entries of the weight Q are no real numbers \(they are complex\)"),
+        (np.ma.masked_array([1.0, 1.0], [False, True]), "some are masked"),
+        ({"x": "a"}, "entries of the weight Q of 'x' are no real numbers"),
+        ({"x": 1j}, "entries of the weight Q of 'x' are no real numbers"),
         ({"x": None}, "the matrix Q has nan for x, x"),
         ({"x": [1.0, 2.0]}, r"the weight Q of 'x' has shape \(2,\): give a number"),
         ([[0.0, 1.0], [1.0, 0.0]], "eigenvalue -1: it must be positive semidefinite"),
@@ -68,7 +68,7 @@ def test_other_values_are_refused(value: object, message: str) -> None:
 def test_a_cross_weight_has_its_shape() -> None:
     with pytest.raises(SignalError, match=r"cross weight N is \(1, 2\): 2 states and 1 inputs need a finite one"):
         weights.cross("N", [[1.0, 2.0]], NAMES, ("u",))
-    with pytest.raises(SignalError, match=r"the weight N is no array of real numbers \(it is complex\)"):
+    with pytest.raises(SignalError, match=r"entries of the weight N are no real numbers"):
         weights.cross("N", [[1j], [0.0]], NAMES, ("u",))
     joint = weights.joined(np.eye(2), np.eye(1), np.array([[0.5], [0.0]]))
     np.testing.assert_array_equal(joint, [[1, 0, 0.5], [0, 1, 0], [0.5, 0, 1]])
