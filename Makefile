@@ -22,6 +22,7 @@ bench: $(STAMP)
 	$(BIN)/python -m benchmarks.axes
 	$(BIN)/python -m benchmarks.synthesis
 	$(BIN)/python -m benchmarks.disk
+	$(BIN)/python -m benchmarks.planar
 
 prove: $(STAMP)
 	$(BIN)/synth prove --whole

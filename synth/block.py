@@ -75,11 +75,15 @@ class Named:
 
 @dataclass(frozen=True)
 class Fault:
-    """One bit of the word that a step returns: `output` is the flag signal, `input` the input it speaks of."""
+    """One bit of the word that a step returns: `output` is the flag signal.
+
+    `input` is the input that is out of range, `suspect` the one that contradicts others; without either it has latched.
+    """
 
     bit: int
     output: str
-    input: str | None
+    input: str | None = None
+    suspect: str | None = None
 
 
 @dataclass(frozen=True, eq=False)

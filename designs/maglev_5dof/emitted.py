@@ -1,6 +1,5 @@
 """What is committed under generated_c/: the controller and the commutation, with gains and test vectors."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -10,7 +9,7 @@ import numpy as np
 from designs.maglev_5dof import control
 from designs.maglev_5dof.loop import Loop
 from models import maglev_stage
-from synth.emit import vectors, write
+from synth.emit import digits, vectors, write
 from synth.execute import host
 from synth.plant import Plant
 from synth.simulate.scenario import sample_times
@@ -73,14 +72,14 @@ def _gain(axis: control.Axis, scalar: type[np.floating]) -> dict[str, Any]:
         "published_weights": axis.name != "phi",
         "period_s": period,
         "K": [float(v) for v in gain.K[0].astype(scalar)],
-        "poles_rad_s": [_complex(s) for s in gain.poles],
+        "poles_rad_s": [digits.pole(s) for s in gain.poles],
         "certificate": {
-            "relative_residual_below": _bound(float(certificate.defect.max()) / max(axis.weights)),
-            "relative_forward_error_estimate": _bound(float((certificate.step / np.abs(certificate.X).max()).max())),
+            "relative_residual_below": digits.bound(float(certificate.defect.max()) / max(axis.weights)),
+            "relative_forward_error_estimate": digits.bound(float((certificate.step / np.abs(certificate.X).max()).max())),
         },
         "sampled_data_optimum": {
-            "K": [_digits(v, 6) for v in sampled.K[0]],
-            "worst_cost_ratio_of_K": _digits(ratio, 4),
+            "K": [digits.cut(v, 6) for v in sampled.K[0]],
+            "worst_cost_ratio_of_K": digits.cut(ratio, 4),
         },
     }
 
@@ -91,22 +90,6 @@ def _shipped(axis: control.Axis, T: Array, scalar: type[np.floating]) -> Array:
     k = {c.name: c.value for c in block.constants}
     on_eta = [k[f"k_{s.name}"] for s in block.states]
     return readonly([[k["k_e"], k["k_de"], *np.linalg.solve(T.T, on_eta)]])
-
-
-def _bound(value: float) -> float:
-    """Return `value` rounded up to two digits."""
-    if value == 0:
-        return 0.0
-    scale = 10.0 ** (math.floor(math.log10(value)) - 1)
-    return _digits(math.ceil(value / scale) * scale, 2)
-
-
-def _digits(value: float, digits: int) -> float:
-    return float(f"{value:.{digits}g}")
-
-
-def _complex(value: complex) -> str:
-    return f"{value.real:.6g}{value.imag:+.6g}i" if abs(value.imag) > 1e-9 else f"{value.real:.6g}"
 
 
 @dataclass(frozen=True, eq=False)

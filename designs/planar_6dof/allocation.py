@@ -11,13 +11,22 @@
     f_Bz    0   0   0   1  -b   -a
     f_Cz    0   0   0   1   c    0
 
-Demands f_x, f_y come in the matrix' frame and are turned by phi. K is that of the Lorentz integral; (17) as printed is
-pi/3 of it. It is taken at the nominal gap: a lift by z makes the force exp(-gamma z) of the demand, 2.4 % at 0.2 mm.
+K is that of the Lorentz integral; (17) as printed is pi/3 of it. It is taken at the nominal gap: a lift by z makes the
+force exp(-gamma z) of the demand, 2.4 % at 0.2 mm.
+
+The laws demand currents d = w / scale, so that what is left of T and K is ratios of arms, most of them 1 or 1/2:
+
+    scale   x, y: K    phi, psi: 2 a K    z: 2 (b + c) K / c    theta: 2 (b + c) K
+
+    i_CQ = d_x',   i_AQ, i_BQ = d_y'/2 -+ (d_phi + c/(2 a) d_x'),   i_AD, i_BD = d_z - d_theta +- d_psi,
+    i_CD = 2 b/c d_z + 2 d_theta
+
+d_x, d_y come in the matrix' frame and are turned by phi into d_x', d_y'.
 
 Limits. Each motor keeps hypot(i_Q, i_D) <= 1.26 A, so that no phase exceeds it. Horizontal currents come first, up to
 QUADRATURE of the limit: nothing but them holds x, y and phi, while the air bearings carry the stage and hold z, theta
 and psi by their stiffness. What i_Q leaves to i_D is never less than 31 % of the limit, so that the vertical loops stay
-closed. `made_*` are the forces and torques that the limited currents make, for anti-windup.
+closed. `made_*` are the demands that the limited currents meet, for anti-windup.
 
 Source: Yu, Kim, section 5.1, (17), Table 3.
 """
@@ -37,16 +46,13 @@ from synth.timing import Discrete
 
 LIMIT = planar_stage.LIMIT  # A
 QUADRATURE = 0.95 * LIMIT  # A: the slope of what it leaves is at most 3.1
-REACH = 0.7  # of a pitch: how far the pose may be from the middle of the pitch of the raw position, before clipping
 AXES = planar_stage.AXES
 HORIZONTAL, VERTICAL = AXES[:3], AXES[3:]
-PITCHES = 3  # of the matrix, to either side
+ROUNDING = 1e-14  # of a ratio of arms
 BOX = {s.name: s for s in planar_stage.STATES}
-UNITS = {"x": "N", "y": "N", "phi": "N m", "z": "N", "theta": "N m", "psi": "N m"}
-DEMANDS = tuple(
-    Signal(f"{'f' if unit == 'N' else 'm'}_{axis}", unit, -1e5, 1e5, "demanded of the motors")
-    for axis, unit in UNITS.items()
-)
+YAW = replace(BOX["phi"], low=-0.075, high=0.075)  # rad: what the filter leaves of raw yaws within 0.025
+UNITS = {"x": "N", "y": "N", "phi": "N m", "z": "N", "theta": "N m", "psi": "N m"}  # of w
+DEMANDS = tuple(Signal(f"d_{axis}", "A", -1e5, 1e5, f"demand over the scale of {axis}") for axis in AXES)
 MADE = tuple(
     replace(s, name=f"made_{axis}", about="by the limited currents") for axis, s in zip(AXES, DEMANDS, strict=True)
 )
@@ -57,9 +63,9 @@ CURRENTS = tuple(
 )
 PHASES = planar_stage.INPUTS
 COMPUTED = tuple(replace(s, name=f"{s.name}_computed") for s in PHASES)
-POSE = tuple(BOX[axis] for axis in HORIZONTAL)
-PITCH = tuple(
-    Signal(f"pitch_{axis}", "1", -PITCHES, PITCHES, f"whole pitches along {axis.upper()} from the middle")
+PITCH = planar_stage.plant().parameter("l").value
+WITHIN = tuple(
+    Signal(f"within_{axis}", "m", -PITCH / 2, PITCH / 2, f"position along {axis.upper()} from the middle of its pitch")
     for axis in "xy"
 )
 
@@ -98,37 +104,55 @@ def shares(plant: Plant) -> Array:
     return readonly(rows)
 
 
+def scales(plant: Plant) -> dict[str, float]:
+    """Return for each axis the force in N or torque in N m of a demand of 1 A."""
+    a, b, c = (plant.parameter(name).value for name in "abc")
+    side, lever = 2 * a, 2 * (b + c)
+    arms = {"x": 1.0, "y": 1.0, "phi": side, "z": lever / c, "theta": lever, "psi": side}
+    return {axis: force_constant(plant) * arm for axis, arm in arms.items()}
+
+
 def authority(plant: Plant) -> dict[str, float]:
-    """Return for each axis the force in N or torque in N m that the motors make of it with LIMIT each, and no more."""
+    """Return for each axis the demand in A that the motors meet with LIMIT each, and no more is."""
     most = force_constant(plant) * LIMIT * np.abs(wrench(plant)).sum(axis=1)
-    return dict(zip(AXES, most.tolist(), strict=True))
+    return {axis: float(w) / scale for w, (axis, scale) in zip(most, scales(plant).items(), strict=True)}
 
 
-def allocation(plant: Plant, time: Discrete) -> Block:
-    """Return the Block from demands and phi to the motors' limited currents and what these make of each axis."""
-    constants, phi = _constants(plant), BOX["phi"]
-    a, c = (plant.parameter(name).value for name in "ac")
+def reach(plant: Plant) -> dict[str, float]:
+    """Return for each axis a bound in A of what is met of its demand, however the yaw within YAW shares x and y."""
+    most = authority(plant)
+    return most | {"x": most["x"] + YAW.high * most["y"], "y": most["y"] + YAW.high * most["x"]}
+
+
+def allocation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
+    """Return the Block from demands and the yaw `phi` to limited currents and what these meet of each demand."""
+    a, b, c = (plant.parameter(name).value for name in "abc")
+    across, rear = c / (2 * a), 2 * b / c
+    arms = (
+        ("half", 0.5, "1/2"),
+        ("part", c / (2 * (b + c)), "c/(2 (b + c))"),
+        ("front_part", b / (2 * (b + c)), "b/(2 (b + c))"),
+    )
+    constants = [Constant(name, value, "1", f"Table 3: {what}") for name, value, what in arms]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        angle = clip(u["phi"], phi)
+        angle = clip(u[phi.name], YAW)
         cos, sin = ca.cos(angle), ca.sin(angle)
-        f_x, f_y, m_phi, f_z, m_theta, m_psi = (u[s.name] for s in DEMANDS)
-        wanted_c = k["of_x"] * (cos * f_x + sin * f_y)
-        half = k["of_y"] * (cos * f_y - sin * f_x)
-        turn = k["of_phi"] * m_phi + (wanted_c if c == 2 * a else c / (2 * a) * wanted_c)
-        front, roll = k["front_of_z"] * f_z - k["front_of_theta"] * m_theta, k["of_psi"] * m_psi
-        rear = k["rear_of_z"] * f_z + k["rear_of_theta"] * m_theta
+        d_x, d_y, d_phi, d_z, d_theta, d_psi = (u[s.name] for s in DEMANDS)
+        wanted_c = cos * d_x + sin * d_y
+        half = (cos * d_y - sin * d_x) / 2
+        turn, front = d_phi + _times(across, wanted_c), d_z - d_theta
         currents = A, B, C, Az, Bz, Cz = _limited(
-            [half - turn, half + turn, wanted_c, front + roll, front - roll, rear]
+            [half - turn, half + turn, wanted_c, front + d_psi, front - d_psi, _times(rear, d_z) + 2 * d_theta]
         )
-        over_x, over_y = k["force"] * C, k["force"] * (A + B)
+        both, lifts = A + B, Az + Bz
         made = (
-            cos * over_x - sin * over_y,
-            sin * over_x + cos * over_y,
-            k["side_arm"] * (B - A) - k["rear_arm"] * C,
-            k["force"] * (Az + Bz + Cz),
-            k["rear_arm"] * Cz - k["front_arm"] * (Az + Bz),
-            k["side_arm"] * (Az - Bz),
+            cos * C - sin * both,
+            sin * C + cos * both,
+            k["half"] * (B - A) - _times(across, C),
+            k["part"] * (lifts + Cz),
+            k["part"] * Cz - k["front_part"] * lifts,
+            k["half"] * (Az - Bz),
         )
         return Step(dict(zip((s.name for s in (*CURRENTS, *MADE)), (*currents, *made), strict=True)))
 
@@ -136,28 +160,9 @@ def allocation(plant: Plant, time: Discrete) -> Block:
     return build("allocation", time, law, inputs=inputs, outputs=outputs, constants=constants, tag=tag)
 
 
-def _constants(plant: Plant) -> list[Constant]:
-    """Return the numbers of `shares` over K and of `wrench` times K, each once."""
-    K, T = force_constant(plant), wrench(plant) * force_constant(plant)
-    S = shares(plant) / K
-    per_force, per_torque = (
-        (
-            ("of_x", S[2, 0], "1/K"),
-            ("of_y", S[0, 1], "1/(2 K)"),
-            ("front_of_z", S[3, 3], "c/(2 (b + c) K)"),
-            ("rear_of_z", S[5, 3], "b/((b + c) K)"),
-        ),
-        (
-            ("of_phi", S[1, 2], "1/(2 a K)"),
-            ("of_psi", S[3, 5], "1/(2 a K)"),
-            ("front_of_theta", -S[3, 4], "1/(2 (b + c) K)"),
-            ("rear_of_theta", S[5, 4], "1/((b + c) K)"),
-        ),
-    )
-    forces = (("force", K, "K"),)
-    arms = (("side_arm", T[2, 1], "K a"), ("front_arm", -T[4, 3], "K b"), ("rear_arm", T[4, 5], "K c"))
-    units = ((per_force, "A/N"), (per_torque, "A/N/m"), (forces, "N/A"), (arms, "N m/A"))
-    return [Constant(n, float(v), unit, f"Table 3, (17): {what}") for group, unit in units for n, v, what in group]
+def _times(ratio: float, value: ca.SX) -> ca.SX:
+    """Return the product, without arithmetic where the arms are as printed."""
+    return value if abs(ratio - 1) < ROUNDING else ratio * value
 
 
 def _limited(wanted: list[ca.SX]) -> list[ca.SX]:
@@ -167,46 +172,48 @@ def _limited(wanted: list[ca.SX]) -> list[ca.SX]:
     return [*i_q, *(ca.fmax(ca.fmin(i, r), -r) for i, r in zip(wanted[3:], room, strict=True))]
 
 
-def commutation(plant: Plant, time: Discrete) -> Block:
-    """Return the Block from the motors' currents, the pose and the whole pitches to the nine phase currents.
+def commutation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
+    """Return the Block from the motors' currents, the place within the pitch and the yaw `phi` to nine phase currents.
 
-    The angle comes from the distance to the middle of the pitch, clipped to REACH: in quarters its sine and cosine have
-    no zero but that of the sine at 0, and two doublings make it whole. Motors A and B lie b behind: that many quarters
-    of a pitch are turned without arithmetic, and the rest is part of the distance.
+    The angle comes from the distance to the middle of the pitch. A quarter of it is at most 50 degrees, where the
+    cosine is the root of what the sine's square leaves, and two doublings make it whole. Motors A and B lie b behind:
+    that many quarters of a pitch are turned without arithmetic, and the rest is part of the distance.
     """
     l, a, b, c = (plant.parameter(name).value for name in ("l", "a", "b", "c"))
     turns = round(4 * b / l)
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        phi = clip(u["phi"], BOX["phi"])
-        behind = b * ca.cos(phi) - turns * l / 4
-        back, named = _angle("back", u["x"] - l * u["pitch_x"] - c * ca.sin(phi), l)
-        front, more = _angle("front", u["y"] - l * u["pitch_y"] - behind, l)
+        turned = clip(u[phi.name], YAW)
+        behind = b * ca.cos(turned) - turns * l / 4
+        back, named = _angle("back", u["within_x"] - c * ca.sin(turned), l)
+        front, more = _angle("front", u["within_y"] - behind, l)
         for _ in range(turns):
             front = (front[1], -front[0])
-        yaw = 2 * pi / l * a * ca.sin(phi)
+        yaw = 2 * pi / l * a * ca.sin(turned)
         (cos, sin), (cy, sy) = front, (ca.cos(yaw), ca.sin(yaw))
         cc, ss, cs, sc = cos * cy, sin * sy, cos * sy, sin * cy
         angles = {"A": (cc + ss, sc - cs), "B": (cc - ss, sc + cs), "C": back}
         output: dict[str, ca.SX] = {}
         for motor, (cos, sin) in angles.items():
             i_q, i_d = u[f"i_{motor}Q"], u[f"i_{motor}D"]
-            alpha, beta = cos * i_q - sin * i_d, sqrt(3) / 2 * (sin * i_q + cos * i_d)
-            phases = (alpha, beta - alpha / 2, -beta - alpha / 2)
+            alpha, beta = clip(cos * i_q - sin * i_d, PHASES[0]), sqrt(3) / 2 * (sin * i_q + cos * i_d)
+            middle = -alpha / 2
+            phases = (alpha, clip(middle + beta, PHASES[0]), clip(middle - beta, PHASES[0]))
             output |= {f"i_{motor}{p}_computed": i for p, i in zip(lorentz_motor.OFFSETS, phases, strict=True)}
         return Step(output, named=[*named, *more])
 
-    return build("commutation", time, law, inputs=[*CURRENTS, *POSE, *PITCH], outputs=COMPUTED, tag="(17) inverted")
+    return build("commutation", time, law, inputs=[*CURRENTS, *WITHIN, phi], outputs=COMPUTED, tag="(17) inverted")
 
 
 def _angle(name: str, distance: ca.SX, l: float) -> tuple[tuple[ca.SX, ca.SX], list[tuple[Signal, ca.SX]]]:
-    """Return cosine and sine of 2 pi / l times a distance in m, and the functions of the quarter q that make them.
+    """Return cosine and sine of 2 pi / l times a distance in m, and what is named on the way, of its quarter q.
 
     With h = sin q cos q: cos 4q = 1 - 8 h^2, sin 4q = h (4 - 8 sin^2 q).
     """
-    reach = Signal(f"distance_{name}", "m", -REACH * l, REACH * l, "to the middle of the pitch")
-    within = clip(distance, reach)
-    sin, cos = ca.sin(pi / (2 * l) * within), ca.cos(pi / (2 * l) * within)
-    h = sin * cos
-    kept = [(Signal(f"{what}_{name}", "1", -1, 1), e) for what, e in (("quarter_sine", sin), ("quarter_cosine", cos))]
-    return (1 - 8 * h**2, h * (4 - 8 * sin**2)), [(reach, within), *kept]
+    sin = ca.sin(pi / (2 * l) * distance)
+    h = sin * ca.sqrt(1 - sin**2)
+    named = [
+        (Signal(f"distance_{name}", "m", -l, l, "to the middle of the pitch"), distance),
+        (Signal(f"quarter_sine_{name}", "1", -1, 1), sin),
+    ]
+    return (1 - 8 * h**2, h * (4 - 8 * sin**2)), named

@@ -101,15 +101,20 @@ class Loop:
         return {name: np.asarray(values, dtype=np.float64) for name, values in found.items()}
 
 
-def of(controller: Block, time: Discrete) -> Loop:
+def of(controller: Block) -> Loop:
     """Return the loop of a controller as shipped, in single precision, on motors that see the field's harmonics."""
-    return Loop(planar_stage.plant(halbach.HARMONICS), compiled(controller), compiled(view(time)))
+    predicted = any(s.name.startswith("filter_") for s in controller.states)
+    shown = view(controller.time, predicted)
+    return Loop(planar_stage.plant(halbach.HARMONICS), compiled(controller), compiled(shown))
 
 
-def view(time: Discrete) -> Block:
-    """Return the controllers' way from voltages to positions alone."""
+def view(time: Discrete, predicted: bool = True) -> Block:
+    """Return the controllers' way from voltages to raw positions alone, which are `predicted` by the filters or not.
+
+    What the filters make of them is shown in either case.
+    """
     guard = safety.guard(time, interface.INPUTS, interface.BAD_SAMPLES, suspected=planar_stage.HALL)
-    parts = [guard, sensing.sensing(planar_stage.plant(), time), *filtering.blocks(time)]
+    parts = [guard, sensing.sensing(planar_stage.plant(), time, predicted), *filtering.blocks(time)]
     outputs = [*(s.name for s in sensing.RAW.values()), *filtering.AXES]
     return compose("view", parts, inputs=[g.signal.name for g in interface.INPUTS], outputs=outputs)
 
@@ -133,7 +138,7 @@ def slope(plant: Plant) -> float:
     return calibration.of(plant).amplitude * k
 
 
-def compiled(block: Block) -> host.Controller:
-    """Return the C of a Block in single precision, compiled."""
-    emitted = write.emit(block, np.float32)
+def compiled(block: Block, scalar: type[np.floating] = np.float32) -> host.Controller:
+    """Return the C of a Block as shipped, compiled."""
+    emitted = write.emit(block, scalar, error=interface.SURROGATE_ERROR[scalar])
     return host.load(emitted.files, emitted.manifest)

@@ -1,6 +1,7 @@
 """What both controllers of the planar positioner share beside sensing, in plain NumPy, for comparison: Y(17)-(25).
 
-    guard      a value out of range, or of a suspected Hall channel, is replaced by the last good; five in a row latch
+    guard      a value out of range is replaced by the last good, a Hall voltage by 0; five bad samples in a row latch,
+               and all are bad once Hall channels are suspects
     vertical   d1..d3 are the lifts z + theta r_y - psi r_x of three points; compensators by Tustin's rule
     motors     (f_Ay, f_By, f_Cx, f_Az, f_Bz, f_Cz) = T^-1 w, w turned into the platen's frame; i = f / K, limited
     phases     alpha + i beta = exp(i angle) (i_Q + i i_D), phases at 0, 120, 240 degrees of it                     (17)
@@ -29,14 +30,13 @@ CENTRES = {"A": (-ARM, -ARM), "B": (ARM, -ARM), "C": (0.0, 2 * ARM)}  # m
 AREA, TURNS = 8.6524e-5, 305  # m^2, Table 1
 LIMIT = 1.26  # A, Table 1
 QUADRATURE = 0.95 * LIMIT
-REACH = 0.7 * PITCH
-YAW = 0.02  # rad
+YAW = 0.075  # rad
 LASER_ARM = 0.06  # m
 BAD_SAMPLES, SLEW = 5, 126.0  # A/s
 HALL = ("V_ax", "V_ay", "V_bx", "V_by", "V_cx", "V_cy")
 LIMITS = dict.fromkeys(HALL, 5.0) | dict.fromkeys(("d1", "d2", "d3"), 5e-4)
 MEASUREMENTS = tuple(LIMITS)
-BOX = {"x": 0.11, "y": 0.10, "phi": YAW, "z": 2e-4, "theta": 2e-3, "psi": 2e-3}
+BOX = {"x": 0.11, "y": 0.10, "phi": 0.02, "z": 2e-4, "theta": 2e-3, "psi": 2e-3}
 LIMITS |= {f"{axis}_ref": high for axis, high in BOX.items()}
 PHASES = tuple(f"i_{motor}{phase}" for motor in CENTRES for phase in "ABC")
 VERTICAL = {  # (23)-(25): gain, zero, pole in rad/s, and the part of the gain at low frequencies that is used
@@ -89,34 +89,53 @@ def vertical(axis: str, T: Fraction) -> Compensator:
     return tustin(part * gain * moved / pole, (zero, Fraction(10)), moved, T)
 
 
+def scales() -> dict[str, float]:
+    """Return the force in N or torque in N m by which the demand of an axis, and the states that make it, are divided.
+
+    They are the forces of 1 A: in motor C along x, in A and B together along y; half as much in each for phi and psi;
+    along z and about theta such that each of A and B has 1 A.
+    """
+    K, T = force_constant(), wrench()
+    shares = np.linalg.inv(T)
+    return {"x": K, "y": K} | {axis: K / abs(shares[row, AXES.index(axis)]) for axis, row in _LEADING.items()}
+
+
+_LEADING = {"phi": 1, "z": 3, "theta": 3, "psi": 3}  # the force that 1 A makes whole
+
+
 def compensated(axis: str, k: Compensator, e: Array, state: Columns) -> Array:
-    """Return the demand of an axis for the error e. (21)-(25)."""
-    return k.D * e + state[f"loop_{axis}_lag"] + state[f"loop_{axis}_integral"]
+    """Return the force or torque that an axis wants for the error e. (21)-(25)."""
+    return k.D * e + scales()[axis] * (state[f"loop_{axis}_lag"] + state[f"loop_{axis}_integral"])
 
 
 def advanced(axis: str, k: Compensator, e: Array, made: Array, state: Columns) -> dict[str, Array]:
     """Return the next states of a compensator, whose reset follows what is made."""
-    lag = k.p * state[f"loop_{axis}_lag"] + k.D * (k.p - k.z1) * e
+    scale = scales()[axis]
+    lag = k.p * state[f"loop_{axis}_lag"] + k.D * (k.p - k.z1) * e / scale
     integral = state[f"loop_{axis}_integral"]
-    return {f"loop_{axis}_lag": lag, f"loop_{axis}_integral": integral + (1 - k.z2) * (made - integral)}
+    return {f"loop_{axis}_lag": lag, f"loop_{axis}_integral": integral + (1 - k.z2) * (made / scale - integral)}
 
 
-def guard(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
-    """Return the values to use, the guard's next state and the fault word. A value that is no number is in no range."""
+def guard(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array, Array]:
+    """Return the values to use, the guard's next state, the fault word, and whether every measurement is good.
+
+    A value that is no number is in no range.
+    """
     with np.errstate(invalid="ignore"):
         given = {s: np.asarray(inputs[s], dtype=np.float64) for s in LIMITS}
         good = {s: np.abs(given[s]) <= high for s, high in LIMITS.items()}
-    doubted = np.asarray(state["sensing_doubt"]) > 0
-    good |= {s: good[s] & ~(doubted & (np.asarray(state[f"sensing_found_{s}"]) > 0)) for s in HALL}
-    values = {s: np.where(good[s], given[s], state[f"guard_last_{s}"]) for s in LIMITS}
-    after = {f"guard_last_{s}": value for s, value in values.items()}
-    word = np.sum([np.where(good[s], 0, 1 << bit) for bit, s in enumerate(LIMITS)], axis=0)
-    complete = np.all([good[s] for s in MEASUREMENTS], axis=0)
+    values = {s: np.where(good[s], given[s], 0.0 if s in HALL else state[f"guard_last_{s}"]) for s in LIMITS}
+    after = {f"guard_last_{s}": value for s, value in values.items() if s not in HALL}
+    named = np.asarray(state["sensing_named"]) > 0
+    flags = [~good[s] for s in LIMITS] + [named & (np.asarray(state[f"sensing_found_{s}"]) > 0) for s in HALL]
+    word = np.sum([np.where(flag, 1 << bit, 0) for bit, flag in enumerate(flags)], axis=0)
+    complete = np.all([good[s] for s in MEASUREMENTS], axis=0) & ~named
     left = np.where(complete, BAD_SAMPLES, np.asarray(state["guard_left"]) - 1)
     after["guard_left"] = np.maximum(left, 1)
     after["guard_latched"] = np.where(left < 1, 1, state["guard_latched"])
     after["guard_ready"] = np.where(complete, 1, state["guard_ready"])
-    return values, after, np.asarray(word + (1 << 31) * (after["guard_latched"] > 0)).astype(np.uint32)
+    word = np.asarray(word + (1 << 31) * (after["guard_latched"] > 0)).astype(np.uint32)
+    return values, after, word, complete
 
 
 def heights(v: Columns) -> dict[str, Array]:
@@ -141,14 +160,10 @@ def motors(w: Columns, phi: Array) -> tuple[dict[str, tuple[Array, Array]], dict
 
 
 def phases(currents: Mapping[str, tuple[Array, Array]], q: Columns) -> dict[str, Array]:
-    """Return the phase currents of the motors at a pose, (17) inverted; the distances to a pitch's middle are clipped.
-
-    A and B are clipped at the middle between them, less the quarter of a pitch that they are behind.
-    """
+    """Return the phase currents of the motors at the place within a pitch, (17) inverted."""
     phi, found = np.clip(q["phi"], -YAW, YAW), {}
-    behind, quarter = ARM * np.cos(phi), PITCH / 4
-    back = np.clip(q["x"] - q["pitch_x"] * PITCH - 2 * ARM * np.sin(phi), -REACH, REACH)
-    front = np.clip(q["y"] - q["pitch_y"] * PITCH - behind + quarter, -REACH, REACH) - quarter
+    back = q["within_x"] - 2 * ARM * np.sin(phi)
+    front = q["within_y"] - ARM * np.cos(phi)
     aside = ARM * np.sin(phi)
     for motor, along in (("A", front - aside), ("B", front + aside), ("C", back)):
         i_q, i_d = currents[motor]
@@ -170,7 +185,7 @@ def driven(computed: Columns, state: Columns, latched: Array, T: Fraction) -> di
 
 def initial_state(axes: tuple[str, ...]) -> dict[str, Array]:
     """Return the state after init of guard, output and the compensators of `axes`, by name."""
-    names = [f"guard_last_{s}" for s in LIMITS] + [f"safe_output_last_{s}" for s in PHASES]
+    names = [f"guard_last_{s}" for s in LIMITS if s not in HALL] + [f"safe_output_last_{s}" for s in PHASES]
     names += [f"loop_{axis}_{part}" for axis in axes for part in ("integral", "lag")]
     return {name: np.array(0.0) for name in (*names, "guard_latched", "guard_ready")} | {
         "guard_left": np.array(float(BAD_SAMPLES))

@@ -38,6 +38,7 @@ WEIGHT, REGULAR, LEAST = 0.1, 0.01, 1e-6  # of the third equation, of its sum of
 RESIDUAL, POWER, EVIDENCE = 0.08, 0.15, 0.04  # of A, of A^2
 LEAN = 0.04  # of A
 MEMORY = 3.0  # samples
+OF_X = ("V_ax", "V_bx", "V_cx")
 TERMS, POINTS = 4, 64  # of the fitted position
 
 
@@ -110,9 +111,14 @@ def gain(q: float, T: float) -> Array:
 
 def initial_state() -> dict[str, Array]:
     """Return the state after init, by name."""
-    names = ["sensing_count_x", "sensing_count_y", "sensing_doubt", *(f"sensing_found_{v}" for v in HALL)]
-    names += [f"filter_{axis}_{part}" for axis in DENSITY for part in "psh"]
+    names = [f"sensing_{what}_{axis}" for what in ("offset", "within") for axis in "xy"]
+    names += ["sensing_doubt", "sensing_named", *(f"sensing_found_{v}" for v in HALL)]
     return {name: np.array(0.0) for name in names}
+
+
+def filters_at_rest() -> dict[str, Array]:
+    """Return the state of the filters after init, by name."""
+    return {f"filter_{axis}_{part}": np.array(0.0) for axis in DENSITY for part in "psh"}
 
 
 @dataclass(frozen=True)
@@ -144,9 +150,19 @@ class Pair:
         return np.where(near, np.where(self.c < 0, back, f), np.where(self.s < 0, -PITCH / 4, PITCH / 4) - f)
 
 
-def sense(state: Columns, v: Columns, ready: Array, k: Constants) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Return raw position, pitches and residuals, and the next state, from held voltages by name. Y(1)-(5), Fig. 4."""
-    A, phi = k.amplitude, state["filter_phi_p"]
+def filtered(state: Columns) -> dict[str, Array]:
+    """Return x, y and phi as the filters predict them."""
+    return {axis: state[f"filter_{axis}_p"] for axis in DENSITY}
+
+
+def sense(
+    state: Columns, v: Columns, flags: tuple[Array, Array], predicted: Columns, k: Constants
+) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Return raw position, that within its pitch and residuals, and the next state, from held voltages by name.
+
+    `flags` say whether every voltage has been good at once, and is. Y(1)-(5), Fig. 4.
+    """
+    A, phi, (ready, complete) = k.amplitude, predicted["phi"], flags
     x = Pair(v["V_ax"] - phi * v["V_ay"], phi * v["V_ay"] - v["V_bx"], k)
     y = Pair(v["V_ay"] + phi * v["V_ax"], -v["V_cy"] - phi * v["V_ax"], k)
     h1, h2 = y.slope + x.c + x.s, x.slope + y.c + y.s
@@ -158,21 +174,29 @@ def sense(state: Columns, v: Columns, ready: Array, k: Constants) -> tuple[dict[
     bad = {"m_x": np.abs(x.m) > POWER * A**2, "m_y": np.abs(y.m) > POWER * A**2}
     bad |= {"r_1": np.abs(r1) > RESIDUAL * A, "r_2": np.abs(r2) > RESIDUAL * A}
     out = {"m_x": x.m, "m_y": y.m, "r_1": r1, "r_2": r2}
-    doubt = (ready > 0) & (bad["m_x"] | bad["m_y"] | bad["r_1"] | bad["r_2"])
-    out["phi_raw"] = np.clip(phi + np.where(doubt, 0, step), -YAW, YAW)
-    before = state["sensing_doubt"]
-    after = {"sensing_doubt": np.where(doubt, MEMORY, np.maximum(before - 1, 0))}
+    doubt = (ready > 0) & complete & (bad["m_x"] | bad["m_y"] | bad["r_1"] | bad["r_2"])
+    sure = complete & ~doubt
+    out["phi_raw"] = np.clip(phi + np.where(sure, step, 0), -YAW, YAW)
+    before = np.asarray(state["sensing_doubt"])
+    of_x, of_y = doubt & (before > 0) & (before <= MEMORY), doubt & (before > MEMORY)
+    counted = np.where(sure, np.maximum(before - 1, 0), before)
+    after = {
+        "sensing_doubt": np.where(of_x, MEMORY + 1, np.where(doubt, MEMORY, counted)),
+        "sensing_named": np.where(of_y, 1.0, state["sensing_named"]),
+    }
     for axis, pair in (("x", x), ("y", y)):
-        count, predicted = state[f"sensing_count_{axis}"], state[f"filter_{axis}_p"]
-        off = pair.place + PITCH * count - predicted
-        turn = np.where(np.abs(off) > PITCH / 2, np.where(off > 0, -1, 1), 0)
-        out[f"{axis}_raw"] = np.where(doubt, predicted, predicted + off + PITCH * turn)
-        out[f"pitch_{axis}"] = np.where(doubt, count, np.clip(count + turn, -COUNT, COUNT))
-        after[f"sensing_count_{axis}"] = out[f"pitch_{axis}"]
+        offset, within = state[f"sensing_offset_{axis}"], state[f"sensing_within_{axis}"]
+        off = pair.place + offset - predicted[axis]
+        turn = np.where(np.abs(off) > PITCH / 2, np.where(off > 0, -PITCH, PITCH), 0)
+        moved = np.clip(offset + turn, -COUNT * PITCH, COUNT * PITCH)
+        out[f"{axis}_raw"] = np.where(sure, pair.place + moved, predicted[axis])
+        out[f"within_{axis}"] = np.where(sure, pair.place, within)
+        after[f"sensing_offset_{axis}"] = np.where(sure, moved, offset)
+        after[f"sensing_within_{axis}"] = out[f"within_{axis}"]
     named = suspects(x, y, (h1, h2, r1, r2), bad, v, k)
     for name, found in named.items():
-        held = np.where(before > 1, state[f"sensing_found_{name}"], 0.0)
-        after[f"sensing_found_{name}"] = np.where(before > 0, np.where(doubt, 1.0 * found, held), 0.0)
+        turn = of_x if name in OF_X else of_y
+        after[f"sensing_found_{name}"] = np.where(turn, 1.0 * found, state[f"sensing_found_{name}"])
     return out, after
 
 
@@ -223,8 +247,8 @@ def estimate(state: Columns, raw: Columns, ready: Array, k: Constants) -> tuple[
     return out, after
 
 
-def step(state: Columns, v: Columns, ready: Array, k: Constants) -> tuple[dict[str, Array], dict[str, Array]]:
+def step(state: Columns, v: Columns, flags: tuple[Array, Array], k: Constants) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return all outputs and the next state of sensing and filters for one sample of held voltages."""
-    raw, after = sense(state, v, ready, k)
-    pose, filtered = estimate(state, raw, ready, k)
-    return raw | pose, after | filtered
+    raw, after = sense(state, v, flags, filtered(state), k)
+    pose, moved = estimate(state, raw, flags[0], k)
+    return raw | pose, after | moved

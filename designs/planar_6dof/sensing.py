@@ -8,7 +8,7 @@
     V_bx = -A C(t_x) + phi A S(t_y)        V_by = V_ay + phi h_1,      h_1 = A (D S'(t_y) + C(t_x) + S(t_x))
     V_cy = -A C(t_y) - phi A S(t_x)        V_cx = V_ax - phi h_2,      h_2 = A (D S'(t_x) + C(t_y) + S(t_y))
 
-`phi_predicted` of the Kalman filter, a state, turns the voltages back: s and c of each axis are A S(t) and A C(t).
+`phi_predicted`, a state of the Kalman filter or the yaw of the sample before, turns the voltages back: s and c of each axis are A S(t) and A C(t).
 
 Position, (1)-(5). Of the two, the voltage nearer to zero is in its sensitive interval and is used; it is divided by the
 other one, so that the arcsine becomes an arctangent, a common change of amplitude drops out, and the eight sections of
@@ -34,9 +34,10 @@ error is 0.04 mrad rms over a pitch at yaw 0, 0.16 rms and 1.6 at most at 6 mrad
 not yet predicted the raw one shows 0.7 to 1.2 where h_1 and h_2 vanish. Where a position is noisy by 5e-5 m rms the raw
 yaw is so by 1.8 mrad in the median and by 11 mrad at those places.
 
-Contradictions. m_x, m_y, r_1 and r_2 are near 0 unless a sensor fails. A sample in which one is out of bounds moves
-neither position nor yaw; with another one in the MEMORY samples before, it names suspects, which the guard refuses from
-the next sample on. Of V_ax, V_cx (r_2), V_ay, V_by (r_1) and V_bx, V_cy (m_x, m_y alone) those are named that may
+Contradictions. m_x, m_y, r_1 and r_2 are near 0 unless a sensor fails. A sample in which one is out of bounds, or in
+which the guard refuses anything, moves neither position nor yaw. With another one out of bounds in the MEMORY samples
+before, it finds the suspects among the voltages of x; the next such sample those of y, and the guard refuses them from
+the sample after that on: five samples later it latches. Of V_ax, V_cx (r_2), V_ay, V_by (r_1) and V_bx, V_cy (m_x, m_y alone) those are named that may
 explain what is seen, more than one where noise could decide. h_2 r_1 + h_1 r_2 knows no yaw: it tells what V_ax or V_ay
 lack, also when the filter has followed a sensor that sticks. `sensing_maps.faults` tells what is not noticed: at rest
 all that sticks, and V_bx or V_cy that drops to zero within 36 degrees of where it reads zero.
@@ -45,7 +46,7 @@ Source: Yu, Kim, section 3.1, Figs. 3 and 4; Kawato, Kim, "Multi-Degree-of-Freed
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
@@ -54,6 +55,7 @@ from models import planar_stage
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.plant import Plant
 from synth.signals import Signal
+from synth.synthesise import safety
 from synth.timing import Discrete
 
 HALL = planar_stage.HALL
@@ -67,6 +69,7 @@ LEAST = 1e-6  # of A^2, beside a square that is A^2/2 or more unless a sensor fa
 RESIDUAL = 0.08  # of A: six times the noise, and 2 % for unequal sensors and heights
 POWER = 0.15  # of A^2: five times the noise, 5 % for a lift by 0.2 mm and 4 % for the sensors' height
 LEAN, EVIDENCE = 0.04, 0.04  # of A, of A^2: by how much one explanation must be better than another
+OF_X, OF_Y = ("V_ax", "V_bx", "V_cx"), ("V_ay", "V_cy", "V_by")  # s, c and the other sensor's s
 MEMORY = 3  # samples for which a contradiction is remembered
 
 RAW = {a: Signal(f"{a}_raw", "m", -0.16, 0.16, "from this sample's voltages") for a in "xy"}
@@ -75,11 +78,16 @@ PREDICTED = {a: Signal(f"{a}_predicted", "m", -0.2, 0.2, "from the samples befor
 PREDICTED["phi"] = Signal("phi_predicted", "rad", -2 * YAW, 2 * YAW, "from the samples before")
 HELD = tuple(Signal(f"{name}_held", "V", -VOLTAGE, VOLTAGE, "Hall sensor and axis") for name in HALL)
 READY = Signal("ready", "1", 0, 1, "every measurement was good at once")
-COUNTS = tuple(Signal(f"pitch_{a}", "1", -PITCHES, PITCHES, "whole pitches from the middle") for a in "xy")
+COMPLETE = Signal("complete", "1", 0, 1, "every measurement is good")
+FAR = PITCHES * planar_stage.plant().parameter("l").value
+OFFSETS = tuple(Signal(f"offset_{a}", "m", -FAR, FAR, "whole pitches from the middle") for a in "xy")
+HALF = FAR / PITCHES / 2
+WITHIN = tuple(Signal(f"within_{a}", "m", -HALF, HALF, "raw position from the middle of its pitch") for a in "xy")
 RESIDUALS = (
     *(Signal(f"m_{a}", "V^2", -1000, 1000, "squared amplitude of a pair, less that of the field") for a in "xy"),
     *(Signal(f"r_{i}", "V", -50, 50, "difference of two sensors, less that of the predicted yaw") for i in "12"),
 )
+SUSPECTED = Signal(safety.SUSPECTED, "1", 0, 1, "the voltages contradict each other")
 SUSPECTS = tuple(Signal(f"suspect_{name}", "1", 0, 1, f"{name} contradicts the others") for name in HALL)
 
 
@@ -108,60 +116,72 @@ class _Checks:
 
 @dataclass(frozen=True, eq=False)
 class _Found:
-    """A raw position in m and the count of its pitch."""
+    """A raw position in m: within its pitch, and whole pitches."""
 
-    q: ca.SX
-    count: ca.SX
+    within: ca.SX
+    offset: ca.SX
 
 
-def sensing(plant: Plant, time: Discrete) -> Block:
-    """Return the Block from held voltages and predictions to the raw position, its pitches, residuals and suspects."""
+def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
+    """Return the Block from held voltages to the raw position, that within its pitch, residuals and suspects.
+
+    Predictions are inputs, or else the raw position of the sample before.
+    """
     cal = calibration.of(plant)
     A, l = cal.amplitude, cal.pitch
+    yaw = RAW["phi"].name
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         ax, ay, bx, by, cx, cy = (u[s.name] for s in HELD)
-        phi = u["phi_predicted"]
+        phi = u["phi_predicted"] if predicted else x[yaw]
+        expected = {a: u[f"{a}_predicted"] if predicted else x[f"within_{a}"] + x[f"offset_{a}"] for a in "xy"}
         X, Y = _pair(ax, -bx, ay, phi, k), _pair(ay, -cy, -ax, phi, k)
         h1, h2 = _slope(Y, k) + (X.c + X.s), _slope(X, k) + (Y.c + Y.s)
         checks = _Checks(h1, h2, by - ay - h1 * phi, cx - ax + h2 * phi)
         places = {
-            axis: _nearest(_place(pair, k, cal), x[f"count_{axis}"], u[f"{axis}_predicted"], l)
+            axis: _nearest(_place(pair, k, cal), x[f"offset_{axis}"], expected[axis], l)
             for axis, pair in (("x", X), ("y", Y))
         }
         bad = _bad(X, Y, checks, A)
-        doubt = ca.logic_and(ca.logic_or(ca.logic_or(bad["m_x"], bad["m_y"]), bad["r"]), u["ready"])
-        output = {"phi_raw": clip(phi + ca.if_else(doubt, 0, _turn(X, Y, checks, k, A)), RAW["phi"])}
+        known = ca.logic_and(u["ready"], u["complete"])
+        doubt = ca.logic_and(ca.logic_or(ca.logic_or(bad["m_x"], bad["m_y"]), bad["r"]), known)
+        sure = ca.logic_and(ca.logic_not(doubt), u["complete"])
+        output = {yaw: clip(phi + ca.if_else(sure, _turn(X, Y, checks, k, A), 0), RAW["phi"])}
+        next: dict[str, ca.SX] = {}
         for axis, at in places.items():
-            output[f"{axis}_raw"] = ca.if_else(doubt, u[f"{axis}_predicted"], at.q)
-            output[f"pitch_{axis}"] = ca.if_else(doubt, x[f"count_{axis}"], at.count)
-        next = {f"count_{axis}": output[f"pitch_{axis}"] for axis in "xy"}
+            next[f"offset_{axis}"] = ca.if_else(sure, at.offset, x[f"offset_{axis}"])
+            next[f"within_{axis}"] = ca.if_else(sure, at.within, x[f"within_{axis}"])
+            output[f"{axis}_raw"] = ca.if_else(sure, at.within + at.offset, expected[axis])
+            output[f"within_{axis}"] = next[f"within_{axis}"]
+        next |= {} if predicted else {yaw: output[yaw]}
         before = x["doubt"]
-        next["doubt"] = ca.if_else(doubt, MEMORY, ca.if_else(before, before - 1, before))
-        for name, named in _named(X, Y, checks, bad, k, A).items():
-            found = x[f"found_{name}"]
-            lasting = ca.logic_and(ca.logic_not(doubt), ca.logic_and(before > 1, found))
-            next[f"found_{name}"] = ca.if_else(before, ca.logic_or(ca.logic_and(doubt, named), lasting), found)
-            output[f"suspect_{name}"] = ca.logic_and(before, found)
+        halfway, later = ca.logic_and(doubt, before), ca.logic_and(doubt, before > MEMORY)
+        counted = ca.if_else(ca.logic_and(sure, before), before - 1, before)
+        next["doubt"] = ca.if_else(later, MEMORY, ca.if_else(halfway, MEMORY + 1, ca.if_else(doubt, MEMORY, counted)))
+        for name, one in _named(X, Y, checks, bad, k, A).items():
+            turn = later if name in OF_Y else ca.logic_and(halfway, ca.logic_not(later))
+            next[f"found_{name}"] = ca.if_else(turn, one, x[f"found_{name}"])
+        next["named"] = ca.if_else(later, 1, x["named"])
+        output |= {f"suspect_{name}": x[f"found_{name}"] for name in HALL} | {SUSPECTED.name: x["named"]}
         return Step(output | {"m_x": X.m, "m_y": Y.m, "r_1": checks.r1, "r_2": checks.r2}, next)
 
     return build(
         "sensing",
         time,
         law,
-        inputs=[*HELD, *PREDICTED.values(), READY],
-        outputs=[*RAW.values(), *COUNTS, *RESIDUALS, *SUSPECTS],
-        states=_states(),
+        inputs=[*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE],
+        outputs=[*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS],
+        states=[*_states(), *([] if predicted else [State(replace(RAW["phi"], about="of the sample before"), 0.0)])],
         constants=_constants(cal),
         tag="(1)-(5)",
     )
 
 
 def _states() -> list[State]:
-    counts = [Signal(f"count_{a}", "1", -PITCHES, PITCHES, "whole pitches from the middle") for a in "xy"]
-    doubt = Signal("doubt", "1", 0, MEMORY, "samples for which the last contradiction is remembered")
-    found = [Signal(f"found_{name}", "1", 0, 1, f"{name} contradicts the others") for name in HALL]
-    return [*(State(s, 0) for s in counts), *(State(s, 0, True) for s in (doubt, *found))]
+    doubt = Signal("doubt", "1", 0, MEMORY + 1, "samples for which the last contradiction is remembered")
+    found = [Signal("named", "1", 0, 1, "those that contradict the others are found")]
+    found += [Signal(f"found_{name}", "1", 0, 1, f"{name} contradicts the others") for name in HALL]
+    return [*(State(s, 0.0) for s in (*OFFSETS, *WITHIN)), *(State(s, 0, True) for s in (doubt, *found))]
 
 
 def _constants(cal: calibration.Calibration) -> list[Constant]:
@@ -214,13 +234,12 @@ def _place(p: _Pair, k: Exprs, cal: calibration.Calibration) -> ca.SX:
     return ca.if_else(p.s**2 <= p.c**2, near, ca.if_else(p.s < 0, -l / 4, l / 4) - far)
 
 
-def _nearest(place: ca.SX, count: ca.SX, predicted: ca.SX, l: float) -> _Found:
-    """Return position and count of the pitch that lies nearest to the prediction, one from the count at most."""
-    q = place + l * count
-    off = q - predicted
-    beyond, ahead = ca.fabs(off) > l / 2, off > 0
-    moved = ca.fmax(ca.fmin(ca.if_else(ahead, count - 1, count + 1), PITCHES), -PITCHES)
-    return _Found(ca.if_else(beyond, ca.if_else(ahead, q - l, q + l), q), ca.if_else(beyond, moved, count))
+def _nearest(within: ca.SX, offset: ca.SX, predicted: ca.SX, l: float) -> _Found:
+    """Return the position that lies nearest to the prediction, one pitch from the offset at most."""
+    off = within + offset - predicted
+    beyond = ca.fabs(off) > l / 2
+    moved = ca.if_else(off > 0, ca.fmax(offset - l, -FAR), ca.fmin(offset + l, FAR))
+    return _Found(within, ca.if_else(beyond, moved, offset))
 
 
 def _bad(X: _Pair, Y: _Pair, of: _Checks, A: float) -> dict[str, ca.SX]:
@@ -238,8 +257,8 @@ def _named(X: _Pair, Y: _Pair, of: _Checks, bad: Mapping[str, ca.SX], k: Exprs, 
     first, second = ca.logic_and(bad["r"], lean > -slack), ca.logic_and(bad["r"], lean < slack)
     found: dict[str, ca.SX] = {}
     for pair, h, turn, side, m, names in (
-        (X, h1, r1, second, bad["m_x"], ("V_ax", "V_bx", "V_cx")),
-        (Y, h2, -r2, first, bad["m_y"], ("V_ay", "V_cy", "V_by")),
+        (X, h1, r1, second, bad["m_x"], OF_X),
+        (Y, h2, -r2, first, bad["m_y"], OF_Y),
     ):
         per = h / (h**2 + least)
         told = _pair(pair.s, pair.c, pair.other, turn * per, k)  # with the yaw that the other two sensors tell
@@ -254,4 +273,4 @@ def _named(X: _Pair, Y: _Pair, of: _Checks, bad: Mapping[str, ca.SX], k: Exprs, 
             names[1]: ca.logic_and(alone, clear > -slack),
             names[2]: ca.logic_and(side, better < margin),
         }
-    return {name: found[name] for name in HALL}
+    return found

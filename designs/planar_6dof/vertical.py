@@ -16,7 +16,7 @@ Each loop is a lead and a reset, whose zero z2 is that of s + 10. The reset is d
 
     f = w + I,   I+ = z2 I + (1 - z2) made,   w = D e + V,   V+ = p V + D (p - z1) e,       e = set-point - position
 
-While made = f this is f = w (z - z2) / (z - 1). At a limit I goes to what is made, no further, with the time constant
+all over the axis' scale of `allocation`. While made = f this is f = w (z - z2) / (z - 1). At a limit I goes to what is made, no further, with the time constant
 of the reset: there is no windup, and no limit to be computed. Source: Yu, Kim, section 5.2, (19), (20), (23)-(25).
 """
 
@@ -54,7 +54,10 @@ REFERENCES = {axis: replace(BOX[axis], name=f"{axis}_ref_held", about="set-point
 
 @dataclass(frozen=True)
 class Loop:
-    """A compensator, its sampled form, and that in the parts of the module's text: D, p, D (p - z1) and z2."""
+    """A compensator, its sampled form, and that in the parts of the module's text: D, p, D (p - z1) and z2.
+
+    D and D (p - z1) are in N/m or N m/rad.
+    """
 
     axis: str
     sampled: lead_lag.LeadLag
@@ -83,16 +86,21 @@ def compensator(axis: str, time: Discrete, reading: Reading = "shipped") -> lead
     if reading == "shipped":
         nearer = 2 / time.period_s
         gain, pole = PART[axis] * gain * nearer / pole, nearer
-    return lead_lag.Compensator(gain, (-zero, -RESET), (-pole, 0.0), output=demand(axis).name)
+    return lead_lag.Compensator(gain, (-zero, -RESET), (-pole, 0.0), output=effort(axis))
+
+
+def effort(axis: str) -> str:
+    """Return the name of an axis' force or torque."""
+    return f"{'f' if allocation.UNITS[axis] == 'N' else 'm'}_{axis}"
 
 
 def demand(axis: str) -> Signal:
-    """Return the force or torque that is demanded for an axis."""
+    """Return the demand of an axis."""
     return DEMANDS[AXES.index(axis)]
 
 
 def made(axis: str) -> Signal:
-    """Return the force or torque that the limited currents make of an axis."""
+    """Return what the limited currents meet of an axis' demand."""
     return MADE[AXES.index(axis)]
 
 
@@ -111,20 +119,21 @@ def loop(axis: str, continuous: lead_lag.Compensator, time: Discrete) -> Loop:
 def block(plant: Plant, part: Loop, time: Discrete) -> Block:
     """Return the Block of one loop, from the position, the set-point and what is made to the demand.
 
-    Both states stay in their ranges as long as the position does, and what is made is within `authority`.
+    Both states stay in their ranges as long as the position does, and what is made is within `reach`.
     """
     axis, position, reference = part.axis, POSITIONS[part.axis], REFERENCES[part.axis]
     wanted, driven = demand(axis), made(axis)
-    most = MARGIN * abs(part.into_lag) * (position.high + reference.high) / (1 - abs(part.pole))
-    integral = MARGIN * allocation.authority(plant)[axis]
+    direct, into_lag = (v / allocation.scales(plant)[axis] for v in (part.D, part.into_lag))
+    most = MARGIN * abs(into_lag) * (position.high + reference.high) / (1 - abs(part.pole))
+    integral = MARGIN * allocation.reach(plant)[axis]
     states = [
         State(Signal("integral", wanted.unit, -integral, integral, "of the error"), 0.0),
         State(Signal("lag", wanted.unit, -most, most, "what the lead takes back"), 0.0),
     ]
     per, tag = f"{wanted.unit}/{position.unit}", f"({EQUATION[axis]})"
     numbers = (
-        ("direct", part.D, per, "gain of the error"),
-        ("into_lag", part.into_lag, per, "gain times pole less zero"),
+        ("direct", direct, per, "gain of the error"),
+        ("into_lag", into_lag, per, "gain times pole less zero"),
         ("pole", part.pole, "1", "pole in z"),
         ("reset", part.reset, "1", "zero of the integrator in z"),
         ("driven", 1 - part.reset, "1", "1 less that"),

@@ -15,7 +15,7 @@ phi of 17 degrees and 4.7. As shipped it is 37 degrees and 2.2, and 68 degrees a
 24 % and rises in 19 ms. Sampled by Tustin's rule.
 """
 
-from designs.planar_6dof import allocation, interface, vertical
+from designs.planar_6dof import allocation, filtering, interface, sensing, vertical
 from designs.planar_6dof.vertical import Loop, Reading
 from synth.block import Block
 from synth.plant import Plant
@@ -34,7 +34,7 @@ def compensator(axis: str, reading: Reading = "shipped") -> lead_lag.Compensator
     """Return the continuous compensator of x, y or phi, from m to N or rad to N m. Source: (21), (22)."""
     gain, lead = PUBLISHED[axis]
     gain *= PART[axis] if reading == "shipped" else 1
-    return lead_lag.from_constants(gain, (lead, RESET), (LAG,), 1, output=vertical.demand(axis).name)
+    return lead_lag.from_constants(gain, (lead, RESET), (LAG,), 1, output=vertical.effort(axis))
 
 
 def loops(reading: Reading = "shipped") -> list[Loop]:
@@ -51,4 +51,4 @@ def law(plant: Plant, reading: Reading = "shipped") -> list[Block]:
 
 def controller(plant: Plant, reading: Reading = "shipped") -> Block:
     """Return the whole controller, from Hall voltages, distances and set-points to the motors' phase currents."""
-    return interface.controller(NAME, plant, TIME, law(plant, reading))
+    return interface.controller(NAME, plant, TIME, [sensing.sensing(plant, TIME), *filtering.blocks(TIME)], law(plant, reading))

@@ -5,19 +5,17 @@ of the eight sections of a pitch, the error of the raw position may jump by no m
 from sample to sample elsewhere: the borders must not show in the noise.
 """
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
 
 from designs.planar_6dof import experiments as shared
-from designs.planar_6dof import failures, voltages
+from designs.planar_6dof import failures, finite, voltages
 from designs.planar_6dof.loop import Array, Loop
-from designs.planar_6dof_leadlag import audit, audit_records
 from synth.check import Check
-from synth.report.audit import Row
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory, sample_times
 
@@ -29,7 +27,6 @@ RADIUS, RATE, GROWTH = 0.1, 0.2094, 5.0  # m, rad/s, s
 REVOLUTION = 2 * pi / RATE
 PAIRS = {"x": ("V_ax", "V_bx"), "y": ("V_ay", "V_cy")}  # s and -c of an axis
 JUMP = 3.0
-RECORD = 200.0  # s, over which an rms is within 0.8 % of what it tends to; over 20 s it is within 2.5 %
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +67,11 @@ def jumps(loop: Loop, run: Trajectory, axis: str) -> tuple[Array, Array]:
 
 def circle_experiment(loop: Loop) -> Experiment:
     """Return the circle of Fig. 9."""
-    found, ideal = circle(loop), circle(loop.ideal)
+    return _judged(loop, circle(loop), circle(loop.ideal))
+
+
+def _judged(loop: Loop, found: Circle, ideal: Circle) -> Experiment:
+    """Return a circle, with its twin without noise, as an experiment."""
     pitch = loop.plant.parameter("l").value
     figures, checks = voltages.figures(loop.plant, found.run, ideal.run), []
     for axis in "xy":
@@ -113,6 +114,23 @@ def step_experiments(loop: Loop) -> list[Experiment]:
     ]
 
 
+def finite_experiments(loop: Loop) -> list[Experiment]:
+    """Return steps, circle and standstill over a magnet matrix of finite size."""
+    steps = [finite.step(loop, axis, height, f"{axis} by {SIZES[axis]}", LIMITS) for axis, height in STEPS.items()]
+    return [*steps, finite_circle(loop), finite.standstill(loop)]
+
+
+def finite_circle(loop: Loop) -> Experiment:
+    """Return the circle over the finite matrix, with what its motors do."""
+    there, ideal = finite.over(loop), finite.over(loop, made=False)
+    loops = {finite.CLOSED: loop, finite.MADE: there, finite.IDEAL: ideal}
+    twins = {name: circle(each.ideal) for name, each in loops.items()}
+    found = _judged(there, circle(there), twins[finite.MADE])
+    noiseless = {name: finite.Motion(c.run, c.references, c.grown) for name, c in twins.items()}
+    judged = finite.motion(loop, found, noiseless)
+    return replace(judged, figures={**judged.figures, **finite.forces(RADIUS)})
+
+
 def run(loop: Loop, told: Callable[[str], None]) -> list[Experiment]:
     """Run every experiment; `told` hears what comes next."""
     found: list[Experiment] = []
@@ -121,20 +139,9 @@ def run(loop: Loop, told: Callable[[str], None]) -> list[Experiment]:
         ("circle", lambda: [circle_experiment(loop)]),
         ("standstill", lambda: shared.standstills(loop)),
         ("failures of a Hall channel", lambda: failures.experiments(loop)),
+        ("finite magnet matrix", lambda: finite_experiments(loop)),
     )
     for name, part in parts:
         told(name)
         found += part()
     return found
-
-
-def rows(loop: Loop) -> Iterator[Row]:
-    """Recompute `audit.RECORDED`: the noise as filtered, which is what the controller acts on, and the steps.
-
-    The noise tends to 6.9 um: that it counts as the print's 6 is close, and takes a record of RECORD to say.
-    """
-    printed = audit.printed()
-    yield audit_records.noise(printed["Y-34"], shared.filtered_at_rest(loop, RECORD))
-    found = steps(loop)
-    records = {axis: run.response for axis, run in found.items()}
-    yield audit_records.steps(printed, printed["Y-35"], found["x"].time, records)

@@ -40,14 +40,14 @@ def compensators() -> dict[str, Compensator]:
 
 def initial_state() -> dict[str, Array]:
     """Return the state after init, by name."""
-    return shared.initial_state(AXES) | sensing.initial_state()
+    return shared.initial_state(AXES) | sensing.initial_state() | sensing.filters_at_rest()
 
 
 def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
     """Return (next state, phase currents, fault word) of one sample, columns by name."""
-    values, after, word = shared.guard(state, inputs)
-    ready = np.asarray(state["guard_ready"])
-    pose, moved = sensing.step(state, values, ready, sensing.constants(float(PERIOD)))
+    values, after, word, complete = shared.guard(state, inputs)
+    flags = np.asarray(state["guard_ready"]), complete
+    pose, moved = sensing.step(state, values, flags, sensing.constants(float(PERIOD)))
     pose |= shared.heights(values)
     e = {axis: values[f"{axis}_ref"] - pose[axis] for axis in AXES}
     k = compensators()

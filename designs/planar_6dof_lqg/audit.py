@@ -1,14 +1,17 @@
 """The audit of the planar positioner's paper, row by row: the optimal gains and the Kalman filter.
 
 Motors, platen, Hall sensors and lead-lag loops are in `designs.planar_6dof_leadlag.audit`, whose printed numbers, (26)
-and the sample rates among them, count here too. No row follows from the plant: (26) is taken as printed.
+and the sample rates among them, count here too. No row but those of the loop's records follows from the plant: (26) is
+taken as printed.
 """
 
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
+from designs.planar_6dof import experiments as shared
+from designs.planar_6dof.loop import Loop
 from designs.planar_6dof_leadlag import audit as motors
-from designs.planar_6dof_lqg import audit_filter, audit_gains
+from designs.planar_6dof_lqg import audit_filter, audit_gains, audit_records, experiments
 from designs.planar_6dof_lqg.audit_stage import Prints
 from synth.report.audit import Published, Row, published
 
@@ -24,12 +27,28 @@ ROWS: Mapping[str, Callable[[Prints, Published], Row]] = {
     "Y-38": audit_filter.figure_5,
     "Y-39": audit_filter.recursion,
 }
-RECORDED = ("Y-40", "Y-41")  # printed, and recomputed by `audit_records` from the whole loop's records
+RECORD = 20.0  # s, of noise
 
 
-def rows() -> Iterator[Row]:
-    """Yield the rows, each when it is computed."""
-    yield from on({**motors.printed(), **printed()})
+def noise(loop: Loop, published: Prints) -> Row:
+    """Y-40: recompute the noise as filtered, as for the lead-lag controller."""
+    return audit_records.noise(published["Y-40"], shared.filtered_at_rest(loop, RECORD))
+
+
+def spectrum(loop: Loop, published: Prints) -> Row:
+    """Y-41: recompute the spectrum of the step of x, as measured."""
+    return audit_records.spectrum(published["Y-41"], experiments.settled(loop), loop.period_s)
+
+
+RECORDED: Mapping[str, Callable[[Loop, Prints], Row]] = {"Y-40": noise, "Y-41": spectrum}
+
+
+def rows(loop: Loop) -> Iterator[Row]:
+    """Yield the rows, each when it is computed: those of the printed numbers, then those of the loop's records."""
+    published = {**motors.printed(), **printed()}
+    yield from on(published)
+    for recompute in RECORDED.values():
+        yield recompute(loop, published)
 
 
 def on(prints: Prints) -> Iterator[Row]:

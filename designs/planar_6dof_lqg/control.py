@@ -4,8 +4,8 @@
 
         f_x = k i_C,   f_y = k (i_A + i_B),   m_phi = k a (i_B - i_A),   k = 13.2547 M
 
-    makes demands of its currents, so that the allocation compensates the yaw of motor C that (26) leaves out. In these
-    K falls apart into three axes q'' = b f. Each knows the force f1 that the motors make until the next sample, that of
+    makes forces of its currents, so that the allocation compensates the yaw of motor C that (26) leaves out. In these K
+    falls apart into three axes q'' = b f; f and b are then taken by the scales of `allocation`, f in A. Each knows the force f1 that the motors make until the next sample, that of
     the sample before, and estimates the rate alone, with L = (1 - p) / T:
 
         v^  = x3 + L q,                     x3+ = F x3 + G q + H f1                                        (33), (35)
@@ -41,7 +41,7 @@ from typing import Literal
 import casadi as ca
 import numpy as np
 
-from designs.planar_6dof import allocation, interface, vertical
+from designs.planar_6dof import allocation, interface, sensing, vertical
 from designs.planar_6dof.allocation import HORIZONTAL
 from designs.planar_6dof.sensing import READY
 from designs.planar_6dof.vertical import MARGIN, POSITIONS, REFERENCES, Reading
@@ -72,7 +72,7 @@ Order = Literal["reduced", "full"]
 
 @dataclass(frozen=True)
 class Axis:
-    """One axis q'' = b f and its gains: f = k1 (r - q) - k2 q' + k3 sum (r - q)."""
+    """One axis q'' = b d and its gains in A: d = k1 (r - q) - k2 q' + k3 sum (r - q)."""
 
     name: str
     b: float
@@ -105,13 +105,15 @@ def demanded(plant: Plant) -> Array:
 
 
 def axes(plant: Plant) -> tuple[Axis, ...]:
-    """Return x, y and phi with their gains, in N or N m."""
-    k, a, K = PER_AMPERE * plant.parameter("M").value, plant.parameter("a").value, -demanded(plant)
-    pushed = (PER_AMPERE / k, PER_AMPERE / k, YAW_PER_AMPERE / (k * a))
-    return tuple(
-        Axis(name, b, float(K[i, i]), float(K[i, 6 + i]), float(K[i, 3 + i]) * TIME.period_s)
-        for i, (name, b) in enumerate(zip(HORIZONTAL, pushed, strict=True))
-    )
+    """Return x, y and phi with their gains from positions to demands."""
+    k, a, scales = PER_AMPERE * plant.parameter("M").value, plant.parameter("a").value, allocation.scales(plant)
+    pushed = {"x": PER_AMPERE / k, "y": PER_AMPERE / k, "phi": YAW_PER_AMPERE / (k * a)}
+    found = []
+    for i, (name, row) in enumerate(zip(HORIZONTAL, -demanded(plant), strict=True)):
+        scale = scales[name]
+        k1, k2, k3 = row[[i, 6 + i, 3 + i]] / scale
+        found.append(Axis(name, pushed[name] * scale, float(k1), float(k2), float(k3) * TIME.period_s))
+    return tuple(found)
 
 
 def continuous(axis: Axis) -> StateSpace:
@@ -139,7 +141,7 @@ def estimator(axis: Axis) -> kalman.Estimator:
 def reduced_order(plant: Plant, axis: Axis) -> Block:
     """Return the regulator of one axis on the observer of its rate alone; x3 is kept in units of what it demands."""
     found, T = observer(axis), TIME.period_s
-    q, f1 = MEASURED[axis.name], allocation.authority(plant)[axis.name]
+    q, f1 = MEASURED[axis.name], allocation.reach(plant)[axis.name]
     on_rate, on_force = axis.k1 * T + axis.k2, axis.b * T * (axis.k1 * T / 2 + axis.k2)
     F, G, H, L = float(found.F[0, 0]), *(on_rate * float(m[0, 0]) for m in (found.G, found.H, found.L))
     x3 = MARGIN * (abs(G) * q.high + abs(H) * f1) / (1 - abs(F))
@@ -203,7 +205,7 @@ def _regulator(
     """
     q, r = MEASURED[axis.name], REFERENCES[axis.name]
     wanted, driven = vertical.demand(axis.name), vertical.made(axis.name)
-    k, f1 = axis.k1 + axis.k3, allocation.authority(plant)[axis.name]
+    k, f1 = axis.k1 + axis.k3, allocation.reach(plant)[axis.name]
     integral, g = MARGIN * (most + f1), axis.k3 / k
 
     def law(u: Exprs, x: Exprs, c: Exprs) -> Step:
@@ -242,10 +244,10 @@ def law(plant: Plant, order: Order = "reduced", reading: Reading = "shipped") ->
     """Return the Blocks from positions and held set-points to computed phase currents."""
     regulator = {"reduced": reduced_order, "full": full_order}[order]
     horizontal = [regulator(plant, axis) for axis in axes(plant)]
-    upright = vertical.blocks(plant, TIME, reading)
-    return [*horizontal, *upright, allocation.allocation(plant, TIME), allocation.commutation(plant, TIME)]
+    upright, yaw = vertical.blocks(plant, TIME, reading), MEASURED["phi"]
+    return [*horizontal, *upright, *(make(plant, TIME, yaw) for make in (allocation.allocation, allocation.commutation))]
 
 
 def controller(plant: Plant, order: Order = "reduced", reading: Reading = "shipped") -> Block:
     """Return the whole controller, from Hall voltages, distances and set-points to the motors' phase currents."""
-    return interface.controller(NAME, plant, TIME, law(plant, order, reading))
+    return interface.controller(NAME, plant, TIME, [sensing.sensing(plant, TIME, predicted=False)], law(plant, order, reading))

@@ -5,22 +5,21 @@ rms from sample to sample, which takes 30 V where Table 1 states 6.525 V: no lim
 standstills behind amplifiers tell what becomes of y and phi.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from math import pi
 
 from designs.planar_6dof import experiments as shared
-from designs.planar_6dof import failures
-from designs.planar_6dof.loop import Loop
-from designs.planar_6dof_lqg import audit, audit_records
+from designs.planar_6dof import failures, finite
+from designs.planar_6dof.loop import Array, Loop
+from designs.planar_6dof_lqg import audit_records
 from synth.check import Check
-from synth.report.audit import Row
 from synth.simulate.experiment import Experiment
 
 STEPS = {"x": 50e-6, "y": 50e-6, "phi": 0.3 * pi / 180}  # m, rad, Fig. 10
 TITLES = {"x": "x by 50 um", "y": "y by 50 um", "phi": "phi by 0.3 degrees"}
 FIGURES = {"x": "Fig. 10(a), (d)", "y": "Fig. 10(b)", "phi": "Fig. 10(c)"}
-RECORD = 20.0  # s, of noise, and of x whose spectrum is taken, after a second in which the step settles
+RECORD = 20.0  # s, of x whose spectrum is taken, after a second in which the step settles
 
 
 def step_experiments(loop: Loop) -> list[Experiment]:
@@ -32,19 +31,23 @@ def step_experiments(loop: Loop) -> list[Experiment]:
     return [_with_spectrum(loop, found[0]), *found[1:]]
 
 
-def spectrum(loop: Loop) -> Row:
-    """Return Y-41 for the step of x, of the position as measured."""
+def settled(loop: Loop) -> Array:
+    """Return x (N,) in m as measured, over RECORD, once its step has settled."""
     run = shared.step(loop, "x", STEPS["x"], 1.0 + RECORD)
-    record = run.shown[run.sample + round(1.0 / loop.period_s) :]
-    return audit_records.spectrum(audit.printed()["Y-41"], record, loop.period_s)
+    return run.shown[run.sample + round(1.0 / loop.period_s) :]
 
 
 def _with_spectrum(loop: Loop, step: Experiment) -> Experiment:
-    row = spectrum(loop)
-    above = row["above its neighbours"]
-    check = Check("most prominent line", above, audit_records.DOMINANT, "dB", "above its neighbours, x as measured")
-    figures = {**step.figures, "most prominent line, Hz": row["most prominent line"]}
+    line, about = audit_records.prominent(settled(loop), loop.period_s), "above its neighbours, x as measured"
+    check = Check("most prominent line", line.above, audit_records.DOMINANT, "dB", about)
+    figures = {**step.figures, "most prominent line, Hz": line.frequency}
     return replace(step, figures=figures, checks=(*step.checks, check))
+
+
+def finite_experiments(loop: Loop) -> list[Experiment]:
+    """Return steps and standstill over a magnet matrix of finite size."""
+    steps = [finite.step(loop, axis, height, TITLES[axis], None) for axis, height in STEPS.items()]
+    return [*steps, finite.standstill(loop)]
 
 
 def run(loop: Loop, told: Callable[[str], None]) -> list[Experiment]:
@@ -54,14 +57,9 @@ def run(loop: Loop, told: Callable[[str], None]) -> list[Experiment]:
         ("steps", lambda: step_experiments(loop)),
         ("standstill", lambda: shared.standstills(loop)),
         ("failures of a Hall channel", lambda: failures.experiments(loop)),
+        ("finite magnet matrix", lambda: finite_experiments(loop)),
     )
     for name, part in parts:
         told(name)
         found += part()
     return found
-
-
-def rows(loop: Loop) -> Iterator[Row]:
-    """Recompute `audit.RECORDED`: the noise as filtered, as for the lead-lag controller, and the spectrum."""
-    yield audit_records.noise(audit.printed()["Y-40"], shared.filtered_at_rest(loop, RECORD))
-    yield spectrum(loop)

@@ -35,7 +35,7 @@ HORIZONTAL, UPRIGHT = ("x", "y", "phi"), ("z", "theta", "psi")
 
 @dataclass(frozen=True)
 class Axis:
-    """One axis in forces: q'' = b f, f = -k (q, q', T z)."""
+    """One axis in demands of the scale of `reference_control`: q'' = b d, d = -k (q, q', T z)."""
 
     b: float
     k_q: float
@@ -46,14 +46,14 @@ class Axis:
 
 @cache
 def axes() -> dict[str, Axis]:
-    """Return the three axes with their gains in N or N m per m, m/s, and m of each sample."""
+    """Return the three axes with their gains in A per m, m/s, and m of each sample."""
     T, found = float(PERIOD), {}
     made = {"x": FORCE, "y": 2 * FORCE, "phi": 2 * FORCE * shared.ARM}
     pushed = {"x": PER_AMPERE, "y": 2 * PER_AMPERE, "phi": 2 * YAW_PER_AMPERE}
     for axis, weights in WEIGHTS.items():
-        K = gain(pushed[axis], weights, 1 if axis == "x" else 2)
-        k_q, k_z, k_v = (made[axis] * v for v in K)
-        found[axis] = Axis(pushed[axis] / made[axis], k_q, k_v, k_z * T, float(Fraction(POLE[axis])))
+        K, unit = gain(pushed[axis], weights, 1 if axis == "x" else 2), made[axis] / shared.scales()[axis]
+        k_q, k_z, k_v = (unit * v for v in K)
+        found[axis] = Axis(pushed[axis] / unit, k_q, k_v, k_z * T, float(Fraction(POLE[axis])))
     return found
 
 
@@ -88,7 +88,7 @@ def sampled(b: float, weights: tuple[float, float, float], R: float) -> tuple[mp
 
 def initial_state() -> dict[str, Array]:
     """Return the state after init, by name."""
-    names = [f"lqg_{axis}_{part}" for axis in HORIZONTAL for part in ("x3", "integral", "force")]
+    names = [f"lqg_{axis}_{part}" for axis in HORIZONTAL for part in ("x3", "integral", "force")] + ["sensing_phi_raw"]
     return shared.initial_state(UPRIGHT) | sensing.initial_state() | {name: np.array(0.0) for name in names}
 
 
@@ -127,20 +127,25 @@ def advanced(name: str, q: Array, w: Array, x3: Array, made: Array, state: Colum
 
 def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
     """Return (next state, phase currents, fault word) of one sample, columns by name."""
-    values, after, word = shared.guard(state, inputs)
+    values, after, word, complete = shared.guard(state, inputs)
     ready = np.asarray(state["guard_ready"])
-    pose, moved = sensing.step(state, values, ready, sensing.constants(float(PERIOD)))
-    pose |= shared.heights(values)
+    last = {axis: state[f"sensing_within_{axis}"] + state[f"sensing_offset_{axis}"] for axis in "xy"}
+    last |= {"phi": state["sensing_phi_raw"]}
+    pose, moved = sensing.sense(state, values, (ready, complete), last, sensing.constants(float(PERIOD)))
+    moved |= {"sensing_phi_raw": pose["phi_raw"]}
+    pose |= {"phi": pose["phi_raw"], **shared.heights(values)}
     wanted, w, k = {}, {}, {axis: shared.vertical(axis, PERIOD) for axis in UPRIGHT}
     x3 = {axis: estimated(axis, pose[f"{axis}_raw"], ready, state) for axis in HORIZONTAL}
+    scales = shared.scales()
     for axis in HORIZONTAL:
-        wanted[axis], w[axis] = regulated(axis, pose[f"{axis}_raw"], values[f"{axis}_ref"], x3[axis], state)
+        d, w[axis] = regulated(axis, pose[f"{axis}_raw"], values[f"{axis}_ref"], x3[axis], state)
+        wanted[axis] = d * scales[axis]
     e = {axis: values[f"{axis}_ref"] - pose[axis] for axis in UPRIGHT}
     for axis in UPRIGHT:
         wanted[axis] = shared.compensated(axis, k[axis], e[axis], state)
     currents, made = shared.motors(wanted, pose["phi"])
     for axis in HORIZONTAL:
-        after |= advanced(axis, pose[f"{axis}_raw"], w[axis], x3[axis], made[axis], state)
+        after |= advanced(axis, pose[f"{axis}_raw"], w[axis], x3[axis], made[axis] / scales[axis], state)
     for axis in UPRIGHT:
         after |= shared.advanced(axis, k[axis], e[axis], made[axis], state)
     kept, out = shared.concluded(state, after | moved, shared.phases(currents, pose), PERIOD)

@@ -164,60 +164,60 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     static const float regulator_theta_k_de_x_filter_theta_h = -55490.594f;/* 1/s 1/s; F(14)-(16): gain on de; times filter_theta_h */
 
     /* guard: range acceptance, hold, latch */
-    const float z = in->z;
-    const float x = in->x;
-    const float y4 = in->y4;
-    const float y3 = in->y3;
-    const float y2 = in->y2;
     const float y1 = in->y1;
-    bool complete = true;
     float y1_held = y1;
+    bool complete = true;
     uint32_t faults = 0u;
     if ((0.0168f <= y1) && (y1 <= 0.0322f)) {
         state->guard_last_y1 = y1;
     } else {
-        complete = false;
         y1_held = state->guard_last_y1;
+        complete = false;
         faults = 0x00000001u;
     }
+    const float y2 = in->y2;
     float y2_held = y2;
     if ((0.0124f <= y2) && (y2 <= 0.0366f)) {
         state->guard_last_y2 = y2;
     } else {
-        complete = false;
         y2_held = state->guard_last_y2;
+        complete = false;
         faults |= 0x00000002u;
     }
+    const float y3 = in->y3;
     float y3_held = y3;
     if ((0.0168f <= y3) && (y3 <= 0.0322f)) {
         state->guard_last_y3 = y3;
     } else {
-        complete = false;
         y3_held = state->guard_last_y3;
+        complete = false;
         faults |= 0x00000004u;
     }
+    const float y4 = in->y4;
     float y4_held = y4;
     if ((0.0124f <= y4) && (y4 <= 0.0366f)) {
         state->guard_last_y4 = y4;
     } else {
-        complete = false;
         y4_held = state->guard_last_y4;
+        complete = false;
         faults |= 0x00000008u;
     }
+    const float x = in->x;
     float x_held = x;
     if (fabsf(x) <= 0.1f) {
         state->guard_last_x = x;
     } else {
-        complete = false;
         x_held = state->guard_last_x;
+        complete = false;
         faults |= 0x00000010u;
     }
+    const float z = in->z;
     float z_held = z;
     if (fabsf(z) <= 0.1f) {
         state->guard_last_z = z;
     } else {
-        complete = false;
         z_held = state->guard_last_z;
+        complete = false;
         faults |= 0x00000020u;
     }
     const float y_ref = in->y_ref;

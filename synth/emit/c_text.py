@@ -8,11 +8,17 @@ The constants stand in the step, which alone reads them.
 
 from collections.abc import Sequence
 
-from synth.block import Block
+from synth.block import Block, Fault
 from synth.emit.layout import Layout, Struct
 from synth.emit.lower import Program
 from synth.emit.printer import LIBM, Line, body, constant, kinds, literal, prose
 from synth.emit.replace import Surrogate
+
+
+def _meaning(fault: Fault) -> str:
+    if fault.input:
+        return f"{fault.input}: not finite or outside its range"
+    return f"{fault.suspect}: contradicts the others" if fault.suspect else "latched: safe output until init"
 
 
 def header(block: Block, layout: Layout) -> str:
@@ -24,9 +30,7 @@ def header(block: Block, layout: Layout) -> str:
         for s in layout.structs
     )
     faults = "\n".join(
-        f" *   bit {f.bit:2d}  "
-        + (f"{f.input}: not finite or outside its range" if f.input else "latched: safe output until init")
-        for f in block.faults
+        f" *   bit {f.bit:2d}  {_meaning(f)}" for f in block.faults
     )
     returned = (
         f" * It returns the fault bits:\n{faults}\n" if faults else " * It returns 0: the Block guards no input.\n"
@@ -68,10 +72,14 @@ def source(block: Block, program: Program, surrogates: Sequence[Surrogate], layo
         parts += [f"static inline {t} limit({t} x, {t} high)", "{"]
         # max(min(x, high), -high) is -high throughout where high is negative
         parts += [f"    return ({size}(x) <= high) ? x : ((x < {zero}) ? -high : {size}(high));", "}", ""]
+    lines = body(block, program, layout)
+    if any("flag(" in line.text for line in lines):
+        parts += ["static inline uint32_t flag(bool holds)", "{", "    uint32_t value = 0u;"]
+        parts += ["    if (holds) {", "        value = 1u;", "    }", "    return value;", "}", ""]
     for surrogate in surrogates:
         parts += [*_polynomial(surrogate, layout), ""]
     parts += [*_init(block, layout), "", _step_head(block.name), "{", *_constants(block, program, layout)]
-    return [*map(Line, parts), *body(block, program, layout), Line("}")]
+    return [*map(Line, parts), *lines, Line("}")]
 
 
 def _polynomial(s: Surrogate, layout: Layout) -> list[str]:

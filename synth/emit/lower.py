@@ -6,6 +6,7 @@ Common subexpressions are eliminated first; the intermediate signals of the comp
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import groupby
 
 import casadi as ca
 
@@ -140,15 +141,26 @@ def program(block: Block) -> Program:
 
 
 def _word(nodes: list[Node], faults: Sequence[tuple[int, int]]) -> int | None:
-    """Append the fault word: each bit is set where its flag is; return its place, None without faults."""
+    """Append the fault word: each bit is set where its flag is; return its place, None without faults.
+
+    Flags in a row that hold under a common condition alone are looked at under that condition.
+    """
     if not faults:
         return None
     nodes.append(Node("literal", value=0.0))
-    for flag, bit in faults:
-        before = len(nodes) - 1
-        nodes.append(Node("bit", (before,), value=float(1 << bit)))
-        nodes.append(Node("choose", (flag, before + 1, before)))
+    for condition, group in groupby(faults, lambda fault: _condition(nodes[fault[0]])):
+        start = len(nodes) - 1
+        for flag, bit in group:
+            before = len(nodes) - 1
+            nodes.append(Node("bit", (before,), value=float(1 << bit)))
+            nodes.append(Node("choose", (flag if condition is None else nodes[flag].args[1], before + 1, before)))
+        if condition is not None:
+            nodes.append(Node("choose", (condition, len(nodes) - 1, start)))
     return len(nodes) - 1
+
+
+def _condition(flag: Node) -> int | None:
+    return flag.args[0] if flag.op == "and" else None
 
 
 def _integers(states: Sequence[State]) -> list[str]:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from synth.block import Block
+from synth.block import Block, Fault
 from synth.emit.layout import Layout, Struct
 from synth.emit.printer import Line
 from synth.emit.replace import Surrogate
@@ -33,14 +33,17 @@ def manifest(
         "scalar": np.dtype(layout.scalar).name,
         "functions": {"init": f"{block.name}_init", "step": f"{block.name}_step"},
         "structs": {s.kind: _struct(s) for s in layout.structs},
-        "faults": [
-            {"bit": f.bit, "input": f.input} if f.input else {"bit": f.bit, "latched": True} for f in block.faults
-        ],
+        "faults": [_fault(f) for f in block.faults],
         "safety": _safety(safety),
         "surrogates": [_surrogate(s) for s in surrogates],
         "trace": _trace(source),
         "sha256": {name: hashlib.sha256(text.encode()).hexdigest() for name, text in texts.items()},
     }
+
+
+def _fault(fault: Fault) -> dict[str, Any]:
+    named = {"input": fault.input, "suspect": fault.suspect}
+    return {"bit": fault.bit, **({k: v for k, v in named.items() if v} or {"latched": True})}
 
 
 def _struct(struct: Struct) -> dict[str, Any]:

@@ -24,7 +24,7 @@ LIBM = frozenset(
     {"exp", "log", "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "fabs", "atan2"}
 )
 RESERVED = LIBM | {f"{function}f" for function in LIBM}
-RESERVED |= {"state", "in", "out", "faults", "min", "max", "limit", "bool", "true", "false", "uint32_t"}
+RESERVED |= {"state", "in", "out", "faults", "min", "max", "limit", "flag", "bool", "true", "false", "uint32_t"}
 _WIDTH = 108
 _LOADS = ("input", "state")
 _INLINE = ("literal", "constant")
@@ -118,7 +118,7 @@ def _chosen(p: Program, node: Node, arms: Sequence[str]) -> str:
     flags = all(n.value in (0.0, 1.0) for n in literals)
     if set(arms) <= {"logical", "number"} and flags:
         return "logical"
-    if set(arms) <= {"integer", "number"} and all(_whole(n) for n in literals):
+    if "integer" in arms and "real" not in arms and all(_whole(n) for n in literals):
         return "integer"
     return "real"
 
@@ -227,7 +227,7 @@ class _Printer:
         node = self.p.nodes[s.node]
         if node.op == "bit" and self._text(node.args[0]).c == variable:
             return f"{variable} |= {_mask(node)};"
-        return f"{variable} = {self._as(s.node, self.kinds[s.choice])};"
+        return f"{variable} = {self._as(s.node, self.kinds[s.choice]).c};"
 
     def _about(self, s: About, depth: int) -> None:
         owner = self.p.owner(s.state) if s.mark is None else self.p.marks[s.mark][0].block
@@ -265,7 +265,7 @@ class _Printer:
                 self.text[c] = self.text[self.same[c]]
                 continue
             name = self.name.get(c) or self._free(self._next())
-            value = "" if start is None else f" = {self._as(start, self.kinds[c])}"
+            value = "" if start is None else f" = {self._as(start, self.kinds[c]).c}"
             self._put(f"{self._ctype(c)} {name}{value};", depth)
             self.text[c] = Text(name)
         condition, tag = self._condition(s.condition), self.tag
@@ -290,7 +290,7 @@ class _Printer:
             return
         kind = "integer" if s.struct == "state" and s.name in self.p.integers else "real"
         pointer = "state" if s.struct == "state" else "out"
-        self._put(f"{pointer}->{s.name} = {self._as(s.node, kind)};", depth)
+        self._put(f"{pointer}->{s.name} = {self._as(s.node, kind).c};", depth)
 
     def _put(self, text: str, depth: int) -> None:
         self.printed.append(Line("    " * depth + text, self.tag))
@@ -299,11 +299,11 @@ class _Printer:
         kind = self.kinds[k]
         return {"logical": "bool", "integer": "uint32_t"}.get(kind, self.layout.ctype)
 
-    def _as(self, k: int, kind: str) -> str:
+    def _as(self, k: int, kind: str) -> Text:
         if kind == "logical":
             node = self.p.nodes[k]
-            return str(bool(node.value)).lower() if node.op == "literal" else self._condition(k).c
-        return (self._integer(k) if kind == "integer" else self._value(k)).c
+            return Text(str(bool(node.value)).lower()) if node.op == "literal" else self._condition(k)
+        return self._integer(k) if kind == "integer" else self._value(k)
 
     def _expression(self, k: int) -> Text:
         node = self.p.nodes[k]
@@ -319,8 +319,7 @@ class _Printer:
             terms = [self._condition(a).beside(strength) for a in args]
             return Text(f" {sign} ".join(terms), strength)
         if op == "choose":
-            arms = [self._as(a, self.kinds[k]) for a in args[1:]]
-            then, other = (Text(c, -1 if "?" in c else 0).inside(0) for c in arms)
+            then, other = (self._as(a, self.kinds[k]).inside(6) for a in args[1:])
             return Text(f"({self._condition(args[0]).c}) ? {then} : {other}", -1)
         if op == "bit":
             if self.p.nodes[args[0]].op == "literal":
@@ -360,7 +359,7 @@ class _Printer:
         """Return node k as a number of the scalar type."""
         if self.kinds[k] == "logical":
             one, zero = (literal(v, self.layout.scalar).c for v in (1.0, 0.0))
-            return Text(f"{self._condition(k).inside(0)} ? {one} : {zero}", -1)
+            return Text(f"{self._condition(k).inside(6)} ? {one} : {zero}", -1)
         if self.kinds[k] == "integer":
             return Text(f"({self.layout.ctype}){self._text(k).inside(7)}", 7)
         return self._text(k)
@@ -371,7 +370,7 @@ class _Printer:
         if node.op == "literal":
             return Text(f"{int(node.value)}u")
         if self.kinds[k] == "logical":
-            return Text(f"{self._condition(k).inside(0)} ? 1u : 0u", -1)
+            return Text(f"flag({self._condition(k).c})")
         return self._text(k) if self.kinds[k] == "integer" else Text(f"(uint32_t)({self._value(k).c})", 7)
 
     def _condition(self, k: int) -> Text:

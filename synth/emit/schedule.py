@@ -15,6 +15,7 @@ from heapq import heapify, heappop, heappush
 from synth.emit.lower import Node, Program
 
 INLINE = ("literal", "constant")
+_COMPOSED = frozenset(("add", "sub", "mul", "div", "sq", "inv", "lt", "le", "eq", "ne", "and", "or", "bit"))
 
 
 @dataclass(frozen=True)
@@ -98,11 +99,12 @@ class _Level:
         for d in demands:
             self.demands.setdefault(d.node, []).append(d)
         self.loads = {p.nodes[k].name: k for k in members if p.nodes[k].op == "state"}
+        self.sunk: set[int] = set()
         self.regions = self._regions()
+        self.sunk = {k for r in self.regions for side in r.sides for k in side}
         self.region_of = {c: r for r in self.regions for c in r.choices}
         self.first_of = {c: r.choices[0] for r in self.regions for c in r.choices}
         self.needs_of = {r.choices[0]: self._region_needs(r) for r in self.regions}
-        self.sunk = set().union(*(side for r in self.regions for side in r.sides))
         self.done: set[int] = set()
         self.out: list[Statement] = []
 
@@ -159,7 +161,7 @@ class _Level:
         inside = region.sides[0] | region.sides[1]
         outside = [a for n in (*region.choices, *sorted(inside)) for a in self.p.nodes[n].args if a not in inside]
         stored = [self.loads.get(str(d.place[1])) for c in region.choices for d in self.demands.get(c, ())]
-        loads = [k for k in stored if k is not None and k not in inside]
+        loads = [k for k in stored if k is not None and k not in inside and k not in self.sunk]
         return list(dict.fromkeys([region.condition, *outside, *loads]))
 
     def _compute(self, k: int) -> None:
@@ -306,7 +308,7 @@ class _Level:
     def _sides(self, choices: list[int], taken: set[int]) -> tuple[set[int], set[int]]:
         sides: tuple[set[int], set[int]] = (set(), set())
         chosen = set(choices)
-        stored = {d.place[1] for c in choices for d in self.demands.get(c, ()) if d.place[0] == "state"}
+        stored = self._stored_after(choices)
         heap = [-a for c in choices for a in self.p.nodes[c].args[1:]]
         heapify(heap)
         seen: set[int] = set()
@@ -326,12 +328,38 @@ class _Level:
                         heappush(heap, -a)
         return sides
 
+    def _stored_after(self, choices: list[int]) -> set[str | int]:
+        """Return the states that are stored by one of the choices or by what needs one, so that a side may load them."""
+        reached, stack = set(choices), list(choices)
+        while stack:
+            for u in self.users[stack.pop()]:
+                if u in self.members and u not in reached:
+                    reached.add(u)
+                    stack.append(u)
+        return {d.place[1] for k in reached for d in self.demands.get(k, ()) if d.place[0] == "state"}
+
     def _holds(self, choice: int, k: int, chosen: set[int]) -> bool:
-        """Tell whether a choice reads node k only to leave the state that k loads as it is."""
-        places = [d.place for d in self.demands.get(choice, ())]
+        """Tell whether a choice reads node k only to leave the state that k loads as it is.
+
+        So does one that is nothing but a side of such a choice.
+        """
         read = self.p.nodes[choice].args
-        alone = read.count(k) == 1 and read[0] != k
-        return choice in chosen and not self._read(choice) and alone and all(self._is_load(k, q) for q in places)
+        if self.p.nodes[choice].op != "choose" or read.count(k) != 1 or read[0] == k:
+            return False
+        outer = [u for u in self.users[choice] if u in self.members]
+        if outer:
+            return choice not in self.demands and all(self._leaves(u, choice, k) for u in outer)
+        return self._left(choice, k)
+
+    def _leaves(self, outer: int, choice: int, k: int) -> bool:
+        """Tell whether a choice between node k and another one is what becomes of the state that k loads."""
+        node = self.p.nodes[outer]
+        pair = node.op == "choose" and sorted(node.args[1:]) == sorted((choice, k))
+        return pair and not self._read(outer) and self._left(outer, k)
+
+    def _left(self, choice: int, k: int) -> bool:
+        places = [d.place for d in self.demands.get(choice, ())]
+        return bool(places) and all(self._is_load(k, q) for q in places)
 
     def _only(self, choice: int, k: int, side: int) -> bool:
         """Tell whether a choice reads node k on this side only."""
@@ -339,14 +367,19 @@ class _Level:
         return args[1 + side] == k and args[0] != k and args[2 - side] != k
 
     def _worthwhile(self, region: _Region) -> bool:
-        """An `if` pays where a side has something to compute, or leaves a state alone; a short one stays a choice."""
+        """An `if` pays for many choices, where a side has something to compute, or leaves a state alone.
+
+        A short one stays a choice, unless cppcheck, which takes the first arm's parentheses away, would miss them.
+        """
+        arms = {self.p.nodes[c].args[1] for c in region.choices} & region.sides[0]
+        bare = any(self.p.nodes[a].op in _COMPOSED for a in arms)
         held = any(
             self._is_load(a, d.place)
             for c in region.choices
             for a in self.p.nodes[c].args[1:]
             for d in self.demands.get(c, [])
         )
-        return held or len(region.sides[0]) + len(region.sides[1]) > 2
+        return held or bare or len(region.choices) > 2 or len(region.sides[0]) + len(region.sides[1]) > 2
 
 
 def _stored(d: _Demand) -> Statement:

@@ -1,16 +1,17 @@
 """Guard and safe output: what a controller does with inputs that cannot be true.
 
 An input is accepted when low <= value <= high; NaN fails both comparisons. While it is refused the last accepted value
-serves, before the first the declared initial one. After `bad_samples` samples in a row in which a *measurement* is
+serves, before the first the declared initial one; one that is not held is the initial one each time, for a consumer
+that passes over samples which are not ``complete``. After `bad_samples` samples in a row in which a *measurement* is
 refused, the same one or not, it latches: the outputs then slew at a declared rate to the declared safe output and stay
 there until `init`. A *set-point* never latches.
 
     inputs --->[ guard ]---> <name>_held ---> controller ---> <name>_computed --->[ safe output ]---> outputs
                  ^ |------------------------- latched -------------------------------^
-                 '-- suspect_<name> <---- [ a state of whoever compares measurements ]
+                 '-- suspected, suspect_<name> <---- [ states of whoever compares measurements ]
 
-A measurement in its range may still contradict the others. Who finds so names it a sample later as ``suspect_<name>``,
-and it is refused for as long as that is 1.
+A measurement in its range may still contradict the others. Who finds so says ``suspected`` a sample later, and names it
+as ``suspect_<name>``: for as long as that lasts no sample is ``complete``.
 """
 
 import math
@@ -19,13 +20,13 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 
-from synth.block import Block, Exprs, Fault, State, Step, build, clip
+from synth.block import Block, Constant, Exprs, Fault, State, Step, build, clip
 from synth.errors import SignalError
 from synth.signals import Signal
 from synth.timing import Discrete
 
 LATCH_BIT = 31
-GUARD, SAFE_OUTPUT = "guard", "safe_output"
+GUARD, SAFE_OUTPUT, SUSPECTED = "guard", "safe_output", "suspected"
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,7 @@ class Guarded:
     signal: Signal
     initial: float
     measurement: bool
+    held: bool = True
 
 
 @dataclass(frozen=True)
@@ -53,22 +55,25 @@ class Safety:
 def guard(time: Discrete, inputs: Sequence[Guarded], bad_samples: int, suspected: Sequence[str] = ()) -> Block:
     """Return the Block that accepts or replaces each input.
 
-    It drives ``<name>_held``, ``fault_<name>``, ``latched`` (this sample included) and ``ready``: whether a sample
-    before this one has seen every measurement accepted. A measurement in `suspected` is refused, too, while the further
-    input ``suspect_<name>`` is 1.
+    It drives ``<name>_held``, ``fault_<name>``, ``latched`` (this sample included), ``complete``: whether every
+    measurement is accepted, and ``ready``: whether it was in a sample before this one. Measurements in `suspected` may be suspects: then there are
+    the further inputs ``suspected`` and ``suspect_<name>``, and a ``fault_suspect_<name>`` for each.
 
     Raises SignalError for more inputs than the fault word has bits, for fewer than one bad sample, or for a suspected
     name that is no measurement or stands twice.
     """
-    if len(inputs) > LATCH_BIT:
-        raise SignalError(f"{len(inputs)} inputs are guarded but the fault word has {LATCH_BIT} bits: split the Block")
+    if len(inputs) + len(suspected) > LATCH_BIT:
+        raise SignalError(
+            f"{len(inputs)} inputs are guarded, {len(suspected)} of them suspected, but the fault word has {LATCH_BIT} "
+            "bits: split the Block"
+        )
     if bad_samples < 1:
         raise SignalError(f"bad_samples is {bad_samples}: a latch needs at least 1 bad sample")
     measured = [g.signal.name for g in inputs if g.measurement]
     latches = bool(measured)
-    suspicions = {name: _flag(f"suspect_{name}", "contradicts the other measurements") for name in suspected}
+    suspicions = [_flag(f"suspect_{name}", "contradicts the other measurements") for name in suspected]
     for name in suspected:
-        if name not in measured or len(suspicions) < len(suspected):
+        if name not in measured or len(set(suspected)) < len(suspected):
             raise SignalError(
                 f"suspected are {', '.join(suspected)}, but '{name}' is no measurement or one of them stands twice: "
                 f"name each once, among {', '.join(measured) or 'no measurements'}"
@@ -76,40 +81,45 @@ def guard(time: Discrete, inputs: Sequence[Guarded], bad_samples: int, suspected
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         good = {s.name: ca.logic_and(u[s.name] >= s.low, u[s.name] <= s.high) for s in (g.signal for g in inputs)}
-        for name, suspicion in suspicions.items():
-            good[name] = ca.logic_and(good[name], ca.logic_not(u[suspicion.name]))
-        held = {n: ca.if_else(good[n], u[n], x[f"last_{n}"]) for n in good}
-        next = {f"last_{n}": held[n] for n in good}
-        named: list[tuple[Signal, ca.SX]] = []
+        last = {g.signal.name: x[f"last_{g.signal.name}"] if g.held else k[f"refused_{g.signal.name}"] for g in inputs}
+        held = {n: ca.if_else(good[n], u[n], last[n]) for n in good}
+        next = {f"last_{g.signal.name}": held[g.signal.name] for g in inputs if g.held}
         output = {f"{n}_held": held[n] for n in good} | {f"fault_{n}": ca.logic_not(good[n]) for n in good}
+        output |= {f"fault_{s.name}": ca.logic_and(u[SUSPECTED], u[s.name]) for s in suspicions}
         if latches:
-            complete, last = ca.SX(1), x["left"] <= 1
+            complete, final = ca.SX(1), x["left"] <= 1
             for n in measured:
                 complete = ca.if_else(good[n], complete, 0)
-            latched = ca.if_else(complete, x["latched"], ca.if_else(last, 1, x["latched"]))
-            next["left"] = ca.if_else(complete, bad_samples, ca.if_else(last, x["left"], x["left"] - 1))
+            complete = ca.if_else(u[SUSPECTED], 0, complete) if suspicions else complete
+            latched = ca.if_else(complete, x["latched"], ca.if_else(final, 1, x["latched"]))
+            next["left"] = ca.if_else(complete, bad_samples, ca.if_else(final, x["left"], x["left"] - 1))
             next |= {"latched": ca.if_else(latched, 1, x["latched"]), "ready": ca.if_else(complete, 1, x["ready"])}
-            output |= {"latched": latched, "ready": x["ready"]}
-            named.append((_flag("complete", "every measurement accepted this sample"), complete))
-        return Step(output, next, named)
+            output |= {"latched": latched, "ready": x["ready"], "complete": complete}
+        return Step(output, next)
 
-    states = [State(_renamed(g.signal, f"last_{g.signal.name}", "last good value"), g.initial) for g in inputs]
+    kept = [g for g in inputs if g.held]
+    states = [State(_renamed(g.signal, f"last_{g.signal.name}", "last good value"), g.initial) for g in kept]
     left = Signal("left", "1", 1, max(bad_samples, 2), "samples with a bad measurement until it latches")
     flags = [_flag("latched", "safe output until init"), _flag("ready", "every measurement was good at once")]
     states += [State(left, bad_samples, True), *(State(f, 0, True) for f in flags)] if latches else []
     outputs = [_renamed(g.signal, f"{g.signal.name}_held", g.signal.about) for g in inputs]
-    outputs += [_flag(f"fault_{g.signal.name}", "refused this sample") for g in inputs] + (flags if latches else [])
+    outputs += [_flag(f"fault_{g.signal.name}", "refused this sample") for g in inputs]
+    outputs += [_flag(f"fault_{s.name}", s.about) for s in suspicions]
+    outputs += [*flags, _flag("complete", "every measurement is good")] if latches else []
     block = build(
         GUARD,
         time,
         law,
-        inputs=[*(g.signal for g in inputs), *suspicions.values()],
+        inputs=[*(g.signal for g in inputs), *([_flag(SUSPECTED, "some are suspects")] if suspicions else []), *suspicions],
         outputs=outputs,
         states=states,
+        constants=[_in_place(g) for g in inputs if not g.held],
         tag="range acceptance, hold, latch",
     )
     faults = [Fault(i, f"fault_{g.signal.name}", g.signal.name) for i, g in enumerate(inputs)]
-    faults += [Fault(LATCH_BIT, "latched", None)] if latches else []
+    first = len(inputs)
+    faults += [Fault(first + i, f"fault_{s.name}", suspect=n) for i, (s, n) in enumerate(zip(suspicions, suspected))]
+    faults += [Fault(LATCH_BIT, "latched")] if latches else []
     return replace(block, faults=tuple(faults))
 
 
@@ -140,7 +150,8 @@ def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Bl
         for s in outputs:
             move, last = safety.slew_per_s[s.name] * time.period_s, x[f"last_{s.name}"]
             slewed = ca.fmax(ca.fmin(safety.safe_output[s.name], last + move), last - move)
-            value[s.name] = clip(ca.if_else(u["latched"], slewed, u[f"{s.name}_computed"]), s)
+            computed = clip(u[f"{s.name}_computed"], s)
+            value[s.name] = ca.if_else(u["latched"], slewed, computed)
         before = {f"{s.name}_before": x[f"last_{s.name}"] for s in outputs}
         return Step(value | before, {f"last_{n}": v for n, v in value.items()})
 
@@ -167,6 +178,10 @@ def frozen(block: Block) -> Block:
     still = [s.name for s in block.states if not s.name.startswith((f"{GUARD}_", f"{SAFE_OUTPUT}_"))]
     held = {n: ca.if_else(latched, block.symbol[n], block.next[n]) for n in still}
     return replace(block, next={**block.next, **held})
+
+
+def _in_place(g: Guarded) -> Constant:
+    return Constant(f"refused_{g.signal.name}", g.initial, g.signal.unit, "in place of a refused value")
 
 
 def _renamed(signal: Signal, name: str, about: str) -> Signal:

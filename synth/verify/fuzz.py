@@ -4,7 +4,8 @@ Arbitrary bytes become runs of 16 steps, from `init` or from a state forced into
 every bit pattern: raw bits, values in range, bounds and their neighbours outside. After each step
 
     outputs in Y, all finite;  states in S;  fault bit k is 1 where input k is not finite or out of range, else 0;
-    the latch never falls, and from init rises only after the declared number of samples in a row with a bad input.
+    the latch never falls, and from init rises only after the declared number of samples in a row with a bad input,
+    or with one that the step says is a suspect.
 
 A campaign finds defects and proves nothing; it runs the machine code, where `eva` reads the C.
 """
@@ -151,7 +152,7 @@ def _last(pattern: str, said: str) -> int:
 def _tables(files: Mapping[str, str], manifest: Mapping[str, Any]) -> str:
     structs, functions = manifest["structs"], manifest["functions"]
     inputs = contract.members(manifest, "input")
-    latch = sum(1 << fault["bit"] for fault in manifest["faults"] if fault.get("latched"))
+    latch, suspects = (sum(1 << f["bit"] for f in manifest["faults"] if f.get(k)) for k in ("latched", "suspect"))
     bad_samples = (manifest.get("safety") or {}).get("bad_samples", 0)
     return "\n".join(
         [
@@ -159,6 +160,7 @@ def _tables(files: Mapping[str, str], manifest: Mapping[str, Any]) -> str:
             *(f"typedef {structs[role]['type']} {role}_t;" for role in structs),
             *(_table(f"{role.upper()}S", structs[role]["type"], contract.members(manifest, role)) for role in structs),
             f"static const fault_t FAULTS[] = {{{', '.join(_faults(manifest, inputs))}}};",
+            f"#define SUSPECTS {suspects:#x}u",
             f"#define LATCH {latch:#x}u",
             f"#define BAD_SAMPLES {bad_samples}u",
             f"#define INIT {functions['init']}",

@@ -1,9 +1,18 @@
-"""Which line of which source a machine address comes from: the line table that a compiler writes with -g."""
+"""Which line of which source a machine address comes from: what a compiler writes with -g.
+
+The line table names the line of a function's own text also where a compiler has put that text into its caller. `calls`
+are the places in a function where that happened, by the outermost call.
+"""
 
 from bisect import bisect_right
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from elftools.dwarf.compileunit import CompileUnit
+from elftools.dwarf.die import DIE
+from elftools.dwarf.dwarfinfo import DWARFInfo
+from elftools.dwarf.ranges import BaseAddressEntry
 from elftools.elf.elffile import ELFFile
 
 
@@ -34,3 +43,61 @@ def read(path: Path) -> Lines:
                 found |= {row.address: (name, row.line) for row in rows if not row.end_sequence}
     ordered = sorted(found)
     return Lines(tuple(ordered), tuple(found[a] for a in ordered))
+
+
+@dataclass(frozen=True)
+class Call:
+    """Addresses from `low` up to `high`, without it, whose instructions stand for a call on a line of the caller."""
+
+    low: int
+    high: int
+    line: int
+
+
+def calls(path: Path, function: str) -> tuple[Call, ...]:
+    """Return where other functions' text has been put into a function; none where nothing was compiled with -g."""
+    with path.open("rb") as file:
+        elf = ELFFile(file)
+        if not elf.has_dwarf_info():
+            return ()
+        info = elf.get_dwarf_info()
+        return tuple(
+            Call(low, high, die.attributes["DW_AT_call_line"].value)
+            for unit in info.iter_CUs()
+            for top in unit.get_top_DIE().iter_children()
+            if top.tag == "DW_TAG_subprogram" and _name(top) == function
+            for die in _inlined(top)
+            for low, high in _ranges(info, unit, die)
+            if low < high
+        )
+
+
+def _name(die: DIE) -> str:
+    found = die.attributes.get("DW_AT_name")
+    return found.value.decode() if found else ""
+
+
+def _inlined(die: DIE) -> Iterator[DIE]:
+    """Yield the outermost inlined calls below an entry."""
+    for child in die.iter_children():
+        if child.tag == "DW_TAG_inlined_subroutine":
+            yield child
+        elif child.tag == "DW_TAG_lexical_block":
+            yield from _inlined(child)
+
+
+def _ranges(info: DWARFInfo, unit: CompileUnit, die: DIE) -> Iterator[tuple[int, int]]:
+    if "DW_AT_low_pc" in die.attributes:
+        low, high = die.attributes["DW_AT_low_pc"].value, die.attributes["DW_AT_high_pc"]
+        yield low, high.value if high.form == "DW_FORM_addr" else low + high.value
+    elif "DW_AT_ranges" in die.attributes:
+        start = unit.get_top_DIE().attributes.get("DW_AT_low_pc")
+        base = start.value if start else 0
+        lists = info.range_lists()
+        assert lists is not None, "ranges without their section"
+        for entry in lists.get_range_list_at_offset(die.attributes["DW_AT_ranges"].value, cu=unit):
+            if isinstance(entry, BaseAddressEntry):
+                base = entry.base_address
+            else:
+                shift = 0 if entry.is_absolute else base
+                yield entry.begin_offset + shift, entry.end_offset + shift

@@ -117,8 +117,8 @@ def brief(emitted: Emitted, block: Block, inputs: Columns) -> Cost:
 
 def run(candidate: Candidate, given: Steps, build: Build) -> Run:
     """Measure a candidate over the given steps."""
-    path = _linked(candidate, build)
-    machine = _booted(candidate, build, path)
+    path = linked(candidate, build)
+    machine = booted(candidate, build, path)
     placed = candidate.placed(machine, given)
     found = machine.measure(candidate.entry, placed.arguments).cost
     return Run(found, placed.outputs(), machine.program.size(), path)
@@ -126,7 +126,7 @@ def run(candidate: Candidate, given: Steps, build: Build) -> Run:
 
 def executed(candidate: Candidate, given: Steps, build: Build) -> NDArray[np.int64]:
     """Count for each step (N,) the instructions that were not predicated false."""
-    machine = _booted(candidate, build, _linked(candidate, build))
+    machine = booted(candidate, build, linked(candidate, build))
     arguments = candidate.placed(machine, given).arguments
     counts = []
     with recorder.attached(machine.engine) as record:
@@ -168,27 +168,34 @@ def figures(candidate: Candidate, given: Steps, build: Build, controller: host.C
 
 
 def covered(candidate: Candidate, found: Run, build: Build) -> Coverage:
-    """Return the decisions in a candidate's own functions that a run has reached, the missing ones in its words."""
+    """Return the decisions in a candidate's own functions that a run has reached, the missing ones in its words.
+
+    A decision of an inlined function stands with the line that calls it.
+    """
     unseen = found.cost.missing
     table = lines.read(found.path) if unseen else lines.Lines((), ())
+    inlined = lines.calls(found.path, candidate.entry) if unseen else ()
     missing = [
-        f"{s.function} at {s.address:#x}: `{s.text}` never {s.missing}{_source(candidate, table, s.address)}"
+        f"{s.function} at {s.address:#x}: `{s.text}` never {s.missing}{_source(candidate, table, inlined, s.address)}"
         for s in unseen
     ]
     return Coverage(build.name, len(found.cost.sites), tuple(missing))
 
 
-def _source(candidate: Candidate, table: lines.Lines, address: int) -> str:
+def _source(candidate: Candidate, table: lines.Lines, inlined: Sequence[lines.Call], address: int) -> str:
     name, line = table.at(address)
+    line = next((call.line for call in inlined if call.low <= address < call.high), line)
     text = candidate.files.get(name, "").splitlines()
     return f"; {name}:{line}: {text[line - 1].strip()}" if 0 < line <= len(text) else ""
 
 
-def _linked(candidate: Candidate, build: Build) -> Path:
+def linked(candidate: Candidate, build: Build) -> Path:
+    """Return the image of a candidate by a build, with its line table."""
     return cross.link(candidate.files, [candidate.entry], CORE, build.compiler, (*build.flags, *_LINES))
 
 
-def _booted(candidate: Candidate, build: Build, path: Path) -> image.Image:
+def booted(candidate: Candidate, build: Build, path: Path) -> image.Image:
+    """Return a fresh core with a candidate's linked image."""
     own = cross.functions(candidate.files, CORE, build.compiler, (*build.flags, *_LINES))
     return image.boot(elf.read(path), CORE, own)
 

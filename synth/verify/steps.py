@@ -2,7 +2,12 @@
 
 recorded    x_{k+1} = step(x_k, u_k) from `init`, by the compiled C
 drawn       x anywhere in its declared bounds, u anywhere, on the ends of its range, beyond, or no number
+anew        steps of others with some entries of x drawn anew
 faulty      every input bad alone and all at once, for 1 sample up to the latch, and latched until it rests
+edges       every input alone on an end of its range, on the next number beyond, or on a number like -0 or the largest
+shaken      steps of others, x and u moved a little
+rare        of many steps those whose flags few others have
+at_ends     of many steps those in which an output or x_{k+1} comes to an end of its range, or near it
 """
 
 import ctypes
@@ -19,6 +24,7 @@ from synth.execute import host
 SEED = 19_680
 GOOD, LATCHED = 4, 80  # samples before and after a run of bad ones, and of a latched step
 _BEYOND = 0.1  # of the range
+_INTEGERS = ("uint32_t", "int32_t")
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,6 +110,74 @@ def drawn(controller: host.Controller, n: int) -> Steps:
     return Steps("random states and inputs", states, inputs)
 
 
+def anew(controller: host.Controller, steps: Steps, name: str) -> Steps:
+    """Return steps with some of their states drawn anew as in `drawn`: in a third none, in others few or half."""
+    rng = np.random.default_rng(SEED + 2)
+    n, states = len(steps), steps.states.copy()
+    share = rng.choice((0.0, 0.03, 0.5), n)
+    for f in _fields(controller, "state"):
+        values = _often(rng, _uniform(rng, f, n), (f["low"], f["high"]), 0.4)
+        chosen = rng.uniform(size=n) < share
+        states[f["name"]][chosen] = values[chosen]
+    return Steps(name, states, steps.inputs)
+
+
+def edges(controller: host.Controller, steps: Steps) -> Steps:
+    """Return steps with one input each set to a value where decisions about it turn, the others as they are.
+
+    One step of those given serves one value; there are some ten for each input.
+    """
+    cases = [(f["name"], value) for f in _fields(controller, "input") for value in _edges(controller, f)]
+    found = steps.part(np.arange(len(cases)) % len(steps))
+    inputs = found.inputs.copy()
+    for k, (name, value) in enumerate(cases):
+        inputs[name][k] = value
+    return Steps("edges", found.states, inputs)
+
+
+def shaken(controller: host.Controller, steps: Steps, name: str, times: int, size: float) -> Steps:
+    """Return steps `times` over, real states and inputs moved by up to `size` of their ranges, often by less.
+
+    They stay within their ranges.
+    """
+    rng = np.random.default_rng(SEED + 3)
+    found = joined(name, [steps] * times)
+    moved, sizes = (found.states.copy(), found.inputs.copy()), size * 10.0 ** rng.uniform(-3, 0, len(found))
+    for role, records in zip(("state", "input"), moved, strict=True):
+        for f in (f for f in _fields(controller, role) if f["ctype"] not in _INTEGERS):
+            off = sizes * (f["high"] - f["low"]) * rng.uniform(-1, 1, len(found))
+            records[f["name"]] = np.clip(records[f["name"]] + off, f["low"], f["high"])
+    return Steps(name, *moved)
+
+
+def rare(controller: host.Controller, steps: Steps, n: int) -> Steps:
+    """Return the n steps whose fault word and integer states, before and after, occur least often among all."""
+    found = taken(controller, steps)
+    whole = [f["name"] for f in _fields(controller, "state") if f["ctype"] in _INTEGERS]
+    key = found.faults.astype(np.uint64)
+    for states in (steps.states, found.states):
+        for name in whole:  # in whatever wraps around, equal flags stay equal
+            key = key * np.uint64(0x9E3779B97F4A7C15) + states[name].astype(np.uint64)
+    _, which, counts = np.unique(key, return_inverse=True, return_counts=True)
+    picked = steps.part(np.sort(np.argsort(counts[which], kind="stable")[:n]))
+    return Steps(f"rare among {steps.name}", picked.states, picked.inputs)
+
+
+def at_ends(controller: host.Controller, steps: Steps, each: int, within: float = 0.0) -> Steps:
+    """Return for either end of every output and real next state up to `each` steps that come to it.
+
+    Or come `within` a part of the range. Raises SignalError when no step does.
+    """
+    found, chosen = taken(controller, steps), []
+    for role, columns in (("output", found.outputs), ("state", host.columns(found.states))):
+        for f in (f for f in _fields(controller, role) if f["ctype"] not in _INTEGERS):
+            values, near = columns[f["name"]], within * (f["high"] - f["low"])
+            ends = (values <= values.dtype.type(f["low"]) + near), (values >= values.dtype.type(f["high"]) - near)
+            chosen += [np.flatnonzero(end)[:each] for end in ends]
+    picked = steps.part(np.unique(np.concatenate(chosen)))
+    return joined(f"{steps.name}, at ends", [picked] if len(picked) else [])
+
+
 def faulty(controller: host.Controller, good: Mapping[str, float]) -> Steps:
     """Record bad samples of each input alone and of all, between `good` ones, up to the latch and beyond.
 
@@ -138,13 +212,21 @@ def _bad(field: Mapping[str, Any]) -> tuple[float, ...]:
     return (np.nan, high + beyond, low - beyond, np.inf, -np.inf)
 
 
+def _edges(controller: host.Controller, field: Mapping[str, Any]) -> tuple[float, ...]:
+    """Return the ends of a field with the next number to either side, both zeros, and numbers at the limits."""
+    scalar, info = controller.scalar, np.finfo(controller.scalar)
+    ends = [scalar(field[end]) for end in ("low", "high")]
+    beside = [float(np.nextafter(e, scalar(way))) for e in ends for way in (-np.inf, np.inf)]
+    return (*map(float, ends), *beside, 0.0, -0.0, float(info.tiny), float(info.max), float(-info.max))
+
+
 def _fields(controller: host.Controller, struct: str) -> list[dict[str, Any]]:
     return list(controller.manifest["structs"][struct]["fields"])
 
 
 def _uniform(rng: np.random.Generator, field: Mapping[str, Any], n: int) -> NDArray[np.float64]:
     low, high = field["low"], field["high"]
-    if field["ctype"] in ("uint32_t", "int32_t"):
+    if field["ctype"] in _INTEGERS:
         return rng.integers(int(low), int(high) + 1, n).astype(float)
     return rng.uniform(low, high, n)
 

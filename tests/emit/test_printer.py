@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from synth.block import Block, Constant, State, Step, build
-from synth.emit import c_text, fold, layout, lower, printer, reduced
+from synth.emit import c_text, fold, layout, lower, printer, reduced, schedule
 from synth.emit.lower import Node, Program
 from synth.emit.write import emit
 from synth.execute import compile as compiler
@@ -56,8 +56,8 @@ def test_zig_finds_nothing_to_warn_of() -> None:
         code = host.code(emit(block, F32 if i % 2 else F64).files)
         files |= {name: text for name, text in code.items() if name.endswith(".h")}
         # Static functions of many designs in one unit: each under names of its own.
-        renamed = [f"#define {f} {f}_{i}\n" for f in ("min", "max", "limit")]
-        undone = [f"#undef {f}\n" for f in ("min", "max", "limit")]
+        renamed = [f"#define {f} {f}_{i}\n" for f in ("min", "max", "limit", "flag")]
+        undone = [f"#undef {f}\n" for f in ("min", "max", "limit", "flag")]
         includes += [*renamed, code[f"{block.name}.c"], *undone]
     compiler.check(files | {"all.c": "".join(includes)}, compiler=compiler.zig_compiler())
 
@@ -155,6 +155,30 @@ def test_a_choice_carries_on_the_variable_of_another_one() -> None:
     assert len(re.findall(r"^    uint32_t \w+ = late;$", text(block), re.M)) == 1
 
 
+def composed() -> Block:
+    """Return a Block that keeps a flag of a composed condition and chooses between sums."""
+
+    def law(u: Any, x: Any, k: Any) -> Step:
+        a, b, c = u["a"], u["b"], u["c"]
+        bad = ca.logic_or(ca.logic_and(a < b, c > 1), x["bad"])
+        return Step(
+            {"y": ca.if_else(a < b, a - 0.5, c), "z": ca.if_else(c > 0, b, ca.if_else(bad, 1, 0))}, {"bad": bad}
+        )
+
+    return hazards.make("composed", law, "y z", [State(signal("bad", 0, 1), 0, True)])
+
+
+def test_a_flag_becomes_an_integer_in_a_function_and_a_sum_is_no_first_arm(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As MISRA's 10.6 and 12.1 want it, the latter as cppcheck reads it."""
+    block, arm = composed(), r"\? \([^()]* - [^()]*\) :"
+    assert not stepped.wrong([block], F32)
+    code = emit(block, F32).files["composed.c"]
+    assert "static inline uint32_t flag(bool holds)" in code and "state->bad = flag(bad_next);" in code
+    assert not re.search(arm, code)
+    monkeypatch.setattr(schedule, "_COMPOSED", frozenset())
+    assert re.search(arm, emit(block, F32).files["composed.c"])
+
+
 def test_bits_of_the_word_are_set_one_by_one() -> None:
     code = text(hazards.flags())
     assert re.search(r"0x00000010u", code) and "0x00000020u" not in code
@@ -181,6 +205,7 @@ def test_names_that_the_c_needs_may_be_those_of_constants(scalar: type[np.floati
         "min",
         "max",
         "limit",
+        "flag",
         "fabs",
         "fabsf",
         "state",

@@ -64,6 +64,19 @@ def test_a_planted_defect_is_found(planted: Plant, manifest: dict[str, Any], old
 
 
 @needs_clang
+def test_suspects_are_told_by_the_step_alone(planted: Plant, manifest: dict[str, Any]) -> None:
+    """A bit that depends on states is no finding where the manifest says so, and counts as a bad sample."""
+    files = planted(
+        "(good_g1 ? 0u : 0x00000001u) | (good_g2",
+        "((state->xi > 0.0f) ? 0x100u : 0u) | (good_g1 ? 0u : 0x00000001u) | (good_g2",
+    )
+    told = manifest | {"safety": {"bad_samples": 5}}
+    assert "fault word" in fuzz.run(files, told, STEPS).finding
+    named = told | {"faults": [*manifest["faults"], {"bit": 8, "suspect": "g1"}]}
+    assert fuzz.run(files, named, STEPS).finding == ""
+
+
+@needs_clang
 def test_steps_that_were_not_made_count_as_missing(files: dict[str, str], manifest: dict[str, Any]) -> None:
     campaign = fuzz.run(planted_exit(files), manifest, STEPS)
     assert not all(check.passed for check in campaign.checks())

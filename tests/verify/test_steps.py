@@ -59,6 +59,61 @@ def test_fault_runs_reach_the_latch_and_stay(controller: host.Controller) -> Non
     assert not steps.taken(controller, steps.without_faults(controller, found)).faults.any()
 
 
+def test_some_states_are_drawn_anew_and_others_kept(controller: host.Controller) -> None:
+    given = steps.in_range(controller, 3000)
+    found = steps.anew(controller, given, "anew")
+    assert found.inputs.tobytes() == given.inputs.tobytes() and found.name == "anew"
+    names = [f["name"] for f in controller.manifest["structs"]["state"]["fields"]]
+    changed = np.sum([found.states[n] != given.states[n] for n in names], axis=0)
+    assert 0.25 < np.mean(changed == 0) < 0.75 and changed.max() > len(names) / 3
+    for field in controller.manifest["structs"]["state"]["fields"]:
+        values = found.states[field["name"]]
+        assert values.min() == field["low"] and values.max() == field["high"]
+
+
+def test_edges_lie_on_both_sides_of_what_is_accepted(controller: host.Controller) -> None:
+    good = steps.recorded(controller, "good", dict.fromkeys(("q1", "q2", "r1", "r2"), np.full(5, 0.01)))
+    found = steps.edges(controller, good)
+    words, q = steps.taken(controller, found).faults, found.inputs["q1"]
+    high = np.float32(0.1)
+    for value, bad in ((high, 0), (np.nextafter(high, np.float32(1)), 1), (np.nextafter(high, np.float32(0)), 0)):
+        assert words[q == value].tolist() == [bad] and words[q == -value].tolist() == [bad]
+    assert np.all(sum(found.inputs[n] != np.float32(0.01) for n in ("q1", "q2", "r1", "r2")) == 1)
+
+
+def test_shaken_steps_stay_near_and_within_bounds(controller: host.Controller) -> None:
+    given = steps.drawn(controller, 500)
+    found = steps.shaken(controller, given, "shaken", 3, 1e-4)
+    assert len(found) == 1500
+    for field in controller.manifest["structs"]["state"]["fields"]:
+        off = found.states[field["name"]].astype(float) - np.tile(given.states[field["name"]], 3)
+        wide = field["high"] - field["low"]
+        assert np.abs(off).max() < 1.01e-4 * wide and np.any(off != 0) == (field["ctype"] == "float")
+        assert found.states[field["name"]].max() <= field["high"]
+
+
+def test_rare_steps_are_those_with_rare_words(controller: host.Controller) -> None:
+    bad = steps.faulty(controller, dict.fromkeys(("q1", "q2", "r1", "r2"), 0.01))
+    usual = steps.recorded(controller, "usual", dict.fromkeys(("q1", "q2", "r1", "r2"), np.full(3000, 0.01)))
+    found = steps.rare(controller, steps.joined("mixed", [usual, bad]), len(bad) // 2)
+    words = steps.taken(controller, found).faults
+    assert len(found) == len(bad) // 2 and found.name == "rare among mixed"
+    assert set(words.tolist()) == set(steps.taken(controller, bad).faults.tolist())
+
+
+def test_steps_at_ends_are_found_and_there_may_be_none(controller: host.Controller) -> None:
+    drawn = steps.drawn(controller, 3000)
+    found = steps.at_ends(controller, drawn, 5)
+    out = steps.taken(controller, found).outputs
+    for name in ("i1", "i2"):
+        assert np.count_nonzero(out[name] == 5) >= 5 <= np.count_nonzero(out[name] == -5)
+    near = steps.taken(controller, steps.at_ends(controller, drawn, 10**6, 0.2)).outputs["i1"]
+    assert np.count_nonzero(near > 3.0) > np.count_nonzero(near == 5) > 5
+    rest = steps.recorded(controller, "rest", dict.fromkeys(("q1", "q2", "r1", "r2"), np.zeros(3)))
+    with pytest.raises(SignalError, match="'rest, at ends': found no part"):
+        steps.at_ends(controller, rest, 5)
+
+
 def test_an_input_that_is_not_known_is_named(controller: host.Controller) -> None:
     with pytest.raises(SignalError, match=r"missing \['q2', 'r2'\]"):
         steps.faulty(controller, {"q1": 0.0, "r1": 0.0})

@@ -14,7 +14,6 @@ from synth.timing import Discrete
 
 PLANT = planar_stage.plant()
 REFERENCES = [s.name for s in vertical.REFERENCES.values()]
-PITCHES = ["pitch_x", "pitch_y"]
 ACTUATORS = {s.name: s.name for s in planar_stage.INPUTS}
 
 
@@ -35,6 +34,7 @@ def seen(plant: Plant, time: Discrete, filtered: bool) -> list[Block]:
     """Return what makes raw and filtered positions of those of the plant, ``x_seen`` ..; unfiltered they are one."""
     found = passed(time, {f"{d}_held": d for d in planar_stage.LASERS}, "m")
     found += passed(time, {name: f"{name}_computed" for name in ACTUATORS}, "A")
+    found += passed(time, {f"within_{a}": f"{a}_seen" for a in "xy"}, "m")
     for axis, unit in (("x", "m"), ("y", "m"), ("phi", "rad")):
         found += passed(time, {f"{axis}_raw": f"{axis}_seen"}, unit)
         found += [filtering.block(axis, time)] if filtered else passed(time, {axis: f"{axis}_raw"}, unit)
@@ -51,7 +51,7 @@ def of_axis(law: Sequence[Block], time: Discrete, axis: str, filtered: bool, del
     signal = f"{axis}_raw" if axis in allocation.HORIZONTAL else axis
     parts = loop.cut([*seen(PLANT, time, filtered), *law], signal)
     sensors = {f"{a}_seen": a for a in allocation.HORIZONTAL} | {d: d for d in planar_stage.LASERS}
-    inputs = [*sensors, *REFERENCES, *PITCHES, *ready(parts), signal]
+    inputs = [*sensors, *REFERENCES, *ready(parts), signal]
     block = compose("opened", parts, inputs=inputs, outputs=[*ACTUATORS, f"{signal}_out"])
     controller = loop.linearised(block, {}, dict.fromkeys(inputs, 0.0) | dict.fromkeys(ready(parts), 1.0))
     point = trim.trim(PLANT, dict.fromkeys(planar_stage.AXES, 0.0), [])

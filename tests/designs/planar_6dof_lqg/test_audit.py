@@ -25,7 +25,7 @@ Q49 = np.diag([1e4, 1e3, 1e3, 1e10, 1e9, 1e10, 1e2, 1e1, 2e1])
 
 @pytest.fixture(scope="module")
 def rows() -> dict[str, Row]:
-    return {r.id: r for r in audit.rows()}
+    return {r.id: r for r in audit.on(PRINTED)}
 
 
 # Worked out apart from this code, to the digits given: (row, figure, value, one unit of the last digit).

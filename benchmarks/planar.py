@@ -1,0 +1,165 @@
+"""What a step of the planar controllers costs on an emulated Cortex-M4F, by gcc: whole, in parts, and the cores alone.
+
+    whole   sensing, filters, law, allocation, commutation and guard: lead-lag, LQG of reduced and of full order
+    cores   the LQG regulators alone, from three errors to three currents
+    CasADi  its own C of the same Blocks over some of the same steps: as emitted, and with a float shim (`rivals`)
+
+`mean` is over steps of closed loops without a fault, `most` over all sequences: instructions that are issued. For a
+core `small` errors leave every state within its bounds. Which part an instruction belongs to is `synth.verify.parts`'s
+word: gcc's line table.
+"""
+
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from designs.planar_6dof import bench, interface
+from designs.planar_6dof.allocation import HORIZONTAL
+from designs.planar_6dof.loop import Loop
+from designs.planar_6dof_leadlag import control as leadlag
+from designs.planar_6dof_leadlag import experiments as of_leadlag
+from designs.planar_6dof_lqg import control as lqg
+from designs.planar_6dof_lqg import core
+from designs.planar_6dof_lqg import experiments as of_lqg
+from models import planar_stage
+from synth.block import Block
+from synth.emit import write
+from synth.execute import host
+from synth.simulate.experiment import Experiment
+from synth.verify import meter, parts, rivals, steps
+from synth.verify.steps import Steps
+
+BARS = {"lead-lag": 800, "LQG": 700, "LQG, full order": 700, "reduced core": 95, "full core": 100}
+COMMON = {True: 60, False: 12}  # closed-loop steps that CasADi's C is given, with the shim and as emitted
+SHARED = 500  # closed-loop steps that are taken apart
+CORE = 2000  # steps of a core
+PARTS = {"sensing": ("sensing", "heights"), "filters": ("filter_",), "law": ("loop_", "lqg_")}
+WIDTHS = (17, 20, 8, 9, 10, 15, 10)
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """A Block with its emitted C and the steps over which it is measured; `within` are those of the mean."""
+
+    name: str
+    block: Block
+    emitted: write.Emitted
+    controller: host.Controller
+    within: Steps
+    every: Steps
+
+
+@dataclass(frozen=True)
+class Costs:
+    """Instructions of a subject by a build: mean and most, and the mean of CasADi's C, shimmed and not, over ours.
+
+    `parts` are, by part of the step, the mean and what the costliest step has.
+    """
+
+    subject: str
+    build: str
+    mean: float
+    most: int
+    bar: int
+    ratios: tuple[float, float]
+    parts: Mapping[str, tuple[float, int]]
+
+
+def wholes() -> Iterator[Subject]:
+    """Yield the three controllers."""
+    plant = planar_stage.plant()
+    yield whole("lead-lag", leadlag.controller(plant), of_leadlag.run)
+    yield whole("LQG", lqg.controller(plant), of_lqg.run)
+    yield whole("LQG, full order", lqg.controller(plant, order="full"), of_lqg.run)
+
+
+def whole(name: str, block: Block, run: Callable[[Loop, bench.Told], Sequence[Experiment]]) -> Subject:
+    """Return a controller with every sequence of its bench."""
+    emitted = write.emit(block, np.float32, interface.SAFETY, error=interface.SURROGATE_ERROR[np.float32])
+    controller = host.load(emitted.files, emitted.manifest)
+    sequences = bench.sequences(controller, run, lambda _: None)
+    loops = steps.joined("closed loops", [s for s in sequences if s.closed_loop])
+    sound = steps.thinned(steps.without_faults(controller, loops), SHARED)
+    return Subject(name, block, emitted, controller, sound, steps.joined("all", sequences))
+
+
+def cores() -> Iterator[Subject]:
+    """Yield the two cores, with small errors and with random states and errors."""
+    orders: tuple[lqg.Order, ...] = ("reduced", "full")
+    for order in orders:
+        block = core.block(order)
+        emitted = write.emit(block, np.float32)
+        controller = host.load(emitted.files, emitted.manifest)
+        errors = {axis: 1e-6 * np.sin(np.arange(CORE) + i) for i, axis in enumerate(HORIZONTAL)}
+        small = steps.recorded(controller, "small", errors)
+        every = steps.joined("all", [small, steps.drawn(controller, CORE)])
+        yield Subject(f"{order} core", block, emitted, controller, small, every)
+
+
+def builds() -> list[meter.Build]:
+    """Return gcc's builds without contraction, -O2 and -Os; none where gcc is not installed."""
+    return [b for b in meter.builds() if b.compiler == "gcc" and "contracted" not in b.name]
+
+
+def measure(subject: Subject, build: meter.Build) -> Costs:
+    """Measure a subject by a build, and CasADi's C beside it."""
+    every = meter.run(rivals.emitted(subject.emitted), subject.every, build).cost.instructions
+    worst = subject.every.part(np.array([np.argmax(every)]))
+    within, costliest = (parts.measure(subject.emitted, given, build) for given in (subject.within, worst))
+    found: dict[str, tuple[float, int]] = {}
+    for block, n in within.items():
+        mean, most = found.get(_part(block), (0.0, 0))
+        found[_part(block)] = mean + float(n.mean()), most + int(costliest[block][0])
+    mean = sum(mean for mean, _ in found.values())
+    bar, ratios = BARS[subject.name], (_ratio(subject, build, True), _ratio(subject, build, False))
+    return Costs(subject.name, build.name, mean, int(every.max()), bar, ratios, found)
+
+
+def _ratio(subject: Subject, build: meter.Build, shimmed: bool) -> float:
+    common = steps.thinned(subject.within, COMMON[shimmed])
+    candidates = rivals.emitted(subject.emitted), rivals.casadi(subject.block, shimmed)
+    own, other = (meter.run(c, common, build).cost.instructions.mean() for c in candidates)
+    return float(other / own)
+
+
+def _part(block: str) -> str:
+    return next((part for part, starts in PARTS.items() if block.startswith(starts)), block.replace("_", " "))
+
+
+def compared(costs: Sequence[Costs]) -> Iterator[str]:
+    """Yield the lines that compare the subjects."""
+    yield _line(("step of", "build", "mean", "most", "bar", "CasADi, float", "CasADi"))
+    for c in costs:
+        ratios = (f"x {ratio:.2f}" for ratio in c.ratios)
+        yield _line((c.subject, c.build, f"{c.mean:.0f}", str(c.most), str(c.bar), *ratios))
+
+
+def apart(costs: Costs) -> Iterator[str]:
+    """Yield the lines of a step's parts."""
+    yield _line((costs.subject, costs.build, "mean", "share", "costliest", "share"))
+    for part, (mean, most) in {**costs.parts, "in all": (costs.mean, costs.most)}.items():
+        shares = f"{100 * mean / costs.mean:.1f} %", f"{100 * most / costs.most:.1f} %"
+        yield _line(("", part, f"{mean:.1f}", shares[0], str(most), shares[1]))
+
+
+def _line(cells: Sequence[str]) -> str:
+    aligned = [
+        cell.rjust(w) if k > 1 else cell.ljust(w) for k, (cell, w) in enumerate(zip(cells, WIDTHS, strict=False))
+    ]
+    return "".join(aligned)
+
+
+def lines() -> Iterator[str]:
+    """Yield every line, those of the parts last."""
+    costs = [measure(subject, build) for subject in (*wholes(), *cores()) for build in builds()]
+    yield from compared(costs)
+    for each in costs:
+        yield ""
+        yield from apart(each)
+
+
+if __name__ == "__main__":
+    for text in lines():
+        sys.stdout.write(f"{text}\n")

@@ -1,0 +1,110 @@
+"""What is committed of a planar controller under generated_c/<its name>/: its C, its numbers and test vectors.
+
+The vectors are a second of a closed loop with noise. The platen starts at rest beside the corner of a pitch and goes
+out of it and back in x and y, over a border of its sections as well, while it yaws, lifts and tilts. A Hall channel is
+out of range for three samples and a set-point for ten.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from math import pi
+from typing import Any
+
+import numpy as np
+
+from designs.planar_6dof import filtering, interface, vertical
+from designs.planar_6dof import loop as loops
+from designs.planar_6dof.loop import Array, Loop
+from models import halbach, planar_stage
+from synth.block import Block
+from synth.emit import digits, vectors, write
+from synth.execute import host
+from synth.simulate.scenario import Trajectory, sample_times
+from synth.simulate.sensors import Override
+from synth.synthesise import riccati
+from synth.timing import Discrete
+
+STEPS = 1000
+START = {"x": 0.024, "y": -0.0245}  # m: a pitch ends at 25.4 mm, other sensors are read from 31.75 mm on
+WAY = {"x": 0.0095, "y": -0.009, "phi": 2e-3, "z": 5e-5, "theta": 2e-4, "psi": -2e-4}  # m, rad
+CHANNEL, BAD, VOLTS = "V_ay", slice(700, 703), 9.0  # the converter's range is 10 V, the sensor's 5 V
+SET_POINT, ASTRAY, TOO_FAR = "x_ref", slice(800, 810), 0.2  # m
+
+
+def emitted(block: Block, scalar: type[np.floating], design: Mapping[str, Any]) -> dict[str, write.Emitted]:
+    """Return the files of a controller in a scalar type, by folder; `design` is what gains.json says of it."""
+    error = interface.SURROGATE_ERROR[scalar]
+    files = write.emit(block, scalar, interface.SAFETY, {"design": design}, error=error)
+    controller = host.load(files.files, files.manifest)
+    inputs = recorded(controller, block.time).measured
+    answered = controller.replay(inputs)
+    text = vectors.document(inputs, answered.outputs, answered.faults)
+    return {block.name: replace(files, files={**files.files, "vectors.json": text})}
+
+
+def recorded(controller: host.Controller, time: Discrete) -> Trajectory:
+    """Run the closed loop of the test vectors."""
+    at = sample_times(STEPS * time.period_s, time.period_s)
+    wanted = ways(at)
+    wanted["x"][ASTRAY] = TOO_FAR
+    mask = np.zeros(STEPS, dtype=bool)
+    mask[BAD] = True
+    bad = {CHANNEL: Override(mask, np.full(STEPS, VOLTS))}
+    loop = Loop(planar_stage.plant(halbach.HARMONICS), controller, loops.compiled(loops.view(time)))
+    return loop.run(STEPS * time.period_s, wanted, START, overrides=bad)
+
+
+def ways(time: Array) -> dict[str, Array]:
+    """Return set-points (N,) by axis over samples (N,) in s: out and back once, x and y not together."""
+    part = time / time[-1]
+    there = {axis: (1 - np.cos(2 * pi * part)) / 2 for axis in WAY} | {"y": np.sin(pi * part) ** 4}
+    return {axis: START.get(axis, 0.0) + way * there[axis] for axis, way in WAY.items()}
+
+
+def compensators(parts: Sequence[vertical.Loop]) -> dict[str, Any]:
+    """Return lead-lag compensators by axis, continuous and sampled, with the error of sampling."""
+    return {part.axis: _compensator(part) for part in parts}
+
+
+def _compensator(part: vertical.Loop) -> dict[str, Any]:
+    made, continuous = part.sampled, part.sampled.continuous
+    return {
+        "equation": f"({vertical.EQUATION[part.axis]})",
+        "continuous": {"gain": continuous.gain, "zeros": list(continuous.zeros), "poles": list(continuous.poles)},
+        "sampled": {
+            "gain": made.gain,
+            "zeros": [digits.cut(z.real, 12) for z in made.zeros],
+            "poles": [digits.cut(part.pole, 12), 1.0],
+        },
+        "certificate": {
+            "at_rad_s": digits.cut(made.at, 6),
+            "gain_error": digits.cut(made.gain_error, 3),
+            "phase_error_degrees": digits.cut(made.phase_error, 3),
+        },
+    }
+
+
+def filters(time: Discrete) -> dict[str, Any]:
+    """Return the Kalman filters (6)-(16) by axis: noises, gain, poles and the certificate of the gain."""
+    return {axis: _filter(axis, time) for axis in filtering.AXES}
+
+
+def _filter(axis: str, time: Discrete) -> dict[str, Any]:
+    found = filtering.estimator(axis, time)
+    return {
+        "states": list(filtering.STATES),
+        "jerk_variance": filtering.JERK[axis],
+        "deviation": filtering.DEVIATION,
+        "gain": [float(v) for v in found.M[:, 0]],
+        "poles": [digits.pole(z) for z in found.poles],
+        "certificate": certificate(found.certificate),
+    }
+
+
+def certificate(found: riccati.Riccati) -> dict[str, float]:
+    """Return how far a Riccati solution is from one, of its largest weight and of its largest entry."""
+    weight = max(float(np.abs(found.Q).max()), float(np.abs(found.R).max()))
+    return {
+        "relative_residual_below": digits.bound(float(found.defect.max()) / weight),
+        "relative_forward_error_estimate": digits.bound(float((found.step / np.abs(found.X).max()).max())),
+    }

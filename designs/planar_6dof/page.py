@@ -1,0 +1,157 @@
+"""The report of a planar design: what a design review reads, assembled from the computed parts.
+
+Both designs share stage, sensing, filter, the pictures of experiments, voltages, failures, audit and verification; each
+adds its law, its gains and its loops.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from designs.planar_6dof import allocation, loops, page_experiments, page_stage, vertical
+from designs.planar_6dof.page_experiments import Beside, Told
+from designs.planar_6dof.page_stage import SYMBOLS
+from models import planar_stage
+from synth.analyse import disk
+from synth.block import Block
+from synth.emit.write import Emitted
+from synth.plant import Plant
+from synth.report import bode, page, sections
+from synth.report.audit import Row
+from synth.simulate.experiment import Experiment
+from synth.timing import Discrete
+from synth.verify.cost import Cost
+from synth.verify.evidence import Evidence
+
+ABOUT = (
+    "The six-axis planar positioner of Yu and Kim: a platen on air bearings, driven by three planar motors over a "
+    "magnet matrix and seen by three Hall sensors and three laser distance sensors. This page was computed from the "
+    "physics; every figure on it was measured on the C that ships, or on the model that the C was derived from."
+)
+RESET = ("", "d = w + I,  I ← I + (1 - z_2) (made - I),  w = D e + V,  V ← p V + D (p - z_1) e")
+
+
+@dataclass(frozen=True, eq=False)
+class Contents:
+    """What a design adds to its report: a line on its law, sections, and what follows the cost.
+
+    `beside` gives the rows of the audit that an experiment stands beside; `filtered` tells whether the law reads
+    filtered positions, `spectrum` whether the paper draws one.
+    """
+
+    name: str
+    time: Discrete
+    line: str
+    law: page.Section
+    gains: page.Section
+    loops: page.Section
+    beside: Beside
+    filtered: bool = True
+    spectrum: bool = False
+    cost: tuple[page.Block, ...] = ()
+
+
+def report(
+    own: Contents,
+    files: Mapping[str, Emitted],
+    evidence: Evidence,
+    experiments: Sequence[Experiment],
+    rows: Sequence[Row],
+    cost: Cost | None,
+) -> str:
+    """Return the whole report of a design as one HTML document, with every experiment that is handed in."""
+    plant, spent = planar_stage.plant(), sections.cost(cost)
+    told = Told(own.beside, {row.id: row.published.text for row in rows}, own.spectrum)
+    parts = (
+        page_stage.model(plant),
+        page_stage.sensing(plant, own.time, experiments if own.filtered else None),
+        own.law,
+        own.gains,
+        own.loops,
+        page_experiments.experiments(experiments, told, own.time),
+        page_experiments.headroom(experiments),
+        page_stage.failures(plant, own.time),
+        page.Section("Audit of the paper", (page.Text("Verdicts are computed."), sections.audit(rows))),
+        _verification(evidence),
+        replace(spent, blocks=(*spent.blocks, *own.cost)),
+        page.Section("Files", (sections.files(_texts(files)),)),
+    )
+    facts = (
+        ("sample period", f"{own.time.period_s * 1e3:g} ms"),
+        ("scalar type", "float32"),
+        ("inputs", "6 Hall voltages, 3 laser distances, 6 set-points"),
+        ("outputs", "9 phase currents of 3 motors"),
+        ("law", own.line),
+    )
+    return page.render(page.Report(own.name, ABOUT, parts, facts))
+
+
+def _verification(evidence: Evidence) -> page.Section:
+    text = page.Text(
+        "reference: NumPy, written from the paper's equations, with gains of its own. casadi: CasADi's evaluation. "
+        "casadi_c: CasADi's own C, double. c64, c32: the emitted C in double and single precision. The floor is 1 A."
+    )
+    checks = page.Checks("Limits", tuple(evidence.checks))
+    return page.Section("Verification", (text, sections.agreements(evidence.agreements), checks))
+
+
+def _texts(files: Mapping[str, Emitted]) -> dict[str, str]:
+    return {f"{folder}/{name}": text for folder, found in files.items() for name, text in found.files.items()}
+
+
+def upright() -> tuple[tuple[str, str], ...]:
+    """Return (23)-(25) as printed, times the part that is used."""
+    found = []
+    for axis in allocation.VERTICAL:
+        (gain, zero, pole), k = vertical.PUBLISHED[axis], SYMBOLS.get(axis, axis)
+        lead = f"(s + {zero:g}) / (s + {pole:g}) (s + {vertical.RESET:g}) / s"
+        found.append((f"Y({vertical.EQUATION[axis]})", f"K_{k} = {gain:.6g} k_{k} {lead}"))
+    return tuple(found)
+
+
+def compensators(parts: Sequence[vertical.Loop], used: Mapping[str, float]) -> page.Table:
+    """Return lead-lag compensators as sampled, the part of the printed gain in each, and the errors of sampling."""
+    rows = []
+    for part in parts:
+        made = part.sampled
+        zeros, poles = (", ".join(f"{v.real + 0.0:.6g}" for v in np.round(v, 12)) for v in (made.zeros, made.poles))
+        errors = f"{100 * made.gain_error:.2g}", f"{made.phase_error:.2g}"
+        name = SYMBOLS.get(part.axis, part.axis), f"({vertical.EQUATION[part.axis]})"
+        rows.append((*name, used[part.axis], made.gain, zeros, poles, *errors))
+    errors_of = ("gain off by, %", "phase off by, °")
+    columns = ("axis", "from", "part of the gain", "D, N/m or N m/rad", "zeros, z", "poles, z", *errors_of)
+    caption = (
+        f"Compensators by Tustin's rule; the errors of sampling are those at {vertical.COMPARED / (2 * np.pi):g} Hz"
+    )
+    return page.Table(caption, columns, tuple(rows), digits=6)
+
+
+def bodes(found: Sequence[loops.OpenLoop], axis: str) -> page.Section:
+    """Return the Bode plot of an axis with the margins of each of its loops."""
+    curves = [bode.curve(o.label, o.L, o.margins) for o in found if o.axis == axis]
+    return sections.loop(f"Loop of {SYMBOLS.get(axis, axis)}", f"bode-{axis}", curves)
+
+
+def disk_table(found: Mapping[str, Mapping[str, disk.DiskMargin]]) -> page.Table:
+    """Return disk margins by loop and by where it is opened, all channels varied at once."""
+    rows = []
+    for label, margins in found.items():
+        for cut, m in margins.items():
+            gains, hertz = f"{m.gain_low:.3g} .. {m.gain_high:.3g}", m.frequency / (2 * np.pi)
+            rows.append((label, cut, m.lower, m.upper, gains, m.phase, hertz, "yes" if m.certified else "NO"))
+    columns = ("loop", "opened at", "α, at least", "α, at most", "all gains, ×", "all phases, ± °", "worst at, Hz")
+    return page.Table("Disk margins of all channels at once", (*columns, "all frequencies"), tuple(rows))
+
+
+def over_pitch(plant: Plant, block: Block) -> page.Table:
+    """Return the least and the greatest margins of each loop over a pitch."""
+    found, rows = loops.over_pitch(plant, block), []
+    for axis in allocation.AXES:
+        each = [m[axis] for m in found]
+        crossovers = [max(c.frequency for c in m.gain_crossings) / (2 * np.pi) for m in each]
+        rest = ([m.phase_margin for m in each], [m.gain_margin for m in each], [m.peak_sensitivity for m in each])
+        rows.append((SYMBOLS.get(axis, axis), *(f"{min(v):.3g} .. {max(v):.3g}" for v in (crossovers, *rest))))
+    columns = ("axis", "crossover, Hz", "phase margin, °", "gain margin, ×", "Ms")
+    caption = f"The loops as shipped at {len(found)} places of a pitch, motors with the field's harmonics"
+    return page.Table(caption, columns, tuple(rows))

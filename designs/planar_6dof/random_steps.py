@@ -1,0 +1,179 @@
+"""Random steps of a planar controller: states and inputs near operation over the whole travel, and at every edge.
+
+In operation the voltages and distances are those of a pose anywhere in the plant's box, predictions and counts fit them
+but for some noise, and demands are of a given size, so that most motors are within their limits and a difference is not
+hidden by one. At the edges states lie anywhere in their bounds, and inputs on the ends of their ranges, beyond them,
+and on values that are no numbers.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from designs.planar_6dof import allocation, bench, sensing
+from models import planar_stage
+from synth.block import Block
+from synth.errors import SignalError
+from synth.plant import Plant
+from synth.signals import Signal
+from synth.verify import agree
+
+Columns = dict[str, NDArray[Any]]
+SEED = 20_060_711
+INSIDE = 1e-6  # of a range, whose ends are other numbers in single precision than in double
+UNREADY, SUSPECTED, FAILED = 0.02, 0.02, 0.1  # shares of samples
+WRONG = 0.6  # V: deviation of a voltage that fails, which contradicts the others from some 0.2 V on
+PART = 0.3  # of the size of demands: of each of what is added up to one
+ENDS, DEAD = 0.25, 0.02  # shares of inputs at a special value, and of samples in which all Hall voltages have the same
+RESTING = 0.2  # share of edge steps with a flag because of which no law is computed
+SPECIAL = (np.nan, np.inf, -np.inf, 5e-324, -5e-324, 1e-40, -0.0, 0.0, 1e300, -1e300)
+TINY = 1e-100  # V: the square of a smaller one is 0 or may be
+LAW = ("loop_", "lqg_")  # its Blocks
+SEEING, ANYTHING = ("sensing_", "filter_"), ("sensing_doubt", "sensing_found_")  # of which any value will do
+PREDICTED, MOVED, BENT = 3e-5, 1e-5, 1e-6  # m, rad: deviations of position, T velocity, T^2/2 acceleration
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """A controller with a step of its NumPy reference, and what its random steps are drawn by.
+
+    `size` is that of demands, of what the motors meet; `at_rest` gives the law's states (N,) for platens at rest at
+    positions (N,), as far as they are not 0.
+    """
+
+    block: Block
+    reference: Callable[[Any, Any], tuple[agree.Columns, agree.Columns, Any]]
+    size: float
+    at_rest: Callable[[Mapping[str, NDArray[Any]]], Columns] = lambda pose: {}
+
+
+def in_operation(subject: Subject, plant: Plant, n: int, seed: int = SEED) -> tuple[Columns, Columns]:
+    """Draw n independent (states, inputs) with the platen anywhere.
+
+    Raises SignalError when the controller remembers what this knows no values for.
+    """
+    block, rng = subject.block, np.random.default_rng(seed)
+    states, _ = _anywhere(block, rng, n)
+    pose = {a: _within(allocation.BOX[a], rng.uniform(-1, 1, n)) for a in allocation.AXES}
+    known = {"guard_latched": np.zeros(n), "guard_ready": _rare(rng, n, 1 - UNREADY)}
+    known |= {"sensing_named": _rare(rng, n, SUSPECTED)} | _remembered(plant, pose, rng, n)
+    known |= _law(subject, plant, pose, rng, n)
+    if strange := [s for s in states if s.startswith(SEEING) and s not in known and not s.startswith(ANYTHING)]:
+        raise SignalError(f"'{block.name}' remembers {', '.join(strange)}: say what that is where the platen is known")
+    error = {a: rng.normal(0, PART, n) * subject.size * _reach(block, plant, a) for a in allocation.AXES}
+    references = {f"{a}_ref": _clipped(allocation.BOX[a], pose[a] + error[a]) for a in allocation.AXES}
+    inputs = _failing(bench.seen(pose), rng, n) | references
+    return {s: known.get(s, drawn) for s, drawn in states.items()}, inputs
+
+
+def _failing(seen: Columns, rng: np.random.Generator, n: int) -> Columns:
+    """Return what is seen (N,), with one Hall voltage wrong in some samples."""
+    wrong, channel = _rare(rng, n, FAILED) * rng.normal(0, WRONG, n), rng.integers(0, len(planar_stage.HALL), n)
+    off = {name: np.where(channel == i, wrong, 0.0) for i, name in enumerate(planar_stage.HALL)}
+    limit = sensing.VOLTAGE * (1 - INSIDE)
+    return seen | {name: np.clip(seen[name] + by, -limit, limit) for name, by in off.items()}
+
+
+def _remembered(plant: Plant, pose: Mapping[str, NDArray[Any]], rng: np.random.Generator, n: int) -> Columns:
+    """Return the states of sensing and filters for platens near rest at a pose (N,), whichever of them there are."""
+    pitch, most = plant.parameter("l").value, sensing.PITCHES
+    near = {a: pose[a] + rng.normal(0, PREDICTED, n) for a in allocation.HORIZONTAL}
+    whole = {a: pitch * np.clip(np.round(near[a] / pitch), -most, most) for a in "xy"}
+    found = {f"sensing_offset_{a}": values for a, values in whole.items()}
+    found |= {f"sensing_within_{a}": np.clip(near[a] - whole[a], -pitch / 2, pitch / 2) * (1 - INSIDE) for a in "xy"}
+    found["sensing_phi_raw"] = near["phi"]
+    for a in allocation.HORIZONTAL:
+        found |= {
+            f"filter_{a}_p": near[a],
+            f"filter_{a}_s": rng.normal(0, MOVED, n),
+            f"filter_{a}_h": rng.normal(0, BENT, n),
+        }
+    return found
+
+
+def at_the_edges(block: Block, n: int, seed: int = SEED) -> tuple[Columns, Columns]:
+    """Draw n independent (states, inputs) anywhere in the declared bounds, with inputs on ends and on no numbers.
+
+    Samples are left out in which all voltages of an axis are tiny, not all 0: which of two squares that underflow is
+    the larger, none can tell.
+    """
+    rng = np.random.default_rng(seed + 1)
+    states, inputs = _anywhere(block, rng, n + n // 20)
+    states |= {flag: _rare(rng, n + n // 20, RESTING) for flag in ("guard_latched", "sensing_named")}
+    dead = rng.uniform(size=n + n // 20) < DEAD
+    same = np.take(SPECIAL, rng.integers(0, len(SPECIAL), len(dead)))
+    for s in block.inputs:
+        ends = (s.low, s.high, np.nextafter(s.low, -np.inf), np.nextafter(s.high, np.inf), *SPECIAL)
+        special = rng.uniform(size=len(dead)) < ENDS
+        inputs[s.name] = np.where(special, np.take(ends, rng.integers(0, len(ends), len(dead))), inputs[s.name])
+        inputs[s.name] = np.where(dead & (s.name in planar_stage.HALL), same, inputs[s.name])
+    kept = np.flatnonzero(~(_vanishing(inputs, "V_bx") | _vanishing(inputs, "V_cy")))[:n]
+    return {s: v[kept] for s, v in states.items()}, {s: v[kept] for s, v in inputs.items()}
+
+
+def _vanishing(inputs: Mapping[str, NDArray[Any]], cosine: str) -> NDArray[np.bool_]:
+    size = np.abs([inputs["V_ax"], inputs["V_ay"], inputs[cosine]])
+    with np.errstate(invalid="ignore"):
+        return np.asarray((size < TINY).all(axis=0) & (size > 0).any(axis=0))
+
+
+def saturated(outputs: Mapping[str, NDArray[Any]]) -> NDArray[np.bool_]:
+    """Tell for each sample whether a motor stands at its limit, from its phases."""
+    size = []
+    for motor in planar_stage.MOTORS:
+        a, b, c = (np.asarray(outputs[f"i_{motor}{phase}"]) for phase in "ABC")
+        size.append(np.sqrt(2 / 3 * (a**2 + b**2 + c**2)))
+    return np.asarray(np.max(size, axis=0) >= allocation.QUADRATURE * (1 - 1e-9))
+
+
+def of_law(block: Block) -> list[str]:
+    """Return the names of the states of a controller's law."""
+    return [s.name for s in block.states if s.name.startswith(LAW)]
+
+
+def axis_of(state: str) -> str:
+    """Return the axis of a state of the law."""
+    return next(part for part in state.split("_") if part in allocation.AXES)
+
+
+def _law(subject: Subject, plant: Plant, pose: Mapping[str, NDArray[Any]], rng: np.random.Generator, n: int) -> Columns:
+    most, mean = allocation.authority(plant), subject.at_rest(pose)
+    drawn = {}
+    for s in (s for s in subject.block.states if s.name in of_law(subject.block)):
+        value = mean.get(s.name, 0.0) + rng.normal(0, PART * subject.size * most[axis_of(s.name)], n)
+        drawn[s.name] = _clipped(s.signal, value)
+    return drawn
+
+
+def _reach(block: Block, plant: Plant, axis: str) -> float:
+    """Return the error in m or rad whose demand is what the motors meet at most."""
+    direct = [c.value for c in block.constants if c.name in (f"loop_{axis}_direct", f"lqg_{axis}_on_error")]
+    if len(direct) != 1:
+        raise SignalError(f"'{block.name}' has {len(direct)} gains of the error of {axis}: one is needed to draw steps")
+    return allocation.authority(plant)[axis] / direct[0]
+
+
+def _anywhere(block: Block, rng: np.random.Generator, n: int) -> tuple[Columns, Columns]:
+    states = {}
+    for s in block.states:
+        low, high = s.signal.low, s.signal.high
+        whole = rng.integers(int(low), int(high) + 1, n).astype(float) if s.integer else rng.uniform(low, high, n)
+        states[s.name] = whole if s.integer else _clipped(s.signal, whole)
+    return states, {s.name: rng.uniform(s.low, s.high, n) for s in block.inputs}
+
+
+def _within(s: Signal, part: NDArray[Any]) -> NDArray[Any]:
+    """Return values (N,) of a signal for -1 .. 1."""
+    return _clipped(s, (s.low + s.high) / 2 + (s.high - s.low) / 2 * part)
+
+
+def _clipped(s: Signal, value: NDArray[Any]) -> NDArray[Any]:
+    margin = INSIDE * (s.high - s.low)
+    return np.clip(value, s.low + margin, s.high - margin)
+
+
+def _rare(rng: np.random.Generator, n: int, share: float) -> NDArray[Any]:
+    return np.asarray(rng.uniform(size=n) < share, dtype=float)

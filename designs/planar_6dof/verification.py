@@ -1,0 +1,216 @@
+"""Verification of emitted C: NumPy reference, CasADi, CasADi's own C, and the C in double and in single precision.
+
+Random steps are drawn by `random_steps`, each sample independent. Recorded inputs of closed loops, in double precision,
+are replayed from `init`: a tour over pitches and sections both ways in all six axes, a step beyond what the motors can
+do, bad samples up to the latch, and a Hall channel that sticks.
+
+Where two numbers that are compared come near each other, single precision may decide otherwise than double, such as
+whether sensors contradict each other. Of random steps those are compared that decide alike, and the share of the others
+is told. Over a long tour the path of the stage tells what single precision does.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from designs.planar_6dof import allocation, failures, interface, random_steps
+from designs.planar_6dof import loop as loops
+from designs.planar_6dof.loop import Array, Loop
+from designs.planar_6dof.random_steps import Columns, Subject
+from models import halbach, planar_stage
+from synth.check import Check
+from synth.execute import host
+from synth.simulate.scenario import Trajectory, sample_times
+from synth.simulate.sensors import Override
+from synth.timing import Discrete
+from synth.verify import agree
+from synth.verify.evidence import Evidence
+
+RANDOM_STEPS, EDGE_STEPS = 100_000, 20_000
+FLOOR = 1.0  # A: a phase is one projection of up to 1.26 A, and what rounding leaves is no smaller where it is
+EXACT = 1e-12
+AT_A_LIMIT = (0.02, 0.5)  # share of random steps: some, and few enough that limits hide nothing
+PASSED_OVER = 0.15  # share of random steps whose sensors contradict each other, or have done so
+OTHERWISE = 1e-3  # share of random steps
+DECIDED = 0.01  # m: more than rounding, and less than a pitch; also less than the step of a counter
+LATCHED = 0.02  # share of random steps: those whose last good sample is long ago
+LONG = 60.0  # s
+RADIUS, RATE, GROWTH = 0.06, pi / 2, 2.0  # m, rad/s, s: six pitches in 4 s, at 0.1 m/s
+TILTS = {"phi": 5e-3, "z": 5e-5, "theta": 5e-4, "psi": 5e-4}  # m, rad
+STEP, SHORT = 0.02, 1.0  # m, s
+# m, rad: single against double with noise but ideal converters, a hundredth of the noise of a raw x, y or phi, and half
+# of what the lasers' noise is in z, theta or psi, at most
+LARGEST = {"x": 1e-7, "y": 1e-7, "phi": 1e-6, "z": 1e-8, "theta": 1e-7, "psi": 1e-6}
+# m, rad rms: with converters, of which a count, 0.84 um or 0.1 mrad, falls otherwise now and then; a tenth of the noise
+COUNTED = {"x": 1.3e-6, "y": 1.3e-6, "phi": 3e-5}
+OTHERS = ("reference", "casadi", "casadi_c")  # that the C in double precision is compared with
+Told = Callable[[str], None]
+Compared = tuple[agree.Agreement, list[Check]]
+
+
+@dataclass(frozen=True, eq=False)
+class Witnesses:
+    """The witnesses of one step by name, and the compiled C in both scalar types."""
+
+    of: Mapping[str, agree.Witness]
+    c64: host.Controller
+    c32: host.Controller
+
+
+def witnesses(subject: Subject) -> Witnesses:
+    """Return the witnesses of a controller."""
+    block = subject.block
+    c64, c32 = (loops.compiled(block, scalar) for scalar in (np.float64, np.float32))
+    others = {"reference": agree.reference(subject.reference), "casadi": agree.casadi(block)}
+    return Witnesses(others | {"casadi_c": agree.casadi_own_c(block), "c64": agree.emitted(c64)}, c64, c32)
+
+
+def verify(subject: Subject, told: Told, replay_s: float) -> Evidence:
+    """Compare all witnesses; `replay_s` is how much of the tour the others replay, in s."""
+    by = witnesses(subject)
+    found = [*drawn(subject, by, told)]
+    told("replays of closed loops")
+    view = loops.compiled(loops.view(subject.block.time))
+    loop = Loop(planar_stage.plant(halbach.HARMONICS), by.c64, view)
+    for what, run in runs(loop, replay_s).items():
+        found += replayed(what, subject, by, run)
+    told(f"single against double over {LONG:g} s")
+    last = single_against_double(loop, replace(loop, controller=by.c32))
+    checks = [c for _, some in found for c in some]
+    return Evidence(subject.block.name, tuple(a for a, _ in found), (*checks, *last))
+
+
+def drawn(subject: Subject, by: Witnesses, told: Told) -> Iterator[Compared]:
+    """Yield the comparisons of random steps, in operation and at the edges, and those of single precision."""
+    told("random steps")
+    inside = random_steps.in_operation(subject, planar_stage.plant(), RANDOM_STEPS)
+    found = {name: witness(*inside) for name, witness in by.of.items()}
+    yield from (compared("random steps", subject, (name, found[name]), found["c64"]) for name in OTHERS)
+    single, decided = in_single(subject, by, *inside)
+    yield single, [*decided, *shares(inside[0], found["c64"])]
+    told("edge steps")
+    edges = random_steps.at_the_edges(subject.block, EDGE_STEPS)
+    found = {name: witness(*edges) for name, witness in by.of.items()}
+    yield from (compared("edge steps", subject, (name, found[name]), found["c64"]) for name in OTHERS)
+
+
+def compared(what: str, subject: Subject, first: tuple[str, agree.Stepped], c64: agree.Stepped) -> Compared:
+    """Compare a witness by name with the C in double precision."""
+    a = agree.compare(what, first, ("c64", c64), FLOOR, subject.block)
+    return a, exact(a, law_apart(subject, first[1], c64))
+
+
+def exact(a: agree.Agreement, apart: float) -> list[Check]:
+    """Return the checks of two witnesses in double precision; `apart` is that of the law's states."""
+    pair = f"{a.first} and {a.second}"
+    about = f"worst of {a.samples} steps, {a.signal}"
+    return [
+        Check(f"{a.what}: {a.first} against {a.second}", a.worst, EXACT, f"max({FLOOR:g} A, |i|)", about),
+        Check(f"{a.what}: next states of {pair}", a.state_worst, EXACT, "of range", a.state),
+        Check(f"{a.what}: next states of the law of {pair}", apart, EXACT, "max(|x|, what the motors meet)"),
+        Check(f"{a.what}: fault words of {pair} unlike", a.faults_differ, 0, "1"),
+    ]
+
+
+def law_apart(subject: Subject, first: agree.Stepped, second: agree.Stepped) -> float:
+    """Return the worst difference of the law's next states, of max(|value|, what the motors meet of the axis).
+
+    They are bounded by what a sensor may read, a hundred times what the motors meet: of that 1e-12 would be little.
+    """
+    most = allocation.authority(planar_stage.plant())
+    return max(
+        float(np.max(np.abs(first.states[s] - second.states[s]) / np.maximum(np.abs(first.states[s]), most[axis])))
+        for s, axis in ((s, random_steps.axis_of(s)) for s in random_steps.of_law(subject.block))
+    )
+
+
+def shares(states: Columns, found: agree.Stepped) -> list[Check]:
+    """Return the shares of random steps at limits, and of those from which no position is taken or no law computed."""
+    least, most = AT_A_LIMIT
+    limited = float(np.mean(random_steps.saturated(found.outputs)))
+    before, after = states["sensing_doubt"], found.states["sensing_doubt"]
+    passed_over = float(np.mean((after > 0) & (after >= before)))  # else the memory of a contradiction fades
+    return [
+        Check("share of random steps at a limit", limited, most, "1"),
+        Check("share of random steps within all limits", 1 - limited, 1 - least, "1"),
+        Check("share of random steps that sensing passes over", passed_over, PASSED_OVER, "1"),
+        Check("share of random steps that latch", float(np.mean(found.states["guard_latched"])), LATCHED, "1"),
+    ]
+
+
+def in_single(subject: Subject, by: Witnesses, states: Columns, inputs: Columns) -> Compared:
+    """Compare single with double on the same bits, where all decisions are alike, and check how many are not."""
+    x, u = ({n: v.astype(np.float32) for n, v in columns.items()} for columns in (states, inputs))
+    double, single = agree.emitted(by.c64)(x, u), agree.emitted(by.c32)(x, u)
+    alike = double.faults == single.faults
+    for s in subject.block.states:
+        if s.integer or "_offset_" in s.name:  # of whole pitches
+            alike &= np.abs(double.states[s.name] - single.states[s.name].astype(np.float64)) < DECIDED
+    pair = ("c64", _part(double, alike)), ("c32", _part(single, alike))
+    a = agree.compare("random steps", *pair, FLOOR, subject.block, np.float32)
+    otherwise = float(np.mean(~alike))
+    return a, [Check("random steps: decisions otherwise in single precision", otherwise, OTHERWISE, "1")]
+
+
+def _part(stepped: agree.Stepped, chosen: NDArray[np.bool_]) -> agree.Stepped:
+    outputs, states = ({n: v[chosen] for n, v in c.items()} for c in (stepped.outputs, stepped.states))
+    return agree.Stepped(outputs, states, stepped.faults[chosen])
+
+
+def tour(duration_s: float, time: Discrete) -> dict[str, Array]:
+    """Return set-points (N,) by axis: a circle that grows to RADIUS, yaw, lift and tilts that swing."""
+    t = sample_times(duration_s, time.period_s)
+    part = np.clip(t / GROWTH, 0, 1)
+    r = RADIUS * part**3 * (10 - 15 * part + 6 * part**2)
+    wanted = {"x": r * np.cos(RATE * t), "y": r * np.sin(RATE * t)}
+    return wanted | {a: high * np.sin((k + 1.3) * t) for k, (a, high) in enumerate(TILTS.items())}
+
+
+def runs(loop: Loop, replay_s: float) -> dict[str, Trajectory]:
+    """Run what is replayed: the tour, a step beyond the motors, bad samples up to the latch, a sensor that sticks."""
+    time = Discrete(loop.period_s)
+    t = sample_times(SHORT, loop.period_s)
+    return {
+        f"replay of {replay_s:g} s": loop.run(replay_s, tour(replay_s, time), {}),
+        "replay of a saturated step": loop.run(SHORT, {"x": np.where(t < 0.2, 0.0, STEP)}, {}),
+        "replay of faults": loop.run(SHORT, tour(SHORT, time), {}, overrides=bad_samples(t)),
+        "replay of a sensor that sticks": failures.fail(loop, "V_ax", "stuck", True).run,
+    }
+
+
+def bad_samples(t: Array) -> dict[str, Override]:
+    """Single bad samples of V_bx and a set-point, four in a row of d1, and in the end V_ay for ever, which latches."""
+    k = np.arange(len(t))
+    row = k - int(np.argmax(t >= 0.5))
+    masks = {
+        "V_bx": k % 120 == 119,
+        "y_ref": k % 150 == 149,
+        "d1": (row >= 0) & (row < interface.BAD_SAMPLES - 1),
+        "V_ay": t > 0.8,
+    }
+    return {name: Override(mask, np.full(len(t), np.nan)) for name, mask in masks.items()}
+
+
+def replayed(what: str, subject: Subject, by: Witnesses, run: Trajectory) -> list[Compared]:
+    """Compare the witnesses over a recorded run from `init`."""
+    c64, start = agree.replayed(by.c64, run.measured), {s.name: s.initial for s in subject.block.states}
+    others = ((name, agree.recorded(by.of[name], start, run.measured)) for name in OTHERS)
+    return [compared(what, subject, other, c64) for other in others]
+
+
+def single_against_double(double: Loop, single: Loop) -> list[Check]:
+    """Compare the stage's path under both types over LONG, with noise: at its worst, and with converters its rms."""
+    wanted, about, checks = tour(LONG, Discrete(double.period_s)), f"{LONG:g} s of the tour", []
+    one, two = (replace(loop, converters=False).run(LONG, wanted, {}) for loop in (double, single))
+    for axis, limit in LARGEST.items():
+        worst = float(np.abs(one[axis] - two[axis]).max())
+        checks.append(Check(f"single less double, {axis}", worst, limit, "m" if axis in "xyz" else "rad", about))
+    one, two = (loop.run(LONG, wanted, {}) for loop in (double, single))
+    for axis, limit in COUNTED.items():
+        rms = float(np.sqrt(np.mean((one[axis] - two[axis]) ** 2)))
+        unit = "m rms" if axis in "xyz" else "rad rms"
+        checks.append(Check(f"single less double, {axis}, with converters", rms, limit, unit, about))
+    return checks

@@ -1,0 +1,93 @@
+"""The LQG controller's loops: as shipped, with the printed weights (47), as (33) has it, and (42), which makes none.
+
+    as shipped        K of (49), the effect of the last currents predicted, the allocation of Table 3
+    weights (47)      the same with the K that lqrd makes of the printed weights
+    (33) as printed   K of (49) on the observer (33) alone, from ideal positions straight to i_AQ, i_BQ, i_CQ
+
+The third has the poles of the observer as shipped, which the paper does not print, and a sample of delay like the rest.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from designs.planar_6dof import loops as shared
+from designs.planar_6dof import sensing
+from designs.planar_6dof.allocation import AXES, HORIZONTAL
+from designs.planar_6dof.loops import Horizontal, OpenLoop, Parts
+from designs.planar_6dof_lqg import audit, control, core
+from designs.planar_6dof_lqg.control import CURRENTS, STATES, TIME, Axis
+from synth.analyse import discretise
+from synth.block import Block
+from synth.errors import ModelError
+from synth.plant import Plant
+from synth.statespace import Array, readonly
+from synth.synthesise import reduced_observer
+
+SHIPPED, REWEIGHTED, PRINTED = "as shipped", "weights (47)", "(33) as printed"
+ROW = {"x": 2, "y": 1, "phi": 1}  # of K in which an axis has its gains
+
+
+def all_loops(plant: Plant) -> list[OpenLoop]:
+    """Return the six loops of each kind; another kind of one axis is closed with the other axes as shipped."""
+    shipped, printed = control.law(plant), control.law(plant, reading="published")
+    found = shared.of_block(plant, whole(plant, shipped), AXES, SHIPPED)
+    for axis in AXES:
+        other, label = (reweighted(plant), REWEIGHTED) if axis in HORIZONTAL else (printed, "as printed")
+        found += shared.of_block(plant, whole(plant, shared.exchanged(shipped, other, axis)), [axis], label)
+    return found + shared.of_parts(as_printed(plant), HORIZONTAL, PRINTED)
+
+
+def horizontals(plant: Plant) -> dict[str, Horizontal]:
+    """Return the loop of x, y and phi of each kind."""
+    laws = {SHIPPED: control.law(plant), REWEIGHTED: reweighted(plant)}
+    found = {label: shared.parts(plant, whole(plant, law)) for label, law in laws.items()}
+    return {label: shared.horizontal(each) for label, each in (found | {PRINTED: as_printed(plant)}).items()}
+
+
+def whole(plant: Plant, law: Sequence[Block]) -> Block:
+    """Return the controller of a law, on positions as they are measured."""
+    return shared.whole(plant, TIME, [sensing.unfiltered(TIME)], law)
+
+
+def reweighted(plant: Plant) -> list[Block]:
+    """Return the law with the gains that lqrd makes of (47)."""
+    law = control.law(plant)
+    for axis in control.axes(plant):
+        law = shared.exchanged(law, [control.reduced_order(plant, _reweighted(axis))], axis.name)
+    return law
+
+
+def _reweighted(axis: Axis) -> Axis:
+    i = STATES.index(axis.name)
+    rows = (control.gain(w).K[ROW[axis.name]] for w in (control.PRINTED_WEIGHTS, control.WEIGHTS))
+    k1, k3, k2 = (float(a[n] / b[n]) for a, b in [tuple(rows)] for n in (i, 3 + i, 6 + i))
+    return replace(axis, k1=k1 * axis.k1, k2=k2 * axis.k2, k3=k3 * axis.k3)
+
+
+def as_printed(plant: Plant) -> Parts:
+    """Return the horizontal stage under (33) with K of (49), which leaves the yaw of motor C out."""
+    stage = shared.parts(plant, whole(plant, control.law(plant))).plant
+    law = core.compensator().model
+    seen, commands = tuple(f"{axis}_seen" for axis in law.inputs), tuple(f"{name}_command" for name in law.outputs)
+    return Parts(stage.select(HORIZONTAL, CURRENTS), replace(law, inputs=seen, outputs=commands))
+
+
+def gain_of_42() -> Array:
+    """Return H (3, 6) of (42), on x, y, phi, z1, z2, z3."""
+    own, other, integral = (audit.printed()["Y-12"][name].value for name in ("own", "other", "integral"))
+    return readonly(np.hstack([other + (own - other) * np.eye(3), integral * np.eye(3)]))
+
+
+def refusal() -> str:
+    """Return what the library says of an observer with the gain of (42).
+
+    Raises ModelError when it takes it.
+    """
+    held = discretise.zero_order_hold(control.model(), TIME.period_s)
+    try:
+        reduced_observer.from_gain(held, STATES[:6], gain_of_42())
+    except ModelError as error:
+        return str(error)
+    raise ModelError("an observer with the gain of (42) was taken: its poles must decay now, and the report is wrong")

@@ -1,0 +1,169 @@
+"""The report of the LQG design."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from designs.planar_6dof import allocation, drawings, vertical
+from designs.planar_6dof import loops as shared_loops
+from designs.planar_6dof import page as shared
+from designs.planar_6dof.allocation import AXES, VERTICAL
+from designs.planar_6dof.page_stage import SYMBOLS
+from designs.planar_6dof_lqg import control, loops, orders
+from designs.planar_6dof_lqg.control import STATES, TIME
+from models import halbach, planar_stage
+from synth.emit.write import Emitted
+from synth.plant import Plant
+from synth.report import figures, page
+from synth.report.audit import Row
+from synth.report.notation import number
+from synth.simulate.experiment import Experiment
+from synth.verify.cost import Cost
+from synth.verify.evidence import Evidence
+
+BESIDE = {
+    "step_x": (("Y-40", "section 5.3"),),
+    "step_y": (("Y-40", "section 5.3"),),
+    "standstill": (("Y-40", "section 5.3"),),
+}
+LAW = (
+    ("Y(31)", "x'' = b i_C,  y'' = b (i_A + i_B),  φ'' = c (i_B - i_A),  z_1' = x,  z_2' = y,  z_3' = φ"),
+    ("Y(43)", "min ∫ (x' Q x + u' u) dt,  u held over T,  u = K x"),
+    ("Y(33)", "v = x_3 + L q,  x_3 ← F x_3 + G q + H d_1,  L = (1 - p) / T"),
+    ("", "q_1 = q + T v + b T^2/2 d_1,  v_1 = v + b T d_1"),
+    ("", "w = k_1 (q - q_1) - k_2 v_1,  d = w + k (r - q) + I,  k = k_1 + k_3"),
+    ("", "I ← (1 - g) I + g (made - w),  d_1 ← made,  g = k_3 / k"),
+)
+LOW, HIGH, POINTS = 0.3, 0.999, 300  # Hz, of the Nyquist frequency, points of singular values
+
+
+def report(
+    files: Mapping[str, Emitted],
+    evidence: Evidence,
+    experiments: Sequence[Experiment],
+    rows: Sequence[Row],
+    cost: Cost | None,
+) -> str:
+    """Return the whole report as one HTML document."""
+    plant = planar_stage.plant()
+    line = "reduced-order LQG in x, y and φ, (26)-(49), on positions as measured; lead-lag in z, θ and ψ, (23)-(25)"
+    spent = orders.spent(experiments) if cost else ()
+    parts = (_law(), _gains(plant), _loops(plant))
+    own = shared.Contents(control.NAME, TIME, line, *parts, BESIDE, filtered=False, spectrum=True, cost=spent)
+    return shared.report(own, files, evidence, experiments, rows, cost)
+
+
+def _law() -> page.Section:
+    text = page.Text(
+        "K falls apart into three axes q'' = b d, whose demands the allocation turns into currents: it compensates "
+        "the yaw of motor C, which (26) leaves out. Each axis knows the demand d₁ that the motors meet until the "
+        "next sample and estimates its rate alone. K belongs to a loop without delay; the prediction q₁, v₁ puts "
+        "it where it was designed for. Positions are taken as they are measured: behind the filters (6)-(16), which "
+        "know nothing of d, this loop is unstable for every p. At a limit the integral follows what is made. z, θ "
+        "and ψ have the zeros of (23)-(25), the pole at 2/T, and a part of the gain at low frequencies."
+    )
+    return page.Section("Control law", (text, page.Equations((*LAW, *shared.upright(), shared.RESET))))
+
+
+def _gains(plant: Plant) -> page.Section:
+    text = page.Text(
+        "K of (49) is that of other weights than those printed with it: rows Y-10 and Y-11 of the audit recover them. "
+        "Gains are correctly rounded, alike on every machine; residual and error of the Riccati solution are relative, "
+        "in scaled units. F and p are the pole of the observer."
+    )
+    upright = [vertical.loop(axis, vertical.compensator(axis, TIME), TIME) for axis in VERTICAL]
+    tables = (_weights(), _certificates(), _axes(plant), shared.compensators(upright, vertical.PART))
+    return page.Section("Gains and certificates", (text, *tables))
+
+
+def _weights() -> page.Table:
+    used, printed = -control.gain().K, -control.gain(control.PRINTED_WEIGHTS).K
+    rows = []
+    for j, name in enumerate(STATES):
+        gains = (", ".join(number(v, 6) for v in K[:, j]) for K in (used, printed))
+        q, other = control.WEIGHTS[j], control.PRINTED_WEIGHTS[j]
+        rows.append((name, number(q), next(gains), number(other), next(gains)))
+    columns = ("state", "weight", "−K: i_AQ, i_BQ, i_CQ", "printed weight (47)", "−K of it")
+    return page.Table("Gains of (49) at 800 Hz, R = I, and those of the printed weights", columns, tuple(rows))
+
+
+def _certificates() -> page.Table:
+    rows = []
+    for label, weights in (("(49)", control.WEIGHTS), ("of (47)", control.PRINTED_WEIGHTS)):
+        found = control.gain(weights).certificate
+        poles = sorted({(round(p.real, 5), round(abs(p.imag), 5)) for p in found.poles})
+        told = ", ".join(f"{re:g}" + (f" ± {im:g}i" if im else "") for re, im in poles)
+        rows.append((label, found.residual, found.forward_error, found.least_eigenvalue, told))
+    columns = ("K", "residual", "error of X", "least eigenvalue of X, scaled", "poles of A + B K, z")
+    return page.Table("Certificates of the Riccati solutions", columns, tuple(rows), digits=2)
+
+
+def _axes(plant: Plant) -> page.Table:
+    rows: list[tuple[page.Cell, ...]] = []
+    for axis in control.axes(plant):
+        found = control.observer(axis)
+        entries = (float(m[0, 0]) for m in (found.F, found.G, found.H, found.L))
+        rows.append((SYMBOLS.get(axis.name, axis.name), axis.b, axis.k1, axis.k2, axis.k3, *entries))
+    columns = ("axis", "b, 1/A", "k1, A", "k2, A s", "k3, A", "F = p", "G, 1/s", "H, 1/A/s", "L, 1/s")
+    caption = "Axes and observers, per m or rad: gains on position, rate and sum of errors; the observer of the rate"
+    return page.Table(caption, columns, tuple(rows), digits=5)
+
+
+def _loops(plant: Plant) -> page.Section:
+    found, stated = loops.all_loops(plant), control.PER_AMPERE * plant.parameter("M").value
+    weaker = 1 - allocation.force_constant(plant) / stated
+    text = page.Text(
+        "Each loop is opened at the platen's own coordinate, the other five closed: the rounded controller as it "
+        "ships, guard and sensing included, one sample of computation delay, the hold, and the stage, linearised "
+        "about the platen at rest in the middle of its travel. 'weights (47)' has the gains that lqrd makes of the "
+        "weights printed with (49). '(33) as printed' has K of (49) on the observer alone, without the prediction, "
+        "from ideal positions straight to the three currents, of which the stage makes "
+        f"{100 * weaker:.1f} % less force than (26) has. z, θ and ψ as printed are closed with the others as shipped."
+    )
+    over = shared.over_pitch(planar_stage.plant(halbach.HARMONICS), control.controller(plant).rounded(np.float32))
+    return page.Section(
+        "Loops and margins", (text, over), (_whole(plant), *(shared.bodes(found, axis) for axis in AXES))
+    )
+
+
+def _whole(plant: Plant) -> page.Section:
+    found = loops.horizontals(plant)
+    text = page.Text(
+        "x, y and φ with the motors A, B and C as they are, opened at the three currents i_AQ, i_BQ, i_CQ, at the "
+        "three positions, and at all six at once. At the currents the loop is a full matrix: each motor moves more "
+        "than one axis. A disk margin α says that all channels may go astray at once, each in its own way, by gains "
+        "within the factors or phases within the angle given; it is shown for all frequencies, not for those of a "
+        "grid."
+    )
+    refused = page.Text(
+        f"The gain H of (42) is no choice. The library refuses it: {loops.refusal().replace('-1', '−1')}."
+    )
+    disks = {label: each.disks() for label, each in found.items()}
+    drawn = figures.svg(drawings.disks(disks[loops.SHIPPED]), "disks")
+    caption = "Disk margin over frequency, as shipped, by where the loop is opened."
+    blocks: tuple[page.Block, ...] = (
+        text,
+        *_singular(found),
+        shared.disk_table(disks),
+        page.Figure(drawn, caption),
+        refused,
+    )
+    return page.Section("The horizontal loop as a whole", blocks)
+
+
+def _singular(found: Mapping[str, shared_loops.Horizontal]) -> tuple[page.Figure, ...]:
+    w = 2 * np.pi * np.geomspace(LOW, HIGH * 0.5 / TIME.period_s, POINTS)
+    arm = planar_stage.plant().parameter("a").value
+    cuts = {
+        "currents": {label: each.currents for label, each in found.items()},
+        "positions": {label: shared_loops.scaled(each.positions, {"phi": arm}) for label, each in found.items()},
+    }
+    captions = {
+        "currents": "Singular values of the loop opened at i_AQ, i_BQ, i_CQ.",
+        "positions": f"Singular values of the loop opened at x, y and φ, φ times an arm of {1e3 * arm:.4g} mm.",
+    }
+    made = ((name, {label: shared_loops.singular(L, w) for label, L in loops.items()}) for name, loops in cuts.items())
+    return tuple(
+        page.Figure(figures.svg(drawings.singular_values(values), f"singular-{name}"), captions[name])
+        for name, values in made
+    )

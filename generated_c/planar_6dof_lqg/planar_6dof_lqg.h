@@ -1,0 +1,124 @@
+/* planar_6dof_lqg: one step every 0.00125 s, float. Generated: do not edit. */
+#ifndef PLANAR_6DOF_LQG_H
+#define PLANAR_6DOF_LQG_H
+
+#include <stdint.h>
+
+typedef struct {
+    float V_ax;                         /* V, -5 .. 5: Hall sensor and axis */
+    float V_ay;                         /* V, -5 .. 5: Hall sensor and axis */
+    float V_bx;                         /* V, -5 .. 5: Hall sensor and axis */
+    float V_by;                         /* V, -5 .. 5: Hall sensor and axis */
+    float V_cx;                         /* V, -5 .. 5: Hall sensor and axis */
+    float V_cy;                         /* V, -5 .. 5: Hall sensor and axis */
+    float d1;                           /* m, -0.0005 .. 0.0005: laser distance */
+    float d2;                           /* m, -0.0005 .. 0.0005: laser distance */
+    float d3;                           /* m, -0.0005 .. 0.0005: laser distance */
+    float x_ref;                        /* m, -0.11 .. 0.11: set-point */
+    float y_ref;                        /* m, -0.1 .. 0.1: set-point */
+    float phi_ref;                      /* rad, -0.02 .. 0.02: set-point */
+    float z_ref;                        /* m, -0.0002 .. 0.0002: set-point */
+    float theta_ref;                    /* rad, -0.002 .. 0.002: set-point */
+    float psi_ref;                      /* rad, -0.002 .. 0.002: set-point */
+} planar_6dof_lqg_input_t;
+
+typedef struct {
+    float i_AA;                         /* A, -1.26 .. 1.26: phase A of motor A */
+    float i_AB;                         /* A, -1.26 .. 1.26: phase B of motor A */
+    float i_AC;                         /* A, -1.26 .. 1.26: phase C of motor A */
+    float i_BA;                         /* A, -1.26 .. 1.26: phase A of motor B */
+    float i_BB;                         /* A, -1.26 .. 1.26: phase B of motor B */
+    float i_BC;                         /* A, -1.26 .. 1.26: phase C of motor B */
+    float i_CA;                         /* A, -1.26 .. 1.26: phase A of motor C */
+    float i_CB;                         /* A, -1.26 .. 1.26: phase B of motor C */
+    float i_CC;                         /* A, -1.26 .. 1.26: phase C of motor C */
+} planar_6dof_lqg_output_t;
+
+typedef struct {
+    float guard_last_d1;                /* m, -0.0005 .. 0.0005: last good value */
+    float guard_last_d2;                /* m, -0.0005 .. 0.0005: last good value */
+    float guard_last_d3;                /* m, -0.0005 .. 0.0005: last good value */
+    float guard_last_x_ref;             /* m, -0.11 .. 0.11: last good value */
+    float guard_last_y_ref;             /* m, -0.1 .. 0.1: last good value */
+    float guard_last_phi_ref;           /* rad, -0.02 .. 0.02: last good value */
+    float guard_last_z_ref;             /* m, -0.0002 .. 0.0002: last good value */
+    float guard_last_theta_ref;         /* rad, -0.002 .. 0.002: last good value */
+    float guard_last_psi_ref;           /* rad, -0.002 .. 0.002: last good value */
+    uint32_t guard_left;                /* 1, 1 .. 5: samples with a bad measurement until it latches */
+    uint32_t guard_latched;             /* 1, 0 .. 1: safe output until init */
+    uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
+    float sensing_count_x;              /* 1, -2 .. 2: whole pitches from the middle */
+    float sensing_count_y;              /* 1, -2 .. 2: whole pitches from the middle */
+    uint32_t sensing_doubt;             /* 1, 0 .. 3: samples for which the last contradiction is remembered */
+    uint32_t sensing_named;             /* 1, 0 .. 1: some are suspects */
+    uint32_t sensing_found_V_ax;        /* 1, 0 .. 1: V_ax contradicts the others */
+    uint32_t sensing_found_V_ay;        /* 1, 0 .. 1: V_ay contradicts the others */
+    uint32_t sensing_found_V_bx;        /* 1, 0 .. 1: V_bx contradicts the others */
+    uint32_t sensing_found_V_by;        /* 1, 0 .. 1: V_by contradicts the others */
+    uint32_t sensing_found_V_cx;        /* 1, 0 .. 1: V_cx contradicts the others */
+    uint32_t sensing_found_V_cy;        /* 1, 0 .. 1: V_cy contradicts the others */
+    float positions_last_x;             /* m, -0.2 .. 0.2: as measured */
+    float positions_last_y;             /* m, -0.2 .. 0.2: as measured */
+    float positions_last_phi;           /* rad, -0.05 .. 0.05: as measured */
+    float lqg_x_x3;                     /* A, -2072.19 .. 2072.19: for the estimated rate less L position */
+    float lqg_x_integral;               /* A, -4165.57 .. 4165.57: of the error */
+    float lqg_x_force;                  /* A, -1.26 .. 1.26: that acts until the next sample */
+    float lqg_y_x3;                     /* A, -1439.37 .. 1439.37: for the estimated rate less L position */
+    float lqg_y_integral;               /* A, -2894.57 .. 2894.57: of the error */
+    float lqg_y_force;                  /* A, -2.52 .. 2.52: that acts until the next sample */
+    float lqg_phi_x3;                   /* A, -51.1497 .. 51.1497: for the estimated rate less L position */
+    float lqg_phi_integral;             /* A, -84.309 .. 84.309: of the error */
+    float lqg_phi_force;                /* A, -2.52 .. 2.52: that acts until the next sample */
+    float loop_z_integral;              /* A, -1.2726 .. 1.2726: of the error */
+    float loop_z_lag;                   /* A, -2.50093 .. 2.50093: what the lead takes back */
+    float loop_theta_integral;          /* A, -0.8484 .. 0.8484: of the error */
+    float loop_theta_lag;               /* A, -4.68479 .. 4.68479: what the lead takes back */
+    float loop_psi_integral;            /* A, -1.2726 .. 1.2726: of the error */
+    float loop_psi_lag;                 /* A, -5.15327 .. 5.15327: what the lead takes back */
+    float safe_output_last_i_AA;        /* A, -1.26 .. 1.26: last output */
+    float safe_output_last_i_AB;        /* A, -1.26 .. 1.26: last output */
+    float safe_output_last_i_AC;        /* A, -1.26 .. 1.26: last output */
+    float safe_output_last_i_BA;        /* A, -1.26 .. 1.26: last output */
+    float safe_output_last_i_BB;        /* A, -1.26 .. 1.26: last output */
+    float safe_output_last_i_BC;        /* A, -1.26 .. 1.26: last output */
+    float safe_output_last_i_CA;        /* A, -1.26 .. 1.26: last output */
+    float safe_output_last_i_CB;        /* A, -1.26 .. 1.26: last output */
+    float safe_output_last_i_CC;        /* A, -1.26 .. 1.26: last output */
+} planar_6dof_lqg_state_t;
+
+/* The layout is the same on every target. */
+extern char planar_6dof_lqg_input_size_is_60[(sizeof(planar_6dof_lqg_input_t) == 60u) ? 1 : -1];
+extern char planar_6dof_lqg_output_size_is_36[(sizeof(planar_6dof_lqg_output_t) == 36u) ? 1 : -1];
+extern char planar_6dof_lqg_state_size_is_196[(sizeof(planar_6dof_lqg_state_t) == 196u) ? 1 : -1];
+
+/* Put the state to its initial values. The caller owns it. */
+void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state);
+
+/* Compute one sample: read `in`, write `out`, advance `state`.
+ * It returns the fault bits:
+ *   bit  0  V_ax: not finite or outside its range
+ *   bit  1  V_ay: not finite or outside its range
+ *   bit  2  V_bx: not finite or outside its range
+ *   bit  3  V_by: not finite or outside its range
+ *   bit  4  V_cx: not finite or outside its range
+ *   bit  5  V_cy: not finite or outside its range
+ *   bit  6  d1: not finite or outside its range
+ *   bit  7  d2: not finite or outside its range
+ *   bit  8  d3: not finite or outside its range
+ *   bit  9  x_ref: not finite or outside its range
+ *   bit 10  y_ref: not finite or outside its range
+ *   bit 11  phi_ref: not finite or outside its range
+ *   bit 12  z_ref: not finite or outside its range
+ *   bit 13  theta_ref: not finite or outside its range
+ *   bit 14  psi_ref: not finite or outside its range
+ *   bit 15  V_ax: contradicts the others
+ *   bit 16  V_ay: contradicts the others
+ *   bit 17  V_bx: contradicts the others
+ *   bit 18  V_by: contradicts the others
+ *   bit 19  V_cx: contradicts the others
+ *   bit 20  V_cy: contradicts the others
+ *   bit 31  latched: safe output until init
+ */
+uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in, planar_6dof_lqg_output_t *out);
+
+#endif

@@ -1,0 +1,127 @@
+"""The field above a magnet matrix of finite size: blocks as they are made, by a Fourier series of its own.
+
+A block of side s = l/4 is the sum of one of each of two arrays, a(i) + b(j), with the cycle +z, -x, -z, +x along X and
++z, -y, -z, +y along Y. Where both are +z or both -z it is a strong block (2 m), where one is +z and the other -z there
+is none, and all others are weak ones (sqrt(2) m), tilted by 45 degrees or flat. There are 24 x 24 places, six pitches;
+the origin is the centre of a strong block, with BEFORE places before it along X and along Y.
+
+The matrix is one cell of a lattice of equal matrices, CELL pitches apart, with nothing between them. With J_k the
+Fourier coefficients of the remanence over a cell and kappa = |k|, k = 2 pi (p, q) / (CELL l), above the matrix
+
+    B = -grad Phi,   Phi = sum_k Phi_k exp(i k.r - kappa z),
+    Phi_k = (1 - exp(-kappa Delta)) / (2 kappa) (J_z - i k.J / kappa)
+
+of the charges on the blocks' faces. What the other matrices of the lattice add is below 1e-4 T at motors and sensors.
+
+Table 2 gives the remanence of an ideal array; the blocks that were made are of 1.43 and 1.10 T, where an ideal weak
+one had 1.01. Which strong block the origin is, and so where the travel lies, is not printed.
+
+Source: Yu, Kim, "Design of Precision Positioner with Hall-effect Sensors", Table 2; Kawato, Kim, "Multi-Degree-of-
+Freedom Precision Position Sensing", section 2.
+"""
+
+from dataclasses import dataclass
+from math import pi, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models import lorentz_motor
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+VALUES = {p.name: p.value for p in lorentz_motor.PARAMETERS}
+SIDE, HEIGHT = VALUES["l"] / 4, VALUES["Delta"]  # m
+BLOCKS, BEFORE = 24, 11  # along each side, and before the origin: the Hall sensors lie ahead of the platen's middle
+STRONG, WEAK = 1.43, 1.10  # T
+CYCLE = np.array([(0, 1), (-1, 0), (0, -1), (1, 0)], dtype=np.float64)  # along the array and up
+CELL = 12  # pitches
+
+
+@dataclass(frozen=True, eq=False)
+class Blocks:
+    """The remanence (n, n, 3) in T of blocks whose centres are at `places` (n,) in m along X and along Y."""
+
+    places: Array
+    remanence: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Series:
+    """Phi_k (N, N/2 + 1) in T m up to so many harmonics of a pitch, with kx, ky >= 0 and kappa in rad/m, written 1/m.
+
+    A pitch of its grid has twice as many points as harmonics, a cell N.
+    """
+
+    harmonics: int
+    kx: Array
+    ky: Array
+    kappa: Array
+    potential: Complex
+
+    @property
+    def spacing(self) -> float:
+        """The distance of the grid's points in m."""
+        return VALUES["l"] / (2 * self.harmonics)
+
+    def grid(self, reach: float) -> Array:
+        """Return the points (n,) of the grid, at least from -reach to reach in m, alike on both axes."""
+        n = int(np.ceil(reach / self.spacing))
+        return np.asarray(self.spacing * np.arange(-n, n + 1), dtype=np.float64)
+
+    def summed(self, coefficients: Complex, reach: float) -> Array:
+        """Return the real series with coefficients (N, N/2 + 1) on grid x grid (n, n)."""
+        at = np.rint(self.grid(reach) / self.spacing).astype(int)
+        return np.asarray(np.fft.irfft2(coefficients)[np.ix_(at, at)] * len(coefficients) ** 2)
+
+
+def blocks(strong: float, weak: float) -> Blocks:
+    """Return the matrix of strong and weak blocks of a remanence in T each."""
+    cycle = CYCLE[(np.arange(BLOCKS) - BEFORE) % 4]
+    J = np.zeros((BLOCKS, BLOCKS, 3))
+    J[:, :, 0], J[:, :, 1] = cycle[:, None, 0], cycle[None, :, 0]
+    J[:, :, 2] = cycle[:, None, 1] + cycle[None, :, 1]
+    units = np.rint((J**2).sum(axis=2))  # 4 of a strong block, 2 of a weak one, 0 of a blank
+    scale = np.select([units == 4, units == 2], [strong / 2, weak / sqrt(2)])
+    return Blocks(SIDE * np.arange(-BEFORE, BLOCKS - BEFORE, dtype=np.float64), J * scale[:, :, None])
+
+
+def ideal() -> Blocks:
+    """Return the matrix of two ideal arrays of the remanence of Table 2."""
+    m = VALUES["mu0_M0"]
+    return blocks(2 * m, sqrt(2) * m)
+
+
+def made() -> Blocks:
+    """Return the matrix of the blocks that were made."""
+    return blocks(STRONG, WEAK)
+
+
+def series(matrix: Blocks, harmonics: int) -> Series:
+    """Return the Fourier series of the potential above a matrix."""
+    length, n = CELL * VALUES["l"], 2 * CELL * harmonics
+    counts = np.arange(n, dtype=np.float64)
+    kx = 2 * pi / length * np.where(counts < n / 2, counts, counts - n)
+    ky = 2 * pi / length * counts[: n // 2 + 1]
+    along_x, along_y = _transform(matrix.places, kx) / length, _transform(matrix.places, ky) / length
+    J = [along_x @ matrix.remanence[:, :, axis] @ along_y.T for axis in range(3)]
+    KX, KY = (np.ascontiguousarray(k) for k in np.broadcast_arrays(kx[:, None], ky[None, :]))
+    kappa = np.hypot(KX, KY)
+    kappa[0, 0] = 1.0  # of the mean, which has no field
+    potential = -np.expm1(-kappa * HEIGHT) / (2 * kappa) * (J[2] - 1j * (KX * J[0] + KY * J[1]) / kappa)
+    for edge in ((0, 0), (n // 2, slice(None)), (slice(None), n // 2)):
+        potential[edge] = 0.0
+    return Series(harmonics, KX, KY, kappa, potential)
+
+
+def _transform(places: Array, k: Array) -> Complex:
+    """Return the Fourier integrals (len(k), n) of blocks of side SIDE, m."""
+    shape = SIDE * np.sinc(k * SIDE / (2 * pi))
+    return np.asarray(shape[:, None] * np.exp(-1j * np.outer(k, places)))
+
+
+def flux_density(found: Series, z: float, order: int = 0) -> tuple[Complex, Complex, Complex]:
+    """Return the coefficients of B_X, B_Y, B_Z in T at z in m above the matrix; with `order` 1 of d/dz, T/m."""
+    at = found.potential * np.exp(-found.kappa * z) * (-found.kappa) ** order
+    return -1j * found.kx * at, -1j * found.ky * at, found.kappa * at

@@ -1,0 +1,81 @@
+"""Where a step's instructions go: each is charged to the Block whose lines of the emitted C it comes from.
+
+    instructions[k] = sum over Blocks and FRAME of parts[block][k]
+
+An instruction belongs to the line that the compiler's line table gives it; text of another function that the compiler
+has put in, to the line of the call, and so does all that a called function executes. The line's Block is that of the
+comment above it, the manifest's `trace`. The sum is exact. The shares are as good as text and table: what is computed
+once for two Blocks is charged to one of them, and what has no line of a Block, such as saving registers, to the FRAME.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synth.emit.write import Emitted
+from synth.errors import SignalError
+from synth.execute import recorder, trace
+from synth.verify import lines, meter, rivals
+from synth.verify.steps import Steps
+
+FRAME = "frame"
+
+
+def measure(emitted: Emitted, given: Steps, build: meter.Build) -> dict[str, NDArray[np.int64]]:
+    """Return the instructions (N,) that each step issues by Block, in the order of the text, FRAME last.
+
+    Raises CompileError as `meter.run`, and SignalError when there is no step.
+    """
+    if not len(given):
+        raise SignalError("parts of a step: found 0 steps, need 1 or more: give steps")
+    own = rivals.emitted(emitted)
+    path = meter.linked(own, build)
+    machine = meter.booted(own, build, path)
+    names, owner = _owners(emitted, machine.code, own.entry, path)
+    entry = _within(machine.code, own.entry)
+    found = []
+    with recorder.attached(machine.engine) as record:
+        arguments = own.placed(machine, given).arguments
+        for k, row in enumerate(arguments, 1):
+            machine.calls(own.entry, row[np.newaxis])
+            record.call_ended()
+            if record.is_filling or k == len(arguments):
+                path_taken = trace.follow(machine.code, record.take())
+                found.append(_counted(path_taken, owner, entry, len(names)))
+    counts = np.concatenate(found)
+    return {name: counts[:, k] for k, name in enumerate(names)}
+
+
+def _counted(path: trace.Trace, owner: NDArray[np.intp], entry: NDArray[np.bool_], size: int) -> NDArray[np.int64]:
+    """Count a trace by call and owner (n, size); outside the entry's own code the last instruction inside it owns."""
+    last = np.maximum.accumulate(np.where(entry[path.index], np.arange(len(path.index)), 0))
+    call = np.repeat(np.arange(len(path.ends)), path.lengths)
+    cells = call * size + owner[path.index[last]]
+    return np.bincount(cells, minlength=len(path.ends) * size).reshape(-1, size)
+
+
+def _within(code: trace.Code, function: str) -> NDArray[np.bool_]:
+    """Tell of each instruction (I,) whether it is one of a function."""
+    names = [f.name for f in code.program.functions]
+    return np.asarray(code.function == names.index(function))
+
+
+def _owners(emitted: Emitted, code: trace.Code, entry: str, path: Path) -> tuple[list[str], NDArray[np.intp]]:
+    """Return the names of the owners, and for each instruction (I,) of an image which one it is."""
+    source = f"{emitted.manifest['design']}.c"
+    blocks = _blocks(emitted.manifest["trace"])
+    names = [*dict.fromkeys(blocks.values()), FRAME]
+    table, inlined = lines.read(path), lines.calls(path, entry)
+    places = [table.at(int(address)) for address in code.address]
+    at = np.array([line if name == source else 0 for name, line in places])
+    for call in inlined:
+        at[(call.low <= code.address) & (code.address < call.high)] = call.line
+    return names, np.array([names.index(blocks.get(int(line), FRAME)) for line in at], dtype=np.intp)
+
+
+def _blocks(runs: Mapping[str, list[list[int]]]) -> dict[int, str]:
+    """Return the Block of each line of the emitted C, in the order of the text."""
+    found = {line: tag.split(":")[0] for tag, spans in runs.items() for a, b in spans for line in range(a, b + 1)}
+    return dict(sorted(found.items()))

@@ -1,0 +1,93 @@
+"""Defects planted in a controller or in its reference, and whether the witnesses of verification tell them."""
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from designs.planar_6dof import interface, random_steps, verification
+from designs.planar_6dof.random_steps import Columns, Subject
+from models import planar_stage
+from synth.block import Block
+from synth.emit import write
+from synth.execute import host
+from synth.verify import agree
+from synth.verify.evidence import Evidence
+
+PLANT = planar_stage.plant()
+DRAWN, EDGES = 30_000, 5000
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """A controller, steps drawn in operation and at the edges, and what its C answers to them."""
+
+    subject: Subject
+    states: Columns
+    inputs: Columns
+    emitted: write.Emitted
+    c64: agree.Stepped
+
+
+def bench(subject: Subject, edges: int = EDGES) -> Bench:
+    """Draw steps in operation and so many at the edges, and take them with the C in double precision."""
+    drawn = random_steps.in_operation(subject, PLANT, DRAWN), random_steps.at_the_edges(subject.block, edges)
+    states, inputs = ({n: np.concatenate([a[n], b[n]]) for n in a} for a, b in zip(*drawn, strict=True))
+    made = emitted(subject.block)
+    return Bench(subject, states, inputs, made, agree.emitted(host.load(made.files, made.manifest))(states, inputs))
+
+
+def emitted(block: Block) -> write.Emitted:
+    """Return the C in double precision."""
+    return write.emit(block, np.float64, interface.SAFETY, error=interface.SURROGATE_ERROR[np.float64])
+
+
+def told(at: Bench, witness: agree.Witness) -> bool:
+    """Tell whether a witness fails one of the checks against the sound C."""
+    found = ("found", witness(at.states, at.inputs))
+    return not all(c.passed for c in verification.compared("planted", at.subject, found, at.c64)[1])
+
+
+def constants(at: Bench, factor: float) -> Iterator[tuple[str, agree.Witness]]:
+    """Yield C with one constant off by a factor, and its name; what is 0 is left alone."""
+    for c in (c for c in at.subject.block.constants if c.value):
+        yield c.name, _edited(at, rf"(static const double {c.name}_? = ).*?;", rf"\g<1>{c.value * factor!r};")
+
+
+def _edited(at: Bench, old: str, new: str) -> agree.Witness:
+    file = f"{at.subject.block.name}.c"
+    text, count = re.subn(old, new, at.emitted.files[file])
+    assert count == 1, old
+    return agree.emitted(host.load({**at.emitted.files, file: text}, at.emitted.manifest))
+
+
+def mutants(at: Bench, count: int) -> Iterator[tuple[str, agree.Witness]]:
+    """Yield C in which one sum became a difference or the reverse, evenly over the step, with the line changed.
+
+    What keeps a divisor away from 0 is left alone: its sign changes next to nothing.
+    """
+    name = at.subject.block.name
+    text = at.emitted.files[f"{name}.c"]
+    start = text.index(f"{name}_step(")
+    comments = [m.span() for m in re.finditer(r"/\*.*?\*/", text, re.S)]
+    places = [m.start() + 1 for m in re.finditer(r" [-+] (?![\d.]+e-)", text) if m.start() > start]
+    places = [p for p in places if not any(low <= p < high for low, high in comments)]
+    for k in np.linspace(0, len(places) - 1, count).round().astype(int):
+        at_place = places[k]
+        other = text[:at_place] + ("-" if text[at_place] == "+" else "+") + text[at_place + 1 :]
+        line = text[text.rindex("\n", 0, at_place) + 1 : text.index("\n", at_place)].strip()
+        files = {**at.emitted.files, f"{name}.c": other}
+        yield f"{line}, column {at_place}", agree.emitted(host.load(files, at.emitted.manifest))
+
+
+def require_witnesses(evidence: Evidence, samples: Mapping[str, int]) -> None:
+    """Assert that every witness has been compared in every kind of step, with so many samples of some of them."""
+    pairs = {(a.what, a.first, a.second) for a in evidence.agreements}
+    replays = [what for what, _, _ in pairs if what.startswith("replay")]
+    kinds = {"random steps", "edge steps", *replays}
+    assert pairs == {(k, n, "c64") for k in kinds for n in verification.OTHERS} | {("random steps", "c64", "c32")}
+    assert len(set(replays)) == 4
+    found = {a.what: a.samples for a in evidence.agreements if a.first == "reference"}
+    assert {what: found[what] for what in samples} == samples
+    assert evidence.document()["passed"] is True

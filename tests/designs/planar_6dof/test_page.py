@@ -1,0 +1,85 @@
+"""What both reports show of runs, voltages and failures is right."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from designs.planar_6dof import drawings, failures, page_experiments, page_stage, sensing_maps
+from designs.planar_6dof import loop as simulated
+from designs.planar_6dof.loop import Loop
+from designs.planar_6dof_leadlag import control as leadlag
+from models import planar_stage
+from synth.errors import SignalError
+from synth.simulate.experiment import Experiment
+from synth.synthesise import safety
+from tests.designs.planar_6dof import short_runs
+
+PLANT = planar_stage.plant()
+
+
+@pytest.fixture(scope="module")
+def lead() -> Loop:
+    return simulated.of(leadlag.controller(PLANT))
+
+
+@pytest.fixture(scope="module")
+def runs(lead: Loop) -> list[Experiment]:
+    return short_runs.runs(lead)
+
+
+def test_a_small_signal_is_shown_in_micrometres_and_its_error_is_the_same(runs: list[Experiment]) -> None:
+    shown, units = page_experiments.scaled(runs[0])
+    assert units == {"x": "µm"} and page_experiments.scaled(runs[2])[1] == {"x": "m", "y": "m"}
+    np.testing.assert_allclose(shown.trajectory["x"], 1e6 * runs[0].trajectory["x"])
+    np.testing.assert_allclose(shown.references["x"], 1e6 * runs[0].references["x"])
+    with pytest.raises(SignalError, match="shows 'warp', which is no signal of the stage"):
+        page_experiments.scaled(replace(runs[0], shown=("warp",)))
+
+
+def test_a_run_that_latches_is_drawn_around_the_latch(runs: list[Experiment]) -> None:
+    nan = runs[-1]
+    window = page_experiments.around_latch(nan.trajectory)
+    latch = nan.trajectory.time[np.argmax(nan.trajectory.faults >> safety.LATCH_BIT & 1)]
+    assert window is not None and window[0] < failures.FAILURE < latch < window[1]
+    assert page_experiments.around_latch(runs[0].trajectory) is None
+
+
+def test_figures_by_channel_keep_each_value(runs: list[Experiment]) -> None:
+    table = page_experiments.by_channel(runs[-1].figures)
+    assert table is not None and [row[0] for row in table.rows] == list(planar_stage.HALL)
+    at = table.columns.index("samples until the latch")
+    for row in table.rows:
+        assert row[at] == runs[-1].figures[f"samples until the latch, {row[0]}"]
+    assert sum(len(row) - 1 for row in table.rows) == len(runs[-1].figures)
+    assert page_experiments.by_channel(runs[0].figures) is None and page_experiments.by_channel({}) is None
+
+
+def test_positions_are_seen_as_the_compiled_c_has_them(lead: Loop, runs: list[Experiment]) -> None:
+    rest = runs[3].trajectory
+    found, expected = page_stage.seen(rest, leadlag.TIME, 500), lead.seen(rest)
+    for name in ("x_raw", "x", "phi"):
+        np.testing.assert_allclose(found[name], expected[name][:500], rtol=0, atol=2e-8)
+    assert 0.3 < np.std(found["x"][100:]) / np.std(found["x_raw"][100:]) < 0.6
+
+
+def test_the_voltages_are_those_of_the_experiment(runs: list[Experiment]) -> None:
+    section = page_experiments.headroom(runs)
+    (table,) = (b for b in section.blocks if hasattr(b, "rows"))
+    row = table.rows[0]
+    assert row[3] == pytest.approx(runs[0].figures["largest voltage, V"], rel=1e-6)
+    assert row[4] == pytest.approx(6.525 - float(row[3]))
+    amplified = replace(runs[0].trajectory, states={**runs[0].trajectory.states, "true_i_AA": np.zeros(1)})
+    (table,) = (
+        b for b in page_experiments.headroom([replace(runs[0], trajectory=amplified)]).blocks if hasattr(b, "rows")
+    )
+    assert not table.rows
+
+
+def test_the_map_of_what_is_not_noticed_is_that_of_the_faults(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(drawings, "FAILED", 4)
+    found = drawings.unnoticed(PLANT, leadlag.TIME)
+    rows = {r.voltage: r for r in sensing_maps.faults(PLANT, leadlag.TIME, 4).rows if r.failure == "zero"}
+    for name, silent in found.items():
+        assert silent.mean() == pytest.approx(rows[name].unnoticed)
+    assert found["V_bx"].any() and not found["V_ax"].any()

@@ -1,0 +1,90 @@
+"""Verification tells the sound lead-lag controller from one with a defect, in its C, its constants or the reference."""
+
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+
+from designs.planar_6dof import random_steps, reference_control, reference_sensing
+from designs.planar_6dof_leadlag import reference, verification
+from synth.verify import agree
+from tests.designs.planar_6dof import planted
+from tests.designs.planar_6dof.planted import Bench
+
+
+@pytest.fixture(scope="module")
+def at() -> Bench:
+    return planted.bench(verification.subject())
+
+
+def test_the_sound_reference_is_no_defect(at: Bench) -> None:
+    assert not planted.told(at, agree.reference(reference.step))
+    assert not planted.told(at, agree.casadi(at.subject.block))
+
+
+def test_steps_that_are_mostly_at_the_limits() -> None:
+    subject = replace(verification.subject(), size=3.0)
+    at = planted.bench(subject, edges=0)
+    assert np.mean(random_steps.saturated(at.c64.outputs)) > 0.9
+    assert not planted.told(at, agree.reference(reference.step))
+    assert not planted.told(at, agree.casadi(subject.block))
+
+
+def test_every_constant_counts(at: Bench) -> None:
+    assert [name for name, witness in planted.constants(at, 1.01) if not planted.told(at, witness)] == []
+
+
+def test_a_wrong_sign_in_the_c_is_told(at: Bench) -> None:
+    missed = [line for line, witness in planted.mutants(at, 24) if not planted.told(at, witness)]
+    assert missed == []
+
+
+@pytest.mark.parametrize(
+    ("module", "name", "value"),
+    [
+        (reference, "GAIN", reference.GAIN | {"x": "-15000"}),
+        (reference, "PART", reference.PART | {"phi": "0.51"}),
+        (reference, "RESET", Fraction("0.1001")),
+        (reference_control, "VERTICAL", reference_control.VERTICAL | {"psi": ("1100", "80.0414", "604.199", "0.15")}),
+        (reference_control, "PHASES", ("i_AB", "i_AA", *reference_control.PHASES[2:])),
+        (reference_control, "QUADRATURE", 0.96 * reference_control.LIMIT),
+        (reference_control, "GAMMA", reference_control.GAMMA * (1 + 1e-9)),
+        (reference_control, "BAD_SAMPLES", 4),
+        (reference_control, "SLEW", 125.0),
+        (reference_sensing, "PITCH", reference_sensing.PITCH * (1 + 1e-9)),
+        (reference_sensing, "POWER", 0.149),
+        (reference_sensing, "RESIDUAL", 0.081),
+        (reference_sensing, "MEMORY", 2.0),
+        (reference_sensing, "YAW", 0.0249),
+        (reference_sensing, "COUNT", 3),
+    ],
+)
+def test_a_wrong_number_in_the_reference_is_told(
+    at: Bench, monkeypatch: pytest.MonkeyPatch, module: Any, name: str, value: object
+) -> None:
+    assert hasattr(module, name)
+    monkeypatch.setattr(module, name, value)
+    fresh()
+    assert planted.told(at, agree.reference(reference.step))
+    monkeypatch.undo()
+    fresh()
+
+
+def fresh() -> None:
+    """Forget the numbers that the reference has computed."""
+    reference.compensators.cache_clear()
+    reference_sensing.constants.cache_clear()
+
+
+def test_a_wrong_section_in_the_reference_is_told(at: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The other sensor's section is entered at |s| > 1.01 |c|, where both of them tell the position nearly as well."""
+    place = reference_sensing.Pair.place.fget
+    assert place is not None
+
+    def late(self: reference_sensing.Pair) -> Any:
+        return place(reference_sensing.Pair(self.s / 1.01, self.c, self.k))
+
+    monkeypatch.setattr(reference_sensing.Pair, "place", property(late))
+    assert planted.told(at, agree.reference(reference.step))

@@ -1,0 +1,93 @@
+"""The LQG loops that the report shows: each kind is the analytic one, (42) is refused, and what its text says."""
+
+import numpy as np
+import pytest
+
+from designs.planar_6dof import allocation
+from designs.planar_6dof import loops as shared
+from designs.planar_6dof.allocation import AXES, HORIZONTAL, VERTICAL
+from designs.planar_6dof.loops import OpenLoop
+from designs.planar_6dof_lqg import control, loops
+from designs.planar_6dof_lqg.control import TIME
+from models import planar_stage
+from synth.errors import ModelError
+from tests.designs.planar_6dof import analytic
+
+PLANT = planar_stage.plant()
+SINGLE = 2e-4  # relative, of constants in single precision where they cancel
+Z = np.exp(2j * np.pi * np.geomspace(0.3, 350, 40) * TIME.period_s)
+K = allocation.force_constant(PLANT)  # N/A, less than (26) has
+MADE = {
+    "x": K,
+    "y": 2 * K,
+    "phi": 2 * K * PLANT.parameter("a").value,
+}  # per ampere of i_C, (i_A + i_B)/2, (i_B - i_A)/2
+Found = dict[tuple[str, str], OpenLoop]
+
+
+@pytest.fixture(scope="module")
+def found() -> Found:
+    return {(o.axis, o.label): o for o in loops.all_loops(PLANT)}
+
+
+def distance(o: OpenLoop, C: analytic.Transfer) -> float:
+    expected = analytic.loop(PLANT, o.axis, C, TIME, False)(Z)
+    return float(np.abs(o.L.response(Z)[:, 0, 0] / expected - 1).max())
+
+
+def printed(axis: str) -> analytic.Transfer:
+    """Return (33) with K of (49): the rate from what is measured now, the last sum of errors, no sample ahead."""
+    T, p, gain = TIME.period_s, control.OBSERVER_POLE[axis], -control.gain().K
+    b = {"x": control.PER_AMPERE, "y": 2 * control.PER_AMPERE, "phi": 2 * control.YAW_PER_AMPERE}[axis]
+    i, row = control.STATES.index(axis), gain[2 if axis == "x" else 1]
+    k1, k3, k2, L = row[i], row[3 + i] * T, row[6 + i], (1 - p) / T
+
+    def C(z: np.ndarray) -> np.ndarray:
+        # i = -k1 - k2 (x3 + L) - k3 / (z - 1),  z x3 = p x3 - L (1 - p) + (b T - L b T^2/2) i
+        g, rho = analytic.sensed(PLANT, axis)
+        fed = (b * T - L * b * T**2 / 2) / (z - p)
+        i = (k1 + k2 * (L - L * (1 - p) / (z - p)) + k3 / (z - 1)) / (1 + k2 * fed)
+        ideal = (1 - rho / z) / g  # the positions of this kind are those of the stage
+        return i * MADE[axis] * ideal
+
+    return C
+
+
+def test_every_kind_is_the_analytic_loop(found: Found) -> None:
+    for axis in HORIZONTAL:
+        shipped, other = (analytic.optimal(PLANT, axis, w) for w in (control.WEIGHTS, control.PRINTED_WEIGHTS))
+        assert distance(found[axis, loops.SHIPPED], shipped) < SINGLE
+        assert distance(found[axis, loops.REWEIGHTED], other) < SINGLE
+        assert distance(found[axis, loops.PRINTED], printed(axis)) < SINGLE
+        assert distance(found[axis, loops.REWEIGHTED], shipped) > 0.1 < distance(found[axis, loops.PRINTED], shipped)
+    for axis in VERTICAL:
+        assert distance(found[axis, loops.SHIPPED], analytic.lead_lag(axis, TIME)) < SINGLE
+        assert distance(found[axis, "as printed"], analytic.lead_lag(axis, TIME, published=True)) < SINGLE
+
+
+def test_one_axis_as_printed_is_psi_that_is_not_stable(found: Found) -> None:
+    assert [key for key, o in found.items() if not o.margins.stable] == [("psi", "as printed")]
+    assert len(found) == 2 * len(AXES) + len(HORIZONTAL)
+    assert max(found[axis, loops.SHIPPED].margins.peak_sensitivity for axis in AXES) < 2.2
+
+
+def test_the_whole_horizontal_loop() -> None:
+    """Prediction and allocation gain margin, the printed weights more; S at the currents tells of motor C's yaw."""
+    whole = loops.horizontals(PLANT)
+    disks = {label: each.disks() for label, each in whole.items()}
+    for cut in ("currents", "positions", "both"):
+        least = [disks[label][cut].lower for label in (loops.PRINTED, loops.SHIPPED, loops.REWEIGHTED)]
+        assert least == sorted(least) and all(d[cut].certified for d in disks.values())
+    assert disks[loops.SHIPPED]["positions"].lower == pytest.approx(0.592, abs=2e-3)
+    assert disks[loops.SHIPPED]["both"].lower == pytest.approx(0.290, abs=2e-3)
+    peak = {label: shared.singular(each.currents, np.geomspace(10, 2000, 100)).S.max() for label, each in whole.items()}
+    assert peak[loops.PRINTED] > 2 * peak[loops.SHIPPED]
+
+
+def test_the_gain_of_42_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert "has the poles -1" in loops.refusal() and "does not decay" in loops.refusal()
+    assert loops.gain_of_42()[0].tolist() == [1600, 0.0006, 0.0006, 1, 0, 0]
+    good = np.hstack([240 * np.eye(3), np.zeros((3, 3))])
+    monkeypatch.setattr(loops, "gain_of_42", lambda: good)
+    with pytest.raises(ModelError, match="was taken"):
+        loops.refusal()

@@ -1,0 +1,62 @@
+"""Verification tells the sound LQG controller from one with a defect, in its C, its constants or the reference."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from designs.planar_6dof import random_steps, reference_control
+from designs.planar_6dof_lqg import reference, verification
+from synth.verify import agree
+from tests.designs.planar_6dof import planted
+from tests.designs.planar_6dof.planted import Bench
+
+
+@pytest.fixture(scope="module")
+def at() -> Bench:
+    return planted.bench(verification.subject())
+
+
+def test_the_sound_reference_is_no_defect(at: Bench) -> None:
+    assert not planted.told(at, agree.reference(reference.step))
+    assert not planted.told(at, agree.casadi(at.subject.block))
+
+
+def test_steps_that_are_mostly_at_the_limits() -> None:
+    subject = replace(verification.subject(), size=3.0)
+    at = planted.bench(subject, edges=0)
+    assert np.mean(random_steps.saturated(at.c64.outputs)) > 0.9
+    assert not planted.told(at, agree.reference(reference.step))
+    assert not planted.told(at, agree.casadi(subject.block))
+
+
+def test_every_constant_counts(at: Bench) -> None:
+    assert [name for name, witness in planted.constants(at, 1.01) if not planted.told(at, witness)] == []
+
+
+def test_a_wrong_sign_in_the_c_is_told(at: Bench) -> None:
+    missed = [line for line, witness in planted.mutants(at, 24) if not planted.told(at, witness)]
+    assert missed == []
+
+
+@pytest.mark.parametrize(
+    ("module", "name", "value"),
+    [
+        (reference, "WEIGHTS", reference.WEIGHTS | {"y": (1e4, 1e9, 1e1)}),
+        (reference, "POLE", reference.POLE | {"phi": "0.89"}),
+        (reference, "PER_AMPERE", 13.2548),
+        (reference, "YAW_PER_AMPERE", -reference.YAW_PER_AMPERE),
+        (reference, "UPRIGHT", ("z", "psi", "theta")),
+        (reference_control, "CENTRES", {m: reference_control.CENTRES[n] for m, n in zip("ABC", "BAC", strict=True)}),
+    ],
+)
+def test_a_wrong_number_in_the_reference_is_told(
+    at: Bench, monkeypatch: pytest.MonkeyPatch, module: Any, name: str, value: object
+) -> None:
+    assert hasattr(module, name)
+    monkeypatch.setattr(module, name, value)
+    reference.axes.cache_clear()
+    assert planted.told(at, agree.reference(reference.step))
+    monkeypatch.undo()
+    reference.axes.cache_clear()
