@@ -110,8 +110,8 @@ def measure(subject: Subject, build: meter.Build) -> Costs:
     within, costliest = (parts.measure(subject.emitted, given, build) for given in (subject.within, worst))
     found: dict[str, tuple[float, int]] = {}
     for block, n in within.items():
-        mean, most = found.get(_part(block), (0.0, 0))
-        found[_part(block)] = mean + float(n.mean()), most + int(costliest[block][0])
+        mean, most = found.get(part_of(block), (0.0, 0))
+        found[part_of(block)] = mean + float(n.mean()), most + int(costliest[block][0])
     mean = sum(mean for mean, _ in found.values())
     bar, ratios = BARS[subject.name], (_ratio(subject, build, True), _ratio(subject, build, False))
     return Costs(subject.name, build.name, mean, int(every.max()), bar, ratios, found)
@@ -124,7 +124,8 @@ def _ratio(subject: Subject, build: meter.Build, shimmed: bool) -> float:
     return float(other / own)
 
 
-def _part(block: str) -> str:
+def part_of(block: str) -> str:
+    """Return the part of the step to which a Block belongs."""
     return next((part for part, starts in PARTS.items() if block.startswith(starts)), block.replace("_", " "))
 
 

@@ -26,7 +26,7 @@ d_x, d_y come in the matrix' frame and are turned by phi into d_x', d_y'.
 Limits. Each motor keeps hypot(i_Q, i_D) <= 1.26 A, so that no phase exceeds it. Horizontal currents come first, up to
 QUADRATURE of the limit: nothing but them holds x, y and phi, while the air bearings carry the stage and hold z, theta
 and psi by their stiffness. What i_Q leaves to i_D is never less than 31 % of the limit, so that the vertical loops stay
-closed. `made_*` are the demands that the limited currents meet, for anti-windup.
+closed. Of these the force along x comes first, so that A and B take back no more torque than C makes. `made_*` are the demands that the limited currents meet, for anti-windup.
 
 Source: Yu, Kim, section 5.1, (17), Table 3.
 """
@@ -141,10 +141,14 @@ def allocation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
         d_x, d_y, d_phi, d_z, d_theta, d_psi = (u[s.name] for s in DEMANDS)
         wanted_c = cos * d_x + sin * d_y
         half = (cos * d_y - sin * d_x) / 2
-        turn, front = d_phi + _times(across, wanted_c), d_z - d_theta
-        currents = A, B, C, Az, Bz, Cz = _limited(
-            [half - turn, half + turn, wanted_c, front + d_psi, front - d_psi, _times(rear, d_z) + 2 * d_theta]
+        C = clip(wanted_c, CURRENTS[2])
+        turn, front = d_phi + _times(across, C), d_z - d_theta
+        A, B = (clip(i, CURRENTS[0]) for i in (half - turn, half + turn))
+        Az, Bz, Cz = (
+            _within(i, along)
+            for i, along in ((front + d_psi, A), (front - d_psi, B), (_times(rear, d_z) + 2 * d_theta, C))
         )
+        currents = A, B, C, Az, Bz, Cz
         both, lifts = A + B, Az + Bz
         made = (
             cos * C - sin * both,
@@ -165,11 +169,10 @@ def _times(ratio: float, value: ca.SX) -> ca.SX:
     return value if abs(ratio - 1) < ROUNDING else ratio * value
 
 
-def _limited(wanted: list[ca.SX]) -> list[ca.SX]:
-    """Return i_Q of the three motors, then i_D within what i_Q leaves; the root is of 0.15 A^2 or more."""
-    i_q = [clip(i, s) for i, s in zip(wanted[:3], CURRENTS[:3], strict=True)]
-    room = [ca.sqrt(LIMIT**2 - i**2) for i in i_q]
-    return [*i_q, *(ca.fmax(ca.fmin(i, r), -r) for i, r in zip(wanted[3:], room, strict=True))]
+def _within(current: ca.SX, along: ca.SX) -> ca.SX:
+    """Return i_D within what i_Q `along` leaves of the limit; the root is of 0.15 A^2 or more."""
+    room = ca.sqrt(LIMIT**2 - along**2)
+    return ca.fmax(ca.fmin(current, room), -room)
 
 
 def commutation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:

@@ -57,7 +57,7 @@ Columns = dict[str, NDArray[Any]]
 
 
 def replay(controller: host.Controller) -> Columns:
-    """Return the controller's inputs (10,000,) on a circle through the pitches, with bad samples and the latch."""
+    """Return the controller's inputs (10,000,) on a curve through the pitches, with bad samples and the latch."""
     return dict(_replayed(loop_of(controller)).measured)
 
 
@@ -74,26 +74,36 @@ def excursions(controller: host.Controller) -> list[Steps]:
     rng = np.random.default_rng(SEED)
     way = steps.recorded(controller, "travel", travel(rng))
     far = steps.joined("saturated", [steps.recorded(controller, "", travel(rng, yaw)) for yaw in YAWS])
-    many = steps.joined("travel", [way] * TURNED)
-    wrong = failures(many, rng)
-    again = Steps("failures, again", steps.taken(controller, wrong).states, wrong.inputs)
-    thrice = Steps("failures, thrice", steps.taken(controller, again).states, wrong.inputs)
-    drawn = [steps.anew(controller, each, f"{each.name}, states anew") for each in (many, wrong)]
-    ends = steps.at_ends(controller, far, EACH_END, NEAR)
-    for _ in range(2):
-        ends = steps.at_ends(controller, steps.shaken(controller, ends, "shaken", *SHAKEN), EACH_END)
+    wrong = _wrong(controller, way, rng)
     return [
-        *(steps.thinned(each, DRAWN) for each in (way, far, wrong, again, thrice, *drawn)),
+        *(steps.thinned(each, DRAWN) for each in (way, far, *wrong)),
         latches(controller, far.part(slice(0, TRAVEL))),
         corners(controller),
         steps.faulty(controller, at_rest()),
         steps.edges(controller, way),
         steps.in_range(controller, DRAWN // 4),
         steps.drawn(controller, DRAWN),
-        *(steps.rare(controller, pool, RARE) for pool in (wrong, again, thrice, *drawn)),
-        ends,
-        *(steps.at_ends(controller, pool, EACH_END) for pool in drawn),
+        *(steps.rare(controller, pool, RARE) for pool in wrong),
+        *(steps.at_ends(controller, pool, EACH_END) for pool in wrong[-2:]),
+        _extreme(controller, far),
     ]
+
+
+def _wrong(controller: host.Controller, way: Steps, rng: np.random.Generator) -> list[Steps]:
+    """Return failures on the way, in one sample, in two and in three, and both with and without them states anew."""
+    many = steps.joined("travel", [way] * TURNED)
+    once = failures(many, rng)
+    again = Steps("failures, again", steps.taken(controller, once).states, once.inputs)
+    thrice = Steps("failures, thrice", steps.taken(controller, again).states, once.inputs)
+    return [once, again, thrice, *(steps.anew(controller, pool, f"{pool.name}, states anew") for pool in (many, once))]
+
+
+def _extreme(controller: host.Controller, far: Steps) -> Steps:
+    """Return steps whose currents come to their ends, by rounding even beyond: near ones are shaken until some do."""
+    found = steps.at_ends(controller, far, EACH_END, NEAR)
+    for _ in range(2):
+        found = steps.at_ends(controller, steps.shaken(controller, found, "shaken", *SHAKEN), EACH_END)
+    return found
 
 
 def loop_of(controller: host.Controller) -> Loop:

@@ -25,7 +25,7 @@ from synth.statespace import Array
 from synth.timing import Discrete
 
 POINTS, SECTIONS = 64, 8  # over a pitch
-FAILED, NOTICING = 24, 100  # places over a pitch, and samples after which nothing more is noticed at rest
+FAILED, NOTICING = 41, 100  # places over a pitch, one where voltages are 0; samples after which nothing is noticed
 DECIBELS = (-60.0, 60.0)
 SEGMENT = 1024  # samples of a spectrum at most
 LINES = ("-", "--", ":")
@@ -82,40 +82,39 @@ def yaw_maps(plant: Plant, yaw: float = 6e-3, doubt: float = 1e-3) -> Figure:
     return figure
 
 
-def unnoticed(plant: Plant, time: Discrete) -> dict[str, NDArray[np.bool_]]:
+def unnoticed(plant: Plant, time: Discrete, predicted: bool = True) -> dict[str, NDArray[np.bool_]]:
     """Tell by voltage at which places over a pitch (x, y) its drop to zero at rest is never noticed.
 
-    The filters are at rest there, and every measurement has been good.
+    The failure comes once the sensing, see `sensing_maps.estimation`, has followed the platen for a while.
     """
-    l, block = calibration.of(plant).pitch, sensing_maps.estimation(plant, time)
-    place = l * ((np.arange(FAILED) + 0.5) / FAILED - 0.5)
+    l, block = calibration.of(plant).pitch, sensing_maps.estimation(plant, time, predicted)
+    place, n = l * ((np.arange(FAILED) + 0.5) / FAILED - 0.5), FAILED**2
     pose = dict(zip("xy", (v.ravel() for v in np.meshgrid(place, place, indexing="ij")), strict=True))
     sound = {f"{name}_held": v for name, v in sensing_maps.voltages(plant, pose).items()}
-    step, n = block.function().map(FAILED**2), FAILED**2
-    suspects = [k for k, s in enumerate(block.outputs) if s in sensing.SUSPECTS]
-    start = np.tile(block.initial[:, None], n).astype(float)
-    for k, state in enumerate(block.states):
-        start[k] = pose.get(state.name[len("filter_") : -len("_p")], 0.0) if state.name.endswith("_p") else start[k]
-    found = {}
-    for name in planar_stage.HALL:
-        given = sound | {f"{name}_held": np.zeros(n)}
-        u = np.array([given.get(s.name, np.ones(n)) for s in block.inputs])
-        silent, x = np.ones(n, dtype=bool), start
-        for _ in range(NOTICING):
+    step, named = block.function().map(n), [s.name for s in block.outputs].index(sensing.SUSPECTED.name)
+
+    def after(x: Array, samples: int, changed: Mapping[str, float]) -> tuple[Array, NDArray[np.bool_]]:
+        given = sound | {name: np.full(n, value) for name, value in changed.items()}
+        u, silent = np.array([given.get(s.name, np.ones(n)) for s in block.inputs]), np.ones(n, dtype=bool)
+        for _ in range(samples):
             x, y = (v.full() for v in step(x, u))
-            silent &= ~(y[suspects] > 0).any(axis=0)
-        found[name] = silent.reshape(FAILED, FAILED)
-    return found
+            silent &= y[named] == 0
+        return x, silent
+
+    first, _ = after(np.tile(block.initial[:, None], n), 1, {sensing.READY.name: 0.0})
+    rest, _ = after(first, NOTICING, {})
+    shape = FAILED, FAILED
+    return {name: after(rest, NOTICING, {f"{name}_held": 0.0})[1].reshape(shape) for name in planar_stage.HALL}
 
 
-def failures(plant: Plant, time: Discrete) -> Figure:
-    """Draw over a pitch where a voltage that drops to zero is not noticed at rest."""
+def failures(found: Mapping[str, NDArray[np.bool_]], l: float) -> Figure:
+    """Draw over a pitch l in m where a voltage that drops to zero is not noticed, as `unnoticed` tells."""
     colours = ListedColormap(["#f2f2f2", COLOURS[1]])
     with figures.styled():
         figure = Figure(figsize=(9.0, 6.2), layout="constrained")
         grid = figure.subplots(2, 3, sharex=True, sharey=True)
-        for axes, (name, silent) in zip(grid.T.flat, unnoticed(plant, time).items(), strict=True):
-            _map(axes, f"{name}: {silent.mean():.0%} of the places", silent, calibration.of(plant).pitch, colours)
+        for axes, (name, silent) in zip(grid.T.flat, found.items(), strict=True):
+            _map(axes, f"{name}: {100 * silent.mean():.0f} % of the places", silent, l, colours)
         for axes in grid.flat:
             axes.label_outer()
     return figure

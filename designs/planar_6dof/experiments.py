@@ -75,7 +75,7 @@ def step(loop: Loop, axis: str, height: float, after: float = AFTER) -> StepRun:
 def step_experiment(loop: Loop, run: StepRun, name: str, title: str, limits: Limits | None) -> Experiment:
     """Return a step as an experiment; without `limits` its metrics are figures alone."""
     found = step_metrics(run)
-    unit, small, scale = UNITS[run.axis]
+    _, small, scale = UNITS[run.axis]
     others = [a for a in planar_stage.AXES[:3] if a != run.axis]
     ending = run.shown_ideal[-1] / run.height - 1, run.ideal[run.axis][-1] / run.height - 1
     figures = found | {
@@ -95,7 +95,7 @@ def step_experiment(loop: Loop, run: StepRun, name: str, title: str, limits: Lim
             Check("settling", settled, limits.settling, "s", f"into {100 * limits.band:g} %, {about}"),
             Check("largest voltage", float(figures["largest voltage, V"]), limits.voltage, "V", "Table 1; with noise"),
         ]
-    about = f"{run.axis} by {run.height:.4g} {unit}, {_about(loop)}"
+    about = f"{run.axis} by {run.height / scale:.4g} {small}, {_about(loop)}"
     return Experiment(
         name,
         title,

@@ -160,9 +160,9 @@ def of_parts(found: Parts, axes: Iterable[str], label: str) -> list[OpenLoop]:
     return [OpenLoop(axis, label, L, margins.of_loop(L)) for axis in axes for L in [opened(found, [axis])]]
 
 
-def whole(plant: Plant, time: Discrete, positions: Sequence[Block], law: Sequence[Block]) -> Block:
+def whole(plant: Plant, time: Discrete, sensed: Sequence[Block], law: Sequence[Block]) -> Block:
     """Return the controller of `interface` with its constants in single precision."""
-    return interface.controller("whole", plant, time, positions, law).rounded(np.float32)
+    return interface.controller("whole", plant, time, sensed, law).rounded(np.float32)
 
 
 def exchanged(law: Sequence[Block], other: Sequence[Block], axis: str) -> list[Block]:

@@ -62,7 +62,7 @@ def report(
 ) -> str:
     """Return the whole report of a design as one HTML document, with every experiment that is handed in."""
     plant, spent = planar_stage.plant(), sections.cost(cost)
-    told = Told(own.beside, {row.id: row.published.text for row in rows}, own.spectrum)
+    told = Told(own.beside, {row.id: row.published.text for row in rows}, own.spectrum, own.filtered)
     parts = (
         page_stage.model(plant),
         page_stage.sensing(plant, own.time, experiments if own.filtered else None),
@@ -71,7 +71,7 @@ def report(
         own.loops,
         page_experiments.experiments(experiments, told, own.time),
         page_experiments.headroom(experiments),
-        page_stage.failures(plant, own.time),
+        page_stage.failures(plant, own.time, own.filtered),
         page.Section("Audit of the paper", (page.Text("Verdicts are computed."), sections.audit(rows))),
         _verification(evidence),
         replace(spent, blocks=(*spent.blocks, *own.cost)),

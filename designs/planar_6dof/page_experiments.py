@@ -30,11 +30,15 @@ CHANNELS = planar_stage.HALL
 
 @dataclass(frozen=True, eq=False)
 class Told:
-    """What the paper says beside the runs: rows by experiment, their texts by id; `spectrum` as the paper has one."""
+    """What the paper says beside the runs: rows by experiment, their texts by id, and whether it draws a spectrum.
+
+    `filtered` tells whether the law reads filtered positions.
+    """
 
     beside: Beside
     printed: Mapping[str, str]
     spectrum: bool
+    filtered: bool
 
 
 def experiments(found: Sequence[Experiment], told: Told, time: Discrete) -> page.Section:
@@ -48,7 +52,7 @@ def experiments(found: Sequence[Experiment], told: Told, time: Discrete) -> page
     drawn = {e.name: (_path(e),) for e in found if _base(e) == CIRCLE}
     rest = [e.trajectory for e in found if e.name == REST]
     if told.spectrum:
-        drawn |= {e.name: (_spectrum(e.trajectory, rest, time),) for e in found if e.name == SPECTRUM}
+        drawn |= {e.name: (_spectrum(e.trajectory, rest, time, told.filtered),) for e in found if e.name == SPECTRUM}
     return page.Section("Experiments", (text,), tuple(_one(e, told, drawn.get(e.name, ())) for e in found))
 
 
@@ -69,8 +73,8 @@ def _base(e: Experiment) -> str:
 
 
 def _greek(title: str) -> str:
-    first, _, rest = title.partition(" ")
-    return f"{figures.SYMBOLS.get(first, first)} {rest}"
+    first, space, rest = title.partition(" ")
+    return f"{figures.SYMBOLS.get(first, first)}{space}{rest}"
 
 
 def scaled(e: Experiment) -> tuple[Experiment, dict[str, str]]:
@@ -129,10 +133,10 @@ def _path(e: Experiment) -> page.Figure:
     return page.Figure(figures.svg(drawings.circle(set_point, path), f"path-{e.name}"), caption)
 
 
-def _spectrum(step: Trajectory, rest: Sequence[Trajectory], time: Discrete) -> page.Figure:
+def _spectrum(step: Trajectory, rest: Sequence[Trajectory], time: Discrete, filtered: bool) -> page.Figure:
     runs = dict(zip(("step of x", "at rest"), (step, *rest), strict=False))
     part = round(SETTLED / time.period_s)
-    records = {label: seen(run, time, len(run.time))["x_raw"][part:] for label, run in runs.items()}
+    records = {label: seen(run, time, len(run.time), filtered)["x_raw"][part:] for label, run in runs.items()}
     drawn = figures.svg(drawings.spectra(records, time.period_s), "spectrum")
     caption = "Density of x as the Hall sensors show it, once the step has settled, and at rest."
     return page.Figure(drawn, caption, "Fig. 10(d): no dominant noise frequency component.")
@@ -150,7 +154,7 @@ def headroom(found: Sequence[Experiment]) -> page.Section:
     columns = ("run", "largest current, A", "largest induced, V", "largest voltage, V", left, "samples above, %")
     rows: list[tuple[page.Cell, ...]] = []
     for e in (e for e in found if _ideal(plant, e.trajectory)):
-        rows.append((readable(e.title), *_needs(plant, e.trajectory)))
+        rows.append((_greek(readable(e.title)), *_needs(plant, e.trajectory)))
     return page.Section("Voltages", (text, page.Table("Voltages of the phases", columns, tuple(rows), digits=3)))
 
 

@@ -16,7 +16,7 @@ from synth.timing import Discrete
 
 SYMBOLS = {"phi": "φ", "theta": "θ", "psi": "ψ"}
 REST, FIRST, SHOWN = "standstill", 1.0, 2.0  # its name, s of it that are left out, s that are drawn
-PLACES = 8  # over a pitch in x and in y, at which every failure is followed
+PLACES = 9  # over a pitch in x and in y, at which every failure is followed: one where voltages are 0
 
 STAGE = (
     ("Y(17)", "f_y = K i_Q,  f_z = K i_D,  K = 3/(2 π) μ_0 M_0 η_0 N_m G e^{-γ z_0}"),
@@ -120,27 +120,32 @@ def _before_and_after(rest: Trajectory, time: Discrete) -> page.Figure:
     return page.Figure(drawn, caption, "Fig. 5: around ±40 µm before and ±10 µm after filtering.")
 
 
-def seen(run: Trajectory, time: Discrete, samples: int) -> dict[str, Array]:
-    """Return raw and filtered positions, ``x_raw`` and ``x``, in the first samples of a run."""
-    view = simulated.view(time)
+def seen(run: Trajectory, time: Discrete, samples: int, predicted: bool = True) -> dict[str, Array]:
+    """Return raw and filtered positions, ``x_raw`` and ``x``, in the first samples of a run; see `loop.view`."""
+    view = simulated.view(time, predicted)
     u = np.array([np.asarray(run.measured[s.name][:samples], dtype=np.float64) for s in view.inputs])
     y = view.function().mapaccum(u.shape[1])(view.initial, u)[1].full()
     return dict(zip((s.name for s in view.outputs), y, strict=True))
 
 
-def failures(plant: Plant, time: Discrete) -> page.Section:
-    """Return where a failed voltage is not noticed, and what it does until it is."""
+def failures(plant: Plant, time: Discrete, filtered: bool) -> page.Section:
+    """Return where a failed voltage is not noticed, and what it does until it is; `filtered` as in `Contents`."""
     text = page.Text(
-        "A Hall voltage that contradicts the others is refused, and the controller latches after five such samples "
-        "in a row. What no comparison can tell is shown here: at rest all that sticks, and voltages that drop to "
-        "zero near their own zeros. Computed over a pitch from the sensing Block without noise. What sticks is moved "
-        f"along the voltage's own axis at {sensing_maps.SPEED:g} m/s; 'moved' is the longest way until it is noticed, "
-        "'named' and 'alone' are shares of the noticed failures in which it is among those refused, or the only one."
+        "A Hall voltage that contradicts the others is named, and the controller latches a few samples later. What no "
+        "comparison can tell is shown here: at rest all that sticks, and voltages that drop to zero near their own "
+        "zeros. Computed over a pitch from the sensing Block without noise. What sticks is moved along the voltage's "
+        f"own axis at {sensing_maps.SPEED:g} m/s; 'moved' is the longest way until it is noticed, ∞ where it is not, "
+        "'named' and 'alone' are shares of the noticed failures in which it is among those named, or the only one."
     )
-    drawn = figures.svg(drawings.failures(plant, time), "unnoticed")
+    silent = drawings.unnoticed(plant, time, filtered)
+    drawn = figures.svg(drawings.failures(silent, plant.parameter("l").value), "unnoticed")
     caption = "Where a voltage that drops to zero is never noticed while the platen rests: dark."
-    (found,) = sensing_maps.faults(plant, time, PLACES).sheet().tables
+    rows: list[tuple[page.Cell, ...]] = []
+    for r in sensing_maps.faults(plant, time, PLACES, filtered).rows:
+        share = float(silent[r.voltage].mean()) if r.failure == "zero" else r.unnoticed
+        shares, errors = (share, r.named, r.alone), (r.moved, r.position, r.yaw)
+        rows.append((r.voltage, r.failure, *(100 * v for v in shares), *(1e3 * v for v in errors)))
+    columns = ("voltage", "failure", "unnoticed, %", "named, %", "alone, %", "moved, mm", "position, mm", "yaw, mrad")
     title = f"Failures of one voltage at {PLACES**2} places of a pitch: the worst of them before it is noticed"
-    rows = tuple(tuple(cell.replace("inf", "∞") for cell in row) for row in found.rows)
-    table = page.Table(title, found.columns, rows)
+    table = page.Table(title, columns, tuple(rows), digits=3)
     return page.Section("Failures that cannot be detected", (text, page.Figure(drawn, caption), table))

@@ -38,15 +38,17 @@ PREDICTED, MOVED, BENT = 3e-5, 1e-5, 1e-6  # m, rad: deviations of position, T v
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """A controller with a step of its NumPy reference, and what its random steps are drawn by.
+    """A controller with a step of its NumPy reference, and what it is tried with.
 
-    `size` is that of demands, of what the motors meet; `at_rest` gives the law's states (N,) for platens at rest at
-    positions (N,), as far as they are not 0.
+    `size` is that of demands, of what the motors meet. `step` is a step of x in m that they cannot meet at once, but
+    follow without losing the yaw, of which the sensors bear little. `at_rest` gives the law's states (N,) for platens
+    at rest at positions (N,), as far as they are not 0.
     """
 
     block: Block
     reference: Callable[[Any, Any], tuple[agree.Columns, agree.Columns, Any]]
     size: float
+    step: float
     at_rest: Callable[[Mapping[str, NDArray[Any]]], Columns] = lambda pose: {}
 
 

@@ -13,6 +13,7 @@ Written from its equations, with constants of its own. Arrays are columns: N pla
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 from math import pi, sqrt
 from typing import Any
 
@@ -82,6 +83,7 @@ def tustin(gain: Fraction, zeros: tuple[Fraction, Fraction], pole: Fraction, T: 
     return Compensator(*(float(v) for v in (D, z1, z2, p)))
 
 
+@cache
 def vertical(axis: str, T: Fraction) -> Compensator:
     """Return the compensator of z, theta or psi at the period T in s; the pole is moved to 2/T. (23)-(25)."""
     gain, zero, pole, part = (Fraction(v) for v in VERTICAL[axis])
@@ -89,6 +91,7 @@ def vertical(axis: str, T: Fraction) -> Compensator:
     return tustin(part * gain * moved / pole, (zero, Fraction(10)), moved, T)
 
 
+@cache
 def scales() -> dict[str, float]:
     """Return the force in N or torque in N m by which the demand of an axis, and the states that make it, are divided.
 
@@ -149,7 +152,8 @@ def motors(w: Columns, phi: Array) -> tuple[dict[str, tuple[Array, Array]], dict
     """Return (i_Q, i_D) in A by motor, and what they make of each axis, for demands in the matrix' frame. Table 3."""
     K, T, turn = force_constant(), wrench(), np.exp(-1j * np.clip(phi, -YAW, YAW))
     platen = (w["x"] + 1j * w["y"]) * turn
-    wanted = np.linalg.inv(T) @ np.stack([platen.real, platen.imag, *(w[axis] for axis in AXES[2:])]) / K
+    rear = K * np.clip(platen.real / K, -QUADRATURE, QUADRATURE)  # what C can do, whose torque A and B take back
+    wanted = np.linalg.inv(T) @ np.stack([rear, platen.imag, *(w[axis] for axis in AXES[2:])]) / K
     i_q = np.clip(wanted[:3], -QUADRATURE, QUADRATURE)
     room = np.sqrt(LIMIT**2 - i_q**2)
     i_d = np.clip(wanted[3:], -room, room)

@@ -37,6 +37,7 @@ COUNT = 2  # pitches to either side
 WEIGHT, REGULAR, LEAST = 0.1, 0.01, 1e-6  # of the third equation, of its sum of squares; in the ratio of a pair
 RESIDUAL, POWER, EVIDENCE = 0.08, 0.15, 0.04  # of A, of A^2
 LEAN = 0.04  # of A
+LACK = 10.0  # V
 MEMORY = 3.0  # samples
 OF_X = ("V_ax", "V_bx", "V_cx")
 TERMS, POINTS = 4, 64  # of the fitted position
@@ -181,7 +182,7 @@ def sense(
     of_x, of_y = doubt & (before > 0) & (before <= MEMORY), doubt & (before > MEMORY)
     counted = np.where(sure, np.maximum(before - 1, 0), before)
     after = {
-        "sensing_doubt": np.where(of_x, MEMORY + 1, np.where(doubt, MEMORY, counted)),
+        "sensing_doubt": np.where(of_x, 2 * MEMORY, np.where(doubt, MEMORY, counted)),
         "sensing_named": np.where(of_y, 1.0, state["sensing_named"]),
     }
     for axis, pair in (("x", x), ("y", y)):
@@ -194,9 +195,11 @@ def sense(
         after[f"sensing_offset_{axis}"] = np.where(sure, moved, offset)
         after[f"sensing_within_{axis}"] = out[f"within_{axis}"]
     named = suspects(x, y, (h1, h2, r1, r2), bad, v, k)
+    before_y = [np.asarray(state[f"sensing_found_{name}"]) > 0 for name in OF_X]
+    none = of_y & ~np.any([*before_y, *(named[name] for name in HALL if name not in OF_X)], axis=0)
     for name, found in named.items():
         turn = of_x if name in OF_X else of_y
-        after[f"sensing_found_{name}"] = np.where(turn, 1.0 * found, state[f"sensing_found_{name}"])
+        after[f"sensing_found_{name}"] = np.where(none, 1.0, np.where(turn, 1.0 * found, state[f"sensing_found_{name}"]))
     return out, after
 
 
@@ -209,11 +212,13 @@ def suspects(
     least = LEAST * A**2
     size = np.sqrt(h1**2 + h2**2 + least)
     by_x, by_y = h1 / (h1**2 + least), h2 / (h2**2 + least)
-    turn_x, turn_y = r1 * by_x, -r2 * by_y  # what the yaw is wrong by, if V_ax or V_cx, V_ay or V_by is
+    # What the yaw is wrong by, if V_ax or V_cx, V_ay or V_by is; and what V_ax, V_ay then lack.
+    turn_x, turn_y = np.clip(r1 * by_x, -1, 1), np.clip(-r2 * by_y, -1, 1)
+    lack_x, lack_y = np.clip(parity * by_x, -LACK, LACK), np.clip(parity * by_y, -LACK, LACK)
     told_x = Pair(x.s - turn_x * v["V_ay"], x.c + turn_x * v["V_ay"], k)
     told_y = Pair(y.s + turn_y * v["V_ax"], y.c - turn_y * v["V_ax"], k)
-    mend_x = np.abs(Pair(told_x.s + parity * by_x, told_x.c, k).m) - np.abs(told_x.m)
-    mend_y = np.abs(Pair(told_y.s + parity * by_y, told_y.c, k).m) - np.abs(told_y.m)
+    mend_x = np.abs(Pair(told_x.s + lack_x, told_x.c, k).m) - np.abs(told_x.m)
+    mend_y = np.abs(Pair(told_y.s + lack_y, told_y.c, k).m) - np.abs(told_y.m)
     lean, slack, margin = np.abs(h1 * r1) - np.abs(h2 * r2), LEAN * A * size, EVIDENCE * A**2
     beside = bad["r_1"] | bad["r_2"]
     x_alone, y_alone = bad["m_x"] & ~beside, bad["m_y"] & ~beside
@@ -247,7 +252,9 @@ def estimate(state: Columns, raw: Columns, ready: Array, k: Constants) -> tuple[
     return out, after
 
 
-def step(state: Columns, v: Columns, flags: tuple[Array, Array], k: Constants) -> tuple[dict[str, Array], dict[str, Array]]:
+def step(
+    state: Columns, v: Columns, flags: tuple[Array, Array], k: Constants
+) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return all outputs and the next state of sensing and filters for one sample of held voltages."""
     raw, after = sense(state, v, flags, filtered(state), k)
     pose, moved = estimate(state, raw, flags[0], k)

@@ -8,7 +8,8 @@
     V_bx = -A C(t_x) + phi A S(t_y)        V_by = V_ay + phi h_1,      h_1 = A (D S'(t_y) + C(t_x) + S(t_x))
     V_cy = -A C(t_y) - phi A S(t_x)        V_cx = V_ax - phi h_2,      h_2 = A (D S'(t_x) + C(t_y) + S(t_y))
 
-`phi_predicted`, a state of the Kalman filter or the yaw of the sample before, turns the voltages back: s and c of each axis are A S(t) and A C(t).
+`phi_predicted`, a state of the Kalman filter or the raw yaw of the sample before, turns the voltages back: s and c of
+each axis are A S(t) and A C(t).
 
 Position, (1)-(5). Of the two, the voltage nearer to zero is in its sensitive interval and is used; it is divided by the
 other one, so that the arcsine becomes an arctangent, a common change of amplitude drops out, and the eight sections of
@@ -21,7 +22,9 @@ f is arctangent and calibration in one (`calibration`). The count of pitches is 
 predicted position. Added to an absolute phase it cannot drift as the sum of differences in (4), (5) does: there one
 sensor's amplitude wrong by 1 % adds 0.6 % to the way.
 The raw position is within 4.3 um rms, 9.5 um at most, where uncorrected harmonics make 330 um rms; lifted by 0.1 mm,
-16.6 um rms, since the harmonics fade; turned by 6 mrad that are predicted as 7, 7.6 um rms.
+16.5 um rms, since the harmonics fade; turned by 6 mrad that are predicted as 7, 7.4 um rms. Noise of 5e-5 m rms makes
+it noisy by 5.3e-5 m in the median, 6.5e-5 at most, and by 5.5e-5 and 1.1e-4 where the yaw of the sample before, as
+noisy as it is, turns the voltages back.
 
 Yaw. e_1 = V_by - V_ay and e_2 = V_cx - V_ax are linear in it, but h_1 and h_2 vanish together at isolated places. With
 m = s^2 + c^2 of each pair, less what it is there, m_x - m_y is a third: h_3 = 2 (2 s_x s_y - s_y c_x - s_x c_y). From
@@ -32,15 +35,16 @@ r_1 = e_1 - h_1 phi_predicted, r_2 = e_2 + h_2 phi_predicted and r_3 = m_x - m_y
 Taken about the prediction, second orders nearly cancel, and the fit of S' within 2 % shows in the yaw itself only. The
 error is 0.04 mrad rms over a pitch at yaw 0, 0.16 rms and 1.6 at most at 6 mrad, 1.5 rms at 20 mrad; of a yaw that is
 not yet predicted the raw one shows 0.7 to 1.2 where h_1 and h_2 vanish. Where a position is noisy by 5e-5 m rms the raw
-yaw is so by 1.8 mrad in the median and by 11 mrad at those places.
+yaw is so by 1.8 mrad in the median and by 11 mrad at those places, whatever predicts it.
 
 Contradictions. m_x, m_y, r_1 and r_2 are near 0 unless a sensor fails. A sample in which one is out of bounds, or in
-which the guard refuses anything, moves neither position nor yaw. With another one out of bounds in the MEMORY samples
-before, it finds the suspects among the voltages of x; the next such sample those of y, and the guard refuses them from
-the sample after that on: five samples later it latches. Of V_ax, V_cx (r_2), V_ay, V_by (r_1) and V_bx, V_cy (m_x, m_y alone) those are named that may
-explain what is seen, more than one where noise could decide. h_2 r_1 + h_1 r_2 knows no yaw: it tells what V_ax or V_ay
-lack, also when the filter has followed a sensor that sticks. `sensing_maps.faults` tells what is not noticed: at rest
-all that sticks, and V_bx or V_cy that drops to zero within 36 degrees of where it reads zero.
+which the guard refuses anything, moves neither position nor yaw. The second one out of bounds, MEMORY samples after the
+first at most, finds the suspects among the voltages of x; the third, as soon after the second, those of y. They are
+`suspected` from the sample after that on: no sample is complete any more, and in the fifth the guard latches. Of V_ax,
+V_cx (r_2), V_ay, V_by (r_1) and V_bx, V_cy (m_x, m_y alone) those are named that may explain what is seen, more than
+one where noise could decide; all six where none does. h_2 r_1 + h_1 r_2 knows no yaw: it tells what V_ax or V_ay lack,
+also when the prediction has followed a sensor that sticks. `sensing_maps.faults` tells what is not noticed: at rest all
+that sticks, and V_bx or V_cy that drops to zero within 36 degrees of where it reads zero.
 
 Source: Yu, Kim, section 3.1, Figs. 3 and 4; Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing".
 """
@@ -68,6 +72,8 @@ LEAST = 1e-6  # of A^2, beside a square that is A^2/2 or more unless a sensor fa
 # A position's noise of 5e-5 m rms is one of 0.62 % of A in a voltage. It makes 1.0 % in r_1, r_2 and 1.1 % in m_x, m_y.
 RESIDUAL = 0.08  # of A: six times the noise, and 2 % for unequal sensors and heights
 POWER = 0.15  # of A^2: five times the noise, 5 % for a lift by 0.2 mm and 4 % for the sensors' height
+ANGLE = Signal("angle", "rad", -1, 1)  # so that numbers stay small where voltages make no sense at all
+LACK = Signal("lack", "V", -2 * VOLTAGE, 2 * VOLTAGE)
 LEAN, EVIDENCE = 0.04, 0.04  # of A, of A^2: by how much one explanation must be better than another
 OF_X, OF_Y = ("V_ax", "V_bx", "V_cx"), ("V_ay", "V_cy", "V_by")  # s, c and the other sensor's s
 MEMORY = 3  # samples for which a contradiction is remembered
@@ -157,10 +163,16 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
         before = x["doubt"]
         halfway, later = ca.logic_and(doubt, before), ca.logic_and(doubt, before > MEMORY)
         counted = ca.if_else(ca.logic_and(sure, before), before - 1, before)
-        next["doubt"] = ca.if_else(later, MEMORY, ca.if_else(halfway, MEMORY + 1, ca.if_else(doubt, MEMORY, counted)))
-        for name, one in _named(X, Y, checks, bad, k, A).items():
-            turn = later if name in OF_Y else ca.logic_and(halfway, ca.logic_not(later))
-            next[f"found_{name}"] = ca.if_else(turn, one, x[f"found_{name}"])
+        next["doubt"] = ca.if_else(later, MEMORY, ca.if_else(halfway, 2 * MEMORY, ca.if_else(doubt, MEMORY, counted)))
+        named, some = _named(X, Y, checks, bad, k, A), ca.SX(0)
+        for name in HALL:
+            some = ca.logic_or(some, named[name] if name in OF_Y else x[f"found_{name}"])
+        for name in OF_X:
+            found, first = x[f"found_{name}"], ca.logic_and(halfway, ca.logic_not(later))
+            next[f"found_{name}"] = ca.if_else(later, ca.if_else(some, found, 1), ca.if_else(first, named[name], found))
+        for name in OF_Y:
+            one = ca.logic_or(named[name], ca.logic_not(some))
+            next[f"found_{name}"] = ca.if_else(later, one, x[f"found_{name}"])
         next["named"] = ca.if_else(later, 1, x["named"])
         output |= {f"suspect_{name}": x[f"found_{name}"] for name in HALL} | {SUSPECTED.name: x["named"]}
         return Step(output | {"m_x": X.m, "m_y": Y.m, "r_1": checks.r1, "r_2": checks.r2}, next)
@@ -178,7 +190,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
 
 
 def _states() -> list[State]:
-    doubt = Signal("doubt", "1", 0, MEMORY + 1, "samples for which the last contradiction is remembered")
+    doubt = Signal("doubt", "1", 0, 2 * MEMORY, "samples for which a contradiction is remembered, or two")
     found = [Signal("named", "1", 0, 1, "those that contradict the others are found")]
     found += [Signal(f"found_{name}", "1", 0, 1, f"{name} contradicts the others") for name in HALL]
     return [*(State(s, 0.0) for s in (*OFFSETS, *WITHIN)), *(State(s, 0, True) for s in (doubt, *found))]
@@ -261,8 +273,9 @@ def _named(X: _Pair, Y: _Pair, of: _Checks, bad: Mapping[str, ca.SX], k: Exprs, 
         (Y, h2, -r2, first, bad["m_y"], OF_Y),
     ):
         per = h / (h**2 + least)
-        told = _pair(pair.s, pair.c, pair.other, turn * per, k)  # with the yaw that the other two sensors tell
-        mended = _pair(told.s + parity * per, told.c, pair.other, ca.SX(0), k)
+        yaw, lack = clip(turn * per, ANGLE), clip(parity * per, LACK)
+        told = _pair(pair.s, pair.c, pair.other, yaw, k)  # with the yaw that the other two sensors tell
+        mended = _pair(told.s + lack, told.c, pair.other, ca.SX(0), k)
         better = ca.fabs(told.m) - ca.fabs(mended.m)
         short = pair.m * pair.s / (2 * pair.s**2 + least)
         clear = ca.fabs(parity + h * short) - ca.fabs(parity)

@@ -100,12 +100,16 @@ def voltages(plant: Plant, pose: Mapping[str, ArrayLike]) -> dict[str, Array]:
     return {name: y[names.index(name)] for name in planar_stage.HALL}
 
 
-def estimation(plant: Plant, time: Discrete) -> Block:
-    """Return sensing and filters as one Block, from held voltages and ``ready``."""
-    parts = [sensing.sensing(plant, time), *filtering.blocks(time)]
-    inputs = [*(s.name for s in sensing.HELD), sensing.READY.name]
-    raw = [s.name for s in (*sensing.RAW.values(), *sensing.COUNTS, *sensing.RESIDUALS, *sensing.SUSPECTS)]
-    return compose("estimation", parts, inputs=inputs, outputs=[*raw, *filtering.AXES])
+def estimation(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
+    """Return sensing as one Block with the filters that predict, or without, from held voltages and the guard's flags.
+
+    Without filters the prediction is the sample before.
+    """
+    sensed = sensing.sensing(plant, time, predicted)
+    parts = [sensed, *(filtering.blocks(time) if predicted else [])]
+    inputs = [s.name for s in (*sensing.HELD, sensing.READY, sensing.COMPLETE)]
+    outputs = [s.name for s in sensed.outputs] + [*(filtering.AXES if predicted else ())]
+    return compose("estimation", parts, inputs=inputs, outputs=outputs)
 
 
 def error_map(plant: Plant, yaw: float = 0.0, lift: float = 0.0, doubt: float = 0.0, points: int = 48) -> ErrorMap:
@@ -119,7 +123,7 @@ def error_map(plant: Plant, yaw: float = 0.0, lift: float = 0.0, doubt: float = 
         "x_predicted": x,
         "y_predicted": y,
         "phi_predicted": np.full_like(x, yaw + doubt),
-        "ready": np.ones_like(x),
+        **{flag.name: np.ones_like(x) for flag in (sensing.READY, sensing.COMPLETE)},
     }
     step = block.function().map(len(x))
     state = np.tile(block.initial[:, None], len(x))
@@ -146,10 +150,11 @@ def deviation(plant: Plant) -> float:
     return float(cal.amplitude * 2 * np.pi / cal.pitch * NOISE)
 
 
-def faults(plant: Plant, time: Discrete, points: int = 12) -> Faults:
-    """Return what each voltage does that drops to zero at rest, or sticks while it moves at SPEED."""
-    rows = [_dropped(plant, time, name, points) for name in planar_stage.HALL]
-    return Faults((*rows, *(_stuck(plant, time, name, points) for name in planar_stage.HALL)))
+def faults(plant: Plant, time: Discrete, points: int = 12, predicted: bool = True) -> Faults:
+    """Return what each voltage does that drops to zero at rest, or sticks while it moves at SPEED; see `estimation`."""
+    block = estimation(plant, time, predicted)
+    rows = [_dropped(plant, block, name, points) for name in planar_stage.HALL]
+    return Faults((*rows, *(_stuck(plant, block, name, points) for name in planar_stage.HALL)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,35 +167,40 @@ class _Watch:
 
 
 def _watched(
-    plant: Plant, time: Discrete, start: Array, velocity: Array, samples: int, failed: str, stuck: bool
+    plant: Plant, block: Block, start: Array, velocity: Array, samples: int, failed: str, stuck: bool
 ) -> _Watch:
     """Follow N platens from `start` (2, N) in m with `velocity` (2, N) in m/s and a voltage that fails at once."""
-    block, n = estimation(plant, time), start.shape[1]
-    step, names = block.function().map(n), [s.name for s in block.states]
-    state = np.tile(block.initial[:, None], n).astype(float)
-    for i, axis in enumerate("xy"):
-        state[names.index(f"filter_{axis}_p")] = start[i]
-        state[names.index(f"filter_{axis}_s")] = time.period_s * velocity[i]
-    outputs = [s.name for s in block.outputs]
-    estimated, suspects = ([outputs.index(s) for s in names] for names in (filtering.AXES, _SUSPECTS))
-    pose = start + time.period_s * np.arange(samples)[:, None, None] * velocity
+    T, n, outputs = block.time.period_s, start.shape[1], [s.name for s in block.outputs]
+    step, state = block.function().map(n), _moving(block, start, velocity)
+    axes = [axis if axis in outputs else f"{axis}_raw" for axis in filtering.AXES]
+    estimated, suspects = ([outputs.index(name) for name in wanted] for wanted in (axes, _SUSPECTS))
+    pose = start + T * np.arange(samples)[:, None, None] * velocity
     u = voltages(plant, {axis: pose[:, i] for i, axis in enumerate("xy")})
     u = {name: v.reshape(samples, n) for name, v in u.items()}
     u[failed] = np.tile(u[failed][:1], (samples, 1)) if stuck else np.zeros((samples, n))
     noticed, named, worst = np.full(n, -1), np.zeros((len(_SUSPECTS), n), bool), np.zeros((3, n))
     for k in range(samples):
-        after, found = (v.full() for v in step(state, np.array([*(v[k] for v in u.values()), np.ones(n)])))
-        doubtful, suspected = after[names.index("sensing_doubt")] > 0, found[suspects] > 0
+        after, found = (v.full() for v in step(state, np.array([*(v[k] for v in u.values()), *np.ones((2, n))])))
         error = np.abs(found[estimated] - np.array([*pose[k], np.zeros(n)]))
-        worst = np.where((noticed < 0) & ~doubtful, np.maximum(worst, error), worst)
-        fresh = suspected.any(axis=0) & (noticed < 0)
-        noticed, named, state = np.where(fresh, k, noticed), np.where(fresh, suspected, named), after
+        worst = np.where(noticed < 0, np.maximum(worst, error), worst)
+        fresh = (found[outputs.index(sensing.SUSPECTED.name)] > 0) & (noticed < 0)
+        noticed, named, state = np.where(fresh, k, noticed), np.where(fresh, found[suspects] > 0, named), after
         if (noticed >= 0).all():
             break
     return _Watch(noticed, named, worst)
 
 
 _SUSPECTS = tuple(s.name for s in sensing.SUSPECTS)
+
+
+def _moving(block: Block, start: Array, velocity: Array) -> Array:
+    """Return the states (.., N) of an estimation that has followed platens in the middle pitch up to `start`."""
+    state = np.tile(block.initial[:, None], start.shape[1]).astype(float)
+    for k, name in enumerate(s.name for s in block.states):
+        for axis, at, v in zip("xy", start, velocity, strict=True):
+            known = {f"sensing_within_{axis}": at, f"filter_{axis}_p": at, f"filter_{axis}_s": block.time.period_s * v}
+            state[k] = known.get(name, state[k])
+    return state
 
 
 def _summary(name: str, failure: str, seen: _Watch, moved: NDArray[np.floating[Any]]) -> Unseen:
@@ -214,17 +224,17 @@ def _places(plant: Plant, points: int) -> Array:
     return np.array([v.ravel() for v in np.meshgrid(place, place, indexing="ij")])
 
 
-def _dropped(plant: Plant, time: Discrete, name: str, points: int) -> Unseen:
+def _dropped(plant: Plant, block: Block, name: str, points: int) -> Unseen:
     start = _places(plant, points)
-    seen = _watched(plant, time, start, np.zeros_like(start), SETTLED, name, stuck=False)
+    seen = _watched(plant, block, start, np.zeros_like(start), SETTLED, name, stuck=False)
     return _summary(name, "zero", seen, np.zeros(start.shape[1]))
 
 
-def _stuck(plant: Plant, time: Discrete, name: str, points: int) -> Unseen:
+def _stuck(plant: Plant, block: Block, name: str, points: int) -> Unseen:
     """Return what happens on the way from each place, to and fro along the voltage's own axis, over a pitch at most."""
-    place = _places(plant, points)
+    place, T = _places(plant, points), block.time.period_s
     along = np.array([[name[-1] == axis] for axis in "xy"])
     velocity = SPEED * along * np.repeat([1.0, -1.0], place.shape[1])
-    samples = round(calibration.of(plant).pitch / SPEED / time.period_s)
-    seen = _watched(plant, time, np.tile(place, 2), velocity, samples, name, stuck=True)
-    return _summary(name, "stuck", seen, SPEED * time.period_s * seen.noticed)
+    samples = round(calibration.of(plant).pitch / SPEED / T)
+    seen = _watched(plant, block, np.tile(place, 2), velocity, samples, name, stuck=True)
+    return _summary(name, "stuck", seen, SPEED * T * seen.noticed)

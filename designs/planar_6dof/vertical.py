@@ -1,8 +1,8 @@
-"""The vertical axes z, theta, psi, from three laser distances to force and torques, by (23)-(25).
+"""The vertical axes z, theta, psi, from three laser distances to demands of force and torques, by (23)-(25).
 
     [d1]   [1  -r   r] [z    ]       d1..d3 --->[ heights ]---> z, theta, psi ---+
     [d2] = [1  -r  -r] [theta]                                                   v -
-    [d3]   [1   r   0] [psi  ]       set-points ------------------------------->(+)--->[ K(z) ]---> f_z, m_theta, m_psi
+    [d3]   [1   r   0] [psi  ]       set-points ------------------------------->(+)--->[ K(z) ]---> d_z, d_theta, d_psi
 
     published   K (s + a) (s + 10) / ((s + b) s), as printed
     shipped     the same zeros, the pole b at 2/T, and a part of the gain at low frequencies
@@ -14,10 +14,11 @@ the rules that keep the order it lags least. It puts a pole at 2/T to z = 0.
 
 Each loop is a lead and a reset, whose zero z2 is that of s + 10. The reset is driven by what the motors make:
 
-    f = w + I,   I+ = z2 I + (1 - z2) made,   w = D e + V,   V+ = p V + D (p - z1) e,       e = set-point - position
+    d = w + I,   I+ = z2 I + (1 - z2) made,   w = D e + V,   V+ = p V + D (p - z1) e,       e = set-point - position
 
-all over the axis' scale of `allocation`. While made = f this is f = w (z - z2) / (z - 1). At a limit I goes to what is made, no further, with the time constant
-of the reset: there is no windup, and no limit to be computed. Source: Yu, Kim, section 5.2, (19), (20), (23)-(25).
+all over the scale of the axis in `allocation`, so that d is its demand in A. While made = d this is
+d = w (z - z2) / (z - 1). At a limit I goes to what is made, no further, with the time constant of the reset: there is
+no windup, and no limit to be computed. Source: Yu, Kim, section 5.2, (19), (20), (23)-(25).
 """
 
 from dataclasses import dataclass, replace

@@ -51,4 +51,5 @@ def law(plant: Plant, reading: Reading = "shipped") -> list[Block]:
 
 def controller(plant: Plant, reading: Reading = "shipped") -> Block:
     """Return the whole controller, from Hall voltages, distances and set-points to the motors' phase currents."""
-    return interface.controller(NAME, plant, TIME, [sensing.sensing(plant, TIME), *filtering.blocks(TIME)], law(plant, reading))
+    sensed = [sensing.sensing(plant, TIME), *filtering.blocks(TIME)]
+    return interface.controller(NAME, plant, TIME, sensed, law(plant, reading))

@@ -6,7 +6,7 @@ The paper's crossovers and margins are those of the third kind: (21), (22) witho
 from collections.abc import Sequence
 from dataclasses import replace
 
-from designs.planar_6dof import filtering
+from designs.planar_6dof import filtering, sensing
 from designs.planar_6dof import loops as shared
 from designs.planar_6dof.allocation import AXES, HORIZONTAL
 from designs.planar_6dof.loops import OpenLoop
@@ -28,9 +28,9 @@ def all_loops(plant: Plant) -> list[OpenLoop]:
     return found
 
 
-def whole(plant: Plant, positions: Sequence[Block], law: Sequence[Block]) -> Block:
+def whole(plant: Plant, filters: Sequence[Block], law: Sequence[Block]) -> Block:
     """Return the controller of filters and a law."""
-    return shared.whole(plant, TIME, positions, law)
+    return shared.whole(plant, TIME, [sensing.sensing(plant, TIME), *filters], law)
 
 
 def unfiltered(axis: str) -> list[Block]:

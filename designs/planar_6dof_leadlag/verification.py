@@ -8,12 +8,12 @@ from designs.planar_6dof_leadlag import control, reference
 from models import planar_stage
 from synth.verify.evidence import Evidence
 
-SIZE = 0.3
+SIZE, STEP = 0.3, 0.06  # of what the motors meet, m
 
 
 def subject() -> Subject:
     """Return the controller beside its reference."""
-    return Subject(control.controller(planar_stage.plant()), reference.step, SIZE)
+    return Subject(control.controller(planar_stage.plant()), reference.step, SIZE, STEP)
 
 
 def verify(told: Callable[[str], None], replay_s: float) -> Evidence:

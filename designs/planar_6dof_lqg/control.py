@@ -5,8 +5,9 @@
         f_x = k i_C,   f_y = k (i_A + i_B),   m_phi = k a (i_B - i_A),   k = 13.2547 M
 
     makes forces of its currents, so that the allocation compensates the yaw of motor C that (26) leaves out. In these K
-    falls apart into three axes q'' = b f; f and b are then taken by the scales of `allocation`, f in A. Each knows the force f1 that the motors make until the next sample, that of
-    the sample before, and estimates the rate alone, with L = (1 - p) / T:
+    falls apart into three axes q'' = b f, in which f is then over its scale in `allocation`, in A. Each knows the f1
+    that the motors make until the next sample, that of the sample before, and estimates the rate alone, with
+    L = (1 - p) / T:
 
         v^  = x3 + L q,                     x3+ = F x3 + G q + H f1                                        (33), (35)
         q1  = q + T v^ + b T^2/2 f1,        v1  = v^ + b T f1           where the axis is when f acts
@@ -24,9 +25,13 @@ p. A larger one lets less noise through and leaves less margin. Peak sensitivity
 13 um of noise in x, of A and B for 0.3 mrad in phi:
 
     p        0           0.5         0.7         0.8         0.9
-    x        1.56  0.37  1.71  0.17  1.82  0.11  1.90  0.08  1.96  0.05
+    x        1.56  0.39  1.71  0.17  1.82  0.11  1.90  0.08  1.96  0.05
     y        1.43        1.58        1.74        1.87        2.02
-    phi      2.20  1.9   2.12  0.87  2.03  0.57  1.96  0.44  1.84  0.32
+    phi      2.20  2.01  2.12  0.92  2.03  0.60  1.96  0.46  1.84  0.33
+
+An error beyond ERROR counts as this, and the integral waits: the axis then moves at k ERROR / k2 at most, from which the
+motors can stop it. Without that a step of x by 10 mm swings beyond the reach of the yaw's sensors, and the platen is
+lost; with it steps of 60 mm overshoot by 1 to 2 %.
 
 Until every measurement has been good once the platen counts as at rest where it is.
 
@@ -65,6 +70,7 @@ OBSERVER_POLE = {"x": 0.7, "y": 0.7, "phi": 0.9}
 RATES = {"x": "d", "y": "f", "phi": "v"}
 NOISE = {"x": 5e-5, "y": 5e-5, "phi": 1e-3}  # m, rad, of a sample: (9) and (46), that of phi is not printed
 PUSHED = {"x": 0.3, "y": 0.3, "phi": 3.0}  # m^2/s^3, rad^2/s^3: densities of acceleration for the full-order filter
+ERROR = {"x": 1.5e-3, "y": 4e-3, "phi": 8e-3}  # m, rad: a larger one counts as this one
 FASTEST = 20.0  # m/s, rad/s, of a full-order estimate
 MEASURED = {axis: replace(POSITIONS[axis], name=f"{axis}_raw", about="as measured") for axis in HORIZONTAL}
 Order = Literal["reduced", "full"]
@@ -210,9 +216,14 @@ def _regulator(
 
     def law(u: Exprs, x: Exprs, c: Exprs) -> Step:
         w, after = estimate(u, x, c)
-        integral = c["kept"] * x["integral"] + c["driven"] * (u[driven.name] - w)
-        force = c["on_error"] * (u[r.name] - u[q.name]) + (w + x["integral"])
-        return Step({wanted.name: force}, after | {"integral": integral, "force": u[driven.name]})
+        error = u[r.name] - u[q.name]
+        most, near = ERROR[axis.name], ca.fabs(error) <= ERROR[axis.name]
+        pushed = c["on_error"] * ca.if_else(near, error, ca.if_else(error < 0, -most, most))
+        moved = c["kept"] * x["integral"] + c["driven"] * (u[driven.name] - w)
+        integral = ca.if_else(near, moved, x["integral"])
+        return Step(
+            {wanted.name: pushed + (w + x["integral"])}, after | {"integral": integral, "force": u[driven.name]}
+        )
 
     shared = [
         Constant("on_error", k, _per_position(axis.name), "(49): k1 + k3 T"),
@@ -245,9 +256,11 @@ def law(plant: Plant, order: Order = "reduced", reading: Reading = "shipped") ->
     regulator = {"reduced": reduced_order, "full": full_order}[order]
     horizontal = [regulator(plant, axis) for axis in axes(plant)]
     upright, yaw = vertical.blocks(plant, TIME, reading), MEASURED["phi"]
-    return [*horizontal, *upright, *(make(plant, TIME, yaw) for make in (allocation.allocation, allocation.commutation))]
+    motors = (make(plant, TIME, yaw) for make in (allocation.allocation, allocation.commutation))
+    return [*horizontal, *upright, *motors]
 
 
 def controller(plant: Plant, order: Order = "reduced", reading: Reading = "shipped") -> Block:
     """Return the whole controller, from Hall voltages, distances and set-points to the motors' phase currents."""
-    return interface.controller(NAME, plant, TIME, [sensing.sensing(plant, TIME, predicted=False)], law(plant, order, reading))
+    sensed = [sensing.sensing(plant, TIME, predicted=False)]
+    return interface.controller(NAME, plant, TIME, sensed, law(plant, order, reading))

@@ -3,15 +3,19 @@
     (x, y, phi) less set-points --->[ core ]---> (i_B + i_A)/2, (i_B - i_A)/2, i_C --->[ rows ]---> i_AQ, i_BQ, i_CQ
 
 They are what `control` is built on, and are there to count what the reduced order saves. In the half sum and the half
-difference of the currents of A and B, (26) is three axes: no entry stands between them. States are scaled so that an
-entry of each is 1.
+difference of the currents of A and B, (26) is three axes, and a core is three compensators of one error each. Each is
+realised by its modes, in which it has the fewest products: the integral, and what is stable,
+
+    I+ = I + r e,   p+ = lambda p + b e,    i = p + I + d e         lambda real (33), d not 0, or complex (40), d = 0:
+
+p and b are then complex, and i has the real part of p. As |Re lambda| + |Im lambda| < 1, p stays in its bounds by
+itself; the integral is limited.
 """
 
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from designs.planar_6dof.allocation import HORIZONTAL, LIMIT
 from designs.planar_6dof.vertical import MARGIN, POSITIONS
@@ -30,7 +34,8 @@ FROM_MODES = readonly([[1, -1, 0], [1, 1, 0], [0, 0, 1]])
 INTEGRALS = STATES[3:6]
 PLANT = [0, 1, 2, 6, 7, 8]  # of the states of (31), those of (26)
 REACH = 2 * LIMIT  # A, of an integral
-ESTIMATE = 1e4  # A, of an estimate times its gain
+ESTIMATE = 1e4  # A, of a current
+SMALL = 1e-9  # of the largest residue: that of another axis
 
 
 def plant() -> StateSpace:
@@ -59,61 +64,55 @@ def gain() -> Array:
     return readonly(control.gain().K[:, [*PLANT, 3, 4, 5]])
 
 
+def law(order: Order) -> StateSpace:
+    """Return the compensator from the errors x, y, phi to the currents of MODES."""
+    if order == "reduced":
+        model = compensator().model
+        return replace(model, C=readonly(TO_MODES @ model.C), D=readonly(TO_MODES @ model.D), outputs=MODES, units={})
+    K, filter = gain(), estimator().predictor()
+    on_u, on_q = filter.B[:, :3], filter.B[:, 3:]
+    A = np.block([[filter.A + on_u @ K[:, :6], on_u @ K[:, 6:]], [np.zeros((3, 6)), np.eye(3)]])
+    B, C = np.vstack([on_q, TIME.period_s * np.eye(3)]), TO_MODES @ K
+    return StateSpace(A, B, C, np.zeros((3, 3)), (*filter.states, *INTEGRALS), HORIZONTAL, MODES, TIME)
+
+
 def block(order: Order) -> Block:
     """Return a core from the errors x, y, phi to i_AQ, i_BQ, i_CQ."""
-    parts = {"reduced": _reduced, "full": _full}[order]()
+    whole = law(order)
+    parts = [_compensator(whole, axis, mode) for axis, mode in zip(HORIZONTAL, ("i_x", "i_y", "i_phi"), strict=True)]
     rows = StateSpace(np.zeros((0, 0)), np.zeros((0, 3)), np.zeros((3, 0)), FROM_MODES, (), MODES, CURRENTS, TIME)
     last = linear_block.block("rows", rows, inputs=_currents(MODES), outputs=_currents(CURRENTS), tag="(26)")
     return compose(f"core_{order}", [*parts, last], inputs=HORIZONTAL, outputs=CURRENTS)
 
 
-def _reduced() -> list[Block]:
-    """Return (33): x3 as a current, the integrals as sums of errors."""
-    model = compensator().model
-    C, D = TO_MODES @ model.C, TO_MODES @ model.D
-    sizes = [*np.abs(C[:, :3]).max(axis=0), *np.full(3, 1 / TIME.period_s)]
-    law, errors = _scaled(replace(model, C=C, D=D, outputs=MODES), sizes), _errors()
-    sums = REACH / np.abs(law.C[:, 3:]).max(axis=0)
-    pushed = np.abs(law.A[:3, 3:]) @ sums + np.abs(law.B[:3]) @ [s.high for s in errors]
-    states = _states(
-        law.states, ["A"] * 3 + [s.unit for s in errors], [*MARGIN * pushed / (1 - law.A.diagonal()[:3]), *sums]
-    )
-    tag = "(33)-(35), (49)"
-    return [linear_block.block("law", law, inputs=errors, outputs=_currents(MODES), states=states, tag=tag)]
+def _compensator(whole: StateSpace, axis: str, mode: str) -> Block:
+    """Return the compensator from one error to its current, by its modes."""
+    error = replace(POSITIONS[axis], about="less its set-point")
+    poles, b, d = _modes(whole, axis, mode)
+    stable = int(np.argmin(np.abs(poles)))
+    pole, into, sum_into = poles[stable], b[stable], float(b[np.argmax(np.abs(poles))].real)
+    size = MARGIN * (abs(into.real) + abs(into.imag)) * error.high / (1 - abs(pole.real) - abs(pole.imag))
+    if pole.imag:
+        A = [[pole.real, -pole.imag, 0], [pole.imag, pole.real, 0], [0, 0, 1]]
+        B, C, kept = [2 * into.real, 2 * into.imag, sum_into], [1, 0, 1], ("real", "imaginary", "integral")
+    else:
+        A, B, C, kept = [[pole.real, 0], [0, 1]], [into.real, sum_into], [1, 1], ("real", "integral")
+    arrays = (readonly(A), readonly([[v] for v in B]), readonly([C]), readonly([[d]]))
+    model = StateSpace(*arrays, kept, (axis,), (mode,), TIME)
+    bounds = {name: REACH if name == "integral" else 2 * size for name in kept}
+    states = [Signal(name, "A", -bounds[name], bounds[name]) for name in kept]
+    inputs, outputs = [error], _currents([mode])
+    return linear_block.block(axis, model, inputs=inputs, outputs=outputs, states=states, tag="(33), (40), (49)")
 
 
-def _full() -> list[Block]:
-    """Return the law, and the filter (40) whose states the law adds up as they are."""
-    K, T, errors = TO_MODES @ gain(), TIME.period_s, _errors()
-    sizes, sign = np.abs(K).max(axis=0), np.sign(K)
-    filter = _scaled(estimator().predictor(), sizes[:6])
-    B = np.hstack([filter.B[:, :3] @ FROM_MODES, filter.B[:, 3:]])
-    estimates = tuple(f"{name}_held" for name in filter.states)
-    filter = replace(filter, B=B, C=np.eye(6), inputs=(*MODES, *HORIZONTAL), outputs=estimates)
-    on_error, nothing = np.diag(T * sizes[6:]), np.zeros((3, 3))
-    B, D = np.hstack([np.zeros((3, 6)), on_error]), np.hstack([sign[:, :6], nothing])
-    law = StateSpace(np.eye(3), B, sign[:, 6:], D, INTEGRALS, (*estimates, *HORIZONTAL), MODES, TIME)
-    sums, kept = _states(INTEGRALS, ["A"] * 3, [REACH] * 3), _currents(filter.states)
-    modes, held = _currents(MODES), _currents(estimates)
-    return [
-        linear_block.block("filter", filter, inputs=[*modes, *errors], outputs=held, states=kept, tag="(40)"),
-        linear_block.block("law", law, inputs=[*held, *errors], outputs=modes, states=sums, tag="(49)"),
-    ]
-
-
-def _scaled(model: StateSpace, sizes: ArrayLike) -> StateSpace:
-    """Return the model in its states times `sizes`, whose units are then those of a current."""
-    s = np.asarray(sizes)
-    return replace(model, A=model.A * s[:, None] / s, B=model.B * s[:, None], C=model.C / s, units={})
-
-
-def _errors() -> list[Signal]:
-    return [replace(POSITIONS[axis], about="less its set-point") for axis in HORIZONTAL]
+def _modes(whole: StateSpace, axis: str, mode: str) -> tuple[Array, Array, float]:
+    """Return the poles (k,) from an error to its current, those of them that matter, each one's b (k,), and d."""
+    row, column = whole.outputs.index(mode), whole.inputs.index(axis)
+    poles, V = np.linalg.eig(whole.A)
+    residues = (whole.C[row] @ V) * np.linalg.solve(V, whole.B[:, column])
+    own = (np.abs(residues) > SMALL * np.abs(residues).max()) & (poles.imag >= 0)
+    return poles[own], residues[own], float(whole.D[row, column])
 
 
 def _currents(names: Sequence[str]) -> list[Signal]:
-    return _states(names, ["A"] * len(names), [ESTIMATE] * len(names))
-
-
-def _states(names: Sequence[str], units: Sequence[str], bounds: Sequence[float]) -> list[Signal]:
-    return [Signal(name, unit, -float(b), float(b)) for name, unit, b in zip(names, units, bounds, strict=True)]
+    return [Signal(name, "A", -ESTIMATE, ESTIMATE) for name in names]

@@ -48,7 +48,7 @@ def horizontals(plant: Plant) -> dict[str, Horizontal]:
 
 def whole(plant: Plant, law: Sequence[Block]) -> Block:
     """Return the controller of a law, on positions as they are measured."""
-    return shared.whole(plant, TIME, [sensing.unfiltered(TIME)], law)
+    return shared.whole(plant, TIME, [sensing.sensing(plant, TIME, predicted=False)], law)
 
 
 def reweighted(plant: Plant) -> list[Block]:

@@ -130,10 +130,13 @@ def _whole(plant: Plant) -> page.Section:
     found = loops.horizontals(plant)
     text = page.Text(
         "x, y and φ with the motors A, B and C as they are, opened at the three currents i_AQ, i_BQ, i_CQ, at the "
-        "three positions, and at all six at once. At the currents the loop is a full matrix: each motor moves more "
-        "than one axis. A disk margin α says that all channels may go astray at once, each in its own way, by gains "
-        "within the factors or phases within the angle given; it is shown for all frequencies, not for those of a "
-        "grid."
+        "three positions, and at all six at once. A disk margin α says that all channels may go astray at once, each "
+        "in its own way, by gains within the factors or phases within the angle given; it is shown for all "
+        "frequencies, not for those of a grid.\n\n"
+        "At the currents the loop is a full matrix, for each motor moves more than one axis; at the positions it is "
+        "diagonal, for the allocation compensates that. Both have one margin. In (33) as printed nothing compensates "
+        "the yaw that motor C makes: S is large at the currents, while the disk margin, which asks for changes of "
+        "single currents only, hardly tells."
     )
     refused = page.Text(
         f"The gain H of (42) is no choice. The library refuses it: {loops.refusal().replace('-1', '−1')}."

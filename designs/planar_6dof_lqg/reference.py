@@ -29,6 +29,7 @@ PERIOD = Fraction(1, 800)  # s
 PER_AMPERE, YAW_PER_AMPERE = 13.2547, 117.15  # (26)
 FORCE = PER_AMPERE * 1.52  # N/A
 WEIGHTS = {"x": (1e4, 1e10, 1e2), "y": (1e3, 1e9, 1e1), "phi": (1e3, 1e10, 2e1)}  # of q, z, q'
+ERROR = {"x": 1.5e-3, "y": 4e-3, "phi": 8e-3}  # m, rad
 POLE = {"x": "0.7", "y": "0.7", "phi": "0.9"}
 HORIZONTAL, UPRIGHT = ("x", "y", "phi"), ("z", "theta", "psi")
 
@@ -104,7 +105,8 @@ def regulated(name: str, q: Array, r: Array, x3: Array, state: Columns) -> tuple
     v = x3 + (1 - k.p) / T * q
     q1, v1 = q + T * v + k.b * T**2 / 2 * f1, v + k.b * T * f1
     w = -k.k_q * (q1 - q) - k.k_v * v1
-    return w + (k.k_q + k.k_z) * (r - q) + state[f"lqg_{name}_integral"], w
+    e = np.clip(r - q, -ERROR[name], ERROR[name])
+    return w + (k.k_q + k.k_z) * e + state[f"lqg_{name}_integral"], w
 
 
 def on_rate(k: Axis) -> float:
@@ -112,15 +114,15 @@ def on_rate(k: Axis) -> float:
     return k.k_q * float(PERIOD) + k.k_v
 
 
-def advanced(name: str, q: Array, w: Array, x3: Array, made: Array, state: Columns) -> dict[str, Array]:
-    """Return the next observer, integral and force of an axis. (33)."""
+def advanced(name: str, q: Array, r: Array, w: Array, x3: Array, made: Array, state: Columns) -> dict[str, Array]:
+    """Return the next observer, integral and force of an axis; the integral waits while the error is large. (33)."""
     k, T, f1 = axes()[name], float(PERIOD), state[f"lqg_{name}_force"]
     L, g = (1 - k.p) / T, k.k_z / (k.k_q + k.k_z)
     moved = k.p * x3 - L * (1 - k.p) * q + k.b * T * (1 - L * T / 2) * f1
     integral = state[f"lqg_{name}_integral"]
     return {
         f"lqg_{name}_x3": on_rate(k) * moved,
-        f"lqg_{name}_integral": integral + g * (made - w - integral),
+        f"lqg_{name}_integral": integral + np.where(np.abs(r - q) <= ERROR[name], g * (made - w - integral), 0),
         f"lqg_{name}_force": made,
     }
 
@@ -145,7 +147,8 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
         wanted[axis] = shared.compensated(axis, k[axis], e[axis], state)
     currents, made = shared.motors(wanted, pose["phi"])
     for axis in HORIZONTAL:
-        after |= advanced(axis, pose[f"{axis}_raw"], w[axis], x3[axis], made[axis] / scales[axis], state)
+        q, r, met = pose[f"{axis}_raw"], values[f"{axis}_ref"], made[axis] / scales[axis]
+        after |= advanced(axis, q, r, w[axis], x3[axis], met, state)
     for axis in UPRIGHT:
         after |= shared.advanced(axis, k[axis], e[axis], made[axis], state)
     kept, out = shared.concluded(state, after | moved, shared.phases(currents, pose), PERIOD)

@@ -13,13 +13,13 @@ from models import planar_stage
 from synth.block import Block
 from synth.verify.evidence import Evidence
 
-SIZE = 0.1
+SIZE, STEP = 0.1, 0.005  # of what the motors meet, m
 
 
 def subject() -> Subject:
     """Return the controller beside its reference."""
     block = control.controller(planar_stage.plant())
-    return Subject(block, reference.step, SIZE, lambda pose: at_rest(block, pose))
+    return Subject(block, reference.step, SIZE, STEP, lambda pose: at_rest(block, pose))
 
 
 def at_rest(block: Block, pose: Mapping[str, NDArray[Any]]) -> Columns:

@@ -27,39 +27,46 @@ static inline uint32_t flag(bool holds)
     return value;
 }
 
-/* f1_polynomial for clamp(phi, -0.02, 0.02) in -0.0199999996 .. 0.0199999996: t = x^2, x = clamp(phi, -0.02, 0.02);
- * relative error at most 6e-08. */
+/* f1_polynomial for clamp(phi, -0.075, 0.075) in -0.0731832609 .. 0.0731832609: t = x^2, x = clamp(phi, -0.075, 0.075);
+ * relative error at most 2.1e-07. */
 static inline float f1_polynomial(float t)
 {
-    return 1.0f + (t * -0.49998608f);
+    return 0.9999998f + (t * -0.49976957f);
 }
 
-/* f2_polynomial for clamp(phi, -0.02, 0.02) in -0.0199999996 .. 0.0199999996: f2_polynomial / x, t = x^2, x = clamp(phi, -0.02, 0.02);
- * relative error at most 1.2e-07. */
+/* f2_polynomial for clamp(phi, -0.075, 0.075) in -0.0731832609 .. 0.0731832609: f2_polynomial / x, t = x^2, x = clamp(phi, -0.075, 0.075);
+ * relative error at most 1.5e-07. */
 static inline float f2_polynomial(float t)
 {
-    return 1.0f + (t * -0.16666389f);
+    return 0.99999994f + (t * -0.16661468f);
 }
 
-/* quarter_sine_back for distance_back in -0.0279399995 .. 0.0279399995: quarter_sine_back / x, t = x^2, x = distance_back;
- * relative error at most 2.9e-06. */
+/* quarter_sine_back for distance_back in -0.0272707082 .. 0.0272707082: quarter_sine_back / x, t = x^2, x = distance_back;
+ * relative error at most 2.5e-06. */
 static inline float quarter_sine_back_polynomial(float t)
 {
-    return 30.921104f + (t * (-4925.5317f + (t * 229288.05f)));
+    return 30.921116f + (t * (-4925.7046f + (t * 229584.3f)));
 }
 
-/* f4_polynomial for clamp(phi, -0.02, 0.02) in -0.0199999996 .. 0.0199999996: t = x^2, x = clamp(phi, -0.02, 0.02);
- * relative error at most 6e-08. */
-static inline float f4_polynomial(float t)
+/* quarter_sine_front for distance_front in -0.0254923999 .. 0.0253418665: quarter_sine_front / x, t = x^2, x = distance_front;
+ * relative error at most 1.7e-06. */
+static inline float quarter_sine_front_polynomial(float t)
 {
-    return 1.0f + (t * -1.2514881f);
+    return 30.92114f + (t * (-4926.108f + (t * 230339.45f)));
 }
 
-/* f5_polynomial for clamp(phi, -0.02, 0.02) in -0.0199999996 .. 0.0199999996: f5_polynomial / x, t = x^2, x = clamp(phi, -0.02, 0.02);
- * relative error at most 1.1e-07. */
+/* f5_polynomial for clamp(phi, -0.075, 0.075) in -0.0731832609 .. 0.0731832609: t = x^2, x = clamp(phi, -0.075, 0.075);
+ * relative error at most 2.5e-06. */
 static inline float f5_polynomial(float t)
 {
-    return 1.5822228f + (t * -0.9237254f);
+    return 0.99999756f + (t * -1.2480829f);
+}
+
+/* f6_polynomial for clamp(phi, -0.075, 0.075) in -0.0731832609 .. 0.0731832609: f6_polynomial / x, t = x^2, x = clamp(phi, -0.075, 0.075);
+ * relative error at most 1.1e-06. */
+static inline float f6_polynomial(float t)
+{
+    return 1.5822213f + (t * -0.9215838f);
 }
 
 void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state)
@@ -76,8 +83,10 @@ void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state)
     state->guard_left = 5u;
     state->guard_latched = 0u;
     state->guard_ready = 0u;
-    state->sensing_count_x = 0.0f;
-    state->sensing_count_y = 0.0f;
+    state->sensing_offset_x = 0.0f;
+    state->sensing_offset_y = 0.0f;
+    state->sensing_within_x = 0.0f;
+    state->sensing_within_y = 0.0f;
     state->sensing_doubt = 0u;
     state->sensing_named = 0u;
     state->sensing_found_V_ax = 0u;
@@ -163,7 +172,6 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     static const float loop_z_direct = 4962.6665f;              /* A/m; (23): gain of the error */
     static const float loop_z_into_lag = -4476.951f;            /* A/m; (23): gain times pole less zero */
     static const float loop_z_reset = 0.9900498f;               /* 1; (23): zero of the integrator in z */
-    static const float loop_z_driven = 0.0099502485f;           /* 1; (23): 1 less that */
     static const float loop_theta_direct = 528.30865f;          /* A/rad; (24): gain of the error */
     static const float loop_theta_into_lag = -487.64932f;       /* A/rad; (24): gain times pole less zero */
     static const float loop_theta_reset = 0.9900498f;           /* 1; (24): zero of the integrator in z */
@@ -171,7 +179,11 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     static const float loop_psi_direct = 581.13947f;            /* A/rad; (25): gain of the error */
     static const float loop_psi_into_lag = -536.41425f;         /* A/rad; (25): gain times pole less zero */
     static const float loop_psi_reset = 0.9900498f;             /* 1; (25): zero of the integrator in z */
-    static const float loop_psi_driven = 0.0099502485f;         /* 1; (25): 1 less that */
+    static const float allocation_half = 0.5f;                  /* 1; Table 3: 1/2 */
+    static const float allocation_part = 0.33333334f;           /* 1; Table 3: c/(2 (b + c)) */
+    static const float allocation_front_part = 0.16666667f;     /* 1; Table 3: b/(2 (b + c)) */
+    static const float loop_z_driven_x_allocation_part = 0.0033167496f;/* 1 1; (23): 1 less that; times allocation_part */
+    static const float loop_psi_driven_x_allocation_half = 0.0049751243f;/* 1 1; (25): 1 less that; times allocation_half */
 
     /* guard: range acceptance, hold, latch */
     const float V_ax = in->V_ax;
@@ -295,18 +307,18 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     }
 
     /* sensing: (1)-(5) */
+    const uint32_t sensing_found_V_ax = state->sensing_found_V_ax;
     const uint32_t sensing_named = state->sensing_named;
+    const uint32_t sensing_found_V_bx = state->sensing_found_V_bx;
+    const uint32_t sensing_found_V_cx = state->sensing_found_V_cx;
 
     /* guard: range acceptance, hold, latch */
     bool complete = false;
     uint32_t faults = t2;
     if (sensing_named != 0u) {
         /* sensing: (1)-(5) */
-        const uint32_t sensing_found_V_ax = state->sensing_found_V_ax;
         const uint32_t sensing_found_V_ay = state->sensing_found_V_ay;
-        const uint32_t sensing_found_V_bx = state->sensing_found_V_bx;
         const uint32_t sensing_found_V_by = state->sensing_found_V_by;
-        const uint32_t sensing_found_V_cx = state->sensing_found_V_cx;
         const uint32_t sensing_found_V_cy = state->sensing_found_V_cy;
         uint32_t t3 = t2;
         if (sensing_found_V_ax != 0u) {
@@ -348,12 +360,6 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     }
 
     /* safe_output: slew to the safe output once latched */
-    const uint32_t sensing_found_V_ax_2 = state->sensing_found_V_ax;
-    const uint32_t sensing_found_V_ay_2 = state->sensing_found_V_ay;
-    const uint32_t sensing_found_V_bx_2 = state->sensing_found_V_bx;
-    const uint32_t sensing_found_V_by_2 = state->sensing_found_V_by;
-    const uint32_t sensing_found_V_cx_2 = state->sensing_found_V_cx;
-    const uint32_t sensing_found_V_cy_2 = state->sensing_found_V_cy;
     if (latched != 0u) {
         const float safe_output_last_i_AA = state->safe_output_last_i_AA;
         const float t4 = max(min(0.0f, safe_output_last_i_AA + 0.126f), safe_output_last_i_AA - 0.126f);
@@ -429,8 +435,6 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const bool t32 = (t20 || t28 || t31) && (guard_ready != 0u) && complete;
         const bool t33 = !t32 && complete;
         const float filter_y_p = state->filter_y_p;
-        const float sensing_count_x = state->sensing_count_x;
-        const float sensing_count_y = state->sensing_count_y;
         const float t34 = t29 * r_1;
         const float t35 = t30 * r_2;
         const float t36 = t29 * t29;
@@ -439,165 +443,183 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         float x_raw = filter_x_p;
         float y_raw = filter_y_p;
         float t39 = 0.0f;
-        float pitch_x = sensing_count_x;
-        float pitch_y = sensing_count_y;
+        float within_x;
+        float within_y;
         if (t33) {
-            float t40;
+            float sensing_within_x_next;
             if (t15 <= t17) {
-                const float t41 = limit(t18 / (t17 + 8.612998e-06f), 1.0f);
-                const float t42 = t41 * t41;
-                const float t43 = sensing_position_1 + (t42 * (sensing_position_3 + (t42 * (sensing_position_5 + (t42 * sensing_position_7)))));
-                const float t44 = t41 * t43;
+                const float t40 = limit(t18 / (t17 + 8.612998e-06f), 1.0f);
+                const float t41 = t40 * t40;
+                const float t42 = sensing_position_1 + (t41 * (sensing_position_3 + (t41 * (sensing_position_5 + (t41 * sensing_position_7)))));
+                const float t43 = t40 * t42;
                 if (t16 < 0.0f) {
-                    if (0.0f < t44) {
-                        t40 = t44 - 0.0254f;
+                    if (0.0f < t43) {
+                        sensing_within_x_next = t43 - 0.0254f;
                     } else {
-                        t40 = t44 + 0.0254f;
+                        sensing_within_x_next = t43 + 0.0254f;
                     }
                 } else {
-                    t40 = t44;
+                    sensing_within_x_next = t43;
                 }
             } else {
-                const float t45 = limit(t18 / (t15 + 8.612998e-06f), 1.0f);
-                const float t46 = t45 * t45;
-                const float t47 = sensing_position_1 + (t46 * (sensing_position_3 + (t46 * (sensing_position_5 + (t46 * sensing_position_7)))));
-                t40 = ((t14 < 0.0f) ? -0.0127f : 0.0127f) - (t45 * t47);
+                const float t44 = limit(t18 / (t15 + 8.612998e-06f), 1.0f);
+                const float t45 = t44 * t44;
+                const float t46 = sensing_position_1 + (t45 * (sensing_position_3 + (t45 * (sensing_position_5 + (t45 * sensing_position_7)))));
+                sensing_within_x_next = ((t14 < 0.0f) ? -0.0127f : 0.0127f) - (t44 * t46);
             }
-            const float t48 = t40 + (0.0508f * sensing_count_x);
-            const float t49 = t48 - filter_x_p;
-            if (0.0254f < fabsf(t49)) {
-                float t50;
-                if (0.0f < t49) {
-                    x_raw = t48 - 0.0508f;
-                    t50 = sensing_count_x - 1.0f;
+            const float sensing_offset_x = state->sensing_offset_x;
+            const float t47 = sensing_within_x_next + sensing_offset_x - filter_x_p;
+            float t48 = sensing_offset_x;
+            if (0.0254f < fabsf(t47)) {
+                if (0.0f < t47) {
+                    const float t49 = max(sensing_offset_x - 0.0508f, -0.1016f);
+                    t48 = t49;
+                    state->sensing_offset_x = t49;
                 } else {
-                    x_raw = t48 + 0.0508f;
-                    t50 = sensing_count_x + 1.0f;
+                    const float t50 = min(sensing_offset_x + 0.0508f, 0.1016f);
+                    t48 = t50;
+                    state->sensing_offset_x = t50;
                 }
-                const float sensing_count_x_next = limit(t50, 2.0f);
-                pitch_x = sensing_count_x_next;
-                state->sensing_count_x = sensing_count_x_next;
-            } else {
-                x_raw = t48;
             }
-            float t51;
+            x_raw = sensing_within_x_next + t48;
+            float sensing_within_y_next;
             if (t23 <= t25) {
-                const float t52 = limit(-(t26 / (t25 + 8.612998e-06f)), 1.0f);
-                const float t53 = t52 * t52;
-                const float t54 = sensing_position_1 + (t53 * (sensing_position_3 + (t53 * (sensing_position_5 + (t53 * sensing_position_7)))));
-                const float t55 = t52 * t54;
+                const float t51 = limit(-(t26 / (t25 + 8.612998e-06f)), 1.0f);
+                const float t52 = t51 * t51;
+                const float t53 = sensing_position_1 + (t52 * (sensing_position_3 + (t52 * (sensing_position_5 + (t52 * sensing_position_7)))));
+                const float t54 = t51 * t53;
                 if (-t24 < 0.0f) {
-                    if (0.0f < t55) {
-                        t51 = t55 - 0.0254f;
+                    if (0.0f < t54) {
+                        sensing_within_y_next = t54 - 0.0254f;
                     } else {
-                        t51 = t55 + 0.0254f;
+                        sensing_within_y_next = t54 + 0.0254f;
                     }
                 } else {
-                    t51 = t55;
+                    sensing_within_y_next = t54;
                 }
             } else {
-                const float t56 = limit(-(t26 / (t23 + 8.612998e-06f)), 1.0f);
-                const float t57 = t56 * t56;
-                const float t58 = sensing_position_1 + (t57 * (sensing_position_3 + (t57 * (sensing_position_5 + (t57 * sensing_position_7)))));
-                t51 = ((t22 < 0.0f) ? -0.0127f : 0.0127f) - (t56 * t58);
+                const float t55 = limit(-(t26 / (t23 + 8.612998e-06f)), 1.0f);
+                const float t56 = t55 * t55;
+                const float t57 = sensing_position_1 + (t56 * (sensing_position_3 + (t56 * (sensing_position_5 + (t56 * sensing_position_7)))));
+                sensing_within_y_next = ((t22 < 0.0f) ? -0.0127f : 0.0127f) - (t55 * t57);
             }
-            const float t59 = t51 + (0.0508f * sensing_count_y);
-            const float t60 = t59 - filter_y_p;
-            if (0.0254f < fabsf(t60)) {
-                float t61;
-                if (0.0f < t60) {
-                    y_raw = t59 - 0.0508f;
-                    t61 = sensing_count_y - 1.0f;
+            const float sensing_offset_y = state->sensing_offset_y;
+            const float t58 = sensing_within_y_next + sensing_offset_y - filter_y_p;
+            float t59 = sensing_offset_y;
+            if (0.0254f < fabsf(t58)) {
+                if (0.0f < t58) {
+                    const float t60 = max(sensing_offset_y - 0.0508f, -0.1016f);
+                    t59 = t60;
+                    state->sensing_offset_y = t60;
                 } else {
-                    y_raw = t59 + 0.0508f;
-                    t61 = sensing_count_y + 1.0f;
+                    const float t61 = min(sensing_offset_y + 0.0508f, 0.1016f);
+                    t59 = t61;
+                    state->sensing_offset_y = t61;
                 }
-                const float sensing_count_y_next = limit(t61, 2.0f);
-                pitch_y = sensing_count_y_next;
-                state->sensing_count_y = sensing_count_y_next;
-            } else {
-                y_raw = t59;
             }
+            y_raw = sensing_within_y_next + t59;
             const float t62 = (t14 * (t22 + t24)) + (t22 * (t14 - t16));
             const float t63 = (t34 - t35 + (sensing_third * (t62 * (m_x - m_y)))) / (t38 + (2.0f * (sensing_third * (t62 * t62))) + 0.08612997f);
             t39 = t63;
+            within_x = sensing_within_x_next;
+            state->sensing_within_x = sensing_within_x_next;
+            within_y = sensing_within_y_next;
+            state->sensing_within_y = sensing_within_y_next;
+        } else {
+            within_x = state->sensing_within_x;
+            within_y = state->sensing_within_y;
         }
         const float phi_raw = limit(filter_phi_p + t39, 0.025f);
         const uint32_t sensing_doubt = state->sensing_doubt;
-        if (t32) {
+        const bool t64 = t32 && (3u < sensing_doubt);
+        const float t65 = sqrtf(t38 + 8.612998e-06f);
+        const float t66 = -0.11739163f * t65;
+        const float t67 = fabsf(t34) - fabsf(t35);
+        const float t68 = (t30 * r_1) + (t29 * r_2);
+        const bool t69 = !t31;
+        const float t70 = fabsf(t68);
+        const float t71 = 0.11739163f * t65;
+        if (t64) {
             state->sensing_doubt = 3u;
-        } else {
-            if (t33 && (sensing_doubt != 0u)) {
-                state->sensing_doubt = sensing_doubt - 1u;
+            state->sensing_named = 1u;
+            const bool t72 = t31 && (t66 < t67);
+            const float t73 = t30 / (t37 + 8.612998e-06f);
+            const float t74 = limit(-(r_2 * t73), 1.0f) * V_ax_held;
+            const float t75 = t22 + t74;
+            const float t76 = t24 + t74;
+            const float t77 = t76 * t76;
+            const float t78 = t75 * t76;
+            const float t79 = t78 * t78;
+            const float t80 = t75 + limit(t68 * t73, 10.0f);
+            const float t81 = t80 * t76;
+            const float t82 = t81 * t81;
+            const float t83 = fabsf((t75 * t75) + t77 - (sensing_power_0 + (t79 * (sensing_power_1 + (t79 * sensing_power_2))))) - fabsf((t80 * t80) + t77 - (sensing_power_0 + (t82 * (sensing_power_1 + (t82 * sensing_power_2)))));
+            const bool t84 = t28 && t69;
+            const float t85 = fabsf(t68 + (t30 * (m_y * t22 / ((2.0f * t23) + 8.612998e-06f)))) - t70;
+            const bool t86 = (t72 && (-0.34451988f < t83)) || (t84 && (t85 < t71));
+            const bool t87 = t72 && (t83 < 0.34451988f);
+            const bool t88 = t84 && (t66 < t85);
+            const bool t89 = (sensing_found_V_ax != 0u) || t86 || (sensing_found_V_bx != 0u) || t87 || (sensing_found_V_cx != 0u) || t88;
+            if (!t89) {
+                state->sensing_found_V_ax = 1u;
+                state->sensing_found_V_bx = 1u;
+                state->sensing_found_V_cx = 1u;
             }
-        }
-        if (t32 && (sensing_doubt != 0u)) {
-            const float t64 = fabsf(t34) - fabsf(t35);
-            const float t65 = sqrtf(t38 + 8.612998e-06f);
-            const float t66 = 0.11739163f * t65;
-            const bool t67 = t31 && (t64 < t66);
-            const float t68 = t29 / (t36 + 8.612998e-06f);
-            const float t69 = r_1 * t68 * V_ay_held;
-            const float t70 = t14 - t69;
-            const float t71 = t16 + t69;
-            const float t72 = t71 * t71;
-            const float t73 = t70 * t71;
-            const float t74 = t73 * t73;
-            const float t75 = (t30 * r_1) + (t29 * r_2);
-            const float t76 = t70 + (t75 * t68);
-            const float t77 = t76 * t71;
-            const float t78 = t77 * t77;
-            const float t79 = fabsf((t70 * t70) + t72 - (sensing_power_0 + (t74 * (sensing_power_1 + (t74 * sensing_power_2))))) - fabsf((t76 * t76) + t72 - (sensing_power_0 + (t78 * (sensing_power_1 + (t78 * sensing_power_2)))));
-            const bool t80 = !t31;
-            const bool t81 = t20 && t80;
-            const float t82 = fabsf(t75);
-            const float t83 = fabsf(t75 + (t29 * (m_x * t14 / ((2.0f * t15) + 8.612998e-06f)))) - t82;
-            const bool sensing_found_V_ax_next = (t67 && (-0.34451988f < t79)) || (t81 && (t83 < t66));
-            const float t84 = -0.11739163f * t65;
-            const bool t85 = t31 && (t84 < t64);
-            const float t86 = t30 / (t37 + 8.612998e-06f);
-            const float t87 = r_2 * t86 * V_ax_held;
-            const float t88 = t22 - t87;
-            const float t89 = t87 - t24;
-            const float t90 = t89 * t89;
-            const float t91 = t88 * t89;
-            const float t92 = t91 * t91;
-            const float t93 = t88 + (t75 * t86);
-            const float t94 = t93 * t89;
-            const float t95 = t94 * t94;
-            const float t96 = fabsf((t88 * t88) + t90 - (sensing_power_0 + (t92 * (sensing_power_1 + (t92 * sensing_power_2))))) - fabsf((t93 * t93) + t90 - (sensing_power_0 + (t95 * (sensing_power_1 + (t95 * sensing_power_2)))));
-            const bool t97 = t28 && t80;
-            const float t98 = fabsf(t75 + (t30 * (m_y * t22 / ((2.0f * t23) + 8.612998e-06f)))) - t82;
-            const bool sensing_found_V_ay_next = (t85 && (-0.34451988f < t96)) || (t97 && (t98 < t66));
-            const bool sensing_found_V_bx_next = t81 && (t84 < t83);
-            const bool sensing_found_V_by_next = t85 && (t96 < 0.34451988f);
-            const bool sensing_found_V_cx_next = t67 && (t79 < 0.34451988f);
-            const bool t99 = sensing_found_V_ax_next || sensing_found_V_ay_next || sensing_found_V_bx_next || sensing_found_V_by_next || sensing_found_V_cx_next;
-            const bool sensing_found_V_cy_next = t97 && (t84 < t98);
-            const bool sensing_named_next = t99 || sensing_found_V_cy_next;
-            state->sensing_named = flag(sensing_named_next);
-            state->sensing_found_V_ax = flag(sensing_found_V_ax_next);
+            const bool t90 = !t89;
+            const bool sensing_found_V_ay_next = t86 || t90;
             state->sensing_found_V_ay = flag(sensing_found_V_ay_next);
-            state->sensing_found_V_bx = flag(sensing_found_V_bx_next);
+            const bool sensing_found_V_by_next = t87 || t90;
             state->sensing_found_V_by = flag(sensing_found_V_by_next);
-            state->sensing_found_V_cx = flag(sensing_found_V_cx_next);
+            const bool sensing_found_V_cy_next = t88 || t90;
             state->sensing_found_V_cy = flag(sensing_found_V_cy_next);
+        } else {
+            const bool t91 = t32 && (sensing_doubt != 0u);
+            if (t91) {
+                state->sensing_doubt = 6u;
+            } else {
+                if (t32) {
+                    state->sensing_doubt = 3u;
+                } else {
+                    if (t33 && (sensing_doubt != 0u)) {
+                        state->sensing_doubt = sensing_doubt - 1u;
+                    }
+                }
+            }
+            if (t91 && !t64) {
+                const bool t92 = t31 && (t67 < t71);
+                const float t93 = t29 / (t36 + 8.612998e-06f);
+                const float t94 = limit(r_1 * t93, 1.0f) * V_ay_held;
+                const float t95 = t14 - t94;
+                const float t96 = t16 + t94;
+                const float t97 = t96 * t96;
+                const float t98 = t95 * t96;
+                const float t99 = t98 * t98;
+                const float t100 = t95 + limit(t68 * t93, 10.0f);
+                const float t101 = t100 * t96;
+                const float t102 = t101 * t101;
+                const float t103 = fabsf((t95 * t95) + t97 - (sensing_power_0 + (t99 * (sensing_power_1 + (t99 * sensing_power_2))))) - fabsf((t100 * t100) + t97 - (sensing_power_0 + (t102 * (sensing_power_1 + (t102 * sensing_power_2)))));
+                const bool t104 = t20 && t69;
+                const float t105 = fabsf(t68 + (t29 * (m_x * t14 / ((2.0f * t15) + 8.612998e-06f)))) - t70;
+                state->sensing_found_V_ax = flag((t92 && (-0.34451988f < t103)) || (t104 && (t105 < t71)));
+                state->sensing_found_V_bx = flag(t104 && (t66 < t105));
+                state->sensing_found_V_cx = flag(t92 && (t103 < 0.34451988f));
+            }
         }
 
         /* filter_x: (6)-(16) */
-        const float t100 = x_raw - filter_x_p;
-        const float t101 = filter_x_p + (filter_x_k_p * t100);
+        const float t106 = x_raw - filter_x_p;
+        const float t107 = filter_x_p + (filter_x_k_p * t106);
         const float filter_x_s = state->filter_x_s;
         const float filter_x_h = state->filter_x_h;
-        const float t102 = filter_x_h + (filter_x_k_h * t100);
-        const float t103 = filter_x_s + (filter_x_k_s * t100) + t102;
-        const float t104 = t101 + t103;
-        const float t105 = t103 + t102;
-        float x = t101;
-        if ((guard_ready != 0u) && (fabsf(t104) <= 0.2f) && (fabsf(t105) <= 0.2f) && (fabsf(t102) <= 0.2f)) {
-            state->filter_x_p = t104;
-            state->filter_x_s = t105;
-            state->filter_x_h = t102;
+        const float t108 = filter_x_h + (filter_x_k_h * t106);
+        const float t109 = filter_x_s + (filter_x_k_s * t106) + t108;
+        const float t110 = t107 + t109;
+        const float t111 = t109 + t108;
+        float x = t107;
+        if ((guard_ready != 0u) && (fabsf(t110) <= 0.2f) && (fabsf(t111) <= 0.2f) && (fabsf(t108) <= 0.2f)) {
+            state->filter_x_p = t110;
+            state->filter_x_s = t111;
+            state->filter_x_h = t108;
         } else {
             x = x_raw;
             state->filter_x_p = x_raw;
@@ -606,19 +628,19 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
 
         /* filter_y: (6)-(16) */
-        const float t106 = y_raw - filter_y_p;
-        const float t107 = filter_y_p + (filter_y_k_p * t106);
+        const float t112 = y_raw - filter_y_p;
+        const float t113 = filter_y_p + (filter_y_k_p * t112);
         const float filter_y_s = state->filter_y_s;
         const float filter_y_h = state->filter_y_h;
-        const float t108 = filter_y_h + (filter_y_k_h * t106);
-        const float t109 = filter_y_s + (filter_y_k_s * t106) + t108;
-        const float t110 = t107 + t109;
-        const float t111 = t109 + t108;
-        float y = t107;
-        if ((guard_ready != 0u) && (fabsf(t110) <= 0.2f) && (fabsf(t111) <= 0.2f) && (fabsf(t108) <= 0.2f)) {
-            state->filter_y_p = t110;
-            state->filter_y_s = t111;
-            state->filter_y_h = t108;
+        const float t114 = filter_y_h + (filter_y_k_h * t112);
+        const float t115 = filter_y_s + (filter_y_k_s * t112) + t114;
+        const float t116 = t113 + t115;
+        const float t117 = t115 + t114;
+        float y = t113;
+        if ((guard_ready != 0u) && (fabsf(t116) <= 0.2f) && (fabsf(t117) <= 0.2f) && (fabsf(t114) <= 0.2f)) {
+            state->filter_y_p = t116;
+            state->filter_y_s = t117;
+            state->filter_y_h = t114;
         } else {
             y = y_raw;
             state->filter_y_p = y_raw;
@@ -627,19 +649,19 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
 
         /* filter_phi: (6)-(16) */
-        const float t112 = phi_raw - filter_phi_p;
-        const float t113 = filter_phi_p + (filter_phi_k_p * t112);
+        const float t118 = phi_raw - filter_phi_p;
+        const float t119 = filter_phi_p + (filter_phi_k_p * t118);
         const float filter_phi_s = state->filter_phi_s;
         const float filter_phi_h = state->filter_phi_h;
-        const float t114 = filter_phi_h + (filter_phi_k_h * t112);
-        const float t115 = filter_phi_s + (filter_phi_k_s * t112) + t114;
-        const float t116 = t113 + t115;
-        const float t117 = t115 + t114;
-        float phi = t113;
-        if ((guard_ready != 0u) && (fabsf(t116) <= 0.05f) && (fabsf(t117) <= 0.05f) && (fabsf(t114) <= 0.05f)) {
-            state->filter_phi_p = t116;
-            state->filter_phi_s = t117;
-            state->filter_phi_h = t114;
+        const float t120 = filter_phi_h + (filter_phi_k_h * t118);
+        const float t121 = filter_phi_s + (filter_phi_k_s * t118) + t120;
+        const float t122 = t119 + t121;
+        const float t123 = t121 + t120;
+        float phi = t119;
+        if ((guard_ready != 0u) && (fabsf(t122) <= 0.05f) && (fabsf(t123) <= 0.05f) && (fabsf(t120) <= 0.05f)) {
+            state->filter_phi_p = t122;
+            state->filter_phi_s = t123;
+            state->filter_phi_h = t120;
         } else {
             phi = phi_raw;
             state->filter_phi_p = phi_raw;
@@ -648,214 +670,169 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
 
         /* heights: laser distances inverted */
-        const float t118 = 0.5f * (d1_held + d2_held);
-        const float z = 0.5f * (t118 + d3_held);
-        const float theta = 8.333333f * (d3_held - t118);
+        const float t124 = 0.5f * (d1_held + d2_held);
+        const float z = 0.5f * (t124 + d3_held);
+        const float theta = 8.333333f * (d3_held - t124);
         const float psi = 8.333333f * (d1_held - d2_held);
 
         /* loop_x: (21) */
-        const float t119 = x_ref_held - x;
+        const float t125 = x_ref_held - x;
         const float loop_x_lag = state->loop_x_lag;
         const float loop_x_integral = state->loop_x_integral;
-        const float d_x = (loop_x_direct * t119) + loop_x_lag + loop_x_integral;
-        const float loop_x_lag_next = (loop_x_into_lag * t119) + (loop_x_pole * loop_x_lag);
+        const float d_x = (loop_x_direct * t125) + loop_x_lag + loop_x_integral;
+        const float loop_x_lag_next = (loop_x_into_lag * t125) + (loop_x_pole * loop_x_lag);
         state->loop_x_lag = loop_x_lag_next;
 
         /* loop_y: (21) */
-        const float t120 = y_ref_held - y;
+        const float t126 = y_ref_held - y;
         const float loop_y_lag = state->loop_y_lag;
         const float loop_y_integral = state->loop_y_integral;
-        const float d_y = (loop_y_direct * t120) + loop_y_lag + loop_y_integral;
-        const float loop_y_lag_next = (loop_y_into_lag * t120) + (loop_y_pole * loop_y_lag);
+        const float d_y = (loop_y_direct * t126) + loop_y_lag + loop_y_integral;
+        const float loop_y_lag_next = (loop_y_into_lag * t126) + (loop_y_pole * loop_y_lag);
         state->loop_y_lag = loop_y_lag_next;
 
         /* loop_phi: (22) */
-        const float t121 = phi_ref_held - phi;
+        const float t127 = phi_ref_held - phi;
         const float loop_phi_lag = state->loop_phi_lag;
         const float loop_phi_integral = state->loop_phi_integral;
-        const float d_phi = (loop_phi_direct * t121) + loop_phi_lag + loop_phi_integral;
-        const float loop_phi_lag_next = (loop_phi_into_lag * t121) + (loop_phi_pole * loop_phi_lag);
+        const float d_phi = (loop_phi_direct * t127) + loop_phi_lag + loop_phi_integral;
+        const float loop_phi_lag_next = (loop_phi_into_lag * t127) + (loop_phi_pole * loop_phi_lag);
         state->loop_phi_lag = loop_phi_lag_next;
 
         /* loop_z: (23) */
-        const float t122 = z_ref_held - z;
+        const float t128 = z_ref_held - z;
         const float loop_z_lag = state->loop_z_lag;
         const float loop_z_integral = state->loop_z_integral;
-        const float d_z = (loop_z_direct * t122) + loop_z_lag + loop_z_integral;
-        const float loop_z_lag_next = loop_z_into_lag * t122;
+        const float d_z = (loop_z_direct * t128) + loop_z_lag + loop_z_integral;
+        const float loop_z_lag_next = loop_z_into_lag * t128;
         state->loop_z_lag = loop_z_lag_next;
 
         /* loop_theta: (24) */
-        const float t123 = theta_ref_held - theta;
+        const float t129 = theta_ref_held - theta;
         const float loop_theta_lag = state->loop_theta_lag;
         const float loop_theta_integral = state->loop_theta_integral;
-        const float d_theta = (loop_theta_direct * t123) + loop_theta_lag + loop_theta_integral;
-        const float loop_theta_lag_next = loop_theta_into_lag * t123;
+        const float d_theta = (loop_theta_direct * t129) + loop_theta_lag + loop_theta_integral;
+        const float loop_theta_lag_next = loop_theta_into_lag * t129;
         state->loop_theta_lag = loop_theta_lag_next;
 
         /* loop_psi: (25) */
-        const float t124 = psi_ref_held - psi;
+        const float t130 = psi_ref_held - psi;
         const float loop_psi_lag = state->loop_psi_lag;
         const float loop_psi_integral = state->loop_psi_integral;
-        const float d_psi = (loop_psi_direct * t124) + loop_psi_lag + loop_psi_integral;
-        const float loop_psi_lag_next = loop_psi_into_lag * t124;
+        const float d_psi = (loop_psi_direct * t130) + loop_psi_lag + loop_psi_integral;
+        const float loop_psi_lag_next = loop_psi_into_lag * t130;
         state->loop_psi_lag = loop_psi_lag_next;
 
         /* allocation: Table 3, (17), limits */
-        const float t125 = limit(phi, 0.02f);
-        const float t126 = t125 * t125;
-        const float t127 = f1_polynomial(t126);
-        const float t128 = t125 * f2_polynomial(t126);
-        const float t129 = 0.5f * ((t127 * d_y) - (t128 * d_x));
-        const float t130 = (t127 * d_x) + (t128 * d_y);
-        const float t131 = d_phi + t130;
-        const float i_AQ = limit(t129 - t131, 1.197f);
-        const float i_BQ = limit(t129 + t131, 1.197f);
-        const float i_CQ = limit(t130, 1.197f);
-        const float t132 = d_z - d_theta;
-        const float i_AD = limit(t132 + d_psi, sqrtf(1.5876f - (i_AQ * i_AQ)));
-        const float i_BD = limit(t132 - d_psi, sqrtf(1.5876f - (i_BQ * i_BQ)));
+        const float t131 = phi * phi;
+        const float t132 = f1_polynomial(t131);
+        const float t133 = phi * f2_polynomial(t131);
+        const float t134 = 0.5f * ((t132 * d_y) - (t133 * d_x));
+        const float i_CQ = limit((t132 * d_x) + (t133 * d_y), 1.197f);
+        const float t135 = d_phi + i_CQ;
+        const float i_AQ = limit(t134 - t135, 1.197f);
+        const float i_BQ = limit(t134 + t135, 1.197f);
+        const float t136 = d_z - d_theta;
+        const float i_AD = limit(t136 + d_psi, sqrtf(1.5876f - (i_AQ * i_AQ)));
+        const float i_BD = limit(t136 - d_psi, sqrtf(1.5876f - (i_BQ * i_BQ)));
 
         /* loop_psi: (25) */
-        const float loop_psi_integral_next = (loop_psi_reset * loop_psi_integral) + (0.5f * (loop_psi_driven * (i_AD - i_BD)));
+        const float loop_psi_integral_next = (loop_psi_reset * loop_psi_integral) + (loop_psi_driven_x_allocation_half * (i_AD - i_BD));
         state->loop_psi_integral = loop_psi_integral_next;
 
         /* allocation: Table 3, (17), limits */
         const float i_CD = limit(d_z + (2.0f * d_theta), sqrtf(1.5876f - (i_CQ * i_CQ)));
 
         /* loop_z: (23) */
-        const float t133 = i_AD + i_BD;
-        const float loop_z_integral_next = (loop_z_reset * loop_z_integral) + (0.33333334f * (loop_z_driven * (t133 + i_CD)));
+        const float t137 = i_AD + i_BD;
+        const float loop_z_integral_next = (loop_z_reset * loop_z_integral) + (loop_z_driven_x_allocation_part * (t137 + i_CD));
         state->loop_z_integral = loop_z_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float t134 = i_AQ + i_BQ;
-        const float made_x = (t127 * i_CQ) - (t128 * t134);
+        const float t138 = i_AQ + i_BQ;
+        const float made_x = (t132 * i_CQ) - (t133 * t138);
 
         /* loop_x: (21) */
         const float loop_x_integral_next = (loop_x_reset * loop_x_integral) + (loop_x_driven * made_x);
         state->loop_x_integral = loop_x_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float made_y = (t128 * i_CQ) + (t127 * t134);
+        const float made_y = (t133 * i_CQ) + (t132 * t138);
 
         /* loop_y: (21) */
         const float loop_y_integral_next = (loop_y_reset * loop_y_integral) + (loop_y_driven * made_y);
         state->loop_y_integral = loop_y_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float made_phi = (0.5f * (i_BQ - i_AQ)) - i_CQ;
+        const float made_phi = (allocation_half * (i_BQ - i_AQ)) - i_CQ;
 
         /* loop_phi: (22) */
         const float loop_phi_integral_next = (loop_phi_reset * loop_phi_integral) + (loop_phi_driven * made_phi);
         state->loop_phi_integral = loop_phi_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float made_theta = (0.33333334f * i_CD) - (0.16666667f * t133);
+        const float made_theta = (allocation_part * i_CD) - (allocation_front_part * t137);
 
         /* loop_theta: (24) */
         const float loop_theta_integral_next = (loop_theta_reset * loop_theta_integral) + (loop_theta_driven * made_theta);
         state->loop_theta_integral = loop_theta_integral_next;
 
         /* commutation: (17) inverted */
-        const float distance_back = limit(x - (0.0508f * pitch_x) - (0.025584769f * t128), 0.02794f);
+        const float distance_back = within_x - (0.025584769f * t133);
         const float quarter_sine_back = distance_back * quarter_sine_back_polynomial(distance_back * distance_back);
-        const float distance_front = limit(y - (0.0508f * pitch_y) - ((0.012792384f * t127) - 0.0127f), 0.02794f);
-        const float quarter_sine_front = distance_front * quarter_sine_back_polynomial(distance_front * distance_front);
-        const float t135 = quarter_sine_front * quarter_sine_front;
-        const float t136 = quarter_sine_front * sqrtf(1.0f - t135);
-        const float t137 = t136 * (4.0f - (8.0f * t135));
-        const float t138 = f4_polynomial(t126);
-        const float t139 = t137 * t138;
-        const float t140 = 1.0f - (8.0f * (t136 * t136));
-        const float t141 = t125 * f5_polynomial(t126);
-        const float t142 = t140 * t141;
-        const float t143 = t139 - t142;
-        const float t144 = t140 * t138;
-        const float t145 = t137 * t141;
-        const float t146 = t144 + t145;
-        const float i_AA_computed = (t143 * i_AQ) + (t146 * i_AD);
-
-        /* safe_output: slew to the safe output once latched */
-        const float t147 = limit(i_AA_computed, 1.26f);
-        state->safe_output_last_i_AA = t147;
-        out->i_AA = t147;
-
-        /* commutation: (17) inverted */
-        const float t148 = 0.8660254f * ((t143 * i_AD) - (t146 * i_AQ));
-        const float t149 = 0.5f * i_AA_computed;
-        const float i_AB_computed = t148 - t149;
-
-        /* safe_output: slew to the safe output once latched */
-        const float t150 = limit(i_AB_computed, 1.26f);
-        state->safe_output_last_i_AB = t150;
-        out->i_AB = t150;
-
-        /* commutation: (17) inverted */
-        const float i_AC_computed = -(t148 + t149);
-
-        /* safe_output: slew to the safe output once latched */
-        const float t151 = limit(i_AC_computed, 1.26f);
-        state->safe_output_last_i_AC = t151;
-        out->i_AC = t151;
-
-        /* commutation: (17) inverted */
-        const float t152 = t139 + t142;
-        const float t153 = t145 - t144;
-        const float i_BA_computed = (t152 * i_BQ) - (t153 * i_BD);
-
-        /* safe_output: slew to the safe output once latched */
-        const float t154 = limit(i_BA_computed, 1.26f);
-        state->safe_output_last_i_BA = t154;
-        out->i_BA = t154;
-
-        /* commutation: (17) inverted */
-        const float t155 = 0.8660254f * ((t153 * i_BQ) + (t152 * i_BD));
+        const float distance_front = within_y - ((0.012792384f * t132) - 0.0127f);
+        const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front * distance_front);
+        const float t139 = quarter_sine_front * quarter_sine_front;
+        const float t140 = quarter_sine_front * sqrtf(1.0f - t139);
+        const float t141 = t140 * (4.0f - (8.0f * t139));
+        const float t142 = f5_polynomial(t131);
+        const float t143 = t141 * t142;
+        const float t144 = 1.0f - (8.0f * (t140 * t140));
+        const float t145 = phi * f6_polynomial(t131);
+        const float t146 = t144 * t145;
+        const float t147 = t143 - t146;
+        const float t148 = t144 * t142;
+        const float t149 = t141 * t145;
+        const float t150 = t148 + t149;
+        const float i_AA_computed = limit((t147 * i_AQ) + (t150 * i_AD), 1.26f);
+        state->safe_output_last_i_AA = i_AA_computed;
+        out->i_AA = i_AA_computed;
+        const float t151 = 0.8660254f * ((t147 * i_AD) - (t150 * i_AQ));
+        const float t152 = 0.5f * i_AA_computed;
+        const float i_AB_computed = limit(t151 - t152, 1.26f);
+        state->safe_output_last_i_AB = i_AB_computed;
+        out->i_AB = i_AB_computed;
+        const float i_AC_computed = limit(-(t152 + t151), 1.26f);
+        state->safe_output_last_i_AC = i_AC_computed;
+        out->i_AC = i_AC_computed;
+        const float t153 = t143 + t146;
+        const float t154 = t149 - t148;
+        const float i_BA_computed = limit((t153 * i_BQ) - (t154 * i_BD), 1.26f);
+        state->safe_output_last_i_BA = i_BA_computed;
+        out->i_BA = i_BA_computed;
+        const float t155 = 0.8660254f * ((t154 * i_BQ) + (t153 * i_BD));
         const float t156 = 0.5f * i_BA_computed;
-        const float i_BB_computed = t155 - t156;
-
-        /* safe_output: slew to the safe output once latched */
-        const float t157 = limit(i_BB_computed, 1.26f);
-        state->safe_output_last_i_BB = t157;
-        out->i_BB = t157;
-
-        /* commutation: (17) inverted */
-        const float i_BC_computed = -(t155 + t156);
-
-        /* safe_output: slew to the safe output once latched */
-        const float t158 = limit(i_BC_computed, 1.26f);
-        state->safe_output_last_i_BC = t158;
-        out->i_BC = t158;
-
-        /* commutation: (17) inverted */
-        const float t159 = quarter_sine_back * quarter_sine_back;
-        const float t160 = quarter_sine_back * sqrtf(1.0f - t159);
-        const float t161 = 1.0f - (8.0f * (t160 * t160));
-        const float t162 = t160 * (4.0f - (8.0f * t159));
-        const float i_CA_computed = (t161 * i_CQ) - (t162 * i_CD);
-
-        /* safe_output: slew to the safe output once latched */
-        const float t163 = limit(i_CA_computed, 1.26f);
-        state->safe_output_last_i_CA = t163;
-        out->i_CA = t163;
-
-        /* commutation: (17) inverted */
-        const float t164 = 0.8660254f * ((t162 * i_CQ) + (t161 * i_CD));
-        const float t165 = 0.5f * i_CA_computed;
-        const float i_CB_computed = t164 - t165;
-
-        /* safe_output: slew to the safe output once latched */
-        const float t166 = limit(i_CB_computed, 1.26f);
-        state->safe_output_last_i_CB = t166;
-        out->i_CB = t166;
-
-        /* commutation: (17) inverted */
-        const float i_CC_computed = -(t164 + t165);
-
-        /* safe_output: slew to the safe output once latched */
-        const float t167 = limit(i_CC_computed, 1.26f);
-        state->safe_output_last_i_CC = t167;
-        out->i_CC = t167;
+        const float i_BB_computed = limit(t155 - t156, 1.26f);
+        state->safe_output_last_i_BB = i_BB_computed;
+        out->i_BB = i_BB_computed;
+        const float i_BC_computed = limit(-(t156 + t155), 1.26f);
+        state->safe_output_last_i_BC = i_BC_computed;
+        out->i_BC = i_BC_computed;
+        const float t157 = quarter_sine_back * quarter_sine_back;
+        const float t158 = quarter_sine_back * sqrtf(1.0f - t157);
+        const float t159 = 1.0f - (8.0f * (t158 * t158));
+        const float t160 = t158 * (4.0f - (8.0f * t157));
+        const float i_CA_computed = limit((t159 * i_CQ) - (t160 * i_CD), 1.26f);
+        state->safe_output_last_i_CA = i_CA_computed;
+        out->i_CA = i_CA_computed;
+        const float t161 = 0.8660254f * ((t160 * i_CQ) + (t159 * i_CD));
+        const float t162 = 0.5f * i_CA_computed;
+        const float i_CB_computed = limit(t161 - t162, 1.26f);
+        state->safe_output_last_i_CB = i_CB_computed;
+        out->i_CB = i_CB_computed;
+        const float i_CC_computed = limit(-(t162 + t161), 1.26f);
+        state->safe_output_last_i_CC = i_CC_computed;
+        out->i_CC = i_CC_computed;
     }
 
     return faults;

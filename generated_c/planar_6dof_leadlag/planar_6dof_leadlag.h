@@ -47,10 +47,12 @@ typedef struct {
     uint32_t guard_left;                /* 1, 1 .. 5: samples with a bad measurement until it latches */
     uint32_t guard_latched;             /* 1, 0 .. 1: safe output until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
-    float sensing_count_x;              /* 1, -2 .. 2: whole pitches from the middle */
-    float sensing_count_y;              /* 1, -2 .. 2: whole pitches from the middle */
-    uint32_t sensing_doubt;             /* 1, 0 .. 3: samples for which the last contradiction is remembered */
-    uint32_t sensing_named;             /* 1, 0 .. 1: some are suspects */
+    float sensing_offset_x;             /* m, -0.1016 .. 0.1016: whole pitches from the middle */
+    float sensing_offset_y;             /* m, -0.1016 .. 0.1016: whole pitches from the middle */
+    float sensing_within_x;             /* m, -0.0254 .. 0.0254: raw position from the middle of its pitch */
+    float sensing_within_y;             /* m, -0.0254 .. 0.0254: raw position from the middle of its pitch */
+    uint32_t sensing_doubt;             /* 1, 0 .. 6: samples for which a contradiction is remembered, or two */
+    uint32_t sensing_named;             /* 1, 0 .. 1: those that contradict the others are found */
     uint32_t sensing_found_V_ax;        /* 1, 0 .. 1: V_ax contradicts the others */
     uint32_t sensing_found_V_ay;        /* 1, 0 .. 1: V_ay contradicts the others */
     uint32_t sensing_found_V_bx;        /* 1, 0 .. 1: V_bx contradicts the others */
@@ -66,9 +68,9 @@ typedef struct {
     float filter_phi_p;                 /* rad, -0.05 .. 0.05: predicted position */
     float filter_phi_s;                 /* rad, -0.05 .. 0.05: T velocity */
     float filter_phi_h;                 /* rad, -0.05 .. 0.05: T^2/2 acceleration */
-    float loop_x_integral;              /* A, -1.2726 .. 1.2726: of the error */
+    float loop_x_integral;              /* A, -1.46349 .. 1.46349: of the error */
     float loop_x_lag;                   /* A, -1279.33 .. 1279.33: what the lead takes back */
-    float loop_y_integral;              /* A, -2.5452 .. 2.5452: of the error */
+    float loop_y_integral;              /* A, -2.64065 .. 2.64065: of the error */
     float loop_y_lag;                   /* A, -1254.25 .. 1254.25: what the lead takes back */
     float loop_phi_integral;            /* A, -2.5452 .. 2.5452: of the error */
     float loop_phi_lag;                 /* A, -37.4611 .. 37.4611: what the lead takes back */
@@ -92,7 +94,7 @@ typedef struct {
 /* The layout is the same on every target. */
 extern char planar_6dof_leadlag_input_size_is_60[(sizeof(planar_6dof_leadlag_input_t) == 60u) ? 1 : -1];
 extern char planar_6dof_leadlag_output_size_is_36[(sizeof(planar_6dof_leadlag_output_t) == 36u) ? 1 : -1];
-extern char planar_6dof_leadlag_state_size_is_208[(sizeof(planar_6dof_leadlag_state_t) == 208u) ? 1 : -1];
+extern char planar_6dof_leadlag_state_size_is_216[(sizeof(planar_6dof_leadlag_state_t) == 216u) ? 1 : -1];
 
 /* Put the state to its initial values. The caller owns it. */
 void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state);

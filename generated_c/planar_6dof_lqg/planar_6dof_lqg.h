@@ -47,25 +47,25 @@ typedef struct {
     uint32_t guard_left;                /* 1, 1 .. 5: samples with a bad measurement until it latches */
     uint32_t guard_latched;             /* 1, 0 .. 1: safe output until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
-    float sensing_count_x;              /* 1, -2 .. 2: whole pitches from the middle */
-    float sensing_count_y;              /* 1, -2 .. 2: whole pitches from the middle */
-    uint32_t sensing_doubt;             /* 1, 0 .. 3: samples for which the last contradiction is remembered */
-    uint32_t sensing_named;             /* 1, 0 .. 1: some are suspects */
+    float sensing_offset_x;             /* m, -0.1016 .. 0.1016: whole pitches from the middle */
+    float sensing_offset_y;             /* m, -0.1016 .. 0.1016: whole pitches from the middle */
+    float sensing_within_x;             /* m, -0.0254 .. 0.0254: raw position from the middle of its pitch */
+    float sensing_within_y;             /* m, -0.0254 .. 0.0254: raw position from the middle of its pitch */
+    uint32_t sensing_doubt;             /* 1, 0 .. 6: samples for which a contradiction is remembered, or two */
+    uint32_t sensing_named;             /* 1, 0 .. 1: those that contradict the others are found */
     uint32_t sensing_found_V_ax;        /* 1, 0 .. 1: V_ax contradicts the others */
     uint32_t sensing_found_V_ay;        /* 1, 0 .. 1: V_ay contradicts the others */
     uint32_t sensing_found_V_bx;        /* 1, 0 .. 1: V_bx contradicts the others */
     uint32_t sensing_found_V_by;        /* 1, 0 .. 1: V_by contradicts the others */
     uint32_t sensing_found_V_cx;        /* 1, 0 .. 1: V_cx contradicts the others */
     uint32_t sensing_found_V_cy;        /* 1, 0 .. 1: V_cy contradicts the others */
-    float positions_last_x;             /* m, -0.2 .. 0.2: as measured */
-    float positions_last_y;             /* m, -0.2 .. 0.2: as measured */
-    float positions_last_phi;           /* rad, -0.05 .. 0.05: as measured */
-    float lqg_x_x3;                     /* A, -2072.19 .. 2072.19: for the estimated rate less L position */
-    float lqg_x_integral;               /* A, -4165.57 .. 4165.57: of the error */
-    float lqg_x_force;                  /* A, -1.26 .. 1.26: that acts until the next sample */
-    float lqg_y_x3;                     /* A, -1439.37 .. 1439.37: for the estimated rate less L position */
-    float lqg_y_integral;               /* A, -2894.57 .. 2894.57: of the error */
-    float lqg_y_force;                  /* A, -2.52 .. 2.52: that acts until the next sample */
+    float sensing_phi_raw;              /* rad, -0.025 .. 0.025: of the sample before */
+    float lqg_x_x3;                     /* A, -2072.37 .. 2072.37: for the estimated rate less L position */
+    float lqg_x_integral;               /* A, -4166 .. 4166: of the error */
+    float lqg_x_force;                  /* A, -1.449 .. 1.449: that acts until the next sample */
+    float lqg_y_x3;                     /* A, -1439.44 .. 1439.44: for the estimated rate less L position */
+    float lqg_y_integral;               /* A, -2894.75 .. 2894.75: of the error */
+    float lqg_y_force;                  /* A, -2.6145 .. 2.6145: that acts until the next sample */
     float lqg_phi_x3;                   /* A, -51.1497 .. 51.1497: for the estimated rate less L position */
     float lqg_phi_integral;             /* A, -84.309 .. 84.309: of the error */
     float lqg_phi_force;                /* A, -2.52 .. 2.52: that acts until the next sample */

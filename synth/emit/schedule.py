@@ -8,7 +8,7 @@ A node is *sunk* into a side of a condition when every use of it is on that side
 node's users are decided before the node itself.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 
@@ -71,13 +71,23 @@ class _Demand:
     place: tuple[str, str | int]
 
 
-@dataclass
+@dataclass(frozen=True)
 class _Region:
     """The choices on one condition at one level, and what is sunk into either side."""
 
     condition: int
     choices: list[int]
     sides: tuple[set[int], set[int]]
+
+
+@dataclass(frozen=True)
+class _Written:
+    """A region as a statement: its choices, the nodes of outside that it reads, and the demands that it meets."""
+
+    choices: list[int]
+    branch: Branch
+    reads: dict[int, None]
+    met: list[_Demand]
 
 
 def statements(p: Program) -> tuple[Statement, ...]:
@@ -99,12 +109,10 @@ class _Level:
         for d in demands:
             self.demands.setdefault(d.node, []).append(d)
         self.loads = {p.nodes[k].name: k for k in members if p.nodes[k].op == "state"}
-        self.sunk: set[int] = set()
-        self.regions = self._regions()
-        self.sunk = {k for r in self.regions for side in r.sides for k in side}
-        self.region_of = {c: r for r in self.regions for c in r.choices}
-        self.first_of = {c: r.choices[0] for r in self.regions for c in r.choices}
-        self.needs_of = {r.choices[0]: self._region_needs(r) for r in self.regions}
+        self.first_of: dict[int, int] = {}  # by choice, the first of its region
+        self.written_of: dict[int, _Written] = {}  # by choice or sunk node
+        self._write_regions()
+        self.sunk = self.written_of.keys() - self.first_of.keys()
         self.done: set[int] = set()
         self.out: list[Statement] = []
 
@@ -154,15 +162,11 @@ class _Level:
 
     def _needs(self, k: int) -> Sequence[int]:
         """Return what must stand before node k is computed: for a choice, all that its `if` needs from outside."""
-        first = self.first_of.get(k)
-        return self.p.nodes[k].args if first is None else self.needs_of[first]
-
-    def _region_needs(self, region: _Region) -> list[int]:
-        inside = region.sides[0] | region.sides[1]
-        outside = [a for n in (*region.choices, *sorted(inside)) for a in self.p.nodes[n].args if a not in inside]
-        stored = [self.loads.get(str(d.place[1])) for c in region.choices for d in self.demands.get(c, ())]
-        loads = [k for k in stored if k is not None and k not in inside and k not in self.sunk]
-        return list(dict.fromkeys([region.condition, *outside, *loads]))
+        if k not in self.first_of:
+            return self.p.nodes[k].args
+        written = self.written_of[k]
+        stored = [self.loads.get(str(d.place[1])) for d in written.met if d.place[0] == "state"]
+        return [*written.reads, *(load for load in stored if load is not None and load not in self.sunk)]
 
     def _compute(self, k: int) -> None:
         stack = [k]
@@ -180,9 +184,12 @@ class _Level:
                 self._write(n)
 
     def _write(self, k: int) -> None:
-        if region := self.region_of.get(k):
-            self._branch(region)
-            self.done.update(region.choices)
+        if k in self.first_of:
+            written = self.written_of[k]
+            self.done.update(written.choices)
+            self.out.append(written.branch)
+            for d in written.met:
+                del self.pending[d]
         else:
             self.done.add(k)
             self.out.append(Let(k))
@@ -201,10 +208,11 @@ class _Level:
             del self.pending[d]
             self.out.append(_stored(d))
 
-    def _branch(self, region: _Region) -> None:
+    def _branch(self, region: _Region) -> _Written:
         """Write one `if`: demands that only a choice feeds, or that a side leaves as they are, are met inside."""
         inner: tuple[list[_Demand], list[_Demand]] = ([], [])
         declared: list[tuple[int, int | None]] = []
+        met: list[_Demand] = []
         for c in region.choices:
             arms = self.p.nodes[c].args[1:]
             if self._read(c) or c == self.p.word:
@@ -213,18 +221,21 @@ class _Level:
                 for arm, found in zip(arms, inner, strict=True):
                     if arm != start:
                         found.append(_Demand(arm, ("choice", c)))
-            for d in [d for d in self.demands.get(c, ()) if d in self.pending]:
+            for d in self.demands.get(c, ()):
                 if d.place[0] == "word" or (self._read(c) and not any(self._is_load(a, d.place) for a in arms)):
                     continue
-                del self.pending[d]
+                met.append(d)
                 for arm, found in zip(arms, inner, strict=True):
                     if not self._is_load(arm, d.place):
                         found.append(_Demand(arm, d.place))
-        sides = [
+        then, other = (
             tuple(_Level(self.p, self.users, members, demands).written())
             for members, demands in zip(region.sides, inner, strict=True)
-        ]
-        self.out.append(Branch(region.condition, tuple(declared), *sides))
+        )
+        branch = Branch(region.condition, tuple(declared), then, other)
+        inside = region.sides[0].union(region.sides[1], region.choices)
+        reads = dict.fromkeys(k for k in _reads(self.p, [branch]) if k not in inside)
+        return _Written(region.choices, branch, reads, met)
 
     def _read(self, choice: int) -> bool:
         """Tell whether a node of this level reads the choice; what others read is a demand here."""
@@ -234,56 +245,54 @@ class _Level:
         node = self.p.nodes[k]
         return place == (node.op, node.name) and node.op == "state"
 
-    def _regions(self) -> list[_Region]:
-        """Return the regions, later choices first: what one takes in is no region of this level."""
+    def _write_regions(self) -> None:
+        """Find and write the regions, later choices first: what one takes in is no region of this level."""
         by_condition: dict[int, list[int]] = {}
         for k in sorted(self.members):
             if self.p.nodes[k].op == "choose":
                 by_condition.setdefault(self.p.nodes[k].args[0], []).append(k)
-        found: list[_Region] = []
-        taken: set[int] = set()
         for condition, group in sorted(by_condition.items(), key=lambda item: -item[1][-1]):
-            choices = self._independent([c for c in group if c not in taken])
-            region = _Region(condition, choices, self._whole_sides(choices, taken, by_condition))
-            if self._circular(region, found):
+            choices = self._independent([c for c in group if c not in self.written_of])
+            region = _Region(condition, choices, self._whole_sides(choices, by_condition))
+            if self._circular(region):
                 kept: list[int] = []
                 for c in choices:
-                    region = _Region(condition, [*kept, c], self._whole_sides([*kept, c], taken, by_condition))
-                    kept += [] if self._circular(region, found) else [c]
-                region = _Region(condition, kept, self._whole_sides(kept, taken, by_condition))
+                    region = _Region(condition, [*kept, c], self._whole_sides([*kept, c], by_condition))
+                    kept += [] if self._circular(region) else [c]
+                region = _Region(condition, kept, self._whole_sides(kept, by_condition))
             if region.choices and self._worthwhile(region):
-                found.append(region)
-                taken |= region.sides[0] | region.sides[1]
-        return found
+                written = self._branch(region)
+                self.first_of |= dict.fromkeys(region.choices, region.choices[0])
+                self.written_of |= dict.fromkeys([*region.choices, *region.sides[0], *region.sides[1]], written)
 
-    def _circular(self, region: _Region, others: list[_Region]) -> bool:
+    def _circular(self, region: _Region) -> bool:
         """Tell whether one choice of a region needs another through regions, each of which is written as a whole."""
-        region_of = {c: r for r in others for c in r.choices}
         first = min(region.choices, default=0)
-        for last, low in sorted(((r.choices[-1], r.choices[0]) for r in others), reverse=True):
+        others = {(self.written_of[c].choices[-1], c) for c in self.first_of.values()}
+        for last, low in sorted(others, reverse=True):
             first = min(first, low) if last > first else first
-        seen, stack = set[int](), self._region_needs(region)
+        inside = region.sides[0] | region.sides[1]
+        stack = [region.condition, *(a for n in (*region.choices, *inside) for a in self.p.nodes[n].args)]
+        seen = set(inside)
         while stack:
             k = stack.pop()
             if k in region.choices:
                 return True
             if first <= k and k not in seen and k in self.members:
                 seen.add(k)
-                stack += self._region_needs(region_of[k]) if k in region_of else self.p.nodes[k].args
+                stack += self.written_of[k].reads if k in self.first_of else self.p.nodes[k].args
         return False
 
-    def _whole_sides(
-        self, choices: list[int], taken: set[int], by_condition: dict[int, list[int]]
-    ) -> tuple[set[int], set[int]]:
+    def _whole_sides(self, choices: list[int], by_condition: dict[int, list[int]]) -> tuple[set[int], set[int]]:
         """Sink into both sides, but take in the choices on another condition together or not at all."""
-        kept = set(taken)
+        kept = set(self.written_of)
         while True:
             sides = self._sides(choices, kept)
             split: set[int] = set()
             for side in sides:
                 for k in side:
                     if self.p.nodes[k].op == "choose":
-                        group = [c for c in by_condition[self.p.nodes[k].args[0]] if c not in taken]
+                        group = [c for c in by_condition[self.p.nodes[k].args[0]] if c not in self.written_of]
                         split.update(group if not side.issuperset(group) else ())
             if not split - kept:
                 return sides
@@ -308,7 +317,7 @@ class _Level:
     def _sides(self, choices: list[int], taken: set[int]) -> tuple[set[int], set[int]]:
         sides: tuple[set[int], set[int]] = (set(), set())
         chosen = set(choices)
-        stored = self._stored_after(choices)
+        early = self._stored_elsewhere(choices)
         heap = [-a for c in choices for a in self.p.nodes[c].args[1:]]
         heapify(heap)
         seen: set[int] = set()
@@ -318,48 +327,38 @@ class _Level:
             if k in seen or k not in self.members or k in taken or k in chosen or k in self.demands:
                 continue
             seen.add(k)
-            if node.op == "state" and node.name not in stored:
+            if node.op == "state" and node.name in early:
                 continue
             for side, own in enumerate(sides):
-                users = [u for u in self.users[k] if not self._holds(u, k, chosen)]
+                users = [u for u in self.users[k] if u in self.members and not self._passes_over(u, k, chosen)]
                 if all(u in own or (u in chosen and self._only(u, k, side)) for u in users):
                     own.add(k)
                     for a in node.args:
                         heappush(heap, -a)
         return sides
 
-    def _stored_after(self, choices: list[int]) -> set[str | int]:
-        """Return the states that are stored by one of the choices or by what needs one, so that a side may load them."""
+    def _stored_elsewhere(self, choices: list[int]) -> set[str | int]:
+        """Return the states that this level may store before it comes to the choices, as no store waits for them."""
         reached, stack = set(choices), list(choices)
         while stack:
             for u in self.users[stack.pop()]:
                 if u in self.members and u not in reached:
                     reached.add(u)
                     stack.append(u)
-        return {d.place[1] for k in reached for d in self.demands.get(k, ()) if d.place[0] == "state"}
+        return {d.place[1] for d in self.pending if d.place[0] == "state" and d.node not in reached}
 
-    def _holds(self, choice: int, k: int, chosen: set[int]) -> bool:
-        """Tell whether a choice reads node k only to leave the state that k loads as it is.
+    def _passes_over(self, user: int, k: int, chosen: set[int]) -> bool:
+        """Tell whether what is written for a user of node k reads it not, as it only leaves the state that k loads."""
+        if user in self.written_of:
+            return k not in self.written_of[user].reads
+        return user in chosen and self._holds(user, k)
 
-        So does one that is nothing but a side of such a choice.
-        """
-        read = self.p.nodes[choice].args
-        if self.p.nodes[choice].op != "choose" or read.count(k) != 1 or read[0] == k:
-            return False
-        outer = [u for u in self.users[choice] if u in self.members]
-        if outer:
-            return choice not in self.demands and all(self._leaves(u, choice, k) for u in outer)
-        return self._left(choice, k)
-
-    def _leaves(self, outer: int, choice: int, k: int) -> bool:
-        """Tell whether a choice between node k and another one is what becomes of the state that k loads."""
-        node = self.p.nodes[outer]
-        pair = node.op == "choose" and sorted(node.args[1:]) == sorted((choice, k))
-        return pair and not self._read(outer) and self._left(outer, k)
-
-    def _left(self, choice: int, k: int) -> bool:
+    def _holds(self, choice: int, k: int) -> bool:
+        """Tell whether a choice reads node k only to leave the state that k loads as it is."""
         places = [d.place for d in self.demands.get(choice, ())]
-        return bool(places) and all(self._is_load(k, q) for q in places)
+        read = self.p.nodes[choice].args
+        alone = read.count(k) == 1 and read[0] != k
+        return not self._read(choice) and alone and all(self._is_load(k, q) for q in places)
 
     def _only(self, choice: int, k: int, side: int) -> bool:
         """Tell whether a choice reads node k on this side only."""
@@ -388,3 +387,16 @@ def _stored(d: _Demand) -> Statement:
         assert isinstance(name, int)
         return Assign(name, d.node)
     return Store(struct, str(name), d.node)
+
+
+def _reads(p: Program, block: Sequence[Statement]) -> Iterator[int]:
+    """Yield the nodes that statements read."""
+    for s in block:
+        if isinstance(s, Let):
+            yield from p.nodes[s.node].args
+        elif isinstance(s, Assign | Store):
+            yield s.node
+        elif isinstance(s, Branch):
+            yield s.condition
+            yield from (start for _, start in s.declared if start is not None)
+            yield from _reads(p, (*s.then, *s.other))

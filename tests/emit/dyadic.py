@@ -206,6 +206,22 @@ def drawn(seed: int) -> Block:
     return replace(block, name=f"rb{seed}", faults=faults)
 
 
+def withheld(seed: int) -> Block:
+    """Return a random Block whose states stay as they are under further conditions, those of its faults among them.
+
+    So do the states of a guarded controller once it has latched.
+    """
+    block, rng = drawn(seed), np.random.default_rng(seed)
+    conditions = [block.output[f.output] for f in block.faults]
+    conditions += [block.symbol[block.inputs[0].name] < 1, block.symbol[block.states[0].name] < 1]
+    next = dict(block.next)
+    for name in next:
+        for c in rng.permutation(len(conditions))[: rng.integers(4)]:
+            arms = block.symbol[name], next[name]
+            next[name] = ca.if_else(conditions[c], *arms[:: 1 if rng.random() < 0.7 else -1])
+    return replace(block, next=next)
+
+
 def _hold(u: Mapping[str, SX], x: Mapping[str, SX], k: Mapping[str, SX]) -> Step:
     return Step({"v": x["v"]}, {"v": u["z"]})
 

@@ -30,12 +30,15 @@ class Machine:
     program: Program
     memory: dict[str, Any]
     stored: dict[tuple[str, str], Any] = field(default_factory=dict)
+    computed: set[int] = field(default_factory=set)
 
     def block(self, statements: Sequence[Statement], known: ChainMap[int, Any]) -> None:
         for s in statements:
             if isinstance(s, Let):
-                assert s.node not in known, "computed twice"
+                assert s.node not in self.computed, "computed twice"
+                self.computed.add(s.node)
                 node = self.program.nodes[s.node]
+                assert node.op != "state" or ("state", node.name) not in self.stored, "loaded after it is stored"
                 known[s.node] = value(node, [self.read(a, known) for a in node.args], self.memory)
             elif isinstance(s, Store):
                 assert (s.struct, s.name) not in self.stored, "stored twice"
@@ -127,11 +130,11 @@ def stored_at_once(self: Any, d: Any) -> None:
             self.out.append(schedule._stored(d))
 
 
-def held_though_it_decides(self: Any, choice: int, k: int, chosen: set[int]) -> bool:
+def held_though_it_decides(self: Any, choice: int, k: int) -> bool:
     """Take a state that a choice holds for unread, though it is the condition as well."""
     places = [d.place for d in self.demands.get(choice, ())]
     alone = self.p.nodes[choice].args[1:].count(k) == 1 and not self._read(choice)
-    return choice in chosen and alone and all(self._is_load(k, q) for q in places)
+    return alone and all(self._is_load(k, q) for q in places)
 
 
 PLANTED: dict[str, Callable[..., Any]] = {
@@ -146,7 +149,7 @@ PLANTED: dict[str, Callable[..., Any]] = {
 def test_a_planted_defect_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     blocks = [*hazards.BLOCKS, *(dyadic.drawn(seed) for seed in SEEDS[:40])]
     monkeypatch.setattr(schedule._Level, name, PLANTED[name])
-    assert defects(blocks)
+    assert any(defects([b]) for b in blocks)
 
 
 def everywhere(statements: Sequence[Statement]) -> Iterator[Statement]:

@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 
+import casadi as ca
+
 from designs.planar_6dof import allocation, filtering, vertical
 from models import planar_stage
 from synth.analyse import linearise, loop, margins, trim
-from synth.block import Block, Exprs, Step, build
+from synth.block import Block, Exprs, Step, build, clip
 from synth.compose import compose
 from synth.plant import Plant
 from synth.signals import Signal, names
@@ -30,11 +32,24 @@ def passed(time: Discrete, wires: Mapping[str, str], unit: str) -> list[Block]:
     return found
 
 
+def pitched(within: Signal, time: Discrete) -> Block:
+    """Return the Block from a position seen in the middle pitch, or in one beside it, to its place within the pitch."""
+    position = Signal(f"{within.name[-1]}_seen", "m", -1e6, 1e6)
+    l = within.high - within.low
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        q = u[position.name]
+        q = ca.if_else(q > within.high, q - l, ca.if_else(q < within.low, q + l, q))
+        return Step({within.name: clip(q, within)})
+
+    return build(f"pitched_{position.name}", time, law, inputs=[position], outputs=[within])
+
+
 def seen(plant: Plant, time: Discrete, filtered: bool) -> list[Block]:
     """Return what makes raw and filtered positions of those of the plant, ``x_seen`` ..; unfiltered they are one."""
     found = passed(time, {f"{d}_held": d for d in planar_stage.LASERS}, "m")
     found += passed(time, {name: f"{name}_computed" for name in ACTUATORS}, "A")
-    found += passed(time, {f"within_{a}": f"{a}_seen" for a in "xy"}, "m")
+    found += [pitched(s, time) for s in allocation.WITHIN]
     for axis, unit in (("x", "m"), ("y", "m"), ("phi", "rad")):
         found += passed(time, {f"{axis}_raw": f"{axis}_seen"}, unit)
         found += [filtering.block(axis, time)] if filtered else passed(time, {axis: f"{axis}_raw"}, unit)

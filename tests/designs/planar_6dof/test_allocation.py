@@ -1,5 +1,8 @@
 """Allocation and commutation against the stage's physics, and the limits that they keep."""
 
+import re
+from dataclasses import replace
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -21,6 +24,8 @@ TIME = Discrete(1e-3)
 V = {p.name: p.value for p in PLANT.parameters}
 P = {n: ca.SX(v) for n, v in V.items()}
 K = allocation.force_constant(PLANT)
+SCALES = allocation.scales(PLANT)
+BOX_YAW = allocation.BOX["phi"].high  # rad, by which the stage turns
 N = 20_000
 
 
@@ -42,20 +47,30 @@ def commutated() -> dict[str, agree.Witness]:
 
 
 def demands(size: float, n: int = N) -> dict[str, np.ndarray]:
-    """Return demands of `size` of what the motors can make of each axis, and a yaw over its range."""
+    """Return demands of `size` of what the motors can meet of each axis, and a yaw over all that is turned back."""
     rng, most = np.random.default_rng(0), allocation.authority(PLANT)
     found = {s.name: size * most[a] * rng.uniform(-1, 1, n) for a, s in zip(most, allocation.DEMANDS, strict=True)}
-    return found | {"phi": rng.uniform(-0.02, 0.02, n)}
+    return found | {"phi": rng.uniform(allocation.YAW.low, allocation.YAW.high, n)}
 
 
 def poses(n: int = N) -> dict[str, np.ndarray]:
-    """Return currents within the limit, poses over the whole travel, and the pitches in which they lie."""
+    """Return currents within the limit, poses over the travel, some on pitches' borders, and their places there."""
     rng, found = np.random.default_rng(1), {}
     for motor in planar_stage.MOTORS:
         found[f"i_{motor}Q"] = allocation.QUADRATURE * rng.uniform(-1, 1, n)
         found[f"i_{motor}D"] = np.sqrt(allocation.LIMIT**2 - found[f"i_{motor}Q"] ** 2) * rng.uniform(-1, 1, n)
-    found |= {s.name: rng.uniform(s.low, s.high, n) for s in allocation.POSE}
-    return found | {f"pitch_{a}": np.round(found[a] / V["l"] + rng.uniform(-0.15, 0.15, n)) for a in "xy"}
+    found |= {s.name: rng.uniform(s.low, s.high, n) for s in (allocation.BOX["x"], allocation.BOX["y"], allocation.YAW)}
+    for axis in "xy":
+        pitch = np.round(found[axis] / V["l"])
+        border = rng.uniform(size=n) < 0.05  # of a pitch, to either side of which it may be taken
+        found[f"within_{axis}"] = np.where(border, rng.choice([-0.5, 0.5], n) * V["l"], found[axis] - V["l"] * pitch)
+        found[axis] = found[f"within_{axis}"] + V["l"] * pitch
+    return found
+
+
+def asked(q: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return what the commutation knows of a pose."""
+    return {name: v for name, v in q.items() if name not in ("x", "y")}
 
 
 def forces(q: dict[str, np.ndarray], out: agree.Columns) -> tuple[np.ndarray, np.ndarray]:
@@ -102,9 +117,9 @@ def test_the_wrench_is_that_of_the_stage() -> None:
 
 @pytest.mark.parametrize("witness", ["casadi", "c64"])
 def test_motors_make_what_is_commanded_anywhere(commutated: dict[str, agree.Witness], witness: str) -> None:
-    """Over the travel, all pitches and the yaw: K i_Q along, K i_D up, to rounding, and nothing across."""
+    """Over the travel, all pitches, their borders and the yaw: K i_Q along, K i_D up, to rounding."""
     q = poses()
-    along, up = forces(q, commutated[witness]({}, q).outputs)
+    along, up = forces(q, commutated[witness]({}, asked(q)).outputs)
     for axis, made in (("Q", along), ("D", up)):
         wanted = K * np.array([q[f"i_{m}{axis}"] for m in planar_stage.MOTORS])
         np.testing.assert_allclose(made, wanted, rtol=0, atol=DOUBLE * K * allocation.LIMIT)
@@ -114,10 +129,27 @@ def test_phases_are_those_of_the_reference_and_within_the_limit(commutated: dict
     q = poses()
     currents = {m: (q[f"i_{m}Q"], q[f"i_{m}D"]) for m in planar_stage.MOTORS}
     expected = reference_control.phases(currents, q)
-    found = commutated["c64"]({}, q).outputs
+    found = commutated["c64"]({}, asked(q)).outputs
     for name, i in expected.items():
         np.testing.assert_allclose(found[f"{name}_computed"], i, rtol=0, atol=DOUBLE)
         assert np.abs(i).max() <= allocation.LIMIT * (1 + DOUBLE)
+        assert np.abs(found[f"{name}_computed"]).max() <= allocation.LIMIT
+
+
+def test_no_phase_has_more_than_the_limit_whatever_the_motors_are_asked_for(
+    commutated: dict[str, agree.Witness],
+) -> None:
+    """Both currents of a motor at their own bounds at once, which the allocation never asks for, are 1.4 limits."""
+    q = poses()
+    q |= {f"i_{m}D": allocation.LIMIT * np.sign(q[f"i_{m}D"]) for m in planar_stage.MOTORS}
+    expected = reference_control.phases({m: (q[f"i_{m}Q"], q[f"i_{m}D"]) for m in planar_stage.MOTORS}, q)
+    found = commutated["c64"]({}, asked(q)).outputs
+    for name, i in expected.items():
+        within = np.abs(i) < allocation.LIMIT
+        phase = np.asarray(found[f"{name}_computed"])
+        assert 0.2 < np.mean(~within) < 0.8 and np.abs(phase).max() == allocation.LIMIT
+        if name.endswith("A"):  # the others are of what is left of this one
+            np.testing.assert_allclose(phase, np.clip(i, -allocation.LIMIT, allocation.LIMIT), rtol=0, atol=DOUBLE)
 
 
 @pytest.mark.parametrize(("parameter", "off"), [("a", 1e-10), ("b", 1e-10), ("c", 1e-9), ("l", 1e-12)])
@@ -125,7 +157,7 @@ def test_a_planted_place_is_found(parameter: str, off: float) -> None:
     """Motors that are 0.1 nm from where the commutation takes them, or 1 nm times the yaw, make other forces."""
     q = poses(1000)
     moved = PLANT.with_parameters(**{parameter: V[parameter] + off})
-    along, _ = forces(q, agree.casadi(allocation.commutation(moved, TIME))({}, q).outputs)
+    along, _ = forces(q, agree.casadi(allocation.commutation(moved, TIME))({}, asked(q)).outputs)
     wanted = K * np.array([q[f"i_{m}Q"] for m in planar_stage.MOTORS])
     assert np.abs(along - wanted).max() > DOUBLE * K * allocation.LIMIT
 
@@ -142,7 +174,7 @@ def test_what_the_motors_can_do_is_done(allocated: dict[str, agree.Witness], wit
 def test_currents_are_those_of_the_reference(allocated: dict[str, agree.Witness]) -> None:
     for size in (0.1, 1.0, 100.0):
         u = demands(size)
-        wanted = {a: u[s.name] for a, s in zip(allocation.AXES, allocation.DEMANDS, strict=True)}
+        wanted = {a: SCALES[a] * u[s.name] for a, s in zip(allocation.AXES, allocation.DEMANDS, strict=True)}
         currents, made = reference_control.motors(wanted, u["phi"])
         out = allocated["c64"]({}, u).outputs
         for m, pair in currents.items():
@@ -150,7 +182,8 @@ def test_currents_are_those_of_the_reference(allocated: dict[str, agree.Witness]
                 np.testing.assert_allclose(out[f"i_{m}{axis}"], i, rtol=0, atol=max(1, size) * DOUBLE)
         for axis, force in made.items():
             most = allocation.authority(PLANT)[axis]
-            np.testing.assert_allclose(out[f"made_{axis}"], force, rtol=0, atol=max(1, size) * DOUBLE * most)
+            met = force / SCALES[axis]
+            np.testing.assert_allclose(out[f"made_{axis}"], met, rtol=0, atol=max(1, size) * DOUBLE * most)
 
 
 def test_limits_put_the_horizontal_axes_first_and_leave_the_vertical_ones_a_part(
@@ -165,9 +198,11 @@ def test_limits_put_the_horizontal_axes_first_and_leave_the_vertical_ones_a_part
         np.testing.assert_array_equal(i_q, alone[f"i_{m}Q"])
         assert np.mean(np.abs(i_q) == allocation.QUADRATURE) > 0.5
         assert np.abs(i_d)[np.abs(i_q) == allocation.QUADRATURE].max() > 0.31 * allocation.LIMIT
-    made = np.array([out[f"made_{axis}"] for axis in allocation.AXES])
-    most = np.array(list(allocation.authority(PLANT).values()))[:, None]
-    assert (np.abs(made) <= most * (1 + DOUBLE)).all()
+    made, straight = np.array([out[f"made_{axis}"] for axis in allocation.AXES]), np.abs(u["phi"]) <= BOX_YAW
+    reach, most = (np.array(list(v(PLANT).values()))[:, None] for v in (allocation.reach, allocation.authority))
+    assert (np.abs(made) <= reach * (1 + DOUBLE)).all()
+    assert (np.abs(made[:, straight]) <= most * (1 + DOUBLE)).all() and 0.2 < straight.mean() < 0.4
+    assert (np.abs(made).max(axis=1) > most[:, 0]).tolist() == [True, False, False, False, False, False]
 
 
 def test_the_root_is_proved_and_that_of_currents_without_a_limit_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -177,10 +212,49 @@ def test_the_root_is_proved_and_that_of_currents_without_a_limit_is_not(monkeypa
         write.emit(allocation.allocation(PLANT, TIME), np.float32)
 
 
+def test_the_cosine_of_a_quarter_is_proved_and_that_of_a_place_beyond_its_pitch_is_not() -> None:
+    """Its root is of 1 - sin^2, which rounding may make negative where a quarter of the angle is 90 degrees."""
+    beyond = [replace(s, low=2 * s.low, high=2 * s.high) for s in allocation.WITHIN]
+    write.emit(allocation.commutation(PLANT, TIME), np.float32)
+    block = allocation.commutation(PLANT, TIME)
+    inputs = tuple(next((s for s in beyond if s.name == i.name), i) for i in block.inputs)
+    with pytest.raises(EmitError, match=r"sqrt of `\(1 - \(quarter_sine_(\w+) \* quarter_sine_\1\)\)`"):
+        write.emit(replace(block, inputs=inputs), np.float32)
+
+
 def test_the_functions_of_the_angle_become_polynomials() -> None:
     text = write.emit(allocation.commutation(PLANT, TIME), np.float64).files["commutation.c"]
     step = text[text.index("commutation_step(") :]
-    assert "sin(" not in step and "cos(" not in step and "quarter_cosine_back_polynomial(" in step
+    assert not re.search(r"\b(sin|cos)f?\(", step)
+    assert all(f"quarter_sine_{motors}_polynomial(" in step for motors in ("back", "front"))
+
+
+def test_scales_are_those_of_the_reference_and_leave_ratios_of_arms() -> None:
+    """A demand of 1 A by axis (columns) is, in A of the six motors' currents, what the module's text says."""
+    other, a, b, c = reference_control.scales(), *(V[n] for n in "abc")
+    for axis, scale in SCALES.items():
+        assert scale == pytest.approx(other[axis], rel=DOUBLE)
+    h = c / (2 * a)
+    rows = {
+        "AQ": [-h, 0.5, -1, 0, 0, 0],
+        "BQ": [h, 0.5, 1, 0, 0, 0],
+        "CQ": [1, 0, 0, 0, 0, 0],
+        "AD": [0, 0, 0, 1, -1, 1],
+        "BD": [0, 0, 0, 1, -1, -1],
+        "CD": [0, 0, 0, 2 * b / c, 2, 0],
+    }
+    found = allocation.shares(PLANT) * list(SCALES.values()) / K
+    np.testing.assert_allclose(found, list(rows.values()), rtol=0, atol=DOUBLE)
+
+
+def test_authority_is_what_all_motors_make_together(allocated: dict[str, agree.Witness]) -> None:
+    """With every motor pushing as far as it can: LIMIT each for a vertical axis, QUADRATURE for a horizontal one."""
+    T = allocation.wrench(PLANT)
+    for row, (axis, most) in zip(T, allocation.authority(PLANT).items(), strict=True):
+        wanted = T @ np.sign(row) * K * 1e3 / list(SCALES.values())
+        u = dict(zip((s.name for s in allocation.DEMANDS), wanted[:, None], strict=True)) | {"phi": np.zeros(1)}
+        part = allocation.QUADRATURE / allocation.LIMIT if axis in allocation.HORIZONTAL else 1.0
+        assert allocated["c64"]({}, u).outputs[f"made_{axis}"] == pytest.approx(part * most, rel=DOUBLE), axis
 
 
 def test_k_is_the_lorentz_integrals_and_not_as_printed() -> None:

