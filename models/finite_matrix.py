@@ -26,7 +26,7 @@ from math import pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from models import lorentz_motor
+from models import concentrated_field, lorentz_motor
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -34,8 +34,8 @@ Complex = NDArray[np.complex128]
 VALUES = {p.name: p.value for p in lorentz_motor.PARAMETERS}
 SIDE, HEIGHT = VALUES["l"] / 4, VALUES["Delta"]  # m
 BLOCKS, BEFORE = 24, 11  # along each side, and before the origin: the Hall sensors lie ahead of the platen's middle
-STRONG, WEAK = 1.43, 1.10  # T
-CYCLE = np.array([(0, 1), (-1, 0), (0, -1), (1, 0)], dtype=np.float64)  # along the array and up
+STRONG, WEAK = concentrated_field.STRONG, concentrated_field.WEAK  # T
+CYCLE = concentrated_field.CYCLE
 CELL = 12  # pitches
 
 
@@ -79,12 +79,9 @@ class Series:
 def blocks(strong: float, weak: float) -> Blocks:
     """Return the matrix of strong and weak blocks of a remanence in T each."""
     cycle = CYCLE[(np.arange(BLOCKS) - BEFORE) % 4]
-    J = np.zeros((BLOCKS, BLOCKS, 3))
-    J[:, :, 0], J[:, :, 1] = cycle[:, None, 0], cycle[None, :, 0]
-    J[:, :, 2] = cycle[:, None, 1] + cycle[None, :, 1]
-    units = np.rint((J**2).sum(axis=2))  # 4 of a strong block, 2 of a weak one, 0 of a blank
-    scale = np.select([units == 4, units == 2], [strong / 2, weak / sqrt(2)])
-    return Blocks(SIDE * np.arange(-BEFORE, BLOCKS - BEFORE, dtype=np.float64), J * scale[:, :, None])
+    first, second = concentrated_field.directions(cycle, cycle)
+    places = SIDE * np.arange(-BEFORE, BLOCKS - BEFORE, dtype=np.float64)
+    return Blocks(places, strong / 2 * first + weak / sqrt(2) * second)
 
 
 def ideal() -> Blocks:

@@ -26,7 +26,8 @@ d_x, d_y come in the matrix' frame and are turned by phi into d_x', d_y'.
 Limits. Each motor keeps hypot(i_Q, i_D) <= 1.26 A, so that no phase exceeds it. Horizontal currents come first, up to
 QUADRATURE of the limit: nothing but them holds x, y and phi, while the air bearings carry the stage and hold z, theta
 and psi by their stiffness. What i_Q leaves to i_D is never less than 31 % of the limit, so that the vertical loops stay
-closed. Of these the force along x comes first, so that A and B take back no more torque than C makes. `made_*` are the demands that the limited currents meet, for anti-windup.
+closed. C is limited before A and B, which so take back no more torque than C makes: i_CQ stands for d_x' in their
+currents. `made_*` are the demands that the limited currents meet, for anti-windup.
 
 Source: Yu, Kim, section 5.1, (17), Table 3.
 """

@@ -2,17 +2,23 @@
 
 Each of the six channels fails by itself, FAILURE seconds after the start, with noise. An experiment is one kind of
 failure; its trajectory is that of the channel with which the stage goes furthest astray before the currents are taken
-away. Refusal of a channel is counted in samples from the first bad one, 0 for that one itself; from the latch on the
-currents may change by SLEW only.
+away. The fault word names a channel that is out of range, or a suspect since residuals of the sensing are out of their
+bounds. Samples are counted from the first bad one, 0 for that one itself; from the latch on the currents may change by
+SLEW only.
+
+Within PROMPT samples of the first residual out of bounds some channel is named, or the latch has come by other means: a
+platen that a failure carries away may tilt until the lasers are out of range. More than one channel may be named, and a
+sound one alone where the yaw is far beyond its range by then.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.planar_6dof import interface
+from designs.planar_6dof import calibration, interface, sensing
 from designs.planar_6dof.loop import Array, Loop
 from models import planar_stage
 from synth.check import Check
@@ -28,33 +34,53 @@ START = {"x": 0.009, "y": 0.005}  # m: where no channel reads zero
 SPEED = {"x": 0.020, "y": 0.015}  # m/s, in motion
 HALL = planar_stage.HALL
 SLEW = interface.SLEW * (1 + 1e-5)  # A/s: single precision of 1.26 A over a sample
+PROMPT = 5  # samples
 WORDS = {"stuck": "sticks", "zero": "drops to zero", "nan": "reads NaN"}
 
 
 @dataclass(frozen=True, eq=False)
 class Failed:
-    """A run in which `channel` fails at `sample`; `strayed` (N,) is how far x or y is from where it should be, m."""
+    """A run in which `channel` fails at `sample`; `strayed` (N,) is how far x or y is from where it should be, m.
+
+    `beyond` (N,) says where a residual is out of bounds since, `bits` which of the fault word name a channel.
+    """
 
     channel: str
     sample: int
     run: Trajectory
     strayed: Array
+    beyond: NDArray[np.bool_]
+    bits: Mapping[str, int]
 
     @property
     def latched(self) -> int | None:
         """Samples from the failure to the latch, None if never."""
-        return self._first(self.run.faults, safety.LATCH_BIT)
+        return self._first(self.run.faults >> safety.LATCH_BIT & 1)
 
     @property
-    def refused(self) -> int | None:
-        """Samples from the failure to the first in which the channel is refused, None if not before the latch."""
-        return self._first(self._words(), HALL.index(self.channel))
+    def contradicted(self) -> int | None:
+        """Samples from the failure to the first residual out of bounds, None if not up to the latch."""
+        return self._first(self.beyond[: len(self._words())])
+
+    @property
+    def named(self) -> int | None:
+        """Samples from the failure to the first in which the channel is named, None if not up to the latch."""
+        return self._first(self._words() & self.bits[self.channel])
 
     @property
     def others(self) -> tuple[str, ...]:
-        """The channels that are refused up to the latch though they are sound."""
+        """The channels that are named up to the latch though they are sound."""
         word = int(np.bitwise_or.reduce(self._words()))
-        return tuple(n for i, n in enumerate(HALL) if word >> i & 1 and n != self.channel)
+        return tuple(n for n in HALL if word & self.bits[n] and n != self.channel)
+
+    @property
+    def unanswered(self) -> float:
+        """Samples from the first residual out of bounds to the first name or the latch, inf if there is neither."""
+        if self.contradicted is None:
+            return 0.0
+        anything = np.bitwise_or.reduce([self.bits[n] for n in HALL]) | 1 << safety.LATCH_BIT
+        answered = self._first(self.run.faults & anything)
+        return np.inf if answered is None else float(max(answered - self.contradicted, 0))
 
     @property
     def astray(self) -> float:
@@ -85,8 +111,8 @@ class Failed:
         """Return the fault words up to the latch."""
         return self.run.faults[: None if self.latched is None else self.sample + self.latched + 1]
 
-    def _first(self, words: NDArray[np.uint32], bit: int) -> int | None:
-        found = np.flatnonzero(words >> bit & 1)
+    def _first(self, flags: NDArray[Any]) -> int | None:
+        found = np.flatnonzero(flags)
         return int(found[0]) - self.sample if found.size else None
 
 
@@ -98,7 +124,27 @@ def fail(loop: Loop, channel: str, kind: Kind, moving: bool) -> Failed:
     value = _read(loop, wanted, channel, k) if kind == "stuck" else {"zero": 0.0, "nan": np.nan}[kind]
     bad = Override(np.arange(len(time)) >= k, np.full(len(time), value))
     run = loop.run(DURATION, wanted, START, overrides={channel: bad})
-    return Failed(channel, k, run, np.max([np.abs(run[a] - r) for a, r in wanted.items()], axis=0))
+    strayed = np.max([np.abs(run[a] - r) for a, r in wanted.items()], axis=0)
+    beyond = (residuals(loop, run) > 1) & (np.arange(len(time)) >= k)
+    return Failed(channel, k, run, strayed, beyond, _bits(loop))
+
+
+def residuals(loop: Loop, run: Trajectory) -> Array:
+    """Return the largest residual (N,) of each sample over its bound, 0 where the word names a channel already."""
+    seen, A = loop.seen(run), calibration.of(loop.plant).amplitude
+    bounds = {s.name: sensing.POWER * A**2 if s.unit == "V^2" else sensing.RESIDUAL * A for s in sensing.RESIDUALS}
+    largest = np.max([np.abs(seen[name]) / bound for name, bound in bounds.items()], axis=0)
+    return np.where(run.faults & np.bitwise_or.reduce(list(_bits(loop).values())), 0.0, largest)
+
+
+def _bits(loop: Loop) -> dict[str, int]:
+    """Return the bits of the fault word by the channel that they name."""
+    found = dict.fromkeys(HALL, 0)
+    for fault in loop.controller.manifest["faults"]:
+        name = fault.get("input") or fault.get("suspect")
+        if name in found:
+            found[name] |= 1 << fault["bit"]
+    return found
 
 
 def _read(loop: Loop, wanted: dict[str, Array], channel: str, k: int) -> float:
@@ -127,9 +173,10 @@ def experiment(loop: Loop, kind: Kind, moving: bool) -> Experiment:
 def _figures(runs: list[Failed]) -> dict[str, float]:
     found: dict[str, float] = {}
     for f in runs:
-        found[f"samples until {f.channel} is refused"] = np.inf if f.refused is None else f.refused
+        found[f"samples until {f.channel} is contradicted"] = np.inf if f.contradicted is None else f.contradicted
+        found[f"samples until {f.channel} is named"] = np.inf if f.named is None else f.named
         found[f"samples until the latch, {f.channel}"] = np.inf if f.latched is None else f.latched
-        found[f"sound channels refused, {f.channel}"] = len(f.others)
+        found[f"sound channels named, {f.channel}"] = len(f.others)
         found[f"furthest astray before the latch, {f.channel}, um"] = 1e6 * f.astray
         found[f"coasts at, {f.channel}, mm/s"] = 1e3 * f.coasting()
     return found
@@ -146,7 +193,10 @@ def checks(runs: list[Failed], kind: Kind, moving: bool) -> tuple[Check, ...]:
     if kind == "nan":
         late = max(np.inf if f.latched is None else f.latched for f in runs)
         found.append(Check("samples until the latch", float(late), interface.BAD_SAMPLES - 1.0, "1", "every channel"))
-    elif kind == "zero" or moving:
+        return tuple(found)
+    slow = max(f.unanswered for f in runs)
+    found.append(Check("samples from a residual out of bounds to a name or the latch", slow, PROMPT, "1"))
+    if kind == "zero" or moving:
         unnoticed = sum(f.latched is None for f in runs)
         found.append(Check("channels whose failure is not noticed", float(unnoticed), 0.0, "1", "in 1 s"))
     return tuple(found)

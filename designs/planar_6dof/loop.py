@@ -109,13 +109,13 @@ def of(controller: Block) -> Loop:
 
 
 def view(time: Discrete, predicted: bool = True) -> Block:
-    """Return the controllers' way from voltages to raw positions alone, which are `predicted` by the filters or not.
+    """Return the controllers' way from voltages to raw positions and residuals, `predicted` by the filters or not.
 
     What the filters make of them is shown in either case.
     """
     guard = safety.guard(time, interface.INPUTS, interface.BAD_SAMPLES, suspected=planar_stage.HALL)
     parts = [guard, sensing.sensing(planar_stage.plant(), time, predicted), *filtering.blocks(time)]
-    outputs = [*(s.name for s in sensing.RAW.values()), *filtering.AXES]
+    outputs = [*(s.name for s in (*sensing.RAW.values(), *sensing.RESIDUALS)), *filtering.AXES]
     return compose("view", parts, inputs=[g.signal.name for g in interface.INPUTS], outputs=outputs)
 
 

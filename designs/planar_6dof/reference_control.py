@@ -120,7 +120,7 @@ def advanced(axis: str, k: Compensator, e: Array, made: Array, state: Columns) -
 
 
 def guard(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array, Array]:
-    """Return the values to use, the guard's next state, the fault word, and whether every measurement is good.
+    """Return the values to use, the guard's next state, the fault word, and whether every Hall voltage is good.
 
     A value that is no number is in no range.
     """
@@ -132,11 +132,12 @@ def guard(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, 
     named = np.asarray(state["sensing_named"]) > 0
     flags = [~good[s] for s in LIMITS] + [named & (np.asarray(state[f"sensing_found_{s}"]) > 0) for s in HALL]
     word = np.sum([np.where(flag, 1 << bit, 0) for bit, flag in enumerate(flags)], axis=0)
-    complete = np.all([good[s] for s in MEASUREMENTS], axis=0) & ~named
-    left = np.where(complete, BAD_SAMPLES, np.asarray(state["guard_left"]) - 1)
+    complete = np.all([good[s] for s in HALL], axis=0) & ~named
+    every = np.all([good[s] for s in MEASUREMENTS], axis=0) & ~named
+    left = np.where(every, BAD_SAMPLES, np.asarray(state["guard_left"]) - 1)
     after["guard_left"] = np.maximum(left, 1)
     after["guard_latched"] = np.where(left < 1, 1, state["guard_latched"])
-    after["guard_ready"] = np.where(complete, 1, state["guard_ready"])
+    after["guard_ready"] = np.where(every, 1, state["guard_ready"])
     word = np.asarray(word + (1 << 31) * (after["guard_latched"] > 0)).astype(np.uint32)
     return values, after, word, complete
 

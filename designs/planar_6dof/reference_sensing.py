@@ -199,7 +199,8 @@ def sense(
     none = of_y & ~np.any([*before_y, *(named[name] for name in HALL if name not in OF_X)], axis=0)
     for name, found in named.items():
         turn = of_x if name in OF_X else of_y
-        after[f"sensing_found_{name}"] = np.where(none, 1.0, np.where(turn, 1.0 * found, state[f"sensing_found_{name}"]))
+        kept = np.where(turn, 1.0 * found, state[f"sensing_found_{name}"])
+        after[f"sensing_found_{name}"] = np.where(none, 1.0, kept)
     return out, after
 
 

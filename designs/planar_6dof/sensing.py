@@ -38,8 +38,8 @@ not yet predicted the raw one shows 0.7 to 1.2 where h_1 and h_2 vanish. Where a
 yaw is so by 1.8 mrad in the median and by 11 mrad at those places, whatever predicts it.
 
 Contradictions. m_x, m_y, r_1 and r_2 are near 0 unless a sensor fails. A sample in which one is out of bounds, or in
-which the guard refuses anything, moves neither position nor yaw. The second one out of bounds, MEMORY samples after the
-first at most, finds the suspects among the voltages of x; the third, as soon after the second, those of y. They are
+which the guard refuses a voltage, moves neither position nor yaw. The second one out of bounds, MEMORY samples after
+the first at most, finds the suspects among the voltages of x; the third, as soon after the second, those of y. They are
 `suspected` from the sample after that on: no sample is complete any more, and in the fifth the guard latches. Of V_ax,
 V_cx (r_2), V_ay, V_by (r_1) and V_bx, V_cy (m_x, m_y alone) those are named that may explain what is seen, more than
 one where noise could decide; all six where none does. h_2 r_1 + h_1 r_2 knows no yaw: it tells what V_ax or V_ay lack,
@@ -84,7 +84,7 @@ PREDICTED = {a: Signal(f"{a}_predicted", "m", -0.2, 0.2, "from the samples befor
 PREDICTED["phi"] = Signal("phi_predicted", "rad", -2 * YAW, 2 * YAW, "from the samples before")
 HELD = tuple(Signal(f"{name}_held", "V", -VOLTAGE, VOLTAGE, "Hall sensor and axis") for name in HALL)
 READY = Signal("ready", "1", 0, 1, "every measurement was good at once")
-COMPLETE = Signal("complete", "1", 0, 1, "every measurement is good")
+COMPLETE = Signal("complete", "1", 0, 1, "every voltage is good")
 FAR = PITCHES * planar_stage.plant().parameter("l").value
 OFFSETS = tuple(Signal(f"offset_{a}", "m", -FAR, FAR, "whole pitches from the middle") for a in "xy")
 HALF = FAR / PITCHES / 2

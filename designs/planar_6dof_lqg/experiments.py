@@ -9,6 +9,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from math import pi
 
+import numpy as np
+
 from designs.planar_6dof import experiments as shared
 from designs.planar_6dof import failures, finite
 from designs.planar_6dof.loop import Array, Loop
@@ -19,6 +21,7 @@ from synth.simulate.experiment import Experiment
 STEPS = {"x": 50e-6, "y": 50e-6, "phi": 0.3 * pi / 180}  # m, rad, Fig. 10
 TITLES = {"x": "x by 50 um", "y": "y by 50 um", "phi": "phi by 0.3 degrees"}
 FIGURES = {"x": "Fig. 10(a), (d)", "y": "Fig. 10(b)", "phi": "Fig. 10(c)"}
+LARGE = 0.06  # m
 RECORD = 20.0  # s, of x whose spectrum is taken, after a second in which the step settles
 
 
@@ -28,7 +31,16 @@ def step_experiments(loop: Loop) -> list[Experiment]:
     for axis, height in STEPS.items():
         run = shared.step(loop, axis, height)
         found.append(shared.step_experiment(loop, run, f"step_{axis}", f"{TITLES[axis]} ({FIGURES[axis]})", None))
-    return [_with_spectrum(loop, found[0]), *found[1:]]
+    return [_with_spectrum(loop, found[0]), *found[1:], large_step(loop)]
+
+
+def large_step(loop: Loop) -> Experiment:
+    """Return a step of x that takes the motors to their limit, which the paper does not make."""
+    found = shared.step_experiment(loop, shared.step(loop, "x", LARGE), "step_x_large", "x by 60 mm", None)
+    overshoot = Check("overshoot", found.figures["overshoot"], 0.05, "1", "at the motors' limits")
+    turned = float(np.abs(found.trajectory["phi"]).max())
+    yaw = Check("greatest yaw", turned, 5e-3, "rad", "a fifth of what the sensors tell")
+    return replace(found, checks=(*found.checks, overshoot, yaw))
 
 
 def settled(loop: Loop) -> Array:

@@ -10,7 +10,7 @@ from designs.planar_6dof import page as shared
 from designs.planar_6dof.allocation import AXES, VERTICAL
 from designs.planar_6dof.page_stage import SYMBOLS
 from designs.planar_6dof_lqg import control, loops, orders
-from designs.planar_6dof_lqg.control import STATES, TIME
+from designs.planar_6dof_lqg.control import ERROR, STATES, TIME
 from models import halbach, planar_stage
 from synth.emit.write import Emitted
 from synth.plant import Plant
@@ -59,8 +59,9 @@ def _law() -> page.Section:
         "the yaw of motor C, which (26) leaves out. Each axis knows the demand d₁ that the motors meet until the "
         "next sample and estimates its rate alone. K belongs to a loop without delay; the prediction q₁, v₁ puts "
         "it where it was designed for. Positions are taken as they are measured: behind the filters (6)-(16), which "
-        "know nothing of d, this loop is unstable for every p. At a limit the integral follows what is made. z, θ "
-        "and ψ have the zeros of (23)-(25), the pole at 2/T, and a part of the gain at low frequencies."
+        "know nothing of d, this loop is unstable for every p. At a limit the integral follows what is made. An error "
+        f"beyond {1e3 * ERROR['x']:g} mm, {1e3 * ERROR['y']:g} mm or {1e3 * ERROR['phi']:g} mrad counts as that and "
+        "the integral waits, so that the motors can stop the platen after any step. z, θ and ψ have the zeros of (23)-(25), the pole at 2/T, and a part of the gain at low frequencies."
     )
     return page.Section("Control law", (text, page.Equations((*LAW, *shared.upright(), shared.RESET))))
 

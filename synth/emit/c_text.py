@@ -29,9 +29,7 @@ def header(block: Block, layout: Layout) -> str:
         f"extern char {block.name}_{s.kind}_size_is_{s.size}[(sizeof({s.type}) == {s.size}u) ? 1 : -1];"
         for s in layout.structs
     )
-    faults = "\n".join(
-        f" *   bit {f.bit:2d}  {_meaning(f)}" for f in block.faults
-    )
+    faults = "\n".join(f" *   bit {f.bit:2d}  {_meaning(f)}" for f in block.faults)
     returned = (
         f" * It returns the fault bits:\n{faults}\n" if faults else " * It returns 0: the Block guards no input.\n"
     )
@@ -73,7 +71,7 @@ def source(block: Block, program: Program, surrogates: Sequence[Surrogate], layo
         # max(min(x, high), -high) is -high throughout where high is negative
         parts += [f"    return ({size}(x) <= high) ? x : ((x < {zero}) ? -high : {size}(high));", "}", ""]
     lines = body(block, program, layout)
-    if any("flag(" in line.text for line in lines):
+    if any("flag(" in line.text for line in lines if "/*" not in line.text):
         parts += ["static inline uint32_t flag(bool holds)", "{", "    uint32_t value = 0u;"]
         parts += ["    if (holds) {", "        value = 1u;", "    }", "    return value;", "}", ""]
     for surrogate in surrogates:

@@ -5,7 +5,10 @@ that little is kept alive. Choices on one condition become one `if`: what only o
 only, and a state that a side leaves as it is is not stored there.
 
 A node is *sunk* into a side of a condition when every use of it is on that side: uses are followed from the end, so a
-node's users are decided before the node itself.
+node's users are decided before the node itself. A choice that only leaves a state as it is does not use its load.
+
+No state is loaded after it is stored: at a level of statements its load comes before its store, unless the load is sunk
+into an `if`; that it is only where the store, if the level has one, waits for a choice of this `if`.
 """
 
 from collections.abc import Iterator, Sequence
@@ -338,7 +341,7 @@ class _Level:
         return sides
 
     def _stored_elsewhere(self, choices: list[int]) -> set[str | int]:
-        """Return the states that this level may store before it comes to the choices, as no store waits for them."""
+        """Return the states whose store at this level waits for none of the choices, so that it may come first."""
         reached, stack = set(choices), list(choices)
         while stack:
             for u in self.users[stack.pop()]:
@@ -348,7 +351,7 @@ class _Level:
         return {d.place[1] for d in self.pending if d.place[0] == "state" and d.node not in reached}
 
     def _passes_over(self, user: int, k: int, chosen: set[int]) -> bool:
-        """Tell whether what is written for a user of node k reads it not, as it only leaves the state that k loads."""
+        """Tell whether a user of node k is written without reading it: it only leaves the state that k loads."""
         if user in self.written_of:
             return k not in self.written_of[user].reads
         return user in chosen and self._holds(user, k)
@@ -366,9 +369,10 @@ class _Level:
         return args[1 + side] == k and args[0] != k and args[2 - side] != k
 
     def _worthwhile(self, region: _Region) -> bool:
-        """An `if` pays for many choices, where a side has something to compute, or leaves a state alone.
+        """An `if` pays for more than two choices, and where a side has something to compute or leaves a state alone.
 
-        A short one stays a choice, unless cppcheck, which takes the first arm's parentheses away, would miss them.
+        A short one stays a choice unless its first arm is composed: cppcheck takes the parentheses away from that arm,
+        and then misses them.
         """
         arms = {self.p.nodes[c].args[1] for c in region.choices} & region.sides[0]
         bare = any(self.p.nodes[a].op in _COMPOSED for a in arms)

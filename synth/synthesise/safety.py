@@ -1,17 +1,18 @@
 """Guard and safe output: what a controller does with inputs that cannot be true.
 
-An input is accepted when low <= value <= high; NaN fails both comparisons. While it is refused the last accepted value
-serves, before the first the declared initial one; one that is not held is the initial one each time, for a consumer
-that passes over samples which are not ``complete``. After `bad_samples` samples in a row in which a *measurement* is
-refused, the same one or not, it latches: the outputs then slew at a declared rate to the declared safe output and stay
-there until `init`. A *set-point* never latches.
+An input is accepted when low <= value <= high; NaN fails both comparisons. While it is refused its last accepted value
+serves, before the first the declared initial one. An input that is not held has the initial one in its place each time:
+that is enough where the consumer passes over samples that are not ``complete``. After `bad_samples` samples in a row in
+which a *measurement* is refused, the same one or not, it latches: the outputs then slew at a declared rate to the
+declared safe output and stay there until `init`. A *set-point* never latches.
 
     inputs --->[ guard ]---> <name>_held ---> controller ---> <name>_computed --->[ safe output ]---> outputs
                  ^ |------------------------- latched -------------------------------^
                  '-- suspected, suspect_<name> <---- [ states of whoever compares measurements ]
 
-A measurement in its range may still contradict the others. Who finds so says ``suspected`` a sample later, and names it
-as ``suspect_<name>``: for as long as that lasts no sample is ``complete``.
+A measurement in its range may still contradict the others. Whoever finds so says ``suspected`` from the next sample on,
+and ``suspect_<name>`` of those that may be wrong. Their values are passed on as they are, but no sample is ``complete``
+while `suspected` lasts, so that it latches.
 """
 
 import math
@@ -31,7 +32,10 @@ GUARD, SAFE_OUTPUT, SUSPECTED = "guard", "safe_output", "suspected"
 
 @dataclass(frozen=True)
 class Guarded:
-    """An input with its value before the first good sample; only a measurement latches."""
+    """An input with its value before the first good sample; only a measurement latches.
+
+    One that is not `held` has that value whenever it is refused, and no state.
+    """
 
     signal: Signal
     initial: float
@@ -55,78 +59,75 @@ class Safety:
 def guard(time: Discrete, inputs: Sequence[Guarded], bad_samples: int, suspected: Sequence[str] = ()) -> Block:
     """Return the Block that accepts or replaces each input.
 
-    It drives ``<name>_held``, ``fault_<name>``, ``latched`` (this sample included), ``complete``: whether every
-    measurement is accepted, and ``ready``: whether it was in a sample before this one. Measurements in `suspected` may be suspects: then there are
-    the further inputs ``suspected`` and ``suspect_<name>``, and a ``fault_suspect_<name>`` for each.
+    It drives ``<name>_held`` and ``fault_<name>``. With a measurement among the inputs it drives ``complete`` as well:
+    whether every measurement is accepted and none is suspected; ``ready``: whether a sample before this one was
+    complete; and ``latched``, this sample included. For measurements that may be `suspected` it has the further inputs
+    ``suspected`` and ``suspect_<name>`` and drives a ``fault_suspect_<name>`` for each: both of its inputs hold.
+    ``complete`` then speaks of these measurements alone, which are compared whatever becomes of others.
 
-    Raises SignalError for more inputs than the fault word has bits, for fewer than one bad sample, or for a suspected
-    name that is no measurement or stands twice.
+    Bits of the fault word are those of the inputs in their order, of the suspects in theirs, and LATCH_BIT.
+
+    Raises SignalError for more inputs and suspects than the fault word has bits, for fewer than one bad sample, for an
+    initial value outside its range, or for a suspected name that is no measurement or stands twice.
     """
-    if len(inputs) + len(suspected) > LATCH_BIT:
-        raise SignalError(
-            f"{len(inputs)} inputs are guarded, {len(suspected)} of them suspected, but the fault word has {LATCH_BIT} "
-            "bits: split the Block"
-        )
-    if bad_samples < 1:
-        raise SignalError(f"bad_samples is {bad_samples}: a latch needs at least 1 bad sample")
+    _require(inputs, bad_samples, suspected)
+    kept = [g for g in inputs if g.held]
     measured = [g.signal.name for g in inputs if g.measurement]
-    latches = bool(measured)
-    suspicions = [_flag(f"suspect_{name}", "contradicts the other measurements") for name in suspected]
-    for name in suspected:
-        if name not in measured or len(set(suspected)) < len(suspected):
-            raise SignalError(
-                f"suspected are {', '.join(suspected)}, but '{name}' is no measurement or one of them stands twice: "
-                f"name each once, among {', '.join(measured) or 'no measurements'}"
-            )
+    suspects = [_flag(f"suspect_{name}", "contradicts the other measurements") for name in suspected]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         good = {s.name: ca.logic_and(u[s.name] >= s.low, u[s.name] <= s.high) for s in (g.signal for g in inputs)}
-        last = {g.signal.name: x[f"last_{g.signal.name}"] if g.held else k[f"refused_{g.signal.name}"] for g in inputs}
-        held = {n: ca.if_else(good[n], u[n], last[n]) for n in good}
-        next = {f"last_{g.signal.name}": held[g.signal.name] for g in inputs if g.held}
+        last = {g.signal.name: x[f"last_{g.signal.name}"] for g in kept}
+        held = {n: ca.if_else(good[n], u[n], last[n] if n in last else k[f"refused_{n}"]) for n in good}
+        next = {f"last_{n}": held[n] for n in last}
         output = {f"{n}_held": held[n] for n in good} | {f"fault_{n}": ca.logic_not(good[n]) for n in good}
-        output |= {f"fault_{s.name}": ca.logic_and(u[SUSPECTED], u[s.name]) for s in suspicions}
-        if latches:
+        output |= {f"fault_{s.name}": ca.logic_and(u[SUSPECTED], u[s.name]) for s in suspects}
+        if measured:
             complete, final = ca.SX(1), x["left"] <= 1
-            for n in measured:
+            for n in suspected or measured:
                 complete = ca.if_else(good[n], complete, 0)
-            complete = ca.if_else(u[SUSPECTED], 0, complete) if suspicions else complete
-            latched = ca.if_else(complete, x["latched"], ca.if_else(final, 1, x["latched"]))
-            next["left"] = ca.if_else(complete, bad_samples, ca.if_else(final, x["left"], x["left"] - 1))
-            next |= {"latched": ca.if_else(latched, 1, x["latched"]), "ready": ca.if_else(complete, 1, x["ready"])}
+            complete = ca.if_else(u[SUSPECTED], 0, complete) if suspects else complete
+            every = complete
+            for n in (n for n in measured if suspects and n not in suspected):
+                every = ca.logic_and(every, good[n])
+            latched = ca.if_else(every, x["latched"], ca.if_else(final, 1, x["latched"]))
+            next["left"] = ca.if_else(every, bad_samples, ca.if_else(final, x["left"], x["left"] - 1))
+            next |= {"latched": ca.if_else(latched, 1, x["latched"]), "ready": ca.if_else(every, 1, x["ready"])}
             output |= {"latched": latched, "ready": x["ready"], "complete": complete}
         return Step(output, next)
 
-    kept = [g for g in inputs if g.held]
     states = [State(_renamed(g.signal, f"last_{g.signal.name}", "last good value"), g.initial) for g in kept]
     left = Signal("left", "1", 1, max(bad_samples, 2), "samples with a bad measurement until it latches")
     flags = [_flag("latched", "safe output until init"), _flag("ready", "every measurement was good at once")]
-    states += [State(left, bad_samples, True), *(State(f, 0, True) for f in flags)] if latches else []
+    states += [State(left, bad_samples, True), *(State(f, 0, True) for f in flags)] if measured else []
     outputs = [_renamed(g.signal, f"{g.signal.name}_held", g.signal.about) for g in inputs]
     outputs += [_flag(f"fault_{g.signal.name}", "refused this sample") for g in inputs]
-    outputs += [_flag(f"fault_{s.name}", s.about) for s in suspicions]
-    outputs += [*flags, _flag("complete", "every measurement is good")] if latches else []
+    outputs += [_flag(f"fault_{s.name}", s.about) for s in suspects]
+    outputs += [*flags, _flag("complete", "every measurement that is compared is good")] if measured else []
     block = build(
         GUARD,
         time,
         law,
-        inputs=[*(g.signal for g in inputs), *([_flag(SUSPECTED, "some are suspects")] if suspicions else []), *suspicions],
+        inputs=[
+            *(g.signal for g in inputs),
+            *([_flag(SUSPECTED, "there are suspects"), *suspects] if suspects else []),
+        ],
         outputs=outputs,
         states=states,
         constants=[_in_place(g) for g in inputs if not g.held],
         tag="range acceptance, hold, latch",
     )
     faults = [Fault(i, f"fault_{g.signal.name}", g.signal.name) for i, g in enumerate(inputs)]
-    first = len(inputs)
-    faults += [Fault(first + i, f"fault_{s.name}", suspect=n) for i, (s, n) in enumerate(zip(suspicions, suspected))]
-    faults += [Fault(LATCH_BIT, "latched")] if latches else []
+    faults += [Fault(i, f"fault_suspect_{n}", suspect=n) for i, n in enumerate(suspected, len(inputs))]
+    faults += [Fault(LATCH_BIT, "latched")] if measured else []
     return replace(block, faults=tuple(faults))
 
 
 def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Block:
     """Return the Block that passes ``<name>_computed`` on as ``<name>`` and, once latched, slews to the safe output.
 
-    Either way the output is limited to its range. ``<name>_before`` is the output of the sample before.
+    What is computed is limited to the output's range; the slew, from there to the safe output, stays inside it.
+    ``<name>_before`` is the output of the sample before.
 
     Raises SignalError when a safe output or a rate is missing, a rate is not positive, or a safe output lies outside
     its range.
@@ -180,7 +181,29 @@ def frozen(block: Block) -> Block:
     return replace(block, next={**block.next, **held})
 
 
+def _require(inputs: Sequence[Guarded], bad_samples: int, suspected: Sequence[str]) -> None:
+    if len(inputs) + len(suspected) > LATCH_BIT:
+        raise SignalError(
+            f"{len(inputs)} inputs are guarded and {len(suspected)} may be suspects, but the fault word has "
+            f"{LATCH_BIT} bits: split the Block"
+        )
+    if bad_samples < 1:
+        raise SignalError(f"bad_samples is {bad_samples}: a latch needs at least 1 bad sample")
+    measured = [g.signal.name for g in inputs if g.measurement]
+    for name in suspected:
+        if name not in measured or len(set(suspected)) < len(suspected):
+            raise SignalError(
+                f"suspected are {', '.join(suspected)}, but '{name}' is no measurement or one of them stands twice: "
+                f"name each once, among {', '.join(measured) or 'no measurements'}"
+            )
+
+
 def _in_place(g: Guarded) -> Constant:
+    if not g.signal.low <= g.initial <= g.signal.high:
+        raise SignalError(
+            f"the initial value {g.initial} of '{g.signal.name}' is outside {g.signal.low} .. {g.signal.high}: "
+            "choose one inside"
+        )
     return Constant(f"refused_{g.signal.name}", g.initial, g.signal.unit, "in place of a refused value")
 
 

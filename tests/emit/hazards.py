@@ -215,6 +215,21 @@ def flags() -> Block:
     return replace(block, faults=tuple(Fault(bit, name, None) for bit, name in bits))
 
 
+def suspects() -> Block:
+    """Return a Block whose fault word has bits under a common condition, in a row and not, of numbers as well."""
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        a, b, c, told = u["a"], u["b"], u["c"], x["told"]
+        under = {n: ca.logic_and(told, e) for n, e in (("p", a < 0), ("q", c), ("r", x["n"]))}
+        return Step(
+            under | {"wide": b > 1, "other": ca.logic_and(a < 0, told)}, {"told": a < b, "n": ca.fmin(x["n"], 3)}
+        )
+
+    block = make("suspects", law, "p q r wide other", [State(signal("told", 0, 1), 0, True), *count()])
+    bits = [(0, "wide"), (1, "p"), (2, "q"), (7, "r"), (8, "other"), (9, "q"), (31, "wide")]
+    return replace(block, faults=tuple(Fault(bit, name) for bit, name in bits))
+
+
 def constant_word() -> Block:
     block = make("word", lambda u, x, k: Step({"never": 0, "y": u["a"]}), "never y")
     return replace(block, faults=(Fault(3, "never", None),))
@@ -242,5 +257,6 @@ BLOCKS = [
     make("idle", gains_about_an_idle_limit, "y", constants=GAINS),
     nested(),
     flags(),
+    suspects(),
     constant_word(),
 ]

@@ -321,10 +321,10 @@ def test_a_block_that_reads_no_input_or_keeps_no_state_compiles_clean(scalar: ty
 def test_comments_carry_tag_unit_range_and_cannot_be_closed_early() -> None:
     a = replace(signal("a", -2, 3), unit="kg m/s^2", about="a */ force")
     block = build(
-        "tagged", TIME, lambda u, x, k: Step({"y": 3 * u["a"]}), inputs=[a], outputs=[signal("y")], tag="F(12) /*"
+        "tagged", TIME, lambda u, x, k: Step({"y": 3 * u["a"]}), inputs=[a], outputs=[signal("y")], tag="flag(12) /*"
     )
     files = c_files(block, F32)
-    assert "/* tagged: F(12) / * */" in files["tagged.c"]
+    assert "/* tagged: flag(12) / * */" in files["tagged.c"] and "uint32_t flag(" not in files["tagged.c"]
     assert "/* kg m/s^2, -2 .. 3: a * / force */" in files["tagged.h"]
     compiler.check(files)
 

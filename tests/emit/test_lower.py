@@ -137,6 +137,42 @@ def test_each_fault_sets_its_bit_of_the_word() -> None:
         assert word == (a > 1) * 0b1001 | (b < 0) << 31
 
 
+def grouped() -> tuple[lower.Program, int]:
+    """Return a program with bits 1 and 2 in a row under a < 1, bit 3 alone, bit 4 under a < 1; and that condition."""
+
+    def law(u: Any, x: Any, k: Any) -> Step:
+        told, b = u["a"] < 1, u["b"]
+        return Step({n: ca.logic_and(told, b < i) for i, n in enumerate("pqr")} | {"s": ca.logic_or(told, b < 0)})
+
+    block = make(law, "p q r s")
+    faults = [Fault(bit, name) for bit, name in ((1, "p"), (2, "q"), (3, "s"), (4, "r"))]
+    program = lower.program(replace(block, faults=tuple(faults), outputs=()))
+    one = next(k for k, n in enumerate(program.nodes) if n.op == "literal" and n.value == 1)
+    return program, next(k for k, n in enumerate(program.nodes) if n.op == "lt" and n.args[1] == one)
+
+
+def wrong_words(program: lower.Program) -> int:
+    assert program.word is not None
+    right = {
+        (a, b): (a < 1) * ((b < 0) << 1 | (b < 1) << 2 | (b < 2) << 4) | (a < 1 or b < 0) << 3
+        for a in (0, 2)
+        for b in (-1, 0.5, 1.5, 3)
+    }
+    return sum(interpret(program, {"a": a, "b": b})[program.word] != word for (a, b), word in right.items())
+
+
+def test_faults_in_a_row_under_one_condition_are_looked_at_under_it() -> None:
+    program, told = grouped()
+    assert wrong_words(program) == 0
+    under = [n for n in program.nodes if n.op == "choose" and n.args[0] == told]
+    assert len(under) == 2 and not any(n.op == "and" for n in program.nodes)
+
+
+def test_a_group_of_faults_under_a_condition_that_is_not_theirs_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(lower, "_condition", lambda flag: flag.args[0])
+    assert wrong_words(grouped()[0]) > 0
+
+
 def test_a_block_without_faults_has_no_word() -> None:
     assert lower.program(make(lambda u, x, k: Step({"y": u["a"]}))).word is None
 

@@ -179,6 +179,29 @@ def test_a_flag_becomes_an_integer_in_a_function_and_a_sum_is_no_first_arm(monke
     assert re.search(arm, emit(block, F32).files["composed.c"])
 
 
+def test_a_choice_between_a_count_and_a_flag_is_a_count() -> None:
+    def law(u: Any, x: Any, k: Any) -> Step:
+        return Step({"y": u["a"]}, {"n": ca.if_else(u["a"] < u["b"], x["n"], ca.if_else(u["c"] < 1, u["a"] < 2, 5))})
+
+    block = hazards.make("mixed", law, "y", hazards.count())
+    assert not stepped.wrong([block], F32)
+    assert "(uint32_t)" not in text(block) and "flag(" in text(block)
+    whole = Program(
+        (
+            Node("state", name="n"),
+            Node("input", name="a"),
+            Node("lt", (1, 1)),
+            Node("choose", (2, 0, 2)),
+            Node("choose", (2, 3, 1)),
+        ),
+        (),
+        {},
+        {},
+        frozenset("n"),
+    )
+    assert printer.kinds(whole)[3:] == ["integer", "real"]
+
+
 def test_bits_of_the_word_are_set_one_by_one() -> None:
     code = text(hazards.flags())
     assert re.search(r"0x00000010u", code) and "0x00000020u" not in code

@@ -6,6 +6,7 @@ The law divides by little: what it computes leaves the range of the force a hund
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,9 +15,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from synth.block import Block, Exprs, State, Step, build
+from synth.block import Block, Exprs, State, Step, build, clip
 from synth.compose import compose
-from synth.emit.write import emit
+from synth.emit.write import Emitted, emit
 from synth.errors import SignalError
 from synth.execute import compile as compiler
 from synth.execute import host
@@ -260,15 +261,60 @@ def test_a_rate_that_spans_the_range_does_not_overshoot_it(safe: float) -> None:
         assert disagreements(fast, u, safety) == 0
 
 
-def test_ready_follows_the_first_sample_with_every_measurement_good() -> None:
-    step = guard(TIME, INPUTS, 5).function()
+def test_ready_follows_the_first_complete_sample() -> None:
     block = guard(TIME, INPUTS, 5)
-    at, x, seen = [s.name for s in block.outputs].index("ready"), block.initial, []
+    step, x, seen = block.function(), block.initial, []
+    at = [[s.name for s in block.outputs].index(n) for n in ("complete", "ready")]
     for sample in ([0.02, 9, 0.02], [9, 0.1, 0.02], [0.02, 0.1, 9], [9, 9, 9], [9, 9, 9]):
         next, y = step(x, sample)
         x = next.full().ravel()
-        seen.append(float(y[at]))
-    assert seen == [0, 0, 0, 1, 1]
+        seen.append(tuple(float(y[i]) for i in at))
+    assert seen == [(0, 0), (0, 0), (1, 0), (0, 1), (0, 1)]
+
+
+def test_what_is_compared_is_complete_whatever_becomes_of_others() -> None:
+    """A bad angle counts for the latch and for ready, but the reading, which may be suspected, is there to compare."""
+    block = guard(TIME, INPUTS, 2, ("reading",))
+    step, x, seen = block.function(), block.initial, []
+    at = [[s.name for s in block.outputs].index(n) for n in ("complete", "ready", "latched")]
+    for reading, angle, told in (
+        (0.02, 9, 0),
+        (0.02, 0.1, 0),
+        (9, 0.1, 0),
+        (0.02, 0.1, 1),
+        (0.02, 0.1, 0),
+        (0.02, 9, 0),
+    ):
+        next, y = step(
+            x, [{"reading": reading, "angle": angle, "suspected": told}.get(s.name, 0) for s in block.inputs]
+        )
+        x = next.full().ravel()
+        seen.append(tuple(float(y[i]) for i in at))
+    assert seen == [(1, 0, 0), (1, 0, 0), (0, 1, 0), (0, 1, 1), (1, 1, 1), (1, 1, 1)]
+
+
+def readings(held: bool, values: Sequence[float]) -> list[float]:
+    """Return what takes the place of a reading, held or not, in compiled C."""
+    inputs = [replace(INPUTS[0], held=held), *INPUTS[1:]]
+    made = emit(guard(TIME, inputs, SAFE.bad_samples), f32)
+    u = {n: np.full(len(values), v) for n, v in GOOD.items()} | {"reading": np.array(values)}
+    return host.load(made.files, made.manifest).replay(u).outputs["reading_held"].tolist()
+
+
+def test_what_is_not_held_is_the_initial_value_whenever_it_is_refused() -> None:
+    values = [np.nan, 0.02, np.nan, 0.0322 + 1e-6, 0.03, -np.inf]
+    initial, found = INPUTS[0].initial, f32([0.031, 0.02, 0.031, 0.031, 0.03, 0.031]).tolist()
+    assert readings(False, values) == found and found[0] == f32(initial)
+    assert readings(True, values) == f32([0.031, 0.02, 0.02, 0.02, 0.03, 0.03]).tolist()
+
+
+def test_what_is_not_held_is_not_remembered_and_latches_all_the_same() -> None:
+    block = guard(TIME, [replace(INPUTS[0], held=False), *INPUTS[1:]], 2)
+    assert [s.name for s in block.states] == ["last_angle", "last_wish", "left", "latched", "ready"]
+    assert block.faults == guard(TIME, INPUTS, 2).faults
+    made = emit(block, f32)
+    u = {n: np.full(4, v) for n, v in GOOD.items()} | {"reading": np.array([0.02, np.nan, np.nan, 0.02])}
+    assert host.load(made.files, made.manifest).replay(u).faults.tolist() == [0, 1, 1 | LATCHED, LATCHED]
 
 
 def test_set_points_alone_need_no_latch() -> None:
@@ -311,6 +357,36 @@ def test_once_latched_nothing_but_the_guard_and_the_slew_moves() -> None:
     np.testing.assert_allclose(np.abs(np.diff(outputs[7:])), 0.1, rtol=1e-5)
 
 
+def passed_on(width: float) -> Emitted:
+    """A law that limits the force itself, to what may be outside its range."""
+    wide, wish = Signal("force_computed", "A", -width, width), Signal("wish_held", "m", -1, 1)
+    law = build(
+        "law",
+        TIME,
+        lambda u, x, k: Step({"force_computed": clip(1e4 * u["wish_held"] - 250, wide)}),
+        inputs=[wish],
+        outputs=[wide],
+    )
+    blocks = [guard(TIME, INPUTS, SAFE.bad_samples), law, safe_output(TIME, [FORCE], SAFE)]
+    return emit(compose("passed", blocks, inputs=NAMES, outputs=["force"]), f32, SAFE)
+
+
+@pytest.mark.parametrize(("width", "limits"), [(4.0, 1), (40.0, 2)])
+def test_what_is_computed_in_range_is_limited_no_more(width: float, limits: int) -> None:
+    made = passed_on(width)
+    code = made.files["passed.c"]
+    assert code[code.index("passed_step(") :].count("limit(") == limits
+    found = host.load(made.files, made.manifest)
+    wishes = np.repeat([0.018, 0.031, 0.018], 20)
+    u = {n: np.full(60, v) for n, v in GOOD.items()} | {
+        "wish": wishes,
+        "angle": np.where(np.arange(60) > 30, np.nan, 0.1),
+    }
+    force = found.replay(u).outputs["force"]
+    reach = f32(min(width, FORCE.high))
+    assert force.min() == -reach and force.max() == reach and force[-1] == 2.5
+
+
 def test_the_c_is_free_of_warnings() -> None:
     files = emit(controller(), f32).files
     compiler.check({n: t for n, t in files.items() if n.endswith((".c", ".h"))})
@@ -323,16 +399,20 @@ def many(count: int) -> list[Guarded]:
 @pytest.mark.parametrize(
     ("inputs", "bad_samples", "text"),
     [
-        (many(32), 5, "32 inputs are guarded but the fault word has 31 bits: split"),
+        (many(32), 5, "32 inputs are guarded and 0 may be suspects, but the fault word has 31 bits: split"),
         (many(2), 0, "bad_samples is 0: a latch needs at least 1"),
         (many(1) * 2, 5, "'u0' is declared 2 times|'u0_held' is declared 2 times"),
         ([Guarded(Signal("u", "1", 0, 1), 2, True)], 5, "'last_u' starts at 2, outside"),
+        ([Guarded(Signal("u", "1", 0, 1), 2, True, held=False)], 5, "initial value 2 of 'u' is outside 0 .. 1: choose"),
+        ([Guarded(Signal("u", "1", 0, 1), np.nan, True, held=False)], 5, "initial value nan of 'u' is outside"),
     ],
 )
 def test_what_cannot_be_guarded_is_refused(inputs: list[Guarded], bad_samples: int, text: str) -> None:
     with pytest.raises(SignalError, match=text):
         guard(TIME, inputs, bad_samples)
-    assert len(guard(TIME, many(31), 1).faults) == 32
+    assert len(guard(TIME, many(31), 1).faults) == len(guard(TIME, many(16), 1, [f"u{i}" for i in range(15)]).faults)
+    with pytest.raises(SignalError, match="16 inputs are guarded and 16 may be suspects, but"):
+        guard(TIME, many(16), 1, [f"u{i}" for i in range(16)])
 
 
 @pytest.mark.parametrize(
@@ -352,19 +432,19 @@ def test_an_incomplete_safety_is_refused(safe: dict[str, float], slew: dict[str,
         safe_output(TIME, [FORCE], Safety(5, safe, slew, "test"))
 
 
-SUSPICIOUS = {"reading": "suspect_reading", "angle": "suspect_angle"}
+SUSPICIOUS = ("suspected", "suspect_reading", "suspect_angle")
+READING, ANGLE = 1 << 3, 1 << 4  # after the bits of the inputs
 
 
-def watched(change: Callable[[str], str] = str) -> host.Controller:
+def watched() -> Block:
     """The guarded law with a Block that suspects, from the next sample on, what it is told to."""
     told = [Signal(f"tell_{n}", "1", 0, 1) for n in SUSPICIOUS]
     kept = [State(Signal(f"told_{n}", "1", 0, 1), 0, True) for n in SUSPICIOUS]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        next = {f"told_{n}": u[f"tell_{n}"] > 0.5 for n in SUSPICIOUS}
-        return Step({s: x[f"told_{n}"] for n, s in SUSPICIOUS.items()}, next)
+        return Step({n: x[f"told_{n}"] for n in SUSPICIOUS}, {f"told_{n}": u[f"tell_{n}"] > 0.5 for n in SUSPICIOUS})
 
-    outputs = [Signal(s, "1", 0, 1) for s in SUSPICIOUS.values()]
+    outputs = [Signal(n, "1", 0, 1) for n in SUSPICIOUS]
     watch = build("watch", TIME, law, inputs=told, outputs=outputs, states=kept)
     force = build(
         "law",
@@ -373,52 +453,65 @@ def watched(change: Callable[[str], str] = str) -> host.Controller:
         inputs=[Signal(f"{n}_held", g.signal.unit, -1, 1) for n, g in zip(NAMES, INPUTS, strict=True)],
         outputs=[Signal("force_computed", "A", -1, 1)],
     )
-    blocks = [guard(TIME, INPUTS, 5, tuple(SUSPICIOUS)), watch, force, safe_output(TIME, [FORCE], SAFE)]
-    whole = compose("watched", blocks, inputs=[*NAMES, *(s.name for s in told)], outputs=["force"])
-    made = emit(whole, f32, SAFE)
-    return host.load(dict(made.files) | {"watched.c": change(made.files["watched.c"])}, made.manifest)
+    blocks = [guard(TIME, INPUTS, 5, ("reading", "angle")), watch, force, safe_output(TIME, [FORCE], SAFE)]
+    return compose("watched", blocks, inputs=[*NAMES, *(s.name for s in told)], outputs=["force"])
 
 
-def suspected_runs(
-    found: host.Controller, readings: Sequence[float], tell: Sequence[int]
+def answered(
+    told: Sequence[str], change: Callable[[str], str] = str, **given: Sequence[float]
 ) -> tuple[list[int], np.ndarray]:
-    """Return fault words and forces while reading is told of, with the angle at 0.1 rad."""
-    rows = {"reading": np.array(readings, f32), "angle": 0.1, "wish": 0.02, "tell_reading": tell, "tell_angle": 0}
-    run = found.replay(rows)
+    """Return fault words and forces where each sample tells of those that the letters s, r, a name."""
+    made = emit(watched(), f32, SAFE)
+    found = host.load(dict(made.files) | {"watched.c": change(made.files["watched.c"])}, made.manifest)
+    u = {n: np.full(len(told), v, f32) for n, v in GOOD.items()} | {n: np.array(v, f32) for n, v in given.items()}
+    u |= {f"tell_{n}": np.array([letter in t for t in told], f32) for letter, n in zip("sra", SUSPICIOUS, strict=True)}
+    run = found.replay(u)
     return run.faults.tolist(), run.outputs["force"]
 
 
-def follows(found: host.Controller) -> bool:
-    readings, tell = [0.02, 0.021, 0.022, 0.023, 0.024, 0.025, 0.026], [0, 0, 1, 1, 0, 0, 0]
-    faults, force = suspected_runs(found, readings, tell)
-    held = np.array([0.02, 0.021, 0.022, 0.022, 0.022, 0.025, 0.026], f32) + f32(0.1)
-    return faults == [0, 0, 0, 1, 1, 0, 0] and bool((force == held).all())
+SPELL = ["", "", "sr", "sr", "sra", "ra", "s", ""]
 
 
-def test_a_suspect_is_refused_as_long_as_it_is_suspected() -> None:
-    assert follows(watched())
+def follows(change: Callable[[str], str] = str) -> bool:
+    values = np.linspace(0.02, 0.027, 8)
+    faults, force = answered(SPELL, change, reading=values)
+    right = [0, 0, 0, READING, READING, READING | ANGLE, 0, 0]
+    return faults == right and bool((force == f32(values) + f32(0.1)).all())
 
 
-@pytest.mark.parametrize("told", ["reading", "angle"])
-def test_a_suspect_counts_for_the_latch(told: str) -> None:
-    rows = {"reading": 0.02, "angle": 0.1, "wish": 0.02} | {f"tell_{n}": float(n == told) for n in SUSPICIOUS}
-    faults = watched().replay({n: np.full(8, v) for n, v in rows.items()}).faults
-    bit = 1 << NAMES.index(told)
-    assert faults.tolist() == [0, *[bit] * 4, *[bit | LATCHED] * 3]
+def test_a_suspect_sets_its_bit_as_long_as_it_is_suspected_and_its_value_is_passed_on() -> None:
+    assert follows()
 
 
-def test_a_suspect_out_of_range_is_refused_once_and_the_other_input_is_not_touched() -> None:
-    found = watched()
-    faults, force = suspected_runs(found, [0.02, 9.0, 9.0, 0.021], [1, 1, 0, 0])
-    assert faults == [0, 1, 1, 0] and (force == np.array([0.02, 0.02, 0.02, 0.021], f32) + f32(0.1)).all()
+@pytest.mark.parametrize(("told", "bits"), [("sr", READING), ("sa", ANGLE), ("sra", READING | ANGLE), ("s", 0)])
+def test_whatever_is_suspected_it_latches(told: str, bits: int) -> None:
+    faults, _ = answered([told] * 8)
+    assert faults == [0, *[bits] * 4, *[bits | LATCHED] * 3]
+
+
+def test_who_is_named_while_nothing_is_suspected_changes_nothing() -> None:
+    faults, force = answered(["ra"] * 8)
+    assert faults == [0] * 8 and len(set(force)) == 1
+
+
+def test_samples_that_are_refused_and_samples_that_are_suspected_add_up_to_the_latch() -> None:
+    bad = [0.02, np.nan, np.nan, 0.02, 0.02, 0.02, 0.02, np.nan]
+    faults, _ = answered(["", "", "sr", "sr", "sr", "", "", ""], reading=bad)
+    assert faults == [0, 1, 1, READING, READING, READING | LATCHED, LATCHED, 1 | LATCHED]
+    faults, force = answered(["sr", "sr", "", ""], reading=[0.02, 9.0, 9.0, 0.021])
+    assert faults == [0, 1 | READING, 1 | READING, 0]
+    assert (force == f32([0.02, 0.02, 0.02, 0.021]) + f32(0.1)).all()
 
 
 @pytest.mark.parametrize(
     ("old", "new"),
     [
-        ("!(watch_told_reading != 0u)", "true"),
-        ("!(watch_told_reading != 0u)", "(watch_told_reading != 0u)"),
-        ("state->watch_told_reading = ", "state->watch_told_angle = "),
+        ("(watch_told_suspected != 0u)", "(true)"),
+        ("(watch_told_suspected != 0u)", "(false)"),
+        ("(watch_told_suspect_reading != 0u)", "(true)"),
+        ("(watch_told_suspect_angle != 0u)", "(watch_told_suspect_reading != 0u)"),
+        ("0x00000008u", "0x00000020u"),
+        ("state->watch_told_suspect_reading = ", "state->watch_told_suspect_angle = "),
     ],
 )
 def test_a_planted_change_of_suspicion_is_seen(old: str, new: str) -> None:
@@ -426,7 +519,16 @@ def test_a_planted_change_of_suspicion_is_seen(old: str, new: str) -> None:
         assert old in text
         return text.replace(old, new)
 
-    assert not follows(watched(change))
+    assert not follows(change)
+
+
+def test_manifest_and_header_name_the_suspects() -> None:
+    made = emit(watched(), f32, SAFE)
+    named = [{"bit": 3, "suspect": "reading"}, {"bit": 4, "suspect": "angle"}, {"bit": 31, "latched": True}]
+    inputs = [{"bit": i, "input": n} for i, n in enumerate(NAMES)]
+    assert made.manifest["faults"] == [*inputs, *named]
+    for bit, name in ((3, "reading"), (4, "angle")):
+        assert f" *   bit  {bit}  {name}: contradicts the others\n" in made.files["watched.h"]
 
 
 @pytest.mark.parametrize("suspected", [("wish",), ("reading", "reading"), ("nobody",)])
@@ -444,4 +546,4 @@ def test_nobody_suspected_changes_nothing() -> None:
     assert emit(plain, f32).files == emit(none, f32).files
     assert [s.name for s in plain.inputs] == list(NAMES)
     more = guard(TIME, INPUTS, 5, ("angle",))
-    assert [s.name for s in more.inputs] == [*NAMES, "suspect_angle"] and more.states == plain.states
+    assert [s.name for s in more.inputs] == [*NAMES, "suspected", "suspect_angle"] and more.states == plain.states

@@ -75,8 +75,13 @@ def test_a_wrong_number_in_the_reference_is_told(
 
 def fresh() -> None:
     """Forget the numbers that the reference has computed."""
-    reference.compensators.cache_clear()
-    reference_sensing.constants.cache_clear()
+    for cached in (
+        reference.compensators,
+        reference_sensing.constants,
+        reference_control.vertical,
+        reference_control.scales,
+    ):
+        cached.cache_clear()
 
 
 def test_a_wrong_section_in_the_reference_is_told(at: Bench, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -195,16 +195,44 @@ def test_steps_of_the_stage(known: host.Controller, axis: str) -> None:
     assert max(np.abs(run[a]).max() for a in allocation.HORIZONTAL if a != axis) < 1e-9
 
 
-def test_a_step_beyond_the_motors_does_not_wind_up(known: host.Controller) -> None:
+def unbounded(monkeypatch: pytest.MonkeyPatch) -> list[Block]:
+    """Return a law to which an error counts as it is, however large."""
+    monkeypatch.setattr(control, "ERROR", dict.fromkeys(control.ERROR, 1.0))
+    return control.law(PLANT)
+
+
+def test_a_step_beyond_the_motors_does_not_wind_up(monkeypatch: pytest.MonkeyPatch) -> None:
     """5 mm in x: it overshoots little more than one within reach, and much less than where a demand passes as made."""
-    law, deaf = control.law(PLANT), control.law(PLANT)
+    law = unbounded(monkeypatch)
+    deaf = law
     for axis in ("x", "phi"):
         deaf = [*loop.cut(deaf, f"made_{axis}"), *opened.passed(control.TIME, {f"made_{axis}": f"d_{axis}"}, "A")]
     assert len(deaf) == len(law) + 2
-    runs = [drawn.run(c, 0.6, {"x": 5e-3}) for c in (known, drawn.compiled(deaf, control.TIME))]
+    runs = [drawn.run(drawn.compiled(each, control.TIME), 0.6, {"x": 5e-3}) for each in (law, deaf)]
     told, untold = (drawn.overshoot(run["x"], 5e-3) for run in runs)
     assert np.count_nonzero(random_steps.saturated(runs[0].commands)) > 20
     assert told < 0.55 and not untold < 2 * told and runs[0]["x"][-1] == pytest.approx(5e-3, rel=1e-6)
+
+
+# axis: height in m or rad, overshoot
+LARGE = {"x": (0.06, 0.01), "y": (0.06, 0.03), "phi": (0.015, 0.13)}
+
+
+@pytest.mark.parametrize("axis", LARGE)
+def test_large_steps_overshoot_little(known: host.Controller, axis: str) -> None:
+    height, beyond = LARGE[axis]
+    run = drawn.run(known, 1.5, {axis: height})
+    assert drawn.overshoot(run[axis], height) < beyond
+    assert run[axis][-1] == pytest.approx(height, rel=1e-6)
+    # No faster than where an error that counts as ERROR pushes no more, but for what the motors take to see it.
+    made = next(a for a in control.axes(PLANT) if a.name == axis)
+    limit = (made.k1 + made.k3) * control.ERROR[axis] / made.k2
+    assert 0.5 * limit < np.abs(np.diff(run[axis])).max() / control.TIME.period_s < 1.3 * limit
+
+
+def test_without_a_bound_of_the_error_a_large_step_loses_the_platen(monkeypatch: pytest.MonkeyPatch) -> None:
+    run = drawn.run(drawn.compiled(unbounded(monkeypatch), control.TIME), 0.6, {"x": 0.02})
+    assert not np.abs(run["x"]).max() < 0.1
 
 
 @pytest.mark.parametrize("order", ["reduced", "full"])

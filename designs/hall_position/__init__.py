@@ -1,0 +1,1 @@
+"""Absolute position and yaw from two-axis Hall sensors over a magnet matrix."""

@@ -1,0 +1,104 @@
+"""What the estimator is made for: two-axis sensors over a field of one pitch, and how it goes about its task.
+
+    B_X(X) = c + alpha sin(w X) + beta sin(5 w X),   B_Y likewise in Y,   w = 2 pi / pitch        in volts: (2) times s
+
+Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", (2), without gamma and delta.
+"""
+
+from dataclasses import dataclass
+from math import hypot, isfinite, pi, sqrt
+
+from synth.errors import ModelError
+
+Pair = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Array:
+    """Sensors at `positions` in the body, m, and the field that they see, V; each axis is noisy by `deviation`, V.
+
+    `weights` are those of the sensors, 1 for each unless given; a sensor's deviation is `deviation` / sqrt(weight).
+
+    Raises ModelError for fewer than two places, unlike numbers of weights, or a figure that is out of its range.
+    """
+
+    positions: tuple[Pair, ...]
+    c: float
+    alpha: float
+    beta: float
+    pitch: float = 0.0508
+    deviation: float = 1e-3
+    weights: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        if len(set(self.positions)) < 2:
+            raise ModelError(f"sensors are at {self.positions}: the yaw takes two places, give another one")
+        if self.weights and len(self.weights) != len(self.positions):
+            raise ModelError(f"{len(self.weights)} weights for {len(self.positions)} sensors: give one for each")
+        for name in ("alpha", "pitch", "deviation"):
+            if not 0 < getattr(self, name) < float("inf"):
+                raise ModelError(f"{name} is {getattr(self, name)}: it must be finite and positive")
+        numbers = (*(v for r in self.positions for v in r), self.c, self.beta)
+        if not all(map(isfinite, numbers)) or not all(0 < w < float("inf") for w in self.weights):
+            raise ModelError(
+                f"positions {self.positions}, c {self.c}, beta {self.beta}, weights {self.weights}: "
+                "they must be finite, and weights positive"
+            )
+
+    @property
+    def wave_number(self) -> float:
+        """Return w, rad/m."""
+        return 2 * pi / self.pitch
+
+    @property
+    def centre(self) -> Pair:
+        """Return the mean of the positions, m: where the estimate is made, so that X, Y and yaw are least coupled."""
+        n = len(self.positions)
+        return sum(x for x, _ in self.positions) / n, sum(y for _, y in self.positions) / n
+
+    @property
+    def arms(self) -> tuple[Pair, ...]:
+        """Return the positions from the centre, as phases, rad."""
+        w, (x0, y0) = self.wave_number, self.centre
+        return tuple((w * (x - x0), w * (y - y0)) for x, y in self.positions)
+
+    @property
+    def radius(self) -> float:
+        """Return the root mean square of the arms, rad of phase by rad of yaw."""
+        return sqrt(sum(hypot(*arm) ** 2 for arm in self.arms) / len(self.arms))
+
+    @property
+    def scales(self) -> tuple[float, ...]:
+        """Return the root of each sensor's weight, which multiplies its voltages."""
+        return tuple(map(sqrt, self.weights)) if self.weights else (1.0,) * len(self.positions)
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """How the estimator goes about its task.
+
+    `iterations` a sample; `scale` of each correction; `damping`, of alpha^2, of phases towards the last sample's;
+    `reach`, rad of phase by which a sensor may move in a sample, half of it by the yaw. A correction of less than
+    `settled` standard deviations ends the search, and of more than `leaning` parameters that the damping decides
+    instead of the voltages there is `damped`. Residuals up to `residual` V rms are those of the field's model.
+    Positions are counted to `pitches` on either side.
+
+    Raises ModelError for a figure that is out of its range.
+    """
+
+    iterations: int = 5
+    scale: float = 1.0
+    damping: float = 1e-4
+    reach: float = 1.4
+    settled: float = 0.1
+    leaning: float = 0.1
+    residual: float = 0.1
+    pitches: int = 8
+
+    def __post_init__(self) -> None:
+        ranges = {"iterations": (1, 20), "scale": (0, 1), "damping": (0, 1), "reach": (0, 1.4), "settled": (0, 1)}
+        ranges |= {"leaning": (0, 3), "residual": (0, float("inf")), "pitches": (1, 1000)}
+        for name, (low, high) in ranges.items():
+            value = getattr(self, name)
+            if not (low < value <= high or value == low == 1):
+                raise ModelError(f"{name} is {value}: it must be above {low} and at most {high}")

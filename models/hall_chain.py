@@ -1,0 +1,82 @@
+"""What follows a Hall sensor: amplifier, anti-aliasing filter, noise and converter.
+
+    B --> sensitivity --> amplifier --> filter w_c --> + --> converter --> number
+                                            noise -----^
+
+The filter is of first order, V_f' = w_c (V - V_f). The noise is that of V_f, white before the filter, so that samples a
+period T apart are correlated by exp(-w_c T), 0.208 at 800 Hz. At a speed v the filter lags by v / w_c, 0.8 um per mm/s.
+The order of the filter and the converter are not printed; 16 bits over +-5 V are a step of 0.15 mV, of an error of 0.04
+mV rms beside the noise of 1 mV.
+
+Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 2.C.
+"""
+
+from dataclasses import dataclass
+from math import exp, pi, sqrt
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+from scipy import signal
+
+from synth.errors import ModelError
+from synth.statespace import readonly
+from synth.timing import Discrete
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Chain:
+    """From flux density to numbers.
+
+    Raises ModelError unless every figure is positive, noise apart, which may be 0.
+    """
+
+    sensitivity: float = 0.4  # V/T: with 0.1 a noise of 1 mV would be 10 um, and less is claimed
+    amplifier: float = 21.0
+    corner: float = 200.0  # Hz
+    noise: float = 1e-3  # V rms, behind the filter
+    bits: int = 16
+    span: float = 5.0  # V to either side
+
+    def __post_init__(self) -> None:
+        for name in ("sensitivity", "amplifier", "corner", "bits", "span"):
+            if not 0 < getattr(self, name) < float("inf"):
+                raise ModelError(f"{name} of the chain is {getattr(self, name)}: it must be finite and positive")
+        if not 0 <= self.noise < float("inf"):
+            raise ModelError(f"noise of the chain is {self.noise} V: it must be finite and not negative")
+
+    @property
+    def gain(self) -> float:
+        """Return the sensitivity of sensor and amplifier, V/T."""
+        return self.sensitivity * self.amplifier
+
+    @property
+    def step(self) -> float:
+        """Return the converter's step, V."""
+        return 2 * self.span / 2**self.bits
+
+
+def slope(chain: Chain, held: ca.SX, volts: ca.SX) -> ca.SX:
+    """Return V_f' in V/s, for V_f = `held` and V = `volts`."""
+    return 2 * pi * chain.corner * (volts - held)
+
+
+def correlation(chain: Chain, time: Discrete) -> float:
+    """Return exp(-w_c T)."""
+    return exp(-2 * pi * chain.corner * time.period_s)
+
+
+def converted(chain: Chain, volts: ca.SX) -> ca.SX:
+    """Return what the converter reads, V: the nearest step within its range."""
+    half = 2 ** (chain.bits - 1)
+    return chain.step * ca.fmin(ca.fmax(ca.floor(volts / chain.step + 0.5), -half), half - 1)
+
+
+def noise(chain: Chain, time: Discrete, shape: tuple[int, int], seed: int) -> Array:
+    """Return the noise (channels, N) in V of samples, stationary from the first on."""
+    kept = correlation(chain, time)
+    white = np.random.default_rng(seed).standard_normal(shape)
+    white[:, 1:] *= sqrt(1 - kept**2)
+    return readonly(chain.noise * signal.lfilter([1.0], [1.0, -kept], white, axis=1))

@@ -1,0 +1,132 @@
+"""What Figs. 3 to 5 of the paper show, as arrays: coefficients, the field over the target area, sensors on a line.
+
+Fig. 5 and (3): of two sensors a spacing apart along X, whose voltages have the slopes V_1' and V_2', how insensitive
+the pair gets is the least sqrt(V_1'^2 + V_2'^2) over X, noise / (that) being the standard deviation of X. For a sine
+alone it is largest, and the same everywhere, at (1/4 + n/2) pitch.
+
+Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 2, Figs. 3 to 5.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from models import hall_array
+from models.concentrated_field import (
+    CROSS,
+    Cell,
+    Wave,
+    amplitude,
+    fabricated,
+    field,
+    ideal,
+    on_axes,
+    values,
+    waves,
+)
+from synth.statespace import readonly
+
+Array = NDArray[np.float64]
+
+HARMONICS = (1, 5, 9, 13)  # the next is below 1e-4 T at 3 mm
+
+
+@dataclass(frozen=True, eq=False)
+class Coefficients:
+    """The amplitudes (N,) in T of sin(n w X) in B_X, n in `numbers` (N,), above ideal blocks and those that were made.
+
+    `cross` is that of sin(w (2 X +- Y)) above those that were made.
+    """
+
+    numbers: NDArray[np.int_]
+    ideal: Array
+    fabricated: Array
+    cross: float
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """B_X (n, n) in T over X (n,) and Y (n,) in m, the target area of a pitch by a pitch."""
+
+    X: Array
+    Y: Array
+    B_X: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """The voltages `volts` (2, n) of two sensors a spacing apart, and their `slopes` in V/m, over X (n,) in m."""
+
+    X: Array
+    volts: Array
+    slopes: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Spacings:
+    """How insensitive a pair gets somewhere in the pitch, `least` (n,) in V/m, over `spacing` (n,) in m."""
+
+    spacing: Array
+    least: Array
+
+
+def coefficients(highest: int = 9, z: float = 0.0) -> Coefficients:
+    """Return Fig. 3: coefficients up to a number, z in m above ideal blocks and above those that were made."""
+    p, numbers = values(), range(1, highest + 1)
+
+    def found(cell: Cell) -> Array:
+        by_order = {wave.order: float(amplitude(wave, z)) for wave in waves(cell, on_axes(numbers), p)}
+        return readonly([by_order.get((n, 0), 0.0) for n in numbers])
+
+    made = fabricated(p["strong"], p["weak"])
+    cross = float(amplitude(waves(made, CROSS, p)[0], z))
+    return Coefficients(np.array(numbers), found(ideal(p["strong"])), found(made), cross)
+
+
+def surface(points: int = 65, z: float = 3e-3) -> Surface:
+    """Return Fig. 4: B_X of the ideal matrix on a grid, z in m above it."""
+    p, X, Y = values(), ca.SX.sym("X"), ca.SX.sym("Y")
+    B = field(waves(ideal(p["strong"]), on_axes(HARMONICS), p), X, Y, ca.SX(z))
+    side = np.linspace(0.0, float(p["l"]), points)
+    grid = (each.reshape(1, -1) for each in np.meshgrid(side, side, indexing="ij"))
+    flux = ca.Function("B_X", [X, Y], [B.x]).map(points**2)(*grid)
+    return Surface(readonly(side), readonly(side), readonly(flux.full().reshape(points, points)))
+
+
+def spacings(count: int, pitch: float) -> Array:
+    """Return the spacings (1/4 + n/2) pitch, n = 1 .. count, in the pitch's unit. Source: (3)."""
+    return readonly((0.25 + 0.5 * np.arange(1, count + 1)) * pitch)
+
+
+def line(found: Sequence[Wave], spacing: float, points: int = 257, height: float = hall_array.HEIGHT) -> Line:
+    """Return Fig. 5: what two sensors a spacing in m apart read over a pitch of waves without symbols."""
+    X = np.linspace(0.0, _pitch(found), points)
+    volts, slopes = _mapped(hall_array.along(spacing, found, height), X)
+    return Line(readonly(X), readonly(volts), readonly(slopes))
+
+
+def insensitive(found: Sequence[Wave], points: int = 480, height: float = hall_array.HEIGHT) -> Spacings:
+    """Return how insensitive two sensors get over spacings up to two pitches, in waves without symbols.
+
+    X and the spacings run over one grid of so many points a pitch, which holds the spacings of (3) when 4 divides it.
+    """
+    grid = readonly(_pitch(found) / points * np.arange(2 * points + 1))
+    slopes = _mapped(hall_array.along(0.0, found, height), grid[:points])[1]
+    squares = slopes[0] ** 2
+    least = [np.sqrt((squares + np.roll(squares, -shift)).min()) for shift in range(len(grid))]
+    return Spacings(grid, readonly(least))
+
+
+def _pitch(found: Sequence[Wave]) -> float:
+    """Return the pitch of waves in m."""
+    first = found[0]
+    return float(2 * np.pi * np.hypot(*first.order) / float(first.kappa))
+
+
+def _mapped(prediction: hall_array.Prediction, X: Array) -> tuple[Array, Array]:
+    """Return voltages (m, n) and slopes (m, n) over X (n,)."""
+    volts, slopes = prediction.function().map(len(X))(X[None, :])
+    return volts.full(), slopes.full()
