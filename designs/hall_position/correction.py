@@ -86,11 +86,12 @@ class Normal:
 
 @dataclass(frozen=True, eq=False)
 class Equations:
-    """The normal equations: those of the axes, N_T, and what the yaw's is to be, `right` / N_T."""
+    """The normal equations: those of the axes; T is to be `right` / N_T. `turn` is the yaw's whole gradient."""
 
     axes: Mapping[str, Normal]
     information: ca.SX
     right: ca.SX
+    turn: ca.SX
 
 
 def rows(sensors: Sequence[Sensor], at: Displacement, turn: Wave, less: ca.SX) -> dict[str, list[Row]]:
@@ -145,7 +146,9 @@ def equations(of: Mapping[str, Sequence[Row]], at: Displacement, damping: float,
     axes = {axis: _normal(of[axis], at.phase[axis], damping) for axis in AXES}
     stiff = damping * radius**2
     information = stiff + _sum(n.left * n.inverse for n in axes.values())
-    return Equations(axes, information, _sum(n.gain * n.inverse for n in axes.values()) - stiff * at.yaw)
+    back = stiff * at.yaw
+    right = _sum(n.gain * n.inverse for n in axes.values()) - back
+    return Equations(axes, information, right, _sum(n.turn for n in axes.values()) - back)
 
 
 def _normal(of: Sequence[Row], phase: ca.SX, damping: float) -> Normal:

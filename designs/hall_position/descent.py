@@ -1,7 +1,7 @@
 """Corrections in a row, of which none may raise the cost: n of them, whatever the voltages.
 
     d_0 = 0;   J(d_i) <= J(best) + slack ?     yes: best = d_i, d_i+1 = d_i + scale * correction, in reach
-                                               no:  d_i+1 = best + (d_i - best) / 4
+                                               no:  d_i+1 = (best + d_i) / 2
 
 The last one is not tried any more: it counts only where it is settled, less than a part of its standard deviation. Its
 length in standard deviations is that in the metric of the normal equations, (correction' gradient)^(1/2) / deviation.
@@ -19,7 +19,6 @@ from designs.hall_position.parameters import Array, Tuning
 from synth.block import clip
 from synth.signals import Signal
 
-BACK = 0.25  # of a correction that has raised the cost
 SLACK = 0.01  # of deviation^2: so much a cost may rise, by rounding
 PART = 1.2  # rad: angles whose sine and cosine become polynomials are smaller
 NONE = Displacement(dict.fromkeys(AXES, ca.SX(0)), ca.SX(0))
@@ -74,12 +73,61 @@ def corrected(sensors: Sequence[Sensor], of: Problem, named: Named) -> Found:
     trial = _tried(sensors, NONE, 0, of, named)
     best, lowest, better = trial.at, trial.cost, ca.SX(1)
     for i in range(1, of.tuning.iterations):
-        ahead = _towards(trial.at, _goal(trial, of), of.tuning.scale)
-        at = _chosen(better, ahead, _towards(best, trial.at, BACK)) if i > 1 else ahead
-        trial = _tried(sensors, at, i, of, named)
+        trial = _tried(sensors, _next(trial, better, best, of), i, of, named)
         better = trial.cost <= lowest + SLACK * of.array.deviation**2
         best, lowest = _chosen(better, trial.at, best), ca.if_else(better, trial.cost, lowest)
-    goal = _goal(trial, of)
-    settled = _decrease(trial, goal) <= (of.tuning.settled * of.array.deviation) ** 2
+    ahead = _next(trial, ca.SX(1), best, of)
+    settled = _decrease(trial, ahead) <= of.tuning.scale * (of.tuning.settled * of.array.deviation) ** 2
     converged = ca.logic_and(better, settled)
-    return Found(_chosen(converged, _towards(trial.at, goal, of.tuning.scale), best), trial, converged)
+    return Found(_chosen(converged, ahead, best), trial, converged)
+
+
+def turned(yaw: ca.SX, named: Named) -> tuple[Wave, ca.SX]:
+    """Return the wave of a small yaw and 1 - cos, from its half."""
+    s, c = ca.sin(yaw / 2), ca.cos(yaw / 2)
+    for what, value in (("sine", s), ("cosine", c)):
+        named.append((Signal(f"half_{what}", "1", -1, 1, "of half the yaw since the last sample"), value))
+    less = 2 * s**2
+    return Wave(2 * s * c, 1 - less), less
+
+
+def _tried(sensors: Sequence[Sensor], at: Displacement, i: int, of: Problem, named: Named) -> Trial:
+    damping, radius = of.damping, of.array.radius
+    rows = correction.rows(sensors, at, *turned(at.yaw, named)) if i else correction.base_rows(sensors)
+    squares = cost = correction.squares(rows)
+    if i:
+        held = radius**2 * at.yaw**2
+        for axis in AXES:
+            held += at.phase[axis] ** 2
+        cost = squares + damping * held
+    named.append((Signal(f"cost_{i}", "V^2", 0, 1e9, "squared residuals and damping"), cost))
+    return Trial(at, squares, cost, correction.equations(rows, at, damping, radius))
+
+
+def _next(trial: Trial, better: ca.SX, best: Displacement, of: Problem) -> Displacement:
+    """Return the next displacement to try: from a better one where the equations lead to, else halfway back.
+
+    Where the yaw comes to the end of its reach, the phases fit the yaw there.
+    """
+    at, e, scale = trial.at, trial.equations, of.tuning.scale
+    ahead = at.yaw + scale * (e.right / e.information)
+    yaw = clip(ca.if_else(better, ahead, (at.yaw + best.yaw) / 2), Signal("yaw", "rad", -of.yaw, of.yaw))
+    turn, phase = yaw - at.yaw, {}
+    for axis, n in e.axes.items():
+        ahead = at.phase[axis] + (scale * n.slope - n.coupling * turn) * n.inverse
+        wanted = ca.if_else(better, ahead, (at.phase[axis] + best.phase[axis]) / 2)
+        phase[axis] = clip(wanted, Signal("phase", "rad", -of.phase, of.phase))
+    return Displacement(phase, yaw)
+
+
+def _decrease(trial: Trial, ahead: Displacement) -> ca.SX:
+    """Return correction' gradient, V^2."""
+    total = trial.equations.turn * (ahead.yaw - trial.at.yaw)
+    for axis, n in trial.equations.axes.items():
+        total += n.slope * (ahead.phase[axis] - trial.at.phase[axis])
+    return total
+
+
+def _chosen(condition: ca.SX, then: Displacement, other: Displacement) -> Displacement:
+    phase = {axis: ca.if_else(condition, then.phase[axis], other.phase[axis]) for axis in AXES}
+    return Displacement(phase, ca.if_else(condition, then.yaw, other.yaw))

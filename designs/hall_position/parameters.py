@@ -89,14 +89,20 @@ class Tuning:
     iterations: int = 5
     scale: float = 1.0
     damping: float = 1e-4
-    reach: float = 1.4
+    reach: float = 1.0
     settled: float = 0.1
     leaning: float = 0.1
     residual: float = 0.1
     pitches: int = 8
 
     def __post_init__(self) -> None:
-        ranges = {"iterations": (1, 20), "scale": (0, 1), "damping": (0, 1), "reach": (0, 1.4), "settled": (0, 1)}
+        ranges: dict[str, tuple[float, float]] = {
+            "iterations": (1, 20),
+            "scale": (0, 1),
+            "damping": (0, 1),
+            "reach": (0, 1),
+            "settled": (0, 1),
+        }
         ranges |= {"leaning": (0, 3), "residual": (0, float("inf")), "pitches": (1, 1000)}
         for name, (low, high) in ranges.items():
             value = getattr(self, name)

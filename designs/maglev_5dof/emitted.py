@@ -75,7 +75,9 @@ def _gain(axis: control.Axis, scalar: type[np.floating]) -> dict[str, Any]:
         "poles_rad_s": [digits.pole(s) for s in gain.poles],
         "certificate": {
             "relative_residual_below": digits.bound(float(certificate.defect.max()) / max(axis.weights)),
-            "relative_forward_error_estimate": digits.bound(float((certificate.step / np.abs(certificate.X).max()).max())),
+            "relative_forward_error_estimate": digits.bound(
+                float((certificate.step / np.abs(certificate.X).max()).max())
+            ),
         },
         "sampled_data_optimum": {
             "K": [digits.cut(v, 6) for v in sampled.K[0]],

@@ -19,7 +19,7 @@ prediction needs no products:
 
 x is the output. A filter that is not `ready`, or would leave its bounds, starts at rest where the raw position is. The
 position is that over the whole travel: single precision then differs from double by 0.04 um at most over 1e5 samples, a
-thousandth of the noise.
+thousandth of the noise. The lead-lag controller works behind these filters; the LQG controller cannot, and has none.
 
 Source: Yu, Kim, section 3.2, (6)-(16).
 """

@@ -30,8 +30,8 @@ p. A larger one lets less noise through and leaves less margin. Peak sensitivity
     phi      2.20  2.01  2.12  0.92  2.03  0.60  1.96  0.46  1.84  0.33
 
 An error beyond ERROR counts as this, and the integral waits: the axis then moves at k ERROR / k2 at most, from which
-the motors can stop it. Without that a step of x by 10 mm swings beyond the reach of the yaw's sensors, and the platen is
-lost; with it steps of 60 mm overshoot by 1 to 2 %.
+the motors can stop it. Without that a step of x by 10 mm swings beyond the reach of the yaw's sensors, and the platen
+is lost; with it steps of 60 mm overshoot by 1 to 2 %.
 
 Until every measurement has been good once the platen counts as at rest where it is.
 

@@ -92,6 +92,7 @@ def _compensator(whole: StateSpace, axis: str, mode: str) -> Block:
     stable = int(np.argmin(np.abs(poles)))
     pole, into, sum_into = poles[stable], b[stable], float(b[np.argmax(np.abs(poles))].real)
     size = MARGIN * (abs(into.real) + abs(into.imag)) * error.high / (1 - abs(pole.real) - abs(pole.imag))
+    kept: tuple[str, ...]
     if pole.imag:
         A = [[pole.real, -pole.imag, 0], [pole.imag, pole.real, 0], [0, 0, 1]]
         B, C, kept = [2 * into.real, 2 * into.imag, sum_into], [1, 0, 1], ("real", "imaginary", "integral")

@@ -231,30 +231,31 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         t2 |= 0x00000020u;
     }
     const float d1 = in->d1;
-    const bool t3 = fabsf(d1) <= 0.0005f;
     float d1_held = d1;
-    if (t3) {
+    bool t3 = true;
+    if (fabsf(d1) <= 0.0005f) {
         state->guard_last_d1 = d1;
     } else {
         d1_held = state->guard_last_d1;
+        t3 = false;
         t2 |= 0x00000040u;
     }
     const float d2 = in->d2;
-    const bool t4 = fabsf(d2) <= 0.0005f;
     float d2_held = d2;
-    if (t4) {
+    if (fabsf(d2) <= 0.0005f) {
         state->guard_last_d2 = d2;
     } else {
         d2_held = state->guard_last_d2;
+        t3 = false;
         t2 |= 0x00000080u;
     }
     const float d3 = in->d3;
-    const bool t5 = fabsf(d3) <= 0.0005f;
     float d3_held = d3;
-    if (t5) {
+    if (fabsf(d3) <= 0.0005f) {
         state->guard_last_d3 = d3;
     } else {
         d3_held = state->guard_last_d3;
+        t3 = false;
         t2 |= 0x00000100u;
     }
     const float x_ref = in->x_ref;
@@ -320,26 +321,26 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const uint32_t sensing_found_V_ay = state->sensing_found_V_ay;
         const uint32_t sensing_found_V_by = state->sensing_found_V_by;
         const uint32_t sensing_found_V_cy = state->sensing_found_V_cy;
-        uint32_t t6 = t2;
+        uint32_t t4 = t2;
         if (sensing_found_V_ax != 0u) {
-            t6 = t2 | 0x00008000u;
+            t4 = t2 | 0x00008000u;
         }
         if (sensing_found_V_ay != 0u) {
-            t6 |= 0x00010000u;
+            t4 |= 0x00010000u;
         }
         if (sensing_found_V_bx != 0u) {
-            t6 |= 0x00020000u;
+            t4 |= 0x00020000u;
         }
         if (sensing_found_V_by != 0u) {
-            t6 |= 0x00040000u;
+            t4 |= 0x00040000u;
         }
         if (sensing_found_V_cx != 0u) {
-            t6 |= 0x00080000u;
+            t4 |= 0x00080000u;
         }
         if (sensing_found_V_cy != 0u) {
-            faults = t6 | 0x00100000u;
+            faults = t4 | 0x00100000u;
         } else {
-            faults = t6;
+            faults = t4;
         }
     } else {
         complete = t1;
@@ -347,7 +348,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     const uint32_t guard_latched = state->guard_latched;
     const uint32_t guard_ready = state->guard_ready;
     uint32_t latched = guard_latched;
-    if (complete && t3 && t4 && t5) {
+    if (complete && t3) {
         state->guard_left = 5u;
         state->guard_ready = 1u;
     } else {
@@ -362,41 +363,41 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     /* safe_output: slew to the safe output once latched */
     if (latched != 0u) {
         const float safe_output_last_i_AA = state->safe_output_last_i_AA;
-        const float t7 = max(min(0.0f, safe_output_last_i_AA + 0.126f), safe_output_last_i_AA - 0.126f);
-        out->i_AA = t7;
+        const float t5 = max(min(0.0f, safe_output_last_i_AA + 0.126f), safe_output_last_i_AA - 0.126f);
+        out->i_AA = t5;
         const float safe_output_last_i_AB = state->safe_output_last_i_AB;
-        const float t8 = max(min(0.0f, safe_output_last_i_AB + 0.126f), safe_output_last_i_AB - 0.126f);
-        out->i_AB = t8;
+        const float t6 = max(min(0.0f, safe_output_last_i_AB + 0.126f), safe_output_last_i_AB - 0.126f);
+        out->i_AB = t6;
         const float safe_output_last_i_AC = state->safe_output_last_i_AC;
-        const float t9 = max(min(0.0f, safe_output_last_i_AC + 0.126f), safe_output_last_i_AC - 0.126f);
-        out->i_AC = t9;
+        const float t7 = max(min(0.0f, safe_output_last_i_AC + 0.126f), safe_output_last_i_AC - 0.126f);
+        out->i_AC = t7;
         const float safe_output_last_i_BA = state->safe_output_last_i_BA;
-        const float t10 = max(min(0.0f, safe_output_last_i_BA + 0.126f), safe_output_last_i_BA - 0.126f);
-        out->i_BA = t10;
+        const float t8 = max(min(0.0f, safe_output_last_i_BA + 0.126f), safe_output_last_i_BA - 0.126f);
+        out->i_BA = t8;
         const float safe_output_last_i_BB = state->safe_output_last_i_BB;
-        const float t11 = max(min(0.0f, safe_output_last_i_BB + 0.126f), safe_output_last_i_BB - 0.126f);
-        out->i_BB = t11;
+        const float t9 = max(min(0.0f, safe_output_last_i_BB + 0.126f), safe_output_last_i_BB - 0.126f);
+        out->i_BB = t9;
         const float safe_output_last_i_BC = state->safe_output_last_i_BC;
-        const float t12 = max(min(0.0f, safe_output_last_i_BC + 0.126f), safe_output_last_i_BC - 0.126f);
-        out->i_BC = t12;
+        const float t10 = max(min(0.0f, safe_output_last_i_BC + 0.126f), safe_output_last_i_BC - 0.126f);
+        out->i_BC = t10;
         const float safe_output_last_i_CA = state->safe_output_last_i_CA;
-        const float t13 = max(min(0.0f, safe_output_last_i_CA + 0.126f), safe_output_last_i_CA - 0.126f);
-        out->i_CA = t13;
+        const float t11 = max(min(0.0f, safe_output_last_i_CA + 0.126f), safe_output_last_i_CA - 0.126f);
+        out->i_CA = t11;
         const float safe_output_last_i_CB = state->safe_output_last_i_CB;
-        const float t14 = max(min(0.0f, safe_output_last_i_CB + 0.126f), safe_output_last_i_CB - 0.126f);
-        out->i_CB = t14;
+        const float t12 = max(min(0.0f, safe_output_last_i_CB + 0.126f), safe_output_last_i_CB - 0.126f);
+        out->i_CB = t12;
         const float safe_output_last_i_CC = state->safe_output_last_i_CC;
-        state->safe_output_last_i_AA = t7;
-        state->safe_output_last_i_AB = t8;
-        state->safe_output_last_i_AC = t9;
-        state->safe_output_last_i_BA = t10;
-        state->safe_output_last_i_BB = t11;
-        state->safe_output_last_i_BC = t12;
-        state->safe_output_last_i_CA = t13;
-        state->safe_output_last_i_CB = t14;
-        const float t15 = max(min(0.0f, safe_output_last_i_CC + 0.126f), safe_output_last_i_CC - 0.126f);
-        state->safe_output_last_i_CC = t15;
-        out->i_CC = t15;
+        state->safe_output_last_i_AA = t5;
+        state->safe_output_last_i_AB = t6;
+        state->safe_output_last_i_AC = t7;
+        state->safe_output_last_i_BA = t8;
+        state->safe_output_last_i_BB = t9;
+        state->safe_output_last_i_BC = t10;
+        state->safe_output_last_i_CA = t11;
+        state->safe_output_last_i_CB = t12;
+        const float t13 = max(min(0.0f, safe_output_last_i_CC + 0.126f), safe_output_last_i_CC - 0.126f);
+        state->safe_output_last_i_CC = t13;
+        out->i_CC = t13;
 
         /* guard: range acceptance, hold, latch */
         state->guard_latched = 1u;
@@ -409,118 +410,118 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float filter_x_p = state->filter_x_p;
 
         /* sensing: (1)-(5) */
-        const float t16 = filter_phi_p * V_ay_held;
-        const float t17 = V_ax_held - t16;
+        const float t14 = filter_phi_p * V_ay_held;
+        const float t15 = V_ax_held - t14;
+        const float t16 = t15 * t15;
+        const float t17 = t14 - V_bx_held;
         const float t18 = t17 * t17;
-        const float t19 = t16 - V_bx_held;
+        const float t19 = t15 * t17;
         const float t20 = t19 * t19;
-        const float t21 = t17 * t19;
-        const float t22 = t21 * t21;
-        const float m_x = t18 + t20 - (sensing_power_0 + (t22 * (sensing_power_1 + (t22 * sensing_power_2))));
-        const bool t23 = 1.2919496f < fabsf(m_x);
-        const float t24 = filter_phi_p * V_ax_held;
-        const float t25 = V_ay_held + t24;
+        const float m_x = t16 + t18 - (sensing_power_0 + (t20 * (sensing_power_1 + (t20 * sensing_power_2))));
+        const bool t21 = 1.2919496f < fabsf(m_x);
+        const float t22 = filter_phi_p * V_ax_held;
+        const float t23 = V_ay_held + t22;
+        const float t24 = t23 * t23;
+        const float t25 = V_cy_held + t22;
         const float t26 = t25 * t25;
-        const float t27 = V_cy_held + t24;
+        const float t27 = t23 * t25;
         const float t28 = t27 * t27;
-        const float t29 = t25 * t27;
-        const float t30 = t29 * t29;
-        const float m_y = t26 + t28 - (sensing_power_0 + (t30 * (sensing_power_1 + (t30 * sensing_power_2))));
-        const bool t31 = 1.2919496f < fabsf(m_y);
-        const float t32 = t19 + t17 - (t27 * t28 * (sensing_slope_0 + (t26 * sensing_slope_1)));
-        const float r_1 = V_by_held - V_ay_held - (t32 * filter_phi_p);
-        const float t33 = (t19 * t20 * (sensing_slope_0 + (t18 * sensing_slope_1))) + (t25 - t27);
-        const float r_2 = V_cx_held - V_ax_held + (t33 * filter_phi_p);
-        const bool t34 = (0.23478326f < fabsf(r_1)) || (0.23478326f < fabsf(r_2));
-        const bool t35 = (t23 || t31 || t34) && (guard_ready != 0u) && complete;
-        const bool t36 = !t35 && complete;
+        const float m_y = t24 + t26 - (sensing_power_0 + (t28 * (sensing_power_1 + (t28 * sensing_power_2))));
+        const bool t29 = 1.2919496f < fabsf(m_y);
+        const float t30 = t17 + t15 - (t25 * t26 * (sensing_slope_0 + (t24 * sensing_slope_1)));
+        const float r_1 = V_by_held - V_ay_held - (t30 * filter_phi_p);
+        const float t31 = (t17 * t18 * (sensing_slope_0 + (t16 * sensing_slope_1))) + (t23 - t25);
+        const float r_2 = V_cx_held - V_ax_held + (t31 * filter_phi_p);
+        const bool t32 = (0.23478326f < fabsf(r_1)) || (0.23478326f < fabsf(r_2));
+        const bool t33 = (t21 || t29 || t32) && (guard_ready != 0u) && complete;
+        const bool t34 = !t33 && complete;
         const float filter_y_p = state->filter_y_p;
-        const float t37 = t32 * r_1;
-        const float t38 = t33 * r_2;
-        const float t39 = t32 * t32;
-        const float t40 = t33 * t33;
-        const float t41 = t39 + t40;
+        const float t35 = t30 * r_1;
+        const float t36 = t31 * r_2;
+        const float t37 = t30 * t30;
+        const float t38 = t31 * t31;
+        const float t39 = t37 + t38;
         float x_raw = filter_x_p;
         float y_raw = filter_y_p;
-        float t42 = 0.0f;
+        float t40 = 0.0f;
         float within_x;
         float within_y;
-        if (t36) {
+        if (t34) {
             float sensing_within_x_next;
-            if (t18 <= t20) {
-                const float t43 = limit(t21 / (t20 + 8.612998e-06f), 1.0f);
-                const float t44 = t43 * t43;
-                const float t45 = sensing_position_1 + (t44 * (sensing_position_3 + (t44 * (sensing_position_5 + (t44 * sensing_position_7)))));
-                const float t46 = t43 * t45;
-                if (t19 < 0.0f) {
-                    if (0.0f < t46) {
-                        sensing_within_x_next = t46 - 0.0254f;
+            if (t16 <= t18) {
+                const float t41 = limit(t19 / (t18 + 8.612998e-06f), 1.0f);
+                const float t42 = t41 * t41;
+                const float t43 = sensing_position_1 + (t42 * (sensing_position_3 + (t42 * (sensing_position_5 + (t42 * sensing_position_7)))));
+                const float t44 = t41 * t43;
+                if (t17 < 0.0f) {
+                    if (0.0f < t44) {
+                        sensing_within_x_next = t44 - 0.0254f;
                     } else {
-                        sensing_within_x_next = t46 + 0.0254f;
+                        sensing_within_x_next = t44 + 0.0254f;
                     }
                 } else {
-                    sensing_within_x_next = t46;
+                    sensing_within_x_next = t44;
                 }
             } else {
-                const float t47 = limit(t21 / (t18 + 8.612998e-06f), 1.0f);
-                const float t48 = t47 * t47;
-                const float t49 = sensing_position_1 + (t48 * (sensing_position_3 + (t48 * (sensing_position_5 + (t48 * sensing_position_7)))));
-                sensing_within_x_next = ((t17 < 0.0f) ? -0.0127f : 0.0127f) - (t47 * t49);
+                const float t45 = limit(t19 / (t16 + 8.612998e-06f), 1.0f);
+                const float t46 = t45 * t45;
+                const float t47 = sensing_position_1 + (t46 * (sensing_position_3 + (t46 * (sensing_position_5 + (t46 * sensing_position_7)))));
+                sensing_within_x_next = ((t15 < 0.0f) ? -0.0127f : 0.0127f) - (t45 * t47);
             }
             const float sensing_offset_x = state->sensing_offset_x;
-            const float t50 = sensing_within_x_next + sensing_offset_x - filter_x_p;
-            float t51 = sensing_offset_x;
-            if (0.0254f < fabsf(t50)) {
-                if (0.0f < t50) {
-                    const float t52 = max(sensing_offset_x - 0.0508f, -0.1016f);
-                    t51 = t52;
-                    state->sensing_offset_x = t52;
+            const float t48 = sensing_within_x_next + sensing_offset_x - filter_x_p;
+            float t49 = sensing_offset_x;
+            if (0.0254f < fabsf(t48)) {
+                if (0.0f < t48) {
+                    const float t50 = max(sensing_offset_x - 0.0508f, -0.1016f);
+                    t49 = t50;
+                    state->sensing_offset_x = t50;
                 } else {
-                    const float t53 = min(sensing_offset_x + 0.0508f, 0.1016f);
-                    t51 = t53;
-                    state->sensing_offset_x = t53;
+                    const float t51 = min(sensing_offset_x + 0.0508f, 0.1016f);
+                    t49 = t51;
+                    state->sensing_offset_x = t51;
                 }
             }
-            x_raw = sensing_within_x_next + t51;
+            x_raw = sensing_within_x_next + t49;
             float sensing_within_y_next;
-            if (t26 <= t28) {
-                const float t54 = limit(-(t29 / (t28 + 8.612998e-06f)), 1.0f);
-                const float t55 = t54 * t54;
-                const float t56 = sensing_position_1 + (t55 * (sensing_position_3 + (t55 * (sensing_position_5 + (t55 * sensing_position_7)))));
-                const float t57 = t54 * t56;
-                if (-t27 < 0.0f) {
-                    if (0.0f < t57) {
-                        sensing_within_y_next = t57 - 0.0254f;
+            if (t24 <= t26) {
+                const float t52 = limit(-(t27 / (t26 + 8.612998e-06f)), 1.0f);
+                const float t53 = t52 * t52;
+                const float t54 = sensing_position_1 + (t53 * (sensing_position_3 + (t53 * (sensing_position_5 + (t53 * sensing_position_7)))));
+                const float t55 = t52 * t54;
+                if (-t25 < 0.0f) {
+                    if (0.0f < t55) {
+                        sensing_within_y_next = t55 - 0.0254f;
                     } else {
-                        sensing_within_y_next = t57 + 0.0254f;
+                        sensing_within_y_next = t55 + 0.0254f;
                     }
                 } else {
-                    sensing_within_y_next = t57;
+                    sensing_within_y_next = t55;
                 }
             } else {
-                const float t58 = limit(-(t29 / (t26 + 8.612998e-06f)), 1.0f);
-                const float t59 = t58 * t58;
-                const float t60 = sensing_position_1 + (t59 * (sensing_position_3 + (t59 * (sensing_position_5 + (t59 * sensing_position_7)))));
-                sensing_within_y_next = ((t25 < 0.0f) ? -0.0127f : 0.0127f) - (t58 * t60);
+                const float t56 = limit(-(t27 / (t24 + 8.612998e-06f)), 1.0f);
+                const float t57 = t56 * t56;
+                const float t58 = sensing_position_1 + (t57 * (sensing_position_3 + (t57 * (sensing_position_5 + (t57 * sensing_position_7)))));
+                sensing_within_y_next = ((t23 < 0.0f) ? -0.0127f : 0.0127f) - (t56 * t58);
             }
             const float sensing_offset_y = state->sensing_offset_y;
-            const float t61 = sensing_within_y_next + sensing_offset_y - filter_y_p;
-            float t62 = sensing_offset_y;
-            if (0.0254f < fabsf(t61)) {
-                if (0.0f < t61) {
-                    const float t63 = max(sensing_offset_y - 0.0508f, -0.1016f);
-                    t62 = t63;
-                    state->sensing_offset_y = t63;
+            const float t59 = sensing_within_y_next + sensing_offset_y - filter_y_p;
+            float t60 = sensing_offset_y;
+            if (0.0254f < fabsf(t59)) {
+                if (0.0f < t59) {
+                    const float t61 = max(sensing_offset_y - 0.0508f, -0.1016f);
+                    t60 = t61;
+                    state->sensing_offset_y = t61;
                 } else {
-                    const float t64 = min(sensing_offset_y + 0.0508f, 0.1016f);
-                    t62 = t64;
-                    state->sensing_offset_y = t64;
+                    const float t62 = min(sensing_offset_y + 0.0508f, 0.1016f);
+                    t60 = t62;
+                    state->sensing_offset_y = t62;
                 }
             }
-            y_raw = sensing_within_y_next + t62;
-            const float t65 = (t17 * (t25 + t27)) + (t25 * (t17 - t19));
-            const float t66 = (t37 - t38 + (sensing_third * (t65 * (m_x - m_y)))) / (t41 + (2.0f * (sensing_third * (t65 * t65))) + 0.08612997f);
-            t42 = t66;
+            y_raw = sensing_within_y_next + t60;
+            const float t63 = (t15 * (t23 + t25)) + (t23 * (t15 - t17));
+            const float t64 = (t35 - t36 + (sensing_third * (t63 * (m_x - m_y)))) / (t39 + (2.0f * (sensing_third * (t63 * t63))) + 0.08612997f);
+            t40 = t64;
             within_x = sensing_within_x_next;
             state->sensing_within_x = sensing_within_x_next;
             within_y = sensing_within_y_next;
@@ -529,97 +530,97 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             within_x = state->sensing_within_x;
             within_y = state->sensing_within_y;
         }
-        const float phi_raw = limit(filter_phi_p + t42, 0.025f);
+        const float phi_raw = limit(filter_phi_p + t40, 0.025f);
         const uint32_t sensing_doubt = state->sensing_doubt;
-        const bool t67 = t35 && (3u < sensing_doubt);
-        const float t68 = sqrtf(t41 + 8.612998e-06f);
-        const float t69 = -0.11739163f * t68;
-        const float t70 = fabsf(t37) - fabsf(t38);
-        const float t71 = (t33 * r_1) + (t32 * r_2);
-        const bool t72 = !t34;
-        const float t73 = fabsf(t71);
-        const float t74 = 0.11739163f * t68;
-        if (t67) {
+        const bool t65 = t33 && (3u < sensing_doubt);
+        const float t66 = sqrtf(t39 + 8.612998e-06f);
+        const float t67 = -0.11739163f * t66;
+        const float t68 = fabsf(t35) - fabsf(t36);
+        const float t69 = (t31 * r_1) + (t30 * r_2);
+        const bool t70 = !t32;
+        const float t71 = fabsf(t69);
+        const float t72 = 0.11739163f * t66;
+        if (t65) {
             state->sensing_doubt = 3u;
             state->sensing_named = 1u;
-            const bool t75 = t34 && (t69 < t70);
-            const float t76 = t33 / (t40 + 8.612998e-06f);
-            const float t77 = limit(-(r_2 * t76), 1.0f) * V_ax_held;
-            const float t78 = t25 + t77;
-            const float t79 = t27 + t77;
+            const bool t73 = t32 && (t67 < t68);
+            const float t74 = t31 / (t38 + 8.612998e-06f);
+            const float t75 = limit(-(r_2 * t74), 1.0f) * V_ax_held;
+            const float t76 = t23 + t75;
+            const float t77 = t25 + t75;
+            const float t78 = t77 * t77;
+            const float t79 = t76 * t77;
             const float t80 = t79 * t79;
-            const float t81 = t78 * t79;
-            const float t82 = t81 * t81;
-            const float t83 = t78 + limit(t71 * t76, 10.0f);
-            const float t84 = t83 * t79;
-            const float t85 = t84 * t84;
-            const float t86 = fabsf((t78 * t78) + t80 - (sensing_power_0 + (t82 * (sensing_power_1 + (t82 * sensing_power_2))))) - fabsf((t83 * t83) + t80 - (sensing_power_0 + (t85 * (sensing_power_1 + (t85 * sensing_power_2)))));
-            const bool t87 = t31 && t72;
-            const float t88 = fabsf(t71 + (t33 * (m_y * t25 / ((2.0f * t26) + 8.612998e-06f)))) - t73;
-            const bool t89 = (t75 && (-0.34451988f < t86)) || (t87 && (t88 < t74));
-            const bool t90 = t75 && (t86 < 0.34451988f);
-            const bool t91 = t87 && (t69 < t88);
-            const bool t92 = (sensing_found_V_ax != 0u) || t89 || (sensing_found_V_bx != 0u) || t90 || (sensing_found_V_cx != 0u) || t91;
-            if (!t92) {
+            const float t81 = t76 + limit(t69 * t74, 10.0f);
+            const float t82 = t81 * t77;
+            const float t83 = t82 * t82;
+            const float t84 = fabsf((t76 * t76) + t78 - (sensing_power_0 + (t80 * (sensing_power_1 + (t80 * sensing_power_2))))) - fabsf((t81 * t81) + t78 - (sensing_power_0 + (t83 * (sensing_power_1 + (t83 * sensing_power_2)))));
+            const bool t85 = t29 && t70;
+            const float t86 = fabsf(t69 + (t31 * (m_y * t23 / ((2.0f * t24) + 8.612998e-06f)))) - t71;
+            const bool t87 = (t73 && (-0.34451988f < t84)) || (t85 && (t86 < t72));
+            const bool t88 = t73 && (t84 < 0.34451988f);
+            const bool t89 = t85 && (t67 < t86);
+            const bool t90 = (sensing_found_V_ax != 0u) || t87 || (sensing_found_V_bx != 0u) || t88 || (sensing_found_V_cx != 0u) || t89;
+            if (!t90) {
                 state->sensing_found_V_ax = 1u;
                 state->sensing_found_V_bx = 1u;
                 state->sensing_found_V_cx = 1u;
             }
-            const bool t93 = !t92;
-            const bool sensing_found_V_ay_next = t89 || t93;
+            const bool t91 = !t90;
+            const bool sensing_found_V_ay_next = t87 || t91;
             state->sensing_found_V_ay = flag(sensing_found_V_ay_next);
-            const bool sensing_found_V_by_next = t90 || t93;
+            const bool sensing_found_V_by_next = t88 || t91;
             state->sensing_found_V_by = flag(sensing_found_V_by_next);
-            const bool sensing_found_V_cy_next = t91 || t93;
+            const bool sensing_found_V_cy_next = t89 || t91;
             state->sensing_found_V_cy = flag(sensing_found_V_cy_next);
         } else {
-            const bool t94 = t35 && (sensing_doubt != 0u);
-            if (t94) {
+            const bool t92 = t33 && (sensing_doubt != 0u);
+            if (t92) {
                 state->sensing_doubt = 6u;
             } else {
-                if (t35) {
+                if (t33) {
                     state->sensing_doubt = 3u;
                 } else {
-                    if (t36 && (sensing_doubt != 0u)) {
+                    if (t34 && (sensing_doubt != 0u)) {
                         state->sensing_doubt = sensing_doubt - 1u;
                     }
                 }
             }
-            if (t94 && !t67) {
-                const bool t95 = t34 && (t70 < t74);
-                const float t96 = t32 / (t39 + 8.612998e-06f);
-                const float t97 = limit(r_1 * t96, 1.0f) * V_ay_held;
-                const float t98 = t17 - t97;
-                const float t99 = t19 + t97;
+            if (t92 && !t65) {
+                const bool t93 = t32 && (t68 < t72);
+                const float t94 = t30 / (t37 + 8.612998e-06f);
+                const float t95 = limit(r_1 * t94, 1.0f) * V_ay_held;
+                const float t96 = t15 - t95;
+                const float t97 = t17 + t95;
+                const float t98 = t97 * t97;
+                const float t99 = t96 * t97;
                 const float t100 = t99 * t99;
-                const float t101 = t98 * t99;
-                const float t102 = t101 * t101;
-                const float t103 = t98 + limit(t71 * t96, 10.0f);
-                const float t104 = t103 * t99;
-                const float t105 = t104 * t104;
-                const float t106 = fabsf((t98 * t98) + t100 - (sensing_power_0 + (t102 * (sensing_power_1 + (t102 * sensing_power_2))))) - fabsf((t103 * t103) + t100 - (sensing_power_0 + (t105 * (sensing_power_1 + (t105 * sensing_power_2)))));
-                const bool t107 = t23 && t72;
-                const float t108 = fabsf(t71 + (t32 * (m_x * t17 / ((2.0f * t18) + 8.612998e-06f)))) - t73;
-                state->sensing_found_V_ax = flag((t95 && (-0.34451988f < t106)) || (t107 && (t108 < t74)));
-                state->sensing_found_V_bx = flag(t107 && (t69 < t108));
-                state->sensing_found_V_cx = flag(t95 && (t106 < 0.34451988f));
+                const float t101 = t96 + limit(t69 * t94, 10.0f);
+                const float t102 = t101 * t97;
+                const float t103 = t102 * t102;
+                const float t104 = fabsf((t96 * t96) + t98 - (sensing_power_0 + (t100 * (sensing_power_1 + (t100 * sensing_power_2))))) - fabsf((t101 * t101) + t98 - (sensing_power_0 + (t103 * (sensing_power_1 + (t103 * sensing_power_2)))));
+                const bool t105 = t21 && t70;
+                const float t106 = fabsf(t69 + (t30 * (m_x * t15 / ((2.0f * t16) + 8.612998e-06f)))) - t71;
+                state->sensing_found_V_ax = flag((t93 && (-0.34451988f < t104)) || (t105 && (t106 < t72)));
+                state->sensing_found_V_bx = flag(t105 && (t67 < t106));
+                state->sensing_found_V_cx = flag(t93 && (t104 < 0.34451988f));
             }
         }
 
         /* filter_x: (6)-(16) */
-        const float t109 = x_raw - filter_x_p;
-        const float t110 = filter_x_p + (filter_x_k_p * t109);
+        const float t107 = x_raw - filter_x_p;
+        const float t108 = filter_x_p + (filter_x_k_p * t107);
         const float filter_x_s = state->filter_x_s;
         const float filter_x_h = state->filter_x_h;
-        const float t111 = filter_x_h + (filter_x_k_h * t109);
-        const float t112 = filter_x_s + (filter_x_k_s * t109) + t111;
-        const float t113 = t110 + t112;
-        const float t114 = t112 + t111;
-        float x = t110;
-        if ((guard_ready != 0u) && (fabsf(t113) <= 0.2f) && (fabsf(t114) <= 0.2f) && (fabsf(t111) <= 0.2f)) {
-            state->filter_x_p = t113;
-            state->filter_x_s = t114;
-            state->filter_x_h = t111;
+        const float t109 = filter_x_h + (filter_x_k_h * t107);
+        const float t110 = filter_x_s + (filter_x_k_s * t107) + t109;
+        const float t111 = t108 + t110;
+        const float t112 = t110 + t109;
+        float x = t108;
+        if ((guard_ready != 0u) && (fabsf(t111) <= 0.2f) && (fabsf(t112) <= 0.2f) && (fabsf(t109) <= 0.2f)) {
+            state->filter_x_p = t111;
+            state->filter_x_s = t112;
+            state->filter_x_h = t109;
         } else {
             x = x_raw;
             state->filter_x_p = x_raw;
@@ -628,19 +629,19 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
 
         /* filter_y: (6)-(16) */
-        const float t115 = y_raw - filter_y_p;
-        const float t116 = filter_y_p + (filter_y_k_p * t115);
+        const float t113 = y_raw - filter_y_p;
+        const float t114 = filter_y_p + (filter_y_k_p * t113);
         const float filter_y_s = state->filter_y_s;
         const float filter_y_h = state->filter_y_h;
-        const float t117 = filter_y_h + (filter_y_k_h * t115);
-        const float t118 = filter_y_s + (filter_y_k_s * t115) + t117;
-        const float t119 = t116 + t118;
-        const float t120 = t118 + t117;
-        float y = t116;
-        if ((guard_ready != 0u) && (fabsf(t119) <= 0.2f) && (fabsf(t120) <= 0.2f) && (fabsf(t117) <= 0.2f)) {
-            state->filter_y_p = t119;
-            state->filter_y_s = t120;
-            state->filter_y_h = t117;
+        const float t115 = filter_y_h + (filter_y_k_h * t113);
+        const float t116 = filter_y_s + (filter_y_k_s * t113) + t115;
+        const float t117 = t114 + t116;
+        const float t118 = t116 + t115;
+        float y = t114;
+        if ((guard_ready != 0u) && (fabsf(t117) <= 0.2f) && (fabsf(t118) <= 0.2f) && (fabsf(t115) <= 0.2f)) {
+            state->filter_y_p = t117;
+            state->filter_y_s = t118;
+            state->filter_y_h = t115;
         } else {
             y = y_raw;
             state->filter_y_p = y_raw;
@@ -649,19 +650,19 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
 
         /* filter_phi: (6)-(16) */
-        const float t121 = phi_raw - filter_phi_p;
-        const float t122 = filter_phi_p + (filter_phi_k_p * t121);
+        const float t119 = phi_raw - filter_phi_p;
+        const float t120 = filter_phi_p + (filter_phi_k_p * t119);
         const float filter_phi_s = state->filter_phi_s;
         const float filter_phi_h = state->filter_phi_h;
-        const float t123 = filter_phi_h + (filter_phi_k_h * t121);
-        const float t124 = filter_phi_s + (filter_phi_k_s * t121) + t123;
-        const float t125 = t122 + t124;
-        const float t126 = t124 + t123;
-        float phi = t122;
-        if ((guard_ready != 0u) && (fabsf(t125) <= 0.05f) && (fabsf(t126) <= 0.05f) && (fabsf(t123) <= 0.05f)) {
-            state->filter_phi_p = t125;
-            state->filter_phi_s = t126;
-            state->filter_phi_h = t123;
+        const float t121 = filter_phi_h + (filter_phi_k_h * t119);
+        const float t122 = filter_phi_s + (filter_phi_k_s * t119) + t121;
+        const float t123 = t120 + t122;
+        const float t124 = t122 + t121;
+        float phi = t120;
+        if ((guard_ready != 0u) && (fabsf(t123) <= 0.05f) && (fabsf(t124) <= 0.05f) && (fabsf(t121) <= 0.05f)) {
+            state->filter_phi_p = t123;
+            state->filter_phi_s = t124;
+            state->filter_phi_h = t121;
         } else {
             phi = phi_raw;
             state->filter_phi_p = phi_raw;
@@ -670,71 +671,71 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
 
         /* heights: laser distances inverted */
-        const float t127 = 0.5f * (d1_held + d2_held);
-        const float z = 0.5f * (t127 + d3_held);
-        const float theta = 8.333333f * (d3_held - t127);
+        const float t125 = 0.5f * (d1_held + d2_held);
+        const float z = 0.5f * (t125 + d3_held);
+        const float theta = 8.333333f * (d3_held - t125);
         const float psi = 8.333333f * (d1_held - d2_held);
 
         /* loop_x: (21) */
-        const float t128 = x_ref_held - x;
+        const float t126 = x_ref_held - x;
         const float loop_x_lag = state->loop_x_lag;
         const float loop_x_integral = state->loop_x_integral;
-        const float d_x = (loop_x_direct * t128) + loop_x_lag + loop_x_integral;
-        const float loop_x_lag_next = (loop_x_into_lag * t128) + (loop_x_pole * loop_x_lag);
+        const float d_x = (loop_x_direct * t126) + loop_x_lag + loop_x_integral;
+        const float loop_x_lag_next = (loop_x_into_lag * t126) + (loop_x_pole * loop_x_lag);
         state->loop_x_lag = loop_x_lag_next;
 
         /* loop_y: (21) */
-        const float t129 = y_ref_held - y;
+        const float t127 = y_ref_held - y;
         const float loop_y_lag = state->loop_y_lag;
         const float loop_y_integral = state->loop_y_integral;
-        const float d_y = (loop_y_direct * t129) + loop_y_lag + loop_y_integral;
-        const float loop_y_lag_next = (loop_y_into_lag * t129) + (loop_y_pole * loop_y_lag);
+        const float d_y = (loop_y_direct * t127) + loop_y_lag + loop_y_integral;
+        const float loop_y_lag_next = (loop_y_into_lag * t127) + (loop_y_pole * loop_y_lag);
         state->loop_y_lag = loop_y_lag_next;
 
         /* loop_phi: (22) */
-        const float t130 = phi_ref_held - phi;
+        const float t128 = phi_ref_held - phi;
         const float loop_phi_lag = state->loop_phi_lag;
         const float loop_phi_integral = state->loop_phi_integral;
-        const float d_phi = (loop_phi_direct * t130) + loop_phi_lag + loop_phi_integral;
-        const float loop_phi_lag_next = (loop_phi_into_lag * t130) + (loop_phi_pole * loop_phi_lag);
+        const float d_phi = (loop_phi_direct * t128) + loop_phi_lag + loop_phi_integral;
+        const float loop_phi_lag_next = (loop_phi_into_lag * t128) + (loop_phi_pole * loop_phi_lag);
         state->loop_phi_lag = loop_phi_lag_next;
 
         /* loop_z: (23) */
-        const float t131 = z_ref_held - z;
+        const float t129 = z_ref_held - z;
         const float loop_z_lag = state->loop_z_lag;
         const float loop_z_integral = state->loop_z_integral;
-        const float d_z = (loop_z_direct * t131) + loop_z_lag + loop_z_integral;
-        const float loop_z_lag_next = loop_z_into_lag * t131;
+        const float d_z = (loop_z_direct * t129) + loop_z_lag + loop_z_integral;
+        const float loop_z_lag_next = loop_z_into_lag * t129;
         state->loop_z_lag = loop_z_lag_next;
 
         /* loop_theta: (24) */
-        const float t132 = theta_ref_held - theta;
+        const float t130 = theta_ref_held - theta;
         const float loop_theta_lag = state->loop_theta_lag;
         const float loop_theta_integral = state->loop_theta_integral;
-        const float d_theta = (loop_theta_direct * t132) + loop_theta_lag + loop_theta_integral;
-        const float loop_theta_lag_next = loop_theta_into_lag * t132;
+        const float d_theta = (loop_theta_direct * t130) + loop_theta_lag + loop_theta_integral;
+        const float loop_theta_lag_next = loop_theta_into_lag * t130;
         state->loop_theta_lag = loop_theta_lag_next;
 
         /* loop_psi: (25) */
-        const float t133 = psi_ref_held - psi;
+        const float t131 = psi_ref_held - psi;
         const float loop_psi_lag = state->loop_psi_lag;
         const float loop_psi_integral = state->loop_psi_integral;
-        const float d_psi = (loop_psi_direct * t133) + loop_psi_lag + loop_psi_integral;
-        const float loop_psi_lag_next = loop_psi_into_lag * t133;
+        const float d_psi = (loop_psi_direct * t131) + loop_psi_lag + loop_psi_integral;
+        const float loop_psi_lag_next = loop_psi_into_lag * t131;
         state->loop_psi_lag = loop_psi_lag_next;
 
         /* allocation: Table 3, (17), limits */
-        const float t134 = phi * phi;
-        const float t135 = f1_polynomial(t134);
-        const float t136 = phi * f2_polynomial(t134);
-        const float t137 = 0.5f * ((t135 * d_y) - (t136 * d_x));
-        const float i_CQ = limit((t135 * d_x) + (t136 * d_y), 1.197f);
-        const float t138 = d_phi + i_CQ;
-        const float i_AQ = limit(t137 - t138, 1.197f);
-        const float i_BQ = limit(t137 + t138, 1.197f);
-        const float t139 = d_z - d_theta;
-        const float i_AD = limit(t139 + d_psi, sqrtf(1.5876f - (i_AQ * i_AQ)));
-        const float i_BD = limit(t139 - d_psi, sqrtf(1.5876f - (i_BQ * i_BQ)));
+        const float t132 = phi * phi;
+        const float t133 = f1_polynomial(t132);
+        const float t134 = phi * f2_polynomial(t132);
+        const float t135 = 0.5f * ((t133 * d_y) - (t134 * d_x));
+        const float i_CQ = limit((t133 * d_x) + (t134 * d_y), 1.197f);
+        const float t136 = d_phi + i_CQ;
+        const float i_AQ = limit(t135 - t136, 1.197f);
+        const float i_BQ = limit(t135 + t136, 1.197f);
+        const float t137 = d_z - d_theta;
+        const float i_AD = limit(t137 + d_psi, sqrtf(1.5876f - (i_AQ * i_AQ)));
+        const float i_BD = limit(t137 - d_psi, sqrtf(1.5876f - (i_BQ * i_BQ)));
 
         /* loop_psi: (25) */
         const float loop_psi_integral_next = (loop_psi_reset * loop_psi_integral) + (loop_psi_driven_x_allocation_half * (i_AD - i_BD));
@@ -744,20 +745,20 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float i_CD = limit(d_z + (2.0f * d_theta), sqrtf(1.5876f - (i_CQ * i_CQ)));
 
         /* loop_z: (23) */
-        const float t140 = i_AD + i_BD;
-        const float loop_z_integral_next = (loop_z_reset * loop_z_integral) + (loop_z_driven_x_allocation_part * (t140 + i_CD));
+        const float t138 = i_AD + i_BD;
+        const float loop_z_integral_next = (loop_z_reset * loop_z_integral) + (loop_z_driven_x_allocation_part * (t138 + i_CD));
         state->loop_z_integral = loop_z_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float t141 = i_AQ + i_BQ;
-        const float made_x = (t135 * i_CQ) - (t136 * t141);
+        const float t139 = i_AQ + i_BQ;
+        const float made_x = (t133 * i_CQ) - (t134 * t139);
 
         /* loop_x: (21) */
         const float loop_x_integral_next = (loop_x_reset * loop_x_integral) + (loop_x_driven * made_x);
         state->loop_x_integral = loop_x_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float made_y = (t136 * i_CQ) + (t135 * t141);
+        const float made_y = (t134 * i_CQ) + (t133 * t139);
 
         /* loop_y: (21) */
         const float loop_y_integral_next = (loop_y_reset * loop_y_integral) + (loop_y_driven * made_y);
@@ -771,66 +772,66 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         state->loop_phi_integral = loop_phi_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float made_theta = (allocation_part * i_CD) - (allocation_front_part * t140);
+        const float made_theta = (allocation_part * i_CD) - (allocation_front_part * t138);
 
         /* loop_theta: (24) */
         const float loop_theta_integral_next = (loop_theta_reset * loop_theta_integral) + (loop_theta_driven * made_theta);
         state->loop_theta_integral = loop_theta_integral_next;
 
         /* commutation: (17) inverted */
-        const float distance_back = within_x - (0.025584769f * t136);
+        const float distance_back = within_x - (0.025584769f * t134);
         const float quarter_sine_back = distance_back * quarter_sine_back_polynomial(distance_back * distance_back);
-        const float distance_front = within_y - ((0.012792384f * t135) - 0.0127f);
+        const float distance_front = within_y - ((0.012792384f * t133) - 0.0127f);
         const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front * distance_front);
-        const float t142 = quarter_sine_front * quarter_sine_front;
-        const float t143 = quarter_sine_front * sqrtf(1.0f - t142);
-        const float t144 = t143 * (4.0f - (8.0f * t142));
-        const float t145 = f5_polynomial(t134);
-        const float t146 = t144 * t145;
-        const float t147 = 1.0f - (8.0f * (t143 * t143));
-        const float t148 = phi * f6_polynomial(t134);
-        const float t149 = t147 * t148;
-        const float t150 = t146 - t149;
-        const float t151 = t147 * t145;
-        const float t152 = t144 * t148;
-        const float t153 = t151 + t152;
-        const float i_AA_computed = limit((t150 * i_AQ) + (t153 * i_AD), 1.26f);
+        const float t140 = quarter_sine_front * quarter_sine_front;
+        const float t141 = quarter_sine_front * sqrtf(1.0f - t140);
+        const float t142 = t141 * (4.0f - (8.0f * t140));
+        const float t143 = f5_polynomial(t132);
+        const float t144 = t142 * t143;
+        const float t145 = 1.0f - (8.0f * (t141 * t141));
+        const float t146 = phi * f6_polynomial(t132);
+        const float t147 = t145 * t146;
+        const float t148 = t144 - t147;
+        const float t149 = t145 * t143;
+        const float t150 = t142 * t146;
+        const float t151 = t149 + t150;
+        const float i_AA_computed = limit((t148 * i_AQ) + (t151 * i_AD), 1.26f);
         state->safe_output_last_i_AA = i_AA_computed;
         out->i_AA = i_AA_computed;
-        const float t154 = 0.8660254f * ((t150 * i_AD) - (t153 * i_AQ));
-        const float t155 = 0.5f * i_AA_computed;
-        const float i_AB_computed = limit(t154 - t155, 1.26f);
+        const float t152 = 0.8660254f * ((t148 * i_AD) - (t151 * i_AQ));
+        const float t153 = 0.5f * i_AA_computed;
+        const float i_AB_computed = limit(t152 - t153, 1.26f);
         state->safe_output_last_i_AB = i_AB_computed;
         out->i_AB = i_AB_computed;
-        const float i_AC_computed = limit(-(t155 + t154), 1.26f);
+        const float i_AC_computed = limit(-(t153 + t152), 1.26f);
         state->safe_output_last_i_AC = i_AC_computed;
         out->i_AC = i_AC_computed;
-        const float t156 = t146 + t149;
-        const float t157 = t152 - t151;
-        const float i_BA_computed = limit((t156 * i_BQ) - (t157 * i_BD), 1.26f);
+        const float t154 = t144 + t147;
+        const float t155 = t150 - t149;
+        const float i_BA_computed = limit((t154 * i_BQ) - (t155 * i_BD), 1.26f);
         state->safe_output_last_i_BA = i_BA_computed;
         out->i_BA = i_BA_computed;
-        const float t158 = 0.8660254f * ((t157 * i_BQ) + (t156 * i_BD));
-        const float t159 = 0.5f * i_BA_computed;
-        const float i_BB_computed = limit(t158 - t159, 1.26f);
+        const float t156 = 0.8660254f * ((t155 * i_BQ) + (t154 * i_BD));
+        const float t157 = 0.5f * i_BA_computed;
+        const float i_BB_computed = limit(t156 - t157, 1.26f);
         state->safe_output_last_i_BB = i_BB_computed;
         out->i_BB = i_BB_computed;
-        const float i_BC_computed = limit(-(t159 + t158), 1.26f);
+        const float i_BC_computed = limit(-(t157 + t156), 1.26f);
         state->safe_output_last_i_BC = i_BC_computed;
         out->i_BC = i_BC_computed;
-        const float t160 = quarter_sine_back * quarter_sine_back;
-        const float t161 = quarter_sine_back * sqrtf(1.0f - t160);
-        const float t162 = 1.0f - (8.0f * (t161 * t161));
-        const float t163 = t161 * (4.0f - (8.0f * t160));
-        const float i_CA_computed = limit((t162 * i_CQ) - (t163 * i_CD), 1.26f);
+        const float t158 = quarter_sine_back * quarter_sine_back;
+        const float t159 = quarter_sine_back * sqrtf(1.0f - t158);
+        const float t160 = 1.0f - (8.0f * (t159 * t159));
+        const float t161 = t159 * (4.0f - (8.0f * t158));
+        const float i_CA_computed = limit((t160 * i_CQ) - (t161 * i_CD), 1.26f);
         state->safe_output_last_i_CA = i_CA_computed;
         out->i_CA = i_CA_computed;
-        const float t164 = 0.8660254f * ((t163 * i_CQ) + (t162 * i_CD));
-        const float t165 = 0.5f * i_CA_computed;
-        const float i_CB_computed = limit(t164 - t165, 1.26f);
+        const float t162 = 0.8660254f * ((t161 * i_CQ) + (t160 * i_CD));
+        const float t163 = 0.5f * i_CA_computed;
+        const float i_CB_computed = limit(t162 - t163, 1.26f);
         state->safe_output_last_i_CB = i_CB_computed;
         out->i_CB = i_CB_computed;
-        const float i_CC_computed = limit(-(t165 + t164), 1.26f);
+        const float i_CC_computed = limit(-(t163 + t162), 1.26f);
         state->safe_output_last_i_CC = i_CC_computed;
         out->i_CC = i_CC_computed;
     }

@@ -226,30 +226,31 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         t2 |= 0x00000020u;
     }
     const float d1 = in->d1;
-    const bool t3 = fabsf(d1) <= 0.0005f;
     float d1_held = d1;
-    if (t3) {
+    bool t3 = true;
+    if (fabsf(d1) <= 0.0005f) {
         state->guard_last_d1 = d1;
     } else {
         d1_held = state->guard_last_d1;
+        t3 = false;
         t2 |= 0x00000040u;
     }
     const float d2 = in->d2;
-    const bool t4 = fabsf(d2) <= 0.0005f;
     float d2_held = d2;
-    if (t4) {
+    if (fabsf(d2) <= 0.0005f) {
         state->guard_last_d2 = d2;
     } else {
         d2_held = state->guard_last_d2;
+        t3 = false;
         t2 |= 0x00000080u;
     }
     const float d3 = in->d3;
-    const bool t5 = fabsf(d3) <= 0.0005f;
     float d3_held = d3;
-    if (t5) {
+    if (fabsf(d3) <= 0.0005f) {
         state->guard_last_d3 = d3;
     } else {
         d3_held = state->guard_last_d3;
+        t3 = false;
         t2 |= 0x00000100u;
     }
     const float x_ref = in->x_ref;
@@ -315,26 +316,26 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const uint32_t sensing_found_V_ay = state->sensing_found_V_ay;
         const uint32_t sensing_found_V_by = state->sensing_found_V_by;
         const uint32_t sensing_found_V_cy = state->sensing_found_V_cy;
-        uint32_t t6 = t2;
+        uint32_t t4 = t2;
         if (sensing_found_V_ax != 0u) {
-            t6 = t2 | 0x00008000u;
+            t4 = t2 | 0x00008000u;
         }
         if (sensing_found_V_ay != 0u) {
-            t6 |= 0x00010000u;
+            t4 |= 0x00010000u;
         }
         if (sensing_found_V_bx != 0u) {
-            t6 |= 0x00020000u;
+            t4 |= 0x00020000u;
         }
         if (sensing_found_V_by != 0u) {
-            t6 |= 0x00040000u;
+            t4 |= 0x00040000u;
         }
         if (sensing_found_V_cx != 0u) {
-            t6 |= 0x00080000u;
+            t4 |= 0x00080000u;
         }
         if (sensing_found_V_cy != 0u) {
-            faults = t6 | 0x00100000u;
+            faults = t4 | 0x00100000u;
         } else {
-            faults = t6;
+            faults = t4;
         }
     } else {
         complete = t1;
@@ -342,7 +343,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     const uint32_t guard_latched = state->guard_latched;
     const uint32_t guard_ready = state->guard_ready;
     uint32_t latched = guard_latched;
-    if (complete && t3 && t4 && t5) {
+    if (complete && t3) {
         state->guard_left = 5u;
         state->guard_ready = 1u;
     } else {
@@ -357,41 +358,41 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     /* safe_output: slew to the safe output once latched */
     if (latched != 0u) {
         const float safe_output_last_i_AA = state->safe_output_last_i_AA;
-        const float t7 = max(min(0.0f, safe_output_last_i_AA + 0.1575f), safe_output_last_i_AA - 0.1575f);
-        out->i_AA = t7;
+        const float t5 = max(min(0.0f, safe_output_last_i_AA + 0.1575f), safe_output_last_i_AA - 0.1575f);
+        out->i_AA = t5;
         const float safe_output_last_i_AB = state->safe_output_last_i_AB;
-        const float t8 = max(min(0.0f, safe_output_last_i_AB + 0.1575f), safe_output_last_i_AB - 0.1575f);
-        out->i_AB = t8;
+        const float t6 = max(min(0.0f, safe_output_last_i_AB + 0.1575f), safe_output_last_i_AB - 0.1575f);
+        out->i_AB = t6;
         const float safe_output_last_i_AC = state->safe_output_last_i_AC;
-        const float t9 = max(min(0.0f, safe_output_last_i_AC + 0.1575f), safe_output_last_i_AC - 0.1575f);
-        out->i_AC = t9;
+        const float t7 = max(min(0.0f, safe_output_last_i_AC + 0.1575f), safe_output_last_i_AC - 0.1575f);
+        out->i_AC = t7;
         const float safe_output_last_i_BA = state->safe_output_last_i_BA;
-        const float t10 = max(min(0.0f, safe_output_last_i_BA + 0.1575f), safe_output_last_i_BA - 0.1575f);
-        out->i_BA = t10;
+        const float t8 = max(min(0.0f, safe_output_last_i_BA + 0.1575f), safe_output_last_i_BA - 0.1575f);
+        out->i_BA = t8;
         const float safe_output_last_i_BB = state->safe_output_last_i_BB;
-        const float t11 = max(min(0.0f, safe_output_last_i_BB + 0.1575f), safe_output_last_i_BB - 0.1575f);
-        out->i_BB = t11;
+        const float t9 = max(min(0.0f, safe_output_last_i_BB + 0.1575f), safe_output_last_i_BB - 0.1575f);
+        out->i_BB = t9;
         const float safe_output_last_i_BC = state->safe_output_last_i_BC;
-        const float t12 = max(min(0.0f, safe_output_last_i_BC + 0.1575f), safe_output_last_i_BC - 0.1575f);
-        out->i_BC = t12;
+        const float t10 = max(min(0.0f, safe_output_last_i_BC + 0.1575f), safe_output_last_i_BC - 0.1575f);
+        out->i_BC = t10;
         const float safe_output_last_i_CA = state->safe_output_last_i_CA;
-        const float t13 = max(min(0.0f, safe_output_last_i_CA + 0.1575f), safe_output_last_i_CA - 0.1575f);
-        out->i_CA = t13;
+        const float t11 = max(min(0.0f, safe_output_last_i_CA + 0.1575f), safe_output_last_i_CA - 0.1575f);
+        out->i_CA = t11;
         const float safe_output_last_i_CB = state->safe_output_last_i_CB;
-        const float t14 = max(min(0.0f, safe_output_last_i_CB + 0.1575f), safe_output_last_i_CB - 0.1575f);
-        out->i_CB = t14;
+        const float t12 = max(min(0.0f, safe_output_last_i_CB + 0.1575f), safe_output_last_i_CB - 0.1575f);
+        out->i_CB = t12;
         const float safe_output_last_i_CC = state->safe_output_last_i_CC;
-        state->safe_output_last_i_AA = t7;
-        state->safe_output_last_i_AB = t8;
-        state->safe_output_last_i_AC = t9;
-        state->safe_output_last_i_BA = t10;
-        state->safe_output_last_i_BB = t11;
-        state->safe_output_last_i_BC = t12;
-        state->safe_output_last_i_CA = t13;
-        state->safe_output_last_i_CB = t14;
-        const float t15 = max(min(0.0f, safe_output_last_i_CC + 0.1575f), safe_output_last_i_CC - 0.1575f);
-        state->safe_output_last_i_CC = t15;
-        out->i_CC = t15;
+        state->safe_output_last_i_AA = t5;
+        state->safe_output_last_i_AB = t6;
+        state->safe_output_last_i_AC = t7;
+        state->safe_output_last_i_BA = t8;
+        state->safe_output_last_i_BB = t9;
+        state->safe_output_last_i_BC = t10;
+        state->safe_output_last_i_CA = t11;
+        state->safe_output_last_i_CB = t12;
+        const float t13 = max(min(0.0f, safe_output_last_i_CC + 0.1575f), safe_output_last_i_CC - 0.1575f);
+        state->safe_output_last_i_CC = t13;
+        out->i_CC = t13;
 
         /* guard: range acceptance, hold, latch */
         state->guard_latched = 1u;
@@ -399,291 +400,291 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     } else {
         /* sensing: (1)-(5) */
         const float sensing_phi_raw = state->sensing_phi_raw;
-        const float t16 = sensing_phi_raw * V_ay_held;
-        const float t17 = V_ax_held - t16;
+        const float t14 = sensing_phi_raw * V_ay_held;
+        const float t15 = V_ax_held - t14;
+        const float t16 = t15 * t15;
+        const float t17 = t14 - V_bx_held;
         const float t18 = t17 * t17;
-        const float t19 = t16 - V_bx_held;
+        const float t19 = t15 * t17;
         const float t20 = t19 * t19;
-        const float t21 = t17 * t19;
-        const float t22 = t21 * t21;
-        const float m_x = t18 + t20 - (sensing_power_0 + (t22 * (sensing_power_1 + (t22 * sensing_power_2))));
-        const bool t23 = 1.2919496f < fabsf(m_x);
-        const float t24 = sensing_phi_raw * V_ax_held;
-        const float t25 = V_ay_held + t24;
+        const float m_x = t16 + t18 - (sensing_power_0 + (t20 * (sensing_power_1 + (t20 * sensing_power_2))));
+        const bool t21 = 1.2919496f < fabsf(m_x);
+        const float t22 = sensing_phi_raw * V_ax_held;
+        const float t23 = V_ay_held + t22;
+        const float t24 = t23 * t23;
+        const float t25 = V_cy_held + t22;
         const float t26 = t25 * t25;
-        const float t27 = V_cy_held + t24;
+        const float t27 = t23 * t25;
         const float t28 = t27 * t27;
-        const float t29 = t25 * t27;
-        const float t30 = t29 * t29;
-        const float m_y = t26 + t28 - (sensing_power_0 + (t30 * (sensing_power_1 + (t30 * sensing_power_2))));
-        const bool t31 = 1.2919496f < fabsf(m_y);
-        const float t32 = t19 + t17 - (t27 * t28 * (sensing_slope_0 + (t26 * sensing_slope_1)));
-        const float r_1 = V_by_held - V_ay_held - (t32 * sensing_phi_raw);
-        const float t33 = (t19 * t20 * (sensing_slope_0 + (t18 * sensing_slope_1))) + (t25 - t27);
-        const float r_2 = V_cx_held - V_ax_held + (t33 * sensing_phi_raw);
-        const bool t34 = (0.23478326f < fabsf(r_1)) || (0.23478326f < fabsf(r_2));
-        const bool t35 = (t23 || t31 || t34) && (guard_ready != 0u) && complete;
-        const bool t36 = !t35 && complete;
+        const float m_y = t24 + t26 - (sensing_power_0 + (t28 * (sensing_power_1 + (t28 * sensing_power_2))));
+        const bool t29 = 1.2919496f < fabsf(m_y);
+        const float t30 = t17 + t15 - (t25 * t26 * (sensing_slope_0 + (t24 * sensing_slope_1)));
+        const float r_1 = V_by_held - V_ay_held - (t30 * sensing_phi_raw);
+        const float t31 = (t17 * t18 * (sensing_slope_0 + (t16 * sensing_slope_1))) + (t23 - t25);
+        const float r_2 = V_cx_held - V_ax_held + (t31 * sensing_phi_raw);
+        const bool t32 = (0.23478326f < fabsf(r_1)) || (0.23478326f < fabsf(r_2));
+        const bool t33 = (t21 || t29 || t32) && (guard_ready != 0u) && complete;
+        const bool t34 = !t33 && complete;
         const float sensing_within_x = state->sensing_within_x;
         const float sensing_offset_x = state->sensing_offset_x;
-        const float t37 = sensing_within_x + sensing_offset_x;
+        const float t35 = sensing_within_x + sensing_offset_x;
         const float sensing_within_y = state->sensing_within_y;
         const float sensing_offset_y = state->sensing_offset_y;
-        const float t38 = sensing_within_y + sensing_offset_y;
-        const float t39 = t32 * r_1;
-        const float t40 = t33 * r_2;
-        const float t41 = t32 * t32;
-        const float t42 = t33 * t33;
-        const float t43 = t41 + t42;
-        float x_raw = t37;
-        float y_raw = t38;
-        float t44 = 0.0f;
+        const float t36 = sensing_within_y + sensing_offset_y;
+        const float t37 = t30 * r_1;
+        const float t38 = t31 * r_2;
+        const float t39 = t30 * t30;
+        const float t40 = t31 * t31;
+        const float t41 = t39 + t40;
+        float x_raw = t35;
+        float y_raw = t36;
+        float t42 = 0.0f;
         float within_x = sensing_within_x;
         float within_y = sensing_within_y;
-        if (t36) {
+        if (t34) {
             float sensing_within_x_next;
-            if (t18 <= t20) {
-                const float t45 = limit(t21 / (t20 + 8.612998e-06f), 1.0f);
-                const float t46 = t45 * t45;
-                const float t47 = sensing_position_1 + (t46 * (sensing_position_3 + (t46 * (sensing_position_5 + (t46 * sensing_position_7)))));
-                const float t48 = t45 * t47;
-                if (t19 < 0.0f) {
-                    if (0.0f < t48) {
-                        sensing_within_x_next = t48 - 0.0254f;
+            if (t16 <= t18) {
+                const float t43 = limit(t19 / (t18 + 8.612998e-06f), 1.0f);
+                const float t44 = t43 * t43;
+                const float t45 = sensing_position_1 + (t44 * (sensing_position_3 + (t44 * (sensing_position_5 + (t44 * sensing_position_7)))));
+                const float t46 = t43 * t45;
+                if (t17 < 0.0f) {
+                    if (0.0f < t46) {
+                        sensing_within_x_next = t46 - 0.0254f;
                     } else {
-                        sensing_within_x_next = t48 + 0.0254f;
+                        sensing_within_x_next = t46 + 0.0254f;
                     }
                 } else {
-                    sensing_within_x_next = t48;
+                    sensing_within_x_next = t46;
                 }
             } else {
-                const float t49 = limit(t21 / (t18 + 8.612998e-06f), 1.0f);
-                const float t50 = t49 * t49;
-                const float t51 = sensing_position_1 + (t50 * (sensing_position_3 + (t50 * (sensing_position_5 + (t50 * sensing_position_7)))));
-                sensing_within_x_next = ((t17 < 0.0f) ? -0.0127f : 0.0127f) - (t49 * t51);
+                const float t47 = limit(t19 / (t16 + 8.612998e-06f), 1.0f);
+                const float t48 = t47 * t47;
+                const float t49 = sensing_position_1 + (t48 * (sensing_position_3 + (t48 * (sensing_position_5 + (t48 * sensing_position_7)))));
+                sensing_within_x_next = ((t15 < 0.0f) ? -0.0127f : 0.0127f) - (t47 * t49);
             }
-            const float t52 = sensing_within_x_next + sensing_offset_x - t37;
-            float t53 = sensing_offset_x;
-            if (0.0254f < fabsf(t52)) {
-                if (0.0f < t52) {
-                    const float t54 = max(sensing_offset_x - 0.0508f, -0.1016f);
-                    t53 = t54;
-                    state->sensing_offset_x = t54;
+            const float t50 = sensing_within_x_next + sensing_offset_x - t35;
+            float t51 = sensing_offset_x;
+            if (0.0254f < fabsf(t50)) {
+                if (0.0f < t50) {
+                    const float t52 = max(sensing_offset_x - 0.0508f, -0.1016f);
+                    t51 = t52;
+                    state->sensing_offset_x = t52;
                 } else {
-                    const float t55 = min(sensing_offset_x + 0.0508f, 0.1016f);
-                    t53 = t55;
-                    state->sensing_offset_x = t55;
+                    const float t53 = min(sensing_offset_x + 0.0508f, 0.1016f);
+                    t51 = t53;
+                    state->sensing_offset_x = t53;
                 }
             }
-            x_raw = sensing_within_x_next + t53;
+            x_raw = sensing_within_x_next + t51;
             float sensing_within_y_next;
-            if (t26 <= t28) {
-                const float t56 = limit(-(t29 / (t28 + 8.612998e-06f)), 1.0f);
-                const float t57 = t56 * t56;
-                const float t58 = sensing_position_1 + (t57 * (sensing_position_3 + (t57 * (sensing_position_5 + (t57 * sensing_position_7)))));
-                const float t59 = t56 * t58;
-                if (-t27 < 0.0f) {
-                    if (0.0f < t59) {
-                        sensing_within_y_next = t59 - 0.0254f;
+            if (t24 <= t26) {
+                const float t54 = limit(-(t27 / (t26 + 8.612998e-06f)), 1.0f);
+                const float t55 = t54 * t54;
+                const float t56 = sensing_position_1 + (t55 * (sensing_position_3 + (t55 * (sensing_position_5 + (t55 * sensing_position_7)))));
+                const float t57 = t54 * t56;
+                if (-t25 < 0.0f) {
+                    if (0.0f < t57) {
+                        sensing_within_y_next = t57 - 0.0254f;
                     } else {
-                        sensing_within_y_next = t59 + 0.0254f;
+                        sensing_within_y_next = t57 + 0.0254f;
                     }
                 } else {
-                    sensing_within_y_next = t59;
+                    sensing_within_y_next = t57;
                 }
             } else {
-                const float t60 = limit(-(t29 / (t26 + 8.612998e-06f)), 1.0f);
-                const float t61 = t60 * t60;
-                const float t62 = sensing_position_1 + (t61 * (sensing_position_3 + (t61 * (sensing_position_5 + (t61 * sensing_position_7)))));
-                sensing_within_y_next = ((t25 < 0.0f) ? -0.0127f : 0.0127f) - (t60 * t62);
+                const float t58 = limit(-(t27 / (t24 + 8.612998e-06f)), 1.0f);
+                const float t59 = t58 * t58;
+                const float t60 = sensing_position_1 + (t59 * (sensing_position_3 + (t59 * (sensing_position_5 + (t59 * sensing_position_7)))));
+                sensing_within_y_next = ((t23 < 0.0f) ? -0.0127f : 0.0127f) - (t58 * t60);
             }
-            const float t63 = sensing_within_y_next + sensing_offset_y - t38;
-            float t64 = sensing_offset_y;
-            if (0.0254f < fabsf(t63)) {
-                if (0.0f < t63) {
-                    const float t65 = max(sensing_offset_y - 0.0508f, -0.1016f);
-                    t64 = t65;
-                    state->sensing_offset_y = t65;
+            const float t61 = sensing_within_y_next + sensing_offset_y - t36;
+            float t62 = sensing_offset_y;
+            if (0.0254f < fabsf(t61)) {
+                if (0.0f < t61) {
+                    const float t63 = max(sensing_offset_y - 0.0508f, -0.1016f);
+                    t62 = t63;
+                    state->sensing_offset_y = t63;
                 } else {
-                    const float t66 = min(sensing_offset_y + 0.0508f, 0.1016f);
-                    t64 = t66;
-                    state->sensing_offset_y = t66;
+                    const float t64 = min(sensing_offset_y + 0.0508f, 0.1016f);
+                    t62 = t64;
+                    state->sensing_offset_y = t64;
                 }
             }
-            y_raw = sensing_within_y_next + t64;
-            const float t67 = (t17 * (t25 + t27)) + (t25 * (t17 - t19));
-            const float t68 = (t39 - t40 + (sensing_third * (t67 * (m_x - m_y)))) / (t43 + (2.0f * (sensing_third * (t67 * t67))) + 0.08612997f);
-            t44 = t68;
+            y_raw = sensing_within_y_next + t62;
+            const float t65 = (t15 * (t23 + t25)) + (t23 * (t15 - t17));
+            const float t66 = (t37 - t38 + (sensing_third * (t65 * (m_x - m_y)))) / (t41 + (2.0f * (sensing_third * (t65 * t65))) + 0.08612997f);
+            t42 = t66;
             within_x = sensing_within_x_next;
             state->sensing_within_x = sensing_within_x_next;
             within_y = sensing_within_y_next;
             state->sensing_within_y = sensing_within_y_next;
         }
-        const float phi_raw = limit(sensing_phi_raw + t44, 0.025f);
+        const float phi_raw = limit(sensing_phi_raw + t42, 0.025f);
         const uint32_t sensing_doubt = state->sensing_doubt;
-        const bool t69 = t35 && (3u < sensing_doubt);
-        const float t70 = sqrtf(t43 + 8.612998e-06f);
-        const float t71 = -0.11739163f * t70;
-        const float t72 = fabsf(t39) - fabsf(t40);
-        const float t73 = (t33 * r_1) + (t32 * r_2);
-        const bool t74 = !t34;
-        const float t75 = fabsf(t73);
-        const float t76 = 0.11739163f * t70;
-        if (t69) {
+        const bool t67 = t33 && (3u < sensing_doubt);
+        const float t68 = sqrtf(t41 + 8.612998e-06f);
+        const float t69 = -0.11739163f * t68;
+        const float t70 = fabsf(t37) - fabsf(t38);
+        const float t71 = (t31 * r_1) + (t30 * r_2);
+        const bool t72 = !t32;
+        const float t73 = fabsf(t71);
+        const float t74 = 0.11739163f * t68;
+        if (t67) {
             state->sensing_doubt = 3u;
             state->sensing_named = 1u;
-            const bool t77 = t34 && (t71 < t72);
-            const float t78 = t33 / (t42 + 8.612998e-06f);
-            const float t79 = limit(-(r_2 * t78), 1.0f) * V_ax_held;
-            const float t80 = t25 + t79;
-            const float t81 = t27 + t79;
+            const bool t75 = t32 && (t69 < t70);
+            const float t76 = t31 / (t40 + 8.612998e-06f);
+            const float t77 = limit(-(r_2 * t76), 1.0f) * V_ax_held;
+            const float t78 = t23 + t77;
+            const float t79 = t25 + t77;
+            const float t80 = t79 * t79;
+            const float t81 = t78 * t79;
             const float t82 = t81 * t81;
-            const float t83 = t80 * t81;
-            const float t84 = t83 * t83;
-            const float t85 = t80 + limit(t73 * t78, 10.0f);
-            const float t86 = t85 * t81;
-            const float t87 = t86 * t86;
-            const float t88 = fabsf((t80 * t80) + t82 - (sensing_power_0 + (t84 * (sensing_power_1 + (t84 * sensing_power_2))))) - fabsf((t85 * t85) + t82 - (sensing_power_0 + (t87 * (sensing_power_1 + (t87 * sensing_power_2)))));
-            const bool t89 = t31 && t74;
-            const float t90 = fabsf(t73 + (t33 * (m_y * t25 / ((2.0f * t26) + 8.612998e-06f)))) - t75;
-            const bool t91 = (t77 && (-0.34451988f < t88)) || (t89 && (t90 < t76));
-            const bool t92 = t77 && (t88 < 0.34451988f);
-            const bool t93 = t89 && (t71 < t90);
-            const bool t94 = (sensing_found_V_ax != 0u) || t91 || (sensing_found_V_bx != 0u) || t92 || (sensing_found_V_cx != 0u) || t93;
-            if (!t94) {
+            const float t83 = t78 + limit(t71 * t76, 10.0f);
+            const float t84 = t83 * t79;
+            const float t85 = t84 * t84;
+            const float t86 = fabsf((t78 * t78) + t80 - (sensing_power_0 + (t82 * (sensing_power_1 + (t82 * sensing_power_2))))) - fabsf((t83 * t83) + t80 - (sensing_power_0 + (t85 * (sensing_power_1 + (t85 * sensing_power_2)))));
+            const bool t87 = t29 && t72;
+            const float t88 = fabsf(t71 + (t31 * (m_y * t23 / ((2.0f * t24) + 8.612998e-06f)))) - t73;
+            const bool t89 = (t75 && (-0.34451988f < t86)) || (t87 && (t88 < t74));
+            const bool t90 = t75 && (t86 < 0.34451988f);
+            const bool t91 = t87 && (t69 < t88);
+            const bool t92 = (sensing_found_V_ax != 0u) || t89 || (sensing_found_V_bx != 0u) || t90 || (sensing_found_V_cx != 0u) || t91;
+            if (!t92) {
                 state->sensing_found_V_ax = 1u;
                 state->sensing_found_V_bx = 1u;
                 state->sensing_found_V_cx = 1u;
             }
-            const bool t95 = !t94;
-            const bool sensing_found_V_ay_next = t91 || t95;
+            const bool t93 = !t92;
+            const bool sensing_found_V_ay_next = t89 || t93;
             state->sensing_found_V_ay = flag(sensing_found_V_ay_next);
-            const bool sensing_found_V_by_next = t92 || t95;
+            const bool sensing_found_V_by_next = t90 || t93;
             state->sensing_found_V_by = flag(sensing_found_V_by_next);
-            const bool sensing_found_V_cy_next = t93 || t95;
+            const bool sensing_found_V_cy_next = t91 || t93;
             state->sensing_found_V_cy = flag(sensing_found_V_cy_next);
         } else {
-            const bool t96 = t35 && (sensing_doubt != 0u);
-            if (t96) {
+            const bool t94 = t33 && (sensing_doubt != 0u);
+            if (t94) {
                 state->sensing_doubt = 6u;
             } else {
-                if (t35) {
+                if (t33) {
                     state->sensing_doubt = 3u;
                 } else {
-                    if (t36 && (sensing_doubt != 0u)) {
+                    if (t34 && (sensing_doubt != 0u)) {
                         state->sensing_doubt = sensing_doubt - 1u;
                     }
                 }
             }
-            if (t96 && !t69) {
-                const bool t97 = t34 && (t72 < t76);
-                const float t98 = t32 / (t41 + 8.612998e-06f);
-                const float t99 = limit(r_1 * t98, 1.0f) * V_ay_held;
-                const float t100 = t17 - t99;
-                const float t101 = t19 + t99;
+            if (t94 && !t67) {
+                const bool t95 = t32 && (t70 < t74);
+                const float t96 = t30 / (t39 + 8.612998e-06f);
+                const float t97 = limit(r_1 * t96, 1.0f) * V_ay_held;
+                const float t98 = t15 - t97;
+                const float t99 = t17 + t97;
+                const float t100 = t99 * t99;
+                const float t101 = t98 * t99;
                 const float t102 = t101 * t101;
-                const float t103 = t100 * t101;
-                const float t104 = t103 * t103;
-                const float t105 = t100 + limit(t73 * t98, 10.0f);
-                const float t106 = t105 * t101;
-                const float t107 = t106 * t106;
-                const float t108 = fabsf((t100 * t100) + t102 - (sensing_power_0 + (t104 * (sensing_power_1 + (t104 * sensing_power_2))))) - fabsf((t105 * t105) + t102 - (sensing_power_0 + (t107 * (sensing_power_1 + (t107 * sensing_power_2)))));
-                const bool t109 = t23 && t74;
-                const float t110 = fabsf(t73 + (t32 * (m_x * t17 / ((2.0f * t18) + 8.612998e-06f)))) - t75;
-                state->sensing_found_V_ax = flag((t97 && (-0.34451988f < t108)) || (t109 && (t110 < t76)));
-                state->sensing_found_V_bx = flag(t109 && (t71 < t110));
-                state->sensing_found_V_cx = flag(t97 && (t108 < 0.34451988f));
+                const float t103 = t98 + limit(t71 * t96, 10.0f);
+                const float t104 = t103 * t99;
+                const float t105 = t104 * t104;
+                const float t106 = fabsf((t98 * t98) + t100 - (sensing_power_0 + (t102 * (sensing_power_1 + (t102 * sensing_power_2))))) - fabsf((t103 * t103) + t100 - (sensing_power_0 + (t105 * (sensing_power_1 + (t105 * sensing_power_2)))));
+                const bool t107 = t21 && t72;
+                const float t108 = fabsf(t71 + (t30 * (m_x * t15 / ((2.0f * t16) + 8.612998e-06f)))) - t73;
+                state->sensing_found_V_ax = flag((t95 && (-0.34451988f < t106)) || (t107 && (t108 < t74)));
+                state->sensing_found_V_bx = flag(t107 && (t69 < t108));
+                state->sensing_found_V_cx = flag(t95 && (t106 < 0.34451988f));
             }
         }
         state->sensing_phi_raw = phi_raw;
 
         /* heights: laser distances inverted */
-        const float t111 = 0.5f * (d1_held + d2_held);
-        const float z = 0.5f * (t111 + d3_held);
-        const float theta = 8.333333f * (d3_held - t111);
+        const float t109 = 0.5f * (d1_held + d2_held);
+        const float z = 0.5f * (t109 + d3_held);
+        const float theta = 8.333333f * (d3_held - t109);
         const float psi = 8.333333f * (d1_held - d2_held);
 
         /* lqg_x: (28)-(35), (49) */
-        const float t112 = x_ref_held - x_raw;
-        const bool t113 = fabsf(t112) <= 0.0015f;
+        const float t110 = x_ref_held - x_raw;
+        const bool t111 = fabsf(t110) <= 0.0015f;
         const float lqg_x_integral = state->lqg_x_integral;
-        const float t114 = lqg_x_L * x_raw;
-        const float t115 = lqg_y_L * y_raw;
-        const float t116 = lqg_phi_L * phi_raw;
+        const float t112 = lqg_x_L * x_raw;
+        const float t113 = lqg_y_L * y_raw;
+        const float t114 = lqg_phi_L * phi_raw;
+        float t115;
+        float t116;
         float t117;
-        float t118;
-        float t119;
         if (guard_ready != 0u) {
-            t117 = state->lqg_x_x3;
-            t118 = state->lqg_y_x3;
-            t119 = state->lqg_phi_x3;
+            t115 = state->lqg_x_x3;
+            t116 = state->lqg_y_x3;
+            t117 = state->lqg_phi_x3;
         } else {
+            t115 = -t112;
+            t116 = -t113;
             t117 = -t114;
-            t118 = -t115;
-            t119 = -t116;
         }
         const float lqg_x_force = state->lqg_x_force;
-        const float t120 = t117 + t114 + (lqg_x_on_force * lqg_x_force);
-        const float d_x = (lqg_x_on_error * ((t113) ? t112 : ((t112 < 0.0f) ? -0.0015f : 0.0015f))) + (lqg_x_integral - t120);
-        const float lqg_x_x3_next = (lqg_x_F * t117) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_force);
+        const float t118 = t115 + t112 + (lqg_x_on_force * lqg_x_force);
+        const float d_x = (lqg_x_on_error * ((t111) ? t110 : ((t110 < 0.0f) ? -0.0015f : 0.0015f))) + (lqg_x_integral - t118);
+        const float lqg_x_x3_next = (lqg_x_F * t115) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_force);
         state->lqg_x_x3 = lqg_x_x3_next;
 
         /* lqg_y: (28)-(35), (49) */
-        const float t121 = y_ref_held - y_raw;
-        const bool t122 = fabsf(t121) <= 0.004f;
+        const float t119 = y_ref_held - y_raw;
+        const bool t120 = fabsf(t119) <= 0.004f;
         const float lqg_y_integral = state->lqg_y_integral;
         const float lqg_y_force = state->lqg_y_force;
-        const float t123 = t118 + t115 + (lqg_y_on_force * lqg_y_force);
-        const float d_y = (lqg_y_on_error * ((t122) ? t121 : ((t121 < 0.0f) ? -0.004f : 0.004f))) + (lqg_y_integral - t123);
-        const float lqg_y_x3_next = (lqg_y_F * t118) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_force);
+        const float t121 = t116 + t113 + (lqg_y_on_force * lqg_y_force);
+        const float d_y = (lqg_y_on_error * ((t120) ? t119 : ((t119 < 0.0f) ? -0.004f : 0.004f))) + (lqg_y_integral - t121);
+        const float lqg_y_x3_next = (lqg_y_F * t116) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_force);
         state->lqg_y_x3 = lqg_y_x3_next;
 
         /* lqg_phi: (28)-(35), (49) */
-        const float t124 = phi_ref_held - phi_raw;
-        const bool t125 = fabsf(t124) <= 0.008f;
+        const float t122 = phi_ref_held - phi_raw;
+        const bool t123 = fabsf(t122) <= 0.008f;
         const float lqg_phi_integral = state->lqg_phi_integral;
         const float lqg_phi_force = state->lqg_phi_force;
-        const float t126 = t119 + t116 + (lqg_phi_on_force * lqg_phi_force);
-        const float d_phi = (lqg_phi_on_error * ((t125) ? t124 : ((t124 < 0.0f) ? -0.008f : 0.008f))) + (lqg_phi_integral - t126);
-        const float lqg_phi_x3_next = (lqg_phi_F * t119) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_force);
+        const float t124 = t117 + t114 + (lqg_phi_on_force * lqg_phi_force);
+        const float d_phi = (lqg_phi_on_error * ((t123) ? t122 : ((t122 < 0.0f) ? -0.008f : 0.008f))) + (lqg_phi_integral - t124);
+        const float lqg_phi_x3_next = (lqg_phi_F * t117) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_force);
         state->lqg_phi_x3 = lqg_phi_x3_next;
 
         /* loop_z: (23) */
-        const float t127 = z_ref_held - z;
+        const float t125 = z_ref_held - z;
         const float loop_z_lag = state->loop_z_lag;
         const float loop_z_integral = state->loop_z_integral;
-        const float d_z = (loop_z_direct * t127) + loop_z_lag + loop_z_integral;
-        const float loop_z_lag_next = loop_z_into_lag * t127;
+        const float d_z = (loop_z_direct * t125) + loop_z_lag + loop_z_integral;
+        const float loop_z_lag_next = loop_z_into_lag * t125;
         state->loop_z_lag = loop_z_lag_next;
 
         /* loop_theta: (24) */
-        const float t128 = theta_ref_held - theta;
+        const float t126 = theta_ref_held - theta;
         const float loop_theta_lag = state->loop_theta_lag;
         const float loop_theta_integral = state->loop_theta_integral;
-        const float d_theta = (loop_theta_direct * t128) + loop_theta_lag + loop_theta_integral;
-        const float loop_theta_lag_next = loop_theta_into_lag * t128;
+        const float d_theta = (loop_theta_direct * t126) + loop_theta_lag + loop_theta_integral;
+        const float loop_theta_lag_next = loop_theta_into_lag * t126;
         state->loop_theta_lag = loop_theta_lag_next;
 
         /* loop_psi: (25) */
-        const float t129 = psi_ref_held - psi;
+        const float t127 = psi_ref_held - psi;
         const float loop_psi_lag = state->loop_psi_lag;
         const float loop_psi_integral = state->loop_psi_integral;
-        const float d_psi = (loop_psi_direct * t129) + loop_psi_lag + loop_psi_integral;
-        const float loop_psi_lag_next = loop_psi_into_lag * t129;
+        const float d_psi = (loop_psi_direct * t127) + loop_psi_lag + loop_psi_integral;
+        const float loop_psi_lag_next = loop_psi_into_lag * t127;
         state->loop_psi_lag = loop_psi_lag_next;
 
         /* allocation: Table 3, (17), limits */
-        const float t130 = phi_raw * phi_raw;
-        const float t131 = f1_polynomial(t130);
-        const float t132 = phi_raw * f2_polynomial(t130);
-        const float t133 = 0.5f * ((t131 * d_y) - (t132 * d_x));
-        const float i_CQ = limit((t131 * d_x) + (t132 * d_y), 1.197f);
-        const float t134 = d_phi + i_CQ;
-        const float i_AQ = limit(t133 - t134, 1.197f);
-        const float i_BQ = limit(t133 + t134, 1.197f);
-        const float t135 = d_z - d_theta;
-        const float i_AD = limit(t135 + d_psi, sqrtf(1.5876f - (i_AQ * i_AQ)));
-        const float i_BD = limit(t135 - d_psi, sqrtf(1.5876f - (i_BQ * i_BQ)));
+        const float t128 = phi_raw * phi_raw;
+        const float t129 = f1_polynomial(t128);
+        const float t130 = phi_raw * f2_polynomial(t128);
+        const float t131 = 0.5f * ((t129 * d_y) - (t130 * d_x));
+        const float i_CQ = limit((t129 * d_x) + (t130 * d_y), 1.197f);
+        const float t132 = d_phi + i_CQ;
+        const float i_AQ = limit(t131 - t132, 1.197f);
+        const float i_BQ = limit(t131 + t132, 1.197f);
+        const float t133 = d_z - d_theta;
+        const float i_AD = limit(t133 + d_psi, sqrtf(1.5876f - (i_AQ * i_AQ)));
+        const float i_BD = limit(t133 - d_psi, sqrtf(1.5876f - (i_BQ * i_BQ)));
 
         /* loop_psi: (25) */
         const float loop_psi_integral_next = (loop_psi_reset * loop_psi_integral) + (loop_psi_driven_x_allocation_half * (i_AD - i_BD));
@@ -693,96 +694,96 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float i_CD = limit(d_z + (2.0f * d_theta), sqrtf(1.5876f - (i_CQ * i_CQ)));
 
         /* loop_z: (23) */
-        const float t136 = i_AD + i_BD;
-        const float loop_z_integral_next = (loop_z_reset * loop_z_integral) + (loop_z_driven_x_allocation_part * (t136 + i_CD));
+        const float t134 = i_AD + i_BD;
+        const float loop_z_integral_next = (loop_z_reset * loop_z_integral) + (loop_z_driven_x_allocation_part * (t134 + i_CD));
         state->loop_z_integral = loop_z_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float t137 = i_AQ + i_BQ;
-        const float made_x = (t131 * i_CQ) - (t132 * t137);
+        const float t135 = i_AQ + i_BQ;
+        const float made_x = (t129 * i_CQ) - (t130 * t135);
 
         /* lqg_x: (28)-(35), (49) */
-        const float lqg_x_integral_next = (lqg_x_kept * lqg_x_integral) + (lqg_x_driven * (made_x + t120));
-        state->lqg_x_integral = (t113) ? lqg_x_integral_next : lqg_x_integral;
+        const float lqg_x_integral_next = (lqg_x_kept * lqg_x_integral) + (lqg_x_driven * (made_x + t118));
+        state->lqg_x_integral = (t111) ? lqg_x_integral_next : lqg_x_integral;
         state->lqg_x_force = made_x;
 
         /* allocation: Table 3, (17), limits */
-        const float made_y = (t132 * i_CQ) + (t131 * t137);
+        const float made_y = (t130 * i_CQ) + (t129 * t135);
 
         /* lqg_y: (28)-(35), (49) */
-        const float lqg_y_integral_next = (lqg_y_kept * lqg_y_integral) + (lqg_y_driven * (made_y + t123));
-        state->lqg_y_integral = (t122) ? lqg_y_integral_next : lqg_y_integral;
+        const float lqg_y_integral_next = (lqg_y_kept * lqg_y_integral) + (lqg_y_driven * (made_y + t121));
+        state->lqg_y_integral = (t120) ? lqg_y_integral_next : lqg_y_integral;
         state->lqg_y_force = made_y;
 
         /* allocation: Table 3, (17), limits */
         const float made_phi = (allocation_half * (i_BQ - i_AQ)) - i_CQ;
 
         /* lqg_phi: (28)-(35), (49) */
-        const float lqg_phi_integral_next = (lqg_phi_kept * lqg_phi_integral) + (lqg_phi_driven * (made_phi + t126));
-        state->lqg_phi_integral = (t125) ? lqg_phi_integral_next : lqg_phi_integral;
+        const float lqg_phi_integral_next = (lqg_phi_kept * lqg_phi_integral) + (lqg_phi_driven * (made_phi + t124));
+        state->lqg_phi_integral = (t123) ? lqg_phi_integral_next : lqg_phi_integral;
         state->lqg_phi_force = made_phi;
 
         /* allocation: Table 3, (17), limits */
-        const float made_theta = (allocation_part * i_CD) - (allocation_front_part * t136);
+        const float made_theta = (allocation_part * i_CD) - (allocation_front_part * t134);
 
         /* loop_theta: (24) */
         const float loop_theta_integral_next = (loop_theta_reset * loop_theta_integral) + (loop_theta_driven * made_theta);
         state->loop_theta_integral = loop_theta_integral_next;
 
         /* commutation: (17) inverted */
-        const float distance_back = within_x - (0.025584769f * t132);
+        const float distance_back = within_x - (0.025584769f * t130);
         const float quarter_sine_back = distance_back * quarter_sine_back_polynomial(distance_back * distance_back);
-        const float distance_front = within_y - ((0.012792384f * t131) - 0.0127f);
+        const float distance_front = within_y - ((0.012792384f * t129) - 0.0127f);
         const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front * distance_front);
-        const float t138 = quarter_sine_front * quarter_sine_front;
-        const float t139 = quarter_sine_front * sqrtf(1.0f - t138);
-        const float t140 = t139 * (4.0f - (8.0f * t138));
-        const float t141 = f5_polynomial(t130);
-        const float t142 = t140 * t141;
-        const float t143 = 1.0f - (8.0f * (t139 * t139));
-        const float t144 = phi_raw * f6_polynomial(t130);
-        const float t145 = t143 * t144;
-        const float t146 = t142 - t145;
-        const float t147 = t143 * t141;
-        const float t148 = t140 * t144;
-        const float t149 = t147 + t148;
-        const float i_AA_computed = limit((t146 * i_AQ) + (t149 * i_AD), 1.26f);
+        const float t136 = quarter_sine_front * quarter_sine_front;
+        const float t137 = quarter_sine_front * sqrtf(1.0f - t136);
+        const float t138 = t137 * (4.0f - (8.0f * t136));
+        const float t139 = f5_polynomial(t128);
+        const float t140 = t138 * t139;
+        const float t141 = 1.0f - (8.0f * (t137 * t137));
+        const float t142 = phi_raw * f6_polynomial(t128);
+        const float t143 = t141 * t142;
+        const float t144 = t140 - t143;
+        const float t145 = t141 * t139;
+        const float t146 = t138 * t142;
+        const float t147 = t145 + t146;
+        const float i_AA_computed = limit((t144 * i_AQ) + (t147 * i_AD), 1.26f);
         state->safe_output_last_i_AA = i_AA_computed;
         out->i_AA = i_AA_computed;
-        const float t150 = 0.8660254f * ((t146 * i_AD) - (t149 * i_AQ));
-        const float t151 = 0.5f * i_AA_computed;
-        const float i_AB_computed = limit(t150 - t151, 1.26f);
+        const float t148 = 0.8660254f * ((t144 * i_AD) - (t147 * i_AQ));
+        const float t149 = 0.5f * i_AA_computed;
+        const float i_AB_computed = limit(t148 - t149, 1.26f);
         state->safe_output_last_i_AB = i_AB_computed;
         out->i_AB = i_AB_computed;
-        const float i_AC_computed = limit(-(t151 + t150), 1.26f);
+        const float i_AC_computed = limit(-(t149 + t148), 1.26f);
         state->safe_output_last_i_AC = i_AC_computed;
         out->i_AC = i_AC_computed;
-        const float t152 = t142 + t145;
-        const float t153 = t148 - t147;
-        const float i_BA_computed = limit((t152 * i_BQ) - (t153 * i_BD), 1.26f);
+        const float t150 = t140 + t143;
+        const float t151 = t146 - t145;
+        const float i_BA_computed = limit((t150 * i_BQ) - (t151 * i_BD), 1.26f);
         state->safe_output_last_i_BA = i_BA_computed;
         out->i_BA = i_BA_computed;
-        const float t154 = 0.8660254f * ((t153 * i_BQ) + (t152 * i_BD));
-        const float t155 = 0.5f * i_BA_computed;
-        const float i_BB_computed = limit(t154 - t155, 1.26f);
+        const float t152 = 0.8660254f * ((t151 * i_BQ) + (t150 * i_BD));
+        const float t153 = 0.5f * i_BA_computed;
+        const float i_BB_computed = limit(t152 - t153, 1.26f);
         state->safe_output_last_i_BB = i_BB_computed;
         out->i_BB = i_BB_computed;
-        const float i_BC_computed = limit(-(t155 + t154), 1.26f);
+        const float i_BC_computed = limit(-(t153 + t152), 1.26f);
         state->safe_output_last_i_BC = i_BC_computed;
         out->i_BC = i_BC_computed;
-        const float t156 = quarter_sine_back * quarter_sine_back;
-        const float t157 = quarter_sine_back * sqrtf(1.0f - t156);
-        const float t158 = 1.0f - (8.0f * (t157 * t157));
-        const float t159 = t157 * (4.0f - (8.0f * t156));
-        const float i_CA_computed = limit((t158 * i_CQ) - (t159 * i_CD), 1.26f);
+        const float t154 = quarter_sine_back * quarter_sine_back;
+        const float t155 = quarter_sine_back * sqrtf(1.0f - t154);
+        const float t156 = 1.0f - (8.0f * (t155 * t155));
+        const float t157 = t155 * (4.0f - (8.0f * t154));
+        const float i_CA_computed = limit((t156 * i_CQ) - (t157 * i_CD), 1.26f);
         state->safe_output_last_i_CA = i_CA_computed;
         out->i_CA = i_CA_computed;
-        const float t160 = 0.8660254f * ((t159 * i_CQ) + (t158 * i_CD));
-        const float t161 = 0.5f * i_CA_computed;
-        const float i_CB_computed = limit(t160 - t161, 1.26f);
+        const float t158 = 0.8660254f * ((t157 * i_CQ) + (t156 * i_CD));
+        const float t159 = 0.5f * i_CA_computed;
+        const float i_CB_computed = limit(t158 - t159, 1.26f);
         state->safe_output_last_i_CB = i_CB_computed;
         out->i_CB = i_CB_computed;
-        const float i_CC_computed = limit(-(t161 + t160), 1.26f);
+        const float i_CC_computed = limit(-(t159 + t158), 1.26f);
         state->safe_output_last_i_CC = i_CC_computed;
         out->i_CC = i_CC_computed;
     }

@@ -87,9 +87,10 @@ def guard(time: Discrete, inputs: Sequence[Guarded], bad_samples: int, suspected
             for n in suspected or measured:
                 complete = ca.if_else(good[n], complete, 0)
             complete = ca.if_else(u[SUSPECTED], 0, complete) if suspects else complete
-            every = complete
+            others = ca.SX(1)
             for n in (n for n in measured if suspects and n not in suspected):
-                every = ca.logic_and(every, good[n])
+                others = ca.if_else(good[n], others, 0)
+            every = ca.logic_and(complete, others) if suspects else complete
             latched = ca.if_else(every, x["latched"], ca.if_else(final, 1, x["latched"]))
             next["left"] = ca.if_else(every, bad_samples, ca.if_else(final, x["left"], x["left"] - 1))
             next |= {"latched": ca.if_else(latched, 1, x["latched"]), "ready": ca.if_else(every, 1, x["ready"])}

@@ -14,7 +14,7 @@ from tests.models import matrix_oracle
 P = cf.values()
 l = matrix_oracle.l
 MADE, IDEAL = cf.fabricated(P["strong"], P["weak"]), cf.ideal(P["strong"])
-ENDS = 2.5e-3  # T: what a matrix of six pitches lacks of an infinite one within a pitch of its middle, B_Z included
+ENDS = 2e-3  # T: what a matrix of six pitches lacks of an infinite one within a pitch of its middle, B_Z included
 TABLE = (  # n = 1, 3, 5, 7, 9 and (2, +-1), to 1e-5 T
     (IDEAL, 0.0, (0.50991, 0, -0.12870, 0, 0.07153, 0)),
     (IDEAL, 3e-3, (0.35184, 0, -0.02013, 0, 0.00254, 0)),
