@@ -16,4 +16,4 @@ class Check:
     @property
     def passed(self) -> bool:
         """Whether the figure keeps its limit."""
-        return self.found <= self.limit
+        return bool(self.found <= self.limit)

@@ -25,8 +25,9 @@ def root(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 
 
 def test_designs_are_found_by_name() -> None:
-    assert [d.name for d in workspace.designs(ROOT)] == ["maglev_5dof"]
-    with pytest.raises(DesignError, match=r"'other' is not here: there are maglev_5dof"):
+    known = ["maglev_5dof", "planar_6dof_leadlag", "planar_6dof_lqg"]
+    assert [d.name for d in workspace.designs(ROOT)] == known
+    with pytest.raises(DesignError, match=f"'other' is not here: there are {', '.join(known)}"):
         workspace.designs(ROOT, ["other"])
 
 
@@ -36,7 +37,7 @@ def test_a_folder_without_designs_is_refused(tmp_path: Path) -> None:
 
 
 def test_simulate_prints_one_document(root: Path) -> None:
-    result = RUNNER.invoke(app, ["simulate", "--json"])
+    result = RUNNER.invoke(app, ["simulate", "maglev_5dof", "--json"])
     assert result.exit_code == 0, result.output
     (document,) = json.loads(result.stdout)
     names = {e["name"] for e in document["experiments"]}
@@ -49,7 +50,7 @@ def test_a_failed_check_is_exit_status_1(root: Path, monkeypatch: pytest.MonkeyP
     from designs.maglev_5dof import experiments
 
     monkeypatch.setattr(experiments, "Y_LIMITS", (0.01, np.inf, 4.0))
-    result = RUNNER.invoke(app, ["simulate", "--json"])
+    result = RUNNER.invoke(app, ["simulate", "maglev_5dof", "--json"])
     assert result.exit_code == 1
     assert "Infinity" not in result.stdout
     failed = [c for e in json.loads(result.stdout)[0]["experiments"] for c in e["checks"] if not c["passed"]]

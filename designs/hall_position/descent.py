@@ -65,7 +65,11 @@ def problem(array: Array, tuning: Tuning) -> Problem:
     arm = max(abs(x) + abs(y) for x, y in array.arms)
     half = tuning.reach / 2
     yaw = sqrt(1 + 2 * half / arm) - 1  # arm (T + T^2/2) = half
-    return Problem(array, tuning, tuning.damping * array.alpha**2, half, yaw, max(1, ceil(log2((pi + arm) / PART))))
+    return Problem(array, tuning, tuning.damping * array.alpha**2, half, yaw, _halvings(pi + half + arm))
+
+
+def _halvings(angle: float) -> int:
+    return max(1, ceil(log2(angle / PART)))
 
 
 def corrected(sensors: Sequence[Sensor], of: Problem, named: Named) -> Found:
@@ -83,12 +87,11 @@ def corrected(sensors: Sequence[Sensor], of: Problem, named: Named) -> Found:
 
 
 def turned(yaw: ca.SX, named: Named) -> tuple[Wave, ca.SX]:
-    """Return the wave of a small yaw and 1 - cos, from its half."""
-    s, c = ca.sin(yaw / 2), ca.cos(yaw / 2)
-    for what, value in (("sine", s), ("cosine", c)):
-        named.append((Signal(f"half_{what}", "1", -1, 1, "of half the yaw since the last sample"), value))
-    less = 2 * s**2
-    return Wave(2 * s * c, 1 - less), less
+    """Return the wave of a small yaw, and 1 - cos, which is 2 sin^2 of its half."""
+    sine, half = ca.sin(yaw), sqrt(2) * ca.sin(yaw / 2)
+    named.append((Signal("turn_sine", "1", -1, 1, "of the yaw since the sample began"), sine))
+    named.append((Signal("half_sine", "1", -2, 2, "of half of it, times sqrt(2)"), half))
+    return Wave(sine, 1 - half**2), half**2
 
 
 def _tried(sensors: Sequence[Sensor], at: Displacement, i: int, of: Problem, named: Named) -> Trial:

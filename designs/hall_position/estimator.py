@@ -3,9 +3,9 @@
     V_ax, V_ay, V_bx .. --->[ guard ]---> <name>_held ---> [ estimator ]---> X, Y, yaw, their deviations, flags
                                |------- complete -------------^
 
-A sample begins where the last one ended: sines and cosines of that position and yaw are computed once, and `descent`
-corrects it. The damping of `correction` holds to the last estimate what the voltages do not tell: two sensors lose rank
-at places. There the estimate stays where it was in one direction for as long as the place is passed, and is `damped`.
+A sample begins where the last motion leads: sines and cosines of that position and yaw are computed once, and `descent`
+corrects it. The damping of `correction` holds to it what the voltages do not tell: two sensors lose rank at places.
+There the estimate goes on as it did in one direction for as long as the place is passed, and is `damped`.
 
 `valid` is an estimate that has converged, is not damped, leaves residuals as small as the field's model does, and rests
 on measurements that are all accepted. Positions are absolute in a pitch, and count pitches on from where `init` puts
@@ -18,18 +18,20 @@ Deviations are those of a body at rest, from the normal equations: deviation^2 (
 Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 3.B, Fig. 9.
 """
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import reduce
 from math import pi
 from string import ascii_lowercase
 
 import casadi as ca
+import numpy as np
 
-from designs.hall_position import descent
-from designs.hall_position.correction import AXES, Equations, Sensor, Wave
+from designs.hall_position import base, descent, tracking
+from designs.hall_position.correction import AXES, Equations, Wave
 from designs.hall_position.descent import Found, Named, Problem
 from designs.hall_position.parameters import Array, Tuning
-from synth.block import Block, Constant, Exprs, State, Step, build, clip
+from synth.block import Block, Exprs, Step, build
 from synth.compose import compose
 from synth.signals import Signal, names
 from synth.synthesise import safety
@@ -39,12 +41,14 @@ SPAN = 5.0  # V, of the converter
 BAD_SAMPLES = 5
 LEAST = 1e-20  # V^2, in a root: squares are not below 0, which is not seen of products that may not be rounded
 USUAL = Tuning()
-UNIT = Signal("unit", "1", -1, 1)
+# Relative, of polynomials: a sine that is wrong by 2e-7 is a position that is wrong by 2 nm.
+SURROGATE_ERROR: dict[type[np.floating], float] = {np.float32: 2e-7, np.float64: 1e-15}
 COMPLETE = Signal("complete", "1", 0, 1, "every measurement is good")
 FLAGS = (
     Signal("converged", "1", 0, 1, "the last correction is small, and none has raised the cost"),
     Signal("damped", "1", 0, 1, "the voltages do not tell all of the position"),
-    Signal("valid", "1", 0, 1, "converged, not damped, residual and inputs accepted, pitch counted"),
+    Signal("valid", "1", 0, 1, "converged, neither damped nor astray, inputs accepted, pitch counted"),
+    Signal("restarted", "1", 0, 1, "has looked for its place again: pitches are not known any more"),
 )
 
 
@@ -63,29 +67,45 @@ def guarded(array: Array, time: Discrete, tuning: Tuning = USUAL, name: str = "h
 
 
 def estimator(array: Array, time: Discrete, tuning: Tuning = USUAL) -> Block:
-    """Return the Block from held voltages and ``complete`` to X, Y in m, yaw in rad, their deviations and flags."""
+    """Return the Block from held voltages, ``complete`` and with a spare sensor ``fault_V_ax`` .. to X, Y and yaw."""
     problem = descent.problem(array, tuning)
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         named: Named = []
-        heading = _wave(x["yaw"], 2, "yaw_part", named)
-        sensors = [_sensor(problem, n, u, x, k, heading, named) for n in range(len(array.positions))]
+        left_out, begun = tracking.left_out(array, u, x), tracking.expected(x, problem)
+        heading = base.heading(begun["yaw"], named)
+        sensors = base.sensors(base.Base(u, begun, k, heading, left_out), problem, named)
         found = descent.corrected(sensors, problem, named)
-        next, inside = _ahead(found, x, tuning)
+        freedom = _freedom(array, left_out)
+        astray = found.last.squares > freedom * tuning.residual**2
+        ahead = tracking.ahead(found, astray, begun, x, problem)
         lever = _levers(heading, found, array, named)
-        output = _position(next, lever, array) | _deviations(found.last.equations, lever, array)
-        return Step(output | _judged(found, problem, ca.logic_and(inside, u["complete"])), next, named)
+        output = _position(ahead.found, lever, array) | _deviations(found.last.equations, lever, array)
+        damped = _leaning(found.last.equations, problem) > tuning.leaning
+        good = ca.logic_and(found.converged, ca.logic_not(ca.logic_or(damped, astray)))
+        accepted = ahead.counted if tracking.spare(array) else ca.logic_and(ahead.counted, u["complete"])
+        output |= {"residual": ca.sqrt(LEAST + found.last.squares / freedom), "converged": found.converged}
+        output |= {"damped": damped, "valid": ca.logic_and(good, accepted), "restarted": x["restarted"]}
+        output |= {"without": x["without"]} if tracking.spare(array) else {}
+        return Step(output, ahead.next, named)
 
     return build(
         "estimator",
         time,
         law,
-        inputs=[*(replace(s, name=f"{s.name}_held") for s in voltages(array)), COMPLETE],
+        inputs=_inputs(array),
         outputs=_outputs(array, tuning),
-        states=_states(tuning),
-        constants=_constants(array),
+        states=tracking.states(problem),
+        constants=base.constants(array),
         tag="GLSDC, Fig. 9",
     )
+
+
+def _inputs(array: Array) -> list[Signal]:
+    given = voltages(array)
+    held = [replace(s, name=f"{s.name}_held") for s in given]
+    faults = [Signal(f"fault_{s.name}", "1", 0, 1, "refused this sample") for s in given]
+    return [*held, *(faults if tracking.spare(array) else [COMPLETE])]
 
 
 def _outputs(array: Array, tuning: Tuning) -> list[Signal]:
@@ -94,61 +114,15 @@ def _outputs(array: Array, tuning: Tuning) -> list[Signal]:
     found += [Signal("yaw", "rad", -pi, pi, "of the body over the matrix")]
     found += [Signal(f"deviation_{a}", "m", 0, 1, "standard deviation by the noise of the voltages") for a in "XY"]
     found += [Signal("deviation_yaw", "rad", 0, 1, "standard deviation by the noise of the voltages")]
-    return [*found, Signal("residual", "V", 0, 1e3, "root mean square by degrees of freedom"), *FLAGS]
+    found += [Signal("residual", "V", 0, 1e3, "root mean square by degrees of freedom"), *FLAGS]
+    left_out = Signal("without", "1", 0, len(array.positions), "number of the sensor that is left out")
+    return [*found, left_out] if tracking.spare(array) else found
 
 
-def _states(tuning: Tuning) -> list[State]:
-    n = tuning.pitches
-    found = [Signal(f"phase_{a}", "rad", -pi, pi, "of the sensors' centre in its pitch") for a in AXES]
-    found += [Signal("yaw", "rad", -pi, pi, "of the last sample")]
-    found += [Signal(f"pitch_{a}", "1", -n, n, "whole pitches to the one of the sensors' centre") for a in AXES]
-    return [State(s, 0.0) for s in found]
-
-
-def _constants(array: Array) -> list[Constant]:
-    powers = {1: array.alpha + 5 * array.beta, 3: -20 * array.beta, 5: 16 * array.beta}
-    about = "alpha sin p + beta sin 5p by powers of the sine"
-    field = [Constant(f"field_{n}", v, "V", about) for n, v in powers.items()]
-    return [*field, *(Constant(f"slope_{n - 1}", n * v, "V", f"derivative of {about}") for n, v in powers.items())]
-
-
-def _wave(angle: ca.SX, halvings: int, name: str, named: Named) -> Wave:
-    """Return sine and cosine of an angle, from those of a part of it that is small enough for polynomials."""
-    s, c = ca.sin(angle / 2**halvings), ca.cos(angle / 2**halvings)
-    for what, value in (("sine", s), ("cosine", c)):
-        named.append((Signal(f"{name}_{what}", "1", -1, 1, f"of 1/{2**halvings} of it"), value))
-    for _ in range(halvings):
-        s, c = 2 * s * c, 1 - 2 * s**2
-    return Wave(clip(s, UNIT), clip(c, UNIT))
-
-
-def _sensor(of: Problem, n: int, u: Exprs, x: Exprs, k: Exprs, heading: Wave, named: Named) -> Sensor:
-    """Return sensor n where the last sample has left it; its weight is on its voltages."""
-    letter, scale, (ax, ay) = ascii_lowercase[n], of.array.scales[n], of.array.arms[n]
-    s, c = heading.sine, heading.cosine
-    place = {"x": c * ax - s * ay, "y": s * ax + c * ay}
-    phase = {a: _wave(x[f"phase_{a}"] + place[a], of.halvings, "phase_part", named) for a in AXES}
-    vx, vy = (scale * u[f"V_{letter}{a}_held"] for a in AXES)
-    volts = {"x": c * vx - s * vy, "y": s * vx + c * vy}
-    field = [ca.SX(scale * of.array.c), *(scale * k[f"field_{i}"] for i in (1, 3, 5))]
-    return Sensor(phase, place, volts, field, [scale * k[f"slope_{i}"] for i in (0, 2, 4)])
-
-
-def _ahead(found: Found, x: Exprs, tuning: Tuning) -> tuple[dict[str, ca.SX], ca.SX]:
-    """Return the next states and whether the pitches are counted; the last pitch on either side is never left."""
-    next, inside = {"yaw": _wrapped(x["yaw"] + found.at.yaw)[0]}, []
-    for a in AXES:
-        phase, turns = _wrapped(x[f"phase_{a}"] + found.at.phase[a])
-        inside.append(ca.fabs(x[f"pitch_{a}"]) < tuning.pitches)
-        next |= {f"phase_{a}": phase, f"pitch_{a}": x[f"pitch_{a}"] + ca.if_else(inside[-1], turns, 0)}
-    return next, ca.logic_and(*inside)
-
-
-def _wrapped(angle: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Return an angle in -3 pi .. 3 pi within half a turn, and the whole turns that are taken off."""
-    above, below = angle > pi, angle < -pi
-    turns = ca.if_else(above, 1, ca.if_else(below, -1, 0))
-    return ca.if_else(above, angle - 2 * pi, ca.if_else(below, angle + 2 * pi, angle)), turns
+def _freedom(array: Array, left_out: Sequence[ca.SX] | None) -> ca.SX:
+    """Return how many voltages there are beyond three; of more than one sensor that is left out one is counted."""
+    freedom = 2 * len(array.positions) - 3
+    return ca.SX(freedom) if left_out is None else ca.if_else(reduce(ca.logic_or, left_out), freedom - 2, freedom)
 
 
 def _levers(heading: Wave, found: Found, array: Array, named: Named) -> dict[str, ca.SX]:
@@ -162,17 +136,16 @@ def _levers(heading: Wave, found: Found, array: Array, named: Named) -> dict[str
     return {"x": c * x - s * y, "y": s * x + c * y}
 
 
-def _position(next: Mapping[str, ca.SX], lever: Mapping[str, ca.SX], array: Array) -> dict[str, ca.SX]:
+def _position(pose: Exprs, lever: Exprs, array: Array) -> dict[str, ca.SX]:
     """Return X and Y of the body's origin, m, and the yaw."""
-    found = {a.upper(): _metres(next, a, array) - lever[a] for a in AXES}
-    return found | {"yaw": next["yaw"]}
+    return {a.upper(): _metres(pose, a, array) - lever[a] for a in AXES} | {"yaw": pose["yaw"]}
 
 
-def _metres(next: Mapping[str, ca.SX], axis: str, array: Array) -> ca.SX:
-    return next[f"phase_{axis}"] / array.wave_number + next[f"pitch_{axis}"] * array.pitch
+def _metres(pose: Exprs, axis: str, array: Array) -> ca.SX:
+    return pose[f"phase_{axis}"] / array.wave_number + pose[f"pitch_{axis}"] * array.pitch
 
 
-def _deviations(of: Equations, lever: Mapping[str, ca.SX], array: Array) -> dict[str, ca.SX]:
+def _deviations(of: Equations, lever: Exprs, array: Array) -> dict[str, ca.SX]:
     """Return the standard deviations of X, Y in m and of the yaw, rad."""
     yaw, sigma, w = 1 / of.information, array.deviation, array.wave_number
     by_yaw = {"x": lever["y"], "y": -lever["x"]}  # X = X_centre - lever_x, whose derivative is lever_y
@@ -181,22 +154,6 @@ def _deviations(of: Equations, lever: Mapping[str, ca.SX], array: Array) -> dict
         slope = by_yaw[axis] - n.coupling * n.inverse / w
         found[f"deviation_{axis.upper()}"] = sigma * ca.sqrt(n.inverse / w**2 + yaw * slope**2)
     return found
-
-
-def _judged(found: Found, of: Problem, accepted: ca.SX) -> dict[str, ca.SX]:
-    """Return the residual and the flags."""
-    array, tuning, last = of.array, of.tuning, found.last
-    freedom = 2 * len(array.positions) - 3
-    by_damping = _leaning(last.equations, of)
-    damped = by_damping > tuning.leaning
-    small = last.squares <= freedom * tuning.residual**2
-    valid = ca.logic_and(ca.logic_and(found.converged, ca.logic_not(damped)), ca.logic_and(small, accepted))
-    return {
-        "residual": ca.sqrt(LEAST + last.squares / freedom),
-        "converged": found.converged,
-        "damped": damped,
-        "valid": valid,
-    }
 
 
 def _leaning(of: Equations, problem: Problem) -> ca.SX:

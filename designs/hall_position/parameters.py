@@ -77,10 +77,11 @@ class Array:
 class Tuning:
     """How the estimator goes about its task.
 
-    `iterations` a sample; `scale` of each correction; `damping`, of alpha^2, of phases towards the last sample's;
-    `reach`, rad of phase by which a sensor may move in a sample, half of it by the yaw. A correction of less than
-    `settled` standard deviations ends the search, and of more than `leaning` parameters that the damping decides
-    instead of the voltages there is `damped`. Residuals up to `residual` V rms are those of the field's model.
+    `iterations` a sample; `scale` of each correction; `damping`, of alpha^2, of phases towards the expected ones;
+    `reach`, rad of phase by which corrections may move a sensor in a sample, half of it by the yaw; `follow`, the part
+    of a sample's correction by which the next motion is expected to differ: with 0 none is expected. A correction of
+    less than `settled` standard deviations ends the search, and of more than `leaning` parameters that the damping
+    decides instead of the voltages there is `damped`. Residuals up to `residual` V rms are those of the field's model.
     Positions are counted to `pitches` on either side.
 
     Raises ModelError for a figure that is out of its range.
@@ -90,6 +91,7 @@ class Tuning:
     scale: float = 1.0
     damping: float = 1e-4
     reach: float = 1.0
+    follow: float = 0.5
     settled: float = 0.1
     leaning: float = 0.1
     residual: float = 0.1
@@ -108,3 +110,5 @@ class Tuning:
             value = getattr(self, name)
             if not (low < value <= high or value == low == 1):
                 raise ModelError(f"{name} is {value}: it must be above {low} and at most {high}")
+        if not 0 <= self.follow <= 1:
+            raise ModelError(f"follow is {self.follow}: it must be at least 0 and at most 1")

@@ -13,7 +13,7 @@ from models import planar_stage
 from synth.block import Block
 from synth.verify.evidence import Evidence
 
-SIZE, STEP = 0.1, 0.005  # of what the motors meet, m
+SIZE, STEP = 0.1, 0.06  # of what the motors meet, m
 
 
 def subject() -> Subject:

@@ -1,0 +1,256 @@
+"""GLSDC from the paper's equations in plain NumPy, for comparison; N bodies advance one sample at a time.
+
+Kawato and Kim, "Multi-Degree-of-Freedom Precision Position Sensing", (2), section 3.B and Fig. 9. For each sensor, with
+c, s of the yaw and d the derivative of its place P by the yaw, its two voltages and their Jacobian are
+
+    [ a ]   [  c  s ] [ B_X ]        [  c g_X   s g_Y   -s B_X + c B_Y + c g_X d_X + s g_Y d_Y ]
+    [ b ] = [ -s  c ] [ B_Y ]   H =  [ -s g_X   c g_Y   -c B_X - s B_Y - s g_X d_X + c g_Y d_Y ]    g = dB/dX, V/m
+
+A correction is the least-squares solution of the weighted rows over those of the damping, by an orthogonal
+factorisation, in m and rad about the middle of the sensors. Sines are NumPy's, of 5 w X as of w X.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import pi, sqrt
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+Columns = Mapping[str, Array]
+
+SLACK = 0.01  # of deviation^2
+PATIENCE = 5  # samples
+DIRECTIONS, CHANGE = 3, 1e-9  # of voltages, of alpha, in which a step is tried
+POSE, MOTION = ("phase_x", "phase_y", "yaw"), ("motion_x", "motion_y", "motion_yaw")
+PLASTIC = 1.324717957244746  # g, g^3 = g + 1
+
+
+@dataclass(frozen=True)
+class Setup:
+    """Sensors in the body, m, their weights, the field, V, and the numbers of the algorithm."""
+
+    positions: tuple[tuple[float, float], ...]
+    weights: tuple[float, ...]
+    c: float
+    alpha: float
+    beta: float
+    pitch: float
+    deviation: float
+    iterations: int
+    scale: float
+    damping: float
+    reach: float
+    follow: float
+    settled: float
+    leaning: float
+    residual: float
+    pitches: int
+
+    @property
+    def middle(self) -> Array:
+        """Where the correction is made in the body, m."""
+        return np.mean(self.positions, axis=0)
+
+    @property
+    def arms(self) -> Array:
+        """From there to the sensors, m, (sensors, 2)."""
+        return np.array(self.positions) - self.middle
+
+    @property
+    def stiffness(self) -> Array:
+        """The damping's root by X, Y and yaw, V/m and V/rad."""
+        w = 2 * pi / self.pitch
+        arm = w * sqrt((self.arms**2).sum() / len(self.positions))
+        return sqrt(self.damping) * self.alpha * np.array([w, w, arm])
+
+    @property
+    def bounds(self) -> Array:
+        """How far a sample may move X, Y and the yaw, m and rad: a sensor's phase by no more than the reach."""
+        w = 2 * pi / self.pitch
+        arm = w * np.abs(self.arms).sum(axis=1).max()
+        half = self.reach / 2
+        return np.array([half / w, half / w, (sqrt(arm**2 + 2 * arm * half) - arm) / arm])
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Rows (N, m, 3) and right sides (N, m) at a displacement, factorised: R (N, 3, 3) and z = Q'b (N, 3)."""
+
+    at: Array
+    squares: Array
+    cost: Array
+    R: Array
+    z: Array
+
+
+def initial_state(setup: Setup) -> dict[str, Array]:
+    """Return the state after init, by name."""
+    names = [*POSE, "yaw_known", "pitch_x", "pitch_y", *(MOTION if setup.follow else ()), "astray", "restarted"]
+    return {name: np.zeros(1) for name in (*names, *(["without"] if len(setup.positions) > 2 else []))}
+
+
+def begun(setup: Setup, state: Columns, refused: Array) -> tuple[Array, Array]:
+    """Return the pose (N, 3) in m and rad with which a sample begins, and the weights (N, sensors)."""
+    w = 2 * pi / setup.pitch
+    start = np.stack([state[name] for name in POSE], axis=1)
+    if setup.follow:
+        start = start + np.stack([state[name] for name in MOTION], axis=1)
+    good = np.ones(refused.shape[:2])
+    if len(setup.positions) > 2:
+        numbers = np.arange(1, len(setup.positions) + 1)
+        good = 1.0 * (~np.any(refused, axis=2) & (numbers != state["without"][:, None]))
+    return start / [w, w, 1], good * np.array(setup.weights)
+
+
+def step(setup: Setup, state: Columns, volts: Array, refused: Array) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Return outputs and next state for held voltages (N, sensors, 2), of which some are `refused`."""
+    w, spare = 2 * pi / setup.pitch, len(setup.positions) > 2
+    start, weights = begun(setup, state, refused)
+    fits, end, converged = descend(setup, start, volts, weights)
+    last = fits[-1]
+    freedom = 2 * len(setup.positions) - 3 - 2 * np.any(weights == 0, axis=1)
+    astray = last.squares > freedom * setup.residual**2
+    found, next, counted = advance(setup, state, start + end, astray)
+    if setup.follow:
+        moved = [
+            state[name] + setup.follow * f * end[:, i]
+            for i, (name, f) in enumerate(zip(MOTION, (w, w, 1.0), strict=True))
+        ]
+        bounds = setup.bounds * [w, w, 1]
+        next |= {name: np.where(astray, 0, np.clip(v, -b, b)) for name, v, b in zip(MOTION, moved, bounds, strict=True)}
+    inverse = np.linalg.inv(last.R)
+    out = position(setup, found) | deviations(setup, inverse, found["yaw"])
+    damped = ((setup.stiffness[:, None] * inverse) ** 2).sum(axis=(1, 2)) > setup.leaning
+    accepted = counted if spare else counted & ~np.any(refused, axis=(1, 2))
+    out |= {"residual": np.sqrt(last.squares / freedom), "converged": converged, "damped": damped}
+    out |= {"valid": converged & ~damped & ~astray & accepted, "restarted": state["restarted"]}
+    return out | ({"without": state["without"]} if spare else {}), next
+
+
+def descend(setup: Setup, start: Array, volts: Array, weights: Array) -> tuple[list[Fit], Array, Array]:
+    """Return what was tried, the displacement (N, 3) after all corrections, and whether they have converged."""
+    fit = fitted(setup, start, np.zeros_like(start), volts, weights)
+    fits = [fit]
+    best, lowest, better = fit.at, fit.cost, np.ones(len(start), bool)
+    for _ in range(setup.iterations - 1):
+        tried = np.where(better[:, None], corrected(setup, fit), (fit.at + best) / 2)
+        fit = fitted(setup, start, tried, volts, weights)
+        fits.append(fit)
+        better = fit.cost <= lowest + SLACK * setup.deviation**2
+        best, lowest = np.where(better[:, None], fit.at, best), np.where(better, fit.cost, lowest)
+    ahead = corrected(setup, fit)
+    moved = np.einsum("nij,nj->ni", fit.R, ahead - fit.at)
+    settled = (moved * fit.z).sum(axis=1) <= setup.scale * (setup.settled * setup.deviation) ** 2
+    converged = better & settled
+    return fits, np.where(converged[:, None], ahead, best), converged
+
+
+def fitted(setup: Setup, start: Array, at: Array, volts: Array, weights: Array) -> Fit:
+    """Linearise at a displacement (N, 3)."""
+    w = 2 * pi / setup.pitch
+    x, y, yaw = (start + at).T[:, :, None]
+    c, s = np.cos(yaw), np.sin(yaw)
+    rx, ry = setup.arms.T
+    dy, dx = c * rx - s * ry, -s * rx - c * ry
+    P = np.stack([x + dy, y - dx])
+    B = setup.c + setup.alpha * np.sin(w * P) + setup.beta * np.sin(5 * w * P)
+    g = w * (setup.alpha * np.cos(w * P) + 5 * setup.beta * np.cos(5 * w * P))
+    (bx, by), (gx, gy) = B, g
+    first = [c * gx, s * gy, -s * bx + c * by + c * gx * dx + s * gy * dy]
+    second = [-s * gx, c * gy, -c * bx - s * by - s * gx * dx + c * gy * dy]
+    root = np.sqrt(weights)
+    H = np.concatenate([np.stack([root * v for v in rows], axis=2) for rows in (first, second)], axis=1)
+    e = np.concatenate([root * (volts[:, :, 0] - c * bx - s * by), root * (volts[:, :, 1] + s * bx - c * by)], axis=1)
+    damping = np.broadcast_to(np.diag(setup.stiffness), (len(at), 3, 3))
+    A, b = np.concatenate([H, damping], axis=1), np.concatenate([e, -setup.stiffness * at], axis=1)
+    Q, R = np.linalg.qr(A)
+    return Fit(at, (e**2).sum(axis=1), (b**2).sum(axis=1), R, np.einsum("nmi,nm->ni", Q, b))
+
+
+def corrected(setup: Setup, fit: Fit) -> Array:
+    """Return the displacement (N, 3) that a scaled correction leads to; where the yaw is limited, X and Y fit it."""
+    R, z, bound = fit.R, setup.scale * fit.z, setup.bounds
+    yaw = np.clip(fit.at[:, 2] + z[:, 2] / R[:, 2, 2], -bound[2], bound[2])
+    right = z[:, :2] - R[:, :2, 2] * (yaw - fit.at[:, 2])[:, None]
+    move = np.linalg.solve(R[:, :2, :2], right[:, :, None])[:, :, 0]
+    return np.column_stack([np.clip(fit.at[:, :2] + move, -bound[:2], bound[:2]), yaw])
+
+
+def advance(
+    setup: Setup, state: Columns, pose: Array, astray: Array
+) -> tuple[dict[str, Array], dict[str, Array], Array]:
+    """Return where the bodies are, the next states, and whether their pitches are counted."""
+    w, found, counted = 2 * pi / setup.pitch, {"yaw": wrapped(pose[:, 2])[0]}, np.ones(len(pose), bool)
+    for i, axis in enumerate("xy"):
+        phase, turns = wrapped(w * pose[:, i])
+        inside = np.abs(state[f"pitch_{axis}"]) < setup.pitches
+        found |= {f"phase_{axis}": phase, f"pitch_{axis}": state[f"pitch_{axis}"] + np.where(inside, turns, 0)}
+        counted &= inside
+    again = astray & (state["astray"] >= PATIENCE - 1)
+    next = {"astray": np.where(astray & ~again, state["astray"] + 1, 0)}
+    if len(setup.positions) > 2:
+        last = state["without"] >= len(setup.positions)
+        next["without"] = np.where(again, np.where(last, 0, state["without"] + 1), state["without"])
+        again = again & last
+    next |= {"restarted": np.maximum(state["restarted"], again)}
+    next |= {"yaw_known": np.where(astray, state["yaw_known"], found["yaw"])}
+    next |= found | {"yaw": np.where(again, state["yaw_known"], found["yaw"])}
+    for axis, part in (("x", 1 / PLASTIC), ("y", 1 / PLASTIC**2)):
+        moved = wrapped(found[f"phase_{axis}"] + 2 * pi * (part - 1))[0]
+        next[f"phase_{axis}"] = np.where(again, moved, found[f"phase_{axis}"])
+    return found, next, counted
+
+
+def wrapped(angle: Array) -> tuple[Array, Array]:
+    """Return angles within half a turn, and the turns taken off."""
+    turns = np.where(angle > pi, 1.0, np.where(angle < -pi, -1.0, 0.0))
+    return angle - 2 * pi * turns, turns
+
+
+def position(setup: Setup, found: Columns) -> dict[str, Array]:
+    """Return X and Y of the body's origin, m, and the yaw."""
+    (x, y), c, s = setup.middle, np.cos(found["yaw"]), np.sin(found["yaw"])
+    turned = {"x": c * x - s * y, "y": s * x + c * y}
+    at = {a: (found[f"phase_{a}"] / (2 * pi) + found[f"pitch_{a}"]) * setup.pitch - turned[a] for a in "xy"}
+    return {"X": at["x"], "Y": at["y"], "yaw": found["yaw"]}
+
+
+def deviations(setup: Setup, inverse: Array, yaw: Array) -> dict[str, Array]:
+    """Return the standard deviations of X, Y and yaw of the body's origin, from R^-1 (N, 3, 3)."""
+    (x, y), c, s = setup.middle, np.cos(yaw), np.sin(yaw)
+    moved = inverse.copy()
+    moved[:, 0] += (s * x + c * y)[:, None] * inverse[:, 2]
+    moved[:, 1] -= (c * x - s * y)[:, None] * inverse[:, 2]
+    found = setup.deviation * np.sqrt((moved**2).sum(axis=2))
+    return {f"deviation_{name}": found[:, i] for i, name in enumerate(("X", "Y", "yaw"))}
+
+
+def magnification(setup: Setup, state: Columns, volts: Array, refused: Array) -> Array:
+    """Return by how much a step magnifies errors of rounding, (N,).
+
+    It is the largest condition number of the corrections, times that by which the step magnifies a change of the
+    voltages: far from a solution one correction magnifies what the one before it has.
+    """
+    fits, _, _ = descend(setup, begun(setup, state, refused)[0], volts, begun(setup, state, refused)[1])
+    condition = np.max([np.linalg.cond(fit.R / setup.stiffness) for fit in fits], axis=0)
+    return condition * np.maximum(amplification(setup, state, volts, refused), 1)
+
+
+def amplification(setup: Setup, state: Columns, volts: Array, refused: Array, seed: int = 0) -> Array:
+    """Return by how much a step magnifies a change of its voltages, (N,): of phases, yaw and residual, of alpha.
+
+    Far from a solution corrections magnify one after the other what the normal equations magnify once.
+    """
+    rng, found = np.random.default_rng(seed), np.zeros(len(volts))
+    w = 2 * pi / setup.pitch
+    before, _ = step(setup, state, volts, refused)
+    for _ in range(DIRECTIONS):
+        by = rng.standard_normal(volts.shape)
+        by *= CHANGE * setup.alpha / np.linalg.norm(by.reshape(len(by), -1), axis=1)[:, None, None]
+        after, _ = step(setup, state, volts + by, refused)
+        for name, size in (("X", 1 / w), ("Y", 1 / w), ("yaw", 1.0), ("residual", setup.alpha)):
+            found = np.maximum(found, np.abs(after[name] - before[name]) / size / CHANGE)
+    return found

@@ -1,0 +1,186 @@
+"""Model (2) of a voltage from scans over the matrix, by batch least squares, and how its coefficients go with the gap.
+
+    V_u = c + alpha sin(w X) + beta sin(5 w X) + gamma sin(w Y) + delta sin(5 w Y) + e,    w = 2 pi / l,
+
+for a sensor's axis along X, and with X and Y exchanged for one along Y. A wave of the number n has no charge above the
+matrix and decays as exp(-n w z), so that for six degrees of freedom, at heights z about z_0,
+
+    alpha(z) = alpha exp(-w (z - z_0)),  beta(z) = beta exp(-5 w (z - z_0)),  gamma as alpha, delta as beta,  c is c.
+
+Whether a field does so is seen from scans at each of several heights: -d ln |alpha| / dz with its interval.
+
+What (2) leaves is mostly waves that it has not, (2, +-1) above all: the same at each scan, not noise. Intervals take it
+for independent errors and say how well the data fix the coefficients; how far the model errs is its residual's map.
+
+Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", (2), section 3.A, Fig. 8.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import pi
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from models import hall_array
+from models.concentrated_field import Wave
+from models.hall_array import HallArray
+from synth import show
+from synth.errors import SignalError
+from synth.signals import Parameter
+from synth.statespace import readonly
+from synth.synthesise import identify, least_squares
+from synth.synthesise.estimate import Estimate
+from synth.synthesise.logs import Log
+
+Array = NDArray[np.float64]
+
+COEFFICIENTS = ("c", "alpha", "beta", "gamma", "delta")
+NUMBERS = {"alpha": 1, "beta": 5, "gamma": 1, "delta": 5}
+PARAMETERS = tuple(Parameter(name, 0.0, "V", 0.0, "(2)") for name in COEFFICIENTS)
+ACROSS = {"X": "Y", "Y": "X"}
+
+
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
+class Fit:
+    """Model (2) of a channel: estimates in V with intervals, and what was measured, modelled and is left, (N,) in V.
+
+    `X` and `Y` (N,), in m, are where: Fig. 8 (a), (b) and (c).
+    """
+
+    channel: str
+    estimate: Estimate
+    X: Array
+    Y: Array
+    measured: Array
+    modelled: Array
+
+    @property
+    def residual(self) -> Array:
+        """Return what the model leaves (N,), V."""
+        return readonly(self.measured - self.modelled)
+
+    def sheet(self) -> show.Sheet:
+        """Return the estimate, and where the largest residual is."""
+        k, inner = int(np.abs(self.residual).argmax()), self.estimate.sheet()
+        line = (
+            f"It leaves {1e3 * self.residual[k]:.4g} mV at X = {1e3 * self.X[k]:.4g} mm, Y = {1e3 * self.Y[k]:.4g} mm, "
+            "and nowhere more."
+        )
+        return show.Sheet(f"Model (2) of {self.channel}", (line, *inner.lines), inner.tables)
+
+
+@dataclass(frozen=True, eq=False)
+class Decay:
+    """How fast a coefficient decays with the height: `estimate` of ln|a| at z_0, a in V, and of the rate in 1/m.
+
+    `law` is n w, 1/m.
+    """
+
+    coefficient: str
+    estimate: Estimate
+    law: float
+
+
+def places(pitch: float, points: int, heights: Sequence[float] = (hall_array.HEIGHT,)) -> dict[str, Array]:
+    """Return a scan's X, Y, Z (N,) in m: a square grid over a pitch at each height in m."""
+    along = pitch * np.arange(points) / points
+    Z, X, Y = np.meshgrid(np.asarray(heights, dtype=np.float64), along, along, indexing="ij")
+    return {"X": readonly(X.ravel()), "Y": readonly(Y.ravel()), "Z": readonly(Z.ravel())}
+
+
+def scanned(array: HallArray, waves: Sequence[Wave], at: Mapping[str, Array], seed: int) -> Log:
+    """Return what sensors read, the body's origin at X, Y, Z (N,) in m without yaw or tilt, with the chain's noise.
+
+    Channels are V_ax, V_ay, V_bx, .. for the axes u and v of each sensor, V.
+    """
+    q = ca.SX.sym("q", 6)
+    volts = ca.Function("volts", [q], [hall_array.voltages(array, waves, hall_array.spatial_pose(q))])
+    N = len(at["X"])
+    poses = np.vstack([at["X"], at["Y"], at["Z"], np.zeros((3, N))])
+    true: Array = volts.map(N)(poses).full()
+    read = true + array.chain.noise * np.random.default_rng(seed).standard_normal(true.shape)
+    names = [f"V_{chr(ord('a') + k)}{axis}" for k in range(len(array.sensors)) for axis in "xy"]
+    return Log({name: at[name] for name in ("X", "Y", "Z")} | dict(zip(names, read, strict=True)))
+
+
+def fit(log: Log, channel: str, pitch: float, along: str = "X", level: float = 0.95) -> Fit:
+    """Return model (2) of a channel whose axis is along X or Y, from X, Y (m) and the channel (V) of a log.
+
+    The pitch is in m.
+
+    Raises SignalError for another axis or a signal that the log does not hold; ModelError naming coefficients that the
+    scan does not tell apart, as a line at one Y does not.
+    """
+    _check_axis(along)
+    return _fit(log, channel, {n: ca.SX(1) for n in (1, 5)}, pitch, along, level)
+
+
+def fit_over_gap(log: Log, channel: str, pitch: float, height: float, along: str = "X", level: float = 0.95) -> Fit:
+    """Return model (2) at a height in m above the matrix, from a log that holds heights Z too, by the law of decay.
+
+    Raises as `fit`.
+    """
+    _check_axis(along)
+    w, Z = 2 * pi / pitch, ca.SX.sym("Z")
+    return _fit(log, channel, {n: ca.exp(-n * w * (Z - height)) for n in (1, 5)}, pitch, along, level, {"Z": Z})
+
+
+def decay(
+    fits: Mapping[float, Fit], coefficient: str, pitch: float, height: float = hall_array.HEIGHT, level: float = 0.95
+) -> Decay:
+    """Return how fast a coefficient of fits by height, in m, decays: ln |a| = ln |a_0| - rate (z - height).
+
+    Raises SignalError for c, which does not decay, an unknown coefficient, fewer than three heights, or a coefficient
+    whose interval holds 0 at one of them, so that nothing is known of its logarithm.
+    """
+    if coefficient not in NUMBERS:
+        raise SignalError(f"'{coefficient}' has no decay: give one of {', '.join(NUMBERS)}")
+    if len(fits) < 3:
+        raise SignalError(f"{len(fits)} heights do not tell a rate and its error: scan at three or more")
+    for z, found in fits.items():
+        low, high = found.estimate.intervals[COEFFICIENTS.index(coefficient)]
+        if low <= 0 <= high:
+            raise SignalError(
+                f"{coefficient} of '{found.channel}' at {1e3 * z:.4g} mm is {found.estimate[coefficient]:.3g} V, not "
+                "told from 0: leave that height out"
+            )
+    above = np.array(list(fits)) - height
+    y = np.log(np.abs([found.estimate[coefficient] for found in fits.values()]))
+    units = {"rate": "1/m"}
+    estimate = least_squares.solve(
+        np.column_stack([np.ones_like(above), -above]), y, ("ln", "rate"), ("ln",), None, level, units
+    )
+    return Decay(coefficient, estimate, NUMBERS[coefficient] * 2 * pi / pitch)
+
+
+def _check_axis(along: str) -> None:
+    if along not in ACROSS:
+        raise SignalError(f"the channel's axis is along '{along}': give X or Y")
+
+
+def _fit(
+    log: Log,
+    channel: str,
+    weight: Mapping[int, ca.SX],
+    pitch: float,
+    along: str,
+    level: float,
+    more: Mapping[str, ca.SX] | None = None,
+) -> Fit:
+    w = 2 * pi / pitch
+    signals = {name: ca.SX.sym(name) for name in ("X", "Y", channel)} | dict(more or {})
+    k = {name: ca.SX.sym(name) for name in COEFFICIENTS}
+    u, v = signals[along], signals[ACROSS[along]]
+    model: ca.SX = k["c"]
+    for name, place in {"alpha": u, "beta": u, "gamma": v, "delta": v}.items():
+        n = NUMBERS[name]
+        model += k[name] * weight[n] * ca.sin(n * w * place)
+    found = identify.fit_linear({channel: model - signals[channel]}, signals, PARAMETERS, k, log, level=level)
+    data = log.columns(tuple(signals))
+    by_row = ca.Function("model", [ca.vcat(list(signals.values())), ca.vcat(list(k.values()))], [model]).map(len(data))
+    modelled = by_row(data.T, np.tile(found.values[:, None], len(data))).full().ravel()
+    X, Y, V = (log.samples[name] for name in ("X", "Y", channel))
+    return Fit(channel, found, X, Y, V, readonly(modelled))

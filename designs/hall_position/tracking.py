@@ -1,0 +1,111 @@
+"""From one sample to the next: the motion goes on, pitches are counted, and what is astray looks for its place again.
+
+A sample is expected to move the body as the last one did, motion <- motion + follow * correction. That decides where
+the voltages do not tell: two sensors that pass a place where they lose rank see the same on two ways out of it.
+
+An estimate whose residuals are larger than those of the field's model for PATIENCE samples in a row tries to do without
+the first sensor, then without the second, and so on; these are all at once where there are only two. When none of that
+helps, it starts again elsewhere in the pitch, at points that fill the pitch evenly however many they are (Roberts'
+sequence), with the last yaw at which it was not astray, and has `restarted`: from then on its pitches are not those
+that it has counted.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import pi
+from string import ascii_lowercase
+
+import casadi as ca
+
+from designs.hall_position.correction import AXES
+from designs.hall_position.descent import Found, Problem
+from designs.hall_position.parameters import Array
+from synth.block import Exprs, State
+from synth.signals import Signal
+
+PATIENCE = 5  # samples
+# Steps to the next start: a pitch divided by g and by g^2, g^3 = g + 1; downwards, as then only one end is passed.
+AGAIN = {"x": -2 * pi * (1 - 0.7548776662466927), "y": -2 * pi * (1 - 0.5698402909980532)}
+
+
+@dataclass(frozen=True, eq=False)
+class Ahead:
+    """Where the body is found, by the names of the states; the next states; and whether its pitches are counted."""
+
+    found: Exprs
+    next: Exprs
+    counted: ca.SX
+
+
+def states(of: Problem) -> list[State]:
+    """Return what is remembered."""
+    n, sensors = of.tuning.pitches, len(of.array.positions)
+    reals = [Signal(f"phase_{a}", "rad", -pi, pi, "of the sensors' centre in its pitch") for a in AXES]
+    reals += [Signal("yaw", "rad", -pi, pi, "of the last sample")]
+    reals += [Signal("yaw_known", "rad", -pi, pi, "of the last sample that was not astray")]
+    reals += [Signal(f"pitch_{a}", "1", -n, n, "whole pitches to the one of the sensors' centre") for a in AXES]
+    if of.tuning.follow:
+        reals += [Signal(f"motion_{a}", "rad", -of.phase, of.phase, "of the phase, expected in a sample") for a in AXES]
+        reals += [Signal("motion_yaw", "rad", -of.yaw, of.yaw, "expected in a sample")]
+    counts = [Signal("astray", "1", 0, PATIENCE, "samples in a row with large residuals")]
+    counts += [Signal("restarted", "1", 0, 1, "it has looked for its place again")]
+    counts += [Signal("without", "1", 0, sensors, "number of the sensor that is left out")] if spare(of.array) else []
+    return [*(State(s, 0.0) for s in reals), *(State(s, 0, True) for s in counts)]
+
+
+def expected(x: Exprs, of: Problem) -> Exprs:
+    """Return the phases and the yaw with which a sample begins."""
+    names = {**{f"phase_{a}": f"motion_{a}" for a in AXES}, "yaw": "motion_yaw"}
+    return {name: x[name] + x[motion] if of.tuning.follow else x[name] for name, motion in names.items()}
+
+
+def spare(array: Array) -> bool:
+    """Return whether one sensor can be left out."""
+    return len(array.positions) > 2
+
+
+def left_out(array: Array, u: Exprs, x: Exprs) -> Sequence[ca.SX] | None:
+    """Return which sensors are left out: one that is tried without, and those of which a voltage is refused."""
+    if not spare(array):
+        return None
+    found = []
+    for n, letter in enumerate(ascii_lowercase[: len(array.positions)], 1):
+        refused = ca.logic_or(u[f"fault_V_{letter}x"], u[f"fault_V_{letter}y"])
+        found.append(ca.logic_or(refused, x["without"] == n))
+    return found
+
+
+def ahead(found: Found, astray: ca.SX, begun: Exprs, x: Exprs, of: Problem) -> Ahead:
+    """Return what comes of corrections of the pose with which a sample has `begun`, and which may be `astray`."""
+    array, tuning = of.array, of.tuning
+    pose, inside = {"yaw": _wrapped(begun["yaw"] + found.at.yaw)[0]}, []
+    for a in AXES:
+        phase, turns = _wrapped(begun[f"phase_{a}"] + found.at.phase[a])
+        inside.append(ca.fabs(x[f"pitch_{a}"]) < tuning.pitches)
+        pose |= {f"phase_{a}": phase, f"pitch_{a}": x[f"pitch_{a}"] + ca.if_else(inside[-1], turns, 0)}
+    impatient = x["astray"] >= PATIENCE - 1
+    next = {"astray": ca.if_else(astray, ca.if_else(impatient, 0, x["astray"] + 1), 0)}
+    again = ca.logic_and(astray, impatient)
+    if spare(array):
+        last = x["without"] >= len(array.positions)
+        next["without"] = ca.if_else(again, ca.if_else(last, 0, x["without"] + 1), x["without"])
+        again = ca.logic_and(again, last)
+    next |= {"restarted": ca.if_else(again, 1, x["restarted"])}
+    next |= {"yaw_known": ca.if_else(astray, x["yaw_known"], pose["yaw"])}
+    next |= pose | {"yaw": ca.if_else(again, x["yaw_known"], pose["yaw"])}
+    for a in AXES:
+        start = pose[f"phase_{a}"] + AGAIN[a]
+        start = ca.if_else(start < -pi, start + 2 * pi, start)
+        next[f"phase_{a}"] = ca.if_else(again, start, pose[f"phase_{a}"])
+    if tuning.follow:
+        by = {"motion_x": found.at.phase["x"], "motion_y": found.at.phase["y"], "motion_yaw": found.at.yaw}
+        next |= {name: ca.if_else(astray, 0, x[name] + tuning.follow * d) for name, d in by.items()}
+    return Ahead(pose, next, ca.logic_and(*inside))
+
+
+def _wrapped(angle: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Return an angle in -2 pi .. 2 pi within half a turn, and the whole turns that are taken off."""
+    above = angle > pi
+    angle, turns = ca.if_else(above, angle - 2 * pi, angle), ca.if_else(above, 1, 0)
+    below = angle < -pi
+    return ca.if_else(below, angle + 2 * pi, angle), ca.if_else(below, -1, turns)

@@ -1,0 +1,145 @@
+"""The estimator over known motions: voltages by model (2), the emitted C in double, and the reference beside it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from designs.hall_position import estimator, reference
+from designs.hall_position.parameters import Array, Tuning
+from synth.block import Block
+from synth.emit import write
+from synth.execute import host
+from synth.statespace import Array as Numbers
+from synth.timing import Discrete
+
+TIME = Discrete(1 / 800)
+L = 0.0508
+W = 2 * np.pi / L
+ALPHA, BETA = 8.4 * 0.37502, -8.4 * 0.02146  # V: fabricated, 3 mm
+SPACING = 0.75 * L / 2
+PAIR = ((-SPACING, -SPACING), (SPACING, SPACING))
+TWO = Array(PAIR, 0.0, ALPHA, BETA)
+THREE = Array((*PAIR, (0.640 * L, 0.613 * L)), 0.0, ALPHA, BETA)
+USUAL = Tuning()
+ARRAYS = {"two": TWO, "three": THREE}
+
+Columns = Mapping[str, Numbers]
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Where bodies are: X, Y in m and the yaw in rad, of one shape."""
+
+    X: Numbers
+    Y: Numbers
+    yaw: Numbers
+
+
+@cache
+def block(array: Array, tuning: Tuning = USUAL) -> Block:
+    return estimator.guarded(array, TIME, tuning)
+
+
+@cache
+def emitted(array: Array, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64) -> write.Emitted:
+    return write.emit(block(array, tuning), scalar, error=estimator.SURROGATE_ERROR[scalar])
+
+
+@cache
+def compiled(array: Array, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64) -> host.Controller:
+    made = emitted(array, tuning, scalar)
+    return host.load(made.files, made.manifest)
+
+
+def setup(array: Array, tuning: Tuning = USUAL, **changed: Any) -> reference.Setup:
+    """Return what the reference needs to know."""
+    names = ("c", "alpha", "beta", "pitch", "deviation")
+    given = {name: getattr(array, name) for name in names} | vars(tuning) | changed
+    weights = array.weights or (1.0,) * len(array.positions)
+    return reference.Setup(positions=array.positions, weights=weights, **given)
+
+
+def volts(array: Array, pose: Pose) -> Numbers:
+    """Return V = R(yaw)' B(P) of each sensor, (.., sensors, 2)."""
+    c, s = np.cos(pose.yaw), np.sin(pose.yaw)
+    found = []
+    for x, y in array.positions:
+        bx, by = (
+            array.c + array.alpha * np.sin(W * p) + array.beta * np.sin(5 * W * p)
+            for p in (pose.X + c * x - s * y, pose.Y + s * x + c * y)
+        )
+        found.append(np.stack([c * bx + s * by, c * by - s * bx], axis=-1))
+    return np.stack(found, axis=-2)
+
+
+def noisy(array: Array, pose: Pose, seed: int = 0) -> Numbers:
+    found = volts(array, pose)
+    return found + array.deviation * np.random.default_rng(seed).standard_normal(found.shape)
+
+
+def wrapped(angle: Numbers) -> Numbers:
+    return (angle + np.pi) % (2 * np.pi) - np.pi
+
+
+def known(array: Array, pose: Pose, tuning: Tuning = USUAL) -> dict[str, Numbers]:
+    """Return the reference's state (N,) of bodies that are known to be, at rest, at poses (N,)."""
+    n, (x, y) = len(pose.X), array.centre
+    state = {name: np.repeat(v, n) for name, v in reference.initial_state(setup(array, tuning)).items()}
+    c, s = np.cos(pose.yaw), np.sin(pose.yaw)
+    for axis, at in (("x", pose.X + c * x - s * y), ("y", pose.Y + s * x + c * y)):
+        pitch = np.round(at / L)
+        state |= {f"phase_{axis}": W * (at - pitch * L), f"pitch_{axis}": pitch}
+    return state | {"yaw": wrapped(pose.yaw), "yaw_known": wrapped(pose.yaw)}
+
+
+def records(array: Array, state: Columns, tuning: Tuning = USUAL) -> host.Records:
+    """Return the C's state records (N,) for states of the reference."""
+    found = np.repeat(compiled(array, tuning).init()[np.newaxis], len(state["yaw"]))
+    for name, v in state.items():
+        found[f"estimator_{name}"] = v
+    return found
+
+
+def given(array: Array, V: Numbers) -> dict[str, Numbers]:
+    """Return voltages (N, sensors, 2) by the names of the inputs."""
+    flat = V.reshape(len(V), -1).T
+    return dict(zip((s.name for s in estimator.voltages(array)), flat, strict=True))
+
+
+def replayed(array: Array, pose: Pose, V: Numbers, tuning: Tuning = USUAL) -> host.Columns:
+    """Return the C's outputs (n, N) over voltages (n, N, sensors, 2), begun at poses (N,)."""
+    state, found = records(array, known(array, pose, tuning), tuning), []
+    for now in V:
+        batch = compiled(array, tuning).batch(state, given(array, now))
+        state = batch.states
+        found.append(batch.outputs)
+    return {name: np.array([f[name] for f in found]) for name in found[0]}
+
+
+def motion(n: int, columns: int, seed: int, travel: float, yaw: float, turn: float = 0.0) -> Pose:
+    """Return smooth random motions (n, columns) within `travel` m and `yaw` rad, and `turn` rad/s besides."""
+    rng, t = np.random.default_rng(seed), np.arange(n)[:, np.newaxis] / 800
+
+    def wander(size: float) -> Numbers:
+        waves = [(1 / k, k * rng.uniform(0.5, 1.5, columns), rng.uniform(0, 6, columns)) for k in (1, 2, 3)]
+        return size / 2 * np.sum([a * np.sin(2 * np.pi * f * t + p) for a, f, p in waves], axis=0)
+
+    return Pose(wander(travel), wander(travel), wander(yaw) + turn * t * rng.choice([-1, 1], columns))
+
+
+def begun(pose: Pose) -> Pose:
+    return Pose(pose.X[0], pose.Y[0], pose.yaw[0])
+
+
+def off(found: Columns, pose: Pose) -> Numbers:
+    """Return how far the positions found are off, m."""
+    return np.hypot(found["X"] - pose.X, found["Y"] - pose.Y)
+
+
+def places(n: int, seed: int, yaw: float) -> Pose:
+    """Return n poses anywhere in the pitch, at yaws within `yaw` rad."""
+    rng = np.random.default_rng(seed)
+    return Pose(rng.uniform(0, L, n), rng.uniform(0, L, n), rng.uniform(-yaw, yaw, n))
