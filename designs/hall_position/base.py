@@ -62,8 +62,10 @@ class Base:
 
 
 def sensors(base: Base, of: Problem, named: Named) -> list[Sensor]:
-    """Return the sensors at the base. The root of its weight is on a sensor's voltages; one that is left out
-    reads 0 in no field. Choices instead of that product would be passed on to every correction."""
+    """Return the sensors at the base, the root of its weight on what each reads; one left out reads 0 in no field.
+
+    It does so by a product with 0: CasADi would pass a choice on into every correction.
+    """
     return [_sensor(base, of, n, named) for n in range(len(of.array.positions))]
 
 

@@ -71,7 +71,7 @@ class Row:
 
 @dataclass(frozen=True, eq=False)
 class Normal:
-    """One axis of the normal equations, N U + coupling T = slope, with 1/N; `turn` is its part of the yaw's gradient.
+    """One axis of the normal equations, N U + coupling T = slope, with 1/N.
 
     `left` and `gain` are its parts of N_T and of the right side when U is eliminated.
     """
@@ -79,19 +79,17 @@ class Normal:
     inverse: ca.SX
     coupling: ca.SX
     slope: ca.SX
-    turn: ca.SX
     left: ca.SX
     gain: ca.SX
 
 
 @dataclass(frozen=True, eq=False)
 class Equations:
-    """The normal equations: those of the axes; T is to be `right` / N_T. `turn` is the yaw's whole gradient."""
+    """The normal equations: those of the axes, and `information` N_T; T is to be `right` / N_T."""
 
     axes: Mapping[str, Normal]
     information: ca.SX
     right: ca.SX
-    turn: ca.SX
 
 
 def rows(sensors: Sequence[Sensor], at: Displacement, turn: Wave, less: ca.SX) -> dict[str, list[Row]]:
@@ -146,9 +144,7 @@ def equations(of: Mapping[str, Sequence[Row]], at: Displacement, damping: float,
     axes = {axis: _normal(of[axis], at.phase[axis], damping) for axis in AXES}
     stiff = damping * radius**2
     information = stiff + _sum(n.left * n.inverse for n in axes.values())
-    back = stiff * at.yaw
-    right = _sum(n.gain * n.inverse for n in axes.values()) - back
-    return Equations(axes, information, right, _sum(n.turn for n in axes.values()) - back)
+    return Equations(axes, information, _sum(n.gain * n.inverse for n in axes.values()) - stiff * at.yaw)
 
 
 def _normal(of: Sequence[Row], phase: ca.SX, damping: float) -> Normal:
@@ -159,7 +155,7 @@ def _normal(of: Sequence[Row], phase: ca.SX, damping: float) -> Normal:
         across = a.g * b.h - b.g * a.h
         left, gain = left + across**2, gain + across * (a.g * b.e - b.g * a.e)
     slope = _sum(r.g * r.e for r in of) - damping * phase
-    return Normal(1 / (damping + _sum(r.g**2 for r in of)), coupling, slope, turn, left, gain)
+    return Normal(1 / (damping + _sum(r.g**2 for r in of)), coupling, slope, left, gain)
 
 
 def _sum(terms: Iterable[ca.SX]) -> ca.SX:

@@ -3,8 +3,9 @@
     d_0 = 0;   J(d_i) <= J(best) + slack ?     yes: best = d_i, d_i+1 = d_i + scale * correction, in reach
                                                no:  d_i+1 = (best + d_i) / 2
 
-The last one is not tried any more: it counts only where it is settled, less than a part of its standard deviation. Its
-length in standard deviations is that in the metric of the normal equations, (correction' gradient)^(1/2) / deviation.
+i = 0 .. n-1: the Jacobian and the cost are computed n times. d_n is not tried any more: it counts only where it is
+settled, less than a part of its standard deviation from d_n-1; else the best one stands. The distance in standard
+deviations is that in the metric of the normal equations, (gradient' N^-1 gradient)^(1/2) / deviation.
 """
 
 from collections.abc import Sequence
@@ -81,7 +82,7 @@ def corrected(sensors: Sequence[Sensor], of: Problem, named: Named) -> Found:
         better = trial.cost <= lowest + SLACK * of.array.deviation**2
         best, lowest = _chosen(better, trial.at, best), ca.if_else(better, trial.cost, lowest)
     ahead = _next(trial, ca.SX(1), best, of)
-    settled = _decrease(trial, ahead) <= of.tuning.scale * (of.tuning.settled * of.array.deviation) ** 2
+    settled = _decrease(trial.equations) <= (of.tuning.settled * of.array.deviation) ** 2
     converged = ca.logic_and(better, settled)
     return Found(_chosen(converged, ahead, best), trial, converged)
 
@@ -123,11 +124,11 @@ def _next(trial: Trial, better: ca.SX, best: Displacement, of: Problem) -> Displ
     return Displacement(phase, yaw)
 
 
-def _decrease(trial: Trial, ahead: Displacement) -> ca.SX:
-    """Return correction' gradient, V^2."""
-    total = trial.equations.turn * (ahead.yaw - trial.at.yaw)
-    for axis, n in trial.equations.axes.items():
-        total += n.slope * (ahead.phase[axis] - trial.at.phase[axis])
+def _decrease(e: Equations) -> ca.SX:
+    """Return gradient' N^-1 gradient, V^2: what a whole correction takes off the cost, to first order."""
+    total = e.right**2 / e.information
+    for n in e.axes.values():
+        total += n.slope**2 * n.inverse
     return total
 
 

@@ -7,11 +7,11 @@ A sample begins where the last motion leads: sines and cosines of that position 
 corrects it. The damping of `correction` holds to it what the voltages do not tell: two sensors lose rank at places.
 There the estimate goes on as it did in one direction for as long as the place is passed, and is `damped`.
 
-`valid` is an estimate that has converged, is not damped, leaves residuals as small as the field's model does, and rests
-on measurements that are all accepted. Positions are absolute in a pitch, and count pitches on from where `init` puts
-them; a body that comes to the last of the pitches that are counted is not valid again until then. The voltages are the
-same when everything is turned by 90 degrees about a strong block, so that the yaw is known to a quarter turn; it goes
-on from the last one.
+`valid` is an estimate that has converged, is not damped, leaves residuals as small as the field's model does, is no
+motion that a body cannot make, and rests on measurements that are all accepted. Positions are absolute in a pitch, and
+count pitches on from where `init` puts them; a body that comes to the last of the pitches that are counted is not valid
+again until then. The voltages are the same when everything is turned by 90 degrees about a strong block, so that the
+yaw is known to a quarter turn; it goes on from the last one.
 
 Deviations are those of a body at rest, from the normal equations: deviation^2 (H'W H + damping)^-1.
 
@@ -29,7 +29,7 @@ import numpy as np
 
 from designs.hall_position import base, descent, tracking
 from designs.hall_position.correction import AXES, Equations, Wave
-from designs.hall_position.descent import Found, Named, Problem
+from designs.hall_position.descent import Named, Problem
 from designs.hall_position.parameters import Array, Tuning
 from synth.block import Block, Exprs, Step, build
 from synth.compose import compose
@@ -39,7 +39,7 @@ from synth.timing import Discrete
 
 SPAN = 5.0  # V, of the converter
 BAD_SAMPLES = 5
-LEAST = 1e-20  # V^2, in a root: squares are not below 0, which is not seen of products that may not be rounded
+LEAST = 1e-30  # V^2, in a root: squares are not below 0, which is not seen of products that may not be rounded
 USUAL = Tuning()
 # Relative, of polynomials: a sine that is wrong by 2e-7 is a position that is wrong by 2 nm.
 SURROGATE_ERROR: dict[type[np.floating], float] = {np.float32: 2e-7, np.float64: 1e-15}
@@ -47,7 +47,7 @@ COMPLETE = Signal("complete", "1", 0, 1, "every measurement is good")
 FLAGS = (
     Signal("converged", "1", 0, 1, "the last correction is small, and none has raised the cost"),
     Signal("damped", "1", 0, 1, "the voltages do not tell all of the position"),
-    Signal("valid", "1", 0, 1, "converged, neither damped nor astray, inputs accepted, pitch counted"),
+    Signal("valid", "1", 0, 1, "converged, neither damped, astray nor sudden, inputs accepted, pitch counted"),
     Signal("restarted", "1", 0, 1, "has looked for its place again: pitches are not known any more"),
 )
 
@@ -79,10 +79,11 @@ def estimator(array: Array, time: Discrete, tuning: Tuning = USUAL) -> Block:
         freedom = _freedom(array, left_out)
         astray = found.last.squares > freedom * tuning.residual**2
         ahead = tracking.ahead(found, astray, begun, x, problem)
-        lever = _levers(heading, found, array, named)
+        lever = _levers(heading, ahead.turn, array, named)
         output = _position(ahead.found, lever, array) | _deviations(found.last.equations, lever, array)
         damped = _leaning(found.last.equations, problem) > tuning.leaning
-        good = ca.logic_and(found.converged, ca.logic_not(ca.logic_or(damped, astray)))
+        sudden = found.last.cost - found.last.squares > (tuning.surprise * array.deviation) ** 2
+        good = ca.logic_and(found.converged, ca.logic_not(ca.logic_or(damped, ca.logic_or(astray, sudden))))
         accepted = ahead.counted if tracking.spare(array) else ca.logic_and(ahead.counted, u["complete"])
         output |= {"residual": ca.sqrt(LEAST + found.last.squares / freedom), "converged": found.converged}
         output |= {"damped": damped, "valid": ca.logic_and(good, accepted), "restarted": x["restarted"]}
@@ -125,12 +126,12 @@ def _freedom(array: Array, left_out: Sequence[ca.SX] | None) -> ca.SX:
     return ca.SX(freedom) if left_out is None else ca.if_else(reduce(ca.logic_or, left_out), freedom - 2, freedom)
 
 
-def _levers(heading: Wave, found: Found, array: Array, named: Named) -> dict[str, ca.SX]:
-    """Return by axis how far the centre lies from the body's origin, m, after the last correction."""
+def _levers(heading: Wave, yaw: ca.SX, array: Array, named: Named) -> dict[str, ca.SX]:
+    """Return by axis how far the centre lies from the body's origin, m, turned by a yaw since the sample began."""
     x, y = array.centre
     if x == y == 0:
         return dict.fromkeys(AXES, ca.SX(0))
-    turn, _ = descent.turned(found.at.yaw, named)
+    turn, _ = descent.turned(yaw, named)
     s = heading.sine * turn.cosine + heading.cosine * turn.sine
     c = heading.cosine * turn.cosine - heading.sine * turn.sine
     return {"x": c * x - s * y, "y": s * x + c * y}

@@ -81,19 +81,21 @@ class Tuning:
     `reach`, rad of phase by which corrections may move a sensor in a sample, half of it by the yaw; `follow`, the part
     of a sample's correction by which the next motion is expected to differ: with 0 none is expected. A correction of
     less than `settled` standard deviations ends the search, and of more than `leaning` parameters that the damping
-    decides instead of the voltages there is `damped`. Residuals up to `residual` V rms are those of the field's model.
-    Positions are counted to `pitches` on either side.
+    decides instead of the voltages there is `damped`. To the damping belongs a deviation of motions from the expected
+    one, array.deviation / (alpha sqrt(damping)); by more than `surprise` times that a body does not move. Residuals up
+    to `residual` V rms are those of the field's model. Positions are counted to `pitches` on either side.
 
     Raises ModelError for a figure that is out of its range.
     """
 
     iterations: int = 5
     scale: float = 1.0
-    damping: float = 1e-4
+    damping: float = 1e-3
     reach: float = 1.0
     follow: float = 0.5
     settled: float = 0.1
-    leaning: float = 0.1
+    leaning: float = 0.15
+    surprise: float = 3.0
     residual: float = 0.1
     pitches: int = 8
 
@@ -105,7 +107,12 @@ class Tuning:
             "reach": (0, 1),
             "settled": (0, 1),
         }
-        ranges |= {"leaning": (0, 3), "residual": (0, float("inf")), "pitches": (1, 1000)}
+        ranges |= {
+            "leaning": (0, 3),
+            "surprise": (0, float("inf")),
+            "residual": (0, float("inf")),
+            "pitches": (1, 1000),
+        }
         for name, (low, high) in ranges.items():
             value = getattr(self, name)
             if not (low < value <= high or value == low == 1):

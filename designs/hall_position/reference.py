@@ -46,6 +46,7 @@ class Setup:
     follow: float
     settled: float
     leaning: float
+    surprise: float
     residual: float
     pitches: int
 
@@ -88,8 +89,20 @@ class Fit:
 
 def initial_state(setup: Setup) -> dict[str, Array]:
     """Return the state after init, by name."""
-    names = [*POSE, "yaw_known", "pitch_x", "pitch_y", *(MOTION if setup.follow else ()), "astray", "restarted"]
-    return {name: np.zeros(1) for name in (*names, *(["without"] if len(setup.positions) > 2 else []))}
+    names = [
+        *POSE,
+        "yaw_known",
+        "pitch_x",
+        "pitch_y",
+        *(MOTION if setup.follow else ()),
+        "astray",
+        "searching",
+        "restarted",
+    ]
+    return {
+        name: np.array([1.0 * (name == "searching")])
+        for name in (*names, *(["without"] if len(setup.positions) > 2 else []))
+    }
 
 
 def begun(setup: Setup, state: Columns, refused: Array) -> tuple[Array, Array]:
@@ -113,6 +126,7 @@ def step(setup: Setup, state: Columns, volts: Array, refused: Array) -> tuple[di
     last = fits[-1]
     freedom = 2 * len(setup.positions) - 3 - 2 * np.any(weights == 0, axis=1)
     astray = last.squares > freedom * setup.residual**2
+    end = np.where((astray & (state["searching"] == 0))[:, None], 0.0, end)
     found, next, counted = advance(setup, state, start + end, astray)
     if setup.follow:
         moved = [
@@ -120,13 +134,15 @@ def step(setup: Setup, state: Columns, volts: Array, refused: Array) -> tuple[di
             for i, (name, f) in enumerate(zip(MOTION, (w, w, 1.0), strict=True))
         ]
         bounds = setup.bounds * [w, w, 1]
-        next |= {name: np.where(astray, 0, np.clip(v, -b, b)) for name, v, b in zip(MOTION, moved, bounds, strict=True)}
+        lost = astray & (state["searching"] > 0)
+        next |= {name: np.where(lost, 0, np.clip(v, -b, b)) for name, v, b in zip(MOTION, moved, bounds, strict=True)}
     inverse = np.linalg.inv(last.R)
     out = position(setup, found) | deviations(setup, inverse, found["yaw"])
     damped = ((setup.stiffness[:, None] * inverse) ** 2).sum(axis=(1, 2)) > setup.leaning
     accepted = counted if spare else counted & ~np.any(refused, axis=(1, 2))
     out |= {"residual": np.sqrt(last.squares / freedom), "converged": converged, "damped": damped}
-    out |= {"valid": converged & ~damped & ~astray & accepted, "restarted": state["restarted"]}
+    sudden = last.cost - last.squares > (setup.surprise * setup.deviation) ** 2
+    out |= {"valid": converged & ~damped & ~astray & ~sudden & accepted, "restarted": state["restarted"]}
     return out | ({"without": state["without"]} if spare else {}), next
 
 
@@ -142,8 +158,7 @@ def descend(setup: Setup, start: Array, volts: Array, weights: Array) -> tuple[l
         better = fit.cost <= lowest + SLACK * setup.deviation**2
         best, lowest = np.where(better[:, None], fit.at, best), np.where(better, fit.cost, lowest)
     ahead = corrected(setup, fit)
-    moved = np.einsum("nij,nj->ni", fit.R, ahead - fit.at)
-    settled = (moved * fit.z).sum(axis=1) <= setup.scale * (setup.settled * setup.deviation) ** 2
+    settled = (fit.z**2).sum(axis=1) <= (setup.settled * setup.deviation) ** 2
     converged = better & settled
     return fits, np.where(converged[:, None], ahead, best), converged
 
@@ -192,9 +207,10 @@ def advance(
     again = astray & (state["astray"] >= PATIENCE - 1)
     next = {"astray": np.where(astray & ~again, state["astray"] + 1, 0)}
     if len(setup.positions) > 2:
-        last = state["without"] >= len(setup.positions)
+        last = (state["searching"] > 0) | (state["without"] >= len(setup.positions))
         next["without"] = np.where(again, np.where(last, 0, state["without"] + 1), state["without"])
         again = again & last
+    next["searching"] = np.where(again, 1, np.where(astray, state["searching"], 0))
     next |= {"restarted": np.maximum(state["restarted"], again)}
     next |= {"yaw_known": np.where(astray, state["yaw_known"], found["yaw"])}
     next |= found | {"yaw": np.where(again, state["yaw_known"], found["yaw"])}

@@ -3,11 +3,12 @@
 A sample is expected to move the body as the last one did, motion <- motion + follow * correction. That decides where
 the voltages do not tell: two sensors that pass a place where they lose rank see the same on two ways out of it.
 
-An estimate whose residuals are larger than those of the field's model for PATIENCE samples in a row tries to do without
-the first sensor, then without the second, and so on; these are all at once where there are only two. When none of that
-helps, it starts again elsewhere in the pitch, at points that fill the pitch evenly however many they are (Roberts'
-sequence), with the last yaw at which it was not astray, and has `restarted`: from then on its pitches are not those
-that it has counted.
+A sample is astray whose residuals are larger than those of the field's model. A body whose place was known goes on
+then as it did before. After PATIENCE of them in a row it is tried without the first sensor, then without the second,
+and so on, unless there are only two: one without which the residuals are small stays left out. If none of that helps,
+its place is not known any more. As after `init`, it is searched: corrections are followed wherever they lead, and every
+PATIENCE samples begin elsewhere in the pitch, at points that fill it evenly however many they are (Roberts' sequence),
+with the last yaw that was known. An estimate that has `restarted` so counts its pitches from anywhere.
 """
 
 from collections.abc import Sequence
@@ -23,6 +24,7 @@ from designs.hall_position.parameters import Array
 from synth.block import Exprs, State
 from synth.signals import Signal
 
+POSE, MOTION = ("phase_x", "phase_y", "yaw"), ("motion_x", "motion_y", "motion_yaw")
 PATIENCE = 5  # samples
 # Steps to the next start: a pitch divided by g and by g^2, g^3 = g + 1; downwards, as then only one end is passed.
 AGAIN = {"x": -2 * pi * (1 - 0.7548776662466927), "y": -2 * pi * (1 - 0.5698402909980532)}
@@ -30,9 +32,13 @@ AGAIN = {"x": -2 * pi * (1 - 0.7548776662466927), "y": -2 * pi * (1 - 0.56984029
 
 @dataclass(frozen=True, eq=False)
 class Ahead:
-    """Where the body is found, by the names of the states; the next states; and whether its pitches are counted."""
+    """Where the body is found, by the names of the states, and the yaw since the sample began; the next states.
+
+    `counted`: whether its pitches are.
+    """
 
     found: Exprs
+    turn: ca.SX
     next: Exprs
     counted: ca.SX
 
@@ -48,15 +54,15 @@ def states(of: Problem) -> list[State]:
         reals += [Signal(f"motion_{a}", "rad", -of.phase, of.phase, "of the phase, expected in a sample") for a in AXES]
         reals += [Signal("motion_yaw", "rad", -of.yaw, of.yaw, "expected in a sample")]
     counts = [Signal("astray", "1", 0, PATIENCE, "samples in a row with large residuals")]
+    counts += [Signal("searching", "1", 0, 1, "its place is not known")]
     counts += [Signal("restarted", "1", 0, 1, "it has looked for its place again")]
     counts += [Signal("without", "1", 0, sensors, "number of the sensor that is left out")] if spare(of.array) else []
-    return [*(State(s, 0.0) for s in reals), *(State(s, 0, True) for s in counts)]
+    return [*(State(s, 0.0) for s in reals), *(State(s, int(s.name == "searching"), True) for s in counts)]
 
 
 def expected(x: Exprs, of: Problem) -> Exprs:
     """Return the phases and the yaw with which a sample begins."""
-    names = {**{f"phase_{a}": f"motion_{a}" for a in AXES}, "yaw": "motion_yaw"}
-    return {name: x[name] + x[motion] if of.tuning.follow else x[name] for name, motion in names.items()}
+    return {n: x[n] + x[m] if of.tuning.follow else x[n] for n, m in zip(POSE, MOTION, strict=True)}
 
 
 def spare(array: Array) -> bool:
@@ -77,30 +83,37 @@ def left_out(array: Array, u: Exprs, x: Exprs) -> Sequence[ca.SX] | None:
 
 def ahead(found: Found, astray: ca.SX, begun: Exprs, x: Exprs, of: Problem) -> Ahead:
     """Return what comes of corrections of the pose with which a sample has `begun`, and which may be `astray`."""
-    array, tuning = of.array, of.tuning
-    pose, inside = {"yaw": _wrapped(begun["yaw"] + found.at.yaw)[0]}, []
+    stays = ca.logic_and(astray, ca.logic_not(x["searching"]))
+    by = {name: ca.if_else(stays, 0, d) for name, d in zip(POSE, (*found.at.phase.values(), found.at.yaw), strict=True)}
+    pose, inside = {"yaw": _wrapped(begun["yaw"] + by["yaw"])[0]}, []
     for a in AXES:
-        phase, turns = _wrapped(begun[f"phase_{a}"] + found.at.phase[a])
-        inside.append(ca.fabs(x[f"pitch_{a}"]) < tuning.pitches)
+        phase, turns = _wrapped(begun[f"phase_{a}"] + by[f"phase_{a}"])
+        inside.append(ca.fabs(x[f"pitch_{a}"]) < of.tuning.pitches)
         pose |= {f"phase_{a}": phase, f"pitch_{a}": x[f"pitch_{a}"] + ca.if_else(inside[-1], turns, 0)}
-    impatient = x["astray"] >= PATIENCE - 1
-    next = {"astray": ca.if_else(astray, ca.if_else(impatient, 0, x["astray"] + 1), 0)}
-    again = ca.logic_and(astray, impatient)
-    if spare(array):
-        last = x["without"] >= len(array.positions)
-        next["without"] = ca.if_else(again, ca.if_else(last, 0, x["without"] + 1), x["without"])
-        again = ca.logic_and(again, last)
-    next |= {"restarted": ca.if_else(again, 1, x["restarted"])}
+    next, again = _searched(astray, x, of.array)
     next |= {"yaw_known": ca.if_else(astray, x["yaw_known"], pose["yaw"])}
     next |= pose | {"yaw": ca.if_else(again, x["yaw_known"], pose["yaw"])}
     for a in AXES:
         start = pose[f"phase_{a}"] + AGAIN[a]
         start = ca.if_else(start < -pi, start + 2 * pi, start)
         next[f"phase_{a}"] = ca.if_else(again, start, pose[f"phase_{a}"])
-    if tuning.follow:
-        by = {"motion_x": found.at.phase["x"], "motion_y": found.at.phase["y"], "motion_yaw": found.at.yaw}
-        next |= {name: ca.if_else(astray, 0, x[name] + tuning.follow * d) for name, d in by.items()}
-    return Ahead(pose, next, ca.logic_and(*inside))
+    if of.tuning.follow:
+        lost = ca.logic_and(astray, x["searching"])
+        next |= {m: ca.if_else(lost, 0, x[m] + of.tuning.follow * by[n]) for m, n in zip(MOTION, POSE, strict=True)}
+    return Ahead(pose, by["yaw"], next, ca.logic_and(*inside))
+
+
+def _searched(astray: ca.SX, x: Exprs, array: Array) -> tuple[dict[str, ca.SX], ca.SX]:
+    """Return the next counts and flags, and whether the next sample begins elsewhere."""
+    impatient = x["astray"] >= PATIENCE - 1
+    next = {"astray": ca.if_else(astray, ca.if_else(impatient, 0, x["astray"] + 1), 0)}
+    again = ca.logic_and(astray, impatient)
+    if spare(array):
+        last = ca.logic_or(x["searching"], x["without"] >= len(array.positions))
+        next["without"] = ca.if_else(again, ca.if_else(last, 0, x["without"] + 1), x["without"])
+        again = ca.logic_and(again, last)
+    next["searching"] = ca.if_else(again, 1, ca.if_else(astray, x["searching"], 0))
+    return next | {"restarted": ca.if_else(again, 1, x["restarted"])}, again
 
 
 def _wrapped(angle: ca.SX) -> tuple[ca.SX, ca.SX]:

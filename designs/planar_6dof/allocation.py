@@ -23,11 +23,11 @@ The laws demand currents d = w / scale, so that what is left of T and K is ratio
 
 d_x, d_y come in the matrix' frame and are turned by phi into d_x', d_y'.
 
-Limits. Each motor keeps hypot(i_Q, i_D) <= 1.26 A, so that no phase exceeds it. Horizontal currents come first, up to
-QUADRATURE of the limit: nothing but them holds x, y and phi, while the air bearings carry the stage and hold z, theta
-and psi by their stiffness. What i_Q leaves to i_D is never less than 31 % of the limit, so that the vertical loops stay
-closed. C is limited before A and B, which so take back no more torque than C makes: i_CQ stands for d_x' in their
-currents. `made_*` are the demands that the limited currents meet, for anti-windup.
+Limits. Each motor keeps |i_Q| <= QUADRATURE and |i_D| <= DIRECT, so that hypot(i_Q, i_D) <= 1.26 A and no phase exceeds
+it. DIRECT holds theta and psi at 2 mrad against their springs, both at once. C is limited before A and B, which so take
+back no more torque than C makes: i_CQ stands for d_x' in their currents. Of these yaw comes first and y has what it
+leaves: a platen that turns too far is lost, one that is late is not. `made_*` are the demands that the limited currents
+meet, for anti-windup.
 
 Source: Yu, Kim, section 5.1, (17), Table 3.
 """
@@ -46,7 +46,8 @@ from synth.statespace import Array, readonly
 from synth.timing import Discrete
 
 LIMIT = planar_stage.LIMIT  # A
-QUADRATURE = 0.95 * LIMIT  # A: the slope of what it leaves is at most 3.1
+QUADRATURE = 0.9 * LIMIT  # A
+DIRECT = sqrt(LIMIT**2 - QUADRATURE**2)  # A
 AXES = planar_stage.AXES
 HORIZONTAL, VERTICAL = AXES[:3], AXES[3:]
 ROUNDING = 1e-14  # of a ratio of arms
@@ -59,7 +60,7 @@ MADE = tuple(
 )
 CURRENTS = tuple(
     Signal(f"i_{motor}{axis}", "A", -bound, bound, f"{what} current of motor {motor}, peak of a phase")
-    for axis, bound, what in (("Q", QUADRATURE, "quadrature"), ("D", LIMIT, "direct"))
+    for axis, bound, what in (("Q", QUADRATURE, "quadrature"), ("D", DIRECT, "direct"))
     for motor in planar_stage.MOTORS
 )
 PHASES = planar_stage.INPUTS
@@ -143,18 +144,17 @@ def allocation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
         wanted_c = cos * d_x + sin * d_y
         half = (cos * d_y - sin * d_x) / 2
         C = clip(wanted_c, CURRENTS[2])
-        turn, front = d_phi + _times(across, C), d_z - d_theta
-        A, B = (clip(i, CURRENTS[0]) for i in (half - turn, half + turn))
-        Az, Bz, Cz = (
-            _within(i, along)
-            for i, along in ((front + d_psi, A), (front - d_psi, B), (_times(rear, d_z) + 2 * d_theta, C))
-        )
-        currents = A, B, C, Az, Bz, Cz
-        both, lifts = A + B, Az + Bz
+        turn = clip(d_phi + _times(across, C), CURRENTS[0])
+        room = QUADRATURE - ca.fabs(turn)
+        half = ca.fmax(ca.fmin(half, room), -room)
+        front, back = d_z - d_theta, _times(rear, d_z) + 2 * d_theta
+        Az, Bz, Cz = (clip(i, CURRENTS[3]) for i in (front + d_psi, front - d_psi, back))
+        currents = half - turn, half + turn, C, Az, Bz, Cz
+        both, lifts = 2 * half, Az + Bz
         made = (
             cos * C - sin * both,
             sin * C + cos * both,
-            k["half"] * (B - A) - _times(across, C),
+            turn - _times(across, C),
             k["part"] * (lifts + Cz),
             k["part"] * Cz - k["front_part"] * lifts,
             k["half"] * (Az - Bz),
@@ -168,12 +168,6 @@ def allocation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
 def _times(ratio: float, value: ca.SX) -> ca.SX:
     """Return the product, without arithmetic where the arms are as printed."""
     return value if abs(ratio - 1) < ROUNDING else ratio * value
-
-
-def _within(current: ca.SX, along: ca.SX) -> ca.SX:
-    """Return i_D within what i_Q `along` leaves of the limit; the root is of 0.15 A^2 or more."""
-    room = ca.sqrt(LIMIT**2 - along**2)
-    return ca.fmax(ca.fmin(current, room), -room)
 
 
 def commutation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:

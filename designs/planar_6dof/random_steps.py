@@ -59,14 +59,15 @@ def in_operation(subject: Subject, plant: Plant, n: int, seed: int = SEED) -> tu
     """
     block, rng = subject.block, np.random.default_rng(seed)
     states, _ = _anywhere(block, rng, n)
-    pose = {a: _within(allocation.BOX[a], rng.uniform(-1, 1, n)) for a in allocation.AXES}
+    box = {a: next(s for s in block.inputs if s.name == f"{a}_ref") for a in allocation.AXES}
+    pose = {a: _within(box[a], rng.uniform(-1, 1, n)) for a in allocation.AXES}
     known = {"guard_latched": np.zeros(n), "guard_ready": _rare(rng, n, 1 - UNREADY)}
     known |= {"sensing_named": _rare(rng, n, SUSPECTED)} | _remembered(plant, pose, rng, n)
     known |= _law(subject, plant, pose, rng, n)
     if strange := [s for s in states if s.startswith(SEEING) and s not in known and not s.startswith(ANYTHING)]:
         raise SignalError(f"'{block.name}' remembers {', '.join(strange)}: say what that is where the platen is known")
     error = {a: rng.normal(0, PART, n) * subject.size * _reach(block, plant, a) for a in allocation.AXES}
-    references = {f"{a}_ref": _clipped(allocation.BOX[a], pose[a] + error[a]) for a in allocation.AXES}
+    references = {f"{a}_ref": _clipped(box[a], pose[a] + error[a]) for a in allocation.AXES}
     inputs = _failing(bench.seen(pose), rng, n) | references
     return {s: known.get(s, drawn) for s, drawn in states.items()}, inputs
 

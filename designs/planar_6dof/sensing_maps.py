@@ -6,7 +6,7 @@ to the residuals is far inside their bounds. A failure is noticed in the sample 
 
 With either prediction a voltage that drops to zero is not noticed at 7 % of the places, near its own zeros, and makes x
 or y wrong by 1.1 mm at most; V_bx and V_cy at 39 %, by 6.3 mm, since s = A S with c = 0 is nearly what a place near by
-has. All that sticks while the platen moves at 0.1 m/s is noticed within 14 mm. Until then the yaw is wrong by up to
+has. What sticks while the platen moves along its own axis is noticed within 14 mm. Until then the yaw is wrong by up to
 37 mrad with filters and by 25 mrad without, which is where the range of the raw yaw ends, and x or y by 2.5 mm, but by
 12.9 mm, a quarter of a pitch, where V_bx or V_cy sticks.
 """

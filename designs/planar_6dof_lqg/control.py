@@ -31,7 +31,8 @@ p. A larger one lets less noise through and leaves less margin. Peak sensitivity
 
 An error beyond ERROR counts as this, and the integral waits: the axis then moves at k ERROR / k2 at most, from which
 the motors can stop it. Without that a step of x by 10 mm swings beyond the reach of the yaw's sensors, and the platen
-is lost; with it steps of 60 mm overshoot by 1 to 2 %.
+is lost; with it steps of 60 mm overshoot by 1 to 2 %. That is 0.154 m/s in x and 0.33 m/s in y: faster set-points
+are followed late.
 
 Until every measurement has been good once the platen counts as at rest where it is.
 

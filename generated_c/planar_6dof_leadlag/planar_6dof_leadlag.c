@@ -179,7 +179,6 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     static const float loop_psi_direct = 581.13947f;            /* A/rad; (25): gain of the error */
     static const float loop_psi_into_lag = -536.41425f;         /* A/rad; (25): gain times pole less zero */
     static const float loop_psi_reset = 0.9900498f;             /* 1; (25): zero of the integrator in z */
-    static const float allocation_half = 0.5f;                  /* 1; Table 3: 1/2 */
     static const float allocation_part = 0.33333334f;           /* 1; Table 3: c/(2 (b + c)) */
     static const float allocation_front_part = 0.16666667f;     /* 1; Table 3: b/(2 (b + c)) */
     static const float loop_z_driven_x_allocation_part = 0.0033167496f;/* 1 1; (23): 1 less that; times allocation_part */
@@ -276,7 +275,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     }
     const float phi_ref = in->phi_ref;
     float phi_ref_held = phi_ref;
-    if (fabsf(phi_ref) <= 0.02f) {
+    if (fabsf(phi_ref) <= 0.008f) {
         state->guard_last_phi_ref = phi_ref;
     } else {
         phi_ref_held = state->guard_last_phi_ref;
@@ -728,21 +727,21 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float t132 = phi * phi;
         const float t133 = f1_polynomial(t132);
         const float t134 = phi * f2_polynomial(t132);
-        const float t135 = 0.5f * ((t133 * d_y) - (t134 * d_x));
-        const float i_CQ = limit((t133 * d_x) + (t134 * d_y), 1.197f);
-        const float t136 = d_phi + i_CQ;
-        const float i_AQ = limit(t135 - t136, 1.197f);
-        const float i_BQ = limit(t135 + t136, 1.197f);
+        const float i_CQ = limit((t133 * d_x) + (t134 * d_y), 1.134f);
+        const float t135 = limit(d_phi + i_CQ, 1.134f);
+        const float t136 = limit(0.5f * ((t133 * d_y) - (t134 * d_x)), 1.134f - fabsf(t135));
+        const float i_AQ = t136 - t135;
+        const float i_BQ = t136 + t135;
         const float t137 = d_z - d_theta;
-        const float i_AD = limit(t137 + d_psi, sqrtf(1.5876f - (i_AQ * i_AQ)));
-        const float i_BD = limit(t137 - d_psi, sqrtf(1.5876f - (i_BQ * i_BQ)));
+        const float i_AD = limit(t137 + d_psi, 0.5492213f);
+        const float i_BD = limit(t137 - d_psi, 0.5492213f);
 
         /* loop_psi: (25) */
         const float loop_psi_integral_next = (loop_psi_reset * loop_psi_integral) + (loop_psi_driven_x_allocation_half * (i_AD - i_BD));
         state->loop_psi_integral = loop_psi_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float i_CD = limit(d_z + (2.0f * d_theta), sqrtf(1.5876f - (i_CQ * i_CQ)));
+        const float i_CD = limit(d_z + (2.0f * d_theta), 0.5492213f);
 
         /* loop_z: (23) */
         const float t138 = i_AD + i_BD;
@@ -750,22 +749,21 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         state->loop_z_integral = loop_z_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float t139 = i_AQ + i_BQ;
-        const float made_x = (t133 * i_CQ) - (t134 * t139);
+        const float made_x = (t133 * i_CQ) - (2.0f * (t134 * t136));
 
         /* loop_x: (21) */
         const float loop_x_integral_next = (loop_x_reset * loop_x_integral) + (loop_x_driven * made_x);
         state->loop_x_integral = loop_x_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float made_y = (t134 * i_CQ) + (t133 * t139);
+        const float made_y = (t134 * i_CQ) + (2.0f * (t133 * t136));
 
         /* loop_y: (21) */
         const float loop_y_integral_next = (loop_y_reset * loop_y_integral) + (loop_y_driven * made_y);
         state->loop_y_integral = loop_y_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float made_phi = (allocation_half * (i_BQ - i_AQ)) - i_CQ;
+        const float made_phi = t135 - i_CQ;
 
         /* loop_phi: (22) */
         const float loop_phi_integral_next = (loop_phi_reset * loop_phi_integral) + (loop_phi_driven * made_phi);
@@ -783,55 +781,55 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float quarter_sine_back = distance_back * quarter_sine_back_polynomial(distance_back * distance_back);
         const float distance_front = within_y - ((0.012792384f * t133) - 0.0127f);
         const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front * distance_front);
-        const float t140 = quarter_sine_front * quarter_sine_front;
-        const float t141 = quarter_sine_front * sqrtf(1.0f - t140);
-        const float t142 = t141 * (4.0f - (8.0f * t140));
-        const float t143 = f5_polynomial(t132);
-        const float t144 = t142 * t143;
-        const float t145 = 1.0f - (8.0f * (t141 * t141));
-        const float t146 = phi * f6_polynomial(t132);
-        const float t147 = t145 * t146;
-        const float t148 = t144 - t147;
-        const float t149 = t145 * t143;
-        const float t150 = t142 * t146;
-        const float t151 = t149 + t150;
-        const float i_AA_computed = limit((t148 * i_AQ) + (t151 * i_AD), 1.26f);
+        const float t139 = quarter_sine_front * quarter_sine_front;
+        const float t140 = quarter_sine_front * sqrtf(1.0f - t139);
+        const float t141 = t140 * (4.0f - (8.0f * t139));
+        const float t142 = f5_polynomial(t132);
+        const float t143 = t141 * t142;
+        const float t144 = 1.0f - (8.0f * (t140 * t140));
+        const float t145 = phi * f6_polynomial(t132);
+        const float t146 = t144 * t145;
+        const float t147 = t143 - t146;
+        const float t148 = t144 * t142;
+        const float t149 = t141 * t145;
+        const float t150 = t148 + t149;
+        const float i_AA_computed = limit((t147 * i_AQ) + (t150 * i_AD), 1.26f);
         state->safe_output_last_i_AA = i_AA_computed;
         out->i_AA = i_AA_computed;
-        const float t152 = 0.8660254f * ((t148 * i_AD) - (t151 * i_AQ));
-        const float t153 = 0.5f * i_AA_computed;
-        const float i_AB_computed = limit(t152 - t153, 1.26f);
+        const float t151 = 0.8660254f * ((t147 * i_AD) - (t150 * i_AQ));
+        const float t152 = 0.5f * i_AA_computed;
+        const float i_AB_computed = limit(t151 - t152, 1.26f);
         state->safe_output_last_i_AB = i_AB_computed;
         out->i_AB = i_AB_computed;
-        const float i_AC_computed = limit(-(t153 + t152), 1.26f);
+        const float i_AC_computed = limit(-(t152 + t151), 1.26f);
         state->safe_output_last_i_AC = i_AC_computed;
         out->i_AC = i_AC_computed;
-        const float t154 = t144 + t147;
-        const float t155 = t150 - t149;
-        const float i_BA_computed = limit((t154 * i_BQ) - (t155 * i_BD), 1.26f);
+        const float t153 = t143 + t146;
+        const float t154 = t149 - t148;
+        const float i_BA_computed = limit((t153 * i_BQ) - (t154 * i_BD), 1.26f);
         state->safe_output_last_i_BA = i_BA_computed;
         out->i_BA = i_BA_computed;
-        const float t156 = 0.8660254f * ((t155 * i_BQ) + (t154 * i_BD));
-        const float t157 = 0.5f * i_BA_computed;
-        const float i_BB_computed = limit(t156 - t157, 1.26f);
+        const float t155 = 0.8660254f * ((t154 * i_BQ) + (t153 * i_BD));
+        const float t156 = 0.5f * i_BA_computed;
+        const float i_BB_computed = limit(t155 - t156, 1.26f);
         state->safe_output_last_i_BB = i_BB_computed;
         out->i_BB = i_BB_computed;
-        const float i_BC_computed = limit(-(t157 + t156), 1.26f);
+        const float i_BC_computed = limit(-(t156 + t155), 1.26f);
         state->safe_output_last_i_BC = i_BC_computed;
         out->i_BC = i_BC_computed;
-        const float t158 = quarter_sine_back * quarter_sine_back;
-        const float t159 = quarter_sine_back * sqrtf(1.0f - t158);
-        const float t160 = 1.0f - (8.0f * (t159 * t159));
-        const float t161 = t159 * (4.0f - (8.0f * t158));
-        const float i_CA_computed = limit((t160 * i_CQ) - (t161 * i_CD), 1.26f);
+        const float t157 = quarter_sine_back * quarter_sine_back;
+        const float t158 = quarter_sine_back * sqrtf(1.0f - t157);
+        const float t159 = 1.0f - (8.0f * (t158 * t158));
+        const float t160 = t158 * (4.0f - (8.0f * t157));
+        const float i_CA_computed = limit((t159 * i_CQ) - (t160 * i_CD), 1.26f);
         state->safe_output_last_i_CA = i_CA_computed;
         out->i_CA = i_CA_computed;
-        const float t162 = 0.8660254f * ((t161 * i_CQ) + (t160 * i_CD));
-        const float t163 = 0.5f * i_CA_computed;
-        const float i_CB_computed = limit(t162 - t163, 1.26f);
+        const float t161 = 0.8660254f * ((t160 * i_CQ) + (t159 * i_CD));
+        const float t162 = 0.5f * i_CA_computed;
+        const float i_CB_computed = limit(t161 - t162, 1.26f);
         state->safe_output_last_i_CB = i_CB_computed;
         out->i_CB = i_CB_computed;
-        const float i_CC_computed = limit(-(t163 + t162), 1.26f);
+        const float i_CC_computed = limit(-(t162 + t161), 1.26f);
         state->safe_output_last_i_CC = i_CC_computed;
         out->i_CC = i_CC_computed;
     }

@@ -16,7 +16,7 @@ typedef struct {
     float d3;                           /* m, -0.0005 .. 0.0005: laser distance */
     float x_ref;                        /* m, -0.11 .. 0.11: set-point */
     float y_ref;                        /* m, -0.1 .. 0.1: set-point */
-    float phi_ref;                      /* rad, -0.02 .. 0.02: set-point */
+    float phi_ref;                      /* rad, -0.008 .. 0.008: set-point */
     float z_ref;                        /* m, -0.0002 .. 0.0002: set-point */
     float theta_ref;                    /* rad, -0.002 .. 0.002: set-point */
     float psi_ref;                      /* rad, -0.002 .. 0.002: set-point */
@@ -40,7 +40,7 @@ typedef struct {
     float guard_last_d3;                /* m, -0.0005 .. 0.0005: last good value */
     float guard_last_x_ref;             /* m, -0.11 .. 0.11: last good value */
     float guard_last_y_ref;             /* m, -0.1 .. 0.1: last good value */
-    float guard_last_phi_ref;           /* rad, -0.02 .. 0.02: last good value */
+    float guard_last_phi_ref;           /* rad, -0.008 .. 0.008: last good value */
     float guard_last_z_ref;             /* m, -0.0002 .. 0.0002: last good value */
     float guard_last_theta_ref;         /* rad, -0.002 .. 0.002: last good value */
     float guard_last_psi_ref;           /* rad, -0.002 .. 0.002: last good value */
@@ -73,7 +73,7 @@ typedef struct {
     float loop_y_integral;              /* A, -2.64065 .. 2.64065: of the error */
     float loop_y_lag;                   /* A, -1254.25 .. 1254.25: what the lead takes back */
     float loop_phi_integral;            /* A, -2.5452 .. 2.5452: of the error */
-    float loop_phi_lag;                 /* A, -37.4611 .. 37.4611: what the lead takes back */
+    float loop_phi_lag;                 /* A, -33.715 .. 33.715: what the lead takes back */
     float loop_z_integral;              /* A, -1.2726 .. 1.2726: of the error */
     float loop_z_lag;                   /* A, -3.1652 .. 3.1652: what the lead takes back */
     float loop_theta_integral;          /* A, -0.8484 .. 0.8484: of the error */

@@ -174,7 +174,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float loop_psi_direct = 469.96793f;            /* A/rad; (25): gain of the error */
     static const float loop_psi_into_lag = -425.18707f;         /* A/rad; (25): gain times pole less zero */
     static const float loop_psi_reset = 0.9875776f;             /* 1; (25): zero of the integrator in z */
-    static const float allocation_half = 0.5f;                  /* 1; Table 3: 1/2 */
     static const float allocation_part = 0.33333334f;           /* 1; Table 3: c/(2 (b + c)) */
     static const float allocation_front_part = 0.16666667f;     /* 1; Table 3: b/(2 (b + c)) */
     static const float loop_z_driven_x_allocation_part = 0.004140787f;/* 1 1; (23): 1 less that; times allocation_part */
@@ -271,7 +270,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     }
     const float phi_ref = in->phi_ref;
     float phi_ref_held = phi_ref;
-    if (fabsf(phi_ref) <= 0.02f) {
+    if (fabsf(phi_ref) <= 0.008f) {
         state->guard_last_phi_ref = phi_ref;
     } else {
         phi_ref_held = state->guard_last_phi_ref;
@@ -677,21 +676,21 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float t128 = phi_raw * phi_raw;
         const float t129 = f1_polynomial(t128);
         const float t130 = phi_raw * f2_polynomial(t128);
-        const float t131 = 0.5f * ((t129 * d_y) - (t130 * d_x));
-        const float i_CQ = limit((t129 * d_x) + (t130 * d_y), 1.197f);
-        const float t132 = d_phi + i_CQ;
-        const float i_AQ = limit(t131 - t132, 1.197f);
-        const float i_BQ = limit(t131 + t132, 1.197f);
+        const float i_CQ = limit((t129 * d_x) + (t130 * d_y), 1.134f);
+        const float t131 = limit(d_phi + i_CQ, 1.134f);
+        const float t132 = limit(0.5f * ((t129 * d_y) - (t130 * d_x)), 1.134f - fabsf(t131));
+        const float i_AQ = t132 - t131;
+        const float i_BQ = t132 + t131;
         const float t133 = d_z - d_theta;
-        const float i_AD = limit(t133 + d_psi, sqrtf(1.5876f - (i_AQ * i_AQ)));
-        const float i_BD = limit(t133 - d_psi, sqrtf(1.5876f - (i_BQ * i_BQ)));
+        const float i_AD = limit(t133 + d_psi, 0.5492213f);
+        const float i_BD = limit(t133 - d_psi, 0.5492213f);
 
         /* loop_psi: (25) */
         const float loop_psi_integral_next = (loop_psi_reset * loop_psi_integral) + (loop_psi_driven_x_allocation_half * (i_AD - i_BD));
         state->loop_psi_integral = loop_psi_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float i_CD = limit(d_z + (2.0f * d_theta), sqrtf(1.5876f - (i_CQ * i_CQ)));
+        const float i_CD = limit(d_z + (2.0f * d_theta), 0.5492213f);
 
         /* loop_z: (23) */
         const float t134 = i_AD + i_BD;
@@ -699,8 +698,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->loop_z_integral = loop_z_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float t135 = i_AQ + i_BQ;
-        const float made_x = (t129 * i_CQ) - (t130 * t135);
+        const float made_x = (t129 * i_CQ) - (2.0f * (t130 * t132));
 
         /* lqg_x: (28)-(35), (49) */
         const float lqg_x_integral_next = (lqg_x_kept * lqg_x_integral) + (lqg_x_driven * (made_x + t118));
@@ -708,7 +706,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->lqg_x_force = made_x;
 
         /* allocation: Table 3, (17), limits */
-        const float made_y = (t130 * i_CQ) + (t129 * t135);
+        const float made_y = (t130 * i_CQ) + (2.0f * (t129 * t132));
 
         /* lqg_y: (28)-(35), (49) */
         const float lqg_y_integral_next = (lqg_y_kept * lqg_y_integral) + (lqg_y_driven * (made_y + t121));
@@ -716,7 +714,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->lqg_y_force = made_y;
 
         /* allocation: Table 3, (17), limits */
-        const float made_phi = (allocation_half * (i_BQ - i_AQ)) - i_CQ;
+        const float made_phi = t131 - i_CQ;
 
         /* lqg_phi: (28)-(35), (49) */
         const float lqg_phi_integral_next = (lqg_phi_kept * lqg_phi_integral) + (lqg_phi_driven * (made_phi + t124));
@@ -735,55 +733,55 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float quarter_sine_back = distance_back * quarter_sine_back_polynomial(distance_back * distance_back);
         const float distance_front = within_y - ((0.012792384f * t129) - 0.0127f);
         const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front * distance_front);
-        const float t136 = quarter_sine_front * quarter_sine_front;
-        const float t137 = quarter_sine_front * sqrtf(1.0f - t136);
-        const float t138 = t137 * (4.0f - (8.0f * t136));
-        const float t139 = f5_polynomial(t128);
-        const float t140 = t138 * t139;
-        const float t141 = 1.0f - (8.0f * (t137 * t137));
-        const float t142 = phi_raw * f6_polynomial(t128);
-        const float t143 = t141 * t142;
-        const float t144 = t140 - t143;
-        const float t145 = t141 * t139;
-        const float t146 = t138 * t142;
-        const float t147 = t145 + t146;
-        const float i_AA_computed = limit((t144 * i_AQ) + (t147 * i_AD), 1.26f);
+        const float t135 = quarter_sine_front * quarter_sine_front;
+        const float t136 = quarter_sine_front * sqrtf(1.0f - t135);
+        const float t137 = t136 * (4.0f - (8.0f * t135));
+        const float t138 = f5_polynomial(t128);
+        const float t139 = t137 * t138;
+        const float t140 = 1.0f - (8.0f * (t136 * t136));
+        const float t141 = phi_raw * f6_polynomial(t128);
+        const float t142 = t140 * t141;
+        const float t143 = t139 - t142;
+        const float t144 = t140 * t138;
+        const float t145 = t137 * t141;
+        const float t146 = t144 + t145;
+        const float i_AA_computed = limit((t143 * i_AQ) + (t146 * i_AD), 1.26f);
         state->safe_output_last_i_AA = i_AA_computed;
         out->i_AA = i_AA_computed;
-        const float t148 = 0.8660254f * ((t144 * i_AD) - (t147 * i_AQ));
-        const float t149 = 0.5f * i_AA_computed;
-        const float i_AB_computed = limit(t148 - t149, 1.26f);
+        const float t147 = 0.8660254f * ((t143 * i_AD) - (t146 * i_AQ));
+        const float t148 = 0.5f * i_AA_computed;
+        const float i_AB_computed = limit(t147 - t148, 1.26f);
         state->safe_output_last_i_AB = i_AB_computed;
         out->i_AB = i_AB_computed;
-        const float i_AC_computed = limit(-(t149 + t148), 1.26f);
+        const float i_AC_computed = limit(-(t148 + t147), 1.26f);
         state->safe_output_last_i_AC = i_AC_computed;
         out->i_AC = i_AC_computed;
-        const float t150 = t140 + t143;
-        const float t151 = t146 - t145;
-        const float i_BA_computed = limit((t150 * i_BQ) - (t151 * i_BD), 1.26f);
+        const float t149 = t139 + t142;
+        const float t150 = t145 - t144;
+        const float i_BA_computed = limit((t149 * i_BQ) - (t150 * i_BD), 1.26f);
         state->safe_output_last_i_BA = i_BA_computed;
         out->i_BA = i_BA_computed;
-        const float t152 = 0.8660254f * ((t151 * i_BQ) + (t150 * i_BD));
-        const float t153 = 0.5f * i_BA_computed;
-        const float i_BB_computed = limit(t152 - t153, 1.26f);
+        const float t151 = 0.8660254f * ((t150 * i_BQ) + (t149 * i_BD));
+        const float t152 = 0.5f * i_BA_computed;
+        const float i_BB_computed = limit(t151 - t152, 1.26f);
         state->safe_output_last_i_BB = i_BB_computed;
         out->i_BB = i_BB_computed;
-        const float i_BC_computed = limit(-(t153 + t152), 1.26f);
+        const float i_BC_computed = limit(-(t152 + t151), 1.26f);
         state->safe_output_last_i_BC = i_BC_computed;
         out->i_BC = i_BC_computed;
-        const float t154 = quarter_sine_back * quarter_sine_back;
-        const float t155 = quarter_sine_back * sqrtf(1.0f - t154);
-        const float t156 = 1.0f - (8.0f * (t155 * t155));
-        const float t157 = t155 * (4.0f - (8.0f * t154));
-        const float i_CA_computed = limit((t156 * i_CQ) - (t157 * i_CD), 1.26f);
+        const float t153 = quarter_sine_back * quarter_sine_back;
+        const float t154 = quarter_sine_back * sqrtf(1.0f - t153);
+        const float t155 = 1.0f - (8.0f * (t154 * t154));
+        const float t156 = t154 * (4.0f - (8.0f * t153));
+        const float i_CA_computed = limit((t155 * i_CQ) - (t156 * i_CD), 1.26f);
         state->safe_output_last_i_CA = i_CA_computed;
         out->i_CA = i_CA_computed;
-        const float t158 = 0.8660254f * ((t157 * i_CQ) + (t156 * i_CD));
-        const float t159 = 0.5f * i_CA_computed;
-        const float i_CB_computed = limit(t158 - t159, 1.26f);
+        const float t157 = 0.8660254f * ((t156 * i_CQ) + (t155 * i_CD));
+        const float t158 = 0.5f * i_CA_computed;
+        const float i_CB_computed = limit(t157 - t158, 1.26f);
         state->safe_output_last_i_CB = i_CB_computed;
         out->i_CB = i_CB_computed;
-        const float i_CC_computed = limit(-(t159 + t158), 1.26f);
+        const float i_CC_computed = limit(-(t158 + t157), 1.26f);
         state->safe_output_last_i_CC = i_CC_computed;
         out->i_CC = i_CC_computed;
     }

@@ -92,12 +92,14 @@ def known(array: Array, pose: Pose, tuning: Tuning = USUAL) -> dict[str, Numbers
     for axis, at in (("x", pose.X + c * x - s * y), ("y", pose.Y + s * x + c * y)):
         pitch = np.round(at / L)
         state |= {f"phase_{axis}": W * (at - pitch * L), f"pitch_{axis}": pitch}
-    return state | {"yaw": wrapped(pose.yaw), "yaw_known": wrapped(pose.yaw)}
+    return state | {"yaw": wrapped(pose.yaw), "yaw_known": wrapped(pose.yaw), "searching": np.zeros(n)}
 
 
-def records(array: Array, state: Columns, tuning: Tuning = USUAL) -> host.Records:
+def records(
+    array: Array, state: Columns, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64
+) -> host.Records:
     """Return the C's state records (N,) for states of the reference."""
-    found = np.repeat(compiled(array, tuning).init()[np.newaxis], len(state["yaw"]))
+    found = np.repeat(compiled(array, tuning, scalar).init()[np.newaxis], len(state["yaw"]))
     for name, v in state.items():
         found[f"estimator_{name}"] = v
     return found
@@ -120,11 +122,14 @@ def replayed(array: Array, pose: Pose, V: Numbers, tuning: Tuning = USUAL) -> ho
 
 
 def motion(n: int, columns: int, seed: int, travel: float, yaw: float, turn: float = 0.0) -> Pose:
-    """Return smooth random motions (n, columns) within `travel` m and `yaw` rad, and `turn` rad/s besides."""
+    """Return smooth random motions (n, columns) within `travel` m and `yaw` rad, and `turn` rad/s besides.
+
+    A travel of 0.3 m has speeds of 2 m/s, 2 mm a sample, and accelerations of 20 m/s^2.
+    """
     rng, t = np.random.default_rng(seed), np.arange(n)[:, np.newaxis] / 800
 
     def wander(size: float) -> Numbers:
-        waves = [(1 / k, k * rng.uniform(0.5, 1.5, columns), rng.uniform(0, 6, columns)) for k in (1, 2, 3)]
+        waves = [(1 / k, k * rng.uniform(0.25, 0.75, columns), rng.uniform(0, 6, columns)) for k in (1, 2, 3)]
         return size / 2 * np.sum([a * np.sin(2 * np.pi * f * t + p) for a, f, p in waves], axis=0)
 
     return Pose(wander(travel), wander(travel), wander(yaw) + turn * t * rng.choice([-1, 1], columns))
@@ -143,3 +148,8 @@ def places(n: int, seed: int, yaw: float) -> Pose:
     """Return n poses anywhere in the pitch, at yaws within `yaw` rad."""
     rng = np.random.default_rng(seed)
     return Pose(rng.uniform(0, L, n), rng.uniform(0, L, n), rng.uniform(-yaw, yaw, n))
+
+
+def at_rest(pose: Pose, n: int) -> Pose:
+    """Return bodies (N,) that rest for n samples, (n, N)."""
+    return Pose(*(np.repeat(v[np.newaxis], n, axis=0) for v in (pose.X, pose.Y, pose.yaw)))

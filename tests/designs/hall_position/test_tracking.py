@@ -1,0 +1,89 @@
+"""From sample to sample: it follows, goes on without a sensor that fails, and finds its place again."""
+
+import numpy as np
+import pytest
+
+from designs.hall_position import tracking
+from designs.hall_position.parameters import Tuning
+from tests.designs.hall_position.tracked import (
+    THREE,
+    TWO,
+    L,
+    Pose,
+    at_rest,
+    begun,
+    motion,
+    noisy,
+    off,
+    places,
+    replayed,
+    wrapped,
+)
+
+
+def test_it_follows_over_many_pitches_and_turns_of_the_yaw() -> None:
+    pose = motion(800, 100, 2, travel=0.3, yaw=0.5, turn=6.5)
+    found = replayed(THREE, begun(pose), noisy(THREE, pose))
+    assert np.ptp(pose.X, axis=0).max() > 4 * L and np.ptp(pose.yaw, axis=0).min() > 2 * np.pi - 1.5
+    assert found["valid"][20:].mean() > 0.98 and off(found, pose).max() < 1e-3
+    assert np.abs(wrapped(found["yaw"] - pose.yaw)).max() < 0.02 and not found["restarted"].any()
+
+
+def test_without_expecting_the_motion_turning_bodies_are_lost() -> None:
+    pose, tuning = motion(800, 100, 2, travel=0.3, yaw=0.5, turn=6.5), Tuning(follow=0.0)
+    found = replayed(THREE, begun(pose), noisy(THREE, pose), tuning)
+    assert (off(found, pose).max(axis=0) > 1e-3).mean() > 0.1
+
+
+def test_of_three_sensors_one_may_be_refused() -> None:
+    pose = motion(300, 30, 8, travel=0.1, yaw=0.05)
+    V = noisy(THREE, pose)
+    V[100:, :, 1, 0] = np.nan
+    found = replayed(THREE, begun(pose), V)
+    # Two sensors remain, which lose rank at places.
+    assert found["valid"][20:100].all() and found["valid"][100:].mean() > 0.5 and np.isfinite(found["X"]).all()
+    assert (off(found, pose)[found["valid"] > 0] < 1e-3).mean() > 0.99
+
+
+def test_of_two_sensors_none_may_be_refused() -> None:
+    rest = places(30, 9, 0.02)
+    pose = at_rest(rest, 60)
+    V = noisy(TWO, pose)
+    V[30:33, :, 1, 0] = np.nan
+    found = replayed(TWO, rest, V)
+    assert not found["valid"][30:33].any() and (found["valid"][33:].mean() > 0.8)
+    assert (np.abs(found["X"][30:33] - found["X"][29]) < 5 * found["deviation_X"][29]).all()
+
+
+@pytest.mark.parametrize("sensor", [0, 1, 2])
+def test_of_three_sensors_a_dead_one_is_left_out(sensor: int) -> None:
+    """Flagged at once, where it read more than a residual may be. Two sensors may agree with a dead one by chance."""
+    pose = motion(400, 100, 10 + sensor, travel=0.05, yaw=0.02)
+    V = noisy(THREE, pose)
+    V[100:, :, sensor] = 0.0
+    found = replayed(THREE, begun(pose), V)
+    assert found["valid"][20:100].all() and found["valid"][100].mean() < 0.05
+    right = found["without"][100 + tracking.PATIENCE * (sensor + 2)] == sensor + 1
+    assert right.mean() > 0.75
+    sure = found["valid"] > 0
+    assert sure[130:, right].mean() > 0.5 and (off(found, pose)[sure] < 1e-3).mean() > 0.97
+
+
+def test_from_anywhere_in_the_pitch_it_finds_its_place() -> None:
+    """At a yaw within 3 degrees of the one that is assumed, with residuals of no more than the noise's ten times."""
+    rest = places(300, 13, 0.05)
+    pose, tuning = at_rest(rest, 400), Tuning(residual=0.01)
+    found = replayed(THREE, Pose(*(np.zeros(300),) * 3), noisy(THREE, pose), tuning)
+    within = np.hypot(*((found[a] - getattr(pose, a) + L / 2) % L - L / 2 for a in "XY"))
+    sure = found["valid"] > 0
+    assert sure[-1].mean() > 0.97 and within[sure].max() < 1e-4
+    assert np.median(np.argmax(sure, axis=0)) < 50  # 63 ms
+
+
+def test_a_body_that_leaves_the_pitches_is_not_valid_again() -> None:
+    t = np.arange(1200)[:, np.newaxis] / 800
+    pose = Pose(0.03 + 0.08 * np.sin(4 * t), 0 * t + 0.01, 0 * t)
+    found = replayed(THREE, begun(pose), noisy(THREE, pose), Tuning(pitches=2))
+    gone = np.argmax(pose.X + THREE.centre[0] > 1.55 * L)
+    assert found["valid"][20 : gone - 50].all() and not found["valid"][gone + 50 :].any()
+    assert gone < 400 and pose.X[gone + 50 :].min() < 0
