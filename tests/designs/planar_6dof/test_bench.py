@@ -141,6 +141,7 @@ def test_all_motors_stand_at_their_limits_at_once_and_none_goes_beyond(design: S
     controller, sequences = design.controller, design.sequences
     outputs = steps.taken(controller, sequences["saturated"]).outputs
     found = sizes(outputs)
+    # Both currents of a motor have limits of their own: only where both stand there its size is LIMIT.
     assert np.mean(np.all(found > 0.999 * allocation.LIMIT, axis=0)) > 0.1
     assert found.max() < allocation.LIMIT * (1 + 3e-5)  # the polynomials change a current's size by 2e-5
     for s in interface.OUTPUTS:

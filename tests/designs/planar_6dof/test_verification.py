@@ -47,6 +47,7 @@ def test_the_tour_crosses_pitches_and_sections_both_ways(runs: dict[str, Traject
 
 def test_the_step_is_beyond_the_motors(runs: dict[str, Trajectory]) -> None:
     run = runs["replay of a saturated step"]
+    # The LQG law limits its error, so that the motors push at their limit for 10 ms.
     assert np.count_nonzero(random_steps.saturated(run.commands)) > 5
     assert not run.faults.any()
 

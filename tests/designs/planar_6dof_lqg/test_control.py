@@ -211,6 +211,7 @@ def test_a_step_beyond_the_motors_does_not_wind_up(monkeypatch: pytest.MonkeyPat
     runs = [drawn.run(drawn.compiled(each, control.TIME), 0.6, {"x": 5e-3}) for each in (law, deaf)]
     told, untold = (drawn.overshoot(run["x"], 5e-3) for run in runs)
     assert np.count_nonzero(random_steps.saturated(runs[0].commands)) > 20
+    # A motor's 1.13 A along its motion leave 55 %.
     assert told < 0.6 and not untold < 2 * told and runs[0]["x"][-1] == pytest.approx(5e-3, rel=1e-6)
 
 
