@@ -19,6 +19,7 @@ from synth.signals import Signal, identifier, names
 from synth.timing import Discrete
 
 Exprs = Mapping[str, ca.SX]
+Certificate = Callable[[float, float], float]
 
 
 @dataclass(frozen=True)
@@ -66,11 +67,15 @@ class Constant:
 
 @dataclass(frozen=True)
 class Named:
-    """An intermediate signal of a composition: what it is called, which Block computes it, and the equation's tag."""
+    """An intermediate signal of a composition: what it is called, which Block computes it, and the equation's tag.
+
+    `certificate`, of an output that is limited to +-h, says how large it is before the limit; see `Step`.
+    """
 
     signal: Signal
     block: str
     tag: str
+    certificate: Certificate | None = None
 
 
 @dataclass(frozen=True)
@@ -132,11 +137,17 @@ class Block:
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """What a law computes: outputs, the states' next values, and further signals worth a name."""
+    """What a law computes: outputs, the states' next values, and further signals worth a name.
+
+    `certified` gives for outputs that are limited to +-h a function (u, e) to how large they are before the limit, as
+    computed with an error of u relative to the result of each operation and of e relative to that of each sine and
+    cosine. Where that is h or less, emission leaves the limit out.
+    """
 
     output: Exprs
     next: Exprs = field(default_factory=dict)
     named: Sequence[tuple[Signal, ca.SX]] = ()
+    certified: Mapping[str, Certificate] = field(default_factory=dict)
 
 
 Law = Callable[[Exprs, Exprs, Exprs], Step]
@@ -171,7 +182,7 @@ def build(
     next = {s.name: advanced[s.name] if s.integer else clip(advanced[s.name], s.signal) for s in states}
     output = {s.name: ca.SX(step.output[s.name]) for s in outputs}
     inside = [(Named(signal, name, tag), ca.SX(expr)) for signal, expr in step.named]
-    inside += [(Named(s, name, tag), output[s.name]) for s in outputs]
+    inside += [(Named(s, name, tag, step.certified.get(s.name)), output[s.name]) for s in outputs]
     _closed(name, [*next.values(), *(e for _, e in inside)], symbol)
     return Block(
         name,
@@ -191,6 +202,22 @@ def build(
 def clip(expr: ca.SX, bounds: Signal) -> ca.SX:
     """Return `expr` limited to the range of `bounds`."""
     return ca.fmax(ca.fmin(expr, bounds.high), bounds.low)
+
+
+def table(name: str, values: Sequence[float]) -> ca.Function:
+    """Return index -> value: numbers that a law looks up by a whole index in 0 .. len(values) - 1, an SX expression.
+
+    Emission writes them as an array of constants, and only where it proves that no index leaves it.
+
+    Raises SignalError for a name that C does not allow, fewer than two values, or one that is not finite.
+    """
+    identifier("table", name)
+    if len(values) < 2 or not np.isfinite(values).all():
+        raise SignalError(
+            f"table '{name}' has {len(values)} values, not all finite or too few: give two or more numbers"
+        )
+    index = ca.MX.sym("index")
+    return ca.Function(name, [index], [ca.MX(ca.DM(list(values)))[index]], {"never_inline": True})
 
 
 def _pick(symbol: Exprs, wanted: Sequence[Signal | State | Constant]) -> Exprs:

@@ -33,7 +33,7 @@ Source: Yu, Kim, section 5.1, (17), Table 3.
 """
 
 from dataclasses import replace
-from math import pi, sqrt
+from math import hypot, pi, sqrt
 
 import casadi as ca
 import numpy as np
@@ -47,7 +47,8 @@ from synth.timing import Discrete
 
 LIMIT = planar_stage.LIMIT  # A
 QUADRATURE = 0.9 * LIMIT  # A
-DIRECT = sqrt(LIMIT**2 - QUADRATURE**2)  # A
+SPARE = 3e-5  # of LIMIT: what rounding and polynomials may add to a phase, see `_phase`
+DIRECT = sqrt(((1 - SPARE) * LIMIT) ** 2 - QUADRATURE**2)  # A
 AXES = planar_stage.AXES
 HORIZONTAL, VERTICAL = AXES[:3], AXES[3:]
 ROUNDING = 1e-14  # of a ratio of arms
@@ -198,9 +199,19 @@ def commutation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
             middle = -alpha / 2
             phases = (alpha, clip(middle + beta, PHASES[0]), clip(middle - beta, PHASES[0]))
             output |= {f"i_{motor}{p}_computed": i for p, i in zip(lorentz_motor.OFFSETS, phases, strict=True)}
-        return Step(output, named=[*named, *more])
+        return Step(output, named=[*named, *more], certified=dict.fromkeys(output, _phase))
 
     return build("commutation", time, law, inputs=[*CURRENTS, *WITHIN, phi], outputs=COMPUTED, tag="(17) inverted")
+
+
+def _phase(u: float, e: float) -> float:
+    """Return how large a phase current becomes at most, A, of an error u relative to each result, e to each sine.
+
+    The two doublings make a unit vector of any sine, so that its error e is one of the angle alone. Of its length
+    roundings make 18 u while 1 - sin^2 is 0.4 or more; the yaw's vector is longer by e at most, its product with the
+    other by 3 u; i_Q and i_D are so by 2 u; and the phases of a current R long come to R (1 + 6 u).
+    """
+    return hypot(QUADRATURE, DIRECT) * (1 + e) * (1 + 32 * u)
 
 
 def _angle(name: str, distance: ca.SX, l: float) -> tuple[tuple[ca.SX, ca.SX], list[tuple[Signal, ca.SX]]]:

@@ -1,18 +1,19 @@
 """A Hall channel that sticks, drops to zero or reads NaN, at rest or in motion: noticed when, and what happens then.
 
 Each of the six channels fails by itself, FAILURE seconds after the start, with noise. An experiment is one kind of
-failure; its trajectory is that of the channel with which the stage goes furthest astray before the currents are taken
-away. The fault word names a channel that is out of range, or a suspect since residuals of the sensing are out of their
-bounds. Samples are counted from the first bad one, 0 for that one itself; from the latch on the currents may change by
-SLEW only.
+failure; its trajectory is that of the run in which the stage goes furthest astray before the currents are taken away.
+One from START is told channel by channel, a survey goes over PLACES and counts. The fault word names a channel that is
+out of range, or suspects since the sensing's residual was out of its bound. Samples are counted from the first bad one,
+0 for that one itself; from the latch on the currents may change by SLEW only.
 
-Within PROMPT samples of the first residual out of bounds some channel is named, or the latch has come by other means: a
-platen that a failure carries away may tilt until the lasers are out of range. More than one channel may be named, and a
-sound one alone where the yaw is far beyond its range by then.
+Within PROMPT samples of the first residual out of bounds the channel that fails is named, alone or with others that
+could make what is seen, or the latch has come before: a platen that a failure carries away may tilt until the lasers
+are out of range. What never has such a residual is not noticed, and is told as a share.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Literal
 
 import numpy as np
@@ -32,6 +33,10 @@ Kind = Literal["stuck", "zero", "nan"]
 FAILURE, DURATION = 0.3, 1.3  # s
 START = {"x": 0.009, "y": 0.005}  # m: where no channel reads zero
 SPEED = {"x": 0.020, "y": 0.015}  # m/s, in motion
+PLACES = 12  # of a survey, all over a pitch, from each of which the platen moves another way
+Place = Mapping[str, float]
+SURVEYED: tuple[Kind, ...] = ("zero", "stuck")
+SPEEDS = (0.0, 0.02, 0.08)  # m/s
 HALL = planar_stage.HALL
 SLEW = interface.SLEW * (1 + 1e-5)  # A/s: single precision of 1.26 A over a sample
 PROMPT = 5  # samples
@@ -75,12 +80,14 @@ class Failed:
 
     @property
     def unanswered(self) -> float:
-        """Samples from the first residual out of bounds to the first name or the latch, inf if there is neither."""
+        """Samples from the first residual out of bounds to the channel's name or the latch, inf if there is neither.
+
+        A latch counts where nobody is named at it: what others have been is no answer.
+        """
         if self.contradicted is None:
             return 0.0
-        anything = np.bitwise_or.reduce([self.bits[n] for n in HALL]) | 1 << safety.LATCH_BIT
-        answered = self._first(self.run.faults & anything)
-        return np.inf if answered is None else float(max(answered - self.contradicted, 0))
+        answers = [self.named, None if self.others else self.latched]
+        return min((float(n - self.contradicted) for n in answers if n is not None), default=np.inf)
 
     @property
     def astray(self) -> float:
@@ -116,25 +123,26 @@ class Failed:
         return int(found[0]) - self.sample if found.size else None
 
 
-def fail(loop: Loop, channel: str, kind: Kind, moving: bool) -> Failed:
-    """Run the stage with a channel that fails after FAILURE seconds and stays so."""
+def fail(loop: Loop, channel: str, kind: Kind, start: Place = START, speed: Place | None = None) -> Failed:
+    """Run the stage with a channel that fails after FAILURE seconds and stays so; at rest without a `speed`, m/s."""
     time = sample_times(DURATION, loop.period_s)
     k = int(np.argmax(time >= FAILURE))
-    wanted = {a: np.full(len(time), at) + moving * SPEED[a] * np.maximum(time - 0.1, 0.0) for a, at in START.items()}
+    gone = np.maximum(time - 0.1, 0.0)
+    wanted = {a: at + (speed or dict.fromkeys(start, 0.0))[a] * gone for a, at in start.items()}
     value = _read(loop, wanted, channel, k) if kind == "stuck" else {"zero": 0.0, "nan": np.nan}[kind]
     bad = Override(np.arange(len(time)) >= k, np.full(len(time), value))
-    run = loop.run(DURATION, wanted, START, overrides={channel: bad})
+    run = loop.run(DURATION, wanted, start, overrides={channel: bad})
     strayed = np.max([np.abs(run[a] - r) for a, r in wanted.items()], axis=0)
     beyond = (residuals(loop, run) > 1) & (np.arange(len(time)) >= k)
     return Failed(channel, k, run, strayed, beyond, _bits(loop))
 
 
 def residuals(loop: Loop, run: Trajectory) -> Array:
-    """Return the largest residual (N,) of each sample over its bound, 0 where the word names a channel already."""
+    """Return rho (N,) of `sensing`, 0 where the word names a channel already."""
     seen, A = loop.seen(run), calibration.of(loop.plant).amplitude
     bounds = {s.name: sensing.POWER * A**2 if s.unit == "V^2" else sensing.RESIDUAL * A for s in sensing.RESIDUALS}
-    largest = np.max([np.abs(seen[name]) / bound for name, bound in bounds.items()], axis=0)
-    return np.where(run.faults & np.bitwise_or.reduce(list(_bits(loop).values())), 0.0, largest)
+    rho = np.sqrt(np.sum([(seen[name] / bound) ** 2 for name, bound in bounds.items()], axis=0))
+    return np.where(run.faults & np.bitwise_or.reduce(list(_bits(loop).values())), 0.0, rho)
 
 
 def _bits(loop: Loop) -> dict[str, int]:
@@ -150,12 +158,13 @@ def _bits(loop: Loop) -> dict[str, int]:
 def _read(loop: Loop, wanted: dict[str, Array], channel: str, k: int) -> float:
     """Return what a channel reads at sample k as long as it is sound."""
     until = {axis: values[: k + 1] for axis, values in wanted.items()}
-    return float(loop.run((k + 1) * loop.period_s, until, START).measured[channel][k])
+    start = {axis: float(values[0]) for axis, values in wanted.items()}
+    return float(loop.run((k + 1) * loop.period_s, until, start).measured[channel][k])
 
 
 def experiment(loop: Loop, kind: Kind, moving: bool) -> Experiment:
     """Return what one kind of failure does, over all channels."""
-    runs = [fail(loop, channel, kind, moving) for channel in HALL]
+    runs = [fail(loop, channel, kind, START, SPEED if moving else None) for channel in HALL]
     worst = max(runs, key=lambda f: f.astray)
     where = "in motion" if moving else "at rest"
     return Experiment(
@@ -194,15 +203,64 @@ def checks(runs: list[Failed], kind: Kind, moving: bool) -> tuple[Check, ...]:
         late = max(np.inf if f.latched is None else f.latched for f in runs)
         found.append(Check("samples until the latch", float(late), interface.BAD_SAMPLES - 1.0, "1", "every channel"))
         return tuple(found)
-    slow = max(f.unanswered for f in runs)
-    found.append(Check("samples from a residual out of bounds to a name or the latch", slow, PROMPT, "1"))
+    found.append(_prompt(runs))
     if kind == "zero" or moving:
         unnoticed = sum(f.latched is None for f in runs)
         found.append(Check("channels whose failure is not noticed", float(unnoticed), 0.0, "1", "in 1 s"))
     return tuple(found)
 
 
+def _prompt(runs: Sequence[Failed]) -> Check:
+    slow = max(f.unanswered for f in runs)
+    return Check("samples from a residual out of bounds to the channel's name or the latch", slow, PROMPT, "1")
+
+
+@cache
+def places() -> tuple[tuple[Place, Place], ...]:
+    """Return PLACES starts, m, and the directions to go from each; evenly over a pitch and a turn, by Roberts."""
+    pitch, found = planar_stage.plant().parameter("l").value, []
+    for n in range(PLACES):
+        x, y, turn = ((0.5 + n * step) % 1 for step in (0.7548776662466927, 0.5698402909980532, 0.6180339887498949))
+        angle = 2 * np.pi * turn
+        start = {"x": (0.8 * x - 0.4) * pitch, "y": (0.8 * y - 0.4) * pitch}
+        found.append((start, {"x": float(np.cos(angle)), "y": float(np.sin(angle))}))
+    return tuple(found)
+
+
+def survey(loop: Loop, kind: Kind, speeds: Sequence[float]) -> Experiment:
+    """Return what one kind of failure does, over all channels, places and speeds in m/s."""
+    runs = [
+        fail(loop, channel, kind, start, {axis: v * part for axis, part in way.items()})
+        for channel in HALL
+        for start, way in places()
+        for v in speeds
+    ]
+    noticed = [f for f in runs if f.contradicted is not None]
+    named = [f for f in noticed if f.named is not None]
+    figures = {
+        "runs": float(len(runs)),
+        "with a residual out of its bound, %": 100 * len(noticed) / len(runs),
+        "latched by other means alone, %": 100
+        * sum(f.latched is not None for f in runs if f not in noticed)
+        / len(runs),
+        "of those noticed, the channel is named, %": 100 * len(named) / len(noticed),
+        "of those noticed, it is named alone, %": 100 * sum(not f.others for f in named) / len(noticed),
+        "sound channels named beside it, mean": float(np.mean([len(f.others) for f in named])),
+        "furthest astray where nothing is noticed, um": 1e6
+        * max((f.astray for f in runs if f.latched is None), default=0.0),
+    }
+    worst = max(runs, key=lambda f: f.astray)
+    at = ", ".join(f"{1e3 * v:g}" for v in speeds)
+    about = f"each channel at {PLACES} places, at {at} mm/s; shown is {worst.channel}"
+    title = f"A Hall channel {WORDS[kind]}, anywhere"
+    slew = Check("change of a current from the latch on", max(f.slew() for f in runs), SLEW, "A/s", "declared: 126")
+    return Experiment(
+        f"{kind}_anywhere", title, about, worst.run, ("x", "y", "phi"), {}, figures, (_prompt(runs), slew)
+    )
+
+
 def experiments(loop: Loop) -> list[Experiment]:
-    """Return the three kinds of failure, at rest and in motion."""
+    """Return the three kinds of failure, at rest and in motion, and the surveys."""
     kinds: tuple[Kind, ...] = ("nan", "zero", "stuck")
-    return [experiment(loop, kind, moving) for moving in (False, True) for kind in kinds]
+    told = [experiment(loop, kind, moving) for moving in (False, True) for kind in kinds]
+    return [*told, *(survey(loop, kind, SPEEDS) for kind in SURVEYED)]

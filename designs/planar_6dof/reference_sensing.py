@@ -35,11 +35,10 @@ BOUND = {"x": 0.2, "y": 0.2, "phi": 0.05}  # m, rad: of a filter's states
 YAW = 0.025  # rad
 COUNT = 2  # pitches to either side
 WEIGHT, REGULAR, LEAST = 0.1, 0.01, 1e-6  # of the third equation, of its sum of squares; in the ratio of a pair
-RESIDUAL, POWER, EVIDENCE = 0.08, 0.15, 0.04  # of A, of A^2
-LEAN = 0.04  # of A
-LACK = 10.0  # V
-MEMORY = 3.0  # samples
-OF_X = ("V_ax", "V_bx", "V_cx")
+RESIDUAL, POWER, NEARLY, SMALL = 0.08, 0.15, 0.1, 0.3  # of A, of A^2
+PART_M, PART_R, BIG, KNOWN = 0.2, 0.3, 1.5, 0.01  # of these, of rho, rad
+AGAIN = 0.5  # of rho
+MEMORY = 4.0  # samples
 TERMS, POINTS = 4, 64  # of the fitted position
 
 
@@ -172,19 +171,18 @@ def sense(
     weight = WEIGHT / A**2
     information = h1**2 + h2**2 + weight * h3**2 + REGULAR * A**2
     step = (h1 * r1 - h2 * r2 + weight * h3 * r3) / information
-    bad = {"m_x": np.abs(x.m) > POWER * A**2, "m_y": np.abs(y.m) > POWER * A**2}
-    bad |= {"r_1": np.abs(r1) > RESIDUAL * A, "r_2": np.abs(r2) > RESIDUAL * A}
+    rho = np.sqrt((r1**2 + r2**2) / (RESIDUAL * A) ** 2 + (x.m**2 + y.m**2) / (POWER * A**2) ** 2)
     out = {"m_x": x.m, "m_y": y.m, "r_1": r1, "r_2": r2}
-    doubt = (ready > 0) & complete & (bad["m_x"] | bad["m_y"] | bad["r_1"] | bad["r_2"])
+    before = np.asarray(state["sensing_doubt"])
+    doubt = (ready > 0) & complete & (rho > np.where(before > 0, AGAIN, 1))
     sure = complete & ~doubt
     out["phi_raw"] = np.clip(phi + np.where(sure, step, 0), -YAW, YAW)
-    before = np.asarray(state["sensing_doubt"])
-    of_x, of_y = doubt & (before > 0) & (before <= MEMORY), doubt & (before > MEMORY)
-    counted = np.where(sure, np.maximum(before - 1, 0), before)
     after = {
-        "sensing_doubt": np.where(of_x, 2 * MEMORY, np.where(doubt, MEMORY, counted)),
-        "sensing_named": np.where(of_y, 1.0, state["sensing_named"]),
+        "sensing_doubt": np.where(doubt, MEMORY, np.where(sure, np.maximum(before - 1, 0), before)),
+        "sensing_named": np.where(doubt & (before > 0), 1.0, state["sensing_named"]),
     }
+    for name, found in suspects(x, y, (r1, r2), rho, phi, A).items():
+        after[f"sensing_found_{name}"] = np.where(doubt & (before == 0), 1.0 * found, state[f"sensing_found_{name}"])
     for axis, pair in (("x", x), ("y", y)):
         offset, within = state[f"sensing_offset_{axis}"], state[f"sensing_within_{axis}"]
         off = pair.place + offset - predicted[axis]
@@ -194,46 +192,21 @@ def sense(
         out[f"within_{axis}"] = np.where(sure, pair.place, within)
         after[f"sensing_offset_{axis}"] = np.where(sure, moved, offset)
         after[f"sensing_within_{axis}"] = out[f"within_{axis}"]
-    named = suspects(x, y, (h1, h2, r1, r2), bad, v, k)
-    before_y = [np.asarray(state[f"sensing_found_{name}"]) > 0 for name in OF_X]
-    none = of_y & ~np.any([*before_y, *(named[name] for name in HALL if name not in OF_X)], axis=0)
-    for name, found in named.items():
-        turn = of_x if name in OF_X else of_y
-        kept = np.where(turn, 1.0 * found, state[f"sensing_found_{name}"])
-        after[f"sensing_found_{name}"] = np.where(none, 1.0, kept)
     return out, after
 
 
-def suspects(
-    x: Pair, y: Pair, yawed: tuple[Array, Array, Array, Array], bad: Columns, v: Columns, k: Constants
-) -> dict[str, Array]:
-    """Return for each voltage whether it may be the wrong one, from h1, h2, r1, r2 and what is out of bounds."""
-    A, (h1, h2, r1, r2) = k.amplitude, yawed
-    parity = h2 * r1 + h1 * r2
-    least = LEAST * A**2
-    size = np.sqrt(h1**2 + h2**2 + least)
-    by_x, by_y = h1 / (h1**2 + least), h2 / (h2**2 + least)
-    # What the yaw is wrong by, if V_ax or V_cx, V_ay or V_by is; and what V_ax, V_ay then lack.
-    turn_x, turn_y = np.clip(r1 * by_x, -1, 1), np.clip(-r2 * by_y, -1, 1)
-    lack_x, lack_y = np.clip(parity * by_x, -LACK, LACK), np.clip(parity * by_y, -LACK, LACK)
-    told_x = Pair(x.s - turn_x * v["V_ay"], x.c + turn_x * v["V_ay"], k)
-    told_y = Pair(y.s + turn_y * v["V_ax"], y.c - turn_y * v["V_ax"], k)
-    mend_x = np.abs(Pair(told_x.s + lack_x, told_x.c, k).m) - np.abs(told_x.m)
-    mend_y = np.abs(Pair(told_y.s + lack_y, told_y.c, k).m) - np.abs(told_y.m)
-    lean, slack, margin = np.abs(h1 * r1) - np.abs(h2 * r2), LEAN * A * size, EVIDENCE * A**2
-    beside = bad["r_1"] | bad["r_2"]
-    x_alone, y_alone = bad["m_x"] & ~beside, bad["m_y"] & ~beside
-    first, second = beside & (lean > -slack), beside & (lean < slack)
-    clear_x = np.abs(parity + h1 * x.m * x.s / (2 * x.s**2 + least)) - np.abs(parity)
-    clear_y = np.abs(parity + h2 * y.m * y.s / (2 * y.s**2 + least)) - np.abs(parity)
-    return {
-        "V_ax": (second & (mend_x < margin)) | (x_alone & (clear_x < slack)),
-        "V_ay": (first & (mend_y < margin)) | (y_alone & (clear_y < slack)),
-        "V_bx": x_alone & (clear_x > -slack),
-        "V_by": first & (mend_y > -margin),
-        "V_cx": second & (mend_x > -margin),
-        "V_cy": y_alone & (clear_y > -slack),
-    }
+def suspects(x: Pair, y: Pair, r: tuple[Array, Array], rho: Array, phi: Array, A: float) -> dict[str, Array]:
+    """Return for each voltage whether it may be the wrong one, from what a contradiction first shows."""
+    least_r, least_m, nearly, small = PART_R * RESIDUAL * A, PART_M * POWER * A**2, NEARLY * A**2, SMALL * A**2
+    jumped, crept, turned = {}, {}, (np.abs(r[0]) > least_r) | (np.abs(r[1]) > least_r)
+    for pair, lack, (s, c, other) in ((x, r[1], ("V_ax", "V_bx", "V_cx")), (y, r[0], ("V_ay", "V_cy", "V_by"))):
+        there, beside = np.abs(pair.m) > least_m, np.abs(lack) > least_r
+        plain, slight = np.abs(pair.m) < nearly, np.abs((pair.s + lack) ** 2 - pair.s**2) < small
+        jumped[s], jumped[other] = beside & (slight | ~plain), beside & plain
+        jumped[c] = there & ~beside
+        crept |= {s: turned | there, c: there, other: turned}
+    lost = (np.abs(phi) > KNOWN) | ((rho <= BIG) & (np.abs(x.m) > least_m) & (np.abs(y.m) > least_m))
+    return {name: np.where(rho > BIG, jumped[name], crept[name]) | lost for name in HALL}
 
 
 def estimate(state: Columns, raw: Columns, ready: Array, k: Constants) -> tuple[dict[str, Array], dict[str, Array]]:

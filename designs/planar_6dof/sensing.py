@@ -37,19 +37,28 @@ error is 0.04 mrad rms over a pitch at yaw 0, 0.16 rms and 1.6 at most at 6 mrad
 not yet predicted the raw one shows 0.7 to 1.2 where h_1 and h_2 vanish. Where a position is noisy by 5e-5 m rms the raw
 yaw is so by 1.8 mrad in the median and by 11 mrad at those places, whatever predicts it.
 
-Contradictions. m_x, m_y, r_1 and r_2 are near 0 unless a sensor fails. A sample in which one is out of bounds, or in
-which the guard refuses a voltage, moves neither position nor yaw. The second one out of bounds, MEMORY samples after
-the first at most, finds the suspects among the voltages of x; the third, as soon after the second, those of y. They are
-`suspected` from the sample after that on: no sample is complete any more, and in the fifth the guard latches. Of V_ax,
-V_cx (r_2), V_ay, V_by (r_1) and V_bx, V_cy (m_x, m_y alone) those are named that may explain what is seen, more than
-one where noise could decide; all six where none does. h_2 r_1 + h_1 r_2 knows no yaw: it tells what V_ax or V_ay lack,
-also when the prediction has followed a sensor that sticks. `sensing_maps.faults` tells what is not noticed: at rest all
-that sticks, and V_bx or V_cy that drops to zero within 36 degrees of where it reads zero.
+Contradictions. m_x, m_y, r_1 and r_2 are near 0 unless a sensor fails. A sample whose residual
+
+    rho = ((m_x^2 + m_y^2) / (POWER A^2)^2 + (r_1^2 + r_2^2) / (RESIDUAL A)^2)^(1/2)
+
+is above 1, or in which the guard refuses a voltage, moves neither position nor yaw. What the first such sample shows
+decides who is suspected, as nothing has followed a wrong value yet; a second one, above AGAIN, MEMORY samples after it
+at most, confirms it. From the next sample on they are `suspected`, no sample is complete any more, and in the fifth the
+guard latches. A residual is there from PART of its bound on. Where rho is BIG at once, a voltage has jumped: it is
+
+    V_ax  if r_2 is there, and m_x not nearly 0, or r_2 (2 s_x + r_2) SMALL        V_ay  so with r_1, m_y and s_y
+    V_cx  if r_2 is there, and m_x is nearly 0                                     V_by  so with r_1 and m_y
+    V_bx  if m_x is there, but not r_2                                             V_cy  so with m_y and r_1
+
+since V_ax less by r_2 makes s_x^2 less by r_2 (2 s_x + r_2).
+Otherwise it has come slowly, and the yaw has followed: it shares what one sensor lacks between r_1 and r_2. Then the
+four voltages of these are suspected alike, V_ax and V_bx by m_x, V_ay and V_cy by m_y; all six by m_x and m_y at once,
+and where the yaw is beyond KNOWN. `failures` tells how often the wrong one is among them, `sensing_maps.faults` what is
+not noticed: at rest all that sticks, and V_bx or V_cy that drops to zero within 36 degrees of where it reads zero.
 
 Source: Yu, Kim, section 3.1, Figs. 3 and 4; Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing".
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import casadi as ca
@@ -72,11 +81,12 @@ LEAST = 1e-6  # of A^2, beside a square that is A^2/2 or more unless a sensor fa
 # A position's noise of 5e-5 m rms is one of 0.62 % of A in a voltage. It makes 1.0 % in r_1, r_2 and 1.1 % in m_x, m_y.
 RESIDUAL = 0.08  # of A: six times the noise, and 2 % for unequal sensors and heights
 POWER = 0.15  # of A^2: five times the noise, 5 % for a lift by 0.2 mm and 4 % for the sensors' height
-ANGLE = Signal("angle", "rad", -1, 1)  # so that numbers stay small where voltages make no sense at all
-LACK = Signal("lack", "V", -2 * VOLTAGE, 2 * VOLTAGE)
-LEAN, EVIDENCE = 0.04, 0.04  # of A, of A^2: by how much one explanation must be better than another
-OF_X, OF_Y = ("V_ax", "V_bx", "V_cx"), ("V_ay", "V_cy", "V_by")  # s, c and the other sensor's s
-MEMORY = 3  # samples for which a contradiction is remembered
+PART = {"m": 0.2, "r": 0.3}  # of these
+BIG = 1.5
+NEARLY, SMALL = 0.1, 0.3  # of A^2
+KNOWN = 0.01  # rad
+AGAIN = 0.5  # of rho, of a contradiction that confirms one
+MEMORY = 4  # samples for which a contradiction is remembered
 
 RAW = {a: Signal(f"{a}_raw", "m", -0.16, 0.16, "from this sample's voltages") for a in "xy"}
 RAW["phi"] = Signal("phi_raw", "rad", -YAW, YAW, "from this sample's voltages")
@@ -140,7 +150,9 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         ax, ay, bx, by, cx, cy = (u[s.name] for s in HELD)
         phi = u["phi_predicted"] if predicted else x[yaw]
-        expected = {a: u[f"{a}_predicted"] if predicted else x[f"within_{a}"] + x[f"offset_{a}"] for a in "xy"}
+        expected = {
+            a: u[f"{a}_predicted"] - x[f"offset_{a}"] if predicted else x[f"within_{a}"] for a in "xy"
+        }  # within the pitch that is counted
         X, Y = _pair(ax, -bx, ay, phi, k), _pair(ay, -cy, -ax, phi, k)
         h1, h2 = _slope(Y, k) + (X.c + X.s), _slope(X, k) + (Y.c + Y.s)
         checks = _Checks(h1, h2, by - ay - h1 * phi, cx - ax + h2 * phi)
@@ -148,32 +160,24 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
             axis: _nearest(_place(pair, k, cal), x[f"offset_{axis}"], expected[axis], l)
             for axis, pair in (("x", X), ("y", Y))
         }
-        bad = _bad(X, Y, checks, A)
-        known = ca.logic_and(u["ready"], u["complete"])
-        doubt = ca.logic_and(ca.logic_or(ca.logic_or(bad["m_x"], bad["m_y"]), bad["r"]), known)
+        known, squared = ca.logic_and(u["ready"], u["complete"]), _squared(X, Y, checks, A)
+        bound = ca.if_else(x["doubt"], (AGAIN * RESIDUAL * A) ** 2, (RESIDUAL * A) ** 2)
+        doubt = ca.logic_and(squared > bound, known)
         sure = ca.logic_and(ca.logic_not(doubt), u["complete"])
         output = {yaw: clip(phi + ca.if_else(sure, _turn(X, Y, checks, k, A), 0), RAW["phi"])}
         next: dict[str, ca.SX] = {}
         for axis, at in places.items():
             next[f"offset_{axis}"] = ca.if_else(sure, at.offset, x[f"offset_{axis}"])
             next[f"within_{axis}"] = ca.if_else(sure, at.within, x[f"within_{axis}"])
-            output[f"{axis}_raw"] = ca.if_else(sure, at.within + at.offset, expected[axis])
+            held = u[f"{axis}_predicted"] if predicted else x[f"within_{axis}"] + x[f"offset_{axis}"]
+            output[f"{axis}_raw"] = ca.if_else(sure, at.within + at.offset, held)
             output[f"within_{axis}"] = next[f"within_{axis}"]
         next |= {} if predicted else {yaw: output[yaw]}
-        before = x["doubt"]
-        halfway, later = ca.logic_and(doubt, before), ca.logic_and(doubt, before > MEMORY)
-        counted = ca.if_else(ca.logic_and(sure, before), before - 1, before)
-        next["doubt"] = ca.if_else(later, MEMORY, ca.if_else(halfway, 2 * MEMORY, ca.if_else(doubt, MEMORY, counted)))
-        named, some = _named(X, Y, checks, bad, k, A), ca.SX(0)
-        for name in HALL:
-            some = ca.logic_or(some, named[name] if name in OF_Y else x[f"found_{name}"])
-        for name in OF_X:
-            found, first = x[f"found_{name}"], ca.logic_and(halfway, ca.logic_not(later))
-            next[f"found_{name}"] = ca.if_else(later, ca.if_else(some, found, 1), ca.if_else(first, named[name], found))
-        for name in OF_Y:
-            one = ca.logic_or(named[name], ca.logic_not(some))
-            next[f"found_{name}"] = ca.if_else(later, one, x[f"found_{name}"])
-        next["named"] = ca.if_else(later, 1, x["named"])
+        first, again = ca.logic_and(doubt, ca.logic_not(x["doubt"])), ca.logic_and(doubt, x["doubt"])
+        waited = ca.if_else(ca.logic_and(sure, x["doubt"]), x["doubt"] - 1, x["doubt"])
+        next |= {"doubt": ca.if_else(doubt, MEMORY, waited), "named": ca.if_else(again, 1, x["named"])}
+        for name, one in _suspects(X, Y, checks, phi, A).items():
+            next[f"found_{name}"] = ca.if_else(first, one, x[f"found_{name}"])
         output |= {f"suspect_{name}": x[f"found_{name}"] for name in HALL} | {SUSPECTED.name: x["named"]}
         return Step(output | {"m_x": X.m, "m_y": Y.m, "r_1": checks.r1, "r_2": checks.r2}, next)
 
@@ -190,8 +194,8 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
 
 
 def _states() -> list[State]:
-    doubt = Signal("doubt", "1", 0, 2 * MEMORY, "samples for which a contradiction is remembered, or two")
-    found = [Signal("named", "1", 0, 1, "those that contradict the others are found")]
+    doubt = Signal("doubt", "1", 0, MEMORY, "samples for which a contradiction is still remembered")
+    found = [Signal("named", "1", 0, 1, "a contradiction is confirmed")]
     found += [Signal(f"found_{name}", "1", 0, 1, f"{name} contradicts the others") for name in HALL]
     return [*(State(s, 0.0) for s in (*OFFSETS, *WITHIN)), *(State(s, 0, True) for s in (doubt, *found))]
 
@@ -246,44 +250,38 @@ def _place(p: _Pair, k: Exprs, cal: calibration.Calibration) -> ca.SX:
     return ca.if_else(p.s**2 <= p.c**2, near, ca.if_else(p.s < 0, -l / 4, l / 4) - far)
 
 
-def _nearest(within: ca.SX, offset: ca.SX, predicted: ca.SX, l: float) -> _Found:
+def _nearest(within: ca.SX, offset: ca.SX, expected: ca.SX, l: float) -> _Found:
     """Return the position that lies nearest to the prediction, one pitch from the offset at most."""
-    off = within + offset - predicted
+    off = within - expected
     beyond = ca.fabs(off) > l / 2
     moved = ca.if_else(off > 0, ca.fmax(offset - l, -FAR), ca.fmin(offset + l, FAR))
     return _Found(within, ca.if_else(beyond, moved, offset))
 
 
-def _bad(X: _Pair, Y: _Pair, of: _Checks, A: float) -> dict[str, ca.SX]:
-    """Return which residuals are out of bounds."""
-    m = {"m_x": ca.fabs(X.m) > POWER * A**2, "m_y": ca.fabs(Y.m) > POWER * A**2}
-    return m | {"r": ca.logic_or(ca.fabs(of.r1) > RESIDUAL * A, ca.fabs(of.r2) > RESIDUAL * A)}
+def _squared(X: _Pair, Y: _Pair, of: _Checks, A: float) -> ca.SX:
+    """Return (RESIDUAL A rho)^2."""
+    return of.r1**2 + of.r2**2 + (RESIDUAL / (POWER * A)) ** 2 * (X.m**2 + Y.m**2)
 
 
-def _named(X: _Pair, Y: _Pair, of: _Checks, bad: Mapping[str, ca.SX], k: Exprs, A: float) -> dict[str, ca.SX]:
+def _suspects(X: _Pair, Y: _Pair, of: _Checks, phi: ca.SX, A: float) -> dict[str, ca.SX]:
     """Return for each voltage whether it may be the one that is wrong."""
-    h1, h2, r1, r2 = of.h1, of.h2, of.r1, of.r2
-    parity, least, margin = h2 * r1 + h1 * r2, LEAST * A**2, EVIDENCE * A**2
-    slack = LEAN * A * ca.sqrt(h1**2 + h2**2 + least)
-    lean = ca.fabs(h1 * r1) - ca.fabs(h2 * r2)
-    first, second = ca.logic_and(bad["r"], lean > -slack), ca.logic_and(bad["r"], lean < slack)
-    found: dict[str, ca.SX] = {}
-    for pair, h, turn, side, m, names in (
-        (X, h1, r1, second, bad["m_x"], OF_X),
-        (Y, h2, -r2, first, bad["m_y"], OF_Y),
-    ):
-        per = h / (h**2 + least)
-        yaw, lack = clip(turn * per, ANGLE), clip(parity * per, LACK)
-        told = _pair(pair.s, pair.c, pair.other, yaw, k)  # with the yaw that the other two sensors tell
-        mended = _pair(told.s + lack, told.c, pair.other, ca.SX(0), k)
-        better = ca.fabs(told.m) - ca.fabs(mended.m)
-        short = pair.m * pair.s / (2 * pair.s**2 + least)
-        clear = ca.fabs(parity + h * short) - ca.fabs(parity)
-        alone = ca.logic_and(m, ca.logic_not(bad["r"]))
-        own = ca.logic_or(ca.logic_and(side, better > -margin), ca.logic_and(alone, clear < slack))
-        found |= {
-            names[0]: own,
-            names[1]: ca.logic_and(alone, clear > -slack),
-            names[2]: ca.logic_and(side, better < margin),
-        }
-    return found
+    m_x, m_y = (ca.fabs(p.m) > PART["m"] * POWER * A**2 for p in (X, Y))
+    r_1, r_2 = (ca.fabs(r) > PART["r"] * RESIDUAL * A for r in (of.r1, of.r2))
+    turned = ca.logic_or(r_1, r_2)
+
+    jumped = {"V_bx": ca.logic_and(m_x, ca.logic_not(r_2)), "V_cy": ca.logic_and(m_y, ca.logic_not(r_1))}
+    for p, r, there, own, other in ((X, of.r2, r_2, "V_ax", "V_cx"), (Y, of.r1, r_1, "V_ay", "V_by")):
+        nearly, small = ca.fabs(p.m) < NEARLY * A**2, ca.fabs(r * (2 * p.s + r)) < SMALL * A**2
+        jumped[own] = ca.logic_and(there, ca.logic_or(ca.logic_not(nearly), small))
+        jumped[other] = ca.logic_and(there, nearly)
+    crept = {
+        "V_ax": ca.logic_or(turned, m_x),
+        "V_ay": ca.logic_or(turned, m_y),
+        "V_bx": m_x,
+        "V_by": turned,
+        "V_cx": turned,
+        "V_cy": m_y,
+    }
+    big = _squared(X, Y, of, A) > (BIG * RESIDUAL * A) ** 2
+    lost = ca.logic_or(ca.fabs(phi) > KNOWN, ca.logic_and(ca.logic_and(m_x, m_y), ca.logic_not(big)))
+    return {name: ca.logic_or(ca.if_else(big, jumped[name], crept[name]), lost) for name in HALL}

@@ -177,7 +177,7 @@ def runs(loop: Loop, step: float, replay_s: float) -> dict[str, Trajectory]:
         f"replay of {replay_s:g} s": loop.run(replay_s, tour(replay_s, time), {}),
         "replay of a saturated step": loop.run(SHORT, {"x": np.where(t < 0.2, 0.0, step)}, {}),
         "replay of faults": loop.run(SHORT, tour(SHORT, time), {}, overrides=bad_samples(t)),
-        "replay of a sensor that sticks": failures.fail(loop, "V_ax", "stuck", True).run,
+        "replay of a sensor that sticks": failures.fail(loop, "V_ax", "stuck", speed=failures.SPEED).run,
     }
 
 

@@ -71,7 +71,7 @@ OBSERVER_POLE = {"x": 0.7, "y": 0.7, "phi": 0.9}
 RATES = {"x": "d", "y": "f", "phi": "v"}
 NOISE = {"x": 5e-5, "y": 5e-5, "phi": 1e-3}  # m, rad, of a sample: (9) and (46), that of phi is not printed
 PUSHED = {"x": 0.3, "y": 0.3, "phi": 3.0}  # m^2/s^3, rad^2/s^3: densities of acceleration for the full-order filter
-ERROR = {"x": 1.5e-3, "y": 4e-3, "phi": 8e-3}  # m, rad: a larger one counts as this one
+ERROR = {"x": 1.5e-3, "y": 4e-3}  # m: a larger one counts as this one
 FASTEST = 20.0  # m/s, rad/s, of a full-order estimate
 MEASURED = {axis: replace(POSITIONS[axis], name=f"{axis}_raw", about="as measured") for axis in HORIZONTAL}
 Order = Literal["reduced", "full"]
@@ -218,13 +218,13 @@ def _regulator(
     def law(u: Exprs, x: Exprs, c: Exprs) -> Step:
         w, after = estimate(u, x, c)
         error = u[r.name] - u[q.name]
-        most, near = ERROR[axis.name], ca.fabs(error) <= ERROR[axis.name]
-        pushed = c["on_error"] * ca.if_else(near, error, ca.if_else(error < 0, -most, most))
-        moved = c["kept"] * x["integral"] + c["driven"] * (u[driven.name] - w)
-        integral = ca.if_else(near, moved, x["integral"])
-        return Step(
-            {wanted.name: pushed + (w + x["integral"])}, after | {"integral": integral, "force": u[driven.name]}
-        )
+        integral = c["kept"] * x["integral"] + c["driven"] * (u[driven.name] - w)
+        if most := ERROR.get(axis.name):
+            near = ca.fabs(error) <= most
+            error = ca.if_else(near, error, ca.if_else(error < 0, -most, most))
+            integral = ca.if_else(near, integral, x["integral"])
+        demand = c["on_error"] * error + (w + x["integral"])
+        return Step({wanted.name: demand}, after | {"integral": integral, "force": u[driven.name]})
 
     shared = [
         Constant("on_error", k, _per_position(axis.name), "(49): k1 + k3 T"),

@@ -29,7 +29,7 @@ PERIOD = Fraction(1, 800)  # s
 PER_AMPERE, YAW_PER_AMPERE = 13.2547, 117.15  # (26)
 FORCE = PER_AMPERE * 1.52  # N/A
 WEIGHTS = {"x": (1e4, 1e10, 1e2), "y": (1e3, 1e9, 1e1), "phi": (1e3, 1e10, 2e1)}  # of q, z, q'
-ERROR = {"x": 1.5e-3, "y": 4e-3, "phi": 8e-3}  # m, rad
+ERROR = {"x": 1.5e-3, "y": 4e-3, "phi": np.inf}  # m, rad
 POLE = {"x": "0.7", "y": "0.7", "phi": "0.9"}
 HORIZONTAL, UPRIGHT = ("x", "y", "phi"), ("z", "theta", "psi")
 

@@ -307,18 +307,18 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     }
 
     /* sensing: (1)-(5) */
-    const uint32_t sensing_found_V_ax = state->sensing_found_V_ax;
     const uint32_t sensing_named = state->sensing_named;
-    const uint32_t sensing_found_V_bx = state->sensing_found_V_bx;
-    const uint32_t sensing_found_V_cx = state->sensing_found_V_cx;
 
     /* guard: range acceptance, hold, latch */
     bool complete = false;
     uint32_t faults = t2;
     if (sensing_named != 0u) {
         /* sensing: (1)-(5) */
+        const uint32_t sensing_found_V_ax = state->sensing_found_V_ax;
         const uint32_t sensing_found_V_ay = state->sensing_found_V_ay;
+        const uint32_t sensing_found_V_bx = state->sensing_found_V_bx;
         const uint32_t sensing_found_V_by = state->sensing_found_V_by;
+        const uint32_t sensing_found_V_cx = state->sensing_found_V_cx;
         const uint32_t sensing_found_V_cy = state->sensing_found_V_cy;
         uint32_t t4 = t2;
         if (sensing_found_V_ax != 0u) {
@@ -409,118 +409,112 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float filter_x_p = state->filter_x_p;
 
         /* sensing: (1)-(5) */
+        const uint32_t sensing_doubt = state->sensing_doubt;
         const float t14 = filter_phi_p * V_ay_held;
-        const float t15 = V_ax_held - t14;
-        const float t16 = t15 * t15;
-        const float t17 = t14 - V_bx_held;
-        const float t18 = t17 * t17;
-        const float t19 = t15 * t17;
-        const float t20 = t19 * t19;
-        const float m_x = t16 + t18 - (sensing_power_0 + (t20 * (sensing_power_1 + (t20 * sensing_power_2))));
-        const bool t21 = 1.2919496f < fabsf(m_x);
-        const float t22 = filter_phi_p * V_ax_held;
-        const float t23 = V_ay_held + t22;
-        const float t24 = t23 * t23;
-        const float t25 = V_cy_held + t22;
-        const float t26 = t25 * t25;
-        const float t27 = t23 * t25;
-        const float t28 = t27 * t27;
-        const float m_y = t24 + t26 - (sensing_power_0 + (t28 * (sensing_power_1 + (t28 * sensing_power_2))));
-        const bool t29 = 1.2919496f < fabsf(m_y);
-        const float t30 = t17 + t15 - (t25 * t26 * (sensing_slope_0 + (t24 * sensing_slope_1)));
-        const float r_1 = V_by_held - V_ay_held - (t30 * filter_phi_p);
-        const float t31 = (t17 * t18 * (sensing_slope_0 + (t16 * sensing_slope_1))) + (t23 - t25);
-        const float r_2 = V_cx_held - V_ax_held + (t31 * filter_phi_p);
-        const bool t32 = (0.23478326f < fabsf(r_1)) || (0.23478326f < fabsf(r_2));
-        const bool t33 = (t21 || t29 || t32) && (guard_ready != 0u) && complete;
-        const bool t34 = !t33 && complete;
+        const float t15 = t14 - V_bx_held;
+        const float t16 = V_ax_held - t14;
+        const float t17 = filter_phi_p * V_ax_held;
+        const float t18 = V_cy_held + t17;
+        const float t19 = t18 * t18;
+        const float t20 = V_ay_held + t17;
+        const float t21 = t20 * t20;
+        const float t22 = t15 + t16 - (t18 * t19 * (sensing_slope_0 + (t21 * sensing_slope_1)));
+        const float r_1 = V_by_held - V_ay_held - (t22 * filter_phi_p);
+        const float t23 = t15 * t15;
+        const float t24 = t16 * t16;
+        const float t25 = (t15 * t23 * (sensing_slope_0 + (t24 * sensing_slope_1))) + (t20 - t18);
+        const float r_2 = V_cx_held - V_ax_held + (t25 * filter_phi_p);
+        const float t26 = t16 * t15;
+        const float t27 = t26 * t26;
+        const float m_x = t24 + t23 - (sensing_power_0 + (t27 * (sensing_power_1 + (t27 * sensing_power_2))));
+        const float t28 = t20 * t18;
+        const float t29 = t28 * t28;
+        const float m_y = t21 + t19 - (sensing_power_0 + (t29 * (sensing_power_1 + (t29 * sensing_power_2))));
+        const float t30 = (r_1 * r_1) + (r_2 * r_2) + (0.033025026f * ((m_x * m_x) + (m_y * m_y)));
+        const bool t31 = (((sensing_doubt != 0u) ? 0.013780796f : 0.055123184f) < t30) && (guard_ready != 0u) && complete;
+        const bool t32 = !t31 && complete;
         const float filter_y_p = state->filter_y_p;
-        const float t35 = t30 * r_1;
-        const float t36 = t31 * r_2;
-        const float t37 = t30 * t30;
-        const float t38 = t31 * t31;
-        const float t39 = t37 + t38;
         float x_raw = filter_x_p;
         float y_raw = filter_y_p;
-        float t40 = 0.0f;
+        float t33 = 0.0f;
         float within_x;
         float within_y;
-        if (t34) {
+        if (t32) {
             float sensing_within_x_next;
-            if (t16 <= t18) {
-                const float t41 = limit(t19 / (t18 + 8.612998e-06f), 1.0f);
-                const float t42 = t41 * t41;
-                const float t43 = sensing_position_1 + (t42 * (sensing_position_3 + (t42 * (sensing_position_5 + (t42 * sensing_position_7)))));
-                const float t44 = t41 * t43;
-                if (t17 < 0.0f) {
-                    if (0.0f < t44) {
-                        sensing_within_x_next = t44 - 0.0254f;
+            if (t24 <= t23) {
+                const float t34 = limit(t26 / (t23 + 8.612998e-06f), 1.0f);
+                const float t35 = t34 * t34;
+                const float t36 = sensing_position_1 + (t35 * (sensing_position_3 + (t35 * (sensing_position_5 + (t35 * sensing_position_7)))));
+                const float t37 = t34 * t36;
+                if (t15 < 0.0f) {
+                    if (0.0f < t37) {
+                        sensing_within_x_next = t37 - 0.0254f;
                     } else {
-                        sensing_within_x_next = t44 + 0.0254f;
+                        sensing_within_x_next = t37 + 0.0254f;
                     }
                 } else {
-                    sensing_within_x_next = t44;
+                    sensing_within_x_next = t37;
                 }
             } else {
-                const float t45 = limit(t19 / (t16 + 8.612998e-06f), 1.0f);
-                const float t46 = t45 * t45;
-                const float t47 = sensing_position_1 + (t46 * (sensing_position_3 + (t46 * (sensing_position_5 + (t46 * sensing_position_7)))));
-                sensing_within_x_next = ((t15 < 0.0f) ? -0.0127f : 0.0127f) - (t45 * t47);
+                const float t38 = limit(t26 / (t24 + 8.612998e-06f), 1.0f);
+                const float t39 = t38 * t38;
+                const float t40 = sensing_position_1 + (t39 * (sensing_position_3 + (t39 * (sensing_position_5 + (t39 * sensing_position_7)))));
+                sensing_within_x_next = ((t16 < 0.0f) ? -0.0127f : 0.0127f) - (t38 * t40);
             }
             const float sensing_offset_x = state->sensing_offset_x;
-            const float t48 = sensing_within_x_next + sensing_offset_x - filter_x_p;
-            float t49 = sensing_offset_x;
-            if (0.0254f < fabsf(t48)) {
-                if (0.0f < t48) {
-                    const float t50 = max(sensing_offset_x - 0.0508f, -0.1016f);
-                    t49 = t50;
-                    state->sensing_offset_x = t50;
+            const float t41 = sensing_within_x_next - (filter_x_p - sensing_offset_x);
+            float t42 = sensing_offset_x;
+            if (0.0254f < fabsf(t41)) {
+                if (0.0f < t41) {
+                    const float t43 = max(sensing_offset_x - 0.0508f, -0.1016f);
+                    t42 = t43;
+                    state->sensing_offset_x = t43;
                 } else {
-                    const float t51 = min(sensing_offset_x + 0.0508f, 0.1016f);
-                    t49 = t51;
-                    state->sensing_offset_x = t51;
+                    const float t44 = min(sensing_offset_x + 0.0508f, 0.1016f);
+                    t42 = t44;
+                    state->sensing_offset_x = t44;
                 }
             }
-            x_raw = sensing_within_x_next + t49;
+            x_raw = sensing_within_x_next + t42;
             float sensing_within_y_next;
-            if (t24 <= t26) {
-                const float t52 = limit(-(t27 / (t26 + 8.612998e-06f)), 1.0f);
-                const float t53 = t52 * t52;
-                const float t54 = sensing_position_1 + (t53 * (sensing_position_3 + (t53 * (sensing_position_5 + (t53 * sensing_position_7)))));
-                const float t55 = t52 * t54;
-                if (-t25 < 0.0f) {
-                    if (0.0f < t55) {
-                        sensing_within_y_next = t55 - 0.0254f;
+            if (t21 <= t19) {
+                const float t45 = limit(-(t28 / (t19 + 8.612998e-06f)), 1.0f);
+                const float t46 = t45 * t45;
+                const float t47 = sensing_position_1 + (t46 * (sensing_position_3 + (t46 * (sensing_position_5 + (t46 * sensing_position_7)))));
+                const float t48 = t45 * t47;
+                if (-t18 < 0.0f) {
+                    if (0.0f < t48) {
+                        sensing_within_y_next = t48 - 0.0254f;
                     } else {
-                        sensing_within_y_next = t55 + 0.0254f;
+                        sensing_within_y_next = t48 + 0.0254f;
                     }
                 } else {
-                    sensing_within_y_next = t55;
+                    sensing_within_y_next = t48;
                 }
             } else {
-                const float t56 = limit(-(t27 / (t24 + 8.612998e-06f)), 1.0f);
-                const float t57 = t56 * t56;
-                const float t58 = sensing_position_1 + (t57 * (sensing_position_3 + (t57 * (sensing_position_5 + (t57 * sensing_position_7)))));
-                sensing_within_y_next = ((t23 < 0.0f) ? -0.0127f : 0.0127f) - (t56 * t58);
+                const float t49 = limit(-(t28 / (t21 + 8.612998e-06f)), 1.0f);
+                const float t50 = t49 * t49;
+                const float t51 = sensing_position_1 + (t50 * (sensing_position_3 + (t50 * (sensing_position_5 + (t50 * sensing_position_7)))));
+                sensing_within_y_next = ((t20 < 0.0f) ? -0.0127f : 0.0127f) - (t49 * t51);
             }
             const float sensing_offset_y = state->sensing_offset_y;
-            const float t59 = sensing_within_y_next + sensing_offset_y - filter_y_p;
-            float t60 = sensing_offset_y;
-            if (0.0254f < fabsf(t59)) {
-                if (0.0f < t59) {
-                    const float t61 = max(sensing_offset_y - 0.0508f, -0.1016f);
-                    t60 = t61;
-                    state->sensing_offset_y = t61;
+            const float t52 = sensing_within_y_next - (filter_y_p - sensing_offset_y);
+            float t53 = sensing_offset_y;
+            if (0.0254f < fabsf(t52)) {
+                if (0.0f < t52) {
+                    const float t54 = max(sensing_offset_y - 0.0508f, -0.1016f);
+                    t53 = t54;
+                    state->sensing_offset_y = t54;
                 } else {
-                    const float t62 = min(sensing_offset_y + 0.0508f, 0.1016f);
-                    t60 = t62;
-                    state->sensing_offset_y = t62;
+                    const float t55 = min(sensing_offset_y + 0.0508f, 0.1016f);
+                    t53 = t55;
+                    state->sensing_offset_y = t55;
                 }
             }
-            y_raw = sensing_within_y_next + t60;
-            const float t63 = (t15 * (t23 + t25)) + (t23 * (t15 - t17));
-            const float t64 = (t35 - t36 + (sensing_third * (t63 * (m_x - m_y)))) / (t39 + (2.0f * (sensing_third * (t63 * t63))) + 0.08612997f);
-            t40 = t64;
+            y_raw = sensing_within_y_next + t53;
+            const float t56 = (t16 * (t20 + t18)) + (t20 * (t16 - t15));
+            const float t57 = ((t22 * r_1) - (t25 * r_2) + (sensing_third * (t56 * (m_x - m_y)))) / ((t22 * t22) + (t25 * t25) + (2.0f * (sensing_third * (t56 * t56))) + 0.08612997f);
+            t33 = t57;
             within_x = sensing_within_x_next;
             state->sensing_within_x = sensing_within_x_next;
             within_y = sensing_within_y_next;
@@ -529,97 +523,76 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             within_x = state->sensing_within_x;
             within_y = state->sensing_within_y;
         }
-        const float phi_raw = limit(filter_phi_p + t40, 0.025f);
-        const uint32_t sensing_doubt = state->sensing_doubt;
-        const bool t65 = t33 && (3u < sensing_doubt);
-        const float t66 = sqrtf(t39 + 8.612998e-06f);
-        const float t67 = -0.11739163f * t66;
-        const float t68 = fabsf(t35) - fabsf(t36);
-        const float t69 = (t31 * r_1) + (t30 * r_2);
-        const bool t70 = !t32;
-        const float t71 = fabsf(t69);
-        const float t72 = 0.11739163f * t66;
-        if (t65) {
-            state->sensing_doubt = 3u;
-            state->sensing_named = 1u;
-            const bool t73 = t32 && (t67 < t68);
-            const float t74 = t31 / (t38 + 8.612998e-06f);
-            const float t75 = limit(-(r_2 * t74), 1.0f) * V_ax_held;
-            const float t76 = t23 + t75;
-            const float t77 = t25 + t75;
-            const float t78 = t77 * t77;
-            const float t79 = t76 * t77;
-            const float t80 = t79 * t79;
-            const float t81 = t76 + limit(t69 * t74, 10.0f);
-            const float t82 = t81 * t77;
-            const float t83 = t82 * t82;
-            const float t84 = fabsf((t76 * t76) + t78 - (sensing_power_0 + (t80 * (sensing_power_1 + (t80 * sensing_power_2))))) - fabsf((t81 * t81) + t78 - (sensing_power_0 + (t83 * (sensing_power_1 + (t83 * sensing_power_2)))));
-            const bool t85 = t29 && t70;
-            const float t86 = fabsf(t69 + (t31 * (m_y * t23 / ((2.0f * t24) + 8.612998e-06f)))) - t71;
-            const bool t87 = (t73 && (-0.34451988f < t84)) || (t85 && (t86 < t72));
-            const bool t88 = t73 && (t84 < 0.34451988f);
-            const bool t89 = t85 && (t67 < t86);
-            const bool t90 = (sensing_found_V_ax != 0u) || t87 || (sensing_found_V_bx != 0u) || t88 || (sensing_found_V_cx != 0u) || t89;
-            if (!t90) {
-                state->sensing_found_V_ax = 1u;
-                state->sensing_found_V_bx = 1u;
-                state->sensing_found_V_cx = 1u;
-            }
-            const bool t91 = !t90;
-            const bool sensing_found_V_ay_next = t87 || t91;
-            state->sensing_found_V_ay = flag(sensing_found_V_ay_next);
-            const bool sensing_found_V_by_next = t88 || t91;
-            state->sensing_found_V_by = flag(sensing_found_V_by_next);
-            const bool sensing_found_V_cy_next = t89 || t91;
-            state->sensing_found_V_cy = flag(sensing_found_V_cy_next);
+        const float phi_raw = limit(filter_phi_p + t33, 0.025f);
+        if (t31) {
+            state->sensing_doubt = 4u;
         } else {
-            const bool t92 = t33 && (sensing_doubt != 0u);
-            if (t92) {
-                state->sensing_doubt = 6u;
+            if (t32 && (sensing_doubt != 0u)) {
+                state->sensing_doubt = sensing_doubt - 1u;
+            }
+        }
+        if (t31 && (sensing_doubt != 0u)) {
+            state->sensing_named = 1u;
+        }
+        if (t31 && !(sensing_doubt != 0u)) {
+            const bool t58 = 0.12402716f < t30;
+            const float t59 = fabsf(m_x);
+            const bool t60 = 0.25838992f < t59;
+            const float t61 = fabsf(m_y);
+            const bool t62 = 0.25838992f < t61;
+            const bool t63 = 0.07043498f < fabsf(r_2);
+            const bool t64 = 0.07043498f < fabsf(r_1);
+            bool t65;
+            bool t66;
+            bool t67 = t60;
+            bool t68;
+            bool t69;
+            bool t70 = t62;
+            if (t58) {
+                const bool t71 = t59 < 0.8612997f;
+                t65 = t63 && (!t71 || (fabsf(r_2 * ((2.0f * t16) + r_2)) < 2.5838993f));
+                const bool t72 = t61 < 0.8612997f;
+                t66 = t64 && (!t72 || (fabsf(r_1 * ((2.0f * t20) + r_1)) < 2.5838993f));
+                t67 = t60 && !t63;
+                t68 = t64 && t72;
+                t69 = t63 && t71;
+                t70 = t62 && !t64;
             } else {
-                if (t33) {
-                    state->sensing_doubt = 3u;
-                } else {
-                    if (t34 && (sensing_doubt != 0u)) {
-                        state->sensing_doubt = sensing_doubt - 1u;
-                    }
-                }
+                const bool t73 = t64 || t63;
+                t65 = t73 || t60;
+                t66 = t73 || t62;
+                t68 = t73;
+                t69 = t73;
             }
-            if (t92 && !t65) {
-                const bool t93 = t32 && (t68 < t72);
-                const float t94 = t30 / (t37 + 8.612998e-06f);
-                const float t95 = limit(r_1 * t94, 1.0f) * V_ay_held;
-                const float t96 = t15 - t95;
-                const float t97 = t17 + t95;
-                const float t98 = t97 * t97;
-                const float t99 = t96 * t97;
-                const float t100 = t99 * t99;
-                const float t101 = t96 + limit(t69 * t94, 10.0f);
-                const float t102 = t101 * t97;
-                const float t103 = t102 * t102;
-                const float t104 = fabsf((t96 * t96) + t98 - (sensing_power_0 + (t100 * (sensing_power_1 + (t100 * sensing_power_2))))) - fabsf((t101 * t101) + t98 - (sensing_power_0 + (t103 * (sensing_power_1 + (t103 * sensing_power_2)))));
-                const bool t105 = t21 && t70;
-                const float t106 = fabsf(t69 + (t30 * (m_x * t15 / ((2.0f * t16) + 8.612998e-06f)))) - t71;
-                state->sensing_found_V_ax = flag((t93 && (-0.34451988f < t104)) || (t105 && (t106 < t72)));
-                state->sensing_found_V_bx = flag(t105 && (t67 < t106));
-                state->sensing_found_V_cx = flag(t93 && (t104 < 0.34451988f));
-            }
+            const bool t74 = (0.01f < fabsf(filter_phi_p)) || (t60 && t62 && !t58);
+            const bool sensing_found_V_ax_next = t65 || t74;
+            state->sensing_found_V_ax = flag(sensing_found_V_ax_next);
+            const bool sensing_found_V_ay_next = t66 || t74;
+            state->sensing_found_V_ay = flag(sensing_found_V_ay_next);
+            const bool sensing_found_V_bx_next = t67 || t74;
+            state->sensing_found_V_bx = flag(sensing_found_V_bx_next);
+            const bool sensing_found_V_by_next = t68 || t74;
+            state->sensing_found_V_by = flag(sensing_found_V_by_next);
+            const bool sensing_found_V_cx_next = t69 || t74;
+            state->sensing_found_V_cx = flag(sensing_found_V_cx_next);
+            const bool sensing_found_V_cy_next = t70 || t74;
+            state->sensing_found_V_cy = flag(sensing_found_V_cy_next);
         }
 
         /* filter_x: (6)-(16) */
-        const float t107 = x_raw - filter_x_p;
-        const float t108 = filter_x_p + (filter_x_k_p * t107);
+        const float t75 = x_raw - filter_x_p;
+        const float t76 = filter_x_p + (filter_x_k_p * t75);
         const float filter_x_s = state->filter_x_s;
         const float filter_x_h = state->filter_x_h;
-        const float t109 = filter_x_h + (filter_x_k_h * t107);
-        const float t110 = filter_x_s + (filter_x_k_s * t107) + t109;
-        const float t111 = t108 + t110;
-        const float t112 = t110 + t109;
-        float x = t108;
-        if ((guard_ready != 0u) && (fabsf(t111) <= 0.2f) && (fabsf(t112) <= 0.2f) && (fabsf(t109) <= 0.2f)) {
-            state->filter_x_p = t111;
-            state->filter_x_s = t112;
-            state->filter_x_h = t109;
+        const float t77 = filter_x_h + (filter_x_k_h * t75);
+        const float t78 = filter_x_s + (filter_x_k_s * t75) + t77;
+        const float t79 = t76 + t78;
+        const float t80 = t78 + t77;
+        float x = t76;
+        if ((guard_ready != 0u) && (fabsf(t79) <= 0.2f) && (fabsf(t80) <= 0.2f) && (fabsf(t77) <= 0.2f)) {
+            state->filter_x_p = t79;
+            state->filter_x_s = t80;
+            state->filter_x_h = t77;
         } else {
             x = x_raw;
             state->filter_x_p = x_raw;
@@ -628,19 +601,19 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
 
         /* filter_y: (6)-(16) */
-        const float t113 = y_raw - filter_y_p;
-        const float t114 = filter_y_p + (filter_y_k_p * t113);
+        const float t81 = y_raw - filter_y_p;
+        const float t82 = filter_y_p + (filter_y_k_p * t81);
         const float filter_y_s = state->filter_y_s;
         const float filter_y_h = state->filter_y_h;
-        const float t115 = filter_y_h + (filter_y_k_h * t113);
-        const float t116 = filter_y_s + (filter_y_k_s * t113) + t115;
-        const float t117 = t114 + t116;
-        const float t118 = t116 + t115;
-        float y = t114;
-        if ((guard_ready != 0u) && (fabsf(t117) <= 0.2f) && (fabsf(t118) <= 0.2f) && (fabsf(t115) <= 0.2f)) {
-            state->filter_y_p = t117;
-            state->filter_y_s = t118;
-            state->filter_y_h = t115;
+        const float t83 = filter_y_h + (filter_y_k_h * t81);
+        const float t84 = filter_y_s + (filter_y_k_s * t81) + t83;
+        const float t85 = t82 + t84;
+        const float t86 = t84 + t83;
+        float y = t82;
+        if ((guard_ready != 0u) && (fabsf(t85) <= 0.2f) && (fabsf(t86) <= 0.2f) && (fabsf(t83) <= 0.2f)) {
+            state->filter_y_p = t85;
+            state->filter_y_s = t86;
+            state->filter_y_h = t83;
         } else {
             y = y_raw;
             state->filter_y_p = y_raw;
@@ -649,19 +622,19 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
 
         /* filter_phi: (6)-(16) */
-        const float t119 = phi_raw - filter_phi_p;
-        const float t120 = filter_phi_p + (filter_phi_k_p * t119);
+        const float t87 = phi_raw - filter_phi_p;
+        const float t88 = filter_phi_p + (filter_phi_k_p * t87);
         const float filter_phi_s = state->filter_phi_s;
         const float filter_phi_h = state->filter_phi_h;
-        const float t121 = filter_phi_h + (filter_phi_k_h * t119);
-        const float t122 = filter_phi_s + (filter_phi_k_s * t119) + t121;
-        const float t123 = t120 + t122;
-        const float t124 = t122 + t121;
-        float phi = t120;
-        if ((guard_ready != 0u) && (fabsf(t123) <= 0.05f) && (fabsf(t124) <= 0.05f) && (fabsf(t121) <= 0.05f)) {
-            state->filter_phi_p = t123;
-            state->filter_phi_s = t124;
-            state->filter_phi_h = t121;
+        const float t89 = filter_phi_h + (filter_phi_k_h * t87);
+        const float t90 = filter_phi_s + (filter_phi_k_s * t87) + t89;
+        const float t91 = t88 + t90;
+        const float t92 = t90 + t89;
+        float phi = t88;
+        if ((guard_ready != 0u) && (fabsf(t91) <= 0.05f) && (fabsf(t92) <= 0.05f) && (fabsf(t89) <= 0.05f)) {
+            state->filter_phi_p = t91;
+            state->filter_phi_s = t92;
+            state->filter_phi_h = t89;
         } else {
             phi = phi_raw;
             state->filter_phi_p = phi_raw;
@@ -670,166 +643,175 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
 
         /* heights: laser distances inverted */
-        const float t125 = 0.5f * (d1_held + d2_held);
-        const float z = 0.5f * (t125 + d3_held);
-        const float theta = 8.333333f * (d3_held - t125);
+        const float t93 = 0.5f * (d1_held + d2_held);
+        const float z = 0.5f * (t93 + d3_held);
+        const float theta = 8.333333f * (d3_held - t93);
         const float psi = 8.333333f * (d1_held - d2_held);
 
         /* loop_x: (21) */
-        const float t126 = x_ref_held - x;
+        const float t94 = x_ref_held - x;
         const float loop_x_lag = state->loop_x_lag;
         const float loop_x_integral = state->loop_x_integral;
-        const float d_x = (loop_x_direct * t126) + loop_x_lag + loop_x_integral;
-        const float loop_x_lag_next = (loop_x_into_lag * t126) + (loop_x_pole * loop_x_lag);
+        const float d_x = (loop_x_direct * t94) + loop_x_lag + loop_x_integral;
+        const float loop_x_lag_next = (loop_x_into_lag * t94) + (loop_x_pole * loop_x_lag);
         state->loop_x_lag = loop_x_lag_next;
 
         /* loop_y: (21) */
-        const float t127 = y_ref_held - y;
+        const float t95 = y_ref_held - y;
         const float loop_y_lag = state->loop_y_lag;
         const float loop_y_integral = state->loop_y_integral;
-        const float d_y = (loop_y_direct * t127) + loop_y_lag + loop_y_integral;
-        const float loop_y_lag_next = (loop_y_into_lag * t127) + (loop_y_pole * loop_y_lag);
+        const float d_y = (loop_y_direct * t95) + loop_y_lag + loop_y_integral;
+        const float loop_y_lag_next = (loop_y_into_lag * t95) + (loop_y_pole * loop_y_lag);
         state->loop_y_lag = loop_y_lag_next;
 
         /* loop_phi: (22) */
-        const float t128 = phi_ref_held - phi;
+        const float t96 = phi_ref_held - phi;
         const float loop_phi_lag = state->loop_phi_lag;
         const float loop_phi_integral = state->loop_phi_integral;
-        const float d_phi = (loop_phi_direct * t128) + loop_phi_lag + loop_phi_integral;
-        const float loop_phi_lag_next = (loop_phi_into_lag * t128) + (loop_phi_pole * loop_phi_lag);
+        const float d_phi = (loop_phi_direct * t96) + loop_phi_lag + loop_phi_integral;
+        const float loop_phi_lag_next = (loop_phi_into_lag * t96) + (loop_phi_pole * loop_phi_lag);
         state->loop_phi_lag = loop_phi_lag_next;
 
         /* loop_z: (23) */
-        const float t129 = z_ref_held - z;
+        const float t97 = z_ref_held - z;
         const float loop_z_lag = state->loop_z_lag;
         const float loop_z_integral = state->loop_z_integral;
-        const float d_z = (loop_z_direct * t129) + loop_z_lag + loop_z_integral;
-        const float loop_z_lag_next = loop_z_into_lag * t129;
+        const float d_z = (loop_z_direct * t97) + loop_z_lag + loop_z_integral;
+        const float loop_z_lag_next = loop_z_into_lag * t97;
         state->loop_z_lag = loop_z_lag_next;
 
         /* loop_theta: (24) */
-        const float t130 = theta_ref_held - theta;
+        const float t98 = theta_ref_held - theta;
         const float loop_theta_lag = state->loop_theta_lag;
         const float loop_theta_integral = state->loop_theta_integral;
-        const float d_theta = (loop_theta_direct * t130) + loop_theta_lag + loop_theta_integral;
-        const float loop_theta_lag_next = loop_theta_into_lag * t130;
+        const float d_theta = (loop_theta_direct * t98) + loop_theta_lag + loop_theta_integral;
+        const float loop_theta_lag_next = loop_theta_into_lag * t98;
         state->loop_theta_lag = loop_theta_lag_next;
 
         /* loop_psi: (25) */
-        const float t131 = psi_ref_held - psi;
+        const float t99 = psi_ref_held - psi;
         const float loop_psi_lag = state->loop_psi_lag;
         const float loop_psi_integral = state->loop_psi_integral;
-        const float d_psi = (loop_psi_direct * t131) + loop_psi_lag + loop_psi_integral;
-        const float loop_psi_lag_next = loop_psi_into_lag * t131;
+        const float d_psi = (loop_psi_direct * t99) + loop_psi_lag + loop_psi_integral;
+        const float loop_psi_lag_next = loop_psi_into_lag * t99;
         state->loop_psi_lag = loop_psi_lag_next;
 
         /* allocation: Table 3, (17), limits */
-        const float t132 = phi * phi;
-        const float t133 = f1_polynomial(t132);
-        const float t134 = phi * f2_polynomial(t132);
-        const float i_CQ = limit((t133 * d_x) + (t134 * d_y), 1.134f);
-        const float t135 = limit(d_phi + i_CQ, 1.134f);
-        const float t136 = limit(0.5f * ((t133 * d_y) - (t134 * d_x)), 1.134f - fabsf(t135));
-        const float i_AQ = t136 - t135;
-        const float i_BQ = t136 + t135;
-        const float t137 = d_z - d_theta;
-        const float i_AD = limit(t137 + d_psi, 0.5492213f);
-        const float i_BD = limit(t137 - d_psi, 0.5492213f);
+        const float t100 = phi * phi;
+        const float t101 = f1_polynomial(t100);
+        const float t102 = phi * f2_polynomial(t100);
+        const float i_CQ = limit((t101 * d_x) + (t102 * d_y), 1.134f);
+        const float t103 = limit(d_phi + i_CQ, 1.134f);
+        const float t104 = limit(0.5f * ((t101 * d_y) - (t102 * d_x)), 1.134f - fabsf(t103));
+        const float i_AQ = t104 - t103;
+        const float i_BQ = t104 + t103;
+        const float t105 = d_z - d_theta;
+        const float i_AD = limit(t105 + d_psi, 0.54913455f);
+        const float i_BD = limit(t105 - d_psi, 0.54913455f);
 
         /* loop_psi: (25) */
         const float loop_psi_integral_next = (loop_psi_reset * loop_psi_integral) + (loop_psi_driven_x_allocation_half * (i_AD - i_BD));
         state->loop_psi_integral = loop_psi_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float i_CD = limit(d_z + (2.0f * d_theta), 0.5492213f);
+        const float i_CD = limit(d_z + (2.0f * d_theta), 0.54913455f);
 
         /* loop_z: (23) */
-        const float t138 = i_AD + i_BD;
-        const float loop_z_integral_next = (loop_z_reset * loop_z_integral) + (loop_z_driven_x_allocation_part * (t138 + i_CD));
+        const float t106 = i_AD + i_BD;
+        const float loop_z_integral_next = (loop_z_reset * loop_z_integral) + (loop_z_driven_x_allocation_part * (t106 + i_CD));
         state->loop_z_integral = loop_z_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float made_x = (t133 * i_CQ) - (2.0f * (t134 * t136));
+        const float made_x = (t101 * i_CQ) - (2.0f * (t102 * t104));
 
         /* loop_x: (21) */
         const float loop_x_integral_next = (loop_x_reset * loop_x_integral) + (loop_x_driven * made_x);
         state->loop_x_integral = loop_x_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float made_y = (t134 * i_CQ) + (2.0f * (t133 * t136));
+        const float made_y = (t102 * i_CQ) + (2.0f * (t101 * t104));
 
         /* loop_y: (21) */
         const float loop_y_integral_next = (loop_y_reset * loop_y_integral) + (loop_y_driven * made_y);
         state->loop_y_integral = loop_y_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float made_phi = t135 - i_CQ;
+        const float made_phi = t103 - i_CQ;
 
         /* loop_phi: (22) */
         const float loop_phi_integral_next = (loop_phi_reset * loop_phi_integral) + (loop_phi_driven * made_phi);
         state->loop_phi_integral = loop_phi_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float made_theta = (allocation_part * i_CD) - (allocation_front_part * t138);
+        const float made_theta = (allocation_part * i_CD) - (allocation_front_part * t106);
 
         /* loop_theta: (24) */
         const float loop_theta_integral_next = (loop_theta_reset * loop_theta_integral) + (loop_theta_driven * made_theta);
         state->loop_theta_integral = loop_theta_integral_next;
 
         /* commutation: (17) inverted */
-        const float distance_back = within_x - (0.025584769f * t134);
+        const float distance_back = within_x - (0.025584769f * t102);
         const float quarter_sine_back = distance_back * quarter_sine_back_polynomial(distance_back * distance_back);
-        const float distance_front = within_y - ((0.012792384f * t133) - 0.0127f);
+        const float distance_front = within_y - ((0.012792384f * t101) - 0.0127f);
         const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front * distance_front);
-        const float t139 = quarter_sine_front * quarter_sine_front;
-        const float t140 = quarter_sine_front * sqrtf(1.0f - t139);
-        const float t141 = t140 * (4.0f - (8.0f * t139));
-        const float t142 = f5_polynomial(t132);
-        const float t143 = t141 * t142;
-        const float t144 = 1.0f - (8.0f * (t140 * t140));
-        const float t145 = phi * f6_polynomial(t132);
-        const float t146 = t144 * t145;
-        const float t147 = t143 - t146;
-        const float t148 = t144 * t142;
-        const float t149 = t141 * t145;
-        const float t150 = t148 + t149;
-        const float i_AA_computed = limit((t147 * i_AQ) + (t150 * i_AD), 1.26f);
+        const float t107 = quarter_sine_front * quarter_sine_front;
+        const float t108 = quarter_sine_front * sqrtf(1.0f - t107);
+        const float t109 = t108 * (4.0f - (8.0f * t107));
+        const float t110 = f5_polynomial(t100);
+        const float t111 = t109 * t110;
+        const float t112 = 1.0f - (8.0f * (t108 * t108));
+        const float t113 = phi * f6_polynomial(t100);
+        const float t114 = t112 * t113;
+        const float t115 = t111 - t114;
+        const float t116 = t112 * t110;
+        const float t117 = t109 * t113;
+        const float t118 = t116 + t117;
+        const float i_AA_computed = (t115 * i_AQ) + (t118 * i_AD);
+        /*@ admit -1.26f <= i_AA_computed <= 1.26f; */
         state->safe_output_last_i_AA = i_AA_computed;
         out->i_AA = i_AA_computed;
-        const float t151 = 0.8660254f * ((t147 * i_AD) - (t150 * i_AQ));
-        const float t152 = 0.5f * i_AA_computed;
-        const float i_AB_computed = limit(t151 - t152, 1.26f);
+        const float t119 = 0.8660254f * ((t115 * i_AD) - (t118 * i_AQ));
+        const float t120 = 0.5f * i_AA_computed;
+        const float i_AB_computed = t119 - t120;
+        /*@ admit -1.26f <= i_AB_computed <= 1.26f; */
         state->safe_output_last_i_AB = i_AB_computed;
         out->i_AB = i_AB_computed;
-        const float i_AC_computed = limit(-(t152 + t151), 1.26f);
+        const float i_AC_computed = -(t120 + t119);
+        /*@ admit -1.26f <= i_AC_computed <= 1.26f; */
         state->safe_output_last_i_AC = i_AC_computed;
         out->i_AC = i_AC_computed;
-        const float t153 = t143 + t146;
-        const float t154 = t149 - t148;
-        const float i_BA_computed = limit((t153 * i_BQ) - (t154 * i_BD), 1.26f);
+        const float t121 = t111 + t114;
+        const float t122 = t117 - t116;
+        const float i_BA_computed = (t121 * i_BQ) - (t122 * i_BD);
+        /*@ admit -1.26f <= i_BA_computed <= 1.26f; */
         state->safe_output_last_i_BA = i_BA_computed;
         out->i_BA = i_BA_computed;
-        const float t155 = 0.8660254f * ((t154 * i_BQ) + (t153 * i_BD));
-        const float t156 = 0.5f * i_BA_computed;
-        const float i_BB_computed = limit(t155 - t156, 1.26f);
+        const float t123 = 0.8660254f * ((t122 * i_BQ) + (t121 * i_BD));
+        const float t124 = 0.5f * i_BA_computed;
+        const float i_BB_computed = t123 - t124;
+        /*@ admit -1.26f <= i_BB_computed <= 1.26f; */
         state->safe_output_last_i_BB = i_BB_computed;
         out->i_BB = i_BB_computed;
-        const float i_BC_computed = limit(-(t156 + t155), 1.26f);
+        const float i_BC_computed = -(t124 + t123);
+        /*@ admit -1.26f <= i_BC_computed <= 1.26f; */
         state->safe_output_last_i_BC = i_BC_computed;
         out->i_BC = i_BC_computed;
-        const float t157 = quarter_sine_back * quarter_sine_back;
-        const float t158 = quarter_sine_back * sqrtf(1.0f - t157);
-        const float t159 = 1.0f - (8.0f * (t158 * t158));
-        const float t160 = t158 * (4.0f - (8.0f * t157));
-        const float i_CA_computed = limit((t159 * i_CQ) - (t160 * i_CD), 1.26f);
+        const float t125 = quarter_sine_back * quarter_sine_back;
+        const float t126 = quarter_sine_back * sqrtf(1.0f - t125);
+        const float t127 = 1.0f - (8.0f * (t126 * t126));
+        const float t128 = t126 * (4.0f - (8.0f * t125));
+        const float i_CA_computed = (t127 * i_CQ) - (t128 * i_CD);
+        /*@ admit -1.26f <= i_CA_computed <= 1.26f; */
         state->safe_output_last_i_CA = i_CA_computed;
         out->i_CA = i_CA_computed;
-        const float t161 = 0.8660254f * ((t160 * i_CQ) + (t159 * i_CD));
-        const float t162 = 0.5f * i_CA_computed;
-        const float i_CB_computed = limit(t161 - t162, 1.26f);
+        const float t129 = 0.8660254f * ((t128 * i_CQ) + (t127 * i_CD));
+        const float t130 = 0.5f * i_CA_computed;
+        const float i_CB_computed = t129 - t130;
+        /*@ admit -1.26f <= i_CB_computed <= 1.26f; */
         state->safe_output_last_i_CB = i_CB_computed;
         out->i_CB = i_CB_computed;
-        const float i_CC_computed = limit(-(t162 + t161), 1.26f);
+        const float i_CC_computed = -(t130 + t129);
+        /*@ admit -1.26f <= i_CC_computed <= 1.26f; */
         state->safe_output_last_i_CC = i_CC_computed;
         out->i_CC = i_CC_computed;
     }

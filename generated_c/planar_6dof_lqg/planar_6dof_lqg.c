@@ -302,18 +302,18 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     }
 
     /* sensing: (1)-(5) */
-    const uint32_t sensing_found_V_ax = state->sensing_found_V_ax;
     const uint32_t sensing_named = state->sensing_named;
-    const uint32_t sensing_found_V_bx = state->sensing_found_V_bx;
-    const uint32_t sensing_found_V_cx = state->sensing_found_V_cx;
 
     /* guard: range acceptance, hold, latch */
     bool complete = false;
     uint32_t faults = t2;
     if (sensing_named != 0u) {
         /* sensing: (1)-(5) */
+        const uint32_t sensing_found_V_ax = state->sensing_found_V_ax;
         const uint32_t sensing_found_V_ay = state->sensing_found_V_ay;
+        const uint32_t sensing_found_V_bx = state->sensing_found_V_bx;
         const uint32_t sensing_found_V_by = state->sensing_found_V_by;
+        const uint32_t sensing_found_V_cx = state->sensing_found_V_cx;
         const uint32_t sensing_found_V_cy = state->sensing_found_V_cy;
         uint32_t t4 = t2;
         if (sensing_found_V_ax != 0u) {
@@ -398,390 +398,371 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         faults |= 0x80000000u;
     } else {
         /* sensing: (1)-(5) */
+        const uint32_t sensing_doubt = state->sensing_doubt;
         const float sensing_phi_raw = state->sensing_phi_raw;
         const float t14 = sensing_phi_raw * V_ay_held;
-        const float t15 = V_ax_held - t14;
-        const float t16 = t15 * t15;
-        const float t17 = t14 - V_bx_held;
-        const float t18 = t17 * t17;
-        const float t19 = t15 * t17;
-        const float t20 = t19 * t19;
-        const float m_x = t16 + t18 - (sensing_power_0 + (t20 * (sensing_power_1 + (t20 * sensing_power_2))));
-        const bool t21 = 1.2919496f < fabsf(m_x);
-        const float t22 = sensing_phi_raw * V_ax_held;
-        const float t23 = V_ay_held + t22;
-        const float t24 = t23 * t23;
-        const float t25 = V_cy_held + t22;
-        const float t26 = t25 * t25;
-        const float t27 = t23 * t25;
-        const float t28 = t27 * t27;
-        const float m_y = t24 + t26 - (sensing_power_0 + (t28 * (sensing_power_1 + (t28 * sensing_power_2))));
-        const bool t29 = 1.2919496f < fabsf(m_y);
-        const float t30 = t17 + t15 - (t25 * t26 * (sensing_slope_0 + (t24 * sensing_slope_1)));
-        const float r_1 = V_by_held - V_ay_held - (t30 * sensing_phi_raw);
-        const float t31 = (t17 * t18 * (sensing_slope_0 + (t16 * sensing_slope_1))) + (t23 - t25);
-        const float r_2 = V_cx_held - V_ax_held + (t31 * sensing_phi_raw);
-        const bool t32 = (0.23478326f < fabsf(r_1)) || (0.23478326f < fabsf(r_2));
-        const bool t33 = (t21 || t29 || t32) && (guard_ready != 0u) && complete;
-        const bool t34 = !t33 && complete;
+        const float t15 = t14 - V_bx_held;
+        const float t16 = V_ax_held - t14;
+        const float t17 = sensing_phi_raw * V_ax_held;
+        const float t18 = V_cy_held + t17;
+        const float t19 = t18 * t18;
+        const float t20 = V_ay_held + t17;
+        const float t21 = t20 * t20;
+        const float t22 = t15 + t16 - (t18 * t19 * (sensing_slope_0 + (t21 * sensing_slope_1)));
+        const float r_1 = V_by_held - V_ay_held - (t22 * sensing_phi_raw);
+        const float t23 = t15 * t15;
+        const float t24 = t16 * t16;
+        const float t25 = (t15 * t23 * (sensing_slope_0 + (t24 * sensing_slope_1))) + (t20 - t18);
+        const float r_2 = V_cx_held - V_ax_held + (t25 * sensing_phi_raw);
+        const float t26 = t16 * t15;
+        const float t27 = t26 * t26;
+        const float m_x = t24 + t23 - (sensing_power_0 + (t27 * (sensing_power_1 + (t27 * sensing_power_2))));
+        const float t28 = t20 * t18;
+        const float t29 = t28 * t28;
+        const float m_y = t21 + t19 - (sensing_power_0 + (t29 * (sensing_power_1 + (t29 * sensing_power_2))));
+        const float t30 = (r_1 * r_1) + (r_2 * r_2) + (0.033025026f * ((m_x * m_x) + (m_y * m_y)));
+        const bool t31 = (((sensing_doubt != 0u) ? 0.013780796f : 0.055123184f) < t30) && (guard_ready != 0u) && complete;
+        const bool t32 = !t31 && complete;
         const float sensing_within_x = state->sensing_within_x;
-        const float sensing_offset_x = state->sensing_offset_x;
-        const float t35 = sensing_within_x + sensing_offset_x;
         const float sensing_within_y = state->sensing_within_y;
+        const float sensing_offset_x = state->sensing_offset_x;
         const float sensing_offset_y = state->sensing_offset_y;
-        const float t36 = sensing_within_y + sensing_offset_y;
-        const float t37 = t30 * r_1;
-        const float t38 = t31 * r_2;
-        const float t39 = t30 * t30;
-        const float t40 = t31 * t31;
-        const float t41 = t39 + t40;
-        float x_raw = t35;
-        float y_raw = t36;
-        float t42 = 0.0f;
+        float x_raw;
+        float y_raw;
+        float t33 = 0.0f;
         float within_x = sensing_within_x;
         float within_y = sensing_within_y;
-        if (t34) {
+        if (t32) {
             float sensing_within_x_next;
-            if (t16 <= t18) {
-                const float t43 = limit(t19 / (t18 + 8.612998e-06f), 1.0f);
-                const float t44 = t43 * t43;
-                const float t45 = sensing_position_1 + (t44 * (sensing_position_3 + (t44 * (sensing_position_5 + (t44 * sensing_position_7)))));
-                const float t46 = t43 * t45;
-                if (t17 < 0.0f) {
-                    if (0.0f < t46) {
-                        sensing_within_x_next = t46 - 0.0254f;
+            if (t24 <= t23) {
+                const float t34 = limit(t26 / (t23 + 8.612998e-06f), 1.0f);
+                const float t35 = t34 * t34;
+                const float t36 = sensing_position_1 + (t35 * (sensing_position_3 + (t35 * (sensing_position_5 + (t35 * sensing_position_7)))));
+                const float t37 = t34 * t36;
+                if (t15 < 0.0f) {
+                    if (0.0f < t37) {
+                        sensing_within_x_next = t37 - 0.0254f;
                     } else {
-                        sensing_within_x_next = t46 + 0.0254f;
+                        sensing_within_x_next = t37 + 0.0254f;
                     }
                 } else {
-                    sensing_within_x_next = t46;
+                    sensing_within_x_next = t37;
                 }
             } else {
-                const float t47 = limit(t19 / (t16 + 8.612998e-06f), 1.0f);
-                const float t48 = t47 * t47;
-                const float t49 = sensing_position_1 + (t48 * (sensing_position_3 + (t48 * (sensing_position_5 + (t48 * sensing_position_7)))));
-                sensing_within_x_next = ((t15 < 0.0f) ? -0.0127f : 0.0127f) - (t47 * t49);
+                const float t38 = limit(t26 / (t24 + 8.612998e-06f), 1.0f);
+                const float t39 = t38 * t38;
+                const float t40 = sensing_position_1 + (t39 * (sensing_position_3 + (t39 * (sensing_position_5 + (t39 * sensing_position_7)))));
+                sensing_within_x_next = ((t16 < 0.0f) ? -0.0127f : 0.0127f) - (t38 * t40);
             }
-            const float t50 = sensing_within_x_next + sensing_offset_x - t35;
-            float t51 = sensing_offset_x;
-            if (0.0254f < fabsf(t50)) {
-                if (0.0f < t50) {
-                    const float t52 = max(sensing_offset_x - 0.0508f, -0.1016f);
-                    t51 = t52;
-                    state->sensing_offset_x = t52;
+            const float t41 = sensing_within_x_next - sensing_within_x;
+            float t42 = sensing_offset_x;
+            if (0.0254f < fabsf(t41)) {
+                if (0.0f < t41) {
+                    const float t43 = max(sensing_offset_x - 0.0508f, -0.1016f);
+                    t42 = t43;
+                    state->sensing_offset_x = t43;
                 } else {
-                    const float t53 = min(sensing_offset_x + 0.0508f, 0.1016f);
-                    t51 = t53;
-                    state->sensing_offset_x = t53;
+                    const float t44 = min(sensing_offset_x + 0.0508f, 0.1016f);
+                    t42 = t44;
+                    state->sensing_offset_x = t44;
                 }
             }
-            x_raw = sensing_within_x_next + t51;
+            x_raw = sensing_within_x_next + t42;
             float sensing_within_y_next;
-            if (t24 <= t26) {
-                const float t54 = limit(-(t27 / (t26 + 8.612998e-06f)), 1.0f);
-                const float t55 = t54 * t54;
-                const float t56 = sensing_position_1 + (t55 * (sensing_position_3 + (t55 * (sensing_position_5 + (t55 * sensing_position_7)))));
-                const float t57 = t54 * t56;
-                if (-t25 < 0.0f) {
-                    if (0.0f < t57) {
-                        sensing_within_y_next = t57 - 0.0254f;
+            if (t21 <= t19) {
+                const float t45 = limit(-(t28 / (t19 + 8.612998e-06f)), 1.0f);
+                const float t46 = t45 * t45;
+                const float t47 = sensing_position_1 + (t46 * (sensing_position_3 + (t46 * (sensing_position_5 + (t46 * sensing_position_7)))));
+                const float t48 = t45 * t47;
+                if (-t18 < 0.0f) {
+                    if (0.0f < t48) {
+                        sensing_within_y_next = t48 - 0.0254f;
                     } else {
-                        sensing_within_y_next = t57 + 0.0254f;
+                        sensing_within_y_next = t48 + 0.0254f;
                     }
                 } else {
-                    sensing_within_y_next = t57;
+                    sensing_within_y_next = t48;
                 }
             } else {
-                const float t58 = limit(-(t27 / (t24 + 8.612998e-06f)), 1.0f);
-                const float t59 = t58 * t58;
-                const float t60 = sensing_position_1 + (t59 * (sensing_position_3 + (t59 * (sensing_position_5 + (t59 * sensing_position_7)))));
-                sensing_within_y_next = ((t23 < 0.0f) ? -0.0127f : 0.0127f) - (t58 * t60);
+                const float t49 = limit(-(t28 / (t21 + 8.612998e-06f)), 1.0f);
+                const float t50 = t49 * t49;
+                const float t51 = sensing_position_1 + (t50 * (sensing_position_3 + (t50 * (sensing_position_5 + (t50 * sensing_position_7)))));
+                sensing_within_y_next = ((t20 < 0.0f) ? -0.0127f : 0.0127f) - (t49 * t51);
             }
-            const float t61 = sensing_within_y_next + sensing_offset_y - t36;
-            float t62 = sensing_offset_y;
-            if (0.0254f < fabsf(t61)) {
-                if (0.0f < t61) {
-                    const float t63 = max(sensing_offset_y - 0.0508f, -0.1016f);
-                    t62 = t63;
-                    state->sensing_offset_y = t63;
+            const float t52 = sensing_within_y_next - sensing_within_y;
+            float t53 = sensing_offset_y;
+            if (0.0254f < fabsf(t52)) {
+                if (0.0f < t52) {
+                    const float t54 = max(sensing_offset_y - 0.0508f, -0.1016f);
+                    t53 = t54;
+                    state->sensing_offset_y = t54;
                 } else {
-                    const float t64 = min(sensing_offset_y + 0.0508f, 0.1016f);
-                    t62 = t64;
-                    state->sensing_offset_y = t64;
+                    const float t55 = min(sensing_offset_y + 0.0508f, 0.1016f);
+                    t53 = t55;
+                    state->sensing_offset_y = t55;
                 }
             }
-            y_raw = sensing_within_y_next + t62;
-            const float t65 = (t15 * (t23 + t25)) + (t23 * (t15 - t17));
-            const float t66 = (t37 - t38 + (sensing_third * (t65 * (m_x - m_y)))) / (t41 + (2.0f * (sensing_third * (t65 * t65))) + 0.08612997f);
-            t42 = t66;
+            y_raw = sensing_within_y_next + t53;
+            const float t56 = (t16 * (t20 + t18)) + (t20 * (t16 - t15));
+            const float t57 = ((t22 * r_1) - (t25 * r_2) + (sensing_third * (t56 * (m_x - m_y)))) / ((t22 * t22) + (t25 * t25) + (2.0f * (sensing_third * (t56 * t56))) + 0.08612997f);
+            t33 = t57;
             within_x = sensing_within_x_next;
             state->sensing_within_x = sensing_within_x_next;
             within_y = sensing_within_y_next;
             state->sensing_within_y = sensing_within_y_next;
-        }
-        const float phi_raw = limit(sensing_phi_raw + t42, 0.025f);
-        const uint32_t sensing_doubt = state->sensing_doubt;
-        const bool t67 = t33 && (3u < sensing_doubt);
-        const float t68 = sqrtf(t41 + 8.612998e-06f);
-        const float t69 = -0.11739163f * t68;
-        const float t70 = fabsf(t37) - fabsf(t38);
-        const float t71 = (t31 * r_1) + (t30 * r_2);
-        const bool t72 = !t32;
-        const float t73 = fabsf(t71);
-        const float t74 = 0.11739163f * t68;
-        if (t67) {
-            state->sensing_doubt = 3u;
-            state->sensing_named = 1u;
-            const bool t75 = t32 && (t69 < t70);
-            const float t76 = t31 / (t40 + 8.612998e-06f);
-            const float t77 = limit(-(r_2 * t76), 1.0f) * V_ax_held;
-            const float t78 = t23 + t77;
-            const float t79 = t25 + t77;
-            const float t80 = t79 * t79;
-            const float t81 = t78 * t79;
-            const float t82 = t81 * t81;
-            const float t83 = t78 + limit(t71 * t76, 10.0f);
-            const float t84 = t83 * t79;
-            const float t85 = t84 * t84;
-            const float t86 = fabsf((t78 * t78) + t80 - (sensing_power_0 + (t82 * (sensing_power_1 + (t82 * sensing_power_2))))) - fabsf((t83 * t83) + t80 - (sensing_power_0 + (t85 * (sensing_power_1 + (t85 * sensing_power_2)))));
-            const bool t87 = t29 && t72;
-            const float t88 = fabsf(t71 + (t31 * (m_y * t23 / ((2.0f * t24) + 8.612998e-06f)))) - t73;
-            const bool t89 = (t75 && (-0.34451988f < t86)) || (t87 && (t88 < t74));
-            const bool t90 = t75 && (t86 < 0.34451988f);
-            const bool t91 = t87 && (t69 < t88);
-            const bool t92 = (sensing_found_V_ax != 0u) || t89 || (sensing_found_V_bx != 0u) || t90 || (sensing_found_V_cx != 0u) || t91;
-            if (!t92) {
-                state->sensing_found_V_ax = 1u;
-                state->sensing_found_V_bx = 1u;
-                state->sensing_found_V_cx = 1u;
-            }
-            const bool t93 = !t92;
-            const bool sensing_found_V_ay_next = t89 || t93;
-            state->sensing_found_V_ay = flag(sensing_found_V_ay_next);
-            const bool sensing_found_V_by_next = t90 || t93;
-            state->sensing_found_V_by = flag(sensing_found_V_by_next);
-            const bool sensing_found_V_cy_next = t91 || t93;
-            state->sensing_found_V_cy = flag(sensing_found_V_cy_next);
         } else {
-            const bool t94 = t33 && (sensing_doubt != 0u);
-            if (t94) {
-                state->sensing_doubt = 6u;
+            x_raw = sensing_within_x + sensing_offset_x;
+            y_raw = sensing_within_y + sensing_offset_y;
+        }
+        const float phi_raw = limit(sensing_phi_raw + t33, 0.025f);
+        if (t31) {
+            state->sensing_doubt = 4u;
+        } else {
+            if (t32 && (sensing_doubt != 0u)) {
+                state->sensing_doubt = sensing_doubt - 1u;
+            }
+        }
+        if (t31 && (sensing_doubt != 0u)) {
+            state->sensing_named = 1u;
+        }
+        if (t31 && !(sensing_doubt != 0u)) {
+            const bool t58 = 0.12402716f < t30;
+            const float t59 = fabsf(m_x);
+            const bool t60 = 0.25838992f < t59;
+            const float t61 = fabsf(m_y);
+            const bool t62 = 0.25838992f < t61;
+            const bool t63 = 0.07043498f < fabsf(r_2);
+            const bool t64 = 0.07043498f < fabsf(r_1);
+            bool t65;
+            bool t66;
+            bool t67 = t60;
+            bool t68;
+            bool t69;
+            bool t70 = t62;
+            if (t58) {
+                const bool t71 = t59 < 0.8612997f;
+                t65 = t63 && (!t71 || (fabsf(r_2 * ((2.0f * t16) + r_2)) < 2.5838993f));
+                const bool t72 = t61 < 0.8612997f;
+                t66 = t64 && (!t72 || (fabsf(r_1 * ((2.0f * t20) + r_1)) < 2.5838993f));
+                t67 = t60 && !t63;
+                t68 = t64 && t72;
+                t69 = t63 && t71;
+                t70 = t62 && !t64;
             } else {
-                if (t33) {
-                    state->sensing_doubt = 3u;
-                } else {
-                    if (t34 && (sensing_doubt != 0u)) {
-                        state->sensing_doubt = sensing_doubt - 1u;
-                    }
-                }
+                const bool t73 = t64 || t63;
+                t65 = t73 || t60;
+                t66 = t73 || t62;
+                t68 = t73;
+                t69 = t73;
             }
-            if (t94 && !t67) {
-                const bool t95 = t32 && (t70 < t74);
-                const float t96 = t30 / (t39 + 8.612998e-06f);
-                const float t97 = limit(r_1 * t96, 1.0f) * V_ay_held;
-                const float t98 = t15 - t97;
-                const float t99 = t17 + t97;
-                const float t100 = t99 * t99;
-                const float t101 = t98 * t99;
-                const float t102 = t101 * t101;
-                const float t103 = t98 + limit(t71 * t96, 10.0f);
-                const float t104 = t103 * t99;
-                const float t105 = t104 * t104;
-                const float t106 = fabsf((t98 * t98) + t100 - (sensing_power_0 + (t102 * (sensing_power_1 + (t102 * sensing_power_2))))) - fabsf((t103 * t103) + t100 - (sensing_power_0 + (t105 * (sensing_power_1 + (t105 * sensing_power_2)))));
-                const bool t107 = t21 && t72;
-                const float t108 = fabsf(t71 + (t30 * (m_x * t15 / ((2.0f * t16) + 8.612998e-06f)))) - t73;
-                state->sensing_found_V_ax = flag((t95 && (-0.34451988f < t106)) || (t107 && (t108 < t74)));
-                state->sensing_found_V_bx = flag(t107 && (t69 < t108));
-                state->sensing_found_V_cx = flag(t95 && (t106 < 0.34451988f));
-            }
+            const bool t74 = (0.01f < fabsf(sensing_phi_raw)) || (t60 && t62 && !t58);
+            const bool sensing_found_V_ax_next = t65 || t74;
+            state->sensing_found_V_ax = flag(sensing_found_V_ax_next);
+            const bool sensing_found_V_ay_next = t66 || t74;
+            state->sensing_found_V_ay = flag(sensing_found_V_ay_next);
+            const bool sensing_found_V_bx_next = t67 || t74;
+            state->sensing_found_V_bx = flag(sensing_found_V_bx_next);
+            const bool sensing_found_V_by_next = t68 || t74;
+            state->sensing_found_V_by = flag(sensing_found_V_by_next);
+            const bool sensing_found_V_cx_next = t69 || t74;
+            state->sensing_found_V_cx = flag(sensing_found_V_cx_next);
+            const bool sensing_found_V_cy_next = t70 || t74;
+            state->sensing_found_V_cy = flag(sensing_found_V_cy_next);
         }
         state->sensing_phi_raw = phi_raw;
 
         /* heights: laser distances inverted */
-        const float t109 = 0.5f * (d1_held + d2_held);
-        const float z = 0.5f * (t109 + d3_held);
-        const float theta = 8.333333f * (d3_held - t109);
+        const float t75 = 0.5f * (d1_held + d2_held);
+        const float z = 0.5f * (t75 + d3_held);
+        const float theta = 8.333333f * (d3_held - t75);
         const float psi = 8.333333f * (d1_held - d2_held);
 
         /* lqg_x: (28)-(35), (49) */
-        const float t110 = x_ref_held - x_raw;
-        const bool t111 = fabsf(t110) <= 0.0015f;
+        const float t76 = x_ref_held - x_raw;
+        const bool t77 = fabsf(t76) <= 0.0015f;
         const float lqg_x_integral = state->lqg_x_integral;
-        const float t112 = lqg_x_L * x_raw;
-        const float t113 = lqg_y_L * y_raw;
-        const float t114 = lqg_phi_L * phi_raw;
-        float t115;
-        float t116;
-        float t117;
+        const float t78 = lqg_x_L * x_raw;
+        const float t79 = lqg_y_L * y_raw;
+        const float t80 = lqg_phi_L * phi_raw;
+        float t81;
+        float t82;
+        float t83;
         if (guard_ready != 0u) {
-            t115 = state->lqg_x_x3;
-            t116 = state->lqg_y_x3;
-            t117 = state->lqg_phi_x3;
+            t81 = state->lqg_x_x3;
+            t82 = state->lqg_y_x3;
+            t83 = state->lqg_phi_x3;
         } else {
-            t115 = -t112;
-            t116 = -t113;
-            t117 = -t114;
+            t81 = -t78;
+            t82 = -t79;
+            t83 = -t80;
         }
         const float lqg_x_force = state->lqg_x_force;
-        const float t118 = t115 + t112 + (lqg_x_on_force * lqg_x_force);
-        const float d_x = (lqg_x_on_error * ((t111) ? t110 : ((t110 < 0.0f) ? -0.0015f : 0.0015f))) + (lqg_x_integral - t118);
-        const float lqg_x_x3_next = (lqg_x_F * t115) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_force);
+        const float t84 = t81 + t78 + (lqg_x_on_force * lqg_x_force);
+        const float d_x = (lqg_x_on_error * ((t77) ? t76 : ((t76 < 0.0f) ? -0.0015f : 0.0015f))) + (lqg_x_integral - t84);
+        const float lqg_x_x3_next = (lqg_x_F * t81) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_force);
         state->lqg_x_x3 = lqg_x_x3_next;
 
         /* lqg_y: (28)-(35), (49) */
-        const float t119 = y_ref_held - y_raw;
-        const bool t120 = fabsf(t119) <= 0.004f;
+        const float t85 = y_ref_held - y_raw;
+        const bool t86 = fabsf(t85) <= 0.004f;
         const float lqg_y_integral = state->lqg_y_integral;
         const float lqg_y_force = state->lqg_y_force;
-        const float t121 = t116 + t113 + (lqg_y_on_force * lqg_y_force);
-        const float d_y = (lqg_y_on_error * ((t120) ? t119 : ((t119 < 0.0f) ? -0.004f : 0.004f))) + (lqg_y_integral - t121);
-        const float lqg_y_x3_next = (lqg_y_F * t116) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_force);
+        const float t87 = t82 + t79 + (lqg_y_on_force * lqg_y_force);
+        const float d_y = (lqg_y_on_error * ((t86) ? t85 : ((t85 < 0.0f) ? -0.004f : 0.004f))) + (lqg_y_integral - t87);
+        const float lqg_y_x3_next = (lqg_y_F * t82) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_force);
         state->lqg_y_x3 = lqg_y_x3_next;
 
         /* lqg_phi: (28)-(35), (49) */
-        const float t122 = phi_ref_held - phi_raw;
-        const bool t123 = fabsf(t122) <= 0.008f;
         const float lqg_phi_integral = state->lqg_phi_integral;
         const float lqg_phi_force = state->lqg_phi_force;
-        const float t124 = t117 + t114 + (lqg_phi_on_force * lqg_phi_force);
-        const float d_phi = (lqg_phi_on_error * ((t123) ? t122 : ((t122 < 0.0f) ? -0.008f : 0.008f))) + (lqg_phi_integral - t124);
-        const float lqg_phi_x3_next = (lqg_phi_F * t117) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_force);
+        const float t88 = t83 + t80 + (lqg_phi_on_force * lqg_phi_force);
+        const float d_phi = (lqg_phi_on_error * (phi_ref_held - phi_raw)) + (lqg_phi_integral - t88);
+        const float lqg_phi_x3_next = (lqg_phi_F * t83) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_force);
         state->lqg_phi_x3 = lqg_phi_x3_next;
 
         /* loop_z: (23) */
-        const float t125 = z_ref_held - z;
+        const float t89 = z_ref_held - z;
         const float loop_z_lag = state->loop_z_lag;
         const float loop_z_integral = state->loop_z_integral;
-        const float d_z = (loop_z_direct * t125) + loop_z_lag + loop_z_integral;
-        const float loop_z_lag_next = loop_z_into_lag * t125;
+        const float d_z = (loop_z_direct * t89) + loop_z_lag + loop_z_integral;
+        const float loop_z_lag_next = loop_z_into_lag * t89;
         state->loop_z_lag = loop_z_lag_next;
 
         /* loop_theta: (24) */
-        const float t126 = theta_ref_held - theta;
+        const float t90 = theta_ref_held - theta;
         const float loop_theta_lag = state->loop_theta_lag;
         const float loop_theta_integral = state->loop_theta_integral;
-        const float d_theta = (loop_theta_direct * t126) + loop_theta_lag + loop_theta_integral;
-        const float loop_theta_lag_next = loop_theta_into_lag * t126;
+        const float d_theta = (loop_theta_direct * t90) + loop_theta_lag + loop_theta_integral;
+        const float loop_theta_lag_next = loop_theta_into_lag * t90;
         state->loop_theta_lag = loop_theta_lag_next;
 
         /* loop_psi: (25) */
-        const float t127 = psi_ref_held - psi;
+        const float t91 = psi_ref_held - psi;
         const float loop_psi_lag = state->loop_psi_lag;
         const float loop_psi_integral = state->loop_psi_integral;
-        const float d_psi = (loop_psi_direct * t127) + loop_psi_lag + loop_psi_integral;
-        const float loop_psi_lag_next = loop_psi_into_lag * t127;
+        const float d_psi = (loop_psi_direct * t91) + loop_psi_lag + loop_psi_integral;
+        const float loop_psi_lag_next = loop_psi_into_lag * t91;
         state->loop_psi_lag = loop_psi_lag_next;
 
         /* allocation: Table 3, (17), limits */
-        const float t128 = phi_raw * phi_raw;
-        const float t129 = f1_polynomial(t128);
-        const float t130 = phi_raw * f2_polynomial(t128);
-        const float i_CQ = limit((t129 * d_x) + (t130 * d_y), 1.134f);
-        const float t131 = limit(d_phi + i_CQ, 1.134f);
-        const float t132 = limit(0.5f * ((t129 * d_y) - (t130 * d_x)), 1.134f - fabsf(t131));
-        const float i_AQ = t132 - t131;
-        const float i_BQ = t132 + t131;
-        const float t133 = d_z - d_theta;
-        const float i_AD = limit(t133 + d_psi, 0.5492213f);
-        const float i_BD = limit(t133 - d_psi, 0.5492213f);
+        const float t92 = phi_raw * phi_raw;
+        const float t93 = f1_polynomial(t92);
+        const float t94 = phi_raw * f2_polynomial(t92);
+        const float i_CQ = limit((t93 * d_x) + (t94 * d_y), 1.134f);
+        const float t95 = limit(d_phi + i_CQ, 1.134f);
+        const float t96 = limit(0.5f * ((t93 * d_y) - (t94 * d_x)), 1.134f - fabsf(t95));
+        const float i_AQ = t96 - t95;
+        const float i_BQ = t96 + t95;
+        const float t97 = d_z - d_theta;
+        const float i_AD = limit(t97 + d_psi, 0.54913455f);
+        const float i_BD = limit(t97 - d_psi, 0.54913455f);
 
         /* loop_psi: (25) */
         const float loop_psi_integral_next = (loop_psi_reset * loop_psi_integral) + (loop_psi_driven_x_allocation_half * (i_AD - i_BD));
         state->loop_psi_integral = loop_psi_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float i_CD = limit(d_z + (2.0f * d_theta), 0.5492213f);
+        const float i_CD = limit(d_z + (2.0f * d_theta), 0.54913455f);
 
         /* loop_z: (23) */
-        const float t134 = i_AD + i_BD;
-        const float loop_z_integral_next = (loop_z_reset * loop_z_integral) + (loop_z_driven_x_allocation_part * (t134 + i_CD));
+        const float t98 = i_AD + i_BD;
+        const float loop_z_integral_next = (loop_z_reset * loop_z_integral) + (loop_z_driven_x_allocation_part * (t98 + i_CD));
         state->loop_z_integral = loop_z_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float made_x = (t129 * i_CQ) - (2.0f * (t130 * t132));
+        const float made_x = (t93 * i_CQ) - (2.0f * (t94 * t96));
 
         /* lqg_x: (28)-(35), (49) */
-        const float lqg_x_integral_next = (lqg_x_kept * lqg_x_integral) + (lqg_x_driven * (made_x + t118));
-        state->lqg_x_integral = (t111) ? lqg_x_integral_next : lqg_x_integral;
+        const float lqg_x_integral_next = (lqg_x_kept * lqg_x_integral) + (lqg_x_driven * (made_x + t84));
+        state->lqg_x_integral = (t77) ? lqg_x_integral_next : lqg_x_integral;
         state->lqg_x_force = made_x;
 
         /* allocation: Table 3, (17), limits */
-        const float made_y = (t130 * i_CQ) + (2.0f * (t129 * t132));
+        const float made_y = (t94 * i_CQ) + (2.0f * (t93 * t96));
 
         /* lqg_y: (28)-(35), (49) */
-        const float lqg_y_integral_next = (lqg_y_kept * lqg_y_integral) + (lqg_y_driven * (made_y + t121));
-        state->lqg_y_integral = (t120) ? lqg_y_integral_next : lqg_y_integral;
+        const float lqg_y_integral_next = (lqg_y_kept * lqg_y_integral) + (lqg_y_driven * (made_y + t87));
+        state->lqg_y_integral = (t86) ? lqg_y_integral_next : lqg_y_integral;
         state->lqg_y_force = made_y;
 
         /* allocation: Table 3, (17), limits */
-        const float made_phi = t131 - i_CQ;
+        const float made_phi = t95 - i_CQ;
 
         /* lqg_phi: (28)-(35), (49) */
-        const float lqg_phi_integral_next = (lqg_phi_kept * lqg_phi_integral) + (lqg_phi_driven * (made_phi + t124));
-        state->lqg_phi_integral = (t123) ? lqg_phi_integral_next : lqg_phi_integral;
+        const float lqg_phi_integral_next = (lqg_phi_kept * lqg_phi_integral) + (lqg_phi_driven * (made_phi + t88));
+        state->lqg_phi_integral = lqg_phi_integral_next;
         state->lqg_phi_force = made_phi;
 
         /* allocation: Table 3, (17), limits */
-        const float made_theta = (allocation_part * i_CD) - (allocation_front_part * t134);
+        const float made_theta = (allocation_part * i_CD) - (allocation_front_part * t98);
 
         /* loop_theta: (24) */
         const float loop_theta_integral_next = (loop_theta_reset * loop_theta_integral) + (loop_theta_driven * made_theta);
         state->loop_theta_integral = loop_theta_integral_next;
 
         /* commutation: (17) inverted */
-        const float distance_back = within_x - (0.025584769f * t130);
+        const float distance_back = within_x - (0.025584769f * t94);
         const float quarter_sine_back = distance_back * quarter_sine_back_polynomial(distance_back * distance_back);
-        const float distance_front = within_y - ((0.012792384f * t129) - 0.0127f);
+        const float distance_front = within_y - ((0.012792384f * t93) - 0.0127f);
         const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front * distance_front);
-        const float t135 = quarter_sine_front * quarter_sine_front;
-        const float t136 = quarter_sine_front * sqrtf(1.0f - t135);
-        const float t137 = t136 * (4.0f - (8.0f * t135));
-        const float t138 = f5_polynomial(t128);
-        const float t139 = t137 * t138;
-        const float t140 = 1.0f - (8.0f * (t136 * t136));
-        const float t141 = phi_raw * f6_polynomial(t128);
-        const float t142 = t140 * t141;
-        const float t143 = t139 - t142;
-        const float t144 = t140 * t138;
-        const float t145 = t137 * t141;
-        const float t146 = t144 + t145;
-        const float i_AA_computed = limit((t143 * i_AQ) + (t146 * i_AD), 1.26f);
+        const float t99 = quarter_sine_front * quarter_sine_front;
+        const float t100 = quarter_sine_front * sqrtf(1.0f - t99);
+        const float t101 = t100 * (4.0f - (8.0f * t99));
+        const float t102 = f5_polynomial(t92);
+        const float t103 = t101 * t102;
+        const float t104 = 1.0f - (8.0f * (t100 * t100));
+        const float t105 = phi_raw * f6_polynomial(t92);
+        const float t106 = t104 * t105;
+        const float t107 = t103 - t106;
+        const float t108 = t104 * t102;
+        const float t109 = t101 * t105;
+        const float t110 = t108 + t109;
+        const float i_AA_computed = (t107 * i_AQ) + (t110 * i_AD);
+        /*@ admit -1.26f <= i_AA_computed <= 1.26f; */
         state->safe_output_last_i_AA = i_AA_computed;
         out->i_AA = i_AA_computed;
-        const float t147 = 0.8660254f * ((t143 * i_AD) - (t146 * i_AQ));
-        const float t148 = 0.5f * i_AA_computed;
-        const float i_AB_computed = limit(t147 - t148, 1.26f);
+        const float t111 = 0.8660254f * ((t107 * i_AD) - (t110 * i_AQ));
+        const float t112 = 0.5f * i_AA_computed;
+        const float i_AB_computed = t111 - t112;
+        /*@ admit -1.26f <= i_AB_computed <= 1.26f; */
         state->safe_output_last_i_AB = i_AB_computed;
         out->i_AB = i_AB_computed;
-        const float i_AC_computed = limit(-(t148 + t147), 1.26f);
+        const float i_AC_computed = -(t112 + t111);
+        /*@ admit -1.26f <= i_AC_computed <= 1.26f; */
         state->safe_output_last_i_AC = i_AC_computed;
         out->i_AC = i_AC_computed;
-        const float t149 = t139 + t142;
-        const float t150 = t145 - t144;
-        const float i_BA_computed = limit((t149 * i_BQ) - (t150 * i_BD), 1.26f);
+        const float t113 = t103 + t106;
+        const float t114 = t109 - t108;
+        const float i_BA_computed = (t113 * i_BQ) - (t114 * i_BD);
+        /*@ admit -1.26f <= i_BA_computed <= 1.26f; */
         state->safe_output_last_i_BA = i_BA_computed;
         out->i_BA = i_BA_computed;
-        const float t151 = 0.8660254f * ((t150 * i_BQ) + (t149 * i_BD));
-        const float t152 = 0.5f * i_BA_computed;
-        const float i_BB_computed = limit(t151 - t152, 1.26f);
+        const float t115 = 0.8660254f * ((t114 * i_BQ) + (t113 * i_BD));
+        const float t116 = 0.5f * i_BA_computed;
+        const float i_BB_computed = t115 - t116;
+        /*@ admit -1.26f <= i_BB_computed <= 1.26f; */
         state->safe_output_last_i_BB = i_BB_computed;
         out->i_BB = i_BB_computed;
-        const float i_BC_computed = limit(-(t152 + t151), 1.26f);
+        const float i_BC_computed = -(t116 + t115);
+        /*@ admit -1.26f <= i_BC_computed <= 1.26f; */
         state->safe_output_last_i_BC = i_BC_computed;
         out->i_BC = i_BC_computed;
-        const float t153 = quarter_sine_back * quarter_sine_back;
-        const float t154 = quarter_sine_back * sqrtf(1.0f - t153);
-        const float t155 = 1.0f - (8.0f * (t154 * t154));
-        const float t156 = t154 * (4.0f - (8.0f * t153));
-        const float i_CA_computed = limit((t155 * i_CQ) - (t156 * i_CD), 1.26f);
+        const float t117 = quarter_sine_back * quarter_sine_back;
+        const float t118 = quarter_sine_back * sqrtf(1.0f - t117);
+        const float t119 = 1.0f - (8.0f * (t118 * t118));
+        const float t120 = t118 * (4.0f - (8.0f * t117));
+        const float i_CA_computed = (t119 * i_CQ) - (t120 * i_CD);
+        /*@ admit -1.26f <= i_CA_computed <= 1.26f; */
         state->safe_output_last_i_CA = i_CA_computed;
         out->i_CA = i_CA_computed;
-        const float t157 = 0.8660254f * ((t156 * i_CQ) + (t155 * i_CD));
-        const float t158 = 0.5f * i_CA_computed;
-        const float i_CB_computed = limit(t157 - t158, 1.26f);
+        const float t121 = 0.8660254f * ((t120 * i_CQ) + (t119 * i_CD));
+        const float t122 = 0.5f * i_CA_computed;
+        const float i_CB_computed = t121 - t122;
+        /*@ admit -1.26f <= i_CB_computed <= 1.26f; */
         state->safe_output_last_i_CB = i_CB_computed;
         out->i_CB = i_CB_computed;
-        const float i_CC_computed = limit(-(t158 + t157), 1.26f);
+        const float i_CC_computed = -(t122 + t121);
+        /*@ admit -1.26f <= i_CC_computed <= 1.26f; */
         state->safe_output_last_i_CC = i_CC_computed;
         out->i_CC = i_CC_computed;
     }

@@ -51,8 +51,8 @@ typedef struct {
     float sensing_offset_y;             /* m, -0.1016 .. 0.1016: whole pitches from the middle */
     float sensing_within_x;             /* m, -0.0254 .. 0.0254: raw position from the middle of its pitch */
     float sensing_within_y;             /* m, -0.0254 .. 0.0254: raw position from the middle of its pitch */
-    uint32_t sensing_doubt;             /* 1, 0 .. 6: samples for which a contradiction is remembered, or two */
-    uint32_t sensing_named;             /* 1, 0 .. 1: those that contradict the others are found */
+    uint32_t sensing_doubt;             /* 1, 0 .. 4: samples for which a contradiction is still remembered */
+    uint32_t sensing_named;             /* 1, 0 .. 1: a contradiction is confirmed */
     uint32_t sensing_found_V_ax;        /* 1, 0 .. 1: V_ax contradicts the others */
     uint32_t sensing_found_V_ay;        /* 1, 0 .. 1: V_ay contradicts the others */
     uint32_t sensing_found_V_bx;        /* 1, 0 .. 1: V_bx contradicts the others */

@@ -7,6 +7,7 @@ The constants stand in the step, which alone reads them.
 """
 
 from collections.abc import Sequence
+from textwrap import wrap
 
 from synth.block import Block, Fault
 from synth.emit.layout import Layout, Struct
@@ -100,6 +101,12 @@ def _polynomial(s: Surrogate, layout: Layout) -> list[str]:
     ]
 
 
+def _table(name: str, values: Sequence[float], layout: Layout) -> list[str]:
+    numbers = ", ".join(literal(v, layout.scalar).c for v in values)
+    rows = wrap(numbers, 108, initial_indent=" " * 8, subsequent_indent=" " * 8, break_on_hyphens=False)
+    return [f"    static const {layout.ctype} {name}[{len(values)}] = {{", *rows, "    };"]
+
+
 def _constants(block: Block, program: Program, layout: Layout) -> list[str]:
     read = {n.name for n in program.nodes if n.op == "constant"}
     rows = [
@@ -108,6 +115,8 @@ def _constants(block: Block, program: Program, layout: Layout) -> list[str]:
         for c in block.constants
         if c.name in read
     ]
+    for name in dict.fromkeys(n.name for n in program.nodes if n.op == "table"):
+        rows += _table(name, program.tables[name], layout)
     return [*rows, ""] if rows else []
 
 

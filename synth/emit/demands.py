@@ -58,9 +58,12 @@ def _inside(low: float, high: float, need: str, quantity: str, value: Callable[[
 
 _UNIT = _inside(-1, 1, "its argument must lie in -1 .. 1", "1 - |argument|", lambda x: 1 - np.abs(x))
 
-OF: dict[str, Demand] = {
+_OF: dict[str, Demand] = {
     "div": _division(1),
     "inv": _division(0),
+    "floor": _inside(
+        0, 2.0**31, "its argument must lie in 0 .. 2^31, as C cuts it off in 32 bits", "the argument", lambda x: x
+    ),
     "sqrt": _inside(0, inf, "its argument must not be negative", "the argument", lambda x: x),
     "log": Demand(
         "its argument must be positive",
@@ -90,6 +93,18 @@ OF: dict[str, Demand] = {
         lambda args: np.hypot(_middle(args[0]), _middle(args[1])),
     ),
 }
+
+
+def of(op: str, size: int) -> Demand | None:
+    """Return what an operation demands, None for nothing; `size` is how many values a table has."""
+    if op == "table":
+        need = f"its index must lie in 0 .. {size - 1}"
+        return _inside(
+            0, size - 1, need, "the index' distance from the nearer end", lambda x: np.minimum(x, size - 1 - x)
+        )
+    return _OF.get(op)
+
+
 FINITE = Demand(
     "it must be a finite number",
     "its reciprocal",

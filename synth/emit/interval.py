@@ -153,6 +153,10 @@ def _clamp(x: Interval, low: Interval, high: Interval) -> Interval:
     return Interval(np.where(odd, outer.low, found.low), np.where(odd, outer.high, found.high), outer.nan)
 
 
+def _floor(a: Interval) -> Interval:
+    return Interval(np.floor(a.low), np.floor(a.high), a.nan)
+
+
 def _sqrt(a: Interval) -> Interval:
     return Interval(np.sqrt(np.maximum(a.low, 0)), np.sqrt(np.maximum(a.high, 0)), a.nan | (a.low < 0))
 
@@ -193,10 +197,12 @@ EXACT: dict[str, Callable[..., Interval]] = {
     "twice": lambda a: _add(a, a),
     "div": _div,
     "inv": _inv,
+    "floor": _floor,
     "sqrt": _sqrt,
     "min": _min,
     "max": _max,
     "clamp": _clamp,
+    "within": _clamp,
     "lt": _lt,
     "le": _le,
     "eq": _eq,
@@ -205,6 +211,15 @@ EXACT: dict[str, Callable[..., Interval]] = {
     "and": _and,
     "or": _or,
 }
+
+
+def lookup(values: Sequence[float], index: Interval) -> Interval:
+    """Return where the values of a table lie at whole indices, those beyond its ends left out; of none, all of them."""
+    numbers, last = np.asarray(values, index.low.dtype), len(values) - 1
+    first, end = (np.clip(np.nan_to_num(np.floor(side)), 0, last).astype(int) for side in (index.low, index.high))
+    parts = [numbers[a : b + 1] if a <= b else numbers for a, b in zip(first, end, strict=True)]
+    low, high = (np.array([f(part) for part in parts], numbers.dtype) for f in (np.min, np.max))
+    return Interval(low, high, index.nan)
 
 
 def polynomial(coefficients: Sequence[float], v: Interval, contracted: bool) -> Interval:

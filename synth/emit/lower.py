@@ -31,6 +31,7 @@ UNARY = {
     ca.OP_COSH: "cosh",
     ca.OP_TANH: "tanh",
     ca.OP_FABS: "fabs",
+    ca.OP_FLOOR: "floor",
     ca.OP_INV: "inv",
     ca.OP_NOT: "not",
 }
@@ -50,6 +51,7 @@ BINARY = {
     ca.OP_OR: "or",
     ca.OP_IF_ELSE_ZERO: "when",
 }
+LOOKUP = (ca.OP_CONST, ca.OP_INPUT, ca.OP_GETNONZEROS_PARAM, ca.OP_OUTPUT)  # what `block.table` is made of
 LOGICAL = frozenset({"lt", "le", "eq", "ne", "and", "or", "not"})
 
 
@@ -69,8 +71,9 @@ class Program:
 
     `marks` holds (signal, node) in the order of the composition; `word` is None for a Block without faults.
     `polynomials` are those that nodes of the operation "polynomial" evaluate, by the name of the node. `products` are
-    constants that folding made of two others, by name. `titles` says for each Block of the composition, by name, what
-    it is and the equation that it computes.
+    constants that folding made of two others, by name; `tables` the numbers that nodes of the operation "table" look
+    up, by the name of the node. `titles` says for each Block of the composition, by name, what it is and the equation
+    that it computes.
     """
 
     nodes: tuple[Node, ...]
@@ -82,6 +85,7 @@ class Program:
     polynomials: Mapping[str, Polynomial] = field(default_factory=dict)
     products: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     titles: Mapping[str, str] = field(default_factory=dict)
+    tables: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
     def moved(self, nodes: tuple[Node, ...], index: Sequence[int]) -> "Program":
         """Return the program with new nodes, where the old node k is now the node index[k]; dead nodes are dropped."""
@@ -120,14 +124,15 @@ class Program:
 def program(block: Block) -> Program:
     """Lower a Block.
 
-    Raises EmitError for an operation that C emission does not know, naming it.
+    Raises EmitError for an operation that C emission does not know, naming it, and for a table whose name is taken.
     """
     loads = [*(("input", s.name) for s in block.inputs), *(("state", s.name) for s in block.states)]
     loads += [("constant", c.name) for c in block.constants]
     wanted = [e for _, e in block.inside] + list(block.output.values()) + list(block.next.values())
     shared = ca.cse(wanted)
     f = ca.Function("step", [ca.vcat([block.symbol[n] for _, n in loads])], [ca.vcat(shared)])
-    nodes, results = _walk(f, loads)
+    tables: dict[str, tuple[float, ...]] = {}
+    nodes, results = _walk(f, loads, tables)
     count = len(block.inside)
     marks = tuple((named, node) for (named, _), node in zip(block.inside, results[:count], strict=True))
     tail = results[count:]
@@ -137,7 +142,7 @@ def program(block: Block) -> Program:
     outputs = {s.name: outputs[s.name] for s in block.outputs}
     titles = {n.block: f"{n.block}: {n.tag}" if n.tag else n.block for n, _ in block.inside}
     integers = frozenset(_integers(block.states))
-    return _pruned(Program(tuple(nodes), marks, outputs, next, integers, word, titles=titles))
+    return _pruned(Program(tuple(nodes), marks, outputs, next, integers, word, titles=titles, tables=tables))
 
 
 def _word(nodes: list[Node], faults: Sequence[tuple[int, int]]) -> int | None:
@@ -167,9 +172,15 @@ def _integers(states: Sequence[State]) -> list[str]:
     return [s.name for s in states if s.integer]
 
 
-def _walk(f: ca.Function, loads: list[tuple[str, str]]) -> tuple[list[Node], list[int]]:
-    """Turn the instruction list into nodes in single-assignment form; return also the node of each output."""
+def _walk(
+    f: ca.Function, loads: list[tuple[str, str]], tables: dict[str, tuple[float, ...]]
+) -> tuple[list[Node], list[int]]:
+    """Turn the instruction list into nodes in single-assignment form; return also the node of each output.
+
+    Tables that it looks up are added to `tables`.
+    """
     nodes: list[Node] = []
+    terms = f.instructions_sx()
     slot: dict[int, int] = {}
     results: list[int] = []
     known: dict[Node, int] = {}
@@ -189,9 +200,24 @@ def _walk(f: ca.Function, loads: list[tuple[str, str]]) -> tuple[list[Node], lis
             slot[o[0]] = add(Node(kind, name=name))
         elif op == ca.OP_CONST:
             slot[o[0]] = add(Node("literal", value=f.instruction_constant(k)))
+        elif op == ca.OP_CALL:
+            called = terms[k].which_function()
+            _keep(called, tables, [name for _, name in loads])
+            slot[o[0]] = add(Node("table", (slot[i[0]],), name=called.name()))
         else:
             slot[o[0]] = add(_operation(op, tuple(slot[a] for a in i), nodes))
     return nodes, results
+
+
+def _keep(called: ca.Function, tables: dict[str, tuple[float, ...]], taken: Sequence[str]) -> None:
+    """Add a function's numbers to `tables`; raise EmitError unless it is a table of its own name."""
+    name, steps = called.name(), range(called.n_instructions())
+    if [called.instruction_id(k) for k in steps] != list(LOOKUP):
+        raise EmitError(f"a law calls the function '{name}', which is no table: write it out, or use block.table")
+    numbers = tuple(called.instruction_MX(0).to_DM().full().ravel().tolist())
+    if name in taken or tables.get(name, numbers) != numbers:
+        raise EmitError(f"table '{name}' has the name of another table, signal or constant: rename one of them")
+    tables[name] = numbers
 
 
 def _operation(op: int, args: tuple[int, ...], nodes: list[Node]) -> Node:

@@ -147,7 +147,7 @@ class _Printer:
         self.tag = ""
         self.count = 0
         self.taken = {*RESERVED, *(constant(c.name) for c in block.constants)}
-        self.taken |= {n.name for n in program.nodes if n.op == "polynomial"}
+        self.taken |= {n.name for n in program.nodes if n.op in ("polynomial", "table")}
         self.name = self._names()
 
     def lines(self) -> list[Line]:
@@ -258,6 +258,9 @@ class _Printer:
         name = self.name.get(k) or self._free(node.name if node.op in _LOADS else self._next())
         self.text[k] = Text(name)
         self._put(f"const {self._ctype(k)} {name} = {text.c};", depth)
+        if node.op == "within":
+            low, high = (self._value(a).c for a in node.args[1:])
+            self._put(f"/*@ admit {low} <= {name} <= {high}; */", depth)
 
     def _branch(self, s: Branch, depth: int) -> None:
         for c, start in s.declared:
@@ -325,6 +328,8 @@ class _Printer:
             if self.p.nodes[args[0]].op == "literal":
                 return Text(_mask(node))
             return Text(f"{self._integer(args[0]).inside(2)} | {_mask(node)}", 1)
+        if op == "within":
+            return self.text[args[0]]
         if op == "clamp":
             return Text(f"limit({self._value(args[0]).c}, {self._value(args[2]).c})")
         whole = self.kinds[k] == "integer" or self._counts(node)
@@ -352,6 +357,10 @@ class _Printer:
             return Text(f"{literal(1.0, self.layout.scalar).c} / {sides[0].inside(6)}", 5)
         if op == "polynomial":
             return Text(f"{node.name}({sides[0].c})")
+        if op == "table":
+            return Text(f"{node.name}[(uint32_t){sides[0].inside(7)}]")
+        if op == "floor":
+            return Text(f"({self.layout.ctype})(uint32_t){sides[0].inside(7)}", 7)
         suffix = "f" if op in LIBM and self.layout.scalar is np.float32 else ""
         return Text(f"{op}{suffix}({', '.join(s.c for s in sides)})")
 
@@ -433,13 +442,19 @@ def _count(p: Program, block: Sequence[Statement], reads: Counter[int]) -> None:
     for s in reversed(block):
         if isinstance(s, Let) and reads[s.node]:
             node = p.nodes[s.node]
-            reads.update(node.args[::2] if node.op == "clamp" else node.args * (2 if node.op == "sq" else 1))
+            reads.update(_read(node))
         elif isinstance(s, Assign | Store):
             reads[s.node] += 1
         elif isinstance(s, Branch):
             _count(p, s.other, reads)
             _count(p, s.then, reads)
             reads.update([s.condition, *(start for _, start in s.declared if start is not None)])
+
+
+def _read(node: Node) -> Sequence[int]:
+    if node.op == "within":
+        return node.args[:1]
+    return node.args[::2] if node.op == "clamp" else node.args * (2 if node.op == "sq" else 1)
 
 
 def _mask(node: Node) -> str:

@@ -15,7 +15,7 @@ import numpy as np
 
 from synth.block import Block
 from synth.emit import conditions, libm
-from synth.emit.interval import Interval, Mask, interval, meet, point, polynomial, truth, unrounded
+from synth.emit.interval import Interval, Mask, interval, lookup, meet, point, polynomial, truth, unrounded
 from synth.emit.layout import layout
 from synth.emit.lower import LOGICAL, Node, Program
 from synth.errors import EmitError
@@ -23,7 +23,9 @@ from synth.errors import EmitError
 SELECTIONS = frozenset({"choose", "when"})
 LOADS = frozenset({"input", "state", "constant"})
 _PRODUCTS = frozenset({"mul", "sq", "twice", "polynomial"})
-_PASSING = frozenset({"neg", "choose", "when", "min", "max", "clamp"})  # a product gets into a sum through these too
+_PASSING = frozenset(
+    {"neg", "choose", "when", "min", "max", "clamp", "within"}
+)  # a product gets into a sum through these too
 _KEEPING_WHOLE = frozenset({"neg", "fabs", "add", "sub", "mul", "sq", "twice", "min", "max", "clamp"})
 _SMALL = 40  # nodes of an arm that are computed anew under its condition
 
@@ -132,12 +134,12 @@ def _unrounded(nodes: Sequence[Node], node: Node) -> bool:
 
 
 def _whole(program: Program, node: Node, whole: set[int]) -> bool:
-    """Return whether a value is whole: floating-point sums and products of whole numbers are."""
+    """Return whether a value is whole: floating-point sums and products of whole numbers are, and what is cut off."""
     if node.op == "literal":
         return float(node.value).is_integer()
     if node.op in SELECTIONS:
         return whole.issuperset(node.args[1:])
-    kept = node.op in LOGICAL or (node.op in _KEEPING_WHOLE and whole.issuperset(node.args))
+    kept = node.op in LOGICAL or node.op == "floor" or (node.op in _KEEPING_WHOLE and whole.issuperset(node.args))
     return kept or (node.op == "state" and node.name in program.integers)
 
 
@@ -192,6 +194,8 @@ def _computed(s: Structure, arithmetic: Arithmetic, node: Node, R: Mapping[int, 
     args = [R[a] for a in node.args]
     if node.op in ("add", "sub") and arithmetic.contracted:
         args = [unrounded(a) if k in s.products else a for k, a in zip(node.args, args, strict=True)]
+    if node.op == "table":
+        return lookup(s.program.tables[node.name], args[0])
     if node.op == "polynomial":
         return polynomial(s.program.polynomials[node.name].coefficients, args[0], arithmetic.contracted)
     if node.op not in libm.FUNCTIONS and node.op not in libm.EXACT:

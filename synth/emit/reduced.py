@@ -42,7 +42,7 @@ def reduce(block: Block, scalar: type[np.floating], libm: bool = False, error: f
         program, found = surrogates.replaced(program, bounds, scalar, error)
     while idle := ranges.redundant(program, ranges.analyse(program, bounds, scalar)):
         program = fold.folded(program.substituted(idle))
-    program = fold.gathered(program)
+    program = _certified(fold.gathered(program), found, scalar)
     block = replace(block, constants=(*block.constants, *_products(block, program, scalar)))
     bounds = ranges.bounds(block, scalar)
     proved = ranges.analyse(program, bounds, scalar)
@@ -50,6 +50,22 @@ def reduce(block: Block, scalar: type[np.floating], libm: bool = False, error: f
     ranges.inductive(program, proved, block, scalar)
     _require_whole(program, proved)
     return Reduced(block, program, found)
+
+
+def _certified(program: Program, surrogates: Sequence[Surrogate], scalar: type[np.floating]) -> Program:
+    """Return the program without the limits that a certificate proves idle: what they limit is said to be `within`.
+
+    A certificate counts on polynomials: where libm computes, the limits stay.
+    """
+    error = max((s.polynomial.max_relative_error for s in surrogates), default=np.inf)
+    nodes = list(program.nodes)
+    for named, k in program.marks:
+        if named.certificate is None or nodes[k].op != "clamp":
+            continue
+        high = float(scalar(nodes[nodes[k].args[2]].value))
+        if named.certificate(float(np.finfo(scalar).eps) / 2, error) <= high:
+            nodes[k] = replace(nodes[k], op="within")
+    return replace(program, nodes=tuple(nodes))
 
 
 def _products(block: Block, program: Program, scalar: type[np.floating]) -> list[Constant]:

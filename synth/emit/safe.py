@@ -29,7 +29,7 @@ from synth.emit.ranges import (
 )
 from synth.errors import EmitError
 
-_LIMITING = SELECTIONS | {"min", "max", "clamp"}
+_LIMITING = SELECTIONS | {"min", "max", "clamp", "within"}
 Guard = tuple[int, bool]  # a condition, and whether it holds where a value is used
 
 
@@ -60,7 +60,7 @@ def require_safe(
     claims = [
         _Claim(k, d, tuple(node.args[i] for i in d.watched), guards[k])
         for k, node in enumerate(program.nodes)
-        if (d := demands.OF.get(node.op))
+        if (d := demands.of(node.op, len(program.tables.get(node.name, ()))))
     ]
     claims += [_Claim(k, demands.FINITE, (k,), frozenset()) for k in dict.fromkeys(ends)]
     for claim in claims:

@@ -47,6 +47,7 @@ UNARY: list[Callable[[SX], SX]] = [
     lambda a: ca.cosh(ca.cos(a)),
     ca.tanh,
     ca.fabs,
+    lambda a: ca.floor(3 * ca.fabs(a)),
     lambda a: 1 / (a**2 + 0.25),
     ca.logic_not,
 ]

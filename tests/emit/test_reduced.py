@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from synth.block import Block, Constant, State, Step, build, clip
-from synth.emit import fold, lower, ranges, reduced
+from synth.emit import fold, lower, ranges, reduced, write
 from synth.emit.reduced import Reduced
 from synth.errors import EmitError
 from synth.signals import Signal
@@ -176,3 +176,30 @@ def test_a_function_of_a_narrow_range_is_replaced_unless_libm_is_to_compute_it()
 def test_hazards_reduce_to_fewer_nodes() -> None:
     for block in hazards.BLOCKS:
         assert len(reduce(block).program.nodes) <= len(fold.folded(lower.program(block)).nodes)
+
+
+def rotated(certificate: Any) -> Block:
+    """Return a law whose output is within 1.5, which intervals do not see, and a certificate that says how large."""
+
+    def law(u: Any, x: Any, k: Any) -> Step:
+        y = clip(u["b"] * (0.4 * ca.cos(u["a"] / 2)) + u["b"] * (0.3 * ca.sin(u["a"] / 2)), signal("y", -1.51, 1.51))
+        return Step({"y": y}, certified={"y": certificate})
+
+    return make(law)
+
+
+def test_a_limit_that_a_certificate_proves_idle_is_not_printed() -> None:
+    def proved(u: float, e: float) -> float:
+        return 1.5 * (1 + e) * (1 + 6 * u)
+
+    found = reduce(rotated(proved))
+    assert count(found, "within") == 1 and count(found, "clamp") == 0
+    text = write.emit(rotated(proved), F32).files["made.c"]
+    assert "/*@ admit -1.51f <= y <= 1.51f; */" in text and "limit(" not in text
+    assert ranges.analyse(found.program, ranges.bounds(found.block, F32), F32)[found.program.outputs["y"]].high < 1.52
+
+
+def test_a_limit_stays_where_the_certificate_does_not_reach_or_libm_computes() -> None:
+    assert count(reduce(rotated(lambda u, e: 1.5101)), "clamp") == 1
+    assert count(reduce(rotated(lambda u, e: 1.5 * (1 + e))), "clamp") == 0
+    assert count(reduce(rotated(lambda u, e: 1.5 * (1 + e)), libm=True), "clamp") == 1

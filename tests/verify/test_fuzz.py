@@ -2,11 +2,20 @@
 
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
+import casadi as ca
+import numpy as np
 import pytest
 
+from synth.block import Exprs, State, Step, build, clip
+from synth.compose import compose
+from synth.emit import write
 from synth.errors import CompileError, DesignError
+from synth.signals import Signal
+from synth.synthesise import safety
+from synth.timing import Discrete
 from synth.verify import fuzz
 
 Plant = Callable[[str, str], dict[str, str]]
@@ -61,6 +70,23 @@ def test_a_planted_defect_is_found(planted: Plant, manifest: dict[str, Any], old
     campaign = fuzz.run(planted(old, new), manifest | {"safety": {"bad_samples": 5}}, STEPS)
     assert finding in campaign.finding
     assert not all(check.passed for check in campaign.checks())
+
+
+@needs_clang
+def test_a_certificate_that_lies_is_found() -> None:
+    """It leaves a limit out that is needed, and Eva takes its word; not so the fuzzer."""
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        y = clip(2 * ca.sin(u["a_held"]), Signal("y", "V", -1.5, 1.5))
+        return Step({"y": y}, {"last": y}, certified={"y": lambda u, e: 1.5})
+
+    time, a, y = Discrete(1e-3), Signal("a", "rad", -1.5, 1.5), Signal("y", "V", -1.5, 1.5)
+    last = State(Signal("last", "V", -1.5, 1.5), 0.0)
+    held = replace(a, name="a_held")
+    sine = build("sine", time, law, inputs=[held], outputs=[y], states=[last])
+    guard = safety.guard(time, [safety.Guarded(a, 0.0, True)], 5)
+    emitted = write.emit(compose("lie", [guard, sine], inputs=["a"], outputs=["y"]), np.float32)
+    assert "output y" in fuzz.run(emitted.files, dict(emitted.manifest) | {"safety": {"bad_samples": 5}}, STEPS).finding
 
 
 @needs_clang

@@ -7,7 +7,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from designs.planar_6dof import allocation, reference_control
+from designs.planar_6dof import allocation, interface, reference_control
 from models import lorentz_motor, planar_stage
 from synth.block import Block
 from synth.emit import write
@@ -136,20 +136,30 @@ def test_phases_are_those_of_the_reference_and_within_the_limit(commutated: dict
         assert np.abs(found[f"{name}_computed"]).max() <= allocation.LIMIT
 
 
-def test_no_phase_has_more_than_the_limit_whatever_the_motors_are_asked_for(
-    commutated: dict[str, agree.Witness],
-) -> None:
-    """Both currents of a motor at their own bounds at once, which the allocation never asks for, are 1.4 limits."""
-    q = poses()
-    q |= {f"i_{m}D": allocation.LIMIT * np.sign(q[f"i_{m}D"]) for m in planar_stage.MOTORS}
-    expected = reference_control.phases({m: (q[f"i_{m}Q"], q[f"i_{m}D"]) for m in planar_stage.MOTORS}, q)
-    found = commutated["c64"]({}, asked(q)).outputs
-    for name, i in expected.items():
-        within = np.abs(i) < allocation.LIMIT
-        phase = np.asarray(found[f"{name}_computed"])
-        assert 0.2 < np.mean(~within) < 0.8 and np.abs(phase).max() == allocation.LIMIT
-        if name.endswith("A"):  # the others are of what is left of this one
-            np.testing.assert_allclose(phase, np.clip(i, -allocation.LIMIT, allocation.LIMIT), rtol=0, atol=DOUBLE)
+@pytest.mark.parametrize("scalar", [np.float32, np.float64])
+def test_no_phase_has_more_than_the_limit_though_no_limit_is_printed(scalar: type[np.floating]) -> None:
+    """Both currents of a motor at their bounds at once: its phases come up to the limit but for what is spared."""
+    q = poses(20 * N)
+    for m in planar_stage.MOTORS:
+        q[f"i_{m}Q"] = allocation.QUADRATURE * np.sign(q[f"i_{m}Q"])
+        q[f"i_{m}D"] = allocation.DIRECT * np.sign(q[f"i_{m}D"])
+    block = allocation.commutation(PLANT, TIME)
+    emitted = write.emit(block, scalar, error=interface.SURROGATE_ERROR[scalar])
+    text = emitted.files[f"{block.name}.c"]
+    assert text.count("admit -1.26") == 9 and not re.search(r"i_.._computed = limit", text)
+    found = agree.emitted(host.load(emitted.files, emitted.manifest))({}, asked(q)).outputs
+    largest = max(np.abs(found[s.name]).max() for s in allocation.COMPUTED)
+    assert allocation.LIMIT * (1 - 2 * allocation.SPARE) < largest <= scalar(allocation.LIMIT)
+
+
+def test_a_limit_stays_where_nothing_is_spared(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The planted defect: currents that leave nothing to rounding, or polynomials that are too coarse."""
+    coarse = write.emit(allocation.commutation(PLANT, TIME), np.float32, error=1e-3)
+    monkeypatch.setattr(allocation, "DIRECT", np.sqrt(allocation.LIMIT**2 - allocation.QUADRATURE**2))
+    tight = write.emit(allocation.commutation(PLANT, TIME), np.float32, error=1e-6)
+    for emitted in (coarse, tight):
+        text = emitted.files["commutation.c"]
+        assert "admit" not in text and text.count("_computed = limit(") == 9
 
 
 @pytest.mark.parametrize(("parameter", "off"), [("a", 1e-10), ("b", 1e-10), ("c", 1e-9), ("l", 1e-12)])

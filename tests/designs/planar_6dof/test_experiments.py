@@ -27,6 +27,7 @@ Found = dict[str, dict[str, Experiment]]
 STEPS = ("step_x", "step_y", "step_phi")
 RESTS = ("standstill", "standstill_printed_noise", "standstill_6.525_V", "standstill_24_V")
 FAILURES = [f"{kind}_{where}" for where in ("resting", "moving") for kind in ("nan", "zero", "stuck")]
+FAILURES += ["zero_anywhere", "stuck_anywhere"]
 
 
 @pytest.fixture(scope="module")
@@ -163,9 +164,9 @@ def test_an_amplifier_without_limit_follows_and_one_with_a_limit_slews(lead: Loo
 
 def test_a_failed_channel_is_the_one_that_is_named(lead: Loop) -> None:
     for channel in failures.HALL:
-        f = failures.fail(lead, channel, "nan", moving=False)
+        f = failures.fail(lead, channel, "nan")
         assert f.named == 0 and f.latched == 4 and not f.others and f.contradicted is None
-    late = failures.fail(replace(lead, noise=0.0), "V_ax", "stuck", moving=False)
+    late = failures.fail(replace(lead, noise=0.0), "V_ax", "stuck")
     assert late.named is None and late.latched is None and late.left() == 0 == late.slew() == late.unanswered
 
 
@@ -235,7 +236,7 @@ def test_a_jump_to_zero_a_current_that_stays_and_a_late_latch_are_caught(lead: L
     def caught(f: failures.Failed, kind: failures.Kind = "nan") -> set[str]:
         return {c.name for c in failures.checks([f], kind, moving=False) if not c.passed}
 
-    good = failures.fail(lead, "V_cx", "nan", moving=True)
+    good = failures.fail(lead, "V_cx", "nan", speed=failures.SPEED)
     before = np.arange(len(good.run.time)) < good.sample + 4
     still = {name: np.full(len(before), 0.1) for name in loops.ACTUATORS}
     gone = {name: np.where(before, 0.5, 0.0) for name in loops.ACTUATORS}
@@ -244,8 +245,11 @@ def test_a_jump_to_zero_a_current_that_stays_and_a_late_latch_are_caught(lead: L
     assert caught(replace(good, run=replace(good.run, commands=still))) == {"current left at the end after a latch"}
     assert caught(replace(good, sample=good.sample - 1)) == {"samples until the latch"}
     assert caught(replace(good, sample=good.sample + 1)) == {"samples with a fault before the failure"}
-    early = failures.fail(lead, "V_cx", "zero", moving=True)
-    for ahead, expected in ((2, set()), (3, {"samples from a residual out of bounds to a name or the latch"})):
+    early = failures.fail(lead, "V_cx", "zero", speed=failures.SPEED)
+    for ahead, expected in (
+        (3, set()),
+        (4, {"samples from a residual out of bounds to the channel's name or the latch"}),
+    ):
         assert caught(replace(early, beyond=np.roll(early.beyond, -ahead)), "zero") == expected
-    unseen = failures.fail(replace(lead, noise=0.0), "V_ax", "stuck", moving=False)
+    unseen = failures.fail(replace(lead, noise=0.0), "V_ax", "stuck")
     assert caught(unseen, "zero") == {"channels whose failure is not noticed"} and not caught(unseen, "stuck")

@@ -1,0 +1,112 @@
+"""Tables of constants: looked up as CasADi does, by an index that is proved to stay inside, or not emitted."""
+
+import shutil
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from synth.block import Block, Constant, Step, build, clip, table
+from synth.emit import lower
+from synth.emit.interval import Interval, lookup
+from synth.emit.write import Emitted, emit
+from synth.errors import EmitError, SignalError
+from synth.execute import host
+from synth.signals import Signal
+from synth.timing import Discrete
+from synth.verify import eva
+
+VALUES = (0.1, -2.5, 3.0, 0.7, 11.0)
+LAST = len(VALUES) - 1
+PLACE, OUT = Signal("place", "1", -10, 10), Signal("value", "1", -100, 100)
+
+
+def looked_up(low: float = 0, high: float = LAST, name: str = "numbers") -> Block:
+    """Return the Block that looks up a table at the whole part of an input limited to low .. high."""
+
+    def law(u: Any, x: Any, k: Any) -> Step:
+        return Step({"value": table(name, VALUES)(ca.floor(clip(u["place"], Signal("index", "1", low, high))))})
+
+    return build("lookup", Discrete(1e-3), law, inputs=[PLACE], outputs=[OUT])
+
+
+def answers(made: Emitted, place: np.ndarray) -> np.ndarray:
+    return host.load(made.files, made.manifest).replay({"place": place}).outputs["value"]
+
+
+@pytest.mark.parametrize("scalar", [np.float32, np.float64])
+def test_every_value_is_found_and_both_ends_hold_beyond(scalar: type[np.floating]) -> None:
+    place = np.array([-10.0, -0.5, -0.0, 0.0, 0.999, 1.0, 2.5, 3.0, 3.999, 4.0, 4.5, 10.0])
+    expected = np.array(VALUES, scalar)[np.clip(np.floor(place), 0, LAST).astype(int)]
+    np.testing.assert_array_equal(answers(emit(looked_up(), scalar), place), expected)
+    seen = np.ravel([looked_up().function()([], v)[1] for v in place])
+    np.testing.assert_array_equal(seen.astype(scalar), expected)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "need"), [(0, LAST + 1, "index must lie in 0 .. 4"), (-1, LAST, "0 .. 2\\^31")]
+)
+def test_an_index_that_may_leave_the_table_is_not_emitted(low: float, high: float, need: str) -> None:
+    with pytest.raises(EmitError, match=need):
+        emit(looked_up(low, high), np.float32)
+
+
+def test_a_table_stands_in_the_step_once_and_only_where_it_is_read() -> None:
+    text = emit(looked_up(), np.float32).files["lookup.c"]
+    assert text.count("static const float numbers[5] = {") == 1
+    assert text.index("uint32_t lookup_step") < text.index("static const float numbers") < text.index("numbers[(uint")
+
+
+def test_two_tables_of_one_name_are_refused() -> None:
+    def law(u: Any, x: Any, k: Any) -> Step:
+        index = ca.floor(clip(u["place"], Signal("index", "1", 0, LAST)))
+        return Step({"value": table("numbers", VALUES)(index) + table("numbers", VALUES[::-1])(index)})
+
+    with pytest.raises(EmitError, match="'numbers' has the name of another"):
+        emit(build("lookup", Discrete(1e-3), law, inputs=[PLACE], outputs=[OUT]), np.float32)
+
+
+@pytest.mark.parametrize("name", ["place", "k"])
+def test_a_table_named_as_a_signal_or_a_constant_is_refused(name: str) -> None:
+    def law(u: Any, x: Any, k: Any) -> Step:
+        return Step({"value": k["k"] * table(name, VALUES)(ca.floor(ca.fabs(u["place"]) / 5))})
+
+    constants = [Constant("k", 2.0, "1", "test")]
+    with pytest.raises(EmitError, match=f"'{name}' has the name of another"):
+        lower.program(build("lookup", Discrete(1e-3), law, inputs=[PLACE], outputs=[OUT], constants=constants))
+
+
+def test_another_function_is_refused() -> None:
+    x = ca.MX.sym("x")
+    called = ca.Function("called", [x], [ca.sin(x)], {"never_inline": True})
+
+    def law(u: Any, x: Any, k: Any) -> Step:
+        return Step({"value": called(u["place"])})
+
+    with pytest.raises(EmitError, match="'called', which is no table"):
+        lower.program(build("lookup", Discrete(1e-3), law, inputs=[PLACE], outputs=[OUT]))
+
+
+@pytest.mark.parametrize(("name", "values"), [("two words", VALUES), ("t", (1.0,)), ("t", (1.0, float("nan")))])
+def test_a_table_that_is_none_is_refused(name: str, values: tuple[float, ...]) -> None:
+    with pytest.raises(SignalError):
+        table(name, values)
+
+
+def test_a_lookup_is_enclosed_by_the_values_that_it_may_find() -> None:
+    ends = np.array([[0.0, 1.5], [1.0, 3.99], [4.0, 4.0], [-np.inf, np.inf]]).T
+    found = lookup(VALUES, Interval(ends[0], ends[1], np.zeros(4, bool)))
+    np.testing.assert_array_equal(found.low, [-2.5, -2.5, 11.0, -2.5])
+    np.testing.assert_array_equal(found.high, [0.1, 3.0, 11.0, 11.0])
+
+
+@pytest.mark.skipif(not shutil.which("frama-c"), reason="Frama-C: apt-get install frama-c-base")
+def test_the_access_is_proved_and_a_wider_index_is_not() -> None:
+    made = emit(looked_up(), np.float32)
+    assert eva.prove(made.files, made.manifest).alarms == ()
+    text = made.files["lookup.c"]
+    wider = text.replace("min(place, 4.0f)", "min(place, 5.0f)")
+    assert wider != text
+    alarms = eva.prove({**made.files, "lookup.c": wider}, made.manifest).alarms
+    assert any("index_bound" in alarm for alarm in alarms)
