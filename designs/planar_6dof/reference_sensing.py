@@ -198,7 +198,9 @@ def sense(
 def suspects(x: Pair, y: Pair, r: tuple[Array, Array], rho: Array, phi: Array, A: float) -> dict[str, Array]:
     """Return for each voltage whether it may be the wrong one, from what a contradiction first shows."""
     least_r, least_m, nearly, small = PART_R * RESIDUAL * A, PART_M * POWER * A**2, NEARLY * A**2, SMALL * A**2
-    jumped, crept, turned = {}, {}, (np.abs(r[0]) > least_r) | (np.abs(r[1]) > least_r)
+    turned = (np.abs(r[0]) > least_r) | (np.abs(r[1]) > least_r)
+    jumped: dict[str, Array] = {}
+    crept: dict[str, Array] = {}
     for pair, lack, (s, c, other) in ((x, r[1], ("V_ax", "V_bx", "V_cx")), (y, r[0], ("V_ay", "V_cy", "V_by"))):
         there, beside = np.abs(pair.m) > least_m, np.abs(lack) > least_r
         plain, slight = np.abs(pair.m) < nearly, np.abs((pair.s + lack) ** 2 - pair.s**2) < small

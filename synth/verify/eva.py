@@ -253,7 +253,8 @@ def _run(command: Sequence[str], folder: Path) -> str:
 
 def _judged(rows: Sequence[Mapping[str, str]], said: str) -> _Analysis:
     """Sort Frama-C's properties: what is proved, what is an alarm, what is open."""
-    own = [row for row in rows if not row["directory"].startswith("FRAMAC_SHARE")]
+    admitted = [row for row in rows if row["property kind"] == "user hypothesis"]
+    own = [row for row in rows if not row["directory"].startswith("FRAMAC_SHARE") and row not in admitted]
     ends = [row for row in own if row["property"] == "\\false" and row["file"] == _HARNESS]
     claims = [row for row in own if row["property kind"] == "user check" and row not in ends]
     others = [row for row in own if row not in claims and row not in ends and row["status"] not in ("Valid", "Dead")]

@@ -149,3 +149,12 @@ def test_the_emitted_controller_with_wide_limits_is_not_proved(
     wide = {name: widened(text, limits) for name, text in code.items()}
     assert wide != code
     assert any(f"{role}." in told for told in eva.prove(wide, manifest).unproved)
+
+
+@needs_frama_c
+def test_what_is_admitted_is_counted(planted: Plant, manifest: dict[str, Any]) -> None:
+    """Eva takes an admitted bound as its word, so that the figures say how many there are."""
+    limited = "out->i1 = clamped(scale * i1, -4.95f, 4.95f);"
+    proof = eva.prove(planted(limited, "out->i1 = scale * i1; /*@ admit -4.95f <= out->i1 <= 4.95f; */"), manifest)
+    assert (proof.alarms, proof.unproved, proof.admitted) == ((), (), 1)
+    assert "1 bounds taken over from certificates" in proof.checks()[0].about
