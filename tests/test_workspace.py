@@ -25,7 +25,7 @@ def root(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 
 
 def test_designs_are_found_by_name() -> None:
-    known = ["maglev_5dof", "planar_6dof_leadlag", "planar_6dof_lqg"]
+    known = ["hall_position", "maglev_5dof", "planar_6dof_leadlag", "planar_6dof_lqg"]
     assert [d.name for d in workspace.designs(ROOT)] == known
     with pytest.raises(DesignError, match=f"'other' is not here: there are {', '.join(known)}"):
         workspace.designs(ROOT, ["other"])

@@ -5,7 +5,8 @@ A sine of a large angle has zeros that no polynomial can follow to a relative er
     s <- s c,  c <- 1 - s^2/2^(2n+1),   n = m-1 .. 0,   from  s = 2^m sin(angle/2^m),  c = cos(angle/2^m)
 
 lead back, which multiplies errors by 2^m at most. Last but one s is limited to 2, as it would otherwise be taken to
-grow twofold each time.
+grow twofold each time, and the last to 1: bounds of the places of sensors and of all that is computed are those of the
+sines.
 """
 
 from collections.abc import Sequence
@@ -41,13 +42,12 @@ def wave(angle: ca.SX, halvings: int, name: str, named: Named) -> Wave:
     for left in reversed(range(halvings)):
         s = s if left else clip(s, TWICE)
         s, c = s * c, 1 - s**2 / 2 ** (2 * left + 1)
-    return Wave(s, c)
+    return Wave(clip(s, UNIT), c)
 
 
 def heading(yaw: ca.SX, named: Named) -> Wave:
-    """Return sine and cosine of the yaw, none above 1, as bounds of all places of sensors are those of the sines."""
-    found = wave(yaw, 2, "yaw_part", named)
-    return Wave(clip(found.sine, UNIT), found.cosine)
+    """Return sine and cosine of the yaw."""
+    return wave(yaw, 2, "yaw_part", named)
 
 
 @dataclass(frozen=True, eq=False)

@@ -139,6 +139,11 @@ def squares(of: Mapping[str, Sequence[Row]]) -> ca.SX:
     return _sum(r.e**2 for axis in AXES for r in of[axis])
 
 
+def squares_by_sensor(of: Mapping[str, Sequence[Row]]) -> list[ca.SX]:
+    """Return the squared residuals of each sensor, V^2."""
+    return [_sum(r.e**2 for r in pair) for pair in zip(*(of[axis] for axis in AXES), strict=True)]
+
+
 def equations(of: Mapping[str, Sequence[Row]], at: Displacement, damping: float, radius: float) -> Equations:
     """Return the normal equations at a displacement, damped by `damping`, V^2, and a yaw `radius`^2 times that."""
     axes = {axis: _normal(of[axis], at.phase[axis], damping) for axis in AXES}

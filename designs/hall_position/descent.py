@@ -10,7 +10,7 @@ deviations is that in the metric of the normal equations, (gradient' N^-1 gradie
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import ceil, log2, pi, sqrt
+from math import ceil, hypot, log2, pi, sqrt
 
 import casadi as ca
 
@@ -31,7 +31,8 @@ Named = list[tuple[Signal, ca.SX]]
 class Problem:
     """What is minimised, and within which displacement: `damping` in V^2, U and V up to `phase`, T up to `yaw`, rad.
 
-    Phases are halved `halvings` times before they become polynomials.
+    Phases are halved `halvings` times before they become polynomials. A voltage is within `expected` V rms of what the
+    last motion leads to.
     """
 
     array: Array
@@ -40,13 +41,15 @@ class Problem:
     phase: float
     yaw: float
     halvings: int
+    expected: float
 
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """A displacement with its squared residuals and cost, V^2, and the equations there."""
+    """A displacement with its squared residuals, of each sensor and in all, its cost, V^2, and the equations there."""
 
     at: Displacement
+    by_sensor: Sequence[ca.SX]
     squares: ca.SX
     cost: ca.SX
     equations: Equations
@@ -54,9 +57,10 @@ class Trial:
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """Where the corrections end, the last displacement that was tried, and whether they have converged."""
+    """Where the corrections end, the first and the last displacement tried, and whether they have converged."""
 
     at: Displacement
+    first: Trial
     last: Trial
     converged: ca.SX
 
@@ -66,7 +70,8 @@ def problem(array: Array, tuning: Tuning) -> Problem:
     arm = max(abs(x) + abs(y) for x, y in array.arms)
     half = tuning.reach / 2
     yaw = sqrt(1 + 2 * half / arm) - 1  # arm (T + T^2/2) = half
-    return Problem(array, tuning, tuning.damping * array.alpha**2, half, yaw, _halvings(pi + half + arm))
+    expected = hypot(tuning.residual, tuning.surprise * array.deviation / sqrt(tuning.damping))
+    return Problem(array, tuning, tuning.damping * array.alpha**2, half, yaw, _halvings(pi + half + arm), expected)
 
 
 def _halvings(angle: float) -> int:
@@ -75,7 +80,7 @@ def _halvings(angle: float) -> int:
 
 def corrected(sensors: Sequence[Sensor], of: Problem, named: Named) -> Found:
     """Return what n corrections find from the base on; signals that are worth a name are added to `named`."""
-    trial = _tried(sensors, NONE, 0, of, named)
+    trial = first = _tried(sensors, NONE, 0, of, named)
     best, lowest, better = trial.at, trial.cost, ca.SX(1)
     for i in range(1, of.tuning.iterations):
         trial = _tried(sensors, _next(trial, better, best, of), i, of, named)
@@ -84,7 +89,7 @@ def corrected(sensors: Sequence[Sensor], of: Problem, named: Named) -> Found:
     ahead = _next(trial, ca.SX(1), best, of)
     settled = _decrease(trial.equations) <= (of.tuning.settled * of.array.deviation) ** 2
     converged = ca.logic_and(better, settled)
-    return Found(_chosen(converged, ahead, best), trial, converged)
+    return Found(_chosen(converged, ahead, best), first, trial, converged)
 
 
 def turned(yaw: ca.SX, named: Named) -> tuple[Wave, ca.SX]:
@@ -105,7 +110,8 @@ def _tried(sensors: Sequence[Sensor], at: Displacement, i: int, of: Problem, nam
             held += at.phase[axis] ** 2
         cost = squares + damping * held
     named.append((Signal(f"cost_{i}", "V^2", 0, 1e9, "squared residuals and damping"), cost))
-    return Trial(at, squares, cost, correction.equations(rows, at, damping, radius))
+    by_sensor = correction.squares_by_sensor(rows)
+    return Trial(at, by_sensor, squares, cost, correction.equations(rows, at, damping, radius))
 
 
 def _next(trial: Trial, better: ca.SX, best: Displacement, of: Problem) -> Displacement:

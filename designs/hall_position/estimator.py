@@ -8,10 +8,11 @@ corrects it. The damping of `correction` holds to it what the voltages do not te
 There the estimate goes on as it did in one direction for as long as the place is passed, and is `damped`.
 
 `valid` is an estimate that has converged, is not damped, leaves residuals as small as the field's model does, is no
-motion that a body cannot make, and rests on measurements that are all accepted. Positions are absolute in a pitch, and
-count pitches on from where `init` puts them; a body that comes to the last of the pitches that are counted is not valid
-again until then. The voltages are the same when everything is turned by 90 degrees about a strong block, so that the
-yaw is known to a quarter turn; it goes on from the last one.
+motion that a body cannot make, and rests on measurements that are all accepted, or on the others where there are more
+than two sensors. Its place is certain, as no other within a range of yaws has the same voltages, and has never been
+lost since. Positions are absolute in a pitch, and count pitches on from where `init` puts them; a body that comes to
+the last of the pitches that are counted is not valid again until then. The voltages are the same when everything is
+turned by 90 degrees about a strong block, so that the yaw is known to a quarter turn; it goes on from the last one.
 
 Deviations are those of a body at rest, from the normal equations: deviation^2 (H'W H + damping)^-1.
 
@@ -22,6 +23,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import reduce
 from math import pi
+from operator import add
 from string import ascii_lowercase
 
 import casadi as ca
@@ -39,6 +41,8 @@ from synth.timing import Discrete
 
 SPAN = 5.0  # V, of the converter
 BAD_SAMPLES = 5
+MORE = 4  # times as much as with two sensors may the damping decide at a certain place, with more than two
+LOOSE = 1e4  # m: 1e-3 is never exceeded, but intervals do not see what is equal in numerator and denominator
 LEAST = 1e-30  # V^2, in a root: squares are not below 0, which is not seen of products that may not be rounded
 USUAL = Tuning()
 # Relative, of polynomials: a sine that is wrong by 2e-7 is a position that is wrong by 2 nm.
@@ -47,8 +51,16 @@ COMPLETE = Signal("complete", "1", 0, 1, "every measurement is good")
 FLAGS = (
     Signal("converged", "1", 0, 1, "the last correction is small, and none has raised the cost"),
     Signal("damped", "1", 0, 1, "the voltages do not tell all of the position"),
-    Signal("valid", "1", 0, 1, "converged, neither damped, astray nor sudden, inputs accepted, pitch counted"),
-    Signal("restarted", "1", 0, 1, "has looked for its place again: pitches are not known any more"),
+    Signal(
+        "valid", "1", 0, 1, "converged, place certain and never lost, not damped, astray or sudden, inputs accepted"
+    ),
+    Signal(
+        "restarted",
+        "1",
+        0,
+        1,
+        "its place has been lost: pitches are not known any more, and nothing is valid until init",
+    ),
 )
 
 
@@ -77,16 +89,27 @@ def estimator(array: Array, time: Discrete, tuning: Tuning = USUAL) -> Block:
         sensors = base.sensors(base.Base(u, begun, k, heading, left_out), problem, named)
         found = descent.corrected(sensors, problem, named)
         freedom = _freedom(array, left_out)
-        astray = found.last.squares > freedom * tuning.residual**2
-        ahead = tracking.ahead(found, astray, begun, x, problem)
+        leaning = _leaning(found.last.equations, problem)
+        damped = leaning > tuning.leaning
+        once = tuning.surprise * array.deviation
+        surprise = once + once * x["astray"] if tracking.spare(array) else ca.SX(once)
+        sudden = found.last.cost - found.last.squares > surprise**2
+        large = found.last.squares > freedom * tuning.residual**2
+        near = tracking.near(begun["yaw"] + found.at.yaw, x, tuning)
+        astray = ca.logic_or(large, ca.if_else(x["certain"], sudden, ca.logic_and(x["searching"], ca.logic_not(near))))
+        good = ca.logic_and(found.converged, ca.logic_not(ca.logic_or(damped, ca.logic_or(astray, sudden))))
+        telling = ca.logic_and(good, _telling(array, left_out, near, leaning, x, tuning))
+        ahead = tracking.ahead(found, tracking.Verdict(astray, damped, telling), begun, x, problem)
         lever = _levers(heading, ahead.turn, array, named)
         output = _position(ahead.found, lever, array) | _deviations(found.last.equations, lever, array)
-        damped = _leaning(found.last.equations, problem) > tuning.leaning
-        sudden = found.last.cost - found.last.squares > (tuning.surprise * array.deviation) ** 2
-        good = ca.logic_and(found.converged, ca.logic_not(ca.logic_or(damped, ca.logic_or(astray, sudden))))
         accepted = ahead.counted if tracking.spare(array) else ca.logic_and(ahead.counted, u["complete"])
+        known = ca.logic_and(ahead.certain, ca.logic_not(x["restarted"]))
         output |= {"residual": ca.sqrt(LEAST + found.last.squares / freedom), "converged": found.converged}
-        output |= {"damped": damped, "valid": ca.logic_and(good, accepted), "restarted": x["restarted"]}
+        output |= {
+            "damped": damped,
+            "valid": ca.logic_and(good, ca.logic_and(known, accepted)),
+            "restarted": x["restarted"],
+        }
         output |= {"without": x["without"]} if tracking.spare(array) else {}
         return Step(output, ahead.next, named)
 
@@ -110,11 +133,12 @@ def _inputs(array: Array) -> list[Signal]:
 
 
 def _outputs(array: Array, tuning: Tuning) -> list[Signal]:
-    far = (tuning.pitches + 1) * array.pitch + sum(map(abs, array.centre))
+    far = (tuning.pitches + 2) * array.pitch + sum(map(abs, array.centre))
     found = [Signal(axis, "m", -far, far, "of the body's origin over the matrix") for axis in "XY"]
     found += [Signal("yaw", "rad", -pi, pi, "of the body over the matrix")]
-    found += [Signal(f"deviation_{a}", "m", 0, 1, "standard deviation by the noise of the voltages") for a in "XY"]
-    found += [Signal("deviation_yaw", "rad", 0, 1, "standard deviation by the noise of the voltages")]
+    noise = "standard deviation by the noise of the voltages"
+    found += [Signal(f"deviation_{a}", "m", 0, LOOSE, noise) for a in "XY"]
+    found += [Signal("deviation_yaw", "rad", 0, 1, noise)]
     found += [Signal("residual", "V", 0, 1e3, "root mean square by degrees of freedom"), *FLAGS]
     left_out = Signal("without", "1", 0, len(array.positions), "number of the sensor that is left out")
     return [*found, left_out] if tracking.spare(array) else found
@@ -124,6 +148,16 @@ def _freedom(array: Array, left_out: Sequence[ca.SX] | None) -> ca.SX:
     """Return how many voltages there are beyond three; of more than one sensor that is left out one is counted."""
     freedom = 2 * len(array.positions) - 3
     return ca.SX(freedom) if left_out is None else ca.if_else(reduce(ca.logic_or, left_out), freedom - 2, freedom)
+
+
+def _telling(
+    array: Array, left_out: Sequence[ca.SX] | None, near: ca.SX, leaning: ca.SX, x: Exprs, tuning: Tuning
+) -> ca.SX:
+    """Return whether a place at a yaw `near` the last one is told apart from all others."""
+    if left_out is None:
+        return ca.logic_and(near, leaning <= tuning.certain)
+    enough = ca.logic_and(reduce(add, left_out) < len(array.positions) - 2, leaning <= MORE * tuning.certain)
+    return ca.logic_and(enough, ca.logic_or(near, ca.logic_not(x["searching"])))
 
 
 def _levers(heading: Wave, yaw: ca.SX, array: Array, named: Named) -> dict[str, ca.SX]:

@@ -6,7 +6,7 @@ Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", (2), 
 """
 
 from dataclasses import dataclass
-from math import hypot, isfinite, pi, sqrt
+from math import hypot, isfinite, pi, radians, sqrt
 
 from synth.errors import ModelError
 
@@ -82,8 +82,13 @@ class Tuning:
     of a sample's correction by which the next motion is expected to differ: with 0 none is expected. A correction of
     less than `settled` standard deviations ends the search, and of more than `leaning` parameters that the damping
     decides instead of the voltages there is `damped`. To the damping belongs a deviation of motions from the expected
-    one, array.deviation / (alpha sqrt(damping)); by more than `surprise` times that a body does not move. Residuals up
-    to `residual` V rms are those of the field's model. Positions are counted to `pitches` on either side.
+    one, array.deviation / (alpha sqrt(damping)); by more than `surprise` times that a body does not move in a
+    sample. Residuals up to `residual` V rms are those of the field's model. Positions are counted to `pitches` on
+    either side.
+
+    A place is certain once the damping decides no more than `certain` parameters there, of two sensors, which elsewhere
+    may read the same at another place, and four times as many of more than two. With two sensors, or after a search,
+    its yaw is within `turn`, rad, of that at the last certain place, 0 at first.
 
     Raises ModelError for a figure that is out of its range.
     """
@@ -98,6 +103,8 @@ class Tuning:
     surprise: float = 3.0
     residual: float = 0.1
     pitches: int = 8
+    certain: float = 0.004
+    turn: float = radians(5)
 
     def __post_init__(self) -> None:
         ranges: dict[str, tuple[float, float]] = {
@@ -112,6 +119,8 @@ class Tuning:
             "surprise": (0, float("inf")),
             "residual": (0, float("inf")),
             "pitches": (1, 1000),
+            "certain": (0, 3),
+            "turn": (0, pi),
         }
         for name, (low, high) in ranges.items():
             value = getattr(self, name)

@@ -22,7 +22,9 @@ Array = NDArray[Any]
 Columns = Mapping[str, Array]
 
 SLACK = 0.01  # of deviation^2
-PATIENCE = 5  # samples
+PATIENCE, SUSPECT = 5, 2  # samples
+CONTRAST = 25  # of squared residuals
+MORE = 4  # times setup.certain, of more than two sensors
 DIRECTIONS, CHANGE = 3, 1e-9  # of voltages, of alpha, in which a step is tried
 POSE, MOTION = ("phase_x", "phase_y", "yaw"), ("motion_x", "motion_y", "motion_yaw")
 PLASTIC = 1.324717957244746  # g, g^3 = g + 1
@@ -49,6 +51,8 @@ class Setup:
     surprise: float
     residual: float
     pitches: int
+    certain: float
+    turn: float
 
     @property
     def middle(self) -> Array:
@@ -78,9 +82,13 @@ class Setup:
 
 @dataclass(frozen=True)
 class Fit:
-    """Rows (N, m, 3) and right sides (N, m) at a displacement, factorised: R (N, 3, 3) and z = Q'b (N, 3)."""
+    """Rows (N, m, 3) and right sides (N, m) at a displacement, factorised: R (N, 3, 3) and z = Q'b (N, 3).
+
+    `each` (N, sensors) are the squared residuals of sensors, V^2.
+    """
 
     at: Array
+    each: Array
     squares: Array
     cost: Array
     R: Array
@@ -89,20 +97,10 @@ class Fit:
 
 def initial_state(setup: Setup) -> dict[str, Array]:
     """Return the state after init, by name."""
-    names = [
-        *POSE,
-        "yaw_known",
-        "pitch_x",
-        "pitch_y",
-        *(MOTION if setup.follow else ()),
-        "astray",
-        "searching",
-        "restarted",
-    ]
-    return {
-        name: np.array([1.0 * (name == "searching")])
-        for name in (*names, *(["without"] if len(setup.positions) > 2 else []))
-    }
+    reals = (*POSE, "yaw_known", "start_x", "start_y", "pitch_x", "pitch_y", *(MOTION if setup.follow else ()))
+    counts = ("astray", "searching", "certain", "placed", "restarted")
+    spare = ("without",) if len(setup.positions) > 2 else ()
+    return {name: np.array([1.0 * (name == "searching")]) for name in (*reals, *counts, *spare)}
 
 
 def begun(setup: Setup, state: Columns, refused: Array) -> tuple[Array, Array]:
@@ -125,24 +123,35 @@ def step(setup: Setup, state: Columns, volts: Array, refused: Array) -> tuple[di
     fits, end, converged = descend(setup, start, volts, weights)
     last = fits[-1]
     freedom = 2 * len(setup.positions) - 3 - 2 * np.any(weights == 0, axis=1)
-    astray = last.squares > freedom * setup.residual**2
+    since = 1 + state["astray"] if spare else 1.0
+    sudden = last.cost - last.squares > (since * setup.surprise * setup.deviation) ** 2
+    near = np.abs(wrapped(wrapped(start[:, 2] + end[:, 2] - state["yaw_known"])[0])[0]) <= setup.turn
+    certain, searching = state["certain"] > 0, state["searching"] > 0
+    astray = (last.squares > freedom * setup.residual**2) | np.where(certain, sudden, searching & ~near)
+    inverse = np.linalg.inv(last.R)
+    leaning = ((setup.stiffness[:, None] * inverse) ** 2).sum(axis=(1, 2))
+    damped = leaning > setup.leaning
+    good = converged & ~damped & ~astray & ~sudden
+    two = (weights > 0).sum(axis=1) <= 2
+    if spare:
+        telling = good & (near | ~searching) & ~two & (leaning <= MORE * setup.certain)
+    else:
+        telling = good & near & (leaning <= setup.certain)
+    certain = telling | (certain & ~damped)
     end = np.where((astray & (state["searching"] == 0))[:, None], 0.0, end)
-    found, next, counted = advance(setup, state, start + end, astray)
+    found, next, counted = advance(setup, state, start + end, astray, certain, fits[0].each)
     if setup.follow:
         moved = [
             state[name] + setup.follow * f * end[:, i]
             for i, (name, f) in enumerate(zip(MOTION, (w, w, 1.0), strict=True))
         ]
         bounds = setup.bounds * [w, w, 1]
-        lost = astray & (state["searching"] > 0)
+        lost = state["searching"] > 0
         next |= {name: np.where(lost, 0, np.clip(v, -b, b)) for name, v, b in zip(MOTION, moved, bounds, strict=True)}
-    inverse = np.linalg.inv(last.R)
     out = position(setup, found) | deviations(setup, inverse, found["yaw"])
-    damped = ((setup.stiffness[:, None] * inverse) ** 2).sum(axis=(1, 2)) > setup.leaning
     accepted = counted if spare else counted & ~np.any(refused, axis=(1, 2))
     out |= {"residual": np.sqrt(last.squares / freedom), "converged": converged, "damped": damped}
-    sudden = last.cost - last.squares > (setup.surprise * setup.deviation) ** 2
-    out |= {"valid": converged & ~damped & ~astray & ~sudden & accepted, "restarted": state["restarted"]}
+    out |= {"valid": good & certain & accepted & (state["restarted"] == 0), "restarted": state["restarted"]}
     return out | ({"without": state["without"]} if spare else {}), next
 
 
@@ -182,7 +191,8 @@ def fitted(setup: Setup, start: Array, at: Array, volts: Array, weights: Array) 
     damping = np.broadcast_to(np.diag(setup.stiffness), (len(at), 3, 3))
     A, b = np.concatenate([H, damping], axis=1), np.concatenate([e, -setup.stiffness * at], axis=1)
     Q, R = np.linalg.qr(A)
-    return Fit(at, (e**2).sum(axis=1), (b**2).sum(axis=1), R, np.einsum("nmi,nm->ni", Q, b))
+    each = (e**2).reshape(len(at), 2, -1).sum(axis=1)
+    return Fit(at, each, each.sum(axis=1), (b**2).sum(axis=1), R, np.einsum("nmi,nm->ni", Q, b))
 
 
 def corrected(setup: Setup, fit: Fit) -> Array:
@@ -195,7 +205,7 @@ def corrected(setup: Setup, fit: Fit) -> Array:
 
 
 def advance(
-    setup: Setup, state: Columns, pose: Array, astray: Array
+    setup: Setup, state: Columns, pose: Array, astray: Array, certain: Array, each: Array
 ) -> tuple[dict[str, Array], dict[str, Array], Array]:
     """Return where the bodies are, the next states, and whether their pitches are counted."""
     w, found, counted = 2 * pi / setup.pitch, {"yaw": wrapped(pose[:, 2])[0]}, np.ones(len(pose), bool)
@@ -207,16 +217,21 @@ def advance(
     again = astray & (state["astray"] >= PATIENCE - 1)
     next = {"astray": np.where(astray & ~again, state["astray"] + 1, 0)}
     if len(setup.positions) > 2:
-        last = (state["searching"] > 0) | (state["without"] >= len(setup.positions))
-        next["without"] = np.where(again, np.where(last, 0, state["without"] + 1), state["without"])
-        again = again & last
+        others, sensors = np.sort(each, axis=1)[:, :-1].sum(axis=1), each.shape[1] - 1
+        expected = setup.residual**2 + (setup.surprise * setup.deviation) ** 2 / setup.damping
+        suspected = (others <= 2 * sensors * expected) & (CONTRAST * others <= each.max(axis=1))
+        suspected &= astray & (state["certain"] > 0) & (state["astray"] >= SUSPECT - 1)
+        without = np.where(suspected, 1 + np.argmax(each, axis=1), state["without"])
+        next["without"] = np.where(again, 0, without)
     next["searching"] = np.where(again, 1, np.where(astray, state["searching"], 0))
-    next |= {"restarted": np.maximum(state["restarted"], again)}
-    next |= {"yaw_known": np.where(astray, state["yaw_known"], found["yaw"])}
+    next |= {"restarted": np.maximum(state["restarted"], again & (state["placed"] > 0))}
+    next |= {"placed": np.maximum(certain, state["placed"])}
+    next |= {"certain": certain & ~again, "yaw_known": np.where(certain & ~astray, found["yaw"], state["yaw_known"])}
     next |= found | {"yaw": np.where(again, state["yaw_known"], found["yaw"])}
     for axis, part in (("x", 1 / PLASTIC), ("y", 1 / PLASTIC**2)):
-        moved = wrapped(found[f"phase_{axis}"] + 2 * pi * (part - 1))[0]
-        next[f"phase_{axis}"] = np.where(again, moved, found[f"phase_{axis}"])
+        start = wrapped(state[f"start_{axis}"] + 2 * pi * (part - 1))[0]
+        next[f"start_{axis}"] = np.where(again, start, state[f"start_{axis}"])
+        next[f"phase_{axis}"] = np.where(again, start, found[f"phase_{axis}"])
     return found, next, counted
 
 
@@ -244,7 +259,7 @@ def deviations(setup: Setup, inverse: Array, yaw: Array) -> dict[str, Array]:
     return {f"deviation_{name}": found[:, i] for i, name in enumerate(("X", "Y", "yaw"))}
 
 
-def magnification(setup: Setup, state: Columns, volts: Array, refused: Array) -> Array:
+def magnification(setup: Setup, state: Columns, volts: Array, refused: Array, seed: int = 0) -> Array:
     """Return by how much a step magnifies errors of rounding, (N,).
 
     It is the largest condition number of the corrections, times that by which the step magnifies a change of the
@@ -252,7 +267,7 @@ def magnification(setup: Setup, state: Columns, volts: Array, refused: Array) ->
     """
     fits, _, _ = descend(setup, begun(setup, state, refused)[0], volts, begun(setup, state, refused)[1])
     condition = np.max([np.linalg.cond(fit.R / setup.stiffness) for fit in fits], axis=0)
-    return condition * np.maximum(amplification(setup, state, volts, refused), 1)
+    return condition * np.maximum(amplification(setup, state, volts, refused, seed), 1)
 
 
 def amplification(setup: Setup, state: Columns, volts: Array, refused: Array, seed: int = 0) -> Array:

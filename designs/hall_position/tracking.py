@@ -3,12 +3,20 @@
 A sample is expected to move the body as the last one did, motion <- motion + follow * correction. That decides where
 the voltages do not tell: two sensors that pass a place where they lose rank see the same on two ways out of it.
 
-A sample is astray whose residuals are larger than those of the field's model. A body whose place was known goes on
-then as it did before. After PATIENCE of them in a row it is tried without the first sensor, then without the second,
-and so on, unless there are only two: one without which the residuals are small stays left out. If none of that helps,
-its place is not known any more. As after `init`, it is searched: corrections are followed wherever they lead, and every
-PATIENCE samples begin elsewhere in the pitch, at points that fill it evenly however many they are (Roberts' sequence),
-with the last yaw that was known. An estimate that has `restarted` so counts its pitches from anywhere.
+A sample is astray whose residuals are larger than those of the field's model, or that is a motion which no body makes
+from a certain place. A body whose place was known goes on then as it did before. At the SUSPECT-th of them in a row,
+unless there are only two sensors, the one that differs most from what this leads to expect is left out from then on, if
+the others differ by no more than the field's model and motions lead to expect, and by CONTRAST times less than it. If
+PATIENCE samples do not end it, the place is not known any more. As after `init`, it is searched: corrections are
+followed wherever they lead, and every PATIENCE samples begin elsewhere in the pitch, at points that fill it evenly
+however many they are (Roberts' sequence), with the last yaw that was certain. An estimate that has `restarted`, as its
+place was certain and got lost, counts its pitches from anywhere, and may do so on a sensor that fails.
+
+Where two sensors lose rank, ways of like voltages cross, and a body that passes there may be followed on the wrong one
+for as long as the residuals do not tell. So a place is certain only when no other within a range of yaws has the same
+voltages, and stays so until a sample is damped. More than two sensors tell all places apart at such yaws; with two, it
+takes one where the damping decides little, which lies far enough from where ways cross. Of more, two that are left keep
+the place that is certain, but make none so: they need not be such a pair.
 """
 
 from collections.abc import Sequence
@@ -20,12 +28,13 @@ import casadi as ca
 
 from designs.hall_position.correction import AXES
 from designs.hall_position.descent import Found, Problem
-from designs.hall_position.parameters import Array
+from designs.hall_position.parameters import Array, Tuning
 from synth.block import Exprs, State
 from synth.signals import Signal
 
 POSE, MOTION = ("phase_x", "phase_y", "yaw"), ("motion_x", "motion_y", "motion_yaw")
-PATIENCE = 5  # samples
+PATIENCE, SUSPECT = 5, 2  # samples
+CONTRAST = 25  # of squared residuals
 # Steps to the next start: a pitch divided by g and by g^2, g^3 = g + 1; downwards, as then only one end is passed.
 AGAIN = {"x": -2 * pi * (1 - 0.7548776662466927), "y": -2 * pi * (1 - 0.5698402909980532)}
 
@@ -34,13 +43,23 @@ AGAIN = {"x": -2 * pi * (1 - 0.7548776662466927), "y": -2 * pi * (1 - 0.56984029
 class Ahead:
     """Where the body is found, by the names of the states, and the yaw since the sample began; the next states.
 
-    `counted`: whether its pitches are.
+    `counted`: whether its pitches are; `certain`: whether its place is.
     """
 
     found: Exprs
     turn: ca.SX
     next: Exprs
     counted: ca.SX
+    certain: ca.SX
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """Whether what is found is `astray`, or `damped`, or so good that its place is the only one: `telling`."""
+
+    astray: ca.SX
+    damped: ca.SX
+    telling: ca.SX
 
 
 def states(of: Problem) -> list[State]:
@@ -48,13 +67,16 @@ def states(of: Problem) -> list[State]:
     n, sensors = of.tuning.pitches, len(of.array.positions)
     reals = [Signal(f"phase_{a}", "rad", -pi, pi, "of the sensors' centre in its pitch") for a in AXES]
     reals += [Signal("yaw", "rad", -pi, pi, "of the last sample")]
-    reals += [Signal("yaw_known", "rad", -pi, pi, "of the last sample that was not astray")]
+    reals += [Signal("yaw_known", "rad", -pi, pi, "of the last sample whose place was certain")]
+    reals += [Signal(f"start_{a}", "rad", -pi, pi, "phase with which the last search began") for a in AXES]
     reals += [Signal(f"pitch_{a}", "1", -n, n, "whole pitches to the one of the sensors' centre") for a in AXES]
     if of.tuning.follow:
         reals += [Signal(f"motion_{a}", "rad", -of.phase, of.phase, "of the phase, expected in a sample") for a in AXES]
         reals += [Signal("motion_yaw", "rad", -of.yaw, of.yaw, "expected in a sample")]
     counts = [Signal("astray", "1", 0, PATIENCE, "samples in a row with large residuals")]
     counts += [Signal("searching", "1", 0, 1, "its place is not known")]
+    counts += [Signal("certain", "1", 0, 1, "no other place has the same voltages")]
+    counts += [Signal("placed", "1", 0, 1, "its place has been certain")]
     counts += [Signal("restarted", "1", 0, 1, "it has looked for its place again")]
     counts += [Signal("without", "1", 0, sensors, "number of the sensor that is left out")] if spare(of.array) else []
     return [*(State(s, 0.0) for s in reals), *(State(s, int(s.name == "searching"), True) for s in counts)]
@@ -81,8 +103,15 @@ def left_out(array: Array, u: Exprs, x: Exprs) -> Sequence[ca.SX] | None:
     return found
 
 
-def ahead(found: Found, astray: ca.SX, begun: Exprs, x: Exprs, of: Problem) -> Ahead:
-    """Return what comes of corrections of the pose with which a sample has `begun`, and which may be `astray`."""
+def near(yaw: ca.SX, x: Exprs, tuning: Tuning) -> ca.SX:
+    """Return whether a yaw is one at which a place may become certain."""
+    by = ca.fabs(yaw - x["yaw_known"])
+    return ca.logic_or(by <= tuning.turn, ca.fabs(by - 2 * pi) <= tuning.turn)
+
+
+def ahead(found: Found, verdict: Verdict, begun: Exprs, x: Exprs, of: Problem) -> Ahead:
+    """Return what comes of corrections of the pose with which a sample has `begun`."""
+    astray = verdict.astray
     stays = ca.logic_and(astray, ca.logic_not(x["searching"]))
     by = {name: ca.if_else(stays, 0, d) for name, d in zip(POSE, (*found.at.phase.values(), found.at.yaw), strict=True)}
     pose, inside = {"yaw": _wrapped(begun["yaw"] + by["yaw"])[0]}, []
@@ -90,30 +119,46 @@ def ahead(found: Found, astray: ca.SX, begun: Exprs, x: Exprs, of: Problem) -> A
         phase, turns = _wrapped(begun[f"phase_{a}"] + by[f"phase_{a}"])
         inside.append(ca.fabs(x[f"pitch_{a}"]) < of.tuning.pitches)
         pose |= {f"phase_{a}": phase, f"pitch_{a}": x[f"pitch_{a}"] + ca.if_else(inside[-1], turns, 0)}
-    next, again = _searched(astray, x, of.array)
-    next |= {"yaw_known": ca.if_else(astray, x["yaw_known"], pose["yaw"])}
+    next, again = _searched(verdict, found.first.by_sensor, x, of)
+    certain = ca.logic_or(verdict.telling, ca.logic_and(x["certain"], ca.logic_not(verdict.damped)))
+    known = ca.logic_and(certain, ca.logic_not(astray))
+    next |= {"placed": ca.logic_or(certain, x["placed"])}
+    next |= {"certain": ca.if_else(again, 0, certain), "yaw_known": ca.if_else(known, pose["yaw"], x["yaw_known"])}
     next |= pose | {"yaw": ca.if_else(again, x["yaw_known"], pose["yaw"])}
     for a in AXES:
-        start = pose[f"phase_{a}"] + AGAIN[a]
+        start = x[f"start_{a}"] + AGAIN[a]
         start = ca.if_else(start < -pi, start + 2 * pi, start)
+        next[f"start_{a}"] = ca.if_else(again, start, x[f"start_{a}"])
         next[f"phase_{a}"] = ca.if_else(again, start, pose[f"phase_{a}"])
     if of.tuning.follow:
-        lost = ca.logic_and(astray, x["searching"])
-        next |= {m: ca.if_else(lost, 0, x[m] + of.tuning.follow * by[n]) for m, n in zip(MOTION, POSE, strict=True)}
-    return Ahead(pose, by["yaw"], next, ca.logic_and(*inside))
+        next |= {
+            m: ca.if_else(x["searching"], 0, x[m] + of.tuning.follow * by[n]) for m, n in zip(MOTION, POSE, strict=True)
+        }
+    return Ahead(pose, by["yaw"], next, ca.logic_and(*inside), certain)
 
 
-def _searched(astray: ca.SX, x: Exprs, array: Array) -> tuple[dict[str, ca.SX], ca.SX]:
+def _searched(verdict: Verdict, by_sensor: Sequence[ca.SX], x: Exprs, of: Problem) -> tuple[dict[str, ca.SX], ca.SX]:
     """Return the next counts and flags, and whether the next sample begins elsewhere."""
-    impatient = x["astray"] >= PATIENCE - 1
+    astray, impatient = verdict.astray, x["astray"] >= PATIENCE - 1
     next = {"astray": ca.if_else(astray, ca.if_else(impatient, 0, x["astray"] + 1), 0)}
     again = ca.logic_and(astray, impatient)
-    if spare(array):
-        last = ca.logic_or(x["searching"], x["without"] >= len(array.positions))
-        next["without"] = ca.if_else(again, ca.if_else(last, 0, x["without"] + 1), x["without"])
-        again = ca.logic_and(again, last)
+    if spare(of.array):
+        worst, alone = _worst(by_sensor, of)
+        known = ca.logic_and(x["certain"], x["astray"] >= SUSPECT - 1)
+        suspected = ca.logic_and(ca.logic_and(verdict.astray, known), alone)
+        next["without"] = ca.if_else(again, 0, ca.if_else(suspected, worst, x["without"]))
     next["searching"] = ca.if_else(again, 1, ca.if_else(astray, x["searching"], 0))
-    return next | {"restarted": ca.if_else(again, 1, x["restarted"])}, again
+    return next | {"restarted": ca.if_else(again, ca.logic_or(x["placed"], x["restarted"]), x["restarted"])}, again
+
+
+def _worst(by_sensor: Sequence[ca.SX], of: Problem) -> tuple[ca.SX, ca.SX]:
+    """Return the number of the sensor with the largest squares, from 1 on, and whether it is the only one by them."""
+    most, number, others = by_sensor[0], ca.SX(1), ca.SX(0)
+    for n, squares in enumerate(by_sensor[1:], 2):
+        number = ca.if_else(squares > most, n, number)
+        most, others = ca.fmax(squares, most), others + ca.fmin(squares, most)
+    agree = others <= 2 * (len(by_sensor) - 1) * of.expected**2
+    return number, ca.logic_and(agree, CONTRAST * others <= most)
 
 
 def _wrapped(angle: ca.SX) -> tuple[ca.SX, ca.SX]:

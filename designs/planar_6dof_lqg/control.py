@@ -47,6 +47,7 @@ from typing import Literal
 import casadi as ca
 import numpy as np
 
+from designs.hall_position import closed_loop
 from designs.planar_6dof import allocation, interface, sensing, vertical
 from designs.planar_6dof.allocation import HORIZONTAL
 from designs.planar_6dof.sensing import READY
@@ -261,7 +262,14 @@ def law(plant: Plant, order: Order = "reduced", reading: Reading = "shipped") ->
     return [*horizontal, *upright, *motors]
 
 
-def controller(plant: Plant, order: Order = "reduced", reading: Reading = "shipped") -> Block:
-    """Return the whole controller, from Hall voltages, distances and set-points to the motors' phase currents."""
+def controller(
+    plant: Plant, order: Order = "reduced", reading: Reading = "shipped", source: closed_loop.Source | None = None
+) -> Block:
+    """Return the whole controller, from Hall voltages, distances and set-points to the motors' phase currents.
+
+    Positions come from the sections of `sensing`, or with a `source` from the estimate of ``hall_position``.
+    """
+    if source:
+        return closed_loop.controller(NAME, plant, TIME, law(plant, order, reading), source)
     sensed = [sensing.sensing(plant, TIME, predicted=False)]
     return interface.controller(NAME, plant, TIME, sensed, law(plant, order, reading))

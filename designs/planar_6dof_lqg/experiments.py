@@ -1,8 +1,8 @@
 """The LQG controller's experiments, Y section 5.3: steps (Fig. 10) with the spectrum of x, noise, and failures.
 
-The paper states no rise, overshoot or settling of these steps. Its noise moves the currents of motors A and B by 0.6 A
-rms from sample to sample, which takes 30 V where Table 1 states 6.525 V: no limit is set to the voltages here, and the
-standstills behind amplifiers tell what becomes of y and phi.
+The paper states no rise, overshoot or settling of these steps. Its noise moves phases of motors A and B by 0.66 A rms
+from sample to sample, for which their windings take 18 to 31 V where Table 1 states 6.525 V: no limit is set to the
+voltages here, and the standstills behind amplifiers tell what becomes of y and phi.
 """
 
 from collections.abc import Callable

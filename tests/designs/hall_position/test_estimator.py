@@ -79,6 +79,19 @@ def test_errors_are_as_large_as_it_says(array: Array) -> None:
         assert 0.9 < rms(e[sure] / found[f"deviation_{name}"][sure]) < 1.1, name
 
 
+@pytest.mark.parametrize(("noise", "agrees"), [(1.0, True), (1.25, False)])
+def test_three_sensors_at_yaw_0_err_by_no_more_than_a_tenth_above_the_prediction(noise: float, agrees: bool) -> None:
+    """With 1 mV; a quarter more noise than the prediction knows is seen."""
+    pose = at_rest(places(100, 16, 0.0), 100)
+    exact = volts(THREE, pose)
+    found = replayed(THREE, begun(pose), exact + noise * (noisy(THREE, pose) - exact))
+    assert found["valid"][1:].all()
+    ratios = [
+        rms((found[name] - getattr(pose, name))[1:] / found[f"deviation_{name}"][1:]) for name in ("X", "Y", "yaw")
+    ]
+    assert (max(ratios) <= 1.1) == agrees
+
+
 def test_the_deviations_are_those_of_cramer_and_rao() -> None:
     pose, size = places(200, 4, 0.05), {"X": 1e-6, "Y": 1e-6, "yaw": 1e-5}
     found = compiled(THREE).batch(records(THREE, known(THREE, pose)), given(THREE, volts(THREE, pose))).outputs

@@ -43,11 +43,16 @@ def drawn(array: Array, n: int, seed: int) -> tuple[dict[str, Numbers], Numbers,
     are random.
     """
     rng, of, k = np.random.default_rng(seed), setup(array), len(array.positions)
-    state = {name: rng.uniform(-np.pi, np.pi, n) for name in (*reference.POSE, "yaw_known")}
+    state = {name: rng.uniform(-np.pi, np.pi, n) for name in (*reference.POSE, "yaw_known", "start_x", "start_y")}
+    # Every other yaw is about the known one, where a place may become certain.
+    about = state["yaw"] + rng.uniform(-0.12, 0.12, n)
+    state["yaw_known"] = np.where(rng.random(n) < 0.5, (about + np.pi) % (2 * np.pi) - np.pi, state["yaw_known"])
     bounds = of.bounds * [W, W, 1]
     state |= {name: rng.uniform(-b, b, n) for name, b in zip(reference.MOTION, bounds, strict=True)}
     state |= {f"pitch_{a}": rng.integers(-8, 9, n).astype(float) for a in "xy"}
     state |= {"astray": rng.integers(0, 5, n), "searching": rng.integers(0, 2, n), "restarted": rng.integers(0, 2, n)}
+    state["certain"] = rng.integers(0, 2, n) * (1 - state["searching"])
+    state["placed"] = np.maximum(state["certain"], rng.integers(0, 2, n))
     if k > 2:
         state["without"] = np.where(rng.random(n) < 0.7, 0, rng.integers(0, k + 1, n))
     start, _ = reference.begun(of, state, np.zeros((n, k, 2), bool))
@@ -56,6 +61,9 @@ def drawn(array: Array, n: int, seed: int) -> tuple[dict[str, Numbers], Numbers,
     (cx, cy), c, s = array.centre, np.cos(yaw), np.sin(yaw)
     V = noisy(array, Pose(x - c * cx + s * cy, y - s * cx - c * cy, yaw), seed)
     V = np.where((rng.random(n) < 0.33)[:, np.newaxis, np.newaxis], rng.uniform(-5, 5, V.shape), V)
+    # In a tenth one sensor reads what it likes.
+    some, one = rng.random(n) < 0.1, rng.integers(0, k, n)
+    V[some, one[some]] = rng.uniform(-5, 5, (some.sum(), 2))
     return state, np.clip(V, -4.9, 4.9), rng.random(V.shape) < 0.01
 
 
@@ -69,9 +77,9 @@ def apart(found: Columns, after: host.Records, out: Columns, next: Columns) -> N
     gap = [np.abs(found[name] - v) / (estimator.SPAN if name == "residual" else 1) for name, v in out.items()]
     for name, v in next.items():
         d = np.abs(after[f"estimator_{name}"] - v)
-        if name.startswith(("phase", "yaw")):
+        if name.startswith(("phase", "yaw", "start")):
             d = np.minimum(d, 2 * np.pi - d)
-        gap.append(d / W if name.startswith(("phase", "motion_x", "motion_y")) else d)
+        gap.append(d / W if name.startswith(("phase", "start", "motion_x", "motion_y")) else d)
     return np.max(gap, axis=0)
 
 
@@ -136,6 +144,8 @@ def test_c_agrees_with_the_reference_over_1e5_samples_of_many_pitches_and_turns(
         {"surprise": 2.5},
         {"settled": 0.05},
         {"pitches": 7},
+        {"certain": 0.005},
+        {"turn": 0.1},
     ],
     ids=lambda change: next(iter(change)),
 )
@@ -143,7 +153,10 @@ def test_another_setup_is_seen(change: dict[str, float]) -> None:
     assert disagreement(TWO, 2000, replace(setup(TWO), **change)).max() > 1e3
 
 
-@pytest.mark.parametrize(("name", "value"), [("SLACK", 1e6), ("PATIENCE", 4), ("PLASTIC", 1.32)])
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("SLACK", 1e6), ("PATIENCE", 4), ("SUSPECT", 3), ("CONTRAST", 1), ("MORE", 1), ("PLASTIC", 1.32)],
+)
 def test_another_reference_is_seen(name: str, value: float, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reference, name, value)
     assert disagreement(THREE, 2000, setup(THREE)).max() > 1e3

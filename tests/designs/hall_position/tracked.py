@@ -1,7 +1,7 @@
 """The estimator over known motions: voltages by model (2), the emitted C in double, and the reference beside it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -31,11 +31,12 @@ Columns = Mapping[str, Numbers]
 
 @dataclass(frozen=True)
 class Pose:
-    """Where bodies are: X, Y in m and the yaw in rad, of one shape."""
+    """Where bodies are: X, Y in m and the yaw in rad, of one shape, and how they move in a sample."""
 
     X: Numbers
     Y: Numbers
     yaw: Numbers
+    motion: "Pose | None" = None
 
 
 @cache
@@ -85,14 +86,29 @@ def wrapped(angle: Numbers) -> Numbers:
 
 
 def known(array: Array, pose: Pose, tuning: Tuning = USUAL) -> dict[str, Numbers]:
-    """Return the reference's state (N,) of bodies that are known to be, at rest, at poses (N,)."""
-    n, (x, y) = len(pose.X), array.centre
+    """Return the reference's state (N,) of bodies that are known to be at poses (N,), and to move as they say."""
+    n = len(pose.X)
     state = {name: np.repeat(v, n) for name, v in reference.initial_state(setup(array, tuning)).items()}
-    c, s = np.cos(pose.yaw), np.sin(pose.yaw)
-    for axis, at in (("x", pose.X + c * x - s * y), ("y", pose.Y + s * x + c * y)):
+    for axis, at in zip("xy", centre(array, pose), strict=True):
         pitch = np.round(at / L)
         state |= {f"phase_{axis}": W * (at - pitch * L), f"pitch_{axis}": pitch}
-    return state | {"yaw": wrapped(pose.yaw), "yaw_known": wrapped(pose.yaw), "searching": np.zeros(n)}
+    if pose.motion and tuning.follow:
+        ahead = centre(array, moved(pose, pose.motion))
+        state |= {f"motion_{a}": W * (e - b) for a, e, b in zip("xy", ahead, centre(array, pose), strict=True)}
+        state |= {"motion_yaw": pose.motion.yaw}
+    yaw = wrapped(pose.yaw)
+    known = {"searching": np.zeros(n), "certain": np.ones(n), "placed": np.ones(n)}
+    return state | known | {"yaw": yaw, "yaw_known": yaw}
+
+
+def centre(array: Array, pose: Pose) -> tuple[Numbers, Numbers]:
+    """Return where the middle of the sensors is, m."""
+    (x, y), c, s = array.centre, np.cos(pose.yaw), np.sin(pose.yaw)
+    return pose.X + c * x - s * y, pose.Y + s * x + c * y
+
+
+def moved(pose: Pose, by: Pose, times: float = 1.0) -> Pose:
+    return Pose(pose.X + times * by.X, pose.Y + times * by.Y, pose.yaw + times * by.yaw)
 
 
 def records(
@@ -136,7 +152,10 @@ def motion(n: int, columns: int, seed: int, travel: float, yaw: float, turn: flo
 
 
 def begun(pose: Pose) -> Pose:
-    return Pose(pose.X[0], pose.Y[0], pose.yaw[0])
+    """Return where bodies are a sample before their motions (n, N) begin, as these go on."""
+    first, second = (Pose(pose.X[i], pose.Y[i], pose.yaw[i]) for i in (0, 1))
+    motion = moved(second, first, -1.0)
+    return replace(moved(first, motion, -1.0), motion=motion)
 
 
 def off(found: Columns, pose: Pose) -> Numbers:

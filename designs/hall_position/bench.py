@@ -1,0 +1,115 @@
+"""Which steps of the estimator are measured and replayed.
+
+    motions          across pitches at up to 2 m/s with a little yaw, and through full turns; with noise, from `init`
+    lost             motions whose voltages jump to those of elsewhere, so that the place is searched for
+    refused          single voltages and runs of them, up to the latch
+    shifted          samples of motions from states with phases and yaws of others: the end of every reach
+    random, anew     states and voltages drawn anywhere, and samples of motions with some states drawn anew
+    faults, edges    every input bad alone and all at once; every input on the last number accepted and on the next
+    at ends, rare    of these, those that come to the end of a range, and those whose flags few others have
+
+A motion is what a closed loop makes the body do: the estimator moves nothing itself.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from designs.hall_position import motions, random_steps, shipped
+from designs.hall_position.motions import Numbers
+from designs.hall_position.parameters import Array
+from designs.hall_position.random_steps import Subject
+from synth.errors import DesignError
+from synth.execute import host
+from synth.verify import steps
+from synth.verify.steps import Steps
+
+FLOOR = 1.0  # m, rad, V, below which a difference of outputs is absolute
+REPLAY, LONG = 10_000, 6_000  # steps of the replay, and of each motion
+SLOW, TURNING = (0.2, 0.05, 0.0), (0.3, 0.5, 13.0)  # m, rad, rad/s: travel, yaw and turn of a motion
+EACH, DRAWN, RARE = 1500, 4000, 1500  # steps of each kind
+EACH_END, NEAR = 40, 1e-5  # steps for an end of a range, and what is near it, of the range
+SHAKEN = 10, 1e-3  # how often, and how much of the range at most
+SEED = 1204
+Told = Callable[[str], None]
+Columns = dict[str, Numbers]
+
+
+def replay(controller: host.Controller) -> Columns:
+    """Return the controller's inputs (10,000,) on a motion with refused voltages, jumps, and the latch."""
+    V, k = _measured(_subject(controller).array, REPLAY, SLOW, SEED), np.arange(REPLAY)
+    V[k % 250 == 1, 0, 1] = np.nan
+    V[(k > 4100) & (k < 4105), 1, 0] = np.inf
+    V[(k > 6100) & (k < 6120)] *= -1
+    V[(k > 7100) & (k < 7104), 1, 1] = -6.0
+    V[k > 9500, 0, 0] = 9.0
+    return motions.named(V)
+
+
+def sequences(controller: host.Controller, told: Told) -> list[Steps]:
+    """Return every sequence, those of motions first."""
+    told("sequences")
+    of = _subject(controller)
+    slow, turning = (_measured(of.array, LONG, size, SEED + k) for k, size in enumerate((SLOW, TURNING), 1))
+    way = steps.recorded(controller, "motions", motions.named(slow), closed_loop=True)
+    around = steps.recorded(controller, "turns", motions.named(turning), closed_loop=True)
+    lost = steps.recorded(controller, "lost", motions.named(_lost(turning, slow)))
+    refused = steps.recorded(controller, "refused", replay(controller))
+    pool = steps.joined("all of these", [way, around, lost, refused])
+    wrong = [_shifted(controller, pool), _random(controller, of), steps.anew(controller, pool, "states anew")]
+    return [
+        *(steps.thinned(each, EACH) for each in (way, around, lost, refused)),
+        *(steps.thinned(each, DRAWN) for each in wrong),
+        steps.faulty(controller, {name: float(v[0]) for name, v in motions.named(slow).items()}),
+        steps.edges(controller, way),
+        steps.drawn(controller, DRAWN),
+        *(steps.rare(controller, each, RARE) for each in (pool, *wrong)),
+        steps.thinned(_extreme(controller, steps.joined("wrong", wrong)), EACH),
+    ]
+
+
+def _subject(controller: host.Controller) -> Subject:
+    """Return what is measured, by the name that its manifest states."""
+    name = controller.manifest["design"]
+    if name not in shipped.PLACES:
+        raise DesignError(f"'{name}' is none of {', '.join(shipped.PLACES)}: measure one of these")
+    return random_steps.subject(name)
+
+
+def _measured(array: Array, n: int, size: tuple[float, float, float], seed: int) -> Numbers:
+    """Return voltages (n, sensors, 2) on a motion of one body."""
+    pose = motions.wander(shipped.TIME.period_s, (n, 1), seed, *size)
+    return motions.noisy(array, pose, seed)[:, 0]
+
+
+def _lost(V: Numbers, other: Numbers) -> Numbers:
+    """Return voltages that are for some time those of another motion, or of none."""
+    k, found = np.arange(len(V))[:, np.newaxis, np.newaxis], V.copy()
+    found = np.where(k % 400 > 300, other, found)
+    return np.where((k % 900 > 600) & (k % 900 < 640), -found, found)
+
+
+def _shifted(controller: host.Controller, pool: Steps) -> Steps:
+    """Return steps of motions, each from a state that is off in phases, yaw and motions, by any order of magnitude."""
+    rng, states = np.random.default_rng(SEED), pool.states.copy()
+    size = 10.0 ** rng.uniform(-5, 0.5, len(pool))
+    for f in controller.manifest["structs"]["state"]["fields"]:
+        if f["ctype"] == "float" and not f["name"].startswith(("guard", "estimator_pitch")):
+            moved = states[f["name"]] + size * rng.uniform(-1, 1, len(pool))
+            states[f["name"]] = np.clip(moved, f["low"], f["high"])
+    return Steps("shifted", states, pool.inputs)
+
+
+def _random(controller: host.Controller, of: Subject) -> Steps:
+    """Return random steps as verification draws them."""
+    columns, inputs = random_steps.in_operation(of, DRAWN)
+    states = np.zeros(DRAWN, controller.state)
+    for name, values in columns.items():
+        states[name] = values
+    return Steps("random", states, controller.records(inputs, DRAWN))
+
+
+def _extreme(controller: host.Controller, pool: Steps) -> Steps:
+    """Return steps that come to ends of ranges: near ones are shaken until some do."""
+    found = steps.at_ends(controller, pool, EACH_END, NEAR)
+    return steps.at_ends(controller, steps.shaken(controller, found, "shaken", *SHAKEN), EACH_END)

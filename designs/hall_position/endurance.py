@@ -1,0 +1,98 @@
+"""Random motion without end: how fast a body may be, by derivation, and that the estimate stays with it.
+
+A sample expects the last motion m, m <- m + follow e, e = d - m the correction, in rad of phase of the sensors' centre.
+
+    speed           m is kept within reach / 2 along each axis:                 w v T <= reach / 2
+    acceleration    e <- (1 - follow) e + w a T^2, so that |e| <= w |a| T^2 / follow, and a motion from a certain place
+                    is one that a body makes while alpha sqrt(damping) |e| <= surprise deviation
+
+For 800 Hz and the tuning that ships these are 3.23 m/s along each axis and 77.9 m/s^2 in the plane. Slow yaws take part
+in both by the sensors' mean arm; the noise takes some deviations of the position from the second.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import pi, sqrt
+
+import numpy as np
+
+from designs.hall_position import fleet
+from designs.hall_position.fleet import Kind
+from designs.hall_position.motions import Numbers, Pose
+from synth import show
+
+PART = 0.9  # of the acceleration in the plane: the yaw, and the noise, take the rest
+WAVES, SPREAD = 3, (0.2, 1.0)  # sines along each axis, and their frequencies
+YAW, TURN = 0.03, 0.3  # rad, rad/s
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Speed along each axis, m/s, and acceleration in the plane, m/s^2."""
+
+    speed: float
+    acceleration: float
+
+
+@show.printed
+@dataclass(frozen=True, repr=False)
+class Endurance:
+    """What came of so many samples: the shares that are valid, and of bodies that have `lost` their place.
+
+    `wrong` were valid elsewhere; `worst` is the largest error of the valid ones, m, `off` of all, within the pitch.
+    """
+
+    limits: Limits
+    samples: int
+    valid: float
+    lost: float
+    wrong: int
+    worst: float
+    off: float
+
+    def sheet(self) -> show.Sheet:
+        """Return a row."""
+        row = [self.samples / 1e6, 100 * self.valid, 100 * self.lost, self.wrong, 1e6 * self.worst, 1e6 * self.off]
+        names = ("samples [1e6]", "valid [%]", "bodies lost [%]", "wrong", "worst valid [um]", "worst [um]")
+        title = f"Random motion at {self.limits.speed:.3g} m/s, {self.limits.acceleration:.3g} m/s^2"
+        return show.Sheet(title, tables=(show.matrix("run", np.array([row]), ("",), names),))
+
+
+def limits(kind: Kind) -> Limits:
+    """Return how fast the sensors' centre may be."""
+    t, a, T = kind.tuning, kind.array, kind.time.period_s
+    e = t.surprise * a.deviation / (a.alpha * sqrt(t.damping))
+    return Limits(t.reach / 2 / (a.wave_number * T), t.follow * e / (a.wave_number * T**2))
+
+
+def run(kind: Kind, bodies: int, samples: int, within: Limits, seed: int = 0) -> Endurance:
+    """Run so many bodies for so many samples on random motions within a limit."""
+    rng, T = np.random.default_rng(seed), kind.time.period_s
+    at = motion(kind, bodies, within, rng)
+    state = fleet.placed(kind, at(-T), at(-2 * T))
+    valid = wrong = 0
+    worst = off = 0.0
+    for i in range(samples):
+        pose = at(i * T)
+        batch = fleet.stepped(kind, state, fleet.voltages(kind, pose, rng))
+        state, seen = batch.states, fleet.judged(kind, batch.outputs, pose)
+        valid, wrong = valid + int(seen.valid.sum()), wrong + int(seen.wrong.sum())
+        worst, off = max(worst, float(seen.off[seen.valid].max(initial=0))), max(off, float(seen.off.max()))
+    lost = float((state["estimator_restarted"] > 0).mean())
+    return Endurance(within, bodies * samples, valid / (bodies * samples), lost, wrong, worst, off)
+
+
+def motion(kind: Kind, bodies: int, within: Limits, rng: np.random.Generator) -> Callable[[float], Pose]:
+    """Return where bodies are at a time in s, on random sines whose speed and acceleration do not exceed a limit."""
+    middle = rng.uniform(0, kind.array.pitch, (2, bodies))
+    along = [_sines(bodies, within.speed, PART * within.acceleration / sqrt(2), rng) for _ in "xy"]
+    yaw, turned = rng.uniform(-YAW, YAW, bodies), _sines(bodies, TURN, 20 * TURN, rng)
+    return lambda t: Pose(middle[0] + along[0](t), middle[1] + along[1](t), yaw + turned(t))
+
+
+def _sines(bodies: int, speed: float, acceleration: float, rng: np.random.Generator) -> Callable[[float], Numbers]:
+    """Return displacements (bodies,) over time whose speed and acceleration reach these where all sines agree."""
+    part, rate = rng.dirichlet([1.0] * WAVES, bodies).T, rng.uniform(*SPREAD, (WAVES, bodies))
+    rate *= acceleration / speed / (part * rate).sum(axis=0)
+    phase = rng.uniform(0, 2 * pi, (WAVES, bodies))
+    return lambda t: (speed * part / rate * np.sin(rate * t + phase)).sum(axis=0)

@@ -1,0 +1,108 @@
+"""Steps of the guarded estimator for comparison: drawn at random, at the edges of the ranges, and along motions.
+
+random    states anywhere; a third of the voltages are of a pose about where the sample begins, a third of one
+          further away, a third anywhere; one in a hundred is refused
+edge      states anywhere and on the ends of their ranges, every input on the ends of its range, beyond, no number
+motions   across many pitches and through full turns of yaw, from `init`, where the place is not known; in a fifth
+          of them voltages are refused, alone, in runs, and in the end up to the latch
+"""
+
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+
+from designs.hall_position import motions, reference, reference_guard, shipped
+from designs.hall_position.motions import Numbers, Pose
+from designs.hall_position.parameters import Array, Tuning
+from designs.hall_position.reference import Setup
+from synth.block import Block
+
+Columns = dict[str, Numbers]
+SEED = 2_013
+NEAR = (1e-3, 0.05, 0.3)  # rad of phase, from where a sample begins
+REFUSED = 0.01
+SPECIAL = (np.nan, np.inf, -np.inf, 5e-324, -5e-324, 1e-40, -0.0, 0.0, 1e300, -1e300)
+TRAVEL = 0.3  # m: six pitches, at up to 2 m/s
+YAW, TURN = (0.04, 0.5), (0.0, 13.0)  # rad, rad/s, of every other motion: a turn in 0.5 s
+LENGTH, BAD_COLUMNS = 500, 5  # samples of a motion; of so many one has bad samples
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """An estimator that ships: its sensors, its Block, and what the reference knows of it."""
+
+    name: str
+    array: Array
+    block: Block
+    of: Setup
+
+
+def subject(name: str) -> Subject:
+    """Return what ships under a name."""
+    array = shipped.array(name)
+    return Subject(name, array, shipped.block(name), _setup(array, shipped.TUNING))
+
+
+def _setup(array: Array, tuning: Tuning) -> Setup:
+    names = ("positions", "c", "alpha", "beta", "pitch", "deviation")
+    given = {name: getattr(array, name) for name in names} | vars(tuning)
+    return Setup(weights=array.weights or (1.0,) * len(array.positions), **given)
+
+
+def in_operation(subject: Subject, n: int) -> tuple[Columns, Columns]:
+    """Draw n random steps (states, inputs)."""
+    rng = np.random.default_rng(SEED)
+    states, of, w = _anywhere(subject.block, rng, n), subject.of, subject.array.wave_number
+    start, _ = reference.begun(of, reference_guard.of_estimator(states), np.zeros((n, len(of.positions), 2), bool))
+    size = rng.choice(NEAR, n)[:, np.newaxis] * rng.standard_normal((n, 3)) / [w, w, subject.array.radius]
+    x, y, yaw = (start + size).T
+    (cx, cy), c, s = subject.array.centre, np.cos(yaw), np.sin(yaw)
+    V = motions.noisy(subject.array, Pose(x - c * cx + s * cy, y - s * cx - c * cy, yaw), SEED)
+    span = reference_guard.SPAN
+    V = np.where((rng.random(n) < 1 / 3)[:, np.newaxis, np.newaxis], rng.uniform(-span, span, V.shape), V)
+    V[rng.random(V.shape) < REFUSED] = np.nan
+    return states, motions.named(V)
+
+
+def at_the_edges(subject: Subject, n: int) -> tuple[Columns, Columns]:
+    """Draw n edge steps (states, inputs)."""
+    rng = np.random.default_rng(SEED + 1)
+    states, inputs = _anywhere(subject.block, rng, n), {}
+    for s in subject.block.states:
+        ends = rng.choice((s.signal.low, s.signal.high), n)
+        states[s.name] = np.where(rng.random(n) < 0.25, ends, states[s.name])
+    for signal in subject.block.inputs:
+        beyond = np.nextafter(signal.low, -np.inf), np.nextafter(signal.high, np.inf)
+        values = (signal.low, signal.high, *beyond, *SPECIAL)
+        chosen = rng.integers(0, 4 * len(values), n)
+        anywhere = rng.uniform(signal.low, signal.high, n)
+        inputs[signal.name] = np.where(chosen < len(values), np.take(values, chosen % len(values)), anywhere)
+    return states, inputs
+
+
+def _anywhere(block: Block, rng: np.random.Generator, n: int) -> Columns:
+    states = {}
+    for s in block.states:
+        low, high = s.signal.low, s.signal.high
+        whole = s.integer or s.signal.name.startswith("estimator_pitch")
+        states[s.name] = rng.integers(int(low), int(high) + 1, n).astype(float) if whole else rng.uniform(low, high, n)
+    return states
+
+
+def measured(subject: Subject, period_s: float, n: int) -> Columns:
+    """Return the inputs (LENGTH, columns) of at least n samples of motions."""
+    columns = ceil(n / LENGTH)
+    yaw, turn = np.resize(YAW, columns), np.resize(TURN, columns)
+    pose = motions.wander(period_s, (LENGTH, columns), SEED, TRAVEL, yaw, turn)
+    V = motions.noisy(subject.array, pose, SEED + 1)
+    _spoil(V[:, ::BAD_COLUMNS], reference_guard.BAD_SAMPLES)
+    return motions.named(V)
+
+
+def _spoil(V: Numbers, limit: int) -> None:
+    """Refuse voltages (LENGTH, columns, sensors, 2) in place: single ones, a run of nearly the limit, one up to it."""
+    k = np.arange(LENGTH)
+    V[k % 60 == 59, :, 0, 1] = np.nan
+    V[(k >= 205) & (k < 205 + limit - 1), :, 1, 0] = 2 * reference_guard.SPAN
+    V[(k >= 305) & (k < 305 + limit + 3), :, 1, 1] = -np.inf

@@ -1,0 +1,262 @@
+"""Verification of the emitted C: NumPy reference, CasADi, CasADi's own C, and the C in double and in single precision.
+
+Steps are those of `random_steps`, of motions each from the state that the C has come to. Besides, the reference and
+single precision go their own ways along the motions, from `init` on.
+
+What magnifies errors of rounding is, for a step, the largest condition number of its corrections times that by which
+the step magnifies a change of its voltages: it is large where a decision hangs by less than that change as well. Steps
+above SEVERE are counted, and compared at that number times epsilon; all others at EXACT.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from designs.hall_position import estimator, random_steps, reference, reference_guard, shipped
+from designs.hall_position.motions import Numbers
+from designs.hall_position.random_steps import LENGTH, Columns, Subject
+from synth.block import Block
+from synth.check import Check
+from synth.emit import write
+from synth.execute import host
+from synth.verify import agree
+from synth.verify.agree import Stepped
+from synth.verify.evidence import Evidence
+
+WHOLE = {"motions": 100_000, "random": 20_000, "edge": 10_000}  # steps of each estimator
+QUICK = {"motions": 10_000, "random": 4_000, "edge": 2_000}
+FLOOR = 1.0  # m, rad, V: differences of outputs are absolute below it
+EXACT, EPSILON = 1e-12, 2.0**-52
+SEVERE, SEVERE_SHARE = 1e3, 0.01
+HANGS = 1e-9  # of alpha
+TRIES, LESS = 6, 10  # a random direction in ten dimensions may show so much less than the worst one
+TIMES = 16  # condition numbers times epsilon; a fit has a hundred operations, and 6 are seen
+SINGLE = 1e-6  # m
+SEARCHING = 2e-5  # m, of steps that have not converged, as in the search: what they say is no position
+OTHERWISE = 0.01  # share of the steps of motions that decide otherwise in single precision
+VALID_OTHERWISE = 2e-3
+OTHERS = ("reference", "casadi", "casadi_c")  # that the C in double precision is compared with
+DECISIONS = ("converged", "damped", "valid")
+Told = Callable[[str], None]
+Compared = tuple[Sequence[agree.Agreement], Sequence[Check]]
+
+
+@dataclass(frozen=True, eq=False)
+class Witnesses:
+    """The witnesses of one step by name, and the compiled C in both scalar types."""
+
+    of: Mapping[str, agree.Witness]
+    c64: host.Controller
+    c32: host.Controller
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """N steps: states and inputs (N,) by name, and what magnifies their errors (N,)."""
+
+    what: str
+    states: Columns
+    inputs: Columns
+    severity: Numbers
+
+
+def compiled(block: Block, scalar: type[np.floating]) -> host.Controller:
+    """Return the compiled C of a guarded estimator."""
+    made = write.emit(block, scalar, shipped.SAFETY, error=estimator.SURROGATE_ERROR[scalar])
+    return host.load(made.files, made.manifest)
+
+
+def witnesses(of: Subject) -> Witnesses:
+    """Return the witnesses of an estimator."""
+    c64, c32 = (compiled(of.block, scalar) for scalar in (np.float64, np.float32))
+    found = {"reference": agree.reference(partial(reference_guard.step, of.of)), "casadi": agree.casadi(of.block)}
+    return Witnesses(found | {"casadi_c": agree.casadi_own_c(of.block), "c64": agree.emitted(c64)}, c64, c32)
+
+
+def verify(told: Told, whole: bool) -> Evidence:
+    """Compare all witnesses of both estimators, over many steps or over few."""
+    sizes = WHOLE if whole else QUICK
+    agreements: list[agree.Agreement] = []
+    checks: list[Check] = []
+    for name in shipped.PLACES:
+        told(f"{name}: witnesses")
+        of = random_steps.subject(name)
+        for found, some in compared(of, witnesses(of), sizes, told):
+            agreements += found
+            checks += some
+    return Evidence(shipped.NAME, tuple(agreements), tuple(checks))
+
+
+def compared(of: Subject, by: Witnesses, sizes: Mapping[str, int], told: Told) -> Iterator[Compared]:
+    """Yield the comparisons of an estimator."""
+    inputs = random_steps.measured(of, shipped.TIME.period_s, sizes["motions"])
+    kinds = {
+        "motions": partial(along, of, by.c64, inputs),
+        "random": partial(random_steps.in_operation, of, sizes["random"]),
+        "edge": partial(random_steps.at_the_edges, of, sizes["edge"]),
+    }
+    for kind, drawn in kinds.items():
+        told(f"{of.name}: {kind} steps")
+        given = severe(of, f"{of.name}, {kind} steps", *drawn())
+        c64 = by.of["c64"](given.states, given.inputs)
+        yield (), [shared(given)]
+        for name in OTHERS:
+            yield exact(of, given, (name, by.of[name](given.states, given.inputs)), c64)
+        if kind == "motions":
+            yield in_single(of, by, given)
+    told(f"{of.name}: each its own way")
+    yield (), own_ways(of, by, inputs)
+
+
+def along(of: Subject, controller: host.Controller, inputs: Columns) -> tuple[Columns, Columns]:
+    """Return the steps that the C takes from `init` over columns (samples, bodies) of inputs, one after the other."""
+    bodies = next(iter(inputs.values())).shape[1]
+    now, states = np.repeat(controller.init()[np.newaxis], bodies), []
+    for k in range(LENGTH):
+        states.append(now)
+        now = controller.batch(now.copy(), _at(inputs, k)).states
+    recorded = np.concatenate(states)
+    return {s.name: recorded[s.name] for s in of.block.states}, {n: v.ravel() for n, v in inputs.items()}
+
+
+def _at(inputs: Columns, k: int) -> Columns:
+    return {name: np.ascontiguousarray(values[k]) for name, values in inputs.items()}
+
+
+def severe(of: Subject, what: str, states: Columns, inputs: Columns) -> Steps:
+    """Return steps with what magnifies their errors: tried in more directions where it may be above SEVERE."""
+    held, refused = reference_guard.accepted(of.of, states, inputs)
+    own = reference_guard.of_estimator(states)
+    found = reference.magnification(of.of, own, held, refused)
+    near = np.flatnonzero(found > SEVERE / LESS)
+    part = {n: v[near] for n, v in own.items()}
+    for seed in range(1, TRIES):
+        again = reference.magnification(of.of, part, held[near], refused[near], seed)
+        found[near] = np.maximum(found[near], again)
+    return Steps(what, states, inputs, np.where(_hanging(of, own, held, refused), np.maximum(found, 1 / HANGS), found))
+
+
+def _hanging(of: Subject, states: Columns, held: Numbers, refused: Numbers) -> NDArray[np.bool_]:
+    """Tell for each step whether a decision is another one when its voltages change by HANGS of alpha."""
+    change = HANGS * of.array.alpha * np.random.default_rng(0).standard_normal(held.shape)
+    (out, after), (other, then) = (reference.step(of.of, states, v, refused) for v in (held, held + change))
+    flags = [out[name] != other[name] for name in DECISIONS]
+    own = (reference_guard.own_name(s.name) for s in of.block.states if s.integer)
+    return np.any([*flags, *(after[n] != then[n] for n in own if n in after)], axis=0)
+
+
+def shared(given: Steps) -> Check:
+    """Return the share of steps that are compared at their condition number times epsilon."""
+    above = given.severity > SEVERE
+    about = f"{np.count_nonzero(above)} of {len(above)} steps, at most {given.severity.max():.2g}"
+    return Check(f"{given.what}: magnified over {SEVERE:g} times", float(np.mean(above)), SEVERE_SHARE, "1", about)
+
+
+def exact(of: Subject, given: Steps, first: tuple[str, Stepped], c64: Stepped) -> Compared:
+    """Compare a witness by name with the C in double precision."""
+    above = given.severity > SEVERE
+    pair = (first[0], _part(first[1], ~above)), ("c64", _part(c64, ~above))
+    a = agree.compare(given.what, *pair, FLOOR, of.block)
+    off = float((apart(of, first[1], c64) / (EPSILON * given.severity))[above].max(initial=0.0))
+    unlike = int(np.count_nonzero(first[1].faults != c64.faults))
+    about = f"worst of {a.samples} steps, {a.signal}"
+    name = f"{given.what}: {first[0]} against c64"
+    return [a], [
+        Check(name, a.worst, EXACT, f"max({FLOOR:g}, |y|)", about),
+        Check(f"{name}, next states", a.state_worst, EXACT, "of range", a.state),
+        Check(f"{name}, where magnified", off, TIMES, "condition number times epsilon"),
+        Check(f"{name}, fault words unlike", unlike, 0, "1"),
+    ]
+
+
+def apart(of: Subject, first: Stepped, second: Stepped) -> Numbers:
+    """Return by how much two witnesses differ in each step (N,): outputs of max(FLOOR, |y|), states of their range."""
+    gaps = [
+        np.abs(second.outputs[s.name] - first.outputs[s.name]) / np.maximum(FLOOR, np.abs(first.outputs[s.name]))
+        for s in of.block.outputs
+    ]
+    for s in of.block.states:
+        width = s.signal.high - s.signal.low
+        gaps.append(np.abs(np.asarray(second.states[s.name], dtype=np.float64) - first.states[s.name]) / width)
+    found = np.max(gaps, axis=0)
+    return np.where(np.isfinite(found), found, np.inf)
+
+
+def in_single(of: Subject, by: Witnesses, given: Steps) -> Compared:
+    """Compare positions in single with those in double from the same bits, and count other decisions.
+
+    From the states of the C in double, rounded. Where a decision is another one, so may the position be.
+    """
+    x, u = ({n: v.astype(np.float32) for n, v in columns.items()} for columns in (given.states, given.inputs))
+    double, single = agree.emitted(by.c64)(x, u), agree.emitted(by.c32)(x, u)
+    alike = double.faults == single.faults
+    for flag in DECISIONS:
+        alike &= double.outputs[flag] == single.outputs[flag]
+    for s in of.block.states:  # a flag, a count, or an angle that has been turned back
+        gap = np.abs(np.asarray(double.states[s.name], dtype=np.float64) - single.states[s.name])
+        alike &= gap < (0.5 if s.integer else (s.signal.high - s.signal.low) / 2)
+    chosen = alike & (given.severity <= SEVERE)
+    pair = ("c64", _part(double, chosen)), ("c32", _part(single, chosen))
+    a = agree.compare(given.what, *pair, FLOOR, of.block, np.float32)
+    off, converged = np.maximum(_gap(double, single, "X"), _gap(double, single, "Y")), double.outputs["converged"] > 0
+    what = f"{given.what}: X and Y, single less double"
+    checks = [Check(f"{given.what}: decisions otherwise in single", float(np.mean(~alike)), OTHERWISE, "1")]
+    for where, steps, limit in (("converged", converged, SINGLE), ("not converged", ~converged, SEARCHING)):
+        worst = float(off[chosen & steps].max(initial=0.0))
+        about = f"{np.count_nonzero(chosen & steps)} of {len(chosen)} steps, errors magnified up to {SEVERE:g} times"
+        checks.append(Check(f"{what}, where {where}", worst, limit, "m", about))
+    return [a], checks
+
+
+def _gap(first: Stepped, second: Stepped, name: str) -> Numbers:
+    return np.abs(np.asarray(second.outputs[name], dtype=np.float64) - first.outputs[name])
+
+
+def own_ways(of: Subject, by: Witnesses, inputs: Columns) -> list[Check]:
+    """Compare valid positions of the reference and of single precision, each on its own way, with those of the C."""
+    double = positions(by.c64, inputs)
+    ways = (
+        ("reference", _reference(of, inputs), EXACT, 0.0),
+        ("c32", positions(by.c32, inputs), SINGLE, VALID_OTHERWISE),
+    )
+    checks = []
+    for name, found, limit, share in ways:
+        both = (found["valid"] > 0) & (double["valid"] > 0)
+        worst = max(float(np.abs(found[y] - double[y])[both].max(initial=0.0)) for y in ("X", "Y"))
+        unlike = float(np.mean(found["valid"] != double["valid"]))
+        about = f"{np.count_nonzero(both)} of {both.size} samples from init are valid"
+        what = f"{of.name}, each its own way: {name} against c64"
+        checks.append(Check(f"{what}, where valid", worst, limit, "m", about))
+        checks.append(Check(f"{what}, valid unlike", unlike, share, "1"))
+    return checks
+
+
+def positions(controller: host.Controller, inputs: Columns) -> dict[str, NDArray[np.float64]]:
+    """Return X, Y in m and `valid` (samples, bodies) from `init` over columns of inputs."""
+    now, found = np.repeat(controller.init()[np.newaxis], next(iter(inputs.values())).shape[1]), []
+    for k in range(LENGTH):
+        batch = controller.batch(now, _at(inputs, k))
+        now = batch.states
+        found.append(batch.outputs)
+    return _stacked(found)
+
+
+def _reference(of: Subject, inputs: Columns) -> dict[str, NDArray[np.float64]]:
+    bodies, found = next(iter(inputs.values())).shape[1], []
+    now: Columns = {s.name: np.full(bodies, s.initial) for s in of.block.states}
+    for k in range(LENGTH):
+        now, outputs, _ = reference_guard.step(of.of, now, _at(inputs, k))
+        found.append(outputs)
+    return _stacked(found)
+
+
+def _stacked(found: Sequence[Mapping[str, Numbers]]) -> dict[str, NDArray[np.float64]]:
+    return {n: np.array([f[n] for f in found], dtype=np.float64) for n in ("X", "Y", "valid")}
+
+
+def _part(stepped: Stepped, chosen: NDArray[np.bool_]) -> Stepped:
+    outputs, states = ({n: v[chosen] for n, v in c.items()} for c in (stepped.outputs, stepped.states))
+    return replace(stepped, outputs=outputs, states=states, faults=stepped.faults[chosen])

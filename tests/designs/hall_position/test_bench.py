@@ -1,0 +1,133 @@
+"""The sequences reach what they are there for: every decision of the machine code, the latch, the search, the worst.
+
+What is measured is the committed C.
+"""
+
+import json
+from functools import cache
+from pathlib import Path
+from types import SimpleNamespace
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from designs.hall_position import bench, random_steps, shipped
+from synth.emit.write import Emitted
+from synth.errors import DesignError
+from synth.execute import cross, host
+from synth.synthesise import safety
+from synth.verify import meter, rivals, steps
+from synth.verify.meter import Build
+from synth.verify.steps import Steps
+
+GENERATED = Path(__file__).parents[3] / "generated_c"
+LIMIT, AIM = 2800, 2000  # instructions of two sensors: what was asked for, by gcc -O2, and aimed at, contracted
+CEILINGS = {
+    shipped.NAME: {"gcc, newlib": 2400, "gcc, newlib, contracted": AIM},
+    shipped.THREE: {"gcc, newlib": 3800},
+}
+GCC = pytest.mark.skipif("gcc" not in cross.available(), reason="arm-none-eabi-gcc is not installed")
+SHIPPED = {b.name: b for b in meter.builds() if b.compiler == "gcc"}
+# gcc copies a decision into each path that leads to it, where part of it is decided, and a limit into each place that
+# has one, where only rounding comes beyond it. Without copies each decision of the text is there once.
+ONCE = Build("gcc, no copies", "gcc", ("-Os", "-fno-thread-jumps"))
+THIN = {shipped.NAME: 400, shipped.THREE: 250}  # steps of a sequence in which decisions are looked for
+COSTLY, EACH = ("random", "states anew", "random states and inputs", "rare among states anew"), 200  # with the worst
+LATCH = 1 << safety.LATCH_BIT
+
+
+class Subject(NamedTuple):
+    """A shipped C, compiled, and its sequences."""
+
+    emitted: Emitted
+    controller: host.Controller
+    sequences: dict[str, Steps]
+
+    def every(self, most: int) -> Steps:
+        return steps.joined("all", [steps.thinned(s, most) for s in self.sequences.values()])
+
+
+@cache
+def subject(name: str) -> Subject:
+    folder = GENERATED / name
+    files = {path.name: path.read_text() for path in folder.glob("*.[ch]")}
+    emitted = Emitted(files, json.loads((folder / "manifest.json").read_text()))
+    controller = host.load(emitted.files, emitted.manifest)
+    return Subject(emitted, controller, {s.name: s for s in bench.sequences(controller, lambda _: None)})
+
+
+@pytest.mark.parametrize("name", shipped.PLACES)
+def test_the_replay_has_faults_and_in_the_end_latches(name: str) -> None:
+    controller = subject(name).controller
+    replay = controller.replay(bench.replay(controller))
+    latched = (replay.faults & LATCH) != 0
+    assert len(latched) == bench.REPLAY and int(np.argmax(latched)) == 9505 and latched[9505:].all()
+    seen = [k for k in range(2 * len(shipped.PLACES[name])) if (replay.faults[:9500] >> k & 1).any()]
+    assert seen == [1, 2, 3] and np.count_nonzero(replay.faults[:9500]) < 100
+    assert 0.3 < np.mean(replay.outputs["valid"]) < 1
+
+
+def test_the_sequences_search_restart_and_converge() -> None:
+    found = subject(shipped.NAME)
+    motions = found.sequences["motions"]
+    assert [s.name for s in found.sequences.values() if s.closed_loop] == ["motions", "turns"]
+    out = steps.taken(found.controller, motions).outputs
+    assert np.mean(out["valid"]) > 0.3 and np.mean(out["converged"]) > 0.9
+    lost = steps.taken(found.controller, found.sequences["lost"])
+    assert lost.outputs["restarted"].any() and (lost.states["estimator_searching"] > 0).any()
+    words = steps.taken(found.controller, found.sequences["faults"]).faults
+    assert all({0, 1} == set((words[words & LATCH == 0] >> bit & 1).tolist()) for bit in range(4))
+    assert (words & LATCH).any()
+
+
+@GCC
+@pytest.mark.parametrize("name", shipped.PLACES)
+def test_every_decision_is_seen_both_ways(name: str) -> None:
+    own = rivals.emitted(subject(name).emitted)
+    found = meter.covered(own, meter.run(own, subject(name).every(THIN[name]), ONCE), ONCE)
+    assert found.decisions > 50 and found.missing == ()
+
+
+@GCC
+def test_a_decision_that_nothing_takes_is_told() -> None:
+    """The planted defect: a branch on a value that no step has."""
+    (emitted, _, _), name = subject(shipped.NAME), shipped.NAME
+    planted = "    if (in->V_ax == 1.2345678f) { faults |= 1u << 30; }\n    return faults;"
+    text = emitted.files[f"{name}.c"].replace("    return faults;", planted)
+    own = rivals.emitted(Emitted({**emitted.files, f"{name}.c": text}, emitted.manifest))
+    found = meter.covered(own, meter.run(own, subject(name).every(100), ONCE), ONCE)
+    assert [line for line in found.missing if "1.2345678f" in line]
+
+
+@GCC
+@pytest.mark.parametrize(("name", "build"), [(name, build) for name, some in CEILINGS.items() for build in some])
+def test_the_costliest_step_keeps_below_its_ceiling(name: str, build: str) -> None:
+    given = steps.joined("costly", [steps.thinned(subject(name).sequences[s], EACH) for s in COSTLY])
+    most = meter.run(rivals.emitted(subject(name).emitted), given, SHIPPED[build]).cost.instructions.max()
+    ceiling = CEILINGS[name][build]
+    assert 0.93 * ceiling < most <= ceiling
+    assert name != shipped.NAME or ceiling <= (AIM if build.endswith("contracted") else LIMIT)
+
+
+@GCC
+def test_casadis_own_c_takes_twice_as_many() -> None:
+    found, build = subject(shipped.NAME), SHIPPED["gcc, newlib"]
+    few = steps.thinned(found.sequences["motions"], 20)
+    rival = meter.run(rivals.casadi(shipped.block(), shimmed=True), few, build).cost.instructions
+    own = meter.run(rivals.emitted(found.emitted), few, build).cost.instructions
+    assert rival.min() > 1.8 * own.max()
+
+
+def test_another_design_is_refused() -> None:
+    controller = subject(shipped.NAME).controller
+    other = SimpleNamespace(manifest={**controller.manifest, "design": "other"})
+    with pytest.raises(DesignError, match="'other' is none of hall_position, hall_position_three"):
+        bench.replay(other)  # type: ignore[arg-type]
+
+
+def test_random_steps_are_those_of_verification() -> None:
+    drawn, _ = random_steps.in_operation(random_steps.subject(shipped.NAME), bench.DRAWN)
+    found = subject(shipped.NAME).sequences["random"]
+    assert len(found) == bench.DRAWN
+    np.testing.assert_array_equal(found.states["estimator_yaw"], drawn["estimator_yaw"].astype(np.float32))

@@ -1,0 +1,43 @@
+"""From `init` to the place, anywhere in the pitch."""
+
+import numpy as np
+import pytest
+
+from designs.hall_position import cold_start, fleet, shipped
+from designs.hall_position.fleet import Kind
+from synth.execute import host
+
+TWO, THREE = (Kind(shipped.array(name)) for name in (shipped.NAME, shipped.THREE))
+YAWS = np.radians([-4.5, -2.0, 0.0, 2.0, 4.5])
+
+
+def test_three_sensors_find_every_place_within_forty_samples() -> None:
+    """A twentieth of a second. Over 8,000 poses it was 23 samples at most, and 6 in the middle."""
+    found = cold_start.run(THREE, cold_start.grid(THREE, 24, YAWS), 60)
+    assert found.valid == 1.0 and found.wrong == 0 and found.took.max() <= 40 and np.median(found.took) < 10
+    assert found.found.all() and found.poses.shape == (24 * 24 * 5, 3) and "median samples" in str(found)
+
+
+def test_two_sensors_are_certain_at_rest_in_a_part_of_the_pitch_and_on_the_way_nearly_anywhere() -> None:
+    pose = cold_start.grid(TWO, 16, YAWS)
+    rest, moving = cold_start.run(TWO, pose, 60), cold_start.run(TWO, pose, 400, speed=0.05)
+    assert rest.found.mean() > 0.9 and 0.2 < rest.valid < 0.35 and rest.wrong == 0
+    assert moving.valid > 0.9 and moving.wrong == 0
+
+
+@pytest.mark.parametrize("kind", [TWO, THREE], ids=["two", "three"])
+def test_a_search_that_ends_wherever_it_converges_is_seen(kind: Kind, monkeypatch: pytest.MonkeyPatch) -> None:
+    stepped = fleet.stepped
+
+    def careless(kind: Kind, state: host.Records, volts: fleet.Numbers) -> host.Batch:
+        batch = stepped(kind, state, volts)
+        return batch._replace(outputs=batch.outputs | {"valid": batch.outputs["converged"]})
+
+    monkeypatch.setattr(fleet, "stepped", careless)
+    assert cold_start.run(kind, cold_start.grid(kind, 24, YAWS), 40).wrong > 0
+
+
+def test_a_yaw_beyond_the_assumed_ones_is_not_valid() -> None:
+    """By 40 degrees: what is found is a quarter turn off, or nothing."""
+    found = cold_start.run(THREE, cold_start.grid(THREE, 12, np.radians([-40.0, 40.0])), 60)
+    assert found.valid == 0 and found.wrong == 0

@@ -1,0 +1,85 @@
+"""The design as the workspace finds it: what it ships, measures and reports, and the proofs of its committed C."""
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from designs.hall_position import bench, experiments, page, shipped
+from synth import workspace
+from synth.check import Check
+from synth.verify import eva, misra, nonfinite
+from synth.workspace import Design
+
+ROOT = Path(__file__).parents[3]
+GENERATED = ROOT / "generated_c"
+PROVERS = all(map(shutil.which, ("frama-c", "clang", "cppcheck")))
+needs_provers = pytest.mark.skipif(not PROVERS, reason="apt-get install frama-c-base clang cppcheck")
+
+
+@pytest.fixture(scope="module")
+def design() -> Design:
+    (found,) = workspace.designs(ROOT, ["hall_position"])
+    return found
+
+
+def committed(name: str) -> tuple[dict[str, str], dict[str, Any]]:
+    folder = GENERATED / name
+    return {p.name: p.read_text() for p in folder.glob("*.[ch]")}, json.loads((folder / "manifest.json").read_text())
+
+
+def test_the_workspace_finds_it(design: Design) -> None:
+    assert (design.name, design.scalar) == (shipped.NAME, np.float32)
+    block = design.bench.block()
+    assert block.name == design.name and block.time == shipped.TIME and block.time.period_s == 1 / 800
+    assert [s.name for s in block.inputs] == ["V_ax", "V_ay", "V_bx", "V_by"]
+    assert design.bench == workspace.Bench(shipped.block, bench.replay, bench.sequences, bench.FLOOR)
+    assert (design.simulate, design.report) == (experiments.run, page.report)
+
+
+@pytest.mark.parametrize("name", shipped.PLACES)
+def test_its_manifest_says_when_it_latches(name: str) -> None:
+    _, manifest = committed(name)
+    assert manifest["safety"]["bad_samples"] == 5 and manifest["safety"]["safe_output"] == {}
+    assert manifest["design"] == name and manifest["period_s"] == 1 / 800
+    latched = [f for f in manifest["faults"] if f.get("latched")]
+    assert len(manifest["faults"]) == 2 * len(shipped.PLACES[name]) + 1 and [f["bit"] for f in latched] == [31]
+
+
+def failed(found: tuple[Check, ...]) -> list[str]:
+    return [c.name for c in found if not c.passed]
+
+
+@needs_provers
+def test_the_committed_c_keeps_its_contract_over_the_whole_domain() -> None:
+    files, manifest = committed(shipped.NAME)
+    proof = eva.prove(files, manifest)
+    assert proof.proved == proof.expected > 100 and failed(proof.checks()) == []
+    assert failed(nonfinite.compare(files, manifest).checks()) == []
+    assert failed(misra.inspect(files).checks()) == []
+
+
+@needs_provers
+def test_a_state_beyond_its_bounds_is_told() -> None:
+    """The planted defect."""
+    files, manifest = committed(shipped.NAME)
+    name, line = f"{shipped.NAME}.c", "state->estimator_motion_x = estimator_motion_x_next;"
+    assert files[name].count(line) == 1
+    text = files[name].replace(line, "state->estimator_motion_x = 2.0f;")
+    proof = eva.prove({**files, name: text}, manifest)
+    assert [claim for claim in proof.unproved if "motion_x" in claim] and failed(proof.checks())
+
+
+@needs_provers
+def test_a_number_that_is_none_and_passes_is_told() -> None:
+    files, manifest = committed(shipped.NAME)
+    name = f"{shipped.NAME}.c"
+    deaf = files[name].replace("if (fabsf(V_ax) <= 5.0f) {", "if (!(fabsf(V_ax) > 5.0f)) {")
+    assert deaf != files[name] and failed(nonfinite.compare({**files, name: deaf}, manifest).checks())
+
+
+def test_its_audit_is_that_of_the_paper(design: Design) -> None:
+    assert next(iter(design.audit())).id.startswith("K-")

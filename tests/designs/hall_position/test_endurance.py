@@ -1,0 +1,60 @@
+"""Within the speed and acceleration that are derived nothing is lost; a little beyond it is. Runs are seeded."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from designs.hall_position import endurance, fleet, shipped
+from designs.hall_position.endurance import Limits
+from designs.hall_position.fleet import Kind
+from designs.hall_position.parameters import Tuning
+from synth.execute import host
+
+# Pitches are counted as far as random motions lead.
+TWO, THREE = (Kind(shipped.array(name), Tuning(pitches=30)) for name in (shipped.NAME, shipped.THREE))
+BODIES, SAMPLES = 2000, 250
+
+
+def test_the_limits_are_those_of_reach_and_surprise() -> None:
+    limits = endurance.limits(THREE)
+    assert limits.speed == pytest.approx(0.5 / (2 * np.pi) * 0.0508 * 800)
+    assert limits.acceleration == pytest.approx(77.9, rel=1e-3)
+    calm = replace(THREE, tuning=Tuning(surprise=1.5, reach=0.5))
+    assert endurance.limits(calm).acceleration == pytest.approx(limits.acceleration / 2)
+    assert endurance.limits(calm).speed == pytest.approx(limits.speed / 2)
+
+
+def test_three_sensors_stay_with_a_body_at_the_limits() -> None:
+    """Half a million samples here: ten million take 20 seconds."""
+    run = endurance.run(THREE, BODIES, SAMPLES, endurance.limits(THREE))
+    assert run.samples == BODIES * SAMPLES and run.valid == 1.0
+    assert run.lost == run.wrong == 0 and run.off == run.worst < 25e-6
+    assert "valid [%]" in str(run)
+
+
+@pytest.mark.parametrize(("speed", "acceleration"), [(1.15, 1.0), (1.0, 1.5)])
+def test_beyond_them_bodies_are_lost_and_none_is_wrong(speed: float, acceleration: float) -> None:
+    limits = endurance.limits(THREE)
+    beyond = Limits(speed * limits.speed, acceleration * limits.acceleration)
+    run = endurance.run(THREE, BODIES, SAMPLES, beyond)
+    assert run.lost > 0.1 and run.wrong == 0
+
+
+def test_two_sensors_lose_few_and_are_never_wrong() -> None:
+    """They are not valid where they lose rank, and until the place is certain again."""
+    run = endurance.run(TWO, BODIES, SAMPLES, endurance.limits(TWO))
+    assert 0.7 < run.valid < 0.85 and run.lost < 0.02 and run.wrong == 0 and run.worst < 2e-4
+    slow = endurance.run(TWO, BODIES, SAMPLES, Limits(1.0, 20.0))
+    assert slow.lost < 2e-3 and slow.wrong == 0
+
+
+def test_an_estimate_that_is_valid_wherever_it_converges_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    stepped = fleet.stepped
+
+    def careless(kind: Kind, state: host.Records, volts: fleet.Numbers) -> host.Batch:
+        batch = stepped(kind, state, volts)
+        return batch._replace(outputs=batch.outputs | {"valid": batch.outputs["converged"]})
+
+    monkeypatch.setattr(fleet, "stepped", careless)
+    assert endurance.run(TWO, BODIES, SAMPLES, endurance.limits(TWO)).wrong > 20

@@ -1,0 +1,105 @@
+"""The report: its parts are there, and what they show is right."""
+
+import re
+
+import numpy as np
+import pytest
+
+from designs.hall_position import (
+    audit,
+    fisher,
+    page,
+    page_accuracy,
+    page_convergence,
+    page_field,
+    page_six,
+    shipped,
+    six_maps,
+)
+from designs.hall_position.audit_stage import Stage, grid
+from synth.report.page import Section, Table
+from synth.verify.evidence import Evidence
+
+STAGE = Stage()
+MOST = 2_000_000  # bytes of a page
+
+
+@pytest.fixture
+def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw maps of few places."""
+    for name, value in {"POINTS": 12, "COARSE": 6, "TURNS": 5, "SINGULAR": (5.0,)}.items():
+        monkeypatch.setattr(page_accuracy, name, value)
+    monkeypatch.setattr(page_field, "POINTS", 13)
+    monkeypatch.setattr(page_six, "POINTS", 8)
+    monkeypatch.setattr(page_convergence, "SIDE", 5)
+    monkeypatch.setattr(page, "_trust", lambda: ())  # which compiles two estimators: see test_page_trust
+
+
+def tables(section: Section) -> dict[str, Table]:
+    """Return the tables of a section and of those inside by caption."""
+    found = {b.caption: b for b in section.blocks if isinstance(b, Table)}
+    for inner in section.sections:
+        found |= tables(inner)
+    return found
+
+
+@pytest.mark.usefixtures("coarse")
+def test_every_part_is_there() -> None:
+    few = [audit.ROWS[n](STAGE, audit.printed()[n]) for n in ("K-1", "K-8")]
+    html = page.report({}, Evidence(shipped.NAME, (), ()), [], few, None)
+    assert len(html.encode()) < MOST and html.count("<svg") == len(set(re.findall(r"Figure (\d+)\.", html)))
+    for text in ("Fig. 3", "Fig. 4", "Fig. 5 and (3)", "Fig. 8", "air gap", "lose rank", "K-8", "GLSDC", "Six degrees"):
+        assert text in html, text
+    assert not re.search(r"\bnan\b|no number", html)
+
+
+def test_the_map_is_that_of_the_deviations(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(page_accuracy, "POINTS", 6)
+    found = page_accuracy._larger(STAGE.three, 0.1)
+    along = STAGE.pitch * (np.arange(6) + 0.5) / 6
+    for i, j in ((0, 0), (2, 5), (4, 1)):
+        expected = fisher.deviations(STAGE.three, np.array([[along[i]], [along[j]], [0.1]]))[:2].max()
+        assert found[i, j] == pytest.approx(expected, rel=1e-12)
+    assert grid(STAGE.three, 6).shape == (3, 36)
+
+
+@pytest.mark.usefixtures("coarse")
+def test_the_tables_tell_what_is_proved_and_where_rank_is_lost() -> None:
+    found = tables(page_accuracy.accuracy(STAGE))
+    worst = {row[0]: row[2:] for row in found["Largest deviations that were found, and bounds that are proved"].rows}
+    assert worst["third sensor added"][:3] == ("5.28", "5.308", "198")
+    for name, proved in worst.items():
+        if name != "two sensors":
+            assert all(float(a) <= float(b) for a, b in zip(proved[:3], proved[3:], strict=True))
+    assert found["Where two sensors lose rank"].rows[0][:2] == (5.0, 40)
+
+
+def test_the_law_of_decay_is_within_the_intervals() -> None:
+    rates = tables(page_field.fit(STAGE))["Rates of decay with intervals of 95 %"]
+    w = 2 * np.pi / STAGE.pitch
+    for row, n in zip(rates.rows, (1, 5, 1), strict=True):
+        assert row[4] == pytest.approx(n * w) and row[5] == "yes"
+        assert isinstance(row[2], float) and isinstance(row[3], float) and row[2] < n * w < row[3]
+
+
+def test_three_sensors_are_told_to_lose_rank_in_six_degrees_of_freedom(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(page_six, "POINTS", 8)
+    section = page_six.section(STAGE)
+    found = tables(section)
+    assert all(
+        row[3] == "on lines" for row in found["Determinants over the pitch of three sensors, over their mean size"].rows
+    )
+    of = page_six.placed(STAGE, 4)
+    expected = 1e6 * six_maps.conditions(of, 8).worst[0]
+    shown = tables(section.sections[0])["Largest standard deviations over the pitch under conditions"].rows[0]
+    assert shown[1:7] == pytest.approx(tuple(expected))
+
+
+def test_the_basin_is_whole_where_the_yaw_is_known_and_has_holes_where_it_is_not(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(page_convergence, "SIDE", 9)
+    known, free = (page_convergence.basin(STAGE.pair, yaw_known) for yaw_known in (True, False))
+    middle = slice(2, 7)  # a quarter pitch to either side
+    assert known[middle, middle].min() == 1 and known[0].max() < 1
+    assert free[4, 4] == 1 and free[middle, middle].mean() < 0.8 and (free <= known + 1e-9).mean() > 0.9

@@ -1,0 +1,192 @@
+"""Verification passes the sound estimator and tells every planted defect: in the reference, the Block and the C."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cache, partial
+from typing import Any
+
+import numpy as np
+import pytest
+
+from designs.hall_position import estimator, random_steps, reference_guard, shipped, verification
+from designs.hall_position.random_steps import Subject
+from designs.hall_position.verification import Compared, Steps, Witnesses
+from synth.block import Block
+from synth.check import Check
+from synth.emit import write
+from synth.execute import host
+from synth.synthesise import safety
+from synth.verify import agree
+from synth.verify.agree import Stepped
+
+SIZES = {"motions": 4000, "random": 2000, "edge": 1000}
+PAIR = shipped.NAME
+
+
+@cache
+def subject() -> Subject:
+    return random_steps.subject(PAIR)
+
+
+@cache
+def sound() -> Witnesses:
+    return verification.witnesses(subject())
+
+
+@cache
+def drawn(kind: str) -> Steps:
+    of = subject()
+    if kind == "motions":
+        inputs = random_steps.measured(of, shipped.TIME.period_s, SIZES[kind])
+        return verification.severe(of, kind, *verification.along(of, sound().c64, inputs))
+    draw = {"random": random_steps.in_operation, "edge": random_steps.at_the_edges}[kind]
+    return verification.severe(of, kind, *draw(of, SIZES[kind]))
+
+
+def failed(found: Compared | Sequence[Check]) -> list[str]:
+    checks = found[1] if isinstance(found, tuple) else found
+    return [c.name for c in checks if not c.passed]
+
+
+def told(witness: agree.Witness, kind: str = "random", name: str = "casadi") -> list[str]:
+    given = drawn(kind)
+    c64 = sound().of["c64"](given.states, given.inputs)
+    return failed(verification.exact(subject(), given, (name, witness(given.states, given.inputs)), c64))
+
+
+def off_by(block: Block, factor: float) -> Block:
+    first = block.constants[0]
+    return replace(block, constants=(replace(first, value=factor * first.value), *block.constants[1:]))
+
+
+def test_the_sound_estimator_passes() -> None:
+    of = subject()
+    parts = list(verification.compared(of, sound(), SIZES, lambda _: None))
+    checks = [c for _, some in parts for c in some]
+    assert [c.name for c in checks if not c.passed] == []
+    pairs = {(a.what, a.first, a.second) for found, _ in parts for a in found}
+    kinds = [f"{PAIR}, {kind} steps" for kind in SIZES]
+    assert pairs == {(k, n, "c64") for k in kinds for n in verification.OTHERS} | {(kinds[0], "c64", "c32")}
+    counted = [c for c in checks if "magnified over" in c.name]
+    assert len(counted) == 3 and all(" of " in c.about for c in counted)
+
+
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [
+        *((kind, name) for kind in SIZES for name in ("beta", "damping")),
+        *(("random", name) for name in ("reach", "follow", "settled", "leaning", "surprise", "residual")),
+    ],
+)
+def test_a_wrong_number_in_the_reference_is_told(kind: str, name: str) -> None:
+    factor = 2.0 if name == "residual" else 1.05
+    other = replace(subject().of, **{name: factor * getattr(subject().of, name)})
+    assert told(agree.reference(partial(reference_guard.step, other)), kind, "reference")
+
+
+@pytest.mark.parametrize("name", ["BAD_SAMPLES", "SPAN"])
+def test_a_wrong_guard_in_the_reference_is_told(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reference_guard, name, 4)
+    found = told(agree.reference(partial(reference_guard.step, subject().of)), "edge", "reference")
+    assert found
+
+
+@pytest.mark.parametrize("made", [agree.casadi, agree.casadi_own_c])
+def test_a_wrong_constant_in_casadis_step_is_told(made: Callable[[Block], agree.Witness]) -> None:
+    assert told(made(off_by(subject().block, 1 + 1e-9))) and not told(made(subject().block))
+
+
+def test_a_missing_fault_is_told() -> None:
+    deaf = agree.casadi(replace(subject().block, faults=()))
+    assert all("fault words" in name for name in told(deaf)) and told(deaf)
+
+
+def test_an_error_where_errors_are_magnified_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of these alone: what is asked of the others would not see it."""
+    given, witness = drawn("random"), sound().of["reference"]
+    monkeypatch.setattr(verification, "SEVERE", 100.0)
+    above = given.severity > verification.SEVERE
+    assert 0 < np.mean(above) < 0.5
+
+    def spoilt(states: Any, inputs: Any) -> Stepped:
+        found = witness(states, inputs)
+        return replace(found, outputs={**found.outputs, "X": found.outputs["X"] + np.where(above, 1e-8, 0.0)})
+
+    (name,) = told(spoilt)
+    assert "where magnified" in name and not told(witness)
+    assert not verification.shared(given).passed  # too many are compared so
+    one = replace(given, severity=np.ones(len(above)))
+    assert verification.shared(one).found == 0
+
+
+def test_no_number_is_told() -> None:
+    witness = sound().of["reference"]
+
+    def spoilt(states: Any, inputs: Any) -> Stepped:
+        found = witness(states, inputs)
+        yaw = found.outputs["yaw"].copy()
+        yaw[np.argmax(drawn("random").severity)] = np.nan
+        return replace(found, outputs={**found.outputs, "yaw": yaw})
+
+    assert told(spoilt)
+
+
+@cache
+def wrong_in_single() -> Witnesses:
+    block = off_by(subject().block, 1.001)
+    made = write.emit(block, np.float32, shipped.SAFETY, error=estimator.SURROGATE_ERROR[np.float32])
+    return replace(sound(), c32=host.load(made.files, made.manifest))
+
+
+def test_single_precision_that_is_wrong_is_told() -> None:
+    of, given = subject(), drawn("motions")
+    assert failed(verification.in_single(of, sound(), given)) == []
+    names = failed(verification.in_single(of, wrong_in_single(), given))
+    assert any(name.endswith("where converged") for name in names)
+
+
+def test_decisions_of_single_precision_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    other = replace(sound(), c64=verification.compiled(replace(subject().block, faults=()), np.float64))
+    names = failed(verification.in_single(subject(), other, drawn("motions")))
+    assert any("decisions otherwise" in name for name in names)
+
+
+def test_own_ways_that_part_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    of = subject()
+    inputs = random_steps.measured(of, shipped.TIME.period_s, SIZES["motions"])
+    names = failed(verification.own_ways(of, wrong_in_single(), inputs))
+    assert any("c32" in name for name in names) and not any("reference" in name for name in names)
+    other = replace(of, of=replace(of.of, deviation=1.5 * of.of.deviation, beta=1.0001 * of.of.beta))
+    assert any("reference" in name for name in failed(verification.own_ways(other, sound(), inputs)))
+
+
+def test_motions_cross_pitches_turn_around_and_latch() -> None:
+    of, n = subject(), random_steps.LENGTH
+    inputs = random_steps.measured(of, shipped.TIME.period_s, SIZES["motions"])
+    bodies = SIZES["motions"] // n
+    assert inputs["V_ax"].shape == (n, bodies)
+    found = verification.positions(sound().c64, inputs)
+    valid = found["valid"] > 0
+    known = np.where(valid, found["X"], -np.inf).max(axis=0) - np.where(valid, found["X"], np.inf).min(axis=0)
+    assert known.max() > 2 * of.array.pitch and np.mean(valid) > 0.2
+    given = drawn("motions")
+    yaw = np.unwrap(given.states["estimator_yaw"].reshape(n, bodies), axis=0)
+    assert np.ptp(yaw[:, 1]) > 2 * np.pi
+    words = sound().of["c64"](given.states, given.inputs).faults.reshape(n, bodies)
+    latched = words >> safety.LATCH_BIT > 0
+    assert latched[-1].tolist() == [k % random_steps.BAD_COLUMNS == 0 for k in range(bodies)]
+    assert not latched[:305].any() and set(np.unique(words & 15)) == {0, 2, 4, 8}
+    assert all(np.mean(drawn(kind).severity > verification.SEVERE) < 0.01 for kind in SIZES)
+
+
+def test_evidence_is_of_both_estimators(monkeypatch: pytest.MonkeyPatch) -> None:
+    heard: list[str] = []
+    check = Check("magnified", 0.0, 1.0, "1")
+    monkeypatch.setattr(verification, "witnesses", lambda of: of.name)
+    monkeypatch.setattr(
+        verification, "compared", lambda of, by, sizes, say: [((), [replace(check, name=f"{by} {sizes}")])]
+    )
+    for whole, sizes in ((True, verification.WHOLE), (False, verification.QUICK)):
+        found = verification.verify(heard.append, whole)
+        assert found.design == PAIR and [c.name for c in found.checks] == [f"{name} {sizes}" for name in shipped.PLACES]
+    assert verification.WHOLE["motions"] == 100_000 and len(heard) == 4
