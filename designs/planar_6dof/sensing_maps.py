@@ -5,8 +5,8 @@ in y, with the filters that predict or with the sample before as the prediction.
 to the residuals is far inside their bounds. A failure is noticed in the sample in which the fault word names suspects.
 
 On a grid of 24 by 24 places a voltage that drops to zero is noticed, but for V_bx and V_cy: not at 33 % of them, where
-x or y is wrong by up to 4.2 mm, since s = A S with c = 0 is nearly what a place near by has. The grid has no place where
-a voltage is zero anyhow. What sticks while the platen moves along its own axis is noticed within 13.2 mm. Until then
+x or y is wrong by up to 4.2 mm, since s = A S with c = 0 is nearly what a place near by has. No place of the grid has a
+voltage that is zero anyhow. What sticks while the platen moves along its own axis is noticed within 13.2 mm. Until then
 the yaw is wrong by up to 35 mrad with filters and by 25 mrad without, which is where the range of the raw yaw ends, and
 x or y by 2.2 mm, but by 12.8 mm, a quarter of a pitch, where V_bx or V_cy sticks.
 """
