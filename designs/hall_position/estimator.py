@@ -153,11 +153,15 @@ def _freedom(array: Array, left_out: Sequence[ca.SX] | None) -> ca.SX:
 def _telling(
     array: Array, left_out: Sequence[ca.SX] | None, near: ca.SX, leaning: ca.SX, x: Exprs, tuning: Tuning
 ) -> ca.SX:
-    """Return whether a place at a yaw `near` the last one is told apart from all others."""
+    """Return whether a place is told apart from all others, from the sample on after that which ended the search.
+
+    With two sensors it takes a yaw `near` the last one. A body that moves is then sudden until its motion is known.
+    """
+    found = ca.logic_not(x["searching"])
     if left_out is None:
-        return ca.logic_and(near, leaning <= tuning.certain)
+        return ca.logic_and(ca.logic_and(near, found), leaning <= tuning.certain)
     enough = ca.logic_and(reduce(add, left_out) < len(array.positions) - 2, leaning <= MORE * tuning.certain)
-    return ca.logic_and(enough, ca.logic_or(near, ca.logic_not(x["searching"])))
+    return ca.logic_and(enough, found)
 
 
 def _levers(heading: Wave, yaw: ca.SX, array: Array, named: Named) -> dict[str, ca.SX]:

@@ -134,9 +134,9 @@ def step(setup: Setup, state: Columns, volts: Array, refused: Array) -> tuple[di
     good = converged & ~damped & ~astray & ~sudden
     two = (weights > 0).sum(axis=1) <= 2
     if spare:
-        telling = good & (near | ~searching) & ~two & (leaning <= MORE * setup.certain)
+        telling = good & ~searching & ~two & (leaning <= MORE * setup.certain)
     else:
-        telling = good & near & (leaning <= setup.certain)
+        telling = good & near & ~searching & (leaning <= setup.certain)
     certain = telling | (certain & ~damped)
     end = np.where((astray & (state["searching"] == 0))[:, None], 0.0, end)
     found, next, counted = advance(setup, state, start + end, astray, certain, fits[0].each)

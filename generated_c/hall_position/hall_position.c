@@ -599,74 +599,75 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t350 = fabsf(t1 + t345 - estimator_yaw_known);
     const bool t351 = (t350 <= 0.08726646f) || (fabsf(t350 - 6.2831855f) <= 0.08726646f);
     const bool t352 = (0.01f < t320) || ((estimator_certain != 0u) ? t322 : ((estimator_searching != 0u) && !t351));
-    float t353 = 0.0f;
+    const bool t353 = !(estimator_searching != 0u);
     float t354 = 0.0f;
     float t355 = 0.0f;
     float t356 = 0.0f;
     float t357 = 0.0f;
     float t358 = 0.0f;
-    if (!(t352 && !(estimator_searching != 0u))) {
-        t353 = t346;
-        t354 = t347;
-        t355 = t345;
-        t356 = 0.5f * t346;
-        t357 = 0.5f * t347;
-        t358 = 0.5f * t345;
+    float t359 = 0.0f;
+    if (!(t352 && t353)) {
+        t354 = t346;
+        t355 = t347;
+        t356 = t345;
+        t357 = 0.5f * t346;
+        t358 = 0.5f * t347;
+        t359 = 0.5f * t345;
     }
-    const float t359 = t4 + t353;
-    float t360 = t359;
-    bool t361 = true;
-    if (3.1415927f < t359) {
-        t360 = t359 - 6.2831855f;
+    const float t360 = t4 + t354;
+    float t361 = t360;
+    bool t362 = true;
+    if (3.1415927f < t360) {
+        t361 = t360 - 6.2831855f;
     } else {
-        t361 = false;
+        t362 = false;
     }
-    float t362 = t360;
-    float t363 = -1.0f;
-    if (t360 < -3.1415927f) {
-        t362 = t360 + 6.2831855f;
+    float t363 = t361;
+    float t364 = -1.0f;
+    if (t361 < -3.1415927f) {
+        t363 = t361 + 6.2831855f;
     } else {
-        t363 = t361 ? 1.0f : 0.0f;
+        t364 = t362 ? 1.0f : 0.0f;
     }
     const float estimator_pitch_x = state->estimator_pitch_x;
-    const bool t364 = fabsf(estimator_pitch_x) < 8.0f;
-    const float t365 = estimator_pitch_x + ((t364) ? t363 : 0.0f);
-    const float X = (0.008085071f * t362) + (0.0508f * t365);
-    const float t366 = t14 + t354;
-    float t367 = t366;
-    bool t368 = true;
-    if (3.1415927f < t366) {
-        t367 = t366 - 6.2831855f;
+    const bool t365 = fabsf(estimator_pitch_x) < 8.0f;
+    const float t366 = estimator_pitch_x + ((t365) ? t364 : 0.0f);
+    const float X = (0.008085071f * t363) + (0.0508f * t366);
+    const float t367 = t14 + t355;
+    float t368 = t367;
+    bool t369 = true;
+    if (3.1415927f < t367) {
+        t368 = t367 - 6.2831855f;
     } else {
-        t368 = false;
+        t369 = false;
     }
-    float t369 = t367;
-    float t370 = -1.0f;
-    if (t367 < -3.1415927f) {
-        t369 = t367 + 6.2831855f;
+    float t370 = t368;
+    float t371 = -1.0f;
+    if (t368 < -3.1415927f) {
+        t370 = t368 + 6.2831855f;
     } else {
-        t370 = t368 ? 1.0f : 0.0f;
+        t371 = t369 ? 1.0f : 0.0f;
     }
     const float estimator_pitch_y = state->estimator_pitch_y;
-    const bool t371 = fabsf(estimator_pitch_y) < 8.0f;
-    const float t372 = estimator_pitch_y + ((t371) ? t370 : 0.0f);
-    const float Y = (0.008085071f * t369) + (0.0508f * t372);
-    const float t373 = t1 + t355;
-    float t374 = t373;
-    if (3.1415927f < t373) {
-        t374 = t373 - 6.2831855f;
+    const bool t372 = fabsf(estimator_pitch_y) < 8.0f;
+    const float t373 = estimator_pitch_y + ((t372) ? t371 : 0.0f);
+    const float Y = (0.008085071f * t370) + (0.0508f * t373);
+    const float t374 = t1 + t356;
+    float t375 = t374;
+    if (3.1415927f < t374) {
+        t375 = t374 - 6.2831855f;
     }
-    float yaw = t374;
-    if (t374 < -3.1415927f) {
-        yaw = t374 + 6.2831855f;
+    float yaw = t375;
+    if (t375 < -3.1415927f) {
+        yaw = t375 + 6.2831855f;
     }
-    const float t375 = t328 * t330;
-    const float t376 = 0.008085071f * t375;
-    const float deviation_X = 0.001f * sqrtf((6.5368375e-05f * t330) + (t376 * t376 * t342));
+    const float t376 = t328 * t330;
+    const float t377 = 0.008085071f * t376;
+    const float deviation_X = 0.001f * sqrtf((6.5368375e-05f * t330) + (t377 * t377 * t342));
     out->deviation_X = deviation_X;
-    const float t377 = t336 * t338;
-    const float t378 = 0.008085071f * t377;
-    const float deviation_Y = 0.001f * sqrtf((6.5368375e-05f * t338) + (t378 * t378 * t342));
+    const float t378 = t336 * t338;
+    const float t379 = 0.008085071f * t378;
+    const float deviation_Y = 0.001f * sqrtf((6.5368375e-05f * t338) + (t379 * t379 * t342));
     out->deviation_Y = deviation_Y;
     const float deviation_yaw = 0.001f * sqrtf(t342);
     out->deviation_yaw = deviation_yaw;
@@ -676,36 +677,36 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     out->Y = Y;
     out->yaw = yaw;
     out->converged = converged ? 1.0f : 0.0f;
-    const float t379 = 0.00992376f * (((11.103305f + (t375 * t375) + (t377 * t377)) * t342) + (t330 + t338));
-    const bool damped = 0.15f < t379;
+    const float t380 = 0.00992376f * (((11.103305f + (t376 * t376) + (t378 * t378)) * t342) + (t330 + t338));
+    const bool damped = 0.15f < t380;
     out->damped = damped ? 1.0f : 0.0f;
-    const bool t380 = converged && !(damped || t352 || t322);
-    const bool t381 = (t380 && t351 && (t379 <= 0.004f)) || ((estimator_certain != 0u) && !damped);
+    const bool t381 = converged && !(damped || t352 || t322);
+    const bool t382 = (t381 && t351 && t353 && (t380 <= 0.004f)) || ((estimator_certain != 0u) && !damped);
     const uint32_t estimator_restarted = state->estimator_restarted;
-    const bool valid = t380 && t381 && !(estimator_restarted != 0u) && t364 && t371 && complete;
+    const bool valid = t381 && t382 && !(estimator_restarted != 0u) && t365 && t372 && complete;
     const uint32_t estimator_astray = state->estimator_astray;
-    const bool t382 = 4u <= estimator_astray;
+    const bool t383 = 4u <= estimator_astray;
     const uint32_t estimator_placed = state->estimator_placed;
-    if (t352 && t382) {
+    if (t352 && t383) {
         const float estimator_start_x = state->estimator_start_x;
-        const float t383 = estimator_start_x + -1.5401491f;
-        if (t383 < -3.1415927f) {
-            const float t384 = t383 + 6.2831855f;
+        const float t384 = estimator_start_x + -1.5401491f;
+        if (t384 < -3.1415927f) {
+            const float t385 = t384 + 6.2831855f;
+            state->estimator_phase_x = t385;
+            state->estimator_start_x = t385;
+        } else {
             state->estimator_phase_x = t384;
             state->estimator_start_x = t384;
-        } else {
-            state->estimator_phase_x = t383;
-            state->estimator_start_x = t383;
         }
         const float estimator_start_y = state->estimator_start_y;
-        const float t385 = estimator_start_y + -2.702773f;
-        if (t385 < -3.1415927f) {
-            const float t386 = t385 + 6.2831855f;
+        const float t386 = estimator_start_y + -2.702773f;
+        if (t386 < -3.1415927f) {
+            const float t387 = t386 + 6.2831855f;
+            state->estimator_phase_y = t387;
+            state->estimator_start_y = t387;
+        } else {
             state->estimator_phase_y = t386;
             state->estimator_start_y = t386;
-        } else {
-            state->estimator_phase_y = t385;
-            state->estimator_start_y = t385;
         }
         state->estimator_yaw = estimator_yaw_known;
         state->estimator_searching = 1u;
@@ -713,36 +714,36 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         const bool estimator_restarted_next = (estimator_placed != 0u) || (estimator_restarted != 0u);
         state->estimator_restarted = flag(estimator_restarted_next);
     } else {
-        state->estimator_phase_x = t362;
-        state->estimator_phase_y = t369;
+        state->estimator_phase_x = t363;
+        state->estimator_phase_y = t370;
         state->estimator_yaw = yaw;
         state->estimator_searching = (t352) ? estimator_searching : 0u;
-        state->estimator_certain = flag(t381);
+        state->estimator_certain = flag(t382);
     }
-    if (t381 && !t352) {
+    if (t382 && !t352) {
         state->estimator_yaw_known = yaw;
     }
-    const float estimator_pitch_x_next = limit(t365, 8.0f);
+    const float estimator_pitch_x_next = limit(t366, 8.0f);
     state->estimator_pitch_x = estimator_pitch_x_next;
-    const float estimator_pitch_y_next = limit(t372, 8.0f);
+    const float estimator_pitch_y_next = limit(t373, 8.0f);
     state->estimator_pitch_y = estimator_pitch_y_next;
-    float t387 = 0.0f;
     float t388 = 0.0f;
     float t389 = 0.0f;
+    float t390 = 0.0f;
     if (!(estimator_searching != 0u)) {
-        t387 = estimator_motion_x + t356;
-        t388 = estimator_motion_y + t357;
-        t389 = estimator_motion_yaw + t358;
+        t388 = estimator_motion_x + t357;
+        t389 = estimator_motion_y + t358;
+        t390 = estimator_motion_yaw + t359;
     }
-    const float estimator_motion_x_next = limit(t387, 0.5f);
+    const float estimator_motion_x_next = limit(t388, 0.5f);
     state->estimator_motion_x = estimator_motion_x_next;
-    const float estimator_motion_y_next = limit(t388, 0.5f);
+    const float estimator_motion_y_next = limit(t389, 0.5f);
     state->estimator_motion_y = estimator_motion_y_next;
-    const float estimator_motion_yaw_next = limit(t389, 0.10100254f);
+    const float estimator_motion_yaw_next = limit(t390, 0.10100254f);
     state->estimator_motion_yaw = estimator_motion_yaw_next;
-    const uint32_t estimator_astray_next = (t352) ? ((t382) ? 0u : (estimator_astray + 1u)) : 0u;
+    const uint32_t estimator_astray_next = (t352) ? ((t383) ? 0u : (estimator_astray + 1u)) : 0u;
     state->estimator_astray = estimator_astray_next;
-    const bool estimator_placed_next = t381 || (estimator_placed != 0u);
+    const bool estimator_placed_next = t382 || (estimator_placed != 0u);
     state->estimator_placed = flag(estimator_placed_next);
     out->valid = valid ? 1.0f : 0.0f;
     out->restarted = (float)estimator_restarted;

@@ -850,7 +850,6 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const uint32_t estimator_astray = state->estimator_astray;
     const float t507 = 0.003f + (0.003f * (float)estimator_astray);
     const bool t508 = (t507 * t507) < t505;
-    const uint32_t estimator_searching = state->estimator_searching;
     const bool t509 = cost_4 <= (t439 + 1e-08f);
     const float t510 = ((t114 * t451) - (t47 * t452)) * (t115 + (t454 * (t116 + (t454 * t117))));
     const float t511 = t484 - (t510 * (t19 + t477));
@@ -905,9 +904,13 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         }
     }
     const float estimator_yaw_known = state->estimator_yaw_known;
-    const float t546 = fabsf(t7 + t541 - estimator_yaw_known);
-    const bool t547 = (t546 <= 0.08726646f) || (fabsf(t546 - 6.2831855f) <= 0.08726646f);
-    const bool t548 = ((0.01f * t506) < t504) || ((estimator_certain != 0u) ? t508 : ((estimator_searching != 0u) && !t547));
+    const uint32_t estimator_searching = state->estimator_searching;
+    bool t546 = t508;
+    if (!(estimator_certain != 0u)) {
+        const float t547 = fabsf(t7 + t541 - estimator_yaw_known);
+        t546 = (estimator_searching != 0u) && !((t547 <= 0.08726646f) || (fabsf(t547 - 6.2831855f) <= 0.08726646f));
+    }
+    const bool t548 = ((0.01f * t506) < t504) || t546;
     const bool t549 = !(estimator_searching != 0u);
     float t550 = 0.0f;
     float t551 = 0.0f;
@@ -989,8 +992,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float t582 = 0.00992376f * (((3.524405f + (t578 * t578) + (t580 * t580)) * t538) + (t521 + t533));
     const bool damped = 0.15f < t582;
     const bool t583 = converged && !(damped || t548 || t508);
-    const bool t584 = (((t39 ? 1.0f : 0.0f) + (t55 ? 1.0f : 0.0f) + (t71 ? 1.0f : 0.0f)) < 1.0f) && (t582 <= 0.016f) && (t547 || t549);
-    const bool t585 = (t583 && t584) || ((estimator_certain != 0u) && !damped);
+    const bool t584 = t583 && (((t39 ? 1.0f : 0.0f) + (t55 ? 1.0f : 0.0f) + (t71 ? 1.0f : 0.0f)) < 1.0f) && (t582 <= 0.016f) && t549;
+    const bool t585 = t584 || ((estimator_certain != 0u) && !damped);
     const uint32_t estimator_restarted = state->estimator_restarted;
     const bool valid = t583 && t585 && !(estimator_restarted != 0u) && t562 && t573;
     out->restarted = (float)estimator_restarted;

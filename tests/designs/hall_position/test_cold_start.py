@@ -26,6 +26,13 @@ def test_two_sensors_are_certain_at_rest_in_a_part_of_the_pitch_and_on_the_way_n
 
 
 @pytest.mark.parametrize("kind", [TWO, THREE], ids=["two", "three"])
+def test_a_body_that_moves_is_found(kind: Kind) -> None:
+    """Its place is not certain before its motion is known: at 0.3 m/s it would be lost in the sample after."""
+    found = cold_start.run(kind, cold_start.grid(kind, 12, YAWS), 400, speed=0.3)
+    assert found.valid == 1.0 and found.wrong == 0
+
+
+@pytest.mark.parametrize("kind", [TWO, THREE], ids=["two", "three"])
 def test_a_search_that_ends_wherever_it_converges_is_seen(kind: Kind, monkeypatch: pytest.MonkeyPatch) -> None:
     stepped = fleet.stepped
 

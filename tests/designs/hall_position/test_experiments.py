@@ -27,7 +27,7 @@ def loops() -> dict[str, Loop]:
 def planted(old: str, new: str) -> Loop:
     """Return the calibrated loop with `old` in its C being `new`."""
     loop = loops()["calibrated"]
-    name = f"{stage_loop.NAME}.c"
+    name = f"{loop.block.name}.c"
     text = loop.emitted.files[name]
     assert text.count(old) == 1
     wrong = host.load({**loop.emitted.files, name: text.replace(old, new)}, loop.emitted.manifest)
