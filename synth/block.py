@@ -69,7 +69,7 @@ class Constant:
 class Named:
     """An intermediate signal of a composition: what it is called, which Block computes it, and the equation's tag.
 
-    `certificate`, of an output that is limited to +-h, says how large it is before the limit; see `Step`.
+    `certificate`, of a signal that is limited to +-h, says how large it is before the limit; see `Step`.
     """
 
     signal: Signal
@@ -139,9 +139,10 @@ class Block:
 class Step:
     """What a law computes: outputs, the states' next values, and further signals worth a name.
 
-    `certified` gives for outputs that are limited to +-h a function (u, e) to how large they are before the limit, as
-    computed with an error of u relative to the result of each operation and of e relative to that of each sine and
-    cosine. Where that is h or less, emission leaves the limit out.
+    `certified` gives for outputs and named signals that are limited to +-h a function (u, e) to how large they are
+    before the limit while all inputs are in range, as computed with an error of u relative to the result of each
+    operation and of e relative to that of each sine and cosine, infinite where libm computes these. Where that is h or
+    less, emission leaves the limit out.
     """
 
     output: Exprs
@@ -181,7 +182,7 @@ def build(
     advanced = {s.name: ca.SX(step.next[s.name]) for s in states}
     next = {s.name: advanced[s.name] if s.integer else clip(advanced[s.name], s.signal) for s in states}
     output = {s.name: ca.SX(step.output[s.name]) for s in outputs}
-    inside = [(Named(signal, name, tag), ca.SX(expr)) for signal, expr in step.named]
+    inside = [(Named(s, name, tag, step.certified.get(s.name)), ca.SX(expr)) for s, expr in step.named]
     inside += [(Named(s, name, tag, step.certified.get(s.name)), output[s.name]) for s in outputs]
     _closed(name, [*next.values(), *(e for _, e in inside)], symbol)
     return Block(

@@ -24,6 +24,7 @@ Columns = Mapping[str, Array]
 SLACK = 0.01  # of deviation^2
 PATIENCE, SUSPECT = 5, 2  # samples
 CONTRAST = 25  # of squared residuals
+APART = 10.0  # deviations, rms
 MORE = 4  # times setup.certain, of more than two sensors
 DIRECTIONS, CHANGE = 3, 1e-9  # of voltages, of alpha, in which a step is tried
 POSE, MOTION = ("phase_x", "phase_y", "yaw"), ("motion_x", "motion_y", "motion_yaw")
@@ -136,10 +137,12 @@ def step(setup: Setup, state: Columns, volts: Array, refused: Array) -> tuple[di
     if spare:
         telling = good & ~searching & ~two & (leaning <= MORE * setup.certain)
     else:
-        telling = good & near & ~searching & (leaning <= setup.certain)
+        telling = good & near & ~searching & (leaning <= setup.certain) & ~np.any(refused, axis=(1, 2))
     certain = telling | (certain & ~damped)
     end = np.where((astray & (state["searching"] == 0))[:, None], 0.0, end)
-    found, next, counted = advance(setup, state, start + end, astray, certain, fits[0].each)
+    apart = last.squares > freedom * min(setup.residual, APART * setup.deviation) ** 2
+    seen = (astray, apart, converged)
+    found, next, counted = advance(setup, state, start + end, seen, certain, fits[0].each)
     if setup.follow:
         moved = [
             state[name] + setup.follow * f * end[:, i]
@@ -205,9 +208,13 @@ def corrected(setup: Setup, fit: Fit) -> Array:
 
 
 def advance(
-    setup: Setup, state: Columns, pose: Array, astray: Array, certain: Array, each: Array
+    setup: Setup, state: Columns, pose: Array, seen: tuple[Array, Array, Array], certain: Array, each: Array
 ) -> tuple[dict[str, Array], dict[str, Array], Array]:
-    """Return where the bodies are, the next states, and whether their pitches are counted."""
+    """Return where the bodies are, the next states, and whether their pitches are counted.
+
+    `seen`: whether a body is astray, its voltages do not fit each other, and the estimate has converged.
+    """
+    astray, apart, converged = seen
     w, found, counted = 2 * pi / setup.pitch, {"yaw": wrapped(pose[:, 2])[0]}, np.ones(len(pose), bool)
     for i, axis in enumerate("xy"):
         phase, turns = wrapped(w * pose[:, i])
@@ -220,10 +227,10 @@ def advance(
         others, sensors = np.sort(each, axis=1)[:, :-1].sum(axis=1), each.shape[1] - 1
         expected = setup.residual**2 + (setup.surprise * setup.deviation) ** 2 / setup.damping
         suspected = (others <= 2 * sensors * expected) & (CONTRAST * others <= each.max(axis=1))
-        suspected &= astray & (state["certain"] > 0) & (state["astray"] >= SUSPECT - 1)
+        suspected &= astray & apart & (state["certain"] > 0) & (state["astray"] >= SUSPECT - 1)
         without = np.where(suspected, 1 + np.argmax(each, axis=1), state["without"])
         next["without"] = np.where(again, 0, without)
-    next["searching"] = np.where(again, 1, np.where(astray, state["searching"], 0))
+    next["searching"] = np.where(again, 1, np.where(converged & ~astray, 0, state["searching"]))
     next |= {"restarted": np.maximum(state["restarted"], again & (state["placed"] > 0))}
     next |= {"placed": np.maximum(certain, state["placed"])}
     next |= {"certain": certain & ~again, "yaw_known": np.where(certain & ~astray, found["yaw"], state["yaw_known"])}

@@ -6,11 +6,12 @@ the voltages do not tell: two sensors that pass a place where they lose rank see
 A sample is astray whose residuals are larger than those of the field's model, or that is a motion which no body makes
 from a certain place. A body whose place was known goes on then as it did before. At the SUSPECT-th of them in a row,
 unless there are only two sensors, the one that differs most from what this leads to expect is left out from then on, if
-the others differ by no more than the field's model and motions lead to expect, and by CONTRAST times less than it. If
-PATIENCE samples do not end it, the place is not known any more. As after `init`, it is searched: corrections are
-followed wherever they lead, and every PATIENCE samples begin elsewhere in the pitch, at points that fill it evenly
-however many they are (Roberts' sequence), with the last yaw that was certain. An estimate that has `restarted`, as its
-place was certain and got lost, counts its pitches from anywhere, and may do so on a sensor that fails.
+the others differ by no more than the field's model and motions lead to expect, and by CONTRAST times less than it, and
+if all of them do not fit some other place. If PATIENCE samples do not end it, the place is not known any more. As after
+`init`, it is searched until a sample converges: corrections are followed wherever they lead, and every PATIENCE samples
+begin elsewhere in the pitch, at points that fill it evenly however many they are (Roberts' sequence), with the last yaw
+that was certain. An estimate that has `restarted`, as its place was certain and got lost, counts its pitches from
+anywhere, and may do so on a sensor that fails.
 
 Where two sensors lose rank, ways of like voltages cross, and a body that passes there may be followed on the wrong one
 for as long as the residuals do not tell. So a place is certain only when no other within a range of yaws has the same
@@ -55,9 +56,13 @@ class Ahead:
 
 @dataclass(frozen=True, eq=False)
 class Verdict:
-    """Whether what is found is `astray`, or `damped`, or so good that its place is the only one: `telling`."""
+    """Whether what is found is `astray`, or `damped`, or so good that its place is the only one: `telling`.
+
+    `apart`: the voltages do not fit each other, as far as their noise or the field's model tells.
+    """
 
     astray: ca.SX
+    apart: ca.SX
     damped: ca.SX
     telling: ca.SX
 
@@ -119,7 +124,7 @@ def ahead(found: Found, verdict: Verdict, begun: Exprs, x: Exprs, of: Problem) -
         phase, turns = _wrapped(begun[f"phase_{a}"] + by[f"phase_{a}"])
         inside.append(ca.fabs(x[f"pitch_{a}"]) < of.tuning.pitches)
         pose |= {f"phase_{a}": phase, f"pitch_{a}": x[f"pitch_{a}"] + ca.if_else(inside[-1], turns, 0)}
-    next, again = _searched(verdict, found.first.by_sensor, x, of)
+    next, again = _searched(verdict, found, x, of)
     certain = ca.logic_or(verdict.telling, ca.logic_and(x["certain"], ca.logic_not(verdict.damped)))
     known = ca.logic_and(certain, ca.logic_not(astray))
     next |= {"placed": ca.logic_or(certain, x["placed"])}
@@ -137,17 +142,18 @@ def ahead(found: Found, verdict: Verdict, begun: Exprs, x: Exprs, of: Problem) -
     return Ahead(pose, by["yaw"], next, ca.logic_and(*inside), certain)
 
 
-def _searched(verdict: Verdict, by_sensor: Sequence[ca.SX], x: Exprs, of: Problem) -> tuple[dict[str, ca.SX], ca.SX]:
+def _searched(verdict: Verdict, found: Found, x: Exprs, of: Problem) -> tuple[dict[str, ca.SX], ca.SX]:
     """Return the next counts and flags, and whether the next sample begins elsewhere."""
     astray, impatient = verdict.astray, x["astray"] >= PATIENCE - 1
     next = {"astray": ca.if_else(astray, ca.if_else(impatient, 0, x["astray"] + 1), 0)}
     again = ca.logic_and(astray, impatient)
     if spare(of.array):
-        worst, alone = _worst(by_sensor, of)
+        worst, alone = _worst(found.first.by_sensor, of)
         known = ca.logic_and(x["certain"], x["astray"] >= SUSPECT - 1)
-        suspected = ca.logic_and(ca.logic_and(verdict.astray, known), alone)
+        suspected = ca.logic_and(ca.logic_and(astray, verdict.apart), ca.logic_and(known, alone))
         next["without"] = ca.if_else(again, 0, ca.if_else(suspected, worst, x["without"]))
-    next["searching"] = ca.if_else(again, 1, ca.if_else(astray, x["searching"], 0))
+    ended = ca.logic_and(found.converged, ca.logic_not(astray))
+    next["searching"] = ca.if_else(again, 1, ca.if_else(ended, 0, x["searching"]))
     return next | {"restarted": ca.if_else(again, ca.logic_or(x["placed"], x["restarted"]), x["restarted"])}, again
 
 

@@ -24,10 +24,11 @@ The laws demand currents d = w / scale, so that what is left of T and K is ratio
 d_x, d_y come in the matrix' frame and are turned by phi into d_x', d_y'.
 
 Limits. Each motor keeps |i_Q| <= QUADRATURE and |i_D| <= DIRECT, so that hypot(i_Q, i_D) <= 1.26 A and no phase exceeds
-it. DIRECT holds theta and psi at 2 mrad against their springs, both at once. C is limited before A and B, which so take
-back no more torque than C makes: i_CQ stands for d_x' in their currents. Of these yaw comes first and y has what it
-leaves: a platen that turns too far is lost, one that is late is not. `made_*` are the demands that the limited currents
-meet, for anti-windup.
+it. DIRECT holds theta and psi at 2 mrad against their springs, both at once. C is limited before A and B, which take
+its torque back: by what the yaw demands of them, to half of QUADRATURE at least. With less for the yaw the platen turns
+on while C pushes its most; with more, noise in the yaw would limit C. i_CQ stands for d_x' in the currents of A and B.
+Of these yaw comes first and y has what it leaves: a platen that turns too far is lost, one that is late is not.
+`made_*` are the demands that the limited currents meet, for anti-windup.
 
 Source: Yu, Kim, section 5.1, (17), Table 3.
 """
@@ -144,7 +145,8 @@ def allocation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
         d_x, d_y, d_phi, d_z, d_theta, d_psi = (u[s.name] for s in DEMANDS)
         wanted_c = cos * d_x + sin * d_y
         half = (cos * d_y - sin * d_x) / 2
-        C = clip(wanted_c, CURRENTS[2])
+        left = ca.fmax(QUADRATURE - ca.fabs(d_phi), QUADRATURE / 2)
+        C = ca.fmax(ca.fmin(wanted_c, left), -left)
         turn = clip(d_phi + _times(across, C), CURRENTS[0])
         room = QUADRATURE - ca.fabs(turn)
         half = ca.fmax(ca.fmin(half, room), -room)

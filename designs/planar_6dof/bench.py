@@ -90,11 +90,12 @@ def excursions(controller: host.Controller) -> list[Steps]:
 
 
 def _wrong(controller: host.Controller, way: Steps, rng: np.random.Generator) -> list[Steps]:
-    """Return failures on the way, in one sample and in two, and both with and without them states anew."""
+    """Return failures on the way, in one sample, in two and once named, and both with and without them states anew."""
     many = steps.joined("travel", [way] * TURNED)
     once = failures(many, rng)
     again = Steps("failures, again", steps.taken(controller, once).states, once.inputs)
-    return [once, again, *(steps.anew(controller, pool, f"{pool.name}, states anew") for pool in (many, once))]
+    named = Steps("failures, named", steps.taken(controller, again).states, once.inputs)
+    return [once, again, named, *(steps.anew(controller, pool, f"{pool.name}, states anew") for pool in (many, once))]
 
 
 def _extreme(controller: host.Controller, far: Steps) -> Steps:

@@ -32,7 +32,7 @@ RESTING = 0.2  # share of edge steps with a flag because of which no law is comp
 SPECIAL = (np.nan, np.inf, -np.inf, 5e-324, -5e-324, 1e-40, -0.0, 0.0, 1e300, -1e300)
 TINY = 1e-100  # V: the square of a smaller one is 0 or may be
 LAW = ("loop_", "lqg_")  # its Blocks
-SEEING, ANYTHING = ("sensing_", "filter_"), ("sensing_doubt", "sensing_found_")  # of which any value will do
+SEEING, ANYTHING = ("sensing_", "filter_"), ("sensing_doubt", "sensing_first_")  # of which any value will do
 PREDICTED, MOVED, BENT = 3e-5, 1e-5, 1e-6  # m, rad: deviations of position, T velocity, T^2/2 acceleration
 
 

@@ -20,6 +20,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from designs.planar_6dof import reference_sensing
+
 Array = NDArray[Any]
 Columns = Mapping[str, Array]
 
@@ -131,7 +133,8 @@ def guard(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, 
     values = {s: np.where(good[s], given[s], 0.0 if s in HALL else state[f"guard_last_{s}"]) for s in LIMITS}
     after = {f"guard_last_{s}": value for s, value in values.items() if s not in HALL}
     named = np.asarray(state["sensing_named"]) > 0
-    flags = [~good[s] for s in LIMITS] + [named & (np.asarray(state[f"sensing_found_{s}"]) > 0) for s in HALL]
+    told = reference_sensing.suspects(state, reference_sensing.harmonic(1))
+    flags = [~good[s] for s in LIMITS] + [named & told[s] for s in HALL]
     word = np.sum([np.where(flag, 1 << bit, 0) for bit, flag in enumerate(flags)], axis=0)
     complete = np.all([good[s] for s in HALL], axis=0) & ~named
     every = np.all([good[s] for s in MEASUREMENTS], axis=0) & ~named
@@ -154,8 +157,11 @@ def motors(w: Columns, phi: Array) -> tuple[dict[str, tuple[Array, Array]], dict
     """Return (i_Q, i_D) in A by motor, and what they make of each axis, for demands in the matrix' frame. Table 3."""
     K, T, turn = force_constant(), wrench(), np.exp(-1j * np.clip(phi, -YAW, YAW))
     platen = (w["x"] + 1j * w["y"]) * turn
-    rear = K * np.clip(platen.real / K, -QUADRATURE, QUADRATURE)  # what C can do, whose torque A and B take back
-    wanted = np.linalg.inv(T) @ np.stack([rear, platen.imag, *(w[axis] for axis in AXES[2:])]) / K
+    # C, whose torque A and B take back, leaves them up to half of what they can for the yaw.
+    left = np.maximum(QUADRATURE - np.abs(w["phi"]) / (2 * ARM * K), QUADRATURE / 2)
+    rear = np.clip(platen.real / K, -left, left)
+    platen = K * rear + 1j * platen.imag
+    wanted = np.linalg.inv(T) @ np.stack([platen.real, platen.imag, *(w[axis] for axis in AXES[2:])]) / K
     yaw = np.clip((wanted[1] - wanted[0]) / 2, -QUADRATURE, QUADRATURE)  # of A and B comes first
     room = QUADRATURE - np.abs(yaw)
     half = np.clip((wanted[0] + wanted[1]) / 2, -room, room)

@@ -39,6 +39,7 @@ RESIDUAL, POWER, NEARLY, SMALL = 0.08, 0.15, 0.1, 0.3  # of A, of A^2
 PART_M, PART_R, BIG, KNOWN = 0.2, 0.3, 1.5, 0.01  # of these, of rho, rad
 AGAIN = 0.5  # of rho
 MEMORY = 4.0  # samples
+FIRST = ("m_x", "m_y", "r_1", "r_2", "s_x", "s_y", "phi")  # what is kept of a contradiction
 TERMS, POINTS = 4, 64  # of the fitted position
 
 
@@ -112,7 +113,7 @@ def gain(q: float, T: float) -> Array:
 def initial_state() -> dict[str, Array]:
     """Return the state after init, by name."""
     names = [f"sensing_{what}_{axis}" for what in ("offset", "within") for axis in "xy"]
-    names += ["sensing_doubt", "sensing_named", *(f"sensing_found_{v}" for v in HALL)]
+    names += ["sensing_doubt", "sensing_named", *(f"sensing_first_{name}" for name in FIRST)]
     return {name: np.array(0.0) for name in names}
 
 
@@ -181,13 +182,15 @@ def sense(
         "sensing_doubt": np.where(doubt, MEMORY, np.where(sure, np.maximum(before - 1, 0), before)),
         "sensing_named": np.where(doubt & (before > 0), 1.0, state["sensing_named"]),
     }
-    for name, found in suspects(x, y, (r1, r2), rho, phi, A).items():
-        after[f"sensing_found_{name}"] = np.where(doubt & (before == 0), 1.0 * found, state[f"sensing_found_{name}"])
+    first = {"m_x": x.m, "m_y": y.m, "r_1": r1, "r_2": r2, "s_x": x.s, "s_y": y.s, "phi": phi}
+    for name, value in first.items():
+        kept = np.asarray(state[f"sensing_first_{name}"])
+        after[f"sensing_first_{name}"] = np.where(doubt & (before == 0), value, kept)
     for axis, pair in (("x", x), ("y", y)):
         offset, within = state[f"sensing_offset_{axis}"], state[f"sensing_within_{axis}"]
         off = pair.place + offset - predicted[axis]
         turn = np.where(np.abs(off) > PITCH / 2, np.where(off > 0, -PITCH, PITCH), 0)
-        moved = np.clip(offset + turn, -COUNT * PITCH, COUNT * PITCH)
+        moved = np.where(np.abs(offset + turn) <= COUNT * PITCH, offset + turn, offset)
         out[f"{axis}_raw"] = np.where(sure, pair.place + moved, predicted[axis])
         out[f"within_{axis}"] = np.where(sure, pair.place, within)
         after[f"sensing_offset_{axis}"] = np.where(sure, moved, offset)
@@ -195,20 +198,22 @@ def sense(
     return out, after
 
 
-def suspects(x: Pair, y: Pair, r: tuple[Array, Array], rho: Array, phi: Array, A: float) -> dict[str, Array]:
-    """Return for each voltage whether it may be the wrong one, from what a contradiction first shows."""
+def suspects(state: Columns, A: float) -> dict[str, Array]:
+    """Return for each voltage whether it may be the wrong one, from what a contradiction first showed."""
+    seen = {name: np.asarray(state[f"sensing_first_{name}"]) for name in FIRST}
     least_r, least_m, nearly, small = PART_R * RESIDUAL * A, PART_M * POWER * A**2, NEARLY * A**2, SMALL * A**2
-    turned = (np.abs(r[0]) > least_r) | (np.abs(r[1]) > least_r)
-    jumped: dict[str, Array] = {}
-    crept: dict[str, Array] = {}
-    for pair, lack, (s, c, other) in ((x, r[1], ("V_ax", "V_bx", "V_cx")), (y, r[0], ("V_ay", "V_cy", "V_by"))):
-        there, beside = np.abs(pair.m) > least_m, np.abs(lack) > least_r
-        plain, slight = np.abs(pair.m) < nearly, np.abs((pair.s + lack) ** 2 - pair.s**2) < small
-        jumped[s], jumped[other] = beside & (slight | ~plain), beside & plain
-        jumped[c] = there & ~beside
-        crept |= {s: turned | there, c: there, other: turned}
-    lost = (np.abs(phi) > KNOWN) | ((rho <= BIG) & (np.abs(x.m) > least_m) & (np.abs(y.m) > least_m))
-    return {name: np.where(rho > BIG, jumped[name], crept[name]) | lost for name in HALL}
+    m, r = (np.abs([seen["m_x"], seen["m_y"]]), np.array([seen["r_2"], seen["r_1"]]))
+    there, beside = m > least_m, np.abs(r) > least_r
+    big = np.sqrt(np.sum((r / (RESIDUAL * A)) ** 2 + (m / (POWER * A**2)) ** 2, axis=0)) > BIG
+    lost = (np.abs(seen["phi"]) > KNOWN) | (~big & np.all(there, axis=0))
+    turned, found = np.any(beside, axis=0), {}
+    for i, (s, c, other) in enumerate((("V_ax", "V_bx", "V_cx"), ("V_ay", "V_cy", "V_by"))):
+        before = seen["s_x" if i == 0 else "s_y"]
+        mended = np.abs((before + r[i]) ** 2 - before**2)
+        found[s] = np.where(big, beside[i] & ((mended < small) | (m[i] >= nearly)), turned | there[i])
+        found[c] = np.where(big, m[i] > mended + nearly, there[i])
+        found[other] = np.where(big, beside[i] & (m[i] < nearly), turned)
+    return {name: one | lost for name, one in found.items()}
 
 
 def estimate(state: Columns, raw: Columns, ready: Array, k: Constants) -> tuple[dict[str, Array], dict[str, Array]]:

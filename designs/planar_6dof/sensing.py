@@ -48,9 +48,9 @@ guard latches. A residual is there from PART of its bound on. Where rho is BIG a
 
     V_ax  if r_2 is there, and m_x not nearly 0, or r_2 (2 s_x + r_2) SMALL        V_ay  so with r_1, m_y and s_y
     V_cx  if r_2 is there, and m_x is nearly 0                                     V_by  so with r_1 and m_y
-    V_bx  if m_x is there, but not r_2                                             V_cy  so with m_y and r_1
+    V_bx  if m_x is more than nearly 0 beyond r_2 (2 s_x + r_2)                    V_cy  so with m_y, r_1 and s_y
 
-since V_ax less by r_2 makes s_x^2 less by r_2 (2 s_x + r_2).
+since V_ax less by r_2 makes s_x^2 less by r_2 (2 s_x + r_2), and a wrong V_bx shows in r_2 by its h_2.
 Otherwise it has come slowly, and the yaw has followed: it shares what one sensor lacks between r_1 and r_2. Then the
 four voltages of these are suspected alike, V_ax and V_bx by m_x, V_ay and V_cy by m_y; all six by m_x and m_y at once,
 and where the yaw is beyond KNOWN. `failures` tells how often the wrong one is among them, `sensing_maps.faults` what is
@@ -99,6 +99,7 @@ FAR = PITCHES * planar_stage.plant().parameter("l").value
 OFFSETS = tuple(Signal(f"offset_{a}", "m", -FAR, FAR, "whole pitches from the middle") for a in "xy")
 HALF = FAR / PITCHES / 2
 WITHIN = tuple(Signal(f"within_{a}", "m", -HALF, HALF, "raw position from the middle of its pitch") for a in "xy")
+RATIOS = tuple(Signal(f"ratio_{a}", "1", -1, 1, "of the smaller voltage of a pair to the larger one") for a in "xy")
 RESIDUALS = (
     *(Signal(f"m_{a}", "V^2", -1000, 1000, "squared amplitude of a pair, less that of the field") for a in "xy"),
     *(Signal(f"r_{i}", "V", -50, 50, "difference of two sensors, less that of the predicted yaw") for i in "12"),
@@ -156,8 +157,9 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
         X, Y = _pair(ax, -bx, ay, phi, k), _pair(ay, -cy, -ax, phi, k)
         h1, h2 = _slope(Y, k) + (X.c + X.s), _slope(X, k) + (Y.c + Y.s)
         checks = _Checks(h1, h2, by - ay - h1 * phi, cx - ax + h2 * phi)
+        ratio = {"x": _ratio(X, A), "y": _ratio(Y, A)}
         places = {
-            axis: _nearest(_place(pair, k, cal), x[f"offset_{axis}"], expected[axis], l)
+            axis: _nearest(_place(pair, ratio[axis], k, cal), x[f"offset_{axis}"], expected[axis], l)
             for axis, pair in (("x", X), ("y", Y))
         }
         known, squared = ca.logic_and(u["ready"], u["complete"]), _squared(X, Y, checks, A)
@@ -166,6 +168,10 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
         sure = ca.logic_and(ca.logic_not(doubt), u["complete"])
         output = {yaw: clip(phi + ca.if_else(sure, _turn(X, Y, checks, k, A), 0), RAW["phi"])}
         next: dict[str, ca.SX] = {}
+        first = ca.logic_and(doubt, ca.logic_not(x["doubt"]))
+        seen = {"m_x": X.m, "m_y": Y.m, "r_1": checks.r1, "r_2": checks.r2}
+        for name, value in (seen | {"s_x": X.s, "s_y": Y.s, "phi": phi}).items():
+            next[f"first_{name}"] = ca.if_else(first, value, x[f"first_{name}"])
         for axis, at in places.items():
             next[f"offset_{axis}"] = ca.if_else(sure, at.offset, x[f"offset_{axis}"])
             next[f"within_{axis}"] = ca.if_else(sure, at.within, x[f"within_{axis}"])
@@ -176,10 +182,9 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
         first, again = ca.logic_and(doubt, ca.logic_not(x["doubt"])), ca.logic_and(doubt, x["doubt"])
         waited = ca.if_else(ca.logic_and(sure, x["doubt"]), x["doubt"] - 1, x["doubt"])
         next |= {"doubt": ca.if_else(doubt, MEMORY, waited), "named": ca.if_else(again, 1, x["named"])}
-        for name, one in _suspects(X, Y, checks, phi, A).items():
-            next[f"found_{name}"] = ca.if_else(first, one, x[f"found_{name}"])
-        output |= {f"suspect_{name}": x[f"found_{name}"] for name in HALL} | {SUSPECTED.name: x["named"]}
-        return Step(output | {"m_x": X.m, "m_y": Y.m, "r_1": checks.r1, "r_2": checks.r2}, next)
+        output |= {f"suspect_{name}": one for name, one in _suspects(x, A).items()} | {SUSPECTED.name: x["named"]}
+        named = list(zip(RATIOS, ratio.values(), strict=True))
+        return Step(output | seen, next, named, {s.name: lambda u, e: RATIOS[0].high for s in RATIOS})
 
     return build(
         "sensing",
@@ -195,9 +200,11 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
 
 def _states() -> list[State]:
     doubt = Signal("doubt", "1", 0, MEMORY, "samples for which a contradiction is still remembered")
-    found = [Signal("named", "1", 0, 1, "a contradiction is confirmed")]
-    found += [Signal(f"found_{name}", "1", 0, 1, f"{name} contradicts the others") for name in HALL]
-    return [*(State(s, 0.0) for s in (*OFFSETS, *WITHIN)), *(State(s, 0, True) for s in (doubt, *found))]
+    named = Signal("named", "1", 0, 1, "a contradiction is confirmed")
+    first = [*RESIDUALS, *(Signal(f"s_{axis}", "V", -2 * VOLTAGE, 2 * VOLTAGE, "voltage") for axis in "xy")]
+    first.append(replace(PREDICTED["phi"], name="phi", about="yaw"))
+    shown = [replace(s, name=f"first_{s.name}", about=f"{s.about}, as a contradiction first shows it") for s in first]
+    return [*(State(s, 0, True) for s in (doubt, named)), *(State(s, 0.0) for s in (*shown, *OFFSETS, *WITHIN))]
 
 
 def _constants(cal: calibration.Calibration) -> list[Constant]:
@@ -234,27 +241,27 @@ def _turn(X: _Pair, Y: _Pair, of: _Checks, k: Exprs, A: float) -> ca.SX:
     return (of.h1 * of.r1 - of.h2 * of.r2 + k["third"] * (h3 * (X.m - Y.m))) / information
 
 
-def _place(p: _Pair, k: Exprs, cal: calibration.Calibration) -> ca.SX:
-    """Return the position within the pitch, m."""
-    l, least = cal.pitch, LEAST * cal.amplitude**2
+def _place(p: _Pair, r: ca.SX, k: Exprs, cal: calibration.Calibration) -> ca.SX:
+    """Return the position within the pitch, m, from the ratio r of the pair."""
+    l, f = cal.pitch, ca.SX(0)
+    for n in reversed(range(len(cal.position))):
+        f = k[f"position_{2 * n + 1}"] + r**2 * f
+    f = r * f
+    near = ca.if_else(p.c < 0, ca.if_else(f > 0, f - l / 2, f + l / 2), f)
+    return ca.if_else(p.s**2 <= p.c**2, near, ca.if_else(p.s < 0, -l / 4, l / 4) - f)
 
-    def f(larger: ca.SX) -> ca.SX:
-        r = clip(p.s * p.c / (larger + least), Signal("r", "1", -1, 1))
-        series = ca.SX(0)
-        for n in reversed(range(len(cal.position))):
-            series = k[f"position_{2 * n + 1}"] + r**2 * series
-        return r * series
 
-    near, far = f(p.c**2), f(p.s**2)
-    near = ca.if_else(p.c < 0, ca.if_else(near > 0, near - l / 2, near + l / 2), near)
-    return ca.if_else(p.s**2 <= p.c**2, near, ca.if_else(p.s < 0, -l / 4, l / 4) - far)
+def _ratio(p: _Pair, A: float) -> ca.SX:
+    """Return r. Its limit is idle: no product of two rounds to more than the square of the larger one does."""
+    return clip(p.s * p.c / (ca.fmax(p.s**2, p.c**2) + LEAST * A**2), RATIOS[0])
 
 
 def _nearest(within: ca.SX, offset: ca.SX, expected: ca.SX, l: float) -> _Found:
     """Return the position that lies nearest to the prediction, one pitch from the offset at most."""
     off = within - expected
     beyond = ca.fabs(off) > l / 2
-    moved = ca.if_else(off > 0, ca.fmax(offset - l, -FAR), ca.fmin(offset + l, FAR))
+    down, up = ca.if_else(offset >= l - FAR, offset - l, offset), ca.if_else(offset <= FAR - l, offset + l, offset)
+    moved = ca.if_else(off > 0, down, up)
     return _Found(within, ca.if_else(beyond, moved, offset))
 
 
@@ -263,25 +270,26 @@ def _squared(X: _Pair, Y: _Pair, of: _Checks, A: float) -> ca.SX:
     return of.r1**2 + of.r2**2 + (RESIDUAL / (POWER * A)) ** 2 * (X.m**2 + Y.m**2)
 
 
-def _suspects(X: _Pair, Y: _Pair, of: _Checks, phi: ca.SX, A: float) -> dict[str, ca.SX]:
-    """Return for each voltage whether it may be the one that is wrong."""
-    m_x, m_y = (ca.fabs(p.m) > PART["m"] * POWER * A**2 for p in (X, Y))
-    r_1, r_2 = (ca.fabs(r) > PART["r"] * RESIDUAL * A for r in (of.r1, of.r2))
-    turned = ca.logic_or(r_1, r_2)
-
-    jumped = {"V_bx": ca.logic_and(m_x, ca.logic_not(r_2)), "V_cy": ca.logic_and(m_y, ca.logic_not(r_1))}
-    for p, r, there, own, other in ((X, of.r2, r_2, "V_ax", "V_cx"), (Y, of.r1, r_1, "V_ay", "V_by")):
-        nearly, small = ca.fabs(p.m) < NEARLY * A**2, ca.fabs(r * (2 * p.s + r)) < SMALL * A**2
-        jumped[own] = ca.logic_and(there, ca.logic_or(ca.logic_not(nearly), small))
-        jumped[other] = ca.logic_and(there, nearly)
-    crept = {
-        "V_ax": ca.logic_or(turned, m_x),
-        "V_ay": ca.logic_or(turned, m_y),
-        "V_bx": m_x,
-        "V_by": turned,
-        "V_cx": turned,
-        "V_cy": m_y,
-    }
-    big = _squared(X, Y, of, A) > (BIG * RESIDUAL * A) ** 2
-    lost = ca.logic_or(ca.fabs(phi) > KNOWN, ca.logic_and(ca.logic_and(m_x, m_y), ca.logic_not(big)))
-    return {name: ca.logic_or(ca.if_else(big, jumped[name], crept[name]), lost) for name in HALL}
+def _suspects(x: Exprs, A: float) -> dict[str, ca.SX]:
+    """Return for each voltage whether it may be the one that is wrong, by what a contradiction first shows."""
+    m, r = {a: x[f"first_m_{a}"] for a in "xy"}, {"x": x["first_r_2"], "y": x["first_r_1"]}
+    size = {a: ca.fabs(m[a]) for a in "xy"}
+    there = {a: size[a] > PART["m"] * POWER * A**2 for a in "xy"}
+    beside = {a: ca.fabs(r[a]) > PART["r"] * RESIDUAL * A for a in "xy"}
+    turned = ca.logic_or(beside["x"], beside["y"])
+    squares = r["y"] ** 2 + r["x"] ** 2 + (RESIDUAL / (POWER * A)) ** 2 * (m["x"] ** 2 + m["y"] ** 2)
+    big = squares > (BIG * RESIDUAL * A) ** 2
+    both = ca.logic_and(ca.logic_and(there["x"], there["y"]), ca.logic_not(big))
+    lost = ca.logic_or(ca.fabs(x["first_phi"]) > KNOWN, both)
+    found: dict[str, ca.SX] = {}
+    for a, (s, c, other) in (("x", ("V_ax", "V_bx", "V_cx")), ("y", ("V_ay", "V_cy", "V_by"))):
+        nearly, mended = size[a] < NEARLY * A**2, ca.fabs(r[a] * (2 * x[f"first_s_{a}"] + r[a]))
+        slight = ca.logic_or(ca.logic_not(nearly), mended < SMALL * A**2)
+        jumped = {
+            s: ca.logic_and(beside[a], slight),
+            c: size[a] > mended + NEARLY * A**2,
+            other: ca.logic_and(beside[a], nearly),
+        }
+        crept = {s: ca.logic_or(turned, there[a]), c: there[a], other: turned}
+        found |= {name: ca.logic_or(ca.if_else(big, jumped[name], crept[name]), lost) for name in jumped}
+    return found

@@ -223,7 +223,7 @@ def _regulator(
         if most := ERROR.get(axis.name):
             near = ca.fabs(error) <= most
             error = ca.if_else(near, error, ca.if_else(error < 0, -most, most))
-            integral = ca.if_else(near, integral, x["integral"])
+            integral = ca.if_else(near, integral, c["kept"] * x["integral"])
         demand = c["on_error"] * error + (w + x["integral"])
         return Step({wanted.name: demand}, after | {"integral": integral, "force": u[driven.name]})
 

@@ -122,7 +122,7 @@ def advanced(name: str, q: Array, r: Array, w: Array, x3: Array, made: Array, st
     integral = state[f"lqg_{name}_integral"]
     return {
         f"lqg_{name}_x3": on_rate(k) * moved,
-        f"lqg_{name}_integral": integral + np.where(np.abs(r - q) <= ERROR[name], g * (made - w - integral), 0),
+        f"lqg_{name}_integral": integral + g * (np.where(np.abs(r - q) <= ERROR[name], made - w, 0) - integral),
         f"lqg_{name}_force": made,
     }
 

@@ -681,32 +681,33 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const bool damped = 0.15f < t380;
     out->damped = damped ? 1.0f : 0.0f;
     const bool t381 = converged && !(damped || t352 || t322);
-    const bool t382 = (t381 && t351 && t353 && (t380 <= 0.004f)) || ((estimator_certain != 0u) && !damped);
+    const bool t382 = (t381 && t351 && t353 && (t380 <= 0.004f) && complete) || ((estimator_certain != 0u) && !damped);
     const uint32_t estimator_restarted = state->estimator_restarted;
     const bool valid = t381 && t382 && !(estimator_restarted != 0u) && t365 && t372 && complete;
     const uint32_t estimator_astray = state->estimator_astray;
     const bool t383 = 4u <= estimator_astray;
     const uint32_t estimator_placed = state->estimator_placed;
+    const bool t384 = !t352;
     if (t352 && t383) {
         const float estimator_start_x = state->estimator_start_x;
-        const float t384 = estimator_start_x + -1.5401491f;
-        if (t384 < -3.1415927f) {
-            const float t385 = t384 + 6.2831855f;
+        const float t385 = estimator_start_x + -1.5401491f;
+        if (t385 < -3.1415927f) {
+            const float t386 = t385 + 6.2831855f;
+            state->estimator_phase_x = t386;
+            state->estimator_start_x = t386;
+        } else {
             state->estimator_phase_x = t385;
             state->estimator_start_x = t385;
-        } else {
-            state->estimator_phase_x = t384;
-            state->estimator_start_x = t384;
         }
         const float estimator_start_y = state->estimator_start_y;
-        const float t386 = estimator_start_y + -2.702773f;
-        if (t386 < -3.1415927f) {
-            const float t387 = t386 + 6.2831855f;
+        const float t387 = estimator_start_y + -2.702773f;
+        if (t387 < -3.1415927f) {
+            const float t388 = t387 + 6.2831855f;
+            state->estimator_phase_y = t388;
+            state->estimator_start_y = t388;
+        } else {
             state->estimator_phase_y = t387;
             state->estimator_start_y = t387;
-        } else {
-            state->estimator_phase_y = t386;
-            state->estimator_start_y = t386;
         }
         state->estimator_yaw = estimator_yaw_known;
         state->estimator_searching = 1u;
@@ -717,29 +718,31 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         state->estimator_phase_x = t363;
         state->estimator_phase_y = t370;
         state->estimator_yaw = yaw;
-        state->estimator_searching = (t352) ? estimator_searching : 0u;
+        if (converged && t384) {
+            state->estimator_searching = 0u;
+        }
         state->estimator_certain = flag(t382);
     }
-    if (t382 && !t352) {
+    if (t382 && t384) {
         state->estimator_yaw_known = yaw;
     }
     const float estimator_pitch_x_next = limit(t366, 8.0f);
     state->estimator_pitch_x = estimator_pitch_x_next;
     const float estimator_pitch_y_next = limit(t373, 8.0f);
     state->estimator_pitch_y = estimator_pitch_y_next;
-    float t388 = 0.0f;
     float t389 = 0.0f;
     float t390 = 0.0f;
+    float t391 = 0.0f;
     if (!(estimator_searching != 0u)) {
-        t388 = estimator_motion_x + t357;
-        t389 = estimator_motion_y + t358;
-        t390 = estimator_motion_yaw + t359;
+        t389 = estimator_motion_x + t357;
+        t390 = estimator_motion_y + t358;
+        t391 = estimator_motion_yaw + t359;
     }
-    const float estimator_motion_x_next = limit(t388, 0.5f);
+    const float estimator_motion_x_next = limit(t389, 0.5f);
     state->estimator_motion_x = estimator_motion_x_next;
-    const float estimator_motion_y_next = limit(t389, 0.5f);
+    const float estimator_motion_y_next = limit(t390, 0.5f);
     state->estimator_motion_y = estimator_motion_y_next;
-    const float estimator_motion_yaw_next = limit(t390, 0.10100254f);
+    const float estimator_motion_yaw_next = limit(t391, 0.10100254f);
     state->estimator_motion_yaw = estimator_motion_yaw_next;
     const uint32_t estimator_astray_next = (t352) ? ((t383) ? 0u : (estimator_astray + 1u)) : 0u;
     state->estimator_astray = estimator_astray_next;

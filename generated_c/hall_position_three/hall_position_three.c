@@ -999,26 +999,27 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     out->restarted = (float)estimator_restarted;
     const bool t586 = 4u <= estimator_astray;
     const uint32_t estimator_placed = state->estimator_placed;
+    const bool t587 = !t548;
     if (t548 && t586) {
         const float estimator_start_x = state->estimator_start_x;
-        const float t587 = estimator_start_x + -1.5401491f;
-        if (t587 < -3.1415927f) {
-            const float t588 = t587 + 6.2831855f;
+        const float t588 = estimator_start_x + -1.5401491f;
+        if (t588 < -3.1415927f) {
+            const float t589 = t588 + 6.2831855f;
+            state->estimator_phase_x = t589;
+            state->estimator_start_x = t589;
+        } else {
             state->estimator_phase_x = t588;
             state->estimator_start_x = t588;
-        } else {
-            state->estimator_phase_x = t587;
-            state->estimator_start_x = t587;
         }
         const float estimator_start_y = state->estimator_start_y;
-        const float t589 = estimator_start_y + -2.702773f;
-        if (t589 < -3.1415927f) {
-            const float t590 = t589 + 6.2831855f;
+        const float t590 = estimator_start_y + -2.702773f;
+        if (t590 < -3.1415927f) {
+            const float t591 = t590 + 6.2831855f;
+            state->estimator_phase_y = t591;
+            state->estimator_start_y = t591;
+        } else {
             state->estimator_phase_y = t590;
             state->estimator_start_y = t590;
-        } else {
-            state->estimator_phase_y = t589;
-            state->estimator_start_y = t589;
         }
         state->estimator_yaw = estimator_yaw_known;
         state->estimator_searching = 1u;
@@ -1030,38 +1031,40 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         state->estimator_phase_x = t560;
         state->estimator_phase_y = t571;
         state->estimator_yaw = yaw;
-        state->estimator_searching = (t548) ? estimator_searching : 0u;
+        if (converged && t587) {
+            state->estimator_searching = 0u;
+        }
         state->estimator_certain = flag(t585);
-        const float t591 = t70 + t104;
-        const float t592 = t54 + t95;
-        const float t593 = t86 + t113;
-        const float t594 = max(t591, t592);
-        const float t595 = min(t591, t592) + min(t593, t594);
-        const bool t596 = t548 && (estimator_certain != 0u) && (1u <= estimator_astray) && (t595 <= 0.076f) && ((25.0f * t595) <= max(t593, t594));
-        if (t596) {
-            state->estimator_without = (uint32_t)((t594 < t593) ? 3.0f : ((t592 < t591) ? 2.0f : 1.0f));
+        const float t592 = t70 + t104;
+        const float t593 = t54 + t95;
+        const float t594 = t86 + t113;
+        const float t595 = max(t592, t593);
+        const float t596 = min(t592, t593) + min(t594, t595);
+        const bool t597 = (estimator_certain != 0u) && (1u <= estimator_astray) && (t596 <= 0.076f) && ((25.0f * t596) <= max(t594, t595));
+        if (t548 && ((1e-04f * t506) < t504) && t597) {
+            state->estimator_without = (uint32_t)((t595 < t594) ? 3.0f : ((t593 < t592) ? 2.0f : 1.0f));
         }
     }
-    if (t585 && !t548) {
+    if (t585 && t587) {
         state->estimator_yaw_known = yaw;
     }
     const float estimator_pitch_x_next = limit(t563, 8.0f);
     state->estimator_pitch_x = estimator_pitch_x_next;
     const float estimator_pitch_y_next = limit(t574, 8.0f);
     state->estimator_pitch_y = estimator_pitch_y_next;
-    float t597 = 0.0f;
     float t598 = 0.0f;
     float t599 = 0.0f;
+    float t600 = 0.0f;
     if (!(estimator_searching != 0u)) {
-        t597 = estimator_motion_x + t553;
-        t598 = estimator_motion_y + t554;
-        t599 = estimator_motion_yaw + t555;
+        t598 = estimator_motion_x + t553;
+        t599 = estimator_motion_y + t554;
+        t600 = estimator_motion_yaw + t555;
     }
-    const float estimator_motion_x_next = limit(t597, 0.5f);
+    const float estimator_motion_x_next = limit(t598, 0.5f);
     state->estimator_motion_x = estimator_motion_x_next;
-    const float estimator_motion_y_next = limit(t598, 0.5f);
+    const float estimator_motion_y_next = limit(t599, 0.5f);
     state->estimator_motion_y = estimator_motion_y_next;
-    const float estimator_motion_yaw_next = limit(t599, 0.14022085f);
+    const float estimator_motion_yaw_next = limit(t600, 0.14022085f);
     state->estimator_motion_yaw = estimator_motion_yaw_next;
     const uint32_t estimator_astray_next = (t548) ? ((t586) ? 0u : (estimator_astray + 1u)) : 0u;
     state->estimator_astray = estimator_astray_next;

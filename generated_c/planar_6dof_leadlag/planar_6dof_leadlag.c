@@ -18,15 +18,6 @@ static inline float limit(float x, float high)
     return (fabsf(x) <= high) ? x : ((x < 0.0f) ? -high : fabsf(high));
 }
 
-static inline uint32_t flag(bool holds)
-{
-    uint32_t value = 0u;
-    if (holds) {
-        value = 1u;
-    }
-    return value;
-}
-
 /* f1_polynomial for clamp(phi, -0.075, 0.075) in -0.0731832609 .. 0.0731832609: t = x^2, x = clamp(phi, -0.075, 0.075);
  * relative error at most 2.1e-07. */
 static inline float f1_polynomial(float t)
@@ -83,18 +74,19 @@ void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state)
     state->guard_left = 5u;
     state->guard_latched = 0u;
     state->guard_ready = 0u;
+    state->sensing_doubt = 0u;
+    state->sensing_named = 0u;
+    state->sensing_first_m_x = 0.0f;
+    state->sensing_first_m_y = 0.0f;
+    state->sensing_first_r_1 = 0.0f;
+    state->sensing_first_r_2 = 0.0f;
+    state->sensing_first_s_x = 0.0f;
+    state->sensing_first_s_y = 0.0f;
+    state->sensing_first_phi = 0.0f;
     state->sensing_offset_x = 0.0f;
     state->sensing_offset_y = 0.0f;
     state->sensing_within_x = 0.0f;
     state->sensing_within_y = 0.0f;
-    state->sensing_doubt = 0u;
-    state->sensing_named = 0u;
-    state->sensing_found_V_ax = 0u;
-    state->sensing_found_V_ay = 0u;
-    state->sensing_found_V_bx = 0u;
-    state->sensing_found_V_by = 0u;
-    state->sensing_found_V_cx = 0u;
-    state->sensing_found_V_cy = 0u;
     state->filter_x_p = 0.0f;
     state->filter_x_s = 0.0f;
     state->filter_x_h = 0.0f;
@@ -314,32 +306,72 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     uint32_t faults = t2;
     if (sensing_named != 0u) {
         /* sensing: (1)-(5) */
-        const uint32_t sensing_found_V_ax = state->sensing_found_V_ax;
-        const uint32_t sensing_found_V_ay = state->sensing_found_V_ay;
-        const uint32_t sensing_found_V_bx = state->sensing_found_V_bx;
-        const uint32_t sensing_found_V_by = state->sensing_found_V_by;
-        const uint32_t sensing_found_V_cx = state->sensing_found_V_cx;
-        const uint32_t sensing_found_V_cy = state->sensing_found_V_cy;
-        uint32_t t4 = t2;
-        if (sensing_found_V_ax != 0u) {
-            t4 = t2 | 0x00008000u;
-        }
-        if (sensing_found_V_ay != 0u) {
-            t4 |= 0x00010000u;
-        }
-        if (sensing_found_V_bx != 0u) {
-            t4 |= 0x00020000u;
-        }
-        if (sensing_found_V_by != 0u) {
-            t4 |= 0x00040000u;
-        }
-        if (sensing_found_V_cx != 0u) {
-            t4 |= 0x00080000u;
-        }
-        if (sensing_found_V_cy != 0u) {
-            faults = t4 | 0x00100000u;
+        const float sensing_first_r_1 = state->sensing_first_r_1;
+        const float sensing_first_r_2 = state->sensing_first_r_2;
+        const float sensing_first_m_x = state->sensing_first_m_x;
+        const float sensing_first_m_y = state->sensing_first_m_y;
+        const float t4 = (sensing_first_r_1 * sensing_first_r_1) + (sensing_first_r_2 * sensing_first_r_2) + (0.033025026f * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y * sensing_first_m_y)));
+        const bool t5 = 0.12402716f < t4;
+        const float t6 = fabsf(sensing_first_m_x);
+        const bool t7 = 0.25838992f < t6;
+        const float t8 = fabsf(sensing_first_m_y);
+        const bool t9 = 0.25838992f < t8;
+        const bool t10 = 0.07043498f < fabsf(sensing_first_r_2);
+        const bool t11 = 0.07043498f < fabsf(sensing_first_r_1);
+        bool t12;
+        bool t13;
+        bool t14 = t7;
+        bool t15;
+        bool t16;
+        bool t17 = t9;
+        if (t5) {
+            const bool t18 = t6 < 0.8612997f;
+            const float sensing_first_s_x = state->sensing_first_s_x;
+            const float t19 = fabsf(sensing_first_r_2 * ((2.0f * sensing_first_s_x) + sensing_first_r_2));
+            t12 = t10 && (!t18 || (t19 < 2.5838993f));
+            const bool t20 = t8 < 0.8612997f;
+            const float sensing_first_s_y = state->sensing_first_s_y;
+            const float t21 = fabsf(sensing_first_r_1 * ((2.0f * sensing_first_s_y) + sensing_first_r_1));
+            t13 = t11 && (!t20 || (t21 < 2.5838993f));
+            t14 = (t19 + 0.8612997f) < t6;
+            t15 = t11 && t20;
+            t16 = t10 && t18;
+            t17 = (t21 + 0.8612997f) < t8;
         } else {
-            faults = t4;
+            const bool t22 = t10 || t11;
+            t12 = t22 || t7;
+            t13 = t22 || t9;
+            t15 = t22;
+            t16 = t22;
+        }
+        const float sensing_first_phi = state->sensing_first_phi;
+        const bool t23 = (0.01f < fabsf(sensing_first_phi)) || (t7 && t9 && !t5);
+        const bool suspect_V_ax = t12 || t23;
+        const bool suspect_V_ay = t13 || t23;
+        const bool suspect_V_bx = t14 || t23;
+        const bool suspect_V_by = t15 || t23;
+        const bool suspect_V_cx = t16 || t23;
+        const bool suspect_V_cy = t17 || t23;
+        uint32_t t24 = t2;
+        if (suspect_V_ax) {
+            t24 = t2 | 0x00008000u;
+        }
+        if (suspect_V_ay) {
+            t24 |= 0x00010000u;
+        }
+        if (suspect_V_bx) {
+            t24 |= 0x00020000u;
+        }
+        if (suspect_V_by) {
+            t24 |= 0x00040000u;
+        }
+        if (suspect_V_cx) {
+            t24 |= 0x00080000u;
+        }
+        if (suspect_V_cy) {
+            faults = t24 | 0x00100000u;
+        } else {
+            faults = t24;
         }
     } else {
         complete = t1;
@@ -362,41 +394,41 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     /* safe_output: slew to the safe output once latched */
     if (latched != 0u) {
         const float safe_output_last_i_AA = state->safe_output_last_i_AA;
-        const float t5 = max(min(0.0f, safe_output_last_i_AA + 0.126f), safe_output_last_i_AA - 0.126f);
-        out->i_AA = t5;
+        const float t25 = max(min(0.0f, safe_output_last_i_AA + 0.126f), safe_output_last_i_AA - 0.126f);
+        out->i_AA = t25;
         const float safe_output_last_i_AB = state->safe_output_last_i_AB;
-        const float t6 = max(min(0.0f, safe_output_last_i_AB + 0.126f), safe_output_last_i_AB - 0.126f);
-        out->i_AB = t6;
+        const float t26 = max(min(0.0f, safe_output_last_i_AB + 0.126f), safe_output_last_i_AB - 0.126f);
+        out->i_AB = t26;
         const float safe_output_last_i_AC = state->safe_output_last_i_AC;
-        const float t7 = max(min(0.0f, safe_output_last_i_AC + 0.126f), safe_output_last_i_AC - 0.126f);
-        out->i_AC = t7;
+        const float t27 = max(min(0.0f, safe_output_last_i_AC + 0.126f), safe_output_last_i_AC - 0.126f);
+        out->i_AC = t27;
         const float safe_output_last_i_BA = state->safe_output_last_i_BA;
-        const float t8 = max(min(0.0f, safe_output_last_i_BA + 0.126f), safe_output_last_i_BA - 0.126f);
-        out->i_BA = t8;
+        const float t28 = max(min(0.0f, safe_output_last_i_BA + 0.126f), safe_output_last_i_BA - 0.126f);
+        out->i_BA = t28;
         const float safe_output_last_i_BB = state->safe_output_last_i_BB;
-        const float t9 = max(min(0.0f, safe_output_last_i_BB + 0.126f), safe_output_last_i_BB - 0.126f);
-        out->i_BB = t9;
+        const float t29 = max(min(0.0f, safe_output_last_i_BB + 0.126f), safe_output_last_i_BB - 0.126f);
+        out->i_BB = t29;
         const float safe_output_last_i_BC = state->safe_output_last_i_BC;
-        const float t10 = max(min(0.0f, safe_output_last_i_BC + 0.126f), safe_output_last_i_BC - 0.126f);
-        out->i_BC = t10;
+        const float t30 = max(min(0.0f, safe_output_last_i_BC + 0.126f), safe_output_last_i_BC - 0.126f);
+        out->i_BC = t30;
         const float safe_output_last_i_CA = state->safe_output_last_i_CA;
-        const float t11 = max(min(0.0f, safe_output_last_i_CA + 0.126f), safe_output_last_i_CA - 0.126f);
-        out->i_CA = t11;
+        const float t31 = max(min(0.0f, safe_output_last_i_CA + 0.126f), safe_output_last_i_CA - 0.126f);
+        out->i_CA = t31;
         const float safe_output_last_i_CB = state->safe_output_last_i_CB;
-        const float t12 = max(min(0.0f, safe_output_last_i_CB + 0.126f), safe_output_last_i_CB - 0.126f);
-        out->i_CB = t12;
+        const float t32 = max(min(0.0f, safe_output_last_i_CB + 0.126f), safe_output_last_i_CB - 0.126f);
+        out->i_CB = t32;
         const float safe_output_last_i_CC = state->safe_output_last_i_CC;
-        state->safe_output_last_i_AA = t5;
-        state->safe_output_last_i_AB = t6;
-        state->safe_output_last_i_AC = t7;
-        state->safe_output_last_i_BA = t8;
-        state->safe_output_last_i_BB = t9;
-        state->safe_output_last_i_BC = t10;
-        state->safe_output_last_i_CA = t11;
-        state->safe_output_last_i_CB = t12;
-        const float t13 = max(min(0.0f, safe_output_last_i_CC + 0.126f), safe_output_last_i_CC - 0.126f);
-        state->safe_output_last_i_CC = t13;
-        out->i_CC = t13;
+        state->safe_output_last_i_AA = t25;
+        state->safe_output_last_i_AB = t26;
+        state->safe_output_last_i_AC = t27;
+        state->safe_output_last_i_BA = t28;
+        state->safe_output_last_i_BB = t29;
+        state->safe_output_last_i_BC = t30;
+        state->safe_output_last_i_CA = t31;
+        state->safe_output_last_i_CB = t32;
+        const float t33 = max(min(0.0f, safe_output_last_i_CC + 0.126f), safe_output_last_i_CC - 0.126f);
+        state->safe_output_last_i_CC = t33;
+        out->i_CC = t33;
 
         /* guard: range acceptance, hold, latch */
         state->guard_latched = 1u;
@@ -410,189 +442,158 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
 
         /* sensing: (1)-(5) */
         const uint32_t sensing_doubt = state->sensing_doubt;
-        const float t14 = filter_phi_p * V_ay_held;
-        const float t15 = t14 - V_bx_held;
-        const float t16 = V_ax_held - t14;
-        const float t17 = filter_phi_p * V_ax_held;
-        const float t18 = V_cy_held + t17;
-        const float t19 = t18 * t18;
-        const float t20 = V_ay_held + t17;
-        const float t21 = t20 * t20;
-        const float t22 = t15 + t16 - (t18 * t19 * (sensing_slope_0 + (t21 * sensing_slope_1)));
-        const float r_1 = V_by_held - V_ay_held - (t22 * filter_phi_p);
-        const float t23 = t15 * t15;
-        const float t24 = t16 * t16;
-        const float t25 = (t15 * t23 * (sensing_slope_0 + (t24 * sensing_slope_1))) + (t20 - t18);
-        const float r_2 = V_cx_held - V_ax_held + (t25 * filter_phi_p);
-        const float t26 = t16 * t15;
-        const float t27 = t26 * t26;
-        const float m_x = t24 + t23 - (sensing_power_0 + (t27 * (sensing_power_1 + (t27 * sensing_power_2))));
-        const float t28 = t20 * t18;
-        const float t29 = t28 * t28;
-        const float m_y = t21 + t19 - (sensing_power_0 + (t29 * (sensing_power_1 + (t29 * sensing_power_2))));
-        const float t30 = (r_1 * r_1) + (r_2 * r_2) + (0.033025026f * ((m_x * m_x) + (m_y * m_y)));
-        const bool t31 = (((sensing_doubt != 0u) ? 0.013780796f : 0.055123184f) < t30) && (guard_ready != 0u) && complete;
-        const bool t32 = !t31 && complete;
+        const float t34 = filter_phi_p * V_ay_held;
+        const float t35 = t34 - V_bx_held;
+        const float sensing_first_s_x_next = V_ax_held - t34;
+        const float t36 = filter_phi_p * V_ax_held;
+        const float t37 = V_cy_held + t36;
+        const float t38 = t37 * t37;
+        const float sensing_first_s_y_next = V_ay_held + t36;
+        const float t39 = sensing_first_s_y_next * sensing_first_s_y_next;
+        const float t40 = t35 + sensing_first_s_x_next - (t37 * t38 * (sensing_slope_0 + (t39 * sensing_slope_1)));
+        const float r_1 = V_by_held - V_ay_held - (t40 * filter_phi_p);
+        const float t41 = t35 * t35;
+        const float t42 = sensing_first_s_x_next * sensing_first_s_x_next;
+        const float t43 = (t35 * t41 * (sensing_slope_0 + (t42 * sensing_slope_1))) + (sensing_first_s_y_next - t37);
+        const float r_2 = V_cx_held - V_ax_held + (t43 * filter_phi_p);
+        const float t44 = sensing_first_s_x_next * t35;
+        const float t45 = t44 * t44;
+        const float m_x = t42 + t41 - (sensing_power_0 + (t45 * (sensing_power_1 + (t45 * sensing_power_2))));
+        const float t46 = sensing_first_s_y_next * t37;
+        const float t47 = t46 * t46;
+        const float m_y = t39 + t38 - (sensing_power_0 + (t47 * (sensing_power_1 + (t47 * sensing_power_2))));
+        const bool t48 = ((sensing_doubt != 0u) ? 0.013780796f : 0.055123184f) < ((r_1 * r_1) + (r_2 * r_2) + (0.033025026f * ((m_x * m_x) + (m_y * m_y))));
+        const bool t49 = t48 && (guard_ready != 0u) && complete;
+        const bool t50 = !t49 && complete;
         const float filter_y_p = state->filter_y_p;
         float x_raw = filter_x_p;
         float y_raw = filter_y_p;
-        float t33 = 0.0f;
+        float t51 = 0.0f;
         float within_x;
         float within_y;
-        if (t32) {
+        if (t50) {
+            const float ratio_x = t44 / (max(t42, t41) + 8.612998e-06f);
+            /*@ admit -1.0f <= ratio_x <= 1.0f; */
+            const float t52 = ratio_x * ratio_x;
+            const float t53 = sensing_position_1 + (t52 * (sensing_position_3 + (t52 * (sensing_position_5 + (t52 * sensing_position_7)))));
+            const float t54 = ratio_x * t53;
             float sensing_within_x_next;
-            if (t24 <= t23) {
-                const float t34 = limit(t26 / (t23 + 8.612998e-06f), 1.0f);
-                const float t35 = t34 * t34;
-                const float t36 = sensing_position_1 + (t35 * (sensing_position_3 + (t35 * (sensing_position_5 + (t35 * sensing_position_7)))));
-                const float t37 = t34 * t36;
-                if (t15 < 0.0f) {
-                    if (0.0f < t37) {
-                        sensing_within_x_next = t37 - 0.0254f;
+            if (t42 <= t41) {
+                if (t35 < 0.0f) {
+                    if (0.0f < t54) {
+                        sensing_within_x_next = t54 - 0.0254f;
                     } else {
-                        sensing_within_x_next = t37 + 0.0254f;
+                        sensing_within_x_next = t54 + 0.0254f;
                     }
                 } else {
-                    sensing_within_x_next = t37;
+                    sensing_within_x_next = t54;
                 }
             } else {
-                const float t38 = limit(t26 / (t24 + 8.612998e-06f), 1.0f);
-                const float t39 = t38 * t38;
-                const float t40 = sensing_position_1 + (t39 * (sensing_position_3 + (t39 * (sensing_position_5 + (t39 * sensing_position_7)))));
-                sensing_within_x_next = ((t16 < 0.0f) ? -0.0127f : 0.0127f) - (t38 * t40);
+                sensing_within_x_next = ((sensing_first_s_x_next < 0.0f) ? -0.0127f : 0.0127f) - t54;
             }
             const float sensing_offset_x = state->sensing_offset_x;
-            const float t41 = sensing_within_x_next - (filter_x_p - sensing_offset_x);
-            float t42 = sensing_offset_x;
-            if (0.0254f < fabsf(t41)) {
-                if (0.0f < t41) {
-                    const float t43 = max(sensing_offset_x - 0.0508f, -0.1016f);
-                    t42 = t43;
-                    state->sensing_offset_x = t43;
-                } else {
-                    const float t44 = min(sensing_offset_x + 0.0508f, 0.1016f);
-                    t42 = t44;
-                    state->sensing_offset_x = t44;
-                }
-            }
-            x_raw = sensing_within_x_next + t42;
-            float sensing_within_y_next;
-            if (t21 <= t19) {
-                const float t45 = limit(-(t28 / (t19 + 8.612998e-06f)), 1.0f);
-                const float t46 = t45 * t45;
-                const float t47 = sensing_position_1 + (t46 * (sensing_position_3 + (t46 * (sensing_position_5 + (t46 * sensing_position_7)))));
-                const float t48 = t45 * t47;
-                if (-t18 < 0.0f) {
-                    if (0.0f < t48) {
-                        sensing_within_y_next = t48 - 0.0254f;
-                    } else {
-                        sensing_within_y_next = t48 + 0.0254f;
+            const float t55 = sensing_within_x_next - (filter_x_p - sensing_offset_x);
+            float t56 = sensing_offset_x;
+            if (0.0254f < fabsf(t55)) {
+                if (0.0f < t55) {
+                    if (-0.0508f <= sensing_offset_x) {
+                        const float t57 = sensing_offset_x - 0.0508f;
+                        t56 = t57;
+                        state->sensing_offset_x = t57;
                     }
                 } else {
-                    sensing_within_y_next = t48;
+                    if (sensing_offset_x <= 0.0508f) {
+                        const float t58 = sensing_offset_x + 0.0508f;
+                        t56 = t58;
+                        state->sensing_offset_x = t58;
+                    }
+                }
+            }
+            x_raw = sensing_within_x_next + t56;
+            within_x = sensing_within_x_next;
+            const float ratio_y = -(t46 / (max(t39, t38) + 8.612998e-06f));
+            /*@ admit -1.0f <= ratio_y <= 1.0f; */
+            const float t59 = ratio_y * ratio_y;
+            const float t60 = sensing_position_1 + (t59 * (sensing_position_3 + (t59 * (sensing_position_5 + (t59 * sensing_position_7)))));
+            const float t61 = ratio_y * t60;
+            float sensing_within_y_next;
+            if (t39 <= t38) {
+                if (-t37 < 0.0f) {
+                    if (0.0f < t61) {
+                        sensing_within_y_next = t61 - 0.0254f;
+                    } else {
+                        sensing_within_y_next = t61 + 0.0254f;
+                    }
+                } else {
+                    sensing_within_y_next = t61;
                 }
             } else {
-                const float t49 = limit(-(t28 / (t21 + 8.612998e-06f)), 1.0f);
-                const float t50 = t49 * t49;
-                const float t51 = sensing_position_1 + (t50 * (sensing_position_3 + (t50 * (sensing_position_5 + (t50 * sensing_position_7)))));
-                sensing_within_y_next = ((t20 < 0.0f) ? -0.0127f : 0.0127f) - (t49 * t51);
+                sensing_within_y_next = ((sensing_first_s_y_next < 0.0f) ? -0.0127f : 0.0127f) - t61;
             }
             const float sensing_offset_y = state->sensing_offset_y;
-            const float t52 = sensing_within_y_next - (filter_y_p - sensing_offset_y);
-            float t53 = sensing_offset_y;
-            if (0.0254f < fabsf(t52)) {
-                if (0.0f < t52) {
-                    const float t54 = max(sensing_offset_y - 0.0508f, -0.1016f);
-                    t53 = t54;
-                    state->sensing_offset_y = t54;
+            const float t62 = sensing_within_y_next - (filter_y_p - sensing_offset_y);
+            float t63 = sensing_offset_y;
+            if (0.0254f < fabsf(t62)) {
+                if (0.0f < t62) {
+                    if (-0.0508f <= sensing_offset_y) {
+                        const float t64 = sensing_offset_y - 0.0508f;
+                        t63 = t64;
+                        state->sensing_offset_y = t64;
+                    }
                 } else {
-                    const float t55 = min(sensing_offset_y + 0.0508f, 0.1016f);
-                    t53 = t55;
-                    state->sensing_offset_y = t55;
+                    if (sensing_offset_y <= 0.0508f) {
+                        const float t65 = sensing_offset_y + 0.0508f;
+                        t63 = t65;
+                        state->sensing_offset_y = t65;
+                    }
                 }
             }
-            y_raw = sensing_within_y_next + t53;
-            const float t56 = (t16 * (t20 + t18)) + (t20 * (t16 - t15));
-            const float t57 = ((t22 * r_1) - (t25 * r_2) + (sensing_third * (t56 * (m_x - m_y)))) / ((t22 * t22) + (t25 * t25) + (2.0f * (sensing_third * (t56 * t56))) + 0.08612997f);
-            t33 = t57;
-            within_x = sensing_within_x_next;
+            y_raw = sensing_within_y_next + t63;
             state->sensing_within_x = sensing_within_x_next;
             within_y = sensing_within_y_next;
             state->sensing_within_y = sensing_within_y_next;
+            const float t66 = (sensing_first_s_x_next * (sensing_first_s_y_next + t37)) + (sensing_first_s_y_next * (sensing_first_s_x_next - t35));
+            const float t67 = ((t40 * r_1) - (t43 * r_2) + (sensing_third * (t66 * (m_x - m_y)))) / ((t40 * t40) + (t43 * t43) + (2.0f * (sensing_third * (t66 * t66))) + 0.08612997f);
+            t51 = t67;
         } else {
             within_x = state->sensing_within_x;
             within_y = state->sensing_within_y;
         }
-        const float phi_raw = limit(filter_phi_p + t33, 0.025f);
-        if (t31) {
+        const float phi_raw = limit(filter_phi_p + t51, 0.025f);
+        if (t49) {
             state->sensing_doubt = 4u;
         } else {
-            if (t32 && (sensing_doubt != 0u)) {
+            if (t50 && (sensing_doubt != 0u)) {
                 state->sensing_doubt = sensing_doubt - 1u;
             }
         }
-        if (t31 && (sensing_doubt != 0u)) {
+        if (t49 && (sensing_doubt != 0u)) {
             state->sensing_named = 1u;
         }
-        if (t31 && !(sensing_doubt != 0u)) {
-            const bool t58 = 0.12402716f < t30;
-            const float t59 = fabsf(m_x);
-            const bool t60 = 0.25838992f < t59;
-            const float t61 = fabsf(m_y);
-            const bool t62 = 0.25838992f < t61;
-            const bool t63 = 0.07043498f < fabsf(r_2);
-            const bool t64 = 0.07043498f < fabsf(r_1);
-            bool t65;
-            bool t66;
-            bool t67 = t60;
-            bool t68;
-            bool t69;
-            bool t70 = t62;
-            if (t58) {
-                const bool t71 = t59 < 0.8612997f;
-                t65 = t63 && (!t71 || (fabsf(r_2 * ((2.0f * t16) + r_2)) < 2.5838993f));
-                const bool t72 = t61 < 0.8612997f;
-                t66 = t64 && (!t72 || (fabsf(r_1 * ((2.0f * t20) + r_1)) < 2.5838993f));
-                t67 = t60 && !t63;
-                t68 = t64 && t72;
-                t69 = t63 && t71;
-                t70 = t62 && !t64;
-            } else {
-                const bool t73 = t64 || t63;
-                t65 = t73 || t60;
-                t66 = t73 || t62;
-                t68 = t73;
-                t69 = t73;
-            }
-            const bool t74 = (0.01f < fabsf(filter_phi_p)) || (t60 && t62 && !t58);
-            const bool sensing_found_V_ax_next = t65 || t74;
-            state->sensing_found_V_ax = flag(sensing_found_V_ax_next);
-            const bool sensing_found_V_ay_next = t66 || t74;
-            state->sensing_found_V_ay = flag(sensing_found_V_ay_next);
-            const bool sensing_found_V_bx_next = t67 || t74;
-            state->sensing_found_V_bx = flag(sensing_found_V_bx_next);
-            const bool sensing_found_V_by_next = t68 || t74;
-            state->sensing_found_V_by = flag(sensing_found_V_by_next);
-            const bool sensing_found_V_cx_next = t69 || t74;
-            state->sensing_found_V_cx = flag(sensing_found_V_cx_next);
-            const bool sensing_found_V_cy_next = t70 || t74;
-            state->sensing_found_V_cy = flag(sensing_found_V_cy_next);
+        if (t49 && !(sensing_doubt != 0u)) {
+            state->sensing_first_m_x = m_x;
+            state->sensing_first_m_y = m_y;
+            state->sensing_first_r_1 = r_1;
+            state->sensing_first_r_2 = r_2;
+            state->sensing_first_s_x = sensing_first_s_x_next;
+            state->sensing_first_s_y = sensing_first_s_y_next;
+            state->sensing_first_phi = filter_phi_p;
         }
 
         /* filter_x: (6)-(16) */
-        const float t75 = x_raw - filter_x_p;
-        const float t76 = filter_x_p + (filter_x_k_p * t75);
+        const float t68 = x_raw - filter_x_p;
+        const float t69 = filter_x_p + (filter_x_k_p * t68);
         const float filter_x_s = state->filter_x_s;
         const float filter_x_h = state->filter_x_h;
-        const float t77 = filter_x_h + (filter_x_k_h * t75);
-        const float t78 = filter_x_s + (filter_x_k_s * t75) + t77;
-        const float t79 = t76 + t78;
-        const float t80 = t78 + t77;
-        float x = t76;
-        if ((guard_ready != 0u) && (fabsf(t79) <= 0.2f) && (fabsf(t80) <= 0.2f) && (fabsf(t77) <= 0.2f)) {
-            state->filter_x_p = t79;
-            state->filter_x_s = t80;
-            state->filter_x_h = t77;
+        const float t70 = filter_x_h + (filter_x_k_h * t68);
+        const float t71 = filter_x_s + (filter_x_k_s * t68) + t70;
+        const float t72 = t69 + t71;
+        const float t73 = t71 + t70;
+        float x = t69;
+        if ((guard_ready != 0u) && (fabsf(t72) <= 0.2f) && (fabsf(t73) <= 0.2f) && (fabsf(t70) <= 0.2f)) {
+            state->filter_x_p = t72;
+            state->filter_x_s = t73;
+            state->filter_x_h = t70;
         } else {
             x = x_raw;
             state->filter_x_p = x_raw;
@@ -601,19 +602,19 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
 
         /* filter_y: (6)-(16) */
-        const float t81 = y_raw - filter_y_p;
-        const float t82 = filter_y_p + (filter_y_k_p * t81);
+        const float t74 = y_raw - filter_y_p;
+        const float t75 = filter_y_p + (filter_y_k_p * t74);
         const float filter_y_s = state->filter_y_s;
         const float filter_y_h = state->filter_y_h;
-        const float t83 = filter_y_h + (filter_y_k_h * t81);
-        const float t84 = filter_y_s + (filter_y_k_s * t81) + t83;
-        const float t85 = t82 + t84;
-        const float t86 = t84 + t83;
-        float y = t82;
-        if ((guard_ready != 0u) && (fabsf(t85) <= 0.2f) && (fabsf(t86) <= 0.2f) && (fabsf(t83) <= 0.2f)) {
-            state->filter_y_p = t85;
-            state->filter_y_s = t86;
-            state->filter_y_h = t83;
+        const float t76 = filter_y_h + (filter_y_k_h * t74);
+        const float t77 = filter_y_s + (filter_y_k_s * t74) + t76;
+        const float t78 = t75 + t77;
+        const float t79 = t77 + t76;
+        float y = t75;
+        if ((guard_ready != 0u) && (fabsf(t78) <= 0.2f) && (fabsf(t79) <= 0.2f) && (fabsf(t76) <= 0.2f)) {
+            state->filter_y_p = t78;
+            state->filter_y_s = t79;
+            state->filter_y_h = t76;
         } else {
             y = y_raw;
             state->filter_y_p = y_raw;
@@ -622,19 +623,19 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
 
         /* filter_phi: (6)-(16) */
-        const float t87 = phi_raw - filter_phi_p;
-        const float t88 = filter_phi_p + (filter_phi_k_p * t87);
+        const float t80 = phi_raw - filter_phi_p;
+        const float t81 = filter_phi_p + (filter_phi_k_p * t80);
         const float filter_phi_s = state->filter_phi_s;
         const float filter_phi_h = state->filter_phi_h;
-        const float t89 = filter_phi_h + (filter_phi_k_h * t87);
-        const float t90 = filter_phi_s + (filter_phi_k_s * t87) + t89;
-        const float t91 = t88 + t90;
-        const float t92 = t90 + t89;
-        float phi = t88;
-        if ((guard_ready != 0u) && (fabsf(t91) <= 0.05f) && (fabsf(t92) <= 0.05f) && (fabsf(t89) <= 0.05f)) {
-            state->filter_phi_p = t91;
-            state->filter_phi_s = t92;
-            state->filter_phi_h = t89;
+        const float t82 = filter_phi_h + (filter_phi_k_h * t80);
+        const float t83 = filter_phi_s + (filter_phi_k_s * t80) + t82;
+        const float t84 = t81 + t83;
+        const float t85 = t83 + t82;
+        float phi = t81;
+        if ((guard_ready != 0u) && (fabsf(t84) <= 0.05f) && (fabsf(t85) <= 0.05f) && (fabsf(t82) <= 0.05f)) {
+            state->filter_phi_p = t84;
+            state->filter_phi_s = t85;
+            state->filter_phi_h = t82;
         } else {
             phi = phi_raw;
             state->filter_phi_p = phi_raw;
@@ -643,71 +644,71 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
 
         /* heights: laser distances inverted */
-        const float t93 = 0.5f * (d1_held + d2_held);
-        const float z = 0.5f * (t93 + d3_held);
-        const float theta = 8.333333f * (d3_held - t93);
+        const float t86 = 0.5f * (d1_held + d2_held);
+        const float z = 0.5f * (t86 + d3_held);
+        const float theta = 8.333333f * (d3_held - t86);
         const float psi = 8.333333f * (d1_held - d2_held);
 
         /* loop_x: (21) */
-        const float t94 = x_ref_held - x;
+        const float t87 = x_ref_held - x;
         const float loop_x_lag = state->loop_x_lag;
         const float loop_x_integral = state->loop_x_integral;
-        const float d_x = (loop_x_direct * t94) + loop_x_lag + loop_x_integral;
-        const float loop_x_lag_next = (loop_x_into_lag * t94) + (loop_x_pole * loop_x_lag);
+        const float d_x = (loop_x_direct * t87) + loop_x_lag + loop_x_integral;
+        const float loop_x_lag_next = (loop_x_into_lag * t87) + (loop_x_pole * loop_x_lag);
         state->loop_x_lag = loop_x_lag_next;
 
         /* loop_y: (21) */
-        const float t95 = y_ref_held - y;
+        const float t88 = y_ref_held - y;
         const float loop_y_lag = state->loop_y_lag;
         const float loop_y_integral = state->loop_y_integral;
-        const float d_y = (loop_y_direct * t95) + loop_y_lag + loop_y_integral;
-        const float loop_y_lag_next = (loop_y_into_lag * t95) + (loop_y_pole * loop_y_lag);
+        const float d_y = (loop_y_direct * t88) + loop_y_lag + loop_y_integral;
+        const float loop_y_lag_next = (loop_y_into_lag * t88) + (loop_y_pole * loop_y_lag);
         state->loop_y_lag = loop_y_lag_next;
 
         /* loop_phi: (22) */
-        const float t96 = phi_ref_held - phi;
+        const float t89 = phi_ref_held - phi;
         const float loop_phi_lag = state->loop_phi_lag;
         const float loop_phi_integral = state->loop_phi_integral;
-        const float d_phi = (loop_phi_direct * t96) + loop_phi_lag + loop_phi_integral;
-        const float loop_phi_lag_next = (loop_phi_into_lag * t96) + (loop_phi_pole * loop_phi_lag);
+        const float d_phi = (loop_phi_direct * t89) + loop_phi_lag + loop_phi_integral;
+        const float loop_phi_lag_next = (loop_phi_into_lag * t89) + (loop_phi_pole * loop_phi_lag);
         state->loop_phi_lag = loop_phi_lag_next;
 
         /* loop_z: (23) */
-        const float t97 = z_ref_held - z;
+        const float t90 = z_ref_held - z;
         const float loop_z_lag = state->loop_z_lag;
         const float loop_z_integral = state->loop_z_integral;
-        const float d_z = (loop_z_direct * t97) + loop_z_lag + loop_z_integral;
-        const float loop_z_lag_next = loop_z_into_lag * t97;
+        const float d_z = (loop_z_direct * t90) + loop_z_lag + loop_z_integral;
+        const float loop_z_lag_next = loop_z_into_lag * t90;
         state->loop_z_lag = loop_z_lag_next;
 
         /* loop_theta: (24) */
-        const float t98 = theta_ref_held - theta;
+        const float t91 = theta_ref_held - theta;
         const float loop_theta_lag = state->loop_theta_lag;
         const float loop_theta_integral = state->loop_theta_integral;
-        const float d_theta = (loop_theta_direct * t98) + loop_theta_lag + loop_theta_integral;
-        const float loop_theta_lag_next = loop_theta_into_lag * t98;
+        const float d_theta = (loop_theta_direct * t91) + loop_theta_lag + loop_theta_integral;
+        const float loop_theta_lag_next = loop_theta_into_lag * t91;
         state->loop_theta_lag = loop_theta_lag_next;
 
         /* loop_psi: (25) */
-        const float t99 = psi_ref_held - psi;
+        const float t92 = psi_ref_held - psi;
         const float loop_psi_lag = state->loop_psi_lag;
         const float loop_psi_integral = state->loop_psi_integral;
-        const float d_psi = (loop_psi_direct * t99) + loop_psi_lag + loop_psi_integral;
-        const float loop_psi_lag_next = loop_psi_into_lag * t99;
+        const float d_psi = (loop_psi_direct * t92) + loop_psi_lag + loop_psi_integral;
+        const float loop_psi_lag_next = loop_psi_into_lag * t92;
         state->loop_psi_lag = loop_psi_lag_next;
 
         /* allocation: Table 3, (17), limits */
-        const float t100 = phi * phi;
-        const float t101 = f1_polynomial(t100);
-        const float t102 = phi * f2_polynomial(t100);
-        const float i_CQ = limit((t101 * d_x) + (t102 * d_y), 1.134f);
-        const float t103 = limit(d_phi + i_CQ, 1.134f);
-        const float t104 = limit(0.5f * ((t101 * d_y) - (t102 * d_x)), 1.134f - fabsf(t103));
-        const float i_AQ = t104 - t103;
-        const float i_BQ = t104 + t103;
-        const float t105 = d_z - d_theta;
-        const float i_AD = limit(t105 + d_psi, 0.54913455f);
-        const float i_BD = limit(t105 - d_psi, 0.54913455f);
+        const float t93 = phi * phi;
+        const float t94 = f1_polynomial(t93);
+        const float t95 = phi * f2_polynomial(t93);
+        const float i_CQ = limit((t94 * d_x) + (t95 * d_y), max(1.134f - fabsf(d_phi), 0.567f));
+        const float t96 = limit(d_phi + i_CQ, 1.134f);
+        const float t97 = limit(0.5f * ((t94 * d_y) - (t95 * d_x)), 1.134f - fabsf(t96));
+        const float i_AQ = t97 - t96;
+        const float i_BQ = t97 + t96;
+        const float t98 = d_z - d_theta;
+        const float i_AD = limit(t98 + d_psi, 0.54913455f);
+        const float i_BD = limit(t98 - d_psi, 0.54913455f);
 
         /* loop_psi: (25) */
         const float loop_psi_integral_next = (loop_psi_reset * loop_psi_integral) + (loop_psi_driven_x_allocation_half * (i_AD - i_BD));
@@ -717,100 +718,100 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float i_CD = limit(d_z + (2.0f * d_theta), 0.54913455f);
 
         /* loop_z: (23) */
-        const float t106 = i_AD + i_BD;
-        const float loop_z_integral_next = (loop_z_reset * loop_z_integral) + (loop_z_driven_x_allocation_part * (t106 + i_CD));
+        const float t99 = i_AD + i_BD;
+        const float loop_z_integral_next = (loop_z_reset * loop_z_integral) + (loop_z_driven_x_allocation_part * (t99 + i_CD));
         state->loop_z_integral = loop_z_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float made_x = (t101 * i_CQ) - (2.0f * (t102 * t104));
+        const float made_x = (t94 * i_CQ) - (2.0f * (t95 * t97));
 
         /* loop_x: (21) */
         const float loop_x_integral_next = (loop_x_reset * loop_x_integral) + (loop_x_driven * made_x);
         state->loop_x_integral = loop_x_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float made_y = (t102 * i_CQ) + (2.0f * (t101 * t104));
+        const float made_y = (t95 * i_CQ) + (2.0f * (t94 * t97));
 
         /* loop_y: (21) */
         const float loop_y_integral_next = (loop_y_reset * loop_y_integral) + (loop_y_driven * made_y);
         state->loop_y_integral = loop_y_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float made_phi = t103 - i_CQ;
+        const float made_phi = t96 - i_CQ;
 
         /* loop_phi: (22) */
         const float loop_phi_integral_next = (loop_phi_reset * loop_phi_integral) + (loop_phi_driven * made_phi);
         state->loop_phi_integral = loop_phi_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float made_theta = (allocation_part * i_CD) - (allocation_front_part * t106);
+        const float made_theta = (allocation_part * i_CD) - (allocation_front_part * t99);
 
         /* loop_theta: (24) */
         const float loop_theta_integral_next = (loop_theta_reset * loop_theta_integral) + (loop_theta_driven * made_theta);
         state->loop_theta_integral = loop_theta_integral_next;
 
         /* commutation: (17) inverted */
-        const float distance_back = within_x - (0.025584769f * t102);
+        const float distance_back = within_x - (0.025584769f * t95);
         const float quarter_sine_back = distance_back * quarter_sine_back_polynomial(distance_back * distance_back);
-        const float distance_front = within_y - ((0.012792384f * t101) - 0.0127f);
+        const float distance_front = within_y - ((0.012792384f * t94) - 0.0127f);
         const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front * distance_front);
-        const float t107 = quarter_sine_front * quarter_sine_front;
-        const float t108 = quarter_sine_front * sqrtf(1.0f - t107);
-        const float t109 = t108 * (4.0f - (8.0f * t107));
-        const float t110 = f5_polynomial(t100);
-        const float t111 = t109 * t110;
-        const float t112 = 1.0f - (8.0f * (t108 * t108));
-        const float t113 = phi * f6_polynomial(t100);
-        const float t114 = t112 * t113;
-        const float t115 = t111 - t114;
-        const float t116 = t112 * t110;
-        const float t117 = t109 * t113;
-        const float t118 = t116 + t117;
-        const float i_AA_computed = (t115 * i_AQ) + (t118 * i_AD);
+        const float t100 = quarter_sine_front * quarter_sine_front;
+        const float t101 = quarter_sine_front * sqrtf(1.0f - t100);
+        const float t102 = t101 * (4.0f - (8.0f * t100));
+        const float t103 = f5_polynomial(t93);
+        const float t104 = t102 * t103;
+        const float t105 = 1.0f - (8.0f * (t101 * t101));
+        const float t106 = phi * f6_polynomial(t93);
+        const float t107 = t105 * t106;
+        const float t108 = t104 - t107;
+        const float t109 = t105 * t103;
+        const float t110 = t102 * t106;
+        const float t111 = t109 + t110;
+        const float i_AA_computed = (t108 * i_AQ) + (t111 * i_AD);
         /*@ admit -1.26f <= i_AA_computed <= 1.26f; */
         state->safe_output_last_i_AA = i_AA_computed;
         out->i_AA = i_AA_computed;
-        const float t119 = 0.8660254f * ((t115 * i_AD) - (t118 * i_AQ));
-        const float t120 = 0.5f * i_AA_computed;
-        const float i_AB_computed = t119 - t120;
+        const float t112 = 0.8660254f * ((t108 * i_AD) - (t111 * i_AQ));
+        const float t113 = 0.5f * i_AA_computed;
+        const float i_AB_computed = t112 - t113;
         /*@ admit -1.26f <= i_AB_computed <= 1.26f; */
         state->safe_output_last_i_AB = i_AB_computed;
         out->i_AB = i_AB_computed;
-        const float i_AC_computed = -(t120 + t119);
+        const float i_AC_computed = -(t113 + t112);
         /*@ admit -1.26f <= i_AC_computed <= 1.26f; */
         state->safe_output_last_i_AC = i_AC_computed;
         out->i_AC = i_AC_computed;
-        const float t121 = t111 + t114;
-        const float t122 = t117 - t116;
-        const float i_BA_computed = (t121 * i_BQ) - (t122 * i_BD);
+        const float t114 = t104 + t107;
+        const float t115 = t110 - t109;
+        const float i_BA_computed = (t114 * i_BQ) - (t115 * i_BD);
         /*@ admit -1.26f <= i_BA_computed <= 1.26f; */
         state->safe_output_last_i_BA = i_BA_computed;
         out->i_BA = i_BA_computed;
-        const float t123 = 0.8660254f * ((t122 * i_BQ) + (t121 * i_BD));
-        const float t124 = 0.5f * i_BA_computed;
-        const float i_BB_computed = t123 - t124;
+        const float t116 = 0.8660254f * ((t115 * i_BQ) + (t114 * i_BD));
+        const float t117 = 0.5f * i_BA_computed;
+        const float i_BB_computed = t116 - t117;
         /*@ admit -1.26f <= i_BB_computed <= 1.26f; */
         state->safe_output_last_i_BB = i_BB_computed;
         out->i_BB = i_BB_computed;
-        const float i_BC_computed = -(t124 + t123);
+        const float i_BC_computed = -(t117 + t116);
         /*@ admit -1.26f <= i_BC_computed <= 1.26f; */
         state->safe_output_last_i_BC = i_BC_computed;
         out->i_BC = i_BC_computed;
-        const float t125 = quarter_sine_back * quarter_sine_back;
-        const float t126 = quarter_sine_back * sqrtf(1.0f - t125);
-        const float t127 = 1.0f - (8.0f * (t126 * t126));
-        const float t128 = t126 * (4.0f - (8.0f * t125));
-        const float i_CA_computed = (t127 * i_CQ) - (t128 * i_CD);
+        const float t118 = quarter_sine_back * quarter_sine_back;
+        const float t119 = quarter_sine_back * sqrtf(1.0f - t118);
+        const float t120 = 1.0f - (8.0f * (t119 * t119));
+        const float t121 = t119 * (4.0f - (8.0f * t118));
+        const float i_CA_computed = (t120 * i_CQ) - (t121 * i_CD);
         /*@ admit -1.26f <= i_CA_computed <= 1.26f; */
         state->safe_output_last_i_CA = i_CA_computed;
         out->i_CA = i_CA_computed;
-        const float t129 = 0.8660254f * ((t128 * i_CQ) + (t127 * i_CD));
-        const float t130 = 0.5f * i_CA_computed;
-        const float i_CB_computed = t129 - t130;
+        const float t122 = 0.8660254f * ((t121 * i_CQ) + (t120 * i_CD));
+        const float t123 = 0.5f * i_CA_computed;
+        const float i_CB_computed = t122 - t123;
         /*@ admit -1.26f <= i_CB_computed <= 1.26f; */
         state->safe_output_last_i_CB = i_CB_computed;
         out->i_CB = i_CB_computed;
-        const float i_CC_computed = -(t130 + t129);
+        const float i_CC_computed = -(t123 + t122);
         /*@ admit -1.26f <= i_CC_computed <= 1.26f; */
         state->safe_output_last_i_CC = i_CC_computed;
         out->i_CC = i_CC_computed;

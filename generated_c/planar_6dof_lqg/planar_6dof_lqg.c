@@ -18,15 +18,6 @@ static inline float limit(float x, float high)
     return (fabsf(x) <= high) ? x : ((x < 0.0f) ? -high : fabsf(high));
 }
 
-static inline uint32_t flag(bool holds)
-{
-    uint32_t value = 0u;
-    if (holds) {
-        value = 1u;
-    }
-    return value;
-}
-
 /* f1_polynomial for clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004: t = x^2, x = clamp(phi_raw, -0.075, 0.075);
  * relative error at most 6e-08. */
 static inline float f1_polynomial(float t)
@@ -83,18 +74,19 @@ void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state)
     state->guard_left = 5u;
     state->guard_latched = 0u;
     state->guard_ready = 0u;
+    state->sensing_doubt = 0u;
+    state->sensing_named = 0u;
+    state->sensing_first_m_x = 0.0f;
+    state->sensing_first_m_y = 0.0f;
+    state->sensing_first_r_1 = 0.0f;
+    state->sensing_first_r_2 = 0.0f;
+    state->sensing_first_s_x = 0.0f;
+    state->sensing_first_s_y = 0.0f;
+    state->sensing_first_phi = 0.0f;
     state->sensing_offset_x = 0.0f;
     state->sensing_offset_y = 0.0f;
     state->sensing_within_x = 0.0f;
     state->sensing_within_y = 0.0f;
-    state->sensing_doubt = 0u;
-    state->sensing_named = 0u;
-    state->sensing_found_V_ax = 0u;
-    state->sensing_found_V_ay = 0u;
-    state->sensing_found_V_bx = 0u;
-    state->sensing_found_V_by = 0u;
-    state->sensing_found_V_cx = 0u;
-    state->sensing_found_V_cy = 0u;
     state->sensing_phi_raw = 0.0f;
     state->lqg_x_x3 = 0.0f;
     state->lqg_x_integral = 0.0f;
@@ -309,32 +301,72 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     uint32_t faults = t2;
     if (sensing_named != 0u) {
         /* sensing: (1)-(5) */
-        const uint32_t sensing_found_V_ax = state->sensing_found_V_ax;
-        const uint32_t sensing_found_V_ay = state->sensing_found_V_ay;
-        const uint32_t sensing_found_V_bx = state->sensing_found_V_bx;
-        const uint32_t sensing_found_V_by = state->sensing_found_V_by;
-        const uint32_t sensing_found_V_cx = state->sensing_found_V_cx;
-        const uint32_t sensing_found_V_cy = state->sensing_found_V_cy;
-        uint32_t t4 = t2;
-        if (sensing_found_V_ax != 0u) {
-            t4 = t2 | 0x00008000u;
-        }
-        if (sensing_found_V_ay != 0u) {
-            t4 |= 0x00010000u;
-        }
-        if (sensing_found_V_bx != 0u) {
-            t4 |= 0x00020000u;
-        }
-        if (sensing_found_V_by != 0u) {
-            t4 |= 0x00040000u;
-        }
-        if (sensing_found_V_cx != 0u) {
-            t4 |= 0x00080000u;
-        }
-        if (sensing_found_V_cy != 0u) {
-            faults = t4 | 0x00100000u;
+        const float sensing_first_r_1 = state->sensing_first_r_1;
+        const float sensing_first_r_2 = state->sensing_first_r_2;
+        const float sensing_first_m_x = state->sensing_first_m_x;
+        const float sensing_first_m_y = state->sensing_first_m_y;
+        const float t4 = (sensing_first_r_1 * sensing_first_r_1) + (sensing_first_r_2 * sensing_first_r_2) + (0.033025026f * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y * sensing_first_m_y)));
+        const bool t5 = 0.12402716f < t4;
+        const float t6 = fabsf(sensing_first_m_x);
+        const bool t7 = 0.25838992f < t6;
+        const float t8 = fabsf(sensing_first_m_y);
+        const bool t9 = 0.25838992f < t8;
+        const bool t10 = 0.07043498f < fabsf(sensing_first_r_2);
+        const bool t11 = 0.07043498f < fabsf(sensing_first_r_1);
+        bool t12;
+        bool t13;
+        bool t14 = t7;
+        bool t15;
+        bool t16;
+        bool t17 = t9;
+        if (t5) {
+            const bool t18 = t6 < 0.8612997f;
+            const float sensing_first_s_x = state->sensing_first_s_x;
+            const float t19 = fabsf(sensing_first_r_2 * ((2.0f * sensing_first_s_x) + sensing_first_r_2));
+            t12 = t10 && (!t18 || (t19 < 2.5838993f));
+            const bool t20 = t8 < 0.8612997f;
+            const float sensing_first_s_y = state->sensing_first_s_y;
+            const float t21 = fabsf(sensing_first_r_1 * ((2.0f * sensing_first_s_y) + sensing_first_r_1));
+            t13 = t11 && (!t20 || (t21 < 2.5838993f));
+            t14 = (t19 + 0.8612997f) < t6;
+            t15 = t11 && t20;
+            t16 = t10 && t18;
+            t17 = (t21 + 0.8612997f) < t8;
         } else {
-            faults = t4;
+            const bool t22 = t10 || t11;
+            t12 = t22 || t7;
+            t13 = t22 || t9;
+            t15 = t22;
+            t16 = t22;
+        }
+        const float sensing_first_phi = state->sensing_first_phi;
+        const bool t23 = (0.01f < fabsf(sensing_first_phi)) || (t7 && t9 && !t5);
+        const bool suspect_V_ax = t12 || t23;
+        const bool suspect_V_ay = t13 || t23;
+        const bool suspect_V_bx = t14 || t23;
+        const bool suspect_V_by = t15 || t23;
+        const bool suspect_V_cx = t16 || t23;
+        const bool suspect_V_cy = t17 || t23;
+        uint32_t t24 = t2;
+        if (suspect_V_ax) {
+            t24 = t2 | 0x00008000u;
+        }
+        if (suspect_V_ay) {
+            t24 |= 0x00010000u;
+        }
+        if (suspect_V_bx) {
+            t24 |= 0x00020000u;
+        }
+        if (suspect_V_by) {
+            t24 |= 0x00040000u;
+        }
+        if (suspect_V_cx) {
+            t24 |= 0x00080000u;
+        }
+        if (suspect_V_cy) {
+            faults = t24 | 0x00100000u;
+        } else {
+            faults = t24;
         }
     } else {
         complete = t1;
@@ -357,41 +389,41 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     /* safe_output: slew to the safe output once latched */
     if (latched != 0u) {
         const float safe_output_last_i_AA = state->safe_output_last_i_AA;
-        const float t5 = max(min(0.0f, safe_output_last_i_AA + 0.1575f), safe_output_last_i_AA - 0.1575f);
-        out->i_AA = t5;
+        const float t25 = max(min(0.0f, safe_output_last_i_AA + 0.1575f), safe_output_last_i_AA - 0.1575f);
+        out->i_AA = t25;
         const float safe_output_last_i_AB = state->safe_output_last_i_AB;
-        const float t6 = max(min(0.0f, safe_output_last_i_AB + 0.1575f), safe_output_last_i_AB - 0.1575f);
-        out->i_AB = t6;
+        const float t26 = max(min(0.0f, safe_output_last_i_AB + 0.1575f), safe_output_last_i_AB - 0.1575f);
+        out->i_AB = t26;
         const float safe_output_last_i_AC = state->safe_output_last_i_AC;
-        const float t7 = max(min(0.0f, safe_output_last_i_AC + 0.1575f), safe_output_last_i_AC - 0.1575f);
-        out->i_AC = t7;
+        const float t27 = max(min(0.0f, safe_output_last_i_AC + 0.1575f), safe_output_last_i_AC - 0.1575f);
+        out->i_AC = t27;
         const float safe_output_last_i_BA = state->safe_output_last_i_BA;
-        const float t8 = max(min(0.0f, safe_output_last_i_BA + 0.1575f), safe_output_last_i_BA - 0.1575f);
-        out->i_BA = t8;
+        const float t28 = max(min(0.0f, safe_output_last_i_BA + 0.1575f), safe_output_last_i_BA - 0.1575f);
+        out->i_BA = t28;
         const float safe_output_last_i_BB = state->safe_output_last_i_BB;
-        const float t9 = max(min(0.0f, safe_output_last_i_BB + 0.1575f), safe_output_last_i_BB - 0.1575f);
-        out->i_BB = t9;
+        const float t29 = max(min(0.0f, safe_output_last_i_BB + 0.1575f), safe_output_last_i_BB - 0.1575f);
+        out->i_BB = t29;
         const float safe_output_last_i_BC = state->safe_output_last_i_BC;
-        const float t10 = max(min(0.0f, safe_output_last_i_BC + 0.1575f), safe_output_last_i_BC - 0.1575f);
-        out->i_BC = t10;
+        const float t30 = max(min(0.0f, safe_output_last_i_BC + 0.1575f), safe_output_last_i_BC - 0.1575f);
+        out->i_BC = t30;
         const float safe_output_last_i_CA = state->safe_output_last_i_CA;
-        const float t11 = max(min(0.0f, safe_output_last_i_CA + 0.1575f), safe_output_last_i_CA - 0.1575f);
-        out->i_CA = t11;
+        const float t31 = max(min(0.0f, safe_output_last_i_CA + 0.1575f), safe_output_last_i_CA - 0.1575f);
+        out->i_CA = t31;
         const float safe_output_last_i_CB = state->safe_output_last_i_CB;
-        const float t12 = max(min(0.0f, safe_output_last_i_CB + 0.1575f), safe_output_last_i_CB - 0.1575f);
-        out->i_CB = t12;
+        const float t32 = max(min(0.0f, safe_output_last_i_CB + 0.1575f), safe_output_last_i_CB - 0.1575f);
+        out->i_CB = t32;
         const float safe_output_last_i_CC = state->safe_output_last_i_CC;
-        state->safe_output_last_i_AA = t5;
-        state->safe_output_last_i_AB = t6;
-        state->safe_output_last_i_AC = t7;
-        state->safe_output_last_i_BA = t8;
-        state->safe_output_last_i_BB = t9;
-        state->safe_output_last_i_BC = t10;
-        state->safe_output_last_i_CA = t11;
-        state->safe_output_last_i_CB = t12;
-        const float t13 = max(min(0.0f, safe_output_last_i_CC + 0.1575f), safe_output_last_i_CC - 0.1575f);
-        state->safe_output_last_i_CC = t13;
-        out->i_CC = t13;
+        state->safe_output_last_i_AA = t25;
+        state->safe_output_last_i_AB = t26;
+        state->safe_output_last_i_AC = t27;
+        state->safe_output_last_i_BA = t28;
+        state->safe_output_last_i_BB = t29;
+        state->safe_output_last_i_BC = t30;
+        state->safe_output_last_i_CA = t31;
+        state->safe_output_last_i_CB = t32;
+        const float t33 = max(min(0.0f, safe_output_last_i_CC + 0.1575f), safe_output_last_i_CC - 0.1575f);
+        state->safe_output_last_i_CC = t33;
+        out->i_CC = t33;
 
         /* guard: range acceptance, hold, latch */
         state->guard_latched = 1u;
@@ -400,262 +432,231 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /* sensing: (1)-(5) */
         const uint32_t sensing_doubt = state->sensing_doubt;
         const float sensing_phi_raw = state->sensing_phi_raw;
-        const float t14 = sensing_phi_raw * V_ay_held;
-        const float t15 = t14 - V_bx_held;
-        const float t16 = V_ax_held - t14;
-        const float t17 = sensing_phi_raw * V_ax_held;
-        const float t18 = V_cy_held + t17;
-        const float t19 = t18 * t18;
-        const float t20 = V_ay_held + t17;
-        const float t21 = t20 * t20;
-        const float t22 = t15 + t16 - (t18 * t19 * (sensing_slope_0 + (t21 * sensing_slope_1)));
-        const float r_1 = V_by_held - V_ay_held - (t22 * sensing_phi_raw);
-        const float t23 = t15 * t15;
-        const float t24 = t16 * t16;
-        const float t25 = (t15 * t23 * (sensing_slope_0 + (t24 * sensing_slope_1))) + (t20 - t18);
-        const float r_2 = V_cx_held - V_ax_held + (t25 * sensing_phi_raw);
-        const float t26 = t16 * t15;
-        const float t27 = t26 * t26;
-        const float m_x = t24 + t23 - (sensing_power_0 + (t27 * (sensing_power_1 + (t27 * sensing_power_2))));
-        const float t28 = t20 * t18;
-        const float t29 = t28 * t28;
-        const float m_y = t21 + t19 - (sensing_power_0 + (t29 * (sensing_power_1 + (t29 * sensing_power_2))));
-        const float t30 = (r_1 * r_1) + (r_2 * r_2) + (0.033025026f * ((m_x * m_x) + (m_y * m_y)));
-        const bool t31 = (((sensing_doubt != 0u) ? 0.013780796f : 0.055123184f) < t30) && (guard_ready != 0u) && complete;
-        const bool t32 = !t31 && complete;
+        const float t34 = sensing_phi_raw * V_ay_held;
+        const float t35 = t34 - V_bx_held;
+        const float sensing_first_s_x_next = V_ax_held - t34;
+        const float t36 = sensing_phi_raw * V_ax_held;
+        const float t37 = V_cy_held + t36;
+        const float t38 = t37 * t37;
+        const float sensing_first_s_y_next = V_ay_held + t36;
+        const float t39 = sensing_first_s_y_next * sensing_first_s_y_next;
+        const float t40 = t35 + sensing_first_s_x_next - (t37 * t38 * (sensing_slope_0 + (t39 * sensing_slope_1)));
+        const float r_1 = V_by_held - V_ay_held - (t40 * sensing_phi_raw);
+        const float t41 = t35 * t35;
+        const float t42 = sensing_first_s_x_next * sensing_first_s_x_next;
+        const float t43 = (t35 * t41 * (sensing_slope_0 + (t42 * sensing_slope_1))) + (sensing_first_s_y_next - t37);
+        const float r_2 = V_cx_held - V_ax_held + (t43 * sensing_phi_raw);
+        const float t44 = sensing_first_s_x_next * t35;
+        const float t45 = t44 * t44;
+        const float m_x = t42 + t41 - (sensing_power_0 + (t45 * (sensing_power_1 + (t45 * sensing_power_2))));
+        const float t46 = sensing_first_s_y_next * t37;
+        const float t47 = t46 * t46;
+        const float m_y = t39 + t38 - (sensing_power_0 + (t47 * (sensing_power_1 + (t47 * sensing_power_2))));
+        const bool t48 = ((sensing_doubt != 0u) ? 0.013780796f : 0.055123184f) < ((r_1 * r_1) + (r_2 * r_2) + (0.033025026f * ((m_x * m_x) + (m_y * m_y))));
+        const bool t49 = t48 && (guard_ready != 0u) && complete;
+        const bool t50 = !t49 && complete;
         const float sensing_within_x = state->sensing_within_x;
         const float sensing_within_y = state->sensing_within_y;
         const float sensing_offset_x = state->sensing_offset_x;
         const float sensing_offset_y = state->sensing_offset_y;
         float x_raw;
         float y_raw;
-        float t33 = 0.0f;
+        float t51 = 0.0f;
         float within_x = sensing_within_x;
         float within_y = sensing_within_y;
-        if (t32) {
+        if (t50) {
+            const float ratio_x = t44 / (max(t42, t41) + 8.612998e-06f);
+            /*@ admit -1.0f <= ratio_x <= 1.0f; */
+            const float t52 = ratio_x * ratio_x;
+            const float t53 = sensing_position_1 + (t52 * (sensing_position_3 + (t52 * (sensing_position_5 + (t52 * sensing_position_7)))));
+            const float t54 = ratio_x * t53;
             float sensing_within_x_next;
-            if (t24 <= t23) {
-                const float t34 = limit(t26 / (t23 + 8.612998e-06f), 1.0f);
-                const float t35 = t34 * t34;
-                const float t36 = sensing_position_1 + (t35 * (sensing_position_3 + (t35 * (sensing_position_5 + (t35 * sensing_position_7)))));
-                const float t37 = t34 * t36;
-                if (t15 < 0.0f) {
-                    if (0.0f < t37) {
-                        sensing_within_x_next = t37 - 0.0254f;
+            if (t42 <= t41) {
+                if (t35 < 0.0f) {
+                    if (0.0f < t54) {
+                        sensing_within_x_next = t54 - 0.0254f;
                     } else {
-                        sensing_within_x_next = t37 + 0.0254f;
+                        sensing_within_x_next = t54 + 0.0254f;
                     }
                 } else {
-                    sensing_within_x_next = t37;
+                    sensing_within_x_next = t54;
                 }
             } else {
-                const float t38 = limit(t26 / (t24 + 8.612998e-06f), 1.0f);
-                const float t39 = t38 * t38;
-                const float t40 = sensing_position_1 + (t39 * (sensing_position_3 + (t39 * (sensing_position_5 + (t39 * sensing_position_7)))));
-                sensing_within_x_next = ((t16 < 0.0f) ? -0.0127f : 0.0127f) - (t38 * t40);
+                sensing_within_x_next = ((sensing_first_s_x_next < 0.0f) ? -0.0127f : 0.0127f) - t54;
             }
-            const float t41 = sensing_within_x_next - sensing_within_x;
-            float t42 = sensing_offset_x;
-            if (0.0254f < fabsf(t41)) {
-                if (0.0f < t41) {
-                    const float t43 = max(sensing_offset_x - 0.0508f, -0.1016f);
-                    t42 = t43;
-                    state->sensing_offset_x = t43;
-                } else {
-                    const float t44 = min(sensing_offset_x + 0.0508f, 0.1016f);
-                    t42 = t44;
-                    state->sensing_offset_x = t44;
-                }
-            }
-            x_raw = sensing_within_x_next + t42;
-            float sensing_within_y_next;
-            if (t21 <= t19) {
-                const float t45 = limit(-(t28 / (t19 + 8.612998e-06f)), 1.0f);
-                const float t46 = t45 * t45;
-                const float t47 = sensing_position_1 + (t46 * (sensing_position_3 + (t46 * (sensing_position_5 + (t46 * sensing_position_7)))));
-                const float t48 = t45 * t47;
-                if (-t18 < 0.0f) {
-                    if (0.0f < t48) {
-                        sensing_within_y_next = t48 - 0.0254f;
-                    } else {
-                        sensing_within_y_next = t48 + 0.0254f;
+            const float t55 = sensing_within_x_next - sensing_within_x;
+            float t56 = sensing_offset_x;
+            if (0.0254f < fabsf(t55)) {
+                if (0.0f < t55) {
+                    if (-0.0508f <= sensing_offset_x) {
+                        const float t57 = sensing_offset_x - 0.0508f;
+                        t56 = t57;
+                        state->sensing_offset_x = t57;
                     }
                 } else {
-                    sensing_within_y_next = t48;
-                }
-            } else {
-                const float t49 = limit(-(t28 / (t21 + 8.612998e-06f)), 1.0f);
-                const float t50 = t49 * t49;
-                const float t51 = sensing_position_1 + (t50 * (sensing_position_3 + (t50 * (sensing_position_5 + (t50 * sensing_position_7)))));
-                sensing_within_y_next = ((t20 < 0.0f) ? -0.0127f : 0.0127f) - (t49 * t51);
-            }
-            const float t52 = sensing_within_y_next - sensing_within_y;
-            float t53 = sensing_offset_y;
-            if (0.0254f < fabsf(t52)) {
-                if (0.0f < t52) {
-                    const float t54 = max(sensing_offset_y - 0.0508f, -0.1016f);
-                    t53 = t54;
-                    state->sensing_offset_y = t54;
-                } else {
-                    const float t55 = min(sensing_offset_y + 0.0508f, 0.1016f);
-                    t53 = t55;
-                    state->sensing_offset_y = t55;
+                    if (sensing_offset_x <= 0.0508f) {
+                        const float t58 = sensing_offset_x + 0.0508f;
+                        t56 = t58;
+                        state->sensing_offset_x = t58;
+                    }
                 }
             }
-            y_raw = sensing_within_y_next + t53;
-            const float t56 = (t16 * (t20 + t18)) + (t20 * (t16 - t15));
-            const float t57 = ((t22 * r_1) - (t25 * r_2) + (sensing_third * (t56 * (m_x - m_y)))) / ((t22 * t22) + (t25 * t25) + (2.0f * (sensing_third * (t56 * t56))) + 0.08612997f);
-            t33 = t57;
+            x_raw = sensing_within_x_next + t56;
             within_x = sensing_within_x_next;
+            const float ratio_y = -(t46 / (max(t39, t38) + 8.612998e-06f));
+            /*@ admit -1.0f <= ratio_y <= 1.0f; */
+            const float t59 = ratio_y * ratio_y;
+            const float t60 = sensing_position_1 + (t59 * (sensing_position_3 + (t59 * (sensing_position_5 + (t59 * sensing_position_7)))));
+            const float t61 = ratio_y * t60;
+            float sensing_within_y_next;
+            if (t39 <= t38) {
+                if (-t37 < 0.0f) {
+                    if (0.0f < t61) {
+                        sensing_within_y_next = t61 - 0.0254f;
+                    } else {
+                        sensing_within_y_next = t61 + 0.0254f;
+                    }
+                } else {
+                    sensing_within_y_next = t61;
+                }
+            } else {
+                sensing_within_y_next = ((sensing_first_s_y_next < 0.0f) ? -0.0127f : 0.0127f) - t61;
+            }
+            const float t62 = sensing_within_y_next - sensing_within_y;
+            float t63 = sensing_offset_y;
+            if (0.0254f < fabsf(t62)) {
+                if (0.0f < t62) {
+                    if (-0.0508f <= sensing_offset_y) {
+                        const float t64 = sensing_offset_y - 0.0508f;
+                        t63 = t64;
+                        state->sensing_offset_y = t64;
+                    }
+                } else {
+                    if (sensing_offset_y <= 0.0508f) {
+                        const float t65 = sensing_offset_y + 0.0508f;
+                        t63 = t65;
+                        state->sensing_offset_y = t65;
+                    }
+                }
+            }
+            y_raw = sensing_within_y_next + t63;
             state->sensing_within_x = sensing_within_x_next;
             within_y = sensing_within_y_next;
             state->sensing_within_y = sensing_within_y_next;
+            const float t66 = (sensing_first_s_x_next * (sensing_first_s_y_next + t37)) + (sensing_first_s_y_next * (sensing_first_s_x_next - t35));
+            const float t67 = ((t40 * r_1) - (t43 * r_2) + (sensing_third * (t66 * (m_x - m_y)))) / ((t40 * t40) + (t43 * t43) + (2.0f * (sensing_third * (t66 * t66))) + 0.08612997f);
+            t51 = t67;
         } else {
             x_raw = sensing_within_x + sensing_offset_x;
             y_raw = sensing_within_y + sensing_offset_y;
         }
-        const float phi_raw = limit(sensing_phi_raw + t33, 0.025f);
-        if (t31) {
+        const float phi_raw = limit(sensing_phi_raw + t51, 0.025f);
+        if (t49) {
             state->sensing_doubt = 4u;
         } else {
-            if (t32 && (sensing_doubt != 0u)) {
+            if (t50 && (sensing_doubt != 0u)) {
                 state->sensing_doubt = sensing_doubt - 1u;
             }
         }
-        if (t31 && (sensing_doubt != 0u)) {
+        if (t49 && (sensing_doubt != 0u)) {
             state->sensing_named = 1u;
         }
-        if (t31 && !(sensing_doubt != 0u)) {
-            const bool t58 = 0.12402716f < t30;
-            const float t59 = fabsf(m_x);
-            const bool t60 = 0.25838992f < t59;
-            const float t61 = fabsf(m_y);
-            const bool t62 = 0.25838992f < t61;
-            const bool t63 = 0.07043498f < fabsf(r_2);
-            const bool t64 = 0.07043498f < fabsf(r_1);
-            bool t65;
-            bool t66;
-            bool t67 = t60;
-            bool t68;
-            bool t69;
-            bool t70 = t62;
-            if (t58) {
-                const bool t71 = t59 < 0.8612997f;
-                t65 = t63 && (!t71 || (fabsf(r_2 * ((2.0f * t16) + r_2)) < 2.5838993f));
-                const bool t72 = t61 < 0.8612997f;
-                t66 = t64 && (!t72 || (fabsf(r_1 * ((2.0f * t20) + r_1)) < 2.5838993f));
-                t67 = t60 && !t63;
-                t68 = t64 && t72;
-                t69 = t63 && t71;
-                t70 = t62 && !t64;
-            } else {
-                const bool t73 = t64 || t63;
-                t65 = t73 || t60;
-                t66 = t73 || t62;
-                t68 = t73;
-                t69 = t73;
-            }
-            const bool t74 = (0.01f < fabsf(sensing_phi_raw)) || (t60 && t62 && !t58);
-            const bool sensing_found_V_ax_next = t65 || t74;
-            state->sensing_found_V_ax = flag(sensing_found_V_ax_next);
-            const bool sensing_found_V_ay_next = t66 || t74;
-            state->sensing_found_V_ay = flag(sensing_found_V_ay_next);
-            const bool sensing_found_V_bx_next = t67 || t74;
-            state->sensing_found_V_bx = flag(sensing_found_V_bx_next);
-            const bool sensing_found_V_by_next = t68 || t74;
-            state->sensing_found_V_by = flag(sensing_found_V_by_next);
-            const bool sensing_found_V_cx_next = t69 || t74;
-            state->sensing_found_V_cx = flag(sensing_found_V_cx_next);
-            const bool sensing_found_V_cy_next = t70 || t74;
-            state->sensing_found_V_cy = flag(sensing_found_V_cy_next);
+        if (t49 && !(sensing_doubt != 0u)) {
+            state->sensing_first_m_x = m_x;
+            state->sensing_first_m_y = m_y;
+            state->sensing_first_r_1 = r_1;
+            state->sensing_first_r_2 = r_2;
+            state->sensing_first_s_x = sensing_first_s_x_next;
+            state->sensing_first_s_y = sensing_first_s_y_next;
+            state->sensing_first_phi = sensing_phi_raw;
         }
         state->sensing_phi_raw = phi_raw;
 
         /* heights: laser distances inverted */
-        const float t75 = 0.5f * (d1_held + d2_held);
-        const float z = 0.5f * (t75 + d3_held);
-        const float theta = 8.333333f * (d3_held - t75);
+        const float t68 = 0.5f * (d1_held + d2_held);
+        const float z = 0.5f * (t68 + d3_held);
+        const float theta = 8.333333f * (d3_held - t68);
         const float psi = 8.333333f * (d1_held - d2_held);
 
         /* lqg_x: (28)-(35), (49) */
-        const float t76 = x_ref_held - x_raw;
-        const bool t77 = fabsf(t76) <= 0.0015f;
+        const float t69 = x_ref_held - x_raw;
+        const bool t70 = fabsf(t69) <= 0.0015f;
         const float lqg_x_integral = state->lqg_x_integral;
-        const float t78 = lqg_x_L * x_raw;
-        const float t79 = lqg_y_L * y_raw;
-        const float t80 = lqg_phi_L * phi_raw;
-        float t81;
-        float t82;
-        float t83;
+        const float t71 = lqg_x_L * x_raw;
+        const float t72 = lqg_y_L * y_raw;
+        const float t73 = lqg_phi_L * phi_raw;
+        float t74;
+        float t75;
+        float t76;
         if (guard_ready != 0u) {
-            t81 = state->lqg_x_x3;
-            t82 = state->lqg_y_x3;
-            t83 = state->lqg_phi_x3;
+            t74 = state->lqg_x_x3;
+            t75 = state->lqg_y_x3;
+            t76 = state->lqg_phi_x3;
         } else {
-            t81 = -t78;
-            t82 = -t79;
-            t83 = -t80;
+            t74 = -t71;
+            t75 = -t72;
+            t76 = -t73;
         }
         const float lqg_x_force = state->lqg_x_force;
-        const float t84 = t81 + t78 + (lqg_x_on_force * lqg_x_force);
-        const float d_x = (lqg_x_on_error * ((t77) ? t76 : ((t76 < 0.0f) ? -0.0015f : 0.0015f))) + (lqg_x_integral - t84);
-        const float lqg_x_x3_next = (lqg_x_F * t81) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_force);
+        const float t77 = t74 + t71 + (lqg_x_on_force * lqg_x_force);
+        const float d_x = (lqg_x_on_error * ((t70) ? t69 : ((t69 < 0.0f) ? -0.0015f : 0.0015f))) + (lqg_x_integral - t77);
+        const float lqg_x_x3_next = (lqg_x_F * t74) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_force);
         state->lqg_x_x3 = lqg_x_x3_next;
 
         /* lqg_y: (28)-(35), (49) */
-        const float t85 = y_ref_held - y_raw;
-        const bool t86 = fabsf(t85) <= 0.004f;
+        const float t78 = y_ref_held - y_raw;
+        const bool t79 = fabsf(t78) <= 0.004f;
         const float lqg_y_integral = state->lqg_y_integral;
         const float lqg_y_force = state->lqg_y_force;
-        const float t87 = t82 + t79 + (lqg_y_on_force * lqg_y_force);
-        const float d_y = (lqg_y_on_error * ((t86) ? t85 : ((t85 < 0.0f) ? -0.004f : 0.004f))) + (lqg_y_integral - t87);
-        const float lqg_y_x3_next = (lqg_y_F * t82) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_force);
+        const float t80 = t75 + t72 + (lqg_y_on_force * lqg_y_force);
+        const float d_y = (lqg_y_on_error * ((t79) ? t78 : ((t78 < 0.0f) ? -0.004f : 0.004f))) + (lqg_y_integral - t80);
+        const float lqg_y_x3_next = (lqg_y_F * t75) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_force);
         state->lqg_y_x3 = lqg_y_x3_next;
 
         /* lqg_phi: (28)-(35), (49) */
         const float lqg_phi_integral = state->lqg_phi_integral;
         const float lqg_phi_force = state->lqg_phi_force;
-        const float t88 = t83 + t80 + (lqg_phi_on_force * lqg_phi_force);
-        const float d_phi = (lqg_phi_on_error * (phi_ref_held - phi_raw)) + (lqg_phi_integral - t88);
-        const float lqg_phi_x3_next = (lqg_phi_F * t83) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_force);
+        const float t81 = t76 + t73 + (lqg_phi_on_force * lqg_phi_force);
+        const float d_phi = (lqg_phi_on_error * (phi_ref_held - phi_raw)) + (lqg_phi_integral - t81);
+        const float lqg_phi_x3_next = (lqg_phi_F * t76) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_force);
         state->lqg_phi_x3 = lqg_phi_x3_next;
 
         /* loop_z: (23) */
-        const float t89 = z_ref_held - z;
+        const float t82 = z_ref_held - z;
         const float loop_z_lag = state->loop_z_lag;
         const float loop_z_integral = state->loop_z_integral;
-        const float d_z = (loop_z_direct * t89) + loop_z_lag + loop_z_integral;
-        const float loop_z_lag_next = loop_z_into_lag * t89;
+        const float d_z = (loop_z_direct * t82) + loop_z_lag + loop_z_integral;
+        const float loop_z_lag_next = loop_z_into_lag * t82;
         state->loop_z_lag = loop_z_lag_next;
 
         /* loop_theta: (24) */
-        const float t90 = theta_ref_held - theta;
+        const float t83 = theta_ref_held - theta;
         const float loop_theta_lag = state->loop_theta_lag;
         const float loop_theta_integral = state->loop_theta_integral;
-        const float d_theta = (loop_theta_direct * t90) + loop_theta_lag + loop_theta_integral;
-        const float loop_theta_lag_next = loop_theta_into_lag * t90;
+        const float d_theta = (loop_theta_direct * t83) + loop_theta_lag + loop_theta_integral;
+        const float loop_theta_lag_next = loop_theta_into_lag * t83;
         state->loop_theta_lag = loop_theta_lag_next;
 
         /* loop_psi: (25) */
-        const float t91 = psi_ref_held - psi;
+        const float t84 = psi_ref_held - psi;
         const float loop_psi_lag = state->loop_psi_lag;
         const float loop_psi_integral = state->loop_psi_integral;
-        const float d_psi = (loop_psi_direct * t91) + loop_psi_lag + loop_psi_integral;
-        const float loop_psi_lag_next = loop_psi_into_lag * t91;
+        const float d_psi = (loop_psi_direct * t84) + loop_psi_lag + loop_psi_integral;
+        const float loop_psi_lag_next = loop_psi_into_lag * t84;
         state->loop_psi_lag = loop_psi_lag_next;
 
         /* allocation: Table 3, (17), limits */
-        const float t92 = phi_raw * phi_raw;
-        const float t93 = f1_polynomial(t92);
-        const float t94 = phi_raw * f2_polynomial(t92);
-        const float i_CQ = limit((t93 * d_x) + (t94 * d_y), 1.134f);
-        const float t95 = limit(d_phi + i_CQ, 1.134f);
-        const float t96 = limit(0.5f * ((t93 * d_y) - (t94 * d_x)), 1.134f - fabsf(t95));
-        const float i_AQ = t96 - t95;
-        const float i_BQ = t96 + t95;
-        const float t97 = d_z - d_theta;
-        const float i_AD = limit(t97 + d_psi, 0.54913455f);
-        const float i_BD = limit(t97 - d_psi, 0.54913455f);
+        const float t85 = phi_raw * phi_raw;
+        const float t86 = f1_polynomial(t85);
+        const float t87 = phi_raw * f2_polynomial(t85);
+        const float i_CQ = limit((t86 * d_x) + (t87 * d_y), max(1.134f - fabsf(d_phi), 0.567f));
+        const float t88 = limit(d_phi + i_CQ, 1.134f);
+        const float t89 = limit(0.5f * ((t86 * d_y) - (t87 * d_x)), 1.134f - fabsf(t88));
+        const float i_AQ = t89 - t88;
+        const float i_BQ = t89 + t88;
+        const float t90 = d_z - d_theta;
+        const float i_AD = limit(t90 + d_psi, 0.54913455f);
+        const float i_BD = limit(t90 - d_psi, 0.54913455f);
 
         /* loop_psi: (25) */
         const float loop_psi_integral_next = (loop_psi_reset * loop_psi_integral) + (loop_psi_driven_x_allocation_half * (i_AD - i_BD));
@@ -665,103 +666,105 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float i_CD = limit(d_z + (2.0f * d_theta), 0.54913455f);
 
         /* loop_z: (23) */
-        const float t98 = i_AD + i_BD;
-        const float loop_z_integral_next = (loop_z_reset * loop_z_integral) + (loop_z_driven_x_allocation_part * (t98 + i_CD));
+        const float t91 = i_AD + i_BD;
+        const float loop_z_integral_next = (loop_z_reset * loop_z_integral) + (loop_z_driven_x_allocation_part * (t91 + i_CD));
         state->loop_z_integral = loop_z_integral_next;
 
         /* allocation: Table 3, (17), limits */
-        const float made_x = (t93 * i_CQ) - (2.0f * (t94 * t96));
+        const float made_x = (t86 * i_CQ) - (2.0f * (t87 * t89));
 
         /* lqg_x: (28)-(35), (49) */
-        const float lqg_x_integral_next = (lqg_x_kept * lqg_x_integral) + (lqg_x_driven * (made_x + t84));
-        state->lqg_x_integral = (t77) ? lqg_x_integral_next : lqg_x_integral;
+        const float t92 = lqg_x_kept * lqg_x_integral;
+        const float lqg_x_integral_next = (t70) ? (t92 + (lqg_x_driven * (made_x + t77))) : t92;
+        state->lqg_x_integral = lqg_x_integral_next;
         state->lqg_x_force = made_x;
 
         /* allocation: Table 3, (17), limits */
-        const float made_y = (t94 * i_CQ) + (2.0f * (t93 * t96));
+        const float made_y = (t87 * i_CQ) + (2.0f * (t86 * t89));
 
         /* lqg_y: (28)-(35), (49) */
-        const float lqg_y_integral_next = (lqg_y_kept * lqg_y_integral) + (lqg_y_driven * (made_y + t87));
-        state->lqg_y_integral = (t86) ? lqg_y_integral_next : lqg_y_integral;
+        const float t93 = lqg_y_kept * lqg_y_integral;
+        const float lqg_y_integral_next = (t79) ? (t93 + (lqg_y_driven * (made_y + t80))) : t93;
+        state->lqg_y_integral = lqg_y_integral_next;
         state->lqg_y_force = made_y;
 
         /* allocation: Table 3, (17), limits */
-        const float made_phi = t95 - i_CQ;
+        const float made_phi = t88 - i_CQ;
 
         /* lqg_phi: (28)-(35), (49) */
-        const float lqg_phi_integral_next = (lqg_phi_kept * lqg_phi_integral) + (lqg_phi_driven * (made_phi + t88));
+        const float lqg_phi_integral_next = (lqg_phi_kept * lqg_phi_integral) + (lqg_phi_driven * (made_phi + t81));
         state->lqg_phi_integral = lqg_phi_integral_next;
         state->lqg_phi_force = made_phi;
 
         /* allocation: Table 3, (17), limits */
-        const float made_theta = (allocation_part * i_CD) - (allocation_front_part * t98);
+        const float made_theta = (allocation_part * i_CD) - (allocation_front_part * t91);
 
         /* loop_theta: (24) */
         const float loop_theta_integral_next = (loop_theta_reset * loop_theta_integral) + (loop_theta_driven * made_theta);
         state->loop_theta_integral = loop_theta_integral_next;
 
         /* commutation: (17) inverted */
-        const float distance_back = within_x - (0.025584769f * t94);
+        const float distance_back = within_x - (0.025584769f * t87);
         const float quarter_sine_back = distance_back * quarter_sine_back_polynomial(distance_back * distance_back);
-        const float distance_front = within_y - ((0.012792384f * t93) - 0.0127f);
+        const float distance_front = within_y - ((0.012792384f * t86) - 0.0127f);
         const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front * distance_front);
-        const float t99 = quarter_sine_front * quarter_sine_front;
-        const float t100 = quarter_sine_front * sqrtf(1.0f - t99);
-        const float t101 = t100 * (4.0f - (8.0f * t99));
-        const float t102 = f5_polynomial(t92);
-        const float t103 = t101 * t102;
-        const float t104 = 1.0f - (8.0f * (t100 * t100));
-        const float t105 = phi_raw * f6_polynomial(t92);
-        const float t106 = t104 * t105;
-        const float t107 = t103 - t106;
-        const float t108 = t104 * t102;
-        const float t109 = t101 * t105;
-        const float t110 = t108 + t109;
-        const float i_AA_computed = (t107 * i_AQ) + (t110 * i_AD);
+        const float t94 = quarter_sine_front * quarter_sine_front;
+        const float t95 = quarter_sine_front * sqrtf(1.0f - t94);
+        const float t96 = t95 * (4.0f - (8.0f * t94));
+        const float t97 = f5_polynomial(t85);
+        const float t98 = t96 * t97;
+        const float t99 = 1.0f - (8.0f * (t95 * t95));
+        const float t100 = phi_raw * f6_polynomial(t85);
+        const float t101 = t99 * t100;
+        const float t102 = t98 - t101;
+        const float t103 = t99 * t97;
+        const float t104 = t96 * t100;
+        const float t105 = t103 + t104;
+        const float i_AA_computed = (t102 * i_AQ) + (t105 * i_AD);
         /*@ admit -1.26f <= i_AA_computed <= 1.26f; */
         state->safe_output_last_i_AA = i_AA_computed;
         out->i_AA = i_AA_computed;
-        const float t111 = 0.8660254f * ((t107 * i_AD) - (t110 * i_AQ));
-        const float t112 = 0.5f * i_AA_computed;
-        const float i_AB_computed = t111 - t112;
+        const float t106 = 0.8660254f * ((t102 * i_AD) - (t105 * i_AQ));
+        const float t107 = 0.5f * i_AA_computed;
+        const float i_AB_computed = t106 - t107;
         /*@ admit -1.26f <= i_AB_computed <= 1.26f; */
         state->safe_output_last_i_AB = i_AB_computed;
         out->i_AB = i_AB_computed;
-        const float i_AC_computed = -(t112 + t111);
+        const float i_AC_computed = -(t107 + t106);
         /*@ admit -1.26f <= i_AC_computed <= 1.26f; */
         state->safe_output_last_i_AC = i_AC_computed;
         out->i_AC = i_AC_computed;
-        const float t113 = t103 + t106;
-        const float t114 = t109 - t108;
-        const float i_BA_computed = (t113 * i_BQ) - (t114 * i_BD);
+        const float t108 = t98 + t101;
+        const float t109 = t104 - t103;
+        const float i_BA_computed = (t108 * i_BQ) - (t109 * i_BD);
         /*@ admit -1.26f <= i_BA_computed <= 1.26f; */
         state->safe_output_last_i_BA = i_BA_computed;
         out->i_BA = i_BA_computed;
-        const float t115 = 0.8660254f * ((t114 * i_BQ) + (t113 * i_BD));
-        const float t116 = 0.5f * i_BA_computed;
-        const float i_BB_computed = t115 - t116;
+        const float t110 = 0.8660254f * ((t109 * i_BQ) + (t108 * i_BD));
+        const float t111 = 0.5f * i_BA_computed;
+        const float i_BB_computed = t110 - t111;
         /*@ admit -1.26f <= i_BB_computed <= 1.26f; */
         state->safe_output_last_i_BB = i_BB_computed;
         out->i_BB = i_BB_computed;
-        const float i_BC_computed = -(t116 + t115);
+        const float i_BC_computed = -(t111 + t110);
         /*@ admit -1.26f <= i_BC_computed <= 1.26f; */
         state->safe_output_last_i_BC = i_BC_computed;
         out->i_BC = i_BC_computed;
-        const float t117 = quarter_sine_back * quarter_sine_back;
-        const float t118 = quarter_sine_back * sqrtf(1.0f - t117);
-        const float t119 = 1.0f - (8.0f * (t118 * t118));
-        const float t120 = t118 * (4.0f - (8.0f * t117));
-        const float i_CA_computed = (t119 * i_CQ) - (t120 * i_CD);
+        const float t112 = quarter_sine_back * quarter_sine_back;
+        const float t113 = quarter_sine_back * sqrtf(1.0f - t112);
+        const float t114 = 1.0f - (8.0f * (t113 * t113));
+        const float t115 = t113 * (4.0f - (8.0f * t112));
+        const float i_CA_computed = (t114 * i_CQ) - (t115 * i_CD);
         /*@ admit -1.26f <= i_CA_computed <= 1.26f; */
         state->safe_output_last_i_CA = i_CA_computed;
         out->i_CA = i_CA_computed;
-        const float t121 = 0.8660254f * ((t120 * i_CQ) + (t119 * i_CD));
-        const float t122 = 0.5f * i_CA_computed;
-        const float i_CB_computed = t121 - t122;
+        const float t116 = 0.8660254f * ((t115 * i_CQ) + (t114 * i_CD));
+        const float t117 = 0.5f * i_CA_computed;
+        const float i_CB_computed = t116 - t117;
         /*@ admit -1.26f <= i_CB_computed <= 1.26f; */
         state->safe_output_last_i_CB = i_CB_computed;
         out->i_CB = i_CB_computed;
-        const float i_CC_computed = -(t122 + t121);
+        const float i_CC_computed = -(t117 + t116);
         /*@ admit -1.26f <= i_CC_computed <= 1.26f; */
         state->safe_output_last_i_CC = i_CC_computed;
         out->i_CC = i_CC_computed;

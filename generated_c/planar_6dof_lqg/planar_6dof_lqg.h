@@ -47,18 +47,19 @@ typedef struct {
     uint32_t guard_left;                /* 1, 1 .. 5: samples with a bad measurement until it latches */
     uint32_t guard_latched;             /* 1, 0 .. 1: safe output until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
+    uint32_t sensing_doubt;             /* 1, 0 .. 4: samples for which a contradiction is still remembered */
+    uint32_t sensing_named;             /* 1, 0 .. 1: a contradiction is confirmed */
+    float sensing_first_m_x;            /* V^2, -1000 .. 1000: squared amplitude of a pair, less that of the field, as a contradiction first shows it */
+    float sensing_first_m_y;            /* V^2, -1000 .. 1000: squared amplitude of a pair, less that of the field, as a contradiction first shows it */
+    float sensing_first_r_1;            /* V, -50 .. 50: difference of two sensors, less that of the predicted yaw, as a contradiction first shows it */
+    float sensing_first_r_2;            /* V, -50 .. 50: difference of two sensors, less that of the predicted yaw, as a contradiction first shows it */
+    float sensing_first_s_x;            /* V, -10 .. 10: voltage, as a contradiction first shows it */
+    float sensing_first_s_y;            /* V, -10 .. 10: voltage, as a contradiction first shows it */
+    float sensing_first_phi;            /* rad, -0.05 .. 0.05: yaw, as a contradiction first shows it */
     float sensing_offset_x;             /* m, -0.1016 .. 0.1016: whole pitches from the middle */
     float sensing_offset_y;             /* m, -0.1016 .. 0.1016: whole pitches from the middle */
     float sensing_within_x;             /* m, -0.0254 .. 0.0254: raw position from the middle of its pitch */
     float sensing_within_y;             /* m, -0.0254 .. 0.0254: raw position from the middle of its pitch */
-    uint32_t sensing_doubt;             /* 1, 0 .. 4: samples for which a contradiction is still remembered */
-    uint32_t sensing_named;             /* 1, 0 .. 1: a contradiction is confirmed */
-    uint32_t sensing_found_V_ax;        /* 1, 0 .. 1: V_ax contradicts the others */
-    uint32_t sensing_found_V_ay;        /* 1, 0 .. 1: V_ay contradicts the others */
-    uint32_t sensing_found_V_bx;        /* 1, 0 .. 1: V_bx contradicts the others */
-    uint32_t sensing_found_V_by;        /* 1, 0 .. 1: V_by contradicts the others */
-    uint32_t sensing_found_V_cx;        /* 1, 0 .. 1: V_cx contradicts the others */
-    uint32_t sensing_found_V_cy;        /* 1, 0 .. 1: V_cy contradicts the others */
     float sensing_phi_raw;              /* rad, -0.025 .. 0.025: of the sample before */
     float lqg_x_x3;                     /* A, -2072.37 .. 2072.37: for the estimated rate less L position */
     float lqg_x_integral;               /* A, -4166 .. 4166: of the error */
@@ -89,7 +90,7 @@ typedef struct {
 /* The layout is the same on every target. */
 extern char planar_6dof_lqg_input_size_is_60[(sizeof(planar_6dof_lqg_input_t) == 60u) ? 1 : -1];
 extern char planar_6dof_lqg_output_size_is_36[(sizeof(planar_6dof_lqg_output_t) == 36u) ? 1 : -1];
-extern char planar_6dof_lqg_state_size_is_196[(sizeof(planar_6dof_lqg_state_t) == 196u) ? 1 : -1];
+extern char planar_6dof_lqg_state_size_is_200[(sizeof(planar_6dof_lqg_state_t) == 200u) ? 1 : -1];
 
 /* Put the state to its initial values. The caller owns it. */
 void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state);

@@ -55,9 +55,10 @@ def reduce(block: Block, scalar: type[np.floating], libm: bool = False, error: f
 def _certified(program: Program, surrogates: Sequence[Surrogate], scalar: type[np.floating]) -> Program:
     """Return the program without the limits that a certificate proves idle: what they limit is said to be `within`.
 
-    A certificate counts on polynomials: where libm computes, the limits stay.
+    A certificate counts on polynomials: what libm is left to compute has no error that is known.
     """
-    error = max((s.polynomial.max_relative_error for s in surrogates), default=np.inf)
+    known = not any(node.op in printer.LIBM - {"sqrt", "fabs"} for node in program.nodes)
+    error = max((s.polynomial.max_relative_error for s in surrogates), default=0.0) if known else np.inf
     nodes = list(program.nodes)
     for named, k in program.marks:
         if named.certificate is None or nodes[k].op != "clamp":

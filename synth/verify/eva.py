@@ -39,6 +39,7 @@ TIME_LIMIT_S = 300
 _PROCESSES = 2
 _HARNESS = "synth_eva.c"
 _REPORT = "properties.csv"
+_ADMIT, _CHECK = "@ admit ", "@ check "
 # Two branchings are remembered, so that what a comparison found still holds where its result is used; equalities carry
 # it from |v| to v; a polynomial in one variable is bounded on that many parts of its range; short loops are unrolled.
 _OPTIONS = (
@@ -75,7 +76,7 @@ class Proof:
     """What Eva said of init and one step: `proved` of `expected` claims, the alarms, and what it could not show.
 
     `trusted` names the library functions that were taken at their contract's word. `admitted` counts the bounds that
-    Eva took over from certificates of the C's author: fuzzing checks these.
+    Eva took over from certificates of the C's author; of outputs and states fuzzing checks them.
     """
 
     design: str
@@ -119,6 +120,8 @@ def prove(files: Mapping[str, str], manifest: Mapping[str, Any]) -> Proof:
     DesignError when the manifest or the files are not whole.
     """
     outputs, states = contract.members(manifest, "output"), contract.members(manifest, "state")
+    admitted = sum(files[name].count(_ADMIT) for name in contract.units(files))
+    refuted = _refuted(files, _step_harness(files, manifest, _any)) if admitted else frozenset()
     step, init = _analyses(files, (_step_harness(files, manifest, _any), _init_harness(files, manifest)))
     step = _split_further(files, manifest, step)
     return Proof(
@@ -126,9 +129,9 @@ def prove(files: Mapping[str, str], manifest: Mapping[str, Any]) -> Proof:
         proved=len(step.proved) + len(init.proved),
         expected=len(_claims("output", outputs)) + 2 * len(_claims("state", states)),
         alarms=(*sorted(init.alarms), *sorted(step.alarms)),
-        unproved=(*sorted(init.unproved), *sorted(step.unproved)),
+        unproved=(*sorted(refuted), *sorted(init.unproved), *sorted(step.unproved)),
         trusted=tuple(sorted(init.trusted | step.trusted)),
-        admitted=sum(files[name].count("/*@ admit ") for name in contract.units(files)),
+        admitted=admitted,
     )
 
 
@@ -222,6 +225,11 @@ def _analyses(files: Mapping[str, str], harnesses: Sequence[str]) -> list[_Analy
 
 
 def _analyse(files: Mapping[str, str], harness: str) -> _Analysis:
+    return _judged(*_reported(files, harness))
+
+
+def _reported(files: Mapping[str, str], harness: str) -> tuple[list[dict[str, str]], str]:
+    """Return Frama-C's properties and what it said."""
     frama_c = contract.tool("frama-c", "frama-c-base")
     with tempfile.TemporaryDirectory() as work:
         folder = Path(work)
@@ -230,8 +238,18 @@ def _analyse(files: Mapping[str, str], harness: str) -> _Analysis:
         command = [frama_c, *_OPTIONS, *contract.units(files), _HARNESS, "-then", f"-report-csv={_REPORT}"]
         said = _run(command, folder)
         with (folder / _REPORT).open(encoding="utf-8", newline="") as report:
-            rows = list(csv.DictReader(report, delimiter="\t", quoting=csv.QUOTE_NONE))
-    return _judged(rows, said)
+            return list(csv.DictReader(report, delimiter="\t", quoting=csv.QUOTE_NONE)), said
+
+
+def _refuted(files: Mapping[str, str], harness: str) -> frozenset[str]:
+    """Return what is admitted although Eva, which may take it for granted no more, sees that it never holds.
+
+    Behind such a bound nothing would be analysed any more.
+    """
+    asked = {name: text.replace(_ADMIT, _CHECK) for name, text in files.items()}
+    rows, _ = _reported(asked, harness)
+    own = [row for row in rows if row["property kind"] == "user check" and row["file"] != _HARNESS]
+    return frozenset(_told(row) for row in own if row["status"] not in ("Valid", "Unknown"))
 
 
 def _run(command: Sequence[str], folder: Path) -> str:

@@ -158,3 +158,6 @@ def test_what_is_admitted_is_counted(planted: Plant, manifest: dict[str, Any]) -
     proof = eva.prove(planted(limited, "out->i1 = scale * i1; /*@ admit -4.95f <= out->i1 <= 4.95f; */"), manifest)
     assert (proof.alarms, proof.unproved, proof.admitted) == ((), (), 1)
     assert "1 bounds taken over from certificates" in proof.checks()[0].about
+    unfit = "/*@ admit 2.0f <= i1 <= 1.0f; */"
+    found = eva.prove(planted("out->i1 = clamped(scale * i1, -4.95f, 4.95f);", f"{limited} {unfit}"), manifest)
+    assert not found.checks()[1].passed and "user check" in found.unproved[0]  # whatever follows would go unseen

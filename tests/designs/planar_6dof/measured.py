@@ -105,7 +105,8 @@ def stepped(
     state: Columns, v: Columns, flags: tuple[Array, Array], predicted: bool
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return outputs and next states of the reference, with its filters or predicting the sample before."""
-    told = {f"suspect_{name}": state[f"sensing_found_{name}"] for name in HALL} | {"suspected": state["sensing_named"]}
+    told = {f"suspect_{name}": one for name, one in reference_sensing.suspects(state, A).items()}
+    told |= {"suspected": state["sensing_named"]}
     if predicted:
         out, after = reference_sensing.step(state, v, flags, REFERENCE)
     else:

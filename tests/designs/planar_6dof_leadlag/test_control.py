@@ -71,7 +71,7 @@ def test_a_step_beyond_the_motors_does_not_wind_up() -> None:
     """30 mm in x with the published gain: the motors stand at their limit, and the step does not overshoot."""
     law = [*control.law(PLANT, "published")[:3], *control.law(PLANT)[3:]]
     run = drawn.run(drawn.compiled(law, control.TIME), 1.5, {"x": 0.03})
-    assert np.count_nonzero(random_steps.saturated(run.commands)) > 10
+    assert np.count_nonzero(random_steps.saturated(run.commands)) > 5
     assert drawn.overshoot(run["x"], 0.03) < 1e-3
     assert run["x"][-1] == pytest.approx(0.03, rel=1e-3)
 

@@ -232,7 +232,7 @@ def test_large_steps_overshoot_little(known: host.Controller, axis: str) -> None
 
 
 def test_without_a_bound_of_the_error_a_large_step_loses_the_platen(monkeypatch: pytest.MonkeyPatch) -> None:
-    run = drawn.run(drawn.compiled(unbounded(monkeypatch), control.TIME), 0.6, {"x": 0.02})
+    run = drawn.run(drawn.compiled(unbounded(monkeypatch), control.TIME), 0.6, {"x": 0.06})
     assert not np.abs(run["x"]).max() < 0.1
 
 
