@@ -50,7 +50,7 @@ def test_of_four_sensors_any_one_may_be_lost(failure: str, sensor: int) -> None:
 def test_of_three_sensors_it_is_named_and_four_voltages_go_on_until_they_lose_rank(failure: str, sensor: int) -> None:
     found = failures.tried(THREE, failure, sensor, BODIES, None)
     assert found.named > 0.98 and found.lost < 0.02 and found.valid > (0.5 if sensor == 2 else 0.9)
-    assert found.away < 0.02 and found.worst < 6e-4
+    assert found.away < 0.02 and found.worst < 1.5e-3
     assert "named [%]" in str(found)
 
 
