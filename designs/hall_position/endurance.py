@@ -7,7 +7,8 @@ A sample expects the last motion m, m <- m + follow e, e = d - m the correction,
                     is one that a body makes while alpha sqrt(damping) |e| <= surprise deviation
 
 For 800 Hz and the tuning that ships these are 3.23 m/s along each axis and 77.9 m/s^2 in the plane. Slow yaws take part
-in both by the sensors' mean arm; the noise takes some deviations of the position from the second.
+in both by the sensors' mean arm; the noise takes some deviations of the position from the second. A body that always
+accelerates by 0.9 of it, to and fro, is lost in 0.2 % of the cases with three sensors; by half of it in none.
 """
 
 from collections.abc import Callable

@@ -94,7 +94,7 @@ def motion(of: Mapping[str, Kind]) -> page.Section:
     text = page.Text(
         "A sample expects the last motion, so that the speed is bounded by what corrections may reach and the "
         "acceleration by what a body is taken to make: v = reach / (2 ω T), a = follow · surprise s / (α √λ ω T²). "
-        "Random motions go up to both; ten million samples of them belong to the tests of the design."
+        "Random motions go up to both."
     )
     columns = ("sensors", "speed, m/s", "acceleration, m/s²", "samples", "valid, %", "bodies lost, %")
     caption = "Random motion up to the speed and 0.9 of the acceleration"

@@ -51,7 +51,8 @@ POSITIONS = {axis: replace(BOX[axis], low=-high, high=high) for axis, high in RE
 EQUATION = {"x": "21", "y": "21", "phi": "22", "z": "23", "theta": "24", "psi": "25"}
 MARGIN = 1.01  # of states over what bounds them: rounding stays below it
 REFERENCES = {axis: replace(BOX[axis], name=f"{axis}_ref_held", about="set-point") for axis in AXES}
-# The raw yaw is one to first order: at (-16.8, 8.3) mm of a pitch 15 mrad read as 10.3, and the loop is lost beyond 10.
+# The raw yaw is one to first order: at (-16.8, 8.3) mm of a pitch 15 mrad read as 10.3, and the loop of an upright
+# platen is lost beyond 10. Near there one that is tilted by 2 mrad is lost at 8 already.
 REFERENCES["phi"] = replace(REFERENCES["phi"], low=-0.008, high=0.008)
 
 

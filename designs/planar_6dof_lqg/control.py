@@ -29,10 +29,10 @@ p. A larger one lets less noise through and leaves less margin. Peak sensitivity
     y        1.43        1.58        1.74        1.87        2.02
     phi      2.20  2.01  2.12  0.92  2.03  0.60  1.96  0.46  1.84  0.33
 
-An error beyond ERROR counts as this, and the integral waits: the axis then moves at k ERROR / k2 at most, from which
-the motors can stop it. Without that a step of x by 10 mm swings beyond the reach of the yaw's sensors, and the platen
-is lost; with it steps of 60 mm overshoot by 1 to 2 %. That is 0.154 m/s in x and 0.33 m/s in y: faster set-points
-are followed late.
+An error beyond ERROR counts as this, and the integral fades: the axis then comes to k ERROR / k2, from which the motors
+can stop it. Without that a step of x by 60 mm loses the platen; with it steps of 60 mm overshoot by 1 to 2 %. That is
+0.154 m/s in x and 0.33 m/s in y: faster set-points are followed late. The integral of a ramp is a velocity; were it
+kept, the axis would go on with it when the set-point turns back.
 
 Until every measurement has been good once the platen counts as at rest where it is.
 

@@ -61,7 +61,7 @@ def _law() -> page.Section:
         "it where it was designed for. Positions are taken as they are measured: behind the filters (6)-(16), which "
         "know nothing of d, this loop is unstable for every p. At a limit the integral follows what is made. An error "
         f"of x beyond {1e3 * ERROR['x']:g} mm, or of y beyond {1e3 * ERROR['y']:g} mm, counts as that and "
-        "the integral waits, so that the motors can stop the platen after any step. z, θ and ψ have the zeros of "
+        "the integral fades, so that the motors can stop the platen after any step. z, θ and ψ have the zeros of "
         "(23)-(25), the pole at 2/T, and a part of the gain at low frequencies."
     )
     return page.Section("Control law", (text, page.Equations((*LAW, *shared.upright(), shared.RESET))))

@@ -115,7 +115,7 @@ def on_rate(k: Axis) -> float:
 
 
 def advanced(name: str, q: Array, r: Array, w: Array, x3: Array, made: Array, state: Columns) -> dict[str, Array]:
-    """Return the next observer, integral and force of an axis; the integral waits while the error is large. (33)."""
+    """Return the next observer, integral and force of an axis; the integral fades while the error is large. (33)."""
     k, T, f1 = axes()[name], float(PERIOD), state[f"lqg_{name}_force"]
     L, g = (1 - k.p) / T, k.k_z / (k.k_q + k.k_z)
     moved = k.p * x3 - L * (1 - k.p) * q + k.b * T * (1 - L * T / 2) * f1
