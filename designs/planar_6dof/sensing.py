@@ -163,8 +163,8 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
             for axis, pair in (("x", X), ("y", Y))
         }
         known, squared = ca.logic_and(u["ready"], u["complete"]), _squared(X, Y, checks, A)
-        bound = ca.if_else(x["doubt"], (AGAIN * RESIDUAL * A) ** 2, (RESIDUAL * A) ** 2)
-        doubt = ca.logic_and(squared > bound, known)
+        beyond = ca.logic_or(x["doubt"], squared > (RESIDUAL * A) ** 2)
+        doubt = ca.if_else(known, ca.logic_and(squared > (AGAIN * RESIDUAL * A) ** 2, beyond), 0)
         sure = ca.logic_and(ca.logic_not(doubt), u["complete"])
         output = {yaw: clip(phi + ca.if_else(sure, _turn(X, Y, checks, k, A), 0), RAW["phi"])}
         next: dict[str, ca.SX] = {}

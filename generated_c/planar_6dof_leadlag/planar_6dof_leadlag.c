@@ -441,7 +441,6 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float filter_x_p = state->filter_x_p;
 
         /* sensing: (1)-(5) */
-        const uint32_t sensing_doubt = state->sensing_doubt;
         const float t34 = filter_phi_p * V_ay_held;
         const float t35 = t34 - V_bx_held;
         const float sensing_first_s_x_next = V_ax_held - t34;
@@ -462,9 +461,13 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float t46 = sensing_first_s_y_next * t37;
         const float t47 = t46 * t46;
         const float m_y = t39 + t38 - (sensing_power_0 + (t47 * (sensing_power_1 + (t47 * sensing_power_2))));
-        const bool t48 = ((sensing_doubt != 0u) ? 0.013780796f : 0.055123184f) < ((r_1 * r_1) + (r_2 * r_2) + (0.033025026f * ((m_x * m_x) + (m_y * m_y))));
-        const bool t49 = t48 && (guard_ready != 0u) && complete;
-        const bool t50 = !t49 && complete;
+        const uint32_t sensing_doubt = state->sensing_doubt;
+        bool t48 = false;
+        if ((guard_ready != 0u) && complete) {
+            const float t49 = (r_1 * r_1) + (r_2 * r_2) + (0.033025026f * ((m_x * m_x) + (m_y * m_y)));
+            t48 = (0.013780796f < t49) && ((sensing_doubt != 0u) || (0.055123184f < t49));
+        }
+        const bool t50 = !t48 && complete;
         const float filter_y_p = state->filter_y_p;
         float x_raw = filter_x_p;
         float y_raw = filter_y_p;
@@ -560,17 +563,17 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             within_y = state->sensing_within_y;
         }
         const float phi_raw = limit(filter_phi_p + t51, 0.025f);
-        if (t49) {
+        if (t48) {
             state->sensing_doubt = 4u;
         } else {
             if (t50 && (sensing_doubt != 0u)) {
                 state->sensing_doubt = sensing_doubt - 1u;
             }
         }
-        if (t49 && (sensing_doubt != 0u)) {
+        if (t48 && (sensing_doubt != 0u)) {
             state->sensing_named = 1u;
         }
-        if (t49 && !(sensing_doubt != 0u)) {
+        if (t48 && !(sensing_doubt != 0u)) {
             state->sensing_first_m_x = m_x;
             state->sensing_first_m_y = m_y;
             state->sensing_first_r_1 = r_1;

@@ -430,7 +430,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         faults |= 0x80000000u;
     } else {
         /* sensing: (1)-(5) */
-        const uint32_t sensing_doubt = state->sensing_doubt;
         const float sensing_phi_raw = state->sensing_phi_raw;
         const float t34 = sensing_phi_raw * V_ay_held;
         const float t35 = t34 - V_bx_held;
@@ -452,9 +451,13 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float t46 = sensing_first_s_y_next * t37;
         const float t47 = t46 * t46;
         const float m_y = t39 + t38 - (sensing_power_0 + (t47 * (sensing_power_1 + (t47 * sensing_power_2))));
-        const bool t48 = ((sensing_doubt != 0u) ? 0.013780796f : 0.055123184f) < ((r_1 * r_1) + (r_2 * r_2) + (0.033025026f * ((m_x * m_x) + (m_y * m_y))));
-        const bool t49 = t48 && (guard_ready != 0u) && complete;
-        const bool t50 = !t49 && complete;
+        const uint32_t sensing_doubt = state->sensing_doubt;
+        bool t48 = false;
+        if ((guard_ready != 0u) && complete) {
+            const float t49 = (r_1 * r_1) + (r_2 * r_2) + (0.033025026f * ((m_x * m_x) + (m_y * m_y)));
+            t48 = (0.013780796f < t49) && ((sensing_doubt != 0u) || (0.055123184f < t49));
+        }
+        const bool t50 = !t48 && complete;
         const float sensing_within_x = state->sensing_within_x;
         const float sensing_within_y = state->sensing_within_y;
         const float sensing_offset_x = state->sensing_offset_x;
@@ -551,17 +554,17 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             y_raw = sensing_within_y + sensing_offset_y;
         }
         const float phi_raw = limit(sensing_phi_raw + t51, 0.025f);
-        if (t49) {
+        if (t48) {
             state->sensing_doubt = 4u;
         } else {
             if (t50 && (sensing_doubt != 0u)) {
                 state->sensing_doubt = sensing_doubt - 1u;
             }
         }
-        if (t49 && (sensing_doubt != 0u)) {
+        if (t48 && (sensing_doubt != 0u)) {
             state->sensing_named = 1u;
         }
-        if (t49 && !(sensing_doubt != 0u)) {
+        if (t48 && !(sensing_doubt != 0u)) {
             state->sensing_first_m_x = m_x;
             state->sensing_first_m_y = m_y;
             state->sensing_first_r_1 = r_1;

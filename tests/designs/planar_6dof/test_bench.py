@@ -28,7 +28,7 @@ from synth.verify.steps import Steps
 GENERATED = Path(__file__).parents[3] / "generated_c"
 # Instructions that gcc's step takes at most: 800 and 700 were asked for, which -Os keeps for both.
 CEILINGS = {
-    "planar_6dof_leadlag": {"gcc, newlib": 800, "gcc, newlib, small": 740, "gcc, newlib, contracted": 740},
+    "planar_6dof_leadlag": {"gcc, newlib": 800, "gcc, newlib, small": 730, "gcc, newlib, contracted": 740},
     "planar_6dof_lqg": {"gcc, newlib": 760, "gcc, newlib, small": 700, "gcc, newlib, contracted": 705},
 }
 # gcc copies a decision into each path that leads to it, where part of it is decided: as shipped, copies of the
