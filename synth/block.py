@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.errors import SignalError
+from synth.errors import SignalError, TimingError
 from synth.signals import Signal, identifier, names
 from synth.timing import Discrete
 
@@ -110,6 +110,8 @@ class Block:
 
     def __post_init__(self) -> None:
         identifier("block", self.name)
+        if not isinstance(self.time, Discrete):
+            raise TimingError(f"block '{self.name}' runs in {self.time}: a step needs a period, give timing.Discrete")
 
     def rounded(self, scalar: type[np.floating]) -> "Block":
         """Return the Block with each constant rounded to `scalar`: what is analysed is then what ships."""
@@ -210,15 +212,25 @@ def table(name: str, values: Sequence[float]) -> ca.Function:
 
     Emission writes them as an array of constants, and only where it proves that no index leaves it.
 
-    Raises SignalError for a name that C does not allow, fewer than two values, or one that is not finite.
+    Raises SignalError for a name that C or CasADi does not allow, fewer than two values, or one that is not finite.
     """
     identifier("table", name)
-    if len(values) < 2 or not np.isfinite(values).all():
-        raise SignalError(
-            f"table '{name}' has {len(values)} values, not all finite or too few: give two or more numbers"
-        )
+    if not ca.Function.check_name(name):
+        raise SignalError(f"table name '{name}' has a meaning in CasADi, or two underscores in a row: rename it")
     index = ca.MX.sym("index")
-    return ca.Function(name, [index], [ca.MX(ca.DM(list(values)))[index]], {"never_inline": True})
+    return ca.Function(name, [index], [ca.MX(ca.DM(_row(name, values)))[index]], {"never_inline": True})
+
+
+def _row(name: str, values: Sequence[float]) -> list[float]:
+    try:
+        found = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise SignalError(f"table '{name}' holds what is no number, {error}: give two or more numbers") from error
+    if found.ndim != 1 or found.size < 2 or not np.isfinite(found).all():
+        raise SignalError(
+            f"table '{name}' has values {found.shape}, not finite, too few or not in a row: give two or more numbers"
+        )
+    return list(map(float, found))
 
 
 def _pick(symbol: Exprs, wanted: Sequence[Signal | State | Constant]) -> Exprs:

@@ -49,4 +49,6 @@ def period(time: Time) -> float:
     """Return the sample period in seconds; raise TimingError for continuous time."""
     if isinstance(time, Discrete):
         return time.period_s
+    if not isinstance(time, Continuous):
+        raise TimingError(f"the time is {time!r}: give Discrete with a sample period")
     raise TimingError("a sample period was asked of a continuous model: discretise it first")

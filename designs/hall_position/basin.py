@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from designs.hall_position import fleet
+from designs.hall_position import figures, fleet
 from designs.hall_position.fleet import Kind
 from designs.hall_position.motions import Numbers, Pose
 from synth import show
@@ -25,7 +25,8 @@ DIRECTIONS, RINGS, NEAR = 8, 16, 0.125  # of starts about a place; distances up 
 class Basin:
     """Starts off by up to `off` (n,) in m and `turned` (m,) in rad: shares (n, m) that lead to the truth.
 
-    `first` in the first sample, `then` in the last one. Of all `samples` of all bodies `wrong` were valid elsewhere.
+    `first` in the first sample, `then` in the last one, NaN where there was no start. Of all `samples` of all bodies
+    `wrong` were valid elsewhere.
     """
 
     off: Numbers
@@ -55,7 +56,11 @@ class Reach:
 
 
 def mapped(kind: Kind, bodies: int, yaw: float, samples: int = 60, seed: int = 0) -> Basin:
-    """Return where starts lead about places anywhere in the pitch, at yaws in rad of up to `yaw` to either side."""
+    """Return where starts lead about places anywhere in the pitch, at yaws in rad of up to `yaw` to either side.
+
+    Raises ModelError for no body or sample, or a yaw that is none.
+    """
+    samples = figures.whole("the number of samples", samples)
     rng, pitch = np.random.default_rng(seed), kind.array.pitch
     pose = fleet.anywhere(kind, bodies, yaw, rng)
     off, turned = FAR * pitch * rng.random(bodies), TURNED * rng.random(bodies)
@@ -72,7 +77,11 @@ def mapped(kind: Kind, bodies: int, yaw: float, samples: int = 60, seed: int = 0
 
 
 def over_pitch(kind: Kind, points: int, yaw: float = 0.0, seed: int = 0) -> Reach:
-    """Return how far starts at the right yaw may be off, on a grid of places over the pitch."""
+    """Return how far starts at the right yaw may be off, on a grid of places over the pitch.
+
+    Raises ModelError for no point, or a yaw that is not finite.
+    """
+    points, yaw = figures.whole("the number of points", points), figures.number("the yaw", yaw)
     rng, pitch = np.random.default_rng(seed), kind.array.pitch
     along = pitch * np.arange(points) / points
     rings = NEAR * pitch * np.arange(1, RINGS + 1) / RINGS
@@ -91,4 +100,5 @@ def _off(pose: Pose, by: Numbers, heading: Numbers, turned: Numbers) -> Pose:
 def _shares(off: Numbers, turned: Numbers, right: Numbers, edges: list[Numbers]) -> Numbers:
     every, _, _ = np.histogram2d(off, turned, edges)
     good, _, _ = np.histogram2d(off[right], turned[right], edges)
-    return readonly(good / every)
+    with np.errstate(invalid="ignore"):
+        return readonly(good / every)

@@ -1,6 +1,7 @@
 """Which steps of the estimator are measured and replayed.
 
-    motions          across pitches at up to 2 m/s with a little yaw, and through full turns; with noise, from `init`
+    motions          across pitches at up to 2 m/s with a little yaw, through full turns, and to yaws where no estimate
+                     is valid; with noise, from `init`
     lost             motions whose voltages jump to those of elsewhere, so that the place is searched for
     refused          single voltages and runs of them, up to the latch
     shifted          samples of motions from states with phases and yaws of others: the end of every reach
@@ -27,6 +28,7 @@ from synth.verify.steps import Steps
 FLOOR = 1.0  # m, rad, V, below which a difference of outputs is absolute
 REPLAY, LONG = 10_000, 6_000  # steps of the replay, and of each motion
 SLOW, TURNING = (0.2, 0.05, 0.0), (0.3, 0.5, 13.0)  # m, rad, rad/s: travel, yaw and turn of a motion
+LEAVING = 0.2, 0.4, 0.0
 EACH, DRAWN, RARE = 1500, 4000, 1500  # steps of each kind
 EACH_END, NEAR = 40, 1e-5  # steps for an end of a range, and what is near it, of the range
 SHAKEN = 10, 1e-3  # how often, and how much of the range at most
@@ -50,15 +52,17 @@ def sequences(controller: host.Controller, told: Told) -> list[Steps]:
     """Return every sequence, those of motions first."""
     told("sequences")
     of = _subject(controller)
-    slow, turning = (_measured(of.array, LONG, size, SEED + k) for k, size in enumerate((SLOW, TURNING), 1))
+    sizes = SLOW, TURNING, LEAVING
+    slow, turning, leaving = (_measured(of.array, LONG, size, SEED + k) for k, size in enumerate(sizes, 1))
     way = steps.recorded(controller, "motions", motions.named(slow), closed_loop=True)
     around = steps.recorded(controller, "turns", motions.named(turning), closed_loop=True)
+    gone = steps.recorded(controller, "yaws left", motions.named(leaving), closed_loop=True)
     lost = steps.recorded(controller, "lost", motions.named(_lost(turning, slow)))
     refused = steps.recorded(controller, "refused", replay(controller))
-    pool = steps.joined("all of these", [way, around, lost, refused])
+    pool = steps.joined("all of these", [way, around, gone, lost, refused])
     wrong = [_shifted(controller, pool), _random(controller, of), steps.anew(controller, pool, "states anew")]
     return [
-        *(steps.thinned(each, EACH) for each in (way, around, lost, refused)),
+        *(steps.thinned(each, EACH) for each in (way, around, gone, lost, refused)),
         *(steps.thinned(each, DRAWN) for each in wrong),
         steps.faulty(controller, {name: float(v[0]) for name, v in motions.named(slow).items()}),
         steps.edges(controller, way),

@@ -15,7 +15,7 @@ from string import ascii_lowercase
 import casadi as ca
 import numpy as np
 
-from designs.hall_position import closed_loop, error_map, estimator, scan, truth
+from designs.hall_position import closed_loop, error_map, estimator, figures, scan, truth
 from designs.hall_position.closed_loop import Source
 from designs.hall_position.error_map import ErrorMap, Samples
 from designs.hall_position.parameters import Array, Pair
@@ -23,6 +23,7 @@ from designs.hall_position.truth import Field, Spread
 from models import hall_chain, planar_stage
 from models.hall_chain import Chain
 from synth.emit import digits, write
+from synth.errors import ModelError
 from synth.execute import host
 from synth.statespace import Array as Numbers
 from synth.statespace import readonly
@@ -37,16 +38,24 @@ MAPPED, CELL = 0.027, 1e-3  # m: to where, and by what spacing, the error is tab
 BEYOND, LINE = 2.2e-3, 1e-3  # m: how far the samples go on, and how far their lines are apart
 ASIDE, WAVER = 2e-4, 7.3e-3  # m: by how much lines waver, and over which way
 STEP, READ = 5e-5, 8  # m between samples, of which so many are taken together
+MOST = 8  # sensors that the true field is read at
 PLACED = (*planar_stage.AXES,)
 
 
 @dataclass(frozen=True, eq=False)
 class Bench:
-    """A stage on the bench: the spread of its blocks, three sensors at `places` in m, and what follows them."""
+    """A stage on the bench: the spread of its blocks, sensors at `places` in m, and what follows them.
+
+    Raises ModelError for places that are none, fewer than two, or more than MOST.
+    """
 
     spread: Spread = truth.USUAL
     places: tuple[Pair, ...] = closed_loop.PLACES
     chain: Chain = field(default_factory=Chain)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "places", figures.places(self.places, 2))
+        figures.whole("the number of places", len(self.places), 2, MOST)
 
     @property
     def true(self) -> Field:
@@ -55,11 +64,27 @@ class Bench:
 
 
 def settled(bench: Bench, poses: Numbers) -> Numbers:
-    """Return the voltages (N, 2 sensors) at rest at poses (N, 3) of X, Y in m and the yaw in rad, without noise."""
+    """Return the voltages (N, 2 sensors) at rest at poses (N, 3) of X, Y in m and the yaw in rad, without noise.
+
+    Raises ModelError for poses of another shape, none, or that take a sensor to where the true field is not known.
+    """
+    poses = figures.table("the poses of X, Y and yaw", poses, 3)
+    _check_reach(bench, poses)
     x = {name: ca.SX.sym(name) for name in PLACED}
     volts = ca.vcat(list(truth.voltages(bench.true, bench.places, x, bench.chain.gain).values()))
     of = ca.Function("volts", [ca.vcat([x[n] for n in ("x", "y", "phi")])], [ca.substitute(volts, *_flat(x))])
     return readonly(of.map(len(poses))(poses.T).full().T)
+
+
+def _check_reach(bench: Bench, poses: Numbers) -> None:
+    c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    at = [(poses[:, 0] + c * x - s * y, poses[:, 1] + s * x + c * y) for x, y in bench.places]
+    furthest = float(np.abs(at).max())
+    if furthest > truth.REACH + truth.MARGIN:
+        raise ModelError(
+            f"a sensor comes {1e3 * furthest:.4g} mm from the origin: the true field is known to "
+            f"{1e3 * (truth.REACH + truth.MARGIN):.4g} mm, measure nearer"
+        )
 
 
 def _flat(x: dict[str, ca.SX]) -> tuple[ca.SX, ca.SX]:
@@ -94,7 +119,9 @@ def fits(bench: Bench, seed: int = 1) -> list[scan.Fit]:
 
 
 def array(bench: Bench, scans: Sequence[scan.Fit]) -> Array:
-    """Return the array that the estimator is made for, of its channels' models."""
+    """Return the array that the estimator is made for, of its channels' models; raise ModelError for none."""
+    if not scans:
+        raise ModelError("no channel has a model: give the scan of one or more")
     c, alpha, beta = (
         digits.cut(float(np.mean([f.estimate[name] for f in scans])), DIGITS) for name in ("c", "alpha", "beta")
     )
@@ -106,7 +133,10 @@ def samples(bench: Bench, source: Source, reach: float = MAPPED + BEYOND, line: 
     """Return estimates beside the laser's places, means over READ samples on the way along lines `line` m apart.
 
     The platen comes from the origin, so that pitches are counted from there. Lines waver, as no loop follows them.
+
+    Raises ModelError for a reach or a distance of lines that is not positive, and as `settled`.
     """
+    reach, line = figures.positive("the reach", reach), figures.positive("the distance of lines", line)
     way = _way(reach, line)
     poses = np.column_stack([way, np.zeros(len(way))])
     found = compiled(source).replay(read(bench, poses, seed)).outputs
@@ -138,9 +168,13 @@ def compiled(source: Source) -> host.Controller:
     return host.load(made.files, made.manifest)
 
 
-@cache
 def calibrated(places: tuple[Pair, ...] = closed_loop.PLACES, spread: Spread = truth.USUAL) -> Source:
-    """Return the source of a stage, with its field measured and its errors mapped."""
+    """Return the source of a stage, with its field measured and its errors mapped; raise ModelError as `Bench`."""
+    return _calibrated(Bench(spread, places).places, spread)
+
+
+@cache
+def _calibrated(places: tuple[Pair, ...], spread: Spread) -> Source:
     bench = Bench(spread, places)
     plain = Source(array(bench, fits(bench)))
     return replace(plain, map=mapped(bench, plain))

@@ -9,10 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from designs.hall_position import fleet
+from designs.hall_position import figures, fleet
 from designs.hall_position.fleet import Kind
 from designs.hall_position.motions import Numbers, Pose
 from synth import show
+from synth.errors import ModelError
 from synth.statespace import readonly
 
 
@@ -46,13 +47,23 @@ class ColdStart:
 
 
 def grid(kind: Kind, points: int, yaws: Numbers) -> Pose:
-    """Return poses over the whole pitch, points^2 at each of the yaws in rad."""
+    """Return poses over the whole pitch, points^2 at each of the yaws in rad.
+
+    Raises ModelError for no point, or yaws that are none or not finite.
+    """
+    points = figures.whole("the number of points", points)
+    yaws = figures.table("the yaws", np.reshape(yaws, (-1, 1)), 1)[:, 0]
     along = kind.array.pitch * np.arange(points) / points
     return Pose(*(v.ravel() for v in np.meshgrid(along, along, yaws, indexing="ij")))
 
 
 def run(kind: Kind, pose: Pose, samples: int, speed: float = 0.0, seed: int = 0) -> ColdStart:
-    """Start bodies that are at poses (n,), or leave them at a speed in m/s in any direction."""
+    """Start bodies that are at poses (n,), or leave them at a speed in m/s in any direction.
+
+    Raises ModelError for no sample or pose, or figures that are not finite.
+    """
+    samples, speed = figures.whole("the number of samples", samples), figures.number("the speed", speed)
+    pose = _checked(pose)
     rng, n = np.random.default_rng(seed), len(pose.X)
     heading = rng.uniform(0, 2 * np.pi, n)
     state, took, wrong, found = fleet.unplaced(kind, n), np.zeros(n, int), 0, np.zeros(n, bool)
@@ -66,3 +77,10 @@ def run(kind: Kind, pose: Pose, samples: int, speed: float = 0.0, seed: int = 0)
         wrong += int(seen.wrong.sum())
     poses = readonly(np.column_stack([pose.X, pose.Y, pose.yaw]))
     return ColdStart(poses, readonly(took), readonly(found), n * samples, wrong)
+
+
+def _checked(pose: Pose) -> Pose:
+    shapes = [np.shape(v) for v in (pose.X, pose.Y, pose.yaw)]
+    if len(shapes[0]) != 1 or len(set(shapes)) > 1:
+        raise ModelError(f"X, Y and the yaw of the poses have the shapes {shapes}: give as many of each, (n,)")
+    return Pose(*figures.table("the poses", np.column_stack([pose.X, pose.Y, pose.yaw]), 3).T)

@@ -85,10 +85,14 @@ class Normal:
 
 @dataclass(frozen=True, eq=False)
 class Equations:
-    """The normal equations: those of the axes, and `information` N_T; T is to be `right` / N_T."""
+    """The normal equations: those of the axes, and `information` N_T; T is to be `right` / N_T.
+
+    `told` is the part of N_T that does not come of the yaw's own damping.
+    """
 
     axes: Mapping[str, Normal]
     information: ca.SX
+    told: ca.SX
     right: ca.SX
 
 
@@ -148,8 +152,8 @@ def equations(of: Mapping[str, Sequence[Row]], at: Displacement, damping: float,
     """Return the normal equations at a displacement, damped by `damping`, V^2, and a yaw `radius`^2 times that."""
     axes = {axis: _normal(of[axis], at.phase[axis], damping) for axis in AXES}
     stiff = damping * radius**2
-    information = stiff + _sum(n.left * n.inverse for n in axes.values())
-    return Equations(axes, information, _sum(n.gain * n.inverse for n in axes.values()) - stiff * at.yaw)
+    told = _sum(n.left * n.inverse for n in axes.values())
+    return Equations(axes, stiff + told, told, _sum(n.gain * n.inverse for n in axes.values()) - stiff * at.yaw)
 
 
 def _normal(of: Sequence[Row], phase: ca.SX, damping: float) -> Normal:

@@ -32,16 +32,17 @@ UNITS: dict[
 }
 COLUMN = re.compile(r"\s*([A-Za-z]\w*)\s*\[\s*([^\]\s]+)\s*\]\s*", re.ASCII)
 NUMBER = re.compile(r"\s*[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?\s*", re.ASCII)
+SI = tuple(dict.fromkeys(unit for unit, _, _ in UNITS.values()))
 HUGE = 1e70  # a number whose square is none
 
 
-def read(path: Path, wanted: Mapping[str, str]) -> Log:
+def read(path: Path | str, wanted: Mapping[str, str]) -> Log:
     """Return the samples of a file; `wanted` are names and SI units of columns that it must hold.
 
     Raises DesignError for a file that cannot be opened, and SignalError as `parsed`, naming file and line.
     """
     try:
-        text = path.read_bytes().decode("utf-8-sig")
+        text = Path(path).read_bytes().decode("utf-8-sig")
     except OSError as error:
         raise DesignError(
             f"{path} cannot be read: {error.strerror}; give the path of a file of measurements"
@@ -55,9 +56,12 @@ def read(path: Path, wanted: Mapping[str, str]) -> Log:
 def parsed(text: str, wanted: Mapping[str, str], name: str = "measurements") -> Log:
     """Return the samples in a text called `name`, in SI units.
 
-    Raises SignalError naming the line: for a column without unit, of an unknown one or of another than is wanted, that
-    stands twice or is missing; for a row with more or fewer numbers than columns, or with what is not a finite number.
+    Raises SignalError for a wanted unit that is none of SI, and naming the line: for a text without columns; for a
+    column without unit, of an unknown one or of another than is wanted, that stands twice or is missing; for a row with
+    more or fewer numbers than columns, or with what is not a finite number.
     """
+    for column, unit in wanted.items():
+        _check_unit(column, unit)
     lines = _lines(text, name)
     where, cells = next(lines, (1, []))
     columns = _columns(cells, wanted, f"{name}, line {where}")
@@ -77,11 +81,27 @@ def parsed(text: str, wanted: Mapping[str, str], name: str = "measurements") -> 
 def written(log: Log, units: Mapping[str, str]) -> str:
     """Return samples as text that `parsed` reads back to the last bit; `units` are the SI units of the columns.
 
-    Raises SignalError for a column that the log does not hold.
+    Raises SignalError for a column that the log does not hold, or what `parsed` would not read back so: no column, a
+    name of more than letters, digits and underscores, a unit that is none of SI, a number that is huge.
     """
+    if not units:
+        raise SignalError("no columns are to be written: name one or more, with their SI units")
+    for column, unit in units.items():
+        _check_unit(column, unit)
+        if not COLUMN.fullmatch(f"{column} [{unit}]"):
+            raise SignalError(f"'{column}' cannot be written: name it by letters, digits and underscores")
+        if not (np.abs(log.columns((column,))) < HUGE).all():
+            raise SignalError(
+                f"'{column}' holds {np.abs(log.columns((column,))).max():g} {unit}: scale it below {HUGE:g}"
+            )
     head = ", ".join(f"{name} [{unit}]" for name, unit in units.items())
     rows = (", ".join(map(repr, row)) for row in log.columns(tuple(units)).tolist())
     return "\n".join([head, *rows, ""])
+
+
+def _check_unit(column: str, unit: str) -> None:
+    if unit not in SI:
+        raise SignalError(f"'{column}' is asked for in '{unit}': logs are in SI units, give one of {', '.join(SI)}")
 
 
 def _lines(text: str, name: str) -> Iterator[tuple[int, list[str]]]:
@@ -111,6 +131,8 @@ def _columns(cells: list[str], wanted: Mapping[str, str], where: str) -> list[tu
     for column, unit in wanted.items():
         if column not in found:
             raise SignalError(f"{where}: there is no column '{column}': add '{column} [{unit}]'")
+    if not found:
+        raise SignalError(f"{where}: there are no columns: begin with names and units, like X [mm], V_ax [V]")
     return list(found.items())
 
 

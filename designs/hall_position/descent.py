@@ -46,11 +46,15 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """A displacement with its squared residuals, of each sensor and in all, its cost, V^2, and the equations there."""
+    """A displacement with its squared residuals, of each sensor and in all, its cost, V^2, and the equations there.
+
+    `moved` is the square of the displacement, rad^2, its yaw times the mean arm.
+    """
 
     at: Displacement
     by_sensor: Sequence[ca.SX]
     squares: ca.SX
+    moved: ca.SX
     cost: ca.SX
     equations: Equations
 
@@ -102,16 +106,16 @@ def turned(yaw: ca.SX, named: Named) -> tuple[Wave, ca.SX]:
 
 def _tried(sensors: Sequence[Sensor], at: Displacement, i: int, of: Problem, named: Named) -> Trial:
     damping, radius = of.damping, of.array.radius
+    firm = of.tuning.firm * radius
     rows = correction.rows(sensors, at, *turned(at.yaw, named)) if i else correction.base_rows(sensors)
-    squares = cost = correction.squares(rows)
-    if i:
-        held = radius**2 * at.yaw**2
-        for axis in AXES:
-            held += at.phase[axis] ** 2
-        cost = squares + damping * held
+    squares = correction.squares(rows)
+    along = at.phase["x"] ** 2 + at.phase["y"] ** 2
+    moved = along + radius**2 * at.yaw**2
+    cost = squares + damping * (along + firm**2 * at.yaw**2) if i else squares
     named.append((Signal(f"cost_{i}", "V^2", 0, 1e9, "squared residuals and damping"), cost))
     by_sensor = correction.squares_by_sensor(rows)
-    return Trial(at, by_sensor, squares, cost, correction.equations(rows, at, damping, radius))
+    equations = correction.equations(rows, at, damping, firm)
+    return Trial(at, by_sensor, squares, moved, cost, equations)
 
 
 def _next(trial: Trial, better: ca.SX, best: Displacement, of: Problem) -> Displacement:

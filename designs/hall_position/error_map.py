@@ -15,13 +15,13 @@ Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", secti
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isfinite
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 from scipy import interpolate, spatial
 
+from designs.hall_position import figures
 from designs.hall_position.parameters import Pair
 from synth.block import Block, Exprs, Step, build, clip, table
 from synth.errors import ModelError
@@ -31,6 +31,7 @@ from synth.timing import Discrete
 
 COORDINATES = ("X", "Y", "yaw")
 UNIT = {"X": 1e-8, "Y": 1e-8, "yaw": 1e-6}  # m, m, rad
+MOST = 2**20  # points: whole numbers of single precision tell as many apart, and a controller holds no more
 EDGE = 1e-9  # of a cell: so far outside of a triangle a point is still on its edge
 FAR = 10.0  # m, rad: of what comes in and goes out
 
@@ -39,7 +40,7 @@ FAR = 10.0  # m, rad: of what comes in and goes out
 class Grid:
     """Points low + (i, j) h, i < n_x, j < n_y, in m, with numbers `size` = (n_x, n_y).
 
-    Raises ModelError for a spacing that is not positive, or fewer than two points along a side.
+    Raises ModelError for a spacing that is not positive, or fewer than two points along a side, or more than MOST.
     """
 
     low: Pair
@@ -47,12 +48,15 @@ class Grid:
     size: tuple[int, int]
 
     def __post_init__(self) -> None:
-        if not (isfinite(self.spacing) and self.spacing > 0 and all(map(isfinite, self.low))):
-            raise ModelError(
-                f"the grid begins at {self.low} m with {self.spacing} m: give finite places, a step above 0"
-            )
-        if min(self.size) < 2:
-            raise ModelError(f"the grid has {self.size} points: two along each side make a cell, give as many or more")
+        object.__setattr__(self, "low", figures.rows("the grid's first points", [self.low], 2)[0])
+        object.__setattr__(self, "size", figures.rows("the grid's numbers of points", [self.size], 2)[0])
+        if not figures.number("the grid's spacing", self.spacing) > 0:
+            raise ModelError(f"the grid's spacing is {self.spacing} m: give a step above 0")
+        if min(self.size) < 2 or any(n != int(n) for n in self.size):
+            raise ModelError(f"the grid has {self.size} points: two along each side make a cell, give whole numbers")
+        object.__setattr__(self, "size", tuple(map(int, self.size)))
+        if self.size[0] * self.size[1] > MOST:
+            raise ModelError(f"the grid has {self.size} points: give a wider spacing, {MOST} points are the most")
 
     @property
     def axes(self) -> tuple[Array, Array]:
@@ -62,7 +66,11 @@ class Grid:
 
 
 def square(reach: float, spacing: float) -> Grid:
-    """Return a grid of at least `reach` m to either side of the origin."""
+    """Return a grid of at least `reach` m to either side of the origin.
+
+    Raises ModelError for figures that are no positive numbers, and as `Grid`.
+    """
+    reach, spacing = figures.positive("the reach", reach), figures.positive("the grid's spacing", spacing)
     n = int(np.ceil(reach / spacing - 1e-9))
     return Grid((-n * spacing, -n * spacing), spacing, (2 * n + 1, 2 * n + 1))
 
@@ -77,13 +85,22 @@ class Samples:
 
 @dataclass(frozen=True, eq=False)
 class ErrorMap:
-    """What is added to the estimate at the points of a grid, `added` (3, n_x, n_y), m, m and rad."""
+    """What is added to the estimate at the points of a grid, `added` (3, n_x, n_y), m, m and rad.
+
+    Raises ModelError for values of another shape, or that are not finite.
+    """
 
     grid: Grid
     added: Array
 
+    def __post_init__(self) -> None:
+        shape = (len(COORDINATES), *self.grid.size)
+        if np.shape(self.added) != shape or not np.isfinite(self.added).all():
+            raise ModelError(f"the map has values {np.shape(self.added)}: give finite ones for its points, {shape}")
+
     def correct(self, estimated: Array) -> Array:
-        """Return corrected estimates (N, 3), as the Block does."""
+        """Return corrected estimates (N, 3), as the Block does; raise ModelError unless they are finite."""
+        estimated = figures.table("the estimates", estimated, len(COORDINATES))
         points = [np.clip(estimated[:, k], axis[0], axis[-1]) for k, axis in enumerate(self.grid.axes)]
         between = interpolate.RegularGridInterpolator(self.grid.axes, np.moveaxis(self.added, 0, -1))
         return readonly(estimated + between(np.column_stack(points)))
@@ -98,8 +115,9 @@ class Errors:
 
 
 def errors(samples: Samples) -> Errors:
-    """Return how far estimates are from references."""
-    off = np.abs(samples.estimated - samples.reference)
+    """Return how far estimates are from references; raise ModelError unless there are some, and finite."""
+    estimated, reference = _pairs(samples)
+    off = np.abs(estimated - reference)
     rms, peak = np.sqrt((off**2).mean(axis=0)), off.max(axis=0)
     return Errors(tuple(rms.tolist()), tuple(peak.tolist()))
 
@@ -107,12 +125,10 @@ def errors(samples: Samples) -> Errors:
 def fit(samples: Samples, grid: Grid) -> ErrorMap:
     """Return the map of samples on a grid.
 
-    Raises ModelError for samples that are not finite, or a grid that reaches beyond them.
+    Raises ModelError for samples that are not finite or all on one line, or a grid that reaches beyond them.
     """
-    off = samples.reference - samples.estimated
-    if off.ndim != 2 or off.shape[1] != len(COORDINATES) or not np.isfinite(off).all():
-        raise ModelError(f"the samples are {off.shape}: give finite estimates and references (N, 3)")
-    found = _between(samples.estimated[:, :2], off, grid)
+    estimated, reference = _pairs(samples)
+    found = _between(estimated[:, :2], reference - estimated, grid)
     if not np.isfinite(found).all():
         i, j = np.argwhere(~np.isfinite(found).all(axis=2))[0]
         X, Y = (1e3 * axis[k] for axis, k in zip(grid.axes, (i, j), strict=True))
@@ -123,12 +139,26 @@ def fit(samples: Samples, grid: Grid) -> ErrorMap:
     return ErrorMap(grid, readonly(np.moveaxis(np.rint(found / units) * units, -1, 0)))
 
 
+def _pairs(samples: Samples) -> tuple[Array, Array]:
+    """Return estimates and references (N, 3) that are finite, of one number."""
+    estimated = figures.table("the samples' estimates", samples.estimated, len(COORDINATES))
+    reference = figures.table("the samples' references", samples.reference, len(COORDINATES))
+    if len(estimated) != len(reference):
+        raise ModelError(f"{len(estimated)} estimates meet {len(reference)} references: give one for each")
+    return estimated, reference
+
+
 def _between(at: Array, values: Array, grid: Grid) -> Array:
     """Return values (n_x, n_y, m) on a grid, linear on the triangles of the places `at` (N, 2), NaN outside of all.
 
     Each triangle looks at the points of the grid in its box.
     """
-    triangles = spatial.Delaunay(at).simplices
+    try:
+        triangles = spatial.Delaunay(at).simplices
+    except spatial.QhullError as error:
+        raise ModelError(
+            f"{len(at)} samples make no triangle: measure at three places or more, not on a line"
+        ) from error
     corners = ((at - grid.low) / grid.spacing)[triangles]  # (T, 3, 2), in cells
     first = np.maximum(np.ceil(corners.min(axis=1) - EDGE), 0).astype(int)
     last = np.minimum(np.floor(corners.max(axis=1) + EDGE), np.array(grid.size) - 1).astype(int)

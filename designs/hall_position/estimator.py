@@ -10,11 +10,13 @@ There the estimate goes on as it did in one direction for as long as the place i
 `valid` is an estimate that has converged, is not damped, leaves residuals as small as the field's model does, is no
 motion that a body cannot make, and rests on measurements that are all accepted, or on the others where there are more
 than two sensors. Its place is certain, as no other within a range of yaws has the same voltages, and has never been
-lost since. Positions are absolute in a pitch, and count pitches on from where `init` puts them; a body that comes to
-the last of the pitches that are counted is not valid again until then. The voltages are the same when everything is
-turned by 90 degrees about a strong block, so that the yaw is known to a quarter turn; it goes on from the last one.
+lost since. Positions are absolute in a pitch, and count pitches on from where `init` puts them; a body that has left
+the pitches that are counted, or the yaws that are declared, is not valid again until then. The voltages are the same
+when everything is turned by 90 degrees about a strong block, so that the yaw is known to a quarter turn; it goes on
+from the last one.
 
-Deviations are those of a body at rest, from the normal equations: deviation^2 (H'W H + damping)^-1.
+Deviations are those of a body at rest, from the normal equations: deviation^2 (H'W H + damping)^-1, where the yaw is
+damped as the phases are: that it is held more firmly makes none of them smaller.
 
 Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 3.B, Fig. 9.
 """
@@ -22,7 +24,7 @@ Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", secti
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import reduce
-from math import pi
+from math import pi, sqrt
 from operator import add
 from string import ascii_lowercase
 
@@ -60,7 +62,7 @@ FLAGS = (
         "1",
         0,
         1,
-        "its place has been lost: pitches are not known any more, and nothing is valid until init",
+        "its place has been lost, or left what is declared: pitches are not known, and nothing is valid until init",
     ),
 )
 
@@ -91,21 +93,21 @@ def estimator(array: Array, time: Discrete, tuning: Tuning = USUAL) -> Block:
         found = descent.corrected(sensors, problem, named)
         freedom = _freedom(array, left_out)
         leaning = _leaning(found.last.equations, problem)
-        damped = leaning > tuning.leaning
-        once = tuning.surprise * array.deviation
+        damped = leaning > tuning.leaning / problem.damping
+        once = tuning.surprise * array.deviation / sqrt(problem.damping)  # rad
         surprise = once + once * x["astray"] if tracking.spare(array) else ca.SX(once)
-        sudden = found.last.cost - found.last.squares > surprise**2
+        sudden = found.last.moved > surprise**2
         large = found.last.squares > freedom * tuning.residual**2
         near = tracking.near(begun["yaw"] + found.at.yaw, x, tuning)
         astray = ca.logic_or(large, ca.if_else(x["certain"], sudden, ca.logic_and(x["searching"], ca.logic_not(near))))
         good = ca.logic_and(found.converged, ca.logic_not(ca.logic_or(damped, ca.logic_or(astray, sudden))))
-        telling = ca.logic_and(good, _telling(array, left_out, near, leaning, x, tuning))
+        telling = ca.logic_and(good, _telling(left_out, near, leaning, x, problem))
         telling = telling if tracking.spare(array) else ca.logic_and(telling, u["complete"])
         apart = found.last.squares > freedom * min(tuning.residual, APART * array.deviation) ** 2
         ahead = tracking.ahead(found, tracking.Verdict(astray, apart, damped, telling), begun, x, problem)
         lever = _levers(heading, ahead.turn, array, named)
-        output = _position(ahead.found, lever, array) | _deviations(found.last.equations, lever, array)
-        accepted = ahead.counted if tracking.spare(array) else ca.logic_and(ahead.counted, u["complete"])
+        output = _position(ahead.found, lever, array) | _deviations(found.last.equations, lever, problem)
+        accepted = ahead.inside if tracking.spare(array) else ca.logic_and(ahead.inside, u["complete"])
         known = ca.logic_and(ahead.certain, ca.logic_not(x["restarted"]))
         output |= {"residual": ca.sqrt(LEAST + found.last.squares / freedom), "converged": found.converged}
         output |= {
@@ -153,17 +155,15 @@ def _freedom(array: Array, left_out: Sequence[ca.SX] | None) -> ca.SX:
     return ca.SX(freedom) if left_out is None else ca.if_else(reduce(ca.logic_or, left_out), freedom - 2, freedom)
 
 
-def _telling(
-    array: Array, left_out: Sequence[ca.SX] | None, near: ca.SX, leaning: ca.SX, x: Exprs, tuning: Tuning
-) -> ca.SX:
+def _telling(left_out: Sequence[ca.SX] | None, near: ca.SX, leaning: ca.SX, x: Exprs, of: Problem) -> ca.SX:
     """Return whether a place is told apart from all others, from the sample on after that which ended the search.
 
     With two sensors it takes a yaw `near` the last one. A body that moves is then sudden until its motion is known.
     """
-    found = ca.logic_not(x["searching"])
+    found, sensors, certain = ca.logic_not(x["searching"]), len(of.array.positions), of.tuning.certain / of.damping
     if left_out is None:
-        return ca.logic_and(ca.logic_and(near, found), leaning <= tuning.certain)
-    enough = ca.logic_and(reduce(add, left_out) < len(array.positions) - 2, leaning <= MORE * tuning.certain)
+        return ca.logic_and(ca.logic_and(near, found), leaning <= certain)
+    enough = ca.logic_and(reduce(add, left_out) < sensors - 2, leaning <= MORE * certain)
     return ca.logic_and(enough, found)
 
 
@@ -187,20 +187,26 @@ def _metres(pose: Exprs, axis: str, array: Array) -> ca.SX:
     return pose[f"phase_{axis}"] / array.wave_number + pose[f"pitch_{axis}"] * array.pitch
 
 
-def _deviations(of: Equations, lever: Exprs, array: Array) -> dict[str, ca.SX]:
+def _deviations(of: Equations, lever: Exprs, problem: Problem) -> dict[str, ca.SX]:
     """Return the standard deviations of X, Y in m and of the yaw, rad."""
-    yaw, sigma, w = 1 / of.information, array.deviation, array.wave_number
+    array = problem.array
+    yaw, sigma, w = 1 / _information(of, problem), array.deviation, array.wave_number
     by_yaw = {"x": lever["y"], "y": -lever["x"]}  # X = X_centre - lever_x, whose derivative is lever_y
     found = {"deviation_yaw": sigma * ca.sqrt(yaw)}
     for axis, n in of.axes.items():
-        slope = by_yaw[axis] - n.coupling * n.inverse / w
-        found[f"deviation_{axis.upper()}"] = sigma * ca.sqrt(n.inverse / w**2 + yaw * slope**2)
+        slope = n.coupling * n.inverse - w * by_yaw[axis]
+        found[f"deviation_{axis.upper()}"] = sigma / w * ca.sqrt(n.inverse + yaw * slope**2)
     return found
 
 
 def _leaning(of: Equations, problem: Problem) -> ca.SX:
-    """Return how many of the three parameters the damping decides: the trace of (N + damping)^-1 damping."""
+    """Return the trace of (N + damping)^-1, 1/V^2: times the damping how many of three parameters that decides."""
     total, alone = ca.SX(problem.array.radius**2), ca.SX(0)
     for n in of.axes.values():
         total, alone = total + (n.coupling * n.inverse) ** 2, alone + n.inverse
-    return problem.damping * (total / of.information + alone)
+    return total / _information(of, problem) + alone
+
+
+def _information(of: Equations, problem: Problem) -> ca.SX:
+    """Return what a sample tells of the yaw, damped no more than the phases are."""
+    return of.told + problem.damping * problem.array.radius**2

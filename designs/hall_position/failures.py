@@ -16,11 +16,12 @@ from types import MappingProxyType
 
 import numpy as np
 
-from designs.hall_position import endurance, estimator, fleet
+from designs.hall_position import endurance, estimator, figures, fleet
 from designs.hall_position.endurance import Limits
 from designs.hall_position.fleet import Kind
 from designs.hall_position.motions import Numbers, Pose
 from synth import show
+from synth.errors import ModelError
 from synth.statespace import readonly
 
 SOON = 5  # samples within which a residual out of its bound is to be flagged
@@ -93,7 +94,10 @@ class _Seen:
 
 
 def tried(kind: Kind, failure: str, sensor: int, bodies: int, within: Limits | None, seed: int = 0) -> Outcome:
-    """Let a sensor, numbered from 1, of bodies fail that move within a limit, or rest anywhere in the pitch."""
+    """Let a sensor, numbered from 1, of bodies fail that move within a limit, or rest anywhere in the pitch.
+
+    Raises ModelError for an unknown failure, a sensor that is not there, or no body.
+    """
     rng = np.random.default_rng(seed)
     if within:
         at = endurance.motion(kind, bodies, within, rng)
@@ -103,7 +107,11 @@ def tried(kind: Kind, failure: str, sensor: int, bodies: int, within: Limits | N
 
 
 def unseen(kind: Kind, failure: str, sensor: int, points: int, yaw: float = 0.0, seed: int = 0) -> Unseen:
-    """Return where the failure of a sensor of bodies at rest is not flagged."""
+    """Return where the failure of a sensor of bodies at rest is not flagged.
+
+    Raises ModelError for an unknown failure, a sensor that is not there, or no point.
+    """
+    points, yaw = figures.whole("the number of points", points), figures.number("the yaw", yaw)
     along = kind.array.pitch * np.arange(points) / points
     X, Y = (v.ravel() for v in np.meshgrid(along, along, indexing="ij"))
     seen = _run(kind, failure, sensor, _resting(Pose(X, Y, np.full(X.size, yaw))), np.random.default_rng(seed))
@@ -117,7 +125,14 @@ def _resting(pose: Pose) -> Callable[[float], Pose]:
     return lambda t: pose
 
 
+def _check(kind: Kind, failure: str, sensor: int) -> None:
+    if failure not in tuple(FAILURES):
+        raise ModelError(f"'{failure}' is no failure that is known: give one of {', '.join(FAILURES)}")
+    figures.whole("the number of the sensor that fails", sensor, 1, len(kind.array.positions))
+
+
 def _run(kind: Kind, failure: str, sensor: int, at: Callable[[float], Pose], rng: np.random.Generator) -> _Seen:
+    _check(kind, failure, sensor)
     T, fails = kind.time.period_s, FAILURES[failure]
     state, held = fleet.placed(kind, at(-T), at(-2 * T)), np.zeros(0)
     out, flagged, judged = [], [], []

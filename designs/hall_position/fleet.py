@@ -12,10 +12,12 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.hall_position import estimator, motions
+from designs.hall_position import estimator, figures, motions
 from designs.hall_position.motions import Numbers, Pose
 from designs.hall_position.parameters import Array, Tuning
+from synth import timing
 from synth.emit import write
+from synth.errors import ModelError
 from synth.execute import host
 from synth.timing import Discrete
 
@@ -27,11 +29,17 @@ FULL = 2 * pi
 
 @dataclass(frozen=True)
 class Kind:
-    """Sensors, how they are estimated from, and the period."""
+    """Sensors, how they are estimated from, and the period.
+
+    Raises TimingError for a time without a period.
+    """
 
     array: Array
     tuning: Tuning = USUAL
     time: Discrete = TIME
+
+    def __post_init__(self) -> None:
+        timing.period(self.time)
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +61,13 @@ def compiled(kind: Kind) -> host.Controller:
 
 
 def anywhere(kind: Kind, n: int, yaw: float, rng: np.random.Generator) -> Pose:
-    """Draw n poses over the pitch, at yaws in rad of up to `yaw` to either side."""
+    """Draw n poses over the pitch, at yaws in rad of up to `yaw` to either side.
+
+    Raises ModelError unless n is a whole number above 0 and the yaw one of at least 0.
+    """
+    n = figures.whole("the number of bodies", n)
+    if figures.number("the yaw", yaw) < 0:
+        raise ModelError(f"the yaw is {yaw} rad: give how far it goes to either side, at least 0")
     X, Y = rng.uniform(0, kind.array.pitch, (2, n))
     return Pose(X, Y, rng.uniform(-yaw, yaw, n))
 

@@ -10,13 +10,13 @@ sines may lead the search elsewhere: LAYOUTS holds what was found, as decimals.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import isfinite, radians
+from math import radians
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import differential_evolution
 
-from designs.hall_position import fisher, parameters
+from designs.hall_position import figures, fisher, parameters
 from synth.errors import ModelError
 
 Array = NDArray[np.float64]
@@ -42,7 +42,7 @@ class Task:
 
     With one to `spare` what counts is the worst after the loss of any sensor.
 
-    Raises ModelError for less than two sensors that are left, or a figure that is not positive.
+    Raises ModelError for less than two sensors that are left, or a figure that is no number or not positive.
     """
 
     sensors: int = 3
@@ -52,21 +52,25 @@ class Task:
     spare: bool = False
 
     def __post_init__(self) -> None:
+        figures.whole("the number of sensors", self.sensors, 1, figures.MOST_SENSORS)
+        if not isinstance(self.spare, bool):
+            raise ModelError(f"spare is {self.spare!r}: give True for one to spare, or False")
         if self.sensors - self.spare < 2:
             raise ModelError(f"{self.sensors - self.spare} sensors do not tell the yaw: leave two or more")
         for name in ("yaw", "reach", "lever"):
-            value = getattr(self, name)
-            if not (isfinite(value) and value > 0):
-                raise ModelError(f"{name} is {value}: it must be finite and positive")
+            figures.positive(name, getattr(self, name))
 
 
 def placed(array: parameters.Array, places: tuple[Pair, ...]) -> parameters.Array:
-    """Return an array with its sensors at places given in pitches."""
-    return replace(array, positions=tuple((x * array.pitch, y * array.pitch) for x, y in places), weights=())
+    """Return an array with its sensors at places given in pitches; raise ModelError for what are none."""
+    found = tuple((x * array.pitch, y * array.pitch) for x, y in figures.rows("places", places, 2))
+    return replace(array, positions=found, weights=())
 
 
 def cost(deviations: Array, lever: float) -> float:
-    """Return the largest of s_X, s_Y and lever s_yaw in m, of deviations (3, N)."""
+    """Return the largest of s_X, s_Y and lever s_yaw in m, of deviations (3, N); raise ModelError for what are none."""
+    if np.ndim(deviations) != 2 or len(deviations) != 3 or not deviations.size or np.isnan(deviations).any():
+        raise ModelError(f"the deviations have the shape {np.shape(deviations)}: give numbers (3, N), a column or more")
     return float(max(deviations[0].max(), deviations[1].max(), lever * deviations[2].max()))
 
 
@@ -78,10 +82,20 @@ def remaining(task: Task, places: tuple[Pair, ...]) -> tuple[tuple[Pair, ...], .
 
 
 def poses(array: parameters.Array, yaw: float, points: tuple[int, int]) -> Array:
-    """Return a grid (3, N) of poses over the pitch and over yaws up to `yaw` to either side, in m and rad."""
+    """Return a grid (3, N) of poses over the pitch and over yaws up to `yaw` to either side, in m and rad.
+
+    Raises ModelError for no points, or a yaw that is not finite.
+    """
+    yaw, points = figures.number("the yaw", yaw), counted(points)
     along = array.pitch * np.arange(points[0]) / points[0]
     grid = np.meshgrid(along, along, np.linspace(-yaw, yaw, points[1]), indexing="ij")
     return np.array([each.ravel() for each in grid])
+
+
+def counted(points: tuple[int, int]) -> tuple[int, int]:
+    """Return how many poses there are along the pitch and over the yaws; raise ModelError for none."""
+    along, yaws = points
+    return figures.whole("the number of poses along the pitch", along), figures.whole("the number of yaws", yaws)
 
 
 def search(
@@ -90,7 +104,10 @@ def search(
     """Return the places, in pitches, of sensors in the field of `array`; its own places are not looked at.
 
     `generations` of differential evolution, then `tries` steps of each length.
+
+    Raises ModelError unless both are whole numbers of at least 0.
     """
+    generations, tries = (figures.whole(n, v, 0) for n, v in (("generations", generations), ("tries", tries)))
     coarse = _costs(array, task, COARSE)
     bounds = [(-task.reach, task.reach)] * (2 * task.sensors)
     found = differential_evolution(coarse, bounds, seed=seed, maxiter=generations, popsize=8, tol=1e-6, polish=False)
@@ -100,7 +117,11 @@ def search(
 def improved(
     array: parameters.Array, task: Task, places: tuple[Pair, ...], seed: int = 0, tries: int = 40
 ) -> tuple[Pair, ...]:
-    """Return places, in pitches, that are no worse than those given, by `tries` steps of each length."""
+    """Return places, in pitches, that are no worse than those given, by `tries` steps of each length.
+
+    Raises ModelError unless there is a place for each sensor of the task.
+    """
+    places, tries = given(task, places), figures.whole("tries", tries, 0)
     fine, rng = _costs(array, task, FINE), np.random.default_rng(seed)
     best, most = np.round(GRID * np.ravel(places)), round(GRID * task.reach)
     least = fine(best / GRID)
@@ -112,6 +133,14 @@ def improved(
             if value < least:
                 best, least = other, value
     return _pairs(best / GRID)
+
+
+def given(task: Task, places: tuple[Pair, ...]) -> tuple[Pair, ...]:
+    """Return places; raise ModelError unless there is one for each sensor of the task."""
+    found = tuple((x, y) for x, y in figures.rows("places", places, 2))
+    if len(found) != task.sensors:
+        raise ModelError(f"{len(found)} places are given for {task.sensors} sensors: give one for each")
+    return found
 
 
 def _costs(array: parameters.Array, task: Task, points: tuple[int, int]) -> Callable[[Array], float]:

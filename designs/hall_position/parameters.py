@@ -6,11 +6,13 @@ Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", (2), 
 """
 
 from dataclasses import dataclass
-from math import hypot, isfinite, pi, radians, sqrt
+from math import hypot, pi, radians, sqrt
 
+from designs.hall_position import figures
 from synth.errors import ModelError
 
 Pair = tuple[float, float]
+WHOLE = ("iterations", "pitches")  # of a tuning
 
 
 @dataclass(frozen=True)
@@ -18,8 +20,10 @@ class Array:
     """Sensors at `positions` in the body, m, and the field that they see, V; each axis is noisy by `deviation`, V.
 
     `weights` are those of the sensors, 1 for each unless given; a sensor's deviation is `deviation` / sqrt(weight).
+    Both may be given as lists or arrays.
 
-    Raises ModelError for fewer than two places, unlike numbers of weights, or a figure that is out of its range.
+    Raises ModelError for fewer than two places or more than 26 sensors, unlike numbers of weights, or a figure that is
+    no number or out of its range.
     """
 
     positions: tuple[Pair, ...]
@@ -31,19 +35,20 @@ class Array:
     weights: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "positions", figures.places(self.positions, 2))
+        object.__setattr__(self, "weights", figures.numbers("weights", self.weights))
         if len(set(self.positions)) < 2:
             raise ModelError(f"sensors are at {self.positions}: the yaw takes two places, give another one")
         if self.weights and len(self.weights) != len(self.positions):
             raise ModelError(f"{len(self.weights)} weights for {len(self.positions)} sensors: give one for each")
-        for name in ("alpha", "pitch", "deviation"):
-            if not 0 < getattr(self, name) < float("inf"):
-                raise ModelError(f"{name} is {getattr(self, name)}: it must be finite and positive")
-        numbers = (*(v for r in self.positions for v in r), self.c, self.beta)
-        if not all(map(isfinite, numbers)) or not all(0 < w < float("inf") for w in self.weights):
+        if not all(w > 0 for w in self.weights):
             raise ModelError(
-                f"positions {self.positions}, c {self.c}, beta {self.beta}, weights {self.weights}: "
-                "they must be finite, and weights positive"
+                f"weights are {self.weights}: they must be finite, and weights positive; leave a sensor out"
             )
+        for name in ("alpha", "pitch", "deviation"):
+            object.__setattr__(self, name, figures.positive(name, getattr(self, name)))
+        for name in ("c", "beta"):
+            object.__setattr__(self, name, figures.number(name, getattr(self, name)))
 
     @property
     def wave_number(self) -> float:
@@ -77,18 +82,20 @@ class Array:
 class Tuning:
     """How the estimator goes about its task.
 
-    `iterations` a sample; `scale` of each correction; `damping`, of alpha^2, of phases towards the expected ones;
-    `reach`, rad of phase by which corrections may move a sensor in a sample, half of it by the yaw; `follow`, the part
-    of a sample's correction by which the next motion is expected to differ: with 0 none is expected. A correction of
-    less than `settled` standard deviations ends the search, and of more than `leaning` parameters that the damping
-    decides instead of the voltages there is `damped`. To the damping belongs a deviation of motions from the expected
-    one, array.deviation / (alpha sqrt(damping)); by more than `surprise` times that a body does not move in a
-    sample. Residuals up to `residual` V rms are those of the field's model. Positions are counted to `pitches` on
+    `iterations` a sample; `scale` of each correction; `damping`, of alpha^2, of phases towards the expected ones; the
+    yaw, by what it moves the sensors on an average, `firm` times as firmly as they; `reach`, rad of phase by which
+    corrections may move a sensor in a sample, half of it by the yaw; `follow`, the part of a sample's correction by
+    which the next motion is expected to differ: with 0 none is expected. A correction of less than `settled` standard
+    deviations ends the search, and of more than `leaning` parameters that the damping decides instead of the voltages
+    there is `damped`, the yaw no more firmly than the phases. To the damping belongs a deviation of motions from the
+    expected one, array.deviation / (alpha sqrt(damping)); by more than `surprise` times that a body does not move in
+    a sample. Residuals up to `residual` V rms are those of the field's model. Positions are counted to `pitches` on
     either side.
 
     A place is certain once the damping decides no more than `certain` parameters there, of two sensors, which elsewhere
     may read the same at another place, and four times as many of more than two. With two sensors, or after a search,
-    its yaw is within `turn`, rad, of that at the last certain place, 0 at first.
+    its yaw is within `turn`, rad, of that at the last certain place, 0 at first. Nothing is valid at a yaw of more than
+    `yaw`, rad, nor after it.
 
     Raises ModelError for a figure that is out of its range.
     """
@@ -96,6 +103,7 @@ class Tuning:
     iterations: int = 5
     scale: float = 1.0
     damping: float = 1e-3
+    firm: float = 5.0
     reach: float = 1.0
     follow: float = 0.5
     settled: float = 0.1
@@ -105,12 +113,14 @@ class Tuning:
     pitches: int = 8
     certain: float = 0.004
     turn: float = radians(5)
+    yaw: float = radians(10)
 
     def __post_init__(self) -> None:
         ranges: dict[str, tuple[float, float]] = {
             "iterations": (1, 20),
             "scale": (0, 1),
             "damping": (0, 1),
+            "firm": (0, 100),
             "reach": (0, 1),
             "settled": (0, 1),
         }
@@ -121,10 +131,12 @@ class Tuning:
             "pitches": (1, 1000),
             "certain": (0, 3),
             "turn": (0, pi),
+            "yaw": (0, pi),
         }
         for name, (low, high) in ranges.items():
-            value = getattr(self, name)
-            if not (low < value <= high or value == low == 1):
-                raise ModelError(f"{name} is {value}: it must be above {low} and at most {high}")
-        if not 0 <= self.follow <= 1:
+            if name in WHOLE:
+                figures.whole(name, getattr(self, name), 1, high)
+            else:
+                figures.above(name, getattr(self, name), low, high)
+        if not 0 <= figures.number("follow", self.follow) <= 1:
             raise ModelError(f"follow is {self.follow}: it must be at least 0 and at most 1")

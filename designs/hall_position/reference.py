@@ -45,6 +45,7 @@ class Setup:
     iterations: int
     scale: float
     damping: float
+    firm: float
     reach: float
     follow: float
     settled: float
@@ -54,6 +55,7 @@ class Setup:
     pitches: int
     certain: float
     turn: float
+    yaw: float
 
     @property
     def middle(self) -> Array:
@@ -67,10 +69,15 @@ class Setup:
 
     @property
     def stiffness(self) -> Array:
-        """The damping's root by X, Y and yaw, V/m and V/rad."""
+        """The damping's root by X, Y and yaw, V/m and V/rad, of a yaw that is held no more firmly than they are."""
         w = 2 * pi / self.pitch
         arm = w * sqrt((self.arms**2).sum() / len(self.positions))
         return sqrt(self.damping) * self.alpha * np.array([w, w, arm])
+
+    @property
+    def holding(self) -> Array:
+        """The same of the yaw as it is held."""
+        return self.stiffness * [1, 1, self.firm]
 
     @property
     def bounds(self) -> Array:
@@ -83,12 +90,13 @@ class Setup:
 
 @dataclass(frozen=True)
 class Fit:
-    """Rows (N, m, 3) and right sides (N, m) at a displacement, factorised: R (N, 3, 3) and z = Q'b (N, 3).
+    """Rows H (N, m, 3) at a displacement, held and factorised: R (N, 3, 3) and z = Q'b (N, 3).
 
     `each` (N, sensors) are the squared residuals of sensors, V^2.
     """
 
     at: Array
+    H: Array
     each: Array
     squares: Array
     cost: Array
@@ -125,11 +133,15 @@ def step(setup: Setup, state: Columns, volts: Array, refused: Array) -> tuple[di
     last = fits[-1]
     freedom = 2 * len(setup.positions) - 3 - 2 * np.any(weights == 0, axis=1)
     since = 1 + state["astray"] if spare else 1.0
-    sudden = last.cost - last.squares > (since * setup.surprise * setup.deviation) ** 2
-    near = np.abs(wrapped(wrapped(start[:, 2] + end[:, 2] - state["yaw_known"])[0])[0]) <= setup.turn
+    moved = ((setup.stiffness * last.at) ** 2).sum(axis=1)
+    sudden = moved > (since * setup.surprise * setup.deviation) ** 2
+    since_known = start[:, 2] + end[:, 2] - state["yaw_known"]
+    if setup.yaw + setup.turn > pi:
+        since_known = wrapped(wrapped(since_known)[0])[0]
+    near = np.abs(since_known) <= setup.turn
     certain, searching = state["certain"] > 0, state["searching"] > 0
     astray = (last.squares > freedom * setup.residual**2) | np.where(certain, sudden, searching & ~near)
-    inverse = np.linalg.inv(last.R)
+    inverse = np.linalg.inv(np.linalg.qr(held(last.H, setup.stiffness))[1])
     leaning = ((setup.stiffness[:, None] * inverse) ** 2).sum(axis=(1, 2))
     damped = leaning > setup.leaning
     good = converged & ~damped & ~astray & ~sudden
@@ -138,11 +150,13 @@ def step(setup: Setup, state: Columns, volts: Array, refused: Array) -> tuple[di
         telling = good & ~searching & ~two & (leaning <= MORE * setup.certain)
     else:
         telling = good & near & ~searching & (leaning <= setup.certain) & ~np.any(refused, axis=(1, 2))
-    certain = telling | (certain & ~damped)
-    end = np.where((astray & (state["searching"] == 0))[:, None], 0.0, end)
+    end = np.where((astray & ~searching)[:, None], 0.0, end)
+    inside = placed_inside(setup, state, start + end)
+    certain = (telling & inside) | (certain & ~damped)
     apart = last.squares > freedom * min(setup.residual, APART * setup.deviation) ** 2
     seen = (astray, apart, converged)
-    found, next, counted = advance(setup, state, start + end, seen, certain, fits[0].each)
+    found, next = advance(setup, state, start + end, seen, certain, fits[0].each)
+    next["restarted"] = np.maximum(next["restarted"], (state["placed"] > 0) & ~inside)
     if setup.follow:
         moved = [
             state[name] + setup.follow * f * end[:, i]
@@ -152,7 +166,7 @@ def step(setup: Setup, state: Columns, volts: Array, refused: Array) -> tuple[di
         lost = state["searching"] > 0
         next |= {name: np.where(lost, 0, np.clip(v, -b, b)) for name, v, b in zip(MOTION, moved, bounds, strict=True)}
     out = position(setup, found) | deviations(setup, inverse, found["yaw"])
-    accepted = counted if spare else counted & ~np.any(refused, axis=(1, 2))
+    accepted = inside if spare else inside & ~np.any(refused, axis=(1, 2))
     out |= {"residual": np.sqrt(last.squares / freedom), "converged": converged, "damped": damped}
     out |= {"valid": good & certain & accepted & (state["restarted"] == 0), "restarted": state["restarted"]}
     return out | ({"without": state["without"]} if spare else {}), next
@@ -191,11 +205,15 @@ def fitted(setup: Setup, start: Array, at: Array, volts: Array, weights: Array) 
     root = np.sqrt(weights)
     H = np.concatenate([np.stack([root * v for v in rows], axis=2) for rows in (first, second)], axis=1)
     e = np.concatenate([root * (volts[:, :, 0] - c * bx - s * by), root * (volts[:, :, 1] + s * bx - c * by)], axis=1)
-    damping = np.broadcast_to(np.diag(setup.stiffness), (len(at), 3, 3))
-    A, b = np.concatenate([H, damping], axis=1), np.concatenate([e, -setup.stiffness * at], axis=1)
-    Q, R = np.linalg.qr(A)
+    Q, R = np.linalg.qr(held(H, setup.holding))
+    b = np.concatenate([e, -setup.holding * at], axis=1)
     each = (e**2).reshape(len(at), 2, -1).sum(axis=1)
-    return Fit(at, each, each.sum(axis=1), (b**2).sum(axis=1), R, np.einsum("nmi,nm->ni", Q, b))
+    return Fit(at, H, each, each.sum(axis=1), (b**2).sum(axis=1), R, np.einsum("nmi,nm->ni", Q, b))
+
+
+def held(H: Array, by: Array) -> Array:
+    """Return rows (N, m, 3) over those of a damping whose root is `by`."""
+    return np.concatenate([H, np.broadcast_to(np.diag(by), (len(H), 3, 3))], axis=1)
 
 
 def corrected(setup: Setup, fit: Fit) -> Array:
@@ -209,18 +227,16 @@ def corrected(setup: Setup, fit: Fit) -> Array:
 
 def advance(
     setup: Setup, state: Columns, pose: Array, seen: tuple[Array, Array, Array], certain: Array, each: Array
-) -> tuple[dict[str, Array], dict[str, Array], Array]:
-    """Return where the bodies are, the next states, and whether their pitches are counted.
+) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Return where the bodies are, and the next states.
 
     `seen`: whether a body is astray, its voltages do not fit each other, and the estimate has converged.
     """
     astray, apart, converged = seen
-    w, found, counted = 2 * pi / setup.pitch, {"yaw": wrapped(pose[:, 2])[0]}, np.ones(len(pose), bool)
+    w, found = 2 * pi / setup.pitch, {"yaw": wrapped(pose[:, 2])[0]}
     for i, axis in enumerate("xy"):
         phase, turns = wrapped(w * pose[:, i])
-        inside = np.abs(state[f"pitch_{axis}"]) < setup.pitches
-        found |= {f"phase_{axis}": phase, f"pitch_{axis}": state[f"pitch_{axis}"] + np.where(inside, turns, 0)}
-        counted &= inside
+        found |= {f"phase_{axis}": phase, f"pitch_{axis}": state[f"pitch_{axis}"] + turns}
     again = astray & (state["astray"] >= PATIENCE - 1)
     next = {"astray": np.where(astray & ~again, state["astray"] + 1, 0)}
     if len(setup.positions) > 2:
@@ -239,7 +255,17 @@ def advance(
         start = wrapped(state[f"start_{axis}"] + 2 * pi * (part - 1))[0]
         next[f"start_{axis}"] = np.where(again, start, state[f"start_{axis}"])
         next[f"phase_{axis}"] = np.where(again, start, found[f"phase_{axis}"])
-    return found, next, counted
+        next[f"pitch_{axis}"] = np.clip(found[f"pitch_{axis}"], -setup.pitches, setup.pitches)
+    return found, next
+
+
+def placed_inside(setup: Setup, state: Columns, pose: Array) -> Array:
+    """Return whether poses (N, 3) are where pitches are counted, and their yaws are declared."""
+    inside = np.abs(wrapped(pose[:, 2])[0]) <= setup.yaw
+    for i, axis in enumerate("xy"):
+        _, turns = wrapped(2 * pi / setup.pitch * pose[:, i])
+        inside &= np.abs(state[f"pitch_{axis}"] + turns) <= setup.pitches
+    return inside
 
 
 def wrapped(angle: Array) -> tuple[Array, Array]:
@@ -273,7 +299,7 @@ def magnification(setup: Setup, state: Columns, volts: Array, refused: Array, se
     voltages: far from a solution one correction magnifies what the one before it has.
     """
     fits, _, _ = descend(setup, begun(setup, state, refused)[0], volts, begun(setup, state, refused)[1])
-    condition = np.max([np.linalg.cond(fit.R / setup.stiffness) for fit in fits], axis=0)
+    condition = np.max([np.linalg.cond(held(fit.H, setup.stiffness) / setup.stiffness) for fit in fits], axis=0)
     return condition * np.maximum(amplification(setup, state, volts, refused, seed), 1)
 
 

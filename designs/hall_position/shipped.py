@@ -14,6 +14,7 @@ from models.concentrated_field import STRONG, WEAK
 from models.hall_chain import Chain
 from synth.block import Block
 from synth.emit import digits
+from synth.errors import DesignError
 from synth.synthesise.safety import Safety
 from synth.timing import Discrete
 
@@ -31,7 +32,12 @@ SAFETY = Safety(
 
 
 def array(name: str = NAME, chain: Chain | None = None) -> Array:
-    """Return the sensors that ship under a name, their field in V and their noise."""
+    """Return the sensors that ship under a name, their field in V and their noise.
+
+    Raises DesignError for an unknown name.
+    """
+    if name not in tuple(PLACES):
+        raise DesignError(f"'{name}' is none of the estimators that ship: give one of {', '.join(PLACES)}")
     chain = chain or Chain()
     alpha, beta = (digits.cut(chain.gain * b, DIGITS) for b in amplitudes())
     pitch = concentrated_field.PARAMETERS[0].value
@@ -48,5 +54,5 @@ def amplitudes() -> tuple[float, float]:
 
 
 def block(name: str = NAME) -> Block:
-    """Return the guarded estimator that ships under a name."""
+    """Return the guarded estimator that ships under a name; raise DesignError for an unknown one."""
     return estimator.guarded(array(name), TIME, TUNING, name)

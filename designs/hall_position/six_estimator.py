@@ -90,13 +90,9 @@ def guarded(array: Array, time: Discrete, tuning: Tuning = USUAL, name: str = "h
 def estimator(array: Array, time: Discrete, tuning: Tuning = USUAL) -> Block:
     """Return the Block from held voltages, ``complete`` or with a spare sensor ``fault_V_ax`` .. to the pose.
 
-    Raises ModelError for fewer than four sensors.
+    Raises ModelError for fewer than four places, or of sensors with one to spare fewer than four after its loss.
     """
-    if len(array.positions) < ENOUGH:
-        raise ModelError(
-            f"{len(array.positions)} sensors lose rank on curves in the pitch, and no voltage is left by which a false "
-            f"one is seen: give {ENOUGH} or more"
-        )
+    _check_places(array)
     problem = six_descent.problem(array, tuning)
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
@@ -130,6 +126,20 @@ def estimator(array: Array, time: Discrete, tuning: Tuning = USUAL) -> Block:
         constants=[Constant("alpha", array.alpha, "V", "fundamental"), Constant("beta", array.beta, "V", "5th wave")],
         tag="GLSDC, Fig. 9",
     )
+
+
+def _check_places(array: Array) -> None:
+    places = array.positions
+    if len(set(places)) < ENOUGH:
+        raise ModelError(
+            f"{len(set(places))} sensors lose rank on curves in the pitch, and no voltage is left by which a false "
+            f"one is seen: give {ENOUGH} or more, each at a place of its own"
+        )
+    if spare(array) and any(len({*places[:k], *places[k + 1 :]}) < ENOUGH for k in range(len(places))):
+        raise ModelError(
+            f"{len(places)} sensors at {len(set(places))} places leave fewer than {ENOUGH} of these after the loss "
+            "of one: give each a place of its own"
+        )
 
 
 def _inputs(array: Array) -> list[Signal]:

@@ -24,6 +24,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from designs.hall_position import figures
 from designs.hall_position.scan import Fit
 from designs.hall_position.six_parameters import Array, Triple
 from models import concentrated_field, hall_array
@@ -42,8 +43,9 @@ def seen(array: HallArray, waves: Sequence[Wave], height: float, pitch: float) -
 
     The mean over a sensor's volume is in alpha and beta, for a body without tilt; sensors are taken to have no errors.
 
-    Raises ModelError for a sensor that is turned, or waves that lack one of these.
+    Raises ModelError for a sensor that is turned, waves that lack one of these, or a height that is not positive.
     """
+    height = figures.positive("height", height)
     if any(s.angle or s.skew or any(s.misalignment) for s in array.sensors):
         raise ModelError("a sensor is turned in its body: turn its voltages back, and give it without angles")
     found = {w.order: hall_array.averaged(w, ca.SX.eye(3), array.volume) for w in waves}
@@ -69,10 +71,18 @@ def model(array: Array) -> tuple[HallArray, tuple[Wave, ...]]:
 
 
 def jacobians(array: HallArray, waves: Sequence[Wave], poses: ArrayLike) -> Numbers:
-    """Return the Jacobians (N, m, 6) of the voltages in V/m and V/rad at poses (N, 6) of POSE, m and rad."""
-    at = np.asarray(poses, dtype=np.float64)
+    """Return the Jacobians (N, m, 6) of the voltages in V/m and V/rad at poses (N, 6) of POSE, m and rad.
+
+    Raises ModelError as `checked`.
+    """
+    at = checked(poses)
     found = hall_array.spatial(array, waves).function().map(len(at))(at.T)[1].full()
     return found.reshape(-1, len(at), 6).transpose(1, 0, 2)
+
+
+def checked(poses: ArrayLike) -> Numbers:
+    """Return poses (N, 6) of POSE; raise ModelError for another shape, none, or what is not finite."""
+    return figures.table("the poses of X, Y, Z, roll, pitch, yaw", poses, len(POSE))
 
 
 def rotation(roll: Numbers, pitch: Numbers, yaw: Numbers) -> Numbers:
@@ -88,8 +98,11 @@ def rotation(roll: Numbers, pitch: Numbers, yaw: Numbers) -> Numbers:
 
 
 def rows(array: Array, poses: Numbers) -> Numbers:
-    """Return the Jacobians (N, m, 6) in closed form, in V/m and V/rad at poses (N, 6) of POSE, m and rad."""
-    q = poses.T
+    """Return the Jacobians (N, m, 6) in closed form, in V/m and V/rad at poses (N, 6) of POSE, m and rad.
+
+    Raises ModelError as `checked`.
+    """
+    q = checked(poses).T
     R = rotation(*q[3:])
     turns = np.array([R[:, 0], [-np.sin(q[5]), np.cos(q[5]), 0 * q[5]], np.eye(3)[2][:, None] + 0 * q[5]])
     found = []

@@ -22,9 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import differential_evolution
 
-from designs.hall_position import six_field
+from designs.hall_position import figures, layout_search, six_field
 from designs.hall_position.layout_search import GRID, Task
-from designs.hall_position.six_parameters import Array
+from designs.hall_position.six_parameters import FEWEST, Array
 from synth.errors import ModelError
 from synth.statespace import readonly
 
@@ -52,12 +52,17 @@ class Signs(NamedTuple):
 
 
 def placed(array: Array, places: tuple[Pair, ...]) -> Array:
-    """Return an array with its sensors at places in the body's plane, given in pitches."""
-    return replace(array, positions=tuple((x * array.pitch, y * array.pitch, 0.0) for x, y in places))
+    """Return an array with its sensors at places in the body's plane, in pitches; raise ModelError for no places."""
+    found = figures.rows("places", places, 2)
+    return replace(array, positions=tuple((x * array.pitch, y * array.pitch, 0.0) for x, y in found))
 
 
 def poses(array: Array, yaw: float, points: tuple[int, int]) -> Numbers:
-    """Return a grid (N, 6) of poses over the pitch and over yaws up to `yaw` to either side, level at the height."""
+    """Return a grid (N, 6) of poses over the pitch and over yaws up to `yaw` to either side, level at the height.
+
+    Raises ModelError for no points, or a yaw that is not finite.
+    """
+    yaw, points = figures.number("the yaw", yaw), layout_search.counted(points)
     along = array.pitch * np.arange(points[0]) / points[0]
     yaws = np.linspace(-yaw, yaw, points[1]) if points[1] > 1 else np.zeros(1)
     X, Y, turn = (each.ravel() for each in np.meshgrid(along, along, yaws, indexing="ij"))
@@ -66,7 +71,8 @@ def poses(array: Array, yaw: float, points: tuple[int, int]) -> Numbers:
 
 
 def sizes(lever: float) -> Numbers:
-    """Return what a unit of each of POSE moves, m: 1 for places, the lever for angles."""
+    """Return what a unit of each of POSE moves, m: 1 for places, the lever for angles; raise ModelError for none."""
+    lever = figures.positive("the lever", lever)
     return np.array([1.0, 1.0, 1.0, lever, lever, lever])
 
 
@@ -90,7 +96,8 @@ def signs(array: Array, yaw: float = 0.0, points: int = 100) -> Signs:
     """
     if len(array.positions) != 3:
         raise ModelError(f"{len(array.positions)} sensors have no determinant: give three")
-    at = poses(array, 0.0, (points, 1)) + np.array([0.0, 0.0, 0.0, 0.0, 0.0, yaw])
+    turned = figures.number("the yaw", yaw)
+    at = poses(array, 0.0, (points, 1)) + np.array([0.0, 0.0, 0.0, 0.0, 0.0, turned])
     D = np.linalg.det(six_field.rows(array, at) / sizes(array.pitch))
     mean = np.abs(D).mean()
     return Signs(float(D.min() / mean), float(D.max() / mean))
@@ -100,7 +107,10 @@ def search(array: Array, task: Task, seed: int = 0, generations: int = 60, tries
     """Return the places, in pitches, of sensors in the field of `array`; its own places are not looked at.
 
     `generations` of differential evolution, then `tries` steps of each length.
+
+    Raises ModelError unless both are whole numbers of at least 0, and for a task that leaves fewer than three sensors.
     """
+    generations, tries = (figures.whole(n, v, 0) for n, v in (("generations", generations), ("tries", tries)))
     coarse = _costs(array, task, COARSE)
     bounds = [(-task.reach, task.reach)] * (2 * task.sensors)
     found = differential_evolution(coarse, bounds, seed=seed, maxiter=generations, popsize=6, tol=1e-6, polish=False)
@@ -108,7 +118,11 @@ def search(array: Array, task: Task, seed: int = 0, generations: int = 60, tries
 
 
 def improved(array: Array, task: Task, places: tuple[Pair, ...], seed: int = 0, tries: int = 40) -> tuple[Pair, ...]:
-    """Return places, in pitches, that are no worse than those given, by `tries` steps of each length."""
+    """Return places, in pitches, that are no worse than those given, by `tries` steps of each length.
+
+    Raises ModelError unless there is a place for each sensor of the task, of which three or more are left.
+    """
+    places, tries = layout_search.given(task, places), figures.whole("tries", tries, 0)
     fine, rng = _costs(array, task, FINE), np.random.default_rng(seed)
     best, most = np.round(GRID * np.ravel(places)), round(GRID * task.reach)
     least = fine(best / GRID)
@@ -123,6 +137,8 @@ def improved(array: Array, task: Task, places: tuple[Pair, ...], seed: int = 0, 
 
 
 def _costs(array: Array, task: Task, points: tuple[int, int]) -> Callable[[Numbers], float]:
+    if task.sensors - task.spare < FEWEST:
+        raise ModelError(f"{task.sensors - task.spare} sensors have fewer than six voltages: leave {FEWEST} or more")
     at = poses(array, task.yaw, points)
     return lambda places: cost(placed(array, _pairs(places)), at, task.lever, task.spare)
 

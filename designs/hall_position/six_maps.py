@@ -18,7 +18,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from designs.hall_position import six_field, six_layout
+from designs.hall_position import figures, six_field, six_layout
 from designs.hall_position.six_parameters import Array
 from models import hall_array
 from models.concentrated_field import Wave
@@ -94,12 +94,8 @@ def accuracy_of(array: HallArray, waves: Sequence[Wave], poses: ArrayLike, lever
 
 
 def _checked(poses: ArrayLike, lever: float) -> Numbers:
-    at = np.asarray(poses, dtype=np.float64)
-    if at.ndim != 2 or at.shape[1] != 6 or not np.isfinite(at).all():
-        raise ModelError(f"the poses have the shape {at.shape}: give X, Y, Z, roll, pitch, yaw in each row, finite")
-    if not 0 < lever < float("inf"):
-        raise ModelError(f"the lever is {lever} m: give one above 0")
-    return at
+    figures.positive("the lever", lever)
+    return six_field.checked(poses)
 
 
 def _accuracy(jacobians: Numbers, at: Numbers, deviation: float, lever: float) -> Accuracy:
@@ -115,7 +111,7 @@ def _accuracy(jacobians: Numbers, at: Numbers, deviation: float, lever: float) -
 
 def cell(array: Array, condition: tuple[float, float, float, float], points: int = POINTS) -> Numbers:
     """Return a grid of poses (points^2, 6) over the pitch, X changing slowest, under one of CONDITIONS."""
-    further, *angles = condition
+    further, *angles = figures.rows("conditions", [condition], 4)[0]
     return readonly(six_layout.poses(array, 0.0, (points, 1)) + np.array([0.0, 0.0, further, *angles]))
 
 
@@ -128,8 +124,10 @@ def conditions(array: Array, points: int = POINTS) -> Map:
 def losses(array: Array, condition: str = "level at the height", points: int = POINTS) -> Map:
     """Return the map of an array with all sensors, and after the loss of each.
 
-    Raises ModelError for an array that has no sensor to spare.
+    Raises ModelError for an array that has no sensor to spare, or a condition that is none of CONDITIONS.
     """
+    if condition not in tuple(CONDITIONS):
+        raise ModelError(f"'{condition}' is no condition: give one of {', '.join(CONDITIONS)}")
     n = len(array.positions)
     if n < 5:
         raise ModelError(f"{n} sensors have none to spare: four are needed everywhere, give five or more")
@@ -150,9 +148,16 @@ def _map(title: str, found: dict[str, Accuracy]) -> Map:
 def misfit(array: Array, sensors: HallArray, waves: Sequence[Wave], poses: ArrayLike) -> Numbers:
     """Return the errors (n, 6), m and rad, at poses (n, 6) when `sensors` are in the field of `waves`.
 
-    To first order. Raises ModelError as `accuracy`.
+    To first order. Raises ModelError as `accuracy`, for unlike numbers of sensors, or where rank is lost.
     """
     at = _checked(poses, LEVER)
+    if len(sensors.sensors) != len(array.positions):
+        raise ModelError(
+            f"{len(sensors.sensors)} sensors meet {len(array.positions)} of the model: give as many of each"
+        )
+    lost = np.flatnonzero(~np.isfinite(accuracy(array, at).condition))
+    if lost.size:
+        raise ModelError(f"rank is lost at {lost.size} of the poses, the first is {at[lost[0]]}: leave it out")
     extra = _voltages(sensors, waves, at) - _voltages(*six_field.model(array), at)
     H = six_field.rows(array, at) / six_layout.sizes(LEVER)
     found = np.linalg.solve(H.transpose(0, 2, 1) @ H, H.transpose(0, 2, 1) @ extra[:, :, None])[:, :, 0]

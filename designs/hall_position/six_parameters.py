@@ -10,11 +10,13 @@ Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", (2), 
 """
 
 from dataclasses import dataclass
-from math import isfinite, pi, sqrt
+from math import pi, sqrt
 
+from designs.hall_position import figures
 from synth.errors import ModelError
 
 Triple = tuple[float, float, float]
+WHOLE = ("corrections", "pitches")  # of a tuning
 FEWEST = 3  # sensors of two axes for six unknowns
 
 
@@ -22,9 +24,10 @@ FEWEST = 3  # sensors of two axes for six unknowns
 class Array:
     """Sensors at `positions` in the body, m, and the field that they see at a `height` in m above the matrix, V.
 
-    Their axes are along the body's x and y; each is noisy by `deviation`, V.
+    Their axes are along the body's x and y; each is noisy by `deviation`, V. Positions may be lists or an array.
 
-    Raises ModelError for fewer than three places, or a figure that is out of its range.
+    Raises ModelError for fewer than three places or more than 26 sensors, for places that are all above one another,
+    or a figure that is no number or out of its range.
     """
 
     positions: tuple[Triple, ...]
@@ -35,15 +38,19 @@ class Array:
     deviation: float = 1e-3
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "positions", figures.places(self.positions, 3))
         if len(set(self.positions)) < FEWEST:
             raise ModelError(
                 f"{len(set(self.positions))} sensors have fewer than six voltages: give {FEWEST} places or more"
             )
+        if len({r[:2] for r in self.positions}) < 2:
+            raise ModelError(
+                f"all sensors are at x, y = {self.positions[0][:2]} m, above one another: their voltages differ by the "
+                "decay with Z alone, which hardly tells turns from displacements; give places apart in x and y"
+            )
         for name in ("alpha", "height", "pitch", "deviation"):
-            if not 0 < getattr(self, name) < float("inf"):
-                raise ModelError(f"{name} is {getattr(self, name)}: it must be finite and positive")
-        if not all(map(isfinite, (*(v for r in self.positions for v in r), self.beta))):
-            raise ModelError(f"positions {self.positions} and beta {self.beta}: every number must be finite")
+            object.__setattr__(self, name, figures.positive(name, getattr(self, name)))
+        object.__setattr__(self, "beta", figures.number("beta", self.beta))
 
     @property
     def wave_number(self) -> float:
@@ -100,6 +107,7 @@ class Tuning:
         }
         most |= {"surprise": float("inf"), "residual": float("inf"), "gap": 2e-3, "tilt": 0.05}
         for name, high in most.items():
-            value = getattr(self, name)
-            if not 0 < value <= high:
-                raise ModelError(f"{name} is {value}: it must be above 0 and at most {high}")
+            if name in WHOLE:
+                figures.whole(name, getattr(self, name), 1, high)
+            else:
+                figures.above(name, getattr(self, name), 0, high)

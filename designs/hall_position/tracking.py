@@ -44,13 +44,13 @@ AGAIN = {"x": -2 * pi * (1 - 0.7548776662466927), "y": -2 * pi * (1 - 0.56984029
 class Ahead:
     """Where the body is found, by the names of the states, and the yaw since the sample began; the next states.
 
-    `counted`: whether its pitches are; `certain`: whether its place is.
+    `inside`: whether it is where pitches are counted, at a yaw that is declared; `certain`: whether its place is.
     """
 
     found: Exprs
     turn: ca.SX
     next: Exprs
-    counted: ca.SX
+    inside: ca.SX
     certain: ca.SX
 
 
@@ -109,9 +109,10 @@ def left_out(array: Array, u: Exprs, x: Exprs) -> Sequence[ca.SX] | None:
 
 
 def near(yaw: ca.SX, x: Exprs, tuning: Tuning) -> ca.SX:
-    """Return whether a yaw is one at which a place may become certain."""
+    """Return whether a yaw is near the last one that was known; across half a turn where one may be known there."""
     by = ca.fabs(yaw - x["yaw_known"])
-    return ca.logic_or(by <= tuning.turn, ca.fabs(by - 2 * pi) <= tuning.turn)
+    around = tuning.yaw + tuning.turn > pi
+    return ca.logic_or(by <= tuning.turn, ca.fabs(by - 2 * pi) <= tuning.turn) if around else by <= tuning.turn
 
 
 def ahead(found: Found, verdict: Verdict, begun: Exprs, x: Exprs, of: Problem) -> Ahead:
@@ -119,15 +120,19 @@ def ahead(found: Found, verdict: Verdict, begun: Exprs, x: Exprs, of: Problem) -
     astray = verdict.astray
     stays = ca.logic_and(astray, ca.logic_not(x["searching"]))
     by = {name: ca.if_else(stays, 0, d) for name, d in zip(POSE, (*found.at.phase.values(), found.at.yaw), strict=True)}
-    pose, inside = {"yaw": _wrapped(begun["yaw"] + by["yaw"])[0]}, []
+    pose = {"yaw": _wrapped(begun["yaw"] + by["yaw"])[0]}
+    inside = ca.fabs(pose["yaw"]) <= of.tuning.yaw
     for a in AXES:
         phase, turns = _wrapped(begun[f"phase_{a}"] + by[f"phase_{a}"])
-        inside.append(ca.fabs(x[f"pitch_{a}"]) < of.tuning.pitches)
-        pose |= {f"phase_{a}": phase, f"pitch_{a}": x[f"pitch_{a}"] + ca.if_else(inside[-1], turns, 0)}
+        pose |= {f"phase_{a}": phase, f"pitch_{a}": x[f"pitch_{a}"] + turns}
+        inside = ca.logic_and(inside, ca.fabs(pose[f"pitch_{a}"]) <= of.tuning.pitches)
     next, again = _searched(verdict, found, x, of)
-    certain = ca.logic_or(verdict.telling, ca.logic_and(x["certain"], ca.logic_not(verdict.damped)))
+    telling = ca.logic_and(verdict.telling, inside)
+    certain = ca.logic_or(telling, ca.logic_and(x["certain"], ca.logic_not(verdict.damped)))
     known = ca.logic_and(certain, ca.logic_not(astray))
     next |= {"placed": ca.logic_or(certain, x["placed"])}
+    gone = ca.logic_and(x["placed"], ca.logic_or(again, ca.logic_not(inside)))
+    next["restarted"] = ca.logic_or(x["restarted"], gone)
     next |= {"certain": ca.if_else(again, 0, certain), "yaw_known": ca.if_else(known, pose["yaw"], x["yaw_known"])}
     next |= pose | {"yaw": ca.if_else(again, x["yaw_known"], pose["yaw"])}
     for a in AXES:
@@ -139,7 +144,7 @@ def ahead(found: Found, verdict: Verdict, begun: Exprs, x: Exprs, of: Problem) -
         next |= {
             m: ca.if_else(x["searching"], 0, x[m] + of.tuning.follow * by[n]) for m, n in zip(MOTION, POSE, strict=True)
         }
-    return Ahead(pose, by["yaw"], next, ca.logic_and(*inside), certain)
+    return Ahead(pose, by["yaw"], next, inside, certain)
 
 
 def _searched(verdict: Verdict, found: Found, x: Exprs, of: Problem) -> tuple[dict[str, ca.SX], ca.SX]:
@@ -154,7 +159,7 @@ def _searched(verdict: Verdict, found: Found, x: Exprs, of: Problem) -> tuple[di
         next["without"] = ca.if_else(again, 0, ca.if_else(suspected, worst, x["without"]))
     ended = ca.logic_and(found.converged, ca.logic_not(astray))
     next["searching"] = ca.if_else(again, 1, ca.if_else(ended, 0, x["searching"]))
-    return next | {"restarted": ca.if_else(again, ca.logic_or(x["placed"], x["restarted"]), x["restarted"])}, again
+    return next, again
 
 
 def _worst(by_sensor: Sequence[ca.SX], of: Problem) -> tuple[ca.SX, ca.SX]:

@@ -59,14 +59,14 @@ static inline float phase_part_cosine_2_polynomial(float t)
     return 1.0f + (t * (-0.0078124995f + (t * (1.0172464e-05f + (t * (-5.295563e-09f + (t * 1.434358e-12f)))))));
 }
 
-/* turn_sine for clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (0.110186534 + (((...) * (...)) + ((...) * (...))))), -0.101002539, 0.101002539) in -0.101002537 .. 0.101002537: turn_sine / x, t = x^2, x = clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (0.110186534 + (((...) * (...)) + ((...) * (...))))), -0.101002539, 0.101002539);
+/* turn_sine for clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (2.75466335 + (((...) * (...)) + ((...) * (...))))), -0.101002539, 0.101002539) in -0.101002537 .. 0.101002537: turn_sine / x, t = x^2, x = clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (2.75466335 + (((...) * (...)) + ((...) * (...))))), -0.101002539, 0.101002539);
  * relative error at most 1.2e-07. */
 static inline float turn_sine_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666666f + (t * 0.008330399f)));
 }
 
-/* half_sine for clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (0.110186534 + (((...) * (...)) + ((...) * (...))))), -0.101002539, 0.101002539) in -0.101002537 .. 0.101002537: half_sine / x, t = x^2, x = clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (0.110186534 + (((...) * (...)) + ((...) * (...))))), -0.101002539, 0.101002539);
+/* half_sine for clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (2.75466335 + (((...) * (...)) + ((...) * (...))))), -0.101002539, 0.101002539) in -0.101002537 .. 0.101002537: half_sine / x, t = x^2, x = clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (2.75466335 + (((...) * (...)) + ((...) * (...))))), -0.101002539, 0.101002539);
  * relative error at most 1.1e-07. */
 static inline float half_sine_polynomial(float t)
 {
@@ -274,7 +274,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t74 = 1.0f / (0.00992376f + ((t68 * t68) + (t71 * t71)));
     const float t75 = (((0.00992376f * ((t61 * t34) + (t64 * t42))) + (t65 * ((t60 * t42) - (t63 * t34)))) * t66) + (((0.00992376f * ((t69 * t50) + (t72 * t58))) + (t73 * ((t68 * t58) - (t71 * t50)))) * t74);
     const float t76 = (((0.00992376f * ((t61 * t61) + (t64 * t64))) + (t65 * t65)) * t66) + (((0.00992376f * ((t69 * t69) + (t72 * t72))) + (t73 * t73)) * t74);
-    const float t77 = limit(t75 / (0.11018653f + t76), 0.10100254f);
+    const float t77 = limit(t75 / (2.7546635f + t76), 0.10100254f);
     const float t78 = t77 * t77;
     const float turn_sine = t77 * turn_sine_polynomial(t78);
     const float half_sine = t77 * half_sine_polynomial(t78);
@@ -318,7 +318,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t116 = t115 * t115;
     const float t117 = t115 * (estimator_field_1 + (t116 * (estimator_field_3 + (t116 * estimator_field_5))));
     const float t118 = (t51 * t80) + (t35 * turn_sine) - t117;
-    const float cost_1 = (t90 * t90) + (t99 * t99) + (t109 * t109) + (t118 * t118) + (0.00992376f * ((11.103305f * t78) + (t81 * t81) + (t100 * t100)));
+    const float cost_1 = (t90 * t90) + (t99 * t99) + (t109 * t109) + (t118 * t118) + (0.00992376f * ((t81 * t81) + (t100 * t100) + (277.5826f * t78)));
     const bool t119 = cost_1 <= (cost_0 + 1e-08f);
     const float t120 = ((t59 * t85) - (t31 * t86)) * (estimator_slope_0 + (t88 * (estimator_slope_2 + (t88 * estimator_slope_4))));
     const float t121 = t108 - (t120 * (t15 + t101));
@@ -347,7 +347,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         t139 = 0.0f;
         t140 = cost_0;
     }
-    const float t141 = limit((t119) ? (t77 + ((t127 + t135 - (0.11018653f * t77)) / (0.11018653f + t136))) : (0.5f * (t77 + t137)), 0.10100254f);
+    const float t141 = limit((t119) ? (t77 + ((t127 + t135 - (2.7546635f * t77)) / (2.7546635f + t136))) : (0.5f * (t77 + t137)), 0.10100254f);
     const float t142 = t141 * t141;
     const float turn_sine_2 = t141 * turn_sine_polynomial(t142);
     const float half_sine_2 = t141 * half_sine_polynomial(t142);
@@ -394,7 +394,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t183 = t182 * t182;
     const float t184 = t182 * (estimator_field_1 + (t183 * (estimator_field_3 + (t183 * estimator_field_5))));
     const float t185 = (t51 * t144) + (t35 * turn_sine_2) - t184;
-    const float cost_2 = (t156 * t156) + (t165 * t165) + (t176 * t176) + (t185 * t185) + (0.00992376f * ((11.103305f * t142) + (t147 * t147) + (t167 * t167)));
+    const float cost_2 = (t156 * t156) + (t165 * t165) + (t176 * t176) + (t185 * t185) + (0.00992376f * ((t147 * t147) + (t167 * t167) + (277.5826f * t142)));
     const bool t186 = cost_2 <= (t140 + 1e-08f);
     const float t187 = ((t59 * t151) - (t31 * t152)) * (estimator_slope_0 + (t154 * (estimator_slope_2 + (t154 * estimator_slope_4))));
     const float t188 = t175 - (t187 * (t15 + t168));
@@ -423,7 +423,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         t206 = t139;
         t207 = t140;
     }
-    const float t208 = limit((t186) ? (t141 + ((t194 + t202 - (0.11018653f * t141)) / (0.11018653f + t203))) : (0.5f * (t141 + t204)), 0.10100254f);
+    const float t208 = limit((t186) ? (t141 + ((t194 + t202 - (2.7546635f * t141)) / (2.7546635f + t203))) : (0.5f * (t141 + t204)), 0.10100254f);
     const float t209 = t208 * t208;
     const float turn_sine_3 = t208 * turn_sine_polynomial(t209);
     const float half_sine_3 = t208 * half_sine_polynomial(t209);
@@ -470,7 +470,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t250 = t249 * t249;
     const float t251 = t249 * (estimator_field_1 + (t250 * (estimator_field_3 + (t250 * estimator_field_5))));
     const float t252 = (t51 * t211) + (t35 * turn_sine_3) - t251;
-    const float cost_3 = (t223 * t223) + (t232 * t232) + (t243 * t243) + (t252 * t252) + (0.00992376f * ((11.103305f * t209) + (t214 * t214) + (t234 * t234)));
+    const float cost_3 = (t223 * t223) + (t232 * t232) + (t243 * t243) + (t252 * t252) + (0.00992376f * ((t214 * t214) + (t234 * t234) + (277.5826f * t209)));
     const bool t253 = cost_3 <= (t207 + 1e-08f);
     const float t254 = ((t59 * t218) - (t31 * t219)) * (estimator_slope_0 + (t221 * (estimator_slope_2 + (t221 * estimator_slope_4))));
     const float t255 = t242 - (t254 * (t15 + t235));
@@ -499,7 +499,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         t273 = t206;
         t274 = t207;
     }
-    const float t275 = limit((t253) ? (t208 + ((t261 + t269 - (0.11018653f * t208)) / (0.11018653f + t270))) : (0.5f * (t208 + t271)), 0.10100254f);
+    const float t275 = limit((t253) ? (t208 + ((t261 + t269 - (2.7546635f * t208)) / (2.7546635f + t270))) : (0.5f * (t208 + t271)), 0.10100254f);
     const float t276 = t275 * t275;
     const float turn_sine_4 = t275 * turn_sine_polynomial(t276);
     const float half_sine_4 = t275 * half_sine_polynomial(t276);
@@ -547,10 +547,10 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t318 = t316 * (estimator_field_1 + (t317 * (estimator_field_3 + (t317 * estimator_field_5))));
     const float t319 = (t51 * t278) + (t35 * turn_sine_4) - t318;
     const float t320 = (t290 * t290) + (t299 * t299) + (t310 * t310) + (t319 * t319);
-    const float t321 = 0.00992376f * ((11.103305f * t276) + (t281 * t281) + (t301 * t301));
-    const float cost_4 = t320 + t321;
+    const float t321 = (t281 * t281) + (t301 * t301);
+    const float cost_4 = t320 + (0.00992376f * (t321 + (277.5826f * t276)));
     const uint32_t estimator_certain = state->estimator_certain;
-    const bool t322 = 9e-06f < t321;
+    const bool t322 = 0.0009069143f < (t321 + (11.103305f * t276));
     const uint32_t estimator_searching = state->estimator_searching;
     const bool t323 = cost_4 <= (t274 + 1e-08f);
     const float t324 = ((t59 * t285) - (t31 * t286)) * (estimator_slope_0 + (t288 * (estimator_slope_2 + (t288 * estimator_slope_4))));
@@ -569,9 +569,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t337 = (t332 * t335) - (t334 * t333);
     const float t338 = 1.0f / (0.00992376f + ((t332 * t332) + (t334 * t334)));
     const float t339 = ((0.00992376f * ((t333 * t310) + (t335 * t319) + (t301 * t336))) + (t337 * ((t332 * t319) - (t334 * t310)))) * t338;
-    const float t340 = t331 + t339 - (0.11018653f * t275);
+    const float t340 = t331 + t339 - (2.7546635f * t275);
     const float t341 = (((0.00992376f * ((t325 * t325) + (t327 * t327))) + (t329 * t329)) * t330) + (((0.00992376f * ((t333 * t333) + (t335 * t335))) + (t337 * t337)) * t338);
-    const float t342 = 1.0f / (0.11018653f + t341);
+    const float t342 = 1.0f / (2.7546635f + t341);
     const float t343 = (t324 * t290) + (t326 * t299) - (0.00992376f * t281);
     const float t344 = (t332 * t310) + (t334 * t319) - (0.00992376f * t301);
     const bool converged = t323 && (((t340 * t340 * t342) + (t343 * t343 * t330) + (t344 * t344 * t338)) <= 1e-08f);
@@ -596,80 +596,78 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         }
     }
     const float estimator_yaw_known = state->estimator_yaw_known;
-    const float t350 = fabsf(t1 + t345 - estimator_yaw_known);
-    const bool t351 = (t350 <= 0.08726646f) || (fabsf(t350 - 6.2831855f) <= 0.08726646f);
-    const bool t352 = (0.01f < t320) || ((estimator_certain != 0u) ? t322 : ((estimator_searching != 0u) && !t351));
-    const bool t353 = !(estimator_searching != 0u);
+    const bool t350 = fabsf(t1 + t345 - estimator_yaw_known) <= 0.08726646f;
+    const bool t351 = (0.01f < t320) || ((estimator_certain != 0u) ? t322 : ((estimator_searching != 0u) && !t350));
+    const bool t352 = !(estimator_searching != 0u);
+    float t353 = 0.0f;
     float t354 = 0.0f;
     float t355 = 0.0f;
     float t356 = 0.0f;
     float t357 = 0.0f;
     float t358 = 0.0f;
-    float t359 = 0.0f;
-    if (!(t352 && t353)) {
-        t354 = t346;
-        t355 = t347;
-        t356 = t345;
-        t357 = 0.5f * t346;
-        t358 = 0.5f * t347;
-        t359 = 0.5f * t345;
+    if (!(t351 && t352)) {
+        t353 = t346;
+        t354 = t347;
+        t355 = t345;
+        t356 = 0.5f * t346;
+        t357 = 0.5f * t347;
+        t358 = 0.5f * t345;
     }
-    const float t360 = t4 + t354;
-    float t361 = t360;
-    bool t362 = true;
-    if (3.1415927f < t360) {
-        t361 = t360 - 6.2831855f;
+    const float t359 = t4 + t353;
+    float t360 = t359;
+    bool t361 = true;
+    if (3.1415927f < t359) {
+        t360 = t359 - 6.2831855f;
     } else {
-        t362 = false;
+        t361 = false;
     }
-    float t363 = t361;
-    float t364 = -1.0f;
-    if (t361 < -3.1415927f) {
-        t363 = t361 + 6.2831855f;
+    float t362 = t360;
+    float t363 = -1.0f;
+    if (t360 < -3.1415927f) {
+        t362 = t360 + 6.2831855f;
     } else {
-        t364 = t362 ? 1.0f : 0.0f;
+        t363 = t361 ? 1.0f : 0.0f;
     }
     const float estimator_pitch_x = state->estimator_pitch_x;
-    const bool t365 = fabsf(estimator_pitch_x) < 8.0f;
-    const float t366 = estimator_pitch_x + ((t365) ? t364 : 0.0f);
-    const float X = (0.008085071f * t363) + (0.0508f * t366);
-    const float t367 = t14 + t355;
-    float t368 = t367;
-    bool t369 = true;
-    if (3.1415927f < t367) {
-        t368 = t367 - 6.2831855f;
+    const float t364 = estimator_pitch_x + t363;
+    const float X = (0.008085071f * t362) + (0.0508f * t364);
+    const float t365 = t14 + t354;
+    float t366 = t365;
+    bool t367 = true;
+    if (3.1415927f < t365) {
+        t366 = t365 - 6.2831855f;
     } else {
-        t369 = false;
+        t367 = false;
     }
-    float t370 = t368;
-    float t371 = -1.0f;
-    if (t368 < -3.1415927f) {
-        t370 = t368 + 6.2831855f;
+    float t368 = t366;
+    float t369 = -1.0f;
+    if (t366 < -3.1415927f) {
+        t368 = t366 + 6.2831855f;
     } else {
-        t371 = t369 ? 1.0f : 0.0f;
+        t369 = t367 ? 1.0f : 0.0f;
     }
     const float estimator_pitch_y = state->estimator_pitch_y;
-    const bool t372 = fabsf(estimator_pitch_y) < 8.0f;
-    const float t373 = estimator_pitch_y + ((t372) ? t371 : 0.0f);
-    const float Y = (0.008085071f * t370) + (0.0508f * t373);
-    const float t374 = t1 + t356;
-    float t375 = t374;
-    if (3.1415927f < t374) {
-        t375 = t374 - 6.2831855f;
+    const float t370 = estimator_pitch_y + t369;
+    const float Y = (0.008085071f * t368) + (0.0508f * t370);
+    const float t371 = t1 + t355;
+    float t372 = t371;
+    if (3.1415927f < t371) {
+        t372 = t371 - 6.2831855f;
     }
-    float yaw = t375;
-    if (t375 < -3.1415927f) {
-        yaw = t375 + 6.2831855f;
+    float yaw = t372;
+    if (t372 < -3.1415927f) {
+        yaw = t372 + 6.2831855f;
     }
-    const float t376 = t328 * t330;
-    const float t377 = 0.008085071f * t376;
-    const float deviation_X = 0.001f * sqrtf((6.5368375e-05f * t330) + (t377 * t377 * t342));
+    const float t373 = t328 * t330;
+    const float t374 = t373 * t373;
+    const float t375 = 1.0f / (t341 + 0.11018653f);
+    const float deviation_X = 8.085071e-06f * sqrtf(t330 + (t374 * t375));
     out->deviation_X = deviation_X;
-    const float t378 = t336 * t338;
-    const float t379 = 0.008085071f * t378;
-    const float deviation_Y = 0.001f * sqrtf((6.5368375e-05f * t338) + (t379 * t379 * t342));
+    const float t376 = t336 * t338;
+    const float t377 = t376 * t376;
+    const float deviation_Y = 8.085071e-06f * sqrtf(t338 + (t377 * t375));
     out->deviation_Y = deviation_Y;
-    const float deviation_yaw = 0.001f * sqrtf(t342);
+    const float deviation_yaw = 0.001f * sqrtf(t375);
     out->deviation_yaw = deviation_yaw;
     const float residual = sqrtf(1e-30f + t320);
     out->residual = residual;
@@ -677,18 +675,19 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     out->Y = Y;
     out->yaw = yaw;
     out->converged = converged ? 1.0f : 0.0f;
-    const float t380 = 0.00992376f * (((11.103305f + (t376 * t376) + (t378 * t378)) * t342) + (t330 + t338));
-    const bool damped = 0.15f < t380;
+    const float t378 = ((11.103305f + t374 + t377) * t375) + (t330 + t338);
+    const bool damped = 15.115238f < t378;
     out->damped = damped ? 1.0f : 0.0f;
-    const bool t381 = converged && !(damped || t352 || t322);
-    const bool t382 = (t381 && t351 && t353 && (t380 <= 0.004f) && complete) || ((estimator_certain != 0u) && !damped);
+    const bool t379 = converged && !(damped || t351 || t322);
+    const bool t380 = (fabsf(yaw) <= 0.17453292f) && (fabsf(t364) <= 8.0f) && (fabsf(t370) <= 8.0f);
+    const bool t381 = (t379 && t350 && t352 && (t378 <= 0.403073f) && complete && t380) || ((estimator_certain != 0u) && !damped);
     const uint32_t estimator_restarted = state->estimator_restarted;
-    const bool valid = t381 && t382 && !(estimator_restarted != 0u) && t365 && t372 && complete;
+    const bool valid = t379 && t381 && !(estimator_restarted != 0u) && t380 && complete;
     const uint32_t estimator_astray = state->estimator_astray;
-    const bool t383 = 4u <= estimator_astray;
-    const uint32_t estimator_placed = state->estimator_placed;
-    const bool t384 = !t352;
-    if (t352 && t383) {
+    const bool t382 = 4u <= estimator_astray;
+    const bool t383 = t351 && t382;
+    const bool t384 = !t351;
+    if (t383) {
         const float estimator_start_x = state->estimator_start_x;
         const float t385 = estimator_start_x + -1.5401491f;
         if (t385 < -3.1415927f) {
@@ -712,31 +711,29 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         state->estimator_yaw = estimator_yaw_known;
         state->estimator_searching = 1u;
         state->estimator_certain = 0u;
-        const bool estimator_restarted_next = (estimator_placed != 0u) || (estimator_restarted != 0u);
-        state->estimator_restarted = flag(estimator_restarted_next);
     } else {
-        state->estimator_phase_x = t363;
-        state->estimator_phase_y = t370;
+        state->estimator_phase_x = t362;
+        state->estimator_phase_y = t368;
         state->estimator_yaw = yaw;
         if (converged && t384) {
             state->estimator_searching = 0u;
         }
-        state->estimator_certain = flag(t382);
+        state->estimator_certain = flag(t381);
     }
-    if (t382 && t384) {
+    if (t381 && t384) {
         state->estimator_yaw_known = yaw;
     }
-    const float estimator_pitch_x_next = limit(t366, 8.0f);
+    const float estimator_pitch_x_next = limit(t364, 8.0f);
     state->estimator_pitch_x = estimator_pitch_x_next;
-    const float estimator_pitch_y_next = limit(t373, 8.0f);
+    const float estimator_pitch_y_next = limit(t370, 8.0f);
     state->estimator_pitch_y = estimator_pitch_y_next;
     float t389 = 0.0f;
     float t390 = 0.0f;
     float t391 = 0.0f;
     if (!(estimator_searching != 0u)) {
-        t389 = estimator_motion_x + t357;
-        t390 = estimator_motion_y + t358;
-        t391 = estimator_motion_yaw + t359;
+        t389 = estimator_motion_x + t356;
+        t390 = estimator_motion_y + t357;
+        t391 = estimator_motion_yaw + t358;
     }
     const float estimator_motion_x_next = limit(t389, 0.5f);
     state->estimator_motion_x = estimator_motion_x_next;
@@ -744,10 +741,13 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     state->estimator_motion_y = estimator_motion_y_next;
     const float estimator_motion_yaw_next = limit(t391, 0.10100254f);
     state->estimator_motion_yaw = estimator_motion_yaw_next;
-    const uint32_t estimator_astray_next = (t352) ? ((t383) ? 0u : (estimator_astray + 1u)) : 0u;
+    const uint32_t estimator_astray_next = (t351) ? ((t382) ? 0u : (estimator_astray + 1u)) : 0u;
     state->estimator_astray = estimator_astray_next;
-    const bool estimator_placed_next = t382 || (estimator_placed != 0u);
+    const uint32_t estimator_placed = state->estimator_placed;
+    const bool estimator_placed_next = t381 || (estimator_placed != 0u);
     state->estimator_placed = flag(estimator_placed_next);
+    const bool estimator_restarted_next = (estimator_restarted != 0u) || ((estimator_placed != 0u) && (t383 || !t380));
+    state->estimator_restarted = flag(estimator_restarted_next);
     out->valid = valid ? 1.0f : 0.0f;
     out->restarted = (float)estimator_restarted;
 

@@ -111,14 +111,14 @@ static inline float phase_part_cosine_5_polynomial(float t)
     return 0.99999994f + (t * (-0.0078124558f + (t * (1.016805e-05f + (t * -5.1534967e-09f)))));
 }
 
-/* turn_sine for clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (0.0349753498 + (((...) * (...)) + ((...) * (...))))), -0.140220856, 0.140220856) in -0.140220851 .. 0.140220851: turn_sine / x, t = x^2, x = clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (0.0349753498 + (((...) * (...)) + ((...) * (...))))), -0.140220856, 0.140220856);
+/* turn_sine for clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (0.874383744 + (((...) * (...)) + ((...) * (...))))), -0.140220856, 0.140220856) in -0.140220851 .. 0.140220851: turn_sine / x, t = x^2, x = clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (0.874383744 + (((...) * (...)) + ((...) * (...))))), -0.140220856, 0.140220856);
  * relative error at most 1.2e-07. */
 static inline float turn_sine_polynomial(float t)
 {
     return 1.0f + (t * (-0.16666663f + (t * 0.008327514f)));
 }
 
-/* half_sine for clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (0.0349753498 + (((...) * (...)) + ((...) * (...))))), -0.140220856, 0.140220856) in -0.140220851 .. 0.140220851: half_sine / x, t = x^2, x = clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (0.0349753498 + (((...) * (...)) + ((...) * (...))))), -0.140220856, 0.140220856);
+/* half_sine for clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (0.874383744 + (((...) * (...)) + ((...) * (...))))), -0.140220856, 0.140220856) in -0.140220851 .. 0.140220851: half_sine / x, t = x^2, x = clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (0.874383744 + (((...) * (...)) + ((...) * (...))))), -0.140220856, 0.140220856);
  * relative error at most 1.4e-07. */
 static inline float half_sine_polynomial(float t)
 {
@@ -463,7 +463,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float t151 = ((t134 + (t135 * ((t124 * t85) - (t130 * t69)))) * t136) + ((t148 + (t149 * ((t141 * t112) - (t144 * t103)))) * t150);
     const float t152 = (0.00992376f * ((t119 * t119) + (t125 * t125) + (t131 * t131))) + (t132 * t132) + (t133 * t133) + (t135 * t135);
     const float t153 = (0.00992376f * ((t139 * t139) + (t142 * t142) + (t145 * t145))) + (t146 * t146) + (t147 * t147) + (t149 * t149);
-    const float t154 = limit(t151 / (0.03497535f + ((t152 * t136) + (t153 * t150))), 0.14022085f);
+    const float t154 = limit(t151 / (0.87438375f + ((t152 * t136) + (t153 * t150))), 0.14022085f);
     const float t155 = t154 * t154;
     const float turn_sine = t154 * turn_sine_polynomial(t155);
     const float half_sine = t154 * half_sine_polynomial(t155);
@@ -527,7 +527,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float t213 = t212 * t212;
     const float t214 = t212 * (t80 + (t213 * (t82 + (t213 * t83))));
     const float t215 = (t105 * t157) + (t75 * turn_sine) - t214;
-    const float cost_1 = (t168 * t168) + (t177 * t177) + (t186 * t186) + (t197 * t197) + (t206 * t206) + (t215 * t215) + (0.00992376f * ((3.524405f * t155) + (t159 * t159) + (t188 * t188)));
+    const float cost_1 = (t168 * t168) + (t177 * t177) + (t186 * t186) + (t197 * t197) + (t206 * t206) + (t215 * t215) + (0.00992376f * ((t159 * t159) + (t188 * t188) + (88.11012f * t155)));
     const bool t216 = cost_1 <= (cost_0 + 1e-08f);
     const float t217 = ((t114 * t163) - (t47 * t164)) * (t115 + (t166 * (t116 + (t166 * t117))));
     const float t218 = t196 - (t217 * (t19 + t189));
@@ -566,7 +566,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         t246 = 0.0f;
         t247 = cost_0;
     }
-    const float t248 = (t216) ? (t154 + ((t241 - (0.03497535f * t154)) / (0.03497535f + ((t242 * t228) + (t243 * t240))))) : (0.5f * (t154 + t244));
+    const float t248 = (t216) ? (t154 + ((t241 - (0.87438375f * t154)) / (0.87438375f + ((t242 * t228) + (t243 * t240))))) : (0.5f * (t154 + t244));
     const float t249 = limit(t248, 0.14022085f);
     const float t250 = t249 * t249;
     const float turn_sine_2 = t249 * turn_sine_polynomial(t250);
@@ -632,7 +632,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float t309 = t308 * t308;
     const float t310 = t308 * (t80 + (t309 * (t82 + (t309 * t83))));
     const float t311 = (t105 * t252) + (t75 * turn_sine_2) - t310;
-    const float cost_2 = (t264 * t264) + (t273 * t273) + (t282 * t282) + (t293 * t293) + (t302 * t302) + (t311 * t311) + (0.00992376f * ((3.524405f * t250) + (t255 * t255) + (t284 * t284)));
+    const float cost_2 = (t264 * t264) + (t273 * t273) + (t282 * t282) + (t293 * t293) + (t302 * t302) + (t311 * t311) + (0.00992376f * ((t255 * t255) + (t284 * t284) + (88.11012f * t250)));
     const bool t312 = cost_2 <= (t247 + 1e-08f);
     const float t313 = ((t114 * t259) - (t47 * t260)) * (t115 + (t262 * (t116 + (t262 * t117))));
     const float t314 = t292 - (t313 * (t19 + t285));
@@ -671,7 +671,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         t342 = t246;
         t343 = t247;
     }
-    const float t344 = (t312) ? (t249 + ((t337 - (0.03497535f * t249)) / (0.03497535f + ((t338 * t324) + (t339 * t336))))) : (0.5f * (t249 + t340));
+    const float t344 = (t312) ? (t249 + ((t337 - (0.87438375f * t249)) / (0.87438375f + ((t338 * t324) + (t339 * t336))))) : (0.5f * (t249 + t340));
     const float t345 = limit(t344, 0.14022085f);
     const float t346 = t345 * t345;
     const float turn_sine_3 = t345 * turn_sine_polynomial(t346);
@@ -737,7 +737,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float t405 = t404 * t404;
     const float t406 = t404 * (t80 + (t405 * (t82 + (t405 * t83))));
     const float t407 = (t105 * t348) + (t75 * turn_sine_3) - t406;
-    const float cost_3 = (t360 * t360) + (t369 * t369) + (t378 * t378) + (t389 * t389) + (t398 * t398) + (t407 * t407) + (0.00992376f * ((3.524405f * t346) + (t351 * t351) + (t380 * t380)));
+    const float cost_3 = (t360 * t360) + (t369 * t369) + (t378 * t378) + (t389 * t389) + (t398 * t398) + (t407 * t407) + (0.00992376f * ((t351 * t351) + (t380 * t380) + (88.11012f * t346)));
     const bool t408 = cost_3 <= (t343 + 1e-08f);
     const float t409 = ((t114 * t355) - (t47 * t356)) * (t115 + (t358 * (t116 + (t358 * t117))));
     const float t410 = t388 - (t409 * (t19 + t381));
@@ -776,7 +776,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         t438 = t342;
         t439 = t343;
     }
-    const float t440 = (t408) ? (t345 + ((t433 - (0.03497535f * t345)) / (0.03497535f + ((t434 * t420) + (t435 * t432))))) : (0.5f * (t345 + t436));
+    const float t440 = (t408) ? (t345 + ((t433 - (0.87438375f * t345)) / (0.87438375f + ((t434 * t420) + (t435 * t432))))) : (0.5f * (t345 + t436));
     const float t441 = limit(t440, 0.14022085f);
     const float t442 = t441 * t441;
     const float turn_sine_4 = t441 * turn_sine_polynomial(t442);
@@ -843,13 +843,13 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float t502 = t500 * (t80 + (t501 * (t82 + (t501 * t83))));
     const float t503 = (t105 * t444) + (t75 * turn_sine_4) - t502;
     const float t504 = (t456 * t456) + (t465 * t465) + (t474 * t474) + (t485 * t485) + (t494 * t494) + (t503 * t503);
-    const float t505 = 0.00992376f * ((3.524405f * t442) + (t447 * t447) + (t476 * t476));
-    const float cost_4 = t504 + t505;
+    const float t505 = (t447 * t447) + (t476 * t476);
+    const float cost_4 = t504 + (0.00992376f * (t505 + (88.11012f * t442)));
     const float t506 = (t39 || t55 || t71) ? 1.0f : 3.0f;
     const uint32_t estimator_certain = state->estimator_certain;
     const uint32_t estimator_astray = state->estimator_astray;
-    const float t507 = 0.003f + (0.003f * (float)estimator_astray);
-    const bool t508 = (t507 * t507) < t505;
+    const float t507 = 0.030115018f + (0.030115018f * (float)estimator_astray);
+    const bool t508 = (t507 * t507) < (t505 + (3.524405f * t442));
     const bool t509 = cost_4 <= (t439 + 1e-08f);
     const float t510 = ((t114 * t451) - (t47 * t452)) * (t115 + (t454 * (t116 + (t454 * t117))));
     const float t511 = t484 - (t510 * (t19 + t477));
@@ -876,41 +876,41 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float t532 = (t524 * t527) - (t526 * t525);
     const float t533 = 1.0f / (0.00992376f + ((t522 * t522) + (t524 * t524) + (t526 * t526)));
     const float t534 = ((t518 + (t519 * ((t510 * t474) - (t514 * t456))) + (t520 * ((t512 * t474) - (t514 * t465)))) * t521) + ((t530 + (t531 * ((t522 * t503) - (t526 * t485))) + (t532 * ((t524 * t503) - (t526 * t494)))) * t533);
-    const float t535 = t534 - (0.03497535f * t441);
+    const float t535 = t534 - (0.87438375f * t441);
     const float t536 = (0.00992376f * ((t511 * t511) + (t513 * t513) + (t515 * t515))) + (t517 * t517) + (t519 * t519) + (t520 * t520);
     const float t537 = (0.00992376f * ((t523 * t523) + (t525 * t525) + (t527 * t527))) + (t529 * t529) + (t531 * t531) + (t532 * t532);
-    const float t538 = 1.0f / (0.03497535f + ((t536 * t521) + (t537 * t533)));
-    const float t539 = (t510 * t456) + (t512 * t465) + (t514 * t474) - (0.00992376f * t447);
-    const float t540 = (t522 * t485) + (t524 * t494) + (t526 * t503) - (0.00992376f * t476);
-    const bool converged = t509 && (((t535 * t535 * t538) + (t539 * t539 * t521) + (t540 * t540 * t533)) <= 1e-08f);
-    float t541;
+    const float t538 = (t536 * t521) + (t537 * t533);
+    const float t539 = 1.0f / (0.87438375f + t538);
+    const float t540 = (t510 * t456) + (t512 * t465) + (t514 * t474) - (0.00992376f * t447);
+    const float t541 = (t522 * t485) + (t524 * t494) + (t526 * t503) - (0.00992376f * t476);
+    const bool converged = t509 && (((t535 * t535 * t539) + (t540 * t540 * t521) + (t541 * t541 * t533)) <= 1e-08f);
     float t542;
     float t543;
+    float t544;
     if (converged) {
-        const float t544 = limit(t441 + (t535 * t538), 0.14022085f);
-        t541 = t544;
-        const float t545 = t544 - t441;
-        t542 = limit(t447 + ((t539 - (t516 * t545)) * t521), 0.5f);
-        t543 = limit(t476 + ((t540 - (t528 * t545)) * t533), 0.5f);
+        const float t545 = limit(t441 + (t535 * t539), 0.14022085f);
+        t542 = t545;
+        const float t546 = t545 - t441;
+        t543 = limit(t447 + ((t540 - (t516 * t546)) * t521), 0.5f);
+        t544 = limit(t476 + ((t541 - (t528 * t546)) * t533), 0.5f);
     } else {
         if (t509) {
-            t541 = t441;
-            t542 = t447;
-            t543 = t476;
+            t542 = t441;
+            t543 = t447;
+            t544 = t476;
         } else {
-            t541 = t436;
-            t542 = t437;
-            t543 = t438;
+            t542 = t436;
+            t543 = t437;
+            t544 = t438;
         }
     }
     const float estimator_yaw_known = state->estimator_yaw_known;
     const uint32_t estimator_searching = state->estimator_searching;
-    bool t546 = t508;
+    bool t547 = t508;
     if (!(estimator_certain != 0u)) {
-        const float t547 = fabsf(t7 + t541 - estimator_yaw_known);
-        t546 = (estimator_searching != 0u) && !((t547 <= 0.08726646f) || (fabsf(t547 - 6.2831855f) <= 0.08726646f));
+        t547 = (estimator_searching != 0u) && !(fabsf(t7 + t542 - estimator_yaw_known) <= 0.08726646f);
     }
-    const bool t548 = ((0.01f * t506) < t504) || t546;
+    const bool t548 = ((0.01f * t506) < t504) || t547;
     const bool t549 = !(estimator_searching != 0u);
     float t550 = 0.0f;
     float t551 = 0.0f;
@@ -919,12 +919,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     float t554 = 0.0f;
     float t555 = 0.0f;
     if (!(t548 && t549)) {
-        t550 = t541;
-        t551 = t542;
-        t552 = t543;
-        t553 = 0.5f * t542;
-        t554 = 0.5f * t543;
-        t555 = 0.5f * t541;
+        t550 = t542;
+        t551 = t543;
+        t552 = t544;
+        t553 = 0.5f * t543;
+        t554 = 0.5f * t544;
+        t555 = 0.5f * t542;
     }
     const float t556 = t550 * t550;
     const float turn_sine_5 = t550 * turn_sine_polynomial(t556);
@@ -945,131 +945,132 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         t561 = t559 ? 1.0f : 0.0f;
     }
     const float estimator_pitch_x = state->estimator_pitch_x;
-    const bool t562 = fabsf(estimator_pitch_x) < 8.0f;
-    const float t563 = estimator_pitch_x + ((t562) ? t561 : 0.0f);
-    const float t564 = 1.0f - (half_sine_5 * half_sine_5);
-    const float t565 = (t12 * t564) - (t13 * turn_sine_5);
-    const float t566 = (t13 * t564) + (t12 * turn_sine_5);
-    const float t567 = (0.0060790665f * t565) + (0.0040132f * t566);
-    const float X = (0.008085071f * t560) + (0.0508f * t563) - t567;
-    const float t568 = t18 + t552;
-    float t569 = t568;
-    bool t570 = true;
-    if (3.1415927f < t568) {
-        t569 = t568 - 6.2831855f;
+    const float t562 = estimator_pitch_x + t561;
+    const float t563 = 1.0f - (half_sine_5 * half_sine_5);
+    const float t564 = (t12 * t563) - (t13 * turn_sine_5);
+    const float t565 = (t13 * t563) + (t12 * turn_sine_5);
+    const float t566 = (0.0060790665f * t564) + (0.0040132f * t565);
+    const float X = (0.008085071f * t560) + (0.0508f * t562) - t566;
+    const float t567 = t18 + t552;
+    float t568 = t567;
+    bool t569 = true;
+    if (3.1415927f < t567) {
+        t568 = t567 - 6.2831855f;
     } else {
-        t570 = false;
+        t569 = false;
     }
-    float t571 = t569;
-    float t572 = -1.0f;
-    if (t569 < -3.1415927f) {
-        t571 = t569 + 6.2831855f;
+    float t570 = t568;
+    float t571 = -1.0f;
+    if (t568 < -3.1415927f) {
+        t570 = t568 + 6.2831855f;
     } else {
-        t572 = t570 ? 1.0f : 0.0f;
+        t571 = t569 ? 1.0f : 0.0f;
     }
     const float estimator_pitch_y = state->estimator_pitch_y;
-    const bool t573 = fabsf(estimator_pitch_y) < 8.0f;
-    const float t574 = estimator_pitch_y + ((t573) ? t572 : 0.0f);
-    const float t575 = (0.0060790665f * t566) - (0.0040132f * t565);
-    const float Y = (0.008085071f * t571) + (0.0508f * t574) - t575;
-    const float t576 = t7 + t550;
-    float t577 = t576;
-    if (3.1415927f < t576) {
-        t577 = t576 - 6.2831855f;
+    const float t572 = estimator_pitch_y + t571;
+    const float t573 = (0.0060790665f * t565) - (0.0040132f * t564);
+    const float Y = (0.008085071f * t570) + (0.0508f * t572) - t573;
+    const float t574 = t7 + t550;
+    float t575 = t574;
+    if (3.1415927f < t574) {
+        t575 = t574 - 6.2831855f;
     }
-    float yaw = t577;
-    if (t577 < -3.1415927f) {
-        yaw = t577 + 6.2831855f;
+    float yaw = t575;
+    if (t575 < -3.1415927f) {
+        yaw = t575 + 6.2831855f;
     }
-    const float t578 = t516 * t521;
-    const float t579 = t575 - (0.008085071f * t578);
-    const float deviation_X = 0.001f * sqrtf((6.5368375e-05f * t521) + (t579 * t579 * t538));
-    const float t580 = t528 * t533;
-    const float t581 = t567 + (0.008085071f * t580);
-    const float deviation_Y = 0.001f * sqrtf((6.5368375e-05f * t533) + (t581 * t581 * t538));
-    const float deviation_yaw = 0.001f * sqrtf(t538);
+    const float t576 = t516 * t521;
+    const float t577 = t576 - (123.68475f * t573);
+    const float t578 = 1.0f / (t538 + 0.03497535f);
+    const float deviation_X = 8.085071e-06f * sqrtf(t521 + (t577 * t577 * t578));
+    const float t579 = t528 * t533;
+    const float t580 = t579 + (123.68475f * t566);
+    const float deviation_Y = 8.085071e-06f * sqrtf(t533 + (t580 * t580 * t578));
+    const float deviation_yaw = 0.001f * sqrtf(t578);
     const float residual = sqrtf(1e-30f + (t504 / t506));
-    const float t582 = 0.00992376f * (((3.524405f + (t578 * t578) + (t580 * t580)) * t538) + (t521 + t533));
-    const bool damped = 0.15f < t582;
-    const bool t583 = converged && !(damped || t548 || t508);
-    const bool t584 = t583 && (((t39 ? 1.0f : 0.0f) + (t55 ? 1.0f : 0.0f) + (t71 ? 1.0f : 0.0f)) < 1.0f) && (t582 <= 0.016f) && t549;
-    const bool t585 = t584 || ((estimator_certain != 0u) && !damped);
+    const float t581 = ((3.524405f + (t576 * t576) + (t579 * t579)) * t578) + (t521 + t533);
+    const bool damped = 15.115238f < t581;
+    const bool t582 = converged && !(damped || t548 || t508);
+    const bool t583 = t582 && (((t39 ? 1.0f : 0.0f) + (t55 ? 1.0f : 0.0f) + (t71 ? 1.0f : 0.0f)) < 1.0f) && (t581 <= 1.612292f) && t549;
+    const bool t584 = (fabsf(yaw) <= 0.17453292f) && (fabsf(t562) <= 8.0f) && (fabsf(t572) <= 8.0f);
+    const bool t585 = (t583 && t584) || ((estimator_certain != 0u) && !damped);
     const uint32_t estimator_restarted = state->estimator_restarted;
-    const bool valid = t583 && t585 && !(estimator_restarted != 0u) && t562 && t573;
+    const bool valid = t582 && t585 && !(estimator_restarted != 0u) && t584;
     out->restarted = (float)estimator_restarted;
     const bool t586 = 4u <= estimator_astray;
-    const uint32_t estimator_placed = state->estimator_placed;
-    const bool t587 = !t548;
-    if (t548 && t586) {
+    const bool t587 = t548 && t586;
+    const bool t588 = !t548;
+    if (t587) {
         const float estimator_start_x = state->estimator_start_x;
-        const float t588 = estimator_start_x + -1.5401491f;
-        if (t588 < -3.1415927f) {
-            const float t589 = t588 + 6.2831855f;
+        const float t589 = estimator_start_x + -1.5401491f;
+        if (t589 < -3.1415927f) {
+            const float t590 = t589 + 6.2831855f;
+            state->estimator_phase_x = t590;
+            state->estimator_start_x = t590;
+        } else {
             state->estimator_phase_x = t589;
             state->estimator_start_x = t589;
-        } else {
-            state->estimator_phase_x = t588;
-            state->estimator_start_x = t588;
         }
         const float estimator_start_y = state->estimator_start_y;
-        const float t590 = estimator_start_y + -2.702773f;
-        if (t590 < -3.1415927f) {
-            const float t591 = t590 + 6.2831855f;
+        const float t591 = estimator_start_y + -2.702773f;
+        if (t591 < -3.1415927f) {
+            const float t592 = t591 + 6.2831855f;
+            state->estimator_phase_y = t592;
+            state->estimator_start_y = t592;
+        } else {
             state->estimator_phase_y = t591;
             state->estimator_start_y = t591;
-        } else {
-            state->estimator_phase_y = t590;
-            state->estimator_start_y = t590;
         }
         state->estimator_yaw = estimator_yaw_known;
         state->estimator_searching = 1u;
         state->estimator_certain = 0u;
-        const bool estimator_restarted_next = (estimator_placed != 0u) || (estimator_restarted != 0u);
-        state->estimator_restarted = flag(estimator_restarted_next);
         state->estimator_without = 0u;
     } else {
         state->estimator_phase_x = t560;
-        state->estimator_phase_y = t571;
+        state->estimator_phase_y = t570;
         state->estimator_yaw = yaw;
-        if (converged && t587) {
+        if (converged && t588) {
             state->estimator_searching = 0u;
         }
         state->estimator_certain = flag(t585);
-        const float t592 = t70 + t104;
-        const float t593 = t54 + t95;
-        const float t594 = t86 + t113;
-        const float t595 = max(t592, t593);
-        const float t596 = min(t592, t593) + min(t594, t595);
-        const bool t597 = (estimator_certain != 0u) && (1u <= estimator_astray) && (t596 <= 0.076f) && ((25.0f * t596) <= max(t594, t595));
-        if (t548 && ((1e-04f * t506) < t504) && t597) {
-            state->estimator_without = (uint32_t)((t595 < t594) ? 3.0f : ((t593 < t592) ? 2.0f : 1.0f));
+        const float t593 = t70 + t104;
+        const float t594 = t54 + t95;
+        const float t595 = t86 + t113;
+        const float t596 = max(t593, t594);
+        const float t597 = min(t593, t594) + min(t595, t596);
+        const bool t598 = (estimator_certain != 0u) && (1u <= estimator_astray) && (t597 <= 0.076f) && ((25.0f * t597) <= max(t595, t596));
+        if (t548 && ((1e-04f * t506) < t504) && t598) {
+            state->estimator_without = (uint32_t)((t596 < t595) ? 3.0f : ((t594 < t593) ? 2.0f : 1.0f));
         }
     }
-    if (t585 && t587) {
+    if (t585 && t588) {
         state->estimator_yaw_known = yaw;
     }
-    const float estimator_pitch_x_next = limit(t563, 8.0f);
+    const float estimator_pitch_x_next = limit(t562, 8.0f);
     state->estimator_pitch_x = estimator_pitch_x_next;
-    const float estimator_pitch_y_next = limit(t574, 8.0f);
+    const float estimator_pitch_y_next = limit(t572, 8.0f);
     state->estimator_pitch_y = estimator_pitch_y_next;
-    float t598 = 0.0f;
     float t599 = 0.0f;
     float t600 = 0.0f;
+    float t601 = 0.0f;
     if (!(estimator_searching != 0u)) {
-        t598 = estimator_motion_x + t553;
-        t599 = estimator_motion_y + t554;
-        t600 = estimator_motion_yaw + t555;
+        t599 = estimator_motion_x + t553;
+        t600 = estimator_motion_y + t554;
+        t601 = estimator_motion_yaw + t555;
     }
-    const float estimator_motion_x_next = limit(t598, 0.5f);
+    const float estimator_motion_x_next = limit(t599, 0.5f);
     state->estimator_motion_x = estimator_motion_x_next;
-    const float estimator_motion_y_next = limit(t599, 0.5f);
+    const float estimator_motion_y_next = limit(t600, 0.5f);
     state->estimator_motion_y = estimator_motion_y_next;
-    const float estimator_motion_yaw_next = limit(t600, 0.14022085f);
+    const float estimator_motion_yaw_next = limit(t601, 0.14022085f);
     state->estimator_motion_yaw = estimator_motion_yaw_next;
     const uint32_t estimator_astray_next = (t548) ? ((t586) ? 0u : (estimator_astray + 1u)) : 0u;
     state->estimator_astray = estimator_astray_next;
+    const uint32_t estimator_placed = state->estimator_placed;
     const bool estimator_placed_next = t585 || (estimator_placed != 0u);
     state->estimator_placed = flag(estimator_placed_next);
+    const bool estimator_restarted_next = (estimator_restarted != 0u) || ((estimator_placed != 0u) && (t587 || !t584));
+    state->estimator_restarted = flag(estimator_restarted_next);
     out->X = X;
     out->Y = Y;
     out->yaw = yaw;

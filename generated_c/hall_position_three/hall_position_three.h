@@ -24,7 +24,7 @@ typedef struct {
     float converged;                    /* 1, 0 .. 1: the last correction is small, and none has raised the cost */
     float damped;                       /* 1, 0 .. 1: the voltages do not tell all of the position */
     float valid;                        /* 1, 0 .. 1: converged, place certain and never lost, not damped, astray or sudden, inputs accepted */
-    float restarted;                    /* 1, 0 .. 1: its place has been lost: pitches are not known any more, and nothing is valid until init */
+    float restarted;                    /* 1, 0 .. 1: its place has been lost, or left what is declared: pitches are not known, and nothing is valid until init */
     float without;                      /* 1, 0 .. 3: number of the sensor that is left out */
 } hall_position_three_output_t;
 

@@ -104,7 +104,7 @@ def _polynomial(s: Surrogate, layout: Layout) -> list[str]:
 def _table(name: str, values: Sequence[float], layout: Layout) -> list[str]:
     numbers = ", ".join(literal(v, layout.scalar).c for v in values)
     rows = wrap(numbers, 108, initial_indent=" " * 8, subsequent_indent=" " * 8, break_on_hyphens=False)
-    return [f"    static const {layout.ctype} {name}[{len(values)}] = {{", *rows, "    };"]
+    return [f"    static const {layout.ctype} {constant(name)}[{len(values)}] = {{", *rows, "    };"]
 
 
 def _constants(block: Block, program: Program, layout: Layout) -> list[str]:

@@ -56,7 +56,7 @@ class Text:
 
 
 def constant(name: str) -> str:
-    """Return what a constant of a Block is called in C, where it must not hide what the text needs."""
+    """Return what a constant or a table of a Block is called in C, where it must not hide what the text needs."""
     bare = name.rstrip("_")
     return f"{name}_" if bare in RESERVED or bare.endswith("_polynomial") else name
 
@@ -147,7 +147,8 @@ class _Printer:
         self.tag = ""
         self.count = 0
         self.taken = {*RESERVED, *(constant(c.name) for c in block.constants)}
-        self.taken |= {n.name for n in program.nodes if n.op in ("polynomial", "table")}
+        self.taken |= {n.name for n in program.nodes if n.op == "polynomial"}
+        self.taken |= {constant(n.name) for n in program.nodes if n.op == "table"}
         self.name = self._names()
 
     def lines(self) -> list[Line]:
@@ -358,7 +359,7 @@ class _Printer:
         if op == "polynomial":
             return Text(f"{node.name}({sides[0].c})")
         if op == "table":
-            return Text(f"{node.name}[(uint32_t){sides[0].inside(7)}]")
+            return Text(f"{constant(node.name)}[(uint32_t){sides[0].inside(7)}]")
         if op == "floor":
             return Text(f"({self.layout.ctype})(uint32_t){sides[0].inside(7)}", 7)
         suffix = "f" if op in LIBM and self.layout.scalar is np.float32 else ""

@@ -7,7 +7,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from synth.block import Block, Constant, Step, build, clip, table
+from synth.block import Block, Constant, State, Step, build, clip, table
 from synth.emit import lower
 from synth.emit.interval import Interval, lookup
 from synth.emit.write import Emitted, emit
@@ -75,6 +75,62 @@ def test_a_table_named_as_a_signal_or_a_constant_is_refused(name: str) -> None:
     constants = [Constant("k", 2.0, "1", "test")]
     with pytest.raises(EmitError, match=f"'{name}' has the name of another"):
         lower.program(build("lookup", Discrete(1e-3), law, inputs=[PLACE], outputs=[OUT], constants=constants))
+
+
+@pytest.mark.parametrize("scalar", [np.float32, np.float64])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "min",
+        "max",
+        "limit",
+        "flag",
+        "state",
+        "in",
+        "out",
+        "faults",
+        "uint32_t",
+        "bool",
+        "sinf",
+        "t1",
+        "value",
+        "a_polynomial",
+    ],
+)
+def test_a_table_may_be_named_as_what_the_c_needs(name: str, scalar: type[np.floating]) -> None:
+    """Beside its name with an underscore, and a use of `min`, `max`, `limit`, `bool` and states."""
+
+    def law(u: Any, x: Any, k: Any) -> Step:
+        index = ca.floor(clip(u["place"], Signal("index", "1", 0, LAST)))
+        kept = ca.fmax(ca.fmin(u["place"], k["high"]), -k["high"])
+        y = table(name, VALUES)(index) + table(f"{name}_", VALUES[::-1])(index) + ca.sin(kept)
+        return Step(
+            {"answer": ca.if_else(ca.logic_and(u["place"] > 1, x["n"] < 3), y, kept)}, {"n": ca.fmin(x["n"] + 1, 7)}
+        )
+
+    answer, high = Signal("answer", "1", -100, 100), Constant("high", 2.0, "1", "test")
+    states = [State(Signal("n", "1", 0, 7), 0, integer=True)]
+    block = build("lookup", Discrete(1e-3), law, inputs=[PLACE], outputs=[answer], states=states, constants=[high])
+    place = np.array([-3.0, 1.5, 2.5, 3.5, 0.5])
+    made = emit(block, scalar)
+    found = host.load(made.files, made.manifest).replay({"place": place}).outputs["answer"]
+    f, n, expected = block.function(), 0.0, []
+    for p in place:
+        n, y = (float(v) for v in f(n, p))
+        expected.append(y)
+    np.testing.assert_allclose(found, expected, rtol=2.0**-20)
+
+
+@pytest.mark.parametrize("name", ["while", "null", "jac", "two__underscores"])
+def test_a_table_named_by_a_word_of_c_or_casadi_is_refused(name: str) -> None:
+    with pytest.raises(SignalError, match=f"table name '{name}'"):
+        table(name, VALUES)
+
+
+@pytest.mark.parametrize("values", [((1.0, 2.0), (3.0, 4.0)), ("a", "b"), None, 3.0])
+def test_values_that_are_no_row_of_numbers_are_refused(values: Any) -> None:
+    with pytest.raises(SignalError, match="give two or more numbers"):
+        table("numbers", values)
 
 
 def test_another_function_is_refused() -> None:

@@ -71,7 +71,7 @@ def test_the_replay_has_faults_and_in_the_end_latches(name: str) -> None:
 def test_the_sequences_search_restart_and_converge() -> None:
     found = subject(shipped.NAME)
     motions = found.sequences["motions"]
-    assert [s.name for s in found.sequences.values() if s.closed_loop] == ["motions", "turns"]
+    assert [s.name for s in found.sequences.values() if s.closed_loop] == ["motions", "turns", "yaws left"]
     out = steps.taken(found.controller, motions).outputs
     assert np.mean(out["valid"]) > 0.3 and np.mean(out["converged"]) > 0.9
     lost = steps.taken(found.controller, found.sequences["lost"])

@@ -1,10 +1,14 @@
 """From `init` to the place, anywhere in the pitch."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 from designs.hall_position import cold_start, fleet, shipped
 from designs.hall_position.fleet import Kind
+from designs.hall_position.motions import Pose
+from synth.errors import ModelError
 from synth.execute import host
 
 TWO, THREE = (Kind(shipped.array(name)) for name in (shipped.NAME, shipped.THREE))
@@ -50,3 +54,34 @@ def test_a_yaw_beyond_the_assumed_ones_is_not_valid() -> None:
     """By 40 degrees: what is found is a quarter turn off, or nothing."""
     found = cold_start.run(THREE, cold_start.grid(THREE, 12, np.radians([-40.0, 40.0])), 60)
     assert found.valid == 0 and found.wrong == 0
+
+
+@pytest.mark.parametrize("number", [0, -1, 2.5, None, True])
+def test_no_points_or_samples_are_refused(number: Any) -> None:
+    with pytest.raises(ModelError, match="number of points is"):
+        cold_start.grid(THREE, number, YAWS)
+    with pytest.raises(ModelError, match="number of samples is"):
+        cold_start.run(THREE, cold_start.grid(THREE, 1, YAWS), number)
+
+
+@pytest.mark.parametrize(
+    ("pose", "message"),
+    [
+        (Pose(np.zeros(0), np.zeros(0), np.zeros(0)), "a row or more"),
+        (Pose(np.zeros(2), np.zeros(3), np.zeros(2)), "the shapes .*: give as many of each"),
+        (Pose(0.0, 0.0, 0.0), "the shapes"),  # type: ignore[arg-type]
+        (Pose(np.full(2, np.nan), np.zeros(2), np.zeros(2)), "not all finite"),
+    ],
+)
+def test_poses_that_are_none_are_refused(pose: Pose, message: str) -> None:
+    with pytest.raises(ModelError, match=message):
+        cold_start.run(THREE, pose, 2)
+
+
+def test_yaws_and_speeds_that_are_none_are_refused() -> None:
+    for yaws in ([], [np.nan], ["a"]):
+        with pytest.raises(ModelError, match="the yaws"):
+            cold_start.grid(THREE, 2, yaws)  # type: ignore[arg-type]
+    for speed in (float("nan"), "1", None):
+        with pytest.raises(ModelError, match="the speed is"):
+            cold_start.run(THREE, cold_start.grid(THREE, 1, YAWS), 2, speed)  # type: ignore[arg-type]

@@ -59,6 +59,30 @@ def test_what_is_malformed_is_refused_with_its_line(text: str, message: str) -> 
     assert f"scan.csv, {message}" in str(refused.value)
 
 
+def test_a_text_without_columns_is_refused() -> None:
+    with pytest.raises(SignalError, match="line 1: there are no columns: begin with names and units"):
+        data_file.parsed("# nothing\n", {})
+
+
+@pytest.mark.parametrize("unit", ["mm", "inch", ""])
+def test_what_is_wanted_or_written_is_in_si_units(unit: str) -> None:
+    log = Log({"X": np.array([1.0])})
+    for asked in (lambda: data_file.parsed("X [m]\n1\n", {"X": unit}), lambda: data_file.written(log, {"X": unit})):
+        with pytest.raises(
+            SignalError, match=f"'X' is asked for in '{unit}': logs are in SI units, give one of m, rad"
+        ):
+            asked()
+
+
+def test_what_could_not_be_read_back_is_not_written() -> None:
+    with pytest.raises(SignalError, match="no columns are to be written"):
+        data_file.written(Log({"X": np.array([1.0])}), {})
+    with pytest.raises(SignalError, match="'X y' cannot be written"):
+        data_file.written(Log({"X y": np.array([1.0])}), {"X y": "m"})
+    with pytest.raises(SignalError, match=r"'X' holds 1e\+80 m: scale it"):
+        data_file.written(Log({"X": np.array([1.0, -1e80])}), {"X": "m"})
+
+
 def test_files(tmp_path: Path) -> None:
     file = tmp_path / "scan.csv"
     with pytest.raises(DesignError, match=r"scan\.csv cannot be read: No such file"):
@@ -66,7 +90,7 @@ def test_files(tmp_path: Path) -> None:
     with pytest.raises(DesignError, match="cannot be read"):
         data_file.read(tmp_path, WANTED)
     file.write_bytes(GOOD.encode("utf-8-sig"))
-    assert len(data_file.read(file, WANTED)) == 2
+    assert len(data_file.read(file, WANTED)) == len(data_file.read(str(file), WANTED)) == 2
     file.write_bytes(b"X [m], V_ax [V]\n1, 2\n\xff\xfe, 3\n")
     with pytest.raises(SignalError, match=r"scan\.csv, line 3: a byte is no UTF-8"):
         data_file.read(file, WANTED)

@@ -19,7 +19,7 @@ BODIES, SAMPLES = 2000, 250
 def test_the_limits_are_those_of_reach_and_surprise() -> None:
     limits = endurance.limits(THREE)
     assert limits.speed == pytest.approx(0.5 / (2 * np.pi) * 0.0508 * 800)
-    assert limits.acceleration == pytest.approx(77.9, rel=1e-3)
+    assert limits.acceleration == pytest.approx(38.96, rel=1e-3)
     calm = replace(THREE, tuning=Tuning(surprise=1.5, reach=0.5))
     assert endurance.limits(calm).acceleration == pytest.approx(limits.acceleration / 2)
     assert endurance.limits(calm).speed == pytest.approx(limits.speed / 2)
@@ -33,7 +33,7 @@ def test_three_sensors_stay_with_a_body_at_the_limits() -> None:
     assert "valid [%]" in str(run)
 
 
-@pytest.mark.parametrize(("speed", "acceleration"), [(1.15, 1.0), (1.0, 1.5)])
+@pytest.mark.parametrize(("speed", "acceleration"), [(1.15, 1.0), (1.0, 3.0)])
 def test_beyond_them_bodies_are_lost_and_none_is_wrong(speed: float, acceleration: float) -> None:
     limits = endurance.limits(THREE)
     beyond = Limits(speed * limits.speed, acceleration * limits.acceleration)
@@ -41,12 +41,12 @@ def test_beyond_them_bodies_are_lost_and_none_is_wrong(speed: float, acceleratio
     assert run.lost > 0.1 and run.wrong == 0
 
 
-def test_two_sensors_lose_few_and_are_never_wrong() -> None:
-    """They are not valid where they lose rank, and until the place is certain again."""
+def test_two_sensors_stay_with_it_and_are_not_valid_where_they_lose_rank() -> None:
+    """Nor are they until the place is certain again. A yaw that is held as loosely as the phases slips off."""
     run = endurance.run(TWO, BODIES, SAMPLES, endurance.limits(TWO))
-    assert 0.7 < run.valid < 0.85 and run.lost < 0.02 and run.wrong == 0 and run.worst < 2e-4
-    slow = endurance.run(TWO, BODIES, SAMPLES, Limits(1.0, 20.0))
-    assert slow.lost < 2e-3 and slow.wrong == 0
+    assert 0.7 < run.valid < 0.85 and run.lost == run.wrong == 0 and run.worst < 1e-4 and run.off < 3e-4
+    loose = endurance.run(replace(TWO, tuning=replace(TWO.tuning, firm=1.0)), BODIES, SAMPLES, endurance.limits(TWO))
+    assert loose.off > 1e-3
 
 
 def test_an_estimate_that_is_valid_wherever_it_converges_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -57,4 +57,6 @@ def test_an_estimate_that_is_valid_wherever_it_converges_is_seen(monkeypatch: py
         return batch._replace(outputs=batch.outputs | {"valid": batch.outputs["converged"]})
 
     monkeypatch.setattr(fleet, "stepped", careless)
-    assert endurance.run(TWO, BODIES, SAMPLES, endurance.limits(TWO)).wrong > 20
+    limits = endurance.limits(TWO)
+    beyond = Limits(limits.speed, 3 * limits.acceleration)
+    assert endurance.run(TWO, BODIES, SAMPLES, beyond).wrong > 20

@@ -1,11 +1,13 @@
 """The map of errors: exact where they are linear, in the C as in NumPy, and what it leaves over the truth field."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
-from designs.hall_position import calibration, error_map
+from designs.hall_position import calibration, error_map, shipped
+from designs.hall_position.closed_loop import Source
 from designs.hall_position.error_map import COORDINATES, ErrorMap, Grid, Samples
 from synth.emit import write
 from synth.errors import ModelError
@@ -91,9 +93,86 @@ def test_what_makes_no_map_is_refused() -> None:
     with pytest.raises(ModelError, match="no samples lie about X = "):
         error_map.fit(samples, error_map.square(7e-3, 1e-3))
     broken = replace(samples, estimated=np.full_like(samples.estimated, np.nan))
-    with pytest.raises(ModelError, match="give finite estimates"):
+    with pytest.raises(ModelError, match=r"estimates have the shape .400, 3., not all finite"):
         error_map.fit(broken, GRID)
     with pytest.raises(ModelError, match="a step above 0"):
         Grid((0.0, 0.0), 0.0, (3, 3))
     with pytest.raises(ModelError, match="two along each side"):
         Grid((0.0, 0.0), 1e-3, (1, 3))
+
+
+@pytest.mark.parametrize(("n", "message"), [(0, "a row or more"), (1, "1 samples make no triangle"), (2, "2 samples")])
+def test_fewer_than_three_samples_make_no_map(n: int, message: str) -> None:
+    samples = scattered(n)
+    with pytest.raises(ModelError, match=message):
+        error_map.fit(samples, GRID)
+
+
+@pytest.mark.parametrize("along", [[1.0, 0.0, 0.0], [0.0, 1.0, 1.0], [0.0, 0.0, 0.0]])
+def test_samples_on_a_line_make_no_map(along: list[float]) -> None:
+    samples = scattered(20)
+    flat = Samples(samples.estimated * along, samples.reference)
+    with pytest.raises(ModelError, match="20 samples make no triangle: measure at three places or more, not on a line"):
+        error_map.fit(flat, GRID)
+
+
+def test_samples_of_unlike_numbers_are_refused() -> None:
+    samples = scattered(20)
+    for found in (lambda s: error_map.fit(s, GRID), error_map.errors):
+        with pytest.raises(ModelError, match="1 estimates meet 20 references"):
+            found(Samples(samples.estimated[:1], samples.reference))
+    with pytest.raises(ModelError, match="a row or more"):
+        error_map.errors(scattered(0))
+
+
+@pytest.mark.parametrize("spacing", [0, -1e-3, float("nan"), None, "1", True])
+def test_a_square_of_no_spacing_or_reach_is_refused(spacing: Any) -> None:
+    with pytest.raises(ModelError, match="spacing is"):
+        error_map.square(1e-3, spacing)
+    with pytest.raises(ModelError, match="reach is"):
+        error_map.square(spacing, 1e-3)
+
+
+def test_a_grid_is_two_places_and_two_whole_numbers() -> None:
+    assert hash(Grid([0.0, 0.0], 1e-3, [3, 3])) == hash(Grid((0.0, 0.0), 1e-3, (3, 3)))  # type: ignore[arg-type]
+    for low, size, message in (
+        ((0.0, 0.0, 0.0), (3, 3), "first points"),
+        ((0.0, 0.0), (3, 3, 3), "numbers of points"),
+        ((0.0, 0.0), (3.5, 3), "give whole numbers"),
+        ((0.0, 0.0), (2048, 2048), "give a wider spacing"),
+    ):
+        with pytest.raises(ModelError, match=message):
+            Grid(low, 1e-3, size)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("shape", [(2, 9, 6), (3, 9, 5), (3, 6, 9)])
+def test_values_that_do_not_fit_their_grid_are_refused(shape: tuple[int, ...]) -> None:
+    with pytest.raises(ModelError, match=r"give finite ones for its points, .3, 9, 6."):
+        ErrorMap(GRID, np.zeros(shape))
+
+
+@pytest.mark.parametrize("estimates", [np.zeros(3), np.zeros((4, 2)), np.full((4, 3), np.nan)])
+def test_estimates_that_are_none_are_not_corrected(estimates: np.ndarray) -> None:
+    with pytest.raises(ModelError, match="the estimates have the shape"):
+        RANDOM.correct(estimates)
+
+
+def test_a_bench_and_what_it_reads_are_checked() -> None:
+    with pytest.raises(ModelError, match="number of places is 1"):
+        calibration.Bench(places=((0.0, 0.0),))
+    with pytest.raises(ModelError, match=r"number of places is 9: .* at most 8"):
+        calibration.Bench(places=tuple((1e-3 * k, 0.0) for k in range(9)))
+    with pytest.raises(ModelError, match="positions are"):
+        calibration.calibrated([0.0, 1.0])  # type: ignore[arg-type]
+    bench = calibration.Bench()
+    with pytest.raises(ModelError, match="give the scan of one or more"):
+        calibration.array(bench, [])
+    for poses in (np.zeros(3), np.zeros((2, 2)), np.full((2, 3), np.nan)):
+        with pytest.raises(ModelError, match="poses of X, Y and yaw have the shape"):
+            calibration.read(bench, poses, 1)
+    with pytest.raises(ModelError, match="the true field is known to 78 mm"):
+        calibration.settled(bench, np.array([[0.1, 0.0, 0.0]]))
+    source = Source(shipped.array())
+    for name, given in (("reach", (0.0, 1e-3)), ("distance of lines", (1e-3, 0.0))):
+        with pytest.raises(ModelError, match=rf"the {name} is 0.0"):
+            calibration.samples(bench, source, *given)

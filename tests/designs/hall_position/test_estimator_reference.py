@@ -44,6 +44,7 @@ def drawn(array: Array, n: int, seed: int) -> tuple[dict[str, Numbers], Numbers,
     """
     rng, of, k = np.random.default_rng(seed), setup(array), len(array.positions)
     state = {name: rng.uniform(-np.pi, np.pi, n) for name in (*reference.POSE, "yaw_known", "start_x", "start_y")}
+    state["yaw"] *= rng.choice([0.06, 1.0], n)  # half of them where an estimate may be valid
     # Every other yaw is about the known one, where a place may become certain.
     about = state["yaw"] + rng.uniform(-0.12, 0.12, n)
     state["yaw_known"] = np.where(rng.random(n) < 0.5, (about + np.pi) % (2 * np.pi) - np.pi, state["yaw_known"])
@@ -138,7 +139,7 @@ def test_c_agrees_with_the_reference_over_1e5_samples_of_many_pitches_and_turns(
     [
         {"beta": -TWO.beta},
         {"iterations": 4},
-        *({name: 1.05 * getattr(USUAL, name)} for name in ("damping", "reach", "follow")),
+        *({name: 1.05 * getattr(USUAL, name)} for name in ("damping", "firm", "reach", "follow")),
         {"residual": 0.15},
         {"leaning": 0.2},
         {"surprise": 2.5},
@@ -146,6 +147,7 @@ def test_c_agrees_with_the_reference_over_1e5_samples_of_many_pitches_and_turns(
         {"pitches": 7},
         {"certain": 0.005},
         {"turn": 0.1},
+        {"yaw": 0.2},
     ],
     ids=lambda change: next(iter(change)),
 )

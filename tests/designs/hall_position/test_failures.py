@@ -1,13 +1,16 @@
 """A sensor fails: what is flagged and when, what goes on, and what nobody can see."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
-from designs.hall_position import failures, fisher, fleet, layout_search, shipped
+from designs.hall_position import endurance, failures, fisher, fleet, layout_search, shipped
 from designs.hall_position.endurance import Limits
 from designs.hall_position.failures import FAILURES, SOON
 from designs.hall_position.fleet import Kind
 from designs.hall_position.parameters import Tuning
+from synth.errors import ModelError
 from synth.execute import host
 
 THREE = Kind(shipped.array(shipped.THREE))
@@ -78,3 +81,42 @@ def test_an_estimate_without_flags_is_seen(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(fleet, "stepped", blind)
     found = failures.tried(FOUR, "dead", 1, BODIES, MOVING)
     assert found.late > SOON and found.flagged == 0 and found.away > 0.5
+
+
+@pytest.mark.parametrize(
+    ("failure", "sensor", "message"),
+    [
+        ("asleep", 1, "'asleep' is no failure that is known: give one of dead, "),
+        (["dead"], 1, "is no failure"),
+        ("dead", 0, "the sensor that fails is 0: give a whole number of at least 1 and at most 4"),
+        ("dead", 5, "the sensor that fails is 5"),
+        ("dead", -1, "the sensor that fails is -1"),
+        ("dead", 1.5, "the sensor that fails is 1.5"),
+    ],
+)
+def test_a_failure_that_cannot_be_is_refused(failure: str, sensor: int, message: str) -> None:
+    for within in (None, MOVING):
+        with pytest.raises(ModelError, match=message):
+            failures.tried(FOUR, failure, sensor, 2, within)
+    with pytest.raises(ModelError, match=message):
+        failures.unseen(FOUR, failure, sensor, 2)
+
+
+@pytest.mark.parametrize("number", [0, -2, 2.5, None, True])
+def test_no_bodies_points_or_samples_are_refused(number: Any) -> None:
+    for within in (None, MOVING):
+        with pytest.raises(ModelError, match="number of bodies is"):
+            failures.tried(FOUR, "dead", 1, number, within)
+    with pytest.raises(ModelError, match="number of points is"):
+        failures.unseen(FOUR, "dead", 1, number)
+    with pytest.raises(ModelError, match="number of bodies is"):
+        endurance.run(FOUR, number, 3, MOVING)
+    with pytest.raises(ModelError, match="number of samples is"):
+        endurance.run(FOUR, 3, number, MOVING)
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0, float("nan"), float("inf"), None])
+def test_limits_that_are_none_are_refused(value: Any) -> None:
+    for within in (Limits(value, 5.0), Limits(0.5, value)):
+        with pytest.raises(ModelError, match="that is the limit is"):
+            endurance.run(FOUR, 2, 2, within)

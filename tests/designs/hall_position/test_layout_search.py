@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from math import radians
+from typing import Any
 
 import numpy as np
 import pytest
@@ -82,3 +83,51 @@ def test_refusals() -> None:
         Task(lever=0.0)
     with pytest.raises(ModelError, match="yaw is nan"):
         Task(yaw=float("nan"))
+
+
+@pytest.mark.parametrize("value", [2.5, "3", None, True, 0, 27])
+def test_the_number_of_sensors_is_whole(value: Any) -> None:
+    with pytest.raises(ModelError, match="the number of sensors is"):
+        Task(sensors=value)
+
+
+@pytest.mark.parametrize("value", ["1", None, True, float("inf")])
+def test_figures_of_a_task_are_numbers(value: Any) -> None:
+    for name in ("yaw", "reach", "lever"):
+        with pytest.raises(ModelError, match=f"{name} is"):
+            Task(**{name: value})
+    with pytest.raises(ModelError, match="spare is 1: give True"):
+        Task(spare=1)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("places", "message"),
+    [
+        (((0.0, 0.0), (0.1, 0.2)), "2 places are given for 3 sensors"),
+        (((0.0, 0.0), (0.1, 0.2), (0.1, 0.2, 0.3)), "has 3 numbers: give 2"),
+        (((0.0, 0.0), (0.1, 0.2), (0.1, float("nan"))), "one of places is nan"),
+        ((), "0 places"),
+        (None, "places are None"),
+    ],
+)
+def test_places_that_are_none_are_refused(places: Any, message: str) -> None:
+    with pytest.raises(ModelError, match=message):
+        layout_search.improved(FIELD, Task(), places, tries=0)
+
+
+@pytest.mark.parametrize("value", [-1, 1.5, None, True])
+def test_steps_of_a_search_are_counted(value: Any) -> None:
+    for name in ("generations", "tries"):
+        with pytest.raises(ModelError, match=f"{name} is"):
+            layout_search.search(FIELD, Task(), **{"generations": 0, "tries": 0, name: value})
+
+
+def test_no_poses_and_no_deviations_are_refused() -> None:
+    for points in ((0, 1), (2, 0), (2.5, 1)):
+        with pytest.raises(ModelError, match=r"number of .* is"):
+            layout_search.poses(FIELD, 0.1, points)  # type: ignore[arg-type]
+    with pytest.raises(ModelError, match="the yaw is nan"):
+        layout_search.poses(FIELD, float("nan"), (2, 1))
+    for deviations in (np.zeros((3, 0)), np.zeros((2, 4)), np.full((3, 4), np.nan)):
+        with pytest.raises(ModelError, match="deviations have the shape"):
+            layout_search.cost(deviations, 0.1)

@@ -218,8 +218,10 @@ def test_no_sample_raises_the_cost_whatever_the_voltages(array: Array) -> None:
 
 
 def test_where_rank_is_lost_it_is_damped() -> None:
-    """Three places lose it on curves, where their determinant changes its sign; a second sensor at one is no help."""
-    three, doubled = (replace(FOUR, positions=(*FOUR.positions[:3], *FOUR.positions[:n])) for n in (0, 1))
+    """Three places lose it on curves, where their determinant changes its sign; one beside another is no help."""
+    three = replace(FOUR, positions=FOUR.positions[:3])
+    x, y, z = three.positions[0]
+    doubled = replace(FOUR, positions=(*three.positions, (x + 1e-9, y, z)))
     at = six_layout.poses(three, 0.0, (60, 1)).reshape(60, 60, 6)
     D = np.linalg.det(six_field.rows(three, at.reshape(-1, 6))).reshape(60, 60)
     i, j = np.argwhere(np.sign(D[:-1]) != np.sign(D[1:]))[0]
@@ -237,6 +239,14 @@ def test_where_rank_is_lost_it_is_damped() -> None:
 def test_fewer_than_four_sensors_are_refused() -> None:
     with pytest.raises(ModelError, match="3 sensors lose rank on curves"):
         six_estimator.estimator(ANY, TIME)
+
+
+def test_sensors_at_one_place_count_once() -> None:
+    twice = replace(FOUR, positions=(*FOUR.positions[:3], FOUR.positions[0]))
+    with pytest.raises(ModelError, match=r"3 sensors lose rank on curves .* each at a place of its own"):
+        six_estimator.estimator(twice, TIME)
+    with pytest.raises(ModelError, match="5 sensors at 4 places leave fewer than 4"):
+        six_estimator.estimator(replace(FOUR, positions=(*FOUR.positions, FOUR.positions[0])), TIME)
 
 
 @pytest.mark.parametrize(

@@ -85,6 +85,9 @@ def test_a_field_without_the_5th_wave_is_refused() -> None:
     with pytest.raises(ModelError, match="lack the number 5"):
         six_field.seen(sensors, fabricated()[:2], HEIGHT, L)
     turned = replace(sensors, sensors=(replace(sensors.sensors[0], angle=0.1), *sensors.sensors[1:]))
+    for height in (0.0, "a"):
+        with pytest.raises(ModelError, match="height is"):
+            six_field.seen(sensors, fabricated(), height, L)  # type: ignore[arg-type]
     with pytest.raises(ModelError, match="turned in its body"):
         six_field.seen(turned, fabricated(), HEIGHT, L)
 
@@ -96,6 +99,8 @@ def test_a_field_without_the_5th_wave_is_refused() -> None:
         ({"alpha": 0.0}, "alpha is 0.0"),
         ({"height": -1e-3}, "height is -0.001"),
         ({"beta": float("nan")}, "must be finite"),
+        ({"positions": tuple((0.0, 0.0, 1e-3 * k) for k in range(6))}, "above one another: .* apart in x and y"),
+        ({"positions": tuple((0.01, 0.02, 1e-2 * k) for k in range(6))}, "above one another"),
     ],
 )
 def test_an_array_that_cannot_be_is_refused(change: dict[str, object], message: str) -> None:

@@ -1,6 +1,7 @@
 """Layouts for six degrees of freedom: why three sensors do not do, what four are worth, and the search."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -36,6 +37,31 @@ def test_where_the_determinant_changes_its_sign_deviations_are_unbounded() -> No
     assert six_layout.cost(three, at, LEVER) > 1000 * six_layout.cost(FOUR, at, LEVER)
     with pytest.raises(ModelError, match="4 sensors have no determinant"):
         six_layout.signs(FOUR)
+
+
+@pytest.mark.parametrize(
+    ("places", "message"),
+    [
+        (six_layout.LAYOUTS[4], "4 places are given for 5 sensors"),
+        (((0.0, 0.0, 0.0),) * 5, "has 3 numbers: give 2"),
+        (None, "places are None"),
+    ],
+)
+def test_places_that_are_none_are_refused(places: Any, message: str) -> None:
+    with pytest.raises(ModelError, match=message):
+        six_layout.improved(ANY, Task(sensors=5), places, tries=0)
+
+
+def test_searches_that_cannot_be_are_refused() -> None:
+    for task in (Task(sensors=2), Task(sensors=3, spare=True)):
+        with pytest.raises(ModelError, match="2 sensors have fewer than six voltages"):
+            six_layout.search(ANY, task, generations=1, tries=0)
+    with pytest.raises(ModelError, match=r"generations is 1.5"):
+        six_layout.search(ANY, Task(sensors=4), generations=1.5, tries=0)  # type: ignore[arg-type]
+    with pytest.raises(ModelError, match="number of poses along the pitch is 0"):
+        six_layout.signs(replace(FOUR, positions=FOUR.positions[:3]), points=0)
+    with pytest.raises(ModelError, match="the yaw is nan"):
+        six_layout.signs(replace(FOUR, positions=FOUR.positions[:3]), float("nan"), 3)
 
 
 def test_any_sensor_may_be_lost_of_six_and_with_less_accuracy_of_five() -> None:

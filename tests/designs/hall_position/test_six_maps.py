@@ -1,12 +1,13 @@
 """Maps of six degrees of freedom: deviations against the sensor model and Monte Carlo, losses, errors of the field."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy import optimize
 
-from designs.hall_position import six_field, six_maps
+from designs.hall_position import six_field, six_layout, six_maps
 from models import concentrated_field, hall_array
 from synth.errors import ModelError
 from tests.designs.hall_position.posed import FIVE, FOUR, L, noisy, places, volts
@@ -78,12 +79,46 @@ def test_what_the_field_has_beyond_the_model_moves_the_pose() -> None:
     assert np.abs(none[:, :3]).max() < 1e-7 and np.abs(none[:, 3:]).max() < 1e-5
 
 
-@pytest.mark.parametrize("poses", [[0.0] * 6, [[0.0] * 3], [[np.nan] * 6]])
-def test_poses_that_are_none_are_refused(poses: list[object]) -> None:
-    with pytest.raises(ModelError, match="give X, Y, Z, roll, pitch, yaw"):
-        six_maps.accuracy(FOUR, poses)  # type: ignore[arg-type]
+@pytest.mark.parametrize("poses", [[0.0] * 6, [[0.0] * 3], [[np.nan] * 6], [["a"] * 6], np.zeros((0, 6)), None])
+def test_poses_that_are_none_are_refused(poses: Any) -> None:
+    by_waves = six_field.model(FOUR)
+    for asked in (
+        lambda: six_maps.accuracy(FOUR, poses),
+        lambda: six_field.rows(FOUR, poses),
+        lambda: six_field.jacobians(*by_waves, poses),
+        lambda: six_layout.cost(FOUR, poses, 0.01),
+    ):
+        with pytest.raises(ModelError, match=r"poses of X, Y, Z, roll, pitch, yaw .*: give finite numbers"):
+            asked()
 
 
 def test_a_lever_of_nothing_is_refused() -> None:
     with pytest.raises(ModelError, match="the lever is 0"):
         six_maps.accuracy(FOUR, places(1, 0), 0.0)
+    for lever in (None, "a", float("nan"), True):
+        with pytest.raises(ModelError, match="the lever is"):
+            six_maps.accuracy(FOUR, places(1, 0), lever)  # type: ignore[arg-type]
+        with pytest.raises(ModelError, match="the lever is"):
+            six_layout.cost(FOUR, places(1, 0), lever)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("points", [0, 2.5, -1, True])
+def test_maps_of_no_points_are_refused(points: Any) -> None:
+    for asked in (lambda: six_maps.conditions(FOUR, points), lambda: six_maps.losses(FIVE, points=points)):
+        with pytest.raises(ModelError, match="number of poses along the pitch is"):
+            asked()
+
+
+def test_unknown_conditions_are_refused() -> None:
+    with pytest.raises(ModelError, match="'upside down' is no condition: give one of level at the height, "):
+        six_maps.losses(FIVE, "upside down", 3)
+    with pytest.raises(ModelError, match="has 3 numbers: give 4"):
+        six_maps.cell(FOUR, (0.0, 0.0, 0.0), 3)  # type: ignore[arg-type]
+
+
+def test_an_error_of_other_sensors_or_without_rank_is_refused() -> None:
+    with pytest.raises(ModelError, match="5 sensors meet 4 of the model"):
+        six_maps.misfit(FOUR, *six_field.model(FIVE), places(1, 0))
+    still = replace(FOUR, positions=((0.0, 0.0, 0.0), (L, 0.0, 0.0), (0.0, L, 0.0)))
+    with pytest.raises(ModelError, match="rank is lost at 1 of the poses"):
+        six_maps.misfit(still, *six_field.model(still), [[0.0, 0.0, 3e-3, 0.0, 0.0, 0.0]])

@@ -25,14 +25,14 @@ from tests.designs.hall_position.tracked import (
 
 def test_it_follows_over_many_pitches_and_turns_of_the_yaw() -> None:
     pose = motion(800, 100, 2, travel=0.3, yaw=0.5, turn=6.5)
-    found = replayed(THREE, begun(pose), noisy(THREE, pose))
+    found = replayed(THREE, begun(pose), noisy(THREE, pose), Tuning(yaw=np.pi))
     assert np.ptp(pose.X, axis=0).max() > 4 * L and np.ptp(pose.yaw, axis=0).min() > 2 * np.pi - 1.5
     assert found["valid"][20:].mean() > 0.98 and off(found, pose).max() < 1e-3
     assert np.abs(wrapped(found["yaw"] - pose.yaw)).max() < 0.02 and not found["restarted"].any()
 
 
 def test_without_expecting_the_motion_turning_bodies_are_lost() -> None:
-    pose, tuning = motion(800, 100, 2, travel=0.3, yaw=0.5, turn=6.5), Tuning(follow=0.0)
+    pose, tuning = motion(800, 100, 2, travel=0.3, yaw=0.5, turn=6.5), Tuning(follow=0.0, yaw=np.pi)
     found = replayed(THREE, begun(pose), noisy(THREE, pose), tuning)
     assert (off(found, pose).max(axis=0) > 1e-3).mean() > 0.1
 
@@ -113,7 +113,16 @@ def test_from_anywhere_in_the_pitch_it_finds_its_place(residual: float) -> None:
 def test_a_body_that_leaves_the_pitches_is_not_valid_again() -> None:
     t = np.arange(1200)[:, np.newaxis] / 800
     pose = Pose(0.03 + 0.08 * np.sin(4 * t), 0 * t + 0.01, 0 * t)
-    found = replayed(THREE, begun(pose), noisy(THREE, pose), Tuning(pitches=2))
+    found = replayed(THREE, begun(pose), noisy(THREE, pose), Tuning(pitches=1))
     gone = np.argmax(pose.X + THREE.centre[0] > 1.55 * L)
     assert found["valid"][20 : gone - 50].all() and not found["valid"][gone + 50 :].any()
     assert gone < 400 and pose.X[gone + 50 :].min() < 0
+
+
+def test_beyond_the_yaws_that_are_declared_nothing_is_valid_any_more() -> None:
+    t = np.arange(800)[:, np.newaxis] / 800
+    pose = Pose(0 * t + 0.01, 0 * t + 0.02, 0.3 * np.sin(5 * t))
+    found = replayed(THREE, begun(pose), noisy(THREE, pose))
+    gone = np.argmax(pose.yaw > Tuning().yaw)
+    assert found["valid"][20 : gone - 2].all() and not found["valid"][gone + 2 :].any()
+    assert (np.abs(pose.yaw[gone + 2 :]) < 0.1).any() and found["restarted"][-1].all()
