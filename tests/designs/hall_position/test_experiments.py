@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from designs.hall_position import closed_loop, experiments, sources, stage_loop
+from designs.hall_position import closed_loop, experiments, page_loops, shipped, sources, stage_loop
 from designs.hall_position.stage_loop import Loop
 from designs.planar_6dof_lqg import control
 from models import planar_stage
@@ -68,9 +68,35 @@ def test_a_correction_with_the_wrong_sign_is_told() -> None:
     assert failed(experiments.step(both["calibrated"], "calibrated")) == {"error of the motion"}
 
 
-def test_an_estimate_that_is_used_when_it_is_not_valid_is_told() -> None:
-    found = experiments.dropouts(planted("const bool valid = ", "const bool valid = true || "))
-    assert "x differs from that without dropouts" in failed(found)
+HELD = "hall_source_x + hall_source_motion_x"
+REST, STEADY, STEP = (f"x differs {where}" for where in ("at rest", "in a steady motion", "in a step"))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("const bool valid = ", "const bool valid = true || ", {REST, STEADY, STEP}),
+        (HELD, "0.0f", {REST, STEADY, STEP}),
+        (HELD, "hall_source_x", {STEADY, STEP}),
+        (HELD, "hall_source_x + 0.5f * hall_source_motion_x", {STEP}),
+    ],
+    ids=["used", "zeros", "without motion", "half the motion"],
+)
+def test_a_position_that_is_not_held_in_dropouts_is_told(old: str, new: str, told: set[str]) -> None:
+    assert told == failed(experiments.dropouts(planted(old, new)))
+
+
+def test_what_a_wrong_sample_makes_of_the_position_is_the_linear_loops() -> None:
+    source, plant = closed_loop.Source(shipped.array(shipped.THREE)), planar_stage.plant()
+    block = control.controller(plant, source=source).rounded(np.float32)
+    found = page_loops.opened(source, block, {})
+    stage, law = found.plant, found.controller
+    x, state, moved = np.zeros(len(stage.states)), np.zeros(len(law.states)), []
+    for k in range(200):
+        seen = stage.C @ x + (k == 0) * (np.array(stage.outputs) == "x")
+        x, state = stage.A @ x + stage.B @ (law.C @ state + law.D @ seen), law.A @ state + law.B @ seen
+        moved.append(abs(x[stage.states.index("x")]))
+    assert 0.94 * experiments.RESPONSE < max(moved) < experiments.RESPONSE
 
 
 def test_a_loop_without_its_latch_is_told() -> None:
