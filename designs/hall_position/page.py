@@ -56,6 +56,7 @@ def report(
         page.Section("Audit of the paper", (page.Text(AUDIT), sections.audit(rows))),
         _verification(evidence),
         sections.cost(cost),
+        *_others(files, cost),
         page.Section("Files", (sections.files(_texts(files)),)),
     )
     facts = (
@@ -84,6 +85,15 @@ def _loop(experiments: Sequence[Experiment]) -> tuple[page.Section, ...]:
         page_experiments.section(experiments),
         page_loops.section(),
     )
+
+
+def _others(files: Mapping[str, Emitted], cost: Cost | None) -> tuple[page.Section, ...]:
+    """Return what the other estimators cost, none where nothing was measured for want of an emulator or a compiler."""
+    if cost is None:
+        return ()
+    from designs.hall_position import costs, page_costs  # which need the extra `target`
+
+    return (page_costs.section(costs.measure(files[shipped.THREE], page_six.placed(Stage(), 4))),)
 
 
 def _verification(evidence: Evidence) -> page.Section:

@@ -13,11 +13,12 @@ LAW = (
     ("", "[a; b] = R(θ)' B(P),  P = (X, Y) + R(θ) r,  B_X = c + α sin(ω X) + β sin(5 ω X),  B_Y likewise"),
     (
         "Fig. 9",
-        "min J(d) = Σ_{sensors} |R(θ) V - B(P)|^2 + λ (U^2 + V^2 + ρ^2 T^2),  d = (U, V, T) from the expected pose",
+        "min J(d) = Σ_{sensors} |R(θ) V - B(P)|^2 + λ (U^2 + V^2 + (firm ρ)^2 T^2),  "
+        "d = (U, V, T) from the expected pose",
     ),
     ("Fig. 9", "d ← d + scale (H' W H + λ)^{-1} H' W e,  n times"),
     ("", "J(d_i) > J(best):  d_{i+1} = (best + d_i) / 2"),
-    ("", "N_T = λ ρ^2 + Σ_{axes} [Σ_{pairs} (g_i h_j - g_j h_i)^2 + λ Σ h^2] / (λ + Σ g^2)"),
+    ("", "N_T = λ (firm ρ)^2 + Σ_{axes} [Σ_{pairs} (g_i h_j - g_j h_i)^2 + λ Σ h^2] / (λ + Σ g^2)"),
     ("", "sin(p + u) = sin p cos u + cos p sin u,  sin 5p = sin p (5 - 20 sin^2 p + 16 sin^4 p)"),
     ("", "motion ← motion + follow d,  expected pose ← pose + motion"),
 )
@@ -25,6 +26,7 @@ MEANING = {
     "iterations": "corrections in a sample, always as many",
     "scale": "of each correction; α of the paper is 0.2",
     "damping": "λ over α² of (2): it holds what the voltages do not tell to the expected motion",
+    "firm": "times as firmly as the phases the yaw is held to the expected one, at the sensors' mean arm",
     "reach": "rad of phase by which a sample's corrections may move a sensor",
     "follow": "part of a sample's correction by which the next motion is expected to differ",
     "settled": "standard deviations: a smaller correction has converged",
@@ -33,6 +35,7 @@ MEANING = {
     "residual": "V rms up to which residuals are those of the field's model",
     "certain": "parameters that the damping may decide where a place becomes certain",
     "turn": "rad of yaw, from that of the last certain place, within which places are told apart",
+    "yaw": "rad, beyond which nothing is valid, and not again until init",
     "pitches": "to either side over which positions are counted",
 }
 

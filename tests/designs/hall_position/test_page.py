@@ -7,6 +7,7 @@ import pytest
 
 from designs.hall_position import (
     audit,
+    costs,
     fisher,
     page,
     page_accuracy,
@@ -17,7 +18,11 @@ from designs.hall_position import (
     six_maps,
 )
 from designs.hall_position.audit_stage import Stage, grid
+from designs.hall_position.costs import Costs, Row
+from synth.emit.write import Emitted
+from synth.report import sections
 from synth.report.page import Section, Table
+from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 
 STAGE = Stage()
@@ -44,13 +49,24 @@ def tables(section: Section) -> dict[str, Table]:
 
 
 @pytest.mark.usefixtures("coarse")
-def test_every_part_is_there() -> None:
+def test_every_part_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    three, row = Emitted({}, {}), Row("three sensors", "gcc -O2", 600, 3795, 7225)
+    others = {(id(three), page_six.placed(STAGE, 4)): Costs((row,))}
+    monkeypatch.setattr(costs, "measure", lambda three, four: others[id(three), four])
+    monkeypatch.setattr(sections, "cost", lambda found: Section("Cost of two sensors"))
+    cost = Cost(shipped.NAME, "cortex-m4f", 1e-3, (), (), (), {}, ())
     few = [audit.ROWS[n](STAGE, audit.printed()[n]) for n in ("K-1", "K-8")]
-    html = page.report({}, Evidence(shipped.NAME, (), ()), [], few, None)
+    html = page.report({shipped.THREE: three}, Evidence(shipped.NAME, (), ()), [], few, cost)
     assert len(html.encode()) < MOST and html.count("<svg") == len(set(re.findall(r"Figure (\d+)\.", html)))
     for text in ("Fig. 3", "Fig. 4", "Fig. 5 and (3)", "Fig. 8", "air gap", "lose rank", "K-8", "GLSDC", "Six degrees"):
         assert text in html, text
     assert not re.search(r"\bnan\b|no number", html)
+    titles = [html.rindex(t) for t in ("Cost of two sensors", "Cost of three sensors", "SHA-256")]
+    assert titles == sorted(titles) and "3\u202f795" in html
+
+
+def test_without_a_measured_cost_no_other_is_measured() -> None:
+    assert page._others({}, None) == ()
 
 
 def test_the_map_is_that_of_the_deviations(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from designs.hall_position import reference_six
+from designs.hall_position import costs, reference_six
 from synth.execute import cross, host
 from synth.statespace import Array as Numbers
 from synth.verify import meter, rivals, steps
@@ -18,7 +18,6 @@ from tests.designs.hall_position.posed import (
     compiled,
     emitted,
     errors,
-    given,
     known,
     motion,
     noisy,
@@ -35,12 +34,7 @@ LIBM = re.compile(r"\b(sin|cos|tan|asin|acos|atan|atan2|exp|log|pow)f?\(")
 @cache
 def sequence() -> steps.Steps:
     """Return steps of a motion in which it loses its way now and then, and steps from any state."""
-    controller = compiled(FOUR, USUAL, np.float32)
-    V = noisy(FOUR, motion(120, 1, 1, travel=0.1))
-    V[40:60] *= -1
-    return steps.joined(
-        "all", [steps.recorded(controller, "motion", given(FOUR, V[:, 0])), steps.drawn(controller, 120)]
-    )
+    return costs.six_steps(FOUR, compiled(FOUR, USUAL, np.float32))
 
 
 @GCC

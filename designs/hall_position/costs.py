@@ -1,0 +1,145 @@
+"""What a sample costs the estimators beside that of two sensors: three sensors, and four for six degrees of freedom.
+
+    most(c) = max over k of n_c(x_k, u_k),    ratio = most(CasADi's C) / most(emitted C)
+
+n_c are the instructions that a Cortex-M4F fetches for the step of the C text c: both texts are of one block and one
+build, over the same steps. Instructions are not cycles, and the most of some steps is no bound of the worst case.
+
+Needs the extra `target`.
+"""
+
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+from designs.hall_position import bench, motions, shipped, six_estimator, six_field
+from designs.hall_position.motions import Numbers
+from designs.hall_position.six_parameters import Array
+from models import hall_array
+from synth.emit import write
+from synth.emit.write import Emitted
+from synth.execute import cross, host
+from synth.verify import meter, rivals, steps
+from synth.verify.meter import Build
+from synth.verify.rivals import Candidate
+from synth.verify.steps import Steps
+
+BUILDS = (Build("gcc -O2", "gcc"), Build("gcc -O2 contracted", "gcc", cross.CONTRACTED))
+ABSENT = "Not measured: arm-none-eabi-gcc is not installed."
+COSTLY = ("random", "states anew", "random states and inputs", "rare among states anew")  # of bench: with the worst
+EACH, SIX = 100, 120  # steps of each of these, and of each kind in six degrees of freedom
+TRAVEL, YAW, TILT, GAP = 0.3, 0.09, 8e-3, 4e-4  # m, rad, rad, m, of a motion in six degrees of freedom
+LOST = slice(40, 60)  # samples whose voltages are of no place
+SEED = 2_025  # a motion that takes within five of the most that thousands of steps do
+
+
+@dataclass(frozen=True)
+class Row:
+    """The most instructions of any of some steps, of the emitted C and of CasADi's, by one build."""
+
+    estimator: str
+    build: str
+    steps: int
+    own: int
+    rival: int
+
+    @property
+    def ratio(self) -> float:
+        """Return how many times as many instructions CasADi's C takes."""
+        return self.rival / self.own
+
+
+@dataclass(frozen=True)
+class Costs:
+    """What was measured; without rows, `absent` says why."""
+
+    rows: tuple[Row, ...]
+    absent: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """The emitted C of an estimator, CasADi's C of the same block, and the steps that both are given."""
+
+    name: str
+    own: Candidate
+    rival: Candidate
+    steps: Steps
+
+
+def measure(three: Emitted, four: Array) -> Costs:
+    """Measure the C that was emitted of three sensors, and that of four sensors in six degrees of freedom.
+
+    The latter is emitted here, which takes most of the time; compilers run meanwhile, as processes of their own.
+
+    Raises CompileError when the compiler refuses a text.
+    """
+    if "gcc" not in cross.available():
+        return Costs((), ABSENT)
+    with ThreadPoolExecutor(len(BUILDS)) as pool:
+        subjects = []
+        for subject in _subjects(three, four):
+            subjects.append(subject)
+            for build in BUILDS:
+                pool.submit(_compile, subject, build)  # a text that is refused is so again below
+    return Costs(tuple(row(subject, build) for subject in subjects for build in BUILDS))
+
+
+def _subjects(three: Emitted, four: Array) -> Iterator[Subject]:
+    yield of_three(three)
+    yield of_six(four)
+
+
+def _compile(of: Subject, build: Build) -> None:
+    """Have both texts in the cache of products, where a run finds them."""
+    for candidate in (of.own, of.rival):
+        meter.booted(candidate, build, meter.linked(candidate, build))
+
+
+def row(of: Subject, build: Build) -> Row:
+    """Measure both texts over the same steps by one build."""
+    own, rival = (int(meter.run(c, of.steps, build).cost.instructions.max()) for c in (of.own, of.rival))
+    return Row(of.name, build.name, len(of.steps), own, rival)
+
+
+def of_three(emitted: Emitted) -> Subject:
+    """Return what was emitted of three sensors, over steps among which are the costliest."""
+    found = bench.sequences(host.load(emitted.files, emitted.manifest), lambda _: None)
+    given = steps.joined("costly", [steps.thinned(s, EACH) for s in found if s.name in COSTLY])
+    rival = rivals.casadi(shipped.block(shipped.THREE), shimmed=True)
+    return Subject("three sensors", rivals.emitted(emitted), rival, given)
+
+
+def of_six(array: Array) -> Subject:
+    """Return the estimator of six degrees of freedom, on a motion and on random states and inputs."""
+    block = six_estimator.guarded(array, shipped.TIME)
+    emitted = write.emit(block, np.float32, error=six_estimator.SURROGATE_ERROR[np.float32])
+    given = six_steps(array, host.load(emitted.files, emitted.manifest))
+    name = f"six degrees of freedom, {len(array.positions)} sensors"
+    return Subject(name, rivals.emitted(emitted), rivals.casadi(block, shimmed=True), given)
+
+
+def six_steps(array: Array, controller: host.Controller) -> Steps:
+    """Return steps of a motion in which it loses its way now and then, and steps from any state."""
+    V = _noisy(array, _motion(array, SIX))
+    V[LOST] *= -1
+    given = dict(zip((s.name for s in six_estimator.voltages(array)), V.T, strict=True))
+    return steps.joined("all", [steps.recorded(controller, "motion", given), steps.drawn(controller, SIX)])
+
+
+def _motion(array: Array, n: int) -> Numbers:
+    """Return poses (n, 6) of X, Y, Z, roll, pitch and yaw, m and rad."""
+    time = shipped.TIME.period_s
+    across = motions.wander(time, (n, 1), SEED, TRAVEL, YAW)
+    tilted = motions.wander(time, (n, 1), SEED + 1, TILT, GAP)  # roll and pitch as X and Y, the height as the yaw
+    parts = (across.X, across.Y, array.height + tilted.yaw, tilted.X, tilted.Y, across.yaw)
+    return np.hstack(parts)
+
+
+def _noisy(array: Array, poses: Numbers) -> Numbers:
+    """Return the voltages (n, 2 sensors) at poses (n, 6), with noise."""
+    volts, _ = hall_array.spatial(*six_field.model(array)).function().map(len(poses))(poses.T)
+    found = np.asarray(volts.full().T)
+    return found + array.deviation * np.random.default_rng(SEED).standard_normal(found.shape)

@@ -1,0 +1,123 @@
+"""What the report says of the other estimators' cost: what is slower shows as more, and every row is shown.
+
+The C here computes sines by libm, which is emitted in a tenth of the time; the one that ships is measured in the build.
+"""
+
+from dataclasses import replace
+from functools import cache, partial
+
+import numpy as np
+import pytest
+
+from designs.hall_position import bench, costs, page_costs, shipped
+from designs.hall_position.costs import BUILDS, Costs, Row, Subject
+from synth.emit import write
+from synth.emit.write import Emitted
+from synth.execute import cross, host
+from synth.report import page
+from synth.verify import meter, rivals, steps
+from tests.designs.hall_position import posed
+
+GCC = pytest.mark.skipif("gcc" not in cross.available(), reason="arm-none-eabi-gcc is not installed")
+PLAIN = BUILDS[0]
+TURNS = 50  # of a loop that is planted
+THIN = 60  # steps of each kind
+emit_with_libm = partial(write.emit, libm=True)
+
+
+@cache
+def three() -> Emitted:
+    """Return the C of three sensors."""
+    return emit_with_libm(shipped.block(shipped.THREE), np.float32, shipped.SAFETY)
+
+
+@cache
+def six() -> Emitted:
+    return emit_with_libm(posed.block(posed.FOUR), np.float32)
+
+
+@cache
+def subject() -> Subject:
+    """Return what is measured of three sensors."""
+    return costs.of_three(three())
+
+
+@cache
+def measured() -> Row:
+    return costs.row(subject(), PLAIN)
+
+
+def looping(emitted: Emitted) -> Emitted:
+    """Return the C with a loop before it returns."""
+    name = f"{shipped.THREE}.c"
+    loop = f"    for (volatile int k = 0; k < {TURNS}; ++k) {{}}\n    return faults;"
+    planted = emitted.files[name].replace("    return faults;", loop)
+    assert planted.count("volatile int k") == 1
+    return replace(emitted, files={**emitted.files, name: planted})
+
+
+@GCC
+def test_a_loop_that_is_planted_shows_as_more() -> None:
+    found = costs.row(replace(subject(), own=rivals.emitted(looping(three()))), PLAIN)
+    assert 4 * TURNS <= found.own - measured().own <= 10 * TURNS  # load, compare, branch, add, store
+    assert found.rival == measured().rival and found.ratio < measured().ratio
+
+
+@GCC
+def test_no_kind_of_steps_has_costlier_ones() -> None:
+    """Up to the hundredth by which few of a kind miss its worst."""
+    every = bench.sequences(host.load(three().files, three().manifest), lambda _: None)
+    given = steps.joined("all", [steps.thinned(s, THIN) for s in every])
+    spent = meter.run(subject().own, given, PLAIN).cost.instructions
+    assert {s.name for s in every} > set(costs.COSTLY)
+    assert spent.max() <= 1.01 * measured().own
+    assert spent.min() < 0.9 * measured().own  # so that it matters which steps are given
+
+
+@GCC
+def test_every_estimator_is_measured_by_every_build(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By what counts steps only, as compilers take most of the time."""
+    monkeypatch.setattr(write, "emit", lambda *_, **__: six())
+    monkeypatch.setattr(costs, "_compile", lambda of, build: None)
+    monkeypatch.setattr(costs, "row", lambda of, build: Row(of.name, build.name, len(of.steps), 1, 1))
+    found = costs.measure(three(), posed.FOUR)
+    names = "three sensors", "six degrees of freedom, 4 sensors"
+    assert [(r.estimator, r.build) for r in found.rows] == [(name, b.name) for name in names for b in BUILDS]
+    assert [r.steps for r in found.rows[::2]] == [len(subject().steps), 2 * costs.SIX] and found.absent == ""
+    assert {b.flags for b in BUILDS} == {(), cross.CONTRACTED} and "-O2" in cross.FLAGS
+
+
+def test_without_the_compiler_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cross, "available", lambda: ("zig",))
+    found = costs.measure(Emitted({}, {}), posed.FOUR)
+    assert found.rows == ()
+    assert "arm-none-eabi-gcc is not installed" in rendered(found)
+
+
+def test_the_motion_in_six_degrees_of_freedom_is_seen_as_it_is() -> None:
+    poses = costs._motion(posed.FOUR, costs.SIX)
+    off = costs._noisy(posed.FOUR, poses) - posed.volts(posed.FOUR, poses).reshape(costs.SIX, -1)
+    assert np.std(off) == pytest.approx(posed.FOUR.deviation, rel=0.1)
+    assert (np.ptp(poses, axis=0) > np.array([1e-3, 1e-3, 5e-6, 1e-4, 1e-4, 1e-3])).all()
+    assert (np.abs(poses[:, 2] - posed.FOUR.height) < posed.USUAL.gap).all()
+    assert (np.abs(poses[:, 3:5]) < posed.USUAL.tilt).all()
+
+
+def test_it_finds_its_way_and_loses_it() -> None:
+    controller = host.load(six().files, six().manifest)
+    found = costs.six_steps(posed.FOUR, controller)
+    assert len(found) == 2 * costs.SIX
+    valid = steps.taken(controller, found).outputs["valid"][: costs.SIX] > 0
+    assert valid[: costs.LOST.start].any() and valid[costs.LOST.stop :].any() and not valid[costs.LOST].any()
+
+
+def test_every_row_is_shown() -> None:
+    found = Costs((Row("three", "plain", 600, 3795, 7225), Row("six", "contracted", 240, 5557, 10581)))
+    html = rendered(found)
+    for text in ("three", "plain", "600", "3,795", "7,225", "1.90", "six", "contracted", "5,557", "10,581"):
+        assert text in html.replace("\u202f", ","), text
+    assert html.count("1.90") == 2 and "instructions are not cycles" in html
+
+
+def rendered(found: Costs) -> str:
+    return page.render(page.Report("costs", "", (page_costs.section(found),)))
