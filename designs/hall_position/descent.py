@@ -20,7 +20,7 @@ from designs.hall_position.parameters import Array, Tuning
 from synth.block import clip
 from synth.signals import Signal
 
-SLACK = 0.01  # of deviation^2: so much a cost may rise, by rounding
+SLACK, ROUNDING = 0.01, 2e-6  # of deviation^2, and of itself: so much a cost may rise, by rounding
 PART = 1.2  # rad: angles whose sine and cosine become polynomials are smaller
 NONE = Displacement(dict.fromkeys(AXES, ca.SX(0)), ca.SX(0))
 
@@ -88,7 +88,7 @@ def corrected(sensors: Sequence[Sensor], of: Problem, named: Named) -> Found:
     best, lowest, better = trial.at, trial.cost, ca.SX(1)
     for i in range(1, of.tuning.iterations):
         trial = _tried(sensors, _next(trial, better, best, of), i, of, named)
-        better = trial.cost <= lowest + SLACK * of.array.deviation**2
+        better = trial.cost <= (1 + ROUNDING) * lowest + SLACK * of.array.deviation**2
         best, lowest = _chosen(better, trial.at, best), ca.if_else(better, trial.cost, lowest)
     ahead = _next(trial, ca.SX(1), best, of)
     settled = _decrease(trial.equations) <= (of.tuning.settled * of.array.deviation) ** 2

@@ -12,7 +12,7 @@ fifty is lost with three sensors in 1500 samples.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi, sqrt
 
 import numpy as np
@@ -21,8 +21,11 @@ from designs.hall_position import figures, fleet
 from designs.hall_position.fleet import Kind
 from designs.hall_position.motions import Numbers, Pose
 from synth import show
+from synth.check import Check
 
 MARGIN = 0.5  # of the acceleration
+FAR = 30  # pitches
+WORST = 1e-4  # m: ten deviations at the worst place where an estimate is valid
 WAVES, SPREAD = 3, (0.2, 1.0)  # sines along each axis, and their frequencies
 YAW, TURN = 0.03, 0.3  # rad, rad/s
 
@@ -57,6 +60,19 @@ class Endurance:
         names = ("samples [1e6]", "valid [%]", "bodies lost [%]", "wrong", "worst valid [um]", "worst [um]")
         title = f"Random motion at {self.limits.speed:.3g} m/s, {self.limits.acceleration:.3g} m/s^2"
         return show.Sheet(title, tables=(show.matrix("run", np.array([row]), ("",), names),))
+
+
+def checks(name: str, kind: Kind, bodies: int, samples: int) -> list[Check]:
+    """Check that no body is lost, and none wrong, within the limits; pitches are counted as far as motions lead."""
+    found = run(replace(kind, tuning=replace(kind.tuning, pitches=FAR)), bodies, samples, limits(kind))
+    within = f"{found.limits.speed:.3g} m/s, {found.limits.acceleration:.3g} m/s^2, {found.samples} samples"
+    about = f"{within}, {100 * found.valid:.3g} % valid"
+    what = f"{name}, random motion"
+    return [
+        Check(f"{what}: bodies lost", found.lost, 0, "1", about),
+        Check(f"{what}: samples valid elsewhere", found.wrong, 0, "1", about),
+        Check(f"{what}: worst valid position", found.worst, WORST, "m", about),
+    ]
 
 
 def limits(kind: Kind) -> Limits:

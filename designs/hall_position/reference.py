@@ -10,7 +10,7 @@ A correction is the least-squares solution of the weighted rows over those of th
 factorisation, in m and rad about the middle of the sensors. Sines are NumPy's, of 5 w X as of w X.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import pi, sqrt
 from typing import Any
@@ -21,12 +21,12 @@ from numpy.typing import NDArray
 Array = NDArray[Any]
 Columns = Mapping[str, Array]
 
-SLACK = 0.01  # of deviation^2
+SLACK, ROUNDING = 0.01, 2e-6  # of deviation^2, of the cost
 PATIENCE, SUSPECT = 5, 2  # samples
 CONTRAST = 25  # of squared residuals
 APART = 10.0  # deviations, rms
 MORE = 4  # times setup.certain, of more than two sensors
-DIRECTIONS, CHANGE = 3, 1e-9  # of voltages, of alpha, in which a step is tried
+CHANGE = 1e-9  # of a voltage, of alpha, and of a phase, rad, by which a step is tried
 POSE, MOTION = ("phase_x", "phase_y", "yaw"), ("motion_x", "motion_y", "motion_yaw")
 PLASTIC = 1.324717957244746  # g, g^3 = g + 1
 
@@ -181,12 +181,27 @@ def descend(setup: Setup, start: Array, volts: Array, weights: Array) -> tuple[l
         tried = np.where(better[:, None], corrected(setup, fit), (fit.at + best) / 2)
         fit = fitted(setup, start, tried, volts, weights)
         fits.append(fit)
-        better = fit.cost <= lowest + SLACK * setup.deviation**2
+        better = fit.cost <= (1 + ROUNDING) * lowest + SLACK * setup.deviation**2
         best, lowest = np.where(better[:, None], fit.at, best), np.where(better, fit.cost, lowest)
     ahead = corrected(setup, fit)
     settled = (fit.z**2).sum(axis=1) <= (setup.settled * setup.deviation) ** 2
     converged = better & settled
     return fits, np.where(converged[:, None], ahead, best), converged
+
+
+def margin(setup: Setup, state: Columns, volts: Array, refused: Array) -> Array:
+    """Return how far a cost is from the bound below which it counts as lower, at least, (N,).
+
+    In relative errors of the voltages of alpha, and of residuals, that would make it cross.
+    """
+    start, weights = begun(setup, state, refused)
+    costs = [fit.cost for fit in descend(setup, start, volts, weights)[0]]
+    lowest, found = costs[0], np.full(len(start), np.inf)
+    for cost in costs[1:]:
+        bound = (1 + ROUNDING) * lowest + SLACK * setup.deviation**2
+        found = np.minimum(found, np.abs(cost - bound) / (2 * np.sqrt(bound) * (setup.alpha + np.sqrt(bound))))
+        lowest = np.where(cost <= bound, cost, lowest)
+    return found
 
 
 def fitted(setup: Setup, start: Array, at: Array, volts: Array, weights: Array) -> Fit:
@@ -292,7 +307,7 @@ def deviations(setup: Setup, inverse: Array, yaw: Array) -> dict[str, Array]:
     return {f"deviation_{name}": found[:, i] for i, name in enumerate(("X", "Y", "yaw"))}
 
 
-def magnification(setup: Setup, state: Columns, volts: Array, refused: Array, seed: int = 0) -> Array:
+def magnification(setup: Setup, state: Columns, volts: Array, refused: Array) -> Array:
     """Return by how much a step magnifies errors of rounding, (N,).
 
     It is the largest condition number of the corrections, times that by which the step magnifies a change of the
@@ -300,21 +315,29 @@ def magnification(setup: Setup, state: Columns, volts: Array, refused: Array, se
     """
     fits, _, _ = descend(setup, begun(setup, state, refused)[0], volts, begun(setup, state, refused)[1])
     condition = np.max([np.linalg.cond(held(fit.H, setup.stiffness) / setup.stiffness) for fit in fits], axis=0)
-    return condition * np.maximum(amplification(setup, state, volts, refused, seed), 1)
+    return condition * np.maximum(amplification(setup, state, volts, refused), 1)
 
 
-def amplification(setup: Setup, state: Columns, volts: Array, refused: Array, seed: int = 0) -> Array:
-    """Return by how much a step magnifies a change of its voltages, (N,): of phases, yaw and residual, of alpha.
+def amplification(setup: Setup, state: Columns, volts: Array, refused: Array) -> Array:
+    """Return by how much a step magnifies changes of what it is given, (N,).
 
-    Far from a solution corrections magnify one after the other what the normal equations magnify once.
+    The largest gradient, by differences, of phases, yaw and residual, of alpha, by voltages, of alpha, phases and yaw.
     """
-    rng, found = np.random.default_rng(seed), np.zeros(len(volts))
-    w = 2 * pi / setup.pitch
+    sizes = {"X": setup.pitch / (2 * pi), "Y": setup.pitch / (2 * pi), "yaw": 1.0, "residual": setup.alpha}
     before, _ = step(setup, state, volts, refused)
-    for _ in range(DIRECTIONS):
-        by = rng.standard_normal(volts.shape)
-        by *= CHANGE * setup.alpha / np.linalg.norm(by.reshape(len(by), -1), axis=1)[:, None, None]
-        after, _ = step(setup, state, volts + by, refused)
-        for name, size in (("X", 1 / w), ("Y", 1 / w), ("yaw", 1.0), ("residual", setup.alpha)):
-            found = np.maximum(found, np.abs(after[name] - before[name]) / size / CHANGE)
-    return found
+    squares = {name: np.zeros(len(volts)) for name in sizes}
+    for other, read in _changed(setup, state, volts):
+        after, _ = step(setup, other, read, refused)
+        for name, size in sizes.items():
+            squares[name] += ((after[name] - before[name]) / size / CHANGE) ** 2
+    return np.sqrt(np.max([*squares.values()], axis=0))
+
+
+def _changed(setup: Setup, state: Columns, volts: Array) -> Iterator[tuple[Columns, Array]]:
+    """Yield states and voltages of which one is changed at a time."""
+    for channel in np.ndindex(volts.shape[1:]):
+        moved = volts.copy()
+        moved[(slice(None), *channel)] += CHANGE * setup.alpha
+        yield state, moved
+    for name in POSE:
+        yield {**state, name: state[name] + CHANGE}, volts

@@ -319,7 +319,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t117 = t115 * (estimator_field_1 + (t116 * (estimator_field_3 + (t116 * estimator_field_5))));
     const float t118 = (t51 * t80) + (t35 * turn_sine) - t117;
     const float cost_1 = (t90 * t90) + (t99 * t99) + (t109 * t109) + (t118 * t118) + (0.00992376f * ((t81 * t81) + (t100 * t100) + (277.5826f * t78)));
-    const bool t119 = cost_1 <= (cost_0 + 1e-08f);
+    const bool t119 = cost_1 <= ((1.000002f * cost_0) + 1e-08f);
     const float t120 = ((t59 * t85) - (t31 * t86)) * (estimator_slope_0 + (t88 * (estimator_slope_2 + (t88 * estimator_slope_4))));
     const float t121 = t108 - (t120 * (t15 + t101));
     const float t122 = ((t62 * t94) - (t39 * t95)) * (estimator_slope_0 + (t97 * (estimator_slope_2 + (t97 * estimator_slope_4))));
@@ -395,7 +395,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t184 = t182 * (estimator_field_1 + (t183 * (estimator_field_3 + (t183 * estimator_field_5))));
     const float t185 = (t51 * t144) + (t35 * turn_sine_2) - t184;
     const float cost_2 = (t156 * t156) + (t165 * t165) + (t176 * t176) + (t185 * t185) + (0.00992376f * ((t147 * t147) + (t167 * t167) + (277.5826f * t142)));
-    const bool t186 = cost_2 <= (t140 + 1e-08f);
+    const bool t186 = cost_2 <= ((1.000002f * t140) + 1e-08f);
     const float t187 = ((t59 * t151) - (t31 * t152)) * (estimator_slope_0 + (t154 * (estimator_slope_2 + (t154 * estimator_slope_4))));
     const float t188 = t175 - (t187 * (t15 + t168));
     const float t189 = ((t62 * t160) - (t39 * t161)) * (estimator_slope_0 + (t163 * (estimator_slope_2 + (t163 * estimator_slope_4))));
@@ -471,7 +471,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t251 = t249 * (estimator_field_1 + (t250 * (estimator_field_3 + (t250 * estimator_field_5))));
     const float t252 = (t51 * t211) + (t35 * turn_sine_3) - t251;
     const float cost_3 = (t223 * t223) + (t232 * t232) + (t243 * t243) + (t252 * t252) + (0.00992376f * ((t214 * t214) + (t234 * t234) + (277.5826f * t209)));
-    const bool t253 = cost_3 <= (t207 + 1e-08f);
+    const bool t253 = cost_3 <= ((1.000002f * t207) + 1e-08f);
     const float t254 = ((t59 * t218) - (t31 * t219)) * (estimator_slope_0 + (t221 * (estimator_slope_2 + (t221 * estimator_slope_4))));
     const float t255 = t242 - (t254 * (t15 + t235));
     const float t256 = ((t62 * t227) - (t39 * t228)) * (estimator_slope_0 + (t230 * (estimator_slope_2 + (t230 * estimator_slope_4))));
@@ -552,7 +552,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const uint32_t estimator_certain = state->estimator_certain;
     const bool t322 = 0.0009069143f < (t321 + (11.103305f * t276));
     const uint32_t estimator_searching = state->estimator_searching;
-    const bool t323 = cost_4 <= (t274 + 1e-08f);
+    const bool t323 = cost_4 <= ((1.000002f * t274) + 1e-08f);
     const float t324 = ((t59 * t285) - (t31 * t286)) * (estimator_slope_0 + (t288 * (estimator_slope_2 + (t288 * estimator_slope_4))));
     const float t325 = t309 - (t324 * (t15 + t302));
     const float t326 = ((t62 * t294) - (t39 * t295)) * (estimator_slope_0 + (t297 * (estimator_slope_2 + (t297 * estimator_slope_4))));

@@ -528,7 +528,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float t214 = t212 * (t80 + (t213 * (t82 + (t213 * t83))));
     const float t215 = (t105 * t157) + (t75 * turn_sine) - t214;
     const float cost_1 = (t168 * t168) + (t177 * t177) + (t186 * t186) + (t197 * t197) + (t206 * t206) + (t215 * t215) + (0.00992376f * ((t159 * t159) + (t188 * t188) + (88.11012f * t155)));
-    const bool t216 = cost_1 <= (cost_0 + 1e-08f);
+    const bool t216 = cost_1 <= ((1.000002f * cost_0) + 1e-08f);
     const float t217 = ((t114 * t163) - (t47 * t164)) * (t115 + (t166 * (t116 + (t166 * t117))));
     const float t218 = t196 - (t217 * (t19 + t189));
     const float t219 = ((t120 * t172) - (t63 * t173)) * (t121 + (t175 * (t122 + (t175 * t123))));
@@ -633,7 +633,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float t310 = t308 * (t80 + (t309 * (t82 + (t309 * t83))));
     const float t311 = (t105 * t252) + (t75 * turn_sine_2) - t310;
     const float cost_2 = (t264 * t264) + (t273 * t273) + (t282 * t282) + (t293 * t293) + (t302 * t302) + (t311 * t311) + (0.00992376f * ((t255 * t255) + (t284 * t284) + (88.11012f * t250)));
-    const bool t312 = cost_2 <= (t247 + 1e-08f);
+    const bool t312 = cost_2 <= ((1.000002f * t247) + 1e-08f);
     const float t313 = ((t114 * t259) - (t47 * t260)) * (t115 + (t262 * (t116 + (t262 * t117))));
     const float t314 = t292 - (t313 * (t19 + t285));
     const float t315 = ((t120 * t268) - (t63 * t269)) * (t121 + (t271 * (t122 + (t271 * t123))));
@@ -738,7 +738,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float t406 = t404 * (t80 + (t405 * (t82 + (t405 * t83))));
     const float t407 = (t105 * t348) + (t75 * turn_sine_3) - t406;
     const float cost_3 = (t360 * t360) + (t369 * t369) + (t378 * t378) + (t389 * t389) + (t398 * t398) + (t407 * t407) + (0.00992376f * ((t351 * t351) + (t380 * t380) + (88.11012f * t346)));
-    const bool t408 = cost_3 <= (t343 + 1e-08f);
+    const bool t408 = cost_3 <= ((1.000002f * t343) + 1e-08f);
     const float t409 = ((t114 * t355) - (t47 * t356)) * (t115 + (t358 * (t116 + (t358 * t117))));
     const float t410 = t388 - (t409 * (t19 + t381));
     const float t411 = ((t120 * t364) - (t63 * t365)) * (t121 + (t367 * (t122 + (t367 * t123))));
@@ -850,7 +850,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const uint32_t estimator_astray = state->estimator_astray;
     const float t507 = 0.030115018f + (0.030115018f * (float)estimator_astray);
     const bool t508 = (t507 * t507) < (t505 + (3.524405f * t442));
-    const bool t509 = cost_4 <= (t439 + 1e-08f);
+    const bool t509 = cost_4 <= ((1.000002f * t439) + 1e-08f);
     const float t510 = ((t114 * t451) - (t47 * t452)) * (t115 + (t454 * (t116 + (t454 * t117))));
     const float t511 = t484 - (t510 * (t19 + t477));
     const float t512 = ((t120 * t460) - (t63 * t461)) * (t121 + (t463 * (t122 + (t463 * t123))));

@@ -157,7 +157,15 @@ def test_another_setup_is_seen(change: dict[str, float]) -> None:
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("SLACK", 1e6), ("PATIENCE", 4), ("SUSPECT", 3), ("CONTRAST", 1), ("MORE", 1), ("PLASTIC", 1.32)],
+    [
+        ("SLACK", 1e6),
+        ("ROUNDING", 0.1),
+        ("PATIENCE", 4),
+        ("SUSPECT", 3),
+        ("CONTRAST", 1),
+        ("MORE", 1),
+        ("PLASTIC", 1.32),
+    ],
 )
 def test_another_reference_is_seen(name: str, value: float, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reference, name, value)
