@@ -45,7 +45,7 @@ SPAN = 5.0  # V, of the converter
 BAD_SAMPLES = 5
 MORE = 4  # times as much as with two sensors may the damping decide at a certain place, with more than two
 LOOSE = 1e4  # m: 1e-3 is never exceeded, but intervals do not see what is equal in numerator and denominator
-APART = 10.0  # deviations, rms, of voltages that do not fit each other
+APART = 4.0  # deviations, rms, of voltages that do not fit each other
 LEAST = 1e-30  # V^2, in a root: squares are not below 0, which is not seen of products that may not be rounded
 USUAL = Tuning()
 # Relative, of polynomials: a sine that is wrong by 2e-7 is a position that is wrong by 2 nm.

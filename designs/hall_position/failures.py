@@ -2,7 +2,7 @@
 
     dead         both voltages of a sensor are 0 V            one axis     one of them is
     saturated    one is at the end of the converter           no number    one is NaN
-    stuck        one stays as it was
+    stuck        one stays as it was                       none           with which others are compared
 
 A failure is flagged by a sample that is not valid, by a sensor that is left out, or by a fault bit: at once where the
 residual exceeds its bound, as that is astray. Where the voltages hardly change by a failure, or agree with a place near
@@ -35,6 +35,7 @@ def _one(value: Numbers | float, volts: Numbers) -> Numbers:
 
 FAILURES: MappingProxyType[str, Failing] = MappingProxyType(
     {
+        "none": lambda now, before: now,
         "dead": lambda now, before: 0 * now,
         "one axis": lambda now, before: _one(0.0, now),
         "saturated": lambda now, before: _one(np.where(now[:, 0] < 0, -estimator.SPAN, estimator.SPAN), now),

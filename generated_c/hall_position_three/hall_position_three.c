@@ -1039,7 +1039,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         const float t596 = max(t593, t594);
         const float t597 = min(t593, t594) + min(t595, t596);
         const bool t598 = (estimator_certain != 0u) && (1u <= estimator_astray) && (t597 <= 0.076f) && ((25.0f * t597) <= max(t595, t596));
-        if (t548 && ((1e-04f * t506) < t504) && t598) {
+        if (t548 && ((1.6e-05f * t506) < t504) && t598) {
             state->estimator_without = (uint32_t)((t596 < t595) ? 3.0f : ((t594 < t593) ? 2.0f : 1.0f));
         }
     }
