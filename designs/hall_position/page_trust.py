@@ -26,7 +26,8 @@ def convergence(of: Mapping[str, Kind]) -> page.Section:
     text = page.Text(
         "The C that ships, from starts that are off, on voltages by model (2) with noise. In the first sample its five "
         "corrections lead to the truth, or elsewhere: to another minimum, where residuals are large, or to a place "
-        "with the same voltages. Samples later it has searched. What is found elsewhere must not be valid.\n\n"
+        "with the same voltages. The yaw is held to the expected one, so that it is corrected over samples. Later it "
+        "has searched. What is found elsewhere must not be valid.\n\n"
         f"The yaw that a start takes for known is declared to be right to {np.degrees(shipped.TUNING.turn):.3g}°. "
         "Starts here are turned by up to twice that: from further than declared, two sensors may find another place "
         "whose voltages are the same, which nothing tells; the last table counts it."
@@ -98,7 +99,7 @@ def motion(of: Mapping[str, Kind]) -> page.Section:
         "both, at yaws that are declared. The verification below runs ten million samples of them where it is whole."
     )
     columns = ("sensors", "speed, m/s", "acceleration, m/s²", "samples", "valid, %", "bodies lost, %")
-    caption = "Random motion up to the speed and the acceleration"
+    caption = f"Random motion up to the speed and the acceleration, {endurance.FAR} pitches counted"
     return page.Section(
         "Motion", (text, page.Table(caption, (*columns, "valid and wrong", "worst valid, µm"), tuple(rows)))
     )

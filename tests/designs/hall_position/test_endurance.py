@@ -11,8 +11,7 @@ from designs.hall_position.fleet import Kind
 from designs.hall_position.parameters import Tuning
 from synth.execute import host
 
-# Pitches are counted as far as random motions lead.
-TWO, THREE = (Kind(shipped.array(name), Tuning(pitches=30)) for name in (shipped.NAME, shipped.THREE))
+TWO, THREE = (Kind(shipped.array(name)) for name in (shipped.NAME, shipped.THREE))
 BODIES, SAMPLES = 2000, 250
 
 
