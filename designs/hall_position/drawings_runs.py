@@ -82,7 +82,7 @@ def zigzags(time: Array, paths: Mapping[str, Sequence[Array]]) -> Figure:
             off = 1e3 * np.hypot(x - x_shown, y - y_shown)
             keep = figures.decimate(off)
             grid[2].plot(time[keep], off[keep], color=colour, lw=0.8, label=label)
-        grid[2].set(title="(c) distance of the two", xlabel="time, s", ylabel="mm", ylim=(0.0, None))
+        grid[2].set(title="(c)", xlabel="time, s", ylabel="distance of the two, mm", ylim=(0.0, None))
         grid[2].title.set_horizontalalignment("left")
         grid[2].title.set_x(0.0)
         drawings.above(grid[2])
