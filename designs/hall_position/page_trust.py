@@ -63,7 +63,9 @@ def cold_starts(of: Mapping[str, Kind]) -> page.Section:
         f"After init the place is not known: the search begins at one point after another of a sequence that fills the "
         f"pitch. Bodies are on {STARTS} × {STARTS} places of the pitch at yaws of −3°, 0 and 3°, at rest and moving at "
         f"{1e3 * DRIFT:g} mm/s. Three sensors tell all places apart; two are certain of theirs in a part of the pitch "
-        "only, where a body that moves comes to. An estimate that is not certain is not valid."
+        "only, where a body that moves comes to: elsewhere they read the same at another place, within their noise in "
+        "some per cent of the pitch and within the bound of residuals in more, or lose rank. An estimate that is not "
+        "certain is not valid."
     )
     yaws = np.array([-YAW, 0.0, YAW])
     runs = {}
