@@ -27,7 +27,7 @@ from synth.verify.steps import Steps
 
 FLOOR = 1.0  # m, rad, V, below which a difference of outputs is absolute
 REPLAY, LONG = 10_000, 6_000  # steps of the replay, and of each motion
-SLOW, TURNING = (0.2, 0.05, 0.0), (0.3, 0.5, 13.0)  # m, rad, rad/s: travel, yaw and turn of a motion
+SLOW, TURNING = (0.2, 0.04, 0.0), (0.3, 0.5, 13.0)  # m, rad, rad/s: travel, yaw and turn of a motion
 LEAVING = 0.2, 0.4, 0.0
 EACH, DRAWN, RARE = 1500, 4000, 1500  # steps of each kind
 EACH_END, NEAR = 40, 1e-5  # steps for an end of a range, and what is near it, of the range

@@ -13,29 +13,32 @@ fifty is lost with three sensors in 1500 samples.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import pi, sqrt
+from math import log, pi, sqrt
 
 import numpy as np
 
-from designs.hall_position import figures, fleet
+from designs.hall_position import figures, fleet, tracking
 from designs.hall_position.fleet import Kind
 from designs.hall_position.motions import Numbers, Pose
 from synth import show
 from synth.check import Check
 
 MARGIN = 0.5  # of the acceleration
-FAR = 30  # pitches: motions at the limits lead further than what ships counts
+FAR = 1000  # pitches: motions at the limits lead further than what ships counts
 WORST = 1e-4  # m: ten deviations at the worst place where an estimate is valid
 WAVES, SPREAD = 3, (0.2, 1.0)  # sines along each axis, and their frequencies
-YAW, TURN = 0.03, 0.3  # rad, rad/s
+SLOWEST, GENTLEST = 1e-3, 0.1  # parts of the speed, and of the acceleration by that: bodies creep as well
+YAW, SWINGS = 0.03, (0.1, 3.0)  # rad, Hz
+PART = 0.95  # of the yaws that are declared
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Speed along each axis, m/s, and acceleration in the plane, m/s^2."""
+    """Speed along each axis, m/s, acceleration in the plane, m/s^2, and yaws to either side, rad."""
 
     speed: float
     acceleration: float
+    yaw: float = YAW
 
 
 @show.printed
@@ -79,18 +82,21 @@ def limits(kind: Kind) -> Limits:
     """Return how fast the sensors' centre may be, with MARGIN."""
     t, a, T = kind.tuning, kind.array, kind.time.period_s
     e = t.surprise * a.deviation / (a.alpha * sqrt(t.damping))
-    return Limits(t.reach / 2 / (a.wave_number * T), (1 - MARGIN) * t.follow * e / (a.wave_number * T**2))
+    speed, acceleration = t.reach / 2 / (a.wave_number * T), (1 - MARGIN) * t.follow * e / (a.wave_number * T**2)
+    return Limits(speed, acceleration, PART * tracking.declared(a, t))
 
 
 def run(kind: Kind, bodies: int, samples: int, within: Limits, seed: int = 0) -> Endurance:
     """Run so many bodies for so many samples on random motions within a limit; pitches are counted to FAR.
+
+    Half of the bodies come to the limit, the others to parts of it that are drawn down to SLOWEST.
 
     Raises ModelError unless these are whole numbers above 0, and as `motion`.
     """
     samples = figures.whole("the number of samples", samples)
     kind = replace(kind, tuning=replace(kind.tuning, pitches=FAR))
     rng, T = np.random.default_rng(seed), kind.time.period_s
-    at = motion(kind, bodies, within, rng)
+    at = motion(kind, bodies, within, rng, SLOWEST)
     state = fleet.placed(kind, at(-T), at(-2 * T))
     valid = wrong = 0
     worst = off = 0.0
@@ -104,21 +110,30 @@ def run(kind: Kind, bodies: int, samples: int, within: Limits, seed: int = 0) ->
     return Endurance(within, bodies * samples, valid / (bodies * samples), lost, wrong, worst, off)
 
 
-def motion(kind: Kind, bodies: int, within: Limits, rng: np.random.Generator) -> Callable[[float], Pose]:
+def motion(
+    kind: Kind, bodies: int, within: Limits, rng: np.random.Generator, slowest: float = 1.0
+) -> Callable[[float], Pose]:
     """Return where bodies are at a time in s, on random sines whose speed and acceleration do not exceed a limit.
+
+    Every other body is slower, by a part that is drawn down to `slowest`. Yaws swing within the limit.
 
     Raises ModelError for no body, or a limit that is not positive.
     """
     bodies = figures.whole("the number of bodies", bodies)
-    for name in ("speed", "acceleration"):
+    for name in ("speed", "acceleration", "yaw"):
         figures.positive(f"the {name} that is the limit", getattr(within, name))
     middle = rng.uniform(0, kind.array.pitch, (2, bodies))
-    along = [_sines(bodies, within.speed, within.acceleration / sqrt(2), rng) for _ in "xy"]
-    yaw, turned = rng.uniform(-YAW, YAW, bodies), _sines(bodies, TURN, 20 * TURN, rng)
-    return lambda t: Pose(middle[0] + along[0](t), middle[1] + along[1](t), yaw + turned(t))
+    every = np.arange(bodies) % 2
+    part = np.exp(every * rng.uniform(log(slowest), 0, bodies))
+    gentle = part * np.exp(every * rng.uniform(log(max(slowest, GENTLEST)), 0, bodies))
+    along = [_sines(bodies, part * within.speed, gentle * within.acceleration / sqrt(2), rng) for _ in "xy"]
+    yaw = rng.uniform(-within.yaw, within.yaw, bodies)
+    swing = (within.yaw - np.abs(yaw)) * rng.random(bodies)
+    rate, phase = 2 * pi * np.exp(rng.uniform(*np.log(SWINGS), bodies)), rng.uniform(0, 2 * pi, bodies)
+    return lambda t: Pose(middle[0] + along[0](t), middle[1] + along[1](t), yaw + swing * np.sin(rate * t + phase))
 
 
-def _sines(bodies: int, speed: float, acceleration: float, rng: np.random.Generator) -> Callable[[float], Numbers]:
+def _sines(bodies: int, speed: Numbers, acceleration: Numbers, rng: np.random.Generator) -> Callable[[float], Numbers]:
     """Return displacements (bodies,) over time whose speed and acceleration reach these where all sines agree."""
     part, rate = rng.dirichlet([1.0] * WAVES, bodies).T, rng.uniform(*SPREAD, (WAVES, bodies))
     rate *= acceleration / speed / (part * rate).sum(axis=0)

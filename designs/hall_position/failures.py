@@ -2,7 +2,8 @@
 
     dead         both voltages of a sensor are 0 V            one axis     one of them is
     saturated    one is at the end of the converter           no number    one is NaN
-    stuck        one stays as it was                       none           with which others are compared
+    stuck        one stays as it was                       weak           both are a tenth smaller
+    none         with which others are compared
 
 A failure is flagged by a sample that is not valid, by a sensor that is left out, or by a fault bit: at once where the
 residual exceeds its bound, as that is astray. Where the voltages hardly change by a failure, or agree with a place near
@@ -26,6 +27,7 @@ from synth.statespace import readonly
 
 SOON = 5  # samples within which a residual out of its bound is to be flagged
 BEFORE, AFTER = 20, 40  # samples
+WEAK = 0.9
 Failing = Callable[[Numbers, Numbers], Numbers]  # a sensor's voltages (N, 2), and those before: what is read
 
 
@@ -40,6 +42,7 @@ FAILURES: MappingProxyType[str, Failing] = MappingProxyType(
         "one axis": lambda now, before: _one(0.0, now),
         "saturated": lambda now, before: _one(np.where(now[:, 0] < 0, -estimator.SPAN, estimator.SPAN), now),
         "no number": lambda now, before: _one(np.nan, now),
+        "weak": lambda now, before: WEAK * now,
         "stuck": lambda now, before: _one(before[:, 0], now),
     }
 )

@@ -95,7 +95,7 @@ class Tuning:
     A place is certain once the damping decides no more than `certain` parameters there, of two sensors, which elsewhere
     may read the same at another place, and four times as many of more than two. With two sensors, or after a search,
     its yaw is within `turn`, rad, of that at the last certain place, 0 at first. Nothing is valid at a yaw of more than
-    `yaw`, rad, nor after it.
+    `yaw`, rad, with two sensors than half of `turn` besides, nor after it.
 
     Raises ModelError for a figure that is out of its range.
     """

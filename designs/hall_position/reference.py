@@ -151,16 +151,18 @@ def step(setup: Setup, state: Columns, volts: Array, refused: Array) -> tuple[di
     else:
         telling = good & near & ~searching & (leaning <= setup.certain) & ~np.any(refused, axis=(1, 2))
     end = np.where((astray & ~searching)[:, None], 0.0, end)
-    inside = placed_inside(setup, state, start + end)
+    counted, turned, most = extent(setup, state, start + end)
+    inside = counted & (turned <= most)
     certain = (telling & inside) | (certain & ~damped)
     apart = last.squares > freedom * min(setup.residual, APART * setup.deviation) ** 2
     seen = (astray, apart, converged)
     found, next = advance(setup, state, start + end, seen, certain, fits[0].each)
-    next["restarted"] = np.maximum(next["restarted"], (state["placed"] > 0) & ~inside)
+    bound = np.where(certain, most, 2 * most)
+    next["restarted"] = np.maximum(next["restarted"], (state["placed"] > 0) & ~(counted & (turned <= bound)))
     if setup.follow:
         moved = [
             state[name] + setup.follow * f * end[:, i]
-            for i, (name, f) in enumerate(zip(MOTION, (w, w, 1.0), strict=True))
+            for i, (name, f) in enumerate(zip(MOTION, (w, w, 1 / setup.firm), strict=True))
         ]
         bounds = setup.bounds * [w, w, 1]
         lost = state["searching"] > 0
@@ -274,13 +276,17 @@ def advance(
     return found, next
 
 
-def placed_inside(setup: Setup, state: Columns, pose: Array) -> Array:
-    """Return whether poses (N, 3) are where pitches are counted, and their yaws are declared."""
-    inside = np.abs(wrapped(pose[:, 2])[0]) <= setup.yaw
+def extent(setup: Setup, state: Columns, pose: Array) -> tuple[Array, Array, float]:
+    """Return whether the pitches of poses (N, 3) are counted, how far they are turned, and may be where they are valid.
+
+    Two sensors tell places apart within `turn`.
+    """
+    counted = np.ones(len(pose), bool)
     for i, axis in enumerate("xy"):
         _, turns = wrapped(2 * pi / setup.pitch * pose[:, i])
-        inside &= np.abs(state[f"pitch_{axis}"] + turns) <= setup.pitches
-    return inside
+        counted &= np.abs(state[f"pitch_{axis}"] + turns) <= setup.pitches
+    most = setup.yaw if len(setup.positions) > 2 else min(setup.yaw, setup.turn / 2)
+    return counted, np.abs(wrapped(pose[:, 2])[0]), most
 
 
 def wrapped(angle: Array) -> tuple[Array, Array]:

@@ -1,7 +1,8 @@
 """From one sample to the next: the motion goes on, pitches are counted, and what is astray looks for its place again.
 
-A sample is expected to move the body as the last one did, motion <- motion + follow * correction. That decides where
-the voltages do not tell: two sensors that pass a place where they lose rank see the same on two ways out of it.
+A sample is expected to move the body as the last one did, motion <- motion + follow * correction; of the yaw, which is
+held more firmly, by so much less. That decides where the voltages do not tell: two sensors that pass a place where they
+lose rank see the same on two ways out of it.
 
 A sample is astray whose residuals are larger than those of the field's model, or that is a motion which no body makes
 from a certain place. A body whose place was known goes on then as it did before. At the SUSPECT-th of them in a row,
@@ -108,6 +109,14 @@ def left_out(array: Array, u: Exprs, x: Exprs) -> Sequence[ca.SX] | None:
     return found
 
 
+def declared(array: Array, tuning: Tuning) -> float:
+    """Return the yaws to either side at which a place may be valid, rad.
+
+    With two sensors no two of these are further apart than the yaws within which their places are told apart.
+    """
+    return tuning.yaw if spare(array) else min(tuning.yaw, tuning.turn / 2)
+
+
 def near(yaw: ca.SX, x: Exprs, tuning: Tuning) -> ca.SX:
     """Return whether a yaw is near the last one that was known; across half a turn where one may be known there."""
     by = ca.fabs(yaw - x["yaw_known"])
@@ -121,17 +130,21 @@ def ahead(found: Found, verdict: Verdict, begun: Exprs, x: Exprs, of: Problem) -
     stays = ca.logic_and(astray, ca.logic_not(x["searching"]))
     by = {name: ca.if_else(stays, 0, d) for name, d in zip(POSE, (*found.at.phase.values(), found.at.yaw), strict=True)}
     pose = {"yaw": _wrapped(begun["yaw"] + by["yaw"])[0]}
-    inside = ca.fabs(pose["yaw"]) <= of.tuning.yaw
+    most, counted = declared(of.array, of.tuning), ca.SX(1)
     for a in AXES:
         phase, turns = _wrapped(begun[f"phase_{a}"] + by[f"phase_{a}"])
         pose |= {f"phase_{a}": phase, f"pitch_{a}": x[f"pitch_{a}"] + turns}
-        inside = ca.logic_and(inside, ca.fabs(pose[f"pitch_{a}"]) <= of.tuning.pitches)
+        counted = ca.logic_and(counted, ca.fabs(pose[f"pitch_{a}"]) <= of.tuning.pitches)
+    turned = ca.fabs(pose["yaw"])
+    inside = ca.logic_and(counted, turned <= most)
     next, again = _searched(verdict, found, x, of)
     telling = ca.logic_and(verdict.telling, inside)
     certain = ca.logic_or(telling, ca.logic_and(x["certain"], ca.logic_not(verdict.damped)))
     known = ca.logic_and(certain, ca.logic_not(astray))
     next |= {"placed": ca.logic_or(certain, x["placed"])}
-    gone = ca.logic_and(x["placed"], ca.logic_or(again, ca.logic_not(inside)))
+    # What is not certain may follow a wrong way for a while, at yaws that the body does not have.
+    left = ca.logic_or(ca.logic_not(counted), turned > ca.if_else(certain, most, 2 * most))
+    gone = ca.logic_and(x["placed"], ca.logic_or(again, left))
     next["restarted"] = ca.logic_or(x["restarted"], gone)
     next |= {"certain": ca.if_else(again, 0, certain), "yaw_known": ca.if_else(known, pose["yaw"], x["yaw_known"])}
     next |= pose | {"yaw": ca.if_else(again, x["yaw_known"], pose["yaw"])}
@@ -141,9 +154,8 @@ def ahead(found: Found, verdict: Verdict, begun: Exprs, x: Exprs, of: Problem) -
         next[f"start_{a}"] = ca.if_else(again, start, x[f"start_{a}"])
         next[f"phase_{a}"] = ca.if_else(again, start, pose[f"phase_{a}"])
     if of.tuning.follow:
-        next |= {
-            m: ca.if_else(x["searching"], 0, x[m] + of.tuning.follow * by[n]) for m, n in zip(MOTION, POSE, strict=True)
-        }
+        follow = dict.fromkeys(POSE, of.tuning.follow) | {"yaw": of.tuning.follow / of.tuning.firm}
+        next |= {m: ca.if_else(x["searching"], 0, x[m] + follow[n] * by[n]) for m, n in zip(MOTION, POSE, strict=True)}
     return Ahead(pose, by["yaw"], next, inside, certain)
 
 

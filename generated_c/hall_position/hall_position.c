@@ -60,10 +60,10 @@ static inline float phase_part_cosine_2_polynomial(float t)
 }
 
 /* turn_sine for clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (2.75466335 + (((...) * (...)) + ((...) * (...))))), -0.101002539, 0.101002539) in -0.101002537 .. 0.101002537: turn_sine / x, t = x^2, x = clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (2.75466335 + (((...) * (...)) + ((...) * (...))))), -0.101002539, 0.101002539);
- * relative error at most 1.2e-07. */
+ * relative error at most 2.1e-07. */
 static inline float turn_sine_polynomial(float t)
 {
-    return 1.0f + (t * (-0.16666666f + (t * 0.008330399f)));
+    return 0.9999999f + (t * -0.16658026f);
 }
 
 /* half_sine for clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (2.75466335 + (((...) * (...)) + ((...) * (...))))), -0.101002539, 0.101002539) in -0.101002537 .. 0.101002537: half_sine / x, t = x^2, x = clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (2.75466335 + (((...) * (...)) + ((...) * (...))))), -0.101002539, 0.101002539);
@@ -74,10 +74,10 @@ static inline float half_sine_polynomial(float t)
 }
 
 /* f9_polynomial for clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) - ((((2.35619449 * (...)) - (2.35619449 * (...))) * (half_sine * half_sine)) + (((-2.35619449 * (...)) - (2.35619449 * (...))) * turn_sine)) in -0.999171257 .. 0.999171257: t = x^2, x = clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) - ((((2.35619449 * (...)) - (2.35619449 * (...))) * (half_sine * half_sine)) + (((-2.35619449 * (...)) - (2.35619449 * (...))) * turn_sine));
- * relative error at most 1.4e-07. */
+ * relative error at most 3.8e-07. */
 static inline float f9_polynomial(float t)
 {
-    return 1.0f + (t * (-0.49999997f + (t * (0.041666426f + (t * (-0.0013882433f + (t * 2.409394e-05f)))))));
+    return 0.99999976f + (t * (-0.499993f + (t * (0.041633803f + (t * -0.0013384075f)))));
 }
 
 /* f10_polynomial for clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) - ((((2.35619449 * (...)) - (2.35619449 * (...))) * (half_sine * half_sine)) + (((-2.35619449 * (...)) - (2.35619449 * (...))) * turn_sine)) in -0.999171257 .. 0.999171257: f10_polynomial / x, t = x^2, x = clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) - ((((2.35619449 * (...)) - (2.35619449 * (...))) * (half_sine * half_sine)) + (((-2.35619449 * (...)) - (2.35619449 * (...))) * turn_sine));
@@ -611,7 +611,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         t355 = t345;
         t356 = 0.5f * t346;
         t357 = 0.5f * t347;
-        t358 = 0.5f * t345;
+        t358 = 0.1f * t345;
     }
     const float t359 = t4 + t353;
     float t360 = t359;
@@ -679,34 +679,36 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const bool damped = 15.115238f < t378;
     out->damped = damped ? 1.0f : 0.0f;
     const bool t379 = converged && !(damped || t351 || t322);
-    const bool t380 = (fabsf(yaw) <= 0.17453292f) && (fabsf(t364) <= 8.0f) && (fabsf(t370) <= 8.0f);
-    const bool t381 = (t379 && t350 && t352 && (t378 <= 0.403073f) && complete && t380) || ((estimator_certain != 0u) && !damped);
+    const bool t380 = (1.0f != 0.0f) && (fabsf(t364) <= 8.0f) && (fabsf(t370) <= 8.0f);
+    const float t381 = fabsf(yaw);
+    const bool t382 = t380 && (t381 <= 0.04363323f);
+    const bool t383 = (t379 && t350 && t352 && (t378 <= 0.403073f) && complete && t382) || ((estimator_certain != 0u) && !damped);
     const uint32_t estimator_restarted = state->estimator_restarted;
-    const bool valid = t379 && t381 && !(estimator_restarted != 0u) && t380 && complete;
+    const bool valid = t379 && t383 && !(estimator_restarted != 0u) && t382 && complete;
     const uint32_t estimator_astray = state->estimator_astray;
-    const bool t382 = 4u <= estimator_astray;
-    const bool t383 = t351 && t382;
-    const bool t384 = !t351;
-    if (t383) {
+    const bool t384 = 4u <= estimator_astray;
+    const bool t385 = t351 && t384;
+    const bool t386 = !t351;
+    if (t385) {
         const float estimator_start_x = state->estimator_start_x;
-        const float t385 = estimator_start_x + -1.5401491f;
-        if (t385 < -3.1415927f) {
-            const float t386 = t385 + 6.2831855f;
-            state->estimator_phase_x = t386;
-            state->estimator_start_x = t386;
-        } else {
-            state->estimator_phase_x = t385;
-            state->estimator_start_x = t385;
-        }
-        const float estimator_start_y = state->estimator_start_y;
-        const float t387 = estimator_start_y + -2.702773f;
+        const float t387 = estimator_start_x + -1.5401491f;
         if (t387 < -3.1415927f) {
             const float t388 = t387 + 6.2831855f;
-            state->estimator_phase_y = t388;
-            state->estimator_start_y = t388;
+            state->estimator_phase_x = t388;
+            state->estimator_start_x = t388;
         } else {
-            state->estimator_phase_y = t387;
-            state->estimator_start_y = t387;
+            state->estimator_phase_x = t387;
+            state->estimator_start_x = t387;
+        }
+        const float estimator_start_y = state->estimator_start_y;
+        const float t389 = estimator_start_y + -2.702773f;
+        if (t389 < -3.1415927f) {
+            const float t390 = t389 + 6.2831855f;
+            state->estimator_phase_y = t390;
+            state->estimator_start_y = t390;
+        } else {
+            state->estimator_phase_y = t389;
+            state->estimator_start_y = t389;
         }
         state->estimator_yaw = estimator_yaw_known;
         state->estimator_searching = 1u;
@@ -715,38 +717,38 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         state->estimator_phase_x = t362;
         state->estimator_phase_y = t368;
         state->estimator_yaw = yaw;
-        if (converged && t384) {
+        if (converged && t386) {
             state->estimator_searching = 0u;
         }
-        state->estimator_certain = flag(t381);
+        state->estimator_certain = flag(t383);
     }
-    if (t381 && t384) {
+    if (t383 && t386) {
         state->estimator_yaw_known = yaw;
     }
     const float estimator_pitch_x_next = limit(t364, 8.0f);
     state->estimator_pitch_x = estimator_pitch_x_next;
     const float estimator_pitch_y_next = limit(t370, 8.0f);
     state->estimator_pitch_y = estimator_pitch_y_next;
-    float t389 = 0.0f;
-    float t390 = 0.0f;
     float t391 = 0.0f;
+    float t392 = 0.0f;
+    float t393 = 0.0f;
     if (!(estimator_searching != 0u)) {
-        t389 = estimator_motion_x + t356;
-        t390 = estimator_motion_y + t357;
-        t391 = estimator_motion_yaw + t358;
+        t391 = estimator_motion_x + t356;
+        t392 = estimator_motion_y + t357;
+        t393 = estimator_motion_yaw + t358;
     }
-    const float estimator_motion_x_next = limit(t389, 0.5f);
+    const float estimator_motion_x_next = limit(t391, 0.5f);
     state->estimator_motion_x = estimator_motion_x_next;
-    const float estimator_motion_y_next = limit(t390, 0.5f);
+    const float estimator_motion_y_next = limit(t392, 0.5f);
     state->estimator_motion_y = estimator_motion_y_next;
-    const float estimator_motion_yaw_next = limit(t391, 0.10100254f);
+    const float estimator_motion_yaw_next = limit(t393, 0.10100254f);
     state->estimator_motion_yaw = estimator_motion_yaw_next;
-    const uint32_t estimator_astray_next = (t351) ? ((t382) ? 0u : (estimator_astray + 1u)) : 0u;
+    const uint32_t estimator_astray_next = (t351) ? ((t384) ? 0u : (estimator_astray + 1u)) : 0u;
     state->estimator_astray = estimator_astray_next;
     const uint32_t estimator_placed = state->estimator_placed;
-    const bool estimator_placed_next = t381 || (estimator_placed != 0u);
+    const bool estimator_placed_next = t383 || (estimator_placed != 0u);
     state->estimator_placed = flag(estimator_placed_next);
-    const bool estimator_restarted_next = (estimator_restarted != 0u) || ((estimator_placed != 0u) && (t383 || !t380));
+    const bool estimator_restarted_next = (estimator_restarted != 0u) || ((estimator_placed != 0u) && (t385 || !t380 || (((t383) ? 0.04363323f : 0.08726646f) < t381)));
     state->estimator_restarted = flag(estimator_restarted_next);
     out->valid = valid ? 1.0f : 0.0f;
     out->restarted = (float)estimator_restarted;

@@ -126,10 +126,10 @@ static inline float half_sine_polynomial(float t)
 }
 
 /* f15_polynomial for clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) - ((((-1.5812683 * (...)) - (1.5833627 * (...))) * (half_sine * half_sine)) + (((1.5833627 * (...)) - (1.5812683 * (...))) * turn_sine)) in -0.973355532 .. 0.973355532: t = x^2, x = clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) - ((((-1.5812683 * (...)) - (1.5833627 * (...))) * (half_sine * half_sine)) + (((1.5833627 * (...)) - (1.5812683 * (...))) * turn_sine));
- * relative error at most 1.3e-07. */
+ * relative error at most 3.3e-07. */
 static inline float f15_polynomial(float t)
 {
-    return 1.0f + (t * (-0.49999997f + (t * (0.041666433f + (t * (-0.0013882653f + (t * 2.410944e-05f)))))));
+    return 0.9999998f + (t * (-0.49999416f + (t * (0.041637383f + (t * -0.0013411602f)))));
 }
 
 /* f16_polynomial for clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) - ((((-1.5812683 * (...)) - (1.5833627 * (...))) * (half_sine * half_sine)) + (((1.5833627 * (...)) - (1.5812683 * (...))) * turn_sine)) in -0.973355532 .. 0.973355532: f16_polynomial / x, t = x^2, x = clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) - ((((-1.5812683 * (...)) - (1.5833627 * (...))) * (half_sine * half_sine)) + (((1.5833627 * (...)) - (1.5812683 * (...))) * turn_sine));
@@ -147,17 +147,17 @@ static inline float f17_polynomial(float t)
 }
 
 /* f18_polynomial for clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) - ((((-0.0858701992 * (...)) - (0.081681409 * (...))) * (half_sine * half_sine)) + (((0.081681409 * (...)) - (0.0858701992 * (...))) * turn_sine)) in -0.525061905 .. 0.525061905: f18_polynomial / x, t = x^2, x = clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) - ((((-0.0858701992 * (...)) - (0.081681409 * (...))) * (half_sine * half_sine)) + (((0.081681409 * (...)) - (0.0858701992 * (...))) * turn_sine));
- * relative error at most 1.2e-07. */
+ * relative error at most 2.3e-07. */
 static inline float f18_polynomial(float t)
 {
-    return 1.0f + (t * (-0.16666666f + (t * (0.008333107f + (t * -0.00019697344f)))));
+    return 0.9999999f + (t * (-0.16665833f + (t * 0.008251845f)));
 }
 
 /* f19_polynomial for clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) - ((((1.6671385 * (...)) + (1.66504411 * (...))) * (half_sine * half_sine)) + (((1.6671385 * (...)) - (1.66504411 * (...))) * turn_sine)) in -0.998417377 .. 0.998417377: t = x^2, x = clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) - ((((1.6671385 * (...)) + (1.66504411 * (...))) * (half_sine * half_sine)) + (((1.6671385 * (...)) - (1.66504411 * (...))) * turn_sine));
- * relative error at most 1.4e-07. */
+ * relative error at most 3.8e-07. */
 static inline float f19_polynomial(float t)
 {
-    return 1.0f + (t * (-0.49999997f + (t * (0.041666426f + (t * (-0.0013882434f + (t * 2.4094079e-05f)))))));
+    return 0.99999976f + (t * (-0.49999303f + (t * (0.041633904f + (t * -0.0013384853f)))));
 }
 
 /* f20_polynomial for clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) - ((((1.6671385 * (...)) + (1.66504411 * (...))) * (half_sine * half_sine)) + (((1.6671385 * (...)) - (1.66504411 * (...))) * turn_sine)) in -0.998417377 .. 0.998417377: f20_polynomial / x, t = x^2, x = clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) - ((((1.6671385 * (...)) + (1.66504411 * (...))) * (half_sine * half_sine)) + (((1.6671385 * (...)) - (1.66504411 * (...))) * turn_sine));
@@ -924,7 +924,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         t552 = t544;
         t553 = 0.5f * t543;
         t554 = 0.5f * t544;
-        t555 = 0.5f * t542;
+        t555 = 0.1f * t542;
     }
     const float t556 = t550 * t550;
     const float turn_sine_5 = t550 * turn_sine_polynomial(t556);
@@ -992,34 +992,36 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const bool damped = 15.115238f < t581;
     const bool t582 = converged && !(damped || t548 || t508);
     const bool t583 = t582 && (((t39 ? 1.0f : 0.0f) + (t55 ? 1.0f : 0.0f) + (t71 ? 1.0f : 0.0f)) < 1.0f) && (t581 <= 1.612292f) && t549;
-    const bool t584 = (fabsf(yaw) <= 0.17453292f) && (fabsf(t562) <= 8.0f) && (fabsf(t572) <= 8.0f);
-    const bool t585 = (t583 && t584) || ((estimator_certain != 0u) && !damped);
+    const bool t584 = (1.0f != 0.0f) && (fabsf(t562) <= 8.0f) && (fabsf(t572) <= 8.0f);
+    const float t585 = fabsf(yaw);
+    const bool t586 = t584 && (t585 <= 0.17453292f);
+    const bool t587 = (t583 && t586) || ((estimator_certain != 0u) && !damped);
     const uint32_t estimator_restarted = state->estimator_restarted;
-    const bool valid = t582 && t585 && !(estimator_restarted != 0u) && t584;
+    const bool valid = t582 && t587 && !(estimator_restarted != 0u) && t586;
     out->restarted = (float)estimator_restarted;
-    const bool t586 = 4u <= estimator_astray;
-    const bool t587 = t548 && t586;
-    const bool t588 = !t548;
-    if (t587) {
+    const bool t588 = 4u <= estimator_astray;
+    const bool t589 = t548 && t588;
+    const bool t590 = !t548;
+    if (t589) {
         const float estimator_start_x = state->estimator_start_x;
-        const float t589 = estimator_start_x + -1.5401491f;
-        if (t589 < -3.1415927f) {
-            const float t590 = t589 + 6.2831855f;
-            state->estimator_phase_x = t590;
-            state->estimator_start_x = t590;
-        } else {
-            state->estimator_phase_x = t589;
-            state->estimator_start_x = t589;
-        }
-        const float estimator_start_y = state->estimator_start_y;
-        const float t591 = estimator_start_y + -2.702773f;
+        const float t591 = estimator_start_x + -1.5401491f;
         if (t591 < -3.1415927f) {
             const float t592 = t591 + 6.2831855f;
-            state->estimator_phase_y = t592;
-            state->estimator_start_y = t592;
+            state->estimator_phase_x = t592;
+            state->estimator_start_x = t592;
         } else {
-            state->estimator_phase_y = t591;
-            state->estimator_start_y = t591;
+            state->estimator_phase_x = t591;
+            state->estimator_start_x = t591;
+        }
+        const float estimator_start_y = state->estimator_start_y;
+        const float t593 = estimator_start_y + -2.702773f;
+        if (t593 < -3.1415927f) {
+            const float t594 = t593 + 6.2831855f;
+            state->estimator_phase_y = t594;
+            state->estimator_start_y = t594;
+        } else {
+            state->estimator_phase_y = t593;
+            state->estimator_start_y = t593;
         }
         state->estimator_yaw = estimator_yaw_known;
         state->estimator_searching = 1u;
@@ -1029,47 +1031,47 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         state->estimator_phase_x = t560;
         state->estimator_phase_y = t570;
         state->estimator_yaw = yaw;
-        if (converged && t588) {
+        if (converged && t590) {
             state->estimator_searching = 0u;
         }
-        state->estimator_certain = flag(t585);
-        const float t593 = t70 + t104;
-        const float t594 = t54 + t95;
-        const float t595 = t86 + t113;
-        const float t596 = max(t593, t594);
-        const float t597 = min(t593, t594) + min(t595, t596);
-        const bool t598 = (estimator_certain != 0u) && (1u <= estimator_astray) && (t597 <= 0.076f) && ((25.0f * t597) <= max(t595, t596));
-        if (t548 && ((1.6e-05f * t506) < t504) && t598) {
-            state->estimator_without = (uint32_t)((t596 < t595) ? 3.0f : ((t594 < t593) ? 2.0f : 1.0f));
+        state->estimator_certain = flag(t587);
+        const float t595 = t70 + t104;
+        const float t596 = t54 + t95;
+        const float t597 = t86 + t113;
+        const float t598 = max(t595, t596);
+        const float t599 = min(t595, t596) + min(t597, t598);
+        const bool t600 = (estimator_certain != 0u) && (1u <= estimator_astray) && (t599 <= 0.076f) && ((25.0f * t599) <= max(t597, t598));
+        if (t548 && ((1.6e-05f * t506) < t504) && t600) {
+            state->estimator_without = (uint32_t)((t598 < t597) ? 3.0f : ((t596 < t595) ? 2.0f : 1.0f));
         }
     }
-    if (t585 && t588) {
+    if (t587 && t590) {
         state->estimator_yaw_known = yaw;
     }
     const float estimator_pitch_x_next = limit(t562, 8.0f);
     state->estimator_pitch_x = estimator_pitch_x_next;
     const float estimator_pitch_y_next = limit(t572, 8.0f);
     state->estimator_pitch_y = estimator_pitch_y_next;
-    float t599 = 0.0f;
-    float t600 = 0.0f;
     float t601 = 0.0f;
+    float t602 = 0.0f;
+    float t603 = 0.0f;
     if (!(estimator_searching != 0u)) {
-        t599 = estimator_motion_x + t553;
-        t600 = estimator_motion_y + t554;
-        t601 = estimator_motion_yaw + t555;
+        t601 = estimator_motion_x + t553;
+        t602 = estimator_motion_y + t554;
+        t603 = estimator_motion_yaw + t555;
     }
-    const float estimator_motion_x_next = limit(t599, 0.5f);
+    const float estimator_motion_x_next = limit(t601, 0.5f);
     state->estimator_motion_x = estimator_motion_x_next;
-    const float estimator_motion_y_next = limit(t600, 0.5f);
+    const float estimator_motion_y_next = limit(t602, 0.5f);
     state->estimator_motion_y = estimator_motion_y_next;
-    const float estimator_motion_yaw_next = limit(t601, 0.14022085f);
+    const float estimator_motion_yaw_next = limit(t603, 0.14022085f);
     state->estimator_motion_yaw = estimator_motion_yaw_next;
-    const uint32_t estimator_astray_next = (t548) ? ((t586) ? 0u : (estimator_astray + 1u)) : 0u;
+    const uint32_t estimator_astray_next = (t548) ? ((t588) ? 0u : (estimator_astray + 1u)) : 0u;
     state->estimator_astray = estimator_astray_next;
     const uint32_t estimator_placed = state->estimator_placed;
-    const bool estimator_placed_next = t585 || (estimator_placed != 0u);
+    const bool estimator_placed_next = t587 || (estimator_placed != 0u);
     state->estimator_placed = flag(estimator_placed_next);
-    const bool estimator_restarted_next = (estimator_restarted != 0u) || ((estimator_placed != 0u) && (t587 || !t584));
+    const bool estimator_restarted_next = (estimator_restarted != 0u) || ((estimator_placed != 0u) && (t589 || !t584 || (((t587) ? 0.17453292f : 0.34906584f) < t585)));
     state->estimator_restarted = flag(estimator_restarted_next);
     out->X = X;
     out->Y = Y;

@@ -23,7 +23,7 @@ def test_three_sensors_find_every_place_within_forty_samples() -> None:
 
 
 def test_two_sensors_are_certain_at_rest_in_a_part_of_the_pitch_and_on_the_way_nearly_anywhere() -> None:
-    pose = cold_start.grid(TWO, 16, YAWS)
+    pose = cold_start.grid(TWO, 16, YAWS / 2)
     rest, moving = cold_start.run(TWO, pose, 60), cold_start.run(TWO, pose, 400, speed=0.05)
     assert rest.found.mean() > 0.9 and 0.2 < rest.valid < 0.35 and rest.wrong == 0
     assert moving.valid > 0.9 and moving.wrong == 0

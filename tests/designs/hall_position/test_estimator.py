@@ -61,7 +61,10 @@ def test_a_sample_finds_a_body_that_has_moved(array: Array) -> None:
     """By up to a sixteenth of a pitch and 2 degrees, in one sample; of two sensors one in fifty finds another place."""
     start, rng = places(2000, 1, 0.2), np.random.default_rng(1)
     X, Y, yaw = (rng.uniform(-d, d, 2000) for d in (L / 16, L / 16, 0.035))
-    pose, tuning = Pose(start.X + X, start.Y + Y, start.yaw + yaw), Tuning(damping=1e-8, surprise=1e9, yaw=np.pi)
+    pose, tuning = (
+        Pose(start.X + X, start.Y + Y, start.yaw + yaw),
+        Tuning(damping=1e-8, surprise=1e9, yaw=np.pi, turn=np.pi),
+    )
     state = records(array, known(array, start), tuning)
     found = compiled(array, tuning).batch(state, given(array, volts(array, pose))).outputs
     sure = found["valid"] > 0
