@@ -129,7 +129,7 @@ def motion(
     along = [_sines(bodies, part * within.speed, gentle * within.acceleration / sqrt(2), rng) for _ in "xy"]
     yaw = rng.uniform(-within.yaw, within.yaw, bodies)
     swing = (within.yaw - np.abs(yaw)) * rng.random(bodies)
-    rate, phase = 2 * pi * np.exp(rng.uniform(*np.log(SWINGS), bodies)), rng.uniform(0, 2 * pi, bodies)
+    rate, phase = 2 * pi * np.exp(rng.uniform(log(SWINGS[0]), log(SWINGS[1]), bodies)), rng.uniform(0, 2 * pi, bodies)
     return lambda t: Pose(middle[0] + along[0](t), middle[1] + along[1](t), yaw + swing * np.sin(rate * t + phase))
 
 

@@ -48,8 +48,8 @@ LOOSE = 1e4  # m: 1e-3 is never exceeded, but intervals do not see what is equal
 APART = 4.0  # deviations, rms, of voltages that do not fit each other
 LEAST = 1e-30  # V^2, in a root: squares are not below 0, which is not seen of products that may not be rounded
 USUAL = Tuning()
-# Relative, of polynomials: a sine that is wrong by 4e-7 is a position that is wrong by 4 nm.
-SURROGATE_ERROR: dict[type[np.floating], float] = {np.float32: 4e-7, np.float64: 1e-15}
+# Relative, of polynomials: a sine that is wrong by 3e-7 is a position that is wrong by 3 nm.
+SURROGATE_ERROR: dict[type[np.floating], float] = {np.float32: 3e-7, np.float64: 1e-15}
 COMPLETE = Signal("complete", "1", 0, 1, "every measurement is good")
 FLAGS = (
     Signal("converged", "1", 0, 1, "the last correction is small, and none has raised the cost"),

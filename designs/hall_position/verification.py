@@ -37,6 +37,9 @@ SEVERE, SEVERE_SHARE = 1e3, 0.02  # of steps drawn at the edges half of these co
 HANGS = 1e-9  # of alpha
 TIMES = 16  # condition numbers times epsilon; a fit has a hundred operations, and 6 are seen
 SINGLE = 1e-6  # m
+# Of a yaw, rad, which half a pitch away moves as far; of residuals, V, a fifth of the noise; of a deviation, of itself.
+SINGLE_YAW, SINGLE_RESIDUAL, SINGLE_DEVIATION = 4e-5, 2e-4, 2e-3
+RELATIVE = 1e-10  # of deviations in double precision, which are micrometres
 STEP, NARROW = 2.0**-23, 2e-3  # of single precision; share of steps of which a cost is that near its bound
 OTHERWISE = 0.01  # share of the steps of motions that decide otherwise in single precision
 VALID_OTHERWISE = 2e-3
@@ -169,6 +172,7 @@ def exact(of: Subject, given: Steps, first: tuple[str, Stepped], c64: Stepped) -
     return [a], [
         Check(name, a.worst, EXACT, f"max({FLOOR:g}, |y|)", about),
         Check(f"{name}, next states", a.state_worst, EXACT, "of range", a.state),
+        Check(f"{name}, deviations", _relative(*(stepped for _, stepped in pair)), RELATIVE, "of itself"),
         Check(f"{name}, where magnified", off, TIMES, "condition number times epsilon"),
         Check(f"{name}, fault words unlike", unlike, 0, "1"),
     ]
@@ -208,7 +212,12 @@ def in_single(of: Subject, by: Witnesses, given: Steps) -> Compared:
     a = agree.compare(given.what, *pair, FLOOR, of.block, np.float32)
     off = np.maximum(_gap(double, single, "X"), _gap(double, single, "Y"))
     what = f"{given.what}: X and Y, single less double"
+    yaw, residual = (float(_gap(double, single, name)[chosen].max(initial=0.0)) for name in ("yaw", "residual"))
+    deviation = _relative(_part(double, chosen), _part(single, chosen))
     checks = [
+        Check(f"{given.what}: yaw, single less double", yaw, SINGLE_YAW, "rad"),
+        Check(f"{given.what}: residual, single less double", residual, SINGLE_RESIDUAL, "V"),
+        Check(f"{given.what}: deviations, single less double", deviation, SINGLE_DEVIATION, "of itself"),
         Check(f"{given.what}: decisions otherwise in single", float(np.mean(~alike)), OTHERWISE, "1"),
         Check(f"{given.what}: not converged, costs apart by rounding in single", float(np.mean(narrow)), NARROW, "1"),
     ]
@@ -217,6 +226,15 @@ def in_single(of: Subject, by: Witnesses, given: Steps) -> Compared:
         about = f"{np.count_nonzero(chosen & steps)} of {len(chosen)} steps, errors magnified up to {SEVERE:g} times"
         checks.append(Check(f"{what}, where {where}", worst, SINGLE, "m", about))
     return [a], checks
+
+
+def _relative(first: Stepped, second: Stepped) -> float:
+    """Return by how much of itself a standard deviation differs, at most."""
+    return max(
+        float((_gap(first, second, name) / np.abs(np.asarray(values, dtype=np.float64))).max(initial=0.0))
+        for name, values in first.outputs.items()
+        if name.startswith("deviation")
+    )
 
 
 def _gap(first: Stepped, second: Stepped, name: str) -> Numbers:

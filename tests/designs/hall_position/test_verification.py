@@ -145,6 +145,39 @@ def test_single_precision_that_is_wrong_is_told() -> None:
     assert any(name.endswith("where converged") for name in names)
 
 
+@pytest.mark.parametrize(
+    ("output", "factor", "more"),
+    [("yaw", 1.0, 1e-4), ("residual", 1.0, 1e-3), ("deviation_X", 1.01, 0.0), ("deviation_yaw", 0.9, 0.0)],
+)
+def test_another_output_that_is_wrong_in_single_is_told(
+    output: str, factor: float, more: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    emitted, by = agree.emitted, sound()
+
+    def spoilt(controller: host.Controller) -> agree.Witness:
+        def step(states: Any, inputs: Any) -> Stepped:
+            found = emitted(controller)(states, inputs)
+            wrong = np.asarray(found.outputs[output], dtype=np.float64) * factor + more
+            return replace(found, outputs={**found.outputs, output: wrong})
+
+        return step if controller is by.c32 else emitted(controller)
+
+    monkeypatch.setattr(agree, "emitted", spoilt)
+    (name,) = failed(verification.in_single(subject(), by, drawn("motions")))
+    assert output.split("_")[0] in name
+
+
+def test_a_deviation_that_is_wrong_in_double_is_told() -> None:
+    witness = sound().of["reference"]
+
+    def spoilt(states: Any, inputs: Any) -> Stepped:
+        found = witness(states, inputs)
+        return replace(found, outputs={**found.outputs, "deviation_Y": found.outputs["deviation_Y"] * (1 + 1e-9)})
+
+    (name,) = told(spoilt)
+    assert name.endswith("deviations")
+
+
 def test_decisions_of_single_precision_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     other = replace(sound(), c64=verification.compiled(replace(subject().block, faults=()), np.float64))
     names = failed(verification.in_single(subject(), other, drawn("motions")))
