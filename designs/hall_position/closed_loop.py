@@ -40,6 +40,7 @@ from designs.planar_6dof import interface, sensing, vertical
 from designs.planar_6dof.allocation import HORIZONTAL, PITCH
 from models import planar_stage
 from synth.block import Block, Exprs, State, Step, build, clip
+from synth.errors import ModelError
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -49,11 +50,11 @@ FOLLOW = 0.1  # of what a sample differs from the expected one
 FASTEST = {"x": 1.25e-3, "y": 1.25e-3, "phi": 6.25e-3}  # m, rad a sample: 1 m/s and 5 rad/s at 800 Hz
 OF = {"x": "X", "y": "Y", "phi": "yaw"}
 PLACES: tuple[Pair, ...] = tuple((x * PITCH, y * PITCH) for x, y in layout_search.LAYOUTS[5])
-ANY = 4  # in place of the number of the sensor that failed
+SENSORS = 3
+ANY = SENSORS + 1  # in place of the number of the sensor that failed
 BEGINS = {"x": PITCH / 2, "y": PITCH / 2, "phi": sensing.YAW}  # m, rad
 KNOWN = Signal("known", "1", 0, 1, "an estimate before this one was valid")
 PITCHES = 4  # that are added before a number is cut off, and taken off again: more than RAW reaches
-# Relative, of polynomials: a sine of the estimator that is wrong by 2e-7 is a position that is wrong by 2 nm.
 SURROGATE_ERROR: dict[type[np.floating], float] = estimator.SURROGATE_ERROR
 # Of a field that a calibration has shown: its misfit is what the voltages are wrong by, and a motion that changes by
 # 0.9 m/s within a sample is none.
@@ -62,11 +63,20 @@ TUNING = Tuning(residual=0.2, surprise=0.3)
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """Where the position comes from: three sensors, how they are estimated from, and the map of what that errs by."""
+    """Where the position comes from: three sensors, how they are estimated from, and the map of what that errs by.
+
+    Raises ModelError for another number of sensors.
+    """
 
     array: Array
     tuning: Tuning = TUNING
     map: ErrorMap | None = None
+
+    def __post_init__(self) -> None:
+        if len(self.array.positions) != SENSORS:
+            raise ModelError(
+                f"the array has {len(self.array.positions)} sensors: the stage reads {SENSORS}, give so many"
+            )
 
 
 def stage_places(plant: Plant) -> tuple[Pair, ...]:
@@ -76,7 +86,12 @@ def stage_places(plant: Plant) -> tuple[Pair, ...]:
 
 
 def controller(name: str, plant: Plant, time: Discrete, law: Sequence[Block], source: Source) -> Block:
-    """Return the whole planar controller on this source, `law` being its Blocks from positions to computed currents."""
+    """Return the whole planar controller on this source, `law` being its Blocks from positions to computed currents.
+
+    Raises ModelError for what is no Source.
+    """
+    if not isinstance(source, Source):
+        raise ModelError(f"source is {source!r}: give a closed_loop.Source, or none for the Hall sections")
     driven = [_gated(_from_known(block), time) for block in law]
     return interface.controller(name, plant, time, sensed(source, time), [b for group in driven for b in group])
 

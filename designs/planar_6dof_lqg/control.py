@@ -269,7 +269,7 @@ def controller(
 
     Positions come from the sections of `sensing`, or with a `source` from the estimate of ``hall_position``.
     """
-    if source:
+    if source is not None:
         return closed_loop.controller(NAME, plant, TIME, law(plant, order, reading), source)
     sensed = [sensing.sensing(plant, TIME, predicted=False)]
     return interface.controller(NAME, plant, TIME, sensed, law(plant, order, reading))

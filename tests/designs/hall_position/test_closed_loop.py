@@ -1,15 +1,17 @@
 """What stands between the estimate and the regulators: held, predicted, counted, and passed on only when valid."""
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
 
-from designs.hall_position import closed_loop
+from designs.hall_position import closed_loop, shipped
 from designs.planar_6dof import allocation, sensing
 from designs.planar_6dof_lqg import control
 from models import planar_stage
 from synth.emit import write
+from synth.errors import ModelError
 from synth.execute import host
 from synth.signals import names
 
@@ -131,3 +133,14 @@ def test_the_planar_controllers_law_is_taken_as_it_is_but_for_what_makes_it_read
     gated = [g for b in changed for g in closed_loop._gated(b, TIME)]
     assert [g.name for g in gated][-1] == "known_gate"
     assert names(gated[-1].outputs) == names(allocation.COMPUTED)
+
+
+@pytest.mark.parametrize("given", ["hall", 42])
+def test_what_is_no_source_is_refused(given: Any) -> None:
+    with pytest.raises(ModelError, match="give a closed_loop"):
+        control.controller(planar_stage.plant(), source=given)
+
+
+def test_a_source_takes_three_sensors() -> None:
+    with pytest.raises(ModelError, match="2 sensors: the stage reads 3"):
+        closed_loop.Source(shipped.array())
