@@ -28,8 +28,9 @@ def section(of: Mapping[str, Kind]) -> page.Section:
         "were valid further than ten deviations off, which nothing tells.\n\n"
         "What is not flagged: a voltage that is dead where it is 0 anyhow, one that is stuck while the body rests or "
         "hardly moves, and small changes that agree with a place near by. Of three sensors one that is dead, saturated "
-        "or no number is left out, and the other two carry on where two tell the place; one that is stuck is seldom "
-        "told from the motion, and the estimate goes astray before its residual does."
+        "or no number is left out, and the other two carry on: valid until they lose rank, and from then on not, until "
+        "the third is back. Four, placed so that any three tell the place, stay valid when one is lost. One that is "
+        "stuck or weak is seldom told from the motion, and the estimate goes astray before its residual does."
     )
     tables = tuple(_table(NAMES[name], kind) for name, kind in of.items())
     maps = tuple(_unseen(name, kind) for name, kind in of.items())

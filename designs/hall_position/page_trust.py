@@ -11,7 +11,7 @@ from synth.report import figures, page
 
 NAMES = {shipped.NAME: "two sensors", shipped.THREE: "three sensors"}
 POINTS, BODIES, SAMPLES = 24, 4000, 60  # places along a pitch of the reach, starts drawn, samples of each
-YAW = np.radians(3)  # of bodies in these, to either side
+YAW = np.radians(2)  # of bodies in these, to either side
 STARTS, WAIT, DRIFT = 14, 400, 0.02  # places along a pitch of cold starts, samples, m/s of those that move
 MOVING, LONG = 400, 250  # bodies in motion without end, and their samples
 
@@ -61,7 +61,7 @@ def cold_starts(of: Mapping[str, Kind]) -> page.Section:
     """Return how long it takes from `init` to a valid estimate."""
     text = page.Text(
         f"After init the place is not known: the search begins at one point after another of a sequence that fills the "
-        f"pitch. Bodies are on {STARTS} × {STARTS} places of the pitch at yaws of −3°, 0 and 3°, at rest and moving at "
+        f"pitch. Bodies are on {STARTS} × {STARTS} places of the pitch at yaws of −2°, 0 and 2°, at rest and moving at "
         f"{1e3 * DRIFT:g} mm/s. Three sensors tell all places apart; two are certain of theirs in a part of the pitch "
         "only, where a body that moves comes to: elsewhere they read the same at another place, within their noise in "
         "some per cent of the pitch and within the bound of residuals in more, or lose rank. An estimate that is not "

@@ -1,5 +1,6 @@
 """A sensor fails: what is flagged and when, what goes on, and what nobody can see."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -46,6 +47,18 @@ def test_of_four_sensors_any_one_may_be_lost(failure: str, sensor: int) -> None:
         assert found.flagged == 1 and found.lost == 0 and found.valid > 0.99
         assert 0.9 < found.error < 1.1 and found.away < 0.005 and found.worst < 1.5e-4
         assert found.named == (failure != "no number")
+
+
+@pytest.mark.parametrize(("failure", "lost"), [("no number", 0.0), ("dead", 0.015)])
+@pytest.mark.parametrize("sensor", [1, 2, 3, 4])
+def test_so_they_may_at_the_limits_of_motion(
+    failure: str, lost: float, sensor: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """For a quarter of a second after it, pitches counted as far as that leads."""
+    monkeypatch.setattr(failures, "AFTER", 200)
+    far = replace(FOUR, tuning=replace(FOUR.tuning, pitches=endurance.FAR))
+    found = failures.tried(far, failure, sensor, 200, endurance.limits(far), sensor)
+    assert found.lost <= lost and found.valid >= 1 - lost and found.away == 0 and found.worst < 5e-5
 
 
 @pytest.mark.parametrize("failure", ["dead", "saturated"])
