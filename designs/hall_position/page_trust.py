@@ -28,9 +28,9 @@ def convergence(of: Mapping[str, Kind]) -> page.Section:
         "corrections lead to the truth, or elsewhere: to another minimum, where residuals are large, or to a place "
         "with the same voltages. The yaw is held to the expected one, so that it is corrected over samples. Later it "
         "has searched. What is found elsewhere must not be valid.\n\n"
-        f"The yaw that a start takes for known is declared to be right to {np.degrees(shipped.TUNING.turn):.3g}°. "
-        "Starts here are turned by up to twice that: from further than declared, two sensors may find another place "
-        "whose voltages are the same, which nothing tells; the last table counts it."
+        f"Two sensors tell places apart within {np.degrees(shipped.TUNING.turn):.3g}° of the last certain yaw, so that "
+        "nothing is valid at more than half of it. Starts here are turned by more; the last table counts what was "
+        "valid elsewhere."
     )
     reach = {name: basin.over_pitch(kind, POINTS) for name, kind in of.items()}
     maps = [Map(NAMES[n], 1e3 * r.reach) for n, r in reach.items()]
