@@ -22,8 +22,8 @@ def section(of: Mapping[str, Kind]) -> page.Section:
     text = page.Text(
         "Both voltages of a sensor dead, or a tenth weak; one of them dead, saturated, no number, or stuck; at rest "
         "and in motion at a tenth of the speed and the acceleration that a body may have; each sensor in turn, with "
-        "noise, by model (2). A failure is flagged by a sample that is not valid, a sensor that is left out, or a fault "
-        "bit; two sensors are not valid in places anyhow, as the rows without a failure show. 'late' counts "
+        "noise, by model (2). A failure is flagged by a sample that is not valid, a sensor that is left out, or a "
+        "fault bit; two sensors are not valid in places anyhow, as the rows without a failure show. 'late' counts "
         f"samples from a residual beyond its bound to the flag, of {failures.SOON} allowed; 'away' are bodies that "
         "were valid further than ten deviations off, which nothing tells.\n\n"
         "What is not flagged: a voltage that is dead where it is 0 anyhow, one that is stuck while the body rests or "
