@@ -38,7 +38,7 @@ HANGS = 1e-9  # of alpha
 TIMES = 16  # condition numbers times epsilon; a fit has a hundred operations, and 6 are seen
 SINGLE = 1e-6  # m
 # Of a yaw, rad, which half a pitch away moves as far; of residuals, V, a fifth of the noise; of a deviation, of itself.
-SINGLE_YAW, SINGLE_RESIDUAL, SINGLE_DEVIATION = 4e-5, 2e-4, 2e-3
+SINGLE_YAW, SINGLE_RESIDUAL, SINGLE_DEVIATION = 4e-5, 2e-4, 5e-3
 RELATIVE = 1e-10  # of deviations in double precision, which are micrometres
 STEP, NARROW = 2.0**-23, 2e-3  # of single precision; share of steps of which a cost is that near its bound
 OTHERWISE = 0.01  # share of the steps of motions that decide otherwise in single precision
