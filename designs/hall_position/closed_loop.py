@@ -63,20 +63,11 @@ TUNING = Tuning(residual=0.2, surprise=0.3)
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """Where the position comes from: three sensors, how they are estimated from, and the map of what that errs by.
-
-    Raises ModelError for another number of sensors.
-    """
+    """Where the position comes from: sensors, how they are estimated from, and the map of what that errs by."""
 
     array: Array
     tuning: Tuning = TUNING
     map: ErrorMap | None = None
-
-    def __post_init__(self) -> None:
-        if len(self.array.positions) != SENSORS:
-            raise ModelError(
-                f"the array has {len(self.array.positions)} sensors: the stage reads {SENSORS}, give so many"
-            )
 
 
 def stage_places(plant: Plant) -> tuple[Pair, ...]:
@@ -88,10 +79,14 @@ def stage_places(plant: Plant) -> tuple[Pair, ...]:
 def controller(name: str, plant: Plant, time: Discrete, law: Sequence[Block], source: Source) -> Block:
     """Return the whole planar controller on this source, `law` being its Blocks from positions to computed currents.
 
-    Raises ModelError for what is no Source.
+    Raises ModelError for what is no Source, or not of three sensors.
     """
     if not isinstance(source, Source):
         raise ModelError(f"source is {source!r}: give a closed_loop.Source, or none for the Hall sections")
+    if len(source.array.positions) != SENSORS:
+        raise ModelError(
+            f"the source has {len(source.array.positions)} sensors: the stage reads {SENSORS}, give so many"
+        )
     driven = [_gated(_from_known(block), time) for block in law]
     return interface.controller(name, plant, time, sensed(source, time), [b for group in driven for b in group])
 

@@ -143,4 +143,4 @@ def test_what_is_no_source_is_refused(given: Any) -> None:
 
 def test_a_source_takes_three_sensors() -> None:
     with pytest.raises(ModelError, match="2 sensors: the stage reads 3"):
-        closed_loop.Source(shipped.array())
+        control.controller(planar_stage.plant(), source=closed_loop.Source(shipped.array()))
