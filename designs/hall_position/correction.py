@@ -9,7 +9,8 @@ long as V - R(yaw)' B, which is what the sensor reads less what it should. In th
     Y:  [0, g_Y, h_Y],  g_Y = B_Y'(P_Y),  h_Y = g_Y o_X - B_X      in rad of phase, B' by the phase
 
 so that U and V are eliminated one by one. With N_X = lambda + sum g_X^2 what is left for the yaw is, by Lagrange's
-identity, a sum of squares: no difference of large numbers, and never less than lambda radius^2:
+identity, a sum of squares: no difference of large numbers, and never less than lambda radius^2, the radius being the
+sensors' mean arm times how much more firmly the yaw is held:
 
     N_T = lambda radius^2 + sum over X, Y of [sum over pairs (g_i h_j - g_j h_i)^2 + lambda sum h^2] / N
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from designs.hall_position import bench, random_steps, shipped
+from designs.hall_position import bench, costs, random_steps, shipped
 from synth.emit.write import Emitted
 from synth.errors import DesignError
 from synth.execute import cross, host
@@ -33,7 +33,7 @@ SHIPPED = {b.name: b for b in meter.builds() if b.compiler == "gcc"}
 # has one, where only rounding comes beyond it. Without copies each decision of the text is there once.
 ONCE = Build("gcc, no copies", "gcc", ("-Os", "-fno-thread-jumps"))
 THIN = {shipped.NAME: 400, shipped.THREE: 250}  # steps of a sequence in which decisions are looked for
-COSTLY, EACH = ("random", "states anew", "random states and inputs", "rare among states anew"), 200  # with the worst
+EACH = 200  # steps of each sequence that is costly
 LATCH = 1 << safety.LATCH_BIT
 
 
@@ -103,7 +103,7 @@ def test_a_decision_that_nothing_takes_is_told() -> None:
 @GCC
 @pytest.mark.parametrize(("name", "build"), [(name, build) for name, some in CEILINGS.items() for build in some])
 def test_the_costliest_step_keeps_below_its_ceiling(name: str, build: str) -> None:
-    given = steps.joined("costly", [steps.thinned(subject(name).sequences[s], EACH) for s in COSTLY])
+    given = steps.joined("costly", [steps.thinned(subject(name).sequences[s], EACH) for s in costs.COSTLY])
     most = meter.run(rivals.emitted(subject(name).emitted), given, SHIPPED[build]).cost.instructions.max()
     ceiling = CEILINGS[name][build]
     assert 0.93 * ceiling < most <= ceiling

@@ -167,6 +167,13 @@ def test_another_output_that_is_wrong_in_single_is_told(
     assert output.split("_")[0] in name
 
 
+def test_costs_that_hang_by_more_than_rounding_are_too_many(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is left out of single precision is limited: a margin a thousand times as wide leaves out too much."""
+    monkeypatch.setattr(verification, "STEP", 1000 * verification.STEP)
+    (name,) = failed(verification.in_single(subject(), sound(), drawn("motions")))
+    assert name.endswith("costs apart by rounding in single")
+
+
 def test_a_deviation_that_is_wrong_in_double_is_told() -> None:
     witness = sound().of["reference"]
 
