@@ -6,6 +6,7 @@ it.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -207,10 +208,20 @@ def _companion(numerator: Any, denominator: Any) -> tuple[Array, Array, Array, f
             "than 0 and of no less degree than its numerator"
         )
     n = len(a) - 1
-    a, b = a / a[0], np.concatenate([np.zeros(len(a) - len(b)), b]) / a[0]
+    exact = [[Fraction(float(v)) for v in part] for part in (a, np.concatenate([np.zeros(len(a) - len(b)), b]))]
+    a, b = ([v / exact[0][0] for v in part] for part in exact)
     A = np.eye(n, k=-1)
-    A[:1] = -a[1:]
-    return A, np.eye(n, 1)[:, 0], b[1:] - b[0] * a[1:], float(b[0])
+    A[:1] = [-float(v) for v in a[1:]]
+    C = np.array([float(v - b[0] * u) for v, u in zip(b[1:], a[1:], strict=True)])
+    return A, np.eye(n, 1)[:, 0], C, float(b[0])
+
+
+def coefficients(system: System) -> tuple[Array, Array] | None:
+    """Return numerator and denominator of a scalar transfer function, highest powers first; None for another System."""
+    if not all(hasattr(system, name) for name in ("num", "den", "dt")):
+        return None
+    b, a = (v[0][0] if isinstance(v, list) else v for v in (system.num, system.den))
+    return two_dimensional("numerator", [b])[0], two_dimensional("denominator", [a])[0]
 
 
 def _from_scipy(system: Any) -> StateSpace:

@@ -13,26 +13,35 @@ delay margin is exact for whole samples (for others, close the loop on `loop.sam
 exact delay and hold (`transfer.delayed`). L is real at w = 0 and at pi/T or infinity, and a phase crossing may lie
 there. A continuous loop with |L| >= 1 at infinity bears no delay at all: its delay margin is 0.
 
-Between the nodes of `transfer.trace` each crossing and the peak are found by bracketing, and a pair of crossings inside
-one interval by the turn between them. Where |L| = 1 or L < 0 over a whole stretch (an all-pass, an undamped loop), the
-crossings told are the worst of the stretch.
+How the crossings are found. Up to EXACT_STATES states a loop is the ratio of two polynomials, exactly that of the
+numbers given, and `crossings` isolates every crossing; with a delay `delayed_crossings` encloses L between frequencies.
+Beyond, `traced_crossings` follows L on a refined grid in double precision. Each answer is then verified another way:
+the closed loop has as many unstable poles at 99 % of a margin, in log gain or in angle, as at the loop itself. What is
+not verified is refused, and so is what the rounding of the numbers given leaves open by more than DETERMINED.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.optimize import brentq, minimize_scalar
 
 from synth import show
-from synth.analyse import transfer
-from synth.analyse.transfer import Complex, Curve, Delayed, Loop, Response
-from synth.statespace import Array, StateSpace
+from synth.analyse import crossings, delayed_crossings, rational, traced_crossings, transfer
+from synth.analyse.crossings import Course, Crossing
+from synth.analyse.rational import Rational
+from synth.analyse.transfer import Complex, Delayed, Loop
+from synth.errors import ModelError
+from synth.statespace import StateSpace
+from synth.timing import Continuous
 
+__all__ = ["Complex", "GainCrossing", "Margins", "PhaseCrossing", "of_loop", "response"]
+
+EXACT_STATES = 60  # up to which a loop is taken as a ratio of polynomials: their cost grows with the fourth power
 NOTHING = 1e-12  # |L| below it, or above its inverse, is rounding error and no crossing is reported
-FLAT = 1e-10  # log |L| or sin(arg L) stays below it over neighbouring nodes only where it is 0 all along
-NEAR = 0.3  # neighbours differ by half of it at most: a turn farther from 0 does not reach it
+DETERMINED = 0.2  # of |L|: a margin that rounding of the numbers given leaves open by more is refused
+FAR = 1e6  # a factor on the gain this far from 1 may be as uncertain as it likes
+TOLD = 1e-4  # an uncertainty beyond it is told
+INSIDE = 0.99  # of a margin: there the closed loop must have as many unstable poles as without it
 
 response = transfer.response
 
@@ -60,7 +69,8 @@ class Margins:
     """All crossings of a loop; Ms is at `peak_frequency` rad/s.
 
     `stable` is told from the poles of 1 + L, or their count where a delay leaves infinitely many; `direct` is |L| at
-    infinity, 0 for a sampled loop.
+    infinity, 0 for a sampled loop. `uncertainty` is the part of |L|, or of |1 + L|, that rounding of the numbers given
+    may change at the crossings which decide the margins.
     """
 
     stable: bool
@@ -69,6 +79,7 @@ class Margins:
     peak_sensitivity: float
     peak_frequency: float
     direct: float = 0.0
+    uncertainty: float = 0.0
 
     @property
     def modulus_margin(self) -> float:
@@ -102,6 +113,9 @@ class Margins:
         )
         if self.direct >= 1:
             lines = (*lines, f"Delay margin 0: |L| is {self.direct:.4g} at infinity, where any delay turns it onto -1.")
+        if self.uncertainty > TOLD:
+            opened = f"{100 * self.uncertainty:.2g} %"
+            lines = (*lines, f"Rounding of the numbers given leaves the margins uncertain by up to {opened}.")
         worst = (
             ("gain may rise by", show.number(self.gain_margin), "1"),
             ("gain may fall to", show.number(self.gain_reduction_margin), "1"),
@@ -134,120 +148,147 @@ def _both(frequency: float) -> str:
 def of_loop(loop: Loop, low: float | None = None, high: float | None = None) -> Margins:
     """Return the margins of a scalar loop between `low` and `high` rad/s, and where L is real at their far ends.
 
-    Left out, `low` lies below and `high` above all poles of the open and the closed loop; a sampled loop always goes up
-    to Nyquist. A delayed loop crosses L < 0 for ever: what is told goes on until |L| settles within 0.01, and for two
-    turns of the delay at least.
+    Left out, all frequencies count; a sampled loop always goes up to Nyquist. A delayed loop crosses L < 0 for ever:
+    its crossings are given as far as they are worse than what follows, and for two turns of the delay at least.
 
     Raises SignalError when the loop has another count of inputs or outputs than one, or for limits that are not
-    0 < low < high; ModelError when 1 + L has no inverse, or when rounding hides whether a delayed loop is stable.
+    0 < low < high; ModelError when 1 + L has no inverse, when rounding of the numbers given hides a margin or whether
+    the loop is stable, or when a margin fails its verification.
     """
+    transfer.check_limits(low, high)
     found = transfer.read(loop)
-    curve = transfer.trace(found, low, high)
-    L, ends = curve.L, dict(curve.ends)
-    unit = _unit(curve)
-    gains = [_gain_crossing(L, f) for f in unit]
-    at = {f: complex(L(f)[0]) for f in _real(curve, unit)}
-    real = {f: v.real for f, v in at.items() if abs(v.imag) <= 1e-6 * abs(v)}  # else a pole, where L.imag jumps
-    phases = [PhaseCrossing(f, -1 / v) for f, v in sorted((real | ends).items()) if NOTHING < -v < 1 / NOTHING]
-    direct = abs(ends.get(np.inf, 0.0))
-    return Margins(_stable(found, curve), tuple(gains), tuple(phases), *_peak(curve), direct)
+    model = found.model if isinstance(found, Delayed) else found
+    if len(model.states) > EXACT_STATES:
+        return _verified(_traced(found, low, high))
+    if isinstance(found, Delayed) and (found.delay_s or found.hold_s):
+        return _verified(_delayed(found, low, high))
+    loop = found.model if isinstance(found, Delayed) else loop
+    return _verified(_rational(rational.of_system(loop), low, high))
 
 
-def _unit(curve: Curve) -> list[float]:
-    """Return where |L| = 1; of a stretch the worst for the phase and for a delay."""
-    value, w = transfer.log(curve.value), curve.w
-    found = [] if len(w) < 3 else _roots(lambda v: transfer.log(curve.L(v)), w, value)
-    for run in _stretches(value):
-        above = np.angle(-curve.value[run])
-        found += [float(w[run][np.abs(above).argmin()]), float(w[run][(above % (2 * np.pi) / w[run]).argmin()])]
-    return sorted(set(found))
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """The course of a loop, with two ways to judge it.
+
+    `unstable` counts the closed loop's unstable poles when the loop is multiplied by a complex factor; `rounding` tells
+    what rounding of the numbers given may do at a frequency. `whole` says that no limit cut the course.
+    """
+
+    course: Course
+    stable: bool
+    whole: bool
+    unstable: Callable[[complex], float]
+    rounding: Callable[[float], rational.Rounding]
 
 
-def _real(curve: Curve, unit: list[float]) -> list[float]:
-    """Return where L is real; of a stretch where |L| is 1, as at each of `unit`, or nearest to it."""
-
-    def sine(v: Array | float) -> Array:
-        return _sine(curve.L(v))
-
-    value, w = _sine(curve.value), curve.w
-    found = _roots(sine, w, value)
-    for run in _stretches(value):
-        inside = [f for f in unit if w[run][0] <= f <= w[run][-1]]
-        found += inside or [float(w[run][np.abs(transfer.log(curve.value[run])).argmin()])]
-    return sorted(set(found))
-
-
-def _sine(value: Complex) -> Array:
-    return np.asarray(value.imag / np.maximum(np.abs(value), 1e-300))
+def _rational(loop: Rational, low: float | None, high: float | None) -> _Found:
+    continuous = isinstance(loop.time, Continuous)
+    if loop.model.D[0, 0] == -1:
+        raise ModelError(transfer.ILL_POSED)
+    bottom, top = low or 0.0, (high if continuous else None) or np.inf
+    course = crossings.of_rational(loop, bottom, top)
+    whole = bottom == 0 and np.isinf(top)
+    return _Found(
+        course,
+        rational.is_stable(loop),
+        whole,
+        lambda factor: rational.unstable(loop, factor),
+        lambda w: rational.rounding(loop, w),
+    )
 
 
-def _stretches(value: Array) -> list[slice]:
-    """Return the runs of three or more nodes on which `value` is 0 but for rounding."""
-    flat = np.concatenate([[False], np.abs(value) < FLAT, [False]])
-    edges = np.flatnonzero(np.diff(flat.astype(int)))
-    return [slice(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a >= 3]
+def _delayed(loop: Delayed, low: float | None, high: float | None) -> _Found:
+    course, part = delayed_crossings.of_delayed(loop, low, high), rational.of_system(loop.model)
+    curve = transfer.trace(loop, low, high)
+    whole = low is None and high is None
+    return _Found(
+        course,
+        transfer.count_unstable(loop, curve) == 0,
+        whole,
+        lambda factor: transfer.count_unstable(loop, curve, factor),
+        lambda w: rational.rounding(part, w),
+    )
 
 
-def _roots(f: Callable[[float], NDArray[np.float64]], w: Array, value: Array) -> list[float]:
-    """Return where f is zero, from its `value` on w, but for stretches of zeros."""
-    w, value = _with_turns(f, w, value)
-    signs = np.sign(value)
-    for run in _stretches(value):
-        signs[run] = np.nan
-    found = [float(v) for v in w[signs == 0]]
-    for k in np.flatnonzero(signs[:-1] * signs[1:] < 0):
-        found.append(float(brentq(lambda v: float(np.ravel(f(v))[0]), w[k], w[k + 1], xtol=1e-12 * w[k], rtol=1e-13)))
-    return sorted(found)
+def _traced(loop: StateSpace | Delayed, low: float | None, high: float | None) -> _Found:
+    curve = transfer.trace(loop, low, high)
+    model = loop.model if isinstance(loop, Delayed) else loop
+
+    def unstable(factor: complex) -> float:
+        if isinstance(loop, Delayed):
+            return transfer.count_unstable(loop, curve, factor)
+        return transfer.not_decaying(transfer.closed_poles(loop, factor), loop.time)
+
+    return _Found(
+        traced_crossings.of_curve(curve),
+        unstable(1.0) == 0,
+        low is None and (high is None or not isinstance(model.time, Continuous)),
+        unstable,
+        lambda w: rational.rounding_of_matrices(model, w),
+    )
 
 
-def _with_turns(f: Callable[[float], NDArray[np.float64]], w: Array, value: Array) -> tuple[Array, Array]:
-    """Return the nodes and, where f turns between them beyond 0 and back, the point of the turn."""
-    size, sign = np.abs(value), np.sign(value)
-    turns = (size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:]) & (size[1:-1] < NEAR)
-    turns &= size[1:-1] < 4 * (np.maximum(size[:-2], size[2:]) - size[1:-1])  # a smooth turn goes down by less
-    turns &= w[2:] - w[:-2] > 16 * transfer.NARROW * w[2:]
-    turns &= (sign[1:-1] == sign[:-2]) & (sign[1:-1] == sign[2:]) & (size[1:-1] > FLAT)
-    for k in np.flatnonzero(turns) + 1:
-        where, least = _least(_scaled(f, sign[k]), w[k - 1], w[k + 1])
-        if least < 0:
-            at = int(np.searchsorted(w, where))
-            w, value = np.insert(w, at, where), np.insert(value, at, sign[k] * least)
-            return _with_turns(f, w, value)
-    return w, value
+def _verified(found: _Found) -> Margins:
+    """Return the margins of a course; raise ModelError when they are not determined or not verified."""
+    course, direct = found.course, abs(found.course.ends.get(np.inf, 0.0))
+    gains = tuple(_gain_crossing(c) for c in course.unit)
+    ends = [Crossing(w, complex(v)) for w, v in course.ends.items() if v < 0]
+    negative = sorted((*course.negative, *ends), key=lambda c: c.frequency)
+    phases = tuple(PhaseCrossing(c.frequency, -1 / c.L.real) for c in negative if NOTHING < -c.L.real < 1 / NOTHING)
+    told = Margins(found.stable, gains, phases, course.peak, course.peak_frequency, direct)
+    uncertainty = max([0.0, *(_uncertainty(found, told, name, w) for name, w in _deciding(told))])
+    if found.whole:
+        _verify(found, told)
+    return replace(told, uncertainty=uncertainty)
 
 
-def _scaled(f: Callable[[float], NDArray[np.float64]], factor: float) -> Callable[[float], float]:
-    return lambda v: factor * float(np.ravel(f(v))[0])
+def _gain_crossing(crossing: Crossing) -> GainCrossing:
+    above = float(np.angle(-crossing.L))
+    return GainCrossing(crossing.frequency, float(np.degrees(above)), (above % (2 * np.pi)) / crossing.frequency)
 
 
-def _least(f: Callable[[float], float], a: float, b: float) -> tuple[float, float]:
-    """Return where f is least in a bracket, which may be far narrower than a, and its value."""
-    found = minimize_scalar(lambda t: f(a + (b - a) * t), bounds=(0, 1), method="bounded", options={"xatol": 1e-9})
-    return float(a + (b - a) * found.x), float(found.fun)
+def _deciding(told: Margins) -> Iterator[tuple[str, float]]:
+    """Yield the margins that a crossing or the peak decides, with its frequency."""
+    if told.gain_crossings:
+        yield "phase margin", min(told.gain_crossings, key=lambda c: abs(c.phase_margin)).frequency
+        yield "delay margin", min(told.gain_crossings, key=lambda c: c.delay_margin).frequency
+    for name, margin in (("gain margin", told.gain_margin), ("gain reduction margin", told.gain_reduction_margin)):
+        if 1 / FAR < margin < FAR:
+            yield name, next(c.frequency for c in told.phase_crossings if c.gain_margin == margin)
+    yield "modulus margin", told.peak_frequency
 
 
-def _gain_crossing(L: Response, frequency: float) -> GainCrossing:
-    above = float(np.angle(-L(frequency)[0]))
-    return GainCrossing(frequency, float(np.degrees(above)), (above % (2 * np.pi)) / frequency)
+def _uncertainty(found: _Found, told: Margins, name: str, frequency: float) -> float:
+    rounding = found.rounding(frequency)
+    size = rounding.of_closed if name == "modulus margin" else rounding.of_loop
+    if size > DETERMINED and (np.isfinite(told.peak_sensitivity) or name != "modulus margin"):
+        raise ModelError(
+            f"the {name}, decided at {frequency:.6g} rad/s, is not determined by the numbers given: their rounding to "
+            f"double alone may change {'1 + L' if name == 'modulus margin' else 'L'} there by {100 * size:.3g} %; give "
+            "the loop as a state-space model (loop.sampled), or sample it more slowly"
+        )
+    return size if np.isfinite(size) else 0.0
 
 
-def _peak(curve: Curve) -> tuple[float, float]:
-    """Return the largest 1/|1 + L| and its frequency."""
-    w, distance = curve.w, np.abs(1 + curve.value)
-    candidates = [(abs(1 + v), f) for f, v in curve.ends.items()] + [
-        (float(distance.min()), float(w[distance.argmin()]))
-    ]
-    falling = np.flatnonzero((distance[1:-1] <= distance[:-2]) & (distance[1:-1] <= distance[2:])) + 1
-    near = falling[distance[falling] < 1.2 * distance.min()]  # neighbours differ by less, and a flat S has many
-    for k in near[np.argsort(distance[near], kind="stable")[:20]]:
-        where, least = _least(lambda v: float(abs(1 + curve.L(v)[0])), w[k - 1], w[k + 1])
-        candidates.append((least, where))
-    least, where = min(candidates)
-    return (1 / least if least > 0 else np.inf), where
+def _verify(found: _Found, told: Margins) -> None:
+    """Raise ModelError when another count of closed-loop poles is unstable within a margin than without it."""
+    nominal = found.unstable(1.0)
+    if np.isinf(nominal):
+        return
+    for name, factor in _inside(told):
+        count = found.unstable(factor)
+        if count != nominal:
+            raise ModelError(
+                f"the {name} fails its verification: the closed loop has {nominal} unstable poles, but {count} when "
+                f"the loop is multiplied by {show.number(factor)}, within that margin; give the loop with fewer states "
+                f"(up to {EXACT_STATES} are treated exactly)"
+            )
 
 
-def _stable(loop: StateSpace | Delayed, curve: Curve) -> bool:
-    """Tell whether all closed-loop poles decay."""
-    if isinstance(loop, Delayed):
-        return transfer.count_unstable(loop, curve) == 0
-    return transfer.decay(transfer.closed_poles(loop), loop.time)
+def _inside(told: Margins) -> Iterator[tuple[str, complex]]:
+    """Yield factors on the loop just within its margins, or far out where there is none."""
+    yield "gain margin", told.gain_margin**INSIDE if np.isfinite(told.gain_margin) else FAR
+    yield "gain reduction margin", told.gain_reduction_margin**INSIDE or 1 / FAR
+    angle = np.radians(INSIDE * told.phase_margin) if told.gain_crossings else np.pi / 2
+    for sign in (1, -1):
+        yield "phase margin", complex(np.exp(sign * 1j * angle))

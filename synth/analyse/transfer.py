@@ -8,8 +8,8 @@ by the argument principle: with the poles p of the first factor and any a > 0,
 
     g(s) = (1 + L(s)) prod (s - p) / (s + a)
 
-has no pole at or right of the axis and is real at s = 0, so that it has -(turn of g from w = 0 to infinity) / pi zeros
-to the right. The poles are counted exactly, those on the axis and those that L does not show, too.
+has no pole at or right of the axis, so that it has -(turn of g along the axis, from below to above) / (2 pi) zeros to
+the right. The poles are counted exactly, those on the axis and those that L does not show, too.
 
 The grid is dense at the poles of L and of the closed loop and refined until neighbours differ little, in phase too,
 which turns at a zero.
@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from synth import show
+from synth.analyse import schur_response
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, StateSpace, System, of
 from synth.timing import Continuous, Discrete, Time
@@ -32,6 +33,8 @@ Response = Callable[[ArrayLike], Complex]
 
 NARROW = 1e-9  # of a frequency: nodes stand no closer, for nearer to an undamped pole L is rounding error
 QUIET = 1e-2  # a delayed loop is followed until |L| stays this near to its last value, and for two turns at least
+SMALL = 60  # states up to which each frequency is solved for by itself
+ILL_POSED = "the loop passes its input straight on with the factor -1: 1 + L has no inverse; delay it"
 TURNS = 1000  # of the delay over the whole grid: beyond, the loop is refused
 TOLD = 1e-8  # where |1 + L| is less, rounding error decides on which side of -1 the loop passes
 
@@ -101,36 +104,56 @@ def response(loop: Loop) -> Response:
     Raises SignalError when the loop is not scalar; w -> L raises ModelError at a pole that has nothing beside it, at 0.
     """
     found = read(loop)
-    model = found.model if isinstance(found, Delayed) else found
-    time = model.time
-
-    def points(w: Array) -> Complex:
-        return np.asarray(1j * w if isinstance(time, Continuous) else np.exp(1j * w * time.period_s))
+    moving = _moving(found.model if isinstance(found, Delayed) else found)
 
     def L(frequencies: ArrayLike) -> Complex:
         w = np.atleast_1d(np.asarray(frequencies, dtype=np.float64))
         late = _lateness(found, w) if isinstance(found, Delayed) else 1.0
-        try:
-            return late * model.response(points(w))[:, 0, 0]
-        except ModelError:
-            return late * model.response(points(w * (1 + 1e-14)))[:, 0, 0]
+        return np.asarray(late * moving(w))
 
     return L
 
 
-def closed_poles(model: StateSpace) -> Complex:
-    """Return the zeros of 1 + L, in 1/s or in z; raise ModelError where L passes its input straight on as -1."""
-    D = float(model.D[0, 0])
+def _moving(model: StateSpace) -> Response:
+    """Return w (k,) -> C (v I - A)^-1 B + D (k,), of a large model from one Schur form."""
+    time = model.time
+    if len(model.A) <= SMALL or (model.poles == -1).any():
+
+        def points(w: Array) -> Complex:
+            return np.asarray(1j * w if isinstance(time, Continuous) else np.exp(1j * w * time.period_s))
+
+        def direct(w: ArrayLike) -> Complex:
+            at = np.asarray(w)
+            try:
+                return model.response(points(at))[:, 0, 0]
+            except ModelError:
+                return model.response(points(at * (1 + 1e-14)))[:, 0, 0]
+
+        return direct
+    schur = schur_response.of(model)
+
+    def factored(w: ArrayLike) -> Complex:
+        at = np.asarray(w)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            value = schur.at(at if isinstance(time, Continuous) else np.tan(at * time.period_s / 2))[:, 0, 0]
+        return value if np.isfinite(value).all() else factored(np.where(np.isfinite(value), at, at * (1 + 1e-14)))
+
+    return factored
+
+
+def closed_poles(model: StateSpace, factor: complex = 1.0) -> Complex:
+    """Return the zeros of 1 + factor L, in 1/s or in z; raise ModelError where the input passes straight on as -1."""
+    D = factor * float(model.D[0, 0])
     if D == -1:
-        raise ModelError("the loop passes its input straight on with the factor -1: 1 + L has no inverse; delay it")
-    return np.linalg.eigvals(model.A - model.B @ model.C / (1 + D)).astype(np.complex128)
+        raise ModelError(ILL_POSED)
+    return np.linalg.eigvals(model.A - factor * model.B @ model.C / (1 + D)).astype(np.complex128)
 
 
-def decay(poles: Complex, time: Time) -> bool:
-    """Tell whether all poles decay, by more than the rounding error of the matrix that they belong to."""
+def not_decaying(poles: Complex, time: Time) -> int:
+    """Count the poles that do not decay by more than the rounding error of the matrix that they belong to."""
     if isinstance(time, Continuous):
-        return bool((poles.real < -1e-14 * np.abs(poles).max(initial=0.0)).all())
-    return bool((np.abs(poles) < 1 - 1e-14).all())
+        return int((poles.real >= -1e-14 * np.abs(poles).max(initial=0.0)).sum())
+    return int((np.abs(poles) >= 1 - 1e-14).sum())
 
 
 def trace(loop: StateSpace | Delayed, low: float | None = None, high: float | None = None) -> Curve:
@@ -148,56 +171,75 @@ def trace(loop: StateSpace | Delayed, low: float | None = None, high: float | No
     nodes = [np.zeros(0)]
     if turning:
         top = high or max(_settled(loop, start, top), 4 * np.pi / turning)
-        if top * turning > 2 * np.pi * TURNS:
-            raise ModelError(
-                f"the loop is delayed by {turning:g} s and must be followed up to {top:.3g} rad/s, more than {TURNS} "
-                f"turns: give `high` below {2 * np.pi * TURNS / turning:.3g} rad/s, or lower the loop's bandwidth"
-            )
+        check_turns(turning, top)
         nodes = [np.arange(start, top, 0.3 / turning)]
     if not 0 < start < top:
         raise SignalError(f"the frequencies go from {start:g} to {top:g} rad/s: give 0 < low < high, below Nyquist")
     w = _grid(np.concatenate([poles, closed]), start, top, nodes)
     w, value = _refined(L, w)
     w.flags.writeable = value.flags.writeable = False
-    return Curve(L, w, value, _ends(loop))
+    return Curve(L, w, value, ends(loop))
 
 
-def count_unstable(loop: Delayed, curve: Curve) -> float:
-    """Return how many closed-loop poles lie to the right of the imaginary axis, by the argument principle.
+def check_limits(low: float | None, high: float | None) -> None:
+    """Raise SignalError when limits in rad/s are not 0 < low < high."""
+    for name, v in (("low", low), ("high", high)):
+        if v is not None and (not isinstance(v, Real) or isinstance(v, bool) or not 0 < v < np.inf):
+            raise SignalError(f"`{name}` is {v!r}: give a finite frequency above 0 in rad/s, or leave it out")
+    if low is not None and high is not None and low >= high:
+        raise SignalError(f"the frequencies go from {low:g} to {high:g} rad/s: give 0 < low < high, below Nyquist")
+
+
+def check_turns(late: float, top: float) -> None:
+    """Raise ModelError when a delay in s turns a loop too often below `top` rad/s for it to be followed."""
+    if top * late > 2 * np.pi * TURNS:
+        raise ModelError(
+            f"the loop is delayed by {late:g} s and must be followed up to {top:.3g} rad/s, more than {TURNS} "
+            f"turns: give `high` below {2 * np.pi * TURNS / late:.3g} rad/s, or lower the loop's bandwidth"
+        )
+
+
+def count_unstable(loop: Delayed, curve: Curve, factor: complex = 1.0) -> float:
+    """Return how many poles of the loop closed on `factor` L lie to the right, by the argument principle.
 
     With a delay, |D| >= 1 and no hold, infinitely many lie there or come as near to the axis as one likes: inf.
 
     Raises ModelError where rounding hides the answer.
     """
-    if loop.delay_s and not loop.hold_s and abs(float(loop.model.D[0, 0])) >= 1:
+    if loop.delay_s and not loop.hold_s and abs(factor * float(loop.model.D[0, 0])) >= 1:
         return np.inf
-    least = int(np.abs(1 + curve.value).argmin())
-    if abs(1 + curve.value[least]) < TOLD:
+    halves = [_followed(loop.model, curve, k) for k in (factor, np.conj(factor))]
+    (_, first, _), (_, second, _) = halves
+    turn = sum(inside + after for inside, _, after in halves) + float(np.angle(np.exp(1j * (first + second))))
+    count = -turn / (2 * np.pi)
+    if abs(count - round(count)) > 0.1:
         raise ModelError(
-            f"|1 + L| is {abs(1 + curve.value[least]):.0e} at {curve.w[least]:.6g} rad/s: rounding hides whether the "
+            f"the delayed loop turns {-count:.3g} times around -1, no whole number: give a lower `low` and a higher "
+            "`high`"
+        )
+    return round(count)
+
+
+def _followed(model: StateSpace, curve: Curve, factor: complex) -> tuple[float, float, float]:
+    """Return the turn of g over the curve, its angle where the curve starts, and its turn from the end to infinity.
+
+    The half for w < 0 is the conjugate of that for the conjugate factor, and both meet at w = 0.
+    """
+    w, value = _refined(lambda v: factor * curve.L(v), curve.w)
+    least = int(np.abs(1 + value).argmin())
+    if abs(1 + value[least]) < TOLD:
+        raise ModelError(
+            f"|1 + L| is {abs(1 + value[least]):.0e} at {w[least]:.6g} rad/s: rounding hides whether the "
             "delayed loop is stable; change its gain or its delay a little"
         )
-    turn = _turn(loop.model, curve)
-    if abs(turn - round(turn)) > 0.1:
-        raise ModelError(
-            f"the delayed loop turns {turn:.3g} half times around -1, no whole number: give a lower `low` and a "
-            "higher `high`"
-        )
-    return -round(turn)
-
-
-def _turn(model: StateSpace, curve: Curve) -> float:
-    """Return the turn of g from w = 0 to infinity, over pi."""
-    s = 1j * curve.w
-    poles = model.poles
-    scale = float(np.exp(np.log(curve.w[[0, -1]]).mean()))
-    factors = [(s - p) / (s + (abs(p) if abs(p) > curve.w[0] else scale)) for p in poles]
-    g = (1 + curve.value) * np.prod([np.ones(len(s)), *factors], axis=0)
-    inside = np.diff(np.angle(g))
-    inside = float(((inside + np.pi) % (2 * np.pi) - np.pi).sum())
-    before = float(np.angle(g[0]) - np.pi * np.round(np.angle(g[0]) / np.pi))  # g is real at w = 0
-    after = -float(np.angle(1 + curve.value[-1]) + sum(np.angle(f[-1]) for f in factors))  # all tend to 1
-    return (before + inside + after) / np.pi
+    s, poles = 1j * w, model.poles
+    scale = float(np.exp(np.log(w[[0, -1]]).mean()))
+    factors = [(s - p) / (s + (abs(p) if abs(p) > w[0] else scale)) for p in poles]
+    g = (1 + value) * np.prod([np.ones(len(s)), *factors], axis=0)
+    steps = np.diff(np.angle(g))
+    inside = float(((steps + np.pi) % (2 * np.pi) - np.pi).sum())
+    after = -float(np.angle(1 + value[-1]) + sum(np.angle(f[-1]) for f in factors))  # all tend to 1
+    return inside, float(np.angle(g[0])), after
 
 
 def _lateness(loop: Delayed, w: Array) -> Complex:
@@ -219,11 +261,6 @@ def _rates(poles: Complex, model: StateSpace) -> Complex:
 def _span(
     model: StateSpace, closed: Complex, poles: Complex, low: float | None, high: float | None
 ) -> tuple[float, float]:
-    for name, v in (("low", low), ("high", high)):
-        if v is not None and (not isinstance(v, Real) or isinstance(v, bool) or not 0 < v < np.inf):
-            raise SignalError(f"`{name}` is {v!r}: give a finite frequency above 0 in rad/s, or leave it out")
-    if low is not None and high is not None and low >= high:
-        raise SignalError(f"the frequencies go from {low:g} to {high:g} rad/s: give 0 < low < high, below Nyquist")
     size = np.abs(np.concatenate([closed, poles]))
     if isinstance(model.time, Discrete):
         top, bottom = np.pi / model.time.period_s * (1 - 1e-9), 1e-6 / model.time.period_s
@@ -235,7 +272,7 @@ def _span(
 def _settled(loop: StateSpace | Delayed, start: float, top: float) -> float:
     """Return a frequency above which |L| stays within QUIET of its last value, `top` if there is none."""
     w = np.geomspace(start, top, 2000)
-    moving = np.flatnonzero(np.abs(np.abs(response(loop)(w)) - abs(_ends(loop)[np.inf])) >= QUIET)
+    moving = np.flatnonzero(np.abs(np.abs(response(loop)(w)) - abs(ends(loop)[np.inf])) >= QUIET)
     return float(w[min(moving[-1] + 1, len(w) - 1)]) if moving.size else float(w[0])
 
 
@@ -254,7 +291,7 @@ def _grid(rates: Complex, start: float, top: float, nodes: list[Array]) -> Array
     return w[np.append(np.diff(w) > NARROW * w[1:], True)]
 
 
-def _ends(loop: StateSpace | Delayed) -> dict[float, float]:
+def ends(loop: StateSpace | Delayed) -> dict[float, float]:
     """Return L where it is real: at w = 0 and at Nyquist or infinity, unless it has a pole there."""
     if isinstance(loop, Delayed):
         last = 0.0 if loop.hold_s else float(loop.model.D[0, 0])

@@ -1,0 +1,282 @@
+"""A scalar loop as the ratio of two polynomials with integer coefficients: exactly the loop of the numbers given.
+
+    L = N(s) / D(s)          continuous,
+    L = N(z) / D(z)          sampled, with z = (1 + s) / (1 - s): the circle z = exp(i w T) is s = i tan(w T / 2)
+
+A double is an integer times a power of 2, so that nothing is rounded: neither the coefficients of a transfer function
+nor, from a state-space model,
+
+    D = det(s I - A),        N = det(s I - A + B C) + (d - 1) det(s I - A).
+
+On the axis s = i v, with u = v^2, a polynomial is P(i v) = E(u) + i v O(u). Its zeros are isolated in ball arithmetic.
+
+Rounding. The numbers given are themselves rounded, each by half a unit in its last place at most. To first order that
+moves L, relative to itself, by at most EPS times
+
+    sum |b_k| / |N| + sum |a_k| |z|^k / |D|                                 coefficients b, a
+    (|c R| (|A| |R b| + |b|) + |c| |R b| + |d|) / |L|,   R = (s I - A)^-1   state space
+
+and det(s I - A + b c / (1 + d)), whose zeros are the closed loop's poles, likewise.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from math import gcd
+
+import flint
+import numpy as np
+from numpy.typing import NDArray
+
+from synth.analyse import discretise, precise
+from synth.errors import ModelError
+from synth.statespace import Array, StateSpace, System, coefficients, of
+from synth.timing import Continuous, Time
+
+Complex = NDArray[np.complex128]
+Polynomial = flint.fmpz_poly
+
+BITS = 128  # of each zero; more where they do not resolve a value
+MOST_BITS = 1 << 14
+SLOW = 1e-14  # of the fastest pole, or of the unit circle: a pole that decays by less may be undamped
+EPS = 2.0**-53  # what rounding to double takes off a number or adds to it, relative to it, at most
+X = flint.fmpz_poly([0, 1])
+
+
+@dataclass(frozen=True, eq=False)
+class Rational:
+    """L = N / D in s, nothing cancelled, with the `model` of the same loop.
+
+    `given` are the coefficients of a transfer function, highest powers first, None where a state-space model was given.
+    """
+
+    N: Polynomial
+    D: Polynomial
+    model: StateSpace
+    given: tuple[Array, Array] | None
+
+    @property
+    def time(self) -> Time:
+        """The model's time."""
+        return self.model.time
+
+    @cached_property
+    def reduced(self) -> tuple[Polynomial, Polynomial]:
+        """N and D without their common divisor."""
+        common = self.N.gcd(self.D)
+        return self.N // common, self.D // common
+
+    @cached_property
+    def closed(self) -> Complex:
+        """The closed loop's poles (n,) in s, those that L does not show among them; inf for a pole at z = -1."""
+        return zeros(self.N + self.D, max(self.N.degree(), self.D.degree()))
+
+    def frequency(self, v: float) -> float:
+        """Return w in rad/s of s = i v."""
+        return v if isinstance(self.time, Continuous) else 2 / self.time.period_s * float(np.arctan(v))
+
+    def position(self, w: float) -> float:
+        """Return v, s = i v, of w in rad/s."""
+        return w if isinstance(self.time, Continuous) else float(np.tan(w * self.time.period_s / 2))
+
+
+def of_system(system: System) -> Rational:
+    """Return a scalar System as the ratio that its numbers make.
+
+    Raises SignalError when the system cannot be read.
+    """
+    model, given = of(system), coefficients(system)
+    N, D = _integers(*given) if given else _determinants(model)
+    if not isinstance(model.time, Continuous):
+        order = max(N.degree(), D.degree())
+        N, D = _bilinear(N, order), _bilinear(D, order)
+    N, D = _primitive(N, D)
+    return Rational(N, D, model, given)
+
+
+def _integers(b: Array, a: Array) -> tuple[Polynomial, Polynomial]:
+    """Return two polynomials of given coefficients, highest powers first, times one power of 2."""
+    shift = 1 << _bits(np.concatenate([b, a]))
+    return _scaled(b[::-1], shift), _scaled(a[::-1], shift)
+
+
+def _scaled(values: Array, shift: int) -> Polynomial:
+    return flint.fmpz_poly([int(Fraction(float(v)) * shift) for v in values])
+
+
+def _bits(values: Array) -> int:
+    """Return the least k >= 0 for which all values times 2^k are whole."""
+    return max((Fraction(float(v)).denominator.bit_length() - 1 for v in values), default=0)
+
+
+def _determinants(model: StateSpace) -> tuple[Polynomial, Polynomial]:
+    """Return N and D of a model, times one integer."""
+    n = len(model.A)
+    scale = discretise.balancing(model.A)
+    A, b, c = model.A * scale / scale[:, None], model.B[:, 0] / scale, model.C[0] * scale
+    k_b, k_c, d = _bits(b), _bits(c), Fraction(float(model.D[0, 0]))
+    k = max(_bits(A.ravel()), k_b + k_c)
+    whole = [[int(Fraction(float(v)) * (1 << k)) for v in row] for row in A]
+    b_whole = [int(Fraction(float(v)) * (1 << (k - k_c))) for v in b]
+    c_whole = [int(Fraction(float(v)) * (1 << k_c)) for v in c]
+    fed = [[whole[i][j] - b_whole[i] * c_whole[j] for j in range(n)] for i in range(n)]
+    D, opened = _characteristic(whole, k), _characteristic(fed, k)
+    return d.denominator * opened + (d.numerator - d.denominator) * D, d.denominator * D
+
+
+def _characteristic(M: Sequence[Sequence[int]], k: int) -> Polynomial:
+    """Return det(s I - M / 2^k) times 2^(k n), M (n, n)."""
+    if not M:
+        return flint.fmpz_poly([1])
+    return flint.fmpz_poly([c << (k * i) for i, c in enumerate(map(int, flint.fmpz_mat(M).charpoly().coeffs()))])
+
+
+def _bilinear(P: Polynomial, order: int) -> Polynomial:
+    """Return (1 - s)^order P((1 + s) / (1 - s)): with z = 2 / (1 - s) - 1 two shifts and a reversal."""
+    shifted = [int(c) << k for k, c in enumerate(map(int, P(X - 1).coeffs()))]
+    padded = shifted + [0] * (order + 1 - len(shifted))
+    return flint.fmpz_poly(padded[::-1])(1 - X)
+
+
+def _primitive(N: Polynomial, D: Polynomial) -> tuple[Polynomial, Polynomial]:
+    """Return N and D without the common divisor of all their coefficients."""
+    common = gcd(int(N.content()), int(D.content())) or 1
+    return N // common, D // common
+
+
+def zeros(P: Polynomial, order: int | None = None) -> Complex:
+    """Return the zeros (n,) of a polynomial, each as often as it counts, those that `order` lacks as inf."""
+    with precise.precision(BITS):
+        found = [complex(root) for root, count in roots(P) for _ in range(count)]
+    missing = 0 if order is None else order - max(P.degree(), 0)
+    return np.array(found + [complex(np.inf)] * missing, dtype=np.complex128)
+
+
+def roots(P: Polynomial) -> list[tuple[flint.acb, int]]:
+    return [(root, int(count)) for root, count in P.complex_roots()] if P.degree() > 0 else []
+
+
+def on_axis(P: Polynomial) -> tuple[Polynomial, Polynomial]:
+    """Return E and O, P(i v) = E(u) + i v O(u), u = v^2."""
+    c = P.coeffs()
+    return tuple(flint.fmpz_poly([-v if k % 2 else v for k, v in enumerate(c[first::2])]) for first in (0, 1))
+
+
+def square(P: Polynomial) -> Polynomial:
+    """Return |P(i v)|^2 in u."""
+    E, O = on_axis(P)
+    return E * E + X * O * O
+
+
+def product(N: Polynomial, D: Polynomial) -> tuple[Polynomial, Polynomial]:
+    """Return the real part of N conj(D) in u, and the imaginary part over v."""
+    (En, On), (Ed, Od) = on_axis(N), on_axis(D)
+    return En * Ed + X * On * Od, On * Ed - En * Od
+
+
+def unstable(loop: Rational, factor: complex) -> int:
+    """Count the zeros at or right of the axis of D + `factor` N without what N and D have in common.
+
+    Raises ModelError when ball arithmetic does not tell them apart.
+    """
+    N, D = loop.reduced
+    with precise.precision(BITS):
+        k = flint.acb(factor.real, factor.imag)
+        closed = flint.acb_poly(D) + k * flint.acb_poly(N)
+        try:
+            found = closed.roots(tol=flint.arb(2) ** -(BITS // 2), maxprec=MOST_BITS) if closed.degree() > 0 else []
+        except ValueError as error:
+            raise ModelError(f"the closed loop's poles at {factor:.6g} times the loop cannot be told apart") from error
+    return sum(not root.real < 0 for root in found)
+
+
+@dataclass(frozen=True)
+class Rounding:
+    """What rounding of the numbers given may change of L and of the closed loop's characteristic polynomial.
+
+    Both are relative to the values themselves.
+    """
+
+    of_loop: float
+    of_closed: float
+
+
+def rounding(loop: Rational, frequency: float) -> Rounding:
+    """Return what rounding of the numbers given may do at `frequency` rad/s, to first order."""
+    if not loop.given or np.isinf(frequency):
+        return rounding_of_matrices(loop.model, frequency)
+    return _rounding(*_of_coefficients(*loop.given, _point(loop.time, frequency)))
+
+
+def rounding_of_matrices(model: StateSpace, frequency: float) -> Rounding:
+    """Do as `rounding` for a model whose matrices are the numbers given."""
+    if np.isinf(frequency):
+        return Rounding(2 * EPS, 2 * EPS)
+    return _rounding(*_of_matrices(model, _point(model.time, frequency)))
+
+
+def _point(time: Time, w: float) -> complex:
+    return 1j * w if isinstance(time, Continuous) else complex(np.exp(1j * w * time.period_s))
+
+
+def _rounding(of_loop: float, of_closed: float) -> Rounding:
+    return Rounding(*(EPS * float(v) if np.isfinite(v) else np.inf for v in (of_loop, of_closed)))
+
+
+@np.errstate(all="ignore")
+def _of_coefficients(b: Array, a: Array, point: complex) -> tuple[float, float]:
+    with precise.precision(4 * BITS):
+        z = flint.acb(point.real, point.imag)
+        N, D = (flint.acb_poly([flint.arb(float(v)) for v in part[::-1]])(z) for part in (b, a))
+        n, d, closed = (float(abs(v)) for v in (N, D, N + D))
+    n_size, d_size = (float(np.polyval(np.abs(part), abs(point))) for part in (b, a))
+    return n_size / np.float64(n) + d_size / np.float64(d), (n_size + d_size) / np.float64(closed)
+
+
+@np.errstate(all="ignore")
+def _of_matrices(model: StateSpace, point: complex) -> tuple[float, float]:
+    A, b, c, d = model.A, model.B[:, 0], model.C[0], float(model.D[0, 0])
+    opened, closed = (_inverse(point * np.eye(len(A)) - M) for M in (A, A - np.outer(b, c) / (1 + d)))
+    moved = np.abs(c @ opened) @ (np.abs(A) @ np.abs(opened @ b) + np.abs(b)) + np.abs(c) @ np.abs(opened @ b) + abs(d)
+    fed = np.abs(A) + (2 + abs(d) / abs(1 + d)) * np.abs(np.outer(b, c)) / abs(1 + d)
+    return moved / abs(c @ opened @ b + d), float(np.sum(np.abs(closed) * fed.T)) + abs(d) / abs(1 + d)
+
+
+def _inverse(M: Complex) -> Complex:
+    try:
+        return np.linalg.inv(M)
+    except np.linalg.LinAlgError:
+        return np.full_like(M, np.inf)
+
+
+def is_stable(loop: Rational) -> bool:
+    """Tell whether all closed-loop poles decay, by more than rounding moves them.
+
+    Raises ModelError when rounding of the numbers given hides it.
+    """
+    poles = loop.closed
+    if not poles.size:
+        return True
+    decay = _decay(poles, loop.time)
+    if (decay <= 0).any():
+        return False
+    hidden = [w for w in map(loop.frequency, np.unique(np.abs(poles))) if rounding(loop, w).of_closed >= 1]
+    if not hidden:
+        return True
+    if (decay <= SLOW).any():
+        return False
+    raise ModelError(
+        f"rounding of the numbers given hides whether the closed loop is stable: it may move its poles near "
+        f"{hidden[0]:.4g} rad/s across the boundary; give the loop as a state-space model (loop.sampled), or sample it "
+        "more slowly"
+    )
+
+
+def _decay(poles: Complex, time: Time) -> Array:
+    """Return -Re s over the largest |s|, or in z 1 - |z|^2 = -4 Re s / |1 - s|^2, of poles in s."""
+    if isinstance(time, Continuous):
+        return np.asarray(-poles.real / np.abs(poles).max())
+    finite = np.isfinite(poles)
+    s = np.where(finite, poles, 0.0)
+    return np.where(finite, -4 * s.real / np.abs(1 - s) ** 2, 0.0)

@@ -1,0 +1,119 @@
+"""Crossings of a loop in double precision, followed on a grid: for more states than polynomials bear.
+
+Between the nodes of `transfer.trace` each crossing and the least |1 + L| are found by bracketing, and a pair of
+crossings inside one interval by the turn between them. Where |L| = 1 or L < 0 over a whole stretch (an all-pass, an
+undamped loop), the crossings returned are the worst of the stretch. A crossing between nodes may be missed: whoever
+relies on them verifies them.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq, minimize_scalar
+
+from synth.analyse import transfer
+from synth.analyse.crossings import Course, Crossing
+from synth.analyse.transfer import Complex, Curve
+from synth.statespace import Array
+
+FLAT = 1e-10  # log |L| or sin(arg L) stays below it over neighbouring nodes only where it is 0 all along
+NEAR = 0.3  # neighbours differ by half of it at most: a turn farther from 0 does not reach it
+REAL = 1e-6  # of |L|: a larger imaginary part where it changes sign is a pole
+
+
+def of_curve(curve: Curve) -> Course:
+    """Return the course of a traced loop."""
+    unit = _unit(curve)
+    at = {f: complex(curve.L(f)[0]) for f in _real(curve, unit)}
+    negative = [Crossing(f, v) for f, v in sorted(at.items()) if abs(v.imag) <= REAL * abs(v) and v.real < 0]
+    found = tuple(Crossing(f, complex(curve.L(f)[0])) for f in unit)
+    return Course(found, tuple(negative), curve.ends, *_peak(curve))
+
+
+def _unit(curve: Curve) -> list[float]:
+    """Return where |L| = 1; of a stretch the worst for the phase and for a delay."""
+    value, w = transfer.log(curve.value), curve.w
+    found = [] if len(w) < 3 else _roots(lambda v: transfer.log(curve.L(v)), w, value)
+    for run in _stretches(value):
+        above = np.angle(-curve.value[run])
+        found += [float(w[run][np.abs(above).argmin()]), float(w[run][(above % (2 * np.pi) / w[run]).argmin()])]
+    return sorted(set(found))
+
+
+def _real(curve: Curve, unit: list[float]) -> list[float]:
+    """Return where L is real; of a stretch where |L| is 1, as at each of `unit`, or nearest to it."""
+
+    def sine(v: Array | float) -> Array:
+        return _sine(curve.L(v))
+
+    value, w = _sine(curve.value), curve.w
+    found = _roots(sine, w, value)
+    for run in _stretches(value):
+        inside = [f for f in unit if w[run][0] <= f <= w[run][-1]]
+        found += inside or [float(w[run][np.abs(transfer.log(curve.value[run])).argmin()])]
+    return sorted(set(found))
+
+
+def _sine(value: Complex) -> Array:
+    return np.asarray(value.imag / np.maximum(np.abs(value), 1e-300))
+
+
+def _stretches(value: Array) -> list[slice]:
+    """Return the runs of three or more nodes on which `value` is 0 but for rounding."""
+    flat = np.concatenate([[False], np.abs(value) < FLAT, [False]])
+    edges = np.flatnonzero(np.diff(flat.astype(int)))
+    return [slice(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a >= 3]
+
+
+def _roots(f: Callable[[float], NDArray[np.float64]], w: Array, value: Array) -> list[float]:
+    """Return where f is zero, from its `value` on w, but for stretches of zeros."""
+    w, value = _with_turns(f, w, value)
+    signs = np.sign(value)
+    for run in _stretches(value):
+        signs[run] = np.nan
+    found = [float(v) for v in w[signs == 0]]
+    for k in np.flatnonzero(signs[:-1] * signs[1:] < 0):
+        found.append(float(brentq(lambda v: float(np.ravel(f(v))[0]), w[k], w[k + 1], xtol=1e-12 * w[k], rtol=1e-13)))
+    return sorted(found)
+
+
+def _with_turns(f: Callable[[float], NDArray[np.float64]], w: Array, value: Array) -> tuple[Array, Array]:
+    """Return the nodes and, where f turns between them beyond 0 and back, the point of the turn."""
+    size, sign = np.abs(value), np.sign(value)
+    turns = (size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:]) & (size[1:-1] < NEAR)
+    turns &= size[1:-1] < 4 * (np.maximum(size[:-2], size[2:]) - size[1:-1])  # a smooth turn goes down by less
+    turns &= w[2:] - w[:-2] > 16 * transfer.NARROW * w[2:]
+    turns &= (sign[1:-1] == sign[:-2]) & (sign[1:-1] == sign[2:]) & (size[1:-1] > FLAT)
+    for k in np.flatnonzero(turns) + 1:
+        where, least = _least(_scaled(f, sign[k]), w[k - 1], w[k + 1])
+        if least < 0:
+            at = int(np.searchsorted(w, where))
+            w, value = np.insert(w, at, where), np.insert(value, at, sign[k] * least)
+            return _with_turns(f, w, value)
+    return w, value
+
+
+def _scaled(f: Callable[[float], NDArray[np.float64]], factor: float) -> Callable[[float], float]:
+    return lambda v: factor * float(np.ravel(f(v))[0])
+
+
+def _least(f: Callable[[float], float], a: float, b: float) -> tuple[float, float]:
+    """Return where f is least in a bracket, which may be far narrower than a, and its value."""
+    found = minimize_scalar(lambda t: f(a + (b - a) * t), bounds=(0, 1), method="bounded", options={"xatol": 1e-9})
+    return float(a + (b - a) * found.x), float(found.fun)
+
+
+def _peak(curve: Curve) -> tuple[float, float]:
+    """Return the largest 1/|1 + L| and its frequency."""
+    w, distance = curve.w, np.abs(1 + curve.value)
+    candidates = [(abs(1 + v), f) for f, v in curve.ends.items()] + [
+        (float(distance.min()), float(w[distance.argmin()]))
+    ]
+    falling = np.flatnonzero((distance[1:-1] <= distance[:-2]) & (distance[1:-1] <= distance[2:])) + 1
+    near = falling[distance[falling] < 1.2 * distance.min()]  # neighbours differ by less, and a flat S has many
+    for k in near[np.argsort(distance[near], kind="stable")[:20]]:
+        where, least = _least(lambda v: float(abs(1 + curve.L(v)[0])), w[k - 1], w[k + 1])
+        candidates.append((least, where))
+    least, where = min(candidates)
+    return (1 / least if least > 0 else np.inf), where
