@@ -216,7 +216,7 @@ def _companion(numerator: Any, denominator: Any) -> tuple[Array, Array, Array, f
     return A, np.eye(n, 1)[:, 0], C, float(b[0])
 
 
-def coefficients(system: System) -> tuple[Array, Array] | None:
+def coefficients(system: Any) -> tuple[Array, Array] | None:
     """Return numerator and denominator of a scalar transfer function, highest powers first; None for another System."""
     if not all(hasattr(system, name) for name in ("num", "den", "dt")):
         return None

@@ -7,7 +7,8 @@ With L = N / D on the axis s = i v, u = v^2 and N conj(D) = R(u) + i v F(u),
     |1 + L| least      d/du (|N + D|^2 / |D|^2) = 0, or at an end
 
 Each is a polynomial in u with integer coefficients. All its positive zeros are isolated, so that no crossing is missed
-however close it lies to another or to an end, and a value at a zero is enclosed by a ball. Where |L| = 1 or F = 0 at
+however close it lies to another or to an end, and a value at a zero is enclosed by a ball. The least |1 + L| of
+an order above SMALL is found by branch and bound (`factors.nearest`). Where |L| = 1 or F = 0 at
 all frequencies, the crossings returned are the worst of them.
 """
 
@@ -18,13 +19,14 @@ import flint
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from synth.analyse import precise, rational
+from synth.analyse import factors, precise, rational
 from synth.analyse.rational import Polynomial, Rational, on_axis, square
 from synth.errors import ModelError
 from synth.timing import Continuous
 
 RESOLVED = 53  # bits of a value, at least
 NOTHING = 2.0**-200  # a value below it is 0
+SMALL = 12  # order up to which the least |1 + L| is found by the zeros of a polynomial of twice that degree
 POINTS = 2000  # on which the worst of a stretch with |L| = 1 is sought
 
 
@@ -59,9 +61,7 @@ def of_rational(loop: Rational, low: float, high: float) -> Course:
     ends = _ends(loop)
     unit, negative = _unit(loop, N, D), _negative(loop, N, D)
     inside = [tuple(c for c in found if low <= c.frequency <= high) for found in (unit, negative)]
-    nearest = [(abs(1 + v), w) for w, v in ends.items()]
-    nearest += [(abs(1 + c.L), c.frequency) for c in _nearest(loop, N, D, low, high)]
-    least, where = min(nearest)
+    least, where = _nearest(loop, ends, low, high)
     return Course(inside[0], inside[1], ends, 1 / least if least else np.inf, where)
 
 
@@ -101,15 +101,30 @@ def _without(P: Polynomial, factor: Polynomial) -> Polynomial:
     return P
 
 
-def _nearest(loop: Rational, N: Polynomial, D: Polynomial, low: float, high: float) -> tuple[Crossing, ...]:
-    """Return L where |1 + L| may be least."""
-    P, Q = square(N + D), square(D)
-    turning = _resolved(loop, N, D, _without(P.derivative() * Q - P * Q.derivative(), Q))
-    limits = [loop.position(w) for w in (low, high) if 0 < w < np.inf]
+def _nearest(loop: Rational, ends: Mapping[float, float], low: float, high: float) -> tuple[float, float]:
+    """Return the least |1 + L| and where it is."""
+    N, D = loop.reduced
+    candidates = [(abs(1 + v), w) for w, v in ends.items()]
+    if D.degree() <= SMALL:
+        P, Q = square(N + D), square(D)
+        turning = _resolved(loop, N, D, _without(P.derivative() * Q - P * Q.derivative(), Q))
+        found = [c for c in turning if low <= c.frequency <= high] + _limits(loop, N, D, low, high)
+        return min(candidates + [(abs(1 + c.L), c.frequency) for c in found])
+    L = factors.of_rational(loop)
+    slowest = float(np.abs(loop.closed[loop.closed != 0]).min(initial=np.inf))
+    start = loop.position(low) if low else min(factors.start(L), factors.BELOW * slowest)
+    grid = factors.grid(L, start, loop.closed)
+    top = loop.position(high) if np.isfinite(high) else float(grid[-1])
+    least, v = factors.nearest(L, factors.nodes(L, grid, top, turning=False))
+    return min([*candidates, (least, loop.frequency(v))])
+
+
+def _limits(loop: Rational, N: Polynomial, D: Polynomial, low: float, high: float) -> list[Crossing]:
+    """Return L at limits other than 0 and infinity where it has no pole."""
+    limits = [w for w in (low, high) if 0 < loop.position(w) < np.inf]
     with precise.precision(4 * rational.BITS):
-        at = [_value(N, D, flint.arb(v) * flint.arb(v)) for v in limits]
-    found = [Crossing(loop.frequency(v), complex(L)) for v, L in zip(limits, at, strict=True) if L.is_finite()]
-    return (*(c for c in turning if low <= c.frequency <= high), *found)
+        at = [_value(N, D, flint.arb(loop.position(w)) ** 2) for w in limits]
+    return [Crossing(w, complex(L)) for w, L in zip(limits, at, strict=True) if L.is_finite()]
 
 
 def _resolved(loop: Rational, N: Polynomial, D: Polynomial, P: Polynomial) -> tuple[Crossing, ...]:

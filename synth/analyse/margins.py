@@ -41,6 +41,7 @@ NOTHING = 1e-12  # |L| below it, or above its inverse, is rounding error and no 
 DETERMINED = 0.2  # of |L|: a margin that rounding of the numbers given leaves open by more is refused
 FAR = 1e6  # a factor on the gain this far from 1 may be as uncertain as it likes
 TOLD = 1e-4  # an uncertainty beyond it is told
+VERGE = 1e-9  # of |1 + L|: a loop this near to oscillation has no margin to verify
 INSIDE = 0.99  # of a margin: there the closed loop must have as many unstable poles as without it
 
 response = transfer.response
@@ -261,7 +262,7 @@ def _deciding(told: Margins) -> Iterator[tuple[str, float]]:
 def _uncertainty(found: _Found, told: Margins, name: str, frequency: float) -> float:
     rounding = found.rounding(frequency)
     size = rounding.of_closed if name == "modulus margin" else rounding.of_loop
-    if size > DETERMINED and (np.isfinite(told.peak_sensitivity) or name != "modulus margin"):
+    if size > DETERMINED and (found.stable or name != "modulus margin"):
         raise ModelError(
             f"the {name}, decided at {frequency:.6g} rad/s, is not determined by the numbers given: their rounding to "
             f"double alone may change {'1 + L' if name == 'modulus margin' else 'L'} there by {100 * size:.3g} %; give "
@@ -273,7 +274,7 @@ def _uncertainty(found: _Found, told: Margins, name: str, frequency: float) -> f
 def _verify(found: _Found, told: Margins) -> None:
     """Raise ModelError when another count of closed-loop poles is unstable within a margin than without it."""
     nominal = found.unstable(1.0)
-    if np.isinf(nominal):
+    if np.isinf(nominal) or told.modulus_margin < VERGE:
         return
     for name, factor in _inside(told):
         count = found.unstable(factor)
@@ -290,5 +291,4 @@ def _inside(told: Margins) -> Iterator[tuple[str, complex]]:
     yield "gain margin", told.gain_margin**INSIDE if np.isfinite(told.gain_margin) else FAR
     yield "gain reduction margin", told.gain_reduction_margin**INSIDE or 1 / FAR
     angle = np.radians(INSIDE * told.phase_margin) if told.gain_crossings else np.pi / 2
-    for sign in (1, -1):
-        yield "phase margin", complex(np.exp(sign * 1j * angle))
+    yield "phase margin", complex(np.exp(1j * angle))  # the conjugate factor has the conjugate poles

@@ -24,6 +24,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from math import gcd
+from typing import Any
 
 import flint
 import numpy as np
@@ -62,23 +63,33 @@ class Rational:
         return self.model.time
 
     @cached_property
+    def common(self) -> Polynomial:
+        """The common divisor of N and D: the modes that L does not show."""
+        return self.N.gcd(self.D)
+
+    @cached_property
     def reduced(self) -> tuple[Polynomial, Polynomial]:
         """N and D without their common divisor."""
-        common = self.N.gcd(self.D)
-        return self.N // common, self.D // common
+        return self.N // self.common, self.D // self.common
 
     @cached_property
     def closed(self) -> Complex:
         """The closed loop's poles (n,) in s, those that L does not show among them; inf for a pole at z = -1."""
-        return zeros(self.N + self.D, max(self.N.degree(), self.D.degree()))
+        N, D = self.reduced
+        finite = np.concatenate([zeros(N + D), zeros(self.common)])
+        lost = max(self.N.degree(), self.D.degree()) - len(finite)
+        return np.concatenate([finite, np.full(lost, complex(np.inf))])
 
     def frequency(self, v: float) -> float:
         """Return w in rad/s of s = i v."""
         return v if isinstance(self.time, Continuous) else 2 / self.time.period_s * float(np.arctan(v))
 
     def position(self, w: float) -> float:
-        """Return v, s = i v, of w in rad/s."""
-        return w if isinstance(self.time, Continuous) else float(np.tan(w * self.time.period_s / 2))
+        """Return v, s = i v, of w in rad/s: inf for Nyquist."""
+        if isinstance(self.time, Continuous):
+            return w
+        nyquist = np.pi / self.time.period_s
+        return float(np.tan(w * self.time.period_s / 2)) if w < nyquist else np.inf
 
 
 def of_system(system: System) -> Rational:
@@ -145,22 +156,23 @@ def _primitive(N: Polynomial, D: Polynomial) -> tuple[Polynomial, Polynomial]:
     return N // common, D // common
 
 
-def zeros(P: Polynomial, order: int | None = None) -> Complex:
-    """Return the zeros (n,) of a polynomial, each as often as it counts, those that `order` lacks as inf."""
+def zeros(P: Polynomial) -> Complex:
+    """Return the zeros (n,) of a polynomial, each as often as it counts."""
     with precise.precision(BITS):
         found = [complex(root) for root, count in roots(P) for _ in range(count)]
-    missing = 0 if order is None else order - max(P.degree(), 0)
-    return np.array(found + [complex(np.inf)] * missing, dtype=np.complex128)
+    return np.array(found, dtype=np.complex128)
 
 
-def roots(P: Polynomial) -> list[tuple[flint.acb, int]]:
+def roots(P: Polynomial) -> list[tuple[Any, int]]:
+    """Return the zeros of a polynomial as balls, each with its multiplicity, in the precision in force."""
     return [(root, int(count)) for root, count in P.complex_roots()] if P.degree() > 0 else []
 
 
 def on_axis(P: Polynomial) -> tuple[Polynomial, Polynomial]:
     """Return E and O, P(i v) = E(u) + i v O(u), u = v^2."""
     c = P.coeffs()
-    return tuple(flint.fmpz_poly([-v if k % 2 else v for k, v in enumerate(c[first::2])]) for first in (0, 1))
+    E, O = (flint.fmpz_poly([-v if k % 2 else v for k, v in enumerate(c[first::2])]) for first in (0, 1))
+    return E, O
 
 
 def square(P: Polynomial) -> Polynomial:
@@ -176,19 +188,33 @@ def product(N: Polynomial, D: Polynomial) -> tuple[Polynomial, Polynomial]:
 
 
 def unstable(loop: Rational, factor: complex) -> int:
-    """Count the zeros at or right of the axis of D + `factor` N without what N and D have in common.
+    """Count the zeros at or right of the axis of D + (a + i b) N, without what N and D have in common.
 
-    Raises ModelError when ball arithmetic does not tell them apart.
+    In a sampled loop each degree that the sum lacks is a zero at z = -1, on the boundary.
     """
     N, D = loop.reduced
+    order = max(N.degree(), D.degree())
+    a, b = Fraction(factor.real), Fraction(factor.imag)
+    shift = max(a.denominator, b.denominator)
+    real, imaginary = shift * D + int(a * shift) * N, int(b * shift) * N
+    lost = 0 if isinstance(loop.time, Continuous) else order - max(real.degree(), imaginary.degree())
     with precise.precision(BITS):
-        k = flint.acb(factor.real, factor.imag)
-        closed = flint.acb_poly(D) + k * flint.acb_poly(N)
+        if not b:
+            return lost + sum(count for root, count in roots(real) if not root.real < 0)
+    return lost + sum(not root.real < 0 for root in _complex_roots(real, imaginary))
+
+
+def _complex_roots(real: Polynomial, imaginary: Polynomial) -> list[flint.acb]:
+    """Return the zeros of real + i imaginary, exact coefficients.
+
+    Raises ModelError where they cannot be told apart.
+    """
+    with precise.precision(max(real.height_bits(), imaginary.height_bits()) + BITS):
+        P = flint.acb_poly(real) + flint.acb(0, 1) * flint.acb_poly(imaginary)
         try:
-            found = closed.roots(tol=flint.arb(2) ** -(BITS // 2), maxprec=MOST_BITS) if closed.degree() > 0 else []
+            return list(P.roots(tol=flint.arb(2) ** -(BITS // 2), maxprec=MOST_BITS)) if P.degree() > 0 else []
         except ValueError as error:
-            raise ModelError(f"the closed loop's poles at {factor:.6g} times the loop cannot be told apart") from error
-    return sum(not root.real < 0 for root in found)
+            raise ModelError("the poles of the loop closed with a turned phase cannot be told apart") from error
 
 
 @dataclass(frozen=True)
@@ -243,11 +269,11 @@ def _of_matrices(model: StateSpace, point: complex) -> tuple[float, float]:
     return moved / abs(c @ opened @ b + d), float(np.sum(np.abs(closed) * fed.T)) + abs(d) / abs(1 + d)
 
 
-def _inverse(M: Complex) -> Complex:
+def _inverse(M: NDArray[Any]) -> Complex:
     try:
-        return np.linalg.inv(M)
+        return np.asarray(np.linalg.inv(M), dtype=np.complex128)
     except np.linalg.LinAlgError:
-        return np.full_like(M, np.inf)
+        return np.full(M.shape, np.inf, dtype=np.complex128)
 
 
 def is_stable(loop: Rational) -> bool:
