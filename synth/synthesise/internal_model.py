@@ -49,9 +49,13 @@ class InternalModel:
         return tuple(f"xi{k + 1}{end}" for end in ends for k in range(len(self.Phi)))
 
     def units(self, outputs: Sequence[str], units: Mapping[str, str]) -> dict[str, str]:
-        """Return the states' units, each an integral of its successor, as far as those of the outputs are known."""
+        """Return the states' units, as far as those of the outputs are known.
+
+        The last state is the integral of an output, in its unit times s, and each other one that of its successor. It
+        is so in either time: N is 1, or about the period in s.
+        """
         n, names = len(self.Phi), self.names(outputs)
-        powers = [f" s^{k}" if k > 1 else " s" * k for k in range(n - 1, -1, -1)]
+        powers = [f" s^{k}" if k > 1 else " s" for k in range(n, 0, -1)]
         ends = [units.get(name) and units[name] + power for name in outputs for power in powers]
         return {name: end for name, end in zip(names, ends, strict=True) if end}
 

@@ -81,5 +81,7 @@ def _name(row: _Row, column: Signal) -> str:
 
 
 def _unit(row: Signal, column: Signal) -> str:
-    """Return the unit of the row's signal over the column's."""
+    """Return the unit of the row's signal over the column's; `m s` over `m` is `s`."""
+    if row.unit.startswith(f"{column.unit} "):
+        return row.unit.removeprefix(f"{column.unit} ")
     return f"{row.unit}/" + column.unit.translate({ord(" "): "/", ord("/"): " "})

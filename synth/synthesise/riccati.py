@@ -23,9 +23,10 @@ from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.synthesise import doubling, exact_riccati, newton, solvability, weights
 from synth.synthesise.equation import Equation, Solution, decays
-from synth.timing import Continuous, Time
+from synth.timing import Continuous, Discrete, Time
 
 TRUSTED = 1e-8  # forward error up to which a solution in double precision is taken
+DEADBEAT = 2.0**-52  # a pole z below it is a rounding error of 0
 BALLS = 12  # states up to which ball arithmetic is tried
 
 
@@ -79,14 +80,19 @@ class Riccati:
 
 
 def modes(poles: NDArray[np.complex128], time: Time) -> show.Table:
-    """Return a table of poles in 1/s or in z with their natural frequency in Hz and their damping."""
-    z = np.where(poles == 0, np.finfo(float).tiny, poles)
-    s = poles if isinstance(time, Continuous) else np.log(z) / time.period_s
-    rows = (
-        (show.number(p), show.number(abs(v) / (2 * np.pi)), show.number(-v.real / abs(v) if v else np.nan))
-        for p, v in zip(poles, s, strict=True)
-    )
+    """Return a table of poles in 1/s or in z with their natural frequency in Hz and their damping.
+
+    A pole at z = 0 within rounding is deadbeat, without a frequency; a constant, s = 0 or z = 1, has no damping.
+    """
+    rows = ((show.number(p), *_frequency_and_damping(p, time)) for p in poles)
     return show.Table(("pole [1/s]" if isinstance(time, Continuous) else "pole, z", "f [Hz]", "damping"), tuple(rows))
+
+
+def _frequency_and_damping(pole: complex, time: Time) -> tuple[str, str]:
+    if isinstance(time, Discrete) and abs(pole) < DEADBEAT:
+        return "deadbeat", "-"
+    s = pole if isinstance(time, Continuous) else np.log(complex(pole)) / time.period_s
+    return show.number(abs(s) / (2 * np.pi)), show.number(-s.real / abs(s)) if s else "-"
 
 
 def solve(
