@@ -19,20 +19,23 @@ conditioning       the realisable reference (Hanus, Kinnaert, Henrotte 1987): th
                    each command.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import flint
 import numpy as np
 import scipy.linalg
 import scipy.special
 from numpy.typing import ArrayLike
 
 from synth import show
+from synth.analyse import precise
 from synth.analyse.equilibrate import equilibrated
 from synth.analyse.staircase import Complex
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly, two_dimensional
-from synth.synthesise import names, reading, spectrum, weights
+from synth.synthesise import internal_model, names, reading, spectrum, weights
 from synth.synthesise.internal_model import InternalModel
 from synth.synthesise.servo import Servo
 from synth.timing import Continuous, Time
@@ -74,29 +77,101 @@ def of_gain(controller: System, E: ArrayLike) -> AntiWindup:
     return _wound(model, readonly(gain), "take another E")
 
 
-def back_calculation(regulator: Servo, decay_per_s: float, V: weights.Weight | None = None) -> AntiWindup:
+def back_calculation(
+    regulator: Servo, decay_per_s: float, V: weights.Weight | None = None, exact: bool = False
+) -> AntiWindup:
     """Return a servo regulator whose internal model decays at the rate a = `decay_per_s` while its commands are held.
 
     V (m, m) shares E among the commands: the excess of one with a large entry counts less. Left out, commands count by
-    the size of their gains, whatever their units. An observer goes on with the limited commands.
+    the size of their gains, whatever their units. An observer goes on with the limited commands. `exact` computes E in
+    ball arithmetic and rounds each entry once, alike on every machine.
 
     Raises SignalError for a rate that is not positive or a V that is not definite; ModelError as `of_gain`.
     """
+    rate, controls = _positive(decay_per_s), regulator.controls
+    given = None if V is None else weights.definite("V", V, controls)
+    E = (_exact_gain if exact else _gain)(regulator, rate, given)
+    still = np.zeros((len(regulator.controller.A) - len(E), len(controls)))
+    return _wound(regulator.controller, readonly(np.vstack([E, still])), "choose a larger decay_per_s")
+
+
+def _gain(regulator: Servo, rate: float, V: Array | None) -> Array:
+    """Return E (p k, m) in double precision."""
     model, p = regulator.model, len(regulator.regulated)
-    rate = _positive(decay_per_s)
     T, J = (np.kron(np.eye(p), M) for M in _jordan(model, rate))
     C = regulator.K_xi @ T
     size = _sizes(C, [mode.order for mode in model.modes] * p)
     T, J, C = T / size, J / size * size[:, None], C / size
-    V = np.diag(1 / equilibrated(C)[1] ** 2) if V is None else weights.definite("V", V, regulator.controls)
+    V = np.diag(1 / equilibrated(C)[1] ** 2) if V is None else V
     if isinstance(model.time, Continuous):
         F = J + rate / 2 * np.eye(len(J))
         shared = np.linalg.solve(V, C)
         E = np.linalg.solve(scipy.linalg.solve_continuous_lyapunov(F.T, C.T @ shared), shared.T)
     else:
         E = _sampled(J, C, V, np.exp(-rate * model.time.period_s / 2))
-    still = np.zeros((len(regulator.controller.A) - len(J), len(V)))
-    return _wound(regulator.controller, readonly(np.vstack([T @ E, still])), "choose a larger decay_per_s")
+    return np.asarray(T @ E, dtype=np.float64)
+
+
+def _exact_gain(regulator: Servo, rate: float, V: Array | None) -> Array:
+    """Return E (p k, m), each entry rounded once; in the coordinates xi, for E is that of any coordinates."""
+    model, p = regulator.model, len(regulator.regulated)
+    k = len(model.Phi)
+    V = np.diag(1 / equilibrated(_modal_gains(regulator, rate))[1] ** 2) if V is None else V
+
+    def compute() -> flint.arb_mat:
+        C, v, half = precise.matrix(regulator.K_xi), precise.matrix(V), flint.arb(rate) / 2
+        form, one = internal_model.exact(model.modes, model.time), precise.identity(k)
+        Phi = flint.arb_mat([[form[i, j] for j in range(k)] for i in range(k)])
+        shared = v.solve(C).transpose()
+        if isinstance(model.time, Continuous):
+            F = (Phi + one * half).transpose()
+            return _by_copies(precise.kronecker(F, one) + precise.kronecker(one, F), shared * C, p).solve(shared)
+        F = (Phi * (half * flint.arb(model.time.period_s)).exp()).transpose()
+        Z = _by_copies(precise.kronecker(F, F) - precise.identity(k * k), shared * C, p)
+        X = Z.solve(C.transpose())
+        left = precise.kronecker(precise.identity(p), Phi) * X
+        return (v + C * X).solve(left.transpose()).transpose()
+
+    try:
+        return precise.resolved(compute, "the anti-windup gain")
+    except ZeroDivisionError as error:
+        raise ModelError(
+            "the commands do not show every mode of the internal model, so that no E moves it: give the regulator a "
+            "gain K_xi on each"
+        ) from error
+
+
+def _by_copies(operator: flint.arb_mat, right: flint.arb_mat, p: int) -> flint.arb_mat:
+    """Return Z (p k, p k) whose blocks (k, k), rows stacked, the operator (k^2, k^2) takes to those of `right`."""
+    n = right.nrows()
+    k = n // p
+    inside = [(i, j) for i in range(k) for j in range(k)]
+    copies = [(a, b) for a in range(p) for b in range(p)]
+    columns = operator.solve(flint.arb_mat([[right[a * k + i, b * k + j] for a, b in copies] for i, j in inside]))
+    return flint.arb_mat([[columns[i % k * k + j % k, i // k * p + j // k] for j in range(n)] for i in range(n)])
+
+
+def _modal_gains(regulator: Servo, rate: float) -> Array:
+    """Return the C of `_gain`, each entry rounded once."""
+    model, p = regulator.model, len(regulator.regulated)
+    k = len(model.Phi)
+    columns = [(mode, j) for mode in model.modes for j in range(mode.multiplicity)]
+
+    def compute() -> flint.arb_mat:
+        K, T = precise.matrix(regulator.K_xi), flint.arb_mat(k, k)
+        place = 0
+        for mode, j in columns:
+            s = flint.acb(mode.value.real, mode.value.imag)
+            for i in range(j, k):
+                v = s ** (i - j) * math.comb(i, j) * flint.arb(rate) ** j
+                T[i, place] = v.real
+                if mode.value.imag:
+                    T[i, place + 1] = v.imag
+            place += 2 if mode.value.imag else 1
+        return K * precise.kronecker(precise.identity(p), T)
+
+    C = precise.resolved(compute, "the gain on the modes")
+    return C / _sizes(C, [mode.order for mode in model.modes] * p)
 
 
 def conditioning(controller: System, references: Sequence[str], decay_per_s: float | None = None) -> AntiWindup:

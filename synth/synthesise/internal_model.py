@@ -149,12 +149,17 @@ def in_time(given: Exosystem, time: Time) -> InternalModel:
     n, T = len(model.Phi), time.period_s
     _require_below_nyquist([abs(m.value.imag) for m in model.modes], T)
 
-    def compute() -> flint.arb_mat:
-        driven = _driven(minimal_polynomial.product(model.modes), np.zeros(n))
-        return _part((driven * flint.arb(T)).exp(), n, 0, n + 1)
-
-    found = precise.resolved(compute, f"the internal model over {T:g} s")
+    found = precise.resolved(lambda: exact(model.modes, time), f"the internal model over {T:g} s")
     return InternalModel(readonly(found[:, :n]), readonly(found[:, n:]), model.modes, time)
+
+
+def exact(modes: Sequence[Mode], time: Time) -> flint.arb_mat:
+    """Return [Phi, N] (n, n + 1) of exact modes in 1/s, in a time and in balls of the present precision."""
+    n = sum(mode.order for mode in modes)
+    driven = _driven(minimal_polynomial.product(modes), np.zeros(n))
+    if isinstance(time, Discrete):
+        driven = (driven * flint.arb(time.period_s)).exp()
+    return _part(driven, n, 0, n + 1)
 
 
 def _require_below_nyquist(frequencies: Sequence[float], period_s: float) -> None:
