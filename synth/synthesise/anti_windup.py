@@ -19,7 +19,6 @@ conditioning       the realisable reference (Hanus, Kinnaert, Henrotte 1987): th
                    each command.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -35,7 +34,7 @@ from synth.analyse.equilibrate import equilibrated
 from synth.analyse.staircase import Complex
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly, two_dimensional
-from synth.synthesise import internal_model, names, reading, spectrum, weights
+from synth.synthesise import copies, internal_model, names, reading, spectrum, weights
 from synth.synthesise.internal_model import InternalModel
 from synth.synthesise.servo import Servo
 from synth.timing import Continuous, Time
@@ -120,17 +119,15 @@ def _exact_gain(regulator: Servo, rate: float, V: Array | None) -> Array:
 
     def compute() -> flint.arb_mat:
         C, v, half = precise.matrix(regulator.K_xi), precise.matrix(V), flint.arb(rate) / 2
-        form, one = internal_model.exact(model.modes, model.time), precise.identity(k)
+        form = internal_model.exact(model.modes, model.time)
         Phi = flint.arb_mat([[form[i, j] for j in range(k)] for i in range(k)])
         shared = v.solve(C).transpose()
         if isinstance(model.time, Continuous):
-            F = (Phi + one * half).transpose()
-            return _by_copies(precise.kronecker(F, one) + precise.kronecker(one, F), shared * C, p).solve(shared)
-        F = (Phi * (half * flint.arb(model.time.period_s)).exp()).transpose()
-        Z = _by_copies(precise.kronecker(F, F) - precise.identity(k * k), shared * C, p)
-        X = Z.solve(C.transpose())
-        left = precise.kronecker(precise.identity(p), Phi) * X
-        return (v + C * X).solve(left.transpose()).transpose()
+            F = Phi + precise.identity(k) * half
+            return copies.lyapunov(F.transpose(), shared * C).solve(shared)
+        F = Phi * (half * flint.arb(model.time.period_s)).exp()
+        X = copies.stein(F.transpose(), shared * C).solve(C.transpose())
+        return (v + C * X).solve((copies.block(Phi, p) * X).transpose()).transpose()
 
     try:
         return precise.resolved(compute, "the anti-windup gain")
@@ -141,37 +138,15 @@ def _exact_gain(regulator: Servo, rate: float, V: Array | None) -> Array:
         ) from error
 
 
-def _by_copies(operator: flint.arb_mat, right: flint.arb_mat, p: int) -> flint.arb_mat:
-    """Return Z (p k, p k) whose blocks (k, k), rows stacked, the operator (k^2, k^2) takes to those of `right`."""
-    n = right.nrows()
-    k = n // p
-    inside = [(i, j) for i in range(k) for j in range(k)]
-    copies = [(a, b) for a in range(p) for b in range(p)]
-    columns = operator.solve(flint.arb_mat([[right[a * k + i, b * k + j] for a, b in copies] for i, j in inside]))
-    return flint.arb_mat([[columns[i % k * k + j % k, i // k * p + j // k] for j in range(n)] for i in range(n)])
-
-
 def _modal_gains(regulator: Servo, rate: float) -> Array:
     """Return the C of `_gain`, each entry rounded once."""
-    model, p = regulator.model, len(regulator.regulated)
-    k = len(model.Phi)
-    columns = [(mode, j) for mode in model.modes for j in range(mode.multiplicity)]
+    modes, p = regulator.model.modes, len(regulator.regulated)
 
     def compute() -> flint.arb_mat:
-        K, T = precise.matrix(regulator.K_xi), flint.arb_mat(k, k)
-        place = 0
-        for mode, j in columns:
-            s = flint.acb(mode.value.real, mode.value.imag)
-            for i in range(j, k):
-                v = s ** (i - j) * math.comb(i, j) * flint.arb(rate) ** j
-                T[i, place] = v.real
-                if mode.value.imag:
-                    T[i, place + 1] = v.imag
-            place += 2 if mode.value.imag else 1
-        return K * precise.kronecker(precise.identity(p), T)
+        return precise.matrix(regulator.K_xi) * copies.block(internal_model.modal(modes, rate), p)
 
     C = precise.resolved(compute, "the gain on the modes")
-    return C / _sizes(C, [mode.order for mode in model.modes] * p)
+    return C / _sizes(C, [mode.order for mode in modes] * p)
 
 
 def conditioning(controller: System, references: Sequence[str], decay_per_s: float | None = None) -> AntiWindup:
