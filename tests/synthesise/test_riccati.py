@@ -327,7 +327,13 @@ def test_a_deadbeat_pole_has_no_frequency_and_a_constant_no_damping() -> None:
     ]  # fmt: skip
 
 
-def test_a_delayed_loop_shows_its_deadbeat_poles() -> None:
-    late = discretise.with_delay(model([[1.0]], [[1.0]], Discrete(5e-4)), 1)
-    text = repr(riccati.solve(late, np.diag([1.0, 0.0]), [1.0]))
-    assert "deadbeat" in text and "e+05" not in text
+@pytest.mark.parametrize("samples", [1, 2, 3, 5])
+def test_a_delayed_loop_shows_its_deadbeat_poles(samples: int) -> None:
+    """Rounding scatters them, three by some 1e-5, which is no frequency of 4 kHz."""
+    late = discretise.with_delay(model([[1.0]], [[1.0]], Discrete(5e-4)), samples)
+    found = riccati.solve(late, np.diag([1.0] + [0.0] * samples), [1.0])
+    shown = [row[1] for row in riccati.modes(found.poles, found.time).rows]
+    assert shown.count("deadbeat") == samples
+    scattered = 7e-6 * np.exp(2j * np.pi * np.arange(3) / 3)
+    assert [row[1] for row in riccati.modes(scattered, found.time).rows] == ["deadbeat"] * 3
+    assert [row[1] for row in riccati.modes(scattered[:1], found.time).rows] == ["3778.2"]
