@@ -94,6 +94,8 @@ def block(
 def _first(name: str, model: StateSpace, start: Start, states: Sequence[Signal]) -> list[_Row]:
     """Return what the first inputs add to each state that they move, over states and inputs."""
     n, m = model.B.shape
+    if not isinstance(start, Start):
+        raise SignalError(f"block '{name}': the start is a {type(start).__name__}: give a Start")
     if (start.a.shape, start.G.shape) != ((n,), (n, m)) or not np.isfinite([*start.a, *start.G.ravel()]).all():
         raise SignalError(
             f"block '{name}': the start is {start.a.shape} and {start.G.shape}: give finite numbers of {(n,)} and "

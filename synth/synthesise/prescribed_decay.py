@@ -21,6 +21,7 @@ All of it is computed in ball arithmetic and rounded once: the result is alike o
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import flint
 import numpy as np
@@ -57,8 +58,10 @@ def design(
     `internal_model.exosystem`; TimingError for another time; ModelError as `internal_model.augmented` and
     `servo.of_gain`.
     """
-    rates = {float(w): _rate(w, rate) for w, rate in _pairs(decay_per_s).items()}
-    counts = dict(multiplicity or {})
+    if not isinstance(gain, Gain):
+        raise SignalError(f"the gain is a {type(gain).__name__}: give that of lqr.lqr, dlqr or lqrd")
+    rates = {w: _rate(w, rate) for w, rate in _by_frequency("decay rates", decay_per_s).items()}
+    counts = _by_frequency("multiplicities", {} if multiplicity is None else multiplicity)
     if unknown := [w for w in counts if w not in rates]:
         raise SignalError(f"the frequency {unknown[0]} rad/s has a multiplicity, but no decay rate: give it one")
     exosystem = {w: counts.get(w, 1) for w in rates}
@@ -80,11 +83,10 @@ def design(
     return servo.of_gain(plant, model, K, regulated=acting.outputs, controls=acting.inputs)
 
 
-def _pairs(decay_per_s: object) -> Mapping[float, float]:
-    if not isinstance(decay_per_s, Mapping):
-        raise SignalError(f"the decay rates are {decay_per_s!r}: give {{frequency in rad/s: rate in 1/s}}")
-    reading.real("exosystem frequencies", list(decay_per_s))
-    return decay_per_s
+def _by_frequency(what: str, given: object) -> dict[float, Any]:
+    if not isinstance(given, Mapping):
+        raise SignalError(f"the {what} are {given!r}: give a number for each frequency, {{rad/s: number}}")
+    return dict(zip(reading.real("exosystem frequencies", list(given)).ravel().tolist(), given.values(), strict=True))
 
 
 def _rate(frequency: float, rate: float) -> float:

@@ -12,7 +12,7 @@ from synth.errors import ModelError, SignalError, TimingError
 from synth.execute import host
 from synth.signals import Signal
 from synth.statespace import Array, StateSpace
-from synth.synthesise import belief, estimator_start, kalman, linear_block, optimal_servo, servo
+from synth.synthesise import belief, estimator_start, kalman, linear_block, lqg, lqr, optimal_servo, servo
 from synth.timing import Continuous
 from tests import tolerances
 
@@ -152,6 +152,18 @@ def test_a_servo_regulator_starts_with_its_estimates() -> None:
         assert (controller.C @ x + controller.D @ u)[0] == pytest.approx(regulator.K_x[0] @ [1e-3, 0.2])
 
 
+def test_a_compensator_starts_with_its_estimates() -> None:
+    """Its integral, which is known, starts at 0."""
+    axis = StateSpace([[0, 1], [0, 0]], [[0], [1]], [[1, 0]], [[0]], ("gap", "speed"), ("force",), ("gap",),
+                      Continuous(), UNITS)  # fmt: skip
+    gain = lqr.lqrd(lqr.integral(axis, ["gap"]), [1e4, 1e2, 1e3], [1.0], T)
+    filtered = kalman.sampled(axis, np.diag([0, 1.0]), [1e-10], T)
+    compensator = lqg.current(gain, filtered).compensator
+    start = estimator_start.from_measurement(compensator, filtered.model)
+    assert compensator.states == ("gap_predicted", "speed_predicted", "gap_integral")
+    assert start.G.tolist() == [[1.0, 0.0], [0.0, 0.0], [0.0, 0.0]]
+
+
 def test_the_start_is_limited_to_the_ranges() -> None:
     model = FILTER.current()
     start = estimator_start.from_measurement(model, FILTER.model)
@@ -183,3 +195,5 @@ def test_what_does_not_fit_is_refused() -> None:
         SignalError, match=r"the start is \(4,\) and \(4, 2\): give finite numbers of \(4,\) and \(4, 3\)"
     ):
         made(model, replace(start, G=start.G[:, :2]))
+    with pytest.raises(SignalError, match="the start is a ndarray: give a Start"):
+        made(model, np.zeros(4))  # type: ignore[arg-type]

@@ -4,12 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy.linalg
 import scipy.optimize
 
 from synth.analyse import discretise, loop
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import StateSpace
-from synth.synthesise import lqr, prescribed_decay, servo
+from synth.synthesise import internal_model, lqr, prescribed_decay, servo
 from synth.timing import Continuous, Discrete
 from tests import tolerances
 
@@ -143,6 +144,46 @@ def test_a_sampled_regulator_is_the_cheapest_to_place_its_mode() -> None:
         assert cost(found.K + np.array([turn])) > best
 
 
+def test_the_sampled_regulator_is_optimal_for_weights_of_like_size() -> None:
+    """The recursion in NumPy, in leapfrog coordinates: its weights, given to `dlqr`, lead to the same gain.
+
+    There they are 8, 21180 and 460; on xi in companion form the same weights are 3e17, 2e14 and 2e9.
+    """
+    plant, gain = axis(T)
+    c, K = 2 - 2 * np.cos(HUM * T), gain.K
+    A, B, C, S = plant.A + plant.B @ K, plant.B, plant.C, gain.R + plant.B.T @ gain.certificate.X @ plant.B
+    whole, W = plant.A, np.array(gain.Q)
+    for J, N, a in (([[1.0]], [[1.0]], 25.0), ([[1.0, c], [-1.0, 1.0 - c]], [[0.0], [1.0]], 40.0)):
+        J, N = np.array(J), np.array(N) @ C
+        M = scipy.linalg.solve_sylvester(-J, A, N)
+        b, grown = -M @ B, np.exp(a * T)
+        inverse = np.linalg.inv(J * np.sqrt(grown))
+        Y = scipy.linalg.solve_discrete_lyapunov(inverse, inverse @ (b @ b.T * grown / S) @ inverse.T)
+        P = grown * np.linalg.inv(Y)
+        S = S + b.T @ P @ b
+        zeta = np.hstack([-M, np.eye(len(J))])
+        k = -np.linalg.solve(S, b.T @ P @ J) @ zeta
+        none = np.zeros((len(A), len(J)))
+        W = scipy.linalg.block_diag(W, 0 * J) + (1 - 1 / grown) * zeta.T @ P @ zeta
+        whole = np.block([[whole, none], [N, J]])
+        K, B, C = (
+            np.hstack([K, 0 * k[:, : len(J)]]) + k,
+            np.vstack([B, np.zeros((len(J), 1))]),
+            np.hstack([C, none[:1]]),
+        )
+        A = np.block([[A, none], [N, J]]) + B @ k
+    found = prescribed_decay.design(plant, gain, RATES)
+    turn = internal_model.leapfrog(list(RATES), T).T
+    np.testing.assert_allclose(np.hstack([found.K_x, found.K_xi @ turn]), K, rtol=1e-6)
+    cross = np.vstack([gain.N, np.zeros((3, 1))])
+    again = lqr.dlqr((whole, B, np.eye(5), np.zeros((5, 1)), plant.time), (W + W.T) / 2, gain.R, cross)
+    np.testing.assert_allclose(again.K, K, rtol=1e-6)
+    like = np.diag(W)[2:]
+    companion = np.diag(np.linalg.inv(turn).T @ W[2:, 2:] @ np.linalg.inv(turn))
+    assert like.max() / like.min() < 1e4
+    assert companion.max() / companion.min() > 1e8
+
+
 def test_the_gain_is_the_same_whatever_lapack_rounds(monkeypatch: pytest.MonkeyPatch) -> None:
     plant, gain = axis(T, 1.5 * T)
     found = prescribed_decay.design(plant, gain, RATES)
@@ -156,8 +197,15 @@ def test_what_does_not_fit_is_refused() -> None:
         with pytest.raises(SignalError, match=r"the mode of 0\.0 rad/s decays at .*: give a finite rate above 0"):
             prescribed_decay.design(plant, gain, {0.0: rate})
     for rates in ([25.0], 25.0, None):
-        with pytest.raises(SignalError, match=r"the decay rates are .*: give \{frequency"):
+        with pytest.raises(SignalError, match=r"the decay rates are .*: give a number for each frequency"):
             prescribed_decay.design(plant, gain, rates)  # type: ignore[arg-type]
+    with pytest.raises(SignalError, match=r"the multiplicities are 2: give a number for each frequency"):
+        prescribed_decay.design(plant, gain, RATES, multiplicity=2)  # type: ignore[arg-type]
+    for key in (None, "a", 1j):
+        with pytest.raises(SignalError):
+            prescribed_decay.design(plant, gain, {key: 25.0})  # type: ignore[dict-item]
+    with pytest.raises(SignalError, match="the gain is a ndarray: give that of lqr"):
+        prescribed_decay.design(plant, gain.K, RATES)  # type: ignore[arg-type]
     with pytest.raises(SignalError, match=r"frequency 3\.0 rad/s has a multiplicity, but no decay rate"):
         prescribed_decay.design(plant, gain, {0.0: 25.0}, multiplicity={3.0: 2})
     with pytest.raises(SignalError, match="distinct finite numbers >= 0, at least one"):
