@@ -54,12 +54,12 @@ def from_measurement(
             f"the deviation of '{whole.states[int(np.argmin(d))]}' at the start is below 0: give 0 or more"
         )
     _require_independent(part, d)
-    found = precise.resolved(lambda: _start(part, x_0, d), "the start of the estimator")
+    start = precise.resolved(lambda: _start(part, x_0, d), "the start of the estimator")
     columns = _columns(model, part)
     a, G = np.zeros(len(model.states)), np.zeros((len(model.states), len(model.inputs)))
     for row, i in rows.items():
-        a[row] = found[i, 0]
-        G[row, [column for column, _ in columns]] = found[i, [1 + source for _, source in columns]]
+        a[row] = start[i, 0]
+        G[row, [column for column, _ in columns]] = start[i, [1 + source for _, source in columns]]
     return Start(readonly(a), readonly(G))
 
 
@@ -90,24 +90,24 @@ def _outputs(model: StateSpace, plant: StateSpace, measured: Sequence[str] | Non
 
 def _columns(model: StateSpace, part: StateSpace) -> list[tuple[int, int]]:
     """Return the place of each signal among the estimator's inputs and among (y, u) of the plant."""
-    found = [(model.inputs.index(y), k) for k, y in enumerate(part.outputs)]
+    places = [(model.inputs.index(y), k) for k, y in enumerate(part.outputs)]
     for k, u in enumerate(part.inputs, len(part.outputs)):
         given = [name for name in (u, f"{u}_limited") if name in model.inputs]
         if given:
-            found.append((model.inputs.index(given[0]), k))
+            places.append((model.inputs.index(given[0]), k))
         elif part.D[:, k - len(part.outputs)].any():
             raise SignalError(f"the outputs follow '{u}' at once, which the estimator does not take: start from others")
-    return found
+    return places
 
 
 def _numbers(what: str, given: Mapping[str, float] | None, states: Sequence[str], default: float) -> Array:
     known = {} if given is None else given
     if not isinstance(known, Mapping) or [name for name in known if name not in states]:
         raise SignalError(f"the start has the {what}s {given!r}: give {{state: {what}}} for {', '.join(states)}")
-    found = reading.real(f"{what}s at the start", [known.get(x, default) for x in states])
-    if found.shape != (len(states),) or not np.isfinite(found).all():
+    numbers = reading.real(f"{what}s at the start", [known.get(x, default) for x in states])
+    if numbers.shape != (len(states),) or not np.isfinite(numbers).all():
         raise SignalError(f"the start has the {what}s {given!r}: give finite numbers")
-    return found
+    return numbers
 
 
 def _require_independent(part: StateSpace, d: Array) -> None:

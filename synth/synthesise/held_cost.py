@@ -38,27 +38,27 @@ def over_period(plant: StateSpace, W: Array, period_s: float, delay_s: float, ex
 
     Raises TimingError and ModelError as `loop.sampled` and `discretise.gramian`.
     """
-    (n, m), F = plant.B.shape, _held(plant)
+    (n, m), F = plant.B.shape, _input_matrix(plant)
     if isinstance(delay_s, float | int) and delay_s == 0:
         over = discretise.gramian(F, W, period_s, exact=exact)
         model = replace(plant, A=over.M[:n, :n], B=over.M[:n, n:], time=Discrete(float(period_s)))
         return Held(model, over.W)
     late = loop.sampled(plant, period_s, delay_s)
     whole, fraction = _split(delay_s / period_s)
-    acting = _late(F, W, m, period_s, fraction, exact)
+    acting = _weight_of_period(F, W, m, period_s, fraction, exact)
     if not whole:
         return Held(late, acting)
     P = _power(late.A, whole, exact)[: len(acting) - m]
-    return Held(late, _congruent(scipy.linalg.block_diag(P, np.eye(m)), acting, exact))
+    return Held(late, _congruence(scipy.linalg.block_diag(P, np.eye(m)), acting, exact))
 
 
-def _held(plant: StateSpace) -> Array:
+def _input_matrix(plant: StateSpace) -> Array:
     """Return [[A, B], [0, 0]]."""
     n, m = plant.B.shape
     return np.vstack([np.hstack([plant.A, plant.B]), np.zeros((m, n + m))])
 
 
-def _late(F: Array, W: Array, m: int, period_s: float, fraction: float, exact: bool) -> Array:
+def _weight_of_period(F: Array, W: Array, m: int, period_s: float, fraction: float, exact: bool) -> Array:
     """Return the weight on (x, h, v), or (x, v) without a fraction."""
     if not fraction:
         return discretise.gramian(F, W, period_s, exact=exact).W
@@ -66,7 +66,7 @@ def _late(F: Array, W: Array, m: int, period_s: float, fraction: float, exact: b
     then = discretise.gramian(F, W, (1 - fraction) * period_s, exact=exact).W
     M = scipy.linalg.block_diag(first.M, np.eye(m))
     M = np.delete(M, np.s_[len(F) - m : len(F)], axis=0)  # h acts no longer
-    return scipy.linalg.block_diag(first.W, np.zeros((m, m))) + _congruent(M, then, exact)
+    return scipy.linalg.block_diag(first.W, np.zeros((m, m))) + _congruence(M, then, exact)
 
 
 def _split(samples: float) -> tuple[int, float]:
@@ -81,7 +81,7 @@ def _power(A: Array, k: int, exact: bool) -> Array:
     return precise.resolved(lambda: precise.matrix(A) ** k, "the delayed model over its delay")
 
 
-def _congruent(M: Array, W: Array, exact: bool) -> Array:
+def _congruence(M: Array, W: Array, exact: bool) -> Array:
     """Return M' W M, symmetric."""
     if exact:
         balls = precise.matrix(M)

@@ -43,10 +43,10 @@ def controller(regulator: Servo, system: System | None = None) -> StateSpace:
             f"the controller has the states {', '.join(source.states)}: give one that begins with {', '.join(old)}"
         )
     form = internal_model.leapfrog([mode.value.imag for mode in model.modes], T)
-    return _moved(source, form, outputs, len(old))
+    return _transform(source, form, outputs, len(old))
 
 
-def _moved(source: StateSpace, form: internal_model.Leapfrog, outputs: Sequence[str], k: int) -> StateSpace:
+def _transform(source: StateSpace, form: internal_model.Leapfrog, outputs: Sequence[str], k: int) -> StateSpace:
     p, n = len(outputs), len(form.T)
     A, B, C = source.A.copy(), source.B.copy(), source.C.copy()
     phi, drive = _step(form.c, n)

@@ -117,7 +117,7 @@ def _gain(acting: StateSpace, model: InternalModel, gain: Gain, rates: Mapping[f
     loop = _Loop(A + B * K, B, C + D * K, D, K, S)
     T = internal_model.modal(model.modes)
     for mode, J, N in _blocks(model, T):
-        loop = _joined(loop, J, N, rates[mode.value.imag], acting, p)
+        loop = _add_mode(loop, J, N, rates[mode.value.imag], acting, p)
     # K acts on (x, eta of the first mode with its p copies, of the second, ..); xi has the copies outside.
     order = [(a, i) for a in range(p) for i in range(T.nrows())]
     places: dict[tuple[int, int], int] = {}
@@ -146,7 +146,7 @@ def _blocks(model: InternalModel, T: Mat) -> Iterator[tuple[Mode, Mat, Mat]]:
         yield mode, Mat([[J[i, j] for j in inside] for i in inside]), Mat([[N[i, 0]] for i in inside])
 
 
-def _joined(loop: _Loop, J: Mat, N: Mat, rate: float, acting: StateSpace, p: int) -> _Loop:
+def _add_mode(loop: _Loop, J: Mat, N: Mat, rate: float, acting: StateSpace, p: int) -> _Loop:
     """Return the loop with the copies of one mode in it."""
     N = copies.block(N, p)
     M = copies.sylvester(loop.A, J, N * loop.C)
