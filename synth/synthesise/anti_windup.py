@@ -34,7 +34,7 @@ from synth.analyse.equilibrate import equilibrated
 from synth.analyse.staircase import Complex
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly, two_dimensional
-from synth.synthesise import copies, internal_model, names, reading, spectrum, weights
+from synth.synthesise import copies, internal_model, minimal_polynomial, names, reading, spectrum, weights
 from synth.synthesise.internal_model import InternalModel
 from synth.synthesise.servo import Servo
 from synth.timing import Continuous, Time
@@ -143,7 +143,7 @@ def _modal_gains(regulator: Servo, rate: float) -> Array:
     modes, p = regulator.model.modes, len(regulator.regulated)
 
     def compute() -> flint.arb_mat:
-        return precise.matrix(regulator.K_xi) * copies.block(internal_model.modal(modes, rate), p)
+        return precise.matrix(regulator.K_xi) * copies.block(minimal_polynomial.modal_matrix(modes, rate), p)
 
     C = precise.resolved(compute, "the gain on the modes")
     return C / _sizes(C, [mode.order for mode in modes] * p)

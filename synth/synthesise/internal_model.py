@@ -14,7 +14,6 @@ leaves the response to the steps of u, for a reference of frequency w the share 
 after a constant nothing is left there.
 """
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -167,22 +166,6 @@ def _require_below_nyquist(frequencies: Sequence[float], period_s: float) -> Non
     nyquist = np.pi / Discrete(period_s).period_s
     if max(frequencies) >= nyquist:
         raise SignalError(f"exosystem frequency {max(frequencies)} rad/s: it must lie below {nyquist:.6g} rad/s")
-
-
-def modal(modes: Sequence[Mode], chain: flint.arb | float = 1.0) -> flint.arb_mat:
-    """Return T (n, n) of the real Jordan form Phi = T J T^-1, a block of J for each mode, in balls.
-
-    Columns are 1, s, s^2, .. at the modes and their derivatives times powers of `chain`, for Phi is a companion form.
-    The form sampled has the same T.
-    """
-    n = sum(mode.order for mode in modes)
-    columns = []
-    for mode in modes:
-        s = flint.acb(mode.value.real, mode.value.imag)
-        for j in range(mode.multiplicity):
-            v = [s ** (i - j) * math.comb(i, j) * flint.arb(chain) ** j if i >= j else flint.acb(0) for i in range(n)]
-            columns += [[x.real for x in v], [x.imag for x in v]] if mode.value.imag else [[x.real for x in v]]
-    return flint.arb_mat(columns).transpose()
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,7 +29,7 @@ import numpy as np
 from synth.analyse import precise
 from synth.errors import ModelError, SignalError
 from synth.statespace import StateSpace, System
-from synth.synthesise import copies, internal_model, reading, regulator_equations, servo
+from synth.synthesise import copies, internal_model, minimal_polynomial, reading, regulator_equations, servo
 from synth.synthesise.internal_model import InternalModel
 from synth.synthesise.lqr import Gain
 from synth.synthesise.minimal_polynomial import Mode
@@ -115,7 +115,7 @@ def _gain(acting: StateSpace, model: InternalModel, gain: Gain, rates: Mapping[f
     if not isinstance(acting.time, Continuous):
         S = S + B.transpose() * precise.matrix(gain.certificate.X) * B
     loop = _Loop(A + B * K, B, C + D * K, D, K, S)
-    T = internal_model.modal(model.modes)
+    T = minimal_polynomial.modal_matrix(model.modes)
     for mode, J, N in _blocks(model, T):
         loop = _add_mode(loop, J, N, rates[mode.value.imag], acting, p)
     # K acts on (x, eta of the first mode with its p copies, of the second, ..); xi has the copies outside.
