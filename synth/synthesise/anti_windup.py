@@ -22,17 +22,19 @@ conditioning       the realisable reference (Hanus, Kinnaert, Henrotte 1987): th
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import flint
 import numpy as np
 import scipy.linalg
 import scipy.special
 from numpy.typing import ArrayLike
 
 from synth import show
+from synth.analyse import precise
 from synth.analyse.equilibrate import equilibrated
 from synth.analyse.staircase import Complex
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly, two_dimensional
-from synth.synthesise import names, reading, spectrum, weights
+from synth.synthesise import copies, internal_model, minimal_polynomial, names, reading, spectrum, weights
 from synth.synthesise.internal_model import InternalModel
 from synth.synthesise.servo import Servo
 from synth.timing import Continuous, Time
@@ -74,29 +76,77 @@ def of_gain(controller: System, E: ArrayLike) -> AntiWindup:
     return _wound(model, readonly(gain), "take another E")
 
 
-def back_calculation(regulator: Servo, decay_per_s: float, V: weights.Weight | None = None) -> AntiWindup:
+def back_calculation(
+    regulator: Servo, decay_per_s: float, V: weights.Weight | None = None, exact: bool = False
+) -> AntiWindup:
     """Return a servo regulator whose internal model decays at the rate a = `decay_per_s` while its commands are held.
 
     V (m, m) shares E among the commands: the excess of one with a large entry counts less. Left out, commands count by
-    the size of their gains, whatever their units. An observer goes on with the limited commands.
+    the size of their gains, whatever their units. An observer goes on with the limited commands. `exact` computes E in
+    ball arithmetic and rounds each entry once, alike on every machine.
 
     Raises SignalError for a rate that is not positive or a V that is not definite; ModelError as `of_gain`.
     """
+    rate, controls = _positive(decay_per_s), regulator.controls
+    given = None if V is None else weights.definite("V", V, controls)
+    E = (_exact_gain if exact else _gain)(regulator, rate, given)
+    still = np.zeros((len(regulator.controller.A) - len(E), len(controls)))
+    return _wound(regulator.controller, readonly(np.vstack([E, still])), "choose a larger decay_per_s")
+
+
+def _gain(regulator: Servo, rate: float, V: Array | None) -> Array:
+    """Return E (p k, m) in double precision."""
     model, p = regulator.model, len(regulator.regulated)
-    rate = _positive(decay_per_s)
     T, J = (np.kron(np.eye(p), M) for M in _jordan(model, rate))
     C = regulator.K_xi @ T
     size = _sizes(C, [mode.order for mode in model.modes] * p)
     T, J, C = T / size, J / size * size[:, None], C / size
-    V = np.diag(1 / equilibrated(C)[1] ** 2) if V is None else weights.definite("V", V, regulator.controls)
+    V = np.diag(1 / equilibrated(C)[1] ** 2) if V is None else V
     if isinstance(model.time, Continuous):
         F = J + rate / 2 * np.eye(len(J))
         shared = np.linalg.solve(V, C)
         E = np.linalg.solve(scipy.linalg.solve_continuous_lyapunov(F.T, C.T @ shared), shared.T)
     else:
         E = _sampled(J, C, V, np.exp(-rate * model.time.period_s / 2))
-    still = np.zeros((len(regulator.controller.A) - len(J), len(V)))
-    return _wound(regulator.controller, readonly(np.vstack([T @ E, still])), "choose a larger decay_per_s")
+    return np.asarray(T @ E, dtype=np.float64)
+
+
+def _exact_gain(regulator: Servo, rate: float, V: Array | None) -> Array:
+    """Return E (p k, m), each entry rounded once; in the coordinates xi, for E is that of any coordinates."""
+    model, p = regulator.model, len(regulator.regulated)
+    k = len(model.Phi)
+    V = np.diag(1 / equilibrated(_modal_gains(regulator, rate))[1] ** 2) if V is None else V
+
+    def compute() -> flint.arb_mat:
+        C, v, half = precise.matrix(regulator.K_xi), precise.matrix(V), flint.arb(rate) / 2
+        form = internal_model.exact(model.modes, model.time)
+        Phi = flint.arb_mat([[form[i, j] for j in range(k)] for i in range(k)])
+        shared = v.solve(C).transpose()
+        if isinstance(model.time, Continuous):
+            F = Phi + precise.identity(k) * half
+            return copies.lyapunov(F.transpose(), shared * C).solve(shared)
+        F = Phi * (half * flint.arb(model.time.period_s)).exp()
+        X = copies.stein(F.transpose(), shared * C).solve(C.transpose())
+        return (v + C * X).solve((copies.block(Phi, p) * X).transpose()).transpose()
+
+    try:
+        return precise.resolved(compute, "the anti-windup gain")
+    except ZeroDivisionError as error:
+        raise ModelError(
+            "the commands do not show every mode of the internal model, so that no E moves it: give the regulator a "
+            "gain K_xi on each"
+        ) from error
+
+
+def _modal_gains(regulator: Servo, rate: float) -> Array:
+    """Return the C of `_gain`, each entry rounded once."""
+    modes, p = regulator.model.modes, len(regulator.regulated)
+
+    def compute() -> flint.arb_mat:
+        return precise.matrix(regulator.K_xi) * copies.block(minimal_polynomial.modal_matrix(modes, rate), p)
+
+    C = precise.resolved(compute, "the gain on the modes")
+    return C / _sizes(C, [mode.order for mode in modes] * p)
 
 
 def conditioning(controller: System, references: Sequence[str], decay_per_s: float | None = None) -> AntiWindup:

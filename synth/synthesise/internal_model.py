@@ -49,9 +49,13 @@ class InternalModel:
         return tuple(f"xi{k + 1}{end}" for end in ends for k in range(len(self.Phi)))
 
     def units(self, outputs: Sequence[str], units: Mapping[str, str]) -> dict[str, str]:
-        """Return the states' units, each an integral of its successor, as far as those of the outputs are known."""
+        """Return the states' units, as far as those of the outputs are known.
+
+        The last state is the integral of an output, in its unit times s, and each other one that of its successor. It
+        is so in either time: N is 1, or about the period in s.
+        """
         n, names = len(self.Phi), self.names(outputs)
-        powers = [f" s^{k}" if k > 1 else " s" * k for k in range(n - 1, -1, -1)]
+        powers = [f" s^{k}" if k > 1 else " s" for k in range(n, 0, -1)]
         ends = [units.get(name) and units[name] + power for name in outputs for power in powers]
         return {name: end for name, end in zip(names, ends, strict=True) if end}
 
@@ -145,12 +149,17 @@ def in_time(given: Exosystem, time: Time) -> InternalModel:
     n, T = len(model.Phi), time.period_s
     _require_below_nyquist([abs(m.value.imag) for m in model.modes], T)
 
-    def compute() -> flint.arb_mat:
-        driven = _driven(minimal_polynomial.product(model.modes), np.zeros(n))
-        return _part((driven * flint.arb(T)).exp(), n, 0, n + 1)
-
-    found = precise.resolved(compute, f"the internal model over {T:g} s")
+    found = precise.resolved(lambda: exact(model.modes, time), f"the internal model over {T:g} s")
     return InternalModel(readonly(found[:, :n]), readonly(found[:, n:]), model.modes, time)
+
+
+def exact(modes: Sequence[Mode], time: Time) -> flint.arb_mat:
+    """Return [Phi, N] (n, n + 1) of exact modes in 1/s, in a time and in balls of the present precision."""
+    n = sum(mode.order for mode in modes)
+    driven = _driven(minimal_polynomial.product(modes), np.zeros(n))
+    if isinstance(time, Discrete):
+        driven = (driven * flint.arb(time.period_s)).exp()
+    return _part(driven, n, 0, n + 1)
 
 
 def _require_below_nyquist(frequencies: Sequence[float], period_s: float) -> None:

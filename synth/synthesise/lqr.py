@@ -6,7 +6,8 @@
 
            int_0^T (x'Qx + u'Ru + 2 x'Nu) dt = [x; u]' W [x; u],   W = int_0^T M(t)' [Q, N; N', R] M(t) dt
 
-           with M(t) = exp([[A, B], [0, 0]] t), which has a cross term even where Q and R have none (Van Loan 1978)
+           with M(t) = exp([[A, B], [0, 0]] t), which has a cross term even where Q and R have none (Van Loan 1978);
+           the input may be late (`held_cost`)
 
     u --->[ x' = A x + B u, or x+ ]--- x ---+          y = C x + D u,  q' = y, or q+ = q + T y
     ^                                       |
@@ -24,10 +25,10 @@ import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
 from synth import show
-from synth.analyse import discretise, structure
+from synth.analyse import structure
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, StateSpace, System, of, readonly, two_dimensional
-from synth.synthesise import doubling, riccati, weights
+from synth.synthesise import doubling, held_cost, riccati, weights
 from synth.timing import Continuous, Discrete, Time, period
 
 
@@ -133,14 +134,18 @@ def lqrd(
     period_s: float,
     N: ArrayLike | None = None,
     exact: bool = False,
+    delay_s: float = 0.0,
 ) -> Gain:
     """Return the optimal gain for a continuous model whose input is held over `period_s`, for the continuous cost.
 
-    Raises TimingError for a sampled model; ModelError when it is for the period that no feedback stabilises it; else as
-    `riccati.solve`.
+    With inputs late by `delay_s` the states are those of `loop.sampled`, late inputs among them, and the cost counts
+    the inputs as they act.
+
+    Raises TimingError for a sampled model, or a delay as `loop.sampled`; ModelError when it is for the period that no
+    feedback stabilises it; else as `riccati.solve`.
     """
     model = of(system)
-    return _held_gain(model, sampled_cost(model, Q, R, period_s, N, exact), exact)
+    return _held_gain(model, sampled_cost(model, Q, R, period_s, N, exact, delay_s), exact)
 
 
 def _held_gain(model: StateSpace, cost: SampledCost, exact: bool) -> Gain:
@@ -176,22 +181,20 @@ def sampled_cost(
     period_s: float,
     N: ArrayLike | None = None,
     exact: bool = False,
+    delay_s: float = 0.0,
 ) -> SampledCost:
-    """Return the held model and its exact weights over one period.
+    """Return the held model and its exact weights over one period; with a delay, the period in which the input acts.
 
-    Raises TimingError for a sampled model; SignalError for weights as `riccati.solve`; ModelError as
-    `discretise.gramian`.
+    Raises TimingError for a sampled model, or a delay as `loop.sampled`; SignalError for weights as `riccati.solve`;
+    ModelError as `discretise.gramian`.
     """
     model = of(system)
     Q, R, N = riccati.checked_weights(model, Q, R, N)
     if not isinstance(model.time, Continuous):
         raise TimingError(f"the cost over a period is asked of a model in {model.time}: give the continuous model")
-    n, m = model.B.shape
-    F = np.zeros((n + m, n + m))
-    F[:n, :n], F[:n, n:] = model.A, model.B
-    over = discretise.gramian(F, weights.joined(Q, R, N), period_s, exact=exact)
-    held = replace(model, A=over.M[:n, :n], B=over.M[:n, n:], time=Discrete(float(period_s)))
-    return SampledCost(held, readonly(over.W[:n, :n]), readonly(over.W[n:, n:]), readonly(over.W[:n, n:]))
+    held = held_cost.over_period(model, weights.joined(Q, R, N), period_s, delay_s, exact)
+    W, n = held.W, len(held.model.A)
+    return SampledCost(held.model, readonly(W[:n, :n]), readonly(W[n:, n:]), readonly(W[:n, n:]))
 
 
 def cost_ratio(
@@ -290,6 +293,4 @@ def integral(system: System, outputs: Sequence[str]) -> StateSpace:
 
 
 def _times_s(unit: str) -> str:
-    if unit == "1":
-        return "s"
-    return unit.removesuffix("/s") if unit.endswith("/s") else f"{unit} s"
+    return "s" if unit == "1" else unit.removesuffix("/s") if unit.endswith("/s") else f"{unit} s"

@@ -9,6 +9,7 @@ neighbourhood for which all are is taken. k_j is the least power that vanishes. 
 way only have eigenvalues of their own; S is scaled first, so that units do not matter.
 """
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -64,6 +65,22 @@ def product(modes: Iterable[Mode]) -> flint.arb_poly:
         a, b = flint.arb(mode.value.real), flint.arb(mode.value.imag)
         found *= flint.arb_poly([a * a + b * b, -2 * a, 1] if mode.value.imag else [-a, 1]) ** mode.multiplicity
     return found
+
+
+def modal_matrix(modes: Sequence[Mode], chain: flint.arb | float = 1.0) -> flint.arb_mat:
+    """Return T (n, n) of the real Jordan form Phi = T J T^-1 of the companion form Phi of the polynomial, in balls.
+
+    J has a block for each mode. Columns of T are 1, s, s^2, .. at the modes and their derivatives times powers of
+    `chain`. exp(Phi t) has the same T.
+    """
+    n = sum(mode.order for mode in modes)
+    columns = []
+    for mode in modes:
+        s = flint.acb(mode.value.real, mode.value.imag)
+        for j in range(mode.multiplicity):
+            v = [s ** (i - j) * math.comb(i, j) * flint.arb(chain) ** j if i >= j else flint.acb(0) for i in range(n)]
+            columns += [[x.real for x in v], [x.imag for x in v]] if mode.value.imag else [[x.real for x in v]]
+    return flint.arb_mat(columns).transpose()
 
 
 def _parts(S: Array) -> list[Array]:

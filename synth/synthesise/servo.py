@@ -225,7 +225,9 @@ def _controller(
     own = [f"{name}_estimate" if name in plant.states else name for name in estimator.states]
     A, B = scipy.linalg.block_diag(Phi, estimator.A), scipy.linalg.block_diag(N, estimator.B)
     C, D = np.hstack([K_xi, K_x @ estimator.C]), np.hstack([np.zeros((len(controls), p)), K_x @ estimator.D])
-    units = {**plant.units, **model.units(regulated, plant.units)}
+    units = {f"{x}_estimate": unit for x, unit in plant.units.items()}
+    units |= {name: estimator.unit(x) for name, x in zip(own, estimator.states, strict=True) if estimator.unit(x)}
+    units |= {**plant.units, **model.units(regulated, plant.units)}
     for signals, end in ((regulated, "error"), (controls, "command"), (controls, "limited")):
         units |= {f"{name}_{end}": plant.unit(name) for name in signals if plant.unit(name)}
     states = (*model.names(regulated), *own)

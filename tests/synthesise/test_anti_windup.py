@@ -1,14 +1,17 @@
 """Anti-windup: what decays while actuators are held, what overshoots less, and what is refused."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 import scipy.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from synth.analyse import precise
 from synth.errors import ModelError, SignalError
 from synth.statespace import StateSpace
-from synth.synthesise import anti_windup, optimal_servo, servo
+from synth.synthesise import anti_windup, internal_model, optimal_servo, servo
 from synth.timing import Continuous, Discrete
 from tests import tolerances
 
@@ -19,16 +22,16 @@ X_AXIS = np.diag([1500, 1500, 4.5e8, 2.25e6, 2.25e6])  # F: its zeros from the e
 Y_AXIS = np.diag([3e4, 3e4, 2.5e9, 2.5e7, 2.5e7])
 
 
-def two_axes(period: float | None = None) -> servo.Servo:
-    """Return the regulator of two coupled axes at constants and sines of 3 rad/s, three actuators."""
+def two_axes(period: float | None = None, exosystem: internal_model.Exosystem = (0.0, 3.0)) -> servo.Servo:
+    """Return the regulator of two coupled axes at constants and sines of 3 rad/s, or else, three actuators."""
     A = scipy.linalg.block_diag(DOUBLE.A, DOUBLE.A)
     B = [[0, 0, 0], [1, 0.5, 0], [0, 0, 0], [0, -0.5, 2]]
     plant = StateSpace(A, B, [[1, 0, 0, 0], [0, 0, 1, 0]], np.zeros((2, 3)), ("p", "dp", "q", "dq"), ("f", "g", "h"),
                        ("y", "z"), Continuous())  # fmt: skip
-    weights = (np.eye(10), np.eye(3))
+    weights = (np.eye(4 + 2 * len(internal_model.of(exosystem).Phi)), np.eye(3))
     if period is None:
-        return optimal_servo.lqr(plant, (0.0, 3.0), *weights)
-    return optimal_servo.lqrd(plant, (0.0, 3.0), *weights, period)
+        return optimal_servo.lqr(plant, exosystem, *weights)
+    return optimal_servo.lqrd(plant, exosystem, *weights, period)
 
 
 @pytest.mark.parametrize("rate", [0.5, 20.0])
@@ -242,3 +245,45 @@ def test_a_rate_that_is_no_number_is_refused(rate: float) -> None:
     regulator = optimal_servo.lqr(([[-1.0]], [[1.0]], [[1.0]]), [0.0], np.ones(2), [1.0])
     with pytest.raises(SignalError, match="decay"):
         anti_windup.back_calculation(regulator, rate)
+
+
+def rounded_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let LAPACK's solutions and products differ in their last digits, as on another processor."""
+
+    def shaken(solve: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
+        return lambda *given, **named: np.asarray(solve(*given, **named)) * (1 + 2.0**-45)
+
+    for module, names in (
+        (np.linalg, ("solve", "inv")),
+        (scipy.linalg, ("solve_continuous_lyapunov", "solve_discrete_lyapunov", "expm")),
+    ):
+        for name in names:
+            monkeypatch.setattr(module, name, shaken(getattr(module, name)))
+
+
+@pytest.mark.parametrize("exosystem", [(0.0, 3.0), {0.0: 2, 3.0: 1}, {3.0: 2}])
+@pytest.mark.parametrize("period", [None, T])
+def test_the_exact_gain_is_the_same_whatever_lapack_rounds(
+    exosystem: internal_model.Exosystem, period: float | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    regulator = two_axes(period, exosystem)
+    double, exact = (anti_windup.back_calculation(regulator, 20.0, exact=e).E for e in (False, True))
+    np.testing.assert_allclose(double, exact, rtol=0, atol=tolerances.of("multiple_root") * np.abs(exact).max())
+    with monkeypatch.context() as patched:
+        patched.setattr(precise, "BITS", 1024)
+        np.testing.assert_array_equal(anti_windup.back_calculation(regulator, 20.0, exact=True).E, exact)
+    rounded_otherwise(monkeypatch)
+    np.testing.assert_array_equal(anti_windup.back_calculation(regulator, 20.0, exact=True).E, exact)
+    assert (double != anti_windup.back_calculation(regulator, 20.0).E).any()
+
+
+@pytest.mark.parametrize("period", [None, T])
+def test_the_exact_gain_shares_by_weights_too(period: float | None) -> None:
+    regulator = two_axes(period)
+    double, exact = (anti_windup.back_calculation(regulator, 20.0, [1.0, 2.0, 5.0], exact=e) for e in (False, True))
+    np.testing.assert_allclose(double.E, exact.E, rtol=0, atol=tolerances.of("zeros") * np.abs(exact.E).max())
+    rates = exact.eigenvalues.real if period is None else np.log(np.abs(exact.eigenvalues)) / T
+    np.testing.assert_allclose(rates, -20, rtol=tolerances.of("multiple_root"))
+    lag = StateSpace([[-1.0]], [[1.0]], [[1.0]], [[0.0]], ("x",), ("u",), ("x",), Continuous())
+    one = servo.of_gain(lag, (0.0,), [[-2.0, -4.0]])
+    assert anti_windup.back_calculation(one, 3.0, exact=True).E.tolist() == [[-0.75]]

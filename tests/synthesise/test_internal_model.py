@@ -1,5 +1,6 @@
 """The exosystem's poles, its exact sampling, and plants that cannot be regulated."""
 
+import re
 from collections.abc import Sequence
 
 import flint
@@ -9,9 +10,12 @@ import scipy.integrate
 import scipy.linalg
 
 from synth.analyse import precise, structure
+from synth.block import Block
+from synth.emit import write
 from synth.errors import ModelError, SignalError, TimingError
+from synth.signals import Signal, dimension
 from synth.statespace import StateSpace
-from synth.synthesise import internal_model
+from synth.synthesise import internal_model, linear_block, lqr
 from synth.timing import Continuous, Discrete
 from tests import tolerances
 
@@ -249,12 +253,56 @@ def test_each_error_has_a_copy_with_names_and_units() -> None:
                      Continuous(), units)  # fmt: skip
     whole, one = internal_model.augmented(two, (0.0, 2.0)), internal_model.exosystem((0.0, 2.0))
     assert whole.states[2:] == ("xi1_gap", "xi2_gap", "xi3_gap", "xi1_tilt", "xi2_tilt", "xi3_tilt")
-    assert [whole.unit(x) for x in whole.states[2:5]] == ["m s^2", "m s", "m"]
-    assert whole.unit("xi1_tilt") == "rad s^2"
+    assert [whole.unit(x) for x in whole.states[2:5]] == ["m s^3", "m s^2", "m s"]
+    assert whole.unit("xi1_tilt") == "rad s^3"
     np.testing.assert_array_equal(whole.A[2:5, 2:5], one.Phi)
     np.testing.assert_array_equal(whole.A[5:, 5:], one.Phi)
     assert not whole.A[2:5, 5:].any()
     np.testing.assert_array_equal(whole.A[2:, :2], scipy.linalg.block_diag(one.N, one.N))
+
+
+@pytest.mark.parametrize("time", [Continuous(), Discrete(T)])
+def test_an_integrator_has_the_unit_of_an_integral_in_either_time(time: Continuous | Discrete) -> None:
+    model = internal_model.in_time([0.0], time)
+    unit = model.units(["x"], {"x": "m"})["xi1"]
+    axis = StateSpace([[0.5]], [[1]], [[1]], [[0]], ("p",), ("f",), ("x",), time, {"x": "m"})
+    assert unit == lqr.integral(axis, ["x"]).unit("x_integral") == "m s"
+    assert model.N[0, 0] == (1.0 if time == Continuous() else T)  # the unit s of the second stands in N
+
+
+def test_the_recursion_is_of_one_unit_in_each_row() -> None:
+    """Scale the unit of time by 1000: each entry of the sampled model scales as its states' units say."""
+    slow, fast = (internal_model.in_time([0.0, w], Discrete(t)) for w, t in ((7.0, 0.05), (7e3, 0.05e-3)))
+    powers = np.array([dict(dimension(u)).get("s", 0) for u in slow.units(["x"], {"x": "m"}).values()], dtype=float)
+    assert powers.tolist() == [3, 2, 1]
+    size = 1e-3**powers
+    np.testing.assert_allclose(fast.Phi, slow.Phi * size[:, None] / size, rtol=tolerances.of("double"))
+    np.testing.assert_allclose(fast.N, slow.N * size[:, None], rtol=tolerances.of("double"))
+
+
+def copy(frequencies: Sequence[float]) -> Block:
+    """The sampled model as a Block, its states in the units that it gives."""
+    model = internal_model.in_time(frequencies, Discrete(T))
+    names, units, n = model.names(["x"]), model.units(["x"], {"x": "m"}), len(model.Phi)
+    system = StateSpace(model.Phi, model.N, np.eye(n), np.zeros((n, 1)), names, ("e",), names, model.time)
+    states = [Signal(name, units[name], -1, 1) for name in names]
+    return linear_block.block(
+        "copy", system, inputs=[Signal("e", "m", -1, 1)], outputs=states, states=states, tag="(14)"
+    )
+
+
+def test_the_c_shows_the_period_in_s() -> None:
+    text = write.emit(copy([0.0]), np.float32).files["copy.c"]
+    assert re.search(r"next_xi1_from_e = 0\.001f; +/\* s; ", text)
+
+
+def test_every_constant_of_the_recursion_is_in_a_power_of_s() -> None:
+    """That of its row over that of its column."""
+    power = {"xi1": 3, "xi2": 2, "xi3": 1, "e": 0}
+    for c in copy([0.0, 7.0]).constants:
+        row, column = c.name.removeprefix("next_").split("_from_")
+        apart = power[row] - power[column]
+        assert dict(dimension(c.unit)) == ({"s": apart} if apart else {})
 
 
 def test_a_sampled_plant_gets_the_sampled_model() -> None:

@@ -6,8 +6,9 @@ import scipy.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from synth.analyse import precise
 from synth.errors import SignalError
-from synth.synthesise import minimal_polynomial
+from synth.synthesise import internal_model, minimal_polynomial
 from tests import tolerances
 
 
@@ -80,3 +81,14 @@ def test_modes_that_are_not_nilpotent_on_any_group_are_not_guessed(monkeypatch: 
     monkeypatch.setattr(minimal_polynomial, "VANISHING", -1.0)
     with pytest.raises(SignalError, match="not determined in double precision: give frequencies"):
         minimal_polynomial.roots(jordan(2j, 2))
+
+
+@pytest.mark.parametrize("chain", [1.0, 7.0])
+def test_the_modal_matrix_leads_to_the_real_jordan_form(chain: float) -> None:
+    """One block for each mode, with the chain's factor beside it."""
+    model = internal_model.exosystem({0.0: 2, 3.0: 2})
+    T = minimal_polynomial.modal_matrix(model.modes, chain)
+    J = precise.rounded(T.inv() * precise.matrix(model.Phi) * T)
+    turn = np.array([[0.0, 3.0], [-3.0, 0.0]])
+    wanted = scipy.linalg.block_diag([[0, chain], [0, 0]], np.block([[turn, chain * np.eye(2)], [0 * turn, turn]]))
+    np.testing.assert_allclose(J, wanted, rtol=0, atol=tolerances.of("double"))

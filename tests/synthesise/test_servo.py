@@ -14,7 +14,7 @@ from synth import statespace
 from synth.analyse import discretise
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import StateSpace
-from synth.synthesise import anti_windup, internal_model, optimal_servo, servo
+from synth.synthesise import anti_windup, internal_model, kalman, optimal_servo, servo
 from synth.timing import Continuous, Discrete
 from tests import tolerances
 
@@ -228,6 +228,18 @@ def test_an_estimator_with_a_direct_term_from_what_is_measured() -> None:
         servo.estimated(found, replace(current, time=Continuous()))
 
 
+def test_the_states_of_an_estimator_keep_their_units() -> None:
+    found = optimal_servo.lqrd(DOUBLE, (0.0,), np.eye(3), [1.0], T)
+    filtered = kalman.sampled(DOUBLE, {"force": 1.0}, [1e-6], T, G=["force"])
+    current, predictor = (
+        servo.estimated(found, part).controller.units for part in (filtered.current(), filtered.predictor())
+    )
+    assert (current["gap_predicted"], current["speed_predicted"]) == ("m", "m/s")
+    assert (predictor["gap_estimate"], predictor["speed_estimate"]) == ("m", "m/s")
+    by_hand = servo.observed(found, [[0.9], [20.0]]).controller.units
+    assert (by_hand["gap_estimate"], by_hand["speed_estimate"]) == ("m", "m/s")
+
+
 def test_other_plants_must_have_the_signals() -> None:
     found = optimal_servo.lqrd(DOUBLE, (0.0,), np.eye(3), [1.0], T)
     with pytest.raises(SignalError, match="no state 'speed', which the regulator feeds back"):
@@ -271,7 +283,7 @@ def test_any_form_of_system_is_read_and_names_choose_signals() -> None:
 def test_a_servo_prints_gains_units_poles_and_certificate() -> None:
     text = repr(optimal_servo.lqr(DOUBLE, (0.0, OMEGA0), WEIGHTS, [1.0]))
     assert "Servo regulator of gap by force in continuous time" in text
-    assert "xi1 [m s^2]" in text
+    assert "xi1 [m s^3]" in text
     assert "Each error dies out" in text
 
 
