@@ -107,7 +107,8 @@ def coefficients(roots: Complex, gain: float) -> list[mpmath.mpf]:
             factor = [mpmath.mpf(1), -mpmath.mpf(root.real)]
             if root.imag:
                 left.remove(root.conjugate())
-                factor = [mpmath.mpf(1), -2 * mpmath.mpf(root.real), mpmath.mpf(root.real) ** 2 + mpmath.mpf(root.imag) ** 2]
+                re, im = mpmath.mpf(root.real), mpmath.mpf(root.imag)
+                factor = [mpmath.mpf(1), -2 * re, re * re + im * im]
             found = [
                 sum((found[i] * factor[k - i] for i in range(len(found)) if 0 <= k - i < len(factor)), mpmath.mpf(0))
                 for k in range(len(found) + len(factor) - 1)
@@ -178,9 +179,13 @@ def case(kind: str, rng: np.random.Generator) -> Case:
 
 
 def _matrices(model: StateSpace, T: float) -> Value:
+    """Return the response from (z - 1) I - (A - I): near z = 1 the difference of z and A would be rounding error."""
+    one = np.eye(len(model.A))
+
     def value(w: Array) -> Complex:
-        z = np.exp(1j * w * T)[:, None, None] * np.eye(len(model.A)) - model.A
-        return np.asarray((model.C @ np.linalg.solve(z, np.broadcast_to(model.B, (len(w), *model.B.shape))))[:, 0, 0] + model.D[0, 0])
+        shifted = np.expm1(1j * w * T)[:, None, None] * one - (model.A - one)
+        states = np.linalg.solve(shifted, np.broadcast_to(model.B, (len(w), *model.B.shape)))
+        return np.asarray((model.C @ states)[:, 0, 0] + model.D[0, 0])
 
     return value
 
@@ -189,7 +194,8 @@ def _sampled_fraction(
     kind: str, zeros: Complex, poles: Complex, gain: float, T: float, low: float, rng: np.random.Generator
 ) -> Case:
     features = np.concatenate([zeros, poles])
-    at = 1j * 10 ** rng.uniform(*np.log10([np.abs(features[features != 0]).min(initial=1.0), np.abs(features).max(initial=1.0)]))
+    sizes = np.abs(features[features != 0])
+    at = 1j * 10 ** rng.uniform(*np.log10([sizes.min(initial=1.0), sizes.max(initial=1.0)]))
     z_poles, z_zeros = np.exp(poles * T), np.exp(zeros * T)
     scale = np.abs(np.prod(np.exp(at * T) - z_poles)) / np.abs(np.prod(np.exp(at * T) - z_zeros)) * np.sign(gain)
     b, a = (np.array([float(v) for v in coefficients(*f)]) for f in ((z_zeros, float(scale)), (z_poles, 1.0)))
@@ -213,7 +219,8 @@ def truth(case: Case) -> Truth:
     real = _refined(lambda v: np.imag(case.value(v)) / np.abs(case.value(v)), w, value.imag / np.abs(value))
     at = case.value(real)
     at = at[(np.abs(at.imag) < 1e-6 * np.abs(at)) & (at.real < 0)]
-    ends = [v for v in (value[0], value[-1]) if abs(v.imag) < 1e-3 * abs(v) and v.real < 0]
+    beside = case.value(np.array([w[0] / 3, w[-1] / 3 if "sampled" not in case.kind else w[-1] * (1 - 1e-9)]))
+    ends = [v for v, u in zip(value[[0, -1]], beside, strict=True) if abs(v - u) < 1e-3 * abs(v) and v.real < 0]
     gains = -1 / np.concatenate([at.real, np.array([v.real for v in ends])])
     gains = gains[(gains < CAP) & (gains > 1 / CAP)]
     angle = np.angle(-case.value(unit))

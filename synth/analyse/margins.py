@@ -43,6 +43,7 @@ FAR = 1e6  # a factor on the gain this far from 1 may be as uncertain as it like
 TOLD = 1e-4  # an uncertainty beyond it is told
 VERGE = 1e-9  # of |1 + L|: a loop this near to oscillation has no margin to verify
 INSIDE = 0.99  # of a margin: there the closed loop must have as many unstable poles as without it
+OUTERMOST = 100.0  # factor on the gain up to which, and from whose inverse, a margin is verified
 
 response = transfer.response
 
@@ -200,13 +201,11 @@ def _rational(loop: Rational, low: float | None, high: float | None) -> _Found:
 
 def _delayed(loop: Delayed, low: float | None, high: float | None) -> _Found:
     course, part = delayed_crossings.of_delayed(loop, low, high), rational.of_system(loop.model)
-    curve = transfer.trace(loop, low, high)
-    whole = low is None and high is None
     return _Found(
         course,
-        transfer.count_unstable(loop, curve) == 0,
-        whole,
-        lambda factor: transfer.count_unstable(loop, curve, factor),
+        transfer.count_unstable(loop, high=high) == 0,
+        low is None and high is None,
+        lambda factor: transfer.count_unstable(loop, factor),
         lambda w: rational.rounding(part, w),
     )
 
@@ -217,7 +216,7 @@ def _traced(loop: StateSpace | Delayed, low: float | None, high: float | None) -
 
     def unstable(factor: complex) -> float:
         if isinstance(loop, Delayed):
-            return transfer.count_unstable(loop, curve, factor)
+            return transfer.count_unstable(loop, factor, high)
         return transfer.not_decaying(transfer.closed_poles(loop, factor), loop.time)
 
     return _Found(
@@ -287,8 +286,8 @@ def _verify(found: _Found, told: Margins) -> None:
 
 
 def _inside(told: Margins) -> Iterator[tuple[str, complex]]:
-    """Yield factors on the loop just within its margins, or far out where there is none."""
-    yield "gain margin", told.gain_margin**INSIDE if np.isfinite(told.gain_margin) else FAR
-    yield "gain reduction margin", told.gain_reduction_margin**INSIDE or 1 / FAR
+    """Yield factors on the loop just within its margins."""
+    yield "gain margin", min(told.gain_margin**INSIDE, OUTERMOST)
+    yield "gain reduction margin", max(told.gain_reduction_margin**INSIDE, 1 / OUTERMOST)
     angle = np.radians(INSIDE * told.phase_margin) if told.gain_crossings else np.pi / 2
     yield "phase margin", complex(np.exp(1j * angle))  # the conjugate factor has the conjugate poles

@@ -16,7 +16,7 @@ which turns at a zero.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from numbers import Real
 
 import numpy as np
@@ -199,16 +199,19 @@ def check_turns(late: float, top: float) -> None:
         )
 
 
-def count_unstable(loop: Delayed, curve: Curve, factor: complex = 1.0) -> float:
+def count_unstable(loop: Delayed, factor: complex = 1.0, high: float | None = None) -> float:
     """Return how many poles of the loop closed on `factor` L lie to the right, by the argument principle.
 
-    With a delay, |D| >= 1 and no hold, infinitely many lie there or come as near to the axis as one likes: inf.
+    With a delay, |D| >= 1 and no hold, infinitely many lie there or come as near to the axis as one likes: inf. The
+    loop is followed up to `high` rad/s, left out as by `trace`.
 
     Raises ModelError where rounding hides the answer.
     """
-    if loop.delay_s and not loop.hold_s and abs(factor * float(loop.model.D[0, 0])) >= 1:
+    size, model = abs(factor), loop.model
+    if loop.delay_s and not loop.hold_s and size * abs(float(model.D[0, 0])) >= 1:
         return np.inf
-    halves = [_followed(loop.model, curve, k) for k in (factor, np.conj(factor))]
+    curve = trace(replace(loop, model=replace(model, C=size * model.C, D=size * model.D)), None, high)
+    halves = [_followed(model, curve, turn) for turn in (factor / size, np.conj(factor) / size)]
     (_, first, _), (_, second, _) = halves
     turn = sum(inside + after for inside, _, after in halves) + float(np.angle(np.exp(1j * (first + second))))
     count = -turn / (2 * np.pi)

@@ -31,7 +31,7 @@ def positioner(k: float, a: float, inertia: float) -> object:
 
 
 def count(loop: transfer.Delayed) -> float:
-    return transfer.count_unstable(loop, transfer.trace(loop))
+    return transfer.count_unstable(loop)
 
 
 def lambert_count(a: float, k: float, tau: float) -> int:
