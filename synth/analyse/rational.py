@@ -165,7 +165,8 @@ def zeros(P: Polynomial) -> Complex:
 
 def roots(P: Polynomial) -> list[tuple[Any, int]]:
     """Return the zeros of a polynomial as balls, each with its multiplicity, in the precision in force."""
-    return [(root, int(count)) for root, count in P.complex_roots()] if P.degree() > 0 else []
+    found: list[Any] = P.complex_roots() if P.degree() > 0 else []
+    return [(root, int(count)) for root, count in found]
 
 
 def on_axis(P: Polynomial) -> tuple[Polynomial, Polynomial]:
