@@ -1,0 +1,184 @@
+"""The response C (v I - A)^-1 B + D of a linear model at many points v, from the real Schur form of its balanced A.
+
+    S^-1 A S = U T U',      (v I - T) Z = U' S^-1 B,      X = U Z,      M(v) = C S X + D
+
+S is diagonal with powers of two, U is orthogonal, and T is upper triangular but for 2 x 2 blocks, one for each complex
+pair of poles. The triangular equations of many points are solved together, a block of rows at a time, so that the time
+goes into products of matrices (Laub 1981 takes the Hessenberg form instead, one point at a time).
+
+U spreads the rounding of the largest entries of A over all others. So the residual R = B - (v I - A) X is compared,
+entry by entry, with |B| + |v X| + |A| |X|: where it is small, X is the solution for a matrix whose entries are off by
+their own rounding. Elsewhere iterative refinement takes X there (Higham, Accuracy and Stability of Numerical
+Algorithms, section 12), and where that does not converge, next to a pole, (v I - A) X = B is solved by elimination. So
+are small models and few points: that takes less time than the Schur form.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+SMALL = 10  # states: below, elimination at each point takes less time than the Schur form
+FEW = 16  # points: below, the same
+ROWS = 8  # of T in one block of the triangular solution
+ENTRIES = 2**17  # of the states at the points of one chunk: 2 MB, which stay in the processor's cache
+MATRICES = 2**20  # entries of all matrices v I - A that are held at once: 16 MB
+BACKWARD = 2.0**-51  # times n, relative to each entry of A, v and B: what elimination guarantees is not refined
+NEAR = 1e10  # |A| |X| over |B|: beyond, a point may lie on a pole within rounding
+CLOSE = 1e-3  # a first refinement that moves the states by less shows that the point is no pole
+STEPS = 2  # of refinement, before elimination
+
+
+@dataclass(frozen=True, eq=False)
+class Schur:
+    """T (n, n), quasi-triangular and real, and U (n, n), orthogonal, of A = U T U'.
+
+    `poles` (n,) are the eigenvalues of A as they stand on the diagonal of T; `edges` cut its rows into blocks.
+    """
+
+    T: Array
+    U: Array
+    poles: Complex
+    edges: tuple[int, ...]
+
+    def solve(self, v: Complex, right: NDArray[np.inexact]) -> Complex:
+        """Return (v I - T)^-1 R for each point v (k,) and R (n, m, k) or (n, m, 1), as (n, m, k)."""
+        n, m, k = len(self.T), right.shape[1], len(v)
+        Z = np.empty((n, m, k), dtype=np.complex128)
+        flat = Z.view(np.float64).reshape(n, 2 * m * k)
+        inverse = 1 / (v - self.poles[:, None])
+        for start, stop in zip(self.edges[-2::-1], self.edges[:0:-1], strict=True):
+            Z[start:stop] = right[start:stop]
+            flat[start:stop] += self.T[start:stop, stop:] @ flat[stop:]
+            self._within(start, stop, v, inverse, Z)
+        return Z
+
+    def _within(self, start: int, stop: int, v: Complex, inverse: Complex, Z: Complex) -> None:
+        """Solve the rows of one diagonal block in place, from the last to the first."""
+        T, flat = self.T, Z.view(np.float64).reshape(len(Z), -1)
+        i = stop - 1
+        while i >= start:
+            paired = i > start and T[i, i - 1] != 0
+            first = i - 1 if paired else i
+            if i + 1 < stop:
+                flat[first : i + 1] += T[first : i + 1, i + 1 : stop] @ flat[i + 1 : stop]
+            Z[first : i + 1] *= inverse[i]
+            if paired:  # the inverse of [[v - a, -b], [-c, v - d]] is [[v - d, b], [c, v - a]] / ((v - p)(v - p*))
+                (a, b), (c, d) = T[first : i + 1, first : i + 1]
+                x, y = Z[first] * inverse[first], Z[i] * inverse[first]
+                Z[first], Z[i] = (v - d) * x + b * y, c * x + (v - a) * y
+            i = first - 1
+
+
+def schur(A: Array) -> Schur:
+    """Return the real Schur form of A (n, n)."""
+    T, U = scipy.linalg.schur(A, check_finite=False) if len(A) else (A, A)
+    poles = np.diagonal(T).astype(np.complex128)
+    pairs = np.flatnonzero(np.diagonal(T, -1))
+    # LAPACK leaves equal diagonals a in a 2 x 2 block and off-diagonals b c < 0: its poles are a +- i sqrt(-b c).
+    rate = np.sqrt(np.abs(T[pairs, pairs + 1])) * np.sqrt(np.abs(T[pairs + 1, pairs]))
+    poles[pairs] += 1j * rate
+    poles[pairs + 1] -= 1j * rate
+    second = set((pairs + 1).tolist())
+    edges = [i + (i in second) for i in range(0, len(A), ROWS)]
+    return Schur(T, U, poles, (*edges, len(A)))
+
+
+def balanced(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array]:
+    """Return A, B, C in states scaled by powers of two so that rows and columns of A are of like size."""
+    if not len(A):
+        return A, B, C
+    A, (scale, _) = scipy.linalg.matrix_balance(A, permute=False, separate=True)
+    return A, B / scale[:, None], C * scale
+
+
+def response(A: Array, B: Array, C: Array, D: Array, v: Complex) -> Complex:
+    """Return C (v I - A)^-1 B + D at points v (k,) as (k, p, m).
+
+    Raises numpy.linalg.LinAlgError when v I - A is singular at a point.
+    """
+    p, m = D.shape
+    if p < m:
+        return response(A.T, C.T, B.T, D.T, v).transpose(0, 2, 1)
+    different, places = np.unique(v, return_inverse=True)
+    if len(different) < len(v):
+        return response(A, B, C, D, different)[places]
+    M = np.empty((len(v), p, m), dtype=np.complex128)
+    M[:] = D
+    if not (len(A) and m):
+        return M
+    if len(A) < SMALL or len(v) < FEW:
+        return M + _direct(A, B, C, v)
+    A, B, C = balanced(A, B, C)
+    form = schur(A)
+    step = max(1, ENTRIES // (len(A) * m))
+    for part in (slice(first, first + step) for first in range(0, len(v), step)):
+        M[part] += _refined(form, A, B, C, v[part])
+    return M
+
+
+def singular(A: Array, v: Complex) -> complex:
+    """Return that of the points v (k,) at which v I - A is nearest to singular."""
+    step = max(1, MATRICES // len(A) ** 2)
+    parts = [v[first : first + step] for first in range(0, len(v), step)]
+    sizes = [np.linalg.slogdet(part[:, None, None] * np.eye(len(A)) - A)[1] for part in parts]
+    return complex(v[int(np.concatenate(sizes).argmin())])
+
+
+def _refined(form: Schur, A: Array, B: Array, C: Array, v: Complex) -> Complex:
+    """Return C (v I - A)^-1 B (k, p, m) by the Schur form, refined; where that does not converge, directly."""
+    left, M = np.arange(len(v)), np.empty((len(v), len(C), B.shape[1]), dtype=np.complex128)
+    near = np.zeros(len(v), dtype=bool)
+    with np.errstate(all="ignore"):  # at a pole X is infinite; elimination tells what that is
+        X = _product(form.U, form.solve(v, (form.U.T @ B)[:, :, None]))
+        for step in range(STEPS + 1):
+            residual = _product(A, X) - v[left] * X + B[:, :, None]
+            near[left] |= _nearly_singular(A, B, v[left], X) & (step == 0)
+            exact = _satisfied(A, B, v[left], X, residual) & ~near[left]
+            M[left[exact]] = _product(C, X[:, :, exact]).transpose(2, 0, 1)
+            left, X, residual = left[~exact], X[:, :, ~exact], residual[:, :, ~exact]
+            if not left.size or step == STEPS:
+                break
+            change = _product(form.U, form.solve(v[left], _product(form.U.T, residual)))
+            near[left] &= ~(_size(change).max(axis=(0, 1)) <= CLOSE * _size(X).max(axis=(0, 1)))
+            X = X + change
+    M[left] = _direct(A, B, C, v[left])
+    return M
+
+
+def _nearly_singular(A: Array, B: Array, v: Complex, X: Complex) -> NDArray[np.bool_]:
+    """Tell for each point (k,) whether X (n, m, k) is so large that a pole may lie there within rounding."""
+    return np.asarray(~(_size(X).max(axis=(0, 1)) * (np.linalg.norm(A, 1) + np.abs(v)) <= NEAR * np.abs(B).max()))
+
+
+def _satisfied(A: Array, B: Array, v: Complex, X: Complex, residual: Complex) -> NDArray[np.bool_]:
+    """Tell for each point (k,) whether X (n, m, k) solves a system within rounding of (v I - A) X = B."""
+    n, m, k = X.shape
+    size = _size(X)
+    terms = (np.abs(A) @ size.reshape(n, m * k)).reshape(n, m, k) + np.abs(v) * size + np.abs(B)[:, :, None]
+    return np.asarray((_size(residual) <= n * BACKWARD * terms).all(axis=(0, 1)))
+
+
+def _product(P: Array, X: Complex) -> Complex:
+    """Return P X (q, m, k) of a real P (q, n) and X (n, m, k)."""
+    n, m, k = X.shape
+    X = np.ascontiguousarray(X)
+    return (P @ X.view(np.float64).reshape(n, 2 * m * k)).view(np.complex128).reshape(len(P), m, k)
+
+
+def _size(X: Complex) -> Array:
+    """Return |Re| + |Im| of each entry."""
+    return np.asarray(np.abs(X.real) + np.abs(X.imag), dtype=np.float64)
+
+
+def _direct(A: Array, B: Array, C: Array, v: Complex) -> Complex:
+    """Return C (v I - A)^-1 B (k, p, m) by elimination at each point."""
+    step = max(1, MATRICES // len(A) ** 2)
+    parts = [v[first : first + step] for first in range(0, len(v), step)]
+    shifted = (part[:, None, None] * np.eye(len(A)) - A for part in parts)
+    found = [C @ np.linalg.solve(each, np.broadcast_to(B, (len(each), *B.shape))) for each in shifted]
+    return np.concatenate(found) if found else np.zeros((0, len(C), B.shape[1]), dtype=np.complex128)
