@@ -79,9 +79,13 @@ def of(model: StateSpace) -> Response:
     """Return the response of a model none of whose poles is at z = -1."""
     A, B, C, D = model.A, model.B, model.C, model.D
     if not isinstance(model.time, Continuous):
-        A, B, C = resolvent.balanced(A, B, C)
-        one, root = np.eye(len(A)), np.sqrt(2)
-        inverse = np.linalg.inv(A + one)
-        A, B, C, D = inverse @ (A - one), root * inverse @ B, root * C @ inverse, D - C @ inverse @ B
+        A, B, C, D = warped(*resolvent.balanced(A, B, C), D)
     A, B, C = resolvent.balanced(A, B, C)
     return Response(A, B, C, D, resolvent.schur(A), model)
+
+
+def warped(A: Array, B: Array, C: Array, D: Array) -> tuple[Array, Array, Array, Array]:
+    """Return A, B, C, D in s = (z - 1)/(z + 1) of those in z, none of whose poles is at z = -1."""
+    one, root = np.eye(len(A)), np.sqrt(2)
+    inverse = np.linalg.inv(A + one)
+    return inverse @ (A - one), root * inverse @ B, root * C @ inverse, D - C @ inverse @ B
