@@ -29,7 +29,7 @@ ENTRIES = 2**17  # of the states at the points of one chunk: 2 MB, which stay in
 MATRICES = 2**20  # entries of all matrices v I - A that are held at once: 16 MB
 BACKWARD = 2.0**-51  # times n, relative to each entry of A, v and B: what elimination guarantees is not refined
 NEAR = 1e10  # |A| |X| over |B|: beyond, a point may lie on a pole within rounding
-CLOSE = 1e-3  # a first refinement that moves the states by less shows that the point is no pole
+CLOSE = 1e-3  # a refinement that moves the states by less shows that the point is no pole
 STEPS = 2  # of refinement, before elimination
 
 
@@ -50,28 +50,36 @@ class Schur:
         n, m, k = len(self.T), right.shape[1], len(v)
         Z = np.empty((n, m, k), dtype=np.complex128)
         flat = Z.view(np.float64).reshape(n, 2 * m * k)
-        inverse = 1 / (v - self.poles[:, None])
+        first, second = self._inverses(v)  # of the diagonal blocks of v I - T
         for start, stop in zip(self.edges[-2::-1], self.edges[:0:-1], strict=True):
             Z[start:stop] = right[start:stop]
-            flat[start:stop] += self.T[start:stop, stop:] @ flat[stop:]
-            self._within(start, stop, v, inverse, Z)
+            if stop < n:
+                flat[start:stop] += self.T[start:stop, stop:] @ flat[stop:]
+            i = stop - 1
+            while i >= start:
+                j = i - 1 if i > start and self.T[i, i - 1] else i
+                if i + 1 < stop:
+                    flat[j : i + 1] += self.T[j : i + 1, i + 1 : stop] @ flat[i + 1 : stop]
+                if j < i:
+                    Z[j], Z[i] = first[j] * Z[j] + second[j] * Z[i], second[i] * Z[j] + first[i] * Z[i]
+                else:
+                    Z[i] *= first[i]
+                i = j - 1
         return Z
 
-    def _within(self, start: int, stop: int, v: Complex, inverse: Complex, Z: Complex) -> None:
-        """Solve the rows of one diagonal block in place, from the last to the first."""
-        T, flat = self.T, Z.view(np.float64).reshape(len(Z), -1)
-        i = stop - 1
-        while i >= start:
-            paired = i > start and T[i, i - 1] != 0
-            first = i - 1 if paired else i
-            if i + 1 < stop:
-                flat[first : i + 1] += T[first : i + 1, i + 1 : stop] @ flat[i + 1 : stop]
-            Z[first : i + 1] *= inverse[i]
-            if paired:  # the inverse of [[v - a, -b], [-c, v - d]] is [[v - d, b], [c, v - a]] / ((v - p)(v - p*))
-                (a, b), (c, d) = T[first : i + 1, first : i + 1]
-                x, y = Z[first] * inverse[first], Z[i] * inverse[first]
-                Z[first], Z[i] = (v - d) * x + b * y, c * x + (v - a) * y
-            i = first - 1
+    def _inverses(self, v: Complex) -> tuple[Complex, Complex]:
+        """Return the diagonal and the other entries (n, k) of the inverses of the diagonal blocks of v I - T.
+
+        That of [[v - a, -b], [-c, v - d]] is [[v - d, b], [c, v - a]] / ((v - p)(v - p*)).
+        """
+        first, second = 1 / (v - self.poles[:, None]), np.zeros((len(self.T), len(v)), dtype=np.complex128)
+        k = np.flatnonzero(np.diagonal(self.T, -1))
+        i = k + 1
+        both = first[k] * first[i]
+        a, d = self.T[k, k, None], self.T[i, i, None]
+        first[k], first[i] = (v - d) * first[k] * first[i], (v - a) * first[k] * first[i]
+        second[k], second[i] = self.T[k, i, None] * both, self.T[i, k, None] * both
+        return first, second
 
 
 def schur(A: Array) -> Schur:
@@ -131,36 +139,43 @@ def singular(A: Array, v: Complex) -> complex:
 
 def _refined(form: Schur, A: Array, B: Array, C: Array, v: Complex) -> Complex:
     """Return C (v I - A)^-1 B (k, p, m) by the Schur form, refined; where that does not converge, directly."""
-    left, M = np.arange(len(v)), np.empty((len(v), len(C), B.shape[1]), dtype=np.complex128)
-    near = np.zeros(len(v), dtype=bool)
+    left = np.arange(len(v))
     with np.errstate(all="ignore"):  # at a pole X is infinite; elimination tells what that is
         X = _product(form.U, form.solve(v, (form.U.T @ B)[:, :, None]))
-        for step in range(STEPS + 1):
-            residual = _product(A, X) - v[left] * X + B[:, :, None]
-            near[left] |= _nearly_singular(A, B, v[left], X) & (step == 0)
-            exact = _satisfied(A, B, v[left], X, residual) & ~near[left]
-            M[left[exact]] = _product(C, X[:, :, exact]).transpose(2, 0, 1)
-            left, X, residual = left[~exact], X[:, :, ~exact], residual[:, :, ~exact]
-            if not left.size or step == STEPS:
-                break
+        M = _product(C, X).transpose(2, 0, 1)
+        size, residual = _size(X), _residual(A, B, v, X)
+        largest = size.max(axis=(0, 1)) * (np.linalg.norm(A, 1) + np.abs(v))
+        far = ~(_satisfied(A, B, v, size, residual) & (largest <= NEAR * np.abs(B).max()))
+        for _ in range(STEPS):
+            left, X, residual = left[far], X[:, :, far], residual[:, :, far]
+            if not left.size:
+                return M
             change = _product(form.U, form.solve(v[left], _product(form.U.T, residual)))
-            near[left] &= ~(_size(change).max(axis=(0, 1)) <= CLOSE * _size(X).max(axis=(0, 1)))
             X = X + change
-    M[left] = _direct(A, B, C, v[left])
+            M[left] = _product(C, X).transpose(2, 0, 1)
+            size, residual = _size(X), _residual(A, B, v[left], X)
+            moved = _size(change).max(axis=(0, 1)) / size.max(axis=(0, 1))
+            far = ~(_satisfied(A, B, v[left], size, residual) & (moved <= CLOSE))
+    M[left[far]] = _direct(A, B, C, v[left[far]])
     return M
 
 
-def _nearly_singular(A: Array, B: Array, v: Complex, X: Complex) -> NDArray[np.bool_]:
-    """Tell for each point (k,) whether X (n, m, k) is so large that a pole may lie there within rounding."""
-    return np.asarray(~(_size(X).max(axis=(0, 1)) * (np.linalg.norm(A, 1) + np.abs(v)) <= NEAR * np.abs(B).max()))
+def _residual(A: Array, B: Array, v: Complex, X: Complex) -> Complex:
+    """Return B - (v I - A) X (n, m, k)."""
+    residual = _product(A, X)
+    residual -= v * X
+    residual += B[:, :, None]
+    return residual
 
 
-def _satisfied(A: Array, B: Array, v: Complex, X: Complex, residual: Complex) -> NDArray[np.bool_]:
-    """Tell for each point (k,) whether X (n, m, k) solves a system within rounding of (v I - A) X = B."""
-    n, m, k = X.shape
-    size = _size(X)
-    terms = (np.abs(A) @ size.reshape(n, m * k)).reshape(n, m, k) + np.abs(v) * size + np.abs(B)[:, :, None]
-    return np.asarray((_size(residual) <= n * BACKWARD * terms).all(axis=(0, 1)))
+def _satisfied(A: Array, B: Array, v: Complex, size: Array, residual: Complex) -> NDArray[np.bool_]:
+    """Tell for each point (k,) whether X with entries of the `size` (n, m, k) solves (v I - A) X = B within rounding."""
+    n, m, k = size.shape
+    terms = (np.abs(A) @ size.reshape(n, m * k)).reshape(n, m, k)
+    terms += np.abs(v) * size
+    terms += np.abs(B)[:, :, None]
+    terms *= n * BACKWARD
+    return np.asarray((_size(residual) <= terms).all(axis=(0, 1)))
 
 
 def _product(P: Array, X: Complex) -> Complex:

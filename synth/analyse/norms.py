@@ -130,9 +130,12 @@ def _lasting(model: StateSpace) -> tuple[str, float]:
     poles = np.linalg.eigvals(A).astype(np.complex128)
     if transfer.decay(poles, model.time):
         return "", 0.0
-    continuous = isinstance(model.time, Continuous)
-    worst = poles[int((poles.real if continuous else np.abs(poles)).argmax())]
-    w = abs(worst.imag) if continuous else abs(float(np.angle(worst))) / model.time.period_s
+    if isinstance(model.time, Continuous):
+        worst = poles[int(poles.real.argmax())]
+        w = abs(worst.imag)
+    else:
+        worst = poles[int(np.abs(poles).argmax())]
+        w = abs(np.angle(worst)) / model.time.period_s
     return f"the pole at {show.number(worst)} does not decay: close a loop around it, or leave it out", float(w)
 
 

@@ -12,7 +12,7 @@ response is higher if it is higher anywhere (Boyd, Balakrishnan 1990; Bruinsma, 
 there; else e is raised. The lower bound is the value at w, less what rounding may have added to it.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,7 @@ Complex = NDArray[np.complex128]
 LEVELS = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)  # e, relative
 CLIMBS = 8  # steps of Newton's method
 TINY = 1e-300
+LEAST = 1e-4  # of the state that goes farthest: one that goes less far counts as going so far
 CONVERGED = 1e-9  # relative: a step that gains less is the last
 
 
@@ -45,9 +46,22 @@ def peak(model: StateSpace) -> Peak:
     """Return the peak of a model all of whose modes decay."""
     A, B, C = resolvent.balanced(model.A, model.B, model.C)
     given = A, B, C, model.D
-    continuous = isinstance(model.time, Continuous)
-    form = given if continuous else schur_response.warped(*given)
+    if isinstance(model.time, Continuous):
+        return _proved(given, given, *_start(given))
+    form = schur_response.warped(*given)
     w, states = _start(form)
+    if w <= 1:
+        return _proved(given, form, w, states)
+    # Nearer to Nyquist M(-z) is searched, for which -1 becomes 1 and s becomes 1/s: infinity has fewer digits than 0.
+    given = -A, -B, C, model.D
+    form = schur_response.warped(*given)
+    found = _proved(given, form, *_start(form))
+    return replace(found, frequency=1 / found.frequency if found.frequency else np.inf)
+
+
+def _proved(given: Matrices, form: Matrices, w: float, states: Array) -> Peak:
+    """Return the peak of `given`, in continuous time `form`, searched from w with `states` (n,) for the weights."""
+    continuous, (A, _, C, _) = form is given, form
     value, w = _climb(form, w)
     value = max(value, EPS * float(states.max(initial=0.0)) * float(np.abs(C).max(initial=0.0)))
     for margin in LEVELS if value else ():
@@ -68,19 +82,21 @@ def _start(form: Matrices) -> tuple[float, Array]:
     A, B, C, D = form
     schur = resolvent.schur(A)
     pairs = schur.poles[schur.poles.imag >= 0]
-    at = np.where(pairs.imag > 0, np.sqrt(np.maximum(pairs.imag**2 - pairs.real**2, 0.0)), np.abs(pairs.real))
-    w = np.concatenate([[0.0], at])
+    square = pairs.imag**2 - pairs.real**2  # of the frequency at which a pair alone has its peak, where it has one
+    w = np.concatenate([[0.0], np.where(square > 0, np.sqrt(np.abs(square)), np.abs(pairs))])
     X = np.tensordot(schur.U, schur.solve(1j * w, (schur.U.T @ B)[:, :, None]), 1)
     M = np.tensordot(C, X, 1).transpose(2, 0, 1) + D
     values = np.linalg.svd(np.concatenate([M, D[None]]), compute_uv=False)[:, 0]
     states = np.linalg.norm(X, axis=1).max(axis=1)
-    return float(np.append(w, np.inf)[values.argmax()]), np.maximum(states, 1e-6 * states.max(initial=0.0))
+    return float(np.append(w, np.inf)[values.argmax()]), np.maximum(states, LEAST * states.max(initial=0.0))
 
 
 def _highest(form: Matrices, frequencies: Array) -> float:
     """Return the frequency at which the response is highest."""
     A, B, C, D = form
-    values = np.linalg.svd(resolvent.response(A, B, C, D, 1j * frequencies), compute_uv=False)[:, 0]
+    values = np.linalg.svd(resolvent.response(A, B, C, D, (1j * frequencies).astype(np.complex128)), compute_uv=False)[
+        :, 0
+    ]
     return float(frequencies[values.argmax()])
 
 
@@ -105,7 +121,7 @@ def _climb(form: Matrices, w: float) -> tuple[float, float]:
 
 
 def _newton(form: Matrices, w: float) -> tuple[float, float, float]:
-    """Return sigma_max at w, the step to where Newton's method expects its maximum, at most w / 2, and the gain there."""
+    """Return sigma_max at w, the step to where its maximum is expected, at most w / 2, and the gain that is there."""
     A, B, C, D = form
     if np.isinf(w) or not len(A):
         return float(np.linalg.norm(D, 2)), 0.0, 0.0
@@ -143,7 +159,7 @@ def _attained(given: Matrices, w: float, continuous: bool) -> float:
     n, (p, m) = len(A), D.shape
     v = complex(0, w) if continuous else (1 + 1j * w) / (1 - 1j * w) if np.isfinite(w) else -1.0
     rounding = 8 * (n + 4) * EPS  # of complex sums of n products, and of v
-    X, error = np.zeros((n, m)), np.zeros((n, m))
+    X, error = np.zeros((n, m), dtype=np.complex128), np.zeros((n, m))
     if n and np.isfinite(v):
         shifted = v * np.eye(n) - A
         R = np.linalg.inv(shifted)

@@ -4,9 +4,10 @@
 
 mu is bounded as in `structured_singular_value`, first on a grid that is dense at lightly damped poles. Between the
 points a scaling D that was found at one of them is kept: sigma_max(D M(i w) D^-1) crosses a level g only where i w is
-an eigenvalue of the Hamiltonian of `bounded_real`, with B, C and D scaled, so that its eigenvalues cut the axis into intervals in which the bound lies on one side of g throughout. Those below are
-done; in the others the next scaling is taken, until none is left. A point found there above the peak becomes the peak.
-Where one more scaling gains little because two singular values meet, the level is raised step by step.
+an eigenvalue of the Hamiltonian of `bounded_real`, with B, C and D scaled, so that its eigenvalues cut the axis into
+intervals in which the bound lies on one side of g throughout. Those below are done; in the others the next scaling is
+taken, until none is left. A point found there above the peak becomes the peak. Where one more scaling gains little
+because two singular values meet, the level is raised step by step.
 """
 
 from dataclasses import dataclass

@@ -13,6 +13,7 @@ Markov parameters and sums up to the step response. MATLAB and python-control gi
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from synth import show
 from synth.analyse import discretise, equilibrate, transfer
@@ -45,11 +46,10 @@ class TimeResponse:
     final: Array | None = None
 
     def sheet(self) -> show.Sheet:
-        """Return the final value, overshoot, rise and settling time of each channel of a step, the peak of an impulse."""
+        """Return final value, overshoot, rise and settling time of each channel of a step; of all responses the peak."""
         labels = [[show.named(*pair) for pair in zip(*part, strict=True)] for part in self._signals()]
         rows = tuple(
-            (f"{labels[1][j]} -> {labels[0][i]}", *self._figures(i, j))
-            for i, j in np.ndindex(*self.outputs.shape[1:])
+            (f"{labels[1][j]} -> {labels[0][i]}", *self._figures(i, j)) for i, j in np.ndindex(*self.outputs.shape[1:])
         )
         columns = ("channel", "final", "overshoot", "rise [s]", "settled [s]", "peak", "at [s]")
         span = f"{len(self.time)} times up to {show.number(self.time[-1])} s"
@@ -153,7 +153,7 @@ def _held(model: StateSpace, interval: float) -> tuple[Array, Array]:
     return E[:n, :n], E[:n, n:]
 
 
-def _rates(model: StateSpace) -> Array:
+def _rates(model: StateSpace) -> NDArray[np.complex128]:
     """Return the poles in 1/s (n,), of a sampled model without those at z = 0."""
     poles = model.poles
     if isinstance(model.time, Continuous):
