@@ -169,7 +169,7 @@ def _residual(A: Array, B: Array, v: Complex, X: Complex) -> Complex:
 
 
 def _satisfied(A: Array, B: Array, v: Complex, size: Array, residual: Complex) -> NDArray[np.bool_]:
-    """Tell for each point (k,) whether X with entries of the `size` (n, m, k) solves (v I - A) X = B within rounding."""
+    """Tell for each point (k,) whether X, whose entries have the `size` (n, m, k), leaves no more than rounding."""
     n, m, k = size.shape
     terms = (np.abs(A) @ size.reshape(n, m * k)).reshape(n, m, k)
     terms += np.abs(v) * size

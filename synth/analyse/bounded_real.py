@@ -1,7 +1,10 @@
 """The bounded-real lemma: a matrix X that proves a bound of a model's response at all frequencies, and its stability.
 
-    continuous   H = - [ A'X + X A + C'C      X B + C'D       ]        sampled   H = - [ A'X A - X + C'C   A'X B + C'D          ]
-                       [ B'X + D'C            D'D - g^2 I     ]                        [ B'X A + D'C       B'X B + D'D - g^2 I  ]
+    continuous   H = - [ A'X + X A + C'C    X B + C'D      ]
+                       [ B'X + D'C          D'D - g^2 I    ]
+
+    sampled      H = - [ A'X A - X + C'C    A'X B + C'D            ]
+                       [ B'X A + D'C        B'X B + D'D - g^2 I    ]
 
 With X > 0 and H > 0 all modes decay and sigma_max(M) < g on the whole axis or circle (Zhou, Doyle, Glover 1996,
 corollary 13.24 and theorem 21.12): x'Xx is an energy that falls by more than |y|^2 - g^2 |u|^2. `is_proof` decides both

@@ -1,8 +1,9 @@
 """H2 and H-infinity norms of a linear model (`control.norm`, MATLAB `norm` and `hinfnorm`), each with its certificate.
 
-    M(s) = C (s I - A)^-1 B + D          H-infinity norm = max over w of sigma_max(M(i w))          peak gain over frequency
+    M(s) = C (s I - A)^-1 B + D
 
-    H2 norm^2 = trace(C P C' + D D') = trace(B' Q B + D'D)              variance of the outputs under unit white noise
+    H-infinity norm = max over w of sigma_max(M(i w))            the largest gain over frequencies and directions
+    H2 norm^2 = trace(C P C' + D D') = trace(B'Q B + D'D)        the variance of the outputs under unit white noise
 
     continuous   A P + P A' + B B' = 0,    A'Q + Q A + C'C = 0          D = 0, for else the norm is infinite
     sampled      A P A' - P + B B' = 0,    A'Q A - Q + C'C = 0          w up to pi/T; a sum over samples, without T

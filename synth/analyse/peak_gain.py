@@ -6,10 +6,10 @@ The search starts at the poles' frequencies and climbs by Newton's method. With 
 
     sigma' = Re u^H M' v,     sigma'' = Re u^H M'' v + what M' couples to the other singular vectors
 
-Then `bounded_real` is asked for a proof that g = (1 + e) sigma is an upper bound, with weights W that take up half of e.
-Where there is none, the eigenvalues of the Hamiltonian cut the axis into intervals, in the middle of one of which the
-response is higher if it is higher anywhere (Boyd, Balakrishnan 1990; Bruinsma, Steinbuch 1990), and the climb starts
-there; else e is raised. The lower bound is the value at w, less what rounding may have added to it.
+Then `bounded_real` is asked for a proof that g = (1 + e) sigma is an upper bound, with weights W that take up half of
+e. Where there is none, the eigenvalues of the Hamiltonian cut the axis into intervals, in the middle of one of which
+the response is higher if it is higher anywhere (Boyd, Balakrishnan 1990; Bruinsma, Steinbuch 1990), and the climb
+starts there; else e is raised. The lower bound is the value at w, less what rounding may have added to it.
 """
 
 from dataclasses import dataclass, replace

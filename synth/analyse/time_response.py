@@ -46,7 +46,7 @@ class TimeResponse:
     final: Array | None = None
 
     def sheet(self) -> show.Sheet:
-        """Return final value, overshoot, rise and settling time of each channel of a step; of all responses the peak."""
+        """Return final value, overshoot, rise and settling time of each channel of a step, and the peak of all."""
         labels = [[show.named(*pair) for pair in zip(*part, strict=True)] for part in self._signals()]
         rows = tuple(
             (f"{labels[1][j]} -> {labels[0][i]}", *self._figures(i, j)) for i, j in np.ndindex(*self.outputs.shape[1:])
@@ -138,12 +138,12 @@ def _recursion(model: StateSpace, duration_s: float | None, interval_s: float | 
         raise TimingError(f"an interval of {interval_s:g} s was asked for in {model.time}: leave it out")
     else:
         interval = model.time.period_s
-        span = float(duration_s or min(np.ceil(_duration(model) / interval), MOST // 2) * interval)
+        span = float(duration_s or min(float(np.ceil(_duration(model) / interval)), MOST / 2) * interval)
     count = int(np.floor(span / interval * (1 + 1e-12)))
     if not 1 <= count <= MOST:
         raise TimingError(f"{span:g} s hold {count} intervals of {interval:g} s: give times for 1 to {MOST} of them")
     F, G = (model.A, model.B) if not isinstance(model.time, Continuous) else _held(model, interval)
-    return np.arange(count + 1) * interval, F, G
+    return interval * np.arange(count + 1, dtype=np.float64), F, G
 
 
 def _held(model: StateSpace, interval: float) -> tuple[Array, Array]:
@@ -191,9 +191,10 @@ def _final(model: StateSpace) -> Array | None:
 
 
 def _response(signal: str, model: StateSpace, time: Array, outputs: Array, final: Array | None) -> TimeResponse:
-    units = (tuple(model.unit(name) for name in names) for names in (model.outputs, model.inputs))
+    units, input_units = (tuple(model.unit(name) for name in names) for names in (model.outputs, model.inputs))
     ends = None if final is None else readonly(final)
-    return TimeResponse(signal, readonly(time), readonly(outputs), model.outputs, model.inputs, *units, ends)
+    values = readonly(time), readonly(outputs)
+    return TimeResponse(signal, *values, model.outputs, model.inputs, units, input_units, ends)
 
 
 def _first(time: Array, y: Array, level: float) -> float:
