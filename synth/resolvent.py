@@ -24,8 +24,9 @@ Complex = NDArray[np.complex128]
 
 SMALL = 10  # states: below, elimination at each point takes less time than the Schur form
 FEW = 16  # points: below, the same
-ROWS = 8  # of T in one block of the triangular solution
-ENTRIES = 2**17  # of the states at the points of one chunk: 2 MB, which stay in the processor's cache
+ROWS = 32  # of T in one block of the triangular solution
+ENTRIES = 2**16  # of the states at the points of one chunk: 1 MB, which stays in the processor's cache
+TOGETHER = 8  # chunks whose inexact solutions are refined together
 MATRICES = 2**20  # entries of all matrices v I - A that are held at once: 16 MB
 BACKWARD = 2.0**-51  # times n, relative to each entry of A, v and B: what elimination guarantees is not refined
 NEAR = 1e10  # |A| |X| over |B|: beyond, a point may lie on a pole within rounding
@@ -70,15 +71,15 @@ class Schur:
     def _inverses(self, v: Complex) -> tuple[Complex, Complex]:
         """Return the diagonal and the other entries (n, k) of the inverses of the diagonal blocks of v I - T.
 
-        That of [[v - a, -b], [-c, v - d]] is [[v - d, b], [c, v - a]] / ((v - p)(v - p*)).
+        LAPACK leaves equal entries a on the diagonal of a block: with the poles p and p* the inverse of
+        [[v - a, -b], [-c, v - a]] is [[v - a, b], [c, v - a]] / ((v - p)(v - p*)), and a = (p + p*) / 2.
         """
         first, second = 1 / (v - self.poles[:, None]), np.zeros((len(self.T), len(v)), dtype=np.complex128)
-        k = np.flatnonzero(np.diagonal(self.T, -1))
-        i = k + 1
-        both = first[k] * first[i]
-        a, d = self.T[k, k, None], self.T[i, i, None]
-        first[k], first[i] = (v - d) * first[k] * first[i], (v - a) * first[k] * first[i]
-        second[k], second[i] = self.T[k, i, None] * both, self.T[i, k, None] * both
+        for k in np.flatnonzero(np.diagonal(self.T, -1)).tolist():
+            i = k + 1
+            both = first[k] * first[i]
+            second[k], second[i] = self.T[k, i] * both, self.T[i, k] * both
+            first[k] = first[i] = (first[k] + first[i]) / 2
         return first, second
 
 
@@ -123,31 +124,32 @@ def response(A: Array, B: Array, C: Array, D: Array, v: Complex) -> Complex:
         return M + _direct(A, B, C, v)
     A, B, C = balanced(A, B, C)
     form = schur(A)
-    step = max(1, ENTRIES // (len(A) * m))
-    for part in (slice(first, first + step) for first in range(0, len(v), step)):
+    for part in _chunks(len(v), TOGETHER * ENTRIES // B.size):
         M[part] += _refined(form, A, B, C, v[part])
     return M
 
 
 def singular(A: Array, v: Complex) -> complex:
     """Return that of the points v (k,) at which v I - A is nearest to singular."""
-    step = max(1, MATRICES // len(A) ** 2)
-    parts = [v[first : first + step] for first in range(0, len(v), step)]
+    parts = [v[part] for part in _chunks(len(v), MATRICES // len(A) ** 2)]
     sizes = [np.linalg.slogdet(part[:, None, None] * np.eye(len(A)) - A)[1] for part in parts]
     return complex(v[int(np.concatenate(sizes).argmin())])
 
 
 def _refined(form: Schur, A: Array, B: Array, C: Array, v: Complex) -> Complex:
     """Return C (v I - A)^-1 B (k, p, m) by the Schur form, refined; where that does not converge, directly."""
-    left = np.arange(len(v))
+    M, places, right = np.empty((len(v), len(C), B.shape[1]), dtype=np.complex128), np.arange(len(v)), form.U.T @ B
+    inexact = []
     with np.errstate(all="ignore"):  # at a pole X is infinite; elimination tells what that is
-        X = _product(form.U, form.solve(v, (form.U.T @ B)[:, :, None]))
-        M = _product(C, X).transpose(2, 0, 1)
-        size, residual = _size(X), _residual(A, B, v, X)
-        largest = size.max(axis=(0, 1)) * (np.linalg.norm(A, 1) + np.abs(v))
-        far = ~(_satisfied(A, B, v, size, residual) & (largest <= NEAR * np.abs(B).max()))
+        for part in _chunks(len(v), ENTRIES // B.size):
+            X = _product(form.U, form.solve(v[part], right[:, :, None]))
+            M[part] = _product(C, X).transpose(2, 0, 1)
+            size, residual = _size(X), _residual(A, B, v[part], X)
+            near = size.max(axis=(0, 1)) * (np.linalg.norm(A, 1) + np.abs(v[part])) > NEAR * np.abs(B).max()
+            far = ~_satisfied(A, B, v[part], size, residual) | near
+            inexact.append((places[part][far], X[:, :, far], residual[:, :, far]))
+        left, X, residual = (np.concatenate(each, axis=-1) for each in zip(*inexact, strict=True))
         for _ in range(STEPS):
-            left, X, residual = left[far], X[:, :, far], residual[:, :, far]
             if not left.size:
                 return M
             change = _product(form.U, form.solve(v[left], _product(form.U.T, residual)))
@@ -156,8 +158,15 @@ def _refined(form: Schur, A: Array, B: Array, C: Array, v: Complex) -> Complex:
             size, residual = _size(X), _residual(A, B, v[left], X)
             moved = _size(change).max(axis=(0, 1)) / size.max(axis=(0, 1))
             far = ~(_satisfied(A, B, v[left], size, residual) & (moved <= CLOSE))
-    M[left[far]] = _direct(A, B, C, v[left[far]])
+            left, X, residual = left[far], X[:, :, far], residual[:, :, far]
+    M[left] = _direct(A, B, C, v[left])
     return M
+
+
+def _chunks(count: int, most: int) -> list[slice]:
+    """Return the places from 0 to `count` in parts of at most `most`, or of one."""
+    step = max(1, most)
+    return [slice(first, first + step) for first in range(0, count, step)]
 
 
 def _residual(A: Array, B: Array, v: Complex, X: Complex) -> Complex:
@@ -192,8 +201,7 @@ def _size(X: Complex) -> Array:
 
 def _direct(A: Array, B: Array, C: Array, v: Complex) -> Complex:
     """Return C (v I - A)^-1 B (k, p, m) by elimination at each point."""
-    step = max(1, MATRICES // len(A) ** 2)
-    parts = [v[first : first + step] for first in range(0, len(v), step)]
+    parts = [v[part] for part in _chunks(len(v), MATRICES // len(A) ** 2)]
     shifted = (part[:, None, None] * np.eye(len(A)) - A for part in parts)
     found = [C @ np.linalg.solve(each, np.broadcast_to(B, (len(each), *B.shape))) for each in shifted]
     return np.concatenate(found) if found else np.zeros((0, len(C), B.shape[1]), dtype=np.complex128)
