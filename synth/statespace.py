@@ -94,6 +94,8 @@ class StateSpace:
     def response(self, s_or_z: ArrayLike) -> NDArray[np.complex128]:
         """Return C (v I - A)^-1 B + D at each point v of `s_or_z` (k,) as an array (k, p, m).
 
+        Values beyond what a double holds are not finite.
+
         Raises SignalError when the points are no list of finite numbers; ModelError naming a pole among them.
         """
         try:
@@ -106,7 +108,8 @@ class StateSpace:
             point = show.number(v[~np.isfinite(v)][0])
             raise SignalError(f"a point is {point}: give finite ones; at infinity the response is D")
         try:
-            return resolvent.response(self.A, self.B, self.C, self.D, v)
+            with np.errstate(all="ignore"):
+                return resolvent.response(self.A, self.B, self.C, self.D, v)
         except np.linalg.LinAlgError as error:
             pole = show.number(resolvent.singular(self.A, v))
             raise ModelError(f"the response has no value at {pole}, a pole: leave it out") from error

@@ -16,17 +16,31 @@ trace(C P C' + D D') + trace(Q* Rp) with the true Q*; so Q corrects it, and what
 |Q* - Q| |Rp|_* <= |H| |Rq| sqrt(n) |Rp|, where H is the Gramian of C = I. That of H-infinity is in `bounded_real`.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 import scipy.linalg
 
 from synth import resolvent, show
 from synth.analyse import peak_gain, transfer, twofold
+from synth.errors import ModelError
 from synth.statespace import Array, StateSpace, System, of
 from synth.timing import Continuous, Time
 
 EPS = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True)
+class _Square:
+    """The square of an H2 norm, and a bound of its error."""
+
+    value: float
+    error: float
+
+
+Found = TypeVar("Found", _Square, peak_gain.Peak)
 
 
 @show.printed
@@ -88,7 +102,7 @@ def norm_h2(system: System) -> NormH2:
     It is infinite when a mode does not decay, or when a continuous model has D other than 0. In the units of outputs
     over inputs, per root of a second for a continuous model.
 
-    Raises SignalError as `statespace.of`.
+    Raises SignalError as `statespace.of`; ModelError when the numbers exceed what a double holds.
     """
     model = of(system)
     reason = _lasting(model)[0]
@@ -100,8 +114,9 @@ def norm_h2(system: System) -> NormH2:
         )
     if reason:
         return NormH2(np.inf, 0.0, model.time, reason)
-    square, left = _square(model)
-    return NormH2(float(np.sqrt(square)), left / (2 * square) + 4 * EPS if square else left, model.time)
+    square = _within_range(_square, model, "H2")
+    error = square.error / (2 * square.value) + 4 * EPS if square.value else square.error
+    return NormH2(float(np.sqrt(square.value)), error, model.time)
 
 
 def norm_hinf(system: System) -> NormHinf:
@@ -110,7 +125,7 @@ def norm_hinf(system: System) -> NormHinf:
     The bounds differ by 1e-6 or, where rounding hides a proof of that, by the least of 1e-5, 1e-4 .. 0.1 that can be
     proved. The frequency is inf where a continuous model peaks at infinity, pi/T where a sampled one does at Nyquist.
 
-    Raises SignalError as `statespace.of`.
+    Raises SignalError as `statespace.of`; ModelError when the numbers exceed what a double holds.
     """
     model = of(system)
     reason, w = _lasting(model)
@@ -118,17 +133,31 @@ def norm_hinf(system: System) -> NormHinf:
         return NormHinf(np.inf, w, np.inf, np.inf, model.time, reason)
     if not model.D.size:
         return NormHinf(0.0, 0.0, 0.0, 0.0, model.time)
-    found = peak_gain.peak(model)
+    found = _within_range(peak_gain.peak, model, "H-infinity")
     w = found.frequency
     if not isinstance(model.time, Continuous):
         w = float(2 / model.time.period_s * np.arctan(w))
     return NormHinf(found.value, w, found.lower, found.upper, model.time)
 
 
+def _within_range(compute: Callable[[StateSpace], Found], model: StateSpace, name: str) -> Found:
+    """Return what is computed of the model; raise ModelError when its numbers leave the range of a double."""
+    try:
+        with np.errstate(all="ignore"):
+            found = compute(model)
+        if np.isfinite(found.value):
+            return found
+        cause: Exception | None = None
+    except (OverflowError, ValueError, np.linalg.LinAlgError) as error:
+        cause = error
+    raise ModelError(
+        f"the {name} norm needs numbers that exceed what a double holds: scale the units of inputs, outputs or time"
+    ) from cause
+
+
 def _lasting(model: StateSpace) -> tuple[str, float]:
     """Return why the norms are infinite, "" if they are not, and the frequency in rad/s of the mode that lasts."""
-    A = resolvent.balanced(model.A, model.B, model.C)[0]
-    poles = np.linalg.eigvals(A).astype(np.complex128)
+    poles = model.poles
     if transfer.decay(poles, model.time):
         return "", 0.0
     if isinstance(model.time, Continuous):
@@ -140,20 +169,20 @@ def _lasting(model: StateSpace) -> tuple[str, float]:
     return f"the pole at {show.number(worst)} does not decay: close a loop around it, or leave it out", float(w)
 
 
-def _square(model: StateSpace) -> tuple[float, float]:
+def _square(model: StateSpace) -> _Square:
     """Return the square of the H2 norm of a model that decays, and a bound of its error."""
     A, B, C = resolvent.balanced(model.A, model.B, model.C)
     continuous, n = isinstance(model.time, Continuous), len(A)
     direct = float((model.D**2).sum())
     if not n:
-        return direct, 4 * model.D.size * EPS * direct
+        return _Square(direct, 4 * model.D.size * EPS * direct)
     P, Q, H = (_gramian(F, W, continuous) for F, W in ((A.T, B @ B.T), (A, C.T @ C), (A, np.eye(n))))
     Rp, Rq = _residual(A.T, B.T, P, continuous), _residual(A, C, Q, continuous)
     shown = twofold.product(twofold.product(C, P), C.T).rounded()
     square = float(np.trace(shown)) + direct + float((Q * Rp).sum())
     left = np.linalg.norm(H, 2) * np.linalg.norm(Rq) * np.sqrt(n) * np.linalg.norm(Rp)
     rounding = EPS * float(np.abs(np.diagonal(shown)).sum() + direct + np.abs(Q * Rp).sum()) * (n + len(C) + 4)
-    return max(square, 0.0), float(left) + rounding
+    return _Square(max(square, 0.0), float(left) + rounding)
 
 
 def _gramian(F: Array, W: Array, continuous: bool) -> Array:

@@ -9,6 +9,7 @@ import pytest
 import slycot
 
 from synth.analyse import bounded_real, norms, peak_gain
+from synth.errors import ModelError
 from synth.statespace import StateSpace, of
 from synth.timing import Continuous
 
@@ -194,6 +195,13 @@ def test_where_nothing_is_proved_the_norm_says_so(monkeypatch: pytest.MonkeyPatc
     found = norms.norm_hinf(lag(0.1))
     assert not found.certified and found.upper == np.inf and found.lower == pytest.approx(PEAK, rel=1e-9)
     assert "no upper bound was proved" in repr(found)
+
+
+@pytest.mark.parametrize("norm", [norms.norm_h2, norms.norm_hinf])
+@pytest.mark.parametrize("size", [1e200, 1e300])
+def test_numbers_beyond_a_double_are_refused(norm: Any, size: float) -> None:
+    with pytest.raises(ModelError, match="exceed what a double holds: scale the units"):
+        norm(([[-1.0]], [[size]], [[size]]))
 
 
 def test_the_lower_bound_holds_at_its_frequency() -> None:
