@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from synth import show
+from synth import resolvent, show
 from synth.errors import ModelError, SignalError
 from synth.signals import dimension
 from synth.timing import Continuous, Discrete, Time
@@ -95,7 +95,9 @@ class StateSpace:
     def response(self, s_or_z: ArrayLike) -> NDArray[np.complex128]:
         """Return C (v I - A)^-1 B + D at each point v of `s_or_z` (k,) as an array (k, p, m).
 
-        Raises SignalError when the points are no list of numbers; ModelError naming a pole among them.
+        Values beyond what a double holds are not finite.
+
+        Raises SignalError when the points are no list of finite numbers; ModelError naming a pole among them.
         """
         try:
             v = np.atleast_1d(np.asarray(s_or_z, dtype=np.complex128))
@@ -103,13 +105,15 @@ class StateSpace:
             raise SignalError(f"the points are no numbers ({error}): give a list of them") from error
         if v.ndim != 1:
             raise SignalError(f"the points have shape {v.shape}: give a list, as by points.ravel()")
-        shifted = v[:, None, None] * np.eye(len(self.A)) - self.A
+        if not np.isfinite(v).all():
+            point = show.number(v[~np.isfinite(v)][0])
+            raise SignalError(f"a point is {point}: give finite ones; at infinity the response is D")
         try:
-            resolvent = np.linalg.solve(shifted, np.broadcast_to(self.B, (len(v), *self.B.shape)))
+            with np.errstate(all="ignore"):
+                return resolvent.response(self.A, self.B, self.C, self.D, v)
         except np.linalg.LinAlgError as error:
-            pole = v[int(np.argmin(np.linalg.slogdet(shifted)[1]))]
-            raise ModelError(f"the response has no value at {show.number(pole)}, a pole: leave it out") from error
-        return np.asarray(self.C @ resolvent + self.D, dtype=np.complex128)
+            pole = show.number(resolvent.singular(self.A, v))
+            raise ModelError(f"the response has no value at {pole}, a pole: leave it out") from error
 
     def channel(self, output: str, input: str) -> "StateSpace":
         """Return the single-input single-output model from `input` to `output`."""

@@ -1,9 +1,9 @@
-"""Response of a model at many frequencies, from the Schur form A = U T U^H of its balanced A.
+"""Response of a model at many frequencies, from the Schur form A = U T U' of its balanced A (`synth.resolvent`).
 
-    M(s) = C U (s I - T)^-1 U^H B + D
+    M(s) = C U (s I - T)^-1 U' B + D
 
-Each frequency costs one triangular solution, all of them at once; other than eigenvectors, U is well conditioned for
-every A. A sampled model is taken at s = (z - 1)/(z + 1), where z = exp(i w T) becomes s = i tan(w T / 2), exactly:
+Other than eigenvectors, U is well conditioned for every A. A sampled model is taken at s = (z - 1)/(z + 1), where
+z = exp(i w T) becomes s = i tan(w T / 2), exactly:
 
     A -> (A + I)^-1 (A - I),   B -> sqrt(2) (A + I)^-1 B,   C -> sqrt(2) C (A + I)^-1,   D -> D - C (A + I)^-1 B
 
@@ -13,9 +13,9 @@ every A. A sampled model is taken at s = (z - 1)/(z + 1), where z = exp(i w T) b
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
+from synth import resolvent
 from synth.statespace import Array, StateSpace
 from synth.timing import Continuous
 
@@ -24,7 +24,7 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """A, B, C, D in the warped and balanced states, the Schur form (T, U) of A, and the `model` that they are of.
+    """A, B, C, D in the warped and balanced states, the Schur `form` of A, and the `model` that they are of.
 
     Frequencies are those of s: w in rad/s for a continuous model, tan(w T / 2) for a sampled one.
     """
@@ -33,14 +33,13 @@ class Response:
     B: Array
     C: Array
     D: Array
-    T: Complex
-    U: Complex
+    form: resolvent.Schur
     model: StateSpace
 
     @property
     def poles(self) -> Complex:
         """Eigenvalues of A."""
-        return np.asarray(np.diagonal(self.T))
+        return self.form.poles
 
     @property
     def size(self) -> float:
@@ -49,14 +48,9 @@ class Response:
 
     def at(self, frequencies: Array) -> Complex:
         """Return M (k, p, m) at frequencies (k,) of s, inf among them."""
-        w, n = np.where(np.isinf(frequencies), 0.0, frequencies), len(self.A)
-        right, count = self.U.conj().T @ self.B, len(w)
-        p, m = self.D.shape
-        X = np.empty((n, m, count), dtype=np.complex128)
-        for i in range(n - 1, -1, -1):
-            carried = (self.T[i, i + 1 :] @ X[i + 1 :].reshape(n - 1 - i, m * count)).reshape(m, count)
-            X[i] = (right[i][:, None] + carried) / (1j * w - self.T[i, i])
-        moving = ((self.C @ self.U) @ X.reshape(n, m * count)).reshape(p, m, count).transpose(2, 0, 1)
+        w, U = np.where(np.isinf(frequencies), 0.0, frequencies), self.form.U
+        Z = self.form.solve(1j * w, (U.T @ self.B)[:, :, None])
+        moving = np.tensordot(self.C @ U, Z, 1).transpose(2, 0, 1)
         return np.asarray(self.D + np.where(np.isinf(frequencies)[:, None, None], 0.0, moving))
 
     def unwarped(self, frequencies: Array) -> Array:
@@ -85,20 +79,13 @@ def of(model: StateSpace) -> Response:
     """Return the response of a model none of whose poles is at z = -1."""
     A, B, C, D = model.A, model.B, model.C, model.D
     if not isinstance(model.time, Continuous):
-        A, B, C = _balanced(A, B, C)
-        one, root = np.eye(len(A)), np.sqrt(2)
-        inverse = np.linalg.inv(A + one)
-        A, B, C, D = inverse @ (A - one), root * inverse @ B, root * C @ inverse, D - C @ inverse @ B
-    A, B, C = _balanced(A, B, C)
-    if not len(A):
-        return Response(A, B, C, D, A.astype(np.complex128), A.astype(np.complex128), model)
-    T, U = scipy.linalg.schur(A, output="complex", check_finite=False)
-    return Response(A, B, C, D, T, U, model)
+        A, B, C, D = warped(*resolvent.balanced(A, B, C), D)
+    A, B, C = resolvent.balanced(A, B, C)
+    return Response(A, B, C, D, resolvent.schur(A), model)
 
 
-def _balanced(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array]:
-    """Return A, B, C in states scaled so that rows and columns of A are of like size."""
-    if not len(A):
-        return A, B, C
-    A, (scale, _) = scipy.linalg.matrix_balance(A, permute=False, separate=True)
-    return A, B / scale[:, None], C * scale
+def warped(A: Array, B: Array, C: Array, D: Array) -> tuple[Array, Array, Array, Array]:
+    """Return A, B, C, D in s = (z - 1)/(z + 1) of those in z, none of whose poles is at z = -1."""
+    one, root = np.eye(len(A)), np.sqrt(2)
+    inverse = np.linalg.inv(A + one)
+    return inverse @ (A - one), root * inverse @ B, root * C @ inverse, D - C @ inverse @ B

@@ -4,14 +4,10 @@
 
 mu is bounded as in `structured_singular_value`, first on a grid that is dense at lightly damped poles. Between the
 points a scaling D that was found at one of them is kept: sigma_max(D M(i w) D^-1) crosses a level g only where i w is
-an eigenvalue of the Hamiltonian (Boyd, Balakrishnan, Kabamba 1989), with B, C and D scaled,
-
-    [  F   G  ]       F = A + B R^-1 D'C,     G = B R^-1 B',     Q = C'(I + D R^-1 D')C,     R = g^2 I - D'D
-    [ -Q  -F' ]
-
-so that its eigenvalues cut the axis into intervals in which the bound lies on one side of g throughout. Those below are
-done; in the others the next scaling is taken, until none is left. A point found there above the peak becomes the peak.
-Where one more scaling gains little because two singular values meet, the level is raised step by step.
+an eigenvalue of the Hamiltonian of `bounded_real`, with B, C and D scaled, so that its eigenvalues cut the axis into
+intervals in which the bound lies on one side of g throughout. Those below are done; in the others the next scaling is
+taken, until none is left. A point found there above the peak becomes the peak. Where one more scaling gains little
+because two singular values meet, the level is raised step by step.
 """
 
 from dataclasses import dataclass
@@ -19,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.analyse import schur_response
+from synth.analyse import bounded_real, schur_response
 from synth.analyse import structured_singular_value as ssv
 from synth.analyse.schur_response import Response
 from synth.statespace import Array, StateSpace
@@ -199,8 +195,6 @@ def _above(M: Response, x: Array, level: float, interval: Interval) -> list[Inte
 
 def hamiltonian_eigenvalues(M: Response, x: Array, level: float) -> Complex:
     """Return s (2 n,), among them each i w at which `level` is a singular value of D M(i w) D^-1, D^2 = diag(x)."""
-    n, d = len(M.A), np.sqrt(x)
-    B, C, D = M.B / d, M.C * d[:, None], M.D * d[:, None] / d
-    K = np.linalg.solve(level**2 * np.eye(len(d)) - D.T @ D, np.hstack([D.T @ C, B.T]))
-    F, G, Q = M.A + B @ K[:, :n], B @ K[:, n:], C.T @ (C + D @ K[:, :n])
-    return np.asarray(np.linalg.eigvals(np.block([[F, G], [-Q, -F.T]])), dtype=np.complex128)
+    d = np.sqrt(x)
+    scaled = M.A, M.B / d, M.C * d[:, None], M.D * d[:, None] / d
+    return np.asarray(np.linalg.eigvals(bounded_real.hamiltonian(scaled, level)), dtype=np.complex128)

@@ -57,15 +57,24 @@ def product(X: Twofold | Array, Y: Twofold | Array) -> Twofold:
     """Return X Y (n, m) of X (n, k) and Y (k, m)."""
     x, x_low = (X.high, X.low) if isinstance(X, Twofold) else (X, 0.0)
     y, y_low = (Y.high, Y.low) if isinstance(Y, Twofold) else (Y, 0.0)
-    bits = (DIGITS - x.shape[1].bit_length()) // 2 - 1
+    bits = _bits(x.shape[1])
     x0, y0 = _leading(x, 1, bits), _leading(y, 0, bits)
     rest = x0 @ ((y - y0) + y_low) + ((x - x0) + x_low) @ y
     return Twofold(*_sum(x0 @ y0, rest))
 
 
+def lost(terms: int) -> float:
+    """Return how much less than in double precision a product's rounding is, with so many `terms` to a sum."""
+    return float(2.0 ** -_bits(terms))
+
+
+def _bits(terms: int) -> int:
+    return (DIGITS - terms.bit_length()) // 2 - 1
+
+
 def _leading(values: Array, axis: int, bits: int) -> Array:
     """Return some `bits` or one more of each entry, counted from the leading bit of the largest along the axis."""
-    large = np.abs(values).max(axis=axis, keepdims=True) * 2.0 ** (DIGITS - bits)
+    large = np.abs(values).max(axis=axis, keepdims=True, initial=0.0) * 2.0 ** (DIGITS - bits)
     return np.asarray((values + large) - large, dtype=np.float64)  # the sum rounds off what is below large's last place
 
 

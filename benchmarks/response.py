@@ -1,0 +1,145 @@
+"""Frequency responses and H-infinity norms beside python-control with SLICOT: time and memory.
+
+A frequency response takes 1,000 points on the axis (tb05ad there: one at a time from the Hessenberg form). The models
+are dense with random entries, and flexible stages of n/2 lightly damped modes, with two inputs and outputs. An
+H-infinity norm here comes with its proof; python-control's `norm` checks the poles and calls ab13dd, `linfnorm` calls
+it alone.
+
+The times are of the processor on one thread, so that other work on the machine matters little; each is the median of
+runs that take turns, and a ratio is the median of the ratios within a turn. Memory is the peak of what is allocated.
+"""
+
+import os
+import sys
+import tracemalloc
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from time import process_time
+
+import control
+import numpy as np
+
+from benchmarks import disk
+from synth.analyse import discretise, norms
+from synth.statespace import Array, StateSpace, of
+
+SIZES = (6, 20, 60, 200)
+POINTS = 1000
+STATES = 50  # of the norms
+CHANNELS = 2
+TURNS = 9
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Times in ms, and how many times as long python-control takes; `memory_MB` is the peak of this package."""
+
+    name: str
+    control_ms: float
+    ms: float
+    faster: float
+    memory_MB: float
+
+
+@dataclass(frozen=True)
+class Norm:
+    """As `Comparison`, with `linfnorm`'s time too; the norm lies between `lower` and `upper`."""
+
+    name: str
+    norm_ms: float
+    linfnorm_ms: float
+    ms: float
+    faster: float
+    faster_than_linfnorm: float
+    lower: float
+    upper: float
+    certified: bool
+
+
+def dense(states: int, seed: int = 1) -> StateSpace:
+    """Return a stable model with random entries and `CHANNELS` inputs and outputs."""
+    rng = np.random.default_rng(seed)
+    A = rng.standard_normal((states, states)) / np.sqrt(states)
+    A -= (np.linalg.eigvals(A).real.max() + 0.1) * np.eye(states)
+    D = rng.standard_normal((CHANNELS, CHANNELS))
+    return of((A, rng.standard_normal((states, CHANNELS)), rng.standard_normal((CHANNELS, states)), D))
+
+
+def in_turns(*calls: Callable[[], object]) -> Array:
+    """Return the times in ms (TURNS, calls) of calls that take turns."""
+    times = np.zeros((TURNS, len(calls)))
+    for turn in times:
+        for k, call in enumerate(calls):
+            start = process_time()
+            call()
+            turn[k] = process_time() - start
+    return 1e3 * times
+
+
+def compared(name: str, model: StateSpace) -> Comparison:
+    """Time the response of one model at 1,000 points of the axis."""
+    theirs, s = model.to_control(), 1j * np.geomspace(1e-2, 1e3, POINTS)
+    times = in_turns(lambda: theirs(s), lambda: model.response(s))
+    tracemalloc.start()
+    model.response(s)
+    memory = tracemalloc.get_traced_memory()[1] / 1e6
+    tracemalloc.stop()
+    one, two = np.median(times, axis=0).tolist()
+    return Comparison(name, one, two, float(np.median(times[:, 0] / times[:, 1])), memory)
+
+
+def norm(name: str, model: StateSpace) -> Norm:
+    """Time the H-infinity norm of one model."""
+    theirs = model.to_control()
+    times = in_turns(
+        lambda: control.norm(theirs, p="inf", print_warning=False),
+        lambda: control.linfnorm(theirs),
+        lambda: norms.norm_hinf(model),
+    )
+    found = norms.norm_hinf(model)
+    first, second, third = np.median(times, axis=0).tolist()
+    ratios = np.median(times[:, :2] / times[:, 2:], axis=0).tolist()
+    return Norm(name, first, second, third, ratios[0], ratios[1], found.lower, found.upper, found.certified)
+
+
+def responses() -> Iterator[str]:
+    """Yield the lines of the table of responses, each when it has been measured."""
+    names = ("model           ", "python-control, ms", "here, ms", "faster", "memory, MB")
+    yield "  ".join(names)
+    for states in SIZES:
+        for name, model in ((f"dense {states}", dense(states)), (f"flexible {states}", disk.loop(CHANNELS, states))):
+            c = compared(name, model)
+            cells = f"{c.control_ms:.1f}", f"{c.ms:.1f}", f"{c.faster:.1f}", f"{c.memory_MB:.1f}"
+            yield "  ".join(
+                [c.name.ljust(len(names[0])), *(v.rjust(len(n)) for v, n in zip(cells, names[1:], strict=True))]
+            )
+
+
+def gains() -> Iterator[str]:
+    """Yield the lines of the table of norms, each when it has been measured."""
+    times = ("norm, ms", "linfnorm, ms", "here, ms", "faster than norm", "than linfnorm")
+    names = ("model           ", *times, "lower     ", "upper     ", "certified")
+    yield "  ".join(names)
+    model = dense(STATES)
+    sampled = discretise.zero_order_hold(model, 0.1)
+    for name, each in (("dense", model), ("sampled", sampled), ("flexible", disk.loop(CHANNELS, STATES))):
+        c = norm(f"{name} {STATES}", each)
+        cells = (
+            *(f"{c.norm_ms:.1f}", f"{c.linfnorm_ms:.1f}", f"{c.ms:.1f}", f"{c.faster:.2f}"),
+            *(f"{c.faster_than_linfnorm:.2f}", f"{c.lower:.7g}", f"{c.upper:.7g}", "yes" if c.certified else "no"),
+        )
+        yield "  ".join(
+            [c.name.ljust(len(names[0])), *(v.rjust(len(n)) for v, n in zip(cells, names[1:], strict=True))]
+        )
+
+
+if __name__ == "__main__":
+    # A second thread gains nothing on most of these sizes, and waits for a core where other work keeps both busy.
+    if os.environ.get("OPENBLAS_NUM_THREADS") != "1":
+        os.execve(
+            sys.executable, [sys.executable, "-m", "benchmarks.response"], {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
+        )
+    for table in (responses(), gains()):
+        for line in table:
+            sys.stdout.write(f"{line}\n")
+            sys.stdout.flush()

@@ -1,0 +1,199 @@
+"""H2 and H-infinity norms of a linear model (`control.norm`, MATLAB `norm` and `hinfnorm`), each with its certificate.
+
+    M(s) = C (s I - A)^-1 B + D
+
+    H-infinity norm = max over w of sigma_max(M(i w))            the largest gain over frequencies and directions
+    H2 norm^2 = trace(C P C' + D D') = trace(B'Q B + D'D)        the variance of the outputs under unit white noise
+
+    continuous   A P + P A' + B B' = 0,    A'Q + Q A + C'C = 0          D = 0, for else the norm is infinite
+    sampled      A P A' - P + B B' = 0,    A'Q A - Q + C'C = 0          w up to pi/T; a sum over samples, without T
+
+Both norms are infinite when a mode of the model does not decay, even one that no input moves or no output shows: take
+`realisation.minimal` first where the transfer function alone is meant.
+
+Computed P and Q leave residuals Rp and Rq, known to twice the precision. For any P the norm^2 is exactly
+trace(C P C' + D D') + trace(Q* Rp) with the true Q*; so Q corrects it, and what is left is at most
+|Q* - Q| |Rp|_* <= |H| |Rq| sqrt(n) |Rp|, where H is the Gramian of C = I. That of H-infinity is in `bounded_real`.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+import scipy.linalg
+
+from synth import resolvent, show
+from synth.analyse import peak_gain, transfer, twofold
+from synth.errors import ModelError
+from synth.statespace import Array, StateSpace, System, of
+from synth.timing import Continuous, Time
+
+EPS = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True)
+class _Square:
+    """The square of an H2 norm, and a bound of its error."""
+
+    value: float
+    error: float
+
+
+Found = TypeVar("Found", _Square, peak_gain.Peak)
+
+
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
+class NormH2:
+    """The H2 norm `value`, known to the relative `error`; where it is infinite, `reason` says why."""
+
+    value: float
+    error: float
+    time: Time
+    reason: str = ""
+
+    def __float__(self) -> float:
+        return self.value
+
+    def sheet(self) -> show.Sheet:
+        """Return the norm with its error, or why it is infinite."""
+        line = self.reason or f"relative error below {show.number(self.error, 2)}, from the Lyapunov residuals"
+        return show.Sheet(f"H2 norm in {self.time}: {show.number(self.value, 8)}", (line,))
+
+
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
+class NormHinf:
+    """The H-infinity norm: `lower` <= norm <= `upper`, and the value `peak` in double precision at `frequency` rad/s.
+
+    The response passes `lower` at `frequency`, whatever has been rounded. `upper` is proved by a Lyapunov matrix that
+    has been verified in the same way, or infinite where no proof was found. Where the norm is infinite, `reason` says
+    why, and `frequency` is that of the mode.
+    """
+
+    peak: float
+    frequency: float
+    lower: float
+    upper: float
+    time: Time
+    reason: str = ""
+
+    @property
+    def certified(self) -> bool:
+        """Whether an upper bound was proved, or the norm is infinite."""
+        return bool(self.upper < np.inf or self.reason)
+
+    def __float__(self) -> float:
+        return self.peak
+
+    def sheet(self) -> show.Sheet:
+        """Return the norm, its frequency and its bounds, or why it is infinite."""
+        n = show.number
+        proof = "" if self.certified else ": no upper bound was proved"
+        bounds = f"{n(self.lower, 10)} <= norm <= {n(self.upper, 10)}{proof}"
+        title = f"H-infinity norm in {self.time}: {n(self.peak, 8)} at {n(self.frequency)} rad/s"
+        return show.Sheet(title, (self.reason or bounds,))
+
+
+def norm_h2(system: System) -> NormH2:
+    """Return the H2 norm of a System: the root mean square of its outputs under white noise of unit density.
+
+    It is infinite when a mode does not decay, or when a continuous model has D other than 0. In the units of outputs
+    over inputs, per root of a second for a continuous model.
+
+    Raises SignalError as `statespace.of`; ModelError when the numbers exceed what a double holds.
+    """
+    model = of(system)
+    reason = _lasting(model)[0]
+    if not reason and isinstance(model.time, Continuous) and model.D.any():
+        i, j = np.argwhere(model.D)[0]
+        reason = (
+            f"D[{model.outputs[i]}, {model.inputs[j]}] is {show.number(model.D[i, j])}: white noise passes it with "
+            "infinite variance; filter that output, or sample the model"
+        )
+    if reason:
+        return NormH2(np.inf, 0.0, model.time, reason)
+    square = _within_range(_square, model, "H2")
+    error = square.error / (2 * square.value) + 4 * EPS if square.value else square.error
+    return NormH2(float(np.sqrt(square.value)), error, model.time)
+
+
+def norm_hinf(system: System) -> NormHinf:
+    """Return the H-infinity norm of a System: the largest gain over all frequencies and directions.
+
+    The bounds differ by 1e-6 or, where rounding hides a proof of that, by the least of 1e-5, 1e-4 .. 0.1 that can be
+    proved. The frequency is inf where a continuous model peaks at infinity, pi/T where a sampled one does at Nyquist.
+
+    Raises SignalError as `statespace.of`; ModelError when the numbers exceed what a double holds.
+    """
+    model = of(system)
+    reason, w = _lasting(model)
+    if reason:
+        return NormHinf(np.inf, w, np.inf, np.inf, model.time, reason)
+    if not model.D.size:
+        return NormHinf(0.0, 0.0, 0.0, 0.0, model.time)
+    found = _within_range(peak_gain.peak, model, "H-infinity")
+    w = found.frequency
+    if not isinstance(model.time, Continuous):
+        w = float(2 / model.time.period_s * np.arctan(w))
+    return NormHinf(found.value, w, found.lower, found.upper, model.time)
+
+
+def _within_range(compute: Callable[[StateSpace], Found], model: StateSpace, name: str) -> Found:
+    """Return what is computed of the model; raise ModelError when its numbers leave the range of a double."""
+    try:
+        with np.errstate(all="ignore"):
+            found = compute(model)
+        if np.isfinite(found.value):
+            return found
+        cause: Exception | None = None
+    except (OverflowError, ValueError, np.linalg.LinAlgError) as error:
+        cause = error
+    raise ModelError(
+        f"the {name} norm needs numbers that exceed what a double holds: scale the units of inputs, outputs or time"
+    ) from cause
+
+
+def _lasting(model: StateSpace) -> tuple[str, float]:
+    """Return why the norms are infinite, "" if they are not, and the frequency in rad/s of the mode that lasts."""
+    poles = model.poles
+    if transfer.decay(poles, model.time):
+        return "", 0.0
+    if isinstance(model.time, Continuous):
+        worst = poles[int(poles.real.argmax())]
+        w = abs(worst.imag)
+    else:
+        worst = poles[int(np.abs(poles).argmax())]
+        w = abs(np.angle(worst)) / model.time.period_s
+    return f"the pole at {show.number(worst)} does not decay: close a loop around it, or leave it out", float(w)
+
+
+def _square(model: StateSpace) -> _Square:
+    """Return the square of the H2 norm of a model that decays, and a bound of its error."""
+    A, B, C = resolvent.balanced(model.A, model.B, model.C)
+    continuous, n = isinstance(model.time, Continuous), len(A)
+    direct = float((model.D**2).sum())
+    if not n:
+        return _Square(direct, 4 * model.D.size * EPS * direct)
+    P, Q, H = (_gramian(F, W, continuous) for F, W in ((A.T, B @ B.T), (A, C.T @ C), (A, np.eye(n))))
+    Rp, Rq = _residual(A.T, B.T, P, continuous), _residual(A, C, Q, continuous)
+    shown = twofold.product(twofold.product(C, P), C.T).rounded()
+    square = float(np.trace(shown)) + direct + float((Q * Rp).sum())
+    left = np.linalg.norm(H, 2) * np.linalg.norm(Rq) * np.sqrt(n) * np.linalg.norm(Rp)
+    rounding = EPS * float(np.abs(np.diagonal(shown)).sum() + direct + np.abs(Q * Rp).sum()) * (n + len(C) + 4)
+    return _Square(max(square, 0.0), float(left) + rounding)
+
+
+def _gramian(F: Array, W: Array, continuous: bool) -> Array:
+    """Return X, symmetric, with F'X + X F + W = 0, or F'X F - X + W = 0; it need not be accurate."""
+    solve = scipy.linalg.solve_continuous_lyapunov if continuous else scipy.linalg.solve_discrete_lyapunov
+    X = np.asarray(solve(F.T, -W if continuous else W), dtype=np.float64)
+    return (X + X.T) / 2
+
+
+def _residual(F: Array, V: Array, X: Array, continuous: bool) -> Array:
+    """Return F'X + X F + V'V, or F'X F - X + V'V, of a symmetric X, from twice the precision."""
+    XF = twofold.product(X, F)
+    change = XF + XF.T if continuous else twofold.product(F.T, XF) - X
+    return (change + twofold.product(V.T, V)).rounded()

@@ -1,0 +1,178 @@
+"""The largest singular value of a stable model's response over all frequencies, between two bounds.
+
+    M(s) = C (s I - A)^-1 B + D,       peak = max over 0 <= w <= inf of sigma_max(M(i w))
+
+The search starts at the poles' frequencies and climbs by Newton's method. With u, v the singular vectors at w,
+
+    sigma' = Re u^H M' v,     sigma'' = Re u^H M'' v + what M' couples to the other singular vectors
+
+Then `bounded_real` is asked for a proof that g = (1 + e) sigma is an upper bound, with weights W that take up half of
+e. Where there is none, the eigenvalues of the Hamiltonian cut the axis into intervals, in the middle of one of which
+the response is higher if it is higher anywhere (Boyd, Balakrishnan 1990; Bruinsma, Steinbuch 1990), and the climb
+starts there; else e is raised. The lower bound is the value at w, less what rounding may have added to it.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synth import resolvent
+from synth.analyse import bounded_real, schur_response
+from synth.analyse.bounded_real import EPS, Matrices
+from synth.statespace import Array, StateSpace
+from synth.timing import Continuous
+
+Complex = NDArray[np.complex128]
+
+LEVELS = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)  # e, relative
+CLIMBS = 8  # steps of Newton's method
+TINY = 1e-300
+LEAST = 1e-4  # of the state that goes farthest: one that goes less far counts as going so far
+CONVERGED = 1e-9  # relative: a step that gains less is the last
+
+
+@dataclass(frozen=True, eq=False)
+class Peak:
+    """`lower` <= max sigma_max <= `upper`, inf where that is not proved; `value` at `frequency` of s, in double."""
+
+    lower: float
+    value: float
+    upper: float
+    frequency: float
+
+
+def peak(model: StateSpace) -> Peak:
+    """Return the peak of a model all of whose modes decay."""
+    A, B, C = resolvent.balanced(model.A, model.B, model.C)
+    given = A, B, C, model.D
+    if isinstance(model.time, Continuous):
+        return _proved(given, given, *_start(given))
+    form = schur_response.warped(*given)
+    w, states = _start(form)
+    if w <= 1:
+        return _proved(given, form, w, states)
+    # Nearer to Nyquist M(-z) is searched, for which -1 becomes 1 and s becomes 1/s: infinity has fewer digits than 0.
+    given = -A, -B, C, model.D
+    form = schur_response.warped(*given)
+    found = _proved(given, form, *_start(form))
+    return replace(found, frequency=1 / found.frequency if found.frequency else np.inf)
+
+
+def _proved(given: Matrices, form: Matrices, w: float, states: Array) -> Peak:
+    """Return the peak of `given`, in continuous time `form`, searched from w with `states` (n,) for the weights."""
+    continuous, (A, _, C, _) = form is given, form
+    value, w = _climb(form, w)
+    value = max(value, EPS * float(states.max(initial=0.0)) * float(np.abs(C).max(initial=0.0)))
+    for margin in LEVELS if value else ():
+        while True:
+            level = (1 + margin) * value
+            solution = bounded_real.solve(form, level, margin * level**2 / np.maximum(len(A) * states**2, TINY))
+            if solution.X is not None and bounded_real.is_proof(solution.X, given, level, continuous):
+                return Peak(_attained(given, w, continuous), value, level, w)
+            other, place = _climb(form, _highest(form, _middles(solution.eigenvalues)))
+            if other <= (1 + margin / 4) * value:
+                break
+            value, w = other, place
+    return Peak(_attained(given, w, continuous), value, np.inf if value else 0.0, w)
+
+
+def _start(form: Matrices) -> tuple[float, Array]:
+    """Return the best of the poles' frequencies, 0 and infinity, and how far each state (n,) goes at them at most."""
+    A, B, C, D = form
+    schur = resolvent.schur(A)
+    pairs = schur.poles[schur.poles.imag >= 0]
+    square = pairs.imag**2 - pairs.real**2  # of the frequency at which a pair alone has its peak, where it has one
+    w = np.concatenate([[0.0], np.where(square > 0, np.sqrt(np.abs(square)), np.abs(pairs))])
+    X = np.tensordot(schur.U, schur.solve(1j * w, (schur.U.T @ B)[:, :, None]), 1)
+    M = np.tensordot(C, X, 1).transpose(2, 0, 1) + D
+    values = np.linalg.svd(np.concatenate([M, D[None]]), compute_uv=False)[:, 0]
+    states = np.linalg.norm(X, axis=1).max(axis=1)
+    return float(np.append(w, np.inf)[values.argmax()]), np.maximum(states, LEAST * states.max(initial=0.0))
+
+
+def _highest(form: Matrices, frequencies: Array) -> float:
+    """Return the frequency at which the response is highest."""
+    A, B, C, D = form
+    values = np.linalg.svd(resolvent.response(A, B, C, D, (1j * frequencies).astype(np.complex128)), compute_uv=False)[
+        :, 0
+    ]
+    return float(frequencies[values.argmax()])
+
+
+def _middles(eigenvalues: Complex) -> Array:
+    """Return a frequency in each interval between 0, the eigenvalues' imaginary parts and infinity."""
+    cuts = np.concatenate([[0.0], np.unique(np.abs(eigenvalues.imag))])
+    return np.append((cuts[:-1] + cuts[1:]) / 2, 2 * cuts[-1] + 1.0)
+
+
+def _climb(form: Matrices, w: float) -> tuple[float, float]:
+    """Return the value and the frequency of the local maximum that Newton's method finds from w."""
+    value, step, gain = _newton(form, w)
+    for _ in range(CLIMBS):
+        if not gain > CONVERGED * value:
+            break
+        other, following, next_gain = _newton(form, w + step)
+        if other > value:
+            value, w, step, gain = other, w + step, following, next_gain
+        else:
+            step, gain = step / 4, gain / 4
+    return value, w
+
+
+def _newton(form: Matrices, w: float) -> tuple[float, float, float]:
+    """Return sigma_max at w, the step to where its maximum is expected, at most w / 2, and the gain that is there."""
+    A, B, C, D = form
+    if np.isinf(w) or not len(A):
+        return float(np.linalg.norm(D, 2)), 0.0, 0.0
+    R = np.linalg.inv(1j * w * np.eye(len(A)) - A)
+    CR, RB = C @ R, R @ B
+    U, sigma, Vh = np.linalg.svd(CR @ B + D)
+    first = -1j * (U.conj().T @ (CR @ RB) @ Vh.conj().T)
+    slope = float(first[0, 0].real)
+    curvature = -2 * float(((U[:, 0].conj() @ CR) @ (R @ (RB @ Vh[0].conj()))).real) + _coupling(first, sigma)
+    if not curvature < 0:
+        return float(sigma[0]), float(np.sign(slope)) * w / 8, abs(slope) * w / 8
+    step = float(np.clip(-slope / curvature, -w / 2, w / 2))
+    return float(sigma[0]), step, slope * step / 2
+
+
+def _coupling(first: Complex, sigma: Array) -> float:
+    """Return what M' adds to the second derivative of sigma_1, with `first` = U^H M' V (p, m).
+
+    It is that of the eigenvalue sigma_1 of [[0, M], [M^H, 0]], whose others are -sigma_1, each +-sigma_j, and zeros.
+    """
+    top, k = max(float(sigma[0]), TINY), len(sigma)
+    a, b = first[1:k, 0], first[0, 1:k].conj()
+    apart = np.maximum(top - sigma[1:], 1e-3 * top)
+    pairs = np.abs(a + b) ** 2 / apart + np.abs(a - b) ** 2 / (top + sigma[1:])
+    others = (np.abs(first[k:, 0]) ** 2).sum() + (np.abs(first[0, k:]) ** 2).sum()
+    return float((first[0, 0].imag ** 2 + others) / top + pairs.sum() / 2)
+
+
+def _attained(given: Matrices, w: float, continuous: bool) -> float:
+    """Return a lower bound of sigma_max at a frequency w of s, whatever has been rounded.
+
+    With R (v I - A) = I - E, |E| < 1, a residual r of X leaves an error of at most |R| |r| / (1 - |E|).
+    """
+    A, B, C, D = given
+    n, (p, m) = len(A), D.shape
+    v = complex(0, w) if continuous else (1 + 1j * w) / (1 - 1j * w) if np.isfinite(w) else -1.0
+    rounding = 8 * (n + 4) * EPS  # of complex sums of n products, and of v
+    X, error = np.zeros((n, m), dtype=np.complex128), np.zeros((n, m))
+    if n and np.isfinite(v):
+        shifted = v * np.eye(n) - A
+        R = np.linalg.inv(shifted)
+        X = R @ B
+        E = R @ shifted - np.eye(n)
+        terms = np.abs(B) + (np.abs(A) + abs(v) * np.eye(n)) @ np.abs(X)
+        off = np.linalg.norm(E, np.inf) + rounding * np.linalg.norm(np.abs(R) @ np.abs(shifted), np.inf)
+        if not off < 0.5:
+            return 0.0
+        residual = np.abs(B - shifted @ X) + rounding * terms
+        first = np.abs(R) @ residual
+        error = first + off / (1 - off) * first.max(axis=0) * np.ones((n, 1))
+    M = C @ X + D
+    uncertain = np.abs(C) @ error + rounding * (np.abs(C) @ np.abs(X) + np.abs(D))
+    sigma = float(np.linalg.norm(M, 2))
+    return max(0.0, sigma * (1 - 16 * (p + m) * EPS) - float(np.linalg.norm(uncertain)) * (1 + 1e-6))

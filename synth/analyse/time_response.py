@@ -1,0 +1,214 @@
+"""Step and impulse responses, exactly at equally spaced times (`control.step_response`, MATLAB `step` and `impulse`).
+
+    continuous   step      y(t) = C int_0^t exp(A s) ds B + D          impulse   y(t) = C exp(A t) B          D = 0
+    sampled      step      y(k) = C sum_(i<k) A^i B + D                impulse   y(0) = D,  y(k) = C A^(k-1) B
+
+One exponential over the interval between two times, of [[A, B], [0, 0]], gives x+ = F x + G exactly; the rest is that
+recursion. One input at a time is excited, all others and the initial states are 0.
+
+The impulse of a sampled model is the unit pulse: 1 at the first sample, 0 after it. So its response is the sequence of
+Markov parameters and sums up to the step response. MATLAB and python-control give a pulse of 1/T instead, of area 1.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synth import show
+from synth.analyse import discretise, equilibrate, transfer
+from synth.errors import ModelError, TimingError
+from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.timing import Continuous
+
+DECADES = 3.0  # by which the slowest mode decays, or grows, in the time that is shown unless one is given
+POINTS = 500  # at least, of a continuous model
+MOST = 20_000
+PER_TURN = 20  # points in a period of the fastest mode that oscillates
+BAND = 0.02  # of the final value: within it a step response has settled
+
+
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
+class TimeResponse:
+    """Outputs (k, p, m) at `time` (k,) in seconds: output i when input j alone gets the `signal`, a step or an impulse.
+
+    `final` (p, m) is where a step response of a model that decays ends, None otherwise.
+    """
+
+    signal: str
+    time: Array
+    outputs: Array
+    output_names: tuple[str, ...]
+    input_names: tuple[str, ...]
+    output_units: tuple[str, ...]
+    input_units: tuple[str, ...]
+    final: Array | None = None
+
+    def sheet(self) -> show.Sheet:
+        """Return final value, overshoot, rise and settling time of each channel of a step, and the peak of all."""
+        labels = [[show.named(*pair) for pair in zip(*part, strict=True)] for part in self._signals()]
+        rows = tuple(
+            (f"{labels[1][j]} -> {labels[0][i]}", *self._figures(i, j)) for i, j in np.ndindex(*self.outputs.shape[1:])
+        )
+        columns = ("channel", "final", "overshoot", "rise [s]", "settled [s]", "peak", "at [s]")
+        span = f"{len(self.time)} times up to {show.number(self.time[-1])} s"
+        line = f"rise from 10 to 90 %, settled within {BAND:.0%} of the final value" if self.final is not None else span
+        return show.Sheet(f"Response to a unit {self.signal}, {span}", (line,), (show.Table(columns, rows),))
+
+    def _signals(self) -> tuple[tuple[tuple[str, ...], tuple[str, ...]], ...]:
+        return (self.output_names, self.output_units), (self.input_names, self.input_units)
+
+    def _figures(self, i: int, j: int) -> tuple[str, ...]:
+        n, y = show.number, self.outputs[:, i, j]
+        top = int(np.abs(y).argmax())
+        peak = n(y[top]), n(self.time[top])
+        if self.final is None:
+            return ("", "", "", "", *peak)
+        final = float(self.final[i, j])
+        if not final:
+            return (n(final), "", "", "", *peak)
+        risen = [_first(self.time, y / final, level) for level in (0.1, 0.9)]
+        rise = n(risen[1] - risen[0]) if np.isfinite(risen).all() else ""
+        return (n(final), f"{max(0.0, float((y / final).max()) - 1):.2%}", rise, _settled(self.time, y / final), *peak)
+
+
+def step_response(system: System, duration_s: float | None = None, interval_s: float | None = None) -> TimeResponse:
+    """Return the response to a unit step at each input in turn, from 0 to `duration_s` every `interval_s` seconds.
+
+    Left out, the duration is that in which the slowest mode decays, or the fastest growing one grows, by a factor of
+    1000, and the interval shows its oscillations with 500 points or more. A sampled model keeps its own interval.
+
+    Raises SignalError as `statespace.of`; TimingError for a time that is not positive, more than 20,000 intervals, or
+    an interval of a sampled model; ModelError when a mode grows beyond what a double holds.
+    """
+    model = of(system)
+    time, F, G = _recursion(model, duration_s, interval_s)
+    n, m = model.B.shape
+    outputs = _outputs(model, F, G, np.zeros((n, m)), model.D, len(time))
+    return _response("step", model, time, outputs, _final(model))
+
+
+def impulse_response(system: System, duration_s: float | None = None, interval_s: float | None = None) -> TimeResponse:
+    """Return the response to a unit impulse at each input in turn; a sampled model gets 1 at its first sample.
+
+    Times and errors are those of `step_response`; besides, raises ModelError for a continuous model with D other than
+    0, whose response holds an impulse itself.
+    """
+    model = of(system)
+    if isinstance(model.time, Continuous) and model.D.any():
+        i, j = np.argwhere(model.D)[0]
+        raise ModelError(
+            f"the impulse response holds an impulse at t = 0, D[{model.outputs[i]}, {model.inputs[j]}] is "
+            f"{show.number(model.D[i, j])}: give the model with D = 0 for all that follows"
+        )
+    time, F, _ = _recursion(model, duration_s, interval_s)
+    if isinstance(model.time, Continuous):
+        outputs = _outputs(model, F, np.zeros_like(model.B), model.B, model.D, len(time))
+    else:
+        outputs = _outputs(model, F, np.zeros_like(model.B), model.B, np.zeros_like(model.D), len(time) - 1)
+        outputs = np.concatenate([model.D[None], outputs])
+    return _response("impulse", model, time, outputs, None)
+
+
+def _outputs(model: StateSpace, F: Array, G: Array, X: Array, D: Array, count: int) -> Array:
+    """Return C x + D (count, p, m) along x+ = F x + G from X (n, m)."""
+    outputs = np.empty((count, *D.shape))
+    with np.errstate(over="ignore", invalid="ignore"):
+        for k in range(count):
+            outputs[k] = model.C @ X + D
+            X = F @ X + G
+    if not np.isfinite(outputs).all():
+        raise ModelError(
+            "the response grows beyond what a double holds: give a shorter duration, or close a loop around the model"
+        )
+    return outputs
+
+
+def _recursion(model: StateSpace, duration_s: float | None, interval_s: float | None) -> tuple[Array, Array, Array]:
+    """Return the times (k,), F (n, n) and G (n, m)."""
+    for what, seconds in (("duration", duration_s), ("interval", interval_s)):
+        number = isinstance(seconds, int | float | np.integer | np.floating) and not isinstance(seconds, bool)
+        if seconds is not None and not (number and 0 < seconds < np.inf):
+            raise TimingError(f"the {what} is {seconds!r}: give a finite positive number of seconds")
+    if isinstance(model.time, Continuous):
+        span = float(duration_s or _duration(model))
+        interval = float(interval_s or span / _count(model, span))
+    elif interval_s is not None:
+        raise TimingError(f"an interval of {interval_s:g} s was asked for in {model.time}: leave it out")
+    else:
+        interval = model.time.period_s
+        span = float(duration_s or min(float(np.ceil(_duration(model) / interval)), MOST / 2) * interval)
+    count = int(np.floor(span / interval * (1 + 1e-12)))
+    if not 1 <= count <= MOST:
+        raise TimingError(f"{span:g} s hold {count} intervals of {interval:g} s: give times for 1 to {MOST} of them")
+    F, G = (model.A, model.B) if not isinstance(model.time, Continuous) else _held(model, interval)
+    return interval * np.arange(count + 1, dtype=np.float64), F, G
+
+
+def _held(model: StateSpace, interval: float) -> tuple[Array, Array]:
+    n, m = model.B.shape
+    M = np.block([[model.A, model.B], [np.zeros((m, n + m))]])
+    E = discretise.gramian(M, np.zeros_like(M), interval).M
+    return E[:n, :n], E[:n, n:]
+
+
+def _rates(model: StateSpace) -> NDArray[np.complex128]:
+    """Return the poles in 1/s (n,), of a sampled model without those at z = 0."""
+    poles = model.poles
+    if isinstance(model.time, Continuous):
+        return poles
+    return np.log(poles[poles != 0]) / model.time.period_s
+
+
+def _duration(model: StateSpace) -> float:
+    """Return the time in which all modes that decay do so by 1000, or the fastest that grows does."""
+    rates = _rates(model)
+    size = float(np.abs(rates).max(initial=0.0))
+    lasting = np.abs(rates.real) <= 1e-9 * np.abs(rates) + 1e-14 * size
+    grow = rates.real[~lasting & (rates.real > 0)]
+    spans = DECADES * np.log(10) / (grow.max(keepdims=True) if grow.size else np.abs(rates.real[~lasting]))
+    turns = 10 * 2 * np.pi / np.abs(rates[lasting & (np.abs(rates) > 1e-14 * size)])
+    shortest = 1.0 if isinstance(model.time, Continuous) else 10 * model.time.period_s
+    return float(np.concatenate([spans, turns]).max(initial=0.0)) or shortest
+
+
+def _count(model: StateSpace, span: float) -> int:
+    """Return how many intervals show the oscillations of a continuous model over a span."""
+    rates = _rates(model)
+    turning = np.abs(rates.imag[np.abs(rates.imag) > 0.1 * np.abs(rates.real)])
+    return int(np.clip(PER_TURN * span * turning.max(initial=0.0) / (2 * np.pi), POINTS, MOST / 2))
+
+
+def _final(model: StateSpace) -> Array | None:
+    """Return C (-A)^-1 B + D, for a sampled model C (I - A)^-1 B + D, of a model that decays."""
+    if not transfer.decay(model.poles, model.time):
+        return None
+    resolvent = -model.A if isinstance(model.time, Continuous) else np.eye(len(model.A)) - model.A
+    if equilibrate.is_singular(resolvent):
+        return None
+    return np.asarray(model.C @ np.linalg.solve(resolvent, model.B) + model.D)
+
+
+def _response(signal: str, model: StateSpace, time: Array, outputs: Array, final: Array | None) -> TimeResponse:
+    units, input_units = (tuple(model.unit(name) for name in names) for names in (model.outputs, model.inputs))
+    ends = None if final is None else readonly(final)
+    values = readonly(time), readonly(outputs)
+    return TimeResponse(signal, *values, model.outputs, model.inputs, units, input_units, ends)
+
+
+def _first(time: Array, y: Array, level: float) -> float:
+    """Return when y first reaches a level, by linear interpolation between the times; inf if it does not."""
+    above = y >= level
+    if not above.any():
+        return np.inf
+    k = int(above.argmax())
+    return float(time[0] if not k else time[k - 1] + (time[k] - time[k - 1]) * (level - y[k - 1]) / (y[k] - y[k - 1]))
+
+
+def _settled(time: Array, y: Array) -> str:
+    """Return the first of the times from which on y stays within the band around 1, "" if it is still outside."""
+    outside = np.flatnonzero(np.abs(y - 1) > BAND)
+    if not outside.size:
+        return show.number(time[0])
+    return show.number(time[outside[-1] + 1]) if outside[-1] + 1 < len(time) else ""

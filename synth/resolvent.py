@@ -1,0 +1,207 @@
+"""The response C (v I - A)^-1 B + D of a linear model at many points v, from the real Schur form of its balanced A.
+
+    S^-1 A S = U T U',      (v I - T) Z = U' S^-1 B,      X = U Z,      M(v) = C S X + D
+
+S is diagonal with powers of two, U is orthogonal, and T is upper triangular but for 2 x 2 blocks, one for each complex
+pair of poles. The triangular equations of many points are solved together, a block of rows at a time, so that the time
+goes into products of matrices (Laub 1981 takes the Hessenberg form instead, one point at a time).
+
+U spreads the rounding of the largest entries of A over all others. So the residual R = B - (v I - A) X is compared,
+entry by entry, with |B| + |v X| + |A| |X|: where it is small, X is the solution for a matrix whose entries are off by
+their own rounding. Elsewhere iterative refinement takes X there (Higham, Accuracy and Stability of Numerical
+Algorithms, section 12), and where that does not converge, next to a pole, (v I - A) X = B is solved by elimination. So
+are small models and few points: that takes less time than the Schur form.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+SMALL = 10  # states: below, elimination at each point takes less time than the Schur form
+FEW = 16  # points: below, the same
+ROWS = 32  # of T in one block of the triangular solution
+ENTRIES = 2**16  # of the states at the points of one chunk: 1 MB, which stays in the processor's cache
+TOGETHER = 8  # chunks whose inexact solutions are refined together
+MATRICES = 2**20  # entries of all matrices v I - A that are held at once: 16 MB
+BACKWARD = 2.0**-51  # times n, relative to each entry of A, v and B: what elimination guarantees is not refined
+NEAR = 1e10  # |A| |X| over |B|: beyond, a point may lie on a pole within rounding
+CLOSE = 1e-3  # a refinement that moves the states by less shows that the point is no pole
+STEPS = 2  # of refinement, before elimination
+
+
+@dataclass(frozen=True, eq=False)
+class Schur:
+    """T (n, n), quasi-triangular and real, and U (n, n), orthogonal, of A = U T U'.
+
+    `poles` (n,) are the eigenvalues of A as they stand on the diagonal of T; `edges` cut its rows into blocks.
+    """
+
+    T: Array
+    U: Array
+    poles: Complex
+    edges: tuple[int, ...]
+
+    def solve(self, v: Complex, right: NDArray[np.inexact]) -> Complex:
+        """Return (v I - T)^-1 R for each point v (k,) and R (n, m, k) or (n, m, 1), as (n, m, k)."""
+        n, m, k = len(self.T), right.shape[1], len(v)
+        Z = np.empty((n, m, k), dtype=np.complex128)
+        flat = Z.view(np.float64).reshape(n, 2 * m * k)
+        first, second = self._inverses(v)  # of the diagonal blocks of v I - T
+        for start, stop in zip(self.edges[-2::-1], self.edges[:0:-1], strict=True):
+            Z[start:stop] = right[start:stop]
+            if stop < n:
+                flat[start:stop] += self.T[start:stop, stop:] @ flat[stop:]
+            i = stop - 1
+            while i >= start:
+                j = i - 1 if i > start and self.T[i, i - 1] else i
+                if i + 1 < stop:
+                    flat[j : i + 1] += self.T[j : i + 1, i + 1 : stop] @ flat[i + 1 : stop]
+                if j < i:
+                    Z[j], Z[i] = first[j] * Z[j] + second[j] * Z[i], second[i] * Z[j] + first[i] * Z[i]
+                else:
+                    Z[i] *= first[i]
+                i = j - 1
+        return Z
+
+    def _inverses(self, v: Complex) -> tuple[Complex, Complex]:
+        """Return the diagonal and the other entries (n, k) of the inverses of the diagonal blocks of v I - T.
+
+        LAPACK leaves equal entries a on the diagonal of a block: with the poles p and p* the inverse of
+        [[v - a, -b], [-c, v - a]] is [[v - a, b], [c, v - a]] / ((v - p)(v - p*)), and a = (p + p*) / 2.
+        """
+        first, second = 1 / (v - self.poles[:, None]), np.zeros((len(self.T), len(v)), dtype=np.complex128)
+        for k in np.flatnonzero(np.diagonal(self.T, -1)).tolist():
+            i = k + 1
+            both = first[k] * first[i]
+            second[k], second[i] = self.T[k, i] * both, self.T[i, k] * both
+            first[k] = first[i] = (first[k] + first[i]) / 2
+        return first, second
+
+
+def schur(A: Array) -> Schur:
+    """Return the real Schur form of A (n, n)."""
+    T, U = scipy.linalg.schur(A, check_finite=False) if len(A) else (A, A)
+    poles = np.diagonal(T).astype(np.complex128)
+    pairs = np.flatnonzero(np.diagonal(T, -1))
+    # LAPACK leaves equal diagonals a in a 2 x 2 block and off-diagonals b c < 0: its poles are a +- i sqrt(-b c).
+    rate = np.sqrt(np.abs(T[pairs, pairs + 1])) * np.sqrt(np.abs(T[pairs + 1, pairs]))
+    poles[pairs] += 1j * rate
+    poles[pairs + 1] -= 1j * rate
+    second = set((pairs + 1).tolist())
+    edges = [i + (i in second) for i in range(0, len(A), ROWS)]
+    return Schur(T, U, poles, (*edges, len(A)))
+
+
+def balanced(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array]:
+    """Return A, B, C in states scaled by powers of two so that rows and columns of A are of like size."""
+    if not len(A):
+        return A, B, C
+    A, (scale, _) = scipy.linalg.matrix_balance(A, permute=False, separate=True)
+    return A, B / scale[:, None], C * scale
+
+
+def response(A: Array, B: Array, C: Array, D: Array, v: Complex) -> Complex:
+    """Return C (v I - A)^-1 B + D at points v (k,) as (k, p, m).
+
+    Raises numpy.linalg.LinAlgError when v I - A is singular at a point.
+    """
+    p, m = D.shape
+    if p < m:
+        return response(A.T, C.T, B.T, D.T, v).transpose(0, 2, 1)
+    different, places = np.unique(v, return_inverse=True)
+    if len(different) < len(v):
+        return response(A, B, C, D, different)[places]
+    M = np.empty((len(v), p, m), dtype=np.complex128)
+    M[:] = D
+    if not (len(A) and m):
+        return M
+    if len(A) < SMALL or len(v) < FEW:
+        return M + _direct(A, B, C, v)
+    A, B, C = balanced(A, B, C)
+    form = schur(A)
+    for part in _chunks(len(v), TOGETHER * ENTRIES // B.size):
+        M[part] += _refined(form, A, B, C, v[part])
+    return M
+
+
+def singular(A: Array, v: Complex) -> complex:
+    """Return that of the points v (k,) at which v I - A is nearest to singular."""
+    parts = [v[part] for part in _chunks(len(v), MATRICES // len(A) ** 2)]
+    sizes = [np.linalg.slogdet(part[:, None, None] * np.eye(len(A)) - A)[1] for part in parts]
+    return complex(v[int(np.concatenate(sizes).argmin())])
+
+
+def _refined(form: Schur, A: Array, B: Array, C: Array, v: Complex) -> Complex:
+    """Return C (v I - A)^-1 B (k, p, m) by the Schur form, refined; where that does not converge, directly."""
+    M, places, right = np.empty((len(v), len(C), B.shape[1]), dtype=np.complex128), np.arange(len(v)), form.U.T @ B
+    inexact = []
+    with np.errstate(all="ignore"):  # at a pole X is infinite; elimination tells what that is
+        for part in _chunks(len(v), ENTRIES // B.size):
+            X = _product(form.U, form.solve(v[part], right[:, :, None]))
+            M[part] = _product(C, X).transpose(2, 0, 1)
+            size, residual = _size(X), _residual(A, B, v[part], X)
+            near = size.max(axis=(0, 1)) * (np.linalg.norm(A, 1) + np.abs(v[part])) > NEAR * np.abs(B).max()
+            far = ~_satisfied(A, B, v[part], size, residual) | near
+            inexact.append((places[part][far], X[:, :, far], residual[:, :, far]))
+        left, X, residual = (np.concatenate(each, axis=-1) for each in zip(*inexact, strict=True))
+        for _ in range(STEPS):
+            if not left.size:
+                return M
+            change = _product(form.U, form.solve(v[left], _product(form.U.T, residual)))
+            X = X + change
+            M[left] = _product(C, X).transpose(2, 0, 1)
+            size, residual = _size(X), _residual(A, B, v[left], X)
+            moved = _size(change).max(axis=(0, 1)) / size.max(axis=(0, 1))
+            far = ~(_satisfied(A, B, v[left], size, residual) & (moved <= CLOSE))
+            left, X, residual = left[far], X[:, :, far], residual[:, :, far]
+    M[left] = _direct(A, B, C, v[left])
+    return M
+
+
+def _chunks(count: int, most: int) -> list[slice]:
+    """Return the places from 0 to `count` in parts of at most `most`, or of one."""
+    step = max(1, most)
+    return [slice(first, first + step) for first in range(0, count, step)]
+
+
+def _residual(A: Array, B: Array, v: Complex, X: Complex) -> Complex:
+    """Return B - (v I - A) X (n, m, k)."""
+    residual = _product(A, X)
+    residual -= v * X
+    residual += B[:, :, None]
+    return residual
+
+
+def _satisfied(A: Array, B: Array, v: Complex, size: Array, residual: Complex) -> NDArray[np.bool_]:
+    """Tell for each point (k,) whether X, whose entries have the `size` (n, m, k), leaves no more than rounding."""
+    n, m, k = size.shape
+    terms = (np.abs(A) @ size.reshape(n, m * k)).reshape(n, m, k)
+    terms += np.abs(v) * size
+    terms += np.abs(B)[:, :, None]
+    terms *= n * BACKWARD
+    return np.asarray((_size(residual) <= terms).all(axis=(0, 1)))
+
+
+def _product(P: Array, X: Complex) -> Complex:
+    """Return P X (q, m, k) of a real P (q, n) and X (n, m, k)."""
+    n, m, k = X.shape
+    X = np.ascontiguousarray(X)
+    return (P @ X.view(np.float64).reshape(n, 2 * m * k)).view(np.complex128).reshape(len(P), m, k)
+
+
+def _size(X: Complex) -> Array:
+    """Return |Re| + |Im| of each entry."""
+    return np.asarray(np.abs(X.real) + np.abs(X.imag), dtype=np.float64)
+
+
+def _direct(A: Array, B: Array, C: Array, v: Complex) -> Complex:
+    """Return C (v I - A)^-1 B (k, p, m) by elimination at each point."""
+    parts = [v[part] for part in _chunks(len(v), MATRICES // len(A) ** 2)]
+    shifted = (part[:, None, None] * np.eye(len(A)) - A for part in parts)
+    found = [C @ np.linalg.solve(each, np.broadcast_to(B, (len(each), *B.shape))) for each in shifted]
+    return np.concatenate(found) if found else np.zeros((0, len(C), B.shape[1]), dtype=np.complex128)

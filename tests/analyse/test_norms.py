@@ -1,0 +1,212 @@
+"""Norms against SLICOT and closed forms, and their proofs against planted defects."""
+
+import re
+from typing import Any
+
+import control
+import numpy as np
+import pytest
+import slycot
+
+from synth.analyse import bounded_real, norms, peak_gain
+from synth.errors import ModelError
+from synth.statespace import StateSpace, of
+from synth.timing import Continuous
+
+S, Z = control.tf("s"), control.tf([1.0, 0.0], [1.0], 0.5)
+LIGHT = 1e-6
+
+
+def lag(damping: float) -> Any:
+    return 1 / (S**2 + 2 * damping * S + 1)
+
+
+def random_model(seed: int, decades: float = 3.0) -> StateSpace:
+    """Return a stable model with up to 12 states and 3 inputs and outputs, every other one sampled.
+
+    Its states are in units that differ by factors up to 10 to the power of twice the decades.
+    """
+    rng = np.random.default_rng(seed)
+    n, m, p = int(rng.integers(1, 13)), int(rng.integers(1, 4)), int(rng.integers(1, 4))
+    A = rng.standard_normal((n, n))
+    poles = np.linalg.eigvals(A)
+    margin = 10.0 ** rng.uniform(-3, 0)
+    A = A / np.abs(poles).max() / (1 + margin) if seed % 2 else A - (poles.real.max() + margin) * np.eye(n)
+    D = rng.standard_normal((p, m)) * (seed % 3 == 0)
+    time = (0.1,) if seed % 2 else (0,)
+    B, C = rng.standard_normal((n, m)), rng.standard_normal((p, n))
+    unit = 2.0 ** np.round(rng.uniform(-1, 1, n) * decades * np.log2(10))
+    return of((A * unit[:, None] / unit, B * unit[:, None], C / unit, D, *time))
+
+
+def slicot_hinf(model: StateSpace) -> float:
+    n, (p, m) = len(model.A), model.D.shape
+    dico = "C" if isinstance(model.time, Continuous) else "D"
+    parts = model.A, np.eye(n), model.B, model.C, model.D
+    return float(slycot.ab13dd(dico, "I", "S", "D", n, m, p, *parts, 1e-10)[0])
+
+
+def slicot_h2(model: StateSpace) -> float:
+    n, (p, m) = len(model.A), model.D.shape
+    dico = "C" if isinstance(model.time, Continuous) else "D"
+    parts = (np.array(part) for part in (model.A, model.B, model.C, model.D))
+    return float(slycot.ab13bd(dico, "H", n, m, p, *parts))
+
+
+@pytest.mark.parametrize("seeds", np.arange(200).reshape(10, 20).tolist(), ids=lambda s: f"{s[0]}..{s[-1]}")
+def test_200_random_models_are_certified_and_agree_with_slicot(seeds: list[int]) -> None:
+    for seed in seeds:
+        model, plain = random_model(seed), random_model(seed, 0.0)  # SLICOT loses digits in unlike units
+        found, theirs = norms.norm_hinf(model), slicot_hinf(plain)
+        assert found.certified and found.upper <= (1 + 2e-6) * found.lower
+        assert found.lower * (1 - 1e-9) <= theirs <= found.upper * (1 + 1e-9)
+        assert found.lower <= found.peak * (1 + 1e-14) and found.peak <= found.upper
+        if not (isinstance(model.time, Continuous) and model.D.any()):
+            square = norms.norm_h2(model)
+            assert square.error < 1e-9 and square.value == pytest.approx(slicot_h2(plain), rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("system", "peak", "frequency"),
+    [
+        (lag(0.1), 1 / (0.2 * np.sqrt(0.99)), np.sqrt(0.98)),
+        (lag(0.8), 1.0, 0.0),
+        (lag(1e-3), 1 / (2e-3 * np.sqrt(1 - 1e-6)), np.sqrt(1 - 2e-6)),
+        (1 / (S + 1), 1.0, 0.0),
+        (S / (S + 1), 1.0, np.inf),
+        (2 / (Z + 0.5), 4.0, np.pi / 0.5),
+        (2 / (Z - 0.5), 4.0, 0.0),
+        (control.tf([0.0], [1.0, 1.0]), 0.0, 0.0),
+    ],
+    ids=["light", "heavy", "lighter", "at 0", "at infinity", "at Nyquist", "sampled at 0", "nothing"],
+)
+def test_closed_forms(system: Any, peak: float, frequency: float) -> None:
+    found = norms.norm_hinf(system)
+    assert found.certified and found.lower <= peak * (1 + 1e-12) and peak <= found.upper * (1 + 1e-12)
+    assert found.peak == pytest.approx(peak, rel=1e-9) and found.frequency == pytest.approx(frequency, rel=1e-4)
+
+
+@pytest.mark.parametrize("system", [(S - 1) / (S + 1), (0.5 * Z - 1) / (Z - 0.5)], ids=["continuous", "sampled"])
+def test_an_all_pass_has_its_gain_everywhere(system: Any) -> None:
+    found = norms.norm_hinf(system)
+    assert found.certified and float(found) == pytest.approx(1.0, rel=1e-12)
+
+
+def test_a_static_gain_is_its_largest_singular_value() -> None:
+    D = np.array([[3.0, 0.0, 4.0], [0.0, 2.0, 0.0]])
+    found = norms.norm_hinf((np.zeros((0, 0)), np.zeros((0, 3)), np.zeros((2, 0)), D))
+    assert found.certified and float(found) == pytest.approx(5.0, rel=1e-14)
+    assert norms.norm_hinf((-np.eye(2), np.zeros((2, 0)))).upper == 0.0
+
+
+def test_a_narrow_peak_is_found_and_proved_as_far_as_rounding_allows() -> None:
+    """1e-6 wide in frequency: any grid that does not know of the pole steps over it."""
+    system = lag(LIGHT) + 100 / (S + 1)
+    found = norms.norm_hinf(system)
+    expected = slicot_hinf(of(system))
+    assert found.certified and found.peak == pytest.approx(expected, rel=1e-6) and found.upper < 1.01 * found.lower
+    assert norms.norm_h2(lag(LIGHT)).value == pytest.approx(1 / np.sqrt(4 * LIGHT), rel=1e-9)
+
+
+def test_a_peak_that_no_pole_tells_of_is_found() -> None:
+    """Twelve equal lags in companion form, whose poles scatter by 1 %; a notch below and a lead above."""
+    system = (S**2 + 0.02 * S + 1) / (S + 1) ** 2 * 30 * (S + 3) / (S + 100) / (0.1 * S + 1)
+    found = norms.norm_hinf(system)
+    assert found.certified and found.peak == pytest.approx(slicot_hinf(of(system)), rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("system", "frequency", "text"),
+    [
+        (1 / S, 0.0, "the pole at 0 does not decay"),
+        (1 / (S**2 + 4), 2.0, "the pole at .*2i does not decay"),
+        (1 / (S - 1), 0.0, "the pole at 1 does not decay"),
+        (1 / (Z - 1), 0.0, "the pole at 1 does not decay"),
+        (1 / (Z + 1.5), np.pi / 0.5, "the pole at -1.5 does not decay"),
+    ],
+)
+def test_a_mode_that_lasts_makes_both_norms_infinite(system: Any, frequency: float, text: str) -> None:
+    found = norms.norm_hinf(system)
+    assert float(found) == found.lower == np.inf and found.frequency == pytest.approx(frequency) and found.certified
+    for norm in (found, norms.norm_h2(system)):
+        assert float(norm) == np.inf
+        assert re.search(text, norm.reason) and norm.reason in repr(norm)
+
+
+def test_h2_in_closed_form() -> None:
+    assert float(norms.norm_h2(1 / (S + 3))) == pytest.approx(1 / np.sqrt(6), rel=1e-14)
+    assert float(norms.norm_h2((Z + 1) / (Z - 0.5))) == pytest.approx(2.0, rel=1e-14)  # 1 + 1.5^2 / (1 - 1/4)
+    assert float(norms.norm_h2(([[0.5]], [[0.0]], [[1.0]], [[3.0]], 1.0))) == pytest.approx(3.0, rel=1e-14)
+    through = norms.norm_h2((S + 2) / (S + 1))
+    assert float(through) == np.inf and "D[y[0], u[0]] is 1: white noise passes it" in through.reason
+
+
+def test_the_error_of_h2_covers_a_wrong_gramian(monkeypatch: pytest.MonkeyPatch) -> None:
+    right, gramian = norms.norm_h2(random_model(4)).value, norms._gramian
+    monkeypatch.setattr(norms, "_gramian", lambda *args: gramian(*args) * (1 + 1e-4))
+    wrong = norms.norm_h2(random_model(4))
+    assert 0 < abs(wrong.value / right - 1) < wrong.error < 1e-2
+
+
+MODEL = of(control.ss(lag(0.1)))
+MATRICES = MODEL.A, MODEL.B, MODEL.C, MODEL.D
+PEAK = 1 / (0.2 * np.sqrt(0.99))
+
+
+def proof(level: float, weights: float = 1e-6) -> Any:
+    return bounded_real.solve(MATRICES, level, np.full(2, weights)).X
+
+
+def test_nothing_proves_a_level_below_the_peak() -> None:
+    above = proof(PEAK * (1 + 1e-5))
+    assert bounded_real.is_proof(above, MATRICES, PEAK * (1 + 1e-5), continuous=True)
+    for level in (PEAK * (1 - 1e-9), 0.5 * PEAK):
+        for X in (above, proof(level)):
+            assert X is None or not bounded_real.is_proof(X, MATRICES, level, continuous=True)
+
+
+def test_no_solution_proves_a_model_stable_that_is_not() -> None:
+    A = np.diag([-1.0, 1.0])
+    given = A, np.ones((2, 1)), np.ones((1, 2)), np.zeros((1, 1))
+    for X in (np.eye(2), np.diag([1.0, -1.0]), bounded_real.solve(given, 10.0, np.full(2, 1e-3)).X):
+        assert not bounded_real.is_proof(X, given, 10.0, continuous=True)
+
+
+def test_a_matrix_is_definite_only_beyond_what_is_not_known_of_it() -> None:
+    H = np.array([[1.0, 1.0 - 1e-8], [1.0 - 1e-8, 1.0]])  # eigenvalues 1e-8 and 2
+    assert bounded_real.is_positive_definite(H, np.zeros((2, 2)))
+    assert not bounded_real.is_positive_definite(H, np.full((2, 2), 0.6e-8))
+    assert not bounded_real.is_positive_definite(np.ones((2, 2)), np.zeros((2, 2)))
+    assert not bounded_real.is_positive_definite(np.diag([1.0, np.nan]), np.zeros((2, 2)))
+    assert bounded_real.is_positive_definite(np.diag([1e-300, 1e300]), np.zeros((2, 2)))
+
+
+def test_a_climb_that_misses_the_peak_is_made_good(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Started far from the higher of two peaks, the search finds it by the eigenvalues of the Hamiltonian."""
+    system = of(0.3 * lag(0.01) + 1e4 / (S**2 + 2 * S + 1e4))
+    right, start = norms.norm_hinf(system), peak_gain._start
+    monkeypatch.setattr(peak_gain, "_start", lambda form: (0.97, start(form)[1]))
+    found = norms.norm_hinf(system)
+    assert found.certified and found.frequency == pytest.approx(right.frequency, rel=1e-4) and right.frequency > 90
+
+
+def test_where_nothing_is_proved_the_norm_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bounded_real, "is_proof", lambda *args: False)
+    found = norms.norm_hinf(lag(0.1))
+    assert not found.certified and found.upper == np.inf and found.lower == pytest.approx(PEAK, rel=1e-9)
+    assert "no upper bound was proved" in repr(found)
+
+
+@pytest.mark.parametrize("norm", [norms.norm_h2, norms.norm_hinf])
+@pytest.mark.parametrize("size", [1e200, 1e300])
+def test_numbers_beyond_a_double_are_refused(norm: Any, size: float) -> None:
+    with pytest.raises(ModelError, match="exceed what a double holds: scale the units"):
+        norm(([[-1.0]], [[size]], [[size]]))
+
+
+def test_the_lower_bound_holds_at_its_frequency() -> None:
+    model = random_model(7)
+    found = norms.norm_hinf(model)
+    z = np.exp(1j * found.frequency * model.time.period_s)
+    there = float(np.linalg.norm(model.response([z])[0], 2))
+    assert found.lower <= there * (1 + 1e-9) and found.lower == pytest.approx(there, rel=1e-9)

@@ -1,0 +1,124 @@
+"""Step and impulse responses against closed forms and python-control."""
+
+from typing import Any
+
+import control
+import numpy as np
+import pytest
+
+from synth.analyse import discretise, time_response
+from synth.errors import ModelError, SignalError, SynthError, TimingError
+from synth.statespace import StateSpace, of
+from synth.timing import Continuous, Discrete
+from tests import tolerances
+
+S, Z = control.tf("s"), control.tf([1.0, 0.0], [1.0], 0.1)
+EXACT = tolerances.of("double")
+
+
+def model(time: Any = None) -> StateSpace:
+    rng = np.random.default_rng(3)
+    A, B, C = rng.standard_normal((4, 4)), rng.standard_normal((4, 2)), rng.standard_normal((3, 4))
+    A = A - 3 * np.eye(4)
+    names = ("a", "b", "c", "d"), ("f", "g"), ("x", "y", "z")
+    found = StateSpace(A, B, C, rng.standard_normal((3, 2)), *names, Continuous(), {"x": "m", "f": "N"})
+    return found if time is None else discretise.zero_order_hold(found, time)
+
+
+def test_closed_forms_of_a_step_and_an_impulse() -> None:
+    zeta, rate = 0.2, np.sqrt(1 - 0.2**2)
+    step, impulse = (f(1 / (S**2 + 0.4 * S + 1)) for f in (time_response.step_response, time_response.impulse_response))
+    t, decay = step.time, np.exp(-zeta * step.time)
+    expected = 1 - decay * (np.cos(rate * t) + zeta / rate * np.sin(rate * t))
+    np.testing.assert_allclose(step.outputs[:, 0, 0], expected, rtol=0, atol=EXACT)
+    np.testing.assert_allclose(impulse.outputs[:, 0, 0], decay * np.sin(rate * t) / rate, rtol=0, atol=EXACT)
+    assert step.final is not None and step.final[0, 0] == pytest.approx(1.0) and impulse.final is None
+    assert decay[-1] == pytest.approx(1e-3, rel=1e-6) and len(t) > 500
+
+
+@pytest.mark.parametrize("period", [None, 0.05])
+def test_all_channels_agree_with_python_control(period: float | None) -> None:
+    mine = model(period)
+    found = time_response.step_response(mine, 2.0)
+    theirs = control.step_response(mine.to_control(), found.time)
+    np.testing.assert_allclose(found.outputs, theirs.outputs.transpose(2, 0, 1), rtol=0, atol=1e-11)
+    assert (found.output_names, found.input_names) == (mine.outputs, mine.inputs)
+    assert found.output_units == ("m", "", "") and found.input_units == ("N", "")
+
+
+def test_the_impulse_of_a_sampled_model_is_one_sample_of_height_1() -> None:
+    mine = model(0.05)
+    found, step = time_response.impulse_response(mine, 1.0), time_response.step_response(mine, 1.0)
+    theirs = control.impulse_response(mine.to_control(), found.time)
+    np.testing.assert_allclose(found.outputs, 0.05 * theirs.outputs.transpose(2, 0, 1), rtol=0, atol=1e-11)
+    np.testing.assert_allclose(np.cumsum(found.outputs, axis=0), step.outputs, rtol=0, atol=1e-11)
+    np.testing.assert_array_equal(found.outputs[0], mine.D)
+    markov = time_response.impulse_response((Z + 1) / (Z - 0.5), 0.4).outputs[:, 0, 0]
+    np.testing.assert_allclose(markov, [1, 1.5, 0.75, 0.375, 0.1875], rtol=1e-14)
+
+
+def test_the_figures_of_a_step_are_those_of_the_textbook() -> None:
+    zeta, rate = 0.5, np.sqrt(0.75)
+    row = time_response.step_response(3 / (S**2 + S + 1), interval_s=1e-3).sheet().tables[0].rows[0]
+    assert row[1] == "3" and row[2] == f"{np.exp(-np.pi * zeta / rate):.2%}"
+    assert float(row[3]) == pytest.approx(1.639, abs=2e-3)  # Franklin, Powell: t_r = 1.64 / w_n at zeta = 0.5
+    theirs = control.step_info(3 / (S**2 + S + 1), T=np.arange(0, 20, 1e-3))
+    assert float(row[3]) == pytest.approx(theirs["RiseTime"], abs=2e-3)
+    assert float(row[4]) == pytest.approx(theirs["SettlingTime"], abs=2e-3)
+    assert float(row[6]) == pytest.approx(np.pi / rate, abs=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("system", "end"),
+    [
+        (1 / (S + 2), np.log(1000) / 2),
+        (1 / (S - 2), np.log(1000) / 2),
+        (1 / S, 1.0),
+        (1 / (S**2 + 4), 10 * np.pi),
+        (1 / (S * (S + 2)), np.log(1000) / 2),
+        (control.ss([], [], [], [[2.0]], 0), 1.0),
+        (1 / (Z - 0.5), 1.0),
+        (1 / Z, 1.0),
+    ],
+)
+def test_the_duration_follows_the_poles(system: Any, end: float) -> None:
+    found = time_response.step_response(system)
+    assert found.time[0] == 0.0 and found.time[-1] == pytest.approx(end, rel=1e-9)
+    assert np.isfinite(found.outputs).all() and len(found.time) <= 20_001 and "unit step" in repr(found)
+
+
+def test_an_oscillation_is_shown_by_twenty_points_in_a_period() -> None:
+    found = time_response.step_response(1 / (S**2 + 0.01 * S + 1))
+    assert 2 * np.pi / found.time[1] == pytest.approx(20, rel=0.01)
+
+
+def test_fast_and_slow_modes_are_exact_side_by_side() -> None:
+    found = time_response.step_response((np.diag([-1e6, -1e-3]), np.ones((2, 1)), np.eye(2)), 1000.0, 10.0)
+    slow = (1 - np.exp(-1e-3 * found.time)) * 1e3
+    np.testing.assert_allclose(found.outputs[1:, :, 0], np.column_stack([np.full(100, 1e-6), slow[1:]]), rtol=EXACT)
+
+
+@pytest.mark.parametrize(
+    ("call", "kind", "text"),
+    [
+        (lambda f: f(1 / (S + 1), -1.0), TimingError, r"the duration is -1\.0: give a finite positive number"),
+        (lambda f: f(1 / (S + 1), np.inf), TimingError, "the duration is inf"),
+        (lambda f: f(1 / (S + 1), "long"), TimingError, "the duration is 'long'"),
+        (lambda f: f(1 / (S + 1), [1.0, 2.0]), TimingError, r"the duration is \[1\.0, 2\.0\]"),
+        (lambda f: f(1 / (S + 1), 1.0, 1e-9), TimingError, "hold 1000000000 intervals"),
+        (lambda f: f(1 / (S + 1), 1.0, 2.0), TimingError, "hold 0 intervals of 2 s"),
+        (lambda f: f(1 / (Z - 0.5), 1.0, 0.1), TimingError, "an interval of 0.1 s was asked for in discrete time"),
+        (lambda f: f(1 / (S - 1), 1000.0), ModelError, "beyond what a double holds"),
+        (lambda f: f(3.0), SignalError, "no linear model"),
+    ],
+)
+@pytest.mark.parametrize("signal", ["step", "impulse"])
+def test_what_has_no_response_is_refused(call: Any, kind: type[SynthError], text: str, signal: str) -> None:
+    with pytest.raises(kind, match=text):
+        call(getattr(time_response, f"{signal}_response"))
+
+
+def test_an_impulse_through_D_is_refused_in_continuous_time_alone() -> None:
+    with pytest.raises(ModelError, match=r"holds an impulse at t = 0, D\[y\[0\], u\[0\]\] is 1: give the model with D"):
+        time_response.impulse_response((S + 2) / (S + 1))
+    assert time_response.impulse_response(of(([[0.5]], [[1.0]], [[1.0]], [[2.0]], Discrete(0.1)))).outputs[0, 0, 0] == 2
