@@ -4,7 +4,7 @@ import math
 from fractions import Fraction
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from synth.errors import SignalError
@@ -36,7 +36,6 @@ def test_a_unit_is_a_product_of_base_units(unit: str, exponents: dict[str, int])
     assert dict(dimension(unit)) == {name: Fraction(e) for name, e in exponents.items()}
 
 
-@settings(derandomize=True, deadline=None)
 @given(st.lists(st.tuples(st.sampled_from(BASE), st.integers(-9, 9)), max_size=8))
 def test_exponents_add_up_in_any_order(factors: list[tuple[str, int]]) -> None:
     total = {name: sum(e for n, e in factors if n == name) for name in BASE}

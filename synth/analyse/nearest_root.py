@@ -14,8 +14,8 @@ linearised at z (Hasofer and Lind, ASCE J. Eng. Mech. 100 (1974) 111; Rackwitz a
 each followed by a return to f = 0. Newton's method on the conditions of stationarity, J^T l + z = 0 and f = 0, gives
 the last digits; where it succeeds at once, the descent is spared. Only when every start has ended are the distances
 compared. The starts are the origin and a low-discrepancy sequence (Roberts: multiples of powers of the positive root of
-x^(n+1) = x + 1, modulo 1), first in the box, then in the part of the box that is nearer than the best root, until no
-nearer root turns up.
+x^(n+1) = x + 1, modulo 1) where f and J are finite: first in the box and close to the origin, then in the part of the
+box that is nearer than the best root, until no nearer root turns up.
 
 The answer is the nearest of the roots that the starts reach: a root whose basin holds no start is not seen. Roots whose
 distances differ by less than SAME_DISTANCE tie, and the first of them is the one with the larger value of the first
@@ -24,6 +24,8 @@ component in which they differ; rounding does not decide. Roots nearer each othe
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cmp_to_key
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,14 +34,18 @@ Array = NDArray[np.float64]
 Pair = tuple[Array, Array]
 
 BOX_STARTS = 24
+CLOSE_STARTS = 6  # at each of
+CLOSE = (0.1, 0.01)  # radii about the origin
 BALL_STARTS = 12  # in each round
 BALL_ROUNDS = 8
+TRIED = 20  # points for each start, of which the first with finite f and J are taken
 SAME_DISTANCE = 1e-6  # of the distance: a root on a continuum is known to half the digits of its distance
 SAME_ROOT = 1e-4  # a double root is known to the square root of the tolerance on f
 MARQUARDT_STEPS = 100
 SLIDING_STEPS = 40
 NEWTON_STEPS = 20
-DAMPING = (1e-3, 1e12)  # first and last, of |J|^2
+DAMPING = (1e-12, 1e-3, 1e10)  # least, first and last, of |J|^2
+HUGE = 1e150  # what is larger counts as infinite: its square overflows
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,28 +84,31 @@ def find(system: System) -> Search:
     origin = np.zeros(n)
     if system.is_root(origin):
         return Search((_polished(system, origin),))
-    ends = [_descended(system, z) for z in (origin, *_points(system.low, system.high, 0, BOX_STARTS))]
-    ends = [z for z in ends if np.isfinite(system.linear(z)[0]).all()]
+    starts = [origin, *_starts(system, np.inf, 0, BOX_STARTS)]
+    starts += [z for radius in CLOSE for z in _starts(system, radius, 0, CLOSE_STARTS)]
+    ends = [_descended(system, z) for z in starts]
     roots = _roots(system, ends)
     for k in range(BALL_ROUNDS if roots else 0):
         radius = _least_distance(roots)
-        low, high = np.maximum(system.low, -radius), np.minimum(system.high, radius)
-        points = _points(low, high, BOX_STARTS + k * BALL_STARTS, BALL_STARTS)
+        points = _starts(system, radius, k * BALL_STARTS, BALL_STARTS)
         roots += _roots(system, [_descended(system, z) for z in points])
         if _least_distance(roots) >= radius * (1 - SAME_DISTANCE):
             break
-    best = min(ends, key=lambda z: float(np.abs(system.linear(z)[0]).max()), default=None)
+    finite = [z for z in ends if np.isfinite(system.linear(z)[0]).all()]
+    best = min(finite, key=lambda z: float(np.abs(system.linear(z)[0]).max()), default=None)
     return Search(_nearest(roots), best)
 
 
-def _points(low: Array, high: Array, first: int, count: int) -> Iterator[Array]:
-    """Return points first + 1 .. first + count of Roberts' sequence in a box."""
-    n = len(low)
+def _starts(system: System, radius: float, skipped: int, count: int) -> Iterator[Array]:
+    """Return points of Roberts' sequence in the box, each component within `radius`, where f and J are finite."""
+    n = len(system.low)
+    low, high = np.maximum(system.low, -radius), np.minimum(system.high, radius)
     base = 2.0
     for _ in range(60):
         base = (1 + base) ** (1 / (n + 1))
     steps = base ** -np.arange(1.0, n + 1)
-    return (low + (high - low) * ((0.5 + k * steps) % 1) for k in range(first + 1, first + count + 1))
+    points = (low + (high - low) * ((0.5 + k * steps) % 1) for k in range(skipped + 1, skipped + 1 + TRIED * count))
+    return islice((z for z in points if _is_finite(system.linear(z))), count)
 
 
 def _roots(system: System, ends: Sequence[Array]) -> list[Array]:
@@ -125,23 +134,27 @@ def _nearest(roots: Sequence[Array]) -> tuple[Array, ...]:
     for z in (z for z in roots if np.linalg.norm(z) <= limit):
         if all(np.abs(z - other).max() > SAME_ROOT for other in distinct):
             distinct.append(z)
-    return tuple(sorted(distinct, key=lambda z: tuple(-np.round(z / SAME_ROOT))))
+    return tuple(sorted(distinct, key=cmp_to_key(_compare)))
+
+
+def _compare(z: Array, other: Array) -> float:
+    """Return a negative number when `z` has the larger value of the first component in which the roots differ."""
+    return next((float(b - a) for a, b in zip(z, other, strict=True) if abs(b - a) > SAME_ROOT), 0.0)
 
 
 def _is_finite(pair: Pair) -> bool:
-    f, J = pair
-    return bool(np.isfinite(J).all() and np.isfinite(f @ f))
+    return all(bool((np.abs(values) < HUGE).all()) for values in pair)
 
 
 def _descended(system: System, z: Array) -> Array:
     """Return where the Levenberg-Marquardt method leads from `z`: a root, or a local minimum of |f|."""
-    pair, damping = system.linear(z), DAMPING[0]
+    pair, (least, damping, last) = system.linear(z), DAMPING
     if not _is_finite(pair):
         return z
     for _ in range(MARQUARDT_STEPS):
         f, J = pair
         size = float(np.linalg.norm(J))
-        if size == 0 or damping > DAMPING[1]:
+        if size == 0 or damping > last:
             break
         rows = np.vstack([J / size, np.sqrt(damping) * np.eye(len(z))])
         step = np.linalg.lstsq(rows, np.concatenate([-f / size, np.zeros(len(z))]), rcond=None)[0]
@@ -149,8 +162,8 @@ def _descended(system: System, z: Array) -> Array:
         if not _is_finite(tried) or tried[0] @ tried[0] >= f @ f:
             damping *= 10
         else:
-            z, pair, damping = z + step, tried, max(damping / 10, 1e-15)
-        if np.abs(step).max() < 1e-14 and system.is_root(z):
+            z, pair, damping = z + step, tried, max(damping / 10, least)
+        if np.abs(step).max() < (1e-11 if system.is_root(z) else 1e-14):
             break
     return z
 
@@ -159,7 +172,7 @@ def _slid(system: System, root: Array) -> Array:
     """Return a root that is nearer the origin, by steps along the set of roots, or `root`."""
     for _ in range(SLIDING_STEPS):
         f, J = system.linear(root)
-        if not np.isfinite(J).all():
+        if not _is_finite((f, J)):
             break
         step = np.linalg.lstsq(J, J @ root - f, rcond=None)[0] - root
         length = np.linalg.norm(root)
@@ -185,13 +198,13 @@ def _restored(system: System, z: Array) -> Array:
 
 def _polished(system: System, z: Array) -> Array:
     """Return the stationary point near the root `z`, or `z` itself where Newton's method leads to nothing nearer."""
-    J = system.linear(z)[1]
-    if not np.isfinite(J).all():
+    f, J = system.linear(z)
+    if not _is_finite((f, J)):
         return z
     w = np.concatenate([z, -np.linalg.lstsq(J.T, z, rcond=None)[0]])
     for _ in range(NEWTON_STEPS):
         conditions, slope = system.stationary(w)
-        if not (np.isfinite(conditions).all() and np.isfinite(slope).all()):
+        if not _is_finite((conditions, slope)):
             return z
         step = np.linalg.lstsq(slope, conditions, rcond=None)[0]
         w = w - step

@@ -10,7 +10,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from synth.block import Block, Step, build
@@ -242,7 +242,6 @@ TREES = st.recursive(
 )
 
 
-@settings(derandomize=True, deadline=None)
 @given(st.dictionaries(st.text(), TREES))
 def test_the_text_reads_back_as_the_document(document: dict[str, Any]) -> None:
     text = dumps(document)

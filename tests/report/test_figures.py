@@ -28,7 +28,7 @@ def small(scale: float = 1.0) -> Figure:
 
 
 @given(hnp.arrays(np.float64, st.integers(1, 3000), elements=st.floats(-1e6, 1e6)), st.integers(2, 200))
-@settings(derandomize=True, max_examples=60, deadline=None)
+@settings(max_examples=60, deadline=None)
 def test_decimation_keeps_the_extremes_and_the_ends(values: np.ndarray, points: int) -> None:
     at = figures.decimate(values, points)
     assert len(at) <= points + 2 and (np.diff(at) > 0).all()
