@@ -44,7 +44,7 @@ SAME_ROOT = 1e-4  # a double root is known to the square root of the tolerance o
 MARQUARDT_STEPS = 100
 SLIDING_STEPS = 40
 NEWTON_STEPS = 20
-DAMPING = (1e-12, 1e-3, 1e10)  # least, first and last, of |J|^2
+DAMPING = (1e-12, 1e-6, 1e10)  # least, first and last, of |J|^2
 HUGE = 1e150  # what is larger counts as infinite: its square overflows
 
 
@@ -137,9 +137,9 @@ def _nearest(roots: Sequence[Array]) -> tuple[Array, ...]:
     return tuple(sorted(distinct, key=cmp_to_key(_compare)))
 
 
-def _compare(z: Array, other: Array) -> float:
+def _compare(z: Array, other: Array) -> int:
     """Return a negative number when `z` has the larger value of the first component in which the roots differ."""
-    return next((float(b - a) for a, b in zip(z, other, strict=True) if abs(b - a) > SAME_ROOT), 0.0)
+    return next((1 if b > a else -1 for a, b in zip(z, other, strict=True) if abs(b - a) > SAME_ROOT), 0)
 
 
 def _is_finite(pair: Pair) -> bool:

@@ -10,8 +10,8 @@ before the distances are compared (`nearest_root`). Roots at one distance are to
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from types import MappingProxyType
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -138,14 +138,28 @@ def _derivatives(f: ca.SX, z: ca.SX, held: ca.SX, values: Array) -> tuple[Linear
     multiplier = ca.SX.sym("l", f.numel())
     J = ca.jacobian(f, z)
     conditions, unknowns = ca.vertcat(z + ca.mtimes(J.T, multiplier), f), ca.vertcat(z, multiplier)
-    linear = ca.Function("linear", [z, held], [f, J])
-    stationary = ca.Function("stationary", [unknowns, held], [conditions, ca.jacobian(conditions, unknowns)])
+    stationary = [conditions, ca.jacobian(conditions, unknowns)]
+    return _numeric(z, held, [f, J], values), _numeric(unknowns, held, stationary, values)
 
-    def called(function: ca.Function, z: Array) -> tuple[Array, Array]:
-        value, slope = function(z, values)
-        return np.asarray(value).ravel(), np.asarray(slope)
 
-    return partial(called, linear), partial(called, stationary)
+def _numeric(unknown: ca.SX, held: ca.SX, results: Sequence[ca.SX], values: Array) -> Linear:
+    """Return two results (k,) and (k, n) as a function of `unknown`, by buffers: conversions take most of a call."""
+    value, slope = results
+    function = ca.Function("numeric", [unknown, held], [ca.densify(ca.vertcat(value, ca.vec(slope)))])
+    buffer: Any  # CasADi's annotations ask for a size beside the array
+    buffer, evaluate = function.buffer()
+    argument, result = np.zeros(unknown.numel()), np.zeros(function.numel_out(0))
+    buffer.set_arg(0, argument.data)
+    if values.size:
+        buffer.set_arg(1, values.data)
+    buffer.set_res(0, result.data)
+
+    def called(z: Array, _owner: object = buffer) -> tuple[Array, Array]:  # `evaluate` alone does not keep the buffer
+        argument[:] = z
+        evaluate()
+        return result[: value.numel()].copy(), result[value.numel() :].reshape(slope.shape, order="F").copy()
+
+    return called
 
 
 def _roots(plant: Plant, problem: _Problem, free: tuple[str, ...], fixed: tuple[str, ...]) -> tuple[Array, ...]:
