@@ -83,21 +83,13 @@ def trim(plant: Plant, fixed: Mapping[str, float], free: Collection[str]) -> Ope
     scale = np.array([signals[n].high / 2 - signals[n].low / 2 for n in free])
     problem = _problem(plant, fixed, [signals[n] for n in free], reference, scale)
     roots = _roots(plant, problem, tuple(free), tuple(fixed))
-    chosen, *ties = [dict(zip(free, map(float, reference + scale * z), strict=True)) for z in roots]
+    chosen, *others = (dict(zip(free, map(float, reference + scale * z), strict=True)) for z in roots)
+    ties = tuple(MappingProxyType(other) for other in others)
     value = dict.fromkeys(signals, 0.0) | dict(fixed) | chosen
     x, u = np.array([value[s.name] for s in plant.states]), np.array([value[s.name] for s in plant.inputs])
     residual = float(np.abs(np.asarray(plant.f(x, u, plant.values))).max(initial=0.0))
     outside = tuple(n for n, s in signals.items() if (n in fixed or n in free) and not s.low <= value[n] <= s.high)
-    return OperatingPoint(
-        x,
-        u,
-        plant.values,
-        residual,
-        names(plant.states),
-        names(plant.inputs),
-        outside,
-        tuple(map(MappingProxyType, ties)),
-    )
+    return OperatingPoint(x, u, plant.values, residual, names(plant.states), names(plant.inputs), outside, ties)
 
 
 def _check_names(plant: Plant, known: Collection[str], fixed: Collection[str], free: Collection[str]) -> None:
