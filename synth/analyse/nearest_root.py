@@ -54,6 +54,7 @@ class System:
 
     `linear(z)` returns f (k,) and J (k, n), scaled so that |f_i| <= `tolerance` is a root; `stationary(z, l)` returns
     [J^T l + z; f] (n + k,) and its Jacobian (n + k, n + k). `low` <= 0 <= `high` (n,) bound the starts.
+    Where f is affine in z, its roots are one affine set with one nearest point: the origin alone is a start.
     """
 
     linear: Callable[[Array], Pair]
@@ -61,6 +62,7 @@ class System:
     low: Array
     high: Array
     tolerance: float
+    is_affine: bool = False
 
     def is_root(self, z: Array) -> bool:
         """Tell whether every equation is met at `z`."""
@@ -84,11 +86,11 @@ def find(system: System) -> Search:
     origin = np.zeros(n)
     if system.is_root(origin):
         return Search((_polished(system, origin),))
-    starts = [origin, *_starts(system, np.inf, 0, BOX_STARTS)]
-    starts += [z for radius in CLOSE for z in _starts(system, radius, 0, CLOSE_STARTS)]
+    regions = [] if system.is_affine else [(np.inf, BOX_STARTS), *((radius, CLOSE_STARTS) for radius in CLOSE)]
+    starts = [origin, *(z for radius, count in regions for z in _starts(system, radius, 0, count))]
     ends = [_descended(system, z) for z in starts]
     roots = _roots(system, ends)
-    for k in range(BALL_ROUNDS if roots else 0):
+    for k in range(BALL_ROUNDS if roots and not system.is_affine else 0):
         radius = _least_distance(roots)
         points = _starts(system, radius, k * BALL_STARTS, BALL_STARTS)
         roots += _roots(system, [_descended(system, z) for z in points])

@@ -121,7 +121,8 @@ def _problem(
     tolerance = RELATIVE_TOLERANCE * (per_second + np.where(np.isfinite(size), size, 0.0))
     low, high = ((np.array(ends) - reference) / scale for ends in ([s.low for s in free], [s.high for s in free]))
     linear, stationary = _derivatives(RELATIVE_TOLERANCE * f / tolerance, z, held, values)
-    system = nearest_root.System(linear, stationary, low, high, RELATIVE_TOLERANCE)
+    is_affine = not any(ca.which_depends(f, z, 2, True))
+    system = nearest_root.System(linear, stationary, low, high, RELATIVE_TOLERANCE, is_affine)
     return _Problem(system, derivatives, tolerance)
 
 

@@ -84,6 +84,26 @@ def test_on_a_continuum_no_sampled_root_is_nearer(seed: int) -> None:
     assert abs(np.sum(((root - centre) / axes) ** 2) - 1) < 1e-9
 
 
+def test_an_affine_system_needs_no_other_start() -> None:
+    rng = np.random.default_rng(1)
+    for shape in ((1, 1), (2, 4), (3, 3), (3, 2)):
+        J, z = rng.normal(size=shape), rng.normal(size=shape[1])
+
+        def linear(w: Array, J: Array = J, z: Array = z) -> tuple[Array, Array]:
+            return J @ (w - z), J
+
+        def stationary(w: Array, J: Array = J, z: Array = z) -> tuple[Array, Array]:
+            k, n = J.shape
+            zero = np.zeros((k, k))
+            return np.concatenate([J.T @ w[n:] + w[:n], J @ (w[:n] - z)]), np.block([[np.eye(n), J.T], [J, zero]])
+
+        ends = (-np.ones(shape[1]), np.ones(shape[1]))
+        one, many = (nearest_root.System(linear, stationary, *ends, 1e-10, affine) for affine in (True, False))
+        for system in (one, many):
+            (root,) = nearest_root.find(system).roots
+            np.testing.assert_allclose(root, np.linalg.pinv(J) @ J @ z, rtol=0, atol=1e-11)
+
+
 def test_the_order_of_ties_does_not_depend_on_rounding() -> None:
     near = 0.00005  # at this value a rounding to multiples of the tolerance would turn with the last digit
     for nudge in (-1e-12, 0.0, 1e-12):
