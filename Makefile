@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-.PHONY: build test bench prove clean
+.PHONY: build test test-kernels bench prove clean
 
 build: $(STAMP)
 	$(BIN)/synth build
@@ -14,6 +14,10 @@ test: $(STAMP)
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/python -m pytest -n auto --dist loadfile
+
+# The vocabulary, analysis and synthesis under three other kernels of OpenBLAS, which round otherwise.
+test-kernels: $(STAMP)
+	$(BIN)/python -m tests.kernels
 
 bench: $(STAMP)
 	$(BIN)/synth cost

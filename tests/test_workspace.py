@@ -67,7 +67,7 @@ def test_a_failed_check_is_exit_status_1(root: Path, monkeypatch: pytest.MonkeyP
 )
 def test_wrong_usage_is_exit_status_2_in_one_line(arguments: list[str], told: str) -> None:
     command = [sys.executable, "-c", "from synth.cli import main; main()", *arguments]
-    result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60)
+    result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert result.returncode == 2
     assert told in result.stderr and "Traceback" not in result.stderr
 

@@ -4,30 +4,29 @@
 
 over the named free signals, everything else held. ref_j is the value nearest zero in the signal's range and scale_j
 half the width of that range. Where inputs are redundant the smallest ones serve. Of several roots, as a quadratic input
-gives them, the one reached from zero is taken: a local minimum of the distance.
-
-Method. Least squares from the reference finds a root, or the least that the equations can come to. Newton's method on
-the conditions of stationarity, J^T l + z = 0 and f = 0 with z = (w - ref)/scale, then makes it the nearest one.
+gives them, the nearest is taken of all that a fixed set of starts inside the ranges reaches; every start is tried
+before the distances are compared (`nearest_root`). Roots at one distance are told as `OperatingPoint.ties`.
 """
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
+from synth.analyse import nearest_root
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant
 from synth.signals import Signal, names
 from synth.statespace import readonly
 
 Array = NDArray[np.float64]
+Linear = Callable[[Array], tuple[Array, Array]]
 
-STARTS = (0.0, 0.3, -0.3, 0.9, -0.9)  # in half ranges from the reference
 RELATIVE_TOLERANCE = 1e-9
-NEWTON_STEPS = 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +34,9 @@ class OperatingPoint:
     """An equilibrium: x (n,), u (m,), p in the plant's order and units.
 
     `residual` is the largest |f_i| at the point, each in its state's unit over s; `outside` names the signals beyond
-    their range.
+    their range. `ties` holds the other equilibria that are as near, each as values of the free signals: the point
+    itself is the one with the larger value of the first free signal in which they differ. Where a continuum of
+    equilibria is equally near, `ties` holds those that the search came to.
     """
 
     x: Array
@@ -45,6 +46,7 @@ class OperatingPoint:
     states: tuple[str, ...]
     inputs: tuple[str, ...]
     outside: tuple[str, ...] = ()
+    ties: tuple[Mapping[str, float], ...] = ()
 
     def __post_init__(self) -> None:
         for letter in ("x", "u", "p"):
@@ -61,20 +63,11 @@ class OperatingPoint:
 
 @dataclass(frozen=True, eq=False)
 class _Problem:
-    """f(z, held) = 0 in the scaled free variables z, with derivatives, and the tolerance of each equation."""
+    """The equations in the scaled free variables z, with the unscaled derivatives and the tolerance of each."""
 
-    held: Array
-    f: ca.Function
-    jacobian: ca.Function
-    stationarity: ca.Function
-    size: int
+    system: nearest_root.System
+    derivatives: Callable[[Array], Array]
     tolerance: Array
-
-    def residual(self, z: Array) -> Array:
-        return np.asarray(self.f(z, self.held)).ravel()
-
-    def met(self, z: Array) -> bool:
-        return bool((np.abs(self.residual(z)) <= self.tolerance).all())
 
 
 def trim(plant: Plant, fixed: Mapping[str, float], free: Collection[str]) -> OperatingPoint:
@@ -87,14 +80,16 @@ def trim(plant: Plant, fixed: Mapping[str, float], free: Collection[str]) -> Ope
     signals = {s.name: s for s in (*plant.states, *plant.inputs)}
     _check_names(plant, signals, fixed, free)
     reference = np.array([np.clip(0.0, signals[n].low, signals[n].high) for n in free])
-    scale = np.array([(signals[n].high - signals[n].low) / 2 for n in free])
-    problem = _problem(plant, fixed, tuple(free), reference, scale)
-    z = _nearest(plant, problem, tuple(free), tuple(fixed))
-    value = dict.fromkeys(signals, 0.0) | dict(fixed) | dict(zip(free, reference + scale * z, strict=True))
+    scale = np.array([signals[n].high / 2 - signals[n].low / 2 for n in free])
+    problem = _problem(plant, fixed, [signals[n] for n in free], reference, scale)
+    roots = _roots(plant, problem, tuple(free), tuple(fixed))
+    chosen, *others = (dict(zip(free, map(float, reference + scale * z), strict=True)) for z in roots)
+    ties = tuple(MappingProxyType(other) for other in others)
+    value = dict.fromkeys(signals, 0.0) | dict(fixed) | chosen
     x, u = np.array([value[s.name] for s in plant.states]), np.array([value[s.name] for s in plant.inputs])
     residual = float(np.abs(np.asarray(plant.f(x, u, plant.values))).max(initial=0.0))
     outside = tuple(n for n, s in signals.items() if (n in fixed or n in free) and not s.low <= value[n] <= s.high)
-    return OperatingPoint(x, u, plant.values, residual, names(plant.states), names(plant.inputs), outside)
+    return OperatingPoint(x, u, plant.values, residual, names(plant.states), names(plant.inputs), outside, ties)
 
 
 def _check_names(plant: Plant, known: Collection[str], fixed: Collection[str], free: Collection[str]) -> None:
@@ -107,78 +102,83 @@ def _check_names(plant: Plant, known: Collection[str], fixed: Collection[str], f
 
 
 def _problem(
-    plant: Plant, fixed: Mapping[str, float], free: tuple[str, ...], reference: Array, scale: Array
+    plant: Plant, fixed: Mapping[str, float], free: Sequence[Signal], reference: Array, scale: Array
 ) -> _Problem:
     z = ca.SX.sym("z", len(free))
     held = ca.SX.sym("held", len(fixed))  # symbols: a constant zero would cancel the infinities that it causes
     value = {n: held[i] for i, n in enumerate(fixed)}
-    value |= {n: reference[i] + scale[i] * z[i] for i, n in enumerate(free)}
+    value |= {s.name: reference[i] + scale[i] * z[i] for i, s in enumerate(free)}
     x = ca.vcat([value.get(s.name, ca.SX(0)) for s in plant.states])
     u = ca.vcat([value.get(s.name, ca.SX(0)) for s in plant.inputs])
     f = plant.f(x, u, plant.values)
+    function, values = ca.Function("f", [z, held], [f]), np.array(list(fixed.values()), dtype=np.float64)
+
+    def derivatives(z: Array) -> Array:
+        return np.asarray(function(z, values)).ravel()
+
+    size = np.abs(derivatives(np.zeros(len(free))))
+    per_second = np.array([s.high / 2 - s.low / 2 for s in plant.states])
+    tolerance = RELATIVE_TOLERANCE * (per_second + np.where(np.isfinite(size), size, 0.0))
+    low, high = ((np.array(ends) - reference) / scale for ends in ([s.low for s in free], [s.high for s in free]))
+    linear, stationary = _derivatives(RELATIVE_TOLERANCE * f / tolerance, z, held, values)
+    is_affine = not any(ca.which_depends(f, z, 2, True))
+    system = nearest_root.System(linear, stationary, low, high, RELATIVE_TOLERANCE, is_affine)
+    return _Problem(system, derivatives, tolerance)
+
+
+def _derivatives(f: ca.SX, z: ca.SX, held: ca.SX, values: Array) -> tuple[Linear, Linear]:
+    """Return the functions `linear` and `stationary` of a `nearest_root.System`."""
     multiplier = ca.SX.sym("l", f.numel())
     J = ca.jacobian(f, z)
-    conditions = ca.vertcat(z + ca.mtimes(J.T, multiplier), f)
-    unknowns = ca.vertcat(z, multiplier)
-    stationarity = ca.Function("s", [unknowns, held], [conditions, ca.jacobian(conditions, unknowns)])
-    function, slope = ca.Function("f", [z, held], [f]), ca.Function("J", [z, held], [J])
-    values = np.array(list(fixed.values()), dtype=np.float64)
-    size = np.abs(np.asarray(function(np.zeros(len(free)), values)).ravel())
-    per_second = np.array([(s.high - s.low) / 2 for s in plant.states])
-    tolerance = RELATIVE_TOLERANCE * (per_second + np.where(np.isfinite(size), size, 0.0))
-    return _Problem(values, function, slope, stationarity, len(free), tolerance)
+    conditions, unknowns = ca.vertcat(z + ca.mtimes(J.T, multiplier), f), ca.vertcat(z, multiplier)
+    stationary = [conditions, ca.jacobian(conditions, unknowns)]
+    return _numeric(z, held, [f, J], values), _numeric(unknowns, held, stationary, values)
 
 
-def _nearest(plant: Plant, problem: _Problem, free: tuple[str, ...], fixed: tuple[str, ...]) -> Array:
-    """Return the scaled root nearest zero; raise ModelError with the equation that stays unmet."""
-    found = []
-    for z in _least_squares(plant, problem) if free else [np.zeros(0)]:
-        if problem.met(z):
-            return _polished(problem, z) if free else z
-        found.append(z)
-    best = min(found, key=lambda z: float(np.max(np.abs(problem.residual(z)) / problem.tolerance)))
-    raise _no_trim(plant, problem, best, free, fixed)
+def _numeric(unknown: ca.SX, held: ca.SX, results: Sequence[ca.SX], values: Array) -> Linear:
+    """Return two results (k,) and (k, n) as a function of `unknown`, by buffers: conversions take most of a call."""
+    value, slope = results
+    function = ca.Function("numeric", [unknown, held], [ca.densify(ca.vertcat(value, ca.vec(slope)))])
+    buffer: Any  # CasADi's annotations ask for a size beside the array
+    buffer, evaluate = function.buffer()
+    argument, result = np.zeros(unknown.numel()), np.zeros(function.numel_out(0))
+    buffer.set_arg(0, argument.data)
+    if values.size:
+        buffer.set_arg(1, values.data)
+    buffer.set_res(0, result.data)
+
+    def called(z: Array, _owner: object = buffer) -> tuple[Array, Array]:  # `evaluate` alone does not keep the buffer
+        argument[:] = z
+        evaluate()
+        return result[: value.numel()].copy(), result[value.numel() :].reshape(slope.shape, order="F").copy()
+
+    return called
 
 
-def _least_squares(plant: Plant, problem: _Problem) -> Iterator[Array]:
-    weight = RELATIVE_TOLERANCE / problem.tolerance
-    starts = [np.full(problem.size, start) for start in STARTS]
-    starts = [z for z in starts if np.isfinite(problem.residual(z)).all()]
-    if not starts:
-        raise ModelError(
-            f"plant '{plant.name}': the derivatives are not finite at the values held for trim: "
-            "hold the signals inside the plant's domain"
-        )
-    for start in starts:
-        yield least_squares(
-            lambda z: weight * problem.residual(z),
-            start,
-            lambda z: weight[:, None] * np.asarray(problem.jacobian(z, problem.held)),
-            xtol=1e-15,
-            ftol=1e-15,
-            gtol=1e-15,
-        ).x
+def _roots(plant: Plant, problem: _Problem, free: tuple[str, ...], fixed: tuple[str, ...]) -> tuple[Array, ...]:
+    """Return the scaled roots nearest zero; raise ModelError with the equation that stays unmet."""
+    origin = np.zeros(len(free))
+    if not free:
+        search = nearest_root.Search((origin,) if problem.system.is_root(origin) else (), origin)
+    else:
+        search = nearest_root.find(problem.system)
+    if search.roots:
+        return search.roots
+    if search.best is None:
+        raise _not_finite(plant, problem.derivatives(origin), free)
+    raise _no_trim(plant, problem, search.best, free, fixed)
 
 
-def _polished(problem: _Problem, z: Array) -> Array:
-    """Return the stationary point near the root `z`, or `z` itself where Newton's method leads to nothing nearer."""
-    J = np.asarray(problem.jacobian(z, problem.held))
-    w = np.concatenate([z, -np.linalg.lstsq(J.T, z, rcond=None)[0]])
-    for _ in range(NEWTON_STEPS):
-        conditions, slope = (np.asarray(m) for m in problem.stationarity(w, problem.held))
-        step = np.linalg.lstsq(slope, conditions.ravel(), rcond=None)[0]
-        if not np.isfinite(step).all():
-            return z
-        w = w - step
-        if np.abs(step[: problem.size]).max() < 1e-15:
-            break
-    polished = w[: problem.size]
-    nearer = np.linalg.norm(polished) <= np.linalg.norm(z) * (1 + 1e-6) + 1e-12
-    return polished if nearer and problem.met(polished) else z
+def _not_finite(plant: Plant, derivatives: Array, free: tuple[str, ...]) -> ModelError:
+    state = plant.states[int(np.argmin(np.isfinite(derivatives)))]
+    return ModelError(
+        f"plant '{plant.name}' has no trim: d({state.name})/dt is not finite at the values held for trim, at any "
+        f"of the points tried in the ranges of {', '.join(free)}: hold the signals inside the plant's domain"
+    )
 
 
 def _no_trim(plant: Plant, problem: _Problem, z: Array, free: tuple[str, ...], fixed: tuple[str, ...]) -> ModelError:
-    residual = problem.residual(z)
+    residual = problem.derivatives(z)
     excess = np.where(np.isfinite(residual), np.abs(residual) / problem.tolerance, np.inf)
     worst = int(excess.argmax())
     state: Signal = plant.states[worst]

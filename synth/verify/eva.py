@@ -35,7 +35,7 @@ from synth.errors import CompileError
 from synth.verify import contract
 from synth.verify.contract import Member
 
-TIME_LIMIT_S = 300
+TIME_LIMIT_S = 1800  # a guard against an analysis without an end, no verdict on speed: minutes are usual
 _PROCESSES = 2
 _HARNESS = "synth_eva.c"
 _REPORT = "properties.csv"

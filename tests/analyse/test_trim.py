@@ -77,6 +77,78 @@ def test_a_purely_quadratic_input_is_found_from_zero() -> None:
     assert abs(trim(toy(law, 1), {}, ["F1"])["F1"]) == pytest.approx(2.0, rel=1e-12)
 
 
+def test_roots_that_tie_are_told_and_the_larger_is_taken() -> None:
+    def law(x: Symbols, u: Symbols) -> dict[str, ca.SX]:
+        return {"q": u["F1"] * u["F2"], "v": u["F1"] ** 2 + u["F2"] ** 2 - 4}
+
+    point = trim(toy(law), {}, ["F1", "F2"])
+    assert (point["F1"], point["F2"]) == pytest.approx((2.0, 0.0), abs=1e-12)
+    told = [(tie["F1"], tie["F2"]) for tie in point.ties]
+    assert told == [pytest.approx(root, abs=1e-12) for root in ((0.0, 2.0), (0.0, -2.0), (-2.0, 0.0))]
+    assert not trim(maglev_stage.plant("coth2"), {"y": 0.018}, DIRECT).ties
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_rounding_does_not_choose_the_root(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Planted: a least-squares solver that errs in the last digits, otherwise in each call."""
+    rng, exact = np.random.default_rng(seed), np.linalg.lstsq
+
+    def rounded(*arguments: object, **options: object) -> tuple[object, ...]:
+        solution, *rest = exact(*arguments, **options)
+        return solution * (1 + 1e-13 * rng.normal(size=solution.shape)), *rest
+
+    monkeypatch.setattr(np.linalg, "lstsq", rounded)
+    point = trim(maglev_stage.plant("coth2"), {"y": 0.018}, DIRECT)
+    assert [point[n] for n in DIRECT] == pytest.approx([HELD["coth2"][18]] * 4, rel=2e-5)
+
+
+def tank(low: float = 0.0, high: float = 2.0) -> Plant:
+    """An inflow q fills a tank, which its head drives out: h' = q - a sqrt(h), whose slope is infinite at h = 0."""
+    h, q = Signal("h", "m", low, high), Signal("q", "m/s", -1.0, 1.0)
+    a = Parameter("a", 0.5, "1", 0.0, "test")
+    return plant.build("tank", (h,), (q,), (), (a,), lambda x, u, p: ({"h": u["q"] - p["a"] * ca.sqrt(x["h"])}, {}))
+
+
+@pytest.mark.parametrize(("low", "high"), [(0.0, 2.0), (-2.0, 2.0), (-50.0, 1.0), (0.5, 1.5)])
+@pytest.mark.parametrize("q", [1e-3, 0.1, 0.3, 0.7])
+def test_a_slope_that_is_infinite_at_an_end_of_the_range(low: float, high: float, q: float) -> None:
+    point = trim(tank(low, high), {"q": q}, ["h"])
+    assert point["h"] == pytest.approx((q / 0.5) ** 2, rel=1e-8, abs=1e-12)
+    assert point.outside == (() if low <= point["h"] <= high else ("h",))
+
+
+def test_a_tank_that_drains_has_no_trim() -> None:
+    with pytest.raises(ModelError, match=r"no trim: d\(h\)/dt = 0 cannot be met; the least found is -0\.3 m/s"):
+        trim(tank(), {"q": -0.3}, ["h"])
+    with pytest.raises(ModelError, match=r"d\(h\)/dt is not finite .* in the ranges of q"):
+        trim(tank(-2.0, 2.0), {"h": -1.0}, ["q"])
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        lambda x, F: ca.log(x) + F,
+        lambda x, F: 1 / x - F,
+        lambda x, F: ca.sqrt(x - 0.3) + F,
+        lambda x, F: ca.sqrt(ca.sqrt(x)) - 2 - F**2,
+        lambda x, F: ca.acos(x) - 4 + 0 * F,
+        lambda x, F: ca.exp(700 * x) * ca.exp(700 * F),
+        lambda x, F: ca.fabs(x) - ca.if_else(F > 0, 1 / F, ca.log(F)),
+        lambda x, F: 1e300 * (x - 0.25) + 1e280 * F,
+        lambda x, F: 1e-300 * (x - 0.25) ** 3 + F,
+        lambda x, F: 0 * x + 0 * F + 1,
+        lambda x, F: ca.sqrt(-1 - x**2) + F,
+    ],
+)
+@pytest.mark.parametrize("free", [["q"], ["F1"], ["q", "F1"]])
+def test_awkward_plants_give_a_trim_or_an_equation(law: Callable[[ca.SX, ca.SX], ca.SX], free: list[str]) -> None:
+    both = toy(lambda x, u: {"q": law(x["q"], u["F1"]), "v": x["v"]}, 1)
+    try:
+        assert np.isfinite(trim(both, {}, free).residual)
+    except ModelError as error:
+        assert "d(q)/dt" in str(error)
+
+
 def test_smallest_inputs_by_their_ranges() -> None:
     def law(x: Symbols, u: Symbols) -> dict[str, ca.SX]:
         return {"q": x["v"], "v": u["F1"] + 2 * u["F2"] - 5}

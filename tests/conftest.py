@@ -1,0 +1,13 @@
+"""Settings of every test: no verdict from a clock or from chance, and the BLAS kernels in the heading."""
+
+from hypothesis import HealthCheck, settings
+
+from tests import kernels
+
+# Without a deadline for one example and for drawing it, a busy machine fails nothing; the examples are always the same.
+settings.register_profile("synth", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("synth")
+
+
+def pytest_report_header() -> str:
+    return "BLAS kernels: " + ", ".join(f"{package} {name}" for package, name in kernels.in_use().items())
