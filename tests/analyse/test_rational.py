@@ -1,0 +1,98 @@
+"""A loop as a ratio of integers' polynomials: nothing is rounded, and what rounding of its numbers does is told."""
+
+from fractions import Fraction
+
+import control
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from synth.analyse import rational
+from synth.statespace import StateSpace, of
+from synth.timing import Discrete
+
+I = complex(0, 1)
+
+
+def at(polynomial: object, s: Fraction) -> Fraction:
+    """Evaluate a polynomial of integers exactly."""
+    return sum((Fraction(int(c)) * s**k for k, c in enumerate(polynomial.coeffs())), Fraction(0))  # type: ignore[attr-defined]
+
+
+def exactly(model: StateSpace, s: Fraction) -> Fraction:
+    """L at a rational s, by Gaussian elimination over the rationals."""
+    n = len(model.A)
+    rows = [[(s if i == j else 0) - Fraction(float(model.A[i, j])) for j in range(n)] for i in range(n)]
+    right = [Fraction(float(v)) for v in model.B[:, 0]]
+    for i in range(n):
+        pivot = next(k for k in range(i, n) if rows[k][i])
+        rows[i], rows[pivot], right[i], right[pivot] = rows[pivot], rows[i], right[pivot], right[i]
+        for k in range(i + 1, n):
+            factor = rows[k][i] / rows[i][i]
+            rows[k] = [a - factor * b for a, b in zip(rows[k], rows[i], strict=True)]
+            right[k] -= factor * right[i]
+    x = [Fraction(0)] * n
+    for i in reversed(range(n)):
+        x[i] = (right[i] - sum((rows[i][j] * x[j] for j in range(i + 1, n)), Fraction(0))) / rows[i][i]
+    return sum((Fraction(float(c)) * v for c, v in zip(model.C[0], x, strict=True)), Fraction(float(model.D[0, 0])))
+
+
+@settings(derandomize=True, max_examples=20, deadline=None)
+@given(st.integers(0, 10**6), st.integers(0, 5), st.booleans())
+def test_a_state_space_model_is_taken_without_rounding(seed: int, n: int, sampled: bool) -> None:
+    rng = np.random.default_rng(seed)
+    arrays = [rng.standard_normal(shape) * 10.0 ** rng.uniform(-3, 3, shape) for shape in ((n, n), (n, 1), (1, n))]
+    model = of((*arrays, rng.standard_normal((1, 1)), Discrete(0.1))) if sampled else of((*arrays, [[0.5]]))
+    loop, s = rational.of_system(model), Fraction(7, 5)
+    point = (1 + s) / (1 - s) if sampled else s
+    assert at(loop.N, s) / at(loop.D, s) == exactly(model, point)
+
+
+def test_the_coefficients_of_a_transfer_function_are_taken_as_they_are() -> None:
+    """A leading coefficient of 3 is no divisor that rounds."""
+    loop = rational.of_system(control.tf([0.1, 0.7], [3.0, 0.2, 1.0 / 3]))
+    s = Fraction(2)
+    expected = (Fraction(0.1) * s + Fraction(0.7)) / (3 * s * s + Fraction(0.2) * s + Fraction(1.0 / 3))
+    assert at(loop.N, s) / at(loop.D, s) == expected
+
+
+def test_hidden_modes_are_closed_loop_poles_and_no_part_of_the_loop() -> None:
+    hidden = of((np.diag([-1.0, -5.0]), [[1.0], [0.0]], [[2.0, 1.0]], [[0.0]]))
+    loop = rational.of_system(hidden)
+    assert [p.degree() for p in loop.reduced] == [0, 1]
+    assert sorted(loop.closed.real) == pytest.approx([-5.0, -3.0])
+
+
+def test_a_pole_at_minus_one_is_counted() -> None:
+    loop = rational.of_system(control.tf([1.0], [1.0, 0.0], 0.1))  # z + 1 = 0
+    assert np.isinf(loop.closed).all() and not rational.is_stable(loop) and rational.unstable(loop, 1.0) == 1
+
+
+@pytest.mark.parametrize("factor", [1.0, 0.3, 2.0 * I, 3.0 * np.exp(0.7j)])
+def test_unstable_poles_are_counted_as_numpy_counts_them(factor: complex) -> None:
+    b, a = [2.0, -3.0, 40.0], [1.0, 2.0, 3.0, 0.5]
+    count = int((np.roots(np.polyadd(a, factor * np.array(b))).real > 0).sum())
+    assert rational.unstable(rational.of_system(control.tf(b, a)), factor) == count
+
+
+@settings(derandomize=True, max_examples=20, deadline=None)
+@given(st.integers(0, 10**6), st.booleans())
+def test_no_rounding_of_the_numbers_given_moves_the_loop_by_more_than_told(seed: int, matrices: bool) -> None:
+    """Every number is moved by up to half a unit in its last place, magnified so that rounding does not hide it."""
+    rng = np.random.default_rng(seed)
+    poles, T, magnified = -rng.uniform(1, 9, 3), 1e-2, 2.0**20
+    b, a = rng.uniform(0.5, 1, 2), np.poly(np.exp(poles * T))
+    moved = [v * (1 + magnified * rational.EPS * rng.uniform(-1, 1, len(v))) for v in (b, a)]
+    system, other = control.tf(b, a, T), control.tf(*moved, T)
+    if matrices:
+        model = of(system)
+        given = (model.A, model.B, model.C, model.D)
+        parts = [M * (1 + magnified * rational.EPS * rng.uniform(-1, 1, M.shape)) for M in given]
+        system, other = model, of((*parts, Discrete(T)))
+    w = 30.0
+    z = np.exp(1j * w * T)
+    L, L2 = (complex(of(v).response(z)[0, 0, 0]) for v in (system, other))
+    told = rational.rounding(rational.of_system(system), w).of_loop
+    assert abs(L2 / L - 1) < magnified * told * 1.1
+    assert rational.rounding(rational.of_system(system), w).of_closed > 0

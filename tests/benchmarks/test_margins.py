@@ -1,0 +1,55 @@
+"""The search for optimistic margins: a fixed part of it, and defects that it must notice."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks import margins as search
+from synth.analyse import crossings, margins
+from synth.analyse.margins import Margins
+
+
+def test_no_margin_of_a_hundred_random_loops_is_optimistic() -> None:
+    found = list(search.search(100, seed=3))
+    assert [(o.case.kind, o.worst, o.excess) for o in found if o.excess > search.TOLERANCE] == []
+    answered = [o for o in found if not o.refused]
+    assert len(answered) >= 85 and {o.case.kind for o in answered} == set(search.KINDS)
+    assert all("not determined" in o.refused or "hides whether" in o.refused for o in found if o.refused)
+
+
+@pytest.mark.parametrize("part", ["gain", "phase", "delay", "modulus"])
+def test_a_margin_that_is_reported_a_thousandth_too_large_is_noticed(
+    part: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The planted defects."""
+    of_loop = margins.of_loop
+
+    def optimistic(loop: object) -> Margins:
+        found = of_loop(loop)
+        more = 1.001
+        gains = tuple(
+            replace(
+                c,
+                phase_margin=c.phase_margin * (more if part == "phase" else 1),
+                delay_margin=c.delay_margin * (more if part == "delay" else 1),
+            )
+            for c in found.gain_crossings
+        )
+        rising = [c for c in found.phase_crossings if c.gain_margin > 1]
+        phases = tuple(
+            replace(c, gain_margin=c.gain_margin * (more if part == "gain" else 1)) for c in rising
+        )
+        peak = found.peak_sensitivity / (more if part == "modulus" else 1)
+        return replace(found, gain_crossings=gains, phase_crossings=phases, peak_sensitivity=peak)
+
+    monkeypatch.setattr(margins, "of_loop", optimistic)
+    found = [search.judged(search.case(kind, np.random.default_rng(k))) for kind in search.KINDS[:2] for k in range(12)]
+    assert any(o.excess > search.TOLERANCE and o.worst == part for o in found)
+
+
+def test_a_crossing_that_is_left_out_is_noticed_by_the_library_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without its phase crossing a loop has no gain margin: the closed loop at a hundredfold gain contradicts."""
+    monkeypatch.setattr(crossings, "_negative", lambda *_: ())
+    found = [search.judged(search.case("transfer function", np.random.default_rng(k))) for k in range(20)]
+    assert any("fails its verification" in o.refused for o in found)
