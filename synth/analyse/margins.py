@@ -26,8 +26,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from synth import show
-from synth.analyse import crossings, delayed_crossings, rational, traced_crossings, transfer
+from synth.analyse import crossings, delayed_crossings, nyquist, perturbation, rational, traced_crossings, transfer
 from synth.analyse.crossings import Course, Crossing
+from synth.analyse.perturbation import Perturbation
 from synth.analyse.rational import Rational
 from synth.analyse.transfer import Complex, Delayed, Loop
 from synth.errors import ModelError
@@ -172,15 +173,15 @@ def of_loop(loop: Loop, low: float | None = None, high: float | None = None) -> 
 class _Found:
     """The course of a loop, with two ways to judge it.
 
-    `unstable` counts the closed loop's unstable poles when the loop is multiplied by a complex factor; `rounding` tells
-    what rounding of the numbers given may do at a frequency. `whole` says that no limit cut the course.
+    `unstable` counts the closed loop's unstable poles when the loop is multiplied by a complex factor; `perturbation`
+    tells what rounding of the numbers given may do at a frequency. `whole` says that no limit cut the course.
     """
 
     course: Course
     stable: bool
     whole: bool
     unstable: Callable[[complex], float]
-    rounding: Callable[[float], rational.Rounding]
+    perturbation: Callable[[float], Perturbation]
 
 
 def _rational(loop: Rational, low: float | None, high: float | None) -> _Found:
@@ -192,10 +193,10 @@ def _rational(loop: Rational, low: float | None, high: float | None) -> _Found:
     whole = bottom == 0 and np.isinf(top)
     return _Found(
         course,
-        rational.is_stable(loop),
+        perturbation.is_stable(loop),
         whole,
         lambda factor: rational.unstable(loop, factor),
-        lambda w: rational.rounding(loop, w),
+        lambda w: perturbation.of_rational(loop, w),
     )
 
 
@@ -203,10 +204,10 @@ def _delayed(loop: Delayed, low: float | None, high: float | None) -> _Found:
     course, part = delayed_crossings.of_delayed(loop, low, high), rational.of_system(loop.model)
     return _Found(
         course,
-        transfer.count_unstable(loop, high=high) == 0,
+        nyquist.count_unstable(loop, high=high) == 0,
         low is None and high is None,
-        lambda factor: transfer.count_unstable(loop, factor),
-        lambda w: rational.rounding(part, w),
+        lambda factor: nyquist.count_unstable(loop, factor),
+        lambda w: perturbation.of_rational(part, w),
     )
 
 
@@ -216,7 +217,7 @@ def _traced(loop: StateSpace | Delayed, low: float | None, high: float | None) -
 
     def unstable(factor: complex) -> float:
         if isinstance(loop, Delayed):
-            return transfer.count_unstable(loop, factor, high)
+            return nyquist.count_unstable(loop, factor, high)
         return transfer.not_decaying(transfer.closed_poles(loop, factor), loop.time)
 
     return _Found(
@@ -224,7 +225,7 @@ def _traced(loop: StateSpace | Delayed, low: float | None, high: float | None) -
         unstable(1.0) == 0,
         low is None and (high is None or not isinstance(model.time, Continuous)),
         unstable,
-        lambda w: rational.rounding_of_matrices(model, w),
+        lambda w: perturbation.of_model(model, w),
     )
 
 
@@ -259,8 +260,8 @@ def _deciding(told: Margins) -> Iterator[tuple[str, float]]:
 
 
 def _uncertainty(found: _Found, told: Margins, name: str, frequency: float) -> float:
-    rounding = found.rounding(frequency)
-    size = rounding.of_closed if name == "modulus margin" else rounding.of_loop
+    told_at = found.perturbation(frequency)
+    size = told_at.of_closed if name == "modulus margin" else told_at.of_loop
     if size > DETERMINED and (found.stable or name != "modulus margin"):
         raise ModelError(
             f"the {name}, decided at {frequency:.6g} rad/s, is not determined by the numbers given: their rounding to "

@@ -128,7 +128,7 @@ class ClosedLoop:
     @property
     def stable(self) -> bool:
         """Whether all poles decay, by more than rounding error."""
-        return transfer.not_decaying(self.poles, self.whole.time) == 0
+        return transfer.decay(self.poles, self.whole.time)
 
     def _from(self, start: str, end: str) -> StateSpace:
         return self.whole.select(self.signals[end], self.signals[start])

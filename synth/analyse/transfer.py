@@ -3,20 +3,14 @@
     L(s) = (C (s I - A)^-1 B + D) exp(-s tau) (1 - exp(-s T)) / (s T)
 
 A StateSpace is the first factor alone. `Delayed` has the other two as well, exactly: a computation delay tau, and the
-mean effect of a sample hold of period T; with them 1 + L has infinitely many zeros. How many lie to the right is told
-by the argument principle: with the poles p of the first factor and any a > 0,
-
-    g(s) = (1 + L(s)) prod (s - p) / (s + a)
-
-has no pole at or right of the axis, so that it has -(turn of g along the axis, from below to above) / (2 pi) zeros to
-the right. The poles are counted exactly, those on the axis and those that L does not show, too.
+mean effect of a sample hold of period T; with them 1 + L has infinitely many zeros.
 
 The grid is dense at the poles of L and of the closed loop and refined until neighbours differ little, in phase too,
 which turns at a zero.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from numbers import Real
 
 import numpy as np
@@ -36,7 +30,6 @@ QUIET = 1e-2  # a delayed loop is followed until |L| stays this near to its last
 SMALL = 60  # states up to which each frequency is solved for by itself
 ILL_POSED = "the loop passes its input straight on with the factor -1: 1 + L has no inverse; delay it"
 TURNS = 1000  # of the delay over the whole grid: beyond, the loop is refused
-TOLD = 1e-8  # where |1 + L| is less, rounding error decides on which side of -1 the loop passes
 
 
 @show.printed
@@ -149,6 +142,11 @@ def closed_poles(model: StateSpace, factor: complex = 1.0) -> Complex:
     return np.linalg.eigvals(model.A - factor * model.B @ model.C / (1 + D)).astype(np.complex128)
 
 
+def decay(poles: Complex, time: Time) -> bool:
+    """Tell whether all poles decay, by more than the rounding error of the matrix that they belong to."""
+    return not_decaying(poles, time) == 0
+
+
 def not_decaying(poles: Complex, time: Time) -> int:
     """Count the poles that do not decay by more than the rounding error of the matrix that they belong to."""
     if isinstance(time, Continuous):
@@ -176,7 +174,7 @@ def trace(loop: StateSpace | Delayed, low: float | None = None, high: float | No
     if not 0 < start < top:
         raise SignalError(f"the frequencies go from {start:g} to {top:g} rad/s: give 0 < low < high, below Nyquist")
     w = _grid(np.concatenate([poles, closed]), start, top, nodes)
-    w, value = _refined(L, w)
+    w, value = refined(L, w)
     w.flags.writeable = value.flags.writeable = False
     return Curve(L, w, value, ends(loop))
 
@@ -197,52 +195,6 @@ def check_turns(late: float, top: float) -> None:
             f"the loop is delayed by {late:g} s and must be followed up to {top:.3g} rad/s, more than {TURNS} "
             f"turns: give `high` below {2 * np.pi * TURNS / late:.3g} rad/s, or lower the loop's bandwidth"
         )
-
-
-def count_unstable(loop: Delayed, factor: complex = 1.0, high: float | None = None) -> float:
-    """Return how many poles of the loop closed on `factor` L lie to the right, by the argument principle.
-
-    With a delay, |D| >= 1 and no hold, infinitely many lie there or come as near to the axis as one likes: inf. The
-    loop is followed up to `high` rad/s, left out as by `trace`.
-
-    Raises ModelError where rounding hides the answer.
-    """
-    size, model = abs(factor), loop.model
-    if loop.delay_s and not loop.hold_s and size * abs(float(model.D[0, 0])) >= 1:
-        return np.inf
-    curve = trace(replace(loop, model=replace(model, C=size * model.C, D=size * model.D)), None, high)
-    halves = [_followed(model, curve, turn) for turn in (factor / size, np.conj(factor) / size)]
-    (_, first, _), (_, second, _) = halves
-    turn = sum(inside + after for inside, _, after in halves) + float(np.angle(np.exp(1j * (first + second))))
-    count = -turn / (2 * np.pi)
-    if abs(count - round(count)) > 0.1:
-        raise ModelError(
-            f"the delayed loop turns {-count:.3g} times around -1, no whole number: give a lower `low` and a higher "
-            "`high`"
-        )
-    return round(count)
-
-
-def _followed(model: StateSpace, curve: Curve, factor: complex) -> tuple[float, float, float]:
-    """Return the turn of g over the curve, its angle where the curve starts, and its turn from the end to infinity.
-
-    The half for w < 0 is the conjugate of that for the conjugate factor, and both meet at w = 0.
-    """
-    w, value = _refined(lambda v: factor * curve.L(v), curve.w)
-    least = int(np.abs(1 + value).argmin())
-    if abs(1 + value[least]) < TOLD:
-        raise ModelError(
-            f"|1 + L| is {abs(1 + value[least]):.0e} at {w[least]:.6g} rad/s: rounding hides whether the "
-            "delayed loop is stable; change its gain or its delay a little"
-        )
-    s, poles = 1j * w, model.poles
-    scale = float(np.exp(np.log(w[[0, -1]]).mean()))
-    factors = [(s - p) / (s + (abs(p) if abs(p) > w[0] else scale)) for p in poles]
-    g = (1 + value) * np.prod([np.ones(len(s)), *factors], axis=0)
-    steps = np.diff(np.angle(g))
-    inside = float(((steps + np.pi) % (2 * np.pi) - np.pi).sum())
-    after = -float(np.angle(1 + value[-1]) + sum(np.angle(f[-1]) for f in factors))  # all tend to 1
-    return inside, float(np.angle(g[0])), after
 
 
 def _lateness(loop: Delayed, w: Array) -> Complex:
@@ -313,8 +265,8 @@ def _real(model: StateSpace, points: dict[float, float]) -> dict[float, float]:
     return found
 
 
-def _refined(L: Response, w: Array) -> tuple[Array, Complex]:
-    """Halve each interval over which log L or log(1 + L) turns or grows by more than a little."""
+def refined(L: Response, w: Array) -> tuple[Array, Complex]:
+    """Return frequencies (k,) and L on them, between which log L and log(1 + L) turn and grow by little only."""
     value = L(w)
     for _ in range(40):
         wide = (_step(value) > 0.15) | (_step(1 + value) > 0.15)

@@ -7,7 +7,7 @@ import scipy.special
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from synth.analyse import discretise, margins, transfer
+from synth.analyse import discretise, margins, nyquist, transfer
 from synth.errors import ModelError, SignalError, TimingError
 from synth.timing import Continuous, Discrete
 from tests import tolerances
@@ -31,7 +31,7 @@ def positioner(k: float, a: float, inertia: float) -> object:
 
 
 def count(loop: transfer.Delayed) -> float:
-    return transfer.count_unstable(loop)
+    return nyquist.count_unstable(loop)
 
 
 def lambert_count(a: float, k: float, tau: float) -> int:
