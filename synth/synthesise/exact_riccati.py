@@ -1,7 +1,9 @@
 """Riccati equations in ball arithmetic: X and L correct to the last bit of double, alike on every machine.
 
-Newton's method (Kleinman 1968, Hewer 1971) from a start near the stabilising solution, or else from the limit of
-doubling (module `doubling`) in high precision,
+Newton's method (Kleinman 1968, Hewer 1971) from a start near the stabilising solution, or else from the limit Y of
+doubling (module `doubling`) in high precision, X = X0 + Y with A - B L(X0), R or S at X0 and the left side at X0 in
+place of A, R, Q. From X0 = 0 the doubling ends at the least cost, which need not stabilise; from another it misses the
+stabilising solution only by coincidence. Then
 
     continuous  Ac'X + X Ac + Q - N L - L'N' + L'R L = 0,     discrete  Ac'X Ac - X + Q - N L - L'N' + L'R L = 0
 
@@ -27,6 +29,7 @@ BITS = (precise.BITS, 4 * precise.BITS, 16 * precise.BITS)
 STEPS = 30
 PASSES = 200  # doublings
 STILL = 1e-20  # of H: a pass that adds less ends the doubling
+CLEAR = 1e-15  # of a pole: what decays slower counts as not decaying
 LEVEL = 1e-30  # of a pole: a part, real or imaginary, this small is the rounding error of a zero
 
 
@@ -39,12 +42,14 @@ class _Problem:
     N: Mat
     continuous: bool
 
+    def weight(self, X: Mat) -> Mat:
+        """Return R or S."""
+        return self.R if self.continuous else self.R + self.B.transpose() * X * self.B
+
     def feedback(self, X: Mat) -> Mat:
         """Return L for X."""
-        if self.continuous:
-            return precise.middle(self.R.solve(self.B.transpose() * X + self.N.transpose()))
-        S = self.R + self.B.transpose() * X * self.B
-        return precise.middle(S.solve(self.B.transpose() * X * self.A + self.N.transpose()))
+        XB = self.B.transpose() * X
+        return precise.middle(self.weight(X).solve((XB if self.continuous else XB * self.A) + self.N.transpose()))
 
     def residual(self, X: Mat) -> Mat:
         """Return the equation's left side at X."""
@@ -53,7 +58,7 @@ class _Problem:
             gain = self.R.solve(cross.transpose())
             return self.A.transpose() * X + X * self.A - cross * gain + self.Q
         cross = self.A.transpose() * X * self.B + self.N
-        gain = (self.R + self.B.transpose() * X * self.B).solve(cross.transpose())
+        gain = self.weight(X).solve(cross.transpose())
         return self.A.transpose() * X * self.A - X - cross * gain + self.Q
 
     def newton(self, X: Mat) -> Mat:
@@ -145,17 +150,24 @@ def _apart(found: Solution, X: Mat) -> Solution:
 def _starts(problem: _Problem, start: Array | None) -> Iterator[Mat]:
     if start is not None:
         yield precise.matrix(start)
-    limit = _doubled(problem)
-    if limit is not None:
-        yield limit
+    one = precise.identity(problem.A.nrows())
+    for size in (flint.arb(0), _size(problem)):
+        limit = _doubled(problem, one * size)
+        if limit is not None:
+            yield limit
 
 
-def _doubled(p: _Problem) -> Mat | None:
-    """Return the limit of doubling, None where it has none; any stabilisable pair will do."""
-    Bt, Nt = p.B.transpose(), p.N.transpose()
+def _size(p: _Problem) -> flint.arb:
+    """Return a size for X0."""
+    return flint.arb((precise.norm(p.Q) + precise.norm(p.R) / precise.norm(p.B) ** 2) if precise.norm(p.B) else 1.0)
+
+
+def _doubled(p: _Problem, X0: Mat) -> Mat | None:
+    """Return the limit of doubling from X0, None where it has none, or where it leaves a pole that does not decay."""
     one = precise.identity(p.A.nrows())
     try:
-        A, G, H = p.A - p.B * p.R.solve(Nt), p.B * p.R.solve(Bt), p.Q - p.N * p.R.solve(Nt)
+        A, G, H = p.A - p.B * p.feedback(X0), p.B * p.weight(X0).solve(p.B.transpose()), p.residual(X0)
+        A, G, H = (precise.middle(Y) for Y in (A, G, H))
         if p.continuous:
             A, G, H = _mapped(A, G, H)
         for _ in range(PASSES):
@@ -167,10 +179,18 @@ def _doubled(p: _Problem) -> Mat | None:
             if not precise.norm(H) < 1e300:
                 return None
             if precise.norm(step) <= STILL * precise.norm(H):
-                return H
+                X = X0 + H
+                return X if _decays_clearly(_poles(p.A - p.B * p.feedback(X)), p.continuous) else None
     except ZeroDivisionError:
         return None
     return None
+
+
+def _decays_clearly(poles: Complex, continuous: bool) -> bool:
+    """Tell whether a loop is stable by more than what ended the doubling: poles on the boundary come as near to it."""
+    if continuous:
+        return bool((poles.real < -CLEAR * np.abs(poles)).all())
+    return bool((np.abs(poles) < 1 - CLEAR).all())
 
 
 def _mapped(A: Mat, G: Mat, H: Mat) -> tuple[Mat, Mat, Mat]:

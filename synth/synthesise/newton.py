@@ -133,9 +133,9 @@ def certified(equation: Equation, found: Solution, bilinear: Bilinear) -> Certif
 
 
 def _beside(defect: Array, T: Array) -> float:
-    """Return the largest |d_ij| over the greater of T_ij and sqrt(T_ii T_jj), with a floor for states that cost nothing.
+    """Return the largest |d_ij| over the greater of T_ij and sqrt(T_ii T_jj).
 
-    A term of such a state is the rounding error of a zero, and a defect is not to be measured by it.
+    T_ii has a floor: the terms of a state that costs nothing are the rounding error of a zero, and measure no defect.
     """
     root = sizes(T)
     return float((np.abs(defect) / np.maximum(T, root * root[:, None])).max())
