@@ -20,7 +20,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from synth import show
-from synth.analyse import structure
+from synth.analyse import staircase, structure
 from synth.errors import ModelError
 from synth.statespace import Array, StateSpace
 from synth.synthesise import weights
@@ -75,10 +75,17 @@ def search(model: StateSpace, stated: Equation) -> None:
 
 def boundary_modes(A: Array, Q: Array, states: Sequence[str], time: Time) -> list[structure.Mode]:
     """Return the modes of A (n, n) on the stability boundary that Q (n, n) does not show."""
-    hidden = structure.unmoved(A.T, Q.T, states, time)
+    hidden = _hidden(A, Q, states)
     fastest = float(np.abs(np.linalg.eigvals(A)).max(initial=0.0))
     near = _near_boundary(np.array([m.value for m in hidden]), fastest, isinstance(time, Continuous))
     return [mode for mode, on in zip(hidden, near, strict=True) if on]
+
+
+def _hidden(A: Array, Q: Array, states: Sequence[str]) -> tuple[structure.Mode, ...]:
+    """Return the modes of A (n, n) that Q (n, n) does not show."""
+    n = len(A)
+    part = staircase.scaled(A.T, Q.T, np.zeros((0, n)), np.zeros((0, n)))
+    return structure.named_modes(staircase.unreached(part), part.B.T, part.rate, states)
 
 
 def mirrored(model: StateSpace, stated: Equation, scaled: Equation, poles: Complex) -> tuple[complex, ...]:
@@ -89,9 +96,8 @@ def mirrored(model: StateSpace, stated: Equation, scaled: Equation, poles: Compl
         return tuple(complex(s) for s in zeros[beyond])
     if _sees(scaled, poles):
         return ()
-    A, Q = _shifted(stated)
-    hidden = structure.unmoved(A.T, Q.T, model.states, model.time)
-    return tuple(m.value for m in hidden if (m.value.real > 0 if stated.continuous else abs(m.value) > 1))
+    hidden = (mode.value for mode in _hidden(*_shifted(stated), model.states))
+    return tuple(s for s in hidden if (s.real > 0 if stated.continuous else abs(s) > 1))
 
 
 def require_clear_boundary(scaled: Equation) -> None:
