@@ -66,7 +66,10 @@ class _Problem:
 
         Raises ZeroDivisionError when its closed loop has poles s + s' = 0 (s s' = 1 in discrete time) to these bits.
         """
-        L = self.feedback(X)
+        return self.cost(self.feedback(X))
+
+    def cost(self, L: Mat) -> Mat:
+        """Return the cost of the feedback u = -L x as balls, where its loop is stable. Raises as `newton`."""
         closed = (self.A - self.B * L).transpose()
         cost = self.Q + L.transpose() * self.R * L - self.N * L - (self.N * L).transpose()
         n = closed.nrows()
@@ -86,15 +89,18 @@ def solve(equation: Equation, start: Array | None = None) -> Solution:
     Raises ModelError when neither leads to it.
     """
     for bits in BITS:
+        started = False
         with precise.precision(bits):
             problem = _problem(equation)
             for begin in _starts(problem, start):
-                X = _limit(problem, begin)
+                X, started = _limit(problem, begin), True
                 found = None if X is None else _found(problem, X)
                 if X is not None and found is not None and np.isfinite(found.step).all():
                     return _apart(found, X)
+        if not started and bits > BITS[0]:  # twice the bits, and no doubling settles: it is not for want of digits
+            break
     raise ModelError(
-        f"Newton's method on the Riccati equation does not settle within {BITS[-1]} bits, or a step has no solution, "
+        f"Newton's method on the Riccati equation does not settle within {bits} bits, or a step has no solution, "
         "or its loop does not decay: scale the weights or the states, or leave out modes that hardly move"
     )
 

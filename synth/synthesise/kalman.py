@@ -116,8 +116,8 @@ def continuous(
     machine.
 
     Raises TimingError for a sampled model; SignalError for what does not fit, is not finite, asymmetric or indefinite;
-    ModelError when a combination of outputs has no noise, or naming a mode that does not decay and that no output shows
-    or no noise reaches.
+    ModelError when a combination of outputs has no noise, or naming a mode that does not decay and that no output
+    shows, or a mode on the stability boundary that no noise reaches.
     """
     model = of(system)
     common(Continuous(), model.time)

@@ -31,7 +31,8 @@ from synth.analyse import structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.synthesise import doubling, exact_riccati, newton, solvability, weights
-from synth.synthesise.equation import Equation, Solution, decays, sizes
+from synth.synthesise.balance import Balance
+from synth.synthesise.equation import Equation, Solution, decays
 from synth.timing import Continuous, Time
 
 TRUSTED = 1e-8  # forward error up to which a solution in double precision is taken
@@ -132,7 +133,8 @@ def solve(
 ) -> Riccati:
     """Solve the Riccati equation of a model's A, B in its own time; Q (n, n), R (m, m), N (n, m), zero if left out.
 
-    Q weights the states, R the inputs, as matrix, diagonal or {name: weight}. `exact` rounds each entry of X and L
+    Q weights the states, R the inputs, as matrix, diagonal or {name: weight}. Q may be indefinite and in discrete time
+    R singular or indefinite: the result says in what sense X is the least cost. `exact` rounds each entry of X and L
     correctly, at a cost that grows with n^6.
 
     Raises SignalError for weights that do not fit, an asymmetric Q or R, or in continuous time an R that is not
@@ -146,7 +148,7 @@ def solve(
 def solved(model: StateSpace, Q: Array, R: Array, N: Array, exact: bool) -> Riccati:
     """Do as `solve` for weights that `checked_weights` returned."""
     stated = _stated(model, Q, R, N)
-    balance = _Balance.of(stated)
+    balance = Balance.of(stated)
     certified = _solution(model, stated, balance)
     found = balance.back(certified.solution)
     if exact:
@@ -171,8 +173,8 @@ def certify(
     model = of(system)
     stated = _stated(model, *checked_weights(model, Q, R, N))
     X = weights.symmetric("X", X, model.states)
-    balance = _Balance.of(stated)
-    found = exact_riccati.certify(stated, X) if exact else balance.back(_evaluated(X, balance))
+    balance = Balance.of(stated)
+    found = exact_riccati.certify(stated, X) if exact else balance.back(balance.evaluated(X))
     return _result(model, stated, found, balance.certified(found), balance)
 
 
@@ -196,31 +198,7 @@ def _stated(model: StateSpace, Q: Array, R: Array, N: Array) -> Equation:
     return Equation(model.A, model.B, Q, R, N, isinstance(model.time, Continuous))
 
 
-@dataclass(frozen=True, eq=False)
-class _Balance:
-    """The scaled equation, the scales D (n,), E (m,) of states and inputs, and the map that doubling takes."""
-
-    scaled: Equation
-    D: Array
-    E: Array
-    bilinear: doubling.Bilinear
-
-    @staticmethod
-    def of(stated: Equation) -> "_Balance":
-        D, E = stated.scales()
-        scaled = stated.scaled(D, E)
-        return _Balance(scaled, D, E, doubling.fitting(scaled))
-
-    def back(self, found: Solution) -> Solution:
-        """Return a solution of the scaled equation as that of the equation itself."""
-        return found.scaled(1 / self.D, 1 / self.E)
-
-    def certified(self, found: Solution) -> newton.Certified:
-        """Return the certificate of a solution of the equation itself."""
-        return newton.certified(self.scaled, found.scaled(self.D, self.E), self.bilinear)
-
-
-def _solution(model: StateSpace, stated: Equation, balance: _Balance) -> newton.Certified:
+def _solution(model: StateSpace, stated: Equation, balance: Balance) -> newton.Certified:
     """Return the first solution of the balanced equation whose certificate holds."""
     scaled, nearest = balance.scaled, np.inf
     for start in _starts(model, stated, balance):
@@ -229,8 +207,7 @@ def _solution(model: StateSpace, stated: Equation, balance: _Balance) -> newton.
             nearest = found.error
             if nearest <= TRUSTED:
                 return found
-    indefinite = not weights.is_above(weights.joined(scaled.Q, scaled.R, scaled.N), -weights.ROUNDING)
-    if indefinite:
+    if not weights.is_above(weights.joined(scaled.Q, scaled.R, scaled.N), -weights.ROUNDING):
         solvability.require_clear_boundary(scaled)
     n, hardly = len(model.states), solvability.hardly_moved(model, scaled)
     if n > BALLS:
@@ -243,11 +220,14 @@ def _solution(model: StateSpace, stated: Equation, balance: _Balance) -> newton.
     try:
         return newton.certified(scaled, exact_riccati.solve(scaled), balance.bilinear)
     except ModelError as error:
-        hint = "; the cost is indefinite and may have no lower bound: raise Q" if indefinite else ""
-        raise ModelError(f"{error}; {hardly} actuate it, or take it out of the model{hint}") from error
+        least = weights.lowest_eigenvalue(weights.joined(scaled.Q, scaled.R, scaled.N))
+        hint = f"; balanced, [Q, N; N', R] has the eigenvalue {least:.1e}, which slow modes magnify: raise Q"
+        raise ModelError(
+            f"{error}; {hardly} actuate it, or take it out of the model{hint if least < 0 else ''}"
+        ) from error
 
 
-def _starts(model: StateSpace, stated: Equation, balance: _Balance) -> Iterator[Array | None]:
+def _starts(model: StateSpace, stated: Equation, balance: Balance) -> Iterator[Array | None]:
     """Yield X of the scaled equation: by doubling; from a moderate gain; by SciPy.
 
     After the first a mode that prevents every solution is named.
@@ -276,27 +256,6 @@ def _of_easier(scaled: Equation, weighted: Equation, bilinear: doubling.Bilinear
         return None
 
 
-def _evaluated(X: Array, balance: _Balance) -> Solution:
-    """Return the solution of the balanced equation to which a symmetric X (n, n) amounts."""
-    X, scaled = X * balance.D * balance.D[:, None], balance.scaled
-    try:
-        defect, L = scaled.residual(X)
-    except np.linalg.LinAlgError as error:
-        raise ModelError("R + B'XB is singular: this X has no gain; certify one that stabilises") from error
-    closed = scaled.A - scaled.B @ L
-    decay = doubling.decay(closed, balance.bilinear)
-    step = np.full_like(X, np.inf) if decay is None else decay.gathered(defect)
-    return Solution(X, L, closed, defect, step)
-
-
-def _least_eigenvalue(X: Array, forward_error: float) -> float:
-    """Return the least eigenvalue of a balanced X over the sizes of its states, 0 where X's error hides its sign."""
-    size = sizes(X)
-    least = float(np.linalg.eigvalsh(X / size / size[:, None])[0])
-    known = len(X) * max(forward_error, 2.0**-52)
-    return 0.0 if np.isfinite(known) and abs(least) <= known else least
-
-
 def _least_weight(M: Array) -> float:
     """Return the least eigenvalue of a weight, its diagonal made 1, 0 where rounding hides its sign."""
     least = float(np.linalg.eigvalsh(weights.unit_diagonal(M))[0])
@@ -304,7 +263,7 @@ def _least_weight(M: Array) -> float:
 
 
 def _result(
-    model: StateSpace, stated: Equation, found: Solution, certified: newton.Certified, balance: _Balance
+    model: StateSpace, stated: Equation, found: Solution, certified: newton.Certified, balance: Balance
 ) -> Riccati:
     scaled = balance.scaled
     X = found.X * balance.D * balance.D[:, None]
@@ -318,7 +277,7 @@ def _result(
         residual=certified.residual,
         forward_error=certified.forward_error,
         condition=certified.condition,
-        least_eigenvalue=_least_eigenvalue(X, certified.forward_error),
+        least_eigenvalue=balance.least_eigenvalue(found.X, certified.forward_error),
         mirrored=solvability.mirrored(model, stated, scaled, certified.poles),
         cost_eigenvalue=_least_weight(weights.joined(scaled.Q, scaled.R, scaled.N)),
         weight_eigenvalue=_least_weight(scaled.weight(X)),

@@ -87,7 +87,7 @@ def test_the_certificate_tells_the_error_that_ball_arithmetic_finds(kind: str, t
     for seed in range(12):
         c, Q, R, N = random_problem(seed, time, kind)
         found, exact = riccati.solve(c, Q, R, N), riccati.solve(c, Q, R, N, exact=True)
-        balance = riccati._Balance.of(riccati._stated(c, *riccati.checked_weights(c, Q, R, N)))
+        balance = riccati.Balance.of(riccati._stated(c, *riccati.checked_weights(c, Q, R, N)))
         D, E = balance.D, balance.E[:, None]
         size = equation.sizes(exact.X * D * D[:, None])
         error = np.abs((found.X - exact.X) * D * D[:, None] / size / size[:, None]).max()
