@@ -155,6 +155,7 @@ def solved(model: StateSpace, Q: Array, R: Array, N: Array, exact: bool) -> Ricc
         found = exact_riccati.solve(stated, found.X)
         certified = balance.certified(found)
     solvability.prove(model, stated, certified.poles)
+    solvability.require_unique_gain(model, balance.scaled.weight(certified.solution.X))
     return _result(model, stated, found, certified, balance)
 
 

@@ -57,7 +57,9 @@ def search(model: StateSpace, stated: Equation) -> None:
     """Raise ModelError naming a mode that makes the problem unsolvable, if there is one."""
     structure.require_stabilisable(model.A, model.B, model.states, model.inputs, model.time)
     if not _is_regular(stated):
-        zeros = _zeros(model, stated)
+        zeros, rank = _zeros(model, stated)
+        if rank < len(model.inputs):
+            raise _untold(model)
         for s in zeros[_near_boundary(zeros, float(np.abs(zeros).max(initial=0.0)), stated.continuous)]:
             raise ModelError(
                 f"the Riccati equation has no stabilising solution: the cost does not see the mode {_text(s)}, which "
@@ -91,7 +93,7 @@ def _hidden(A: Array, Q: Array, states: Sequence[str]) -> tuple[structure.Mode, 
 def mirrored(model: StateSpace, stated: Equation, scaled: Equation, poles: Complex) -> tuple[complex, ...]:
     """Return the modes beyond the stability boundary that the cost does not see, for a loop with these poles (n,)."""
     if not _is_regular(stated):
-        zeros = _zeros(model, stated)
+        zeros, _ = _zeros(model, stated)
         beyond = zeros.real > 0 if stated.continuous else np.abs(zeros) > 1
         return tuple(complex(s) for s in zeros[beyond])
     if _sees(scaled, poles):
@@ -134,6 +136,19 @@ def hardly_moved(model: StateSpace, scaled: Equation) -> str:
     )
 
 
+def require_unique_gain(model: StateSpace, weight: Array) -> None:
+    """Raise ModelError when R, or S = R + B'XB, as `weight` (m, m) is singular."""
+    if not weights.is_regular(weight):
+        raise _untold(model)
+
+
+def _untold(model: StateSpace) -> ModelError:
+    return ModelError(
+        f"R + B'XB is singular: the cost does not tell the inputs {', '.join(model.inputs)} apart, so that many gains "
+        "are as good; weight each of them in R"
+    )
+
+
 def _near_boundary(s: Complex, fastest: float, continuous: bool) -> NDArray[np.bool_]:
     """Tell for each mode whether it, or the mean of those that may equal it, lies on the stability boundary."""
     if not len(s):
@@ -156,13 +171,17 @@ def _shifted(stated: Equation) -> tuple[Array, Array]:
     return stated.A - stated.B @ shift, stated.Q - stated.N @ shift
 
 
-def _zeros(model: StateSpace, stated: Equation) -> Complex:
-    """Return the modes s, with an input w, that the cost does not see: the zeros of A, B, [Q; N'], [N; R]."""
+def _zeros(model: StateSpace, stated: Equation) -> tuple[Complex, int]:
+    """Return the modes s, with an input w, that the cost does not see: the zeros of A, B, [Q; N'], [N; R].
+
+    Also returns the rank of the response of these to the inputs.
+    """
     joint = weights.joined(stated.Q, stated.R, stated.N)
     n, names = len(model.states), tuple(f"y{k}" for k in range(len(joint)))
     seen = StateSpace(model.A, model.B, joint[:, :n], joint[:, n:], model.states, model.inputs, names, model.time)
     zeros = structure.transmission_zeros(seen)
-    return np.concatenate([zeros.values, np.array([m.value for m in zeros.unseen], dtype=np.complex128)])
+    unseen = np.array([m.value for m in zeros.unseen], dtype=np.complex128)
+    return np.concatenate([zeros.values, unseen]), zeros.rank
 
 
 def _pencil_eigenvalues(e: Equation) -> Complex:

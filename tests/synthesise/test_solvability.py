@@ -59,6 +59,11 @@ def test_an_input_without_weight_gives_the_gain_that_scipys_equation_gives() -> 
         lqr.dlqr((np.array([[1.0]]), np.array([[1.0]]), SAMPLED), [[0.0]], [[0.0]])
 
 
+def test_inputs_that_the_cost_does_not_tell_apart_are_refused() -> None:
+    with pytest.raises(ModelError, match=r"R \+ B'XB is singular: the cost does not tell the inputs u1, u2 apart"):
+        lqr.dlqr((2 * np.eye(1), np.ones((1, 2)), SAMPLED), [1.0], np.zeros((2, 2)))
+
+
 # What the result says
 
 
