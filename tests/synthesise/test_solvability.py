@@ -56,7 +56,9 @@ def test_an_input_without_weight_gives_the_gain_that_scipys_equation_gives() -> 
     gain = lqr.dlqr(*problems.darex_1())
     np.testing.assert_allclose(gain.K, [[-2, 1]], atol=1e-14)  # deadbeat
     with pytest.raises(ModelError, match=r"does not see the mode 1, which lies on the stability boundary"):
-        lqr.dlqr((np.array([[1.0]]), np.array([[1.0]]), SAMPLED), [[0.0]], [[0.0]])
+        lqr.dlqr((np.diag([1.0, 0.5]), np.ones((2, 1)), SAMPLED), [0.0, 1.0], [0.0])
+    mirrored = lqr.dlqr((np.diag([2.0, 0.5]), np.ones((2, 1)), SAMPLED), [0.0, 1.0], [0.0])
+    assert mirrored.certificate.mirrored == pytest.approx((2,)) and 0.5 == pytest.approx(mirrored.poles.real.max())
 
 
 def test_inputs_that_the_cost_does_not_tell_apart_are_refused() -> None:
