@@ -1,6 +1,6 @@
 """Riccati equations with weights over many decades: what is solved, what is refused, and what SciPy makes of them.
 
-300 random problems, seeded, half of them in discrete time: 2 to 12 states, stable, unstable, stiff, chains of
+300 random problems, seeded, a quarter of them in discrete time: 2 to 12 states, stable, unstable, stiff, chains of
 integrators and Hilbert matrices, with weights over 14 decades. X and L of either solver, L in double precision, are
 right when the loop with L is stable and X, the cost of L and the cost of the next gain in Newton's method differ by
 less than 1e-6 of its largest entry, in ball arithmetic.
@@ -27,8 +27,8 @@ from synth.timing import Continuous, Discrete, Time
 
 RIGHT = 1e-6  # of the largest entry of X
 DECADES = 14
-BITS = 1024
-KINDS = ("stable", "unstable", "stiff", "chain", "Hilbert", "negative Hilbert")
+BITS = 512
+KINDS = ("stable", "unstable", "stiff", "chain", "Hilbert", "Hilbert", "negative Hilbert", "negative Hilbert")
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,18 +61,18 @@ class Outcome:
 def problem(seed: int) -> Problem:
     """Return the problem of a seed."""
     rng = np.random.default_rng(seed)
-    n, m = int(rng.integers(2, 13)), int(rng.integers(1, 4))
-    continuous, kind = bool(seed % 2), KINDS[seed % len(KINDS) if seed % 4 < 2 else int(rng.integers(len(KINDS)))]
+    n, m = int(rng.integers(2, 13)), int(rng.integers(1, 3))
+    continuous, kind = bool(seed % 4), KINDS[int(rng.integers(len(KINDS)))]
     A = _dynamics(rng, n, kind)
     if not continuous:
         A = scipy.linalg.expm(A * 0.1 / max(1.0, float(np.linalg.norm(A, 2))))
-    B = rng.normal(size=(n, m))
-    low, high = np.sort(rng.uniform(-DECADES / 2, DECADES / 2, 2))
-    Q = np.eye(n) * 10.0**high if rng.uniform() < 0.5 else np.diag(10.0 ** rng.uniform(low, high, n))
-    if rng.uniform() < 0.3:
+    B = np.eye(n, m) + (rng.normal(size=(n, m)) if rng.uniform() < 0.5 else np.ones((n, m)))
+    size, spread = 10.0 ** rng.uniform(0, DECADES), rng.uniform()
+    Q = size * (np.eye(n) if spread < 0.7 else np.diag(10.0 ** rng.uniform(-DECADES, 0, n)))
+    if spread > 0.85:
         C = rng.normal(size=(int(rng.integers(1, n + 1)), n))
-        Q = 10.0**high * (C.T @ C)
-    R = np.diag(10.0 ** rng.uniform(-DECADES, 0, m)) if rng.uniform() < 0.5 else np.eye(m) * 10.0 ** -rng.uniform(0, 12)
+        Q = size * (C.T @ C)
+    R = np.eye(m) / size if spread < 0.5 else np.diag(10.0 ** rng.uniform(-DECADES, 0, m))
     return Problem(kind, A, B, (Q + Q.T) / 2, R, Continuous() if continuous else Discrete(0.1))
 
 
@@ -121,7 +121,13 @@ def outcome(p: Problem) -> Outcome:
         ours, reason = "raw error", f"{type(error).__name__}: {error}"
     seconds = perf_counter() - start
     if ours == "solved":
-        ours = "right" if is_right(p, found.X, found.L) else "wrong"
+        ours = (
+            "right"
+            if is_right(p, found.X, found.L)
+            else "wrong"
+            if found.is_resolved
+            else "gain lost in rounding, told"
+        )
     return Outcome(ours, _scipys(p), reason, seconds)
 
 

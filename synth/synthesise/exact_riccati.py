@@ -27,6 +27,7 @@ Mat = flint.arb_mat
 
 BITS = (precise.BITS, 4 * precise.BITS, 16 * precise.BITS)
 STEPS = 30
+HALVED = 8  # steps that only halve the error: so they do to the end where a pole lies on the stability boundary
 PASSES = 200  # doublings
 STILL = 1e-20  # of H: a pass that adds less ends the doubling
 CLEAR = 1e-15  # of a pole: what decays slower counts as not decaying
@@ -127,14 +128,19 @@ def _problem(e: Equation) -> _Problem:
 
 def _limit(problem: _Problem, X: Mat) -> Mat | None:
     """Return Newton's limit, None when it is not told by these bits; steps square the error: the last leaves 1e-70."""
+    last, halved = np.inf, 0
     for _ in range(STEPS):
         try:
             balls = problem.newton(X)
         except ZeroDivisionError:
             return None
         previous, X = X, precise.middle(balls)
-        if precise.norm(X - previous) <= 1e-40 * precise.norm(X):
+        moved = precise.norm(X - previous)
+        if moved <= 1e-40 * precise.norm(X):
             return X if _tells(balls) else None
+        halved, last = (halved + 1 if moved > last / 4 else 0), moved
+        if halved > HALVED:
+            return None
     return None
 
 

@@ -32,7 +32,7 @@ from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.synthesise import doubling, exact_riccati, newton, solvability, weights
 from synth.synthesise.balance import Balance
-from synth.synthesise.equation import Equation, Solution, decays
+from synth.synthesise.equation import Complex, Equation, Solution, decays
 from synth.timing import Continuous, Time
 
 TRUSTED = 1e-8  # forward error up to which a solution in double precision is taken
@@ -54,6 +54,7 @@ class Riccati:
     so that units do not matter; `least_eigenvalue` is that of X_ij over sqrt(X_ii X_jj), 0 where X is not known to
     tell it from that. sqrt(X_ii) of a state that costs nothing within rounding is that of the least cost within it.
 
+    `marginal` are poles that decay as the entries of A, B, Q stand, but by less than their rounding.
     `mirrored` are the modes, in 1/s or in z, that do not decay and that the cost does not see: of each the loop has the
     mirror image, -conj(s) or 1 / conj(s), and leaving it alone would cost less. `cost_eigenvalue` and
     `weight_eigenvalue` are the least of [Q, N; N', R] and of R or S, their diagonals made 1: the former is below 0 for
@@ -70,6 +71,7 @@ class Riccati:
     forward_error: float
     condition: float
     least_eigenvalue: float
+    marginal: tuple[complex, ...]
     mirrored: tuple[complex, ...]
     cost_eigenvalue: float
     weight_eigenvalue: float
@@ -97,12 +99,27 @@ class Riccati:
             *self.remarks(),
         )
 
+    @property
+    def is_resolved(self) -> bool:
+        """Tell whether double precision resolves the loop with L: else X and L are right, but L's last bits matter."""
+        return bool(np.isfinite(self.condition) or not np.isfinite(self.forward_error))
+
     def remarks(self) -> tuple[str, ...]:
         """Return in what sense X is the least cost, where it is not that of all inputs."""
         least = "X is the least cost of bringing the state to rest"
         if self.weight_eigenvalue < 0:
             return (f"R + B'XB has the eigenvalue {self.weight_eigenvalue:.3g}: X is a saddle of the cost, no minimum",)
         remarks = []
+        if not self.is_resolved:
+            remarks.append(
+                "the last bits of A and L decide whether this loop is stable: rounded to double precision L may not "
+                "stabilise; take weights that differ by less"
+            )
+        if self.marginal:
+            listed = ", ".join(show.number(s) for s in self.marginal)
+            remarks.append(
+                f"the poles {listed} decay by less than the rounding of the model's entries: do not rely on it"
+            )
         if self.mirrored:
             image = "-conj(s)" if isinstance(self.time, Continuous) else "1 / conj(z)"
             listed = ", ".join(structure.pair(s) for s in self.mirrored if s.imag >= 0)
@@ -154,9 +171,11 @@ def solved(model: StateSpace, Q: Array, R: Array, N: Array, exact: bool) -> Ricc
     if exact:
         found = exact_riccati.solve(stated, found.X)
         certified = balance.certified(found)
-    solvability.prove(model, stated, certified.poles)
+    exact_poles = (lambda: exact_riccati.solve(stated, found.X).poles()) if len(model.states) <= BALLS else None
+    rigid = certified.condition > newton.RIGID
+    within = solvability.prove(model, stated, certified.poles, rigid, exact_poles)
     solvability.require_unique_gain(model, balance.scaled.weight(certified.solution.X))
-    return _result(model, stated, found, certified, balance)
+    return _result(model, stated, found, certified, balance, within)
 
 
 def certify(
@@ -176,7 +195,7 @@ def certify(
     X = weights.symmetric("X", X, model.states)
     balance = Balance.of(stated)
     found = exact_riccati.certify(stated, X) if exact else balance.back(balance.evaluated(X))
-    return _result(model, stated, found, balance.certified(found), balance)
+    return _result(model, stated, found, balance.certified(found), balance, np.zeros(0, dtype=np.complex128))
 
 
 def checked_weights(
@@ -201,8 +220,11 @@ def _stated(model: StateSpace, Q: Array, R: Array, N: Array) -> Equation:
 
 def _solution(model: StateSpace, stated: Equation, balance: Balance) -> newton.Certified:
     """Return the first solution of the balanced equation whose certificate holds."""
-    scaled, nearest = balance.scaled, np.inf
-    for start in _starts(model, stated, balance):
+    scaled, nearest, hidden = balance.scaled, np.inf, None
+    n = len(model.states)
+    for k, start in enumerate(_starts(balance)):
+        if k == 1 and (hidden := solvability.found_by_search(model, stated)) is not None and n > BALLS:
+            raise hidden
         found = None if start is None else newton.refined(scaled, start, balance.bilinear)
         if found is not None and decays(found.poles, scaled.continuous):
             nearest = found.error
@@ -210,7 +232,7 @@ def _solution(model: StateSpace, stated: Equation, balance: Balance) -> newton.C
                 return found
     if not weights.is_above(weights.joined(scaled.Q, scaled.R, scaled.N), -weights.ROUNDING):
         solvability.require_clear_boundary(scaled)
-    n, hardly = len(model.states), solvability.hardly_moved(model, scaled)
+    hardly = solvability.hardly_moved(model, scaled)
     if n > BALLS:
         left = f"an error of {nearest:.1e} of X is left" if np.isfinite(nearest) else "no loop that decays was found"
         raise ModelError(
@@ -221,6 +243,8 @@ def _solution(model: StateSpace, stated: Equation, balance: Balance) -> newton.C
     try:
         return newton.certified(scaled, exact_riccati.solve(scaled), balance.bilinear)
     except ModelError as error:
+        if hidden is not None:
+            raise hidden from error
         least = weights.lowest_eigenvalue(weights.joined(scaled.Q, scaled.R, scaled.N))
         hint = f"; balanced, [Q, N; N', R] has the eigenvalue {least:.1e}, which slow modes magnify: raise Q"
         raise ModelError(
@@ -228,14 +252,10 @@ def _solution(model: StateSpace, stated: Equation, balance: Balance) -> newton.C
         ) from error
 
 
-def _starts(model: StateSpace, stated: Equation, balance: Balance) -> Iterator[Array | None]:
-    """Yield X of the scaled equation: by doubling; from a moderate gain; by SciPy.
-
-    After the first a mode that prevents every solution is named.
-    """
+def _starts(balance: Balance) -> Iterator[Array | None]:
+    """Yield X of the scaled equation: by doubling; from a moderate gain; by SciPy."""
     scaled = balance.scaled
     yield doubling.solution(scaled, balance.bilinear)
-    solvability.search(model, stated)
     yield from (_of_easier(scaled, weighted, balance.bilinear) for weighted in (scaled, scaled.plain()))
     solver = scipy.linalg.solve_continuous_are if scaled.continuous else scipy.linalg.solve_discrete_are
     with warnings.catch_warnings(), np.errstate(all="ignore"):
@@ -264,7 +284,12 @@ def _least_weight(M: Array) -> float:
 
 
 def _result(
-    model: StateSpace, stated: Equation, found: Solution, certified: newton.Certified, balance: Balance
+    model: StateSpace,
+    stated: Equation,
+    found: Solution,
+    certified: newton.Certified,
+    balance: Balance,
+    within: Complex,
 ) -> Riccati:
     scaled = balance.scaled
     X = found.X * balance.D * balance.D[:, None]
@@ -279,6 +304,7 @@ def _result(
         forward_error=certified.forward_error,
         condition=certified.condition,
         least_eigenvalue=balance.least_eigenvalue(found.X, certified.forward_error),
+        marginal=tuple(complex(s) for s in within),
         mirrored=solvability.mirrored(model, stated, scaled, certified.poles),
         cost_eigenvalue=_least_weight(weights.joined(scaled.Q, scaled.R, scaled.N)),
         weight_eigenvalue=_least_weight(scaled.weight(X)),

@@ -13,7 +13,7 @@ A stable loop with a certified X proves all of it. Where the loop hardly decays,
 searched, and what is refused is named.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import scipy.linalg
@@ -30,27 +30,68 @@ from synth.timing import Continuous, Time
 MARGIN = 1e-7  # of the fastest pole: what decays slower may be the rounding error of a mode that does not decay
 DAMPING = 1e-6  # of a pole: what decays slower may be so, too
 BOUNDARY = 1e-10  # of the fastest mode: a mode this near to the boundary, or the mean of a cluster, lies on it
+BEYOND = 1e-9  # of the fastest mode: a mode this far beyond the boundary lies there whatever rounds
 CLUSTER = 1e-5  # of the fastest mode: equal modes scatter by less
 MIRRORED = 0.02  # of a mode: a pole nearer than this to its mirror image may be one
 ALONE = 1e-3  # of a mode: others are farther from one that stands alone
 SEEN = 1e-10  # of the largest eigenvalue of Q
 
 
-def prove(model: StateSpace, stated: Equation, poles: Complex) -> None:
-    """Raise ModelError unless the poles of the loop decay by more than rounding error."""
+def prove(
+    model: StateSpace, stated: Equation, poles: Complex, rigid: bool, exact: Callable[[], Complex] | None
+) -> Complex:
+    """Return the poles that decay, but by less than the rounding of the model: none, mostly.
+
+    Where a mode on the stability boundary is hidden within rounding, `exact` decides: it gives the poles in ball
+    arithmetic or raises ModelError; it is None where that takes too long. Modes are searched where a pole hardly
+    decays, or where X is so sensitive that Newton's linear equation is `rigid`.
+
+    Raises ModelError unless the poles of the loop decay.
+    """
     size = float(np.abs(poles).max())
     if stated.continuous:
         doubtful = -poles.real < np.maximum(MARGIN * (size or 1.0), DAMPING * np.abs(poles))
     else:
         doubtful = 1 - np.abs(poles) < MARGIN
-    if doubtful.any():
-        search(model, stated)
+    within = np.zeros(0, dtype=np.complex128)
+    searched = doubtful.any() or (rigid and exact is not None)
+    if searched and (error := found_by_search(model, stated)) is not None:
+        poles = _decided(error, exact)
+        rates = -poles.real if stated.continuous else 1 - np.abs(poles)
+        within = poles[rates <= 2 * rates.min()]
     if not decays(poles, stated.continuous):
         slowest = poles[np.argmax(poles.real if stated.continuous else np.abs(poles))]
         raise ModelError(
             f"the Riccati equation's solution leaves the pole {slowest:.4g}, which does not decay: "
             "scale the weights and the states so that they are of like size"
         )
+    return within
+
+
+def _decided(error: ModelError, exact: Callable[[], Complex] | None) -> Complex:
+    if exact is None:
+        raise error
+    try:
+        return exact()
+    except ModelError as reason:
+        raise error from reason
+
+
+def found_by_search(model: StateSpace, stated: Equation) -> ModelError | None:
+    """Return what `search` raises for a mode that is hidden within rounding and lies on the stability boundary.
+
+    Raises ModelError for one beyond the boundary that no input moves.
+    """
+    try:
+        search(model, stated)
+    except ModelError as error:
+        modes = structure.unmoved(model.A, model.B, model.states, model.time)
+        fastest = float(np.abs(np.linalg.eigvals(model.A)).max())
+        beyond = (m.value.real / (fastest or 1.0) if stated.continuous else abs(m.value) - 1 for m in modes)
+        if any(by > BEYOND for by in beyond):
+            raise
+        return error
+    return None
 
 
 def search(model: StateSpace, stated: Equation) -> None:
