@@ -51,6 +51,15 @@ class Balance:
         step = np.full_like(X, np.inf) if decay is None else decay.gathered(defect)
         return Solution(X, L, closed, defect, step)
 
+    def of_easier(self, weighted: Equation) -> Array | None:
+        """Return the balanced cost of the feedback that is optimal for more moderate weights, None if not found."""
+        try:
+            moderate = weighted.moderate()
+            X = doubling.solution(moderate, doubling.fitting(moderate))
+            return None if X is None else newton.evaluated(self.scaled, moderate.gain(X), self.bilinear)
+        except np.linalg.LinAlgError:  # R is singular
+            return None
+
     def least_eigenvalue(self, X: Array, forward_error: float) -> float:
         """Return the least eigenvalue of balanced X over its states' sizes; 0 where X's error hides its sign."""
         X = X * self.D * self.D[:, None]

@@ -256,7 +256,7 @@ def _starts(balance: Balance) -> Iterator[Array | None]:
     """Yield X of the scaled equation: by doubling; from a moderate gain; by SciPy."""
     scaled = balance.scaled
     yield doubling.solution(scaled, balance.bilinear)
-    yield from (_of_easier(scaled, weighted, balance.bilinear) for weighted in (scaled, scaled.plain()))
+    yield from (balance.of_easier(weighted) for weighted in (scaled, scaled.plain()))
     solver = scipy.linalg.solve_continuous_are if scaled.continuous else scipy.linalg.solve_discrete_are
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
@@ -265,22 +265,6 @@ def _starts(balance: Balance) -> Iterator[Array | None]:
         except (np.linalg.LinAlgError, ValueError):  # ValueError: its pencil is not finite
             return
     yield X
-
-
-def _of_easier(scaled: Equation, weighted: Equation, bilinear: doubling.Bilinear) -> Array | None:
-    """Return the cost of the feedback that is optimal for more moderate weights, None where it is not found."""
-    try:
-        moderate = weighted.moderate()
-        X = doubling.solution(moderate, doubling.fitting(moderate))
-        return None if X is None else newton.evaluated(scaled, moderate.gain(X), bilinear)
-    except np.linalg.LinAlgError:  # R is singular
-        return None
-
-
-def _least_weight(M: Array) -> float:
-    """Return the least eigenvalue of a weight, its diagonal made 1, 0 where rounding hides its sign."""
-    least = float(np.linalg.eigvalsh(weights.unit_diagonal(M))[0])
-    return 0.0 if abs(least) <= weights.ROUNDING else least
 
 
 def _result(
@@ -306,8 +290,8 @@ def _result(
         least_eigenvalue=balance.least_eigenvalue(found.X, certified.forward_error),
         marginal=tuple(complex(s) for s in within),
         mirrored=solvability.mirrored(model, stated, scaled, certified.poles),
-        cost_eigenvalue=_least_weight(weights.joined(scaled.Q, scaled.R, scaled.N)),
-        weight_eigenvalue=_least_weight(scaled.weight(X)),
+        cost_eigenvalue=weights.least_eigenvalue(weights.joined(scaled.Q, scaled.R, scaled.N)),
+        weight_eigenvalue=weights.least_eigenvalue(scaled.weight(X)),
         defect=readonly(np.abs(found.defect)),
         step=readonly(np.abs(found.step)),
         states=model.states,

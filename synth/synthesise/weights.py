@@ -115,6 +115,12 @@ def lowest_eigenvalue(matrix: Array) -> float:
     return float(np.linalg.eigvalsh(unit_diagonal(matrix))[0])
 
 
+def least_eigenvalue(matrix: Array) -> float:
+    """Return the least eigenvalue of a symmetric matrix scaled to a unit diagonal, 0 where rounding hides its sign."""
+    least = float(np.linalg.eigvalsh(unit_diagonal(matrix))[0])
+    return 0.0 if abs(least) <= ROUNDING else least
+
+
 def unit_diagonal(matrix: Array) -> Array:
     """Return D M D of a symmetric M (n, n), its diagonal 1 where M's is above 0, -1 where it is below."""
     diagonal = np.abs(np.diag(matrix))
