@@ -106,10 +106,9 @@ class Riccati:
 
     def remarks(self) -> tuple[str, ...]:
         """Return in what sense X is the least cost, where it is not that of all inputs."""
-        least = "X is the least cost of bringing the state to rest"
+        remarks, least = [], "X is the least cost of bringing the state to rest"
         if self.weight_eigenvalue < 0:
             return (f"R + B'XB has the eigenvalue {self.weight_eigenvalue:.3g}: X is a saddle of the cost, no minimum",)
-        remarks = []
         if not self.is_resolved:
             remarks.append(
                 "the last bits of A and L decide whether this loop is stable: rounded to double precision L may not "
@@ -171,9 +170,11 @@ def solved(model: StateSpace, Q: Array, R: Array, N: Array, exact: bool) -> Ricc
     if exact:
         found = exact_riccati.solve(stated, found.X)
         certified = balance.certified(found)
-    exact_poles = (lambda: exact_riccati.solve(stated, found.X).poles()) if len(model.states) <= BALLS else None
-    rigid = certified.condition > newton.RIGID
-    within = solvability.prove(model, stated, certified.poles, rigid, exact_poles)
+    near = found if found.known is not None else None
+    exact_poles = (
+        (lambda: (near or exact_riccati.solve(stated, found.X)).poles()) if len(model.states) <= BALLS else None
+    )
+    within = solvability.prove(model, stated, certified.poles, certified.condition > newton.RIGID, exact_poles)
     solvability.require_unique_gain(model, balance.scaled.weight(certified.solution.X))
     return _result(model, stated, found, certified, balance, within)
 
