@@ -54,11 +54,10 @@ class Riccati:
     so that units do not matter; `least_eigenvalue` is that of X_ij over sqrt(X_ii X_jj), 0 where X is not known to
     tell it from that. sqrt(X_ii) of a state that costs nothing within rounding is that of the least cost within it.
 
-    `marginal` are poles that decay as the entries of A, B, Q stand, but by less than their rounding.
-    `mirrored` are the modes, in 1/s or in z, that do not decay and that the cost does not see: of each the loop has the
-    mirror image, -conj(s) or 1 / conj(s), and leaving it alone would cost less. `cost_eigenvalue` and
-    `weight_eigenvalue` are the least of [Q, N; N', R] and of R or S, their diagonals made 1: the former is below 0 for
-    an indefinite cost, the latter where X is a saddle and no minimum.
+    `marginal` poles decay as the entries of A, B, Q stand, but by less than their rounding. `mirrored` modes, in 1/s or
+    in z, do not decay and the cost does not see them: the loop has the mirror image, -conj(s) or 1 / conj(s), and
+    leaving them alone would cost less. `cost_eigenvalue` and `weight_eigenvalue` are the least of [Q, N; N', R] and of
+    R or S, their diagonals made 1: below 0 for an indefinite cost, and where X is a saddle and no minimum.
     """
 
     X: Array

@@ -34,6 +34,7 @@ BEYOND = 1e-9  # of the fastest mode: a mode this far beyond the boundary lies t
 CLUSTER = 1e-5  # of the fastest mode: equal modes scatter by less
 MIRRORED = 0.02  # of a mode: a pole nearer than this to its mirror image may be one
 ALONE = 1e-3  # of a mode: others are farther from one that stands alone
+UNIT = 2.0**-50  # times n: a pole nearer to the unit circle is that of A's rounding, as entries near 1 have it
 SEEN = 1e-10  # of the largest eigenvalue of Q
 
 
@@ -58,6 +59,8 @@ def prove(
     if searched and (error := found_by_search(model, stated)) is not None:
         poles = _decided(error, exact)
         rates = -poles.real if stated.continuous else 1 - np.abs(poles)
+        if not stated.continuous and rates.min() < UNIT * len(poles):
+            raise error
         within = poles[rates <= 2 * rates.min()]
     if not decays(poles, stated.continuous):
         slowest = poles[np.argmax(poles.real if stated.continuous else np.abs(poles))]
