@@ -139,7 +139,10 @@ def fitting(equation: Equation) -> Bilinear:
 
 def _mean(e: Equation) -> float:
     """Return the geometric mean of the poles' |s|, or of |z - 1| / 2 but 1 at most, from the pencil's determinant."""
-    (A, G, Q), one = _standard(e), np.eye(len(e.A))
+    try:
+        (A, G, Q), one = _standard(e), np.eye(len(e.A))
+    except np.linalg.LinAlgError:  # R is not positive definite, which only discrete time allows
+        return 1.0
     if e.continuous:
         above = _logarithm(A, -G, -Q, -A.T)
         largest = np.log(max(float(np.linalg.norm(M)) for M in (A, G, Q)))

@@ -45,19 +45,32 @@ class Equation:
         return Equation(A, B, self.Q * D * row, self.R * E * column, self.N * E * row, self.continuous)
 
     def scales(self) -> tuple[Array, Array]:
-        """Return powers of 2, D (n,) and E (m,), that bring R's diagonal to 1 and balance A, B R^-1 B' and Q."""
-        E = np.exp2(-np.round(np.log2(np.diag(self.R)) / 2))
+        """Return powers of 2, D (n,) and E (m,), that bring R's diagonal to 1 and balance A, B R^-1 B' and Q.
+
+        Where an input has no weight, |R| + |B'QB| stands for R.
+        """
+        r = np.diag(self.R)
+        if not self.continuous:
+            r = np.where(r > 0, r, np.abs(r) + np.abs(np.diag(self.B.T @ self.Q @ self.B)))
+        E = np.exp2(-np.round(np.log2(np.where(r > 0, r, 1.0)) / 2))
         n, B = len(self.A), np.abs(self.B * E)
         M = np.empty((2 * n, 2 * n))
         M[:n, :n], M[:n, n:], M[n:, :n], M[n:, n:] = self.A, B @ B.T, self.Q, self.A.T
         size = discretise.balancing(M)
         return np.exp2(np.round(np.log2(size[:n] / size[n:]) / 2)), E
 
+    def plain(self) -> "Equation":
+        """Return the equation of the same model, balanced, with weights on the inputs alone."""
+        return replace(self, Q=np.zeros_like(self.Q), R=np.eye(len(self.R)), N=np.zeros_like(self.N))
+
     def moderate(self) -> "Equation":
-        """Return the equation with more weight on states or inputs: loops neither much faster nor slower than A."""
+        """Return the equation with more weight on states or inputs: loops neither much faster nor slower than A.
+
+        Raises LinAlgError when R is singular.
+        """
         B, n = self.B, len(self.A)
         rate = float(np.linalg.norm(self.A)) if self.continuous else 1.0
-        G = float(np.linalg.norm(B @ np.linalg.solve(self.R, B.T)))
+        G = float(np.linalg.norm(B @ np.linalg.solve(self.R, B.T))) or 1.0
         more = max(1.0, G * float(np.linalg.norm(self.Q)) / (rate * rate or 1.0))
         return replace(self, Q=self.Q + rate * rate / G * np.eye(n), R=self.R * more)
 
@@ -77,19 +90,22 @@ class Equation:
     def residual(self, X: Array) -> tuple[Array, Array]:
         """Return the equation's left side at a symmetric X, from sums in twice the precision, and L, polished by d.
 
-        Raises LinAlgError when R or S is not positive definite.
+        Polishing ends, too, at a row of L that it does not bring nearer: what is left of it is rounding error.
+
+        Raises LinAlgError when R or S is singular.
         """
         S, L = self.weight(X), self.gain(X)
-        np.linalg.cholesky(S)
+        last = np.full(len(L), np.inf)
         for _ in range(POLISHINGS):
             left, rest = self._sums(X, L)
             d = rest.rounded()
             small = np.linalg.solve(S, d)
             found = left.high + (left.low - (L.T + small.T) @ d)
             polished = L + small
-            if (np.abs(small).max(axis=1) <= POLISHED * np.abs(L).max(axis=1)).all():
+            left_over = np.abs(small).max(axis=1)
+            if ((left_over <= POLISHED * np.abs(L).max(axis=1)) | (left_over > last / 2)).all():
                 break
-            L = polished
+            L, last = polished, left_over
         return (found + found.T) / 2, polished
 
     def _sums(self, X: Array, L: Array) -> tuple[Twofold, Twofold]:
@@ -102,6 +118,12 @@ class Equation:
         stacked = twofold.product(np.concatenate([self.B, self.N, self.R]), L)
         both = twofold.product(AB.T, twofold.product(X, -stacked[:n] + self.A))
         return both[:n] + self.Q - X - stacked[n : 2 * n], both[n:] + self.N.T - stacked[2 * n :]
+
+    def gain_terms(self, X: Array) -> Array:
+        """Return the sum (m, n) of the absolute values of the terms of L at X."""
+        XB = np.abs(self.B).T @ np.abs(X)
+        P = (XB if self.continuous else XB @ np.abs(self.A)) + np.abs(self.N).T
+        return np.asarray(np.abs(np.linalg.inv(self.weight(X))) @ P)
 
     def terms(self, X: Array) -> Array:
         """Return the sum (n, n) of the absolute values of the equation's terms at X."""
@@ -145,6 +167,6 @@ def decays(poles: Complex, continuous: bool) -> bool:
 
 
 def sizes(X: Array) -> Array:
-    """Return sqrt(X_ii) (n,) of a balanced X, with a floor for states that cost nothing."""
+    """Return sqrt(X_ii) (n,) of a balanced X, or of its equation's terms, with a floor for states that cost nothing."""
     diagonal = np.abs(X.diagonal())
     return np.asarray(np.sqrt(np.maximum(diagonal, LEAST * float(diagonal.max()) or 1.0)))

@@ -1,7 +1,9 @@
 """Riccati equations in ball arithmetic: X and L correct to the last bit of double, alike on every machine.
 
-Newton's method (Kleinman 1968, Hewer 1971) from a start near the stabilising solution, or else from the limit of
-doubling (module `doubling`) in high precision,
+Newton's method (Kleinman 1968, Hewer 1971) from a start near the stabilising solution, or else from the limit Y of
+doubling (module `doubling`) in high precision, X = X0 + Y with A - B L(X0), R or S at X0 and the left side at X0 in
+place of A, R, Q. From X0 = 0 the doubling ends at the least cost, which need not stabilise; from another it misses the
+stabilising solution only by coincidence. Then
 
     continuous  Ac'X + X Ac + Q - N L - L'N' + L'R L = 0,     discrete  Ac'X Ac - X + Q - N L - L'N' + L'R L = 0
 
@@ -25,8 +27,10 @@ Mat = flint.arb_mat
 
 BITS = (precise.BITS, 4 * precise.BITS, 16 * precise.BITS)
 STEPS = 30
+HALVED = 8  # steps that only halve the error: so they do to the end where a pole lies on the stability boundary
 PASSES = 200  # doublings
 STILL = 1e-20  # of H: a pass that adds less ends the doubling
+CLEAR = 1e-15  # of a pole: what decays slower counts as not decaying
 LEVEL = 1e-30  # of a pole: a part, real or imaginary, this small is the rounding error of a zero
 
 
@@ -39,12 +43,14 @@ class _Problem:
     N: Mat
     continuous: bool
 
+    def weight(self, X: Mat) -> Mat:
+        """Return R or S."""
+        return self.R if self.continuous else self.R + self.B.transpose() * X * self.B
+
     def feedback(self, X: Mat) -> Mat:
         """Return L for X."""
-        if self.continuous:
-            return precise.middle(self.R.solve(self.B.transpose() * X + self.N.transpose()))
-        S = self.R + self.B.transpose() * X * self.B
-        return precise.middle(S.solve(self.B.transpose() * X * self.A + self.N.transpose()))
+        XB = self.B.transpose() * X
+        return precise.middle(self.weight(X).solve((XB if self.continuous else XB * self.A) + self.N.transpose()))
 
     def residual(self, X: Mat) -> Mat:
         """Return the equation's left side at X."""
@@ -53,7 +59,7 @@ class _Problem:
             gain = self.R.solve(cross.transpose())
             return self.A.transpose() * X + X * self.A - cross * gain + self.Q
         cross = self.A.transpose() * X * self.B + self.N
-        gain = (self.R + self.B.transpose() * X * self.B).solve(cross.transpose())
+        gain = self.weight(X).solve(cross.transpose())
         return self.A.transpose() * X * self.A - X - cross * gain + self.Q
 
     def newton(self, X: Mat) -> Mat:
@@ -61,7 +67,10 @@ class _Problem:
 
         Raises ZeroDivisionError when its closed loop has poles s + s' = 0 (s s' = 1 in discrete time) to these bits.
         """
-        L = self.feedback(X)
+        return self.cost(self.feedback(X))
+
+    def cost(self, L: Mat) -> Mat:
+        """Return the cost of the feedback u = -L x as balls, where its loop is stable. Raises as `newton`."""
         closed = (self.A - self.B * L).transpose()
         cost = self.Q + L.transpose() * self.R * L - self.N * L - (self.N * L).transpose()
         n = closed.nrows()
@@ -81,15 +90,18 @@ def solve(equation: Equation, start: Array | None = None) -> Solution:
     Raises ModelError when neither leads to it.
     """
     for bits in BITS:
+        started = False
         with precise.precision(bits):
             problem = _problem(equation)
             for begin in _starts(problem, start):
-                X = _limit(problem, begin)
+                X, started = _limit(problem, begin), True
                 found = None if X is None else _found(problem, X)
                 if X is not None and found is not None and np.isfinite(found.step).all():
                     return _apart(found, X)
+        if not started and bits > BITS[0]:  # twice the bits, and no doubling settles: it is not for want of digits
+            break
     raise ModelError(
-        f"Newton's method on the Riccati equation does not settle within {BITS[-1]} bits, or a step has no solution, "
+        f"Newton's method on the Riccati equation does not settle within {bits} bits, or a step has no solution, "
         "or its loop does not decay: scale the weights or the states, or leave out modes that hardly move"
     )
 
@@ -116,14 +128,19 @@ def _problem(e: Equation) -> _Problem:
 
 def _limit(problem: _Problem, X: Mat) -> Mat | None:
     """Return Newton's limit, None when it is not told by these bits; steps square the error: the last leaves 1e-70."""
+    last, halved = np.inf, 0
     for _ in range(STEPS):
         try:
             balls = problem.newton(X)
         except ZeroDivisionError:
             return None
         previous, X = X, precise.middle(balls)
-        if precise.norm(X - previous) <= 1e-40 * precise.norm(X):
+        moved = precise.norm(X - previous)
+        if moved <= 1e-40 * precise.norm(X):
             return X if _tells(balls) else None
+        halved, last = (halved + 1 if moved > last / 4 else 0), moved
+        if halved > HALVED:
+            return None
     return None
 
 
@@ -145,17 +162,24 @@ def _apart(found: Solution, X: Mat) -> Solution:
 def _starts(problem: _Problem, start: Array | None) -> Iterator[Mat]:
     if start is not None:
         yield precise.matrix(start)
-    limit = _doubled(problem)
-    if limit is not None:
-        yield limit
+    one = precise.identity(problem.A.nrows())
+    for size in (flint.arb(0), _size(problem)):
+        limit = _doubled(problem, one * size)
+        if limit is not None:
+            yield limit
 
 
-def _doubled(p: _Problem) -> Mat | None:
-    """Return the limit of doubling, None where it has none; any stabilisable pair will do."""
-    Bt, Nt = p.B.transpose(), p.N.transpose()
+def _size(p: _Problem) -> flint.arb:
+    """Return a size for X0."""
+    return flint.arb((precise.norm(p.Q) + precise.norm(p.R) / precise.norm(p.B) ** 2) if precise.norm(p.B) else 1.0)
+
+
+def _doubled(p: _Problem, X0: Mat) -> Mat | None:
+    """Return the limit of doubling from X0, None where it has none, or where it leaves a pole that does not decay."""
     one = precise.identity(p.A.nrows())
     try:
-        A, G, H = p.A - p.B * p.R.solve(Nt), p.B * p.R.solve(Bt), p.Q - p.N * p.R.solve(Nt)
+        A, G, H = p.A - p.B * p.feedback(X0), p.B * p.weight(X0).solve(p.B.transpose()), p.residual(X0)
+        A, G, H = (precise.middle(Y) for Y in (A, G, H))
         if p.continuous:
             A, G, H = _mapped(A, G, H)
         for _ in range(PASSES):
@@ -167,10 +191,18 @@ def _doubled(p: _Problem) -> Mat | None:
             if not precise.norm(H) < 1e300:
                 return None
             if precise.norm(step) <= STILL * precise.norm(H):
-                return H
+                X = X0 + H
+                return X if _decays_clearly(_poles(p.A - p.B * p.feedback(X)), p.continuous) else None
     except ZeroDivisionError:
         return None
     return None
+
+
+def _decays_clearly(poles: Complex, continuous: bool) -> bool:
+    """Tell whether a loop is stable by more than what ended the doubling: poles on the boundary come as near to it."""
+    if continuous:
+        return bool((poles.real < -CLEAR * np.abs(poles)).all())
+    return bool((np.abs(poles) < 1 - CLEAR).all())
 
 
 def _mapped(A: Mat, G: Mat, H: Mat) -> tuple[Mat, Mat, Mat]:

@@ -29,7 +29,7 @@ from synth import show
 from synth.analyse import precise, structure
 from synth.errors import ModelError
 from synth.statespace import Array, StateSpace, System, of, readonly
-from synth.synthesise import noise, riccati, weights
+from synth.synthesise import noise, riccati, solvability, weights
 from synth.timing import Continuous, Discrete, common, period
 
 
@@ -93,6 +93,10 @@ class Estimator:
             tables.append(show.matrix("output", size, model.labels(model.outputs), ("deviation of the innovation",)))
         tables.append(riccati.modes(self.poles, model.time))
         lines = ("P is the X of the dual Riccati equation:", *c.lines())
+        if c.mirrored:
+            lines += (
+                "The weights are the noises here: none reaches that mode, which the filter knows but for its start",
+            )
         title = f"Kalman filter of {', '.join(model.states)} from {', '.join(model.outputs)} in {model.time}"
         return show.Sheet(title, lines, tuple(tables))
 
@@ -112,8 +116,8 @@ def continuous(
     machine.
 
     Raises TimingError for a sampled model; SignalError for what does not fit, is not finite, asymmetric or indefinite;
-    ModelError when a combination of outputs has no noise, or naming a mode that does not decay and that no output shows
-    or no noise reaches.
+    ModelError when a combination of outputs has no noise, or naming a mode that does not decay and that no output
+    shows, or a mode on the stability boundary that no noise reaches.
     """
     model = of(system)
     common(Continuous(), model.time)
@@ -163,13 +167,15 @@ def steady(noisy: noise.Noisy, exact: bool = False) -> Estimator:
 
 
 def _require_reached(model: StateSpace, e: noise.Noise) -> None:
-    """Raise ModelError naming the first mode that does not decay and that no noise reaches, w given v."""
+    """Raise ModelError naming the first mode on the stability boundary that no noise reaches, w given v."""
     across = np.linalg.solve(e.V, e.S.T)
-    for mode in structure.unmoved(model.A - across.T @ model.C, e.W - e.S @ across, model.states, model.time):
+    A, W = model.A - across.T @ model.C, e.W - e.S @ across
+    for mode in solvability.boundary_modes(A.T, W, model.states, model.time):
         who = ", ".join(mode.states)
         raise ModelError(
             f"(A, G W^1/2) is not stabilisable: no noise reaches the mode {show.number(mode.value, 4)} in {who}, which "
-            f"does not decay, so that its filter would not settle: give {who} noise or take it out of the model"
+            "neither grows nor decays, so that its filter would not settle: give "
+            f"{who} noise or take it out of the model"
         )
 
 

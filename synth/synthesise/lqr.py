@@ -102,7 +102,8 @@ class SampledCost:
 def lqr(system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None = None, exact: bool = False) -> Gain:
     """Return the optimal gain of a model in its own time; Q (n, n), R (m, m), N (n, m).
 
-    Q and R are matrices, diagonals or {name: weight}. Raises as `riccati.solve`.
+    Q and R are matrices, diagonals or {name: weight}; the certificate says when Q does not see an unstable mode, or is
+    indefinite. Raises as `riccati.solve`.
     """
     model = of(system)
     return _gain(model, riccati.solve(model, Q, R, N, exact))
@@ -116,6 +117,7 @@ def _gain(model: StateSpace, found: riccati.Riccati) -> Gain:
 def dlqr(system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None = None, exact: bool = False) -> Gain:
     """Return the gain of a sampled model that minimises the sum over the samples; arguments as for `lqr`.
 
+    R may be zero where R + B'XB is positive definite.
     Raises TimingError for a continuous model; else as `riccati.solve`.
     """
     model = of(system)
@@ -212,11 +214,16 @@ def cost_ratio(
     of `lqr` this is the price of emulation. A state of which the optimal cost is zero is left aside.
 
     Raises SignalError when the gain is that of other states or inputs; ModelError when the optimal cost is zero from
-    every state; else as `lqrd`.
+    every state, or negative from one; else as `lqrd`.
     """
     model = of(system)
     K, cost = _fitting(gain, model), sampled_cost(model, Q, R, period_s, N, exact)
-    least = _held_gain(model, cost, exact).certificate.X
+    optimal = _held_gain(model, cost, exact).certificate
+    least = optimal.X
+    if optimal.least_eigenvalue < 0:
+        raise ModelError(
+            "the optimal cost is negative from some states and no ratio tells: give weights that are semidefinite"
+        )
     size = np.sqrt(np.maximum(np.diag(least), 0.0))
     if not size.any():
         raise ModelError(

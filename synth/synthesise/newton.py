@@ -27,6 +27,7 @@ STALLED = 1e-6  # likewise: errors below it should shrink each time
 KEPT = 1e-8  # likewise: after an error this small the linear equation of the last step does
 SMALL = 1e-10  # likewise: from an error this small the residual may follow
 STEPS = 60  # from a loop that is stable but far from the best, each step halves what is too much
+CANCELLED = 1e-9  # of its terms: a row of L below it is judged by this, as 1e-15 of the terms is rounding error
 LOOSER = 1e-2  # how much closer X is to be known than what its error adds to L, of which L is rid in the end
 
 
@@ -96,6 +97,8 @@ class _Iterate:
         added = np.linalg.solve(equation.weight(found.X), equation.B.T @ step)
         more, L = (np.abs(v / size).max(axis=1) for v in (added, found.L))
         forward = float((np.abs(found.step) / size / size[:, None]).max())
+        if not (LOOSER * more <= FINE * L).all():
+            L = np.maximum(L, CANCELLED * (equation.gain_terms(found.X) / size).max(axis=1))
         error = max(forward, LOOSER * float((more / np.where(L > 0, L, 1.0)).max()))
         return _Iterate(found, np.asarray(added), size, forward, error)
 
@@ -130,10 +133,12 @@ def certified(equation: Equation, found: Solution, bilinear: Bilinear) -> Certif
 
 
 def _beside(defect: Array, T: Array) -> float:
-    """Return the largest |d_ij| over the greater of T_ij and sqrt(T_ii T_jj)."""
-    root = np.sqrt(T.diagonal())
-    beside = np.maximum(T, root * root[:, None])
-    return float(np.divide(np.abs(defect), beside, out=np.zeros_like(T), where=beside > 0).max())
+    """Return the largest |d_ij| over the greater of T_ij and sqrt(T_ii T_jj).
+
+    T_ii has a floor: the terms of a state that costs nothing are the rounding error of a zero, and measure no defect.
+    """
+    root = sizes(T)
+    return float((np.abs(defect) / np.maximum(T, root * root[:, None])).max())
 
 
 def _condition(T: Array, size: Array, decay: Decay) -> float:

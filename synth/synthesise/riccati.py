@@ -4,13 +4,21 @@
     discrete    A'XA - X - (A'XB + N) S^-1 (B'XA + N') + Q = 0,       L = S^-1 (B'XA + N'),            A - B L stable
                                              S = R + B'XB
 
-for A (n, n), B (n, m), Q (n, n), R (m, m) > 0, N (n, m) and a cost [Q, N; N', R] >= 0. By default in double precision:
-states and inputs are balanced by powers of 2, doubling gives a start, and Newton's method with a residual of twice the
-precision ends within rounding. What comes out is taken when its own certificate holds. Else the start is a gain for
-more moderate weights, then SciPy's Schur method; then ball arithmetic takes over, for 12 states or fewer. With `exact`
-ball arithmetic rounds X and L correctly, alike on every machine.
+for A (n, n), B (n, m), Q (n, n), R (m, m), N (n, m); R > 0 in continuous time, S regular in discrete time. The cost
+[Q, N; N', R] need not be positive semidefinite. With R > 0, or S > 0, completing the square
+
+    sum of x'Qx + u'Ru + 2 x'Nu  =  x0'X x0 + sum of (u + L x)' S (u + L x)         for inputs that bring x to rest
+
+shows x0'X x0 to be the least cost of bringing x0 to rest (Willems 1971); it is the least of all where the cost is
+positive semidefinite and sees each mode that does not decay.
+
+By default in double precision: states and inputs are balanced by powers of 2, doubling gives a start, and Newton's
+method with a residual of twice the precision ends within rounding. What comes out is taken when its own certificate
+holds. Else the start is a gain for more moderate weights, then SciPy's Schur method; then ball arithmetic takes over,
+for 12 states or fewer. With `exact` ball arithmetic rounds X and L correctly, alike on every machine.
 """
 
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -19,10 +27,12 @@ import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
 from synth import show
+from synth.analyse import structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.synthesise import doubling, exact_riccati, newton, solvability, weights
-from synth.synthesise.equation import Equation, Solution, decays
+from synth.synthesise.balance import Balance
+from synth.synthesise.equation import Complex, Equation, Solution, decays
 from synth.timing import Continuous, Discrete, Time
 
 TRUSTED = 1e-8  # forward error up to which a solution in double precision is taken
@@ -42,7 +52,13 @@ class Riccati:
     `forward_error`  the largest error of X_ij over sqrt(X_ii X_jj); infinite where A - B L is not stable
     `condition`      the factor from relative changes of the equation's terms to those of sqrt(X_ii X_jj), at most
 
-    so that units do not matter; `least_eigenvalue` is that of X_ij over sqrt(X_ii X_jj).
+    so that units do not matter; `least_eigenvalue` is that of X_ij over sqrt(X_ii X_jj), 0 where X is not known to
+    tell it from that. sqrt(X_ii) of a state that costs nothing within rounding is that of the least cost within it.
+
+    `marginal` poles decay as the entries of A, B, Q stand, but by less than their rounding. `mirrored` modes, in 1/s or
+    in z, do not decay and the cost does not see them: the loop has the mirror image, -conj(s) or 1 / conj(s), and
+    leaving them alone would cost less. `cost_eigenvalue` and `weight_eigenvalue` are the least of [Q, N; N', R] and of
+    R or S, their diagonals made 1: below 0 for an indefinite cost, and where X is a saddle and no minimum.
     """
 
     X: Array
@@ -55,6 +71,10 @@ class Riccati:
     forward_error: float
     condition: float
     least_eigenvalue: float
+    marginal: tuple[complex, ...]
+    mirrored: tuple[complex, ...]
+    cost_eigenvalue: float
+    weight_eigenvalue: float
     defect: Array
     step: Array
     states: tuple[str, ...]
@@ -76,7 +96,41 @@ class Riccati:
         return (
             f"residual {self.residual:.1e}, error of X {self.forward_error:.1e}, condition {self.condition:.1e}, "
             f"least eigenvalue of X, its diagonal made 1, {self.least_eigenvalue:.3g}",
+            *self.remarks(),
         )
+
+    @property
+    def is_resolved(self) -> bool:
+        """Tell whether double precision resolves the loop with L: else X and L are right, but L's last bits matter."""
+        return bool(np.isfinite(self.condition) or not np.isfinite(self.forward_error))
+
+    def remarks(self) -> tuple[str, ...]:
+        """Return in what sense X is the least cost, where it is not that of all inputs."""
+        remarks, least = [], "X is the least cost of bringing the state to rest"
+        if self.weight_eigenvalue < 0:
+            return (f"R + B'XB has the eigenvalue {self.weight_eigenvalue:.3g}: X is a saddle of the cost, no minimum",)
+        if not self.is_resolved:
+            remarks.append(
+                "the last bits of A and L decide whether this loop is stable: rounded to double precision L may not "
+                "stabilise; take weights that differ by less"
+            )
+        if self.marginal:
+            listed = ", ".join(show.number(s) for s in self.marginal)
+            remarks.append(
+                f"the poles {listed} decay by less than the rounding of the model's entries: do not rely on it"
+            )
+        if self.mirrored:
+            image = "-conj(s)" if isinstance(self.time, Continuous) else "1 / conj(z)"
+            listed = ", ".join(structure.pair(s) for s in self.mirrored if s.imag >= 0)
+            remarks.append(
+                f"the weights do not see the mode {listed}, which does not decay: the loop mirrors it to {image}; "
+                f"{least}, and leaving that mode alone would cost less"
+            )
+        if self.cost_eigenvalue < 0:
+            remarks.append(
+                f"[Q, N; N', R] has the eigenvalue {self.cost_eigenvalue:.3g}: the cost is indefinite, and {least}"
+            )
+        return tuple(remarks)
 
 
 def modes(poles: NDArray[np.complex128], time: Time) -> show.Table:
@@ -108,12 +162,13 @@ def solve(
 ) -> Riccati:
     """Solve the Riccati equation of a model's A, B in its own time; Q (n, n), R (m, m), N (n, m), zero if left out.
 
-    Q weights the states, R the inputs, as matrix, diagonal or {name: weight}. `exact` rounds each entry of X and L
+    Q weights the states, R the inputs, as matrix, diagonal or {name: weight}. Q may be indefinite and in discrete time
+    R singular or indefinite: the result says in what sense X is the least cost. `exact` rounds each entry of X and L
     correctly, at a cost that grows with n^6.
 
-    Raises SignalError for weights that do not fit, an asymmetric Q or R, an indefinite cost or an R that is not
-    positive definite; ModelError when (A, B) is not stabilisable or (Q, A) not detectable, naming the mode and its
-    states, or when no stabilising solution is found.
+    Raises SignalError for weights that do not fit, an asymmetric Q or R, or in continuous time an R that is not
+    positive definite; ModelError when (A, B) is not stabilisable or the cost does not see a mode on the stability
+    boundary, naming the mode and its states, or when no stabilising solution is found.
     """
     model = of(system)
     return solved(model, *checked_weights(model, Q, R, N), exact)
@@ -122,15 +177,19 @@ def solve(
 def solved(model: StateSpace, Q: Array, R: Array, N: Array, exact: bool) -> Riccati:
     """Do as `solve` for weights that `checked_weights` returned."""
     stated = _stated(model, Q, R, N)
-    balance = _Balance.of(stated)
+    balance = Balance.of(stated)
     certified = _solution(model, stated, balance)
     found = balance.back(certified.solution)
     if exact:
         found = exact_riccati.solve(stated, found.X)
         certified = balance.certified(found)
-    result = _result(model, stated, found, certified)
-    solvability.prove(model, stated, balance.scaled, result.poles)
-    return result
+    near = found if found.known is not None else None
+    exact_poles = (
+        (lambda: (near or exact_riccati.solve(stated, found.X)).poles()) if len(model.states) <= BALLS else None
+    )
+    within = solvability.prove(model, stated, certified.poles, certified.condition > newton.RIGID, exact_poles)
+    solvability.require_unique_gain(model, balance.scaled.weight(certified.solution.X))
+    return _result(model, stated, found, certified, balance, within)
 
 
 def certify(
@@ -143,14 +202,14 @@ def certify(
 ) -> Riccati:
     """Return a symmetric X (n, n) of any origin with its L and its certificate; arguments else as for `solve`.
 
-    Raises SignalError as `solve`, or when X does not fit; ModelError when S = R + B'XB is not positive definite.
+    Raises SignalError as `solve`, or when X does not fit; ModelError when S = R + B'XB is singular.
     """
     model = of(system)
     stated = _stated(model, *checked_weights(model, Q, R, N))
     X = weights.symmetric("X", X, model.states)
-    balance = _Balance.of(stated)
-    found = exact_riccati.certify(stated, X) if exact else balance.back(_evaluated(X, balance))
-    return _result(model, stated, found, balance.certified(found))
+    balance = Balance.of(stated)
+    found = exact_riccati.certify(stated, X) if exact else balance.back(balance.evaluated(X))
+    return _result(model, stated, found, balance.certified(found), balance, np.zeros(0, dtype=np.complex128))
 
 
 def checked_weights(
@@ -158,20 +217,13 @@ def checked_weights(
 ) -> tuple[Array, Array, Array]:
     """Return the weights as arrays (n, n), (m, m), (n, m).
 
-    Raises SignalError for weights that do not fit, an asymmetric Q or R, an R that is not positive definite, or a cost
-    that is not positive semidefinite.
+    Raises SignalError for weights that do not fit, an asymmetric Q or R, or in continuous time an R that is not
+    positive definite.
     """
     model = of(system)
-    Q, R = weights.symmetric("Q", Q, model.states), weights.definite("R", R, model.inputs)
-    N = weights.cross("N", N, model.states, model.inputs)
-    joint = weights.joined(Q, R, N) if N.any() else Q
-    if not weights.is_above(joint, -weights.ROUNDING):
-        what = "Q - N R^-1 N'" if N.any() else "Q"
-        lowest = weights.lowest_eigenvalue(Q - N @ np.linalg.solve(R, N.T))
-        raise SignalError(
-            f"{what} has the eigenvalue {lowest:.3g}: the cost must be positive semidefinite; raise Q or lower N"
-        )
-    return Q, R, N
+    check = weights.definite if isinstance(model.time, Continuous) else weights.symmetric
+    Q, R = weights.symmetric("Q", Q, model.states), check("R", R, model.inputs)
+    return Q, R, weights.cross("N", N, model.states, model.inputs)
 
 
 def _stated(model: StateSpace, Q: Array, R: Array, N: Array) -> Equation:
@@ -180,40 +232,21 @@ def _stated(model: StateSpace, Q: Array, R: Array, N: Array) -> Equation:
     return Equation(model.A, model.B, Q, R, N, isinstance(model.time, Continuous))
 
 
-@dataclass(frozen=True, eq=False)
-class _Balance:
-    """The scaled equation, the scales D (n,), E (m,) of states and inputs, and the map that doubling takes."""
-
-    scaled: Equation
-    D: Array
-    E: Array
-    bilinear: doubling.Bilinear
-
-    @staticmethod
-    def of(stated: Equation) -> "_Balance":
-        D, E = stated.scales()
-        scaled = stated.scaled(D, E)
-        return _Balance(scaled, D, E, doubling.fitting(scaled))
-
-    def back(self, found: Solution) -> Solution:
-        """Return a solution of the scaled equation as that of the equation itself."""
-        return found.scaled(1 / self.D, 1 / self.E)
-
-    def certified(self, found: Solution) -> newton.Certified:
-        """Return the certificate of a solution of the equation itself."""
-        return newton.certified(self.scaled, found.scaled(self.D, self.E), self.bilinear)
-
-
-def _solution(model: StateSpace, stated: Equation, balance: _Balance) -> newton.Certified:
+def _solution(model: StateSpace, stated: Equation, balance: Balance) -> newton.Certified:
     """Return the first solution of the balanced equation whose certificate holds."""
-    scaled, nearest = balance.scaled, np.inf
-    for start in _starts(model, stated, balance):
+    scaled, nearest, hidden = balance.scaled, np.inf, None
+    n = len(model.states)
+    for k, start in enumerate(_starts(balance)):
+        if k == 1 and (hidden := solvability.found_by_search(model, stated)) is not None and n > BALLS:
+            raise hidden
         found = None if start is None else newton.refined(scaled, start, balance.bilinear)
         if found is not None and decays(found.poles, scaled.continuous):
             nearest = found.error
             if nearest <= TRUSTED:
                 return found
-    n, hardly = len(model.states), solvability.hardly_moved(model, scaled)
+    if not weights.is_above(weights.joined(scaled.Q, scaled.R, scaled.N), -weights.ROUNDING):
+        solvability.require_clear_boundary(scaled)
+    hardly = solvability.hardly_moved(model, scaled)
     if n > BALLS:
         left = f"an error of {nearest:.1e} of X is left" if np.isfinite(nearest) else "no loop that decays was found"
         raise ModelError(
@@ -224,41 +257,40 @@ def _solution(model: StateSpace, stated: Equation, balance: _Balance) -> newton.
     try:
         return newton.certified(scaled, exact_riccati.solve(scaled), balance.bilinear)
     except ModelError as error:
-        raise ModelError(f"{error}; {hardly} actuate it, or take it out of the model") from error
+        if hidden is not None:
+            raise hidden from error
+        least = weights.lowest_eigenvalue(weights.joined(scaled.Q, scaled.R, scaled.N))
+        hint = f"; balanced, [Q, N; N', R] has the eigenvalue {least:.1e}, which slow modes magnify: raise Q"
+        raise ModelError(
+            f"{error}; {hardly} actuate it, or take it out of the model{hint if least < 0 else ''}"
+        ) from error
 
 
-def _starts(model: StateSpace, stated: Equation, balance: _Balance) -> Iterator[Array | None]:
-    """Yield X of the scaled equation: by doubling; from a moderate gain; by SciPy.
-
-    After the first a mode that prevents every solution is named.
-    """
+def _starts(balance: Balance) -> Iterator[Array | None]:
+    """Yield X of the scaled equation: by doubling; from a moderate gain; by SciPy."""
     scaled = balance.scaled
     yield doubling.solution(scaled, balance.bilinear)
-    solvability.search(model, stated)
-    moderate = scaled.moderate()
-    X = doubling.solution(moderate, doubling.fitting(moderate))
-    yield None if X is None else newton.evaluated(scaled, moderate.gain(X), balance.bilinear)
+    yield from (balance.of_easier(weighted) for weighted in (scaled, scaled.plain()))
     solver = scipy.linalg.solve_continuous_are if scaled.continuous else scipy.linalg.solve_discrete_are
-    try:
-        yield solver(scaled.A, scaled.B, scaled.Q, scaled.R, s=scaled.N)
-    except np.linalg.LinAlgError:
-        return
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        try:
+            X = solver(scaled.A, scaled.B, scaled.Q, scaled.R, s=scaled.N)
+        except (np.linalg.LinAlgError, ValueError):  # ValueError: its pencil is not finite
+            return
+    yield X
 
 
-def _evaluated(X: Array, balance: _Balance) -> Solution:
-    """Return the solution of the balanced equation to which a symmetric X (n, n) amounts."""
-    X, scaled = X * balance.D * balance.D[:, None], balance.scaled
-    try:
-        defect, L = scaled.residual(X)
-    except np.linalg.LinAlgError as error:
-        raise ModelError("R + B'XB is not positive definite: this X is far from any that stabilises") from error
-    closed = scaled.A - scaled.B @ L
-    decay = doubling.decay(closed, balance.bilinear)
-    step = np.full_like(X, np.inf) if decay is None else decay.gathered(defect)
-    return Solution(X, L, closed, defect, step)
-
-
-def _result(model: StateSpace, stated: Equation, found: Solution, certified: newton.Certified) -> Riccati:
+def _result(
+    model: StateSpace,
+    stated: Equation,
+    found: Solution,
+    certified: newton.Certified,
+    balance: Balance,
+    within: Complex,
+) -> Riccati:
+    scaled = balance.scaled
+    X = found.X * balance.D * balance.D[:, None]
     return Riccati(
         X=readonly(found.X),
         L=readonly(found.L),
@@ -269,7 +301,11 @@ def _result(model: StateSpace, stated: Equation, found: Solution, certified: new
         residual=certified.residual,
         forward_error=certified.forward_error,
         condition=certified.condition,
-        least_eigenvalue=float(np.linalg.eigvalsh(weights.unit_diagonal(found.X))[0]),
+        least_eigenvalue=balance.least_eigenvalue(found.X, certified.forward_error),
+        marginal=tuple(complex(s) for s in within),
+        mirrored=solvability.mirrored(model, stated, scaled, certified.poles),
+        cost_eigenvalue=weights.least_eigenvalue(weights.joined(scaled.Q, scaled.R, scaled.N)),
+        weight_eigenvalue=weights.least_eigenvalue(scaled.weight(X)),
         defect=readonly(np.abs(found.defect)),
         step=readonly(np.abs(found.step)),
         states=model.states,

@@ -16,13 +16,15 @@ from synth.synthesise import reading
 Weight = ArrayLike | Mapping[str, float]
 
 ROUNDING = 1e-12  # of the unit diagonal: an eigenvalue this far below zero is the rounding error of a zero
+ASYMMETRY = 2.0**-50  # of M_ij and sqrt(M_ii M_jj), times n: M_ij - M_ji this small is the rounding error of a product
 SINGULAR = 2.0**-50  # of the unit diagonal, times n: an eigenvalue below it may be the rounding error of a zero
 
 
 def symmetric(what: str, value: Weight, names: Sequence[str]) -> Array:
     """Return the weight called `what` on the signals `names` (n,) as a symmetric matrix (n, n).
 
-    A mapping gives the diagonal by name, 0 where a name is left out.
+    A mapping gives the diagonal by name, 0 where a name is left out. Of an asymmetry within rounding, as of a product
+    C'WC, the mean is taken.
 
     Raises SignalError for a name that is not known, a wrong shape, an entry that is not finite, or an asymmetric
     matrix.
@@ -40,6 +42,7 @@ def symmetric(what: str, value: Weight, names: Sequence[str]) -> Array:
     if not np.isfinite(matrix).all():
         i, j = np.argwhere(~np.isfinite(matrix))[0]
         raise SignalError(f"the matrix {what} has {matrix[i, j]} for {names[i]}, {names[j]}: give finite numbers")
+    matrix = _without_rounding(matrix)
     if not np.array_equal(matrix, matrix.T):
         i, j = np.argwhere(matrix != matrix.T)[0]
         raise SignalError(
@@ -112,11 +115,30 @@ def lowest_eigenvalue(matrix: Array) -> float:
     return float(np.linalg.eigvalsh(unit_diagonal(matrix))[0])
 
 
+def least_eigenvalue(matrix: Array) -> float:
+    """Return the least eigenvalue of a symmetric matrix scaled to a unit diagonal, 0 where rounding hides its sign."""
+    least = float(np.linalg.eigvalsh(unit_diagonal(matrix))[0])
+    return 0.0 if abs(least) <= ROUNDING else least
+
+
 def unit_diagonal(matrix: Array) -> Array:
     """Return D M D of a symmetric M (n, n), its diagonal 1 where M's is above 0, -1 where it is below."""
     diagonal = np.abs(np.diag(matrix))
     root = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
     return np.asarray(matrix / root / root[:, None])
+
+
+def is_regular(matrix: Array) -> bool:
+    """Tell whether a symmetric matrix (n, n), scaled to a unit diagonal, is regular beyond rounding."""
+    return bool(np.abs(np.linalg.eigvalsh(unit_diagonal(matrix))).min() > SINGULAR * len(matrix))
+
+
+def _without_rounding(matrix: Array) -> Array:
+    """Return a square matrix with the mean of M_ij and M_ji where they differ by no more than rounding error."""
+    root = np.sqrt(np.abs(np.diag(matrix)))
+    largest = np.maximum(np.abs(matrix), root * root[:, None])
+    close = np.abs(matrix - matrix.T) <= ASYMMETRY * len(matrix) * np.maximum(largest, largest.T)
+    return np.where(close & (matrix != matrix.T), matrix / 2 + matrix.T / 2, matrix)
 
 
 def _by_name(what: str, value: Mapping[str, float], names: Sequence[str]) -> Array:

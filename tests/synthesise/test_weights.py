@@ -43,6 +43,23 @@ def test_rounding_passes_as_zero_but_not_as_more() -> None:
     weights.definite("R", v @ v.T + 1e-13 * np.eye(2), NAMES)
 
 
+def test_an_asymmetry_within_rounding_passes_and_the_mean_is_taken() -> None:
+    for seed in range(200):
+        rng = np.random.default_rng(seed)
+        n = int(rng.integers(2, 9))
+        names, C, W = tuple(f"x{k}" for k in range(n)), rng.normal(size=(n, n)), rng.normal(size=(n, n))
+        M = C.T @ (W @ W.T) @ C
+        read = weights.symmetric("Q", M, names)
+        np.testing.assert_array_equal(read, read.T)
+        np.testing.assert_allclose(read, M, rtol=0, atol=1e-14 * np.abs(M).max())
+    one_bit = np.array([[1.0, 0.5], [np.nextafter(0.5, 1), 1.0]])
+    assert weights.symmetric("Q", one_bit, NAMES)[0, 1] == weights.symmetric("Q", one_bit, NAMES)[1, 0]
+    with pytest.raises(SignalError, match="is not symmetric"):
+        weights.symmetric("Q", [[1.0, 0.5], [0.5 + 1e-13, 1.0]], NAMES)
+    big = np.array([[1e308, 1e308], [1e308, 1e308]])
+    np.testing.assert_array_equal(weights.symmetric("Q", big, NAMES), big)
+
+
 @pytest.mark.parametrize(
     ("value", "message"),
     [
