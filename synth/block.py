@@ -14,6 +14,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from synth import arguments
 from synth.errors import SignalError, TimingError
 from synth.signals import Signal, identifier, names
 from synth.timing import Discrete
@@ -22,6 +23,7 @@ Exprs = Mapping[str, ca.SX]
 Certificate = Callable[[float, float], float]
 
 
+@arguments.checked
 @dataclass(frozen=True)
 class State:
     """What a Block remembers: a signal and its value after `init`; `integer` marks counters and flags."""
@@ -48,6 +50,7 @@ class State:
         return self.signal.name
 
 
+@arguments.checked
 @dataclass(frozen=True)
 class Constant:
     """A shipped number, exact until emission rounds it; `source` says what it was computed from."""
@@ -65,6 +68,7 @@ class Constant:
             )
 
 
+@arguments.checked
 @dataclass(frozen=True)
 class Named:
     """An intermediate signal of a composition: what it is called, which Block computes it, and the equation's tag.
@@ -78,6 +82,7 @@ class Named:
     certificate: Certificate | None = None
 
 
+@arguments.checked
 @dataclass(frozen=True)
 class Fault:
     """One bit of the word that a step returns: `output` is the flag signal.
@@ -91,6 +96,7 @@ class Fault:
     suspect: str | None = None
 
 
+@arguments.checked
 @dataclass(frozen=True, eq=False)
 class Block:
     """One discrete step, symbolic. `symbol` holds a scalar SX symbol for each input, state and constant."""
@@ -137,6 +143,7 @@ class Block:
         return ca.vcat([self.symbol[name] for name in wanted])
 
 
+@arguments.checked
 @dataclass(frozen=True, eq=False)
 class Step:
     """What a law computes: outputs, the states' next values, and further signals worth a name.
@@ -156,6 +163,7 @@ class Step:
 Law = Callable[[Exprs, Exprs, Exprs], Step]
 
 
+@arguments.checked
 def build(
     name: str,
     time: Discrete,
@@ -202,11 +210,13 @@ def build(
     )
 
 
+@arguments.checked
 def clip(expr: ca.SX, bounds: Signal) -> ca.SX:
     """Return `expr` limited to the range of `bounds`."""
     return ca.fmax(ca.fmin(expr, bounds.high), bounds.low)
 
 
+@arguments.checked
 def table(name: str, values: Sequence[float]) -> ca.Function:
     """Return index -> value: numbers that a law looks up by a whole index in 0 .. len(values) - 1, an SX expression.
 

@@ -9,12 +9,14 @@ from dataclasses import replace
 
 import casadi as ca
 
+from synth import arguments
 from synth.block import Block, Exprs, Named
 from synth.errors import WiringError
 from synth.signals import Signal, dimension, names
 from synth.timing import Discrete, common
 
 
+@arguments.checked
 def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], outputs: Sequence[str]) -> Block:
     """Wire `blocks` by signal name into one Block with the open `inputs` and the chosen `outputs`.
 

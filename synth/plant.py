@@ -7,6 +7,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from synth import arguments
 from synth.errors import SignalError
 from synth.signals import Parameter, Signal, names
 
@@ -14,6 +15,7 @@ Symbols = Mapping[str, ca.SX]
 Physics = Callable[[Symbols, Symbols, Symbols], tuple[Mapping[str, ca.SX], Mapping[str, ca.SX]]]
 
 
+@arguments.checked
 @dataclass(frozen=True, eq=False)
 class Plant:
     """A continuous nonlinear model; the signals' ranges are its domain.
@@ -49,11 +51,13 @@ class Plant:
         return replace(self, parameters=changed)
 
 
+@arguments.checked
 def symbols(signals: Sequence[Signal | Parameter]) -> dict[str, ca.SX]:
     """Return one scalar SX symbol for each signal, by name."""
     return {name: ca.SX.sym(name) for name in names(signals)}
 
 
+@arguments.checked
 def build(
     name: str,
     states: Sequence[Signal],

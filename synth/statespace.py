@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from synth import show
+from synth import arguments, show
 from synth.errors import ModelError, SignalError
 from synth.signals import dimension
 from synth.timing import Continuous, Discrete, Time
@@ -19,13 +19,18 @@ from synth.timing import Continuous, Discrete, Time
 Array = NDArray[np.float64]
 
 
+@arguments.checked
 def readonly(values: ArrayLike) -> Array:
-    """Return a read-only float64 copy."""
-    array = np.array(values, dtype=np.float64)
+    """Return a read-only float64 copy; raise SignalError when the values are no array of numbers."""
+    try:
+        array = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise SignalError(f"{arguments.found(values)} is no array of real numbers ({error}): give one") from error
     array.flags.writeable = False
     return array
 
 
+@arguments.checked
 @show.printed
 @dataclass(frozen=True, eq=False, repr=False)
 class StateSpace:
@@ -53,7 +58,7 @@ class StateSpace:
             raise SignalError(f"the time is {self.time!r}: give Continuous() or Discrete(period in seconds)")
         n, m, p = len(self.states), len(self.inputs), len(self.outputs)
         for letter, shape in {"A": (n, n), "B": (n, m), "C": (p, n), "D": (p, m)}.items():
-            value = readonly(_real(letter, getattr(self, letter)))
+            value = readonly(arguments.real(f"entries of {letter}", getattr(self, letter)))
             if value.shape != shape:
                 raise SignalError(f"{letter} has shape {value.shape} but the signal names ask for {shape}")
             if not np.isfinite(value).all():
@@ -154,6 +159,7 @@ System = StateSpace | Sequence[Any] | Any
 state-space model or transfer function of python-control or of scipy.signal."""
 
 
+@arguments.checked
 def of(system: System) -> StateSpace:
     """Return a System as a StateSpace; arrays get the names x1.., u1.., y1.., C is I and D is 0 where left out.
 
@@ -197,7 +203,7 @@ def _from_fractions(system: Any) -> StateSpace:
 
 def _companion(numerator: Any, denominator: Any) -> tuple[Array, Array, Array, float]:
     """Return A (n, n), B (n,), C (n,) and D of numerator over denominator, highest powers first."""
-    given = [two_dimensional(name, [v])[0] for name, v in (("numerator", numerator), ("denominator", denominator))]
+    given = [arguments.matrix(name, [v])[0] for name, v in (("numerator", numerator), ("denominator", denominator))]
     if not all(np.isfinite(v).all() for v in given):
         raise SignalError(f"the transfer function {given[0]} / {given[1]} is not finite: give finite coefficients")
     b, a = (np.trim_zeros(v, "f") for v in given)
@@ -229,7 +235,7 @@ def _from_arrays(arrays: Sequence[Any]) -> StateSpace:
         given.pop()
     if len(given) not in (2, 3, 4):
         raise SignalError(f"{len(given)} arrays make no linear model: give (A, B), (A, B, C) or (A, B, C, D)")
-    A, B, *rest = (two_dimensional(name, value) for name, value in zip("ABCD", given, strict=False))
+    A, B, *rest = (arguments.matrix(name, value) for name, value in zip("ABCD", given, strict=False))
     states, inputs = _numbered("x", len(A)), _numbered("u", B.shape[1])
     C = rest[0] if rest else np.eye(len(A))
     D = rest[1] if len(rest) > 1 else np.zeros((len(C), B.shape[1]))
@@ -257,25 +263,6 @@ def _numbered(letter: str, count: int) -> tuple[str, ...]:
     return tuple(f"{letter}{k + 1}" for k in range(count))
 
 
-def two_dimensional(name: str, values: ArrayLike) -> Array:
-    """Return a matrix as float64, a scalar as (1, 1); raise SignalError, calling it `name`, when it is no matrix."""
-    array = _real(name, values)
-    array = array.reshape(1, 1) if array.ndim == 0 else array
-    if array.ndim != 2:
-        raise SignalError(f"{name} has shape {array.shape}: give a matrix with two dimensions")
-    return array
-
-
-def _real(name: str, values: ArrayLike) -> Array:
-    """Return an array as float64; raise SignalError, calling it `name`, when its entries are no real numbers."""
-    try:
-        if np.iscomplexobj(values):
-            raise ValueError("it is complex")
-        return np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise SignalError(f"{name} is no array of real numbers ({error}): give a matrix") from error
-
-
 def _places(names: Sequence[str], known: Sequence[str]) -> list[int]:
     for name in names:
         if name not in known:
@@ -283,6 +270,7 @@ def _places(names: Sequence[str], known: Sequence[str]) -> list[int]:
     return [known.index(name) for name in names]
 
 
+@arguments.checked
 def from_control(system: Any) -> StateSpace:
     """Return a python-control StateSpace as this package's; raise SignalError when its time base is not given."""
     time = _time(system.dt)

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 from numbers import Real
 
+from synth import arguments
 from synth.errors import TimingError
 
 
@@ -37,6 +38,7 @@ class Discrete:
 Time = Continuous | Discrete
 
 
+@arguments.checked
 def common(*times: Time) -> Time:
     """Return the one time that all share; raise TimingError naming the first that differs."""
     for time in times[1:]:
@@ -45,6 +47,7 @@ def common(*times: Time) -> Time:
     return times[0]
 
 
+@arguments.checked
 def period(time: Time) -> float:
     """Return the sample period in seconds; raise TimingError for continuous time."""
     if isinstance(time, Discrete):

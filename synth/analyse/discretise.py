@@ -21,9 +21,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import lapack
 
+from synth import arguments
 from synth.analyse import precise
 from synth.errors import ModelError, SignalError, TimingError
-from synth.statespace import Array, StateSpace, System, of, readonly, two_dimensional
+from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.timing import Continuous, Discrete
 
 TERMS = 19  # 2 |F| t <= 1: the first term that is left out is below 1 / 20! = 4e-19 of the sum
@@ -49,6 +50,7 @@ class Propagation:
     W: Array
 
 
+@arguments.checked
 def gramian(F: ArrayLike, W: ArrayLike, period_s: float, exact: bool = False) -> Propagation:
     """Return exp(F T) and the integral of exp(F t)' W exp(F t) over a period; F (n, n), W (n, n) symmetric.
 
@@ -69,6 +71,7 @@ def gramian(F: ArrayLike, W: ArrayLike, period_s: float, exact: bool = False) ->
     return Propagation(readonly(M), readonly(W))
 
 
+@arguments.checked
 def zero_order_hold(system: System, period_s: float) -> StateSpace:
     """Return the model sampled with its inputs held over each period; names and units stay.
 
@@ -84,13 +87,14 @@ def zero_order_hold(system: System, period_s: float) -> StateSpace:
     return replace(model, A=E[:n, :n], B=E[:n, n:], time=time)
 
 
+@arguments.checked
 def first_order_hold(A: ArrayLike, B: ArrayLike, period_s: float) -> Ramp:
     """Return the exact response over one period to an input that is linear in between; A (n, n), B (n, m).
 
     Raises SignalError for shapes that do not fit or entries that are not finite; TimingError when the period is not
     positive; ModelError as `precise.resolved`.
     """
-    A, B, T = _square("A", A), two_dimensional("B", B), _period(period_s).period_s
+    A, B, T = _square("A", A), arguments.matrix("B", B), _period(period_s).period_s
     if len(B) != len(A) or not np.isfinite(B).all():
         raise SignalError(f"A is {A.shape} and B is {B.shape}: give B {len(A)} rows of finite numbers")
     n, m = B.shape
@@ -100,6 +104,7 @@ def first_order_hold(A: ArrayLike, B: ArrayLike, period_s: float) -> Ramp:
     return Ramp(*(readonly(E[:n, part]) for part in (slice(n), slice(n, n + m), slice(n + m, None))))
 
 
+@arguments.checked
 def with_delay(system: System, samples: int = 1) -> StateSpace:
     """Return a sampled model whose inputs arrive `samples` periods late; each delay is a state ``<input>_late<k>``.
 
@@ -196,7 +201,7 @@ def _period(period_s: float) -> Discrete:
 
 
 def _square(name: str, values: ArrayLike) -> Array:
-    matrix = two_dimensional(name, values)
+    matrix = arguments.matrix(name, values)
     if matrix.shape[0] != matrix.shape[1] or not np.isfinite(matrix).all():
         raise SignalError(f"{name} is {matrix.shape}: give a square matrix of finite numbers")
     return matrix

@@ -14,6 +14,7 @@ from numbers import Real
 import numpy as np
 import scipy.linalg
 
+from synth import arguments
 from synth.analyse import equilibrate
 from synth.errors import ModelError, SignalError
 from synth.signals import dimension
@@ -23,6 +24,7 @@ from synth.timing import common
 Wires = Mapping[str, Mapping[str, float]]
 
 
+@arguments.checked
 def connect(models: Sequence[System], inputs: Sequence[str], outputs: Sequence[str], wires: Wires) -> StateSpace:
     """Return the model from the external `inputs` to some of the models' `outputs`.
 

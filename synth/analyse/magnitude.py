@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq, minimize
 
+from synth import arguments
 from synth.errors import ModelError, SignalError
 from synth.signals import Signal, names
 from synth.statespace import readonly
@@ -82,6 +83,7 @@ class _Scan:
         return np.array([axis.ravel() for axis in axes]).reshape(len(self.low), -1)
 
 
+@arguments.checked
 def magnitudes(
     terms: Exprs, symbols: Exprs, box: Sequence[Signal], along: str, points: ArrayLike, held: Mapping[str, float]
 ) -> Magnitudes:
@@ -109,6 +111,7 @@ def magnitudes(
     return Magnitudes(along, readonly(points), tuple(terms), boxed, maxima, worst)
 
 
+@arguments.checked
 def conditioning(matrix: ca.SX, symbols: Exprs, box: Sequence[Signal]) -> Conditioning:
     """Return min |det| and max cond of a square `matrix` over `box`, and where they are.
 
@@ -133,6 +136,7 @@ def conditioning(matrix: ca.SX, symbols: Exprs, box: Sequence[Signal]) -> Condit
     return Conditioning(det_value, named[0], cond_value, named[1])
 
 
+@arguments.checked
 def require_invertible(
     matrix: ca.SX,
     symbols: Exprs,

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import transfer
 from synth.analyse.transfer import Complex, Curve, Delayed, Loop, Response
 from synth.statespace import Array, StateSpace
@@ -131,6 +131,7 @@ def _both(frequency: float) -> str:
     return "{} rad/s, {} Hz".format(*_pair(frequency))
 
 
+@arguments.checked
 def of_loop(loop: Loop, low: float | None = None, high: float | None = None) -> Margins:
     """Return the margins of a scalar loop between `low` and `high` rad/s, and where L is real at their far ends.
 

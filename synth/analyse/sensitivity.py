@@ -33,7 +33,7 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import interconnect, transfer
 from synth.errors import ModelError, SignalError, TimingError
 from synth.signals import dimension
@@ -146,6 +146,7 @@ class ClosedLoop:
         )
 
 
+@arguments.checked
 def close(plant: System, controller: System) -> ClosedLoop:
     """Return the closed loop of a plant (p outputs, m inputs) and a controller (m, p), wired in their signals' order.
 

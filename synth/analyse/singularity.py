@@ -22,7 +22,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize
 from scipy.stats import qmc
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import box, rounding
 from synth.errors import ModelError, SignalError
 from synth.signals import Signal, names
@@ -115,6 +115,7 @@ class ConditionMap:
         return show.Sheet(f"Condition of the {self.what}", tuple(lines), (table,))
 
 
+@arguments.checked
 def scaled(
     matrix: ca.SX, symbols: ca.SX, signals: Sequence[Signal], inputs: Sequence[Signal], labels: Sequence[str]
 ) -> Scaled:
@@ -134,6 +135,7 @@ def scaled(
     return replace(bare, rows=readonly(rows), strongest=strongest)
 
 
+@arguments.checked
 def worst(matrix: Scaled) -> Worst:
     """Return where over its box the matrix comes nearest to losing rank, or loses it."""
     points = _points(matrix.box)
@@ -155,6 +157,7 @@ def worst(matrix: Scaled) -> Worst:
     return _told(matrix, best, at)
 
 
+@arguments.checked
 def mapped(
     matrix: Scaled, down: str, across: str, held: Mapping[str, float] | None = None, what: str = "decoupling matrix"
 ) -> ConditionMap:

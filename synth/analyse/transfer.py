@@ -22,7 +22,7 @@ from numbers import Real
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from synth import show
+from synth import arguments, show
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, StateSpace, System, of
 from synth.timing import Continuous, Discrete, Time
@@ -36,6 +36,7 @@ TURNS = 1000  # of the delay over the whole grid: beyond, the loop is refused
 TOLD = 1e-8  # where |1 + L| is less, rounding error decides on which side of -1 the loop passes
 
 
+@arguments.checked
 @show.printed
 @dataclass(frozen=True, eq=False, repr=False)
 class Delayed:
@@ -66,6 +67,7 @@ class Curve:
     ends: Mapping[float, float]
 
 
+@arguments.checked
 def delayed(system: System, delay_s: float, hold_s: float = 0.0) -> Delayed:
     """Return a scalar continuous loop with an exact delay and hold, seconds, each 0 or more.
 
@@ -83,11 +85,13 @@ def delayed(system: System, delay_s: float, hold_s: float = 0.0) -> Delayed:
     return Delayed(model, float(delay_s), float(hold_s))
 
 
+@arguments.checked
 def read(loop: Loop) -> StateSpace | Delayed:
     """Return a loop as a StateSpace or a Delayed; raise SignalError when it has another count of signals than one."""
     return loop if isinstance(loop, Delayed) else scalar(of(loop))
 
 
+@arguments.checked
 def scalar(model: StateSpace) -> StateSpace:
     """Return the model; raise SignalError when it has not one input and one output."""
     if (len(model.inputs), len(model.outputs)) != (1, 1):
@@ -95,6 +99,7 @@ def scalar(model: StateSpace) -> StateSpace:
     return model
 
 
+@arguments.checked
 def response(loop: Loop) -> Response:
     """Return w (k,) rad/s -> L (k,) of a scalar loop; exactly on a pole, L right beside it.
 
@@ -118,6 +123,7 @@ def response(loop: Loop) -> Response:
     return L
 
 
+@arguments.checked
 def closed_poles(model: StateSpace) -> Complex:
     """Return the zeros of 1 + L, in 1/s or in z; raise ModelError where L passes its input straight on as -1."""
     D = float(model.D[0, 0])
@@ -126,6 +132,7 @@ def closed_poles(model: StateSpace) -> Complex:
     return np.linalg.eigvals(model.A - model.B @ model.C / (1 + D)).astype(np.complex128)
 
 
+@arguments.checked
 def decay(poles: Complex, time: Time) -> bool:
     """Tell whether all poles decay, by more than the rounding error of the matrix that they belong to."""
     if isinstance(time, Continuous):
@@ -133,6 +140,7 @@ def decay(poles: Complex, time: Time) -> bool:
     return bool((np.abs(poles) < 1 - 1e-14).all())
 
 
+@arguments.checked
 def trace(loop: StateSpace | Delayed, low: float | None = None, high: float | None = None) -> Curve:
     """Return L between `low` and `high` rad/s on a grid fine enough for every crossing to show.
 
@@ -294,6 +302,7 @@ def _step(value: Complex) -> Array:
     return np.hypot(np.diff(log(value)), (turn + np.pi) % (2 * np.pi) - np.pi)
 
 
+@arguments.checked
 def log(value: Complex) -> Array:
     """Return log |value|, of 0 that of the least number."""
     return np.log(np.maximum(np.abs(value), 1e-300))

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from synth import arguments
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant
 from synth.signals import Signal, names
@@ -77,6 +78,7 @@ class _Problem:
         return bool((np.abs(self.residual(z)) <= self.tolerance).all())
 
 
+@arguments.checked
 def trim(plant: Plant, fixed: Mapping[str, float], free: Collection[str]) -> OperatingPoint:
     """Find the equilibrium f(x, u, p) = 0 nearest zero in the `free` states and inputs.
 

@@ -23,7 +23,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from synth import show, statespace
+from synth import arguments, show, statespace
 from synth.analyse import box, linearise
 from synth.analyse.relative_degree import RelativeDegree
 from synth.analyse.trim import OperatingPoint
@@ -93,6 +93,7 @@ class ZeroDynamics:
         return show.Sheet(f"Zero dynamics of order {self.order}: {self.verdict}", lines, (table,))
 
 
+@arguments.checked
 def at_point(plant: Plant, degree: RelativeDegree, point: OperatingPoint, weight: Array | None = None) -> ZeroDynamics:
     """Return the zero dynamics of the plant's outputs and inputs in `degree` at the equilibrium `point`.
 
@@ -112,6 +113,7 @@ def at_point(plant: Plant, degree: RelativeDegree, point: OperatingPoint, weight
     return of_linear(model, degree.degrees, sizes)
 
 
+@arguments.checked
 def of_linear(system: System, degrees: Sequence[int], sizes: Mapping[str, float] | None = None) -> ZeroDynamics:
     """Return the zero dynamics of a continuous model with relative `degrees` (p,).
 

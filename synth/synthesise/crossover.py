@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import loop, margins, sensitivity, transfer
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import StateSpace, System, of
@@ -56,6 +56,7 @@ class Design:
         return show.Sheet("Lead-lag design", lines, tuple(table for part in parts for table in part.tables))
 
 
+@arguments.checked
 def design(
     plant: System,
     crossover: float,

@@ -24,7 +24,7 @@ from functools import reduce
 import casadi as ca
 import numpy as np
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import box, relative_degree, rounding, singularity, zero_dynamics
 from synth.analyse.box import Box
 from synth.analyse.relative_degree import RelativeDegree
@@ -137,6 +137,7 @@ class Linearisation:
         return found
 
 
+@arguments.checked
 def of_plant(
     plant: Plant,
     outputs: Sequence[str] | None = None,
@@ -222,6 +223,7 @@ def _sent(law: Linearisation, x: Array, w: Array) -> tuple[Array, Array]:
     return sent, error
 
 
+@arguments.checked
 def linearise(acceleration: Sequence[ca.SX], inputs: Mapping[str, ca.SX], w: Sequence[ca.SX]) -> Law:
     """Solve `acceleration` (n expressions) = `w` (n) for the n `inputs` (name to symbol).
 

@@ -15,10 +15,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from synth import show
+from synth import arguments, show
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, readonly
-from synth.synthesise import bordered, least_squares, reading, undetermined
+from synth.synthesise import bordered, least_squares, undetermined
 from synth.synthesise.estimate import Estimate
 
 Model = Callable[[Array], tuple[Array, Array | bordered.Jacobian]]
@@ -73,6 +73,7 @@ class _Point:
         return cost if np.isfinite(cost) and finite else np.inf
 
 
+@arguments.checked
 def minimise(
     model: Model,
     y: Array,
@@ -91,13 +92,13 @@ def minimise(
     Raises as `least_squares.solve`; SignalError for a start of another length or outside the bounds; ModelError when
     the model is not finite at the start or no minimum is found.
     """
-    parameters, outputs = reading.distinct("parameters", parameters), reading.distinct("outputs", outputs)
-    reading.check_level(level)
-    y = reading.real("outputs", y)
-    theta = reading.real("start values", start)
+    parameters, outputs = arguments.distinct("parameters", parameters), arguments.distinct("outputs", outputs)
+    arguments.check_level(level)
+    y = arguments.real("outputs", y)
+    theta = arguments.real("start values", start)
     _check_shapes(model, y, theta, parameters, outputs)
     low, high = _bounds(bounds, theta, parameters)
-    reading.check_samples(y, outputs)
+    arguments.check_samples(y, outputs)
     weight, steps, estimated = least_squares.weights(noise, outputs, y), 0, noise is None and len(outputs) > 1
     for _ in range(PASSES):
         point, free, taken, left = _minimum(model, y, theta, weight, low, high, outputs)
@@ -127,7 +128,7 @@ def minimise(
 def _bounds(bounds: tuple[ArrayLike, ArrayLike], theta: Array, parameters: Sequence[str]) -> tuple[Array, Array]:
     """Return the bounds, each (k,), of a start that is inside them."""
     k = len(parameters)
-    low, high = (reading.real("bounds", b) for b in bounds)
+    low, high = (arguments.real("bounds", b) for b in bounds)
     for what, values in {"lower": low, "upper": high}.items():
         if values.shape not in ((), (k,)):
             raise SignalError(f"the {what} bound has the shape {values.shape}: give {k} values, one for each parameter")

@@ -20,11 +20,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, readonly
-from synth.synthesise import kalman, lqg, lqr, noise, reading, weights
+from synth.synthesise import kalman, lqg, lqr, noise, weights
 from synth.timing import Continuous, Discrete
 
 POINTS = 400
@@ -73,6 +73,7 @@ class Recovery:
         return show.Sheet(f"Loop transfer recovery at the {self.place}", lines, (table,))
 
 
+@arguments.checked
 def at_input(
     gain: lqr.Gain,
     system: System,
@@ -106,6 +107,7 @@ def at_input(
     return Recovery("input", tuple(step(q) for q in qs), band, _obstacles(plant, "input", form))
 
 
+@arguments.checked
 def at_output(
     estimator: kalman.Estimator,
     Q: weights.Weight,
@@ -138,8 +140,8 @@ def at_output(
 
 def _points(model: StateSpace, qs: Sequence[float], band: tuple[float, float]) -> Complex:
     """Return the points of the band in s or in z."""
-    low, high = reading.real("limits of the band", band).ravel()[:2] if np.size(band) == 2 else (np.nan, np.nan)
-    sweep = reading.real("numbers q of the sweep", qs)
+    low, high = arguments.real("limits of the band", band).ravel()[:2] if np.size(band) == 2 else (np.nan, np.nan)
+    sweep = arguments.real("numbers q of the sweep", qs)
     top = np.pi / model.time.period_s if isinstance(model.time, Discrete) else np.inf
     if not 0 < low < high < top:
         raise SignalError(f"the band is {band} rad/s: give 0 < low < high, and high below {top:.6g} rad/s")

@@ -18,7 +18,7 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
-from synth import show
+from synth import arguments, show
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.synthesise import doubling, exact_riccati, newton, solvability, weights
@@ -89,6 +89,7 @@ def modes(poles: NDArray[np.complex128], time: Time) -> show.Table:
     return show.Table(("pole [1/s]" if isinstance(time, Continuous) else "pole, z", "f [Hz]", "damping"), tuple(rows))
 
 
+@arguments.checked
 def solve(
     system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None = None, exact: bool = False
 ) -> Riccati:
@@ -119,6 +120,7 @@ def solved(model: StateSpace, Q: Array, R: Array, N: Array, exact: bool) -> Ricc
     return result
 
 
+@arguments.checked
 def certify(
     system: System,
     Q: weights.Weight,
@@ -139,6 +141,7 @@ def certify(
     return _result(model, stated, found, balance.certified(found))
 
 
+@arguments.checked
 def checked_weights(
     system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None
 ) -> tuple[Array, Array, Array]:

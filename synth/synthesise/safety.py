@@ -21,6 +21,7 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 
+from synth import arguments
 from synth.block import Block, Constant, Exprs, Fault, State, Step, build, clip
 from synth.errors import SignalError
 from synth.signals import Signal
@@ -43,6 +44,7 @@ class Guarded:
     held: bool = True
 
 
+@arguments.checked
 @dataclass(frozen=True)
 class Safety:
     """After `bad_samples` samples in a row with a bad measurement the outputs slew to `safe_output`.
@@ -56,6 +58,7 @@ class Safety:
     reason: str
 
 
+@arguments.checked
 def guard(time: Discrete, inputs: Sequence[Guarded], bad_samples: int, suspected: Sequence[str] = ()) -> Block:
     """Return the Block that accepts or replaces each input.
 
@@ -124,6 +127,7 @@ def guard(time: Discrete, inputs: Sequence[Guarded], bad_samples: int, suspected
     return replace(block, faults=tuple(faults))
 
 
+@arguments.checked
 def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Block:
     """Return the Block that passes ``<name>_computed`` on as ``<name>`` and, once latched, slews to the safe output.
 
@@ -171,6 +175,7 @@ def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Bl
     )
 
 
+@arguments.checked
 def frozen(block: Block) -> Block:
     """Return a guarded composition whose states, but for the guard's and the last outputs, stand still once latched.
 

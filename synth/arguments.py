@@ -1,0 +1,340 @@
+"""Arguments: what a caller gives, checked against the annotations of the function that takes it.
+
+    @checked
+    def delayed(system: System, delay_s: float) -> Delayed:        delayed(S, None) raises SignalError:
+                            "`delay_s` of `transfer.delayed` is None: give a number of seconds"
+
+`checked` stands at every function and constructor that users call; functions that take what another has read already
+go without. An annotation says which values pass:
+
+    float, complex    a number, no bool and no text: 0, of a size from SMALLEST to LARGEST, or infinite or NaN
+    int               a whole number, no bool               bool, str     just that
+    Sequence[T]       a list, tuple or array of T           Mapping[K, V] a mapping of K to V
+    Array, ArrayLike  anything but text, None, a mapping or a masked array: `real` and `matrix` read the rest
+    a class           an instance of it                     Callable      anything that can be called
+    A | B             what passes for A or for B            Any           everything: the function reads it itself
+
+What numbers may be beyond that (finite, positive, below a Nyquist frequency) is for each function to say. Where a
+checked function meets a number that double precision does not hold, or a matrix that it cannot factor, it raises
+ModelError instead of NumPy's and Python's own arithmetic errors.
+"""
+
+import functools
+import inspect
+import math
+import operator
+import reprlib
+import types
+import typing
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeVar, Union, get_args, get_origin
+
+import casadi as ca
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from synth.errors import ModelError, SignalError
+
+Array = NDArray[np.float64]
+Target = TypeVar("Target", bound=Callable[..., Any])
+
+SMALLEST, LARGEST = 1e-100, 1e100  # three factors of such a size have a product in double precision
+SIZES = (1e-70, 1e70)  # magnitudes whose squares, and the covariances made of them, are numbers in double precision
+ARITHMETIC = (np.linalg.LinAlgError, OverflowError, ZeroDivisionError, FloatingPointError)
+NOT_FINITE = ("infs or NaNs", "infinity to integer", "NaN to integer", "must be finite")  # in a ValueError of SciPy
+UNITS = {"_per_s": " in 1/s", "_s": " of seconds"}
+NO_ARRAYS = (str, bytes, bool, Mapping, set, frozenset, type(None))
+
+
+@dataclass(frozen=True)
+class Kind:
+    """Which values pass for an annotation, and what to give instead of another."""
+
+    passes: Callable[[Any], bool]
+    need: str
+
+
+def checked(target: Target) -> Target:
+    """Return a function, or a class, whose arguments are held against their annotations at each call.
+
+    The calls raise SignalError for an argument of the wrong kind; ModelError where arithmetic leaves double precision.
+    """
+    if inspect.isclass(target):
+        setattr(target, "__init__", _checked(target.__init__, target.__name__))  # noqa: B010
+        return target
+    return typing.cast(Target, _checked(target, f"{target.__module__.rpartition('.')[2]}.{target.__qualname__}"))
+
+
+def _checked(function: Callable[..., Any], where: str) -> Callable[..., Any]:
+    kinds = functools.cache(lambda: _kinds(function))  # read at the first call, when all that they name is there
+
+    @functools.wraps(function)
+    def call(*args: Any, **kwargs: Any) -> Any:
+        places, others, by_name, rest = kinds()
+        for k, value in enumerate(args):
+            name, kind = places[k] if k < len(places) else others
+            if kind is not None and not kind.passes(value):
+                raise _refusal(where, name, value, kind)
+        for name, value in kwargs.items():
+            kind = by_name.get(name, rest)
+            if kind is not None and not kind.passes(value):
+                raise _refusal(where, name, value, kind)
+        try:
+            return function(*args, **kwargs)
+        except ARITHMETIC as error:
+            raise _overflow(where, error) from error
+        except ValueError as error:
+            if any(text in str(error) for text in NOT_FINITE):
+                raise _overflow(where, error) from error
+            raise
+
+    return call
+
+
+def _overflow(where: str, error: Exception) -> ModelError:
+    return ModelError(
+        f"`{where}` cannot compute with these numbers in double precision ({error}): choose units in which they are "
+        "nearer to 1, or leave out what makes a matrix singular"
+    )
+
+
+def _refusal(where: str, name: str, value: object, kind: Kind) -> SignalError:
+    unit = next((text for end, text in UNITS.items() if name.endswith(end)), "") if "number" in kind.need else ""
+    return SignalError(f"`{name}` of `{where}` is {found(value)}: give {kind.need}{unit}")
+
+
+def found(value: object) -> str:
+    """Return what was given, short enough for a sentence."""
+    if np.ma.isMaskedArray(value):
+        return f"a masked array of shape {np.shape(value)}"
+    if isinstance(value, np.ndarray) and value.ndim:
+        return f"an array of {value.dtype} of shape {value.shape}"
+    if isinstance(value, str | bytes | bool | int | float | complex | Sequence | Mapping | np.generic | type(None)):
+        text = reprlib.repr(value)
+        return text if len(text) <= 80 else f"{text[:77]}..."
+    return f"a {type(value).__name__}"
+
+
+Places = tuple[tuple[str, Kind | None], ...]
+
+
+def _kinds(function: Callable[..., Any]) -> tuple[Places, tuple[str, Kind | None], dict[str, Kind | None], Kind | None]:
+    """Return the kinds of a function's arguments: by place, of further ones (*args), by name, of others (**kwargs)."""
+    hints = typing.get_type_hints(function)
+    parameters = inspect.signature(function).parameters.values()
+    kinds = {p.name: _kind(hints[p.name]) if p.name in hints else None for p in parameters}
+    by_place = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    places = tuple((p.name, kinds[p.name]) for p in parameters if p.kind in by_place)
+    others = next(((p.name, kinds[p.name]) for p in parameters if p.kind is p.VAR_POSITIONAL), ("", None))
+    return places, others, kinds, next((kinds[p.name] for p in parameters if p.kind is p.VAR_KEYWORD), None)
+
+
+@functools.cache
+def _kind(annotation: Any) -> Kind | None:
+    """Return the kind of an annotation; None where everything passes."""
+    if annotation in KINDS:
+        return KINDS[annotation]
+    origin, inner = get_origin(annotation), get_args(annotation)
+    if origin in (Union, types.UnionType):
+        return _union(set(inner))
+    if origin is np.ndarray:
+        return ARRAY_LIKE
+    if origin is type:
+        return Kind(inspect.isclass, "a type")
+    if origin is tuple and inner[-1:] != (...,):
+        return _tuple(tuple(map(_kind, inner)))
+    if inspect.isclass(origin) and issubclass(origin, Mapping):
+        return _mapping(*map(_kind, inner))
+    if origin is not None and inspect.isclass(origin) and issubclass(origin, Iterable):
+        return _sequence(_kind(inner[0]), once=origin is Iterable)
+    if origin is not None and annotation is not Any and callable(origin):
+        return Kind(callable, "a function")
+    if inspect.isclass(annotation) and not getattr(annotation, "_is_protocol", False) and annotation is not object:
+        return Kind(lambda value: isinstance(value, annotation), f"a {annotation.__name__}")
+    return None
+
+
+def _union(members: set[Any]) -> Kind | None:
+    arrays = set(get_args(ArrayLike))
+    kinds = [ARRAY_LIKE] if arrays <= members else []
+    for member in members - arrays if kinds else members:
+        kind = _kind(member)
+        if kind is None:
+            return None
+        kinds.append(kind)
+    kinds.sort(key=lambda kind: (kind is NONE, kind.need))
+    return Kind(lambda value: any(kind.passes(value) for kind in kinds), " or ".join(kind.need for kind in kinds))
+
+
+def _tuple(kinds: tuple[Kind | None, ...]) -> Kind:
+    def passes(values: Any) -> bool:
+        return (
+            _is_listed(values)
+            and len(values) == len(kinds)
+            and all(kind is None or kind.passes(value) for kind, value in zip(kinds, values, strict=True))
+        )
+
+    return Kind(passes, f"{len(kinds)} of them: {', '.join(kind.need if kind else 'anything' for kind in kinds)}")
+
+
+def _sequence(kind: Kind | None, once: bool) -> Kind:
+    """Return the kind of a list; of what can be iterated over `once` only, the entries are not looked at."""
+
+    def passes(values: Any) -> bool:
+        if not _is_listed(values):
+            return once and isinstance(values, Iterable) and not isinstance(values, str | bytes)
+        return kind is None or all(map(kind.passes, values))
+
+    return Kind(passes, f"a list, each entry {kind.need}" if kind else "a list")
+
+
+def _is_listed(values: Any) -> bool:
+    if isinstance(values, np.ndarray):
+        return bool(values.ndim) and not isinstance(values, np.ma.MaskedArray)
+    return isinstance(values, Sequence) and not isinstance(values, str | bytes)
+
+
+def _mapping(key: Kind | None, value: Kind | None) -> Kind:
+    def passes(values: Any) -> bool:
+        return (
+            isinstance(values, Mapping)
+            and (key is None or all(map(key.passes, values.keys())))
+            and (value is None or all(map(value.passes, values.values())))
+        )
+
+    names = " to ".join(kind.need if kind else "anything" for kind in (key, value))
+    return Kind(passes, f"a mapping from {names}")
+
+
+def _is_number(value: Any) -> bool:
+    """Tell whether a value is a real number, not a bool; a finite one has a size that lets it be multiplied."""
+    if isinstance(value, np.ndarray):  # one without dimensions, as NumPy's functions return
+        if value.ndim or value.dtype.kind not in "fiu" or isinstance(value, np.ma.MaskedArray):
+            return False
+    elif not isinstance(value, float | int | np.floating | np.integer) or isinstance(value, bool):
+        return False
+    size = abs(value) if isinstance(value, int) else float(abs(value))
+    return size == 0 or SMALLEST <= size <= LARGEST or (isinstance(size, float) and not math.isfinite(size))
+
+
+def _is_complex(value: Any) -> bool:
+    return _is_number(abs(value) if isinstance(value, complex | np.complexfloating) else value)
+
+
+def _is_whole(value: Any) -> bool:
+    return isinstance(value, int | np.integer) and not isinstance(value, bool)
+
+
+def _is_array_like(value: Any) -> bool:
+    return not isinstance(value, NO_ARRAYS) and not callable(value) and not has_mask(value)
+
+
+def _is_expression(value: Any) -> bool:
+    return isinstance(value, ca.SX | ca.DM) or _is_number(value)
+
+
+ARRAY_LIKE = Kind(_is_array_like, "an array of numbers without a mask")
+NONE = Kind(lambda value: value is None, "None")
+KINDS: dict[Any, Kind | None] = {
+    Any: None,
+    object: None,
+    type(None): NONE,
+    float: Kind(_is_number, "a number"),
+    complex: Kind(_is_complex, "a number"),
+    int: Kind(_is_whole, "a whole number"),
+    bool: Kind(lambda value: isinstance(value, bool | np.bool), "True or False"),
+    str: Kind(lambda value: isinstance(value, str), "a text"),
+    ca.SX: Kind(_is_expression, "an expression of CasADi (SX)"),
+}
+
+
+def has_mask(values: object) -> bool:
+    """Tell whether any entry is masked in a NumPy masked array, or in one of a list of them."""
+    if isinstance(values, list | tuple):
+        return any(map(has_mask, values))
+    return bool(np.ma.is_masked(values))
+
+
+def real(what: str, values: ArrayLike) -> Array:
+    """Return an array as float64.
+
+    Raises SignalError, calling it `what`, for complex, masked or ragged values, for text, and for a finite number
+    beyond LARGEST.
+    """
+    try:
+        if has_mask(values):
+            raise ValueError("some are masked: fill them in, or leave their rows out")
+        if np.iscomplexobj(values):
+            raise ValueError("they are complex")
+        if np.asarray(values).dtype.kind in "USO":
+            raise ValueError("they are no numbers to NumPy")
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise SignalError(f"the {what} are no real numbers ({error}): give an array of real numbers alone") from error
+    size = float(np.abs(array).max(initial=0.0, where=np.isfinite(array)))
+    if size > LARGEST:
+        raise SignalError(f"the {what} reach {size:.3g}: choose units in which they are below {LARGEST:g}")
+    return array
+
+
+def matrix(name: str, values: ArrayLike) -> Array:
+    """Return a matrix as float64, a scalar as (1, 1); raise SignalError, calling it `name`, when it is no matrix."""
+    array = real(f"entries of {name}", values)
+    array = array.reshape(1, 1) if array.ndim == 0 else array
+    if array.ndim != 2:
+        raise SignalError(f"{name} has shape {array.shape}: give a matrix with two dimensions")
+    return array
+
+
+def names(what: str, given: object) -> tuple[str, ...]:
+    """Return names as a tuple, one text as a tuple of one.
+
+    Raises SignalError, calling them `what`, for what is no list of texts, like a matrix of names.
+    """
+    if isinstance(given, str):
+        return (str(given),)
+    listed = tuple(given) if isinstance(given, Iterable) else (None,)
+    if not all(isinstance(name, str) for name in listed):
+        raise SignalError(f"the {what} are {given!r}: give names of signals, in one list")
+    return tuple(str(name) for name in listed)
+
+
+def distinct(what: str, names: Sequence[str]) -> tuple[str, ...]:
+    """Return names as a tuple; raise SignalError for one text instead of several, no name or one given twice."""
+    if isinstance(names, str):
+        raise SignalError(f"the {what} are the text '{names}': give a list of names, like ['{names}']")
+    listed = tuple(names)
+    if not listed:
+        raise SignalError(f"no {what} are named: give one or more")
+    if twice := [name for k, name in enumerate(listed) if name in listed[:k]]:
+        raise SignalError(f"'{twice[0]}' stands twice among the {what}: name it once")
+    return listed
+
+
+def whole(what: str, value: int) -> int:
+    """Return a whole number; raise SignalError, calling it `what`, where it is none."""
+    try:
+        return operator.index(value)
+    except TypeError as error:
+        raise SignalError(f"the {what} is {value}: give a whole number") from error
+
+
+def check_level(level: float) -> None:
+    """Raise SignalError for a confidence level that is no probability between 0 and 1."""
+    if not _is_number(level) or not 0 < level < 1:
+        raise SignalError(f"the confidence level is {level}: give a probability between 0 and 1, like 0.95")
+
+
+def check_samples(y: Array, outputs: Sequence[str]) -> None:
+    """Raise SignalError for outputs (N, p) that are not finite or too large or small to be squared."""
+    for row, j in np.argwhere(~np.isfinite(y)):
+        raise SignalError(f"row {row} of '{outputs[j]}' is {y[row, j]}: leave the row out")
+    check_sizes("the output", y, outputs)
+
+
+def check_sizes(what: str, columns: Array, names: Sequence[str]) -> None:
+    """Raise SignalError for columns (N, k), calling them `what` and a name, too large or small to be squared."""
+    for name, size in zip(names, np.abs(columns).max(axis=0, initial=0.0), strict=True):
+        if size and not SIZES[0] <= size <= SIZES[1]:
+            raise SignalError(f"{what} '{name}' has the size {size:.3g}: choose units in which it is nearer to 1")
