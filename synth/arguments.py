@@ -1,13 +1,13 @@
 """Arguments: what a caller gives, checked against the annotations of the function that takes it.
 
     @checked
-    def delayed(system: System, delay_s: float) -> Delayed:        delayed(S, None) raises SignalError:
+    def delayed(system: System, delay_s: float) -> Delayed:        delayed(S, None) raises TimingError:
                             "`delay_s` of `transfer.delayed` is None: give a number of seconds"
 
 `checked` stands at every function and constructor that users call; functions that take what another has read already
 go without. An annotation says which values pass:
 
-    float, complex    a number, no bool and no text: 0, of a size from SMALLEST to LARGEST, or infinite or NaN
+    float, complex    a number, no bool and no text: of a size up to LARGEST, infinite or NaN
     int               a whole number, no bool               bool, str     just that
     Sequence[T]       a list, tuple or array of T           Mapping[K, V] a mapping of K to V
     Array, ArrayLike  anything but text, None, a mapping or a masked array: `real` and `matrix` read the rest
@@ -34,16 +34,18 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from synth.errors import ModelError, SignalError
+from synth.errors import ModelError, SignalError, SynthError, TimingError
 
 Array = NDArray[np.float64]
 Target = TypeVar("Target", bound=Callable[..., Any])
 
-SMALLEST, LARGEST = 1e-100, 1e100  # three factors of such a size have a product in double precision
+LARGEST = 1e100  # three factors of such a size have a product in double precision
 SIZES = (1e-70, 1e70)  # magnitudes whose squares, and the covariances made of them, are numbers in double precision
 ARITHMETIC = (np.linalg.LinAlgError, OverflowError, ZeroDivisionError, FloatingPointError)
 NOT_FINITE = ("infs or NaNs", "infinity to integer", "NaN to integer", "must be finite")  # in a ValueError of SciPy
-UNITS = {"_per_s": " in 1/s", "_s": " of seconds"}
+SECONDS = " of seconds"
+IN_SAMPLES = ("delay", "samples")
+UNITS = {"_per_s": " in 1/s", "_s": SECONDS}
 NO_ARRAYS = (str, bytes, bool, Mapping, set, frozenset, type(None))
 
 
@@ -58,7 +60,8 @@ class Kind:
 def checked(target: Target) -> Target:
     """Return a function, or a class, whose arguments are held against their annotations at each call.
 
-    The calls raise SignalError for an argument of the wrong kind; ModelError where arithmetic leaves double precision.
+    The calls raise SignalError for an argument of the wrong kind, TimingError for a time, ModelError where
+    arithmetic leaves double precision.
     """
     if inspect.isclass(target):
         setattr(target, "__init__", _checked(target.__init__, target.__name__))  # noqa: B010
@@ -99,9 +102,11 @@ def _overflow(where: str, error: Exception) -> ModelError:
     )
 
 
-def _refusal(where: str, name: str, value: object, kind: Kind) -> SignalError:
-    unit = next((text for end, text in UNITS.items() if name.endswith(end)), "") if "number" in kind.need else ""
-    return SignalError(f"`{name}` of `{where}` is {found(value)}: give {kind.need}{unit}")
+def _refusal(where: str, name: str, value: object, kind: Kind) -> SynthError:
+    number = "number" in kind.need and "list" not in kind.need
+    unit = next((text for end, text in UNITS.items() if number and name.endswith(end)), "")
+    error = TimingError if unit == SECONDS or name in IN_SAMPLES else SignalError
+    return error(f"`{name}` of `{where}` is {found(value)}: give {kind.need}{unit}")
 
 
 def found(value: object) -> str:
@@ -158,6 +163,8 @@ def _kind(annotation: Any) -> Kind | None:
 def _union(members: set[Any]) -> Kind | None:
     arrays = set(get_args(ArrayLike))
     kinds = [ARRAY_LIKE] if arrays <= members else []
+    if kinds and Sequence[str] in members:
+        kinds.append(KINDS[str])
     for member in members - arrays if kinds else members:
         kind = _kind(member)
         if kind is None:
@@ -186,7 +193,8 @@ def _sequence(kind: Kind | None, once: bool) -> Kind:
             return once and isinstance(values, Iterable) and not isinstance(values, str | bytes)
         return kind is None or all(map(kind.passes, values))
 
-    return Kind(passes, f"a list, each entry {kind.need}" if kind else "a list")
+    entry = " of names" if kind is KINDS[str] else f", each entry {kind.need}" if kind else ""
+    return Kind(passes, f"a list{entry}")
 
 
 def _is_listed(values: Any) -> bool:
@@ -208,14 +216,14 @@ def _mapping(key: Kind | None, value: Kind | None) -> Kind:
 
 
 def _is_number(value: Any) -> bool:
-    """Tell whether a value is a real number, not a bool; a finite one has a size that lets it be multiplied."""
+    """Tell whether a value is a real number, not a bool; a finite one is no larger than LARGEST."""
     if isinstance(value, np.ndarray):  # one without dimensions, as NumPy's functions return
         if value.ndim or value.dtype.kind not in "fiu" or isinstance(value, np.ma.MaskedArray):
             return False
     elif not isinstance(value, float | int | np.floating | np.integer) or isinstance(value, bool):
         return False
     size = abs(value) if isinstance(value, int) else float(abs(value))
-    return size == 0 or SMALLEST <= size <= LARGEST or (isinstance(size, float) and not math.isfinite(size))
+    return size <= LARGEST or size == math.inf or size != size
 
 
 def _is_complex(value: Any) -> bool:

@@ -11,7 +11,7 @@ import scipy.linalg
 from numpy.typing import ArrayLike
 
 from synth import arguments
-from synth.errors import ModelError, SignalError
+from synth.errors import ModelError, SignalError, TimingError
 
 
 @pytest.mark.parametrize("given", [["gap", "tilt"], ("gap", "tilt"), np.array(["gap", "tilt"]), {"gap": 1, "tilt": 2}])
@@ -80,11 +80,11 @@ GOOD: list[tuple[str, Any]] = [
 BAD: list[tuple[str, Any, str]] = [
     ("x_s", None, r"`x_s` of `test_arguments.take` is None: give a number of seconds"),
     *(("x_s", value, "give a number") for value in ("1", True, 1j, [1.0], np.ones(1), 1e300)),
-    *(("x_s", value, "give a number") for value in (1e-300, 10**400, np.ma.masked)),
+    *(("x_s", value, "give a number") for value in (-(10**400), np.ma.masked)),
     *(("count", value, "give a whole number") for value in (1.0, True, "1", None)),
     *(("certain", value, "give True or False") for value in (1, "yes", None)),
     ("name", 3, "`name` of .* is 3: give a text"),
-    *(("listed", value, "give a list, each entry a text") for value in ("a", 3, None, [3], {"a": 1}, np.array("a"))),
+    *(("listed", value, "give a list of names") for value in ("a", 3, None, [3], {"a": 1}, np.array("a"))),
     *(("mapped", value, "give a mapping from a text to a number") for value in ([1.0], {1: 1.0}, {"a": "b"})),
     *(("matrix", value, "an array of numbers without a mask") for value in ("1", True, {"a": None}, abs)),
     ("matrix", np.ma.array([[1.0, 2.0]], mask=[[True, False]]), r"a masked array of shape \(1, 2\)"),
@@ -103,7 +103,7 @@ def test_what_an_annotation_says_passes(name: str, value: Any) -> None:
 
 @pytest.mark.parametrize(("name", "value", "message"), BAD)
 def test_what_it_does_not_say_is_refused_by_name(name: str, value: Any, message: str) -> None:
-    with pytest.raises(SignalError, match=message):
+    with pytest.raises(TimingError if name == "x_s" else SignalError, match=message):
         take(**{name: value})
 
 

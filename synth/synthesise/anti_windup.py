@@ -102,7 +102,7 @@ def back_calculation(regulator: Servo, decay_per_s: float, V: weights.Weight | N
 
 
 @arguments.checked
-def conditioning(controller: System, references: Sequence[str], decay_per_s: float | None = None) -> AntiWindup:
+def conditioning(controller: System, references: Sequence[str] | str, decay_per_s: float | None = None) -> AntiWindup:
     """Return a controller conditioned on the inputs `references`, as many as its commands.
 
     `decay_per_s` is the rate a of the case D_r = 0; None is allowed in discrete time and means at once, z = 0.

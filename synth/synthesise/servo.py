@@ -33,7 +33,7 @@ from synth.synthesise.internal_model import Exosystem, InternalModel
 from synth.synthesise.steady_error import SteadyError, named
 from synth.timing import common
 
-Names = Sequence[str] | None
+Names = Sequence[str] | str | None
 """Names of signals; None for all."""
 
 

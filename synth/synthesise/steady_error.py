@@ -79,7 +79,7 @@ class SteadyError:
 
 
 @arguments.checked
-def evaluate(system: System, errors: Sequence[str], exosystem: internal_model.Exosystem) -> SteadyError:
+def evaluate(system: System, errors: Sequence[str] | str, exosystem: internal_model.Exosystem) -> SteadyError:
     """Return what a closed loop leaves, from all its inputs to the outputs `errors`, of the signals of an exosystem.
 
     A pole that decays by no more than rounding error counts as lasting (`spectrum.lasting`).
