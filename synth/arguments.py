@@ -164,7 +164,7 @@ def _union(members: set[Any]) -> Kind | None:
     arrays = set(get_args(ArrayLike))
     kinds = [ARRAY_LIKE] if arrays <= members else []
     if kinds and Sequence[str] in members:
-        kinds.append(KINDS[str])
+        kinds.append(TEXT)
     for member in members - arrays if kinds else members:
         kind = _kind(member)
         if kind is None:
@@ -193,7 +193,7 @@ def _sequence(kind: Kind | None, once: bool) -> Kind:
             return once and isinstance(values, Iterable) and not isinstance(values, str | bytes)
         return kind is None or all(map(kind.passes, values))
 
-    entry = " of names" if kind is KINDS[str] else f", each entry {kind.need}" if kind else ""
+    entry = " of names" if kind is TEXT else f", each entry {kind.need}" if kind else ""
     return Kind(passes, f"a list{entry}")
 
 
@@ -244,6 +244,7 @@ def _is_expression(value: Any) -> bool:
 
 ARRAY_LIKE = Kind(_is_array_like, "an array of numbers without a mask")
 NONE = Kind(lambda value: value is None, "None")
+TEXT = Kind(lambda value: isinstance(value, str), "a text")
 KINDS: dict[Any, Kind | None] = {
     Any: None,
     object: None,
@@ -252,7 +253,7 @@ KINDS: dict[Any, Kind | None] = {
     complex: Kind(_is_complex, "a number"),
     int: Kind(_is_whole, "a whole number"),
     bool: Kind(lambda value: isinstance(value, bool | np.bool), "True or False"),
-    str: Kind(lambda value: isinstance(value, str), "a text"),
+    str: TEXT,
     ca.SX: Kind(_is_expression, "an expression of CasADi (SX)"),
 }
 

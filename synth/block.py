@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth import arguments
+from synth import law as laws
 from synth.errors import SignalError, TimingError
 from synth.signals import Signal, identifier, names
 from synth.timing import Discrete
@@ -177,8 +178,9 @@ def build(
 ) -> Block:
     """Make a Block from `law(u, x, k) -> Step`, clamping each real state to its declared bounds.
 
-    Raises SignalError when a name stands twice, when an output or a next state is missing or not declared, or when an
-    expression depends on a symbol that is not the Block's own.
+    Raises SignalError when a name stands twice, when an output or a next state is missing or not declared, when an
+    expression depends on a symbol that is not the Block's own, or when the law wants the value of a symbol, as `if`
+    does.
     """
     for group in ((*inputs, *outputs), tuple(s.signal for s in states)):
         names(group)
@@ -186,12 +188,20 @@ def build(
     symbol = {n: ca.SX.sym(n) for n in (*(s.name for s in inputs), *private)}
     if len(symbol) < len(inputs) + len(private):
         raise SignalError(f"block '{name}': an input, a state and a constant share a name: give each its own")
-    step = law(_pick(symbol, inputs), _pick(symbol, states), _pick(symbol, constants))
+    u, x, k = (
+        _pick(name, "inputs", symbol, inputs),
+        _pick(name, "states", symbol, states),
+        _pick(name, "constants", symbol, constants),
+    )
+    step = laws.evaluate(f"the law of block '{name}'", law, u, x, k)
+    if not isinstance(step, Step):
+        raise SignalError(f"the law of block '{name}' returns {arguments.found(step)}: return a Step")
     _complete(f"block '{name}': outputs", [s.name for s in outputs], step.output)
     _complete(f"block '{name}': next states", [s.name for s in states], step.next)
     advanced = {s.name: ca.SX(step.next[s.name]) for s in states}
     next = {s.name: advanced[s.name] if s.integer else clip(advanced[s.name], s.signal) for s in states}
     output = {s.name: ca.SX(step.output[s.name]) for s in outputs}
+    laws.check_numbers(f"block '{name}'", {**output, **advanced}, symbol.values())
     inside = [(Named(s, name, tag, step.certified.get(s.name)), ca.SX(expr)) for s, expr in step.named]
     inside += [(Named(s, name, tag, step.certified.get(s.name)), output[s.name]) for s in outputs]
     _closed(name, [*next.values(), *(e for _, e in inside)], symbol)
@@ -243,8 +253,8 @@ def _row(name: str, values: Sequence[float]) -> list[float]:
     return list(map(float, found))
 
 
-def _pick(symbol: Exprs, wanted: Sequence[Signal | State | Constant]) -> Exprs:
-    return {s.name: symbol[s.name] for s in wanted}
+def _pick(name: str, kind: str, symbol: Exprs, wanted: Sequence[Signal | State | Constant]) -> Exprs:
+    return laws.Named(f"among its {kind} block '{name}'", {s.name: symbol[s.name] for s in wanted})
 
 
 def _closed(name: str, exprs: Sequence[ca.SX], symbol: Exprs) -> None:

@@ -40,7 +40,9 @@ Time = Continuous | Discrete
 
 @arguments.checked
 def common(*times: Time) -> Time:
-    """Return the one time that all share; raise TimingError naming the first that differs."""
+    """Return the one time that all share; raise TimingError naming the first that differs, or for none at all."""
+    if not times:
+        raise TimingError("no times were given to compare: give one or more")
     for time in times[1:]:
         if time != times[0]:
             raise TimingError(f"{times[0]} meets {time}: discretise or resample one of them")

@@ -10,7 +10,19 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-VOCABULARY = ("errors", "arguments", "check", "show", "signals", "timing", "plant", "statespace", "block", "compose")
+VOCABULARY = (
+    "errors",
+    "arguments",
+    "check",
+    "show",
+    "signals",
+    "timing",
+    "law",
+    "plant",
+    "statespace",
+    "block",
+    "compose",
+)
 LAYERS = ("analyse", "synthesise", "emit", "execute", "simulate", "verify", "report", "workspace", "cli")
 RANK = {("synth", name): 0 for name in VOCABULARY}
 RANK |= {("synth", name): rank for rank, name in enumerate(LAYERS, 1)}

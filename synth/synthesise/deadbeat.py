@@ -73,9 +73,14 @@ def _remainder(model: StateSpace, part: staircase.Scaled, gain: Array, steps: in
 
 @arguments.checked
 def lasting(model: StateSpace) -> tuple[complex, str]:
-    """Return the largest mode that no input moves, with the states that dominate it."""
+    """Return the largest mode that no input moves, with the states that dominate it.
+
+    Raises ModelError where the inputs move all modes.
+    """
     part = pole_placement.scaled(model)
     values, vectors = staircase.modes(part.A.T, staircase.split(part.A, part.B).outside)
+    if not len(values):
+        raise ModelError(f"the inputs {', '.join(model.inputs)} move every mode: there is none that lasts")
     k = int(np.argmax(np.abs(values)))
     return complex(values[k] * part.rate), ", ".join(structure.direction(vectors[:, k], model.states))
 

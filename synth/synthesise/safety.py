@@ -180,8 +180,12 @@ def frozen(block: Block) -> Block:
     """Return a guarded composition whose states, but for the guard's and the last outputs, stand still once latched.
 
     What they would become has no influence any more, so that a latched step computes nothing but the slew.
+
+    Raises SignalError for a Block that does not latch.
     """
-    latched = next(block.output[f.output] for f in block.faults if f.bit == LATCH_BIT)
+    latched = next((block.output[f.output] for f in block.faults if f.bit == LATCH_BIT), None)
+    if latched is None:
+        raise SignalError(f"block '{block.name}' has no fault bit {LATCH_BIT}: compose it with a guard of measurements")
     still = [s.name for s in block.states if not s.name.startswith((f"{GUARD}_", f"{SAFE_OUTPUT}_"))]
     held = {n: ca.if_else(latched, block.symbol[n], block.next[n]) for n in still}
     return replace(block, next={**block.next, **held})
