@@ -16,9 +16,11 @@ left out; that is what `synth.arguments.checked` marks.
 import argparse
 import contextlib
 import dataclasses
+import faulthandler
 import importlib
 import inspect
 import pkgutil
+import resource
 import signal
 import sys
 import time
@@ -38,6 +40,7 @@ from synth.errors import SynthError
 from synth.statespace import StateSpace
 
 LIMIT_S = 5.0
+MEMORY = 4 << 30  # bytes
 VOCABULARY = ("signals", "timing", "plant", "statespace", "block", "compose", "check")
 UNCHECKED = ("timing.Discrete", "check.Check", "safety.Guarded", "logs.Log")  # constructors that read for themselves
 SAME = "the same as "  # a mutation of that name changes the form of a value, not the value
@@ -378,6 +381,8 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", default="", help="functions whose name contains this")
     given = parser.parse_args()
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))  # what asks for more gets a MemoryError, a raw error
+    faulthandler.dump_traceback_later(4 * LIMIT_S, repeat=True)  # names what no alarm interrupts
     outcomes = search(given.calls, given.seed, given.only, progress=True)
     print(report(outcomes))  # noqa: T201
     sys.exit(any(outcome.is_defect for _, outcome in outcomes))

@@ -40,12 +40,14 @@ Array = NDArray[np.float64]
 Target = TypeVar("Target", bound=Callable[..., Any])
 
 LARGEST = 1e100  # three factors of such a size have a product in double precision
+EXACT = 1 << 53  # below it double precision holds every whole number
 SIZES = (1e-70, 1e70)  # magnitudes whose squares, and the covariances made of them, are numbers in double precision
 ARITHMETIC = (np.linalg.LinAlgError, OverflowError, ZeroDivisionError, FloatingPointError)
 NOT_FINITE = ("infs or NaNs", "infinity to integer", "NaN to integer", "must be finite")  # in a ValueError of SciPy
 SECONDS = " of seconds"
 IN_SAMPLES = ("delay", "samples")
 UNITS = {"_per_s": " in 1/s", "_s": SECONDS}
+NO_LISTS = (str, bytes, Mapping, np.ndarray, ca.SX, ca.DM, ca.MX)
 NO_ARRAYS = (str, bytes, bool, Mapping, set, frozenset, type(None))
 
 
@@ -55,6 +57,7 @@ class Kind:
 
     passes: Callable[[Any], bool]
     need: str
+    plain: Callable[[Any], Any] | None = None  # makes Python's own number of NumPy's, and of a huge whole number
 
 
 def checked(target: Target) -> Target:
@@ -79,10 +82,14 @@ def _checked(function: Callable[..., Any], where: str) -> Callable[..., Any]:
             name, kind = places[k] if k < len(places) else others
             if kind is not None and not kind.passes(value):
                 raise _refusal(where, name, value, kind)
+            if kind is not None and kind.plain is not None and not _is_plain(value):
+                args = (*args[:k], kind.plain(value), *args[k + 1 :])
         for name, value in kwargs.items():
             kind = by_name.get(name, rest)
             if kind is not None and not kind.passes(value):
                 raise _refusal(where, name, value, kind)
+            if kind is not None and kind.plain is not None and not _is_plain(value):
+                kwargs = {**kwargs, name: kind.plain(value)}
         try:
             return function(*args, **kwargs)
         except ARITHMETIC as error:
@@ -171,7 +178,13 @@ def _union(members: set[Any]) -> Kind | None:
             return None
         kinds.append(kind)
     kinds.sort(key=lambda kind: (kind is NONE, kind.need))
-    return Kind(lambda value: any(kind.passes(value) for kind in kinds), " or ".join(kind.need for kind in kinds))
+    need = " or ".join(kind.need for kind in kinds)
+    numbers = [kind for kind in kinds if kind.plain is not None]
+    return Kind(
+        lambda value: any(kind.passes(value) for kind in kinds),
+        need,
+        numbers[0].plain if numbers == kinds[:1] else None,
+    )
 
 
 def _tuple(kinds: tuple[Kind | None, ...]) -> Kind:
@@ -190,7 +203,7 @@ def _sequence(kind: Kind | None, once: bool) -> Kind:
 
     def passes(values: Any) -> bool:
         if not _is_listed(values):
-            return once and isinstance(values, Iterable) and not isinstance(values, str | bytes)
+            return once and isinstance(values, Iterable) and not isinstance(values, NO_LISTS)
         return kind is None or all(map(kind.passes, values))
 
     entry = " of names" if kind is TEXT else f", each entry {kind.need}" if kind else ""
@@ -226,6 +239,10 @@ def _is_number(value: Any) -> bool:
     return size <= LARGEST or size == math.inf or size != size
 
 
+def _is_plain(value: Any) -> bool:
+    return value is None or isinstance(value, float) or (isinstance(value, int) and abs(value) < EXACT)
+
+
 def _is_complex(value: Any) -> bool:
     return _is_number(abs(value) if isinstance(value, complex | np.complexfloating) else value)
 
@@ -249,9 +266,9 @@ KINDS: dict[Any, Kind | None] = {
     Any: None,
     object: None,
     type(None): NONE,
-    float: Kind(_is_number, "a number"),
+    float: Kind(_is_number, "a number", float),
     complex: Kind(_is_complex, "a number"),
-    int: Kind(_is_whole, "a whole number"),
+    int: Kind(_is_whole, "a whole number", int),
     bool: Kind(lambda value: isinstance(value, bool | np.bool), "True or False"),
     str: TEXT,
     ca.SX: Kind(_is_expression, "an expression of CasADi (SX)"),
@@ -293,6 +310,16 @@ def matrix(name: str, values: ArrayLike) -> Array:
     array = array.reshape(1, 1) if array.ndim == 0 else array
     if array.ndim != 2:
         raise SignalError(f"{name} has shape {array.shape}: give a matrix with two dimensions")
+    return array
+
+
+def fitting(name: str, values: ArrayLike, rows: int, columns: int | None = None) -> Array:
+    """Return a finite matrix as float64; raise SignalError for another shape (`columns` None: any), called `name`."""
+    array = matrix(name, values)
+    wanted = (rows, array.shape[1] if columns is None else columns)
+    if array.shape != wanted or not np.isfinite(array).all():
+        shape = f"{rows} rows" if columns is None else f"shape {wanted}"
+        raise SignalError(f"{name} has shape {array.shape} or is not finite: give a finite matrix of {shape}")
     return array
 
 

@@ -42,6 +42,10 @@ def evaluate(what: str, function: Callable[P, R], *args: P.args, **kwargs: P.kwa
     try:
         return function(*args, **kwargs)
     except (RuntimeError, TypeError) as error:
+        if isinstance(error, TypeError) and error.__traceback__ is not None and error.__traceback__.tb_next is None:
+            raise SignalError(
+                f"{what} cannot be called with {len(args)} arguments ({error}): give it one for each"
+            ) from error
         if mend := _mend(str(error)):
             raise SignalError(f"{what} wants the value of a symbol{_line(error)}: {mend}") from error
         raise

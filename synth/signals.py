@@ -122,6 +122,9 @@ class Parameter:
 @arguments.checked
 def names(signals: Iterable[Signal | Parameter]) -> tuple[str, ...]:
     """Return the names in order; raise SignalError when one stands twice."""
+    signals = tuple(signals)
+    if strangers := [s for s in signals if not isinstance(s, Signal | Parameter)]:
+        raise SignalError(f"{arguments.found(strangers[0])} is no signal: give a list of Signals or Parameters")
     found = tuple(s.name for s in signals)
     for name in found:
         if found.count(name) > 1:

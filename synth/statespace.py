@@ -4,6 +4,7 @@ Wherever the package takes a model it takes a System: a StateSpace, plain arrays
 it.
 """
 
+import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -12,14 +13,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from synth import arguments, show
-from synth.errors import ModelError, SignalError
+from synth.errors import ModelError, SignalError, TimingError
 from synth.signals import dimension
-from synth.timing import Continuous, Discrete, Time
+from synth.timing import Continuous, Discrete, Time, period
 
 Array = NDArray[np.float64]
 
 
-@arguments.checked
 def readonly(values: ArrayLike) -> Array:
     """Return a read-only float64 copy; raise SignalError when the values are no array of numbers."""
     try:
@@ -185,6 +185,37 @@ def of(system: System) -> StateSpace:
     )
 
 
+@arguments.checked
+def together(*systems: System) -> tuple[StateSpace, ...]:
+    """Return Systems that are to be connected, each as `of` does.
+
+    A python-control system whose `dt` is None has the time of the others, and one whose `dt` is True, which is sampled
+    with a period that is not told, has their period.
+
+    Raises as `of`, which is asked for all systems where none of them has a time; TimingError for a `dt` of True beside
+    continuous models.
+    """
+    known = [of(system) for system in systems if not _lacks_period(system)]
+    if not known:
+        return tuple(of(system) for system in systems)
+    time, given = known[0].time, iter(known)
+    return tuple(_in_time(system, time) if _lacks_period(system) else next(given) for system in systems)
+
+
+def _lacks_period(system: System) -> bool:
+    """Tell whether a system of python-control says nothing of its time, or of its period."""
+    dt = getattr(system, "dt", 0)
+    return hasattr(system, "ninputs") and (dt is None or dt is True)
+
+
+def _in_time(system: Any, time: Time) -> StateSpace:
+    if system.dt and isinstance(time, Continuous):
+        raise TimingError(f"a sampled system (dt is True) meets {time}: sample the other, or give it its period")
+    known = copy.copy(system)
+    known.dt = period(time) if isinstance(time, Discrete) else 0
+    return of(known)
+
+
 def _from_fractions(system: Any) -> StateSpace:
     """Return python-control's transfer functions, each in companion form: nothing is cancelled."""
     p, m = len(system.num), len(system.num[0])
@@ -273,6 +304,8 @@ def _places(names: Sequence[str], known: Sequence[str]) -> list[int]:
 @arguments.checked
 def from_control(system: Any) -> StateSpace:
     """Return a python-control StateSpace as this package's; raise SignalError when its time base is not given."""
+    if not all(hasattr(system, name) for name in ("A", "B", "C", "D", "dt", "state_labels")):
+        raise SignalError(f"{arguments.found(system)} is no StateSpace of python-control: give one, or use `of`")
     time = _time(system.dt)
     labels = (tuple(system.state_labels), tuple(system.input_labels), tuple(system.output_labels))
     return StateSpace(system.A, system.B, system.C, system.D, *labels, time)

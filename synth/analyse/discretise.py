@@ -27,6 +27,7 @@ from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.timing import Continuous, Discrete
 
+MOST_STATES = 10_000  # of a delayed model, whose A then takes 800 MB
 TERMS = 19  # 2 |F| t <= 1: the first term that is left out is below 1 / 20! = 4e-19 of the sum
 LOOKS = (7, 12)  # terms after which to look whether more are needed
 LAST = 2.0**-60  # of each entry of the sum: a term this small, the next being smaller, is the last that is added
@@ -110,22 +111,22 @@ def with_delay(system: System, samples: int = 1) -> StateSpace:
 
     Such a state has the unit of its input.
 
-    Raises TimingError for a continuous model or a count that is negative or not whole.
+    Raises TimingError for a continuous model, or a count that is negative, not whole or makes too many states.
     """
     model = of(system)
-    if not isinstance(samples, int | np.integer):
-        raise TimingError(f"a delay of {samples!r} samples was asked for: give a whole number")
     if isinstance(model.time, Continuous) or samples < 0:
         raise TimingError(f"a delay of {samples} samples in {model.time}: sample the model and delay it by 0 or more")
-    for k in range(samples):
-        n, m = model.B.shape
-        A = np.block([[model.A, model.B], [np.zeros((m, n + m))]])
-        B = np.vstack([np.zeros((n, m)), np.eye(m)])
-        C, D = np.hstack([model.C, model.D]), np.zeros_like(model.D)
-        late = tuple(f"{name}_late{k + 1}" for name in model.inputs)
-        units = {new: model.unit(name) for new, name in zip(late, model.inputs, strict=True) if name in model.units}
-        model = replace(model, A=A, B=B, C=C, D=D, states=model.states + late, units={**model.units, **units})
-    return model
+    (n, m), late = model.B.shape, samples * len(model.inputs)
+    if n + late > MOST_STATES:
+        raise TimingError(f"a delay of {samples} samples makes {n + late} states of {n}: take at most {MOST_STATES}")
+    if not late:
+        return model
+    A = np.block([[model.A, model.B, np.zeros((n, late - m))], [np.zeros((late, n)), np.eye(late, k=m)]])
+    B = np.vstack([np.zeros((n + late - m, m)), np.eye(m)])
+    C, D = np.hstack([model.C, model.D, np.zeros((len(model.C), late - m))]), np.zeros_like(model.D)
+    names = [(f"{name}_late{k + 1}", name) for k in range(samples) for name in model.inputs]
+    units = {**model.units, **{new: model.units[name] for new, name in names if name in model.units}}
+    return replace(model, A=A, B=B, C=C, D=D, states=(*model.states, *(new for new, _ in names)), units=units)
 
 
 def _doubled(F: Array, W: Array, period_s: float) -> tuple[Array, Array]:

@@ -155,8 +155,11 @@ def transmission_zeros(system: System) -> Zeros:
 
 @arguments.checked
 def unmoved(A: ArrayLike, B: ArrayLike, states: Sequence[str], time: Time) -> list[Mode]:
-    """Return the modes that do not decay and that no input moves; A (n, n), B (n, m)."""
-    A, B = np.asarray(A, dtype=float), np.asarray(B, dtype=float)
+    """Return the modes that do not decay and that no input moves; A (n, n), B (n, m).
+
+    Raises SignalError for other shapes and what is not finite.
+    """
+    A, B = arguments.fitting("A", A, len(states), len(states)), arguments.fitting("B", B, len(states))
     n, m = B.shape
     part = staircase.scaled(A, B, np.zeros((0, n)), np.zeros((0, m)))
     values, w = staircase.unreached(part)
@@ -179,7 +182,7 @@ def require_stabilisable(A: ArrayLike, B: ArrayLike, states: Sequence[str], inpu
 @arguments.checked
 def require_detectable(A: ArrayLike, C: ArrayLike, states: Sequence[str], what: str, time: Time) -> None:
     """Raise ModelError naming the first mode that does not decay and that C (p, n), called `what`, does not show."""
-    for mode in unmoved(np.asarray(A, dtype=float).T, np.asarray(C, dtype=float).T, states, time):
+    for mode in unmoved(arguments.matrix("A", A).T, arguments.matrix("C", C).T, states, time):
         who = ", ".join(mode.states)
         raise ModelError(
             f"({what}, A) is not detectable: mode {_number(mode.value)} in {who} has |C v| = {mode.measure:.0e}: "
@@ -233,7 +236,6 @@ def pair(value: complex) -> str:
     return f"{value.real:.5g} +- {abs(value.imag):.5g}i" if value.imag else show.number(value)
 
 
-@arguments.checked
 def rates(values: Complex, time: Time) -> Complex:
     """Return the s (k,) of roots: themselves in continuous time, else log(z) / T, and -inf for z = 0."""
     if isinstance(time, Continuous):
@@ -242,7 +244,6 @@ def rates(values: Complex, time: Time) -> Complex:
     return np.where(values == 0, -np.inf, np.log(safe) / time.period_s)
 
 
-@arguments.checked
 def direction(vector: Complex, names: Sequence[str]) -> dict[str, complex]:
     """Return the dominant components of a vector (n,) by name, the largest first and made 1; none of a zero vector."""
     size = np.abs(vector)

@@ -132,7 +132,6 @@ def closed_poles(model: StateSpace) -> Complex:
     return np.linalg.eigvals(model.A - model.B @ model.C / (1 + D)).astype(np.complex128)
 
 
-@arguments.checked
 def decay(poles: Complex, time: Time) -> bool:
     """Tell whether all poles decay, by more than the rounding error of the matrix that they belong to."""
     if isinstance(time, Continuous):
@@ -302,7 +301,6 @@ def _step(value: Complex) -> Array:
     return np.hypot(np.diff(log(value)), (turn + np.pi) % (2 * np.pi) - np.pi)
 
 
-@arguments.checked
 def log(value: Complex) -> Array:
     """Return log |value|, of 0 that of the least number."""
     return np.log(np.maximum(np.abs(value), 1e-300))

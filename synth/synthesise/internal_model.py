@@ -76,6 +76,8 @@ def of(given: Exosystem) -> InternalModel:
         return given
     if isinstance(given, Mapping):
         return exosystem(given)
+    if isinstance(given, Sequence) and any(isinstance(row, Sequence | np.ndarray) for row in given):
+        return from_matrix(arguments.matrix("S", given))
     if not np.ndim(given):
         raise SignalError(f"{given!r} is no exosystem: give frequencies in rad/s as a list, or a matrix")
     return exosystem(np.asarray(given).tolist()) if np.ndim(given) == 1 else from_matrix(given)

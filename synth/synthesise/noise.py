@@ -129,7 +129,8 @@ def stationary(A: ArrayLike, W: ArrayLike, time: Time) -> Array:
     Raises ModelError naming a pole that does not decay by more than rounding error, or when double precision does not
     tell.
     """
-    A, W = np.asarray(A, dtype=np.float64), np.asarray(W, dtype=np.float64)
+    A = arguments.matrix("A", A)
+    A, W = arguments.fitting("A", A, len(A), len(A)), arguments.fitting("W", W, len(A), len(A))
     if (pole := spectrum.lasting(A, time)) is not None:
         raise ModelError(
             f"the pole {show.number(pole)} does not decay, so that no covariance stays finite: stabilise it or take it "
