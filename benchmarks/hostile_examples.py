@@ -252,9 +252,7 @@ def own() -> Mapping[str, Call]:
         "linearise.linearise": single,
         "loop.cut": {"blocks": [_step()], "signal": "y"},
         "loop.linearised": {"block": _step(), "state": {"last": 0.0}, "inputs": {"u": 0.0}},
-        "loop.opened": {
-            "controller": cut, "signal": "s", "sensors": {"x": "x"}, "actuators": {"f": "c"}, "delay": 1
-        },
+        "loop.opened": {"controller": cut, "signal": "s", "sensors": {"x": "x"}, "actuators": {"f": "c"}, "delay": 1},
         "magnitude.magnitudes": {"terms": {"x": x * g}, "symbols": symbols, "box": [RATE], "along": "gap", "held": {}},
         "magnitude.conditioning": {"matrix": matrix, "symbols": symbols},
         "magnitude.require_invertible": {"matrix": matrix, "symbols": symbols},
@@ -376,7 +374,10 @@ def own() -> Mapping[str, Call]:
         "steady_error.evaluate": {"errors": ["x"]},
         "steady_error.named": {"signals": ["x"], "end": "reference"},
         "steady_error.closed": {
-            "plant": held, "measured": seen, "regulated": ["x"], "controls": ["f"],
+            "plant": held,
+            "measured": seen,
+            "regulated": ["x"],
+            "controls": ["f"],
             "controller": servo.controller,
         },
         "logs.Log": {"samples": {"a": [1.0, 2.0]}, "period_s": T, "times": [0.0, T]},

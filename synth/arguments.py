@@ -57,7 +57,7 @@ class Kind:
 
     passes: Callable[[Any], bool]
     need: str
-    plain: Callable[[Any], Any] | None = None  # makes Python's own number of NumPy's, and of a huge whole number
+    plain: Callable[[Any], Any] | None = None  # of a number of NumPy's and a huge whole one, Python's float or int
 
 
 def checked(target: Target) -> Target:
@@ -82,14 +82,14 @@ def _checked(function: Callable[..., Any], where: str) -> Callable[..., Any]:
             name, kind = places[k] if k < len(places) else others
             if kind is not None and not kind.passes(value):
                 raise _refusal(where, name, value, kind)
-            if kind is not None and kind.plain is not None and not _is_plain(value):
-                args = (*args[:k], kind.plain(value), *args[k + 1 :])
+            if kind is not None and kind.plain is not None and (plain := kind.plain(value)) is not value:
+                args = (*args[:k], plain, *args[k + 1 :])
         for name, value in kwargs.items():
             kind = by_name.get(name, rest)
             if kind is not None and not kind.passes(value):
                 raise _refusal(where, name, value, kind)
-            if kind is not None and kind.plain is not None and not _is_plain(value):
-                kwargs = {**kwargs, name: kind.plain(value)}
+            if kind is not None and kind.plain is not None and (plain := kind.plain(value)) is not value:
+                kwargs = {**kwargs, name: plain}
         try:
             return function(*args, **kwargs)
         except ARITHMETIC as error:
@@ -239,8 +239,18 @@ def _is_number(value: Any) -> bool:
     return size <= LARGEST or size == math.inf or size != size
 
 
-def _is_plain(value: Any) -> bool:
-    return value is None or isinstance(value, float) or (isinstance(value, int) and abs(value) < EXACT)
+def _float(value: Any) -> Any:
+    if value is None or isinstance(value, float) or (isinstance(value, int) and abs(value) < EXACT):
+        return value
+    return float(value)
+
+
+def _int(value: Any) -> Any:
+    return value if value is None or isinstance(value, int) else int(value)
+
+
+def _expression(value: Any) -> Any:
+    return value if value is None or isinstance(value, ca.SX) else ca.SX(value)
 
 
 def _is_complex(value: Any) -> bool:
@@ -266,12 +276,12 @@ KINDS: dict[Any, Kind | None] = {
     Any: None,
     object: None,
     type(None): NONE,
-    float: Kind(_is_number, "a number", float),
+    float: Kind(_is_number, "a number", _float),
     complex: Kind(_is_complex, "a number"),
-    int: Kind(_is_whole, "a whole number", int),
+    int: Kind(_is_whole, "a whole number", _int),
     bool: Kind(lambda value: isinstance(value, bool | np.bool), "True or False"),
     str: TEXT,
-    ca.SX: Kind(_is_expression, "an expression of CasADi (SX)"),
+    ca.SX: Kind(_is_expression, "an expression of CasADi (SX)", _expression),
 }
 
 

@@ -126,7 +126,7 @@ def response(loop: Loop) -> Response:
 @arguments.checked
 def closed_poles(model: StateSpace) -> Complex:
     """Return the zeros of 1 + L, in 1/s or in z; raise ModelError where L passes its input straight on as -1."""
-    D = float(model.D[0, 0])
+    D = float(scalar(model).D[0, 0])
     if D == -1:
         raise ModelError("the loop passes its input straight on with the factor -1: 1 + L has no inverse; delay it")
     return np.linalg.eigvals(model.A - model.B @ model.C / (1 + D)).astype(np.complex128)

@@ -134,6 +134,8 @@ def _locus(model: StateSpace, poles: Complex, R: float) -> tuple[Array, Array, A
     M = columns / terms[:, None]
     size = np.abs(M).max(axis=0)
     size[size == 0] = 1.0
+    if not np.isfinite(terms).all():
+        raise ModelError("the characteristic polynomials overflow: choose a unit of time in which the poles are near 1")
     return M / size, R * (after - before) / terms, size
 
 

@@ -30,6 +30,8 @@ from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, StateSpace
 from synth.timing import Continuous, Discrete, Time
 
+MOST_INTEGRATORS = 10  # of a compensator: a loop with more has no phase left at any crossover
+
 
 @arguments.checked
 @show.printed
@@ -131,6 +133,8 @@ def from_constants(
 
     Raises SignalError for a time constant that is not positive and as `Compensator`.
     """
+    if not 0 <= integrators <= MOST_INTEGRATORS:
+        raise SignalError(f"{integrators} integrators were asked for: give a number from 0 to {MOST_INTEGRATORS}")
     for v in (*numerator_s, *denominator_s):
         if not (np.isfinite(v) and v > 0):
             raise SignalError(f"the time constant {v} s is not positive and finite: leave the factor out or mend it")
