@@ -100,8 +100,7 @@ class DiskMargin:
     def factors(self) -> Complex:
         """f (p,) for `delta`: the factors on the channels that make the loop oscillate at `frequency`."""
         a, b = _halves(self.skew)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            with np.errstate(over="ignore"):  # a factor beyond double precision is infinite
+        with np.errstate(all="ignore"):
             f = (1 + a * self.delta) / (1 - b * self.delta)
         return np.where(np.isfinite(f), f, np.inf)
 
