@@ -3,14 +3,14 @@
     python -m benchmarks.hostile [--calls 10000] [--seed 0] [--only lqr]
 
 For each function and constructor of the vocabulary, of analyse and of synthesise there is a call that works
-(`hostile_examples`). Each argument in turn is then replaced: by another kind of thing (a number for a list, a text,
+(`hostile_calls`). Each argument in turn is then replaced: by another kind of thing (a number for a list, a text,
 None, a bool), by another shape or size, by NaN, infinity, 1e300 and 1e-300, by nothing, by a masked array, by a wrong
 name, and by the same value in another form, for which the answer must be the same. A call must answer or raise a
 SynthError, within `LIMIT_S`. Everything else is a defect: another error, NaN in an answer whose example has none, a
 warning of NumPy beside an answer, another answer to the same value, or a longer time.
 
-Functions that take what others have read already (`INNER`, and those with NumPy arrays or Arb balls for arguments) are
-left out; that is what `synth.arguments.checked` marks.
+Functions that take what others have read already, like NumPy arrays or Arb balls, are left out:
+`synth.arguments.checked` marks the others.
 """
 
 import argparse
@@ -30,14 +30,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import FrameType, ModuleType
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
 import synth.analyse
 import synth.synthesise
-from benchmarks import hostile_examples
+from benchmarks import hostile_calls, hostile_examples
+from benchmarks.hostile_values import SAME, mutations
 from synth.errors import SynthError
-from synth.statespace import StateSpace
 
 LIMIT_S = 5.0
 MEMORY = 4 << 30  # bytes
@@ -49,7 +48,6 @@ NAN_MEANS = {
     "least_squares.solve": "R^2 of an output that does not vary",
     "gauss_newton.minimise": "R^2 of an output that does not vary",
 }
-SAME = "the same as "  # a mutation of that name changes the form of a value, not the value
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -115,7 +113,7 @@ def call(function: Callable[..., Any], arguments: Mapping[str, Any]) -> Any:
 
 def example(name: str, function: Callable[..., Any]) -> dict[str, Any]:
     """Return arguments with which a function works: its own, else those of their names, else its defaults."""
-    own, usual = hostile_examples.own().get(name, {}), hostile_examples.usual()
+    own, usual = hostile_calls.own().get(name, {}), hostile_examples.usual()
     given: dict[str, Any] = {}
     for p in inspect.signature(function).parameters.values():
         if p.name in own:
@@ -123,151 +121,6 @@ def example(name: str, function: Callable[..., Any]) -> dict[str, Any]:
         elif p.default is p.empty and p.kind is not p.VAR_KEYWORD:
             given[p.name] = usual[p.name]
     return given
-
-
-ANYTHING: dict[str, Any] = {
-    "None": None,
-    "a text": "text",
-    "an empty text": "",
-    "a bool": True,
-    "a complex number": 1 + 2j,
-    "bytes": b"x",
-    "0": 0,
-    "-1": -1,
-    "1.5": 1.5,
-    "NaN": np.nan,
-    "infinity": np.inf,
-    "-infinity": -np.inf,
-    "1e300": 1e300,
-    "-1e300": -1e300,
-    "1e-300": 1e-300,
-    "a large whole number": 10**30,
-    "2**40": 2**40,
-    "float32": np.float32(0.1),
-    "an empty list": [],
-    "a list of a number": [1.0],
-    "a list of texts": ["a", "b"],
-    "a list of None": [None],
-    "nested lists": [[1.0, 2.0], [3.0]],
-    "an empty mapping": {},
-    "a mapping": {"x": 1.0},
-    "a set": {1.0},
-    "an empty array": np.zeros((0, 0)),
-    "a row": np.ones((1, 3)),
-    "three dimensions": np.ones((1, 1, 1)),
-    "a NaN array": np.full((2, 2), np.nan),
-    "a large array": np.full((2, 2), 1e300),
-    "an object": object(),
-    "a complex array": np.full((2, 2), 1j),
-    "an array of texts": np.array([["a"]]),
-    "a function": lambda *a: None,
-    "a masked array": np.ma.array(np.ones((2, 2)), mask=np.eye(2)),
-    "masked": np.ma.masked,
-    "a symbol": ca.SX.sym("s"),
-    "an array of objects": np.array([None, 1.0], dtype=object),
-}
-
-
-def mutations(value: Any) -> Iterator[tuple[str, Any]]:
-    """Yield replacements of a good value, each with its name."""
-    yield from ANYTHING.items()
-    if isinstance(value, np.ndarray) or _is_table(value):
-        yield from _arrays(np.asarray(value))
-    if isinstance(value, np.ndarray):
-        yield SAME + "lists", value.tolist()
-        yield SAME + "Fortran's order", np.asfortranarray(value)
-        yield SAME + "a mask of nothing", np.ma.array(value)
-    if isinstance(value, float | int) and not isinstance(value, bool):
-        yield from {"negative": -value, "a hundred times": 100 * value, "a list of it": [value]}.items()
-        yield SAME + "a NumPy scalar", np.float64(value) if isinstance(value, float) else np.int64(value)
-    if isinstance(value, list | tuple):
-        yield from _lists(value)
-    if isinstance(value, Mapping):
-        yield from _mappings(value)
-    if isinstance(value, StateSpace):
-        yield from _models(value)
-
-
-def _is_table(value: Any) -> bool:
-    return isinstance(value, list) and bool(value) and all(isinstance(row, list | float) for row in value)
-
-
-def _arrays(value: Any) -> Iterator[tuple[str, Any]]:
-    array = value.astype(float) if value.dtype.kind in "if" else value
-    yield from {"transposed": array.T, "flat": array.ravel(), "one more dimension": array[None]}.items()
-    yield from {"one row less": array[:-1], "doubled": np.concatenate([array, array]), "negative": -array}.items()
-    yield from {
-        "zero": 0 * array,
-        "single precision": array.astype(np.complex64 if array.dtype.kind == "c" else np.float32),
-    }.items()
-    yield from {"huge": 1e300 * array, "tiny": 1e-300 * array, "large": 1e90 * array, "small": 1e-90 * array}.items()
-    for name, number in (("NaN", np.nan), ("infinity", np.inf), ("1e300", 1e300), ("1e200", 1e200), ("1j", 1j)):
-        changed = array.astype(complex) if name == "1j" else array.copy()
-        if changed.size:
-            changed.flat[0] = number
-        yield f"{name} first", changed
-    mask = np.zeros(array.shape, dtype=bool)
-    mask.flat[:1] = True
-    yield "the first masked", np.ma.array(array, mask=mask)
-    yield "text", array.astype(str)
-
-
-def _lists(value: Sequence[Any]) -> Iterator[tuple[str, Any]]:
-    items = list(value)
-    for name, entry in (("None", None), ("a text", "text"), ("NaN", np.nan), ("1e300", 1e300), ("a bool", True)):
-        yield f"{name} added", [*items, entry]
-        yield f"{name} first", [entry, *items[1:]]
-    yield from {"its first entry": items[0] if items else 0.0, "doubled": items * 2, "nested": [items]}.items()
-    yield from {"without the last": items[:-1], "as keys": {str(k): v for k, v in enumerate(items)}}.items()
-    yield SAME + "a tuple", tuple(items)
-
-
-def _mappings(value: Mapping[Any, Any]) -> Iterator[tuple[str, Any]]:
-    yield "a wrong name", {**value, "wrong": next(iter(value.values()), 1.0)}
-    yield "a number for a name", {**value, 3: 1.0}
-    yield "its names", list(value)
-    yield "its values", list(value.values())
-    for name, entry in (("None", None), ("text", "text"), ("NaN", np.nan), ("infinity", np.inf), ("1e300", 1e300)):
-        yield f"{name} inside", dict.fromkeys(value, entry)
-    yield "a list inside", {key: [1.0] for key in value}
-
-
-def _models(value: StateSpace) -> Iterator[tuple[str, Any]]:
-    A, B, C, D = value.A, value.B, value.C, value.D
-    n, m, p = len(A), B.shape[1], len(C)
-    yield "arrays with NaN", (A * np.nan, B, C, D, value.time)
-    yield "arrays with 1e300", (A, 1e300 * B, C, D, value.time)
-    for size in (1e-300, 1e-90, 1e90):
-        yield f"A {size:g}", dataclasses.replace(value, A=A * size)
-        yield f"B {size:g}", dataclasses.replace(value, B=B * size)
-        yield f"C {size:g}", dataclasses.replace(value, C=C * size)
-    yield "a masked A", (np.ma.array(A, mask=np.eye(n)), B, C, D, value.time)
-    yield "a complex A", (A * 1j, B, C, D, value.time)
-    yield "A of zeros", dataclasses.replace(value, A=0 * A)
-    yield "B of zeros", dataclasses.replace(value, B=0 * B)
-    yield "C of zeros", dataclasses.replace(value, C=0 * C)
-    yield "A as text", ("text", B, C, D)
-    yield "shapes that do not fit", (A, B[:-1], C, D)
-    yield "A alone", (A,)
-    yield "no states", dataclasses.replace(value, A=np.zeros((0, 0)), B=np.zeros((0, m)), C=np.zeros((p, 0)), states=())
-    yield "no inputs", dataclasses.replace(value, B=np.zeros((n, 0)), D=np.zeros((p, 0)), inputs=())
-    yield "no outputs", dataclasses.replace(value, C=np.zeros((0, n)), D=np.zeros((0, m)), outputs=())
-    yield "python-control, dt None", _control(value, None)
-    yield "python-control, dt True", _control(value, True)
-    yield "a static gain of python-control", _gain()
-    yield "unstable", dataclasses.replace(value, A=-A)
-
-
-def _control(model: StateSpace, dt: Any) -> Any:
-    import control
-
-    return control.StateSpace(model.A, model.B, model.C, model.D, dt)
-
-
-def _gain() -> Any:
-    import control
-
-    return control.ss([], [], [], [[2.0]])
 
 
 def cases(only: str = "") -> list[Case]:
@@ -342,8 +195,8 @@ def _judge_answer(case: Case, good: Any, answer: Any, caught: list[str]) -> tupl
 
 def _numbers(answer: Any, depth: int = 4) -> Any:
     """Return the numbers in an answer, as far as `depth` levels down."""
-    if isinstance(answer, float | complex | int | np.number):
-        return np.array([complex(answer)]) if abs(answer) < 1e308 or isinstance(answer, float) else np.zeros(0)
+    if isinstance(answer, float | complex | np.number):
+        return np.array([complex(answer)])
     if isinstance(answer, np.ndarray) and answer.dtype.kind in "fciu":
         return answer.ravel().astype(complex)
     if depth and dataclasses.is_dataclass(answer):
@@ -355,14 +208,16 @@ def _numbers(answer: Any, depth: int = 4) -> Any:
     return np.zeros(0)
 
 
-def search(calls: int, seed: int, only: str = "", progress: bool = False) -> list[tuple[Case, Outcome]]:
+def search(
+    calls: int, seed: int, only: str = "", progress: bool = False, limit_s: float = LIMIT_S
+) -> list[tuple[Case, Outcome]]:
     """Return `calls` cases, or all if there are fewer, drawn by `seed` without replacement, with their outcomes."""
     every = cases(only)
     drawn = [every[k] for k in np.random.default_rng(seed).permutation(len(every))[:calls]]
     good = {name: call(function, example(name, function)) for name, function in library().items() if only in name}
     outcomes = []
     for k, case in enumerate(drawn):
-        outcomes.append((case, judge(case, good[case.name])))
+        outcomes.append((case, judge(case, good[case.name], limit_s)))
         if progress and k % 500 == 499:
             print(f"{k + 1} calls", file=sys.stderr)  # noqa: T201
     return outcomes
@@ -371,10 +226,10 @@ def search(calls: int, seed: int, only: str = "", progress: bool = False) -> lis
 def report(outcomes: Sequence[tuple[Case, Outcome]]) -> str:
     """Return the tally, and each distinct defect with its count and one of its calls."""
     tally = Counter(outcome.kind for _, outcome in outcomes)
-    slowest, case = max(((outcome.seconds, case) for case, outcome in outcomes), key=lambda pair: pair[0])
+    case, slowest = max(outcomes, key=lambda pair: pair[1].seconds)
     lines = [f"{len(outcomes)} calls of {len({c.name for c, _ in outcomes})} functions: "]
     lines[0] += ", ".join(f"{count} {kind}" for kind, count in tally.most_common())
-    lines.append(f"slowest: {slowest:.2f} s, {case.name}({case.argument} = {case.mutation})")
+    lines.append(f"slowest: {slowest.seconds:.2f} s, {case.name}({case.argument} = {case.mutation})")
     defects: dict[tuple[str, ...], list[Case]] = {}
     for case, outcome in outcomes:
         if outcome.is_defect:

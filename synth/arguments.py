@@ -21,43 +21,29 @@ ModelError instead of NumPy's and Python's own arithmetic errors.
 
 import functools
 import inspect
-import math
 import operator
 import reprlib
-import types
 import typing
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar, Union, get_args, get_origin
+from typing import Any, TypeVar
 
-import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from synth import kinds
 from synth.errors import ModelError, SignalError, SynthError, TimingError
+from synth.kinds import Kind
 
 Array = NDArray[np.float64]
 Target = TypeVar("Target", bound=Callable[..., Any])
 
-LARGEST = 1e100  # three factors of such a size have a product in double precision
-EXACT = 1 << 53  # below it double precision holds every whole number
 SIZES = (1e-70, 1e70)  # magnitudes whose squares, and the covariances made of them, are numbers in double precision
 ARITHMETIC = (np.linalg.LinAlgError, OverflowError, ZeroDivisionError, FloatingPointError)
 NOT_FINITE = ("infs or NaNs", "infinity to integer", "NaN to integer", "must be finite")  # in a ValueError of SciPy
 SECONDS = " of seconds"
 IN_SAMPLES = ("delay", "samples")
 UNITS = {"_per_s": " in 1/s", "_s": SECONDS}
-NO_LISTS = (str, bytes, Mapping, np.ndarray, ca.SX, ca.DM, ca.MX)
-NO_ARRAYS = (str, bytes, bool, Mapping, set, frozenset, type(None))
-
-
-@dataclass(frozen=True)
-class Kind:
-    """Which values pass for an annotation, and what to give instead of another."""
-
-    passes: Callable[[Any], bool]
-    need: str
-    plain: Callable[[Any], Any] | None = None  # of a number of NumPy's and a huge whole one, Python's float or int
 
 
 def checked(target: Target) -> Target:
@@ -73,19 +59,19 @@ def checked(target: Target) -> Target:
 
 
 def _checked(function: Callable[..., Any], where: str) -> Callable[..., Any]:
-    kinds = functools.cache(lambda: _kinds(function))  # read at the first call, when all that they name is there
+    known = functools.cache(lambda: _kinds(function))  # read at the first call, when all that they name is there
 
     @functools.wraps(function)
     def call(*args: Any, **kwargs: Any) -> Any:
-        places, others, by_name, rest = kinds()
-        for k, value in enumerate(args):
-            name, kind = places[k] if k < len(places) else others
+        k = known()
+        for i, value in enumerate(args):
+            name, kind = k.places[i] if i < len(k.places) else k.further
             if kind is not None and not kind.passes(value):
                 raise _refusal(where, name, value, kind)
             if kind is not None and kind.plain is not None and (plain := kind.plain(value)) is not value:
-                args = (*args[:k], plain, *args[k + 1 :])
+                args = (*args[:i], plain, *args[i + 1 :])
         for name, value in kwargs.items():
-            kind = by_name.get(name, rest)
+            kind = k.names.get(name, k.others)
             if kind is not None and not kind.passes(value):
                 raise _refusal(where, name, value, kind)
             if kind is not None and kind.plain is not None and (plain := kind.plain(value)) is not value:
@@ -128,168 +114,24 @@ def found(value: object) -> str:
     return f"a {type(value).__name__}"
 
 
-Places = tuple[tuple[str, Kind | None], ...]
+@dataclass(frozen=True)
+class Kinds:
+    """The kinds of a function's arguments: by place, of further ones (``*args``), by name, of others (``**kwargs``)."""
+
+    places: tuple[tuple[str, Kind | None], ...]
+    further: tuple[str, Kind | None]
+    names: Mapping[str, Kind | None]
+    others: Kind | None
 
 
-def _kinds(function: Callable[..., Any]) -> tuple[Places, tuple[str, Kind | None], dict[str, Kind | None], Kind | None]:
-    """Return the kinds of a function's arguments: by place, of further ones (*args), by name, of others (**kwargs)."""
+def _kinds(function: Callable[..., Any]) -> Kinds:
     hints = typing.get_type_hints(function)
     parameters = inspect.signature(function).parameters.values()
-    kinds = {p.name: _kind(hints[p.name]) if p.name in hints else None for p in parameters}
+    names = {p.name: kinds.of(hints[p.name]) if p.name in hints else None for p in parameters}
     by_place = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
-    places = tuple((p.name, kinds[p.name]) for p in parameters if p.kind in by_place)
-    others = next(((p.name, kinds[p.name]) for p in parameters if p.kind is p.VAR_POSITIONAL), ("", None))
-    return places, others, kinds, next((kinds[p.name] for p in parameters if p.kind is p.VAR_KEYWORD), None)
-
-
-@functools.cache
-def _kind(annotation: Any) -> Kind | None:
-    """Return the kind of an annotation; None where everything passes."""
-    if annotation in KINDS:
-        return KINDS[annotation]
-    origin, inner = get_origin(annotation), get_args(annotation)
-    if origin in (Union, types.UnionType):
-        return _union(set(inner))
-    if origin is np.ndarray:
-        return ARRAY_LIKE
-    if origin is type:
-        return Kind(inspect.isclass, "a type")
-    if origin is tuple and inner[-1:] != (...,):
-        return _tuple(tuple(map(_kind, inner)))
-    if inspect.isclass(origin) and issubclass(origin, Mapping):
-        return _mapping(*map(_kind, inner))
-    if origin is not None and inspect.isclass(origin) and issubclass(origin, Iterable):
-        return _sequence(_kind(inner[0]), once=origin is Iterable)
-    if origin is not None and annotation is not Any and callable(origin):
-        return Kind(callable, "a function")
-    if inspect.isclass(annotation) and not getattr(annotation, "_is_protocol", False) and annotation is not object:
-        return Kind(lambda value: isinstance(value, annotation), f"a {annotation.__name__}")
-    return None
-
-
-def _union(members: set[Any]) -> Kind | None:
-    arrays = set(get_args(ArrayLike))
-    kinds = [ARRAY_LIKE] if arrays <= members else []
-    if kinds and Sequence[str] in members:
-        kinds.append(TEXT)
-    for member in members - arrays if kinds else members:
-        kind = _kind(member)
-        if kind is None:
-            return None
-        kinds.append(kind)
-    kinds.sort(key=lambda kind: (kind is NONE, kind.need))
-    need = " or ".join(kind.need for kind in kinds)
-    numbers = [kind for kind in kinds if kind.plain is not None]
-    return Kind(
-        lambda value: any(kind.passes(value) for kind in kinds),
-        need,
-        numbers[0].plain if numbers == kinds[:1] else None,
-    )
-
-
-def _tuple(kinds: tuple[Kind | None, ...]) -> Kind:
-    def passes(values: Any) -> bool:
-        return (
-            _is_listed(values)
-            and len(values) == len(kinds)
-            and all(kind is None or kind.passes(value) for kind, value in zip(kinds, values, strict=True))
-        )
-
-    return Kind(passes, f"{len(kinds)} of them: {', '.join(kind.need if kind else 'anything' for kind in kinds)}")
-
-
-def _sequence(kind: Kind | None, once: bool) -> Kind:
-    """Return the kind of a list; of what can be iterated over `once` only, the entries are not looked at."""
-
-    def passes(values: Any) -> bool:
-        if not _is_listed(values):
-            return once and isinstance(values, Iterable) and not isinstance(values, NO_LISTS)
-        return kind is None or all(map(kind.passes, values))
-
-    entry = " of names" if kind is TEXT else f", each entry {kind.need}" if kind else ""
-    return Kind(passes, f"a list{entry}")
-
-
-def _is_listed(values: Any) -> bool:
-    if isinstance(values, np.ndarray):
-        return bool(values.ndim) and not isinstance(values, np.ma.MaskedArray)
-    return isinstance(values, Sequence) and not isinstance(values, str | bytes)
-
-
-def _mapping(key: Kind | None, value: Kind | None) -> Kind:
-    def passes(values: Any) -> bool:
-        return (
-            isinstance(values, Mapping)
-            and (key is None or all(map(key.passes, values.keys())))
-            and (value is None or all(map(value.passes, values.values())))
-        )
-
-    names = " to ".join(kind.need if kind else "anything" for kind in (key, value))
-    return Kind(passes, f"a mapping from {names}")
-
-
-def _is_number(value: Any) -> bool:
-    """Tell whether a value is a real number, not a bool; a finite one is no larger than LARGEST."""
-    if isinstance(value, np.ndarray):  # one without dimensions, as NumPy's functions return
-        if value.ndim or value.dtype.kind not in "fiu" or isinstance(value, np.ma.MaskedArray):
-            return False
-    elif not isinstance(value, float | int | np.floating | np.integer) or isinstance(value, bool):
-        return False
-    size = abs(value) if isinstance(value, int) else float(abs(value))
-    return size <= LARGEST or size == math.inf or size != size
-
-
-def _float(value: Any) -> Any:
-    if value is None or isinstance(value, float) or (isinstance(value, int) and abs(value) < EXACT):
-        return value
-    return float(value)
-
-
-def _int(value: Any) -> Any:
-    return value if value is None or isinstance(value, int) else int(value)
-
-
-def _expression(value: Any) -> Any:
-    return value if value is None or isinstance(value, ca.SX) else ca.SX(value)
-
-
-def _is_complex(value: Any) -> bool:
-    return _is_number(abs(value) if isinstance(value, complex | np.complexfloating) else value)
-
-
-def _is_whole(value: Any) -> bool:
-    return isinstance(value, int | np.integer) and not isinstance(value, bool)
-
-
-def _is_array_like(value: Any) -> bool:
-    return not isinstance(value, NO_ARRAYS) and not callable(value) and not has_mask(value)
-
-
-def _is_expression(value: Any) -> bool:
-    return isinstance(value, ca.SX | ca.DM) or _is_number(value)
-
-
-ARRAY_LIKE = Kind(_is_array_like, "an array of numbers without a mask")
-NONE = Kind(lambda value: value is None, "None")
-TEXT = Kind(lambda value: isinstance(value, str), "a text")
-KINDS: dict[Any, Kind | None] = {
-    Any: None,
-    object: None,
-    type(None): NONE,
-    float: Kind(_is_number, "a number", _float),
-    complex: Kind(_is_complex, "a number"),
-    int: Kind(_is_whole, "a whole number", _int),
-    bool: Kind(lambda value: isinstance(value, bool | np.bool), "True or False"),
-    str: TEXT,
-    ca.SX: Kind(_is_expression, "an expression of CasADi (SX)", _expression),
-}
-
-
-def has_mask(values: object) -> bool:
-    """Tell whether any entry is masked in a NumPy masked array, or in one of a list of them."""
-    if isinstance(values, list | tuple):
-        return any(map(has_mask, values))
-    return bool(np.ma.is_masked(values))
+    places = tuple((p.name, names[p.name]) for p in parameters if p.kind in by_place)
+    further = next(((p.name, names[p.name]) for p in parameters if p.kind is p.VAR_POSITIONAL), ("", None))
+    return Kinds(places, further, names, next((names[p.name] for p in parameters if p.kind is p.VAR_KEYWORD), None))
 
 
 def real(what: str, values: ArrayLike) -> Array:
@@ -299,7 +141,7 @@ def real(what: str, values: ArrayLike) -> Array:
     beyond LARGEST.
     """
     try:
-        if has_mask(values):
+        if kinds.has_mask(values):
             raise ValueError("some are masked: fill them in, or leave their rows out")
         if np.iscomplexobj(values):
             raise ValueError("they are complex")
@@ -309,8 +151,8 @@ def real(what: str, values: ArrayLike) -> Array:
     except (TypeError, ValueError) as error:
         raise SignalError(f"the {what} are no real numbers ({error}): give an array of real numbers alone") from error
     size = float(np.abs(array).max(initial=0.0, where=np.isfinite(array)))
-    if size > LARGEST:
-        raise SignalError(f"the {what} reach {size:.3g}: choose units in which they are below {LARGEST:g}")
+    if size > kinds.LARGEST:
+        raise SignalError(f"the {what} reach {size:.3g}: choose units in which they are below {kinds.LARGEST:g}")
     return array
 
 
@@ -368,7 +210,7 @@ def whole(what: str, value: int) -> int:
 
 def check_level(level: float) -> None:
     """Raise SignalError for a confidence level that is no probability between 0 and 1."""
-    if not _is_number(level) or not 0 < level < 1:
+    if not kinds.is_number(level) or not 0 < level < 1:
         raise SignalError(f"the confidence level is {level}: give a probability between 0 and 1, like 0.95")
 
 

@@ -33,6 +33,18 @@ class Named(dict[str, ca.SX]):
         raise SignalError(f"{self.what} has no {name!r}: it has {', '.join(self) or 'none'}")
 
 
+def column(what: str, symbols: Mapping[str, ca.SX], names: Iterable[str]) -> ca.SX:
+    """Return the symbols of `names` as a column; raise SignalError, calling them `what`, where one is missing."""
+    listed = list(names)
+    for name in listed:
+        symbol = symbols.get(name)
+        if not isinstance(symbol, ca.SX) or not symbol.is_symbolic():
+            raise SignalError(
+                f"{what} have no symbol for '{name}': give a scalar SX symbol for each of {', '.join(listed)}"
+            )
+    return ca.vcat([symbols[name] for name in listed])
+
+
 def evaluate(what: str, function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> R:
     """Return what a user's function makes of symbols.
 

@@ -121,8 +121,16 @@ def scaled(
 ) -> Scaled:
     """Return `matrix` (p, m) of the `symbols` (d,) of `signals`, with a row for each label and a column for each input.
 
-    Raises ModelError when a row is zero all over the box, or an entry is not finite.
+    Raises SignalError for counts that do not fit or a symbol that is none of theirs; ModelError when a row is zero all
+    over the box, or an entry is not finite.
     """
+    if matrix.shape != (len(labels), len(inputs)) or symbols.shape != (len(signals), 1):
+        raise SignalError(
+            f"a matrix {matrix.shape} of symbols {symbols.shape} has {len(labels)} rows, {len(inputs)} columns and "
+            f"{len(signals)} signals named: give each row, each column and each symbol a name"
+        )
+    if strange := {v.name() for v in ca.symvar(matrix)} - {v.name() for v in ca.symvar(symbols)}:
+        raise SignalError(f"the matrix contains {', '.join(sorted(strange))}: give each symbol its signal")
     places = box.entering(matrix, symbols, signals)
     entering = tuple(signals[k] for k in places)
     function = ca.Function("M", [symbols[places]], [ca.densify(ca.vec(matrix))])

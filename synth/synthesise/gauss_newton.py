@@ -143,7 +143,13 @@ def _check_shapes(model: Model, y: Array, theta: Array, parameters: Sequence[str
     k, wanted = len(parameters), (len(y) if y.ndim else 0, len(outputs))
     if theta.ndim != 1 or len(theta) < k:
         raise SignalError(f"the start has the shape {theta.shape}: give {k} values, one for each parameter")
-    at = _at(model, np.zeros(()), theta, np.ones(()))
+    try:
+        at = _at(model, np.zeros(()), theta, np.ones(()))
+    except (TypeError, ValueError, IndexError) as error:
+        raise ModelError(
+            f"the model fails at the start, {theta.tolist()} ({error}): give one that takes {len(theta)} values and "
+            "returns the outputs and their derivative"
+        ) from error
     shapes = y.shape, at.e.shape, at.J.shared.shape
     if shapes != (wanted, wanted, (*wanted, k)) or at.J.parameters != len(theta):
         raise SignalError(

@@ -59,7 +59,7 @@ def fit_linear(
         raise SignalError(f"parameter '{missing[0]}' has no symbol: give it in `symbols`")
     theta = ca.vcat([symbols[p.name] for p in parameters])
     data = ca.vcat(list(signals.values()))
-    g = ca.vcat(list(equations.values()))
+    g = ca.SX(ca.vcat(list(equations.values())))
     known = {v.name() for v in ca.symvar(ca.vertcat(theta, data))}
     for v in ca.symvar(g):
         if v.name() not in known:

@@ -100,7 +100,7 @@ def at_input(
 
     def step(q: float) -> Step:
         raised = replace(e, W=readonly(e.W + q * q * _square(plant.B)))
-        controller = form(gain, kalman.steady(replace(acting, noise=raised)))
+        controller = _formed(form(gain, kalman.steady(replace(acting, noise=raised))))
         ratio = -_compensator(controller, s) @ plant.response(s)
         return Step(float(q), controller, _distance(ratio, target), lqg.expected(controller, e))
 
@@ -128,7 +128,7 @@ def at_output(
     target = _present(target, "L")
 
     def step(q: float) -> Step:
-        controller = form(lqr.lqr(plant, Q + q * q * _square(plant.C.T), R), estimator)
+        controller = _formed(form(lqr.lqr(plant, Q + q * q * _square(plant.C.T), R), estimator))
         ratio = -plant.response(s) @ _compensator(controller, s)
         return Step(float(q), controller, _distance(ratio, target), lqg.expected(controller, e))
 
@@ -159,6 +159,12 @@ def _points(model: StateSpace, qs: Sequence[float], band: tuple[float, float]) -
 def _square(B: Array) -> Array:
     product = B @ B.T
     return (product + product.T) / 2
+
+
+def _formed(controller: object) -> lqg.Controller:
+    if isinstance(controller, lqg.Controller):
+        return controller
+    raise SignalError(f"the form makes {arguments.found(controller)}: give lqg.current or lqg.predictor")
 
 
 def _compensator(controller: lqg.Controller, s: Complex) -> Complex:

@@ -28,7 +28,7 @@ from synth import arguments, show
 from synth.analyse import precise
 from synth.analyse.equilibrate import equilibrated
 from synth.analyse.staircase import Complex
-from synth.errors import ModelError
+from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.synthesise import internal_model, spectrum
 from synth.synthesise.minimal_polynomial import Mode
@@ -119,6 +119,11 @@ def closed(
     algebraic loop without a solution.
     """
     time = common(plant.time, controller.time)
+    if measured.states != plant.states or not len(controls):
+        raise SignalError(
+            f"the plant has the states {', '.join(plant.states)}, as measured {', '.join(measured.states)}, and "
+            f"{len(controls)} controls: give one plant, and one control or more"
+        )
     errors, commands, told = named(regulated, "error"), named(controls, "command"), named(controls, "limited")
     B_Y, D_Y = _columns(controller, commands, (*measured.outputs, *errors))
     B_l, D_l = _columns(controller, commands, told)

@@ -21,6 +21,8 @@ from synth.statespace import Array
 from synth.synthesise import bordered
 from synth.synthesise.logs import Log
 
+MOST_SUBSTEPS = 10_000  # a period: a plant that needs more is too stiff for explicit steps
+
 
 @dataclass(frozen=True, eq=False)
 class Problem:
@@ -116,8 +118,8 @@ def _check(
             f"spans of {span} periods hold {(span + 1) * len(measured)} samples for {len(states)} start states: take "
             "longer ones, or measure more signals"
         )
-    if arguments.whole("number of Runge-Kutta steps", substeps) < 1:
-        raise SignalError(f"{substeps} Runge-Kutta steps a period were asked for: give 1 or more")
+    if not 1 <= arguments.whole("number of Runge-Kutta steps", substeps) <= MOST_SUBSTEPS:
+        raise SignalError(f"{substeps} Runge-Kutta steps a period were asked for: give 1 to {MOST_SUBSTEPS}")
 
 
 def _step(plant: Plant, parameters: Sequence[str], measured: Sequence[str], free: int, h: float) -> ca.Function:
