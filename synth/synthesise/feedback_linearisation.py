@@ -24,7 +24,7 @@ from functools import reduce
 import casadi as ca
 import numpy as np
 
-from synth import arguments, show
+from synth import arguments, law, show
 from synth.analyse import box, relative_degree, rounding, singularity, zero_dynamics
 from synth.analyse.box import Box
 from synth.analyse.relative_degree import RelativeDegree
@@ -230,7 +230,7 @@ def linearise(acceleration: Sequence[ca.SX], inputs: Mapping[str, ca.SX], w: Seq
     Raises ModelError when the counts differ, when the model is not affine in an input, or when the decoupling matrix
     is singular everywhere; where it is singular at points only, check it over the domain.
     """
-    u, q = ca.vcat(list(inputs.values())), ca.vcat(list(acceleration))
+    u, q = law.column("the inputs", inputs, inputs), ca.vcat(list(acceleration))
     if u.numel() != q.numel() or q.numel() != len(w):
         raise ModelError(
             f"{q.numel()} accelerations and {len(w)} demands meet {u.numel()} inputs ({', '.join(inputs)}): "
