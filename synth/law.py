@@ -76,7 +76,7 @@ def _line(error: Exception) -> str:
 
 
 def check_numbers(what: str, exprs: Mapping[str, ca.SX], symbols: Iterable[ca.SX]) -> None:
-    """Raise SignalError, naming `what` and the expression, where NaN stands among an expression's constants."""
+    """Raise SignalError, naming `what` and the expression, for one that computes with NaN; `ca.if_else` may select it."""
     for name, expr in exprs.items():
         if _has_nan(expr, list(symbols)):
             raise SignalError(
@@ -87,5 +87,15 @@ def check_numbers(what: str, exprs: Mapping[str, ca.SX], symbols: Iterable[ca.SX
 
 def _has_nan(expr: ca.SX, symbols: Sequence[ca.SX]) -> bool:
     f = ca.Function("f", list(symbols), [ca.SX(expr)], {"allow_free": True})
-    constants = (f.instruction_constant(k) for k in range(f.n_instructions()) if f.instruction_id(k) == ca.OP_CONST)
-    return any(value != value for value in constants)
+    unset: set[int] = set()  # registers that hold NaN, which a selection by ca.if_else may, and nothing else
+    for k in range(f.n_instructions()):
+        operation, used, made = f.instruction_id(k), f.instruction_input(k), f.instruction_output(k)
+        if operation == ca.OP_CONST:
+            value = f.instruction_constant(k)
+            (unset.add if value != value else unset.discard)(made[0])
+            continue
+        if operation not in (ca.OP_INPUT, ca.OP_IF_ELSE_ZERO) and not unset.isdisjoint(used):
+            return True
+        if operation != ca.OP_OUTPUT:
+            unset.difference_update(made)
+    return False
