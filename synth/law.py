@@ -76,7 +76,7 @@ def _line(error: Exception) -> str:
 
 
 def check_numbers(what: str, exprs: Mapping[str, ca.SX], symbols: Iterable[ca.SX]) -> None:
-    """Raise SignalError, naming `what` and the expression, for one that computes with NaN; `ca.if_else` may select it."""
+    """Raise SignalError, naming `what` and the expression, for one that computes with NaN; ca.if_else may select it."""
     for name, expr in exprs.items():
         if _has_nan(expr, list(symbols)):
             raise SignalError(
