@@ -28,6 +28,7 @@ bench: $(STAMP)
 	$(BIN)/python -m benchmarks.disk
 	$(BIN)/python -m benchmarks.planar
 	$(BIN)/python -m benchmarks.response
+	$(BIN)/python -m benchmarks.hostile
 
 prove: $(STAMP)
 	$(BIN)/synth prove --whole

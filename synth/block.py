@@ -14,6 +14,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from synth import arguments
+from synth import law as laws
 from synth.errors import SignalError, TimingError
 from synth.signals import Signal, identifier, names
 from synth.timing import Discrete
@@ -22,6 +24,7 @@ Exprs = Mapping[str, ca.SX]
 Certificate = Callable[[float, float], float]
 
 
+@arguments.checked
 @dataclass(frozen=True)
 class State:
     """What a Block remembers: a signal and its value after `init`; `integer` marks counters and flags."""
@@ -48,6 +51,7 @@ class State:
         return self.signal.name
 
 
+@arguments.checked
 @dataclass(frozen=True)
 class Constant:
     """A shipped number, exact until emission rounds it; `source` says what it was computed from."""
@@ -65,6 +69,7 @@ class Constant:
             )
 
 
+@arguments.checked
 @dataclass(frozen=True)
 class Named:
     """An intermediate signal of a composition: what it is called, which Block computes it, and the equation's tag.
@@ -78,6 +83,7 @@ class Named:
     certificate: Certificate | None = None
 
 
+@arguments.checked
 @dataclass(frozen=True)
 class Fault:
     """One bit of the word that a step returns: `output` is the flag signal.
@@ -91,6 +97,7 @@ class Fault:
     suspect: str | None = None
 
 
+@arguments.checked
 @dataclass(frozen=True, eq=False)
 class Block:
     """One discrete step, symbolic. `symbol` holds a scalar SX symbol for each input, state and constant."""
@@ -137,6 +144,7 @@ class Block:
         return ca.vcat([self.symbol[name] for name in wanted])
 
 
+@arguments.checked
 @dataclass(frozen=True, eq=False)
 class Step:
     """What a law computes: outputs, the states' next values, and further signals worth a name.
@@ -156,6 +164,7 @@ class Step:
 Law = Callable[[Exprs, Exprs, Exprs], Step]
 
 
+@arguments.checked
 def build(
     name: str,
     time: Discrete,
@@ -169,8 +178,9 @@ def build(
 ) -> Block:
     """Make a Block from `law(u, x, k) -> Step`, clamping each real state to its declared bounds.
 
-    Raises SignalError when a name stands twice, when an output or a next state is missing or not declared, or when an
-    expression depends on a symbol that is not the Block's own.
+    Raises SignalError when a name stands twice, when an output or a next state is missing or not declared, when an
+    expression depends on a symbol that is not the Block's own, or when the law wants the value of a symbol, as `if`
+    does.
     """
     for group in ((*inputs, *outputs), tuple(s.signal for s in states)):
         names(group)
@@ -178,12 +188,20 @@ def build(
     symbol = {n: ca.SX.sym(n) for n in (*(s.name for s in inputs), *private)}
     if len(symbol) < len(inputs) + len(private):
         raise SignalError(f"block '{name}': an input, a state and a constant share a name: give each its own")
-    step = law(_pick(symbol, inputs), _pick(symbol, states), _pick(symbol, constants))
+    u, x, k = (
+        _pick(name, "inputs", symbol, inputs),
+        _pick(name, "states", symbol, states),
+        _pick(name, "constants", symbol, constants),
+    )
+    step = laws.evaluate(f"the law of block '{name}'", law, u, x, k)
+    if not isinstance(step, Step):
+        raise SignalError(f"the law of block '{name}' returns {arguments.found(step)}: return a Step")
     _complete(f"block '{name}': outputs", [s.name for s in outputs], step.output)
     _complete(f"block '{name}': next states", [s.name for s in states], step.next)
     advanced = {s.name: ca.SX(step.next[s.name]) for s in states}
     next = {s.name: advanced[s.name] if s.integer else clip(advanced[s.name], s.signal) for s in states}
     output = {s.name: ca.SX(step.output[s.name]) for s in outputs}
+    laws.check_numbers(f"block '{name}'", {**output, **advanced}, symbol.values())
     inside = [(Named(s, name, tag, step.certified.get(s.name)), ca.SX(expr)) for s, expr in step.named]
     inside += [(Named(s, name, tag, step.certified.get(s.name)), output[s.name]) for s in outputs]
     _closed(name, [*next.values(), *(e for _, e in inside)], symbol)
@@ -202,11 +220,13 @@ def build(
     )
 
 
+@arguments.checked
 def clip(expr: ca.SX, bounds: Signal) -> ca.SX:
     """Return `expr` limited to the range of `bounds`."""
     return ca.fmax(ca.fmin(expr, bounds.high), bounds.low)
 
 
+@arguments.checked
 def table(name: str, values: Sequence[float]) -> ca.Function:
     """Return index -> value: numbers that a law looks up by a whole index in 0 .. len(values) - 1, an SX expression.
 
@@ -233,8 +253,8 @@ def _row(name: str, values: Sequence[float]) -> list[float]:
     return list(map(float, found))
 
 
-def _pick(symbol: Exprs, wanted: Sequence[Signal | State | Constant]) -> Exprs:
-    return {s.name: symbol[s.name] for s in wanted}
+def _pick(name: str, kind: str, symbol: Exprs, wanted: Sequence[Signal | State | Constant]) -> Exprs:
+    return laws.Named(f"among its {kind} block '{name}'", {s.name: symbol[s.name] for s in wanted})
 
 
 def _closed(name: str, exprs: Sequence[ca.SX], symbol: Exprs) -> None:

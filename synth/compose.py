@@ -9,12 +9,14 @@ from dataclasses import replace
 
 import casadi as ca
 
+from synth import arguments
 from synth.block import Block, Exprs, Named
 from synth.errors import WiringError
 from synth.signals import Signal, dimension, names
 from synth.timing import Discrete, common
 
 
+@arguments.checked
 def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], outputs: Sequence[str]) -> Block:
     """Wire `blocks` by signal name into one Block with the open `inputs` and the chosen `outputs`.
 
@@ -24,7 +26,7 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
     although nobody drives or needs it, for an algebraic loop, and for a fault bit that is set twice; SignalError for
     an input or output listed twice; TimingError for unlike sample periods.
     """
-    if not blocks:
+    if not len(blocks):
         raise WiringError(f"'{name}': there is no Block to wire: give at least one")
     time = common(*(b.time for b in blocks))
     assert isinstance(time, Discrete)

@@ -7,6 +7,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from synth import arguments, law
 from synth.errors import SignalError
 from synth.signals import Parameter, Signal, names
 
@@ -14,6 +15,7 @@ Symbols = Mapping[str, ca.SX]
 Physics = Callable[[Symbols, Symbols, Symbols], tuple[Mapping[str, ca.SX], Mapping[str, ca.SX]]]
 
 
+@arguments.checked
 @dataclass(frozen=True, eq=False)
 class Plant:
     """A continuous nonlinear model; the signals' ranges are its domain.
@@ -49,11 +51,13 @@ class Plant:
         return replace(self, parameters=changed)
 
 
+@arguments.checked
 def symbols(signals: Sequence[Signal | Parameter]) -> dict[str, ca.SX]:
     """Return one scalar SX symbol for each signal, by name."""
     return {name: ca.SX.sym(name) for name in names(signals)}
 
 
+@arguments.checked
 def build(
     name: str,
     states: Sequence[Signal],
@@ -67,13 +71,26 @@ def build(
     Raises SignalError when a derivative or output is missing or one is not known, or when a state's unit is unreadable.
     """
     x, u, p = symbols(states), symbols(inputs), symbols(parameters)
-    derivative, output = physics(x, u, p)
+    kinds = zip(("states", "inputs", "parameters"), (x, u, p), strict=True)
+    named = (law.Named(f"among its {kind} plant '{name}'", s) for kind, s in kinds)
+    derivative, output = _pair(name, law.evaluate(f"the physics of plant '{name}'", physics, *named))
     _same_names(f"plant '{name}': derivatives", names(states), derivative)
     _same_names(f"plant '{name}': outputs", names(outputs), output)
     args = [ca.vcat(list(s.values())) for s in (x, u, p)]
     f = ca.Function("f", args, [ca.vcat([derivative[s.name] for s in states])], ["x", "u", "p"], ["dx"])
+    for exprs in (derivative, output):
+        law.check_numbers(f"plant '{name}'", exprs, args)
     h = ca.Function("h", args, [ca.vcat([output[s.name] for s in outputs])], ["x", "u", "p"], ["y"])
     return Plant(name, tuple(states), tuple(inputs), tuple(outputs), tuple(parameters), f, h)
+
+
+def _pair(name: str, given: object) -> tuple[Mapping[str, ca.SX], Mapping[str, ca.SX]]:
+    if isinstance(given, tuple) and len(given) == 2 and all(isinstance(part, Mapping) for part in given):
+        return given
+    raise SignalError(
+        f"the physics of plant '{name}' returns {arguments.found(given)}: return two mappings, the derivatives by "
+        "state and the outputs by name"
+    )
 
 
 def _same_names(what: str, wanted: Sequence[str], found: Mapping[str, ca.SX]) -> None:

@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 
+from synth import arguments
 from synth.errors import SignalError
 
 Dimension = tuple[tuple[str, Fraction], ...]
@@ -33,6 +34,7 @@ _KEYWORD = re.compile(
 _FACTOR = re.compile(r"(?P<op>[ /])?(?P<name>1|[A-Za-z]+)(?:\^(?P<power>-?\d+))?")
 
 
+@arguments.checked
 def dimension(unit: str) -> Dimension:
     """Parse `unit` into sorted (base unit, exponent) pairs.
 
@@ -64,6 +66,7 @@ def _factor(name: str, unit: str) -> Dimension:
     raise SignalError(f"unit '{unit}' contains '{name}', which is not one of {known}: use SI units without prefix")
 
 
+@arguments.checked
 def identifier(kind: str, name: str) -> None:
     """Raise SignalError when `name` cannot stand in C as the name of a `kind`."""
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or _KEYWORD.fullmatch(name):
@@ -72,6 +75,7 @@ def identifier(kind: str, name: str) -> None:
         )
 
 
+@arguments.checked
 @dataclass(frozen=True)
 class Signal:
     """A scalar quantity that is wired by name.
@@ -95,6 +99,7 @@ class Signal:
             )
 
 
+@arguments.checked
 @dataclass(frozen=True)
 class Parameter:
     """A physical constant: value in `unit`, relative tolerance, and the source that states it."""
@@ -114,8 +119,12 @@ class Parameter:
             )
 
 
+@arguments.checked
 def names(signals: Iterable[Signal | Parameter]) -> tuple[str, ...]:
     """Return the names in order; raise SignalError when one stands twice."""
+    signals = tuple(signals)
+    if strangers := [s for s in signals if not isinstance(s, Signal | Parameter)]:
+        raise SignalError(f"{arguments.found(strangers[0])} is no signal: give a list of Signals or Parameters")
     found = tuple(s.name for s in signals)
     for name in found:
         if found.count(name) > 1:

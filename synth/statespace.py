@@ -4,6 +4,7 @@ Wherever the package takes a model it takes a System: a StateSpace, plain arrays
 it.
 """
 
+import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -12,21 +13,25 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from synth import resolvent, show
-from synth.errors import ModelError, SignalError
+from synth import arguments, resolvent, show
+from synth.errors import ModelError, SignalError, TimingError
 from synth.signals import dimension
-from synth.timing import Continuous, Discrete, Time
+from synth.timing import Continuous, Discrete, Time, period
 
 Array = NDArray[np.float64]
 
 
 def readonly(values: ArrayLike) -> Array:
-    """Return a read-only float64 copy."""
-    array = np.array(values, dtype=np.float64)
+    """Return a read-only float64 copy; raise SignalError when the values are no array of numbers."""
+    try:
+        array = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise SignalError(f"{arguments.found(values)} is no array of real numbers ({error}): give one") from error
     array.flags.writeable = False
     return array
 
 
+@arguments.checked
 @show.printed
 @dataclass(frozen=True, eq=False, repr=False)
 class StateSpace:
@@ -54,7 +59,7 @@ class StateSpace:
             raise SignalError(f"the time is {self.time!r}: give Continuous() or Discrete(period in seconds)")
         n, m, p = len(self.states), len(self.inputs), len(self.outputs)
         for letter, shape in {"A": (n, n), "B": (n, m), "C": (p, n), "D": (p, m)}.items():
-            value = readonly(_real(letter, getattr(self, letter)))
+            value = readonly(arguments.real(f"entries of {letter}", getattr(self, letter)))
             if value.shape != shape:
                 raise SignalError(f"{letter} has shape {value.shape} but the signal names ask for {shape}")
             if not np.isfinite(value).all():
@@ -159,6 +164,7 @@ System = StateSpace | Sequence[Any] | Any
 state-space model or transfer function of python-control or of scipy.signal."""
 
 
+@arguments.checked
 def of(system: System) -> StateSpace:
     """Return a System as a StateSpace; arrays get the names x1.., u1.., y1.., C is I and D is 0 where left out.
 
@@ -184,6 +190,37 @@ def of(system: System) -> StateSpace:
     )
 
 
+@arguments.checked
+def together(*systems: System) -> tuple[StateSpace, ...]:
+    """Return Systems that are to be connected, each as `of` does.
+
+    A python-control system whose `dt` is None has the time of the others, and one whose `dt` is True, which is sampled
+    with a period that is not told, has their period.
+
+    Raises as `of`, which is asked for all systems where none of them has a time; TimingError for a `dt` of True beside
+    continuous models.
+    """
+    known = [of(system) for system in systems if not _lacks_period(system)]
+    if not known:
+        return tuple(of(system) for system in systems)
+    time, given = known[0].time, iter(known)
+    return tuple(_in_time(system, time) if _lacks_period(system) else next(given) for system in systems)
+
+
+def _lacks_period(system: System) -> bool:
+    """Tell whether a system of python-control says nothing of its time, or of its period."""
+    dt = getattr(system, "dt", 0)
+    return hasattr(system, "ninputs") and (dt is None or dt is True)
+
+
+def _in_time(system: Any, time: Time) -> StateSpace:
+    if system.dt and isinstance(time, Continuous):
+        raise TimingError(f"a sampled system (dt is True) meets {time}: sample the other, or give it its period")
+    known = copy.copy(system)
+    known.dt = period(time) if isinstance(time, Discrete) else 0
+    return of(known)
+
+
 def _from_fractions(system: Any) -> StateSpace:
     """Return python-control's transfer functions, each in companion form: nothing is cancelled."""
     p, m = len(system.num), len(system.num[0])
@@ -202,7 +239,7 @@ def _from_fractions(system: Any) -> StateSpace:
 
 def _companion(numerator: Any, denominator: Any) -> tuple[Array, Array, Array, float]:
     """Return A (n, n), B (n,), C (n,) and D of numerator over denominator, highest powers first."""
-    given = [two_dimensional(name, [v])[0] for name, v in (("numerator", numerator), ("denominator", denominator))]
+    given = [arguments.matrix(name, [v])[0] for name, v in (("numerator", numerator), ("denominator", denominator))]
     if not all(np.isfinite(v).all() for v in given):
         raise SignalError(f"the transfer function {given[0]} / {given[1]} is not finite: give finite coefficients")
     b, a = (np.trim_zeros(v, "f") for v in given)
@@ -220,12 +257,13 @@ def _companion(numerator: Any, denominator: Any) -> tuple[Array, Array, Array, f
     return A, np.eye(n, 1)[:, 0], C, float(b[0])
 
 
+@arguments.checked
 def coefficients(system: Any) -> tuple[Array, Array] | None:
     """Return numerator and denominator of a scalar transfer function, highest powers first; None for another System."""
     if not all(hasattr(system, name) for name in ("num", "den", "dt")):
         return None
     b, a = (v[0][0] if isinstance(v, list) else v for v in (system.num, system.den))
-    return two_dimensional("numerator", [b])[0], two_dimensional("denominator", [a])[0]
+    return arguments.matrix("numerator", [b])[0], arguments.matrix("denominator", [a])[0]
 
 
 def _from_scipy(system: Any) -> StateSpace:
@@ -244,7 +282,7 @@ def _from_arrays(arrays: Sequence[Any]) -> StateSpace:
         given.pop()
     if len(given) not in (2, 3, 4):
         raise SignalError(f"{len(given)} arrays make no linear model: give (A, B), (A, B, C) or (A, B, C, D)")
-    A, B, *rest = (two_dimensional(name, value) for name, value in zip("ABCD", given, strict=False))
+    A, B, *rest = (arguments.matrix(name, value) for name, value in zip("ABCD", given, strict=False))
     states, inputs = _numbered("x", len(A)), _numbered("u", B.shape[1])
     C = rest[0] if rest else np.eye(len(A))
     D = rest[1] if len(rest) > 1 else np.zeros((len(C), B.shape[1]))
@@ -272,25 +310,6 @@ def _numbered(letter: str, count: int) -> tuple[str, ...]:
     return tuple(f"{letter}{k + 1}" for k in range(count))
 
 
-def two_dimensional(name: str, values: ArrayLike) -> Array:
-    """Return a matrix as float64, a scalar as (1, 1); raise SignalError, calling it `name`, when it is no matrix."""
-    array = _real(name, values)
-    array = array.reshape(1, 1) if array.ndim == 0 else array
-    if array.ndim != 2:
-        raise SignalError(f"{name} has shape {array.shape}: give a matrix with two dimensions")
-    return array
-
-
-def _real(name: str, values: ArrayLike) -> Array:
-    """Return an array as float64; raise SignalError, calling it `name`, when its entries are no real numbers."""
-    try:
-        if np.iscomplexobj(values):
-            raise ValueError("it is complex")
-        return np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise SignalError(f"{name} is no array of real numbers ({error}): give a matrix") from error
-
-
 def _places(names: Sequence[str], known: Sequence[str]) -> list[int]:
     for name in names:
         if name not in known:
@@ -298,8 +317,11 @@ def _places(names: Sequence[str], known: Sequence[str]) -> list[int]:
     return [known.index(name) for name in names]
 
 
+@arguments.checked
 def from_control(system: Any) -> StateSpace:
     """Return a python-control StateSpace as this package's; raise SignalError when its time base is not given."""
+    if not all(hasattr(system, name) for name in ("A", "B", "C", "D", "dt", "state_labels")):
+        raise SignalError(f"{arguments.found(system)} is no StateSpace of python-control: give one, or use `of`")
     time = _time(system.dt)
     labels = (tuple(system.state_labels), tuple(system.input_labels), tuple(system.output_labels))
     return StateSpace(system.A, system.B, system.C, system.D, *labels, time)

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 from numbers import Real
 
+from synth import arguments
 from synth.errors import TimingError
 
 
@@ -37,14 +38,18 @@ class Discrete:
 Time = Continuous | Discrete
 
 
+@arguments.checked
 def common(*times: Time) -> Time:
-    """Return the one time that all share; raise TimingError naming the first that differs."""
+    """Return the one time that all share; raise TimingError naming the first that differs, or for none at all."""
+    if not times:
+        raise TimingError("no times were given to compare: give one or more")
     for time in times[1:]:
         if time != times[0]:
             raise TimingError(f"{times[0]} meets {time}: discretise or resample one of them")
     return times[0]
 
 
+@arguments.checked
 def period(time: Time) -> float:
     """Return the sample period in seconds; raise TimingError for continuous time."""
     if isinstance(time, Discrete):

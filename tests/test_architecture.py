@@ -10,7 +10,21 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-VOCABULARY = ("errors", "check", "show", "signals", "timing", "plant", "resolvent", "statespace", "block", "compose")
+VOCABULARY = (
+    "errors",
+    "kinds",
+    "arguments",
+    "check",
+    "show",
+    "signals",
+    "timing",
+    "law",
+    "plant",
+    "resolvent",
+    "statespace",
+    "block",
+    "compose",
+)
 LAYERS = ("analyse", "synthesise", "emit", "execute", "simulate", "verify", "report", "workspace", "cli")
 RANK = {("synth", name): 0 for name in VOCABULARY}
 RANK |= {("synth", name): rank for rank, name in enumerate(LAYERS, 1)}

@@ -12,7 +12,7 @@ import numpy as np
 import scipy.linalg
 from scipy.linalg import lapack
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import staircase, structure
 from synth.analyse.staircase import Complex
 from synth.statespace import Array, System, of
@@ -81,6 +81,7 @@ class Couplings:
         return show.Sheet(f"Couplings of the modes in {self.time}", tuple(lines), (show.Table(columns, rows),))
 
 
+@arguments.checked
 def couplings(system: System) -> Couplings:
     """Return how strongly inputs move and outputs show each mode of a System.
 

@@ -21,11 +21,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import lapack
 
+from synth import arguments
 from synth.analyse import precise
 from synth.errors import ModelError, SignalError, TimingError
-from synth.statespace import Array, StateSpace, System, of, readonly, two_dimensional
+from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.timing import Continuous, Discrete
 
+MOST_STATES = 10_000  # of a delayed model, whose A then takes 800 MB
 TERMS = 19  # 2 |F| t <= 1: the first term that is left out is below 1 / 20! = 4e-19 of the sum
 LOOKS = (7, 12)  # terms after which to look whether more are needed
 LAST = 2.0**-60  # of each entry of the sum: a term this small, the next being smaller, is the last that is added
@@ -49,6 +51,7 @@ class Propagation:
     W: Array
 
 
+@arguments.checked
 def gramian(F: ArrayLike, W: ArrayLike, period_s: float, exact: bool = False) -> Propagation:
     """Return exp(F T) and the integral of exp(F t)' W exp(F t) over a period; F (n, n), W (n, n) symmetric.
 
@@ -69,6 +72,7 @@ def gramian(F: ArrayLike, W: ArrayLike, period_s: float, exact: bool = False) ->
     return Propagation(readonly(M), readonly(W))
 
 
+@arguments.checked
 def zero_order_hold(system: System, period_s: float) -> StateSpace:
     """Return the model sampled with its inputs held over each period; names and units stay.
 
@@ -84,13 +88,14 @@ def zero_order_hold(system: System, period_s: float) -> StateSpace:
     return replace(model, A=E[:n, :n], B=E[:n, n:], time=time)
 
 
+@arguments.checked
 def first_order_hold(A: ArrayLike, B: ArrayLike, period_s: float) -> Ramp:
     """Return the exact response over one period to an input that is linear in between; A (n, n), B (n, m).
 
     Raises SignalError for shapes that do not fit or entries that are not finite; TimingError when the period is not
     positive; ModelError as `precise.resolved`.
     """
-    A, B, T = _square("A", A), two_dimensional("B", B), _period(period_s).period_s
+    A, B, T = _square("A", A), arguments.matrix("B", B), _period(period_s).period_s
     if len(B) != len(A) or not np.isfinite(B).all():
         raise SignalError(f"A is {A.shape} and B is {B.shape}: give B {len(A)} rows of finite numbers")
     n, m = B.shape
@@ -100,27 +105,28 @@ def first_order_hold(A: ArrayLike, B: ArrayLike, period_s: float) -> Ramp:
     return Ramp(*(readonly(E[:n, part]) for part in (slice(n), slice(n, n + m), slice(n + m, None))))
 
 
+@arguments.checked
 def with_delay(system: System, samples: int = 1) -> StateSpace:
     """Return a sampled model whose inputs arrive `samples` periods late; each delay is a state ``<input>_late<k>``.
 
     Such a state has the unit of its input.
 
-    Raises TimingError for a continuous model or a count that is negative or not whole.
+    Raises TimingError for a continuous model, or a count that is negative, not whole or makes too many states.
     """
     model = of(system)
-    if not isinstance(samples, int | np.integer):
-        raise TimingError(f"a delay of {samples!r} samples was asked for: give a whole number")
     if isinstance(model.time, Continuous) or samples < 0:
         raise TimingError(f"a delay of {samples} samples in {model.time}: sample the model and delay it by 0 or more")
-    for k in range(samples):
-        n, m = model.B.shape
-        A = np.block([[model.A, model.B], [np.zeros((m, n + m))]])
-        B = np.vstack([np.zeros((n, m)), np.eye(m)])
-        C, D = np.hstack([model.C, model.D]), np.zeros_like(model.D)
-        late = tuple(f"{name}_late{k + 1}" for name in model.inputs)
-        units = {new: model.unit(name) for new, name in zip(late, model.inputs, strict=True) if name in model.units}
-        model = replace(model, A=A, B=B, C=C, D=D, states=model.states + late, units={**model.units, **units})
-    return model
+    (n, m), late = model.B.shape, samples * len(model.inputs)
+    if n + late > MOST_STATES:
+        raise TimingError(f"a delay of {samples} samples makes {n + late} states of {n}: take at most {MOST_STATES}")
+    if not late:
+        return model
+    A = np.block([[model.A, model.B, np.zeros((n, late - m))], [np.zeros((late, n)), np.eye(late, k=m)]])
+    B = np.vstack([np.zeros((n + late - m, m)), np.eye(m)])
+    C, D = np.hstack([model.C, model.D, np.zeros((len(model.C), late - m))]), np.zeros_like(model.D)
+    names = [(f"{name}_late{k + 1}", name) for k in range(samples) for name in model.inputs]
+    units = {**model.units, **{new: model.units[name] for new, name in names if name in model.units}}
+    return replace(model, A=A, B=B, C=C, D=D, states=(*model.states, *(new for new, _ in names)), units=units)
 
 
 def _doubled(F: Array, W: Array, period_s: float) -> tuple[Array, Array]:
@@ -196,7 +202,7 @@ def _period(period_s: float) -> Discrete:
 
 
 def _square(name: str, values: ArrayLike) -> Array:
-    matrix = two_dimensional(name, values)
+    matrix = arguments.matrix(name, values)
     if matrix.shape[0] != matrix.shape[1] or not np.isfinite(matrix).all():
         raise SignalError(f"{name} is {matrix.shape}: give a square matrix of finite numbers")
     return matrix

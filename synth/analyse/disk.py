@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import equilibrate, structured_peak
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
@@ -100,7 +100,7 @@ class DiskMargin:
     def factors(self) -> Complex:
         """f (p,) for `delta`: the factors on the channels that make the loop oscillate at `frequency`."""
         a, b = _halves(self.skew)
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(all="ignore"):
             f = (1 + a * self.delta) / (1 - b * self.delta)
         return np.where(np.isfinite(f), f, np.inf)
 
@@ -140,6 +140,7 @@ class DiskMargin:
         return show.Sheet(f"Disk margin of {count} in {self.time}: {n(self.alpha)}", lines, (table,))
 
 
+@arguments.checked
 def of_loop(loop: System, skew: float = 0.0, certify: bool = True) -> DiskMargin:
     """Return the disk margin of a loop L (p, p), all channels varied at once; they are called as L's inputs.
 
@@ -152,6 +153,7 @@ def of_loop(loop: System, skew: float = 0.0, certify: bool = True) -> DiskMargin
     return _margin(_closed(model, skew), model.inputs, skew, certify)
 
 
+@arguments.checked
 def each(loop: System, skew: float = 0.0) -> Mapping[str, DiskMargin]:
     """Return the disk margin of each channel of a loop, the others left as they are, by the names of L's inputs.
 

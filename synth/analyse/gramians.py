@@ -19,7 +19,7 @@ from numbers import Real
 import numpy as np
 import scipy.linalg
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import discretise, staircase, structure
 from synth.errors import ModelError, TimingError
 from synth.statespace import Array, StateSpace, System, of, readonly
@@ -70,6 +70,7 @@ class Gramians:
         return show.Sheet(f"Gramians {self.span}; residual {self.residual:.1e}", tables=tables)
 
 
+@arguments.checked
 def gramians(system: System) -> Gramians:
     """Return the Gramians of a System over all time, those of its unstable part backward in time.
 
@@ -92,6 +93,7 @@ def gramians(system: System) -> Gramians:
     return _gramians(model, x[:, None] * T, span)
 
 
+@arguments.checked
 def over(system: System, horizon_s: float) -> Gramians:
     """Return the Gramians of a System from 0 to `horizon_s`, rounded to whole samples in discrete time.
 

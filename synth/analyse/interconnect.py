@@ -14,15 +14,17 @@ from numbers import Real
 import numpy as np
 import scipy.linalg
 
+from synth import arguments
 from synth.analyse import equilibrate
 from synth.errors import ModelError, SignalError
 from synth.signals import dimension
-from synth.statespace import Array, StateSpace, System, of
+from synth.statespace import Array, StateSpace, System, together
 from synth.timing import common
 
 Wires = Mapping[str, Mapping[str, float]]
 
 
+@arguments.checked
 def connect(models: Sequence[System], inputs: Sequence[str], outputs: Sequence[str], wires: Wires) -> StateSpace:
     """Return the model from the external `inputs` to some of the models' `outputs`.
 
@@ -33,7 +35,7 @@ def connect(models: Sequence[System], inputs: Sequence[str], outputs: Sequence[s
     external input that reaches no model, a factor that is no finite number or a wire of factor 1 or -1 between unlike
     units; ModelError for an algebraic loop without a solution.
     """
-    parts = [of(m) for m in models]
+    parts = together(*models)
     if not parts:
         raise SignalError("there are no models to connect: give at least one")
     time = common(*(m.time for m in parts))

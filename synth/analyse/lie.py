@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
+from synth import arguments
 from synth.analyse import rounding
 from synth.analyse.box import Box
 from synth.errors import ModelError, SignalError
@@ -54,6 +55,7 @@ class Affine:
         return rounding.without_zeros(ca.cse(ca.mtimes(ca.jacobian(e, self.x), self.G)), self.box)
 
 
+@arguments.checked
 def affine(plant: Plant, outputs: Sequence[str] | None = None, held: Mapping[str, float] | None = None) -> Affine:
     """Return the plant in affine form: the named `outputs`, all when left out, and the inputs that are not `held`.
 

@@ -8,6 +8,7 @@ at (x0, u0, p0), by exact differentiation of the plant's expressions.
 import casadi as ca
 import numpy as np
 
+from synth import arguments
 from synth.analyse.trim import OperatingPoint
 from synth.errors import SignalError
 from synth.plant import Plant
@@ -16,6 +17,7 @@ from synth.statespace import StateSpace
 from synth.timing import Continuous
 
 
+@arguments.checked
 def linearise(plant: Plant, point: OperatingPoint) -> StateSpace:
     """Return the Jacobians A (n, n), B (n, m), C (p, n), D (p, m) at `point`, in the units of the signals.
 

@@ -20,6 +20,7 @@ import casadi as ca
 import flint
 import numpy as np
 
+from synth import arguments
 from synth.analyse import discretise, precise, structure
 from synth.block import Block
 from synth.errors import ModelError, SignalError, TimingError
@@ -31,6 +32,7 @@ WHOLE = 1e-9  # of a sample: a delay that is nearer to a whole count of samples 
 LONGEST = 500  # states for the delay: the eigenvalues of the loop cost their cube
 
 
+@arguments.checked
 def cut(blocks: Sequence[Block], signal: str) -> tuple[Block, ...]:
     """Return the Blocks with the driver of `signal` renamed to ``<signal>_out``.
 
@@ -52,6 +54,7 @@ def _renamed(block: Block, old: str, new: str) -> Block:
     return replace(block, outputs=outputs, inside=inside, output=output, faults=faults)
 
 
+@arguments.checked
 def linearised(block: Block, state: Mapping[str, float], inputs: Mapping[str, float]) -> StateSpace:
     """Return the Block's Jacobians at a state and inputs, by name; a state that is not given is at its initial value.
 
@@ -73,6 +76,7 @@ def linearised(block: Block, state: Mapping[str, float], inputs: Mapping[str, fl
     return StateSpace(A, B, C, D, states, names(block.inputs), names(block.outputs), block.time)
 
 
+@arguments.checked
 def sampled(plant: System, period_s: float, delay_s: float = 0.0) -> StateSpace:
     """Return a continuous plant with its inputs held over each period and late by any `delay_s` >= 0, exactly.
 
@@ -144,6 +148,7 @@ def _split(plant: StateSpace, T: float, fraction: float) -> Array:
     return E
 
 
+@arguments.checked
 def opened(
     plant: System,
     controller: System,

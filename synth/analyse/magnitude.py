@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq, minimize
 
+from synth import arguments, law
 from synth.errors import ModelError, SignalError
 from synth.signals import Signal, names
 from synth.statespace import readonly
@@ -82,6 +83,7 @@ class _Scan:
         return np.array([axis.ravel() for axis in axes]).reshape(len(self.low), -1)
 
 
+@arguments.checked
 def magnitudes(
     terms: Exprs, symbols: Exprs, box: Sequence[Signal], along: str, points: ArrayLike, held: Mapping[str, float]
 ) -> Magnitudes:
@@ -92,16 +94,18 @@ def magnitudes(
     Raises SignalError when a term contains a symbol that is neither in the box, nor `along`, nor held; ModelError when
     a term is not finite in the box.
     """
-    points = np.atleast_1d(np.asarray(points, dtype=np.float64))
+    points = np.atleast_1d(arguments.real("points", points))
+    if points.ndim != 1 or not np.isfinite(points).all():
+        raise SignalError(f"the points of '{along}' have shape {points.shape} or are not finite: give finite numbers")
     boxed, scan = names(box), _scan(box)
-    free = ca.vcat([symbols[n] for n in boxed])
+    free = law.column("the symbols", symbols, boxed)
     known = {along: symbols.get(along), **{n: symbols.get(n) for n in held}}
     if unknown := [n for n, s in known.items() if s is None]:
         raise SignalError(f"no symbol for {', '.join(unknown)}: there are {', '.join(symbols)}")
     best = []
     for point in points:
         values = dict(held) | {along: float(point)}
-        old, new = ca.vcat([symbols[n] for n in values]), ca.vcat(list(values.values()))
+        old, new = law.column("the symbols", symbols, values), ca.vcat(list(values.values()))
         exprs = [ca.substitute(ca.SX(expr), old, ca.SX(new)) for expr in terms.values()]
         best.append([_largest(n, _compiled(e, free, scan), scan, boxed) for n, e in zip(terms, exprs, strict=True)])
     maxima = readonly([[value for value, _ in row] for row in best])
@@ -109,6 +113,7 @@ def magnitudes(
     return Magnitudes(along, readonly(points), tuple(terms), boxed, maxima, worst)
 
 
+@arguments.checked
 def conditioning(matrix: ca.SX, symbols: Exprs, box: Sequence[Signal]) -> Conditioning:
     """Return min |det| and max cond of a square `matrix` over `box`, and where they are.
 
@@ -119,7 +124,7 @@ def conditioning(matrix: ca.SX, symbols: Exprs, box: Sequence[Signal]) -> Condit
     if matrix.size1() != matrix.size2():
         raise ModelError(f"a matrix of shape {matrix.shape} has no determinant: give as many inputs as outputs")
     boxed, scan = names(box), _scan(box)
-    free = ca.vcat([symbols[n] for n in boxed])
+    free = law.column("the symbols", symbols, boxed)
     det_value, det_at = _least_determinant(_compiled(ca.det(matrix), free, scan), scan, boxed)
     evaluate = _function(ca.vec(matrix), free)
     n = matrix.size1()
@@ -133,6 +138,7 @@ def conditioning(matrix: ca.SX, symbols: Exprs, box: Sequence[Signal]) -> Condit
     return Conditioning(det_value, named[0], cond_value, named[1])
 
 
+@arguments.checked
 def require_invertible(
     matrix: ca.SX,
     symbols: Exprs,

@@ -25,7 +25,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import crossings, delayed_crossings, nyquist, perturbation, rational, traced_crossings, transfer
 from synth.analyse.crossings import Course, Crossing
 from synth.analyse.perturbation import Perturbation
@@ -148,6 +148,7 @@ def _both(frequency: float) -> str:
     return "{} rad/s, {} Hz".format(*_pair(frequency))
 
 
+@arguments.checked
 def of_loop(loop: Loop, low: float | None = None, high: float | None = None) -> Margins:
     """Return the margins of a scalar loop between `low` and `high` rad/s, and where L is real at their far ends.
 

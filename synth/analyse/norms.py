@@ -23,7 +23,7 @@ from typing import TypeVar
 import numpy as np
 import scipy.linalg
 
-from synth import resolvent, show
+from synth import arguments, resolvent, show
 from synth.analyse import peak_gain, transfer, twofold
 from synth.errors import ModelError
 from synth.statespace import Array, StateSpace, System, of
@@ -96,6 +96,7 @@ class NormHinf:
         return show.Sheet(title, (self.reason or bounds,))
 
 
+@arguments.checked
 def norm_h2(system: System) -> NormH2:
     """Return the H2 norm of a System: the root mean square of its outputs under white noise of unit density.
 
@@ -119,6 +120,7 @@ def norm_h2(system: System) -> NormH2:
     return NormH2(float(np.sqrt(square.value)), error, model.time)
 
 
+@arguments.checked
 def norm_hinf(system: System) -> NormHinf:
     """Return the H-infinity norm of a System: the largest gain over all frequencies and directions.
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import staircase, structure
 from synth.errors import ModelError
 from synth.statespace import Array, StateSpace, System, of
@@ -82,6 +82,7 @@ class Minimal:
         return show.Sheet(f"Minimal model: {len(self.model.states)} of {before} states", tuple(lines), tables)
 
 
+@arguments.checked
 def minimal(system: System) -> Minimal:
     """Return a System without the parts that no input moves or no output shows.
 

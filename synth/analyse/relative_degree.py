@@ -18,7 +18,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import box, lie, rounding, singularity
 from synth.analyse.lie import Affine
 from synth.errors import ModelError
@@ -148,6 +148,7 @@ class RelativeDegree:
         return show.Sheet(f"Relative degree of '{self.model.name}'", tuple(lines), (table,))
 
 
+@arguments.checked
 def of_plant(
     plant: Plant, outputs: Sequence[str] | None = None, held: Mapping[str, float] | None = None
 ) -> RelativeDegree:
@@ -158,6 +159,7 @@ def of_plant(
     return of_affine(lie.affine(plant, outputs, held))
 
 
+@arguments.checked
 def of_affine(model: Affine) -> RelativeDegree:
     """Return the vector relative degree of a plant in affine form.
 

@@ -33,11 +33,11 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import interconnect, transfer
 from synth.errors import ModelError, SignalError, TimingError
 from synth.signals import dimension
-from synth.statespace import StateSpace, System, of
+from synth.statespace import StateSpace, System, together
 from synth.timing import Continuous, common, period
 
 ARROWS = {
@@ -146,14 +146,17 @@ class ClosedLoop:
         )
 
 
+@arguments.checked
 def close(plant: System, controller: System) -> ClosedLoop:
     """Return the closed loop of a plant (p outputs, m inputs) and a controller (m, p), wired in their signals' order.
+
+    A python-control system without a time base (`dt` None or True, as static gains have) takes that of the other.
 
     Raises TimingError when one is continuous and the other sampled; SignalError for a plant without inputs or outputs,
     for counts or units that do not fit, or when the controller drives the plant's inputs by name in another order;
     ModelError when I + P K has no inverse.
     """
-    P, K = of(plant), of(controller)
+    P, K = together(plant, controller)
     _require_fit(P, K)
     y, v = P.outputs, P.inputs
     signals = {

@@ -22,7 +22,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize
 from scipy.stats import qmc
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import box, rounding
 from synth.errors import ModelError, SignalError
 from synth.signals import Signal, names
@@ -115,13 +115,22 @@ class ConditionMap:
         return show.Sheet(f"Condition of the {self.what}", tuple(lines), (table,))
 
 
+@arguments.checked
 def scaled(
     matrix: ca.SX, symbols: ca.SX, signals: Sequence[Signal], inputs: Sequence[Signal], labels: Sequence[str]
 ) -> Scaled:
     """Return `matrix` (p, m) of the `symbols` (d,) of `signals`, with a row for each label and a column for each input.
 
-    Raises ModelError when a row is zero all over the box, or an entry is not finite.
+    Raises SignalError for counts that do not fit or a symbol that is none of theirs; ModelError when a row is zero all
+    over the box, or an entry is not finite.
     """
+    if matrix.shape != (len(labels), len(inputs)) or symbols.shape != (len(signals), 1):
+        raise SignalError(
+            f"a matrix {matrix.shape} of symbols {symbols.shape} has {len(labels)} rows, {len(inputs)} columns and "
+            f"{len(signals)} signals named: give each row, each column and each symbol a name"
+        )
+    if strange := {v.name() for v in ca.symvar(matrix)} - {v.name() for v in ca.symvar(symbols)}:
+        raise SignalError(f"the matrix contains {', '.join(sorted(strange))}: give each symbol its signal")
     places = box.entering(matrix, symbols, signals)
     entering = tuple(signals[k] for k in places)
     function = ca.Function("M", [symbols[places]], [ca.densify(ca.vec(matrix))])
@@ -134,6 +143,7 @@ def scaled(
     return replace(bare, rows=readonly(rows), strongest=strongest)
 
 
+@arguments.checked
 def worst(matrix: Scaled) -> Worst:
     """Return where over its box the matrix comes nearest to losing rank, or loses it."""
     points = _points(matrix.box)
@@ -155,6 +165,7 @@ def worst(matrix: Scaled) -> Worst:
     return _told(matrix, best, at)
 
 
+@arguments.checked
 def mapped(
     matrix: Scaled, down: str, across: str, held: Mapping[str, float] | None = None, what: str = "decoupling matrix"
 ) -> ConditionMap:

@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import staircase
 from synth.analyse.equilibrate import equilibrated
 from synth.analyse.staircase import Complex
@@ -117,6 +117,7 @@ class Zeros:
         return show.Sheet(title, tuple(lines), _tables("zero", self.roots))
 
 
+@arguments.checked
 def poles(system: System) -> Poles:
     """Return the poles of a System, each with damping, frequency and the states that take part in it.
 
@@ -129,6 +130,7 @@ def poles(system: System) -> Poles:
     return Poles(_roots(model, values * part.rate, vectors, nothing, nothing), model.time)
 
 
+@arguments.checked
 def transmission_zeros(system: System) -> Zeros:
     """Return the finite transmission zeros of a System with any numbers of inputs and outputs.
 
@@ -151,9 +153,13 @@ def transmission_zeros(system: System) -> Zeros:
     )
 
 
+@arguments.checked
 def unmoved(A: ArrayLike, B: ArrayLike, states: Sequence[str], time: Time) -> list[Mode]:
-    """Return the modes that do not decay and that no input moves; A (n, n), B (n, m)."""
-    A, B = np.asarray(A, dtype=float), np.asarray(B, dtype=float)
+    """Return the modes that do not decay and that no input moves; A (n, n), B (n, m).
+
+    Raises SignalError for other shapes and what is not finite.
+    """
+    A, B = arguments.fitting("A", A, len(states), len(states)), arguments.fitting("B", B, len(states))
     n, m = B.shape
     part = staircase.scaled(A, B, np.zeros((0, n)), np.zeros((0, m)))
     values, w = staircase.unreached(part)
@@ -162,6 +168,7 @@ def unmoved(A: ArrayLike, B: ArrayLike, states: Sequence[str], time: Time) -> li
     return list(named_modes((values[lasting], w[:, lasting]), part.B.T, part.rate, states))
 
 
+@arguments.checked
 def require_stabilisable(A: ArrayLike, B: ArrayLike, states: Sequence[str], inputs: Sequence[str], time: Time) -> None:
     """Raise ModelError naming the first mode that does not decay and that none of the `inputs` moves."""
     for mode in unmoved(A, B, states, time):
@@ -172,9 +179,10 @@ def require_stabilisable(A: ArrayLike, B: ArrayLike, states: Sequence[str], inpu
         )
 
 
+@arguments.checked
 def require_detectable(A: ArrayLike, C: ArrayLike, states: Sequence[str], what: str, time: Time) -> None:
     """Raise ModelError naming the first mode that does not decay and that C (p, n), called `what`, does not show."""
-    for mode in unmoved(np.asarray(A, dtype=float).T, np.asarray(C, dtype=float).T, states, time):
+    for mode in unmoved(arguments.matrix("A", A).T, arguments.matrix("C", C).T, states, time):
         who = ", ".join(mode.states)
         raise ModelError(
             f"({what}, A) is not detectable: mode {_number(mode.value)} in {who} has |C v| = {mode.measure:.0e}: "
@@ -182,18 +190,21 @@ def require_detectable(A: ArrayLike, C: ArrayLike, states: Sequence[str], what: 
         )
 
 
+@arguments.checked
 def check_stabilisable(system: System) -> None:
     """Raise ModelError naming the first mode of a System that does not decay and that none of its inputs moves."""
     model = of(system)
     require_stabilisable(model.A, model.B, model.states, model.inputs, model.time)
 
 
+@arguments.checked
 def check_detectable(system: System) -> None:
     """Raise ModelError naming the first mode of a System that does not decay and that none of its outputs shows."""
     model = of(system)
     require_detectable(model.A, model.C, model.states, ", ".join(model.outputs) or "no output", model.time)
 
 
+@arguments.checked
 def has_transmission_zero(model: StateSpace, s: complex) -> bool:
     """Tell whether the Rosenbrock matrix [[A - s I, B], [C, D]] loses row rank at s."""
     rosenbrock = np.block([[model.A - s * np.eye(len(model.A)), model.B], [model.C, model.D]])
@@ -204,6 +215,7 @@ def has_transmission_zero(model: StateSpace, s: complex) -> bool:
     return bool(values[-1] <= staircase.COUPLING * values[0])
 
 
+@arguments.checked
 def connected(model: StateSpace) -> StateSpace:
     """Return the model without the states that no input reaches or that reach no output, told by zeros of A, B, C.
 
@@ -218,6 +230,7 @@ def connected(model: StateSpace) -> StateSpace:
     return replace(model, A=model.A[np.ix_(keep, keep)], B=model.B[keep], C=model.C[:, keep], states=states)
 
 
+@arguments.checked
 def pair(value: complex) -> str:
     """Return a real root, or a root and its conjugate, as text."""
     return f"{value.real:.5g} +- {abs(value.imag):.5g}i" if value.imag else show.number(value)
@@ -241,6 +254,7 @@ def direction(vector: Complex, names: Sequence[str]) -> dict[str, complex]:
     return {names[i]: complex(share[i]) for i in order}
 
 
+@arguments.checked
 def spelled(direction: Direction) -> str:
     """Return a direction as text, its largest components before the names; a lone name stands for itself."""
     if len(direction) == 1:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import discretise, equilibrate, transfer
 from synth.errors import ModelError, TimingError
 from synth.statespace import Array, StateSpace, System, of, readonly
@@ -73,6 +73,7 @@ class TimeResponse:
         return (n(final), f"{max(0.0, float((y / final).max()) - 1):.2%}", rise, _settled(self.time, y / final), *peak)
 
 
+@arguments.checked
 def step_response(system: System, duration_s: float | None = None, interval_s: float | None = None) -> TimeResponse:
     """Return the response to a unit step at each input in turn, from 0 to `duration_s` every `interval_s` seconds.
 
@@ -89,6 +90,7 @@ def step_response(system: System, duration_s: float | None = None, interval_s: f
     return _response("step", model, time, outputs, _final(model))
 
 
+@arguments.checked
 def impulse_response(system: System, duration_s: float | None = None, interval_s: float | None = None) -> TimeResponse:
     """Return the response to a unit impulse at each input in turn; a sampled model gets 1 at its first sample.
 

@@ -16,7 +16,7 @@ from numbers import Real
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import schur_response
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, StateSpace, System, of
@@ -32,6 +32,7 @@ ILL_POSED = "the loop passes its input straight on with the factor -1: 1 + L has
 TURNS = 1000  # of the delay over the whole grid: beyond, the loop is refused
 
 
+@arguments.checked
 @show.printed
 @dataclass(frozen=True, eq=False, repr=False)
 class Delayed:
@@ -62,6 +63,7 @@ class Curve:
     ends: Mapping[float, float]
 
 
+@arguments.checked
 def delayed(system: System, delay_s: float, hold_s: float = 0.0) -> Delayed:
     """Return a scalar continuous loop with an exact delay and hold, seconds, each 0 or more.
 
@@ -79,11 +81,13 @@ def delayed(system: System, delay_s: float, hold_s: float = 0.0) -> Delayed:
     return Delayed(model, float(delay_s), float(hold_s))
 
 
+@arguments.checked
 def read(loop: Loop) -> StateSpace | Delayed:
     """Return a loop as a StateSpace or a Delayed; raise SignalError when it has another count of signals than one."""
     return loop if isinstance(loop, Delayed) else scalar(of(loop))
 
 
+@arguments.checked
 def scalar(model: StateSpace) -> StateSpace:
     """Return the model; raise SignalError when it has not one input and one output."""
     if (len(model.inputs), len(model.outputs)) != (1, 1):
@@ -91,6 +95,7 @@ def scalar(model: StateSpace) -> StateSpace:
     return model
 
 
+@arguments.checked
 def response(loop: Loop) -> Response:
     """Return w (k,) rad/s -> L (k,) of a scalar loop; exactly on a pole, L right beside it.
 
@@ -134,6 +139,7 @@ def _moving(model: StateSpace) -> Response:
     return factored
 
 
+@arguments.checked
 def closed_poles(model: StateSpace, factor: complex = 1.0) -> Complex:
     """Return the zeros of 1 + factor L, in 1/s or in z; raise ModelError where the input passes straight on as -1."""
     D = factor * float(model.D[0, 0])
@@ -154,6 +160,7 @@ def not_decaying(poles: Complex, time: Time) -> int:
     return int((np.abs(poles) >= 1 - 1e-14).sum())
 
 
+@arguments.checked
 def trace(loop: StateSpace | Delayed, low: float | None = None, high: float | None = None) -> Curve:
     """Return L between `low` and `high` rad/s on a grid fine enough for every crossing to show.
 
@@ -179,6 +186,7 @@ def trace(loop: StateSpace | Delayed, low: float | None = None, high: float | No
     return Curve(L, w, value, ends(loop))
 
 
+@arguments.checked
 def check_limits(low: float | None, high: float | None) -> None:
     """Raise SignalError when limits in rad/s are not 0 < low < high."""
     for name, v in (("low", low), ("high", high)):
@@ -188,6 +196,7 @@ def check_limits(low: float | None, high: float | None) -> None:
         raise SignalError(f"the frequencies go from {low:g} to {high:g} rad/s: give 0 < low < high, below Nyquist")
 
 
+@arguments.checked
 def check_turns(late: float, top: float) -> None:
     """Raise ModelError when a delay in s turns a loop too often below `top` rad/s for it to be followed."""
     if top * late > 2 * np.pi * TURNS:
@@ -246,6 +255,7 @@ def _grid(rates: Complex, start: float, top: float, nodes: list[Array]) -> Array
     return w[np.append(np.diff(w) > NARROW * w[1:], True)]
 
 
+@arguments.checked
 def ends(loop: StateSpace | Delayed) -> dict[float, float]:
     """Return L where it is real: at w = 0 and at Nyquist or infinity, unless it has a pole there."""
     if isinstance(loop, Delayed):

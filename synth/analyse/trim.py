@@ -17,6 +17,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from synth import arguments
 from synth.analyse import nearest_root
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant
@@ -70,6 +71,7 @@ class _Problem:
     tolerance: Array
 
 
+@arguments.checked
 def trim(plant: Plant, fixed: Mapping[str, float], free: Collection[str]) -> OperatingPoint:
     """Find the equilibrium f(x, u, p) = 0 nearest zero in the `free` states and inputs.
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import margins
 from synth.analyse.transfer import Loop
 from synth.errors import ModelError, SignalError, SynthError
@@ -32,6 +32,7 @@ FAR = 1e300  # stands for inf, with which the search cannot reckon
 LoopOf = Callable[[Mapping[str, float]], Loop]
 
 
+@arguments.checked
 @dataclass(frozen=True)
 class Figure:
     """A scalar figure of a loop, in `unit`; the worst is the largest where `largest`, else the least."""
@@ -112,6 +113,7 @@ class Worst:
         return show.Sheet(title, lines, (show.Table(columns, rows),))
 
 
+@arguments.checked
 def search(
     loop: LoopOf,
     parameters: Sequence[Parameter],

@@ -23,7 +23,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from synth import show, statespace
+from synth import arguments, show, statespace
 from synth.analyse import box, linearise
 from synth.analyse.relative_degree import RelativeDegree
 from synth.analyse.trim import OperatingPoint
@@ -93,6 +93,7 @@ class ZeroDynamics:
         return show.Sheet(f"Zero dynamics of order {self.order}: {self.verdict}", lines, (table,))
 
 
+@arguments.checked
 def at_point(plant: Plant, degree: RelativeDegree, point: OperatingPoint, weight: Array | None = None) -> ZeroDynamics:
     """Return the zero dynamics of the plant's outputs and inputs in `degree` at the equilibrium `point`.
 
@@ -104,6 +105,7 @@ def at_point(plant: Plant, degree: RelativeDegree, point: OperatingPoint, weight
     model = linearise.linearise(plant, point).select(degree.outputs, names(degree.model.inputs))
     _require_same(plant, degree, point)
     if weight is not None:
+        weight = arguments.fitting("weight", weight, len(model.inputs), len(model.inputs))
         star = _stars(model, degree.degrees)[1]
         N = np.linalg.solve(weight, star.T)
         shares = tuple(f"share_of_{name}" for name in degree.outputs)
@@ -112,6 +114,7 @@ def at_point(plant: Plant, degree: RelativeDegree, point: OperatingPoint, weight
     return of_linear(model, degree.degrees, sizes)
 
 
+@arguments.checked
 def of_linear(system: System, degrees: Sequence[int], sizes: Mapping[str, float] | None = None) -> ZeroDynamics:
     """Return the zero dynamics of a continuous model with relative `degrees` (p,).
 

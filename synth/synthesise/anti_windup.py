@@ -28,13 +28,13 @@ import scipy.linalg
 import scipy.special
 from numpy.typing import ArrayLike
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import precise
 from synth.analyse.equilibrate import equilibrated
 from synth.analyse.staircase import Complex
 from synth.errors import ModelError, SignalError
-from synth.statespace import Array, StateSpace, System, of, readonly, two_dimensional
-from synth.synthesise import copies, internal_model, minimal_polynomial, names, reading, spectrum, weights
+from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.synthesise import copies, internal_model, minimal_polynomial, spectrum, weights
 from synth.synthesise.internal_model import InternalModel
 from synth.synthesise.servo import Servo
 from synth.timing import Continuous, Time
@@ -63,12 +63,13 @@ class AntiWindup:
         return show.Sheet("Anti-windup", (line,), (show.matrix("E", self.E, model.labels(model.states), excess),))
 
 
+@arguments.checked
 def of_gain(controller: System, E: ArrayLike) -> AntiWindup:
     """Return a controller with the anti-windup gain E (k, m) of any origin.
 
     Raises SignalError for an E of another shape, ModelError when the controller with its commands held does not decay.
     """
-    model, gain = of(controller), two_dimensional("E", E)
+    model, gain = of(controller), arguments.matrix("E", E)
     if gain.shape != model.C.T.shape or not np.isfinite(gain).all():
         raise SignalError(
             f"E is {gain.shape}: give a finite one of {model.C.T.shape}, the controller's states by its commands"
@@ -76,6 +77,7 @@ def of_gain(controller: System, E: ArrayLike) -> AntiWindup:
     return _wound(model, readonly(gain), "take another E")
 
 
+@arguments.checked
 def back_calculation(
     regulator: Servo, decay_per_s: float, V: weights.Weight | None = None, exact: bool = False
 ) -> AntiWindup:
@@ -149,7 +151,8 @@ def _modal_gains(regulator: Servo, rate: float) -> Array:
     return C / _sizes(C, [mode.order for mode in modes] * p)
 
 
-def conditioning(controller: System, references: Sequence[str], decay_per_s: float | None = None) -> AntiWindup:
+@arguments.checked
+def conditioning(controller: System, references: Sequence[str] | str, decay_per_s: float | None = None) -> AntiWindup:
     """Return a controller conditioned on the inputs `references`, as many as its commands.
 
     `decay_per_s` is the rate a of the case D_r = 0; None is allowed in discrete time and means at once, z = 0.
@@ -157,7 +160,7 @@ def conditioning(controller: System, references: Sequence[str], decay_per_s: flo
     Raises SignalError for an unknown reference, another count or a rate that is not positive; ModelError when neither
     D_r nor, with D_r = 0, C B_r is invertible, and for zeros that do not decay.
     """
-    model, given = of(controller), names.of("references", references)
+    model, given = of(controller), arguments.names("references", references)
     part = model.select(model.outputs, given)
     if len(given) != len(model.outputs):
         raise SignalError(
@@ -254,7 +257,7 @@ def _pole(decay_per_s: float | None, time: Time) -> float:
 
 
 def _positive(decay_per_s: float) -> float:
-    rate = reading.real("rate decay_per_s", decay_per_s)
+    rate = arguments.real("rate decay_per_s", decay_per_s)
     if rate.ndim or not (np.isfinite(rate) and rate > 0):
         raise SignalError(f"the anti-windup decays at {decay_per_s} 1/s: give a finite rate above 0")
     return float(rate)

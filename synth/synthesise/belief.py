@@ -16,10 +16,10 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import ArrayLike
 
-from synth import show
+from synth import arguments, show
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
-from synth.synthesise import reading, weights
+from synth.synthesise import weights
 from synth.timing import period
 
 Values = ArrayLike | Mapping[str, float]
@@ -49,6 +49,7 @@ class Belief:
         return show.Sheet(f"Belief of {len(rows)} states", tables=(table,))
 
 
+@arguments.checked
 def initial(system: System, P: weights.Weight, x: Values | None = None) -> Belief:
     """Return the belief before the first sample: covariance P (n, n) and mean x (n,), 0 if left out.
 
@@ -60,6 +61,7 @@ def initial(system: System, P: weights.Weight, x: Values | None = None) -> Belie
     return Belief(readonly(mean), readonly(root), model.states, model.units)
 
 
+@arguments.checked
 def predict(belief: Belief, system: System, W: weights.Weight, u: Values | None = None) -> Belief:
     """Return the belief one sample later; W (n, n) is the covariance on the states, u (m,) the input, 0 if left out.
 
@@ -76,6 +78,7 @@ def predict(belief: Belief, system: System, W: weights.Weight, u: Values | None 
     return replace(belief, x=readonly(model.A @ belief.x + moved), root=readonly(root.T))
 
 
+@arguments.checked
 def update(belief: Belief, system: System, V: weights.Weight, y: Values, u: Values | None = None) -> Belief:
     """Return the belief after a sample y of all outputs (p,), or of some by name; V (p, p) is its covariance.
 
@@ -122,7 +125,7 @@ def _vector(what: str, values: Values, names: Sequence[str]) -> Array:
                 f"{what} is given for {', '.join(values)}: '{unlike[0]}' is not in {', '.join(names)} too"
             )
         values = [values[name] for name in names]
-    vector = reading.real(f"values of {what}", values)
+    vector = arguments.real(f"values of {what}", values)
     if vector.shape != (len(names),) or not np.isfinite(vector).all():
         raise SignalError(
             f"{what} is {vector}: give finite numbers for {', '.join(names)}; leave out a sample that is missing"

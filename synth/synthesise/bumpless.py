@@ -9,14 +9,15 @@ rank: not with more actuators than the internal model has states, nor with actua
 import numpy as np
 from numpy.typing import ArrayLike
 
+from synth import arguments
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, readonly
-from synth.synthesise import reading
 from synth.synthesise.servo import Servo
 
 BUMP = 1e-12  # of the terms of a command: a difference above it is no rounding error
 
 
+@arguments.checked
 def start(regulator: Servo, state: ArrayLike, present: ArrayLike) -> Array:
     """Return the least xi (p k,) for which the first command equals the actuators' `present` values (m,).
 
@@ -25,7 +26,7 @@ def start(regulator: Servo, state: ArrayLike, present: ArrayLike) -> Array:
     Raises SignalError for sizes that do not fit, ModelError naming the controls that no xi keeps from a jump.
     """
     plant, controls, K_xi = regulator.plant, regulator.controls, regulator.K_xi
-    x, u = reading.real("states", state).ravel(), reading.real("present inputs", present).ravel()
+    x, u = arguments.real("states", state).ravel(), arguments.real("present inputs", present).ravel()
     if (len(x), len(u)) != (len(plant.A), len(controls)) or not np.isfinite([*x, *u]).all():
         raise SignalError(
             f"a bumpless start from {len(x)} states and {len(u)} present inputs: give {len(plant.A)} finite states "

@@ -21,12 +21,14 @@ from dataclasses import replace
 import numpy as np
 import scipy.linalg
 
+from synth import arguments
 from synth.errors import SignalError
 from synth.signals import dimension
 from synth.statespace import Array, StateSpace, System, of
 from synth.timing import common
 
 
+@arguments.checked
 def process(system: System, shaping: System) -> StateSpace:
     """Return the plant with noise of a shaping filter added to the inputs that the filter's outputs are named after.
 
@@ -43,6 +45,7 @@ def process(system: System, shaping: System) -> StateSpace:
     return _joined(plant, f, A, B, C, D)
 
 
+@arguments.checked
 def measurement(system: System, shaping: System) -> StateSpace:
     """Return the plant with noise of a shaping filter added to the outputs that the filter's outputs are named after.
 

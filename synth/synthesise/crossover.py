@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import loop, margins, sensitivity, transfer
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import StateSpace, System, of
@@ -56,6 +56,7 @@ class Design:
         return show.Sheet("Lead-lag design", lines, tuple(table for part in parts for table in part.tables))
 
 
+@arguments.checked
 def design(
     plant: System,
     crossover: float,
@@ -82,7 +83,10 @@ def design(
     sampled = loop.sampled(model, period_s, delay_s)
 
     def shaped(lead: float, gain: float = 1.0) -> LeadLag:
-        return method(_compensator(model, crossover, integral_corner, sections, lead, gain), period_s, crossover)
+        found = method(_compensator(model, crossover, integral_corner, sections, lead, gain), period_s, crossover)
+        if not isinstance(found, LeadLag):
+            raise SignalError(f"the method returns {arguments.found(found)}: give one of lead_lag, like prewarped")
+        return found
 
     flat, z = shaped(0.0).discrete, np.exp(1j * crossover * period_s)
     at = complex(transfer.response(sampled)(crossover)[0])

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import precise, staircase, structure
 from synth.errors import ModelError, TimingError
 from synth.statespace import Array, StateSpace, System, of, readonly
@@ -44,6 +44,7 @@ class Deadbeat:
         return show.Sheet(f"Deadbeat state feedback in {self.time}", self.lines(), (table,))
 
 
+@arguments.checked
 def feedback(system: System) -> Deadbeat:
     """Return u = K x that brings every state to 0 in the fewest samples.
 
@@ -70,10 +71,16 @@ def _remainder(model: StateSpace, part: staircase.Scaled, gain: Array, steps: in
         return float(np.linalg.norm(precise.rounded(power) * part.x / part.x[:, None], 2))
 
 
+@arguments.checked
 def lasting(model: StateSpace) -> tuple[complex, str]:
-    """Return the largest mode that no input moves, with the states that dominate it."""
+    """Return the largest mode that no input moves, with the states that dominate it.
+
+    Raises ModelError where the inputs move all modes.
+    """
     part = pole_placement.scaled(model)
     values, vectors = staircase.modes(part.A.T, staircase.split(part.A, part.B).outside)
+    if not len(values):
+        raise ModelError(f"the inputs {', '.join(model.inputs)} move every mode: there is none that lasts")
     k = int(np.argmax(np.abs(values)))
     return complex(values[k] * part.rate), ", ".join(structure.direction(vectors[:, k], model.states))
 

@@ -18,6 +18,7 @@ from math import pi
 
 import casadi as ca
 
+from synth import arguments
 from synth.analyse import discretise
 from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.errors import SignalError
@@ -27,6 +28,7 @@ from synth.timing import Discrete
 SLACK = 1e-4  # of a state's bound, so that rounding in single precision cannot pass it
 
 
+@arguments.checked
 def block(name: str, time: Discrete, signal: Signal, rate: Signal, bandwidth: float) -> Block:
     """Return the filter from `signal` to its `rate` with w = `bandwidth` in rad/s.
 

@@ -23,7 +23,7 @@ from itertools import combinations
 import casadi as ca
 import numpy as np
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import box, relative_degree, rounding
 from synth.analyse.relative_degree import RelativeDegree
 from synth.errors import ModelError, SignalError
@@ -62,6 +62,7 @@ class _Mixing:
     rows: ca.SX
 
 
+@arguments.checked
 def integrators(plant: Plant, inputs: Sequence[str]) -> Plant:
     """Return the plant with an integrator before each of the named inputs; that makes it affine in them.
 
@@ -79,6 +80,7 @@ def integrators(plant: Plant, inputs: Sequence[str]) -> Plant:
     return _delayed(plant, places, _identity(plant), [plant.inputs[k] for k in places])
 
 
+@arguments.checked
 def extend(
     plant: Plant,
     outputs: Sequence[str] | None = None,
@@ -225,6 +227,7 @@ def _rate(state: Signal) -> Signal:
     return Signal(f"{state.name}_rate", per_second(state.unit), -width, width, f"rate of {state.name}")
 
 
+@arguments.checked
 def per_second(unit: str) -> str:
     """Return a unit over s: "m/s^2" for "m/s"."""
     if match := re.fullmatch(r"(.+)/s(?:\^(\d+))?", unit):

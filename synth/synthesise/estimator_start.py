@@ -12,11 +12,11 @@ from collections.abc import Mapping, Sequence
 import flint
 import numpy as np
 
+from synth import arguments
 from synth.analyse import precise
 from synth.analyse.equilibrate import equilibrated
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
-from synth.synthesise import names, reading
 from synth.synthesise.linear_block import Start
 from synth.timing import common
 
@@ -24,6 +24,7 @@ ENDS = ("_estimate", "_predicted")
 DEPENDENT = 1e-11  # of the largest singular value, rows and columns scaled: what is smaller is rounding error
 
 
+@arguments.checked
 def from_measurement(
     estimator: System,
     plant: System,
@@ -77,7 +78,7 @@ def _rows(model: StateSpace, plant: StateSpace) -> dict[int, int]:
 
 def _outputs(model: StateSpace, plant: StateSpace, measured: Sequence[str] | None) -> tuple[str, ...]:
     taken = tuple(y for y in plant.outputs if y in model.inputs)
-    outputs = taken if measured is None else names.of("measured outputs", measured)
+    outputs = taken if measured is None else arguments.names("measured outputs", measured)
     if unknown := [y for y in outputs if y not in taken]:
         raise SignalError(f"'{unknown[0]}' is no output of the plant that the estimator takes: {', '.join(taken)}")
     if not outputs:
@@ -104,7 +105,7 @@ def _numbers(what: str, given: Mapping[str, float] | None, states: Sequence[str]
     known = {} if given is None else given
     if not isinstance(known, Mapping) or [name for name in known if name not in states]:
         raise SignalError(f"the start has the {what}s {given!r}: give {{state: {what}}} for {', '.join(states)}")
-    numbers = reading.real(f"{what}s at the start", [known.get(x, default) for x in states])
+    numbers = arguments.real(f"{what}s at the start", [known.get(x, default) for x in states])
     if numbers.shape != (len(states),) or not np.isfinite(numbers).all():
         raise SignalError(f"the start has the {what}s {given!r}: give finite numbers")
     return numbers

@@ -24,7 +24,7 @@ from functools import reduce
 import casadi as ca
 import numpy as np
 
-from synth import show
+from synth import arguments, law, show
 from synth.analyse import box, relative_degree, rounding, singularity, zero_dynamics
 from synth.analyse.box import Box
 from synth.analyse.relative_degree import RelativeDegree
@@ -137,6 +137,7 @@ class Linearisation:
         return found
 
 
+@arguments.checked
 def of_plant(
     plant: Plant,
     outputs: Sequence[str] | None = None,
@@ -222,13 +223,14 @@ def _sent(law: Linearisation, x: Array, w: Array) -> tuple[Array, Array]:
     return sent, error
 
 
+@arguments.checked
 def linearise(acceleration: Sequence[ca.SX], inputs: Mapping[str, ca.SX], w: Sequence[ca.SX]) -> Law:
     """Solve `acceleration` (n expressions) = `w` (n) for the n `inputs` (name to symbol).
 
     Raises ModelError when the counts differ, when the model is not affine in an input, or when the decoupling matrix
     is singular everywhere; where it is singular at points only, check it over the domain.
     """
-    u, q = ca.vcat(list(inputs.values())), ca.vcat(list(acceleration))
+    u, q = law.column("the inputs", inputs, inputs), ca.vcat(list(acceleration))
     if u.numel() != q.numel() or q.numel() != len(w):
         raise ModelError(
             f"{q.numel()} accelerations and {len(w)} demands meet {u.numel()} inputs ({', '.join(inputs)}): "

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 
-from synth import show
+from synth import arguments, show
 from synth.errors import SignalError
 from synth.statespace import Array, StateSpace, System, of
 from synth.synthesise import lqr, weights
@@ -40,6 +40,7 @@ class Shaped:
         return show.Sheet(title, gain.lines, (*gain.tables, *controller.tables))
 
 
+@arguments.checked
 def shaped(
     system: System,
     filters: Sequence[System],
@@ -72,6 +73,7 @@ def shaped(
     return Shaped(gain, _controller(model, gain, n))
 
 
+@arguments.checked
 def augmented(system: System, filters: Sequence[System]) -> StateSpace:
     """Return plant and filters as one model: states (x, w), the plant's inputs, the filters' outputs z.
 

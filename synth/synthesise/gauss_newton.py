@@ -15,10 +15,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from synth import show
+from synth import arguments, show
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, readonly
-from synth.synthesise import bordered, least_squares, reading, undetermined
+from synth.synthesise import bordered, least_squares, undetermined
 from synth.synthesise.estimate import Estimate
 
 Model = Callable[[Array], tuple[Array, Array | bordered.Jacobian]]
@@ -73,6 +73,7 @@ class _Point:
         return cost if np.isfinite(cost) and finite else np.inf
 
 
+@arguments.checked
 def minimise(
     model: Model,
     y: Array,
@@ -91,13 +92,13 @@ def minimise(
     Raises as `least_squares.solve`; SignalError for a start of another length or outside the bounds; ModelError when
     the model is not finite at the start or no minimum is found.
     """
-    parameters, outputs = reading.distinct("parameters", parameters), reading.distinct("outputs", outputs)
-    reading.check_level(level)
-    y = reading.real("outputs", y)
-    theta = reading.real("start values", start)
+    parameters, outputs = arguments.distinct("parameters", parameters), arguments.distinct("outputs", outputs)
+    arguments.check_level(level)
+    y = arguments.real("outputs", y)
+    theta = arguments.real("start values", start)
     _check_shapes(model, y, theta, parameters, outputs)
     low, high = _bounds(bounds, theta, parameters)
-    reading.check_samples(y, outputs)
+    arguments.check_samples(y, outputs)
     weight, steps, estimated = least_squares.weights(noise, outputs, y), 0, noise is None and len(outputs) > 1
     for _ in range(PASSES):
         point, free, taken, left = _minimum(model, y, theta, weight, low, high, outputs)
@@ -127,7 +128,7 @@ def minimise(
 def _bounds(bounds: tuple[ArrayLike, ArrayLike], theta: Array, parameters: Sequence[str]) -> tuple[Array, Array]:
     """Return the bounds, each (k,), of a start that is inside them."""
     k = len(parameters)
-    low, high = (reading.real("bounds", b) for b in bounds)
+    low, high = (arguments.real("bounds", b) for b in bounds)
     for what, values in {"lower": low, "upper": high}.items():
         if values.shape not in ((), (k,)):
             raise SignalError(f"the {what} bound has the shape {values.shape}: give {k} values, one for each parameter")
@@ -142,7 +143,13 @@ def _check_shapes(model: Model, y: Array, theta: Array, parameters: Sequence[str
     k, wanted = len(parameters), (len(y) if y.ndim else 0, len(outputs))
     if theta.ndim != 1 or len(theta) < k:
         raise SignalError(f"the start has the shape {theta.shape}: give {k} values, one for each parameter")
-    at = _at(model, np.zeros(()), theta, np.ones(()))
+    try:
+        at = _at(model, np.zeros(()), theta, np.ones(()))
+    except (TypeError, ValueError, IndexError) as error:
+        raise ModelError(
+            f"the model fails at the start, {theta.tolist()} ({error}): give one that takes {len(theta)} values and "
+            "returns the outputs and their derivative"
+        ) from error
     shapes = y.shape, at.e.shape, at.J.shared.shape
     if shapes != (wanted, wanted, (*wanted, k)) or at.J.parameters != len(theta):
         raise SignalError(

@@ -20,11 +20,12 @@ from itertools import combinations_with_replacement
 import casadi as ca
 import numpy as np
 
+from synth import arguments
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant
 from synth.signals import Parameter, names
 from synth.statespace import Array
-from synth.synthesise import gauss_newton, least_squares, reading, trajectory, trajectory_fit
+from synth.synthesise import gauss_newton, least_squares, trajectory, trajectory_fit
 from synth.synthesise.estimate import Estimate
 from synth.synthesise.logs import Log
 from synth.synthesise.trajectory_fit import TrajectoryFit
@@ -34,6 +35,7 @@ LINEAR = 1e-9  # of the largest entry of a derivative: by how much it may change
 ROWS = 50  # rows of the log at which linearity is tried
 
 
+@arguments.checked
 def fit_linear(
     equations: Mapping[str, ca.SX],
     signals: Mapping[str, ca.SX],
@@ -51,13 +53,13 @@ def fit_linear(
     Raises SignalError for a symbol that is neither, or a signal that the log does not hold; ModelError naming a
     parameter in which an equation is not linear; else as `least_squares.solve`.
     """
-    reading.distinct("parameters", names(parameters))
-    reading.distinct("equations", tuple(equations))
+    arguments.distinct("parameters", names(parameters))
+    arguments.distinct("equations", tuple(equations))
     if missing := [p.name for p in parameters if p.name not in symbols]:
         raise SignalError(f"parameter '{missing[0]}' has no symbol: give it in `symbols`")
     theta = ca.vcat([symbols[p.name] for p in parameters])
     data = ca.vcat(list(signals.values()))
-    g = ca.vcat(list(equations.values()))
+    g = ca.SX(ca.vcat(list(equations.values())))
     known = {v.name() for v in ca.symvar(ca.vertcat(theta, data))}
     for v in ca.symvar(g):
         if v.name() not in known:
@@ -65,6 +67,7 @@ def fit_linear(
     return _affine(tuple(equations), g, theta, data, parameters, log.columns(tuple(signals)), (noise, level))
 
 
+@arguments.checked
 def fit_equations(
     plant: Plant,
     log: Log,
@@ -82,7 +85,7 @@ def fit_equations(
     Raises SignalError for a name that is not known, a signal that the log does not hold or parameters in no equation;
     ModelError when no product of the parameters makes an equation linear; else as `least_squares.solve`.
     """
-    parameters = reading.distinct("parameters", parameters)
+    parameters = arguments.distinct("parameters", parameters)
     chosen = [plant.parameter(name) for name in parameters]
     where = [names(plant.parameters).index(name) for name in parameters]
     x, u, p = (
@@ -112,6 +115,7 @@ def fit_equations(
     return _affine(equations, g * ca.vcat(products), theta, data, chosen, samples, (used_noise, level))
 
 
+@arguments.checked
 def fit_trajectory(
     plant: Plant,
     log: Log,
@@ -136,8 +140,11 @@ def fit_trajectory(
     Raises SignalError for a name that is not known, a signal that the log does not hold or a span below 1; TimingError
     for a log without period; ModelError where no number of steps is enough; else as `gauss_newton.minimise`.
     """
-    parameters, measured = reading.distinct("parameters", parameters), reading.distinct("measured signals", measured)
-    free = reading.distinct("free states", free) if free else ()
+    parameters, measured = (
+        arguments.distinct("parameters", parameters),
+        arguments.distinct("measured signals", measured),
+    )
+    free = arguments.distinct("free states", free) if free else ()
     chosen = [plant.parameter(name) for name in parameters]
     values = np.array([p.value for p in chosen], dtype=np.float64)
     first = trajectory.problem(plant, log, parameters, measured, span, initial or {}, free, substeps)

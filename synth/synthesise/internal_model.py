@@ -21,12 +21,12 @@ import flint
 import numpy as np
 from numpy.typing import ArrayLike
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import precise
 from synth.errors import SignalError
 from synth.statespace import Array, StateSpace, System, readonly
 from synth.statespace import of as model_of
-from synth.synthesise import minimal_polynomial, reading, regulator_equations
+from synth.synthesise import minimal_polynomial, regulator_equations
 from synth.synthesise.minimal_polynomial import Mode
 from synth.timing import Continuous, Discrete, Time, common
 
@@ -70,6 +70,7 @@ Exosystem = InternalModel | Sequence[float] | Mapping[float, int] | Sequence[Seq
 """An InternalModel; frequencies in rad/s; {frequency: multiplicity}; or a matrix S (q, q) in 1/s."""
 
 
+@arguments.checked
 def of(given: Exosystem) -> InternalModel:
     """Return an Exosystem as an InternalModel; frequencies and matrices give a continuous one.
 
@@ -79,11 +80,14 @@ def of(given: Exosystem) -> InternalModel:
         return given
     if isinstance(given, Mapping):
         return exosystem(given)
+    if isinstance(given, Sequence) and any(isinstance(row, Sequence | np.ndarray) for row in given):
+        return from_matrix(arguments.matrix("S", given))
     if not np.ndim(given):
         raise SignalError(f"{given!r} is no exosystem: give frequencies in rad/s as a list, or a matrix")
     return exosystem(np.asarray(given).tolist()) if np.ndim(given) == 1 else from_matrix(given)
 
 
+@arguments.checked
 def exosystem(frequencies: Sequence[float] | Mapping[float, int]) -> InternalModel:
     """Return the continuous model of distinct `frequencies` >= 0 in rad/s; frequency 0 gives one integrator.
 
@@ -95,14 +99,14 @@ def exosystem(frequencies: Sequence[float] | Mapping[float, int]) -> InternalMod
     """
     if isinstance(frequencies, str) or not isinstance(frequencies, Iterable):
         raise SignalError(f"the exosystem is {frequencies!r}: give frequencies in rad/s as a list")
-    w = [float(f) for f in reading.real("exosystem frequencies", list(frequencies)).ravel()]
+    w = [float(f) for f in arguments.real("exosystem frequencies", list(frequencies)).ravel()]
     if not w or any(not np.isfinite(f) or f < 0 for f in w) or len(set(w)) < len(w):
         raise SignalError(
             f"exosystem frequencies {w} rad/s: give distinct finite numbers >= 0, at least one; a ramp is {{0: 2}}"
         )
     counts = [*frequencies.values()] if isinstance(frequencies, Mapping) else [1] * len(w)
     for f, count in zip(w, counts, strict=True):
-        number = reading.real(f"multiplicity of {f} rad/s", count)
+        number = arguments.real(f"multiplicity of {f} rad/s", count)
         if number.ndim or not 1 <= number <= MOST or number != np.floor(number):
             raise SignalError(
                 f"exosystem frequency {f} rad/s has multiplicity {count}: give a whole number of 1 .. {MOST}"
@@ -110,6 +114,7 @@ def exosystem(frequencies: Sequence[float] | Mapping[float, int]) -> InternalMod
     return _continuous([Mode(complex(0, f), int(count)) for f, count in zip(w, counts, strict=True)])
 
 
+@arguments.checked
 def from_matrix(S: ArrayLike) -> InternalModel:
     """Return the continuous model of an exosystem w' = S w, S (q, q) in 1/s; that of w+ = S_T w has S = log(S_T) / T.
 
@@ -135,6 +140,7 @@ def _continuous(modes: Sequence[Mode]) -> InternalModel:
     return InternalModel(readonly(Phi), readonly(np.eye(n)[:, -1:]), tuple(ordered), Continuous())
 
 
+@arguments.checked
 def in_time(given: Exosystem, time: Time) -> InternalModel:
     """Return the model in continuous time, or sampled as the module docstring says, with its modes exp(s T).
 
@@ -153,6 +159,7 @@ def in_time(given: Exosystem, time: Time) -> InternalModel:
     return InternalModel(readonly(found[:, :n]), readonly(found[:, n:]), model.modes, time)
 
 
+@arguments.checked
 def exact(modes: Sequence[Mode], time: Time) -> flint.arb_mat:
     """Return [Phi, N] (n, n + 1) of exact modes in 1/s, in a time and in balls of the present precision."""
     n = sum(mode.order for mode in modes)
@@ -185,6 +192,7 @@ class Leapfrog:
     E: Array
 
 
+@arguments.checked
 def leapfrog(frequencies: Sequence[float], period_s: float, E: ArrayLike | None = None) -> Leapfrog:
     """Return the internal model with e and the anti-windup input E (n,) constant over each period.
 
@@ -197,7 +205,7 @@ def leapfrog(frequencies: Sequence[float], period_s: float, E: ArrayLike | None 
     modes = exosystem(frequencies).modes
     _require_below_nyquist(frequencies, period_s)
     n = sum(mode.order for mode in modes)
-    column = np.zeros(n) if E is None else reading.real("entries of the anti-windup gain", E).ravel()
+    column = np.zeros(n) if E is None else arguments.real("entries of the anti-windup gain", E).ravel()
     if column.shape != (n,) or not np.isfinite(column).all():
         raise SignalError(
             f"the anti-windup gain has {column.size} entries, the internal model {n} states: give {n} finite numbers"
@@ -218,6 +226,7 @@ def leapfrog(frequencies: Sequence[float], period_s: float, E: ArrayLike | None 
     return Leapfrog(readonly(found[: len(w), n + 1]), readonly(found[:, :n]), readonly(found[:, n : n + 1]))
 
 
+@arguments.checked
 def augmented(plant: System, given: Exosystem) -> StateSpace:
     """Return a plant with an internal model driven by each of its outputs; all inputs act, all states are outputs.
 

@@ -27,9 +27,9 @@ import scipy.linalg
 from numpy.typing import ArrayLike
 from scipy.optimize import nnls
 
-from synth import show
+from synth import arguments, show
 from synth.errors import ModelError, SignalError
-from synth.statespace import Array, StateSpace, System, of, readonly, two_dimensional
+from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.synthesise import lqr, weights
 from synth.synthesise.equation import Complex, decays
 from synth.timing import Continuous
@@ -87,6 +87,7 @@ def _sheet(title: str, names: Sequence[str], values: Array, nullspace: Array, re
     return show.Sheet(title, (f"The equations are missed by {residual:.1e} of their size; {told}.",), (table,))
 
 
+@arguments.checked
 def diagonal_weights(system: System, poles: Sequence[complex], R: float = 1.0) -> DiagonalWeights:
     """Return the diagonal weights whose optimal loop has `poles` (n,), in rad/s or in z, for a model of one input.
 
@@ -133,16 +134,19 @@ def _locus(model: StateSpace, poles: Complex, R: float) -> tuple[Array, Array, A
     M = columns / terms[:, None]
     size = np.abs(M).max(axis=0)
     size[size == 0] = 1.0
+    if not np.isfinite(terms).all():
+        raise ModelError("the characteristic polynomials overflow: choose a unit of time in which the poles are near 1")
     return M / size, R * (after - before) / terms, size
 
 
+@arguments.checked
 def gain_weights(system: System, K: ArrayLike) -> GainWeights:
     """Return diagonal weights for which u = K x, K (m, n), is optimal; the first input's weight is 1.
 
     Raises SignalError when K does not fit or is not finite; ModelError when A + B K is not stable or no weights q >= 0,
     r > 0 make K optimal.
     """
-    model, K = of(system), two_dimensional("K", K)
+    model, K = of(system), arguments.matrix("K", K)
     n, m = model.B.shape
     if not n or not m:
         raise SignalError(f"the model has {n} states and {m} inputs: it needs of each")
@@ -207,6 +211,7 @@ def _beside(wanted: Array) -> float:
     return max(float(np.linalg.norm(wanted)), CLOSE)
 
 
+@arguments.checked
 def reproduces(
     system: System, q: weights.Weight, poles: Sequence[complex], digits: Sequence[int], R: float = 1.0
 ) -> bool:

@@ -25,7 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import precise, structure
 from synth.errors import ModelError
 from synth.statespace import Array, StateSpace, System, of, readonly
@@ -101,6 +101,7 @@ class Estimator:
         return show.Sheet(title, lines, tuple(tables))
 
 
+@arguments.checked
 def continuous(
     system: System,
     W: weights.Weight,
@@ -124,6 +125,7 @@ def continuous(
     return steady(noise.white(model, W, V, G, S), exact)
 
 
+@arguments.checked
 def discrete(
     system: System,
     W: weights.Weight,
@@ -141,6 +143,7 @@ def discrete(
     return steady(noise.white(model, W, V, G, S), exact)
 
 
+@arguments.checked
 def sampled(
     system: System, W: weights.Weight, V: weights.Weight, period_s: float, G: noise.Entry = None, exact: bool = False
 ) -> Estimator:
@@ -152,6 +155,7 @@ def sampled(
     return steady(noise.sampled(system, W, V, period_s, G, exact), exact)
 
 
+@arguments.checked
 def steady(noisy: noise.Noisy, exact: bool = False) -> Estimator:
     """Return the filter of a model, in its own time, with its noise. Raises ModelError as `continuous`."""
     model, e = noisy.model, noisy.noise

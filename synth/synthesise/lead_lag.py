@@ -24,13 +24,16 @@ from typing import cast
 import flint
 import numpy as np
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import discretise, precise
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, StateSpace
 from synth.timing import Continuous, Discrete, Time
 
+MOST_INTEGRATORS = 10  # of a compensator: a loop with more has no phase left at any crossover
 
+
+@arguments.checked
 @show.printed
 @dataclass(frozen=True, repr=False)
 class Compensator:
@@ -115,6 +118,7 @@ Method = Callable[[Compensator, float, float], LeadLag]
 """`tustin`, `prewarped`, `matched` or `held`: (compensator, period in s, the frequency `at` in rad/s) -> LeadLag."""
 
 
+@arguments.checked
 def from_constants(
     gain: float,
     numerator_s: Sequence[float],
@@ -129,6 +133,8 @@ def from_constants(
 
     Raises SignalError for a time constant that is not positive and as `Compensator`.
     """
+    if not 0 <= integrators <= MOST_INTEGRATORS:
+        raise SignalError(f"{integrators} integrators were asked for: give a number from 0 to {MOST_INTEGRATORS}")
     for v in (*numerator_s, *denominator_s):
         if not (np.isfinite(v) and v > 0):
             raise SignalError(f"the time constant {v} s is not positive and finite: leave the factor out or mend it")
@@ -137,6 +143,7 @@ def from_constants(
     return Compensator(k, tuple(-1 / a for a in numerator_s), poles, Continuous(), input, output, units or {})
 
 
+@arguments.checked
 def tustin(compensator: Compensator, period_s: float, at: float) -> LeadLag:
     """Return the trapezoidal rule; its frequency scale is bent: K_d(w) = K((2/T) tan(w T / 2)).
 
@@ -147,6 +154,7 @@ def tustin(compensator: Compensator, period_s: float, at: float) -> LeadLag:
         return _bilinear(compensator, period_s, at, flint.arb(2) / flint.arb(period_s), "tustin")
 
 
+@arguments.checked
 def prewarped(compensator: Compensator, period_s: float, at: float) -> LeadLag:
     """Return the trapezoidal rule that is exact at the frequency `at` in rad/s.
 
@@ -158,6 +166,7 @@ def prewarped(compensator: Compensator, period_s: float, at: float) -> LeadLag:
         return _bilinear(compensator, period_s, at, flint.arb(at) / half.tan(), "prewarped tustin")
 
 
+@arguments.checked
 def matched(compensator: Compensator, period_s: float, at: float) -> LeadLag:
     """Return matched zeros and poles, with the gain matched at `at` rad/s, of the sign that it has at rest.
 
@@ -180,6 +189,7 @@ def matched(compensator: Compensator, period_s: float, at: float) -> LeadLag:
         return _told(compensator, _sampled(compensator, period_s, gain, zeros, poles), "matched", at)
 
 
+@arguments.checked
 def held(compensator: Compensator, period_s: float, at: float) -> LeadLag:
     """Return the compensator with its input held over each period, exactly.
 

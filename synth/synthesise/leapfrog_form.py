@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from synth import arguments
 from synth.analyse import precise
 from synth.errors import SignalError
 from synth.statespace import Array, StateSpace, System, of
@@ -20,6 +21,7 @@ from synth.synthesise.servo import Servo
 from synth.timing import common, period
 
 
+@arguments.checked
 def controller(regulator: Servo, system: System | None = None) -> StateSpace:
     """Return the controller of a sampled regulator in eta; or `system`, which is that controller with anti-windup.
 

@@ -17,9 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from synth import arguments
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, readonly
-from synth.synthesise import bordered, reading, undetermined, variances
+from synth.synthesise import bordered, undetermined, variances
 from synth.synthesise.estimate import Estimate, Residual
 
 PASSES = 500  # fits that may be needed until the outputs' noise settles
@@ -44,6 +45,7 @@ class Solution:
     condition: float
 
 
+@arguments.checked
 def solve(
     Phi: ArrayLike,
     y: ArrayLike,
@@ -63,9 +65,9 @@ def solve(
     out of range, or fewer rows than it takes; ModelError naming combinations of parameters that are not determined,
     or when the outputs' noise cannot be told from the data.
     """
-    parameters, outputs = reading.distinct("parameters", parameters), reading.distinct("outputs", outputs)
+    parameters, outputs = arguments.distinct("parameters", parameters), arguments.distinct("outputs", outputs)
     Phi, y = _shaped(Phi, y, parameters, outputs)
-    about = None if near is None else reading.real("values near which to solve", near)
+    about = None if near is None else arguments.real("values near which to solve", near)
     J = bordered.of(Phi)
     check_rows(J, y, parameters, outputs, noise)
     weight = weights(noise, outputs, y)
@@ -123,7 +125,7 @@ def estimate(
     """Return a solution with its confidence; the weights are the noise up to a factor, or for several outputs without
     a `noise` that is given the noise itself, estimated.
     """
-    reading.check_level(level)
+    arguments.check_level(level)
     freedom, scale = y.size - len(parameters) - found.Q.shape[0] * found.Q.shape[3], found.weight
     if noise is None and len(outputs) > 1:
         known = variances.confidence(found.U, found.Q, found.root)
@@ -161,7 +163,7 @@ def weights(noise: Mapping[str, float] | None, outputs: Sequence[str], y: Array)
             raise SignalError(f"a noise is given for '{name}', which is none of the outputs {', '.join(outputs)}")
     for name in outputs:
         value = noise.get(name)
-        if not isinstance(value, float | int | np.number) or not reading.SIZES[0] < value < reading.SIZES[1]:
+        if not isinstance(value, float | int | np.number) or not arguments.SIZES[0] < value < arguments.SIZES[1]:
             raise SignalError(f"the noise of '{name}' is {value}: give a positive standard deviation")
     return np.array([float(noise[name]) for name in outputs])
 
@@ -183,6 +185,7 @@ def deviations(found: Solution, y: Array, outputs: Sequence[str]) -> Array:
     return np.maximum(found_now, floor)
 
 
+@arguments.checked
 def unsettled(passes: int) -> str:
     """Return what to tell when the outputs' noise did not settle."""
     return f"the estimated noise of the outputs does not settle in {passes} fits: give the `noise` of each output"
@@ -218,7 +221,7 @@ def check_rows(
 
 
 def _shaped(Phi: ArrayLike, y: ArrayLike, parameters: Sequence[str], outputs: Sequence[str]) -> tuple[Array, Array]:
-    Phi, y = reading.real("regressors", Phi), reading.real("outputs", y)
+    Phi, y = arguments.real("regressors", Phi), arguments.real("outputs", y)
     if y.ndim == 1 and Phi.ndim == 2:
         Phi, y = Phi[:, None, :], y[:, None]
     wanted = (len(y) if y.ndim else 0, len(outputs), len(parameters))
@@ -227,12 +230,12 @@ def _shaped(Phi: ArrayLike, y: ArrayLike, parameters: Sequence[str], outputs: Se
             f"the regressors have shape {Phi.shape} and the outputs {y.shape}: {len(outputs)} outputs and "
             f"{len(parameters)} parameters need (N, {len(outputs)}, {len(parameters)}) and (N, {len(outputs)})"
         )
-    reading.check_samples(y, outputs)
+    arguments.check_samples(y, outputs)
     for row, j, i in np.argwhere(~np.isfinite(Phi)):
         raise SignalError(
             f"row {row} of the regressor of '{parameters[i]}' in '{outputs[j]}' is {Phi[row, j, i]}: leave the row out"
         )
-    reading.check_sizes("the regressor of", Phi.reshape(y.size, len(parameters)), parameters)
+    arguments.check_sizes("the regressor of", Phi.reshape(y.size, len(parameters)), parameters)
     return Phi, y
 
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
+from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.errors import SignalError
 from synth.signals import Signal, names
@@ -39,6 +40,7 @@ class _Row:
     values: Array
 
 
+@arguments.checked
 def block(
     name: str,
     system: System,

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from synth import show
+from synth import arguments, show
 from synth.errors import SignalError, TimingError
 from synth.statespace import Array, readonly
-from synth.synthesise import reading
 from synth.timing import Discrete
 
 JITTER = 1e-2  # of the period: by how much the distance of two rows may differ from it
@@ -101,7 +100,7 @@ def _check_period(period_s: float) -> None:
 
 
 def _column(name: str, values: ArrayLike) -> Array:
-    column = readonly(reading.real(f"samples of '{name}'", values))
+    column = readonly(arguments.real(f"samples of '{name}'", values))
     if column.ndim != 1:
         raise SignalError(f"the samples of '{name}' have the shape {column.shape}: give an array (N,)")
     if not np.isfinite(column).all():

@@ -21,7 +21,7 @@ import scipy.linalg
 import scipy.optimize
 from numpy.typing import NDArray
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import interconnect
 from synth.errors import SignalError
 from synth.statespace import StateSpace
@@ -98,6 +98,7 @@ class Expectation:
         return show.Sheet(title, (f"Equation of the covariance solved to {self.residual:.1e}",), (table,))
 
 
+@arguments.checked
 def predictor(gain: lqr.Gain, estimator: kalman.Estimator) -> Controller:
     """Return the controller whose u has used the samples before its own: a whole period is left to compute it.
 
@@ -107,11 +108,13 @@ def predictor(gain: lqr.Gain, estimator: kalman.Estimator) -> Controller:
     return _controller(gain, estimator, estimator.predictor())
 
 
+@arguments.checked
 def current(gain: lqr.Gain, estimator: kalman.Estimator) -> Controller:
     """Return the controller whose u has used the sample of its own instant. Raises as `predictor`."""
     return _controller(gain, estimator, estimator.current())
 
 
+@arguments.checked
 def expected(controller: Controller, acting: noise.Noise | None = None) -> Expectation:
     """Return the expected cost for the gain's weights, and all standard deviations.
 
@@ -179,6 +182,7 @@ def _loop(model: StateSpace, compensator: StateSpace, others: Sequence[str]) -> 
     return replace(joined, units={**units, **joined.units})
 
 
+@arguments.checked
 def integrals(gain: lqr.Gain, model: StateSpace) -> tuple[str, ...]:
     """Return the outputs of a model whose integrals are among the gain's states.
 

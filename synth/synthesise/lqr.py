@@ -24,10 +24,10 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import structure
 from synth.errors import ModelError, SignalError, TimingError
-from synth.statespace import Array, StateSpace, System, of, readonly, two_dimensional
+from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.synthesise import doubling, held_cost, riccati, weights
 from synth.timing import Continuous, Discrete, Time, period
 
@@ -99,6 +99,7 @@ class SampledCost:
         return replace(made, title=f"Cost over one period in {self.model.time}: weights [Q, N; N', R]")
 
 
+@arguments.checked
 def lqr(system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None = None, exact: bool = False) -> Gain:
     """Return the optimal gain of a model in its own time; Q (n, n), R (m, m), N (n, m).
 
@@ -114,6 +115,7 @@ def _gain(model: StateSpace, found: riccati.Riccati) -> Gain:
     return Gain(readonly(-found.L), *kept, model.states, model.inputs, model.time, found, model.units)
 
 
+@arguments.checked
 def dlqr(system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None = None, exact: bool = False) -> Gain:
     """Return the gain of a sampled model that minimises the sum over the samples; arguments as for `lqr`.
 
@@ -129,6 +131,7 @@ def dlqr(system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | No
     return lqr(model, Q, R, N, exact)
 
 
+@arguments.checked
 def lqrd(
     system: System,
     Q: weights.Weight,
@@ -176,6 +179,7 @@ def _require_period(model: StateSpace, held: StateSpace) -> None:
         ) from error
 
 
+@arguments.checked
 def sampled_cost(
     system: System,
     Q: weights.Weight,
@@ -199,6 +203,7 @@ def sampled_cost(
     return SampledCost(held.model, readonly(W[:n, :n]), readonly(W[n:, n:]), readonly(W[:n, n:]))
 
 
+@arguments.checked
 def cost_ratio(
     system: System,
     gain: Gain,
@@ -248,12 +253,13 @@ def _fitting(gain: Gain, model: StateSpace) -> Array:
             f"the gain is from {', '.join(gain.states)} to {', '.join(gain.inputs)}, the model has the states "
             f"{', '.join(model.states)} and the inputs {', '.join(model.inputs)}: give the gain of this model"
         )
-    K = two_dimensional("K", gain.K)
+    K = arguments.matrix("K", gain.K)
     if K.shape != model.B.T.shape or not np.isfinite(K).all():
         raise SignalError(f"the gain K is {K.shape}: this model needs a finite one of {model.B.T.shape}")
     return K
 
 
+@arguments.checked
 def output_weighted(system: System, Qy: weights.Weight, R: weights.Weight) -> Weights:
     """Return the weights on states and inputs that amount to y'Qy y + u'Ru, y = C x + D u; Qy (p, p), R (m, m).
 
@@ -271,6 +277,7 @@ def output_weighted(system: System, Qy: weights.Weight, R: weights.Weight) -> We
     return Weights(Q, R, N, model.states, model.inputs)
 
 
+@arguments.checked
 def integral(system: System, outputs: Sequence[str]) -> StateSpace:
     """Return the model with a state ``<output>_integral`` for each of some outputs: q' = y, or q+ = q + T y.
 

@@ -19,10 +19,11 @@ import scipy.linalg
 import scipy.sparse.csgraph
 from numpy.typing import ArrayLike
 
+from synth import arguments
 from synth.analyse import staircase
 from synth.analyse.staircase import Complex
 from synth.errors import SignalError
-from synth.statespace import Array, two_dimensional
+from synth.statespace import Array
 
 NEIGHBOURHOODS = (3e-4, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12)  # of the size of a part of S
 ALIKE = 1e-9  # relative: modes of separate parts of S this close are one
@@ -48,7 +49,7 @@ def roots(S: ArrayLike) -> tuple[Mode, ...]:
     Raises SignalError for an S that is not square, is empty or not finite, or whose modes are not told apart in double
     precision.
     """
-    matrix = two_dimensional("S", S)
+    matrix = arguments.matrix("S", S)
     if matrix.shape[0] != matrix.shape[1] or not matrix.size or not np.isfinite(matrix).all():
         raise SignalError(f"the exosystem matrix S is {matrix.shape}: give a square matrix of finite numbers")
     q = len(matrix)

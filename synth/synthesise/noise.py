@@ -15,10 +15,10 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import ArrayLike
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import discretise, precise
 from synth.errors import ModelError, SignalError
-from synth.statespace import Array, StateSpace, System, of, readonly, two_dimensional
+from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.synthesise import spectrum, weights
 from synth.timing import Continuous, Time
 
@@ -59,6 +59,7 @@ class _Entered:
     names: tuple[str, ...]
 
 
+@arguments.checked
 def white(system: System, W: weights.Weight, V: weights.Weight, G: Entry = None, S: ArrayLike | None = None) -> Noisy:
     """Return a model in its own time with w of W (q, q), v of V (p, p) and E w v' = S (q, p).
 
@@ -68,7 +69,7 @@ def white(system: System, W: weights.Weight, V: weights.Weight, G: Entry = None,
     entered = _entered(of(system), G)
     outputs = entered.model.outputs
     W, V = weights.semidefinite("W", W, entered.names), weights.semidefinite("V", V, outputs)
-    S = np.zeros((len(W), len(V))) if S is None else two_dimensional("S", S)
+    S = np.zeros((len(W), len(V))) if S is None else arguments.matrix("S", S)
     if S.shape != (len(W), len(V)) or not np.isfinite(S).all():
         raise SignalError(f"S is {S.shape}: {len(W)} noises and {len(V)} outputs need a finite {(len(W), len(V))}")
     if _least(np.block([[W, S], [S.T, V]]))[0] < -SINGULAR:
@@ -83,6 +84,7 @@ def white(system: System, W: weights.Weight, V: weights.Weight, G: Entry = None,
     return Noisy(entered.model, noise)
 
 
+@arguments.checked
 def sampled(
     system: System, W: weights.Weight, V: weights.Weight, period_s: float, G: Entry = None, exact: bool = False
 ) -> Noisy:
@@ -115,6 +117,7 @@ def sampled(
     return Noisy(held, noise)
 
 
+@arguments.checked
 def stationary(A: ArrayLike, W: ArrayLike, time: Time) -> Array:
     """Return the covariance X (n, n) that white noise of W (n, n) keeps up in x' = A x + w, or in x+ = A x + w.
 
@@ -126,7 +129,8 @@ def stationary(A: ArrayLike, W: ArrayLike, time: Time) -> Array:
     Raises ModelError naming a pole that does not decay by more than rounding error, or when double precision does not
     tell.
     """
-    A, W = np.asarray(A, dtype=np.float64), np.asarray(W, dtype=np.float64)
+    A = arguments.matrix("A", A)
+    A, W = arguments.fitting("A", A, len(A), len(A)), arguments.fitting("W", W, len(A), len(A))
     if (pole := spectrum.lasting(A, time)) is not None:
         raise ModelError(
             f"the pole {show.number(pole)} does not decay, so that no covariance stays finite: stabilise it or take it "
@@ -187,7 +191,7 @@ def _entered(model: StateSpace, G: Entry) -> _Entered:
         noisy = model.select(model.outputs, names)
         known = tuple(name for name in model.inputs if name not in names)
         return _Entered(model.select(model.outputs, known), noisy.B, noisy.D, names)
-    G = two_dimensional("G", G)
+    G = arguments.matrix("G", G)
     if len(G) != n or not G.size or not np.isfinite(G).all():
         raise SignalError(f"G is {G.shape}: {n} states need a finite matrix of {n} rows, or names of inputs")
     return _Entered(model, G, np.zeros((p, G.shape[1])), tuple(f"w{k + 1}" for k in range(G.shape[1])))

@@ -13,6 +13,7 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import ArrayLike
 
+from synth import arguments
 from synth.analyse import discretise
 from synth.statespace import Array, StateSpace, System
 from synth.synthesise import internal_model, servo, weights
@@ -21,6 +22,7 @@ from synth.synthesise.internal_model import Exosystem, InternalModel
 from synth.timing import Continuous, common
 
 
+@arguments.checked
 def lqr(
     system: System,
     exosystem: Exosystem,
@@ -45,6 +47,7 @@ def lqr(
     return servo.of_gain(plant, model, gain, regulated=acting.outputs, controls=acting.inputs)
 
 
+@arguments.checked
 def lqrd(
     system: System,
     exosystem: Exosystem,

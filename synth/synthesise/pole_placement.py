@@ -19,7 +19,7 @@ import scipy.signal
 from numpy.typing import ArrayLike
 from scipy.optimize import linear_sum_assignment
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import precise, staircase, structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
@@ -70,6 +70,7 @@ class Placement:
         return show.Sheet(f"State feedback by poles in {self.time}", self.lines(), (table,))
 
 
+@arguments.checked
 def place(system: System, poles: Sequence[complex] | ArrayLike) -> Placement:
     """Return u = K x with the given poles of A + B K, (n,) less the modes that no input moves.
 
@@ -92,6 +93,7 @@ def place(system: System, poles: Sequence[complex] | ArrayLike) -> Placement:
     return best
 
 
+@arguments.checked
 def scaled(model: StateSpace) -> staircase.Scaled:
     """Return A and B of a model scaled."""
     n, m = model.B.shape

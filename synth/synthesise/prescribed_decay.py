@@ -26,10 +26,11 @@ from typing import Any
 import flint
 import numpy as np
 
+from synth import arguments
 from synth.analyse import precise
 from synth.errors import ModelError, SignalError
 from synth.statespace import StateSpace, System
-from synth.synthesise import copies, internal_model, minimal_polynomial, reading, regulator_equations, servo
+from synth.synthesise import copies, internal_model, minimal_polynomial, regulator_equations, servo
 from synth.synthesise.internal_model import InternalModel
 from synth.synthesise.lqr import Gain
 from synth.synthesise.minimal_polynomial import Mode
@@ -38,6 +39,7 @@ from synth.timing import Continuous, common
 Mat = flint.arb_mat
 
 
+@arguments.checked
 def design(
     system: System,
     gain: Gain,
@@ -86,11 +88,11 @@ def design(
 def _by_frequency(what: str, given: object) -> dict[float, Any]:
     if not isinstance(given, Mapping):
         raise SignalError(f"the {what} are {given!r}: give a number for each frequency, {{rad/s: number}}")
-    return dict(zip(reading.real("exosystem frequencies", list(given)).ravel().tolist(), given.values(), strict=True))
+    return dict(zip(arguments.real("exosystem frequencies", list(given)).ravel().tolist(), given.values(), strict=True))
 
 
 def _rate(frequency: float, rate: float) -> float:
-    value = reading.real(f"decay rate of {frequency} rad/s", rate)
+    value = arguments.real(f"decay rate of {frequency} rad/s", rate)
     if value.ndim or not (np.isfinite(value) and value > 0):
         raise SignalError(f"the mode of {frequency} rad/s decays at {rate} 1/s: give a finite rate above 0")
     return float(value)

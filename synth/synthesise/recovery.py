@@ -20,11 +20,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, readonly
-from synth.synthesise import kalman, lqg, lqr, noise, reading, weights
+from synth.synthesise import kalman, lqg, lqr, noise, weights
 from synth.timing import Continuous, Discrete
 
 POINTS = 400
@@ -73,6 +73,7 @@ class Recovery:
         return show.Sheet(f"Loop transfer recovery at the {self.place}", lines, (table,))
 
 
+@arguments.checked
 def at_input(
     gain: lqr.Gain,
     system: System,
@@ -99,13 +100,14 @@ def at_input(
 
     def step(q: float) -> Step:
         raised = replace(e, W=readonly(e.W + q * q * _square(plant.B)))
-        controller = form(gain, kalman.steady(replace(acting, noise=raised)))
+        controller = _formed(form(gain, kalman.steady(replace(acting, noise=raised))))
         ratio = -_compensator(controller, s) @ plant.response(s)
         return Step(float(q), controller, _distance(ratio, target), lqg.expected(controller, e))
 
     return Recovery("input", tuple(step(q) for q in qs), band, _obstacles(plant, "input", form))
 
 
+@arguments.checked
 def at_output(
     estimator: kalman.Estimator,
     Q: weights.Weight,
@@ -126,7 +128,7 @@ def at_output(
     target = _present(target, "L")
 
     def step(q: float) -> Step:
-        controller = form(lqr.lqr(plant, Q + q * q * _square(plant.C.T), R), estimator)
+        controller = _formed(form(lqr.lqr(plant, Q + q * q * _square(plant.C.T), R), estimator))
         ratio = -plant.response(s) @ _compensator(controller, s)
         return Step(float(q), controller, _distance(ratio, target), lqg.expected(controller, e))
 
@@ -138,8 +140,8 @@ def at_output(
 
 def _points(model: StateSpace, qs: Sequence[float], band: tuple[float, float]) -> Complex:
     """Return the points of the band in s or in z."""
-    low, high = reading.real("limits of the band", band).ravel()[:2] if np.size(band) == 2 else (np.nan, np.nan)
-    sweep = reading.real("numbers q of the sweep", qs)
+    low, high = arguments.real("limits of the band", band).ravel()[:2] if np.size(band) == 2 else (np.nan, np.nan)
+    sweep = arguments.real("numbers q of the sweep", qs)
     top = np.pi / model.time.period_s if isinstance(model.time, Discrete) else np.inf
     if not 0 < low < high < top:
         raise SignalError(f"the band is {band} rad/s: give 0 < low < high, and high below {top:.6g} rad/s")
@@ -157,6 +159,12 @@ def _points(model: StateSpace, qs: Sequence[float], band: tuple[float, float]) -
 def _square(B: Array) -> Array:
     product = B @ B.T
     return (product + product.T) / 2
+
+
+def _formed(controller: object) -> lqg.Controller:
+    if isinstance(controller, lqg.Controller):
+        return controller
+    raise SignalError(f"the form makes {arguments.found(controller)}: give lqg.current or lqg.predictor")
 
 
 def _compensator(controller: lqg.Controller, s: Complex) -> Complex:

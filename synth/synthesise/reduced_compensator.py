@@ -26,10 +26,10 @@ import flint
 import numpy as np
 from numpy.typing import ArrayLike
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import equilibrate, interconnect, precise, staircase
 from synth.errors import ModelError, SignalError
-from synth.statespace import Array, StateSpace, System, of, readonly, two_dimensional
+from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.synthesise import spectrum
 from synth.synthesise.reduced_observer import ReducedObserver
 from synth.synthesise.reduced_partition import Partition, rows
@@ -69,6 +69,7 @@ class Compensator:
         return show.Sheet(f"{title}, {plant.time}", lines, tables)
 
 
+@arguments.checked
 def integrals(system: System, signals: Mapping[str, str]) -> StateSpace:
     """Return z' = y, in discrete time z+ = z + T y, for each {z: name of y} of a model's signals.
 
@@ -84,6 +85,7 @@ def integrals(system: System, signals: Mapping[str, str]) -> StateSpace:
     return StateSpace(A, rate * B, np.eye(k), np.zeros((k, len(inputs))), names, inputs, names, model.time, units)
 
 
+@arguments.checked
 def augmented(observer: ReducedObserver, computed: System) -> StateSpace:
     """Return the plant with the computed states behind its own, driven by the true x: the model to design K on.
 
@@ -102,6 +104,7 @@ def augmented(observer: ReducedObserver, computed: System) -> StateSpace:
     return StateSpace(A, B, np.eye(n + k), np.zeros((n + k, B.shape[1])), states, model.inputs, states, time, units)
 
 
+@arguments.checked
 def compensator(observer: ReducedObserver, K: ArrayLike, computed: System | None = None) -> Compensator:
     """Return u = K (x^, z) with K (m, n + k) on the plant's states, in its order, then on those of `computed`.
 
@@ -110,7 +113,7 @@ def compensator(observer: ReducedObserver, K: ArrayLike, computed: System | None
     """
     extra = integrals(observer.model, {}) if computed is None else of(computed)
     plant = augmented(observer, extra)
-    gain, shape = two_dimensional("K", K), plant.B.T.shape
+    gain, shape = arguments.matrix("K", K), plant.B.T.shape
     if gain.shape != shape or not np.isfinite(gain).all():
         raise SignalError(
             f"the gain K is {gain.shape}: {', '.join(plant.inputs)} from {', '.join(plant.states)} need a finite one "

@@ -27,10 +27,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import precise
 from synth.errors import ModelError, SignalError, TimingError
-from synth.statespace import Array, StateSpace, System, readonly, two_dimensional
+from synth.statespace import Array, StateSpace, System, readonly
 from synth.synthesise import deadbeat as nilpotent
 from synth.synthesise import pole_placement, reduced_noise, reduced_partition, reduced_variance, spectrum
 from synth.synthesise.reduced_partition import Partition
@@ -103,6 +103,7 @@ class ReducedObserver:
         return show.Sheet(title, lines, (L, x3))
 
 
+@arguments.checked
 def from_gain(system: System, measured: Sequence[str] | str, L: ArrayLike) -> ReducedObserver:
     """Return the observer with a given gain L (n - p, p), rows in the order of the estimated states.
 
@@ -110,7 +111,7 @@ def from_gain(system: System, measured: Sequence[str] | str, L: ArrayLike) -> Re
     decay; else as `reduced_partition.of_model`.
     """
     part = reduced_partition.of_model(system, measured)
-    gain, shape = two_dimensional("L", L), (len(part.estimated), len(part.measured))
+    gain, shape = arguments.matrix("L", L), (len(part.estimated), len(part.measured))
     if gain.shape != shape:
         raise SignalError(
             f"the gain L is {gain.shape}: {', '.join(part.estimated)} from {', '.join(part.measured)} need {shape}"
@@ -123,6 +124,7 @@ def from_gain(system: System, measured: Sequence[str] | str, L: ArrayLike) -> Re
     return _observer(part, gain, None)
 
 
+@arguments.checked
 def by_poles(system: System, measured: Sequence[str] | str, poles: Sequence[complex] | ArrayLike) -> ReducedObserver:
     """Return the observer whose error has the given poles (n - p,), less the modes that x1 does not show.
 
@@ -133,6 +135,7 @@ def by_poles(system: System, measured: Sequence[str] | str, poles: Sequence[comp
     return _observer(part, 0.0 - found.K.T, found)
 
 
+@arguments.checked
 def by_riccati(
     system: System, measured: Sequence[str] | str, W: reduced_noise.Weight, V: reduced_noise.Weight | None = None
 ) -> ReducedObserver:
@@ -149,6 +152,7 @@ def by_riccati(
     return _observer(part, found.L, found)
 
 
+@arguments.checked
 def deadbeat(system: System, measured: Sequence[str] | str) -> ReducedObserver:
     """Return the observer whose error is 0 after the fewest samples.
 

@@ -17,11 +17,10 @@ import flint
 import numpy as np
 import scipy.linalg
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import precise, staircase, structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
-from synth.synthesise import names as signal_names
 from synth.synthesise.spectrum import ball
 
 DEPENDENT = 0.1  # of the largest share of a dependence between outputs: a smaller one is not named
@@ -59,7 +58,7 @@ def of_model(system: System, measured: Sequence[str] | str) -> Partition:
     model = of(system)
     if not model.states:
         raise ModelError("the model has no states: nothing is left to estimate")
-    names = signal_names.of("measured signals", measured)
+    names = arguments.names("measured signals", measured)
     C, D = rows(model, names)
     left, condition = _left_over(model, names, C)
     M = np.vstack([C, np.eye(len(model.A))[left]])
@@ -78,7 +77,7 @@ def rows(model: StateSpace, measured: Sequence[str] | str) -> tuple[Array, Array
 
     Raises SignalError for a name that is not known or stands twice, or for none.
     """
-    names = signal_names.of("measured signals", measured)
+    names = arguments.names("measured signals", measured)
     if not names or len(set(names)) < len(names):
         raise SignalError(f"the measured signals are {', '.join(names) or 'none'}: name one or more, each once")
     n, m = model.B.shape

@@ -12,6 +12,7 @@ from fractions import Fraction
 import casadi as ca
 from numpy.typing import ArrayLike
 
+from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.errors import SignalError
 from synth.signals import Signal, dimension
@@ -21,6 +22,7 @@ from synth.synthesise.lqr import Gain
 from synth.timing import Discrete
 
 
+@arguments.checked
 def block(
     name: str,
     time: Discrete,

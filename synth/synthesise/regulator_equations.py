@@ -20,11 +20,11 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import ArrayLike
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import staircase, structure
 from synth.analyse.equilibrate import equilibrated
 from synth.errors import ModelError, SignalError
-from synth.statespace import Array, StateSpace, System, of, readonly, two_dimensional
+from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.synthesise import minimal_polynomial
 from synth.timing import Continuous, Time
 
@@ -47,7 +47,7 @@ class SteadyState:
 
         Raises SignalError for a K of another shape.
         """
-        gain = two_dimensional("K", K)
+        gain = arguments.matrix("K", K)
         if gain.shape != (len(self.inputs), len(self.states)):
             raise SignalError(f"K is {gain.shape}: give {(len(self.inputs), len(self.states))}, inputs by states")
         return readonly(self.Gamma - gain @ self.Pi)
@@ -59,6 +59,7 @@ class SteadyState:
         return show.Sheet("Steady state x = Pi w, u = Gamma w", (f"Residual {self.residual:.1e}",), tables)
 
 
+@arguments.checked
 def solve(system: System, S: ArrayLike, E: ArrayLike, F: ArrayLike) -> SteadyState:
     """Return the steady state of a model whose inputs all act and whose outputs are all regulated.
 
@@ -84,6 +85,7 @@ def solve(system: System, S: ArrayLike, E: ArrayLike, F: ArrayLike) -> SteadySta
     return SteadyState(readonly(X[:n]), readonly(X[n:]), residual, model.states, model.inputs)
 
 
+@arguments.checked
 def require_solvable(model: StateSpace, modes: Sequence[minimal_polynomial.Mode]) -> None:
     """Raise ModelError, naming what is missing, unless the model's inputs regulate all its outputs at all `modes`.
 
@@ -99,6 +101,7 @@ def require_solvable(model: StateSpace, modes: Sequence[minimal_polynomial.Mode]
     require_no_zero(model, [_point(mode.value, model.time) for mode in modes])
 
 
+@arguments.checked
 def require_no_zero(model: StateSpace, points: Sequence[complex]) -> None:
     """Raise ModelError for a transmission zero at one of the `points`, in 1/s or in z, naming what cannot be moved."""
     for point in points:
@@ -134,7 +137,7 @@ def _unmoved(model: StateSpace, point: complex) -> dict[str, complex] | None:
 
 
 def _fitting(model: StateSpace, S: ArrayLike, E: ArrayLike, F: ArrayLike) -> tuple[Array, Array, Array]:
-    found = [two_dimensional(name, value) for name, value in (("S", S), ("E", E), ("F", F))]
+    found = [arguments.matrix(name, value) for name, value in (("S", S), ("E", E), ("F", F))]
     q = len(found[0])
     for name, value, shape in zip("SEF", found, ((q, q), (len(model.A), q), (len(model.C), q)), strict=True):
         if value.shape != shape or not np.isfinite(value).all():

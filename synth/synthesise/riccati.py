@@ -26,7 +26,7 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
@@ -157,6 +157,7 @@ def _shape(pole: complex, time: Time) -> tuple[str, str]:
     return show.number(abs(s) / (2 * np.pi)), show.number(-s.real / abs(s)) if s else "-"
 
 
+@arguments.checked
 def solve(
     system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None = None, exact: bool = False
 ) -> Riccati:
@@ -192,6 +193,7 @@ def solved(model: StateSpace, Q: Array, R: Array, N: Array, exact: bool) -> Ricc
     return _result(model, stated, found, certified, balance, within)
 
 
+@arguments.checked
 def certify(
     system: System,
     Q: weights.Weight,
@@ -212,6 +214,7 @@ def certify(
     return _result(model, stated, found, balance.certified(found), balance, np.zeros(0, dtype=np.complex128))
 
 
+@arguments.checked
 def checked_weights(
     system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None
 ) -> tuple[Array, Array, Array]:

@@ -21,6 +21,7 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 
+from synth import arguments
 from synth.block import Block, Constant, Exprs, Fault, State, Step, build, clip
 from synth.errors import SignalError
 from synth.signals import Signal
@@ -43,6 +44,7 @@ class Guarded:
     held: bool = True
 
 
+@arguments.checked
 @dataclass(frozen=True)
 class Safety:
     """After `bad_samples` samples in a row with a bad measurement the outputs slew to `safe_output`.
@@ -56,6 +58,7 @@ class Safety:
     reason: str
 
 
+@arguments.checked
 def guard(time: Discrete, inputs: Sequence[Guarded], bad_samples: int, suspected: Sequence[str] = ()) -> Block:
     """Return the Block that accepts or replaces each input.
 
@@ -124,6 +127,7 @@ def guard(time: Discrete, inputs: Sequence[Guarded], bad_samples: int, suspected
     return replace(block, faults=tuple(faults))
 
 
+@arguments.checked
 def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Block:
     """Return the Block that passes ``<name>_computed`` on as ``<name>`` and, once latched, slews to the safe output.
 
@@ -171,12 +175,17 @@ def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Bl
     )
 
 
+@arguments.checked
 def frozen(block: Block) -> Block:
     """Return a guarded composition whose states, but for the guard's and the last outputs, stand still once latched.
 
     What they would become has no influence any more, so that a latched step computes nothing but the slew.
+
+    Raises SignalError for a Block that does not latch.
     """
-    latched = next(block.output[f.output] for f in block.faults if f.bit == LATCH_BIT)
+    latched = next((block.output[f.output] for f in block.faults if f.bit == LATCH_BIT), None)
+    if latched is None:
+        raise SignalError(f"block '{block.name}' has no fault bit {LATCH_BIT}: compose it with a guard of measurements")
     still = [s.name for s in block.states if not s.name.startswith((f"{GUARD}_", f"{SAFE_OUTPUT}_"))]
     held = {n: ca.if_else(latched, block.symbol[n], block.next[n]) for n in still}
     return replace(block, next={**block.next, **held})

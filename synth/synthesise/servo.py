@@ -24,16 +24,16 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import ArrayLike
 
-from synth import show
+from synth import arguments, show
 from synth.analyse.staircase import Complex
 from synth.errors import ModelError, SignalError
-from synth.statespace import Array, StateSpace, System, of, readonly, two_dimensional
-from synth.synthesise import internal_model, names, steady_error
+from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.synthesise import internal_model, steady_error
 from synth.synthesise.internal_model import Exosystem, InternalModel
 from synth.synthesise.steady_error import SteadyError, named
 from synth.timing import common
 
-Names = Sequence[str] | None
+Names = Sequence[str] | str | None
 """Names of signals; None for all."""
 
 
@@ -106,6 +106,7 @@ class Servo:
         return show.Sheet(title, lines, (gains, *certificate.tables))
 
 
+@arguments.checked
 def of_gain(
     system: System, exosystem: Exosystem, K: ArrayLike, *, regulated: Names = None, controls: Names = None
 ) -> Servo:
@@ -116,7 +117,7 @@ def of_gain(
     """
     plant, acting, model = parts(system, exosystem, regulated, controls)
     states = internal_model.augmented(acting, model).states
-    gain = two_dimensional("K", K)
+    gain = arguments.matrix("K", K)
     if gain.shape != (len(acting.inputs), len(states)) or not np.isfinite(gain).all():
         raise SignalError(
             f"K is {gain.shape}: give a finite one of {(len(acting.inputs), len(states))}, {', '.join(acting.inputs)} "
@@ -125,15 +126,16 @@ def of_gain(
     return _certified(plant, model, acting.outputs, acting.inputs, readonly(gain), plant.states, None)
 
 
+@arguments.checked
 def observed(servo: Servo, L: ArrayLike, measured: Names = None) -> Servo:
     """Return the regulator with a full-order observer of the plant, x^' = A x^ + B u + L (y - C x^ - D u) (x^+ = ..).
 
     L is (n, l) for the outputs `measured`. Raises as `estimated`; SignalError for an L of another shape.
     """
     plant = servo.plant
-    ends = plant.outputs if measured is None else names.of("measured outputs", measured)
+    ends = plant.outputs if measured is None else arguments.names("measured outputs", measured)
     seen = plant.select(ends, servo.controls)
-    gain = two_dimensional("L", L)
+    gain = arguments.matrix("L", L)
     if gain.shape != seen.C.T.shape:
         raise SignalError(f"L is {gain.shape}: give {seen.C.T.shape}, states by the outputs {', '.join(seen.outputs)}")
     states, inputs = named(plant.states, "estimate"), (*seen.inputs, *seen.outputs)
@@ -143,6 +145,7 @@ def observed(servo: Servo, L: ArrayLike, measured: Names = None) -> Servo:
     return estimated(servo, StateSpace(*form, states, inputs, states, plant.time))
 
 
+@arguments.checked
 def estimated(servo: Servo, estimator: System) -> Servo:
     """Return the regulator with an estimator of the plant's states, u = K_x x^ + K_xi xi.
 
@@ -171,6 +174,7 @@ def estimated(servo: Servo, estimator: System) -> Servo:
     return _certified(plant, servo.model, servo.regulated, u, servo.K, measured, kept_model)
 
 
+@arguments.checked
 def parts(
     system: System, exosystem: Exosystem, regulated: Names, controls: Names
 ) -> tuple[StateSpace, StateSpace, InternalModel]:
@@ -179,11 +183,11 @@ def parts(
     Raises SignalError for an unknown name or no regulated output; else as `internal_model.in_time`.
     """
     plant = of(system)
-    ends = plant.outputs if regulated is None else names.of("regulated outputs", regulated)
+    ends = plant.outputs if regulated is None else arguments.names("regulated outputs", regulated)
     if not ends:
         known = ", ".join(plant.outputs) or "none: give the model a C"
         raise SignalError(f"no output is regulated: name one or more; the model's outputs are {known}")
-    acting = plant.select(ends, plant.inputs if controls is None else names.of("controls", controls))
+    acting = plant.select(ends, plant.inputs if controls is None else arguments.names("controls", controls))
     return plant, acting, internal_model.in_time(exosystem, plant.time)
 
 

@@ -24,13 +24,13 @@ import flint
 import numpy as np
 import scipy.linalg
 
-from synth import show
+from synth import arguments, show
 from synth.analyse import precise
 from synth.analyse.equilibrate import equilibrated
 from synth.analyse.staircase import Complex
-from synth.errors import ModelError
+from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
-from synth.synthesise import internal_model, names, spectrum
+from synth.synthesise import internal_model, spectrum
 from synth.synthesise.minimal_polynomial import Mode
 from synth.timing import Continuous, Time, common
 
@@ -78,14 +78,15 @@ class SteadyError:
         return show.Sheet("Share of the exosystem's signals that is left, at its modes in 1/s", (verdict,), (table,))
 
 
-def evaluate(system: System, errors: Sequence[str], exosystem: internal_model.Exosystem) -> SteadyError:
+@arguments.checked
+def evaluate(system: System, errors: Sequence[str] | str, exosystem: internal_model.Exosystem) -> SteadyError:
     """Return what a closed loop leaves, from all its inputs to the outputs `errors`, of the signals of an exosystem.
 
     A pole that decays by no more than rounding error counts as lasting (`spectrum.lasting`).
 
     Raises SignalError for an error that is no output, or as `internal_model.of`; ModelError for a pole at a mode.
     """
-    model, ends = of(system), names.of("errors", errors)
+    model, ends = of(system), arguments.names("errors", errors)
     loop, modes = model.select(ends, model.inputs), internal_model.of(exosystem).modes
     poles, shape = loop.poles, (len(modes), *loop.D.shape)
     if (lasting := spectrum.lasting(loop.A, loop.time)) is not None:
@@ -103,6 +104,7 @@ def evaluate(system: System, errors: Sequence[str], exosystem: internal_model.Ex
     return SteadyError(modes, ends, loop.inputs, response, readonly(leftover), poles, None, loop.time)
 
 
+@arguments.checked
 def closed(
     plant: StateSpace, measured: StateSpace, regulated: Sequence[str], controls: Sequence[str], controller: StateSpace
 ) -> StateSpace:
@@ -117,6 +119,11 @@ def closed(
     algebraic loop without a solution.
     """
     time = common(plant.time, controller.time)
+    if measured.states != plant.states or not len(controls):
+        raise SignalError(
+            f"the plant has the states {', '.join(plant.states)}, as measured {', '.join(measured.states)}, and "
+            f"{len(controls)} controls: give one plant, and one control or more"
+        )
     errors, commands, told = named(regulated, "error"), named(controls, "command"), named(controls, "limited")
     B_Y, D_Y = _columns(controller, commands, (*measured.outputs, *errors))
     B_l, D_l = _columns(controller, commands, told)
@@ -163,6 +170,7 @@ def _solvable(loop: Array) -> Array:
     return loop
 
 
+@arguments.checked
 def named(signals: Sequence[str], end: str) -> tuple[str, ...]:
     """Return the names with an ending."""
     return tuple(f"{name}_{end}" for name in signals)

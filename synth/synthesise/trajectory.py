@@ -13,12 +13,15 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
+from synth import arguments
 from synth.errors import SignalError
 from synth.plant import Plant
 from synth.signals import names
 from synth.statespace import Array
-from synth.synthesise import bordered, reading
+from synth.synthesise import bordered
 from synth.synthesise.logs import Log
+
+MOST_SUBSTEPS = 10_000  # a period: a plant that needs more is too stiff for explicit steps
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,9 +105,9 @@ def _check(
         if name not in states:
             raise SignalError(f"'{name}' is no state of plant '{plant.name}': it has {', '.join(states)}")
     for name, value in initial.items():
-        if reading.real(f"initial value of '{name}'", value).shape or not np.isfinite(value):
+        if arguments.real(f"initial value of '{name}'", value).shape or not np.isfinite(value):
             raise SignalError(f"the initial value of '{name}' is {value}: give a finite number")
-    if span is not None and not 1 <= reading.whole("span", span) < rows:
+    if span is not None and not 1 <= arguments.whole("span", span) < rows:
         raise SignalError(f"the span is {span} samples: give 1 or more, and fewer than the log's {rows} rows")
     if span is not None and (initial or free):
         raise SignalError(
@@ -115,8 +118,8 @@ def _check(
             f"spans of {span} periods hold {(span + 1) * len(measured)} samples for {len(states)} start states: take "
             "longer ones, or measure more signals"
         )
-    if reading.whole("number of Runge-Kutta steps", substeps) < 1:
-        raise SignalError(f"{substeps} Runge-Kutta steps a period were asked for: give 1 or more")
+    if not 1 <= arguments.whole("number of Runge-Kutta steps", substeps) <= MOST_SUBSTEPS:
+        raise SignalError(f"{substeps} Runge-Kutta steps a period were asked for: give 1 to {MOST_SUBSTEPS}")
 
 
 def _step(plant: Plant, parameters: Sequence[str], measured: Sequence[str], free: int, h: float) -> ca.Function:

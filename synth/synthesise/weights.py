@@ -9,9 +9,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from synth import arguments
 from synth.errors import SignalError
 from synth.statespace import Array
-from synth.synthesise import reading
 
 Weight = ArrayLike | Mapping[str, float]
 
@@ -32,7 +32,7 @@ def symmetric(what: str, value: Weight, names: Sequence[str]) -> Array:
     matrix = (
         _by_name(what, value, names)
         if isinstance(value, Mapping)
-        else reading.real(f"entries of the weight {what}", value)
+        else arguments.real(f"entries of the weight {what}", value)
     )
     n = len(names)
     if matrix.shape == (n,):
@@ -82,7 +82,7 @@ def cross(what: str, value: ArrayLike | None, rows: Sequence[str], columns: Sequ
     Raises SignalError for another shape or an entry that is not finite.
     """
     shape = (len(rows), len(columns))
-    matrix = np.zeros(shape) if value is None else reading.real(f"entries of the weight {what}", value)
+    matrix = np.zeros(shape) if value is None else arguments.real(f"entries of the weight {what}", value)
     if matrix.shape != shape or not np.isfinite(matrix).all():
         raise SignalError(
             f"the cross weight {what} is {matrix.shape}: {shape[0]} states and {shape[1]} inputs need a finite one of "
@@ -147,7 +147,7 @@ def _by_name(what: str, value: Mapping[str, float], names: Sequence[str]) -> Arr
         raise SignalError(f"the weight {what} names '{unknown[0]}', which is not one of {', '.join(names)}")
     diagonal = np.zeros(len(names))
     for k, name in enumerate(names):
-        entry = reading.real(f"entries of the weight {what} of '{name}'", value.get(name, 0.0))
+        entry = arguments.real(f"entries of the weight {what} of '{name}'", value.get(name, 0.0))
         if entry.ndim:
             raise SignalError(f"the weight {what} of '{name}' has shape {entry.shape}: give a number")
         diagonal[k] = entry

@@ -173,7 +173,7 @@ def test_sizes_at_the_ends_of_the_range_are_refused_or_right() -> None:
     for small in (-1e-310, -1e-200):
         assert [[small]] == realisation.minimal(([[small]], [[1.0]], [[1.0]])).model.A
     for A, B in ((-1e308, 1.0), (-1.0, 1e308), (-1.0, 1e-310)):
-        with pytest.raises(SignalError, match="an entry of the model has the size"):
+        with pytest.raises(SignalError, match=r"an entry of the model has the size|reach 1e\+308"):
             realisation.minimal(([[A]], [[B]], [[1.0]]))
 
 

@@ -189,7 +189,7 @@ def test_limits_that_are_no_range_of_frequencies_are_refused(limits: dict[str, f
     """In a sampled loop too, though its `high` is Nyquist whatever is given."""
     L = tf([3], [1, 1])
     for found in (L, transfer.delayed(L, 0.1), discretise.zero_order_hold(L, 0.1)):
-        with pytest.raises(SignalError, match=r"give a finite frequency above 0|give 0 < low < high"):
+        with pytest.raises(SignalError, match=r"give a finite frequency above 0|give 0 < low < high|give a number"):
             margins.of_loop(found, **limits)
 
 

@@ -129,9 +129,9 @@ def test_the_intervals_catch_a_wrong_derivative() -> None:
         ({"bounds": (2, 0)}, r"'amplitude' starts at 1.5, outside its bounds 2 to 0"),
         ({"bounds": ([0.0], [1.0, 1.0])}, r"the lower bound has the shape \(1,\)"),
         ({"parameters": ("a", "a")}, r"'a' stands twice"),
-        ({"outputs": "y"}, r"the outputs are the text 'y'"),
-        ({"noise": 0.1}, r"the noise is 0\.1"),
-        ({"level": "x"}, r"the confidence level is x"),
+        ({"outputs": "y"}, r"`outputs` of .* is 'y': give a list of names"),
+        ({"noise": 0.1}, r"`noise` of .* is 0\.1: give a mapping"),
+        ({"level": "x"}, r"`level` of .* is 'x': give a number"),
     ],
 )
 def test_requests_without_sense_are_refused(change: dict[str, object], message: str) -> None:

@@ -190,7 +190,9 @@ def test_multiplicities_stand_in_the_characteristic_polynomial(counts: dict[floa
 
 @pytest.mark.parametrize("count", [0, -1, 1.5])
 def test_a_multiplicity_is_a_whole_number_from_1(count: float) -> None:
-    with pytest.raises(SignalError, match=r"frequency 2\.0 rad/s has multiplicity .*: give a whole number of 1"):
+    with pytest.raises(
+        SignalError, match=r"2\.0 rad/s has multiplicity .*: give a whole|`frequencies` of .* to a whole number"
+    ):
         internal_model.exosystem({0.0: 1, 2.0: count})  # type: ignore[dict-item]
 
 
@@ -318,13 +320,13 @@ def test_a_sampled_plant_gets_the_sampled_model() -> None:
     "given", [{0.0: np.nan}, {0.0: np.inf}, {0.0: "a"}, {0.0: None}, {0.0: 1j}, {0.0: [1]}, {0.0: 1e9}]
 )
 def test_a_multiplicity_that_is_no_number_is_refused(given: dict[float, int]) -> None:
-    with pytest.raises(SignalError, match=r"multiplicity"):
+    with pytest.raises(SignalError, match=r"multiplicity|`frequencies` of .* to a whole number"):
         internal_model.exosystem(given)
 
 
 @pytest.mark.parametrize("given", [1.0, "abc", None, {"zzz": 1}, {1j: 1}, [1j], np.array([1j]), ["a"], [[1.0], [1, 2]]])
 def test_frequencies_that_are_no_numbers_are_refused(given: list[float]) -> None:
-    with pytest.raises(SignalError, match=r"give (frequencies|an array of real|distinct)"):
+    with pytest.raises(SignalError, match=r"give (frequencies|an array of real|distinct|a list, each entry a number)"):
         internal_model.exosystem(given)
 
 

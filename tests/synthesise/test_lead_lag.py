@@ -218,7 +218,7 @@ def test_what_is_no_compensator_is_refused() -> None:
     with pytest.raises(SignalError, match=r"2 zeros but 1 poles, .* add a filter pole"):
         Compensator(1.0, (-1.0, -2.0), (0.0,))
     for zeros, poles in (((np.nan,), (0.0,)), ((-1.0,), (np.inf,)), ((-1 + 2j,), (0.0,))):
-        with pytest.raises(SignalError, match="give real, finite numbers"):
+        with pytest.raises(SignalError, match=r"give real, finite numbers|each entry a number"):
             Compensator(1.0, zeros, poles)
     with pytest.raises(SignalError, match="gain is 0"):
         Compensator(0.0, (), (0.0,))

@@ -25,7 +25,7 @@ def test_columns_come_by_name() -> None:
         ({"a": [[1.0]]}, r"shape \(1, 1\)"),
         ({"a": ["x"]}, r"'a' are no real numbers"),
         ({"a": [1.0, 1j]}, r"'a' are no real numbers \(they are complex\)"),
-        ({"a": np.ma.array([1.0, 2.0], mask=[0, 1])}, r"'a' are no real numbers \(some are masked\)"),
+        ({"a": np.ma.array([1.0, 2.0], mask=[0, 1])}, r"'a' are no real numbers \(some are masked"),
         ({"a": []}, r"no sample of 'a'"),
         ([[1.0]], r"the log is a list: give samples by name"),
         ({}, r"holds no signal"),

@@ -73,7 +73,7 @@ def test_the_polynomial_vanishes_at_the_matrix_and_none_of_lower_degree_does() -
 
 @pytest.mark.parametrize("S", [np.zeros((2, 3)), np.zeros((0, 0)), [[np.nan]], "text"])
 def test_what_is_no_square_matrix_is_refused(S: object) -> None:
-    with pytest.raises(SignalError, match=r"give a (square )?matrix"):
+    with pytest.raises(SignalError, match=r"give a(n array of real numbers| matrix| square matrix)"):
         minimal_polynomial.roots(S)
 
 

@@ -246,5 +246,5 @@ def test_a_gain_of_zero_leaves_nothing_to_recover() -> None:
 )
 def test_a_sweep_that_is_no_list_of_numbers_is_refused(qs: list[float], band: tuple[float, float]) -> None:
     plant = ([[-1.0]], [[1.0]], [[1.0]])
-    with pytest.raises(SignalError, match=r"the sweep|the band"):
+    with pytest.raises(SignalError, match=r"the sweep|the band|`(qs|band)` of"):
         recovery.at_input(lqr.lqr(plant, [1.0], [1.0]), plant, [1.0], [1.0], qs, band)

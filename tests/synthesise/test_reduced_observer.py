@@ -165,7 +165,7 @@ def test_coordinates_are_as_well_conditioned_in_any_units() -> None:
     ("measured", "kind", "text"),
     [
         ((), SignalError, "measured signals are none: name one or more"),
-        (3, SignalError, "measured signals are 3: give names"),
+        (3, SignalError, "`measured` of .* is 3: give a list of names"),
         (("y0", "y0"), SignalError, "y0, y0: name one or more, each once"),
         (("q",), SignalError, "'q' is neither output nor state: take one of y0, y1, y2, y3, x0"),
         (("y0", "y1", "y2"), ModelError, "y0, y2 depend on each other"),
@@ -290,5 +290,5 @@ def test_a_model_without_states_has_nothing_to_estimate(time: Continuous | Discr
 @pytest.mark.parametrize("measured", [np.array([["y1"]]), [["y1"]], np.array([[1.0, 2.0]]), [None]])
 def test_measured_signals_in_a_matrix_are_refused(measured: list[str]) -> None:
     plant = ([[0, 1.0], [0, 0]], [[0], [1.0]], [[1.0, 0]])
-    with pytest.raises(SignalError, match=r"the measured signals are .*: give names of signals, in one list"):
+    with pytest.raises(SignalError, match=r"`measured` of .*: give a list of names"):
         reduced_observer.by_poles(plant, measured, [-1.0])

@@ -313,8 +313,8 @@ def test_no_regulated_output_and_names_that_are_none_are_refused() -> None:
         with pytest.raises(SignalError, match="no output is regulated: name one or more"):
             servo.of_gain(nothing, [0.0], [[-1.0]])
     for wrong in (np.array([["y1"]]), [["y1"]], 3):
-        with pytest.raises(SignalError, match=r"the regulated outputs are .*: give names"):
+        with pytest.raises(SignalError, match=r"`regulated` of .*: give a list of names"):
             servo.of_gain(plant, [0.0], [[-1.0, -1.0]], regulated=wrong)
-        with pytest.raises(SignalError, match=r"the controls are .*: give names"):
+        with pytest.raises(SignalError, match=r"`controls` of .*: give a list of names"):
             servo.of_gain(plant, [0.0], [[-1.0, -1.0]], controls=wrong)
     assert servo.of_gain(plant, [0.0], [[-1.0, -1.0]], regulated="y1").regulated == ("y1",)

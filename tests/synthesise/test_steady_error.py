@@ -214,7 +214,7 @@ def test_a_loop_without_states_or_errors_is_certified(time: Continuous | Discret
 
 @pytest.mark.parametrize("errors", [np.array([["e"]]), [["e"]], 3, None, [3]])
 def test_errors_that_are_no_names_are_refused(errors: list[str]) -> None:
-    with pytest.raises(SignalError, match=r"the errors are .*: give names of signals, in one list"):
+    with pytest.raises(SignalError, match=r"`errors` of .*: give a list of names"):
         steady_error.evaluate(transfer([1], [1, 1]), errors, (0.0,))
 
 

@@ -72,7 +72,7 @@ def test_an_asymmetry_within_rounding_passes_and_the_mean_is_taken() -> None:
         (np.ma.masked_array([1.0, 1.0], [False, True]), "some are masked"),
         ({"x": "a"}, "entries of the weight Q of 'x' are no real numbers"),
         ({"x": 1j}, "entries of the weight Q of 'x' are no real numbers"),
-        ({"x": None}, "the matrix Q has nan for x, x"),
+        ({"x": None}, "the weight Q of 'x' are no real numbers"),
         ({"x": [1.0, 2.0]}, r"the weight Q of 'x' has shape \(2,\): give a number"),
         ([[0.0, 1.0], [1.0, 0.0]], "eigenvalue -1: it must be positive semidefinite"),
     ],

@@ -1,0 +1,263 @@
+"""Calls that work, by function, where the examples of `hostile_examples` by the names of arguments do not serve."""
+
+import functools
+from collections.abc import Mapping
+
+import casadi as ca
+import numpy as np
+
+from benchmarks.hostile_examples import (
+    CURRENT,
+    GAP,
+    RATE,
+    TIME,
+    UNITS,
+    Call,
+    K,
+    T,
+    U,
+    Y,
+    example_law,
+    example_linear,
+    example_linear_signals,
+    example_loop,
+    example_physics,
+    example_regulator,
+    example_scaled,
+    example_step,
+    fields,
+    model,
+    usual,
+)
+from synth.analyse import lie, relative_degree, worst
+from synth.block import Constant, State
+from synth.signals import Parameter, Signal
+from synth.synthesise import (
+    belief,
+    kalman,
+    logs,
+    lqg,
+    lqr,
+    noise,
+    safety,
+)
+from synth.synthesise.minimal_polynomial import Mode
+from synth.timing import Continuous
+
+
+@functools.cache
+def own() -> Mapping[str, Call]:
+    """Return examples by function, where those of the names do not serve."""
+    common = usual()
+    maglev, held, stage = common["maglev"], common["sampled"], common["system"]
+    x, g, u = ca.SX.sym("x"), ca.SX.sym("g"), ca.SX.sym("u")
+    symbols = {"gap": x, "rate": g}
+    matrix = ca.vertcat(ca.horzcat(1 + x, g), ca.horzcat(0, 2))
+    single = {"plant": maglev}
+    log = logs.Log({"a": common["rows"], "b": 2 * common["rows"]}, T)
+    plant_log = logs.Log({"gap": 0.02 + 0 * common["rows"], "rate": 0 * common["rows"], "current": np.full(12, 4.0)}, T)
+    safe = safety.Safety(3, {"y": 0.0}, {"y": 10.0}, "at rest nothing moves")
+    discrete = {"system": held, "time": TIME}
+    white = {"system": held, "W": 1e-4 * np.eye(2)}
+    kalman_pair = {"gain": common["gain"], "estimator": common["estimator"]}
+    shaping = model([[-5.0]], [[1.0]], [[5.0]], [[0.0]], ("s1",), ("w",), ("f",), Continuous())
+    coloured = model([[-5.0]], [[1.0]], [[5.0]], [[0.0]], ("s1",), ("w",), ("x",), Continuous())
+    weigh = model([[-5.0]], [[1.0]], [[5.0]], [[0.0]], ("s1",), ("x",), ("z1",), Continuous())
+    seen = model(held.A, held.B, np.eye(2), np.zeros((2, 1)), held.states, held.inputs, held.states, TIME)
+    sum_of = model([[1.0]], [[1.0]], [[1.0]], [[0.0]], ("sum",), ("x",), ("sum",), TIME)
+    cut = model(
+        [[0.5]], [[1.0, 0.0]], [[0.0], [1.0]], [[0.0, 1.0], [2.0, 0.0]], ("k",), ("x", "s"), ("c", "s_out"), TIME
+    )
+    unmoved = model([[1.0]], [[0.0]], [[1.0]], [[0.0]], ("x1",), ("u1",), ("y1",), TIME)
+    first = belief.initial(held, np.eye(2))
+    servo = common["servo"]
+    return {
+        "signals.names": {"signals": [GAP, RATE]},
+        "signals.Signal": {"name": "gap", "unit": "m", "low": 0.0, "high": 1.0, "about": "the gap"},
+        "signals.Parameter": {"name": "k", "value": 1.0, "unit": "N", "tolerance": 0.1, "source": "measured"},
+        "timing.common": {"times": [TIME, TIME]},
+        "timing.Discrete": {"period_s": T},
+        "plant.Plant": fields(maglev),
+        "plant.symbols": {"signals": [GAP]},
+        "plant.build": {
+            "name": "maglev",
+            "states": [GAP, RATE],
+            "inputs": [CURRENT],
+            "outputs": [GAP],
+            "parameters": [K],
+            "physics": example_physics,
+        },
+        "statespace.StateSpace": {
+            "A": stage.A,
+            "B": stage.B,
+            "C": stage.C,
+            "D": stage.D,
+            "states": ("x", "v"),
+            "inputs": ("f",),
+            "outputs": ("x",),
+            "time": Continuous(),
+            "units": UNITS,
+        },
+        "statespace.coefficients": {"system": common["transfer"]},
+        "statespace.together": {"systems": [stage, stage]},
+        "statespace.from_control": {"system": stage.to_control()},
+        "block.State": {"signal": GAP, "initial": 0.02, "integer": False},
+        "block.Constant": {"name": "k", "value": 1.0, "unit": "1", "source": "given"},
+        "block.Named": {"signal": GAP, "block": "b", "tag": "", "certificate": None},
+        "block.Fault": {"bit": 1, "output": "fault", "input": "gap", "suspect": None},
+        "block.Step": {"output": {"y": u}, "next": {"x": u}, "named": [(GAP, u)], "certified": {}},
+        "block.Block": fields(example_step()),
+        "block.build": {
+            "name": "step",
+            "time": TIME,
+            "law": example_law,
+            "inputs": [U],
+            "outputs": [Y],
+            "states": [State(Signal("last", "1", -1.0, 1.0), 0.0)],
+            "constants": [Constant("gain", 2.0, "1", "given")],
+        },
+        "block.clip": {"expr": u, "bounds": GAP},
+        "compose.compose": {"name": "whole", "blocks": [example_step()], "inputs": ["u"], "outputs": ["y"]},
+        "discretise.gramian": {"F": stage.A, "W": np.eye(2)},
+        "discretise.with_delay": {"system": held, "samples": 2},
+        "interconnect.connect": {"models": [stage], "inputs": ["f"], "outputs": ["x"], "wires": {"f": {"f": 1.0}}},
+        "lie.affine": single,
+        "linearise.linearise": single,
+        "loop.cut": {"blocks": [example_step()], "signal": "y"},
+        "loop.linearised": {"block": example_step(), "state": {"last": 0.0}, "inputs": {"u": 0.0}},
+        "loop.opened": {"controller": cut, "signal": "s", "sensors": {"x": "x"}, "actuators": {"f": "c"}, "delay": 1},
+        "magnitude.magnitudes": {"terms": {"x": x * g}, "symbols": symbols, "box": [RATE], "along": "gap", "held": {}},
+        "magnitude.conditioning": {"matrix": matrix, "symbols": symbols},
+        "magnitude.require_invertible": {"matrix": matrix, "symbols": symbols},
+        "relative_degree.of_plant": single,
+        "relative_degree.of_affine": {"model": lie.affine(maglev)},
+        "sensitivity.close": {"controller": ([[-100.0]], [[1.0]], [[10.0]])},
+        "singularity.scaled": {
+            "matrix": matrix,
+            "symbols": ca.vertcat(x, g),
+            "signals": [GAP, RATE],
+            "inputs": [U, Y],
+            "labels": ["a", "b"],
+        },
+        "singularity.worst": {"matrix": example_scaled(matrix, ca.vertcat(x, g))},
+        "singularity.mapped": {"matrix": example_scaled(matrix, ca.vertcat(x, g)), "down": "gap", "across": "rate"},
+        "structure.unmoved": {"time": Continuous()},
+        "structure.require_stabilisable": {"time": Continuous()},
+        "structure.require_detectable": {"time": Continuous(), "what": "Q"},
+        "structure.has_transmission_zero": {"s": 1.0},
+        "structure.pair": {"value": 1 + 2j},
+        "structure.rates": {"values": np.array([-1.0 + 0j])},
+        "structure.direction": {"vector": np.array([1.0 + 0j, 2.0]), "names": ["a", "b"]},
+        "structure.spelled": {"direction": {"a": 1 + 0j}},
+        "transfer.Delayed": {"model": stage, "delay_s": 0.01, "hold_s": 0.0},
+        "transfer.decay": {"poles": np.array([-1.0 + 0j]), "time": Continuous()},
+        "transfer.check_limits": {"low": 1.0, "high": 2.0},
+        "transfer.check_turns": {"late": 1e-3, "top": 10.0},
+        "transfer.log": {"value": np.array([1 + 1j])},
+        "trim.trim": {"plant": maglev, "fixed": {"gap": 0.02}, "free": ["current"]},
+        "worst.Figure": {"name": "f", "unit": "1", "of": lambda loop: 1.0, "largest": False},
+        "worst.search": {"loop": example_loop, "parameters": [K], "figure": worst.PHASE_MARGIN},
+        "zero_dynamics.at_point": {"plant": maglev, "degree": relative_degree.of_plant(maglev)},
+        "zero_dynamics.of_linear": {"degrees": [2]},
+        "anti_windup.of_gain": {"controller": ([[-1.0]], [[1.0]], [[1.0]]), "E": [[-0.5]]},
+        "anti_windup.conditioning": {"controller": ([[-1.0]], [[1.0]], [[1.0]], [[1.0]]), "references": ["u1"]},
+        "belief.initial": {"system": held},
+        "belief.predict": {"belief": first, "system": held},
+        "belief.update": {"belief": first, "system": held, "y": [0.1]},
+        "bumpless.start": {"state": [0.1, 0.0], "present": [0.2]},
+        "coloured.process": {"shaping": shaping},
+        "coloured.measurement": {"shaping": coloured},
+        "crossover.design": {"crossover": 10.0, "phase_margin": 40.0},
+        "deadbeat.feedback": {"system": held},
+        "deadbeat.lasting": {"model": unmoved},
+        "derivative_filter.block": {"signal": GAP, "rate": RATE, "bandwidth": 30.0},
+        "dynamic_extension.integrators": {"plant": maglev, "inputs": ["current"]},
+        "dynamic_extension.extend": single,
+        "estimator_start.from_measurement": {"plant": held, "estimator": common["estimator"].predictor()},
+        "feedback_linearisation.of_plant": {**single, "point": common["point"]},
+        "feedback_linearisation.linearise": {"acceleration": [x + u], "inputs": {"u": u}},
+        "frequency_weights.shaped": {"filters": [weigh], "Qz": [[1.0]], "R": [[1.0]], "Qx": np.eye(2)},
+        "frequency_weights.augmented": {"filters": [weigh]},
+        "gauss_newton.minimise": {
+            "model": example_linear,
+            "y": np.array([[1.0], [2.0], [3.1]]),
+            "start": [0.0, 0.0],
+            "parameters": ["a", "b"],
+            "outputs": ["y"],
+        },
+        "identify.fit_linear": {
+            "equations": {"e": x - u * g},
+            "signals": {"a": g, "b": x},
+            "symbols": {"k": u},
+            "log": log,
+            "parameters": [Parameter("k", 1.0, "1", 0.1, "guess")],
+        },
+        "identify.fit_equations": {
+            "plant": maglev,
+            "log": plant_log,
+            "parameters": ["k"],
+            "rates": {"gap": "rate", "rate": "rate"},
+        },
+        "identify.fit_trajectory": {"plant": maglev, "log": plant_log, "parameters": ["k"], "measured": ["gap"]},
+        "internal_model.from_matrix": {"S": [[0.0, 2.0], [-2.0, 0.0]]},
+        "internal_model.exact": {"modes": [Mode(0j, 1)], "time": TIME},
+        "inverse_lqr.diagonal_weights": {"poles": [-2.0, -3.0], "R": 1.0},
+        "inverse_lqr.gain_weights": {"K": common["gain"].K, "system": stage},
+        "inverse_lqr.reproduces": {"q": [1.0, 1.0], "R": 1.0},
+        "kalman.discrete": white,
+        "kalman.steady": {"noisy": noise.white(held, 1e-4 * np.eye(2), [[1e-6]])},
+        "lead_lag.Compensator": {"gain": 1.0, "zeros": (-1.0,), "poles": (-10.0,), "time": Continuous()},
+        "lead_lag.from_constants": {"gain": 1.0, "numerator_s": [0.1], "denominator_s": [0.01], "integrators": 0},
+        "least_squares.solve": {
+            "Phi": [[1.0, 0.0], [1.0, 1.0], [1.0, 2.0]],
+            "y": [1.0, 2.0, 3.1],
+            "parameters": ["a", "b"],
+            "outputs": ["y"],
+        },
+        "least_squares.unsettled": {"passes": 3},
+        "linear_block.block": {"system": ([[0.5]], [[1.0]], [[1.0]], [[0.0]], TIME), **example_linear_signals()},
+        **{f"lqg.{name}": kalman_pair for name in ("predictor", "current")},
+        "lqg.expected": {"controller": lqg.current(common["gain"], common["estimator"])},
+        "lqg.integrals": {"gain": common["gain"], "model": stage},
+        "lqr.dlqr": discrete,
+        "lqr.cost_ratio": {"gain": lqr.lqr(stage, np.eye(2), np.eye(1))},
+        "lqr.output_weighted": {"Qy": [[1.0]]},
+        "noise.stationary": {"A": stage.A, "W": np.eye(2), "time": Continuous()},
+        "noise.white": white,
+        "optimal_servo.lqr": {"Q": np.eye(3)},
+        "optimal_servo.lqrd": {"Q": np.eye(3)},
+        "prescribed_decay.design": {"decay_per_s": {0.0: 5.0, 6.0: 4.0}, "system": held},
+        "recovery.at_input": {"gain": lqr.lqr(stage, np.eye(2), np.eye(1))},
+        "recovery.at_output": {"estimator": kalman.continuous(stage, np.eye(2), [[1e-2]])},
+        "reduced_compensator.integrals": {"system": held, "signals": {"x_integral": "x"}},
+        "reduced_compensator.augmented": {"computed": sum_of},
+        "reduced_observer.from_gain": {"system": held, "L": [[1.0]]},
+        "reduced_observer.by_poles": {"system": held, "poles": [0.5]},
+        "reduced_observer.by_riccati": {"system": held},
+        "reduced_observer.deadbeat": {"system": held},
+        "regulator.block": example_regulator(),
+        "regulator_equations.solve": {"S": [[0.0]], "E": [[0.0], [1.0]], "F": [[1.0]]},
+        "regulator_equations.require_solvable": {"modes": [Mode(0j, 1)]},
+        "regulator_equations.require_no_zero": {"points": [0j]},
+        "riccati.checked_weights": {"N": None},
+        "safety.Guarded": {"signal": GAP, "initial": 0.02, "measurement": True, "held": True},
+        "safety.Safety": fields(safe),
+        "safety.guard": {"inputs": [safety.Guarded(GAP, 0.02, True)], "bad_samples": 3},
+        "safety.safe_output": {"outputs": [Y], "safety": safe},
+        "safety.frozen": {"block": safety.guard(TIME, [safety.Guarded(GAP, 0.02, True)], 3)},
+        "servo.of_gain": {"K": [[-1.0, -1.0, -1.0]]},
+        "servo.observed": {"L": [[1.0], [1.0]]},
+        "servo.estimated": {"servo": servo, "estimator": common["estimator"].predictor()},
+        "servo.parts": {"regulated": None, "controls": None},
+        "steady_error.evaluate": {"errors": ["x"]},
+        "steady_error.named": {"signals": ["x"], "end": "reference"},
+        "steady_error.closed": {
+            "plant": held,
+            "measured": seen,
+            "regulated": ["x"],
+            "controls": ["f"],
+            "controller": servo.controller,
+        },
+        "logs.Log": {"samples": {"a": [1.0, 2.0]}, "period_s": T, "times": [0.0, T]},
+        "check.Check": {"name": "c", "found": 1.0, "limit": 2.0, "unit": "1", "about": ""},
+    }

@@ -1,0 +1,228 @@
+"""Arguments: what a caller gives, checked against the annotations of the function that takes it.
+
+    @checked
+    def delayed(system: System, delay_s: float) -> Delayed:        delayed(S, None) raises TimingError:
+                            "`delay_s` of `transfer.delayed` is None: give a number of seconds"
+
+`checked` stands at every function and constructor that users call; functions that take what another has read already
+go without. An annotation says which values pass:
+
+    float, complex    a number, no bool and no text: of a size up to LARGEST, infinite or NaN
+    int               a whole number, no bool               bool, str     just that
+    Sequence[T]       a list, tuple or array of T           Mapping[K, V] a mapping of K to V
+    Array, ArrayLike  anything but text, None, a mapping or a masked array: `real` and `matrix` read the rest
+    a class           an instance of it                     Callable      anything that can be called
+    A | B             what passes for A or for B            Any           everything: the function reads it itself
+
+What numbers may be beyond that (finite, positive, below a Nyquist frequency) is for each function to say. Where a
+checked function meets a number that double precision does not hold, or a matrix that it cannot factor, it raises
+ModelError instead of NumPy's and Python's own arithmetic errors.
+"""
+
+import functools
+import inspect
+import operator
+import reprlib
+import typing
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from synth import kinds
+from synth.errors import ModelError, SignalError, SynthError, TimingError
+from synth.kinds import Kind
+
+Array = NDArray[np.float64]
+Target = TypeVar("Target", bound=Callable[..., Any])
+
+SIZES = (1e-70, 1e70)  # magnitudes whose squares, and the covariances made of them, are numbers in double precision
+ARITHMETIC = (np.linalg.LinAlgError, OverflowError, ZeroDivisionError, FloatingPointError)
+NOT_FINITE = ("infs or NaNs", "infinity to integer", "NaN to integer", "must be finite")  # in a ValueError of SciPy
+SECONDS = " of seconds"
+IN_SAMPLES = ("delay", "samples")
+UNITS = {"_per_s": " in 1/s", "_s": SECONDS}
+
+
+def checked(target: Target) -> Target:
+    """Return a function, or a class, whose arguments are held against their annotations at each call.
+
+    The calls raise SignalError for an argument of the wrong kind, TimingError for a time, ModelError where
+    arithmetic leaves double precision.
+    """
+    if inspect.isclass(target):
+        setattr(target, "__init__", _checked(target.__init__, target.__name__))  # noqa: B010
+        return target
+    return typing.cast(Target, _checked(target, f"{target.__module__.rpartition('.')[2]}.{target.__qualname__}"))
+
+
+def _checked(function: Callable[..., Any], where: str) -> Callable[..., Any]:
+    known = functools.cache(lambda: _kinds(function))  # read at the first call, when all that they name is there
+
+    @functools.wraps(function)
+    def call(*args: Any, **kwargs: Any) -> Any:
+        k = known()
+        for i, value in enumerate(args):
+            name, kind = k.places[i] if i < len(k.places) else k.further
+            if kind is not None and not kind.passes(value):
+                raise _refusal(where, name, value, kind)
+            if kind is not None and kind.plain is not None and (plain := kind.plain(value)) is not value:
+                args = (*args[:i], plain, *args[i + 1 :])
+        for name, value in kwargs.items():
+            kind = k.names.get(name, k.others)
+            if kind is not None and not kind.passes(value):
+                raise _refusal(where, name, value, kind)
+            if kind is not None and kind.plain is not None and (plain := kind.plain(value)) is not value:
+                kwargs = {**kwargs, name: plain}
+        try:
+            return function(*args, **kwargs)
+        except ARITHMETIC as error:
+            raise _overflow(where, error) from error
+        except ValueError as error:
+            if any(text in str(error) for text in NOT_FINITE):
+                raise _overflow(where, error) from error
+            raise
+
+    return call
+
+
+def _overflow(where: str, error: Exception) -> ModelError:
+    return ModelError(
+        f"`{where}` cannot compute with these numbers in double precision ({error}): choose units in which they are "
+        "nearer to 1, or leave out what makes a matrix singular"
+    )
+
+
+def _refusal(where: str, name: str, value: object, kind: Kind) -> SynthError:
+    number = "number" in kind.need and "list" not in kind.need
+    unit = next((text for end, text in UNITS.items() if number and name.endswith(end)), "")
+    error = TimingError if unit == SECONDS or name in IN_SAMPLES else SignalError
+    return error(f"`{name}` of `{where}` is {found(value)}: give {kind.need}{unit}")
+
+
+def found(value: object) -> str:
+    """Return what was given, short enough for a sentence."""
+    if np.ma.isMaskedArray(value):
+        return f"a masked array of shape {np.shape(value)}"
+    if isinstance(value, np.ndarray) and value.ndim:
+        return f"an array of {value.dtype} of shape {value.shape}"
+    if isinstance(value, str | bytes | bool | int | float | complex | Sequence | Mapping | np.generic | type(None)):
+        text = reprlib.repr(value)
+        return text if len(text) <= 80 else f"{text[:77]}..."
+    return f"a {type(value).__name__}"
+
+
+@dataclass(frozen=True)
+class Kinds:
+    """The kinds of a function's arguments: by place, of further ones (``*args``), by name, of others (``**kwargs``)."""
+
+    places: tuple[tuple[str, Kind | None], ...]
+    further: tuple[str, Kind | None]
+    names: Mapping[str, Kind | None]
+    others: Kind | None
+
+
+def _kinds(function: Callable[..., Any]) -> Kinds:
+    hints = typing.get_type_hints(function)
+    parameters = inspect.signature(function).parameters.values()
+    names = {p.name: kinds.of(hints[p.name]) if p.name in hints else None for p in parameters}
+    by_place = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    places = tuple((p.name, names[p.name]) for p in parameters if p.kind in by_place)
+    further = next(((p.name, names[p.name]) for p in parameters if p.kind is p.VAR_POSITIONAL), ("", None))
+    return Kinds(places, further, names, next((names[p.name] for p in parameters if p.kind is p.VAR_KEYWORD), None))
+
+
+def real(what: str, values: ArrayLike) -> Array:
+    """Return an array as float64.
+
+    Raises SignalError, calling it `what`, for complex, masked or ragged values, for text, and for a finite number
+    beyond LARGEST.
+    """
+    try:
+        if kinds.has_mask(values):
+            raise ValueError("some are masked: fill them in, or leave their rows out")
+        if np.iscomplexobj(values):
+            raise ValueError("they are complex")
+        if np.asarray(values).dtype.kind in "USO":
+            raise ValueError("they are no numbers to NumPy")
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise SignalError(f"the {what} are no real numbers ({error}): give an array of real numbers alone") from error
+    size = float(np.abs(array).max(initial=0.0, where=np.isfinite(array)))
+    if size > kinds.LARGEST:
+        raise SignalError(f"the {what} reach {size:.3g}: choose units in which they are below {kinds.LARGEST:g}")
+    return array
+
+
+def matrix(name: str, values: ArrayLike) -> Array:
+    """Return a matrix as float64, a scalar as (1, 1); raise SignalError, calling it `name`, when it is no matrix."""
+    array = real(f"entries of {name}", values)
+    array = array.reshape(1, 1) if array.ndim == 0 else array
+    if array.ndim != 2:
+        raise SignalError(f"{name} has shape {array.shape}: give a matrix with two dimensions")
+    return array
+
+
+def fitting(name: str, values: ArrayLike, rows: int, columns: int | None = None) -> Array:
+    """Return a finite matrix as float64; raise SignalError for another shape (`columns` None: any), called `name`."""
+    array = matrix(name, values)
+    wanted = (rows, array.shape[1] if columns is None else columns)
+    if array.shape != wanted or not np.isfinite(array).all():
+        shape = f"{rows} rows" if columns is None else f"shape {wanted}"
+        raise SignalError(f"{name} has shape {array.shape} or is not finite: give a finite matrix of {shape}")
+    return array
+
+
+def names(what: str, given: object) -> tuple[str, ...]:
+    """Return names as a tuple, one text as a tuple of one.
+
+    Raises SignalError, calling them `what`, for what is no list of texts, like a matrix of names.
+    """
+    if isinstance(given, str):
+        return (str(given),)
+    listed = tuple(given) if isinstance(given, Iterable) else (None,)
+    if not all(isinstance(name, str) for name in listed):
+        raise SignalError(f"the {what} are {given!r}: give names of signals, in one list")
+    return tuple(str(name) for name in listed)
+
+
+def distinct(what: str, names: Sequence[str]) -> tuple[str, ...]:
+    """Return names as a tuple; raise SignalError for one text instead of several, no name or one given twice."""
+    if isinstance(names, str):
+        raise SignalError(f"the {what} are the text '{names}': give a list of names, like ['{names}']")
+    listed = tuple(names)
+    if not listed:
+        raise SignalError(f"no {what} are named: give one or more")
+    if twice := [name for k, name in enumerate(listed) if name in listed[:k]]:
+        raise SignalError(f"'{twice[0]}' stands twice among the {what}: name it once")
+    return listed
+
+
+def whole(what: str, value: int) -> int:
+    """Return a whole number; raise SignalError, calling it `what`, where it is none."""
+    try:
+        return operator.index(value)
+    except TypeError as error:
+        raise SignalError(f"the {what} is {value}: give a whole number") from error
+
+
+def check_level(level: float) -> None:
+    """Raise SignalError for a confidence level that is no probability between 0 and 1."""
+    if not kinds.is_number(level) or not 0 < level < 1:
+        raise SignalError(f"the confidence level is {level}: give a probability between 0 and 1, like 0.95")
+
+
+def check_samples(y: Array, outputs: Sequence[str]) -> None:
+    """Raise SignalError for outputs (N, p) that are not finite or too large or small to be squared."""
+    for row, j in np.argwhere(~np.isfinite(y)):
+        raise SignalError(f"row {row} of '{outputs[j]}' is {y[row, j]}: leave the row out")
+    check_sizes("the output", y, outputs)
+
+
+def check_sizes(what: str, columns: Array, names: Sequence[str]) -> None:
+    """Raise SignalError for columns (N, k), calling them `what` and a name, too large or small to be squared."""
+    for name, size in zip(names, np.abs(columns).max(axis=0, initial=0.0), strict=True):
+        if size and not SIZES[0] <= size <= SIZES[1]:
+            raise SignalError(f"{what} '{name}' has the size {size:.3g}: choose units in which it is nearer to 1")

@@ -1,0 +1,177 @@
+"""Kinds: which values pass for an annotation; `arguments` says what each annotation means."""
+
+import functools
+import inspect
+import math
+import types
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Union, get_args, get_origin
+
+import casadi as ca
+import numpy as np
+from numpy.typing import ArrayLike
+
+LARGEST = 1e100  # three factors of such a size have a product in double precision
+EXACT = 1 << 53  # below it double precision holds every whole number
+NO_LISTS = (str, bytes, Mapping, np.ndarray, ca.SX, ca.DM, ca.MX)
+NO_ARRAYS = (str, bytes, bool, Mapping, set, frozenset, type(None))
+
+
+@dataclass(frozen=True)
+class Kind:
+    """Which values pass for an annotation, and what to give instead of another."""
+
+    passes: Callable[[Any], bool]
+    need: str
+    plain: Callable[[Any], Any] | None = None  # the same value as Python's own number or list
+
+
+@functools.cache
+def of(annotation: Any) -> Kind | None:
+    """Return the kind of an annotation; None where everything passes."""
+    if annotation in KINDS:
+        return KINDS[annotation]
+    origin, inner = get_origin(annotation), get_args(annotation)
+    if origin in (Union, types.UnionType):
+        return _union(set(inner))
+    if origin is np.ndarray:
+        return ARRAY_LIKE
+    if origin is type:
+        return Kind(inspect.isclass, "a type")
+    if origin is tuple and inner[-1:] != (...,):
+        return _tuple(tuple(map(of, inner)))
+    if inspect.isclass(origin) and issubclass(origin, Mapping):
+        return _mapping(*map(of, inner))
+    if origin is not None and inspect.isclass(origin) and issubclass(origin, Iterable):
+        return _sequence(of(inner[0]), once=origin is Iterable)
+    if origin is not None and annotation is not Any and callable(origin):
+        return Kind(callable, "a function")
+    if inspect.isclass(annotation) and not getattr(annotation, "_is_protocol", False) and annotation is not object:
+        return Kind(lambda value: isinstance(value, annotation), f"a {annotation.__name__}")
+    return None
+
+
+def _union(members: set[Any]) -> Kind | None:
+    arrays = set(get_args(ArrayLike))
+    kinds = [ARRAY_LIKE] if arrays <= members else []
+    if kinds and Sequence[str] in members:
+        kinds.append(TEXT)
+    for member in members - arrays if kinds else members:
+        kind = of(member)
+        if kind is None:
+            return None
+        kinds.append(kind)
+    kinds.sort(key=lambda kind: (kind is NONE, kind.need))
+    need = " or ".join(kind.need for kind in kinds)
+    numbers = [kind for kind in kinds if kind.plain is not None]
+    return Kind(
+        lambda value: any(kind.passes(value) for kind in kinds),
+        need,
+        numbers[0].plain if numbers == kinds[:1] and ARRAY_LIKE not in kinds else None,
+    )
+
+
+def _tuple(kinds: tuple[Kind | None, ...]) -> Kind:
+    def passes(values: Any) -> bool:
+        return (
+            _is_listed(values)
+            and len(values) == len(kinds)
+            and all(kind is None or kind.passes(value) for kind, value in zip(kinds, values, strict=True))
+        )
+
+    return Kind(passes, f"{len(kinds)} of them: {', '.join(kind.need if kind else 'anything' for kind in kinds)}")
+
+
+def _sequence(kind: Kind | None, once: bool) -> Kind:
+    """Return the kind of a list; of what can be iterated over `once` only, the entries are not looked at."""
+
+    def passes(values: Any) -> bool:
+        if not _is_listed(values):
+            return once and isinstance(values, Iterable) and not isinstance(values, NO_LISTS)
+        return kind is None or all(map(kind.passes, values))
+
+    entry = " of names" if kind is TEXT else f", each entry {kind.need}" if kind else ""
+    return Kind(passes, f"a list{entry}", lambda values: list(values) if isinstance(values, np.ndarray) else values)
+
+
+def _is_listed(values: Any) -> bool:
+    if isinstance(values, np.ndarray):
+        return bool(values.ndim) and not isinstance(values, np.ma.MaskedArray)
+    return isinstance(values, Sequence) and not isinstance(values, str | bytes)
+
+
+def _mapping(key: Kind | None, value: Kind | None) -> Kind:
+    def passes(values: Any) -> bool:
+        return (
+            isinstance(values, Mapping)
+            and (key is None or all(map(key.passes, values.keys())))
+            and (value is None or all(map(value.passes, values.values())))
+        )
+
+    names = " to ".join(kind.need if kind else "anything" for kind in (key, value))
+    return Kind(passes, f"a mapping from {names}")
+
+
+def is_number(value: Any) -> bool:
+    """Tell whether a value is a real number, not a bool; a finite one is no larger than LARGEST."""
+    if isinstance(value, np.ndarray):  # one without dimensions, as NumPy's functions return
+        if value.ndim or value.dtype.kind not in "fiu" or isinstance(value, np.ma.MaskedArray):
+            return False
+    elif not isinstance(value, float | int | np.floating | np.integer) or isinstance(value, bool):
+        return False
+    size = abs(value) if isinstance(value, int) else float(abs(value))
+    return size <= LARGEST or size == math.inf or size != size
+
+
+def _float(value: Any) -> Any:
+    if value is None or isinstance(value, float) or (isinstance(value, int) and abs(value) < EXACT):
+        return value
+    return float(value)
+
+
+def _int(value: Any) -> Any:
+    return value if value is None or isinstance(value, int) else int(value)
+
+
+def _expression(value: Any) -> Any:
+    return value if value is None or isinstance(value, ca.SX) else ca.SX(value)
+
+
+def _is_complex(value: Any) -> bool:
+    return is_number(abs(value) if isinstance(value, complex | np.complexfloating) else value)
+
+
+def _is_whole(value: Any) -> bool:
+    return isinstance(value, int | np.integer) and not isinstance(value, bool)
+
+
+def _is_array_like(value: Any) -> bool:
+    return not isinstance(value, NO_ARRAYS) and not callable(value) and not has_mask(value)
+
+
+def _is_expression(value: Any) -> bool:
+    return isinstance(value, ca.SX | ca.DM) or is_number(value)
+
+
+ARRAY_LIKE = Kind(_is_array_like, "an array of numbers without a mask")
+NONE = Kind(lambda value: value is None, "None")
+TEXT = Kind(lambda value: isinstance(value, str), "a text")
+KINDS: dict[Any, Kind | None] = {
+    Any: None,
+    object: None,
+    type(None): NONE,
+    float: Kind(is_number, "a number", _float),
+    complex: Kind(_is_complex, "a number"),
+    int: Kind(_is_whole, "a whole number", _int),
+    bool: Kind(lambda value: isinstance(value, bool | np.bool), "True or False"),
+    str: TEXT,
+    ca.SX: Kind(_is_expression, "an expression of CasADi (SX)", _expression),
+}
+
+
+def has_mask(values: object) -> bool:
+    """Tell whether any entry is masked in a NumPy masked array, or in one of a list of them."""
+    if isinstance(values, list | tuple):
+        return any(map(has_mask, values))
+    return bool(np.ma.is_masked(values))

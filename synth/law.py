@@ -1,0 +1,101 @@
+"""Laws: a user's function of named symbols, evaluated once; its mistakes are told with the Block's or plant's name.
+
+What Python decides while it runs the function, it decides before any signal has a value. `if u > 0`, `max(u, 0)` and
+`u > 0 and u < 1` ask a symbol for its truth, which CasADi refuses; `math.sin(u)` asks it for a float and gets NaN.
+"""
+
+import traceback
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import ParamSpec, TypeVar
+
+import casadi as ca
+
+from synth.errors import SignalError
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+DECISION = (
+    "use ca.if_else(condition, value, otherwise) for `if`, ca.fmax and ca.fmin for max and min, ca.logic_and, "
+    "ca.logic_or and ca.logic_not for `and`, `or` and `not`"
+)
+INDEX = "look a number up with block.table, and repeat with a count that is a number"
+
+
+class Named(dict[str, ca.SX]):
+    """Symbols by name; `what` says whose they are, for a name that is not among them."""
+
+    def __init__(self, what: str, symbols: Mapping[str, ca.SX]) -> None:
+        super().__init__(symbols)
+        self.what = what
+
+    def __missing__(self, name: str) -> ca.SX:
+        raise SignalError(f"{self.what} has no {name!r}: it has {', '.join(self) or 'none'}")
+
+
+def column(what: str, symbols: Mapping[str, ca.SX], names: Iterable[str]) -> ca.SX:
+    """Return the symbols of `names` as a column; raise SignalError, calling them `what`, where one is missing."""
+    listed = list(names)
+    for name in listed:
+        symbol = symbols.get(name)
+        if not isinstance(symbol, ca.SX) or not symbol.is_symbolic():
+            raise SignalError(
+                f"{what} have no symbol for '{name}': give a scalar SX symbol for each of {', '.join(listed)}"
+            )
+    return ca.vcat([symbols[name] for name in listed])
+
+
+def evaluate(what: str, function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> R:
+    """Return what a user's function makes of symbols.
+
+    Raises SignalError, naming `what`, the line and CasADi's function to use instead, where Python wants the value of a
+    symbol.
+    """
+    try:
+        return function(*args, **kwargs)
+    except (RuntimeError, TypeError) as error:
+        if isinstance(error, TypeError) and error.__traceback__ is not None and error.__traceback__.tb_next is None:
+            raise SignalError(
+                f"{what} cannot be called with {len(args)} arguments ({error}): give it one for each"
+            ) from error
+        if mend := _mend(str(error)):
+            raise SignalError(f"{what} wants the value of a symbol{_line(error)}: {mend}") from error
+        raise
+
+
+def _mend(message: str) -> str:
+    if "truth value" in message or any(f"{operator}: 'SX'" in message for operator in ("&", "|", "~")):
+        return DECISION
+    return INDEX if "to_int not defined" in message or "SX" in message else ""
+
+
+def _line(error: Exception) -> str:
+    """Return the last line of the user's own code that ran, as text."""
+    frames = [f for f in traceback.extract_tb(error.__traceback__)[1:] if "casadi" not in f.filename and f.line]
+    return f" in line {frames[-1].lineno}, `{frames[-1].line}`" if frames else ""
+
+
+def check_numbers(what: str, exprs: Mapping[str, ca.SX], symbols: Iterable[ca.SX]) -> None:
+    """Raise SignalError, naming `what` and the expression, for one that computes with NaN; ca.if_else may select it."""
+    for name, expr in exprs.items():
+        if _has_nan(expr, list(symbols)):
+            raise SignalError(
+                f"{what} computes '{name}' with NaN, which is what a function of Python's math makes of a symbol: use "
+                "CasADi's, like ca.sin(u) for math.sin(u)"
+            )
+
+
+def _has_nan(expr: ca.SX, symbols: Sequence[ca.SX]) -> bool:
+    f = ca.Function("f", list(symbols), [ca.SX(expr)], {"allow_free": True})
+    unset: set[int] = set()  # registers that hold NaN, which a selection by ca.if_else may, and nothing else
+    for k in range(f.n_instructions()):
+        operation, used, made = f.instruction_id(k), f.instruction_input(k), f.instruction_output(k)
+        if operation == ca.OP_CONST:
+            value = f.instruction_constant(k)
+            (unset.add if value != value else unset.discard)(made[0])
+            continue
+        if operation not in (ca.OP_INPUT, ca.OP_IF_ELSE_ZERO) and not unset.isdisjoint(used):
+            return True
+        if operation != ca.OP_OUTPUT:
+            unset.difference_update(made)
+    return False
