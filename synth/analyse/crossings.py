@@ -58,14 +58,14 @@ def of_rational(loop: Rational, low: float, high: float) -> Course:
     Raises ModelError where a value is not resolved by `rational.MOST_BITS` bits.
     """
     N, D = loop.reduced
-    ends = _ends(loop)
+    at_ends = ends(loop)
     unit, negative = _unit(loop, N, D), _negative(loop, N, D)
     inside = [tuple(c for c in found if low <= c.frequency <= high) for found in (unit, negative)]
-    least, where = _nearest(loop, ends, low, high)
-    return Course(inside[0], inside[1], ends, 1 / least if least else np.inf, where)
+    least, where = _nearest(loop, at_ends, low, high)
+    return Course(inside[0], inside[1], at_ends, 1 / least if least else np.inf, where)
 
 
-def _ends(loop: Rational) -> dict[float, float]:
+def ends(loop: Rational) -> dict[float, float]:
     """Return L at w = 0 and at Nyquist or infinity, where it has no pole there."""
     N, D = loop.reduced
     order = max(N.degree(), D.degree())
@@ -159,7 +159,7 @@ def _value(N: Polynomial, D: Polynomial, u: flint.arb) -> flint.acb:
 def _worst_of_all_pass(loop: Rational, N: Polynomial, D: Polynomial) -> tuple[Crossing, ...]:
     """Return where a loop with |L| = 1 all along has the least phase and the least delay margin."""
     sizes = np.abs(rational.zeros(D))
-    nyquist = [Crossing(w, complex(v)) for w, v in _ends(loop).items() if v == -1 and 0 < w < np.inf]
+    nyquist = [Crossing(w, complex(v)) for w, v in ends(loop).items() if v == -1 and 0 < w < np.inf]
     at_minus_one = (*_negative(loop, N, D), *nyquist)
     if at_minus_one or not sizes.size:
         return at_minus_one

@@ -11,9 +11,10 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import brentq
 
-from synth.analyse import factors, rational, transfer
+from synth.analyse import crossings, factors, transfer
 from synth.analyse.crossings import Course, Crossing
 from synth.analyse.factors import NARROW, Factors
+from synth.analyse.rational import Rational
 from synth.analyse.transfer import Delayed
 from synth.statespace import Array
 
@@ -22,19 +23,19 @@ Bounds = Callable[[Array, Array], tuple[Array, Array, Array, Array]]
 QUIET = 1e-5  # of |L| at infinity: a loop that stays this near above it is followed no further
 
 
-def of_delayed(loop: Delayed, low: float | None, high: float | None) -> Course:
-    """Return the course of a loop, its rational part exact, between two frequencies in rad/s.
+def of_delayed(loop: Delayed, part: Rational, low: float | None, high: float | None) -> Course:
+    """Return the course of a loop, its rational `part` exact, between two frequencies in rad/s.
 
     Left out, `low` lies where the loop is its asymptote, and `high` so far up that no later crossing decides a margin.
 
     Raises ModelError when the delay is too long for the loop to be followed.
     """
-    ends = transfer.ends(loop)
-    part = rational.of_system(loop.model)
+    last = 0.0 if loop.hold_s else abs(crossings.ends(part)[np.inf])
+    ends = {w: v for w, v in crossings.ends(part).items() if w == 0} | {np.inf: -last}  # there it circles for ever
     if part.N.is_zero():
         return Course((), (), ends, 1.0, 0.0)
-    L = factors.of_rational(part, loop.delay_s + loop.hold_s / 2, loop.hold_s)
-    grid, last = factors.grid(L, low or factors.start(L)), abs(ends[np.inf])
+    L = factored(loop, part)
+    grid = factors.grid(L, low or factors.start(L))
     envelope = _envelope(L, grid)
 
     def last_above(level: float) -> float:
@@ -45,8 +46,13 @@ def of_delayed(loop: Delayed, low: float | None, high: float | None) -> Course:
     negative, top = _negative(L, grid, last_above, last, high)
     nearest = factors.nearest(L, factors.nodes(L, grid, top, turning=True))
     least, where = min([nearest, *((abs(1 + v), w) for w, v in ends.items())])
-    found = [tuple(Crossing(w, complex(L.value(np.array([w]))[0])) for w in each) for each in (unit, negative)]
+    found = [tuple(Crossing(w, complex(L.value(w)[0])) for w in each) for each in (unit, negative)]
     return Course(found[0], found[1], ends, 1 / least if least else np.inf, where)
+
+
+def factored(loop: Delayed, part: Rational) -> Factors:
+    """Return the poles and zeros of a loop other than 0, with its delay and hold."""
+    return factors.of_rational(part, loop.delay_s + loop.hold_s / 2, loop.hold_s)
 
 
 def _unit(L: Factors, grid: Array, top: float) -> list[float]:

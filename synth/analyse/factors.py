@@ -11,7 +11,7 @@ is found by branch and bound: an interval of half width h around w holds nothing
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
 
 from synth.analyse import rational
@@ -50,8 +50,9 @@ class Factors:
         lobes = np.floor(w * self.hold / (2 * np.pi))
         return np.asarray(self.angle + angles @ self.signs - w * self.late + np.pi * lobes)
 
-    def value(self, w: Array) -> NDArray[np.complex128]:
+    def value(self, frequencies: ArrayLike) -> NDArray[np.complex128]:
         """Return L at frequencies (k,)."""
+        w = np.atleast_1d(np.asarray(frequencies, dtype=np.float64))
         return np.asarray(np.exp(self.log_size(w) + 1j * self.phase(w)))
 
     def phase_slope(self, a: Array, b: Array) -> tuple[Array, Array]:

@@ -202,12 +202,17 @@ def _rational(loop: Rational, low: float | None, high: float | None) -> _Found:
 
 
 def _delayed(loop: Delayed, low: float | None, high: float | None) -> _Found:
-    course, part = delayed_crossings.of_delayed(loop, low, high), rational.of_system(loop.model)
+    part = rational.of_system(loop.model)
+    L = None if part.N.is_zero() else delayed_crossings.factored(loop, part).value
+
+    def unstable(factor: complex) -> float:
+        return nyquist.count_unstable(loop, factor, high, L)
+
     return _Found(
-        course,
-        nyquist.count_unstable(loop, high=high) == 0,
+        delayed_crossings.of_delayed(loop, part, low, high),
+        unstable(1.0) == 0,
         low is None and high is None,
-        lambda factor: nyquist.count_unstable(loop, factor),
+        unstable,
         lambda w: perturbation.of_rational(part, w),
     )
 

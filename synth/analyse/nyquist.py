@@ -14,25 +14,29 @@ from dataclasses import replace
 import numpy as np
 
 from synth.analyse import transfer
-from synth.analyse.transfer import Delayed
+from synth.analyse.transfer import Delayed, Response
 from synth.errors import ModelError
 from synth.statespace import StateSpace
 
 RESOLVED = 1e-8  # where |1 + L| is less, rounding error decides on which side of -1 the loop passes
 
 
-def count_unstable(loop: Delayed, factor: complex = 1.0, high: float | None = None) -> float:
+def count_unstable(
+    loop: Delayed, factor: complex = 1.0, high: float | None = None, L: Response | None = None
+) -> float:
     """Return how many poles of the loop closed on `factor` L lie to the right, by the argument principle.
 
     With a delay, |D| >= 1 and no hold, infinitely many lie there or come as near to the axis as one likes: inf. The
-    loop is followed up to `high` rad/s, left out as by `trace`.
+    loop is followed up to `high` rad/s, left out as by `trace`; `L` is its response, where that is known already.
 
     Raises ModelError where rounding hides the answer.
     """
     size, model = abs(factor), loop.model
     if loop.delay_s and not loop.hold_s and size * abs(float(model.D[0, 0])) >= 1:
         return np.inf
-    curve = transfer.trace(replace(loop, model=replace(model, C=size * model.C, D=size * model.D)), None, high)
+    scaled = replace(loop, model=replace(model, C=size * model.C, D=size * model.D))
+    value = L or transfer.response(loop)
+    curve = transfer.trace(scaled, None, high, lambda w: size * value(w))
     halves = [_followed(model, curve, turn) for turn in (factor / size, np.conj(factor) / size)]
     (_, first, _), (_, second, _) = halves
     turn = sum(inside + after for inside, _, after in halves) + float(np.angle(np.exp(1j * (first + second))))

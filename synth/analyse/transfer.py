@@ -161,8 +161,10 @@ def not_decaying(poles: Complex, time: Time) -> int:
 
 
 @arguments.checked
-def trace(loop: StateSpace | Delayed, low: float | None = None, high: float | None = None) -> Curve:
-    """Return L between `low` and `high` rad/s on a grid fine enough for every crossing to show.
+def trace(
+    loop: StateSpace | Delayed, low: float | None = None, high: float | None = None, L: Response | None = None
+) -> Curve:
+    """Return L between `low` and `high` rad/s on a grid fine enough for every crossing to show; `L` where it is known.
 
     Left out, `low` lies below and `high` above all poles; a sampled loop always goes up to Nyquist.
 
@@ -170,12 +172,12 @@ def trace(loop: StateSpace | Delayed, low: float | None = None, high: float | No
     is too long for the loop to be followed.
     """
     model = loop.model if isinstance(loop, Delayed) else loop
-    L, closed, poles = response(loop), _closed_rates(loop), _rates(model.poles, model)
+    L, closed, poles = L or response(loop), _closed_rates(loop), _rates(model.poles, model)
     start, top = _span(model, closed, poles, low, high)
     turning = loop.delay_s + loop.hold_s / 2 if isinstance(loop, Delayed) else 0.0
     nodes = [np.zeros(0)]
     if turning:
-        top = high or max(_settled(loop, start, top), 4 * np.pi / turning)
+        top = high or max(_settled(L, abs(ends(loop)[np.inf]), start, top), 4 * np.pi / turning)
         check_turns(turning, top)
         nodes = [np.arange(start, top, 0.3 / turning)]
     if not 0 < start < top:
@@ -233,10 +235,10 @@ def _span(
     return low or float(np.clip(1e-2 * np.abs(closed).min(initial=1.0), min(bottom, 1e-2), 1e-2)), float(top)
 
 
-def _settled(loop: StateSpace | Delayed, start: float, top: float) -> float:
+def _settled(L: Response, last: float, start: float, top: float) -> float:
     """Return a frequency above which |L| stays within QUIET of its last value, `top` if there is none."""
     w = np.geomspace(start, top, 2000)
-    moving = np.flatnonzero(np.abs(np.abs(response(loop)(w)) - abs(ends(loop)[np.inf])) >= QUIET)
+    moving = np.flatnonzero(np.abs(np.abs(L(w)) - last) >= QUIET)
     return float(w[min(moving[-1] + 1, len(w) - 1)]) if moving.size else float(w[0])
 
 
