@@ -26,6 +26,7 @@ Complex = NDArray[np.complex128]
 Response = Callable[[ArrayLike], Complex]
 
 NARROW = 1e-9  # of a frequency: nodes stand no closer, for nearer to an undamped pole L is rounding error
+ZERO = 1e-12  # of the fastest rate: a slower one may be the rounding error of an integrator
 QUIET = 1e-2  # a delayed loop is followed until |L| stays this near to its last value, and for two turns at least
 SMALL = 60  # states up to which each frequency is solved for by itself
 ILL_POSED = "the loop passes its input straight on with the factor -1: 1 + L has no inverse; delay it"
@@ -232,7 +233,8 @@ def _span(
         top, bottom = np.pi / model.time.period_s * (1 - 1e-9), 1e-6 / model.time.period_s
     else:
         top, bottom = high or 1e3 * float(size.max(initial=1.0)), 1e-9 * float(size.max(initial=1.0))
-    return low or float(np.clip(1e-2 * np.abs(closed).min(initial=1.0), min(bottom, 1e-2), 1e-2)), float(top)
+    slowest = float(size[size > ZERO * size.max(initial=0.0)].min(initial=1.0))
+    return low or float(np.clip(1e-2 * slowest, min(bottom, 1e-2), 1e-2)), float(top)
 
 
 def _settled(L: Response, last: float, start: float, top: float) -> float:
