@@ -28,6 +28,8 @@ bench: $(STAMP)
 	$(BIN)/python -m benchmarks.disk
 	$(BIN)/python -m benchmarks.planar
 	$(BIN)/python -m benchmarks.response
+	$(BIN)/python -m benchmarks.margins
+	$(BIN)/python -m benchmarks.riccati
 	$(BIN)/python -m benchmarks.hostile
 
 prove: $(STAMP)

@@ -8,7 +8,7 @@ With L = N / D on the axis s = i v, u = v^2 and N conj(D) = R(u) + i v F(u),
 
 Each is a polynomial in u with integer coefficients. All its positive zeros are isolated, so that no crossing is missed
 however close it lies to another or to an end, and a value at a zero is enclosed by a ball. The least |1 + L| of
-an order above SMALL is found by branch and bound (`factors.nearest`). Where |L| = 1 or F = 0 at
+an order above SMALL is found by branch and bound (`zpk.least_distance`). Where |L| = 1 or F = 0 at
 all frequencies, the crossings returned are the worst of them.
 """
 
@@ -19,8 +19,8 @@ import flint
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from synth.analyse import factors, precise, rational
-from synth.analyse.rational import Polynomial, Rational, on_axis, square
+from synth.analyse import precise, rational, zpk
+from synth.analyse.rational import Polynomial, Rational, on_axis, squared_magnitude
 from synth.errors import ModelError
 from synth.timing import Continuous
 
@@ -39,30 +39,32 @@ class Crossing:
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
-    """Crossings of |L| = 1 and of L < 0, by rising frequency, L at the `ends` where it is finite, and max |1/(1 + L)|.
+class Crossings:
+    """Crossings of |L| = 1 and of L < 0 by rising frequency, and the peak of |1/(1 + L)|.
 
-    `ends` maps 0 and pi/T or inf to L.
+    `ends` maps the frequencies 0 and pi/T or inf to L, where it is finite there.
     """
 
-    unit: tuple[Crossing, ...]
-    negative: tuple[Crossing, ...]
+    gain_crossings: tuple[Crossing, ...]
+    phase_crossings: tuple[Crossing, ...]
     ends: Mapping[float, float]
     peak: float
     peak_frequency: float
 
 
-def of_rational(loop: Rational, low: float, high: float) -> Course:
-    """Return the course of a loop between two frequencies in rad/s, of which `ends` lie outside.
+def of_rational(loop: Rational, low: float, high: float) -> Crossings:
+    """Return the crossings of a loop between two frequencies in rad/s; `ends` are given whatever the limits.
 
     Raises ModelError where a value is not resolved by `rational.MOST_BITS` bits.
     """
     N, D = loop.reduced
     at_ends = ends(loop)
-    unit, negative = _unit(loop, N, D), _negative(loop, N, D)
-    inside = [tuple(c for c in found if low <= c.frequency <= high) for found in (unit, negative)]
-    least, where = _nearest(loop, at_ends, low, high)
-    return Course(inside[0], inside[1], at_ends, 1 / least if least else np.inf, where)
+    gain, phase = (
+        tuple(c for c in crossings if low <= c.frequency <= high)
+        for crossings in (_gain_crossings(loop, N, D), _phase_crossings(loop, N, D))
+    )
+    distance, frequency = _least_distance(loop, at_ends, low, high)
+    return Crossings(gain, phase, at_ends, 1 / distance if distance else np.inf, frequency)
 
 
 def ends(loop: Rational) -> dict[float, float]:
@@ -74,22 +76,24 @@ def ends(loop: Rational) -> dict[float, float]:
     return {w: int(n) / int(d) for w, (n, d) in pairs.items() if d != 0}
 
 
-def _unit(loop: Rational, N: Polynomial, D: Polynomial) -> tuple[Crossing, ...]:
-    difference = square(N) - square(D)
+def _gain_crossings(loop: Rational, N: Polynomial, D: Polynomial) -> tuple[Crossing, ...]:
+    difference = squared_magnitude(N) - squared_magnitude(D)
     if difference.degree() >= 0:
-        return _resolved(loop, N, D, difference)
+        return _values_at_zeros(loop, N, D, difference)
     return _worst_of_all_pass(loop, N, D)
 
 
-def _negative(loop: Rational, N: Polynomial, D: Polynomial) -> tuple[Crossing, ...]:
-    R, F = rational.product(N, D)
-    magnitude = square(D)
+def _phase_crossings(loop: Rational, N: Polynomial, D: Polynomial) -> tuple[Crossing, ...]:
+    R, F = rational.times_conjugate(N, D)
+    magnitude = squared_magnitude(D)
+    poles_and_zeros = squared_magnitude(N) * magnitude
     if F.degree() >= 0:
-        found = _resolved(loop, N, D, _without(F, square(N) * magnitude))
-    else:  # L is real all along: where its size is 1 or turns
-        turning = R.derivative() * magnitude - R * magnitude.derivative()
-        found = _resolved(loop, N, D, _without(turning * (square(N) - magnitude), square(N) * magnitude))
-    return tuple(c for c in found if c.L.real < 0)
+        candidates = _values_at_zeros(loop, N, D, _without(F, poles_and_zeros))
+    else:  # L is real at all frequencies: |L| is nearest to 1 where it is 1 or stationary
+        stationary = R.derivative() * magnitude - R * magnitude.derivative()
+        unit = squared_magnitude(N) - magnitude
+        candidates = _values_at_zeros(loop, N, D, _without(stationary * unit, poles_and_zeros))
+    return tuple(c for c in candidates if c.L.real < 0)
 
 
 def _without(P: Polynomial, factor: Polynomial) -> Polynomial:
@@ -101,33 +105,33 @@ def _without(P: Polynomial, factor: Polynomial) -> Polynomial:
     return P
 
 
-def _nearest(loop: Rational, ends: Mapping[float, float], low: float, high: float) -> tuple[float, float]:
+def _least_distance(loop: Rational, ends: Mapping[float, float], low: float, high: float) -> tuple[float, float]:
     """Return the least |1 + L| and where it is."""
     N, D = loop.reduced
     candidates = [(abs(1 + v), w) for w, v in ends.items()]
     if D.degree() <= SMALL:
-        P, Q = square(N + D), square(D)
-        turning = _resolved(loop, N, D, _without(P.derivative() * Q - P * Q.derivative(), Q))
-        found = [c for c in turning if low <= c.frequency <= high] + _limits(loop, N, D, low, high)
-        return min(candidates + [(abs(1 + c.L), c.frequency) for c in found])
-    L = factors.of_rational(loop)
+        P, Q = squared_magnitude(N + D), squared_magnitude(D)
+        stationary = _values_at_zeros(loop, N, D, _without(P.derivative() * Q - P * Q.derivative(), Q))
+        inside = [c for c in stationary if low <= c.frequency <= high] + _limits(loop, N, D, low, high)
+        return min(candidates + [(abs(1 + c.L), c.frequency) for c in inside])
+    L = zpk.of_rational(loop)
     slowest = float(np.abs(loop.closed[loop.closed != 0]).min(initial=np.inf))
-    start = loop.position(low) if low else min(factors.start(L), factors.BELOW * slowest)
-    grid = factors.grid(L, start, loop.closed)
-    top = loop.position(high) if np.isfinite(high) else float(grid[-1])
-    least, v = factors.nearest(L, factors.nodes(L, grid, top, turning=False))
-    return min([*candidates, (least, loop.frequency(v))])
+    start = loop.axis_point(low) if low else min(zpk.lowest_frequency(L), zpk.BELOW * slowest)
+    grid = zpk.frequency_grid(L, start, loop.closed)
+    top = loop.axis_point(high) if np.isfinite(high) else float(grid[-1])
+    distance, v = zpk.least_distance(L, zpk.interval_ends(L, grid, top, turning=False))
+    return min([*candidates, (distance, loop.frequency(v))])
 
 
 def _limits(loop: Rational, N: Polynomial, D: Polynomial, low: float, high: float) -> list[Crossing]:
     """Return L at limits other than 0 and infinity where it has no pole."""
-    limits = [w for w in (low, high) if 0 < loop.position(w) < np.inf]
+    limits = [w for w in (low, high) if 0 < loop.axis_point(w) < np.inf]
     with precise.precision(4 * rational.BITS):
-        at = [_value(N, D, flint.arb(loop.position(w)) ** 2) for w in limits]
+        at = [_value(N, D, flint.arb(loop.axis_point(w)) ** 2) for w in limits]
     return [Crossing(w, complex(L)) for w, L in zip(limits, at, strict=True) if L.is_finite()]
 
 
-def _resolved(loop: Rational, N: Polynomial, D: Polynomial, P: Polynomial) -> tuple[Crossing, ...]:
+def _values_at_zeros(loop: Rational, N: Polynomial, D: Polynomial, P: Polynomial) -> tuple[Crossing, ...]:
     """Return L at the positive zeros of P, enclosed to double precision."""
     bits = rational.BITS
     while bits <= rational.MOST_BITS:
@@ -160,7 +164,7 @@ def _worst_of_all_pass(loop: Rational, N: Polynomial, D: Polynomial) -> tuple[Cr
     """Return where a loop with |L| = 1 all along has the least phase and the least delay margin."""
     sizes = np.abs(rational.zeros(D))
     nyquist = [Crossing(w, complex(v)) for w, v in ends(loop).items() if v == -1 and 0 < w < np.inf]
-    at_minus_one = (*_negative(loop, N, D), *nyquist)
+    at_minus_one = (*_phase_crossings(loop, N, D), *nyquist)
     if at_minus_one or not sizes.size:
         return at_minus_one
     v = np.geomspace(1e-3 * sizes[sizes > 0].min(initial=1.0), 1e3 * sizes.max(initial=1.0), POINTS)
@@ -168,16 +172,16 @@ def _worst_of_all_pass(loop: Rational, N: Polynomial, D: Polynomial) -> tuple[Cr
 
     def angle(at: float) -> float:
         with precise.precision(4 * rational.BITS):
-            return float(np.angle(-complex(_value(N, D, flint.arb(loop.position(at)) ** 2))))
+            return float(np.angle(-complex(_value(N, D, flint.arb(loop.axis_point(at)) ** 2))))
 
-    phase = _least(lambda at: abs(angle(at)), w)
-    delay = _least(lambda at: (angle(at) % (2 * np.pi)) / at, w)
+    phase = _minimiser(lambda at: abs(angle(at)), w)
+    delay = _minimiser(lambda at: (angle(at) % (2 * np.pi)) / at, w)
     return tuple(Crossing(f, -np.exp(1j * angle(f))) for f in sorted({phase, delay}))
 
 
-def _least(f: Callable[[float], float], w: np.ndarray) -> float:
+def _minimiser(f: Callable[[float], float], w: np.ndarray) -> float:
     """Return where f is least, near the least of its values on w (k,)."""
     k = int(np.argmin([f(float(v)) for v in w]))
     bounds = (w[max(k - 1, 0)], w[min(k + 1, len(w) - 1)])
-    found = minimize_scalar(f, bounds=bounds, method="bounded", options={"xatol": 1e-12 * w[k]})
-    return float(found.x) if found.fun <= f(float(w[k])) else float(w[k])
+    minimum = minimize_scalar(f, bounds=bounds, method="bounded", options={"xatol": 1e-12 * w[k]})
+    return float(minimum.x) if minimum.fun <= f(float(w[k])) else float(w[k])

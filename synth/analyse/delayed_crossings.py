@@ -1,6 +1,6 @@
 """Where a loop with an exact delay and hold crosses |L| = 1 and L < 0, and where it comes nearest to -1.
 
-log L is a sum of terms whose slopes have bounds over an interval of frequencies (`factors`). So an interval holds no
+log L is a sum of terms whose slopes have bounds over an interval of frequencies (`zpk`). So an interval holds no
 crossing where the mean value theorem excludes it; one over which log |L| or arg L is monotone holds as many as its ends
 show; any other is halved, down to NARROW of its frequency, and one that is still undecided then counts as a crossing.
 """
@@ -11,11 +11,11 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import brentq
 
-from synth.analyse import crossings, factors, transfer
-from synth.analyse.crossings import Course, Crossing
-from synth.analyse.factors import NARROW, Factors
+from synth.analyse import crossings, transfer, zpk
+from synth.analyse.crossings import Crossing, Crossings
 from synth.analyse.rational import Rational
 from synth.analyse.transfer import Delayed
+from synth.analyse.zpk import NARROW, ZeroPoleGain
 from synth.statespace import Array
 
 Bounds = Callable[[Array, Array], tuple[Array, Array, Array, Array]]
@@ -23,77 +23,78 @@ Bounds = Callable[[Array, Array], tuple[Array, Array, Array, Array]]
 QUIET = 1e-5  # of |L| at infinity: a loop that stays this near above it is followed no further
 
 
-def of_delayed(loop: Delayed, part: Rational, low: float | None, high: float | None) -> Course:
-    """Return the course of a loop, its rational `part` exact, between two frequencies in rad/s.
+def of_delayed(loop: Delayed, model: Rational, low: float | None, high: float | None) -> Crossings:
+    """Return the crossings of a loop, whose rational factor is `model`, between two frequencies in rad/s.
 
     Left out, `low` lies where the loop is its asymptote, and `high` so far up that no later crossing decides a margin.
 
     Raises ModelError when the delay is too long for the loop to be followed.
     """
-    last = 0.0 if loop.hold_s else abs(crossings.ends(part)[np.inf])
-    ends = {w: v for w, v in crossings.ends(part).items() if w == 0} | {np.inf: -last}  # there it circles for ever
-    if part.N.is_zero():
-        return Course((), (), ends, 1.0, 0.0)
-    L = factored(loop, part)
-    grid = factors.grid(L, low or factors.start(L))
+    last = 0.0 if loop.hold_s else abs(crossings.ends(model)[np.inf])
+    ends = {w: v for w, v in crossings.ends(model).items() if w == 0} | {np.inf: -last}  # there it circles for ever
+    if model.N.is_zero():
+        return Crossings((), (), ends, 1.0, 0.0)
+    L = zero_pole_gain(loop, model)
+    grid = zpk.frequency_grid(L, low or zpk.lowest_frequency(L))
     envelope = _envelope(L, grid)
 
     def last_above(level: float) -> float:
         above = np.flatnonzero(envelope > level)
         return float(grid[min(above[-1] + 1, len(grid) - 1)]) if above.size else float(grid[0])
 
-    unit = _unit(L, grid, high or (last_above(0.5) if L.hold else float(grid[-1])))
-    negative, top = _negative(L, grid, last_above, last, high)
-    nearest = factors.nearest(L, factors.nodes(L, grid, top, turning=True))
-    least, where = min([nearest, *((abs(1 + v), w) for w, v in ends.items())])
-    found = [tuple(Crossing(w, complex(L.value(w)[0])) for w in each) for each in (unit, negative)]
-    return Course(found[0], found[1], ends, 1 / least if least else np.inf, where)
+    gain = _gain_crossings(L, grid, high or (last_above(0.5) if L.hold_s else float(grid[-1])))
+    phase, top = _phase_crossings(L, grid, last_above, last, high)
+    nearest = zpk.least_distance(L, zpk.interval_ends(L, grid, top, turning=True))
+    distance, frequency = min([nearest, *((abs(1 + v), w) for w, v in ends.items())])
+    at = {w: Crossing(w, complex(L.value(w)[0])) for w in (*gain, *phase)}
+    peak = 1 / distance if distance else np.inf
+    return Crossings(tuple(at[w] for w in gain), tuple(at[w] for w in phase), ends, peak, frequency)
 
 
-def factored(loop: Delayed, part: Rational) -> Factors:
-    """Return the poles and zeros of a loop other than 0, with its delay and hold."""
-    return factors.of_rational(part, loop.delay_s + loop.hold_s / 2, loop.hold_s)
+def zero_pole_gain(loop: Delayed, model: Rational) -> ZeroPoleGain:
+    """Return the zero-pole-gain form of a loop other than 0, whose rational factor is `model`."""
+    return zpk.of_rational(model, loop.delay_s + loop.hold_s / 2, loop.hold_s)
 
 
-def _unit(L: Factors, grid: Array, top: float) -> list[float]:
+def _gain_crossings(L: ZeroPoleGain, grid: Array, top: float) -> list[float]:
     """Return where |L| = 1, which no delay changes; the hold's zeros part the axis."""
-    if L.hold:
-        transfer.check_turns(L.late, top)
-    return _zeros(L.log_size, _size_bounds(L), factors.nodes(L, grid, top, turning=bool(L.hold)), np.inf)
+    if L.hold_s:
+        transfer.check_turns(L.delay_s, top)
+    return _zeros(L.log_gain, _size_bounds(L), zpk.interval_ends(L, grid, top, turning=bool(L.hold_s)), np.inf)
 
 
-def _envelope(L: Factors, w: Array) -> Array:
+def _envelope(L: ZeroPoleGain, w: Array) -> Array:
     """Return |L| with what the hold's lobes stay below in their place."""
-    held = np.minimum(1.0, 2 / np.maximum(w * L.hold, 1e-300))
-    return np.asarray(np.exp(np.minimum(replace(L, hold=0.0).log_size(w), 700.0)) * held)
+    held = np.minimum(1.0, 2 / np.maximum(w * L.hold_s, 1e-300))
+    return np.asarray(np.exp(np.minimum(replace(L, hold_s=0.0).log_gain(w), 700.0)) * held)
 
 
-def _negative(
-    L: Factors, grid: Array, last_above: Callable[[float], float], last: float, high: float | None
+def _phase_crossings(
+    L: ZeroPoleGain, grid: Array, last_above: Callable[[float], float], last: float, high: float | None
 ) -> tuple[list[float], float]:
     """Return where L < 0 up to the returned frequency, above which |L| stays below its largest value there under 1."""
-    top = high or max(last_above(last + transfer.QUIET), 4 * np.pi / L.late)
+    top = high or max(last_above(last + transfer.QUIET), 4 * np.pi / L.delay_s)
     while True:
-        transfer.check_turns(L.late, top)
-        nodes = factors.nodes(L, grid, top, turning=True)
-        found = _zeros(lambda w: L.phase(w) - np.pi, _phase_bounds(L), nodes, 2 * np.pi)
-        sizes = np.exp(L.log_size(np.array(found))) if found else np.zeros(0)
-        further = last_above(max(float(sizes[sizes < 1].max(initial=0.0)), last * (1 + QUIET)))
+        transfer.check_turns(L.delay_s, top)
+        nodes = zpk.interval_ends(L, grid, top, turning=True)
+        crossings = _zeros(lambda w: L.phase(w) - np.pi, _phase_bounds(L), nodes, 2 * np.pi)
+        gains = np.exp(L.log_gain(np.array(crossings))) if crossings else np.zeros(0)
+        further = last_above(max(float(gains[gains < 1].max(initial=0.0)), last * (1 + QUIET)))
         if high or further <= top:
-            return found, top
+            return crossings, top
         top = further
 
 
-def _size_bounds(L: Factors) -> Bounds:
+def _size_bounds(L: ZeroPoleGain) -> Bounds:
     def bounds(a: Array, b: Array) -> tuple[Array, Array, Array, Array]:
-        slope, range_ = L.size_slope(a, b), L.size_range(a, b)
-        low, high = _mean_value(L.log_size((a + b) / 2), (b - a) / 2, *slope)
+        slope, range_ = L.log_gain_slope(a, b), L.log_gain_bounds(a, b)
+        low, high = _mean_value(L.log_gain((a + b) / 2), (b - a) / 2, *slope)
         return np.maximum(low, range_[0]), np.minimum(high, range_[1]), *slope
 
     return bounds
 
 
-def _phase_bounds(L: Factors) -> Bounds:
+def _phase_bounds(L: ZeroPoleGain) -> Bounds:
     def bounds(a: Array, b: Array) -> tuple[Array, Array, Array, Array]:
         slope = L.phase_slope(a, b)
         return *_mean_value(L.phase((a + b) / 2) - np.pi, (b - a) / 2, *slope), *slope
@@ -109,19 +110,19 @@ def _mean_value(middle: Array, half: Array, low: Array, high: Array) -> tuple[Ar
 def _zeros(f: Callable[[Array], Array], bounds: Bounds, nodes: Array, period: float) -> list[float]:
     """Return where f is a multiple of `period`, or 0 where that is inf, between the nodes."""
     a, b = nodes[:-1], nodes[1:]
-    found: list[float] = []
+    zeros: list[float] = []
     while a.size:
         low, high, slope_low, slope_high = bounds(a, b)
         maybe = (low <= 0) & (high >= 0) if np.isinf(period) else np.floor(high / period) >= np.ceil(low / period)
         monotone = (slope_low > 0) | (slope_high < 0)
         narrow = b - a <= NARROW * b
         for x, y in zip(a[maybe & monotone], b[maybe & monotone], strict=True):
-            found += _bracketed(f, float(x), float(y), period)
-        found += [float(v) for v in ((a + b) / 2)[maybe & narrow & ~monotone]]
+            zeros += _bracketed(f, float(x), float(y), period)
+        zeros += [float(v) for v in ((a + b) / 2)[maybe & narrow & ~monotone]]
         a, b = a[maybe & ~monotone & ~narrow], b[maybe & ~monotone & ~narrow]
         middle = (a + b) / 2
         a, b = np.concatenate([a, middle]), np.concatenate([middle, b])
-    return _apart(sorted(found))
+    return _distinct(sorted(zeros))
 
 
 def _bracketed(f: Callable[[Array], Array], a: float, b: float, period: float) -> list[float]:
@@ -137,7 +138,7 @@ def _bracketed(f: Callable[[Array], Array], a: float, b: float, period: float) -
     ]
 
 
-def _apart(w: list[float]) -> list[float]:
+def _distinct(w: list[float]) -> list[float]:
     """Return rising frequencies without those that the same crossing gave twice."""
     return [v for k, v in enumerate(w) if k == 0 or v - w[k - 1] > 4 * NARROW * v]
 

@@ -17,31 +17,28 @@ How the crossings are found. Up to EXACT_STATES states a loop is the ratio of tw
 numbers given, and `crossings` isolates every crossing; with a delay `delayed_crossings` encloses L between frequencies.
 Beyond, `traced_crossings` follows L on a refined grid in double precision. Each answer is then verified another way:
 the closed loop has as many unstable poles at 99 % of a margin, in log gain or in angle, as at the loop itself. What is
-not verified is refused, and so is what the rounding of the numbers given leaves open by more than DETERMINED.
+not verified is refused, and so is what the rounding of the numbers given leaves open by more than MAX_UNCERTAINTY.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from synth import arguments, show
-from synth.analyse import crossings, delayed_crossings, nyquist, perturbation, rational, traced_crossings, transfer
-from synth.analyse.crossings import Course, Crossing
-from synth.analyse.perturbation import Perturbation
-from synth.analyse.rational import Rational
+from synth.analyse import assessment, transfer
+from synth.analyse.assessment import Assessment
+from synth.analyse.crossings import Crossing
 from synth.analyse.transfer import Complex, Delayed, Loop
 from synth.errors import ModelError
-from synth.statespace import StateSpace
-from synth.timing import Continuous
 
 __all__ = ["Complex", "GainCrossing", "Margins", "PhaseCrossing", "of_loop", "response"]
 
 EXACT_STATES = 60  # up to which a loop is taken as a ratio of polynomials: their cost grows with the fourth power
 NOTHING = 1e-12  # |L| below it, or above its inverse, is rounding error and no crossing is reported
-DETERMINED = 0.2  # of |L|: a margin that rounding of the numbers given leaves open by more is refused
+MAX_UNCERTAINTY = 0.2  # of |L|: a margin that rounding of the numbers given leaves open by more is refused
 FAR = 1e6  # a factor on the gain this far from 1 may be as uncertain as it likes
-TOLD = 1e-4  # an uncertainty beyond it is told
+SHOWN_UNCERTAINTY = 1e-4  # an uncertainty beyond it is told
 VERGE = 1e-9  # of |1 + L|: a loop this near to oscillation has no margin to verify
 INSIDE = 0.99  # of a margin: there the closed loop must have as many unstable poles as without it
 OUTERMOST = 100.0  # factor on the gain up to which, and from whose inverse, a margin is verified
@@ -116,7 +113,7 @@ class Margins:
         )
         if self.direct >= 1:
             lines = (*lines, f"Delay margin 0: |L| is {self.direct:.4g} at infinity, where any delay turns it onto -1.")
-        if self.uncertainty > TOLD:
+        if self.uncertainty > SHOWN_UNCERTAINTY:
             opened = f"{100 * self.uncertainty:.2g} %"
             lines = (*lines, f"Rounding of the numbers given leaves the margins uncertain by up to {opened}.")
         worst = (
@@ -160,93 +157,27 @@ def of_loop(loop: Loop, low: float | None = None, high: float | None = None) -> 
     the loop is stable, or when a margin fails its verification.
     """
     transfer.check_limits(low, high)
-    found = transfer.read(loop)
-    model = found.model if isinstance(found, Delayed) else found
-    if len(model.states) > EXACT_STATES:
-        return _verified(_traced(found, low, high))
-    if isinstance(found, Delayed) and (found.delay_s or found.hold_s):
-        return _verified(_delayed(found, low, high))
-    loop = found.model if isinstance(found, Delayed) else loop
-    return _verified(_rational(rational.of_system(loop), low, high))
+    model = transfer.read(loop)
+    states = (model.model if isinstance(model, Delayed) else model).states
+    if len(states) > EXACT_STATES:
+        return _verified(assessment.of_traced(model, low, high))
+    if isinstance(model, Delayed) and (model.delay_s or model.hold_s):
+        return _verified(assessment.of_delayed(model, low, high))
+    return _verified(assessment.of_rational(model.model if isinstance(model, Delayed) else loop, low, high))
 
 
-@dataclass(frozen=True, eq=False)
-class _Found:
-    """The course of a loop, with two ways to judge it.
-
-    `unstable` counts the closed loop's unstable poles when the loop is multiplied by a complex factor; `perturbation`
-    tells what rounding of the numbers given may do at a frequency. `whole` says that no limit cut the course.
-    """
-
-    course: Course
-    stable: bool
-    whole: bool
-    unstable: Callable[[complex], float]
-    perturbation: Callable[[float], Perturbation]
-
-
-def _rational(loop: Rational, low: float | None, high: float | None) -> _Found:
-    continuous = isinstance(loop.time, Continuous)
-    if loop.model.D[0, 0] == -1:
-        raise ModelError(transfer.ILL_POSED)
-    bottom, top = low or 0.0, (high if continuous else None) or np.inf
-    course = crossings.of_rational(loop, bottom, top)
-    whole = bottom == 0 and np.isinf(top)
-    return _Found(
-        course,
-        perturbation.is_stable(loop),
-        whole,
-        lambda factor: rational.unstable(loop, factor),
-        lambda w: perturbation.of_rational(loop, w),
-    )
-
-
-def _delayed(loop: Delayed, low: float | None, high: float | None) -> _Found:
-    part = rational.of_system(loop.model)
-    L = None if part.N.is_zero() else delayed_crossings.factored(loop, part).value
-
-    def unstable(factor: complex) -> float:
-        return nyquist.count_unstable(loop, factor, high, L)
-
-    return _Found(
-        delayed_crossings.of_delayed(loop, part, low, high),
-        unstable(1.0) == 0,
-        low is None and high is None,
-        unstable,
-        lambda w: perturbation.of_rational(part, w),
-    )
-
-
-def _traced(loop: StateSpace | Delayed, low: float | None, high: float | None) -> _Found:
-    curve = transfer.trace(loop, low, high)
-    model = loop.model if isinstance(loop, Delayed) else loop
-
-    def unstable(factor: complex) -> float:
-        if isinstance(loop, Delayed):
-            return nyquist.count_unstable(loop, factor, high)
-        return transfer.not_decaying(transfer.closed_poles(loop, factor), loop.time)
-
-    return _Found(
-        traced_crossings.of_curve(curve),
-        unstable(1.0) == 0,
-        low is None and (high is None or not isinstance(model.time, Continuous)),
-        unstable,
-        lambda w: perturbation.of_model(model, w),
-    )
-
-
-def _verified(found: _Found) -> Margins:
-    """Return the margins of a course; raise ModelError when they are not determined or not verified."""
-    course, direct = found.course, abs(found.course.ends.get(np.inf, 0.0))
-    gains = tuple(_gain_crossing(c) for c in course.unit)
-    ends = [Crossing(w, complex(v)) for w, v in course.ends.items() if v < 0]
-    negative = sorted((*course.negative, *ends), key=lambda c: c.frequency)
+def _verified(loop: Assessment) -> Margins:
+    """Return the margins of a loop; raise ModelError when they are not determined or not verified."""
+    crossings, direct = loop.crossings, abs(loop.crossings.ends.get(np.inf, 0.0))
+    gains = tuple(_gain_crossing(c) for c in crossings.gain_crossings)
+    ends = [Crossing(w, complex(v)) for w, v in crossings.ends.items() if v < 0]
+    negative = sorted((*crossings.phase_crossings, *ends), key=lambda c: c.frequency)
     phases = tuple(PhaseCrossing(c.frequency, -1 / c.L.real) for c in negative if NOTHING < -c.L.real < 1 / NOTHING)
-    told = Margins(found.stable, gains, phases, course.peak, course.peak_frequency, direct)
-    uncertainty = max([0.0, *(_uncertainty(found, told, name, w) for name, w in _deciding(told))])
-    if found.whole:
-        _verify(found, told)
-    return replace(told, uncertainty=uncertainty)
+    margins = Margins(loop.stable, gains, phases, crossings.peak, crossings.peak_frequency, direct)
+    uncertainty = max([0.0, *(_uncertainty(loop, name, w) for name, w in _deciding(margins))])
+    if loop.is_whole:
+        _verify(loop, margins)
+    return replace(margins, uncertainty=uncertainty)
 
 
 def _gain_crossing(crossing: Crossing) -> GainCrossing:
@@ -254,36 +185,38 @@ def _gain_crossing(crossing: Crossing) -> GainCrossing:
     return GainCrossing(crossing.frequency, float(np.degrees(above)), (above % (2 * np.pi)) / crossing.frequency)
 
 
-def _deciding(told: Margins) -> Iterator[tuple[str, float]]:
-    """Yield the margins that a crossing or the peak decides, with its frequency."""
-    if told.gain_crossings:
-        yield "phase margin", min(told.gain_crossings, key=lambda c: abs(c.phase_margin)).frequency
-        yield "delay margin", min(told.gain_crossings, key=lambda c: c.delay_margin).frequency
-    for name, margin in (("gain margin", told.gain_margin), ("gain reduction margin", told.gain_reduction_margin)):
-        if 1 / FAR < margin < FAR:
-            yield name, next(c.frequency for c in told.phase_crossings if c.gain_margin == margin)
-    yield "modulus margin", told.peak_frequency
+def _deciding(margins: Margins) -> Iterator[tuple[str, float]]:
+    """Yield each margin that a crossing or the peak decides, with its frequency."""
+    if margins.gain_crossings:
+        yield "phase margin", min(margins.gain_crossings, key=lambda c: abs(c.phase_margin)).frequency
+        yield "delay margin", min(margins.gain_crossings, key=lambda c: c.delay_margin).frequency
+    factors = {"gain margin": margins.gain_margin, "gain reduction margin": margins.gain_reduction_margin}
+    for name, factor in factors.items():
+        if 1 / FAR < factor < FAR:
+            yield name, next(c.frequency for c in margins.phase_crossings if c.gain_margin == factor)
+    yield "modulus margin", margins.peak_frequency
 
 
-def _uncertainty(found: _Found, told: Margins, name: str, frequency: float) -> float:
-    told_at = found.perturbation(frequency)
-    size = told_at.of_closed if name == "modulus margin" else told_at.of_loop
-    if size > DETERMINED and (found.stable or name != "modulus margin"):
+def _uncertainty(loop: Assessment, name: str, frequency: float) -> float:
+    """Return what rounding may change at the frequency that decides a margin; raise ModelError when it is too much."""
+    change, is_modulus = loop.perturbation(frequency), name == "modulus margin"
+    part = change.of_closed if is_modulus else change.of_loop
+    if part > MAX_UNCERTAINTY and (loop.stable or not is_modulus):
         raise ModelError(
             f"the {name}, decided at {frequency:.6g} rad/s, is not determined by the numbers given: their rounding to "
-            f"double alone may change {'1 + L' if name == 'modulus margin' else 'L'} there by {100 * size:.3g} %; give "
-            "the loop as a state-space model (loop.sampled), or sample it more slowly"
+            f"double alone may change {'1 + L' if is_modulus else 'L'} there by {100 * part:.3g} %; give the loop as a "
+            "state-space model (loop.sampled), or sample it more slowly"
         )
-    return size if np.isfinite(size) else 0.0
+    return part if np.isfinite(part) else 0.0
 
 
-def _verify(found: _Found, told: Margins) -> None:
+def _verify(loop: Assessment, margins: Margins) -> None:
     """Raise ModelError when another count of closed-loop poles is unstable within a margin than without it."""
-    nominal = found.unstable(1.0)
-    if np.isinf(nominal) or told.modulus_margin < VERGE:
+    nominal = loop.count_unstable(1.0)
+    if np.isinf(nominal) or margins.modulus_margin < VERGE:
         return
-    for name, factor in _inside(told):
-        count = found.unstable(factor)
+    for name, factor in _inside(margins):
+        count = loop.count_unstable(factor)
         if count != nominal:
             raise ModelError(
                 f"the {name} fails its verification: the closed loop has {nominal} unstable poles, but {count} when "
@@ -292,9 +225,9 @@ def _verify(found: _Found, told: Margins) -> None:
             )
 
 
-def _inside(told: Margins) -> Iterator[tuple[str, complex]]:
+def _inside(margins: Margins) -> Iterator[tuple[str, complex]]:
     """Yield factors on the loop just within its margins."""
-    yield "gain margin", min(told.gain_margin**INSIDE, OUTERMOST)
-    yield "gain reduction margin", max(told.gain_reduction_margin**INSIDE, 1 / OUTERMOST)
-    angle = np.radians(INSIDE * told.phase_margin) if told.gain_crossings else np.pi / 2
+    yield "gain margin", min(margins.gain_margin**INSIDE, OUTERMOST)
+    yield "gain reduction margin", max(margins.gain_reduction_margin**INSIDE, 1 / OUTERMOST)
+    angle = np.radians(INSIDE * margins.phase_margin) if margins.gain_crossings else np.pi / 2
     yield "phase margin", complex(np.exp(1j * angle))  # the conjugate factor has the conjugate poles

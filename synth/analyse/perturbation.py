@@ -39,9 +39,9 @@ class Perturbation:
 
 def of_rational(loop: Rational, frequency: float) -> Perturbation:
     """Return what rounding of the numbers given may do at `frequency` rad/s, to first order."""
-    if not loop.given or np.isinf(frequency):
+    if not loop.coefficients or np.isinf(frequency):
         return of_model(loop.model, frequency)
-    return _scaled(*_of_coefficients(*loop.given, _point(loop.time, frequency)))
+    return _scaled(*_of_coefficients(*loop.coefficients, _point(loop.time, frequency)))
 
 
 def of_model(model: StateSpace, frequency: float) -> Perturbation:

@@ -39,13 +39,13 @@ X = flint.fmpz_poly([0, 1])
 class Rational:
     """L = N / D in s, nothing cancelled, with the `model` of the same loop.
 
-    `given` are the coefficients of a transfer function, highest powers first, None where a state-space model was given.
+    `coefficients` are those of a transfer function, highest powers first; None where a state-space model was given.
     """
 
     N: Polynomial
     D: Polynomial
     model: StateSpace
-    given: tuple[Array, Array] | None
+    coefficients: tuple[Array, Array] | None
 
     @property
     def time(self) -> Time:
@@ -74,7 +74,7 @@ class Rational:
         """Return w in rad/s of s = i v."""
         return v if isinstance(self.time, Continuous) else 2 / self.time.period_s * float(np.arctan(v))
 
-    def position(self, w: float) -> float:
+    def axis_point(self, w: float) -> float:
         """Return v, s = i v, of w in rad/s: inf for Nyquist."""
         if isinstance(self.time, Continuous):
             return w
@@ -87,16 +87,16 @@ def of_system(system: System) -> Rational:
 
     Raises SignalError when the system cannot be read.
     """
-    model, given = of(system), coefficients(system)
-    N, D = _integers(*given) if given else _determinants(model)
+    model, fraction = of(system), coefficients(system)
+    N, D = _integer_coefficients(*fraction) if fraction else _determinants(model)
     if not isinstance(model.time, Continuous):
         order = max(N.degree(), D.degree())
         N, D = _bilinear(N, order), _bilinear(D, order)
     N, D = _primitive(N, D)
-    return Rational(N, D, model, given)
+    return Rational(N, D, model, fraction)
 
 
-def _integers(b: Array, a: Array) -> tuple[Polynomial, Polynomial]:
+def _integer_coefficients(b: Array, a: Array) -> tuple[Polynomial, Polynomial]:
     """Return two polynomials of given coefficients, highest powers first, times one power of 2."""
     shift = 1 << _bits(np.concatenate([b, a]))
     return _scaled(b[::-1], shift), _scaled(a[::-1], shift)
@@ -149,14 +149,14 @@ def _primitive(N: Polynomial, D: Polynomial) -> tuple[Polynomial, Polynomial]:
 def zeros(P: Polynomial) -> Complex:
     """Return the zeros (n,) of a polynomial, each as often as it counts."""
     with precise.precision(BITS):
-        found = [complex(root) for root, count in roots(P) for _ in range(count)]
-    return np.array(found, dtype=np.complex128)
+        repeated = [complex(root) for root, count in roots(P) for _ in range(count)]
+    return np.array(repeated, dtype=np.complex128)
 
 
 def roots(P: Polynomial) -> list[tuple[Any, int]]:
     """Return the zeros of a polynomial as balls, each with its multiplicity, in the precision in force."""
-    found: list[Any] = P.complex_roots() if P.degree() > 0 else []
-    return [(root, int(count)) for root, count in found]
+    isolated: list[Any] = P.complex_roots() if P.degree() > 0 else []
+    return [(root, int(count)) for root, count in isolated]
 
 
 def on_axis(P: Polynomial) -> tuple[Polynomial, Polynomial]:
@@ -166,19 +166,19 @@ def on_axis(P: Polynomial) -> tuple[Polynomial, Polynomial]:
     return E, O
 
 
-def square(P: Polynomial) -> Polynomial:
+def squared_magnitude(P: Polynomial) -> Polynomial:
     """Return |P(i v)|^2 in u."""
     E, O = on_axis(P)
     return E * E + X * O * O
 
 
-def product(N: Polynomial, D: Polynomial) -> tuple[Polynomial, Polynomial]:
+def times_conjugate(N: Polynomial, D: Polynomial) -> tuple[Polynomial, Polynomial]:
     """Return the real part of N conj(D) in u, and the imaginary part over v."""
     (En, On), (Ed, Od) = on_axis(N), on_axis(D)
     return En * Ed + X * On * Od, On * Ed - En * Od
 
 
-def unstable(loop: Rational, factor: complex) -> int:
+def count_unstable(loop: Rational, factor: complex) -> int:
     """Count the zeros at or right of the axis of D + (a + i b) N, without what N and D have in common.
 
     In a sampled loop each degree that the sum lacks is a zero at z = -1, on the boundary.

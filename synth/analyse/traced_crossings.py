@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 from synth.analyse import transfer
-from synth.analyse.crossings import Course, Crossing
+from synth.analyse.crossings import Crossing, Crossings
 from synth.analyse.transfer import Complex, Curve
 from synth.statespace import Array
 
@@ -22,13 +22,13 @@ NEAR = 0.3  # neighbours differ by half of it at most: a turn farther from 0 doe
 REAL = 1e-6  # of |L|: a larger imaginary part where it changes sign is a pole
 
 
-def of_curve(curve: Curve) -> Course:
-    """Return the course of a traced loop."""
+def of_curve(curve: Curve) -> Crossings:
+    """Return the crossings of a traced loop."""
     unit = _unit(curve)
     at = {f: complex(curve.L(f)[0]) for f in _real(curve, unit)}
     negative = [Crossing(f, v) for f, v in sorted(at.items()) if abs(v.imag) <= REAL * abs(v) and v.real < 0]
-    found = tuple(Crossing(f, complex(curve.L(f)[0])) for f in unit)
-    return Course(found, tuple(negative), curve.ends, *_peak(curve))
+    gain = tuple(Crossing(f, complex(curve.L(f)[0])) for f in unit)
+    return Crossings(gain, tuple(negative), curve.ends, *_peak(curve))
 
 
 def _unit(curve: Curve) -> list[float]:

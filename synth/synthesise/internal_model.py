@@ -161,8 +161,13 @@ def in_time(given: Exosystem, time: Time) -> InternalModel:
 
 @arguments.checked
 def exact(modes: Sequence[Mode], time: Time) -> flint.arb_mat:
-    """Return [Phi, N] (n, n + 1) of exact modes in 1/s, in a time and in balls of the present precision."""
+    """Return [Phi, N] (n, n + 1) of exact modes in 1/s, in a time and in balls of the present precision.
+
+    Raises SignalError when there is no mode.
+    """
     n = sum(mode.order for mode in modes)
+    if not n:
+        raise SignalError("the internal model has no modes: give one or more")
     driven = _driven(minimal_polynomial.product(modes), np.zeros(n))
     if isinstance(time, Discrete):
         driven = (driven * flint.arb(time.period_s)).exp()

@@ -29,7 +29,7 @@ from synth import arguments, show
 from synth.analyse import precise, structure
 from synth.errors import ModelError
 from synth.statespace import Array, StateSpace, System, of, readonly
-from synth.synthesise import noise, riccati, solvability, weights
+from synth.synthesise import modes, noise, riccati, solvability, weights
 from synth.timing import Continuous, Discrete, common, period
 
 
@@ -91,7 +91,7 @@ class Estimator:
         if sampled:
             size = np.sqrt(np.diag(model.C @ self.prior @ model.C.T + self.noise.V))[:, None]
             tables.append(show.matrix("output", size, model.labels(model.outputs), ("deviation of the innovation",)))
-        tables.append(riccati.modes(self.poles, model.time))
+        tables.append(modes.table(self.poles, model.time))
         lines = ("P is the X of the dual Riccati equation:", *c.lines())
         if c.mirrored:
             lines += (

@@ -28,7 +28,7 @@ from synth import arguments, show
 from synth.analyse import structure
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, StateSpace, System, of, readonly
-from synth.synthesise import doubling, held_cost, riccati, weights
+from synth.synthesise import doubling, held_cost, modes, riccati, weights
 from synth.timing import Continuous, Discrete, Time, period
 
 
@@ -61,7 +61,7 @@ class Gain:
             [show.named(name, self.units.get(name, "")) for name in names] for names in (self.inputs, self.states)
         )
         title = f"Optimal gain u = K x in {self.time}: {len(rows)} inputs, {len(columns)} states"
-        tables = (show.matrix("K", self.K, rows, columns), riccati.modes(self.poles, self.time))
+        tables = (show.matrix("K", self.K, rows, columns), modes.table(self.poles, self.time))
         return show.Sheet(title, self.certificate.lines(), tables)
 
 

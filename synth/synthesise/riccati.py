@@ -30,13 +30,12 @@ from synth import arguments, show
 from synth.analyse import structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
-from synth.synthesise import doubling, exact_riccati, newton, solvability, weights
+from synth.synthesise import doubling, exact_riccati, modes, newton, solvability, weights
 from synth.synthesise.balance import Balance
 from synth.synthesise.equation import Complex, Equation, Solution, decays
-from synth.timing import Continuous, Discrete, Time
+from synth.timing import Continuous, Time
 
 TRUSTED = 1e-8  # forward error up to which a solution in double precision is taken
-DEADBEAT = 2.0**-42  # a single pole z below it is a rounding error of 0
 BALLS = 12  # states up to which ball arithmetic is tried
 
 
@@ -87,7 +86,7 @@ class Riccati:
         tables = (
             show.matrix("L", self.L, self.inputs, self.states),
             show.matrix("X", self.X, self.states, self.states),
-            modes(self.poles, self.time),
+            modes.table(self.poles, self.time),
         )
         return show.Sheet(f"Riccati solution in {self.time}: {n} states, {m} inputs", self.lines(), tables)
 
@@ -131,30 +130,6 @@ class Riccati:
                 f"[Q, N; N', R] has the eigenvalue {self.cost_eigenvalue:.3g}: the cost is indefinite, and {least}"
             )
         return tuple(remarks)
-
-
-def modes(poles: NDArray[np.complex128], time: Time) -> show.Table:
-    """Return a table of poles in 1/s or in z with their natural frequency in Hz and their damping.
-
-    A pole at z = 0 is deadbeat, without a frequency; a constant, s = 0 or z = 1, has no damping. Of k poles at z = 0
-    rounding makes a cluster of the k-th root of its size, which is deadbeat as well.
-    """
-    sampled = isinstance(time, Discrete)
-    radius = _deadbeat_radius(poles) if sampled else -1.0
-    rows = ((show.number(p), *(("deadbeat", "-") if abs(p) <= radius else _shape(p, time))) for p in poles)
-    return show.Table(("pole, z" if sampled else "pole [1/s]", "f [Hz]", "damping"), tuple(rows))
-
-
-def _deadbeat_radius(poles: NDArray[np.complex128]) -> float:
-    sizes = np.sort(np.abs(poles))
-    reach = DEADBEAT ** (1 / np.arange(1, len(sizes) + 1))
-    return float(reach[sizes <= reach].max(initial=0.0))
-
-
-def _shape(pole: complex, time: Time) -> tuple[str, str]:
-    """Return the natural frequency in Hz and the damping."""
-    s = np.log(complex(pole)) / time.period_s if isinstance(time, Discrete) else pole
-    return show.number(abs(s) / (2 * np.pi)), show.number(-s.real / abs(s)) if s else "-"
 
 
 @arguments.checked

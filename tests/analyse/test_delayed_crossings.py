@@ -6,16 +6,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from synth.analyse import delayed_crossings, factors, margins, rational, transfer
+from synth.analyse import delayed_crossings, margins, rational, transfer, zpk
 from synth.statespace import Array
 
 POLES = np.array([-0.01 + 3j, -0.01 - 3j, 0.5, 0.0, -40.0])
 ZEROS = np.array([2j, -2j, 7.0])
 
 
-def loop(hold: float = 0.7) -> factors.Factors:
+def loop(hold: float = 0.7) -> zpk.ZeroPoleGain:
     part = rational.of_system(control.tf(np.poly(ZEROS).real * -30.0, np.poly(POLES).real))
-    return factors.of_rational(part, 0.2 + hold / 2, hold)
+    return zpk.of_rational(part, 0.2 + hold / 2, hold)
 
 
 def brute(w: Array, hold: float = 0.7) -> Array:
@@ -33,15 +33,15 @@ def test_the_sum_of_factors_is_the_loop() -> None:
 @given(st.floats(0.01, 60), st.floats(1e-4, 0.5), st.sampled_from([0.0, 0.7]))
 def test_values_and_slopes_lie_within_their_bounds(start: float, width: float, hold: float) -> None:
     L = loop(hold)
-    ends = factors.nodes(L, np.array([start, start * (1 + width)]), start * (1 + width), turning=True)
+    ends = zpk.interval_ends(L, np.array([start, start * (1 + width)]), start * (1 + width), turning=True)
     a, b = ends[:-1], ends[1:]
-    low, high = L.size_range(a, b)
-    for slopes, f in ((L.phase_slope(a, b), L.phase), (L.size_slope(a, b), L.log_size)):
+    low, high = L.log_gain_bounds(a, b)
+    for slopes, f in ((L.phase_slope(a, b), L.phase), (L.log_gain_slope(a, b), L.log_gain)):
         for k in range(len(a)):
             w = np.linspace(a[k] + 1e-3 * (b[k] - a[k]), b[k] - 1e-3 * (b[k] - a[k]), 50)
             slope, slack = np.diff(f(w)) / np.diff(w), 1e-6 * (1 + 1 / (b[k] - a[k]))
             assert slopes[0][k] - slack <= slope.min() and slope.max() <= slopes[1][k] + slack
-            size = L.log_size(w)
+            size = L.log_gain(w)
             assert low[k] - 1e-9 <= size.min() and size.max() <= high[k] + 1e-9
 
 
@@ -51,7 +51,7 @@ def test_a_slope_that_forgets_the_delay_would_be_seen() -> None:
     a, b = np.array([10.0]), np.array([10.1])
     slope = float(np.diff(L.phase(np.array([10.0, 10.1])))[0] / 0.1)
     low, high = L.phase_slope(a, b)
-    assert low[0] <= slope <= high[0] and not low[0] + L.late <= slope
+    assert low[0] <= slope <= high[0] and not low[0] + L.delay_s <= slope
 
 
 def test_crossings_are_those_of_a_fine_grid() -> None:
@@ -61,8 +61,8 @@ def test_crossings_are_those_of_a_fine_grid() -> None:
     L = brute(w)
     unit = w[:-1][np.diff(np.sign(np.log(np.abs(L)))) != 0]
     real = np.flatnonzero((np.diff(np.sign(L.imag)) != 0) & (L.real[:-1] < 0) & (np.abs(np.diff(L)) < np.abs(L[:-1])))
-    assert [c.frequency for c in course.unit] == pytest.approx(unit.tolist(), abs=2e-5)
-    assert [c.frequency for c in course.negative] == pytest.approx(w[real].tolist(), abs=2e-5)
+    assert [c.frequency for c in course.gain_crossings] == pytest.approx(unit.tolist(), abs=2e-5)
+    assert [c.frequency for c in course.phase_crossings] == pytest.approx(w[real].tolist(), abs=2e-5)
     assert 1 / course.peak == pytest.approx(np.abs(1 + L).min(), rel=1e-6)
 
 

@@ -418,7 +418,7 @@ def test_a_fast_sampled_transfer_function_keeps_its_gain_margin(L: object, gain:
     found = margins.of_loop(L)
     assert found.stable and found.gain_margin == pytest.approx(gain, rel=1e-7)
     assert found.gain_reduction_margin == pytest.approx(low, rel=1e-7)
-    assert 1e-4 < found.uncertainty < margins.DETERMINED and "leaves the margins uncertain by" in repr(found)
+    assert 1e-4 < found.uncertainty < margins.MAX_UNCERTAINTY and "leaves the margins uncertain by" in repr(found)
 
 
 @pytest.mark.parametrize("L", [MAGLEV_10_US, LAGS_20_US], ids=["maglev", "lags"])

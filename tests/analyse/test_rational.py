@@ -66,11 +66,11 @@ def test_hidden_modes_are_closed_loop_poles_and_no_part_of_the_loop() -> None:
 
 def test_a_pole_at_minus_one_is_counted() -> None:
     loop = rational.of_system(control.tf([1.0], [1.0, 0.0], 0.1))  # z + 1 = 0
-    assert np.isinf(loop.closed).all() and not perturbation.is_stable(loop) and rational.unstable(loop, 1.0) == 1
+    assert np.isinf(loop.closed).all() and not perturbation.is_stable(loop) and rational.count_unstable(loop, 1.0) == 1
 
 
 @pytest.mark.parametrize("factor", [1.0, 0.3, 2.0 * I, 3.0 * np.exp(0.7j)])
 def test_unstable_poles_are_counted_as_numpy_counts_them(factor: complex) -> None:
     b, a = [2.0, -3.0, 40.0], [1.0, 2.0, 3.0, 0.5]
     count = int((np.roots(np.polyadd(a, factor * np.array(b))).real > 0).sum())
-    assert rational.unstable(rational.of_system(control.tf(b, a)), factor) == count
+    assert rational.count_unstable(rational.of_system(control.tf(b, a)), factor) == count

@@ -21,8 +21,8 @@ INNER = {  # modules whose functions take what others have read
     *("structured_singular_value", "bordered", "cofactors", "doubling", "equation", "exact_riccati", "newton"),
     *("reduced_noise", "reduced_partition", "reduced_variance", "solvability", "spectrum", "trajectory"),
     *("trajectory_fit", "undetermined", "variances", "minimal_polynomial", "weights", "check"),
-    *("rational", "crossings", "delayed_crossings", "traced_crossings", "factors", "perturbation", "nyquist"),
-    *("nearest_root", "peak_gain", "bounded_real", "resolvent", "held_cost", "balance", "copies"),
+    *("rational", "crossings", "delayed_crossings", "traced_crossings", "zpk", "perturbation", "nyquist", "assessment"),
+    *("nearest_root", "peak_gain", "bounded_real", "resolvent", "held_cost", "balance", "copies", "modes"),
 }
 
 

@@ -50,6 +50,6 @@ def test_a_margin_that_is_reported_a_thousandth_too_large_is_noticed(
 
 def test_a_crossing_that_is_left_out_is_noticed_by_the_library_itself(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without its phase crossing a loop has no gain margin: the closed loop at a hundredfold gain contradicts."""
-    monkeypatch.setattr(crossings, "_negative", lambda *_: ())
+    monkeypatch.setattr(crossings, "_phase_crossings", lambda *_: ())
     found = [search.judged(search.case("transfer function", np.random.default_rng(k))) for k in range(20)]
     assert any("fails its verification" in o.refused for o in found)

@@ -1,4 +1,4 @@
-"""The logarithm of a loop along the axis as a sum over its poles and zeros, with bounds over intervals.
+"""Zero-pole-gain form of a scalar loop along the axis, with bounds of its logarithm over intervals.
 
 With the zeros and poles r of a rational loop, its gain k, a delay tau and a hold T,
 
@@ -26,34 +26,34 @@ GRID = 400  # intervals to begin with
 
 
 @dataclass(frozen=True, eq=False)
-class Factors:
+class ZeroPoleGain:
     """log L: zeros (+1) and poles (-1) `roots` (m,) with their `signs` (m,), log |k|, arg k, and two times in s."""
 
     roots: NDArray[np.complex128]
     signs: Array
-    size: float
-    angle: float
-    late: float
-    hold: float
+    log_k: float
+    arg_k: float
+    delay_s: float
+    hold_s: float
 
-    def log_size(self, w: Array) -> Array:
+    def log_gain(self, w: Array) -> Array:
         """Return log |L| at frequencies (k,)."""
         with np.errstate(divide="ignore"):
             distance = np.log(np.abs(1j * w[:, None] - self.roots))
-            held = np.log(np.abs(np.sinc(w * self.hold / (2 * np.pi))))
-        return np.asarray(self.size + distance @ self.signs + held)
+            held = np.log(np.abs(np.sinc(w * self.hold_s / (2 * np.pi))))
+        return np.asarray(self.log_k + distance @ self.signs + held)
 
     def phase(self, w: Array) -> Array:
         """Return arg L at frequencies (k,), continuous but where a root lies on the axis or the hold is 0."""
         c, x = -self.roots.real, w[:, None] - self.roots.imag
         angles = np.where(c < 0, np.pi - np.arctan2(x, -c), np.arctan2(x, c))
-        lobes = np.floor(w * self.hold / (2 * np.pi))
-        return np.asarray(self.angle + angles @ self.signs - w * self.late + np.pi * lobes)
+        lobes = np.floor(w * self.hold_s / (2 * np.pi))
+        return np.asarray(self.arg_k + angles @ self.signs - w * self.delay_s + np.pi * lobes)
 
     def value(self, frequencies: ArrayLike) -> NDArray[np.complex128]:
         """Return L at frequencies (k,)."""
         w = np.atleast_1d(np.asarray(frequencies, dtype=np.float64))
-        return np.asarray(np.exp(self.log_size(w) + 1j * self.phase(w)))
+        return np.asarray(np.exp(self.log_gain(w) + 1j * self.phase(w)))
 
     def phase_slope(self, a: Array, b: Array) -> tuple[Array, Array]:
         """Return bounds (k,) of d arg L / dw over intervals a .. b."""
@@ -61,9 +61,9 @@ class Factors:
         with np.errstate(divide="ignore", invalid="ignore"):
             ends = [np.where(c == 0, 0.0, self.signs * c / (c * c + x * x)) for x in (near, far)]
         low, high = np.minimum(*ends).sum(axis=1), np.maximum(*ends).sum(axis=1)
-        return low - self.late, high - self.late
+        return low - self.delay_s, high - self.delay_s
 
-    def size_slope(self, a: Array, b: Array) -> tuple[Array, Array]:
+    def log_gain_slope(self, a: Array, b: Array) -> tuple[Array, Array]:
         """Return bounds (k,) of d log |L| / dw over intervals a .. b that have no root on the axis inside."""
         c, x = np.abs(self.roots.real), np.stack([v[:, None] - self.roots.imag for v in (a, b)])
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -78,7 +78,7 @@ class Factors:
         held = self._held_slope(a, b)
         return below + held[0], above + held[1]
 
-    def size_range(self, a: Array, b: Array) -> tuple[Array, Array]:
+    def log_gain_bounds(self, a: Array, b: Array) -> tuple[Array, Array]:
         """Return bounds (k,) of log |L| over intervals a .. b, each factor by itself."""
         near, far = self._distances(a, b)
         c = self.roots.real
@@ -88,7 +88,7 @@ class Factors:
         below = low[:, rising].sum(axis=1) - high[:, falling].sum(axis=1)
         above = high[:, rising].sum(axis=1) - low[:, falling].sum(axis=1)
         held = self._held_range(a, b)
-        return self.size + below + held[0], self.size + above + held[1]
+        return self.log_k + below + held[0], self.log_k + above + held[1]
 
     def _distances(self, a: Array, b: Array) -> tuple[Array, Array]:
         low, high = a[:, None] - self.roots.imag, b[:, None] - self.roots.imag
@@ -97,16 +97,16 @@ class Factors:
 
     def _held_slope(self, a: Array, b: Array) -> tuple[Array, Array]:
         """Return bounds of d log |sin x / x| / dw: cot x falls over each lobe, and intervals end where lobes do."""
-        if not self.hold:
+        if not self.hold_s:
             return np.zeros(len(a)), np.zeros(len(a))
         x, y = self._inside_lobe(a, b)
         with np.errstate(divide="ignore", invalid="ignore"):
             low = np.where(y % np.pi == 0, -np.inf, 1 / np.tan(y)) - 1 / x
             high = 1 / np.tan(x) - 1 / y
-        return low * self.hold / 2, high * self.hold / 2
+        return low * self.hold_s / 2, high * self.hold_s / 2
 
     def _held_range(self, a: Array, b: Array) -> tuple[Array, Array]:
-        if not self.hold:
+        if not self.hold_s:
             return np.zeros(len(a)), np.zeros(len(a))
         x, y = self._inside_lobe(a, b)
         top = (np.floor(x / np.pi) + 0.5) * np.pi
@@ -116,58 +116,61 @@ class Factors:
             return low, np.minimum(np.log(largest / x), 0.0)
 
     def _inside_lobe(self, a: Array, b: Array) -> tuple[Array, Array]:
-        return a * self.hold / 2 * (1 + 1e-15), b * self.hold / 2 * (1 - 1e-15)
+        return a * self.hold_s / 2 * (1 + 1e-15), b * self.hold_s / 2 * (1 - 1e-15)
 
 
-def of_rational(loop: Rational, late: float = 0.0, hold: float = 0.0) -> Factors:
-    """Return the factors of a rational loop other than 0, late by `late` s, the half of its hold of `hold` s in it."""
+def of_rational(loop: Rational, delay_s: float = 0.0, hold_s: float = 0.0) -> ZeroPoleGain:
+    """Return the zero-pole-gain form of a rational loop other than 0.
+
+    `delay_s` is its whole delay, half of its hold of `hold_s` seconds included.
+    """
     N, D = loop.reduced
     zeros, poles = rational.zeros(N), rational.zeros(D)
     k = int(N[N.degree()]) / int(D[D.degree()])
     signs = np.concatenate([np.ones(len(zeros)), -np.ones(len(poles))])
-    return Factors(np.concatenate([zeros, poles]), signs, float(np.log(abs(k))), np.pi * (k < 0), late, hold)
+    return ZeroPoleGain(np.concatenate([zeros, poles]), signs, float(np.log(abs(k))), np.pi * (k < 0), delay_s, hold_s)
 
 
-def start(L: Factors) -> float:
+def lowest_frequency(L: ZeroPoleGain) -> float:
     """Return a frequency below which the loop is its asymptote and |L| does not cross 1."""
     sizes = np.abs(L.roots)
-    rates = [float(sizes[sizes > 0].min(initial=np.inf)), 1 / L.late if L.late else np.inf]
+    rates = [float(sizes[sizes > 0].min(initial=np.inf)), 1 / L.delay_s if L.delay_s else np.inf]
     apart = BELOW * (min(rates) if np.isfinite(min(rates)) else 1.0)
     slope = float(L.signs[sizes == 0].sum())
     if not slope:
         return apart
-    return min(apart, apart * float(np.exp(-L.log_size(np.array([apart]))[0] / slope)) / 10)
+    return min(apart, apart * float(np.exp(-L.log_gain(np.array([apart]))[0] / slope)) / 10)
 
 
-def grid(L: Factors, low: float, closed: NDArray[np.complex128] | None = None) -> Array:
+def frequency_grid(L: ZeroPoleGain, low: float, closed: NDArray[np.complex128] | None = None) -> Array:
     """Return frequencies from low to where the loop without its hold is its asymptote and |L| does not cross 1.
 
     The closed loop's poles count among its rates where they are given.
     """
     sizes = np.abs(L.roots if closed is None else np.concatenate([L.roots, closed[np.isfinite(closed)]]))
-    top = max(BEYOND * float(sizes.max(initial=0.0)), BEYOND / L.late if L.late else 0.0, BEYOND * low)
+    top = max(BEYOND * float(sizes.max(initial=0.0)), BEYOND / L.delay_s if L.delay_s else 0.0, BEYOND * low)
     slope = float(L.signs.sum())
     if slope:
-        size = float(replace(L, hold=0.0).log_size(np.array([top]))[0])
+        size = float(replace(L, hold_s=0.0).log_gain(np.array([top]))[0])
         top *= max(1.0, 10 * float(np.exp(-size / slope)))
     peaks = L.roots.imag[(L.roots.imag > low) & (L.roots.imag < top)]
     return np.unique(np.concatenate([np.geomspace(low, top, GRID), peaks]))
 
 
-def nodes(L: Factors, grid: Array, top: float, turning: bool) -> Array:
+def interval_ends(L: ZeroPoleGain, grid: Array, top: float, turning: bool) -> Array:
     """Return where intervals end: the grid, steps of the delay, poles and zeros on the axis, zeros of the hold."""
     on_axis = L.roots.imag[(L.roots.real == 0) & (L.roots.imag > 0)]
     ends = [grid, on_axis, np.array([top])]
     if turning:
-        ends.append(np.arange(grid[0], top, 0.3 / L.late))
-    if L.hold and turning:
-        ends.append(2 * np.pi / L.hold * np.arange(1, int(top * L.hold / (2 * np.pi)) + 1))
+        ends.append(np.arange(grid[0], top, 0.3 / L.delay_s))
+    if L.hold_s and turning:
+        ends.append(2 * np.pi / L.hold_s * np.arange(1, int(top * L.hold_s / (2 * np.pi)) + 1))
     w = np.unique(np.concatenate(ends))
     return np.asarray(w[(w >= grid[0]) & (w <= top)])
 
 
-def nearest(L: Factors, nodes: Array) -> tuple[float, float]:
-    """Return the least |1 + L| between the nodes and where it is; nothing is lower by TIGHT of it."""
+def least_distance(L: ZeroPoleGain, nodes: Array) -> tuple[float, float]:
+    """Return the least |1 + L| between the nodes and its frequency; no value is lower by TIGHT of it."""
     least, where, width = np.inf, float(nodes[0]), 0.0
     a, b = nodes[:-1], nodes[1:]
     while a.size:
@@ -176,8 +179,8 @@ def nearest(L: Factors, nodes: Array) -> tuple[float, float]:
         if distance.min() < least:
             k = int(distance.argmin())
             least, where, width = float(distance[k]), float(middle[k]), float(half[k])
-        slopes = np.maximum(*(np.maximum(*np.abs(s)) for s in (L.phase_slope(a, b), L.size_slope(a, b))))
-        low, high = np.exp(np.minimum(L.size_range(a, b), 700.0))
+        slopes = np.maximum(*(np.maximum(*np.abs(s)) for s in (L.phase_slope(a, b), L.log_gain_slope(a, b))))
+        low, high = np.exp(np.minimum(L.log_gain_bounds(a, b), 700.0))
         with np.errstate(invalid="ignore"):
             lipschitz = np.nan_to_num(distance - half * np.sqrt(2) * slopes * high, nan=-np.inf)
         bound = np.maximum(lipschitz, np.maximum(low - 1, 1 - high))
@@ -187,11 +190,11 @@ def nearest(L: Factors, nodes: Array) -> tuple[float, float]:
     return _polished(L, least, where, width)
 
 
-def _polished(L: Factors, least: float, where: float, width: float) -> tuple[float, float]:
+def _polished(L: ZeroPoleGain, least: float, where: float, width: float) -> tuple[float, float]:
     """Return the local minimum of |1 + L| within a width of `where`."""
 
     def distance(t: float) -> float:
         return float(np.abs(1 + L.value(np.array([where + width * t])))[0])
 
-    found = minimize_scalar(distance, bounds=(-1, 1), method="bounded", options={"xatol": 1e-9})
-    return (float(found.fun), float(where + width * found.x)) if found.fun < least else (least, where)
+    minimum = minimize_scalar(distance, bounds=(-1, 1), method="bounded", options={"xatol": 1e-9})
+    return (float(minimum.fun), float(where + width * minimum.x)) if minimum.fun < least else (least, where)

@@ -1,0 +1,84 @@
+"""A loop assessed for its margins: its crossings, and two ways to judge them that do not use the crossings.
+
+The closed loop's unstable poles are counted when the loop is multiplied by any complex factor, and a bound tells what
+rounding of the numbers given may change. A rational loop is a ratio of polynomials, a delayed one a sum of logarithms,
+both without rounding; a loop of many states is traced in double precision.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from synth.analyse import crossings, delayed_crossings, nyquist, perturbation, rational, traced_crossings, transfer
+from synth.analyse.crossings import Crossings
+from synth.analyse.perturbation import Perturbation
+from synth.analyse.transfer import Delayed
+from synth.errors import ModelError
+from synth.statespace import StateSpace, System
+from synth.timing import Continuous
+
+
+@dataclass(frozen=True, eq=False)
+class Assessment:
+    """The crossings of a loop, whether it is stable, and how to judge them.
+
+    `is_whole` says that no limit of frequencies left a crossing out. `count_unstable` takes a factor on the loop,
+    `perturbation` a frequency in rad/s.
+    """
+
+    crossings: Crossings
+    stable: bool
+    is_whole: bool
+    count_unstable: Callable[[complex], float]
+    perturbation: Callable[[float], Perturbation]
+
+
+def of_rational(system: System, low: float | None, high: float | None) -> Assessment:
+    """Return the assessment of a scalar System from the polynomials that its numbers make."""
+    loop = rational.of_system(system)
+    if loop.model.D[0, 0] == -1:
+        raise ModelError(transfer.ILL_POSED)
+    bottom, top = low or 0.0, (high if isinstance(loop.time, Continuous) else None) or np.inf
+    return Assessment(
+        crossings.of_rational(loop, bottom, top),
+        perturbation.is_stable(loop),
+        bottom == 0 and np.isinf(top),
+        lambda factor: rational.count_unstable(loop, factor),
+        lambda w: perturbation.of_rational(loop, w),
+    )
+
+
+def of_delayed(loop: Delayed, low: float | None, high: float | None) -> Assessment:
+    """Return the assessment of a loop with an exact delay and hold."""
+    model = rational.of_system(loop.model)
+    L = None if model.N.is_zero() else delayed_crossings.zero_pole_gain(loop, model).value
+
+    def count_unstable(factor: complex) -> float:
+        return nyquist.count_unstable(loop, factor, high, L)
+
+    return Assessment(
+        delayed_crossings.of_delayed(loop, model, low, high),
+        count_unstable(1.0) == 0,
+        low is None and high is None,
+        count_unstable,
+        lambda w: perturbation.of_rational(model, w),
+    )
+
+
+def of_traced(loop: StateSpace | Delayed, low: float | None, high: float | None) -> Assessment:
+    """Return the assessment of a loop of many states, traced in double precision."""
+    model = loop.model if isinstance(loop, Delayed) else loop
+
+    def count_unstable(factor: complex) -> float:
+        if isinstance(loop, Delayed):
+            return nyquist.count_unstable(loop, factor, high)
+        return transfer.not_decaying(transfer.closed_poles(loop, factor), loop.time)
+
+    return Assessment(
+        traced_crossings.of_curve(transfer.trace(loop, low, high)),
+        count_unstable(1.0) == 0,
+        low is None and (high is None or not isinstance(model.time, Continuous)),
+        count_unstable,
+        lambda w: perturbation.of_model(model, w),
+    )
