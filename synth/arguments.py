@@ -42,7 +42,7 @@ SIZES = (1e-70, 1e70)  # magnitudes whose squares, and the covariances made of t
 ARITHMETIC = (np.linalg.LinAlgError, OverflowError, ZeroDivisionError, FloatingPointError)
 NOT_FINITE = ("infs or NaNs", "infinity to integer", "NaN to integer", "must be finite")  # in a ValueError of SciPy
 SECONDS = " of seconds"
-IN_SAMPLES = ("delay", "samples")
+OF_TIME = ("delay", "samples", "time")
 UNITS = {"_per_s": " in 1/s", "_s": SECONDS}
 
 
@@ -98,8 +98,9 @@ def _overflow(where: str, error: Exception) -> ModelError:
 def _refusal(where: str, name: str, value: object, kind: Kind) -> SynthError:
     number = "number" in kind.need and "list" not in kind.need
     unit = next((text for end, text in UNITS.items() if number and name.endswith(end)), "")
-    error = TimingError if unit == SECONDS or name in IN_SAMPLES else SignalError
-    return error(f"`{name}` of `{where}` is {found(value)}: give {kind.need}{unit}")
+    error = TimingError if unit == SECONDS or name in OF_TIME else SignalError
+    need = kind.need.replace("a number", f"a number{unit}", 1)
+    return error(f"`{name}` of `{where}` is {found(value)}: give {need}")
 
 
 def found(value: object) -> str:

@@ -9,7 +9,7 @@ import pytest
 import slycot
 
 from synth.analyse import bounded_real, norms, peak_gain
-from synth.errors import ModelError
+from synth.errors import SynthError
 from synth.statespace import StateSpace, of
 from synth.timing import Continuous
 
@@ -198,9 +198,9 @@ def test_where_nothing_is_proved_the_norm_says_so(monkeypatch: pytest.MonkeyPatc
 
 
 @pytest.mark.parametrize("norm", [norms.norm_h2, norms.norm_hinf])
-@pytest.mark.parametrize("size", [1e200, 1e300])
+@pytest.mark.parametrize("size", [1e99, 1e200])
 def test_numbers_beyond_a_double_are_refused(norm: Any, size: float) -> None:
-    with pytest.raises(ModelError, match="exceed what a double holds: scale the units"):
+    with pytest.raises(SynthError, match=r"exceed what a double holds: scale the units|choose units in which"):
         norm(([[-1.0]], [[size]], [[size]]))
 
 

@@ -197,14 +197,14 @@ def test_what_does_not_fit_is_refused() -> None:
         with pytest.raises(SignalError, match=r"the mode of 0\.0 rad/s decays at .*: give a finite rate above 0"):
             prescribed_decay.design(plant, gain, {0.0: rate})
     for rates in ([25.0], 25.0, None):
-        with pytest.raises(SignalError, match=r"the decay rates are .*: give a number for each frequency"):
+        with pytest.raises(SignalError, match=r"`decay_per_s` of `prescribed_decay.design` is .*: give a mapping"):
             prescribed_decay.design(plant, gain, rates)  # type: ignore[arg-type]
-    with pytest.raises(SignalError, match=r"the multiplicities are 2: give a number for each frequency"):
+    with pytest.raises(SignalError, match=r"`multiplicity` of `prescribed_decay.design` is 2: give a mapping"):
         prescribed_decay.design(plant, gain, RATES, multiplicity=2)  # type: ignore[arg-type]
     for key in (None, "a", 1j):
         with pytest.raises(SignalError):
             prescribed_decay.design(plant, gain, {key: 25.0})  # type: ignore[dict-item]
-    with pytest.raises(SignalError, match="the gain is a ndarray: give that of lqr"):
+    with pytest.raises(SignalError, match="`gain` of `prescribed_decay.design` is an array of .*: give a Gain"):
         prescribed_decay.design(plant, gain.K, RATES)  # type: ignore[arg-type]
     with pytest.raises(SignalError, match=r"frequency 3\.0 rad/s has a multiplicity, but no decay rate"):
         prescribed_decay.design(plant, gain, {0.0: 25.0}, multiplicity={3.0: 2})

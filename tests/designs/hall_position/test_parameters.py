@@ -98,9 +98,9 @@ def test_what_is_counted_is_a_whole_number(of: Any, name: str) -> None:
 def test_an_estimator_takes_a_period(time: Any) -> None:
     two = shipped.array()
     for made, given in ((estimator, two), (six_estimator, FOUR)):
-        with pytest.raises(TimingError, match=r"block 'guard' runs in .*: a step needs a period"):
+        with pytest.raises(TimingError, match=r"`time` of `safety.guard` is .*: give a Discrete"):
             made.guarded(given, time)
-    with pytest.raises(TimingError, match="block 'estimator' runs in"):
+    with pytest.raises(TimingError, match="`time` of `block.build` is .*: give a Discrete"):
         estimator.estimator(two, time)
     with pytest.raises(TimingError, match="period"):
         fleet.Kind(two, time=time)
