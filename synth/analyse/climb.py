@@ -17,7 +17,8 @@ Derivatives = Callable[[float], tuple[Complex, Complex, Complex]]
 
 STEPS = 8
 TINY = 1e-300
-CONVERGED = 1e-9  # relative: a step that gains less is the last
+NEAR = 1e-5  # relative: the step after one that gains less gains about its square, and is left out
+CONVERGED = 1e-9  # relative: a step that gains less is left out
 
 
 def climb(derivatives: Derivatives, w: float) -> tuple[float, float]:
@@ -26,6 +27,9 @@ def climb(derivatives: Derivatives, w: float) -> tuple[float, float]:
     for _ in range(STEPS):
         if not gain > CONVERGED * value:
             break
+        if gain < NEAR * value:
+            last = float(np.linalg.svd(derivatives(w + step)[0], compute_uv=False)[0])
+            return (last, w + step) if last > value else (value, w)
         other, following, next_gain = _newton(derivatives, w + step)
         if other > value:
             value, w, step, gain = other, w + step, following, next_gain

@@ -67,22 +67,23 @@ def of(A: Array, B: Array, C: Array, D: Array, poles: Complex, V: Array, sampled
         W = np.linalg.inv(V)
     except np.linalg.LinAlgError:
         return None
-    n, pairs = len(A), _partners(poles)
+    n, pairs, paired = len(A), _partners(poles), poles.imag != 0
     rounding = (n + 5) * (EPS / 2) * UP  # of sums of n products and what is added to them
-    sizes = np.abs(W), np.abs(V)
-    G = np.abs(np.eye(n) - W @ V) + rounding * (sizes[0] @ sizes[1])
-    rows = G.sum(axis=1)
-    if not rows.max(initial=0.0) < INDEPENDENT:
+    W_size, V_size, other = np.abs(W), np.abs(V), V[:, pairs]
+    G = W @ V
+    G.flat[:: n + 1] -= 1
+    rows = np.abs(G).sum(axis=1) + rounding * (W_size @ V_size.sum(axis=1))
+    if not rows.max() < INDEPENDENT:
         return None
-    terms = np.abs(A) @ sizes[1] + sizes[1] * np.abs(poles.real) + sizes[1][:, pairs] * np.abs(poles.imag)
-    E = np.abs(A @ V - V * poles.real + V[:, pairs] * poles.imag) + rounding * terms
-    F, paired = _inverted(sizes[0] @ E, rows), poles.imag != 0
-    F = np.where(paired, F + F[:, pairs], F)
+    terms = np.abs(A) @ V_size + V_size * np.abs(poles.real) + np.abs(other * poles.imag)
+    E = np.abs(A @ V - V * poles.real + other * poles.imag) + rounding * terms
+    F = _inverted(W_size @ np.where(paired, E + E[:, pairs], E), rows)
     F = np.where(paired[:, None], (F + F[pairs]) / 2, F)
-    drift = F.max(axis=1, initial=0.0) * UP + (16 * EPS if sampled else 0.0)
+    drift = F.max(axis=1) * UP + (16 * EPS if sampled else 0.0)
     b, c = W @ B, C @ V
-    db = _inverted(np.abs(b) + rounding * (sizes[0] @ np.abs(B)), rows) - np.abs(b) + EPS * np.abs(b)
-    dc = rounding * (np.abs(C) @ sizes[1])
+    b_size = np.abs(b)
+    db = _inverted(b_size + rounding * (W_size @ np.abs(B)), rows) - b_size + EPS * b_size
+    dc = rounding * (np.abs(C) @ V_size)
     return _modes(poles, pairs, (b, db), (c, dc), D, drift, sampled)
 
 

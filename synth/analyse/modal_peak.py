@@ -8,7 +8,7 @@ singular value is convex: over an interval of length h
     sigma_max(M) <= max of both ends + h^2/8 sum_k |R_k| k_k + the modes' error
 
 with k_k >= |d^2/dw^2 1/(v - p_k)|: 2/|v - p_k|^3 on the axis, |v + p_k|/|v - p_k|^3 on the circle, where p_k is nearest.
-The poles' frequencies cut the axis, so that this is at one of the ends. Beyond twice the fastest pole the variable is
+The poles' frequencies cut the axis, so that this is at one of the ends. Far beyond the fastest pole the variable is
 x = 1/w, with 2 |p_k| / |i - p_k x|^3. An interval in which the bound passes the level (1 + e) max sigma is cut into as
 many as the bound asks for. All intervals of a sweep are treated at once.
 """
@@ -28,6 +28,7 @@ RATIO = 1.6  # of the distances of the first cuts from the peak
 TINY = 1e-300
 PIECES = 8  # of an interval, at most
 LEVELS = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)  # e, relative
+FAR = 20.0  # times the fastest pole: the end of the axis
 SMALL = 0.7  # of the level: below it the Frobenius norm serves as the singular value
 UP = 1 + 1e-12  # covers the rounding of singular values and of the bound
 
@@ -43,15 +44,15 @@ class Bound:
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """The axis from 0 to twice the fastest pole, or the half circle."""
+    """The axis from 0 to FAR times the fastest pole, or the half circle."""
 
     modes: Modes
 
     def edges(self) -> Array:
         """Return the frequencies that cut the axis: the ends and those of the poles."""
-        poles = self.modes.poles
-        w = np.abs(np.angle(poles)) if self.modes.sampled else np.abs(poles.imag)
-        return np.unique(np.concatenate([[0.0], w, [_end(self.modes)]]))
+        poles = self.modes.poles[self.modes.poles.imag >= 0]
+        w = np.angle(poles) if self.modes.sampled else poles.imag
+        return np.sort(np.concatenate([[0.0, _end(self.modes)], w]))
 
     def frequency(self, w: float) -> float:
         """Return w."""
@@ -78,10 +79,6 @@ class Distance:
 
     modes: Modes
 
-    def edges(self) -> Array:
-        """Return both ends."""
-        return np.array([0.0, 1 / _end(self.modes)])
-
     def frequency(self, x: float) -> float:
         """Return 1/x."""
         return 1 / x if x else np.inf
@@ -99,26 +96,33 @@ class Distance:
 
 def peak(modes: Modes) -> Bound | None:
     """Return the peak, proved to the least of the margins for which that is possible; None where there is none."""
-    charts = (Axis(modes),) if modes.sampled else (Axis(modes), Distance(modes))
-    bound: Bound | None = _start(modes)
-    for chart in charts:
-        bound = bound and _covered(chart, bound)
-    return bound
+    axis = Axis(modes)
+    edges = axis.edges()
+    start = _start(axis, edges)
+    bound = _covered(axis, _refined(axis, edges, start), start)
+    if bound is None or modes.sampled or _far(modes) < (1 + bound.margin) * bound.value:
+        return bound
+    return _covered(Distance(modes), np.array([0.0, 1 / edges[-1]]), bound)
 
 
-def _edges(chart: Axis | Distance, bound: Bound) -> Array:
-    """Return the first cuts of a chart: its own, and some around the peak, the closer the nearer to it."""
-    edges = chart.edges()
-    if not bound.w < edges[-1] or isinstance(chart, Distance):
+def _far(modes: Modes) -> float:
+    """Return a bound of sigma_max beyond the end of the axis."""
+    size = UP / (_end(modes) - np.abs(modes.poles))
+    return float(size @ modes.sizes + modes.error(size[None])[0] + np.linalg.norm(modes.D)) * UP
+
+
+def _refined(axis: Axis, edges: Array, bound: Bound) -> Array:
+    """Return the edges and more around the peak, the closer the nearer to it."""
+    if not bound.w < edges[-1]:
         return edges
     w = np.array([bound.w])
-    size = chart.inverses(w)[1]
-    least = np.sqrt(4 * bound.margin * bound.value / max(float(chart.bend(w, w, size)[0]), TINY))
+    bend = float(axis.bend(w, w, axis.inverses(w)[1])[0])
+    least = np.sqrt(4 * bound.margin * bound.value / max(bend, TINY))
     if not 0 < least < edges[-1]:
         return edges
     apart = np.exp(np.arange(np.log(least), np.log(edges[-1]), np.log(RATIO)))
     around = np.concatenate([bound.w - apart, w, bound.w + apart])
-    return np.unique(np.concatenate([edges, around[(around > 0) & (around < edges[-1])]]))
+    return np.sort(np.concatenate([edges, around[(around > 0) & (around < edges[-1])]]))
 
 
 def error(modes: Modes, w: float) -> float:
@@ -126,18 +130,17 @@ def error(modes: Modes, w: float) -> float:
     return 0.0 if np.isinf(w) else 2 * float(modes.error(Axis(modes).inverses(np.array([w]))[1])[0])
 
 
-def _start(modes: Modes) -> Bound:
-    """Return the local maximum that is found from the best of the poles' frequencies, 0 and infinity."""
-    w = Axis(modes).edges()
-    M = modes.response(Axis(modes).inverses(w)[0])
+def _start(axis: Axis, w: Array) -> Bound:
+    """Return the local maximum that is found from the best of the frequencies w (k,) and infinity."""
+    modes = axis.modes
+    M = modes.response(axis.inverses(w)[0])
     if not modes.sampled:
         w, M = np.append(w, np.inf), np.concatenate([M, modes.D[None]])
-    values = np.linalg.svd(M, compute_uv=False)[:, 0]
-    return _climbed(modes, float(w[values.argmax()]), LEVELS[0])
+    return _climbed(modes, float(w[_values(M, 0.0).argmax()]), LEVELS[0])
 
 
 def _end(modes: Modes) -> float:
-    return np.pi if modes.sampled else 2 * float(np.abs(modes.poles).max())
+    return np.pi if modes.sampled else FAR * float(np.abs(modes.poles).max())
 
 
 def _climbed(modes: Modes, w: float, margin: float) -> Bound:
@@ -161,22 +164,21 @@ def _derivatives(modes: Modes, w: float) -> tuple[Complex, Complex, Complex]:
     return M[0] + modes.D, M[1], M[2]
 
 
-def _covered(chart: Axis | Distance, bound: Bound) -> Bound | None:
-    """Return the bound that holds on the chart too."""
-    edges = _edges(chart, bound)
-    a, b = edges[:-1], edges[1:]
+def _covered(chart: Axis | Distance, edges: Array, bound: Bound) -> Bound | None:
+    """Return the bound that holds between the edges, too; None where the sweeps or the margins do not suffice."""
+    a, b, t = edges[:-1], edges[1:], edges
+    first, second = slice(-1), slice(1, None)
     for _ in range(SWEEPS):
-        t, k = np.concatenate([a, b]), len(a)
         Z, size = chart.inverses(t)
-        size = np.maximum(size[:k], size[k:])
         values = _values(chart.modes.response(Z), SMALL * bound.value)
         if values.max() > bound.value * (1 + bound.margin / 4):
             bound = _climbed(chart.modes, chart.frequency(float(t[values.argmax()])), bound.margin)
-        ends = np.maximum(values[:k], values[k:]) * UP + 2 * chart.modes.error(size)
-        proved = _raised(bound, float(ends.max()))
-        if proved is None:
+        size = np.maximum(size[first], size[second])
+        ends = np.maximum(values[first], values[second]) * UP + 2 * chart.modes.error(size)
+        raised = _raised(bound, float(ends.max()))
+        if raised is None:
             return None
-        bound = proved
+        bound = raised
         slack = (1 + bound.margin) * bound.value - ends
         bow = (b - a) ** 2 * chart.bend(a, b, size) * (UP / 8)
         left = ~(bow <= slack)
@@ -185,6 +187,7 @@ def _covered(chart: Axis | Distance, bound: Bound) -> Bound | None:
         a, b = _cut(a[left], b[left], np.sqrt(bow[left] / slack[left]))
         if len(a) > MOST:
             return None
+        t, first, second = np.concatenate([a, b]), slice(len(a)), slice(len(a), None)
     return None
 
 
@@ -206,8 +209,16 @@ def _cut(a: Array, b: Array, asked: Array) -> tuple[Array, Array]:
 
 def _values(M: Complex, small: float) -> Array:
     """Return sigma_max of each M (k, p, m), or where it is small a bound."""
-    values = np.sqrt((M.real**2 + M.imag**2).sum(axis=(1, 2)))
-    if min(M.shape[1:]) > 1:
+    if min(M.shape[1:]) > 2:
+        values = np.sqrt((M.real**2 + M.imag**2).sum(axis=(1, 2)))
         large = ~(values <= small)
         values[large] = np.linalg.svd(M[large], compute_uv=False)[:, 0]
-    return np.asarray(values, dtype=np.float64)
+        return np.asarray(values, dtype=np.float64)
+    if M.shape[1] > M.shape[2]:
+        M = M.transpose(0, 2, 1)
+    square = (M.real**2 + M.imag**2).sum(axis=2)  # the diagonal of M M^H
+    if M.shape[1] == 1:
+        return np.asarray(np.sqrt(square[:, 0]), dtype=np.float64)
+    other = np.abs((M[:, 0] * M[:, 1].conj()).sum(axis=1))
+    x, y = square.T
+    return np.asarray(np.sqrt((x + y) / 2 + np.hypot((x - y) / 2, other)), dtype=np.float64)
