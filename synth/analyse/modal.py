@@ -24,7 +24,7 @@ from synth.statespace import Array
 Complex = NDArray[np.complex128]
 
 EPS = float(np.finfo(float).eps)  # twice the largest error of a rounding
-WIDE = 1e100  # no pole is larger, none nearer to the axis than its inverse: squares keep within a double
+WIDE = 1e30  # no number is larger, no pole nearer to the axis than its inverse: squares keep within a double
 INDEPENDENT = 0.1  # at most |I - W V|: else the eigenvectors are refused
 UP = 1 + 1e-9  # covers the rounding of the bounds themselves
 
@@ -60,8 +60,8 @@ def of(A: Array, B: Array, C: Array, D: Array, poles: Complex, V: Array, sampled
 
     None where a pole does not decay, where numbers leave the range of squares or where V is nearly singular.
     """
-    decay = 1 - np.abs(poles) if sampled else -poles.real
-    if not (np.abs(poles).max(initial=0.0) < WIDE and decay.min(initial=1.0) > (8 * EPS if sampled else 1 / WIDE)):
+    decay = float((1 - np.abs(poles) if sampled else -poles.real).min())
+    if not (decay > (64 * EPS if sampled else 1 / WIDE) and _largest(A, B, C, D) < WIDE):
         return None
     try:
         W = np.linalg.inv(V)
@@ -73,7 +73,7 @@ def of(A: Array, B: Array, C: Array, D: Array, poles: Complex, V: Array, sampled
     G = W @ V
     G.flat[:: n + 1] -= 1
     rows = np.abs(G).sum(axis=1) + rounding * (W_size @ V_size.sum(axis=1))
-    if not rows.max() < INDEPENDENT:
+    if not (rows.max() < INDEPENDENT and _largest(W) < WIDE):
         return None
     terms = np.abs(A) @ V_size + V_size * np.abs(poles.real) + np.abs(other * poles.imag)
     E = np.abs(A @ V - V * poles.real + other * poles.imag) + rounding * terms
@@ -98,6 +98,11 @@ def eigen(A: Array) -> tuple[Complex, Array]:
     if failed:
         raise np.linalg.LinAlgError("the eigenvalues of A did not converge")
     return real + 1j * imag, V
+
+
+def _largest(*matrices: NDArray[np.floating]) -> float:
+    """Return the size of the largest entry."""
+    return max(float(np.abs(M).max(initial=0.0)) for M in matrices)
 
 
 def _partners(poles: Complex) -> NDArray[np.intp]:

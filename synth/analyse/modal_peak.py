@@ -7,23 +7,23 @@ singular value is convex: over an interval of length h
 
     sigma_max(M) <= max of both ends + h^2/8 sum_k |R_k| k_k + the modes' error
 
-with k_k >= |d^2/dw^2 1/(v - p_k)|: 2/|v - p_k|^3 on the axis, |v + p_k|/|v - p_k|^3 on the circle, where p_k is nearest.
-The poles' frequencies cut the axis, so that this is at one of the ends. Far beyond the fastest pole the variable is
-x = 1/w, with 2 |p_k| / |i - p_k x|^3. An interval in which the bound passes the level (1 + e) max sigma is cut into as
-many as the bound asks for. All intervals of a sweep are treated at once.
+with k_k >= |d^2/dw^2 1/(v - p_k)|: 2/|v - p_k|^3 on the axis, |v + p_k|/|v - p_k|^3 on the circle, where p_k is
+nearest. The poles' frequencies cut the axis, so that this is at one of the ends. Far beyond the fastest pole the
+variable is x = 1/w, with 2 |p_k| / |i - p_k x|^3. An interval in which the bound passes the level (1 + e) max sigma is
+cut into as many as the bound asks for. All intervals of a sweep are treated at once.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from synth.analyse import climb
+from synth.analyse import climb, modal
 from synth.analyse.modal import EPS, Complex, Modes
 from synth.statespace import Array
 
 SWEEPS = 40
-MOST = 20_000  # intervals of one sweep: beyond, the level is too flat to be proved so
+MOST = 20_000  # intervals of one sweep: beyond, the response is too flat to be bounded so
+ENTRIES = 2**20  # intervals times poles, likewise
 RATIO = 1.6  # of the distances of the first cuts from the peak
 TINY = 1e-300
 PIECES = 8  # of an interval, at most
@@ -51,7 +51,7 @@ class Axis:
     def edges(self) -> Array:
         """Return the frequencies that cut the axis: the ends and those of the poles."""
         poles = self.modes.poles[self.modes.poles.imag >= 0]
-        w = np.angle(poles) if self.modes.sampled else poles.imag
+        w = np.abs(np.angle(poles)) if self.modes.sampled else poles.imag
         return np.sort(np.concatenate([[0.0, _end(self.modes)], w]))
 
     def frequency(self, w: float) -> float:
@@ -70,7 +70,7 @@ class Axis:
 
     def bend(self, a: Array, b: Array, size: Array) -> Array:
         """Return a bound (k,) of |M''| over intervals a .. b, in which 1/|v - p| is at most `size` (k, n)."""
-        return np.asarray(size**3 @ (2 * self.modes.sizes))
+        return np.asarray((size * size * size) @ (2 * self.modes.sizes))
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,6 +99,8 @@ def peak(modes: Modes) -> Bound | None:
     axis = Axis(modes)
     edges = axis.edges()
     start = _start(axis, edges)
+    if not 1 / modal.WIDE < start.value < modal.WIDE:
+        return None
     bound = _covered(axis, _refined(axis, edges, start), start)
     if bound is None or modes.sampled or _far(modes) < (1 + bound.margin) * bound.value:
         return bound
@@ -148,7 +150,7 @@ def _climbed(modes: Modes, w: float, margin: float) -> Bound:
     if np.isinf(w):
         return Bound(float(np.linalg.norm(modes.D, 2)), w, margin)
     value, w = climb.climb(lambda at: _derivatives(modes, at), w)
-    return Bound(value, w, margin)
+    return Bound(value, min(w, 2 * np.pi - w) if modes.sampled else w, margin)
 
 
 def _derivatives(modes: Modes, w: float) -> tuple[Complex, Complex, Complex]:
@@ -156,9 +158,11 @@ def _derivatives(modes: Modes, w: float) -> tuple[Complex, Complex, Complex]:
     Z = Axis(modes).inverses(np.array([w]))[0]
     if modes.sampled:
         v = np.exp(1j * w)
-        first, second = -1j * v * Z**2, -v * (v + modes.poles) * Z**3
+        first = -1j * v * Z * Z
+        second = -1j * (v + modes.poles) * first * Z
     else:
-        first, second = -1j * Z**2, -2 * Z**3
+        first = -1j * Z * Z
+        second = -2j * first * Z
     M = np.concatenate([Z, first, second]) @ modes.residues
     M = M.reshape(3, *modes.D.shape)
     return M[0] + modes.D, M[1], M[2]
@@ -185,7 +189,7 @@ def _covered(chart: Axis | Distance, edges: Array, bound: Bound) -> Bound | None
         if not left.any():
             return bound
         a, b = _cut(a[left], b[left], np.sqrt(bow[left] / slack[left]))
-        if len(a) > MOST:
+        if len(a) > min(MOST, ENTRIES // len(chart.modes.poles)):
             return None
         t, first, second = np.concatenate([a, b]), slice(len(a)), slice(len(a), None)
     return None

@@ -13,7 +13,8 @@ Both norms are infinite when a mode of the model does not decay, even one that n
 
 Computed P and Q leave residuals Rp and Rq, known to twice the precision. For any P the norm^2 is exactly
 trace(C P C' + D D') + trace(Q* Rp) with the true Q*; so Q corrects it, and what is left is at most
-|Q* - Q| |Rp|_* <= |H| |Rq| sqrt(n) |Rp|, where H is the Gramian of C = I. That of H-infinity is in `bounded_real`.
+|Q* - Q| |Rp|_* <= |H| |Rq| sqrt(n) |Rp|, where H is the Gramian of C = I. The proofs for H-infinity are in `modal_peak`
+and `bounded_real`.
 """
 
 from collections.abc import Callable
@@ -68,8 +69,9 @@ class NormH2:
 class NormHinf:
     """The H-infinity norm: `lower` <= norm <= `upper`, and the value `peak` in double precision at `frequency` rad/s.
 
-    The response passes `lower` at `frequency`, whatever has been rounded. `upper` is proved by a Lyapunov matrix that
-    has been verified in the same way, or infinite where no proof was found. Where the norm is infinite, `reason` says
+    The response passes `lower` at `frequency`, whatever has been rounded. `upper` is proved for all frequencies, as is
+    the decay of all modes, by a bound of the sum over the modes or by a Lyapunov matrix, both with all their rounding;
+    it is infinite where no proof was found. Where the norm is infinite, `reason` says
     why, and `frequency` is that of the mode.
     """
 
@@ -123,8 +125,9 @@ def norm_h2(system: System) -> NormH2:
 def norm_hinf(system: System) -> NormHinf:
     """Return the H-infinity norm of a System: the largest gain over all frequencies and directions.
 
-    The bounds differ by 1e-6 or, where rounding hides a proof of that, by the least of 1e-5, 1e-4 .. 0.1 that can be
-    proved. The frequency is inf where a continuous model peaks at infinity, pi/T where a sampled one does at Nyquist.
+    `upper` exceeds `peak` by 1e-6 or, where rounding hides a proof of that, by the least of 1e-5, 1e-4 .. 0.1 that can
+    be proved; `lower` lies below it by at most a quarter of 1e-6, or by what rounding hides. The frequency is inf where
+    a continuous model peaks at infinity, pi/T where a sampled one does at Nyquist.
 
     Raises SignalError as `statespace.of`; ModelError when the numbers exceed what a double holds.
     """

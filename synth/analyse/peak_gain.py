@@ -35,7 +35,7 @@ class Peak:
     """`lower` <= max sigma_max <= `upper`, inf where that is not proved; `value`, in double, at `frequency`.
 
     The frequency is in rad/s, or rad per sample.
-   """
+    """
 
     lower: float
     value: float
@@ -143,7 +143,7 @@ def _climb(form: Matrices, w: float) -> tuple[float, float]:
 def _derivatives(form: Matrices, w: float) -> tuple[Complex, Complex, Complex]:
     """Return M and its first two derivatives (p, m) at w."""
     A, B, C, D = form
-    R = np.linalg.inv(1j * w * np.eye(len(A)) - A)
+    R = np.asarray(np.linalg.inv(1j * w * np.eye(len(A)) - A), dtype=np.complex128)
     CR, RB = C @ R, R @ B
     return CR @ B + D, -1j * (CR @ RB), -2 * (CR @ (R @ RB))
 
