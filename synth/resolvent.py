@@ -75,9 +75,9 @@ class Schur:
         [[v - a, -b], [-c, v - a]] is [[v - a, b], [c, v - a]] / ((v - p)(v - p*)), and a = (p + p*) / 2.
         """
         first = v - self.poles[:, None]
-        square = first.real**2 + first.imag**2  # beyond the range of a double the solution is off, which is noticed
-        np.conj(first, out=first)
-        first /= square
+        inverse = 1 / (first.real**2 + first.imag**2)  # beyond a double's range the solution is off, which is noticed
+        first.real *= inverse
+        first.imag *= -inverse
         second = np.zeros_like(first)
         k = np.flatnonzero(np.diagonal(self.T, -1))
         if len(k):
@@ -168,9 +168,10 @@ def _refined(form: Schur, A: Array, B: Array, C: Array, v: Complex) -> Complex:
 
 
 def _chunks(count: int, most: int) -> list[slice]:
-    """Return the places from 0 to `count` in parts of at most `most`, or of one."""
-    step = max(1, most)
-    return [slice(first, first + step) for first in range(0, count, step)]
+    """Return the places from 0 to `count` in parts of like size, each of at most `most`, or of one."""
+    parts = -(-count // max(1, most))
+    edges = [count * k // max(1, parts) for k in range(parts + 1)]
+    return [slice(first, last) for first, last in zip(edges[:-1], edges[1:], strict=True)]
 
 
 def _residual(A: Array, B: Array, v: Complex, X: Complex) -> Complex:

@@ -64,8 +64,8 @@ class Axis:
         Z = v[:, None] - self.modes.poles
         square = Z.real**2 + Z.imag**2
         size = 1 / (np.sqrt(square) - (16 * EPS if self.modes.sampled else 0.0))
-        np.conj(Z, out=Z)
-        Z /= square
+        Z.real /= square
+        Z.imag /= -square
         return Z, size
 
     def bend(self, a: Array, b: Array, size: Array) -> Array:
