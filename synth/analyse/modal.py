@@ -142,7 +142,7 @@ def _modes(
     dbeta, dgamma = np.linalg.norm(db, axis=1), np.linalg.norm(dc, axis=0)
     sizes = beta * gamma * UP
     b_size, c_size = (beta + dbeta) * UP, (gamma + dgamma) * UP
-    inexact = gamma * dbeta + dgamma * beta + dgamma * dbeta + (n + 24) * EPS * sizes
+    inexact = gamma * dbeta + dgamma * beta + dgamma * dbeta + (2 * n + 24) * EPS * sizes
     floor = 4 * EPS * float(np.linalg.norm(D))
     weights = np.stack([inexact * UP, drift, c_size * drift, b_size], axis=1)
     return Modes(poles, residues.reshape(n, -1), D, sampled, sizes, weights, floor)

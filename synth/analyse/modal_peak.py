@@ -104,7 +104,7 @@ def peak(modes: Modes) -> Bound | None:
     bound = _covered(axis, _refined(axis, edges, start), start)
     if bound is None or modes.sampled or _far(modes) < (1 + bound.margin) * bound.value:
         return bound
-    return _covered(Distance(modes), np.array([0.0, 1 / edges[-1]]), bound)
+    return _covered(Distance(modes), np.array([0.0, 1 / edges[-1] * (1 + 4 * EPS)]), bound)  # so that both meet
 
 
 def _far(modes: Modes) -> float:
@@ -142,7 +142,8 @@ def _start(axis: Axis, w: Array) -> Bound:
 
 
 def _end(modes: Modes) -> float:
-    return np.pi if modes.sampled else FAR * float(np.abs(modes.poles).max())
+    """Return the end of the axis, for a sampled model not below pi."""
+    return float(np.nextafter(np.pi, 4.0)) if modes.sampled else FAR * float(np.abs(modes.poles).max())
 
 
 def _climbed(modes: Modes, w: float, margin: float) -> Bound:
