@@ -14,6 +14,7 @@ are small models and few points: that takes less time than the Schur form.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import scipy.linalg
@@ -171,7 +172,7 @@ def _chunks(count: int, most: int) -> list[slice]:
     """Return the places from 0 to `count` in parts of like size, each of at most `most`, or of one."""
     parts = -(-count // max(1, most))
     edges = [count * k // max(1, parts) for k in range(parts + 1)]
-    return [slice(first, last) for first, last in zip(edges[:-1], edges[1:], strict=True)]
+    return [slice(first, last) for first, last in pairwise(edges)]
 
 
 def _residual(A: Array, B: Array, v: Complex, X: Complex) -> Complex:

@@ -76,7 +76,8 @@ def test_the_second_derivative_stays_below_its_bound() -> None:
             charts.append((Distance(given), np.array([0.0, 0.5, 1.0]) / charts[0][1][-1]))
         for chart, edges in charts:
             a, b = edges[:-1], edges[1:]
-            a, b = a[b > a], b[b > a]
+            wide = b - a > 1e-6  # below, differences show rounding alone
+            a, b = a[wide], b[wide]
             size = np.maximum(chart.inverses(a)[1], chart.inverses(b)[1])
             for first, last, bend in zip(a, b, chart.bend(a, b, size), strict=True):
                 t = np.linspace(first, last, 52)
