@@ -14,6 +14,7 @@ are small models and few points: that takes less time than the Schur form.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import scipy.linalg
@@ -74,12 +75,16 @@ class Schur:
         LAPACK leaves equal entries a on the diagonal of a block: with the poles p and p* the inverse of
         [[v - a, -b], [-c, v - a]] is [[v - a, b], [c, v - a]] / ((v - p)(v - p*)), and a = (p + p*) / 2.
         """
-        first, second = 1 / (v - self.poles[:, None]), np.zeros((len(self.T), len(v)), dtype=np.complex128)
-        for k in np.flatnonzero(np.diagonal(self.T, -1)).tolist():
-            i = k + 1
-            both = first[k] * first[i]
-            second[k], second[i] = self.T[k, i] * both, self.T[i, k] * both
-            first[k] = first[i] = (first[k] + first[i]) / 2
+        first = v - self.poles[:, None]
+        inverse = 1 / (first.real**2 + first.imag**2)  # beyond a double's range the solution is off, which is noticed
+        first.real *= inverse
+        first.imag *= -inverse
+        second = np.zeros_like(first)
+        k = np.flatnonzero(np.diagonal(self.T, -1))
+        if len(k):
+            both = first[k] * first[k + 1]
+            second[k], second[k + 1] = self.T[k, k + 1, None] * both, self.T[k + 1, k, None] * both
+            first[k] = first[k + 1] = (first[k] + first[k + 1]) / 2
         return first, second
 
 
@@ -164,9 +169,10 @@ def _refined(form: Schur, A: Array, B: Array, C: Array, v: Complex) -> Complex:
 
 
 def _chunks(count: int, most: int) -> list[slice]:
-    """Return the places from 0 to `count` in parts of at most `most`, or of one."""
-    step = max(1, most)
-    return [slice(first, first + step) for first in range(0, count, step)]
+    """Return the places from 0 to `count` in parts of like size, each of at most `most`, or of one."""
+    parts = -(-count // max(1, most))
+    edges = [count * k // max(1, parts) for k in range(parts + 1)]
+    return [slice(first, last) for first, last in pairwise(edges)]
 
 
 def _residual(A: Array, B: Array, v: Complex, X: Complex) -> Complex:
@@ -178,13 +184,19 @@ def _residual(A: Array, B: Array, v: Complex, X: Complex) -> Complex:
 
 
 def _satisfied(A: Array, B: Array, v: Complex, size: Array, residual: Complex) -> NDArray[np.bool_]:
-    """Tell for each point (k,) whether X, whose entries have the `size` (n, m, k), leaves no more than rounding."""
-    n, m, k = size.shape
-    terms = (np.abs(A) @ size.reshape(n, m * k)).reshape(n, m, k)
-    terms += np.abs(v) * size
+    """Tell for each point (k,) whether X, whose entries have the `size` (n, m, k), leaves no more than rounding.
+
+    |A| |X| is left out first: the product takes time, and few points need it.
+    """
+    n, m, _ = size.shape
+    left, terms = _size(residual), np.abs(v) * size
     terms += np.abs(B)[:, :, None]
-    terms *= n * BACKWARD
-    return np.asarray((_size(residual) <= terms).all(axis=(0, 1)))
+    satisfied = np.asarray((left <= n * BACKWARD * terms).all(axis=(0, 1)))
+    far = np.flatnonzero(~satisfied)
+    if len(far):
+        terms = terms[:, :, far] + (np.abs(A) @ size[:, :, far].reshape(n, m * len(far))).reshape(n, m, len(far))
+        satisfied[far] = (left[:, :, far] <= n * BACKWARD * terms).all(axis=(0, 1))
+    return satisfied
 
 
 def _product(P: Array, X: Complex) -> Complex:

@@ -13,7 +13,8 @@ Both norms are infinite when a mode of the model does not decay, even one that n
 
 Computed P and Q leave residuals Rp and Rq, known to twice the precision. For any P the norm^2 is exactly
 trace(C P C' + D D') + trace(Q* Rp) with the true Q*; so Q corrects it, and what is left is at most
-|Q* - Q| |Rp|_* <= |H| |Rq| sqrt(n) |Rp|, where H is the Gramian of C = I. That of H-infinity is in `bounded_real`.
+|Q* - Q| |Rp|_* <= |H| |Rq| sqrt(n) |Rp|, where H is the Gramian of C = I. The proofs for H-infinity are in `modal_peak`
+and `bounded_real`.
 """
 
 from collections.abc import Callable
@@ -22,9 +23,10 @@ from typing import TypeVar
 
 import numpy as np
 import scipy.linalg
+from numpy.typing import NDArray
 
 from synth import arguments, resolvent, show
-from synth.analyse import peak_gain, transfer, twofold
+from synth.analyse import modal, peak_gain, transfer, twofold
 from synth.errors import ModelError
 from synth.statespace import Array, StateSpace, System, of
 from synth.timing import Continuous, Time
@@ -67,8 +69,9 @@ class NormH2:
 class NormHinf:
     """The H-infinity norm: `lower` <= norm <= `upper`, and the value `peak` in double precision at `frequency` rad/s.
 
-    The response passes `lower` at `frequency`, whatever has been rounded. `upper` is proved by a Lyapunov matrix that
-    has been verified in the same way, or infinite where no proof was found. Where the norm is infinite, `reason` says
+    The response passes `lower` at `frequency`, whatever has been rounded. `upper` is proved for all frequencies, as is
+    the decay of all modes, by a bound of the sum over the modes or by a Lyapunov matrix, both with all their rounding;
+    it is infinite where no proof was found. Where the norm is infinite, `reason` says
     why, and `frequency` is that of the mode.
     """
 
@@ -106,7 +109,7 @@ def norm_h2(system: System) -> NormH2:
     Raises SignalError as `statespace.of`; ModelError when the numbers exceed what a double holds.
     """
     model = of(system)
-    reason = _lasting(model)[0]
+    reason = _lasting(model.poles, model.time)[0]
     if not reason and isinstance(model.time, Continuous) and model.D.any():
         i, j = np.argwhere(model.D)[0]
         reason = (
@@ -115,7 +118,7 @@ def norm_h2(system: System) -> NormH2:
         )
     if reason:
         return NormH2(np.inf, 0.0, model.time, reason)
-    square = _within_range(_square, model, "H2")
+    square = _within_range(lambda: _square(model), "H2")
     error = square.error / (2 * square.value) + 4 * EPS if square.value else square.error
     return NormH2(float(np.sqrt(square.value)), error, model.time)
 
@@ -124,29 +127,31 @@ def norm_h2(system: System) -> NormH2:
 def norm_hinf(system: System) -> NormHinf:
     """Return the H-infinity norm of a System: the largest gain over all frequencies and directions.
 
-    The bounds differ by 1e-6 or, where rounding hides a proof of that, by the least of 1e-5, 1e-4 .. 0.1 that can be
-    proved. The frequency is inf where a continuous model peaks at infinity, pi/T where a sampled one does at Nyquist.
+    `upper` exceeds `peak` by 1e-6 or, where rounding hides a proof of that, by the least of 1e-5, 1e-4 .. 0.1 that can
+    be proved; `lower` lies below it by at most a quarter of 1e-6, or by what rounding hides. The frequency is inf where
+    a continuous model peaks at infinity, pi/T where a sampled one does at Nyquist.
 
     Raises SignalError as `statespace.of`; ModelError when the numbers exceed what a double holds.
     """
     model = of(system)
-    reason, w = _lasting(model)
+    poles, V = modal.eigen(model.A)
+    reason, w = _lasting(poles, model.time)
     if reason:
         return NormHinf(np.inf, w, np.inf, np.inf, model.time, reason)
     if not model.D.size:
         return NormHinf(0.0, 0.0, 0.0, 0.0, model.time)
-    found = _within_range(peak_gain.peak, model, "H-infinity")
+    found = _within_range(lambda: peak_gain.peak(model, poles, V), "H-infinity")
     w = found.frequency
     if not isinstance(model.time, Continuous):
-        w = float(2 / model.time.period_s * np.arctan(w))
+        w = w / model.time.period_s
     return NormHinf(found.value, w, found.lower, found.upper, model.time)
 
 
-def _within_range(compute: Callable[[StateSpace], Found], model: StateSpace, name: str) -> Found:
-    """Return what is computed of the model; raise ModelError when its numbers leave the range of a double."""
+def _within_range(compute: Callable[[], Found], name: str) -> Found:
+    """Return what is computed; raise ModelError when its numbers leave the range of a double."""
     try:
         with np.errstate(all="ignore"):
-            found = compute(model)
+            found = compute()
         if np.isfinite(found.value):
             return found
         cause: Exception | None = None
@@ -157,17 +162,17 @@ def _within_range(compute: Callable[[StateSpace], Found], model: StateSpace, nam
     ) from cause
 
 
-def _lasting(model: StateSpace) -> tuple[str, float]:
+def _lasting(poles: NDArray[np.complex128], time: Time) -> tuple[str, float]:
     """Return why the norms are infinite, "" if they are not, and the frequency in rad/s of the mode that lasts."""
-    poles = model.poles
-    if transfer.decay(poles, model.time):
+    if transfer.decay(poles, time):
         return "", 0.0
-    if isinstance(model.time, Continuous):
+    poles = np.sort_complex(poles)
+    if isinstance(time, Continuous):
         worst = poles[int(poles.real.argmax())]
         w = abs(worst.imag)
     else:
         worst = poles[int(np.abs(poles).argmax())]
-        w = abs(np.angle(worst)) / model.time.period_s
+        w = abs(np.angle(worst)) / time.period_s
     return f"the pole at {show.number(worst)} does not decay: close a loop around it, or leave it out", float(w)
 
 

@@ -2,14 +2,12 @@
 
     M(s) = C (s I - A)^-1 B + D,       peak = max over 0 <= w <= inf of sigma_max(M(i w))
 
-The search starts at the poles' frequencies and climbs by Newton's method. With u, v the singular vectors at w,
-
-    sigma' = Re u^H M' v,     sigma'' = Re u^H M'' v + what M' couples to the other singular vectors
-
-Then `bounded_real` is asked for a proof that g = (1 + e) sigma is an upper bound, with weights W that take up half of
-e. Where there is none, the eigenvalues of the Hamiltonian cut the axis into intervals, in the middle of one of which
-the response is higher if it is higher anywhere (Boyd, Balakrishnan 1990; Bruinsma, Steinbuch 1990), and the climb
-starts there; else e is raised. The lower bound is the value at w, less what rounding may have added to it.
+`modal_peak` finds and proves it where the eigenvectors of A are far from dependent. Elsewhere the search starts at the
+poles' frequencies and climbs by Newton's method. Then `bounded_real` is asked for a proof that g = (1 + e) sigma is an
+upper bound, with weights W that take up half of e. Where there is none, the eigenvalues of the Hamiltonian cut the axis
+into intervals, in the middle of one of which the response is higher if it is higher anywhere (Boyd, Balakrishnan 1990;
+Bruinsma, Steinbuch 1990), and the climb starts there; else e is raised. The lower bound is the value at w, less what
+rounding may have added to it.
 """
 
 from dataclasses import dataclass, replace
@@ -18,23 +16,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth import resolvent
-from synth.analyse import bounded_real, schur_response
+from synth.analyse import bounded_real, climb, modal, modal_peak, schur_response
 from synth.analyse.bounded_real import EPS, Matrices
+from synth.analyse.modal import Modes
+from synth.analyse.modal_peak import Bound
 from synth.statespace import Array, StateSpace
 from synth.timing import Continuous
 
 Complex = NDArray[np.complex128]
 
 LEVELS = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)  # e, relative
-CLIMBS = 8  # steps of Newton's method
 TINY = 1e-300
 LEAST = 1e-4  # of the state that goes farthest: one that goes less far counts as going so far
-CONVERGED = 1e-9  # relative: a step that gains less is the last
 
 
 @dataclass(frozen=True, eq=False)
 class Peak:
-    """`lower` <= max sigma_max <= `upper`, inf where that is not proved; `value` at `frequency` of s, in double."""
+    """`lower` <= max sigma_max <= `upper`, inf where that is not proved; `value`, in double, at `frequency`.
+
+    The frequency is in rad/s, or rad per sample.
+    """
 
     lower: float
     value: float
@@ -42,21 +43,47 @@ class Peak:
     frequency: float
 
 
-def peak(model: StateSpace) -> Peak:
-    """Return the peak of a model all of whose modes decay."""
+def peak(model: StateSpace, poles: Complex, V: Array) -> Peak:
+    """Return the peak of a model all of whose modes decay, from its poles (n,) and eigenvectors V (n, n), real."""
+    continuous = isinstance(model.time, Continuous)
+    modes = modal.of(model.A, model.B, model.C, model.D, poles, V, not continuous) if len(poles) else None
+    bound = modal_peak.peak(modes) if modes else None
+    if modes is None or bound is None:
+        return _by_energy(model, continuous)
+    found = _by_modes(model, modes, bound)
+    if bound.margin == modal_peak.LEVELS[0]:
+        return found
+    other = _by_energy(model, continuous)
+    return other if other.upper - other.lower < found.upper - found.lower else found
+
+
+def _by_modes(model: StateSpace, modes: Modes, bound: Bound) -> Peak:
+    """Return the peak with the bound that the modes prove."""
+    value, w = bound.value, bound.w
+    lower = max(0.0, value * (1 - 16 * sum(model.D.shape) * EPS) - modal_peak.error(modes, w))
+    if lower < (1 - modal_peak.LEVELS[0] / 4) * value:
+        at = float(np.tan(w / 2)) if modes.sampled else w
+        given = *resolvent.balanced(model.A, model.B, model.C), model.D
+        lower = max(lower, _attained(given, at, not modes.sampled))
+    return Peak(lower, max(value, lower), (1 + bound.margin) * value, w)
+
+
+def _by_energy(model: StateSpace, continuous: bool) -> Peak:
+    """Return the peak with the bound that a Lyapunov matrix proves."""
     A, B, C = resolvent.balanced(model.A, model.B, model.C)
     given = A, B, C, model.D
-    if isinstance(model.time, Continuous):
+    if continuous:
         return _proved(given, given, *_start(given))
     form = schur_response.warped(*given)
     w, states = _start(form)
     if w <= 1:
-        return _proved(given, form, w, states)
+        found = _proved(given, form, w, states)
+        return replace(found, frequency=2 * float(np.arctan(found.frequency)))
     # Nearer to Nyquist M(-z) is searched, for which -1 becomes 1 and s becomes 1/s: infinity has fewer digits than 0.
     given = -A, -B, C, model.D
     form = schur_response.warped(*given)
     found = _proved(given, form, *_start(form))
-    return replace(found, frequency=1 / found.frequency if found.frequency else np.inf)
+    return replace(found, frequency=np.pi - 2 * float(np.arctan(found.frequency)))
 
 
 def _proved(given: Matrices, form: Matrices, w: float, states: Array) -> Peak:
@@ -108,46 +135,17 @@ def _middles(eigenvalues: Complex) -> Array:
 
 def _climb(form: Matrices, w: float) -> tuple[float, float]:
     """Return the value and the frequency of the local maximum that Newton's method finds from w."""
-    value, step, gain = _newton(form, w)
-    for _ in range(CLIMBS):
-        if not gain > CONVERGED * value:
-            break
-        other, following, next_gain = _newton(form, w + step)
-        if other > value:
-            value, w, step, gain = other, w + step, following, next_gain
-        else:
-            step, gain = step / 4, gain / 4
-    return value, w
+    if np.isinf(w) or not len(form[0]):
+        return float(np.linalg.norm(form[3], 2)), w
+    return climb.climb(lambda at: _derivatives(form, at), w)
 
 
-def _newton(form: Matrices, w: float) -> tuple[float, float, float]:
-    """Return sigma_max at w, the step to where its maximum is expected, at most w / 2, and the gain that is there."""
+def _derivatives(form: Matrices, w: float) -> tuple[Complex, Complex, Complex]:
+    """Return M and its first two derivatives (p, m) at w."""
     A, B, C, D = form
-    if np.isinf(w) or not len(A):
-        return float(np.linalg.norm(D, 2)), 0.0, 0.0
-    R = np.linalg.inv(1j * w * np.eye(len(A)) - A)
+    R = np.asarray(np.linalg.inv(1j * w * np.eye(len(A)) - A), dtype=np.complex128)
     CR, RB = C @ R, R @ B
-    U, sigma, Vh = np.linalg.svd(CR @ B + D)
-    first = -1j * (U.conj().T @ (CR @ RB) @ Vh.conj().T)
-    slope = float(first[0, 0].real)
-    curvature = -2 * float(((U[:, 0].conj() @ CR) @ (R @ (RB @ Vh[0].conj()))).real) + _coupling(first, sigma)
-    if not curvature < 0:
-        return float(sigma[0]), float(np.sign(slope)) * w / 8, abs(slope) * w / 8
-    step = float(np.clip(-slope / curvature, -w / 2, w / 2))
-    return float(sigma[0]), step, slope * step / 2
-
-
-def _coupling(first: Complex, sigma: Array) -> float:
-    """Return what M' adds to the second derivative of sigma_1, with `first` = U^H M' V (p, m).
-
-    It is that of the eigenvalue sigma_1 of [[0, M], [M^H, 0]], whose others are -sigma_1, each +-sigma_j, and zeros.
-    """
-    top, k = max(float(sigma[0]), TINY), len(sigma)
-    a, b = first[1:k, 0], first[0, 1:k].conj()
-    apart = np.maximum(top - sigma[1:], 1e-3 * top)
-    pairs = np.abs(a + b) ** 2 / apart + np.abs(a - b) ** 2 / (top + sigma[1:])
-    others = (np.abs(first[k:, 0]) ** 2).sum() + (np.abs(first[0, k:]) ** 2).sum()
-    return float((first[0, 0].imag ** 2 + others) / top + pairs.sum() / 2)
+    return CR @ B + D, -1j * (CR @ RB), -2 * (CR @ (R @ RB))
 
 
 def _attained(given: Matrices, w: float, continuous: bool) -> float:

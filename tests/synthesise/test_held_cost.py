@@ -159,7 +159,7 @@ def test_late_inputs_have_names_and_units() -> None:
 
 @pytest.mark.parametrize("delay", [-0.1, np.nan, np.inf, None, "a", True, 1e9])
 def test_a_delay_that_is_none_is_refused(delay: float) -> None:
-    with pytest.raises(TimingError, match="the delay is|`delay_s` of `lqr.lqrd` is .*: give a number of seconds"):
+    with pytest.raises(TimingError, match=r"the delay is|`delay_s` of `lqr.lqrd` is .*: give a number of seconds"):
         lqr.lqrd(([[-1.0]], [[1.0]]), [1.0], [1.0], T, delay_s=delay)
     with pytest.raises(TimingError, match="continuous"):
         lqr.lqrd(lqr.sampled_cost(([[-1.0]], [[1.0]]), [1.0], [1.0], T).model, [1.0], [1.0], T, delay_s=T)

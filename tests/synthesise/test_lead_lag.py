@@ -5,7 +5,7 @@ import mpmath
 import numpy as np
 import pytest
 import scipy.signal
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from synth.analyse import loop, margins, sensitivity
@@ -19,7 +19,6 @@ from tests import tolerances
 T, W = 1e-3, 108.9
 METHODS = (lead_lag.tustin, lead_lag.prewarped, lead_lag.matched, lead_lag.held)
 UNITS = {"q_error": "m", "f": "N"}
-PENCIL = tolerances.of("pencil")  # python-control's state-space forms, whose poles lie near 1
 
 
 def paper() -> Compensator:
@@ -71,10 +70,17 @@ def random(rng: np.random.Generator) -> Compensator:
 
 @settings(derandomize=True, max_examples=15, deadline=None)
 @given(st.integers(0, 10**6))
+@example(3)
+@example(85)
+@example(167)
 def test_python_control_samples_it_alike(seed: int) -> None:
+    """As state-space forms: those of transfer functions are sampled through polynomials with all roots near z = 1.
+
+    These lose up to ten digits, as in the three examples, where this package is right to fifteen.
+    """
     rng = np.random.default_rng(seed)
     K, at = random(rng), float(rng.uniform(20, 2500))
-    system, z = rational(K), np.exp(1j * np.array([0.02, 0.4, 2.0]))
+    system, z = control.ss(rational(K)), np.exp(1j * np.array([0.02, 0.4, 2.0]))
     expected = {
         lead_lag.tustin: control.sample_system(system, T, "tustin"),
         lead_lag.prewarped: control.sample_system(system, T, "tustin", prewarp_frequency=at),
@@ -82,7 +88,7 @@ def test_python_control_samples_it_alike(seed: int) -> None:
     }
     for method, witness in expected.items():
         found = method(K, T, at)
-        near = PENCIL * np.abs(witness(z)).max()
+        near = tolerances.of("double") * np.abs(witness(z)).max()
         np.testing.assert_allclose(
             found.discrete.response(z)[:, 0, 0], witness(z), rtol=0, atol=near, err_msg=found.method
         )
@@ -96,7 +102,7 @@ def test_zeros_poles_and_gain_are_those_of_the_sampled_model(method: lead_lag.Me
         value = (
             found.gain * np.prod([z - v for v in found.zeros], axis=0) / np.prod([z - v for v in found.poles], axis=0)
         )
-        np.testing.assert_allclose(found.discrete.response(z)[:, 0, 0], value, rtol=PENCIL)
+        np.testing.assert_allclose(found.discrete.response(z)[:, 0, 0], value, rtol=tolerances.of("double"))
         assert sum(abs(p - 1) < 1e-15 for p in found.poles) == K.poles.count(0.0)
 
 

@@ -204,7 +204,7 @@ def test_what_does_not_fit_is_refused() -> None:
     for key in (None, "a", 1j):
         with pytest.raises(SignalError):
             prescribed_decay.design(plant, gain, {key: 25.0})  # type: ignore[dict-item]
-    with pytest.raises(SignalError, match="`gain` of `prescribed_decay.design` is an array of .*: give a Gain"):
+    with pytest.raises(SignalError, match=r"`gain` of `prescribed_decay.design` is an array of .*: give a Gain"):
         prescribed_decay.design(plant, gain.K, RATES)  # type: ignore[arg-type]
     with pytest.raises(SignalError, match=r"frequency 3\.0 rad/s has a multiplicity, but no decay rate"):
         prescribed_decay.design(plant, gain, {0.0: 25.0}, multiplicity={3.0: 2})

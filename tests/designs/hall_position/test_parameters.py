@@ -100,7 +100,7 @@ def test_an_estimator_takes_a_period(time: Any) -> None:
     for made, given in ((estimator, two), (six_estimator, FOUR)):
         with pytest.raises(TimingError, match=r"`time` of `safety.guard` is .*: give a Discrete"):
             made.guarded(given, time)
-    with pytest.raises(TimingError, match="`time` of `block.build` is .*: give a Discrete"):
+    with pytest.raises(TimingError, match=r"`time` of `block.build` is .*: give a Discrete"):
         estimator.estimator(two, time)
     with pytest.raises(TimingError, match="period"):
         fleet.Kind(two, time=time)
