@@ -34,7 +34,7 @@ from synth.errors import ModelError
 
 __all__ = ["Complex", "GainCrossing", "Margins", "PhaseCrossing", "of_loop", "response"]
 
-EXACT_STATES = 60  # up to which a loop is taken as a ratio of polynomials: their cost grows with the fourth power
+EXACT_STATES = 50  # up to which a loop is taken as a ratio of polynomials: their cost grows with the fourth power
 NOTHING = 1e-12  # |L| below it, or above its inverse, is rounding error and no crossing is reported
 MAX_UNCERTAINTY = 0.2  # of |L|: a margin that rounding of the numbers given leaves open by more is refused
 FAR = 1e6  # a factor on the gain this far from 1 may be as uncertain as it likes
