@@ -83,7 +83,10 @@ def factors(rng: np.random.Generator) -> tuple[Complex, Complex, float]:
     poles = _roots(rng, order, spread, unstable=0.15, still=0.25)
     zeros = _roots(rng, int(rng.integers(0, order)), spread, unstable=0.1, still=0.0)
     at = 1j * 10 ** rng.uniform(-spread, spread)
-    gain = float(10 ** rng.uniform(-1, 1) * np.abs(np.prod(at - poles)) / np.abs(np.prod(at - zeros)))
+    if rng.random() < 0.2:  # |L| = 1 at a pole's own frequency
+        at = 1j * np.abs(poles[int(rng.integers(order))].imag) or at
+    beside = 10 ** (rng.uniform(-1, 1) * (rng.random() < 0.8))
+    gain = float(beside * np.abs(np.prod(at - poles)) / np.abs(np.prod(at - zeros)))
     return zeros, poles, gain * rng.choice([1.0, 1.0, 1.0, -1.0])
 
 

@@ -57,12 +57,17 @@ def of_delayed(loop: Delayed, low: float | None, high: float | None) -> Assessme
     def count_unstable(factor: complex) -> float:
         return nyquist.count_unstable(loop, factor, high, L)
 
+    def change(w: float) -> Perturbation:
+        of_loop = perturbation.of_rational(model, w).of_loop
+        value = abs(L(w)[0]) / abs(1 + L(w)[0]) if L and np.isfinite(w) else 1.0
+        return Perturbation(of_loop, of_loop * float(value))
+
     return Assessment(
         delayed_crossings.of_delayed(loop, model, low, high),
         count_unstable(1.0) == 0,
         low is None and high is None,
         count_unstable,
-        lambda w: perturbation.of_rational(model, w),
+        change,
     )
 
 

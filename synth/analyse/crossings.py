@@ -77,10 +77,15 @@ def ends(loop: Rational) -> dict[float, float]:
 
 
 def _gain_crossings(loop: Rational, N: Polynomial, D: Polynomial) -> tuple[Crossing, ...]:
-    difference = squared_magnitude(N) - squared_magnitude(D)
-    if difference.degree() >= 0:
-        return _values_at_zeros(loop, N, D, difference)
-    return _worst_of_all_pass(loop, N, D)
+    if is_all_pass(loop):
+        return _worst_of_all_pass(loop, N, D)
+    return _values_at_zeros(loop, N, D, squared_magnitude(N) - squared_magnitude(D))
+
+
+def is_all_pass(loop: Rational) -> bool:
+    """Tell whether |L| = 1 at all frequencies."""
+    N, D = loop.reduced
+    return bool(squared_magnitude(N) == squared_magnitude(D))
 
 
 def _phase_crossings(loop: Rational, N: Polynomial, D: Polynomial) -> tuple[Crossing, ...]:
@@ -161,11 +166,11 @@ def _value(N: Polynomial, D: Polynomial, u: flint.arb) -> flint.acb:
 
 
 def _worst_of_all_pass(loop: Rational, N: Polynomial, D: Polynomial) -> tuple[Crossing, ...]:
-    """Return where a loop with |L| = 1 all along has the least phase and the least delay margin."""
+    """Return where a loop with |L| = 1 at all frequencies has the least phase and the least delay margin."""
     sizes = np.abs(rational.zeros(D))
-    nyquist = [Crossing(w, complex(v)) for w, v in ends(loop).items() if v == -1 and 0 < w < np.inf]
-    at_minus_one = (*_phase_crossings(loop, N, D), *nyquist)
-    if at_minus_one or not sizes.size:
+    at_ends = [Crossing(w, complex(v)) for w, v in ends(loop).items() if w < np.inf]
+    at_minus_one = (*_phase_crossings(loop, N, D), *(c for c in at_ends if c.L == -1))
+    if not sizes.size:
         return at_minus_one
     v = np.geomspace(1e-3 * sizes[sizes > 0].min(initial=1.0), 1e3 * sizes.max(initial=1.0), POINTS)
     w = np.array([loop.frequency(x) for x in v])
@@ -174,9 +179,14 @@ def _worst_of_all_pass(loop: Rational, N: Polynomial, D: Polynomial) -> tuple[Cr
         with precise.precision(4 * rational.BITS):
             return float(np.angle(-complex(_value(N, D, flint.arb(loop.axis_point(at)) ** 2))))
 
-    phase = _minimiser(lambda at: abs(angle(at)), w)
-    delay = _minimiser(lambda at: (angle(at) % (2 * np.pi)) / at, w)
-    return tuple(Crossing(f, -np.exp(1j * angle(f))) for f in sorted({phase, delay}))
+    def at(frequency: float) -> Crossing:
+        return Crossing(frequency, -complex(np.exp(1j * angle(frequency))))
+
+    worst = at_minus_one or (at(_minimiser(lambda f: abs(angle(f)), w)),)
+    if any(c.frequency for c in at_minus_one):
+        return worst
+    late = [at(_minimiser(lambda f: (angle(f) % (2 * np.pi)) / f, w)), *(c for c in at_ends if c.frequency)]
+    return (*worst, min(late, key=lambda c: (float(np.angle(-c.L)) % (2 * np.pi)) / c.frequency))
 
 
 def _minimiser(f: Callable[[float], float], w: np.ndarray) -> float:

@@ -16,10 +16,13 @@ from synth.analyse.crossings import Crossing, Crossings
 from synth.analyse.rational import Rational
 from synth.analyse.transfer import Delayed
 from synth.analyse.zpk import NARROW, ZeroPoleGain
+from synth.errors import ModelError
 from synth.statespace import Array
 
 Bounds = Callable[[Array, Array], tuple[Array, Array, Array, Array]]
 
+ROUNDING = 1e-12  # of log |L| and arg L: a zero this near to the end of an interval may lie on it
+MOST_INTERVALS = 500_000
 QUIET = 1e-5  # of |L| at infinity: a loop that stays this near above it is followed no further
 
 
@@ -42,11 +45,16 @@ def of_delayed(loop: Delayed, model: Rational, low: float | None, high: float | 
         above = np.flatnonzero(envelope > level)
         return float(grid[min(above[-1] + 1, len(grid) - 1)]) if above.size else float(grid[0])
 
-    gain = _gain_crossings(L, grid, high or (last_above(0.5) if L.hold_s else float(grid[-1])))
     phase, top = _phase_crossings(L, grid, last_above, last, high)
+    if crossings.is_all_pass(model) and not L.hold_s:  # |L| = 1 all along: what matters is where L = -1
+        gain = phase
+    else:
+        rates = grid if L.hold_s else zpk.frequency_grid(replace(L, delay_s=0.0), float(grid[0]))  # no delay moves |L|
+        gain = _gain_crossings(L, rates, high or (last_above(0.5) if L.hold_s else float(rates[-1])))
     nearest = zpk.least_distance(L, zpk.interval_ends(L, grid, top, turning=True))
     distance, frequency = min([nearest, *((abs(1 + v), w) for w, v in ends.items())])
     at = {w: Crossing(w, complex(L.value(w)[0])) for w in (*gain, *phase)}
+    gain, phase = ([w for w in each if np.isfinite(at[w].L)] for each in (gain, phase))  # a pole is no crossing
     peak = 1 / distance if distance else np.inf
     return Crossings(tuple(at[w] for w in gain), tuple(at[w] for w in phase), ends, peak, frequency)
 
@@ -112,7 +120,13 @@ def _zeros(f: Callable[[Array], Array], bounds: Bounds, nodes: Array, period: fl
     a, b = nodes[:-1], nodes[1:]
     zeros: list[float] = []
     while a.size:
+        if len(a) > MOST_INTERVALS:
+            raise ModelError(
+                "the loop stays so near to |L| = 1 or to the negative axis that its crossings cannot be told apart in "
+                "double precision: change its gain a little"
+            )
         low, high, slope_low, slope_high = bounds(a, b)
+        low, high = low - ROUNDING * (1 + np.abs(low)), high + ROUNDING * (1 + np.abs(high))
         maybe = (low <= 0) & (high >= 0) if np.isinf(period) else np.floor(high / period) >= np.ceil(low / period)
         monotone = (slope_low > 0) | (slope_high < 0)
         narrow = b - a <= NARROW * b
@@ -126,16 +140,23 @@ def _zeros(f: Callable[[Array], Array], bounds: Bounds, nodes: Array, period: fl
 
 
 def _bracketed(f: Callable[[Array], Array], a: float, b: float, period: float) -> list[float]:
-    """Return where a function that is monotone between a and b is a multiple of `period`."""
+    """Return where a function that is monotone between a and b is a multiple of `period`.
+
+    Both ends are taken just inside, for f may jump there; a zero on an end shows as one within ROUNDING beside it.
+    """
     a, b = a * (1 + 4e-16), b * (1 - 4e-16)
-    ends = f(np.array([a, b]))
-    low, high = float(ends.min()), float(ends.max())
+    at_a, at_b = map(float, f(np.array([a, b])))
+    slack = ROUNDING * (1 + max(abs(at_a), abs(at_b)))
+    low, high = min(at_a, at_b) - slack, max(at_a, at_b) + slack
     levels = [0.0] if np.isinf(period) else period * np.arange(np.ceil(low / period), np.floor(high / period) + 1)
-    return [
-        float(brentq(lambda w, level=level: float(f(np.array([w]))[0] - level), a, b, xtol=1e-300, rtol=1e-14))
-        for level in levels
-        if low <= level <= high
-    ]
+    return [_root(f, a, b, at_a - level, at_b - level, level) for level in levels if low <= level <= high]
+
+
+def _root(f: Callable[[Array], Array], a: float, b: float, at_a: float, at_b: float, level: float) -> float:
+    """Return where f is at a level between a and b, at the nearer end where it is hardly beyond."""
+    if at_a * at_b >= 0:
+        return a if abs(at_a) <= abs(at_b) else b
+    return float(brentq(lambda w: float(f(np.array([w]))[0] - level), a, b, xtol=1e-300, rtol=1e-14))
 
 
 def _distinct(w: list[float]) -> list[float]:

@@ -181,8 +181,8 @@ def _verified(loop: Assessment) -> Margins:
 
 
 def _gain_crossing(crossing: Crossing) -> GainCrossing:
-    above = float(np.angle(-crossing.L))
-    return GainCrossing(crossing.frequency, float(np.degrees(above)), (above % (2 * np.pi)) / crossing.frequency)
+    above, w = float(np.angle(-crossing.L)), crossing.frequency
+    return GainCrossing(w, float(np.degrees(above)), (above % (2 * np.pi)) / w if w else np.inf)
 
 
 def _deciding(margins: Margins) -> Iterator[tuple[str, float]]:
@@ -229,5 +229,6 @@ def _inside(margins: Margins) -> Iterator[tuple[str, complex]]:
     """Yield factors on the loop just within its margins."""
     yield "gain margin", min(margins.gain_margin**INSIDE, OUTERMOST)
     yield "gain reduction margin", max(margins.gain_reduction_margin**INSIDE, 1 / OUTERMOST)
-    angle = np.radians(INSIDE * margins.phase_margin) if margins.gain_crossings else np.pi / 2
-    yield "phase margin", complex(np.exp(1j * angle))  # the conjugate factor has the conjugate poles
+    angles = [INSIDE * margins.phase_margin] if margins.gain_crossings else [90.0, 180.0 * INSIDE]
+    for angle in angles:
+        yield "phase margin", complex(np.exp(1j * np.radians(angle)))  # the conjugate factor has the conjugate poles

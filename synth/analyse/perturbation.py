@@ -71,7 +71,7 @@ def _of_coefficients(b: Array, a: Array, point: complex) -> tuple[float, float]:
 
 @np.errstate(all="ignore")
 def _of_matrices(model: StateSpace, point: complex) -> tuple[float, float]:
-    A, b, c, d = model.A, model.B[:, 0], model.C[0], float(model.D[0, 0])
+    A, b, c, d = model.A, model.B[:, 0], model.C[0], np.float64(model.D[0, 0])
     opened, closed = (_inverse(point * np.eye(len(A)) - M) for M in (A, A - np.outer(b, c) / (1 + d)))
     moved = np.abs(c @ opened) @ (np.abs(A) @ np.abs(opened @ b) + np.abs(b)) + np.abs(c) @ np.abs(opened @ b) + abs(d)
     fed = np.abs(A) + (2 + abs(d) / abs(1 + d)) * np.abs(np.outer(b, c)) / abs(1 + d)
@@ -111,7 +111,7 @@ def is_stable(loop: Rational) -> bool:
 def _decay(poles: Complex, time: Time) -> Array:
     """Return -Re s over the largest |s|, or in z 1 - |z|^2 = -4 Re s / |1 - s|^2, of poles in s."""
     if isinstance(time, Continuous):
-        return np.asarray(-poles.real / np.abs(poles).max())
+        return np.asarray(-poles.real / (np.abs(poles).max() or 1.0))
     finite = np.isfinite(poles)
     s = np.where(finite, poles, 0.0)
     return np.where(finite, -4 * s.real / np.abs(1 - s) ** 2, 0.0)

@@ -15,6 +15,7 @@ from scipy.optimize import brentq, minimize_scalar
 from synth.analyse import transfer
 from synth.analyse.crossings import Crossing, Crossings
 from synth.analyse.transfer import Complex, Curve
+from synth.errors import ModelError
 from synth.statespace import Array
 
 FLAT = 1e-10  # log |L| or sin(arg L) stays below it over neighbouring nodes only where it is 0 all along
@@ -35,10 +36,23 @@ def _unit(curve: Curve) -> list[float]:
     """Return where |L| = 1; of a stretch the worst for the phase and for a delay."""
     value, w = transfer.log(curve.value), curve.w
     found = [] if len(w) < 3 else _roots(lambda v: transfer.log(curve.L(v)), w, value)
+    _require_parity(found, value)
     for run in _stretches(value):
         above = np.angle(-curve.value[run])
         found += [float(w[run][np.abs(above).argmin()]), float(w[run][(above % (2 * np.pi) / w[run]).argmin()])]
     return sorted(set(found))
+
+
+def _require_parity(crossings: list[float], value: Array) -> None:
+    """Raise ModelError when crossings do not lead from log |L| at one end to the other, but for stretches of zeros."""
+    if len(value) < 3 or _stretches(value) or (np.abs(value[[0, -1]]) <= FLAT).any():
+        return
+    first, last = np.exp(value[[0, -1]])
+    if len(crossings) % 2 != ((first > 1) != (last > 1)):
+        raise ModelError(
+            f"{len(crossings)} crossings of |L| = 1 were found, which do not lead from {first:.3g} to {last:.3g}: the "
+            "loop has too many lightly damped modes for double precision; leave some out"
+        )
 
 
 def _real(curve: Curve, unit: list[float]) -> list[float]:
@@ -74,8 +88,16 @@ def _roots(f: Callable[[float], NDArray[np.float64]], w: Array, value: Array) ->
         signs[run] = np.nan
     found = [float(v) for v in w[signs == 0]]
     for k in np.flatnonzero(signs[:-1] * signs[1:] < 0):
-        found.append(float(brentq(lambda v: float(np.ravel(f(v))[0]), w[k], w[k + 1], xtol=1e-12 * w[k], rtol=1e-13)))
+        found.append(_root(f, float(w[k]), float(w[k + 1])))
     return sorted(found)
+
+
+def _root(f: Callable[[float], NDArray[np.float64]], a: float, b: float) -> float:
+    """Return where f is zero between a and b, at the nearer end where rounding has moved the zero beyond."""
+    at_a, at_b = (float(np.ravel(f(v))[0]) for v in (a, b))
+    if at_a * at_b >= 0:
+        return a if abs(at_a) <= abs(at_b) else b
+    return float(brentq(lambda v: float(np.ravel(f(v))[0]), a, b, xtol=1e-12 * a, rtol=1e-13))
 
 
 def _with_turns(f: Callable[[float], NDArray[np.float64]], w: Array, value: Array) -> tuple[Array, Array]:

@@ -28,7 +28,7 @@ Response = Callable[[ArrayLike], Complex]
 NARROW = 1e-9  # of a frequency: nodes stand no closer, for nearer to an undamped pole L is rounding error
 ZERO = 1e-12  # of the fastest rate: a slower one may be the rounding error of an integrator
 QUIET = 1e-2  # a delayed loop is followed until |L| stays this near to its last value, and for two turns at least
-SMALL = 60  # states up to which each frequency is solved for by itself
+SMALL = 50  # states up to which each frequency is solved for by itself
 ILL_POSED = "the loop passes its input straight on with the factor -1: 1 + L has no inverse; delay it"
 TURNS = 1000  # of the delay over the whole grid: beyond, the loop is refused
 

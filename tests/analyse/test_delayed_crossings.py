@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from synth.analyse import delayed_crossings, margins, rational, transfer, zpk
+from synth.errors import ModelError
 from synth.statespace import Array
 
 POLES = np.array([-0.01 + 3j, -0.01 - 3j, 0.5, 0.0, -40.0])
@@ -74,3 +75,47 @@ def test_a_loop_that_hardly_touches_minus_one_is_not_taken_for_far() -> None:
     assert found.phase_margin < 180 and found.gain_crossings[0].frequency == pytest.approx(
         np.sqrt(1 - 2 * zeta**2), rel=1e-6
     )
+
+
+@pytest.mark.parametrize(
+    ("numerator", "denominator", "delay", "crossings"),
+    [
+        ([2.1926450482675732, 54.81612620668933], [1, 10, 50], 0.02, [5.0]),  # at the frequency of a pole
+        ([16.641005886756872, 9.984603532054125], [1, 12, 45], 1 / 300, None),
+        ([1.0], [1.0, 0.0], 0.1, [1.0]),  # at a node of the grid
+        ([1.0], [1.0, 0.0], 1e-3, [1.0]),
+    ],
+)
+def test_a_crossing_on_a_node_is_kept(
+    numerator: list[float], denominator: list[float], delay: float, crossings: list[float] | None
+) -> None:
+    found = margins.of_loop(transfer.delayed(control.tf(numerator, denominator), delay))
+    plain = margins.of_loop(control.tf(numerator, denominator))
+    expected = [c.frequency for c in plain.gain_crossings] if crossings is None else crossings
+    assert [c.frequency for c in found.gain_crossings] == pytest.approx(expected, rel=1e-9)
+    for c, d in zip(found.gain_crossings, plain.gain_crossings, strict=True):
+        turned = d.phase_margin - np.degrees(delay * d.frequency)
+        assert (c.phase_margin - turned) % 360 == pytest.approx(0, abs=1e-6) or (
+            c.phase_margin - turned
+        ) % 360 == pytest.approx(360, abs=1e-6)
+
+
+@pytest.mark.parametrize("b", [[-1.0, 1.0], [1.0, 1.0], [-2.0, -2.0]])
+def test_a_delayed_loop_of_gain_one_at_all_frequencies_bears_no_delay(b: list[float]) -> None:
+    found = margins.of_loop(transfer.delayed(control.tf(b, [abs(b[0]), abs(b[0])]), 0.1))
+    assert not found.stable and found.delay_margin == 0 and found.phase_margin == pytest.approx(0, abs=1e-6)
+
+
+def test_a_direct_path_of_minus_one_under_a_hold_is_well_posed() -> None:
+    """L = -s / (s + 1), late and held: nearly that of a direct path beside -1."""
+    found, beside = (
+        margins.of_loop(transfer.delayed(([[-1.0]], [[1.0]], [[1.0]], [[d]]), 0.1, 0.1)) for d in (-1.0, -1 + 1e-9)
+    )
+    assert found.stable and found.gain_margin == pytest.approx(beside.gain_margin, rel=1e-6)
+
+
+def test_a_loop_that_stays_beside_one_is_refused_before_it_fills_the_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(delayed_crossings, "MOST_INTERVALS", 500)
+    flat = control.tf([1.0, 1.0 + 1e-15], [1.0, 1.0])
+    with pytest.raises(ModelError, match="cannot be told apart"):
+        margins.of_loop(transfer.delayed(flat * 0.9999999999999, 0.1))

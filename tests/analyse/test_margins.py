@@ -486,3 +486,36 @@ def test_a_traced_crossing_that_is_left_out_fails_the_verification(monkeypatch: 
     monkeypatch.setattr(traced_crossings, "_unit", lambda curve: [])
     with pytest.raises(ModelError, match="the phase margin fails its verification"):
         margins.of_loop(gain(L, 1.9))
+
+
+def test_an_all_pass_that_is_minus_one_at_rest_has_no_phase_margin() -> None:
+    """L = -1 / z: at w = 0 it is -1, and a delay of one sample and no less turns Nyquist onto -1."""
+    found = margins.of_loop(control.tf([-1.0], [1.0, 0.0], 1.0))
+    assert not found.stable and found.phase_margin == 0 and found.delay_margin == pytest.approx(1.0, rel=EXACT)
+
+
+def test_a_closed_loop_pole_at_zero_is_not_stable() -> None:
+    assert not margins.of_loop(control.tf([1.0, -1.0], [1.0, 1.0])).stable
+
+
+def test_many_lightly_damped_modes_are_traced_or_refused() -> None:
+    """The brackets of the trace come from other roundings than the search within them."""
+    w = np.geomspace(1, 100, 29)
+    found = margins.of_loop(modal_rates(w, 1e-8))
+    assert found.stable and len(found.gain_crossings) % 2 == 0
+
+
+def modal_rates(w: np.ndarray, zeta: float) -> StateSpace:
+    model = modal(w, np.full(len(w), zeta))
+    C = np.zeros_like(model.C)
+    C[0, 1::2] = 1e-3
+    return of((model.A, model.B, C, model.D))
+
+
+def test_a_traced_crossing_that_is_lost_alone_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(margins, "EXACT_STATES", 0)
+    L = loop([4.0], [1, 3, 3, 1])
+    roots = traced_crossings._roots
+    monkeypatch.setattr(traced_crossings, "_roots", lambda f, w, value: roots(f, w, value)[1:])
+    with pytest.raises(ModelError, match=r"0 crossings of \|L\| = 1 were found, which do not lead from 4 to"):
+        margins.of_loop(L)
