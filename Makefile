@@ -15,7 +15,7 @@ test: $(STAMP)
 	$(BIN)/mypy
 	$(BIN)/python -m pytest -n auto --dist loadfile
 
-# The vocabulary, analysis and synthesis under three other kernels of OpenBLAS, which round otherwise.
+# The vocabulary, analysis and synthesis under two other kernels of OpenBLAS, which round otherwise.
 test-kernels: $(STAMP)
 	$(BIN)/python -m tests.kernels
 

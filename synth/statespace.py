@@ -40,8 +40,8 @@ class StateSpace:
     A is (n, n), B (n, m), C (p, n), D (p, m), in the SI units of the named signals; `units` maps names to units, as far
     as they are known. An output that has the name of a state has its unit.
 
-    Raises SignalError when shapes and names do not fit, an entry is no finite real number, a unit cannot be read or
-    `time` is no Time.
+    Raises SignalError when shapes and names do not fit, an entry is no finite real number or a unit cannot be read;
+    TimingError when `time` is no Time.
     """
 
     A: Array

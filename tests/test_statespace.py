@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import scipy.signal
 
-from synth.errors import ModelError, SignalError
+from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import StateSpace, from_control, of
 from synth.timing import Continuous, Discrete, Time
 
@@ -70,7 +70,6 @@ def test_a_system_without_a_time_base_is_refused(dt: object) -> None:
         ({"A": 1j * np.eye(4)}, "entries of A are no real numbers .they are complex"),
         ({"A": "text"}, "`A` of `StateSpace` is 'text': give an array of numbers"),
         ({"B": [[1.0, 2.0], [1.0]]}, "entries of B are no real numbers"),
-        ({"time": 0.1}, r"`time` of `StateSpace` is 0\.1: give a Continuous or a Discrete"),
         ({"states": ("a", "b", "a", "c")}, "twice among the states"),
         ({"outputs": ("a", "b", "b")}, "twice among the outputs"),
     ],
@@ -78,6 +77,11 @@ def test_a_system_without_a_time_base_is_refused(dt: object) -> None:
 def test_what_does_not_fit_is_refused(fields: dict[str, Any], text: str) -> None:
     with pytest.raises(SignalError, match=text):
         change(**fields)
+
+
+def test_a_number_is_no_time() -> None:
+    with pytest.raises(TimingError, match=r"`time` of `StateSpace` is 0\.1: give a Continuous or a Discrete"):
+        change(time=0.1)
 
 
 def test_an_unknown_channel_is_refused_with_the_known_ones() -> None:
