@@ -143,7 +143,7 @@ def _moving(model: StateSpace) -> Response:
 @arguments.checked
 def closed_poles(model: StateSpace, factor: complex = 1.0) -> Complex:
     """Return the zeros of 1 + factor L, in 1/s or in z; raise ModelError where the input passes straight on as -1."""
-    D = factor * float(model.D[0, 0])
+    D = factor * float(scalar(model).D[0, 0])
     if D == -1:
         raise ModelError(ILL_POSED)
     return np.linalg.eigvals(model.A - factor * model.B @ model.C / (1 + D)).astype(np.complex128)
@@ -184,6 +184,9 @@ def trace(
     if not 0 < start < top:
         raise SignalError(f"the frequencies go from {start:g} to {top:g} rad/s: give 0 < low < high, below Nyquist")
     w = _grid(np.concatenate([poles, closed]), start, top, nodes)
+    first = np.asarray(L(w[:1]))
+    if first.shape != (1,) or first.dtype.kind not in "fc":
+        raise SignalError(f"`L` gives {arguments.found(first)} for one frequency: give a function w (k,) -> L (k,)")
     w, value = refined(L, w)
     w.flags.writeable = value.flags.writeable = False
     return Curve(L, w, value, ends(loop))
@@ -262,6 +265,7 @@ def _grid(rates: Complex, start: float, top: float, nodes: list[Array]) -> Array
 @arguments.checked
 def ends(loop: StateSpace | Delayed) -> dict[float, float]:
     """Return L where it is real: at w = 0 and at Nyquist or infinity, unless it has a pole there."""
+    scalar(loop.model if isinstance(loop, Delayed) else loop)
     if isinstance(loop, Delayed):
         last = 0.0 if loop.hold_s else float(loop.model.D[0, 0])
         return _real(loop.model, {0.0: 0.0}) | {np.inf: -abs(last) if loop.delay_s else last}  # it circles for ever

@@ -145,7 +145,9 @@ def _mean(e: Equation) -> float:
         return 1.0
     if e.continuous:
         above = _logarithm(A, -G, -Q, -A.T)
-        largest = np.log(max(float(np.linalg.norm(M)) for M in (A, G, Q)))
+        with np.errstate(over="ignore"):
+            size = max(float(np.linalg.norm(M)) for M in (A, G, Q))
+        largest = np.log(size if np.isfinite(size) else max(float(np.abs(M).max()) for M in (A, G, Q)))
         return float(np.exp(above if above > largest - 30 else largest))
     above = _logarithm(A - one, -G, -Q, one - A.T)
     return float(np.exp(min(max(above, -30.0), np.log(2.0)))) / 2
