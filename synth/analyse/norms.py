@@ -17,6 +17,7 @@ trace(C P C' + D D') + trace(Q* Rp) with the true Q*; so Q corrects it, and what
 and `bounded_real`.
 """
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeVar
@@ -195,7 +196,9 @@ def _square(model: StateSpace) -> _Square:
 def _gramian(F: Array, W: Array, continuous: bool) -> Array:
     """Return X, symmetric, with F'X + X F + W = 0, or F'X F - X + W = 0; it need not be accurate."""
     solve = scipy.linalg.solve_continuous_lyapunov if continuous else scipy.linalg.solve_discrete_lyapunov
-    X = np.asarray(solve(F.T, -W if continuous else W), dtype=np.float64)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # SciPy's, of accuracy: the residual tells what it is
+        X = np.asarray(solve(F.T, -W if continuous else W), dtype=np.float64)
     return (X + X.T) / 2
 
 
