@@ -91,23 +91,23 @@ def factors(rng: np.random.Generator) -> tuple[Complex, Complex, float]:
 
 
 def _roots(rng: np.random.Generator, count: int, spread: float, unstable: float, still: float) -> Complex:
-    found: list[complex] = []
-    while len(found) < count:
+    roots: list[complex] = []
+    while len(roots) < count:
         rate = 10 ** rng.uniform(-spread, spread)
         sign = 1 if rng.random() < unstable else -1
-        if len(found) + 1 < count and rng.random() < 0.4:
+        if len(roots) + 1 < count and rng.random() < 0.4:
             zeta = 10 ** rng.uniform(-3, 0)
             root = rate * complex(sign * zeta, np.sqrt(max(1 - zeta * zeta, 0.0)))
-            found += [root, root.conjugate()]
+            roots += [root, root.conjugate()]
         else:
-            found.append(0.0 if rng.random() < still and found.count(0.0) < 2 else sign * rate)
-    return np.array(found, dtype=np.complex128)
+            roots.append(0.0 if rng.random() < still and roots.count(0.0) < 2 else sign * rate)
+    return np.array(roots, dtype=np.complex128)
 
 
 def coefficients(roots: Complex, gain: float) -> list[mpmath.mpf]:
     """Return gain prod (s - r), highest powers first, in DIGITS digits."""
     with mpmath.workdps(DIGITS):
-        found = [mpmath.mpf(gain)]
+        product = [mpmath.mpf(gain)]
         left = list(roots)
         while left:
             root = left.pop()
@@ -116,11 +116,11 @@ def coefficients(roots: Complex, gain: float) -> list[mpmath.mpf]:
                 left.remove(root.conjugate())
                 re, im = mpmath.mpf(root.real), mpmath.mpf(root.imag)
                 factor = [mpmath.mpf(1), -2 * re, re * re + im * im]
-            found = [
-                sum((found[i] * factor[k - i] for i in range(len(found)) if 0 <= k - i < len(factor)), mpmath.mpf(0))
-                for k in range(len(found) + len(factor) - 1)
+            product = [
+                mpmath.fsum(product[i] * factor[k - i] for i in range(len(product)) if 0 <= k - i < len(factor))
+                for k in range(len(product) + len(factor) - 1)
             ]
-        return found
+        return product
 
 
 def chain(zeros: Complex, poles: Complex, gain: float) -> StateSpace:
@@ -220,13 +220,13 @@ def _characteristic(A: Array, fed: tuple[Array, Array] | None) -> list[mpmath.mp
     M = mpmath.matrix(A.tolist())
     if fed:
         M -= mpmath.matrix(fed[0].tolist()) * mpmath.matrix(fed[1].tolist())
-    n, found = len(A), [mpmath.mpf(1)]
+    n, characteristic = len(A), [mpmath.mpf(1)]
     P = mpmath.eye(n)
     for k in range(1, n + 1):
         MP = M * P
-        found.append(-sum(MP[i, i] for i in range(n)) / k)
-        P = MP + found[-1] * mpmath.eye(n)
-    return found
+        characteristic.append(-sum(MP[i, i] for i in range(n)) / k)
+        P = MP + characteristic[-1] * mpmath.eye(n)
+    return characteristic
 
 
 def _sampled_fraction(
