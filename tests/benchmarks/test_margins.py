@@ -8,6 +8,8 @@ import pytest
 from benchmarks import margins as search
 from synth.analyse import crossings, margins
 from synth.analyse.margins import Margins
+from synth.statespace import StateSpace, readonly
+from synth.timing import Discrete
 
 
 def test_no_margin_of_a_hundred_random_loops_is_optimistic() -> None:
@@ -46,6 +48,13 @@ def test_a_margin_that_is_reported_a_thousandth_too_large_is_noticed(
     monkeypatch.setattr(margins, "of_loop", optimistic)
     found = [search.judged(search.case(kind, np.random.default_rng(k))) for kind in search.KINDS[:2] for k in range(12)]
     assert any(o.excess > search.TOLERANCE and o.worst == part for o in found)
+
+
+def test_the_judge_answers_at_a_pole() -> None:
+    model = StateSpace(readonly([[1.0]]), readonly([[1.0]]), readonly([[1.0]]), readonly([[0.0]]), ["x"], ["u"], ["y"], Discrete(1.0))
+    with np.errstate(all="ignore"):
+        at_pole, beside = np.abs(search._matrices(model, 1.0)(np.array([0.0, 0.5])))
+    assert not at_pole < 1e300 and beside == pytest.approx(1 / (2 * np.sin(0.25)))
 
 
 def test_a_crossing_that_is_left_out_is_noticed_by_the_library_itself(monkeypatch: pytest.MonkeyPatch) -> None:
