@@ -51,7 +51,8 @@ def test_a_margin_that_is_reported_a_thousandth_too_large_is_noticed(
 
 
 def test_the_judge_answers_at_a_pole() -> None:
-    model = StateSpace(readonly([[1.0]]), readonly([[1.0]]), readonly([[1.0]]), readonly([[0.0]]), ["x"], ["u"], ["y"], Discrete(1.0))
+    one, zero = readonly([[1.0]]), readonly([[0.0]])
+    model = StateSpace(one, one, one, zero, ("x",), ("u",), ("y",), Discrete(1.0))
     with np.errstate(all="ignore"):
         at_pole, beside = np.abs(search._matrices(model, 1.0)(np.array([0.0, 0.5])))
     assert not at_pole < 1e300 and beside == pytest.approx(1 / (2 * np.sin(0.25)))
