@@ -17,13 +17,15 @@ from time import process_time
 import numpy as np
 
 from synth.block import Block, Exprs, Step, build, clip
+from synth.blocks import derivative_filter, regulator, safety
 from synth.compose import compose
 from synth.emit import write
 from synth.execute import compile as host_compiler
 from synth.execute import host
 from synth.signals import Signal
 from synth.statespace import StateSpace, readonly
-from synth.synthesise import derivative_filter, internal_model, lqr, regulator, safety
+from synth.synthesise.feedback import lqr
+from synth.synthesise.servo import internal_model
 from synth.timing import Continuous, Discrete
 from synth.verify import agree, steps
 

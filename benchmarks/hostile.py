@@ -2,7 +2,7 @@
 
     python -m benchmarks.hostile [--calls 10000] [--seed 0] [--only lqr]
 
-For each function and constructor of the vocabulary, of analyse and of synthesise there is a call that works
+For each function and constructor of the vocabulary, of analyse, of synthesise and of blocks there is a call that works
 (`hostile_calls`). Each argument in turn is then replaced: by another kind of thing (a number for a list, a text,
 None, a bool), by another shape or size, by NaN, infinity, 1e300 and 1e-300, by nothing, by a masked array, by a wrong
 name, and by the same value in another form, for which the answer must be the same. A call must answer or raise a
@@ -33,6 +33,7 @@ from typing import Any
 import numpy as np
 
 import synth.analyse
+import synth.blocks
 import synth.synthesise
 from benchmarks import hostile_calls, hostile_examples
 from benchmarks.hostile_values import SAME, mutations
@@ -76,10 +77,10 @@ class Outcome:
 
 
 def modules() -> list[ModuleType]:
-    """Return the modules of the vocabulary, of analyse and of synthesise."""
-    layers = (synth.analyse, synth.synthesise)
+    """Return the modules of the vocabulary, of analyse, of synthesise and of blocks."""
+    layers = (synth.analyse, synth.synthesise, synth.blocks)
     names = [f"synth.{name}" for name in VOCABULARY]
-    names += [m.name for layer in layers for m in pkgutil.iter_modules(layer.__path__, f"{layer.__name__}.")]
+    names += [m.name for layer in layers for m in pkgutil.walk_packages(layer.__path__, f"{layer.__name__}.")]
     return [importlib.import_module(name) for name in names]
 
 

@@ -31,17 +31,12 @@ from benchmarks.hostile_examples import (
 )
 from synth.analyse import lie, relative_degree, worst
 from synth.block import Constant, State
+from synth.blocks import safety
 from synth.signals import Parameter, Signal
-from synth.synthesise import (
-    belief,
-    kalman,
-    logs,
-    lqg,
-    lqr,
-    noise,
-    safety,
-)
-from synth.synthesise.minimal_polynomial import Mode
+from synth.synthesise.feedback import lqr
+from synth.synthesise.identify import logs
+from synth.synthesise.observers import belief, kalman, lqg, noise
+from synth.synthesise.servo.minimal_polynomial import Mode
 from synth.timing import Continuous
 
 

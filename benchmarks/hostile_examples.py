@@ -18,14 +18,10 @@ from synth.block import build as block
 from synth.plant import build as plant
 from synth.signals import Parameter, Signal
 from synth.statespace import StateSpace
-from synth.synthesise import (
-    internal_model,
-    kalman,
-    lead_lag,
-    lqr,
-    optimal_servo,
-    reduced_observer,
-)
+from synth.synthesise.classical import lead_lag
+from synth.synthesise.feedback import lqr
+from synth.synthesise.observers import kalman, reduced_observer
+from synth.synthesise.servo import internal_model, optimal_servo
 from synth.timing import Continuous, Discrete, Time
 
 Call = Mapping[str, Any]

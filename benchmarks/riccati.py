@@ -21,8 +21,8 @@ import scipy.linalg
 from synth.analyse import precise
 from synth.errors import SynthError
 from synth.statespace import Array
-from synth.synthesise import exact_riccati, riccati
-from synth.synthesise.equation import Equation, decays
+from synth.synthesise.riccati import exact_riccati, riccati
+from synth.synthesise.riccati.equation import Equation, decays
 from synth.timing import Continuous, Discrete, Time
 
 RIGHT = 1e-6  # of the largest entry of X

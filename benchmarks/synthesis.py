@@ -20,7 +20,8 @@ import numpy as np
 import scipy.linalg
 
 from synth.statespace import Array
-from synth.synthesise import lqr, riccati
+from synth.synthesise.feedback import lqr
+from synth.synthesise.riccati import riccati
 from synth.timing import Continuous, Discrete, Time
 
 PERIOD = 1e-3  # s

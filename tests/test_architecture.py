@@ -25,7 +25,7 @@ VOCABULARY = (
     "block",
     "compose",
 )
-LAYERS = ("analyse", "synthesise", "emit", "execute", "simulate", "verify", "report", "workspace", "cli")
+LAYERS = ("analyse", "synthesise", "blocks", "emit", "execute", "simulate", "verify", "report", "workspace", "cli")
 RANK = {("synth", name): 0 for name in VOCABULARY}
 RANK |= {("synth", name): rank for rank, name in enumerate(LAYERS, 1)}
 RANK |= {("models",): len(LAYERS) + 1, ("designs",): len(LAYERS) + 2}
@@ -101,7 +101,7 @@ def test_a_planted_violation_is_found(path: str, text: str) -> None:
 @pytest.mark.parametrize(
     ("path", "text"),
     [
-        ("synth/emit/lower.py", "from ..analyse import trim\nfrom synth.emit import ranges\nimport casadi, synth"),
+        ("synth/emit/lower.py", "from ..analyse import trim\nfrom synth.emit import proof\nimport casadi, synth"),
         ("models/pmlsm.py", "from synth.plant import Plant\nfrom . import windings"),
         ("designs/maglev_5dof/design.py", "from synth.cli import main\nfrom models import pmlsm\nfrom . import audit"),
         ("designs/maglev_5dof/reference.py", "import numpy as np\nfrom scipy import linalg"),

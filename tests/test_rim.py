@@ -10,7 +10,11 @@ import pytest
 from synth.analyse import discretise, disk, interconnect, sensitivity, transfer
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import StateSpace, of, together
-from synth.synthesise import internal_model, inverse_lqr, lead_lag, lqg, lqr, riccati
+from synth.synthesise.classical import lead_lag
+from synth.synthesise.feedback import inverse_lqr, lqr
+from synth.synthesise.observers import lqg
+from synth.synthesise.riccati import riccati
+from synth.synthesise.servo import internal_model
 from synth.timing import Continuous, Discrete
 
 PLANT = control.ss(control.tf([1], [1, 1, 0]))

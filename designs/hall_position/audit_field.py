@@ -13,7 +13,7 @@ from designs.hall_position import scan
 from designs.hall_position.audit_stage import FIELD, KEPT, MV, PER_PITCH, Array, Stage
 from models import concentrated_field, hall_array, hall_figures
 from synth.report.audit import Published, Row, judge, row
-from synth.synthesise.logs import Log
+from synth.synthesise.identify.logs import Log
 
 ODD = (1, 3, 5, 7, 9, 11, 13)
 NONE, DIGITS = 1e-6, 12  # T: no wave; what is shown, so that rounding is not

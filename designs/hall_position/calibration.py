@@ -22,12 +22,13 @@ from designs.hall_position.parameters import Array, Pair
 from designs.hall_position.truth import Field, Spread
 from models import hall_chain, planar_stage
 from models.hall_chain import Chain
-from synth.emit import digits, write
+from synth.emit import write
+from synth.emit.c import digits
 from synth.errors import ModelError
 from synth.execute import host
 from synth.statespace import Array as Numbers
 from synth.statespace import readonly
-from synth.synthesise.logs import Log
+from synth.synthesise.identify.logs import Log
 from synth.timing import Discrete
 
 TIME = Discrete(1 / 800)

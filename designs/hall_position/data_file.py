@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from synth.errors import DesignError, SignalError
-from synth.synthesise.logs import Log
+from synth.synthesise.identify.logs import Log
 
 UNITS: dict[
     str, tuple[str, float, float]

@@ -14,7 +14,8 @@ import numpy as np
 from designs.hall_position import estimator, motions, shipped
 from designs.hall_position.motions import Numbers, Pose
 from designs.hall_position.parameters import Array
-from synth.emit import digits, vectors, write
+from synth.emit import write
+from synth.emit.c import digits, vectors
 from synth.execute import host
 
 STEPS, REST = 1000, 200  # samples, of them at rest

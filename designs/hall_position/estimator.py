@@ -36,9 +36,9 @@ from designs.hall_position.correction import AXES, Equations, Wave
 from designs.hall_position.descent import Named, Problem
 from designs.hall_position.parameters import Array, Tuning
 from synth.block import Block, Exprs, Step, build
+from synth.blocks import safety
 from synth.compose import compose
 from synth.signals import Signal, names
-from synth.synthesise import safety
 from synth.timing import Discrete
 
 SPAN = 5.0  # V, of the converter

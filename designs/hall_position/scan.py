@@ -30,9 +30,9 @@ from synth import show
 from synth.errors import SignalError
 from synth.signals import Parameter
 from synth.statespace import readonly
-from synth.synthesise import identify, least_squares
-from synth.synthesise.estimate import Estimate
-from synth.synthesise.logs import Log
+from synth.synthesise.identify import identify, least_squares
+from synth.synthesise.identify.estimate import Estimate
+from synth.synthesise.identify.logs import Log
 
 Array = NDArray[np.float64]
 

@@ -13,9 +13,9 @@ from models import concentrated_field, hall_array
 from models.concentrated_field import STRONG, WEAK
 from models.hall_chain import Chain
 from synth.block import Block
-from synth.emit import digits
+from synth.blocks.safety import Safety
+from synth.emit.c import digits
 from synth.errors import DesignError
-from synth.synthesise.safety import Safety
 from synth.timing import Discrete
 
 NAME, THREE = "hall_position", "hall_position_three"

@@ -32,10 +32,10 @@ from designs.hall_position.six_correction import Sensor
 from designs.hall_position.six_descent import POSE, Found, Named, Problem
 from designs.hall_position.six_parameters import Array, Tuning
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
+from synth.blocks import safety
 from synth.compose import compose
 from synth.errors import ModelError
 from synth.signals import Signal, names
-from synth.synthesise import safety
 from synth.timing import Discrete
 
 SPAN = 5.0  # V, of the converter

@@ -24,6 +24,7 @@ from designs.planar_6dof_lqg import control
 from models import hall_chain, planar_stage
 from models.hall_chain import Chain
 from synth.block import Block
+from synth.blocks import safety
 from synth.compose import compose
 from synth.emit import write
 from synth.emit.write import Emitted
@@ -33,7 +34,6 @@ from synth.simulate import closed_loop as simulation
 from synth.simulate.scenario import Scenario, Trajectory, sample_times
 from synth.simulate.sensors import Encoder
 from synth.statespace import Array
-from synth.synthesise import safety
 
 TIME = control.TIME
 RAW = {axis: f"{axis}_raw" for axis in closed_loop.HORIZONTAL}

@@ -10,7 +10,7 @@ from designs.maglev_5dof.audit_continuous import Reference
 from designs.maglev_5dof.audit_motor import FORCES, MAGNETS
 from synth.report.audit import Published, Row, judge, row
 from synth.simulate import metrics
-from synth.synthesise import inverse_lqr
+from synth.synthesise.feedback import inverse_lqr
 
 NEAR = 0.10  # a tracking error agrees within this part of the printed one
 SPRING_CASES: tuple[Springs, ...] = ("absent", "known", "unknown")

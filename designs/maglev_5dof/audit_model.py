@@ -15,7 +15,7 @@ from synth.analyse import magnitude
 from synth.plant import Plant
 from synth.report.audit import Published, Row, judge, row
 from synth.signals import Signal
-from synth.synthesise import feedback_linearisation
+from synth.synthesise.nonlinear import feedback_linearisation
 
 DOMINANT, SMALL = ("a2", "a3", "a7"), ("a4", "a5", "a6", "a8", "a9")
 

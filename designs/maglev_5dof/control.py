@@ -21,11 +21,13 @@ import numpy as np
 from models import maglev_stage, pmlsm, windings
 from synth.analyse import magnitude
 from synth.block import Block, Exprs, Step, build, clip
+from synth.blocks import derivative_filter, regulator, safety
 from synth.compose import compose
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.statespace import StateSpace, readonly
-from synth.synthesise import derivative_filter, internal_model, lqr, regulator, safety
+from synth.synthesise.feedback import lqr
+from synth.synthesise.servo import internal_model
 from synth.timing import Continuous, Discrete
 
 NAME = "maglev_5dof"

@@ -9,13 +9,15 @@ import numpy as np
 from designs.maglev_5dof import control
 from designs.maglev_5dof.loop import Loop
 from models import maglev_stage
-from synth.emit import digits, vectors, write
+from synth.emit import write
+from synth.emit.c import digits, vectors
 from synth.execute import host
 from synth.plant import Plant
 from synth.simulate.scenario import sample_times
 from synth.simulate.sensors import Override
 from synth.statespace import Array, readonly
-from synth.synthesise import internal_model, lqr
+from synth.synthesise.feedback import lqr
+from synth.synthesise.servo import internal_model
 
 STEPS = 1000
 BAD = slice(700, 703)  # samples of the test vectors at which the x encoder reads out of range

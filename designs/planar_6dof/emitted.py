@@ -17,11 +17,12 @@ from designs.planar_6dof import loop as loops
 from designs.planar_6dof.loop import Array, Loop
 from models import halbach, planar_stage
 from synth.block import Block
-from synth.emit import digits, vectors, write
+from synth.emit import write
+from synth.emit.c import digits, vectors
 from synth.execute import host
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
-from synth.synthesise import riccati
+from synth.synthesise.riccati import riccati
 from synth.timing import Discrete
 
 STEPS = 1000

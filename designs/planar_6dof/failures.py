@@ -22,11 +22,11 @@ from numpy.typing import NDArray
 from designs.planar_6dof import calibration, interface, sensing
 from designs.planar_6dof.loop import Array, Loop
 from models import planar_stage
+from synth.blocks import safety
 from synth.check import Check
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
-from synth.synthesise import safety
 
 Kind = Literal["stuck", "zero", "nan"]
 

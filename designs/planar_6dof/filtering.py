@@ -33,7 +33,7 @@ import numpy as np
 from designs.planar_6dof import sensing
 from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.statespace import StateSpace, readonly
-from synth.synthesise import kalman
+from synth.synthesise.observers import kalman
 from synth.timing import Discrete
 
 AXES = ("x", "y", "phi")

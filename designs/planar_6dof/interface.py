@@ -11,10 +11,10 @@ import numpy as np
 from designs.planar_6dof import allocation, sensing, vertical
 from models import planar_stage
 from synth.block import Block
+from synth.blocks import safety
 from synth.compose import compose
 from synth.plant import Plant
 from synth.signals import Signal, names
-from synth.synthesise import safety
 from synth.timing import Discrete
 
 BAD_SAMPLES = 5

@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from designs.planar_6dof import calibration, filtering, interface, sensing, vertical
 from models import halbach, planar_stage
 from synth.block import Block
+from synth.blocks import safety
 from synth.compose import compose
 from synth.emit import write
 from synth.execute import host
@@ -31,7 +32,6 @@ from synth.signals import names
 from synth.simulate import closed_loop
 from synth.simulate.scenario import Scenario, Trajectory, sample_times
 from synth.simulate.sensors import Encoder
-from synth.synthesise import safety
 from synth.timing import Discrete
 
 Array = NDArray[np.float64]

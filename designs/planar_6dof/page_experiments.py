@@ -8,6 +8,7 @@ import numpy as np
 from designs.planar_6dof import drawings, voltages
 from designs.planar_6dof.page_stage import REST, seen
 from models import halbach, planar_stage
+from synth.blocks import safety
 from synth.errors import SignalError
 from synth.plant import Plant
 from synth.report import figures, page, sections
@@ -15,7 +16,6 @@ from synth.report.notation import readable
 from synth.signals import names
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory
-from synth.synthesise import safety
 from synth.timing import Discrete
 
 Beside = Mapping[str, Sequence[tuple[str, str]]]  # by experiment: rows of the audit, and the paper's figures

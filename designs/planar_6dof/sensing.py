@@ -66,9 +66,9 @@ import casadi as ca
 from designs.planar_6dof import calibration
 from models import planar_stage
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
+from synth.blocks import safety
 from synth.plant import Plant
 from synth.signals import Signal
-from synth.synthesise import safety
 from synth.timing import Discrete
 
 HALL = planar_stage.HALL

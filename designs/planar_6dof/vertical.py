@@ -31,7 +31,7 @@ from models import planar_stage
 from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.plant import Plant
 from synth.signals import Signal
-from synth.synthesise import lead_lag
+from synth.synthesise.classical import lead_lag
 from synth.timing import Discrete
 
 Reading = Literal["shipped", "published"]

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from synth import timing
 from synth.analyse import loop, margins, sensitivity, transfer
 from synth.statespace import StateSpace
-from synth.synthesise import lead_lag
+from synth.synthesise.classical import lead_lag
 from synth.timing import Continuous
 
 Array = NDArray[np.float64]

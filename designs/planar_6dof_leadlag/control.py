@@ -19,7 +19,7 @@ from designs.planar_6dof import allocation, filtering, interface, sensing, verti
 from designs.planar_6dof.vertical import Loop, Reading
 from synth.block import Block
 from synth.plant import Plant
-from synth.synthesise import lead_lag
+from synth.synthesise.classical import lead_lag
 from synth.timing import Discrete
 
 NAME = "planar_6dof_leadlag"

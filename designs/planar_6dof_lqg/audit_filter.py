@@ -15,7 +15,7 @@ from designs.planar_6dof_leadlag.audit_bench import number
 from designs.planar_6dof_lqg.audit_stage import Array, Prints
 from synth.report.audit import Published, Row, judge, row
 from synth.statespace import StateSpace
-from synth.synthesise import belief, kalman, noise
+from synth.synthesise.observers import belief, kalman, noise
 from synth.timing import Discrete, period
 
 HZ = {"800 Hz": ("Y-7.rate_lqg", 1.0), "1 kHz": ("Y-7.rate", 1e3)}  # where the rates are printed, and their units

@@ -18,7 +18,7 @@ from synth import timing
 from synth.analyse import structure
 from synth.report.audit import Printed, Published, Row, judge, row
 from synth.statespace import StateSpace
-from synth.synthesise import kalman, reduced_compensator, reduced_observer
+from synth.synthesise.observers import kalman, reduced_compensator, reduced_observer
 
 WEIGHTS = (1e4, 1e3, 1e3, 1e10, 1e9, 1e10, 1e2, 1e1, 2e1)  # on STATES: those that make (49); not printed
 LOST = 4  # places by which the scan's decimal points are too far right in the gains of the rates

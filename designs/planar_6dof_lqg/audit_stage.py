@@ -19,7 +19,7 @@ from designs.planar_6dof_leadlag.audit_bench import number
 from synth.analyse import discretise
 from synth.report.audit import Published
 from synth.statespace import StateSpace
-from synth.synthesise import lqr
+from synth.synthesise.feedback import lqr
 from synth.timing import Continuous
 
 Array = NDArray[np.float64]

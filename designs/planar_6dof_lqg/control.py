@@ -57,7 +57,8 @@ from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.statespace import Array, StateSpace, readonly
-from synth.synthesise import kalman, lqr, reduced_observer
+from synth.synthesise.feedback import lqr
+from synth.synthesise.observers import kalman, reduced_observer
 from synth.timing import Continuous, Discrete
 
 NAME = "planar_6dof_lqg"

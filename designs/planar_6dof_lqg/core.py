@@ -23,10 +23,11 @@ from designs.planar_6dof_lqg import control
 from designs.planar_6dof_lqg.control import CURRENTS, NOISE, OBSERVER_POLE, PUSHED, STATES, TIME, Order
 from synth.analyse import discretise
 from synth.block import Block
+from synth.blocks import linear_block
 from synth.compose import compose
 from synth.signals import Signal
 from synth.statespace import Array, StateSpace, readonly
-from synth.synthesise import kalman, linear_block, reduced_compensator, reduced_observer
+from synth.synthesise.observers import kalman, reduced_compensator, reduced_observer
 
 MODES = ("i_y", "i_phi", "i_x")
 TO_MODES = readonly([[0.5, 0.5, 0.0], [-0.5, 0.5, 0.0], [0.0, 0.0, 1.0]])

@@ -11,7 +11,8 @@ from designs.planar_6dof import allocation, vertical
 from designs.planar_6dof import emitted as shared
 from designs.planar_6dof_lqg import control
 from models import planar_stage
-from synth.emit import digits, write
+from synth.emit import write
+from synth.emit.c import digits
 from synth.plant import Plant
 
 

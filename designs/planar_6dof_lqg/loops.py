@@ -23,7 +23,7 @@ from synth.block import Block
 from synth.errors import ModelError
 from synth.plant import Plant
 from synth.statespace import Array, readonly
-from synth.synthesise import reduced_observer
+from synth.synthesise.observers import reduced_observer
 
 SHIPPED, REWEIGHTED, PRINTED = "as shipped", "weights (47)", "(33) as printed"
 ROW = {"x": 2, "y": 1, "phi": 1}  # of K in which an axis has its gains

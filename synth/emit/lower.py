@@ -11,7 +11,7 @@ from itertools import groupby
 import casadi as ca
 
 from synth.block import Block, Named, State
-from synth.emit.polynomial import Polynomial
+from synth.emit.approx.polynomial import Polynomial
 from synth.errors import EmitError
 
 UNARY = {

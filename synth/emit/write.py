@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from synth.block import Block
-from synth.emit import c_text, layout, manifest, reduced
+from synth.blocks.safety import Safety
+from synth.emit.c import c_text, layout, manifest
 from synth.emit.lower import Program
-from synth.synthesise.safety import Safety
+from synth.emit.passes import reduced
 
 
 @dataclass(frozen=True)

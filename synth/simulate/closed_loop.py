@@ -19,7 +19,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from synth.emit import casadi_c
+from synth.emit.c import casadi_c
 from synth.errors import SignalError, WiringError
 from synth.execute import compile as host_compiler
 from synth.execute import host

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.block import Block
-from synth.emit import casadi_c
+from synth.emit.c import casadi_c
 from synth.execute import compile as host_compiler
 from synth.execute import host
 

@@ -9,8 +9,8 @@ from collections import Counter
 import numpy as np
 
 from synth.block import Block
-from synth.emit import reduced
 from synth.emit.lower import Program
+from synth.emit.passes import reduced
 
 _KINDS = {"sq": "mul", "twice": "mul", "inv": "div", "clamp": "limit", "choose": "choice", "when": "choice"}
 _KINDS |= dict.fromkeys(("lt", "le", "eq", "ne"), "compare") | dict.fromkeys(("and", "or", "not", "bit"), "logic")

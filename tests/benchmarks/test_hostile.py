@@ -89,7 +89,7 @@ def test_another_answer_to_the_same_value_is_a_defect() -> None:
 
 
 def test_a_function_of_the_library_without_its_guard_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    lead_lag = importlib.import_module("synth.synthesise.lead_lag")
+    lead_lag = importlib.import_module("synth.synthesise.classical.lead_lag")
     guarded = lead_lag.from_constants
     assert not any(outcome.is_defect for _, outcome in hostile.search(60, 0, "lead_lag.from_constants"))
     monkeypatch.setattr(lead_lag, "from_constants", guarded.__wrapped__)

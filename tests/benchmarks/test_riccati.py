@@ -5,7 +5,8 @@ import pytest
 import scipy.linalg
 
 from benchmarks import riccati as benchmark
-from synth.synthesise import lqr, riccati
+from synth.synthesise.feedback import lqr
+from synth.synthesise.riccati import riccati
 
 # Before SciPy's errors were caught 127, 135, 162, 203, 218 and 230 raised its ValueError.
 SEEDS = (1, 2, 3, 5, 6, 127, 135, 162, 203, 218, 230)

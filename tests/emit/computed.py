@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from hypothesis import strategies as st
 
+from synth.emit.approx.polynomial import Polynomial
 from synth.emit.lower import Node, Program
-from synth.emit.polynomial import Polynomial
-from synth.emit.ranges import Range
+from synth.emit.proof.ranges import Range
 
 UNARY = ("neg", "fabs", "sq", "twice", "inv", "sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan")
 UNARY += ("sinh", "cosh", "tanh", "not")

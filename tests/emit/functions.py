@@ -11,8 +11,8 @@ import numpy as np
 
 from models import pmlsm
 from synth.analyse.precise import precision
-from synth.emit import certificate, enclosure, surrogate
-from synth.emit.polynomial import Polynomial
+from synth.emit.approx import certificate, enclosure, surrogate
+from synth.emit.approx.polynomial import Polynomial
 
 P = {p.name: p.value for p in pmlsm.PARAMETERS}
 J = flint.acb(0, 1)

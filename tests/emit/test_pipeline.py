@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 
 from synth.block import Block, Constant, State, Step, build
-from synth.emit import ranges, reduced
+from synth.blocks import safety
+from synth.emit.passes import reduced
+from synth.emit.proof import ranges
 from synth.emit.write import Emitted, emit
 from synth.errors import EmitError
 from synth.execute import host
 from synth.signals import Signal
-from synth.synthesise import safety
 from synth.timing import Discrete
 
 TIME = Discrete(1e-3)

@@ -9,7 +9,7 @@ import pytest
 
 from synth.block import Block, Constant, State, Step, build, clip, table
 from synth.emit import lower
-from synth.emit.interval import Interval, lookup
+from synth.emit.proof.interval import Interval, lookup
 from synth.emit.write import Emitted, emit
 from synth.errors import EmitError, SignalError
 from synth.execute import host

@@ -13,7 +13,7 @@ import pytest
 
 from synth.block import Block, Constant, State, Step, build
 from synth.compose import compose
-from synth.emit import reduced, replace
+from synth.emit.passes import reduced, replace
 from synth.emit.write import emit, save
 from synth.errors import EmitError, SignalError
 from synth.signals import Signal

@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from synth.emit import casadi_c
+from synth.emit.c import casadi_c
 from synth.errors import CompileError, SignalError, SynthError
 from synth.execute import image
 from tests.execute.planted import COMPILERS, assembly

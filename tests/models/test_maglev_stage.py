@@ -10,7 +10,7 @@ from models import maglev_stage, pmlsm
 from synth.errors import ModelError
 from synth.plant import Plant
 from synth.signals import Signal, names
-from synth.synthesise import feedback_linearisation
+from synth.synthesise.nonlinear import feedback_linearisation
 
 VALUES = {p.name: p.value for p in maglev_stage.PARAMETERS}
 

@@ -5,7 +5,7 @@ import scipy.linalg
 
 from synth.plant import Plant, build
 from synth.signals import Parameter, Signal
-from synth.synthesise.logs import Log
+from synth.synthesise.identify.logs import Log
 
 MASS, DAMP, SPRING = (
     Parameter(n, v, u, 0.2, "test") for n, v, u in (("m", 2, "kg"), ("d", 3, "kg/s"), ("k", 40, "N/m"))

@@ -17,7 +17,7 @@ import pytest
 from synth.errors import ModelError
 from synth.plant import Plant, Symbols, build
 from synth.signals import Signal
-from synth.synthesise import dynamic_extension, feedback_linearisation
+from synth.synthesise.nonlinear import dynamic_extension, feedback_linearisation
 
 SEEDS = range(45)
 

@@ -11,8 +11,8 @@ import pytest
 from benchmarks import axes
 from synth.block import Block, State, Step, build
 from synth.emit import write
+from synth.emit.approx.polynomial import Polynomial
 from synth.emit.lower import Node, Program
-from synth.emit.polynomial import Polynomial
 from synth.emit.write import Emitted
 from synth.errors import CompileError, EmitError, SignalError
 from synth.execute import compile as host_compiler

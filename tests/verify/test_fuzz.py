@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from synth.block import Exprs, State, Step, build, clip
+from synth.blocks import safety
 from synth.compose import compose
 from synth.emit import write
 from synth.errors import CompileError, DesignError
 from synth.signals import Signal
-from synth.synthesise import safety
 from synth.timing import Discrete
 from synth.verify import fuzz
 

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from designs.hall_position import bench, costs, random_steps, shipped
+from synth.blocks import safety
 from synth.emit.write import Emitted
 from synth.errors import DesignError
 from synth.execute import cross, host
-from synth.synthesise import safety
 from synth.verify import meter, rivals, steps
 from synth.verify.meter import Build
 from synth.verify.steps import Steps

@@ -7,7 +7,7 @@ import pytest
 
 from designs.hall_position import data_file
 from synth.errors import DesignError, SignalError
-from synth.synthesise.logs import Log
+from synth.synthesise.identify.logs import Log
 
 WANTED = {"X": "m", "V_ax": "V"}
 GOOD = "# scan of May\nX [mm], turn[deg], V_ax [mV]\n\n12.7, 180, -3.5e0\r\n+.5,0,7\n"

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from designs.hall_position import emitted, estimator, shipped
+from synth.blocks import safety
 from synth.emit.write import Emitted
 from synth.execute import compile as host_compiler
 from synth.execute import host
-from synth.synthesise import safety
 
 ROOT = Path(__file__).parents[3]
 LAST_BITS = 8  # units in the last place of double precision by which libm's functions may differ

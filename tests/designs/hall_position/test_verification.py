@@ -12,10 +12,10 @@ from designs.hall_position import endurance, estimator, random_steps, reference_
 from designs.hall_position.random_steps import Subject
 from designs.hall_position.verification import Compared, Steps, Witnesses
 from synth.block import Block
+from synth.blocks import safety
 from synth.check import Check
 from synth.emit import write
 from synth.execute import host
-from synth.synthesise import safety
 from synth.verify import agree
 from synth.verify.agree import Stepped
 

@@ -18,10 +18,10 @@ from designs.planar_6dof_leadlag import bench as leadlag
 from designs.planar_6dof_leadlag import experiments
 from designs.planar_6dof_lqg import bench as lqg
 from models import planar_stage
+from synth.blocks import safety
 from synth.emit.write import Emitted
 from synth.execute import host
 from synth.simulate.experiment import Experiment
-from synth.synthesise import safety
 from synth.verify import meter, on_target, rivals, steps
 from synth.verify.steps import Steps
 

@@ -12,11 +12,11 @@ import pytest
 
 from designs.planar_6dof import filtering, reference_sensing, sensing, sensing_maps
 from synth.block import Block
+from synth.blocks import safety
 from synth.compose import compose
 from synth.emit import write
 from synth.execute import host
 from synth.statespace import Array
-from synth.synthesise import safety
 from tests.designs.planar_6dof.measured import (
     AS_MEASURED,
     HALL,

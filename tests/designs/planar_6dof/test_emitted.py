@@ -19,10 +19,10 @@ from designs.planar_6dof_lqg import emitted as lqg_emitted
 from designs.planar_6dof_lqg import reference as lqg_reference
 from models import planar_stage
 from synth.block import Block
+from synth.blocks import safety
 from synth.emit.write import Emitted
 from synth.execute import compile as host_compiler
 from synth.execute import host
-from synth.synthesise import safety
 
 ROOT = Path(__file__).parents[3]
 EMITTED: dict[str, Callable[[type[np.floating]], dict[str, Emitted]]] = {

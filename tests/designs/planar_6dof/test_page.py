@@ -10,9 +10,9 @@ from designs.planar_6dof import loop as simulated
 from designs.planar_6dof.loop import Loop
 from designs.planar_6dof_leadlag import control as leadlag
 from models import planar_stage
+from synth.blocks import safety
 from synth.errors import SignalError
 from synth.simulate.experiment import Experiment
-from synth.synthesise import safety
 from tests.designs.planar_6dof import short_runs
 
 PLANT = planar_stage.plant()

@@ -12,8 +12,8 @@ from designs.planar_6dof.random_steps import Subject
 from designs.planar_6dof_leadlag import verification as leadlag
 from designs.planar_6dof_lqg import verification as lqg
 from models import halbach, planar_stage
+from synth.blocks import safety
 from synth.simulate.scenario import Trajectory
-from synth.synthesise import safety
 from synth.timing import Discrete
 from synth.verify import agree
 

@@ -5,9 +5,9 @@ import pytest
 
 from designs.planar_6dof import allocation, random_steps
 from designs.planar_6dof_leadlag import control, reference
+from synth.blocks import safety
 from synth.emit import write
 from synth.execute import host
-from synth.synthesise import safety
 from tests import tolerances
 from tests.designs.planar_6dof import drawn, opened
 

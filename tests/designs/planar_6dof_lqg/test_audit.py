@@ -12,7 +12,8 @@ from scipy.optimize import brentq
 from designs.planar_6dof_leadlag import audit as motors
 from designs.planar_6dof_lqg import audit, audit_filter, audit_gains, audit_records, audit_stage
 from synth.report.audit import Published, Row
-from synth.synthesise import belief, kalman, lqr
+from synth.synthesise.feedback import lqr
+from synth.synthesise.observers import belief, kalman
 from tests.designs.planar_6dof_leadlag.test_audit import Watched, wrong_dependences
 
 OWN = audit.printed()

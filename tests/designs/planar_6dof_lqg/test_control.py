@@ -11,7 +11,7 @@ from synth.analyse import loop
 from synth.block import Block
 from synth.errors import ModelError
 from synth.execute import host
-from synth.synthesise import reduced_observer
+from synth.synthesise.observers import reduced_observer
 from synth.verify import agree
 from tests import tolerances
 from tests.designs.planar_6dof import drawn, opened

@@ -1,0 +1,119 @@
+"""A sampled linear model as a Block: x+ = A x + B u, y = C x + D u.
+
+An entry of 0 costs nothing and one of 1 or -1 no multiplication. Every other entry is a Constant, ``<output>_from_<u>``
+or ``next_<state>_from_<u>``, so that emission rounds it once and the C shows where it belongs.
+
+With a Start the state is a after init, and the first step takes x = a + G u, limited to its range, with its own inputs:
+an estimate then begins at the first measurement (`estimator_start`), not with a transient from 0.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from synth import arguments
+from synth.block import Block, Constant, Exprs, State, Step, build, clip
+from synth.errors import SignalError
+from synth.signals import Signal, names
+from synth.statespace import Array, StateSpace, System, of
+from synth.synthesise.observers.estimator_start import Start
+from synth.timing import Discrete, period
+
+STARTED = Signal("started", "1", 0, 1, "the first sample is over")
+
+
+@dataclass(frozen=True, eq=False)
+class _Row:
+    """What one row of [A, B] or [C, D] computes, `values` (n + m,) over states and inputs."""
+
+    label: str
+    signal: Signal
+    values: Array
+
+
+@arguments.checked
+def block(
+    name: str,
+    system: System,
+    *,
+    inputs: Sequence[Signal],
+    outputs: Sequence[Signal],
+    states: Sequence[Signal] = (),
+    tag: str,
+    start: Start | None = None,
+) -> Block:
+    """Return the step of a sampled model whose signals are given in its order and by its names.
+
+    States are limited to their ranges. They start at 0, or with the first inputs as `start` says, which a further state
+    ``started`` tells apart.
+
+    Raises TimingError for a continuous model; SignalError when a signal is not the model's, a name stands twice, or a
+    start does not fit the model.
+    """
+    model = of(system)
+    time = Discrete(period(model.time))
+    for kind, given in (("inputs", inputs), ("outputs", outputs), ("states", states)):
+        _require_same(name, kind, names(given), getattr(model, kind))
+    columns = (*states, *inputs)
+    next = [_Row(f"next_{s.name}", s, v) for s, v in zip(states, np.hstack([model.A, model.B]), strict=True)]
+    out = [_Row(s.name, s, v) for s, v in zip(outputs, np.hstack([model.C, model.D]), strict=True)]
+    first = [] if start is None else _first(name, model, start, states)
+    constants = [
+        Constant(_name(row, c), float(v), _unit(row.signal, c), f"{tag}: {row.label} from {c.name}")
+        for row in (*next, *out, *first)
+        for c, v in zip(columns, row.values, strict=True)
+        if v not in (0, 1, -1)
+    ]
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        now = {**x, **u}
+
+        def total(row: _Row, begin: ca.SX) -> ca.SX:
+            terms = [(c, float(v)) for c, v in zip(columns, row.values, strict=True) if v]
+            return sum((k.get(_name(row, c), v) * now[c.name] for c, v in terms), start=begin)
+
+        begun = {row.signal.name: clip(total(row, x[row.signal.name]), row.signal) for row in first}
+        now |= {name: ca.if_else(x[STARTED.name], x[name], value) for name, value in begun.items()}
+        after = {row.signal.name: total(row, ca.SX(0)) for row in next}
+        after |= {} if start is None else {STARTED.name: ca.SX(1)}
+        return Step({row.signal.name: total(row, ca.SX(0)) for row in out}, after)
+
+    after_init = np.zeros(len(states)) if start is None else start.a
+    kept = [State(s, float(v)) for s, v in zip(states, after_init, strict=True)]
+    kept += [] if start is None else [State(STARTED, 0, integer=True)]
+    return build(name, time, law, inputs=inputs, outputs=outputs, states=kept, constants=constants, tag=tag)
+
+
+def _first(name: str, model: StateSpace, start: Start, states: Sequence[Signal]) -> list[_Row]:
+    """Return what the first inputs add to each state that they move, over states and inputs."""
+    n, m = model.B.shape
+    if not isinstance(start, Start):
+        raise SignalError(f"block '{name}': the start is a {type(start).__name__}: give a Start")
+    if (start.a.shape, start.G.shape) != ((n,), (n, m)) or not np.isfinite([*start.a, *start.G.ravel()]).all():
+        raise SignalError(
+            f"block '{name}': the start is {start.a.shape} and {start.G.shape}: give finite numbers of {(n,)} and "
+            f"{(n, m)}, the model's states by its inputs"
+        )
+    rows = [_Row(f"start_{s.name}", s, np.concatenate([np.zeros(n), g])) for s, g in zip(states, start.G, strict=True)]
+    return [row for row in rows if row.values.any()]
+
+
+def _require_same(name: str, kind: str, given: Sequence[str], known: Sequence[str]) -> None:
+    if tuple(given) != tuple(known):
+        raise SignalError(
+            f"block '{name}': the {kind} given are {', '.join(given) or 'none'}, but the model's are "
+            f"{', '.join(known) or 'none'}: give one signal for each, in this order"
+        )
+
+
+def _name(row: _Row, column: Signal) -> str:
+    return f"{row.label}_from_{column.name}"
+
+
+def _unit(row: Signal, column: Signal) -> str:
+    """Return the unit of the row's signal over the column's; `m s` over `m` is `s`."""
+    if row.unit.startswith(f"{column.unit} "):
+        return row.unit.removeprefix(f"{column.unit} ")
+    return f"{row.unit}/" + column.unit.translate({ord(" "): "/", ord("/"): " "})

@@ -1,0 +1,105 @@
+"""The internal-model regulator as a Block: F(14)-(17) for one axis, exactly discretised.
+
+    w = K (e, de, xi),   xi' = Phi_d xi + N_d e + E_d (u_limited - u_demanded)
+
+in the coordinates of `internal_model.Leapfrog`: xi = T eta, so that the gain on eta is K T. The last term is the
+anti-windup; an axis without it leaves it out.
+"""
+
+from collections.abc import Sequence
+from fractions import Fraction
+
+import casadi as ca
+from numpy.typing import ArrayLike
+
+from synth import arguments
+from synth.block import Block, Constant, Exprs, State, Step, build
+from synth.errors import SignalError
+from synth.signals import Signal, dimension
+from synth.statespace import Array
+from synth.synthesise.feedback.lqr import Gain
+from synth.synthesise.servo import internal_model
+from synth.timing import Discrete
+
+
+@arguments.checked
+def block(
+    name: str,
+    time: Discrete,
+    gain: Gain,
+    frequencies: Sequence[float],
+    *,
+    error: Signal,
+    rate: Signal,
+    demand: Signal,
+    bounds: Sequence[float],
+    anti_windup: tuple[Signal, ArrayLike] | None = None,
+    tag: str,
+) -> Block:
+    """Return the regulator of one axis, from the error e = q - q_ref and its rate de to the demand w.
+
+    `gain` is (1, 2 + n) on (e, de, xi) for the exosystem of `frequencies` in rad/s, of order n; `bounds` (n,) limits
+    |eta| in the error's unit: a state that would leave them stands still. `anti_windup` is the signal
+    u_limited - u_demanded and E (n,).
+
+    Raises SignalError when the gain's or the bounds' size does not fit the exosystem, or the units of rate and demand
+    not the error's.
+    """
+    _require_units(error, rate, demand)
+    excess, E = anti_windup or (None, None)
+    model = internal_model.leapfrog(frequencies, time.period_s, E)
+    n = len(model.T)
+    if gain.K.shape != (1, 2 + n) or len(bounds) != n:
+        raise SignalError(
+            f"regulator '{name}': the gain is {gain.K.shape} and {len(bounds)} bounds are given, "
+            f"but the exosystem of order {n} needs (1, {2 + n}) and {n}: design the gain on the augmented plant"
+        )
+    eta = ["sum"] * (n % 2) + [f"{letter}{k + 1}" for k in range(n // 2) for letter in "pq"]
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        added = {s: k[f"{s}_excess"] * u[excess.name] if excess else ca.SX(0) for s in eta}
+        next = {s: x[s] + u[error.name] + added[s] for s in eta[: n % 2]}
+        for j in range(1, n // 2 + 1):
+            p, q = f"p{j}", f"q{j}"
+            next[p] = x[p] + k[f"c{j}"] * x[q] + added[p]
+            next[q] = x[q] - next[p] + u[error.name] + added[q]
+        next = {s: ca.if_else(ca.fabs(v) <= b, v, x[s]) for (s, v), b in zip(next.items(), bounds, strict=True)}
+        w = k["k_e"] * u[error.name] + k["k_de"] * u[rate.name]
+        return Step({demand.name: sum((k[f"k_{s}"] * x[s] for s in eta), start=w)}, next)
+
+    gains = zip(("e", "de", *eta), [*gain.K[0, :2], *_transformed(gain.K[0, 2:], model.T)], strict=True)
+    constants = [Constant(f"k_{s}", float(v), "1/s" if s == "de" else "1/s^2", f"{tag}: gain on {s}") for s, v in gains]
+    turns = [f * time.period_s for f in sorted(frequencies) if f]
+    constants += [
+        Constant(f"c{j}", float(c), "1", f"{tag}: 2 - 2 cos(w T), w T = {turn:.6g}")
+        for j, (c, turn) in enumerate(zip(model.c, turns, strict=True), 1)
+    ]
+    if excess:
+        per = f"{error.unit}/" + excess.unit.translate({ord(" "): "/", ord("/"): " "})
+        wound = zip(eta, model.E[:, 0], strict=True)
+        constants += [Constant(f"{s}_excess", float(v), per, f"{tag}: anti-windup into {s}") for s, v in wound]
+    return build(
+        name,
+        time,
+        law,
+        inputs=[error, rate, *([excess] if excess else [])],
+        outputs=[demand],
+        states=[State(Signal(s, error.unit, -b, b, "internal model"), 0) for s, b in zip(eta, bounds, strict=True)],
+        constants=constants,
+        tag=tag,
+    )
+
+
+def _transformed(K: Array, T: Array) -> list[float]:
+    """Return K T, each entry rounded once."""
+    exact = [[Fraction(float(v)) for v in row] for row in T.T]
+    return [float(sum(Fraction(float(k)) * t for k, t in zip(K, column, strict=True))) for column in exact]
+
+
+def _require_units(error: Signal, rate: Signal, demand: Signal) -> None:
+    """Refuse a rate that is not in the error's unit per s, or a demand that is not in that per s^2."""
+    for signal, per in ((rate, "/s"), (demand, "/s^2")):
+        if dimension(signal.unit) != dimension(error.unit + per):
+            raise SignalError(
+                f"'{signal.name}' is in {signal.unit}, but the error '{error.name}' asks for {error.unit}{per}"
+            )

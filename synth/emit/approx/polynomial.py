@@ -1,0 +1,134 @@
+"""Polynomial programs in one scalar type: what they compute, and a bound of how far rounding takes them.
+
+    t = (x - centre) scale        no centre: nothing is subtracted; no scale: nothing is multiplied
+    p = c_0 + t (c_1 + t (... + t c_n))               parity "none"; where c_0 = 0 nothing is added
+    p = c_0 + s (c_1 + s (... + s c_n)),  s = t t     parity "even"
+    p = t (c_0 + s (c_1 + ... + s c_n))               parity "odd"
+
+Every operation is rounded to nearest, in this order; a compiler may contract each c + v q into a fused multiply-add.
+c - x in place of x - c would give the same numbers: rounding does not see signs.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import flint
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from synth.emit.approx.enclosure import Parity, size
+
+Scalars = NDArray[np.floating]
+MultiplyAdd = Callable[[Scalars, Scalars, np.floating], Scalars]
+
+
+@dataclass(frozen=True)
+class Polynomial:
+    """A polynomial in place of a function on [low, high]; its numbers are exact in `scalar`.
+
+    `coefficients` are c_0 ... c_n. `scale` is a power of two, and 1 unless the coefficients would leave the type.
+
+    What C computes is within `max_relative_error` of the function at every x of the type in the range at which the
+    function is not subnormal; `checked_values` of these x, with a parity of these |x|, were tried one by one, and an
+    argument covers the others.
+    """
+
+    low: float
+    high: float
+    centre: float
+    scale: float
+    parity: Parity
+    coefficients: tuple[float, ...]
+    scalar: type[np.floating]
+    max_relative_error: float = np.inf
+    checked_values: int = 0
+
+    @property
+    def degree(self) -> int:
+        """Return the degree in x."""
+        n = len(self.coefficients) - 1
+        return {"none": n, "even": 2 * n, "odd": 2 * n + 1}[self.parity]
+
+    def evaluate(self, x: ArrayLike) -> Scalars:
+        """Return what C computes at x (any shape), multiplication and addition rounded separately."""
+        return run(self, np.asarray(x, self.scalar), separate)
+
+    def enclose(self, x: flint.arb) -> flint.arb:
+        """Return a ball around everything that C may compute in the ball x, contracted or not."""
+        first, *others = about(self, x.mid(), x.rad())
+        return first + flint.arb(0, (size(others) + rounding(self, x)).upper())
+
+
+def run(p: Polynomial, x: Scalars, multiply_add: MultiplyAdd) -> Scalars:
+    """Return the program's values at x (any shape), with `multiply_add(a, b, c)` for c + a b."""
+    c = [p.scalar(v) for v in p.coefficients]
+    t = x - p.scalar(p.centre) if p.centre else x
+    t = t * p.scalar(p.scale) if p.scale != 1 else t
+    v = t if p.parity == "none" else t * t
+    q = np.full_like(x, c[-1])
+    for term in c[-2::-1]:
+        q = multiply_add(v, q, term) if term else v * q
+    return t * q if p.parity == "odd" else q
+
+
+def separate(a: Scalars, b: Scalars, c: np.floating) -> Scalars:
+    """Return c + a b, the product rounded before the sum."""
+    return c + a * b
+
+
+def fused(a: Scalars, b: Scalars, c: np.floating) -> Scalars:
+    """Return c + a b in float32, rounded once.
+
+    The product is exact in double. Where rounding the sum to double makes it a tie between two floats that it is not,
+    the double is moved off the tie before it is rounded again.
+    """
+    product = a.astype(np.float64) * b
+    total = product + np.float64(c)
+    tie = (total.view(np.int64) & 0x1FFFFFFF) == 0x10000000
+    if tie.any():
+        part, whole = product[tie], total[tie]
+        taken = whole - part
+        lost = (part - (whole - taken)) + (np.float64(c) - taken)
+        total[tie] = np.where(lost == 0, whole, np.nextafter(whole, np.copysign(np.inf, lost)))
+    return total.astype(np.float32)
+
+
+def about(p: Polynomial, x: flint.arb, half: flint.arb, power: int = 0) -> list[flint.arb]:
+    """Return the coefficients b_k of p(x + half w) / (x + half w)^power = sum b_k w^k, without rounding.
+
+    The power is 1 only for a polynomial that has t = scale x as a factor.
+    """
+    t = flint.arb_poly([(x - p.centre) * p.scale, half * p.scale])
+    terms = p.coefficients[1:] if power and p.parity == "none" else p.coefficients
+    q = flint.arb_poly(list(terms))(t if p.parity == "none" else t * t)
+    factor = p.scale if power else t if p.parity == "odd" else 1
+    return (q * factor).coeffs() or [flint.arb(0)]
+
+
+def rounding(p: Polynomial, x: flint.arb, power: int = 0) -> flint.arb:
+    """Bound |computed - exact| / |x|^power in the ball x, products that underflow included.
+
+    With power 1 the last operation is the product with t, and its underflow is left out.
+    """
+    tiny = flint.arb(float(np.finfo(p.scalar).tiny))
+    t = (x - p.centre) * p.scale
+    dt = _half_unit(t, p.scalar) if p.centre else flint.arb(0)
+    v, dv = (t, dt) if p.parity == "none" else (t * t, _half_unit(t * t, p.scalar) + tiny)
+    first = 1 if power and p.parity == "none" else 0
+    q, dq = flint.arb(p.coefficients[-1]), flint.arb(0)
+    for c in p.coefficients[-2 : first - len(p.coefficients) - 1 : -1]:
+        product, lost = v * q, abs(v) * dq + (abs(q) + dq) * dv
+        lost += _half_unit(abs(product) + lost, p.scalar) + tiny
+        q, dq = c + product, lost + _half_unit(abs(c + product) + lost, p.scalar)
+    last = dq + (abs(q) + dq) * float(np.finfo(p.scalar).eps) / 2
+    if power:
+        return p.scale * last
+    return abs(t) * last + tiny if p.parity == "odd" else dq
+
+
+def _half_unit(size: flint.arb, scalar: type[np.floating]) -> flint.arb:
+    """Bound what rounding to nearest moves a number of at most this size: half a unit in its last place."""
+    mantissa, exponent = abs(size).upper().man_exp()
+    if mantissa == 0:
+        return flint.arb(0)
+    return flint.arb(2) ** (int(exponent) + int(mantissa).bit_length() - 2) * float(np.finfo(scalar).eps)

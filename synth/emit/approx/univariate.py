@@ -1,0 +1,233 @@
+"""Functions of one variable inside a program, found by its shape alone.
+
+Node v dominates node k when every way from the loads to k leads through v; then k = f(v), with numbers and constants.
+Where a function of libm lies between v and k, f can be replaced as a whole:
+
+    loads ... -> v -> (h + v) -> sinh(k (h + v)) -> c / sinh(...) -> root -> ...
+              \\______________________ f ______________________/
+
+Each root is taken as high, and its variable as low, as f stays analytic: factors, sums of functions of one variable
+and changes of scale are all absorbed, up to a named signal. Dominators form a tree; in the order of computation the
+immediate dominator of a node is the nearest common ancestor, in that tree, of its arguments.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import flint
+
+from synth.emit.lower import Program
+from synth.emit.proof.ranges import Range
+from synth.errors import EmitError
+
+Analytic = Callable[[flint.acb], flint.acb]
+Key = tuple[tuple[str, tuple[int, ...], float], ...]
+
+TRANSCENDENTAL = frozenset({"sin", "cos", "tan", "asin", "acos", "atan", "exp", "log", "sinh", "cosh", "tanh"})
+_NUMBERS = frozenset({"literal", "constant"})
+_NOWHERE = flint.acb("nan")
+
+
+@dataclass(frozen=True)
+class Univariate:
+    """Node `root` is a function of node `variable` and of nothing else but numbers and constants."""
+
+    root: int
+    variable: int
+
+
+@dataclass(frozen=True)
+class _Trail:
+    """How a node comes from its variable: whether a function of libm lies between them."""
+
+    variable: int
+    transcendental: bool
+
+
+def find(program: Program, ranges: Sequence[Range]) -> tuple[Univariate, ...]:
+    """Return the functions of one variable that contain a function of libm and cannot be extended.
+
+    Of roots that differ by a factor and an offset only, what they share is returned instead. Where a part of one is
+    read elsewhere too, it is a root of its own.
+    """
+    trails = _trails(program, ranges)
+    users = program.users()
+    kept = set(program.ends())
+    roots = [
+        k
+        for k, trail in trails.items()
+        if trail.transcendental and (k in kept or not all(_absorbs(trails, u, k) for u in users[k]))
+    ]
+    return tuple(Univariate(k, trails[k].variable) for k in sorted(_merged(program, trails, roots)))
+
+
+def _varying(program: Program) -> list[bool]:
+    """Return for each node whether it depends on an input or a state."""
+    found: list[bool] = []
+    for node in program.nodes:
+        found.append(node.op in ("input", "state") or any(found[a] for a in node.args))
+    return found
+
+
+def _common(above: list[int | None], depth: list[int], a: int | None, b: int | None) -> int | None:
+    while a is not None and b is not None and a != b:
+        a, b = (above[a], b) if depth[a] >= depth[b] else (a, above[b])
+    return a if a == b else None
+
+
+def _trails(program: Program, ranges: Sequence[Range]) -> dict[int, _Trail]:
+    """Return the trail of each node that is an analytic function of another one.
+
+    A named signal that is such a function with libm in it stands by itself: what is computed from it takes it as it is.
+    So naming decides which functions are kept apart.
+    """
+    found: dict[int, _Trail] = {}
+    above: list[int | None] = []
+    depth: list[int] = []
+    varies = _varying(program)
+    named = {k for _, k in program.marks}
+    for k, node in enumerate(program.nodes):
+        args = [a for a in node.args if varies[a]]
+        v = args[0] if args else None
+        for a in args[1:]:
+            v = _common(above, depth, v, a)
+        if v is not None and ranges[v].finite and (trail := _trail(program, ranges, varies, found, named, k, v)):
+            found[k] = trail
+        if k in named and k in found and found[k].transcendental:
+            v = None
+        above.append(v)
+        depth.append(0 if v is None else depth[v] + 1)
+    return found
+
+
+def _trail(
+    program: Program,
+    ranges: Sequence[Range],
+    varies: list[bool],
+    found: dict[int, _Trail],
+    named: set[int],
+    k: int,
+    v: int,
+) -> _Trail | None:
+    """Return how node k comes from its dominator v, and on from v's own variable; None where it is not analytic."""
+    inside = [n for n in cone(program, k, v) if n != v]
+    ops = {n: program.nodes[n].op for n in inside}
+    if not all((op in _COMPLEX or op in _NUMBERS) and ranges[n].finite for n, op in ops.items()):
+        return None
+    below = found.get(v, _Trail(v, False))
+    below = _Trail(v, False) if v in named and below.transcendental else below
+    transcendental = any(op in TRANSCENDENTAL and varies[n] for n, op in ops.items())
+    return _Trail(below.variable, below.transcendental or transcendental)
+
+
+def cone(program: Program, root: int, variable: int) -> list[int]:
+    """Return the nodes that `root` needs beyond `variable`, in order, both included."""
+    found, waiting = {variable}, [root]
+    while waiting:
+        k = waiting.pop()
+        if k not in found:
+            found.add(k)
+            waiting += program.nodes[k].args
+    return sorted(found)
+
+
+def _absorbs(trails: dict[int, _Trail], user: int, k: int) -> bool:
+    """Return whether k lies between a user of it and the user's variable."""
+    return user in trails and trails[user].transcendental and trails[user].variable != k
+
+
+def _merged(program: Program, trails: dict[int, _Trail], roots: list[int]) -> set[int]:
+    """Replace roots that are a number times the same node, plus a number, by the last node that they share."""
+    varies = _varying(program)
+    chains = {k: _scaled(program, trails, varies, k) for k in roots}
+    groups: dict[int, list[int]] = {}
+    for k in roots:
+        groups.setdefault(chains[k][-1], []).append(k)
+    return {max(set(chains[group[0]]).intersection(*(chains[k] for k in group))) for group in groups.values()}
+
+
+def _scaled(program: Program, trails: dict[int, _Trail], varies: list[bool], k: int) -> list[int]:
+    """Return k and the nodes below it that it is a multiple of, plus a number, as long as libm is below them."""
+    node = program.nodes[k]
+    varying = [a for a in node.args if varies[a]]
+    linear = node.op in ("add", "sub", "mul", "neg", "twice") or (node.op == "div" and varying == [node.args[0]])
+    if not linear or len(varying) != 1 or varying[0] not in trails or not trails[varying[0]].transcendental:
+        return [k]
+    return [k, *_scaled(program, trails, varies, varying[0])]
+
+
+def evaluator(program: Program, ranges: Sequence[Range], root: int, variable: int) -> Analytic:
+    """Return `root` as a function of `variable`: `function` of its `key`. Raises EmitError as `key` does."""
+    return function(key(program, ranges, root, variable))
+
+
+def key(program: Program, ranges: Sequence[Range], root: int, variable: int) -> Key:
+    """Return `root` as operations on earlier rows (operation, rows, number), the variable first.
+
+    Numbers and constants are those of the scalar type. Equal functions of unlike variables have equal keys: the rows
+    follow the expression, not the program.
+
+    Raises EmitError where the root depends on more than the variable, or is not analytic.
+    """
+    rows: list[tuple[str, tuple[int, ...], float]] = [("variable", (), 0.0)]
+    place, waiting = {variable: 0}, [root]
+    while waiting:
+        k = waiting[-1]
+        node = program.nodes[k]
+        missing = [a for a in node.args if a not in place]
+        if k in place or not missing:
+            waiting.pop()
+        if k in place:
+            continue
+        if node.op not in _COMPLEX and node.op not in _NUMBERS:
+            raise EmitError(
+                f"node {root} is no analytic function of node {variable}: it needs '{node.name or node.op}'; choose "
+                "another variable"
+            )
+        waiting += missing[::-1]
+        if not missing:
+            place[k] = len(rows)
+            number = ranges[k].low if node.op in _NUMBERS else 0.0
+            op = "literal" if node.op in _NUMBERS else node.op
+            rows.append((op, tuple(place[a] for a in node.args), number))
+    return tuple(rows)
+
+
+def function(key: Key) -> Analytic:
+    """Return the function of a key on complex balls, in the precision that is set when it is called.
+
+    A ball on which the function is not analytic gives no finite ball.
+    """
+
+    def f(x: flint.acb) -> flint.acb:
+        values = [x]
+        for op, args, number in key[1:]:
+            values.append(flint.acb(number) if op == "literal" else _COMPLEX[op](*(values[a] for a in args)))
+        return values[-1]
+
+    return f
+
+
+def _off(x: flint.arb, y: flint.arb) -> bool:
+    """Return whether x + i y is surely not on the real axis from 1 or -1 outwards."""
+    return not y.contains(0) or bool(abs(x) < 1)
+
+
+_COMPLEX: dict[str, Callable[..., flint.acb]] = {
+    "neg": lambda a: -a,
+    "sq": lambda a: a * a,
+    "twice": lambda a: 2 * a,
+    "inv": lambda a: 1 / a,
+    "add": lambda a, b: a + b,
+    "sub": lambda a, b: a - b,
+    "mul": lambda a, b: a * b,
+    "div": lambda a, b: a / b,
+    "sqrt": lambda a: a.sqrt(analytic=True),
+    "log": lambda a: a.log(analytic=True),
+    "asin": lambda a: a.asin() if _off(a.real, a.imag) else _NOWHERE,
+    "acos": lambda a: a.acos() if _off(a.real, a.imag) else _NOWHERE,
+    "atan": lambda a: a.atan() if _off(a.imag, a.real) else _NOWHERE,
+    **{
+        name: (lambda a, name=name: getattr(a, name)()) for name in ("exp", "sin", "cos", "tan", "sinh", "cosh", "tanh")
+    },
+}

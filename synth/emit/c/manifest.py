@@ -1,0 +1,115 @@
+"""The manifest: what any program needs to drive the C without reading it."""
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from synth.block import Block, Fault
+from synth.blocks.safety import Safety
+from synth.emit.c.layout import Layout, Struct
+from synth.emit.c.printer import Line
+from synth.emit.passes.replace import Surrogate
+
+
+def manifest(
+    block: Block,
+    layout: Layout,
+    safety: Safety | None,
+    texts: Mapping[str, str],
+    surrogates: Sequence[Surrogate],
+    source: Sequence[Line],
+) -> dict[str, Any]:
+    """Return the manifest of the emitted `texts` (file name to text) as a JSON document.
+
+    `trace` holds for each Block of the composition, with its equation, the lines of <name>.c that compute it, as runs
+    [first, last], counted from 1.
+    """
+    return {
+        "design": block.name,
+        "period_s": block.time.period_s,
+        "scalar": np.dtype(layout.scalar).name,
+        "functions": {"init": f"{block.name}_init", "step": f"{block.name}_step"},
+        "structs": {s.kind: _struct(s) for s in layout.structs},
+        "faults": [_fault(f) for f in block.faults],
+        "safety": _safety(safety),
+        "surrogates": [_surrogate(s) for s in surrogates],
+        "trace": _trace(source),
+        "sha256": {name: hashlib.sha256(text.encode()).hexdigest() for name, text in texts.items()},
+    }
+
+
+def _fault(fault: Fault) -> dict[str, Any]:
+    named = {"input": fault.input, "suspect": fault.suspect}
+    return {"bit": fault.bit, **({k: v for k, v in named.items() if v} or {"latched": True})}
+
+
+def _struct(struct: Struct) -> dict[str, Any]:
+    fields = [
+        {"name": f.name, "offset": f.offset, "count": 1, "ctype": f.ctype, "unit": f.unit, "low": f.low, "high": f.high}
+        for f in struct.fields
+    ]
+    return {"type": struct.type, "size": struct.size, "fields": fields}
+
+
+def _surrogate(s: Surrogate) -> dict[str, Any]:
+    p = s.polynomial
+    return {
+        "tag": s.tag,
+        "function": s.name,
+        "variable": s.variable,
+        "low": p.low,
+        "high": p.high,
+        "degree": p.degree,
+        "max_relative_error": p.max_relative_error,
+        "checked_values": p.checked_values,
+    }
+
+
+def _trace(source: Sequence[Line]) -> dict[str, list[list[int]]]:
+    runs: dict[str, list[list[int]]] = {}
+    before = ""
+    for number, line in enumerate(source, 1):
+        if line.tag and line.tag == before:
+            runs[line.tag][-1][1] = number
+        elif line.tag:
+            runs.setdefault(line.tag, []).append([number, number])
+        before = line.tag
+    return runs
+
+
+def _safety(safety: Safety | None) -> dict[str, Any] | None:
+    if safety is None:
+        return None
+    return {
+        "bad_samples": safety.bad_samples,
+        "safe_output": dict(safety.safe_output),
+        "slew_per_s": dict(safety.slew_per_s),
+        "reason": safety.reason,
+    }
+
+
+def dumps(document: Mapping[str, Any]) -> str:
+    """Return a JSON text with one field or row a line, ending in a newline."""
+    text = json.dumps(document, indent=1, allow_nan=False)
+    return _short_rows(text) + "\n"
+
+
+def _short_rows(text: str) -> str:
+    """Join each innermost object or list of an indented JSON text into one line."""
+    lines, out = text.split("\n"), []
+    k = 0
+    while k < len(lines):
+        line = lines[k]
+        end = k + 1
+        if line.rstrip().endswith(("{", "[")):
+            while end < len(lines) and not lines[end].rstrip().endswith(("{", "[", "}", "]", "},", "],")):
+                end += 1
+            if end < len(lines) and lines[end].strip() in ("}", "]", "},", "],") and end > k + 1:
+                inner = " ".join(part.strip() for part in lines[k + 1 : end])
+                line, k = line + inner + lines[end].strip(), end
+        out.append(line)
+        k += 1
+    return "\n".join(out)

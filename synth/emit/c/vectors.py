@@ -1,0 +1,20 @@
+"""Test vectors: what the emitted C answers to recorded inputs, step by step from `init`, for anyone's harness."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synth.emit.c import manifest
+
+Columns = Mapping[str, NDArray[Any]]
+
+
+def document(inputs: Columns, outputs: Columns, faults: NDArray[np.uint32]) -> str:
+    """Return vectors.json: columns (N,) by name, numbers in the fewest digits that read back in their scalar type."""
+
+    def listed(columns: Columns) -> dict[str, list[float]]:
+        return {name: [float(str(v)) for v in column] for name, column in columns.items()}
+
+    return manifest.dumps({"inputs": listed(inputs), "outputs": listed(outputs), "faults": [int(f) for f in faults]})

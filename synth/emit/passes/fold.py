@@ -1,0 +1,289 @@
+"""Folding: the same values from fewer operations. Each rule rewrites one node; a second pass shares divisions.
+
+    numbers         l1 op l2,  l1 (l2 x) = (l1 l2) x,  x / l = (1/l) x,  l1 / (l2 x) = (l1/l2) / x,  x + 0, 1 x
+    signs           a - (-b),  -(l x) = (-l) x
+    choices         not c ? a : b = c ? b : a,  c ? a : (c ? b : d) = c ? a : d,  a gate is a choice with 0
+    limits          max(min(x, h), -h)  is a limit of x to +-h, with one comparison while x is inside
+    intervals       -h <= x && x <= h  is  |x| <= h, also for what is no number
+    constants       k1 (k2 x) = (k1 k2) x for named constants, the product rounded to the scalar type once
+    divisions       a / d and b / d, or 1/d: one reciprocal, and products
+
+Numbers are folded in double and rounded once, where they are printed.
+"""
+
+import operator
+from collections.abc import Callable
+from dataclasses import replace
+
+from synth.emit.lower import LOGICAL, Node, Program
+from synth.emit.proof.safe import Guard, arms
+
+_ARITHMETIC: dict[str, Callable[[float, float], float]] = {
+    "add": operator.add,
+    "sub": operator.sub,
+    "mul": operator.mul,
+    "min": min,
+    "max": max,
+}
+
+
+class _Folder:
+    """Nodes so far, each once, in the order of computation."""
+
+    def __init__(self) -> None:
+        self.nodes: list[Node] = []
+        self.known: dict[Node, int] = {}
+
+    def place(self, node: Node) -> int:
+        if node not in self.known:
+            self.known[node] = len(self.nodes)
+            self.nodes.append(node)
+        return self.known[node]
+
+    def literal(self, value: float) -> int:
+        return self.place(Node("literal", value=value))
+
+    def number(self, k: int) -> float | None:
+        node = self.nodes[k]
+        return node.value if node.op == "literal" else None
+
+    def scaled(self, k: int) -> tuple[float, int]:
+        """Read node k as l x; l is 1 where no number stands before it."""
+        node = self.nodes[k]
+        if node.op == "neg":
+            return -1.0, node.args[0]
+        if node.op == "mul" and (l := self.number(node.args[0])) is not None:
+            return l, node.args[1]
+        return 1.0, k
+
+    def make(self, node: Node) -> int:
+        """Return the place of a node with folded arguments, or of what equals it."""
+        rule = _RULES.get(node.op)
+        found = rule(self, *node.args) if rule else None
+        return self.place(node) if found is None else found
+
+
+def _neg(f: _Folder, a: int) -> int | None:
+    if (l := f.number(a)) is not None:
+        return f.literal(-l)
+    l, x = f.scaled(a)
+    return None if l == 1 else times(f, -l, x)
+
+
+def times(f: _Folder, l: float, x: int) -> int:
+    """Return l x."""
+    if (number := f.number(x)) is not None:
+        return f.literal(l * number)
+    m, x = f.scaled(x)
+    l *= m
+    if l == 1:
+        return x
+    if l == -1:
+        return f.place(Node("neg", (x,)))
+    node = f.nodes[x]
+    if node.op == "div" and (top := f.number(node.args[0])) is not None:
+        return f.place(Node("div", (f.literal(l * top), node.args[1])))
+    if node.op == "inv":
+        return f.place(Node("div", (f.literal(l), node.args[0])))
+    return f.place(Node("mul", (f.literal(l), x)))
+
+
+def _mul(f: _Folder, a: int, b: int) -> int | None:
+    (l, x), (m, y) = f.scaled(a), f.scaled(b)
+    for number, other in ((f.number(a), b), (f.number(b), a)):
+        if number is not None:
+            return times(f, number, other)
+    if l != 1 or m != 1:
+        return times(f, l * m, f.make(Node("mul", (x, y))))
+    return f.place(Node("sq", (x,))) if x == y else None
+
+
+def _div(f: _Folder, a: int, b: int) -> int | None:
+    top, bottom = f.number(a), f.number(b)
+    if bottom is not None and bottom != 0:
+        return times(f, 1 / bottom, a) if top is None else f.literal(top / bottom)
+    (l, x), (m, y) = (top, a) if top is not None else f.scaled(a), f.scaled(b)
+    if m in (0.0, 1.0):
+        return None
+    if top is not None:
+        return f.make(Node("div", (f.literal(l / m), y)))
+    return f.make(Node("div", (times(f, l / m, x), y)))
+
+
+def _inv(f: _Folder, a: int) -> int | None:
+    return _div(f, f.literal(1.0), a) if f.number(a) or f.scaled(a)[0] != 1 else None
+
+
+def _add(f: _Folder, a: int, b: int) -> int | None:
+    return _sum(f, "add", a, b)
+
+
+def _sub(f: _Folder, a: int, b: int) -> int | None:
+    return _sum(f, "sub", a, b)
+
+
+def _sum(f: _Folder, op: str, a: int, b: int) -> int | None:
+    first, second = f.number(a), f.number(b)
+    if first is not None and second is not None:
+        return f.literal(_ARITHMETIC[op](first, second))
+    if second == 0:
+        return a
+    if first == 0:
+        return b if op == "add" else _neg(f, b) or f.place(Node("neg", (b,)))
+    l, x = f.scaled(b)
+    if l < 0:
+        return f.make(Node("sub" if op == "add" else "add", (a, times(f, -l, x))))
+    l, x = f.scaled(a)
+    if l < 0 and op == "add":
+        return f.make(Node("sub", (b, times(f, -l, x))))
+    return None
+
+
+def _twice(f: _Folder, a: int) -> int | None:
+    return times(f, 2.0, a)
+
+
+def _extreme(op: str) -> Callable[[_Folder, int, int], int | None]:
+    def rule(f: _Folder, a: int, b: int) -> int | None:
+        first, second = f.number(a), f.number(b)
+        return None if first is None or second is None else f.literal(_ARITHMETIC[op](first, second))
+
+    return rule
+
+
+def _limit(f: _Folder, a: int, b: int) -> int | None:
+    """Read max(min(x, h), -h) as a limit of x to h on both sides."""
+    if (found := _extreme("max")(f, a, b)) is not None:
+        return found
+    for inner, low in ((f.nodes[a], b), (f.nodes[b], a)):
+        if inner.op == "min":
+            for x, high in (inner.args, inner.args[::-1]):
+                negative = f.number(low) is not None and f.number(high) == -f.nodes[low].value
+                if negative or f.nodes[low] == Node("neg", (high,)):
+                    return f.place(Node("clamp", (x, low, high)))
+    return None
+
+
+def _not(f: _Folder, a: int) -> int | None:
+    node = f.nodes[a]
+    if (l := f.number(a)) is not None:
+        return f.literal(float(l == 0))
+    return _truth(f, node.args[0]) if node.op == "not" else None
+
+
+def _truth(f: _Folder, a: int) -> int:
+    """Return 1 where node a is not 0, else 0."""
+    return a if f.nodes[a].op in LOGICAL else f.place(Node("ne", (a, f.literal(0.0))))
+
+
+def _when(f: _Folder, c: int, a: int) -> int | None:
+    return f.make(Node("choose", (c, a, f.literal(0.0))))
+
+
+def _choose(f: _Folder, c: int, a: int, b: int) -> int | None:
+    if (l := f.number(c)) is not None:
+        return a if l else b
+    if f.nodes[c].op == "not":
+        return f.make(Node("choose", (f.nodes[c].args[0], b, a)))
+    first, second = f.nodes[a], f.nodes[b]
+    if first.op == "choose" and first.args[0] == c:
+        return f.make(Node("choose", (c, first.args[1], b)))
+    if second.op == "choose" and second.args[0] == c:
+        return f.make(Node("choose", (c, a, second.args[2])))
+    return a if a == b else None
+
+
+def _and(f: _Folder, a: int, b: int) -> int | None:
+    first, second = f.nodes[a], f.nodes[b]
+    if first.op == second.op == "le":
+        low, high = f.number(first.args[0]), f.number(second.args[1])
+        if low is not None and high == -low and first.args[1] == second.args[0]:
+            return f.place(Node("le", (f.place(Node("fabs", (first.args[1],))), second.args[1])))
+    return None
+
+
+def _or(f: _Folder, a: int, b: int) -> int | None:
+    for number, other in ((f.number(a), b), (f.number(b), a)):
+        if number is not None:
+            return f.literal(1.0) if number else _truth(f, other)
+    return None
+
+
+_RULES: dict[str, Callable[..., int | None]] = {
+    "neg": _neg,
+    "mul": _mul,
+    "div": _div,
+    "inv": _inv,
+    "add": _add,
+    "sub": _sub,
+    "twice": _twice,
+    "min": _extreme("min"),
+    "max": _limit,
+    "not": _not,
+    "when": _when,
+    "choose": _choose,
+    "and": _and,
+    "or": _or,
+}
+
+
+def folded(p: Program) -> Program:
+    """Return a program that computes the same values, to rounding, from fewer operations."""
+    return _shared_divisions(_rebuilt(p, lambda f, node, _: f.make(node)))
+
+
+def gathered(p: Program) -> Program:
+    """Return the program that multiplies by two named constants at once: k1 (k2 x) = (k1 k2) x.
+
+    Nothing else may read k2 x. A product of constants stands in `products`, and is no factor of another one.
+    """
+    users, kept = p.users(), set(p.ends())
+    products = dict(p.products)
+    taken = {n.name for n in p.nodes}
+    merged: dict[Node, str] = {}
+    for node in p.nodes:
+        first, second = (p.nodes[a] for a in node.args) if node.op == "mul" else (node, node)
+        if first.op != "constant" or second.op != "mul" or p.nodes[second.args[0]].op != "constant" or second in merged:
+            continue
+        pair = (first.name, p.nodes[second.args[0]].name)
+        name = "_x_".join(pair)
+        free = name not in taken and products.get(name, pair) == pair
+        if free and len(users[node.args[1]]) == 1 and node.args[1] not in kept:
+            merged[node] = name
+            products[name] = pair
+
+    def make(f: _Folder, node: Node, old: Node) -> int:
+        if old not in merged:
+            return f.place(node)
+        return f.place(Node("mul", (f.place(Node("constant", name=merged[old])), f.nodes[node.args[1]].args[1])))
+
+    return _rebuilt(replace(p, products=products), make)
+
+
+def _rebuilt(p: Program, make: Callable[[_Folder, Node, Node], int]) -> Program:
+    """Return the program with every node passed through `make`, arguments first, beside what it was."""
+    f = _Folder()
+    index: list[int] = []
+    for node in p.nodes:
+        index.append(make(f, replace(node, args=tuple(index[a] for a in node.args)), node))
+    return p.moved(tuple(f.nodes), index)
+
+
+def _shared_divisions(p: Program) -> Program:
+    """Divide once by what is divided by more than once, where it is divided by it anyway."""
+    guards = arms(p)
+    divisors: dict[int, list[frozenset[Guard]]] = {}
+    for k, n in enumerate(p.nodes):
+        if n.op in ("div", "inv"):
+            divisors.setdefault(n.args[-1], []).append(guards[k])
+    shared = {d for d, where in divisors.items() if len(where) > 1 and frozenset.intersection(*where) in where}
+
+    def make(f: _Folder, node: Node, old: Node) -> int:
+        if node.op != "div" or old.args[1] not in shared:
+            return f.place(node)
+        top, inverse = node.args[0], f.place(Node("inv", node.args[1:]))
+        if (number := f.number(top)) is None:
+            return f.make(Node("mul", (top, inverse)))
+        return inverse if number == 1 else f.place(Node("mul", (top, inverse)))
+
+    return _rebuilt(p, make)

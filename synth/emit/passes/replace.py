@@ -1,0 +1,202 @@
+"""Replacement: functions of one variable in a program become certified polynomials.
+
+    root = f(v)   ->   root = p(v - c),   or   root = p(l/(v + d) - c)   where the program computes l/(v + d) anyway
+
+A reciprocal takes poles and branch points below the range away from it, so that a much lower degree may do. Functions
+of one variable share it, and equal functions share their polynomial.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import cache
+
+import flint
+import numpy as np
+
+from synth.emit.approx import surrogate, univariate
+from synth.emit.approx.polynomial import Polynomial
+from synth.emit.approx.univariate import Analytic, Key
+from synth.emit.c import wording
+from synth.emit.lower import Node, Program
+from synth.emit.proof import ranges
+from synth.errors import EmitError
+
+
+@dataclass(frozen=True)
+class Surrogate:
+    """A polynomial that stands for signal `tag` as a function of `variable`, with its name in C."""
+
+    name: str
+    tag: str
+    variable: str
+    polynomial: Polynomial
+
+
+@dataclass(frozen=True)
+class _Reciprocal:
+    """The value l / (v + d) of a variable v."""
+
+    l: float
+    d: float
+
+
+def replaced(
+    program: Program, bounds: Mapping[str, ranges.Range], scalar: type[np.floating], error: float | None = None
+) -> tuple[Program, tuple[Surrogate, ...]]:
+    """Return the program with polynomials for its functions of one variable, and these polynomials.
+
+    A function that no polynomial replaces at the relative error, such as one with a zero inside its range, stays.
+    """
+    found = ranges.analyse(program, bounds, scalar)
+    names, users = _names(program), program.users()
+    best: dict[int, tuple[int, Polynomial]] = {}
+    first: dict[int, Polynomial] = {}
+    for f in univariate.find(program, found):
+        key = univariate.key(program, found, f.root, f.variable)
+        tasks = {
+            k: _Task(key, reciprocal, found[k].low, found[k].high, scalar, error, names.get(f.root, "function"))
+            for k, reciprocal in _arguments(program, users, found, f).items()
+        }
+        with suppress(EmitError):
+            k = min(tasks, key=lambda k: (_degree(tasks[k]), k == f.variable))
+            best[f.root] = (k, _shared(tasks[k], first.get(k)))
+            first.setdefault(k, best[f.root][1])
+    return _rewritten(program, names, best)
+
+
+def _names(program: Program) -> dict[int, str]:
+    names = {k: node.name for k, node in enumerate(program.nodes) if node.op in ("input", "state")}
+    return names | {k: named.signal.name for named, k in reversed(program.marks)}
+
+
+def _arguments(
+    program: Program, users: Sequence[Sequence[int]], found: Sequence[ranges.Range], f: univariate.Univariate
+) -> dict[int, _Reciprocal | None]:
+    """Return the nodes in which a root may be written: its variable, and reciprocals of it that are computed anyway."""
+    cone = set(univariate.cone(program, f.root, f.variable))
+    own = {k for k in cone if cone.issuperset(users[k])} | {f.root}
+    near = sorted({k for a in users[f.variable] for k in users[a]} - own)
+    candidates = {k: _reciprocal(program, k, f.variable) for k in near}
+    return {f.variable: None} | {k: c for k, c in candidates.items() if c and found[k].finite}
+
+
+def _reciprocal(program: Program, k: int, variable: int) -> _Reciprocal | None:
+    """Read node k as l / (variable + d)."""
+    node = program.nodes[k]
+    top = program.nodes[node.args[0]] if node.op == "div" else Node("literal", value=1.0)
+    if node.op not in ("div", "inv") or top.op != "literal":
+        return None
+    bottom = program.nodes[node.args[-1]]
+    added = [program.nodes[a] for a in bottom.args if a != variable]
+    if bottom.op != "add" or variable not in bottom.args or [a.op for a in added] != ["literal"]:
+        return None
+    return _Reciprocal(top.value, added[0].value)
+
+
+@dataclass(frozen=True)
+class _Task:
+    """What is fitted: the function of `key` of a variable, in that or in its reciprocal, on a range of it."""
+
+    key: Key
+    reciprocal: _Reciprocal | None
+    low: float
+    high: float
+    scalar: type[np.floating]
+    error: float | None
+    what: str
+
+
+def _shared(task: _Task, like: Polynomial | None) -> Polynomial:
+    """Fit in the t of another polynomial of the same argument, unless that takes a higher degree."""
+    if like is not None and like.parity == "none":
+        with suppress(EmitError):
+            found = _fitted(task, like)
+            if found.parity == "none" and found.degree <= _degree(task):
+                return found
+    return _fitted(task, None)
+
+
+@cache
+def _degree(task: _Task) -> float:
+    """Return about the degree that a polynomial will need, infinite where none will do."""
+    try:
+        return surrogate.least_degree(_function(task), task.low, task.high, task.scalar, task.error, task.what)
+    except EmitError:
+        return math.inf
+
+
+@cache
+def _fitted(task: _Task, like: Polynomial | None) -> Polynomial:
+    """Fit a function, once: designs evaluate one function at many signals, and are emitted many times."""
+    return surrogate.fit(_function(task), task.low, task.high, task.scalar, task.error, task.what, like)
+
+
+def _function(task: _Task) -> Analytic:
+    f = univariate.function(task.key)
+    return _of(f, task.reciprocal, task.scalar) if task.reciprocal else f
+
+
+def _of(f: Analytic, reciprocal: _Reciprocal, scalar: type[np.floating]) -> Analytic:
+    """Return f as a function of u = l / (v + d), with l and d as they are printed."""
+    l, d = (flint.acb(float(scalar(value))) for value in (reciprocal.l, reciprocal.d))
+    return lambda u: f(l / u - d)
+
+
+def _rewritten(
+    program: Program, names: Mapping[int, str], best: Mapping[int, tuple[int, Polynomial]]
+) -> tuple[Program, tuple[Surrogate, ...]]:
+    nodes: list[Node] = []
+    known: dict[Node, int] = {}
+    index: dict[int, int] = {}
+    made: dict[Polynomial, Surrogate] = {}
+
+    def place(op: str, *args: int, value: float = 0.0, name: str = "") -> int:
+        node = Node(op, args, value, name)
+        if node not in known:
+            known[node] = len(nodes)
+            nodes.append(node)
+        return known[node]
+
+    def evaluated(k: int) -> int:
+        variable, p = best[k]
+        if p not in made:
+            name = _free(names.get(k, f"f{len(made) + 1}"), {s.name for s in made.values()})
+            made[p] = Surrogate(name, names.get(k, name), _variable(program, names, variable), p)
+        t = index[variable]
+        t = place("sub" if p.centre > 0 else "add", t, place("literal", value=abs(p.centre))) if p.centre else t
+        t = place("mul", place("literal", value=p.scale), t) if p.scale != 1 else t
+        v = t if p.parity == "none" else place("sq", t)
+        q = place("polynomial", v, name=made[p].name)
+        return place("mul", t, q) if p.parity == "odd" else q
+
+    waiting = list(range(len(program.nodes)))[::-1]
+    while waiting:
+        k = waiting.pop()
+        needs = (best[k][0],) if k in best else program.nodes[k].args
+        if missing := [a for a in needs if a not in index]:
+            waiting += [k, *missing]
+        elif k not in index:
+            n = program.nodes[k]
+            args = tuple(index[a] for a in n.args) if k not in best else ()
+            index[k] = evaluated(k) if k in best else place(n.op, *args, value=n.value, name=n.name)
+    moved = program.moved(tuple(nodes), [index[k] for k in range(len(program.nodes))])
+    return replace(moved, polynomials={s.name: s.polynomial for s in made.values()}), tuple(made.values())
+
+
+def _free(signal: str, taken: set[str]) -> str:
+    """Return a name for the polynomial of a signal; signals of unlike Blocks may have one name."""
+    candidates = (f"{signal}{n}_polynomial" for n in ("", *(f"_{i}" for i in range(2, len(taken) + 3))))
+    return next(name for name in candidates if name not in taken)
+
+
+def _variable(program: Program, names: Mapping[int, str], k: int) -> str:
+    """Say what a node is: a signal, a reciprocal, a sum or a difference of others, or else an expression."""
+    node = program.nodes[k]
+    sides = [names.get(a) or wording.expression(program, a, spelled=False) for a in node.args]
+    if k in names or node.op not in ("inv", "div", "add", "sub"):
+        return names.get(k) or wording.expression(program, k, spelled=False)
+    if node.op in ("add", "sub"):
+        return f"{sides[0]} {'+' if node.op == 'add' else '-'} {sides[1]}"
+    return f"{sides[0] if node.op == 'div' else 1} / ({_variable(program, names, node.args[-1])})"

@@ -1,0 +1,166 @@
+"""Bisection: a claim about every point of a box, proved on cells that are halved until it holds on each.
+
+    box = low..high (d,) -> cells -> the claim holds on a cell, or the cell is halved along the side that matters most
+
+Meanwhile the middle of every open cell is tried: a point where the claim fails ends the search, and so do two points
+between which the quantity that must not vanish changes its sign.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from itertools import product
+from math import inf
+
+import numpy as np
+
+from synth.emit.proof.interval import Array, Interval, Mask
+
+BUDGET = 20_000
+_CORNERS = 8  # sides up to which all corners are tried
+_SECTIONS = 64
+_VANISHED = 1e-3  # of the larger value between the points: a quantity that jumps over 0 stays larger
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """What is known of n cells: whether the claim holds, or fails, on all of each; `value` (n,) must not vanish.
+
+    `watched` are intervals (n,) by node, empty on cells that count for nothing.
+    """
+
+    holds: Mask
+    fails: Mask
+    value: Array
+    watched: dict[int, Interval]
+
+
+# From cells low (d, n), high (d, n), and whether they are points that are to be computed as C would, not enclosed.
+Judge = Callable[[Array, Array, bool], Judgement]
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """Whether the claim is proved, and the hull of what was watched; else the worst cell and a point (d,) in it.
+
+    `fails`: the claim fails at the point, or the quantity changes its sign there.
+    """
+
+    proved: bool
+    cells: int
+    hull: dict[int, Interval] = field(default_factory=dict)
+    fails: bool = False
+    low: Array = field(default_factory=lambda: np.zeros(0))
+    high: Array = field(default_factory=lambda: np.zeros(0))
+    point: Array = field(default_factory=lambda: np.zeros(0))
+    value: float = inf
+
+
+def prove(low: Array, high: Array, whole: Mask, judge: Judge, signed: bool, budget: int = BUDGET) -> Verdict:
+    """Prove a claim on the box low..high (d,) of the scalar type, or find where it fails; `whole` (d,) are whole.
+
+    `signed`: the judged value may have either sign but not both.
+    """
+    weight = _weights(low, high, judge)
+    low, high = low[:, None], high[:, None]
+    points = _corners(low, high, whole)
+    cells, hulls, signs = 0, list[dict[int, Interval]](), dict[bool, Array]()
+    while True:
+        found = judge(low, high, False)
+        cells += low.shape[1]
+        hulls.append({k: _hull(a, found.holds) for k, a in found.watched.items()})
+        if found.holds.all():
+            return Verdict(True, cells, {k: _joined([h[k] for h in hulls]) for k in hulls[0]})
+        low, high = low[:, ~found.holds], high[:, ~found.holds]
+        points = np.hstack([points, _middle(low, high, whole)])
+        tried = judge(points, points, True)
+        worst = _worst(tried, points, low, high, cells)
+        if worst.fails:
+            return worst
+        signs |= {side: points[:, mask.argmax()] for side, mask in _sides(tried) if mask.any()}
+        if signed and len(signs) == 2 and (crossing := _crossing(signs, judge)):
+            return Verdict(False, cells, {}, True, crossing[0], crossing[0], *crossing)
+        open_ = (high > low).any(axis=0)
+        if not open_.all() or cells + 2 * low.shape[1] > budget:
+            return worst
+        low, high = _halved(low, high, whole, weight)
+        points = np.zeros((len(low), 0), low.dtype)
+
+
+def _sides(tried: Judgement) -> list[tuple[bool, Mask]]:
+    return [(True, tried.value > 0), (False, tried.value < 0)]
+
+
+def _middle(low: Array, high: Array, whole: Mask) -> Array:
+    middle = low + (high - low) / 2
+    return np.where(whole[:, None], np.floor(middle), middle)
+
+
+def _corners(low: Array, high: Array, whole: Mask) -> Array:
+    if len(low) > _CORNERS:
+        return np.hstack([low, high])
+    return np.array(list(product(*zip(low[:, 0], high[:, 0], strict=True))), low.dtype).T
+
+
+def _weights(low: Array, high: Array, judge: Judge) -> Array:
+    """Return (d,) how much what is watched varies along one side alone, over its length: what to halve first."""
+    middle = low + (high - low) / 2
+    free = np.eye(len(low), dtype=bool)
+    found = judge(np.where(free, low, middle).T, np.where(free, high, middle).T, False)
+    spread = [a.high.astype(np.float64) - a.low for a in found.watched.values()]
+    weight = np.max([np.where(np.isfinite(s), s, 0) for s in spread], axis=0) * np.ones(len(low))
+    # Every side gets a little weight, so that none stays long for ever.
+    weight = weight / weight.max() + 1e-3 if weight.max() > 0 else np.ones(len(low))
+    return weight / np.maximum((high - low).astype(np.float64), np.finfo(low.dtype).tiny)
+
+
+def _halved(low: Array, high: Array, whole: Mask, weight: Array) -> tuple[Array, Array]:
+    side = (weight[:, None] * (high - low).astype(np.float64)).argmax(axis=0)
+    at = (side, np.arange(low.shape[1]))
+    middle = _middle(low, high, whole)[at]
+    upper, lower = low.copy(), high.copy()
+    # Between neighbours in the scalar type nothing lies: each becomes a cell of its own.
+    apart = (middle <= low[at]) | (middle >= high[at])
+    lower[at] = np.where(apart, low[at], middle)
+    upper[at] = np.where(apart, high[at], np.where(whole[side], middle + 1, middle))
+    return np.hstack([low, upper]), np.hstack([lower, high])
+
+
+def _hull(a: Interval, mask: Mask) -> Interval:
+    low, high = np.where(mask, a.low, inf), np.where(mask, a.high, -inf)
+    return Interval(low.min(keepdims=True), high.max(keepdims=True), np.array([(a.nan & mask).any()]))
+
+
+def _joined(parts: list[Interval]) -> Interval:
+    low, high = np.minimum.reduce([p.low for p in parts]), np.maximum.reduce([p.high for p in parts])
+    return Interval(low, high, np.logical_or.reduce([p.nan for p in parts]))
+
+
+def _worst(tried: Judgement, points: Array, low: Array, high: Array, cells: int) -> Verdict:
+    """Return the lowest point that fails, else the open cell, and its middle, where the value is nearest to 0."""
+    if tried.fails.any():
+        k = int(np.where(tried.fails, tried.value, inf).argmin())
+        at = points[:, k]
+        return Verdict(False, cells, {}, True, at, at, at, float(tried.value[k]))
+    value = tried.value[-low.shape[1] :]
+    k = int(np.where(np.isnan(value), inf, np.abs(value)).argmin())
+    return Verdict(False, cells, {}, False, low[:, k], high[:, k], points[:, k - low.shape[1]], float(value[k]))
+
+
+def _crossing(signs: dict[bool, Array], judge: Judge) -> tuple[Array, float] | None:
+    """Return the point between two points where the value changes its sign, and the value; None where it jumps."""
+    ends = [signs[False].astype(np.float64), signs[True].astype(np.float64)]
+    span, first, last = ends[1] - ends[0], 0.0, 1.0
+    size: float | None = None
+    while True:
+        t = np.linspace(first, last, _SECTIONS)
+        points = (ends[0][:, None] + span[:, None] * t).astype(signs[True].dtype)
+        value = judge(points, points, True).value
+        size = np.abs(value[[0, -1]]).max() if size is None else size
+        k = int(np.nanargmin(np.abs(value)))
+        turn = int((value >= 0).argmax())
+        if turn == 0 or np.isnan(value).any():
+            return None
+        narrower = (t[turn - 1], t[turn])
+        if value[k] == 0 or not narrower[1] - narrower[0] < last - first or narrower[1] - narrower[0] < 1e-17:
+            return (points[:, k], float(value[k])) if abs(value[k]) <= _VANISHED * size else None
+        first, last = narrower

@@ -1,0 +1,138 @@
+"""Intervals of libm's functions: what a library that errs by a few units in the last place may return.
+
+The exact value comes from balls (Arb), so that the ends are the same on every machine. It is assumed that a library
+errs by no more than ULPS units and that what it returns has the sign of the exact value, or is 0.
+"""
+
+from collections.abc import Callable
+from functools import lru_cache
+from math import inf, nan, pi
+
+import flint
+import numpy as np
+
+from synth.analyse.precise import precision
+from synth.emit.proof.interval import EXACT, Array, Interval, Mask
+
+ULPS = 4
+_BITS = 96
+_SLACK = 1e-9  # in periods: how near an extremum or a pole counts as inside
+_FAR = 1e6  # periods beyond which _SLACK is not resolved
+
+# What the functions are at an infinity, and in double precision well before it.
+_HUGE = 1e4
+_LIMITS = {"exp": (0.0, inf), "sinh": (-inf, inf), "cosh": (inf, inf), "tanh": (-1.0, 1.0)}
+
+
+@lru_cache(maxsize=1 << 17)
+def _ball(name: str, *x: float) -> tuple[float, float, float]:
+    """Return doubles around the exact value, and its sign, which is kept where they are 0."""
+    if abs(x[0]) > _HUGE and name in _LIMITS:
+        limit = _LIMITS[name][x[0] > 0]
+        return limit, limit, -1.0 if limit < 0 else 1.0
+    if name == "log" and x[0] == 0:
+        return -inf, -inf, -1.0
+    with precision(_BITS):
+        ball = getattr(flint.arb, name)(*map(flint.arb, x))
+        if not ball.is_finite():
+            return -inf, inf, nan
+        return float(ball.lower()), float(ball.upper()), nan if ball.contains(0) and ball != 0 else float(ball.sgn())
+
+
+def _at(name: str, ulps: int, *x: Array) -> Interval:
+    """Return what libm may give at points (n,)."""
+    stacked = np.stack(np.broadcast_arrays(*x))
+    columns, place = np.unique(stacked, axis=1, return_inverse=True)
+    balls = [_ball(name, *map(float, column)) for column in columns.T]
+    low, high, sign = (np.array(side)[place.ravel()] for side in zip(*balls, strict=True))
+    scalar = x[0].dtype.type
+    low, high = low.astype(scalar), high.astype(scalar)
+    if ulps:
+        # Twice the units: the interval may continue where they are twice as large. One more for this rounding.
+        low, high = _out(low, -2 * ulps - 1), _out(high, 2 * ulps + 1)
+        low, high = np.where(sign >= 0, np.maximum(low, 0), low), np.where(sign <= 0, np.minimum(high, 0), high)
+        low, high = np.where(sign == 0, 0, low), np.where(sign == 0, 0, high)
+    return Interval(low, high, np.zeros(low.shape, bool))
+
+
+def _out(v: Array, units: int) -> Array:
+    """Move by units in the last place; from an infinity inwards only."""
+    big = np.finfo(v.dtype).max
+    inward = np.where((units < 0) == (v > 0), np.sign(v) * big, v)
+    return np.where(np.isinf(v), inward, v + units * np.spacing(np.abs(np.clip(v, -big, big))))
+
+
+def _growing(name: str) -> Callable[[int, Interval], Interval]:
+    def enclose(ulps: int, a: Interval) -> Interval:
+        return Interval(_at(name, ulps, a.low).low, _at(name, ulps, a.high).high, a.nan)
+
+    return enclose
+
+
+def _within(a: Interval, low: float, high: float) -> Interval:
+    """Return the part of `a` in a function's domain; what lies outside gives no number."""
+    return Interval(np.clip(a.low, low, high), np.clip(a.high, low, high), a.nan | (a.low < low) | (a.high > high))
+
+
+def _holds(a: Interval, first: float, period: float) -> Mask:
+    """Return whether first + k period, k whole, may lie in the interval."""
+    low, high = ((side.astype(np.float64) - first) / period for side in (a.low, a.high))
+    return (np.floor(high + _SLACK) >= np.ceil(low - _SLACK)) | (np.maximum(np.abs(low), np.abs(high)) > _FAR)
+
+
+def _wave(name: str, top: float) -> Callable[[int, Interval], Interval]:
+    def enclose(ulps: int, a: Interval) -> Interval:
+        inside = [np.where(np.isinf(side), 0, side) for side in (a.low, a.high)]
+        first, last = (_at(name, ulps, side) for side in inside)
+        one = _out(np.ones_like(a.low), 2 * ulps + 1) if ulps else np.ones_like(a.low)
+        low = np.where(_holds(a, top + pi, 2 * pi), -one, np.minimum(first.low, last.low))
+        high = np.where(_holds(a, top, 2 * pi), one, np.maximum(first.high, last.high))
+        return Interval(low, high, a.nan | a.infinite)
+
+    return enclose
+
+
+def _tan(ulps: int, a: Interval) -> Interval:
+    pole = _holds(a, pi / 2, pi)
+    low, high = (np.where(pole, 0, side) for side in (a.low, a.high))
+    found = _growing("tan")(ulps, Interval(low, high, a.nan))
+    return Interval(np.where(pole, -inf, found.low), np.where(pole, inf, found.high), a.nan | a.infinite)
+
+
+def _cosh(ulps: int, a: Interval) -> Interval:
+    size = EXACT["fabs"](a)
+    return _growing("cosh")(ulps, size)
+
+
+def _acos(ulps: int, a: Interval) -> Interval:
+    inside = _within(a, -1, 1)
+    return Interval(_at("acos", ulps, inside.high).low, _at("acos", ulps, inside.low).high, inside.nan)
+
+
+def _atan2(ulps: int, y: Interval, x: Interval) -> Interval:
+    # Away from the cut along x <= 0 the extremes over a box lie in its corners.
+    free = ((x.low > 0) | (y.low > 0) | (y.high < 0)) & ~x.infinite & ~y.infinite
+    sides = [[np.where(free, side, 1) for side in (a.low, a.high)] for a in (y, x)]
+    found = [_at("atan2", ulps, v, u) for v in sides[0] for u in sides[1]]
+    round_ = _at("atan2", ulps, np.zeros_like(y.low), -np.ones_like(y.low)).high
+    low = np.where(free, np.minimum.reduce([f.low for f in found]), -round_)
+    high = np.where(free, np.maximum.reduce([f.high for f in found]), round_)
+    return Interval(low, high, y.nan | x.nan)
+
+
+FUNCTIONS: dict[str, Callable[..., Interval]] = {
+    **{name: _growing(name) for name in ("exp", "sinh", "tanh", "atan")},
+    "log": lambda ulps, a: _growing("log")(ulps, _within(a, 0, inf)),
+    "asin": lambda ulps, a: _growing("asin")(ulps, _within(a, -1, 1)),
+    "acos": _acos,
+    "sin": _wave("sin", pi / 2),
+    "cos": _wave("cos", 0.0),
+    "tan": _tan,
+    "cosh": _cosh,
+    "atan2": _atan2,
+}
+
+
+def transfer(op: str, args: list[Interval], ulps: int) -> Interval:
+    """Return where the result of an operation lies; `ulps` is the error of libm. Raises KeyError for one unknown."""
+    return FUNCTIONS[op](ulps, *args) if op in FUNCTIONS else EXACT[op](*args)

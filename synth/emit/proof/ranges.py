@@ -1,0 +1,303 @@
+"""Ranges: between which numbers each value of a program lies, for every state in its box and every input.
+
+    R_k = [low, high] contains node k as computed in the scalar type, for all x in the declared bounds and all u
+
+Inputs that the Block guards may be any bit pattern. Where a compiler may contract a b + c into one rounding, R_k holds
+both results. In the arms of a choice the condition narrows what it compares, and what follows from that.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import reduce
+from math import inf
+
+import numpy as np
+
+from synth.block import Block
+from synth.emit.c.layout import layout
+from synth.emit.lower import LOGICAL, Node, Program
+from synth.emit.proof import conditions, libm
+from synth.emit.proof.interval import Interval, Mask, interval, lookup, meet, point, polynomial, truth, unrounded
+from synth.errors import EmitError
+
+SELECTIONS = frozenset({"choose", "when"})
+LOADS = frozenset({"input", "state", "constant"})
+_PRODUCTS = frozenset({"mul", "sq", "twice", "polynomial"})
+_PASSING = frozenset(
+    {"neg", "choose", "when", "min", "max", "clamp", "within"}
+)  # a product gets into a sum through these too
+_KEEPING_WHOLE = frozenset({"neg", "fabs", "add", "sub", "mul", "sq", "twice", "min", "max", "clamp"})
+_SMALL = 40  # nodes of an arm that are computed anew under its condition
+
+
+@dataclass(frozen=True)
+class Range:
+    """The values low..high, ends included; `nan`: it may also be no number."""
+
+    low: float
+    high: float
+    nan: bool = False
+
+    @property
+    def finite(self) -> bool:
+        """Whether it is surely a finite number."""
+        return self.low > -inf and self.high < inf and not self.nan
+
+
+@dataclass(frozen=True)
+class Arithmetic:
+    """How the program is computed: scalar type, error of libm in units in the last place, contraction allowed."""
+
+    scalar: type[np.floating]
+    ulps: int = libm.ULPS
+    contracted: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class Structure:
+    """A program with what follows from its shape.
+
+    Bit j of `behind[k]` says that node k is node j or depends on it. `products` may enter a sum unrounded. `whole` are
+    the nodes with whole values only. `anew` lists for (selection, position of an arm) what is computed anew under the
+    condition, last the arm itself.
+    """
+
+    program: Program
+    behind: tuple[int, ...]
+    products: frozenset[int]
+    whole: frozenset[int]
+    anew: Mapping[tuple[int, int], tuple[int, ...]]
+
+
+def bounds(block: Block, scalar: type[np.floating]) -> dict[str, Range]:
+    """Return the range of each input, state and constant; those of inputs and states are rounded as in the layout.
+
+    Raises EmitError for a number that the scalar type cannot hold.
+    """
+    memory = layout(block, scalar)
+    found = {f.name: Range(f.low, f.high) for s in (memory.input, memory.state) for f in s.fields}
+    found |= {f.input: Range(-inf, inf, True) for f in block.faults if f.input}
+    with np.errstate(over="ignore"):
+        constants = {c.name: float(scalar(c.value)) for c in block.constants}
+    for name, value in constants.items():
+        if not np.isfinite(value):
+            raise EmitError(f"constant '{name}' is not finite in {memory.ctype}: scale the expression")
+    return found | {name: Range(value, value) for name, value in constants.items()}
+
+
+def analyse(program: Program, bounds: Mapping[str, Range], scalar: type[np.floating]) -> tuple[Range, ...]:
+    """Return the range of each node when computed in `scalar`, rounding to nearest; `bounds` gives that of each load.
+
+    Raises EmitError for an operation or a load that is not known.
+    """
+    s = structure(program)
+    R = enclose(s, Arithmetic(scalar), loads(program, bounds, scalar), range(len(program.nodes)))
+    return tuple(Range(float(R[k].low[0]), float(R[k].high[0]), bool(R[k].nan[0])) for k in range(len(R)))
+
+
+def loads(program: Program, bounds: Mapping[str, Range], scalar: type[np.floating]) -> dict[int, Interval]:
+    """Return the interval of each load of the program."""
+    found = {}
+    for k, node in enumerate(program.nodes):
+        if node.op in LOADS:
+            if node.name not in bounds:
+                raise EmitError(f"the {node.op} '{node.name}' has no range: declare it in the Block")
+            r = bounds[node.name]
+            found[k] = interval(r.low, r.high, r.nan, scalar)
+    return found
+
+
+def structure(program: Program) -> Structure:
+    """Return what the analysis needs to know of a program's shape."""
+    nodes = program.nodes
+    behind: list[int] = []
+    products: set[int] = set()
+    whole: set[int] = set()
+    for k, node in enumerate(nodes):
+        behind.append(reduce(int.__or__, (behind[a] for a in node.args), 1 << k))
+        if _unrounded(nodes, node) or (node.op in _PASSING and not products.isdisjoint(node.args)):
+            products.add(k)
+        if _whole(program, node, whole):
+            whole.add(k)
+    anew = {}
+    for k, node in enumerate(nodes):
+        if node.op in SELECTIONS:
+            told = conditions.compared(nodes, node.args[0])
+            for position, arm in enumerate(node.args[1:], 1):
+                anew[k, position] = between(behind, told, (arm,))
+    return Structure(program, tuple(behind), frozenset(products), frozenset(whole), anew)
+
+
+def _unrounded(nodes: Sequence[Node], node: Node) -> bool:
+    """Return whether a compiler may leave a value unrounded inside a sum; it also multiplies instead of halving."""
+    return node.op in _PRODUCTS or (node.op == "div" and nodes[node.args[1]].op in ("literal", "constant"))
+
+
+def _whole(program: Program, node: Node, whole: set[int]) -> bool:
+    """Return whether a value is whole: floating-point sums and products of whole numbers are, and what is cut off."""
+    if node.op == "literal":
+        return float(node.value).is_integer()
+    if node.op in SELECTIONS:
+        return whole.issuperset(node.args[1:])
+    kept = node.op in LOGICAL or node.op == "floor" or (node.op in _KEEPING_WHOLE and whole.issuperset(node.args))
+    return kept or (node.op == "state" and node.name in program.integers)
+
+
+def between(behind: Iterable[int], sources: Iterable[int], ends: Iterable[int]) -> tuple[int, ...]:
+    """Return the nodes on the ways from `sources`, which are left out, to `ends`, in order."""
+    behind, sources = list(behind), set(sources)
+    mask, reached = sum(1 << k for k in sources), reduce(int.__or__, (behind[k] for k in ends), 0)
+    first = min(sources, default=0)
+    reached >>= first
+    found = []
+    while reached:  # bit by bit: what is reached is little beside the whole program
+        k = first + (reached & -reached).bit_length() - 1
+        reached &= reached - 1
+        if behind[k] & mask and k not in sources:
+            found.append(k)
+    return tuple(found)
+
+
+def enclose(
+    s: Structure,
+    arithmetic: Arithmetic,
+    given: Mapping[int, Interval],
+    nodes: Iterable[int],
+    proved: Mapping[int, Interval] | None = None,
+    deep: bool = True,
+) -> dict[int, Interval]:
+    """Return `given` with the intervals of `nodes`, computed in order from it; loads are kept as given.
+
+    What is `proved` of a node narrows it. Unless `deep`, arms are not computed anew under their conditions.
+
+    Raises EmitError for an operation without an enclosure.
+    """
+    R, proved = dict(given), proved or {}
+    with np.errstate(all="ignore"):
+        for k in nodes:
+            node = s.program.nodes[k]
+            if node.op not in LOADS:
+                a = _selected(s, arithmetic, k, R, deep) if node.op in SELECTIONS else _computed(s, arithmetic, node, R)
+                a = Interval(np.ceil(a.low), np.floor(a.high), a.nan) if k in s.whole else a
+                R[k] = meet(a, proved[k]) if k in proved else a
+    return R
+
+
+def _computed(s: Structure, arithmetic: Arithmetic, node: Node, R: Mapping[int, Interval]) -> Interval:
+    if node.op == "literal":
+        return point(node.value, arithmetic.scalar)
+    if node.op == "bit":  # of a word of 32 bits, which the scalar type holds to rounding only
+        low, high = R[node.args[0]].low, unrounded(R[node.args[0]]).high + arithmetic.scalar(node.value)
+        return Interval(low, high, R[node.args[0]].nan)
+    if node.op == "mul" and node.args[0] == node.args[1]:
+        return libm.transfer("sq", [R[node.args[0]]], arithmetic.ulps)
+    args = [R[a] for a in node.args]
+    if node.op in ("add", "sub") and arithmetic.contracted:
+        args = [unrounded(a) if k in s.products else a for k, a in zip(node.args, args, strict=True)]
+    if node.op == "table":
+        return lookup(s.program.tables[node.name], args[0])
+    if node.op == "polynomial":
+        return polynomial(s.program.polynomials[node.name].coefficients, args[0], arithmetic.contracted)
+    if node.op not in libm.FUNCTIONS and node.op not in libm.EXACT:
+        raise EmitError(f"operation '{node.op}' has no enclosure: give it one in the table of its kind")
+    return libm.transfer(node.op, args, arithmetic.ulps)
+
+
+def _selected(s: Structure, arithmetic: Arithmetic, k: int, R: Mapping[int, Interval], deep: bool) -> Interval:
+    """Return the hull of the arms that can be taken, each under its condition."""
+    condition = truth(R[s.program.nodes[k].args[0]])
+    (then, dead), (other, lost) = (_arm(s, arithmetic, k, position, R, deep) for position in (1, 2))
+    may, else_ = (condition.high > 0) & ~dead, (condition.low < 1) & ~lost
+    neither = ~(may | else_)
+    may, else_ = may | neither, else_ | neither
+    low = np.minimum(np.where(may, then.low, inf), np.where(else_, other.low, inf))
+    high = np.maximum(np.where(may, then.high, -inf), np.where(else_, other.high, -inf))
+    return Interval(low, high, (may & then.nan) | (else_ & other.nan))
+
+
+def _arm(
+    s: Structure, arithmetic: Arithmetic, k: int, position: int, R: Mapping[int, Interval], deep: bool
+) -> tuple[Interval, Mask]:
+    """Return the interval of an arm where it is taken, and where it cannot be; a gate's other arm is 0."""
+    args = s.program.nodes[k].args
+    told, dead = under(s, [(args[0], position == 1)], R)
+    if position == len(args):
+        return point(0, arithmetic.scalar), dead
+    node, anew = args[position], s.anew[k, position]
+    if node in told:
+        return told[node], dead
+    if deep and 0 < len(anew) <= _SMALL:
+        inside = enclose(s, arithmetic, {**R, **told}, anew, deep=False)
+        return meet(inside[node], R[node]), dead
+    return R[node], dead
+
+
+def under(
+    s: Structure, decided: Iterable[tuple[int, bool]], R: Mapping[int, Interval]
+) -> tuple[dict[int, Interval], Mask]:
+    """Return what is known where each (condition, holds) is so, and where they cannot all be."""
+    p = s.program
+    told = conditions.merged(conditions.known(p.nodes, s.whole, c, holds, R) for c, holds in decided)
+    dead = reduce(np.logical_or, (a.empty for a in told.values()), np.array([False]))
+    kept = {}
+    for k, a in told.items():
+        void = a.low > a.high
+        kept[k] = Interval(np.where(void, R[k].low, a.low), np.where(void, R[k].high, a.high), a.nan)
+    return kept, dead
+
+
+def redundant(program: Program, ranges: tuple[Range, ...]) -> dict[int, int]:
+    """Return for each min, max, clamp or choice that always equals one of its arguments that argument.
+
+    The argument is followed through others that are redundant. (a < b) ? a : b is b where either is no number, and of
+    two zeros of unlike sign it gives the second: a tie at 0 replaces nothing by the first.
+    """
+    found: dict[int, int] = {}
+    for k in range(len(program.nodes)):
+        same = _same(program, k, ranges)
+        if same is not None:
+            found[k] = found.get(same, same)
+    return found
+
+
+def _same(program: Program, k: int, ranges: tuple[Range, ...]) -> int | None:
+    node = program.nodes[k]
+    if node.op in ("min", "max"):
+        return _extreme(node.args, [ranges[a] for a in node.args], node.op == "min")
+    if node.op == "clamp":
+        x, low, high = (ranges[a] for a in node.args)
+        inside = low.high <= x.low and x.high <= high.low and not (x.nan or low.nan or high.nan)
+        return node.args[0] if inside else None
+    if node.op in SELECTIONS:
+        c = ranges[node.args[0]]
+        if not c.nan and (c.low > 0 or c.high < 0):
+            return node.args[1]
+        if not c.nan and c.low == c.high == 0:
+            zeros = (z for z, n in enumerate(program.nodes[:k]) if n.op == "literal" and str(n.value) == "0.0")
+            return node.args[2] if node.op == "choose" else next(zeros, None)
+    return None
+
+
+def _extreme(args: tuple[int, ...], sides: list[Range], least: bool) -> int | None:
+    a, b = sides if least else [Range(-r.high, -r.low, r.nan) for r in sides]
+    if b.high <= a.low:
+        return args[1]
+    return args[0] if not (a.nan or b.nan) and _below(a, b) else None
+
+
+def _below(a: Range, b: Range) -> bool:
+    return a.high < b.low or a.high == b.low != 0
+
+
+def inductive(program: Program, ranges: tuple[Range, ...], block: Block, scalar: type[np.floating]) -> None:
+    """Raise EmitError unless each next state lies in its declared bounds, rounded as in the layout."""
+    box = bounds(block, scalar)
+    for state in block.states:
+        found, declared = ranges[program.next[state.name]], box[state.name]
+        if found.nan or found.low < declared.low or found.high > declared.high:
+            unit = state.signal.unit
+            what = " or no number" if found.nan else ""
+            raise EmitError(
+                f"state '{state.name}' may become {found.low:.9g} .. {found.high:.9g} {unit}{what}, but its declared "
+                f"bounds are {declared.low:.9g} .. {declared.high:.9g} {unit}: limit its next value to them"
+            )

@@ -1,0 +1,241 @@
+"""Safety of a program: no division by 0, no argument outside a function's domain, no number that is not finite.
+
+For each operation with a demand D on its arguments, D(r(x, u)) is to hold for all states x in their box and all inputs.
+The plain enclosure proves most of them. Where it does not, the argument's cone is cut at leaves, signals whose ranges
+are known, and their box is bisected: with cells small enough the enclosures no longer suffer from values that vary
+together. An operation that is used in an arm of a choice only is judged where the condition has the arm taken.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import inf
+
+import numpy as np
+
+from synth.block import Block
+from synth.emit.c import wording
+from synth.emit.lower import LOGICAL, Program
+from synth.emit.proof import bisection, demands
+from synth.emit.proof.interval import Array, Interval, interval
+from synth.emit.proof.ranges import (
+    LOADS,
+    SELECTIONS,
+    Arithmetic,
+    Range,
+    Structure,
+    between,
+    enclose,
+    structure,
+    under,
+)
+from synth.errors import EmitError
+
+_LIMITING = SELECTIONS | {"min", "max", "clamp", "within"}
+Guard = tuple[int, bool]  # a condition, and whether it holds where a value is used
+
+
+@dataclass(frozen=True, eq=False)
+class _Claim:
+    """A demand on node k, whose deciding nodes are `watched`, where the guards are as they are."""
+
+    k: int
+    demand: demands.Demand
+    watched: tuple[int, ...]
+    guards: frozenset[Guard]
+
+
+def require_safe(
+    program: Program, ranges: tuple[Range, ...], block: Block, scalar: type[np.floating]
+) -> tuple[Range, ...]:
+    """Return the ranges, narrowed by what had to be proved; each output and next state is then finite.
+
+    Raises EmitError for an operation whose demand is not proved, or an output or next state that may not be finite, or
+    an integer state whose next value is not whole or does not fit 32 bits. It says whether a violation was found or
+    only no proof, and where.
+    """
+    s, arithmetic = structure(program), Arithmetic(scalar)
+    first = {k: interval(r.low, r.high, r.nan, scalar) for k, r in enumerate(ranges)}
+    R, proved = first, dict[int, Interval]()
+    ends = [*program.outputs.values(), *program.next.values()]
+    guards = arms(program)
+    claims = [
+        _Claim(k, d, tuple(node.args[i] for i in d.watched), guards[k])
+        for k, node in enumerate(program.nodes)
+        if (d := demands.of(node.op, len(program.tables.get(node.name, ()))))
+    ]
+    claims += [_Claim(k, demands.FINITE, (k,), frozenset()) for k in dict.fromkeys(ends)]
+    for claim in claims:
+        if _met(s, claim, R):
+            continue
+        found = _proof(s, arithmetic, R, proved, claim, block)
+        if found and not claim.guards:
+            proved |= found
+            R = enclose(s, arithmetic, first, range(len(program.nodes)), proved)
+    _require_counters(s, R, block)
+    return tuple(Range(float(a.low[0]), float(a.high[0]), bool(a.nan[0])) for a in (R[k] for k in range(len(R))))
+
+
+def _met(s: Structure, claim: _Claim, R: Mapping[int, Interval]) -> bool:
+    with np.errstate(all="ignore"):
+        return bool(claim.demand.met(R[claim.k], [R[a] for a in s.program.nodes[claim.k].args]).all())
+
+
+def arms(program: Program) -> list[frozenset[Guard]]:
+    """Return for each node under which conditions alone it is used."""
+    found: list[frozenset[Guard] | None] = [None] * len(program.nodes)
+    for k in program.ends():
+        found[k] = frozenset()
+    for k in range(len(found) - 1, -1, -1):
+        node, own = program.nodes[k], found[k] or frozenset()
+        for position, a in enumerate(node.args):
+            chosen = node.op in SELECTIONS and position > 0
+            way = own | {(node.args[0], position == 1)} if chosen else own
+            before = found[a]
+            found[a] = way if before is None else before & way
+    return [guards or frozenset() for guards in found]
+
+
+def leaves(s: Structure, R: Mapping[int, Interval], tops: Sequence[int], near: bool) -> tuple[int, ...]:
+    """Return where to cut the cone of `tops`: loads and values that are limited although what they come from is not.
+
+    Cut `near` the tops, at every limited or chosen value: there are fewer leaves, but some that vary together are taken
+    to vary each on its own.
+    """
+    nodes, found, seen = s.program.nodes, set[int](), set[int]()
+    waiting = [a for t in tops for a in (nodes[t].args or (t,))] if near else list(tops)
+    while waiting:
+        k = waiting.pop()
+        node = nodes[k]
+        if k in seen or (R[k].low[0] == R[k].high[0] and not R[k].nan[0]):
+            continue
+        seen.add(k)
+        bounded = R[k].finite[0]
+        limited = node.op in _LIMITING and bounded and (near or not all(R[a].finite[0] for a in node.args))
+        if limited or (node.op in LOADS and bounded):
+            found.add(k)
+        elif node.op not in LOADS:
+            waiting += node.args
+    return tuple(sorted(found))
+
+
+def _proof(
+    s: Structure,
+    arithmetic: Arithmetic,
+    R: Mapping[int, Interval],
+    proved: Mapping[int, Interval],
+    claim: _Claim,
+    block: Block,
+) -> dict[int, Interval]:
+    """Return narrower intervals that prove the claim; raise EmitError where bisection does not."""
+    told, void = under(s, claim.guards, R)
+    inside = enclose(s, arithmetic, {**R, **told}, between(s.behind, told, [claim.k]))
+    if void.any() or _met(s, claim, inside):
+        return {}
+    cut, verdict = tuple[int, ...](), bisection.Verdict(False, 0)
+    for near in (True, False):
+        if (wanted := leaves(s, inside, claim.watched, near)) and wanted != cut:
+            cut = wanted
+            low, high = (np.array([getattr(inside[k], side)[0] for k in cut]) for side in ("low", "high"))
+            whole = np.array([k in s.whole for k in cut])
+            judge = _judge(s, arithmetic, inside, proved, claim, cut)
+            verdict = bisection.prove(low, high, whole, judge, claim.demand.signed)
+            if verdict.proved:
+                return {k: a for k, a in verdict.hull.items() if not a.empty[0]}
+    raise EmitError(_refusal(s.program, inside, claim, block, cut, verdict))
+
+
+def _judge(
+    s: Structure,
+    arithmetic: Arithmetic,
+    R: Mapping[int, Interval],
+    proved: Mapping[int, Interval],
+    claim: _Claim,
+    cut: tuple[int, ...],
+) -> bisection.Judge:
+    """Return what judges cells of the leaves `cut`."""
+    args = s.program.nodes[claim.k].args
+    ends = [*claim.watched, *(c for c, _ in claim.guards)]
+    cone = between(s.behind, cut, ends)
+    cone = cone if claim.k in cone or claim.k in cut else (*cone, claim.k)
+    pointwise = replace(arithmetic, ulps=0, contracted=False)
+
+    def judge(low: Array, high: Array, exact: bool) -> bisection.Judgement:
+        mode, n = pointwise if exact else arithmetic, low.shape[1]
+        cells = {k: Interval(low[i], high[i], np.zeros(n, bool)) for i, k in enumerate(cut)}
+        inside = enclose(s, mode, {**R, **cells}, cone, None if exact else proved)
+        told, void = under(s, claim.guards, inside)
+        if told:
+            inside = enclose(s, mode, {**inside, **told}, between(s.behind, told, [claim.k]))
+        with np.errstate(all="ignore"):
+            result, sides = inside[claim.k], [inside[a] for a in args]
+            met, failed = claim.demand.met(result, sides) | void, claim.demand.failed(result, sides) & ~void
+            value = np.where(void, np.nan, claim.demand.value(sides if claim.demand.watched else [result]))
+        kept = {k: inside[k] for k in (*claim.watched, claim.k)}
+        watched = {
+            k: Interval(np.where(void, inf, a.low), np.where(void, -inf, a.high), a.nan) for k, a in kept.items()
+        }
+        met, failed, value = (np.broadcast_to(v, (n,)) for v in (met, failed, value))
+        return bisection.Judgement(met, failed, value, watched)
+
+    return judge
+
+
+def _refusal(
+    program: Program,
+    R: Mapping[int, Interval],
+    claim: _Claim,
+    block: Block,
+    cut: tuple[int, ...],
+    verdict: bisection.Verdict,
+) -> str:
+    watched = ", ".join(f"`{wording.expression(program, k)}`" for k in claim.watched)
+    if claim.demand is demands.FINITE:
+        what = f"{_end(program, claim.k)} = {watched} of block '{block.name}'"
+        origin = _origin(program, R, claim.k)
+        begins = "" if origin == claim.k else f"; it begins at `{wording.expression(program, origin)}`"
+    else:
+        op = program.nodes[claim.k].op
+        name = "division by" if op in ("div", "inv") else f"{op} of"
+        what, begins = f"the {name} {watched} in {wording.signal(program, claim.k)}", ""
+    point = wording.values(block, program, cut, verdict.point, verdict.point) if len(verdict.point) else ""
+    cell = wording.values(block, program, cut, verdict.low, verdict.high) if len(verdict.low) else ""
+    if not cut:
+        where = "nothing bounds what it is computed from"
+    elif verdict.fails:
+        where = f"violated: {claim.demand.quantity} is {verdict.value:.6g} at {point}"
+    else:
+        where = (
+            f"not proved in {verdict.cells} cells: {claim.demand.quantity} comes nearest, {verdict.value:.6g}, at "
+            f"{point}, in the cell {cell}"
+        )
+    return (
+        f"{what} is not safe: {claim.demand.need}; {where}{begins}; narrow the ranges of the signals named, limit the "
+        "argument (fmax, fmin), or write the expression in another form"
+    )
+
+
+def _end(program: Program, k: int) -> str:
+    names = [f"output '{n}'" for n, at in program.outputs.items() if at == k]
+    names += [f"next state '{n}'" for n, at in program.next.items() if at == k]
+    return names[0]
+
+
+def _origin(program: Program, R: Mapping[int, Interval], k: int) -> int:
+    """Return the first node behind k that may not be finite."""
+    for a in program.nodes[k].args:
+        if not R[a].finite[0]:
+            return _origin(program, R, a)
+    return k
+
+
+def _require_counters(s: Structure, R: Mapping[int, Interval], block: Block) -> None:
+    for state in block.states:
+        k = s.program.next[state.name]
+        if not state.integer or s.program.nodes[k].op in LOGICAL:
+            continue
+        if k not in s.whole or R[k].low[0] < 0 or R[k].high[0] >= 2.0**32:
+            found = f"{R[k].low[0]:.9g} .. {R[k].high[0]:.9g}" + ("" if k in s.whole else ", not always whole")
+            raise EmitError(
+                f"integer state '{state.name}' may become {found}: it becomes 32 bits without sign, so limit it to "
+                "0 .. 4294967295 and compute it from whole numbers alone"
+            )

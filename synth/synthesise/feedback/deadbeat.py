@@ -1,0 +1,110 @@
+"""Deadbeat state feedback u = K x (the sign is inside K): (A + B K)^k = 0 with the least k, in discrete time.
+
+S_j, what can be brought to 0 in j samples, grows by S_j = {x: A x in S_{j-1} + im B} from S_0 = {0}. K maps each S_j
+into S_{j-1}; k is the first j for which S_j is everything, the controllability index where A is regular. The S_j are
+built up by orthonormal steps in scaled units. With one input the gain is the one that places all poles at 0, in ball
+arithmetic.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+
+from synth import arguments, show
+from synth.analyse import precise, staircase, structure
+from synth.errors import ModelError, TimingError
+from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.synthesise.feedback import pole_placement
+from synth.timing import Continuous, Discrete
+
+
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
+class Deadbeat:
+    """K (m, n) for which every state is 0 after `steps` samples, the fewest.
+
+    `remainder` is |(A + B K)^steps| in scaled units.
+    """
+
+    K: Array
+    steps: int
+    remainder: float
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    time: Discrete
+
+    def lines(self) -> tuple[str, ...]:
+        """Return the certificate in sentences."""
+        return (f"All poles are 0: after {self.steps} samples {self.remainder:.1e} of a start of 1 is left, scaled",)
+
+    def sheet(self) -> show.Sheet:
+        """Return the certificate and K."""
+        table = show.matrix("K", self.K, self.inputs, self.states)
+        return show.Sheet(f"Deadbeat state feedback in {self.time}", self.lines(), (table,))
+
+
+@arguments.checked
+def feedback(system: System) -> Deadbeat:
+    """Return u = K x that brings every state to 0 in the fewest samples.
+
+    Raises TimingError for a continuous model; ModelError when a mode other than 0 is moved by no input.
+    """
+    model = of(system)
+    if isinstance(model.time, Continuous):
+        raise TimingError("no constant gain is deadbeat in continuous time: sample the model, or place fast poles")
+    part = pole_placement.scaled(model)
+    split = staircase.split(part.A, part.B)
+    if len(model.inputs) == 1 and len(model.A) and not split.outside.size:
+        wanted = np.zeros(len(model.A), dtype=np.complex128)
+        K, steps = pole_placement.ackermann(part.A, part.B, wanted), len(wanted)
+    else:
+        K, steps = _nilpotent(model, part)
+    gain = readonly(part.u[:, None] * K / part.x)
+    left = _remainder(model, part, gain, steps) if steps else 0.0
+    return Deadbeat(gain, steps, left, model.states, model.inputs, model.time)
+
+
+def _remainder(model: StateSpace, part: staircase.Scaled, gain: Array, steps: int) -> float:
+    with precise.precision():
+        power = pole_placement.closed(model, gain) ** steps
+        return float(np.linalg.norm(precise.rounded(power) * part.x / part.x[:, None], 2))
+
+
+@arguments.checked
+def lasting(model: StateSpace) -> tuple[complex, str]:
+    """Return the largest mode that no input moves, with the states that dominate it.
+
+    Raises ModelError where the inputs move all modes.
+    """
+    part = pole_placement.scaled(model)
+    values, vectors = staircase.modes(part.A.T, staircase.split(part.A, part.B).outside)
+    if not len(values):
+        raise ModelError(f"the inputs {', '.join(model.inputs)} move every mode: there is none that lasts")
+    k = int(np.argmax(np.abs(values)))
+    return complex(values[k] * part.rate), ", ".join(structure.direction(vectors[:, k], model.states))
+
+
+def _nilpotent(model: StateSpace, part: staircase.Scaled) -> tuple[Array, int]:
+    """Return the scaled K (m, n) that maps S_j into S_{j-1}, and the number of steps."""
+    n, m = part.B.shape
+    S, K, steps = np.zeros((n, 0)), np.zeros((m, n)), 0
+    size = float(np.linalg.norm(part.A))
+    while S.shape[1] < n:
+        target, rest = np.hstack([part.B, S]), _complement(S)
+        reach = scipy.linalg.orth(target, rcond=staircase.COUPLING)
+        _, sigma, V = np.linalg.svd((part.A - reach @ (reach.T @ part.A)) @ rest)
+        new = rest @ V[int((sigma > staircase.COUPLING * size).sum()) :].T
+        if not new.shape[1]:
+            value, who = lasting(model)
+            raise ModelError(
+                f"mode {show.number(value, 4)} in {who} is not 0 and none of the inputs {', '.join(model.inputs)} "
+                f"moves it: no gain is deadbeat; actuate {who} or take it out of the model"
+            )
+        K += np.linalg.lstsq(target, -part.A @ new, rcond=staircase.COUPLING)[0][:m] @ new.T
+        S, steps = np.hstack([S, new]), steps + 1
+    return K, steps
+
+
+def _complement(S: Array) -> Array:
+    return np.linalg.qr(S, mode="complete")[0][:, S.shape[1] :] if S.shape[1] else np.eye(len(S))

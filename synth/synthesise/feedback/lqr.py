@@ -1,0 +1,311 @@
+"""Linear quadratic regulators, u = K x (the sign is inside K, as in F(16)).
+
+    lqr    min int (x'Qx + u'Ru + 2 x'Nu) dt,            continuous model, or the sum for a sampled one
+    dlqr   the sum, for a sampled model alone
+    lqrd   the same integral for a continuous model whose input is held over each period T:
+
+           int_0^T (x'Qx + u'Ru + 2 x'Nu) dt = [x; u]' W [x; u],   W = int_0^T M(t)' [Q, N; N', R] M(t) dt
+
+           with M(t) = exp([[A, B], [0, 0]] t), which has a cross term even where Q and R have none (Van Loan 1978);
+           the input may be late (`held_cost`)
+
+    u --->[ x' = A x + B u, or x+ ]--- x ---+          y = C x + D u,  q' = y, or q+ = q + T y
+    ^                                       |
+    +------------------[ K ]<---------------+
+
+`output_weighted` turns weights on outputs into such weights, `integral` adds the states q. In double precision; with
+`exact` in ball arithmetic, for gains that must be the same on every machine.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import ArrayLike, NDArray
+
+from synth import arguments, show
+from synth.analyse import structure
+from synth.errors import ModelError, SignalError, TimingError
+from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.synthesise.feedback import held_cost, modes, weights
+from synth.synthesise.riccati import doubling, riccati
+from synth.timing import Continuous, Discrete, Time, period
+
+
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
+class Gain:
+    """State feedback u = K x, K (m, n), with the weights that it minimises and its certificate.
+
+    An entry of K has the unit of its input over that of its state, as far as `units` tells them by name.
+    """
+
+    K: Array
+    Q: Array
+    R: Array
+    N: Array
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    time: Time
+    certificate: riccati.Riccati
+    units: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def poles(self) -> NDArray[np.complex128]:
+        """Eigenvalues of A + B K, in 1/s or in z."""
+        return self.certificate.poles
+
+    def sheet(self) -> show.Sheet:
+        """Return the certificate, the gain by name and the poles."""
+        rows, columns = (
+            [show.named(name, self.units.get(name, "")) for name in names] for names in (self.inputs, self.states)
+        )
+        title = f"Optimal gain u = K x in {self.time}: {len(rows)} inputs, {len(columns)} states"
+        tables = (show.matrix("K", self.K, rows, columns), modes.table(self.poles, self.time))
+        return show.Sheet(title, self.certificate.lines(), tables)
+
+
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
+class Weights:
+    """Weights x'Qx + u'Ru + 2 x'Nu: Q (n, n), R (m, m), N (n, m)."""
+
+    Q: Array
+    R: Array
+    N: Array
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+
+    def sheet(self) -> show.Sheet:
+        """Return the weights as one table."""
+        names = (*self.states, *self.inputs)
+        joint = weights.joined(self.Q, self.R, self.N)
+        return show.Sheet("Weights [Q, N; N', R]", tables=(show.matrix("", joint, names, names),))
+
+
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
+class SampledCost:
+    """The held model over one period and the weights Q, R, N of the exact cost integral."""
+
+    model: StateSpace
+    Q: Array
+    R: Array
+    N: Array
+
+    def sheet(self) -> show.Sheet:
+        """Return the weights as one table."""
+        made = Weights(self.Q, self.R, self.N, self.model.states, self.model.inputs).sheet()
+        return replace(made, title=f"Cost over one period in {self.model.time}: weights [Q, N; N', R]")
+
+
+@arguments.checked
+def lqr(system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None = None, exact: bool = False) -> Gain:
+    """Return the optimal gain of a model in its own time; Q (n, n), R (m, m), N (n, m).
+
+    Q and R are matrices, diagonals or {name: weight}; the certificate says when Q does not see an unstable mode, or is
+    indefinite. Raises as `riccati.solve`.
+    """
+    model = of(system)
+    return _gain(model, riccati.solve(model, Q, R, N, exact))
+
+
+def _gain(model: StateSpace, found: riccati.Riccati) -> Gain:
+    kept = found.Q, found.R, found.N
+    return Gain(readonly(-found.L), *kept, model.states, model.inputs, model.time, found, model.units)
+
+
+@arguments.checked
+def dlqr(system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None = None, exact: bool = False) -> Gain:
+    """Return the gain of a sampled model that minimises the sum over the samples; arguments as for `lqr`.
+
+    R may be zero where R + B'XB is positive definite.
+    Raises TimingError for a continuous model; else as `riccati.solve`.
+    """
+    model = of(system)
+    if not isinstance(model.time, Discrete):
+        raise TimingError(
+            "dlqr takes a sampled model, this one is continuous: use lqrd with the period, which keeps the continuous "
+            "cost, or sample it with zero_order_hold"
+        )
+    return lqr(model, Q, R, N, exact)
+
+
+@arguments.checked
+def lqrd(
+    system: System,
+    Q: weights.Weight,
+    R: weights.Weight,
+    period_s: float,
+    N: ArrayLike | None = None,
+    exact: bool = False,
+    delay_s: float = 0.0,
+) -> Gain:
+    """Return the optimal gain for a continuous model whose input is held over `period_s`, for the continuous cost.
+
+    With inputs late by `delay_s` the states are those of `loop.sampled`, late inputs among them, and the cost counts
+    the inputs as they act.
+
+    Raises TimingError for a sampled model, or a delay as `loop.sampled`; ModelError when it is for the period that no
+    feedback stabilises it; else as `riccati.solve`.
+    """
+    model = of(system)
+    return _held_gain(model, sampled_cost(model, Q, R, period_s, N, exact, delay_s), exact)
+
+
+def _held_gain(model: StateSpace, cost: SampledCost, exact: bool) -> Gain:
+    try:
+        return _gain(cost.model, riccati.solved(cost.model, cost.Q, cost.R, cost.N, exact))
+    except ModelError:
+        _require_period(model, cost.model)
+        raise
+
+
+def _require_period(model: StateSpace, held: StateSpace) -> None:
+    """Raise ModelError when it is for the sample period alone that no feedback stabilises the held model.
+
+    That is so when modes of the continuous model differ by a multiple of 2 pi i / T (Kalman, Ho, Narendra 1963).
+    """
+    structure.check_stabilisable(model)
+    try:
+        structure.check_stabilisable(held)
+    except ModelError as error:
+        fastest = float(np.abs(model.poles.imag).max())
+        advice = f", below {np.pi / fastest:.4g} s" if fastest else ""
+        raise ModelError(
+            f"the input stabilises the continuous model, but not when it is held over {period(held.time):.6g} s, a "
+            "period at which modes that it moves look alike from sample to sample: take another period, best a "
+            f"shorter one{advice}"
+        ) from error
+
+
+@arguments.checked
+def sampled_cost(
+    system: System,
+    Q: weights.Weight,
+    R: weights.Weight,
+    period_s: float,
+    N: ArrayLike | None = None,
+    exact: bool = False,
+    delay_s: float = 0.0,
+) -> SampledCost:
+    """Return the held model and its exact weights over one period; with a delay, the period in which the input acts.
+
+    Raises TimingError for a sampled model, or a delay as `loop.sampled`; SignalError for weights as `riccati.solve`;
+    ModelError as `discretise.gramian`.
+    """
+    model = of(system)
+    Q, R, N = riccati.checked_weights(model, Q, R, N)
+    if not isinstance(model.time, Continuous):
+        raise TimingError(f"the cost over a period is asked of a model in {model.time}: give the continuous model")
+    held = held_cost.over_period(model, weights.joined(Q, R, N), period_s, delay_s, exact)
+    W, n = held.W, len(held.model.A)
+    return SampledCost(held.model, readonly(W[:n, :n]), readonly(W[n:, n:]), readonly(W[:n, n:]))
+
+
+@arguments.checked
+def cost_ratio(
+    system: System,
+    gain: Gain,
+    Q: weights.Weight,
+    R: weights.Weight,
+    period_s: float,
+    N: ArrayLike | None = None,
+    exact: bool = False,
+) -> float:
+    """Return the cost of using `gain` at a sample period over that of `lqrd`, for the worst initial state.
+
+    Infinite when the sampled loop with `gain` is unstable. The model is continuous, the gain of any origin: with that
+    of `lqr` this is the price of emulation. A state of which the optimal cost is zero is left aside.
+
+    Raises SignalError when the gain is that of other states or inputs; ModelError when the optimal cost is zero from
+    every state, or negative from one; else as `lqrd`.
+    """
+    model = of(system)
+    K, cost = _fitting(gain, model), sampled_cost(model, Q, R, period_s, N, exact)
+    optimal = _held_gain(model, cost, exact).certificate
+    least = optimal.X
+    if optimal.least_eigenvalue < 0:
+        raise ModelError(
+            "the optimal cost is negative from some states and no ratio tells: give weights that are semidefinite"
+        )
+    size = np.sqrt(np.maximum(np.diag(least), 0.0))
+    if not size.any():
+        raise ModelError(
+            "the optimal cost is zero from every state, so that nothing can be compared with it: weight a state"
+        )
+    d = 1 / np.where(size > 0, size, 1.0)
+    NK = cost.N @ K
+    step, unit = cost.Q + K.T @ cost.R @ K + NK + NK.T, d * d[:, None]
+    decay = doubling.decay((cost.model.A + cost.model.B @ K) * d / d[:, None], doubling.Bilinear(1.0, False))
+    if decay is None:
+        return np.inf
+    values, V = np.linalg.eigh(least * unit)
+    costly = values > 1e-13 * values[-1]
+    W = V[:, costly] / np.sqrt(values[costly])
+    return float(np.linalg.eigvalsh(W.T @ decay.gathered(step * unit) @ W)[-1])
+
+
+def _fitting(gain: Gain, model: StateSpace) -> Array:
+    """Return K (m, n) of a gain for this very model."""
+    if (gain.states, gain.inputs) != (model.states, model.inputs):
+        raise SignalError(
+            f"the gain is from {', '.join(gain.states)} to {', '.join(gain.inputs)}, the model has the states "
+            f"{', '.join(model.states)} and the inputs {', '.join(model.inputs)}: give the gain of this model"
+        )
+    K = arguments.matrix("K", gain.K)
+    if K.shape != model.B.T.shape or not np.isfinite(K).all():
+        raise SignalError(f"the gain K is {K.shape}: this model needs a finite one of {model.B.T.shape}")
+    return K
+
+
+@arguments.checked
+def output_weighted(system: System, Qy: weights.Weight, R: weights.Weight) -> Weights:
+    """Return the weights on states and inputs that amount to y'Qy y + u'Ru, y = C x + D u; Qy (p, p), R (m, m).
+
+    Q = C'Qy C, N = C'Qy D, R + D'Qy D: R may be semidefinite where D'Qy D makes up for it.
+
+    Raises SignalError for weights that do not fit or are asymmetric or indefinite.
+    """
+    model = of(system)
+    Qy, R = weights.semidefinite("Qy", Qy, model.outputs), weights.semidefinite("R", R, model.inputs)
+    n = len(model.states)
+    both = np.hstack([model.C, model.D])
+    W = both.T @ Qy @ both
+    W = (W + W.T) / 2
+    Q, R, N = (readonly(v) for v in (W[:n, :n], W[n:, n:] + R, W[:n, n:]))
+    return Weights(Q, R, N, model.states, model.inputs)
+
+
+@arguments.checked
+def integral(system: System, outputs: Sequence[str]) -> StateSpace:
+    """Return the model with a state ``<output>_integral`` for each of some outputs: q' = y, or q+ = q + T y.
+
+    They come after the states, with the unit of y times s, and are outputs as well (Y(31), Y(32)).
+
+    Raises SignalError for an output that is not known or stands twice.
+    """
+    model = of(system)
+    chosen = model.select(outputs, model.inputs)
+    sampled = isinstance(model.time, Discrete)
+    k, T = len(outputs), model.time.period_s if isinstance(model.time, Discrete) else 1.0
+    names = tuple(f"{name}_integral" for name in outputs)
+    units = {new: _times_s(model.unit(y)) for new, y in zip(names, outputs, strict=True) if y in model.units}
+    n, m = model.B.shape
+    corner = np.eye(k) if sampled else np.zeros((k, k))
+    return StateSpace(
+        A=np.block([[model.A, np.zeros((n, k))], [T * chosen.C, corner]]),
+        B=np.vstack([model.B, T * chosen.D]),
+        C=scipy.linalg.block_diag(model.C, np.eye(k)),
+        D=np.vstack([model.D, np.zeros((k, m))]),
+        states=(*model.states, *names),
+        inputs=model.inputs,
+        outputs=(*model.outputs, *names),
+        time=model.time,
+        units={**model.units, **units},
+    )
+
+
+def _times_s(unit: str) -> str:
+    return "s" if unit == "1" else unit.removesuffix("/s") if unit.endswith("/s") else f"{unit} s"

@@ -1,0 +1,144 @@
+"""A plant's trajectories through a log, with their derivatives by parameters and start states.
+
+    x_{k+1} = R(x_k, u_k, theta),       S_{k+1} = dR/dx S_k + dR/dtheta
+    y_k = h(x_k, u_k, theta),           dy_k/dtheta = dh/dx S_k + dh/dtheta
+
+R is one Runge-Kutta step of fourth order over a part of a period, with u held. The log is followed in spans of rows,
+none of which belongs to two; each starts from states of its own.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from synth import arguments
+from synth.errors import SignalError
+from synth.plant import Plant
+from synth.signals import names
+from synth.statespace import Array
+from synth.synthesise.identify import bordered
+from synth.synthesise.identify.logs import Log
+
+MOST_SUBSTEPS = 10_000  # a period: a plant that needs more is too stiff for explicit steps
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """What was measured, y (N, p), in the first N rows of the log, and what a simulation needs.
+
+    `starts` (spans, f) are the first guesses of the f `free` start states of each span, x0 (n, spans) all of them.
+    `steps` follows the spans with `substeps` steps a period; their start states are kept `apart` from the parameters.
+    """
+
+    y: Array
+    starts: Array
+    steps: ca.Function
+    substeps: int
+    u: Array
+    x0: Array
+    free: tuple[int, ...]
+    parameters: int
+    apart: bool
+
+    def simulate(self, theta: Array) -> tuple[Array, Array | bordered.Jacobian]:
+        """Return the outputs (N, p) and their derivatives, those by start states of several spans apart.
+
+        `theta` holds the k parameters, then the free start states span by span.
+        """
+        k, f, (spans, p) = self.parameters, len(self.free), (len(self.starts), self.y.shape[1])
+        x0, S0 = self.x0.copy(), np.zeros((len(self.x0), k + f))
+        x0[list(self.free)] = theta[k:].reshape(spans, f).T
+        S0[list(self.free), range(k, k + f)] = 1.0
+        start = np.vstack([x0, np.tile(S0.ravel(order="F")[:, None], spans)])
+        found = self.steps(start, self.u, np.tile(theta[:k, None], self.u.shape[1]))[1]
+        each = np.asarray(ca.DM(found)).T[:: self.substeps].reshape(spans, -1, 1 + k + f, p)
+        g, J = each[:, :, 0].reshape(-1, p), each[:, :, 1:].transpose(0, 1, 3, 2)
+        if not self.apart:
+            return g, J[0]
+        return g, bordered.Jacobian(J[..., :k].reshape(-1, p, k), J[..., k:])
+
+
+def problem(
+    plant: Plant,
+    log: Log,
+    parameters: Sequence[str],
+    measured: Sequence[str],
+    span: int | None,
+    initial: Mapping[str, float],
+    free: Sequence[str],
+    substeps: int,
+) -> Problem:
+    """Return the simulations of a plant that match a log; arguments as for `identify.fit_trajectory`."""
+    states = names(plant.states)
+    _check(plant, measured, span, initial, free, len(log), substeps)
+    unfixed = [name for name in states if name not in initial]
+    y, u, first = log.columns(measured), log.columns(names(plant.inputs)).T, log.columns(unfixed)
+    length = len(log) if span is None else span + 1
+    spans = len(log) // length
+    where = tuple(states.index(name) for name in states if name in free or name in unfixed)
+    x0 = np.array([first[::length, unfixed.index(n)][:spans] if n in unfixed else [initial[n]] for n in states])
+    step = _step(plant, parameters, measured, len(where), log.period() / substeps)
+    steps = step.mapaccum(length * substeps)
+    steps = steps.map(spans) if spans > 1 else steps
+    held = np.repeat(u[:, : spans * length], substeps, axis=1)
+    return Problem(
+        y[: spans * length], x0[list(where)].T, steps, substeps, held, x0, where, len(parameters), span is not None
+    )
+
+
+def _check(
+    plant: Plant,
+    measured: Sequence[str],
+    span: int | None,
+    initial: Mapping[str, float],
+    free: Sequence[str],
+    rows: int,
+    substeps: int,
+) -> None:
+    states, known = names(plant.states), (*names(plant.states), *names(plant.outputs))
+    for name in measured:
+        if name not in known:
+            raise SignalError(f"'{name}' is no output or state of plant '{plant.name}': it has {', '.join(known)}")
+    for name in (*initial, *free):
+        if name not in states:
+            raise SignalError(f"'{name}' is no state of plant '{plant.name}': it has {', '.join(states)}")
+    for name, value in initial.items():
+        if arguments.real(f"initial value of '{name}'", value).shape or not np.isfinite(value):
+            raise SignalError(f"the initial value of '{name}' is {value}: give a finite number")
+    if span is not None and not 1 <= arguments.whole("span", span) < rows:
+        raise SignalError(f"the span is {span} samples: give 1 or more, and fewer than the log's {rows} rows")
+    if span is not None and (initial or free):
+        raise SignalError(
+            "the start states of spans are all estimated: leave `initial` and `free` out, or leave out the span"
+        )
+    if span is not None and (span + 1) * len(measured) < len(states):
+        raise SignalError(
+            f"spans of {span} periods hold {(span + 1) * len(measured)} samples for {len(states)} start states: take "
+            "longer ones, or measure more signals"
+        )
+    if not 1 <= arguments.whole("number of Runge-Kutta steps", substeps) <= MOST_SUBSTEPS:
+        raise SignalError(f"{substeps} Runge-Kutta steps a period were asked for: give 1 to {MOST_SUBSTEPS}")
+
+
+def _step(plant: Plant, parameters: Sequence[str], measured: Sequence[str], free: int, h: float) -> ca.Function:
+    """Return (x and S stacked, u, theta) -> (the same after h seconds, y and dy stacked)."""
+    n, k = len(plant.states), len(parameters)
+    x, u, theta = ca.SX.sym("x", n), ca.SX.sym("u", len(plant.inputs)), ca.SX.sym("theta", k)
+    S = ca.SX.sym("S", n, k + free)
+    p = ca.SX(plant.values)
+    for i, name in enumerate(parameters):
+        p[names(plant.parameters).index(name)] = theta[i]
+    k1 = plant.f(x, u, p)
+    k2 = plant.f(x + h / 2 * k1, u, p)
+    k3 = plant.f(x + h / 2 * k2, u, p)
+    k4 = plant.f(x + h * k3, u, p)
+    after = x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    h_all, states, outputs = plant.h(x, u, p), names(plant.states), names(plant.outputs)
+    y = ca.vcat([h_all[outputs.index(m)] if m in outputs else x[states.index(m)] for m in measured])
+    stacked = []
+    for v in (after, y):
+        own = ca.horzcat(ca.jacobian(v, theta), ca.SX.zeros(v.numel(), free))
+        stacked.append(ca.vertcat(v, ca.vec(ca.densify(ca.jacobian(v, x) @ S + own))))
+    return ca.Function("step", [ca.vertcat(x, ca.vec(S)), u, theta], stacked)

@@ -1,0 +1,256 @@
+"""Feedback linearisation: choose u so that derivatives of the outputs become the demands w.
+
+For a plant with relative degrees r_i, decoupling matrix D(x) and drift a(x) (see `relative_degree`),
+
+    d^r_i y_i / dt^r_i = a_i + D_i u,      u = D^-1 (w - a)    gives    d^r_i y_i / dt^r_i = w_i,
+
+p chains of integrators, and n - sum r states that the outputs do not show (see `zero_dynamics`):
+
+    w ---->[ u = D^-1 (w - a) ]---- u ---->[ plant ]----> y
+                    ^                          |
+                    +------------- x ----------+
+
+With more inputs than outputs and a weight W, u0 the inputs at the operating point (0 without one),
+
+    u = u0 + N (D N)^-1 (w - a - D u0),    N = W^-1 D^T,
+
+is the one of least (u - u0)' W (u - u0). Inverses are written out by cofactors. Sources: F(11)-(13); Isidori, 5.2-5.3.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import reduce
+
+import casadi as ca
+import numpy as np
+
+from synth import arguments, law, show
+from synth.analyse import box, relative_degree, rounding, singularity, zero_dynamics
+from synth.analyse.box import Box
+from synth.analyse.relative_degree import RelativeDegree
+from synth.analyse.trim import OperatingPoint
+from synth.analyse.zero_dynamics import ZeroDynamics
+from synth.check import Check
+from synth.errors import ModelError
+from synth.plant import Plant
+from synth.signals import names
+from synth.statespace import Array
+from synth.synthesise.feedback import weights
+from synth.synthesise.nonlinear import cofactors, dynamic_extension
+
+SEED = 7  # not one of those that the relative degree was told by
+LOST = 2.0**26  # of the demands' size: how far terms may grow and cancel, half of the digits
+
+AUTHORITY = 1e-12  # of the drift: inputs that reach less far than this enter by the rounding error of a constant
+
+
+@dataclass(frozen=True, eq=False)
+class Law:
+    """The decoupling law: `drift` a (n,), `decoupling` D (n, n), its determinant, and `inputs` u by name."""
+
+    drift: ca.SX
+    decoupling: ca.SX
+    determinant: ca.SX
+    inputs: dict[str, ca.SX]
+
+
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
+class Linearisation:
+    """The law `u` (m,) of the states `x` (n,) and the demands `w` (p,), in symbols, with what it rests on.
+
+    w_i is the derivative of output i of the order of its degree, so its unit is the output's per s^r_i. `determinant`
+    is that of D, or of D N. `zeros` is None where no operating point was given.
+    """
+
+    plant: Plant
+    degree: RelativeDegree
+    x: ca.SX
+    w: ca.SX
+    u: ca.SX
+    determinant: ca.SX
+    zeros: ZeroDynamics | None
+
+    @property
+    def inputs(self) -> dict[str, ca.SX]:
+        """The law by input."""
+        return dict(zip(names(self.degree.model.inputs), ca.vertsplit(self.u), strict=True))
+
+    @property
+    def law(self) -> ca.Function:
+        """The law as a function (x, w) -> u."""
+        return ca.Function("law", [self.x, self.w], [ca.densify(self.u)], ["x", "w"], ["u"])
+
+    def condition_map(
+        self, down: str, across: str, held: Mapping[str, float] | None = None
+    ) -> singularity.ConditionMap:
+        """Return the condition of D over the ranges of two states; other states stand in the middle or as `held`.
+
+        Raises SignalError for a state that does not enter D.
+        """
+        return singularity.mapped(self.degree.scaled, down, across, held)
+
+    def check(self, points: int = 64) -> Check:
+        """Substitute the law at scattered points and compare d^r y/dt^r with the demands.
+
+        The derivatives are taken along the plant's own f and h, with the inputs as constants: neither the drift nor D,
+        nor the affine form, enters them. The demands at a point are what the outputs' derivatives are at another. The
+        figure is the largest difference in units of the rounding error that the terms meeting in it may carry, but not
+        above 1e-6 of the demands.
+
+        Raises ModelError where the model is not finite.
+        """
+        states, inputs = self.degree.model.states, self.degree.model.inputs
+        u = ca.SX.sym("u", len(inputs))
+        reached = _derivatives(self, u)
+        domain = Box(ca.vertcat(self.x, u), (*states, *inputs))
+        at = box.scatter(domain.signals, points, SEED)
+        wanted = np.roll(domain.evaluated(reached, at)[:, 0, :], 1, axis=1)
+        sent, error_u = _sent(self, at[: len(states)], wanted)
+        parts = ca.horzcat(reached, rounding.bound(reached), ca.jacobian(reached, u))
+        values = domain.evaluated(parts, np.vstack([at[: len(states)], sent]))
+        size = values[:, 1] + np.einsum("pmk,mk->pk", np.abs(values[:, 2:]), error_u) + np.abs(wanted)
+        most = LOST * np.abs(wanted).max(axis=1, keepdims=True)
+        figure = float((np.abs(values[:, 0] - wanted) / (rounding.LIMIT * np.minimum(size, most))).max())
+        about = f"d^r y/dt^r against the demands at {points} scattered points, law substituted"
+        return Check(f"normal form of '{self.plant.name}'", figure, 1.0, "1", about)
+
+    def sheet(self) -> show.Sheet:
+        """Return the degrees, the conditioning, the zero dynamics and the check of the normal form."""
+        degree, check = self.degree.sheet(), self.check()
+        zeros = self.zeros.sheet() if self.zeros else None
+        lines = [
+            f"inputs {', '.join(self.inputs)}; demands {', '.join(self._demands())}",
+            *degree.lines,
+            f"normal form: {'holds' if check.passed else 'DOES NOT HOLD'}, {check.found:.2g} of the rounding error",
+        ]
+        if zeros:
+            lines += [zeros.title, *zeros.lines]
+        tables = (*degree.tables, *(zeros.tables if zeros else ()))
+        return show.Sheet(f"Feedback linearisation of '{self.plant.name}'", tuple(lines), tables)
+
+    def _demands(self) -> list[str]:
+        found = []
+        for signal, r in zip(self.degree.model.outputs, self.degree.degrees, strict=True):
+            unit = reduce(lambda unit, _: dynamic_extension.per_second(unit), range(r), signal.unit)
+            times = {0: signal.name, 1: f"d {signal.name}/dt"}.get(r, f"d^{r} {signal.name}/dt^{r}")
+            found.append(show.named(times, unit))
+        return found
+
+
+@arguments.checked
+def of_plant(
+    plant: Plant,
+    outputs: Sequence[str] | None = None,
+    held: Mapping[str, float] | None = None,
+    *,
+    point: OperatingPoint | None = None,
+    weight: weights.Weight | None = None,
+) -> Linearisation:
+    """Return the law that linearises the plant from demands on the named `outputs`, all when left out.
+
+    `held` gives inputs that stand still, `point` the equilibrium for the zero dynamics, `weight` W that of the inputs
+    where there are more of them than outputs.
+
+    Raises SignalError for names and weights; ModelError when the plant is not affine in its inputs, has no defined
+    relative degree somewhere in its domain, has inputs that over their ranges move an output by less than 1e-12 of its
+    drift, or has more inputs than outputs and no weight; else as `zero_dynamics.at_point`.
+    """
+    degree = relative_degree.of_plant(plant, outputs, held)
+    degree.require_defined()
+    _require_authority(degree)
+    W = _weight(degree, weight)
+    solved, w = _solved(degree, W, point)
+    zeros = zero_dynamics.at_point(plant, degree, point, W) if point is not None else None
+    return Linearisation(plant, degree, degree.model.x, w, solved.value, solved.determinant, zeros)
+
+
+def _require_authority(degree: RelativeDegree) -> None:
+    for (name, found), r in zip(degree.authority.items(), degree.degrees, strict=True):
+        if found < AUTHORITY:
+            raise ModelError(
+                f"over their ranges the inputs move derivative {r} of '{name}' by {found:.2g} of what the drift does "
+                f"(at least {AUTHORITY:g} is needed): such a coefficient is the rounding error of constants folded "
+                "before they reached the model; write it as the zero that it is, or widen the inputs' ranges"
+            )
+
+
+def _weight(degree: RelativeDegree, weight: weights.Weight | None) -> Array | None:
+    inputs = names(degree.model.inputs)
+    p, m = degree.decoupling.shape
+    if weight is not None:
+        return weights.definite("input weight", weight, inputs)
+    if m > p:
+        raise ModelError(
+            f"{m} inputs ({', '.join(inputs)}) serve {p} outputs ({', '.join(degree.outputs)}): hold {m - p} of them, "
+            "or give a weight by which the inputs share the work"
+        )
+    return None
+
+
+def _solved(
+    degree: RelativeDegree, weight: Array | None, point: OperatingPoint | None
+) -> tuple[cofactors.Solution, ca.SX]:
+    D, a = degree.decoupling, degree.drift
+    w = ca.vertcat(*(ca.SX.sym(f"w_{name}") for name in degree.outputs))
+    if weight is None or D.size1() == D.size2():
+        return cofactors.solve(D, w - a), w
+    rest = ca.SX([0.0 if point is None else point[s.name] for s in degree.model.inputs])
+    N = ca.mtimes(ca.SX(np.linalg.inv(weight)), D.T)
+    solved = cofactors.solve(ca.mtimes(D, N), w - a - ca.mtimes(D, rest))
+    return cofactors.Solution(rest + ca.mtimes(N, solved.value), solved.determinant), w
+
+
+def _derivatives(law: Linearisation, u: ca.SX) -> ca.SX:
+    """Return d^r_i y_i / dt^r_i (p,) along the plant's f for inputs that stand still."""
+    plant, model = law.plant, law.degree.model
+    sent = dict(zip(names(model.inputs), ca.vertsplit(u), strict=True))
+    everything = ca.vertcat(*(sent[s.name] if s.name in sent else ca.SX(model.held[s.name]) for s in plant.inputs))
+    f, h = (function(law.x, everything, plant.values) for function in (plant.f, plant.h))
+    found = []
+    for name, r in zip(law.degree.outputs, law.degree.degrees, strict=True):
+        e = h[names(plant.outputs).index(name)]
+        for _ in range(r):
+            e = ca.cse(ca.jtimes(e, law.x, f))
+        found.append(e)
+    return ca.densify(ca.vertcat(*found))
+
+
+def _sent(law: Linearisation, x: Array, w: Array) -> tuple[Array, Array]:
+    """Return the inputs (m, k) that the law sends, and the bound of their rounding errors."""
+    function = ca.Function("u", [law.x, law.w], [ca.densify(law.u), rounding.bound(law.u)])
+    sent, error = (np.asarray(v) for v in function(x, w))
+    box.require_finite("the law", sent, law.degree.model.states, x)
+    return sent, error
+
+
+@arguments.checked
+def linearise(acceleration: Sequence[ca.SX], inputs: Mapping[str, ca.SX], w: Sequence[ca.SX]) -> Law:
+    """Solve `acceleration` (n expressions) = `w` (n) for the n `inputs` (name to symbol).
+
+    Raises ModelError when the counts differ, when the model is not affine in an input, or when the decoupling matrix
+    is singular everywhere; where it is singular at points only, check it over the domain.
+    """
+    u, q = law.column("the inputs", inputs, inputs), ca.vcat(list(acceleration))
+    if u.numel() != q.numel() or q.numel() != len(w):
+        raise ModelError(
+            f"{q.numel()} accelerations and {len(w)} demands meet {u.numel()} inputs ({', '.join(inputs)}): "
+            "static feedback linearisation needs as many of each; combine or drop inputs"
+        )
+    D = ca.simplify(ca.jacobian(q, u))
+    for name, symbol in inputs.items():
+        if ca.depends_on(D, symbol):
+            raise ModelError(f"the model is not affine in '{name}': drop or invert the terms of higher order first")
+    drift = ca.substitute(q, u, ca.SX.zeros(u.numel()))
+    solved = cofactors.solve(D, ca.vcat(list(w)) - drift)
+    if _vanishes(solved.determinant, D):
+        raise ModelError(f"the decoupling matrix of ({', '.join(inputs)}) is singular everywhere: choose other inputs")
+    return Law(drift, D, solved.determinant, dict(zip(inputs, ca.vertsplit(solved.value), strict=True)))
+
+
+def _vanishes(determinant: ca.SX, D: ca.SX) -> bool:
+    """Tell whether det D is rounding error wherever it is sampled."""
+    symbols = ca.symvar(D)
+    at = ca.Function("at", [ca.vcat(symbols)], [determinant, rounding.bound(determinant)])
+    points = np.random.default_rng(1).uniform(0.1, 1.0, (8, len(symbols)))
+    return all(abs(float(value)) <= rounding.LIMIT * float(error) for value, error in map(at, points))

@@ -1,0 +1,141 @@
+"""The start of an estimator from its first measurement, in the place of a transient from 0.
+
+    x^[0] = x_0 + G (y[0] - C x_0 - D u[0]),      G = E C' (C E C')^-1,      E = diag(d)^2
+
+for given values x_0 of the states: of all x^ that explain the measurement, the one nearest to x_0 beside the deviations
+d. A state that no output shows, or with the deviation 0, starts at its given value. It is the limit of the first update
+of a Kalman filter (`belief.update`) for an initial covariance s E, s large. G is rounded once, from ball arithmetic.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import flint
+import numpy as np
+
+from synth import arguments
+from synth.analyse import precise
+from synth.analyse.equilibrate import equilibrated
+from synth.errors import ModelError, SignalError
+from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.timing import common
+
+ENDS = ("_estimate", "_predicted")
+DEPENDENT = 1e-11  # of the largest singular value, rows and columns scaled: what is smaller is rounding error
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """x = a + G u at the first sample, a (n,) and G (n, m)."""
+
+    a: Array
+    G: Array
+
+
+@arguments.checked
+def from_measurement(
+    estimator: System,
+    plant: System,
+    measured: Sequence[str] | None = None,
+    *,
+    values: Mapping[str, float] | None = None,
+    deviations: Mapping[str, float] | None = None,
+) -> Start:
+    """Return the start of a sampled estimator, or of a controller around one, from its first measurement of a plant.
+
+    The estimates are its states ``<state>_estimate`` or ``<state>_predicted``, for each state of the plant; its further
+    states start at 0. `measured` names the plant's outputs to start from, all that the estimator takes if left out.
+    `values` {state: x_0} are 0 and `deviations` {state: d} are 1 where left out, both in the states' units: give
+    deviations where an output adds up states of unlike units.
+
+    Raises SignalError for names that are not known, a number that is not finite or a deviation below 0; TimingError for
+    unlike times; ModelError when the outputs do not show states that may change, each in a way of its own.
+    """
+    model, whole = of(estimator), of(plant)
+    common(model.time, whole.time)
+    rows = _rows(model, whole)
+    outputs = _outputs(model, whole, measured)
+    part = whole.select(outputs, whole.inputs)
+    x_0 = _numbers("value", values, whole.states, 0.0)
+    d = _numbers("deviation", deviations, whole.states, 1.0)
+    if (d < 0).any():
+        raise SignalError(
+            f"the deviation of '{whole.states[int(np.argmin(d))]}' at the start is below 0: give 0 or more"
+        )
+    _require_independent(part, d)
+    start = precise.resolved(lambda: _start(part, x_0, d), "the start of the estimator")
+    columns = _columns(model, part)
+    a, G = np.zeros(len(model.states)), np.zeros((len(model.states), len(model.inputs)))
+    for row, i in rows.items():
+        a[row] = start[i, 0]
+        G[row, [column for column, _ in columns]] = start[i, [1 + source for _, source in columns]]
+    return Start(readonly(a), readonly(G))
+
+
+def _rows(model: StateSpace, plant: StateSpace) -> dict[int, int]:
+    """Return the place of each estimate among the estimator's states and the plant's."""
+    places = {f"{x}{end}": i for i, x in enumerate(plant.states) for end in ENDS}
+    rows = {row: places[name] for row, name in enumerate(model.states) if name in places}
+    if missing := [x for i, x in enumerate(plant.states) if i not in rows.values()]:
+        raise SignalError(
+            f"the estimator's states are {', '.join(model.states) or 'none'}: '{missing[0]}_estimate' or "
+            f"'{missing[0]}_predicted' is missing; give an estimator of all states of the plant"
+        )
+    return rows
+
+
+def _outputs(model: StateSpace, plant: StateSpace, measured: Sequence[str] | None) -> tuple[str, ...]:
+    taken = tuple(y for y in plant.outputs if y in model.inputs)
+    outputs = taken if measured is None else arguments.names("measured outputs", measured)
+    if unknown := [y for y in outputs if y not in taken]:
+        raise SignalError(f"'{unknown[0]}' is no output of the plant that the estimator takes: {', '.join(taken)}")
+    if not outputs:
+        raise SignalError(
+            f"the estimator takes {', '.join(model.inputs) or 'nothing'}, none of which is an output of the plant "
+            f"({', '.join(plant.outputs)}): it cannot start from a measurement"
+        )
+    return outputs
+
+
+def _columns(model: StateSpace, part: StateSpace) -> list[tuple[int, int]]:
+    """Return the place of each signal among the estimator's inputs and among (y, u) of the plant."""
+    places = [(model.inputs.index(y), k) for k, y in enumerate(part.outputs)]
+    for k, u in enumerate(part.inputs, len(part.outputs)):
+        given = [name for name in (u, f"{u}_limited") if name in model.inputs]
+        if given:
+            places.append((model.inputs.index(given[0]), k))
+        elif part.D[:, k - len(part.outputs)].any():
+            raise SignalError(f"the outputs follow '{u}' at once, which the estimator does not take: start from others")
+    return places
+
+
+def _numbers(what: str, given: Mapping[str, float] | None, states: Sequence[str], default: float) -> Array:
+    known = {} if given is None else given
+    if not isinstance(known, Mapping) or [name for name in known if name not in states]:
+        raise SignalError(f"the start has the {what}s {given!r}: give {{state: {what}}} for {', '.join(states)}")
+    numbers = arguments.real(f"{what}s at the start", [known.get(x, default) for x in states])
+    if numbers.shape != (len(states),) or not np.isfinite(numbers).all():
+        raise SignalError(f"the start has the {what}s {given!r}: give finite numbers")
+    return numbers
+
+
+def _require_independent(part: StateSpace, d: Array) -> None:
+    """Raise ModelError when C diag(d) has no right inverse, in any units."""
+    values = np.linalg.svd(equilibrated(part.C * d)[0], compute_uv=False)
+    if len(part.outputs) > len(part.states) or values[-1] <= DEPENDENT * values[0]:
+        raise ModelError(
+            f"the outputs {', '.join(part.outputs)} do not each show a combination of states of its own that may "
+            "change, so that no start explains them all: start from fewer outputs in `measured`, or give more states a "
+            "deviation above 0"
+        )
+
+
+def _start(part: StateSpace, x_0: Array, d: Array) -> flint.arb_mat:
+    """Return [(I - G C) x_0, G, -G D] (n, 1 + p + m) in balls."""
+    C, E = precise.matrix(part.C), precise.matrix(np.diag(d))
+    shown = C * E
+    G = E * (shown * shown.transpose()).solve(shown).transpose()
+    start = precise.matrix(x_0[:, None])
+    parts = [start - G * (C * start), G]
+    parts += [-(G * precise.matrix(part.D))] if part.D.size else []
+    return flint.arb_mat([[M[i, j] for M in parts for j in range(M.ncols())] for i in range(len(x_0))])

@@ -1,0 +1,212 @@
+"""Linear quadratic Gaussian control: the state feedback of `lqr` on the estimates of `kalman`, u = K x^.
+
+                         +--> [q' = y - r] --- q ---+           q+ = q + T (y - r) in discrete time
+                         |                          v
+     y --(+)-------------+--> [estimator] -- x^ --> [K] ---+---> u
+          ^                         ^                      |
+          |                         +----------------------+
+     measurement noise
+
+Integral states q of chosen outputs are those of the controller itself, known without error; only the plant's states are
+estimated. They are found by their names, ``<output>_integral`` as `lqr.integral` gives them, among the states that the
+gain was designed for, and come with an input ``<output>_reference``. The poles of the loop are those of A + B K, with
+the integrators, and those of the estimator (separation). Source: Anderson, Moore, Optimal Control (1990), chapter 8.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.linalg
+import scipy.optimize
+from numpy.typing import NDArray
+
+from synth import arguments, show
+from synth.analyse import interconnect
+from synth.errors import SignalError
+from synth.statespace import StateSpace
+from synth.synthesise.feedback import lqr
+from synth.synthesise.observers import kalman, noise
+from synth.timing import Continuous, Discrete, Time, common
+
+Complex = NDArray[np.complex128]
+INTEGRAL = "_integral"
+
+
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
+class Controller:
+    """A gain on an estimator: `compensator` from y, references and other known inputs to u, and the closed `loop`.
+
+    The loop has the inputs ``<state>_disturbance`` (on x' or x+), ``<output>_noise``, then those of the compensator but
+    y; its outputs are y and u.
+    """
+
+    gain: lqr.Gain
+    estimator: kalman.Estimator
+    compensator: StateSpace
+    loop: StateSpace
+
+    @property
+    def poles(self) -> Complex:
+        """Eigenvalues of the closed loop, in 1/s or in z."""
+        return self.loop.poles
+
+    @property
+    def separation(self) -> float:
+        """The largest distance of a pole of the loop from its own among the regulator's and the estimator's.
+
+        Relative in continuous time, absolute in z. It is small when the gain was designed for the estimator's model.
+        """
+        wanted = np.concatenate([self.gain.poles, self.estimator.poles])
+        size = np.abs(wanted) if isinstance(self.loop.time, Continuous) else np.ones(len(wanted))
+        apart = np.abs(self.poles[:, None] - wanted) / size
+        return float(apart[scipy.optimize.linear_sum_assignment(apart)].max())
+
+    def sheet(self) -> show.Sheet:
+        """Return the poles of the two designs, the separation and the compensator."""
+        inner = self.compensator.sheet()
+        texts = [", ".join(show.number(s) for s in part.poles) for part in (self.gain, self.estimator)]
+        lines = (
+            f"poles of the regulator {texts[0]}; of the estimator {texts[1]}",
+            f"separation: the poles of the loop lie within {self.separation:.1e} of these",
+            f"compensator: {inner.title}",
+        )
+        title = f"LQG controller of {', '.join(self.gain.inputs)} from {', '.join(self.estimator.model.outputs)}"
+        return show.Sheet(title, lines, inner.tables)
+
+
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
+class Expectation:
+    """The mean of x'Q x + u'R u + 2 x'N u for each second, or each sample, and the standard deviations behind it.
+
+    `residual` is that of the equation of the covariance, over its terms.
+    """
+
+    cost: float
+    deviations: dict[str, float]
+    units: dict[str, str]
+    residual: float
+    time: Time
+
+    def sheet(self) -> show.Sheet:
+        """Return the cost, the residual and each signal's standard deviation."""
+        rows = [show.named(name, self.units.get(name, "")) for name in self.deviations]
+        table = show.matrix("signal", np.array([list(self.deviations.values())]).T, rows, ("standard deviation",))
+        each = "second" if isinstance(self.time, Continuous) else "sample"
+        title = f"Expected cost of LQG control for each {each}: {show.number(self.cost)}"
+        return show.Sheet(title, (f"Equation of the covariance solved to {self.residual:.1e}",), (table,))
+
+
+@arguments.checked
+def predictor(gain: lqr.Gain, estimator: kalman.Estimator) -> Controller:
+    """Return the controller whose u has used the samples before its own: a whole period is left to compute it.
+
+    Raises TimingError for unlike times; SignalError when the gain's states are not the estimator's, and integrals of
+    its outputs, or its inputs are not known to the estimator; ModelError for an algebraic loop without a solution.
+    """
+    return _controller(gain, estimator, estimator.predictor())
+
+
+@arguments.checked
+def current(gain: lqr.Gain, estimator: kalman.Estimator) -> Controller:
+    """Return the controller whose u has used the sample of its own instant. Raises as `predictor`."""
+    return _controller(gain, estimator, estimator.current())
+
+
+@arguments.checked
+def expected(controller: Controller, acting: noise.Noise | None = None) -> Expectation:
+    """Return the expected cost for the gain's weights, and all standard deviations.
+
+    The noise is that of the estimator unless another is `acting`.
+
+    It is that of the loop as it is: the gain need not be designed for the same model. With weights of `lqr.lqrd` it
+    is the cost of one period, without the constant that the noise inside a period adds whatever the controller.
+
+    Raises ModelError when a pole of the loop does not decay.
+    """
+    loop, gain, e = controller.loop, controller.gain, acting or controller.estimator.noise
+    k = len(e.W) + len(e.V)
+    Sigma, B = np.block([[e.W, e.S], [e.S.T, e.V]]), loop.B[:, :k]
+    driven = B @ Sigma @ B.T
+    driven = (driven + driven.T) / 2
+    X = noise.stationary(loop.A, driven, loop.time)
+    part = loop.select(gain.inputs, loop.inputs[:k])
+    z = [loop.states.index(name) for name in gain.states]
+    zz, zu = X[np.ix_(z, z)], X[z] @ part.C.T
+    uu = part.C @ X @ part.C.T + part.D @ Sigma @ part.D.T
+    cost = float(np.sum(gain.Q * zz) + np.sum(gain.R * uu) + 2 * np.sum(gain.N * zu))
+    values = np.sqrt(np.concatenate([np.diag(zz), np.diag(uu)]))
+    names = (*gain.states, *gain.inputs)
+    units = {name: loop.unit(name) for name in names}
+    residual = noise.residual(loop.A, driven, X, loop.time)
+    return Expectation(cost, dict(zip(names, values.tolist(), strict=True)), units, residual, loop.time)
+
+
+def _controller(gain: lqr.Gain, estimator: kalman.Estimator, form: StateSpace) -> Controller:
+    model = estimator.model
+    common(gain.time, model.time)
+    regulated = integrals(gain, model)
+    integrators = _integrators(model, regulated)
+    others = tuple(name for name in model.inputs if name not in gain.inputs)
+    external = (*model.outputs, *(f"{y}_reference" for y in regulated), *others)
+    parts = (form, integrators.renamed({y: f"{y}_measured" for y in regulated}), _feedback(gain, form, integrators))
+    wires = {f"{y}_measured": {y: 1.0} for y in regulated}
+    compensator = interconnect.connect(parts, external, gain.inputs, wires)
+    return Controller(gain, estimator, compensator, _loop(model, compensator, others))
+
+
+def _feedback(gain: lqr.Gain, form: StateSpace, integrators: StateSpace) -> StateSpace:
+    """Return u = K (x^, q) as a model without states."""
+    names = tuple(x if x in integrators.states else f"{x}_estimate" for x in gain.states)
+    m, n = gain.K.shape
+    units = {**form.units, **integrators.units}
+    nothing = (np.zeros((0, 0)), np.zeros((0, n)), np.zeros((m, 0)))
+    return StateSpace(*nothing, gain.K, (), names, gain.inputs, gain.time, units)
+
+
+def _loop(model: StateSpace, compensator: StateSpace, others: Sequence[str]) -> StateSpace:
+    """Return the compensator around the plant with noise on its states and outputs."""
+    n, p = model.C.T.shape
+    on_states = tuple(f"{name}_disturbance" for name in model.states)
+    on_outputs = tuple(f"{name}_noise" for name in model.outputs)
+    known = tuple(name for name in compensator.inputs if name not in model.outputs)
+    D = np.hstack([model.D, np.zeros((p, n))])
+    units = {**model.units, **{f"{y}_noise": model.unit(y) for y in model.outputs if y in model.units}}
+    plant = replace(model, B=np.hstack([model.B, np.eye(n)]), D=D, inputs=(*model.inputs, *on_states))
+    wires = {f"{name}_measured": {name: 1.0} for name in others}
+    wires |= {y: {y: 1.0, f"{y}_noise": 1.0} for y in model.outputs}
+    parts = (plant, compensator.renamed({name: f"{name}_measured" for name in others}))
+    outputs = (*model.outputs, *compensator.outputs)
+    joined = interconnect.connect(parts, (*on_states, *on_outputs, *known), outputs, wires)
+    return replace(joined, units={**units, **joined.units})
+
+
+@arguments.checked
+def integrals(gain: lqr.Gain, model: StateSpace) -> tuple[str, ...]:
+    """Return the outputs of a model whose integrals are among the gain's states.
+
+    Raises SignalError when the other states or the inputs are not the model's.
+    """
+    extra = tuple(x for x in gain.states if x not in model.states)
+    found = tuple(x.removesuffix(INTEGRAL) for x in extra)
+    missing = [x for x in model.states if x not in gain.states] + [u for u in gain.inputs if u not in model.inputs]
+    missing += [x for x, y in zip(extra, found, strict=True) if y == x or y not in model.outputs]
+    if missing:
+        raise SignalError(
+            f"'{missing[0]}' is not both in the gain and in the estimator's model: design the gain for that model, or "
+            "for `lqr.integral` of it"
+        )
+    return found
+
+
+def _integrators(model: StateSpace, outputs: Sequence[str]) -> StateSpace:
+    """Return q' = y - r, or q+ = q + T (y - r), for some outputs of a model, named and in units as `lqr.integral`."""
+    k, full = len(outputs), lqr.integral(model, outputs)
+    states, references = full.states[len(model.states) :], tuple(f"{y}_reference" for y in outputs)
+    T = model.time.period_s if isinstance(model.time, Discrete) else 1.0
+    A = np.zeros((k, k)) if isinstance(model.time, Continuous) else np.eye(k)
+    units = {r: model.unit(y) for y, r in zip(outputs, references, strict=True) if y in model.units}
+    B, D = T * np.hstack([np.eye(k), -np.eye(k)]), np.zeros((k, 2 * k))
+    return StateSpace(A, B, np.eye(k), D, states, (*outputs, *references), states, model.time, {**full.units, **units})

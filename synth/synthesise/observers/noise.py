@@ -1,0 +1,236 @@
+"""White noise on a linear model: x' = A x + B u + G w, y = C x + D u + F w + v (x+ = .. in discrete time).
+
+With E w w' = W, E v v' = V and E w v' = S (densities in continuous time, covariances at each sample in discrete time)
+states and outputs get noise of
+
+    W_x = G W G',    V_y = V + F W F' + F S + S' F',    S_xy = G (W F' + S)
+
+A continuous model whose inputs are held over T gathers W_T = int_0^T exp(A s) G W G' exp(A' s) ds in a period.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import ArrayLike
+
+from synth import arguments, show
+from synth.analyse import discretise, precise
+from synth.errors import ModelError, SignalError
+from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.synthesise.feedback import weights
+from synth.synthesise.riccati import spectrum
+from synth.timing import Continuous, Time
+
+Entry = ArrayLike | Sequence[str] | None
+"""Where w enters: a matrix G (n, q); names of inputs, which are then noise alone and not known; None for one noise on
+each state."""
+
+SINGULAR = 1e-12  # of a covariance scaled to a diagonal of 1: an eigenvalue below it counts as zero
+DOUBLINGS = 80  # of the span over which a covariance is summed: with 2^40 for the slowest decay in discrete time
+SETTLED = 2.0**-60  # of what a start has grown to at most: what is left of it when the sum over time is complete
+SIZES = (1e-100, 1e100)  # variances whose squares, beside those of a model, are numbers in double precision
+
+
+@dataclass(frozen=True, eq=False)
+class Noise:
+    """Covariances or densities on the states, W (n, n), on the outputs, V (p, p), and of both, S (n, p)."""
+
+    W: Array
+    V: Array
+    S: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Noisy:
+    """A model, its inputs all known, with its noise."""
+
+    model: StateSpace
+    noise: Noise
+
+
+@dataclass(frozen=True, eq=False)
+class _Entered:
+    """A model without the inputs that are noise, and where w enters it: G (n, q), F (p, q) and the names of w."""
+
+    model: StateSpace
+    G: Array
+    F: Array
+    names: tuple[str, ...]
+
+
+@arguments.checked
+def white(system: System, W: weights.Weight, V: weights.Weight, G: Entry = None, S: ArrayLike | None = None) -> Noisy:
+    """Return a model in its own time with w of W (q, q), v of V (p, p) and E w v' = S (q, p).
+
+    Raises SignalError for what does not fit, is not finite, asymmetric or indefinite; ModelError when a combination of
+    outputs has no noise.
+    """
+    entered = _entered(of(system), G)
+    outputs = entered.model.outputs
+    W, V = weights.semidefinite("W", W, entered.names), weights.semidefinite("V", V, outputs)
+    S = np.zeros((len(W), len(V))) if S is None else arguments.matrix("S", S)
+    if S.shape != (len(W), len(V)) or not np.isfinite(S).all():
+        raise SignalError(f"S is {S.shape}: {len(W)} noises and {len(V)} outputs need a finite {(len(W), len(V))}")
+    if _least(np.block([[W, S], [S.T, V]]))[0] < -SINGULAR:
+        raise SignalError("S is larger than W and V allow: [[W, S], [S', V]] must be positive semidefinite; lower S")
+    with precise.precision():
+        g, f, w, v, s = (precise.matrix(part) for part in (entered.G, entered.F, W, V, S))
+        ft = f.transpose()
+        states, measured = g * w * g.transpose(), v + f * w * ft + f * s + s.transpose() * ft
+        noise = Noise(*(readonly(precise.rounded(part)) for part in (states, measured, g * (w * ft + s))))
+    _require_size(noise, entered.model)
+    _require_measurement(noise.V, outputs)
+    return Noisy(entered.model, noise)
+
+
+@arguments.checked
+def sampled(
+    system: System, W: weights.Weight, V: weights.Weight, period_s: float, G: Entry = None, exact: bool = False
+) -> Noisy:
+    """Return a continuous model with w of density W (q, q) held over `period_s`; each sample has V (p, p).
+
+    `exact` rounds each entry of the process noise once, alike on every machine.
+
+    Raises TimingError for a sampled model or a period that is not positive; SignalError as `white`, and for a w that
+    reaches an output at once, as no sample of it has a finite covariance; ModelError as `white` and
+    `discretise.gramian`.
+    """
+    entered = _entered(of(system), G)
+    model = entered.model
+    if entered.F.any():
+        j = int(np.flatnonzero(entered.F.any(axis=1))[0])
+        raise SignalError(
+            f"white noise reaches {model.outputs[j]} at once, where a sample has no finite covariance: put the "
+            "sensor's bandwidth into the model"
+        )
+    held = discretise.zero_order_hold(model, period_s)
+    W = weights.semidefinite("W", W, entered.names)
+    with precise.precision():
+        g = precise.matrix(entered.G)
+        density = precise.rounded(g * precise.matrix(W) * g.transpose())
+    process = discretise.gramian(model.A.T, density, period_s, exact).W
+    V = weights.semidefinite("V", V, model.outputs)
+    noise = Noise(process, readonly(V), readonly(np.zeros(model.C.T.shape)))
+    _require_size(noise, model)
+    _require_measurement(V, model.outputs)
+    return Noisy(held, noise)
+
+
+@arguments.checked
+def stationary(A: ArrayLike, W: ArrayLike, time: Time) -> Array:
+    """Return the covariance X (n, n) that white noise of W (n, n) keeps up in x' = A x + w, or in x+ = A x + w.
+
+        A X + X A' + W = 0,     A X A' + W = X
+
+    X is summed over doubled spans of time, from below the fastest to above the slowest decay, and mended once by the
+    sum for what an exact residual leaves.
+
+    Raises ModelError naming a pole that does not decay by more than rounding error, or when double precision does not
+    tell.
+    """
+    A = arguments.matrix("A", A)
+    A, W = arguments.fitting("A", A, len(A), len(A)), arguments.fitting("W", W, len(A), len(A))
+    if (pole := spectrum.lasting(A, time)) is not None:
+        raise ModelError(
+            f"the pole {show.number(pole)} does not decay, so that no covariance stays finite: stabilise it or take it "
+            "out of the model"
+        )
+    if not len(A):
+        return readonly(W)
+    X = _summed(A, W, time)
+    return readonly(X + _summed(A, _unbalance(A, W, X, time), time))
+
+
+def residual(A: Array, W: Array, X: Array, time: Time) -> float:
+    """Return the largest entry of A X + X A' + W, or of A X A' + W - X, over the sum of its terms' sizes."""
+    if not len(A):
+        return 0.0
+    a, x = np.abs(A), np.abs(X)
+    terms = a @ x + x @ a.T + np.abs(W) if isinstance(time, Continuous) else a @ x @ a.T + np.abs(W) + x
+    return float((np.abs(_unbalance(A, W, X, time)) / np.where(terms > 0, terms, 1.0)).max())
+
+
+def _unbalance(A: Array, W: Array, X: Array, time: Time) -> Array:
+    """Return A X + X A' + W, or A X A' + W - X, each entry rounded once."""
+    with precise.precision():
+        a, w, x = (precise.matrix(M) for M in (A, W, X))
+        ax, at = a * x, a.transpose()
+        left = precise.rounded(ax + x * at + w if isinstance(time, Continuous) else ax * at + w - x)
+    return (left + left.T) / 2
+
+
+def _summed(A: Array, W: Array, time: Time) -> Array:
+    """Return the covariance that W gathers until what it started from has decayed."""
+    M, X = A, W
+    if isinstance(time, Continuous):
+        over = discretise.gramian(A.T, W, 1 / (float(np.abs(np.linalg.eigvals(A).real).min()) or 1.0))
+        M, X = over.M.T, over.W
+    D, grown = discretise.balancing(A), 1.0
+    for _ in range(DOUBLINGS):
+        size = float(np.abs(M * D / D[:, None]).max())
+        if size <= SETTLED * grown:
+            return X
+        added, grown = M @ X @ M.T, max(grown, size)
+        X, M = X + (added + added.T) / 2, M @ M
+        if not (np.isfinite(M).all() and np.isfinite(X).all()):
+            break
+    raise ModelError(
+        "the covariance is not determined in double precision, for rounding of the model decides whether it stays "
+        "finite: give the model more damping or take slow modes out of it"
+    )
+
+
+def _entered(model: StateSpace, G: Entry) -> _Entered:
+    n, p = len(model.states), len(model.outputs)
+    if not n or not p:
+        raise SignalError(f"the model has {n} states and {p} outputs: a filter needs one of each at least")
+    if G is None:
+        return _Entered(model, np.eye(n), np.zeros((p, n)), model.states)
+    if names := _names(G):
+        noisy = model.select(model.outputs, names)
+        known = tuple(name for name in model.inputs if name not in names)
+        return _Entered(model.select(model.outputs, known), noisy.B, noisy.D, names)
+    G = arguments.matrix("G", G)
+    if len(G) != n or not G.size or not np.isfinite(G).all():
+        raise SignalError(f"G is {G.shape}: {n} states need a finite matrix of {n} rows, or names of inputs")
+    return _Entered(model, G, np.zeros((p, G.shape[1])), tuple(f"w{k + 1}" for k in range(G.shape[1])))
+
+
+def _names(G: Entry) -> tuple[str, ...]:
+    if isinstance(G, str):
+        return (G,)
+    given = tuple(G) if isinstance(G, Sequence) else ()
+    return tuple(str(name) for name in given) if all(isinstance(name, str) for name in given) else ()
+
+
+def _least(covariance: Array) -> tuple[float, Array]:
+    """Return the least eigenvalue of a covariance scaled to a diagonal of 1, and its direction."""
+    size = np.sqrt(np.diag(covariance))
+    size = np.where(size > 0, size, 1.0)
+    values, vectors = scipy.linalg.eigh(covariance / size / size[:, None])
+    return float(values[0]), vectors[:, 0]
+
+
+def _require_size(noise: Noise, model: StateSpace) -> None:
+    """Raise SignalError for a variance other than 0 that is too large or too small to be squared."""
+    sizes = np.concatenate([np.diag(noise.W), np.diag(noise.V)])
+    for name, size in zip((*model.states, *model.outputs), sizes, strict=True):
+        if size and not SIZES[0] <= size <= SIZES[1]:
+            raise SignalError(
+                f"the noise on {name} has the size {size:.3g}: a filter needs 0 or {SIZES[0]:.0e} .. {SIZES[1]:.0e}; "
+                "choose units in which it is nearer to 1, or take 0 for a noise that counts for nothing"
+            )
+
+
+def _require_measurement(V: Array, outputs: Sequence[str]) -> None:
+    least, direction = _least(V)
+    if least < SINGULAR:
+        part = np.abs(direction) > 0.1 * np.abs(direction).max()
+        who = ", ".join(name for name, takes_part in zip(outputs, part, strict=True) if takes_part)
+        raise ModelError(
+            f"the measurement of {who} has no white noise in some direction: V, scaled to a diagonal of 1, has the "
+            f"eigenvalue {least:.1e}; give each output a white noise of its own, or take what is measured without it "
+            "as known and estimate the other states by a reduced-order observer"
+        )

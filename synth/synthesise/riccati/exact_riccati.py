@@ -1,0 +1,246 @@
+"""Riccati equations in ball arithmetic: X and L correct to the last bit of double, alike on every machine.
+
+Newton's method (Kleinman 1968, Hewer 1971) from a start near the stabilising solution, or else from the limit Y of
+doubling (module `doubling`) in high precision, X = X0 + Y with A - B L(X0), R or S at X0 and the left side at X0 in
+place of A, R, Q. From X0 = 0 the doubling ends at the least cost, which need not stabilise; from another it misses the
+stabilising solution only by coincidence. Then
+
+    continuous  Ac'X + X Ac + Q - N L - L'N' + L'R L = 0,     discrete  Ac'X Ac - X + Q - N L - L'N' + L'R L = 0
+
+with Ac = A - B L, L that of the last X. Each step solves n^2 equations at once: for states of a dozen or fewer. More
+bits are taken until the ball of the last step's solution tells each entry to far below half an ulp. The poles are those
+of A - B L before it is rounded.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import flint
+import numpy as np
+
+from synth.analyse import precise
+from synth.errors import ModelError
+from synth.statespace import Array
+from synth.synthesise.riccati.equation import Complex, Equation, Solution, decays
+
+Mat = flint.arb_mat
+
+BITS = (precise.BITS, 4 * precise.BITS, 16 * precise.BITS)
+STEPS = 30
+HALVED = 8  # steps that only halve the error: so they do to the end where a pole lies on the stability boundary
+PASSES = 200  # doublings
+STILL = 1e-20  # of H: a pass that adds less ends the doubling
+CLEAR = 1e-15  # of a pole: what decays slower counts as not decaying
+LEVEL = 1e-30  # of a pole: a part, real or imaginary, this small is the rounding error of a zero
+
+
+@dataclass(frozen=True, eq=False)
+class _Problem:
+    A: Mat
+    B: Mat
+    Q: Mat
+    R: Mat
+    N: Mat
+    continuous: bool
+
+    def weight(self, X: Mat) -> Mat:
+        """Return R or S."""
+        return self.R if self.continuous else self.R + self.B.transpose() * X * self.B
+
+    def feedback(self, X: Mat) -> Mat:
+        """Return L for X."""
+        XB = self.B.transpose() * X
+        return precise.middle(self.weight(X).solve((XB if self.continuous else XB * self.A) + self.N.transpose()))
+
+    def residual(self, X: Mat) -> Mat:
+        """Return the equation's left side at X."""
+        if self.continuous:
+            cross = X * self.B + self.N
+            gain = self.R.solve(cross.transpose())
+            return self.A.transpose() * X + X * self.A - cross * gain + self.Q
+        cross = self.A.transpose() * X * self.B + self.N
+        gain = self.weight(X).solve(cross.transpose())
+        return self.A.transpose() * X * self.A - X - cross * gain + self.Q
+
+    def newton(self, X: Mat) -> Mat:
+        """Return the next iterate as balls: the cost of the feedback L(X), from a linear (Lyapunov, Stein) equation.
+
+        Raises ZeroDivisionError when its closed loop has poles s + s' = 0 (s s' = 1 in discrete time) to these bits.
+        """
+        return self.cost(self.feedback(X))
+
+    def cost(self, L: Mat) -> Mat:
+        """Return the cost of the feedback u = -L x as balls, where its loop is stable. Raises as `newton`."""
+        closed = (self.A - self.B * L).transpose()
+        cost = self.Q + L.transpose() * self.R * L - self.N * L - (self.N * L).transpose()
+        n = closed.nrows()
+        one = precise.identity(n)
+        if self.continuous:
+            operator = precise.kronecker(closed, one) + precise.kronecker(one, closed)
+        else:
+            operator = precise.kronecker(closed, closed) - precise.identity(n * n)
+        right = flint.arb_mat([[-v] for v in cost.entries()])
+        Y = flint.arb_mat(n, n, operator.solve(right).entries())
+        return (Y + Y.transpose()) * flint.arb(0.5)
+
+
+def solve(equation: Equation, start: Array | None = None) -> Solution:
+    """Return the stabilising solution; a `start` (n, n) near it saves the doubling.
+
+    Raises ModelError when neither leads to it.
+    """
+    for bits in BITS:
+        started = False
+        with precise.precision(bits):
+            problem = _problem(equation)
+            for begin in _starts(problem, start):
+                X, started = _limit(problem, begin), True
+                found = None if X is None else _found(problem, X)
+                if X is not None and found is not None and np.isfinite(found.step).all():
+                    return _apart(found, X)
+        if not started and bits > BITS[0]:  # twice the bits, and no doubling settles: it is not for want of digits
+            break
+    raise ModelError(
+        f"Newton's method on the Riccati equation does not settle within {bits} bits, or a step has no solution, "
+        "or its loop does not decay: scale the weights or the states, or leave out modes that hardly move"
+    )
+
+
+def certify(equation: Equation, X: Array) -> Solution:
+    """Return a symmetric X (n, n) of any origin with its L, residual and Newton step.
+
+    Raises ModelError when its L leaves the closed loop singular.
+    """
+    with precise.precision():
+        try:
+            return _found(_problem(equation), precise.matrix(X))
+        except ZeroDivisionError as error:
+            raise ModelError(
+                "the Newton step from this X has no solution: its closed loop has poles s + s' = 0 (s s' = 1 in "
+                "discrete time)"
+            ) from error
+
+
+def _problem(e: Equation) -> _Problem:
+    A, B, Q, R, N = (precise.matrix(v) for v in (e.A, e.B, e.Q, e.R, e.N))
+    return _Problem(A, B, Q, R, N, e.continuous)
+
+
+def _limit(problem: _Problem, X: Mat) -> Mat | None:
+    """Return Newton's limit, None when it is not told by these bits; steps square the error: the last leaves 1e-70."""
+    last, halved = np.inf, 0
+    for _ in range(STEPS):
+        try:
+            balls = problem.newton(X)
+        except ZeroDivisionError:
+            return None
+        previous, X = X, precise.middle(balls)
+        moved = precise.norm(X - previous)
+        if moved <= 1e-40 * precise.norm(X):
+            return X if _tells(balls) else None
+        halved, last = (halved + 1 if moved > last / 4 else 0), moved
+        if halved > HALVED:
+            return None
+    return None
+
+
+def _tells(balls: Mat) -> bool:
+    """Tell whether each entry is known to far below half an ulp, or is far below the largest."""
+    least = precise.ZERO * precise.norm(balls)
+    return all(v.rel_accuracy_bits() >= 64 or abs(v) < least for v in balls.entries())
+
+
+def _apart(found: Solution, X: Mat) -> Solution:
+    """Return the solution with its distance from X, known to far more bits, where Newton's step overstates it.
+
+    So it does where rounding X changes the loop: X is of the size 1e17, say, and L what is left of differences.
+    """
+    apart = _bounds(precise.matrix(found.X) - X)
+    return replace(found, step=np.where(found.step > 2 * apart, apart, found.step))
+
+
+def _starts(problem: _Problem, start: Array | None) -> Iterator[Mat]:
+    if start is not None:
+        yield precise.matrix(start)
+    one = precise.identity(problem.A.nrows())
+    for size in (flint.arb(0), _size(problem)):
+        limit = _doubled(problem, one * size)
+        if limit is not None:
+            yield limit
+
+
+def _size(p: _Problem) -> flint.arb:
+    """Return a size for X0."""
+    return flint.arb((precise.norm(p.Q) + precise.norm(p.R) / precise.norm(p.B) ** 2) if precise.norm(p.B) else 1.0)
+
+
+def _doubled(p: _Problem, X0: Mat) -> Mat | None:
+    """Return the limit of doubling from X0, None where it has none, or where it leaves a pole that does not decay."""
+    one = precise.identity(p.A.nrows())
+    try:
+        A, G, H = p.A - p.B * p.feedback(X0), p.B * p.weight(X0).solve(p.B.transpose()), p.residual(X0)
+        A, G, H = (precise.middle(Y) for Y in (A, G, H))
+        if p.continuous:
+            A, G, H = _mapped(A, G, H)
+        for _ in range(PASSES):
+            inverse = precise.middle((one + G * H).inv())
+            V, A_t = inverse * A, A.transpose()
+            step = A_t * H * V
+            G, H, A = (precise.middle(Y) for Y in (G + A * inverse * G * A_t, H + step, A * V))
+            G, H = (G + G.transpose()) * flint.arb(0.5), (H + H.transpose()) * flint.arb(0.5)
+            if not precise.norm(H) < 1e300:
+                return None
+            if precise.norm(step) <= STILL * precise.norm(H):
+                X = X0 + H
+                return X if _decays_clearly(_poles(p.A - p.B * p.feedback(X)), p.continuous) else None
+    except ZeroDivisionError:
+        return None
+    return None
+
+
+def _decays_clearly(poles: Complex, continuous: bool) -> bool:
+    """Tell whether a loop is stable by more than what ended the doubling: poles on the boundary come as near to it."""
+    if continuous:
+        return bool((poles.real < -CLEAR * np.abs(poles)).all())
+    return bool((np.abs(poles) < 1 - CLEAR).all())
+
+
+def _mapped(A: Mat, G: Mat, H: Mat) -> tuple[Mat, Mat, Mat]:
+    """Return the discrete equation that has the same solution, by z = (c + s) / (c - s)."""
+    c = flint.arb(max(map(precise.norm, (A, G, H))) * A.nrows() or 1.0)  # beyond the eigenvalues of A
+    one = precise.identity(A.nrows())
+    J = precise.middle((A - one * c).inv())
+    W = precise.middle((A.transpose() - one * c + H * J * G).inv())
+    return one + W.transpose() * (2 * c), J * G * W * (2 * c), W * H * J * (2 * c)
+
+
+def _poles(closed: Mat) -> Complex:
+    """Return the eigenvalues (n,) of a loop, each to far more digits than those of double."""
+    values = flint.acb_mat(precise.middle(closed)).eig(algorithm="approx")
+    return np.sort_complex(np.array([_level(complex(float(v.real), float(v.imag))) for v in values]))
+
+
+def _level(s: complex) -> complex:
+    """Return a number without the rounding error that stands for a part of zero."""
+    return complex(*(0.0 if abs(part) <= LEVEL * abs(s) else part for part in (s.real, s.imag)))
+
+
+def _found(problem: _Problem, X: Mat) -> Solution:
+    """Return X and the L that belongs to it, each rounded once; the rest is that of the rounded X.
+
+    Where the loop does not decay the step is infinite: X is near another solution.
+    """
+    L = problem.feedback(X)
+    shipped = precise.rounded(X)
+    ball = precise.matrix(shipped)
+    closed = problem.A - problem.B * L
+    poles = _poles(closed)
+    defect, step = _bounds(problem.residual(ball)), _bounds(problem.newton(ball) - ball)
+    step = step if decays(poles, problem.continuous) else np.full_like(step, np.inf)
+    return Solution(shipped, precise.rounded(L), precise.rounded(closed), defect, step, poles)
+
+
+def _bounds(balls: Mat) -> Array:
+    """Return an upper bound of each entry's absolute value."""
+    found = np.array([float(abs(v).upper()) for v in balls.entries()]).reshape(balls.nrows(), balls.ncols())
+    return np.where(np.isnan(found), np.inf, found)

@@ -1,0 +1,293 @@
+"""Algebraic Riccati equations with a certificate.
+
+    continuous  A'X + XA - (XB + N) R^-1 (B'X + N') + Q = 0,          L = R^-1 (B'X + N'),             A - B L stable
+    discrete    A'XA - X - (A'XB + N) S^-1 (B'XA + N') + Q = 0,       L = S^-1 (B'XA + N'),            A - B L stable
+                                             S = R + B'XB
+
+for A (n, n), B (n, m), Q (n, n), R (m, m), N (n, m); R > 0 in continuous time, S regular in discrete time. The cost
+[Q, N; N', R] need not be positive semidefinite. With R > 0, or S > 0, completing the square
+
+    sum of x'Qx + u'Ru + 2 x'Nu  =  x0'X x0 + sum of (u + L x)' S (u + L x)         for inputs that bring x to rest
+
+shows x0'X x0 to be the least cost of bringing x0 to rest (Willems 1971); it is the least of all where the cost is
+positive semidefinite and sees each mode that does not decay.
+
+By default in double precision: states and inputs are balanced by powers of 2, doubling gives a start, and Newton's
+method with a residual of twice the precision ends within rounding. What comes out is taken when its own certificate
+holds. Else the start is a gain for more moderate weights, then SciPy's Schur method; then ball arithmetic takes over,
+for 12 states or fewer. With `exact` ball arithmetic rounds X and L correctly, alike on every machine.
+"""
+
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import ArrayLike, NDArray
+
+from synth import arguments, show
+from synth.analyse import structure
+from synth.errors import ModelError, SignalError
+from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.synthesise.feedback import modes, weights
+from synth.synthesise.riccati import doubling, exact_riccati, newton, solvability
+from synth.synthesise.riccati.balance import Balance
+from synth.synthesise.riccati.equation import Complex, Equation, Solution, decays
+from synth.timing import Continuous, Time
+
+TRUSTED = 1e-8  # forward error up to which a solution in double precision is taken
+BALLS = 12  # states up to which ball arithmetic is tried
+
+
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
+class Riccati:
+    """The stabilising solution X (n, n) and L (m, n), u = -L x, for the weights Q, R, N, with its certificate.
+
+    `poles` (n,) are those of A - B L, in 1/s or in z. `defect` and `step` (n, n) hold the absolute entries of the
+    equation's left side at X and of the further Newton step from X, an estimate of X's error; from them
+
+    `residual`       the largest entry of the left side at X, each beside the sum of the absolute terms it is left of
+    `forward_error`  the largest error of X_ij over sqrt(X_ii X_jj); infinite where A - B L is not stable
+    `condition`      the factor from relative changes of the equation's terms to those of sqrt(X_ii X_jj), at most
+
+    so that units do not matter; `least_eigenvalue` is that of X_ij over sqrt(X_ii X_jj), 0 where X is not known to
+    tell it from that. sqrt(X_ii) of a state that costs nothing within rounding is that of the least cost within it.
+
+    `marginal` poles decay as the entries of A, B, Q stand, but by less than their rounding. `mirrored` modes, in 1/s or
+    in z, do not decay and the cost does not see them: the loop has the mirror image, -conj(s) or 1 / conj(s), and
+    leaving them alone would cost less. `cost_eigenvalue` and `weight_eigenvalue` are the least of [Q, N; N', R] and of
+    R or S, their diagonals made 1: below 0 for an indefinite cost, and where X is a saddle and no minimum.
+    """
+
+    X: Array
+    L: Array
+    Q: Array
+    R: Array
+    N: Array
+    poles: NDArray[np.complex128]
+    residual: float
+    forward_error: float
+    condition: float
+    least_eigenvalue: float
+    marginal: tuple[complex, ...]
+    mirrored: tuple[complex, ...]
+    cost_eigenvalue: float
+    weight_eigenvalue: float
+    defect: Array
+    step: Array
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    time: Time
+
+    def sheet(self) -> show.Sheet:
+        """Return the certificate and the tables of L, X and the poles."""
+        n, m = len(self.states), len(self.inputs)
+        tables = (
+            show.matrix("L", self.L, self.inputs, self.states),
+            show.matrix("X", self.X, self.states, self.states),
+            modes.table(self.poles, self.time),
+        )
+        return show.Sheet(f"Riccati solution in {self.time}: {n} states, {m} inputs", self.lines(), tables)
+
+    def lines(self) -> tuple[str, ...]:
+        """Return the certificate in words."""
+        return (
+            f"residual {self.residual:.1e}, error of X {self.forward_error:.1e}, condition {self.condition:.1e}, "
+            f"least eigenvalue of X, its diagonal made 1, {self.least_eigenvalue:.3g}",
+            *self.remarks(),
+        )
+
+    @property
+    def is_resolved(self) -> bool:
+        """Tell whether double precision resolves the loop with L: else X and L are right, but L's last bits matter."""
+        return bool(np.isfinite(self.condition) or not np.isfinite(self.forward_error))
+
+    def remarks(self) -> tuple[str, ...]:
+        """Return in what sense X is the least cost, where it is not that of all inputs."""
+        remarks, least = [], "X is the least cost of bringing the state to rest"
+        if self.weight_eigenvalue < 0:
+            return (f"R + B'XB has the eigenvalue {self.weight_eigenvalue:.3g}: X is a saddle of the cost, no minimum",)
+        if not self.is_resolved:
+            remarks.append(
+                "the last bits of A and L decide whether this loop is stable: rounded to double precision L may not "
+                "stabilise; take weights that differ by less"
+            )
+        if self.marginal:
+            listed = ", ".join(show.number(s) for s in self.marginal)
+            remarks.append(
+                f"the poles {listed} decay by less than the rounding of the model's entries: do not rely on it"
+            )
+        if self.mirrored:
+            image = "-conj(s)" if isinstance(self.time, Continuous) else "1 / conj(z)"
+            listed = ", ".join(structure.pair(s) for s in self.mirrored if s.imag >= 0)
+            remarks.append(
+                f"the weights do not see the mode {listed}, which does not decay: the loop mirrors it to {image}; "
+                f"{least}, and leaving that mode alone would cost less"
+            )
+        if self.cost_eigenvalue < 0:
+            remarks.append(
+                f"[Q, N; N', R] has the eigenvalue {self.cost_eigenvalue:.3g}: the cost is indefinite, and {least}"
+            )
+        return tuple(remarks)
+
+
+@arguments.checked
+def solve(
+    system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None = None, exact: bool = False
+) -> Riccati:
+    """Solve the Riccati equation of a model's A, B in its own time; Q (n, n), R (m, m), N (n, m), zero if left out.
+
+    Q weights the states, R the inputs, as matrix, diagonal or {name: weight}. Q may be indefinite and in discrete time
+    R singular or indefinite: the result says in what sense X is the least cost. `exact` rounds each entry of X and L
+    correctly, at a cost that grows with n^6.
+
+    Raises SignalError for weights that do not fit, an asymmetric Q or R, or in continuous time an R that is not
+    positive definite; ModelError when (A, B) is not stabilisable or the cost does not see a mode on the stability
+    boundary, naming the mode and its states, or when no stabilising solution is found.
+    """
+    model = of(system)
+    return solved(model, *checked_weights(model, Q, R, N), exact)
+
+
+def solved(model: StateSpace, Q: Array, R: Array, N: Array, exact: bool) -> Riccati:
+    """Do as `solve` for weights that `checked_weights` returned."""
+    stated = _stated(model, Q, R, N)
+    balance = Balance.of(stated)
+    certified = _solution(model, stated, balance)
+    found = balance.back(certified.solution)
+    if exact:
+        found = exact_riccati.solve(stated, found.X)
+        certified = balance.certified(found)
+    near = found if found.known is not None else None
+    exact_poles = (
+        (lambda: (near or exact_riccati.solve(stated, found.X)).poles()) if len(model.states) <= BALLS else None
+    )
+    within = solvability.prove(model, stated, certified.poles, certified.condition > newton.RIGID, exact_poles)
+    solvability.require_unique_gain(model, balance.scaled.weight(certified.solution.X))
+    return _result(model, stated, found, certified, balance, within)
+
+
+@arguments.checked
+def certify(
+    system: System,
+    Q: weights.Weight,
+    R: weights.Weight,
+    X: ArrayLike,
+    N: ArrayLike | None = None,
+    exact: bool = False,
+) -> Riccati:
+    """Return a symmetric X (n, n) of any origin with its L and its certificate; arguments else as for `solve`.
+
+    Raises SignalError as `solve`, or when X does not fit; ModelError when S = R + B'XB is singular.
+    """
+    model = of(system)
+    stated = _stated(model, *checked_weights(model, Q, R, N))
+    X = weights.symmetric("X", X, model.states)
+    balance = Balance.of(stated)
+    found = exact_riccati.certify(stated, X) if exact else balance.back(balance.evaluated(X))
+    return _result(model, stated, found, balance.certified(found), balance, np.zeros(0, dtype=np.complex128))
+
+
+@arguments.checked
+def checked_weights(
+    system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None
+) -> tuple[Array, Array, Array]:
+    """Return the weights as arrays (n, n), (m, m), (n, m).
+
+    Raises SignalError for weights that do not fit, an asymmetric Q or R, or in continuous time an R that is not
+    positive definite.
+    """
+    model = of(system)
+    check = weights.definite if isinstance(model.time, Continuous) else weights.symmetric
+    Q, R = weights.symmetric("Q", Q, model.states), check("R", R, model.inputs)
+    return Q, R, weights.cross("N", N, model.states, model.inputs)
+
+
+def _stated(model: StateSpace, Q: Array, R: Array, N: Array) -> Equation:
+    if not model.states or not model.inputs:
+        raise SignalError(f"the model has {len(model.states)} states and {len(model.inputs)} inputs: it needs of each")
+    return Equation(model.A, model.B, Q, R, N, isinstance(model.time, Continuous))
+
+
+def _solution(model: StateSpace, stated: Equation, balance: Balance) -> newton.Certified:
+    """Return the first solution of the balanced equation whose certificate holds."""
+    scaled, nearest, hidden = balance.scaled, np.inf, None
+    n = len(model.states)
+    for k, start in enumerate(_starts(balance)):
+        if k == 1 and (hidden := solvability.found_by_search(model, stated)) is not None and n > BALLS:
+            raise hidden
+        found = None if start is None else newton.refined(scaled, start, balance.bilinear)
+        if found is not None and decays(found.poles, scaled.continuous):
+            nearest = found.error
+            if nearest <= TRUSTED:
+                return found
+    if not weights.is_above(weights.joined(scaled.Q, scaled.R, scaled.N), -weights.ROUNDING):
+        solvability.require_clear_boundary(scaled)
+    hardly = solvability.hardly_moved(model, scaled)
+    if n > BALLS:
+        left = f"an error of {nearest:.1e} of X is left" if np.isfinite(nearest) else "no loop that decays was found"
+        raise ModelError(
+            f"the Riccati equation has no stabilising solution that double precision resolves: {left}, and the weight "
+            f"R has the condition {np.linalg.cond(scaled.R):.1e}; {hardly} weight inputs and states more alike, or "
+            f"leave out modes that hardly move; {BALLS} states or fewer are left to ball arithmetic, not {n}"
+        )
+    try:
+        return newton.certified(scaled, exact_riccati.solve(scaled), balance.bilinear)
+    except ModelError as error:
+        if hidden is not None:
+            raise hidden from error
+        least = weights.lowest_eigenvalue(weights.joined(scaled.Q, scaled.R, scaled.N))
+        hint = f"; balanced, [Q, N; N', R] has the eigenvalue {least:.1e}, which slow modes magnify: raise Q"
+        raise ModelError(
+            f"{error}; {hardly} actuate it, or take it out of the model{hint if least < 0 else ''}"
+        ) from error
+
+
+def _starts(balance: Balance) -> Iterator[Array | None]:
+    """Yield X of the scaled equation: by doubling; from a moderate gain; by SciPy."""
+    scaled = balance.scaled
+    yield doubling.solution(scaled, balance.bilinear)
+    yield from (balance.of_easier(weighted) for weighted in (scaled, scaled.plain()))
+    solver = scipy.linalg.solve_continuous_are if scaled.continuous else scipy.linalg.solve_discrete_are
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        try:
+            X = solver(scaled.A, scaled.B, scaled.Q, scaled.R, s=scaled.N)
+        except (np.linalg.LinAlgError, ValueError):  # ValueError: its pencil is not finite
+            return
+    yield X
+
+
+def _result(
+    model: StateSpace,
+    stated: Equation,
+    found: Solution,
+    certified: newton.Certified,
+    balance: Balance,
+    within: Complex,
+) -> Riccati:
+    scaled = balance.scaled
+    X = found.X * balance.D * balance.D[:, None]
+    return Riccati(
+        X=readonly(found.X),
+        L=readonly(found.L),
+        Q=readonly(stated.Q),
+        R=readonly(stated.R),
+        N=readonly(stated.N),
+        poles=certified.poles,
+        residual=certified.residual,
+        forward_error=certified.forward_error,
+        condition=certified.condition,
+        least_eigenvalue=balance.least_eigenvalue(found.X, certified.forward_error),
+        marginal=tuple(complex(s) for s in within),
+        mirrored=solvability.mirrored(model, stated, scaled, certified.poles),
+        cost_eigenvalue=weights.least_eigenvalue(weights.joined(scaled.Q, scaled.R, scaled.N)),
+        weight_eigenvalue=weights.least_eigenvalue(scaled.weight(X)),
+        defect=readonly(np.abs(found.defect)),
+        step=readonly(np.abs(found.step)),
+        states=model.states,
+        inputs=model.inputs,
+        time=model.time,
+    )

@@ -1,0 +1,265 @@
+"""Anti-windup: what a regulator does with the excess of what the actuators do over what it commanded.
+
+    x_c' = A x_c + B w + E (u_limited - u),    u = C x_c + D w          (x_c+ = .. in discrete time)
+
+In the linear range the excess is zero and nothing changes. While all actuators are held at their limits,
+x_c' = (A - E C) x_c + ..: E is right when that decays. When only some are, the plant takes part; of that nothing is
+certified.
+
+back_calculation   E for the internal model of a servo regulator: all eigenvalues of I (x) Phi - E K_xi keep the
+                   frequencies of the modes and decay at one rate a. E is the gain of an observer of xi in u: with
+                   F = I (x) Phi + (a / 2) I, of which nothing decays, E = Z^-1 K_xi' V^-1 and
+                   F' Z + Z F = K_xi' V^-1 K_xi (Bass), in the real Jordan form of Phi. In discrete time likewise with
+                   F = I (x) Phi exp(a T / 2).
+conditioning       the realisable reference (Hanus, Kinnaert, Henrotte 1987): the change of some inputs w_r, as many as
+                   commands, that would make the command the limited one. Where D_r, from w_r to u, is invertible,
+                   E = B_r D_r^-1. Where D_r = 0 and C B_r is invertible, it is the reference of the sample before,
+                   E = A B_r (C B_r)^-1, or more gently E = (A - z I) B_r (C B_r)^-1 with z = exp(-a T), in continuous
+                   time z = -a. The eigenvalues of A - E C are the zeros from w_r to u and, where D_r = 0, z once for
+                   each command.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import flint
+import numpy as np
+import scipy.linalg
+import scipy.special
+from numpy.typing import ArrayLike
+
+from synth import arguments, show
+from synth.analyse import precise
+from synth.analyse.equilibrate import equilibrated
+from synth.analyse.staircase import Complex
+from synth.errors import ModelError, SignalError
+from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.synthesise.feedback import weights
+from synth.synthesise.riccati import copies, spectrum
+from synth.synthesise.servo import internal_model, minimal_polynomial
+from synth.synthesise.servo.internal_model import InternalModel
+from synth.synthesise.servo.servo import Servo
+from synth.timing import Continuous, Time
+
+SINGULAR = 1e-11  # of the largest singular value, rows and columns scaled: what is smaller is rounding error
+
+
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
+class AntiWindup:
+    """E (k, m), from the excess of each command into the controller's states.
+
+    `controller` has the further inputs ``<control>_excess``; `eigenvalues` are those of A - E C.
+    """
+
+    E: Array
+    controller: StateSpace
+    eigenvalues: Complex
+
+    def sheet(self) -> show.Sheet:
+        """Return E and the eigenvalues with the commands held."""
+        model = self.controller
+        excess = model.inputs[len(model.inputs) - self.E.shape[1] :]
+        values = ", ".join(show.number(s) for s in self.eigenvalues)
+        line = f"With all actuators at their limits the controller has the eigenvalues {values}"
+        return show.Sheet("Anti-windup", (line,), (show.matrix("E", self.E, model.labels(model.states), excess),))
+
+
+@arguments.checked
+def of_gain(controller: System, E: ArrayLike) -> AntiWindup:
+    """Return a controller with the anti-windup gain E (k, m) of any origin.
+
+    Raises SignalError for an E of another shape, ModelError when the controller with its commands held does not decay.
+    """
+    model, gain = of(controller), arguments.matrix("E", E)
+    if gain.shape != model.C.T.shape or not np.isfinite(gain).all():
+        raise SignalError(
+            f"E is {gain.shape}: give a finite one of {model.C.T.shape}, the controller's states by its commands"
+        )
+    return _wound(model, readonly(gain), "take another E")
+
+
+@arguments.checked
+def back_calculation(
+    regulator: Servo, decay_per_s: float, V: weights.Weight | None = None, exact: bool = False
+) -> AntiWindup:
+    """Return a servo regulator whose internal model decays at the rate a = `decay_per_s` while its commands are held.
+
+    V (m, m) shares E among the commands: the excess of one with a large entry counts less. Left out, commands count by
+    the size of their gains, whatever their units. An observer goes on with the limited commands. `exact` computes E in
+    ball arithmetic and rounds each entry once, alike on every machine.
+
+    Raises SignalError for a rate that is not positive or a V that is not definite; ModelError as `of_gain`.
+    """
+    rate, controls = _positive(decay_per_s), regulator.controls
+    given = None if V is None else weights.definite("V", V, controls)
+    E = (_exact_gain if exact else _gain)(regulator, rate, given)
+    still = np.zeros((len(regulator.controller.A) - len(E), len(controls)))
+    return _wound(regulator.controller, readonly(np.vstack([E, still])), "choose a larger decay_per_s")
+
+
+def _gain(regulator: Servo, rate: float, V: Array | None) -> Array:
+    """Return E (p k, m) in double precision."""
+    model, p = regulator.model, len(regulator.regulated)
+    T, J = (np.kron(np.eye(p), M) for M in _jordan(model, rate))
+    C = regulator.K_xi @ T
+    size = _sizes(C, [mode.order for mode in model.modes] * p)
+    T, J, C = T / size, J / size * size[:, None], C / size
+    V = np.diag(1 / equilibrated(C)[1] ** 2) if V is None else V
+    if isinstance(model.time, Continuous):
+        F = J + rate / 2 * np.eye(len(J))
+        shared = np.linalg.solve(V, C)
+        E = np.linalg.solve(scipy.linalg.solve_continuous_lyapunov(F.T, C.T @ shared), shared.T)
+    else:
+        E = _sampled(J, C, V, np.exp(-rate * model.time.period_s / 2))
+    return np.asarray(T @ E, dtype=np.float64)
+
+
+def _exact_gain(regulator: Servo, rate: float, V: Array | None) -> Array:
+    """Return E (p k, m), each entry rounded once; in the coordinates xi, for E is that of any coordinates."""
+    model, p = regulator.model, len(regulator.regulated)
+    k = len(model.Phi)
+    V = np.diag(1 / equilibrated(_modal_gains(regulator, rate))[1] ** 2) if V is None else V
+
+    def compute() -> flint.arb_mat:
+        C, v, half = precise.matrix(regulator.K_xi), precise.matrix(V), flint.arb(rate) / 2
+        form = internal_model.exact(model.modes, model.time)
+        Phi = flint.arb_mat([[form[i, j] for j in range(k)] for i in range(k)])
+        shared = v.solve(C).transpose()
+        if isinstance(model.time, Continuous):
+            F = Phi + precise.identity(k) * half
+            return copies.lyapunov(F.transpose(), shared * C).solve(shared)
+        F = Phi * (half * flint.arb(model.time.period_s)).exp()
+        X = copies.stein(F.transpose(), shared * C).solve(C.transpose())
+        return (v + C * X).solve((copies.block(Phi, p) * X).transpose()).transpose()
+
+    try:
+        return precise.resolved(compute, "the anti-windup gain")
+    except ZeroDivisionError as error:
+        raise ModelError(
+            "the commands do not show every mode of the internal model, so that no E moves it: give the regulator a "
+            "gain K_xi on each"
+        ) from error
+
+
+def _modal_gains(regulator: Servo, rate: float) -> Array:
+    """Return the C of `_gain`, each entry rounded once."""
+    modes, p = regulator.model.modes, len(regulator.regulated)
+
+    def compute() -> flint.arb_mat:
+        return precise.matrix(regulator.K_xi) * copies.block(minimal_polynomial.modal_matrix(modes, rate), p)
+
+    C = precise.resolved(compute, "the gain on the modes")
+    return C / _sizes(C, [mode.order for mode in modes] * p)
+
+
+@arguments.checked
+def conditioning(controller: System, references: Sequence[str] | str, decay_per_s: float | None = None) -> AntiWindup:
+    """Return a controller conditioned on the inputs `references`, as many as its commands.
+
+    `decay_per_s` is the rate a of the case D_r = 0; None is allowed in discrete time and means at once, z = 0.
+
+    Raises SignalError for an unknown reference, another count or a rate that is not positive; ModelError when neither
+    D_r nor, with D_r = 0, C B_r is invertible, and for zeros that do not decay.
+    """
+    model, given = of(controller), arguments.names("references", references)
+    part = model.select(model.outputs, given)
+    if len(given) != len(model.outputs):
+        raise SignalError(
+            f"conditioning on {', '.join(given)}: give as many references as commands, "
+            f"{len(model.outputs)} for {', '.join(model.outputs)}, or use back_calculation"
+        )
+    if part.D.any():
+        E = np.linalg.solve(_invertible(part, part.D, "the direct term D").T, part.B.T).T
+    else:
+        z = _pole(decay_per_s, model.time)
+        first = _invertible(part, part.C @ part.B, "D = 0, and C B")
+        E = np.linalg.solve(first.T, (part.A @ part.B - z * part.B).T).T
+    return _wound(
+        model,
+        readonly(E),
+        f"it is a zero from {', '.join(given)}, so that no choice here helps: back_calculation does",
+    )
+
+
+def _wound(model: StateSpace, gain: Array, mend: str) -> AntiWindup:
+    excess = tuple(f"{name.removesuffix('_command')}_excess" for name in model.outputs)
+    units = {end: model.unit(name) for end, name in zip(excess, model.outputs, strict=True) if model.unit(name)}
+    wound = replace(
+        model,
+        B=np.hstack([model.B, gain]),
+        D=np.hstack([model.D, np.zeros((len(excess), len(excess)))]),
+        inputs=(*model.inputs, *excess),
+        units={**model.units, **units},
+    )
+    held = model.A - gain @ model.C
+    values = np.sort_complex(np.linalg.eigvals(held).astype(np.complex128))
+    if (lasting := spectrum.lasting(held, model.time)) is not None:
+        raise ModelError(
+            f"while its commands are held the controller has the eigenvalue {show.number(lasting)}, which does not "
+            f"decay, so that it winds up: {mend}"
+        )
+    return AntiWindup(readonly(gain), wound, values)
+
+
+def _jordan(model: InternalModel, rate: float) -> tuple[Array, Array]:
+    """Return T and J with Phi T = T J: J real, of one block for each mode, in the model's time; chains count in 1/rate.
+
+    Columns of T are 1, s, s^2, .. at the modes s and their derivatives, for Phi is a companion form.
+    """
+    n = len(model.Phi)
+    columns, blocks = [], []
+    for mode in model.modes:
+        k, s = mode.multiplicity, mode.value
+        powers = np.arange(n)
+        for j in range(k):
+            lowered = np.where(powers >= j, s ** np.maximum(powers - j, 0), 0)
+            v = scipy.special.comb(powers, j) * lowered * rate**j
+            columns += [v.real, v.imag] if s.imag else [v.real]
+        turn = np.array([[s.real, s.imag], [-s.imag, s.real]]) if s.imag else np.array([[s.real]])
+        blocks.append(np.kron(np.eye(k), turn) + np.kron(np.eye(k, k=1), rate * np.eye(len(turn))))
+    T, J = np.column_stack(columns), scipy.linalg.block_diag(*blocks)
+    return T, J if isinstance(model.time, Continuous) else scipy.linalg.expm(J * model.time.period_s)
+
+
+def _sizes(C: Array, orders: Sequence[int]) -> Array:
+    """Return the size of each column of C, one for all columns of a mode: it brings modes to like size."""
+    first = np.cumsum([0, *orders[:-1]])
+    whole = np.sqrt(np.add.reduceat((C**2).sum(axis=0), first))
+    return np.repeat(np.where(whole > 0, whole, 1.0), orders)
+
+
+def _sampled(J: Array, C: Array, V: Array, decay: float) -> Array:
+    """Return E for which J - E C has the eigenvalues s decay^2 / |s|^2 for the s of J (k, k); C (m, k)."""
+    F = J.T / decay
+    inverse = np.linalg.inv(F)
+    Z = scipy.linalg.solve_discrete_lyapunov(inverse, inverse @ C.T @ np.linalg.solve(V, C) @ inverse.T)
+    X = np.linalg.inv((Z + Z.T) / 2)
+    return np.asarray(decay * np.linalg.solve(V + C @ X @ C.T, C @ X @ F).T)
+
+
+def _invertible(part: StateSpace, M: Array, what: str) -> Array:
+    """Return M (m, m), called `what`, when no choice of units makes it nearly singular."""
+    values = np.linalg.svd(equilibrated(M)[0], compute_uv=False)
+    if not values.size or values[-1] <= SINGULAR * values[0]:
+        raise ModelError(
+            f"from {', '.join(part.inputs)} to {', '.join(part.outputs)} {what} is singular: no reference makes every "
+            "command realisable; condition on other inputs, give each command an error of its own, or use "
+            "back_calculation"
+        )
+    return M
+
+
+def _pole(decay_per_s: float | None, time: Time) -> float:
+    if isinstance(time, Continuous):
+        if decay_per_s is None:
+            raise SignalError("conditioning a continuous controller whose D is 0: give the rate decay_per_s")
+        return -_positive(decay_per_s)
+    return 0.0 if decay_per_s is None else float(np.exp(-_positive(decay_per_s) * time.period_s))
+
+
+def _positive(decay_per_s: float) -> float:
+    rate = arguments.real("rate decay_per_s", decay_per_s)
+    if rate.ndim or not (np.isfinite(rate) and rate > 0):
+        raise SignalError(f"the anti-windup decays at {decay_per_s} 1/s: give a finite rate above 0")
+    return float(rate)

@@ -1,0 +1,256 @@
+"""Internal-model (servo) regulators: state feedback around copies of an exosystem, with or without an observer.
+
+     r (p)
+     |
+     v -    e      +--------------------------------------+  xi
+    (+)----------->| xi' = (I (x) Phi) xi + (I (x) N) e   |------>[K_xi]--+
+     ^ +           +--------------------------------------+               |
+     |                                                                    v   u (m)
+     |                   x, or the estimate x^ of an observer ---->[K_x]-(+)----->[plant]---> y
+     +--------------------------------- y ------------------------------------------------+
+
+e = y - r is the error of the regulated outputs, u = K_x x + K_xi xi with the signs inside the gains, K = (K_x, K_xi).
+Only the plant needs an observer: xi is known. With (A, B) stabilisable, as many controls as regulated outputs at least
+and no transmission zero at a mode of the exosystem, the plant together with the copies is stabilisable, and any K that
+stabilises it has e -> 0 for every reference and disturbance of the exosystem, also in a plant that differs, as long as
+the loop stays stable (Davison 1976, Francis and Wonham 1976). `optimal_servo` finds gains. They are those, too, of a
+regulator that feeds back e and its derivatives in the place of x, as `regulator.block` does for one axis.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import ArrayLike
+
+from synth import arguments, show
+from synth.analyse.staircase import Complex
+from synth.errors import ModelError, SignalError
+from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.synthesise.servo import internal_model, steady_error
+from synth.synthesise.servo.internal_model import Exosystem, InternalModel
+from synth.synthesise.servo.steady_error import SteadyError, named
+from synth.timing import common
+
+Names = Sequence[str] | str | None
+"""Names of signals; None for all."""
+
+
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
+class Servo:
+    """u = K_x x + K_xi xi for a plant, with its certificate; n states, m controls, p regulated outputs, k modes' order.
+
+    `K` is (m, n + p k), on the plant's states and `InternalModel.names`. `controller` has the inputs of the names it
+    measures, the states or with an observer some outputs, and ``<output>_error``; an observer takes
+    ``<control>_limited``, what the actuators do. Its outputs are ``<control>_command``. `steady` certifies e -> 0.
+    """
+
+    plant: StateSpace
+    model: InternalModel
+    regulated: tuple[str, ...]
+    controls: tuple[str, ...]
+    K: Array
+    measured: tuple[str, ...]
+    controller: StateSpace
+    estimator: StateSpace | None
+    steady: SteadyError
+
+    @property
+    def K_x(self) -> Array:
+        """The gain (m, n) on the plant's states."""
+        return readonly(self.K[:, : len(self.plant.A)])
+
+    @property
+    def K_xi(self) -> Array:
+        """The gain (m, p k) on the internal model's states."""
+        return readonly(self.K[:, len(self.plant.A) :])
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """The states that K acts on."""
+        return (*self.plant.states, *self.model.names(self.regulated))
+
+    @property
+    def poles(self) -> Complex:
+        """The closed loop's poles, in 1/s or in z."""
+        return self.steady.poles
+
+    def closed_loop(self, plant: System | None = None) -> StateSpace:
+        """Return the loop, as `steady_error.closed`, around the plant or around another one with its signals.
+
+        Raises SignalError for a plant without them, TimingError for one in another time.
+        """
+        other = self.plant if plant is None else of(plant)
+        seen = _seen(other, self.measured, self.estimator is None)
+        return steady_error.closed(other, seen, self.regulated, self.controls, self.controller)
+
+    def around(self, plant: System) -> SteadyError:
+        """Return what is left of the exosystem's signals when the regulator, as it is, meets another plant.
+
+        Raises as `closed_loop`.
+        """
+        loop = self.closed_loop(plant)
+        return steady_error.evaluate(loop, named(self.regulated, "error"), self.model)
+
+    def sheet(self) -> show.Sheet:
+        """Return the gains, the poles and what is left of the exosystem's signals."""
+        units = {**self.plant.units, **self.model.units(self.regulated, self.plant.units)}
+        columns = tuple(show.named(name, units.get(name, "")) for name in self.states)
+        gains = show.matrix("gain", self.K.T, columns, self.plant.labels(self.controls))
+        certificate = self.steady.sheet()
+        lines = (f"Poles {', '.join(show.number(s) for s in self.poles)}", *certificate.lines)
+        what = f"{', '.join(self.regulated)} by {', '.join(self.controls)}"
+        title = f"Servo regulator of {what} in {self.plant.time}"
+        return show.Sheet(title, lines, (gains, *certificate.tables))
+
+
+@arguments.checked
+def of_gain(
+    system: System, exosystem: Exosystem, K: ArrayLike, *, regulated: Names = None, controls: Names = None
+) -> Servo:
+    """Return the regulator with a state feedback K (m, n + p k) of any origin.
+
+    Raises SignalError for a K of another shape or an unknown name, ModelError for a loop that K leaves unstable; else
+    as `internal_model.augmented`.
+    """
+    plant, acting, model = parts(system, exosystem, regulated, controls)
+    states = internal_model.augmented(acting, model).states
+    gain = arguments.matrix("K", K)
+    if gain.shape != (len(acting.inputs), len(states)) or not np.isfinite(gain).all():
+        raise SignalError(
+            f"K is {gain.shape}: give a finite one of {(len(acting.inputs), len(states))}, {', '.join(acting.inputs)} "
+            f"by {', '.join(states)}"
+        )
+    return _certified(plant, model, acting.outputs, acting.inputs, readonly(gain), plant.states, None)
+
+
+@arguments.checked
+def observed(servo: Servo, L: ArrayLike, measured: Names = None) -> Servo:
+    """Return the regulator with a full-order observer of the plant, x^' = A x^ + B u + L (y - C x^ - D u) (x^+ = ..).
+
+    L is (n, l) for the outputs `measured`. Raises as `estimated`; SignalError for an L of another shape.
+    """
+    plant = servo.plant
+    ends = plant.outputs if measured is None else arguments.names("measured outputs", measured)
+    seen = plant.select(ends, servo.controls)
+    gain = arguments.matrix("L", L)
+    if gain.shape != seen.C.T.shape:
+        raise SignalError(f"L is {gain.shape}: give {seen.C.T.shape}, states by the outputs {', '.join(seen.outputs)}")
+    states, inputs = named(plant.states, "estimate"), (*seen.inputs, *seen.outputs)
+    B = np.hstack([seen.B - gain @ seen.D, gain])
+    n = len(plant.A)
+    form = (seen.A - gain @ seen.C, B, np.eye(n), np.zeros((n, len(inputs))))
+    return estimated(servo, StateSpace(*form, states, inputs, states, plant.time))
+
+
+@arguments.checked
+def estimated(servo: Servo, estimator: System) -> Servo:
+    """Return the regulator with an estimator of the plant's states, u = K_x x^ + K_xi xi.
+
+    Its inputs are the controls, in the end what the actuators do, and measured outputs; its outputs are
+    ``<state>_estimate`` or <state>, for each state of the plant.
+
+    Raises SignalError for signals that do not fit or an estimate that follows a control at once, TimingError for
+    another time, ModelError for a loop that is not stable.
+    """
+    model = of(estimator)
+    plant, u = servo.plant, servo.controls
+    common(plant.time, model.time)
+    if unknown := [name for name in model.inputs if name not in (*u, *plant.outputs)]:
+        raise SignalError(
+            f"the estimator's input '{unknown[0]}' is no control ({', '.join(u)}) and no output of the plant"
+        )
+    kept = [f"{x}_estimate" if f"{x}_estimate" in model.outputs else x for x in plant.states]
+    acting = [name for name in model.inputs if name in u]
+    if model.select(kept, acting).D.any():
+        raise SignalError(
+            f"the estimate follows {', '.join(acting)} at once, so that the command would set itself: give an "
+            "estimator that uses the controls of the sample before"
+        )
+    measured = tuple(name for name in model.inputs if name not in u)
+    kept_model = model.select(kept, model.inputs)
+    return _certified(plant, servo.model, servo.regulated, u, servo.K, measured, kept_model)
+
+
+@arguments.checked
+def parts(
+    system: System, exosystem: Exosystem, regulated: Names, controls: Names
+) -> tuple[StateSpace, StateSpace, InternalModel]:
+    """Return the plant, its part from the controls to the regulated outputs, and the internal model, in one time.
+
+    Raises SignalError for an unknown name or no regulated output; else as `internal_model.in_time`.
+    """
+    plant = of(system)
+    ends = plant.outputs if regulated is None else arguments.names("regulated outputs", regulated)
+    if not ends:
+        known = ", ".join(plant.outputs) or "none: give the model a C"
+        raise SignalError(f"no output is regulated: name one or more; the model's outputs are {known}")
+    acting = plant.select(ends, plant.inputs if controls is None else arguments.names("controls", controls))
+    return plant, acting, internal_model.in_time(exosystem, plant.time)
+
+
+def _certified(
+    plant: StateSpace,
+    model: InternalModel,
+    regulated: tuple[str, ...],
+    controls: tuple[str, ...],
+    K: Array,
+    measured: tuple[str, ...],
+    estimator: StateSpace | None,
+) -> Servo:
+    """Return the regulator with its certificate; raise ModelError when its loop is not stable."""
+    controller = _controller(plant, model, regulated, controls, K, estimator or _identity(plant))
+    loop = steady_error.closed(plant, _seen(plant, measured, estimator is None), regulated, controls, controller)
+    steady = steady_error.evaluate(loop, named(regulated, "error"), model)
+    if steady.lasting is not None:
+        raise ModelError(
+            f"the servo loop has the pole {show.number(steady.lasting)}, which does not decay: give gains that "
+            "stabilise the plant together with the internal model, and an estimator whose error decays"
+        )
+    return Servo(plant, model, regulated, controls, K, measured, controller, estimator, steady)
+
+
+def _controller(
+    plant: StateSpace,
+    model: InternalModel,
+    regulated: tuple[str, ...],
+    controls: tuple[str, ...],
+    K: Array,
+    estimator: StateSpace,
+) -> StateSpace:
+    """Return the regulator from errors and the estimator's inputs to the commands."""
+    n, p = len(plant.A), len(regulated)
+    K_x, K_xi = K[:, :n], K[:, n:]
+    Phi, N = np.kron(np.eye(p), model.Phi), np.kron(np.eye(p), model.N)
+    limited = {u: f"{u}_limited" for u in controls}
+    fed = [limited.get(name, name) for name in estimator.inputs]
+    own = [f"{name}_estimate" if name in plant.states else name for name in estimator.states]
+    A, B = scipy.linalg.block_diag(Phi, estimator.A), scipy.linalg.block_diag(N, estimator.B)
+    C, D = np.hstack([K_xi, K_x @ estimator.C]), np.hstack([np.zeros((len(controls), p)), K_x @ estimator.D])
+    units = {f"{x}_estimate": unit for x, unit in plant.units.items()}
+    units |= {name: estimator.unit(x) for name, x in zip(own, estimator.states, strict=True) if estimator.unit(x)}
+    units |= {**plant.units, **model.units(regulated, plant.units)}
+    for signals, end in ((regulated, "error"), (controls, "command"), (controls, "limited")):
+        units |= {f"{name}_{end}": plant.unit(name) for name in signals if plant.unit(name)}
+    states = (*model.names(regulated), *own)
+    inputs = (*named(regulated, "error"), *fed)
+    return StateSpace(A, B, C, D, states, inputs, named(controls, "command"), plant.time, units)
+
+
+def _identity(plant: StateSpace) -> StateSpace:
+    """Return the estimator of a plant whose states are measured."""
+    n = len(plant.A)
+    form = (np.zeros((0, 0)), np.zeros((0, n)), np.zeros((n, 0)), np.eye(n))
+    return StateSpace(*form, (), plant.states, plant.states, plant.time)
+
+
+def _seen(plant: StateSpace, measured: tuple[str, ...], states: bool) -> StateSpace:
+    """Return a plant with the outputs that the controller measures, or with such `states` as outputs."""
+    if not states:
+        return plant.select(measured, plant.inputs)
+    if missing := [name for name in measured if name not in plant.states]:
+        raise SignalError(f"the plant has no state '{missing[0]}', which the regulator feeds back")
+    rows = np.eye(len(plant.A))[[plant.states.index(name) for name in measured]]
+    return replace(plant, C=rows, D=np.zeros((len(rows), len(plant.inputs))), outputs=measured)

@@ -1,0 +1,275 @@
+"""The manifest tells the truth about the C, and its text is JSON with one row a line."""
+
+import hashlib
+import json
+import re
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from synth.block import Block, Step, build
+from synth.blocks.safety import Guarded, Safety, guard, safe_output
+from synth.compose import compose
+from synth.emit.c.manifest import dumps
+from synth.emit.write import Emitted, emit
+from synth.errors import CompileError
+from synth.execute import host
+from synth.signals import Signal
+from synth.timing import Discrete
+from tests.emit import dyadic, hazards
+
+TIME = Discrete(1.25e-3)
+GAP = Signal("gap", "m", 0.01, 0.03, "air gap")
+SAFETY = Safety(5, {"gap_held": 0.02}, {"gap_held": 0.5}, "it falls up")
+
+
+def emitted(scalar: type[np.floating]) -> Emitted:
+    block = compose(
+        "stage",
+        [guard(TIME, [Guarded(GAP, 0.02, True), Guarded(Signal("wish", "m", 0, 1), 0, False)], 5)],
+        inputs=["gap", "wish"],
+        outputs=["gap_held"],
+    )
+    return emit(block, scalar, SAFETY)
+
+
+@pytest.mark.parametrize("scalar", [np.float32, np.float64])
+def test_the_compiler_confirms_the_layout(scalar: type[np.floating]) -> None:
+    made = emitted(scalar)
+    controller = host.load(made.files, made.manifest)
+    assert controller.scalar is scalar and controller.period_s == 1.25e-3
+    state = controller.init()
+    assert state["guard_last_gap"] == scalar(0.02)
+    assert controller.step(state, {"gap": np.nan, "wish": 7}).faults == 0b11
+
+
+def test_a_layout_that_lies_is_refused_by_the_compiler() -> None:
+    made = emitted(np.float64)
+    manifest: Any = json.loads(made.files["manifest.json"])
+    manifest["structs"]["state"]["fields"][0]["offset"] += 8
+    with pytest.raises(CompileError, match="manifest_state"):
+        host.load(made.files, manifest)
+
+
+def test_every_entry_stands_as_declared() -> None:
+    made = emitted(np.float32)
+    manifest = made.manifest
+    assert (manifest["design"], manifest["scalar"]) == ("stage", "float32")
+    assert manifest["functions"] == {"init": "stage_init", "step": "stage_step"}
+    assert manifest["faults"] == [{"bit": 0, "input": "gap"}, {"bit": 1, "input": "wish"}, {"bit": 31, "latched": True}]
+    bounds = {"low": float(np.float32(0.01)), "high": float(np.float32(0.03))}
+    gap = {"name": "gap", "offset": 0, "count": 1, "ctype": "float", "unit": "m"} | bounds
+    assert manifest["structs"]["input"]["fields"][0] == gap
+    assert [s["type"] for s in manifest["structs"].values()] == ["stage_input_t", "stage_output_t", "stage_state_t"]
+    assert manifest["safety"] == {
+        "bad_samples": 5,
+        "safe_output": {"gap_held": 0.02},
+        "slew_per_s": {"gap_held": 0.5},
+        "reason": "it falls up",
+    }
+    assert manifest["sha256"] == {
+        name: hashlib.sha256(made.files[name].encode()).hexdigest() for name in ("stage.c", "stage.h")
+    }
+
+
+def test_the_fault_bits_of_the_header_are_those_of_the_manifest() -> None:
+    made = emitted(np.float32)
+    for fault in made.manifest["faults"]:
+        assert f" *   bit {fault['bit']:2d}  {fault.get('input', 'latched')}: " in made.files["stage.h"]
+
+
+# --- the trace: which lines compute which Block ---
+
+STAGE = Safety(3, {"force": 0.0}, {"force": 5.0}, "at rest")
+
+
+def stage() -> Block:
+    """Return a guarded stage: a function of the gap, a law, and the safe output once latched."""
+    force = Signal("force", "N", -1, 1)
+    gap, wish = Signal("gap", "1", 0.25, 0.5), Signal("wish", "1", 0, 1)
+    held = [Signal("gap_held", "1", 0.25, 0.5), Signal("wish_held", "1", 0, 1)]
+    law = build(
+        "law",
+        TIME,
+        lambda u, x, k: Step(
+            {"force_computed": ca.exp(u["gap_held"]) * (u["wish_held"] - 0.5) / 2},
+            named=[(Signal("gain", "1", 0, 9), ca.exp(u["gap_held"]))],
+        ),
+        inputs=held,
+        outputs=[Signal("force_computed", "N", -9, 9)],
+        tag="F(3), F(4)",
+    )
+    blocks = [
+        guard(TIME, [Guarded(gap, 0.25, True), Guarded(wish, 0, False)], 3),
+        law,
+        safe_output(TIME, [force], STAGE),
+    ]
+    return compose("stage", blocks, inputs=["gap", "wish"], outputs=["force"])
+
+
+# A Block that computes nothing has no line to trace.
+BLOCKS = [stage(), *(b for b in hazards.BLOCKS if b.name != "never"), *(dyadic.drawn(seed) for seed in range(6))]
+IDLE = re.compile(r"\s*(\(void\)\w+;|static const .*|return .*;|)")
+
+
+def body(lines: list[str], name: str) -> range:
+    """Return the numbers, from 1, of the lines inside the braces of the step."""
+    head = next(i for i, line in enumerate(lines, 1) if line.startswith(f"uint32_t {name}_step("))
+    return range(head + 2, len(lines))
+
+
+def trace_defects(lines: list[str], trace: Mapping[str, list[list[int]]], name: str) -> list[str]:
+    """Return what is wrong with a trace: lines outside the step, runs out of order or shared, lines left out."""
+    inside, found, covered = body(lines, name), [], list[int]()
+    for tag, runs in trace.items():
+        if not all(first <= last for first, last in runs) or not all(a[1] < b[0] for a, b in pairwise(runs)):
+            found.append(f"{tag}: out of order")
+        covered += [line for first, last in runs for line in range(first, last + 1)]
+    found += [f"{line} twice" for line in set(covered) if covered.count(line) > 1]
+    found += [f"{line} outside" for line in covered if line not in inside]
+    left = [line for line in inside if line not in covered and not IDLE.fullmatch(lines[line - 1])]
+    return found + [f"{line} left out" for line in left]
+
+
+@pytest.mark.parametrize("block", BLOCKS, ids=lambda b: b.name)
+def test_every_line_of_the_step_belongs_to_one_block(block: Block) -> None:
+    made = emit(block, np.float32, error=1e-5)
+    lines = made.files[f"{block.name}.c"].splitlines()
+    assert not trace_defects(lines, made.manifest["trace"], block.name)
+
+
+def test_a_trace_that_is_wrong_is_found() -> None:
+    made = emit(stage(), np.float32, error=1e-5)
+    lines, trace = made.files["stage.c"].splitlines(), made.manifest["trace"]
+    (tag, runs), other = next(iter(trace.items())), next(tag for tag in trace if tag.startswith("law"))
+    first, last = runs[0]
+    for wrong in ([], [[first, last - 1], *runs[1:]], [[last, first], *runs[1:]], [[first, len(lines) + 1]]):
+        assert trace_defects(lines, trace | {tag: wrong}, "stage")
+    assert trace_defects(lines, trace | {other: [*trace[other], [first, first]]}, "stage")
+    assert trace_defects(lines, trace | {tag: [*runs[::-1], [1, 1]]}, "stage")
+
+
+def test_lines_belong_to_the_block_that_computes_them() -> None:
+    made = emit(stage(), np.float32, error=1e-5)
+    lines, trace = made.files["stage.c"].splitlines(), made.manifest["trace"]
+    titles = [
+        "guard: range acceptance, hold, latch",
+        "law: F(3), F(4)",
+        "safe_output: slew to the safe output once latched",
+    ]
+    assert sorted(trace) == titles
+
+    def of(text: str) -> list[str]:
+        found = [i for i, line in enumerate(lines, 1) if text in line and i in body(lines, "stage")]
+        return [tag for i in found for tag, runs in trace.items() if any(a <= i <= b for a, b in runs)]
+
+    assert of("gain_polynomial(") == ["law: F(3), F(4)"]
+    assert set(of("state->guard_")) == {titles[0]}
+    assert of("safe_output_last_force - ") == [titles[2]]
+
+
+# --- the whole document ---
+
+FIELD = {"name": str, "offset": int, "count": int, "ctype": str, "unit": str, "low": float, "high": float}
+SURROGATE = {
+    "tag": str,
+    "function": str,
+    "variable": str,
+    "low": float,
+    "high": float,
+    "degree": int,
+    "max_relative_error": float,
+    "checked_values": int,
+}
+SCHEMA: dict[str, Any] = {
+    "design": str,
+    "period_s": float,
+    "scalar": str,
+    "functions": {"init": str, "step": str},
+    "structs": {role: {"type": str, "size": int, "fields": [FIELD]} for role in ("input", "output", "state")},
+    "faults": [dict],
+    "safety": {"bad_samples": int, "safe_output": dict, "slew_per_s": dict, "reason": str},
+    "surrogates": [SURROGATE],
+    "trace": dict,
+    "sha256": {"stage.c": str, "stage.h": str},
+}
+
+
+def misfits(found: Any, schema: Any, where: str = "") -> list[str]:
+    """Return where a document has other keys or kinds of values than the schema."""
+    if isinstance(schema, list):
+        return [m for i, item in enumerate(found) for m in misfits(item, schema[0], f"{where}[{i}]")]
+    if isinstance(schema, dict):
+        if not isinstance(found, dict) or found.keys() != schema.keys():
+            return [f"{where}: {found}"]
+        return [m for key in schema for m in misfits(found[key], schema[key], f"{where}.{key}")]
+    kinds = (int, float) if schema is float else (schema,)
+    return [] if isinstance(found, kinds) and not isinstance(found, bool) else [f"{where}: {found}"]
+
+
+def test_the_document_has_the_keys_and_kinds_that_are_promised() -> None:
+    made = emit(stage(), np.float32, STAGE, error=1e-5)
+    document = json.loads(made.files["manifest.json"])
+    assert document == made.manifest and not misfits(document, SCHEMA) and document["surrogates"]
+    assert document["faults"] == [{"bit": 0, "input": "gap"}, {"bit": 1, "input": "wish"}, {"bit": 31, "latched": True}]
+    for wrong in ({"period_s": "1"}, {"surrogates": [{}]}, {"functions": {"init": "a"}}, {"more": 1}):
+        assert misfits({**document, **wrong}, SCHEMA)
+
+
+def test_surrogates_are_listed_as_they_are_in_the_c() -> None:
+    made = emit(stage(), np.float32, error=1e-5)
+    (surrogate,) = made.manifest["surrogates"]
+    assert (surrogate["tag"], surrogate["function"], surrogate["variable"]) == ("gain", "gain_polynomial", "gap_held")
+    assert (surrogate["low"], surrogate["high"]) == (0.25, 0.5) and surrogate["checked_values"] > 8e6
+    code = made.files["stage.c"]
+    function = code[code.index("static inline float gain_polynomial(float t)") :].split("}")[0]
+    assert function.count("* ") == surrogate["degree"]
+    assert f"relative error at most {surrogate['max_relative_error']:.2g}. */" in code
+
+
+# --- its text ---
+
+TREES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text(),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(), inner, max_size=4),
+    max_leaves=20,
+)
+
+
+@given(st.dictionaries(st.text(), TREES))
+def test_the_text_reads_back_as_the_document(document: dict[str, Any]) -> None:
+    text = dumps(document)
+    assert json.loads(text) == document and text.endswith("\n")
+
+
+def test_a_row_stands_in_one_line() -> None:
+    text = dumps({"rows": [{"a": 1, "b": [1, 2]}, {"c": 3}], "empty": {}})
+    assert text.splitlines() == [
+        "{",
+        ' "rows": [',
+        "  {",
+        '   "a": 1,',
+        '   "b": [1, 2]',
+        "  },",
+        '  {"c": 3}',
+        " ],",
+        ' "empty": {}',
+        "}",
+    ]
+
+
+def test_numbers_that_json_does_not_know_are_refused() -> None:
+    with pytest.raises(ValueError, match="JSON"):
+        dumps({"x": float("nan")})
+
+
+def test_a_block_without_safety_says_so() -> None:
+    output = Signal("force", "N", -1, 1)
+    block = safe_output(TIME, [output], Safety(1, {"force": 0}, {"force": 1}, "rest"))
+    assert emit(block, np.float64).manifest["safety"] is None

@@ -1,0 +1,315 @@
+"""Schedules, executed: statements that load, store and branch give what the program gives, node by node.
+
+The machine's states change as they are stored, so that a state that is loaded too late is found out.
+"""
+
+from collections import ChainMap
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from synth.block import Block, State, Step, build
+from synth.compose import compose
+from synth.emit import lower
+from synth.emit.c import schedule
+from synth.emit.c.schedule import About, Assign, Branch, Let, Statement, Store
+from synth.emit.lower import Program
+from synth.emit.passes import fold, reduced
+from tests.emit import dyadic, hazards
+from tests.emit.dyadic import TIME, signal
+from tests.emit.meaning import interpret, value
+
+SEEDS = range(80)
+
+
+@dataclass
+class Machine:
+    """Executes statements; its own asserts say what no schedule may do."""
+
+    program: Program
+    memory: dict[str, Any]
+    stored: dict[tuple[str, str], Any] = field(default_factory=dict)
+    computed: set[int] = field(default_factory=set)
+
+    def block(self, statements: Sequence[Statement], known: ChainMap[int, Any]) -> None:
+        for s in statements:
+            if isinstance(s, Let):
+                assert s.node not in self.computed, "computed twice"
+                self.computed.add(s.node)
+                node = self.program.nodes[s.node]
+                assert node.op != "state" or ("state", node.name) not in self.stored, "loaded after it is stored"
+                known[s.node] = value(node, [self.read(a, known) for a in node.args], self.memory)
+            elif isinstance(s, Store):
+                assert (s.struct, s.name) not in self.stored, "stored twice"
+                self.stored[s.struct, s.name] = self.read(s.node, known)
+                if s.struct == "state":
+                    self.memory[s.name] = self.read(s.node, known)
+            elif isinstance(s, Assign):
+                self.assign(s, known)
+            elif isinstance(s, Branch):
+                self.branch(s, known)
+
+    def branch(self, s: Branch, known: ChainMap[int, Any]) -> None:
+        for choice, start in s.declared:
+            known[choice] = None if start is None else self.read(start, known)
+        side = s.then if self.read(s.condition, known) != 0 else s.other
+        self.block(side, known.new_child())
+
+    def assign(self, s: Assign, known: ChainMap[int, Any]) -> None:
+        scope = next(scope for scope in known.maps if s.choice in scope)
+        assert scope is not known.maps[0], "assigned where it is declared"
+        scope[s.choice] = self.read(s.node, known)
+
+    def read(self, k: int, known: ChainMap[int, Any]) -> Any:
+        node = self.program.nodes[k]
+        if node.op in schedule.INLINE:
+            return value(node, [], self.memory)
+        assert known[k] is not None, "read before it is assigned"
+        return known[k]
+
+
+def execute(program: Program, loads: Mapping[str, Any]) -> dict[str, Any]:
+    """Return outputs, next states and word after the statements of a program."""
+    machine = Machine(program, dict(loads))
+    machine.block(schedule.statements(program), ChainMap())
+    found = {f"next {n}": machine.memory[n] for n in program.next}
+    found |= {n: machine.stored.get(("out", n)) for n in program.outputs}
+    return found | {"word": machine.stored.get(("word", ""))}
+
+
+def expected(program: Program, loads: Mapping[str, Any]) -> dict[str, Any]:
+    values = interpret(program, loads)
+    found = {f"next {n}": values[k] for n, k in program.next.items()} | {
+        n: values[k] for n, k in program.outputs.items()
+    }
+    return found | {"word": None if program.word is None else values[program.word]}
+
+
+def lowered(block: Block) -> Program:
+    return fold.folded(lower.program(block))
+
+
+def defects(blocks: Sequence[Block]) -> list[str]:
+    """Return the names of Blocks whose statements fail the machine or give something else than the program."""
+    found = []
+    for block in blocks:
+        printed = reduced.reduce(block, np.float64, libm=True)
+        program = printed.program
+        x, u = dyadic.samples(block, 12)
+        for k in range(x.shape[1]):
+            loads = {s.name: float(v) for s, v in zip(block.states, x[:, k], strict=True)}
+            loads |= {s.name: float(v) for s, v in zip(block.inputs, u[:, k], strict=True)}
+            loads |= {c.name: c.value for c in printed.block.constants}
+            try:
+                right = execute(program, loads) == expected(program, loads)
+            except (AssertionError, KeyError):
+                right = False
+            if not right:
+                found.append(block.name)
+                break
+    return found
+
+
+def test_hazards_are_scheduled_right() -> None:
+    assert not defects(hazards.BLOCKS)
+
+
+def test_random_blocks_are_scheduled_right() -> None:
+    blocks = [(dyadic.drawn, dyadic.withheld)[seed // 4 % 2](seed) for seed in SEEDS]
+    assert not defects(blocks)
+    programs = [reduced.reduce(b, np.float64, libm=True).program for b in blocks]
+    branches = [s for p in programs for s in everywhere(schedule.statements(p)) if isinstance(s, Branch)]
+    assert len(branches) > 100 and any(isinstance(s, Branch) for b in branches for s in (*b.then, *b.other))
+
+
+def stored_at_once(self: Any, d: Any) -> None:
+    """Meet a demand without loading the old value of its state first."""
+    if d in self.pending:
+        self._compute(d.node)
+        if d in self.pending:
+            del self.pending[d]
+            self.out.append(schedule._stored(d))
+
+
+def held_though_it_decides(self: Any, choice: int, k: int) -> bool:
+    """Take a state that a choice holds for unread, though it is the condition as well."""
+    places = [d.place for d in self.demands.get(choice, ())]
+    alone = self.p.nodes[choice].args[1:].count(k) == 1 and not self._read(choice)
+    return alone and all(self._is_load(k, q) for q in places)
+
+
+PLANTED: dict[str, Callable[..., Any]] = {
+    "_meet": stored_at_once,
+    "_holds": held_though_it_decides,
+    "_stored_elsewhere": lambda self, choices: set(),
+    "_passes_over": lambda self, user, k, chosen: user in self.written_of or (user in chosen and self._holds(user, k)),
+    "_read": lambda self, choice: False,
+    "_is_load": lambda self, k, place: place[0] == "state" and self.p.nodes[k].op == "state",
+}
+
+
+@pytest.mark.parametrize("name", PLANTED)
+def test_a_planted_defect_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    blocks = [*hazards.BLOCKS, *(make(seed) for seed in SEEDS[:40] for make in (dyadic.drawn, dyadic.withheld))]
+    monkeypatch.setattr(schedule._Level, name, PLANTED[name])
+    assert any(defects([b]) for b in blocks)
+
+
+def everywhere(statements: Sequence[Statement]) -> Iterator[Statement]:
+    for s in statements:
+        yield s
+        if isinstance(s, Branch):
+            yield from everywhere((*s.then, *s.other))
+
+
+def operations(program: Program, statements: Sequence[Statement]) -> set[str]:
+    return {program.nodes[s.node].op for s in everywhere(statements) if isinstance(s, Let)}
+
+
+def stores(statements: Sequence[Statement]) -> list[str]:
+    return [s.name for s in everywhere(statements) if isinstance(s, Store)]
+
+
+def only_branch(statements: Sequence[Statement]) -> Branch:
+    (found,) = (s for s in statements if isinstance(s, Branch))
+    return found
+
+
+def one(law: Callable[..., Step], outputs: str = "y", states: Sequence[State] = ()) -> Program:
+    return lowered(hazards.make("one", law, outputs, states))
+
+
+def unlimited(program: Program) -> Program:
+    """Return a program without the limits, which range analysis drops: the next states are the choices themselves."""
+    return program.substituted({k: n.args[0] for k, n in enumerate(program.nodes) if n.op in ("min", "max", "clamp")})
+
+
+def test_what_one_side_needs_is_computed_on_that_side_only() -> None:
+    def law(u: Any, x: Any, k: Any) -> Step:
+        a, b, c = u["a"], u["b"], u["c"]
+        both = ca.exp(a) + 1
+        return Step({"y": ca.if_else(a < b, ca.sin(c) * both, ca.cos(c) - both), "z": ca.if_else(a < b, ca.tanh(c), c)})
+
+    program = one(law, "y z")
+    statements = schedule.statements(program)
+    branch = only_branch(statements)
+    assert operations(program, branch.then) >= {"sin", "tanh"} and operations(program, branch.other) >= {"cos"}
+    outside = operations(program, [s for s in statements if not isinstance(s, Branch)])
+    assert "exp" in outside and not outside & {"sin", "cos", "tanh"}
+    assert stores(branch.then) == stores(branch.other) == ["y", "z"]
+
+
+def test_what_is_used_elsewhere_too_is_computed_outside() -> None:
+    def law(u: Any, x: Any, k: Any) -> Step:
+        s = ca.sin(u["c"])
+        return Step({"y": ca.if_else(u["a"] < u["b"], s * 3 + u["a"] * 5, u["c"] * 7 - 1), "z": s})
+
+    program = one(law, "y z")
+    branch = only_branch(schedule.statements(program))
+    assert "sin" not in operations(program, (*branch.then, *branch.other))
+
+
+def test_a_state_that_a_side_leaves_as_it_is_is_not_stored_there() -> None:
+    def law(u: Any, x: Any, k: Any) -> Step:
+        go = u["a"] < u["b"]
+        return Step({"y": x["x"]}, {"x": ca.if_else(go, u["c"], x["x"]), "z": ca.if_else(go, x["z"], u["b"])})
+
+    states = [State(signal(n, -4, 4), 0) for n in ("x", "z")]
+    program = unlimited(one(law, states=states))
+    branch = only_branch(schedule.statements(program))
+    assert (stores(branch.then), stores(branch.other)) == (["x"], ["z"])
+    assert [n for n in stores(schedule.statements(program)) if n in ("x", "z")] == ["x", "z"]
+
+
+def test_a_state_that_stays_is_neither_loaded_nor_stored() -> None:
+    program = Program((lower.Node("state", name="x"), lower.Node("input", name="a")), (), {"y": 1}, {"x": 0})
+    assert schedule.statements(program) == (Let(1), Store("out", "y", 1))
+
+
+def test_a_short_choice_stays_a_choice() -> None:
+    program = one(lambda u, x, k: Step({"y": ca.if_else(u["a"] < u["b"], u["a"], 2 * u["b"])}))
+    assert not any(isinstance(s, Branch) for s in schedule.statements(program))
+
+
+@pytest.mark.parametrize("count", [2, 3])
+def test_more_than_two_short_choices_become_an_if(count: int) -> None:
+    names = "pqr"[:count]
+
+    def law(u: Any, x: Any, k: Any) -> Step:
+        return Step({n: ca.if_else(u["a"] < u["b"], u[first], 0.5) for n, first in zip(names, "abc", strict=False)})
+
+    branches = [s for s in schedule.statements(one(law, " ".join(names))) if isinstance(s, Branch)]
+    assert len(branches) == (count > 2)
+
+
+def loads(program: Program, statements: Sequence[Statement]) -> list[str]:
+    nodes = [program.nodes[s.node] for s in everywhere(statements) if isinstance(s, Let)]
+    return [n.name for n in nodes if n.op == "state"]
+
+
+def test_a_state_is_loaded_on_the_side_that_reads_it_if_it_is_stored_later() -> None:
+    def law(u: Any, x: Any, k: Any) -> Step:
+        a, b, c = u["a"], u["b"], u["c"]
+        inner = ca.if_else(b < c, ca.sin(x["late"]) * b, ca.exp(c) * b)
+        y = ca.if_else(a < b, inner, c)
+        return Step({"y": y, "z": ca.if_else(a < b, ca.cos(x["early"]), c)}, {"late": y, "early": c})
+
+    program = unlimited(one(law, "y z", hazards.real("late", "early")))
+    statements = schedule.statements(program)
+    branch = only_branch(statements)
+    assert loads(program, only_branch(branch.then).then) == loads(program, branch.then) == ["late"]
+    assert loads(program, [s for s in statements if s is not branch]) == ["early"]
+
+
+def test_a_state_that_another_if_leaves_as_it_is_is_loaded_where_it_is_read() -> None:
+    def law(u: Any, x: Any, k: Any) -> Step:
+        read, turn, latched = u["a"] < 0, u["b"] < 0, u["c"] < 0
+        y = ca.if_else(read, ca.sin(x["x"]) * u["b"], u["c"])
+        return Step({"y": y}, {"x": ca.if_else(latched, x["x"], ca.if_else(turn, ca.cos(y), x["x"]))})
+
+    program = unlimited(one(law, states=hazards.real("x")))
+    statements = schedule.statements(program)
+    first, second = (s for s in statements if isinstance(s, Branch))
+    assert loads(program, first.then) == loads(program, statements) == ["x"]
+    assert depth([second]) == 2 and stores([second]) == ["x"]
+
+
+def depth(statements: Sequence[Statement]) -> int:
+    return max((1 + depth((*s.then, *s.other)) for s in statements if isinstance(s, Branch)), default=0)
+
+
+def test_choices_inside_a_side_become_ifs_there() -> None:
+    def law(u: Any, x: Any, k: Any) -> Step:
+        y = ca.sin(u["a"]) * u["b"]
+        for i in range(6):
+            y = ca.if_else(u["a"] < i, y + ca.cos(u["b"] * (i + 2)), ca.tanh(u["c"] - i) * 3)
+        return Step({"y": y})
+
+    assert depth(schedule.statements(one(law))) == 6
+
+
+def test_a_block_stores_its_states_before_the_next_one_begins() -> None:
+    def law(u: Any, x: Any, k: Any) -> Step:
+        return Step({"y": u["a"] + x["x"]}, {"x": u["a"] * 2})
+
+    first = build("p", TIME, law, inputs=[signal("a")], outputs=[signal("y")], states=[State(signal("x"), 0)])
+    second = build("q", TIME, lambda u, x, k: Step({"z": ca.sin(u["y"])}), inputs=[signal("y")], outputs=[signal("z")])
+    program = lowered(compose("both", [second, first], inputs=["a"], outputs=["z"]))
+    statements = schedule.statements(program)
+    (begins,) = (
+        i
+        for i, s in enumerate(statements)
+        if isinstance(s, About) and s.mark is not None and program.marks[s.mark][0].block == "q"
+    )
+    assert stores(statements[:begins]) == ["p_x"]
+
+
+def test_a_line_belongs_to_the_block_that_computes_it_first() -> None:
+    first = build("p", TIME, lambda u, x, k: Step({"y": u["a"] * 3}), inputs=[signal("a")], outputs=[signal("y")])
+    alias = build("q", TIME, lambda u, x, k: Step({"z": u["y"]}), inputs=[signal("y")], outputs=[signal("z")])
+    program = lowered(compose("both", [first, alias], inputs=["a"], outputs=["z"]))
+    assert [program.marks[s.mark][0].block for s in schedule.statements(program) if isinstance(s, About)] == ["p"]

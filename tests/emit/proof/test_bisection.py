@@ -1,0 +1,94 @@
+"""Bisection on claims whose truth is known: proofs, points that fail, crossings, whole numbers, and the budget."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from synth.emit.proof import bisection
+from synth.emit.proof.bisection import Judgement
+from synth.emit.proof.interval import Array, Interval
+
+
+def judge(f: Callable[..., Array], slope: float = 1.0, log: list[int] | None = None) -> bisection.Judge:
+    """Judge f > 0 on cells; f is monotone in each coordinate, and enclosures are too wide by `slope` times the cell."""
+
+    def of(low: Array, high: Array, exact: bool) -> Judgement:
+        corners = np.stack(np.meshgrid(*([0, 1] * 1 for _ in low), indexing="ij"), -1).reshape(-1, len(low))
+        values = np.stack([f(*np.where(c[:, None] == 1, high, low)) for c in corners])
+        width = 0 if exact else slope * (high - low).max(axis=0)
+        a = Interval(values.min(axis=0) - width, values.max(axis=0) + width, np.zeros(low.shape[1], bool))
+        if log is not None and not exact:
+            log.append(low.shape[1])
+        return Judgement(a.low > 0, a.high <= 0, (a.low + a.high) / 2, {7: a})
+
+    return of
+
+
+def box(*sides: tuple[float, float], whole: bool = False) -> tuple[Array, Array, Array]:
+    low, high = np.array(sides, np.float64).T
+    return low, high, np.full(len(sides), whole)
+
+
+def test_a_claim_that_holds_is_proved_and_the_hull_is_that_of_its_cells() -> None:
+    found = bisection.prove(*box((0, 1), (0, 1)), judge(lambda x, y: 0.1 + x + y), False)
+    assert found.proved and found.cells > 10
+    assert 0 < found.hull[7].low[0] <= 0.1 and 2.1 <= found.hull[7].high[0] < 3.2
+
+
+def test_a_claim_that_fails_somewhere_gives_a_point() -> None:
+    found = bisection.prove(*box((0, 1), (0, 1)), judge(lambda x, y: x + y - 0.01), False)
+    assert found.fails and not found.proved and found.point.sum() <= 0.01
+    inside = bisection.prove(*box((-1, 2), (-1, 2)), judge(lambda x, y: np.maximum(x, y) - 0.3 + 0 * x), False)
+    assert inside.fails and inside.point.max() <= 0.3
+
+
+def test_a_crossing_is_found_and_a_jump_is_none() -> None:
+    def never_fails(low: Array, high: Array, exact: bool) -> Judgement:
+        found = judge(lambda x: x - 0.3, 0.0)(low, high, exact)
+        a = found.watched[7]
+        return Judgement((a.low > 0) | (a.high < 0), np.zeros_like(found.fails), found.value, found.watched)
+
+    found = bisection.prove(*box((-1, 2)), never_fails, True)
+    assert found.fails and found.point[0] == pytest.approx(0.3, abs=1e-15)
+    assert not bisection.prove(*box((-1, 2)), never_fails, False, 1000).fails  # sought where one sign is asked for only
+
+    def jumps(low: Array, high: Array, exact: bool) -> Judgement:
+        a = never_fails(low, high, exact)
+        return Judgement(a.holds, a.fails, np.sign(a.value) * 2 + 0.5, a.watched)
+
+    assert not bisection.prove(*box((-1, 2)), jumps, True, 1000).fails
+
+
+def test_whole_numbers_are_not_split_further() -> None:
+    def away(low: Array, high: Array, exact: bool) -> Judgement:
+        a = judge(lambda n: n - 4.5, 0.0)(low, high, exact).watched[7]
+        return Judgement((a.low > 0) | (a.high < 0), np.zeros_like(a.nan), (a.low + a.high) / 2, {7: a})
+
+    assert bisection.prove(*box((0, 9), whole=True), away, False).proved  # 4.5 alone fails, and is not whole
+    assert not bisection.prove(*box((0, 9)), away, False, 500).proved
+
+
+def test_the_budget_is_kept_and_the_open_cell_named() -> None:
+    log: list[int] = []
+    found = bisection.prove(*box((0, 1), (0, 1)), judge(lambda x, y: x + y, 1.0, log), False, 300)
+    assert not found.proved and found.cells == sum(log[1:]) <= 300  # the first call weighs the sides
+    assert bisection.prove(*box((0, 1)), judge(lambda x: x + 1, 100.0), False, 10).cells == 7  # 1 + 2 + 4, then 8 more
+    assert (found.low <= found.point).all() and (found.point <= found.high).all() and found.high.max() < 1
+
+
+def test_the_side_that_matters_is_halved_first() -> None:
+    cells: dict[bool, int] = {}
+    for swapped in (False, True):
+        f: Callable[..., Array] = (lambda y, x: 0.05 + x + 1e-6 * y) if swapped else (lambda x, y: 0.05 + x + 1e-6 * y)
+
+        def of(low: Array, high: Array, exact: bool, f: Callable[..., Array] = f, swapped: bool = swapped) -> Judgement:
+            wide = 0 if exact else (high - low)[1 if swapped else 0]  # only this side costs
+            a = judge(f, 0.0)(low, high, exact).watched[7]
+            a = Interval(a.low - wide, a.high + wide, a.nan)
+            return Judgement(a.low > 0, a.high <= 0, (a.low + a.high) / 2, {7: a})
+
+        found = bisection.prove(*box((0, 1), (0, 1)), of, False)
+        cells[swapped] = found.cells
+        assert found.proved
+    assert cells[False] == cells[True] < 20

@@ -1,0 +1,252 @@
+"""Compensators against python-control, high precision and the published loops of the planar positioner."""
+
+import control
+import mpmath
+import numpy as np
+import pytest
+import scipy.signal
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from synth.analyse import loop, margins, sensitivity
+from synth.errors import ModelError, SignalError, TimingError
+from synth.statespace import StateSpace
+from synth.synthesise.classical import lead_lag
+from synth.synthesise.classical.lead_lag import Compensator
+from synth.timing import Continuous, Discrete
+from tests import tolerances
+
+T, W = 1e-3, 108.9
+METHODS = (lead_lag.tustin, lead_lag.prewarped, lead_lag.matched, lead_lag.held)
+UNITS = {"q_error": "m", "f": "N"}
+
+
+def paper() -> Compensator:
+    """Y(21)."""
+    return lead_lag.from_constants(1.5e4, [0.11, 0.1], [0.00088], 1, input="q_error", output="f", units=UNITS)
+
+
+def inertia(value: float = 1.52) -> StateSpace:
+    names = (("q", "v"), ("f",), ("q",), Continuous(), {"q": "m", "v": "m/s", "f": "N"})
+    return StateSpace([[0, 1], [0, 0]], [[0], [1 / value]], [[1, 0]], [[0]], *names)
+
+
+def rational(K: Compensator) -> control.TransferFunction:
+    return control.tf(K.gain * np.atleast_1d(np.poly(K.zeros)), np.atleast_1d(np.poly(K.poles)))
+
+
+def test_time_constants_and_zeros_and_poles_say_the_same() -> None:
+    s = np.array([0.1j, 3j, 100j, 2 + 5j])
+    expected = 1.5e4 * (1 + 0.11 * s) / (1 + 0.00088 * s) * (1 + 0.1 * s) / s
+    np.testing.assert_allclose(paper().model.response(s)[:, 0, 0], expected, rtol=tolerances.of("double"))
+    assert paper().gain == pytest.approx(1.5e4 * 0.11 * 0.1 / 0.00088)
+    for gain, zeros, poles in (
+        (323252.0, (-102.91, -10.0), (-776.828, 0.0)),  # Y(23)
+        (900.0, (-80.0413, -10.0), (-604.199, 0.0)),  # Y(24)
+    ):
+        expected = gain * (s - zeros[0]) * (s - zeros[1]) / (s - poles[0]) / (s - poles[1])
+        found = Compensator(gain, zeros, poles).model.response(s)[:, 0, 0]
+        np.testing.assert_allclose(found, expected, rtol=tolerances.of("double"))
+
+
+def test_pi_and_filtered_pd_are_special_cases() -> None:
+    s = np.array([0.3j, 40j])
+    pi = lead_lag.from_constants(7.0, [0.2], [], 1)
+    pd = lead_lag.from_constants(7.0, [0.2], [0.01])
+    gain = lead_lag.from_constants(-7.0, [], [])
+    np.testing.assert_allclose(pi.model.response(s)[:, 0, 0], 7 * (1 + 0.2 * s) / s, rtol=1e-12)
+    np.testing.assert_allclose(pd.model.response(s)[:, 0, 0], 7 * (1 + 0.2 * s) / (1 + 0.01 * s), rtol=1e-12)
+    for method in METHODS:
+        found = method(gain, T, W)
+        assert found.discrete.D[0, 0] == -7.0 and found.zeros == () and found.phase_error == 0
+
+
+def random(rng: np.random.Generator) -> Compensator:
+    n = int(rng.integers(1, 4))
+    poles = (*-rng.uniform(1, 900, n - 1), 0.0) if rng.random() < 0.5 else tuple(-rng.uniform(1, 900, n))
+    zeros = -rng.uniform(1, 900, int(rng.integers(0, n + 1)))
+    return Compensator(float(rng.normal() * 100), tuple(map(float, zeros)), tuple(map(float, poles)))
+
+
+@settings(derandomize=True, max_examples=15, deadline=None)
+@given(st.integers(0, 10**6))
+@example(3)
+@example(85)
+@example(167)
+def test_python_control_samples_it_alike(seed: int) -> None:
+    """As state-space forms: those of transfer functions are sampled through polynomials with all roots near z = 1.
+
+    These lose up to ten digits, as in the three examples, where this package is right to fifteen.
+    """
+    rng = np.random.default_rng(seed)
+    K, at = random(rng), float(rng.uniform(20, 2500))
+    system, z = control.ss(rational(K)), np.exp(1j * np.array([0.02, 0.4, 2.0]))
+    expected = {
+        lead_lag.tustin: control.sample_system(system, T, "tustin"),
+        lead_lag.prewarped: control.sample_system(system, T, "tustin", prewarp_frequency=at),
+        lead_lag.held: control.sample_system(system, T, "zoh"),
+    }
+    for method, witness in expected.items():
+        found = method(K, T, at)
+        near = tolerances.of("double") * np.abs(witness(z)).max()
+        np.testing.assert_allclose(
+            found.discrete.response(z)[:, 0, 0], witness(z), rtol=0, atol=near, err_msg=found.method
+        )
+        assert len(found.poles) == len(K.poles) and found.discrete.time == Discrete(T)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_zeros_poles_and_gain_are_those_of_the_sampled_model(method: lead_lag.Method) -> None:
+    for K in (paper(), Compensator(3.0, (), (-50.0, 0.0)), Compensator(-3.0, (-20.0,), (-50.0, -300.0))):
+        found, z = method(K, T, W), np.exp(1j * np.array([0.02, 0.4, 2.0]))
+        value = (
+            found.gain * np.prod([z - v for v in found.zeros], axis=0) / np.prod([z - v for v in found.poles], axis=0)
+        )
+        np.testing.assert_allclose(found.discrete.response(z)[:, 0, 0], value, rtol=tolerances.of("double"))
+        assert sum(abs(p - 1) < 1e-15 for p in found.poles) == K.poles.count(0.0)
+
+
+def test_matched_zeros_and_poles_lie_at_the_exponentials() -> None:
+    found = lead_lag.matched(paper(), T, W)
+    assert found.zeros == pytest.approx(np.exp(T * np.array(paper().zeros)), rel=1e-15)
+    assert found.poles == pytest.approx(np.exp(T * np.array(paper().poles)), rel=1e-15)
+    assert abs(found.gain_error) < 1e-13 and abs(found.phase_error) > 0.1
+    lag = lead_lag.matched(Compensator(-3.0, (), (-50.0, -300.0)), T, W)
+    assert lag.zeros == (-1.0, -1.0) and lag.gain < 0
+
+
+def test_matching_never_turns_the_sign_at_rest() -> None:
+    slow = Compensator(1.0, (), (-100.0, -60.0, -45.0, -33.0))
+    with pytest.raises(ModelError, match=r"at 50 rad/s .* 126.4 degrees off in phase: match at a lower frequency"):
+        lead_lag.matched(slow, 0.05, 50.0)
+    for K in (slow, Compensator(-1.0, (2.0,), (-100.0, 3.0, -45.0))):  # zero and pole to the right, gain negative
+        found = lead_lag.matched(K, 0.05, 5.0)
+        ratio = (found.discrete.response(1.0) / K.model.response(0.0))[0, 0, 0].real
+        assert ratio == pytest.approx(1.0, abs=0.1) and abs(found.gain_error) < 1e-13
+
+
+@pytest.mark.parametrize("period", [1e-4, 1e-3, 1e-2])
+@pytest.mark.parametrize(
+    ("zeros", "poles"),
+    [
+        ((), (-20.0, -50.0, -300.0, -301.0)),  # three zeros at infinity lie near -10, -1 and -0.1
+        ((-7.0,), (-20.0, -50.0, -300.0, 0.0)),
+        ((-50.0, -50.0), (-50.0, -50.0)),  # all cancel: double zeros on double poles
+        ((-20.0, -7.0), (-50.0, -1e9)),  # a pole that is 0 in z
+    ],
+)
+def test_the_zeros_of_the_held_one_are_those_of_its_model(
+    zeros: tuple[float, ...], poles: tuple[float, ...], period: float
+) -> None:
+    """The listing says what the model does, to the digits of the model, however small its gain."""
+    found = lead_lag.held(Compensator(-3.0, zeros, poles), period, W)
+    z = np.array([0.3 + 2j, -3.0, 1.4j])
+    listed = [np.prod([z - v for v in part], axis=0) for part in (found.zeros, found.poles)]
+    value = found.gain * listed[0] / listed[1]
+    np.testing.assert_allclose(found.discrete.response(z)[:, 0, 0], value, rtol=tolerances.of("double"))
+
+
+def test_the_errors_at_the_frequency_are_told() -> None:
+    z, s = np.exp(1j * W * T), 1j * W
+    for method in METHODS:
+        found = method(paper(), T, W)
+        ratio = found.discrete.response(z)[0, 0, 0] / paper().model.response(s)[0, 0, 0]
+        assert found.gain_error == pytest.approx(abs(ratio) - 1, abs=1e-12)
+        assert found.phase_error == pytest.approx(np.degrees(np.angle(ratio)), abs=1e-10)
+    exact = lead_lag.prewarped(paper(), T, W)
+    assert abs(exact.gain_error) < 1e-12 and abs(exact.phase_error) < 1e-10
+    bent = lead_lag.tustin(paper(), T, W)  # its frequency scale is (2/T) tan(w T / 2)
+    moved = paper().model.response(2j / T * np.tan(W * T / 2))[0, 0, 0] / paper().model.response(s)[0, 0, 0]
+    assert bent.gain_error == pytest.approx(abs(moved) - 1, abs=1e-12) and abs(bent.gain_error) > 1e-4
+
+
+def test_the_numbers_are_rounded_once() -> None:
+    """Fifty digits, rounded: the numbers are alike on every machine."""
+    with mpmath.workdps(50):
+        half = mpmath.mpf(W) * mpmath.mpf(T) / 2
+        scale = mpmath.mpf(W) / mpmath.tan(half)
+        K = paper()
+        z = [float((scale + mpmath.mpf(v)) / (scale - mpmath.mpf(v))) for v in (*K.zeros, *K.poles)]
+        gain = mpmath.mpf(K.gain)
+        for v in K.zeros:
+            gain *= scale - mpmath.mpf(v)
+        for v in K.poles:
+            gain /= scale - mpmath.mpf(v)
+        found = lead_lag.prewarped(K, T, W)
+        assert [*found.zeros, *found.poles] == z and found.gain == float(gain)
+        assert lead_lag.matched(K, T, W).poles[0] == float(mpmath.exp(mpmath.mpf(K.poles[0]) * mpmath.mpf(T)))
+
+
+def test_the_difference_equation_answers_as_scipys_filter() -> None:
+    """A chain of sections stepped by hand, against lfilter on the polynomials of the printed zeros, poles and gain."""
+    u, found = np.random.default_rng(1).normal(size=40), lead_lag.prewarped(paper(), T, W)
+    x, y = np.zeros(2), []
+    for value in u:
+        y.append(float((found.discrete.C @ x + found.discrete.D[0] * value)[0]))
+        x = found.discrete.A @ x + found.discrete.B[:, 0] * value
+    expected = scipy.signal.lfilter(found.gain * np.poly(found.zeros), np.poly(found.poles), u)
+    np.testing.assert_allclose(y, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
+
+
+def test_the_positioners_step_is_that_of_the_loop_sampled_by_the_trapezoidal_rule() -> None:
+    """Y-9 recomputes to 12 ms, 13.036 % and 133 ms (10 to 90 %, 2 %) at 1 kHz with Tustin's rule and no delay.
+
+    The continuous loop gives 13.16 ms, 12.655 % and 134.4 ms, the prewarped one 13.04 % too: the row was sampled.
+    """
+    discrete = lead_lag.tustin(paper(), T, W).discrete
+    closed = sensitivity.close(loop.sampled(inertia(), T), discrete).T
+    y, x = [], np.zeros(len(closed.A))
+    for _ in range(1000):
+        y.append(float((closed.C @ x + closed.D[:, 0])[0]))
+        x = closed.A @ x + closed.B[:, 0]
+    y = np.array(y)
+    assert 100 * (y.max() - 1) == pytest.approx(13.036, abs=0.5e-3)
+    assert np.argmax(y >= 0.9) - np.argmax(y >= 0.1) == 12
+    assert np.flatnonzero(np.abs(y - 1) > 0.02)[-1] == 133
+    whole = sensitivity.close(inertia(), paper().model).T
+    _, smooth = scipy.signal.step((whole.A, whole.B, whole.C, whole.D), T=np.linspace(0, 0.1, 4001))
+    assert 100 * (smooth.max() - 1) == pytest.approx(12.655, abs=1e-3)
+
+
+def test_the_sampled_controller_keeps_the_published_loops_margin_under_the_hold() -> None:
+    """With the prewarped controller in place of the continuous one, Y-7 at 1 kHz keeps its digits: 17.322, 71.387."""
+    closed = sensitivity.close(loop.sampled(inertia(), T), lead_lag.prewarped(paper(), T, W).discrete)
+    (crossing,) = margins.of_loop(closed.L).gain_crossings
+    assert crossing.frequency / (2 * np.pi) == pytest.approx(17.322, abs=0.5e-3)
+    assert crossing.phase_margin == pytest.approx(71.387, abs=0.5e-3)
+    # half a sample forgotten is seen: 3 degrees
+    late = sensitivity.close(loop.sampled(inertia(), T, T / 2), lead_lag.prewarped(paper(), T, W).discrete)
+    (crossing,) = margins.of_loop(late.L).gain_crossings
+    assert abs(crossing.phase_margin - 71.387) > 3
+
+
+def test_what_is_no_compensator_is_refused() -> None:
+    with pytest.raises(SignalError, match=r"2 zeros but 1 poles, .* add a filter pole"):
+        Compensator(1.0, (-1.0, -2.0), (0.0,))
+    for zeros, poles in (((np.nan,), (0.0,)), ((-1.0,), (np.inf,)), ((-1 + 2j,), (0.0,))):
+        with pytest.raises(SignalError, match=r"give real, finite numbers|each entry a number"):
+            Compensator(1.0, zeros, poles)
+    with pytest.raises(SignalError, match="gain is 0"):
+        Compensator(0.0, (), (0.0,))
+    for constant in (0.0, -0.1, np.nan):
+        with pytest.raises(SignalError, match=r"the time constant .* is not positive"):
+            lead_lag.from_constants(1.0, [0.1], [constant])
+    with pytest.raises(SignalError, match="2000 1/s is where the rule tustin goes to infinity"):
+        lead_lag.tustin(Compensator(1.0, (2000.0,), (-1.0,)), T, W)
+    with pytest.raises(TimingError, match=r"not between 0 and Nyquist, 3141.59 rad/s"):
+        lead_lag.prewarped(paper(), T, 3200.0)
+    with pytest.raises(TimingError, match="give the continuous one"):
+        lead_lag.held(Compensator(1.0, (), (0.5,), Discrete(T)), T, W)
+    with pytest.raises(TimingError, match="must be finite and positive"):
+        lead_lag.matched(paper(), -1.0, W)
+
+
+def test_signals_and_units_are_carried_and_printed() -> None:
+    model = paper().model
+    assert model.labels((*model.states, *model.outputs)) == ("f_section1 [m s]", "f_section2 [m s]", "f [N]")
+    lag = Compensator(1.0, (), (-1.0, -2.0), units={"error": "m"}).model
+    assert [lag.unit(s) for s in lag.states] == ["m s", "m s s"]
+    found = lead_lag.prewarped(paper(), T, W)
+    assert found.discrete.unit("f_section1") == "m"
+    assert "q_error [m] to f [N]" in repr(paper()) and "-1136.3636" in repr(paper())
+    assert "prewarped tustin" in repr(found) and "17.332 Hz" in repr(found) and "0.27490527" in repr(found)

@@ -1,0 +1,246 @@
+"""Weights are recovered from the poles that they give, and poles that no weights give are refused."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from synth.errors import ModelError, SignalError
+from synth.statespace import StateSpace
+from synth.synthesise.feedback import inverse_lqr, lqr
+from synth.synthesise.servo import internal_model
+from synth.timing import Continuous, Discrete
+from tests import tolerances
+
+# Poles as printed, their decimals, and the weights of which the poles are those to the last printed digit.
+PRINTED = {
+    "y": (
+        (-173.2, -2.61 + 5.48j, -2.61 - 5.48j, -2.16 + 1.77j, -2.16 - 1.77j),
+        (1, 2, 2, 2, 2),
+        (3e4, 3e4, 2.5e9, 2.5e7, 2.5e7),
+    ),
+    "x, z": (
+        (-38.73, -3.2 + 5.89j, -3.2 - 5.89j, -2.69 + 2.23j, -2.69 - 2.23j),
+        (2, 1, 1, 2, 2),
+        (1500, 1500, 4.5e8, 2.25e6, 2.25e6),
+    ),
+    "theta": (
+        (-200, -2.81 + 5.58j, -2.81 - 5.58j, -2.19 + 1.82j, -2.19 - 1.82j),
+        (0, 2, 2, 2, 2),
+        (4e4, 4e4, 4e9, 4e7, 4e7),
+    ),
+}
+
+
+def model(A: object, B: object, time: Continuous | Discrete | None = None) -> StateSpace:
+    A, B = np.asarray(A, float), np.asarray(B, float)
+    states, inputs = tuple(f"x{i}" for i in range(len(A))), tuple(f"u{i}" for i in range(B.shape[1]))
+    return StateSpace(A, B, np.eye(len(A)), np.zeros(B.shape), states, inputs, states, time or Continuous())
+
+
+DOUBLE = model([[0, 1], [0, 0]], [[0], [1]])
+
+
+def axis() -> StateSpace:
+    double = StateSpace([[0, 1], [0, 0]], [[0], [1]], [[1, 0]], [[0]], ("e", "de"), ("w",), ("e",), Continuous())
+    return internal_model.augmented(double, (0.0, 1.5 * np.pi))
+
+
+@pytest.mark.parametrize("name", PRINTED)
+def test_the_published_weights_are_the_unique_ones(name: str) -> None:
+    poles, digits, weights = PRINTED[name]
+    found = inverse_lqr.diagonal_weights(axis(), lqr.lqr(axis(), np.diag(weights), [[1.0]]).poles)
+    assert found.unique and found.nullspace.shape == (5, 0) and found.residual < 1e-8
+    np.testing.assert_allclose(found.q, weights, rtol=1e-6)
+    assert inverse_lqr.reproduces(axis(), weights, poles, digits)
+    detuned = np.array(weights) * np.where(np.arange(5) == 2, 1.1, 1.0)
+    assert not inverse_lqr.reproduces(axis(), detuned, poles, digits)
+
+
+@pytest.mark.parametrize("name", PRINTED)
+def test_the_printed_poles_lead_near_the_weights(name: str) -> None:
+    poles, _, weights = PRINTED[name]
+    found = inverse_lqr.diagonal_weights(axis(), poles)
+    assert found.unique
+    np.testing.assert_allclose(found.q, weights, rtol=tolerances.of("print_q"))
+    np.testing.assert_allclose(
+        np.sort_complex(lqr.lqr(axis(), np.diag(found.q), [[1.0]]).poles),
+        np.sort_complex(poles),
+        rtol=1e-6,
+    )
+
+
+def test_the_double_integrator_is_solved_by_hand() -> None:
+    """Poles -a, -b: q0 = (a b)^2, q1 = a^2 + b^2, times R."""
+    found = inverse_lqr.diagonal_weights(DOUBLE, [-3, -5], R=2.0)
+    np.testing.assert_allclose(found.q, [2 * 225, 2 * 34], rtol=tolerances.of("double"))
+
+
+@settings(derandomize=True, max_examples=15, deadline=None)
+@given(st.integers(0, 10**6))
+def test_random_weights_come_back_from_their_poles(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(2, 5))
+    c, q, R = model(rng.normal(size=(n, n)), rng.normal(size=(n, 1))), rng.uniform(0.5, 5, n), rng.uniform(0.5, 2)
+    poles = lqr.lqr(c, np.diag(q), [[R]]).poles
+    found = inverse_lqr.diagonal_weights(c, poles, R)
+    again = lqr.lqr(c, np.diag(np.maximum(found.q, 0)), [[R]]).poles
+    np.testing.assert_allclose(np.sort_complex(again), np.sort_complex(poles), rtol=tolerances.of("multiple_root"))
+
+
+def test_weights_that_act_alike_are_not_unique_and_the_nullspace_says_how() -> None:
+    """Two states with the same transfer function from the input: only the sum of their weights counts."""
+    twin = model([[-1, 0, 0], [0, -1, 0], [0, 0, -2]], [[1], [1], [1]])
+    poles = lqr.lqr(twin, np.diag([3.0, 4.0, 2.0]), [[1.0]]).poles
+    found = inverse_lqr.diagonal_weights(twin, poles)
+    assert not found.unique and found.nullspace.shape == (3, 1)
+    assert found.q[0] + found.q[1] == pytest.approx(7) and found.q[2] == pytest.approx(2)
+    np.testing.assert_allclose(np.abs(found.nullspace[:, 0]), [np.sqrt(0.5), np.sqrt(0.5), 0], atol=1e-12)
+    moved = lqr.lqr(twin, np.diag(found.q + 3 * found.nullspace[:, 0]), [[1.0]]).poles
+    np.testing.assert_allclose(np.sort_complex(moved), np.sort_complex(poles), rtol=tolerances.of("multiple_root"))
+
+
+def test_of_many_weights_some_that_are_not_negative_are_found() -> None:
+    """x3 follows x1 + x2: q3 acts as q1 and q2 do together, and beside (10, 0, 0) least norm is (20, -10, 10) / 3."""
+    c = model([[0, 1, 0], [0, 0, 0], [1, 2, -1]], [[0], [1], [1]])
+    poles = lqr.lqr(c, np.diag([10.0, 0, 0]), [[1.0]]).poles
+    found = inverse_lqr.diagonal_weights(c, poles)
+    assert not found.unique and found.q.min() >= 0
+    assert found.q @ [1, 0, 1] == pytest.approx(10) and found.q @ [0, 1, 1] == pytest.approx(0, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("poles", "kind", "message"),
+    [
+        ([-1, 3], ModelError, r"no weights give the pole 3\+0j: an optimal loop has none with Re >= 0"),
+        ([2j, -2j], ModelError, "Re >= 0"),
+        ([-1 + 1j, -2], SignalError, "conjugate pairs"),
+        ([-0.1 + 3j, -0.1 - 3j], ModelError, r"need the weight -17\.98 on x1, but LQR takes none below 0"),
+        (
+            [-1],
+            SignalError,
+            r"need a model of 1 input, with states, and 2 finite poles: found 1 inputs and poles \[-1\]",
+        ),
+        ([np.nan, -1], SignalError, "2 finite poles"),
+        (["a", -1], SignalError, r"`poles` of .*: give a list, each entry a number"),
+    ],
+)
+def test_impossible_poles_are_refused(poles: list[complex], kind: type[Exception], message: str) -> None:
+    with pytest.raises(kind, match=message):
+        inverse_lqr.diagonal_weights(DOUBLE, poles)
+
+
+def test_a_mode_that_the_input_does_not_move_cannot_be_given_another_pole() -> None:
+    c = model([[-1, 0], [0, -2]], [[1], [0]])
+    inverse_lqr.diagonal_weights(c, [-3, -2])
+    with pytest.raises(ModelError, match="symmetric root locus is missed by"):
+        inverse_lqr.diagonal_weights(c, [-3, -4])
+
+
+def test_other_models_are_refused() -> None:
+    with pytest.raises(ModelError, match=r"no weights give the pole -1\+0j: an optimal loop has none with \|z\| >= 1"):
+        inverse_lqr.diagonal_weights(model([[0.5]], [[1]], Discrete(0.1)), [-1])
+    with pytest.raises(SignalError, match="1 input"):
+        inverse_lqr.diagonal_weights(model([[0.5]], [[1, 1]]), [-1])
+    for R in (0, -1.0, np.nan, "a", 1j):
+        with pytest.raises(SignalError, match=r"(weight|matrix) R (has|is|are)|`R` of .*: give a number"):
+            inverse_lqr.diagonal_weights(DOUBLE, [-1, -2], R=R)
+    with pytest.raises(SignalError, match="1 input, with states"):
+        inverse_lqr.diagonal_weights((np.zeros((0, 0)), np.zeros((0, 1))), [])
+    with pytest.raises(SignalError, match="0 states and 1 inputs: it needs of each"):
+        inverse_lqr.gain_weights((np.zeros((0, 0)), np.zeros((0, 1))), np.zeros((1, 0)))
+
+
+@pytest.mark.parametrize("digits", [[1], [1, 1, 1], [1, 0.5]])
+def test_each_printed_pole_has_its_decimals(digits: list[int]) -> None:
+    with pytest.raises(SignalError, match=r"give a whole number for each of 2|each entry a whole number"):
+        inverse_lqr.reproduces(DOUBLE, [1, 1], [-1, -2], digits)
+
+
+@pytest.mark.parametrize("time", [Continuous(), Discrete(0.1)])
+@settings(derandomize=True, max_examples=15, deadline=None)
+@given(seed=st.integers(0, 10**6), decades=st.sampled_from([0, 6]))
+def test_weights_from_poles_do_not_hang_on_units(time: Continuous | Discrete, seed: int, decades: int) -> None:
+    """A chain of n states, so that the weights are unique, in units over twelve decades."""
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(2, 5))
+    A = np.diag(rng.uniform(0.5, 1, n - 1), 1) + np.diag(rng.uniform(-0.9, 0.9, n))
+    d, q = 10.0 ** rng.uniform(-decades, decades, n), rng.uniform(0.5, 5, n)
+    c = model(A * d / d[:, None], np.eye(n)[:, -1:] / d[:, None], time)
+    poles = lqr.lqr((A, np.eye(n)[:, -1:], time), q, [2.0]).poles
+    found = inverse_lqr.diagonal_weights(c, poles, 2.0)
+    assert found.unique
+    np.testing.assert_allclose(found.q / d**2, q, rtol=tolerances.of("multiple_root"))
+
+
+def test_a_sampled_lag_by_hand() -> None:
+    """x+ = a x + u, pole p: X = R (a / p - 1), q = X - a p X; a deadbeat pole of an x that forgets takes any weight."""
+    found = inverse_lqr.diagonal_weights(model([[0.5]], [[1.0]], Discrete(0.1)), [0.1], R=2.0)
+    np.testing.assert_allclose(found.q, [2 * 4 * 0.95], rtol=tolerances.of("double"))
+    assert not inverse_lqr.diagonal_weights(model([[0.0]], [[1.0]], Discrete(0.1)), [0.0]).unique
+    with pytest.raises(ModelError, match="is missed by"):
+        inverse_lqr.diagonal_weights(model([[0.5]], [[1.0]], Discrete(0.1)), [0.0])
+
+
+def test_the_poles_of_the_open_loop_need_no_weight() -> None:
+    c = model([[-1.0, 1], [0, -2]], [[0], [1.0]])
+    np.testing.assert_allclose(inverse_lqr.diagonal_weights(c, [-1, -2]).q, 0, atol=tolerances.of("double"))
+
+
+@pytest.mark.parametrize("time", [Continuous(), Discrete(0.1)])
+@settings(derandomize=True, max_examples=20, deadline=None)
+@given(seed=st.integers(0, 10**6))
+def test_random_weights_come_back_from_their_gain(time: Continuous | Discrete, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    n, m = int(rng.integers(2, 5)), int(rng.integers(1, 3))
+    c = model(rng.normal(size=(n, n)), rng.normal(size=(n, m)), time)
+    q, r = rng.uniform(0.5, 5, n), np.concatenate([[1.0], rng.uniform(0.5, 2, m - 1)])
+    K = lqr.lqr(c, q, r).K
+    found = inverse_lqr.gain_weights(c, K)
+    if found.unique:
+        np.testing.assert_allclose(found.q, q, rtol=tolerances.of("multiple_root"))
+        np.testing.assert_allclose(found.r, r, rtol=tolerances.of("multiple_root"))
+    again = lqr.lqr(c, found.q, found.r).K
+    np.testing.assert_allclose(again, K, rtol=0, atol=tolerances.of("multiple_root") * np.abs(K).max())
+    if m > 1:  # more equations than weights: a gain that is changed a little is optimal for none
+        with pytest.raises(ModelError, match="make this gain optimal"):
+            inverse_lqr.gain_weights(c, K * rng.uniform(0.99, 1.01, K.shape))
+
+
+def test_a_published_gain_gives_the_weights_of_its_poles() -> None:
+    weights = PRINTED["x, z"][2]
+    found = lqr.lqr(axis(), weights, [1.0])
+    by_gain, by_poles = inverse_lqr.gain_weights(axis(), found.K), inverse_lqr.diagonal_weights(axis(), found.poles)
+    assert by_gain.unique and by_poles.unique
+    np.testing.assert_allclose(by_gain.q, weights, rtol=1e-6)
+    np.testing.assert_allclose(by_gain.q, by_poles.q, rtol=1e-6)
+
+
+def test_the_null_space_of_a_gain_tells_weights_that_change_nothing() -> None:
+    """No input moves x1, and it moves nothing."""
+    c = model([[-1, 0], [0, -2]], [[1], [0]])
+    found = inverse_lqr.gain_weights(c, lqr.lqr(c, [3.0, 4.0], [1.0]).K)
+    assert not found.unique and found.q[0] == pytest.approx(3) and found.q[1] >= 0
+    np.testing.assert_allclose(np.abs(found.nullspace[:, 0]), [0, 1, 0], atol=1e-12)
+    assert "1 combinations of them change nothing" in repr(found)
+
+
+def test_gains_that_are_optimal_for_nothing_are_refused() -> None:
+    """Of the double integrator u = -k x - d x': optimal for q = (k^2, d^2 - 2 k) alone."""
+    np.testing.assert_allclose(inverse_lqr.gain_weights(DOUBLE, [[-2.0, -3.0]]).q, [4, 5], rtol=1e-9)
+    np.testing.assert_allclose(inverse_lqr.gain_weights(DOUBLE, [[-2.0, -2.0]]).q, [4, 0], atol=1e-9)
+    with pytest.raises(ModelError, match=r"no diagonal weights .* missed by"):
+        inverse_lqr.gain_weights(DOUBLE, [[-2.0, -1.0]])
+    with pytest.raises(ModelError, match=r"leaves the pole .*u = K x has the sign inside K"):
+        inverse_lqr.gain_weights(DOUBLE, [[2.0, 3.0]])
+    with pytest.raises(SignalError, match=r"the gain K is \(1, 3\): 1 inputs and 2 states need a finite one"):
+        inverse_lqr.gain_weights(DOUBLE, [[1, 2, 3]])
+
+
+def test_arrays_and_python_control_systems_are_read_and_results_print() -> None:
+    for system in ((DOUBLE.A, DOUBLE.B), DOUBLE.to_control()):
+        np.testing.assert_allclose(inverse_lqr.diagonal_weights(system, [-3, -5]).q, [225, 34], rtol=1e-9)
+        np.testing.assert_allclose(inverse_lqr.gain_weights(system, [[-15.0, -8.0]]).q, [225, 34], rtol=1e-9)
+    text = repr(inverse_lqr.gain_weights(DOUBLE, [[-15.0, -8.0]]))
+    assert "they are unique" in text and "x0" in text and "225" in text
+    assert "Diagonal weights for R = 1" in repr(inverse_lqr.diagonal_weights(DOUBLE, [-3, -5]))

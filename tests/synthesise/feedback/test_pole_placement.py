@@ -1,0 +1,218 @@
+"""Placed poles against python-control, NumPy's eigenvalues and closed forms, and what cannot be placed."""
+
+import control
+import numpy as np
+import pytest
+import scipy.signal
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from synth.errors import ModelError, SignalError
+from synth.statespace import Array, StateSpace
+from synth.synthesise.feedback import pole_placement
+from synth.timing import Continuous, Discrete, Time
+from tests import tolerances
+
+POLES = [-1.0, -2.0, -3 + 1j, -3 - 1j, -5.0]
+
+
+def pair(seed: int, n: int = 5, m: int = 2) -> tuple[Array, Array]:
+    rng = np.random.default_rng(seed)
+    return rng.normal(size=(n, n)), rng.normal(size=(n, m))
+
+
+def model(A: object, B: object, time: Time | None = None) -> StateSpace:
+    A, B = np.asarray(A, dtype=float), np.asarray(B, dtype=float)
+    states, inputs = tuple("pqrst"[: len(A)]), tuple("fgh"[: B.shape[1]])
+    zero = np.zeros((len(A), B.shape[1]))
+    return StateSpace(A, B, np.eye(len(A)), zero, states, inputs, states, time or Continuous())
+
+
+def worst(poles: object, wanted: object) -> float:
+    """Return the largest distance between poles, each list sorted."""
+    return float(np.abs(np.sort_complex(np.asarray(poles)) - np.sort_complex(np.asarray(wanted))).max())
+
+
+def attained(A: Array, B: Array, found: pole_placement.Placement) -> object:
+    return np.linalg.eigvals(A + B @ found.K)
+
+
+def test_a_double_integrator_has_the_textbook_gain() -> None:
+    """(s + 2)(s + 3) = s^2 + 5 s + 6 asks u = -6 x - 5 v."""
+    found = pole_placement.place(([[0, 1], [0, 0]], [[0], [1]]), [-2, -3])
+    np.testing.assert_array_equal(found.K, [[-6, -5]])
+    assert found.error == 0
+    np.testing.assert_array_equal(found.poles, [-3, -2])
+
+
+def test_one_input_agrees_with_ackermann_in_python_control() -> None:
+    A, B = pair(1, m=1)
+    found = pole_placement.place((A, B), POLES)
+    np.testing.assert_allclose(found.K[0], -np.ravel(control.acker(A, B, POLES)), rtol=tolerances.of("placed"))
+    assert worst(attained(A, B, found), POLES) < tolerances.of("placed")
+
+
+def test_several_inputs_attain_what_python_control_attains_with_a_like_condition() -> None:
+    A, B = pair(2)
+    found = pole_placement.place((A, B), POLES)
+    theirs = A - B @ np.asarray(control.place(A, B, POLES))
+    assert worst(attained(A, B, found), POLES) < tolerances.of("placed")
+    assert found.error < tolerances.of("placed")
+    assert found.condition < 2 * np.linalg.cond(np.linalg.eig(theirs)[1])
+
+
+@pytest.mark.parametrize("wanted", [[-1.0] * 5, [-1 + 1j, -1 - 1j] * 2 + [-2.0], [-1.0, -1.0, -1.0, -2 + 1j, -2 - 1j]])
+def test_poles_more_often_than_there_are_inputs(wanted: list[complex]) -> None:
+    A, B = pair(3)
+    found = pole_placement.place((A, B), wanted)
+    with pytest.raises(ValueError, match="repeated"):
+        control.place(A, B, [-1.0] * 5)
+    np.testing.assert_allclose(np.poly(A + B @ found.K), np.poly(wanted), rtol=tolerances.of("placed"))
+    assert found.error < 1e-4
+
+
+def test_three_pairs_at_one_place_for_two_inputs() -> None:
+    A, B = pair(3, 6)
+    wanted = [-1 + 1j, -1 - 1j] * 3
+    found = pole_placement.place((A, B), wanted)
+    np.testing.assert_allclose(np.poly(A + B @ found.K), np.poly(wanted), rtol=tolerances.of("placed"))
+
+
+def test_a_pair_whose_first_eigenvector_is_real() -> None:
+    """Where every v is allowed, those are that the axes give; a pair needs a plane."""
+    for n in (2, 4, 5):
+        wanted = [-1 + 1j, -1 - 1j] * (n // 2) + [-3.0] * (n % 2)
+        found = pole_placement.place((np.zeros((n, n)), np.eye(n)), wanted)
+        np.testing.assert_allclose(np.poly(found.K), np.poly(wanted), rtol=tolerances.of("placed"))
+
+
+def test_a_multiple_pole_within_the_number_of_inputs_is_no_jordan_block() -> None:
+    A, B = pair(4, 4)
+    found = pole_placement.place((A, B), [-1, -1, -2, -2])
+    assert found.condition < 1e3
+    assert found.error < tolerances.of("placed")
+
+
+def test_a_pair_of_real_pole_chains_that_no_eigenvectors_span() -> None:
+    """Chains of 3 and 1 integrators allow no two eigenvectors for each of two double poles (Rosenbrock)."""
+    A = np.diag([1.0, 1.0, 0.0], 1)
+    B = np.array([[0.0, 0], [0, 0], [1, 0], [0, 1]])
+    found = pole_placement.place((A, B), [-1, -1, -2, -2])
+    np.testing.assert_allclose(np.poly(A + B @ found.K), np.poly([-1, -1, -2, -2]), rtol=tolerances.of("placed"))
+
+
+def test_poles_attained_are_those_of_the_gain_as_rounded() -> None:
+    A, B = pair(5)
+    found = pole_placement.place((A, B), POLES)
+    np.testing.assert_allclose(
+        np.sort_complex(found.poles), np.sort_complex(attained(A, B, found)), rtol=tolerances.of("placed")
+    )
+    assert found.error == pytest.approx(worst(found.poles, POLES), rel=1e-6)
+
+
+def test_units_of_states_and_inputs_do_not_matter() -> None:
+    """Powers of 2 round nothing: both come to one scaled model."""
+    A, B = pair(6)
+    x, u = 2.0 ** np.array([-20, 3, 0, 12, -5]), 2.0 ** np.array([10, -14])
+    plain = pole_placement.place((A, B), [-1.0] * 5).K
+    scaled = pole_placement.place((A * x / x[:, None], B * u / x[:, None]), [-1.0] * 5).K
+    np.testing.assert_allclose(u[:, None] * scaled / x, plain, rtol=tolerances.of("double"))
+
+
+@given(seed=st.integers(0, 10**6), n=st.integers(1, 5), m=st.integers(1, 3), sampled=st.booleans())
+@settings(derandomize=True, max_examples=40, deadline=None)
+def test_random_pairs(seed: int, n: int, m: int, sampled: bool) -> None:
+    rng = np.random.default_rng(seed)
+    A, B = rng.normal(size=(n, n)), rng.normal(size=(n, m))
+    upper = rng.uniform(0.1, 0.6, n // 2) * np.exp(1j * rng.uniform(0.3, 2.8, n // 2))
+    wanted = np.concatenate([upper, upper.conj(), rng.uniform(-0.7, 0.7, n % 2)])
+    wanted = wanted if sampled else wanted - 2
+    found = pole_placement.place(model(A, B, Discrete(0.1) if sampled else Continuous()), wanted)
+    np.testing.assert_allclose(np.poly(A + B @ found.K), np.poly(wanted), rtol=1e-6, atol=1e-6)
+
+
+def test_a_mode_that_no_input_moves_stays_if_it_decays() -> None:
+    A = np.array([[0.0, 1, 0], [0, 0, 0], [0, 0, -7]])
+    found = pole_placement.place(model(A, [[0], [1], [0]]), [-1, -2])
+    np.testing.assert_allclose(found.fixed, [-7])
+    assert worst(found.poles, [-7, -2, -1]) < tolerances.of("double")
+    assert "-7 cannot be moved" in repr(found)
+    with pytest.raises(SignalError, match=r"the number of poles for p, q, r is 3: give 2, as -7 cannot be moved"):
+        pole_placement.place(model(A, [[0], [1], [0]]), [-1, -2, -3])
+    with pytest.raises(ModelError, match="not stabilisable: mode 7 in r"):
+        pole_placement.place(model(np.abs(A), [[0], [1], [0]]), [-1, -2])
+
+
+@pytest.mark.parametrize(
+    ("poles", "kind", "text"),
+    [
+        ([-1, -2], SignalError, "number of poles for p, q, r is 2: give 3"),
+        ([-1, -2 + 1j, -3], SignalError, r"pole -2\+1i stands without its conjugate"),
+        ([-1, -2 + 1j, -2 - 1.1j], SignalError, r"pole -2\+1i stands without its conjugate"),
+        ([-1, -2, -2 - 1j], SignalError, "pole -2-1i stands without its conjugate"),
+        ([-1, -2, np.nan], SignalError, "give a list of finite numbers"),
+        ([[-1, -2, -3]], SignalError, "give a list of finite numbers"),
+        (["a", "b", "c"], SignalError, "no list of numbers"),
+        ([-1, -2, 0], ModelError, "pole 0 does not decay: ask for poles with a negative real part"),
+    ],
+)
+def test_what_cannot_be_asked_for(poles: list[complex], kind: type[Exception], text: str) -> None:
+    A, B = pair(7, 3, 1)
+    with pytest.raises(kind, match=text):
+        pole_placement.place(model(A, B), poles)
+
+
+def test_sampled_poles_belong_inside_the_circle() -> None:
+    A, B = pair(8, 2, 1)
+    with pytest.raises(ModelError, match=r"pole 1 does not decay: ask for poles with \|z\| < 1"):
+        pole_placement.place(model(A, B, Discrete(0.1)), [1, 0.5])
+
+
+def test_poles_that_double_precision_does_not_resolve_are_refused() -> None:
+    A, B = pair(9, 5, 1)
+    steep = np.linalg.matrix_power(A, 3) * 1e3
+    with pytest.raises(ModelError, match="attained only within"):
+        pole_placement.place((steep, B), [-1.0] * 5)
+    with pytest.raises(ModelError, match=r"within 1\.\de-02, -1 as -"):  # stable, and 1 % off
+        pole_placement.place(pair(16, 7, 1), [-1.0] * 7)
+
+
+def test_any_system_is_read_and_the_result_prints_itself() -> None:
+    A, B = pair(10, 3, 2)
+    own = model(A, B)
+    arrays = pole_placement.place((A, B), [-1, -2, -3])
+    for system in (own, own.to_control()):
+        found = pole_placement.place(system, [-1, -2, -3])
+        np.testing.assert_array_equal(found.K, arrays.K)
+        assert found.states == own.states
+        text = repr(found)
+        assert "Poles asked for: -3, -2, -1" in text
+        assert all(name in text for name in "pqrfg")
+
+
+def test_many_poles_take_few_turns_and_the_better_gain_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With 24 states a turn over all pairs costs (24 / 15)^3 of one with 15; placing step by step misses by far."""
+    A, B = pair(0, 24, 3)
+    wanted = -1 - 2 * np.random.default_rng(1).random(24)
+    turns = []
+    place_poles = scipy.signal.place_poles
+
+    def counted(*args: object, maxiter: int) -> object:
+        turns.append(maxiter)
+        return place_poles(*args, maxiter=maxiter)
+
+    monkeypatch.setattr(scipy.signal, "place_poles", counted)
+    names = tuple(f"x{k}" for k in range(24))
+    system = StateSpace(A, B, np.eye(24), np.zeros((24, 3)), names, ("f", "g", "h"), names, Continuous())
+    assert pole_placement.place(system, wanted).error < 1e-3
+    assert len(turns) == 1
+    assert turns[0] * (24 / 15) ** 3 <= 30
+    pole_placement.place((A[:5, :5], B[:5]), wanted[:5])
+    assert turns[1] == 30
+
+
+def test_a_refusal_of_many_poles_is_short() -> None:
+    A, B = pair(0, 24, 1)
+    with pytest.raises(ModelError, match=r"and 18 more are attained only within .* as .*: spread the poles") as caught:
+        pole_placement.place((A, B), -1 - 2 * np.random.default_rng(1).random(24))
+    assert len(str(caught.value)) < 350

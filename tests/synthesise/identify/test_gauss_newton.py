@@ -1,0 +1,160 @@
+"""Gauss-Newton finds SciPy's minimum, its intervals cover, and what does not converge or is not determined is told."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+import scipy.optimize
+
+from synth.errors import ModelError, SignalError
+from synth.synthesise.identify import gauss_newton
+from synth.synthesise.identify.estimate import Estimate
+
+T = np.linspace(0, 3, 40)
+NAMES = ("amplitude", "rate")
+Model = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+
+
+def decay(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    shape = np.exp(-theta[1] * T)
+    return theta[0] * shape[:, None], np.stack([shape, -theta[0] * T * shape], axis=1)[:, None, :]
+
+
+def data(seed: int, noise: float = 0.05) -> np.ndarray:
+    return decay(np.array([2.0, 1.3]))[0] + noise * np.random.default_rng(seed).normal(size=(len(T), 1))
+
+
+@pytest.mark.parametrize("start", [[1.0, 1.0], [0.1, 5.0], [10.0, 0.0], [2.0, -1.0]])
+def test_the_minimum_and_its_errors_are_those_of_curve_fit(start: list[float]) -> None:
+    y = data(1)
+    found = gauss_newton.minimise(decay, y, start, NAMES, ("y",))
+    wanted, covariance = scipy.optimize.curve_fit(
+        lambda t, a, r: a * np.exp(-r * t), T, y.ravel(), p0=[1, 1], xtol=1e-12
+    )
+    np.testing.assert_allclose(found.estimate.values, wanted, rtol=1e-6)
+    np.testing.assert_allclose(found.estimate.covariance, covariance, rtol=1e-4)
+    rest = y.ravel() - wanted[0] * np.exp(-wanted[1] * T)
+    assert found.estimate.r_squared["y"] == pytest.approx(1 - rest @ rest / ((y - y.mean()) ** 2).sum())
+    assert found.unexplained <= gauss_newton.UNEXPLAINED and not found.held and "Converged after" in str(found)
+
+
+def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
+    hits = []
+    for seed in range(250):
+        low, high = gauss_newton.minimise(decay, data(seed), [1.5, 1.0], NAMES, ("y",)).estimate.intervals.T
+        hits.append((low <= [2.0, 1.3]) & (high >= [2.0, 1.3]))
+    assert abs(np.mean(hits) - 0.95) < 0.03, "standard deviation at most 1.4 %"
+
+
+def test_an_exact_log_gives_the_truth() -> None:
+    found = gauss_newton.minimise(decay, data(0, 0.0), [1.0, 0.5], NAMES, ("y",))
+    np.testing.assert_allclose(found.estimate.values, [2, 1.3], rtol=1e-8)
+
+
+def test_a_parameter_that_ends_on_its_bound_is_held_and_told() -> None:
+    y = data(1)
+    found = gauss_newton.minimise(decay, y, [1.5, 0.9], NAMES, ("y",), bounds=([1, 0.8], [3, 1.0]))
+    wanted = scipy.optimize.least_squares(
+        lambda v: v[0] * np.exp(-v[1] * T) - y.ravel(), [1.5, 0.9], bounds=([1, 0.8], [3, 1.0])
+    )
+    assert found.held == {"rate": 1.0} and found.estimate.names == ("amplitude",)
+    assert found.by_name["amplitude"] == pytest.approx(wanted.x[0], rel=1e-5)
+    assert "'rate' is held at its bound 1." in str(found)
+    with pytest.raises(ModelError, match="all of amplitude, rate end on a bound: widen"):
+        gauss_newton.minimise(decay, y, [1.0, 0.9], NAMES, ("y",), bounds=([1, 0.8], [1.1, 1.0]))
+
+
+def test_outputs_of_unlike_noise_are_weighted_by_their_residuals() -> None:
+    rng = np.random.default_rng(4)
+
+    def twice(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        g, J = decay(theta)
+        return np.hstack([g, 1000 * g]), np.concatenate([J, 1000 * J], axis=1)
+
+    noise = {"fine": 0.01, "coarse": 500.0}
+    y = twice(np.array([2.0, 1.3]))[0] + rng.normal(size=(len(T), 2)) * list(noise.values())
+    found = gauss_newton.minimise(twice, y, [1.0, 1.0], NAMES, tuple(noise))
+    known = gauss_newton.minimise(twice, y, [1.0, 1.0], NAMES, tuple(noise), noise=noise)
+    np.testing.assert_allclose(found.estimate.values, known.estimate.values, rtol=1e-3)
+    np.testing.assert_allclose(found.estimate.errors, known.estimate.errors, rtol=0.3)
+    assert found.estimate.rms == pytest.approx(noise, rel=0.3)
+
+
+def test_what_the_data_do_not_determine_is_named() -> None:
+    def product(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        g, J = decay(np.array([theta[0] * theta[1], theta[2]]))
+        return g, np.stack([J[:, :, 0] * theta[1], J[:, :, 0] * theta[0], J[:, :, 1]], axis=2)
+
+    with pytest.raises(
+        ModelError, match=r"the data leave (1/gain and size|gain and 1/size) in proportion undetermined"
+    ):
+        gauss_newton.minimise(product, data(1), [1.0, 1.0, 1.0], ("gain", "size", "rate"), ("y",))
+
+
+def flipped(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    g, J = decay(theta)
+    return g, -J
+
+
+def half(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    g, J = decay(theta)
+    return g, J * [[[1.0, 0.5 + 0.5 * theta[0]]]]
+
+
+def test_what_does_not_converge_is_refused() -> None:
+    with pytest.raises(
+        ModelError, match=r"no minimum was found in \d+ steps: .* of the residual is still to be explained"
+    ):
+        gauss_newton.minimise(flipped, data(1), [1.0, 1.0], NAMES, ("y",))
+    with pytest.raises(ModelError, match="not finite at the start"):
+        gauss_newton.minimise(decay, data(1), [1.0, -1e3], NAMES, ("y",))
+
+
+def test_the_intervals_catch_a_wrong_derivative() -> None:
+    """Planted: the derivative by the rate is too large; the errors that come of it do not fit curve_fit's."""
+    y = data(1, 0.01)
+    right = gauss_newton.minimise(decay, y, [1.9, 1.2], NAMES, ("y",)).estimate
+    wrong = gauss_newton.minimise(half, y, [1.9, 1.2], NAMES, ("y",)).estimate
+    assert abs(wrong.errors[1] / right.errors[1] - 1) > 0.2
+    assert isinstance(right, Estimate)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"y": np.ones((39, 1))}, r"the outputs have the shape \(39, 1\), the model's \(40, 1\)"),
+        ({"start": [1.0]}, r"start has the shape \(1,\): give 2 values"),
+        ({"start": [1.0, 1.0, 1.0]}, r"the start \(3,\)"),
+        ({"start": [1.0, 5.0], "bounds": (0, 2)}, r"'rate' starts at 5, outside its bounds 0 to 2"),
+        ({"bounds": (2, 0)}, r"'amplitude' starts at 1.5, outside its bounds 2 to 0"),
+        ({"bounds": ([0.0], [1.0, 1.0])}, r"the lower bound has the shape \(1,\)"),
+        ({"parameters": ("a", "a")}, r"'a' stands twice"),
+        ({"outputs": "y"}, r"`outputs` of .* is 'y': give a list of names"),
+        ({"noise": 0.1}, r"`noise` of .* is 0\.1: give a mapping"),
+        ({"level": "x"}, r"`level` of .* is 'x': give a number"),
+    ],
+)
+def test_requests_without_sense_are_refused(change: dict[str, object], message: str) -> None:
+    given_as = {"y": data(1), "start": [1.5, 1.0], "parameters": NAMES, "outputs": ("y",)}
+    with pytest.raises(SignalError, match=message):
+        gauss_newton.minimise(decay, **(given_as | change))
+
+
+def test_an_outlier_is_named() -> None:
+    y = data(1)
+    y[17] += 3
+    found = gauss_newton.minimise(decay, y.tolist(), [1.5, 1.0], NAMES, ("y",)).estimate.largest
+    assert found.row == 17 and found.deviations > 5
+    with pytest.raises(ModelError, match=r"which is largest for 'y' in row 17"):
+        gauss_newton.minimise(flipped, y, [1.0, 1.0], NAMES, ("y",))
+
+
+def test_noise_that_does_not_settle_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    def twice(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        g, J = decay(theta)
+        return np.hstack([g, 2 * g]), np.concatenate([J, 2 * J], axis=1)
+
+    y = np.hstack([data(1), 2 * data(2, 0.5)])
+    monkeypatch.setattr(gauss_newton, "PASSES", 1)
+    with pytest.raises(ModelError, match=r"does not settle in 1 fits: give the `noise`"):
+        gauss_newton.minimise(twice, y, [1.5, 1.0], NAMES, ("p", "q"))

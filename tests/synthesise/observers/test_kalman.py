@@ -1,0 +1,432 @@
+"""Steady-state filters against closed forms, other solvers, simulation, and the figures of a published filter."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import control
+import numpy as np
+import pytest
+import scipy.linalg
+import slycot
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import brentq
+
+from synth.errors import ModelError, SignalError, TimingError
+from synth.statespace import StateSpace, of
+from synth.synthesise.observers import belief, kalman
+from synth.synthesise.riccati import riccati
+from synth.timing import Continuous, Discrete, Time
+from tests import tolerances
+
+UNITS = {"x": "m", "v": "m/s", "f": "N", "y": "m"}
+
+
+def mass() -> StateSpace:
+    """1.52 kg on a guide, its position measured."""
+    return StateSpace(
+        [[0, 1], [0, 0]], [[0], [1 / 1.52]], [[1, 0]], [[0]], ("x", "v"), ("f",), ("y",), Continuous(), UNITS
+    )
+
+
+def scalar(a: float, time: Time, c: float = 1.0) -> StateSpace:
+    return of((a, 1.0, c, 0.0, time))
+
+
+def random_problem(seed: int, time: Time) -> tuple[StateSpace, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """A model, stable or not, with G, W, V and S, [[W, S], [S', V]] > 0."""
+    rng = np.random.default_rng(seed)
+    n, m, p, q = rng.integers(2, 5), rng.integers(1, 3), rng.integers(1, 3), rng.integers(1, 3)
+    A = rng.normal(size=(n, n)) * (1.0 if isinstance(time, Continuous) else 0.6)
+    root = rng.normal(size=(p + q, p + q))
+    joint = root @ root.T + 0.3 * np.eye(p + q)
+    joint = (joint + joint.T) / 2
+    model = of((A, rng.normal(size=(n, m)), rng.normal(size=(p, n)), rng.normal(size=(p, m)), time))
+    return model, rng.normal(size=(n, q)), joint[:q, :q], joint[q:, q:], joint[:q, q:]
+
+
+# Closed forms
+
+
+@pytest.mark.parametrize("a", [-2.0, 0.0, 3.0])
+def test_a_scalar_filter_in_continuous_time_is_its_closed_form(a: float) -> None:
+    """2 a P - c^2 P^2 / v + w = 0."""
+    w, v, c = 5.0, 0.2, 0.7
+    found = kalman.continuous(scalar(a, Continuous(), c), [w], [v])
+    root = np.sqrt(a * a + c * c * w / v)
+    assert found.prior[0, 0] == pytest.approx((a + root) * v / c**2, rel=tolerances.of("double"))
+    assert found.L[0, 0] == pytest.approx((a + root) / c, rel=tolerances.of("double"))
+    assert found.poles[0].real == pytest.approx(-root, rel=tolerances.of("double"))
+    assert found.M[0, 0] == 0
+    np.testing.assert_array_equal(found.posterior, found.prior)
+
+
+@pytest.mark.parametrize("a", [0.3, 1.0, 1.7])
+def test_a_scalar_filter_in_discrete_time_is_its_closed_form(a: float) -> None:
+    """P = a^2 P v / (P + v) + w."""
+    w, v = 0.4, 0.9
+    found = kalman.discrete(scalar(a, Discrete(0.1)), [w], [v])
+    b = v * (a * a - 1) + w
+    P = (b + np.sqrt(b * b + 4 * v * w)) / 2
+    close = tolerances.of("double")
+    assert found.prior[0, 0] == pytest.approx(P, rel=close)
+    assert found.M[0, 0] == pytest.approx(P / (P + v), rel=close)
+    assert found.L[0, 0] == pytest.approx(a * P / (P + v), rel=close)
+    assert found.posterior[0, 0] == pytest.approx(P * v / (P + v), rel=close)
+
+
+def test_the_position_filter_of_a_mass_is_its_closed_form() -> None:
+    """x'' = w, density w: L = (sqrt(2) k, k^2) with k = (w / v)^(1/4), a Butterworth filter."""
+    w, v = 1e-3, 25e-13
+    found = kalman.continuous(mass(), {"v": w}, {"y": v})
+    k = (w / v) ** 0.25
+    np.testing.assert_allclose(found.L[:, 0], [np.sqrt(2) * k, k * k], rtol=tolerances.of("double"))
+
+
+# Other solvers
+
+
+def equation_residual(found: kalman.Estimator, W: np.ndarray, V: np.ndarray, S: np.ndarray) -> float:
+    """The residual of the filter's equation at P and of L, written out here, over the size of W; W, V, S as entered."""
+    A, C, P = found.model.A, found.model.C, found.prior
+    if isinstance(found.model.time, Continuous):
+        L = np.linalg.solve(V, (P @ C.T + S).T).T
+        rest = A @ P + P @ A.T - L @ V @ L.T + W
+    else:
+        E = C @ P @ C.T + V
+        L = np.linalg.solve(E, (A @ P @ C.T + S).T).T
+        rest = A @ P @ A.T - L @ E @ L.T + W - P
+    return float(max(np.abs(rest).max() / np.abs(W).max(), np.abs(found.L - L).max() / np.abs(L).max()))
+
+
+@settings(derandomize=True, max_examples=15, deadline=None)
+@given(st.integers(0, 10**6))
+def test_random_filters_agree_with_scipy_and_with_their_equation(seed: int) -> None:
+    for time, solver, make in (
+        (Continuous(), scipy.linalg.solve_continuous_are, kalman.continuous),
+        (Discrete(0.1), scipy.linalg.solve_discrete_are, kalman.discrete),
+    ):
+        model, G, W, V, S = random_problem(seed, time)
+        found = make(model, W, V, G, S)
+        GWG = (G @ W @ G.T + (G @ W @ G.T).T) / 2
+        P = solver(model.A.T, model.C.T, GWG, V, s=G @ S)
+        np.testing.assert_allclose(found.prior, P, rtol=0, atol=tolerances.of("pencil") * np.abs(P).max())
+        assert equation_residual(found, GWG, V, G @ S) < tolerances.of("pencil")
+        closed = np.linalg.eigvals(model.A - found.L @ model.C)
+        assert (closed.real.max() if isinstance(time, Continuous) else np.abs(closed).max() - 1) < 0
+        # dropped or transposed terms are seen by the same check
+        assert equation_residual(found, GWG, V, 0 * G @ S) > 1e-6
+        assert equation_residual(replace(found, prior=found.prior * (1 + 1e-6)), GWG, V, G @ S) > 1e-8
+        unpropagated = replace(found, prior=found.posterior)
+        assert isinstance(time, Continuous) or equation_residual(unpropagated, GWG, V, G @ S) > 1e-6
+
+
+def test_python_control_and_slicot_agree() -> None:
+    close = tolerances.of("pencil")
+    model, G, W, V, _ = random_problem(3, Continuous())
+    found = kalman.continuous(model, W, V, G)
+    L, P, _ = control.lqe(model.A, G, model.C, W, V)
+    np.testing.assert_allclose(found.L, L, rtol=close)
+    np.testing.assert_allclose(found.prior, P, rtol=close)
+    model, G, W, V, _ = random_problem(3, Discrete(0.1))
+    found = kalman.discrete(model, W, V, G)
+    L, P, _ = control.dlqe(model.A, G, model.C, W, V)
+    np.testing.assert_allclose(found.L, L, rtol=close)
+    np.testing.assert_allclose(found.prior, P, rtol=close)
+    n, p = found.L.shape
+    X, *_ = slycot.sb02od(n, p, model.A.T, model.C.T, G @ W @ G.T, V, "D")
+    np.testing.assert_allclose(found.prior, X, rtol=close)
+
+
+# Noise on a continuous plant that is measured at samples
+
+
+def over_a_period(model: StateSpace, density: np.ndarray, P: np.ndarray, T: float) -> np.ndarray:
+    """P' = A P + P A' + density over a period, by Gauss quadrature of its solution."""
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    flows = [scipy.linalg.expm(model.A * T / 2 * (v + 1)) for v in nodes]
+    F = scipy.linalg.expm(model.A * T)
+    return F @ P @ F.T + T / 2 * sum(w * M @ density @ M.T for w, M in zip(weights, flows, strict=True))
+
+
+def test_the_covariance_grows_over_a_period_as_the_continuous_equation_says() -> None:
+    model, G, W, V, _ = random_problem(5, Continuous())
+    model, T = replace(model, D=0 * model.D), 0.4
+    density, close = G @ W @ G.T, tolerances.of("quadrature")
+
+    def misses(found: kalman.Estimator) -> float:
+        prior = over_a_period(model, density, found.posterior, T)
+        return float(np.abs(prior - found.prior).max() / np.abs(prior).max())
+
+    assert misses(kalman.sampled(model, W, V, T, G)) < close
+    held = kalman.sampled(model, W, V, T, G).model
+    crude = kalman.discrete(held, (density + density.T) / 2 * T, V)
+    assert misses(crude) > 1e-2  # W scaled by T only
+    np.testing.assert_allclose(held.A, scipy.linalg.expm(model.A * T), rtol=tolerances.of("double"))
+
+
+def test_many_fast_samples_of_large_covariance_are_the_continuous_filter() -> None:
+    """V / T at each sample is the density V."""
+    T, V = 1e-5, 25e-13
+    fast, limit = kalman.sampled(mass(), {"v": 1e-3}, [V / T], T), kalman.continuous(mass(), {"v": 1e-3}, [V])
+    np.testing.assert_allclose(fast.L / T, limit.L, rtol=0.01)
+    np.testing.assert_allclose(fast.prior, limit.prior, rtol=0.01)
+    slow = kalman.sampled(mass(), {"v": 1e-3}, [V / (10 * T)], 10 * T)
+    assert np.abs(fast.L / T - limit.L).max() < 0.2 * np.abs(slow.L / (10 * T) - limit.L).max()
+
+
+def test_exact_filters_agree_to_the_last_digits_with_those_in_double_precision() -> None:
+    arguments = (mass(), {"v": 1e-3}, [25e-10], 1e-3)
+    exact, plain = kalman.sampled(*arguments, exact=True), kalman.sampled(*arguments)
+    for name in ("L", "M", "prior", "posterior"):
+        np.testing.assert_allclose(getattr(plain, name), getattr(exact, name), rtol=tolerances.of("double"))
+    m, e = exact.model, exact.noise
+    np.testing.assert_array_equal(riccati.solve((m.A.T, m.C.T, m.time), e.W, e.V, exact=True).X, exact.prior)
+
+
+# Simulation
+
+
+def simulated(found: kalman.Estimator, W: np.ndarray, G: np.ndarray, V: np.ndarray, S: np.ndarray) -> list[np.ndarray]:
+    """The covariances of x - x^ and of x less the current estimate over 20 000 runs, after 60 samples from rest."""
+    rng, model, runs = np.random.default_rng(7), found.model, 20_000
+    n, q = G.shape
+    root = np.linalg.cholesky(np.block([[W, S], [S.T, V]]))
+    x, predicted = np.zeros((runs, n)), np.zeros((runs, n))
+    for _ in range(60):
+        noise, u = rng.normal(size=(runs, len(root))) @ root.T, rng.normal(size=(runs, len(model.inputs)))
+        y = x @ model.C.T + u @ model.D.T + noise[:, q:]
+        e = y - predicted @ model.C.T - u @ model.D.T
+        now = predicted + e @ found.M.T
+        errors = [x - predicted, x - now]
+        x = x @ model.A.T + u @ model.B.T + noise[:, :q] @ G.T
+        predicted = predicted @ model.A.T + u @ model.B.T + e @ found.L.T
+    return [error.T @ error / runs for error in errors]
+
+
+def test_the_errors_of_a_simulation_have_the_covariances() -> None:
+    model, G, W, V, S = random_problem(11, Discrete(0.1))
+    found = kalman.discrete(model, W, V, G, S)
+
+    def apart(covariances: list[np.ndarray]) -> float:
+        told = (found.prior, found.posterior)
+        return max(float(np.linalg.norm(c - P) / np.linalg.norm(P)) for c, P in zip(covariances, told, strict=True))
+
+    # the entries of a covariance of 20 000 runs scatter by sqrt(2 / 20 000) = 1 %
+    assert apart(simulated(found, W, G, V, S)) < 0.03
+    uncrossed = kalman.discrete(model, W, V, G)
+    assert apart(simulated(uncrossed, W, G, V, S)) > 0.06
+
+
+# The filters as models
+
+
+def run(form: StateSpace, inputs: np.ndarray) -> np.ndarray:
+    x, outputs = np.zeros(len(form.states)), []
+    for u in inputs:
+        outputs.append(form.C @ x + form.D @ u)
+        x = form.A @ x + form.B @ u
+    return np.array(outputs)
+
+
+def test_both_forms_estimate_what_the_recursion_says_with_a_direct_term_and_cross_covariance() -> None:
+    model, G, W, V, S = random_problem(2, Discrete(0.1))
+    found = kalman.discrete(model, W, V, G, S)
+    rng = np.random.default_rng(1)
+    u, y = rng.normal(size=(30, len(model.inputs))), rng.normal(size=(30, len(model.outputs)))
+    x, before, now = np.zeros(len(model.A)), [], []
+    for uk, yk in zip(u, y, strict=True):
+        e = yk - model.C @ x - model.D @ uk
+        before, now = [*before, x], [*now, x + found.M @ e]
+        x = model.A @ x + model.B @ uk + found.L @ e
+    both = np.hstack([u, y])
+    close = {"rtol": 0, "atol": tolerances.of("double") * 10 * np.abs(now).max()}
+    np.testing.assert_allclose(run(found.predictor(), both), before, **close)
+    np.testing.assert_allclose(run(found.current(), both), now, **close)
+
+
+def test_the_forms_carry_names_and_units() -> None:
+    found = kalman.sampled(mass(), {"v": 1e-3}, {"y": 25e-10}, 1e-3)
+    for form in (found.predictor(), found.current()):
+        assert form.inputs == ("f", "y")
+        assert form.outputs == ("x_estimate", "v_estimate")
+        assert (form.unit("v_estimate"), form.unit("f"), form.time) == ("m/s", "N", Discrete(1e-3))
+    assert found.current().states == ("x_predicted", "v_predicted")
+    assert found.current().unit("v_predicted") == "m/s"
+    assert found.deviations["v"] == np.sqrt(found.posterior[1, 1])
+
+
+def test_a_filter_prints_its_deviations_with_units() -> None:
+    text = repr(kalman.sampled(mass(), {"v": 1e-3}, [25e-10], 1e-3))
+    assert "deviation before a sample" in text
+    assert "v [m/s]" in text
+    assert "dual Riccati equation" in text
+    assert "deviation of the innovation" in text
+    assert "before" not in repr(kalman.continuous(mass(), {"v": 1e-3}, [25e-13]))
+
+
+def test_arrays_and_python_control_systems_are_models() -> None:
+    m = mass()
+    arrays = (m.A, m.B, m.C, m.D)
+    want = kalman.continuous(m, [0, 1e-3], [25e-13]).L
+    for system in (arrays, [*arrays, 0], m.to_control()):
+        np.testing.assert_array_equal(kalman.continuous(system, [0, 1e-3], [25e-13]).L, want)
+
+
+def test_inputs_named_as_noise_are_not_known_to_the_filter() -> None:
+    by_name, by_matrix = (kalman.continuous(mass(), W, [25e-13], G) for W, G in (({"f": 1.0}, "f"), ([1.0], mass().B)))
+    np.testing.assert_array_equal(by_name.L, by_matrix.L)
+    assert by_name.predictor().inputs == ("y",)
+    assert by_matrix.predictor().inputs == ("f", "y")
+
+
+def test_noise_that_reaches_an_output_at_once_is_correlated_noise() -> None:
+    """y = C x + F w + v: the same as V + F W F' and S = W F'."""
+    model, G, W, V, S = random_problem(4, Discrete(0.1))
+    F = np.ones((len(model.C), G.shape[1]))
+    joined = of((model.A, G, model.C, F, model.time))
+    found = kalman.discrete(joined, W, V, joined.inputs, S)
+    total = V + F @ W @ F.T + F @ S + S.T @ F.T
+    want = kalman.discrete(model, W, (total + total.T) / 2, G, W @ F.T + S)
+    np.testing.assert_allclose(found.L, want.L, rtol=tolerances.of("double") * 10)
+
+
+# What is refused
+
+BIASED = StateSpace(np.diag([-1.0, 0.0]), [[1], [0]], [[1, 0]], [[0]], ("x", "bias"), ("u",), ("y",), Continuous())
+SEEN_BIAS = replace(BIASED, C=[[1, 1]])
+
+
+@pytest.mark.parametrize(
+    ("make", "error", "message"),
+    [
+        (lambda: kalman.continuous(BIASED, [1, 1], [1]), ModelError, "not detectable: mode 0 in bias"),
+        (lambda: kalman.continuous(SEEN_BIAS, {"x": 1}, [1]), ModelError, "no noise reaches the mode 0 in bias"),
+        (lambda: kalman.discrete(scalar(1, Discrete(1)), [0], [1]), ModelError, "no noise reaches the mode 1 in x1"),
+        (lambda: kalman.continuous(mass(), {"v": 1}, [0.0]), ModelError, "measurement of y .* reduced-order observer"),
+        (
+            lambda: kalman.continuous(
+                replace(mass(), C=np.eye(2), D=[[0], [0]], outputs=("x", "v")), [1, 1], [[1, 1], [1, 1]]
+            ),
+            ModelError,
+            "measurement of x, v .* reduced-order",
+        ),
+        (lambda: kalman.sampled(mass(), {"v": 1}, [0.0], 1e-3), ModelError, "measurement of y has no white noise"),
+        (lambda: kalman.continuous(mass(), {"v": 1}, [-1.0]), SignalError, "V has the eigenvalue -1"),
+        (lambda: kalman.continuous(mass(), [[1, 2], [0, 1]], [1]), SignalError, "W is not symmetric"),
+        (lambda: kalman.continuous(mass(), [1, np.nan], [1]), SignalError, "W has nan"),
+        (lambda: kalman.continuous(mass(), {"q": 1}, [1]), SignalError, "names 'q'"),
+        (lambda: kalman.continuous(mass(), [1, 1], [1], S=[[0], [2]]), SignalError, "S is larger than W and V allow"),
+        (lambda: kalman.continuous(mass(), [1, 1], [1], S=[[0, 2]]), SignalError, "S is "),
+        (lambda: kalman.continuous(mass(), [1], [1], G="g"), SignalError, "'g' is not one of f"),
+        (lambda: kalman.continuous(mass(), [1], [1], G=[[1.0]]), SignalError, "G is .* 2 states"),
+        (lambda: kalman.continuous(mass().select((), ("f",)), [1, 1], []), SignalError, "0 outputs"),
+        (lambda: kalman.discrete(mass(), [1, 1], [1]), TimingError, "sample period"),
+        (lambda: kalman.continuous(scalar(1, Discrete(1)), [1], [1]), TimingError, "discretise or resample"),
+        (lambda: kalman.sampled(scalar(1, Discrete(1)), [1], [1], 0.1), TimingError, "continuous model"),
+        (lambda: kalman.sampled(mass(), [1, 1], [1], 0.0), TimingError, "period"),
+        (lambda: kalman.sampled((-1, 1, 1, 1), [1], [1], 0.1, G="u1"), SignalError, "reaches y1 at once"),
+    ],
+)
+def test_what_has_no_filter_is_refused(make: Callable[[], object], error: type[Exception], message: str) -> None:
+    with pytest.raises(error, match=message):
+        make()
+
+
+def test_an_unstable_mode_with_noise_and_a_decaying_one_without_both_have_a_filter() -> None:
+    model = StateSpace(np.diag([2.0, -1.0]), [[1], [1]], [[1, 1]], [[0]], ("a", "b"), ("u",), ("y",), Continuous())
+    found = kalman.continuous(model, {"a": 1}, [1])
+    assert found.poles.real.max() < 0
+    assert abs(found.prior[1, 1]) < tolerances.of("double")
+
+
+def test_noise_that_the_measurement_tells_counts_as_known() -> None:
+    """w = v S / V: x' = a x + (S / V) (y - x), which decays or not without a filter's help."""
+    told = kalman.continuous(scalar(0, Continuous()), [1.0], [1.0], S=[[1.0]])
+    assert (told.prior[0, 0], told.L[0, 0]) == (pytest.approx(0, abs=1e-14), pytest.approx(1))
+    with pytest.raises(ModelError, match="no noise reaches the mode 0 in x1"):
+        kalman.continuous(scalar(-1, Continuous()), [1.0], [1.0], S=[[-1.0]])
+
+
+# The published filter: position, speed and acceleration of one axis, jerk as white noise, equations (7) to (16)
+
+AUDITED = 1e-3  # relative: the audited bandwidths lie 0.02 to 0.10 % above the crossing, as if read on a grid
+
+
+def published(rate: float) -> tuple[StateSpace, np.ndarray]:
+    """The model (11), (12) of one axis and Gamma. The axes do not meet in (7) to (13)."""
+    T = 1 / rate
+    A = [[1, T, T * T / 2], [0, 1, T], [0, 0, 1]]
+    model = StateSpace(A, np.zeros((3, 0)), [[1, 0, 0]], np.zeros((1, 0)), ("x", "dx", "ddx"), (), ("y",), Discrete(T))
+    return model, np.array([[T**3 / 6], [T * T / 2], [T]])
+
+
+def bandwidth(form: StateSpace) -> float:
+    """Where |x_estimate / y|^2 falls through a half, in Hz."""
+    T = form.time.period_s
+
+    def excess(frequency: float) -> float:
+        return float(np.abs(form.response(np.exp(2j * np.pi * frequency * T))[0, 0, 0]) ** 2 - 0.5)
+
+    return brentq(excess, 5.0, 0.45 / T, xtol=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("rate", "q", "exact", "audited"),
+    [(800, 100, 25.458, 25.463), (1000, 100, 25.627, 25.652), (800, 1e5, 75.532, 75.546), (1000, 1e5, 76.850, 76.882)],
+)
+def test_the_published_filter_has_half_the_bandwidth_that_is_printed(
+    rate: float, q: float, exact: float, audited: float
+) -> None:
+    """Printed: 50 Hz (x, y; q = 100) and 100 Hz (phi; q = 1e5).
+
+    The transfer is that from the measured position to the estimate of the same sample, of the steady filter for
+    W = q Gamma Gamma' and V = (5e-5)^2, at half the power.
+    """
+    model, Gamma = published(rate)
+    found = kalman.discrete(model, [q], [25e-10], Gamma)
+    assert round(bandwidth(found.current()), 3) == exact
+    assert 0 < audited / bandwidth(found.current()) - 1 < AUDITED
+    assert abs(bandwidth(found.predictor()) / audited - 1) > 0.05  # the other form is another figure
+    filtered = run(found.current(), np.sin(2 * np.pi * exact / rate * np.arange(8000))[:, None])[4000:, 0]
+    assert 2 * np.mean(filtered**2) == pytest.approx(0.5, rel=2e-3)  # a sine at the crossing comes out at half power
+
+
+@pytest.mark.parametrize(("rate", "ratio"), [(800, 0.33906), (1000, 0.30502)])
+def test_the_published_filter_lets_through_a_third_of_the_noise(rate: float, ratio: float) -> None:
+    """Printed: down by 75 %. White noise on y alone, stage at rest: the deviation of x_estimate over that of y."""
+    model, Gamma = published(rate)
+    form = kalman.discrete(model, [100.0], [25e-10], Gamma).current()
+    impulse = run(form, np.eye(3000, 1))[:, 0]
+    assert round(float(np.sqrt(impulse @ impulse)), 5) == ratio
+
+
+def test_the_gain_as_printed_tends_to_one() -> None:
+    """(14) predicts P and never updates it, so that it grows and K of (16) trusts the measurement alone."""
+    model, Gamma = published(800)
+    W = 100 * Gamma @ Gamma.T
+    now = belief.initial(model, 1e8 * np.eye(3))
+    for _ in range(200):
+        now = belief.predict(now, model, (W + W.T) / 2)
+    P = now.P[0, 0]
+    assert 1 - P / (P + 25e-10) < 1e-12
+    from_nothing = belief.initial(model, np.zeros((3, 3)))
+    gains = []
+    for _ in range(800):
+        from_nothing = belief.predict(from_nothing, model, (W + W.T) / 2)
+        gains.append(from_nothing.P[0, 0] / (from_nothing.P[0, 0] + 25e-10))
+    assert (np.diff(gains) > 0).all()
+    assert gains[-1] > 1 - 1e-6
+    assert kalman.discrete(model, [100.0], [25e-10], Gamma).M[0, 0] == pytest.approx(0.1360, abs=5e-5)
+
+
+@pytest.mark.parametrize("size", [1e-310, 1e-120, 1e120])
+def test_variances_that_cannot_be_squared_are_refused(size: float) -> None:
+    plant = ([[0, 1.0], [0, 0]], [[0], [1.0]], [[1.0, 0]], [[0.0]])
+    for make in (
+        lambda: kalman.continuous(plant, [size, size], [size]),
+        lambda: kalman.discrete((*plant, 0.1), [1.0, 1.0], [size]),
+        lambda: kalman.sampled(plant, [size, size], [size], 0.1),
+    ):
+        with pytest.raises(SignalError, match=r"the noise on (x1|y1) has the size .*; choose|the weight [WV] reach 1e"):
+            make()

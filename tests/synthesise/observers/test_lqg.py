@@ -1,0 +1,372 @@
+"""Separation, expected costs against their closed forms and simulation, and integrators that leave no error."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.linalg
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from synth.errors import ModelError, SignalError, TimingError
+from synth.statespace import Array, StateSpace, of
+from synth.synthesise.feedback import lqr
+from synth.synthesise.observers import kalman, lqg, noise
+from synth.timing import Continuous, Discrete, Time
+from tests import tolerances
+
+UNITS = {"x": "m", "v": "m/s", "f": "N", "y": "m"}
+FORMS = (lqg.predictor, lqg.current)
+T = 1e-3
+
+
+def mass() -> StateSpace:
+    return StateSpace(
+        [[0, 1], [0, 0]], [[0], [1 / 1.52]], [[1, 0]], [[0]], ("x", "v"), ("f",), ("y",), Continuous(), UNITS
+    )
+
+
+def held_mass() -> kalman.Estimator:
+    return kalman.sampled(mass(), [1e-3], [25e-10], T, G=mass().B)
+
+
+def planar() -> StateSpace:
+    """Equations (26), (27): x, y, phi and their rates under three currents."""
+    M = np.array([[0, 0, 13.2547], [13.2547, 13.2547, 0], [-117.15, 117.15, 0]])
+    A, B = np.eye(6, k=3), np.vstack([np.zeros((3, 3)), M])
+    states, inputs = ("x", "y", "phi", "d", "f", "v"), ("i_aq", "i_bq", "i_cq")
+    units = dict(zip((*states, *inputs), ("m", "m", "rad", "m/s", "m/s", "rad/s", "A", "A", "A"), strict=True))
+    outputs = ("x_hall", "y_hall", "phi_hall")
+    units |= dict(zip(outputs, ("m", "m", "rad"), strict=True))
+    return StateSpace(A, B, np.eye(3, 6), np.zeros((3, 3)), states, inputs, outputs, Continuous(), units)
+
+
+def random_loop(seed: int, time: Time) -> tuple[lqr.Gain, kalman.Estimator]:
+    rng = np.random.default_rng(seed)
+    n, m, p = rng.integers(1, 5), rng.integers(1, 3), rng.integers(1, 3)
+    A = rng.normal(size=(n, n)) * (1.0 if isinstance(time, Continuous) else 0.6)
+    model = of((A, rng.normal(size=(n, m)), rng.normal(size=(p, n)), 0.3 * rng.normal(size=(p, m)), time))
+    Q, W, joint = (lambda root: (root @ root.T + (root @ root.T).T) / 2 + 0.1 * np.eye(len(root)) for _ in range(3))
+    weight = joint(rng.normal(size=(n + m, n + m)))
+    gain = lqr.lqr(model, weight[:n, :n], weight[n:, n:], weight[:n, n:])
+    make = kalman.continuous if isinstance(time, Continuous) else kalman.discrete
+    return gain, make(model, Q(rng.normal(size=(n, n))), W(rng.normal(size=(p, p))))
+
+
+# Separation
+
+
+@settings(derandomize=True, max_examples=15, deadline=None)
+@given(st.integers(0, 10**6))
+def test_the_poles_are_those_of_the_regulator_and_of_the_estimator(seed: int) -> None:
+    for time in (Continuous(), Discrete(0.1)):
+        gain, estimator = random_loop(seed, time)
+        for form in FORMS:
+            loop = form(gain, estimator)
+            assert loop.separation < tolerances.of("multiple_root")
+            assert len(loop.poles) == len(gain.poles) + len(estimator.poles)
+
+
+def test_a_gain_of_another_model_shows_in_the_separation() -> None:
+    estimator = held_mass()
+    heavier = replace(estimator.model, B=estimator.model.B / 1.3)
+    gain = lqr.lqr(heavier, np.diag([1e4, 1]), [[1e-2]])
+    assert lqg.current(gain, estimator).separation > 1e-4
+    detuned = replace(estimator, L=estimator.L * 1.1)
+    own = lqr.lqr(estimator.model, np.diag([1e4, 1]), [[1e-2]])
+    assert lqg.predictor(own, estimator).separation < tolerances.of("double") * 1e2
+    assert lqg.predictor(own, detuned).separation > 1e-3
+
+
+def test_the_compensator_is_its_textbook_matrices() -> None:
+    estimator = held_mass()
+    model, L, M = estimator.model, estimator.L, estimator.M
+    K = lqr.lqr(model, np.diag([1e4, 1]), [[1e-2]]).K
+    gain = lqr.lqr(model, np.diag([1e4, 1]), [[1e-2]])
+    A, B, C = model.A, model.B, model.C
+    before, now = lqg.predictor(gain, estimator).compensator, lqg.current(gain, estimator).compensator
+    close = {"rtol": tolerances.of("double"), "atol": 1e-12}
+    np.testing.assert_allclose(before.A, A + B @ K - L @ C, **close)
+    np.testing.assert_allclose(before.B, L, **close)
+    np.testing.assert_allclose(before.C, K, **close)
+    np.testing.assert_array_equal(before.D, 0)
+    kept = np.eye(2) - M @ C
+    np.testing.assert_allclose(now.A, A - L @ C + B @ K @ kept, **close)
+    np.testing.assert_allclose(now.B, L + B @ K @ M, **close)
+    np.testing.assert_allclose(now.D, K @ M, **close)
+    assert (before.inputs, before.outputs, before.states) == (("y",), ("f",), ("x_estimate", "v_estimate"))
+    assert now.states == ("x_predicted", "v_predicted")
+    assert (before.unit("f"), now.unit("y"), now.unit("v_predicted")) == ("N", "m", "m/s")
+
+
+# Expected cost
+
+
+def closed_form(gain: lqr.Gain, estimator: kalman.Estimator, form: Callable[..., lqg.Controller]) -> float:
+    """tr(X W) + tr(P K' (R + B'X B) K), in continuous time tr(X W) + tr(P K' R K), for S = 0; no integrators."""
+    X, K, B = gain.certificate.X, gain.K, estimator.model.B
+    weight = gain.R if isinstance(gain.time, Continuous) else gain.R + B.T @ X @ B
+    P = estimator.prior if form is lqg.predictor else estimator.posterior
+    return float(np.trace(X @ estimator.noise.W) + np.trace(P @ K.T @ weight @ K))
+
+
+@settings(derandomize=True, max_examples=15, deadline=None)
+@given(st.integers(0, 10**6))
+def test_the_expected_cost_is_its_closed_form(seed: int) -> None:
+    for time in (Continuous(), Discrete(0.1)):
+        gain, estimator = random_loop(seed, time)
+        costs = [lqg.expected(form(gain, estimator)).cost for form in FORMS]
+        for form, cost in zip(FORMS, costs, strict=True):
+            assert cost == pytest.approx(closed_form(gain, estimator, form), rel=1e-7)
+        if isinstance(time, Discrete):
+            assert costs[1] <= costs[0] * (1 + 1e-9)  # the sample of now is worth something
+
+
+def simulated(loop: StateSpace, covariance: np.ndarray, runs: int, steps: int) -> tuple[np.ndarray, np.ndarray]:
+    """States and outputs (steps, runs, ..) of a loop with white noise on all its inputs but references, from rest."""
+    rng, k = np.random.default_rng(3), len(covariance)
+    root = np.linalg.cholesky(covariance)
+    x, states, outputs = np.zeros((runs, len(loop.states))), [], []
+    for _ in range(steps):
+        n = rng.normal(size=(runs, k)) @ root.T
+        states.append(x)
+        outputs.append(x @ loop.C.T + n @ loop.D[:, :k].T)
+        x = x @ loop.A.T + n @ loop.B[:, :k].T
+    return np.array(states), np.array(outputs)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_simulation_costs_what_is_expected(form: Callable[..., lqg.Controller]) -> None:
+    rng = np.random.default_rng(12)
+    model = of(([[1.1, 0.2], [-0.3, 0.8]], [[0], [1]], [[1, 0.5]], [[0.2]], Discrete(0.1)))
+    root = rng.normal(size=(3, 3))
+    joint = root @ root.T + 0.2 * np.eye(3)
+    joint = (joint + joint.T) / 2
+    estimator = kalman.discrete(model, joint[:2, :2], joint[2:, 2:], S=joint[:2, 2:])
+    gain = lqr.lqr(model, np.diag([2, 1]), [[0.5]], [[0.1], [0.2]])
+    controller = form(gain, estimator)
+    told = lqg.expected(controller)
+    states, outputs = simulated(controller.loop, joint, 4000, 160)
+    x, u = states[60:, :, :2].reshape(-1, 2), outputs[60:, :, 1:].reshape(-1, 1)
+    cost = np.mean(np.sum(x @ gain.Q * x, 1) + np.sum(u @ gain.R * u, 1) + 2 * np.sum(x @ gain.N * u, 1))
+    assert cost == pytest.approx(told.cost, rel=0.01)  # 4000 runs of some 20 independent spans: 0.4 %
+    np.testing.assert_allclose([x[:, 0].std(), x[:, 1].std(), u.std()], list(told.deviations.values()), rtol=0.01)
+    other = lqg.current if form is lqg.predictor else lqg.predictor
+    assert abs(lqg.expected(other(gain, estimator)).cost / cost - 1) > 0.02
+
+
+def test_the_noise_that_acts_may_be_another_than_the_estimator_was_designed_for() -> None:
+    estimator = held_mass()
+    gain = lqr.lqr(estimator.model, np.diag([1e4, 1]), [[1e-2]])
+    four = noise.Noise(4 * estimator.noise.W, 4 * estimator.noise.V, 4 * estimator.noise.S)
+    own, acting = (lqg.expected(lqg.current(gain, estimator), e) for e in (None, four))
+    assert acting.cost == pytest.approx(4 * own.cost, rel=1e-9)
+    assert acting.deviations["x"] == pytest.approx(2 * own.deviations["x"], rel=1e-9)
+    timid = replace(estimator, L=estimator.L * 0.5, M=estimator.M * 0.5)
+    bold = replace(estimator, L=estimator.L * 2, M=estimator.M * 2)
+    for worse in (timid, bold):
+        assert lqg.expected(lqg.current(gain, worse)).cost > own.cost * (1 + 1e-4)
+
+
+def test_an_unstable_loop_has_no_expected_cost() -> None:
+    estimator = held_mass()
+    gain = lqr.lqr(estimator.model, np.diag([1e4, 1]), [[1e-2]])
+    with pytest.raises(ModelError, match="does not decay, so that no covariance"):
+        lqg.expected(lqg.current(replace(gain, K=-gain.K), estimator))
+
+
+@settings(derandomize=True, max_examples=10, deadline=None)
+@given(st.integers(0, 10**6))
+def test_a_stationary_covariance_satisfies_its_equation(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    n = rng.integers(1, 6)
+    A, root = rng.normal(size=(n, n)), rng.normal(size=(n, n))
+    W = (root @ root.T + (root @ root.T).T) / 2
+    stable = A - (np.linalg.eigvals(A).real.max() + 0.1) * np.eye(n)
+    X = noise.stationary(stable, W, Continuous())
+    assert np.abs(stable @ X + X @ stable.T + W).max() < tolerances.of("lyapunov") * np.abs(X).max()
+    damped = 0.95 * A / np.abs(np.linalg.eigvals(A)).max()
+    X = noise.stationary(damped, W, Discrete(1.0))
+    assert np.abs(damped @ X @ damped.T + W - X).max() < tolerances.of("lyapunov") * np.abs(X).max()
+
+
+@pytest.mark.parametrize("ratio", [1e6, 1e10, 1e15, 1e18])
+def test_a_covariance_keeps_its_digits_beside_a_fast_mode(ratio: float) -> None:
+    """x' = -a x + w has the variance W / 2 a, and E x1 x2 = W12 / (a1 + a2)."""
+    W = np.array([[1.0, 0.5], [0.5, 1.0]])
+    X = noise.stationary(np.diag([-1, -ratio]), W, Continuous())
+    exact = W / np.add.outer([1, ratio], [1, ratio])
+    np.testing.assert_allclose(X, exact, rtol=tolerances.of("double"))
+    assert noise.residual(np.diag([-1, -ratio]), W, X, Continuous()) < tolerances.of("double")
+    worse = X * (1 + 1e-6 * np.eye(2))  # planted
+    assert noise.residual(np.diag([-1, -ratio]), W, worse, Continuous()) > 1e-7
+
+
+def test_a_dense_stiff_covariance_is_that_of_its_modes() -> None:
+    """Symmetric A = V diag(a) V' of a rotation with exact entries, rates 1 .. 1e6, W = -A - A': X = I."""
+    V = np.array([[1, 1, 1, 1], [1, -1, 1, -1], [1, 1, -1, -1], [1, -1, -1, 1]]) / 2
+    A = V @ np.diag([-1.0, -128.0, -8192.0, -1048576.0]) @ V.T
+    X = noise.stationary(A, -2 * A, Continuous())
+    np.testing.assert_allclose(X, np.eye(4), atol=tolerances.of("double"))
+
+
+@pytest.mark.parametrize("time", [Continuous(), Discrete(0.01)])
+def test_a_covariance_of_an_undamped_mode_is_refused_whatever_rounding_says(time: Continuous | Discrete) -> None:
+    for w in range(1, 21):
+        turn = np.array([[0.0, w], [-w, 0.0]])
+        A = turn if isinstance(time, Continuous) else scipy.linalg.expm(turn * time.period_s)
+        with pytest.raises(ModelError, match="does not decay, so that no covariance stays finite"):
+            noise.stationary(A, np.eye(2), time)
+
+
+def test_the_expected_cost_of_a_stiff_loop_is_that_of_its_parts() -> None:
+    """Two plants of one state apart, 1e-6 and 1e9 1/s: the cost is the sum of each one's own."""
+    rates, one = (1e-6, 1e9), np.ones((1, 1))
+
+    def cost(A: Array) -> lqg.Expectation:
+        n = len(A)
+        plant = (A, np.eye(n), np.eye(n))
+        gain = lqr.lqr(plant, np.ones(n), np.ones(n))
+        return lqg.expected(lqg.current(gain, kalman.continuous(plant, np.ones(n), np.ones(n))))
+
+    both = cost(np.diag([-a for a in rates]))
+    np.testing.assert_allclose(both.cost, sum(cost(-a * one).cost for a in rates), rtol=tolerances.of("double"))
+    assert both.residual < tolerances.of("double")
+    assert "Equation of the covariance solved to" in repr(both)
+
+
+# Integrators
+
+
+def last(loop: StateSpace, constant: dict[str, float], steps: int) -> dict[str, float]:
+    """The outputs of a sampled loop after many steps with constant inputs."""
+    x, u = np.zeros(len(loop.states)), np.array([constant.get(name, 0.0) for name in loop.inputs])
+    for _ in range(steps):
+        x = loop.A @ x + loop.B @ u
+    return dict(zip(loop.outputs, loop.C @ x + loop.D @ u, strict=True))
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_integrators_leave_no_error_to_a_constant_force_and_reference(form: Callable[..., lqg.Controller]) -> None:
+    estimator = held_mass()
+    full = lqr.integral(estimator.model, ("y",))
+    assert (full.states, full.unit("y_integral")) == (("x", "v", "y_integral"), "m s")
+    loop = form(lqr.lqr(full, np.diag([1e6, 1, 1e8]), [[1e-2]]), estimator)
+    assert loop.separation < tolerances.of("double") * 1e2
+    assert loop.compensator.inputs == ("y", "y_reference")
+    push = {"x_disturbance": 1e-6, "v_disturbance": 2e-3, "y_reference": 3e-4}
+    assert last(loop.loop, push, 20_000)["y"] == pytest.approx(3e-4, rel=tolerances.of("settled"))
+    plain = form(lqr.lqr(estimator.model, np.diag([1e6, 1]), [[1e-2]]), estimator)
+    assert abs(last(plain.loop, {"v_disturbance": 2e-3}, 20_000)["y"]) > 1e-5
+
+
+def test_the_integral_of_a_continuous_loop_is_that_of_the_error() -> None:
+    estimator = kalman.continuous(mass(), [1e-3], [25e-13], G=mass().B)
+    full = lqr.integral(mass(), ("y",))
+    np.testing.assert_array_equal(full.A, [[0, 1, 0], [0, 0, 0], [1, 0, 0]])  # the pattern of (31)
+    loop = lqg.predictor(lqr.lqr(full, np.diag([1e4, 1, 1e5]), [[1e-2]]), estimator)
+    assert loop.separation < tolerances.of("double") * 1e2
+    rest = -np.linalg.solve(loop.loop.A, loop.loop.B)
+    settled = loop.loop.C @ rest + loop.loop.D
+    y, names = settled[0], loop.loop.inputs
+    assert y[names.index("y_reference")] == pytest.approx(1.0)
+    assert y[names.index("v_disturbance")] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_direct_term_is_integrated_too() -> None:
+    plant = replace(mass(), D=[[0.25]])
+    np.testing.assert_array_equal(lqr.integral(plant, ("y",)).B, [[0], [1 / 1.52], [0.25]])
+    estimator = kalman.sampled(plant, [1e-3], [25e-10], T, G=mass().B)
+    loop = lqg.predictor(lqr.lqr(lqr.integral(estimator.model, ("y",)), np.diag([1e4, 1, 1]), [[1e-2]]), estimator)
+    assert loop.separation < tolerances.of("double") * 1e2
+
+
+def test_measurement_noise_reaches_the_integral() -> None:
+    """E of the cost with integrators: the noise on (x, q) is (w, T v), its covariance with v (S, T V)."""
+    estimator = held_mass()
+    gain = lqr.lqr(lqr.integral(estimator.model, ("y",)), np.diag([1e6, 1, 1e8]), [[1e-2]])
+    e, X, K = estimator.noise, gain.certificate.X, gain.K[:, :2]
+    B = np.vstack([estimator.model.B, np.zeros((1, 1))])
+    W = np.block([[e.W, T * e.S], [T * e.S.T, T * T * e.V]])
+    weight = gain.R + B.T @ X @ B
+    before = np.trace(X @ W) + np.trace(estimator.prior @ K.T @ weight @ K)
+    assert lqg.expected(lqg.predictor(gain, estimator)).cost == pytest.approx(before, rel=1e-7)
+    seen = np.vstack([e.S, T * e.V])
+    now = np.trace(X @ W) + np.trace(estimator.posterior @ K.T @ weight @ K)
+    now += 2 * np.trace(X @ B @ K @ estimator.M @ seen.T)
+    assert lqg.expected(lqg.current(gain, estimator)).cost == pytest.approx(now, rel=1e-7)
+
+
+def test_the_planar_stage_with_three_integrators_at_800_hz() -> None:
+    """The model of (26), (27), (31) with the weights (47), (48), the integrals' first as printed."""
+    plant, period = planar(), 1 / 800
+    G = np.vstack([np.zeros((3, 3)), np.eye(3)])
+    estimator = kalman.sampled(plant, np.eye(3) * 1e-2, [25e-10] * 3, period, G=G)
+    full = lqr.integral(estimator.model, plant.outputs)
+    Q = np.diag([1e3, 1e4, 1e3, 1e2, 1e2, 1e2, 1e9, 1e8, 1e8])
+    loop = lqg.current(lqr.lqr(full, Q * period, np.eye(3) * period), estimator)
+    assert loop.separation < tolerances.of("multiple_root")
+    assert np.abs(loop.poles).max() < 1
+    target = {"x_hall_reference": 20e-6, "y_hall_reference": 100e-6, "phi_hall_reference": 1e-4, "v_disturbance": 1e-3}
+    reached = last(loop.loop, target, 6000)
+    for name in plant.outputs:
+        assert reached[name] == pytest.approx(target[f"{name}_reference"], rel=1e-6)
+    assert lqg.expected(loop).units["phi_hall_integral"] == "rad s"
+
+
+# Names, prints, refusals
+
+
+def test_an_input_that_the_gain_does_not_set_reaches_the_estimator() -> None:
+    model = replace(mass(), B=[[0, 0], [0.66, 9.8]], D=[[0, 0]], inputs=("f", "tilt"))
+    estimator = kalman.sampled(model, {"v": 1e-3}, [25e-10], T)
+    held = estimator.model
+    gain = lqr.lqr(held.select(held.outputs, ("f",)), np.diag([1e6, 1]), [[1e-2]])
+    loop = lqg.predictor(gain, estimator)
+    assert loop.compensator.inputs == ("y", "tilt")
+    assert "tilt" in loop.loop.inputs
+    assert loop.separation < tolerances.of("double") * 1e2
+    # what is known is not mistaken for an error: the estimates stay those of the states
+    x = np.zeros(4)
+    for _ in range(50):
+        x = loop.loop.A @ x + loop.loop.B[:, loop.loop.inputs.index("tilt")] * 1e-3
+    np.testing.assert_allclose(x[2:], x[:2], rtol=tolerances.of("double") * 1e2)
+    assert abs(x[0]) > 1e-9
+
+
+def test_controllers_and_expectations_print_themselves() -> None:
+    estimator = held_mass()
+    loop = lqg.current(lqr.lqr(lqr.integral(estimator.model, ("y",)), np.diag([1e6, 1, 1e8]), [[1e-2]]), estimator)
+    assert "LQG controller of f from y" in repr(loop)
+    assert "separation: the poles of the loop lie within" in repr(loop)
+    assert "y_reference [m]" in repr(loop)
+    text = repr(lqg.expected(loop))
+    assert "for each sample" in text
+    assert "y_integral [m s]" in text
+
+
+def gain_of(model: StateSpace) -> lqr.Gain:
+    return lqr.lqr(model, np.eye(len(model.A)), np.eye(model.B.shape[1]))
+
+
+@pytest.mark.parametrize(
+    ("make", "error", "message"),
+    [
+        (lambda: lqg.predictor(gain_of(mass()), held_mass()), TimingError, "discretise or resample"),
+        (lambda: lqg.current(gain_of(mass().renamed({"x": "z"})), continuous_mass()), SignalError, "'x' is not both"),
+        (lambda: lqg.current(gain_of(mass().renamed({"f": "g"})), continuous_mass()), SignalError, "'g' is not both"),
+        (
+            lambda: lqg.current(gain_of(lqr.integral(mass(), ("y",)).renamed({"y_integral": "q"})), continuous_mass()),
+            SignalError,
+            "'q' is not both in the gain and in the estimator's model",
+        ),
+    ],
+)
+def test_what_does_not_fit_is_refused(make: Callable[[], object], error: type[Exception], message: str) -> None:
+    with pytest.raises(error, match=message):
+        make()
+
+
+def continuous_mass() -> kalman.Estimator:
+    return kalman.continuous(mass(), [1e-3], [25e-13], G=mass().B)

@@ -1,0 +1,295 @@
+"""Reduced-order observers against the true states, whatever the input; what cannot be observed; planted defects."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import control
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from synth.analyse import discretise
+from synth.errors import ModelError, SignalError, TimingError
+from synth.statespace import Array, StateSpace
+from synth.synthesise.feedback import deadbeat, pole_placement
+from synth.synthesise.observers import reduced_observer, reduced_partition
+from synth.synthesise.observers.reduced_observer import ReducedObserver
+from synth.timing import Continuous, Discrete, Time
+from tests import tolerances
+
+T = 1e-2
+UNITS = {"x": "m", "v": "m/s", "i": "A"}
+CART = StateSpace([[0, 1], [0, 0]], [[0], [13]], [[1, 0]], [[0]], ("x", "v"), ("i",), ("x",), Continuous(), UNITS)
+HELD = discretise.zero_order_hold(CART, T)
+
+
+def random_model(seed: int, n: int = 5, m: int = 2, p: int = 2, time: Time | None = None) -> StateSpace:
+    """Return a model with D != 0, outputs that mix the states, and the slowest sampled pole at |z| = 0.9."""
+    rng = np.random.default_rng(seed)
+    A, B, C, D = (rng.normal(size=shape) for shape in ((n, n), (n, m), (p, n), (p, m)))
+    labels = [tuple(f"{letter}{i}" for i in range(k)) for letter, k in (("x", n), ("u", m), ("y", p))]
+    return StateSpace(0.9 * A / np.abs(np.linalg.eigvals(A)).max(), B, C, D, *labels, time or Discrete(T))
+
+
+def misses(observer: ReducedObserver, steps: int = 60, seed: int = 0) -> Array:
+    """Run plant and observer from unlike states under a random input; return x^ - x (steps, n) over the size of x."""
+    model, model_of_observer = observer.model, observer.state_space()
+    rng = np.random.default_rng(seed)
+    rows = dict(zip(model.states, np.hstack([np.eye(len(model.A)), 0 * model.B]), strict=True))
+    rows |= dict(zip(model.outputs, np.hstack([model.C, model.D]), strict=True))
+    both = np.array([rows[name] for name in observer.measured])
+    x, x3, found, size = rng.normal(size=len(model.A)), np.zeros(len(observer.estimated)), [], 0.0
+    for _ in range(steps):
+        u = rng.normal(size=len(model.inputs))
+        w = np.concatenate([both @ np.concatenate([x, u]), u])
+        found.append(model_of_observer.C @ x3 + model_of_observer.D @ w - x)
+        x3 = model_of_observer.A @ x3 + model_of_observer.B @ w
+        size = max(size, float(np.abs(x).max()))
+        x = model.A @ x + model.B @ u
+    return np.array(found) / size
+
+
+def defects(observer: ReducedObserver) -> dict[str, ReducedObserver]:
+    """Return the observer with wrong recursions of x3."""
+    part, L, F = observer.partition, observer.L, observer.F
+    return {
+        "sign of L A11": replace(observer, G=F @ L + part.A21 + L @ part.A11),
+        "sign of F L": replace(observer, G=-F @ L + part.A21 - L @ part.A11),
+        "A21 left out": replace(observer, G=F @ L - L @ part.A11),
+        "B2 + L B1": replace(observer, H=part.B2 + L @ part.B1),
+        "sign of L A12": replace(observer, F=part.A22 + L @ part.A12),
+        "y for y - D u": replace(observer, partition=replace(part, D=0 * part.D)),
+    }
+
+
+def spread(count: int) -> list[float]:
+    return [0.1 + 0.1 * k for k in range(count)]
+
+
+def test_the_cart_has_the_observer_worked_by_hand() -> None:
+    """x+ = x + T v + b T^2/2 i, v+ = v + b T i and L = (1 - p) / T give F = p, G = -L^2 T, H = b T (1 + p) / 2."""
+    p, b = 0.3, 13.0
+    found = reduced_observer.by_poles(HELD, "x", [p])
+    L = (1 - p) / T
+    for value, expected in ((found.L, L), (found.F, p), (found.G, -(L**2) * T), (found.H, b * T * (1 + p) / 2)):
+        np.testing.assert_allclose(value, [[expected]], rtol=tolerances.of("double"))
+    np.testing.assert_allclose(found.poles, [p], rtol=tolerances.of("double"))
+
+
+@pytest.mark.parametrize("measured", [("y0", "y1"), ("y1",), ("x3", "y0"), ("x0", "x4", "x1")])
+def test_estimates_converge_to_the_states_as_the_poles_say(measured: Sequence[str]) -> None:
+    model = random_model(1)
+    count = 5 - len(measured)
+    found = reduced_observer.by_poles(model, measured, spread(count))
+    error = misses(found)
+    assert np.abs(error[0]).max() > 1e-3
+    assert np.abs(error[-1]).max() < tolerances.of("settled")
+    np.testing.assert_allclose(np.sort(found.poles.real), spread(count), rtol=tolerances.of("placed"))
+
+
+def test_deadbeat_estimates_are_exact_from_the_observability_index_on() -> None:
+    model = random_model(2)
+    found = reduced_observer.deadbeat(model, ("y0", "y1"))
+    part, certificate = found.partition, found.certificate
+    shown = [part.A12 @ np.linalg.matrix_power(part.A22, k) for k in range(3)]
+    index = next(k for k in (1, 2, 3) if np.linalg.matrix_rank(np.vstack(shown[:k])) == 3)
+    assert isinstance(certificate, deadbeat.Deadbeat) and certificate.steps == index == 2
+    error = misses(found)
+    assert np.abs(error[index - 1]).max() > 1e-3
+    assert np.abs(error[index:]).max() < tolerances.of("double")
+
+
+@pytest.mark.parametrize("name", ["sign of L A11", "sign of F L", "A21 left out", "B2 + L B1", "sign of L A12"])
+def test_a_planted_defect_of_the_recursion_is_seen(name: str) -> None:
+    for model, measured in ((random_model(3), ("y0", "x2")), (HELD, ("x",))):
+        good = reduced_observer.by_poles(model, measured, spread(len(model.A) - len(measured)))
+        if name == "A21 left out" and model is HELD:  # whose A21 is 0
+            continue
+        assert np.abs(misses(good)[-1]).max() < tolerances.of("settled")
+        assert np.abs(misses(defects(good)[name])[-1]).max() > 1e-4
+
+
+def test_a_direct_path_that_is_forgotten_is_seen() -> None:
+    good = reduced_observer.deadbeat(random_model(4), ("y0", "y1"))
+    assert np.abs(misses(defects(good)["y for y - D u"])[5:]).max() > 1e-3
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_continuous_observer_follows_every_input_without_error(seed: int) -> None:
+    """From u the estimates respond as the states do, at every s; the error alone decays with the poles."""
+    model = random_model(seed, time=Continuous())
+    wanted = [-1.0, -2 + 1j, -2 - 1j]
+    found = reduced_observer.by_poles(model, ("y0", "y1"), wanted)
+    s = np.array([0.3j, 2 + 1j, 40j])
+    state = replace(model, C=np.eye(5), D=np.zeros((5, 2)), outputs=model.states).response(s)
+
+    def followed(observer: ReducedObserver) -> Array:
+        through = observer.state_space().response(s)
+        return np.abs(through[:, :, :2] @ model.response(s) + through[:, :, 2:] - state) / np.abs(state).max()
+
+    assert followed(found).max() < tolerances.of("pencil")
+    assert min(followed(wrong).max() for wrong in defects(found).values()) > 1e-3
+    np.testing.assert_allclose(np.poly(found.F), np.poly(wanted), rtol=tolerances.of("placed"))
+
+
+@given(seed=st.integers(0, 10**6), n=st.integers(2, 5), p=st.integers(1, 4), m=st.integers(0, 2))
+@settings(derandomize=True, max_examples=30, deadline=None)
+def test_random_models(seed: int, n: int, p: int, m: int) -> None:
+    p = min(p, n - 1)
+    model = random_model(seed, n, m, p)
+    found = reduced_observer.by_poles(model, model.outputs, spread(n - p))
+    nilpotent = reduced_observer.deadbeat(model, model.outputs)
+    assert np.abs(misses(found, 120)[-1]).max() < 1e-6
+    assert np.abs(misses(nilpotent, 30)[n - p :]).max() < 1e-6
+
+
+def test_measured_states_pass_through_exactly_and_keep_their_units() -> None:
+    found = reduced_observer.by_poles(HELD, "x", [0.5]).state_space()
+    assert (found.inputs, found.outputs, found.states) == (("x", "i"), ("x_estimate", "v_estimate"), ("v_x3",))
+    assert [found.unit(n) for n in (*found.outputs, *found.states, *found.inputs)] == ["m", "m/s", "m/s", "m", "A"]
+    np.testing.assert_array_equal(found.D[0], [1, 0])
+    np.testing.assert_array_equal(found.C[0], [0])
+
+
+def test_coordinates_are_as_well_conditioned_in_any_units() -> None:
+    """The scaled condition is all but that of good units, though that of M itself is lost."""
+    model, size = random_model(9), 2.0 ** np.array([-20, 3, 0, 12, -5])
+    other = replace(model, A=model.A * size / size[:, None], B=model.B / size[:, None], C=model.C * size)
+    first, second = (reduced_partition.of_model(m, model.outputs) for m in (model, other))
+    assert second.condition < 4 * first.condition < 40
+    assert np.linalg.cond(second.M) > 1e3
+    np.testing.assert_allclose(first.M @ first.inverse, np.eye(5), atol=tolerances.of("double"))
+
+
+@pytest.mark.parametrize(
+    ("measured", "kind", "text"),
+    [
+        ((), SignalError, "measured signals are none: name one or more"),
+        (3, SignalError, "`measured` of .* is 3: give a list of names"),
+        (("y0", "y0"), SignalError, "y0, y0: name one or more, each once"),
+        (("q",), SignalError, "'q' is neither output nor state: take one of y0, y1, y2, y3, x0"),
+        (("y0", "y1", "y2"), ModelError, "y0, y2 depend on each other"),
+        (("y0", "y3"), ModelError, "y3 shows no state: its row of C is 0"),
+        (
+            ("x0", "x1", "x2", "x3", "x4"),
+            ModelError,
+            "determine all of x0, x1, x2, x3, x4: nothing is left to estimate",
+        ),
+    ],
+)
+def test_measured_signals_that_make_no_observer(measured: Sequence[str], kind: type[Exception], text: str) -> None:
+    model = random_model(5, p=4)
+    C = np.array([model.C[0], model.C[1], 1e-6 * model.C[0], 0 * model.C[0]])
+    with pytest.raises(kind, match=text):
+        reduced_observer.deadbeat(replace(model, C=C), measured)
+
+
+def test_a_mode_that_is_not_shown_is_named() -> None:
+    A = np.array([[0.9, 0.1, 0.1], [0, 0.5, 0], [0, 0, 1.0]])
+    C = np.array([[1.0, 0, 0], [0, 0, 1]])
+    model = StateSpace(A.T, np.zeros((3, 1)), C, np.zeros((2, 1)), ("p", "q", "r"), ("f",), ("p", "r"), Discrete(T))
+    with pytest.raises(
+        ModelError, match=r"\(A12, A22\) is not detectable: mode 1 in r .* for the measured p: measure r"
+    ):
+        reduced_observer.by_poles(model, "p", [0.1, 0.2])
+    with pytest.raises(ModelError, match=r"mode 0\.5 in q is not 0 and p, r do not show it: no gain is deadbeat"):
+        reduced_observer.deadbeat(model, ("p", "r"))
+    stays = reduced_observer.by_poles(model, ("p", "r"), [])
+    np.testing.assert_array_equal(stays.poles, [0.5])
+    with pytest.raises(SignalError, match=r"number of poles for q is 1: give 0, as 0\.5 cannot be moved"):
+        reduced_observer.by_poles(model, ("p", "r"), [0.1])
+
+
+@pytest.mark.parametrize(
+    ("poles", "kind", "text"),
+    [
+        ([0.5], SignalError, "number of poles for .* is 1: give 3"),
+        ([0.5, 0.1, 0.2 + 0.1j], SignalError, "without its conjugate"),
+        ([0.5, 0.1, np.nan], SignalError, "finite"),
+        ([0.5, 0.1, -1.0], ModelError, r"pole -1 does not decay: ask for poles with \|z\| < 1"),
+    ],
+)
+def test_poles_that_cannot_be_asked_for(poles: list[complex], kind: type[Exception], text: str) -> None:
+    with pytest.raises(kind, match=text):
+        reduced_observer.by_poles(random_model(6), ("y0", "y1"), poles)
+
+
+def test_deadbeat_wants_sampled_time() -> None:
+    with pytest.raises(TimingError, match="no observer is deadbeat in continuous time: sample the model"):
+        reduced_observer.deadbeat(CART, "x")
+
+
+@pytest.mark.parametrize(
+    ("L", "kind", "text"),
+    [
+        ([[0.0]], ModelError, r"observer of v with this gain has the poles 1: .* which needs \|z\| < 1"),
+        ([[2 / T]], ModelError, "has the poles -1: its error does not decay"),
+        ([[201.0]], ModelError, "has the poles -1.01: its error does not decay"),
+        ([[1.0, 2.0]], SignalError, r"the gain L is \(1, 2\): v from x need \(1, 1\)"),
+        ([[np.inf]], SignalError, "the gain L has inf for v from x"),
+    ],
+)
+def test_a_given_gain_is_certified(L: list[list[float]], kind: type[Exception], text: str) -> None:
+    with pytest.raises(kind, match=text):
+        reduced_observer.from_gain(HELD, "x", L)
+
+
+def test_a_given_gain_in_continuous_time() -> None:
+    assert reduced_observer.from_gain(CART, "x", 5).poles == [-5]
+    with pytest.raises(ModelError, match="has the poles 2: its error does not decay, which needs Re s < 0"):
+        reduced_observer.from_gain(CART, "x", -2)
+
+
+def test_gains_agree_with_python_control() -> None:
+    model = random_model(7)
+    part = reduced_partition.of_model(model, "y0")
+    found = reduced_observer.by_poles(model, "y0", spread(4))
+    theirs = np.ravel(control.acker(part.A22.T, part.A12.T, spread(4)))
+    np.testing.assert_allclose(found.L[:, 0], theirs, rtol=tolerances.of("placed"))
+    assert isinstance(found.certificate, pole_placement.Placement)
+    assert found.certificate.error < tolerances.of("placed")
+
+
+def test_a_late_input_is_estimated_or_measured() -> None:
+    late = discretise.with_delay(HELD)
+    found = reduced_observer.by_poles(late, "x", [0.2, 0.3])
+    known = reduced_observer.by_poles(late, ("x", "i_late1"), [0.3])
+    assert (found.estimated, known.estimated) == (("v", "i_late1"), ("v",))
+    assert max(np.abs(misses(o)[-1]).max() for o in (found, known)) < tolerances.of("settled")
+
+
+def test_any_system_is_read_and_the_result_prints_itself() -> None:
+    model = random_model(8)
+    arrays = (model.A, model.B, model.C, model.D, model.time)
+    first = reduced_observer.deadbeat(model, ("y0", "y1"))
+    for system, measured in ((model.to_control(), ("y0", "y1")), (arrays, ("y1", "y2"))):
+        found = reduced_observer.deadbeat(system, measured)
+        np.testing.assert_array_equal(found.L, first.L)
+    text = repr(reduced_observer.by_poles(HELD, "x", [0.25]))
+    assert "Reduced-order observer of v from x, discrete time of 0.01 s" in text
+    assert "Poles of the error: 0.25" in text
+    assert "v [m/s]" in text and "next v_x3" in text
+    assert "d/dt v_x3" in repr(reduced_observer.from_gain(CART, "x", 5))
+    assert "after 2 samples" in repr(first)
+
+
+@pytest.mark.parametrize("time", [Continuous(), Discrete(T)])
+def test_a_model_without_states_has_nothing_to_estimate(time: Continuous | Discrete) -> None:
+    none = np.zeros((0, 0))
+    model = StateSpace(none, np.zeros((0, 1)), np.zeros((1, 0)), [[0.0]], (), ("u",), ("y",), time)
+    for make in (
+        lambda: reduced_observer.from_gain(model, "y", [[1.0]]),
+        lambda: reduced_observer.by_poles(model, "y", []),
+        lambda: reduced_observer.by_riccati(model, "y", none),
+        lambda: reduced_observer.deadbeat(model, "y"),
+    ):
+        with pytest.raises(ModelError, match="the model has no states: nothing is left to estimate"):
+            make()
+
+
+@pytest.mark.parametrize("measured", [np.array([["y1"]]), [["y1"]], np.array([[1.0, 2.0]]), [None]])
+def test_measured_signals_in_a_matrix_are_refused(measured: list[str]) -> None:
+    plant = ([[0, 1.0], [0, 0]], [[0], [1.0]], [[1.0, 0]])
+    with pytest.raises(SignalError, match=r"`measured` of .*: give a list of names"):
+        reduced_observer.by_poles(plant, measured, [-1.0])
