@@ -37,9 +37,10 @@ def count_unstable(
     scaled = replace(loop, model=replace(model, C=size * model.C, D=size * model.D))
     value = L or transfer.response(loop)
     curve = transfer.trace(scaled, None, high, lambda w: size * value(w))
-    halves = [_followed(model, curve, turn) for turn in (factor / size, np.conj(factor) / size)]
-    (_, first, _), (_, second, _) = halves
-    turn = sum(inside + after for inside, _, after in halves) + float(np.angle(np.exp(1j * (first + second))))
+    above = _followed(model, curve, factor / size)
+    below = above if np.isreal(factor) else _followed(model, curve, np.conj(factor) / size)
+    (_, first, _), (_, second, _) = above, below
+    turn = sum(inside + after for inside, _, after in (above, below)) + float(np.angle(np.exp(1j * (first + second))))
     count = -turn / (2 * np.pi)
     if abs(count - round(count)) > 0.1:
         raise ModelError(
@@ -54,7 +55,7 @@ def _followed(model: StateSpace, curve: transfer.Curve, factor: complex) -> tupl
 
     The half for w < 0 is the conjugate of that for the conjugate factor, and both meet at w = 0.
     """
-    w, value = transfer.refined(lambda v: factor * curve.L(v), curve.w)
+    w, value = transfer.refined(lambda v: factor * curve.L(v), curve.w, factor * curve.value)
     least = int(np.abs(1 + value).argmin())
     if abs(1 + value[least]) < RESOLVED:
         raise ModelError(

@@ -187,7 +187,7 @@ def trace(
     first = np.asarray(L(w[:1]))
     if first.shape != (1,) or first.dtype.kind not in "fc":
         raise SignalError(f"`L` gives {arguments.found(first)} for one frequency: give a function w (k,) -> L (k,)")
-    w, value = refined(L, w)
+    w, value = refined(L, w, np.asarray(L(w)))
     w.flags.writeable = value.flags.writeable = False
     return Curve(L, w, value, ends(loop))
 
@@ -283,9 +283,11 @@ def _real(model: StateSpace, points: dict[float, float]) -> dict[float, float]:
     return found
 
 
-def refined(L: Response, w: Array) -> tuple[Array, Complex]:
-    """Return frequencies (k,) and L on them, between which log L and log(1 + L) turn and grow by little only."""
-    value = L(w)
+def refined(L: Response, w: Array, value: Complex) -> tuple[Array, Complex]:
+    """Return frequencies (k,) and L on them, between which log L and log(1 + L) turn and grow by little only.
+
+    They include w, at which L is `value`.
+    """
     for _ in range(40):
         wide = (_step(value) > 0.15) | (_step(1 + value) > 0.15)
         wide &= np.diff(w) > 4 * NARROW * w[1:]

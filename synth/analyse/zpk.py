@@ -46,7 +46,8 @@ class ZeroPoleGain:
     def phase(self, w: Array) -> Array:
         """Return arg L at frequencies (k,), continuous but where a root lies on the axis or the hold is 0."""
         c, x = -self.roots.real, w[:, None] - self.roots.imag
-        angles = np.where(c < 0, np.pi - np.arctan2(x, -c), np.arctan2(x, c))
+        acute = np.arctan2(x, np.abs(c))
+        angles = np.where(c < 0, np.pi - acute, acute)
         lobes = np.floor(w * self.hold_s / (2 * np.pi))
         return np.asarray(self.arg_k + angles @ self.signs - w * self.delay_s + np.pi * lobes)
 
