@@ -52,6 +52,10 @@ BINARY = {
     ca.OP_IF_ELSE_ZERO: "when",
 }
 LOOKUP = (ca.OP_CONST, ca.OP_INPUT, ca.OP_GETNONZEROS_PARAM, ca.OP_OUTPUT)  # what `block.table` is made of
+# what only libm computes
+LIBM = frozenset(
+    {"exp", "log", "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "fabs", "atan2"}
+)
 LOGICAL = frozenset({"lt", "le", "eq", "ne", "and", "or", "not"})
 
 

@@ -10,9 +10,9 @@ import numpy as np
 
 from synth.block import Block
 from synth.blocks.safety import Safety
+from synth.emit import pipeline
 from synth.emit.c import c_text, layout, manifest
 from synth.emit.lower import Program
-from synth.emit.passes import reduced
 
 
 @dataclass(frozen=True)
@@ -43,8 +43,8 @@ def emit(
     """
     shipped = block.rounded(scalar)
     memory = layout.layout(shipped, scalar)
-    printed = reduced.reduce(shipped, scalar, libm, error)
-    source = c_text.source(printed.block, printed.program, printed.surrogates, memory)
+    printed = pipeline.reduce(shipped, scalar, libm, error)
+    source = pipeline.source(printed, memory)
     texts = {
         f"{block.name}.c": "".join(f"{line.text}\n" for line in source),
         f"{block.name}.h": c_text.header(shipped, memory),

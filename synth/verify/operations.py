@@ -9,8 +9,8 @@ from collections import Counter
 import numpy as np
 
 from synth.block import Block
+from synth.emit import pipeline
 from synth.emit.lower import Program
-from synth.emit.passes import reduced
 
 _KINDS = {"sq": "mul", "twice": "mul", "inv": "div", "clamp": "limit", "choose": "choice", "when": "choice"}
 _KINDS |= dict.fromkeys(("lt", "le", "eq", "ne"), "compare") | dict.fromkeys(("and", "or", "not", "bit"), "logic")
@@ -22,7 +22,7 @@ def of_block(block: Block, scalar: type[np.floating]) -> dict[str, int]:
 
     Raises EmitError as `emit`.
     """
-    return of_program(reduced.reduce(block.rounded(scalar), scalar).program)
+    return of_program(pipeline.reduce(block.rounded(scalar), scalar).program)
 
 
 def of_program(program: Program) -> dict[str, int]:

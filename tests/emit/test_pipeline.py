@@ -1,142 +1,207 @@
-"""From a Block to C: what is refused, what is dropped, what is replaced, and that stores come after loads."""
+"""Reduction refuses what is not proved, drops what is idle, and keeps what is needed."""
 
-import math
-import re
-from itertools import pairwise
+from collections.abc import Callable
 from typing import Any
 
 import casadi as ca
 import numpy as np
 import pytest
 
-from synth.block import Block, Constant, State, Step, build
-from synth.blocks import safety
-from synth.emit.passes import reduced
+from synth.block import Block, Constant, State, Step, build, clip
+from synth.emit import lower, pipeline, write
+from synth.emit.passes import fold
+from synth.emit.pipeline import Reduced
 from synth.emit.proof import ranges
-from synth.emit.write import Emitted, emit
 from synth.errors import EmitError
-from synth.execute import host
 from synth.signals import Signal
 from synth.timing import Discrete
+from tests.emit import dyadic, hazards
+from tests.emit.meaning import interpret
 
-TIME = Discrete(1e-3)
+F32, F64 = np.float32, np.float64
+LIMITS = ("min", "max", "clamp")
 
 
-def signal(name: str, low: float = -1.0, high: float = 1.0) -> Signal:
+def signal(name: str, low: float = -10, high: float = 10) -> Signal:
     return Signal(name, "1", low, high)
 
 
-def made(law: Any, states: tuple[State, ...] = (), low: float = -1.0, **fields: Any) -> Block:
-    return build("made", TIME, law, inputs=[signal("a", low)], outputs=[signal("y", -50, 50)], states=states, **fields)
-
-
-def text(emitted: Emitted) -> str:
-    return emitted.files["made.c"].partition("made_step(")[2]
-
-
-def run(emitted: Emitted, a: np.ndarray) -> host.Replay:
-    return host.load(emitted.files, emitted.manifest).replay({"a": a})
-
-
-def test_states_that_change_places_are_loaded_before_they_are_stored() -> None:
-    states = (State(signal("p"), 0.25), State(signal("q"), -0.5))
-    block = made(lambda u, x, k: Step({"y": x["p"] - x["q"]}, {"p": x["q"], "q": x["p"]}), states)
-    found = run(emit(block, np.float32), np.zeros(5))
-    np.testing.assert_array_equal(found.outputs["y"], [0.75, -0.75, 0.75, -0.75, 0.75])
-
-
-def test_a_state_that_stands_still_on_one_side_is_stored_on_the_other_only() -> None:
-    def law(u: Any, x: Any, k: Any) -> Step:
-        total = x["s"] + u["a"]
-        return Step({"y": x["s"]}, {"s": ca.if_else(ca.fabs(total) <= 2, total, x["s"])})
-
-    found = emit(made(law, (State(signal("s", -2, 2), 0),)), np.float32)
-    assert re.search(r"if \(fabsf\(s_next\) <= 2\.0f\) \{\s+state->s = s_next;\s+\}", text(found))
-    assert "else" not in text(found) and "min(" not in text(found)
-    y = run(found, np.full(6, 0.75)).outputs["y"]
-    np.testing.assert_array_equal(y, [0, 0.75, 1.5, 1.5, 1.5, 1.5])
-
-
-def test_what_one_side_needs_is_computed_there() -> None:
-    def law(u: Any, x: Any, k: Any) -> Step:
-        far = ca.sqrt(u["a"] + 2) * 3 - u["a"] ** 2
-        return Step({"y": ca.if_else(x["s"] > 0, far, -u["a"])}, {"s": u["a"]})
-
-    body = text(emit(made(law, (State(signal("s"), 0.5),)), np.float32))
-    assert body.index("if (") < body.index("sqrtf")
-    assert body.count("out->y = ") == 2
-
-
-def test_a_limit_that_ranges_prove_idle_is_dropped_and_a_needed_one_stays() -> None:
-    idle = made(
-        lambda u, x, k: Step({"y": x["s"]}, {"s": 0.5 * x["s"] + 0.5 * u["a"]}), (State(signal("s", -2, 2), 0),)
+def make(law: Callable[..., Step], outputs: str = "y", **fields: Any) -> Block:
+    given = [signal("a", -2, 2), signal("b", 1, 3)]
+    return build(
+        "made", Discrete(1e-3), law, inputs=given, outputs=[signal(n, -1e3, 1e3) for n in outputs.split()], **fields
     )
-    assert "limit" not in text(emit(idle, np.float32))
-    needed = made(lambda u, x, k: Step({"y": x["s"]}, {"s": x["s"] + u["a"]}), (State(signal("s", -2, 2), 0),))
-    kept = reduced.reduce(needed, np.float32)
-    clamp = next(k for k, n in enumerate(kept.program.nodes) if n.op == "clamp")
-    loose = kept.program.substituted({clamp: kept.program.nodes[clamp].args[0]})
-    with pytest.raises(EmitError, match=r"state 's' may become -3 \.\. 3"):
-        ranges.inductive(
-            loose, ranges.analyse(loose, ranges.bounds(needed, np.float32), np.float32), needed, np.float32
-        )
+
+
+def reduce(block: Block, scalar: type[np.floating] = F32, **options: Any) -> Reduced:
+    return pipeline.reduce(block.rounded(scalar), scalar, **options)
+
+
+def count(found: Reduced, *ops: str) -> int:
+    return sum(n.op in ops for n in found.program.nodes)
 
 
 @pytest.mark.parametrize(
-    ("law", "named"),
+    ("law", "what"),
     [
-        (lambda u, x, k: Step({"y": 1 / u["a"]}), "division by `a`"),
-        (lambda u, x, k: Step({"y": ca.sqrt(u["a"])}), "sqrt"),
-        (lambda u, x, k: Step({"y": ca.log(u["a"] + 0.5)}), "log"),
+        (lambda u, x, k: Step({"y": 1 / u["a"]}), "the division by `a` .* is not safe.* the denominator is 0 at a = 0"),
+        (lambda u, x, k: Step({"y": u["b"] / (u["a"] + u["b"] - 1.5)}), "the division by .* is not safe"),
+        (lambda u, x, k: Step({"y": ca.sqrt(u["a"])}), "the sqrt of `a` .* is not safe"),
+        (lambda u, x, k: Step({"y": ca.log(u["a"] + 2)}), "the log of .* is not safe"),
+        (lambda u, x, k: Step({"y": ca.exp(300 * u["b"])}), "is not safe: it must be a finite number"),
     ],
 )
-def test_what_is_not_safe_everywhere_is_refused(law: Any, named: str) -> None:
-    with pytest.raises(EmitError) as told:
-        emit(made(law), np.float32)
-    assert named in str(told.value) and "'y' (block 'made')" in str(told.value)
+def test_what_is_not_safe_is_refused(law: Callable[..., Step], what: str) -> None:
+    with pytest.raises(EmitError, match=what):
+        reduce(make(law), libm=True)
 
 
-@pytest.mark.parametrize(("scalar", "bound"), [(np.float32, 2e-7), (np.float64, 1e-14)])
-def test_a_function_of_one_variable_becomes_a_polynomial_that_keeps_its_certificate(scalar: Any, bound: float) -> None:
-    block = made(lambda u, x, k: Step({"y": ca.exp(-u["a"]) / (u["a"] + 1)}), low=0.25)
-    found = emit(block, scalar)
-    (surrogate,) = found.manifest["surrogates"]
-    assert surrogate["max_relative_error"] <= bound and "exp" not in text(found)
-    a = np.linspace(0.25, 1, 4001).astype(scalar)
-    y = run(found, a).outputs["y"].astype(np.float64)
-    true = np.array([math.exp(-v) / (v + 1) for v in a.astype(np.float64)])
-    assert np.max(np.abs(y / true - 1)) <= surrogate["max_relative_error"] + 4e-16
-    with_libm = emit(block, scalar, libm=True)
-    assert not with_libm.manifest["surrogates"] and "exp" in text(with_libm)
-
-
-def test_a_named_function_is_kept_apart_and_equal_ones_share_a_polynomial() -> None:
+def test_what_a_choice_makes_safe_is_accepted() -> None:
     def law(u: Any, x: Any, k: Any) -> Step:
-        h = [ca.exp(v) for v in (u["a"], x["s"])]
-        named = [(signal(f"h{i}", 0, 3), v) for i, v in enumerate(h)]
-        return Step({"y": h[0] ** 2 * h[1]}, {"s": u["a"]}, named)
+        a, b = u["a"], u["b"]
+        return Step({"y": ca.if_else(a > 0.5, b / a, ca.if_else(a < -0.5, b * b / a, 0))})
 
-    found = emit(made(law, (State(signal("s"), 0),)), np.float32)
-    assert [s["tag"] for s in found.manifest["surrogates"]] == ["h0"]
-    assert text(found).count("h0_polynomial(") == 2 and "h0 * h0" in text(found)
+    found = reduce(make(law))
+    assert count(found, "div", "inv") == 2
 
 
-def test_constants_are_folded_but_keep_their_meaning() -> None:
-    constants = [Constant("k", 3.0, "1", "gain"), Constant("h", 0.1, "1", "filter")]
-    block = made(lambda u, x, k: Step({"y": 2 * (k["k"] * (k["h"] * u["a"])) / 4}), constants=constants)
-    found = emit(block, np.float32)
-    assert "k_x_h = 0.3" in text(found) and "gain; times h" in text(found)
-    assert run(found, np.array([1.0])).outputs["y"][0] == pytest.approx(0.15, rel=1e-6)
+def filtered(width: float, gain: float = 0.5) -> Block:
+    """Return x' = gain x + (1 - gain) a, in bounds of +-width: inside them by itself where width >= 2."""
+    return make(
+        lambda u, x, k: Step({"y": x["x"]}, {"x": gain * x["x"] + (1 - gain) * u["a"]}),
+        states=[State(signal("x", -width, width), 0)],
+    )
 
 
-def test_every_line_of_the_step_has_a_tag_and_every_tag_its_lines() -> None:
-    guard = safety.guard(TIME, [safety.Guarded(signal("u"), 0.0, True)], 3)
-    found = emit(guard, np.float32)
-    lines = found.files["guard.c"].split("\n")
-    start = next(i for i, line in enumerate(lines, 1) if "guard_step(" in line)
-    runs = sorted(r for rs in found.manifest["trace"].values() for r in rs)
-    assert all(first <= last for first, last in runs)
-    assert all(a[1] < b[0] for a, b in pairwise(runs)) and runs[0][0] > start
-    traced = {n for first, last in runs for n in range(first, last + 1)}
-    told = {n for n, line in enumerate(lines, 1) if n > start + 1 and line.strip() not in ("", "}")}
-    assert {n for n in told if "return" not in lines[n - 1]} <= traced
+def test_an_idle_limit_is_dropped_and_a_needed_one_stays() -> None:
+    assert count(reduce(filtered(2.5)), *LIMITS) == 0
+    assert count(reduce(filtered(1.5)), *LIMITS) == 1
+    assert count(reduce(filtered(2.5, gain=2.0)), *LIMITS) == 1
+
+
+def test_limits_inside_one_another_are_dropped_down_to_the_narrowest() -> None:
+    def law(u: Any, x: Any, k: Any) -> Step:
+        y = u["a"] * 3
+        for width in (5.0, 7.0, 9.0):
+            y = clip(y, signal("y", -width, width))
+        return Step({"y": y})
+
+    found = reduce(make(law))
+    limits = [n for n in found.program.nodes if n.op in LIMITS]
+    assert [found.program.nodes[n.args[2]].value for n in limits] == [5.0]
+
+
+def test_a_choice_that_is_always_taken_is_dropped() -> None:
+    def law(u: Any, x: Any, k: Any) -> Step:
+        return Step({"y": ca.if_else(u["b"] > 0, u["a"], ca.exp(u["a"])), "z": ca.if_else(u["a"] > 5, u["b"], 3)}, {})
+
+    found = reduce(make(law, "y z"), libm=True)
+    assert count(found, "choose", "exp", "lt") == 0
+
+
+@pytest.mark.parametrize("width", [1.5, 1.75])
+def test_a_needed_limit_that_is_dropped_is_noticed(width: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    def all_idle(program: lower.Program, found: Any) -> dict[int, int]:
+        return {k: n.args[0] for k, n in enumerate(program.nodes) if n.op in LIMITS}
+
+    monkeypatch.setattr(ranges, "redundant", all_idle)
+    with pytest.raises(EmitError, match=rf"state 'x' may become .* but its declared bounds are -{width} .. {width} 1"):
+        reduce(filtered(width))
+    reduce(filtered(2.5))
+
+
+def test_a_reduced_program_computes_what_its_block_computes() -> None:
+    for seed in range(40):
+        block = dyadic.drawn(seed)
+        found, x_u = reduce(block, F64), dyadic.samples(block, 8)
+        plain = lower.program(block)
+        constants = {c.name: c.value for c in found.block.constants}
+        for x, u in zip(x_u[0].T, x_u[1].T, strict=True):
+            loads = {
+                s.name: float(v) for s, v in zip((*block.states, *block.inputs), (*x, *u), strict=True)
+            } | constants
+            before, after = interpret(plain, loads), interpret(found.program, loads)
+            for ends in ("outputs", "next"):
+                old, new = getattr(plain, ends), getattr(found.program, ends)
+                assert [before[k] for k in old.values()] == [after[new[n]] for n in old]
+            assert before[plain.word or 0] == after[found.program.word or 0]
+
+
+GAINS = [Constant(n, v, "1/s", f"source of {n}") for n, v in (("k", 0.1), ("l", 0.3))]
+
+
+@pytest.mark.parametrize("scalar", [F32, F64])
+def test_products_of_constants_are_rounded_once_and_say_where_they_come_from(scalar: type[np.floating]) -> None:
+    found = reduce(make(lambda u, x, k: Step({"y": k["k"] * (k["l"] * u["a"])}), constants=GAINS), scalar)
+    made = found.block.constants[-1]
+    assert made.name == "k_x_l" and made.source == "source of k; times l"
+    assert made.value == float(scalar(float(scalar(0.1)) * float(scalar(0.3))))
+    assert [n.name for n in found.program.nodes if n.op == "constant"] == ["k_x_l"]
+
+
+def test_products_that_a_dropped_limit_makes_possible_are_made() -> None:
+    limited = make(lambda u, x, k: Step({"y": k["k"] * clip(k["l"] * u["a"], signal("v", -9, 9))}), constants=GAINS)
+    assert [n.name for n in reduce(limited).program.nodes if n.op == "constant"] == ["k_x_l"]
+
+
+def counters(law: Callable[..., Step], high: float = 7) -> Block:
+    return make(law, states=[State(Signal(n, "1", 0, high), 0, True) for n in ("n", "m")])
+
+
+def test_a_count_down_needs_no_more_than_its_condition() -> None:
+    def law(u: Any, x: Any, k: Any) -> Step:
+        return Step({"y": u["a"]}, {"n": ca.if_else(x["n"] > 0, x["n"] - 1, 7), "m": x["m"]})
+
+    reduce(counters(law))
+
+
+def test_a_count_that_may_pass_32_bits_is_refused() -> None:
+    def law(u: Any, x: Any, k: Any) -> Step:
+        return Step({"y": ca.if_else(x["n"] + x["m"] < 3, u["a"], 0)}, {"n": ca.fmin(x["n"] + 1, 3e9), "m": x["m"]})
+
+    with pytest.raises(EmitError, match=r"the count \(n \+ m\) is 0 .. 6e\+09, but a uint32_t holds"):
+        reduce(counters(law, 3e9))
+
+
+def test_an_operation_without_a_form_is_refused() -> None:
+    with pytest.raises(EmitError, match="OP_ERF"):
+        reduce(make(lambda u, x, k: Step({"y": ca.erf(u["a"])})))
+
+
+def test_a_function_of_a_narrow_range_is_replaced_unless_libm_is_to_compute_it() -> None:
+    block = make(lambda u, x, k: Step({"y": ca.exp(u["a"] / 8)}))
+    found, kept = reduce(block, error=1e-5), reduce(block, libm=True)
+    assert [s.tag for s in found.surrogates] == ["y"] and count(found, "polynomial") == 1 and not count(found, "exp")
+    assert kept.surrogates == () and count(kept, "exp") == 1
+
+
+def test_hazards_reduce_to_fewer_nodes() -> None:
+    for block in hazards.BLOCKS:
+        assert len(reduce(block).program.nodes) <= len(fold.folded(lower.program(block)).nodes)
+
+
+def rotated(certificate: Any) -> Block:
+    """Return a law whose output is within 1.5, which intervals do not see, and a certificate that says how large."""
+
+    def law(u: Any, x: Any, k: Any) -> Step:
+        y = clip(u["b"] * (0.4 * ca.cos(u["a"] / 2)) + u["b"] * (0.3 * ca.sin(u["a"] / 2)), signal("y", -1.51, 1.51))
+        return Step({"y": y}, certified={"y": certificate})
+
+    return make(law)
+
+
+def test_a_limit_that_a_certificate_proves_idle_is_not_printed() -> None:
+    def proved(u: float, e: float) -> float:
+        return 1.5 * (1 + e) * (1 + 6 * u)
+
+    found = reduce(rotated(proved))
+    assert count(found, "within") == 1 and count(found, "clamp") == 0
+    text = write.emit(rotated(proved), F32).files["made.c"]
+    assert "/*@ admit -1.51f <= y <= 1.51f; */" in text and "limit(" not in text
+    assert ranges.analyse(found.program, ranges.bounds(found.block, F32), F32)[found.program.outputs["y"]].high < 1.52
+
+
+def test_a_limit_stays_where_the_certificate_does_not_reach_or_libm_computes() -> None:
+    assert count(reduce(rotated(lambda u, e: 1.5101)), "clamp") == 1
+    assert count(reduce(rotated(lambda u, e: 1.5 * (1 + e))), "clamp") == 0
+    assert count(reduce(rotated(lambda u, e: 1.5 * (1 + e)), libm=True), "clamp") == 1

@@ -13,14 +13,15 @@ import pytest
 
 from synth.block import Block, Constant, State, Step, build
 from synth.compose import compose
-from synth.emit.passes import reduced, replace
+from synth.emit import pipeline
+from synth.emit.passes import replace
 from synth.emit.write import emit, save
 from synth.errors import EmitError, SignalError
 from synth.signals import Signal
 from synth.timing import Discrete
 
 FLOATS = [np.float32, np.float64]
-OWN = str(Path(reduced.__file__).parent)
+OWN = str(Path(pipeline.__file__).parent)
 
 
 def filter_block(k: float = 0.1) -> Block:
@@ -112,7 +113,7 @@ def work(n: int) -> dict[str, int]:
         made = emit(block, np.float32, error=1e-3)
     finally:
         sys.setprofile(None)
-    nodes = len(reduced.reduce(block.rounded(np.float32), np.float32, error=1e-3).program.nodes)
+    nodes = len(pipeline.reduce(block.rounded(np.float32), np.float32, error=1e-3).program.nodes)
     return {"lines": made.files["axes.c"].count("\n"), "nodes": nodes, "calls": calls}
 
 

@@ -10,9 +10,11 @@ from collections.abc import Sequence
 from textwrap import wrap
 
 from synth.block import Block, Fault
+from synth.emit.c.expressions import constant, literal
+from synth.emit.c.kinds import kinds
 from synth.emit.c.layout import Layout, Struct
-from synth.emit.c.printer import LIBM, Line, body, constant, kinds, literal, prose
-from synth.emit.lower import Program
+from synth.emit.c.printer import Line, prose
+from synth.emit.lower import LIBM, Program
 from synth.emit.passes.replace import Surrogate
 
 
@@ -54,8 +56,10 @@ def _step_head(name: str) -> str:
     return f"uint32_t {name}_step({name}_state_t *state, const {name}_input_t *in, {name}_output_t *out)"
 
 
-def source(block: Block, program: Program, surrogates: Sequence[Surrogate], layout: Layout) -> list[Line]:
-    """Return the lines of <name>.c."""
+def source(
+    block: Block, program: Program, surrogates: Sequence[Surrogate], layout: Layout, body: Sequence[Line]
+) -> list[Line]:
+    """Return the lines of <name>.c around the `body` of its step."""
     used = {n.op for n in program.nodes}
     parts = [f"/* {block.name}. Generated: do not edit. */", f'#include "{block.name}.h"']
     parts += ["#include <math.h>"] if used & (LIBM | {"clamp"}) else []
@@ -71,14 +75,13 @@ def source(block: Block, program: Program, surrogates: Sequence[Surrogate], layo
         parts += [f"static inline {t} limit({t} x, {t} high)", "{"]
         # max(min(x, high), -high) is -high throughout where high is negative
         parts += [f"    return ({size}(x) <= high) ? x : ((x < {zero}) ? -high : {size}(high));", "}", ""]
-    lines = body(block, program, layout)
-    if any("flag(" in line.text for line in lines if "/*" not in line.text):
+    if any("flag(" in line.text for line in body if "/*" not in line.text):
         parts += ["static inline uint32_t flag(bool holds)", "{", "    uint32_t value = 0u;"]
         parts += ["    if (holds) {", "        value = 1u;", "    }", "    return value;", "}", ""]
     for surrogate in surrogates:
         parts += [*_polynomial(surrogate, layout), ""]
     parts += [*_init(block, layout), "", _step_head(block.name), "{", *_constants(block, program, layout)]
-    return [*map(Line, parts), *lines, Line("}")]
+    return [*map(Line, parts), *body, Line("}")]
 
 
 def _polynomial(s: Surrogate, layout: Layout) -> list[str]:

@@ -17,8 +17,9 @@ from synth.block import Block, Constant, State, Step, build
 from synth.emit import lower
 from synth.emit.approx.polynomial import Polynomial
 from synth.emit.c import c_text
+from synth.emit.c.expressions import Text, literal
 from synth.emit.c.layout import layout
-from synth.emit.c.printer import LIBM, Text, literal
+from synth.emit.lower import LIBM
 from synth.emit.passes import fold
 from synth.emit.passes.replace import Surrogate
 from synth.emit.write import Emitted, emit

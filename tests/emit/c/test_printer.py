@@ -12,10 +12,12 @@ import numpy as np
 import pytest
 
 from synth.block import Block, Constant, State, Step, build
-from synth.emit import lower
-from synth.emit.c import c_text, layout, printer, schedule
+from synth.emit import lower, pipeline
+from synth.emit.c import c_text, expressions, layout
+from synth.emit.c import kinds as carriers
+from synth.emit.c import locals as variables
 from synth.emit.lower import Node, Program
-from synth.emit.passes import fold, reduced
+from synth.emit.passes import fold, regions
 from synth.emit.write import emit
 from synth.execute import compile as compiler
 from synth.execute import host
@@ -67,9 +69,9 @@ def test_zig_finds_nothing_to_warn_of() -> None:
 # --- planted defects ---
 
 
-def leads(self: Any, start: int, choice: int, inside: set[int]) -> bool:
+def leads(users: Any, ends: set[int], start: int, choice: int, inside: set[int]) -> bool:
     """Carry a variable on as soon as nothing outside the `if` reads it."""
-    return start not in self.ends and (inside | {choice}).issuperset(self.users[start])
+    return start not in ends and (inside | {choice}).issuperset(users[start])
 
 
 def handed(p: Program, block: Sequence[Any]) -> list[int]:
@@ -78,12 +80,12 @@ def handed(p: Program, block: Sequence[Any]) -> list[int]:
 
 
 PLANTED: list[tuple[Any, str, Callable[..., Any]]] = [
-    (printer._Printer, "_leads", leads),
-    (printer, "_handed", handed),
-    (printer, "_counted", lambda p: set(range(len(p.nodes)))),
-    (printer, "_whole", lambda node: True),
+    (variables, "_leads", leads),
+    (variables, "_handed", handed),
+    (carriers, "_counted", lambda p: set(range(len(p.nodes)))),
+    (carriers, "is_whole", lambda node: True),
     (fold, "_truth", lambda f, a: a),
-    (c_text, "literal", lambda value, scalar: printer.literal(round(value, 1), scalar)),
+    (c_text, "literal", lambda value, scalar: expressions.literal(round(value, 1), scalar)),
 ]
 
 
@@ -93,7 +95,7 @@ def test_a_planted_defect_is_found(
 ) -> None:
     monkeypatch.setattr(owner, name, defect)
     # Without what else would refuse such C.
-    monkeypatch.setattr(reduced, "_require_whole", lambda program, proved: None)
+    monkeypatch.setattr(carriers, "require_whole", lambda program, proved: None)
     monkeypatch.setattr(compiler, "STRICT_FLAGS", ("-std=c99",))
     assert stepped.wrong(hazards.BLOCKS, F64, 300)
 
@@ -177,7 +179,7 @@ def test_a_flag_becomes_an_integer_in_a_function_and_a_sum_is_no_first_arm(monke
     code = emit(block, F32).files["composed.c"]
     assert "static inline uint32_t flag(bool holds)" in code and "state->bad = flag(bad_next);" in code
     assert not re.search(arm, code)
-    monkeypatch.setattr(schedule, "_COMPOSED", frozenset())
+    monkeypatch.setattr(regions, "_COMPOSED", frozenset())
     assert re.search(arm, emit(block, F32).files["composed.c"])
 
 
@@ -201,7 +203,7 @@ def test_a_choice_between_a_count_and_a_flag_is_a_count() -> None:
         {},
         frozenset("n"),
     )
-    assert printer.kinds(whole)[3:] == ["integer", "real"]
+    assert carriers.kinds(whole)[3:] == ["integer", "real"]
 
 
 def test_bits_of_the_word_are_set_one_by_one() -> None:
@@ -218,8 +220,8 @@ def test_lines_after_a_branch_belong_to_the_block_before_it() -> None:
     """The tag that a side ends with says nothing of the other side."""
     block = hazards.stored_by_an_earlier_block()
     shipped = block.rounded(F64)
-    found = reduced.reduce(shipped, F64)
-    lines = printer.body(found.block, found.program, layout.layout(shipped, F64))
+    found = pipeline.reduce(shipped, F64)
+    lines = pipeline.source(found, layout.layout(shipped, F64))
     tags = {line.text.strip(): line.tag for line in lines}
     assert tags["state->hold_x = a;"] == "hold" and tags["} else {"] == "use" and tags["out->z = z;"] == "use"
 
@@ -270,7 +272,7 @@ def test_names_that_the_c_needs_may_be_those_of_constants(scalar: type[np.floati
 
 def kinds(law: Callable[..., Step], states: Sequence[State] = ()) -> dict[str, str]:
     program = fold.folded(lower.program(hazards.make("kinds", law, "y", [*states, *hazards.count()])))
-    found = printer.kinds(program)
+    found = carriers.kinds(program)
     return {"y": found[program.outputs["y"]]} | {f"next {n}": found[k] for n, k in program.next.items()}
 
 
@@ -310,4 +312,4 @@ def test_a_difference_is_an_integer_where_only_an_integer_state_takes_it() -> No
 def test_numbers_beyond_32_bits_are_no_integers() -> None:
     for value in (2.0**32, -1.0, 0.5, np.inf):
         nodes = (Node("state", name="n"), Node("literal", value=value), Node("add", (0, 1)))
-        assert printer.kinds(Program(nodes, (), {"y": 2}, {"n": 0}, frozenset({"n"})))[2] == "real"
+        assert carriers.kinds(Program(nodes, (), {"y": 2}, {"n": 0}, frozenset({"n"})))[2] == "real"

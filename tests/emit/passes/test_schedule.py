@@ -14,11 +14,11 @@ import pytest
 
 from synth.block import Block, State, Step, build
 from synth.compose import compose
-from synth.emit import lower
-from synth.emit.c import schedule
-from synth.emit.c.schedule import About, Assign, Branch, Let, Statement, Store
+from synth.emit import lower, pipeline
 from synth.emit.lower import Program
-from synth.emit.passes import fold, reduced
+from synth.emit.passes import fold, schedule
+from synth.emit.passes.regions import Regions
+from synth.emit.passes.statements import About, Assign, Branch, Let, Statement, Store
 from tests.emit import dyadic, hazards
 from tests.emit.dyadic import TIME, signal
 from tests.emit.meaning import interpret, value
@@ -97,7 +97,7 @@ def defects(blocks: Sequence[Block]) -> list[str]:
     """Return the names of Blocks whose statements fail the machine or give something else than the program."""
     found = []
     for block in blocks:
-        printed = reduced.reduce(block, np.float64, libm=True)
+        printed = pipeline.reduce(block, np.float64, libm=True)
         program = printed.program
         x, u = dyadic.samples(block, 12)
         for k in range(x.shape[1]):
@@ -121,7 +121,7 @@ def test_hazards_are_scheduled_right() -> None:
 def test_random_blocks_are_scheduled_right() -> None:
     blocks = [(dyadic.drawn, dyadic.withheld)[seed // 4 % 2](seed) for seed in SEEDS]
     assert not defects(blocks)
-    programs = [reduced.reduce(b, np.float64, libm=True).program for b in blocks]
+    programs = [pipeline.reduce(b, np.float64, libm=True).program for b in blocks]
     branches = [s for p in programs for s in everywhere(schedule.statements(p)) if isinstance(s, Branch)]
     assert len(branches) > 100 and any(isinstance(s, Branch) for b in branches for s in (*b.then, *b.other))
 
@@ -138,8 +138,8 @@ def stored_at_once(self: Any, d: Any) -> None:
 def held_though_it_decides(self: Any, choice: int, k: int) -> bool:
     """Take a state that a choice holds for unread, though it is the condition as well."""
     places = [d.place for d in self.demands.get(choice, ())]
-    alone = self.p.nodes[choice].args[1:].count(k) == 1 and not self._read(choice)
-    return alone and all(self._is_load(k, q) for q in places)
+    alone = self.p.nodes[choice].args[1:].count(k) == 1 and not self.is_read(choice)
+    return alone and all(self.is_load(k, q) for q in places)
 
 
 PLANTED: dict[str, Callable[..., Any]] = {
@@ -147,15 +147,15 @@ PLANTED: dict[str, Callable[..., Any]] = {
     "_holds": held_though_it_decides,
     "_stored_elsewhere": lambda self, choices: set(),
     "_passes_over": lambda self, user, k, chosen: user in self.written_of or (user in chosen and self._holds(user, k)),
-    "_read": lambda self, choice: False,
-    "_is_load": lambda self, k, place: place[0] == "state" and self.p.nodes[k].op == "state",
+    "is_read": lambda self, choice: False,
+    "is_load": lambda self, k, place: place[0] == "state" and self.p.nodes[k].op == "state",
 }
 
 
 @pytest.mark.parametrize("name", PLANTED)
 def test_a_planted_defect_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     blocks = [*hazards.BLOCKS, *(make(seed) for seed in SEEDS[:40] for make in (dyadic.drawn, dyadic.withheld))]
-    monkeypatch.setattr(schedule._Level, name, PLANTED[name])
+    monkeypatch.setattr(schedule._Level if name == "_meet" else Regions, name, PLANTED[name])
     assert any(defects([b]) for b in blocks)
 
 

@@ -1,0 +1,162 @@
+"""Expressions of C: the text of each node of a program, in parentheses where operators or compilers want them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from synth.emit.c import kinds as carriers
+from synth.emit.c.layout import CTYPES
+from synth.emit.lower import LIBM, LOGICAL, Node, Program
+from synth.errors import EmitError
+
+INFIX = {"add": ("+", 4), "sub": ("-", 4), "mul": ("*", 5), "div": ("/", 5), "lt": ("<", 3), "le": ("<=", 3)}
+INFIX |= {"eq": ("==", 2), "ne": ("!=", 2), "and": ("&&", 1), "or": ("||", 0)}
+ATOM = 9
+RESERVED = LIBM | {f"{function}f" for function in LIBM}
+RESERVED |= {"state", "in", "out", "faults", "min", "max", "limit", "flag", "bool", "true", "false", "uint32_t"}
+INLINE = ("literal", "constant")  # printed wherever they are read
+
+
+@dataclass(frozen=True)
+class Text:
+    """An expression and how strongly its outermost operator binds."""
+
+    c: str
+    strength: int = ATOM
+
+    def inside(self, strength: int) -> str:
+        """Return the text, in parentheses where it binds less than `strength`."""
+        return self.c if self.strength >= strength else f"({self.c})"
+
+    def beside(self, strength: int) -> str:
+        """Return the text as the side of an operator of this strength: another operator there stands in parentheses."""
+        return self.c if self.strength in (strength, *range(6, ATOM + 1)) else f"({self.c})"
+
+
+def constant(name: str) -> str:
+    """Return what a constant or a table of a Block is called in C, where it must not hide what the text needs."""
+    bare = name.rstrip("_")
+    return f"{name}_" if bare in RESERVED or bare.endswith("_polynomial") else name
+
+
+def literal(value: float, scalar: type[np.floating]) -> Text:
+    """Return the shortest literal that reads back as `value` in the scalar type; raise EmitError if none is finite."""
+    with np.errstate(over="ignore"):
+        rounded = scalar(value)
+    if not np.isfinite(rounded):
+        raise EmitError(f"the number {value:g} is not finite in {CTYPES[scalar]}: scale the expression")
+    text = str(rounded).lower()
+    text = text if "." in text or "e" in text else text + ".0"
+    text += "f" if scalar is np.float32 else ""
+    return Text(text, ATOM if not text.startswith("-") else 6)
+
+
+class Expressions:
+    """The text of nodes: `text` holds that of each node printed so far, a local's name or an expression."""
+
+    def __init__(self, program: Program, kinds: list[str], scalar: type[np.floating]) -> None:
+        self.p, self.kinds, self.scalar = program, kinds, scalar
+        self.text: dict[int, Text] = {}
+
+    def ctype(self, k: int) -> str:
+        """Return the type of a variable that holds node k."""
+        return {"logical": "bool", "integer": "uint32_t"}.get(self.kinds[k], CTYPES[self.scalar])
+
+    def as_kind(self, k: int, kind: str) -> Text:
+        """Return node k as a value of a kind."""
+        if kind == "logical":
+            node = self.p.nodes[k]
+            return Text(str(bool(node.value)).lower()) if node.op == "literal" else self.condition(k)
+        return self.integer(k) if kind == "integer" else self.value(k)
+
+    def of(self, k: int) -> Text:
+        """Return the operation of node k on the texts of its arguments."""
+        node = self.p.nodes[k]
+        op, args = node.op, node.args
+        if op == "literal":
+            return literal(node.value, self.scalar)
+        if op in ("input", "state", "constant"):
+            return Text({"input": f"in->{node.name}", "state": f"state->{node.name}"}.get(op, constant(node.name)))
+        if op == "not":
+            return Text("!" + self.condition(args[0]).inside(7), 7)
+        if op in ("and", "or"):
+            sign, strength = INFIX[op]
+            terms = [self.condition(a).beside(strength) for a in args]
+            return Text(f" {sign} ".join(terms), strength)
+        if op == "choose":
+            then, other = (self.as_kind(a, self.kinds[k]).inside(6) for a in args[1:])
+            return Text(f"({self.condition(args[0]).c}) ? {then} : {other}", -1)
+        if op == "bit":
+            if self.p.nodes[args[0]].op == "literal":
+                return Text(mask(node))
+            return Text(f"{self.integer(args[0]).inside(2)} | {mask(node)}", 1)
+        if op == "within":
+            return self.text[args[0]]
+        if op == "clamp":
+            return Text(f"limit({self.value(args[0]).c}, {self.value(args[2]).c})")
+        whole = self.kinds[k] == "integer" or self._counts(node)
+        sides = [self.integer(a) if whole else self.value(a) for a in args]
+        return self._operation(node, sides)
+
+    def _counts(self, node: Node) -> bool:
+        """Tell whether a comparison is one of integers; with 0, or itself, C may call it always true or false."""
+        kinds = {self.kinds[a] for a in node.args}
+        numbers = [self.p.nodes[a] for a in node.args if self.kinds[a] == "number"]
+        whole = "integer" in kinds and kinds <= {"integer", "number"} and all(map(carriers.is_whole, numbers))
+        whole = whole and node.args[0] != node.args[-1]
+        return node.op in LOGICAL and whole and (node.op in ("eq", "ne") or all(n.value > 0 for n in numbers))
+
+    def _operation(self, node: Node, sides: list[Text]) -> Text:
+        op = node.op
+        if op in INFIX:
+            sign, strength = INFIX[op]
+            return Text(f"{sides[0].beside(strength)} {sign} {sides[1].inside(6)}", strength)
+        if op == "neg":
+            return Text("-" + sides[0].inside(7), 6)
+        if op == "sq":
+            return Text(f"{sides[0].inside(ATOM)} * {sides[0].inside(ATOM)}", 5)
+        if op == "inv":
+            return Text(f"{literal(1.0, self.scalar).c} / {sides[0].inside(6)}", 5)
+        if op == "polynomial":
+            return Text(f"{node.name}({sides[0].c})")
+        if op == "table":
+            return Text(f"{constant(node.name)}[(uint32_t){sides[0].inside(7)}]")
+        if op == "floor":
+            return Text(f"({CTYPES[self.scalar]})(uint32_t){sides[0].inside(7)}", 7)
+        suffix = "f" if op in LIBM and self.scalar is np.float32 else ""
+        return Text(f"{op}{suffix}({', '.join(s.c for s in sides)})")
+
+    def value(self, k: int) -> Text:
+        """Return node k as a number of the scalar type."""
+        if self.kinds[k] == "logical":
+            one, zero = (literal(v, self.scalar).c for v in (1.0, 0.0))
+            return Text(f"{self.condition(k).inside(6)} ? {one} : {zero}", -1)
+        if self.kinds[k] == "integer":
+            return Text(f"({CTYPES[self.scalar]}){self.known(k).inside(7)}", 7)
+        return self.known(k)
+
+    def integer(self, k: int) -> Text:
+        """Return node k as a uint32_t."""
+        node = self.p.nodes[k]
+        if node.op == "literal":
+            return Text(f"{int(node.value)}u")
+        if self.kinds[k] == "logical":
+            return Text(f"flag({self.condition(k).c})")
+        return self.known(k) if self.kinds[k] == "integer" else Text(f"(uint32_t)({self.value(k).c})", 7)
+
+    def condition(self, k: int) -> Text:
+        """Return node k as a truth value."""
+        if self.kinds[k] == "logical":
+            return self.known(k)
+        zero = "0u" if self.kinds[k] == "integer" else literal(0.0, self.scalar).c
+        return Text(f"{self.known(k).inside(3)} != {zero}", 2)
+
+    def known(self, k: int) -> Text:
+        """Return the text of node k, which stands already or is printed wherever it is read."""
+        node = self.p.nodes[k]
+        return self.of(k) if node.op in INLINE else self.text[k]
+
+
+def mask(node: Node) -> str:
+    """Return the number that has the node's bit alone."""
+    return f"0x{int(node.value):08x}u"

@@ -1,0 +1,71 @@
+"""What C holds each node of a program in: a truth value, an unsigned integer or a number of the scalar type."""
+
+from collections.abc import Sequence
+
+from synth.emit.c import wording
+from synth.emit.lower import LOGICAL, Node, Program
+from synth.emit.proof import ranges
+from synth.errors import EmitError
+
+
+def kinds(p: Program) -> list[str]:
+    """Return for each node what C holds it in: "logical", "integer", "real", or "number" for a literal of either.
+
+    A difference of integers may be below 0: it is one only where nothing but an integer state takes it.
+    """
+    found: list[str] = []
+    counted = _counted(p)
+    for k, node in enumerate(p.nodes):
+        args = [found[a] for a in node.args]
+        whole = all(
+            k == "integer" or (k == "number" and is_whole(p.nodes[a])) for a, k in zip(node.args, args, strict=True)
+        )
+        kind = "real"
+        if node.op in LOGICAL:
+            kind = "logical"
+        elif node.op == "literal":
+            kind = "number"
+        elif node.op == "bit" or (node.op == "state" and node.name in p.integers):
+            kind = "integer"
+        elif node.op == "choose":
+            kind = _chosen(p, node, args[1:])
+        elif whole and "integer" in args and (node.op == "add" or (node.op == "sub" and k in counted)):
+            kind = "integer"
+        found.append(kind)
+    return found
+
+
+def _counted(p: Program) -> set[int]:
+    """Return the nodes that reach nothing but integer states, and these through arms of choices alone."""
+    other = {*p.outputs.values(), *(k for name, k in p.next.items() if name not in p.integers)}
+    for k in range(len(p.nodes) - 1, -1, -1):
+        node = p.nodes[k]
+        other.update(node.args[:1] if node.op == "choose" and k not in other else node.args)
+    return set(range(len(p.nodes))) - other
+
+
+def is_whole(node: Node) -> bool:
+    return 0 <= node.value < 2**32 and node.value == int(node.value)
+
+
+def _chosen(p: Program, node: Node, arms: Sequence[str]) -> str:
+    literals = [p.nodes[a] for a, kind in zip(node.args[1:], arms, strict=True) if kind == "number"]
+    flags = all(n.value in (0.0, 1.0) for n in literals)
+    if set(arms) <= {"logical", "number"} and flags:
+        return "logical"
+    if "integer" in arms and "real" not in arms and all(is_whole(n) for n in literals):
+        return "integer"
+    return "real"
+
+
+def require_whole(program: Program, proved: Sequence[ranges.Range]) -> None:
+    """Raise EmitError where what C holds in 32 bits without a sign may exceed them.
+
+    One that may be below 0 reaches nothing but an integer state, through choices: if taken it is what that state holds.
+    """
+    for k, kind in enumerate(kinds(program)):
+        if kind == "integer" and not proved[k].high < 2**32:
+            raise EmitError(
+                f"{wording.signal(program, k)}: the count {wording.expression(program, k)} is {proved[k].low:.9g} .. "
+                f"{proved[k].high:.9g}, but a uint32_t holds 0 .. 4294967295: limit it"
+            )

@@ -1,0 +1,175 @@
+"""Locals: which values of a step have a variable, what it is called, and which choices share one.
+
+A value that is read once stands inside the expression that reads it; the others are locals. A signal of the composition
+keeps its name, and a value that only becomes the next value of a state is called after it. A choice that carries on
+the choice it starts from has the same variable.
+"""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from synth.block import Block
+from synth.emit.c.expressions import INLINE, RESERVED, constant
+from synth.emit.lower import Node, Program
+from synth.emit.passes.statements import Assign, Branch, Let, Statement, Store
+
+LOADS = ("input", "state")
+WORD = "faults"
+
+
+class Names:
+    """Names of C that are taken, of which each is given once."""
+
+    def __init__(self, taken: set[str]) -> None:
+        self.taken, self.count = taken, 0
+
+    def free(self, wanted: str) -> str:
+        """Return a name that is not taken, and take it."""
+        name, n = wanted, 2
+        while name in self.taken:
+            name, n = f"{wanted}_{n}", n + 1
+        self.taken.add(name)
+        return name
+
+    def next(self) -> str:
+        """Return the next name of a value that has none of its own, and take it."""
+        self.count += 1
+        return self.free(f"t{self.count}")
+
+
+@dataclass(frozen=True, eq=False)
+class Locals:
+    """By node: how often the text reads it, what it is called, the choice whose variable it shares, where it starts.
+
+    `handed` are the loads that are assigned before anything is stored: the member itself may stand for them.
+    """
+
+    reads: Counter[int]
+    name: dict[int, str]
+    shared: dict[int, int]
+    starts: dict[int, int | None]
+    handed: set[int]
+    names: Names
+
+
+def assign(block: Block, program: Program, statements: Sequence[Statement], kinds: Sequence[str]) -> Locals:
+    """Return the locals of scheduled statements."""
+    reads: Counter[int] = Counter()
+    _count(program, statements, reads)
+    starts = {c: start for b in _branches(statements) for c, start in b.declared}
+    shared = _shared(program, statements, kinds, starts)
+    taken = {*RESERVED, *(constant(c.name) for c in block.constants)}
+    taken |= {n.name for n in program.nodes if n.op == "polynomial"}
+    taken |= {constant(n.name) for n in program.nodes if n.op == "table"}
+    names = Names(taken)
+    return Locals(reads, _named(program, names, shared), shared, starts, set(_handed(program, statements)), names)
+
+
+def _named(p: Program, names: Names, shared: dict[int, int]) -> dict[int, str]:
+    """Name what carries a signal, the fault word, and what becomes a next state."""
+    named: dict[int, str] = {}
+    roots = [(mark.signal.name, node) for mark, node in p.marks]
+    roots += [] if p.word is None else [(WORD, p.word)]
+    roots += [(f"{name}_next", _carrier(p, name, node)) for name, node in p.next.items()]
+    for name, node in roots:
+        if node not in named and p.nodes[node].op not in (*LOADS, *INLINE):
+            named[node] = WORD if node == p.word else names.free(name)
+    for node, root in shared.items():
+        if node in named and root not in named:
+            named[root] = named[node]
+    return named
+
+
+def _carrier(p: Program, state: str, k: int) -> int:
+    """Return the node that a state becomes where it does not stay as it is."""
+    while p.nodes[k].op == "choose":
+        changed = [a for a in p.nodes[k].args[1:] if p.nodes[a] != Node("state", name=state)]
+        if len(changed) != 1:
+            break
+        k = changed[0]
+    return k
+
+
+def _shared(
+    p: Program, statements: Sequence[Statement], kinds: Sequence[str], starts: dict[int, int | None]
+) -> dict[int, int]:
+    """Map a choice to the variable that it carries on.
+
+    That is the choice it starts from, when all else that reads that is on the way to the new choice.
+    """
+    shared: dict[int, int] = {}
+    users, ends = p.users(), set(p.ends())
+    for branch in _branches(statements):
+        inside = set(_computed((*branch.then, *branch.other)))
+        for c, start in branch.declared:
+            if start in starts and kinds[start] == kinds[c] and _leads(users, ends, start, c, inside):
+                shared[c] = shared.get(start, start)
+    return shared
+
+
+def _leads(users: Sequence[Sequence[int]], ends: set[int], start: int, choice: int, inside: set[int]) -> bool:
+    """Tell whether all that comes from a node leads to a choice, through nodes inside its branch."""
+    seen, stack = {choice}, [start]
+    while stack:
+        k = stack.pop()
+        if k in ends:
+            return False
+        further = set(users[k]) - seen
+        if not further <= inside:
+            return False
+        seen |= further
+        stack += further
+    return True
+
+
+def _branches(block: Sequence[Statement]) -> Iterator[Branch]:
+    for s in block:
+        if isinstance(s, Branch):
+            yield s
+            yield from _branches(s.then)
+            yield from _branches(s.other)
+
+
+def _handed(p: Program, block: Sequence[Statement]) -> Iterator[int]:
+    """Yield the loads that are assigned before anything is stored: the member itself may stand for such a one."""
+    loaded: set[int] = set()
+    for s in block:
+        if isinstance(s, Let) and p.nodes[s.node].op in LOADS:
+            loaded.add(s.node)
+        elif isinstance(s, Assign) and s.node in loaded:
+            yield s.node
+        elif isinstance(s, Branch):
+            yield from _handed(p, s.then)
+            yield from _handed(p, s.other)
+        if isinstance(s, Store | Branch):
+            loaded.clear()
+
+
+def _computed(block: Sequence[Statement]) -> Iterator[int]:
+    for s in block:
+        if isinstance(s, Let):
+            yield s.node
+        elif isinstance(s, Branch):
+            yield from (c for c, _ in s.declared)
+            yield from _computed((*s.then, *s.other))
+
+
+def _count(p: Program, block: Sequence[Statement], reads: Counter[int]) -> None:
+    """Count how often the text reads each node; from the end, as what is read by nothing is not printed."""
+    for s in reversed(block):
+        if isinstance(s, Let) and reads[s.node]:
+            node = p.nodes[s.node]
+            reads.update(_read(node))
+        elif isinstance(s, Assign | Store):
+            reads[s.node] += 1
+        elif isinstance(s, Branch):
+            _count(p, s.other, reads)
+            _count(p, s.then, reads)
+            reads.update([s.condition, *(start for _, start in s.declared if start is not None)])
+
+
+def _read(node: Node) -> Sequence[int]:
+    if node.op == "within":
+        return node.args[:1]
+    return node.args[::2] if node.op == "clamp" else node.args * (2 if node.op == "sq" else 1)

@@ -1,0 +1,201 @@
+"""Regions: the choices on one condition that become one `if`, and what is sunk into its sides.
+
+A node is *sunk* into a side of a condition when every use of it is on that side: uses are followed from the end, so a
+node's users are decided before the node itself. A choice that only leaves a state as it is does not use its load.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from heapq import heapify, heappop, heappush
+
+from synth.emit.lower import Program
+from synth.emit.passes.statements import Branch
+
+_COMPOSED = frozenset(("add", "sub", "mul", "div", "sq", "inv", "lt", "le", "eq", "ne", "and", "or", "bit"))
+
+
+@dataclass(frozen=True)
+class Demand:
+    """A node whose value goes to places: (struct, member), or ("choice", node)."""
+
+    node: int
+    place: tuple[str, str | int]
+
+
+@dataclass(frozen=True)
+class Region:
+    """The choices on one condition at one level, and what is sunk into either side."""
+
+    condition: int
+    choices: list[int]
+    sides: tuple[set[int], set[int]]
+
+
+@dataclass(frozen=True)
+class Written:
+    """A region as a statement: its choices, the nodes of outside that it reads, and the demands that it meets."""
+
+    choices: list[int]
+    branch: Branch
+    reads: dict[int, None]
+    met: list[Demand]
+
+
+class Regions:
+    """The regions of one level of statements, with the nodes that belong to it and what is demanded of it."""
+
+    def __init__(
+        self, p: Program, users: Sequence[Sequence[int]], members: set[int], demands: Sequence[Demand]
+    ) -> None:
+        self.p, self.users, self.members = p, users, members
+        self.demands: dict[int, list[Demand]] = {}
+        for d in demands:
+            self.demands.setdefault(d.node, []).append(d)
+        self.first_of: dict[int, int] = {}  # by choice, the first of its region
+        self.written_of: dict[int, Written] = {}  # by choice or sunk node
+
+    def is_read(self, choice: int) -> bool:
+        """Tell whether a node of this level reads the choice; what others read is a demand here."""
+        return any(u in self.members for u in self.users[choice])
+
+    def is_load(self, k: int, place: tuple[str, str | int]) -> bool:
+        """Tell whether node k loads the state that is stored at a place."""
+        node = self.p.nodes[k]
+        return place == (node.op, node.name) and node.op == "state"
+
+    def write(self, write: Callable[[Region], Written]) -> None:
+        """Find and write the regions, later choices first: what one takes in is no region of this level."""
+        by_condition: dict[int, list[int]] = {}
+        for k in sorted(self.members):
+            if self.p.nodes[k].op == "choose":
+                by_condition.setdefault(self.p.nodes[k].args[0], []).append(k)
+        for condition, group in sorted(by_condition.items(), key=lambda item: -item[1][-1]):
+            choices = self._independent([c for c in group if c not in self.written_of])
+            region = Region(condition, choices, self._whole_sides(choices, by_condition))
+            if self._circular(region):
+                kept: list[int] = []
+                for c in choices:
+                    region = Region(condition, [*kept, c], self._whole_sides([*kept, c], by_condition))
+                    kept += [] if self._circular(region) else [c]
+                region = Region(condition, kept, self._whole_sides(kept, by_condition))
+            if region.choices and self._worthwhile(region):
+                written = write(region)
+                self.first_of |= dict.fromkeys(region.choices, region.choices[0])
+                self.written_of |= dict.fromkeys([*region.choices, *region.sides[0], *region.sides[1]], written)
+
+    def _circular(self, region: Region) -> bool:
+        """Tell whether one choice of a region needs another through regions, each of which is written as a whole."""
+        first = min(region.choices, default=0)
+        others = {(self.written_of[c].choices[-1], c) for c in self.first_of.values()}
+        for last, low in sorted(others, reverse=True):
+            first = min(first, low) if last > first else first
+        inside = region.sides[0] | region.sides[1]
+        stack = [region.condition, *(a for n in (*region.choices, *inside) for a in self.p.nodes[n].args)]
+        seen = set(inside)
+        while stack:
+            k = stack.pop()
+            if k in region.choices:
+                return True
+            if first <= k and k not in seen and k in self.members:
+                seen.add(k)
+                stack += self.written_of[k].reads if k in self.first_of else self.p.nodes[k].args
+        return False
+
+    def _whole_sides(self, choices: list[int], by_condition: dict[int, list[int]]) -> tuple[set[int], set[int]]:
+        """Sink into both sides, but take in the choices on another condition together or not at all."""
+        kept = set(self.written_of)
+        while True:
+            sides = self._sides(choices, kept)
+            split: set[int] = set()
+            for side in sides:
+                for k in side:
+                    if self.p.nodes[k].op == "choose":
+                        group = [c for c in by_condition[self.p.nodes[k].args[0]] if c not in self.written_of]
+                        split.update(group if not side.issuperset(group) else ())
+            if not split - kept:
+                return sides
+            kept |= split
+
+    def _independent(self, choices: list[int]) -> list[int]:
+        """Return the choices of which none needs another."""
+        kept: list[int] = []
+        reached: set[int] = set()
+        for c in choices:
+            if c in reached:
+                continue
+            kept.append(c)
+            stack = [c]
+            while stack:
+                for u in self.users[stack.pop()]:
+                    if u not in reached:
+                        reached.add(u)
+                        stack.append(u)
+        return kept
+
+    def _sides(self, choices: list[int], taken: set[int]) -> tuple[set[int], set[int]]:
+        sides: tuple[set[int], set[int]] = (set(), set())
+        chosen = set(choices)
+        early = self._stored_elsewhere(choices)
+        heap = [-a for c in choices for a in self.p.nodes[c].args[1:]]
+        heapify(heap)
+        seen: set[int] = set()
+        while heap:
+            k = -heappop(heap)
+            node = self.p.nodes[k]
+            if k in seen or k not in self.members or k in taken or k in chosen or k in self.demands:
+                continue
+            seen.add(k)
+            if node.op == "state" and node.name in early:
+                continue
+            for side, own in enumerate(sides):
+                users = [u for u in self.users[k] if u in self.members and not self._passes_over(u, k, chosen)]
+                if all(u in own or (u in chosen and self._only(u, k, side)) for u in users):
+                    own.add(k)
+                    for a in node.args:
+                        heappush(heap, -a)
+        return sides
+
+    def _stored_elsewhere(self, choices: list[int]) -> set[str | int]:
+        """Return the states whose store at this level waits for none of the choices, so that it may come first."""
+        reached, stack = set(choices), list(choices)
+        while stack:
+            for u in self.users[stack.pop()]:
+                if u in self.members and u not in reached:
+                    reached.add(u)
+                    stack.append(u)
+        waiting = (d for some in self.demands.values() for d in some if d.place[0] == "state")
+        return {d.place[1] for d in waiting if d.node not in reached}
+
+    def _passes_over(self, user: int, k: int, chosen: set[int]) -> bool:
+        """Tell whether a user of node k is written without reading it: it only leaves the state that k loads."""
+        if user in self.written_of:
+            return k not in self.written_of[user].reads
+        return user in chosen and self._holds(user, k)
+
+    def _holds(self, choice: int, k: int) -> bool:
+        """Tell whether a choice reads node k only to leave the state that k loads as it is."""
+        places = [d.place for d in self.demands.get(choice, ())]
+        read = self.p.nodes[choice].args
+        alone = read.count(k) == 1 and read[0] != k
+        return not self.is_read(choice) and alone and all(self.is_load(k, q) for q in places)
+
+    def _only(self, choice: int, k: int, side: int) -> bool:
+        """Tell whether a choice reads node k on this side only."""
+        args = self.p.nodes[choice].args
+        return args[1 + side] == k and args[0] != k and args[2 - side] != k
+
+    def _worthwhile(self, region: Region) -> bool:
+        """An `if` pays for more than two choices, and where a side has something to compute or leaves a state alone.
+
+        A short one stays a choice unless its first arm is composed: cppcheck takes the parentheses away from that arm,
+        and then misses them.
+        """
+        arms = {self.p.nodes[c].args[1] for c in region.choices} & region.sides[0]
+        bare = any(self.p.nodes[a].op in _COMPOSED for a in arms)
+        held = any(
+            self.is_load(a, d.place)
+            for c in region.choices
+            for a in self.p.nodes[c].args[1:]
+            for d in self.demands.get(c, [])
+        )
+        return held or bare or len(region.choices) > 2 or len(region.sides[0]) + len(region.sides[1]) > 2

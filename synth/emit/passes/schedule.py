@@ -1,0 +1,171 @@
+"""Scheduling: a lowered program becomes statements, in the order in which a person would write them.
+
+Signals of the composition come in its order; each next state is stored as soon as the signals that it needs stand, so
+that little is kept alive. Choices on one condition become one `if`: what only one side needs is computed on that side
+only, and a state that a side leaves as it is is not stored there.
+
+No state is loaded after it is stored: at a level of statements its load comes before its store, unless the load is sunk
+into an `if`; that it is only where the store, if the level has one, waits for a choice of this `if`.
+"""
+
+from collections.abc import Sequence
+
+from synth.emit.lower import Node, Program
+from synth.emit.passes.regions import Demand, Region, Regions, Written
+from synth.emit.passes.statements import About, Assign, Branch, Let, Statement, Store, reads
+
+INLINE = ("literal", "constant")
+
+
+def statements(p: Program) -> tuple[Statement, ...]:
+    """Return the statements that compute and store everything of a program."""
+    demands = [Demand(k, ("state", name)) for name, k in p.next.items() if p.nodes[k] != Node("state", name=name)]
+    demands += [Demand(k, ("out", name)) for name, k in p.outputs.items()]
+    demands += [] if p.word is None else [Demand(p.word, ("word", ""))]
+    whole = {k for k, node in enumerate(p.nodes) if node.op not in INLINE}
+    return tuple(_Level(p, p.users(), whole, demands).written())
+
+
+class _Level:
+    """One block of statements: the nodes that belong to it and what is demanded of it."""
+
+    def __init__(self, p: Program, users: list[list[int]], members: set[int], demands: Sequence[Demand]) -> None:
+        self.p, self.users, self.members = p, users, members
+        self.pending = dict.fromkeys(demands)
+        self.loads = {p.nodes[k].name: k for k in members if p.nodes[k].op == "state"}
+        self.regions = Regions(p, users, members, demands)
+        self.regions.write(self._branch)
+        self.first_of, self.written_of = self.regions.first_of, self.regions.written_of
+        self.sunk = self.written_of.keys() - self.first_of.keys()
+        self.done: set[int] = set()
+        self.out: list[Statement] = []
+
+    def written(self) -> list[Statement]:
+        """Return the statements: signals in order, each demand as soon as the signals below it stand."""
+        marked: dict[int, int] = {}
+        for i, (_, k) in enumerate(self.p.marks):
+            if k in self.members and k not in self.sunk:
+                marked.setdefault(k, i)
+        waiting = self._waiting(marked)
+        for place, (k, i) in enumerate(marked.items()):
+            if k not in self.done:
+                self.out.append(About(i))
+                self._compute(k)
+            for d in waiting.get(place, ()):
+                self._meet(d)
+        for d in list(self.pending):
+            self._meet(d)
+        return self.out
+
+    def _waiting(self, marked: dict[int, int]) -> dict[int, list[Demand]]:
+        """Return by the place of a marked node in the order the demands for which it is the last that they wait for.
+
+        A next state waits for the signals that it needs, and for those of its own Block.
+        """
+        places = {k: place for place, k in enumerate(marked)}
+        by_block = {self.p.marks[i][0].block: places[k] for k, i in marked.items()}
+        last: dict[int, int] = {}
+        waiting: dict[int, list[Demand]] = {}
+        for d in self.pending:
+            own = by_block.get(self.p.owner(str(d.place[1])), -1) if d.place[0] == "state" else -1
+            waiting.setdefault(max(own, self._last(d.node, places, last)), []).append(d)
+        return waiting
+
+    def _last(self, k: int, places: dict[int, int], known: dict[int, int]) -> int:
+        """Return the place of the last marked node that node k needs or is, -1 for none; `known` has earlier ones."""
+        first = self.first_of.get
+        stack = [first(k, k)]
+        while stack:
+            n = stack[-1]
+            needs = [first(a, a) for a in self._needs(n) if a in self.members] if n in self.members else []
+            missing = [a for a in needs if a not in known]
+            stack += missing
+            if not missing:
+                known[stack.pop()] = max([places.get(n, -1), *(known[a] for a in needs)])
+        return known[first(k, k)]
+
+    def _needs(self, k: int) -> Sequence[int]:
+        """Return what must stand before node k is computed: for a choice, all that its `if` needs from outside."""
+        if k not in self.first_of:
+            return self.p.nodes[k].args
+        written = self.written_of[k]
+        stored = [self.loads.get(str(d.place[1])) for d in written.met if d.place[0] == "state"]
+        return [*written.reads, *(load for load in stored if load is not None and load not in self.sunk)]
+
+    def _compute(self, k: int) -> None:
+        stack = [k]
+        while stack:
+            n = stack[-1]
+            missing = (
+                [a for a in self._needs(n) if a in self.members and a not in self.done] if n in self.members else []
+            )
+            if n in self.done or n not in self.members:
+                stack.pop()
+            elif missing:
+                stack.extend(reversed(missing))
+            else:
+                stack.pop()
+                self._write(n)
+
+    def _write(self, k: int) -> None:
+        if k in self.first_of:
+            written = self.written_of[k]
+            self.done.update(written.choices)
+            self.out.append(written.branch)
+            for d in written.met:
+                del self.pending[d]
+        else:
+            self.done.add(k)
+            self.out.append(Let(k))
+
+    def _meet(self, d: Demand) -> None:
+        if d not in self.pending:
+            return
+        struct, name = d.place
+        if struct == "state":
+            if d.node not in self.done:
+                self.out.append(About(None, str(name)))
+            if (load := self.loads.get(str(name))) is not None and load not in self.sunk:
+                self._compute(load)
+        self._compute(d.node)
+        if d in self.pending:  # a branch may have met it
+            del self.pending[d]
+            self.out.append(_stored(d))
+
+    def _branch(self, region: Region) -> Written:
+        """Write one `if`: demands that only a choice feeds, or that a side leaves as they are, are met inside."""
+        inner: tuple[list[Demand], list[Demand]] = ([], [])
+        declared: list[tuple[int, int | None]] = []
+        met: list[Demand] = []
+        for c in region.choices:
+            arms = self.p.nodes[c].args[1:]
+            if self.regions.is_read(c) or c == self.p.word:
+                start = next((a for a, side in zip(arms, region.sides, strict=True) if a not in side), None)
+                declared.append((c, start))
+                for arm, found in zip(arms, inner, strict=True):
+                    if arm != start:
+                        found.append(Demand(arm, ("choice", c)))
+            for d in self.regions.demands.get(c, ()):
+                held = any(self.regions.is_load(a, d.place) for a in arms)
+                if d.place[0] == "word" or (self.regions.is_read(c) and not held):
+                    continue
+                met.append(d)
+                for arm, found in zip(arms, inner, strict=True):
+                    if not self.regions.is_load(arm, d.place):
+                        found.append(Demand(arm, d.place))
+        then, other = (
+            tuple(_Level(self.p, self.users, members, demands).written())
+            for members, demands in zip(region.sides, inner, strict=True)
+        )
+        branch = Branch(region.condition, tuple(declared), then, other)
+        inside = region.sides[0].union(region.sides[1], region.choices)
+        outside = dict.fromkeys(k for k in reads(self.p, [branch]) if k not in inside)
+        return Written(region.choices, branch, outside, met)
+
+
+def _stored(d: Demand) -> Statement:
+    struct, name = d.place
+    if struct == "choice":
+        assert isinstance(name, int)
+        return Assign(name, d.node)
+    return Store(struct, str(name), d.node)

@@ -1,0 +1,64 @@
+"""Statements: what a step does, in order, before it has the words of any language."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from synth.emit.lower import Program
+
+
+@dataclass(frozen=True)
+class Let:
+    """Compute a node."""
+
+    node: int
+
+
+@dataclass(frozen=True)
+class Store:
+    """Store a node's value into a member of `state` or `out`."""
+
+    struct: str
+    name: str
+    node: int
+
+
+@dataclass(frozen=True)
+class Assign:
+    """Give a choice's variable the value of a node."""
+
+    choice: int
+    node: int
+
+
+@dataclass(frozen=True)
+class Branch:
+    """Choices on one condition: `declared` holds each choice's variable with the node that it starts from, or None."""
+
+    condition: int
+    declared: tuple[tuple[int, int | None], ...]
+    then: tuple["Statement", ...]
+    other: tuple["Statement", ...]
+
+
+@dataclass(frozen=True)
+class About:
+    """What follows computes a named signal (by its place among the marks), or else the next state of this name."""
+
+    mark: int | None
+    state: str = ""
+
+
+Statement = Let | Store | Assign | Branch | About
+
+
+def reads(p: Program, block: Sequence[Statement]) -> Iterator[int]:
+    """Yield the nodes that statements read."""
+    for s in block:
+        if isinstance(s, Let):
+            yield from p.nodes[s.node].args
+        elif isinstance(s, Assign | Store):
+            yield s.node
+        elif isinstance(s, Branch):
+            yield s.condition
+            yield from (start for _, start in s.declared if start is not None)
+            yield from reads(p, (*s.then, *s.other))

@@ -1,0 +1,71 @@
+"""Emission, pass by pass: a Block becomes the program that is printed, and that its C.
+
+Each pass keeps what is computed, to rounding or to a surrogate's certificate. The ranges of the result are proved: no
+division by zero, no root of a negative number, and every next state inside its bounds.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from synth.block import Block, Constant
+from synth.emit import lower
+from synth.emit.c import c_text, kinds, printer
+from synth.emit.c.layout import Layout
+from synth.emit.lower import Program
+from synth.emit.passes import fold, limits, schedule
+from synth.emit.passes import replace as surrogates
+from synth.emit.passes.replace import Surrogate
+from synth.emit.proof import ranges, safe
+
+
+@dataclass(frozen=True, eq=False)
+class Reduced:
+    """What is printed: the Block with the constants that folding made, its program, and the program's surrogates."""
+
+    block: Block
+    program: Program
+    surrogates: tuple[Surrogate, ...]
+
+
+def reduce(block: Block, scalar: type[np.floating], libm: bool = False, error: float | None = None) -> Reduced:
+    """Reduce a Block with rounded constants; there are no surrogates where `libm` is to compute.
+
+    `error` is the relative error allowed to a surrogate, that of `surrogate.fit` when it is left out.
+
+    Raises EmitError for an operation without a form in C, for one that is not proved safe, and for a state that may
+    leave its bounds.
+    """
+    bounds = ranges.bounds(block, scalar)
+    program = lower.program(block)
+    program = fold.folded(program)
+    safe.require_safe(program, ranges.analyse(program, bounds, scalar), block, scalar)
+    polynomials: tuple[Surrogate, ...] = ()
+    if not libm:
+        program, polynomials = surrogates.replaced(program, bounds, scalar, error)
+    program = limits.without_idle(program, bounds, scalar)
+    program = fold.gathered(program)
+    program = limits.without_certified(program, polynomials, scalar)
+    block = replace(block, constants=(*block.constants, *_products(block, program, scalar)))
+    proved = ranges.analyse(program, ranges.bounds(block, scalar), scalar)
+    safe.require_safe(program, proved, block, scalar)
+    ranges.inductive(program, proved, block, scalar)
+    kinds.require_whole(program, proved)
+    return Reduced(block, program, polynomials)
+
+
+def source(reduced: Reduced, memory: Layout) -> list[printer.Line]:
+    """Return the lines of <name>.c."""
+    statements = schedule.statements(reduced.program)
+    body = printer.body(reduced.block, reduced.program, statements, memory.scalar)
+    return c_text.source(reduced.block, reduced.program, reduced.surrogates, memory, body)
+
+
+def _products(block: Block, program: Program, scalar: type[np.floating]) -> list[Constant]:
+    """Return the products that folding made of the Block's constants, rounded once."""
+    by_name = {c.name: c for c in block.constants}
+    pairs = {name: (by_name[first], by_name[second]) for name, (first, second) in program.products.items()}
+    return [
+        Constant(name, float(scalar(a.value * b.value)), f"{a.unit} {b.unit}", f"{a.source}; times {b.name}")
+        for name, (a, b) in pairs.items()
+    ]
