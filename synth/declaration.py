@@ -197,6 +197,7 @@ class Stage:
     stops: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     velocities: Mapping[str, str] = field(default_factory=dict)
     limited: Sequence[str] = ()
+    safety: Any = None
 
     @property
     def name(self) -> str:
