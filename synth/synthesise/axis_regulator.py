@@ -241,8 +241,8 @@ def _filter(axis: Axis, held: StateSpace, period_s: float) -> tuple[filters.Esti
     G = np.eye(len(model.states))[:, [model.states.index(name) for name in process]]
     found = filters.sampled(model, list(process.values()), axis.estimator.sensor, period_s, G=G, exact=True)
     none = np.zeros((len(held.states) - len(model.states), 1))
-    gains = {"L": readonly(np.vstack([found.L, none])), "M": readonly(np.vstack([found.M, none]))}
-    return found, replace(found, model=held, **gains).current()
+    L, M = (readonly(np.vstack([gain, none])) for gain in (found.L, found.M))
+    return found, replace(found, model=held, L=L, M=M).current()
 
 
 def _feedforward(axis: Axis, regulator: servos.Servo, period_s: float) -> float:
