@@ -206,7 +206,7 @@ def design(
 
     Raises DesignError for a stage without `reference` whose own `verify` is not given.
     """
-    stage = Stage(controller, plant, safety=safe(controller.interface), **declared)
+    stage = Stage(controller, plant, **declared)
     if verify is None:
         standard.require_reference(stage)
     return Design(

@@ -19,7 +19,7 @@ from synth.emit.write import Emitted
 from synth.execute import build, host
 from synth.report import page, sections
 from synth.report.audit import Row
-from synth.simulate import headroom
+from synth.simulate import experiments, headroom
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
 from synth.verify import standard, stimuli
@@ -32,11 +32,15 @@ Progress = Callable[[str], None]
 Recording = Callable[[Rig], Mapping[str, NDArray[Any]]]
 
 
+def compiled(stage: Stage, scalar: type[np.floating]) -> host.Controller:
+    """Return the stage's controller in a scalar type, compiled once."""
+    return _compiled(stage, np.dtype(scalar).name)
+
+
 @functools.lru_cache(maxsize=8)
-def compiled(stage: Stage, scalar: type[Any]) -> host.Controller:
-    """Return the stage's controller in a scalar type, compiled."""
-    error = stage.surrogate_error.get(scalar)
-    return build.compiled(stage.controller.block, scalar, error=error, safety=stage.safety)
+def _compiled(stage: Stage, scalar: str) -> host.Controller:
+    kind = np.float32 if scalar == "float32" else np.float64
+    return build.compiled(stage.controller.block, kind, error=stage.surrogate_error.get(kind))
 
 
 def rig(stage: Stage, scalar: type[np.floating]) -> Rig:
@@ -47,7 +51,7 @@ def rig(stage: Stage, scalar: type[np.floating]) -> Rig:
 def emit(stage: Stage, scalar: type[np.floating], recording: Recording | None = None) -> dict[str, Emitted]:
     """Return the files of the controller by folder; the test vectors are a `recording` of a closed loop."""
     error, block = stage.surrogate_error.get(scalar), stage.controller.block
-    files = write.emit(block, scalar, stage.safety, {"design": gains(stage, scalar)}, error=error)
+    files = write.emit(block, scalar, {"design": gains(stage, scalar)}, error=error)
     controller = host.load(files.files, files.manifest)
     inputs = (recording or record)(Rig(stage, stage.plant, controller))
     return {stage.name: with_vectors(files, controller, inputs)}
@@ -75,11 +79,8 @@ def gains(stage: Stage, scalar: type[np.floating]) -> dict[str, Any]:
 def simulate(stage: Stage, progress: Progress) -> list[Experiment]:
     """Run the experiments with the shipped C; a check of each fails where a state of the laws stood at its bound."""
     shipped, double = rig(stage, stage.scalar), compiled(stage, np.float64)
-    runs = []
-    for planned in stage.experiments:
-        progress(planned.name)
-        runs.append(headroom.judged(planned.run(shipped), double, stage.limited))
-    return runs
+    runs = experiments.run(shipped, stage.experiments, progress)
+    return [headroom.judged(run, double, stage.limited) for run in runs]
 
 
 def bench(stage: Stage) -> Bench:
@@ -99,7 +100,7 @@ def report(
     stage: Stage,
     files: Mapping[str, Emitted],
     evidence: Evidence,
-    experiments: Sequence[Experiment],
+    runs: Sequence[Experiment],
     rows: Sequence[Row],
     cost: Cost | None,
 ) -> str:
@@ -109,7 +110,7 @@ def report(
     texts = {f"{folder}/{name}": text for folder, one in files.items() for name, text in one.files.items()}
     parts = (
         page.Section("Model", (sections.parameters(stage.plant),)),
-        page.Section("Experiments", (), tuple(sections.experiment(e, units) for e in experiments)),
+        page.Section("Experiments", (), tuple(sections.experiment(e, units) for e in runs)),
         *((page.Section("Audit", (sections.audit(rows),)),) if rows else ()),
         page.Section(
             "Verification", (sections.agreements(evidence.agreements), page.Checks("Limits", tuple(evidence.checks)))

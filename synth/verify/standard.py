@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
+from synth.analyse import robustness
 from synth.check import Check
 from synth.declaration import Reference, Stage
 from synth.errors import DesignError
@@ -43,7 +44,7 @@ def require_reference(stage: Stage) -> Reference:
 def witnesses(stage: Stage) -> Witnesses:
     """Return the witnesses of a stage's controller; raise DesignError for a stage without a reference."""
     reference = require_reference(stage)
-    return suite.witnesses(stage.controller.block, reference, stage.surrogate_error, stage.safety)
+    return suite.witnesses(stage.controller.block, reference, stage.surrogate_error)
 
 
 def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Evidence:
@@ -64,7 +65,18 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
         agreements, checks = [*agreements, *compared], [*checks, *suite.exact(compared, unit)]
     progress("single against double")
     checks += paths(stage, by)
+    if stage.operating_points and stage.require:
+        progress("loops over the operating points")
+        checks += robustness.checks(robustness.opened(loops(stage)), stage.require)
     return Evidence(stage.name, tuple(agreements), tuple(checks))
+
+
+def loops(stage: Stage) -> robustness.Loops:
+    """Return the loops of a stage at its operating points, its constants rounded as they ship."""
+    wires = stage.wires or None
+    return robustness.of_controller(
+        stage.controller, stage.plant, stage.operating_points, scalar=stage.scalar, actuators=wires
+    )
 
 
 def largest_output(stage: Stage) -> float:

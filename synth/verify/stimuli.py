@@ -87,7 +87,7 @@ def excursions(controller: host.Controller, around: Interface, loops: Sequence[S
     pool = steps.joined("all closed loops", loops)
     drawn = steps.drawn(controller, DRAWN)
     wrong = steps.anew(controller, steps.thinned(pool, DRAWN), "states anew")
-    at_rest = {s.name: s.initial or 0.0 for s in (*around.sensors, *around.set_points)}
+    at_rest = {s.name: s.initial or 0.0 for s in around.sensors} | {s.name: s.initial or 0.0 for s in around.set_points}
     return [
         *latches(controller, SEED),
         steps.faulty(controller, at_rest),

@@ -94,5 +94,6 @@ DESIGN = stage.design(
     experiments=[Settles("z_ref", 2e-4), Settles("x_ref", 2e-4)],
     stops=levitator.STOPS,
     velocities=levitator.VELOCITY,
+    require={"phase_margin": 25.0, "modulus_margin": 0.4},
     about="Two PID laws composed by hand.",
 )
