@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from designs.planar_6dof import loop
-from designs.planar_6dof_lqg import audit, bench, control, emitted, experiments, page, verification
+from designs.planar_6dof import loop, lqg
+from designs.planar_6dof_lqg import audit, bench, emitted, experiments, page, verification
 from models import planar_stage
 from synth.block import Block
 from synth.report.audit import Row
@@ -38,11 +38,11 @@ def shipped() -> loop.Loop:
 
 def block() -> Block:
     """Return the controller for the stage's parameters."""
-    return control.controller(planar_stage.plant())
+    return lqg.controller(planar_stage.plant())
 
 
 DESIGN = Design(
-    name=control.NAME,
+    name=lqg.NAME,
     scalar=np.float32,
     emit=emitted.emitted,
     verify=verify,

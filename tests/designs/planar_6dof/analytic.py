@@ -14,10 +14,9 @@ from collections.abc import Callable, Mapping
 import casadi as ca
 import numpy as np
 
-from designs.planar_6dof import calibration, filtering, sensing, vertical
+from designs.planar_6dof import calibration, filtering, lqg, sensing, vertical
 from designs.planar_6dof_leadlag import audit
 from designs.planar_6dof_leadlag import control as leadlag
-from designs.planar_6dof_lqg import control as lqg
 from models import halbach
 from synth.plant import Plant
 from synth.timing import Discrete

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from designs.planar_6dof import emitted as shared
+from designs.planar_6dof import lqg
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import emitted as leadlag_emitted
 from designs.planar_6dof_leadlag import reference as leadlag_reference
 from designs.planar_6dof_lqg import audit
-from designs.planar_6dof_lqg import control as lqg
 from designs.planar_6dof_lqg import emitted as lqg_emitted
 from designs.planar_6dof_lqg import reference as lqg_reference
 from models import planar_stage

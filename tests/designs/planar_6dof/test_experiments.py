@@ -6,14 +6,13 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from designs.planar_6dof import allocation, experiments, failures, voltages
+from designs.planar_6dof import allocation, experiments, failures, lqg, voltages
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof.loop import Loop
 from designs.planar_6dof_leadlag import audit as leadlag_audit
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import experiments as leadlag_experiments
 from designs.planar_6dof_lqg import audit as lqg_audit
-from designs.planar_6dof_lqg import control as lqg
 from designs.planar_6dof_lqg import experiments as lqg_experiments
 from models import halbach, planar_stage
 from synth.block import Block
