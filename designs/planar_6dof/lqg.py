@@ -83,12 +83,12 @@ class Axis:
     k3: float
 
 
-def model() -> StateSpace:
-    """Return (31), (32) with the currents as inputs, as printed."""
+def model(per_ampere: float = PER_AMPERE, yaw_per_ampere: float = YAW_PER_AMPERE) -> StateSpace:
+    """Return (31), (32) with the currents as inputs, from the accelerations per ampere of (26)."""
     A, B = np.zeros((9, 9)), np.zeros((9, 3))
     A[:3, 6:], A[3:6, :3] = np.eye(3), np.eye(3)
-    B[6, 2] = B[7, 0] = B[7, 1] = PER_AMPERE
-    B[8, 0], B[8, 1] = -YAW_PER_AMPERE, YAW_PER_AMPERE
+    B[6, 2] = B[7, 0] = B[7, 1] = per_ampere
+    B[8, 0], B[8, 1] = -yaw_per_ampere, yaw_per_ampere
     units = dict(zip(STATES, ("m", "m", "rad", "m s", "m s", "rad s", "m/s", "m/s", "rad/s"), strict=True))
     units |= dict.fromkeys(CURRENTS, "A")
     return StateSpace(A, B, np.eye(3, 9), np.zeros((3, 3)), STATES, CURRENTS, STATES[:3], Continuous(), units)

@@ -17,7 +17,8 @@ from designs.planar_6dof import lqg
 from designs.planar_6dof.allocation import AXES, HORIZONTAL
 from designs.planar_6dof.loops import Horizontal, OpenLoop, Parts
 from designs.planar_6dof.lqg import CURRENTS, STATES, TIME, Axis
-from designs.planar_6dof_lqg import audit, core
+from designs.planar_6dof.paper import rows
+from designs.planar_6dof_lqg import core
 from synth.analyse import discretise
 from synth.block import Block
 from synth.errors import ModelError
@@ -76,7 +77,7 @@ def as_printed(plant: Plant) -> Parts:
 
 def gain_of_42() -> Array:
     """Return H (3, 6) of (42), on x, y, phi, z1, z2, z3."""
-    own, other, integral = (audit.printed()["Y-12"][name].value for name in ("own", "other", "integral"))
+    own, other, integral = (rows.printed()["Y-12"][name].value for name in ("own", "other", "integral"))
     return readonly(np.hstack([other + (own - other) * np.eye(3), integral * np.eye(3)]))
 
 
