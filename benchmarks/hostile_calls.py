@@ -249,7 +249,7 @@ def own() -> Mapping[str, Call]:
         "regulator_equations.require_no_zero": {"points": [0j]},
         "riccati.checked_weights": {"N": None},
         "safety.Guarded": {"signal": GAP, "initial": 0.02, "measurement": True, "held": True},
-        "safety.Safety": fields(safe),
+        "block.Safety": fields(safe),
         "safety.guard": {"inputs": [safety.Guarded(GAP, 0.02, True)], "bad_samples": 3},
         "safety.safe_output": {"outputs": [Y], "safety": safe},
         "safety.frozen": {"block": safety.guard(TIME, [safety.Guarded(GAP, 0.02, True)], 3)},

@@ -182,7 +182,8 @@ class Stage:
     `operating_points` hold plant states by name of the point; `require` holds limits of margins. `experiments` are
     data with `name` and `run(rig) -> Experiment`. `stops` are (low, high) of positions, `velocities` the state that is
     each position's rate. `limited` are controller states that may come to their bounds, as an integral that is limited
-    on purpose. `surrogate_error` is relative, by scalar type; the emitter's own where it is left out.
+    on purpose. `surrogate_error` is relative, by scalar type; the emitter's own where it is left out. `wires` are from
+    controller outputs to plant inputs, where these are not the interface's actuators.
     """
 
     controller: Controller
@@ -197,6 +198,7 @@ class Stage:
     stops: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     velocities: Mapping[str, str] = field(default_factory=dict)
     limited: Sequence[str] = ()
+    wires: Mapping[str, str | Mapping[str, float]] = field(default_factory=dict)
 
     @property
     def name(self) -> str:

@@ -9,20 +9,29 @@ Laws are Blocks. They read ``<name>_held`` of sensors and set-points, ``<sensor>
 or ``<actuator>_computed``.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
+from synth import tasks
 from synth.block import Block, Exprs, Step, build, clip
 from synth.compose import compose
-from synth.declaration import Actuator, Controller, Interface, Law, Reference, Sensor, SetPoint, Stage, Synthesis
+from synth.declaration import Actuator, Controller, Interface, Law, Sensor, SetPoint, Stage, Synthesis
+from synth.emit.write import Emitted
 from synth.errors import SignalError
 from synth.plant import Plant
+from synth.report.audit import Row
 from synth.signals import Signal, names
+from synth.simulate.experiment import Experiment
 from synth.synthesise import safety
+from synth.tasks import Progress
 from synth.timing import Discrete
+from synth.verify import standard
+from synth.verify.evidence import Evidence
+from synth.workspace import Bench, Design, Report
 
 __all__ = ["Actuator", "Interface", "Law", "Sensor", "SetPoint", "Stage", "controller", "design", "interface"]
 
@@ -183,15 +192,31 @@ def design(
     controller: Controller,
     plant: Plant,
     *,
-    reference: Reference | None = None,
-    operating_points: Mapping[str, Mapping[str, float]] | None = None,
-    require: Mapping[str, float] | None = None,
-    experiments: Sequence[Any] = (),
-    about: str = "",
-    **further: Any,
-) -> Any:
-    """Return what the command line does with a stage, as `workspace.Design`; each part can be overridden.
+    emit: Callable[[type[np.floating]], Mapping[str, Emitted]] | None = None,
+    verify: Callable[[Progress, bool], Evidence] | None = None,
+    simulate: Callable[[Progress], Sequence[Experiment]] | None = None,
+    audit: Callable[[], Iterator[Row]] | None = None,
+    bench: Bench | None = None,
+    report: Report | None = None,
+    **declared: Any,
+) -> Design:
+    """Return what the command line does with a stage; `declared` are the further fields of `declaration.Stage`.
 
-    `further` are fields of `declaration.Stage` and parts of `workspace.Design` that replace the derived ones.
+    Each of the six tasks can be replaced by one of the design's own.
+
+    Raises DesignError for a stage without `reference` whose own `verify` is not given.
     """
-    raise NotImplementedError
+    stage = Stage(controller, plant, **declared)
+    if verify is None:
+        standard.require_reference(stage)
+    return Design(
+        name=stage.name,
+        scalar=stage.scalar,
+        emit=emit or partial(tasks.emit, stage),
+        verify=verify or partial(standard.verify, stage),
+        simulate=simulate or partial(tasks.simulate, stage),
+        audit=audit or (lambda: iter(())),
+        bench=bench or tasks.bench(stage),
+        report=report or partial(tasks.report, stage),
+        stage=stage,
+    )

@@ -23,7 +23,7 @@ import numpy as np
 
 from synth import arguments
 from synth.analyse import discretise, precise, structure
-from synth.block import Block
+from synth.block import Block, Safety
 from synth.errors import ModelError, SignalError, TimingError
 from synth.signals import names
 from synth.statespace import Array, StateSpace, System, of
@@ -52,7 +52,16 @@ def _renamed(block: Block, old: str, new: str) -> Block:
     )
     output = {new if n == old else n: e for n, e in block.output.items()}
     faults = tuple(replace(f, output=new) if f.output == old else f for f in block.faults)
-    return replace(block, outputs=outputs, inside=inside, output=output, faults=faults)
+    return replace(block, outputs=outputs, inside=inside, output=output, faults=faults, safety=_kept(block, old, new))
+
+
+def _kept(block: Block, old: str, new: str) -> Safety | None:
+    if block.safety is None:
+        return None
+    values, rates = (
+        {new if n == old else n: v for n, v in of.items()} for of in (block.safety.safe_output, block.safety.slew_per_s)
+    )
+    return replace(block.safety, safe_output=values, slew_per_s=rates)
 
 
 @arguments.checked

@@ -5,7 +5,6 @@ import numpy as np
 from synth.block import Block
 from synth.emit import write
 from synth.execute import host
-from synth.synthesise.safety import Safety
 
 
 def compiled(
@@ -14,11 +13,10 @@ def compiled(
     *,
     error: float | None = None,
     libm: bool = False,
-    safety: Safety | None = None,
 ) -> host.Controller:
     """Return the emitted C of a Block in a scalar type, compiled and loaded; arguments are those of `write.emit`.
 
     Raises EmitError as `write.emit`, and CompileError as `host.load`.
     """
-    emitted = write.emit(block, scalar, safety, libm=libm, error=error)
+    emitted = write.emit(block, scalar, libm=libm, error=error)
     return host.load(emitted.files, emitted.manifest)

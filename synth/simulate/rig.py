@@ -67,7 +67,7 @@ class Rig:
         rest = {s.name: start.get(s.of, s.initial) for s in around.set_points}
         fields: dict[str, Any] = {
             "sensors": {s.name: s.of for s in around.sensors},
-            "actuators": self.actuators or {a.of: a.name for a in around.actuators},
+            "actuators": self.actuators or self.stage.wires or {a.of: a.name for a in around.actuators},
             "references": rest | dict(references or {}),
             "encoders": self._encoders(),
             "noise": self._noise(n),

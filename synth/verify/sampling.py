@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.block import Block
-from synth.execute import host
 from synth.signals import Signal
 from synth.verify.steps import Steps
 
@@ -82,10 +81,12 @@ def in_operation(block: Block, rng: np.random.Generator, n: int, recorded: Steps
     """
     chosen = rng.integers(0, len(recorded), n)
     size = 10.0 ** rng.uniform(*DISTANCES, n)
-    states, inputs = (host.columns(records[chosen]) for records in (recorded.states, recorded.inputs))
-    for s in block.states:
-        states[s.name] = states[s.name] if s.integer else _moved(s.signal, states[s.name], rng, size)
-    return states, {s.name: _moved(s, inputs[s.name], rng, size) for s in block.inputs}
+    x, u = recorded.states[chosen], recorded.inputs[chosen]
+    states = {
+        s.name: x[s.name].astype(np.float64) if s.integer else _moved(s.signal, x[s.name], rng, size)
+        for s in block.states
+    }
+    return states, {s.name: _moved(s, u[s.name], rng, size) for s in block.inputs}
 
 
 def _moved(

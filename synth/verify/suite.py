@@ -16,7 +16,6 @@ from synth.block import Block
 from synth.check import Check
 from synth.declaration import Reference
 from synth.execute import build, host
-from synth.synthesise.safety import Safety
 from synth.verify import agree
 from synth.verify.agree import Agreement, Columns, Stepped
 
@@ -41,14 +40,9 @@ class Witnesses:
         return {name: witness for name, witness in self.of.items() if name != "c64"}
 
 
-def witnesses(
-    block: Block,
-    reference: Reference,
-    error: Mapping[type[np.floating], float] | None = None,
-    safety: Safety | None = None,
-) -> Witnesses:
+def witnesses(block: Block, reference: Reference, error: Mapping[type[np.floating], float] | None = None) -> Witnesses:
     """Return all witnesses of a Block; `error` is the relative error of surrogates by scalar type."""
-    c64, c32 = (build.compiled(block, t, error=(error or {}).get(t), safety=safety) for t in (np.float64, np.float32))
+    c64, c32 = (build.compiled(block, t, error=(error or {}).get(t)) for t in (np.float64, np.float32))
     others = {"reference": agree.reference(reference), "casadi": agree.casadi(block)}
     return Witnesses(block, others | {"casadi_c": agree.casadi_own_c(block), "c64": agree.emitted(c64)}, c64, c32)
 
