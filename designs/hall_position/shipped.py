@@ -13,7 +13,6 @@ from models import concentrated_field, hall_array
 from models.concentrated_field import STRONG, WEAK
 from models.hall_chain import Chain
 from synth.block import Block
-from synth.blocks.safety import Safety
 from synth.emit.c import digits
 from synth.errors import DesignError
 from synth.timing import Discrete
@@ -26,9 +25,6 @@ PLACES: Mapping[str, tuple[Pair, ...]] = MappingProxyType(
 )  # in pitches
 TUNING = Tuning()
 DIGITS = 6  # of the field, so that it is the same on every machine
-SAFETY = Safety(
-    estimator.BAD_SAMPLES, {}, {}, "an estimator moves nothing: once latched it goes on and tells so in the fault word"
-)
 
 
 def array(name: str = NAME, chain: Chain | None = None) -> Array:

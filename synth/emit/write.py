@@ -2,14 +2,14 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from synth import cache
 from synth.block import Block
-from synth.blocks.safety import Safety
 from synth.emit import pipeline
 from synth.emit.c import c_text, layout, manifest
 from synth.emit.lower import Program
@@ -24,10 +24,10 @@ class Emitted:
     program: Program | None = None
 
 
+@cache.kept
 def emit(
     block: Block,
     scalar: type[np.floating],
-    safety: Safety | None = None,
     gains: Mapping[str, Any] | None = None,
     libm: bool = False,
     error: float | None = None,
@@ -37,6 +37,8 @@ def emit(
     Constants are rounded to the scalar type here, once. `gains` is the document that becomes gains.json. Functions of
     one variable become polynomials with a relative `error` of at most 2e-7 in float32 and 1e-14 in float64 when it is
     left out, unless `libm` is to compute them.
+
+    The manifest tells the safety that the Block carries, where it latches.
 
     Raises EmitError for a scalar type or an operation without a form in C, and for an operation that is not proved safe
     over the declared ranges.
@@ -49,13 +51,18 @@ def emit(
         f"{block.name}.c": "".join(f"{line.text}\n" for line in source),
         f"{block.name}.h": c_text.header(shipped, memory),
     }
-    document = manifest.manifest(shipped, memory, safety, texts, printed.surrogates, source)
+    document = manifest.manifest(shipped, memory, texts, printed.surrogates, source)
     shipped_gains = {
         "constants": {c.name: {"value": c.value, "unit": c.unit, "from": c.source} for c in shipped.constants}
     }
     texts["manifest.json"] = manifest.dumps(document)
     texts["gains.json"] = manifest.dumps(shipped_gains | dict(gains or {}))
-    return Emitted(texts, json.loads(texts["manifest.json"]), printed.program)
+    return Emitted(texts, json.loads(texts["manifest.json"]), _uncertified(printed.program))
+
+
+def _uncertified(program: Program) -> Program:
+    """Return the program without the certificates, which have served: functions are no data to be kept."""
+    return replace(program, marks=tuple((replace(named, certificate=None), k) for named, k in program.marks))
 
 
 def save(files: Mapping[str, str], folder: Path) -> None:

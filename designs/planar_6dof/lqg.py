@@ -1,0 +1,213 @@
+"""The reduced-order LQG regulators of the planar positioner at 800 Hz, Y(26)-(49), as Blocks.
+
+    A model of (26) with integrators (31), states (x y phi z1 z2 z3 d f v), u = (i_AQ, i_BQ, i_CQ), K of (49) by lqrd.
+
+        f_x = k i_C,   f_y = k (i_A + i_B),   m_phi = k a (i_B - i_A),   k = 13.2547 M
+
+    makes forces of its currents, so that the allocation compensates the yaw of motor C that (26) leaves out. In these K
+    falls apart into three axes q'' = b f, in which f is then over its scale in `allocation`, in A. Each knows the f1
+    that the motors make until the next sample, that of the sample before, and estimates the rate alone, with
+    L = (1 - p) / T:
+
+        v^  = x3 + L q,                     x3+ = F x3 + G q + H f1                                        (33), (35)
+        q1  = q + T v^ + b T^2/2 f1,        v1  = v^ + b T f1           where the axis is when f acts
+        w   = k1 (q - q1) - k2 v1,          f = w + k (r - q) + I            k = k1 + k3 T
+        I+  = (1 - g) I + g (made - w),     f1+ = made                       g = k3 T / k
+
+While made = f this is I+ = I + k3 T (r - q) and f = k1 (r - q1) - k2 v1 + I+. At a limit I follows what is made with a
+time constant of T/g, some 20 ms. An error beyond ERROR counts as this, and the integral fades: the axis then comes to
+k ERROR / k2, from which the motors can stop it. Until every measurement has been good once the platen counts as at rest
+where it is. The choices of prediction, p and ERROR: docs/decisions/planar_lqg.md.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+
+import casadi as ca
+import numpy as np
+
+from designs.planar_6dof import allocation, interface, sensing, vertical
+from designs.planar_6dof.allocation import HORIZONTAL
+from designs.planar_6dof.sensing import READY
+from designs.planar_6dof.vertical import MARGIN, POSITIONS, REFERENCES, Reading
+from synth.analyse import discretise
+from synth.block import Block, Constant, Exprs, State, Step, build
+from synth.plant import Plant
+from synth.signals import Signal
+from synth.statespace import Array, StateSpace, readonly
+from synth.synthesise.feedback import lqr
+from synth.synthesise.observers import reduced_observer
+from synth.timing import Continuous, Discrete
+
+NAME = "planar_6dof_lqg"
+TIME = Discrete(1 / 800)
+STATES = ("x", "y", "phi", "z1", "z2", "z3", "d", "f", "v")
+CURRENTS = ("i_AQ", "i_BQ", "i_CQ")
+PER_AMPERE, YAW_PER_AMPERE = 13.2547, 117.15  # m/s^2/A, rad/s^2/A, (26)
+WEIGHTS = (1e4, 1e3, 1e3, 1e10, 1e9, 1e10, 1e2, 1e1, 2e1)  # reproduces (49) in all its digits
+PRINTED_WEIGHTS = (1e3, 1e4, 1e3, 1e9, 1e8, 1e8, 1e2, 1e2, 1e2)  # (47), which does not
+OBSERVER_POLE = {"x": 0.7, "y": 0.7, "phi": 0.9}
+RATES = {"x": "d", "y": "f", "phi": "v"}
+ERROR = {"x": 1.5e-3, "y": 4e-3}  # m: a larger one counts as this one
+Regulate = Callable[[Plant, "Axis"], Block]
+MEASURED = {axis: replace(POSITIONS[axis], name=f"{axis}_raw", about="as measured") for axis in HORIZONTAL}
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One axis q'' = b d and its gains in A: d = k1 (r - q) - k2 q' + k3 sum (r - q)."""
+
+    name: str
+    b: float
+    k1: float
+    k2: float
+    k3: float
+
+
+def model(per_ampere: float = PER_AMPERE, yaw_per_ampere: float = YAW_PER_AMPERE) -> StateSpace:
+    """Return (31), (32) with the currents as inputs, from the accelerations per ampere of (26)."""
+    A, B = np.zeros((9, 9)), np.zeros((9, 3))
+    A[:3, 6:], A[3:6, :3] = np.eye(3), np.eye(3)
+    B[6, 2] = B[7, 0] = B[7, 1] = per_ampere
+    B[8, 0], B[8, 1] = -yaw_per_ampere, yaw_per_ampere
+    units = dict(zip(STATES, ("m", "m", "rad", "m s", "m s", "rad s", "m/s", "m/s", "rad/s"), strict=True))
+    units |= dict.fromkeys(CURRENTS, "A")
+    return StateSpace(A, B, np.eye(3, 9), np.zeros((3, 3)), STATES, CURRENTS, STATES[:3], Continuous(), units)
+
+
+@cache
+def gain(weights: Sequence[float] = WEIGHTS) -> lqr.Gain:
+    """Return K of (49), u = K x, for the diagonal of Q and R = I at 800 Hz."""
+    return lqr.lqrd(model(), weights, np.eye(3), TIME.period_s, exact=True)
+
+
+def demanded(plant: Plant) -> Array:
+    """Return K (3, 9) of the demands f_x, f_y in N and m_phi in N m, by the states of (31)."""
+    k, a, K = PER_AMPERE * plant.parameter("M").value, plant.parameter("a").value, gain().K
+    return readonly([k * K[2], k * (K[0] + K[1]), k * a * (K[1] - K[0])])
+
+
+def axes(plant: Plant) -> tuple[Axis, ...]:
+    """Return x, y and phi with their gains from positions to demands."""
+    k, a, scales = PER_AMPERE * plant.parameter("M").value, plant.parameter("a").value, allocation.scales(plant)
+    pushed = {"x": PER_AMPERE / k, "y": PER_AMPERE / k, "phi": YAW_PER_AMPERE / (k * a)}
+    found = []
+    for i, (name, row) in enumerate(zip(HORIZONTAL, -demanded(plant), strict=True)):
+        scale = scales[name]
+        k1, k2, k3 = row[[i, 6 + i, 3 + i]] / scale
+        found.append(Axis(name, pushed[name] * scale, float(k1), float(k2), float(k3) * TIME.period_s))
+    return tuple(found)
+
+
+def continuous(axis: Axis) -> StateSpace:
+    """Return q'' = b f with the states q and its rate."""
+    made, rate, unit = vertical.demand(axis.name), RATES[axis.name], POSITIONS[axis.name].unit
+    arrays: tuple[list[list[float]], ...] = ([[0, 1], [0, 0]], [[0], [axis.b]], [[1, 0]], [[0]])
+    A, B, C, D = (readonly(m) for m in arrays)
+    units = {axis.name: unit, rate: f"{unit}/s", made.name: made.unit}
+    return StateSpace(A, B, C, D, (axis.name, rate), (made.name,), (axis.name,), Continuous(), units)
+
+
+def observer(axis: Axis, pole: float | None = None) -> reduced_observer.ReducedObserver:
+    """Return the observer of the rate with L = (1 - p) / T."""
+    p = OBSERVER_POLE[axis.name] if pole is None else pole
+    held = discretise.zero_order_hold(continuous(axis), TIME.period_s)
+    return reduced_observer.from_gain(held, axis.name, [[(1 - p) / TIME.period_s]])
+
+
+def reduced_order(plant: Plant, axis: Axis) -> Block:
+    """Return the regulator of one axis on the observer of its rate alone; x3 is kept in units of what it demands."""
+    found, T = observer(axis), TIME.period_s
+    q, f1 = MEASURED[axis.name], allocation.reach(plant)[axis.name]
+    on_rate, on_force = axis.k1 * T + axis.k2, axis.b * T * (axis.k1 * T / 2 + axis.k2)
+    F, G, H, L = float(found.F[0, 0]), *(on_rate * float(m[0, 0]) for m in (found.G, found.H, found.L))
+    x3 = MARGIN * (abs(G) * q.high + abs(H) * f1) / (1 - abs(F))
+    per = per_position(axis.name)
+    constants = [
+        Constant("on_force", on_force, "1", "(49): b T (k1 T / 2 + k2)"),
+        Constant("L", L, per, "(33): (k1 T + k2) L, L = (1 - p) / T"),
+        Constant("F", F, "1", "(35): A22 - L A12"),
+        Constant("G", G, per, "(33): (k1 T + k2) (F L + A21 - L A11)"),
+        Constant("H", H, "1", "(33): (k1 T + k2) (B2 - L B1)"),
+    ]
+
+    def estimate(u: Exprs, x: Exprs, k: Exprs) -> tuple[ca.SX, dict[str, ca.SX]]:
+        seen = k["L"] * u[q.name]
+        now = ca.if_else(u[READY.name], x["x3"], -seen)
+        after = k["F"] * now + k["G"] * u[q.name] + k["H"] * x["force"]
+        return -(now + seen + k["on_force"] * x["force"]), {"x3": after}
+
+    unit = vertical.demand(axis.name).unit
+    state = State(Signal("x3", unit, -x3, x3, "for the estimated rate less L position"), 0.0)
+    return regulator(plant, axis, estimate, [state], constants, x3 + L * q.high + on_force * f1)
+
+
+Estimate = Callable[[Exprs, Exprs, Exprs], tuple[ca.SX, dict[str, ca.SX]]]
+
+
+def regulator(
+    plant: Plant, axis: Axis, estimate: Estimate, states: list[State], constants: list[Constant], most: float
+) -> Block:
+    """Return the regulator of one axis for `estimate(u, x, k) -> (w, next states)`, where |w| <= `most`.
+
+    The integral and the force that acts until the next sample are added to the states.
+    """
+    q, r = MEASURED[axis.name], REFERENCES[axis.name]
+    wanted, driven = vertical.demand(axis.name), vertical.made(axis.name)
+    k, f1 = axis.k1 + axis.k3, allocation.reach(plant)[axis.name]
+    integral, g = MARGIN * (most + f1), axis.k3 / k
+
+    def law(u: Exprs, x: Exprs, c: Exprs) -> Step:
+        w, after = estimate(u, x, c)
+        error = u[r.name] - u[q.name]
+        integral = c["kept"] * x["integral"] + c["driven"] * (u[driven.name] - w)
+        if most := ERROR.get(axis.name):
+            near = ca.fabs(error) <= most
+            error = ca.if_else(near, error, ca.if_else(error < 0, -most, most))
+            integral = ca.if_else(near, integral, c["kept"] * x["integral"])
+        demand = c["on_error"] * error + (w + x["integral"])
+        return Step({wanted.name: demand}, after | {"integral": integral, "force": u[driven.name]})
+
+    shared = [
+        Constant("on_error", k, per_position(axis.name), "(49): k1 + k3 T"),
+        Constant("kept", 1 - g, "1", "(49): 1 - k3 T / (k1 + k3 T)"),
+        Constant("driven", g, "1", "(49): k3 T / (k1 + k3 T)"),
+    ]
+    kept = [
+        State(Signal("integral", wanted.unit, -integral, integral, "of the error"), 0.0),
+        State(Signal("force", wanted.unit, -f1, f1, "that acts until the next sample"), 0.0),
+    ]
+    return build(
+        f"lqg_{axis.name}",
+        TIME,
+        law,
+        inputs=[q, r, driven, READY],
+        outputs=[wanted],
+        states=[*states, *kept],
+        constants=[*shared, *constants],
+        tag="(28)-(35), (49)",
+    )
+
+
+def per_position(axis: str) -> str:
+    """Return the unit of a demand over a position."""
+    return f"{vertical.demand(axis).unit}/{POSITIONS[axis].unit}"
+
+
+def law(plant: Plant, reading: Reading = "shipped", regulate: Regulate = reduced_order) -> list[Block]:
+    """Return the Blocks from positions and held set-points to computed phase currents."""
+    horizontal = [regulate(plant, axis) for axis in axes(plant)]
+    upright, yaw = vertical.blocks(plant, TIME, reading), MEASURED["phi"]
+    motors = (make(plant, TIME, yaw) for make in (allocation.allocation, allocation.commutation))
+    return [*horizontal, *upright, *motors]
+
+
+def sensed(plant: Plant) -> list[Block]:
+    """Return the Blocks from Hall voltages to positions as they are measured."""
+    return [sensing.sensing(plant, TIME, predicted=False)]
+
+
+def controller(plant: Plant, reading: Reading = "shipped", regulate: Regulate = reduced_order) -> Block:
+    """Return the whole controller, from Hall voltages, distances and set-points to the motors' phase currents."""
+    return interface.controller(NAME, plant, TIME, sensed(plant), law(plant, reading, regulate))
