@@ -156,7 +156,7 @@ def own() -> Mapping[str, Call]:
         "transfer.decay": {"poles": np.array([-1.0 + 0j]), "time": Continuous()},
         "transfer.check_limits": {"low": 1.0, "high": 2.0},
         "transfer.check_turns": {"late": 1e-3, "top": 10.0},
-        "transfer.log": {"value": np.array([1 + 1j])},
+        "refinement.log": {"value": np.array([1 + 1j])},
         "trim.trim": {"plant": maglev, "fixed": {"gap": 0.02}, "free": ["current"]},
         "worst.Figure": {"name": "f", "unit": "1", "of": lambda loop: 1.0, "largest": False},
         "worst.search": {"loop": example_loop, "parameters": [K], "figure": worst.PHASE_MARGIN},

@@ -26,7 +26,7 @@ from designs.planar_6dof import allocation, interface
 from designs.planar_6dof import loop as simulated
 from designs.planar_6dof.allocation import AXES
 from models import lorentz_motor, planar_stage
-from synth.analyse import disk, interconnect, linearise, loop, margins, structure, trim
+from synth.analyse import disk, interconnect, linearise, loop, margins, realisation, trim
 from synth.block import Block
 from synth.errors import SignalError
 from synth.plant import Plant
@@ -147,7 +147,7 @@ def opened(found: Parts, signals: Sequence[str]) -> StateSpace:
     inputs, outputs = [f"{n}_in" for n in signals], [ends[n] for n in signals]
     around = interconnect.connect([found.plant, found.controller], inputs, outputs, wires)
     back = tuple(f"{n}_out" for n in signals)
-    return structure.connected(replace(around, C=-around.C, D=-around.D, inputs=tuple(signals), outputs=back))
+    return realisation.connected(replace(around, C=-around.C, D=-around.D, inputs=tuple(signals), outputs=back))
 
 
 def of_block(plant: Plant, block: Block, axes: Iterable[str], label: str) -> list[OpenLoop]:

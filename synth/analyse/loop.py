@@ -22,7 +22,7 @@ import flint
 import numpy as np
 
 from synth import arguments
-from synth.analyse import discretise, precise, structure
+from synth.analyse import discretise, precise, realisation
 from synth.block import Block, Safety
 from synth.errors import ModelError, SignalError, TimingError
 from synth.signals import names
@@ -195,7 +195,7 @@ def opened(
     states = tuple(f"plant_{s}" for s in P.states) + K.states
     units = {**K.units, **{f"plant_{s}": P.units[s] for s in P.states if s in P.units}}
     outs = tuple(f"{n}_out" for n in signals)
-    return structure.connected(StateSpace(A, B, C, D, states, signals, outs, K.time, units))
+    return realisation.connected(StateSpace(A, B, C, D, states, signals, outs, K.time, units))
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from synth.analyse import transfer
+from synth.analyse import refinement, transfer
 from synth.analyse.transfer import Delayed, Response
 from synth.errors import ModelError
 from synth.statespace import StateSpace
@@ -55,7 +55,7 @@ def _followed(model: StateSpace, curve: transfer.Curve, factor: complex) -> tupl
 
     The half for w < 0 is the conjugate of that for the conjugate factor, and both meet at w = 0.
     """
-    w, value = transfer.refined(lambda v: factor * curve.L(v), curve.w, factor * curve.value)
+    w, value = refinement.refined(lambda v: factor * curve.L(v), curve.w, factor * curve.value)
     least = int(np.abs(1 + value).argmin())
     if abs(1 + value[least]) < RESOLVED:
         raise ModelError(

@@ -185,3 +185,18 @@ def _response(model: StateSpace, points: NDArray[np.complex128]) -> NDArray[np.c
     part = staircase.of_model(model)
     A, B, C = part.A * part.rate, part.B * part.rate / part.u, part.C * part.y[:, None]
     return replace(model, A=A, B=B, C=C).response(points)
+
+
+@arguments.checked
+def connected(model: StateSpace) -> StateSpace:
+    """Return the model without the states that no input reaches or that reach no output, told by zeros of A, B, C.
+
+    The response is the same function.
+    """
+    moves = model.A != 0
+    reached, seen = (model.B != 0).any(axis=1), (model.C != 0).any(axis=0)
+    for _ in range(len(model.A)):
+        reached, seen = reached | moves[:, reached].any(axis=1), seen | moves[seen].any(axis=0)
+    keep = np.flatnonzero(reached & seen)
+    states = tuple(model.states[i] for i in keep)
+    return replace(model, A=model.A[np.ix_(keep, keep)], B=model.B[keep], C=model.C[:, keep], states=states)

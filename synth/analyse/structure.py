@@ -14,7 +14,7 @@ component of a direction is 1; components below a tenth are left out.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -213,21 +213,6 @@ def has_transmission_zero(model: StateSpace, s: complex) -> bool:
         return True
     values = np.linalg.svd(equilibrated(rosenbrock)[0], compute_uv=False)
     return bool(values[-1] <= staircase.COUPLING * values[0])
-
-
-@arguments.checked
-def connected(model: StateSpace) -> StateSpace:
-    """Return the model without the states that no input reaches or that reach no output, told by zeros of A, B, C.
-
-    The response is the same function.
-    """
-    moves = model.A != 0
-    reached, seen = (model.B != 0).any(axis=1), (model.C != 0).any(axis=0)
-    for _ in range(len(model.A)):
-        reached, seen = reached | moves[:, reached].any(axis=1), seen | moves[seen].any(axis=0)
-    keep = np.flatnonzero(reached & seen)
-    states = tuple(model.states[i] for i in keep)
-    return replace(model, A=model.A[np.ix_(keep, keep)], B=model.B[keep], C=model.C[:, keep], states=states)
 
 
 @arguments.checked

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
-from synth.analyse import transfer
+from synth.analyse import refinement
 from synth.analyse.crossings import Crossing, Crossings
 from synth.analyse.transfer import Complex, Curve
 from synth.errors import ModelError
@@ -34,8 +34,8 @@ def of_curve(curve: Curve) -> Crossings:
 
 def _unit(curve: Curve) -> list[float]:
     """Return where |L| = 1; of a stretch the worst for the phase and for a delay."""
-    value, w = transfer.log(curve.value), curve.w
-    found = [] if len(w) < 3 else _roots(lambda v: transfer.log(curve.L(v)), w, value)
+    value, w = refinement.log(curve.value), curve.w
+    found = [] if len(w) < 3 else _roots(lambda v: refinement.log(curve.L(v)), w, value)
     _require_parity(found, value)
     for run in _stretches(value):
         above = np.angle(-curve.value[run])
@@ -65,7 +65,7 @@ def _real(curve: Curve, unit: list[float]) -> list[float]:
     found = _roots(sine, w, value)
     for run in _stretches(value):
         inside = [f for f in unit if w[run][0] <= f <= w[run][-1]]
-        found += inside or [float(w[run][np.abs(transfer.log(curve.value[run])).argmin()])]
+        found += inside or [float(w[run][np.abs(refinement.log(curve.value[run])).argmin()])]
     return sorted(set(found))
 
 
@@ -105,7 +105,7 @@ def _with_turns(f: Callable[[float], NDArray[np.float64]], w: Array, value: Arra
     size, sign = np.abs(value), np.sign(value)
     turns = (size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:]) & (size[1:-1] < NEAR)
     turns &= size[1:-1] < 4 * (np.maximum(size[:-2], size[2:]) - size[1:-1])  # a smooth turn goes down by less
-    turns &= w[2:] - w[:-2] > 16 * transfer.NARROW * w[2:]
+    turns &= w[2:] - w[:-2] > 16 * refinement.NARROW * w[2:]
     turns &= (sign[1:-1] == sign[:-2]) & (sign[1:-1] == sign[2:]) & (size[1:-1] > FLAT)
     for k in np.flatnonzero(turns) + 1:
         where, least = _least(_scaled(f, sign[k]), w[k - 1], w[k + 1])

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from synth import arguments, show
 from synth.analyse import schur_response
+from synth.analyse.refinement import NARROW, refined
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, StateSpace, System, of
 from synth.timing import Continuous, Discrete, Time
@@ -25,7 +26,6 @@ from synth.timing import Continuous, Discrete, Time
 Complex = NDArray[np.complex128]
 Response = Callable[[ArrayLike], Complex]
 
-NARROW = 1e-9  # of a frequency: nodes stand no closer, for nearer to an undamped pole L is rounding error
 ZERO = 1e-12  # of the fastest rate: a slower one may be the rounding error of an integrator
 QUIET = 1e-2  # a delayed loop is followed until |L| stays this near to its last value, and for two turns at least
 SMALL = 50  # states up to which each frequency is solved for by itself
@@ -281,31 +281,3 @@ def _real(model: StateSpace, points: dict[float, float]) -> dict[float, float]:
         if sigma.size == 0 or sigma[-1] > 1e-12 * sigma[0]:
             found[w] = float(model.response(v)[0, 0, 0].real)
     return found
-
-
-def refined(L: Response, w: Array, value: Complex) -> tuple[Array, Complex]:
-    """Return frequencies (k,) and L on them, between which log L and log(1 + L) turn and grow by little only.
-
-    They include w, at which L is `value`.
-    """
-    for _ in range(40):
-        wide = (_step(value) > 0.15) | (_step(1 + value) > 0.15)
-        wide &= np.diff(w) > 4 * NARROW * w[1:]
-        if not wide.any():
-            break
-        between = np.sqrt(w[:-1] * w[1:])[wide]
-        order = np.argsort(np.concatenate([w, between]), kind="stable")
-        value = np.concatenate([value, L(between)])[order]
-        w = np.concatenate([w, between])[order]
-    return w, value
-
-
-def _step(value: Complex) -> Array:
-    """Return how far log `value` moves from point to point."""
-    turn = np.diff(np.angle(value))
-    return np.hypot(np.diff(log(value)), (turn + np.pi) % (2 * np.pi) - np.pi)
-
-
-def log(value: Complex) -> Array:
-    """Return log |value|, of 0 that of the least number."""
-    return np.log(np.maximum(np.abs(value), 1e-300))

@@ -21,7 +21,7 @@ import casadi as ca
 import numpy as np
 
 from synth import arguments
-from synth.analyse import box, reach, structure
+from synth.analyse import box, reach, realisation
 from synth.block import Block, Exprs, Step, build, clip
 from synth.blocks import axis_regulator, linear_block
 from synth.blocks.axis_regulator import Axis, Kalman, Regulator
@@ -97,7 +97,7 @@ def servo(
 
     Raises SignalError for what does not fit; `ServoLaw.law` raises what only the sample period can tell.
     """
-    inverse, plant = (model.law, model.model) if isinstance(model, Chain) else (None, structure.connected(of(model)))
+    inverse, plant = (model.law, model.model) if isinstance(model, Chain) else (None, realisation.connected(of(model)))
     if (len(plant.inputs), len(plant.outputs)) != (1, 1):
         raise SignalError(
             f"an axis has one command and one output, the model has {', '.join(plant.inputs) or 'no input'} and "

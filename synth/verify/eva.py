@@ -32,12 +32,12 @@ from typing import Any
 
 from synth.check import Check
 from synth.errors import CompileError
-from synth.verify import contract
+from synth.verify import contract, eva_report
 from synth.verify.contract import Member
+from synth.verify.eva_report import HARNESS, Analysis
 
 TIME_LIMIT_S = 1800  # a guard against an analysis without an end, no verdict on speed: minutes are usual
 _PROCESSES = 2
-_HARNESS = "synth_eva.c"
 _REPORT = "properties.csv"
 _ADMIT, _CHECK = "@ admit ", "@ check "
 # Two branchings are remembered, so that what a comparison found still holds where its result is used; equalities carry
@@ -99,20 +99,6 @@ class Proof:
         )
 
 
-@dataclass(frozen=True)
-class _Analysis:
-    """Properties as text: the same one has the same text in every analysis of a harness."""
-
-    proved: frozenset[str]
-    alarms: frozenset[str]
-    unproved: frozenset[str]
-    trusted: frozenset[str]
-
-    @property
-    def open(self) -> frozenset[str]:
-        return self.alarms | self.unproved
-
-
 def prove(files: Mapping[str, str], manifest: Mapping[str, Any]) -> Proof:
     """Prove the contract of `manifest` for emitted `{filename: text}`.
 
@@ -135,7 +121,7 @@ def prove(files: Mapping[str, str], manifest: Mapping[str, Any]) -> Proof:
     )
 
 
-def _split_further(files: Mapping[str, str], manifest: Mapping[str, Any], step: _Analysis) -> _Analysis:
+def _split_further(files: Mapping[str, str], manifest: Mapping[str, Any], step: Analysis) -> Analysis:
     """Analyse again with one input split, for each input, unless what is open stays so when every input is good."""
     if not step.open:
         return step
@@ -147,8 +133,8 @@ def _split_further(files: Mapping[str, str], manifest: Mapping[str, Any], step: 
     return reduce(_either, _analyses(files, harnesses), step)
 
 
-def _either(a: _Analysis, b: _Analysis) -> _Analysis:
-    return _Analysis(a.proved | b.proved, a.alarms & b.alarms, a.unproved & b.unproved, a.trusted | b.trusted)
+def _either(a: Analysis, b: Analysis) -> Analysis:
+    return Analysis(a.proved | b.proved, a.alarms & b.alarms, a.unproved & b.unproved, a.trusted | b.trusted)
 
 
 def _step_harness(files: Mapping[str, str], manifest: Mapping[str, Any], draw: Callable[[Member], str]) -> str:
@@ -219,13 +205,13 @@ def _exact(member: Member, value: float) -> str:
     return float(value).hex() if member.real else str(int(value))
 
 
-def _analyses(files: Mapping[str, str], harnesses: Sequence[str]) -> list[_Analysis]:
+def _analyses(files: Mapping[str, str], harnesses: Sequence[str]) -> list[Analysis]:
     with ThreadPoolExecutor(_PROCESSES) as pool:
         return list(pool.map(lambda harness: _analyse(files, harness), harnesses))
 
 
-def _analyse(files: Mapping[str, str], harness: str) -> _Analysis:
-    return _judged(*_reported(files, harness))
+def _analyse(files: Mapping[str, str], harness: str) -> Analysis:
+    return eva_report.read(*_reported(files, harness))
 
 
 def _reported(files: Mapping[str, str], harness: str) -> tuple[list[dict[str, str]], str]:
@@ -233,9 +219,9 @@ def _reported(files: Mapping[str, str], harness: str) -> tuple[list[dict[str, st
     frama_c = contract.tool("frama-c", "frama-c-base")
     with tempfile.TemporaryDirectory() as work:
         folder = Path(work)
-        for name, text in {**files, _HARNESS: harness}.items():
+        for name, text in {**files, HARNESS: harness}.items():
             (folder / name).write_text(text, encoding="utf-8")
-        command = [frama_c, *_OPTIONS, *contract.units(files), _HARNESS, "-then", f"-report-csv={_REPORT}"]
+        command = [frama_c, *_OPTIONS, *contract.units(files), HARNESS, "-then", f"-report-csv={_REPORT}"]
         said = _run(command, folder)
         with (folder / _REPORT).open(encoding="utf-8", newline="") as report:
             return list(csv.DictReader(report, delimiter="\t", quoting=csv.QUOTE_NONE)), said
@@ -248,8 +234,8 @@ def _refuted(files: Mapping[str, str], harness: str) -> frozenset[str]:
     """
     asked = {name: text.replace(_ADMIT, _CHECK) for name, text in files.items()}
     rows, _ = _reported(asked, harness)
-    own = [row for row in rows if row["property kind"] == "user check" and row["file"] != _HARNESS]
-    return frozenset(_told(row) for row in own if row["status"] not in ("Valid", "Unknown"))
+    own = [row for row in rows if row["property kind"] == "user check" and row["file"] != HARNESS]
+    return frozenset(eva_report.told(row) for row in own if row["status"] not in ("Valid", "Unknown"))
 
 
 def _run(command: Sequence[str], folder: Path) -> str:
@@ -267,35 +253,6 @@ def _run(command: Sequence[str], folder: Path) -> str:
             f"{done.stderr[-2000:]}"
         )
     return done.stdout
-
-
-def _judged(rows: Sequence[Mapping[str, str]], said: str) -> _Analysis:
-    """Sort Frama-C's properties: what is proved, what is an alarm, what is open."""
-    admitted = [row for row in rows if row["property kind"] == "user hypothesis"]
-    own = [row for row in rows if not row["directory"].startswith("FRAMAC_SHARE") and row not in admitted]
-    ends = [row for row in own if row["property"] == "\\false" and row["file"] == _HARNESS]
-    claims = [row for row in own if row["property kind"] == "user check" and row not in ends]
-    others = [row for row in own if row not in claims and row not in ends and row["status"] not in ("Valid", "Dead")]
-    alarms = [row for row in others if not row["property kind"].startswith("precondition")]
-    unproved = [row for row in claims if row["status"] != "Valid"] + [row for row in others if row not in alarms]
-    # What is false must be seen to be false: were the end out of reach, every claim there would hold.
-    reached = [row["status"] for row in ends] == ["Invalid or unreachable"]
-    return _Analysis(
-        proved=frozenset(_told(row) for row in claims if row["status"] == "Valid"),
-        alarms=frozenset(map(_told, alarms)),
-        unproved=frozenset(map(_told, unproved)) | (frozenset() if reached else {"the end is never reached"}),
-        trusted=_trusted(said),
-    )
-
-
-def _trusted(said: str) -> frozenset[str]:
-    marker = "using specification for function "
-    named = [line.split(marker)[1].strip() for line in said.splitlines() if marker in line]
-    return frozenset(name for name in named if not name.startswith("Frama_C_"))
-
-
-def _told(row: Mapping[str, str]) -> str:
-    return f"{row['file']}:{row['line']}: {row['property kind']}: {row['property']}"
 
 
 def _first(scope: str, found: Sequence[str], shown: int = 3) -> str:

@@ -10,7 +10,7 @@ import slycot
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from synth.analyse import staircase, structure
+from synth.analyse import realisation, staircase, structure
 from synth.errors import ModelError
 from synth.statespace import StateSpace
 from synth.timing import Continuous, Discrete
@@ -116,11 +116,11 @@ def test_transmission_zeros_are_told_whatever_the_units() -> None:
 def test_what_is_not_connected_goes_and_the_response_stays() -> None:
     A = np.array([[-1.0, 0, 0, 0], [1, -2, 0, 0], [0, 0, -3, 0], [0, 1, 0, -4]])
     whole = system(A, [[1], [0], [0], [0]], [[0, 1, 1, 0]])
-    part = structure.connected(whole)
+    part = realisation.connected(whole)
     s = 1j * np.array([0.1, 1, 10])
     assert part.states == ("x0", "x1")
     np.testing.assert_allclose(part.response(s), whole.response(s), rtol=tolerances.of("double"))
-    through = structure.connected(system([[-1.0]], [[0]], [[1]]))
+    through = realisation.connected(system([[-1.0]], [[0]], [[1]]))
     assert through.states == () and not through.response(s).any()
 
 

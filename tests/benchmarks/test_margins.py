@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks import margins as search
+from benchmarks import margins_cases
 from synth.analyse import crossings, margins
 from synth.analyse.margins import Margins
 from synth.statespace import StateSpace, readonly
@@ -16,7 +17,7 @@ def test_no_margin_of_a_hundred_random_loops_is_optimistic() -> None:
     found = list(search.search(100, seed=3))
     assert [(o.case.kind, o.worst, o.excess) for o in found if o.excess > search.TOLERANCE] == []
     answered = [o for o in found if not o.refused]
-    assert len(answered) >= 85 and {o.case.kind for o in answered} == set(search.KINDS)
+    assert len(answered) >= 85 and {o.case.kind for o in answered} == set(margins_cases.KINDS)
     assert all("not determined" in o.refused or "hides whether" in o.refused for o in found if o.refused)
 
 
@@ -46,7 +47,7 @@ def test_a_margin_that_is_reported_a_thousandth_too_large_is_noticed(
         return replace(found, gain_crossings=gains, phase_crossings=phases, peak_sensitivity=peak)
 
     monkeypatch.setattr(margins, "of_loop", optimistic)
-    found = [search.judged(search.case(kind, np.random.default_rng(k))) for kind in search.KINDS[:2] for k in range(12)]
+    found = [search.judged(margins_cases.case(kind, np.random.default_rng(k))) for kind in margins_cases.KINDS[:2] for k in range(12)]
     assert any(o.excess > search.TOLERANCE and o.worst == part for o in found)
 
 
@@ -54,12 +55,12 @@ def test_the_judge_answers_at_a_pole() -> None:
     one, zero = readonly([[1.0]]), readonly([[0.0]])
     model = StateSpace(one, one, one, zero, ("x",), ("u",), ("y",), Discrete(1.0))
     with np.errstate(all="ignore"):
-        at_pole, beside = np.abs(search._matrices(model, 1.0)(np.array([0.0, 0.5])))
+        at_pole, beside = np.abs(margins_cases._matrices(model, 1.0)(np.array([0.0, 0.5])))
     assert not at_pole < 1e300 and beside == pytest.approx(1 / (2 * np.sin(0.25)))
 
 
 def test_a_crossing_that_is_left_out_is_noticed_by_the_library_itself(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without its phase crossing a loop has no gain margin: the closed loop at a hundredfold gain contradicts."""
     monkeypatch.setattr(crossings, "_phase_crossings", lambda *_: ())
-    found = [search.judged(search.case("transfer function", np.random.default_rng(k))) for k in range(20)]
+    found = [search.judged(margins_cases.case("transfer function", np.random.default_rng(k))) for k in range(20)]
     assert any("fails its verification" in o.refused for o in found)

@@ -14,6 +14,7 @@ import pytest
 from scipy.sparse.linalg import splu
 
 from models import slotted_field as sf
+from models import slotted_grid
 
 MOTOR = sf.Geometry()
 SMOOTH = replace(MOTOR, b0=1e-4 * MOTOR.t1, slot_depth=2e-4 * MOTOR.t1)
@@ -186,7 +187,7 @@ def _order() -> float:
 
 def test_order_is_two_and_needs_the_grading(monkeypatch: pytest.MonkeyPatch) -> None:
     assert _order() == pytest.approx(2.0, abs=0.15)
-    monkeypatch.setattr(sf, "_both_ends", lambda n: np.linspace(0.0, 1.0, n + 1))
+    monkeypatch.setattr(slotted_grid, "_both_ends", lambda n: np.linspace(0.0, 1.0, n + 1))
     assert _order() < 1.75
 
 

@@ -9,11 +9,12 @@ from synth.emit.lower import LIBM, Program
 from synth.emit.passes import fold
 from synth.emit.passes.replace import Surrogate
 from synth.emit.proof import ranges
+from synth.emit.proof.ranges import SELECTIONS
 
 
 def without_idle(program: Program, bounds: Mapping[str, ranges.Range], scalar: type[np.floating]) -> Program:
     """Return the program without the limits that its ranges prove idle."""
-    while idle := ranges.redundant(program, ranges.analyse(program, bounds, scalar)):
+    while idle := redundant(program, ranges.analyse(program, bounds, scalar)):
         program = fold.folded(program.substituted(idle))
     return program
 
@@ -33,3 +34,46 @@ def without_certified(program: Program, surrogates: Sequence[Surrogate], scalar:
         if named.certificate(float(np.finfo(scalar).eps) / 2, error) <= high:
             nodes[k] = replace(nodes[k], op="within")
     return replace(program, nodes=tuple(nodes))
+
+
+def redundant(program: Program, proved: tuple[ranges.Range, ...]) -> dict[int, int]:
+    """Return for each min, max, clamp or choice that always equals one of its arguments that argument.
+
+    The argument is followed through others that are redundant. (a < b) ? a : b is b where either is no number, and of
+    two zeros of unlike sign it gives the second: a tie at 0 replaces nothing by the first.
+    """
+    found: dict[int, int] = {}
+    for k in range(len(program.nodes)):
+        same = _same(program, k, proved)
+        if same is not None:
+            found[k] = found.get(same, same)
+    return found
+
+
+def _same(program: Program, k: int, proved: tuple[ranges.Range, ...]) -> int | None:
+    node = program.nodes[k]
+    if node.op in ("min", "max"):
+        return _extreme(node.args, [proved[a] for a in node.args], node.op == "min")
+    if node.op == "clamp":
+        x, low, high = (proved[a] for a in node.args)
+        inside = low.high <= x.low and x.high <= high.low and not (x.nan or low.nan or high.nan)
+        return node.args[0] if inside else None
+    if node.op in SELECTIONS:
+        c = proved[node.args[0]]
+        if not c.nan and (c.low > 0 or c.high < 0):
+            return node.args[1]
+        if not c.nan and c.low == c.high == 0:
+            zeros = (z for z, n in enumerate(program.nodes[:k]) if n.op == "literal" and str(n.value) == "0.0")
+            return node.args[2] if node.op == "choose" else next(zeros, None)
+    return None
+
+
+def _extreme(args: tuple[int, ...], sides: list[ranges.Range], least: bool) -> int | None:
+    a, b = sides if least else [ranges.Range(-r.high, -r.low, r.nan) for r in sides]
+    if b.high <= a.low:
+        return args[1]
+    return args[0] if not (a.nan or b.nan) and _below(a, b) else None
+
+
+def _below(a: ranges.Range, b: ranges.Range) -> bool:
+    return a.high < b.low or a.high == b.low != 0

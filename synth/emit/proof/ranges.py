@@ -246,49 +246,6 @@ def under(
     return kept, dead
 
 
-def redundant(program: Program, ranges: tuple[Range, ...]) -> dict[int, int]:
-    """Return for each min, max, clamp or choice that always equals one of its arguments that argument.
-
-    The argument is followed through others that are redundant. (a < b) ? a : b is b where either is no number, and of
-    two zeros of unlike sign it gives the second: a tie at 0 replaces nothing by the first.
-    """
-    found: dict[int, int] = {}
-    for k in range(len(program.nodes)):
-        same = _same(program, k, ranges)
-        if same is not None:
-            found[k] = found.get(same, same)
-    return found
-
-
-def _same(program: Program, k: int, ranges: tuple[Range, ...]) -> int | None:
-    node = program.nodes[k]
-    if node.op in ("min", "max"):
-        return _extreme(node.args, [ranges[a] for a in node.args], node.op == "min")
-    if node.op == "clamp":
-        x, low, high = (ranges[a] for a in node.args)
-        inside = low.high <= x.low and x.high <= high.low and not (x.nan or low.nan or high.nan)
-        return node.args[0] if inside else None
-    if node.op in SELECTIONS:
-        c = ranges[node.args[0]]
-        if not c.nan and (c.low > 0 or c.high < 0):
-            return node.args[1]
-        if not c.nan and c.low == c.high == 0:
-            zeros = (z for z, n in enumerate(program.nodes[:k]) if n.op == "literal" and str(n.value) == "0.0")
-            return node.args[2] if node.op == "choose" else next(zeros, None)
-    return None
-
-
-def _extreme(args: tuple[int, ...], sides: list[Range], least: bool) -> int | None:
-    a, b = sides if least else [Range(-r.high, -r.low, r.nan) for r in sides]
-    if b.high <= a.low:
-        return args[1]
-    return args[0] if not (a.nan or b.nan) and _below(a, b) else None
-
-
-def _below(a: Range, b: Range) -> bool:
-    return a.high < b.low or a.high == b.low != 0
-
-
 def inductive(program: Program, ranges: tuple[Range, ...], block: Block, scalar: type[np.floating]) -> None:
     """Raise EmitError unless each next state lies in its declared bounds, rounded as in the layout."""
     box = bounds(block, scalar)

@@ -19,7 +19,6 @@ x' = p x + u, y = (p - z) x + u, in the order given, the gain last.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import cast
 
 import flint
 import numpy as np
@@ -27,7 +26,8 @@ import numpy as np
 from synth import arguments, show
 from synth.analyse import discretise, precise
 from synth.errors import ModelError, SignalError, TimingError
-from synth.statespace import Array, StateSpace
+from synth.statespace import StateSpace
+from synth.synthesise.classical.zeros import balls, factored, value
 from synth.timing import Continuous, Discrete, Time
 
 MOST_INTEGRATORS = 10  # of a compensator: a loop with more has no phase left at any crossover
@@ -178,8 +178,8 @@ def matched(compensator: Compensator, period_s: float, at: float) -> LeadLag:
         missing = len(compensator.poles) - len(compensator.zeros)
         zeros = [*((flint.arb(z) * T).exp() for z in compensator.zeros), *[flint.arb(-1)] * missing]
         poles = [(flint.arb(p) * T).exp() for p in compensator.poles]
-        here = _value(flint.arb(1), _balls(compensator.zeros), _balls(compensator.poles), flint.acb(0, at))
-        ratio = here / _value(flint.arb(1), zeros, poles, flint.acb(0, flint.arb(at) * T).exp())
+        here = value(flint.arb(1), balls(compensator.zeros), balls(compensator.poles), flint.acb(0, at))
+        ratio = here / value(flint.arb(1), zeros, poles, flint.acb(0, flint.arb(at) * T).exp())
         if not ratio.real > 0:  # s and z = exp(s T) lie on one side of each zero and pole: the signs at rest are equal
             raise ModelError(
                 f"at {at:g} rad/s the matched compensator of the right sign at rest is {_apart(ratio):.4g} degrees off "
@@ -211,7 +211,7 @@ def _require(compensator: Compensator, period_s: float, at: float) -> None:
 
 
 def _bilinear(compensator: Compensator, period_s: float, at: float, scale: flint.arb, method: str) -> LeadLag:
-    zeros, poles = _balls(compensator.zeros), _balls(compensator.poles)
+    zeros, poles = balls(compensator.zeros), balls(compensator.poles)
     for v in (*zeros, *poles):
         if abs(float((1 - v / scale).mid())) < 1e-9:
             raise SignalError(f"{float(v):g} 1/s is where the rule {method} goes to infinity: move it or the period")
@@ -245,43 +245,11 @@ def _told(compensator: Compensator, sampled: Compensator | StateSpace, method: s
         poles: tuple[complex, ...] = sampled.poles
     else:
         discrete, poles = sampled, tuple(np.diag(sampled.A).tolist())
-        gain, zeros = _factored(sampled)
+        gain, zeros = factored(sampled)
     z = np.exp(1j * at * discrete.time.period_s) if isinstance(discrete.time, Discrete) else np.nan
     ratio = complex(discrete.response(z)[0, 0, 0] / compensator.model.response(1j * at)[0, 0, 0])
     errors = (abs(ratio) - 1, float(np.degrees(np.angle(ratio))))
     return LeadLag(compensator, discrete, method, at, gain, zeros, poles, *errors)
-
-
-def _factored(model: StateSpace) -> tuple[float, tuple[complex, ...]]:
-    """Return gain and zeros of a scalar model; its doubles are rational numbers, and each result is rounded once."""
-    A, B, C, D = (_rational(v) for v in (model.A, model.B, model.C, model.D))
-    # det(z I - A + B C) = det(z I - A) (1 + C (z I - A)^-1 B)
-    above = (A - B * C).charpoly() + (D[0, 0] - 1) * A.charpoly()
-    if above.degree() < 0:
-        return 0.0, ()
-    with precise.precision():
-        found = cast("list[tuple[flint.acb, int]]", above.numer().complex_roots())
-        roots = [v for v, times in found for _ in range(times)]
-        zeros = tuple(complex(float(v.real.mid()), float(v.imag.mid())) for v in roots)
-        return float(flint.arb(above[above.degree()])), zeros
-
-
-def _rational(values: Array) -> flint.fmpq_mat:
-    rows, columns = values.shape
-    return flint.fmpq_mat(rows, columns, [flint.fmpq(*float(v).as_integer_ratio()) for v in values.ravel()])
-
-
-def _balls(values: Sequence[float]) -> list[flint.arb]:
-    return [flint.arb(v) for v in values]
-
-
-def _value(gain: flint.arb, zeros: Sequence[flint.arb], poles: Sequence[flint.arb], at: flint.acb) -> flint.acb:
-    value = flint.acb(gain)
-    for z in zeros:
-        value *= at - z
-    for p in poles:
-        value /= at - p
-    return value
 
 
 def _chain(K: Compensator) -> StateSpace:

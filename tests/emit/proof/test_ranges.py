@@ -17,6 +17,7 @@ from synth.block import Block, Constant, Fault, State, Step, build, clip
 from synth.blocks import safety
 from synth.emit import lower
 from synth.emit.lower import Node, Program
+from synth.emit.passes import limits
 from synth.emit.proof import ranges
 from synth.emit.proof.ranges import Arithmetic, Range
 from synth.errors import EmitError
@@ -62,7 +63,7 @@ def test_no_value_leaves_its_range(
     program, box = drawn
     box = {n: Range(float(scalar(r.low)), float(scalar(r.high)), r.nan) for n, r in box.items()}
     found, rng = ranges.analyse(program, box, scalar), np.random.default_rng(seed)
-    same = ranges.redundant(program, found)
+    same = limits.redundant(program, found)
     for loads in states(program, box, rng, 8):
         for choices in (None, rng):
             values = compute(program, loads, scalar, choices)
@@ -205,7 +206,7 @@ def clamped(low: float, high: float, gain: float = 1.0) -> tuple[Block, Program,
     )
     program, found = analysed(block)
     ranges.inductive(program, found, block, F32)
-    return block, program, ranges.redundant(program, found)
+    return block, program, limits.redundant(program, found)
 
 
 def test_a_clamp_that_does_nothing_is_redundant_and_one_that_does_is_not() -> None:
@@ -223,7 +224,7 @@ def redundant_of(law: Callable[..., ca.SX], *inputs: Signal, guarded: str = "") 
     block = make(lambda u, x, k: Step({"y": law(u)}), inputs)
     block = replace(block, faults=(Fault(0, "y", guarded),)) if guarded else block
     program, found = analysed(block)
-    return [program.nodes[k].op for k in ranges.redundant(program, found)]
+    return [program.nodes[k].op for k in limits.redundant(program, found)]
 
 
 def test_no_number_keeps_a_clamp_and_a_tie_of_zeros_too() -> None:

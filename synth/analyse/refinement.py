@@ -1,0 +1,40 @@
+"""Refinement of a frequency grid until a response moves by little from point to point."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from synth.statespace import Array
+
+Complex = NDArray[np.complex128]
+Response = Callable[[ArrayLike], Complex]
+NARROW = 1e-9  # of a frequency: nodes stand no closer, for nearer to an undamped pole L is rounding error
+
+
+def refined(L: Response, w: Array, value: Complex) -> tuple[Array, Complex]:
+    """Return frequencies (k,) and L on them, between which log L and log(1 + L) turn and grow by little only.
+
+    They include w, at which L is `value`.
+    """
+    for _ in range(40):
+        wide = (_step(value) > 0.15) | (_step(1 + value) > 0.15)
+        wide &= np.diff(w) > 4 * NARROW * w[1:]
+        if not wide.any():
+            break
+        between = np.sqrt(w[:-1] * w[1:])[wide]
+        order = np.argsort(np.concatenate([w, between]), kind="stable")
+        value = np.concatenate([value, L(between)])[order]
+        w = np.concatenate([w, between])[order]
+    return w, value
+
+
+def _step(value: Complex) -> Array:
+    """Return how far log `value` moves from point to point."""
+    turn = np.diff(np.angle(value))
+    return np.hypot(np.diff(log(value)), (turn + np.pi) % (2 * np.pi) - np.pi)
+
+
+def log(value: Complex) -> Array:
+    """Return log |value|, of 0 that of the least number."""
+    return np.log(np.maximum(np.abs(value), 1e-300))
