@@ -1,7 +1,7 @@
 """Emission, pass by pass: a Block becomes the program that is printed, and that its C.
 
 Each pass keeps what is computed, to rounding or to a surrogate's certificate. The ranges of the result are proved: no
-division by zero, no root of a negative number, and every next state inside its bounds.
+division by zero, no root of a negative number, and every next state and output inside its declared range.
 """
 
 from dataclasses import dataclass, replace
@@ -33,8 +33,8 @@ def reduce(block: Block, scalar: type[np.floating], libm: bool = False, error: f
 
     `error` is the relative error allowed to a surrogate, that of `surrogate.fit` when it is left out.
 
-    Raises EmitError for an operation without a form in C, for one that is not proved safe, and for a state that may
-    leave its bounds.
+    Raises EmitError for an operation without a form in C, for one that is not proved safe, and for a state or an output
+    that may leave its declared range.
     """
     bounds = ranges.bounds(block, scalar)
     program = lower.program(block)
@@ -48,8 +48,9 @@ def reduce(block: Block, scalar: type[np.floating], libm: bool = False, error: f
     program = limits.without_certified(program, polynomials, scalar)
     block = replace(block, constants=(*block.constants, *_products(block, program, scalar)))
     proved = ranges.analyse(program, ranges.bounds(block, scalar), scalar)
-    safe.require_safe(program, proved, block, scalar)
+    narrowed = safe.require_safe(program, proved, block, scalar)
     ranges.inductive(program, proved, block, scalar)
+    safe.require_declared(program, narrowed, block, scalar)
     kinds.require_whole(program, proved)
     return Reduced(block, program, polynomials)
 
