@@ -24,6 +24,7 @@ import pickle
 import platform
 import sys
 import tempfile
+import uuid
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -77,12 +78,13 @@ def key(function: Callable[..., Any], *values: Any, data: bool = False) -> str:
 
     Raises ContentError for a value that has no digest.
     """
-    return contents.digest(environment(), slices.digest(function, data), values)
+    beside = slices.digest(function, data) if data else ""
+    return contents.digest(environment(), function, beside, values)
 
 
 def fetch(name: str, compute: Callable[[], T]) -> T:
     """Return the result kept under a key, or compute it and keep it."""
-    path = folder() / "results" / name[:2] / name[2:]
+    path = _path(name)
     with suppress(_Missing):
         return _read(path)
     with _locked(path):
@@ -91,6 +93,27 @@ def fetch(name: str, compute: Callable[[], T]) -> T:
         result = compute()
         _write(path, result)
     return result
+
+
+def holds(name: str) -> bool:
+    """Whether there is a result under a key that can be read."""
+    try:
+        _read(_path(name))
+    except _Missing:
+        return False
+    return True
+
+
+@contextmanager
+def fresh_run() -> Iterator[None]:
+    """Let what is done inside trust no result that is older than it; processes begun inside do likewise."""
+    before = os.environ.get(FRESH)
+    os.environ[FRESH] = before or uuid.uuid4().hex
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ[FRESH]
 
 
 def trim(limit: int = LIMIT) -> None:
@@ -121,6 +144,10 @@ def _processor() -> str:
     return "\n".join(line for line in lines if line.startswith(("model name", "flags", "Features", "CPU part")))
 
 
+def _path(name: str) -> Path:
+    return folder() / "results" / name[:2] / name[2:]
+
+
 class _Missing(Exception):
     """There is no entry that can be read."""
 
@@ -144,8 +171,9 @@ def _read(path: Path) -> Any:
 
 
 def _write(path: Path, result: Any) -> None:
-    run, body = run_name().encode(), pickle.dumps(result, protocol=pickle.HIGHEST_PROTOCOL)
-    with suppress(OSError):
+    """Write an entry; nothing where the folder cannot be written, or where the result is no data."""
+    with suppress(OSError, pickle.PicklingError, AttributeError, TypeError):
+        run, body = run_name().encode(), pickle.dumps(result, protocol=pickle.HIGHEST_PROTOCOL)
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(prefix=".writing-", dir=path.parent)
         try:

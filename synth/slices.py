@@ -123,11 +123,10 @@ def _plain(value: Any) -> str | None:
 
 def is_followed(function: Callable[..., Any] | type) -> bool:
     """Whether the source of a function or class counts: that of Python and of installed packages has a version."""
-    try:
-        path = _resolved(inspect.getfile(inspect.unwrap(function)))
-    except (TypeError, OSError):  # it is built in
-        return False
-    return path is None or path.is_relative_to(TOOLKIT) or not any(map(path.is_relative_to, _installed()))
+    path = _file(inspect.unwrap(function))
+    if path is None:
+        return function.__module__ != "builtins"
+    return path.is_relative_to(TOOLKIT) or not any(map(path.is_relative_to, _installed()))
 
 
 @cache
@@ -161,11 +160,19 @@ class _Entry:
 def _entry(function: Callable[..., Any] | type) -> _Entry:
     inner = inspect.unwrap(function)
     module, top = inner.__module__, inner.__qualname__.split(".")[0]
-    path = _resolved(inspect.getfile(inner))
+    path = _file(inner)
     if path is None:
         raise ContentError(f"slice of {module}.{top}: found no file with its source, need one: import it from a file")
     line = inner.__code__.co_firstlineno if top == "<lambda>" else 0
     return _Entry(module, path, top, line)
+
+
+def _file(function: Callable[..., Any] | type) -> Path | None:
+    """Return the file with the source of a function or class, None for what is built in or typed at a prompt."""
+    try:
+        return _resolved(inspect.getfile(function))
+    except (TypeError, OSError):
+        return None
 
 
 @cache

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from synth import cache
 from synth.block import Block, Constant
 from synth.emit import fold, lower, printer, ranges, safe, wording
 from synth.emit import replace as surrogates
@@ -34,6 +35,15 @@ def reduce(block: Block, scalar: type[np.floating], libm: bool = False, error: f
     Raises EmitError for an operation without a form in C, for one that is not proved safe, and for a state that may
     leave its bounds.
     """
+    constants, program, found = _reduced(block, scalar, libm, error)
+    return Reduced(replace(block, constants=constants), program, found)
+
+
+@cache.kept
+def _reduced(
+    block: Block, scalar: type[np.floating], libm: bool, error: float | None
+) -> tuple[tuple[Constant, ...], Program, tuple[Surrogate, ...]]:
+    """Return the constants, program and surrogates of a Reduced: all of it that is data, and can be kept."""
     program = fold.folded(lower.program(block))
     bounds = ranges.bounds(block, scalar)
     safe.require_safe(program, ranges.analyse(program, bounds, scalar), block, scalar)
@@ -49,7 +59,12 @@ def reduce(block: Block, scalar: type[np.floating], libm: bool = False, error: f
     safe.require_safe(program, proved, block, scalar)
     ranges.inductive(program, proved, block, scalar)
     _require_whole(program, proved)
-    return Reduced(block, program, found)
+    return block.constants, _uncertified(program), found
+
+
+def _uncertified(program: Program) -> Program:
+    """Return the program without the certificates, which are functions and have served."""
+    return replace(program, marks=tuple((replace(named, certificate=None), k) for named, k in program.marks))
 
 
 def _certified(program: Program, surrogates: Sequence[Surrogate], scalar: type[np.floating]) -> Program:

@@ -4,8 +4,8 @@ The product is a function of its sources, its flags, its compiler and the kind o
 
     path = cache / SHA-256(texts, flags, compiler, processor) / product
 
-so a path that exists holds the right code and is never built again, unless SYNTH_FRESH names another run. Contraction of
-a*b + c into one rounding is off unless a flag turns it on: with it, the last bits depend on the processor.
+so a path that exists holds the right code and is never built again, unless SYNTH_FRESH names another run. Contraction
+of a*b + c into one rounding is off unless a flag turns it on: with it, the last bits depend on the processor.
 """
 
 import hashlib
