@@ -5,7 +5,6 @@ With --json stdout is one document and progress goes to stderr. Exit status: 0 w
 
 import json
 import math
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import asdict, dataclass
@@ -17,15 +16,13 @@ import numpy as np
 import typer
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
 
-from synth import cache, tasks, workspace
+from synth import store, tables, tasks, workspace
 from synth.check import Check
 from synth.emit import write
 from synth.errors import CompileError, SynthError
 from synth.jobs import Job, run
 from synth.simulate.experiment import Experiment
-from synth.verify import cost as costs
 from synth.verify import prove as proofs
 
 app = typer.Typer(
@@ -62,13 +59,13 @@ def _say(json_wanted: bool) -> Callable[[str, str], None]:
 
 def _run(jobs: Sequence[Job], designs: Sequence[workspace.Design], json_wanted: bool, fresh: bool) -> dict[str, Any]:
     """Run jobs side by side; return what those called like a design returned, or their error as a document."""
-    with cache.fresh_run() if fresh else nullcontext():
+    with store.fresh_run() if fresh else nullcontext():
         outcomes = run(jobs, _say(json_wanted))
     console = Console(stderr=True)
     for name, outcome in outcomes.items():
         if outcome.error:
             console.print(f"[bold red]error:[/] {escape(f'{name}: {outcome.error}')}", highlight=False, soft_wrap=True)
-    cache.trim()
+    store.trim()
     return {d.name: Failed(d.name, o.error) if (o := outcomes[d.name]).error else o.value for d in designs}
 
 
@@ -119,7 +116,7 @@ def verify(
     documents = [r.document for r in _good(results)]
     for name, verified in results.items():
         if not json_wanted and isinstance(verified, Verified):
-            _print_checks(name, verified.checks, verified.figures)
+            tables.print_checks(name, verified.checks, verified.figures)
     _finish(json_wanted, documents, results, not all(c.passed for r in _good(results) for c in r.checks))
 
 
@@ -176,7 +173,7 @@ def cost(names: Names = None, json_wanted: AsJson = False, fresh: Fresh = False)
     results = _each(names, json_wanted, fresh, lambda design, say: tasks.whole_cost(design).result(say))
     for measured in _good(results):
         if not json_wanted:
-            _print_cost(measured)
+            tables.print_cost(measured)
     _finish(json_wanted, [measured.document() for measured in _good(results)], results)
 
 
@@ -200,7 +197,7 @@ def prove(
     folders = {folder: checks for each in _good(results) for folder, checks in each.items()}
     if not json_wanted:
         for folder, checks in folders.items():
-            _print_checks(folder, checks)
+            tables.print_checks(folder, checks)
     documents = [{"design": folder, "whole": whole, "checks": _checks(checks)} for folder, checks in folders.items()]
     _finish(json_wanted, documents, results, not all(c.passed for checks in folders.values() for c in checks))
 
@@ -220,7 +217,7 @@ def simulate(names: Names = None, json_wanted: AsJson = False, fresh: Fresh = Fa
             documents.append({"design": name, "experiments": [v.document for v in each]})
     if not json_wanted:
         for v in every:
-            _print_checks(v.document["title"], v.checks, v.figures)
+            tables.print_checks(v.document["title"], v.checks, v.figures)
     _finish(json_wanted, documents, results, not all(c.passed for v in every for c in v.checks))
 
 
@@ -230,11 +227,7 @@ def audit(names: Names = None, json_wanted: AsJson = False, fresh: Fresh = False
     results = _each(names, json_wanted, fresh, lambda design, say: tasks.audit(design).result(say))
     rows = [row for each in _good(results) for row in each]
     if not json_wanted:
-        table = Table("row", "published", "recomputed", "verdict", "why", show_lines=True)
-        for row in rows:
-            found = "\n".join(f"{q.name}: {q.value:.6g} {q.unit}" for q in row.recomputed)
-            table.add_row(row.id, row.published.text, found, str(row.verdict), row.why)
-        Console().print(table)
+        tables.print_rows(rows)
     _finish(json_wanted, [row.document() for row in rows], results)
 
 
@@ -249,7 +242,7 @@ def emit(
     if scalar not in SCALARS:
         raise typer.BadParameter(f"'{scalar}' is neither float32 nor float64", param_hint="--scalar")
     (design,) = workspace.designs(Path.cwd(), [name])
-    with cache.fresh_run() if fresh else nullcontext():
+    with store.fresh_run() if fresh else nullcontext():
         emitted = tasks.emission(design, SCALARS[scalar]).result(lambda what: None)
     for folder, files in emitted.items():
         write.save(files.files, out / folder)
@@ -268,28 +261,6 @@ def _require_emulator() -> None:
         raise CompileError(
             f"emulator: found no {', '.join(missing)}, need the extra target: run `pip install 'synth-stage[target]'`"
         )
-
-
-def _print_checks(title: str, checks: Sequence[Check], figures: Mapping[str, float] | None = None) -> None:
-    table = Table("what", "found", "limit", "unit", "", title=title, title_justify="left")
-    for c in checks:
-        table.add_row(c.name, f"{c.found:.6g}", f"{c.limit:.6g}", c.unit, "ok" if c.passed else "[bold red]FAILED[/]")
-    for name, value in (figures or {}).items():
-        table.add_row(name, f"{value:.6g}", "", "", "")
-    console = Console()
-    console.print(table)
-    for c in (c for c in checks if c.about and not c.passed):
-        console.print(f"{c.name}: {c.about}", highlight=False, markup=False)
-
-
-def _print_cost(found: costs.Cost) -> None:
-    console = Console(width=None if sys.stdout.isatty() else 160)
-    for t in costs.tables(found):
-        table = Table(*t.columns, title=f"{found.design}: {t.caption}", title_justify="left")
-        for row in t.rows:
-            table.add_row(*map(escape, row))
-        console.print(table)
-    console.print("\n".join([costs.NOTE, *found.absent]), highlight=False)
 
 
 def _json(document: Any) -> str:

@@ -16,7 +16,7 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from synth import cache, slices
+from synth import cache, slices, store
 from synth.check import Check
 from synth.emit import write
 from synth.emit.write import Emitted
@@ -60,9 +60,9 @@ class Task(Generic[T]):
             key = self.key()
         except ContentError:
             return self.compute(say)
-        if cache.holds(key):
+        if store.holds(key):
             say(f"{self.what}: unchanged")
-        return cache.fetch(key, lambda: self.compute(say))
+        return store.fetch(key, lambda: self.compute(say))
 
 
 @dataclass(frozen=True)
@@ -174,7 +174,7 @@ def _build_jobs(design: Design, root: Path, library: tuple[str, ...]) -> list[Jo
             write.save(files.files, root / "generated_c" / folder)
 
     try:
-        if cache.holds(whole.key()):
+        if store.holds(whole.key()):
             return [Job(f"{name} emit", name, save), Job(name, name, whole.result, (f"{name} emit",))]
     except ContentError:
         pass

@@ -12,6 +12,8 @@ import pytest
 ROOT = Path(__file__).parents[1]
 VOCABULARY = (
     "errors",
+    "store",
+    "sources",
     "slices",
     "contents",
     "cache",
@@ -29,7 +31,7 @@ VOCABULARY = (
     "compose",
 )
 LAYERS = ("analyse", "synthesise", "emit", "execute", "simulate", "verify", "report")
-LAYERS = (*LAYERS, "workspace", "jobs", "tasks", "cli")
+LAYERS = (*LAYERS, "workspace", "jobs", "tasks", "tables", "cli")
 RANK = {("synth", name): 0 for name in VOCABULARY}
 RANK |= {("synth", name): rank for rank, name in enumerate(LAYERS, 1)}
 RANK |= {("models",): len(LAYERS) + 1, ("designs",): len(LAYERS) + 2}

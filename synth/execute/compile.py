@@ -23,7 +23,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from synth import cache
+from synth import store
 from synth.errors import CompileError
 
 RUN = "run"  # the file that names the run which built a product
@@ -105,16 +105,16 @@ def build(
     """
     named = _units(sources)
     command = [*compiler.machine_flags, *options, *(units or named), "-o", product, *libraries]
-    folder = cache.folder() / _key(sources, command, compiler)
+    folder = store.folder() / _key(sources, command, compiler)
     if _is_built(folder, product):
         return folder / product
-    with _work_folder(cache.folder()) as work:
+    with _work_folder(store.folder()) as work:
         built = Path(work)
         _write(sources, built)
         _run([*compiler.command, *command], built)
         folder.mkdir(exist_ok=True)
         # Each file moves whole and the product last: a process that sees it sees all of it, whoever built it.
-        (built / RUN).write_text(cache.run_name(), encoding="utf-8")
+        (built / RUN).write_text(store.run_name(), encoding="utf-8")
         for name in [*sources, product, RUN]:
             os.replace(built / name, folder / name)
     return folder / product
@@ -122,7 +122,7 @@ def build(
 
 def _is_built(folder: Path, product: str) -> bool:
     """Whether the product is there; to a run with a name of its own, one that it has built itself."""
-    run, made_by = cache.run_name(), folder / RUN
+    run, made_by = store.run_name(), folder / RUN
     with suppress(OSError):
         return (folder / product).exists() and (not run or made_by.read_text(encoding="utf-8") == run)
     return False
