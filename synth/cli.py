@@ -3,12 +3,12 @@
 With --json stdout is one document and progress goes to stderr. Exit status: 0 well, 1 a check failed, 2 wrong usage.
 """
 
-import importlib.util
 import json
 import math
-import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict
+from contextlib import nullcontext
+from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -16,14 +16,13 @@ import numpy as np
 import typer
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
 
-from synth import workspace
+from synth import design_tasks, store, tables, workspace
 from synth.check import Check
 from synth.emit import write
 from synth.errors import CompileError, SynthError
+from synth.jobs import Job, run
 from synth.simulate.experiment import Experiment
-from synth.verify import cost as costs
 from synth.verify import prove as proofs
 
 app = typer.Typer(
@@ -36,7 +35,7 @@ Names = Annotated[list[str] | None, typer.Argument(metavar="[NAME]...", help="de
 AsJson = Annotated[bool, typer.Option("--json", help="print one JSON document, progress on stderr")]
 SCALARS: dict[str, type[np.floating]] = {"float32": np.float32, "float64": np.float64}
 CORES: dict[str, type[np.floating]] = {"cortex-m4f": np.float32, "cortex-m7": np.float64}
-EMULATOR = ("unicorn", "elftools", "capstone")  # packages of the extra `target`
+Fresh = Annotated[bool, typer.Option("--fresh", help="trust nothing that an earlier run left in the cache")]
 
 
 @app.callback()
@@ -53,39 +52,47 @@ def main() -> None:
         raise SystemExit(2) from error
 
 
-def _progress(json_wanted: bool, name: str) -> Callable[[str], None]:
+def _say(json_wanted: bool) -> Callable[[str, str], None]:
     console = Console(stderr=json_wanted)
-    return lambda what: console.print(f"{name}: {what}", highlight=False, markup=False)
+    return lambda name, what: console.print(f"{name}: {what}", highlight=False, markup=False)
+
+
+def _run(jobs: Sequence[Job], designs: Sequence[workspace.Design], json_wanted: bool, fresh: bool) -> dict[str, Any]:
+    """Run jobs side by side; return what those called like a design returned, or their error as a document."""
+    with store.fresh_run() if fresh else nullcontext():
+        outcomes = run(jobs, _say(json_wanted))
+    console = Console(stderr=True)
+    for name, outcome in outcomes.items():
+        if outcome.error:
+            console.print(f"[bold red]error:[/] {escape(f'{name}: {outcome.error}')}", highlight=False, soft_wrap=True)
+    store.trim()
+    return {d.name: Failed(d.name, o.error) if (o := outcomes[d.name]).error else o.value for d in designs}
+
+
+def _each(
+    names: Names, json_wanted: bool, fresh: bool, work: Callable[[workspace.Design, workspace.Told], Any]
+) -> dict[str, Any]:
+    """Do one thing with each design, side by side; return what came of it by name."""
+    designs = workspace.designs(Path.cwd(), names or ())
+    jobs = [Job(d.name, d.name, lambda say, d=d: work(d, say)) for d in designs]  # type: ignore[misc]
+    return _run(jobs, designs, json_wanted, fresh)
 
 
 @app.command()
-def build(names: Names = None, json_wanted: AsJson = False) -> None:
+def build(names: Names = None, json_wanted: AsJson = False, fresh: Fresh = False) -> None:
     """Regenerate gains and C, verify, simulate, audit, and write the report of each design."""
-    root, failed, told = Path.cwd(), False, []
-    for design in workspace.designs(root, names or ()):
-        say = _progress(json_wanted, design.name)
-        say("gains and C")
-        emitted = design.emit(design.scalar)
-        for folder, files in emitted.items():
-            write.save(files.files, root / "generated_c" / folder)
-        evidence = design.verify(say, False)
-        experiments = design.simulate(say)
-        say("audit")
-        rows = list(design.audit())
-        say("cost")
-        cost = _brief_cost(design, emitted[design.name])
-        say("report")
-        reports = root / "reports"
-        page = design.report(emitted, evidence, experiments, rows, cost)
-        write.save({f"{design.name}.html": page}, reports)
-        document = _json(evidence.document()) + "\n"
-        write.save({f"{design.name}.evidence.json": document}, reports)
-        checks = [*evidence.checks, *(c for e in experiments for c in e.checks)]
-        bad = [c for c in checks if not c.passed]
-        failed |= bool(bad)
-        say(f"{len(checks)} checks, {len(bad)} failed; report in reports/{design.name}.html")
-        told.append({"design": design.name, "checks": len(checks), "failed": [asdict(c) for c in bad]})
-    _finish(json_wanted, told, failed)
+    root, told = Path.cwd(), []
+    designs = workspace.designs(root, names or ())
+    results = _run(design_tasks.build_jobs(designs, root), designs, json_wanted, fresh)
+    for name, built in results.items():
+        if isinstance(built, Failed):
+            continue
+        reports = {f"{name}.html": built.page, f"{name}.evidence.json": _json(built.evidence) + "\n"}
+        write.save(reports, root / "reports")
+        bad = [c for c in built.checks if not c.passed]
+        _say(json_wanted)(name, f"{len(built.checks)} checks, {len(bad)} failed; report in reports/{name}.html")
+        told.append({"design": name, "checks": len(built.checks), "failed": [asdict(c) for c in bad]})
+    _finish(json_wanted, told, results, any(document["failed"] for document in told))
 
 
 @app.command()
@@ -95,6 +102,7 @@ def verify(
     core: Annotated[
         str | None, typer.Option("--target", help="replay on cortex-m4f (float32) or cortex-m7 (float64) instead")
     ] = None,
+    fresh: Fresh = False,
 ) -> None:
     """Compare the emitted C with the reference, CasADi and CasADi's own C, with a replay of 60 s.
 
@@ -102,75 +110,71 @@ def verify(
     """
     if core is not None and core not in CORES:
         raise typer.BadParameter(f"'{core}' is none of {', '.join(CORES)}", param_hint="--target")
-    documents, failed = [], False
-    for design in workspace.designs(Path.cwd(), names or ()):
-        say = _progress(json_wanted, design.name)
-        if core is None:
-            evidence = design.verify(say, True)
-            document, checks, figures = evidence.document(), evidence.checks, None
-        else:
-            document, checks, figures = _on_target(design, core, say)
-        documents.append(document)
-        failed |= not all(c.passed for c in checks)
-        if not json_wanted:
-            _print_checks(design.name, checks, figures)
-    _finish(json_wanted, documents, failed)
+    if core is not None:
+        _require_emulator()
+    results = _each(names, json_wanted, fresh, partial(_on_target, core) if core else _on_host)
+    documents = [r.document for r in _good(results)]
+    for name, verified in results.items():
+        if not json_wanted and isinstance(verified, Verified):
+            tables.print_checks(name, verified.checks, verified.figures)
+    _finish(json_wanted, documents, results, not all(c.passed for r in _good(results) for c in r.checks))
 
 
-def _on_target(
-    design: workspace.Design, core: str, say: workspace.Told
-) -> tuple[Mapping[str, Any], Sequence[Check], Mapping[str, float]]:
+@dataclass(frozen=True)
+class Failed:
+    """The name of a design that came to no result, and why."""
+
+    design: str
+    error: str
+
+
+@dataclass(frozen=True)
+class Verified:
+    """A verification: the document, the checks, and figures beside them."""
+
+    document: Mapping[str, Any]
+    checks: Sequence[Check]
+    figures: Mapping[str, float]
+
+
+def _good(results: Mapping[str, Any]) -> list[Any]:
+    return [result for result in results.values() if not isinstance(result, Failed)]
+
+
+def _on_host(design: workspace.Design, say: workspace.Told) -> Verified:
+    evidence = design_tasks.verification(design, True).result(say)
+    return Verified(evidence.document(), evidence.checks, {})
+
+
+def _on_target(core: str, design: workspace.Design, say: workspace.Told) -> Verified:
     """Replay on the host and on a core: the document, the checks, and the drift with contraction as figures."""
-    _require_emulator()
     from synth.execute import cross, host
     from synth.verify import on_target
 
-    say("C")
-    emitted = design.emit(CORES[core])[design.name]
+    emitted = design_tasks.emission(design, CORES[core]).result(say)[design.name]
     inputs = design.bench.replay(host.load(emitted.files, emitted.manifest))
     checks = on_target.verify(emitted, inputs, core, say)
     document: dict[str, Any] = {"design": design.name, "target": core, "checks": _checks(checks), "drift": None}
     if "gcc" not in cross.available():
         say("drift with contraction: arm-none-eabi-gcc is not installed, not measured")
-        return document, checks, {}
+        return Verified(document, checks, {})
     drift = on_target.drift(emitted, inputs, core, design.bench.floor)
     what = (
         f"drift with contraction over {drift.steps} steps, worst in {drift.output}, of max({design.bench.floor:g}, |i|)"
     )
-    return document | {"drift": asdict(drift)}, checks, {what: drift.worst, "fault words unlike then": drift.faults}
+    figures = {what: drift.worst, "fault words unlike then": float(drift.faults)}
+    return Verified(document | {"drift": asdict(drift)}, checks, figures)
 
 
 @app.command()
-def cost(names: Names = None, json_wanted: AsJson = False) -> None:
+def cost(names: Names = None, json_wanted: AsJson = False, fresh: Fresh = False) -> None:
     """Count what a step costs on a Cortex-M4F, beside CasADi's own C: instructions, bytes, decisions. No verdicts."""
     _require_emulator()
-    from synth.execute import host
-    from synth.verify import meter
-
-    documents = []
-    for design in workspace.designs(Path.cwd(), names or ()):
-        say = _progress(json_wanted, design.name)
-        say("C")
-        emitted = design.emit(np.float32)[design.name]
-        sequences = design.bench.sequences(host.load(emitted.files, emitted.manifest), say)
-        found = meter.measure(emitted, design.bench.block(), sequences, say)
-        documents.append(found.document())
+    results = _each(names, json_wanted, fresh, lambda design, say: design_tasks.whole_cost(design).result(say))
+    for measured in _good(results):
         if not json_wanted:
-            _print_cost(found)
-    _finish(json_wanted, documents, False)
-
-
-def _brief_cost(design: workspace.Design, emitted: write.Emitted) -> costs.Cost | None:
-    """Measure the cost in a few seconds, or not at all where emulator or cross compiler are missing."""
-    if _missing():
-        return None
-    from synth.execute import cross, host
-    from synth.verify import meter
-
-    if not cross.available() or emitted.manifest["scalar"] != "float32":
-        return None
-    controller = host.load(emitted.files, emitted.manifest)
-    return meter.brief(emitted, design.bench.block(), design.bench.replay(controller))
+            tables.print_cost(measured)
+    _finish(json_wanted, [measured.document() for measured in _good(results)], results)
 
 
 @app.command()
@@ -178,52 +182,53 @@ def prove(
     names: Names = None,
     json_wanted: AsJson = False,
     whole: Annotated[bool, typer.Option("--whole", help="as deep as the proofs go; a subset when left out")] = False,
+    fresh: Fresh = False,
 ) -> None:
     """Prove the emitted C: Eva, inputs that are not finite, fuzzing under sanitizers, cppcheck's misra addon."""
-    documents, failed = [], False
-    for design in workspace.designs(Path.cwd(), names or ()):
-        _progress(json_wanted, design.name)("C")
-        for folder, emitted in design.emit(design.scalar).items():
-            checks = proofs.prove(emitted.files, emitted.manifest, whole, _progress(json_wanted, folder))
-            documents.append({"design": folder, "whole": whole, "checks": _checks(checks)})
-            failed |= not all(c.passed for c in checks)
-            if not json_wanted:
-                _print_checks(folder, checks)
-    _finish(json_wanted, documents, failed)
+
+    def proved(design: workspace.Design, say: workspace.Told) -> dict[str, list[Check]]:
+        emitted = design_tasks.emission(design, design.scalar).result(say)
+        return {
+            folder: list(proofs.prove(e.files, e.manifest, whole, lambda what, folder=folder: say(f"{folder}: {what}")))  # type: ignore[misc]
+            for folder, e in emitted.items()
+        }
+
+    results = _each(names, json_wanted, fresh, proved)
+    folders = {folder: checks for each in _good(results) for folder, checks in each.items()}
+    if not json_wanted:
+        for folder, checks in folders.items():
+            tables.print_checks(folder, checks)
+    documents = [{"design": folder, "whole": whole, "checks": _checks(checks)} for folder, checks in folders.items()]
+    _finish(json_wanted, documents, results, not all(c.passed for checks in folders.values() for c in checks))
 
 
 @app.command()
-def simulate(names: Names = None, json_wanted: AsJson = False) -> None:
+def simulate(names: Names = None, json_wanted: AsJson = False, fresh: Fresh = False) -> None:
     """Run each design's experiments on the full plant with the compiled C in the loop."""
-    documents, failed = [], False
-    for design in workspace.designs(Path.cwd(), names or ()):
-        experiments = design.simulate(_progress(json_wanted, design.name))
-        documents.append({"design": design.name, "experiments": [_experiment(e) for e in experiments]})
-        failed |= any(not c.passed for e in experiments for c in e.checks)
-        if not json_wanted:
-            for e in experiments:
-                _print_checks(e.title, e.checks, e.figures)
-    _finish(json_wanted, documents, failed)
+
+    def simulated(design: workspace.Design, say: workspace.Told) -> list[Verified]:
+        experiments = design_tasks.simulation(design).result(say)
+        return [Verified(_experiment(e), e.checks, e.figures) for e in experiments]
+
+    results = _each(names, json_wanted, fresh, simulated)
+    documents, every = [], [v for each in _good(results) for v in each]
+    for name, each in results.items():
+        if not isinstance(each, Failed):
+            documents.append({"design": name, "experiments": [v.document for v in each]})
+    if not json_wanted:
+        for v in every:
+            tables.print_checks(v.document["title"], v.checks, v.figures)
+    _finish(json_wanted, documents, results, not all(c.passed for v in every for c in v.checks))
 
 
 @app.command()
-def audit(names: Names = None, json_wanted: AsJson = False) -> None:
+def audit(names: Names = None, json_wanted: AsJson = False, fresh: Fresh = False) -> None:
     """Recompute every published figure: published, recomputed, verdict, why. No verdict fails the command."""
-    rows = []
-    console = Console()
-    for design in workspace.designs(Path.cwd(), names or ()):
-        say = _progress(json_wanted, design.name)
-        for row in design.audit():
-            say(f"audit {row.id}")
-            rows.append(row)
-    if json_wanted:
-        typer.echo(_json([row.document() for row in rows]))
-        return
-    table = Table("row", "published", "recomputed", "verdict", "why", show_lines=True)
-    for row in rows:
-        found = "\n".join(f"{q.name}: {q.value:.6g} {q.unit}" for q in row.recomputed)
-        table.add_row(row.id, row.published.text, found, str(row.verdict), row.why)
-    console.print(table)
+    results = _each(names, json_wanted, fresh, lambda design, say: design_tasks.audit(design).result(say))
+    rows = [row for each in _good(results) for row in each]
+    if not json_wanted:
+        tables.print_rows(rows)
+    _finish(json_wanted, [row.document() for row in rows], results)
 
 
 @app.command()
@@ -231,11 +236,15 @@ def emit(
     name: Annotated[str, typer.Argument(help="the design")],
     out: Annotated[Path, typer.Option(help="folder to write to")],
     scalar: Annotated[str, typer.Option(help="float32 or float64")] = "float32",
+    fresh: Fresh = False,
 ) -> None:
     """Write a design's C, header, manifest, gains and vectors elsewhere, or in the other scalar type."""
     if scalar not in SCALARS:
         raise typer.BadParameter(f"'{scalar}' is neither float32 nor float64", param_hint="--scalar")
-    for folder, files in workspace.designs(Path.cwd(), [name])[0].emit(SCALARS[scalar]).items():
+    (design,) = workspace.designs(Path.cwd(), [name])
+    with store.fresh_run() if fresh else nullcontext():
+        emitted = design_tasks.emission(design, SCALARS[scalar]).result(lambda what: None)
+    for folder, files in emitted.items():
         write.save(files.files, out / folder)
 
 
@@ -247,37 +256,11 @@ def _checks(checks: Sequence[Check]) -> list[Mapping[str, Any]]:
     return [asdict(c) | {"passed": c.passed} for c in checks]
 
 
-def _missing() -> list[str]:
-    return [name for name in EMULATOR if importlib.util.find_spec(name) is None]
-
-
 def _require_emulator() -> None:
-    if missing := _missing():
+    if missing := design_tasks.missing():
         raise CompileError(
             f"emulator: found no {', '.join(missing)}, need the extra target: run `pip install 'synth-stage[target]'`"
         )
-
-
-def _print_checks(title: str, checks: Sequence[Check], figures: Mapping[str, float] | None = None) -> None:
-    table = Table("what", "found", "limit", "unit", "", title=title, title_justify="left")
-    for c in checks:
-        table.add_row(c.name, f"{c.found:.6g}", f"{c.limit:.6g}", c.unit, "ok" if c.passed else "[bold red]FAILED[/]")
-    for name, value in (figures or {}).items():
-        table.add_row(name, f"{value:.6g}", "", "", "")
-    console = Console()
-    console.print(table)
-    for c in (c for c in checks if c.about and not c.passed):
-        console.print(f"{c.name}: {c.about}", highlight=False, markup=False)
-
-
-def _print_cost(found: costs.Cost) -> None:
-    console = Console(width=None if sys.stdout.isatty() else 160)
-    for t in costs.tables(found):
-        table = Table(*t.columns, title=f"{found.design}: {t.caption}", title_justify="left")
-        for row in t.rows:
-            table.add_row(*map(escape, row))
-        console.print(table)
-    console.print("\n".join([costs.NOTE, *found.absent]), highlight=False)
 
 
 def _json(document: Any) -> str:
@@ -293,7 +276,11 @@ def _finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _finish(json_wanted: bool, documents: Sequence[Mapping[str, Any]], failed: bool) -> None:
+def _finish(
+    json_wanted: bool, documents: Sequence[Mapping[str, Any]], results: Mapping[str, Any], failed: bool = False
+) -> None:
+    """Print the documents, errors last, and end: 2 where a design came to no result, 1 where a check failed."""
+    errors = [asdict(result) for result in results.values() if isinstance(result, Failed)]
     if json_wanted:
-        typer.echo(_json(documents))
-    raise typer.Exit(1 if failed else 0)
+        typer.echo(_json([*documents, *errors]))
+    raise typer.Exit(2 if errors else int(failed))

@@ -15,6 +15,8 @@ import pytest
 ROOT = Path(__file__).parents[1]
 VOCABULARY = (
     "errors",
+    "store",
+    "sources",
     "slices",
     "contents",
     "cache",
@@ -33,7 +35,7 @@ VOCABULARY = (
     "declaration",
 )
 LAYERS = ("analyse", "synthesise", "blocks", "emit", "execute", "simulate", "verify", "report")
-LAYERS += ("workspace", "tasks", "stage", "testing", "cli")
+LAYERS += ("workspace", "jobs", "design_tasks", "tables", "tasks", "stage", "testing", "cli")
 RANK = {("synth", name): 0 for name in VOCABULARY}
 RANK |= {("synth", name): rank for rank, name in enumerate(LAYERS, 1)}
 RANK |= {("models",): len(LAYERS) + 1, ("designs",): len(LAYERS) + 2}

@@ -1,7 +1,11 @@
 """The commands that measure and prove, on a small design: what they print, and how they end."""
 
 import json
+import os
+import signal
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -32,31 +36,28 @@ def sequences(controller: host.Controller, told: workspace.Told) -> list[Steps]:
     return [steps.recorded(controller, "loop", replay(controller), closed_loop=True), steps.drawn(controller, 2000)]
 
 
-class Reports(list[Cost | None]):
-    """The costs that were reported."""
+def report(files: Mapping[str, Emitted], evidence: Evidence, runs: Any, rows: Any, cost: Cost | None) -> str:
+    return "cost: none" if cost is None else f"cost: {len(cost.coverage)}"
 
-    def report(self, files: Mapping[str, Emitted], evidence: Evidence, runs: Any, rows: Any, cost: Cost | None) -> str:
-        self.append(cost)
-        return "<html></html>"
+
+AXES = workspace.Design(
+    name="axes_2",
+    scalar=np.float32,
+    emit=EMITTED.__getitem__,
+    verify=lambda told, whole: Evidence("axes_2", (), (Check("replay", 0, 0, "1"),)),
+    simulate=lambda told: (),
+    audit=lambda: iter(()),
+    bench=workspace.Bench(lambda: axes.block(2), replay, sequences, 1.0),
+    report=report,
+)
 
 
 @pytest.fixture
-def reports(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Reports:
-    """A workspace of one design, and a folder to write in."""
-    found = Reports()
-    design = workspace.Design(
-        name="axes_2",
-        scalar=np.float32,
-        emit=EMITTED.__getitem__,
-        verify=lambda told, whole: Evidence("axes_2", (), (Check("replay", 0, 0, "1"),)),
-        simulate=lambda told: (),
-        audit=lambda: iter(()),
-        bench=workspace.Bench(lambda: axes.block(2), replay, sequences, 1.0),
-        report=found.report,
-    )
-    monkeypatch.setattr(workspace, "designs", lambda root, wanted: [design])
+def one_design(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """A workspace of one design, a folder to write in, and an empty cache."""
+    monkeypatch.setattr(workspace, "designs", lambda root, wanted: [AXES])
+    monkeypatch.setenv("SYNTH_CACHE", str(tmp_path / "cache"))
     monkeypatch.chdir(tmp_path)
-    return found
 
 
 def printed(*arguments: str, status: int = 0) -> list[dict[str, Any]]:
@@ -65,7 +66,7 @@ def printed(*arguments: str, status: int = 0) -> list[dict[str, Any]]:
     return list(json.loads(result.stdout))
 
 
-@pytest.mark.usefixtures("reports")
+@pytest.mark.usefixtures("one_design")
 def test_cost_prints_one_document() -> None:
     (document,) = printed("cost")
     assert document["design"] == "axes_2" and "not cycles" in document["note"]
@@ -74,7 +75,7 @@ def test_cost_prints_one_document() -> None:
     assert document["coverage"] and document["operations"]["mul"] > 0 and document["absent"]
 
 
-@pytest.mark.usefixtures("reports")
+@pytest.mark.usefixtures("one_design")
 def test_cost_prints_tables() -> None:
     result = RUNNER.invoke(cli.app, ["cost"])
     assert result.exit_code == 0, result.output
@@ -82,7 +83,7 @@ def test_cost_prints_tables() -> None:
         assert said in " ".join(result.stdout.split()), said
 
 
-@pytest.mark.usefixtures("reports")
+@pytest.mark.usefixtures("one_design")
 @pytest.mark.parametrize(("core", "scalar"), [("cortex-m4f", "float32"), ("cortex-m7", "float64")])
 def test_verify_on_a_target(core: str, scalar: str) -> None:
     (document,) = printed("verify", "--target", core)
@@ -91,7 +92,7 @@ def test_verify_on_a_target(core: str, scalar: str) -> None:
     assert (document["drift"] is None) == ("gcc" not in cross.available())
 
 
-@pytest.mark.usefixtures("reports")
+@pytest.mark.usefixtures("one_design")
 def test_a_core_that_differs_is_exit_status_1(monkeypatch: pytest.MonkeyPatch) -> None:
     def differs(emitted: Emitted, inputs: Any, core: str, told: workspace.Told) -> Sequence[Check]:
         return (Check("outputs with other bits", 3, 0, "values", "i1 3 times"),)
@@ -103,19 +104,19 @@ def test_a_core_that_differs_is_exit_status_1(monkeypatch: pytest.MonkeyPatch) -
     assert "FAILED" in said and "outputs with other bits: i1 3 times" in said
 
 
-@pytest.mark.usefixtures("reports")
+@pytest.mark.usefixtures("one_design")
 def test_verify_without_a_target_compares_the_witnesses() -> None:
     (document,) = printed("verify")
     assert [c["name"] for c in document["checks"]] == ["replay"] and "target" not in document
 
 
-@pytest.mark.usefixtures("reports")
+@pytest.mark.usefixtures("one_design")
 def test_an_unknown_core_is_wrong_usage() -> None:
     result = RUNNER.invoke(cli.app, ["verify", "--target", "cortex-m0"])
     assert result.exit_code == 2 and "cortex-m4f, cortex-m7" in " ".join(result.stderr.split())
 
 
-@pytest.mark.usefixtures("reports")
+@pytest.mark.usefixtures("one_design")
 @pytest.mark.parametrize(("arguments", "whole"), [((), False), (("--whole",), True)])
 @pytest.mark.parametrize("found", [0, 1])
 def test_prove_tells_the_depth_and_fails_with_a_check(
@@ -133,12 +134,12 @@ def test_prove_tells_the_depth_and_fails_with_a_check(
     assert document["checks"][0]["found"] == found
 
 
-@pytest.mark.usefixtures("reports")
+@pytest.mark.usefixtures("one_design")
 @pytest.mark.parametrize("arguments", [("cost",), ("verify", "--target", "cortex-m7")])
 def test_a_missing_emulator_is_named_with_the_mend(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...]
 ) -> None:
-    monkeypatch.setattr(cli, "EMULATOR", ("unicorn", "no_such_package"))
+    monkeypatch.setattr(design_tasks, "EMULATOR", ("unicorn", "no_such_package"))
     monkeypatch.setattr("sys.argv", ["synth", *arguments])
     with pytest.raises(SystemExit) as ended:
         cli.main()
@@ -146,14 +147,56 @@ def test_a_missing_emulator_is_named_with_the_mend(
     assert "found no no_such_package" in (said := capsys.readouterr().err) and "synth-stage[target]" in said
 
 
-def test_build_reports_the_cost(reports: Reports) -> None:
+@pytest.mark.usefixtures("one_design")
+def test_build_reports_the_cost() -> None:
     result = RUNNER.invoke(cli.app, ["build"])
     assert result.exit_code == 0, result.output
-    assert isinstance(reports[0], Cost) and reports[0].coverage and Path("generated_c/axes_2/axes_2.c").exists()
+    assert Path("reports/axes_2.html").read_text() not in ("cost: none", "cost: 0")
+    assert Path("generated_c/axes_2/axes_2.c").exists()
 
 
-def test_build_goes_on_without_an_emulator(reports: Reports, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cli, "EMULATOR", ("no_such_package",))
+@pytest.mark.usefixtures("one_design")
+def test_build_goes_on_without_an_emulator(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(design_tasks, "EMULATOR", ("no_such_package",))
     assert RUNNER.invoke(cli.app, ["build"]).exit_code == 0
-    monkeypatch.undo()
-    assert reports == [None]
+    assert Path("reports/axes_2.html").read_text() == "cost: none"
+
+
+def crash(told: workspace.Told, whole: bool) -> Evidence:
+    raise ZeroDivisionError("planted")
+
+
+def die(told: workspace.Told, whole: bool) -> Evidence:
+    os.kill(os.getpid(), signal.SIGKILL)
+    raise AssertionError
+
+
+@pytest.mark.usefixtures("one_design")
+@pytest.mark.parametrize(("verify", "told"), [(crash, "planted"), (die, "status -9")])
+def test_a_crash_in_one_design_is_reported_and_the_others_finish(
+    monkeypatch: pytest.MonkeyPatch, verify: Any, told: str
+) -> None:
+    monkeypatch.setattr(design_tasks, "EMULATOR", ("no_such_package",))
+    designs = [replace(AXES, name="axes_1", verify=verify), AXES]
+    monkeypatch.setattr(workspace, "designs", lambda root, wanted: designs)
+    result = RUNNER.invoke(cli.app, ["verify", "--json"])
+    assert result.exit_code == 2 and told in result.stderr
+    (good, bad) = json.loads(result.stdout)
+    assert good["design"] == "axes_2" and good["passed"] and bad["design"] == "axes_1" and told in bad["error"]
+
+
+@pytest.mark.usefixtures("one_design")
+def test_lines_of_progress_are_whole_and_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    def verify(name: str, told: workspace.Told, whole: bool) -> Evidence:
+        for k in range(50):
+            told(f"step {k} of a long line that another process must not cut")
+        return Evidence(name, (), ())
+
+    names = ("axes_1", "axes_2")
+    designs = [replace(AXES, name=name, verify=partial(verify, name)) for name in names]
+    monkeypatch.setattr(workspace, "designs", lambda root, wanted: designs)
+    lines = RUNNER.invoke(cli.app, ["verify", "--json"]).stderr.splitlines()
+    expected = [
+        f"{name}: step {k} of a long line that another process must not cut" for name in names for k in range(50)
+    ]
+    assert sorted(lines) == sorted(expected)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from synth import cache
 from synth.block import Block, Constant
 from synth.emit import lower
 from synth.emit.c import c_text, kinds, printer
@@ -36,6 +37,15 @@ def reduce(block: Block, scalar: type[np.floating], libm: bool = False, error: f
     Raises EmitError for an operation without a form in C, for one that is not proved safe, and for a state or an output
     that may leave its declared range.
     """
+    constants, program, polynomials = _reduced(block, scalar, libm, error)
+    return Reduced(replace(block, constants=constants), program, polynomials)
+
+
+@cache.kept
+def _reduced(
+    block: Block, scalar: type[np.floating], libm: bool, error: float | None
+) -> tuple[tuple[Constant, ...], Program, tuple[Surrogate, ...]]:
+    """Return the constants, program and surrogates of a Reduced: all of it that is data, and can be kept."""
     bounds = ranges.bounds(block, scalar)
     program = lower.program(block)
     program = fold.folded(program)
@@ -52,7 +62,12 @@ def reduce(block: Block, scalar: type[np.floating], libm: bool = False, error: f
     ranges.inductive(program, proved, block, scalar)
     safe.require_declared(program, narrowed, block, scalar)
     kinds.require_whole(program, proved)
-    return Reduced(block, program, polynomials)
+    return block.constants, _without_certificates(program), polynomials
+
+
+def _without_certificates(program: Program) -> Program:
+    """Return the program without the certificates, which are functions and have served."""
+    return replace(program, marks=tuple((replace(named, certificate=None), k) for named, k in program.marks))
 
 
 def source(reduced: Reduced, memory: Layout) -> list[printer.Line]:

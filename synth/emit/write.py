@@ -2,13 +2,12 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from synth import cache
 from synth.block import Block
 from synth.emit import pipeline
 from synth.emit.c import c_text, layout, manifest
@@ -24,7 +23,6 @@ class Emitted:
     program: Program | None = None
 
 
-@cache.kept
 def emit(
     block: Block,
     scalar: type[np.floating],
@@ -57,12 +55,7 @@ def emit(
     }
     texts["manifest.json"] = manifest.dumps(document)
     texts["gains.json"] = manifest.dumps(shipped_gains | dict(gains or {}))
-    return Emitted(texts, json.loads(texts["manifest.json"]), _uncertified(printed.program))
-
-
-def _uncertified(program: Program) -> Program:
-    """Return the program without the certificates, which have served: functions are no data to be kept."""
-    return replace(program, marks=tuple((replace(named, certificate=None), k) for named, k in program.marks))
+    return Emitted(texts, json.loads(texts["manifest.json"]), printed.program)
 
 
 def save(files: Mapping[str, str], folder: Path) -> None:

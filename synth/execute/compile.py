@@ -4,8 +4,8 @@ The product is a function of its sources, its flags, its compiler and the kind o
 
     path = cache / SHA-256(texts, flags, compiler, processor) / product
 
-so a path that exists holds the right code and is never built again, unless SYNTH_FRESH names another run. Contraction of
-a*b + c into one rounding is off unless a flag turns it on: with it, the last bits depend on the processor.
+so a path that exists holds the right code and is never built again, unless SYNTH_FRESH names another run. Contraction
+of a*b + c into one rounding is off unless a flag turns it on: with it, the last bits depend on the processor.
 """
 
 import hashlib
@@ -23,7 +23,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from synth import cache
+from synth import store
 from synth.errors import CompileError
 
 RUN = "run"  # the file that names the run which built a product
@@ -105,16 +105,16 @@ def build(
     """
     named = _units(sources)
     command = [*compiler.machine_flags, *options, *(units or named), "-o", product, *libraries]
-    folder = cache.folder() / _key(sources, command, compiler)
+    folder = store.folder() / _key(sources, command, compiler)
     if _is_built(folder, product):
         return folder / product
-    with _work_folder(cache.folder()) as work:
+    with _work_folder(store.folder()) as work:
         built = Path(work)
         _write(sources, built)
         _run([*compiler.command, *command], built)
         folder.mkdir(exist_ok=True)
         # Each file moves whole and the product last: a process that sees it sees all of it, whoever built it.
-        (built / RUN).write_text(cache.run_name(), encoding="utf-8")
+        (built / RUN).write_text(store.run_name(), encoding="utf-8")
         for name in [*sources, product, RUN]:
             os.replace(built / name, folder / name)
     return folder / product
@@ -122,7 +122,7 @@ def build(
 
 def _is_built(folder: Path, product: str) -> bool:
     """Whether the product is there; to a run with a name of its own, one that it has built itself."""
-    run, made_by = cache.run_name(), folder / RUN
+    run, made_by = store.run_name(), folder / RUN
     with suppress(OSError):
         return (folder / product).exists() and (not run or made_by.read_text(encoding="utf-8") == run)
     return False

@@ -113,6 +113,14 @@ def link(
     return host_compiler.build(sources, options, "image.elf", find_compiler(core, compiler), libraries=("-lm",))
 
 
+def prepare(core: str) -> None:
+    """Let zig build its library for a core: most of a minute, the first time on a machine.
+
+    Raises CompileError as `link` does.
+    """
+    link({"empty.c": "void empty(void);\nvoid empty(void) {}\n"}, ["empty"], core)
+
+
 def objects(
     sources: Mapping[str, str], core: str, compiler: str = "zig", flags: Sequence[str] = ()
 ) -> tuple[Path, ...]:

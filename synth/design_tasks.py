@@ -1,0 +1,216 @@
+"""The tasks of a design, each kept under the content of what it depends on, and run side by side.
+
+    emit ----+--> verify, simulate, audit, cost --> report
+
+What a task of a design computes has a key: the slice of the function that does it, with its data files, its arguments,
+the compilers, and for the report the keys of all that goes into it. So an edit of the page makes the page again, and an
+edit of the control law all that the law has a part in.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache as once
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+
+from synth import cache, slices, store
+from synth.check import Check
+from synth.emit import write
+from synth.emit.write import Emitted
+from synth.errors import ContentError
+from synth.execute import compile as host_compiler
+from synth.execute import cross, host
+from synth.jobs import Job, Progress
+from synth.report.audit import Row
+from synth.simulate.experiment import Experiment
+from synth.verify import meter
+from synth.verify.cost import Cost
+from synth.verify.evidence import Evidence
+from synth.workspace import Design
+
+T = TypeVar("T")
+
+EMULATOR = ("unicorn", "elftools", "capstone")  # packages of the extra `target`
+LIBRARY = "cross compiler"
+
+
+@dataclass(frozen=True, eq=False)
+class Task(Generic[T]):
+    """What is computed of a design; `depends` are the functions and values that the result follows from."""
+
+    what: str
+    compute: Callable[[Progress], T]
+    depends: tuple[Any, ...]
+
+    def key(self) -> str:
+        """Return the key of the result.
+
+        Raises ContentError where the source of a function cannot be read.
+        """
+        first, *others = self.depends
+        data = [slices.digest(d, True) for d in others if callable(d) and not isinstance(d, type)]
+        return cache.key(first, compilers(), data, *others, data=True)
+
+    def result(self, say: Progress) -> T:
+        """Return what is kept, or compute it; a function whose source cannot be read is called each time."""
+        try:
+            key = self.key()
+        except ContentError:
+            return self.compute(say)
+        if store.holds(key):
+            say(f"{self.what}: unchanged")
+        return store.fetch(key, lambda: self.compute(say))
+
+
+@dataclass(frozen=True)
+class Built:
+    """What a build leaves: the report, the evidence as a document, and all checks."""
+
+    page: str
+    evidence: Any
+    checks: tuple[Check, ...]
+
+
+def emission(design: Design, scalar: type[np.floating]) -> Task[dict[str, Emitted]]:
+    """Return the task of what is written to generated_c/<name>/, by folder."""
+
+    def compute(say: Progress) -> dict[str, Emitted]:
+        say("gains and C")
+        return dict(design.emit(scalar))
+
+    return Task("gains and C", compute, (design.emit, scalar))
+
+
+def verification(design: Design, whole: bool) -> Task[Evidence]:
+    """Return the task of comparing the witnesses, over the `whole` replay or over a short one."""
+    return Task("verification", lambda say: design.verify(say, whole), (design.verify, whole))
+
+
+def simulation(design: Design) -> Task[list[Experiment]]:
+    """Return the task of running the experiments."""
+    return Task("experiments", lambda say: list(design.simulate(say)), (design.simulate,))
+
+
+def audit(design: Design) -> Task[list[Row]]:
+    """Return the task of recomputing the published figures."""
+
+    def compute(say: Progress) -> list[Row]:
+        rows = []
+        for row in design.audit():
+            say(f"audit {row.id}")
+            rows.append(row)
+        return rows
+
+    return Task("audit", compute, (design.audit,))
+
+
+def brief_cost(design: Design) -> Task[Cost | None]:
+    """Return the task of measuring the cost in a few seconds; None is measured without emulator or cross compiler."""
+
+    def compute(say: Progress) -> Cost | None:
+        if design.scalar is not np.float32 or missing() or not cross.available():
+            return None
+        files = emission(design, design.scalar).result(_silent)[design.name]
+        say("cost")
+        return meter.brief(files, design.bench.block(), design.bench.replay(host.load(files.files, files.manifest)))
+
+    depends = (meter.brief, design.emit, design.bench.block, design.bench.replay, design.scalar, missing())
+    return Task("cost", compute, depends)
+
+
+def whole_cost(design: Design) -> Task[Cost]:
+    """Return the task of measuring the cost over the costliest steps and all decisions."""
+
+    def compute(say: Progress) -> Cost:
+        files = emission(design, np.float32).result(say)[design.name]
+        sequences = design.bench.sequences(host.load(files.files, files.manifest), say)
+        return meter.measure(files, design.bench.block(), sequences, say)
+
+    return Task("cost", compute, (meter.measure, design.emit, design.bench.block, design.bench.sequences))
+
+
+def build(design: Design) -> Task[Built]:
+    """Return the task of the report, made of what all others have made."""
+    emit, verify, simulate, rows, cost = (
+        emission(design, design.scalar),
+        verification(design, False),
+        simulation(design),
+        audit(design),
+        brief_cost(design),
+    )
+
+    def compute(say: Progress) -> Built:
+        evidence, experiments = verify.result(_silent), simulate.result(_silent)
+        parts = emit.result(_silent), evidence, experiments, rows.result(_silent), cost.result(_silent)
+        say("report")
+        checks = (*evidence.checks, *(c for e in experiments for c in e.checks))
+        return Built(design.report(*parts), evidence.document(), checks)
+
+    try:
+        keys = [task.key() for task in (emit, verify, simulate, rows, cost)]
+    except ContentError:  # nothing has a key where one part of it has none
+        return Task("report", compute, (design.report, object()))
+    return Task("report", compute, (design.report, *keys))
+
+
+def build_jobs(designs: Sequence[Design], root: Path) -> list[Job]:
+    """Return the jobs that build designs; the last of each has the design's name and returns what was Built.
+
+    The C is written to `root`/generated_c as soon as it is there.
+    """
+    emulated = not missing() and "zig" in cross.available()
+    library = [Job(LIBRARY, LIBRARY, lambda say: cross.prepare("cortex-m4f"))] if emulated else []
+    return [*library, *(job for design in designs for job in _build_jobs(design, root, tuple(j.name for j in library)))]
+
+
+def _build_jobs(design: Design, root: Path, library: tuple[str, ...]) -> list[Job]:
+    name, whole = design.name, build(design)
+
+    def save(say: Progress) -> None:
+        for folder, files in emission(design, design.scalar).result(say).items():
+            write.save(files.files, root / "generated_c" / folder)
+
+    try:
+        if store.holds(whole.key()):
+            return [Job(f"{name} emit", name, save), Job(name, name, whole.result, (f"{name} emit",))]
+    except ContentError:
+        pass
+    first = f"{name} emit"
+    tasks: tuple[tuple[str, Task[Any], tuple[str, ...]], ...] = (
+        ("simulate", simulation(design), (first,)),
+        ("verify", verification(design, False), (first,)),
+        ("cost", brief_cost(design), (first, *library)),
+        ("audit", audit(design), (first,)),
+    )
+    jobs = [Job(f"{name} {what}", name, _kept(task), after) for what, task, after in tasks]
+    last = Job(name, name, whole.result, tuple(job.name for job in jobs))
+    return [Job(first, name, save), *jobs, last]
+
+
+def _kept(task: Task[Any]) -> Callable[[Progress], None]:
+    """Return a run that leaves its result in the cache alone: the job that wants it reads it there."""
+
+    def run(say: Progress) -> None:
+        task.result(say)
+
+    return run
+
+
+def missing() -> list[str]:
+    """Return the packages of the emulator that are not installed."""
+    return [name for name in EMULATOR if find_spec(name) is None]
+
+
+@once
+def compilers() -> Sequence[tuple[str, ...]]:
+    """Return what the compilers that make code of a design's C say of themselves."""
+    found = [host_compiler.find_compiler()]
+    found += [cross.find_compiler("cortex-m4f", name) for name in cross.available()]
+    return [(*c.command, c.identity, *c.machine_flags) for c in found]
+
+
+def _silent(line: str) -> None:
+    """Say nothing."""

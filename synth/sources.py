@@ -1,0 +1,144 @@
+"""Sources of the toolkit and of a workspace: the top-level statements of a module, what they name, what they import.
+
+A module is read once in a process: what is imported does not change with its file afterwards. What is found in its
+syntax tree is kept under the digest of its text.
+"""
+
+import ast
+import hashlib
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from synth import store
+
+TOOLKIT = Path(__file__).resolve().parent
+BARE = ""  # in place of the name that a statement binds, where it does more than that
+
+Paths = tuple[tuple[str, ...], ...]  # dotted names, split at the dots
+
+
+@dataclass(frozen=True)
+class Statement:
+    """A top-level statement: the digest of its text, the dotted names in it, and the names that it imports itself.
+
+    `defines` tells a function or a class.
+    """
+
+    digest: str
+    defines: bool
+    paths: Paths
+    imports: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Module:
+    """A parsed module: its statements by the name that they bind, the others (BARE), and its imports by name."""
+
+    path: Path
+    statements: dict[str, tuple[Statement, ...]]
+    imports: dict[str, str]
+
+
+@cache
+def module(root: Path, name: str) -> Module | None:
+    """Return a module of the toolkit or of the workspace at `root`, None for any other."""
+    first, *others = name.split(".")
+    base = TOOLKIT if first == "synth" else root / first
+    path = base.joinpath(*others)
+    if first != "synth" and root == TOOLKIT.parent and not _is_workspace(root, first):
+        return None
+    for file in (path.with_name(f"{path.name}.py"), path / "__init__.py"):
+        if file.is_file():
+            return parsed(file, name)
+    return parsed(None, name) if path.is_dir() and path != root else None
+
+
+def _is_workspace(root: Path, first: str) -> bool:
+    """Whether a top-level package is one of a workspace, where the toolkit may be installed among other packages."""
+    return (root / "designs").is_dir() and (root / first).exists()
+
+
+@cache
+def parsed(path: Path | None, name: str) -> Module:
+    """Read a module once in a process: what is imported does not change with its file afterwards."""
+    if path is None:  # a folder without __init__.py
+        return Module(Path(), {}, {})
+    content = text(path)
+    own = hashlib.sha256(Path(__file__).read_bytes() + sys.version.encode()).digest()
+    key = hashlib.sha256(own + f"{name} {path.name} ".encode() + content).hexdigest()
+    return Module(path, *store.fetch(key, lambda: _summary(ast.parse(content), name, path.name == "__init__.py")))
+
+
+@cache
+def text(path: Path) -> bytes:
+    """Return what a file holds, as it was when it was first asked for."""
+    return path.read_bytes()
+
+
+def _summary(tree: ast.Module, name: str, package: bool) -> tuple[dict[str, tuple[Statement, ...]], dict[str, str]]:
+    """Return the statements of a module by the name that they bind, and its imports by name."""
+    statements: dict[str, tuple[Statement, ...]] = {}
+    for node in tree.body:
+        if isinstance(node, ast.Import | ast.ImportFrom) or _is_docstring(node):
+            continue
+        made = statement(node, name, package)
+        for bound in _bound(node) or (BARE,):
+            statements[bound] = (*statements.get(bound, ()), made)
+    inside = [item for s in statements.get(BARE, ()) for item in s.imports]
+    return statements, dict([*inside, *_imports(tree.body, name, package)])
+
+
+def statement(node: ast.AST, name: str, package: bool) -> Statement:
+    """Read a statement, or a lambda, of the module called `name`, which may be that of a package."""
+    inside = [n for n in ast.walk(node) if isinstance(n, ast.Import | ast.ImportFrom)]
+    digest = hashlib.sha256(ast.unparse(node).encode()).hexdigest()
+    defines = isinstance(node, ast.FunctionDef | ast.ClassDef)
+    return Statement(digest, defines, tuple(sorted(set(_paths(node)))), tuple(_imports(inside, name, package)))
+
+
+def _is_docstring(node: ast.stmt) -> bool:
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+
+
+def _bound(node: ast.stmt) -> tuple[str, ...]:
+    """Return the names that a statement binds, none where it does more than that."""
+    if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+        return (node.name,)
+    targets: list[ast.expr] = []
+    if isinstance(node, ast.Assign):
+        targets = node.targets
+    elif isinstance(node, ast.AnnAssign):
+        targets = [node.target]
+    flat = [e for t in targets for e in (t.elts if isinstance(t, ast.Tuple | ast.List) else [t])]
+    return tuple(e.id for e in flat if isinstance(e, ast.Name)) if all(isinstance(e, ast.Name) for e in flat) else ()
+
+
+def _paths(node: ast.AST) -> Iterator[tuple[str, ...]]:
+    """Yield each dotted name in a tree, as long as it goes."""
+    chain: list[str] = []
+    inner: ast.AST = node
+    while isinstance(inner, ast.Attribute):
+        chain.append(inner.attr)
+        inner = inner.value
+    if isinstance(inner, ast.Name):
+        yield (inner.id, *reversed(chain))
+        return
+    for child in ast.iter_child_nodes(inner):
+        yield from _paths(child)
+
+
+def _imports(nodes: Sequence[ast.AST], name: str, package: bool) -> Iterator[tuple[str, str]]:
+    """Yield (name, dotted target) of import statements in a module."""
+    for node in nodes:
+        if isinstance(node, ast.Import):
+            for a in node.names:
+                top = a.name.split(".")[0]
+                yield (a.asname, a.name) if a.asname else (top, top)
+            yield from ((f".{a.name}", a.name) for a in node.names)  # loaded, under no name of its own
+        elif isinstance(node, ast.ImportFrom):
+            base = name.split(".")[: len(name.split(".")) - node.level + package] if node.level else []
+            source = ".".join([*base, *([node.module] if node.module else [])])
+            yield from ((a.asname or a.name, f"{source}.{a.name}") for a in node.names)
