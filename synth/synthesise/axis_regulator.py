@@ -159,7 +159,7 @@ def internal_weights(modes: Mapping[float, float], weight: float) -> Array:
         factor = (2 if f else 1) * Fraction(speed) ** 2 * Fraction(weight)
         for row in rows:
             full = [*row, *[Fraction(0)] * (k - len(row))]
-            total = [[t + factor * a * b for t, b in zip(line, full, strict=True)] for line, a in zip(total, full)]
+            total = [[total[i][j] + factor * full[i] * full[j] for j in range(k)] for i in range(k)]
     return readonly([[float(v) for v in line] for line in total])
 
 
