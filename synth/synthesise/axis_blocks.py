@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from synth import arguments
 from synth.analyse import reach
 from synth.block import Block
 from synth.declaration import Interface
@@ -43,7 +42,6 @@ class _Wires:
         return np.array([max(abs(s.low), abs(s.high)) for s in signals])
 
 
-@arguments.checked
 def blocks(time: Discrete, axes: Sequence[Axis], interface: Interface) -> list[Block]:
     """Return the Blocks of axes that share one inverse, or of one axis without.
 

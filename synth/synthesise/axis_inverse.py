@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from synth import arguments
 from synth.analyse import box
 from synth.block import Block, Exprs, Step, build, clip
 from synth.declaration import Interface
@@ -48,7 +47,6 @@ class Command:
         return replace(self.limited, name=self.excess, low=-bound, high=bound, about="limited less commanded")
 
 
-@arguments.checked
 def command(axis: Axis, interface: Interface) -> Command:
     """Return the demand of an axis on the inverse, limited to what the actuators can make in the plant's box.
 
@@ -66,7 +64,6 @@ def _inverse(axis: Axis) -> Linearisation:
     return axis.inverse
 
 
-@arguments.checked
 def states_ahead(axis: Axis) -> dict[str, Signal]:
     """Return the signals of those predicted states of an axis that the inverse takes, by the plant's name."""
     if axis.inverse is None:
@@ -82,7 +79,6 @@ def _entering(inverse: Linearisation) -> list[Signal]:
     return [model.states[k] for k in box.entering(exprs, inverse.x, model.states)]
 
 
-@arguments.checked
 def blocks(time: Discrete, axes: Sequence[Axis], commands: Mapping[str, Command], interface: Interface) -> list[Block]:
     """Return the Blocks from the commands {output: Command} of axes to the actuators' demands, and back.
 
