@@ -2,7 +2,7 @@
 
     w ---> [ i = D(x)^-1 (w - a(x)) ] ---> <actuator>_demand ---> limits ---> <actuator>_excess
                                                                                    v
-    <w>_limited = w + <w>_excess  <-------------------------  [ <w>_excess = D(x) <actuator>_excess ]
+    <w>_limited, <w>_excess  <-----  [ <w>_excess = D(x) <actuator>_excess,  <w>_limited = a(x) + D(x) <actuator> ]
 
 x are the states that the axes predict for the time when the actuators act, or else measure, limited to the plant's
 domain: outside, the law is not defined. Source: `feedback_linearisation`.
@@ -75,7 +75,7 @@ def states_ahead(axis: Axis) -> dict[str, Signal]:
 def _entering(inverse: Linearisation) -> list[Signal]:
     """Return the plant's states that the law or the decoupling matrix takes."""
     model = inverse.degree.model
-    exprs = ca.vertcat(inverse.u, ca.vec(inverse.degree.decoupling))
+    exprs = ca.vertcat(inverse.u, ca.vec(inverse.degree.decoupling), inverse.degree.drift)
     return [model.states[k] for k in box.entering(exprs, inverse.x, model.states)]
 
 
@@ -97,6 +97,7 @@ def blocks(time: Discrete, axes: Sequence[Axis], commands: Mapping[str, Command]
     demands = [commands[name].signal() for name in outputs]
     sent = [interface.demand(a, b) for a, b in zip(actuators, bounds, strict=True)]
     excess = [interface.excess(a, b) for a, b in zip(actuators, bounds, strict=True)]
+    computed = [interface.computed(a) for a in actuators]
 
     def invert(u: Exprs, x: Exprs, k: Exprs) -> Step:
         w = ca.vertcat(*(u[s.name] for s in demands))
@@ -104,20 +105,19 @@ def blocks(time: Discrete, axes: Sequence[Axis], commands: Mapping[str, Command]
         return Step({s.name: i[k] for k, s in enumerate(sent)})
 
     def give_back(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        D = at.signals(inverse.degree.decoupling, u)
-        added = ca.vertsplit(ca.mtimes(D, ca.vertcat(*(u[s.name] for s in excess))))
-        output: dict[str, ca.SX] = {}
-        for name, more in zip(outputs, added, strict=True):
-            limited = commands[name].limited
-            output |= {commands[name].excess: more, limited.name: clip(u[commands[name].name] + more, limited)}
-        return Step(output)
+        a, D = (at.signals(e, u) for e in (inverse.degree.drift, inverse.degree.decoupling))
+        added = ca.mtimes(D, ca.vertcat(*(u[s.name] for s in excess)))
+        made = a + ca.mtimes(D, ca.vertcat(*(u[s.name] for s in computed)))
+        output = {commands[name].excess: added[i] for i, name in enumerate(outputs)}
+        limited = [commands[name].limited for name in outputs]
+        return Step(output | {s.name: clip(made[i], s) for i, s in enumerate(limited)})
 
-    inputs, name = [*at.states.values(), *demands], "_".join(outputs)
+    states, name = list(at.states.values()), "_".join(outputs)
     back = [s for name in outputs for s in (commands[name].excess_signal(), commands[name].limited)]
     tag = f"feedback linearisation of {', '.join(outputs)}"
     return [
-        build(f"inverse_{name}", time, invert, inputs=inputs, outputs=sent, tag=tag),
-        build(f"made_{name}", time, give_back, inputs=[*inputs, *excess], outputs=back, tag=tag),
+        build(f"inverse_{name}", time, invert, inputs=[*states, *demands], outputs=sent, tag=tag),
+        build(f"made_{name}", time, give_back, inputs=[*states, *excess, *computed], outputs=back, tag=tag),
     ]
 
 

@@ -284,7 +284,7 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
             demand = (M * (u + G) / field - F0) / K
             computed[current] = np.clip(demand, -CURRENTS[current], CURRENTS[current])
             excess = K * field / M * (computed[current] - demand)
-            made = np.clip(u + excess, -MADE, MADE)
+            made = np.clip(field * (F0 + K * computed[current]) / M - G, -MADE, MADE)
         else:
             made = computed[current] = np.clip(u, -CURRENTS[current], CURRENTS[current])
             excess = made - u
