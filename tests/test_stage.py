@@ -90,13 +90,15 @@ def test_a_stage_without_reference_is_refused_where_it_would_be_verified() -> No
     made = PID.DESIGN.stage.controller
     with pytest.raises(DesignError, match="give `reference`, a NumPy step"):
         stage.design(made, PID.PLANT)
-    assert stage.design(made, PID.PLANT, verify=PID.DESIGN.verify).verify is PID.DESIGN.verify
+    assert stage.design(made, PID.PLANT, verify=lambda *_: None).verify(print, False) is None
 
 
 def test_each_task_can_be_replaced() -> None:
-    made, audit = PID.DESIGN.stage.controller, lambda: iter(())
-    own = stage.design(made, PID.PLANT, reference=PID.reference.step, audit=audit, report=lambda *_: "mine")
-    assert own.audit is audit and own.report({}, None, [], [], None) == "mine"  # type: ignore[arg-type]
+    made = PID.DESIGN.stage.controller
+    own = stage.design(
+        made, PID.PLANT, reference=PID.reference.step, audit=lambda s: iter([s.name]), report=lambda s, *_: s.about
+    )
+    assert list(own.audit()) == ["levitator_pid"] and own.report({}, None, [], [], None) == ""
     assert list(PID.DESIGN.audit()) == []
 
 
