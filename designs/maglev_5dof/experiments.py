@@ -300,7 +300,7 @@ def set_downs(loop: Loop) -> list[Experiment]:
         figures = {"speed at the lower stop, m/s": float(trajectory["vy"].max())}
         found.append(
             Experiment(
-                f"set_down_{gap * 1e3:g}", title, "y1 reads NaN from 0.5 s on", trajectory, ("y",), {}, figures, checks
+                f"set_down_{gap * 1e3:g}", title, "y1 reads NaN from 1.0 s on", trajectory, ("y",), {}, figures, checks
             )
         )
     zero = {f"i_d{j}": 0.0 for j in range(1, 5)} | {"u_x": 0.0, "u_z": 0.0}
