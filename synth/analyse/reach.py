@@ -22,8 +22,8 @@ LONGEST = 2_000_000  # samples until then
 def states(system: System, inputs: ArrayLike) -> Array:
     """Return bounds (n,) of a stable sampled model's states from 0, for inputs within +-`inputs` (m,).
 
-    Raises TimingError for a continuous model; SignalError for bounds that are no finite numbers of 0 or more; ModelError
-    for a model that is not stable, or settles too slowly.
+    Raises TimingError for a continuous model; SignalError for bounds that are not finite or below 0; ModelError for a
+    model that is not stable, or settles too slowly.
     """
     model = of(system)
     period(model.time)
