@@ -12,7 +12,8 @@ from synth.report.notation import number
 from synth.report.page import Cell, Table
 
 DIGITS = 6
-WIDE = 4  # laws beside each other in one table
+WIDE = 5  # laws beside each other in one table
+SHORT = 2  # entries of a list on one line, where laws stand beside each other
 
 
 def tables(document: Mapping[str, Any]) -> tuple[Table, ...]:
@@ -47,7 +48,7 @@ def _alike(laws: Mapping[str, Mapping[str, Any]]) -> Iterator[dict[str, Mapping[
 def _table(laws: Mapping[str, Mapping[str, Any]]) -> Table:
     rows: list[tuple[Cell, ...]] = []
     for entry in next(iter(laws.values())):
-        rows.append((entry, *(_cell(law[entry]) for law in laws.values())))
+        rows.append((entry, *(_cell(law[entry], len(laws) > 1) for law in laws.values())))
     return Table(f"Gains of {', '.join(laws)}", ("entry", *laws), tuple(rows), DIGITS)
 
 
@@ -61,12 +62,13 @@ def _entries(law: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any
             yield words, value
 
 
-def _cell(value: Any) -> str:
+def _cell(value: Any, narrow: bool = False) -> str:
+    """Return a value as text: a matrix by rows, a longer list one entry a line where the column is `narrow`."""
     if isinstance(value, str):
         return value
     if isinstance(value, bool) or value is None:
         return {True: "yes", False: "no", None: "none"}[value]
     if isinstance(value, Sequence):
         nested = any(isinstance(v, Sequence) and not isinstance(v, str) for v in value)
-        return ("\n" if nested else ", ").join(_cell(v) for v in value)
+        return ("\n" if nested or (narrow and len(value) > SHORT) else ", ").join(_cell(v) for v in value)
     return number(value, DIGITS)

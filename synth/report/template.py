@@ -69,9 +69,9 @@ def report(
         sections.cost(cost),
         standard.files(files),
     ]
-    words = prose.read(own_words(stage.name), {**values(stage, rows), **extra.values})
-    placed = prose.placed([replaced.get(s.title, s) for s in made], words.parts)
-    return assembled(stage.name, stage.about, [*facts(stage), *extra.facts], placed, words.blocks)
+    known = {**values(stage, rows), **extra.values}
+    parts = [replaced.get(s.title, s) for s in made]
+    return assembled(stage.name, stage.about, (*facts(stage), *extra.facts), parts, known)
 
 
 def assembled(
@@ -79,11 +79,18 @@ def assembled(
     about: str,
     facts: Sequence[tuple[str, str]],
     parts: Sequence[Section],
-    first: Sequence[page.Block] = (),
+    values: Mapping[str, Value] | None = None,
 ) -> str:
-    """Return a page of sections as one HTML document; blocks that come `first` get a section of their own."""
-    summary = (Section("Summary", tuple(first)),) if first else ()
-    return page.render(page.Report(name, about, (*summary, *parts), tuple(facts)))
+    """Return a page of sections as one HTML document, with the prose of the design's report.md among them.
+
+    Prose before the first title makes a section of its own at the top.
+
+    Raises DesignError as `prose.read`.
+    """
+    words = prose.read(own_words(name), values or {})
+    summary = (Section("Summary", words.blocks),) if words.blocks else ()
+    placed = prose.placed(parts, words.parts)
+    return page.render(page.Report(name, about, (*summary, *placed), tuple(facts)))
 
 
 def _computed(
