@@ -14,11 +14,10 @@ from collections.abc import Callable, Mapping
 import casadi as ca
 import numpy as np
 
-from designs.planar_6dof import calibration, filtering, sensing, vertical
-from designs.planar_6dof_leadlag import audit
+from designs.planar_6dof import filtering, lqg, sensing, vertical
+from designs.planar_6dof.paper import rows
 from designs.planar_6dof_leadlag import control as leadlag
-from designs.planar_6dof_lqg import control as lqg
-from models import halbach
+from models import halbach, hall_calibration
 from synth.plant import Plant
 from synth.timing import Discrete
 
@@ -51,7 +50,7 @@ def held(plant: Plant, axis: str, T: float, z: Array) -> Array:
 
 def sensed(plant: Plant, axis: str) -> tuple[float, float]:
     """Return g and rho, with S' = sum n A_n and C = sum A_n at the middle, where S is 0."""
-    cal, p = calibration.of(plant), {s.name: ca.SX(s.value) for s in plant.parameters}
+    cal, p = hall_calibration.of(plant), {s.name: ca.SX(s.value) for s in plant.parameters}
     height = ca.SX(plant.parameter("height").value)
     A = {n: plant.parameter("sensitivity").value * float(halbach.amplitude(n, height, p)) for n in halbach.HARMONICS}
     slope, level = sum(n * a for n, a in A.items()), sum(A.values())
@@ -72,7 +71,7 @@ def kalman(axis: str, time: Discrete, z: Array) -> tuple[Array, Array]:
 
 def lead_lag(axis: str, time: Discrete, published: bool = False) -> Transfer:
     """Return (21)-(25) by Tustin's rule, from the printed numbers."""
-    print_, part = audit.printed(), 1.0 if published else (leadlag.PART | vertical.PART)[axis]
+    print_, part = rows.printed(), 1.0 if published else (leadlag.PART | vertical.PART)[axis]
 
     def C(z: Array) -> Array:
         s = 2 / time.period_s * (z - 1) / (z + 1)

@@ -6,17 +6,17 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from designs.planar_6dof import allocation, experiments, failures, voltages
+from designs.planar_6dof import allocation, experiments, failures, lqg
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof.loop import Loop
-from designs.planar_6dof_leadlag import audit as leadlag_audit
+from designs.planar_6dof.paper import rows as paper
+from designs.planar_6dof.paper import spectrum, steps
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import experiments as leadlag_experiments
-from designs.planar_6dof_lqg import audit as lqg_audit
-from designs.planar_6dof_lqg import control as lqg
 from designs.planar_6dof_lqg import experiments as lqg_experiments
-from models import halbach, planar_stage
+from models import halbach, planar_stage, planar_voltages
 from synth.block import Block
+from synth.report import audit
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import sample_times
 from synth.simulate.sensors import Override
@@ -96,9 +96,9 @@ def test_the_circle_crosses_pitches_and_no_border_shows(found: Found) -> None:
 
 
 def test_recorded_rows(lead: Loop, optimal: Loop) -> None:
-    every = [*leadlag_audit.rows(lead), *lqg_audit.rows(optimal)]
+    every = [*paper.leadlag(lead), *paper.lqg(optimal)]
     assert len(every) == len({r.id for r in every}) == 42
-    rows = {r.id: r for r in every if r.id in {*leadlag_audit.RECORDED, *lqg_audit.RECORDED}}
+    rows = {r.id: r for r in every if r.id in audit.recipes([steps, spectrum])}
     verdicts = {name: str(r.verdict) for name, r in rows.items()}
     assert verdicts == {"Y-34": "R", "Y-35": "N", "Y-40": "N", "Y-41": "R"}
     assert rows["Y-34"]["rms, x"] == pytest.approx(6.9, rel=0.025) == rows["Y-34"]["rms, y"]
@@ -141,12 +141,12 @@ def test_voltages_are_those_of_resistance_inductance_and_motion(lead: Loop) -> N
     plant, v, T = planar_stage.plant(), 0.1, lead.period_s
     idle = dict.fromkeys(loops.ACTUATORS, 0.0)
     run = replace(lead, plant=plant).ideal.run(0.6, {}, {"vx": v}, actuators={}, forcing=idle)
-    u = voltages.needed(plant, run)
+    u = planar_voltages.needed(plant, run)
     assert np.abs(u[6:]).max() == pytest.approx(2 / 3 * allocation.force_constant(plant) * v, rel=1e-3)
     assert np.abs(u[:6]).max() < 1e-9
     R, L = (plant.parameter(n).value for n in ("resistance", "inductance"))
     still = replace(lead, plant=plant).ideal.run(0.002, {}, {}, actuators={}, forcing=idle | {"i_AA": 0.01})
-    u = voltages.needed(plant, still)
+    u = planar_voltages.needed(plant, still)
     assert u[0, 0] == pytest.approx(0.01 * (R + L / T)) and u[0, 1] == pytest.approx(0.01 * R, rel=0.03)
 
 
@@ -155,10 +155,10 @@ def test_an_amplifier_without_limit_follows_and_one_with_a_limit_slews(lead: Loo
     idle = dict.fromkeys(loops.ACTUATORS, 0.0) | {"i_CA": 0.2}
     R, L = (PLANT.parameter(n).value for n in ("resistance", "inductance"))
     for volts in (1e3, 0.5):
-        bad = replace(lead, plant=voltages.amplified(volts)).ideal
+        bad = replace(lead, plant=planar_voltages.amplified(volts)).ideal
         run = bad.run(0.003, {}, {}, actuators={}, forcing=idle, substeps=64)
         t = run.time
-        expected = 0.2 * (1 - np.exp(-t / voltages.LAG)) if volts > 1 else 0.5 / R * (1 - np.exp(-t * R / L))
+        expected = 0.2 * (1 - np.exp(-t / planar_voltages.LAG)) if volts > 1 else 0.5 / R * (1 - np.exp(-t * R / L))
         np.testing.assert_allclose(run["true_i_CA"], expected, rtol=0.01)  # the platen gives way
 
 
