@@ -79,7 +79,7 @@ def modules() -> list[ModuleType]:
     """Return the modules of the vocabulary, of analyse and of synthesise."""
     layers = (synth.analyse, synth.synthesise)
     names = [f"synth.{name}" for name in VOCABULARY]
-    names += [m.name for layer in layers for m in pkgutil.iter_modules(layer.__path__, f"{layer.__name__}.")]
+    names += [m.name for layer in layers for m in pkgutil.walk_packages(layer.__path__, f"{layer.__name__}.")]
     return [importlib.import_module(name) for name in names]
 
 

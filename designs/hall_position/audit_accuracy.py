@@ -106,7 +106,7 @@ def yaw(stage: Stage, printed: Published) -> Row:
     """K-11: recompute the deviation of the yaw over the pitch."""
     free = fisher.deviations(stage.pair, grid(stage.pair, POINTS))[2]
     limit = radians(printed["resolution"].value)
-    three = worst(stage.three, 0.0, 0.0, TOLERANCE).found[2]
+    three = worst(stage.three, 0.0, 0.0, TOLERANCE).met[2]
     figures = [
         ("two sensors, median", np.degrees(float(np.median(free))), "degree"),
         ("two sensors, part of the pitch above the print", 100 * float(np.mean(free > limit)), "%"),

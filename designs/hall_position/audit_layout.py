@@ -7,7 +7,7 @@ from math import radians
 
 import numpy as np
 
-from designs.hall_position import audit_errors, audit_estimate, fisher, layout, layout_search, singular_points
+from designs.hall_position import audit_errors, audit_estimate, fisher, layouts, maps, singular_points
 from designs.hall_position.audit_stage import MM, NOISE, NUMBERS, POINTS, TOLERANCE, UM, Array, Stage, grid, worst
 from models import concentrated_field
 from synth.report.audit import Published, Row, judge, row
@@ -29,8 +29,8 @@ def sufficient(stage: Stage, printed: Published) -> Row:
     ]
     nearest = np.abs(at[0.0] - [l / 8, 3 * l / 8]).max(axis=1).min() if len(at[0.0]) else np.inf
     cell = fisher.deviations(stage.pair, grid(stage.pair, POINTS))
-    condition = layout.accuracy(
-        audit_errors.sensors(stage.pair, stage.chain), _model(stage), layout.cell(l, 60), lever=LEVER
+    condition = maps.of_sensors(
+        audit_errors.sensors(stage.pair, stage.chain), _model(stage), layouts.poses(l, 60).T, LEVER
     ).condition
     figures += [
         ("from the nearest of them to (1/8, 3/8) pitch", float(nearest) / UM, "um"),
@@ -53,18 +53,18 @@ def sufficient(stage: Stage, printed: Published) -> Row:
 def redundant(stage: Stage, printed: Published) -> Row:
     """K-14: recompute the worst deviations with a third sensor, and of layouts that were searched for."""
     figures, proved = [], worst(stage.three, 0.0, 0.0, TOLERANCE)
-    for name, value, unit in zip(("X", "Y", "yaw"), proved.found, ("um", "um", "urad"), strict=True):
+    for name, value, unit in zip(("X", "Y", "yaw"), proved.met, ("um", "um", "urad"), strict=True):
         figures.append((f"three sensors, yaw 0, largest of {name}", value / UM, unit))
     ninth = with_ninth(stage)
     figures += [
         (f"the same with the 9th harmonic, {name}", float(v) / UM, "um") for name, v in zip("XY", ninth, strict=False)
     ]
     for turn in YAWS:
-        found = worst(stage.three, radians(turn), radians(turn), 10 * TOLERANCE).found
+        found = worst(stage.three, radians(turn), radians(turn), 10 * TOLERANCE).met
         figures.append((f"larger of X and Y, yaw {turn:g} degrees", float(found[:2].max()) / UM, "um"))
     near = fisher.deviations(stage.three, _near(stage))[:, 0]
     figures += [("X near the lost rank, yaw 9.385 degrees", float(near[0]) / UM, "um")]
-    for turn, places in layout_search.LAYOUTS.items():
+    for turn, places in layouts.LAYOUTS.items():
         tolerance = TOLERANCES[turn]
         bound = worst(stage.array(places), -radians(turn), radians(turn), tolerance).bound
         figures.append(
@@ -113,7 +113,8 @@ def with_ninth(stage: Stage, points: int = FINE) -> Array:
     """Return the largest deviations of X, Y and yaw of all sensors at yaw 0, the 9th harmonic included."""
     waves = stage.waves(concentrated_field.on_axes((1, 5, 9)))
     of = audit_errors.sensors(stage.three, stage.chain)
-    return layout.accuracy(of, waves, layout.cell(stage.pitch, points), stage.height).deviations.max(axis=0)
+    at = layouts.poses(stage.pitch, points).T
+    return maps.of_sensors(of, waves, at, maps.spread(of), stage.height).deviations.max(axis=0)
 
 
 def _model(stage: Stage) -> tuple[concentrated_field.Wave, ...]:

@@ -12,8 +12,9 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.hall_position import fisher, layout_search, parameters
-from designs.hall_position.layout_search import PUBLISHED, Pair
+from designs.hall_position import fisher, layouts, parameters
+from designs.hall_position.layouts import PUBLISHED
+from designs.hall_position.parameters import Pair
 from models import concentrated_field, finite_matrix, hall_array
 from models.concentrated_field import STRONG, WEAK, Cell, Order, Wave
 from models.hall_chain import Chain
@@ -65,7 +66,7 @@ class Stage:
         alpha, beta = (self.chain.gain * self.amplitudes(NUMBERS)[k] for k in (0, 1))
         two = ((0.0, 0.0), (self.pitch, 0.0))
         model = parameters.Array(two, 0.0, float(alpha), float(beta), self.pitch, self.chain.noise)
-        return layout_search.placed(model, tuple(places))
+        return layouts.placed(model, tuple(places))
 
     def waves(self, orders: Sequence[Order], ideal: bool = False) -> tuple[Wave, ...]:
         """Return waves above the blocks that were made, or above `ideal` ones."""
@@ -105,9 +106,7 @@ class Truth:
 
 def grid(of: parameters.Array, points: int) -> Array:
     """Return poses (3, points^2) in the middles of squares over the pitch, m, at yaw 0."""
-    along = of.pitch * (np.arange(points) + 0.5) / points
-    X, Y = np.meshgrid(along, along, indexing="ij")
-    return np.array([X.ravel(), Y.ravel(), np.zeros(X.size)])
+    return np.array(layouts.poses(of.pitch, points, shift=0.5))
 
 
 @lru_cache(KEPT)

@@ -16,7 +16,7 @@ between, so that an estimate that is not valid does not move the loop:
 After LOST invalid samples in a row all Hall voltages are suspects, and both voltages of a sensor that the estimator
 leaves out are so at once: no sample is complete then, and the guard latches BAD_SAMPLES later.
 
-Places. PLACES are `layout_search.LAYOUTS` for yaws of 5 degrees, against those of the stage, A at its centre, B and C
+Places. PLACES are `layouts.LAYOUTS` for yaws of 5 degrees, against those of the stage, A at its centre, B and C
 3/4 of a pitch along its axes. Over the pitch and yaws of 20 mrad, at 1 mV, they prove
 
                     X, at most    Y           yaw         X, Y, yaw rms over pitch and yaws
@@ -33,7 +33,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from designs.hall_position import error_map, estimator, layout_search
+from designs.hall_position import error_map, estimator, layouts
 from designs.hall_position.error_map import ErrorMap
 from designs.hall_position.parameters import Array, Pair, Tuning
 from designs.planar_6dof import interface, sensing, vertical
@@ -49,7 +49,7 @@ LOST = 5  # samples
 FOLLOW = 0.1  # of what a sample differs from the expected one
 FASTEST = {"x": 1.25e-3, "y": 1.25e-3, "phi": 6.25e-3}  # m, rad a sample: 1 m/s and 5 rad/s at 800 Hz
 OF = {"x": "X", "y": "Y", "phi": "yaw"}
-PLACES: tuple[Pair, ...] = tuple((x * PITCH, y * PITCH) for x, y in layout_search.LAYOUTS[5])
+PLACES: tuple[Pair, ...] = tuple((x * PITCH, y * PITCH) for x, y in layouts.LAYOUTS[5])
 SENSORS = 3
 ANY = SENSORS + 1  # in place of the number of the sensor that failed
 BEGINS = {"x": PITCH / 2, "y": PITCH / 2, "phi": sensing.YAW}  # m, rad

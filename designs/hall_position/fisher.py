@@ -1,4 +1,4 @@
-"""What the voltages tell of (X, Y, yaw), by model (2): Cramer-Rao deviations in closed form, and how large they get.
+"""Fisher information of (X, Y, yaw) in the voltages of model (2): Cramér-Rao deviations in closed form.
 
 In the field's axes the Jacobian of sensor k, at the phase (p, q) and the place (o_X, o_Y) = w R(yaw) r_k, is
 
@@ -9,24 +9,21 @@ by phases in rad and the yaw, so that with the yaw's information N_T, by Lagrang
     N_T = sum over axes of [sum over pairs (g_i h_j - g_j h_i)^2] / sum g^2,
     var yaw = sigma^2 / N_T,    var X = sigma^2 / w^2 (1 / sum g^2 + (sum g h / sum g^2)^2 / N_T).
 
-Deviations s_i in a cell about q are bounded: where the columns of the Jacobian H change by no more than d_j in length,
-|H v + E v| >= |H v| - sum_j d_j |v_j| >= |H v| (1 - sum_j d_j s_j), and 1/s_i is the least |H v| with v_i = 1, so
-
-    s_i in the cell  <=  s_i(q) / (1 - sum_j d_j s_j(q)).
-
-Cells whose bound exceeds the largest deviation that was found are cut in two along each side until none is left.
+How large they get between places is proved by `synth.analyse.observability.worst_deviation`.
 
 Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 3.B.
 """
 
-from dataclasses import dataclass
-from itertools import product
+from dataclasses import dataclass, replace
+from functools import partial
 from math import ceil, hypot, pi
 
 import numpy as np
 from numpy.typing import NDArray
 
 from designs.hall_position import parameters
+from synth.analyse.observability import worst_deviation
+from synth.analyse.observability.worst_deviation import Worst
 from synth.errors import ModelError
 from synth.statespace import readonly
 
@@ -35,8 +32,6 @@ Range = tuple[float, float]
 
 START = 24  # cells along a pitch
 MOST = 30_000_000  # cells
-AT_ONCE = 200_000  # cells, for memory
-ROUNDING = 1e-9  # relative, added to bounds: far more than double precision loses where they are finite
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,18 +41,11 @@ class Rows:
     g: Array
     h: Array
 
-
-@dataclass(frozen=True, eq=False)
-class Worst:
-    """The largest deviations of X, Y in m and yaw in rad over cells: `found` (3,) at `at` (3, 3), none above `bound`.
-
-    Row i of `at` is where i is largest, in m, m and rad. `cells` were looked at.
-    """
-
-    found: Array
-    bound: Array
-    at: Array
-    cells: int
+    @property
+    def jacobian(self) -> Array:
+        """The Jacobian (3, 2 n, N) by two phases and the yaw, V by rad, all rows along X first."""
+        none = np.zeros_like(self.g[0])
+        return np.concatenate([[self.g[0], none, self.h[0]], [none, self.g[1], self.h[1]]], axis=1)
 
 
 def field(array: parameters.Array, phase: Array, order: int = 0) -> Array:
@@ -65,6 +53,11 @@ def field(array: parameters.Array, phase: Array, order: int = 0) -> Array:
     f, sign = ((np.sin, 1), (np.cos, 1), (np.sin, -1), (np.cos, -1))[order]
     waves = sign * (array.alpha * f(phase) + array.beta * 5**order * f(5 * phase))
     return waves if order else waves + array.c
+
+
+def bend(array: parameters.Array, order: int) -> float:
+    """Return a bound of the derivative of B of an order, V."""
+    return array.alpha + 5**order * abs(array.beta)
 
 
 def turned(array: parameters.Array, yaw: Array) -> tuple[Array, Array]:
@@ -91,14 +84,20 @@ def of_phases(array: parameters.Array, q: Array) -> Array:
     with np.errstate(divide="ignore", invalid="ignore"):
         turn = 1 / ((across**2).sum(axis=(1, 2)) / 2 / N).sum(axis=0)
         axes = 1 / N + ((of.g * of.h).sum(axis=1) / N) ** 2 * turn
-    found = np.sqrt(np.vstack([axes, turn]))
-    return np.where(np.isfinite(found), found, np.inf)
+    deviations = np.sqrt(np.vstack([axes, turn]))
+    return np.where(np.isfinite(deviations), deviations, np.inf)
+
+
+def units(array: parameters.Array) -> Array:
+    """Return what a rad of each phase and of the yaw is, m and rad (3,)."""
+    w = array.wave_number
+    return np.array([1 / w, 1 / w, 1.0])
 
 
 def deviations(array: parameters.Array, q: Array) -> Array:
     """Return the deviations (3, N) of X, Y in m and yaw in rad at q (3, N) in m, m and rad; inf where rank is lost."""
     w = array.wave_number
-    size = array.deviation * np.array([1 / w, 1 / w, 1.0])[:, None]
+    size = array.deviation * units(array)[:, None]
     return readonly(size * of_phases(array, np.array([w * q[0], w * q[1], q[2]])))
 
 
@@ -108,78 +107,33 @@ def changes(array: parameters.Array, q: Array, half: Array) -> Array:
     reach = array.wave_number * np.array([hypot(*r) for r in array.positions])[:, None]
     moved = [half[i] + reach * half[2] for i in (0, 1)]
     scale = np.array(array.scales)[:, None]
-    bends = array.alpha + 125 * abs(array.beta), array.alpha + 25 * abs(array.beta)  # of B''' and B''
-    found = []
+    columns = []
     for i, j in ((0, 1), (1, 0)):
         p, q_across = q[i] + place[i], q[j] + place[j]
-        g = np.abs(field(array, p, 2)) * moved[i] + bends[0] / 2 * moved[i] ** 2
-        B = np.abs(field(array, q_across, 1)) * moved[j] + bends[1] / 2 * moved[j] ** 2
+        g = np.abs(field(array, p, 2)) * moved[i] + bend(array, 3) / 2 * moved[i] ** 2
+        B = np.abs(field(array, q_across, 1)) * moved[j] + bend(array, 2) / 2 * moved[j] ** 2
         lever = reach * half[2]
         h = B + np.abs(place[j]) * g + (np.abs(field(array, p, 1)) + g) * lever
-        found.append((scale * g, scale * h))
-    (g, h), (k, m) = found
+        columns.append((scale * g, scale * h))
+    (g, h), (k, m) = columns
     return np.sqrt(np.array([(g**2).sum(axis=0), (k**2).sum(axis=0), (h**2 + m**2).sum(axis=0)]))
 
 
 def worst(array: parameters.Array, yaw: Range = (0.0, 0.0), tolerance: float = 1e-3) -> Worst:
-    """Return the largest deviations in the pitch and over yaws in rad, less than `tolerance`, relative, below a bound.
+    """Return the largest deviations of X, Y in m and yaw in rad in the pitch and over yaws, with a proved bound.
 
     Raises ModelError where that takes more than MOST cells, as where the rank is lost; the message tells where.
     """
-    q, half = _cells(array, yaw)
-    found, at, done = np.zeros(3), np.zeros((3, 3)), 0
-    ended = np.zeros(3)  # the largest bound of cells that are done with
-    while q.shape[1]:
-        done += q.shape[1]
-        kept = []
-        for part in np.array_split(np.arange(q.shape[1]), ceil(q.shape[1] / AT_ONCE)):
-            s, bound = _bounded(array, q[:, part], half)
-            for i in np.flatnonzero(s.max(axis=1) > found):
-                found[i], at[i] = s[i].max(), q[:, part[s[i].argmax()]]
-            open = (bound > (1 + tolerance) * found[:, None]).any(axis=0)
-            ended = np.maximum(ended, bound[:, ~open].max(axis=1, initial=0.0))
-            kept.append(part[open])
-        if done > MOST:
-            raise ModelError(_unbounded(array, found, at))
-        q, half = _cut(q[:, np.concatenate(kept)], half)
-    w = array.wave_number
-    size = array.deviation * np.array([1 / w, 1 / w, 1.0])
-    return Worst(readonly(size * found), readonly(size * ended), readonly(at * [1 / w, 1 / w, 1.0]), done)
-
-
-def _cells(array: parameters.Array, yaw: Range) -> tuple[Array, Array]:
-    """Return the middles (3, N) of cells that cover the pitch and the yaws, and half their sides (3, 1), rad."""
     low, high = yaw
     if not -pi <= low <= high <= pi:
         raise ModelError(f"the yaws are {low} .. {high} rad: give the lower first, within half a turn")
-    side = 2 * pi / START
+    turn = 2 * pi
     reach = array.wave_number * max(hypot(*r) for r in array.positions)
-    many = max(1, ceil((high - low) * reach / side))
-    step = (high - low) / many
-    along = side * (np.arange(START) + 0.5)
-    grid = np.meshgrid(along, along, low + step * (np.arange(many) + 0.5), indexing="ij")
-    return np.array([each.ravel() for each in grid]), np.array([[side / 2], [side / 2], [step / 2]])
-
-
-def _bounded(array: parameters.Array, q: Array, half: Array) -> tuple[Array, Array]:
-    """Return deviations at the middles and bounds in the cells (3, N), inf where there is none, rad per V."""
-    s = of_phases(array, q)
-    with np.errstate(invalid="ignore"):
-        left = 1 - (changes(array, q, half) * s).sum(axis=0)
-    sound = left > 0  # NaN is not
-    return s, np.where(sound, s * (1 + ROUNDING) / np.where(sound, left, 1.0), np.inf)
-
-
-def _cut(q: Array, half: Array) -> tuple[Array, Array]:
-    """Return the cells cut in two along each side that is not 0."""
-    signs = product(*((-0.5, 0.5) if side > 0 else (0.0,) for side in half.ravel()))
-    return np.hstack([q + half * np.array(sign)[:, None] for sign in signs]), half / 2
-
-
-def _unbounded(array: parameters.Array, found: Array, at: Array) -> str:
-    X, Y = at[2, :2] / array.wave_number * 1e3
-    return (
-        f"no bound of the deviations is found in {MOST} cells; that of the yaw exceeds "
-        f"{found[2] * array.deviation:.3g} rad near X = {X:.4f} mm, Y = {Y:.4f} mm at a yaw of {at[2, 2]:.4f} rad, "
-        "where rank seems to be lost: add a sensor, or allow a larger tolerance"
+    cells = (START, START, max(1, ceil((high - low) * reach / (turn / START))))
+    ends = (0.0, 0.0, low), (turn, turn, high)
+    proved = worst_deviation.search(partial(of_phases, array), partial(changes, array), *ends, cells, tolerance, MOST)
+    unit = units(array)
+    size = array.deviation * unit
+    return replace(
+        proved, met=readonly(size * proved.met), bound=readonly(size * proved.bound), at=readonly(proved.at * unit)
     )

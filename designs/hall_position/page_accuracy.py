@@ -8,7 +8,7 @@ import numpy as np
 from designs.hall_position import audit_errors, audit_layout, drawings, fisher, parameters, singular_points
 from designs.hall_position.audit_stage import TOLERANCE, UM, Array, Stage, grid, worst
 from designs.hall_position.drawings import Map
-from designs.hall_position.layout_search import LAYOUTS, PUBLISHED
+from designs.hall_position.layouts import LAYOUTS, PUBLISHED
 from synth.report import figures, page
 
 POINTS = 96  # of a map, along a pitch
@@ -93,7 +93,7 @@ def _worst(stage: Stage) -> page.Table:
     for name, places, turn in cases:
         of = stage.array(places)
         found = worst(of, -radians(turn), radians(turn), audit_layout.TOLERANCES.get(turn, TOLERANCE))
-        values = (f"{v / UM:.4g}" for v in (*found.found, *found.bound))
+        values = (f"{v / UM:.4g}" for v in (*found.met, *found.bound))
         rows.append((name, f"{-turn or 0} .. {turn}".replace("-", "−"), *values))
     columns = ("layout", "yaw, °", "X, µm", "Y, µm", "yaw, µrad", "X at most", "Y at most", "yaw at most")
     return page.Table("Largest deviations that were found, and bounds that are proved", columns, tuple(rows))

@@ -5,7 +5,7 @@ import numpy as np
 from designs.hall_position import audit_estimate, drawings_runs, parameters
 from designs.hall_position.audit_stage import Array, Stage
 from designs.hall_position.drawings import Map
-from designs.hall_position.layout_search import LAYOUTS
+from designs.hall_position.layouts import LAYOUTS
 from synth.report import figures, page
 
 SIDE, PLACES = 25, 16  # starts along a side, from so many places of the pitch each

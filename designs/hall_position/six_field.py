@@ -70,16 +70,6 @@ def model(array: Array) -> tuple[HallArray, tuple[Wave, ...]]:
     return sensors, concentrated_field.fitted(amplitudes, array.height, {"l": ca.SX(array.pitch)})
 
 
-def jacobians(array: HallArray, waves: Sequence[Wave], poses: ArrayLike) -> Numbers:
-    """Return the Jacobians (N, m, 6) of the voltages in V/m and V/rad at poses (N, 6) of POSE, m and rad.
-
-    Raises ModelError as `checked`.
-    """
-    at = checked(poses)
-    found = hall_array.spatial(array, waves).function().map(len(at))(at.T)[1].full()
-    return found.reshape(-1, len(at), 6).transpose(1, 0, 2)
-
-
 def checked(poses: ArrayLike) -> Numbers:
     """Return poses (N, 6) of POSE; raise ModelError for another shape, none, or what is not finite."""
     return figures.table("the poses of X, Y, Z, roll, pitch, yaw", poses, len(POSE))
@@ -97,7 +87,7 @@ def rotation(roll: Numbers, pitch: Numbers, yaw: Numbers) -> Numbers:
     )
 
 
-def rows(array: Array, poses: Numbers) -> Numbers:
+def rows(array: Array, poses: ArrayLike) -> Numbers:
     """Return the Jacobians (N, m, 6) in closed form, in V/m and V/rad at poses (N, 6) of POSE, m and rad.
 
     Raises ModelError as `checked`.

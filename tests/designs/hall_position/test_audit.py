@@ -9,7 +9,7 @@ from scipy.optimize import least_squares
 
 from designs.hall_position import audit, audit_errors, audit_estimate, audit_layout
 from designs.hall_position.audit_stage import Stage, grid
-from designs.hall_position.layout_search import PUBLISHED
+from designs.hall_position.layouts import PUBLISHED
 from models import concentrated_field, hall_array
 from models.hall_chain import Chain
 from synth.report.audit import Printed, Row

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from designs.hall_position import endurance, failures, fisher, fleet, layout_search, shipped
+from designs.hall_position import endurance, failures, fisher, fleet, layouts, shipped
 from designs.hall_position.endurance import Limits
 from designs.hall_position.failures import FAILURES, SOON
 from designs.hall_position.fleet import Kind
@@ -16,17 +16,14 @@ from synth.execute import host
 
 THREE = Kind(shipped.array(shipped.THREE))
 # The field as well known as the noise lets residuals tell, ten deviations.
-FOUR = Kind(layout_search.placed(shipped.array(), layout_search.SPARE), Tuning(residual=0.01))
+FOUR = Kind(layouts.placed(shipped.array(), layouts.SPARE), Tuning(residual=0.01))
 MOVING = Limits(0.5, 5.0)
 BODIES = 500
 
 
 def test_the_layout_leaves_any_three_of_four_sensors_with_no_singular_place() -> None:
-    at = layout_search.poses(FOUR.array, np.radians(5), (40, 5))
-    task = layout_search.Task(sensors=4, spare=True)
-    for left in layout_search.remaining(task, layout_search.SPARE):
-        deviations = fisher.deviations(layout_search.placed(FOUR.array, left), at)
-        assert layout_search.cost(deviations, task.lever) < 11e-6
+    q = layouts.over_yaws(FOUR.array, np.radians(5), (40, 5))
+    assert layouts.cost(FOUR.array, q, layouts.Task().lever, spare=True) < 11e-6
 
 
 @pytest.mark.parametrize("within", [None, MOVING], ids=["at rest", "moving"])

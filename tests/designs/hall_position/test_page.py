@@ -9,13 +9,13 @@ from designs.hall_position import (
     audit,
     costs,
     fisher,
+    maps,
     page,
     page_accuracy,
     page_convergence,
     page_field,
     page_six,
     shipped,
-    six_maps,
 )
 from designs.hall_position.audit_stage import Stage, grid
 from designs.hall_position.costs import Costs, Row
@@ -106,7 +106,7 @@ def test_three_sensors_are_told_to_lose_rank_in_six_degrees_of_freedom(monkeypat
         row[3] == "on lines" for row in found["Determinants over the pitch of three sensors, over their mean size"].rows
     )
     of = page_six.placed(STAGE, 4)
-    expected = 1e6 * six_maps.conditions(of, 8).worst[0]
+    expected = 1e6 * maps.conditions(of, 8).worst[0]
     shown = tables(section.sections[0])["Largest standard deviations over the pitch under conditions"].rows[0]
     assert shown[1:7] == pytest.approx(tuple(expected))
 

@@ -6,9 +6,10 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from designs.hall_position import fisher, layout, singular_points
+from designs.hall_position import fisher, maps, singular_points
 from designs.hall_position.parameters import Array
 from models import concentrated_field, hall_array
+from synth.analyse.observability import isolated_zeros
 from synth.errors import ModelError
 
 l, ALPHA, BETA = 50.8e-3, 8.4 * 0.37502, -8.4 * 0.02146
@@ -29,8 +30,8 @@ def test_the_sensor_model_loses_rank_there(yaw: float) -> None:
     found = singular_points.of_pair(PAIR, yaw)
     sensors = replace(hall_array.sensors(PLACES), volume=(0.0, 0.0, 0.0))
     poses = np.column_stack([found.at, np.full(len(found.at), yaw)])
-    assert len(poses) and (layout.accuracy(sensors, WAVES, poses).condition > 1e12).all()
-    H = layout.jacobians(sensors, WAVES, poses)
+    assert len(poses) and (maps.of_sensors(sensors, WAVES, poses, 0.01).condition > 1e12).all()
+    H = maps.jacobians(hall_array.planar(sensors, WAVES), poses)
     moved = np.einsum("nmk,nk->nm", H, found.lost)
     assert np.abs(moved).max() < 1e-12  # V, of terms of some 3 V; a length of 1 is 8 mm or a radian
 
@@ -67,16 +68,16 @@ def test_no_drawn_start_leads_elsewhere(yaw: float) -> None:
 
 
 def test_a_point_that_is_not_met_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
-    right = singular_points._newton
+    right = isolated_zeros.newton
 
     def forgetful(*of: object) -> object:
         end = right(*of)  # type: ignore[arg-type]
         near = end is not None and np.hypot(float(end[0]) - np.pi / 4, float(end[1]) - 3 * np.pi / 4) < 0.1
         return None if near else end
 
-    monkeypatch.setattr(singular_points, "_newton", forgetful)
-    monkeypatch.setattr(singular_points, "CUTS", 8)
-    with pytest.raises(ModelError, match=r"near X = 6.35\d mm, Y = 19.0\d+ mm singular points meet"):
+    monkeypatch.setattr(isolated_zeros, "newton", forgetful)
+    monkeypatch.setattr(isolated_zeros, "CUTS", 8)
+    with pytest.raises(ModelError, match=r"near the phases 0.785\d, 2.35\d+ rad zeros meet"):
         singular_points.of_pair(PAIR, 0.0)
 
 
@@ -85,7 +86,7 @@ def test_cells_are_only_left_out_where_there_is_no_point() -> None:
     rng = np.random.default_rng(4)
     for half in (0.05, 0.01, 1e-3):
         cells = points.T + rng.uniform(-half, half, points.T.shape)
-        assert singular_points._open(PAIR, 0.05, cells, half).all()
+        assert singular_points.possible(PAIR, 0.05, cells, half).all()
 
 
 def test_half_a_pitch_apart_a_line_is_lost() -> None:

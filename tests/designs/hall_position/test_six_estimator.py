@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import optimize
 
-from designs.hall_position import reference_six, six_estimator, six_field, six_layout
+from designs.hall_position import layouts, reference_six, six_estimator, six_field
 from designs.hall_position.six_parameters import Array
 from synth.errors import ModelError
 from synth.execute import host
@@ -222,7 +222,7 @@ def test_where_rank_is_lost_it_is_damped() -> None:
     three = replace(FOUR, positions=FOUR.positions[:3])
     x, y, z = three.positions[0]
     doubled = replace(FOUR, positions=(*three.positions, (x + 1e-9, y, z)))
-    at = six_layout.poses(three, 0.0, (60, 1)).reshape(60, 60, 6)
+    at = layouts.level(three, layouts.poses(three.pitch, 60)).reshape(60, 60, 6)
     D = np.linalg.det(six_field.rows(three, at.reshape(-1, 6))).reshape(60, 60)
     i, j = np.argwhere(np.sign(D[:-1]) != np.sign(D[1:]))[0]
     low, high = at[i, j].copy(), at[i + 1, j].copy()

@@ -7,7 +7,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from designs.hall_position import scan, six_field
+from designs.hall_position import maps, scan, six_field
 from designs.hall_position.six_parameters import Array, Tuning
 from models import concentrated_field, hall_array
 from models.concentrated_field import Wave
@@ -29,14 +29,14 @@ def fabricated() -> tuple[Wave, ...]:
 @pytest.mark.parametrize("array", [FOUR, RAISED])
 def test_rows_are_the_derivatives_of_the_sensor_model(array: Array) -> None:
     at = places(200, 0, yaw=3.0)
-    expected = six_field.jacobians(*six_field.model(array), at)
+    expected = maps.jacobians(hall_array.spatial(*six_field.model(array)), at)
     np.testing.assert_allclose(six_field.rows(array, at), expected, rtol=0, atol=EXACT * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("part", ["tilted axes", "height of places", "5th wave"])
 def test_a_part_that_is_forgotten_is_seen(part: str, monkeypatch: pytest.MonkeyPatch) -> None:
     at, of = places(200, 0), RAISED
-    expected = six_field.jacobians(*six_field.model(RAISED), at)
+    expected = maps.jacobians(hall_array.spatial(*six_field.model(RAISED)), at)
     if part == "tilted axes":
         monkeypatch.setattr(np, "cross", lambda a, b, axis: np.zeros_like(a))
     elif part == "height of places":
