@@ -15,13 +15,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from designs.planar_6dof import bench, interface
+from designs.planar_6dof import bench, interface, lqg
 from designs.planar_6dof.allocation import HORIZONTAL
 from designs.planar_6dof.loop import Loop
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import experiments as of_leadlag
-from designs.planar_6dof_lqg import control as lqg
-from designs.planar_6dof_lqg import core
+from designs.planar_6dof_lqg import core, full_order
 from designs.planar_6dof_lqg import experiments as of_lqg
 from models import planar_stage
 from synth.block import Block
@@ -72,7 +71,7 @@ def wholes() -> Iterator[Subject]:
     plant = planar_stage.plant()
     yield whole("lead-lag", leadlag.controller(plant), of_leadlag.run)
     yield whole("LQG", lqg.controller(plant), of_lqg.run)
-    yield whole("LQG, full order", lqg.controller(plant, order="full"), of_lqg.run)
+    yield whole("LQG, full order", lqg.controller(plant, regulate=full_order.full_order), of_lqg.run)
 
 
 def whole(name: str, block: Block, run: Callable[[Loop, bench.Told], Sequence[Experiment]]) -> Subject:
@@ -87,7 +86,7 @@ def whole(name: str, block: Block, run: Callable[[Loop, bench.Told], Sequence[Ex
 
 def cores() -> Iterator[Subject]:
     """Yield the two cores, with small errors and with random states and errors."""
-    orders: tuple[lqg.Order, ...] = ("reduced", "full")
+    orders: tuple[full_order.Order, ...] = ("reduced", "full")
     for order in orders:
         block = core.block(order)
         emitted = write.emit(block, np.float32)

@@ -1,10 +1,13 @@
 """Imports follow the flow of data: synth <- models <- designs, and inside synth each layer sees only those before it.
 
-An import from layer a to layer b is allowed when rank(b) <= rank(a).
+An import from layer a to layer b is allowed when rank(b) <= rank(a). Among the folders of designs/, those with a
+design.py are designs, the others are shared packages: no folder imports a design that it does not belong to, and no
+imports lead around a cycle of folders.
 """
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -66,6 +69,39 @@ def violations(path: Path, text: str) -> list[str]:
     return found
 
 
+def folder(module: tuple[str, ...], folders: Iterable[tuple[str, ...]]) -> tuple[str, ...]:
+    """Return the deepest of some folders that a module lies in, () for none."""
+    return max((f for f in folders if module[: len(f)] == f), key=len, default=())
+
+
+def folder_imports(texts: Mapping[Path, str]) -> dict[tuple[str, ...], set[tuple[str, ...]]]:
+    """Return which other folders of designs/ each folder imports, from the text of every file."""
+    folders = {path.parent.parts for path in texts if path.parts[0] == "designs"}
+    found: dict[tuple[str, ...], set[tuple[str, ...]]] = {f: set() for f in folders}
+    for path, text in texts.items():
+        if path.parent.parts in folders:
+            others = {folder(module, folders) for module in imports(path, text)}
+            found[path.parent.parts] |= others - {path.parent.parts, ()}
+    return found
+
+
+def folder_violations(texts: Mapping[Path, str]) -> list[str]:
+    """Return what is wrong with the imports among the folders of designs/: one of a design, or a cycle."""
+    by_folder = folder_imports(texts)
+    designs = {path.parent.parts for path in texts if path.name == "design.py"}
+    found = [
+        f"{'/'.join(one)} imports the design {'/'.join(other[:2])}"
+        for one, others in by_folder.items()
+        for other in others
+        if other[:2] in designs and one[:2] != other[:2]
+    ]
+    try:
+        TopologicalSorter(by_folder).prepare()
+    except CycleError as error:
+        found.append(f"a cycle of folders: {' -> '.join('/'.join(each) for each in error.args[1])}")
+    return found
+
+
 def sources() -> list[Path]:
     return [file for top in ("synth", "models", "designs") for file in sorted((ROOT / top).rglob("*.py"))]
 
@@ -110,3 +146,40 @@ def test_a_planted_violation_is_found(path: str, text: str) -> None:
 )
 def test_an_import_along_the_flow_is_allowed(path: str, text: str) -> None:
     assert not violations(Path(path), text)
+
+
+def test_folders_of_designs_import_no_design_and_none_in_a_cycle() -> None:
+    texts = {file.relative_to(ROOT): file.read_text(encoding="utf-8") for file in sources()}
+    assert {("designs", "maglev_5dof"), ("designs", "planar_6dof", "paper")} <= set(folder_imports(texts))
+    assert not folder_violations(texts)
+
+
+DESIGNS = {
+    "designs/stage/law.py": "from models import motor\nimport designs.stage",
+    "designs/stage/paper/rows.py": "from designs.stage import law\nfrom designs.sensing.maps import VOLTS",
+    "designs/sensing/maps.py": "from . import fit",
+    "designs/one/design.py": "from designs.stage.paper import rows\nfrom designs.one import page",
+    "designs/one/page.py": "from designs.one import design\nfrom designs.stage import law",
+}
+
+
+def test_shared_packages_may_be_imported_and_files_of_a_folder_each_other() -> None:
+    assert not folder_violations({Path(name): text for name, text in DESIGNS.items()})
+
+
+@pytest.mark.parametrize(
+    ("path", "text", "message"),
+    [
+        ("designs/two/design.py", "from designs.one import page", "designs/two imports the design designs/one"),
+        ("designs/two/design.py", "def f():\n    import designs.one", "designs/two imports the design designs/one"),
+        ("designs/stage/loop.py", "from designs.one.page import TEXT", "designs/stage imports the design designs/one"),
+        ("designs/stage/loop.py", "from ..one import page", "designs/stage imports the design designs/one"),
+        ("designs/stage/loop.py", "from designs.stage.paper import rows", "a cycle of folders"),
+        ("designs/sensing/loop.py", "from designs.stage.paper.rows import Y", "a cycle of folders"),
+        ("designs/one/paper/rows.py", "from designs.one import page", None),
+        ("designs/stage/paper/rows.py", "from designs.one.paper import rows", "imports the design designs/one"),
+    ],
+)
+def test_a_planted_import_among_designs_is_found(path: str, text: str, message: str | None) -> None:
+    found = folder_violations({Path(name): each for name, each in (DESIGNS | {path: text}).items()})
+    assert (message is None and not found) or (message is not None and any(message in each for each in found))

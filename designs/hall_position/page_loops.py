@@ -19,13 +19,11 @@ import numpy as np
 from designs.hall_position import closed_loop, shipped
 from designs.hall_position.closed_loop import Source
 from designs.hall_position.parameters import Array as Sensors
-from designs.planar_6dof import loops
+from designs.planar_6dof import loops, lqg
 from designs.planar_6dof import page as planar
 from designs.planar_6dof.allocation import AXES, HORIZONTAL
 from designs.planar_6dof.loops import MOTORS, PHASES, SENSED, Parts, Place
 from designs.planar_6dof.page_stage import SYMBOLS
-from designs.planar_6dof_lqg import control
-from designs.planar_6dof_lqg import loops as lqg
 from models import concentrated_field, hall_array, lorentz_motor, planar_stage
 from models.hall_chain import Chain
 from synth.analyse import linearise, loop, trim
@@ -46,10 +44,11 @@ def section(points: int = PLACES) -> page.Section:
     """Return the loops that the estimate closes beside those that the sections close."""
     source = Source(shipped.array(shipped.THREE))
     plant = planar_stage.plant()
-    block = closed_loop.controller(control.NAME, plant, control.TIME, control.law(plant), source).rounded(np.float32)
+    block = closed_loop.controller(lqg.NAME, plant, lqg.TIME, lqg.law(plant), source).rounded(np.float32)
     found = opened(source, block, {})
     shown = loops.of_parts(found, HORIZONTAL, ESTIMATE)
-    shown += loops.of_block(plant, lqg.whole(plant, control.law(plant)), HORIZONTAL, SECTIONS)
+    sections = loops.whole(plant, lqg.TIME, lqg.sensed(plant), lqg.law(plant))
+    shown += loops.of_block(plant, sections, HORIZONTAL, SECTIONS)
     text = page.Text(
         "The regulators of planar_6dof_lqg at 800 Hz on two sources of x, y and φ: the estimate, behind its filters of "
         "200 Hz and a sample of delay, and the sections of the stage's own three sensors, which have no such filter. "

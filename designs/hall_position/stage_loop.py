@@ -18,9 +18,8 @@ from designs.hall_position import calibration, closed_loop, truth
 from designs.hall_position.calibration import Bench
 from designs.hall_position.closed_loop import Source
 from designs.planar_6dof import calibration as sections
-from designs.planar_6dof import interface
+from designs.planar_6dof import interface, lqg
 from designs.planar_6dof import loop as planar
-from designs.planar_6dof_lqg import control
 from models import hall_chain, planar_stage
 from models.hall_chain import Chain
 from synth.block import Block
@@ -35,7 +34,7 @@ from synth.simulate.sensors import Encoder
 from synth.statespace import Array
 from synth.synthesise import safety
 
-TIME = control.TIME
+TIME = lqg.TIME
 RAW = {axis: f"{axis}_raw" for axis in closed_loop.HORIZONTAL}
 
 
@@ -103,7 +102,7 @@ def of_source(source: Source, bench: Bench | None = None, libm: bool = False) ->
     """Return the loop that a source closes; with `libm` the C takes its sines from the library, which emits sooner."""
     bench = bench or Bench(places=source.array.positions)
     plant = planar_stage.plant()
-    block = control.controller(plant, source=source)
+    block = closed_loop.controller(lqg.NAME, plant, TIME, lqg.law(plant), source)
     return _loop(bench, block, view(source), 1.0, closed_loop.SURROGATE_ERROR[np.float32], libm)
 
 
@@ -114,7 +113,7 @@ def of_sections(bench: Bench | None = None, libm: bool = False) -> Loop:
     amplitude = calibration.array(bench, calibration.fits(bench)).alpha
     matched = sections.of(plant).amplitude / amplitude
     shown = planar.view(TIME, predicted=False)
-    return _loop(bench, control.controller(plant), shown, matched, interface.SURROGATE_ERROR[np.float32], libm)
+    return _loop(bench, lqg.controller(plant), shown, matched, interface.SURROGATE_ERROR[np.float32], libm)
 
 
 def view(source: Source) -> Block:

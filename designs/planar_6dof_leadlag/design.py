@@ -5,7 +5,8 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from designs.planar_6dof import loop
-from designs.planar_6dof_leadlag import audit, bench, control, emitted, experiments, page, verification
+from designs.planar_6dof.paper import rows
+from designs.planar_6dof_leadlag import bench, control, emitted, experiments, page, verification
 from models import planar_stage
 from synth.block import Block
 from synth.report.audit import Row
@@ -26,9 +27,9 @@ def simulate(told: Callable[[str], None]) -> Sequence[Experiment]:
     return experiments.run(shipped(), told)
 
 
-def rows() -> Iterator[Row]:
+def audit() -> Iterator[Row]:
     """Recompute the paper's figures."""
-    return audit.rows(shipped())
+    return rows.leadlag(shipped())
 
 
 def shipped() -> loop.Loop:
@@ -47,7 +48,7 @@ DESIGN = Design(
     emit=emitted.emitted,
     verify=verify,
     simulate=simulate,
-    audit=rows,
+    audit=audit,
     bench=Bench(block, bench.replay, bench.sequences, bench.FLOOR),
     report=page.report,
 )

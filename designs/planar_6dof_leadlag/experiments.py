@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from designs.planar_6dof import experiments as shared
 from designs.planar_6dof import failures, finite, voltages
 from designs.planar_6dof.loop import Array, Loop
+from designs.planar_6dof.paper.steps import FIGURE_8
 from synth.check import Check
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory, sample_times
 
-STEPS = {"x": 20e-6, "y": 100e-6, "phi": 0.01 * pi / 180}  # m, rad, Fig. 8
 SIZES = {"x": "20 um", "y": "100 um", "phi": "0.01 degrees"}
 # Y-9, whose band is not printed: into 2 % it takes 0.33 s. Around 20 % is within a quarter of it, as Y-9b is judged.
 LIMITS = shared.Limits(rise=0.025, overshoot=0.25, settling=0.220, band=0.05, voltage=voltages.STATED)
@@ -101,22 +101,19 @@ def _judged(loop: Loop, found: Circle, ideal: Circle) -> Experiment:
     )
 
 
-def steps(loop: Loop) -> dict[str, shared.StepRun]:
-    """Return the steps of Fig. 8 by axis."""
-    return {axis: shared.step(loop, axis, height) for axis, height in STEPS.items()}
-
-
 def step_experiments(loop: Loop) -> list[Experiment]:
     """Return the steps of Fig. 8; the text's theta is phi in its caption."""
     return [
-        shared.step_experiment(loop, run, f"step_{axis}", f"{axis} by {SIZES[axis]} (Fig. 8)", LIMITS)
-        for axis, run in steps(loop).items()
+        shared.step_experiment(
+            loop, shared.step(loop, axis, height), f"step_{axis}", f"{axis} by {SIZES[axis]} (Fig. 8)", LIMITS
+        )
+        for axis, height in FIGURE_8.items()
     ]
 
 
 def finite_experiments(loop: Loop) -> list[Experiment]:
     """Return steps, circle and standstill over a magnet matrix of finite size."""
-    steps = [finite.step(loop, axis, height, f"{axis} by {SIZES[axis]}", LIMITS) for axis, height in STEPS.items()]
+    steps = [finite.step(loop, axis, height, f"{axis} by {SIZES[axis]}", LIMITS) for axis, height in FIGURE_8.items()]
     return [*steps, finite_circle(loop), finite.standstill(loop)]
 
 

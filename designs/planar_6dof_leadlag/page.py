@@ -7,7 +7,8 @@ import numpy as np
 from designs.planar_6dof import page as shared
 from designs.planar_6dof import vertical
 from designs.planar_6dof.allocation import AXES, VERTICAL
-from designs.planar_6dof_leadlag import audit, control, loops
+from designs.planar_6dof.paper import rows
+from designs.planar_6dof_leadlag import control, loops
 from designs.planar_6dof_leadlag.control import TIME
 from models import halbach, planar_stage
 from synth.emit.write import Emitted
@@ -71,7 +72,7 @@ def _gains() -> page.Section:
 
 
 def _loops(plant: Plant) -> page.Section:
-    found, printed = loops.all_loops(plant), [audit.printed()[row]["crossover"].text for row in ("Y-7", "Y-8")]
+    found, printed = loops.all_loops(plant), [rows.printed()[row]["crossover"].text for row in ("Y-7", "Y-8")]
     text = page.Text(
         "Each loop is opened at the platen's own coordinate, the other five closed: the rounded controller as it "
         "ships, guard and sensing included, one sample of computation delay, the hold, and the stage, linearised "

@@ -17,10 +17,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from designs.planar_6dof import lqg
 from designs.planar_6dof.allocation import HORIZONTAL, LIMIT
+from designs.planar_6dof.lqg import CURRENTS, OBSERVER_POLE, STATES, TIME
 from designs.planar_6dof.vertical import MARGIN, POSITIONS
-from designs.planar_6dof_lqg import control
-from designs.planar_6dof_lqg.control import CURRENTS, NOISE, OBSERVER_POLE, PUSHED, STATES, TIME, Order
+from designs.planar_6dof_lqg.full_order import NOISE, PUSHED, Order
 from synth.analyse import discretise
 from synth.block import Block
 from synth.compose import compose
@@ -40,7 +41,7 @@ SMALL = 1e-9  # of the largest residue: that of another axis
 
 def plant() -> StateSpace:
     """Return (26), (27), continuous."""
-    whole, states = control.model(), tuple(STATES[i] for i in PLANT)
+    whole, states = lqg.model(), tuple(STATES[i] for i in PLANT)
     return replace(whole, A=whole.A[np.ix_(PLANT, PLANT)], B=whole.B[PLANT], C=whole.C[:, PLANT], states=states)
 
 
@@ -61,7 +62,7 @@ def estimator() -> kalman.Estimator:
 
 def gain() -> Array:
     """Return K (3, 9) on the states of `plant`, then on the integrals."""
-    return readonly(control.gain().K[:, [*PLANT, 3, 4, 5]])
+    return readonly(lqg.gain().K[:, [*PLANT, 3, 4, 5]])
 
 
 def law(order: Order) -> StateSpace:

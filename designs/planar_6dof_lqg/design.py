@@ -4,8 +4,9 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from designs.planar_6dof import loop
-from designs.planar_6dof_lqg import audit, bench, control, emitted, experiments, page, verification
+from designs.planar_6dof import loop, lqg
+from designs.planar_6dof.paper import rows
+from designs.planar_6dof_lqg import bench, emitted, experiments, page, verification
 from models import planar_stage
 from synth.block import Block
 from synth.report.audit import Row
@@ -26,9 +27,9 @@ def simulate(told: Callable[[str], None]) -> Sequence[Experiment]:
     return experiments.run(shipped(), told)
 
 
-def rows() -> Iterator[Row]:
+def audit() -> Iterator[Row]:
     """Recompute the paper's figures."""
-    return audit.rows(shipped())
+    return rows.lqg(shipped())
 
 
 def shipped() -> loop.Loop:
@@ -38,16 +39,16 @@ def shipped() -> loop.Loop:
 
 def block() -> Block:
     """Return the controller for the stage's parameters."""
-    return control.controller(planar_stage.plant())
+    return lqg.controller(planar_stage.plant())
 
 
 DESIGN = Design(
-    name=control.NAME,
+    name=lqg.NAME,
     scalar=np.float32,
     emit=emitted.emitted,
     verify=verify,
     simulate=simulate,
-    audit=rows,
+    audit=audit,
     bench=Bench(block, bench.replay, bench.sequences, bench.FLOOR),
     report=page.report,
 )

@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from designs.planar_6dof import allocation, vertical
+from designs.planar_6dof import allocation, lqg, vertical
 from designs.planar_6dof import emitted as shared
-from designs.planar_6dof_lqg import control
 from models import planar_stage
 from synth.emit import digits, write
 from synth.plant import Plant
@@ -18,7 +17,7 @@ from synth.plant import Plant
 def emitted(scalar: type[np.floating]) -> dict[str, write.Emitted]:
     """Return the files of planar_6dof_lqg in a scalar type, by folder."""
     plant = planar_stage.plant()
-    return shared.emitted(control.controller(plant), scalar, gains(plant))
+    return shared.emitted(lqg.controller(plant), scalar, gains(plant))
 
 
 def gains(plant: Plant) -> dict[str, Any]:
@@ -26,41 +25,41 @@ def gains(plant: Plant) -> dict[str, Any]:
 
     Beside (49) stands the gain of the weights that are printed with it.
     """
-    found, printed = control.gain(), control.gain(control.PRINTED_WEIGHTS)
-    upright = [vertical.loop(a, vertical.compensator(a, control.TIME), control.TIME) for a in allocation.VERTICAL]
+    found, printed = lqg.gain(), lqg.gain(lqg.PRINTED_WEIGHTS)
+    upright = [vertical.loop(a, vertical.compensator(a, lqg.TIME), lqg.TIME) for a in allocation.VERTICAL]
     return {
         "plant": "(31) as printed: q'' = B i in x, y and phi, with their rates d, f, v and their integrals z1, z2, z3",
-        "period_s": control.TIME.period_s,
+        "period_s": lqg.TIME.period_s,
         "method": "lqrd: the integral of x'Q x + u'u with u held over a period, u = K x",
-        "states": list(control.STATES),
-        "weights_Q": list(control.WEIGHTS),
+        "states": list(lqg.STATES),
+        "weights_Q": list(lqg.WEIGHTS),
         "weight_R": 1.0,
         "K": _rows(found.K),
         "poles": [digits.pole(z) for z in found.poles],
         "certificate": shared.certificate(found.certificate),
         "printed_weights": {
-            "weights_Q": list(control.PRINTED_WEIGHTS),
+            "weights_Q": list(lqg.PRINTED_WEIGHTS),
             "K": {name: [digits.cut(v, 6) for v in row] for name, row in _rows(printed.K).items()},
             "certificate": shared.certificate(printed.certificate),
         },
-        "axes": {axis.name: _axis(axis) for axis in control.axes(plant)},
+        "axes": {axis.name: _axis(axis) for axis in lqg.axes(plant)},
         "compensators": shared.compensators(upright),
     }
 
 
-def _rows(K: control.Array) -> dict[str, list[float]]:
-    return {name: [float(v) + 0.0 for v in row] for name, row in zip(control.CURRENTS, K, strict=True)}
+def _rows(K: lqg.Array) -> dict[str, list[float]]:
+    return {name: [float(v) + 0.0 for v in row] for name, row in zip(lqg.CURRENTS, K, strict=True)}
 
 
-def _axis(axis: control.Axis) -> dict[str, Any]:
+def _axis(axis: lqg.Axis) -> dict[str, Any]:
     """Return an axis' gains, on position, rate and the sum of errors, and its observer of the rate."""
-    found = control.observer(axis)
+    found = lqg.observer(axis)
     numbers = {"F": found.F, "G": found.G, "H": found.H, "L": found.L}
     return {
         "b": digits.cut(axis.b, 12),
         "gains": {name: digits.cut(getattr(axis, name), 12) for name in ("k1", "k2", "k3")},
         "observer": {
-            "pole": control.OBSERVER_POLE[axis.name],
+            "pole": lqg.OBSERVER_POLE[axis.name],
             "poles": [digits.pole(z) for z in found.poles],
             **{name: digits.cut(float(m[0, 0]), 12) for name, m in numbers.items()},
         },

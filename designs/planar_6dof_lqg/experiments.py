@@ -13,16 +13,15 @@ import numpy as np
 
 from designs.planar_6dof import experiments as shared
 from designs.planar_6dof import failures, finite
-from designs.planar_6dof.loop import Array, Loop
-from designs.planar_6dof_lqg import audit_records
+from designs.planar_6dof.loop import Loop
+from designs.planar_6dof.paper import spectrum
 from synth.check import Check
 from synth.simulate.experiment import Experiment
 
-STEPS = {"x": 50e-6, "y": 50e-6, "phi": 0.3 * pi / 180}  # m, rad, Fig. 10
+STEPS = {"x": spectrum.STEP, "y": 50e-6, "phi": 0.3 * pi / 180}  # m, rad, Fig. 10
 TITLES = {"x": "x by 50 um", "y": "y by 50 um", "phi": "phi by 0.3 degrees"}
 FIGURES = {"x": "Fig. 10(a), (d)", "y": "Fig. 10(b)", "phi": "Fig. 10(c)"}
 LARGE = 0.06  # m
-RECORD = 20.0  # s, of x whose spectrum is taken, after a second in which the step settles
 
 
 def step_experiments(loop: Loop) -> list[Experiment]:
@@ -43,15 +42,9 @@ def large_step(loop: Loop) -> Experiment:
     return replace(found, checks=(*found.checks, overshoot, yaw))
 
 
-def settled(loop: Loop) -> Array:
-    """Return x (N,) in m as measured, over RECORD, once its step has settled."""
-    run = shared.step(loop, "x", STEPS["x"], 1.0 + RECORD)
-    return run.shown[run.sample + round(1.0 / loop.period_s) :]
-
-
 def _with_spectrum(loop: Loop, step: Experiment) -> Experiment:
-    line, about = audit_records.prominent(settled(loop), loop.period_s), "above its neighbours, x as measured"
-    check = Check("most prominent line", line.above, audit_records.DOMINANT, "dB", about)
+    line, about = spectrum.of_step(loop), "above its neighbours, x as measured"
+    check = Check("most prominent line", line.above, spectrum.DOMINANT, "dB", about)
     figures = {**step.figures, "most prominent line, Hz": line.frequency}
     return replace(step, figures=figures, checks=(*step.checks, check))
 

@@ -13,11 +13,12 @@ from dataclasses import replace
 import numpy as np
 
 from designs.planar_6dof import loops as shared
-from designs.planar_6dof import sensing
+from designs.planar_6dof import lqg
 from designs.planar_6dof.allocation import AXES, HORIZONTAL
 from designs.planar_6dof.loops import Horizontal, OpenLoop, Parts
-from designs.planar_6dof_lqg import audit, control, core
-from designs.planar_6dof_lqg.control import CURRENTS, STATES, TIME, Axis
+from designs.planar_6dof.lqg import CURRENTS, STATES, TIME, Axis
+from designs.planar_6dof.paper import rows
+from designs.planar_6dof_lqg import core
 from synth.analyse import discretise
 from synth.block import Block
 from synth.errors import ModelError
@@ -31,7 +32,7 @@ ROW = {"x": 2, "y": 1, "phi": 1}  # of K in which an axis has its gains
 
 def all_loops(plant: Plant) -> list[OpenLoop]:
     """Return the six loops of each kind; another kind of one axis is closed with the other axes as shipped."""
-    shipped, printed = control.law(plant), control.law(plant, reading="published")
+    shipped, printed = lqg.law(plant), lqg.law(plant, reading="published")
     found = shared.of_block(plant, whole(plant, shipped), AXES, SHIPPED)
     for axis in AXES:
         other, label = (reweighted(plant), REWEIGHTED) if axis in HORIZONTAL else (printed, "as printed")
@@ -41,34 +42,34 @@ def all_loops(plant: Plant) -> list[OpenLoop]:
 
 def horizontals(plant: Plant) -> dict[str, Horizontal]:
     """Return the loop of x, y and phi of each kind."""
-    laws = {SHIPPED: control.law(plant), REWEIGHTED: reweighted(plant)}
+    laws = {SHIPPED: lqg.law(plant), REWEIGHTED: reweighted(plant)}
     found = {label: shared.parts(plant, whole(plant, law)) for label, law in laws.items()}
     return {label: shared.horizontal(each) for label, each in (found | {PRINTED: as_printed(plant)}).items()}
 
 
 def whole(plant: Plant, law: Sequence[Block]) -> Block:
     """Return the controller of a law, on positions as they are measured."""
-    return shared.whole(plant, TIME, [sensing.sensing(plant, TIME, predicted=False)], law)
+    return shared.whole(plant, TIME, lqg.sensed(plant), law)
 
 
 def reweighted(plant: Plant) -> list[Block]:
     """Return the law with the gains that lqrd makes of (47)."""
-    law = control.law(plant)
-    for axis in control.axes(plant):
-        law = shared.exchanged(law, [control.reduced_order(plant, _reweighted(axis))], axis.name)
+    law = lqg.law(plant)
+    for axis in lqg.axes(plant):
+        law = shared.exchanged(law, [lqg.reduced_order(plant, _reweighted(axis))], axis.name)
     return law
 
 
 def _reweighted(axis: Axis) -> Axis:
     i = STATES.index(axis.name)
-    rows = (control.gain(w).K[ROW[axis.name]] for w in (control.PRINTED_WEIGHTS, control.WEIGHTS))
+    rows = (lqg.gain(w).K[ROW[axis.name]] for w in (lqg.PRINTED_WEIGHTS, lqg.WEIGHTS))
     k1, k3, k2 = (float(a[n] / b[n]) for a, b in [tuple(rows)] for n in (i, 3 + i, 6 + i))
     return replace(axis, k1=k1 * axis.k1, k2=k2 * axis.k2, k3=k3 * axis.k3)
 
 
 def as_printed(plant: Plant) -> Parts:
     """Return the horizontal stage under (33) with K of (49), which leaves the yaw of motor C out."""
-    stage = shared.parts(plant, whole(plant, control.law(plant))).plant
+    stage = shared.parts(plant, whole(plant, lqg.law(plant))).plant
     law = core.compensator().model
     seen, commands = tuple(f"{axis}_seen" for axis in law.inputs), tuple(f"{name}_command" for name in law.outputs)
     return Parts(stage.select(HORIZONTAL, CURRENTS), replace(law, inputs=seen, outputs=commands))
@@ -76,7 +77,7 @@ def as_printed(plant: Plant) -> Parts:
 
 def gain_of_42() -> Array:
     """Return H (3, 6) of (42), on x, y, phi, z1, z2, z3."""
-    own, other, integral = (audit.printed()["Y-12"][name].value for name in ("own", "other", "integral"))
+    own, other, integral = (rows.printed()["Y-12"][name].value for name in ("own", "other", "integral"))
     return readonly(np.hstack([other + (own - other) * np.eye(3), integral * np.eye(3)]))
 
 
@@ -85,7 +86,7 @@ def refusal() -> str:
 
     Raises ModelError when it takes it.
     """
-    held = discretise.zero_order_hold(control.model(), TIME.period_s)
+    held = discretise.zero_order_hold(lqg.model(), TIME.period_s)
     try:
         reduced_observer.from_gain(held, STATES[:6], gain_of_42())
     except ModelError as error:

@@ -7,11 +7,11 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from designs.planar_6dof import interface
+from designs.planar_6dof import interface, lqg
 from designs.planar_6dof.allocation import HORIZONTAL
 from designs.planar_6dof.page_stage import REST
-from designs.planar_6dof_lqg import control, core
-from designs.planar_6dof_lqg.control import Order
+from designs.planar_6dof_lqg import core
+from designs.planar_6dof_lqg.full_order import REGULATORS, Order
 from models import planar_stage
 from synth.block import Block
 from synth.emit import write
@@ -42,7 +42,9 @@ def _rows(measured: Columns) -> Iterator[tuple[page.Cell, ...]]:
     for order in ORDERS:
         yield from _counted("core alone, (33) and (40)", order, core.block(order), small)
     for order in ORDERS:
-        yield from _counted("whole controller", order, control.controller(planar_stage.plant(), order), at_rest)
+        yield from _counted(
+            "whole controller", order, lqg.controller(planar_stage.plant(), regulate=REGULATORS[order]), at_rest
+        )
 
 
 def _counted(what: str, order: Order, block: Block, inputs: Columns) -> Iterator[tuple[page.Cell, ...]]:

@@ -4,13 +4,13 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from designs.planar_6dof import allocation, drawings, vertical
+from designs.planar_6dof import allocation, drawings, lqg, vertical
 from designs.planar_6dof import loops as shared_loops
 from designs.planar_6dof import page as shared
 from designs.planar_6dof.allocation import AXES, VERTICAL
+from designs.planar_6dof.lqg import ERROR, STATES, TIME
 from designs.planar_6dof.page_stage import SYMBOLS
-from designs.planar_6dof_lqg import control, loops, orders
-from designs.planar_6dof_lqg.control import ERROR, STATES, TIME
+from designs.planar_6dof_lqg import loops, orders
 from models import halbach, planar_stage
 from synth.emit.write import Emitted
 from synth.plant import Plant
@@ -49,7 +49,7 @@ def report(
     line = "reduced-order LQG in x, y and φ, (26)-(49), on positions as measured; lead-lag in z, θ and ψ, (23)-(25)"
     spent = orders.spent(experiments) if cost else ()
     parts = (_law(), _gains(plant), _loops(plant))
-    own = shared.Contents(control.NAME, TIME, line, *parts, BESIDE, filtered=False, spectrum=True, cost=spent)
+    own = shared.Contents(lqg.NAME, TIME, line, *parts, BESIDE, filtered=False, spectrum=True, cost=spent)
     return shared.report(own, files, evidence, experiments, rows, cost)
 
 
@@ -79,11 +79,11 @@ def _gains(plant: Plant) -> page.Section:
 
 
 def _weights() -> page.Table:
-    used, printed = -control.gain().K, -control.gain(control.PRINTED_WEIGHTS).K
+    used, printed = -lqg.gain().K, -lqg.gain(lqg.PRINTED_WEIGHTS).K
     rows = []
     for j, name in enumerate(STATES):
         gains = (", ".join(number(v, 6) for v in K[:, j]) for K in (used, printed))
-        q, other = control.WEIGHTS[j], control.PRINTED_WEIGHTS[j]
+        q, other = lqg.WEIGHTS[j], lqg.PRINTED_WEIGHTS[j]
         rows.append((name, number(q), next(gains), number(other), next(gains)))
     columns = ("state", "weight", "−K: i_AQ, i_BQ, i_CQ", "printed weight (47)", "−K of it")
     return page.Table("Gains of (49) at 800 Hz, R = I, and those of the printed weights", columns, tuple(rows))
@@ -91,8 +91,8 @@ def _weights() -> page.Table:
 
 def _certificates() -> page.Table:
     rows = []
-    for label, weights in (("(49)", control.WEIGHTS), ("of (47)", control.PRINTED_WEIGHTS)):
-        found = control.gain(weights).certificate
+    for label, weights in (("(49)", lqg.WEIGHTS), ("of (47)", lqg.PRINTED_WEIGHTS)):
+        found = lqg.gain(weights).certificate
         poles = sorted({(round(p.real, 5), round(abs(p.imag), 5)) for p in found.poles})
         told = ", ".join(f"{re:g}" + (f" ± {im:g}i" if im else "") for re, im in poles)
         rows.append((label, found.residual, found.forward_error, found.least_eigenvalue, told))
@@ -102,8 +102,8 @@ def _certificates() -> page.Table:
 
 def _axes(plant: Plant) -> page.Table:
     rows: list[tuple[page.Cell, ...]] = []
-    for axis in control.axes(plant):
-        found = control.observer(axis)
+    for axis in lqg.axes(plant):
+        found = lqg.observer(axis)
         entries = (float(m[0, 0]) for m in (found.F, found.G, found.H, found.L))
         rows.append((SYMBOLS.get(axis.name, axis.name), axis.b, axis.k1, axis.k2, axis.k3, *entries))
     columns = ("axis", "b, 1/A", "k1, A", "k2, A s", "k3, A", "F = p", "G, 1/s", "H, 1/A/s", "L, 1/s")
@@ -112,7 +112,7 @@ def _axes(plant: Plant) -> page.Table:
 
 
 def _loops(plant: Plant) -> page.Section:
-    found, stated = loops.all_loops(plant), control.PER_AMPERE * plant.parameter("M").value
+    found, stated = loops.all_loops(plant), lqg.PER_AMPERE * plant.parameter("M").value
     weaker = 1 - allocation.force_constant(plant) / stated
     text = page.Text(
         "Each loop is opened at the platen's own coordinate, the other five closed: the rounded controller as it "
@@ -122,7 +122,7 @@ def _loops(plant: Plant) -> page.Section:
         "from ideal positions straight to the three currents, of which the stage makes "
         f"{100 * weaker:.1f} % less force than (26) has. z, θ and ψ as printed are closed with the others as shipped."
     )
-    over = shared.over_pitch(planar_stage.plant(halbach.HARMONICS), control.controller(plant).rounded(np.float32))
+    over = shared.over_pitch(planar_stage.plant(halbach.HARMONICS), lqg.controller(plant).rounded(np.float32))
     return page.Section(
         "Loops and margins", (text, over), (_whole(plant), *(shared.bodes(found, axis) for axis in AXES))
     )

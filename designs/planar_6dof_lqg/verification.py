@@ -5,10 +5,11 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from designs.planar_6dof import lqg
 from designs.planar_6dof import verification as shared
 from designs.planar_6dof.allocation import HORIZONTAL
 from designs.planar_6dof.random_steps import Columns, Subject
-from designs.planar_6dof_lqg import control, reference
+from designs.planar_6dof_lqg import reference
 from models import planar_stage
 from synth.block import Block
 from synth.verify.evidence import Evidence
@@ -18,7 +19,7 @@ SIZE, STEP = 0.1, 0.06  # of what the motors meet, m
 
 def subject() -> Subject:
     """Return the controller beside its reference."""
-    block = control.controller(planar_stage.plant())
+    block = lqg.controller(planar_stage.plant())
     return Subject(block, reference.step, SIZE, STEP, lambda pose: at_rest(block, pose))
 
 

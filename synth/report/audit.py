@@ -8,17 +8,28 @@ A row compares figures v_i with the numbers that a paper prints. Its verdict is 
 
 A figure v agrees with a printed number when |v - printed| is below one unit of the last printed digit, so that
 both rounding and cutting off count as agreement.
+
+An audit is a published.toml, which holds what is printed and the rule of each verdict, and one function a row:
+
+    @audit.recomputes("F-1", "mass", "F-2.stiffness")
+    def frequency(bench: Bench, printed: Published) -> Outcome: ...
+
+`rows` applies the functions of some modules to what they are computed from.
 """
 
 import math
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal, InvalidOperation
 from enum import StrEnum
-from typing import Any
+from pathlib import Path
+from types import ModuleType
+from typing import Any, Generic, TypeVar
 
 from synth.errors import DesignError
+
+Subject = TypeVar("Subject")
 
 
 class Verdict(StrEnum):
@@ -54,13 +65,17 @@ class Printed:
 
 @dataclass(frozen=True)
 class Published:
-    """What a paper prints for one row: where, in words, and its numbers by name."""
+    """What a paper prints for one row: where, in words, and its numbers by name.
+
+    `rule` says how the row is judged and what explains a difference; it is empty where the row's function says it.
+    """
 
     id: str
     paper: str
     where: str
     text: str
     numbers: Mapping[str, Printed]
+    rule: str = ""
 
     def __getitem__(self, name: str) -> Printed:
         """Return the printed number called `name`."""
@@ -116,6 +131,61 @@ class Row:
         }
 
 
+@dataclass(frozen=True)
+class Outcome:
+    """What a row recomputes: (name, value, unit) of each figure, and whether they meet the print.
+
+    They meet it `as_printed`, or only `corrected`, after the correction that the row's rule states.
+    """
+
+    figures: Iterable[tuple[str, float, str]]
+    as_printed: bool
+    corrected: bool = False
+
+
+@dataclass(frozen=True)
+class Recipe(Generic[Subject]):
+    """The function that recomputes a row, with what its figures follow from: parameters, and printed numbers."""
+
+    id: str
+    depends: tuple[str, ...]
+    recompute: Callable[[Subject, Published], Outcome]
+
+    def row(self, subject: Subject, prints: Mapping[str, Published]) -> Row:
+        """Return the row as recomputed from a subject; "F-1.*" in `depends` is every number that F-1 prints."""
+        printed = prints[self.id]
+        outcome = self.recompute(subject, printed)
+        verdict = judge(outcome.as_printed, outcome.corrected)
+        return row(printed, outcome.figures, verdict, printed.rule, _expanded(self.depends, prints))
+
+
+def recomputes(id: str, *depends: str) -> Callable[[Callable[[Subject, Published], Outcome]], Recipe[Subject]]:
+    """Mark the function that recomputes the row `id`, whose figures follow from `depends`."""
+    return lambda recompute: Recipe(id, depends, recompute)
+
+
+def recipes(modules: Iterable[ModuleType]) -> dict[str, Recipe[Any]]:
+    """Return the recipes that modules define, by row."""
+    return {each.id: each for module in modules for each in vars(module).values() if isinstance(each, Recipe)}
+
+
+def rows(modules: Iterable[ModuleType], subject: Any, prints: Mapping[str, Published]) -> Iterator[Row]:
+    """Yield the rows that some modules recompute, in the order of `prints`, each when it is computed.
+
+    Raises DesignError for a row that is not among `prints`, and as `row`.
+    """
+    known = recipes(modules)
+    if missing := [id for id in known if id not in prints]:
+        raise DesignError(f"{', '.join(missing)} is recomputed, but not printed: add it to published.toml")
+    yield from (known[id].row(subject, prints) for id in prints if id in known)
+
+
+def _expanded(depends: Iterable[str], prints: Mapping[str, Published]) -> Iterator[str]:
+    for source in depends:
+        id, _, number = source.partition(".")
+        yield from (f"{id}.{n}" for n in prints[id].numbers) if number == "*" else (source,)
+
+
 def judge(as_printed: bool, corrected: bool = False) -> Verdict:
     """Return the verdict on figures that meet the print as printed, or only `corrected`, or neither way."""
     if as_printed:
@@ -142,18 +212,25 @@ def row(
 
 
 def published(text: str) -> dict[str, Published]:
-    """Read the rows of a published.toml: `[ID]` with paper, where, text and numbers = {name = ["14.3", "%"]}.
+    """Read the rows of a published.toml: `[ID]` with paper, where, text, rule and numbers = {name = ["14.3", "%"]}.
+
+    `rule` and `numbers` may be left out.
 
     Raises DesignError for a row without these, or a number that is none.
     """
     return {name: _published(name, entry) for name, entry in tomllib.loads(text).items()}
 
 
+def read(folder: Path) -> dict[str, Published]:
+    """Read the published.toml of a folder, as `published`."""
+    return published((folder / "published.toml").read_text(encoding="utf-8"))
+
+
 def _published(name: str, entry: Mapping[str, Any]) -> Published:
     if missing := [key for key in ("paper", "where", "text") if not entry.get(key)]:
         raise DesignError(f"published row {name} lacks {', '.join(missing)}: say what is printed, and where")
     numbers = {key: _printed(name, key, value) for key, value in entry.get("numbers", {}).items()}
-    return Published(name, entry["paper"], entry["where"], entry["text"], numbers)
+    return Published(name, entry["paper"], entry["where"], entry["text"], numbers, entry.get("rule", ""))
 
 
 def _printed(name: str, key: str, value: Any) -> Printed:

@@ -7,15 +7,14 @@ import numpy as np
 import pytest
 
 from designs.hall_position import closed_loop, shipped
-from designs.planar_6dof import allocation, sensing
-from designs.planar_6dof_lqg import control
+from designs.planar_6dof import allocation, lqg, sensing
 from models import planar_stage
 from synth.emit import write
 from synth.errors import ModelError
 from synth.execute import host
 from synth.signals import names
 
-TIME = control.TIME
+TIME = lqg.TIME
 N = 60
 FIRST = 10  # the first valid sample
 SPEED = 1e-4  # m a sample
@@ -125,7 +124,7 @@ def test_places_within_the_pitch_are_those_of_the_position() -> None:
 
 def test_the_planar_controllers_law_is_taken_as_it_is_but_for_what_makes_it_ready() -> None:
     plant = planar_stage.plant()
-    blocks = control.law(plant)
+    blocks = lqg.law(plant)
     changed = [closed_loop._from_known(b) for b in blocks]
     ready, known = sensing.READY.name, closed_loop.KNOWN.name
     assert {b.name for b, c in zip(blocks, changed, strict=True) if b is not c} == {"lqg_x", "lqg_y", "lqg_phi"}
@@ -138,9 +137,9 @@ def test_the_planar_controllers_law_is_taken_as_it_is_but_for_what_makes_it_read
 @pytest.mark.parametrize("given", ["hall", 42])
 def test_what_is_no_source_is_refused(given: Any) -> None:
     with pytest.raises(ModelError, match="give a closed_loop"):
-        control.controller(planar_stage.plant(), source=given)
+        closed_loop.controller(lqg.NAME, planar_stage.plant(), TIME, [], given)
 
 
 def test_a_source_takes_three_sensors() -> None:
     with pytest.raises(ModelError, match="2 sensors: the stage reads 3"):
-        control.controller(planar_stage.plant(), source=closed_loop.Source(shipped.array()))
+        closed_loop.controller(lqg.NAME, planar_stage.plant(), TIME, [], closed_loop.Source(shipped.array()))

@@ -11,7 +11,7 @@ import pytest
 
 from designs.hall_position import closed_loop, experiments, page_loops, shipped, sources, stage_loop
 from designs.hall_position.stage_loop import Loop
-from designs.planar_6dof_lqg import control
+from designs.planar_6dof import lqg
 from models import planar_stage
 from synth.execute import cross, host
 from synth.signals import names
@@ -88,7 +88,7 @@ def test_a_position_that_is_not_held_in_dropouts_is_told(old: str, new: str, tol
 
 def test_what_a_wrong_sample_makes_of_the_position_is_the_linear_loops() -> None:
     source, plant = closed_loop.Source(shipped.array(shipped.THREE)), planar_stage.plant()
-    block = control.controller(plant, source=source).rounded(np.float32)
+    block = closed_loop.controller(lqg.NAME, plant, lqg.TIME, lqg.law(plant), source).rounded(np.float32)
     found = page_loops.opened(source, block, {})
     stage, law = found.plant, found.controller
     x, state, moved = np.zeros(len(stage.states)), np.zeros(len(law.states)), []
@@ -141,7 +141,7 @@ def test_the_estimate_costs_some_times_as_much() -> None:
 def test_both_controllers_have_the_same_wires() -> None:
     plant = planar_stage.plant()
     source = loops()["calibrated"].block
-    sections = control.controller(plant)
+    sections = lqg.controller(plant)
     assert names(source.inputs) == names(sections.inputs) and names(source.outputs) == names(sections.outputs)
     assert source.faults == sections.faults
     assert closed_loop.stage_places(plant)[1][0] == plant.parameter("spacing").value

@@ -7,8 +7,7 @@ import pytest
 
 from designs.hall_position import closed_loop, error_map, page_experiments, page_loops, shipped
 from designs.hall_position.closed_loop import Source
-from designs.planar_6dof import loops
-from designs.planar_6dof_lqg import control
+from designs.planar_6dof import loops, lqg
 from models import planar_stage
 from synth.report.page import Figure, Section, Table
 from synth.simulate.experiment import Experiment
@@ -81,10 +80,10 @@ def test_the_error_map_is_drawn_as_it_is() -> None:
 def test_the_loop_is_that_of_the_sections_behind_the_filter(monkeypatch: pytest.MonkeyPatch) -> None:
     """The estimate follows within a sample: what differs is the filter's lag, and 1 % of the damping."""
     plant, source = planar_stage.plant(), Source(shipped.array(shipped.THREE))
-    law = control.law(plant)
-    block = closed_loop.controller(control.NAME, plant, control.TIME, law, source).rounded(np.float32)
+    law = lqg.law(plant)
+    block = closed_loop.controller(lqg.NAME, plant, lqg.TIME, law, source).rounded(np.float32)
     place = {"x": 4e-3, "y": -7e-3}
-    other = loops.parts(plant, page_loops.lqg.whole(plant, law), place)
+    other = loops.parts(plant, loops.whole(plant, lqg.TIME, lqg.sensed(plant), law), place)
     hertz = np.array([5.0, 12.0, 30.0])
     z = np.exp(2j * np.pi * hertz / 800)
 

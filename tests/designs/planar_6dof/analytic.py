@@ -14,10 +14,9 @@ from collections.abc import Callable, Mapping
 import casadi as ca
 import numpy as np
 
-from designs.planar_6dof import calibration, filtering, sensing, vertical
-from designs.planar_6dof_leadlag import audit
+from designs.planar_6dof import calibration, filtering, lqg, sensing, vertical
+from designs.planar_6dof.paper import rows
 from designs.planar_6dof_leadlag import control as leadlag
-from designs.planar_6dof_lqg import control as lqg
 from models import halbach
 from synth.plant import Plant
 from synth.timing import Discrete
@@ -72,7 +71,7 @@ def kalman(axis: str, time: Discrete, z: Array) -> tuple[Array, Array]:
 
 def lead_lag(axis: str, time: Discrete, published: bool = False) -> Transfer:
     """Return (21)-(25) by Tustin's rule, from the printed numbers."""
-    print_, part = audit.printed(), 1.0 if published else (leadlag.PART | vertical.PART)[axis]
+    print_, part = rows.printed(), 1.0 if published else (leadlag.PART | vertical.PART)[axis]
 
     def C(z: Array) -> Array:
         s = 2 / time.period_s * (z - 1) / (z + 1)

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from designs.planar_6dof import emitted as shared
+from designs.planar_6dof import lqg
+from designs.planar_6dof.paper import rows
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import emitted as leadlag_emitted
 from designs.planar_6dof_leadlag import reference as leadlag_reference
-from designs.planar_6dof_lqg import audit
-from designs.planar_6dof_lqg import control as lqg
 from designs.planar_6dof_lqg import emitted as lqg_emitted
 from designs.planar_6dof_lqg import reference as lqg_reference
 from models import planar_stage
@@ -113,7 +113,7 @@ def test_no_warning(double: bool, compiler: str) -> None:
 
 def test_the_lqg_gains_are_those_of_49_and_of_the_reference() -> None:
     design = lqg_emitted.gains(planar_stage.plant())
-    K, printed = design["K"], audit.printed()["Y-10"]
+    K, printed = design["K"], rows.printed()["Y-10"]
     for current, states in (("i_AQ", ("y", "phi", "z2", "z3")), ("i_CQ", ("x", "z1"))):
         for state in states:
             assert printed[state].agrees(abs(K[current][design["states"].index(state)]))

@@ -6,17 +6,17 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from designs.planar_6dof import allocation, experiments, failures, voltages
+from designs.planar_6dof import allocation, experiments, failures, lqg, voltages
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof.loop import Loop
-from designs.planar_6dof_leadlag import audit as leadlag_audit
+from designs.planar_6dof.paper import rows as paper
+from designs.planar_6dof.paper import spectrum, steps
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import experiments as leadlag_experiments
-from designs.planar_6dof_lqg import audit as lqg_audit
-from designs.planar_6dof_lqg import control as lqg
 from designs.planar_6dof_lqg import experiments as lqg_experiments
 from models import halbach, planar_stage
 from synth.block import Block
+from synth.report import audit
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import sample_times
 from synth.simulate.sensors import Override
@@ -96,9 +96,9 @@ def test_the_circle_crosses_pitches_and_no_border_shows(found: Found) -> None:
 
 
 def test_recorded_rows(lead: Loop, optimal: Loop) -> None:
-    every = [*leadlag_audit.rows(lead), *lqg_audit.rows(optimal)]
+    every = [*paper.leadlag(lead), *paper.lqg(optimal)]
     assert len(every) == len({r.id for r in every}) == 42
-    rows = {r.id: r for r in every if r.id in {*leadlag_audit.RECORDED, *lqg_audit.RECORDED}}
+    rows = {r.id: r for r in every if r.id in audit.recipes([steps, spectrum])}
     verdicts = {name: str(r.verdict) for name, r in rows.items()}
     assert verdicts == {"Y-34": "R", "Y-35": "N", "Y-40": "N", "Y-41": "R"}
     assert rows["Y-34"]["rms, x"] == pytest.approx(6.9, rel=0.025) == rows["Y-34"]["rms, y"]

@@ -5,12 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from designs.planar_6dof import finite
+from designs.planar_6dof import finite, lqg
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof.loop import Loop
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import experiments as leadlag_experiments
-from designs.planar_6dof_lqg import control as lqg
 from designs.planar_6dof_lqg import experiments as lqg_experiments
 from models import finite_stage, planar_stage
 from synth.simulate.experiment import Experiment

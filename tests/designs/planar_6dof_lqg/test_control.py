@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from designs.planar_6dof import allocation, random_steps
-from designs.planar_6dof_lqg import control, reference
+from designs.planar_6dof import allocation, lqg, random_steps
+from designs.planar_6dof_lqg import reference
+from designs.planar_6dof_lqg.full_order import REGULATORS, Order
 from synth.analyse import loop
 from synth.block import Block
 from synth.errors import ModelError
@@ -43,42 +44,42 @@ HEIGHTS = {"x": 50e-6, "y": 50e-6, "phi": np.radians(0.3)}
 
 @pytest.fixture(scope="module")
 def known() -> host.Controller:
-    return drawn.compiled(control.law(PLANT), control.TIME)
+    return drawn.compiled(lqg.law(PLANT), lqg.TIME)
 
 
 def test_the_gain_is_that_of_49() -> None:
-    K = -control.gain().K
+    K = -lqg.gain().K
     for (i, j), (value, digits) in PRINTED.items():
         size = abs(K[i, j])
-        assert size == pytest.approx(value, abs=tolerances.of("print_K") * 10.0**-digits), control.STATES[j]
+        assert size == pytest.approx(value, abs=tolerances.of("print_K") * 10.0**-digits), lqg.STATES[j]
     np.testing.assert_array_equal(K[1], K[0] * np.array([1, 1, -1, 1, 1, -1, 1, 1, -1]))
     zeros = [(i, j) for i in range(3) for j in range(9) if (min(i, 1) * 2, j) not in PRINTED and i != 1]
     assert not any(K[i, j] for i, j in zeros)
 
 
 def test_the_printed_weights_do_not_make_49() -> None:
-    K = np.abs(control.gain(control.PRINTED_WEIGHTS).K)
+    K = np.abs(lqg.gain(lqg.PRINTED_WEIGHTS).K)
     assert K[2, 0] == pytest.approx(898.22, rel=1e-4) and K[0, 1] == pytest.approx(316.06, rel=1e-4)
     assert K[2, 0] < 0.6 * PRINTED[2, 0][0]
 
 
 def test_demands_fall_apart_into_axes() -> None:
-    K, own = control.demanded(PLANT), np.zeros((3, 9), dtype=bool)
+    K, own = lqg.demanded(PLANT), np.zeros((3, 9), dtype=bool)
     for i in range(3):
         own[i, [i, 3 + i, 6 + i]] = True
     assert not K[~own].any() and (K[own] < 0).all()
     per_ampere = [allocation.scales(PLANT)[a] / PLANT.parameter(n).value for a, n in INERTIA.items()]
-    np.testing.assert_allclose([a.b for a in control.axes(PLANT)], per_ampere, rtol=DOUBLE)
-    assert list(INERTIA) == [a.name for a in control.axes(PLANT)]
-    for i, (a, scale) in enumerate(zip(control.axes(PLANT), allocation.scales(PLANT).values(), strict=False)):
-        gains = scale * np.array([a.k1, a.k3 / control.TIME.period_s, a.k2])
+    np.testing.assert_allclose([a.b for a in lqg.axes(PLANT)], per_ampere, rtol=DOUBLE)
+    assert list(INERTIA) == [a.name for a in lqg.axes(PLANT)]
+    for i, (a, scale) in enumerate(zip(lqg.axes(PLANT), allocation.scales(PLANT).values(), strict=False)):
+        gains = scale * np.array([a.k1, a.k3 / lqg.TIME.period_s, a.k2])
         np.testing.assert_allclose(gains, -K[i, [i, 3 + i, 6 + i]], rtol=DOUBLE)
 
 
 @pytest.mark.parametrize("order", MARGINS)
 @pytest.mark.parametrize("axis", allocation.HORIZONTAL)
-def test_margins(order: control.Order, axis: str) -> None:
-    found = opened.margins_of(control.law(PLANT, order), control.TIME, axis, filtered=False)
+def test_margins(order: Order, axis: str) -> None:
+    found = opened.margins_of(lqg.law(PLANT, regulate=REGULATORS[order]), lqg.TIME, axis, filtered=False)
     crossover, phase, gain, peak = MARGINS[order][axis]
     assert found.stable
     assert found.gain_crossings[-1].frequency / (2 * np.pi) == pytest.approx(crossover, abs=0.02)
@@ -89,14 +90,14 @@ def test_margins(order: control.Order, axis: str) -> None:
 
 def test_poles_of_the_loop_are_the_regulators_and_the_observers() -> None:
     """With the delay predicted they are those of A + B K with a sum for the integral, of the observers, and zeros."""
-    T = control.TIME.period_s
-    for axis in control.axes(PLANT):
+    T = lqg.TIME.period_s
+    for axis in lqg.axes(PLANT):
         A = np.array([[1, T, 0], [0, 1, 0], [1, 0, 1]])
         B = axis.b * np.array([[T**2 / 2], [T], [0]])
         regulated = np.linalg.eigvals(A - B @ [[axis.k1, axis.k2, axis.k3]])
-        L = opened.of_axis(control.law(PLANT), control.TIME, axis.name, filtered=False)
+        L = opened.of_axis(lqg.law(PLANT), lqg.TIME, axis.name, filtered=False)
         poles = np.linalg.eigvals(L.A - L.B @ L.C)
-        for wanted in (*regulated, control.OBSERVER_POLE[axis.name]):
+        for wanted in (*regulated, lqg.OBSERVER_POLE[axis.name]):
             assert np.abs(poles - wanted).min() < tolerances.of("multiple_root"), axis.name
         assert np.abs(regulated).max() < 0.96
 
@@ -104,8 +105,8 @@ def test_poles_of_the_loop_are_the_regulators_and_the_observers() -> None:
 @pytest.mark.parametrize("axis", PEAKS)
 def test_what_the_observers_pole_costs(monkeypatch: pytest.MonkeyPatch, axis: str) -> None:
     for p, expected in PEAKS[axis].items():
-        monkeypatch.setitem(control.OBSERVER_POLE, axis, p)
-        L = opened.of_axis(control.law(PLANT), control.TIME, axis, filtered=False)
+        monkeypatch.setitem(lqg.OBSERVER_POLE, axis, p)
+        L = opened.of_axis(lqg.law(PLANT), lqg.TIME, axis, filtered=False)
         found = opened.margins.of_loop(L)
         assert found.stable and found.peak_sensitivity == pytest.approx(expected, abs=0.01)
         if p in CURRENTS.get(axis, {}):
@@ -115,7 +116,7 @@ def test_what_the_observers_pole_costs(monkeypatch: pytest.MonkeyPatch, axis: st
 def test_a_demand_is_the_current_of_the_motors_that_meet_it() -> None:
     """1 A of x in motor C, 1 A of phi in A and B: what `demand` returns is what the module's text calls a current."""
     d = dict.fromkeys((s.name for s in allocation.DEMANDS), 0.0) | {"phi": 0.0}
-    met = agree.casadi(allocation.allocation(PLANT, control.TIME))
+    met = agree.casadi(allocation.allocation(PLANT, lqg.TIME))
     of_x, of_phi = (
         met({}, {n: np.array([v]) for n, v in (d | one).items()}).outputs for one in ({"d_x": 1.0}, {"d_phi": 1.0})
     )
@@ -128,8 +129,8 @@ def test_a_demand_is_the_current_of_the_motors_that_meet_it() -> None:
 
 def demand(axis: str, p: float) -> float:
     """Return the deviation of a demand in A for white noise of deviation 1 in a position."""
-    made = next(a for a in control.axes(PLANT) if a.name == axis)
-    T, b, L = control.TIME.period_s, made.b, (1 - p) / control.TIME.period_s
+    made = next(a for a in lqg.axes(PLANT) if a.name == axis)
+    T, b, L = lqg.TIME.period_s, made.b, (1 - p) / lqg.TIME.period_s
     c1, c2 = b * T**2 / 2, b * T
     # q, v, f1, x3, z; n -> f
     rate = np.array([L, 0, 0, 1, 0, L])
@@ -158,10 +159,10 @@ def demand(axis: str, p: float) -> float:
 def test_behind_the_filter_it_is_unstable(monkeypatch: pytest.MonkeyPatch, p: float, delay: int) -> None:
     """(6)-(16) between positions and (33) leave x no margin at all, whatever p; without the filter x is stable."""
     for axis in allocation.HORIZONTAL:
-        monkeypatch.setitem(control.OBSERVER_POLE, axis, p)
-    behind = [after_filter(b) for b in control.law(PLANT)]
-    assert not opened.margins_of(behind, control.TIME, "x", filtered=True, delay=delay).stable
-    assert opened.margins_of(control.law(PLANT), control.TIME, "x", filtered=False, delay=delay).stable
+        monkeypatch.setitem(lqg.OBSERVER_POLE, axis, p)
+    behind = [after_filter(b) for b in lqg.law(PLANT)]
+    assert not opened.margins_of(behind, lqg.TIME, "x", filtered=True, delay=delay).stable
+    assert opened.margins_of(lqg.law(PLANT), lqg.TIME, "x", filtered=False, delay=delay).stable
 
 
 def after_filter(block: Block) -> Block:
@@ -177,12 +178,12 @@ def test_h_of_42_is_refused() -> None:
     """The reduced-order gain on x, y, phi, z1, z2, z3: 1600 is 2/T, which puts the observer's poles to z = -1."""
     H = np.hstack([np.full((3, 3), 0.0006), np.eye(3)])
     H[[0, 1, 2], [0, 1, 2]] = 1600.0
-    held = control.discretise.zero_order_hold(control.model(), control.TIME.period_s)
+    held = lqg.discretise.zero_order_hold(lqg.model(), lqg.TIME.period_s)
     with pytest.raises(ModelError, match=r"has the poles -1.*does not decay, which needs \|z\| < 1"):
-        reduced_observer.from_gain(held, control.STATES[:6], H)
-    for axis in control.axes(PLANT):
+        reduced_observer.from_gain(held, lqg.STATES[:6], H)
+    for axis in lqg.axes(PLANT):
         with pytest.raises(ModelError, match="does not decay"):
-            control.observer(axis, pole=-1.0)
+            lqg.observer(axis, pole=-1.0)
 
 
 @pytest.mark.parametrize("axis", HEIGHTS)
@@ -190,15 +191,15 @@ def test_steps_of_the_stage(known: host.Controller, axis: str) -> None:
     height = HEIGHTS[axis]
     run = drawn.run(known, 0.4, {axis: height})
     assert 0.35 < drawn.overshoot(run[axis], height) < 0.47
-    assert drawn.rise(run[axis], height, control.TIME.period_s) < 0.014
+    assert drawn.rise(run[axis], height, lqg.TIME.period_s) < 0.014
     assert run[axis][-1] == pytest.approx(height, rel=1e-6)
     assert max(np.abs(run[a]).max() for a in allocation.HORIZONTAL if a != axis) < 1e-9
 
 
 def unbounded(monkeypatch: pytest.MonkeyPatch) -> list[Block]:
     """Return a law to which an error counts as it is, however large."""
-    monkeypatch.setattr(control, "ERROR", dict.fromkeys(control.ERROR, 1.0))
-    return control.law(PLANT)
+    monkeypatch.setattr(lqg, "ERROR", dict.fromkeys(lqg.ERROR, 1.0))
+    return lqg.law(PLANT)
 
 
 def test_a_step_beyond_the_motors_does_not_wind_up(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -206,9 +207,9 @@ def test_a_step_beyond_the_motors_does_not_wind_up(monkeypatch: pytest.MonkeyPat
     law = unbounded(monkeypatch)
     deaf = law
     for axis in ("x", "phi"):
-        deaf = [*loop.cut(deaf, f"made_{axis}"), *opened.passed(control.TIME, {f"made_{axis}": f"d_{axis}"}, "A")]
+        deaf = [*loop.cut(deaf, f"made_{axis}"), *opened.passed(lqg.TIME, {f"made_{axis}": f"d_{axis}"}, "A")]
     assert len(deaf) == len(law) + 2
-    runs = [drawn.run(drawn.compiled(each, control.TIME), 0.6, {"x": 5e-3}) for each in (law, deaf)]
+    runs = [drawn.run(drawn.compiled(each, lqg.TIME), 0.6, {"x": 5e-3}) for each in (law, deaf)]
     told, untold = (drawn.overshoot(run["x"], 5e-3) for run in runs)
     assert np.count_nonzero(random_steps.saturated(runs[0].commands)) > 20
     # A motor's 1.13 A along its motion leave 55 %.
@@ -226,20 +227,20 @@ def test_large_steps_overshoot_little(known: host.Controller, axis: str) -> None
     assert drawn.overshoot(run[axis], height) < beyond
     assert run[axis][-1] == pytest.approx(height, rel=1e-6)
     # No faster than where an error that counts as ERROR pushes no more, but for what the motors take to see it.
-    made = next(a for a in control.axes(PLANT) if a.name == axis)
-    limit = (made.k1 + made.k3) * control.ERROR[axis] / made.k2
-    assert 0.5 * limit < np.abs(np.diff(run[axis])).max() / control.TIME.period_s < 1.3 * limit
+    made = next(a for a in lqg.axes(PLANT) if a.name == axis)
+    limit = (made.k1 + made.k3) * lqg.ERROR[axis] / made.k2
+    assert 0.5 * limit < np.abs(np.diff(run[axis])).max() / lqg.TIME.period_s < 1.3 * limit
 
 
 def test_without_a_bound_of_the_error_a_large_step_loses_the_platen(monkeypatch: pytest.MonkeyPatch) -> None:
-    run = drawn.run(drawn.compiled(unbounded(monkeypatch), control.TIME), 0.6, {"x": 0.06})
+    run = drawn.run(drawn.compiled(unbounded(monkeypatch), lqg.TIME), 0.6, {"x": 0.06})
     assert not np.abs(run["x"]).max() < 0.1
 
 
 @pytest.mark.parametrize("order", ["reduced", "full"])
-def test_it_starts_at_rest_wherever_the_platen_is(order: control.Order) -> None:
+def test_it_starts_at_rest_wherever_the_platen_is(order: Order) -> None:
     """Its observer knows no rate before the first good sample; one that took itself for ready would see 5 m/s."""
-    controller = drawn.compiled(control.law(PLANT, order), control.TIME)
+    controller = drawn.compiled(lqg.law(PLANT, regulate=REGULATORS[order]), lqg.TIME)
     first = np.r_[0.0, np.ones(159)]
     calm, kicked = (
         drawn.run(controller, 0.2, {"x": 0.02}, start={"x": 0.02}, ready=flags)["x"] for flags in (first, 1.0)
@@ -249,8 +250,8 @@ def test_it_starts_at_rest_wherever_the_platen_is(order: control.Order) -> None:
 
 
 def test_gains_are_those_of_the_reference() -> None:
-    for axis in control.axes(PLANT):
-        other, found = reference.axes()[axis.name], control.observer(axis)
+    for axis in lqg.axes(PLANT):
+        other, found = reference.axes()[axis.name], lqg.observer(axis)
         pairs = ((axis.b, other.b), (axis.k1, other.k_q), (axis.k2, other.k_v), (axis.k3, other.k_z))
         for mine, theirs in (*pairs, (found.F[0, 0], other.p)):
             assert mine == pytest.approx(theirs, rel=DOUBLE)

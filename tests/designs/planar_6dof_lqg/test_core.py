@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from designs.planar_6dof import lqg
 from designs.planar_6dof.allocation import HORIZONTAL
-from designs.planar_6dof_lqg import control, core
+from designs.planar_6dof_lqg import core
+from designs.planar_6dof_lqg.full_order import Order
 from synth.analyse import loop
 from synth.emit import write
 from synth.execute import host
@@ -18,7 +20,7 @@ def test_the_loop_separates_and_is_as_slow_as_the_regulator() -> None:
     found = core.compensator()
     assert found.separation < tolerances.of("double")
     assert np.abs(found.poles).max() == pytest.approx(0.94863, abs=1e-5)
-    np.testing.assert_allclose(sorted(found.observer.poles.real), sorted(control.OBSERVER_POLE.values()), rtol=1e-12)
+    np.testing.assert_allclose(sorted(found.observer.poles.real), sorted(lqg.OBSERVER_POLE.values()), rtol=1e-12)
 
 
 def test_the_reduced_core_is_the_librarys_compensator() -> None:
@@ -28,7 +30,7 @@ def test_the_reduced_core_is_the_librarys_compensator() -> None:
 
 
 def test_the_full_core_regulates_the_plant_with_the_estimators_poles() -> None:
-    held = control.discretise.zero_order_hold(core.plant(), control.TIME.period_s)
+    held = lqg.discretise.zero_order_hold(core.plant(), lqg.TIME.period_s)
     K = loop.linearised(core.block("full"), {}, dict.fromkeys(HORIZONTAL, 0.0))
     poles = np.linalg.eigvals(np.block([[held.A, held.B @ K.C], [K.B @ held.C, K.A]]))
     assert not K.D.any()
@@ -38,7 +40,7 @@ def test_the_full_core_regulates_the_plant_with_the_estimators_poles() -> None:
 
 
 @pytest.mark.parametrize("order", BARS)
-def test_what_a_step_costs(order: control.Order) -> None:
+def test_what_a_step_costs(order: Order) -> None:
     """By gcc -O2 as long as no integral is at its limit, by gcc -Os always."""
     builds = {b.name: b for b in meter.builds()}
     if "gcc, newlib" not in builds:

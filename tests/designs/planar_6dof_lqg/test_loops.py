@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from designs.planar_6dof import allocation
+from designs.planar_6dof import allocation, lqg
 from designs.planar_6dof import loops as shared
 from designs.planar_6dof.allocation import AXES, HORIZONTAL, VERTICAL
 from designs.planar_6dof.loops import OpenLoop
-from designs.planar_6dof_lqg import control, loops
-from designs.planar_6dof_lqg.control import TIME
+from designs.planar_6dof.lqg import TIME
+from designs.planar_6dof_lqg import loops
 from models import planar_stage
 from synth.errors import ModelError
 from tests.designs.planar_6dof import analytic
@@ -37,9 +37,9 @@ def distance(o: OpenLoop, C: analytic.Transfer) -> float:
 
 def printed(axis: str) -> analytic.Transfer:
     """Return (33) with K of (49): the rate from what is measured now, the last sum of errors, no sample ahead."""
-    T, p, gain = TIME.period_s, control.OBSERVER_POLE[axis], -control.gain().K
-    b = {"x": control.PER_AMPERE, "y": 2 * control.PER_AMPERE, "phi": 2 * control.YAW_PER_AMPERE}[axis]
-    i, row = control.STATES.index(axis), gain[2 if axis == "x" else 1]
+    T, p, gain = TIME.period_s, lqg.OBSERVER_POLE[axis], -lqg.gain().K
+    b = {"x": lqg.PER_AMPERE, "y": 2 * lqg.PER_AMPERE, "phi": 2 * lqg.YAW_PER_AMPERE}[axis]
+    i, row = lqg.STATES.index(axis), gain[2 if axis == "x" else 1]
     k1, k3, k2, L = row[i], row[3 + i] * T, row[6 + i], (1 - p) / T
 
     def C(z: np.ndarray) -> np.ndarray:
@@ -55,7 +55,7 @@ def printed(axis: str) -> analytic.Transfer:
 
 def test_every_kind_is_the_analytic_loop(found: Found) -> None:
     for axis in HORIZONTAL:
-        shipped, other = (analytic.optimal(PLANT, axis, w) for w in (control.WEIGHTS, control.PRINTED_WEIGHTS))
+        shipped, other = (analytic.optimal(PLANT, axis, w) for w in (lqg.WEIGHTS, lqg.PRINTED_WEIGHTS))
         assert distance(found[axis, loops.SHIPPED], shipped) < SINGLE
         assert distance(found[axis, loops.REWEIGHTED], other) < SINGLE
         assert distance(found[axis, loops.PRINTED], printed(axis)) < SINGLE

@@ -3,7 +3,8 @@
 import pytest
 
 from designs.planar_6dof import loop as loops
-from designs.planar_6dof_lqg import control, orders
+from designs.planar_6dof import lqg
+from designs.planar_6dof_lqg import orders
 from models import planar_stage
 from synth.errors import CompileError
 from synth.report.page import Table
@@ -18,7 +19,7 @@ def test_the_full_order_costs_more(monkeypatch: pytest.MonkeyPatch) -> None:
     except CompileError:
         pytest.skip("no cross compiler")
     monkeypatch.setattr(meter, "builds", lambda: builds)
-    loop = loops.of(control.controller(planar_stage.plant()))
+    loop = loops.of(lqg.controller(planar_stage.plant()))
     rest = Experiment("standstill", "At rest", "0.5 s", loop.run(0.5, {}, {}), ("x",), {})
     (table,) = orders.spent([rest])
     assert isinstance(table, Table)

@@ -2,8 +2,9 @@
 
 import pytest
 
+from designs.planar_6dof import lqg
 from designs.planar_6dof import verification as shared
-from designs.planar_6dof_lqg import control, verification
+from designs.planar_6dof_lqg import verification
 from tests.designs.planar_6dof import planted
 
 REPLAY, STEPS = 2.0, 40_000  # s; `synth verify` replays 60, and draws 100,000
@@ -14,5 +15,5 @@ def test_every_check_passes(monkeypatch: pytest.MonkeyPatch) -> None:
     told: list[str] = []
     evidence = verification.verify(told.append, REPLAY)
     assert [c for c in evidence.checks if not c.passed] == []
-    assert evidence.design == control.NAME and told
+    assert evidence.design == lqg.NAME and told
     planted.require_witnesses(evidence, {f"replay of {REPLAY:g} s": 1600, "random steps": STEPS})

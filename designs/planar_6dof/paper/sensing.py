@@ -11,9 +11,9 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.planar_6dof_leadlag.audit_bench import MM, Bench
+from designs.planar_6dof.paper.bench import MM, Bench
 from models import halbach, planar_stage
-from synth.report.audit import Published, Row, judge, row
+from synth.report.audit import Outcome, Published, recomputes
 
 Array = NDArray[np.float64]
 
@@ -33,20 +33,20 @@ class Scan:
     slope_b: Array
 
 
-def spacing(bench: Bench, printed: Published) -> Row:
-    """Y-29: recompute the phase between two sensors from their spacing."""
+@recomputes("Y-29", "l", "Y-29.offset", "Y-29.step")
+def spacing(bench: Bench, printed: Published) -> Outcome:
+    """Recompute the phase between two sensors from their spacing."""
     l = bench.value("l")
     apart = {n: (printed["offset"].value + printed["step"].value * n) * l for n in SPACINGS}
     phases = {n: _phase(scan(bench, PLACES[:: COUNT // 100], spacing=d)) for n, d in apart.items()}
     figures = [(f"phase for n = {n}", phase, "degrees") for n, phase in phases.items()]
     figures += [(f"spacing for n = {n}", d / MM, "mm") for n, d in apart.items()]
-    why = "Rule: in the model's voltages the fundamentals are in quadrature, ahead or behind, for n = 1, 2 and 3."
-    agree = all(abs(abs(phase) - printed["phase"].value) < 1e-6 for phase in phases.values())
-    return row(printed, figures, judge(agree), why, ("l", "Y-29.offset", "Y-29.step"))
+    return Outcome(figures, all(abs(abs(phase) - printed["phase"].value) < 1e-6 for phase in phases.values()))
 
 
-def switching(bench: Bench, printed: Published) -> Row:
-    """Y-30: recompute where the sensors switch, and how sensitive the one is that is read."""
+@recomputes("Y-30", "l", "Delta", "height", "spacing")
+def switching(bench: Bench, printed: Published) -> Outcome:
+    """Recompute where the sensors switch, and how sensitive the one is that is read."""
     real = scan(bench, PLACES)
     read_a = np.abs(real.a) < np.abs(real.b)
     section = 4 * read_a + 2 * (real.a > 0) + (real.b > 0)
@@ -55,17 +55,13 @@ def switching(bench: Bench, printed: Published) -> Row:
     slopes = {name: _least_slope(scan(bench, EDGES, harmonics)) for name, harmonics in fields.items()}
     figures = [("switches in a pitch", float(switches), "1"), ("sections in a pitch", float(sections), "1")]
     figures += [(f"least slope that is read over the greatest, {name}", v, "1") for name, v in slopes.items()]
-    why = (
-        "Rule: four switches and eight combinations of sensor and signs in a pitch, and the sensor that is read always "
-        "has more than half of the greatest slope that is read."
-    )
     agree = switches * printed["quarter"].value == 1 and sections == printed["sections"].value
-    depends = ("l", "Delta", "height", "spacing")
-    return row(printed, figures, judge(agree and min(slopes.values()) > 0.5), why, depends)
+    return Outcome(figures, agree and min(slopes.values()) > 0.5)
 
 
-def inverse(bench: Bench, printed: Published) -> Row:
-    """Y-31: recompute the position by (2) as printed and by the arcsine, where a sensor is read."""
+@recomputes("Y-31", "l", "Delta", "height")
+def inverse(bench: Bench, printed: Published) -> Outcome:
+    """Recompute the position by (2) as printed and by the arcsine, where a sensor is read."""
     voltage, read = scan(bench, PLACES).a, np.abs(PLACES) < 0.125
     amplitude = 2 * np.mean(voltage * np.sin(2 * pi * PLACES))
     angle, normalised = 2 * pi * PLACES[read], np.clip(voltage[read] / amplitude, -1, 1)
@@ -76,14 +72,8 @@ def inverse(bench: Bench, printed: Published) -> Row:
     }
     errors = {n: round(float(np.abs(v - angle).max()), 9) * bench.value("l") / (2 * pi) for n, v in found.items()}
     figures = [(f"greatest error, {name}", e * 1e6, "um") for name, e in errors.items()]
-    why = (
-        "Rule: within the printed noise of 5e-5 m of the true position, over the eighth of a pitch to either side in "
-        "which a sensor is read, for a sinusoidal field and voltages of known amplitude. The sine of a sine does not "
-        "give the angle; the arcsine does. The field's harmonics leave an error that only a calibration removes."
-    )
     limit = printed["noise"].value
-    verdict = judge(errors["sin, pure sine"] < limit, errors["arcsine, pure sine"] < limit)
-    return row(printed, figures, verdict, why, ("l", "Delta", "height"))
+    return Outcome(figures, errors["sin, pure sine"] < limit, errors["arcsine, pure sine"] < limit)
 
 
 def scan(bench: Bench, places: Array, harmonics: tuple[int, ...] = halbach.HARMONICS, **changed: float) -> Scan:

@@ -9,14 +9,16 @@ estimated one falls through a half. Noise is white, with the stage at rest.
 from functools import cache
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from designs.planar_6dof_leadlag.audit_bench import number
-from designs.planar_6dof_lqg.audit_stage import Array, Prints
-from synth.report.audit import Published, Row, judge, row
+from designs.planar_6dof.paper.bench import Bench
+from synth.report.audit import Outcome, Published, recomputes
 from synth.statespace import StateSpace
 from synth.synthesise import belief, kalman, noise
 from synth.timing import Discrete, period
+
+Array = NDArray[np.float64]
 
 HZ = {"800 Hz": ("Y-7.rate_lqg", 1.0), "1 kHz": ("Y-7.rate", 1e3)}  # where the rates are printed, and their units
 SOURCES = ("Y-13.deviation", "Y-7.rate", "Y-7.rate_lqg")
@@ -25,57 +27,57 @@ NEAR = 1e-2  # relative: a gain this near to the steady one has converged
 UM = 1e-6
 
 
-def bandwidth(published: Prints, printed: Published) -> Row:
-    """Y-13, Y-14: recompute the bandwidth in x and y, or in phi."""
+@recomputes("Y-13", "Y-13.q", "Y-13.bandwidth", *SOURCES)
+def bandwidth_of_x(bench: Bench, printed: Published) -> Outcome:
+    """Recompute the bandwidth in x and y."""
+    return _bandwidth(bench, printed)
+
+
+@recomputes("Y-14", "Y-14.q", "Y-14.bandwidth", *SOURCES)
+def bandwidth_of_phi(bench: Bench, printed: Published) -> Outcome:
+    """Recompute the bandwidth in phi."""
+    return _bandwidth(bench, printed)
+
+
+def _bandwidth(bench: Bench, printed: Published) -> Outcome:
     q, wanted = printed["q"].value, printed["bandwidth"].value
-    filters = steady(published, q)
+    filters = steady(bench, q)
     found = {name: half_power(f.current()) for name, f in filters.items()}
     figures = [(f"bandwidth at {n}", value, "Hz") for n, value in found.items()]
     figures += [(f"bandwidth of the prediction at {n}", half_power(f.predictor()), "Hz") for n, f in filters.items()]
-    needed, unit = _deviation(q, 1 / rates(published)["1 kHz"], wanted), printed["q"].unit.split("^")[0]
+    needed, unit = _deviation(q, 1 / rates(bench)["1 kHz"], wanted), printed["q"].unit.split("^")[0]
     figures.append((f"deviation of the measurement that makes {printed['bandwidth'].text} Hz at 1 kHz", needed, unit))
-    why = (
-        "Rule: within one unit of the last printed digit, at 800 Hz or at 1 kHz. Half the power passes up to a "
-        "frequency that goes with the sixth root of q / R: the printed q and R put it lower, those of phi three times "
-        "as high as those of x, where the print has twice."
-    )
-    agree = any(printed["bandwidth"].agrees(value) for value in found.values())
-    return row(printed, figures, judge(agree), why, (f"{printed.id}.q", f"{printed.id}.bandwidth", *SOURCES))
+    return Outcome(figures, any(printed["bandwidth"].agrees(value) for value in found.values()))
 
 
-def reduction(published: Prints, printed: Published) -> Row:
-    """Y-15: recompute by how much the filter lowers the noise."""
+@recomputes("Y-15", "Y-13.q", "Y-14.q", *SOURCES)
+def reduction(bench: Bench, printed: Published) -> Outcome:
+    """Recompute by how much the filter lowers the noise."""
     figures = []
     for axis, source in (("x and y", "Y-13.q"), ("phi", "Y-14.q")):
-        left = {n: passed(f.current()) for n, f in steady(published, number(published, source)).items()}
+        left = {n: passed(f.current()) for n, f in steady(bench, bench.printed(source)).items()}
         figures += [(f"noise left in {axis} at {n}", share, "1") for n, share in left.items()]
         figures += [(f"reduction in {axis} at {n}", 100 * (1 - share), "%") for n, share in left.items()]
-    why = "Rule: the reduction in x and y within one unit of the last printed digit, at 800 Hz or at 1 kHz. It is near."
     agree = any(printed["reduction"].agrees(v) for name, v, _ in figures if name.startswith("reduction in x"))
-    return row(printed, figures, judge(agree), why, ("Y-13.q", "Y-14.q", *SOURCES))
+    return Outcome(figures, agree)
 
 
-def figure_5(published: Prints, printed: Published) -> Row:
-    """Y-38: recompute the noise level after the filter from that before it."""
+@recomputes("Y-38", "Y-13.q", *SOURCES, "Y-38.before", "Y-38.after")
+def figure_5(bench: Bench, printed: Published) -> Outcome:
+    """Recompute the noise level after the filter from that before it."""
     before, after = printed["before"], printed["after"]
-    filters = steady(published, number(published, "Y-13.q"))
+    filters = steady(bench, bench.printed("Y-13.q"))
     levels = {n: before.value * passed(f.current()) for n, f in filters.items()}
     figures = [(f"level after the filter at {n}", level / UM, "um") for n, level in levels.items()]
     figures.append(("reduction between the printed levels", 100 * (1 - after.value / before.value), "%"))
-    why = (
-        "Rule: what the filter leaves of the level of Fig. 5(a) rounds to the one digit that is printed for (b), at "
-        "800 Hz and at 1 kHz. The two printed levels are those of a reduction by 75 %, of which Y-15 reproduces less; "
-        "one digit cannot tell."
-    )
-    agree = all(abs(level - after.value) <= after.last_digit / 2 for level in levels.values())
-    depends = ("Y-13.q", *SOURCES, "Y-38.before", "Y-38.after")
-    return row(printed, figures, judge(agree), why, depends)
+    return Outcome(figures, all(abs(level - after.value) <= after.last_digit / 2 for level in levels.values()))
 
 
-def recursion(published: Prints, printed: Published) -> Row:
-    """Y-39: recompute the gain of the position by (14)-(16) as printed, and with P updated by each sample."""
-    q, rate = number(published, "Y-13.q"), rates(published)["800 Hz"]
-    arguments = (q, 1 / rate, number(published, "Y-13.deviation"), printed["p0"].value)
+@recomputes("Y-39", "Y-13.q", "Y-13.deviation", "Y-7.rate_lqg")
+def recursion(bench: Bench, printed: Published) -> Outcome:
+    """Recompute the gain of the position by (14)-(16) as printed, and with P updated by each sample."""
+    q, rate = bench.printed("Y-13.q"), rates(bench)["800 Hz"]
+    arguments = (q, 1 / rate, bench.printed("Y-13.deviation"), printed["p0"].value)
     as_printed, updated = (gains(*arguments, update) for update in (False, True))
     final = estimator(*arguments[:3]).M[0, 0]
     slow = np.flatnonzero(np.abs(updated / final - 1) > NEAR)
@@ -85,24 +87,18 @@ def recursion(published: Prints, printed: Published) -> Row:
         ("steady gain", final, "1"),
         ("time until the gain is within 1 % of it, P updated", 1e3 * (slow[-1] + 1) / rate, "ms"),
     ]
-    why = (
-        "Rule: a second after the start less than half of a measured position goes straight into the estimate, at 800 "
-        "Hz. (14) predicts P and nothing ever lowers it, so that K tends to 1 and the noise passes; with "
-        "P <- (I - K C) P after each sample it filters, and a large P_0 is soon forgotten."
-    )
-    verdict = judge(as_printed[-1] < 0.5, updated[-1] < 0.5)
-    return row(printed, figures, verdict, why, ("Y-13.q", "Y-13.deviation", "Y-7.rate_lqg"))
+    return Outcome(figures, as_printed[-1] < 0.5, updated[-1] < 0.5)
 
 
-def rates(published: Prints) -> dict[str, float]:
+def rates(bench: Bench) -> dict[str, float]:
     """Return the printed sample rates in Hz by name."""
-    return {name: unit * number(published, source) for name, (source, unit) in HZ.items()}
+    return {name: unit * bench.printed(source) for name, (source, unit) in HZ.items()}
 
 
-def steady(published: Prints, q: float) -> dict[str, kalman.Estimator]:
+def steady(bench: Bench, q: float) -> dict[str, kalman.Estimator]:
     """Return the filter of one axis at each sample rate."""
-    deviation = number(published, "Y-13.deviation")
-    return {name: estimator(q, 1 / rate, deviation) for name, rate in rates(published).items()}
+    deviation = bench.printed("Y-13.deviation")
+    return {name: estimator(q, 1 / rate, deviation) for name, rate in rates(bench).items()}
 
 
 def model(period_s: float) -> tuple[StateSpace, Array]:

@@ -9,14 +9,17 @@ import scipy.linalg
 import scipy.signal
 from scipy.optimize import brentq
 
-from designs.planar_6dof_leadlag import audit as motors
-from designs.planar_6dof_lqg import audit, audit_filter, audit_gains, audit_records, audit_stage
+from designs.planar_6dof.paper import filter, gains, spectrum, steps
+from designs.planar_6dof.paper.bench import Bench
+from designs.planar_6dof.paper.rows import LEADLAG, LQG, printed
+from models import planar_stage
+from synth.report import audit
 from synth.report.audit import Published, Row
 from synth.synthesise import belief, kalman, lqr
-from tests.designs.planar_6dof_leadlag.test_audit import Watched, wrong_dependences
+from tests.designs.planar_6dof.paper.test_leadlag_rows import Watched, changed, figure, wrong_dependences
 
-OWN = audit.printed()
-PRINTED = {**motors.printed(), **OWN}
+PLANT, PRINTED = planar_stage.plant(), printed()
+RECIPES, RECORDED = audit.recipes(LQG), audit.recipes([spectrum])
 NUMBERS = tuple(f"{name}.{number}" for name, found in PRINTED.items() for number in found.numbers)
 T = 1 / 800
 STATES = ("x", "y", "phi", "z1", "z2", "z3", "d", "f", "v")
@@ -25,7 +28,7 @@ Q49 = np.diag([1e4, 1e3, 1e3, 1e10, 1e9, 1e10, 1e2, 1e1, 2e1])
 
 @pytest.fixture(scope="module")
 def rows() -> dict[str, Row]:
-    return {r.id: r for r in audit.on(PRINTED)}
+    return {r.id: r for r in audit.rows(LQG, Bench(PLANT, PRINTED), PRINTED)}
 
 
 # Worked out apart from this code, to the digits given: (row, figure, value, one unit of the last digit).
@@ -64,16 +67,15 @@ def test_figures_are_the_known_ones(rows: dict[str, Row], name: str, figure: str
 
 def test_verdicts_and_completeness(rows: dict[str, Row]) -> None:
     assert {name: str(r.verdict) for name, r in rows.items()} == VERDICTS
-    assert list(rows) == list(audit.ROWS)
-    assert sorted([*rows, *audit.RECORDED]) == sorted(OWN)
-    assert not set(OWN) & set(motors.printed())
+    assert list(rows) == [name for name in PRINTED if name in RECIPES]
     assert all(r.why.startswith("Rule") and r.published.where for r in rows.values())
     assert [r.document()["id"] for r in rows.values()] == list(rows)
 
 
 def test_every_row_named_in_either_audit_is_in_one() -> None:
-    numbered = {*(f"Y-{n}" for n in range(1, 42)), "Y-9b"}
-    assert {*motors.ROWS, *motors.RECORDED, *audit.ROWS, *audit.RECORDED} == numbered
+    numbered = sorted([*(f"Y-{n}" for n in range(1, 42)), "Y-9b"])
+    assert sorted([*audit.recipes(LEADLAG), *audit.recipes([steps]), *RECIPES, *RECORDED]) == numbered
+    assert sorted(PRINTED) == numbered
 
 
 # Oracles
@@ -100,12 +102,12 @@ def test_the_gains_are_those_of_scipys_riccati_solution(rows: dict[str, Row]) ->
     A, B, Q, R, N = sampled(*planar(), Q49)
     X = scipy.linalg.solve_discrete_are(A, B, Q, R, s=N)
     K = np.linalg.solve(R + B.T @ X @ B, B.T @ X @ A + N.T)
-    found = audit_stage.matrix({n: rows["Y-10"][f"gain of {n}"] for n in STATES})
+    found = gains.matrix({n: rows["Y-10"][f"gain of {n}"] for n in STATES})
     np.testing.assert_allclose(found, K, rtol=1e-6, atol=1e-6 * np.abs(K).max())
 
 
 def test_the_gain_matrix_has_the_printed_pattern() -> None:
-    K = audit_stage.matrix(dict(zip(STATES, K49, strict=True)))
+    K = gains.matrix(dict(zip(STATES, K49, strict=True)))
     assert K[0].tolist() == [0, 507.24, -472.64, 0, 19975, -41394, 0, 6.4304, -2.6962]
     assert K[1].tolist() == [0, 507.24, 472.64, 0, 19975, 41394, 0, 6.4304, 2.6962]
     assert K[2].tolist() == [1757.55, 0, 0, 84872, 0, 0, 18.1556, 0, 0]
@@ -113,11 +115,11 @@ def test_the_gain_matrix_has_the_printed_pattern() -> None:
 
 @pytest.mark.parametrize("axis", ["x", "y", "phi"])
 def test_weights_come_back_from_their_gains(axis: str) -> None:
-    stage = audit_stage.stage(PRINTED)
+    stage = gains.stage_of(Bench(PLANT, PRINTED))
     q = {"x": (3e4, 2e10, 50.0), "y": (700.0, 4e9, 3.0), "phi": (2e3, 1e9, 80.0)}[axis]
-    chain, r = audit_stage.one(stage, axis)
+    chain, r = gains.one(stage, axis)
     K = -lqr.lqrd(chain, q, [r], T).K[0]
-    found = audit_stage.weights(stage, axis, tuple(K.tolist()))
+    found = gains.weights(stage, axis, tuple(K.tolist()))
     np.testing.assert_allclose(list(found.values()), q, rtol=1e-6)
 
 
@@ -158,12 +160,12 @@ def test_the_bandwidth_is_that_of_scipys_filter(
     assert rows[name][f"bandwidth at {case}"] == pytest.approx(brentq(excess, 5, 0.4 * rate), rel=1e-6)
     needed = next(f for f in rows[name].recomputed if f.name.startswith("deviation"))
     wanted = PRINTED[name]["bandwidth"].value
-    better = kalman.discrete(audit_filter.model(1e-3)[0], [q], [needed.value**2], audit_filter.model(1e-3)[1])
-    assert audit_filter.half_power(better.current()) == pytest.approx(wanted, rel=1e-6)
+    better = kalman.discrete(filter.model(1e-3)[0], [q], [needed.value**2], filter.model(1e-3)[1])
+    assert filter.half_power(better.current()) == pytest.approx(wanted, rel=1e-6)
 
 
 def test_simulated_noise_is_let_through_as_the_row_says(rows: dict[str, Row]) -> None:
-    form = audit_filter.estimator(100.0, T, 5e-5).current()
+    form = filter.estimator(100.0, T, 5e-5).current()
     y, x, left = np.random.default_rng(3).normal(size=60_000), np.zeros(3), []
     for value in y:
         left.append(form.C[0] @ x + form.D[0, 0] * value)
@@ -172,7 +174,7 @@ def test_simulated_noise_is_let_through_as_the_row_says(rows: dict[str, Row]) ->
 
 
 def test_the_recursion_is_that_of_covariances_written_out(rows: dict[str, Row]) -> None:
-    axis, Gamma = audit_filter.model(T)
+    axis, Gamma = filter.model(T)
     A, C, R = axis.A, axis.C, 25e-10
     P, found = 1e8 * np.eye(3), []
     for _ in range(200):
@@ -180,7 +182,7 @@ def test_the_recursion_is_that_of_covariances_written_out(rows: dict[str, Row]) 
         found.append(K[0, 0])
         rest = np.eye(3) - K @ C
         P = A @ (rest @ P @ rest.T + R * K @ K.T) @ A.T + 100 * Gamma @ Gamma.T
-    np.testing.assert_allclose(audit_filter.gains(100.0, T, 5e-5, 1e8, True)[:200], found, rtol=1e-3)
+    np.testing.assert_allclose(filter.gains(100.0, T, 5e-5, 1e8, True)[:200], found, rtol=1e-3)
     settled = 1 + int(np.flatnonzero(np.abs(np.array(found) / rows["Y-39"]["steady gain"] - 1) > 0.01)[-1])
     assert rows["Y-39"]["time until the gain is within 1 % of it, P updated"] == pytest.approx(1e3 * settled * T)
 
@@ -188,25 +190,15 @@ def test_the_recursion_is_that_of_covariances_written_out(rows: dict[str, Row]) 
 # What moves what
 
 
-def changed(numbers: dict[str, str]) -> dict[str, Published]:
-    """Return what is printed with other digits for some numbers, such as {"Y-13.q": "200"}."""
-    found = dict(PRINTED)
-    for source, text in numbers.items():
-        name, number = source.split(".")
-        one = found[name]
-        found[name] = replace(one, numbers={**one.numbers, number: replace(one[number], text=text)})
-    return found
-
-
 def one(name: str, published: dict[str, Published] = PRINTED) -> Row:
-    return audit.ROWS[name](published, published[name])
+    return RECIPES[name].row(Bench(PLANT, published), published)
 
 
 @pytest.fixture(scope="module")
 def readers() -> dict[str, set[str]]:
     """For each row the printed numbers that it reads: it cannot depend on another."""
     found = {}
-    for name in audit.ROWS:
+    for name in RECIPES:
         seen: set[str] = set()
         one(name, {n: replace(p, numbers=Watched(n, dict(p.numbers), seen)) for n, p in PRINTED.items()})
         found[name] = seen
@@ -222,7 +214,7 @@ def test_a_printed_number_moves_the_rows_that_depend_on_it_and_no_other(
     after = {n: one(n, other) for n, seen in readers.items() if source in seen}
     assert not wrong_dependences(rows, after, source)
     assert {n for n, r in rows.items() if source in r.depends} <= set(after)
-    assert after or name not in OWN or name in audit.RECORDED  # no number is printed for nothing
+    assert after or name not in RECIPES  # no number is printed for nothing
 
 
 def test_a_wrong_declaration_is_found(rows: dict[str, Row]) -> None:
@@ -266,11 +258,11 @@ def test_a_verdict_follows_the_print(name: str, numbers: dict[str, str], verdict
 
 
 def test_every_verdict_can_change() -> None:
-    assert {name for name, *_ in OTHER_PRINTS} | STRUCTURE == set(audit.ROWS)
+    assert {name for name, *_ in OTHER_PRINTS} | STRUCTURE == set(RECIPES)
 
 
 def test_the_gains_reproduce_as_printed_where_no_point_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(audit_gains, "LOST", 0)
+    monkeypatch.setattr(gains, "LOST", 0)
     assert one("Y-10", changed(WITH_POINTS)).verdict == "R"
     assert one("Y-10").verdict == "N"
 
@@ -281,23 +273,23 @@ Patch = Callable[[pytest.MonkeyPatch], None]
 
 
 def _sign_in_33(patch: pytest.MonkeyPatch) -> None:
-    right = audit_gains.loop_33
+    right = gains.loop_33
 
     def wrong(held: object, K: np.ndarray, L: np.ndarray) -> np.ndarray:
         found = right(held, K, L)  # type: ignore[arg-type]
         found[9:, :6] *= -1
         return found
 
-    patch.setattr(audit_gains, "loop_33", wrong)
+    patch.setattr(gains, "loop_33", wrong)
 
 
 def _unsampled_cost(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(audit_stage, "gains", audit_stage.gains.__wrapped__)
+    patch.setattr(gains, "gains", gains.gains.__wrapped__)
     patch.setattr(lqr, "lqrd", lambda model, Q, R, T: lqr.lqr(model, Q, R))
 
 
 def _no_update(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(audit_filter, "gains", audit_filter.gains.__wrapped__)
+    patch.setattr(filter, "gains", filter.gains.__wrapped__)
     patch.setattr(belief, "update", lambda now, *_: now)
 
 
@@ -328,13 +320,13 @@ def test_the_other_form_of_the_filter_is_another_figure(rows: dict[str, Row], mo
 
 def test_without_integrals_all_modes_show(monkeypatch: pytest.MonkeyPatch) -> None:
     """The verdict of Y-37 hangs on the integrals: without them nothing needs a correction."""
-    plain = audit_stage.model(audit_stage.stage(PRINTED), False)
-    hidden = len(audit_gains.structure.unmoved(plain.A.T, plain.C.T, plain.states, plain.time))
+    plain = gains.model(gains.stage_of(Bench(PLANT, PRINTED)), False)
+    hidden = len(gains.structure.unmoved(plain.A.T, plain.C.T, plain.states, plain.time))
     assert hidden == 0
-    shown = audit_stage.model(audit_stage.stage(PRINTED), True)
-    right = audit_stage.model
+    shown = gains.model(gains.stage_of(Bench(PLANT, PRINTED)), True)
+    right = gains.model
     everything = replace(shown, C=np.eye(3, 9) + np.eye(3, 9, 3))  # z added to each position
-    monkeypatch.setattr(audit_stage, "model", lambda of, whole: everything if whole else right(of, False))
+    monkeypatch.setattr(gains, "model", lambda of, whole: everything if whole else right(of, False))
     assert one("Y-37").verdict == "R"
 
 
@@ -344,16 +336,16 @@ def test_without_integrals_all_modes_show(monkeypatch: pytest.MonkeyPatch) -> No
 def test_recorded_noise() -> None:
     rng = np.random.default_rng(1)
     still = {n: 10e-6 * rng.normal(size=20000) for n in "xy"}
-    assert audit_records.noise(PRINTED["Y-40"], still).verdict == "R"
-    assert audit_records.noise(PRINTED["Y-40"], {n: 0.6 * v for n, v in still.items()}).verdict == "N"
+    assert steps.judge_noise(PRINTED["Y-40"], still).as_printed
+    assert not steps.judge_noise(PRINTED["Y-40"], {n: 0.6 * v for n, v in still.items()}).as_printed
 
 
 @pytest.mark.parametrize("seed", range(6))
 def test_a_line_in_the_spectrum_is_found_and_noise_has_none(seed: int) -> None:
     rng, time = np.random.default_rng(seed), np.arange(8192) * T
     low_passed = scipy.signal.lfilter([0.2], [1, -0.8], rng.normal(size=len(time))) * 1e-5
-    quiet = audit_records.spectrum(PRINTED["Y-41"], low_passed, T)
-    assert quiet.verdict == "R" and quiet["above its neighbours"] < 6
+    quiet = spectrum.judge_line(spectrum.prominent(low_passed, T))
+    assert quiet.as_printed and figure(quiet, "above its neighbours") < 6
     hum = low_passed + 0.5e-5 * np.sin(2 * np.pi * 60 * time)
-    loud = audit_records.spectrum(PRINTED["Y-41"], hum, T)
-    assert loud.verdict == "N" and loud["most prominent line"] == pytest.approx(60, abs=1)
+    loud = spectrum.judge_line(spectrum.prominent(hum, T))
+    assert not loud.as_printed and figure(loud, "most prominent line") == pytest.approx(60, abs=1)

@@ -10,23 +10,30 @@ import scipy.signal
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
-from designs.planar_6dof_leadlag import audit, audit_axes, audit_loops, audit_motor, audit_platen, audit_records
-from designs.planar_6dof_leadlag.audit_bench import Bench
+from designs.planar_6dof.paper import axes, loops, motor, platen, steps
+from designs.planar_6dof.paper.bench import Bench
+from designs.planar_6dof.paper.rows import LEADLAG, printed
 from models import lorentz_motor, planar_stage
 from synth.analyse import loop
 from synth.plant import Plant
-from synth.report.audit import Printed, Published, Row
+from synth.report import audit
+from synth.report.audit import Outcome, Printed, Published, Row
 
 PLANT = planar_stage.plant()
-PRINTED = audit.printed()
+PRINTED = printed()
+RECIPES, RECORDED = audit.recipes(LEADLAG), audit.recipes([steps])
 PARAMETERS = tuple(p.name for p in PLANT.parameters)
-NUMBERS = tuple(f"{name}.{number}" for name, found in PRINTED.items() for number in found.numbers)
+NUMBERS = tuple(f"{name}.{number}" for name in (*RECIPES, *RECORDED) for number in PRINTED[name].numbers)
 UNUSED = {"inductance", "sensitivity", "laser_arm"}  # no printed figure follows from them
+
+
+def recomputed(plant: Plant = PLANT) -> dict[str, Row]:
+    return {r.id: r for r in audit.rows(LEADLAG, Bench(plant, PRINTED), PRINTED)}
 
 
 @pytest.fixture(scope="module")
 def rows() -> dict[str, Row]:
-    return {r.id: r for r in audit.on(Bench(PLANT, PRINTED))}
+    return recomputed()
 
 
 # Worked out apart from this code, to the digits given: (row, figure, value, one unit of the last digit).
@@ -85,10 +92,10 @@ def test_figures_are_the_known_ones(rows: dict[str, Row], name: str, figure: str
 
 def test_verdicts_and_completeness(rows: dict[str, Row]) -> None:
     assert {name: str(r.verdict) for name, r in rows.items()} == VERDICTS
-    assert [*rows, *audit.RECORDED] == list(PRINTED) and list(rows) == list(audit.ROWS)
+    assert list(rows) == [name for name in PRINTED if name in RECIPES]
     assert all(r.why.startswith("Rule") and r.published.where for r in rows.values())
     assert [r.document()["id"] for r in rows.values()] == list(rows)
-    assert next(audit.on(Bench(PLANT, PRINTED))).id == "Y-1"
+    assert next(audit.rows(LEADLAG, Bench(PLANT, PRINTED), PRINTED)).id == "Y-1"
 
 
 # Oracles
@@ -171,7 +178,7 @@ def test_the_spread_of_masses_is_found_from_their_inertias() -> None:
     x, y, z = (points - masses @ points / M).T
     Ixx, Iyy, Izz = masses @ (y * y + z * z), masses @ (x * x + z * z), masses @ (x * x + y * y)
     plant = PLANT.with_parameters(Ixx=Ixx, Iyy=Iyy, Izz=Izz, M=M)
-    found = audit_platen.inertias(Bench(plant, PRINTED), PRINTED["Y-24"])
+    found = platen.inertias.row(Bench(plant, PRINTED), PRINTED)
     for axis, values in (("x", x), ("y", y), ("z", z)):
         expected = 1e3 * np.sqrt(masses @ values**2 / M)
         assert found[f"rms distance along {axis}, as printed"] == pytest.approx(expected, rel=1e-9)
@@ -183,7 +190,7 @@ def test_the_direct_integral_known_elsewhere_has_the_pitch_of_table_1() -> None:
     l, density = 50.977e-3, 3.5246e6
     plant = PLANT.with_parameters(l=l, w=l, Delta=l / 4, turns=density * 8.6524e-5)
     bench = Bench(plant, PRINTED)
-    direct, lift = audit_motor.lorentz_force(bench, 0.0)
+    direct, lift = motor.lorentz_force(bench, 0.0)
     printed = float(lorentz_motor.force_constant(bench.values(), "printed"))
     assert (round(direct, 3), round(printed, 3)) == (19.349, 20.262)
     assert direct / printed == pytest.approx(3 / np.pi, rel=1e-12) and abs(lift) < 1e-12
@@ -194,7 +201,7 @@ def test_the_direct_integral_known_elsewhere_has_the_pitch_of_table_1() -> None:
 def test_g_is_the_formula_of_the_paper() -> None:
     l, w, Gamma = 50.977e-3, 50.8e-3, 8.6524e-5 / (50.977e-3 / 6)
     expected = np.sqrt(2) * w * l**2 / np.pi**2 * (1 - np.exp(-2 * np.pi / l * Gamma)) * (1 - np.exp(-np.pi / 2))
-    assert audit_motor.G(Bench(PLANT, PRINTED), l, w, 8.6524e-5) == pytest.approx(expected, rel=1e-12)
+    assert motor.G(Bench(PLANT, PRINTED), l, w, 8.6524e-5) == pytest.approx(expected, rel=1e-12)
 
 
 # What moves what
@@ -230,8 +237,7 @@ def changed(numbers: dict[str, str]) -> dict[str, Published]:
 
 
 def one(name: str, plant: Plant = PLANT, published: dict[str, Published] = PRINTED) -> Row:
-    bench = Bench(plant, published)
-    return audit.ROWS[name](bench, bench.published[name])
+    return RECIPES[name].row(Bench(plant, published), published)
 
 
 def moved(before: Row, after: Row) -> bool:
@@ -248,7 +254,7 @@ def wrong_dependences(before: dict[str, Row], after: dict[str, Row], source: str
 @pytest.mark.parametrize("parameter", PARAMETERS)
 def test_a_parameter_moves_the_rows_that_depend_on_it_and_no_other(rows: dict[str, Row], parameter: str) -> None:
     plant = PLANT.with_parameters(**{parameter: PLANT.parameter(parameter).value * 1.01})
-    after = {r.id: r for r in audit.on(Bench(plant, PRINTED))}
+    after = recomputed(plant)
     assert list(after) == list(rows)
     assert not wrong_dependences(rows, after, parameter)
 
@@ -257,7 +263,7 @@ def test_a_parameter_moves_the_rows_that_depend_on_it_and_no_other(rows: dict[st
 def readers() -> dict[str, set[str]]:
     """For each row the printed numbers that it reads: it cannot depend on another."""
     found = {}
-    for name in audit.ROWS:
+    for name in RECIPES:
         seen: set[str] = set()
         one(name, published=watched(seen))
         found[name] = seen
@@ -273,7 +279,7 @@ def test_a_printed_number_moves_the_rows_that_depend_on_it_and_no_other(
     after = {n: one(n, published=other) for n, seen in readers.items() if source in seen}
     assert not wrong_dependences(rows, after, source)
     assert {n for n, r in rows.items() if source in r.depends} <= set(after)
-    assert bool(after) != (name in audit.RECORDED)  # no number is printed for nothing
+    assert bool(after) != (name in RECORDED)  # no number is printed for nothing
 
 
 def test_what_is_declared_exists_and_all_but_three_parameters_matter(rows: dict[str, Row]) -> None:
@@ -342,7 +348,7 @@ def test_a_verdict_follows_the_print(name: str, numbers: dict[str, str], verdict
 
 
 def test_every_verdict_can_change() -> None:
-    assert {name for name, *_ in OTHER_PRINTS} == set(audit.ROWS)
+    assert {name for name, *_ in OTHER_PRINTS} == set(RECIPES)
 
 
 @pytest.mark.parametrize(
@@ -408,16 +414,16 @@ def _late_plant(patch: pytest.MonkeyPatch) -> Plant:
 
 
 def _heavy_settling(patch: pytest.MonkeyPatch) -> Plant:
-    patch.setattr(audit_axes, "BAND", 1e-5)
-    right = audit_axes.measured
-    patch.setattr(audit_axes, "measured", lambda t, y, band=1e-5: right(t, y, band))
+    patch.setattr(axes, "BAND", 1e-5)
+    right = axes.measured
+    patch.setattr(axes, "measured", lambda t, y, band=1e-5: right(t, y, band))
     return PLANT
 
 
 def _fresh(patch: pytest.MonkeyPatch) -> None:
     """Set aside what earlier rows have computed."""
     for name in ("margin", "sampled_margin", "step", "sampled_step"):
-        patch.setattr(audit_axes, name, getattr(audit_axes, name).__wrapped__)
+        patch.setattr(axes, name, getattr(axes, name).__wrapped__)
 
 
 @pytest.mark.parametrize(
@@ -463,35 +469,39 @@ def records(overshoot: float, noise: float = 0.0) -> tuple[np.ndarray, dict[str,
     return time, {n: s * (y + noise * rng.normal(size=len(y))) for n, s in size.items()}
 
 
-def test_recorded_steps() -> None:
-    def row(overshoot: float, noise: float = 0.0) -> Row:
-        return audit_records.steps(PRINTED, PRINTED["Y-35"], *records(overshoot, noise))
+def figure(outcome: Outcome, name: str) -> float:
+    return next(value for each, value, _ in outcome.figures if each == name)
 
-    good = row(19.0)
-    assert good.verdict == "R" and good["overshoot, y"] == pytest.approx(19, abs=0.05)
-    assert row(19.0, 0.005).verdict == "R"
-    assert row(40.0).verdict == "N"
-    assert row(3.0).verdict == "N"
+
+def test_recorded_steps() -> None:
+    def outcome(overshoot: float, noise: float = 0.0) -> Outcome:
+        return steps.judge_steps(PRINTED, *records(overshoot, noise))
+
+    good = outcome(19.0)
+    assert good.as_printed and figure(good, "overshoot, y") == pytest.approx(19, abs=0.05)
+    assert outcome(19.0, 0.005).as_printed
+    assert not outcome(40.0).as_printed
+    assert not outcome(3.0).as_printed
     time, slow = records(19.0)
-    assert audit_records.steps(PRINTED, PRINTED["Y-35"], 3 * time, slow).verdict == "N"
+    assert not steps.judge_steps(PRINTED, 3 * time, slow).as_printed
 
 
 def test_recorded_noise() -> None:
     rng = np.random.default_rng(1)
     still = {n: 6e-6 * rng.normal(size=20000) + 1e-3 for n in "xy"}
-    found = audit_records.noise(PRINTED["Y-34"], still)
-    assert found.verdict == "R" and found["rms, x"] == pytest.approx(6, rel=0.02)
-    assert audit_records.noise(PRINTED["Y-34"], still | {"y": 2 * still["y"]}).verdict == "N"
+    outcome = steps.judge_noise(PRINTED["Y-34"], still)
+    assert outcome.as_printed and figure(outcome, "rms, x") == pytest.approx(6, rel=0.02)
+    assert not steps.judge_noise(PRINTED["Y-34"], still | {"y": 2 * still["y"]}).as_printed
 
 
 def test_a_step_that_never_settles_has_no_time() -> None:
     time = np.arange(100) * 1e-3
-    found = audit_axes.measured(time, np.full(100, 0.5))
+    found = axes.measured(time, np.full(100, 0.5))
     assert found.settled == np.inf and found.rise == np.inf
-    assert audit_axes.measured(time, np.ones(100)).settled == 0
+    assert axes.measured(time, np.ones(100)).settled == 0
 
 
 def test_axes_come_from_the_print_alone() -> None:
-    psi = audit_loops.vertical(Bench(PLANT, PRINTED), "psi")
+    psi = loops.axis(Bench(PLANT, PRINTED), "psi")
     assert (psi.inertia, psi.spring, psi.gain) == (0.0019, 87.0, 1100.0)
     assert psi.zeros == (-80.0413, -10.0) and psi.poles == (-604.199, 0.0)

@@ -9,9 +9,9 @@ from math import exp, floor, log, log10, pi, sqrt
 import casadi as ca
 import numpy as np
 
-from designs.planar_6dof_leadlag.audit_bench import MM, Bench
+from designs.planar_6dof.paper.bench import MM, Bench
 from models import halbach, lorentz_motor
-from synth.report.audit import Published, Row, judge, row
+from synth.report.audit import Outcome, Published, recomputes
 
 SHAPE = ("l", "w", "area", "Delta")  # what G follows from
 FORCE = (*SHAPE, "turns", "Nm", "z0", "mu0_M0")  # and K
@@ -20,8 +20,9 @@ NEAR = 5e-3  # relative: what the pitches of Table 1 and of the matrix leave ope
 POINTS = 24  # of Gauss-Legendre quadrature along each side of a band
 
 
-def area(bench: Bench, printed: Published) -> Row:
-    """Y-1: recompute the area of a winding from its turns and their density."""
+@recomputes("Y-1", "turns", "Y-1.turn_density", "Y-1.area")
+def area(bench: Bench, printed: Published) -> Outcome:
+    """Recompute the area of a winding from its turns and their density."""
     found = bench.value("turns") / printed["turn_density"].value
     as_printed = printed["area"].value
     mended = as_printed * 10.0 ** (-2 * floor(log10(as_printed)))
@@ -30,45 +31,35 @@ def area(bench: Bench, printed: Published) -> Row:
         ("printed area over it", as_printed / found, "1"),
         ("the same with the sign of the exponent turned", mended / found, "1"),
     ]
-    why = (
-        "Rule: within 0.1 % of the 305 turns over the printed turn density. The print is ten powers of ten away: an "
-        "area in m^2 times a density in 1/m^2 is the number of turns only with 10^-5. The digits still differ by "
-        "0.013 %, eleven units of the last one."
-    )
-    verdict = judge(abs(as_printed / found - 1) < 1e-3, abs(mended / found - 1) < 1e-3)
-    return row(printed, figures, verdict, why, ("turns", "Y-1.turn_density", "Y-1.area"))
+    return Outcome(figures, abs(as_printed / found - 1) < 1e-3, abs(mended / found - 1) < 1e-3)
 
 
-def nominal_current(bench: Bench, printed: Published) -> Row:
-    """Y-2: recompute the nominal current from the current density."""
+@recomputes("Y-2", "area", "turns", "Y-1.turn_density", "Y-2.density")
+def nominal_current(bench: Bench, printed: Published) -> Outcome:
+    """Recompute the nominal current from the current density."""
     density = printed["density"].value
     figures = {
         "i, printed turn density": density / bench.printed("Y-1.turn_density"),
         "i, turns over area": density * bench.value("area") / bench.value("turns"),
     }
-    why = "Rule: within one unit of the last printed digit, with the printed turn density and with turns over area."
     agree = all(printed["current"].agrees(value) for value in figures.values())
     named = [(name, value, "A") for name, value in figures.items()]
-    return row(printed, named, judge(agree), why, ("area", "turns", "Y-1.turn_density", "Y-2.density"))
+    return Outcome(named, agree)
 
 
-def voltages(bench: Bench, printed: Published) -> Row:
-    """Y-3: recompute the voltages of a phase at rest."""
+@recomputes("Y-3", "resistance", "Y-2.current", "Y-3.maximum_current", "Y-3.nominal", "Y-3.maximum")
+def voltages(bench: Bench, printed: Published) -> Outcome:
+    """Recompute the voltages of a phase at rest."""
     currents = {"nominal": bench.printed("Y-2.current"), "maximum": printed["maximum_current"].value}
     found = {name: bench.value("resistance") * i for name, i in currents.items()}
     figures = [(f"R i, {name}", voltage, "V") for name, voltage in found.items()]
     figures += [(f"resistance that makes it, {name}", printed[name].value / i, "ohm") for name, i in currents.items()]
-    why = (
-        "Rule: R i within one unit of the last printed digit, for both. The nominal voltage is that of 5.0000 ohm, the "
-        "maximum one that of no resistance near Table 1's."
-    )
-    agree = all(printed[name].agrees(voltage) for name, voltage in found.items())
-    depends = ("resistance", "Y-2.current", "Y-3.maximum_current", "Y-3.nominal", "Y-3.maximum")
-    return row(printed, figures, judge(agree), why, depends)
+    return Outcome(figures, all(printed[name].agrees(voltage) for name, voltage in found.items()))
 
 
-def geometric_constant(bench: Bench, printed: Published) -> Row:
-    """Y-4: recompute G from the motor's dimensions."""
+@recomputes("Y-4", *SHAPE, "Y-17.pitch", "Y-18.w", "Y-19.Gamma")
+def geometric_constant(bench: Bench, printed: Published) -> Outcome:
+    """Recompute G from the motor's dimensions."""
     pitch, w, winding = bench.printed("Y-17.pitch") * MM, bench.value("w"), bench.value("area")
     found = {
         "G, w and Gamma as printed (Gamma in mm), pitch of Table 1": G(
@@ -78,18 +69,13 @@ def geometric_constant(bench: Bench, printed: Published) -> Row:
         "G, pitch of Table 1 in both": G(bench, pitch, pitch, winding),
         "G, pitch of the matrix in both": float(lorentz_motor.geometric_constant(bench.values())),
     }
-    why = (
-        "Rule: within one unit of the last printed digit. As printed, with w = 12.7 mm and Gamma = 15 mm, it is not; "
-        "with w of one pitch and Gamma = area / (l/6) it is, but only where w is the matrix' 50.8 mm and l is Table "
-        "1's. With one pitch throughout G is 0.3 % above the print or 0.4 % below."
-    )
     as_printed, mended, *_ = (printed["G"].agrees(value) for value in found.values())
-    depends = (*SHAPE, "Y-17.pitch", "Y-18.w", "Y-19.Gamma")
-    return row(printed, [(n, v, "m^3") for n, v in found.items()], judge(as_printed, mended), why, depends)
+    return Outcome([(n, v, "m^3") for n, v in found.items()], as_printed, mended)
 
 
-def per_ampere(bench: Bench, printed: Published) -> Row:
-    """Y-5: recompute x'' per ampere of (26)."""
+@recomputes("Y-5", *FORCE, "M", "Y-1.turn_density", "Y-4.G", "Y-5.per_ampere", "Y-17.gamma")
+def per_ampere(bench: Bench, printed: Published) -> Outcome:
+    """Recompute x'' per ampere of (26)."""
     M, wanted = bench.value("M"), printed["per_ampere"]
     decay = exp(-bench.printed("Y-17.gamma") * bench.value("z0"))
     one = 0.5 * bench.value("mu0_M0") * bench.printed("Y-1.turn_density") * bench.printed("Y-4.G") * decay / M
@@ -108,35 +94,24 @@ def per_ampere(bench: Bench, printed: Published) -> Row:
     ]
     remanence = printed["remanence"]
     room = remanence.last_digit / 2 / remanence.value
-    why = (
-        "Rule: within what rounding the remanence to its printed digits leaves open, 0.7 %. Nm is not printed: without "
-        "it (17) gives half, with Nm = 2 it gives the print. The integral over the bands lies below that by 4.5 %: "
-        "13.2547 carries the factor 1/2 of (17), of which see Y-20."
-    )
-    verdict = judge(abs(one / wanted.value - 1) < room, abs(both / wanted.value - 1) < room)
-    depends = (*FORCE, "M", "Y-1.turn_density", "Y-4.G", "Y-5.per_ampere", "Y-17.gamma")
-    return row(printed, figures, verdict, why, depends)
+    return Outcome(figures, abs(one / wanted.value - 1) < room, abs(both / wanted.value - 1) < room)
 
 
-def arm(bench: Bench, printed: Published) -> Row:
-    """Y-6: recompute the arm of the motors A and B from (26)."""
+@recomputes("Y-6", "M", "Izz", "Ixx", "w", "Y-5.per_ampere", "Y-6.per_ampere", "Y-24.width")
+def arm(bench: Bench, printed: Published) -> Outcome:
+    """Recompute the arm of the motors A and B from (26)."""
     torque = printed["per_ampere"].value / (bench.printed("Y-5.per_ampere") * bench.value("M"))
     arms = {"as printed": torque * bench.value("Izz"), "Ixx in place of Izz": torque * bench.value("Ixx")}
     least, most = bench.value("w") / 2, bench.printed("Y-24.width") * MM / 2
     figures = [(f"arm, {name}", a / MM, "mm") for name, a in arms.items()]
     figures += [("least arm of windings w wide side by side", least / MM, "mm"), ("half the platen", most / MM, "mm")]
-    why = (
-        "Rule: A and B, each as wide as the w that G needs, lie beside each other, and their centres within the "
-        "platen. With the implied arm the two windings would overlap by half; exchanging Izz and Ixx, which Y-24 "
-        "suggests, does not free them either."
-    )
     as_printed, exchanged = (least <= a <= most for a in arms.values())
-    depends = ("M", "Izz", "Ixx", "w", "Y-5.per_ampere", "Y-6.per_ampere", "Y-24.width")
-    return row(printed, figures, judge(as_printed, exchanged), why, depends)
+    return Outcome(figures, as_printed, exchanged)
 
 
-def pitch(bench: Bench, printed: Published) -> Row:
-    """Y-17: recompute the pitch from the size of the matrix."""
+@recomputes("Y-17", *(f"Y-17.{n}" for n in ("pitch", "pitch_inches", "matrix", "pitches")), "Y-26.y")
+def pitch(bench: Bench, printed: Published) -> Outcome:
+    """Recompute the pitch from the size of the matrix."""
     table_1, matrix = printed["pitch"].value, printed["matrix"].value / printed["pitches"].value
     gammas = {"printed pitch": 2 * pi / (table_1 * MM), "pitch of the matrix": 2 * pi / (matrix * MM)}
     travel = bench.printed("Y-26.y")
@@ -149,35 +124,27 @@ def pitch(bench: Bench, printed: Published) -> Row:
         ("thrust that it costs there", 100 * (1 - np.cos(error)), "%"),
         ("thrust that it turns into lift there", 100 * np.sin(error), "%"),
     ]
-    why = (
-        "Rule: the printed pitch within one unit of its last digit of the matrix' size over its pitches. Inches and "
-        "gamma_1 agree with the printed pitch, and it not with the matrix, whose pitch of 50.8 mm is 2 in."
-    )
-    depends = (*(f"Y-17.{n}" for n in ("pitch", "pitch_inches", "matrix", "pitches")), "Y-26.y")
-    return row(printed, figures, judge(printed["pitch"].agrees(matrix)), why, depends)
+    return Outcome(figures, printed["pitch"].agrees(matrix))
 
 
-def array_width(bench: Bench, printed: Published) -> Row:
-    """Y-18: recompute the w that G needs."""
+@recomputes("Y-18", "area", "Y-4.G", "Y-17.matrix", "Y-17.pitches", "Y-17.pitch")
+def array_width(bench: Bench, printed: Published) -> Outcome:
+    """Recompute the w that G needs."""
     matrix = bench.printed("Y-17.matrix") / bench.printed("Y-17.pitches")
     table_1 = bench.printed("Y-17.pitch")
     needed = {n: _width(bench, l * MM) / MM for n, l in (("Table 1", table_1), ("the matrix", matrix))}
     figures = [(f"w that makes G, pitch of {n}", width, "mm") for n, width in needed.items()]
     figures += [("one pitch of the matrix", matrix, "mm"), ("a quarter of it, one block", matrix / 4, "mm")]
-    why = (
-        "Rule: within 0.5 % of the w that makes the printed G, for both pitches. 12.7 mm is the width of one block, a "
-        "quarter of a pitch; G needs a whole pitch."
-    )
 
     def near(w: float) -> bool:
         return all(abs(w / wanted - 1) < NEAR for wanted in needed.values())
 
-    depends = ("area", "Y-4.G", "Y-17.matrix", "Y-17.pitches", "Y-17.pitch")
-    return row(printed, figures, judge(near(printed["w"].value), near(matrix)), why, depends)
+    return Outcome(figures, near(printed["w"].value), near(matrix))
 
 
-def thickness(bench: Bench, printed: Published) -> Row:
-    """Y-19: recompute the thickness of a winding."""
+@recomputes("Y-19", "area", "l", "w", "Y-4.G", "Y-17.pitch")
+def thickness(bench: Bench, printed: Published) -> Outcome:
+    """Recompute the thickness of a winding."""
     table_1, w = bench.printed("Y-17.pitch") * MM, bench.value("w")
     open_ = sqrt(2) * w * table_1**2 / pi**2 * (1 - exp(-pi / 2))
     needed = -log(1 - bench.printed("Y-4.G") / open_) * table_1 / (2 * pi)
@@ -187,17 +154,14 @@ def thickness(bench: Bench, printed: Published) -> Row:
         "Gamma that makes G": needed,
     }
     units = {"mm": MM, "cm": 1e-2, "m": 1.0, "in": INCH}
-    why = (
-        "Rule: 15 in mm, cm, m or inches within 1 % of all three. In mm, the nearest, it is half as much again as the "
-        "area allows."
-    )
     agree = any(all(abs(printed["Gamma"].value * u / v - 1) < 1e-2 for v in found.values()) for u in units.values())
     figures = [(name, value / MM, "mm") for name, value in found.items()]
-    return row(printed, figures, judge(agree), why, ("area", "l", "w", "Y-4.G", "Y-17.pitch"))
+    return Outcome(figures, agree)
 
 
-def distribution(bench: Bench, printed: Published) -> Row:
-    """Y-20: recompute the factor of (17) as the Lorentz force on the bands."""
+@recomputes("Y-20", *FORCE, "Y-20.factor")
+def distribution(bench: Bench, printed: Published) -> Outcome:
+    """Recompute the factor of (17) as the Lorentz force on the bands."""
     l, K = bench.value("l"), float(lorentz_motor.force_constant(bench.values(), "printed"))
     forces = np.array([lorentz_force(bench, y) for y in np.linspace(0, l, 7)])
     direct, factor = float(forces[0, 0]), printed["factor"].value
@@ -210,29 +174,20 @@ def distribution(bench: Bench, printed: Published) -> Row:
         ("printed factor over it", factor / (0.5 * direct / K), "1"),
         ("greatest ripple and lift of i_Q over a pitch", ripple, "%"),
     ]
-    why = (
-        "Rule: the printed factor within 0.1 % of the one that makes the Lorentz force on the six bands, integrated "
-        "over their width and height, for the fundamental of the field. That is 3 / (2 pi): 1/2 leaves out the bands' "
-        "distribution factor 3/pi, so that the forces of (17) are 4.7 % too large. i_Q and i_D stay decoupled."
-    )
-    agree = abs(factor / (0.5 * direct / K) - 1) < 1e-3
-    return row(printed, figures, judge(agree), why, (*FORCE, "Y-20.factor"))
+    return Outcome(figures, abs(factor / (0.5 * direct / K) - 1) < 1e-3)
 
 
-def phases(bench: Bench, printed: Published) -> Row:
-    """Y-21: recompute the phase differences of bands and of currents."""
+@recomputes("Y-21")
+def phases(bench: Bench, printed: Published) -> Outcome:
+    """Recompute the phase differences of bands and of currents."""
     places = np.sort([(c + half) % 1 for c in lorentz_motor.OFFSETS.values() for half in (0, 0.5)])
     bands = 360 * float(np.diff(places).max())
     cosine, sine = (_currents(bench, y) for y in (0.0, bench.value("l") / 4))
     currents = float(np.degrees(np.arctan2(sine["B"], cosine["B"]) - np.arctan2(sine["A"], cosine["A"])))
     figures = [("from band to band", bands, "degrees"), ("from phase to phase", currents, "degrees")]
     wanted = 180 / printed["divisor"].value
-    why = (
-        "Rule: the printed angle is that between the currents of two phases, in the inverse of (17). It is that "
-        "between neighbouring bands A, -B, C; the currents are 120 degrees apart."
-    )
     as_printed, neighbours = (abs(angle - wanted) < 1e-6 for angle in (currents, bands))
-    return row(printed, figures, judge(as_printed, neighbours), why)
+    return Outcome(figures, as_printed, neighbours)
 
 
 def G(bench: Bench, l: float, w: float, winding: float) -> float:

@@ -1,4 +1,4 @@
-"""The reduced-order LQG controller of the planar positioner at 800 Hz, Y(26)-(49), as Blocks.
+"""The reduced-order LQG regulators of the planar positioner at 800 Hz, Y(26)-(49), as Blocks.
 
     A model of (26) with integrators (31), states (x y phi z1 z2 z3 d f v), u = (i_AQ, i_BQ, i_CQ), K of (49) by lqrd.
 
@@ -42,12 +42,10 @@ H of (42) is no choice: the observer that it makes has its poles at z = -1.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Literal
 
 import casadi as ca
 import numpy as np
 
-from designs.hall_position import closed_loop
 from designs.planar_6dof import allocation, interface, sensing, vertical
 from designs.planar_6dof.allocation import HORIZONTAL
 from designs.planar_6dof.sensing import READY
@@ -57,12 +55,11 @@ from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.statespace import Array, StateSpace, readonly
-from synth.synthesise import kalman, lqr, reduced_observer
+from synth.synthesise import lqr, reduced_observer
 from synth.timing import Continuous, Discrete
 
 NAME = "planar_6dof_lqg"
 TIME = Discrete(1 / 800)
-INPUTS, OUTPUTS, SAFETY = interface.INPUTS, interface.OUTPUTS, interface.SAFETY
 STATES = ("x", "y", "phi", "z1", "z2", "z3", "d", "f", "v")
 CURRENTS = ("i_AQ", "i_BQ", "i_CQ")
 PER_AMPERE, YAW_PER_AMPERE = 13.2547, 117.15  # m/s^2/A, rad/s^2/A, (26)
@@ -70,12 +67,9 @@ WEIGHTS = (1e4, 1e3, 1e3, 1e10, 1e9, 1e10, 1e2, 1e1, 2e1)  # reproduces (49) in 
 PRINTED_WEIGHTS = (1e3, 1e4, 1e3, 1e9, 1e8, 1e8, 1e2, 1e2, 1e2)  # (47), which does not
 OBSERVER_POLE = {"x": 0.7, "y": 0.7, "phi": 0.9}
 RATES = {"x": "d", "y": "f", "phi": "v"}
-NOISE = {"x": 5e-5, "y": 5e-5, "phi": 1e-3}  # m, rad, of a sample: (9) and (46), that of phi is not printed
-PUSHED = {"x": 0.3, "y": 0.3, "phi": 3.0}  # m^2/s^3, rad^2/s^3: densities of acceleration for the full-order filter
 ERROR = {"x": 1.5e-3, "y": 4e-3}  # m: a larger one counts as this one
-FASTEST = 20.0  # m/s, rad/s, of a full-order estimate
+Regulate = Callable[[Plant, "Axis"], Block]
 MEASURED = {axis: replace(POSITIONS[axis], name=f"{axis}_raw", about="as measured") for axis in HORIZONTAL}
-Order = Literal["reduced", "full"]
 
 
 @dataclass(frozen=True)
@@ -89,12 +83,12 @@ class Axis:
     k3: float
 
 
-def model() -> StateSpace:
-    """Return (31), (32) with the currents as inputs, as printed."""
+def model(per_ampere: float = PER_AMPERE, yaw_per_ampere: float = YAW_PER_AMPERE) -> StateSpace:
+    """Return (31), (32) with the currents as inputs, from the accelerations per ampere of (26)."""
     A, B = np.zeros((9, 9)), np.zeros((9, 3))
     A[:3, 6:], A[3:6, :3] = np.eye(3), np.eye(3)
-    B[6, 2] = B[7, 0] = B[7, 1] = PER_AMPERE
-    B[8, 0], B[8, 1] = -YAW_PER_AMPERE, YAW_PER_AMPERE
+    B[6, 2] = B[7, 0] = B[7, 1] = per_ampere
+    B[8, 0], B[8, 1] = -yaw_per_ampere, yaw_per_ampere
     units = dict(zip(STATES, ("m", "m", "rad", "m s", "m s", "rad s", "m/s", "m/s", "rad/s"), strict=True))
     units |= dict.fromkeys(CURRENTS, "A")
     return StateSpace(A, B, np.eye(3, 9), np.zeros((3, 3)), STATES, CURRENTS, STATES[:3], Continuous(), units)
@@ -140,12 +134,6 @@ def observer(axis: Axis, pole: float | None = None) -> reduced_observer.ReducedO
     return reduced_observer.from_gain(held, axis.name, [[(1 - p) / TIME.period_s]])
 
 
-def estimator(axis: Axis) -> kalman.Estimator:
-    """Return the full-order filter of position and rate, pushed by white acceleration."""
-    W, V = [PUSHED[axis.name]], [NOISE[axis.name] ** 2]
-    return kalman.sampled(continuous(axis), W, V, TIME.period_s, G=[[0.0], [1.0]], exact=True)
-
-
 def reduced_order(plant: Plant, axis: Axis) -> Block:
     """Return the regulator of one axis on the observer of its rate alone; x3 is kept in units of what it demands."""
     found, T = observer(axis), TIME.period_s
@@ -153,7 +141,7 @@ def reduced_order(plant: Plant, axis: Axis) -> Block:
     on_rate, on_force = axis.k1 * T + axis.k2, axis.b * T * (axis.k1 * T / 2 + axis.k2)
     F, G, H, L = float(found.F[0, 0]), *(on_rate * float(m[0, 0]) for m in (found.G, found.H, found.L))
     x3 = MARGIN * (abs(G) * q.high + abs(H) * f1) / (1 - abs(F))
-    per = _per_position(axis.name)
+    per = per_position(axis.name)
     constants = [
         Constant("on_force", on_force, "1", "(49): b T (k1 T / 2 + k2)"),
         Constant("L", L, per, "(33): (k1 T + k2) L, L = (1 - p) / T"),
@@ -170,41 +158,13 @@ def reduced_order(plant: Plant, axis: Axis) -> Block:
 
     unit = vertical.demand(axis.name).unit
     state = State(Signal("x3", unit, -x3, x3, "for the estimated rate less L position"), 0.0)
-    return _regulator(plant, axis, estimate, [state], constants, x3 + L * q.high + on_force * f1)
-
-
-def full_order(plant: Plant, axis: Axis) -> Block:
-    """Return the regulator of one axis on the Kalman filter of its position and rate."""
-    found, T, q = estimator(axis), TIME.period_s, MEASURED[axis.name]
-    per, force = _per_position(axis.name), vertical.demand(axis.name).unit.replace(" ", "/")
-    constants = [
-        Constant("on_position", axis.k1, per, "(49): k1"),
-        Constant("on_rate", axis.k2, f"{per} s", "(49): k2"),
-        Constant("into_position", float(found.M[0, 0]), "1", "(40): M"),
-        Constant("into_rate", float(found.M[1, 0]), "1/s", "(40): M"),
-        Constant("period", T, "s", "T"),
-        Constant("moved", axis.b * T**2 / 2, f"{q.unit}/{force}", "b T^2 / 2"),
-        Constant("sped", axis.b * T, f"{q.unit}/s/{force}", "b T"),
-    ]
-
-    def estimate(u: Exprs, x: Exprs, k: Exprs) -> tuple[ca.SX, dict[str, ca.SX]]:
-        surprise = ca.if_else(u[READY.name], u[q.name] - x["position"], 0)
-        rate = x["rate"] + k["into_rate"] * surprise
-        before = ca.if_else(u[READY.name], x["position"], u[q.name])
-        position = before + k["into_position"] * surprise + k["period"] * rate + k["moved"] * x["force"]
-        after = {"position": position, "rate": rate + k["sped"] * x["force"]}
-        return k["on_position"] * (u[q.name] - position) - k["on_rate"] * after["rate"], after
-
-    expected = [Signal("position", q.unit, q.low, q.high), Signal("rate", f"{q.unit}/s", -FASTEST, FASTEST)]
-    states = [State(replace(s, about="expected at this sample"), 0.0) for s in expected]
-    most = axis.k1 * 4 * q.high + axis.k2 * (FASTEST + 2 * float(found.M[1, 0]) * q.high)
-    return _regulator(plant, axis, estimate, states, constants, 1.1 * most)
+    return regulator(plant, axis, estimate, [state], constants, x3 + L * q.high + on_force * f1)
 
 
 Estimate = Callable[[Exprs, Exprs, Exprs], tuple[ca.SX, dict[str, ca.SX]]]
 
 
-def _regulator(
+def regulator(
     plant: Plant, axis: Axis, estimate: Estimate, states: list[State], constants: list[Constant], most: float
 ) -> Block:
     """Return the regulator of one axis for `estimate(u, x, k) -> (w, next states)`, where |w| <= `most`.
@@ -228,7 +188,7 @@ def _regulator(
         return Step({wanted.name: demand}, after | {"integral": integral, "force": u[driven.name]})
 
     shared = [
-        Constant("on_error", k, _per_position(axis.name), "(49): k1 + k3 T"),
+        Constant("on_error", k, per_position(axis.name), "(49): k1 + k3 T"),
         Constant("kept", 1 - g, "1", "(49): 1 - k3 T / (k1 + k3 T)"),
         Constant("driven", g, "1", "(49): k3 T / (k1 + k3 T)"),
     ]
@@ -248,28 +208,24 @@ def _regulator(
     )
 
 
-def _per_position(axis: str) -> str:
+def per_position(axis: str) -> str:
     """Return the unit of a demand over a position."""
     return f"{vertical.demand(axis).unit}/{POSITIONS[axis].unit}"
 
 
-def law(plant: Plant, order: Order = "reduced", reading: Reading = "shipped") -> list[Block]:
+def law(plant: Plant, reading: Reading = "shipped", regulate: Regulate = reduced_order) -> list[Block]:
     """Return the Blocks from positions and held set-points to computed phase currents."""
-    regulator = {"reduced": reduced_order, "full": full_order}[order]
-    horizontal = [regulator(plant, axis) for axis in axes(plant)]
+    horizontal = [regulate(plant, axis) for axis in axes(plant)]
     upright, yaw = vertical.blocks(plant, TIME, reading), MEASURED["phi"]
     motors = (make(plant, TIME, yaw) for make in (allocation.allocation, allocation.commutation))
     return [*horizontal, *upright, *motors]
 
 
-def controller(
-    plant: Plant, order: Order = "reduced", reading: Reading = "shipped", source: closed_loop.Source | None = None
-) -> Block:
-    """Return the whole controller, from Hall voltages, distances and set-points to the motors' phase currents.
+def sensed(plant: Plant) -> list[Block]:
+    """Return the Blocks from Hall voltages to positions as they are measured."""
+    return [sensing.sensing(plant, TIME, predicted=False)]
 
-    Positions come from the sections of `sensing`, or with a `source` from the estimate of ``hall_position``.
-    """
-    if source is not None:
-        return closed_loop.controller(NAME, plant, TIME, law(plant, order, reading), source)
-    sensed = [sensing.sensing(plant, TIME, predicted=False)]
-    return interface.controller(NAME, plant, TIME, sensed, law(plant, order, reading))
+
+def controller(plant: Plant, reading: Reading = "shipped", regulate: Regulate = reduced_order) -> Block:
+    """Return the whole controller, from Hall voltages, distances and set-points to the motors' phase currents."""
+    return interface.controller(NAME, plant, TIME, sensed(plant), law(plant, reading, regulate))

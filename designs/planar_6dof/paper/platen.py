@@ -11,10 +11,10 @@ from math import pi, sqrt
 import casadi as ca
 import numpy as np
 
-from designs.planar_6dof_leadlag.audit_bench import MM, Bench
-from designs.planar_6dof_leadlag.audit_motor import FORCE
+from designs.planar_6dof.paper.bench import MM, Bench
+from designs.planar_6dof.paper.motor import FORCE
 from models import lorentz_motor, planar_stage
-from synth.report.audit import Published, Row, judge, row
+from synth.report.audit import Outcome, Published, recomputes
 from synth.signals import names
 
 ALONE = 1e-9  # of what one motor can do to an axis: less is rounding and leaves it at rest
@@ -23,8 +23,9 @@ SIZES = {"x": "width", "y": "depth", "z": "height"}
 ARMS = ("a", "b", "c")
 
 
-def motions(bench: Bench, printed: Published) -> Row:
-    """Y-22: recompute which axes each row of Table 3 moves."""
+@recomputes("Y-22", *ARMS, "Y-22.*")
+def motions(bench: Bench, printed: Published) -> Outcome:
+    """Recompute which axes each row of Table 3 moves."""
     table: dict[str, dict[str, float]] = {axis: {} for axis in planar_stage.AXES}
     for name, number in printed.numbers.items():
         axis, force = name.split("_")
@@ -39,46 +40,33 @@ def motions(bench: Bench, printed: Published) -> Row:
         ("weight of F_Cz that ends it", weight, "1"),
         ("rows that move their axis alone, with it", counts[1], "1"),
     ]
-    why = (
-        "Rule: each row, with unit forces, moves its own axis and no other, in (18)-(20) with the arms b = a, c = 2 a "
-        "that the rows x and z need. The row theta adds up to a lift, whatever the arms, unless F_Cz counts twice."
-    )
-    verdict = judge(*(count == len(table) for count in counts))
-    return row(printed, figures, verdict, why, (*ARMS, *(f"Y-22.{name}" for name in printed.numbers)))
+    return Outcome(figures, *(count == len(table) for count in counts))
 
 
-def yaw_of_c(bench: Bench, printed: Published) -> Row:
-    """Y-23: recompute phi'' per ampere of motor C."""
+@recomputes("Y-23", *FORCE, "Izz", "a", "c")
+def yaw_of_c(bench: Bench, printed: Published) -> Outcome:
+    """Recompute phi'' per ampere of motor C."""
     found = {motor: accelerations(bench, f"{motor}y")["phi"] for motor in "BC"}
     figures = [(f"phi'' per ampere of motor {motor}", value, "rad/s^2/A") for motor, value in found.items()]
     figures.append(("of C over that of B", found["C"] / found["B"], "1"))
-    why = (
-        "Rule: the entry that (26) prints as 0 is below 1 % of that of motor B. Motor C pushes along x at the arm c "
-        "from the centre, which Table 3 compensates by -F_Ay + F_By in its row x, and (26) leaves out."
-    )
-    agree = abs(found["C"] - printed["per_ampere"].value) < 0.01 * abs(found["B"])
-    return row(printed, figures, judge(agree), why, (*FORCE, "Izz", "a", "c"))
+    return Outcome(figures, abs(found["C"] - printed["per_ampere"].value) < 0.01 * abs(found["B"]))
 
 
-def inertias(bench: Bench, printed: Published) -> Row:
-    """Y-24: recompute how far from its centre the platen's mass must lie for the printed inertias."""
+@recomputes("Y-24", "Ixx", "Iyy", "Izz", "M", *(f"Y-24.{size}" for size in SIZES.values()))
+def inertias(bench: Bench, printed: Published) -> Outcome:
+    """Recompute how far from its centre the platen's mass must lie for the printed inertias."""
     Ixx, Iyy, Izz = (bench.value(n) for n in ("Ixx", "Iyy", "Izz"))
     spreads = {"as printed": _spread(Ixx, Iyy, Izz, bench), "Ixx and Izz exchanged": _spread(Izz, Iyy, Ixx, bench)}
     limits = {axis: printed[size].value / 2 for axis, size in SIZES.items()}
     figures = [(f"rms distance along {n}, {case}", s[n] / MM, "mm") for case, s in spreads.items() for n in SIZES]
     figures += [(f"greatest possible along {n}", limit, "mm") for n, limit in limits.items()]
-    why = (
-        "Rule: along each axis the rms distance of the mass from its centre is at most half the platen. Along z it "
-        "would be 33 mm, in a platen of 53.34 mm: the three inertias belong to no body of this size. With Ixx and Izz "
-        "exchanged they do."
-    )
     possible = [all(s[n] / MM <= limits[n] for n in SIZES) for s in spreads.values()]
-    depends = ("Ixx", "Iyy", "Izz", "M", *(f"Y-24.{size}" for size in SIZES.values()))
-    return row(printed, figures, judge(*possible), why, depends)
+    return Outcome(figures, *possible)
 
 
-def springs(bench: Bench, printed: Published) -> Row:
-    """Y-25: recompute at which arms the vertical springs make the torsional ones."""
+@recomputes("Y-25", "Kz", "K_theta", "K_psi", "Y-24.width", "Y-24.depth")
+def springs(bench: Bench, printed: Published) -> Outcome:
+    """Recompute at which arms the vertical springs make the torsional ones."""
     Kz = bench.value("Kz")
     found = {"K_theta": bench.printed("Y-24.depth") * MM, "K_psi": bench.printed("Y-24.width") * MM}
     arms = {name: sqrt(bench.value(name) / Kz) for name in found}
@@ -86,16 +74,12 @@ def springs(bench: Bench, printed: Published) -> Row:
     figures += [
         (f"greatest {name} of springs Kz within the platen", Kz * size**2, "N m/rad") for name, size in found.items()
     ]
-    why = (
-        "Rule: the arms lie within the platen, from its centre wherever that is. They are about twice its whole size: "
-        "the three constants cannot be those of one set of springs."
-    )
-    agree = all(arms[name] <= size for name, size in found.items())
-    return row(printed, figures, judge(agree), why, ("Kz", "K_theta", "K_psi", "Y-24.width", "Y-24.depth"))
+    return Outcome(figures, all(arms[name] <= size for name, size in found.items()))
 
 
-def travel(bench: Bench, printed: Published) -> Row:
-    """Y-26: recompute the travel over which the windings stay over the matrix."""
+@recomputes("Y-26", "b", "c", "w", "Nm", "l", "Y-17.matrix", "Y-24.width", "Y-24.depth", "Y-26.x", "Y-26.y")
+def travel(bench: Bench, printed: Published) -> Outcome:
+    """Recompute the travel over which the windings stay over the matrix."""
     a, b, c, w = (bench.value(n) for n in (*ARMS, "w"))
     long, matrix = bench.value("Nm") * bench.value("l"), bench.printed("Y-17.matrix") * MM
     span = {"x": max(2 * a + w, long), "y": max(c + w / 2, long / 2 - b) + max(b + long / 2, w / 2 - c)}
@@ -106,18 +90,12 @@ def travel(bench: Bench, printed: Published) -> Row:
         for n, size in (("x", "width"), ("y", "depth"))
     ]
     figures += [(f"room for the windings, printed travel, {n}", matrix / MM - printed[n].value, "mm") for n in left]
-    why = (
-        "Rule: within the printed travel the windings, w by Nm pitches at the implied arms, stay over the matrix. "
-        "They do not, in x by the length of motor C, for which the printed travel leaves less than two pitches. Had "
-        "the whole platen to stay over the matrix, it would be shorter still. The arms are not printed (Y-6)."
-    )
-    agree = all(left[n] >= printed[n].value * MM for n in left)
-    depends = ("b", "c", "w", "Nm", "l", "Y-17.matrix", "Y-24.width", "Y-24.depth", "Y-26.x", "Y-26.y")
-    return row(printed, figures, judge(agree), why, depends)
+    return Outcome(figures, all(left[n] >= printed[n].value * MM for n in left))
 
 
-def circle(bench: Bench, printed: Published) -> Row:
-    """Y-27: recompute the room that the circle of 200 mm takes."""
+@recomputes("Y-27", "Y-16.rate", "Y-26.x", "Y-26.y", "Y-27.diameter")
+def circle(bench: Bench, printed: Published) -> Outcome:
+    """Recompute the room that the circle of 200 mm takes."""
     size = printed["diameter"].value
     free = {n: bench.printed(f"Y-26.{n}") - size for n in "xy"}
     figures = [
@@ -125,29 +103,24 @@ def circle(bench: Bench, printed: Published) -> Row:
         ("width of a circle of that radius", 2 * size, "mm"),
         ("speed along the circle", bench.printed("Y-16.rate") * size / 2, "mm/s"),
     ]
-    why = (
-        "Rule: the circle fits into the printed travel. It does to the millimetre when 200 mm is its diameter; as a "
-        "radius it would not fit onto the matrix."
-    )
-    depends = ("Y-16.rate", "Y-26.x", "Y-26.y", "Y-27.diameter")
-    return row(printed, figures, judge(min(free.values()) >= 0), why, depends)
+    return Outcome(figures, min(free.values()) >= 0)
 
 
-def rate(bench: Bench, printed: Published) -> Row:
-    """Y-16: recompute the angular velocity from a period of whole seconds."""
+@recomputes("Y-16", "Y-16.rate")
+def rate(bench: Bench, printed: Published) -> Outcome:
+    """Recompute the angular velocity from a period of whole seconds."""
     period = 2 * pi / printed["rate"].value
     found = 2 * pi / round(period)
     figures = [("period of the printed rate", period, "s"), ("2 pi over its whole seconds", found, "rad/s")]
-    why = "Rule: within one unit of the last printed digit of 2 pi over a whole number of seconds, which is 30."
-    return row(printed, figures, judge(printed["rate"].agrees(found)), why, ("Y-16.rate",))
+    return Outcome(figures, printed["rate"].agrees(found))
 
 
-def control_outputs(bench: Bench, printed: Published) -> Row:
-    """Y-28: recount the phases."""
+@recomputes("Y-28")
+def control_outputs(bench: Bench, printed: Published) -> Outcome:
+    """Recount the phases."""
     found = len(bench.plant.inputs)
     figures = [("motors times phases", found, "1")]
-    why = "Rule: three phases of three motors, each with an amplifier of its own, and no more than there are channels."
-    return row(printed, figures, judge(found == printed["outputs"].value <= printed["channels"].value), why)
+    return Outcome(figures, found == printed["outputs"].value <= printed["channels"].value)
 
 
 def accelerations(bench: Bench, force: str) -> dict[str, float]:

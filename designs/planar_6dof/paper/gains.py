@@ -1,0 +1,248 @@
+"""Audit of the optimal gains: (49) by lqrd, (42) by the filter's Riccati equation, (33)-(35) and what is observable.
+
+(26) has the states x, y, phi and their rates d, f, v; (31) adds the integrals z1, z2, z3. With b and c for the printed
+accelerations per ampere of (26), the yaw of motor C left out (Y-23),
+
+    x'' = b i_C,    y'' = b (i_A + i_B),    phi'' = c (i_B - i_A)
+
+so that K falls into three loops of one input: i_C, i_A = i_B, and -i_A = i_B, the last two with the weight 2 on it.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from decimal import Decimal
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_continuous_are
+from scipy.optimize import linear_sum_assignment
+
+from designs.planar_6dof import lqg
+from designs.planar_6dof.lqg import STATES, WEIGHTS
+from designs.planar_6dof.paper.bench import Bench
+from synth import timing
+from synth.analyse import discretise, structure
+from synth.report.audit import Outcome, Printed, Published, recomputes
+from synth.statespace import StateSpace
+from synth.synthesise import kalman, lqr, reduced_compensator, reduced_observer
+from synth.timing import Continuous
+
+Array = NDArray[np.float64]
+
+POSITIONS, INTEGRALS, RATES = STATES[:3], STATES[3:6], STATES[6:]
+ROW = {"x": 2, "z1": 2, "d": 2}  # of K in which the gain of a state stands without a minus; else 1
+MODEL = ("Y-5.per_ampere", "Y-6.per_ampere", "Y-7.rate_lqg")  # the printed numbers that the sampled (31) follows from
+LOST = 4  # places by which the scan's decimal points are too far right in the gains of the rates
+POLES = (0.0, 0.35, 0.7)  # of observers that work, L = (1 - p) / T
+SAME = 1e-9  # distance of poles in z that are one
+
+
+@recomputes("Y-10", *MODEL, "Y-10.*")
+def optimal(bench: Bench, printed: Published) -> Outcome:
+    """Recompute (49) with the weights that make it, and recover these from (49)."""
+    of, point = stage_of(bench), _with_points(printed)
+    found = gains(of, WEIGHTS)
+    recovered: dict[str, float] = {}
+    for k, axis in enumerate(POSITIONS):
+        recovered |= weights(of, axis, tuple(point[n].value for n in STATES[k::3]))
+    figures = [(f"gain of {n}", found[n], printed[n].unit) for n in STATES]
+    figures += [(f"weight on {n} from the printed gains", recovered[n], "1") for n in STATES]
+    mended = all(point[n].agrees(value) for n, value in found.items())
+    as_printed = all(printed[n].agrees(value) for n, value in found.items())
+    return Outcome(figures, as_printed, mended)
+
+
+@recomputes("Y-11", *MODEL, "Y-11.*")
+def printed_weights(bench: Bench, printed: Published) -> Outcome:
+    """Recompute (49) with the weights as printed."""
+    q = tuple(printed[f"q_{n}"].value for n in STATES)
+    found = gains(stage_of(bench), q, printed["r"].value)
+    wanted = _with_points(bench.published["Y-10"])
+    figures = [(f"gain of {n}", value, wanted[n].unit) for n, value in found.items()]
+    return Outcome(figures, all(wanted[n].agrees(value) for n, value in found.items()))
+
+
+@recomputes("Y-12", "Y-7.rate_lqg", "Y-12.theta")
+def kalman_gain(bench: Bench, printed: Published) -> Outcome:
+    """Recompute (42) by (41), for (26) and for the sampled model's parts."""
+    held, theta = sampled(stage_of(bench)), printed["theta"].value
+    plain = kalman.continuous(model(stage_of(bench), False), np.eye(6), theta * np.eye(3)).L
+    H = misapplied(held, theta)
+    poles = np.linalg.eigvals(held.A[6:, 6:] - H @ held.A[:6, 6:])
+    figures = [
+        ("H, own position, (41) for (26) with L Psi L' = I", plain[0, 0], "1/s"),
+        ("H, own position", H[0, 0], "1/s"),
+        ("H, another position", H[0, 1], "1/s"),
+        ("H, own integral", H[0, 3], "1/s^2"),
+        ("greatest |z| of A22 - H A12", float(np.abs(poles).max()), "1"),
+    ]
+    named = dict(zip(("own", "other", "integral"), (float(f[1]) for f in figures[1:4]), strict=True))
+    mended = all(printed[n].agrees(value) for n, value in named.items())
+    as_printed = printed["own"].agrees(plain[0, 0]) and printed["other"].agrees(plain[0, 1])
+    return Outcome(figures, as_printed, mended)
+
+
+@recomputes("Y-36", *MODEL, "Y-10.*")
+def separation(bench: Bench, printed: Published) -> Outcome:
+    """Recompute the poles of (33) term by term and compare them with those of its parts."""
+    held = sampled(stage_of(bench))
+    K = matrix({n: gain.value for n, gain in _with_points(bench.published["Y-10"]).items()})
+    closed, figures = held.A - held.B @ K, []
+    for p in POLES:
+        L = (1 - p) / timing.period(held.time) * np.eye(3, 6)
+        whole = np.linalg.eigvals(loop_33(held, K, L))
+        parts = np.concatenate([np.linalg.eigvals(closed), np.linalg.eigvals(held.A[6:, 6:] - L @ held.A[:6, 6:])])
+        figures.append((f"poles that are those of the parts, observer {p:g}", float(_common(whole, parts)), "1"))
+    for k, axis in enumerate(POSITIONS):  # A - B K keeps the axes apart
+        greatest = float(np.abs(np.linalg.eigvals(closed[k::3, k::3])).max())
+        figures.append((f"greatest |z| of A - B K, {axis}", greatest, "1"))
+    return Outcome(figures, all(count == 12 for _, count, _ in figures[: len(POLES)]) and _is_the_loop(held, K))
+
+
+@recomputes("Y-37")
+def observability(bench: Bench, printed: Published) -> Outcome:
+    """Recount the modes that no input moves and that no output shows."""
+    of = stage_of(bench)
+    plain, whole = model(of, False), model(of, True)
+    shown = replace(whole, C=np.eye(6, 9), D=np.zeros((6, 3)), outputs=(*POSITIONS, *INTEGRALS))
+    cases = {"(26), (27)": plain, "(31), (32)": whole, "(31) with the integrals as outputs": shown}
+    hidden = {n: len(structure.unmoved(m.A.T, m.C.T, m.states, m.time)) for n, m in cases.items()}
+    stuck = {n: len(structure.unmoved(m.A, m.B, m.states, m.time)) for n, m in cases.items()}
+    figures = [(f"modes that no output of {n} shows", float(k), "1") for n, k in hidden.items()]
+    figures += [(f"modes that no input of {n} moves", float(k), "1") for n, k in list(stuck.items())[:2]]
+    as_printed = not any((*stuck.values(), hidden["(26), (27)"], hidden["(31), (32)"]))
+    mended = not any((*stuck.values(), hidden["(26), (27)"], hidden["(31) with the integrals as outputs"]))
+    return Outcome(figures, as_printed, mended)
+
+
+@dataclass(frozen=True)
+class Stage:
+    """b in m/s^2/A and c in rad/s^2/A of (26), and the sample period in s."""
+
+    per_ampere: float
+    turning: float
+    period_s: float
+
+
+def stage_of(bench: Bench) -> Stage:
+    """Return the stage of (26), sampled as the paper says."""
+    b, c, rate = (bench.printed(source) for source in MODEL)
+    return Stage(b, c, 1 / rate)
+
+
+@cache
+def model(of: Stage, integrals: bool) -> StateSpace:
+    """Return (31), (32), or (26), (27) without the integrals, in continuous time."""
+    whole = lqg.model(of.per_ampere, of.turning)
+    if integrals:
+        return whole
+    keep = [i for i, name in enumerate(STATES) if name not in INTEGRALS]
+    A, B, C = whole.A[np.ix_(keep, keep)], whole.B[keep], whole.C[:, keep]
+    return replace(whole, A=A, B=B, C=C, states=tuple(STATES[i] for i in keep), units={})
+
+
+@cache
+def sampled(of: Stage) -> StateSpace:
+    """Return (31), (32) sampled with the currents held."""
+    return discretise.zero_order_hold(model(of, True), of.period_s)
+
+
+def one(of: Stage, axis: str) -> tuple[StateSpace, float]:
+    """Return an axis with its integral and rate and one input, and the weight on that input for R = I."""
+    k = POSITIONS.index(axis)
+    b = of.per_ampere if axis == "x" else 2 * (of.per_ampere if axis == "y" else of.turning)
+    A, B = np.array([[0.0, 0, 1], [1, 0, 0], [0, 0, 0]]), np.array([[0.0], [0], [b]])
+    states = (POSITIONS[k], INTEGRALS[k], RATES[k])
+    chain = StateSpace(A, B, np.eye(1, 3), np.zeros((1, 1)), states, ("i",), (axis,), Continuous())
+    return chain, 1.0 if axis == "x" else 2.0
+
+
+@cache
+def gains(of: Stage, q: tuple[float, ...], r: float = 1.0) -> Mapping[str, float]:
+    """Return the size of each gain of lqrd, by state, for diagonal weights in the order of STATES."""
+    K = -lqr.lqrd(model(of, True), np.array(q), r * np.ones(3), of.period_s).K
+    return {n: float(K[ROW.get(n, 1), i]) for i, n in enumerate(STATES)}
+
+
+def matrix(size: Mapping[str, float]) -> Array:
+    """Return K (3, 9) of (49) from the sizes of its gains by state, u = -K x."""
+    k = np.array([size[n] for n in STATES])
+    x, y, phi = (np.tile(np.arange(3) == i, 3) * k for i in range(3))
+    return np.array([y - phi, y + phi, x])
+
+
+@cache
+def weights(of: Stage, axis: str, wanted: tuple[float, ...]) -> Mapping[str, float]:
+    """Return the diagonal weights on an axis, its integral and its rate for which lqrd gives three gains K.
+
+    K and the cost-to-go X of the sampled model are linear in the weights q on state and input, W(q) over a period:
+
+        X = F'X F + [I; -K]' W [I; -K],    G'X F + W_ux - W_uu K = 0,    F = A - G K
+
+    nine equations in the six entries of X and the three of q.
+    """
+    chain, r = one(of, axis)
+    sampled, K = discretise.zero_order_hold(chain, of.period_s), np.array([wanted])
+    closed, both = sampled.A - sampled.B @ K, np.vstack([np.eye(3), -K])
+
+    def left(x: Array, q: Array) -> Array:
+        X, W = np.zeros((3, 3)), _over_a_period(chain, np.append(q[:3], q[3:] * r), of.period_s)
+        X[np.triu_indices(3)] = x
+        X = X + np.triu(X, 1).T
+        cost = closed.T @ X @ closed - X + both.T @ W @ both
+        return np.append(cost[np.triu_indices(3)], sampled.B.T @ X @ closed + (W @ both)[3:])
+
+    unknowns = np.eye(10)
+    columns = np.array([left(e[:6], e[6:]) for e in unknowns]).T
+    found = np.linalg.solve(columns[:, :9], -columns[:, 9])
+    return dict(zip(chain.states, found[6:].tolist(), strict=True))
+
+
+def _over_a_period(chain: StateSpace, q: Array, period_s: float) -> Array:
+    """Return W (4, 4) of [x; u]' W [x; u], what x'diag(q) x + q_4 u^2 gathers over a period with u held."""
+    F = np.vstack([np.hstack([chain.A, chain.B]), np.zeros((1, 4))])
+    return discretise.gramian(F, np.diag(q), period_s).W
+
+
+def misapplied(held: StateSpace, theta: float) -> Array:
+    """Return H (3, 6) of the continuous (41) for the sampled A22, A12, Theta = theta I and L Psi L' = theta ones."""
+    A12 = held.A[:6, 6:]
+    sigma = solve_continuous_are(held.A[6:, 6:].T, A12.T, np.full((3, 3), theta), theta * np.eye(6))
+    return np.asarray(sigma @ A12.T / theta)
+
+
+def loop_33(held: StateSpace, K: Array, L: Array) -> Array:
+    """Return the matrix (12, 12) of (33) on x1, x2 and x3 = x2^ - L x1."""
+    A11, A12, A21, A22 = held.A[:6, :6], held.A[:6, 6:], held.A[6:, :6], held.A[6:, 6:]
+    B1, B2, k1, k2 = held.B[:6], held.B[6:], K[:, :6], K[:, 6:]
+    first = [
+        A11 - B1 @ k1 - B1 @ k2 @ L,
+        A21 - B2 @ k1 - B2 @ k2 @ L,
+        (A22 - L @ A12) @ L + A21 - L @ A11 - (B2 - L @ B1) @ (k1 + k2 @ L),
+    ]
+    second = [A12, A22, np.zeros((3, 3))]
+    third = [-B1 @ k2, -B2 @ k2, A22 - L @ A12 - B2 @ k2 + L @ B1 @ k2]
+    return np.block([list(blocks) for blocks in zip(first, second, third, strict=True)])
+
+
+def _is_the_loop(held: StateSpace, K: Array) -> bool:
+    """Tell whether (33) is the loop of a reduced-order observer with the sampled model."""
+    L = 0.5 / timing.period(held.time) * np.eye(3, 6)
+    observer = reduced_observer.from_gain(held, (*POSITIONS, *INTEGRALS), L)
+    found = reduced_compensator.compensator(observer, -K).loop.A
+    return bool(np.allclose(found, loop_33(held, K, L), rtol=SAME, atol=SAME * float(np.abs(found).max())))
+
+
+def _common(found: NDArray[Any], wanted: NDArray[Any]) -> int:
+    """Return how many of two sets of poles, paired as near as can be, are the same."""
+    distance = np.abs(found[:, None] - wanted)
+    return int((distance[linear_sum_assignment(distance)] < SAME).sum())
+
+
+def _with_points(printed: Published) -> dict[str, Printed]:
+    """Return the printed gains by state, with the decimal points that the scan lost."""
+    found = {n: printed[n] for n in STATES}
+    mended = {n: Printed(str(Decimal(found[n].text).scaleb(-LOST)), found[n].unit) for n in RATES}
+    return found | mended

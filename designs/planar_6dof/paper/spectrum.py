@@ -1,0 +1,62 @@
+"""Audit of what the simulated LQG loop records: its noise at rest and the spectrum of its step."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage, signal
+
+from designs.planar_6dof import experiments
+from designs.planar_6dof.loop import Loop
+from designs.planar_6dof.paper import steps
+from designs.planar_6dof.paper.bench import Recorder
+from synth.report.audit import Outcome, Published, recomputes
+
+Array = NDArray[np.float64]
+
+STEP = 50e-6  # m, of x in Fig. 10
+RECORD = 20.0  # s: of noise; of x whose spectrum is taken, after a second in which its step settles
+DOMINANT = 10.0  # dB by which a dominant line stands above the median of its neighbours
+SEGMENTS = 16  # whose spectra are averaged, so that those of noise scatter by less
+NEIGHBOURS = 31  # lines
+
+
+@dataclass(frozen=True)
+class Line:
+    """The line of a spectrum that stands highest above its neighbours: where, in Hz, and by how much, in dB."""
+
+    frequency: float
+    above: float
+
+
+@recomputes("Y-40")
+def noise(recorder: Recorder, printed: Published) -> Outcome:
+    """Recompute the noise as filtered, as for the lead-lag controller."""
+    return steps.judge_noise(printed, experiments.filtered_at_rest(recorder.loop, RECORD))
+
+
+@recomputes("Y-41")
+def spectrum(recorder: Recorder, printed: Published) -> Outcome:
+    """Recompute the spectrum of the step of x, Fig. 10(d), as measured."""
+    return judge_line(of_step(recorder.loop))
+
+
+def judge_line(line: Line) -> Outcome:
+    """Recompute what Fig. 10(d) shows from the most prominent line of a spectrum."""
+    figures = [("most prominent line", line.frequency, "Hz"), ("above its neighbours", line.above, "dB")]
+    return Outcome(figures, line.above < DOMINANT)
+
+
+def of_step(loop: Loop) -> Line:
+    """Return the most prominent line of x as measured, over RECORD, once its step has settled."""
+    run = experiments.step(loop, "x", STEP, 1.0 + RECORD)
+    return prominent(run.shown[run.sample + round(1.0 / loop.period_s) :], loop.period_s)
+
+
+def prominent(x: Array, period_s: float) -> Line:
+    """Return the most prominent line of a record x (N,)."""
+    frequency, power = signal.welch(x, 1 / period_s, nperseg=2 * len(x) // (SEGMENTS + 1), detrend="linear")
+    around = ndimage.median_filter(power, NEIGHBOURS, mode="nearest")
+    above = 10 * np.log10(power[1:] / around[1:])  # without the mean
+    most = int(above.argmax())
+    return Line(float(frequency[1 + most]), float(above[most]))
