@@ -75,7 +75,7 @@ def safe(n: int) -> safety.Safety:
 
 def emitted(n: int, scalar: type[np.floating]) -> write.Emitted:
     """Return the C of n axes."""
-    return write.emit(block(n), scalar, safe(n))
+    return write.emit(block(n), scalar)
 
 
 def _axis(k: int) -> tuple[Block, ...]:
@@ -126,11 +126,11 @@ def grown(n: int) -> Growth:
     start = process_time()
     made = block(n)
     composed = process_time()
-    single = write.emit(made, np.float32, safe(n))
+    single = write.emit(made, np.float32)
     done = process_time()
     text = single.files[f"{made.name}.c"]
     host_compiler.check(host.code(single.files))
-    worst = disagreement(made, write.emit(made, np.float64, safe(n)))
+    worst = disagreement(made, write.emit(made, np.float64))
     return Growth(n, composed - start, done - composed, len(text), text.count("\n"), worst)
 
 

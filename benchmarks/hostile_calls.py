@@ -23,13 +23,14 @@ from benchmarks.hostile_examples import (
     example_loop,
     example_physics,
     example_regulator,
+    example_resting_loop,
     example_scaled,
     example_step,
     fields,
     model,
     usual,
 )
-from synth.analyse import lie, relative_degree, worst
+from synth.analyse import lie, relative_degree, resting, worst
 from synth.analyse.observability import placement
 from synth.block import Constant, State
 from synth.signals import Parameter, Signal
@@ -74,6 +75,8 @@ def own() -> Mapping[str, Call]:
     unmoved = model([[1.0]], [[0.0]], [[1.0]], [[0.0]], ("x1",), ("u1",), ("y1",), TIME)
     first = belief.initial(held, np.eye(2))
     servo = common["servo"]
+    resting_loop = example_resting_loop()
+    rest = resting.solve(resting_loop, {}, common["point"])
     return {
         "signals.names": {"signals": [GAP, RATE]},
         "signals.Signal": {"name": "gap", "unit": "m", "low": 0.0, "high": 1.0, "about": "the gap"},
@@ -145,9 +148,14 @@ def own() -> Mapping[str, Call]:
         "interconnect.connect": {"models": [stage], "inputs": ["f"], "outputs": ["x"], "wires": {"f": {"f": 1.0}}},
         "lie.affine": single,
         "linearise.linearise": single,
+        "linearise.require_point": single,
         "loop.cut": {"blocks": [example_step()], "signal": "y"},
         "loop.linearised": {"block": example_step(), "state": {"last": 0.0}, "inputs": {"u": 0.0}},
         "loop.opened": {"controller": cut, "signal": "s", "sensors": {"x": "x"}, "actuators": {"f": "c"}, "delay": 1},
+        "resting.ClosedLoop": fields(resting_loop),
+        "resting.Rest": fields(rest),
+        "resting.open_loop": {"rest": rest, "signal": "current"},
+        "resting.solve": {"closed": resting_loop, "references": {}, "near": common["point"]},
         "magnitude.magnitudes": {"terms": {"x": x * g}, "symbols": symbols, "box": [RATE], "along": "gap", "held": {}},
         "magnitude.conditioning": {"matrix": matrix, "symbols": symbols},
         "magnitude.require_invertible": {"matrix": matrix, "symbols": symbols},
@@ -263,7 +271,7 @@ def own() -> Mapping[str, Call]:
         "regulator_equations.require_no_zero": {"points": [0j]},
         "riccati.checked_weights": {"N": None},
         "safety.Guarded": {"signal": GAP, "initial": 0.02, "measurement": True, "held": True},
-        "safety.Safety": fields(safe),
+        "block.Safety": fields(safe),
         "safety.guard": {"inputs": [safety.Guarded(GAP, 0.02, True)], "bad_samples": 3},
         "safety.safe_output": {"outputs": [Y], "safety": safe},
         "safety.frozen": {"block": safety.guard(TIME, [safety.Guarded(GAP, 0.02, True)], 3)},

@@ -12,7 +12,7 @@ import casadi as ca
 import control
 import numpy as np
 
-from synth.analyse import discretise, singularity, trim
+from synth.analyse import discretise, resting, singularity, trim
 from synth.block import Block, Constant, State, Step
 from synth.block import build as block
 from synth.plant import build as plant
@@ -52,6 +52,20 @@ def example_step(name: str = "step") -> Block:
     return block(
         name, TIME, example_law, inputs=[U], outputs=[Y], states=[last], constants=[Constant("gain", 2.0, "1", "given")]
     )
+
+
+def example_resting_loop() -> resting.ClosedLoop:
+    """Return the levitated mass under an integrator of its gap, which rests wherever the mass does."""
+
+    def law(u: Any, x: Any, k: Any) -> Step:
+        total = x["sum"] + T * (u["seen"] - 0.02)
+        return Step({"drive": 4.0 + 50.0 * (u["seen"] - 0.02) + 10.0 * total}, {"sum": total})
+
+    total = State(Signal("sum", "m s", -1.0, 1.0), 0.0)
+    drive, seen = Signal("drive", "A", 0.1, 10.0), Signal("seen", "m", 0.01, 0.03)
+    controller = block("hold", TIME, law, inputs=[seen], outputs=[drive], states=[total])
+    maglev = plant("maglev", [GAP, RATE], [CURRENT], [GAP], [K], example_physics)
+    return resting.ClosedLoop(maglev, controller, {"seen": "gap"}, {"current": "drive"})
 
 
 def example_linear(theta: Any) -> Any:

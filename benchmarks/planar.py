@@ -76,7 +76,7 @@ def wholes() -> Iterator[Subject]:
 
 def whole(name: str, block: Block, run: Callable[[Loop, bench.Told], Sequence[Experiment]]) -> Subject:
     """Return a controller with every sequence of its bench."""
-    emitted = write.emit(block, np.float32, interface.SAFETY, error=interface.SURROGATE_ERROR[np.float32])
+    emitted = write.emit(block, np.float32, error=interface.SURROGATE_ERROR[np.float32])
     controller = host.load(emitted.files, emitted.manifest)
     sequences = bench.sequences(controller, run, lambda _: None)
     loops = steps.joined("closed loops", [s for s in sequences if s.closed_loop])

@@ -20,6 +20,8 @@ from synth.errors import SignalError, TimingError
 from synth.signals import Signal, identifier, names
 from synth.timing import Discrete
 
+LATCH_BIT = 31  # of the fault word: it has latched
+
 Exprs = Mapping[str, ca.SX]
 Certificate = Callable[[float, float], float]
 
@@ -98,9 +100,27 @@ class Fault:
 
 
 @arguments.checked
+@dataclass(frozen=True)
+class Safety:
+    """After `bad_samples` samples in a row with a bad measurement the outputs slew to `safe_output`.
+
+    Both mappings have the outputs of a Block as keys; an output in neither goes on as computed. `reason` says why
+    these values.
+    """
+
+    bad_samples: int
+    safe_output: Mapping[str, float]
+    slew_per_s: Mapping[str, float]
+    reason: str
+
+
+@arguments.checked
 @dataclass(frozen=True, eq=False)
 class Block:
-    """One discrete step, symbolic. `symbol` holds a scalar SX symbol for each input, state and constant."""
+    """One discrete step, symbolic. `symbol` holds a scalar SX symbol for each input, state and constant.
+
+    `safety` is what the step does once it has latched, of a Block that may.
+    """
 
     name: str
     tag: str
@@ -114,6 +134,7 @@ class Block:
     next: Exprs
     inside: tuple[tuple[Named, ca.SX], ...] = ()
     faults: tuple[Fault, ...] = field(default=())
+    safety: Safety | None = None
 
     def __post_init__(self) -> None:
         identifier("block", self.name)
@@ -124,6 +145,11 @@ class Block:
         """Return the Block with each constant rounded to `scalar`: what is analysed is then what ships."""
         with np.errstate(over="ignore"):  # an overflow is infinite, which a Constant refuses
             return replace(self, constants=tuple(replace(c, value=float(scalar(c.value))) for c in self.constants))
+
+    @property
+    def latches(self) -> bool:
+        """Whether one bit of the fault word says that it has latched."""
+        return any(f.bit == LATCH_BIT for f in self.faults)
 
     @property
     def initial(self) -> NDArray[np.float64]:

@@ -10,7 +10,7 @@ from dataclasses import replace
 import casadi as ca
 
 from synth import arguments
-from synth.block import Block, Exprs, Named
+from synth.block import Block, Exprs, Named, Safety
 from synth.errors import WiringError
 from synth.signals import Signal, dimension, names
 from synth.timing import Discrete, common
@@ -23,8 +23,9 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
     States and constants carry their Block's name in front: ``filter_y`` and ``lag`` make ``filter_y_lag``.
 
     Raises WiringError for a signal with two drivers, with unlike units, with none although a Block needs it, asked for
-    although nobody drives or needs it, for an algebraic loop, and for a fault bit that is set twice; SignalError for
-    an input or output listed twice; TimingError for unlike sample periods.
+    although nobody drives or needs it, for an algebraic loop, for a fault bit that is set twice, and for guards
+    that latch after different numbers of bad samples; SignalError for an input or output listed twice; TimingError for
+    unlike sample periods.
     """
     if not len(blocks):
         raise WiringError(f"'{name}': there is no Block to wire: give at least one")
@@ -65,7 +66,38 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
         next,
         inside,
         faults,
+        _safety(name, blocks, {s: _origin(s, definitions, symbol) for s in outputs}),
     )
+
+
+def _origin(signal: str, definitions: Exprs, symbol: Exprs) -> str:
+    """Return the signal that `signal` only passes on."""
+    while definitions[signal].is_symbolic():
+        by_hash = {symbol[s].element_hash(): s for s in definitions}
+        source = by_hash.get(definitions[signal].element_hash())
+        if source is None:
+            break
+        signal = source
+    return signal
+
+
+def _safety(name: str, blocks: Sequence[Block], origin: Mapping[str, str]) -> Safety | None:
+    """Return what the Blocks declare, for the outputs that pass on a signal with a safe value."""
+    declared = [(b.name, b.safety) for b in blocks if b.safety]
+    if not declared:
+        return None
+    first, safety = declared[0]
+    for other, s in declared:
+        if s.bad_samples != safety.bad_samples:
+            raise WiringError(
+                f"'{name}': '{first}' latches after {safety.bad_samples} bad samples, '{other}' after {s.bad_samples}: "
+                "declare one number for both"
+            )
+    values = {n: v for _, s in declared for n, v in s.safe_output.items()}
+    rates = {n: v for _, s in declared for n, v in s.slew_per_s.items()}
+    reasons = [s.reason for _, s in declared if s.safe_output] or [safety.reason]
+    values, rates = ({o: of[n] for o, n in origin.items() if n in of} for of in (values, rates))
+    return Safety(safety.bad_samples, values, rates, "; ".join(dict.fromkeys(reasons)))
 
 
 def _prefixed(block: Block) -> Block:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.block import Block
+from synth.declaration import Stage
 from synth.emit.write import Emitted
 from synth.errors import DesignError
 from synth.execute import host
@@ -23,6 +24,7 @@ from synth.verify.evidence import Evidence
 from synth.verify.steps import Steps
 
 Told = Callable[[str], None]
+Report = Callable[[Mapping[str, Emitted], Evidence, Sequence[Experiment], Sequence[Row], Cost | None], str]
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,7 @@ class Design:
 
     `emit(scalar)` returns what is written to generated_c/<name>/, by folder. `verify` returns evidence, `simulate` the
     experiments, `audit` the published figures recomputed, `report` the page made of all these and of the cost, which
-    is None where nothing could measure it.
+    is None where nothing could measure it. `stage` is what was declared, where a declaration made the design.
     """
 
     name: str
@@ -56,7 +58,8 @@ class Design:
     simulate: Callable[[Told], Sequence[Experiment]]
     audit: Callable[[], Iterator[Row]]
     bench: Bench
-    report: Callable[[Mapping[str, Emitted], Evidence, Sequence[Experiment], Sequence[Row], Cost | None], str]
+    report: Report
+    stage: Stage | None = None
 
 
 def designs(root: Path, wanted: Sequence[str] = ()) -> list[Design]:

@@ -27,8 +27,10 @@ VOCABULARY = (
     "statespace",
     "block",
     "compose",
+    "declaration",
 )
-LAYERS = ("analyse", "synthesise", "emit", "execute", "simulate", "verify", "report", "workspace", "cli")
+LAYERS = ("analyse", "synthesise", "emit", "execute", "simulate", "verify", "report")
+LAYERS += ("workspace", "tasks", "stage", "testing", "cli")
 RANK = {("synth", name): 0 for name in VOCABULARY}
 RANK |= {("synth", name): rank for rank, name in enumerate(LAYERS, 1)}
 RANK |= {("models",): len(LAYERS) + 1, ("designs",): len(LAYERS) + 2}

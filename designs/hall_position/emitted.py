@@ -31,7 +31,7 @@ def emitted(scalar: type[np.floating]) -> dict[str, write.Emitted]:
 
 def _emitted(name: str, scalar: type[np.floating]) -> write.Emitted:
     block, error = shipped.block(name), estimator.SURROGATE_ERROR[scalar]
-    files = write.emit(block, scalar, shipped.SAFETY, {"design": design(name)}, error=error)
+    files = write.emit(block, scalar, {"design": design(name)}, error=error)
     given = motions.named(measured(shipped.array(name)))
     answered = host.load(files.files, files.manifest).replay(given)
     text = vectors.document({n: v.astype(scalar) for n, v in given.items()}, answered.outputs, answered.faults)

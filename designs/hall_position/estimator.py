@@ -43,6 +43,7 @@ from synth.timing import Discrete
 
 SPAN = 5.0  # V, of the converter
 BAD_SAMPLES = 5
+REASON = "an estimator moves nothing: once latched it goes on and tells so in the fault word"
 MORE = 4  # times as much as with two sensors may the damping decide at a certain place, with more than two
 LOOSE = 1e4  # m: 1e-3 is never exceeded, but intervals do not see what is equal in numerator and denominator
 APART = 4.0  # deviations, rms, of voltages that do not fit each other
@@ -76,7 +77,7 @@ def voltages(array: Array) -> tuple[Signal, ...]:
 def guarded(array: Array, time: Discrete, tuning: Tuning = USUAL, name: str = "hall_position") -> Block:
     """Return the estimator behind the guard of its voltages, which latches after BAD_SAMPLES incomplete samples."""
     inputs = voltages(array)
-    guard = safety.guard(time, [safety.Guarded(s, 0.0, True) for s in inputs], BAD_SAMPLES)
+    guard = safety.guard(time, [safety.Guarded(s, 0.0, True) for s in inputs], BAD_SAMPLES, reason=REASON)
     block = estimator(array, time, tuning)
     return compose(name, [guard, block], inputs=names(inputs), outputs=names(block.outputs))
 

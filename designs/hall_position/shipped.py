@@ -14,7 +14,6 @@ from models.hall_chain import Chain
 from synth.block import Block
 from synth.emit import digits
 from synth.errors import DesignError
-from synth.synthesise.safety import Safety
 from synth.timing import Discrete
 
 NAME, THREE = "hall_position", "hall_position_three"
@@ -25,9 +24,6 @@ PLACES: Mapping[str, tuple[Pair, ...]] = MappingProxyType(
 )  # in pitches
 TUNING = Tuning()
 DIGITS = 6  # of the field, so that it is the same on every machine
-SAFETY = Safety(
-    estimator.BAD_SAMPLES, {}, {}, "an estimator moves nothing: once latched it goes on and tells so in the fault word"
-)
 
 
 def array(name: str = NAME, chain: Chain | None = None) -> Array:

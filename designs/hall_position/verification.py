@@ -71,7 +71,7 @@ class Steps:
 
 def compiled(block: Block, scalar: type[np.floating]) -> host.Controller:
     """Return the compiled C of a guarded estimator."""
-    made = write.emit(block, scalar, shipped.SAFETY, error=estimator.SURROGATE_ERROR[scalar])
+    made = write.emit(block, scalar, error=estimator.SURROGATE_ERROR[scalar])
     return host.load(made.files, made.manifest)
 
 

@@ -124,5 +124,5 @@ class Bench:
 
 def _compiled(known: Plant, restored: bool) -> host.Controller:
     """Return the controller in double; the library computes its functions, which for new parameters none has fitted."""
-    emitted = write.emit(control.controller(known, restored), np.float64, control.SAFETY, libm=True)
+    emitted = write.emit(control.controller(known, restored), np.float64, libm=True)
     return host.load(emitted.files, emitted.manifest)

@@ -29,7 +29,6 @@ def emitted(scalar: type[np.floating]) -> dict[str, write.Emitted]:
     controller = write.emit(
         control.controller(plant),
         scalar,
-        control.SAFETY,
         {"design": gains(plant, scalar)},
         error=control.SURROGATE_ERROR[scalar],
     )

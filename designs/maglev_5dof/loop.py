@@ -72,5 +72,5 @@ class Loop:
 def compiled(plant: Plant, scalar: type[np.floating], **variant: Any) -> host.Controller:
     """Return the emitted controller for the parameters of `plant`, compiled; `variant` as for `control.controller`."""
     error = control.SURROGATE_ERROR[scalar]
-    emitted = write.emit(control.controller(plant, **variant), scalar, control.SAFETY, error=error)
+    emitted = write.emit(control.controller(plant, **variant), scalar, error=error)
     return host.load(emitted.files, emitted.manifest)

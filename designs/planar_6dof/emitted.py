@@ -34,7 +34,7 @@ SET_POINT, ASTRAY, TOO_FAR = "x_ref", slice(800, 810), 0.2  # m
 def emitted(block: Block, scalar: type[np.floating], design: Mapping[str, Any]) -> dict[str, write.Emitted]:
     """Return the files of a controller in a scalar type, by folder; `design` is what gains.json says of it."""
     error = interface.SURROGATE_ERROR[scalar]
-    files = write.emit(block, scalar, interface.SAFETY, {"design": design}, error=error)
+    files = write.emit(block, scalar, {"design": design}, error=error)
     controller = host.load(files.files, files.manifest)
     inputs = recorded(controller, block.time).measured
     answered = controller.replay(inputs)

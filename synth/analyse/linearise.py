@@ -23,11 +23,7 @@ def linearise(plant: Plant, point: OperatingPoint) -> StateSpace:
 
     Raises SignalError when `point` belongs to another plant, or a derivative is not finite there.
     """
-    if (point.states, point.inputs) != (names(plant.states), names(plant.inputs)):
-        raise SignalError(
-            f"the operating point has states {', '.join(point.states)} and inputs {', '.join(point.inputs)}, "
-            f"which are not those of plant '{plant.name}': trim this plant"
-        )
+    require_point(plant, point)
     x, u, p = (ca.SX.sym(s, len(v)) for s, v in (("x", point.x), ("u", point.u), ("p", point.p)))
     f, h = plant.f(x, u, p), plant.h(x, u, p)
     jacobians = [ca.jacobian(expr, arg) for expr in (f, h) for arg in (x, u)]
@@ -35,3 +31,13 @@ def linearise(plant: Plant, point: OperatingPoint) -> StateSpace:
     A, B, C, D = (np.asarray(ca.DM(matrix)) for matrix in at_point)
     units = {s.name: s.unit for s in (*plant.states, *plant.inputs, *plant.outputs)}
     return StateSpace(A, B, C, D, point.states, point.inputs, names(plant.outputs), Continuous(), units)
+
+
+@arguments.checked
+def require_point(plant: Plant, point: OperatingPoint) -> None:
+    """Raise SignalError when `point` belongs to another plant."""
+    if (point.states, point.inputs) != (names(plant.states), names(plant.inputs)):
+        raise SignalError(
+            f"the operating point has states {', '.join(point.states)} and inputs {', '.join(point.inputs)}, "
+            f"which are not those of plant '{plant.name}': trim this plant"
+        )

@@ -2,8 +2,9 @@
 
     u_s --> [ controller without s ] --> [ delay ] --> [ hold, plant, sampler ] --> [ controller ] --> y_s
 
-The controller's Block is composed with the signal s cut: its driver then drives ``s_out``, its readers read ``s``. The
-loop L from s to -s_out has the closed loop 1 + L.
+The signal s is a sensor, an actuator, or one inside the controller, whose Blocks are then composed with s `cut`: its
+driver drives ``s_out``, its readers read ``s``. The loop L from s to -s_out has the closed loop 1 + L. Plant and
+controller linearised where both rest, and the loop opened there, is `resting.open_loop`.
 
 A plant x' = A x + B u(t - tau) whose input is held over each period T and late by tau = (d + f) T, 0 <= f < 1, sees
 u[k-d-1] for the first f T of the period k and u[k-d] for the rest of it:
@@ -12,8 +13,8 @@ u[k-d-1] for the first f T of the period k and u[k-d] for the rest of it:
     y[k]   = C x[k] + D u[k-d-1]                                                      D u[k-d] where f = 0
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from numbers import Real
 
 import casadi as ca
@@ -22,7 +23,7 @@ import numpy as np
 
 from synth import arguments
 from synth.analyse import discretise, precise, structure
-from synth.block import Block
+from synth.block import Block, Safety
 from synth.errors import ModelError, SignalError, TimingError
 from synth.signals import names
 from synth.statespace import Array, StateSpace, System, of
@@ -51,7 +52,16 @@ def _renamed(block: Block, old: str, new: str) -> Block:
     )
     output = {new if n == old else n: e for n, e in block.output.items()}
     faults = tuple(replace(f, output=new) if f.output == old else f for f in block.faults)
-    return replace(block, outputs=outputs, inside=inside, output=output, faults=faults)
+    return replace(block, outputs=outputs, inside=inside, output=output, faults=faults, safety=_kept(block, old, new))
+
+
+def _kept(block: Block, old: str, new: str) -> Safety | None:
+    if block.safety is None:
+        return None
+    values, rates = (
+        {new if n == old else n: v for n, v in of.items()} for of in (block.safety.safe_output, block.safety.slew_per_s)
+    )
+    return replace(block.safety, safe_output=values, slew_per_s=rates)
 
 
 @arguments.checked
@@ -152,44 +162,98 @@ def _split(plant: StateSpace, T: float, fraction: float) -> Array:
 def opened(
     plant: System,
     controller: System,
-    signal: str,
+    signal: str | Sequence[str],
     sensors: Mapping[str, str],
-    actuators: Mapping[str, str],
+    actuators: Mapping[str, str | Mapping[str, float]],
     delay: float = 1,
 ) -> StateSpace:
     """Return L from `signal` to minus ``<signal>_out``: the continuous plant held and sampled under the controller.
 
-    `sensors[controller input] = plant output`, `actuators[plant input] = controller output`; other controller inputs
-    stay at rest.
+    `sensors[controller input] = plant output`, `actuators[plant input] = controller output`, or a sum of them,
+    {controller output: weight}; other inputs stay at rest. The loop opens at a controller input that is a sensor, at a
+    plant input that is an actuator (before its delay, so that an observer in the controller still sees what it
+    commands), or at a signal that the controller was `cut` at; at several of them at once when several are named.
 
     `delay` is in samples, any number from 0.
 
     Raises TimingError for a sampled plant, a continuous controller or a delay as `sampled`; ModelError as `sampled`;
-    SignalError for a name that is not known, or when without a delay the plant passes its inputs straight on.
+    SignalError for a name that is not known, that is a sensor and an actuator, or when without a delay the plant passes
+    its inputs straight on.
     """
     K = of(controller)
     P = _late(of(plant), Discrete(period(K.time)), _number(delay))
     if (P.D != 0).any():
         raise SignalError("the sampled plant passes inputs straight on: give the loop at least one sample of delay")
+    signals = arguments.names("signals to open the loop at", signal)
     S = _wires(K.inputs, P.outputs, sensors)
     U = _wires(P.inputs, K.outputs, actuators)
-    e = _wires(K.inputs, (signal,), {signal: signal})
-    y = _wires(("out",), K.outputs, {"out": f"{signal}_out"})
-    A = np.block([[P.A + P.B @ U @ K.D @ S @ P.C, P.B @ U @ K.C], [K.B @ S @ P.C, K.A]])
-    B = np.vstack([P.B @ U @ K.D @ e, K.B @ e])
-    C = -np.hstack([y @ K.D @ S @ P.C, y @ K.C])
-    D = -y @ K.D @ e
+    b = _break(signals, P, K, S, U, sensors, actuators)
+    A = np.block([[P.A + P.B @ b.U @ K.D @ b.S @ P.C, P.B @ b.U @ K.C], [K.B @ b.S @ P.C, K.A]])
+    B = np.vstack([P.B @ (b.U @ K.D @ b.into_controller + b.into_plant), K.B @ b.into_controller])
+    C = -np.hstack([b.of_controller @ K.D @ b.S @ P.C + b.of_plant @ P.C, b.of_controller @ K.C])
+    D = -b.of_controller @ K.D @ b.into_controller
     states = tuple(f"plant_{s}" for s in P.states) + K.states
     units = {**K.units, **{f"plant_{s}": P.units[s] for s in P.states if s in P.units}}
-    return structure.connected(StateSpace(A, B, C, D, states, (signal,), (f"{signal}_out",), K.time, units))
+    outs = tuple(f"{n}_out" for n in signals)
+    return structure.connected(StateSpace(A, B, C, D, states, signals, outs, K.time, units))
 
 
-def _wires(into: Sequence[str], source: Sequence[str], wires: Mapping[str, str]) -> Array:
-    """Return the matrix (into, source) of zeros with a one for each wire."""
+@dataclass(frozen=True, eq=False)
+class _Break:
+    """The wires S and U that stay, where the signals enter plant and controller, and what would have driven them."""
+
+    S: Array
+    U: Array
+    into_controller: Array
+    into_plant: Array
+    of_controller: Array
+    of_plant: Array
+
+
+def _break(
+    signals: Sequence[str],
+    P: StateSpace,
+    K: StateSpace,
+    S: Array,
+    U: Array,
+    sensors: Collection[str],
+    actuators: Collection[str],
+) -> _Break:
+    """Take the wires to `signals` out."""
+    b = _Break(
+        S.copy(),
+        U.copy(),
+        *(np.zeros((len(names), len(signals))) for names in (K.inputs, P.inputs)),
+        *(np.zeros((len(signals), len(names))) for names in (K.outputs, P.outputs)),
+    )
+    for j, name in enumerate(signals):
+        if f"{name}_out" in K.outputs:
+            b.into_controller[:, j : j + 1] = _wires(K.inputs, (name,), {name: name})
+            b.of_controller[j] = _wires(("out",), K.outputs, {"out": f"{name}_out"})[0]
+            continue
+        is_sensor, is_actuator = name in sensors, name in actuators
+        if is_sensor == is_actuator:
+            what = "is a sensor and an actuator" if is_sensor else "is neither a sensor nor an actuator"
+            raise SignalError(
+                f"the loop cannot open at '{name}', which {what}: name one of {', '.join((*sensors, *actuators))}, "
+                "rename one of two with the same name, or `cut` the controller at it"
+            )
+        if is_sensor:
+            i = K.inputs.index(name)
+            b.into_controller[i, j], b.of_plant[j], b.S[i] = 1, S[i], 0
+        else:
+            i = P.inputs.index(name)
+            b.into_plant[i, j], b.of_controller[j], b.U[i] = 1, U[i], 0
+    return b
+
+
+def _wires(into: Sequence[str], source: Sequence[str], wires: Mapping[str, str | Mapping[str, float]]) -> Array:
+    """Return the matrix (into, source) of zeros with the weight of each wire, 1 for a wire from one signal."""
     W = np.zeros((len(into), len(source)))
     for end, start in wires.items():
-        for name, known in ((end, into), (start, source)):
-            if name not in known:
-                raise SignalError(f"the wire from '{start}' to '{end}': '{name}' is not one of {', '.join(known)}")
-        W[into.index(end), source.index(start)] = 1
+        for begin, weight in ({start: 1.0} if isinstance(start, str) else start).items():
+            for name, known in ((end, into), (begin, source)):
+                if name not in known:
+                    raise SignalError(f"the wire from '{begin}' to '{end}': '{name}' is not one of {', '.join(known)}")
+            W[into.index(end), source.index(begin)] = weight
     return W

@@ -7,17 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from synth.block import Block, Fault
+from synth.block import LATCH_BIT, Block, Fault
 from synth.emit.layout import Layout, Struct
 from synth.emit.printer import Line
 from synth.emit.replace import Surrogate
-from synth.synthesise.safety import Safety
+from synth.errors import EmitError
 
 
 def manifest(
     block: Block,
     layout: Layout,
-    safety: Safety | None,
     texts: Mapping[str, str],
     surrogates: Sequence[Surrogate],
     source: Sequence[Line],
@@ -34,7 +33,7 @@ def manifest(
         "functions": {"init": f"{block.name}_init", "step": f"{block.name}_step"},
         "structs": {s.kind: _struct(s) for s in layout.structs},
         "faults": [_fault(f) for f in block.faults],
-        "safety": _safety(safety),
+        "safety": _safety(block),
         "surrogates": [_surrogate(s) for s in surrogates],
         "trace": _trace(source),
         "sha256": {name: hashlib.sha256(text.encode()).hexdigest() for name, text in texts.items()},
@@ -80,9 +79,15 @@ def _trace(source: Sequence[Line]) -> dict[str, list[list[int]]]:
     return runs
 
 
-def _safety(safety: Safety | None) -> dict[str, Any] | None:
-    if safety is None:
+def _safety(block: Block) -> dict[str, Any] | None:
+    if not block.latches:
         return None
+    safety = block.safety
+    if safety is None:
+        raise EmitError(
+            f"block '{block.name}' latches (fault bit {LATCH_BIT}) but does not say what it does then: give it a "
+            "`safety`, as safety.guard and safety.safe_output do"
+        )
     return {
         "bad_samples": safety.bad_samples,
         "safe_output": dict(safety.safe_output),

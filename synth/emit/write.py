@@ -11,7 +11,6 @@ import numpy as np
 from synth.block import Block
 from synth.emit import c_text, layout, manifest, reduced
 from synth.emit.lower import Program
-from synth.synthesise.safety import Safety
 
 
 @dataclass(frozen=True)
@@ -26,7 +25,6 @@ class Emitted:
 def emit(
     block: Block,
     scalar: type[np.floating],
-    safety: Safety | None = None,
     gains: Mapping[str, Any] | None = None,
     libm: bool = False,
     error: float | None = None,
@@ -36,6 +34,8 @@ def emit(
     Constants are rounded to the scalar type here, once. `gains` is the document that becomes gains.json. Functions of
     one variable become polynomials with a relative `error` of at most 2e-7 in float32 and 1e-14 in float64 when it is
     left out, unless `libm` is to compute them.
+
+    The manifest tells the safety that the Block carries, where it latches.
 
     Raises EmitError for a scalar type or an operation without a form in C, and for an operation that is not proved safe
     over the declared ranges.
@@ -48,7 +48,7 @@ def emit(
         f"{block.name}.c": "".join(f"{line.text}\n" for line in source),
         f"{block.name}.h": c_text.header(shipped, memory),
     }
-    document = manifest.manifest(shipped, memory, safety, texts, printed.surrogates, source)
+    document = manifest.manifest(shipped, memory, texts, printed.surrogates, source)
     shipped_gains = {
         "constants": {c.name: {"value": c.value, "unit": c.unit, "from": c.source} for c in shipped.constants}
     }

@@ -44,6 +44,29 @@ class Equations:
 
 
 @dataclass(frozen=True)
+class Formula:
+    """A derived equation as MathML, its unit and range; of equations that are alike, `likewise` says with what.
+
+    `likewise` is markup too.
+    """
+
+    math: Markup
+    unit: str = ""
+    range: str = ""
+    likewise: str = ""
+
+
+@dataclass(frozen=True)
+class Formulas:
+    """Derived equations under a title, `folded` away or open; `also` names others that are alike, and with what."""
+
+    title: str
+    rows: tuple[Formula, ...]
+    also: tuple[tuple[str, Markup], ...] = ()
+    folded: bool = False
+
+
+@dataclass(frozen=True)
 class Table:
     """Rows of texts and numbers under their columns; a number is shown to `digits`, a text as it is.
 
@@ -80,7 +103,7 @@ class Checks:
     checks: tuple[Check, ...]
 
 
-Block = Text | Equations | Table | Figure | Checks
+Block = Text | Equations | Formulas | Table | Figure | Checks
 
 
 @dataclass(frozen=True)

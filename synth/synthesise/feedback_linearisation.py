@@ -31,11 +31,12 @@ from synth.analyse.relative_degree import RelativeDegree
 from synth.analyse.trim import OperatingPoint
 from synth.analyse.zero_dynamics import ZeroDynamics
 from synth.check import Check
-from synth.errors import ModelError
+from synth.errors import ModelError, SignalError
 from synth.plant import Plant
 from synth.signals import names
-from synth.statespace import Array
+from synth.statespace import Array, StateSpace
 from synth.synthesise import cofactors, dynamic_extension, weights
+from synth.timing import Continuous
 
 SEED = 7  # not one of those that the relative degree was told by
 LOST = 2.0**26  # of the demands' size: how far terms may grow and cancel, half of the digits
@@ -79,6 +80,26 @@ class Linearisation:
     def law(self) -> ca.Function:
         """The law as a function (x, w) -> u."""
         return ca.Function("law", [self.x, self.w], [ca.densify(self.u)], ["x", "w"], ["u"])
+
+    def chain(self, output: str) -> "Chain":
+        """Return the chain of integrators from the demand ``w_<output>`` to an output, which this law makes of the plant.
+
+        Its states are the output and its derivatives, by the name of the plant's state that a derivative is, else
+        ``<output>_d<k>``.
+
+        Raises SignalError for an output that is not linearised, or that the inputs move at once.
+        """
+        if output not in self.degree.outputs:
+            raise SignalError(f"'{output}' is not linearised: choose one of {', '.join(self.degree.outputs)}")
+        i = self.degree.outputs.index(output)
+        if not (r := self.degree.degrees[i]):
+            raise SignalError(f"the inputs move '{output}' at once, without an integrator: give it no axis")
+        states, demand, unit = _chain_states(self, i), f"w_{output}", self.degree.model.outputs[i].unit
+        units = {output: unit}
+        for name in (*states, demand):
+            units[name], unit = unit, dynamic_extension.per_second(unit)
+        matrices = np.eye(r, k=1), np.eye(r)[:, -1:], np.eye(r)[:1], np.zeros((1, 1))
+        return Chain(StateSpace(*matrices, states, (demand,), (output,), Continuous(), units), self)
 
     def condition_map(
         self, down: str, across: str, held: Mapping[str, float] | None = None
@@ -135,6 +156,23 @@ class Linearisation:
             times = {0: signal.name, 1: f"d {signal.name}/dt"}.get(r, f"d^{r} {signal.name}/dt^{r}")
             found.append(show.named(times, unit))
         return found
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """The integrators of one output, a continuous model from its demand, and the law that makes them of the plant."""
+
+    model: StateSpace
+    law: Linearisation
+
+
+def _chain_states(found: Linearisation, i: int) -> tuple[str, ...]:
+    known, states = ca.vertsplit(found.x), names(found.degree.model.states)
+    labels = []
+    for k, e in enumerate(ca.vertsplit(found.degree.chains[i])):
+        same = [name for x, name in zip(known, states, strict=True) if ca.is_equal(e, x, 2)]
+        labels.append(same[0] if same else f"{found.degree.outputs[i]}_d{k}")
+    return tuple(labels)
 
 
 @arguments.checked

@@ -16,19 +16,24 @@ while `suspected` lasts, so that it latches.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import casadi as ca
 
 from synth import arguments
-from synth.block import Block, Constant, Exprs, Fault, State, Step, build, clip
+from synth.block import LATCH_BIT, Block, Constant, Exprs, Fault, Safety, State, Step, build, clip
 from synth.errors import SignalError
 from synth.signals import Signal
 from synth.timing import Discrete
 
-LATCH_BIT = 31
+__all__ = [
+    *("GUARD", "LATCH_BIT", "NO_SAFE_OUTPUT", "SAFE_OUTPUT", "SUSPECTED"),
+    *("Guarded", "Safety", "frozen", "guard", "safe_output"),
+]
+
 GUARD, SAFE_OUTPUT, SUSPECTED = "guard", "safe_output", "suspected"
+NO_SAFE_OUTPUT = "no output has a safe value: once latched it goes on and tells so in the fault word"
 
 
 @dataclass(frozen=True)
@@ -45,21 +50,13 @@ class Guarded:
 
 
 @arguments.checked
-@dataclass(frozen=True)
-class Safety:
-    """After `bad_samples` samples in a row with a bad measurement the outputs slew to `safe_output`.
-
-    `reason` says why these values.
-    """
-
-    bad_samples: int
-    safe_output: Mapping[str, float]
-    slew_per_s: Mapping[str, float]
-    reason: str
-
-
-@arguments.checked
-def guard(time: Discrete, inputs: Sequence[Guarded], bad_samples: int, suspected: Sequence[str] = ()) -> Block:
+def guard(
+    time: Discrete,
+    inputs: Sequence[Guarded],
+    bad_samples: int,
+    suspected: Sequence[str] = (),
+    reason: str = NO_SAFE_OUTPUT,
+) -> Block:
     """Return the Block that accepts or replaces each input.
 
     It drives ``<name>_held`` and ``fault_<name>``. With a measurement among the inputs it drives ``complete`` as well:
@@ -67,6 +64,8 @@ def guard(time: Discrete, inputs: Sequence[Guarded], bad_samples: int, suspected
     complete; and ``latched``, this sample included. For measurements that may be `suspected` it has the further inputs
     ``suspected`` and ``suspect_<name>`` and drives a ``fault_suspect_<name>`` for each: both of its inputs hold.
     ``complete`` then speaks of these measurements alone, which are compared whatever becomes of others.
+
+    `reason` says why there is no safe output, where the guard is composed with none.
 
     Bits of the fault word are those of the inputs in their order, of the suspects in theirs, and LATCH_BIT.
 
@@ -124,7 +123,7 @@ def guard(time: Discrete, inputs: Sequence[Guarded], bad_samples: int, suspected
     faults = [Fault(i, f"fault_{g.signal.name}", g.signal.name) for i, g in enumerate(inputs)]
     faults += [Fault(i, f"fault_suspect_{n}", suspect=n) for i, n in enumerate(suspected, len(inputs))]
     faults += [Fault(LATCH_BIT, "latched")] if measured else []
-    return replace(block, faults=tuple(faults))
+    return replace(block, faults=tuple(faults), safety=Safety(bad_samples, {}, {}, reason) if measured else None)
 
 
 @arguments.checked
@@ -161,7 +160,7 @@ def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Bl
         before = {f"{s.name}_before": x[f"last_{s.name}"] for s in outputs}
         return Step(value | before, {f"last_{n}": v for n, v in value.items()})
 
-    return build(
+    block = build(
         SAFE_OUTPUT,
         time,
         law,
@@ -173,6 +172,8 @@ def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Bl
         states=[State(_renamed(s, f"last_{s.name}", "last output"), safety.safe_output[s.name]) for s in outputs],
         tag="slew to the safe output once latched",
     )
+    values, rates = ({s.name: of[s.name] for s in outputs} for of in (safety.safe_output, safety.slew_per_s))
+    return replace(block, safety=replace(safety, safe_output=values, slew_per_s=rates))
 
 
 @arguments.checked

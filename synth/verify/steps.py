@@ -10,7 +10,6 @@ rare        of many steps those whose flags few others have
 at_ends     of many steps those in which an output or x_{k+1} comes to an end of its range, or near it
 """
 
-import ctypes
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -19,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from synth.errors import SignalError
-from synth.execute import host
+from synth.execute import host, recording
 
 SEED = 19_680
 GOOD, LATCHED = 4, 80  # samples before and after a run of bad ones, and of a latched step
@@ -55,14 +54,8 @@ def recorded(
     Raises SignalError as `host.Controller.replay`.
     """
     n = host.length(inputs)
-    given = controller.records(inputs, n)
-    states, outputs = np.zeros(n + 1, controller.state), np.zeros((), controller.outputs)
-    states[0] = controller.init()
-    step = ctypes.CFUNCTYPE(ctypes.c_uint32, *[ctypes.c_void_p] * 3)(controller.step_address)
-    for k in range(n):
-        states[k + 1] = states[k]
-        step(states[k + 1 :].ctypes.data, given[k:].ctypes.data, outputs.ctypes.data)
-    return Steps(name, states[:n], given, closed_loop)
+    states = recording.states(controller, inputs)
+    return Steps(name, states[:n], controller.records(inputs, n), closed_loop)
 
 
 def joined(name: str, parts: Sequence[Steps]) -> Steps:

@@ -257,7 +257,9 @@ def test_names_that_are_not_known_are_refused() -> None:
             loop.opened(plant(), controller("q"), "q", sensors, actuators)
     with pytest.raises(SignalError, match=r"from 'torque' to 'f': 'torque' is not one of force, q_out"):
         loop.opened(plant(), controller("q"), "q", SENSORS, {"f": "torque"})
-    with pytest.raises(SignalError, match="'rate' is not one of encoder, feed, q"):
+    with pytest.raises(
+        SignalError, match="at 'rate', which is neither a sensor nor an actuator: name one of encoder, f"
+    ):
         loop.opened(plant(), controller("q"), "rate", SENSORS, ACTUATORS)
 
 

@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.block import Block, Constant, Fault, State, Step, build
+from synth.block import Block, Constant, Fault, Safety, State, Step, build
 from synth.compose import compose
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -203,7 +203,7 @@ def drawn(seed: int) -> Block:
         wired, flags = [(first, second, third)[i] for i in rng.permutation(3)], ("flag_one", "flag_two")
         block = compose("rb", wired, inputs=[s.name for s in given], outputs=["w", "y", "z", "v", *flags])
     faults = (Fault(int(rng.integers(31)), flags[0], None), Fault(31, flags[1], None))
-    return replace(block, name=f"rb{seed}", faults=faults)
+    return replace(block, name=f"rb{seed}", faults=faults, safety=Safety(1, {}, {}, "test"))
 
 
 def withheld(seed: int) -> Block:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import casadi as ca
 
-from synth.block import Block, Constant, Fault, State, Step, build
+from synth.block import Block, Constant, Fault, Safety, State, Step, build
 from synth.compose import compose
 from tests.emit.dyadic import TIME, signal
 
@@ -201,6 +201,9 @@ def nested(depth: int = 40) -> Block:
     return make("nested", law, "y z", [*real("x"), *count()])
 
 
+LATCHING = Safety(1, {}, {}, "test")
+
+
 def flags() -> Block:
     """Return a Block whose fault word has bits that are always set, never, twice from one flag, and now and then."""
 
@@ -212,7 +215,7 @@ def flags() -> Block:
 
     block = make("flags", law, "wide always never n", count())
     bits = [(0, "wide"), (4, "always"), (5, "never"), (30, "n"), (31, "wide")]
-    return replace(block, faults=tuple(Fault(bit, name, None) for bit, name in bits))
+    return replace(block, faults=tuple(Fault(bit, name, None) for bit, name in bits), safety=LATCHING)
 
 
 def suspects() -> Block:
@@ -227,7 +230,7 @@ def suspects() -> Block:
 
     block = make("suspects", law, "p q r wide other", [State(signal("told", 0, 1), 0, True), *count()])
     bits = [(0, "wide"), (1, "p"), (2, "q"), (7, "r"), (8, "other"), (9, "q"), (31, "wide")]
-    return replace(block, faults=tuple(Fault(bit, name) for bit, name in bits))
+    return replace(block, faults=tuple(Fault(bit, name) for bit, name in bits), safety=LATCHING)
 
 
 def constant_word() -> Block:

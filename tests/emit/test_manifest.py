@@ -4,6 +4,7 @@ import hashlib
 import json
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -17,16 +18,15 @@ from synth.block import Block, Step, build
 from synth.compose import compose
 from synth.emit.manifest import dumps
 from synth.emit.write import Emitted, emit
-from synth.errors import CompileError
+from synth.errors import CompileError, EmitError, WiringError
 from synth.execute import host
 from synth.signals import Signal
-from synth.synthesise.safety import Guarded, Safety, guard, safe_output
+from synth.synthesise.safety import LATCH_BIT, NO_SAFE_OUTPUT, Guarded, Safety, frozen, guard, safe_output
 from synth.timing import Discrete
 from tests.emit import dyadic, hazards
 
 TIME = Discrete(1.25e-3)
 GAP = Signal("gap", "m", 0.01, 0.03, "air gap")
-SAFETY = Safety(5, {"gap_held": 0.02}, {"gap_held": 0.5}, "it falls up")
 
 
 def emitted(scalar: type[np.floating]) -> Emitted:
@@ -36,7 +36,7 @@ def emitted(scalar: type[np.floating]) -> Emitted:
         inputs=["gap", "wish"],
         outputs=["gap_held"],
     )
-    return emit(block, scalar, SAFETY)
+    return emit(block, scalar)
 
 
 @pytest.mark.parametrize("scalar", [np.float32, np.float64])
@@ -67,12 +67,7 @@ def test_every_entry_stands_as_declared() -> None:
     gap = {"name": "gap", "offset": 0, "count": 1, "ctype": "float", "unit": "m"} | bounds
     assert manifest["structs"]["input"]["fields"][0] == gap
     assert [s["type"] for s in manifest["structs"].values()] == ["stage_input_t", "stage_output_t", "stage_state_t"]
-    assert manifest["safety"] == {
-        "bad_samples": 5,
-        "safe_output": {"gap_held": 0.02},
-        "slew_per_s": {"gap_held": 0.5},
-        "reason": "it falls up",
-    }
+    assert manifest["safety"] == {"bad_samples": 5, "safe_output": {}, "slew_per_s": {}, "reason": NO_SAFE_OUTPUT}
     assert manifest["sha256"] == {
         name: hashlib.sha256(made.files[name].encode()).hexdigest() for name in ("stage.c", "stage.h")
     }
@@ -214,7 +209,7 @@ def misfits(found: Any, schema: Any, where: str = "") -> list[str]:
 
 
 def test_the_document_has_the_keys_and_kinds_that_are_promised() -> None:
-    made = emit(stage(), np.float32, STAGE, error=1e-5)
+    made = emit(stage(), np.float32, error=1e-5)
     document = json.loads(made.files["manifest.json"])
     assert document == made.manifest and not misfits(document, SCHEMA) and document["surrogates"]
     assert document["faults"] == [{"bit": 0, "input": "gap"}, {"bit": 1, "input": "wish"}, {"bit": 31, "latched": True}]
@@ -269,7 +264,46 @@ def test_numbers_that_json_does_not_know_are_refused() -> None:
         dumps({"x": float("nan")})
 
 
-def test_a_block_without_safety_says_so() -> None:
+def test_what_does_not_latch_has_no_safety() -> None:
     output = Signal("force", "N", -1, 1)
     block = safe_output(TIME, [output], Safety(1, {"force": 0}, {"force": 1}, "rest"))
     assert emit(block, np.float64).manifest["safety"] is None
+    assert emit(guard(TIME, [Guarded(GAP, 0.02, False)], 3), np.float64).manifest["safety"] is None
+
+
+def test_the_safety_is_that_of_the_blocks_and_the_c_keeps_it() -> None:
+    made = emit(frozen(stage()), np.float64, error=1e-5)
+    told = made.manifest["safety"]
+    assert told == {"bad_samples": 3, "safe_output": {"force": 0.0}, "slew_per_s": {"force": 5.0}, "reason": "at rest"}
+    replay = host.load(made.files, made.manifest).replay({"gap": [0.5] * 4 + [9.0] * 400, "wish": [1.0] * 404})
+    latched, force = np.flatnonzero(replay.faults >> LATCH_BIT)[0], replay.outputs["force"]
+    assert latched == 4 + told["bad_samples"] - 1
+    steps = np.abs(np.diff(force[latched - 1 :]))
+    assert force[-1] == told["safe_output"]["force"]
+    assert steps.max() == pytest.approx(told["slew_per_s"]["force"] * TIME.period_s)
+
+
+def test_an_output_that_passes_a_safe_one_on_has_its_safety() -> None:
+    """And one that is computed from it has none."""
+    force = Signal("force", "N", -1, 1)
+    both = [Signal("left", "N", -1, 1), Signal("right", "N", -1, 1), Signal("half", "N", -0.5, 0.5)]
+    shared = build(
+        "shared",
+        TIME,
+        lambda u, x, k: Step({"left": u["force"], "right": u["force"], "half": u["force"] / 2}),
+        inputs=[force],
+        outputs=both,
+    )
+    parts = [guard(TIME, [Guarded(GAP, 0.02, True)], 2), safe_output(TIME, [force], replace(STAGE, bad_samples=2))]
+    block = compose("two", [*parts, shared], inputs=["gap", "force_computed"], outputs=["right", "left", "half"])
+    assert block.safety == Safety(2, {"right": 0.0, "left": 0.0}, {"right": 5.0, "left": 5.0}, "at rest")
+
+
+def test_a_latch_that_contradicts_its_safety_is_refused() -> None:
+    force = Signal("force", "N", -1, 1)
+    parts = [guard(TIME, [Guarded(GAP, 0.02, True)], 2), safe_output(TIME, [force], STAGE)]
+    with pytest.raises(WiringError, match="'guard' latches after 2 bad samples, 'safe_output' after 3: declare one"):
+        compose("two", parts, inputs=["gap", "force_computed"], outputs=["force"])
+    untold = replace(guard(TIME, [Guarded(GAP, 0.02, True)], 2), safety=None)
+    with pytest.raises(EmitError, match=r"block 'guard' latches \(fault bit 31\) but does not say what it does then"):
+        emit(untold, np.float64)

@@ -64,7 +64,7 @@ def controller(safety: Safety = SAFE) -> Block:
 
 
 def load(change: Callable[[str], str] = str, safety: Safety = SAFE) -> host.Controller:
-    made = emit(controller(safety), f32, safety)
+    made = emit(controller(safety), f32)
     return host.load(dict(made.files) | {"guarded.c": change(made.files["guarded.c"])}, made.manifest)
 
 
@@ -336,7 +336,7 @@ def counting() -> Block:
 
 
 def states_after(block: Block, rows: Sequence[Mapping[str, Any]]) -> list[dict[str, float]]:
-    made = emit(block, f32, SAFE)
+    made = emit(block, f32)
     loaded = host.load(made.files, made.manifest)
     state, found = loaded.init(), []
     for row in rows:
@@ -368,7 +368,7 @@ def passed_on(width: float) -> Emitted:
         outputs=[wide],
     )
     blocks = [guard(TIME, INPUTS, SAFE.bad_samples), law, safe_output(TIME, [FORCE], SAFE)]
-    return emit(compose("passed", blocks, inputs=NAMES, outputs=["force"]), f32, SAFE)
+    return emit(compose("passed", blocks, inputs=NAMES, outputs=["force"]), f32)
 
 
 @pytest.mark.parametrize(("width", "limits"), [(4.0, 1), (40.0, 2)])
@@ -461,7 +461,7 @@ def answered(
     told: Sequence[str], change: Callable[[str], str] = str, **given: Sequence[float]
 ) -> tuple[list[int], np.ndarray]:
     """Return fault words and forces where each sample tells of those that the letters s, r, a name."""
-    made = emit(watched(), f32, SAFE)
+    made = emit(watched(), f32)
     found = host.load(dict(made.files) | {"watched.c": change(made.files["watched.c"])}, made.manifest)
     u = {n: np.full(len(told), v, f32) for n, v in GOOD.items()} | {n: np.array(v, f32) for n, v in given.items()}
     u |= {f"tell_{n}": np.array([letter in t for t in told], f32) for letter, n in zip("sra", SUSPICIOUS, strict=True)}
@@ -523,7 +523,7 @@ def test_a_planted_change_of_suspicion_is_seen(old: str, new: str) -> None:
 
 
 def test_manifest_and_header_name_the_suspects() -> None:
-    made = emit(watched(), f32, SAFE)
+    made = emit(watched(), f32)
     named = [{"bit": 3, "suspect": "reading"}, {"bit": 4, "suspect": "angle"}, {"bit": 31, "latched": True}]
     inputs = [{"bit": i, "input": n} for i, n in enumerate(NAMES)]
     assert made.manifest["faults"] == [*inputs, *named]

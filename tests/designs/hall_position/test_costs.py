@@ -28,7 +28,7 @@ emit_with_libm = partial(write.emit, libm=True)
 @cache
 def three() -> Emitted:
     """Return the C of three sensors."""
-    return emit_with_libm(shipped.block(shipped.THREE), np.float32, shipped.SAFETY)
+    return emit_with_libm(shipped.block(shipped.THREE), np.float32)
 
 
 @cache

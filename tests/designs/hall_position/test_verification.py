@@ -134,7 +134,7 @@ def test_no_number_is_told() -> None:
 @cache
 def wrong_in_single() -> Witnesses:
     block = off_by(subject().block, 1.001)
-    made = write.emit(block, np.float32, shipped.SAFETY, error=estimator.SURROGATE_ERROR[np.float32])
+    made = write.emit(block, np.float32, error=estimator.SURROGATE_ERROR[np.float32])
     return replace(sound(), c32=host.load(made.files, made.manifest))
 
 

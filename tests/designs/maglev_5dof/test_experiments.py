@@ -78,7 +78,7 @@ def _with_gain(block: Block, name: str) -> Block:
 
 def test_a_wrong_sign_in_a_gain_is_caught(stage: Plant) -> None:
     block = _with_gain(control.controller(stage), "regulator_y_k_de")
-    emitted = write.emit(block, np.float32, control.SAFETY, error=control.SURROGATE_ERROR[np.float32])
+    emitted = write.emit(block, np.float32, error=control.SURROGATE_ERROR[np.float32])
     run = experiments.step(Loop(stage, host.load(emitted.files, emitted.manifest)), "y", 0.022, 0.029, gap=0.022)
     assert run.response.t_s > experiments.Y_LIMITS[1]
 

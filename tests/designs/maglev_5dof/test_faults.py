@@ -124,7 +124,7 @@ def test_a_latch_stays_until_init(single: host.Controller) -> None:
 
 def _emitted(stage: Plant) -> write.Emitted:
     error = control.SURROGATE_ERROR[np.float32]
-    return write.emit(control.controller(stage), np.float32, control.SAFETY, error=error)
+    return write.emit(control.controller(stage), np.float32, error=error)
 
 
 @pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="-mfma is a flag of x86-64 compilers")

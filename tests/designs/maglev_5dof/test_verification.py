@@ -59,7 +59,7 @@ def _apart(found: agree.Agreement) -> bool:
 
 
 def _emitted(block: Block) -> write.Emitted:
-    return write.emit(block, np.float64, control.SAFETY, error=control.SURROGATE_ERROR[np.float64])
+    return write.emit(block, np.float64, error=control.SURROGATE_ERROR[np.float64])
 
 
 def test_the_sound_c_agrees(double: host.Controller, drawn: tuple[verification.Columns, verification.Columns]) -> None:

@@ -40,7 +40,7 @@ def bench(subject: Subject, edges: int = EDGES) -> Bench:
 
 def emitted(block: Block) -> write.Emitted:
     """Return the C in double precision."""
-    return write.emit(block, np.float64, interface.SAFETY, error=interface.SURROGATE_ERROR[np.float64])
+    return write.emit(block, np.float64, error=interface.SURROGATE_ERROR[np.float64])
 
 
 def told(at: Bench, witness: agree.Witness) -> bool:

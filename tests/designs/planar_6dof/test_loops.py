@@ -93,7 +93,7 @@ def test_the_linear_controller_is_that_of_the_emitted_c(cases: dict[str, Case], 
     block = cases[name][0]
     state, inputs = loops.resting(PLANT, block, loops.MIDDLE)
     expected = analyse.linearised(block, state, inputs)
-    emitted = write.emit(block, np.float64, interface.SAFETY, error=interface.SURROGATE_ERROR[np.float64])
+    emitted = write.emit(block, np.float64, error=interface.SURROGATE_ERROR[np.float64])
     A, B, C, D = differences(host.load(emitted.files, emitted.manifest), block, state, inputs)
     found = replace(expected, A=A, B=B, C=C, D=D)
     z = circle(cases[name][1])

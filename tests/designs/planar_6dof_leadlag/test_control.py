@@ -23,7 +23,7 @@ RESPONSES = {"x": (20e-6, 0.24, 0.019), "y": (1e-4, 0.24, 0.019), "phi": (np.rad
 
 @pytest.fixture(scope="module")
 def c64() -> host.Controller:
-    emitted = write.emit(control.controller(PLANT), np.float64, control.SAFETY)
+    emitted = write.emit(control.controller(PLANT), np.float64)
     return host.load(emitted.files, emitted.manifest)
 
 

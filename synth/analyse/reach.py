@@ -1,0 +1,50 @@
+"""Reachable bounds of a stable sampled model's states: the l1 norm from each bounded input, peak to peak.
+
+    x+ = A x + B u,   |u_j| <= u_max_j,   x(0) = 0:      |x_i| <= sum_k sum_j |(A^k B)_ij| u_max_j
+
+attained by the worst input (Dahleh, Diaz-Bobillo 1995, 2.3). With s the sum of the first N terms and |A^N| s <= q s,
+q < 1, by entry, what is left of the sum is q / (1 - q) s at most.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from synth import arguments
+from synth.errors import ModelError, SignalError
+from synth.statespace import Array, System, of, readonly
+from synth.timing import period
+
+SETTLED = 1e-3  # q, at which the sum ends
+LONGEST = 2_000_000  # samples until then
+
+
+@arguments.checked
+def states(system: System, inputs: ArrayLike) -> Array:
+    """Return bounds (n,) of a stable sampled model's states from 0, for inputs within +-`inputs` (m,).
+
+    Raises TimingError for a continuous model; SignalError for bounds that are no finite numbers of 0 or more; ModelError
+    for a model that is not stable, or settles too slowly.
+    """
+    model = of(system)
+    period(model.time)
+    largest = arguments.real("bounds of the inputs", inputs)
+    if largest.shape != (len(model.inputs),) or not (np.isfinite(largest).all() and (largest >= 0).all()):
+        raise SignalError(
+            f"the bounds of the inputs have shape {largest.shape}, or are not finite or below 0: give "
+            f"{len(model.inputs)}, one for each of {', '.join(model.inputs) or 'no inputs'}"
+        )
+    if not len(model.states):
+        return readonly([])
+    column, power, total = model.B * largest, np.eye(len(model.A)), np.zeros(len(model.A))
+    for _ in range(LONGEST):
+        total += np.abs(column).sum(axis=1)
+        column, power = model.A @ column, model.A @ power
+        left = np.abs(power) @ total
+        if (left <= SETTLED * total).all():
+            return readonly(total / (1 - SETTLED))
+        if not np.isfinite(left).all():
+            break
+    raise ModelError(
+        f"the states {', '.join(model.states)} have no bound: after {LONGEST} samples they have not settled; stabilise "
+        "the model, or give its slow modes a faster decay"
+    )

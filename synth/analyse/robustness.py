@@ -1,0 +1,220 @@
+"""Margins of a stage's loops: opened at each actuator and sensor, over operating points and tolerances of parameters.
+
+           *--->[ delay, hold, plant, sampler ]---*         For each operating point and each set of parameters the loop
+           ^                                      v         is solved for where it rests, linearised and opened there
+           +----[ controller as it ships ]<-------+         at one * at a time, all others closed: L, with 1 + L closed.
+
+The controller has its constants in the scalar type in which it ships and its own idea of the plant; parameters change in
+the plant alone. MATLAB: `getLoopTransfer` over `ureal` vertices, `allmargin`.
+"""
+
+import itertools
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from synth import arguments
+from synth.analyse import disk, margins, resting, trim
+from synth.analyse.margins import Margins
+from synth.analyse.resting import ClosedLoop, Rest
+from synth.check import Check
+from synth.declaration import Controller, Interface
+from synth.errors import ModelError, SignalError
+from synth.plant import Plant
+from synth.signals import names
+from synth.statespace import StateSpace
+
+NOMINAL: Mapping[str, float] = {}
+MOST_CORNERS = 1024  # each is solved for where it rests at each operating point
+
+Case = Mapping[str, float]  # values of parameters that are not the declared ones
+
+
+@dataclass(frozen=True)
+class _Requirement:
+    """A margin, its unit, what it is in a loop that is not stable, and how it is read."""
+
+    unit: str
+    lost: float
+    of: Callable[[Margins], float]
+
+
+REQUIREMENTS: Mapping[str, _Requirement] = {
+    "phase_margin": _Requirement("degrees", 0.0, lambda m: m.phase_margin),
+    "gain_margin": _Requirement("1", 1.0, lambda m: m.gain_margin),
+    "gain_reduction": _Requirement("1", 1.0, lambda m: 1 / m.gain_reduction_margin if m.gain_reduction_margin else np.inf),
+    "delay_margin": _Requirement("s", 0.0, lambda m: m.delay_margin),
+    "modulus_margin": _Requirement("1", 0.0, lambda m: m.modulus_margin),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class OpenLoop:
+    """The loop at an operating point with some parameters changed, opened at `signal`, and its margins."""
+
+    point: str
+    case: Case
+    signal: str
+    L: StateSpace
+    margins: Margins
+
+    @property
+    def label(self) -> str:
+        """Where the loop is opened and at what operating point, with the parameters that differ."""
+        changed = "".join(f", {name} = {value:.5g}" for name, value in self.case.items())
+        return f"at {self.signal}, {self.point}{changed}"
+
+    def margin(self, name: str) -> float:
+        """Return one of REQUIREMENTS; what is left of it in a loop that is not stable: nothing."""
+        kind = REQUIREMENTS[name]
+        return float(kind.of(self.margins)) if self.margins.stable else kind.lost
+
+
+@arguments.checked
+@dataclass(frozen=True, eq=False)
+class Loops:
+    """Where the loops of a stage are taken: the closed loop and its interface, operating points and parameters' values.
+
+    `points` hold plant states by name of the point, others are 0. `cases` are sets of parameters' values, NOMINAL among
+    them where nothing is changed.
+    """
+
+    closed: ClosedLoop
+    interface: Interface
+    points: Mapping[str, Mapping[str, float]]
+    cases: Sequence[Case] = field(default=(NOMINAL,))
+
+    @property
+    def actuators(self) -> tuple[str, ...]:
+        """The plant's inputs that the controller drives."""
+        return tuple(self.closed.actuators)
+
+    @property
+    def sensors(self) -> tuple[str, ...]:
+        """The controller's inputs that sensors drive."""
+        return tuple(self.closed.sensors)
+
+
+@arguments.checked
+def of_controller(
+    controller: Controller,
+    plant: Plant,
+    points: Mapping[str, Mapping[str, float]],
+    cases: Sequence[Case] = (NOMINAL,),
+    scalar: type[np.floating] = np.float32,
+    actuators: resting.Wires | None = None,
+) -> Loops:
+    """Return the loops of a composed controller, its constants rounded to `scalar`, around a plant.
+
+    `actuators` are the wires from the controller's outputs to the plant's inputs, those of the interface if left out.
+
+    Raises SignalError for no operating point, or as `resting.ClosedLoop`.
+    """
+    if not points or not cases:
+        raise SignalError("there are no operating points or no cases: give one of each at least, the middle of the range")
+    around = controller.interface
+    wires = {a.of: a.name for a in around.actuators} if actuators is None else actuators
+    sensors = {s.name: s.of for s in around.sensors}
+    closed = ClosedLoop(plant, controller.block.rounded(scalar), sensors, wires, around.delay)
+    return Loops(closed, around, dict(points), tuple(cases))
+
+
+@arguments.checked
+def corners(plant: Plant, parameters: Sequence[str]) -> list[Case]:
+    """Return all combinations of some parameters at the ends of their tolerances: 2^k for k of them.
+
+    Raises SignalError for an unknown parameter, one without a tolerance, or more than MOST_CORNERS corners.
+    """
+    ends = [_ends(plant, name) for name in parameters]
+    if 2 ** len(ends) > MOST_CORNERS:
+        raise SignalError(f"{len(ends)} parameters have 2^{len(ends)} corners, {MOST_CORNERS} at most are taken: name fewer")
+    return [dict(zip(parameters, values, strict=True)) for values in itertools.product(*ends)] if ends else []
+
+
+@arguments.checked
+def one_at_a_time(plant: Plant) -> list[Case]:
+    """Return each parameter with a tolerance at both of its ends, the others at their values."""
+    toleranced = [p.name for p in plant.parameters if p.tolerance and p.value]
+    return [{name: value} for name in toleranced for value in _ends(plant, name)]
+
+
+def _ends(plant: Plant, name: str) -> tuple[float, float]:
+    p = plant.parameter(name)
+    if not p.tolerance * abs(p.value):
+        raise SignalError(f"parameter '{name}' is {p.value} {p.unit} with the tolerance {p.tolerance}: give it one that spans")
+    return p.value * (1 - p.tolerance), p.value * (1 + p.tolerance)
+
+
+@arguments.checked
+def rest(loops: Loops, point: str, case: Case = NOMINAL) -> Rest:
+    """Return where the loop rests at an operating point, with some parameters of the plant changed.
+
+    Raises SignalError for an unknown point; ModelError as `trim.trim` and `resting.solve`.
+    """
+    if point not in loops.points:
+        raise SignalError(f"there is no operating point '{point}': choose one of {', '.join(loops.points)}")
+    of = loops.closed
+    plant = of.plant.with_parameters(**case) if case else of.plant
+    near = trim.trim(plant, dict(loops.points[point]), list(loops.actuators))
+    shown = np.asarray(plant.h(near.x, near.u, near.p)).ravel().tolist()
+    values = dict(zip(near.states, near.x.tolist(), strict=True)) | dict(zip(names(plant.outputs), shown, strict=True))
+    values |= {sensor: values[output] for sensor, output in of.sensors.items()}
+    references = {s.name: values[s.of] for s in loops.interface.set_points}
+    closed = ClosedLoop(plant, of.controller, of.sensors, of.actuators, of.delay)
+    return resting.solve(closed, references, near)
+
+
+@arguments.checked
+def opened(loops: Loops, signals: Sequence[str] | None = None) -> Iterator[OpenLoop]:
+    """Yield the loop at each operating point and case, opened at each of `signals`, all actuators and sensors if left out.
+
+    Raises SignalError for an unknown signal; ModelError naming the point where none is found.
+    """
+    chosen = [*loops.actuators, *loops.sensors] if signals is None else signals
+    for point, case in itertools.product(loops.points, loops.cases):
+        where = rest(loops, point, case)
+        for signal in chosen:
+            L = resting.open_loop(where, signal)
+            yield OpenLoop(point, case, signal, L, _margins(L, signal, point))
+
+
+def _margins(L: StateSpace, signal: str, point: str) -> Margins:
+    try:
+        return margins.of_loop(L)
+    except ModelError as error:
+        raise ModelError(f"the loop opened at {signal} at the operating point '{point}': {error}") from error
+
+
+@arguments.checked
+def disks(loops: Loops, point: str, case: Case = NOMINAL) -> dict[str, disk.DiskMargin]:
+    """Return the disk margins with all ``actuators``, all ``sensors`` and ``both`` varied at once, as `disk.of_loop`."""
+    where = rest(loops, point, case)
+    cuts = {"actuators": loops.actuators, "sensors": loops.sensors, "both": (*loops.actuators, *loops.sensors)}
+    return {name: disk.of_loop(resting.open_loop(where, list(signals))) for name, signals in cuts.items()}
+
+
+@arguments.checked
+def checks(found: Iterable[OpenLoop], require: Mapping[str, float]) -> list[Check]:
+    """Return for each required margin by how much the worst of some loops falls short of it, and which loop that is.
+
+    `require` {name: least} takes the names of REQUIREMENTS: phase_margin in degrees, gain_margin and gain_reduction as
+    factors above 1, delay_margin in s, modulus_margin.
+
+    Raises SignalError for another name or no loop.
+    """
+    loops = list(found)
+    if unknown := [name for name in require if name not in REQUIREMENTS]:
+        raise SignalError(f"'{unknown[0]}' is no margin that can be required: choose of {', '.join(REQUIREMENTS)}")
+    if not loops:
+        raise SignalError("there is no loop to check: open one at least")
+    return [_check(loops, name, least) for name, least in require.items()]
+
+
+def _check(loops: Sequence[OpenLoop], name: str, least: float) -> Check:
+    worst = min(loops, key=lambda loop: loop.margin(name))
+    value, kind = worst.margin(name), REQUIREMENTS[name]
+    unit = "" if kind.unit == "1" else f" {kind.unit}"
+    stable = "" if worst.margins.stable else ", not stable"
+    about = f"the least of {len(loops)} loops is {value:.4g}{unit} {worst.label}{stable}; {least:g}{unit} is required"
+    return Check(f"{name.replace('_', ' ')} falls short by", least - value, 0.0, kind.unit, about)

@@ -1,0 +1,211 @@
+"""The declaration of a stage: its sensors, set-points and actuators, the controller between them, and what must hold.
+
+    sensors, set-points --> guard --> errors --> laws --> limits --> safe output --> actuators
+                            <name>_held  <name>_error  <name>_demand  <name>_computed  <name>
+
+The data alone; `synth.stage` completes it from the plant's signals, composes the controller and makes the design.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Protocol
+
+import numpy as np
+
+from synth.block import Block
+from synth.errors import SignalError
+from synth.plant import Plant
+from synth.signals import Signal
+from synth.timing import Discrete
+
+Reference = Callable[[Any, Any], tuple[Mapping[str, Any], Mapping[str, Any], Any]]
+Gains = Callable[[type[np.floating]], Mapping[str, Any]]  # scalar type -> what gains.json says
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """A controller input that reads the plant output `of`, called like it where `of` is left out.
+
+    `resolution` and `noise` (standard deviation, white) are in the output's unit. The guard accepts `low` .. `high`,
+    the output's own range where they are left out, and takes `initial` before the first good sample: where it is left
+    out, the value in the range that is nearest to 0. One that is not `held` has `initial` whenever it is refused.
+    """
+
+    name: str
+    of: str = ""
+    resolution: float = 0.0
+    noise: float = 0.0
+    low: float | None = None
+    high: float | None = None
+    initial: float | None = None
+    held: bool = True
+    about: str = ""
+
+
+@dataclass(frozen=True)
+class SetPoint:
+    """A controller input that says what the plant's output or state `of` shall be, in its unit; it never latches."""
+
+    name: str
+    of: str
+    low: float
+    high: float
+    initial: float | None = None
+    about: str = ""
+
+
+@dataclass(frozen=True)
+class Actuator:
+    """A controller output that drives the plant input `of`, called like it where `of` is left out.
+
+    It is limited to `low` .. `high`, the input's own range where they are left out. Once latched it slews to `safe` by
+    `slew_per_s`, both in the input's unit.
+    """
+
+    name: str
+    safe: float
+    slew_per_s: float
+    of: str = ""
+    low: float | None = None
+    high: float | None = None
+    about: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Interface:
+    """What stands around the laws of a stage, as `stage.interface` completes it: no `of`, low, high is left out.
+
+    `signals` are those of sensors, set-points and actuators by name. `delay` counts samples between measurement and
+    actuation; `disturbances` are plant inputs that no actuator drives. After `bad_samples` in a row with a bad sensor
+    the actuators go to their safe values, for the `reason` given. `suspected` are sensors that a law compares.
+    """
+
+    plant: Plant
+    sensors: tuple[Sensor, ...]
+    set_points: tuple[SetPoint, ...]
+    actuators: tuple[Actuator, ...]
+    signals: Mapping[str, Signal]
+    disturbances: tuple[str, ...]
+    delay: int
+    bad_samples: int
+    reason: str
+    suspected: tuple[str, ...] = ()
+
+    @property
+    def inputs(self) -> tuple[Signal, ...]:
+        """The controller's inputs: sensors, then set-points."""
+        return tuple(self.signals[n] for n in (*(s.name for s in self.sensors), *(s.name for s in self.set_points)))
+
+    @property
+    def outputs(self) -> tuple[Signal, ...]:
+        """The actuators' signals."""
+        return tuple(self.signals[a.name] for a in self.actuators)
+
+    def held(self, name: str) -> Signal:
+        """Return ``<name>_held``, what the guard makes of a sensor or set-point: the signal that a law reads.
+
+        Raises SignalError for another name.
+        """
+        return replace(self._signal(name), name=f"{name}_held")
+
+    def error(self, of: str) -> Signal:
+        """Return ``<of>_error``, set-point less measurement of a sensor that has a set-point.
+
+        Raises SignalError for another name.
+        """
+        set_point = next((s for s in self.set_points if s.of == of), None)
+        if set_point is None or of not in [s.name for s in self.sensors]:
+            known = ", ".join(s.of for s in self.set_points) or "none"
+            raise SignalError(f"'{of}' is no sensor with a set-point: declare both, or take one of {known}")
+        r, y = self._signal(set_point.name), self._signal(of)
+        return Signal(f"{of}_error", y.unit, r.low - y.high, r.high - y.low, f"{set_point.name} less {of}")
+
+    def demand(self, name: str, bound: float) -> Signal:
+        """Return ``<name>_demand``, what a law asks of an actuator, up to +-`bound` in its unit, before the limit."""
+        return replace(self._signal(name), name=f"{name}_demand", low=-bound, high=bound)
+
+    def computed(self, name: str) -> Signal:
+        """Return ``<name>_computed``: what a law that limits its own demand gives instead of ``<name>_demand``."""
+        return replace(self._signal(name), name=f"{name}_computed")
+
+    def before(self, name: str) -> Signal:
+        """Return ``<name>_before``, the actuator's value one sample ago."""
+        return replace(self._signal(name), name=f"{name}_before")
+
+    def excess(self, name: str, bound: float) -> Signal:
+        """Return ``<name>_excess``, limited less demanded, for a demand up to +-`bound`: what anti-windup reads."""
+        return replace(self._signal(name), name=f"{name}_excess", low=-bound, high=bound)
+
+    def _signal(self, name: str) -> Signal:
+        if name not in self.signals:
+            raise SignalError(f"the interface has no '{name}': it has {', '.join(self.signals)}")
+        return self.signals[name]
+
+
+@dataclass(frozen=True, eq=False)
+class Law:
+    """Blocks between what the guard and the errors drive and what the limits read.
+
+    `gains` returns what gains.json says of them for a scalar type, under `name`.
+    """
+
+    name: str
+    blocks: tuple[Block, ...]
+    gains: Gains | None = None
+
+
+class Synthesis(Protocol):
+    """A law that is computed when the rate and the interface are known: `axis.servo` returns one."""
+
+    def law(self, time: Discrete, interface: Interface) -> Law:
+        """Return the law at a rate, for an interface with its delay."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Controller:
+    """The composed controller, its laws, and all Blocks of which it is made, in the order of the data."""
+
+    name: str
+    time: Discrete
+    interface: Interface
+    laws: tuple[Law, ...]
+    parts: tuple[Block, ...]
+    block: Block
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """A whole stage: what is declared, before anything is computed of it.
+
+    `reference` is a step of the independent NumPy witness: (states, inputs) -> (states', outputs, fault words).
+    `operating_points` hold plant states by name of the point; `require` holds limits of margins. `experiments` are
+    data with `name` and `run(rig) -> Experiment`. `stops` are (low, high) of positions, `velocities` the state that is
+    each position's rate. `limited` are controller states that may come to their bounds, as an integral that is limited
+    on purpose. `surrogate_error` is relative, by scalar type; the emitter's own where it is left out. `wires` are from
+    controller outputs to plant inputs, where these are not the interface's actuators.
+    """
+
+    controller: Controller
+    plant: Plant
+    reference: Reference | None = None
+    operating_points: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    require: Mapping[str, float] = field(default_factory=dict)
+    experiments: Sequence[Any] = ()
+    about: str = ""
+    scalar: type[np.floating] = np.float32
+    surrogate_error: Mapping[type[np.floating], float] = field(default_factory=dict)
+    stops: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    velocities: Mapping[str, str] = field(default_factory=dict)
+    limited: Sequence[str] = ()
+    wires: Mapping[str, str | Mapping[str, float]] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """The controller's name, which is that of the design's folder and of its C."""
+        return self.controller.name
+
+    @property
+    def interface(self) -> Interface:
+        """What stands around the controller's laws."""
+        return self.controller.interface

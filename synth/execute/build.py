@@ -1,0 +1,22 @@
+"""From a Block to its compiled controller: emission, compilation and loading in one call."""
+
+import numpy as np
+
+from synth.block import Block
+from synth.emit import write
+from synth.execute import host
+
+
+def compiled(
+    block: Block,
+    scalar: type[np.floating] = np.float32,
+    *,
+    error: float | None = None,
+    libm: bool = False,
+) -> host.Controller:
+    """Return the emitted C of a Block in a scalar type, compiled and loaded; arguments are those of `write.emit`.
+
+    Raises EmitError as `write.emit`, and CompileError as `host.load`.
+    """
+    emitted = write.emit(block, scalar, libm=libm, error=error)
+    return host.load(emitted.files, emitted.manifest)

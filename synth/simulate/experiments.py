@@ -1,0 +1,332 @@
+"""Experiments as data: what is asked of a stage in closed loop, and the checks that this implies.
+
+    Step      a set-point steps:          overshoot / step, settling time to a band of 2 % of it or one count
+    Track     set-points move:            mean |y - r| of the true positions, when the start has died out
+    Hold      set-points stand still:     max |y - r| under disturbances, when the start has died out
+    LiftOff   it starts elsewhere:        set-points ramp from there; overshoot / way, max |y - r| at the end
+
+Positions are the plant's own, not what sensors show. Each experiment also checks that no fault bit was set and tells how
+far the actuators went. `run` carries experiments out on a rig.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from synth.check import Check
+from synth.errors import SignalError
+from synth.signals import Signal
+from synth.simulate import metrics
+from synth.simulate.experiment import Experiment
+from synth.simulate.rig import Rig
+from synth.simulate.scenario import Array, Trajectory, sample_times
+
+BAND = 0.02  # of a step: the usual 2 % of the settling time
+END = 0.1  # of a run: its last part, in which the error at the end is taken
+
+Course = float | ArrayLike | Callable[[Array], ArrayLike]
+"""A value over time: a constant, one for each sample, or a function of times in s."""
+
+
+@dataclass(frozen=True)
+class Sine:
+    """offset + amplitude sin(frequency t + phase), in rad/s and rad."""
+
+    amplitude: float
+    frequency: float
+    phase: float = 0.0
+    offset: float = 0.0
+
+    def __call__(self, time: Array) -> Array:
+        """Return the values at times in s."""
+        return np.asarray(self.offset + self.amplitude * np.sin(self.frequency * time + self.phase))
+
+
+@dataclass(frozen=True)
+class Ramp:
+    """From `start` to `end` within `duration_s`, from `begin_s` on."""
+
+    start: float
+    end: float
+    begin_s: float
+    duration_s: float
+
+    def __call__(self, time: Array) -> Array:
+        """Return the values at times in s."""
+        return np.asarray(self.start + (self.end - self.start) * np.clip((time - self.begin_s) / self.duration_s, 0, 1))
+
+
+@dataclass(frozen=True, eq=False)
+class Conditions:
+    """Under what an experiment runs, beside the declared stage.
+
+    `start` has plant states, others are 0; `disturbances` are courses of plant inputs that no actuator drives;
+    `parameters` are values of the plant's parameters that the controller does not know of. `options` are further fields
+    of `scenario.Scenario`.
+    """
+
+    start: Mapping[str, float] = field(default_factory=dict)
+    disturbances: Mapping[str, Course] = field(default_factory=dict)
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def text(self) -> str:
+        """Return the conditions in words, with a comma before each."""
+        changed = [f"{name} = {value:g}" for name, value in {**self.parameters, **self.start}.items()]
+        return "".join(f", {part}" for part in (*changed, *(f"{name} acts" for name in self.disturbances)))
+
+
+class Runnable(Protocol):
+    """An experiment as data: a stage's own kinds have the same two members."""
+
+    @property
+    def name(self) -> str:
+        """A short name, one among all of a stage."""
+        ...
+
+    def run(self, rig: Rig) -> Experiment:
+        """Carry the experiment out."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """The set-point steps by `height` in its unit once the loop has settled.
+
+    `overshoot` is a part of the step, `settles_s` the time after which the position stays within the band; `error` the
+    largest |y - r| at the end, not checked where it is left out. `label` replaces the name.
+    """
+
+    set_point: str
+    height: float
+    overshoot: float
+    settles_s: float
+    error: float | None = None
+    under: Conditions = field(default_factory=Conditions)
+    label: str = ""
+
+    @property
+    def name(self) -> str:
+        """The label, or the set-point and the step."""
+        return self.label or f"step_{self.set_point}_{self.height:g}"
+
+    def run(self, rig: Rig) -> Experiment:
+        """Run for a settling time before the step and four after it."""
+        position, unit = _position(rig, self.set_point)
+        start = self.under.start.get(position, _point(rig, self.set_point).initial or 0.0)
+        target, time = start + self.height, sample_times(5 * self.settles_s, rig.period_s)
+        course = np.where(time < self.settles_s, start, target)
+        trajectory = _trajectory(rig, 5 * self.settles_s, {self.set_point: course}, self.under)
+        k = int(np.argmax(time >= self.settles_s))
+        y, band = trajectory[position], max(BAND * abs(self.height), _resolution(rig, position))
+        settled = metrics.settling_time(time[k:], y[k:] - target, band)
+        beyond = metrics.overshoot(y[k:], start, target)
+        checks = [
+            Check("overshoot", beyond, self.overshoot, "1", f"of the step of {position}"),
+            Check("settling time", settled, self.settles_s, "s", f"{position} stays within {band:.3g} {unit}"),
+        ]
+        if self.error is not None:
+            checks.append(_at_end(trajectory, position, target, self.error, unit))
+        title = f"{position} steps by {self.height:g} {unit}{self.under.text()}"
+        figures = {"rise time, s": metrics.rise_time(time[k:], y[k:], start, target)}
+        return _experiment(rig, self.name, title, trajectory, {position: course}, figures, checks)
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """Set-points move, each on its course; the mean |y - r| after `after_s` is at most `mean_error`, by set-point or one.
+
+    The run starts at rest where the courses start.
+    """
+
+    set_points: Mapping[str, Course]
+    mean_error: float | Mapping[str, float]
+    duration_s: float = 2.0
+    after_s: float = 1.0
+    under: Conditions = field(default_factory=Conditions)
+    label: str = ""
+
+    @property
+    def name(self) -> str:
+        """The label, or the set-points."""
+        return self.label or f"track_{'_'.join(self.set_points)}"
+
+    def run(self, rig: Rig) -> Experiment:
+        """Run from rest at the start of the courses."""
+        time = sample_times(self.duration_s, rig.period_s)
+        courses = {name: _values(course, time) for name, course in self.set_points.items()}
+        positions = {name: _position(rig, name) for name in courses}
+        start = {positions[name][0]: float(course[0]) for name, course in courses.items()}
+        under = replace(self.under, start=start | dict(self.under.start))
+        trajectory = _trajectory(rig, self.duration_s, courses, under)
+        checks = []
+        for name, course in courses.items():
+            position, unit = positions[name]
+            limit = self.mean_error[name] if isinstance(self.mean_error, Mapping) else self.mean_error
+            mean = metrics.mean_absolute(time, trajectory[position] - course, self.after_s)
+            checks.append(Check(f"mean |e_{position}|", mean, limit, unit, f"from {self.after_s:g} s on"))
+        title = f"{', '.join(p for p, _ in positions.values())} on a course{self.under.text()}"
+        shown = {positions[name][0]: course for name, course in courses.items()}
+        return _experiment(rig, self.name, title, trajectory, shown, {}, checks)
+
+
+@dataclass(frozen=True, eq=False)
+class Hold:
+    """Set-points stand where the run starts; |y - r| after `after_s` is at most the `errors` {set-point: limit}."""
+
+    errors: Mapping[str, float]
+    duration_s: float = 1.0
+    after_s: float = 0.5
+    under: Conditions = field(default_factory=Conditions)
+    label: str = ""
+
+    @property
+    def name(self) -> str:
+        """The label, or the set-points."""
+        return self.label or f"hold_{'_'.join(self.errors)}"
+
+    def run(self, rig: Rig) -> Experiment:
+        """Run from rest at the start."""
+        trajectory = _trajectory(rig, self.duration_s, {}, self.under)
+        late = trajectory.time >= self.after_s
+        checks, courses, figures = [], {}, {}
+        for name, limit in self.errors.items():
+            position, unit = _position(rig, name)
+            r = float(self.under.start.get(position, _point(rig, name).initial or 0.0))
+            courses[position] = np.full(len(trajectory.time), r)
+            error = trajectory[position] - r
+            figures[f"largest |e_{position}| from the start, {unit}"] = float(np.abs(error).max())
+            checks.append(Check(f"largest |e_{position}|", _largest(error[late]), limit, unit, f"from {self.after_s:g} s on"))
+        title = f"{', '.join(courses)} held{self.under.text()}"
+        return _experiment(rig, self.name, title, trajectory, courses, figures, checks)
+
+
+@dataclass(frozen=True, eq=False)
+class LiftOff:
+    """The run starts at rest at `under.start`, at a stop or elsewhere; set-points ramp `to` their ends within `ramp_s`.
+
+    `overshoot` is a part of the way, `error` the largest |y - r| at the end.
+    """
+
+    to: Mapping[str, float]
+    ramp_s: float
+    overshoot: float
+    error: float
+    under: Conditions
+    duration_s: float | None = None
+    label: str = "lift_off"
+
+    @property
+    def name(self) -> str:
+        """The label."""
+        return self.label
+
+    def run(self, rig: Rig) -> Experiment:
+        """Run with the ramp after a quarter of its time, for four times its time in all."""
+        duration = 4 * self.ramp_s if self.duration_s is None else self.duration_s
+        time = sample_times(duration, rig.period_s)
+        checks, shown, courses = [], {}, {}
+        for name, end in self.to.items():
+            begin = self.under.start.get(_position(rig, name)[0], _point(rig, name).initial or 0.0)
+            courses[name] = Ramp(_inside(begin, _point(rig, name)), end, self.ramp_s / 4, self.ramp_s)(time)
+        trajectory = _trajectory(rig, duration, courses, self.under)
+        for name, end in self.to.items():
+            position, unit = _position(rig, name)
+            shown[position], begin = courses[name], float(trajectory[position][0])
+            if begin != end:
+                beyond = metrics.overshoot(trajectory[position], begin, end)
+                checks.append(Check(f"overshoot of {position}", beyond, self.overshoot, "1", "of the way"))
+            checks.append(_at_end(trajectory, position, end, self.error, unit))
+        return _experiment(rig, self.name, f"Start{self.under.text()}", trajectory, shown, {}, checks)
+
+
+def run(rig: Rig, experiments: Sequence[Runnable], progress: Callable[[str], None]) -> list[Experiment]:
+    """Carry out experiments on a rig, each named to `progress` before it starts.
+
+    Raises SignalError for a name that is listed twice, or as `Rig.run`.
+    """
+    listed = [experiment.name for experiment in experiments]
+    if twice := [name for k, name in enumerate(listed) if name in listed[:k]]:
+        raise SignalError(f"two experiments are called '{twice[0]}': give one of them a label")
+    done = []
+    for experiment in experiments:
+        progress(experiment.name)
+        done.append(experiment.run(rig))
+    return done
+
+
+def _trajectory(rig: Rig, duration_s: float, courses: Mapping[str, Array], under: Conditions) -> Trajectory:
+    time = sample_times(duration_s, rig.period_s)
+    around = rig.stage.interface
+    forcing = dict.fromkeys(around.disturbances, 0.0) | {
+        name: course if isinstance(course, float | int) else _values(course, time)
+        for name, course in under.disturbances.items()
+    }
+    plant = rig.plant.with_parameters(**under.parameters) if under.parameters else rig.plant
+    options = {"forcing": forcing} | dict(under.options)
+    return replace(rig, plant=plant).run(duration_s, under.start, courses, **options)
+
+
+def _values(course: Course, time: Array) -> Array:
+    values = course(time) if callable(course) else course
+    return np.broadcast_to(np.asarray(values, dtype=np.float64), time.shape).copy()
+
+
+def _point(rig: Rig, name: str) -> Any:
+    points = {s.name: s for s in rig.stage.interface.set_points}
+    if name not in points:
+        raise SignalError(f"the stage has no set-point '{name}': name one of {', '.join(points) or 'none'}")
+    return points[name]
+
+
+def _inside(value: float, point: Any) -> float:
+    """Return a start within the set-point's range: a stop may lie outside it."""
+    return float(np.clip(value, point.low, point.high))
+
+
+def _position(rig: Rig, set_point: str) -> tuple[str, str]:
+    """Return the plant's state or output that a set-point is for, and its unit."""
+    of = _point(rig, set_point).of
+    of = {s.name: s.of for s in rig.stage.interface.sensors}.get(of, of)
+    known: dict[str, Signal] = {s.name: s for s in (*rig.plant.outputs, *rig.plant.states)}
+    return of, known[of].unit
+
+
+def _resolution(rig: Rig, position: str) -> float:
+    return max((s.resolution for s in rig.stage.interface.sensors if s.of == position), default=0.0)
+
+
+def _largest(error: Array) -> float:
+    return float(np.abs(error).max()) if error.size else np.nan
+
+
+def _at_end(trajectory: Trajectory, position: str, target: float, limit: float, unit: str) -> Check:
+    last = trajectory.time >= (1 - END) * trajectory.time[-1]
+    about = f"in the last {100 * END:g} % of the run"
+    return Check(f"|e_{position}| at the end", _largest(trajectory[position][last] - target), limit, unit, about)
+
+
+def _experiment(
+    rig: Rig,
+    name: str,
+    title: str,
+    trajectory: Trajectory,
+    courses: Mapping[str, Array],
+    figures: Mapping[str, float],
+    checks: Sequence[Check],
+) -> Experiment:
+    """Return the experiment with the check for faults and the actuators' largest values."""
+    faulty = Check("samples with a fault bit", float(np.count_nonzero(trajectory.faults)), 0.0, "1")
+    around = rig.stage.interface
+    used = {
+        f"largest |{s.name}|, {s.unit}": float(np.abs(trajectory.commands[s.name]).max())
+        for s in around.outputs
+        if s.name in trajectory.commands
+    }
+    about = f"the full plant, sensors as declared, {around.delay} samples of delay"
+    return Experiment(
+        name, title, about, trajectory, tuple(courses), dict(courses), dict(figures) | used, (*checks, faulty)
+    )

@@ -1,0 +1,93 @@
+"""A rig: the plant of a stage under its compiled controller, with sensors, delay and stops, that runs scenarios.
+
+plant --> sensors (noise, resolution) --> compiled controller --> delay --> hold --> plant
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import ArrayLike
+
+from synth.declaration import Stage
+from synth.execute import host
+from synth.plant import Plant
+from synth.simulate import closed_loop
+from synth.simulate.scenario import Array, Scenario, Trajectory, sample_times
+from synth.simulate.sensors import Encoder
+
+Wires = Mapping[str, str | Mapping[str, float]]
+
+
+@dataclass(frozen=True, eq=False)
+class Rig:
+    """A stage's plant under a compiled controller; `plant` may differ from the one that was declared.
+
+    `quantised` False leaves the sensors' resolution out, `noise` scales their declared noise, drawn from `seed`;
+    `actuators` replaces the wires from controller outputs to plant inputs; `disturbance(x, t)` adds to dx/dt.
+    """
+
+    stage: Stage
+    plant: Plant
+    controller: host.Controller
+    quantised: bool = True
+    noise: float = 1.0
+    seed: int = 0
+    substeps: int = 4
+    actuators: Wires = field(default_factory=dict)
+    disturbance: ca.Function | None = None
+
+    @property
+    def period_s(self) -> float:
+        """The sample period."""
+        return self.controller.period_s
+
+    @property
+    def ideal(self) -> "Rig":
+        """The same rig, its sensors without noise and resolution."""
+        return replace(self, quantised=False, noise=0.0)
+
+    def run(
+        self,
+        duration_s: float,
+        start: Mapping[str, float] | None = None,
+        references: Mapping[str, ArrayLike] | None = None,
+        **options: Any,
+    ) -> Trajectory:
+        """Simulate from rest at `start` (plant states, the others 0) under set-points by name, constants or (N,).
+
+        A set-point that is not given stays where its position starts. `options` are further fields of `Scenario`.
+
+        Raises SignalError and WiringError as `closed_loop.simulate`.
+        """
+        around, start = self.stage.interface, dict(start or {})
+        n = len(sample_times(duration_s, self.period_s))
+        rest = {s.name: start.get(s.of, s.initial) for s in around.set_points}
+        fields: dict[str, Any] = {
+            "sensors": {s.name: s.of for s in around.sensors},
+            "actuators": self.actuators or self.stage.wires or {a.of: a.name for a in around.actuators},
+            "references": rest | dict(references or {}),
+            "encoders": self._encoders(),
+            "noise": self._noise(n),
+            "hold": {a.name: a.safe for a in around.actuators},
+            "forcing": dict.fromkeys(around.disturbances, 0.0),
+            "velocities": self.stage.velocities,
+            "stops": self.stage.stops,
+            "delay": around.delay,
+            "substeps": self.substeps,
+        }
+        scenario = Scenario(duration_s, start, **(fields | options))
+        return closed_loop.simulate(self.plant, self.controller, scenario, self.disturbance)
+
+    def _encoders(self) -> dict[str, Encoder]:
+        return {s.name: Encoder(s.resolution) for s in self.stage.interface.sensors if self.quantised and s.resolution}
+
+    def _noise(self, n: int) -> dict[str, Array]:
+        """Return n samples of noise for each noisy sensor; fewer are the first of more."""
+        sensors = self.stage.interface.sensors
+        if not self.noise or not any(s.noise for s in sensors):
+            return {}
+        drawn = np.random.default_rng(self.seed).standard_normal((n, len(sensors))).T
+        return {s.name: self.noise * s.noise * row for s, row in zip(sensors, drawn, strict=True) if s.noise}

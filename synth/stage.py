@@ -1,0 +1,222 @@
+"""One declaration a stage: what surrounds the laws is derived from the plant, and from all of it a design.
+
+    interface    names, units and ranges from the plant's signals; guard, errors, limits and safe output follow
+    controller   guard + errors + laws + limits + safe output, composed into one Block
+    design       everything that the command line does with a stage
+
+Laws are Blocks. They read ``<name>_held`` of sensors and set-points, ``<sensor>_error``, ``<actuator>_excess``,
+``<actuator>_before``, ``ready``, ``complete`` and ``latched``. They give ``<actuator>_demand``, which is limited here,
+or ``<actuator>_computed``.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from synth import tasks
+from synth.block import Block, Exprs, Step, build, clip
+from synth.compose import compose
+from synth.declaration import Actuator, Controller, Interface, Law, Sensor, SetPoint, Stage, Synthesis
+from synth.emit.write import Emitted
+from synth.errors import SignalError
+from synth.plant import Plant
+from synth.report.audit import Row
+from synth.signals import Signal, names
+from synth.simulate.experiment import Experiment
+from synth.synthesise import safety
+from synth.tasks import Progress
+from synth.timing import Discrete
+from synth.verify import standard
+from synth.verify.evidence import Evidence
+from synth.workspace import Bench, Design, Report
+
+__all__ = ["Actuator", "Interface", "Law", "Sensor", "SetPoint", "Stage", "controller", "design", "interface"]
+
+
+def interface(
+    plant: Plant,
+    *,
+    sensors: Sequence[Sensor],
+    set_points: Sequence[SetPoint] = (),
+    actuators: Sequence[Actuator] = (),
+    disturbances: Sequence[str] = (),
+    delay: int = 1,
+    bad_samples: int = 5,
+    reason: str = "",
+    suspected: Sequence[str] = (),
+) -> Interface:
+    """Complete what surrounds the laws with the names, units and ranges of the plant's signals.
+
+    `delay` counts samples from measurement to actuation. After `bad_samples` in a row with a bad sensor the actuators
+    go to their safe values, for a `reason` that the header of the C tells. `suspected` are sensors that a law compares.
+
+    Raises SignalError for a name that the plant does not have or that is declared twice, and for a plant input that
+    neither an actuator nor a disturbance drives.
+    """
+    outputs = {s.name: s for s in plant.outputs}
+    positions = outputs | {s.name: s for s in plant.states}
+    inputs = {s.name: s for s in plant.inputs}
+    done_sensors = tuple(_sensor(s, _pick(plant, "output", outputs, s.of or s.name)) for s in sensors)
+    read = {s.name: outputs[s.of] for s in done_sensors}
+    done_set_points = tuple(
+        _set_point(s, _pick(plant, "output or state", {**positions, **read}, s.of)) for s in set_points
+    )
+    done_actuators = tuple(_actuator(a, _pick(plant, "input", inputs, a.of or a.name)) for a in actuators)
+    for name in disturbances:
+        _pick(plant, "input", inputs, name)
+    driven = [*(a.of for a in done_actuators), *disturbances]
+    if idle := [name for name in inputs if name not in driven]:
+        raise SignalError(f"plant input '{idle[0]}' is driven by nothing: name it in an actuator or in disturbances")
+    signals = [
+        *(_signal(s, outputs[s.of]) for s in done_sensors),
+        *(_signal(s, {**positions, **read}[s.of]) for s in done_set_points),
+        *(_signal(a, inputs[a.of]) for a in done_actuators),
+    ]
+    named = dict(zip(names(signals), signals, strict=True))
+    return Interface(
+        plant, done_sensors, done_set_points, done_actuators, named, tuple(disturbances), delay, bad_samples, reason,
+        tuple(suspected),
+    )  # fmt: skip
+
+
+def _pick(plant: Plant, role: str, known: Mapping[str, Signal], name: str) -> Signal:
+    if name not in known:
+        raise SignalError(f"plant '{plant.name}' has no {role} '{name}': name one of {', '.join(known)}")
+    return known[name]
+
+
+def _range(low: float | None, high: float | None, of: Signal) -> tuple[float, float]:
+    return of.low if low is None else low, of.high if high is None else high
+
+
+def _sensor(sensor: Sensor, of: Signal) -> Sensor:
+    low, high = _range(sensor.low, sensor.high, of)
+    initial = float(np.clip(0.0, low, high)) if sensor.initial is None else sensor.initial
+    return replace(sensor, of=of.name, low=low, high=high, initial=initial, about=sensor.about or of.about)
+
+
+def _set_point(point: SetPoint, of: Signal) -> SetPoint:
+    initial = float(np.clip(0.0, point.low, point.high)) if point.initial is None else point.initial
+    return replace(point, initial=initial, about=point.about or f"set-point of {point.of}")
+
+
+def _actuator(actuator: Actuator, of: Signal) -> Actuator:
+    low, high = _range(actuator.low, actuator.high, of)
+    return replace(actuator, of=of.name, low=low, high=high, about=actuator.about or of.about)
+
+
+def _signal(declared: Sensor | SetPoint | Actuator, of: Signal) -> Signal:
+    assert declared.low is not None and declared.high is not None
+    return Signal(declared.name, of.unit, declared.low, declared.high, declared.about)
+
+
+def guarded(around: Interface) -> tuple[safety.Guarded, ...]:
+    """Return the controller's inputs as the guard takes them; sensors are its measurements."""
+    sensors = [safety.Guarded(around.signals[s.name], s.initial or 0.0, True, s.held) for s in around.sensors]
+    points = [safety.Guarded(around.signals[s.name], s.initial or 0.0, False) for s in around.set_points]
+    return (*sensors, *points)
+
+
+def safe(around: Interface) -> safety.Safety:
+    """Return what happens after too many bad samples."""
+    values, slews = {a.name: a.safe for a in around.actuators}, {a.name: a.slew_per_s for a in around.actuators}
+    return safety.Safety(around.bad_samples, values, slews, around.reason)
+
+
+def errors(time: Discrete, around: Interface, of: Sequence[str]) -> Block:
+    """Return the Block of the tracking errors of some sensors, set-point less measurement: ``<sensor>_error``."""
+    points = {s.of: s for s in around.set_points if s.of in of}
+    held = [around.held(name) for of, s in points.items() for name in (of, s.name)]
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        return Step({f"{of}_error": u[f"{s.name}_held"] - u[f"{of}_held"] for of, s in points.items()})
+
+    return build("errors", time, law, inputs=held, outputs=[around.error(of) for of in points], tag="tracking errors")
+
+
+def limits(time: Discrete, around: Interface, demands: Sequence[Signal]) -> Block:
+    """Return the Block that limits ``<name>_demand`` to ``<name>_computed``; ``<name>_excess`` is what it adds."""
+    ends = {s.name.removesuffix("_demand"): s for s in demands}
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        limited = {n: clip(u[s.name], around.signals[n]) for n, s in ends.items()}
+        excess = {f"{n}_excess": limited[n] - u[s.name] for n, s in ends.items()}
+        return Step({f"{n}_computed": v for n, v in limited.items()} | excess)
+
+    bounds = {n: max(abs(s.low), abs(s.high)) for n, s in ends.items()}
+    outputs = [*(around.computed(n) for n in ends), *(around.excess(n, bound) for n, bound in bounds.items())]
+    return build("limits", time, law, inputs=list(demands), outputs=outputs, tag="actuator limits")
+
+
+def controller(
+    name: str,
+    time: Discrete,
+    around: Interface,
+    laws: Sequence[Law | Synthesis | Block],
+    outputs: Sequence[str] | None = None,
+) -> Controller:
+    """Compose guard, errors, laws, limits and safe output; once latched the laws' states stand still.
+
+    `outputs` are the controller's, the actuators' where they are left out: a law may share an actuator's value out.
+
+    Raises WiringError as `compose.compose`, and SignalError as `safety.guard` and `safety.safe_output`.
+    """
+    made = tuple(_law(law, time, around) for law in laws)
+    blocks = [block for law in made for block in law.blocks]
+    read = {s.name for block in blocks for s in block.inputs}
+    driven = {s.name: s for block in blocks for s in block.outputs}
+    demands = [driven[f"{a.name}_demand"] for a in around.actuators if f"{a.name}_demand" in driven]
+    wanted = [s.of for s in around.set_points if f"{s.of}_error" in read - set(driven)]
+    parts = [
+        safety.guard(time, guarded(around), around.bad_samples, around.suspected),
+        *([errors(time, around, wanted)] if wanted else []),
+        *blocks,
+        *([limits(time, around, demands)] if demands else []),
+        *([safety.safe_output(time, around.outputs, safe(around))] if around.actuators else []),
+    ]
+    shown = list(outputs) if outputs is not None else [a.name for a in around.actuators]
+    block = safety.frozen(compose(name, parts, inputs=names(around.inputs), outputs=shown))
+    return Controller(name, time, around, made, tuple(parts), block)
+
+
+def _law(law: Law | Synthesis | Block, time: Discrete, around: Interface) -> Law:
+    if isinstance(law, Block):
+        return Law(law.name, (law,))
+    return law if isinstance(law, Law) else law.law(time, around)
+
+
+def design(
+    controller: Controller,
+    plant: Plant,
+    *,
+    emit: Callable[[type[np.floating]], Mapping[str, Emitted]] | None = None,
+    verify: Callable[[Progress, bool], Evidence] | None = None,
+    simulate: Callable[[Progress], Sequence[Experiment]] | None = None,
+    audit: Callable[[], Iterator[Row]] | None = None,
+    bench: Bench | None = None,
+    report: Report | None = None,
+    **declared: Any,
+) -> Design:
+    """Return what the command line does with a stage; `declared` are the further fields of `declaration.Stage`.
+
+    Each of the six tasks can be replaced by one of the design's own.
+
+    Raises DesignError for a stage without `reference` whose own `verify` is not given.
+    """
+    stage = Stage(controller, plant, **declared)
+    if verify is None:
+        standard.require_reference(stage)
+    return Design(
+        name=stage.name,
+        scalar=stage.scalar,
+        emit=emit or partial(tasks.emit, stage),
+        verify=verify or partial(standard.verify, stage),
+        simulate=simulate or partial(tasks.simulate, stage),
+        audit=audit or (lambda: iter(())),
+        bench=bench or tasks.bench(stage),
+        report=report or partial(tasks.report, stage),
+        stage=stage,
+    )

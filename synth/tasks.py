@@ -1,0 +1,121 @@
+"""What the command line does with a declared stage, as far as the design does not do it itself.
+
+emit       C, manifest, gains and test vectors        verify     evidence of all witnesses
+simulate   the experiments, on the shipped C           bench      stimuli of the machine code
+report     the standard report
+"""
+
+import functools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synth.declaration import Stage
+from synth.emit import vectors, write
+from synth.emit.write import Emitted
+from synth.execute import build, host
+from synth.report import page, sections
+from synth.report.audit import Row
+from synth.simulate import experiments, headroom
+from synth.simulate.experiment import Experiment
+from synth.simulate.rig import Rig
+from synth.verify import standard, stimuli
+from synth.verify.cost import Cost
+from synth.verify.evidence import Evidence
+from synth.verify.steps import Steps
+from synth.workspace import Bench
+
+Progress = Callable[[str], None]
+Recording = Callable[[Rig], Mapping[str, NDArray[Any]]]
+
+
+def compiled(stage: Stage, scalar: type[np.floating]) -> host.Controller:
+    """Return the stage's controller in a scalar type, compiled once."""
+    return _compiled(stage, np.dtype(scalar).name)
+
+
+@functools.lru_cache(maxsize=8)
+def _compiled(stage: Stage, scalar: str) -> host.Controller:
+    kind = np.float32 if scalar == "float32" else np.float64
+    return build.compiled(stage.controller.block, kind, error=stage.surrogate_error.get(kind))
+
+
+def rig(stage: Stage, scalar: type[np.floating]) -> Rig:
+    """Return the stage's plant under its controller in a scalar type."""
+    return Rig(stage, stage.plant, compiled(stage, scalar))
+
+
+def emit(stage: Stage, scalar: type[np.floating], recording: Recording | None = None) -> dict[str, Emitted]:
+    """Return the files of the controller by folder; the test vectors are a `recording` of a closed loop."""
+    error, block = stage.surrogate_error.get(scalar), stage.controller.block
+    files = write.emit(block, scalar, {"design": gains(stage, scalar)}, error=error)
+    controller = host.load(files.files, files.manifest)
+    inputs = (recording or record)(Rig(stage, stage.plant, controller))
+    return {stage.name: with_vectors(files, controller, inputs)}
+
+
+def with_vectors(files: Emitted, controller: host.Controller, inputs: Mapping[str, NDArray[Any]]) -> Emitted:
+    """Return emitted files with vectors.json: what the compiled C answers to N recorded inputs."""
+    answers = controller.replay(inputs)
+    text = vectors.document(inputs, answers.outputs, answers.faults)
+    return replace(files, files={**files.files, "vectors.json": text})
+
+
+def record(rig: Rig) -> Mapping[str, NDArray[Any]]:
+    """Return the inputs (1000,) of a closed loop with bad samples, up to the latch."""
+    return stimuli.closed_loop(rig, stimuli.VECTORS, stimuli.BEYOND).measured
+
+
+def gains(stage: Stage, scalar: type[np.floating]) -> dict[str, Any]:
+    """Return what gains.json says of a stage: the plant with its parameters, the rate, and the gains of each law."""
+    laws = {law.name: dict(law.gains(scalar)) for law in stage.controller.laws if law.gains}
+    parameters = {p.name: {"value": p.value, "unit": p.unit, "tolerance": p.tolerance} for p in stage.plant.parameters}
+    return {"plant": stage.plant.name, "period_s": stage.controller.time.period_s, "parameters": parameters, **laws}
+
+
+def simulate(stage: Stage, progress: Progress) -> list[Experiment]:
+    """Run the experiments with the shipped C; a check of each fails where a state of the laws stood at its bound."""
+    shipped, double = rig(stage, stage.scalar), compiled(stage, np.float64)
+    runs = experiments.run(shipped, stage.experiments, progress)
+    return [headroom.judged(run, double, stage.limited) for run in runs]
+
+
+def bench(stage: Stage) -> Bench:
+    """Return what is measured of the controller as machine code."""
+
+    def replay(controller: host.Controller) -> Mapping[str, NDArray[Any]]:
+        return stimuli.closed_loop(Rig(stage, stage.plant, controller), stimuli.REPLAY).measured
+
+    def sequences(controller: host.Controller, progress: Progress) -> Sequence[Steps]:
+        loop = Rig(stage, stage.plant, controller)
+        return stimuli.sequences(loop, [e.run(loop) for e in stage.experiments], progress)
+
+    return Bench(lambda: stage.controller.block, replay, sequences, standard.largest_output(stage))
+
+
+def report(
+    stage: Stage,
+    files: Mapping[str, Emitted],
+    evidence: Evidence,
+    runs: Sequence[Experiment],
+    rows: Sequence[Row],
+    cost: Cost | None,
+) -> str:
+    """Return the report as one HTML document."""
+    signals = [*stage.plant.states, *stage.plant.inputs, *stage.plant.outputs, *stage.interface.signals.values()]
+    units = {s.name: s.unit for s in signals}
+    texts = {f"{folder}/{name}": text for folder, one in files.items() for name, text in one.files.items()}
+    parts = (
+        page.Section("Model", (sections.parameters(stage.plant),)),
+        page.Section("Experiments", (), tuple(sections.experiment(e, units) for e in runs)),
+        *((page.Section("Audit", (sections.audit(rows),)),) if rows else ()),
+        page.Section(
+            "Verification", (sections.agreements(evidence.agreements), page.Checks("Limits", tuple(evidence.checks)))
+        ),
+        *((sections.cost(cost),) if cost else ()),
+        page.Section("Files", (sections.files(texts),)),
+    )
+    return page.render(page.Report(stage.name, stage.about, parts))

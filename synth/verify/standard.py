@@ -1,0 +1,145 @@
+"""The standard verification of a declared stage: all witnesses over drawn steps and over closed loops.
+
+    random    steps of the stage's own closed loops, moved by any order of magnitude within their ranges
+    edge      states anywhere in their bounds, inputs on the ends of their ranges, beyond, or no numbers
+    replay    recorded inputs of closed loops from `init`, with bad samples up to the latch
+
+Single precision is held against double from the same bits where both decide alike, and in closed loops with ideal
+sensors by the true path of the plant.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from synth.analyse import robustness
+from synth.check import Check
+from synth.declaration import Reference, Stage
+from synth.errors import DesignError
+from synth.simulate.experiment import Experiment
+from synth.simulate.rig import Rig
+from synth.verify import agree, sampling, steps, stimuli, suite
+from synth.verify.agree import Agreement
+from synth.verify.evidence import Evidence
+from synth.verify.suite import Witnesses
+
+RANDOM_STEPS, EDGE_STEPS = 100_000, 20_000
+WHOLE, QUICK = 20_000, 2_000  # samples of a closed loop that the other witnesses replay
+SEED = 20_260
+SINGLE = 1e-3  # of the largest actuator's limit: single against double in one step
+OTHERWISE = 1e-3  # share of random steps that decide otherwise in single precision
+PATH = 1e-4  # of a sensor's range, where it has no resolution: the plant's path in single against double
+
+
+def require_reference(stage: Stage) -> Reference:
+    """Return a stage's reference; raise DesignError for a stage without one."""
+    if stage.reference is None:
+        raise DesignError(
+            f"design '{stage.name}' has no reference: give `reference`, a NumPy step (states, inputs) -> (states', "
+            "outputs, fault words) written from the equations"
+        )
+    return stage.reference
+
+
+def witnesses(stage: Stage) -> Witnesses:
+    """Return the witnesses of a stage's controller; raise DesignError for a stage without a reference."""
+    reference = require_reference(stage)
+    return suite.witnesses(stage.controller.block, reference, stage.surrogate_error)
+
+
+def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Evidence:
+    """Compare all witnesses of a stage, over long replays if `whole`.
+
+    Raises DesignError for a stage without a reference.
+    """
+    progress("witnesses")
+    by, floor = witnesses(stage), largest_output(stage)
+    rig = Rig(stage, stage.plant, by.c64)
+    runs = _runs(rig, WHOLE if whole else QUICK)
+    progress("random and edge steps")
+    agreements, checks = drawn(by, runs, floor)
+    progress("replays of closed loops")
+    unit = _unit(stage, floor)
+    for name, inputs in runs.items():
+        compared = suite.replay(f"replay of {name}", by, inputs, floor)
+        agreements, checks = [*agreements, *compared], [*checks, *suite.exact(compared, unit)]
+    progress("single against double")
+    checks += paths(stage, by)
+    if stage.operating_points and stage.require:
+        progress("loops over the operating points")
+        checks += robustness.checks(robustness.opened(loops(stage)), stage.require)
+    return Evidence(stage.name, tuple(agreements), tuple(checks))
+
+
+def loops(stage: Stage) -> robustness.Loops:
+    """Return the loops of a stage at its operating points, its constants rounded as they ship."""
+    wires = stage.wires or None
+    return robustness.of_controller(
+        stage.controller, stage.plant, stage.operating_points, scalar=stage.scalar, actuators=wires
+    )
+
+
+def largest_output(stage: Stage) -> float:
+    """Return the largest magnitude in the ranges of the controller's outputs, in their units."""
+    return max(max(abs(s.low), abs(s.high)) for s in stage.controller.block.outputs)
+
+
+def _unit(stage: Stage, floor: float) -> str:
+    units = dict.fromkeys(s.unit for s in stage.controller.block.outputs)
+    return f"max({floor:g} {', '.join(units)}, |y|)"
+
+
+def _runs(rig: Rig, n: int) -> dict[str, agree.Columns]:
+    """Return recorded inputs of each experiment, at most n samples, and of a closed loop with faults."""
+    runs = {e.name: e.trajectory.measured for e in (e.run(rig) for e in rig.stage.experiments)}
+    found: dict[str, agree.Columns] = {name: {s: v[:n] for s, v in u.items()} for name, u in runs.items()}
+    return found | {"faults": stimuli.closed_loop(rig, n).measured}
+
+
+def drawn(by: Witnesses, runs: Mapping[str, agree.Columns], floor: float) -> tuple[list[Agreement], list[Check]]:
+    """Compare the witnesses over random and edge steps, and single with double over the random ones."""
+    unit = f"max({floor:g}, |y|)"
+    pool = steps.joined("closed loops", [steps.recorded(by.c64, name, inputs) for name, inputs in runs.items()])
+    random = sampling.in_operation(by.block, np.random.default_rng(SEED), RANDOM_STEPS, pool)
+    edge = sampling.edge_steps(by.block, np.random.default_rng(SEED + 1), EDGE_STEPS)
+    found: list[Agreement] = []
+    for what, drawn in (("random steps", random), ("edge steps", edge)):
+        found += suite.compare(what, by, *drawn, floor)
+    single, checks = in_single(by, *random, floor)
+    return [*found, single], [*suite.exact(found, unit), *checks]
+
+
+def in_single(
+    by: Witnesses, states: sampling.Columns, inputs: sampling.Columns, floor: float
+) -> tuple[Agreement, list[Check]]:
+    """Compare single with double precision from the same bits, where both decide alike."""
+    double, single = suite.in_single(by, states, inputs)
+    alike = suite.decide_alike(by.block, double, single)
+    pair = ("c64", suite.part(double, alike)), ("c32", suite.part(single, alike))
+    a = agree.compare("random steps", *pair, floor, by.block, np.float32)
+    share = float(np.mean(~alike))
+    return a, [
+        Check("random steps: single against double", a.worst, SINGLE, f"max({floor:g}, |y|)", a.signal),
+        Check("random steps: decisions otherwise in single precision", share, OTHERWISE, "1"),
+    ]
+
+
+def paths(stage: Stage, by: Witnesses) -> list[Check]:
+    """Compare the plant's path under both types in each experiment, with ideal sensors."""
+    rigs = [Rig(stage, stage.plant, c).ideal for c in (by.c64, by.c32)]
+    return [
+        check
+        for experiment in stage.experiments
+        for check in _path(stage, experiment.name, [experiment.run(rig) for rig in rigs])
+    ]
+
+
+def _path(stage: Stage, name: str, runs: Sequence[Experiment]) -> list[Check]:
+    checks = []
+    for sensor in stage.interface.sensors:
+        signal = stage.interface.signals[sensor.name]
+        one, two = (run.trajectory.outputs[sensor.of] for run in runs)
+        limit = sensor.resolution or PATH * (signal.high - signal.low)
+        worst = float(np.max(np.abs(one - two)))
+        checks.append(Check(f"{name}: single less double, {sensor.name}", worst, limit, signal.unit, "ideal sensors"))
+    return checks

@@ -1,0 +1,98 @@
+"""The independent witnesses of a Block side by side: reference, CasADi, CasADi's own C, and the emitted C.
+
+    reference, casadi, casadi_c --- against --- c64     exactly: 1e-12 of max(floor, |output|), states of their range
+    c64 ------------------------- against --- c32       from the same bits, where both decide alike
+
+over steps that are drawn (`sampling`) and over recorded inputs that are replayed from `init`.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synth.block import Block
+from synth.check import Check
+from synth.declaration import Reference
+from synth.execute import build, host
+from synth.verify import agree
+from synth.verify.agree import Agreement, Columns, Stepped
+
+EXACT = (
+    1e-12  # of max(floor, |output|), and of a state's range: what double precision leaves of some hundred operations
+)
+OTHERS = ("reference", "casadi", "casadi_c")  # that the C in double precision is compared with
+
+
+@dataclass(frozen=True, eq=False)
+class Witnesses:
+    """The witnesses of one step of a Block by name, and its compiled C in both scalar types."""
+
+    block: Block
+    of: Mapping[str, agree.Witness]
+    c64: host.Controller
+    c32: host.Controller
+
+    @property
+    def others(self) -> dict[str, agree.Witness]:
+        """The witnesses that the C in double precision is compared with."""
+        return {name: witness for name, witness in self.of.items() if name != "c64"}
+
+
+def witnesses(block: Block, reference: Reference, error: Mapping[type[np.floating], float] | None = None) -> Witnesses:
+    """Return all witnesses of a Block; `error` is the relative error of surrogates by scalar type."""
+    c64, c32 = (build.compiled(block, t, error=(error or {}).get(t)) for t in (np.float64, np.float32))
+    others = {"reference": agree.reference(reference), "casadi": agree.casadi(block)}
+    return Witnesses(block, others | {"casadi_c": agree.casadi_own_c(block), "c64": agree.emitted(c64)}, c64, c32)
+
+
+def compare(what: str, by: Witnesses, states: Columns, inputs: Columns, floor: float) -> list[Agreement]:
+    """Compare each other witness with the C in double precision over N steps (x, u)."""
+    c64 = by.of["c64"](states, inputs)
+    return [
+        agree.compare(what, (name, witness(states, inputs)), ("c64", c64), floor, by.block)
+        for name, witness in by.others.items()
+    ]
+
+
+def replay(what: str, by: Witnesses, inputs: Columns, floor: float) -> list[Agreement]:
+    """Compare each other witness with the C in double precision over N recorded inputs from `init`."""
+    c64, start = agree.replayed(by.c64, inputs), {s.name: s.initial for s in by.block.states}
+    return [
+        agree.compare(what, (name, agree.recorded(witness, start, inputs)), ("c64", c64), floor, by.block)
+        for name, witness in by.others.items()
+    ]
+
+
+def exact(agreements: Sequence[Agreement], unit: str) -> list[Check]:
+    """Return three checks of each agreement in double precision: outputs, in `unit`, next states, and fault words."""
+    checks = []
+    for a in agreements:
+        about, pair = f"worst of {a.samples} steps, {a.signal}", f"{a.first} and {a.second}"
+        checks += [
+            Check(f"{a.what}: {a.first} against {a.second}", a.worst, EXACT, unit, about),
+            Check(f"{a.what}: next states of {pair}", a.state_worst, EXACT, "of range", a.state),
+            Check(f"{a.what}: fault words of {pair} unlike", a.faults_differ, 0, "1"),
+        ]
+    return checks
+
+
+def in_single(by: Witnesses, states: Columns, inputs: Columns) -> tuple[Stepped, Stepped]:
+    """Return what the C computes in double and in single precision from the same bits, rounded to single first."""
+    x, u = ({n: v.astype(np.float32) for n, v in columns.items()} for columns in (states, inputs))
+    return agree.emitted(by.c64)(x, u), agree.emitted(by.c32)(x, u)
+
+
+def decide_alike(block: Block, first: Stepped, second: Stepped) -> NDArray[np.bool_]:
+    """Return for each step (N,) whether fault words and integer states of two witnesses are equal."""
+    alike = np.asarray(first.faults) == np.asarray(second.faults)
+    for s in (s for s in block.states if s.integer):
+        alike &= np.asarray(first.states[s.name]) == np.asarray(second.states[s.name])
+    return np.asarray(alike)
+
+
+def part(stepped: Stepped, chosen: NDArray[np.bool_]) -> Stepped:
+    """Return the chosen ones of N steps."""
+    outputs, states = ({n: v[chosen] for n, v in c.items()} for c in (stepped.outputs, stepped.states))
+    return Stepped(outputs, states, stepped.faults[chosen])
