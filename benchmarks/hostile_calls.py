@@ -1,7 +1,9 @@
 """Calls that work, by function, where the examples of `hostile_examples` by the names of arguments do not serve."""
 
 import functools
+import tempfile
 from collections.abc import Mapping
+from pathlib import Path
 
 import casadi as ca
 import numpy as np
@@ -289,5 +291,15 @@ def own() -> Mapping[str, Call]:
             "controller": servo.controller,
         },
         "logs.Log": {"samples": {"a": [1.0, 2.0]}, "period_s": T, "times": [0.0, T]},
+        "log_file.read": {"path": _file("a [m]\n1.0\n"), "wanted": {"a": "m"}},
+        "log_file.parsed": {"text": "a [m]\n1.0\n", "wanted": {"a": "m"}, "name": "measurements"},
+        "log_file.written": {"log": log, "units": {"a": "m"}},
         "check.Check": {"name": "c", "found": 1.0, "limit": 2.0, "unit": "1", "about": ""},
     }
+
+
+def _file(text: str) -> str:
+    """Return the path of a file that holds a text."""
+    path = Path(tempfile.gettempdir()) / "synth_hostile_example.txt"
+    path.write_text(text, encoding="utf-8")
+    return str(path)

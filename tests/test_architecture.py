@@ -17,6 +17,7 @@ VOCABULARY = (
     "errors",
     "kinds",
     "arguments",
+    "numeric",
     "check",
     "show",
     "signals",

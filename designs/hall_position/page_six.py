@@ -4,11 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from designs.hall_position import audit_errors, drawings, layouts, maps
-from designs.hall_position.audit_stage import Stage
+from designs.hall_position import drawings
+from designs.hall_position.accuracy import layouts, maps
+from designs.hall_position.accuracy.layouts import LAYOUTS, PUBLISHED
 from designs.hall_position.drawings import Map
-from designs.hall_position.layouts import LAYOUTS, PUBLISHED
-from designs.hall_position.six_parameters import Array, Tuning
+from designs.hall_position.glsdc.six_parameters import Array, Tuning
+from designs.hall_position.paper import errors
+from designs.hall_position.paper.stage import Stage
 from models import hall_array
 from synth.report import figures, page
 
@@ -94,7 +96,7 @@ def _misfit(of: Array) -> page.Table:
     """Return the errors by waves that the model has not, to first order."""
     sensors = replace(hall_array.sensors([(x, y) for x, y, _ in of.positions]), volume=(0.0, 0.0, 0.0))
     at = maps.cell(of, maps.CONDITIONS["level at the height"], POINTS)
-    found = 1e6 * maps.misfit(of, sensors, Stage().waves(audit_errors.WAVES), at)
+    found = 1e6 * maps.misfit(of, sensors, Stage().waves(errors.WAVES), at)
     sizes = {"rms": np.sqrt(np.mean(found**2, axis=0)), "largest": np.abs(found).max(axis=0)}
     rows = tuple((name, *values.tolist()) for name, values in sizes.items())
     columns = ("", "X, µm", "Y, µm", "Z, µm", "roll, µrad", "pitch, µrad", "yaw, µrad")

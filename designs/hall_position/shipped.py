@@ -6,8 +6,9 @@ The field is that of the fabricated matrix at the sensors' height, by the blocks
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from designs.hall_position import estimator, layouts
-from designs.hall_position.parameters import Array, Pair, Tuning
+from designs.hall_position.accuracy import layouts
+from designs.hall_position.glsdc import estimator
+from designs.hall_position.glsdc.parameters import Array, Pair, Tuning
 from models import concentrated_field, hall_array
 from models.concentrated_field import STRONG, WEAK
 from models.hall_chain import Chain

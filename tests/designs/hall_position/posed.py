@@ -5,8 +5,10 @@ from functools import cache
 
 import numpy as np
 
-from designs.hall_position import layouts, reference_six, six_estimator
-from designs.hall_position.six_parameters import Array, Tuning
+from designs.hall_position import reference_six
+from designs.hall_position.accuracy import layouts
+from designs.hall_position.glsdc import six_estimator
+from designs.hall_position.glsdc.six_parameters import Array, Tuning
 from synth.block import Block
 from synth.emit import write
 from synth.execute import host

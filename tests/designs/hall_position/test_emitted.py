@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from designs.hall_position import emitted, estimator, shipped
+from designs.hall_position import emitted, shipped
+from designs.hall_position.glsdc import estimator
 from synth.emit.write import Emitted
 from synth.execute import compile as host_compiler
 from synth.execute import host

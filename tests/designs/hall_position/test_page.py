@@ -5,22 +5,14 @@ import re
 import numpy as np
 import pytest
 
-from designs.hall_position import (
-    audit,
-    costs,
-    fisher,
-    maps,
-    page,
-    page_accuracy,
-    page_convergence,
-    page_field,
-    page_six,
-    shipped,
-)
-from designs.hall_position.audit_stage import Stage, grid
+from designs.hall_position import costs, page, page_accuracy, page_convergence, page_field, page_six, shipped
+from designs.hall_position.accuracy import fisher, maps
 from designs.hall_position.costs import Costs, Row
+from designs.hall_position.paper import rows
+from designs.hall_position.paper.stage import Stage, grid
 from synth.emit.write import Emitted
 from synth.report import sections
+from synth.report.audit import recipes
 from synth.report.page import Section, Table
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
@@ -55,7 +47,7 @@ def test_every_part_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(costs, "measure", lambda three, four: others[id(three), four])
     monkeypatch.setattr(sections, "cost", lambda found: Section("Cost of two sensors"))
     cost = Cost(shipped.NAME, "cortex-m4f", 1e-3, (), (), (), {}, ())
-    few = [audit.ROWS[n](STAGE, audit.printed()[n]) for n in ("K-1", "K-8")]
+    few = [recipes(rows.ROWS)[n].row(STAGE, rows.printed()) for n in ("K-1", "K-8")]
     html = page.report({shipped.THREE: three}, Evidence(shipped.NAME, (), ()), [], few, cost)
     assert len(html.encode()) < MOST and html.count("<svg") == len(set(re.findall(r"Figure (\d+)\.", html)))
     for text in ("Fig. 3", "Fig. 4", "Fig. 5 and (3)", "Fig. 8", "air gap", "lose rank", "K-8", "GLSDC", "Six degrees"):
