@@ -19,7 +19,7 @@ import numpy as np
 from synth import tasks
 from synth.block import Block, Exprs, Step, build, clip
 from synth.compose import compose
-from synth.declaration import Actuator, Controller, Interface, Law, Sensor, SetPoint, Stage, Synthesis
+from synth.declaration import Actuator, Companion, Controller, Interface, Law, Sensor, SetPoint, Stage, Synthesis
 from synth.emit.write import Emitted
 from synth.errors import SignalError
 from synth.plant import Plant
@@ -31,9 +31,20 @@ from synth.tasks import Progress
 from synth.timing import Discrete
 from synth.verify import standard
 from synth.verify.evidence import Evidence
-from synth.workspace import Bench, Design, Report
+from synth.workspace import Bench, Design
 
-__all__ = ["Actuator", "Interface", "Law", "Sensor", "SetPoint", "Stage", "controller", "design", "interface"]
+__all__ = [
+    "Actuator",
+    "Companion",
+    "Interface",
+    "Law",
+    "Sensor",
+    "SetPoint",
+    "Stage",
+    "controller",
+    "design",
+    "interface",
+]
 
 
 def interface(
@@ -160,7 +171,8 @@ def controller(
 ) -> Controller:
     """Compose guard, errors, laws, limits and safe output; once latched the laws' states stand still.
 
-    `outputs` are the controller's, the actuators' where they are left out: a law may share an actuator's value out.
+    `outputs` are the controller's, the actuators' where they are left out: a law that reads an actuator's value stands
+    behind the safe output and may share it out.
 
     Raises WiringError as `compose.compose`, and SignalError as `safety.guard` and `safety.safe_output`.
     """
@@ -170,12 +182,15 @@ def controller(
     driven = {s.name: s for block in blocks for s in block.outputs}
     demands = [driven[f"{a.name}_demand"] for a in around.actuators if f"{a.name}_demand" in driven]
     wanted = [s.of for s in around.set_points if f"{s.of}_error" in read - set(driven)]
+    actuators = {a.name for a in around.actuators}
+    behind = [block for block in blocks if actuators & {s.name for s in block.inputs}]
     parts = [
-        safety.guard(time, guarded(around), around.bad_samples, around.suspected),
+        safety.guard(time, guarded(around), around.bad_samples, around.suspected, reason=around.reason),
         *([errors(time, around, wanted)] if wanted else []),
-        *blocks,
+        *(block for block in blocks if block not in behind),
         *([limits(time, around, demands)] if demands else []),
         *([safety.safe_output(time, around.outputs, safe(around))] if around.actuators else []),
+        *behind,
     ]
     shown = list(outputs) if outputs is not None else [a.name for a in around.actuators]
     block = safety.frozen(compose(name, parts, inputs=names(around.inputs), outputs=shown))
@@ -192,31 +207,32 @@ def design(
     controller: Controller,
     plant: Plant,
     *,
-    emit: Callable[[type[np.floating]], Mapping[str, Emitted]] | None = None,
-    verify: Callable[[Progress, bool], Evidence] | None = None,
-    simulate: Callable[[Progress], Sequence[Experiment]] | None = None,
-    audit: Callable[[], Iterator[Row]] | None = None,
-    bench: Bench | None = None,
-    report: Report | None = None,
+    emit: Callable[[Stage, type[np.floating]], Mapping[str, Emitted]] = tasks.emit,
+    verify: Callable[[Stage, Progress, bool], Evidence] = standard.verify,
+    simulate: Callable[[Stage, Progress], Sequence[Experiment]] = tasks.simulate,
+    audit: Callable[[Stage], Iterator[Row]] = tasks.no_audit,
+    bench: Callable[[Stage], Bench] = tasks.bench,
+    report: Callable[..., str] = tasks.report,
     **declared: Any,
 ) -> Design:
     """Return what the command line does with a stage; `declared` are the further fields of `declaration.Stage`.
 
-    Each of the six tasks can be replaced by one of the design's own.
+    Each of the six tasks is a function of the stage, then of the arguments that `workspace.Design` gives it, and can be
+    replaced by one of the design's own.
 
-    Raises DesignError for a stage without `reference` whose own `verify` is not given.
+    Raises DesignError for a stage without `reference` that has the standard verification.
     """
     stage = Stage(controller, plant, **declared)
-    if verify is None:
+    if verify is standard.verify:
         standard.require_reference(stage)
     return Design(
         name=stage.name,
         scalar=stage.scalar,
-        emit=emit or partial(tasks.emit, stage),
-        verify=verify or partial(standard.verify, stage),
-        simulate=simulate or partial(tasks.simulate, stage),
-        audit=audit or (lambda: iter(())),
-        bench=bench or tasks.bench(stage),
-        report=report or partial(tasks.report, stage),
+        emit=partial(emit, stage),
+        verify=partial(verify, stage),
+        simulate=partial(simulate, stage),
+        audit=partial(audit, stage),
+        bench=bench(stage),
+        report=partial(report, stage),
         stage=stage,
     )

@@ -15,6 +15,9 @@ import pytest
 ROOT = Path(__file__).parents[1]
 VOCABULARY = (
     "errors",
+    "slices",
+    "contents",
+    "cache",
     "kinds",
     "arguments",
     "numeric",

@@ -19,9 +19,9 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.planar_6dof import allocation, calibration, interface, sensing
+from designs.planar_6dof import allocation, interface, sensing
 from designs.planar_6dof.loop import NOISE, Array, Loop, compiled, slope, view
-from models import halbach, planar_stage
+from models import halbach, hall_calibration, planar_stage
 from synth.execute import host
 from synth.signals import names
 from synth.simulate.experiment import Experiment
@@ -51,7 +51,7 @@ GROUPS = (
     *(tuple(n for n in planar_stage.HALL if n[3] == axis) for axis in "xy"),
     planar_stage.HALL,
 )
-BOUND = sensing.RESIDUAL * calibration.of(planar_stage.plant()).amplitude  # V, from which on two sensors disagree
+BOUND = sensing.RESIDUAL * hall_calibration.of(planar_stage.plant()).amplitude  # V, from which on two sensors disagree
 Told = Callable[[str], None]
 Columns = dict[str, NDArray[Any]]
 

@@ -14,9 +14,9 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 from numpy.typing import NDArray
 from scipy import signal
 
-from designs.planar_6dof import calibration, sensing, sensing_maps
+from designs.planar_6dof import sensing, sensing_maps
 from designs.planar_6dof.loops import Singular
-from models import planar_stage
+from models import hall_calibration
 from synth.analyse.disk import DiskMargin
 from synth.plant import Plant
 from synth.report import figures
@@ -25,7 +25,6 @@ from synth.statespace import Array
 from synth.timing import Discrete
 
 POINTS, SECTIONS = 64, 8  # over a pitch
-FAILED, NOTICING = 41, 100  # places over a pitch, one where voltages are 0; samples after which nothing is noticed
 DECIBELS = (-60.0, 60.0)
 SEGMENT = 1024  # samples of a spectrum at most
 LINES = ("-", "--", ":")
@@ -35,7 +34,7 @@ GREY = "#bbbbbb"
 
 def pitch(plant: Plant) -> Figure:
     """Draw Figs. 3 and 4: the two voltages of x over a pitch, which of them is used, and what the fit leaves."""
-    cal = calibration.of(plant)
+    cal = hall_calibration.of(plant)
     x = cal.pitch * np.linspace(-0.4999, 0.4999, 16 * POINTS + 1)
     v = sensing_maps.voltages(plant, {"x": x})
     waves = {"V_ax, sensor A": v["V_ax"] / cal.amplitude, "−V_bx, sensor B": -v["V_bx"] / cal.amplitude}
@@ -75,40 +74,16 @@ def yaw_maps(plant: Plant, yaw: float = 6e-3, doubt: float = 1e-3) -> Figure:
         f"error of raw φ at {1e3 * yaw:g} mrad, mrad": 1e3 * turned.error["phi"],
         f"noise of raw φ for {1e6 * sensing_maps.NOISE:g} µm, mrad rms": 1e3 * level.noise["phi"],
     }
+    l = hall_calibration.of(plant).pitch
     with figures.styled():
         figure = Figure(figsize=(9.0, 4.0), layout="constrained")
         for axes, (title, values) in zip(figure.subplots(1, 2), shown.items(), strict=True):
-            figure.colorbar(_map(axes, title, values, calibration.of(plant).pitch, "viridis"), ax=axes, shrink=0.85)
+            figure.colorbar(_map(axes, title, values, l, "viridis"), ax=axes, shrink=0.85)
     return figure
 
 
-def unnoticed(plant: Plant, time: Discrete, predicted: bool = True) -> dict[str, NDArray[np.bool_]]:
-    """Tell by voltage at which places over a pitch (x, y) its drop to zero at rest is never noticed.
-
-    The failure comes once the sensing, see `sensing_maps.estimation`, has followed the platen for a while.
-    """
-    l, block = calibration.of(plant).pitch, sensing_maps.estimation(plant, time, predicted)
-    place, n = l * ((np.arange(FAILED) + 0.5) / FAILED - 0.5), FAILED**2
-    pose = dict(zip("xy", (v.ravel() for v in np.meshgrid(place, place, indexing="ij")), strict=True))
-    sound = {f"{name}_held": v for name, v in sensing_maps.voltages(plant, pose).items()}
-    step, named = block.function().map(n), [s.name for s in block.outputs].index(sensing.SUSPECTED.name)
-
-    def after(x: Array, samples: int, changed: Mapping[str, float]) -> tuple[Array, NDArray[np.bool_]]:
-        given = sound | {name: np.full(n, value) for name, value in changed.items()}
-        u, silent = np.array([given.get(s.name, np.ones(n)) for s in block.inputs]), np.ones(n, dtype=bool)
-        for _ in range(samples):
-            x, y = (v.full() for v in step(x, u))
-            silent &= y[named] == 0
-        return x, silent
-
-    first, _ = after(np.tile(block.initial[:, None], n), 1, {sensing.READY.name: 0.0})
-    rest, _ = after(first, NOTICING, {})
-    shape = FAILED, FAILED
-    return {name: after(rest, NOTICING, {f"{name}_held": 0.0})[1].reshape(shape) for name in planar_stage.HALL}
-
-
 def failures(found: Mapping[str, NDArray[np.bool_]], l: float) -> Figure:
-    """Draw over a pitch l in m where a voltage that drops to zero is not noticed, as `unnoticed` tells."""
+    """Draw over a pitch l in m where a voltage that drops to zero is not noticed, as `sensing_maps.unnoticed` tells."""
     colours = ListedColormap(["#f2f2f2", COLOURS[1]])
     with figures.styled():
         figure = Figure(figsize=(9.0, 6.2), layout="constrained")

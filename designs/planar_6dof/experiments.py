@@ -10,9 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from designs.planar_6dof import voltages
 from designs.planar_6dof.loop import NOISE_PRINTED, Array, Loop
-from models import planar_stage
+from models import planar_stage, planar_voltages
 from synth.check import Check
 from synth.simulate import metrics
 from synth.simulate.experiment import Experiment
@@ -20,7 +19,7 @@ from synth.simulate.scenario import Trajectory, sample_times
 
 SETTLE, AFTER = 0.5, 2.0  # s before a step, and after it
 REST, SHORT = 10.0, 5.0  # s of standstill, of which the first is left out; behind amplifiers
-SUPPLIES, FINE = (voltages.STATED, 24.0), 8  # V; substeps of a sample, for an amplifier's lag of 0.25 ms
+SUPPLIES, FINE = (planar_voltages.STATED, 24.0), 8  # V; substeps of a sample, for an amplifier's lag of 0.25 ms
 UNITS = {"x": ("m", "um", 1e-6), "y": ("m", "um", 1e-6), "phi": ("rad", "urad", 1e-6)}
 
 
@@ -83,7 +82,7 @@ def step_experiment(loop: Loop, run: StepRun, name: str, title: str, limits: Lim
         "true error at the end, without noise, of the step": ending[1],
         f"noise of the true {run.axis} in the last second, {small} rms": _last(loop, run.noisy[run.axis]) / scale,
         **{f"{a} moves without noise by, {UNITS[a][1]}": np.abs(run.ideal[a]).max() / UNITS[a][2] for a in others},
-        **voltages.figures(loop.plant, run.noisy, run.ideal),
+        **planar_voltages.figures(loop.plant, run.noisy, run.ideal),
     }
     checks = [Check("error at the end as shown, without noise", abs(ending[0]), 1e-3, "1", "of the step")]
     if limits:
@@ -136,10 +135,10 @@ def standstills(loop: Loop) -> list[Experiment]:
     found = []
     for name, case in cases.items():
         run, title = case.run(REST, {}, {}), f"At rest, noise of {1e6 * case.noise:g} um rms"
-        figures = rest_figures(case, run) | voltages.figures(case.plant, run, None)
+        figures = rest_figures(case, run) | planar_voltages.figures(case.plant, run, None)
         found.append(_standstill(case, name, title, run, figures))
     for volts in SUPPLIES:
-        case = replace(loop, plant=voltages.amplified(volts))
+        case = replace(loop, plant=planar_voltages.amplified(volts))
         run, title = case.run(SHORT, {}, {}, substeps=FINE), f"At rest, amplifiers of {volts:g} V"
         found.append(_standstill(case, f"standstill_{volts:g}_V", title, run, rest_figures(case, run)))
     return found
@@ -166,7 +165,7 @@ def usual(run: Trajectory) -> tuple[Check, ...]:
     """Return what every run without a planted failure must keep: no fault, no more current than Table 1 allows."""
     return (
         Check("samples with a fault", float(np.count_nonzero(run.faults)), 0.0, "1"),
-        Check("largest phase current", voltages.largest_current(run), planar_stage.LIMIT, "A", "Table 1"),
+        Check("largest phase current", planar_voltages.largest_current(run), planar_stage.LIMIT, "A", "Table 1"),
     )
 
 

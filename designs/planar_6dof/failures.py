@@ -19,9 +19,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.planar_6dof import calibration, interface, sensing
+from designs.planar_6dof import interface, sensing
 from designs.planar_6dof.loop import Array, Loop
-from models import planar_stage
+from models import hall_calibration, planar_stage
 from synth.check import Check
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory, sample_times
@@ -139,7 +139,7 @@ def fail(loop: Loop, channel: str, kind: Kind, start: Place = START, speed: Plac
 
 def residuals(loop: Loop, run: Trajectory) -> Array:
     """Return rho (N,) of `sensing`, 0 where the word names a channel already."""
-    seen, A = loop.seen(run), calibration.of(loop.plant).amplitude
+    seen, A = loop.seen(run), hall_calibration.of(loop.plant).amplitude
     bounds = {s.name: sensing.POWER * A**2 if s.unit == "V^2" else sensing.RESIDUAL * A for s in sensing.RESIDUALS}
     rho = np.sqrt(np.sum([(seen[name] / bound) ** 2 for name, bound in bounds.items()], axis=0))
     return np.where(run.faults & np.bitwise_or.reduce(list(_bits(loop).values())), 0.0, rho)

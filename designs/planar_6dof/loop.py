@@ -20,8 +20,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from designs.planar_6dof import calibration, filtering, interface, sensing, vertical
-from models import halbach, planar_stage
+from designs.planar_6dof import filtering, interface, sensing, vertical
+from models import halbach, hall_calibration, planar_stage
 from synth.block import Block
 from synth.compose import compose
 from synth.emit import write
@@ -135,7 +135,7 @@ def noise(loop: Loop, n: int) -> dict[str, Array]:
 def slope(plant: Plant) -> float:
     """Return A w in V/m, that of the fundamental where it is 0."""
     k = float(halbach.wave_number({p.name: ca.SX(p.value) for p in plant.parameters}))
-    return calibration.of(plant).amplitude * k
+    return hall_calibration.of(plant).amplitude * k
 
 
 def compiled(block: Block, scalar: type[np.floating] = np.float32) -> host.Controller:

@@ -15,28 +15,9 @@
         I+  = (1 - g) I + g (made - w),     f1+ = made                       g = k3 T / k
 
 While made = f this is I+ = I + k3 T (r - q) and f = k1 (r - q1) - k2 v1 + I+. At a limit I follows what is made with a
-time constant of T/g, some 20 ms.
-
-K belongs to a loop without delay. The prediction q1, v1 puts it where it was designed for: without it phi has a phase
-margin of 10 to 19 degrees with a sample of delay, with it 31 to 35. Positions come as they are measured: behind the
-Kalman filter (6)-(16), which knows nothing of f, this loop is unstable for every p.
-
-p. A larger one lets less noise through and leaves less margin. Peak sensitivity, and current in A rms of motor C for
-13 um of noise in x, of A and B for 0.3 mrad in phi:
-
-    p        0           0.5         0.7         0.8         0.9
-    x        1.56  0.39  1.71  0.17  1.82  0.11  1.90  0.08  1.96  0.05
-    y        1.43        1.58        1.74        1.87        2.02
-    phi      2.20  2.01  2.12  0.92  2.03  0.60  1.96  0.46  1.84  0.33
-
-An error beyond ERROR counts as this, and the integral fades: the axis then comes to k ERROR / k2, from which the motors
-can stop it. Without that a step of x by 60 mm loses the platen; with it steps of 60 mm overshoot by 1 to 2 %. That is
-0.154 m/s in x and 0.33 m/s in y: faster set-points are followed late. The integral of a ramp is a velocity; were it
-kept, the axis would go on with it when the set-point turns back.
-
-Until every measurement has been good once the platen counts as at rest where it is.
-
-H of (42) is no choice: the observer that it makes has its poles at z = -1.
+time constant of T/g, some 20 ms. An error beyond ERROR counts as this, and the integral fades: the axis then comes to
+k ERROR / k2, from which the motors can stop it. Until every measurement has been good once the platen counts as at rest
+where it is. The choices of prediction, p and ERROR: docs/decisions/planar_lqg.md.
 """
 
 from collections.abc import Callable, Sequence

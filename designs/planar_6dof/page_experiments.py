@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from designs.planar_6dof import drawings, voltages
+from designs.planar_6dof import drawings
 from designs.planar_6dof.page_stage import REST, seen
-from models import halbach, planar_stage
+from models import halbach, planar_stage, planar_voltages
 from synth.errors import SignalError
 from synth.plant import Plant
 from synth.report import figures, page, sections
@@ -150,7 +150,7 @@ def headroom(found: Sequence[Experiment]) -> page.Section:
         "behind amplifiers that have a supply of their own are not in the table."
     )
     plant = planar_stage.plant(halbach.HARMONICS)
-    left = f"headroom under {voltages.STATED:g} V, V"
+    left = f"headroom under {planar_voltages.STATED:g} V, V"
     columns = ("run", "largest current, A", "largest induced, V", "largest voltage, V", left, "samples above, %")
     rows: list[tuple[page.Cell, ...]] = []
     for e in (e for e in found if _ideal(plant, e.trajectory)):
@@ -164,6 +164,6 @@ def _ideal(plant: Plant, run: Trajectory) -> bool:
 
 
 def _needs(plant: Plant, run: Trajectory) -> tuple[float, ...]:
-    u, induced = np.abs(voltages.needed(plant, run)), float(np.abs(voltages.induced(plant, run)).max())
-    above, largest = 100 * float(np.mean(u.max(axis=0) > voltages.STATED)), float(u.max())
-    return voltages.largest_current(run), induced, largest, voltages.STATED - largest, above
+    u, induced = np.abs(planar_voltages.needed(plant, run)), float(np.abs(planar_voltages.induced(plant, run)).max())
+    above, largest = 100 * float(np.mean(u.max(axis=0) > planar_voltages.STATED)), float(u.max())
+    return planar_voltages.largest_current(run), induced, largest, planar_voltages.STATED - largest, above

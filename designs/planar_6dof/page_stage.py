@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from designs.planar_6dof import allocation, calibration, drawings, filtering, sensing_maps
+from designs.planar_6dof import allocation, drawings, filtering, sensing_maps
 from designs.planar_6dof import loop as simulated
+from models import hall_calibration
 from synth.plant import Plant
 from synth.report import figures, page, sections
 from synth.report.notation import number
@@ -16,6 +17,7 @@ from synth.timing import Discrete
 
 SYMBOLS = {"phi": "φ", "theta": "θ", "psi": "ψ"}
 REST, FIRST, SHOWN = "standstill", 1.0, 2.0  # its name, s of it that are left out, s that are drawn
+DRAWN = 41  # places over a pitch in x and in y of a picture, one where voltages are 0
 PLACES = 9  # over a pitch in x and in y, at which every failure is followed: one where voltages are 0
 
 STAGE = (
@@ -59,7 +61,7 @@ def _derived(plant: Plant) -> page.Table:
         ("K", K, "N/A", "force of a motor per ampere, (17) with 3/(2π)"),
         ("K / M", K / M, "m/s²/A", "(26) prints 13.2547, which carries the factor 1/2 of (17)"),
         ("K a / Izz", K * a / Izz, "rad/s²/A", "(26) prints 117.15"),
-        ("A", calibration.of(plant).amplitude, "V", "amplitude of a Hall voltage's fundamental"),
+        ("A", hall_calibration.of(plant).amplitude, "V", "amplitude of a Hall voltage's fundamental"),
         ("A γ", simulated.slope(plant) / 1e3, "V/mm", "its slope where it is 0"),
     )
     return page.Table("Derived", ("name", "value", "unit", "is"), rows, digits=5)
@@ -137,11 +139,11 @@ def failures(plant: Plant, time: Discrete, filtered: bool) -> page.Section:
         f"own axis at {sensing_maps.SPEED:g} m/s; 'moved' is the longest way until it is noticed, ∞ where it is not, "
         "'named' and 'alone' are shares of the noticed failures in which it is among those named, or the only one."
     )
-    silent = drawings.unnoticed(plant, time, filtered)
+    silent = sensing_maps.unnoticed(plant, time, DRAWN, filtered)
     drawn = figures.svg(drawings.failures(silent, plant.parameter("l").value), "unnoticed")
     caption = "Where a voltage that drops to zero is never noticed while the platen rests: dark."
     rows: list[tuple[page.Cell, ...]] = []
-    for r in sensing_maps.faults(plant, time, PLACES, filtered).rows:
+    for r in sensing_maps.faults(plant, time, PLACES, filtered):
         share = float(silent[r.voltage].mean()) if r.failure == "zero" else r.unnoticed
         shares, errors = (share, r.named, r.alone), (r.moved, r.position, r.yaw)
         rows.append((r.voltage, r.failure, *(100 * v for v in shares), *(1e3 * v for v in errors)))

@@ -1,4 +1,4 @@
-"""Where the platen is, from three two-axis Hall sensors: section by section, each sensor checked by the others.
+"""Position and yaw from three two-axis Hall sensors, by sections of a pitch, with detection of a failed sensor.
 
     C o                      sensor A at the platen's centre, B at 3/4 of a pitch along its x, C as far along its y
       |                      t = 2 pi x / l,  D = 3 pi / 2,  S(t) = sin t + harmonics,  C(t) = cos t + harmonics
@@ -11,31 +11,19 @@
 `phi_predicted`, a state of the Kalman filter or the raw yaw of the sample before, turns the voltages back: s and c of
 each axis are A S(t) and A C(t).
 
-Position, (1)-(5). Of the two, the voltage nearer to zero is in its sensitive interval and is used; it is divided by the
-other one, so that the arcsine becomes an arctangent, a common change of amplitude drops out, and the eight sections of
-45 degrees join without a jump. With r = s c / max(s^2, c^2), which is s/c or c/s,
+Position, (1)-(5). With r = s c / max(s^2, c^2), which is s/c or c/s, the voltage nearer to zero over the other one,
 
     x = f(r), half a pitch on where c < 0,     if |s| <= |c|, (alpha, beta) = (1, 0)
     x = +- l/4 - f(r) with the sign of s,      if |s| > |c|,  (alpha, beta) = (0, -1)
 
-f is arctangent and calibration in one (`calibration`). The count of pitches is the one that comes nearest to the
-predicted position. Added to an absolute phase it cannot drift as the sum of differences in (4), (5) does: there one
-sensor's amplitude wrong by 1 % adds 0.6 % to the way.
-The raw position is within 4.3 um rms, 9.5 um at most, where uncorrected harmonics make 330 um rms; lifted by 0.1 mm,
-16.5 um rms, since the harmonics fade; turned by 6 mrad that are predicted as 7, 7.4 um rms. Noise of 5e-5 m rms makes
-it noisy by 5.3e-5 m in the median, 6.5e-5 at most, and by 5.5e-5 and 1.1e-4 where the yaw of the sample before, as
-noisy as it is, turns the voltages back.
+f is arctangent and calibration in one (`models.hall_calibration`). The count of pitches is the one that comes nearest
+to the predicted position.
 
 Yaw. e_1 = V_by - V_ay and e_2 = V_cx - V_ax are linear in it, but h_1 and h_2 vanish together at isolated places. With
 m = s^2 + c^2 of each pair, less what it is there, m_x - m_y is a third: h_3 = 2 (2 s_x s_y - s_y c_x - s_x c_y). From
 r_1 = e_1 - h_1 phi_predicted, r_2 = e_2 + h_2 phi_predicted and r_3 = m_x - m_y,
 
     phi_raw = phi_predicted + (h_1 r_1 - h_2 r_2 + W h_3 r_3 / A^2) / (h_1^2 + h_2^2 + W h_3^2 / A^2 + REGULAR A^2)
-
-Taken about the prediction, second orders nearly cancel, and the fit of S' within 2 % shows in the yaw itself only. The
-error is 0.04 mrad rms over a pitch at yaw 0, 0.16 rms and 1.6 at most at 6 mrad, 1.5 rms at 20 mrad; of a yaw that is
-not yet predicted the raw one shows 0.7 to 1.2 where h_1 and h_2 vanish. Where a position is noisy by 5e-5 m rms the raw
-yaw is so by 1.8 mrad in the median and by 11 mrad at those places, whatever predicts it.
 
 Contradictions. m_x, m_y, r_1 and r_2 are near 0 unless a sensor fails. A sample whose residual
 
@@ -53,8 +41,7 @@ guard latches. A residual is there from PART of its bound on. Where rho is BIG a
 since V_ax less by r_2 makes s_x^2 less by r_2 (2 s_x + r_2), and a wrong V_bx shows in r_2 by its h_2.
 Otherwise it has come slowly, and the yaw has followed: it shares what one sensor lacks between r_1 and r_2. Then the
 four voltages of these are suspected alike, V_ax and V_bx by m_x, V_ay and V_cy by m_y; all six by m_x and m_y at once,
-and where the yaw is beyond KNOWN. `failures` tells how often the wrong one is among them, `sensing_maps.faults` what is
-not noticed: at rest all that sticks, and V_bx or V_cy that drops to zero within 36 degrees of where it reads zero.
+and where the yaw is beyond KNOWN. Errors, noise and undetected failures: docs/decisions/planar_sensing.md.
 
 Source: Yu, Kim, section 3.1, Figs. 3 and 4; Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing".
 """
@@ -63,8 +50,7 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 
-from designs.planar_6dof import calibration
-from models import planar_stage
+from models import hall_calibration, planar_stage
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.plant import Plant
 from synth.signals import Signal
@@ -144,7 +130,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
 
     Predictions are inputs, or else the raw position of the sample before.
     """
-    cal = calibration.of(plant)
+    cal = hall_calibration.of(plant)
     A, l = cal.amplitude, cal.pitch
     yaw = RAW["phi"].name
 
@@ -207,7 +193,7 @@ def _states() -> list[State]:
     return [*(State(s, 0, True) for s in (doubt, named)), *(State(s, 0.0) for s in (*shown, *OFFSETS, *WITHIN))]
 
 
-def _constants(cal: calibration.Calibration) -> list[Constant]:
+def _constants(cal: hall_calibration.Calibration) -> list[Constant]:
     position = [(f"position_{2 * n + 1}", v, "m") for n, v in enumerate(cal.position)]
     slope = [(f"slope_{n}", v, f"1/V^{2 * n + 2}") for n, v in enumerate(cal.slope)]
     power = [(f"power_{n}", v, unit) for n, (v, unit) in enumerate(zip(cal.power, _POWERS, strict=True))]
@@ -241,7 +227,7 @@ def _turn(X: _Pair, Y: _Pair, of: _Checks, k: Exprs, A: float) -> ca.SX:
     return (of.h1 * of.r1 - of.h2 * of.r2 + k["third"] * (h3 * (X.m - Y.m))) / information
 
 
-def _place(p: _Pair, r: ca.SX, k: Exprs, cal: calibration.Calibration) -> ca.SX:
+def _place(p: _Pair, r: ca.SX, k: Exprs, cal: hall_calibration.Calibration) -> ca.SX:
     """Return the position within the pitch, m, from the ratio r of the pair."""
     l, f = cal.pitch, ca.SX(0)
     for n in reversed(range(len(cal.position))):

@@ -3,24 +3,17 @@
 Everything is computed with the Block itself, in double precision, from the voltages of the plant, over a pitch in x and
 in y, with the filters that predict or with the sample before as the prediction. Nothing here is noisy: what noise does
 to the residuals is far inside their bounds. A failure is noticed in the sample in which the fault word names suspects.
-
-On a grid of 24 by 24 places a voltage that drops to zero is noticed, but for V_bx and V_cy: not at 33 % of them, where
-x or y is wrong by up to 4.2 mm, since s = A S with c = 0 is nearly what a place near by has. No place of the grid has a
-voltage that is zero anyhow. What sticks while the platen moves along its own axis is noticed within 13.2 mm. Until then
-the yaw is wrong by up to 35 mrad with filters and by 25 mrad without, which is where the range of the raw yaw ends, and
-x or y by 2.2 mm, but by 12.8 mm, a quarter of a pitch, where V_bx or V_cy sticks.
+The results are discussed in docs/decisions/planar_sensing.md.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from designs.planar_6dof import calibration, filtering, sensing
-from models import planar_stage
-from synth import show
+from designs.planar_6dof import filtering, sensing
+from models import hall_calibration, planar_stage
 from synth.block import Block
 from synth.compose import compose
 from synth.plant import Plant
@@ -62,36 +55,6 @@ class Unseen:
     yaw: float
 
 
-@show.printed
-@dataclass(frozen=True, repr=False)
-class Faults:
-    """What every failure of every voltage does before it is noticed."""
-
-    rows: tuple[Unseen, ...]
-
-    def sheet(self) -> show.Sheet:
-        """Return the failures as a table."""
-        columns = (
-            "voltage",
-            "failure",
-            "unnoticed, %",
-            "named, %",
-            "alone, %",
-            "moved, mm",
-            "position, mm",
-            "yaw, mrad",
-        )
-        rows = tuple(
-            (
-                *(r.voltage, r.failure, *(f"{100 * v:.1f}" for v in (r.unnoticed, r.named, r.alone))),
-                *(f"{1e3 * v:.2f}" for v in (r.moved, r.position, r.yaw)),
-            )
-            for r in self.rows
-        )
-        lines = ("Share of places where it is not noticed, and the largest errors before it is or where it is not.",)
-        return show.Sheet("Hall sensors that fail", lines, (show.Table(columns, rows),))
-
-
 def voltages(plant: Plant, pose: Mapping[str, ArrayLike]) -> dict[str, Array]:
     """Return the six voltages (N,) of N poses in m and rad by axis; an axis that is left out is 0."""
     columns = np.broadcast_arrays(*(np.asarray(pose.get(s.name, 0.0), float).ravel() for s in plant.states))
@@ -117,7 +80,7 @@ def estimation(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
 def error_map(plant: Plant, yaw: float = 0.0, lift: float = 0.0, doubt: float = 0.0, points: int = 48) -> ErrorMap:
     """Return the map at a yaw in rad, known to `doubt` in rad, and a lift in m."""
     block = sensing.sensing(plant, Discrete(1e-3))
-    l = calibration.of(plant).pitch
+    l = hall_calibration.of(plant).pitch
     place = l * ((np.arange(points) + 0.5) / points - 0.5)
     x, y = (v.ravel() for v in np.meshgrid(place, place, indexing="ij"))
     u = voltages(plant, {"x": x, "y": y, "phi": yaw, "z": lift})
@@ -148,15 +111,21 @@ def error_map(plant: Plant, yaw: float = 0.0, lift: float = 0.0, doubt: float = 
 
 def deviation(plant: Plant) -> float:
     """Return the noise rms of a voltage in V that makes NOISE in a position."""
-    cal = calibration.of(plant)
+    cal = hall_calibration.of(plant)
     return float(cal.amplitude * 2 * np.pi / cal.pitch * NOISE)
 
 
-def faults(plant: Plant, time: Discrete, points: int = 12, predicted: bool = True) -> Faults:
+def faults(plant: Plant, time: Discrete, points: int = 12, predicted: bool = True) -> list[Unseen]:
     """Return what each voltage does that drops to zero at rest, or sticks while it moves at SPEED; see `estimation`."""
     block = estimation(plant, time, predicted)
-    rows = [_dropped(plant, block, name, points) for name in planar_stage.HALL]
-    return Faults((*rows, *(_stuck(plant, block, name, points) for name in planar_stage.HALL)))
+    dropped = [_summary(name, "zero", _dropped(plant, block, name, points), 0.0) for name in planar_stage.HALL]
+    return [*dropped, *(_stuck(plant, block, name, points) for name in planar_stage.HALL)]
+
+
+def unnoticed(plant: Plant, time: Discrete, points: int, predicted: bool = True) -> dict[str, NDArray[np.bool_]]:
+    """Tell by voltage at which places (points, points) over a pitch its drop to zero at rest is never noticed."""
+    block, shape = estimation(plant, time, predicted), (points, points)
+    return {n: (_dropped(plant, block, n, points).noticed < 0).reshape(shape) for n in planar_stage.HALL}
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,7 +174,7 @@ def _moving(block: Block, start: Array, velocity: Array) -> Array:
     return state
 
 
-def _summary(name: str, failure: str, seen: _Watch, moved: NDArray[np.floating[Any]]) -> Unseen:
+def _summary(name: str, failure: str, seen: _Watch, speed: float) -> Unseen:
     noticed = seen.noticed >= 0
     own = seen.named[planar_stage.HALL.index(name)]
     alone = own & (seen.named.sum(axis=0) == 1)
@@ -215,21 +184,20 @@ def _summary(name: str, failure: str, seen: _Watch, moved: NDArray[np.floating[A
         float(np.mean(~noticed)),
         float(own[noticed].mean()) if noticed.any() else 0.0,
         float(alone[noticed].mean()) if noticed.any() else 0.0,
-        float(np.where(noticed, moved, np.inf).max()),
+        float(np.where(noticed, speed * seen.noticed, np.inf).max()),
         float(seen.error[:2].max()),
         float(seen.error[2].max()),
     )
 
 
 def _places(plant: Plant, points: int) -> Array:
-    place = calibration.of(plant).pitch * ((np.arange(points) + 0.5) / points - 0.5)
+    place = hall_calibration.of(plant).pitch * ((np.arange(points) + 0.5) / points - 0.5)
     return np.array([v.ravel() for v in np.meshgrid(place, place, indexing="ij")])
 
 
-def _dropped(plant: Plant, block: Block, name: str, points: int) -> Unseen:
+def _dropped(plant: Plant, block: Block, name: str, points: int) -> _Watch:
     start = _places(plant, points)
-    seen = _watched(plant, block, start, np.zeros_like(start), SETTLED, name, stuck=False)
-    return _summary(name, "zero", seen, np.zeros(start.shape[1]))
+    return _watched(plant, block, start, np.zeros_like(start), SETTLED, name, stuck=False)
 
 
 def _stuck(plant: Plant, block: Block, name: str, points: int) -> Unseen:
@@ -237,6 +205,6 @@ def _stuck(plant: Plant, block: Block, name: str, points: int) -> Unseen:
     place, T = _places(plant, points), block.time.period_s
     along = np.array([[name[-1] == axis] for axis in "xy"])
     velocity = SPEED * along * np.repeat([1.0, -1.0], place.shape[1])
-    samples = round(calibration.of(plant).pitch / SPEED / T)
+    samples = round(hall_calibration.of(plant).pitch / SPEED / T)
     seen = _watched(plant, block, np.tile(place, 2), velocity, samples, name, stuck=True)
-    return _summary(name, "stuck", seen, SPEED * T * seen.noticed)
+    return _summary(name, "stuck", seen, SPEED * T)

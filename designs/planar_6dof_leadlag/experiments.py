@@ -13,16 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designs.planar_6dof import experiments as shared
-from designs.planar_6dof import failures, finite, voltages
+from designs.planar_6dof import failures, finite
 from designs.planar_6dof.loop import Array, Loop
 from designs.planar_6dof.paper.steps import FIGURE_8
+from models import planar_voltages
 from synth.check import Check
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory, sample_times
 
 SIZES = {"x": "20 um", "y": "100 um", "phi": "0.01 degrees"}
 # Y-9, whose band is not printed: into 2 % it takes 0.33 s. Around 20 % is within a quarter of it, as Y-9b is judged.
-LIMITS = shared.Limits(rise=0.025, overshoot=0.25, settling=0.220, band=0.05, voltage=voltages.STATED)
+LIMITS = shared.Limits(rise=0.025, overshoot=0.25, settling=0.220, band=0.05, voltage=planar_voltages.STATED)
 RADIUS, RATE, GROWTH = 0.1, 0.2094, 5.0  # m, rad/s, s
 REVOLUTION = 2 * pi / RATE
 PAIRS = {"x": ("V_ax", "V_bx"), "y": ("V_ay", "V_cy")}  # s and -c of an axis
@@ -73,7 +74,7 @@ def circle_experiment(loop: Loop) -> Experiment:
 def _judged(loop: Loop, found: Circle, ideal: Circle) -> Experiment:
     """Return a circle, with its twin without noise, as an experiment."""
     pitch = loop.plant.parameter("l").value
-    figures, checks = voltages.figures(loop.plant, found.run, ideal.run), []
+    figures, checks = planar_voltages.figures(loop.plant, found.run, ideal.run), []
     for axis in "xy":
         there, elsewhere = jumps(loop, found.run, axis)
         rms = float(np.sqrt(np.mean(elsewhere**2)))
@@ -92,7 +93,7 @@ def _judged(loop: Loop, found: Circle, ideal: Circle) -> Experiment:
         lost = float(np.abs(found.error(axis)).max())
         checks.append(Check(f"greatest error of {axis}", lost, pitch / 16, "m", "half a section: no count is lost"))
     needed = figures["largest voltage without noise, V"]
-    checks.append(Check("largest voltage without noise", needed, voltages.STATED, "V", "Table 1"))
+    checks.append(Check("largest voltage without noise", needed, planar_voltages.STATED, "V", "Table 1"))
     figures["greatest yaw, urad"] = 1e6 * float(np.abs(found.run["phi"]).max())
     title = "Circle of 200 mm diameter at 0.2094 rad/s (Fig. 9)"
     about = f"a revolution of {REVOLUTION:.4g} s after {GROWTH:g} s in which the radius grows"

@@ -12,8 +12,7 @@ import numpy as np
 
 from designs.hall_position.loop import calibration, closed_loop, stage_loop
 from designs.hall_position.loop.stage_loop import TIME, Loop
-from designs.planar_6dof import voltages
-from models import planar_stage
+from models import planar_stage, planar_voltages
 from synth.check import Check
 from synth.execute import cross
 from synth.simulate.experiment import Experiment
@@ -42,7 +41,7 @@ def usual(run: Trajectory) -> tuple[Check, ...]:
     """Return what every run without a planted failure must keep."""
     return (
         Check("samples with a fault", float(np.count_nonzero(run.faults)), 0.0, "1"),
-        Check("largest phase current", voltages.largest_current(run), planar_stage.LIMIT, "A", "Table 1"),
+        Check("largest phase current", planar_voltages.largest_current(run), planar_stage.LIMIT, "A", "Table 1"),
     )
 
 

@@ -17,10 +17,9 @@ from numpy.typing import ArrayLike
 from designs.hall_position.loop import calibration, closed_loop
 from designs.hall_position.loop.calibration import Bench
 from designs.hall_position.loop.closed_loop import Source
-from designs.planar_6dof import calibration as sections
 from designs.planar_6dof import interface, lqg
 from designs.planar_6dof import loop as planar
-from models import built_matrix, hall_chain, planar_stage
+from models import built_matrix, hall_calibration, hall_chain, planar_stage
 from models.hall_chain import Chain
 from synth.block import Block
 from synth.compose import compose
@@ -111,7 +110,7 @@ def of_sections(bench: Bench | None = None, libm: bool = False) -> Loop:
     plant = planar_stage.plant()
     bench = bench or Bench(places=closed_loop.stage_places(plant))
     amplitude = calibration.array(bench, calibration.fits(bench)).alpha
-    matched = sections.of(plant).amplitude / amplitude
+    matched = hall_calibration.of(plant).amplitude / amplitude
     shown = planar.view(TIME, predicted=False)
     return _loop(bench, lqg.controller(plant), shown, matched, interface.SURROGATE_ERROR[np.float32], libm)
 

@@ -14,10 +14,10 @@ from collections.abc import Callable, Mapping
 import casadi as ca
 import numpy as np
 
-from designs.planar_6dof import calibration, filtering, lqg, sensing, vertical
+from designs.planar_6dof import filtering, lqg, sensing, vertical
 from designs.planar_6dof.paper import rows
 from designs.planar_6dof_leadlag import control as leadlag
-from models import halbach
+from models import halbach, hall_calibration
 from synth.plant import Plant
 from synth.timing import Discrete
 
@@ -50,7 +50,7 @@ def held(plant: Plant, axis: str, T: float, z: Array) -> Array:
 
 def sensed(plant: Plant, axis: str) -> tuple[float, float]:
     """Return g and rho, with S' = sum n A_n and C = sum A_n at the middle, where S is 0."""
-    cal, p = calibration.of(plant), {s.name: ca.SX(s.value) for s in plant.parameters}
+    cal, p = hall_calibration.of(plant), {s.name: ca.SX(s.value) for s in plant.parameters}
     height = ca.SX(plant.parameter("height").value)
     A = {n: plant.parameter("sensitivity").value * float(halbach.amplitude(n, height, p)) for n in halbach.HARMONICS}
     slope, level = sum(n * a for n, a in A.items()), sum(A.values())

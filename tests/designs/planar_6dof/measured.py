@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from designs.planar_6dof import calibration, reference_sensing, sensing, sensing_maps
-from models import planar_stage
+from designs.planar_6dof import reference_sensing, sensing, sensing_maps
+from models import hall_calibration, planar_stage
 from synth.block import Block
 from synth.emit import write
 from synth.execute import host
@@ -21,7 +21,7 @@ from tests import tolerances
 PLANT = planar_stage.plant()
 TIME = Discrete(1 / 800)
 HALL = planar_stage.HALL
-CAL = calibration.of(PLANT)
+CAL = hall_calibration.of(PLANT)
 A, L = CAL.amplitude, CAL.pitch
 W = 2 * np.pi / L
 AS_MEASURED = [s.name for s in sensing.RAW.values()]

@@ -33,5 +33,5 @@ def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(page_stage, "PLACES", 2)
     monkeypatch.setattr(sensing_maps, "SPEED", 2.0)
     monkeypatch.setattr(drawings, "POINTS", 8)
-    monkeypatch.setattr(drawings, "FAILED", 3)
+    monkeypatch.setattr(page_stage, "DRAWN", 3)
     monkeypatch.setattr(loops, "over_pitch", partial(loops.over_pitch, places=1))

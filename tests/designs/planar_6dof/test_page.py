@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from designs.planar_6dof import drawings, failures, page_experiments, page_stage, sensing_maps
+from designs.planar_6dof import failures, page_experiments, page_stage, sensing_maps
 from designs.planar_6dof import loop as simulated
 from designs.planar_6dof.loop import Loop
 from designs.planar_6dof_leadlag import control as leadlag
@@ -78,10 +78,9 @@ def test_the_voltages_are_those_of_the_experiment(runs: list[Experiment]) -> Non
 
 @pytest.mark.parametrize("predicted", [True, False])
 def test_the_map_of_what_is_not_noticed_is_that_of_the_faults(monkeypatch: pytest.MonkeyPatch, predicted: bool) -> None:
-    monkeypatch.setattr(drawings, "FAILED", 6)
     monkeypatch.setattr(sensing_maps, "SPEED", 2.0)  # m/s: what sticks is not asked for here
-    found = drawings.unnoticed(PLANT, leadlag.TIME, predicted)
-    rows = sensing_maps.faults(PLANT, leadlag.TIME, 6, predicted).rows
+    found = sensing_maps.unnoticed(PLANT, leadlag.TIME, 6, predicted)
+    rows = sensing_maps.faults(PLANT, leadlag.TIME, 6, predicted)
     told = {r.voltage: r.unnoticed for r in rows if r.failure == "zero"}
     assert {name: silent.mean() for name, silent in found.items()} == pytest.approx(told)
     assert found["V_bx"].any() and not found["V_bx"].all() and not found["V_ax"].any()

@@ -12,7 +12,7 @@ from synth.synthesise import axis, feedback_linearisation
 from synth.timing import Discrete
 
 TIME = Discrete(1 / 2000)
-HUM, COURSE = 100 * pi, 10 * pi  # rad/s: of the mains, and of the course that is to be tracked
+HUM, COURSE = 100 * pi, 20 * pi  # rad/s: of the mains, and of the course that is to be tracked
 PLANT = levitator.plant()
 REST = trim.trim(PLANT, {"z": 0.0}, ["i1", "i2"])
 INVERSE = feedback_linearisation.of_plant(PLANT, ["z"], {"i2": 0.0, "hum": 0.0})
@@ -29,28 +29,28 @@ INTERFACE = stage.interface(
 )
 Z = axis.servo(
     INVERSE.chain("z"),
-    modes={0.0: 25.0, COURSE: 10.0},  # rad/s: 1/s
+    modes={0.0: 25.0, COURSE: 20.0},  # rad/s: 1/s
     weights={"z": 1e8, "vz": 1e3},
     effort=1e-2,
-    estimator=axis.kalman(process={"vz": 1e-4}, sensor={"z": 1e-14}),  # m^2/s^3, m^2
+    estimator=axis.kalman(process={"vz": 1e-5}, sensor={"z": 1e-14}),  # m^2/s^3, m^2
     anti_windup=30.0,  # 1/s
     set_point=0.6,
 )
 X = axis.servo(
     linearise.linearise(PLANT, REST).channel("x", "i2"),
-    modes={0.0: 25.0, COURSE: 10.0, HUM: 20.0},
+    modes={0.0: 25.0, COURSE: 20.0, HUM: 20.0},
     weights={"x": 1e8, "vx": 1e2},
     effort=1e1,
-    estimator=axis.kalman(process={"vx": 1e-3}, sensor={"x": 1e-14}),
+    estimator=axis.kalman(process={"vx": 1e-4}, sensor={"x": 1e-14}),
     anti_windup=30.0,
     set_point=0.5,
 )
 MAINS = {"hum": Sine(0.2, HUM)}  # N
 
 EXPERIMENTS = [
-    Step("z_ref", 3e-4, overshoot=0.05, settles_s=0.1),
+    Step("z_ref", 3e-4, overshoot=0.05, settles_s=0.2),
     Step("x_ref", 5e-4, overshoot=0.05, settles_s=0.2),
-    Step("z_ref", 3e-4, 0.10, 0.1, under=Conditions(parameters={"K": 18.0, "F0": 13.7, "M": 1.57}), label="heavy"),
+    Step("z_ref", 3e-4, 0.10, 0.2, under=Conditions(parameters={"K": 18.0, "F0": 13.7, "M": 1.57}), label="heavy"),
     Step("x_ref", 5e-4, 0.10, 0.2, under=Conditions(parameters={"k": 7.2, "s": 440.0}), label="stiff"),
     Track({"z_ref": Sine(3e-4, COURSE), "x_ref": Sine(5e-4, COURSE, pi / 2)}, mean_error=2e-7),
     Hold({"z_ref": 2e-7, "x_ref": 5e-7}, 2.0, 1.5, Conditions(disturbances=MAINS)),

@@ -1,0 +1,292 @@
+"""The controller of the levitator in NumPy, its gains in 60 digits by mpmath: no line of the toolkit is used.
+
+One sample of an axis x' = A x + B u, y = C x, whose command u comes a period T late, with e = y - r:
+
+    x^(k)   = x~ + M (y - C x~),       x~+ = A_T x~ + B_T u(k-1) + L (y - C x~)          L = A_T M
+    xi+     = Phi_T xi + N_T e + E (u_made - u)
+    u       = K [x^(k+1); xi^(k+1)] + f r     with   x^(k+1) = A_T x^ + B_T u(k-1),  xi^(k+1) = Phi_T xi + N_T C x^
+
+K minimises the sampled integral of the weights; X of both Riccati equations comes from a doubling recursion. xi is kept
+as eta, xi = R eta: sum+ = sum + e; p+ = p + c q, q+ = q - p+ + e with c = 2 - 2 cos(w T).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from math import pi
+from typing import Any
+
+import mpmath  # type: ignore[import-untyped]
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+Columns = Mapping[str, Array]
+Matrix = Any  # of mpmath
+
+T = 1 / 2000
+HUM, COURSE, WINDUP = 100 * pi, 20 * pi, 30.0
+M, F0, K, ELL, G, MASS, COIL, DAMPING, SPRING = 1.5, 14.0, 20.0, 5e-3, 9.81, 0.3, 8.0, 1.0, 400.0
+LIMITS = {"z": (-6e-4, 6e-4), "x": (-1e-3, 1e-3), "z_ref": (-5e-4, 5e-4), "x_ref": (-8e-4, 8e-4)}
+CURRENTS = {"i1": 3.0, "i2": 2.0}
+MADE = 57.0  # m/s^2, of z'': what the coil can make in the box of the stage
+SLEW, BAD_SAMPLES = 100.0, 4
+
+
+@dataclass(frozen=True)
+class Axis:
+    """What an axis is asked for: continuous model, {frequency: speed}, weights of its states and effort, noises, b."""
+
+    A: Sequence[Sequence[float]]
+    B: Sequence[float]
+    modes: Mapping[float, float]
+    weights: Sequence[float]
+    effort: float
+    process: float
+    sensor: float
+    set_point: float
+
+
+AXES = {
+    "z": Axis([[0, 1], [0, 0]], [0, 1], {0.0: 25.0, COURSE: 20.0}, (1e8, 1e3), 1e-2, 1e-5, 1e-14, 0.6),
+    "x": Axis(
+        [[0, 1], [-SPRING / MASS, -DAMPING / MASS]], [0, COIL / MASS], {0.0: 25.0, COURSE: 20.0, HUM: 20.0},
+        (1e8, 1e2), 1e1, 1e-4, 1e-14, 0.5,
+    ),
+}  # fmt: skip
+BOUNDS = {  # of the controller's states, as its manifest declares them
+    "z": {
+        **{"sum": 0.32, "p1": 0.0092, "q1": 0.25},
+        **{"z_predicted": 1.2e-3, "vz_predicted": 0.87, "w_z_late1_predicted": 57.0},
+    },
+    "x": {
+        **{"sum": 0.49, "p1": 0.014, "q1": 0.39, "p2": 0.069, "q2": 0.45},
+        **{"x_predicted": 2.2e-3, "vx_predicted": 2.5, "i2_late1_predicted": 2.3},
+    },
+}
+
+
+@dataclass(frozen=True)
+class Gains:
+    """One axis in doubles: held model, estimator, gains of u on x^, u(k-1), eta and r, one sample of eta, and E."""
+
+    A: Array
+    B: Array
+    L: Array
+    M: Array
+    on_x: Array
+    on_late: Array
+    on_eta: Array
+    turn: Array
+    drive: Array
+    E: Array
+    on_r: float
+
+
+def polynomial(modes: Sequence[float]) -> list[Any]:
+    """Return the coefficients, lowest first, of s for the frequency 0 times s^2 + w^2 for each other one."""
+    p = [mpmath.mpf(1)]
+    for w in modes:
+        raised = [0, 0, *p] if w else [0, *p]
+        p = [a + mpmath.mpf(w) ** 2 * b for a, b in zip(raised, [*p, 0, 0], strict=False)]
+    return p
+
+
+def companion(modes: Sequence[float]) -> Matrix:
+    """Return Phi."""
+    p = polynomial(modes)
+    Phi = mpmath.zeros(len(p) - 1)
+    for i in range(len(p) - 1):
+        Phi[len(p) - 2, i] = -p[i]
+        if i:
+            Phi[i - 1, i] = 1
+    return Phi
+
+
+def weight_of_modes(modes: Mapping[float, float], weight: float) -> Matrix:
+    """Return the weight on xi for which each mode's error decays at its speed: that on its oscillator's states."""
+    n = len(polynomial(list(modes))) - 1
+    Q = mpmath.zeros(n)
+    for w, speed in modes.items():
+        others = polynomial([v for v in modes if v != w])
+        rows = [[0, *others], [mpmath.mpf(w) * c for c in others]] if w else [others]
+        for row in rows:
+            z = mpmath.matrix([[*row, *[0] * (n - len(row))]])
+            Q += (2 if w else 1) * mpmath.mpf(speed) ** 2 * mpmath.mpf(weight) * z.T * z
+    return Q
+
+
+def block(A: Matrix, B: Matrix) -> Matrix:
+    """Return diag(A, B)."""
+    M = mpmath.zeros(A.rows + B.rows, A.cols + B.cols)
+    M[: A.rows, : A.cols], M[A.rows :, A.cols :] = A, B
+    return M
+
+
+def gramian(F: Matrix, W: Matrix) -> tuple[Matrix, Matrix]:
+    """Return exp(F T) and the integral over a period of exp(F' t) W exp(F t) (Van Loan 1978)."""
+    n = F.rows
+    Z = block(-F.T, F)
+    Z[:n, n:] = W
+    E = mpmath.expm(Z * mpmath.mpf(T), method="taylor")
+    return E[n:, n:], E[n:, n:].T * E[:n, n:]
+
+
+def riccati(A: Matrix, B: Matrix, Q: Matrix, R: Matrix, N: Matrix) -> tuple[Matrix, Matrix]:
+    """Return X and -K of A'XA - X - (A'XB + N) (R + B'XB)^-1 (B'XA + N') + Q = 0 by structured doubling."""
+    inverse = mpmath.inverse(R)
+    a, g, h = A - B * inverse * N.T, B * inverse * B.T, Q - N * inverse * N.T
+    one = mpmath.eye(A.rows)
+    for _ in range(40):
+        w = mpmath.inverse(one + g * h)
+        a, g, h = a * w * a, g + a * w * g * a.T, h + a.T * h * w * a
+    return h, mpmath.inverse(R + B.T * h * B) * (B.T * h * A + N.T)
+
+
+def leapfrog(modes: Sequence[float]) -> tuple[Matrix, Matrix]:
+    """Return one sample of eta as (A, B): sum, then p and q by rising frequency."""
+    w = sorted(v for v in modes if v)
+    n = 1 + 2 * len(w)
+    A, B = mpmath.eye(n), mpmath.zeros(n, 1)
+    B[0] = 1
+    for k, v in enumerate(w):
+        c, p = 4 * mpmath.sin(mpmath.mpf(v) * mpmath.mpf(T) / 2) ** 2, 1 + 2 * k
+        A[p, p + 1], A[p + 1, p], A[p + 1, p + 1], B[p + 1] = c, -1, 1 - c, 1
+    return A, B
+
+
+def controllability(A: Matrix, B: Matrix) -> Matrix:
+    """Return (B, A B, A^2 B, ...)."""
+    M, column = mpmath.zeros(A.rows), B
+    for j in range(A.rows):
+        M[:, j] = column
+        column = A * column
+    return M
+
+
+def observer_gain(A: Matrix, C: Matrix, modes: Sequence[float]) -> Matrix:
+    """Return E for which A - E C has the modes' poles exp(j w T), shrunk by exp(-a T) (Ackermann)."""
+    n, fade = A.rows, mpmath.exp(-mpmath.mpf(WINDUP) * mpmath.mpf(T))
+    p = mpmath.eye(n)
+    for w in modes:
+        turn = 2 * fade * mpmath.cos(mpmath.mpf(w) * mpmath.mpf(T))
+        p = p * (A * A - turn * A + fade**2 * mpmath.eye(n) if w else A - fade * mpmath.eye(n))
+    last = mpmath.zeros(n, 1)
+    last[n - 1] = 1
+    return p * mpmath.inverse(controllability(A.T, C.T).T) * last
+
+
+@cache
+def gains(name: str) -> Gains:
+    """Return the gains of one axis, each rounded once."""
+    axis = AXES[name]
+    modes = list(axis.modes)
+    with mpmath.workdps(60):
+        A, B = mpmath.matrix(axis.A), mpmath.matrix(list(axis.B))
+        Phi, n = companion(modes), A.rows
+        k = Phi.rows
+        N = mpmath.zeros(k, 1)
+        N[k - 1] = 1
+        F = mpmath.zeros(n + k + 2)  # x, xi, u, and the e that drives xi, held like u
+        F[:n, :n], F[:n, n + k], F[n : n + k, n : n + k], F[n : n + k, n + k + 1] = A, B, Phi, N
+        W = block(
+            block(mpmath.diag(list(axis.weights)), weight_of_modes(axis.modes, axis.weights[0])),
+            mpmath.diag([axis.effort, 0]),
+        )
+        E, cost = gramian(F, W)
+        held = mpmath.zeros(n + k + 2, n + k + 1)  # e = C x at the sample
+        held[: n + k + 1, :], held[n + k + 1, 0] = mpmath.eye(n + k + 1), 1
+        step, W = (E * held)[: n + k, :], held.T * cost * held
+        m = n + k
+        _, gain = riccati(step[:, :m], step[:, m], W[:m, :m], W[m:, m:], W[:m, m:])
+        K_x, K_xi = -gain[:, :n], -gain[:, n:]
+        A_T, B_T, Phi_T, N_T = E[:n, :n], E[:n, n + k], E[n:m, n:m], E[n:m, m + 1]
+        noise = mpmath.zeros(n)
+        noise[1, 1] = axis.process
+        _, noise = gramian(A.T, noise)
+        C, V = mpmath.zeros(1, n), mpmath.matrix([[axis.sensor]])
+        C[0] = 1
+        P, _ = riccati(A_T.T, C.T, noise, V, mpmath.zeros(n, 1))
+        correction = P * C.T * mpmath.inverse(C * P * C.T + V)
+        turn, drive = leapfrog(modes)
+        R = controllability(Phi_T, N_T) * mpmath.inverse(controllability(turn, drive))
+        on_x, on_eta = K_x * A_T + K_xi * N_T * C, K_xi * R * turn
+        numbers = (A_T, B_T, A_T * correction, correction, on_x, K_x * B_T, on_eta, turn, drive)
+        E = observer_gain(turn, on_eta, modes)
+        doubles = [np.array(v.tolist(), dtype=np.float64) for v in (*numbers, E)]
+        return Gains(*doubles, float(-axis.set_point * on_x[0]))
+
+
+def initial_state() -> dict[str, Array]:
+    """Return the state after init, by name."""
+    state: dict[str, float] = dict.fromkeys((f"guard_last_{s}" for s in LIMITS), 0.0)
+    state |= {"guard_left": BAD_SAMPLES, "guard_latched": 0, "guard_ready": 0}
+    for s, bounds in BOUNDS.items():
+        state |= dict.fromkeys((f"servo_{s}_{n}" for n in (*bounds, "started")), 0.0)
+    state |= dict.fromkeys((f"safe_output_last_{i}" for i in CURRENTS), 0.0)
+    return {name: np.array(value, dtype=np.float64) for name, value in state.items()}
+
+
+def guard(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
+    """Return the values to use, the guard's next state and the fault word."""
+    with np.errstate(invalid="ignore"):
+        given = {s: np.asarray(inputs[s], dtype=np.float64) for s in LIMITS}
+        good = {s: (given[s] >= low) & (given[s] <= high) for s, (low, high) in LIMITS.items()}
+    values = {s: np.where(good[s], given[s], state[f"guard_last_{s}"]) for s in LIMITS}
+    after = {f"guard_last_{s}": value for s, value in values.items()}
+    word = np.sum([np.where(good[s], 0, 1 << bit) for bit, s in enumerate(LIMITS)], axis=0)
+    complete = good["z"] & good["x"]
+    left = np.where(complete, BAD_SAMPLES, np.asarray(state["guard_left"]) - 1)
+    after["guard_left"] = np.maximum(left, 1)
+    after["guard_latched"] = np.where(left < 1, 1, state["guard_latched"])
+    after["guard_ready"] = np.where(complete, 1, state["guard_ready"])
+    return values, after, np.asarray(word + (1 << 31) * (after["guard_latched"] > 0)).astype(np.uint32)
+
+
+def along(matrix: Array, *columns: Array) -> Array:
+    """Return a matrix times columns (n, ...)."""
+    return np.einsum("ij,j...->i...", matrix, np.stack(np.broadcast_arrays(*columns)))
+
+
+def servo(s: str, values: Columns, state: Columns) -> tuple[Array, Array, dict[str, Array], Array]:
+    """Return the command, the position a sample ahead, eta+ without the excess, and x~+ = x^(k+1)."""
+    k, names, y, r = gains(s), list(BOUNDS[s]), values[s], values[f"{s}_ref"]
+    kept = {n: np.asarray(state[f"servo_{s}_{n}"], dtype=np.float64) for n in names}
+    started = np.asarray(state[f"servo_{s}_started"]) > 0
+    q, v, late = (kept[n] for n in names[-3:])
+    q = np.where(started, q, np.clip(q + y, -BOUNDS[s][names[-3]], BOUNDS[s][names[-3]]))  # 0 after init: rests at y
+    now = np.stack([q, v]) + along(k.M, y - q)
+    ahead = along(k.A, *now) + along(k.B, late)
+    eta = [kept[n] for n in names[:-3]]
+    u = (along(k.on_x, *now) + along(k.on_late, late) + along(k.on_eta, *eta))[0] + k.on_r * r
+    turned = along(k.turn, *eta) + along(k.drive, y - r)
+    return u, ahead[0], turned, ahead
+
+
+def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
+    """Return (next state, outputs, fault word) of one sample, columns by name."""
+    values, after, word = guard(state, inputs)
+    latched, computed = after["guard_latched"] > 0, {}
+    for s, current in (("z", "i1"), ("x", "i2")):
+        u, position, turned, ahead = servo(s, values, state)
+        if s == "z":
+            field = np.exp(np.clip(position, *LIMITS["z"]) / ELL)
+            demand = (M * (u + G) / field - F0) / K
+            computed[current] = np.clip(demand, -CURRENTS[current], CURRENTS[current])
+            excess = K * field / M * (computed[current] - demand)
+            made = np.clip(u + excess, -MADE, MADE)
+        else:
+            made = computed[current] = np.clip(u, -CURRENTS[current], CURRENTS[current])
+            excess = made - u
+        eta = turned + along(gains(s).E, excess)
+        for (n, bound), value in zip(BOUNDS[s].items(), [*eta, *ahead, made], strict=True):
+            after[f"servo_{s}_{n}"] = np.clip(value, -bound, bound)
+        after[f"servo_{s}_started"] = np.ones_like(u)
+    still = [name for name in after if name.startswith("servo_")]
+    after |= {name: np.where(latched, state[name], after[name]) for name in still}
+    out, reach = {}, SLEW * T
+    for current, value in computed.items():
+        last = np.asarray(state[f"safe_output_last_{current}"])
+        out[current] = np.where(latched, np.clip(0.0, last - reach, last + reach), value)
+        after[f"safe_output_last_{current}"] = out[current]
+    return after, out, word

@@ -16,11 +16,11 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 
-from designs.planar_6dof.loop import Array
 from models import halbach, planar_stage
 from synth.plant import Plant, build
 from synth.signals import names
 from synth.simulate.scenario import Trajectory
+from synth.statespace import Array
 
 Exprs = Mapping[str, ca.SX]
 STATED = 6.525  # V, Table 1
