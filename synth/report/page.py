@@ -58,12 +58,11 @@ class Formula:
 
 @dataclass(frozen=True)
 class Formulas:
-    """Derived equations under a title, `folded` away or open; `also` names others that are alike, and with what."""
+    """Derived equations under a title; `also` names others that are alike, and with what."""
 
     title: str
     rows: tuple[Formula, ...]
     also: tuple[tuple[str, Markup], ...] = ()
-    folded: bool = False
 
 
 @dataclass(frozen=True)
@@ -96,6 +95,21 @@ class Figure:
 
 
 @dataclass(frozen=True)
+class Prose:
+    """Text as HTML, which `prose.rendered` makes of Markdown."""
+
+    html: Markup
+
+
+@dataclass(frozen=True)
+class Folded:
+    """Equations and tables that a reader opens when they are wanted; on paper they are open."""
+
+    title: str
+    blocks: tuple[Formulas | Table, ...]
+
+
+@dataclass(frozen=True)
 class Checks:
     """Measured figures with their limits."""
 
@@ -103,7 +117,7 @@ class Checks:
     checks: tuple[Check, ...]
 
 
-Block = Text | Equations | Formulas | Table | Figure | Checks
+Block = Text | Prose | Equations | Formulas | Table | Figure | Folded | Checks
 
 
 @dataclass(frozen=True)

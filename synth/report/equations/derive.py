@@ -17,7 +17,7 @@ from synth.emit import lower
 from synth.emit.lower import Node
 from synth.errors import ModelError
 from synth.plant import Plant, symbols
-from synth.report.equations import mathml, mathml_value, symbolic
+from synth.report.equations import glyphs, mathml, mathml_value, symbolic
 from synth.signals import Signal
 
 Symbols = Mapping[str, ca.SX]
@@ -82,7 +82,7 @@ class Group:
 
     def left(self, equation: Equation) -> str:
         """Return the left side of an equation as MathML."""
-        name = mathml.name(self.name(equation.name))
+        name = glyphs.markup(self.name(equation.name))
         if equation.mark == "rate":
             return f'<mover accent="true">{name}<mo>˙</mo></mover>'
         return f"<msup><mrow>{name}</mrow><mo>+</mo></msup>" if equation.mark == "next" else name
@@ -231,4 +231,4 @@ def _told_apart(group: Group) -> Group:
 
 
 def _looks(name: str) -> str:
-    return mathml_value.key(mathml.name(name))
+    return mathml_value.key(glyphs.markup(name))

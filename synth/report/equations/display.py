@@ -1,6 +1,7 @@
 """Equations as blocks of a page: a plant's definitions and rates, and the Blocks of a controller in their order."""
 
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 
 from markupsafe import Markup
 from sympy.core.parameters import distribute
@@ -8,7 +9,7 @@ from sympy.core.parameters import distribute
 from synth.block import Block
 from synth.plant import Plant
 from synth.report import page
-from synth.report.equations import copies, derive, mathml, proof
+from synth.report.equations import copies, derive, glyphs, mathml, proof
 from synth.report.equations.copies import Shown, ShownGroup
 from synth.report.equations.derive import Equation, Group, Named
 from synth.report.notation import number, readable
@@ -31,10 +32,10 @@ def plant(plant: Plant, named: Named | None = None) -> tuple[page.Formulas, ...]
     with distribute(False):  # of a factor over a sum
         groups = derive.plant(plant, named)
         proof.plant(plant, groups, named)
-        return tuple(_formulas(shown, False) for shown in copies.of_groups(groups))
+        return tuple(_formulas(shown) for shown in copies.of_groups(groups))
 
 
-def block(block: Block, folded: Collection[str] = ()) -> tuple[page.Formulas, ...]:
+def block(block: Block, folded: Collection[str] = ()) -> tuple[page.Formulas | page.Folded, ...]:
     """Return the equations of a Block, proved: those of each Block of a composition, some of them `folded`.
 
     Raises ModelError where what is shown would be unlike the Block.
@@ -42,27 +43,33 @@ def block(block: Block, folded: Collection[str] = ()) -> tuple[page.Formulas, ..
     with distribute(False):
         groups = derive.block(block)
         proof.block(block, groups)
-        shown = copies.of_groups(groups)
-        return tuple(_formulas(g, g.group.title in folded or len(g.equations) > FEW) for g in shown)
+        shown = {g.group.title: _formulas(g) for g in copies.of_groups(groups)}
+    return tuple(_folded(f) if name in folded or len(f.rows) > FEW else f for name, f in shown.items())
 
 
-def signals(signals: Sequence[Signal]) -> page.Table:
+def signals(caption: str, signals: Sequence[Signal]) -> page.Table:
     """Return a table of signals: as shown, as in code, unit, range and what each is."""
-    rows = tuple((name(s.name), s.name, readable(s.unit), s.low, s.high, s.about) for s in signals)
-    return page.Table("Signals", ("symbol", "name", "unit", "from", "to", "is"), rows)
+    rows = tuple((glyphs.symbol(s.name), s.name, readable(s.unit), s.low, s.high, s.about) for s in signals)
+    return page.Table(caption, ("symbol", "name", "unit", "from", "to", "is"), rows)
 
 
-def name(text: str) -> Markup:
-    """Return a name as equations have it."""
-    return Markup(mathml.display(mathml.name(text)))
+def constants(block: Block) -> page.Table:
+    """Return a table of a Block's constants: as in code, value, unit and source."""
+    rows = tuple((c.name, c.value, readable(c.unit), c.source) for c in block.constants)
+    return page.Table("Constants", ("name", "value", "unit", "computed from"), rows, digits=7)
 
 
-def _formulas(shown: ShownGroup, folded: bool) -> page.Formulas:
+def _folded(formulas: page.Formulas) -> page.Folded:
+    title = f"{formulas.title}, {len(formulas.rows)} lines"
+    return page.Folded(title, (replace(formulas, title=""),))
+
+
+def _formulas(shown: ShownGroup) -> page.Formulas:
     group = shown.group
     title = f"{group.title}: {group.tag}" if group.tag else group.title
     rows = [row for each in shown.equations for row in _rows(group, each)]
     also = tuple((g.title, Markup(_in_place(names))) for g, names in shown.copies)
-    return page.Formulas(title, tuple(rows), also, folded)
+    return page.Formulas(title, tuple(rows), also)
 
 
 def _rows(group: Group, shown: Shown) -> list[page.Formula]:
@@ -80,13 +87,13 @@ def _likewise(group: Group, shown: Shown) -> Markup:
     changed = list(dict.fromkeys(name for _, names in shown.copies for name in names))
     parts = []
     for name in changed:
-        others = "<mo>,</mo>".join(mathml.name(group.name(names.get(name, name))) for _, names in shown.copies)
-        parts.append(f"{mathml.display(others)} for {mathml.display(mathml.name(group.name(name)))}")
+        others = "<mo>,</mo>".join(glyphs.markup(group.name(names.get(name, name))) for _, names in shown.copies)
+        parts.append(f"{mathml.display(others)} for {mathml.display(glyphs.markup(group.name(name)))}")
     return Markup("likewise" + (f", with {'; '.join(parts)}" if parts else ""))
 
 
 def _in_place(names: Mapping[str, str]) -> str:
-    pairs = (f"{mathml.display(mathml.name(b))} for {mathml.display(mathml.name(a))}" for a, b in names.items())
+    pairs = (f"{mathml.display(glyphs.markup(b))} for {mathml.display(glyphs.markup(a))}" for a, b in names.items())
     return ", ".join(pairs)
 
 

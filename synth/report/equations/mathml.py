@@ -1,23 +1,20 @@
 """Presentation MathML of SymPy expressions, as browsers show it without scripts; `mathml_value` reads it back.
 
-A name is a letter with what follows as its subscript: k_s_phi, i_d1, wphi, Kv1; Greek letters are written as such. A
-number with more than DIGITS digits is cut off and ends with an ellipsis; the whole number stands in ``data-value``.
+A number with more than DIGITS digits is cut off and ends with an ellipsis; the whole number stands in ``data-value``.
 """
 
 import re
-import unicodedata
 from collections.abc import Sequence
 from itertools import pairwise
 
 import sympy as sp
 from markupsafe import escape
 
+from synth.report.equations import glyphs
 from synth.report.equations.symbolic import opaque
 
 DIGITS = 6
-WIDTH = 70  # names and numbers beside each other before a sum is continued on the next line: in characters
-GREEK = {unicodedata.name(c).rpartition(" ")[2].lower(): c for c in "αβγδεζηθικμνξπρστυφχψω"} | {"lambda": "λ"}
-GREEK |= {name.capitalize(): letter.upper() for name, letter in GREEK.items()}
+WIDTH = 64  # characters of a sum before it is continued on the next line
 WORDS = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "asinh": "arsinh", "acosh": "arcosh", "atanh": "artanh"}
 WORDS |= {"log": "ln", "sign": "sgn", "atan2": "atan2"}
 RELATIONS = {"lt": "&lt;", "le": "≤", "eq": "=", "ne": "≠"}
@@ -25,40 +22,11 @@ LOGIC = {"and": "∧", "or": "∨"}
 SUM, PRODUCT, POWER, ATOM = 1, 2, 3, 4  # how strongly a piece holds together
 RELATION, CONJUNCTION = 0, -1
 TIMES, APPLY = '<mo>&#x2062;</mo><mspace width="0.15em"></mspace>', "<mo>&#x2061;</mo>"
-_SPLIT = re.compile(
-    rf"(?P<head>{'|'.join(sorted(GREEK, key=len, reverse=True))}"
-    rf"|[vwiu](?=[a-z](?:\d|$)|{'|'.join(GREEK)})|[A-Z](?=[a-z]{{1,2}}\d*$)|[A-Za-z](?=\d))(?P<tail>.*)"
-)
 Piece = tuple[str, int]
 
 
-def name(text: str) -> str:
-    """Return the markup of a name; one that begins with '=' is written as it is."""
-    if text.startswith("="):
-        return f"<mi>{escape(text[1:])}</mi>"
-    head, *tail = text.split("_")
-    if (match := _SPLIT.fullmatch(head)) and (match["tail"] or head in GREEK):
-        head, tail = match["head"], [match["tail"], *tail] if match["tail"] else tail
-    base = f"<mi>{GREEK.get(head, head)}</mi>"
-    below = [markup for part in tail if part for markup in _subscript(part)]
-    if not below:
-        return base
-    gap = '<mspace width="0.2em"></mspace>'
-    return f"<msub>{base}<mrow>{gap.join(below)}</mrow></msub>"
-
-
-def _subscript(part: str) -> list[str]:
-    """Return the markup of one part of a subscript: i_d1 has d1, and phi3 a letter and a number."""
-    match = re.fullmatch(r"([A-Za-z]*)(\d*)", part)
-    word, digits = match.groups() if match else (part, "")
-    found = f"<mi>{escape(GREEK.get(word, word))}</mi>" if word else ""
-    return [found + (f"<mn>{digits}</mn>" if digits else "")]
-
-
 def expression(expr: sp.Expr) -> str:
-    """Return the markup of an expression, a long sum on several lines."""
-    if isinstance(expr, sp.Add):
-        return _lines(_terms(expr))
+    """Return the markup of an expression, long sums on several lines."""
     return cases(expr) if type(expr).__name__ == "choose" else _piece(expr)[0]
 
 
@@ -90,13 +58,13 @@ def _width(markup: str) -> int:
 
 def _piece(expr: sp.Expr) -> Piece:
     if isinstance(expr, sp.Symbol):
-        return name(expr.name), ATOM
+        return glyphs.markup(expr.name), ATOM
     if expr is sp.pi:
         return '<mi mathvariant="normal">π</mi>', ATOM
     if expr is sp.oo:
         return "<mn>∞</mn>", ATOM
     if isinstance(expr, sp.Add):
-        return f"<mrow>{''.join(_terms(expr))}</mrow>", SUM
+        return _lines(_terms(expr)), SUM
     if (isinstance(expr, sp.Number) and expr < 0) or (isinstance(expr, sp.Mul) and _negative(expr)):
         return f"<mrow><mo>−</mo>{_within(-expr, PRODUCT)}</mrow>", SUM
     if isinstance(expr, sp.Mul) or (isinstance(expr, sp.Rational) and expr.q != 1):
@@ -129,7 +97,8 @@ def _terms(expr: sp.Add) -> list[str]:
     ordered = sorted(expr.as_ordered_terms(), key=_negative)
     marked = []
     for k, term in enumerate(ordered):
-        sign = "<mo>−</mo>" if _negative(term) else "<mo>+</mo>" if k else ""
+        form = ' form="infix"' if k else ""
+        sign = f"<mo{form}>−</mo>" if _negative(term) else f"<mo{form}>+</mo>" if k else ""
         marked.append(sign + _within(-term if _negative(term) else term, PRODUCT))
     return marked
 

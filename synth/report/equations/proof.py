@@ -14,7 +14,7 @@ from synth.block import Block
 from synth.emit import lower
 from synth.errors import ModelError
 from synth.plant import Plant
-from synth.report.equations import derive, mathml, mathml_value
+from synth.report.equations import derive, glyphs, mathml_value
 from synth.report.equations.derive import Equation, Group, Named
 from synth.signals import Signal
 
@@ -78,7 +78,9 @@ def check(
 def _shown(
     group: Group, equation: Equation, known: Values, tables: Mapping[str, Callable[..., Array]], points: int
 ) -> Array:
-    names = {mathml_value.key(mathml.name(group.name(s.name))): known[s.name] for s in equation.expression.free_symbols}
+    names = {
+        mathml_value.key(glyphs.markup(group.name(s.name))): known[s.name] for s in equation.expression.free_symbols
+    }
     with np.errstate(all="ignore"):
         found = mathml_value.value(group.right(equation), names, equation.limits, tables)
     return np.broadcast_to(found, points)
