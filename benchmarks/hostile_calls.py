@@ -1,7 +1,9 @@
 """Calls that work, by function, where the examples of `hostile_examples` by the names of arguments do not serve."""
 
 import functools
+import tempfile
 from collections.abc import Mapping
+from pathlib import Path
 
 import casadi as ca
 import numpy as np
@@ -31,6 +33,7 @@ from benchmarks.hostile_examples import (
     usual,
 )
 from synth.analyse import lie, relative_degree, resting, worst
+from synth.analyse.observability import placement
 from synth.block import Constant, State
 from synth.blocks import safety
 from synth.signals import Parameter, Signal
@@ -64,6 +67,8 @@ def own() -> Mapping[str, Call]:
     cut = model(
         [[0.5]], [[1.0, 0.0]], [[0.0], [1.0]], [[0.0, 1.0], [2.0, 0.0]], ("k",), ("x", "s"), ("c", "s_out"), TIME
     )
+    slopes = {"deviations": lambda q: 1 / (2 + np.cos(q)), "changes": lambda q, half: half + 0 * q}
+    placing = {"fine": np.ptp, "within": placement.Square(1.0, 10), "effort": placement.Effort(1, 2, 1)}
     unmoved = model([[1.0]], [[0.0]], [[1.0]], [[0.0]], ("x1",), ("u1",), ("y1",), TIME)
     first = belief.initial(held, np.eye(2))
     servo = common["servo"]
@@ -116,6 +121,25 @@ def own() -> Mapping[str, Call]:
         },
         "block.clip": {"expr": u, "bounds": GAP},
         "compose.compose": {"name": "whole", "blocks": [example_step()], "inputs": ["u"], "outputs": ["y"]},
+        **{
+            f"information.{name}": {"H": np.ones((2, 3, 1)), "sigma": 0.1, "sizes": [1.0]}
+            for name in ("accuracy", "largest_deviation")
+        },
+        "information.jacobians": {"h": ca.Function("h", [x], [ca.sin(x)]), "q": [[0.1], [0.2]]},
+        "information.bias": {"H": np.ones((2, 3, 1)), "extra": np.ones((2, 3)), "sizes": [1.0]},
+        "worst_deviation.search": {
+            **slopes,
+            "low": [0.0],
+            "high": [3.0],
+            "cells": [2],
+            "tolerance": 0.1,
+            "most": 10000,
+        },
+        "worst_deviation.bounded": {**slopes, "q": [[1.0]], "half": [[0.1]]},
+        "placement.Square": {"reach": 1.0, "grid": 10},
+        "placement.Effort": {},
+        "placement.search": {**placing, "coarse": np.ptp, "coordinates": 1},
+        "placement.improve": {**placing, "start": [0.5]},
         "discretise.gramian": {"F": stage.A, "W": np.eye(2)},
         "discretise.with_delay": {"system": held, "samples": 2},
         "interconnect.connect": {"models": [stage], "inputs": ["f"], "outputs": ["x"], "wires": {"f": {"f": 1.0}}},
@@ -262,5 +286,15 @@ def own() -> Mapping[str, Call]:
             "controller": servo.controller,
         },
         "logs.Log": {"samples": {"a": [1.0, 2.0]}, "period_s": T, "times": [0.0, T]},
+        "log_file.read": {"path": _file("a [m]\n1.0\n"), "wanted": {"a": "m"}},
+        "log_file.parsed": {"text": "a [m]\n1.0\n", "wanted": {"a": "m"}, "name": "measurements"},
+        "log_file.written": {"log": log, "units": {"a": "m"}},
         "check.Check": {"name": "c", "found": 1.0, "limit": 2.0, "unit": "1", "about": ""},
     }
+
+
+def _file(text: str) -> str:
+    """Return the path of a file that holds a text."""
+    path = Path(tempfile.gettempdir()) / "synth_hostile_example.txt"
+    path.write_text(text, encoding="utf-8")
+    return str(path)

@@ -22,6 +22,7 @@ VOCABULARY = (
     "cache",
     "kinds",
     "arguments",
+    "numeric",
     "check",
     "show",
     "signals",

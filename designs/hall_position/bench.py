@@ -16,10 +16,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from designs.hall_position import motions, random_steps, shipped
-from designs.hall_position.motions import Numbers
-from designs.hall_position.parameters import Array
+from designs.hall_position import random_steps, shipped
+from designs.hall_position.glsdc.parameters import Array
 from designs.hall_position.random_steps import Subject
+from designs.hall_position.trust import motions
+from designs.hall_position.trust.motions import Numbers
 from synth.errors import DesignError
 from synth.execute import host
 from synth.verify import steps

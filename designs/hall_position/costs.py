@@ -14,9 +14,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from designs.hall_position import bench, motions, shipped, six_estimator, six_field
-from designs.hall_position.motions import Numbers
-from designs.hall_position.six_parameters import Array
+from designs.hall_position import bench, shipped
+from designs.hall_position.accuracy import six_field
+from designs.hall_position.glsdc import six_estimator
+from designs.hall_position.glsdc.six_parameters import Array
+from designs.hall_position.trust import motions
+from designs.hall_position.trust.motions import Numbers
 from models import hall_array
 from synth.emit import write
 from synth.emit.write import Emitted

@@ -2,7 +2,9 @@
 
 import numpy as np
 
-from designs.hall_position import audit, bench, emitted, experiments, page, shipped, verification
+from designs.hall_position import bench, emitted, page, shipped, verification
+from designs.hall_position.loop import experiments
+from designs.hall_position.paper import rows
 from synth.workspace import Bench, Design
 
 DESIGN = Design(
@@ -11,7 +13,7 @@ DESIGN = Design(
     emit=emitted.emitted,
     verify=verification.verify,
     simulate=experiments.run,
-    audit=audit.rows,
+    audit=rows.rows,
     bench=Bench(shipped.block, bench.replay, bench.sequences, bench.FLOOR),
     report=page.report,
 )

@@ -14,8 +14,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from designs.hall_position.scan import Decay, Fit
 from models.hall_figures import Coefficients, Line, Spacings, Surface
+from models.hall_scan import Decay, Fit
 from synth.report import figures
 from synth.report.figures import COLOURS
 from synth.statespace import Array

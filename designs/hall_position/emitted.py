@@ -10,10 +10,14 @@ from math import pi
 from typing import Any
 
 import numpy as np
-
-from designs.hall_position import estimator, motions, shipped
 from designs.hall_position.motions import Numbers, Pose
 from designs.hall_position.parameters import Array
+
+from designs.hall_position import estimator, motions, shipped
+from designs.hall_position.glsdc import estimator
+from designs.hall_position.glsdc.parameters import Array
+from designs.hall_position.trust import motions
+from designs.hall_position.trust.motions import Numbers, Pose
 from synth.emit import write
 from synth.emit.c import digits, vectors
 from synth.execute import host

@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 
 from designs.hall_position import (
-    calibration,
     page_accuracy,
     page_convergence,
     page_estimator,
@@ -15,7 +14,8 @@ from designs.hall_position import (
     page_trust,
     shipped,
 )
-from designs.hall_position.audit_stage import Stage
+from designs.hall_position.loop import calibration
+from designs.hall_position.paper.stage import Stage
 from synth.emit.write import Emitted
 from synth.report import page, sections
 from synth.report.audit import Row

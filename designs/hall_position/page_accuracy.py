@@ -5,10 +5,13 @@ from math import radians
 
 import numpy as np
 
-from designs.hall_position import audit_errors, audit_layout, drawings, fisher, parameters, singular_points
-from designs.hall_position.audit_stage import TOLERANCE, UM, Array, Stage, grid, worst
+from designs.hall_position import drawings
+from designs.hall_position.accuracy import fisher, singular_points
+from designs.hall_position.accuracy.layouts import LAYOUTS, PUBLISHED
 from designs.hall_position.drawings import Map
-from designs.hall_position.layout_search import LAYOUTS, PUBLISHED
+from designs.hall_position.glsdc import parameters
+from designs.hall_position.paper import errors, rank
+from designs.hall_position.paper.stage import TOLERANCE, UM, Array, Stage, grid, worst
 from synth.report import figures, page
 
 POINTS = 96  # of a map, along a pitch
@@ -92,8 +95,8 @@ def _worst(stage: Stage) -> page.Table:
     rows: list[tuple[page.Cell, ...]] = [("two sensors", "any", *("none",) * 3, *("none",) * 3)]
     for name, places, turn in cases:
         of = stage.array(places)
-        found = worst(of, -radians(turn), radians(turn), audit_layout.TOLERANCES.get(turn, TOLERANCE))
-        values = (f"{v / UM:.4g}" for v in (*found.found, *found.bound))
+        found = worst(of, -radians(turn), radians(turn), rank.TOLERANCES.get(turn, TOLERANCE))
+        values = (f"{v / UM:.4g}" for v in (*found.met, *found.bound))
         rows.append((name, f"{-turn or 0} .. {turn}".replace("-", "−"), *values))
     columns = ("layout", "yaw, °", "X, µm", "Y, µm", "yaw, µrad", "X at most", "Y at most", "yaw at most")
     return page.Table("Largest deviations that were found, and bounds that are proved", columns, tuple(rows))
@@ -112,8 +115,8 @@ def _singular(stage: Stage) -> page.Table:
 def model_error(stage: Stage) -> page.Section:
     """Return by how much GLSDC errs above blocks of which it knows model (2) only."""
     n = stage.truth.count
-    known, free = (1e3 * np.hypot(*audit_errors.errors(stage, yaw)).reshape(n, n) for yaw in (True, False))
-    three = 1e3 * np.hypot(*audit_errors.by_waves(stage, stage.array(LAYOUTS[5]))).reshape(n, n)
+    known, free = (1e3 * np.hypot(*errors.errors(stage, yaw)).reshape(n, n) for yaw in (True, False))
+    three = 1e3 * np.hypot(*errors.by_waves(stage, stage.array(LAYOUTS[5]))).reshape(n, n)
     shown = [
         Map("two sensors, yaw known", known),
         Map("two sensors, yaw estimated", free),

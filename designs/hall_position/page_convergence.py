@@ -2,10 +2,12 @@
 
 import numpy as np
 
-from designs.hall_position import audit_estimate, drawings_runs, parameters
-from designs.hall_position.audit_stage import Array, Stage
+from designs.hall_position import drawings_runs
+from designs.hall_position.accuracy.layouts import LAYOUTS
 from designs.hall_position.drawings import Map
-from designs.hall_position.layout_search import LAYOUTS
+from designs.hall_position.glsdc import parameters
+from designs.hall_position.paper import estimate
+from designs.hall_position.paper.stage import Array, Stage
 from synth.report import figures, page
 
 SIDE, PLACES = 25, 16  # starts along a side, from so many places of the pitch each
@@ -45,7 +47,7 @@ def basin(of: parameters.Array, yaw_known: bool) -> Array:
     q[:2] = places[:, :, None, None]
     start = q + np.array([X, Y, np.zeros_like(X)])[:, None]
     flat, begun = q.reshape(3, -1), start.reshape(3, -1)
-    end = audit_estimate.settled(of, audit_estimate.volts(of, flat), begun, SCALE, CORRECTIONS, yaw_known)
+    end = estimate.settled(of, estimate.volts(of, flat), begun, SCALE, CORRECTIONS, yaw_known)
     found: Array = (np.hypot(*(end - flat)[:2]) < FOUND).reshape(PLACES, SIDE, SIDE).mean(axis=0)
     return found
 

@@ -4,7 +4,7 @@ from dataclasses import fields
 from math import degrees, pi
 
 from designs.hall_position import shipped
-from designs.hall_position.parameters import Tuning
+from designs.hall_position.glsdc.parameters import Tuning
 from models import hall_chain
 from models.hall_chain import Chain
 from synth.report import page

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from designs.hall_position import drawings, drawings_runs
-from designs.hall_position.closed_loop import Source
 from designs.hall_position.drawings import Map
-from designs.hall_position.error_map import ErrorMap
+from designs.hall_position.loop.closed_loop import Source
+from designs.hall_position.loop.error_map import ErrorMap
 from synth.report import figures, page, sections
 from synth.report.notation import readable
 from synth.simulate.experiment import Experiment

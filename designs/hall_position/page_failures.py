@@ -5,10 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from designs.hall_position import drawings, endurance, failures
+from designs.hall_position import drawings
 from designs.hall_position.drawings import Map
-from designs.hall_position.fleet import Kind
 from designs.hall_position.page_trust import NAMES
+from designs.hall_position.trust import endurance, failures
+from designs.hall_position.trust.fleet import Kind
 from synth.report import figures, page
 
 POINTS, BODIES = 32, 150  # places along a pitch of the maps, bodies of each case

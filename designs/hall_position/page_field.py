@@ -3,9 +3,10 @@
 import casadi as ca
 import numpy as np
 
-from designs.hall_position import audit_field, drawings, scan
-from designs.hall_position.audit_stage import Stage
-from models import concentrated_field, hall_array, hall_figures
+from designs.hall_position import drawings
+from designs.hall_position.paper import field as paper_field
+from designs.hall_position.paper.stage import Stage
+from models import concentrated_field, hall_array, hall_figures, hall_scan
 from models.concentrated_field import CROSS, PARAMETERS, on_axes
 from models.hall_figures import Surface
 from synth.report import figures, page
@@ -85,7 +86,7 @@ def _amplitudes(stage: Stage) -> page.Table:
     for label, ideal in (("ideal", True), ("as made", False)):
         for z in (0.0, stage.height):
             cross = 0.0 if ideal else stage.cross(z)
-            values = np.where(np.abs(found := stage.amplitudes(numbers, z, ideal)) < audit_field.NONE, 0.0, found)
+            values = np.where(np.abs(found := stage.amplitudes(numbers, z, ideal)) < paper_field.NONE, 0.0, found)
             rows.append((label, f"{1e3 * z:g} mm", *values.tolist(), cross))
     columns = ("matrix", "above", *(f"n = {n}" for n in numbers), "(2, ±1)")
     return page.Table("Amplitudes of B_X, T", columns, tuple(rows))
@@ -105,7 +106,7 @@ def _spacing(stage: Stage) -> page.Figure:
 
 def fit(stage: Stage) -> page.Section:
     """Return model (2) of a scan, Fig. 8, and its coefficients by the gap."""
-    found = audit_field.fitted(stage)
+    found = paper_field.fitted(stage)
     left = 1e3 * np.abs(found.residual)
     text = page.Text(
         "Batch least squares fits (2) to the voltages of a scan; measured scans are read from files with named columns "
@@ -125,10 +126,12 @@ def _gap(stage: Stage) -> page.Section:
     sensor = hall_array.Sensor((0.0, 0.0, 0.0), misalignment=(0.0, 0.0, TURNED))
     one, waves = hall_array.HallArray((sensor,), stage.chain), stage.waves(MADE)
     fits = {
-        z: scan.fit(scan.scanned(one, waves, scan.places(stage.pitch, SCAN, (z,)), SEED + k), "V_ax", stage.pitch)
+        z: hall_scan.fit(
+            hall_scan.scanned(one, waves, hall_scan.places(stage.pitch, SCAN, (z,)), SEED + k), "V_ax", stage.pitch
+        )
         for k, z in enumerate(HEIGHTS)
     }
-    decays = [scan.decay(fits, name, stage.pitch, stage.height) for name in DECAYING]
+    decays = [hall_scan.decay(fits, name, stage.pitch, stage.height) for name in DECAYING]
     values = {GREEK[name]: np.array([f.estimate[name] for f in fits.values()]) for name in DECAYING}
     drawn = drawings.gap(np.array(HEIGHTS), values, decays, stage.height)
     text = page.Text(
@@ -140,7 +143,7 @@ def _gap(stage: Stage) -> page.Section:
     return page.Section("Dependence on the air gap", (text, figure, _coefficients(fits), _decays(decays)))
 
 
-def _coefficients(fits: dict[float, scan.Fit]) -> page.Table:
+def _coefficients(fits: dict[float, hall_scan.Fit]) -> page.Table:
     rows: list[tuple[page.Cell, ...]] = []
     for z, found in fits.items():
         e = found.estimate
@@ -153,7 +156,7 @@ def _coefficients(fits: dict[float, scan.Fit]) -> page.Table:
     return page.Table("Coefficients of (2) in mV with intervals of 95 %", columns, tuple(rows))
 
 
-def _decays(decays: list[scan.Decay]) -> page.Table:
+def _decays(decays: list[hall_scan.Decay]) -> page.Table:
     rows: list[tuple[page.Cell, ...]] = []
     for each in decays:
         low, high = each.estimate.intervals[1]

@@ -16,9 +16,10 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 
-from designs.hall_position import closed_loop, shipped
-from designs.hall_position.closed_loop import Source
-from designs.hall_position.parameters import Array as Sensors
+from designs.hall_position import shipped
+from designs.hall_position.glsdc.parameters import Array as Sensors
+from designs.hall_position.loop import closed_loop
+from designs.hall_position.loop.closed_loop import Source
 from designs.planar_6dof import loops, lqg
 from designs.planar_6dof import page as planar
 from designs.planar_6dof.allocation import AXES, HORIZONTAL

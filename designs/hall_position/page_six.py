@@ -4,11 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from designs.hall_position import audit_errors, drawings, six_layout, six_maps
-from designs.hall_position.audit_stage import Stage
+from designs.hall_position import drawings
+from designs.hall_position.accuracy import layouts, maps
+from designs.hall_position.accuracy.layouts import LAYOUTS, PUBLISHED
 from designs.hall_position.drawings import Map
-from designs.hall_position.layout_search import LAYOUTS, PUBLISHED
-from designs.hall_position.six_parameters import Array, Tuning
+from designs.hall_position.glsdc.six_parameters import Array, Tuning
+from designs.hall_position.paper import errors
+from designs.hall_position.paper.stage import Stage
 from models import hall_array
 from synth.report import figures, page
 
@@ -29,9 +31,9 @@ def section(stage: Stage) -> page.Section:
         "lines in every layout that was looked at; four of two axes tell the pose everywhere in the pitch, five after "
         "the loss of any one. Layouts are searched for yaws of ±5°; deviations are those of 1 mV."
     )
-    arrays = {n: placed(stage, n) for n in six_layout.LAYOUTS}
+    arrays = {n: placed(stage, n) for n in layouts.SPATIAL}
     sections = tuple(_layout(of, n) for n, of in arrays.items())
-    shown = {f"{n} sensors": places for n, places in six_layout.LAYOUTS.items()}
+    shown = {f"{n} sensors": places for n, places in layouts.SPATIAL.items()}
     places = page.Figure(figures.svg(drawings.layouts(shown), "six-layouts"), "Places in the body, pitches.")
     blocks = (text, page.Equations(LAW), places, _signs(stage), _tuning())
     return page.Section("Six degrees of freedom", blocks, sections)
@@ -39,7 +41,7 @@ def section(stage: Stage) -> page.Section:
 
 def placed(stage: Stage, sensors: int) -> Array:
     """Return a layout that was searched, in the field of model (2)."""
-    places = tuple((x * stage.pitch, y * stage.pitch, 0.0) for x, y in six_layout.LAYOUTS[sensors])
+    places = tuple((x * stage.pitch, y * stage.pitch, 0.0) for x, y in layouts.SPATIAL[sensors])
     of = stage.pair
     return Array(places, of.alpha, of.beta, stage.height, stage.pitch, of.deviation)
 
@@ -57,32 +59,32 @@ def _signs(stage: Stage) -> page.Table:
         "searched, ±5°": LAYOUTS[5],
         "searched, ±15°": LAYOUTS[15],
     }.items():
-        found = six_layout.signs(six_layout.placed(placed(stage, min(six_layout.LAYOUTS)), places))
+        found = layouts.signs(layouts.placed(placed(stage, min(layouts.SPATIAL)), places))
         rows.append((name, found.least, found.largest, "on lines" if found.least < 0 < found.largest else "not seen"))
     columns = ("three sensors", "least det H", "largest det H", "rank is lost")
     return page.Table("Determinants over the pitch of three sensors, over their mean size", columns, tuple(rows))
 
 
 def _layout(of: Array, sensors: int) -> page.Section:
-    level = six_maps.CONDITIONS["level at the height"]
-    found = 1e6 * six_maps.accuracy(of, six_maps.cell(of, level, POINTS)).deviations.reshape(POINTS, POINTS, 6)
+    level = maps.CONDITIONS["level at the height"]
+    found = 1e6 * maps.spatial(of, maps.cell(of, level, POINTS)).deviations.reshape(POINTS, POINTS, 6)
     X, Y, Z, roll, pitch, yaw = np.moveaxis(found, -1, 0)
     shown = [Map("X or Y, µm", np.maximum(X, Y)), Map("Z, µm", Z)]
     turns = [Map("roll or pitch, µrad", np.maximum(roll, pitch)), Map("yaw, µrad", yaw)]
-    maps = tuple(
+    drawn = tuple(
         page.Figure(
             figures.svg(drawings.maps(each, of.pitch, low, high, columns=2, label=unit), f"six-{sensors}-{name}"),
             f"Standard deviations for 1 mV, level at {1e3 * of.height:g} mm.",
         )
         for name, each, low, high, unit in (("places", shown, 1.0, 10.0, "µm"), ("turns", turns, 50.0, 500.0, "µrad"))
     )
-    tables = [_table(six_maps.conditions(of, POINTS), "under conditions")]
+    tables = [_table(maps.conditions(of, POINTS), "under conditions")]
     if sensors > ENOUGH:
-        tables.append(_table(six_maps.losses(of, points=POINTS), "after the loss of a sensor, level"))
-    return page.Section(f"{sensors} sensors", (*maps, *tables, _misfit(of)))
+        tables.append(_table(maps.losses(of, points=POINTS), "after the loss of a sensor, level"))
+    return page.Section(f"{sensors} sensors", (*drawn, *tables, _misfit(of)))
 
 
-def _table(found: six_maps.Map, what: str) -> page.Table:
+def _table(found: maps.Map, what: str) -> page.Table:
     rows = []
     for name, worst, condition in zip(found.names, found.worst, found.condition, strict=True):
         rows.append((name.replace("-", "−").replace(" deg", "°"), *(1e6 * worst).tolist(), float(condition)))
@@ -93,8 +95,8 @@ def _table(found: six_maps.Map, what: str) -> page.Table:
 def _misfit(of: Array) -> page.Table:
     """Return the errors by waves that the model has not, to first order."""
     sensors = replace(hall_array.sensors([(x, y) for x, y, _ in of.positions]), volume=(0.0, 0.0, 0.0))
-    at = six_maps.cell(of, six_maps.CONDITIONS["level at the height"], POINTS)
-    found = 1e6 * six_maps.misfit(of, sensors, Stage().waves(audit_errors.WAVES), at)
+    at = maps.cell(of, maps.CONDITIONS["level at the height"], POINTS)
+    found = 1e6 * maps.misfit(of, sensors, Stage().waves(errors.WAVES), at)
     sizes = {"rms": np.sqrt(np.mean(found**2, axis=0)), "largest": np.abs(found).max(axis=0)}
     rows = tuple((name, *values.tolist()) for name, values in sizes.items())
     columns = ("", "X, µm", "Y, µm", "Z, µm", "roll, µrad", "pitch, µrad", "yaw, µrad")

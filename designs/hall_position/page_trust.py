@@ -4,9 +4,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from designs.hall_position import basin, cold_start, drawings, drawings_runs, endurance, shipped
+from designs.hall_position import drawings, drawings_runs, shipped
 from designs.hall_position.drawings import Map
-from designs.hall_position.fleet import Kind
+from designs.hall_position.trust import basin, cold_start, endurance
+from designs.hall_position.trust.fleet import Kind
 from synth.report import figures, page
 
 NAMES = {shipped.NAME: "two sensors", shipped.THREE: "three sensors"}

@@ -12,10 +12,11 @@ from math import ceil
 
 import numpy as np
 
-from designs.hall_position import motions, reference, reference_guard, shipped
-from designs.hall_position.motions import Numbers, Pose
-from designs.hall_position.parameters import Array, Tuning
+from designs.hall_position import reference, reference_guard, shipped
+from designs.hall_position.glsdc.parameters import Array, Tuning
 from designs.hall_position.reference import Setup
+from designs.hall_position.trust import motions
+from designs.hall_position.trust.motions import Numbers, Pose
 from synth.block import Block
 
 Columns = dict[str, Numbers]

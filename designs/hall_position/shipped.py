@@ -6,9 +6,9 @@ The field is that of the fabricated matrix at the sensors' height, by the blocks
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from designs.hall_position import estimator, layout_search
-from designs.hall_position.layout_search import Pair
-from designs.hall_position.parameters import Array, Tuning
+from designs.hall_position.accuracy import layouts
+from designs.hall_position.glsdc import estimator
+from designs.hall_position.glsdc.parameters import Array, Pair, Tuning
 from models import concentrated_field, hall_array
 from models.concentrated_field import STRONG, WEAK
 from models.hall_chain import Chain
@@ -21,7 +21,7 @@ NAME, THREE = "hall_position", "hall_position_three"
 TIME = Discrete(1 / 800)
 LAYOUT = 5  # degrees of yaw to either side, for which the three sensors are placed
 PLACES: Mapping[str, tuple[Pair, ...]] = MappingProxyType(
-    {NAME: layout_search.PUBLISHED[:2], THREE: layout_search.LAYOUTS[LAYOUT]}
+    {NAME: layouts.PUBLISHED[:2], THREE: layouts.LAYOUTS[LAYOUT]}
 )  # in pitches
 TUNING = Tuning()
 DIGITS = 6  # of the field, so that it is the same on every machine

@@ -16,10 +16,12 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.hall_position import endurance, estimator, random_steps, reference, reference_guard, shipped
-from designs.hall_position.fleet import Kind
-from designs.hall_position.motions import Numbers
+from designs.hall_position import random_steps, reference, reference_guard, shipped
+from designs.hall_position.glsdc import estimator
 from designs.hall_position.random_steps import LENGTH, Columns, Subject
+from designs.hall_position.trust import endurance
+from designs.hall_position.trust.fleet import Kind
+from designs.hall_position.trust.motions import Numbers
 from synth.block import Block
 from synth.check import Check
 from synth.emit import write

@@ -5,8 +5,10 @@ from functools import cache
 
 import numpy as np
 
-from designs.hall_position import reference_six, six_estimator, six_layout
-from designs.hall_position.six_parameters import Array, Tuning
+from designs.hall_position import reference_six
+from designs.hall_position.accuracy import layouts
+from designs.hall_position.glsdc import six_estimator
+from designs.hall_position.glsdc.six_parameters import Array, Tuning
 from synth.block import Block
 from synth.emit import write
 from synth.execute import host
@@ -17,9 +19,9 @@ TIME = Discrete(1 / 800)
 L = 0.0508
 ALPHA, BETA = 8.4 * 0.37502, -8.4 * 0.02146  # V: fabricated, 3 mm
 ANY = Array(((0.0, 0.0, 0.0), (L, 0.0, 0.0), (0.0, L, 0.0)), ALPHA, BETA)
-FOUR = six_layout.placed(ANY, six_layout.LAYOUTS[4])
-FIVE = six_layout.placed(ANY, six_layout.LAYOUTS[5])
-SIX = six_layout.placed(ANY, six_layout.LAYOUTS[6])
+FOUR = layouts.placed(ANY, layouts.SPATIAL[4])
+FIVE = layouts.placed(ANY, layouts.SPATIAL[5])
+SIX = layouts.placed(ANY, layouts.SPATIAL[6])
 USUAL = Tuning()
 
 Columns = Mapping[str, Numbers]

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from designs.hall_position import bench, experiments, page, shipped
+from designs.hall_position import bench, page, shipped
+from designs.hall_position.loop import experiments
 from synth import workspace
 from synth.check import Check
 from synth.verify import eva, misra, nonfinite

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from designs.hall_position import emitted, estimator, shipped
+from designs.hall_position.glsdc import estimator
 from synth.blocks import safety
 from synth.emit.write import Emitted
 from synth.execute import compile as host_compiler

@@ -5,22 +5,14 @@ import re
 import numpy as np
 import pytest
 
-from designs.hall_position import (
-    audit,
-    costs,
-    fisher,
-    page,
-    page_accuracy,
-    page_convergence,
-    page_field,
-    page_six,
-    shipped,
-    six_maps,
-)
-from designs.hall_position.audit_stage import Stage, grid
+from designs.hall_position import costs, page, page_accuracy, page_convergence, page_field, page_six, shipped
+from designs.hall_position.accuracy import fisher, maps
 from designs.hall_position.costs import Costs, Row
+from designs.hall_position.paper import rows
+from designs.hall_position.paper.stage import Stage, grid
 from synth.emit.write import Emitted
 from synth.report import sections
+from synth.report.audit import recipes
 from synth.report.page import Section, Table
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
@@ -55,7 +47,7 @@ def test_every_part_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(costs, "measure", lambda three, four: others[id(three), four])
     monkeypatch.setattr(sections, "cost", lambda found: Section("Cost of two sensors"))
     cost = Cost(shipped.NAME, "cortex-m4f", 1e-3, (), (), (), {}, ())
-    few = [audit.ROWS[n](STAGE, audit.printed()[n]) for n in ("K-1", "K-8")]
+    few = [recipes(rows.ROWS)[n].row(STAGE, rows.printed()) for n in ("K-1", "K-8")]
     html = page.report({shipped.THREE: three}, Evidence(shipped.NAME, (), ()), [], few, cost)
     assert len(html.encode()) < MOST and html.count("<svg") == len(set(re.findall(r"Figure (\d+)\.", html)))
     for text in ("Fig. 3", "Fig. 4", "Fig. 5 and (3)", "Fig. 8", "air gap", "lose rank", "K-8", "GLSDC", "Six degrees"):
@@ -106,7 +98,7 @@ def test_three_sensors_are_told_to_lose_rank_in_six_degrees_of_freedom(monkeypat
         row[3] == "on lines" for row in found["Determinants over the pitch of three sensors, over their mean size"].rows
     )
     of = page_six.placed(STAGE, 4)
-    expected = 1e6 * six_maps.conditions(of, 8).worst[0]
+    expected = 1e6 * maps.conditions(of, 8).worst[0]
     shown = tables(section.sections[0])["Largest standard deviations over the pitch under conditions"].rows[0]
     assert shown[1:7] == pytest.approx(tuple(expected))
 

@@ -5,8 +5,9 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 
-from designs.hall_position import closed_loop, error_map, page_experiments, page_loops, shipped
-from designs.hall_position.closed_loop import Source
+from designs.hall_position import page_experiments, page_loops, shipped
+from designs.hall_position.loop import closed_loop, error_map
+from designs.hall_position.loop.closed_loop import Source
 from designs.planar_6dof import loops, lqg
 from models import planar_stage
 from synth.report.page import Figure, Section, Table

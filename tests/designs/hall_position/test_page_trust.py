@@ -5,18 +5,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from designs.hall_position import (
-    basin,
-    cold_start,
-    endurance,
-    estimator,
-    failures,
-    fleet,
-    page_failures,
-    page_trust,
-    shipped,
-)
-from designs.hall_position.fleet import Kind
+from designs.hall_position import page_failures, page_trust, shipped
+from designs.hall_position.glsdc import estimator
+from designs.hall_position.trust import basin, cold_start, endurance, failures, fleet
+from designs.hall_position.trust.fleet import Kind
 from synth.emit import write
 from synth.execute import host
 from synth.report.page import Figure, Section, Table

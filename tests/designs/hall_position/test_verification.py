@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from designs.hall_position import endurance, estimator, random_steps, reference_guard, shipped, verification
+from designs.hall_position import random_steps, reference_guard, shipped, verification
+from designs.hall_position.glsdc import estimator
 from designs.hall_position.random_steps import Subject
+from designs.hall_position.trust import endurance
 from designs.hall_position.verification import Compared, Steps, Witnesses
 from synth.block import Block
 from synth.blocks import safety

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from designs.hall_position import estimator, reference
-from designs.hall_position.parameters import Array, Tuning
+from designs.hall_position import reference
+from designs.hall_position.glsdc import estimator
+from designs.hall_position.glsdc.parameters import Array, Tuning
 from synth.block import Block
 from synth.emit import write
 from synth.execute import host

@@ -1,0 +1,139 @@
+"""Fisher information of (X, Y, yaw) in the voltages of model (2): Cramér-Rao deviations in closed form.
+
+In the field's axes the Jacobian of sensor k, at the phase (p, q) and the place (o_X, o_Y) = w R(yaw) r_k, is
+
+    X:  [g, 0, h],  g = B'(p),  h = B(q) - g o_Y        Y:  [0, k, m],  k = B'(q),  m = k o_X - B(p)
+
+by phases in rad and the yaw, so that with the yaw's information N_T, by Lagrange's identity a sum of squares,
+
+    N_T = sum over axes of [sum over pairs (g_i h_j - g_j h_i)^2] / sum g^2,
+    var yaw = sigma^2 / N_T,    var X = sigma^2 / w^2 (1 / sum g^2 + (sum g h / sum g^2)^2 / N_T).
+
+How large they get between places is proved by `synth.analyse.observability.worst_deviation`.
+
+Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 3.B.
+"""
+
+from dataclasses import dataclass, replace
+from functools import partial
+from math import ceil, hypot, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from designs.hall_position.glsdc import parameters
+from synth.analyse.observability import worst_deviation
+from synth.analyse.observability.worst_deviation import Worst
+from synth.errors import ModelError
+from synth.statespace import readonly
+
+Array = NDArray[np.float64]
+Range = tuple[float, float]
+
+START = 24  # cells along a pitch
+MOST = 30_000_000  # cells
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Slopes g (2, n, N), V by rad of phase, and turns h (2, n, N), V by rad of yaw, of n sensors along X and Y."""
+
+    g: Array
+    h: Array
+
+    @property
+    def jacobian(self) -> Array:
+        """The Jacobian (3, 2 n, N) by two phases and the yaw, V by rad, all rows along X first."""
+        none = np.zeros_like(self.g[0])
+        return np.concatenate([[self.g[0], none, self.h[0]], [none, self.g[1], self.h[1]]], axis=1)
+
+
+def field(array: parameters.Array, phase: Array, order: int = 0) -> Array:
+    """Return B, or its derivative by the phase of an `order` up to 3, in V at phases in rad."""
+    f, sign = ((np.sin, 1), (np.cos, 1), (np.sin, -1), (np.cos, -1))[order]
+    waves = sign * (array.alpha * f(phase) + array.beta * 5**order * f(5 * phase))
+    return waves if order else waves + array.c
+
+
+def bend(array: parameters.Array, order: int) -> float:
+    """Return a bound of the derivative of B of an order, V."""
+    return array.alpha + 5**order * abs(array.beta)
+
+
+def turned(array: parameters.Array, yaw: Array) -> tuple[Array, Array]:
+    """Return the sensors' places (n, N) along X and Y from the body's origin, rad of phase, at yaws (N,) in rad."""
+    x, y = array.wave_number * np.array(array.positions).T[:, :, None]
+    return np.cos(yaw) * x - np.sin(yaw) * y, np.sin(yaw) * x + np.cos(yaw) * y
+
+
+def rows(array: parameters.Array, q: Array) -> Rows:
+    """Return the rows at phases of the body's origin and yaws q (3, N), rad, each by the root of its weight."""
+    place = turned(array, q[2])
+    p = [q[i] + place[i] for i in (0, 1)]
+    B, g = ([field(array, phase, order) for phase in p] for order in (0, 1))
+    h = B[1] - g[0] * place[1], g[1] * place[0] - B[0]
+    scale = np.array(array.scales)[:, None]
+    return Rows(scale * np.array(g), scale * np.array(h))
+
+
+def of_phases(array: parameters.Array, q: Array) -> Array:
+    """Return the deviations (3, N) in rad per V of noise at phases and yaws q (3, N) in rad; inf where rank is lost."""
+    of = rows(array, q)
+    N = (of.g**2).sum(axis=1)
+    across = of.g[:, :, None] * of.h[:, None] - of.g[:, None] * of.h[:, :, None]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        turn = 1 / ((across**2).sum(axis=(1, 2)) / 2 / N).sum(axis=0)
+        axes = 1 / N + ((of.g * of.h).sum(axis=1) / N) ** 2 * turn
+    deviations = np.sqrt(np.vstack([axes, turn]))
+    return np.where(np.isfinite(deviations), deviations, np.inf)
+
+
+def units(array: parameters.Array) -> Array:
+    """Return what a rad of each phase and of the yaw is, m and rad (3,)."""
+    w = array.wave_number
+    return np.array([1 / w, 1 / w, 1.0])
+
+
+def deviations(array: parameters.Array, q: Array) -> Array:
+    """Return the deviations (3, N) of X, Y in m and yaw in rad at q (3, N) in m, m and rad; inf where rank is lost."""
+    w = array.wave_number
+    size = array.deviation * units(array)[:, None]
+    return readonly(size * of_phases(array, np.array([w * q[0], w * q[1], q[2]])))
+
+
+def changes(array: parameters.Array, q: Array, half: Array) -> Array:
+    """Return bounds (3, N) of how far the Jacobian's columns, in V, move in cells q +- half (3, N), rad."""
+    place = turned(array, q[2])
+    reach = array.wave_number * np.array([hypot(*r) for r in array.positions])[:, None]
+    moved = [half[i] + reach * half[2] for i in (0, 1)]
+    scale = np.array(array.scales)[:, None]
+    columns = []
+    for i, j in ((0, 1), (1, 0)):
+        p, q_across = q[i] + place[i], q[j] + place[j]
+        g = np.abs(field(array, p, 2)) * moved[i] + bend(array, 3) / 2 * moved[i] ** 2
+        B = np.abs(field(array, q_across, 1)) * moved[j] + bend(array, 2) / 2 * moved[j] ** 2
+        lever = reach * half[2]
+        h = B + np.abs(place[j]) * g + (np.abs(field(array, p, 1)) + g) * lever
+        columns.append((scale * g, scale * h))
+    (g, h), (k, m) = columns
+    return np.sqrt(np.array([(g**2).sum(axis=0), (k**2).sum(axis=0), (h**2 + m**2).sum(axis=0)]))
+
+
+def worst(array: parameters.Array, yaw: Range = (0.0, 0.0), tolerance: float = 1e-3) -> Worst:
+    """Return the largest deviations of X, Y in m and yaw in rad in the pitch and over yaws, with a proved bound.
+
+    Raises ModelError where that takes more than MOST cells, as where the rank is lost; the message tells where.
+    """
+    low, high = yaw
+    if not -pi <= low <= high <= pi:
+        raise ModelError(f"the yaws are {low} .. {high} rad: give the lower first, within half a turn")
+    turn = 2 * pi
+    reach = array.wave_number * max(hypot(*r) for r in array.positions)
+    cells = (START, START, max(1, ceil((high - low) * reach / (turn / START))))
+    ends = (0.0, 0.0, low), (turn, turn, high)
+    proved = worst_deviation.search(partial(of_phases, array), partial(changes, array), *ends, cells, tolerance, MOST)
+    unit = units(array)
+    size = array.deviation * unit
+    return replace(
+        proved, met=readonly(size * proved.met), bound=readonly(size * proved.bound), at=readonly(proved.at * unit)
+    )

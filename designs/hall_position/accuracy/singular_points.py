@@ -1,0 +1,157 @@
+"""Where two sensors lose the yaw, X and Y: the points of the pitch at which their four voltages have rank 2, all found.
+
+With the rows [g, 0, h] and [0, k, m] of `fisher` the rank is lost, at a yaw, where both determinants vanish:
+
+    D_X = g_1 h_2 - g_2 h_1 = 0,    D_Y = k_1 m_2 - k_2 m_1 = 0.
+
+Their zeros are isolated and proved by `synth.analyse.observability.isolated_zeros`, and rounded once from 256 bits.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import pi
+
+import flint
+import numpy as np
+from numpy.typing import NDArray
+
+from designs.hall_position.accuracy import fisher
+from designs.hall_position.glsdc import parameters
+from synth.analyse import precise
+from synth.analyse.observability import isolated_zeros
+from synth.errors import ModelError
+from synth.statespace import readonly
+
+Array = NDArray[np.float64]
+Ball = flint.arb
+
+CLEAR = 1e-9  # of alpha^2, rad: far above what double precision leaves of a determinant
+
+
+@dataclass(frozen=True, eq=False)
+class SingularPoints:
+    """All points `at` (n, 2) of the body's origin in a pitch, in m, where rank is lost at a yaw in rad.
+
+    `lost` (n, 3) is the motion in X, Y (m) and yaw (rad), of length 1 with the yaw times 1/w, that moves no voltage.
+    """
+
+    yaw: float
+    at: Array
+    lost: Array
+
+
+def of_pair(array: parameters.Array, yaw: float) -> SingularPoints:
+    """Return the singular points of two sensors at a yaw in rad.
+
+    Raises ModelError for other than two sensors, or where points are not isolated, as when both slopes of an axis
+    vanish together: then X is lost on a whole line.
+    """
+    if len(array.positions) != 2:
+        raise ModelError(f"{len(array.positions)} sensors: the determinants are those of two, see fisher.worst")
+    array = replace(array, weights=())  # which multiply a determinant
+    _check_slopes(array, yaw)
+    with precise.precision():
+        pair = _Pair.of(array, yaw)
+        equations = isolated_zeros.Equations(
+            2, pair.values, pair.slopes, lambda cells, half: possible(array, yaw, cells, half)
+        )
+        points = [cube.at for cube in isolated_zeros.search(equations)]
+        places = [[float(isolated_zeros.within_turn(v) / pair.w) for v in p] for p in points]
+        motions = [[float(v) for v in pair.lost(p)] for p in points]
+    order = sorted(range(len(points)), key=lambda i: places[i])
+    at, lost = (np.reshape([rows[i] for i in order], (-1, n)) for rows, n in ((places, 2), (motions, 3)))
+    return SingularPoints(yaw, readonly(at), readonly(lost))
+
+
+def possible(array: parameters.Array, yaw: float, cells: Array, half: float) -> NDArray[np.bool_]:
+    """Return which cells (2, N) no bound on the determinants keeps from holding a point."""
+    q = np.vstack([cells, np.full(cells.shape[1], yaw)])
+    of, place = fisher.rows(array, q), fisher.turned(array, q[2])
+    open = np.ones(cells.shape[1], dtype=bool)
+    for i, j in ((0, 1), (1, 0)):
+        p, across = cells[i] + place[i], cells[j] + place[j]
+        dg = np.abs(fisher.field(array, p, 2)) * half + fisher.bend(array, 3) / 2 * half**2
+        dB = np.abs(fisher.field(array, across, 1)) * half + fisher.bend(array, 2) / 2 * half**2
+        g, h, dh = np.abs(of.g[i]), np.abs(of.h[i]), dB + np.abs(place[j]) * dg
+        D = of.g[i, 0] * of.h[i, 1] - of.g[i, 1] * of.h[i, 0]
+        change = sum(g[a] * dh[b] + dg[a] * h[b] + dg[a] * dh[b] for a, b in ((0, 1), (1, 0)))
+        open &= np.abs(D) <= change + CLEAR * array.alpha**2
+    return open
+
+
+@dataclass(frozen=True, eq=False)
+class _Pair:
+    """Two sensors in balls: places (o_X, o_Y) in rad at the yaw; c, alpha and beta in V."""
+
+    w: Ball
+    places: list[tuple[Ball, Ball]]
+    c: Ball
+    alpha: Ball
+    beta: Ball
+
+    @staticmethod
+    def of(array: parameters.Array, yaw: float) -> "_Pair":
+        w = 2 * Ball.pi() / Ball(array.pitch)
+        turn = Ball(yaw)
+        s, c = turn.sin(), turn.cos()
+        places = [(w * (c * Ball(x) - s * Ball(y)), w * (s * Ball(x) + c * Ball(y))) for x, y in array.positions]
+        return _Pair(w, places, Ball(array.c), Ball(array.alpha), Ball(array.beta))
+
+    def slope(self, p: Ball) -> Ball:
+        """Return B'."""
+        return self.alpha * p.cos() + 5 * self.beta * (5 * p).cos()
+
+    def rows(self, at: Sequence[Ball], i: int) -> list[tuple[Ball, Ball]]:
+        """Return g and h of each sensor along the axis i."""
+        pairs, sign = [], 1 - 2 * i
+        for place in self.places:
+            p, q, o = at[i] + place[i], at[1 - i] + place[1 - i], place[1 - i]
+            g = self.slope(p)
+            pairs.append((g, sign * (self.c + self.alpha * q.sin() + self.beta * (5 * q).sin() - g * o)))
+        return pairs
+
+    def values(self, at: Sequence[Ball]) -> flint.arb_mat:
+        """Return D_X and D_Y (2, 1)."""
+        rows = (self.rows(at, i) for i in (0, 1))
+        return flint.arb_mat([[g0 * h1 - g1 * h0] for (g0, h0), (g1, h1) in rows])
+
+    def slopes(self, at: Sequence[Ball]) -> flint.arb_mat:
+        """Return the derivatives (2, 2) of D_X and D_Y by both phases."""
+        J = flint.arb_mat(2, 2)
+        for i in (0, 1):
+            (g0, h0), (g1, h1) = self.rows(at, i)
+            sign, along, across = 1 - 2 * i, [], []
+            for place in self.places:
+                p = at[i] + place[i]
+                along.append(-self.alpha * p.sin() - 25 * self.beta * (5 * p).sin())
+                across.append(sign * self.slope(at[1 - i] + place[1 - i]))
+            turns = [-sign * d * place[1 - i] for d, place in zip(along, self.places, strict=True)]
+            J[i, i] = along[0] * h1 + g0 * turns[1] - along[1] * h0 - g1 * turns[0]
+            J[i, 1 - i] = g0 * across[1] - g1 * across[0]
+        return J
+
+    def lost(self, at: Sequence[Ball]) -> tuple[Ball, Ball, Ball]:
+        """Return (X, Y, yaw) of length 1, the yaw times 1/w, as least squares of both sensors have it."""
+        moved = []
+        for i in (0, 1):
+            (g0, h0), (g1, h1) = self.rows(at, i)
+            moved.append(-(g0 * h0 + g1 * h1) / (g0**2 + g1**2))
+        size = (moved[0] ** 2 + moved[1] ** 2 + 1).sqrt()
+        return moved[0] / self.w / size, moved[1] / self.w / size, 1 / size
+
+
+def _check_slopes(array: parameters.Array, yaw: float) -> None:
+    """Raise ModelError where both slopes of an axis may vanish together, so that rank is lost on a line."""
+    for name, place in zip("XY", fisher.turned(array, np.array([yaw])), strict=True):
+        half, along = pi / isolated_zeros.CELLS, isolated_zeros.grid(1)[0]
+        for _ in range(isolated_zeros.CUTS):
+            slopes = np.abs(fisher.field(array, along + place, 1))
+            along = along[(slopes <= fisher.bend(array, 2) * half).all(axis=0)]
+            half /= 2
+            along = np.concatenate([along - half, along + half])
+        if along.size:
+            at = along[0] / array.wave_number * 1e3
+            raise ModelError(
+                f"at {name} = {at:.3f} mm both sensors have no slope along {name}, which is lost on this whole line: "
+                "place them other than half a pitch apart"
+            )

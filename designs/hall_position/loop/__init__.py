@@ -1,0 +1,1 @@
+"""The loop of the planar stage closed by the estimate: calibration, controller, experiments."""

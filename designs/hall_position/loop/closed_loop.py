@@ -1,0 +1,206 @@
+"""The estimate as the position source of a planar controller: X, Y and yaw close the loop.
+
+    V_ax .. V_cy -->[ guard ]-->[ estimator ]--> X, Y, yaw -->[ error_map ]-->[ hall_source ]--> x_raw, y_raw, phi_raw
+                       |             |------ valid, restarted, without ----------^   |   within, known, suspects
+                       '<------------------------- suspected, suspect_V_.. ----------'
+
+What follows is the planar controller's own: regulators, allocation, commutation, safe output. `hall_source` stands
+between, so that an estimate that is not valid does not move the loop:
+
+    not yet known   no estimate has been valid in the middle pitch, within the yaws of the stage: the platen counts as
+                    at rest at its set-point, and no current flows. A search may end a pitch or a quarter turn off
+    restarted       the estimate looked for its place again and counts pitches from anywhere: it is not valid until init
+    valid           the estimate is the position; the motion a sample follows it, m <- m + FOLLOW (estimate - expected)
+    invalid         the position is the one expected, the last position and the motion
+
+After LOST invalid samples in a row all Hall voltages are suspects, and both voltages of a sensor that the estimator
+leaves out are so at once: no sample is complete then, and the guard latches BAD_SAMPLES later.
+
+Places. PLACES are `layouts.LAYOUTS` for yaws of 5 degrees, against those of the stage, A at its centre, B and C
+3/4 of a pitch along its axes. Over the pitch and yaws of 20 mrad, at 1 mV, they prove
+
+                    X, at most    Y           yaw         X, Y, yaw rms over pitch and yaws
+    the stage's     4.89 um       4.89 um     277 urad    2.66, 2.66 um, 110 urad
+    PLACES          4.58 um       4.84 um     208 urad    2.50, 2.57 um, 132 urad
+
+and what decides is the field's misfit, 44 mV, not the noise. Calibrated over a truth field, the stage's leave 53 um, 60
+um and 6.9 mrad at most, PLACES 31 um, 41 um and 1.6 mrad. `stage_places` are for the comparison with the sections.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import casadi as ca
+import numpy as np
+
+from designs.hall_position.accuracy import layouts
+from designs.hall_position.glsdc import estimator
+from designs.hall_position.glsdc.parameters import Array, Pair, Tuning
+from designs.hall_position.loop import error_map
+from designs.hall_position.loop.error_map import ErrorMap
+from designs.planar_6dof import interface, sensing, vertical
+from designs.planar_6dof.allocation import HORIZONTAL, PITCH
+from models import planar_stage
+from synth.block import Block, Exprs, State, Step, build, clip
+from synth.errors import ModelError
+from synth.plant import Plant
+from synth.signals import Signal
+from synth.timing import Discrete
+
+LOST = 5  # samples
+FOLLOW = 0.1  # of what a sample differs from the expected one
+FASTEST = {"x": 1.25e-3, "y": 1.25e-3, "phi": 6.25e-3}  # m, rad a sample: 1 m/s and 5 rad/s at 800 Hz
+OF = {"x": "X", "y": "Y", "phi": "yaw"}
+PLACES: tuple[Pair, ...] = tuple((x * PITCH, y * PITCH) for x, y in layouts.LAYOUTS[5])
+SENSORS = 3
+ANY = SENSORS + 1  # in place of the number of the sensor that failed
+BEGINS = {"x": PITCH / 2, "y": PITCH / 2, "phi": sensing.YAW}  # m, rad
+KNOWN = Signal("known", "1", 0, 1, "an estimate before this one was valid")
+PITCHES = 4  # that are added before a number is cut off, and taken off again: more than RAW reaches
+SURROGATE_ERROR: dict[type[np.floating], float] = estimator.SURROGATE_ERROR
+# Of a field that a calibration has shown: its misfit is what the voltages are wrong by, and a motion that changes by
+# 0.9 m/s within a sample is none.
+TUNING = Tuning(residual=0.2, surprise=0.3)
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """Where the position comes from: sensors, how they are estimated from, and the map of what that errs by."""
+
+    array: Array
+    tuning: Tuning = TUNING
+    map: ErrorMap | None = None
+
+
+def stage_places(plant: Plant) -> tuple[Pair, ...]:
+    """Return where the stage's own three sensors are, m."""
+    spacing = plant.parameter("spacing").value
+    return (0.0, 0.0), (spacing, 0.0), (0.0, spacing)
+
+
+def controller(name: str, plant: Plant, time: Discrete, law: Sequence[Block], source: Source) -> Block:
+    """Return the whole planar controller on this source, `law` being its Blocks from positions to computed currents.
+
+    Raises ModelError for what is no Source, or not of three sensors.
+    """
+    if not isinstance(source, Source):
+        raise ModelError(f"source is {source!r}: give a closed_loop.Source, or none for the Hall sections")
+    if len(source.array.positions) != SENSORS:
+        raise ModelError(
+            f"the source has {len(source.array.positions)} sensors: the stage reads {SENSORS}, give so many"
+        )
+    driven = [_gated(_from_known(block), time) for block in law]
+    return interface.controller(name, plant, time, sensed(source, time), [b for group in driven for b in group])
+
+
+def sensed(source: Source, time: Discrete) -> list[Block]:
+    """Return the Blocks from held voltages to raw positions, places within the pitch and suspects."""
+    found = [estimator.estimator(source.array, time, source.tuning)]
+    if source.map is None:
+        return [*found, _source(time, "")]
+    return [*found, error_map.block(source.map, time), _source(time, "_corrected")]
+
+
+def _source(time: Discrete, suffix: str) -> Block:
+    """Return ``hall_source``; the estimate's names end in `suffix`."""
+    given = {axis: replace(sensing.RAW[axis], name=f"{OF[axis]}{suffix}") for axis in HORIZONTAL}
+    valid, restarted = Signal("valid", "1", 0, 1), Signal("restarted", "1", 0, 1, "pitches are not known any more")
+    without = Signal("without", "1", 0, ANY - 1, "number of the sensor that is left out")
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        known, begins = x["known"], ca.SX(1)
+        for axis, far in BEGINS.items():
+            begins = ca.logic_and(begins, ca.fabs(u[given[axis].name]) <= far)
+        sound = ca.logic_and(u["valid"], ca.logic_not(u["restarted"]))
+        good = ca.logic_and(sound, ca.logic_or(known, begins))
+        after = ca.logic_and(good, known)
+        next: dict[str, ca.SX] = {"known": ca.if_else(good, 1, known)}
+        output: dict[str, ca.SX] = {KNOWN.name: known}
+        for axis in HORIZONTAL:
+            at, expected = u[given[axis].name], x[axis] + x[f"motion_{axis}"]
+            held = ca.if_else(known, expected, u[vertical.REFERENCES[axis].name])
+            raw = clip(ca.if_else(good, at, held), sensing.RAW[axis])
+            output[f"{axis}_raw"] = next[axis] = raw
+            next[f"motion_{axis}"] = x[f"motion_{axis}"] + ca.if_else(after, FOLLOW * (raw - expected), 0)
+        for signal, axis in zip(sensing.WITHIN, "xy", strict=True):
+            whole = ca.floor(output[f"{axis}_raw"] / PITCH + (PITCHES + 0.5)) - PITCHES
+            output[signal.name] = clip(output[f"{axis}_raw"] - PITCH * whole, signal)
+        return Step(output | _suspects(x), next | _failures(u, x, good))
+
+    references = [vertical.REFERENCES[axis] for axis in HORIZONTAL]
+    return build(
+        "hall_source",
+        time,
+        law,
+        inputs=[*given.values(), valid, restarted, without, *references],
+        outputs=[*sensing.RAW.values(), *sensing.WITHIN, KNOWN, sensing.SUSPECTED, *sensing.SUSPECTS],
+        states=_states(),
+        tag="hold what is expected, count to the latch",
+    )
+
+
+def _states() -> list[State]:
+    reals = [replace(sensing.RAW[axis], name=axis, about="of the last sample") for axis in HORIZONTAL]
+    reals += [
+        Signal(f"motion_{a}", sensing.RAW[a].unit, -FASTEST[a], FASTEST[a], "expected in a sample") for a in HORIZONTAL
+    ]
+    counts = [replace(KNOWN, about="an estimate has been valid")]
+    counts += [Signal("invalid", "1", 0, LOST, "invalid samples in a row")]
+    counts += [Signal("failed", "1", 0, ANY, "number of the sensor that failed, the last for any of them")]
+    return [*(State(s, 0.0) for s in reals), *(State(s, 0, True) for s in counts)]
+
+
+def _failures(u: Exprs, x: Exprs, good: ca.SX) -> dict[str, ca.SX]:
+    """Return the next counts: invalid samples once the place is known, and the sensor that failed, for good."""
+    lost = x["invalid"] >= LOST
+    counted = ca.if_else(lost, x["invalid"], ca.if_else(x["known"], x["invalid"] + 1, 0))
+    found = ca.if_else(lost, ANY, 0)
+    for n in range(1, ANY):
+        found = ca.if_else(u["without"] >= n, n, found)
+    return {
+        "invalid": ca.if_else(good, 0, counted),
+        "failed": ca.if_else(x["failed"], x["failed"], ca.if_else(x["known"], found, 0)),
+    }
+
+
+def _suspects(x: Exprs) -> dict[str, ca.SX]:
+    failed = x["failed"]
+    found = {sensing.SUSPECTED.name: failed > 0}
+    for n, letter in enumerate("abc", 1):
+        one = ca.logic_or(failed == n, failed == ANY)
+        found |= {f"suspect_V_{letter}{axis}": one for axis in "xy"}
+    return found
+
+
+def _from_known(block: Block) -> Block:
+    """Return a Block that is ready when a position is known, not when every measurement was good at once."""
+    ready, raw = sensing.READY.name, {s.name for s in sensing.RAW.values()}
+    if ready not in block.symbol or not raw & block.symbol.keys():
+        return block
+    inputs = tuple(KNOWN if s.name == ready else s for s in block.inputs)
+    return replace(block, inputs=inputs, symbol={KNOWN.name if n == ready else n: s for n, s in block.symbol.items()})
+
+
+def _gated(block: Block, time: Discrete) -> list[Block]:
+    """Return a Block; behind that of the computed currents another one, which passes none until a position is known."""
+    computed = {f"{s.name}_computed" for s in planar_stage.INPUTS}
+    if not computed <= {s.name for s in block.outputs}:
+        return [block]
+    wanted = [replace(s, name=s.name.replace("_computed", "_wanted")) for s in block.outputs]
+    renamed = {s.name: w.name for s, w in zip(block.outputs, wanted, strict=True)}
+    before = replace(
+        block,
+        outputs=tuple(wanted),
+        output={renamed[n]: e for n, e in block.output.items()},
+        inside=tuple(
+            (replace(n, signal=replace(n.signal, name=renamed.get(n.signal.name, n.signal.name))), e)
+            for n, e in block.inside
+        ),
+    )
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        return Step({name: ca.if_else(u[KNOWN.name], u[to], 0) for name, to in renamed.items()})
+
+    tag = "no current until a position is known"
+    gate = build("known_gate", time, law, inputs=[*wanted, KNOWN], outputs=block.outputs, tag=tag)
+    return [before, gate]

@@ -1,0 +1,290 @@
+"""The loop closed by the estimate over the truth field: Figs. 10, 11 and 12 beside the paper's, and the two sources.
+
+All runs have 1 mV of noise, the filters, the converter and a sample of delay; the controller is the compiled C in
+single precision, and X, Y and yaw are closed by three sensors, where the paper closes the yaw by the laser. Its bars:
+
+    a step of 4 mm      the paper's platen moved by 4.3 mm without calibration and by 4 mm with it: here within the
+                        1.4 mm that Fig. 10 shows, and after calibration within CALIBRATED
+    zigzag, Fig. 10     the true position is 1.4 mm at most from that which is shown; calibrated, it is CALIBRATED and
+                        the filters' lag v / w_c at most, and TIMES less than without, rms
+    staircase, Fig. 12  steps of 10 um are told: each is 10 um within a fifth, and the noise is below 10 um
+    dropouts            three samples without two sensors, again and again, move a platen that rests or goes steadily
+                        by STIRRED at most; on the way of a small step, by what the loop makes of what is held
+    a loss              without any voltage the loop latches after LATCH samples, and no current flows in the end
+    `sources`           the sections of planar_6dof_lqg beside the estimate
+
+While a step takes motor C to its limit, the noise of the yaw decides what x gets: `allocation` leaves C what the yaw
+does not demand. Another draw of the noise moves x by 10 to 70 um during the step of 4 mm, and so does a dropout at its
+beginning, which shows the loop no noise for three samples: were C's limit constant, it would be 1 um. So a step is
+judged without noise, and within the limits, where the loop is linear: x moves by RESPONSE times what is held errs by.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from designs.hall_position.loop import calibration, closed_loop, sources, stage_loop
+from designs.hall_position.loop.error_map import ErrorMap
+from designs.hall_position.loop.stage_loop import TIME, Loop
+from designs.planar_6dof import interface
+from models import planar_stage
+from synth.check import Check
+from synth.signals import names
+from synth.simulate.experiment import Experiment
+from synth.simulate.scenario import Trajectory, sample_times
+from synth.simulate.sensors import Override
+from synth.statespace import Array
+
+HORIZONTAL = closed_loop.HORIZONTAL
+ACCURACY, READ = 1.4e-3, 0.3e-3  # m: Fig. 10; by how much the platen of Fig. 11 moved too far
+CALIBRATED, TIMES = 6e-5, 5.0  # m: the map's largest error on lines between its own, and half as much again
+STEP, SETTLE, AFTER = 4e-3, 0.5, 2.0  # m, s
+FINE, EACH, COUNT, STEADY = 1e-5, 0.6, 8, 0.35  # m, s, steps, s at the end of each
+RESOLUTION, FIFTH = 1e-5, 2e-6  # m
+WIDE, LEG, LEGS, LEAD = 0.02, 2.0, 8, 1.5  # m to either side, s for a leg of the zigzag, how many, s to its beginning
+STIRRED = 1e-5  # m
+SILENT, EVERY, LEAVES, SPEED = 3, 100, 1.5, 0.02  # samples, samples, s to the steady motion, m/s: that of the zigzag
+QUIET = 0.12  # s: from then on the estimate is within 10 um after the step of 4 mm, and a motion is known
+SMALL, PLACES = 2.5e-4, range(6, 54, 8)  # m: it demands 0.49 A of C, which has 0.57 A whatever the yaw; samples after
+RESPONSE = 0.25  # m by which x moves for each m by which a sample is wrong: 0.237 of the linear loop, and a twentieth
+LATCH = closed_loop.LOST + interface.BAD_SAMPLES  # samples
+Told = Callable[[str], None]
+Mask = NDArray[np.bool_]
+
+
+@cache
+def loops(libm: bool = False) -> Mapping[str, Loop]:
+    """Return the loops without and with calibration."""
+    source = calibration.calibrated()
+    return {
+        "plain": stage_loop.of_source(replace(source, map=None), libm=libm),
+        "calibrated": stage_loop.of_source(source, libm=libm),
+    }
+
+
+def run(told: Told) -> list[Experiment]:
+    """Run every experiment; `told` hears what comes next."""
+    told("calibration")
+    both = loops()
+    found: list[Experiment] = []
+    parts: tuple[tuple[str, Callable[[], list[Experiment]]], ...] = (
+        ("standstill", lambda: [standstill(both["calibrated"])]),
+        ("step of 4 mm", lambda: [step(both[name], name) for name in both]),
+        ("zigzag", lambda: zigzags(both)),
+        ("staircase", lambda: [staircase(both["calibrated"])]),
+        ("dropouts", lambda: [dropouts(both["calibrated"]), loss(both["calibrated"])]),
+        ("sources", lambda: [sources.experiment({**sources.others(), sources.PLACED: both["calibrated"]})]),
+    )
+    for name, part in parts:
+        told(name)
+        found += part()
+    return found
+
+
+def standstill(loop: Loop) -> Experiment:
+    """Return the noise at rest."""
+    run = loop.run(sources.REST, {}, {})
+    figures = sources.noise(run, 1.0)
+    bar = "a step that Fig. 12 shows"
+    checks = [
+        Check(f"noise of {a} as estimated", figures[f"{a} as estimated, um rms"] / 1e6, FINE, "m", bar) for a in "xy"
+    ]
+    return Experiment(
+        "rest",
+        "At rest",
+        f"{sources.REST:g} s, {sources.ABOUT}",
+        run,
+        HORIZONTAL,
+        {},
+        figures,
+        (*checks, *sources.usual(run)),
+    )
+
+
+def step(loop: Loop, name: str) -> Experiment:
+    """Return the step of 4 mm of Fig. 11, without a map ("plain") or with it."""
+    time = sample_times(SETTLE + AFTER, TIME.period_s)
+    wanted, last = np.where(time < SETTLE, 0.0, STEP), round(0.5 / TIME.period_s)
+    run, first = (
+        loop.run(SETTLE + AFTER, {"x": wanted}, {}),
+        slice(round(0.25 / TIME.period_s), round(SETTLE / TIME.period_s)),
+    )
+    moved = float(run["x"][-last:].mean() - run["x"][first].mean())
+    figures = {
+        "true motion, mm": 1e3 * moved,
+        "motion as estimated, mm": 1e3 * float(run["x_raw"][-last:].mean() - run["x_raw"][first].mean()),
+        "true x at the end, mm": 1e3 * float(run["x"][-last:].mean()),
+        "true y at the end, um": 1e6 * float(run["y"][-last:].mean()),
+        "true yaw at the end, mrad": 1e3 * float(run["phi"][-last:].mean()),
+    }
+    figures |= {"Fig. 11: true motion, mm": 1e3 * (STEP + (READ if name == "plain" else 0.0))}
+    figures |= _steps_anywhere(calibration.calibrated().map) if name == "plain" else {}
+    checks = [Check("error of the motion", abs(moved - STEP), ACCURACY if name == "plain" else CALIBRATED, "m")]
+    title = f"x by 4 mm, {'not calibrated, Fig. 11(a)' if name == 'plain' else 'calibrated, Fig. 11(b)'}"
+    shown = {"x": wanted}
+    return Experiment(
+        f"step_{name}", title, sources.ABOUT, run, ("x", "x_raw"), shown, figures, (*checks, *sources.usual(run))
+    )
+
+
+def _steps_anywhere(map: ErrorMap | None) -> dict[str, float]:
+    """Return how wrong a step of 4 mm along X comes out anywhere in the map, m of motion."""
+    assert map is not None
+    points, h = map.added[0], round(STEP / map.grid.spacing)
+    by = 1e3 * np.abs(points[h:] - points[:-h])
+    return {"a step of 4 mm anywhere errs by, mm rms": float(np.sqrt(np.mean(by**2))), "at most, mm": float(by.max())}
+
+
+def zigzags(both: Mapping[str, Loop]) -> list[Experiment]:
+    """Return the zigzag of Fig. 10 without calibration and with it, whose error has to be TIMES smaller."""
+    time, x, y = zigzag()
+    window = time > LEAD + 0.2
+    runs = {name: loop.run(float(time[-1]) + TIME.period_s, {"x": x, "y": y}, {}) for name, loop in both.items()}
+    late = stage_loop.lag(both["plain"].bench.chain, 2 * WIDE / LEG)
+    found, rms = [], {name: _astray(run, window)["x and y, um rms"] for name, run in runs.items()}
+    for name, run in runs.items():
+        figures = _astray(run, window) | {"of this the filters' lag, um": 1e6 * late, "Fig. 10(c): at most, mm": 1.4}
+        figures |= {f"yaw, {k}": v for k, v in _yaw(run, window).items()}
+        worst = max(figures[f"{a}, um at most"] for a in "xy") / 1e6
+        checks = [Check("true from shown position", worst, ACCURACY if name == "plain" else CALIBRATED + late, "m")]
+        if name == "calibrated":
+            checks.append(Check("error over that without calibration", rms[name] / rms["plain"], 1 / TIMES, "1", "rms"))
+        title = f"Zigzag, Fig. 10, {'not calibrated' if name == 'plain' else name}"
+        shown = {"x": x, "y": y}
+        found.append(
+            Experiment(
+                f"zigzag_{name}", title, sources.ABOUT, run, ("x", "y"), shown, figures, (*checks, *sources.usual(run))
+            )
+        )
+    return found
+
+
+def zigzag() -> tuple[Array, Array, Array]:
+    """Return times in s and set-points of x and y in m: legs along x, y rising on the way, from the origin."""
+    time = sample_times(LEAD + LEG * LEGS + 0.5, TIME.period_s)
+    corners = [0.0, LEAD, *(LEAD + LEG * k for k in range(1, LEGS + 1))]
+    x = np.interp(time, corners, [0.0, *(WIDE * (-1) ** (k + 1) for k in range(LEGS + 1))])
+    y = np.interp(time, [0.0, LEAD, corners[-1]], [0.0, -WIDE, WIDE])
+    return time, x, y
+
+
+def _astray(run: Trajectory, window: Mask) -> dict[str, float]:
+    """Return how far the true position is from that which the controller sees."""
+    off = {axis: 1e6 * (run[axis] - run[f"{axis}_raw"])[window] for axis in "xy"}
+    found = {f"{a}, um rms": float(np.sqrt(np.mean(v**2))) for a, v in off.items()}
+    found |= {f"{a}, um at most": float(np.abs(v).max()) for a, v in off.items()}
+    return found | {"x and y, um rms": float(np.sqrt(np.mean([v**2 for v in off.values()])))}
+
+
+def _yaw(run: Trajectory, window: Mask) -> dict[str, float]:
+    off = 1e3 * (run["phi"] - run["phi_raw"])[window]
+    return {"mrad rms": float(np.sqrt(np.mean(off**2))), "mrad at most": float(np.abs(off).max())}
+
+
+def staircase(loop: Loop) -> Experiment:
+    """Return steps of 10 um up, as Fig. 12 shows them in the estimate."""
+    time = sample_times(EACH * (COUNT + 1), TIME.period_s)
+    wanted = FINE * np.minimum(np.floor(time / EACH + 1e-9), COUNT)
+    run = loop.run(float(time[-1]) + TIME.period_s, {"x": wanted}, {})
+    ends = [round(EACH * (k + 1) / TIME.period_s) for k in range(COUNT + 1)]
+    spans = [slice(end - round(STEADY / TIME.period_s), end) for end in ends]
+    figures, checks = {}, []
+    for what, name in (("as estimated", "x_raw"), ("truly", "x")):
+        heights = np.diff([run[name][span].mean() for span in spans])
+        figures[f"mean step {what}, um"] = 1e6 * float(heights.mean())
+        figures[f"largest difference from 10 um {what}, um"] = 1e6 * float(np.abs(heights - FINE).max())
+        checks.append(Check(f"a step {what}", float(np.abs(heights - FINE).max()), FIFTH, "m", "from 10 um, of means"))
+    spread = max(float(np.std(run["x_raw"][span])) for span in spans)
+    figures["noise of the estimate on a step, um rms"] = 1e6 * spread
+    checks.append(Check("noise of the estimate", spread, RESOLUTION, "m", "below 10 um, Fig. 12"))
+    about = f"{COUNT} steps, {sources.ABOUT}"
+    shown = {"x": wanted}
+    return Experiment(
+        "staircase", "x by 10 um, Fig. 12", about, run, ("x_raw", "x"), shown, figures, (*checks, *sources.usual(run))
+    )
+
+
+@dataclass(frozen=True)
+class Stirred:
+    """By how much x differs for a dropout so many samples `after` a small step, and may differ, m."""
+
+    after: int
+    off: float
+    bar: float
+
+
+def dropouts(loop: Loop) -> Experiment:
+    """Return rest, a step of 4 mm, rest and a steady motion, with two sensors silent for SILENT samples of EVERY."""
+    duration = SETTLE + AFTER
+    time = sample_times(duration, TIME.period_s)
+    wanted, k = np.where(time < SETTLE, 0.0, STEP) + SPEED * np.maximum(time - LEAVES, 0.0), np.arange(len(time))
+    clean = loop.run(duration, {"x": wanted}, {})
+    run = loop.run(duration, {"x": wanted}, {}, overrides=_silent((k % EVERY < SILENT) & (k >= EVERY)))
+    off, stepping = np.abs(run["x"] - clean["x"]), (time >= SETTLE) & (time < SETTLE + QUIET)
+    found = {
+        "at rest": float(off[(time < LEAVES) & ~stepping].max()),
+        "in a steady motion": float(off[time >= LEAVES + QUIET].max()),
+    }
+    worst = max(_stirred(loop), key=lambda each: each.off / each.bar)
+    figures = {f"x differs {where} by, um": 1e6 * by for where, by in found.items()}
+    figures |= {
+        "during the step of 4 mm, by the noise of the yaw, um": 1e6 * float(off[stepping].max()),
+        "invalid samples": float(np.sum(run["valid"] == 0)),
+    }
+    about = f"{worst.after} samples after a step of {1e3 * SMALL:g} mm, without noise"
+    checks = (
+        *(Check(f"x differs {where}", by, STIRRED, "m", "from that without dropouts") for where, by in found.items()),
+        Check("x differs in a step", worst.off, worst.bar, "m", about),
+        Check("latched", float(np.count_nonzero(run.faults >> np.uint32(31))), 0.0, "1"),
+    )
+    title = "Two sensors silent for three samples, again and again"
+    return Experiment("dropouts", title, sources.ABOUT, run, ("x", "x_raw"), {"x": wanted}, figures, checks)
+
+
+def _silent(gone: Mask) -> dict[str, Override]:
+    """Return no voltages of sensors a and b where they are gone (N,)."""
+    return {n: Override(gone, np.full(len(gone), np.nan)) for n in planar_stage.HALL if n[2] in "ab"}
+
+
+def _stirred(loop: Loop) -> list[Stirred]:
+    """Return what a dropout at each of PLACES does to a small step without noise."""
+    still, duration = replace(loop, noisy=False), 1.5 * SETTLE
+    time, found = sample_times(duration, TIME.period_s), []
+    wanted, k = np.where(time < SETTLE, 0.0, SMALL), np.arange(len(time))
+    clean = still.run(duration, {"x": wanted}, {})
+    errs = _held(np.asarray(clean["x_raw"], np.float64))
+    for after in PLACES:
+        at = round(SETTLE / TIME.period_s) + after
+        run = still.run(duration, {"x": wanted}, {}, overrides=_silent((k >= at) & (k < at + SILENT)))
+        found.append(Stirred(after, float(np.abs(run["x"] - clean["x"]).max()), RESPONSE * float(errs[at])))
+    return found
+
+
+def _held(raw: Array) -> Array:
+    """Return what SILENT positions from each sample on err by in all if they are held as `closed_loop` says, m."""
+    at, motion, ahead, found = raw[0], 0.0, np.arange(1, SILENT + 1), []
+    for k in range(len(raw) - SILENT + 1):
+        found.append(float(np.abs(at + motion * ahead - raw[k : k + SILENT]).sum()))
+        at, motion = raw[k], motion + closed_loop.FOLLOW * (raw[k] - at - motion)
+    return np.array(found)
+
+
+def loss(loop: Loop) -> Experiment:
+    """Return a standstill in which every voltage falls to 0: the estimate is not valid, and the currents go."""
+    duration, at = 1.0, 0.5
+    k = np.arange(len(sample_times(duration, TIME.period_s)))
+    gone = k * TIME.period_s >= at
+    run = loop.run(duration, {}, {}, overrides={n: Override(gone, np.zeros(len(k))) for n in planar_stage.HALL})
+    first = int(np.argmax(gone))
+    latched = run.faults >> np.uint32(31) == 1
+    after = float(np.argmax(latched) - first) if latched.any() else float("inf")
+    currents = max(float(np.abs(run.commands[name][-1])) for name in names(planar_stage.INPUTS))
+    figures = {"samples to the latch": after, "x at the end, um": 1e6 * float(run["x"][-1])}
+    checks = (
+        Check("samples to the latch", after, float(LATCH), "1"),
+        Check("largest current at the end", currents, 0.0, "A"),
+    )
+    return Experiment("loss", "Every Hall voltage falls to 0", sources.ABOUT, run, ("x", "y"), {}, figures, checks)

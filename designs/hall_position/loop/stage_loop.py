@@ -1,0 +1,135 @@
+"""The simulated planar stage over the truth field, its loop closed by the estimate or by the stage's own sections.
+
+    pose --> truth field --> 200 Hz filter --> + 1 mV --> 16 bits over +-5 V --> controller --> z^-delay --> currents
+        '--> laser distances + noise --> 16 bits ------------------'
+
+Both sources drive the same regulators, those of planar_6dof_lqg, as compiled C in single precision. The sections are
+calibrated for an amplitude of the field that is not this one's: their sensors' gain is matched to it, as a bench would.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from designs.hall_position.loop import calibration, closed_loop
+from designs.hall_position.loop.calibration import Bench
+from designs.hall_position.loop.closed_loop import Source
+from designs.planar_6dof import interface, lqg
+from designs.planar_6dof import loop as planar
+from models import built_matrix, hall_calibration, hall_chain, planar_stage
+from models.hall_chain import Chain
+from synth.block import Block
+from synth.blocks import safety
+from synth.compose import compose
+from synth.emit import write
+from synth.emit.write import Emitted
+from synth.execute import host
+from synth.plant import Plant
+from synth.simulate import closed_loop as simulation
+from synth.simulate.scenario import Scenario, Trajectory, sample_times
+from synth.simulate.sensors import Encoder
+from synth.statespace import Array
+
+TIME = lqg.TIME
+RAW = {axis: f"{axis}_raw" for axis in closed_loop.HORIZONTAL}
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """A plant whose Hall sensors are at the bench's places, under a controller; `view` is its way to the raw position.
+
+    The voltages are those of the bench times `matched`. `noisy` False is without noise and converters; `seed` draws it.
+    """
+
+    bench: Bench
+    plant: Plant
+    block: Block
+    emitted: Emitted
+    controller: host.Controller
+    view: host.Controller
+    matched: float = 1.0
+    noisy: bool = True
+    seed: int = 0
+    delay: int = 1
+
+    def run(
+        self, duration_s: float, references: Mapping[str, ArrayLike], start: Mapping[str, float], **options: Any
+    ) -> Trajectory:
+        """Simulate from rest at `start` by axis (m, rad), set-points staying there unless given by axis.
+
+        The raw position that the controller sees is added to the outputs, as x_raw, y_raw and phi_raw.
+        """
+        rest = {f"{axis}_ref": start.get(axis, 0.0) for axis in planar_stage.AXES}
+        scenario = Scenario(
+            duration_s,
+            {**start, **self._filtered(start)},
+            planar.SENSORS,
+            planar.ACTUATORS,
+            references=rest | {f"{axis}_ref": values for axis, values in references.items()},
+            encoders=self._converters() if self.noisy else {},
+            noise=self._noise(len(sample_times(duration_s, TIME.period_s))) if self.noisy else {},
+            delay=self.delay,
+            substeps=planar.SUBSTEPS,
+            **options,
+        )
+        found = simulation.simulate(self.plant, self.controller, scenario)
+        shown = self.view.replay(found.measured).outputs
+        seen = {name: np.asarray(values, np.float64) for name, values in shown.items()}
+        return replace(found, outputs={**found.outputs, **seen})
+
+    def _filtered(self, start: Mapping[str, float]) -> dict[str, float]:
+        """Return what the filters hold when the platen has been at rest, V."""
+        pose = np.array([[start.get(axis, 0.0) for axis in closed_loop.HORIZONTAL]])
+        volts = self.matched * calibration.settled(self.bench, pose)[0]
+        return {f"filtered_{n}": float(v) for n, v in zip(planar_stage.HALL, volts, strict=True)}
+
+    def _converters(self) -> dict[str, Encoder]:
+        step = {name: Encoder(self.bench.chain.step) for name in planar_stage.HALL}
+        return planar.resolutions() | step
+
+    def _noise(self, n: int) -> dict[str, Array]:
+        volts = hall_chain.noise(self.bench.chain, TIME, (len(planar_stage.HALL), n), self.seed)
+        drawn = np.random.default_rng(self.seed + 1).standard_normal((len(planar_stage.LASERS), n))
+        found = dict(zip(planar_stage.HALL, volts, strict=True))
+        return found | dict(zip(planar_stage.LASERS, planar.LASER_NOISE * drawn, strict=True))
+
+
+def of_source(source: Source, bench: Bench | None = None, libm: bool = False) -> Loop:
+    """Return the loop that a source closes; with `libm` the C takes its sines from the library, which emits sooner."""
+    bench = bench or Bench(places=source.array.positions)
+    plant = planar_stage.plant()
+    block = closed_loop.controller(lqg.NAME, plant, TIME, lqg.law(plant), source)
+    return _loop(bench, block, view(source), 1.0, closed_loop.SURROGATE_ERROR[np.float32], libm)
+
+
+def of_sections(bench: Bench | None = None, libm: bool = False) -> Loop:
+    """Return the loop that the sections of the stage's own sensors close."""
+    plant = planar_stage.plant()
+    bench = bench or Bench(places=closed_loop.stage_places(plant))
+    amplitude = calibration.array(bench, calibration.fits(bench)).alpha
+    matched = hall_calibration.of(plant).amplitude / amplitude
+    shown = planar.view(TIME, predicted=False)
+    return _loop(bench, lqg.controller(plant), shown, matched, interface.SURROGATE_ERROR[np.float32], libm)
+
+
+def view(source: Source) -> Block:
+    """Return the way from voltages to the raw position, with the estimate before its map and its flags."""
+    guard = safety.guard(TIME, interface.INPUTS, interface.BAD_SAMPLES, suspected=planar_stage.HALL)
+    outputs = [*RAW.values(), "X", "Y", "yaw", "valid", "residual"]
+    parts = [guard, *closed_loop.sensed(source, TIME)]
+    return compose("hall_view", parts, inputs=[g.signal.name for g in interface.INPUTS], outputs=outputs)
+
+
+def _loop(bench: Bench, block: Block, shown: Block, matched: float, error: float, libm: bool) -> Loop:
+    plant = built_matrix.plant(bench.places, bench.true, bench.chain, matched * bench.chain.gain)
+    emitted, seen = (write.emit(each, np.float32, libm=libm, error=error) for each in (block, shown))
+    controller, way = (host.load(each.files, each.manifest) for each in (emitted, seen))
+    return Loop(bench, plant, block, emitted, controller, way, matched)
+
+
+def lag(chain: Chain, speed: float) -> float:
+    """Return by how much the filters make a position late at a speed in m/s, m."""
+    return speed / (2 * np.pi * chain.corner)

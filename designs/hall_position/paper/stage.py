@@ -1,0 +1,134 @@
+"""What the audit's rows are computed of: the matrix as printed, sensors, their chain, and model (2) above it.
+
+    alpha_n = s A_n(z),    A_n the amplitude of sin(n w X) in B_X above the blocks that were made, s in V/T.
+
+Sensors are at +-(3/8, 3/8) l about the body's origin: the paper gives the spacing (3) only, whose first is (3/4) l.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from designs.hall_position.accuracy import fisher, layouts
+from designs.hall_position.accuracy.layouts import PUBLISHED
+from designs.hall_position.glsdc import parameters
+from designs.hall_position.glsdc.parameters import Pair
+from models import concentrated_field, finite_matrix, hall_array
+from models.concentrated_field import STRONG, WEAK, Cell, Order, Wave
+from models.hall_chain import Chain
+
+Array = NDArray[np.float64]
+
+UM, MM, MV = 1e-6, 1e-3, 1e-3
+FIELD = ("strong", "weak")  # what the field follows from
+NOISE = (*FIELD, "sensitivity", "noise")  # and the deviations
+TOLERANCE = 1e-3  # relative, of proofs at one yaw
+KEPT = 8  # results of each kind, for those that are asked for more than once
+POINTS = 240  # of a map, along a pitch
+PER_PITCH = 40  # points of a scan, so that sensors of (3/8) l stand on points
+NUMBERS = (1, 5)  # of model (2)
+
+
+@dataclass(frozen=True)
+class Stage:
+    """Remanences in T, where sensors are in pitches, their height above the matrix in m, and what follows them."""
+
+    strong: float = STRONG
+    weak: float = WEAK
+    places: tuple[Pair, ...] = PUBLISHED
+    height: float = hall_array.HEIGHT
+    chain: Chain = field(default_factory=Chain)
+
+    @cached_property
+    def pitch(self) -> float:
+        """The pitch l in m."""
+        return float(concentrated_field.values()["l"])
+
+    @cached_property
+    def pair(self) -> parameters.Array:
+        """The first two sensors and model (2)."""
+        return self.array(self.places[:2])
+
+    @cached_property
+    def three(self) -> parameters.Array:
+        """All sensors and model (2)."""
+        return self.array(self.places)
+
+    @property
+    def truth(self) -> "Truth":
+        """What is read above six pitches of the blocks that were made."""
+        return truth(self.strong, self.weak, self.height, self.chain.gain)
+
+    def array(self, places: Sequence[Pair]) -> parameters.Array:
+        """Return model (2) for sensors at places in pitches."""
+        alpha, beta = (self.chain.gain * self.amplitudes(NUMBERS)[k] for k in (0, 1))
+        two = ((0.0, 0.0), (self.pitch, 0.0))
+        model = parameters.Array(two, 0.0, float(alpha), float(beta), self.pitch, self.chain.noise)
+        return layouts.placed(model, tuple(places))
+
+    def waves(self, orders: Sequence[Order], ideal: bool = False) -> tuple[Wave, ...]:
+        """Return waves above the blocks that were made, or above `ideal` ones."""
+        return concentrated_field.waves(self._cell(ideal), orders, concentrated_field.values())
+
+    def amplitudes(self, numbers: Sequence[int], z: float | None = None, ideal: bool = False) -> Array:
+        """Return A_n in T of sin(n w X) in B_X, z in m above the matrix, at the sensors' height unless given."""
+        at = self.height if z is None else z
+        found = {w.order: w for w in self.waves([(n, 0) for n in numbers], ideal)}
+        sizes = {n: concentrated_field.amplitude(found[n, 0], at) for n in numbers if (n, 0) in found}
+        return np.array([float(sizes.get(n, 0.0)) for n in numbers])
+
+    def cross(self, z: float) -> float:
+        """Return the amplitude in T of sin(w (2 X + Y)) in B_X."""
+        return float(concentrated_field.amplitude(self.waves([(2, 1)])[0], z))
+
+    def _cell(self, ideal: bool) -> Cell:
+        return concentrated_field.ideal(self.strong) if ideal else concentrated_field.fabricated(self.strong, self.weak)
+
+
+@dataclass(frozen=True, eq=False)
+class Truth:
+    """What sensors read above a matrix of six pitches, in V: (n, n) of B_X over X and over Y, about a pitch.
+
+    Places are multiples of `spacing`, m, the body's origin from 0 up to `count` of them. B_Y is the transpose.
+    """
+
+    spacing: float
+    count: int
+    first: int
+    B_X: Array
+
+    def at(self, i: NDArray[np.int_], j: NDArray[np.int_]) -> Array:
+        """Return B_X and B_Y (2, ..) at the points i along X and j along Y."""
+        return np.array([self.B_X[i + self.first, j + self.first], self.B_X[j + self.first, i + self.first]])
+
+
+def grid(of: parameters.Array, points: int) -> Array:
+    """Return poses (3, points^2) in the middles of squares over the pitch, m, at yaw 0."""
+    return np.array(layouts.poses(of.pitch, points, shift=0.5))
+
+
+@lru_cache(KEPT)
+def truth(strong: float, weak: float, height: float, gain: float) -> Truth:
+    """Return what is read in the pitch ahead of the middle of the matrix of six pitches."""
+    reach = 1.5 * finite_matrix.VALUES["l"]
+    series = finite_matrix.series(finite_matrix.blocks(strong, weak), PER_PITCH // 2)
+    flux = series.summed(finite_matrix.flux_density(series, height)[0], reach)
+    flux.flags.writeable = False
+    return Truth(series.spacing, PER_PITCH, len(series.grid(reach)) // 2, gain * flux)
+
+
+def known_yaw(of: parameters.Array, points: int = 4096) -> Array:
+    """Return the deviation of X in m of sensors without yaw or yaw error, over a pitch (points,)."""
+    q = np.zeros((3, points))
+    q[0] = 2 * np.pi * np.arange(points) / points
+    slopes = fisher.rows(of, q).g[0]
+    return np.asarray(of.deviation / of.wave_number / np.sqrt((slopes**2).sum(axis=0)))
+
+
+@lru_cache(KEPT)
+def worst(of: parameters.Array, low: float, high: float, tolerance: float) -> fisher.Worst:
+    """Return the largest deviations over the pitch and yaws in rad, with their bounds, as `fisher.worst`."""
+    return fisher.worst(of, (low, high), tolerance)

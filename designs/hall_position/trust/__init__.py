@@ -1,0 +1,1 @@
+"""Ensembles of bodies through the compiled C: starts, motions, failing sensors."""

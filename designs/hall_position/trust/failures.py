@@ -1,0 +1,180 @@
+"""What becomes of the estimate when a sensor fails: dead, saturated, no number, or stuck, at rest and in motion.
+
+    dead         both voltages of a sensor are 0 V            one axis     one of them is
+    saturated    one is at the end of the converter           no number    one is NaN
+    stuck        one stays as it was                       weak           both are a tenth smaller
+    none         with which others are compared
+
+A failure is flagged by a sample that is not valid, by a sensor that is left out, or by a fault bit: at once where the
+residual exceeds its bound, as that is astray. Where the voltages hardly change by a failure, or agree with a place near
+by, nothing is flagged: the estimate is off then by what residuals up to the bound allow, `Tuning.residual` over the
+least slope. A sensor that is stuck while the body rests shows nothing, and does no harm before it moves.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from designs.hall_position.glsdc import estimator
+from designs.hall_position.trust import endurance, fleet
+from designs.hall_position.trust.endurance import Limits
+from designs.hall_position.trust.fleet import Kind
+from designs.hall_position.trust.motions import Numbers, Pose
+from synth import numeric, show
+from synth.errors import ModelError
+from synth.statespace import readonly
+
+SOON = 5  # samples within which a residual out of its bound is to be flagged
+BEFORE, AFTER = 20, 40  # samples
+WEAK = 0.9
+Failing = Callable[[Numbers, Numbers], Numbers]  # a sensor's voltages (N, 2), and those before: what is read
+
+
+def _one(value: Numbers | float, volts: Numbers) -> Numbers:
+    return np.column_stack([np.broadcast_to(value, len(volts)), volts[:, 1]])
+
+
+FAILURES: MappingProxyType[str, Failing] = MappingProxyType(
+    {
+        "none": lambda now, before: now,
+        "dead": lambda now, before: 0 * now,
+        "one axis": lambda now, before: _one(0.0, now),
+        "saturated": lambda now, before: _one(np.where(now[:, 0] < 0, -estimator.SPAN, estimator.SPAN), now),
+        "no number": lambda now, before: _one(np.nan, now),
+        "weak": lambda now, before: WEAK * now,
+        "stuck": lambda now, before: _one(before[:, 0], now),
+    }
+)
+
+
+@show.printed
+@dataclass(frozen=True, repr=False)
+class Outcome:
+    """Of bodies with a failed sensor the shares whose residual was `out` of bound, `flagged`, `named` and `lost`.
+
+    `late`: samples from the residual out of bound to the flag, at most, AFTER where it never came. `valid`: share of
+    the estimates at the end. `error`: root mean square of the valid ones in deviations; `worst`: the largest, m.
+    `away`: share of the bodies that were ever valid further off than 10 deviations.
+    """
+
+    out: float
+    flagged: float
+    named: float
+    lost: float
+    late: int
+    valid: float
+    error: float
+    worst: float
+    away: float
+
+    def sheet(self) -> show.Sheet:
+        """Return a row."""
+        shares = [100 * v for v in (self.out, self.flagged, self.named, self.lost, self.valid, self.away)]
+        row = np.array([[*shares, self.late, self.error, 1e6 * self.worst]])
+        names = ("out [%]", "flagged [%]", "named [%]", "lost [%]", "valid [%]", "away [%]")
+        columns = (*names, "late", "error", "worst [um]")
+        return show.Sheet("A sensor fails", tables=(show.matrix("failure", row, ("",), columns),))
+
+
+@dataclass(frozen=True, eq=False)
+class Unseen:
+    """Over X and Y (n,) in m, at rest: 1 where a failure is not flagged (n, n), and by how much it errs there, m."""
+
+    X: Numbers
+    Y: Numbers
+    unseen: Numbers
+    error: Numbers
+
+
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """Over the samples (AFTER, N) from the failure on."""
+
+    out: Numbers
+    flagged: Numbers
+    judged: list[fleet.Judged]
+    state: Numbers
+
+
+def tried(kind: Kind, failure: str, sensor: int, bodies: int, within: Limits | None, seed: int = 0) -> Outcome:
+    """Let a sensor, numbered from 1, of bodies fail that move within a limit, or rest anywhere in the pitch.
+
+    Raises ModelError for an unknown failure, a sensor that is not there, or no body.
+    """
+    rng = np.random.default_rng(seed)
+    if within:
+        at = endurance.motion(kind, bodies, within, rng)
+    else:
+        at = _resting(fleet.anywhere(kind, bodies, endurance.YAW, rng))
+    return _outcome(kind, _run(kind, failure, sensor, at, rng), sensor)
+
+
+def unseen(kind: Kind, failure: str, sensor: int, points: int, yaw: float = 0.0, seed: int = 0) -> Unseen:
+    """Return where the failure of a sensor of bodies at rest is not flagged.
+
+    Raises ModelError for an unknown failure, a sensor that is not there, or no point.
+    """
+    points, yaw = numeric.whole("the number of points", points), numeric.number("the yaw", yaw)
+    along = kind.array.pitch * np.arange(points) / points
+    X, Y = (v.ravel() for v in np.meshgrid(along, along, indexing="ij"))
+    seen = _run(kind, failure, sensor, _resting(Pose(X, Y, np.full(X.size, yaw))), np.random.default_rng(seed))
+    hidden = ~seen.flagged[: SOON + 1].any(axis=0)
+    error = np.where(hidden, seen.judged[SOON].off, 0.0)
+    shape = (points, points)
+    return Unseen(readonly(along), readonly(along), readonly(hidden.reshape(shape)), readonly(error.reshape(shape)))
+
+
+def _resting(pose: Pose) -> Callable[[float], Pose]:
+    return lambda t: pose
+
+
+def _check(kind: Kind, failure: str, sensor: int) -> None:
+    if failure not in tuple(FAILURES):
+        raise ModelError(f"'{failure}' is no failure that is known: give one of {', '.join(FAILURES)}")
+    numeric.whole("the number of the sensor that fails", sensor, 1, len(kind.array.positions))
+
+
+def _run(kind: Kind, failure: str, sensor: int, at: Callable[[float], Pose], rng: np.random.Generator) -> _Seen:
+    _check(kind, failure, sensor)
+    T, fails = kind.time.period_s, FAILURES[failure]
+    state, held = fleet.placed(kind, at(-T), at(-2 * T)), np.zeros(0)
+    out, flagged, judged = [], [], []
+    for i in range(BEFORE + AFTER):
+        pose = at(i * T)
+        volts = fleet.voltages(kind, pose, rng)
+        if i < BEFORE:
+            held = volts[:, sensor - 1].copy()
+        else:
+            volts[:, sensor - 1] = fails(volts[:, sensor - 1], held)
+        batch = fleet.stepped(kind, state, volts)
+        state = batch.states
+        if i >= BEFORE:
+            out.append(batch.outputs["residual"] > kind.tuning.residual)
+            left_out = batch.outputs.get("without", np.zeros(len(state))) > 0
+            flagged.append((batch.outputs["valid"] == 0) | left_out | (batch.faults > 0))
+            judged.append(fleet.judged(kind, batch.outputs, pose))
+    return _Seen(np.array(out), np.array(flagged), judged, state)
+
+
+def _outcome(kind: Kind, seen: _Seen, sensor: int) -> Outcome:
+    out, flag = (np.where(v.any(axis=0), v.argmax(axis=0), AFTER) for v in (seen.out, seen.flagged))
+    exceeded = out < AFTER
+    valid = np.array([j.valid for j in seen.judged])
+    share = np.array([j.deviations.max(axis=0) for j in seen.judged])
+    rms = np.array([np.sqrt((j.deviations**2).mean(axis=0)) for j in seen.judged])
+    off = np.array([j.off for j in seen.judged])
+    names = seen.state.dtype.names or ()
+    without = seen.state["estimator_without"] if "estimator_without" in names else np.zeros(out.size)
+    return Outcome(
+        out=float(exceeded.mean()),
+        flagged=float((flag < AFTER).mean()),
+        named=float((without == sensor).mean()),
+        lost=float((seen.state["estimator_restarted"] > 0).mean()),
+        late=int((flag - out)[exceeded].max(initial=0)),
+        valid=float(valid[-1].mean()),
+        error=float(np.sqrt((rms[valid] ** 2).mean())) if valid.any() else 0.0,
+        worst=float(off[valid].max(initial=0)),
+        away=float((valid & (share > fleet.WRONG)).any(axis=0).mean()),
+    )

@@ -1,0 +1,130 @@
+"""Many bodies at once through the compiled C of the guarded estimator, on voltages by model (2) with noise.
+
+What is found counts as wrong where it is valid and X, Y or the yaw is off by more than WRONG of its own deviations. A
+position is compared within the pitch, which is all that a search tells.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from designs.hall_position.glsdc import estimator
+from designs.hall_position.glsdc.parameters import Array, Tuning
+from designs.hall_position.trust import motions
+from designs.hall_position.trust.motions import Numbers, Pose
+from synth import numeric, timing
+from synth.emit import write
+from synth.errors import ModelError
+from synth.execute import host
+from synth.timing import Discrete
+
+TIME = Discrete(1 / 800)
+USUAL = Tuning()
+WRONG = 10.0  # deviations: noise alone exceeds 6 in 2e-9 of samples, and corrections end within a tenth of one
+FULL = 2 * pi
+
+
+@dataclass(frozen=True)
+class Kind:
+    """Sensors, how they are estimated from, and the period.
+
+    Raises TimingError for a time without a period.
+    """
+
+    array: Array
+    tuning: Tuning = USUAL
+    time: Discrete = TIME
+
+    def __post_init__(self) -> None:
+        timing.period(self.time)
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """By body: whether the estimate is valid, how far off in m within the pitch, and whether it is `wrong`."""
+
+    valid: NDArray[np.bool_]
+    off: Numbers
+    deviations: Numbers
+    wrong: NDArray[np.bool_]
+
+
+@cache
+def compiled(kind: Kind) -> host.Controller:
+    """Return the estimator's C in single precision, compiled."""
+    block = estimator.guarded(kind.array, kind.time, kind.tuning)
+    made = write.emit(block, np.float32, error=estimator.SURROGATE_ERROR[np.float32])
+    return host.load(made.files, made.manifest)
+
+
+def anywhere(kind: Kind, n: int, yaw: float, rng: np.random.Generator) -> Pose:
+    """Draw n poses over the pitch, at yaws in rad of up to `yaw` to either side.
+
+    Raises ModelError unless n is a whole number above 0 and the yaw one of at least 0.
+    """
+    n = numeric.whole("the number of bodies", n)
+    if numeric.number("the yaw", yaw) < 0:
+        raise ModelError(f"the yaw is {yaw} rad: give how far it goes to either side, at least 0")
+    X, Y = rng.uniform(0, kind.array.pitch, (2, n))
+    return Pose(X, Y, rng.uniform(-yaw, yaw, n))
+
+
+def unplaced(kind: Kind, n: int) -> host.Records:
+    """Return the states of n bodies after `init`."""
+    return np.repeat(compiled(kind).init()[np.newaxis], n)
+
+
+def placed(kind: Kind, pose: Pose, before: Pose | None = None, certain: bool = True) -> host.Records:
+    """Return the states of bodies that are at poses (N,), and were at others a sample before, or at rest.
+
+    Where that is not certain a yaw about 0 is assumed, as after `init`.
+    """
+    state = unplaced(kind, len(pose.X))
+    w, pitch = kind.array.wave_number, kind.array.pitch
+    now, last = _centre(kind.array, pose), _centre(kind.array, before or pose)
+    for axis, at, past in zip("xy", now, last, strict=True):
+        turns = np.round(at / pitch)
+        state[f"estimator_phase_{axis}"], state[f"estimator_pitch_{axis}"] = w * (at - turns * pitch), turns
+        if kind.tuning.follow:
+            state[f"estimator_motion_{axis}"] = w * (at - past)
+    if kind.tuning.follow and before:
+        state["estimator_motion_yaw"] = pose.yaw - before.yaw
+    state["estimator_yaw"], state["estimator_searching"] = wrapped(pose.yaw), 0
+    if certain:
+        state["estimator_yaw_known"] = wrapped(pose.yaw)
+        state["estimator_certain"] = state["estimator_placed"] = 1
+    return state
+
+
+def _centre(array: Array, pose: Pose) -> tuple[Numbers, Numbers]:
+    (x, y), c, s = array.centre, np.cos(pose.yaw), np.sin(pose.yaw)
+    return pose.X + c * x - s * y, pose.Y + s * x + c * y
+
+
+def wrapped(angle: Numbers) -> Numbers:
+    """Return angles within half a turn."""
+    return (angle + pi) % FULL - pi
+
+
+def voltages(kind: Kind, pose: Pose, rng: np.random.Generator) -> Numbers:
+    """Return what the sensors of bodies (N,) read, with noise, (N, sensors, 2), V."""
+    read = motions.volts(kind.array, pose)
+    return read + kind.array.deviation * rng.standard_normal(read.shape)
+
+
+def stepped(kind: Kind, state: host.Records, volts: Numbers) -> host.Batch:
+    """Advance bodies (N,) by a sample on voltages (N, sensors, 2)."""
+    return compiled(kind).batch(state, motions.named(volts))
+
+
+def judged(kind: Kind, found: Mapping[str, Numbers], pose: Pose) -> Judged:
+    """Judge outputs (N,) by where the bodies are."""
+    pitch, valid = kind.array.pitch, found["valid"] > 0
+    along = [(found[a] - getattr(pose, a) + pitch / 2) % pitch - pitch / 2 for a in "XY"]
+    errors = np.array([*along, wrapped(found["yaw"] - pose.yaw)])
+    share = np.abs(errors) / np.array([found[f"deviation_{a}"] for a in ("X", "Y", "yaw")])
+    return Judged(valid, np.hypot(*along), share, valid & (share.max(axis=0) > WRONG))

@@ -1,0 +1,150 @@
+"""All isolated zeros of n periodic equations in n unknowns, each proved to be one: Krawczyk's test in ball arithmetic.
+
+    f(p) = 0,    p in [0, 2 pi)^n,    f of period 2 pi in each unknown
+
+as det H(p) = 0 of a measurement that loses rank. Cells in which a bound on its slope keeps an equation from 0 are left
+out, the others cut in two along each side. Newton's method leads from those that stay to zeros, and Krawczyk's test
+shows for each that a cube about it holds one zero and no other; the cells that stayed must all lie in such cubes.
+Zeros are found to `precise.BITS`, so that what is rounded from them is the same on every machine.
+
+Source: Krawczyk, "Newton-Algorithmen zur Bestimmung von Nullstellen mit Fehlerschranken", Computing 4 (1969).
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import product
+from math import ceil, pi
+
+import flint
+import numpy as np
+from numpy.typing import NDArray
+
+from synth.analyse import precise
+from synth.errors import ModelError
+from synth.statespace import Array
+
+Ball = flint.arb
+Place = tuple[Ball, ...]
+
+CELLS = 64  # along a turn, at first
+CUTS = 24
+FIRST = 3  # cuts before Newton's method is tried
+STARTS = 400  # of Newton's method at a cut
+CUBES = (0.05, 0.02, 0.01, 0.005, 0.002)  # rad, half their sides, tried in turn
+INSIDE = 1 - 1e-9  # of a cube: how far cells may come to its sides
+STEPS = 12  # of Newton's method: each doubles the digits
+SAME = 1e-7  # rad, between two ends of Newton's method that are one zero
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Equations in n unknowns: `values` (n, 1) and `slopes` (n, n) at balls, and which cells may hold a zero.
+
+    `possible` takes middles (n, N) and half a side in rad, and returns (N,).
+    """
+
+    n: int
+    values: Callable[[Sequence[Ball]], flint.arb_mat]
+    slopes: Callable[[Sequence[Ball]], flint.arb_mat]
+    possible: Callable[[Array, float], NDArray[np.bool_]]
+
+
+@dataclass(frozen=True, eq=False)
+class Cube:
+    """A cube of half a side `half`, rad, about `at`, that holds one zero and no other."""
+
+    at: Place
+    half: float
+
+
+def search(of: Equations) -> list[Cube]:
+    """Return a cube about each zero; cells are cut until none is left beside these. Call it in `precise.precision`.
+
+    Raises ModelError where CUTS do not do, as zeros meet or lie on a line.
+    """
+    half = pi / CELLS
+    cells = grid(of.n)
+    cubes: list[Cube] = []
+    for cut in range(CUTS):
+        cells = cells[:, of.possible(cells, half)]
+        if cut >= FIRST:
+            cells = _outside(cubes, cells, half)
+            cubes += _new(of, cubes, cells)
+            cells = _outside(cubes, cells, half)
+        if not cells.size:
+            return cubes
+        half /= 2
+        cells = np.hstack([cells + half * np.array(corner)[:, None] for corner in product((-1, 1), repeat=of.n)])
+    raise ModelError(f"{_near(cells[:, 0])} zeros meet or lie on a line: change the equations slightly")
+
+
+def grid(n: int) -> Array:
+    """Return the middles (n, CELLS^n) of the cells at first."""
+    along = 2 * pi / CELLS * (np.arange(CELLS) + 0.5)
+    return np.array([each.ravel() for each in np.meshgrid(*[along] * n, indexing="ij")])
+
+
+def within_turn(phase: Ball) -> Ball:
+    """Return a phase from 0 up to a turn; 0 for one that is whole turns to the precision kept."""
+    turns = (phase / (2 * Ball.pi())).mid()
+    nearest = (turns + 0.5).floor().mid()
+    if abs(turns - nearest) < precise.ZERO:
+        return Ball(0)
+    return (turns - turns.floor().mid()) * 2 * Ball.pi()
+
+
+def _new(of: Equations, known: list[Cube], cells: Array) -> list[Cube]:
+    """Return a cube about each further zero to which Newton's method leads from the cells (n, N)."""
+    cubes: list[Cube] = []
+    for start in cells.T[:: ceil(cells.shape[1] / STARTS) or 1]:
+        end = newton(of, start)
+        if end is not None and all(_distance(end, c.at) > SAME for c in (*known, *cubes)):
+            cubes.append(_certified(of, end))
+    return cubes
+
+
+def newton(of: Equations, start: Array) -> Place | None:
+    """Return where Newton's method leads from a place (n,), None where it does not converge."""
+    at = tuple(Ball(float(v)) for v in start)
+    for _ in range(STEPS):
+        try:
+            step = of.slopes(at).mid().solve(of.values(at).mid()).entries()
+        except ZeroDivisionError:  # a singular matrix
+            return None
+        at = tuple((v - d).mid() for v, d in zip(at, step, strict=True))
+    return at if max(abs(float(v)) for v in step) < 1e-60 else None
+
+
+def _certified(of: Equations, at: Place) -> Cube:
+    """Return the largest of CUBES about a zero that is shown to hold it alone."""
+    n = of.n
+    inverse = precise.middle(of.slopes(at).inv())
+    moved = inverse * of.values(at)
+    for half in CUBES:
+        box = [v + Ball(0, half) for v in at]
+        left = flint.arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)]) - inverse * of.slopes(box)
+        reach = [abs(moved[i, 0]) + sum((abs(left[i, j]) for j in range(n)), Ball(0)) * half for i in range(n)]
+        if all(r < half for r in reach):
+            return Cube(at, half)
+    raise ModelError(f"{_near([float(v) for v in at])} two zeros meet or lie on a line: change the equations slightly")
+
+
+def _outside(cubes: list[Cube], cells: Array, half: float) -> Array:
+    """Return the cells (n, N) that lie in none of the cubes."""
+    inside = np.zeros(cells.shape[1], dtype=bool)
+    for cube in cubes:
+        off = _within_half_turn(cells - np.array([[float(v)] for v in cube.at]))
+        inside |= np.abs(off).max(axis=0) + half < cube.half * INSIDE
+    return cells[:, ~inside]
+
+
+def _distance(a: Place, b: Place) -> float:
+    return float(np.abs(_within_half_turn(np.array([float(u - v) for u, v in zip(a, b, strict=True)]))).max())
+
+
+def _within_half_turn(phase: Array) -> Array:
+    return (phase + pi) % (2 * pi) - pi
+
+
+def _near(phases: Sequence[float] | Array) -> str:
+    return "near the phases " + ", ".join(f"{v:.4f}" for v in phases) + " rad"

@@ -1,0 +1,111 @@
+"""Sensor placement: coordinates x of sensors in a square so that the worst of a cost over all places is least.
+
+    minimise over |x_i| <= reach   cost(x),   x_i multiples of 1/grid
+
+First differential evolution of a `coarse` cost (`scipy.optimize.differential_evolution`), then steps in drawn
+directions of a `fine` one, each length in turn. Draws are seeded, yet another machine's sines may lead a search
+elsewhere: write down what was found as decimals, and prove it by `worst_deviation`.
+
+Library: a search of minutes, whose result designs keep as numbers.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import differential_evolution
+
+from synth import arguments, kinds
+from synth.errors import ModelError
+from synth.statespace import Array, readonly
+
+MOST = 100_000  # tries, generations, population, coordinates
+STEPS = (32, 16, 8, 4, 2, 1)  # of 1/grid
+
+Cost = Callable[[Array], float]
+
+
+@arguments.checked
+@dataclass(frozen=True)
+class Square:
+    """Where coordinates may be: up to `reach` to either side, in steps of 1/`grid`.
+
+    Raises ModelError for a reach that is not above 0, or a grid of no step.
+    """
+
+    reach: float
+    grid: int = 1000
+
+    def __post_init__(self) -> None:
+        if not 0 < self.reach < np.inf or self.grid < 1:
+            raise ModelError(f"the square reaches to {self.reach} in steps of 1/{self.grid}: give both above 0")
+
+
+@arguments.checked
+@dataclass(frozen=True)
+class Effort:
+    """How long a search goes on: `generations` of a `population` a coordinate, then `tries` steps of each length.
+
+    Raises ModelError for numbers below 0 or above MOST, or no population.
+    """
+
+    generations: int = 200
+    population: int = 8
+    tries: int = 40
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        numbers = (self.generations, self.population, self.tries, self.seed)
+        if not (min(numbers) >= 0 and max(numbers) <= MOST and self.population):
+            raise ModelError(f"the effort is {numbers}: give whole numbers up to {MOST}, and a population")
+
+
+@arguments.checked
+def search(coarse: Cost, fine: Cost, coordinates: int, within: Square, effort: Effort) -> Array:
+    """Return coordinates x (coordinates,) of the least cost that the effort meets.
+
+    Raises ModelError unless there is a coordinate, up to MOST, and as `improve`.
+    """
+    if not 1 <= coordinates <= MOST:
+        raise ModelError(f"{coordinates} coordinates are searched for: give a number from 1 to {MOST}")
+    bounds = [(-within.reach, within.reach)] * coordinates
+    best = differential_evolution(
+        partial(_value, coarse),
+        bounds,
+        seed=effort.seed,
+        maxiter=effort.generations,
+        popsize=effort.population,
+        tol=1e-6,
+        polish=False,
+    )
+    return improve(fine, np.round(within.grid * best.x) / within.grid, within, effort)
+
+
+@arguments.checked
+def improve(fine: Cost, start: ArrayLike, within: Square, effort: Effort) -> Array:
+    """Return coordinates whose cost is no larger than that of `start`, by the effort's tries of each length.
+
+    Raises ModelError for a start that is not finite, or a cost that is no number.
+    """
+    grid = within.grid
+    best, most = np.round(grid * np.ravel(arguments.real("start", start))), round(grid * within.reach)
+    if not best.size or not np.isfinite(best).all():
+        raise ModelError(f"the start is {best / grid}: give finite coordinates, one or more")
+    rng, least = np.random.default_rng(effort.seed), _value(fine, best / grid)
+    for step in STEPS:
+        for _ in range(effort.tries):
+            drawn = rng.normal(size=best.size) * (rng.random(best.size) < 0.5)
+            other = np.clip(best + np.round(step * drawn), -most, most)
+            value = _value(fine, other / grid)
+            if value < least:
+                best, least = other, value
+    return readonly(best / grid)
+
+
+def _value(cost: Cost, x: Array) -> float:
+    value = cost(x)
+    if not kinds.is_number(value) or np.isnan(value):
+        raise ModelError(f"the cost at {x.tolist()} is {value!r}: return a number")
+    return float(value)

@@ -1,0 +1,90 @@
+"""Numbers as a user gives them: finite, whole, in rows and tables. What is none is refused by its name."""
+
+from contextlib import suppress
+from math import inf, isfinite
+from numbers import Real
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synth.errors import ModelError
+
+MOST_SENSORS = 26  # they are named a to z
+
+
+def number(name: str, value: object) -> float:
+    """Return a finite number; raise ModelError for text, a truth value, nothing, NaN or what is beyond all bounds."""
+    if isinstance(value, Real) and not isinstance(value, bool):
+        with suppress(OverflowError):
+            found = float(value)
+            if isfinite(found):
+                return found
+    raise ModelError(f"{name} is {value!r}: it must be finite, give a number")
+
+
+def positive(name: str, value: object) -> float:
+    """Return a finite number above 0; raise ModelError for anything else."""
+    found = number(name, value)
+    if not found > 0:
+        raise ModelError(f"{name} is {value}: it must be finite and positive")
+    return found
+
+
+def whole(name: str, value: object, least: int = 1, most: float = inf) -> int:
+    """Return a whole number of at least `least` and at most `most`; raise ModelError for anything else."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
+        limit = "" if most == inf else f" and at most {most}"
+        raise ModelError(f"{name} is {value!r}: give a whole number of at least {least}{limit}")
+    return int(value)
+
+
+def above(name: str, value: object, low: float, high: float = inf) -> float:
+    """Return a finite number above `low` and at most `high`; raise ModelError for anything else."""
+    found = number(name, value)
+    if not low < found <= high:
+        limit = "" if high == inf else f" and at most {high}"
+        raise ModelError(f"{name} is {value}: it must be above {low}{limit}")
+    return found
+
+
+def numbers(name: str, given: object) -> tuple[float, ...]:
+    """Return finite numbers from a tuple, a list or an array; raise ModelError for anything else."""
+    try:
+        found: tuple[object, ...] = tuple(given)  # type: ignore[arg-type]
+    except TypeError as error:
+        raise ModelError(f"{name} are {given!r}: give numbers in a row") from error
+    return tuple(number(f"one of {name}", v) for v in found)
+
+
+def rows(name: str, given: object, size: int) -> tuple[tuple[float, ...], ...]:
+    """Return rows of `size` finite numbers, from tuples, lists or an array; raise ModelError for anything else."""
+    needed = f"give {size} numbers for each"
+    try:
+        found: tuple[tuple[object, ...], ...] = tuple(tuple(row) for row in given)  # type: ignore[attr-defined]
+    except TypeError as error:
+        raise ModelError(f"{name} are {given!r}: {needed}") from error
+    for row in found:
+        if len(row) != size:
+            raise ModelError(f"{name} are {found}, where {row} has {len(row)} numbers: {needed}")
+    return tuple(numbers(name, row) for row in found)
+
+
+def places(given: object, size: int) -> tuple[tuple[float, ...], ...]:
+    """Return where sensors are, `size` coordinates each; raise ModelError for what is none, or more than are named."""
+    found = rows("positions", given, size)
+    if len(found) > MOST_SENSORS:
+        raise ModelError(f"there are {len(found)} positions: sensors are named a to z, give {MOST_SENSORS} at most")
+    return found
+
+
+def table(name: str, given: object, columns: int) -> NDArray[np.float64]:
+    """Return an array (N, columns) of finite numbers, N at least 1; raise ModelError for anything else."""
+    needed = f"give finite numbers (N, {columns}), a row or more"
+    try:
+        found = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ModelError(f"{name} are no numbers, {error}: {needed}") from error
+    if found.ndim != 2 or found.shape[1] != columns or not len(found) or not np.isfinite(found).all():
+        lacking = "" if np.isfinite(found).all() else ", not all finite"
+        raise ModelError(f"{name} have the shape {found.shape}{lacking}: {needed}")
+    return found

@@ -1,0 +1,150 @@
+"""Measurements in text: a first line of names with units, then a row of numbers for each sample, by commas.
+
+    X [mm], Y [mm], V_ax [V], V_ay [mV]
+    0.0, 0.0, 0.0021, -3.4
+
+Lines that are empty or begin with # are passed over. What is read is a Log in SI units. What cannot be read is refused
+with its line, and nothing is guessed.
+"""
+
+import csv
+import re
+from collections.abc import Iterator, Mapping
+from math import pi
+from pathlib import Path
+
+import numpy as np
+
+from synth import arguments
+from synth.errors import DesignError, SignalError
+from synth.synthesise.identify.logs import Log
+
+UNITS: dict[
+    str, tuple[str, float, float]
+] = {  # unit -> SI unit, times, divided by: 12.7 mm are 0.0127 m to the last bit
+    **{unit: (unit, 1, 1) for unit in ("m", "rad", "V", "T", "s", "1")},
+    "mm": ("m", 1, 1e3),
+    "um": ("m", 1, 1e6),
+    "mrad": ("rad", 1, 1e3),
+    "deg": ("rad", pi, 180),
+    "mV": ("V", 1, 1e3),
+    "mT": ("T", 1, 1e3),
+    "ms": ("s", 1, 1e3),
+}
+COLUMN = re.compile(r"\s*([A-Za-z]\w*)\s*\[\s*([^\]\s]+)\s*\]\s*", re.ASCII)
+NUMBER = re.compile(r"\s*[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?\s*", re.ASCII)
+SI = tuple(dict.fromkeys(unit for unit, _, _ in UNITS.values()))
+HUGE = 1e70  # a number whose square is none
+
+
+@arguments.checked
+def read(path: Path | str, wanted: Mapping[str, str]) -> Log:
+    """Return the samples of a file; `wanted` are names and SI units of columns that it must hold.
+
+    Raises DesignError for a file that cannot be opened, and SignalError as `parsed`, naming file and line.
+    """
+    try:
+        text = Path(path).read_bytes().decode("utf-8-sig")
+    except OSError as error:
+        raise DesignError(
+            f"{path} cannot be read: {error.strerror}; give the path of a file of measurements"
+        ) from error
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        raise SignalError(f"{path}, line {line}: a byte is no UTF-8 text: write the file as plain text") from error
+    return parsed(text, wanted, str(path))
+
+
+@arguments.checked
+def parsed(text: str, wanted: Mapping[str, str], name: str = "measurements") -> Log:
+    """Return the samples in a text called `name`, in SI units.
+
+    Raises SignalError for a wanted unit that is none of SI, and naming the line: for a text without columns; for a
+    column without unit, of an unknown one or of another than is wanted, that stands twice or is missing; for a row with
+    more or fewer numbers than columns, or with what is not a finite number.
+    """
+    for column, unit in wanted.items():
+        _check_unit(column, unit)
+    lines = _lines(text, name)
+    where, cells = next(lines, (1, []))
+    columns = _columns(cells, wanted, f"{name}, line {where}")
+    samples: dict[str, list[float]] = {column: [] for column, _ in columns}
+    for where, cells in lines:
+        if len(cells) != len(columns):
+            raise SignalError(
+                f"{name}, line {where}: {len(cells)} values for {len(columns)} columns: give one for each, by commas"
+            )
+        for (column, unit), cell in zip(columns, cells, strict=True):
+            samples[column].append(_number(cell, unit, f"{name}, line {where}: {column}"))
+    if not samples[columns[0][0]]:
+        raise SignalError(f"{name}, line {where}: no row of numbers follows the names: give one or more")
+    return Log({column: np.array(values) for column, values in samples.items()})
+
+
+@arguments.checked
+def written(log: Log, units: Mapping[str, str]) -> str:
+    """Return samples as text that `parsed` reads back to the last bit; `units` are the SI units of the columns.
+
+    Raises SignalError for a column that the log does not hold, or what `parsed` would not read back so: no column, a
+    name of more than letters, digits and underscores, a unit that is none of SI, a number that is huge.
+    """
+    if not units:
+        raise SignalError("no columns are to be written: name one or more, with their SI units")
+    for column, unit in units.items():
+        _check_unit(column, unit)
+        if not COLUMN.fullmatch(f"{column} [{unit}]"):
+            raise SignalError(f"'{column}' cannot be written: name it by letters, digits and underscores")
+        if not (np.abs(log.columns((column,))) < HUGE).all():
+            raise SignalError(
+                f"'{column}' holds {np.abs(log.columns((column,))).max():g} {unit}: scale it below {HUGE:g}"
+            )
+    head = ", ".join(f"{name} [{unit}]" for name, unit in units.items())
+    rows = (", ".join(map(repr, row)) for row in log.columns(tuple(units)).tolist())
+    return "\n".join([head, *rows, ""])
+
+
+def _check_unit(column: str, unit: str) -> None:
+    if unit not in SI:
+        raise SignalError(f"'{column}' is asked for in '{unit}': logs are in SI units, give one of {', '.join(SI)}")
+
+
+def _lines(text: str, name: str) -> Iterator[tuple[int, list[str]]]:
+    """Yield the number and the cells of each line that holds some."""
+    for where, line in enumerate(text.split("\n"), 1):
+        if line.strip() and not line.lstrip().startswith("#"):
+            try:
+                yield where, next(csv.reader([line.rstrip("\r")], strict=True))
+            except csv.Error as error:
+                raise SignalError(f"{name}, line {where}: {error}: write plain numbers by commas") from error
+
+
+def _columns(cells: list[str], wanted: Mapping[str, str], where: str) -> list[tuple[str, str]]:
+    found: dict[str, str] = {}
+    for cell in cells:
+        match = COLUMN.fullmatch(cell)
+        if match is None:
+            raise SignalError(f"{where}: '{cell.strip()}' is no column: give a name and its unit, like X [mm]")
+        column, unit = match.groups()
+        if unit not in UNITS:
+            raise SignalError(f"{where}: '{column}' has the unit '{unit}', which is none of {', '.join(UNITS)}")
+        if column in found:
+            raise SignalError(f"{where}: the column '{column}' stands twice: name it once")
+        if UNITS[unit][0] != wanted.get(column, UNITS[unit][0]):
+            raise SignalError(f"{where}: '{column}' is in {unit}: give it in {wanted[column]} or a multiple")
+        found[column] = unit
+    for column, unit in wanted.items():
+        if column not in found:
+            raise SignalError(f"{where}: there is no column '{column}': add '{column} [{unit}]'")
+    if not found:
+        raise SignalError(f"{where}: there are no columns: begin with names and units, like X [mm], V_ax [V]")
+    return list(found.items())
+
+
+def _number(cell: str, unit: str, where: str) -> float:
+    if not NUMBER.fullmatch(cell):
+        raise SignalError(f"{where} is '{cell.strip()}': give a finite number, with a point and without its unit")
+    _, times, by = UNITS[unit]
+    value = float(cell) * times / by
+    if not abs(value) < HUGE:
+        raise SignalError(f"{where} is {cell.strip()} {unit}: give a number of a size that can be measured")
+    return value

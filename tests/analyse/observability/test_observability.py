@@ -1,0 +1,146 @@
+"""Information, its worst place, zeros of determinants and placement, on measurements whose answers are known."""
+
+from functools import partial
+
+import casadi as ca
+import flint
+import numpy as np
+import pytest
+
+from synth.analyse import precise
+from synth.analyse.observability import information, isolated_zeros, placement, worst_deviation
+from synth.errors import ModelError
+
+# Two ranges from beacons at (0, 0) and (a, 0) to a place (x, y): rank is lost on the line through them.
+A = 3.0
+Q = ca.SX.sym("q", 2)
+RANGES = ca.Function("ranges", [Q], [ca.vertcat(ca.norm_2(Q), ca.norm_2(Q - ca.DM([A, 0.0])))])
+
+
+def test_deviations_are_those_of_the_inverse_information() -> None:
+    at = np.random.default_rng(0).uniform(0.5, 2.0, (50, 2))
+    H = information.jacobians(RANGES, at)
+    expected = [0.1 * np.sqrt(np.diag(np.linalg.inv(h.T @ h))) for h in H]
+    for sizes in ([1.0, 1.0], [1.0, 0.2]):
+        np.testing.assert_allclose(information.accuracy(H, 0.1, sizes).deviations, expected, rtol=1e-10)
+    np.testing.assert_allclose(information.accuracy(H, 0.1, [1.0, 1.0]).condition, np.linalg.cond(H), rtol=1e-10)
+
+
+def test_lost_rank_has_no_deviation_and_no_bias() -> None:
+    H = information.jacobians(RANGES, [[1.0, 0.0], [1.0, 1.0]])
+    found = information.accuracy(H, 0.1, [1.0, 1.0])
+    assert (
+        np.isinf(found.deviations[0]).all() and np.isinf(found.condition[0]) and np.isfinite(found.deviations[1]).all()
+    )
+    with pytest.raises(ModelError, match="rank is lost at 1 of the places, the first is number 0"):
+        information.bias(H, np.zeros((2, 2)), [1.0, 1.0])
+    assert np.isinf(information.accuracy(H[1:, :1], 0.1, [1.0, 1.0]).deviations).all()  # fewer rows than unknowns
+
+
+def test_a_bias_is_what_least_squares_make_of_it() -> None:
+    H = np.random.default_rng(1).normal(size=(4, 5, 3))
+    extra = H @ np.array([1.0, -2.0, 0.5]) + 0.0
+    np.testing.assert_allclose(information.bias(H, extra, [1.0, 2.0, 3.0]), np.tile([1.0, -2.0, 0.5], (4, 1)))
+
+
+def test_the_largest_deviation_after_a_loss_is_that_of_the_rows_that_stay() -> None:
+    H = np.random.default_rng(2).normal(size=(30, 6, 2))
+    left = [np.delete(H, [2 * k, 2 * k + 1], axis=1) for k in range(3)]
+    expected = max(information.largest_deviation(h, 0.1, [1.0, 2.0]) for h in left)
+    assert information.largest_deviation(H, 0.1, [1.0, 2.0], 2) == pytest.approx(expected, rel=1e-6)
+    with pytest.raises(ModelError, match="6 rows do not make groups of 4"):
+        information.largest_deviation(H, 0.1, [1.0, 2.0], 4)
+
+
+def slope_deviation(q: np.ndarray) -> np.ndarray:
+    """Return the deviation of q of a measurement sin(q) + 2 q."""
+    return 1 / np.abs(np.cos(q) + 2)
+
+
+def slope_change(q: np.ndarray, half: np.ndarray) -> np.ndarray:
+    return np.abs(np.sin(q)) * half + half**2 / 2
+
+
+def test_the_worst_is_met_and_proved() -> None:
+    found = worst_deviation.search(slope_deviation, slope_change, [0.0], [6.0], [4], 1e-3)
+    assert found.met[0] == pytest.approx(1.0, rel=1e-3) and found.at[0, 0] == pytest.approx(np.pi, abs=0.1)
+    assert found.met[0] <= 1.0 <= found.bound[0] <= 1.0011 * found.met[0]
+
+
+def test_a_bound_that_forgets_a_change_is_caught() -> None:
+    q = np.linspace(0.0, 6.0, 500)[None]
+    half = np.array([[0.05]])
+    for changes, exceeded in ((slope_change, False), (lambda q, h: 0 * q, True)):
+        _, bound = worst_deviation.bounded(slope_deviation, changes, q, half)
+        assert (slope_deviation(q + half) > bound).any() == exceeded
+
+
+def distant(pole: float, q: np.ndarray) -> np.ndarray:
+    with np.errstate(divide="ignore"):
+        return 1 / np.abs(q - pole)
+
+
+def test_an_unbounded_deviation_is_refused_with_its_place() -> None:
+    for pole in (1.001, 1.0):  # between the middles of cells, and on one
+        with pytest.raises(ModelError, match=r"unknown 0 exceeds .* at q = .* rank seems to be lost: add a sensor"):
+            worst_deviation.search(partial(distant, pole), lambda q, h: h + 0 * q, [0.0], [2.0], [3], 1e-3, 2000)
+    with pytest.raises(ModelError, match="the lower ones first"):
+        worst_deviation.search(slope_deviation, slope_change, [1.0], [0.0], [4])
+
+
+def sines(shift: float) -> isolated_zeros.Equations:
+    """Return sin(p) = shift, cos(2 q) + sin(p) = shift: zeros at which cos(2 q) = 0, eight of them."""
+
+    def values(at: isolated_zeros.Place) -> flint.arb_mat:
+        return flint.arb_mat([[at[0].sin() - shift], [(2 * at[1]).cos() + at[0].sin() - shift]])
+
+    def slopes(at: isolated_zeros.Place) -> flint.arb_mat:
+        return flint.arb_mat([[at[0].cos(), 0], [at[0].cos(), -2 * (2 * at[1]).sin()]])
+
+    def possible(cells: np.ndarray, half: float) -> np.ndarray:
+        first = np.abs(np.sin(cells[0]) - shift) <= half
+        return first & (np.abs(np.cos(2 * cells[1]) + np.sin(cells[0]) - shift) <= 3 * half)
+
+    return isolated_zeros.Equations(2, values, slopes, possible)
+
+
+def test_all_zeros_are_found() -> None:
+    with precise.precision():
+        found = sorted(
+            tuple(float(isolated_zeros.within_turn(v)) for v in c.at) for c in isolated_zeros.search(sines(0.5))
+        )
+    expected = sorted((p, np.pi / 4 * k) for p in (np.pi / 6, 5 * np.pi / 6) for k in (1, 3, 5, 7))
+    np.testing.assert_allclose(found, expected, rtol=1e-15)
+
+
+def test_a_zero_that_newton_does_not_meet_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
+    right = isolated_zeros.newton
+
+    def forgetful(*of: object) -> object:
+        end = right(*of)  # type: ignore[arg-type]
+        return None if end is not None and abs(float(end[1]) - np.pi / 4) < 0.1 else end
+
+    monkeypatch.setattr(isolated_zeros, "newton", forgetful)
+    monkeypatch.setattr(isolated_zeros, "CUTS", 8)
+    with precise.precision(), pytest.raises(ModelError, match=r"near the phases .* rad zeros meet or lie on a line"):
+        isolated_zeros.search(sines(0.5))
+
+
+def test_zeros_that_meet_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(isolated_zeros, "CUTS", 6)
+    with precise.precision(), pytest.raises(ModelError, match="meet or lie on a line"):
+        isolated_zeros.search(sines(1.0))
+
+
+def bowl(centre: np.ndarray, x: np.ndarray) -> float:
+    return float(((x - centre) ** 2).sum())
+
+
+def test_placement_comes_to_the_nearest_grid_point() -> None:
+    cost, square = partial(bowl, np.array([0.1234, -0.5])), placement.Square(1.0, 100)
+    found = placement.search(cost, cost, 2, square, placement.Effort(5))
+    np.testing.assert_allclose(found, [0.12, -0.5], atol=1e-12)
+    held = placement.improve(partial(bowl, np.array([9.0])), [0.0], square, placement.Effort(tries=60))
+    assert held[0] == 1.0
+    with pytest.raises(ModelError, match="give both above 0"):
+        placement.Square(0.0)

@@ -1,0 +1,108 @@
+"""Deviations in closed form against the sensor model's Jacobians, and proofs of the largest against points between."""
+
+from dataclasses import replace
+from functools import partial
+from math import radians
+
+import numpy as np
+import pytest
+
+from designs.hall_position.accuracy import fisher, maps
+from designs.hall_position.glsdc.parameters import Array
+from models import concentrated_field, hall_array
+from synth.analyse.observability import worst_deviation
+from synth.errors import ModelError
+
+l, ALPHA, BETA = 50.8e-3, 8.4 * 0.37502, -8.4 * 0.02146
+PLACES = ((-0.375 * l, -0.375 * l), (0.375 * l, 0.375 * l), (0.640 * l, 0.613 * l))
+THREE = Array(PLACES, 0.0, ALPHA, BETA)
+WAVES = concentrated_field.fitted({1: ALPHA / 8.4, 5: BETA / 8.4}, 3e-3, concentrated_field.values())
+
+
+def poses(count: int, seed: int = 3) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    return np.vstack([rng.uniform(0, l, (2, count)), rng.uniform(-np.pi, np.pi, count)])
+
+
+def test_deviations_are_those_of_the_sensor_model() -> None:
+    q = poses(500)
+    sensors = replace(hall_array.sensors(PLACES), volume=(0.0, 0.0, 0.0))
+    expected = maps.of_sensors(sensors, WAVES, q.T, maps.spread(sensors))
+    sound = expected.condition < 1e3
+    np.testing.assert_allclose(fisher.deviations(THREE, q).T[sound], expected.deviations[sound], rtol=1e-8)
+    assert sound.sum() > 450
+
+
+def test_weights_and_the_constant_count() -> None:
+    array = Array(PLACES, 0.3, ALPHA, BETA, weights=(4.0, 1.0, 0.25))
+    q, d = poses(1)[:, 0], 1e-7
+
+    def volts(at: np.ndarray) -> np.ndarray:
+        c, s = np.cos(at[2]), np.sin(at[2])
+        found = []
+        for (x, y), weight in zip(PLACES, (2.0, 1.0, 0.5), strict=True):
+            p = 2 * np.pi / l * np.array([at[0] + c * x - s * y, at[1] + s * x + c * y])
+            B = 0.3 + ALPHA * np.sin(p) + BETA * np.sin(5 * p)
+            found += [weight * (c * B[0] + s * B[1]), weight * (c * B[1] - s * B[0])]
+        return np.array(found)
+
+    H = np.column_stack([(volts(q + step) - volts(q - step)) / (2 * d) for step in d * np.eye(3)])
+    expected = 1e-3 * np.sqrt(np.diag(np.linalg.inv(H.T @ H)))
+    np.testing.assert_allclose(fisher.deviations(array, q[:, None]).ravel(), expected, rtol=1e-5)
+
+
+def test_the_worst_without_yaw_is_that_of_the_added_sensor() -> None:
+    found = fisher.worst(THREE)
+    np.testing.assert_allclose(found.met * 1e6, [5.2803, 5.3084, 198.002], rtol=2e-5)
+    assert (found.met <= found.bound).all() and (found.bound <= 1.0011 * found.met).all()
+    at = fisher.deviations(THREE, found.at.T)
+    np.testing.assert_allclose(np.diag(at), found.met, rtol=1e-9)
+
+
+@pytest.mark.parametrize(("yaw", "largest"), [(5.0, 7.745), (15.0, 22.82), (45.0, 119.6)])
+def test_the_worst_over_yaw(yaw: float, largest: float) -> None:
+    found = fisher.worst(THREE, (radians(yaw), radians(yaw)), 1e-2)
+    assert max(found.met[:2]) * 1e6 <= largest * 1.001
+    assert max(found.bound[:2]) * 1e6 >= largest * 0.999
+    assert (found.bound <= 1.011 * found.met).all()
+
+
+def exceeded(array: Array, half: np.ndarray, count: int = 4000) -> int:
+    """Return how many poses drawn in drawn cells exceed the cell's bound."""
+    rng = np.random.default_rng(5)
+    q = rng.uniform(0, 2 * np.pi, (3, count))
+    _, bound = worst_deviation.bounded(partial(fisher.of_phases, array), partial(fisher.changes, array), q, half)
+    s = fisher.of_phases(array, q + half * np.sign(rng.uniform(-1, 1, q.shape)))
+    assert np.isfinite(bound).all(axis=0).sum() > count / 10
+    return int((s > bound).sum())
+
+
+@pytest.mark.parametrize("array", [THREE, replace(THREE, c=0.5, weights=(1.0, 3.0, 0.2))])
+@pytest.mark.parametrize("half", [(0.01, 0.01, 0.002), (0.001, 0.001, 0.001), (0.02, 0.0, 0.0), (0.0, 0.0, 0.01)])
+def test_no_pose_in_a_cell_exceeds_its_bound(array: Array, half: tuple[float, float, float]) -> None:
+    assert exceeded(array, np.array(half)[:, None]) == 0
+
+
+@pytest.mark.parametrize("part", [0, 1, 2])
+def test_a_bound_that_forgets_a_column_is_caught(part: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    right = fisher.changes
+    monkeypatch.setattr(fisher, "changes", lambda *of: right(*of) * np.where(np.arange(3) == part, 0.0, 1.0)[:, None])
+    assert any(exceeded(THREE, np.array(half)[:, None]) for half in ((0.01, 0, 0), (0, 0.01, 0), (0, 0, 0.01)))
+
+
+def test_two_sensors_have_no_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(fisher, "MOST", 200_000)
+    with pytest.raises(ModelError, match="rank seems to be lost: add a sensor"):
+        fisher.worst(Array(PLACES[:2], 0.0, ALPHA, BETA))
+
+
+def test_lost_rank_is_infinite() -> None:
+    array = Array(((0.0, 0.0), (l / 2, 0.0)), 0.0, ALPHA, 0.0)
+    assert np.isinf(fisher.of_phases(array, np.array([[np.pi / 2], [0.0], [0.0]]))[0]) or (
+        fisher.deviations(array, np.array([[l / 4], [0.0], [0.0]]))[0] > 1e3
+    )
+
+
+def test_yaws_in_the_wrong_order_are_refused() -> None:
+    with pytest.raises(ModelError, match="give the lower first"):
+        fisher.worst(THREE, (0.1, -0.1))

@@ -1,0 +1,115 @@
+"""What the estimators are given: lists become tuples, and what is no figure, place or time is refused by its name."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from designs.hall_position import shipped
+from designs.hall_position.glsdc import estimator, six_estimator, six_parameters
+from designs.hall_position.glsdc.parameters import Array, Tuning
+from designs.hall_position.trust import fleet
+from synth.errors import DesignError, ModelError, TimingError
+from synth.timing import Continuous
+from tests.designs.hall_position.posed import FOUR
+
+PLACES = ((0.0, 0.0), (0.01, 0.02))
+SIX_PLACES = ((0.0, 0.0, 0.0), (0.01, 0.02, 0.0), (0.03, 0.0, 1e-3))
+NONE: tuple[Any, ...] = (None, "1", True, float("nan"), float("inf"), 10**400, [1.0])
+FIGURES = ("c", "alpha", "beta", "pitch", "deviation")
+
+
+def array(**given: Any) -> Array:
+    usual: dict[str, Any] = {"positions": PLACES, "c": 0.0, "alpha": 3.0, "beta": -0.1}
+    return Array(**usual | given)
+
+
+def six(**given: Any) -> six_parameters.Array:
+    usual: dict[str, Any] = {"positions": SIX_PLACES, "alpha": 3.0, "beta": -0.1}
+    return six_parameters.Array(**usual | given)
+
+
+@pytest.mark.parametrize("of", [list, np.array])
+def test_places_and_weights_may_be_lists_or_arrays(of: Any) -> None:
+    given = array(positions=of([of(r) for r in PLACES]), weights=of([1.0, 4.0]), alpha=np.float32(3))
+    assert given == array(weights=(1.0, 4.0)) and hash(given) == hash(array(weights=(1.0, 4.0)))
+    assert type(given.alpha) is type(given.positions[1][0]) is type(given.weights[0]) is float
+    assert six(positions=of([of(r) for r in SIX_PLACES])) == six()
+
+
+@pytest.mark.parametrize("value", NONE, ids=lambda v: repr(v)[:6])
+@pytest.mark.parametrize("name", FIGURES)
+def test_what_is_no_figure_of_an_array_is_refused(name: str, value: Any) -> None:
+    with pytest.raises(ModelError, match=rf"{name} is .*must be finite"):
+        array(**{name: value})
+    with pytest.raises(ModelError, match="must be finite"):
+        six(**{"height" if name == "c" else name: value})
+
+
+@pytest.mark.parametrize(
+    ("positions", "message"),
+    [
+        (None, "positions are None: give . numbers"),
+        ("ab", "has 1 numbers: give"),
+        ((0.0, 1.0), "positions are .0.0, 1.0.: give . numbers"),
+        (((0.0,), (1.0,)), "has 1 numbers"),
+        (((0.0,) * 4, (1.0,) * 4), "has 4 numbers"),
+        ((("a",) * 2, (1.0, 1.0)), "one of positions is 'a'|has 2 numbers: give 3"),
+        ((("a",) * 3, (1.0,) * 3), "one of positions is 'a'|has 3 numbers: give 2"),
+    ],
+)
+def test_what_is_no_place_is_refused(positions: Any, message: str) -> None:
+    for made in (array, six):
+        with pytest.raises(ModelError, match=message):
+            made(positions=positions)
+
+
+def test_more_sensors_than_are_named_are_refused() -> None:
+    many = [(1e-3 * k, 0.0, 0.0) for k in range(27)]
+    with pytest.raises(ModelError, match=r"27 positions: .* 26 at most"):
+        six(positions=many)
+    with pytest.raises(ModelError, match="27 positions"):
+        array(positions=[r[:2] for r in many])
+    assert len(six_estimator.voltages(six(positions=many[:26]))) == 52
+
+
+@pytest.mark.parametrize("weights", [2.0, ("a", 1.0), (1.0, True), (1.0, float("nan")), ((1.0, 1.0), (1.0, 1.0)), None])
+def test_what_are_no_weights_is_refused(weights: Any) -> None:
+    with pytest.raises(ModelError, match="weights"):
+        array(weights=weights)
+
+
+@pytest.mark.parametrize("of", [Tuning, six_parameters.Tuning])
+def test_each_figure_of_a_tuning_is_a_number_or_refused(of: Any) -> None:
+    for name in of.__dataclass_fields__:
+        for value in NONE:
+            with pytest.raises(ModelError, match=f"^{name} is "):
+                of(**{name: value})
+
+
+@pytest.mark.parametrize(("of", "name"), [(Tuning, "iterations"), (six_parameters.Tuning, "corrections")])
+def test_what_is_counted_is_a_whole_number(of: Any, name: str) -> None:
+    for counted in (name, "pitches"):
+        for value in (2.5, 2.0, 0, 1001):
+            with pytest.raises(ModelError, match=f"{counted} is {value}: give a whole number of at least 1"):
+                of(**{counted: value})
+        assert getattr(of(**{counted: np.int64(2)}), counted) == 2
+
+
+@pytest.mark.parametrize("time", [None, Continuous(), 1 / 800])
+def test_an_estimator_takes_a_period(time: Any) -> None:
+    two = shipped.array()
+    for made, given in ((estimator, two), (six_estimator, FOUR)):
+        with pytest.raises(TimingError, match=r"`time` of `safety.guard` is .*: give a Discrete"):
+            made.guarded(given, time)
+    with pytest.raises(TimingError, match=r"`time` of `block.build` is .*: give a Discrete"):
+        estimator.estimator(two, time)
+    with pytest.raises(TimingError, match="period"):
+        fleet.Kind(two, time=time)
+
+
+@pytest.mark.parametrize("name", ["hall", "", None, ["hall_position"]])
+def test_what_does_not_ship_is_refused(name: Any) -> None:
+    for made in (shipped.array, shipped.block):
+        with pytest.raises(DesignError, match="give one of hall_position, hall_position_three"):
+            made(name)

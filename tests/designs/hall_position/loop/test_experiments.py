@@ -1,0 +1,148 @@
+"""The experiments over the truth field and the two sources beside each other; what breaks the loop breaks a check.
+
+The C takes its sines from libm: it is emitted sooner, and the polynomials are another test's matter.
+"""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from designs.hall_position import page_loops, shipped
+from designs.hall_position.loop import closed_loop, experiments, sources, stage_loop
+from designs.hall_position.loop.stage_loop import Loop
+from designs.planar_6dof import lqg
+from models import planar_stage
+from synth.execute import cross, host
+from synth.signals import names
+from synth.simulate.experiment import Experiment
+from synth.simulate.sensors import Override
+
+
+@cache
+def loops() -> dict[str, Loop]:
+    return dict(experiments.loops(libm=True))
+
+
+def planted(old: str, new: str) -> Loop:
+    """Return the calibrated loop with `old` in its C being `new`."""
+    loop = loops()["calibrated"]
+    name = f"{loop.block.name}.c"
+    text = loop.emitted.files[name]
+    assert text.count(old) == 1
+    wrong = host.load({**loop.emitted.files, name: text.replace(old, new)}, loop.emitted.manifest)
+    return replace(loop, controller=wrong)
+
+
+def failed(found: Experiment) -> set[str]:
+    return {check.name for check in found.checks if not check.passed}
+
+
+@pytest.mark.parametrize(
+    "make", [experiments.standstill, experiments.staircase, experiments.dropouts, experiments.loss]
+)
+def test_the_calibrated_loop_keeps_its_bars(make: object) -> None:
+    assert callable(make)
+    assert failed(make(loops()["calibrated"])) == set()
+
+
+@pytest.mark.parametrize("name", ["plain", "calibrated"])
+def test_the_step_of_4_mm(name: str) -> None:
+    found = experiments.step(loops()[name], name)
+    assert failed(found) == set()
+    assert found.figures["motion as estimated, mm"] == pytest.approx(4.0, abs=2e-3)
+
+
+def test_the_step_without_calibration_would_not_pass_for_the_calibrated_one() -> None:
+    assert failed(experiments.step(loops()["plain"], "calibrated")) == {"error of the motion"}
+
+
+def test_the_zigzag() -> None:
+    plain, calibrated = experiments.zigzags(loops())
+    assert failed(plain) == failed(calibrated) == set()
+    assert plain.figures["x and y, um rms"] > 60
+
+
+def test_a_correction_with_the_wrong_sign_is_told() -> None:
+    both = {**loops(), "calibrated": planted("X_corrected = X + ", "X_corrected = X - ")}
+    assert failed(experiments.step(both["calibrated"], "calibrated")) == {"error of the motion"}
+
+
+HELD = "hall_source_x + hall_source_motion_x"
+REST, STEADY, STEP = (f"x differs {where}" for where in ("at rest", "in a steady motion", "in a step"))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("const bool valid = ", "const bool valid = true || ", {REST, STEADY, STEP}),
+        (HELD, "0.0f", {REST, STEADY, STEP}),
+        (HELD, "hall_source_x", {STEADY, STEP}),
+        (HELD, "hall_source_x + 0.5f * hall_source_motion_x", {STEP}),
+    ],
+    ids=["used", "zeros", "without motion", "half the motion"],
+)
+def test_a_position_that_is_not_held_in_dropouts_is_told(old: str, new: str, told: set[str]) -> None:
+    assert told == failed(experiments.dropouts(planted(old, new)))
+
+
+def test_what_a_wrong_sample_makes_of_the_position_is_the_linear_loops() -> None:
+    source, plant = closed_loop.Source(shipped.array(shipped.THREE)), planar_stage.plant()
+    block = closed_loop.controller(lqg.NAME, plant, lqg.TIME, lqg.law(plant), source).rounded(np.float32)
+    found = page_loops.opened(source, block, {})
+    stage, law = found.plant, found.controller
+    x, state, moved = np.zeros(len(stage.states)), np.zeros(len(law.states)), []
+    for k in range(200):
+        seen = stage.C @ x + (k == 0) * (np.array(stage.outputs) == "x")
+        x, state = stage.A @ x + stage.B @ (law.C @ state + law.D @ seen), law.A @ state + law.B @ seen
+        moved.append(abs(x[stage.states.index("x")]))
+    assert 0.94 * experiments.RESPONSE < max(moved) < experiments.RESPONSE
+
+
+def test_a_loop_without_its_latch_is_told() -> None:
+    found = experiments.loss(
+        planted("state->hall_source_failed = (uint32_t)", "state->hall_source_failed = 0u * (uint32_t)")
+    )
+    assert "samples to the latch" in failed(found)
+
+
+def test_no_current_flows_until_a_position_is_known_and_none_where_it_is_lost_at_once() -> None:
+    loop, samples = loops()["calibrated"], 400
+    blind, rng = np.arange(samples) < 200, np.random.default_rng(4)
+    nonsense = {n: Override(blind, rng.uniform(-4, 4, samples)) for n in planar_stage.HALL}
+    run = loop.run(samples * stage_loop.TIME.period_s, {"x": 1e-3}, {"x": 5e-3}, overrides=nonsense)
+    currents = np.abs([run.commands[s.name] for s in planar_stage.INPUTS])
+    assert not currents.any()  # it has looked for its place again, and may be a pitch off
+    shorter = {n: replace(o, mask=np.arange(samples) < 3) for n, o in nonsense.items()}
+    run = loop.run(samples * stage_loop.TIME.period_s, {"x": 1e-3}, {"x": 5e-3}, overrides=shorter)
+    first = int(np.argmax(run["valid"] > 0))
+    assert first >= 3 and not np.abs([run.commands[s.name][: first + 1] for s in planar_stage.INPUTS]).any()
+    assert run["x"][-1] == pytest.approx(1e-3, abs=1e-4) and not run.faults.any()
+
+
+@cache
+def compared() -> Experiment:
+    by_name = {sources.SECTIONS: stage_loop.of_sections(libm=True), sources.PLACED: loops()["calibrated"]}
+    return sources.experiment(by_name)
+
+
+def test_the_estimate_is_twice_as_near_to_its_path_as_the_sections() -> None:
+    assert [check.name for check in compared().checks if not check.passed] == []
+
+
+@pytest.mark.skipif("gcc" not in cross.available(), reason="arm-none-eabi-gcc is not installed")
+def test_the_estimate_costs_some_times_as_much() -> None:
+    by_sections, placed = (
+        compared().figures[f"{name}: instructions, {sources.BUILD}"] for name in (sources.SECTIONS, sources.PLACED)
+    )
+    assert 3 < placed / by_sections < 12  # functions of libm among them
+
+
+def test_both_controllers_have_the_same_wires() -> None:
+    plant = planar_stage.plant()
+    source = loops()["calibrated"].block
+    sections = lqg.controller(plant)
+    assert names(source.inputs) == names(sections.inputs) and names(source.outputs) == names(sections.outputs)
+    assert source.faults == sections.faults
+    assert closed_loop.stage_places(plant)[1][0] == plant.parameter("spacing").value

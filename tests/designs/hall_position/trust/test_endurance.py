@@ -1,0 +1,88 @@
+"""Within the speed and acceleration that are derived nothing is lost; a little beyond it is. Runs are seeded."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from designs.hall_position import shipped
+from designs.hall_position.glsdc.parameters import Tuning
+from designs.hall_position.trust import endurance, fleet
+from designs.hall_position.trust.endurance import Limits
+from designs.hall_position.trust.fleet import Kind
+from synth.execute import host
+
+TWO, THREE = (Kind(shipped.array(name)) for name in (shipped.NAME, shipped.THREE))
+BODIES, SAMPLES = 2000, 250
+
+
+def test_the_limits_are_those_of_reach_and_surprise() -> None:
+    limits = endurance.limits(THREE)
+    assert limits.speed == pytest.approx(0.5 / (2 * np.pi) * 0.0508 * 800)
+    assert limits.acceleration == pytest.approx(38.96, rel=1e-3)
+    calm = replace(THREE, tuning=Tuning(surprise=1.5, reach=0.5))
+    assert endurance.limits(calm).acceleration == pytest.approx(limits.acceleration / 2)
+    assert endurance.limits(calm).speed == pytest.approx(limits.speed / 2)
+
+
+def test_three_sensors_stay_with_a_body_at_the_limits() -> None:
+    """Half a million samples here: ten million take 20 seconds."""
+    run = endurance.run(THREE, BODIES, SAMPLES, endurance.limits(THREE))
+    assert run.samples == BODIES * SAMPLES and run.valid == 1.0
+    assert run.lost == run.wrong == 0 and run.off == run.worst < 25e-6
+    assert "valid [%]" in str(run)
+
+
+@pytest.mark.parametrize(("speed", "acceleration"), [(1.15, 1.0), (1.0, 3.0)])
+def test_beyond_them_bodies_are_lost_and_none_is_wrong(speed: float, acceleration: float) -> None:
+    limits = endurance.limits(THREE)
+    beyond = Limits(speed * limits.speed, acceleration * limits.acceleration)
+    run = endurance.run(THREE, BODIES, SAMPLES, beyond)
+    assert run.lost > 0.1 and run.wrong == 0
+
+
+def test_two_sensors_stay_with_it_and_are_not_valid_where_they_lose_rank() -> None:
+    """Nor are they until the place is certain again. A yaw that is held as loosely as the phases slips off further."""
+    run = endurance.run(TWO, BODIES, SAMPLES, endurance.limits(TWO))
+    assert 0.7 < run.valid < 0.85 and run.lost == run.wrong == 0 and run.worst < 1e-4 and run.off < 2e-4
+    loose, looser = (
+        endurance.run(replace(TWO, tuning=replace(TWO.tuning, firm=firm)), BODIES, SAMPLES, endurance.limits(TWO))
+        for firm in (1.0, 0.2)
+    )
+    assert loose.off > 2 * run.off and looser.lost > 0.9
+
+
+def test_motions_creep_and_swing() -> None:
+    """Within the limits, and half of them come close to these."""
+    rng, limits, T = np.random.default_rng(0), endurance.limits(TWO), TWO.time.period_s
+    at = endurance.motion(TWO, 400, limits, rng, endurance.SLOWEST)
+    found = [at(k * T) for k in range(4000)]
+    X, Y, yaw = (np.array([getattr(p, name) for p in found]) for name in ("X", "Y", "yaw"))
+    speed = np.abs(np.diff(X, axis=0)).max(axis=0) / T
+    size = np.hypot(np.diff(X, 2, axis=0), np.diff(Y, 2, axis=0)).max(axis=0) / T**2
+    assert speed.max() <= limits.speed and (speed > 0.7 * limits.speed).mean() > 0.4
+    assert size.max() <= 1.001 * limits.acceleration and (size > 0.6 * limits.acceleration).mean() > 0.4
+    assert speed.min() < 0.01 and (speed < 0.1).mean() > 0.1
+    assert limits.yaw == pytest.approx(0.95 * np.radians(2.5)) and 0.9 * limits.yaw < np.abs(yaw).max() <= limits.yaw
+
+
+def test_an_estimate_that_is_valid_wherever_it_converges_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    stepped = fleet.stepped
+
+    def careless(kind: Kind, state: host.Records, volts: fleet.Numbers) -> host.Batch:
+        batch = stepped(kind, state, volts)
+        return batch._replace(outputs=batch.outputs | {"valid": batch.outputs["converged"]})
+
+    monkeypatch.setattr(fleet, "stepped", careless)
+    limits = endurance.limits(TWO)
+    beyond = Limits(limits.speed, 3 * limits.acceleration)
+    assert endurance.run(TWO, BODIES, SAMPLES, beyond).wrong > 20
+
+
+def test_the_checks_tell_a_body_that_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    kind = Kind(TWO.array)
+    sound = endurance.checks("two", kind, 500, 50)
+    assert all(c.passed for c in sound) and [c.found for c in sound[:2]] == [0, 0] and "25000 samples" in sound[0].about
+    limits = endurance.limits(kind)
+    monkeypatch.setattr(endurance, "limits", lambda of: Limits(limits.speed, 3 * limits.acceleration))
+    assert not endurance.checks("two", kind, 500, 50)[0].passed

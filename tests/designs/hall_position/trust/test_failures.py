@@ -1,0 +1,139 @@
+"""A sensor fails: what is flagged and when, what goes on, and what nobody can see."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from designs.hall_position import shipped
+from designs.hall_position.accuracy import fisher, layouts
+from designs.hall_position.glsdc.parameters import Tuning
+from designs.hall_position.trust import endurance, failures, fleet
+from designs.hall_position.trust.endurance import Limits
+from designs.hall_position.trust.failures import FAILURES, SOON
+from designs.hall_position.trust.fleet import Kind
+from synth.errors import ModelError
+from synth.execute import host
+
+THREE = Kind(shipped.array(shipped.THREE))
+# The field as well known as the noise lets residuals tell, ten deviations.
+FOUR = Kind(layouts.placed(shipped.array(), layouts.SPARE), Tuning(residual=0.01))
+MOVING = Limits(0.5, 5.0)
+BODIES = 500
+
+
+def test_the_layout_leaves_any_three_of_four_sensors_with_no_singular_place() -> None:
+    q = layouts.over_yaws(FOUR.array, np.radians(5), (40, 5))
+    assert layouts.cost(FOUR.array, q, layouts.Task().lever, spare=True) < 11e-6
+
+
+@pytest.mark.parametrize("within", [None, MOVING], ids=["at rest", "moving"])
+@pytest.mark.parametrize("failure", sorted(set(FAILURES) - {"none"}))
+def test_a_residual_out_of_its_bound_is_flagged_at_once(failure: str, within: Limits | None) -> None:
+    for kind in (THREE, FOUR):
+        found = failures.tried(kind, failure, 2, BODIES, within)
+        assert found.late == 0 <= SOON
+        assert found.out > 0.6 or (failure, within) == ("stuck", None) or failure == "no number"
+
+
+@pytest.mark.parametrize("failure", ["dead", "saturated", "no number"])
+@pytest.mark.parametrize("sensor", [1, 2, 3, 4])
+def test_of_four_sensors_any_one_may_be_lost(failure: str, sensor: int) -> None:
+    """Within 10 deviations all of them, and rms as far as these say."""
+    for within in (None, MOVING):
+        found = failures.tried(FOUR, failure, sensor, BODIES, within)
+        assert found.flagged == 1 and found.lost == 0 and found.valid > 0.99
+        assert 0.9 < found.error < 1.1 and found.away < 0.005 and found.worst < 1.5e-4
+        assert found.named == (failure != "no number")
+
+
+@pytest.mark.parametrize(("failure", "lost"), [("no number", 0.0), ("dead", 0.015)])
+@pytest.mark.parametrize("sensor", [1, 2, 3, 4])
+def test_so_they_may_at_the_limits_of_motion(
+    failure: str, lost: float, sensor: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """For a quarter of a second after it, pitches counted as far as that leads."""
+    monkeypatch.setattr(failures, "AFTER", 200)
+    far = replace(FOUR, tuning=replace(FOUR.tuning, pitches=endurance.FAR))
+    found = failures.tried(far, failure, sensor, 200, endurance.limits(far), sensor)
+    assert found.lost <= lost and found.valid >= 1 - lost and found.away == 0 and found.worst < 5e-5
+
+
+@pytest.mark.parametrize("failure", ["dead", "saturated"])
+@pytest.mark.parametrize("sensor", [1, 2, 3])
+def test_of_three_sensors_it_is_named_and_four_voltages_go_on_until_they_lose_rank(failure: str, sensor: int) -> None:
+    found = failures.tried(THREE, failure, sensor, BODIES, None)
+    assert found.named > 0.99 and found.lost < 0.005 and found.valid > (0.5 if sensor == 2 else 0.9)
+    assert found.away < 0.01 and found.worst < 5e-4
+    assert "named [%]" in str(found)
+
+
+def test_what_is_not_seen_does_little_harm() -> None:
+    """One axis that is dead where it reads next to nothing, and whatever is stuck at rest."""
+    dead, stuck = (failures.unseen(FOUR, name, 1, 32) for name in ("one axis", "stuck"))
+    assert stuck.unseen.all() and stuck.error.max() < 2e-5
+    assert 0 < dead.unseen.mean() < 0.1 and dead.error.max() < 1e-4
+    at = dead.X[:, np.newaxis] + FOUR.array.positions[0][0]
+    read = np.broadcast_to(fisher.field(FOUR.array, FOUR.array.wave_number * at), dead.unseen.shape)
+    assert np.abs(read[dead.unseen > 0]).max() < 0.05  # V: a true zero
+    assert not failures.unseen(FOUR, "saturated", 1, 24).unseen.any()
+
+
+def test_without_a_failure_nothing_is_flagged() -> None:
+    found = failures.tried(THREE, "none", 2, BODIES, MOVING)
+    assert found.out == found.flagged == found.named == found.lost == found.away == 0 and found.valid == 1
+
+
+def test_an_estimate_without_flags_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    stepped = fleet.stepped
+
+    def blind(kind: Kind, state: host.Records, volts: fleet.Numbers) -> host.Batch:
+        """Goes on with all sensors and is always valid."""
+        state["estimator_without"] = 0
+        batch = stepped(kind, state, volts)
+        always = np.ones(len(state))
+        return batch._replace(outputs=batch.outputs | {"valid": always, "without": 0 * always}, faults=0 * batch.faults)
+
+    monkeypatch.setattr(fleet, "stepped", blind)
+    found = failures.tried(FOUR, "dead", 1, BODIES, MOVING)
+    assert found.late > SOON and found.flagged == 0 and found.away > 0.5
+
+
+@pytest.mark.parametrize(
+    ("failure", "sensor", "message"),
+    [
+        ("asleep", 1, "'asleep' is no failure that is known: give one of none, dead, "),
+        (["dead"], 1, "is no failure"),
+        ("dead", 0, "the sensor that fails is 0: give a whole number of at least 1 and at most 4"),
+        ("dead", 5, "the sensor that fails is 5"),
+        ("dead", -1, "the sensor that fails is -1"),
+        ("dead", 1.5, "the sensor that fails is 1.5"),
+    ],
+)
+def test_a_failure_that_cannot_be_is_refused(failure: str, sensor: int, message: str) -> None:
+    for within in (None, MOVING):
+        with pytest.raises(ModelError, match=message):
+            failures.tried(FOUR, failure, sensor, 2, within)
+    with pytest.raises(ModelError, match=message):
+        failures.unseen(FOUR, failure, sensor, 2)
+
+
+@pytest.mark.parametrize("number", [0, -2, 2.5, None, True])
+def test_no_bodies_points_or_samples_are_refused(number: Any) -> None:
+    for within in (None, MOVING):
+        with pytest.raises(ModelError, match="number of bodies is"):
+            failures.tried(FOUR, "dead", 1, number, within)
+    with pytest.raises(ModelError, match="number of points is"):
+        failures.unseen(FOUR, "dead", 1, number)
+    with pytest.raises(ModelError, match="number of bodies is"):
+        endurance.run(FOUR, number, 3, MOVING)
+    with pytest.raises(ModelError, match="number of samples is"):
+        endurance.run(FOUR, 3, number, MOVING)
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0, float("nan"), float("inf"), None])
+def test_limits_that_are_none_are_refused(value: Any) -> None:
+    for within in (Limits(value, 5.0), Limits(0.5, value)):
+        with pytest.raises(ModelError, match="that is the limit is"):
+            endurance.run(FOUR, 2, 2, within)
