@@ -1,7 +1,7 @@
 """Random loops with their value: as transfer function, as state space, sampled as either, or with a delay and hold.
 
-The value comes from the factors, for a sampled state-space model from its matrices, and for a sampled transfer function,
-whose coefficients hardly tell its poles, from the coefficients in DIGITS digits.
+The value comes from the factors, for a sampled state-space model from its matrices, and for a sampled transfer
+function, whose coefficients hardly tell its poles, from the coefficients in DIGITS digits.
 """
 
 from collections.abc import Callable, Iterator

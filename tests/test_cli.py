@@ -14,7 +14,7 @@ import pytest
 from typer.testing import CliRunner
 
 from benchmarks import axes
-from synth import cli, workspace
+from synth import cli, design_tasks, workspace
 from synth.check import Check
 from synth.emit.write import Emitted
 from synth.execute import cross, host

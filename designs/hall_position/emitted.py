@@ -10,10 +10,8 @@ from math import pi
 from typing import Any
 
 import numpy as np
-from designs.hall_position.motions import Numbers, Pose
-from designs.hall_position.parameters import Array
 
-from designs.hall_position import estimator, motions, shipped
+from designs.hall_position import shipped
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.glsdc.parameters import Array
 from designs.hall_position.trust import motions

@@ -47,7 +47,8 @@ def test_a_margin_that_is_reported_a_thousandth_too_large_is_noticed(
         return replace(found, gain_crossings=gains, phase_crossings=phases, peak_sensitivity=peak)
 
     monkeypatch.setattr(margins, "of_loop", optimistic)
-    found = [search.judged(margins_cases.case(kind, np.random.default_rng(k))) for kind in margins_cases.KINDS[:2] for k in range(12)]
+    cases = [(kind, k) for kind in margins_cases.KINDS[:2] for k in range(12)]
+    found = [search.judged(margins_cases.case(kind, np.random.default_rng(k))) for kind, k in cases]
     assert any(o.excess > search.TOLERANCE and o.worst == part for o in found)
 
 

@@ -8,7 +8,6 @@ from functools import lru_cache
 from math import sqrt
 
 import numpy as np
-from designs.hall_position.audit_stage import FIELD, KEPT, MV, PER_PITCH, Array, Stage
 
 from designs.hall_position.paper.stage import FIELD, KEPT, MV, PER_PITCH, Array, Stage
 from models import concentrated_field, hall_array, hall_figures, hall_scan

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from designs.hall_position import emitted, estimator, shipped
+from designs.hall_position import emitted, shipped
 from designs.hall_position.glsdc import estimator
 from synth.blocks import safety
 from synth.emit.write import Emitted

@@ -9,7 +9,7 @@ from synth import stage
 from synth.analyse import linearise, trim
 from synth.blocks import axis
 from synth.simulate.conditions import Conditions, Sine
-from synth.simulate.experiments import Conditions, Hold, LiftOff, Sine, Step, Track
+from synth.simulate.experiments import Hold, LiftOff, Step, Track
 from synth.stage import Actuator, Sensor, SetPoint
 from synth.synthesise.nonlinear import feedback_linearisation
 from synth.timing import Discrete
