@@ -17,12 +17,11 @@ import numpy as np
 
 from synth import arguments
 from synth.analyse import realisation
-from synth.blocks import axis_regulator
+from synth.blocks import axis_blocks, axis_regulator
 from synth.blocks.axis_regulator import Axis, Kalman
 from synth.declaration import Interface, Law
 from synth.errors import SignalError
 from synth.statespace import System, of
-from synth.synthesise import axis_blocks
 from synth.synthesise.nonlinear.feedback_linearisation import Chain
 from synth.synthesise.servo import internal_model
 from synth.timing import Discrete

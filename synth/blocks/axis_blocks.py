@@ -16,14 +16,13 @@ import numpy as np
 
 from synth.analyse import reach
 from synth.block import Block
-from synth.blocks import axis_regulator, linear_block
+from synth.blocks import axis_inverse, axis_regulator, linear_block
+from synth.blocks.axis_inverse import MARGIN, Command, rounded_up
 from synth.blocks.axis_regulator import Axis, Regulator
 from synth.declaration import Interface
 from synth.errors import SignalError
 from synth.signals import Signal
 from synth.statespace import Array, StateSpace
-from synth.synthesise import axis_inverse
-from synth.synthesise.axis_inverse import MARGIN, Command, rounded_up
 from synth.synthesise.observers import estimator_start
 from synth.timing import Discrete
 
