@@ -102,7 +102,7 @@ def bench(stage: Stage) -> Bench:
         loop = Rig(stage, stage.plant, controller)
         return stimuli.sequences(loop, [e.run(loop) for e in stage.experiments], progress)
 
-    return Bench(lambda: stage.controller.block, replay, sequences, standard.largest_output(stage))
+    return Bench(lambda: stage.controller.block, replay, sequences)
 
 
 def report(
