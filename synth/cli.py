@@ -17,7 +17,7 @@ import typer
 from rich.console import Console
 from rich.markup import escape
 
-from synth import design_tasks, store, tables, workspace
+from synth import store, tables, tasks, workspace
 from synth.check import Check
 from synth.emit import write
 from synth.errors import CompileError, SynthError
@@ -83,7 +83,7 @@ def build(names: Names = None, json_wanted: AsJson = False, fresh: Fresh = False
     """Regenerate gains and C, verify, simulate, audit, and write the report of each design."""
     root, told = Path.cwd(), []
     designs = workspace.designs(root, names or ())
-    results = _run(design_tasks.build_jobs(designs, root), designs, json_wanted, fresh)
+    results = _run(tasks.build_jobs(designs, root), designs, json_wanted, fresh)
     for name, built in results.items():
         if isinstance(built, Failed):
             continue
@@ -142,7 +142,7 @@ def _good(results: Mapping[str, Any]) -> list[Any]:
 
 
 def _on_host(design: workspace.Design, say: workspace.Told) -> Verified:
-    evidence = design_tasks.verification(design, True).result(say)
+    evidence = tasks.verification(design, True).result(say)
     return Verified(evidence.document(), evidence.checks, {})
 
 
@@ -151,7 +151,7 @@ def _on_target(core: str, design: workspace.Design, say: workspace.Told) -> Veri
     from synth.execute import cross, host
     from synth.verify import on_target
 
-    emitted = design_tasks.emission(design, CORES[core]).result(say)[design.name]
+    emitted = tasks.emission(design, CORES[core]).result(say)[design.name]
     inputs = design.bench.replay(host.load(emitted.files, emitted.manifest))
     checks = on_target.verify(emitted, inputs, core, say)
     document: dict[str, Any] = {"design": design.name, "target": core, "checks": _checks(checks), "drift": None}
@@ -159,9 +159,9 @@ def _on_target(core: str, design: workspace.Design, say: workspace.Told) -> Veri
         say("drift with contraction: arm-none-eabi-gcc is not installed, not measured")
         return Verified(document, checks, {})
     drift = on_target.drift(emitted, inputs, core, design.bench.floor)
-    what = (
-        f"drift with contraction over {drift.steps} steps, worst in {drift.output}, of max({design.bench.floor:g}, |i|)"
-    )
+    floor = design.bench.floor
+    least = f"{floor:g}" if isinstance(floor, float) else "floor"
+    what = f"drift with contraction over {drift.steps} steps, worst in {drift.output}, of max({least}, |i|)"
     figures = {what: drift.worst, "fault words unlike then": float(drift.faults)}
     return Verified(document | {"drift": asdict(drift)}, checks, figures)
 
@@ -170,7 +170,7 @@ def _on_target(core: str, design: workspace.Design, say: workspace.Told) -> Veri
 def cost(names: Names = None, json_wanted: AsJson = False, fresh: Fresh = False) -> None:
     """Count what a step costs on a Cortex-M4F, beside CasADi's own C: instructions, bytes, decisions. No verdicts."""
     _require_emulator()
-    results = _each(names, json_wanted, fresh, lambda design, say: design_tasks.whole_cost(design).result(say))
+    results = _each(names, json_wanted, fresh, lambda design, say: tasks.whole_cost(design).result(say))
     for measured in _good(results):
         if not json_wanted:
             tables.print_cost(measured)
@@ -187,7 +187,7 @@ def prove(
     """Prove the emitted C: Eva, inputs that are not finite, fuzzing under sanitizers, cppcheck's misra addon."""
 
     def proved(design: workspace.Design, say: workspace.Told) -> dict[str, list[Check]]:
-        emitted = design_tasks.emission(design, design.scalar).result(say)
+        emitted = tasks.emission(design, design.scalar).result(say)
         return {
             folder: list(proofs.prove(e.files, e.manifest, whole, lambda what, folder=folder: say(f"{folder}: {what}")))  # type: ignore[misc]
             for folder, e in emitted.items()
@@ -207,7 +207,7 @@ def simulate(names: Names = None, json_wanted: AsJson = False, fresh: Fresh = Fa
     """Run each design's experiments on the full plant with the compiled C in the loop."""
 
     def simulated(design: workspace.Design, say: workspace.Told) -> list[Verified]:
-        experiments = design_tasks.simulation(design).result(say)
+        experiments = tasks.simulation(design).result(say)
         return [Verified(_experiment(e), e.checks, e.figures) for e in experiments]
 
     results = _each(names, json_wanted, fresh, simulated)
@@ -224,7 +224,7 @@ def simulate(names: Names = None, json_wanted: AsJson = False, fresh: Fresh = Fa
 @app.command()
 def audit(names: Names = None, json_wanted: AsJson = False, fresh: Fresh = False) -> None:
     """Recompute every published figure: published, recomputed, verdict, why. No verdict fails the command."""
-    results = _each(names, json_wanted, fresh, lambda design, say: design_tasks.audit(design).result(say))
+    results = _each(names, json_wanted, fresh, lambda design, say: tasks.audit(design).result(say))
     rows = [row for each in _good(results) for row in each]
     if not json_wanted:
         tables.print_rows(rows)
@@ -243,7 +243,7 @@ def emit(
         raise typer.BadParameter(f"'{scalar}' is neither float32 nor float64", param_hint="--scalar")
     (design,) = workspace.designs(Path.cwd(), [name])
     with store.fresh_run() if fresh else nullcontext():
-        emitted = design_tasks.emission(design, SCALARS[scalar]).result(lambda what: None)
+        emitted = tasks.emission(design, SCALARS[scalar]).result(lambda what: None)
     for folder, files in emitted.items():
         write.save(files.files, out / folder)
 
@@ -257,7 +257,7 @@ def _checks(checks: Sequence[Check]) -> list[Mapping[str, Any]]:
 
 
 def _require_emulator() -> None:
-    if missing := design_tasks.missing():
+    if missing := tasks.missing():
         raise CompileError(
             f"emulator: found no {', '.join(missing)}, need the extra target: run `pip install 'synth-stage[target]'`"
         )

@@ -1,118 +1,216 @@
-"""What the command line does with a declared stage, as far as the design does not do it itself.
+"""The tasks of a design, each kept under the content of what it depends on, and run side by side.
 
-emit       C, manifest, gains and test vectors        verify     evidence of all witnesses
-simulate   the experiments, on the shipped C           bench      stimuli of the machine code
-report     the standard report
+    emit ----+--> verify, simulate, audit, cost --> report
+
+What a task of a design computes has a key: the slice of the function that does it, with its data files, its arguments,
+the compilers, and for the report the keys of all that goes into it. So an edit of the page makes the page again, and an
+edit of the control law all that the law has a part in.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
-from functools import lru_cache, partial
-from typing import Any
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache as once
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, Generic, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from synth.declaration import Stage
+from synth import cache, slices, store, workspace
+from synth.check import Check
 from synth.emit import write
-from synth.emit.c import vectors
 from synth.emit.write import Emitted
-from synth.execute import build, host
-from synth.report import template
+from synth.errors import ContentError
+from synth.execute import compile as host_compiler
+from synth.execute import cross, host
+from synth.jobs import Job, Progress
 from synth.report.audit import Row
-from synth.simulate import experiments, headroom
 from synth.simulate.experiment import Experiment
-from synth.simulate.rig import Rig
-from synth.verify import standard, stimuli
+from synth.verify import meter
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
-from synth.verify.steps import Steps
-from synth.workspace import Bench
+from synth.workspace import Design
 
-Progress = Callable[[str], None]
+T = TypeVar("T")
 
-
-def compiled(stage: Stage, scalar: type[np.floating]) -> host.Controller:
-    """Return the stage's controller in a scalar type, compiled once."""
-    return _compiled(stage, np.dtype(scalar).name)
+EMULATOR = ("unicorn", "elftools", "capstone")  # packages of the extra `target`
+LIBRARY = "cross compiler"
 
 
-@lru_cache(maxsize=8)
-def _compiled(stage: Stage, scalar: str) -> host.Controller:
-    kind = np.float32 if scalar == "float32" else np.float64
-    return build.compiled(stage.controller.block, kind, error=stage.surrogate_error.get(kind))
+@dataclass(frozen=True, eq=False)
+class Task(Generic[T]):
+    """What is computed of a design; `depends` are the functions and values that the result follows from."""
+
+    what: str
+    compute: Callable[[Progress], T]
+    depends: tuple[Any, ...]
+
+    def key(self) -> str:
+        """Return the key of the result.
+
+        Raises ContentError where the source of a function cannot be read.
+        """
+        first, *others = self.depends
+        data = [slices.digest(d, True) for d in others if callable(d) and not isinstance(d, type)]
+        return cache.key(first, compilers(), data, *others, data=True)
+
+    def result(self, say: Progress) -> T:
+        """Return what is kept, or compute it; a function whose source cannot be read is called each time."""
+        try:
+            key = self.key()
+        except ContentError:
+            return self.compute(say)
+        if store.holds(key):
+            say(f"{self.what}: unchanged")
+        return store.fetch(key, lambda: self.compute(say))
 
 
-def rig(stage: Stage, scalar: type[np.floating]) -> Rig:
-    """Return the stage's plant under its controller in a scalar type."""
-    return Rig(stage, stage.plant, compiled(stage, scalar))
+@dataclass(frozen=True)
+class Built:
+    """What a build leaves: the report, the evidence as a document, and all checks."""
+
+    page: str
+    evidence: Any
+    checks: tuple[Check, ...]
 
 
-def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, Emitted]:
-    """Return the files of the controller and its companions by folder, with test vectors of a closed loop."""
-    error, block = stage.surrogate_error.get(scalar), stage.controller.block
-    files = write.emit(block, scalar, {"design": (stage.gains or partial(gains, stage))(scalar)}, error=error)
-    controller = host.load(files.files, files.manifest)
-    inputs = dict((stage.recording or record)(Rig(stage, stage.plant, controller)))
-    answers = controller.replay(inputs)
-    folders = {stage.name: _with_vectors(files, inputs, answers)}
-    for companion in stage.companions:
-        beside = write.emit(companion.block, scalar, error=error)
-        given = dict(companion.inputs(inputs, answers.outputs))
-        answered = host.load(beside.files, beside.manifest).replay(given)
-        folders[companion.block.name] = _with_vectors(beside, given, answered)
-    return folders
+def emission(design: Design, scalar: type[np.floating]) -> Task[dict[str, Emitted]]:
+    """Return the task of what is written to generated_c/<name>/, by folder."""
+
+    def compute(say: Progress) -> dict[str, Emitted]:
+        say("gains and C")
+        return dict(workspace.emitted(design, scalar))
+
+    return Task("gains and C", compute, (design.emit, scalar))
 
 
-def _with_vectors(files: Emitted, inputs: Mapping[str, NDArray[Any]], answers: host.Replay) -> Emitted:
-    text = vectors.document(inputs, answers.outputs, answers.faults)
-    return replace(files, files={**files.files, "vectors.json": text})
+def verification(design: Design, whole: bool) -> Task[Evidence]:
+    """Return the task of comparing the witnesses, over the `whole` replay or over a short one."""
+    return Task("verification", lambda say: design.verify(say, whole), (design.verify, whole))
 
 
-def record(rig: Rig) -> Mapping[str, NDArray[Any]]:
-    """Return the inputs (1000,) of a closed loop with bad samples, up to the latch."""
-    return stimuli.closed_loop(rig, stimuli.VECTORS, stimuli.BEYOND).measured
+def simulation(design: Design) -> Task[list[Experiment]]:
+    """Return the task of running the experiments."""
+    return Task("experiments", lambda say: list(design.simulate(say)), (design.simulate,))
 
 
-def gains(stage: Stage, scalar: type[np.floating]) -> dict[str, Any]:
-    """Return what gains.json says of a stage: the plant with its parameters, the rate, and the gains of each law."""
-    laws = {law.name: dict(law.gains(scalar)) for law in stage.controller.laws if law.gains}
-    parameters = {p.name: {"value": p.value, "unit": p.unit, "tolerance": p.tolerance} for p in stage.plant.parameters}
-    return {"plant": stage.plant.name, "period_s": stage.controller.time.period_s, "parameters": parameters, **laws}
+def audit(design: Design) -> Task[list[Row]]:
+    """Return the task of recomputing the published figures."""
+
+    def compute(say: Progress) -> list[Row]:
+        rows = []
+        for row in design.audit():
+            say(f"audit {row.id}")
+            rows.append(row)
+        return rows
+
+    return Task("audit", compute, (design.audit,))
 
 
-def simulate(stage: Stage, progress: Progress) -> list[Experiment]:
-    """Run the experiments with the shipped C; a check of each fails where a state of the laws stood at its bound."""
-    shipped, double = rig(stage, stage.scalar), compiled(stage, np.float64)
-    runs = experiments.run(shipped, stage.experiments, progress)
-    return [headroom.judged(run, double, stage.limited) for run in runs]
+def brief_cost(design: Design) -> Task[Cost | None]:
+    """Return the task of measuring the cost in a few seconds; None is measured without emulator or cross compiler."""
+
+    def compute(say: Progress) -> Cost | None:
+        if design.scalar is not np.float32 or missing() or not cross.available():
+            return None
+        files = emission(design, design.scalar).result(_silent)[design.name]
+        say("cost")
+        return meter.brief(files, design.bench.block(), design.bench.replay(host.load(files.files, files.manifest)))
+
+    depends = (meter.brief, design.emit, design.bench.block, design.bench.replay, design.scalar, missing())
+    return Task("cost", compute, depends)
 
 
-def no_audit(stage: Stage) -> Iterator[Row]:
-    """Yield nothing: a stage of one's own has no published figures."""
-    return iter(())
+def whole_cost(design: Design) -> Task[Cost]:
+    """Return the task of measuring the cost over the costliest steps and all decisions."""
+
+    def compute(say: Progress) -> Cost:
+        files = emission(design, np.float32).result(say)[design.name]
+        sequences = design.bench.sequences(host.load(files.files, files.manifest), say)
+        return meter.measure(files, design.bench.block(), sequences, say)
+
+    return Task("cost", compute, (meter.measure, design.emit, design.bench.block, design.bench.sequences))
 
 
-def bench(stage: Stage) -> Bench:
-    """Return what is measured of the controller as machine code."""
+def build(design: Design) -> Task[Built]:
+    """Return the task of the report, made of what all others have made."""
+    emit, verify, simulate, rows, cost = (
+        emission(design, design.scalar),
+        verification(design, False),
+        simulation(design),
+        audit(design),
+        brief_cost(design),
+    )
 
-    def replay(controller: host.Controller) -> Mapping[str, NDArray[Any]]:
-        return stimuli.closed_loop(Rig(stage, stage.plant, controller), stimuli.REPLAY).measured
+    def compute(say: Progress) -> Built:
+        evidence, experiments = verify.result(_silent), simulate.result(_silent)
+        parts = emit.result(_silent), evidence, experiments, rows.result(_silent), cost.result(_silent)
+        say("report")
+        checks = (*evidence.checks, *(c for e in experiments for c in e.checks))
+        return Built(design.report(*parts), evidence.document(), checks)
 
-    def sequences(controller: host.Controller, progress: Progress) -> Sequence[Steps]:
-        loop = Rig(stage, stage.plant, controller)
-        return stimuli.sequences(loop, [e.run(loop) for e in stage.experiments], progress)
+    try:
+        keys = [task.key() for task in (emit, verify, simulate, rows, cost)]
+    except ContentError:  # nothing has a key where one part of it has none
+        return Task("report", compute, (design.report, object()))
+    return Task("report", compute, (design.report, *keys))
 
-    return Bench(lambda: stage.controller.block, replay, sequences, standard.largest_output(stage))
+
+def build_jobs(designs: Sequence[Design], root: Path) -> list[Job]:
+    """Return the jobs that build designs; the last of each has the design's name and returns what was Built.
+
+    The C is written to `root`/generated_c as soon as it is there.
+    """
+    emulated = not missing() and "zig" in cross.available()
+    library = [Job(LIBRARY, LIBRARY, lambda say: cross.prepare("cortex-m4f"))] if emulated else []
+    return [*library, *(job for design in designs for job in _build_jobs(design, root, tuple(j.name for j in library)))]
 
 
-def report(
-    stage: Stage,
-    files: Mapping[str, Emitted],
-    evidence: Evidence,
-    runs: Sequence[Experiment],
-    rows: Sequence[Row],
-    cost: Cost | None,
-) -> str:
-    """Return the report as one HTML document."""
-    return template.report(stage, files, evidence, runs, rows, cost, gains(stage, stage.scalar))
+def _build_jobs(design: Design, root: Path, library: tuple[str, ...]) -> list[Job]:
+    name, whole = design.name, build(design)
+
+    def save(say: Progress) -> None:
+        for folder, files in emission(design, design.scalar).result(say).items():
+            write.save(files.files, root / "generated_c" / folder)
+
+    try:
+        if store.holds(whole.key()):
+            return [Job(f"{name} emit", name, save), Job(name, name, whole.result, (f"{name} emit",))]
+    except ContentError:
+        pass
+    first = f"{name} emit"
+    tasks: tuple[tuple[str, Task[Any], tuple[str, ...]], ...] = (
+        ("simulate", simulation(design), (first,)),
+        ("verify", verification(design, False), (first,)),
+        ("cost", brief_cost(design), (first, *library)),
+        ("audit", audit(design), (first,)),
+    )
+    jobs = [Job(f"{name} {what}", name, _kept(task), after) for what, task, after in tasks]
+    last = Job(name, name, whole.result, tuple(job.name for job in jobs))
+    return [Job(first, name, save), *jobs, last]
+
+
+def _kept(task: Task[Any]) -> Callable[[Progress], None]:
+    """Return a run that leaves its result in the cache alone: the job that wants it reads it there."""
+
+    def run(say: Progress) -> None:
+        task.result(say)
+
+    return run
+
+
+def missing() -> list[str]:
+    """Return the packages of the emulator that are not installed."""
+    return [name for name in EMULATOR if find_spec(name) is None]
+
+
+@once
+def compilers() -> Sequence[tuple[str, ...]]:
+    """Return what the compilers that make code of a design's C say of themselves."""
+    found = [host_compiler.find_compiler()]
+    found += [cross.find_compiler("cortex-m4f", name) for name in cross.available()]
+    return [(*c.command, c.identity, *c.machine_flags) for c in found]
+
+
+def _silent(line: str) -> None:
+    """Say nothing."""

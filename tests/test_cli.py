@@ -14,7 +14,7 @@ import pytest
 from typer.testing import CliRunner
 
 from benchmarks import axes
-from synth import cli, design_tasks, workspace
+from synth import cli, tasks, workspace
 from synth.check import Check
 from synth.emit.write import Emitted
 from synth.execute import cross, host
@@ -139,7 +139,7 @@ def test_prove_tells_the_depth_and_fails_with_a_check(
 def test_a_missing_emulator_is_named_with_the_mend(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...]
 ) -> None:
-    monkeypatch.setattr(design_tasks, "EMULATOR", ("unicorn", "no_such_package"))
+    monkeypatch.setattr(tasks, "EMULATOR", ("unicorn", "no_such_package"))
     monkeypatch.setattr("sys.argv", ["synth", *arguments])
     with pytest.raises(SystemExit) as ended:
         cli.main()
@@ -157,7 +157,7 @@ def test_build_reports_the_cost() -> None:
 
 @pytest.mark.usefixtures("one_design")
 def test_build_goes_on_without_an_emulator(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(design_tasks, "EMULATOR", ("no_such_package",))
+    monkeypatch.setattr(tasks, "EMULATOR", ("no_such_package",))
     assert RUNNER.invoke(cli.app, ["build"]).exit_code == 0
     assert Path("reports/axes_2.html").read_text() == "cost: none"
 
@@ -176,7 +176,7 @@ def die(told: workspace.Told, whole: bool) -> Evidence:
 def test_a_crash_in_one_design_is_reported_and_the_others_finish(
     monkeypatch: pytest.MonkeyPatch, verify: Any, told: str
 ) -> None:
-    monkeypatch.setattr(design_tasks, "EMULATOR", ("no_such_package",))
+    monkeypatch.setattr(tasks, "EMULATOR", ("no_such_package",))
     designs = [replace(AXES, name="axes_1", verify=verify), AXES]
     monkeypatch.setattr(workspace, "designs", lambda root, wanted: designs)
     result = RUNNER.invoke(cli.app, ["verify", "--json"])

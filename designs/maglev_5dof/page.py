@@ -1,31 +1,19 @@
-"""The report of the maglev stage: the standard sections and what this stage adds; its prose is in report.md."""
+"""What the report of the maglev stage adds to the standard one; its prose is in report.md."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from designs.maglev_5dof import control, emitted, loops
+from designs.maglev_5dof import control, experiments, gains
 from models import maglev_stage, pmlsm
-from synth.analyse.margins import Margins
-from synth.emit.write import Emitted
+from synth.declaration import Stage
 from synth.plant import Plant, Symbols
-from synth.report import figures, page, sections, standard, template
-from synth.report.audit import Row
+from synth.report import figures, page, standard, template
 from synth.report.prose import Value
 from synth.simulate.experiment import Experiment
-from synth.statespace import StateSpace
-from synth.verify.cost import Cost
-from synth.verify.evidence import Evidence
 
-ABOUT = (
-    "The five-axis magnetically levitated stage of Fulford, Maggiore and Apkarian: four iron-cored linear motors "
-    "carry and move a platen. This page was computed from the physics; every figure on it was measured on the C "
-    "that ships, or on the model that the C was derived from."
-)
-UNITS = {"y": "m", "x": "m", "z": "m", "phi": "rad", "theta": "rad"}
-COUNTS = {"y": 10e-6, "x": 10e-6, "z": 10e-6, "phi": 20e-6, "theta": 20e-6}
+COUNTS = {a: experiments.ANGLE_RESOLUTION if a in ("phi", "theta") else control.RESOLUTION for a in experiments.AXES}
 LONGEST, WINDOW = 30.0, (0.0, 5.0)  # s: what runs longer is drawn over the window
 _GAP, _TILT = ("F-11", "Fig. 4 of the paper"), ("F-12", "Fig. 5 of the paper")
 BESIDE = {
@@ -37,40 +25,16 @@ BESIDE = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class Opened:
-    """The loop of an axis at a gap, as the report shows it."""
-
-    signal: str
-    label: str
-    L: StateSpace
-    margins: Margins
-
-
-def report(
-    files: Mapping[str, Emitted],
-    evidence: Evidence,
-    experiments: Sequence[Experiment],
-    rows: Sequence[Row],
-    cost: Cost | None,
-) -> str:
-    """Return the whole report as one HTML document."""
-    plant = maglev_stage.plant()
-    opened = [Opened(o.axis, f"{o.gap * 1e3:.4g} mm", o.L, o.margins) for o in loops.all_loops(plant)]
-    parts = (
-        standard.model(plant, forces),
-        standard.law(control.controller(plant).rounded(np.float32)),
-        standard.gains(emitted.gains(plant, np.float32)),
-        standard.loops(opened),
-        standard.experiments(experiments, _shown(experiments, {row.id: row.published.text for row in rows})),
-        standard.audit(rows),
-        standard.verification(evidence, "1 A"),
-        sections.cost(cost),
-        standard.files(files),
-    )
-    outputs = "direct and quadrature currents of 4 motors, rms"
-    facts = standard.facts(control.TIME, np.float32, "6 encoders, 5 set-points", outputs)
-    return template.assembled(control.NAME, ABOUT, facts, parts, _values(plant))
+def report(stage: Stage, files: Any, evidence: Any, runs: Any, rows: Any, cost: Any) -> str:
+    """Return the report as one HTML document; arguments as `template.report`."""
+    printed = {row.id: row.published.text for row in rows}
+    beside = {name: ". ".join(f"{figure}: {printed[row]}" for row, figure in found) for name, found in BESIDE.items()}
+    drawn = {run.name: (_path(run),) for run in runs if run.name == "ellipse"}
+    units = {axis: experiments.unit(axis) for axis in experiments.AXES}
+    shown = standard.Shown(units, COUNTS, beside, drawn, LONGEST, WINDOW)
+    extra = template.Extra(_values(stage.plant), named=forces, shown=shown)
+    document = gains.document(stage.scalar)
+    return template.report(stage, files, evidence, runs, rows, cost, document, extra)
 
 
 def forces(x: Symbols, u: Symbols, p: Symbols) -> dict[str, ca.SX]:
@@ -98,13 +62,7 @@ def _values(plant: Plant) -> dict[str, Value]:
     }
 
 
-def _shown(experiments: Sequence[Experiment], printed: Mapping[str, str]) -> standard.Shown:
-    beside = {name: ". ".join(f"{figure}: {printed[row]}" for row, figure in rows) for name, rows in BESIDE.items()}
-    drawn = {e.name: (_path(e),) for e in experiments if e.name == "ellipse"}
-    return standard.Shown(UNITS, COUNTS, beside, drawn, LONGEST, WINDOW)
-
-
-def _path(e: Experiment) -> page.Figure:
-    set_point, path = (np.array([source[n] for n in ("x", "z", "y")]) for source in (e.references, e.trajectory))
+def _path(run: Experiment) -> page.Figure:
+    set_point, path = (np.array([source[n] for n in ("x", "z", "y")]) for source in (run.references, run.trajectory))
     drawn = figures.svg(figures.path_3d(set_point, path, ("x", "z", "y")), "path-ellipse")
     return page.Figure(drawn, "The path through space")

@@ -9,7 +9,7 @@ in the plant alone. MATLAB: `getLoopTransfer` over `ureal` vertices, `allmargin`
 """
 
 import itertools
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -73,7 +73,6 @@ class OpenLoop:
         return float(kind.of(self.margins)) if self.margins.stable else kind.lost
 
 
-@arguments.checked
 @dataclass(frozen=True, eq=False)
 class Loops:
     """Where the loops of a stage are taken: the closed loop and its interface, operating points and parameters' values.
@@ -174,17 +173,19 @@ def rest(loops: Loops, point: str, case: Case = NOMINAL) -> Rest:
 
 
 @arguments.checked
-def opened(loops: Loops, signals: Sequence[str] | None = None) -> Iterator[OpenLoop]:
-    """Yield the loop at each operating point and case, opened at each of `signals`: all actuators and sensors if None.
+def opened(loops: Loops, signals: Sequence[str] | None = None) -> list[OpenLoop]:
+    """Return the loop at each operating point and case, opened at each of `signals`: all actuators and sensors if None.
 
     Raises SignalError for an unknown signal; ModelError naming the point where none is found.
     """
     chosen = [*loops.actuators, *loops.sensors] if signals is None else signals
-    for point, case in itertools.product(loops.points, loops.cases):
-        where = rest(loops, point, case)
-        for signal in chosen:
-            L = resting.open_loop(where, signal)
-            yield OpenLoop(point, case, signal, L, _margins(L, signal, point))
+    rests = ((point, case, rest(loops, point, case)) for point, case in itertools.product(loops.points, loops.cases))
+    return [_open(point, case, signal, where) for point, case, where in rests for signal in chosen]
+
+
+def _open(point: str, case: Case, signal: str, where: Rest) -> OpenLoop:
+    L = resting.open_loop(where, signal)
+    return OpenLoop(point, case, signal, L, _margins(L, signal, point))
 
 
 def _margins(L: StateSpace, signal: str, point: str) -> Margins:
@@ -203,7 +204,7 @@ def disks(loops: Loops, point: str, case: Case = NOMINAL) -> dict[str, disk.Disk
 
 
 @arguments.checked
-def checks(found: Iterable[OpenLoop], require: Mapping[str, float]) -> list[Check]:
+def checks(loops: Sequence[OpenLoop], require: Mapping[str, float]) -> list[Check]:
     """Return for each required margin by how much the worst of some loops falls short of it, and which loop that is.
 
     `require` {name: least} takes the names of REQUIREMENTS: phase_margin in degrees, gain_margin and gain_reduction as
@@ -211,7 +212,6 @@ def checks(found: Iterable[OpenLoop], require: Mapping[str, float]) -> list[Chec
 
     Raises SignalError for another name or no loop.
     """
-    loops = list(found)
     if unknown := [name for name in require if name not in REQUIREMENTS]:
         raise SignalError(f"'{unknown[0]}' is no margin that can be required: choose of {', '.join(REQUIREMENTS)}")
     if not loops:

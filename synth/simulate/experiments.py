@@ -212,10 +212,8 @@ def run(rig: Rig, experiments: Sequence[Runnable], progress: Callable[[str], Non
 def _trajectory(rig: Rig, duration_s: float, courses: Mapping[str, Array], under: Conditions) -> Trajectory:
     time = sample_times(duration_s, rig.period_s)
     around = rig.stage.interface
-    forcing = dict.fromkeys(around.disturbances, 0.0) | {
-        name: course if isinstance(course, float | int) else conditions.values(course, time)
-        for name, course in under.disturbances.items()
-    }
+    forcing: dict[str, Any] = dict.fromkeys(around.disturbances, 0.0)
+    forcing |= {n: c if callable(c) else conditions.values(c, time) for n, c in under.disturbances.items()}
     plant = rig.plant.with_parameters(**under.parameters) if under.parameters else rig.plant
     options = {"forcing": forcing} | dict(under.options)
     return replace(rig, plant=plant).run(duration_s, under.start, courses, **options)

@@ -1,0 +1,118 @@
+"""What the command line does with a declared stage, as far as the design does not do it itself.
+
+emit       C, manifest, gains and test vectors        verify     evidence of all witnesses
+simulate   the experiments, on the shipped C           bench      stimuli of the machine code
+report     the standard report
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import lru_cache, partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synth.declaration import Stage
+from synth.emit import write
+from synth.emit.c import vectors
+from synth.emit.write import Emitted
+from synth.execute import build, host
+from synth.report import template
+from synth.report.audit import Row
+from synth.simulate import experiments, headroom
+from synth.simulate.experiment import Experiment
+from synth.simulate.rig import Rig
+from synth.verify import stimuli
+from synth.verify.cost import Cost
+from synth.verify.evidence import Evidence
+from synth.verify.steps import Steps
+from synth.workspace import Bench
+
+Progress = Callable[[str], None]
+
+
+def compiled(stage: Stage, scalar: type[np.floating]) -> host.Controller:
+    """Return the stage's controller in a scalar type, compiled once."""
+    return _compiled(stage, np.dtype(scalar).name)
+
+
+@lru_cache(maxsize=8)
+def _compiled(stage: Stage, scalar: str) -> host.Controller:
+    kind = np.float32 if scalar == "float32" else np.float64
+    return build.compiled(stage.controller.block, kind, error=stage.surrogate_error.get(kind))
+
+
+def rig(stage: Stage, scalar: type[np.floating]) -> Rig:
+    """Return the stage's plant under its controller in a scalar type."""
+    return Rig(stage, stage.plant, compiled(stage, scalar))
+
+
+def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, Emitted]:
+    """Return the files of the controller and its companions by folder, with test vectors of a closed loop."""
+    error, block = stage.surrogate_error.get(scalar), stage.controller.block
+    files = write.emit(block, scalar, {"design": (stage.gains or partial(gains, stage))(scalar)}, error=error)
+    controller = host.load(files.files, files.manifest)
+    inputs = dict((stage.recording or record)(Rig(stage, stage.plant, controller)))
+    answers = controller.replay(inputs)
+    folders = {stage.name: _with_vectors(files, inputs, answers)}
+    for companion in stage.companions:
+        beside = write.emit(companion.block, scalar, error=error)
+        given = dict(companion.inputs(inputs, answers.outputs))
+        answered = host.load(beside.files, beside.manifest).replay(given)
+        folders[companion.block.name] = _with_vectors(beside, given, answered)
+    return folders
+
+
+def _with_vectors(files: Emitted, inputs: Mapping[str, NDArray[Any]], answers: host.Replay) -> Emitted:
+    text = vectors.document(inputs, answers.outputs, answers.faults)
+    return replace(files, files={**files.files, "vectors.json": text})
+
+
+def record(rig: Rig) -> Mapping[str, NDArray[Any]]:
+    """Return the inputs (1000,) of a closed loop with bad samples, up to the latch."""
+    return stimuli.closed_loop(rig, stimuli.VECTORS, stimuli.BEYOND).measured
+
+
+def gains(stage: Stage, scalar: type[np.floating]) -> dict[str, Any]:
+    """Return what gains.json says of a stage: the plant with its parameters, the rate, and the gains of each law."""
+    laws = {law.name: dict(law.gains(scalar)) for law in stage.controller.laws if law.gains}
+    parameters = {p.name: {"value": p.value, "unit": p.unit, "tolerance": p.tolerance} for p in stage.plant.parameters}
+    return {"plant": stage.plant.name, "period_s": stage.controller.time.period_s, "parameters": parameters, **laws}
+
+
+def simulate(stage: Stage, progress: Progress) -> list[Experiment]:
+    """Run the experiments with the shipped C; a check of each fails where a state of the laws stood at its bound."""
+    shipped, double = rig(stage, stage.scalar), compiled(stage, np.float64)
+    runs = experiments.run(shipped, stage.experiments, progress)
+    return [headroom.judged(run, double, stage.limited) for run in runs]
+
+
+def no_audit(stage: Stage) -> Iterator[Row]:
+    """Yield nothing: a stage of one's own has no published figures."""
+    return iter(())
+
+
+def bench(stage: Stage) -> Bench:
+    """Return what is measured of the controller as machine code."""
+
+    def replay(controller: host.Controller) -> Mapping[str, NDArray[Any]]:
+        return stimuli.closed_loop(Rig(stage, stage.plant, controller), stimuli.REPLAY).measured
+
+    def sequences(controller: host.Controller, progress: Progress) -> Sequence[Steps]:
+        loop = Rig(stage, stage.plant, controller)
+        return stimuli.sequences(loop, [e.run(loop) for e in stage.experiments], progress)
+
+    return Bench(lambda: stage.controller.block, replay, sequences)
+
+
+def report(
+    stage: Stage,
+    files: Mapping[str, Emitted],
+    evidence: Evidence,
+    runs: Sequence[Experiment],
+    rows: Sequence[Row],
+    cost: Cost | None,
+) -> str:
+    """Return the report as one HTML document."""
+    return template.report(stage, files, evidence, runs, rows, cost, gains(stage, stage.scalar))
