@@ -80,14 +80,15 @@ def assembled(
     facts: Sequence[tuple[str, str]],
     parts: Sequence[Section],
     values: Mapping[str, Value] | None = None,
+    shared: Sequence[str] = (),
 ) -> str:
     """Return a page of sections as one HTML document, with the prose of the design's report.md among them.
 
-    Prose before the first title makes a section of its own at the top.
+    That of `shared` packages of designs comes first. Prose before the first title makes a section at the top.
 
     Raises DesignError as `prose.read`.
     """
-    words = prose.read(own_words(name), values or {})
+    words = prose.read("\n\n".join(own_words(folder) for folder in (*shared, name)), values or {})
     summary = (Section("Summary", words.blocks),) if words.blocks else ()
     placed = prose.placed(parts, words.parts)
     return page.render(page.Report(name, about, (*summary, *placed), tuple(facts)))
