@@ -1,6 +1,6 @@
 """The five-axis maglev stage of Fulford, Maggiore and Apkarian, from physics to verified C."""
 
-from designs.maglev_5dof import control, experiments, gains, recordings, reference, verification
+from designs.maglev_5dof import control, experiments, gains, page, recordings, reference, verification
 from designs.maglev_5dof.paper import rows
 from models import maglev_stage
 from synth import stage
@@ -23,5 +23,6 @@ DESIGN = stage.design(
     companions=[Companion(control.phase_currents(PLANT), recordings.phases)],
     verify=verification.verify,
     audit=rows.rows,
+    report=page.report,
     about=__doc__,
 )
