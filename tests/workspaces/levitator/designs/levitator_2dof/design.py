@@ -3,6 +3,7 @@
 from math import pi
 
 from designs.levitator_2dof import reference
+
 from models import levitator
 from synth import stage
 from synth.analyse import linearise, trim
