@@ -12,10 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from designs.planar_6dof import filtering, interface, vertical
-from designs.planar_6dof import loop as loops
-from designs.planar_6dof.loop import Array, Loop
-from models import halbach, planar_stage
+from designs.planar_6dof import filtering, interface, loop, vertical
+from designs.planar_6dof.loop import Array, simulate
 from synth.block import Block
 from synth.emit import write
 from synth.emit.c import digits, vectors
@@ -37,22 +35,22 @@ def emitted(block: Block, scalar: type[np.floating], design: Mapping[str, Any]) 
     error = interface.SURROGATE_ERROR[scalar]
     files = write.emit(block, scalar, {"design": design}, error=error)
     controller = host.load(files.files, files.manifest)
-    inputs = recorded(controller, block.time).measured
+    inputs = recorded(block, controller).measured
     answered = controller.replay(inputs)
     text = vectors.document(inputs, answered.outputs, answered.faults)
     return {block.name: replace(files, files={**files.files, "vectors.json": text})}
 
 
-def recorded(controller: host.Controller, time: Discrete) -> Trajectory:
+def recorded(block: Block, controller: host.Controller) -> Trajectory:
     """Run the closed loop of the test vectors."""
-    at = sample_times(STEPS * time.period_s, time.period_s)
+    T = controller.period_s
+    at = sample_times(STEPS * T, T)
     wanted = ways(at)
     wanted["x"][ASTRAY] = TOO_FAR
     mask = np.zeros(STEPS, dtype=bool)
     mask[BAD] = True
     bad = {CHANNEL: Override(mask, np.full(STEPS, VOLTS))}
-    loop = Loop(planar_stage.plant(halbach.HARMONICS), controller, loops.compiled(loops.view(time)))
-    return loop.run(STEPS * time.period_s, wanted, START, overrides=bad)
+    return simulate(loop.of(block, controller), STEPS * T, wanted, START, overrides=bad)
 
 
 def ways(time: Array) -> dict[str, Array]:

@@ -7,24 +7,24 @@ import pytest
 
 from designs.planar_6dof import failures, page_experiments, page_stage, sensing_maps
 from designs.planar_6dof import loop as simulated
-from designs.planar_6dof.loop import Loop
 from designs.planar_6dof_leadlag import control as leadlag
 from models import planar_stage
 from synth.blocks import safety
 from synth.errors import SignalError
 from synth.simulate.experiment import Experiment
+from synth.simulate.rig import Rig
 from tests.designs.planar_6dof import short_runs
 
 PLANT = planar_stage.plant()
 
 
 @pytest.fixture(scope="module")
-def lead() -> Loop:
+def lead() -> Rig:
     return simulated.of(leadlag.controller(PLANT))
 
 
 @pytest.fixture(scope="module")
-def runs(lead: Loop) -> list[Experiment]:
+def runs(lead: Rig) -> list[Experiment]:
     return [*short_runs.runs(lead), failures.experiment(lead, "nan", False)]
 
 
@@ -55,7 +55,7 @@ def test_figures_by_channel_keep_each_value(runs: list[Experiment]) -> None:
     assert page_experiments.by_channel(runs[0].figures) is None and page_experiments.by_channel({}) is None
 
 
-def test_positions_are_seen_as_the_compiled_c_has_them(lead: Loop, runs: list[Experiment]) -> None:
+def test_positions_are_seen_as_the_compiled_c_has_them(lead: Rig, runs: list[Experiment]) -> None:
     rest = runs[3].trajectory
     found, expected = page_stage.seen(rest, leadlag.TIME, 500), lead.seen(rest)
     for name in ("x_raw", "x", "phi"):
