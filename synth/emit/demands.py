@@ -135,5 +135,6 @@ def between(low: float, high: float, unit: str) -> Demand:
         met,
         failed,
         lambda sides: _middle(sides[0]),
-        mend="limit it in the law, as block.clip(y, signal) does, or declare the range that it has",
+        mend="limit it in the law, as block.clip(y, signal) does, declare the range that it has, or, only to look at "
+        "it on the host, take block.unranged",
     )
