@@ -8,6 +8,7 @@ The data alone; `synth.stage` completes it from the plant's signals, composes th
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -163,15 +164,42 @@ class Synthesis(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
+class Composition:
+    """The laws of a controller, all Blocks of which it is made in the order of the data, and what they are together."""
+
+    laws: tuple[Law, ...]
+    parts: tuple[Block, ...]
+    block: Block
+
+
+@dataclass(frozen=True, eq=False)
 class Controller:
-    """The composed controller, its laws, and all Blocks of which it is made, in the order of the data."""
+    """A controller, composed when it is first asked for: a design may be named without its gains being computed."""
 
     name: str
     time: Discrete
     interface: Interface
-    laws: tuple[Law, ...]
-    parts: tuple[Block, ...]
-    block: Block
+    compose: Callable[[], Composition]
+
+    @cached_property
+    def composition(self) -> Composition:
+        """The laws, parts and whole, computed once."""
+        return self.compose()
+
+    @property
+    def laws(self) -> tuple[Law, ...]:
+        """The laws between errors and limits."""
+        return self.composition.laws
+
+    @property
+    def parts(self) -> tuple[Block, ...]:
+        """All Blocks, from the guard to the safe output."""
+        return self.composition.parts
+
+    @property
+    def block(self) -> Block:
+        """The whole controller as one Block."""
+        return self.composition.block
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,6 +220,7 @@ class Stage:
 
     reference         a step of the independent NumPy witness: (states, inputs) -> (states', outputs, fault words)
     operating_points  plant states by name of the point; `require` are least margins there
+    tolerances        parameters of the plant at all ends of whose tolerances the margins are required, too
     experiments       data with `name` and `run(rig) -> Experiment`
     scalar            the type in which it ships; `surrogate_error` is relative, by type, else the emitter's own
     start             plant states of a run, where these are not 0
@@ -208,6 +237,7 @@ class Stage:
     reference: Reference | None = None
     operating_points: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     require: Mapping[str, float] = field(default_factory=dict)
+    tolerances: Sequence[str] = ()
     experiments: Sequence[Any] = ()
     about: str = ""
     scalar: type[np.floating] = np.float32

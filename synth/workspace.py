@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from synth.block import Block
 from synth.declaration import Stage
+from synth.emit import write
 from synth.emit.write import Emitted
 from synth.errors import DesignError
 from synth.execute import host
@@ -67,6 +68,12 @@ class Design:
     report: Report
     audit: Callable[[], Iterator[Row]] = _no_rows
     stage: Stage | None = None
+
+
+def regenerate(design: Design, root: Path = Path()) -> None:
+    """Write what a design emits to generated_c/ of the workspace at `root`."""
+    for folder, files in design.emit(design.scalar).items():
+        write.save(files.files, root / "generated_c" / folder)
 
 
 def designs(root: Path, wanted: Sequence[str] = ()) -> list[Design]:

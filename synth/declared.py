@@ -17,12 +17,12 @@ from synth.declaration import Stage
 from synth.emit import vectors, write
 from synth.emit.write import Emitted
 from synth.execute import build, host
-from synth.report import page, sections
+from synth.report import template
 from synth.report.audit import Row
 from synth.simulate import experiments, headroom
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
-from synth.verify import standard, stimuli
+from synth.verify import stimuli
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 from synth.verify.steps import Steps
@@ -102,7 +102,7 @@ def bench(stage: Stage) -> Bench:
         loop = Rig(stage, stage.plant, controller)
         return stimuli.sequences(loop, [e.run(loop) for e in stage.experiments], progress)
 
-    return Bench(lambda: stage.controller.block, replay, sequences, standard.largest_output(stage))
+    return Bench(lambda: stage.controller.block, replay, sequences)
 
 
 def report(
@@ -114,17 +114,4 @@ def report(
     cost: Cost | None,
 ) -> str:
     """Return the report as one HTML document."""
-    signals = [*stage.plant.states, *stage.plant.inputs, *stage.plant.outputs, *stage.interface.signals.values()]
-    units = {s.name: s.unit for s in signals}
-    texts = {f"{folder}/{name}": text for folder, one in files.items() for name, text in one.files.items()}
-    parts = (
-        page.Section("Model", (sections.parameters(stage.plant),)),
-        page.Section("Experiments", (), tuple(sections.experiment(e, units) for e in runs)),
-        *((page.Section("Audit", (sections.audit(rows),)),) if rows else ()),
-        page.Section(
-            "Verification", (sections.agreements(evidence.agreements), page.Checks("Limits", tuple(evidence.checks)))
-        ),
-        *((sections.cost(cost),) if cost else ()),
-        page.Section("Files", (sections.files(texts),)),
-    )
-    return page.render(page.Report(stage.name, stage.about, parts))
+    return template.report(stage, files, evidence, runs, rows, cost, gains(stage, stage.scalar))
