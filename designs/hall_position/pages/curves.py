@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from designs.hall_position import drawings
-from designs.hall_position.drawings import Map
+from designs.hall_position.pages import drawings
+from designs.hall_position.pages.drawings import Map
 from synth.report import figures
 from synth.report.figures import COLOURS
 from synth.statespace import Array
@@ -18,9 +18,7 @@ from synth.statespace import Array
 
 def basins(shown: Sequence[Map], wide: float) -> Figure:
     """Draw maps in per cent over starts that are off by up to `wide` pitches along X and Y."""
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 3.4), layout="constrained")
-        grid = figure.subplots(1, len(shown), sharey=True)
+    with drawings.panels(3.4, 1, len(shown), sharey=True) as (drawn, grid):
         for axes, each in zip(grid, shown, strict=True):
             image = axes.imshow(
                 each.values.T, origin="lower", extent=(-wide, wide, -wide, wide), cmap=drawings.PLAIN, vmin=0, vmax=100
@@ -29,15 +27,13 @@ def basins(shown: Sequence[Map], wide: float) -> Figure:
             axes.grid(visible=False)
             drawings.signs(axes)
         grid[0].set_ylabel("off along Y, pitches")
-        figure.colorbar(image, ax=grid, shrink=0.85, label="%")
-    return figure
+        drawn.colorbar(image, ax=grid, shrink=0.85, label="%")
+    return drawn
 
 
 def waits(found: Mapping[str, NDArray[np.int_]], most: int, period_s: float) -> Figure:
     """Draw the shares of starts that are valid by the time, of samples (n,) that each took, 0 for never."""
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 2.7), layout="constrained")
-        axes = figure.subplots()
+    with drawings.panels(2.7) as (drawn, axes):
         for k, (label, took) in enumerate(found.items()):
             by = [100 * float(np.mean((took > 0) & (took <= n))) for n in range(1, most + 1)]
             time = 1e3 * period_s * np.arange(1, most + 1)
@@ -46,14 +42,12 @@ def waits(found: Mapping[str, NDArray[np.int_]], most: int, period_s: float) -> 
         axes.xaxis.set_major_formatter(drawings.SIGNS)
         axes.set(xlabel="time since init, ms", ylabel="valid, %", ylim=(0.0, 103.0))
         drawings.above(axes)
-    return figure
+    return drawn
 
 
 def steps(time: Array, curves: Mapping[str, Array], size: float) -> Figure:
     """Draw Fig. 11: x in m over time in s, whole and close to the end."""
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 2.9), layout="constrained")
-        left, right = figure.subplots(1, 2)
+    with drawings.panels(2.9, 1, 2) as (drawn, (left, right)):
         for axes in (left, right):
             for (label, x), colour in zip(curves.items(), COLOURS, strict=False):
                 keep = figures.decimate(x)
@@ -64,16 +58,14 @@ def steps(time: Array, curves: Mapping[str, Array], size: float) -> Figure:
         low, high = min(*ends, 1e3 * size), max(*ends, 1e3 * size)
         right.set_ylim(low - 0.3 * (high - low), high + 0.3 * (high - low))
         left.set_ylabel("x, mm")
-        figure.legend(*left.get_legend_handles_labels(), loc="outside upper right", ncols=len(curves), frameon=False)
-    return figure
+        drawn.legend(*left.get_legend_handles_labels(), loc="outside upper right", ncols=len(curves), frameon=False)
+    return drawn
 
 
 def zigzags(time: Array, paths: Mapping[str, Sequence[Array]]) -> Figure:
     """Draw Fig. 10 of runs (x shown, y shown, x, y) in m by name: two paths of the first, the distances of all."""
     first = next(iter(paths.values()))
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 3.2), layout="constrained")
-        grid = figure.subplots(1, 3, width_ratios=(1, 1, 1.5))
+    with drawings.panels(3.2, 1, 3, width_ratios=(1, 1, 1.5)) as (drawn, grid):
         for axes, title, (x, y) in zip(grid, ("(a) as shown", "(b) true"), (first[:2], first[2:]), strict=False):
             axes.plot(1e3 * x[::4], 1e3 * y[::4], color=COLOURS[0], lw=0.9)
             axes.set(title=title, xlabel="X, mm", ylabel="Y, mm", aspect="equal", xmargin=0.05)
@@ -86,4 +78,4 @@ def zigzags(time: Array, paths: Mapping[str, Sequence[Array]]) -> Figure:
         grid[2].title.set_horizontalalignment("left")
         grid[2].title.set_x(0.0)
         drawings.above(grid[2])
-    return figure
+    return drawn

@@ -3,8 +3,10 @@
 Values come in SI units and are shown in mm, um, mrad, degrees, mV and mT.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,7 +18,7 @@ from numpy.typing import NDArray
 
 from models.hall_figures import Coefficients, Line, Spacings, Surface
 from models.hall_scan import Decay, Fit
-from synth.report import figures
+from synth.report import figures, page
 from synth.report.figures import COLOURS
 from synth.statespace import Array
 
@@ -34,11 +36,23 @@ class Map:
     marks: Array | None = None
 
 
+@contextmanager
+def panels(height: float, *shape: int, **options: Any) -> Iterator[tuple[Figure, Any]]:
+    """Open a figure of the page's width, a height in inches, and its axes as `Figure.subplots` makes them."""
+    with figures.styled():
+        drawn = Figure(figsize=(9.0, height), layout="constrained")
+        yield drawn, drawn.subplots(*shape, **options)
+
+
+def figure(name: str, drawn: Figure, caption: str, beside: str = "") -> page.Figure:
+    """Return a drawing as a block of the page."""
+    return page.Figure(figures.svg(drawn, name), caption, beside)
+
+
 def coefficients(found: Sequence[tuple[str, Coefficients]]) -> Figure:
     """Draw Fig. 3: amplitudes by number, above ideal blocks and those that were made, at each distance."""
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 3.0), layout="constrained")
-        for axes, (title, each) in zip(figure.subplots(1, len(found)), found, strict=True):
+    with panels(3.0, 1, len(found)) as (drawn, grid):
+        for axes, (title, each) in zip(np.atleast_1d(grid), found, strict=True):
             for k, (label, values) in enumerate({"ideal": each.ideal, "as made": each.fabricated}.items()):
                 axes.bar(each.numbers + 0.4 * (k - 0.5), values, 0.4, color=COLOURS[k], label=label)
             axes.bar([each.numbers[-1] + 2], [each.cross], 0.4, color=COLOURS[1])
@@ -48,36 +62,32 @@ def coefficients(found: Sequence[tuple[str, Coefficients]]) -> Figure:
             axes.grid(visible=False, axis="x")
             axes.legend(loc="upper right")
             axes.yaxis.set_major_formatter(SIGNS)
-    return figure
+    return drawn
 
 
 def field(ideal: Surface, made: Surface) -> Figure:
     """Draw Fig. 4: B_X over the target area above ideal blocks and those that were made, and sections of both."""
     high = 1e3 * max(float(np.abs(each.B_X).max()) for each in (ideal, made))
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 3.3), layout="constrained")
-        left, middle, right = figure.subplots(1, 3)
+    with panels(3.3, 1, 3) as (drawn, (left, middle, right)):
         for axes, title, each in ((left, "B_X, ideal, mT", ideal), (middle, "B_X, as made, mT", made)):
             image = axes.pcolormesh(
                 1e3 * each.X, 1e3 * each.Y, 1e3 * each.B_X.T, cmap=SIGNED, vmin=-high, vmax=high, rasterized=True
             )
             _pitch(axes, title)
-        figure.colorbar(image, ax=(left, middle), shrink=0.85)
+        drawn.colorbar(image, ax=(left, middle), shrink=0.85)
         for each, label, colour in ((ideal, "ideal", COLOURS[0]), (made, "as made, four Y", COLOURS[1])):
             for k in range(0, len(each.Y) - 1, (len(each.Y) - 1) // 4):
                 right.plot(1e3 * each.X, 1e3 * each.B_X[:, k], color=colour, lw=0.8, label=None if k else label)
         right.set(xlabel="X, mm", title="sections of B_X, mT")
         right.legend(loc="upper right")
         signs(right)
-    return figure
+    return drawn
 
 
 def spacing(line: Line, spacings: Spacings, printed: Array) -> Figure:
     """Draw Fig. 5: what two sensors read along X, and how insensitive a pair gets by its spacing."""
     pitch = line.X[-1]
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 2.8), layout="constrained")
-        left, right = figure.subplots(1, 2)
+    with panels(2.8, 1, 2) as (drawn, (left, right)):
         steep = np.abs(line.slopes[0]) >= np.abs(line.slopes[1])
         for k, (volts, used) in enumerate(zip(line.volts, (steep, ~steep), strict=True)):
             left.plot(1e3 * line.X, volts, color=COLOURS[k], lw=0.8)
@@ -90,7 +100,7 @@ def spacing(line: Line, spacings: Spacings, printed: Array) -> Figure:
         right.set(xlabel="spacing, pitches", ylabel="least slope of the pair, V/mm", ylim=(0.0, None))
         right.legend(loc="lower right")
         signs(left)
-    return figure
+    return drawn
 
 
 def residuals(fit: Fit) -> Figure:
@@ -100,24 +110,21 @@ def residuals(fit: Fit) -> Figure:
         ("(b) model (2), V", fit.modelled),
         ("(c) left, mV", 1e3 * fit.residual),
     )
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 3.0), layout="constrained")
-        for axes, (title, values) in zip(figure.subplots(1, 3), shown, strict=True):
+    with panels(3.0, 1, 3) as (drawn, grid):
+        for axes, (title, values) in zip(grid, shown, strict=True):
             n = int(np.sqrt(len(values)))
             high = float(np.abs(values).max())
             image = axes.imshow(
                 values.reshape(n, n).T, origin="lower", extent=_extent(fit), cmap=SIGNED, vmin=-high, vmax=high
             )
             _pitch(axes, title)
-            figure.colorbar(image, ax=axes, shrink=0.8)
-    return figure
+            drawn.colorbar(image, ax=axes, shrink=0.8)
+    return drawn
 
 
 def gap(heights: Array, found: Mapping[str, Array], decays: Sequence[Decay], at: float) -> Figure:
     """Draw |alpha|, |beta|, .. in V of fits at heights in m, and the law of decay from the one `at` a height."""
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 2.9), layout="constrained")
-        axes = figure.subplots()
+    with panels(2.9) as (drawn, axes):
         z = np.linspace(heights[0], heights[-1], 50)
         for (name, values), decay, colour in zip(found.items(), decays, COLOURS, strict=False):
             law = np.exp(decay.estimate["ln"] - decay.law * (z - at))
@@ -128,7 +135,7 @@ def gap(heights: Array, found: Mapping[str, Array], decays: Sequence[Decay], at:
         axes.set_xlim(1e3 * heights[0] - 0.05, 1e3 * heights[-1] + 0.05)
         _plain_log(axes)
         axes.legend(loc="center right")
-    return figure
+    return drawn
 
 
 def maps(
@@ -137,42 +144,37 @@ def maps(
     """Draw maps over the pitch with one scale from `low` to `high`; what is beyond has the end's colour."""
     norm: Normalize = LogNorm(low, high) if log else Normalize(low, high)
     rows = -(-len(shown) // columns)
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 3.0 * rows), layout="constrained")
-        grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    with panels(3.0 * rows, rows, columns, sharex=True, sharey=True, squeeze=False) as (drawn, grid):
         for axes, each in zip(grid.flat, shown, strict=False):
             _one(axes, each, pitch, norm, PLAIN)
         for axes in grid.flat[len(shown) :]:
             axes.set_visible(False)
         for axes in grid.flat:
             axes.label_outer()
-        bar = figure.colorbar(ScalarMappable(norm, PLAIN), ax=grid, shrink=0.85, extend="both", label=label)
+        bar = drawn.colorbar(ScalarMappable(norm, PLAIN), ax=grid, shrink=0.85, extend="both", label=label)
         if log:
             _plain_log(bar.ax)
-    return figure
+    return drawn
 
 
 def signed(shown: Sequence[Map], sides: Sequence[tuple[float, float]]) -> Figure:
     """Draw maps of values about 0 over X and Y between two `sides` each, m, each map with its own scale."""
     extent = tuple(1e3 * v for side in sides for v in side)
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 2.9), layout="constrained")
-        for axes, each in zip(figure.subplots(1, len(shown)), shown, strict=True):
+    with panels(2.9, 1, len(shown)) as (drawn, grid):
+        for axes, each in zip(np.atleast_1d(grid), shown, strict=True):
             high = float(np.nanmax(np.abs(each.values))) or 1.0
             image = axes.imshow(
                 each.values.T, origin="lower", extent=extent, cmap=SIGNED, norm=Normalize(-high, high), aspect="equal"
             )
             _pitch(axes, each.title)
             signs(axes)
-            figure.colorbar(image, ax=axes, shrink=0.8, format=SIGNS)
-    return figure
+            drawn.colorbar(image, ax=axes, shrink=0.8, format=SIGNS)
+    return drawn
 
 
 def over_yaw(curves: Mapping[str, tuple[Array, Array]], required: float) -> Figure:
     """Draw the largest deviation of X or Y over the pitch, m, over the yaw, rad, for each layout."""
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 3.0), layout="constrained")
-        axes = figure.subplots()
+    with panels(3.0) as (drawn, axes):
         for (label, (yaw, worst)), colour in zip(curves.items(), COLOURS, strict=False):
             axes.plot(np.degrees(yaw), 1e6 * worst, color=colour, label=label, lw=1.2)
         axes.axhline(1e6 * required, color="#666666", ls=":", lw=1.0)
@@ -181,14 +183,13 @@ def over_yaw(curves: Mapping[str, tuple[Array, Array]], required: float) -> Figu
         _plain_log(axes)
         axes.xaxis.set_major_formatter(SIGNS)
         above(axes)
-    return figure
+    return drawn
 
 
 def layouts(shown: Mapping[str, Sequence[tuple[float, float]]]) -> Figure:
     """Draw where sensors are in the body, in pitches, over one pitch's square."""
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 2.6), layout="constrained")
-        for axes, (title, places) in zip(figure.subplots(1, len(shown), sharey=True), shown.items(), strict=True):
+    with panels(2.6, 1, len(shown), sharey=True) as (drawn, grid):
+        for axes, (title, places) in zip(np.atleast_1d(grid), shown.items(), strict=True):
             axes.plot([-0.5, 0.5, 0.5, -0.5, -0.5], [-0.5, -0.5, 0.5, 0.5, -0.5], color=GREY, lw=0.8)
             axes.axhline(0.0, color=GREY, lw=0.6)
             axes.axvline(0.0, color=GREY, lw=0.6)
@@ -198,8 +199,8 @@ def layouts(shown: Mapping[str, Sequence[tuple[float, float]]]) -> Figure:
             axes.set(title=title, xlim=(-0.72, 0.72), ylim=(-0.72, 0.72), aspect="equal", xlabel="x, pitches")
             axes.label_outer()
             signs(axes)
-        figure.axes[0].set_ylabel("y, pitches")
-    return figure
+        drawn.axes[0].set_ylabel("y, pitches")
+    return drawn
 
 
 def _one(axes: Axes, each: Map, pitch: float, norm: Normalize, colours: str) -> None:
