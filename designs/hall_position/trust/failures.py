@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designs.hall_position.accuracy import layouts
-from designs.hall_position.glsdc import estimator
+from designs.hall_position.glsdc import channels
 from designs.hall_position.trust import endurance, fleet
 from designs.hall_position.trust.endurance import Limits
 from designs.hall_position.trust.fleet import Kind
@@ -44,7 +44,7 @@ FAILURES: MappingProxyType[str, Failing] = MappingProxyType(
         "none": lambda now, before: now,
         "dead": lambda now, before: 0 * now,
         "one axis": lambda now, before: _one(0.0, now),
-        "saturated": lambda now, before: _one(np.where(now[:, 0] < 0, -estimator.SPAN, estimator.SPAN), now),
+        "saturated": lambda now, before: _one(np.where(now[:, 0] < 0, -channels.SPAN, channels.SPAN), now),
         "no number": lambda now, before: _one(np.nan, now),
         "weak": lambda now, before: WEAK * now,
         "stuck": lambda now, before: _one(before[:, 0], now),

@@ -39,8 +39,9 @@ def test_small_signals_are_shown_in_micrometres() -> None:
 def test_runs_with_and_without_calibration_stand_side_by_side() -> None:
     plain = run({"x": np.zeros(8)}, more={"true motion, mm": 3.9, "at most, mm": 1.0, "Fig. 11: motion, mm": 4.3})
     after = run({"x": np.zeros(8)}, "step_calibrated", {"true motion, mm": 4.0, "Fig. 11: motion, mm": 4.0})
-    table = experiments.blocks(None, [plain, after])["calibration.compared"]
-    assert isinstance(table, Table) and table.rows == (("step", "true motion, mm", 3.9, 4.0),)
+    both = {e.name: e for e in (plain, after)}
+    assert experiments._before_and_after(both) == (("step", "true motion, mm", 3.9, 4.0),)
+    assert experiments._before_and_after({plain.name: plain}) == ()
     assert experiments.blocks(None, [plain])["calibration.compared"] == experiments.ABSENT
 
 
