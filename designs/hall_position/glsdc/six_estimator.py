@@ -27,7 +27,7 @@ from string import ascii_lowercase
 import casadi as ca
 import numpy as np
 
-from designs.hall_position.glsdc import channels, restarts, six_correction, six_descent
+from designs.hall_position.glsdc import channels, restarts, six_descent
 from designs.hall_position.glsdc.channels import AXES
 from designs.hall_position.glsdc.six_correction import Sensor
 from designs.hall_position.glsdc.six_descent import POSE, Found, Named, Problem
@@ -35,6 +35,7 @@ from designs.hall_position.glsdc.six_parameters import Array, Tuning
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.errors import ModelError
 from synth.signals import Signal
+from synth.synthesise import normal_equations
 from synth.timing import Discrete
 
 ENOUGH = 4  # sensors; one more is to spare
@@ -87,8 +88,8 @@ def estimator(array: Array, time: Discrete, tuning: Tuning = USUAL) -> Block:
         freedom = channels.freedom(len(array.positions), 6, left_out)
         astray = found.last.squares > freedom * tuning.residual**2
         ahead = _ahead(found, astray, begun, x, problem)
-        variances = six_correction.variances(found.factors)
-        leaning = six_correction.dot([ca.SX(d) for d in problem.damping], variances)
+        variances = normal_equations.variances(found.factors)
+        leaning = normal_equations.dot([ca.SX(d) for d in problem.damping], variances)
         damped = leaning > tuning.leaning
         sudden = found.last.cost - found.last.squares > (tuning.surprise * array.deviation) ** 2
         doubt = ca.logic_or(damped, ca.logic_or(astray, sudden))

@@ -9,10 +9,10 @@ from designs.hall_position.accuracy import fisher, singular_points
 from designs.hall_position.accuracy.layouts import LAYOUTS, PUBLISHED
 from designs.hall_position.glsdc import parameters
 from designs.hall_position.pages import curves, drawings
-from designs.hall_position.pages.drawings import Map, figure
 from designs.hall_position.paper import errors, estimate, rank
 from designs.hall_position.paper.stage import TOLERANCE, UM, Array, Stage, grid, worst
-from synth.report import page
+from synth.report import maps, page
+from synth.report.maps import Map, figure
 from synth.report.prose import Value
 
 POINTS = 96  # of a map, along a pitch
@@ -61,7 +61,7 @@ def _maps(stage: Stage, layouts: Mapping[str, parameters.Array]) -> page.Figure:
             marks = singular_points.of_pair(stage.pair, yaw).at if name == "two sensors" else None
             shown.append(Map(f"{name}, yaw {np.degrees(yaw):g}°", _larger(layouts[name], yaw) / UM, marks))
     caption = "Standard deviation of X or Y, whichever is larger, for 1 mV. Circles: singular points."
-    return figure("accuracy", drawings.maps(shown, stage.pitch, 2.0, 20.0, label="µm"), caption)
+    return figure("accuracy", maps.maps(shown, stage.pitch, 2.0, 20.0, label="µm"), caption)
 
 
 def _larger(of: parameters.Array, yaw: float) -> Array:
@@ -120,7 +120,7 @@ def _errors(stage: Stage) -> dict[str, Value]:
         for m in shown
     )
     columns = ("sensors", "rms", "99 % of the places", "largest")
-    drawn = drawings.maps(shown, stage.pitch, 0.02, 2.0, label="mm")
+    drawn = maps.maps(shown, stage.pitch, 0.02, 2.0, label="mm")
     return {
         "errors.figure": figure("model-error", drawn, "Distance of the estimate from the true place, mm."),
         "errors.table": page.Table("Errors in mm by model (2), yaw 0", columns, rows, digits=3),

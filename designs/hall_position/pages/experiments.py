@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from designs.hall_position.loop.error_map import ErrorMap
-from designs.hall_position.pages import curves, drawings
-from designs.hall_position.pages.drawings import Map, figure
-from synth.report import page, standard
+from designs.hall_position.pages import curves
+from synth.report import maps, page, standard
+from synth.report.maps import Map, figure
 from synth.report.notation import readable
 from synth.report.prose import Value
 from synth.report.standard import Shown
@@ -96,7 +96,7 @@ def _unit(what: str) -> str:
 def _map(of: ErrorMap) -> page.Figure:
     titles = ("added to X, mm", "added to Y, mm", "added to yaw, mrad")
     shown = [Map(title, 1e3 * values) for title, values in zip(titles, of.added, strict=True)]
-    drawn = drawings.signed(shown, tuple((a[0], a[-1]) for a in of.grid.axes))
+    drawn = maps.signed(shown, tuple((a[0], a[-1]) for a in of.grid.axes))
     caption = f"The table: {of.grid.size[0]} × {of.grid.size[1]} places, {1e3 * of.grid.spacing:g} mm apart."
     return figure("error-map", drawn, caption, "Fig. 10(c): errors of up to 1.4 mm.")
 

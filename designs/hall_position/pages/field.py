@@ -6,7 +6,6 @@ import casadi as ca
 import numpy as np
 
 from designs.hall_position.pages import drawings
-from designs.hall_position.pages.drawings import figure
 from designs.hall_position.paper import field as audited
 from designs.hall_position.paper.stage import Stage
 from models import concentrated_field, hall_array, hall_figures, hall_scan
@@ -14,6 +13,7 @@ from models.concentrated_field import CROSS, PARAMETERS, on_axes
 from models.hall_figures import Surface
 from models.hall_scan import Decay, Fit
 from synth.report import page
+from synth.report.maps import figure
 from synth.report.prose import Value
 
 POINTS = 97  # of a field's picture, along a pitch

@@ -8,11 +8,12 @@ from designs.hall_position.accuracy import layouts, maps
 from designs.hall_position.accuracy.layouts import LAYOUTS, PUBLISHED
 from designs.hall_position.glsdc.six_parameters import Array, Tuning
 from designs.hall_position.pages import drawings
-from designs.hall_position.pages.drawings import Map, figure
 from designs.hall_position.paper import errors
 from designs.hall_position.paper.stage import Stage
 from models import hall_array
+from synth.report import maps as pictures
 from synth.report import page
+from synth.report.maps import Map, figure
 from synth.report.prose import Value
 
 POINTS = 48  # of maps, along a pitch
@@ -63,7 +64,7 @@ def _layout(of: Array, sensors: int) -> page.Section:
     drawn = [
         figure(
             f"six-{sensors}-{name}",
-            drawings.maps(each, of.pitch, low, high, columns=2, label=unit),
+            pictures.maps(each, of.pitch, low, high, columns=2, label=unit),
             f"Standard deviations for 1 mV, level at {1e3 * of.height:g} mm.",
         )
         for name, each, low, high, unit in (("places", shown, 1.0, 10.0, "µm"), ("turns", turns, 50.0, 500.0, "µrad"))

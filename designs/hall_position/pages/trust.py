@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 
 from designs.hall_position import shipped
-from designs.hall_position.pages import curves, drawings
-from designs.hall_position.pages.drawings import Map, figure
+from designs.hall_position.pages import curves
 from designs.hall_position.trust import basin, cold_start, endurance, failures
 from designs.hall_position.trust.fleet import Kind
-from synth.report import page
+from synth.report import maps, page
+from synth.report.maps import Map, figure
 from synth.report.prose import Value
 
 NAMES = {shipped.NAME: "two sensors", shipped.THREE: "three sensors"}
@@ -53,7 +53,7 @@ def basins(of: Kinds) -> dict[str, Value]:
     """Return how far a start may be off, by the compiled C."""
     reach = [Map(NAMES[n], 1e3 * basin.over_pitch(kind, POINTS).reach) for n, kind in of.items()]
     pitch = next(iter(of.values())).array.pitch
-    drawn = drawings.maps(reach, pitch, 0.0, 1e3 * pitch / 4, columns=2, log=False, label="mm")
+    drawn = maps.maps(reach, pitch, 0.0, 1e3 * pitch / 4, columns=2, log=False, label="mm")
     mapped = {NAMES[name]: basin.mapped(kind, BODIES, YAW, SAMPLES) for name, kind in of.items()}
     rows: list[tuple[page.Cell, ...]] = []
     for name, each in mapped.items():
@@ -135,7 +135,7 @@ def _unseen(name: str, kind: Kind) -> page.Figure:
         share = 100 * float(np.mean(unseen.unseen))
         values = np.where(unseen.unseen, 1e6 * unseen.error, np.nan)
         shown.append(Map(f"sensor {'ABC'[sensor - 1]}: {share:.3g} % unseen", values))
-    drawn = drawings.maps(shown, kind.array.pitch, 1.0, LARGEST, columns=len(shown), label="µm")
+    drawn = maps.maps(shown, kind.array.pitch, 1.0, LARGEST, columns=len(shown), label="µm")
     caption = (
         f"{NAMES[name]}: where at rest, yaw 0, a sensor of which one voltage is dead is not flagged within "
         f"{failures.SOON} samples, and by how much the estimate errs there; white is flagged."
