@@ -1,5 +1,6 @@
 """Numbers as a user gives them: finite, whole, in rows and tables. What is none is refused by its name."""
 
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 from math import inf, isfinite
 from numbers import Real
@@ -45,6 +46,18 @@ def above(name: str, value: object, low: float, high: float = inf) -> float:
         limit = "" if high == inf else f" and at most {high}"
         raise ModelError(f"{name} is {value}: it must be above {low}{limit}")
     return found
+
+
+def check_fields(of: object, ranges: Mapping[str, tuple[float, float]], counts: Collection[str] = ()) -> None:
+    """Check fields of an object: above the lower end and at most the upper; `counts` are whole numbers from 1 on.
+
+    Raises ModelError with the name of the first field that is not so.
+    """
+    for name, (low, high) in ranges.items():
+        if name in counts:
+            whole(name, getattr(of, name), 1, high)
+        else:
+            above(name, getattr(of, name), low, high)
 
 
 def numbers(name: str, given: object) -> tuple[float, ...]:

@@ -16,7 +16,7 @@ import numpy as np
 
 from designs.hall_position import bench, shipped
 from designs.hall_position.accuracy import six_field
-from designs.hall_position.glsdc import six_estimator
+from designs.hall_position.glsdc import channels, six_estimator
 from designs.hall_position.glsdc.six_parameters import Array
 from designs.hall_position.trust import motions
 from designs.hall_position.trust.motions import Numbers
@@ -128,7 +128,7 @@ def six_steps(array: Array, controller: host.Controller) -> Steps:
     """Return steps of a motion in which it loses its way now and then, and steps from any state."""
     V = _noisy(array, _motion(array, SIX))
     V[LOST] *= -1
-    given = dict(zip((s.name for s in six_estimator.voltages(array)), V.T, strict=True))
+    given = dict(zip((s.name for s in channels.voltages(len(array.positions))), V.T, strict=True))
     return steps.joined("all", [steps.recorded(controller, "motion", given), steps.drawn(controller, SIX)])
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from designs.hall_position import shipped
-from designs.hall_position.glsdc import estimator
+from designs.hall_position.glsdc import channels, estimator
 from designs.hall_position.glsdc.parameters import Array
 from designs.hall_position.trust import motions
 from designs.hall_position.trust.motions import Numbers, Pose
@@ -69,5 +69,5 @@ def design(name: str) -> dict[str, Any]:
         "period_s": shipped.TIME.period_s,
         "method": "modified Gaussian least squares differential correction (GLSDC), Fig. 9, a fixed number a sample",
         "tuning": {k: digits.cut(v, 12) if isinstance(v, float) else v for k, v in asdict(shipped.TUNING).items()},
-        "bad_samples": estimator.BAD_SAMPLES,
+        "bad_samples": channels.BAD_SAMPLES,
     }

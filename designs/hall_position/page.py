@@ -1,24 +1,20 @@
-"""The report of the Hall position: what a design review reads, assembled from the computed parts."""
+"""The report of the Hall position: what a design review reads, from report.md, report.toml and the computed blocks."""
 
+import tomllib
 from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
 
-from designs.hall_position import (
-    page_accuracy,
-    page_convergence,
-    page_estimator,
-    page_experiments,
-    page_failures,
-    page_field,
-    page_loops,
-    page_six,
-    page_trust,
-    shipped,
-)
+import numpy as np
+
+from designs.hall_position import shipped
 from designs.hall_position.loop import calibration
+from designs.hall_position.pages import accuracy, costs, estimator, experiments, field, loops, six, trust
 from designs.hall_position.paper.stage import Stage
 from synth.emit.write import Emitted
-from synth.report import page, sections
+from synth.report import page, prose, sections, standard, template
 from synth.report.audit import Row
+from synth.report.prose import Value
 from synth.simulate.experiment import Experiment
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
@@ -28,84 +24,59 @@ ABOUT = (
     "the field, its model, the estimator and what it tells where. This page was computed from the magnets' geometry; "
     "every figure on it was measured on the C that ships, or on the model that the C was derived from."
 )
-AUDIT = (
-    "Verdicts are computed. The sensors' places are not printed: they are taken at ±(3/8, 3/8) pitch about the body's "
-    "origin, with the spacing (3), and K-5, K-6, K-9, K-11 and K-13 depend on that."
-)
+FACTS = (("law", "GLSDC, Fig. 9, five corrections a sample"),)
+LOOP = ("Calibration", standard.EXPERIMENTS, standard.LOOPS)  # parts of the closed loop
 
 
 def report(
     files: Mapping[str, Emitted],
     evidence: Evidence,
-    experiments: Sequence[Experiment],
+    runs: Sequence[Experiment],
     rows: Sequence[Row],
     cost: Cost | None,
 ) -> str:
     """Return the whole report as one HTML document, with every experiment that is handed in."""
+    data = tomllib.loads(Path(__file__).with_name("report.toml").read_text(encoding="utf-8"))
+    text = Path(__file__).with_name("report.md").read_text(encoding="utf-8")
     stage = Stage()
-    parts = (
-        page_field.field(stage),
-        page_field.fit(stage),
-        page_estimator.estimator(),
-        page_accuracy.accuracy(stage),
-        page_accuracy.model_error(stage),
-        page_convergence.convergence(stage),
-        *_trust(),
-        *_loop(experiments),
-        page_six.section(stage),
-        page.Section("Audit of the paper", (page.Text(AUDIT), sections.audit(rows))),
-        _verification(evidence),
-        sections.cost(cost),
-        *_others(files, cost),
-        page.Section("Files", (sections.files(_texts(files)),)),
-    )
-    facts = (
-        ("sample period", f"{shipped.TIME.period_s * 1e3:g} ms"),
-        ("scalar type", "float32"),
-        ("inputs", "4 Hall voltages; 6 with a third sensor"),
-        ("outputs", "X, Y and yaw, their deviations, residual, flags"),
-        ("law", "GLSDC, Fig. 9, five corrections a sample"),
-    )
-    return page.render(page.Report(shipped.NAME, ABOUT, parts, facts))
+    words = prose.read(text, {**_equations(data), **_blocks(stage, data, runs)})
+    computed = {
+        standard.EXPERIMENTS: experiments.section(runs, data["beside"]),
+        standard.LOOPS: loops.section() if runs else page.Section(standard.LOOPS),
+        "Six degrees of freedom": six.section(stage),
+        standard.AUDIT: standard.audit(rows, ()),
+        standard.VERIFICATION: standard.verification(evidence),
+    }
+    others = _others(files, cost, stage)
+    skipped = {*(() if runs else LOOP), *(() if others else (costs.TITLE,))}
+    made = [*computed.values(), sections.cost(cost), *others, standard.files(files)]
+    parts = [part for part in words.parts if part.title not in skipped]
+    placed = prose.placed([section for section in made if section.title not in skipped], parts)
+    inputs, outputs = "4 Hall voltages; 6 with a third sensor", "X, Y and yaw, their deviations, residual, flags"
+    facts = (*standard.facts(shipped.TIME, np.float32, inputs, outputs), *FACTS)
+    return template.assembled(shipped.NAME, ABOUT, facts, placed)
 
 
-def _trust() -> tuple[page.Section, ...]:
-    """Return the parts on what the shipped C does from any start, in any motion."""
-    of = page_trust.kinds()
-    return page_trust.convergence(of), page_trust.cold_starts(of), page_trust.motion(of), page_failures.section(of)
+def _equations(data: Mapping[str, Any]) -> dict[str, Value]:
+    return {f"equations.{e['name']}": page.Equations(tuple(map(tuple, e["rows"]))) for e in data["equations"]}
 
 
-def _loop(experiments: Sequence[Experiment]) -> tuple[page.Section, ...]:
-    """Return the parts on the closed loop, none where none was run."""
-    if not experiments:
-        return ()
-    source = calibration.calibrated()
-    return (
-        page_experiments.calibration(source, experiments),
-        page_experiments.section(experiments),
-        page_loops.section(),
-    )
+def _blocks(stage: Stage, data: Mapping[str, Any], runs: Sequence[Experiment]) -> dict[str, Value]:
+    of = calibration.calibrated().map if runs else None
+    return {
+        **field.blocks(stage),
+        **estimator.blocks(data["meaning"]),
+        **accuracy.blocks(stage),
+        **trust.blocks(trust.kinds()),
+        **experiments.blocks(of, runs),
+        **six.blocks(stage),
+    }
 
 
-def _others(files: Mapping[str, Emitted], cost: Cost | None) -> tuple[page.Section, ...]:
+def _others(files: Mapping[str, Emitted], cost: Cost | None, stage: Stage) -> tuple[page.Section, ...]:
     """Return what the other estimators cost, none where nothing was measured for want of an emulator or a compiler."""
     if cost is None:
         return ()
-    from designs.hall_position import costs, page_costs  # which need the extra `target`
+    from designs.hall_position.costs import measure  # which needs the extra `target`
 
-    return (page_costs.section(costs.measure(files[shipped.THREE], page_six.placed(Stage(), 4))),)
-
-
-def _verification(evidence: Evidence) -> page.Section:
-    text = page.Text(
-        "reference: NumPy, written from the paper's equations, corrections by an orthogonal factorisation. casadi: "
-        "CasADi's evaluation. casadi_c: CasADi's own C, double. c64, c32: the emitted C in double and single "
-        "precision. Steps whose errors are magnified over a thousand times are counted, and compared at that times "
-        "epsilon."
-    )
-    checks = page.Checks("Limits", tuple(evidence.checks))
-    return page.Section("Verification", (text, sections.agreements(evidence.agreements), checks))
-
-
-def _texts(files: Mapping[str, Emitted]) -> dict[str, str]:
-    return {f"{folder}/{name}": text for folder, found in files.items() for name, text in found.files.items()}
+    return (costs.section(measure(files[shipped.THREE], six.placed(stage, 4))),)

@@ -18,12 +18,13 @@ from designs.hall_position.reference import Setup
 from designs.hall_position.trust import motions
 from designs.hall_position.trust.motions import Numbers, Pose
 from synth.block import Block
+from synth.verify import sampling
 
 Columns = dict[str, Numbers]
 SEED = 2_013
 NEAR = (1e-3, 0.05, 0.3)  # rad of phase, from where a sample begins
 REFUSED = 0.01
-SPECIAL = (np.nan, np.inf, -np.inf, 5e-324, -5e-324, 1e-40, -0.0, 0.0, 1e300, -1e300)
+COUNTS = ("estimator_pitch_x", "estimator_pitch_y")  # whole numbers, held as real ones
 TRAVEL = 0.3  # m: six pitches, at up to 2 m/s
 YAW, TURN = (0.04, 0.5), (0.0, 13.0)  # rad, rad/s, of every other motion: a turn in 0.5 s
 LENGTH, BAD_COLUMNS = 500, 5  # samples of a motion; of so many one has bad samples
@@ -54,7 +55,7 @@ def _setup(array: Array, tuning: Tuning) -> Setup:
 def in_operation(subject: Subject, n: int) -> tuple[Columns, Columns]:
     """Draw n random steps (states, inputs)."""
     rng = np.random.default_rng(SEED)
-    states, of, w = _anywhere(subject.block, rng, n), subject.of, subject.array.wave_number
+    states, of, w = sampling.states_anywhere(subject.block, rng, n, whole=COUNTS), subject.of, subject.array.wave_number
     start, _ = reference.begun(of, reference_guard.of_estimator(states), np.zeros((n, len(of.positions), 2), bool))
     size = rng.choice(NEAR, n)[:, np.newaxis] * rng.standard_normal((n, 3)) / [w, w, subject.array.radius]
     x, y, yaw = (start + size).T
@@ -68,27 +69,12 @@ def in_operation(subject: Subject, n: int) -> tuple[Columns, Columns]:
 
 def at_the_edges(subject: Subject, n: int) -> tuple[Columns, Columns]:
     """Draw n edge steps (states, inputs)."""
-    rng = np.random.default_rng(SEED + 1)
-    states, inputs = _anywhere(subject.block, rng, n), {}
-    for s in subject.block.states:
+    rng, block = np.random.default_rng(SEED + 1), subject.block
+    states = sampling.states_anywhere(block, rng, n, whole=COUNTS)
+    for s in block.states:
         ends = rng.choice((s.signal.low, s.signal.high), n)
         states[s.name] = np.where(rng.random(n) < 0.25, ends, states[s.name])
-    for signal in subject.block.inputs:
-        beyond = np.nextafter(signal.low, -np.inf), np.nextafter(signal.high, np.inf)
-        values = (signal.low, signal.high, *beyond, *SPECIAL)
-        chosen = rng.integers(0, 4 * len(values), n)
-        anywhere = rng.uniform(signal.low, signal.high, n)
-        inputs[signal.name] = np.where(chosen < len(values), np.take(values, chosen % len(values)), anywhere)
-    return states, inputs
-
-
-def _anywhere(block: Block, rng: np.random.Generator, n: int) -> Columns:
-    states = {}
-    for s in block.states:
-        low, high = s.signal.low, s.signal.high
-        whole = s.integer or s.signal.name.startswith("estimator_pitch")
-        states[s.name] = rng.integers(int(low), int(high) + 1, n).astype(float) if whole else rng.uniform(low, high, n)
-    return states
+    return states, {signal.name: sampling.at_edges(signal, rng, n) for signal in block.inputs}
 
 
 def measured(subject: Subject, period_s: float, n: int) -> Columns:

@@ -6,11 +6,11 @@ move at random, for long.
 
 What magnifies errors of rounding is, for a step, the largest condition number of its corrections times that by which
 the step magnifies a change of its voltages: it is large where a decision hangs by less than that change as well. Steps
-above SEVERE are counted, and compared at that number times epsilon; all others at EXACT.
+above SEVERE are counted, and compared at that number times epsilon; all others at suite.EXACT.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -22,19 +22,19 @@ from designs.hall_position.random_steps import LENGTH, Columns, Subject
 from designs.hall_position.trust import endurance
 from designs.hall_position.trust.fleet import Kind
 from designs.hall_position.trust.motions import Numbers
-from synth.block import Block
 from synth.check import Check
-from synth.emit import write
 from synth.execute import host
-from synth.verify import agree
+from synth.simulate import ensemble
+from synth.verify import agree, suite
 from synth.verify.agree import Stepped
 from synth.verify.evidence import Evidence
+from synth.verify.suite import Witnesses
 
 WHOLE = {"motions": 100_000, "random": 20_000, "edge": 10_000}  # steps of each estimator
 QUICK = {"motions": 10_000, "random": 4_000, "edge": 2_000}
 BODIES, LONG, SHORT = 2000, 5000, 50  # in motion without end, and their samples: ten million, or few
 FLOOR = 1.0  # m, rad, V: differences of outputs are absolute below it
-EXACT, EPSILON = 1e-12, 2.0**-52
+EPSILON = 2.0**-52
 SEVERE, SEVERE_SHARE = 1e3, 0.02  # of steps drawn at the edges half of these come to a bound exactly
 HANGS = 1e-9  # of alpha
 TIMES = 16  # condition numbers times epsilon; a fit has a hundred operations, and 6 are seen
@@ -45,19 +45,9 @@ RELATIVE = 1e-10  # of deviations in double precision, which are micrometres
 STEP, NARROW = 2.0**-23, 2e-3  # of single precision; share of steps of which a cost is that near its bound
 OTHERWISE = 0.01  # share of the steps of motions that decide otherwise in single precision
 VALID_OTHERWISE = 2e-3
-OTHERS = ("reference", "casadi", "casadi_c")  # that the C in double precision is compared with
 DECISIONS = ("converged", "damped", "valid")
 Told = Callable[[str], None]
 Compared = tuple[Sequence[agree.Agreement], Sequence[Check]]
-
-
-@dataclass(frozen=True, eq=False)
-class Witnesses:
-    """The witnesses of one step by name, and the compiled C in both scalar types."""
-
-    of: Mapping[str, agree.Witness]
-    c64: host.Controller
-    c32: host.Controller
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,17 +61,9 @@ class Steps:
     margin: Numbers
 
 
-def compiled(block: Block, scalar: type[np.floating]) -> host.Controller:
-    """Return the compiled C of a guarded estimator."""
-    made = write.emit(block, scalar, error=estimator.SURROGATE_ERROR[scalar])
-    return host.load(made.files, made.manifest)
-
-
 def witnesses(of: Subject) -> Witnesses:
     """Return the witnesses of an estimator."""
-    c64, c32 = (compiled(of.block, scalar) for scalar in (np.float64, np.float32))
-    found = {"reference": agree.reference(partial(reference_guard.step, of.of)), "casadi": agree.casadi(of.block)}
-    return Witnesses(found | {"casadi_c": agree.casadi_own_c(of.block), "c64": agree.emitted(c64)}, c64, c32)
+    return suite.witnesses(of.block, partial(reference_guard.step, of.of), estimator.SURROGATE_ERROR)
 
 
 def verify(told: Told, whole: bool) -> Evidence:
@@ -114,7 +96,7 @@ def compared(of: Subject, by: Witnesses, sizes: Mapping[str, int], told: Told) -
         given = severe(of, f"{of.name}, {kind} steps", *drawn())
         c64 = by.of["c64"](given.states, given.inputs)
         yield (), [shared(given)]
-        for name in OTHERS:
+        for name in suite.OTHERS:
             yield exact(of, given, (name, by.of[name](given.states, given.inputs)), c64)
         if kind == "motions":
             yield in_single(of, by, given)
@@ -124,17 +106,10 @@ def compared(of: Subject, by: Witnesses, sizes: Mapping[str, int], told: Told) -
 
 def along(of: Subject, controller: host.Controller, inputs: Columns) -> tuple[Columns, Columns]:
     """Return the steps that the C takes from `init` over columns (samples, bodies) of inputs, one after the other."""
-    bodies = next(iter(inputs.values())).shape[1]
-    now, states = np.repeat(controller.init()[np.newaxis], bodies), []
-    for k in range(LENGTH):
-        states.append(now)
-        now = controller.batch(now.copy(), _at(inputs, k)).states
-    recorded = np.concatenate(states)
+    batches = list(ensemble.replayed(controller, inputs))
+    before = [ensemble.started(controller, len(batches[0].states)), *(batch.states for batch in batches[:-1])]
+    recorded = np.concatenate(before)
     return {s.name: recorded[s.name] for s in of.block.states}, {n: v.ravel() for n, v in inputs.items()}
-
-
-def _at(inputs: Columns, k: int) -> Columns:
-    return {name: np.ascontiguousarray(values[k]) for name, values in inputs.items()}
 
 
 def severe(of: Subject, what: str, states: Columns, inputs: Columns) -> Steps:
@@ -165,15 +140,15 @@ def shared(given: Steps) -> Check:
 def exact(of: Subject, given: Steps, first: tuple[str, Stepped], c64: Stepped) -> Compared:
     """Compare a witness by name with the C in double precision."""
     above = given.severity > SEVERE
-    pair = (first[0], _part(first[1], ~above)), ("c64", _part(c64, ~above))
+    pair = (first[0], suite.part(first[1], ~above)), ("c64", suite.part(c64, ~above))
     a = agree.compare(given.what, *pair, FLOOR, of.block)
     off = float((apart(of, first[1], c64) / (EPSILON * given.severity))[above].max(initial=0.0))
     unlike = int(np.count_nonzero(first[1].faults != c64.faults))
     about = f"worst of {a.samples} steps, {a.signal}"
     name = f"{given.what}: {first[0]} against c64"
     return [a], [
-        Check(name, a.worst, EXACT, f"max({FLOOR:g}, |y|)", about),
-        Check(f"{name}, next states", a.state_worst, EXACT, "of range", a.state),
+        Check(name, a.worst, suite.EXACT, f"max({FLOOR:g}, |y|)", about),
+        Check(f"{name}, next states", a.state_worst, suite.EXACT, "of range", a.state),
         Check(f"{name}, deviations", _relative(*(stepped for _, stepped in pair)), RELATIVE, "of itself"),
         Check(f"{name}, where magnified", off, TIMES, "condition number times epsilon"),
         Check(f"{name}, fault words unlike", unlike, 0, "1"),
@@ -199,8 +174,7 @@ def in_single(of: Subject, by: Witnesses, given: Steps) -> Compared:
     From the states of the C in double, rounded. Where a decision is another one, so may the position be; and where, far
     from a solution, one cost of several volts is as low as another but for rounding.
     """
-    x, u = ({n: v.astype(np.float32) for n, v in columns.items()} for columns in (given.states, given.inputs))
-    double, single = agree.emitted(by.c64)(x, u), agree.emitted(by.c32)(x, u)
+    double, single = suite.in_single(by, given.states, given.inputs)
     alike = double.faults == single.faults
     for flag in DECISIONS:
         alike &= double.outputs[flag] == single.outputs[flag]
@@ -210,12 +184,12 @@ def in_single(of: Subject, by: Witnesses, given: Steps) -> Compared:
     converged = double.outputs["converged"] > 0
     narrow = ~converged & (given.margin < STEP)
     chosen = alike & ~narrow & (given.severity <= SEVERE)
-    pair = ("c64", _part(double, chosen)), ("c32", _part(single, chosen))
+    pair = ("c64", suite.part(double, chosen)), ("c32", suite.part(single, chosen))
     a = agree.compare(given.what, *pair, FLOOR, of.block, np.float32)
     off = np.maximum(_gap(double, single, "X"), _gap(double, single, "Y"))
     what = f"{given.what}: X and Y, single less double"
     yaw, residual = (float(_gap(double, single, name)[chosen].max(initial=0.0)) for name in ("yaw", "residual"))
-    deviation = _relative(_part(double, chosen), _part(single, chosen))
+    deviation = _relative(suite.part(double, chosen), suite.part(single, chosen))
     checks = [
         Check(f"{given.what}: yaw, single less double", yaw, SINGLE_YAW, "rad"),
         Check(f"{given.what}: residual, single less double", residual, SINGLE_RESIDUAL, "V"),
@@ -247,7 +221,7 @@ def own_ways(of: Subject, by: Witnesses, inputs: Columns) -> list[Check]:
     """Compare valid positions of the reference and of single precision, each on its own way, with those of the C."""
     double = positions(by.c64, inputs)
     ways = (
-        ("reference", _reference(of, inputs), EXACT, 0.0),
+        ("reference", _reference(of, inputs), suite.EXACT, 0.0),
         ("c32", positions(by.c32, inputs), SINGLE, VALID_OTHERWISE),
     )
     checks = []
@@ -264,27 +238,17 @@ def own_ways(of: Subject, by: Witnesses, inputs: Columns) -> list[Check]:
 
 def positions(controller: host.Controller, inputs: Columns) -> dict[str, NDArray[np.float64]]:
     """Return X, Y in m and `valid` (samples, bodies) from `init` over columns of inputs."""
-    now, found = np.repeat(controller.init()[np.newaxis], next(iter(inputs.values())).shape[1]), []
-    for k in range(LENGTH):
-        batch = controller.batch(now, _at(inputs, k))
-        now = batch.states
-        found.append(batch.outputs)
-    return _stacked(found)
+    return _stacked([batch.outputs for batch in ensemble.replayed(controller, inputs)])
 
 
 def _reference(of: Subject, inputs: Columns) -> dict[str, NDArray[np.float64]]:
     bodies, found = next(iter(inputs.values())).shape[1], []
     now: Columns = {s.name: np.full(bodies, s.initial) for s in of.block.states}
     for k in range(LENGTH):
-        now, outputs, _ = reference_guard.step(of.of, now, _at(inputs, k))
+        now, outputs, _ = reference_guard.step(of.of, now, {n: v[k] for n, v in inputs.items()})
         found.append(outputs)
     return _stacked(found)
 
 
 def _stacked(found: Sequence[Mapping[str, Numbers]]) -> dict[str, NDArray[np.float64]]:
     return {n: np.array([f[n] for f in found], dtype=np.float64) for n in ("X", "Y", "valid")}
-
-
-def _part(stepped: Stepped, chosen: NDArray[np.bool_]) -> Stepped:
-    outputs, states = ({n: v[chosen] for n, v in c.items()} for c in (stepped.outputs, stepped.states))
-    return replace(stepped, outputs=outputs, states=states, faults=stepped.faults[chosen])

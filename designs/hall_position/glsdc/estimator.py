@@ -22,38 +22,30 @@ Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", secti
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import reduce
 from math import pi, sqrt
 from operator import add
-from string import ascii_lowercase
 
 import casadi as ca
 import numpy as np
 
-from designs.hall_position.glsdc import base, descent, tracking
+from designs.hall_position.glsdc import base, channels, descent, tracking
 from designs.hall_position.glsdc.correction import AXES, Equations, Wave
 from designs.hall_position.glsdc.descent import Named, Problem
 from designs.hall_position.glsdc.parameters import Array, Tuning
 from synth.block import Block, Exprs, Step, build
-from synth.blocks import safety
-from synth.compose import compose
-from synth.signals import Signal, names
+from synth.signals import Signal
 from synth.timing import Discrete
 
-SPAN = 5.0  # V, of the converter
-BAD_SAMPLES = 5
 REASON = "an estimator moves nothing: once latched it goes on and tells so in the fault word"
 MORE = 4  # times as much as with two sensors may the damping decide at a certain place, with more than two
 LOOSE = 1e4  # m: 1e-3 is never exceeded, but intervals do not see what is equal in numerator and denominator
 APART = 4.0  # deviations, rms, of voltages that do not fit each other
-LEAST = 1e-30  # V^2, in a root: squares are not below 0, which is not seen of products that may not be rounded
 USUAL = Tuning()
 # Relative, of polynomials: a sine that is wrong by 3e-7 is a position that is wrong by 3 nm.
 SURROGATE_ERROR: dict[type[np.floating], float] = {np.float32: 3e-7, np.float64: 1e-15}
-COMPLETE = Signal("complete", "1", 0, 1, "every measurement is good")
 FLAGS = (
-    Signal("converged", "1", 0, 1, "the last correction is small, and none has raised the cost"),
+    channels.CONVERGED,
     Signal("damped", "1", 0, 1, "the voltages do not tell all of the position"),
     Signal(
         "valid", "1", 0, 1, "converged, place certain and never lost, not damped, astray or sudden, inputs accepted"
@@ -68,18 +60,9 @@ FLAGS = (
 )
 
 
-def voltages(array: Array) -> tuple[Signal, ...]:
-    """Return the voltages of sensors a, b, ... in order, each with its two axes."""
-    letters = ascii_lowercase[: len(array.positions)]
-    return tuple(Signal(f"V_{k}{axis}", "V", -SPAN, SPAN, "Hall sensor and axis") for k in letters for axis in AXES)
-
-
 def guarded(array: Array, time: Discrete, tuning: Tuning = USUAL, name: str = "hall_position") -> Block:
-    """Return the estimator behind the guard of its voltages, which latches after BAD_SAMPLES incomplete samples."""
-    inputs = voltages(array)
-    guard = safety.guard(time, [safety.Guarded(s, 0.0, True) for s in inputs], BAD_SAMPLES, reason=REASON)
-    block = estimator(array, time, tuning)
-    return compose(name, [guard, block], inputs=names(inputs), outputs=names(block.outputs))
+    """Return the estimator behind the guard of its voltages."""
+    return channels.guarded(name, time, len(array.positions), estimator(array, time, tuning), REASON)
 
 
 def estimator(array: Array, time: Discrete, tuning: Tuning = USUAL) -> Block:
@@ -92,7 +75,7 @@ def estimator(array: Array, time: Discrete, tuning: Tuning = USUAL) -> Block:
         heading = base.heading(begun["yaw"], named)
         sensors = base.sensors(base.Base(u, begun, k, heading, left_out), problem, named)
         found = descent.corrected(sensors, problem, named)
-        freedom = _freedom(array, left_out)
+        freedom = channels.freedom(len(array.positions), 3, left_out)
         leaning = _leaning(found.last.equations, problem)
         damped = leaning > tuning.leaning / problem.damping
         once = tuning.surprise * array.deviation / sqrt(problem.damping)  # rad
@@ -110,7 +93,7 @@ def estimator(array: Array, time: Discrete, tuning: Tuning = USUAL) -> Block:
         output = _position(ahead.found, lever, array) | _deviations(found.last.equations, lever, problem)
         accepted = ahead.inside if tracking.spare(array) else ca.logic_and(ahead.inside, u["complete"])
         known = ca.logic_and(ahead.certain, ca.logic_not(x["restarted"]))
-        output |= {"residual": ca.sqrt(LEAST + found.last.squares / freedom), "converged": found.converged}
+        output |= {"residual": channels.residual(found.last.squares, freedom), "converged": found.converged}
         output |= {
             "damped": damped,
             "valid": ca.logic_and(good, ca.logic_and(known, accepted)),
@@ -123,19 +106,12 @@ def estimator(array: Array, time: Discrete, tuning: Tuning = USUAL) -> Block:
         "estimator",
         time,
         law,
-        inputs=_inputs(array),
+        inputs=channels.held(len(array.positions), tracking.spare(array)),
         outputs=_outputs(array, tuning),
         states=tracking.states(problem),
         constants=base.constants(array),
         tag="GLSDC, Fig. 9",
     )
-
-
-def _inputs(array: Array) -> list[Signal]:
-    given = voltages(array)
-    held = [replace(s, name=f"{s.name}_held") for s in given]
-    faults = [Signal(f"fault_{s.name}", "1", 0, 1, "refused this sample") for s in given]
-    return [*held, *(faults if tracking.spare(array) else [COMPLETE])]
 
 
 def _outputs(array: Array, tuning: Tuning) -> list[Signal]:
@@ -145,15 +121,9 @@ def _outputs(array: Array, tuning: Tuning) -> list[Signal]:
     noise = "standard deviation by the noise of the voltages"
     found += [Signal(f"deviation_{a}", "m", 0, LOOSE, noise) for a in "XY"]
     found += [Signal("deviation_yaw", "rad", 0, 1, noise)]
-    found += [Signal("residual", "V", 0, 1e3, "root mean square by degrees of freedom"), *FLAGS]
+    found += [channels.RESIDUAL, *FLAGS]
     left_out = Signal("without", "1", 0, len(array.positions), "number of the sensor that is left out")
     return [*found, left_out] if tracking.spare(array) else found
-
-
-def _freedom(array: Array, left_out: Sequence[ca.SX] | None) -> ca.SX:
-    """Return how many voltages there are beyond three; of more than one sensor that is left out one is counted."""
-    freedom = 2 * len(array.positions) - 3
-    return ca.SX(freedom) if left_out is None else ca.if_else(reduce(ca.logic_or, left_out), freedom - 2, freedom)
 
 
 def _telling(left_out: Sequence[ca.SX] | None, near: ca.SX, leaning: ca.SX, x: Exprs, of: Problem) -> ca.SX:

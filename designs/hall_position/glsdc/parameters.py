@@ -6,13 +6,22 @@ Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", (2), 
 """
 
 from dataclasses import dataclass
-from math import hypot, pi, radians, sqrt
+from math import hypot, inf, pi, radians, sqrt
 
 from synth import numeric
 from synth.errors import ModelError
 
 Pair = tuple[float, float]
 WHOLE = ("iterations", "pitches")  # of a tuning
+RANGES = {  # of the other numbers, above the first and at most the second
+    **dict.fromkeys(("scale", "damping", "reach", "settled"), (0, 1)),
+    **dict.fromkeys(("surprise", "residual"), (0, inf)),
+    **dict.fromkeys(("leaning", "certain"), (0, 3)),
+    **dict.fromkeys(("turn", "yaw"), (0, pi)),
+    "iterations": (1, 20),
+    "firm": (0, 100),
+    "pitches": (1, 1000),
+}
 
 
 @dataclass(frozen=True)
@@ -116,27 +125,6 @@ class Tuning:
     yaw: float = radians(10)
 
     def __post_init__(self) -> None:
-        ranges: dict[str, tuple[float, float]] = {
-            "iterations": (1, 20),
-            "scale": (0, 1),
-            "damping": (0, 1),
-            "firm": (0, 100),
-            "reach": (0, 1),
-            "settled": (0, 1),
-        }
-        ranges |= {
-            "leaning": (0, 3),
-            "surprise": (0, float("inf")),
-            "residual": (0, float("inf")),
-            "pitches": (1, 1000),
-            "certain": (0, 3),
-            "turn": (0, pi),
-            "yaw": (0, pi),
-        }
-        for name, (low, high) in ranges.items():
-            if name in WHOLE:
-                numeric.whole(name, getattr(self, name), 1, high)
-            else:
-                numeric.above(name, getattr(self, name), low, high)
+        numeric.check_fields(self, RANGES, WHOLE)
         if not 0 <= numeric.number("follow", self.follow) <= 1:
             raise ModelError(f"follow is {self.follow}: it must be at least 0 and at most 1")

@@ -7,26 +7,16 @@ gradient turned into the body's axes, p_i = R' grad B R_i, b = R' B and a sensor
     v:  p_2 by phases,  t = (y p_23 - z p_22 + b_3,  z p_12 - x p_23,  x p_22 - y p_12 - b_1)
 
     by roll t_1,  by pitch cos(roll) t_2 - sin(roll) t_3,  by yaw -sin(pitch) t_1 + cos(pitch) (sin(roll) t_2 + ..)
-
-The normal equations N = H'H + damping are factorised once a sample, N = L D L', without pivots: what is left of N when
-unknowns are eliminated is never less than the damping D_j >= damping_j, and |L_ij| <= (N_ii / damping_j)^(1/2). Both
-are enforced, which changes nothing but what rounding does, and bounds all that follows.
 """
 
-from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import reduce
-from math import sqrt
-from operator import add
 
 import casadi as ca
 
 from designs.hall_position.glsdc.correction import Wave
-from synth.block import clip
-from synth.signals import Signal
+from synth.synthesise.normal_equations import dot, total
 
 Vector = tuple[ca.SX, ca.SX, ca.SX]
-Chosen = Callable[[int, ca.SX], tuple[ca.SX, ca.SX]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,14 +44,6 @@ class Waves:
 
     first: Wave
     fifth: Wave
-
-
-@dataclass(frozen=True, eq=False)
-class Factors:
-    """N = L D L': L below the diagonal by rows, and 1/D."""
-
-    lower: tuple[tuple[ca.SX, ...], ...]
-    inverse: tuple[ca.SX, ...]
 
 
 def attitude(yaw: Wave, roll: Wave, pitch: Wave) -> Attitude:
@@ -135,67 +117,3 @@ def _angles(t: Vector, body: Attitude) -> Vector:
     """Return by roll, pitch and yaw what is `t` by turns about the body's axes."""
     roll = body.roll
     return t[0], roll.cosine * t[1] - roll.sine * t[2], total(e[2] * each for e, each in zip(body.axes, t, strict=True))
-
-
-def factors(rows: Sequence[Sequence[ca.SX]], damping: Sequence[float], most: float) -> Factors:
-    """Return L and D of H'H + damping (6,), V^2; no column of H is longer than the root of `most` times its damping."""
-    left = [
-        [total(r[i] * r[j] for r in rows) + (damping[i] if i == j else 0) for j in range(i + 1)]
-        for i in range(len(damping))
-    ]
-    lower: list[list[ca.SX]] = [[] for _ in damping]
-    inverse = []
-    for j, least in enumerate(damping):
-        inverse.append(1 / ca.fmax(left[j][j], least))
-        for i in range(j + 1, len(damping)):
-            bound = sqrt((1 + most) * damping[i] / least)
-            lower[i].append(clip(left[i][j] * inverse[j], Signal("lower", "1", -bound, bound)))
-        for i in range(j + 1, len(damping)):
-            for k in range(j + 1, i + 1):
-                left[i][k] -= lower[i][j] * left[k][j]
-    return Factors(tuple(map(tuple, lower)), tuple(inverse))
-
-
-def forward(of: Factors, right: Sequence[ca.SX]) -> list[ca.SX]:
-    """Return L^-1 right."""
-    found: list[ca.SX] = []
-    for row, value in zip(of.lower, right, strict=True):
-        found.append(reduce(lambda left, term: left - term[0] * term[1], zip(row, found, strict=True), value))
-    return found
-
-
-def backward(of: Factors, forwarded: Sequence[ca.SX], chosen: Chosen) -> list[ca.SX]:
-    """Return where L'^-1 D^-1 forwarded leads, coordinate by coordinate from the last on.
-
-    `chosen` says of a coordinate's step where it ends, and how far that is: the others fit what it does.
-    """
-    n = len(forwarded)
-    ends, moved = [ca.SX(0)] * n, [ca.SX(0)] * n
-    for i in reversed(range(n)):
-        step = forwarded[i] * of.inverse[i]
-        for k in range(i + 1, n):
-            step -= of.lower[k][i] * moved[k]
-        ends[i], moved[i] = chosen(i, step)
-    return ends
-
-
-def variances(of: Factors) -> list[ca.SX]:
-    """Return the diagonal of N^-1, 1/V^2: sums of squares of L^-1 by columns."""
-    n, found = len(of.inverse), []
-    for i in range(n):
-        column: list[ca.SX] = [ca.SX(1)]
-        for k in range(i + 1, n):
-            column.append(-total(of.lower[k][j] * column[j - i] for j in range(i, k)))
-        found.append(total(w**2 * d for w, d in zip(column, of.inverse[i:], strict=True)))
-    return found
-
-
-def dot(a: Sequence[ca.SX], b: Sequence[ca.SX]) -> ca.SX:
-    """Return a.b."""
-    return total(u * v for u, v in zip(a, b, strict=True))
-
-
-def total(terms: Iterable[ca.SX]) -> ca.SX:
-    """Return the sum, 0 without any term."""
-    found = list(terms)
-    return reduce(add, found) if found else ca.SX(0)

@@ -20,10 +20,12 @@ import casadi as ca
 
 from designs.hall_position.glsdc import base, six_correction
 from designs.hall_position.glsdc.correction import Wave
-from designs.hall_position.glsdc.six_correction import Attitude, Factors, Sensor, Vector, total
+from designs.hall_position.glsdc.six_correction import Attitude, Sensor, Vector
 from designs.hall_position.glsdc.six_parameters import Array, Tuning
 from synth.block import clip
 from synth.signals import Signal
+from synth.synthesise import normal_equations
+from synth.synthesise.normal_equations import Factors, total
 
 POSE = ("phase_x", "phase_y", "rise", "roll", "pitch", "yaw")
 SLACK = 0.01  # of deviation^2: so much a cost may rise, by rounding
@@ -131,7 +133,7 @@ def started(pose: Mapping[str, ca.SX], sensors: Sequence[Sensor], of: Problem, n
 def corrected(start: Start, of: Problem, named: Named) -> Found:
     """Return what n corrections find; signals that are worth a name are added to `named`."""
     e, rows = _base(start)
-    N = six_correction.factors(rows, of.damping, of.most)
+    N = normal_equations.factors(rows, of.damping, of.most)
     trial = _weighed([ca.SX(0)] * 6, e, rows, N, of, named)
     best, lowest, better = trial.at, trial.cost, ca.SX(1)
     for _ in range(1, of.tuning.corrections):
@@ -152,7 +154,7 @@ def _next(trial: Trial, better: ca.SX, best: Sequence[ca.SX], N: Factors, of: Pr
         end = clip(ca.if_else(better, trial.at[i] + step, (trial.at[i] + best[i]) / 2), of.bounds[i])
         return end, end - trial.at[i]
 
-    return six_correction.backward(N, trial.gradient, chosen)
+    return normal_equations.backward(N, trial.gradient, chosen)
 
 
 def _base(start: Start) -> tuple[list[ca.SX], list[Sequence[ca.SX]]]:
@@ -195,7 +197,7 @@ def _weighed(
     cost = squares + total(h * v for h, v in zip(held, at, strict=True))
     named.append((Signal("cost", "V^2", 0, 1e9, "squared residuals and damping"), cost))
     right = [total(r[i] * v for r, v in zip(rows, e, strict=True)) - held[i] for i in range(6)]
-    return Trial(at, squares, cost, six_correction.forward(N, right))
+    return Trial(at, squares, cost, normal_equations.forward(N, right))
 
 
 def _chosen(condition: ca.SX, then: Sequence[ca.SX], other: Sequence[ca.SX]) -> list[ca.SX]:

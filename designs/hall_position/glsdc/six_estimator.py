@@ -27,32 +27,25 @@ from string import ascii_lowercase
 import casadi as ca
 import numpy as np
 
-from designs.hall_position.glsdc import six_correction, six_descent
+from designs.hall_position.glsdc import channels, restarts, six_descent
+from designs.hall_position.glsdc.channels import AXES
 from designs.hall_position.glsdc.six_correction import Sensor
 from designs.hall_position.glsdc.six_descent import POSE, Found, Named, Problem
 from designs.hall_position.glsdc.six_parameters import Array, Tuning
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
-from synth.blocks import safety
-from synth.compose import compose
 from synth.errors import ModelError
-from synth.signals import Signal, names
+from synth.signals import Signal
+from synth.synthesise import normal_equations
 from synth.timing import Discrete
 
-SPAN = 5.0  # V, of the converter
-BAD_SAMPLES = 5
-PATIENCE = 5  # samples
 ENOUGH = 4  # sensors; one more is to spare
-LEAST = 1e-30  # V^2, in a root: squares are not below 0, which is not seen of products that may not be rounded
 USUAL = Tuning()
 # Relative, of polynomials: a sine that is wrong by 2e-7 is a position that is wrong by 2 nm.
 SURROGATE_ERROR: dict[type[np.floating], float] = {np.float32: 2e-7, np.float64: 1e-15}
-# Steps to the next start: a pitch divided by g and by g^2, g^3 = g + 1; downwards, as then only one end is passed.
-AGAIN = {"start_x": -2 * pi * (1 - 0.7548776662466927), "start_y": -2 * pi * (1 - 0.5698402909980532)}
 MOTION = tuple(f"motion_{name}" for name in POSE)
 OUTPUTS = ("X", "Y", "Z", "roll", "pitch", "yaw")
-COMPLETE = Signal("complete", "1", 0, 1, "every measurement is good")
 FLAGS = (
-    Signal("converged", "1", 0, 1, "the last correction is small, and none has raised the cost"),
+    channels.CONVERGED,
     Signal("damped", "1", 0, 1, "the voltages do not tell all of the pose"),
     Signal("valid", "1", 0, 1, "converged, neither damped, astray nor sudden, inputs accepted, in its ranges"),
     Signal("restarted", "1", 0, 1, "has looked for its place again: pitches are not known any more"),
@@ -68,23 +61,14 @@ class Ahead:
     inside: ca.SX
 
 
-def voltages(array: Array) -> tuple[Signal, ...]:
-    """Return the voltages of sensors a, b, ... in order, each with its two axes."""
-    letters = ascii_lowercase[: len(array.positions)]
-    return tuple(Signal(f"V_{k}{axis}", "V", -SPAN, SPAN, "Hall sensor and axis") for k in letters for axis in "xy")
-
-
 def spare(array: Array) -> bool:
     """Return whether one sensor can be left out."""
     return len(array.positions) > ENOUGH
 
 
 def guarded(array: Array, time: Discrete, tuning: Tuning = USUAL, name: str = "hall_pose") -> Block:
-    """Return the estimator behind the guard of its voltages, which latches after BAD_SAMPLES incomplete samples."""
-    inputs = voltages(array)
-    guard = safety.guard(time, [safety.Guarded(s, 0.0, True) for s in inputs], BAD_SAMPLES)
-    block = estimator(array, time, tuning)
-    return compose(name, [guard, block], inputs=names(inputs), outputs=names(block.outputs))
+    """Return the estimator behind the guard of its voltages."""
+    return channels.guarded(name, time, len(array.positions), estimator(array, time, tuning))
 
 
 def estimator(array: Array, time: Discrete, tuning: Tuning = USUAL) -> Block:
@@ -98,21 +82,21 @@ def estimator(array: Array, time: Discrete, tuning: Tuning = USUAL) -> Block:
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         named: Named = []
         begun = _expected(x, problem)
-        left_out = _left_out(array, u)
+        left_out = channels.refused(len(array.positions), u) if spare(array) else None
         start = six_descent.started(begun, _sensors(array, u, k, left_out), problem, named)
         found = six_descent.corrected(start, problem, named)
-        freedom = _freedom(array, left_out)
+        freedom = channels.freedom(len(array.positions), 6, left_out)
         astray = found.last.squares > freedom * tuning.residual**2
         ahead = _ahead(found, astray, begun, x, problem)
-        variances = six_correction.variances(found.factors)
-        leaning = six_correction.dot([ca.SX(d) for d in problem.damping], variances)
+        variances = normal_equations.variances(found.factors)
+        leaning = normal_equations.dot([ca.SX(d) for d in problem.damping], variances)
         damped = leaning > tuning.leaning
         sudden = found.last.cost - found.last.squares > (tuning.surprise * array.deviation) ** 2
         doubt = ca.logic_or(damped, ca.logic_or(astray, sudden))
         accepted = ahead.inside if spare(array) else ca.logic_and(ahead.inside, u["complete"])
         valid = ca.logic_and(ca.logic_and(found.converged, ca.logic_not(doubt)), accepted)
         output = _position(ahead.pose, array) | _deviations(variances, array)
-        output |= {"residual": ca.sqrt(LEAST + found.last.squares / freedom), "converged": found.converged}
+        output |= {"residual": channels.residual(found.last.squares, freedom), "converged": found.converged}
         output |= {"damped": damped, "valid": valid, "restarted": x["restarted"]}
         return Step(output, ahead.next, named)
 
@@ -120,7 +104,7 @@ def estimator(array: Array, time: Discrete, tuning: Tuning = USUAL) -> Block:
         "estimator",
         time,
         law,
-        inputs=_inputs(array),
+        inputs=channels.held(len(array.positions), spare(array)),
         outputs=_outputs(array, tuning),
         states=_states(problem),
         constants=[Constant("alpha", array.alpha, "V", "fundamental"), Constant("beta", array.beta, "V", "5th wave")],
@@ -142,13 +126,6 @@ def _check_places(array: Array) -> None:
         )
 
 
-def _inputs(array: Array) -> list[Signal]:
-    given = voltages(array)
-    held = [replace(s, name=f"{s.name}_held") for s in given]
-    faults = [Signal(f"fault_{s.name}", "1", 0, 1, "refused this sample") for s in given]
-    return [*held, *(faults if spare(array) else [COMPLETE])]
-
-
 def _outputs(array: Array, tuning: Tuning) -> list[Signal]:
     far = (tuning.pitches + 1) * array.pitch
     found = [Signal(axis, "m", -far, far, "of the body's origin over the matrix") for axis in "XY"]
@@ -156,19 +133,17 @@ def _outputs(array: Array, tuning: Tuning) -> list[Signal]:
     found += [Signal(name, "rad", -pi, pi, "of the body over the matrix") for name in OUTPUTS[3:]]
     about = "standard deviation by the noise of the voltages"
     found += [Signal(f"deviation_{name}", "m" if name in "XYZ" else "rad", 0, 1, about) for name in OUTPUTS]
-    return [*found, Signal("residual", "V", 0, 1e3, "root mean square by degrees of freedom"), *FLAGS]
+    return [*found, channels.RESIDUAL, *FLAGS]
 
 
 def _states(of: Problem) -> list[State]:
     n = of.tuning.pitches
     reals = [replace(s, about="of the last sample") for s in of.ranges]
-    reals += [Signal(name, "rad", -pi, pi, "where it was last begun elsewhere") for name in AGAIN]
+    reals += [Signal(f"start_{a}", "rad", -pi, pi, "where it was last begun elsewhere") for a in AXES]
     reals += [Signal("yaw_known", "rad", -pi, pi, "of the last sample that was not astray")]
     reals += [Signal(f"count_{a}", "1", -n, n, "whole pitches to the one of the origin") for a in "xy"]
     reals += [Signal(m, "rad", s.low, s.high, "expected in a sample") for m, s in zip(MOTION, of.bounds, strict=True)]
-    counts = [Signal("astray", "1", 0, PATIENCE, "samples in a row with large residuals")]
-    counts += [Signal("searching", "1", 0, 1, "its place is not known")]
-    counts += [Signal("restarted", "1", 0, 1, "it has looked for its place again")]
+    counts = [restarts.ASTRAY, restarts.SEARCHING, restarts.RESTARTED]
     return [*(State(s, 0.0) for s in reals), *(State(s, int(s.name == "searching"), True) for s in counts)]
 
 
@@ -176,14 +151,6 @@ def _expected(x: Exprs, of: Problem) -> dict[str, ca.SX]:
     """Return the pose with which a sample begins, at a gap and tilts that are within their ranges."""
     begun = {n: x[n] + x[m] for n, m in zip(POSE, MOTION, strict=True)}
     return begun | {s.name: clip(begun[s.name], s) for s in of.ranges[2:5]}
-
-
-def _left_out(array: Array, u: Exprs) -> list[ca.SX] | None:
-    """Return which sensors are left out: those of which a voltage is refused."""
-    if not spare(array):
-        return None
-    letters = ascii_lowercase[: len(array.positions)]
-    return [ca.logic_or(u[f"fault_V_{k}x"], u[f"fault_V_{k}y"]) for k in letters]
 
 
 def _sensors(array: Array, u: Exprs, k: Exprs, left_out: Sequence[ca.SX] | None) -> list[Sensor]:
@@ -198,12 +165,6 @@ def _sensors(array: Array, u: Exprs, k: Exprs, left_out: Sequence[ca.SX] | None)
     return found
 
 
-def _freedom(array: Array, left_out: Sequence[ca.SX] | None) -> ca.SX:
-    """Return how many voltages there are beyond six; of more than one sensor that is left out one is counted."""
-    freedom = 2 * len(array.positions) - 6
-    return ca.SX(freedom) if left_out is None else ca.if_else(reduce(ca.logic_or, left_out), freedom - 2, freedom)
-
-
 def _ahead(found: Found, astray: ca.SX, begun: Exprs, x: Exprs, of: Problem) -> Ahead:
     """Return what comes of the corrections of a pose with which a sample has `begun`, and which may be `astray`."""
     stays, tuning = ca.logic_and(astray, ca.logic_not(x["searching"])), of.tuning
@@ -211,34 +172,23 @@ def _ahead(found: Found, astray: ca.SX, begun: Exprs, x: Exprs, of: Problem) -> 
     pose = {name: begun[name] + by[name] for name in POSE}
     inside = [ca.fabs(pose[s.name]) < s.high for s in of.ranges[2:5]]
     for a in "xy":
-        pose[f"phase_{a}"], turns = _wrapped(pose[f"phase_{a}"])
+        pose[f"phase_{a}"], turns = restarts.wrapped(pose[f"phase_{a}"])
         inside.append(ca.fabs(x[f"count_{a}"]) < tuning.pitches)
         pose[f"count_{a}"] = x[f"count_{a}"] + ca.if_else(inside[-1], turns, 0)
-    pose["yaw"], _ = _wrapped(pose["yaw"])
-    impatient = x["astray"] >= PATIENCE - 1
-    again = ca.logic_and(astray, impatient)
+    pose["yaw"], _ = restarts.wrapped(pose["yaw"])
+    restart = restarts.counted(astray, x)
+    again = restart.again
     next = pose | {name: ca.if_else(again, 0, pose[name]) for name in (*POSE[2:5], "count_x", "count_y")}
-    for a, (name, step) in zip("xy", AGAIN.items(), strict=True):
-        start = x[name] + step
-        start = ca.if_else(start < -pi, start + 2 * pi, start)
-        next |= {name: ca.if_else(again, start, x[name]), f"phase_{a}": ca.if_else(again, start, pose[f"phase_{a}"])}
+    next |= restarts.phases(again, pose, x)
     next |= {"yaw": ca.if_else(again, x["yaw_known"], pose["yaw"])}
     next |= {"yaw_known": ca.if_else(astray, x["yaw_known"], pose["yaw"])}
-    next |= {"astray": ca.if_else(astray, ca.if_else(impatient, 0, x["astray"] + 1), 0)}
+    next |= {"astray": restart.astray}
     next |= {"searching": ca.if_else(again, 1, ca.if_else(astray, x["searching"], 0))}
     next |= {"restarted": ca.if_else(again, 1, x["restarted"])}
     lost = ca.logic_and(astray, x["searching"])
     for m, bound in zip(MOTION, of.bounds, strict=True):
         next[m] = ca.if_else(lost, 0, x[m] + tuning.follow * by[bound.name])
     return Ahead(pose, next, reduce(ca.logic_and, inside))
-
-
-def _wrapped(angle: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Return an angle in -2 pi .. 2 pi within half a turn, and the whole turns that are taken off."""
-    above = angle > pi
-    angle, turns = ca.if_else(above, angle - 2 * pi, angle), ca.if_else(above, 1, 0)
-    below = angle < -pi
-    return ca.if_else(below, angle + 2 * pi, angle), ca.if_else(below, -1, turns)
 
 
 def _position(pose: Exprs, array: Array) -> dict[str, ca.SX]:
@@ -252,5 +202,6 @@ def _deviations(variances: Sequence[ca.SX], array: Array) -> dict[str, ca.SX]:
     """Return standard deviations, m and rad."""
     sizes = [array.deviation / array.wave_number] * 3 + [array.deviation] * 3
     return {
-        f"deviation_{name}": size * ca.sqrt(LEAST + v) for name, size, v in zip(OUTPUTS, sizes, variances, strict=True)
+        f"deviation_{name}": size * ca.sqrt(channels.LEAST + v)
+        for name, size, v in zip(OUTPUTS, sizes, variances, strict=True)
     }

@@ -10,13 +10,22 @@ Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", (2), 
 """
 
 from dataclasses import dataclass
-from math import pi, sqrt
+from math import inf, pi, sqrt
 
 from synth import numeric
 from synth.errors import ModelError
 
 Triple = tuple[float, float, float]
 WHOLE = ("corrections", "pitches")  # of a tuning
+RANGES = {  # of the other numbers, above the first and at most the second
+    **dict.fromkeys(("damping", "reach", "follow", "settled"), (0, 1)),
+    **dict.fromkeys(("surprise", "residual"), (0, inf)),
+    "corrections": (1, 20),
+    "leaning": (0, 6),
+    "pitches": (1, 1000),
+    "gap": (0, 2e-3),
+    "tilt": (0, 0.05),
+}
 FEWEST = 3  # sensors of two axes for six unknowns
 
 
@@ -97,18 +106,4 @@ class Tuning:
     pitches: int = 8
 
     def __post_init__(self) -> None:
-        most: dict[str, float] = {
-            "corrections": 20,
-            "damping": 1,
-            "reach": 1,
-            "follow": 1,
-            "settled": 1,
-            "leaning": 6,
-            "pitches": 1000,
-        }
-        most |= {"surprise": float("inf"), "residual": float("inf"), "gap": 2e-3, "tilt": 0.05}
-        for name, high in most.items():
-            if name in WHOLE:
-                numeric.whole(name, getattr(self, name), 1, high)
-            else:
-                numeric.above(name, getattr(self, name), 0, high)
+        numeric.check_fields(self, RANGES, WHOLE)

@@ -24,10 +24,10 @@ the place that is certain, but make none so: they need not be such a pair.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import pi
-from string import ascii_lowercase
 
 import casadi as ca
 
+from designs.hall_position.glsdc import channels, restarts
 from designs.hall_position.glsdc.correction import AXES
 from designs.hall_position.glsdc.descent import Found, Problem
 from designs.hall_position.glsdc.parameters import Array, Tuning
@@ -35,10 +35,8 @@ from synth.block import Exprs, State
 from synth.signals import Signal
 
 POSE, MOTION = ("phase_x", "phase_y", "yaw"), ("motion_x", "motion_y", "motion_yaw")
-PATIENCE, SUSPECT = 5, 2  # samples
+SUSPECT = 2  # samples
 CONTRAST = 25  # of squared residuals
-# Steps to the next start: a pitch divided by g and by g^2, g^3 = g + 1; downwards, as then only one end is passed.
-AGAIN = {"x": -2 * pi * (1 - 0.7548776662466927), "y": -2 * pi * (1 - 0.5698402909980532)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,11 +77,10 @@ def states(of: Problem) -> list[State]:
     if of.tuning.follow:
         reals += [Signal(f"motion_{a}", "rad", -of.phase, of.phase, "of the phase, expected in a sample") for a in AXES]
         reals += [Signal("motion_yaw", "rad", -of.yaw, of.yaw, "expected in a sample")]
-    counts = [Signal("astray", "1", 0, PATIENCE, "samples in a row with large residuals")]
-    counts += [Signal("searching", "1", 0, 1, "its place is not known")]
+    counts = [restarts.ASTRAY, restarts.SEARCHING]
     counts += [Signal("certain", "1", 0, 1, "no other place has the same voltages")]
     counts += [Signal("placed", "1", 0, 1, "its place has been certain")]
-    counts += [Signal("restarted", "1", 0, 1, "it has looked for its place again")]
+    counts += [restarts.RESTARTED]
     counts += [Signal("without", "1", 0, sensors, "number of the sensor that is left out")] if spare(of.array) else []
     return [*(State(s, 0.0) for s in reals), *(State(s, int(s.name == "searching"), True) for s in counts)]
 
@@ -102,11 +99,8 @@ def left_out(array: Array, u: Exprs, x: Exprs) -> Sequence[ca.SX] | None:
     """Return which sensors are left out: one that is tried without, and those of which a voltage is refused."""
     if not spare(array):
         return None
-    found = []
-    for n, letter in enumerate(ascii_lowercase[: len(array.positions)], 1):
-        refused = ca.logic_or(u[f"fault_V_{letter}x"], u[f"fault_V_{letter}y"])
-        found.append(ca.logic_or(refused, x["without"] == n))
-    return found
+    refused = channels.refused(len(array.positions), u)
+    return [ca.logic_or(each, x["without"] == n) for n, each in enumerate(refused, 1)]
 
 
 def declared(array: Array, tuning: Tuning) -> float:
@@ -129,10 +123,10 @@ def ahead(found: Found, verdict: Verdict, begun: Exprs, x: Exprs, of: Problem) -
     astray = verdict.astray
     stays = ca.logic_and(astray, ca.logic_not(x["searching"]))
     by = {name: ca.if_else(stays, 0, d) for name, d in zip(POSE, (*found.at.phase.values(), found.at.yaw), strict=True)}
-    pose = {"yaw": _wrapped(begun["yaw"] + by["yaw"])[0]}
+    pose = {"yaw": restarts.wrapped(begun["yaw"] + by["yaw"])[0]}
     most, counted = declared(of.array, of.tuning), ca.SX(1)
     for a in AXES:
-        phase, turns = _wrapped(begun[f"phase_{a}"] + by[f"phase_{a}"])
+        phase, turns = restarts.wrapped(begun[f"phase_{a}"] + by[f"phase_{a}"])
         pose |= {f"phase_{a}": phase, f"pitch_{a}": x[f"pitch_{a}"] + turns}
         counted = ca.logic_and(counted, ca.fabs(pose[f"pitch_{a}"]) <= of.tuning.pitches)
     turned = ca.fabs(pose["yaw"])
@@ -148,11 +142,7 @@ def ahead(found: Found, verdict: Verdict, begun: Exprs, x: Exprs, of: Problem) -
     next["restarted"] = ca.logic_or(x["restarted"], gone)
     next |= {"certain": ca.if_else(again, 0, certain), "yaw_known": ca.if_else(known, pose["yaw"], x["yaw_known"])}
     next |= pose | {"yaw": ca.if_else(again, x["yaw_known"], pose["yaw"])}
-    for a in AXES:
-        start = x[f"start_{a}"] + AGAIN[a]
-        start = ca.if_else(start < -pi, start + 2 * pi, start)
-        next[f"start_{a}"] = ca.if_else(again, start, x[f"start_{a}"])
-        next[f"phase_{a}"] = ca.if_else(again, start, pose[f"phase_{a}"])
+    next |= restarts.phases(again, pose, x)
     if of.tuning.follow:
         follow = dict.fromkeys(POSE, of.tuning.follow) | {"yaw": of.tuning.follow / of.tuning.firm}
         next |= {m: ca.if_else(x["searching"], 0, x[m] + follow[n] * by[n]) for m, n in zip(MOTION, POSE, strict=True)}
@@ -161,9 +151,8 @@ def ahead(found: Found, verdict: Verdict, begun: Exprs, x: Exprs, of: Problem) -
 
 def _searched(verdict: Verdict, found: Found, x: Exprs, of: Problem) -> tuple[dict[str, ca.SX], ca.SX]:
     """Return the next counts and flags, and whether the next sample begins elsewhere."""
-    astray, impatient = verdict.astray, x["astray"] >= PATIENCE - 1
-    next = {"astray": ca.if_else(astray, ca.if_else(impatient, 0, x["astray"] + 1), 0)}
-    again = ca.logic_and(astray, impatient)
+    astray, restart = verdict.astray, restarts.counted(verdict.astray, x)
+    next, again = {"astray": restart.astray}, restart.again
     if spare(of.array):
         worst, alone = _worst(found.first.by_sensor, of)
         known = ca.logic_and(x["certain"], x["astray"] >= SUSPECT - 1)
@@ -182,11 +171,3 @@ def _worst(by_sensor: Sequence[ca.SX], of: Problem) -> tuple[ca.SX, ca.SX]:
         most, others = ca.fmax(squares, most), others + ca.fmin(squares, most)
     agree = others <= 2 * (len(by_sensor) - 1) * of.expected**2
     return number, ca.logic_and(agree, CONTRAST * others <= most)
-
-
-def _wrapped(angle: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Return an angle in -2 pi .. 2 pi within half a turn, and the whole turns that are taken off."""
-    above = angle > pi
-    angle, turns = ca.if_else(above, angle - 2 * pi, angle), ca.if_else(above, 1, 0)
-    below = angle < -pi
-    return ca.if_else(below, angle + 2 * pi, angle), ca.if_else(below, -1, turns)

@@ -24,10 +24,9 @@ from models import built_matrix, hall_chain, hall_scan, planar_stage
 from models.built_matrix import Field, Tolerances
 from models.hall_chain import Chain
 from synth import numeric
-from synth.emit import write
 from synth.emit.c import digits
 from synth.errors import ModelError
-from synth.execute import host
+from synth.execute import build, host
 from synth.statespace import Array as Numbers
 from synth.statespace import readonly
 from synth.synthesise.identify.logs import Log
@@ -167,8 +166,7 @@ def mapped(bench: Bench, source: Source, reach: float = MAPPED) -> ErrorMap:
 
 def compiled(source: Source) -> host.Controller:
     """Return the estimator of a source behind its guard, in single precision, with functions of libm."""
-    made = write.emit(estimator.guarded(source.array, TIME, source.tuning), np.float32, libm=True)
-    return host.load(made.files, made.manifest)
+    return build.compiled(estimator.guarded(source.array, TIME, source.tuning), np.float32, libm=True)
 
 
 def calibrated(places: tuple[Pair, ...] = closed_loop.PLACES, spread: Tolerances = built_matrix.USUAL) -> Source:

@@ -92,16 +92,8 @@ def standstill(loop: Loop) -> Experiment:
     checks = [
         Check(f"noise of {a} as estimated", figures[f"{a} as estimated, um rms"] / 1e6, FINE, "m", bar) for a in "xy"
     ]
-    return Experiment(
-        "rest",
-        "At rest",
-        f"{sources.REST:g} s, {sources.ABOUT}",
-        run,
-        HORIZONTAL,
-        {},
-        figures,
-        (*checks, *sources.usual(run)),
-    )
+    about = f"{sources.REST:g} s, {sources.ABOUT}"
+    return sources.judged("rest", "At rest", run, HORIZONTAL, {}, figures, checks, about)
 
 
 def step(loop: Loop, name: str) -> Experiment:
@@ -124,10 +116,7 @@ def step(loop: Loop, name: str) -> Experiment:
     figures |= _steps_anywhere(calibration.calibrated().map) if name == "plain" else {}
     checks = [Check("error of the motion", abs(moved - STEP), ACCURACY if name == "plain" else CALIBRATED, "m")]
     title = f"x by 4 mm, {'not calibrated, Fig. 11(a)' if name == 'plain' else 'calibrated, Fig. 11(b)'}"
-    shown = {"x": wanted}
-    return Experiment(
-        f"step_{name}", title, sources.ABOUT, run, ("x", "x_raw"), shown, figures, (*checks, *sources.usual(run))
-    )
+    return sources.judged(f"step_{name}", title, run, ("x", "x_raw"), {"x": wanted}, figures, checks)
 
 
 def _steps_anywhere(map: ErrorMap | None) -> dict[str, float]:
@@ -153,12 +142,7 @@ def zigzags(both: Mapping[str, Loop]) -> list[Experiment]:
         if name == "calibrated":
             checks.append(Check("error over that without calibration", rms[name] / rms["plain"], 1 / TIMES, "1", "rms"))
         title = f"Zigzag, Fig. 10, {'not calibrated' if name == 'plain' else name}"
-        shown = {"x": x, "y": y}
-        found.append(
-            Experiment(
-                f"zigzag_{name}", title, sources.ABOUT, run, ("x", "y"), shown, figures, (*checks, *sources.usual(run))
-            )
-        )
+        found.append(sources.judged(f"zigzag_{name}", title, run, ("x", "y"), {"x": x, "y": y}, figures, checks))
     return found
 
 
@@ -201,10 +185,8 @@ def staircase(loop: Loop) -> Experiment:
     figures["noise of the estimate on a step, um rms"] = 1e6 * spread
     checks.append(Check("noise of the estimate", spread, RESOLUTION, "m", "below 10 um, Fig. 12"))
     about = f"{COUNT} steps, {sources.ABOUT}"
-    shown = {"x": wanted}
-    return Experiment(
-        "staircase", "x by 10 um, Fig. 12", about, run, ("x_raw", "x"), shown, figures, (*checks, *sources.usual(run))
-    )
+    shown = ("x_raw", "x")
+    return sources.judged("staircase", "x by 10 um, Fig. 12", run, shown, {"x": wanted}, figures, checks, about)
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,8 @@ estimate of the same sensors, and that of sensors placed for it, both calibrated
 estimate follows its path within half of the sections' errors; it takes six times as many instructions.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -45,6 +46,20 @@ def usual(run: Trajectory) -> tuple[Check, ...]:
     )
 
 
+def judged(
+    name: str,
+    title: str,
+    run: Trajectory,
+    shown: Sequence[str],
+    references: Mapping[str, Array],
+    figures: Mapping[str, float],
+    checks: Sequence[Check],
+    about: str = ABOUT,
+) -> Experiment:
+    """Return an experiment with what every run without a planted failure must keep."""
+    return Experiment(name, title, about, run, tuple(shown), references, figures, (*checks, *usual(run)))
+
+
 def noise(run: Trajectory, since: float) -> dict[str, float]:
     """Return the rms about the mean of what is true and as estimated, um and urad, from a time in s on."""
     first, found = round(since / TIME.period_s), {}
@@ -68,16 +83,9 @@ def experiment(by_name: Mapping[str, Loop]) -> Experiment:
     about = "at most, calibrated; half of the sections'"
     checks = [Check(f"{a} off its path", least[a], most[a] / 2, unit, about) for a, unit in UNITS.items()]
     references = dict(zip("xy", _set_points(), strict=True))
-    return Experiment(
-        "sources",
-        "A slow path through a pitch, by each source",
-        f"4.8 mm/s, {ABOUT}",
-        runs[PLACED],
-        tuple(UNITS),
-        references,
-        figures,
-        (*checks, *(check for run in runs.values() for check in usual(run))),
-    )
+    title = "A slow path through a pitch, by each source"
+    made = judged("sources", title, runs[PLACED], tuple(UNITS), references, figures, checks, f"4.8 mm/s, {ABOUT}")
+    return replace(made, checks=(*checks, *(check for run in runs.values() for check in usual(run))))
 
 
 def _set_points() -> list[Array]:

@@ -12,7 +12,7 @@ import numpy as np
 from designs.hall_position.trust import fleet
 from designs.hall_position.trust.fleet import Kind
 from designs.hall_position.trust.motions import Numbers, Pose
-from synth import numeric, show
+from synth import numeric
 from synth.statespace import readonly
 
 FAR, TURNED = 0.5, np.radians(10)  # of the pitch, and rad, that starts are off at most
@@ -20,8 +20,7 @@ BINS = (8, 4)  # of these
 DIRECTIONS, RINGS, NEAR = 8, 16, 0.125  # of starts about a place; distances up to this part of the pitch
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False)
 class Basin:
     """Starts off by up to `off` (n,) in m and `turned` (m,) in rad: shares (n, m) that lead to the truth.
 
@@ -35,15 +34,6 @@ class Basin:
     then: Numbers
     samples: int
     wrong: int
-
-    def sheet(self) -> show.Sheet:
-        """Return two tables, by mm and degrees."""
-        names = tuple(f"to {1e3 * d:.3g} mm" for d in self.off)
-        columns = tuple(f"to {np.degrees(a):.3g} deg" for a in self.turned)
-        first = show.matrix("first [%]", 100 * self.first, names, columns)
-        then = show.matrix("then [%]", 100 * self.then, names, columns)
-        said = (f"{self.wrong} of {self.samples} samples valid elsewhere",)
-        return show.Sheet("Starts that lead to the truth", said, (first, then))
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,9 +56,7 @@ def mapped(kind: Kind, bodies: int, yaw: float, samples: int = 60, seed: int = 0
     off, turned = FAR * pitch * rng.random(bodies), TURNED * rng.random(bodies)
     start = _off(pose, off, rng.uniform(0, 2 * np.pi, bodies), turned * rng.choice([-1, 1], bodies))
     state, right, wrong = fleet.placed(kind, start, certain=False), [], 0
-    for _ in range(samples):
-        batch = fleet.stepped(kind, state, fleet.voltages(kind, pose, rng))
-        state, seen = batch.states, fleet.judged(kind, batch.outputs, pose)
+    for _, seen in fleet.followed(kind, state, lambda k: pose, samples, rng):
         right.append(seen.deviations.max(axis=0) <= fleet.WRONG)
         wrong += int(seen.wrong.sum())
     edges = [FAR * pitch * np.arange(BINS[0] + 1) / BINS[0], TURNED * np.arange(BINS[1] + 1) / BINS[1]]

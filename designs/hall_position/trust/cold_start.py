@@ -9,16 +9,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from designs.hall_position.accuracy import layouts
 from designs.hall_position.trust import fleet
 from designs.hall_position.trust.fleet import Kind
 from designs.hall_position.trust.motions import Numbers, Pose
-from synth import numeric, show
+from synth import numeric
 from synth.errors import ModelError
 from synth.statespace import readonly
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False)
 class ColdStart:
     """Poses (n, 3) in m and rad, and how many samples each took until it was valid (n,), 0 for never.
 
@@ -36,25 +36,13 @@ class ColdStart:
         """Return the share that became valid."""
         return float((self.took > 0).mean())
 
-    def sheet(self) -> show.Sheet:
-        """Return a row: shares in %, and samples that half of them and the last one took."""
-        took = self.took[self.took > 0]
-        half, last = (float(np.median(took)), float(took.max())) if took.size else (0.0, 0.0)
-        row = np.array([[100 * self.found.mean(), 100 * self.valid, half, last, self.wrong]])
-        names = ("found [%]", "valid [%]", "median samples", "most samples", "wrong")
-        title = f"Cold starts at {len(self.took)} poses, {self.samples} samples"
-        return show.Sheet(title, tables=(show.matrix("starts", row, ("",), names),))
-
 
 def grid(kind: Kind, points: int, yaws: Numbers) -> Pose:
     """Return poses over the whole pitch, points^2 at each of the yaws in rad.
 
     Raises ModelError for no point, or yaws that are none or not finite.
     """
-    points = numeric.whole("the number of points", points)
-    yaws = numeric.table("the yaws", np.reshape(yaws, (-1, 1)), 1)[:, 0]
-    along = kind.array.pitch * np.arange(points) / points
-    return Pose(*(v.ravel() for v in np.meshgrid(along, along, yaws, indexing="ij")))
+    return Pose(*layouts.poses(kind.array.pitch, points, yaws))
 
 
 def run(kind: Kind, pose: Pose, samples: int, speed: float = 0.0, seed: int = 0) -> ColdStart:
@@ -66,12 +54,13 @@ def run(kind: Kind, pose: Pose, samples: int, speed: float = 0.0, seed: int = 0)
     pose = _checked(pose)
     rng, n = np.random.default_rng(seed), len(pose.X)
     heading = rng.uniform(0, 2 * np.pi, n)
-    state, took, wrong, found = fleet.unplaced(kind, n), np.zeros(n, int), 0, np.zeros(n, bool)
-    for i in range(samples):
-        gone = speed * i * kind.time.period_s
-        now = Pose(pose.X + gone * np.cos(heading), pose.Y + gone * np.sin(heading), pose.yaw)
-        batch = fleet.stepped(kind, state, fleet.voltages(kind, now, rng))
-        state, seen = batch.states, fleet.judged(kind, batch.outputs, now)
+
+    def at(k: int) -> Pose:
+        gone = speed * k * kind.time.period_s
+        return Pose(pose.X + gone * np.cos(heading), pose.Y + gone * np.sin(heading), pose.yaw)
+
+    took, wrong, found = np.zeros(n, int), 0, np.zeros(n, bool)
+    for i, (_, seen) in enumerate(fleet.followed(kind, fleet.unplaced(kind, n), at, samples, rng)):
         took = np.where((took == 0) & seen.valid, i + 1, took)
         found = seen.deviations.max(axis=0) <= fleet.WRONG
         wrong += int(seen.wrong.sum())

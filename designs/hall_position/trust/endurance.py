@@ -21,7 +21,7 @@ from designs.hall_position.glsdc import tracking
 from designs.hall_position.trust import fleet
 from designs.hall_position.trust.fleet import Kind
 from designs.hall_position.trust.motions import Numbers, Pose
-from synth import numeric, show
+from synth import numeric
 from synth.check import Check
 
 MARGIN = 0.5  # of the acceleration
@@ -42,8 +42,7 @@ class Limits:
     yaw: float = YAW
 
 
-@show.printed
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class Endurance:
     """What came of so many samples: the shares that are valid, and of bodies that have `lost` their place.
 
@@ -57,13 +56,6 @@ class Endurance:
     wrong: int
     worst: float
     off: float
-
-    def sheet(self) -> show.Sheet:
-        """Return a row."""
-        row = [self.samples / 1e6, 100 * self.valid, 100 * self.lost, self.wrong, 1e6 * self.worst, 1e6 * self.off]
-        names = ("samples [1e6]", "valid [%]", "bodies lost [%]", "wrong", "worst valid [um]", "worst [um]")
-        title = f"Random motion at {self.limits.speed:.3g} m/s, {self.limits.acceleration:.3g} m/s^2"
-        return show.Sheet(title, tables=(show.matrix("run", np.array([row]), ("",), names),))
 
 
 def checks(name: str, kind: Kind, bodies: int, samples: int) -> list[Check]:
@@ -101,10 +93,8 @@ def run(kind: Kind, bodies: int, samples: int, within: Limits, seed: int = 0) ->
     state = fleet.placed(kind, at(-T), at(-2 * T))
     valid = wrong = 0
     worst = off = 0.0
-    for i in range(samples):
-        pose = at(i * T)
-        batch = fleet.stepped(kind, state, fleet.voltages(kind, pose, rng))
-        state, seen = batch.states, fleet.judged(kind, batch.outputs, pose)
+    for batch, seen in fleet.followed(kind, state, lambda k: at(k * T), samples, rng):
+        state = batch.states
         valid, wrong = valid + int(seen.valid.sum()), wrong + int(seen.wrong.sum())
         worst, off = max(worst, float(seen.off[seen.valid].max(initial=0))), max(off, float(seen.off.max()))
     lost = float((state["estimator_restarted"] > 0).mean())

@@ -16,14 +16,17 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import NDArray
 
-from designs.hall_position.glsdc import estimator
+from designs.hall_position.accuracy import layouts
+from designs.hall_position.glsdc import channels
 from designs.hall_position.trust import endurance, fleet
 from designs.hall_position.trust.endurance import Limits
 from designs.hall_position.trust.fleet import Kind
 from designs.hall_position.trust.motions import Numbers, Pose
-from synth import numeric, show
+from synth import numeric
 from synth.errors import ModelError
+from synth.execute import host
 from synth.statespace import readonly
 
 SOON = 5  # samples within which a residual out of its bound is to be flagged
@@ -41,7 +44,7 @@ FAILURES: MappingProxyType[str, Failing] = MappingProxyType(
         "none": lambda now, before: now,
         "dead": lambda now, before: 0 * now,
         "one axis": lambda now, before: _one(0.0, now),
-        "saturated": lambda now, before: _one(np.where(now[:, 0] < 0, -estimator.SPAN, estimator.SPAN), now),
+        "saturated": lambda now, before: _one(np.where(now[:, 0] < 0, -channels.SPAN, channels.SPAN), now),
         "no number": lambda now, before: _one(np.nan, now),
         "weak": lambda now, before: WEAK * now,
         "stuck": lambda now, before: _one(before[:, 0], now),
@@ -49,8 +52,7 @@ FAILURES: MappingProxyType[str, Failing] = MappingProxyType(
 )
 
 
-@show.printed
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class Outcome:
     """Of bodies with a failed sensor the shares whose residual was `out` of bound, `flagged`, `named` and `lost`.
 
@@ -68,14 +70,6 @@ class Outcome:
     error: float
     worst: float
     away: float
-
-    def sheet(self) -> show.Sheet:
-        """Return a row."""
-        shares = [100 * v for v in (self.out, self.flagged, self.named, self.lost, self.valid, self.away)]
-        row = np.array([[*shares, self.late, self.error, 1e6 * self.worst]])
-        names = ("out [%]", "flagged [%]", "named [%]", "lost [%]", "valid [%]", "away [%]")
-        columns = (*names, "late", "error", "worst [um]")
-        return show.Sheet("A sensor fails", tables=(show.matrix("failure", row, ("",), columns),))
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,10 +110,9 @@ def unseen(kind: Kind, failure: str, sensor: int, points: int, yaw: float = 0.0,
 
     Raises ModelError for an unknown failure, a sensor that is not there, or no point.
     """
-    points, yaw = numeric.whole("the number of points", points), numeric.number("the yaw", yaw)
-    along = kind.array.pitch * np.arange(points) / points
-    X, Y = (v.ravel() for v in np.meshgrid(along, along, indexing="ij"))
-    seen = _run(kind, failure, sensor, _resting(Pose(X, Y, np.full(X.size, yaw))), np.random.default_rng(seed))
+    pose = Pose(*layouts.poses(kind.array.pitch, points, yaw))
+    along = pose.Y[:points]
+    seen = _run(kind, failure, sensor, _resting(pose), np.random.default_rng(seed))
     hidden = ~seen.flagged[: SOON + 1].any(axis=0)
     error = np.where(hidden, seen.judged[SOON].off, 0.0)
     shape = (points, points)
@@ -138,24 +131,28 @@ def _check(kind: Kind, failure: str, sensor: int) -> None:
 
 def _run(kind: Kind, failure: str, sensor: int, at: Callable[[float], Pose], rng: np.random.Generator) -> _Seen:
     _check(kind, failure, sensor)
-    T, fails = kind.time.period_s, FAILURES[failure]
-    state, held = fleet.placed(kind, at(-T), at(-2 * T)), np.zeros(0)
-    out, flagged, judged = [], [], []
-    for i in range(BEFORE + AFTER):
-        pose = at(i * T)
-        volts = fleet.voltages(kind, pose, rng)
-        if i < BEFORE:
+    T, fails, held = kind.time.period_s, FAILURES[failure], np.zeros(0)
+
+    def spoilt(k: int, volts: Numbers) -> Numbers:
+        nonlocal held
+        if k < BEFORE:
             held = volts[:, sensor - 1].copy()
         else:
             volts[:, sensor - 1] = fails(volts[:, sensor - 1], held)
-        batch = fleet.stepped(kind, state, volts)
-        state = batch.states
-        if i >= BEFORE:
-            out.append(batch.outputs["residual"] > kind.tuning.residual)
-            left_out = batch.outputs.get("without", np.zeros(len(state))) > 0
-            flagged.append((batch.outputs["valid"] == 0) | left_out | (batch.faults > 0))
-            judged.append(fleet.judged(kind, batch.outputs, pose))
-    return _Seen(np.array(out), np.array(flagged), judged, state)
+        return volts
+
+    state = fleet.placed(kind, at(-T), at(-2 * T))
+    samples = fleet.followed(kind, state, lambda k: at(k * T), BEFORE + AFTER, rng, spoilt)
+    seen = list(samples)[BEFORE:]
+    out = np.array([batch.outputs["residual"] > kind.tuning.residual for batch, _ in seen])
+    flagged = np.array([_flagged(batch) for batch, _ in seen])
+    return _Seen(out, flagged, [judged for _, judged in seen], seen[-1][0].states)
+
+
+def _flagged(batch: host.Batch) -> NDArray[np.bool_]:
+    """Tell of which bodies a sample shows that something is wrong."""
+    left_out = batch.outputs.get("without", np.zeros(len(batch.states))) > 0
+    return np.asarray((batch.outputs["valid"] == 0) | left_out | (batch.faults > 0))
 
 
 def _outcome(kind: Kind, seen: _Seen, sensor: int) -> Outcome:

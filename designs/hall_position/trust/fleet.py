@@ -4,7 +4,7 @@ What is found counts as wrong where it is valid and X, Y or the yaw is off by mo
 position is compared within the pitch, which is all that a search tells.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from math import pi
@@ -17,9 +17,9 @@ from designs.hall_position.glsdc.parameters import Array, Tuning
 from designs.hall_position.trust import motions
 from designs.hall_position.trust.motions import Numbers, Pose
 from synth import numeric, timing
-from synth.emit import write
 from synth.errors import ModelError
-from synth.execute import host
+from synth.execute import build, host
+from synth.simulate import ensemble
 from synth.timing import Discrete
 
 TIME = Discrete(1 / 800)
@@ -57,8 +57,7 @@ class Judged:
 def compiled(kind: Kind) -> host.Controller:
     """Return the estimator's C in single precision, compiled."""
     block = estimator.guarded(kind.array, kind.time, kind.tuning)
-    made = write.emit(block, np.float32, error=estimator.SURROGATE_ERROR[np.float32])
-    return host.load(made.files, made.manifest)
+    return build.compiled(block, np.float32, error=estimator.SURROGATE_ERROR[np.float32])
 
 
 def anywhere(kind: Kind, n: int, yaw: float, rng: np.random.Generator) -> Pose:
@@ -75,7 +74,7 @@ def anywhere(kind: Kind, n: int, yaw: float, rng: np.random.Generator) -> Pose:
 
 def unplaced(kind: Kind, n: int) -> host.Records:
     """Return the states of n bodies after `init`."""
-    return np.repeat(compiled(kind).init()[np.newaxis], n)
+    return ensemble.started(compiled(kind), n)
 
 
 def placed(kind: Kind, pose: Pose, before: Pose | None = None, certain: bool = True) -> host.Records:
@@ -128,3 +127,20 @@ def judged(kind: Kind, found: Mapping[str, Numbers], pose: Pose) -> Judged:
     errors = np.array([*along, wrapped(found["yaw"] - pose.yaw)])
     share = np.abs(errors) / np.array([found[f"deviation_{a}"] for a in ("X", "Y", "yaw")])
     return Judged(valid, np.hypot(*along), share, valid & (share.max(axis=0) > WRONG))
+
+
+def followed(
+    kind: Kind,
+    state: host.Records,
+    at: Callable[[int], Pose],
+    samples: int,
+    rng: np.random.Generator,
+    spoilt: Callable[[int, Numbers], Numbers] = lambda k, volts: volts,
+) -> Iterator[tuple[host.Batch, Judged]]:
+    """Yield what each sample makes of bodies that are at known poses, on noisy voltages that are `spoilt` then."""
+
+    def step(now: host.Records, k: int) -> host.Batch:
+        return stepped(kind, now, spoilt(k, voltages(kind, at(k), rng)))
+
+    for k, batch in enumerate(ensemble.followed(step, state, samples)):
+        yield batch, judged(kind, batch.outputs, at(k))

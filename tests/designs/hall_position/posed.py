@@ -7,7 +7,7 @@ import numpy as np
 
 from designs.hall_position import reference_six
 from designs.hall_position.accuracy import layouts
-from designs.hall_position.glsdc import six_estimator
+from designs.hall_position.glsdc import channels, six_estimator
 from designs.hall_position.glsdc.six_parameters import Array, Tuning
 from synth.block import Block
 from synth.emit import write
@@ -102,7 +102,7 @@ def records(
 
 def given(array: Array, V: Numbers) -> dict[str, Numbers]:
     """Return voltages (N, sensors, 2) by the names of the inputs."""
-    return dict(zip((s.name for s in six_estimator.voltages(array)), V.reshape(len(V), -1).T, strict=True))
+    return dict(zip((s.name for s in channels.voltages(len(array.positions))), V.reshape(len(V), -1).T, strict=True))
 
 
 def replayed(

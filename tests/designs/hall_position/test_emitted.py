@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from designs.hall_position import emitted, shipped
-from designs.hall_position.glsdc import estimator
+from designs.hall_position.glsdc import channels
 from synth.blocks import safety
 from synth.emit.write import Emitted
 from synth.execute import compile as host_compiler
@@ -73,7 +73,7 @@ def test_the_vectors_find_the_place_and_hold_bad_samples(name: str) -> None:
     wanted = np.zeros(emitted.STEPS, dtype=np.int64)
     wanted[emitted.BAD] = 1 << 1
     wanted[emitted.LOST] = 1 << 2
-    wanted[emitted.LOST.start + estimator.BAD_SAMPLES - 1 :] |= 1 << safety.LATCH_BIT
+    wanted[emitted.LOST.start + channels.BAD_SAMPLES - 1 :] |= 1 << safety.LATCH_BIT
     np.testing.assert_array_equal(words, wanted)
     way, pitch, valid = emitted.way(), shipped.array(name).pitch, out["valid"] > 0
     assert np.ptp(way.X) > 2 * pitch and valid[SEARCH : emitted.BAD.start].all() and valid.mean() > 0.5

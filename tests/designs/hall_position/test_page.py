@@ -1,23 +1,27 @@
 """The report: its parts are there, and what they show is right."""
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from designs.hall_position import costs, page, page_accuracy, page_convergence, page_field, page_six, shipped
+from designs.hall_position import costs, page, shipped
 from designs.hall_position.accuracy import fisher, maps
 from designs.hall_position.costs import Costs, Row
+from designs.hall_position.pages import accuracy, field, six, trust
 from designs.hall_position.paper import rows
 from designs.hall_position.paper.stage import Stage, grid
 from synth.emit.write import Emitted
 from synth.report import sections
 from synth.report.audit import recipes
 from synth.report.page import Section, Table
+from synth.report.prose import Value
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 
 STAGE = Stage()
+REPORT = Path(page.__file__).with_name("report.md").read_text(encoding="utf-8")
 MOST = 2_000_000  # bytes of a page
 
 
@@ -25,11 +29,17 @@ MOST = 2_000_000  # bytes of a page
 def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
     """Draw maps of few places."""
     for name, value in {"POINTS": 12, "COARSE": 6, "TURNS": 5, "SINGULAR": (5.0,)}.items():
-        monkeypatch.setattr(page_accuracy, name, value)
-    monkeypatch.setattr(page_field, "POINTS", 13)
-    monkeypatch.setattr(page_six, "POINTS", 8)
-    monkeypatch.setattr(page_convergence, "SIDE", 5)
-    monkeypatch.setattr(page, "_trust", lambda: ())  # which compiles two estimators: see test_page_trust
+        monkeypatch.setattr(accuracy, name, value)
+    monkeypatch.setattr(field, "POINTS", 13)
+    monkeypatch.setattr(six, "POINTS", 8)
+    monkeypatch.setattr(accuracy, "SIDE", 5)
+    absent = dict.fromkeys(set(re.findall(r"(?:trust|failures)\.\w+", REPORT)), 0.0)
+    monkeypatch.setattr(trust, "blocks", lambda of: absent)  # which compiles two estimators: see test_page_trust
+
+
+def table(block: Value) -> Table:
+    assert isinstance(block, Table)
+    return block
 
 
 def tables(section: Section) -> dict[str, Table]:
@@ -43,27 +53,38 @@ def tables(section: Section) -> dict[str, Table]:
 @pytest.mark.usefixtures("coarse")
 def test_every_part_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
     three, row = Emitted({}, {}), Row("three sensors", "gcc -O2", 600, 3795, 7225)
-    others = {(id(three), page_six.placed(STAGE, 4)): Costs((row,))}
+    others = {(id(three), six.placed(STAGE, 4)): Costs((row,))}
     monkeypatch.setattr(costs, "measure", lambda three, four: others[id(three), four])
     monkeypatch.setattr(sections, "cost", lambda found: Section("Cost of two sensors"))
     cost = Cost(shipped.NAME, "cortex-m4f", 1e-3, (), (), (), {}, ())
     few = [recipes(rows.ROWS)[n].row(STAGE, rows.printed()) for n in ("K-1", "K-8")]
     html = page.report({shipped.THREE: three}, Evidence(shipped.NAME, (), ()), [], few, cost)
     assert len(html.encode()) < MOST and html.count("<svg") == len(set(re.findall(r"Figure (\d+)\.", html)))
-    for text in ("Fig. 3", "Fig. 4", "Fig. 5 and (3)", "Fig. 8", "air gap", "lose rank", "K-8", "GLSDC", "Six degrees"):
+    for text in (
+        "Fig. 3",
+        "Fig. 4",
+        "Fig. 5 and (3)",
+        "Fig. 8",
+        "air gap",
+        "lose rank",
+        "K-8",
+        "GLSDC",
+        "Six degrees",
+        "ships leans",
+    ):
         assert text in html, text
-    assert not re.search(r"\bnan\b|no number", html)
+    assert not re.search(r"\bnan\b|>no number<", html)
     titles = [html.rindex(t) for t in ("Cost of two sensors", "Cost of three sensors", "SHA-256")]
     assert titles == sorted(titles) and "3\u202f795" in html
 
 
 def test_without_a_measured_cost_no_other_is_measured() -> None:
-    assert page._others({}, None) == ()
+    assert page._others({}, None, STAGE) == ()
 
 
 def test_the_map_is_that_of_the_deviations(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(page_accuracy, "POINTS", 6)
-    found = page_accuracy._larger(STAGE.three, 0.1)
+    monkeypatch.setattr(accuracy, "POINTS", 6)
+    found = accuracy._larger(STAGE.three, 0.1)
     along = STAGE.pitch * (np.arange(6) + 0.5) / 6
     for i, j in ((0, 0), (2, 5), (4, 1)):
         expected = fisher.deviations(STAGE.three, np.array([[along[i]], [along[j]], [0.1]]))[:2].max()
@@ -73,17 +94,17 @@ def test_the_map_is_that_of_the_deviations(monkeypatch: pytest.MonkeyPatch) -> N
 
 @pytest.mark.usefixtures("coarse")
 def test_the_tables_tell_what_is_proved_and_where_rank_is_lost() -> None:
-    found = tables(page_accuracy.accuracy(STAGE))
-    worst = {row[0]: row[2:] for row in found["Largest deviations that were found, and bounds that are proved"].rows}
+    found = accuracy.blocks(STAGE)
+    worst = {row[0]: row[2:] for row in table(found["accuracy.worst"]).rows}
     assert worst["third sensor added"][:3] == ("5.28", "5.308", "198")
     for name, proved in worst.items():
         if name != "two sensors":
             assert all(float(a) <= float(b) for a, b in zip(proved[:3], proved[3:], strict=True))
-    assert found["Where two sensors lose rank"].rows[0][:2] == (5.0, 40)
+    assert table(found["accuracy.singular"]).rows[0][:2] == (5.0, 40)
 
 
 def test_the_law_of_decay_is_within_the_intervals() -> None:
-    rates = tables(page_field.fit(STAGE))["Rates of decay with intervals of 95 %"]
+    rates = table(field.blocks(STAGE)["gap.decays"])
     w = 2 * np.pi / STAGE.pitch
     for row, n in zip(rates.rows, (1, 5, 1), strict=True):
         assert row[4] == pytest.approx(n * w) and row[5] == "yes"
@@ -91,13 +112,10 @@ def test_the_law_of_decay_is_within_the_intervals() -> None:
 
 
 def test_three_sensors_are_told_to_lose_rank_in_six_degrees_of_freedom(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(page_six, "POINTS", 8)
-    section = page_six.section(STAGE)
-    found = tables(section)
-    assert all(
-        row[3] == "on lines" for row in found["Determinants over the pitch of three sensors, over their mean size"].rows
-    )
-    of = page_six.placed(STAGE, 4)
+    monkeypatch.setattr(six, "POINTS", 8)
+    section = six.section(STAGE)
+    assert all(row[3] == "on lines" for row in table(six.blocks(STAGE)["six.determinants"]).rows)
+    of = six.placed(STAGE, 4)
     expected = 1e6 * maps.conditions(of, 8).worst[0]
     shown = tables(section.sections[0])["Largest standard deviations over the pitch under conditions"].rows[0]
     assert shown[1:7] == pytest.approx(tuple(expected))
@@ -106,8 +124,8 @@ def test_three_sensors_are_told_to_lose_rank_in_six_degrees_of_freedom(monkeypat
 def test_the_basin_is_whole_where_the_yaw_is_known_and_has_holes_where_it_is_not(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(page_convergence, "SIDE", 9)
-    known, free = (page_convergence.basin(STAGE.pair, yaw_known) for yaw_known in (True, False))
+    monkeypatch.setattr(accuracy, "SIDE", 9)
+    known, free = (accuracy.basin(STAGE.pair, yaw_known) for yaw_known in (True, False))
     middle = slice(2, 7)  # a quarter pitch to either side
     assert known[middle, middle].min() == 1 and known[0].max() < 1
     assert free[4, 4] == 1 and free[middle, middle].mean() < 0.8 and (free <= known + 1e-9).mean() > 0.9

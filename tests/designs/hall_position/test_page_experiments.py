@@ -1,22 +1,22 @@
 """The report's parts on the closed loop: runs as they are, calibration, the loop as opened."""
 
+import tomllib
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from designs.hall_position import page_experiments, page_loops, shipped
+from designs.hall_position import page, shipped
 from designs.hall_position.loop import closed_loop, error_map
 from designs.hall_position.loop.closed_loop import Source
+from designs.hall_position.pages import experiments
+from designs.hall_position.pages import loops as own_loops
 from designs.planar_6dof import loops, lqg
 from models import planar_stage
-from synth.report.page import Figure, Section, Table
+from synth.report.page import Figure, Table
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory
-
-
-def tables(section: Section) -> list[Table]:
-    return [b for b in section.blocks if isinstance(b, Table)]
 
 
 def run(values: dict[str, np.ndarray], name: str = "step_plain", more: Mapping[str, float] = {}) -> Experiment:
@@ -29,7 +29,7 @@ def run(values: dict[str, np.ndarray], name: str = "step_plain", more: Mapping[s
 
 def test_small_signals_are_shown_in_micrometres() -> None:
     e = run({"x": np.full(8, 4e-3), "x_raw": np.full(8, 3e-5), "phi": np.full(8, 1e-3)})
-    shown, units = page_experiments.scaled(e)
+    shown, units = experiments.scaled(e)
     assert units == {"x": "m", "x, estimated": "µm", "phi": "rad"}
     np.testing.assert_allclose(shown.trajectory["x, estimated"], 30.0)
     np.testing.assert_allclose(shown.trajectory["x"], 4e-3)
@@ -39,13 +39,14 @@ def test_small_signals_are_shown_in_micrometres() -> None:
 def test_runs_with_and_without_calibration_stand_side_by_side() -> None:
     plain = run({"x": np.zeros(8)}, more={"true motion, mm": 3.9, "at most, mm": 1.0, "Fig. 11: motion, mm": 4.3})
     after = run({"x": np.zeros(8)}, "step_calibrated", {"true motion, mm": 4.0, "Fig. 11: motion, mm": 4.0})
-    (table,) = page_experiments._before_and_after([plain, after])
-    assert table.rows == (("step", "true motion, mm", 3.9, 4.0),)
-    assert page_experiments._before_and_after([plain]) == ()
+    both = {e.name: e for e in (plain, after)}
+    assert experiments._before_and_after(both) == (("step", "true motion, mm", 3.9, 4.0),)
+    assert experiments._before_and_after({plain.name: plain}) == ()
+    assert experiments.blocks(None, [plain])["calibration.compared"] == experiments.ABSENT
 
 
 def test_sources_are_compared_in_columns() -> None:
-    table = page_experiments.compared({"a: phi off, urad": 1.0, "b, c: phi off, urad": 2.0, "a: more, 1": 3.0})
+    table = experiments.compared({"a: phi off, urad": 1.0, "b, c: phi off, urad": 2.0, "a: more, 1": 3.0})
     assert table.columns == ("figure", "a", "b, c")
     assert table.rows[0] == ("φ off, µrad", 1.0, 2.0) and table.rows[1][1] == 3.0 and np.isnan(table.rows[1][2])
 
@@ -53,29 +54,29 @@ def test_sources_are_compared_in_columns() -> None:
 def test_every_experiment_is_on_the_page_with_the_papers_figure() -> None:
     x = np.linspace(0, 4e-3, 400)
     columns = {"x": x, "y": x, "x_raw": x, "y_raw": x}
-    found = [run(columns, name) for name in page_experiments.BESIDE]
-    section = page_experiments.section(found)
+    shown = tomllib.loads(Path(page.__file__).with_name("report.toml").read_text(encoding="utf-8"))["beside"]
+    found = [run(columns, name) for name in shown]
+    section, blocks = experiments.section(found, shown), experiments.blocks(None, found)
     assert len(section.sections) == len(found)
-    assert [b.svg.count("<svg") for b in section.blocks if isinstance(b, Figure)] == [1, 1]
-    for part, beside in zip(section.sections, page_experiments.BESIDE.values(), strict=True):
+    drawn = [blocks[f"experiments.{name}"] for name in ("steps", "zigzags")]
+    assert [b.svg.count("<svg") for b in drawn if isinstance(b, Figure)] == [1, 1]
+    for part, beside in zip(section.sections, shown.values(), strict=True):
         (figure,) = (b for b in part.blocks if isinstance(b, Figure))
         assert figure.beside == beside and "±5 V" in figure.caption and part.title == "x by 10 µm"
 
 
 def test_the_error_map_is_drawn_as_it_is() -> None:
     of = error_map.ErrorMap(error_map.square(2e-3, 1e-3), np.arange(75.0).reshape(3, 5, 5) * 1e-5)
-    section = page_experiments.calibration(Source(shipped.array(shipped.THREE), map=of), [])
-    (table,) = tables(section)
+    found = experiments.blocks(of, [])
+    table, drawn = found["calibration.shares"], found["calibration.map"]
+    assert isinstance(table, Table) and isinstance(drawn, Figure)
     assert table.rows[0] == (
         "X",
         pytest.approx(10 * np.sqrt(np.mean(np.arange(25.0) ** 2))),
         pytest.approx(240.0),
         "µm",
     )
-    assert sum(isinstance(b, Figure) for b in section.blocks) == 1
-    assert not any(
-        isinstance(b, Figure) for b in page_experiments.calibration(Source(shipped.array(shipped.THREE)), []).blocks
-    )
+    assert experiments.blocks(None, [])["calibration.map"] == experiments.ABSENT
 
 
 def test_the_loop_is_that_of_the_sections_behind_the_filter(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -89,7 +90,7 @@ def test_the_loop_is_that_of_the_sections_behind_the_filter(monkeypatch: pytest.
     z = np.exp(2j * np.pi * hertz / 800)
 
     def apart() -> float:
-        found, worst = page_loops.opened(source, block, place), 0.0
+        found, worst = own_loops.opened(source, block, place), 0.0
         for axis in ("x", "y", "phi"):
             ours, theirs = (loops.opened(each, [axis]).response(z).ravel() for each in (found, other))
             worst = max(worst, float(np.abs(ours / theirs * (1 + 1j * hertz / 200) - 1).max()))
@@ -97,5 +98,5 @@ def test_the_loop_is_that_of_the_sections_behind_the_filter(monkeypatch: pytest.
 
     assert apart() < 0.025
     with monkeypatch.context() as patched:  # a filter that is forgotten
-        patched.setattr(page_loops, "filtered", lambda motors, chain: motors)
+        patched.setattr(own_loops, "filtered", lambda motors, chain: motors)
         assert apart() > 0.1

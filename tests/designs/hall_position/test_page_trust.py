@@ -5,15 +5,17 @@ from functools import cache
 import numpy as np
 import pytest
 
-from designs.hall_position import page_failures, page_trust, shipped
+from designs.hall_position import shipped
 from designs.hall_position.glsdc import estimator
+from designs.hall_position.pages import trust
 from designs.hall_position.trust import basin, cold_start, endurance, failures, fleet
 from designs.hall_position.trust.fleet import Kind
 from synth.emit import write
 from synth.execute import host
-from synth.report.page import Figure, Section, Table
+from synth.report.page import Figure, Table
+from synth.report.prose import Value
 
-TWO = {shipped.NAME: page_trust.kinds()[shipped.NAME]}
+TWO = {shipped.NAME: trust.kinds()[shipped.NAME]}
 
 
 @cache
@@ -35,68 +37,65 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
         "MOVING": 20,
         "LONG": 40,
     }.items():
-        monkeypatch.setattr(page_trust, name, value)
+        monkeypatch.setattr(trust, name, value)
 
 
-def tables(section: Section) -> list[Table]:
-    return [b for b in section.blocks if isinstance(b, Table)]
+def table(block: Value) -> Table:
+    assert isinstance(block, Table)
+    return block
 
 
 def test_the_basin_is_shown_as_it_is() -> None:
-    section = page_trust.convergence(TWO)
-    first, then, wrong = tables(section)
+    blocks = trust.basins(TWO)
     (kind,) = TWO.values()
-    found = basin.mapped(kind, 400, page_trust.YAW, 20)
-    for table, shares in ((first, found.first), (then, found.then)):
-        for row, expected in zip(table.rows, shares, strict=True):
-            assert row[1:] == pytest.approx(tuple(100 * expected))
-    assert wrong.rows == (("two sensors", found.samples, found.wrong),)
-    assert sum(isinstance(b, Figure) for b in section.blocks) == 1
+    found = basin.mapped(kind, 400, trust.YAW, 20)
+    rows = zip(table(blocks["trust.basins"]).rows, [*found.first, *found.then], strict=True)
+    for k, (row, expected) in enumerate(rows):
+        assert row[:2] == ("two sensors", 1 if k < len(found.off) else 20)
+        assert row[3:] == pytest.approx(tuple(100 * expected))
+    assert table(blocks["trust.wrong"]).rows == (("two sensors", found.samples, found.wrong),)
+    assert isinstance(blocks["trust.reach"], Figure)
 
 
 def test_what_is_valid_and_wrong_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     """With deviations that count as wrong from a tenth on, most valid samples are."""
     monkeypatch.setattr(fleet, "WRONG", 0.1)
-    *_, wrong = tables(page_trust.convergence(TWO))
-    assert float(wrong.rows[0][2]) > 10
+    assert float(table(trust.basins(TWO)["trust.wrong"]).rows[0][2]) > 10
 
 
 def test_cold_starts_are_shown_as_they_are() -> None:
-    (table,) = tables(page_trust.cold_starts(TWO))
+    row = table(trust.cold_starts(TWO)["trust.cold_starts"]).rows[0]
     (kind,) = TWO.values()
-    grid = cold_start.grid(kind, 4, np.array([-page_trust.YAW, 0.0, page_trust.YAW]))
+    grid = cold_start.grid(kind, 4, trust.YAWS)
     found = cold_start.run(kind, grid, 60)
-    assert table.rows[0][1:3] == pytest.approx((100 * found.found.mean(), 100 * found.valid))
-    assert table.rows[0][4] == pytest.approx(1.25 * found.took.max())
+    assert row[1:3] == pytest.approx((100 * found.found.mean(), 100 * found.valid))
+    assert row[4] == pytest.approx(1.25 * found.took.max())
 
 
 def test_motion_is_within_the_limits_that_are_derived() -> None:
-    (table,) = tables(page_trust.motion(TWO))
+    row = trust.motion(TWO).rows[0]
     (kind,) = TWO.values()
     within = endurance.limits(kind)
-    assert table.rows[0][1:4] == (within.speed, within.acceleration, 800)
-    assert table.rows[0][6] == 0
+    assert row[1:4] == (within.speed, within.acceleration, 800)
+    assert row[6] == 0
 
 
 def test_failures_are_shown_as_they_are(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(page_failures, "BODIES", 20)
-    monkeypatch.setattr(page_failures, "POINTS", 6)
-    section = page_failures.section(TWO)
-    (table,) = tables(section)
+    monkeypatch.setattr(trust, "FAILING", 20)
+    monkeypatch.setattr(trust, "MAPPED", 6)
+    rows = trust.failing(TWO).rows
     (kind,) = TWO.values()
     found = [failures.tried(kind, "dead", sensor, 20, None, sensor) for sensor in (1, 2)]
-    row = next(r for r in table.rows if r[:2] == ("dead", "at rest"))
-    assert len(table.rows) == 2 * len(failures.FAILURES)
-    assert row[3] == pytest.approx(50 * sum(f.flagged for f in found))
-    assert row[4] == max(f.late for f in found) and row[7] == pytest.approx(100 * max(f.away for f in found))
-    (figure,) = (b for b in section.blocks if isinstance(b, Figure))
-    assert figure.svg.count("unseen") >= 2
+    row = next(r for r in rows if r[1:3] == ("dead", "at rest"))
+    assert len(rows) == 2 * len(failures.FAILURES)
+    assert row[4] == pytest.approx(50 * sum(f.flagged for f in found))
+    assert row[7] == max(f.late for f in found) and row[8] == pytest.approx(100 * max(f.away for f in found))
+    assert trust._unseen(shipped.NAME, kind).svg.count("unseen") >= 2
 
 
 def test_a_failure_that_is_not_flagged_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     """A sensor that fails as nobody sees is flagged in no body that rests."""
-    monkeypatch.setattr(page_failures, "BODIES", 20)
+    monkeypatch.setattr(trust, "FAILING", 20)
     monkeypatch.setattr(failures, "FAILURES", {"none": lambda now, before: now})
-    (kind,) = TWO.values()
-    rows = page_failures._table("two", kind).rows
-    assert rows[0][:2] == ("none", "at rest") and float(rows[0][2]) == 0 and float(rows[0][6]) > 80
+    rows = trust.failing(TWO).rows
+    assert rows[0][1:3] == ("none", "at rest") and float(rows[0][3]) == 0 and float(rows[0][6]) > 80

@@ -12,14 +12,15 @@ from designs.hall_position import random_steps, reference_guard, shipped, verifi
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.random_steps import Subject
 from designs.hall_position.trust import endurance
-from designs.hall_position.verification import Compared, Steps, Witnesses
+from designs.hall_position.verification import Compared, Steps
 from synth.block import Block
 from synth.blocks import safety
 from synth.check import Check
 from synth.emit import write
-from synth.execute import host
-from synth.verify import agree
+from synth.execute import build, host
+from synth.verify import agree, suite
 from synth.verify.agree import Stepped
+from synth.verify.suite import Witnesses
 
 SIZES = {"motions": 4000, "random": 2000, "edge": 1000}
 PAIR = shipped.NAME
@@ -68,7 +69,7 @@ def test_the_sound_estimator_passes() -> None:
     assert [c.name for c in checks if not c.passed] == []
     pairs = {(a.what, a.first, a.second) for found, _ in parts for a in found}
     kinds = [f"{PAIR}, {kind} steps" for kind in SIZES]
-    assert pairs == {(k, n, "c64") for k in kinds for n in verification.OTHERS} | {(kinds[0], "c64", "c32")}
+    assert pairs == {(k, n, "c64") for k in kinds for n in suite.OTHERS} | {(kinds[0], "c64", "c32")}
     counted = [c for c in checks if "magnified over" in c.name]
     assert len(counted) == 3 and all(" of " in c.about for c in counted)
 
@@ -188,7 +189,12 @@ def test_a_deviation_that_is_wrong_in_double_is_told() -> None:
 
 
 def test_decisions_of_single_precision_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
-    other = replace(sound(), c64=verification.compiled(replace(subject().block, faults=()), np.float64))
+    other = replace(
+        sound(),
+        c64=build.compiled(
+            replace(subject().block, faults=()), np.float64, error=estimator.SURROGATE_ERROR[np.float64]
+        ),
+    )
     names = failed(verification.in_single(subject(), other, drawn("motions")))
     assert any("decisions otherwise" in name for name in names)
 

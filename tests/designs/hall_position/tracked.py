@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from designs.hall_position import reference
-from designs.hall_position.glsdc import estimator
+from designs.hall_position.glsdc import channels, estimator
 from designs.hall_position.glsdc.parameters import Array, Tuning
 from synth.block import Block
 from synth.emit import write
@@ -125,7 +125,7 @@ def records(
 def given(array: Array, V: Numbers) -> dict[str, Numbers]:
     """Return voltages (N, sensors, 2) by the names of the inputs."""
     flat = V.reshape(len(V), -1).T
-    return dict(zip((s.name for s in estimator.voltages(array)), flat, strict=True))
+    return dict(zip((s.name for s in channels.voltages(len(array.positions))), flat, strict=True))
 
 
 def replayed(array: Array, pose: Pose, V: Numbers, tuning: Tuning = USUAL) -> host.Columns:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from designs.hall_position import reference
-from designs.hall_position.glsdc import estimator
+from designs.hall_position.glsdc import channels
 from designs.hall_position.glsdc.parameters import Array
 from synth.execute import host
 from synth.statespace import Array as Numbers
@@ -76,7 +76,7 @@ def held(V: Numbers, refused: Numbers) -> Numbers:
 
 def apart(found: Columns, after: host.Records, out: Columns, next: Columns) -> Numbers:
     """Return by how much outputs and states differ, (N,): m, rad, a tenth of the voltages' range, and flags by 1."""
-    gap = [np.abs(found[name] - v) / (estimator.SPAN if name == "residual" else 1) for name, v in out.items()]
+    gap = [np.abs(found[name] - v) / (channels.SPAN if name == "residual" else 1) for name, v in out.items()]
     for name, v in next.items():
         d = np.abs(after[f"estimator_{name}"] - v)
         if name.startswith(("phase", "yaw", "start")):
@@ -113,7 +113,7 @@ def test_the_block_agrees_with_the_reference(array: Array) -> None:
     out, _ = reference.step(setup(array), state, V, clear)
     allowed = np.maximum(EXACT, SHARE * EPS * reference.magnification(setup(array), state, V, clear))
     for signal, found in zip(of.outputs, y, strict=True):
-        size = estimator.SPAN if signal.name == "residual" else 1
+        size = channels.SPAN if signal.name == "residual" else 1
         assert (np.abs(found - out[signal.name]) <= size * allowed).all(), signal.name
 
 

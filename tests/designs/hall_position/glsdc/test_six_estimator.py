@@ -8,7 +8,7 @@ from scipy import optimize
 
 from designs.hall_position import reference_six
 from designs.hall_position.accuracy import layouts, six_field
-from designs.hall_position.glsdc import six_estimator
+from designs.hall_position.glsdc import channels, six_estimator
 from designs.hall_position.glsdc.six_parameters import Array
 from synth.errors import ModelError
 from synth.execute import host
@@ -64,7 +64,7 @@ def drawn(array: Array, n: int, seed: int) -> tuple[dict[str, Numbers], Numbers,
 
 def apart(found: Columns, after: host.Records, out: Columns, next: Columns) -> Numbers:
     """Return by how much outputs and states differ, (N,): m, rad, of the voltages' range, and flags by 1."""
-    gap = [np.abs(found[name] - v) / (six_estimator.SPAN if name == "residual" else 1) for name, v in out.items()]
+    gap = [np.abs(found[name] - v) / (channels.SPAN if name == "residual" else 1) for name, v in out.items()]
     for name, v in next.items():
         d = np.abs(after[f"estimator_{name}"] - v)
         gap.append(np.minimum(d, 2 * np.pi - d) if name.startswith(("phase", "yaw", "start")) else d)
@@ -304,4 +304,4 @@ def test_from_anywhere_in_the_pitch_it_finds_its_place() -> None:
 
 
 def test_voltages_are_named_by_sensor_and_axis() -> None:
-    assert [s.name for s in six_estimator.voltages(ANY)] == ["V_ax", "V_ay", "V_bx", "V_by", "V_cx", "V_cy"]
+    assert [s.name for s in channels.voltages(len(ANY.positions))] == ["V_ax", "V_ay", "V_bx", "V_by", "V_cx", "V_cy"]

@@ -4,41 +4,23 @@ Values come in SI units and are shown in mm, um, mrad, degrees, mV and mT.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-from numpy.typing import NDArray
 
 from models.hall_figures import Coefficients, Line, Spacings, Surface
 from models.hall_scan import Decay, Fit
-from synth.report import figures
+from synth.report import maps
 from synth.report.figures import COLOURS
 from synth.statespace import Array
 
-SIGNED, PLAIN = "RdBu_r", "viridis"
 GREY, DARK = "#bbbbbb", "#222222"
-SIGNS = FuncFormatter(lambda v, _: f"{v:.4g}".replace("-", "−"))  # minus signs as such
-
-
-@dataclass(frozen=True, eq=False)
-class Map:
-    """Values (n, n) over X and Y of a pitch, X changing slowest; marks (m, 2) are places in m."""
-
-    title: str
-    values: Array | NDArray[np.bool_]
-    marks: Array | None = None
 
 
 def coefficients(found: Sequence[tuple[str, Coefficients]]) -> Figure:
     """Draw Fig. 3: amplitudes by number, above ideal blocks and those that were made, at each distance."""
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 3.0), layout="constrained")
-        for axes, (title, each) in zip(figure.subplots(1, len(found)), found, strict=True):
+    with maps.panels(3.0, 1, len(found)) as (drawn, grid):
+        for axes, (title, each) in zip(np.atleast_1d(grid), found, strict=True):
             for k, (label, values) in enumerate({"ideal": each.ideal, "as made": each.fabricated}.items()):
                 axes.bar(each.numbers + 0.4 * (k - 0.5), values, 0.4, color=COLOURS[k], label=label)
             axes.bar([each.numbers[-1] + 2], [each.cross], 0.4, color=COLOURS[1])
@@ -47,37 +29,33 @@ def coefficients(found: Sequence[tuple[str, Coefficients]]) -> Figure:
             axes.set_xticks([*each.numbers, each.numbers[-1] + 2], [*map(str, each.numbers), "(2, 1)"])
             axes.grid(visible=False, axis="x")
             axes.legend(loc="upper right")
-            axes.yaxis.set_major_formatter(SIGNS)
-    return figure
+            axes.yaxis.set_major_formatter(maps.SIGNS)
+    return drawn
 
 
 def field(ideal: Surface, made: Surface) -> Figure:
     """Draw Fig. 4: B_X over the target area above ideal blocks and those that were made, and sections of both."""
     high = 1e3 * max(float(np.abs(each.B_X).max()) for each in (ideal, made))
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 3.3), layout="constrained")
-        left, middle, right = figure.subplots(1, 3)
+    with maps.panels(3.3, 1, 3) as (drawn, (left, middle, right)):
         for axes, title, each in ((left, "B_X, ideal, mT", ideal), (middle, "B_X, as made, mT", made)):
             image = axes.pcolormesh(
-                1e3 * each.X, 1e3 * each.Y, 1e3 * each.B_X.T, cmap=SIGNED, vmin=-high, vmax=high, rasterized=True
+                1e3 * each.X, 1e3 * each.Y, 1e3 * each.B_X.T, cmap=maps.SIGNED, vmin=-high, vmax=high, rasterized=True
             )
-            _pitch(axes, title)
-        figure.colorbar(image, ax=(left, middle), shrink=0.85)
+            maps.square(axes, title)
+        drawn.colorbar(image, ax=(left, middle), shrink=0.85)
         for each, label, colour in ((ideal, "ideal", COLOURS[0]), (made, "as made, four Y", COLOURS[1])):
             for k in range(0, len(each.Y) - 1, (len(each.Y) - 1) // 4):
                 right.plot(1e3 * each.X, 1e3 * each.B_X[:, k], color=colour, lw=0.8, label=None if k else label)
         right.set(xlabel="X, mm", title="sections of B_X, mT")
         right.legend(loc="upper right")
-        signs(right)
-    return figure
+        maps.signs(right)
+    return drawn
 
 
 def spacing(line: Line, spacings: Spacings, printed: Array) -> Figure:
     """Draw Fig. 5: what two sensors read along X, and how insensitive a pair gets by its spacing."""
     pitch = line.X[-1]
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 2.8), layout="constrained")
-        left, right = figure.subplots(1, 2)
+    with maps.panels(2.8, 1, 2) as (drawn, (left, right)):
         steep = np.abs(line.slopes[0]) >= np.abs(line.slopes[1])
         for k, (volts, used) in enumerate(zip(line.volts, (steep, ~steep), strict=True)):
             left.plot(1e3 * line.X, volts, color=COLOURS[k], lw=0.8)
@@ -89,8 +67,8 @@ def spacing(line: Line, spacings: Spacings, printed: Array) -> Figure:
             right.axvline(at, color=COLOURS[1], ls="--", lw=0.9, label="(3)" if at == printed[0] / pitch else None)
         right.set(xlabel="spacing, pitches", ylabel="least slope of the pair, V/mm", ylim=(0.0, None))
         right.legend(loc="lower right")
-        signs(left)
-    return figure
+        maps.signs(left)
+    return drawn
 
 
 def residuals(fit: Fit) -> Figure:
@@ -100,24 +78,21 @@ def residuals(fit: Fit) -> Figure:
         ("(b) model (2), V", fit.modelled),
         ("(c) left, mV", 1e3 * fit.residual),
     )
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 3.0), layout="constrained")
-        for axes, (title, values) in zip(figure.subplots(1, 3), shown, strict=True):
+    with maps.panels(3.0, 1, 3) as (drawn, grid):
+        for axes, (title, values) in zip(grid, shown, strict=True):
             n = int(np.sqrt(len(values)))
             high = float(np.abs(values).max())
             image = axes.imshow(
-                values.reshape(n, n).T, origin="lower", extent=_extent(fit), cmap=SIGNED, vmin=-high, vmax=high
+                values.reshape(n, n).T, origin="lower", extent=_extent(fit), cmap=maps.SIGNED, vmin=-high, vmax=high
             )
-            _pitch(axes, title)
-            figure.colorbar(image, ax=axes, shrink=0.8)
-    return figure
+            maps.square(axes, title)
+            drawn.colorbar(image, ax=axes, shrink=0.8)
+    return drawn
 
 
 def gap(heights: Array, found: Mapping[str, Array], decays: Sequence[Decay], at: float) -> Figure:
     """Draw |alpha|, |beta|, .. in V of fits at heights in m, and the law of decay from the one `at` a height."""
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 2.9), layout="constrained")
-        axes = figure.subplots()
+    with maps.panels(2.9) as (drawn, axes):
         z = np.linspace(heights[0], heights[-1], 50)
         for (name, values), decay, colour in zip(found.items(), decays, COLOURS, strict=False):
             law = np.exp(decay.estimate["ln"] - decay.law * (z - at))
@@ -126,69 +101,29 @@ def gap(heights: Array, found: Mapping[str, Array], decays: Sequence[Decay], at:
         axes.set_yscale("log")
         axes.set(xlabel="height above the matrix, mm", ylabel="coefficient, V", xmargin=0.02)
         axes.set_xlim(1e3 * heights[0] - 0.05, 1e3 * heights[-1] + 0.05)
-        _plain_log(axes)
+        maps.plain_log(axes)
         axes.legend(loc="center right")
-    return figure
-
-
-def maps(
-    shown: Sequence[Map], pitch: float, low: float, high: float, columns: int = 3, log: bool = True, label: str = ""
-) -> Figure:
-    """Draw maps over the pitch with one scale from `low` to `high`; what is beyond has the end's colour."""
-    norm: Normalize = LogNorm(low, high) if log else Normalize(low, high)
-    rows = -(-len(shown) // columns)
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 3.0 * rows), layout="constrained")
-        grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-        for axes, each in zip(grid.flat, shown, strict=False):
-            _one(axes, each, pitch, norm, PLAIN)
-        for axes in grid.flat[len(shown) :]:
-            axes.set_visible(False)
-        for axes in grid.flat:
-            axes.label_outer()
-        bar = figure.colorbar(ScalarMappable(norm, PLAIN), ax=grid, shrink=0.85, extend="both", label=label)
-        if log:
-            _plain_log(bar.ax)
-    return figure
-
-
-def signed(shown: Sequence[Map], sides: Sequence[tuple[float, float]]) -> Figure:
-    """Draw maps of values about 0 over X and Y between two `sides` each, m, each map with its own scale."""
-    extent = tuple(1e3 * v for side in sides for v in side)
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 2.9), layout="constrained")
-        for axes, each in zip(figure.subplots(1, len(shown)), shown, strict=True):
-            high = float(np.nanmax(np.abs(each.values))) or 1.0
-            image = axes.imshow(
-                each.values.T, origin="lower", extent=extent, cmap=SIGNED, norm=Normalize(-high, high), aspect="equal"
-            )
-            _pitch(axes, each.title)
-            signs(axes)
-            figure.colorbar(image, ax=axes, shrink=0.8, format=SIGNS)
-    return figure
+    return drawn
 
 
 def over_yaw(curves: Mapping[str, tuple[Array, Array]], required: float) -> Figure:
     """Draw the largest deviation of X or Y over the pitch, m, over the yaw, rad, for each layout."""
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 3.0), layout="constrained")
-        axes = figure.subplots()
+    with maps.panels(3.0) as (drawn, axes):
         for (label, (yaw, worst)), colour in zip(curves.items(), COLOURS, strict=False):
             axes.plot(np.degrees(yaw), 1e6 * worst, color=colour, label=label, lw=1.2)
         axes.axhline(1e6 * required, color="#666666", ls=":", lw=1.0)
         axes.set_yscale("log")
         axes.set(xlabel="yaw, °", ylabel="largest of X and Y over the pitch, µm")
-        _plain_log(axes)
-        axes.xaxis.set_major_formatter(SIGNS)
-        above(axes)
-    return figure
+        maps.plain_log(axes)
+        axes.xaxis.set_major_formatter(maps.SIGNS)
+        maps.above(axes)
+    return drawn
 
 
 def layouts(shown: Mapping[str, Sequence[tuple[float, float]]]) -> Figure:
     """Draw where sensors are in the body, in pitches, over one pitch's square."""
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 2.6), layout="constrained")
-        for axes, (title, places) in zip(figure.subplots(1, len(shown), sharey=True), shown.items(), strict=True):
+    with maps.panels(2.6, 1, len(shown), sharey=True) as (drawn, grid):
+        for axes, (title, places) in zip(np.atleast_1d(grid), shown.items(), strict=True):
             axes.plot([-0.5, 0.5, 0.5, -0.5, -0.5], [-0.5, -0.5, 0.5, 0.5, -0.5], color=GREY, lw=0.8)
             axes.axhline(0.0, color=GREY, lw=0.6)
             axes.axvline(0.0, color=GREY, lw=0.6)
@@ -197,23 +132,9 @@ def layouts(shown: Mapping[str, Sequence[tuple[float, float]]]) -> Figure:
                 axes.annotate(letter, (x, y), (4, 4), textcoords="offset points", fontsize=8.5)
             axes.set(title=title, xlim=(-0.72, 0.72), ylim=(-0.72, 0.72), aspect="equal", xlabel="x, pitches")
             axes.label_outer()
-            signs(axes)
-        figure.axes[0].set_ylabel("y, pitches")
-    return figure
-
-
-def _one(axes: Axes, each: Map, pitch: float, norm: Normalize, colours: str) -> None:
-    l = 1e3 * pitch
-    axes.imshow(each.values.T, origin="lower", extent=(0, l, 0, l), cmap=colours, norm=norm, aspect="equal")
-    _pitch(axes, each.title)
-    if each.marks is not None and len(each.marks):
-        axes.plot(*(1e3 * each.marks.T), "o", ms=2.6, mfc="none", mec="#ffffff", mew=0.7)
-        axes.set(xlim=(0, l), ylim=(0, l))
-
-
-def _pitch(axes: Axes, title: str) -> None:
-    axes.set(title=title, xlabel="X, mm", ylabel="Y, mm", aspect="equal")
-    axes.grid(visible=False)
+            maps.signs(axes)
+        drawn.axes[0].set_ylabel("y, pitches")
+    return drawn
 
 
 def _extent(fit: Fit) -> tuple[float, float, float, float]:
@@ -221,21 +142,3 @@ def _extent(fit: Fit) -> tuple[float, float, float, float]:
     half = fit.Y[1] / 2
     left, right, low, high = (1e3 * float(v) for each in (fit.X, fit.Y) for v in (each[0] - half, each[-1] + half))
     return left, right, low, high
-
-
-def above(axes: Axes) -> None:
-    """Put the legend above the axes, where it hides no curve."""
-    count = len(axes.get_legend_handles_labels()[0])
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=count, frameon=False, borderaxespad=0.1)
-
-
-def _plain_log(axes: Axes) -> None:
-    axes.yaxis.set_major_locator(LogLocator(10, (1.0, 2.0, 5.0)))
-    axes.yaxis.set_major_formatter(SIGNS)
-    axes.yaxis.set_minor_formatter(NullFormatter())
-
-
-def signs(axes: Axes) -> None:
-    """Write minus signs of both axes as such."""
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter(SIGNS)

@@ -30,7 +30,7 @@ from models.hall_chain import Chain
 from synth.analyse import linearise, loop, trim
 from synth.block import Block
 from synth.plant import Plant
-from synth.report import page
+from synth.report import page, standard
 from synth.signals import names
 from synth.statespace import Array, StateSpace, readonly
 from synth.timing import period
@@ -50,15 +50,8 @@ def section(points: int = PLACES) -> page.Section:
     shown = loops.of_parts(found, HORIZONTAL, ESTIMATE)
     sections = loops.whole(plant, lqg.TIME, lqg.sensed(plant), lqg.law(plant))
     shown += loops.of_block(plant, sections, HORIZONTAL, SECTIONS)
-    text = page.Text(
-        "The regulators of planar_6dof_lqg at 800 Hz on two sources of x, y and φ: the estimate, behind its filters of "
-        "200 Hz and a sample of delay, and the sections of the stage's own three sensors, which have no such filter. "
-        "At rest the estimate follows the voltages within a sample, so that what it costs is the filters' lag of "
-        "0.8 ms, which the regulators do not know of. The loops are opened at the position, the other five closed; the "
-        "field is model (2), and nothing is left to calibrate."
-    )
-    blocks = (text, _over_pitch(source, block, points))
-    return page.Section("Loops and margins", blocks, tuple(planar.bodes(shown, axis) for axis in HORIZONTAL))
+    blocks = (_over_pitch(source, block, points),)
+    return page.Section(standard.LOOPS, blocks, tuple(planar.bodes(shown, axis) for axis in HORIZONTAL))
 
 
 def _over_pitch(source: Source, block: Block, points: int) -> page.Table:

@@ -1,0 +1,61 @@
+"""What an estimator reads: voltages of two-axis sensors behind their guard, sensors left out, degrees of freedom."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import reduce
+from string import ascii_lowercase
+
+import casadi as ca
+
+from synth.block import Block, Exprs
+from synth.blocks import safety
+from synth.compose import compose
+from synth.signals import Signal, names
+from synth.timing import Discrete
+
+AXES = ("x", "y")
+SPAN = 5.0  # V, of the converter
+BAD_SAMPLES = 5
+LEAST = 1e-30  # V^2, in a root: squares are not below 0, which is not seen of products that may not be rounded
+COMPLETE = Signal("complete", "1", 0, 1, "every measurement is good")
+CONVERGED = Signal("converged", "1", 0, 1, "the last correction is small, and none has raised the cost")
+RESIDUAL = Signal("residual", "V", 0, 1e3, "root mean square by degrees of freedom")
+
+
+def voltages(sensors: int) -> tuple[Signal, ...]:
+    """Return the voltages of sensors a, b, ... in order, each with its two axes."""
+    letters = ascii_lowercase[:sensors]
+    return tuple(Signal(f"V_{k}{axis}", "V", -SPAN, SPAN, "Hall sensor and axis") for k in letters for axis in AXES)
+
+
+def held(sensors: int, spare: bool) -> list[Signal]:
+    """Return what the estimator reads: held voltages, and with a sensor to spare which of them are refused."""
+    given = voltages(sensors)
+    faults = [Signal(f"fault_{s.name}", "1", 0, 1, "refused this sample") for s in given]
+    return [*(replace(s, name=f"{s.name}_held") for s in given), *(faults if spare else [COMPLETE])]
+
+
+def guarded(name: str, time: Discrete, sensors: int, block: Block, reason: str = "") -> Block:
+    """Return an estimator behind the guard of its voltages, which latches after BAD_SAMPLES incomplete samples.
+
+    `reason` says what the latch means to the caller.
+    """
+    inputs = voltages(sensors)
+    guard = safety.guard(time, [safety.Guarded(s, 0.0, True) for s in inputs], BAD_SAMPLES, reason=reason)
+    return compose(name, [guard, block], inputs=names(inputs), outputs=names(block.outputs))
+
+
+def refused(sensors: int, u: Exprs) -> list[ca.SX]:
+    """Return of which sensors a voltage is refused."""
+    return [ca.logic_or(u[f"fault_V_{k}x"], u[f"fault_V_{k}y"]) for k in ascii_lowercase[:sensors]]
+
+
+def freedom(sensors: int, unknowns: int, left_out: Sequence[ca.SX] | None) -> ca.SX:
+    """Return how many voltages there are beyond the unknowns; of more than one sensor that is left out one counts."""
+    beyond = 2 * sensors - unknowns
+    return ca.SX(beyond) if left_out is None else ca.if_else(reduce(ca.logic_or, left_out), beyond - 2, beyond)
+
+
+def residual(squares: ca.SX, freedom: ca.SX) -> ca.SX:
+    """Return the root mean square of squared residuals, V."""
+    return ca.sqrt(LEAST + squares / freedom)

@@ -1,0 +1,113 @@
+"""Maps over a plane: values on a grid over X and Y as pictures, with one scale for all or one about 0 for each.
+
+Places come in m and are shown in mm.
+"""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LogNorm, Normalize
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from numpy.typing import NDArray
+
+from synth.report import figures, page
+from synth.statespace import Array
+
+SIGNED, PLAIN = "RdBu_r", "viridis"
+SIGNS = FuncFormatter(lambda v, _: f"{v:.4g}".replace("-", "−"))  # minus signs as such
+
+
+@dataclass(frozen=True, eq=False)
+class Map:
+    """Values (n, n) over X and Y of a pitch, X changing slowest; marks (m, 2) are places in m."""
+
+    title: str
+    values: Array | NDArray[np.bool_]
+    marks: Array | None = None
+
+
+@contextmanager
+def panels(height: float, *shape: int, **options: Any) -> Iterator[tuple[Figure, Any]]:
+    """Open a figure of the page's width, a height in inches, and its axes as `Figure.subplots` makes them."""
+    with figures.styled():
+        drawn = Figure(figsize=(9.0, height), layout="constrained")
+        yield drawn, drawn.subplots(*shape, **options)
+
+
+def figure(name: str, drawn: Figure, caption: str, beside: str = "") -> page.Figure:
+    """Return a drawing as a block of the page."""
+    return page.Figure(figures.svg(drawn, name), caption, beside)
+
+
+def maps(
+    shown: Sequence[Map], pitch: float, low: float, high: float, columns: int = 3, log: bool = True, label: str = ""
+) -> Figure:
+    """Draw maps over the pitch with one scale from `low` to `high`; what is beyond has the end's colour."""
+    norm: Normalize = LogNorm(low, high) if log else Normalize(low, high)
+    rows = -(-len(shown) // columns)
+    with panels(3.0 * rows, rows, columns, sharex=True, sharey=True, squeeze=False) as (drawn, grid):
+        for axes, each in zip(grid.flat, shown, strict=False):
+            _one(axes, each, pitch, norm, PLAIN)
+        for axes in grid.flat[len(shown) :]:
+            axes.set_visible(False)
+        for axes in grid.flat:
+            axes.label_outer()
+        bar = drawn.colorbar(ScalarMappable(norm, PLAIN), ax=grid, shrink=0.85, extend="both", label=label)
+        if log:
+            plain_log(bar.ax)
+    return drawn
+
+
+def signed(shown: Sequence[Map], sides: Sequence[tuple[float, float]]) -> Figure:
+    """Draw maps of values about 0 over X and Y between two `sides` each, m, each map with its own scale."""
+    extent = tuple(1e3 * v for side in sides for v in side)
+    with panels(2.9, 1, len(shown)) as (drawn, grid):
+        for axes, each in zip(np.atleast_1d(grid), shown, strict=True):
+            high = float(np.nanmax(np.abs(each.values))) or 1.0
+            image = axes.imshow(
+                each.values.T, origin="lower", extent=extent, cmap=SIGNED, norm=Normalize(-high, high), aspect="equal"
+            )
+            square(axes, each.title)
+            signs(axes)
+            drawn.colorbar(image, ax=axes, shrink=0.8, format=SIGNS)
+    return drawn
+
+
+def _one(axes: Axes, each: Map, pitch: float, norm: Normalize, colours: str) -> None:
+    l = 1e3 * pitch
+    axes.imshow(each.values.T, origin="lower", extent=(0, l, 0, l), cmap=colours, norm=norm, aspect="equal")
+    square(axes, each.title)
+    if each.marks is not None and len(each.marks):
+        axes.plot(*(1e3 * each.marks.T), "o", ms=2.6, mfc="none", mec="#ffffff", mew=0.7)
+        axes.set(xlim=(0, l), ylim=(0, l))
+
+
+def square(axes: Axes, title: str) -> None:
+    """Title axes over X and Y, m shown as mm, with one scale for both."""
+    axes.set(title=title, xlabel="X, mm", ylabel="Y, mm", aspect="equal")
+    axes.grid(visible=False)
+
+
+def above(axes: Axes) -> None:
+    """Put the legend above the axes, where it hides no curve."""
+    count = len(axes.get_legend_handles_labels()[0])
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=count, frameon=False, borderaxespad=0.1)
+
+
+def plain_log(axes: Axes) -> None:
+    """Label a logarithmic axis by plain numbers, 1, 2 and 5 of each decade."""
+    axes.yaxis.set_major_locator(LogLocator(10, (1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter(SIGNS)
+    axes.yaxis.set_minor_formatter(NullFormatter())
+
+
+def signs(axes: Axes) -> None:
+    """Write minus signs of both axes as such."""
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(SIGNS)
