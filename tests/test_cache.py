@@ -22,6 +22,8 @@ from synth import cache, contents, slices, store
 from synth.errors import ContentError
 from synth.execute import compile as host_compiler
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[1]
 FILES = {
     "models/stage.py": '''

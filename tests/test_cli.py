@@ -23,6 +23,8 @@ from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 from synth.verify.steps import Steps
 
+pytestmark = pytest.mark.slow
+
 RUNNER = CliRunner()
 EMITTED = {scalar: {"axes_2": axes.emitted(2, scalar)} for scalar in (np.float32, np.float64)}
 

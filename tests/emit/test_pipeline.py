@@ -18,6 +18,8 @@ from synth.signals import Signal
 from synth.synthesise import safety
 from synth.timing import Discrete
 
+pytestmark = pytest.mark.slow
+
 TIME = Discrete(1e-3)
 
 

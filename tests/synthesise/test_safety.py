@@ -25,6 +25,8 @@ from synth.signals import Signal
 from synth.synthesise.safety import LATCH_BIT, Guarded, Safety, frozen, guard, safe_output
 from synth.timing import Discrete
 
+pytestmark = pytest.mark.slow
+
 f32 = np.float32
 TIME = Discrete(1e-3)
 INPUTS = [
