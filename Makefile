@@ -5,10 +5,18 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-.PHONY: build test test-kernels bench prove clean
+# The vocabulary, analysis, synthesis and emission: what `make quick` tests of them compiles nothing and is not `slow`.
+QUICK := tests/analyse tests/synthesise tests/emit $(wildcard tests/test_*.py)
+
+.PHONY: build quick test test-kernels bench prove clean
 
 build: $(STAMP)
 	$(BIN)/synth build
+
+quick: $(STAMP)
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/python -m pytest -q -n auto -m "not slow" $(QUICK)
 
 test: $(STAMP)
 	$(BIN)/ruff check .

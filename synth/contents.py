@@ -33,8 +33,11 @@ def digest(*values: Any) -> str:
     Raises ContentError for a value that has none.
     """
     reader = _Reader([])
-    text = b"".join(reader.content(v) for v in values)
-    return hashlib.sha256(text + reader.joint()).hexdigest()
+    try:
+        text = b"".join(reader.content(v) for v in values)
+        return hashlib.sha256(text + reader.joint()).hexdigest()
+    except (TypeError, ValueError, AttributeError, RuntimeError) as error:  # of values that break what their type says
+        raise ContentError(f"content: found {error}, need values that can be read: give plain data") from error
 
 
 @dataclass(frozen=True, eq=False)

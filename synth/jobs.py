@@ -54,7 +54,7 @@ def cores() -> int:
 def run(jobs: Sequence[Job], say: Callable[[str, str], None], processes: int | None = None) -> Mapping[str, Outcome]:
     """Run jobs, `processes` at a time (as many as there are cores); return what became of each, by name.
 
-    `say(about, line)` is called for each line of progress, in this process.
+    `say(about, line)` is called for each line of progress, in this process. Each name in `after` is that of a job.
     """
     outcomes: dict[str, Outcome] = {}
     running: list[_Running] = []

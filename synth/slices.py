@@ -14,13 +14,13 @@ Source: M. Weiser, Program slicing, IEEE Trans. Software Engineering 10 (1984), 
 """
 
 import ast
+import functools
 import hashlib
 import inspect
 import sys
 import sysconfig
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -52,12 +52,12 @@ def names(function: Callable[..., Any] | type) -> frozenset[Place]:
     return _places(_entry(function))
 
 
-@cache
+@functools.cache
 def _places(entry: "_Entry") -> frozenset[Place]:
     return _closure(entry.root, entry.start())
 
 
-@cache
+@functools.cache
 def _digest(entry: "_Entry", data: bool) -> str:
     start, places = entry.start(), _places(entry)
     lines = [f"{place} {s.digest}" for place in sorted(places) for s in _at(entry.root, place)]
@@ -106,7 +106,7 @@ def is_followed(function: Callable[..., Any] | type) -> bool:
     return path.is_relative_to(TOOLKIT) or not any(map(path.is_relative_to, _installed()))
 
 
-@cache
+@functools.cache
 def _installed() -> tuple[Path, ...]:
     return tuple(Path(sysconfig.get_path(name)).resolve() for name in ("stdlib", "purelib", "platlib"))
 
@@ -139,7 +139,7 @@ class _Entry:
 
 
 def _entry(function: Callable[..., Any] | type) -> _Entry:
-    inner = inspect.unwrap(function)
+    inner = inspect.unwrap(function.func if isinstance(function, functools.partial) else function)
     module, top = inner.__module__, inner.__qualname__.split(".")[0]
     path = _file(inner)
     if path is None:
@@ -156,7 +156,7 @@ def _file(function: Callable[..., Any] | type) -> Path | None:
         return None
 
 
-@cache
+@functools.cache
 def _resolved(file: str) -> Path | None:
     path = Path(file).resolve()
     return path if path.is_file() else None
@@ -176,7 +176,7 @@ def _closure(root: Path, start: Sequence[Place | Statement]) -> frozenset[Place]
     return frozenset(places)
 
 
-@cache
+@functools.cache
 def _next(root: Path, place: Place) -> tuple[Place, ...]:
     """Return the places that the statements at a place name, and those that run with the import of its module."""
     name = place[0]
@@ -254,7 +254,7 @@ def _beside(root: Path, name: str) -> Iterator[str]:
         yield from _data(module.path.parent)
 
 
-@cache
+@functools.cache
 def _data(folder: Path) -> tuple[str, ...]:
     files = sorted(p for p in folder.iterdir() if p.suffix in DATA and p.is_file())
     return tuple(f"{p.name} {hashlib.sha256(p.read_bytes()).hexdigest()}" for p in files)

@@ -26,7 +26,6 @@ from synth.execute import cross, host
 from synth.jobs import Job, Progress
 from synth.report.audit import Row
 from synth.simulate.experiment import Experiment
-from synth.verify import meter
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 from synth.workspace import Design
@@ -109,20 +108,21 @@ def audit(design: Design) -> Task[list[Row]]:
 
 def brief_cost(design: Design) -> Task[Cost | None]:
     """Return the task of measuring the cost in a few seconds; None is measured without emulator or cross compiler."""
+    if design.scalar is not np.float32 or missing() or not cross.available():
+        return Task("cost", _nothing, (_nothing,))
+    from synth.verify import meter
 
-    def compute(say: Progress) -> Cost | None:
-        if design.scalar is not np.float32 or missing() or not cross.available():
-            return None
+    def compute(say: Progress) -> Cost:
         files = emission(design, design.scalar).result(_silent)[design.name]
         say("cost")
         return meter.brief(files, design.bench.block(), design.bench.replay(host.load(files.files, files.manifest)))
 
-    depends = (meter.brief, design.emit, design.bench.block, design.bench.replay, design.scalar, missing())
-    return Task("cost", compute, depends)
+    return Task("cost", compute, (meter.brief, design.emit, design.bench.block, design.bench.replay))
 
 
 def whole_cost(design: Design) -> Task[Cost]:
-    """Return the task of measuring the cost over the costliest steps and all decisions."""
+    """Return the task of measuring the cost over the costliest steps and all decisions; it needs the emulator."""
+    from synth.verify import meter
 
     def compute(say: Progress) -> Cost:
         files = emission(design, np.float32).result(say)[design.name]
@@ -214,3 +214,7 @@ def compilers() -> Sequence[tuple[str, ...]]:
 
 def _silent(line: str) -> None:
     """Say nothing."""
+
+
+def _nothing(say: Progress) -> None:
+    """Measure nothing."""

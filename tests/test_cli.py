@@ -23,6 +23,8 @@ from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 from synth.verify.steps import Steps
 
+pytestmark = pytest.mark.slow
+
 RUNNER = CliRunner()
 EMITTED = {scalar: {"axes_2": axes.emitted(2, scalar)} for scalar in (np.float32, np.float64)}
 
@@ -52,11 +54,17 @@ AXES = workspace.Design(
 )
 
 
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A cache for these tests alone, empty at first: the same C is compiled once."""
+    return tmp_path_factory.mktemp("cache")
+
+
 @pytest.fixture
-def one_design(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """A workspace of one design, a folder to write in, and an empty cache."""
+def one_design(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, cache: Path) -> None:
+    """A workspace of one design, and a folder to write in."""
     monkeypatch.setattr(workspace, "designs", lambda root, wanted: [AXES])
-    monkeypatch.setenv("SYNTH_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setenv("SYNTH_CACHE", str(cache))
     monkeypatch.chdir(tmp_path)
 
 

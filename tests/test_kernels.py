@@ -25,6 +25,7 @@ def test_only_kernels_that_the_processor_can_run_are_taken(flags: str, expected:
     assert kernels.runnable(f"processor\t: 0\nflags\t\t: {flags}\nbugs\t\t: spectre\n") == expected
 
 
+@pytest.mark.slow
 @pytest.mark.skipif("Prescott" not in kernels.runnable(kernels.cpuinfo()), reason="no x86-64 under Linux")
 def test_the_variable_chooses_the_kernel_of_both_libraries() -> None:
     around = {**os.environ, "OPENBLAS_CORETYPE": "Prescott"}
@@ -33,6 +34,7 @@ def test_the_variable_chooses_the_kernel_of_both_libraries() -> None:
     assert set(json.loads(shown).values()) == {kernels.REPORTED["Prescott"]}
 
 
+@pytest.mark.slow
 def test_a_kernel_that_is_not_taken_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(kernels, "TESTS", ("--version",))
     with pytest.raises(SystemExit, match="asked for the kernel Bogus, found"):

@@ -115,6 +115,7 @@ def tops(wheel: set[str]) -> set[str]:
     return {name.split("/")[0] for name in wheel}
 
 
+@pytest.mark.slow
 def test_the_wheel_holds_synth_alone(wheel: set[str]) -> None:
     assert tops(wheel) == {"synth", "synth_stage-0.1.0.dist-info"}
 
@@ -125,6 +126,7 @@ def test_a_wheel_that_holds_more_is_found(tmp_path: Path) -> None:
     assert "models" in tops(wheel_names(tmp_path, tmp_path / "out"))
 
 
+@pytest.mark.slow
 def test_the_wheel_holds_all_of_synth(wheel: set[str]) -> None:
     files = [file for file in (ROOT / "synth").rglob("*") if file.is_file() and "__pycache__" not in file.parts]
     assert {file.relative_to(ROOT).as_posix() for file in files} == {n for n in wheel if n.startswith("synth/")}

@@ -18,6 +18,8 @@ from synth.statespace import StateSpace, of
 from synth.timing import Continuous, Discrete
 from tests import tolerances
 
+pytestmark = pytest.mark.slow
+
 TIME = Discrete(1e-3)
 DOUBLE = tolerances.of("double")
 INPUTS = [Signal("u", "N", -1, 1), Signal("v", "N m/rad", -1, 1)]

@@ -25,6 +25,8 @@ from synth.execute import host
 from synth.signals import Signal
 from synth.timing import Discrete
 
+pytestmark = pytest.mark.slow
+
 f32 = np.float32
 TIME = Discrete(1e-3)
 INPUTS = [

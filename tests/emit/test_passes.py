@@ -19,6 +19,8 @@ from synth.execute import host
 from synth.signals import Signal
 from synth.timing import Discrete
 
+pytestmark = pytest.mark.slow
+
 TIME = Discrete(1e-3)
 
 

@@ -17,6 +17,8 @@ from synth.signals import Signal
 from synth.timing import Discrete
 from synth.verify import eva
 
+pytestmark = pytest.mark.slow
+
 VALUES = (0.1, -2.5, 3.0, 0.7, 11.0)
 LAST = len(VALUES) - 1
 PLACE, OUT = Signal("place", "1", -10, 10), Signal("value", "1", -100, 100)

@@ -12,6 +12,8 @@ from synth.emit.approx import certificate, enclosure, minimax, polynomial, surro
 from synth.errors import EmitError
 from tests.emit.functions import NARROW, PHASE, certified, enclosed, fitted, on_balls
 
+pytestmark = pytest.mark.slow
+
 
 def test_a_best_polynomial_swings_evenly() -> None:
     with precision(enclosure.BITS):

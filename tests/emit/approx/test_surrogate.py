@@ -27,6 +27,8 @@ from tests.emit.functions import (
     on_balls,
 )
 
+pytestmark = pytest.mark.slow
+
 # name, range, float32: eps and degree, float64: degree
 CASES = [
     ("L_h", WIDE, 2e-7, 10, 22),

@@ -30,6 +30,8 @@ from tests import tolerances
 from tests.emit import dyadic, stepped
 from tests.emit.dyadic import TIME, Value, chosen, combined, signal
 
+pytestmark = pytest.mark.slow
+
 F32, F64 = np.float32, np.float64
 SX = ca.SX
 # Arguments are kept where the operation is proved safe, by operations that are under test as well.

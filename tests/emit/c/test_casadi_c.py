@@ -10,6 +10,8 @@ from synth.emit.c import casadi_c
 from synth.errors import EmitError
 from synth.execute import compile as host_compiler
 
+pytestmark = pytest.mark.slow
+
 x = ca.SX.sym("x", 2)
 TURN = ca.Function("turn", [x], [ca.vertcat(ca.sin(x[0]) * x[1], ca.exp(-x[0]))])
 STRETCH = ca.Function("stretch", [x], [3 * x])

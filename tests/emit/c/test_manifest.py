@@ -39,6 +39,7 @@ def emitted(scalar: type[np.floating]) -> Emitted:
     return emit(block, scalar)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scalar", [np.float32, np.float64])
 def test_the_compiler_confirms_the_layout(scalar: type[np.floating]) -> None:
     made = emitted(scalar)
@@ -49,6 +50,7 @@ def test_the_compiler_confirms_the_layout(scalar: type[np.floating]) -> None:
     assert controller.step(state, {"gap": np.nan, "wish": 7}).faults == 0b11
 
 
+@pytest.mark.slow
 def test_a_layout_that_lies_is_refused_by_the_compiler() -> None:
     made = emitted(np.float64)
     manifest: Any = json.loads(made.files["manifest.json"])

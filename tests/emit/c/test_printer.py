@@ -24,6 +24,8 @@ from synth.execute import host
 from tests.emit import dyadic, hazards, stepped
 from tests.emit.dyadic import TIME, signal
 
+pytestmark = pytest.mark.slow
+
 F32, F64 = np.float32, np.float64
 SEEDS = range(24)
 

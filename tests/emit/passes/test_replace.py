@@ -25,6 +25,8 @@ from synth.signals import Signal
 from synth.timing import Discrete
 from tests import tolerances
 
+pytestmark = pytest.mark.slow
+
 TIME = Discrete(1e-3)
 F32, F64 = np.float32, np.float64
 COARSE = 1e-5

@@ -19,6 +19,8 @@ from synth.synthesise.servo import optimal_servo, servo
 from synth.timing import Continuous
 from tests import tolerances
 
+pytestmark = pytest.mark.slow
+
 T = 1e-3
 UNITS = {"gap": "m", "speed": "m/s", "tilt": "rad", "spin": "rad/s", "near": "m", "far": "m", "force": "m/s^2"}
 PLANT = StateSpace(
