@@ -8,6 +8,7 @@ The data alone; `synth.stage` completes it from the plant's signals, composes th
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -163,27 +164,71 @@ class Synthesis(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Controller:
-    """The composed controller, its laws, and all Blocks of which it is made, in the order of the data."""
+class Composition:
+    """The laws of a controller, all Blocks of which it is made in the order of the data, and what they are together."""
 
-    name: str
-    time: Discrete
-    interface: Interface
     laws: tuple[Law, ...]
     parts: tuple[Block, ...]
     block: Block
 
 
 @dataclass(frozen=True, eq=False)
+class Controller:
+    """A controller, composed when it is first asked for: a design may be named without its gains being computed."""
+
+    name: str
+    time: Discrete
+    interface: Interface
+    compose: Callable[[], Composition]
+
+    @cached_property
+    def composition(self) -> Composition:
+        """The laws, parts and whole, computed once."""
+        return self.compose()
+
+    @property
+    def laws(self) -> tuple[Law, ...]:
+        """The laws between errors and limits."""
+        return self.composition.laws
+
+    @property
+    def parts(self) -> tuple[Block, ...]:
+        """All Blocks, from the guard to the safe output."""
+        return self.composition.parts
+
+    @property
+    def block(self) -> Block:
+        """The whole controller as one Block."""
+        return self.composition.block
+
+
+@dataclass(frozen=True, eq=False)
+class Companion:
+    """A Block that is emitted beside the controller, as the commutation of a motor is.
+
+    `inputs` returns its inputs (N,) by name for test vectors, from those that were recorded of the controller and what
+    the controller answered.
+    """
+
+    block: Block
+    inputs: Callable[[Mapping[str, Any], Mapping[str, Any]], Mapping[str, Any]]
+
+
+@dataclass(frozen=True, eq=False)
 class Stage:
     """A whole stage: what is declared, before anything is computed of it.
 
-    `reference` is a step of the independent NumPy witness: (states, inputs) -> (states', outputs, fault words).
-    `operating_points` hold plant states by name of the point; `require` holds limits of margins. `experiments` are
-    data with `name` and `run(rig) -> Experiment`. `stops` are (low, high) of positions, `velocities` the state that is
-    each position's rate. `limited` are controller states that may come to their bounds, as an integral that is limited
-    on purpose. `surrogate_error` is relative, by scalar type; the emitter's own where it is left out. `wires` are from
-    controller outputs to plant inputs, where these are not the interface's actuators.
+    reference         a step of the independent NumPy witness: (states, inputs) -> (states', outputs, fault words)
+    operating_points  plant states by name of the point; `require` are least margins there
+    experiments       data with `name` and `run(rig) -> Experiment`
+    scalar            the type in which it ships; `surrogate_error` is relative, by type, else the emitter's own
+    start             plant states of a run, where these are not 0
+    stops             (low, high) of positions, which are inelastic; `velocities` names the rate of each position
+    limited           controller states that may stand at their bounds, as an integral that is limited on purpose
+    wires             plant input: controller output, where these are not the interface's actuators
+    recording         inputs (N,) of test vectors from a rig, else of the standard closed loop with faults
+    gains             what gains.json says, else what the laws say
+    companions        Blocks that are emitted beside the controller
     """
 
     controller: Controller
@@ -197,8 +242,12 @@ class Stage:
     surrogate_error: Mapping[type[np.floating], float] = field(default_factory=dict)
     stops: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     velocities: Mapping[str, str] = field(default_factory=dict)
+    start: Mapping[str, float] = field(default_factory=dict)
     limited: Sequence[str] = ()
     wires: Mapping[str, str | Mapping[str, float]] = field(default_factory=dict)
+    recording: Callable[[Any], Mapping[str, Any]] | None = None
+    gains: Gains | None = None
+    companions: Sequence[Companion] = ()
 
     @property
     def name(self) -> str:

@@ -31,3 +31,7 @@ class CompileError(SynthError):
 
 class DesignError(SynthError):
     """A design or the workspace around it is incomplete or not found."""
+
+
+class ContentError(SynthError):
+    """A value or its source cannot be compared with another by content, so that nothing can be kept under it."""

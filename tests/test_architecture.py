@@ -15,6 +15,9 @@ import pytest
 ROOT = Path(__file__).parents[1]
 VOCABULARY = (
     "errors",
+    "slices",
+    "contents",
+    "cache",
     "kinds",
     "arguments",
     "check",
@@ -30,7 +33,7 @@ VOCABULARY = (
     "declaration",
 )
 LAYERS = ("analyse", "synthesise", "emit", "execute", "simulate", "verify", "report")
-LAYERS += ("workspace", "tasks", "stage", "testing", "cli")
+LAYERS += ("workspace", "declared", "stage", "testing", "cli")
 RANK = {("synth", name): 0 for name in VOCABULARY}
 RANK |= {("synth", name): rank for rank, name in enumerate(LAYERS, 1)}
 RANK |= {("models",): len(LAYERS) + 1, ("designs",): len(LAYERS) + 2}

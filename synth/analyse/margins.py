@@ -25,7 +25,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from synth import arguments, show
+from synth import arguments, cache, show
 from synth.analyse import assessment, transfer
 from synth.analyse.assessment import Assessment
 from synth.analyse.crossings import Crossing
@@ -146,6 +146,7 @@ def _both(frequency: float) -> str:
 
 
 @arguments.checked
+@cache.kept
 def of_loop(loop: Loop, low: float | None = None, high: float | None = None) -> Margins:
     """Return the margins of a scalar loop between `low` and `high` rad/s, and where L is real at their far ends.
 

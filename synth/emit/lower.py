@@ -132,7 +132,7 @@ def program(block: Block) -> Program:
     shared = ca.cse(wanted)
     f = ca.Function("step", [ca.vcat([block.symbol[n] for _, n in loads])], [ca.vcat(shared)])
     tables: dict[str, tuple[float, ...]] = {}
-    nodes, results = _walk(f, loads, tables)
+    nodes, results = walk(f, loads, tables)
     count = len(block.inside)
     marks = tuple((named, node) for (named, _), node in zip(block.inside, results[:count], strict=True))
     tail = results[count:]
@@ -172,12 +172,18 @@ def _integers(states: Sequence[State]) -> list[str]:
     return [s.name for s in states if s.integer]
 
 
-def _walk(
-    f: ca.Function, loads: list[tuple[str, str]], tables: dict[str, tuple[float, ...]]
+def walk(
+    f: ca.Function,
+    loads: Sequence[tuple[str, str]],
+    tables: dict[str, tuple[float, ...]],
+    unary: Mapping[int, str] = UNARY,
+    binary: Mapping[int, str] = BINARY,
 ) -> tuple[list[Node], list[int]]:
     """Turn the instruction list into nodes in single-assignment form; return also the node of each output.
 
-    Tables that it looks up are added to `tables`.
+    `f` has one column of inputs, whose kinds and names are `loads`. Tables that it looks up are added to `tables`.
+
+    Raises EmitError for an operation that is in neither of the two sets, and for a call of what is no table.
     """
     nodes: list[Node] = []
     terms = f.instructions_sx()
@@ -205,7 +211,7 @@ def _walk(
             _keep(called, tables, [name for _, name in loads])
             slot[o[0]] = add(Node("table", (slot[i[0]],), name=called.name()))
         else:
-            slot[o[0]] = add(_operation(op, tuple(slot[a] for a in i), nodes))
+            slot[o[0]] = add(_operation(op, tuple(slot[a] for a in i), nodes, unary, binary))
     return nodes, results
 
 
@@ -220,11 +226,13 @@ def _keep(called: ca.Function, tables: dict[str, tuple[float, ...]], taken: Sequ
     tables[name] = numbers
 
 
-def _operation(op: int, args: tuple[int, ...], nodes: list[Node]) -> Node:
-    if op in UNARY:
-        return Node(UNARY[op], args[:1])
-    if op not in BINARY:
-        known = ", ".join(sorted({*UNARY.values(), *BINARY.values()}))
+def _operation(
+    op: int, args: tuple[int, ...], nodes: list[Node], unary: Mapping[int, str], binary: Mapping[int, str]
+) -> Node:
+    if op in unary:
+        return Node(unary[op], args[:1])
+    if op not in binary:
+        known = ", ".join(sorted({*unary.values(), *binary.values()}))
         called = next((n for n, value in vars(ca).items() if n.startswith("OP_") and value == op), f"number {op}")
         raise EmitError(f"operation {called} of CasADi has no form in C here: write the expression with {known}")
     if op == ca.OP_ADD:
@@ -234,7 +242,7 @@ def _operation(op: int, args: tuple[int, ...], nodes: list[Node]) -> Node:
                 return Node("choose", (first.args[0], first.args[1], second.args[1]))
             if nodes[first.args[0]] == Node("not", (second.args[0],)):
                 return Node("choose", (second.args[0], second.args[1], first.args[1]))
-    return Node(BINARY[op], args)
+    return Node(binary[op], args)
 
 
 def _pruned(p: Program) -> Program:

@@ -6,15 +6,16 @@ A reciprocal takes poles and branch points below the range away from it, so that
 of one variable share it, and equal functions share their polynomial.
 """
 
+import functools
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cache
 
 import flint
 import numpy as np
 
+from synth import cache
 from synth.emit import ranges, surrogate, univariate, wording
 from synth.emit.lower import Node, Program
 from synth.emit.polynomial import Polynomial
@@ -116,7 +117,8 @@ def _shared(task: _Task, like: Polynomial | None) -> Polynomial:
     return _fitted(task, None)
 
 
-@cache
+@functools.cache
+@cache.kept
 def _degree(task: _Task) -> float:
     """Return about the degree that a polynomial will need, infinite where none will do."""
     try:
@@ -125,7 +127,8 @@ def _degree(task: _Task) -> float:
         return math.inf
 
 
-@cache
+@functools.cache
+@cache.kept
 def _fitted(task: _Task, like: Polynomial | None) -> Polynomial:
     """Fit a function, once: designs evaluate one function at many signals, and are emitted many times."""
     return surrogate.fit(_function(task), task.low, task.high, task.scalar, task.error, task.what, like)

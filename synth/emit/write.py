@@ -2,12 +2,13 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from synth import cache
 from synth.block import Block
 from synth.emit import c_text, layout, manifest, reduced
 from synth.emit.lower import Program
@@ -22,6 +23,7 @@ class Emitted:
     program: Program | None = None
 
 
+@cache.kept
 def emit(
     block: Block,
     scalar: type[np.floating],
@@ -54,7 +56,12 @@ def emit(
     }
     texts["manifest.json"] = manifest.dumps(document)
     texts["gains.json"] = manifest.dumps(shipped_gains | dict(gains or {}))
-    return Emitted(texts, json.loads(texts["manifest.json"]), printed.program)
+    return Emitted(texts, json.loads(texts["manifest.json"]), _uncertified(printed.program))
+
+
+def _uncertified(program: Program) -> Program:
+    """Return the program without the certificates, which have served: functions are no data to be kept."""
+    return replace(program, marks=tuple((replace(named, certificate=None), k) for named, k in program.marks))
 
 
 def save(files: Mapping[str, str], folder: Path) -> None:

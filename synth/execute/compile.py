@@ -4,8 +4,8 @@ The product is a function of its sources, its flags, its compiler and the kind o
 
     path = cache / SHA-256(texts, flags, compiler, processor) / product
 
-so a path that exists holds the right code and is never built again. Contraction of a*b + c into one rounding is off
-unless a flag turns it on: with it, the last bits depend on the processor.
+so a path that exists holds the right code and is never built again, unless SYNTH_FRESH names another run. Contraction of
+a*b + c into one rounding is off unless a flag turns it on: with it, the last bits depend on the processor.
 """
 
 import hashlib
@@ -19,11 +19,14 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from synth import cache
 from synth.errors import CompileError
 
+RUN = "run"  # the file that names the run which built a product
 LIBRARY_FLAGS = ("-shared", "-fPIC", "-O2", "-std=c99", "-ffp-contract=off")
 STRICT_FLAGS = (
     "-std=c99",
@@ -102,18 +105,27 @@ def build(
     """
     named = _units(sources)
     command = [*compiler.machine_flags, *options, *(units or named), "-o", product, *libraries]
-    folder = cache_folder() / _key(sources, command, compiler)
-    if (folder / product).exists():
+    folder = cache.folder() / _key(sources, command, compiler)
+    if _is_built(folder, product):
         return folder / product
-    with _work_folder(cache_folder()) as work:
+    with _work_folder(cache.folder()) as work:
         built = Path(work)
         _write(sources, built)
         _run([*compiler.command, *command], built)
         folder.mkdir(exist_ok=True)
         # Each file moves whole and the product last: a process that sees it sees all of it, whoever built it.
-        for name in [*sources, product]:
+        (built / RUN).write_text(cache.run_name(), encoding="utf-8")
+        for name in [*sources, product, RUN]:
             os.replace(built / name, folder / name)
     return folder / product
+
+
+def _is_built(folder: Path, product: str) -> bool:
+    """Whether the product is there; to a run with a name of its own, one that it has built itself."""
+    run, made_by = cache.run_name(), folder / RUN
+    with suppress(OSError):
+        return (folder / product).exists() and (not run or made_by.read_text(encoding="utf-8") == run)
+    return False
 
 
 def check(sources: Mapping[str, str], flags: Sequence[str] = STRICT_FLAGS, compiler: Compiler | None = None) -> None:
@@ -127,14 +139,6 @@ def check(sources: Mapping[str, str], flags: Sequence[str] = STRICT_FLAGS, compi
         _write(sources, Path(work))
         for unit in units:
             _run([*compiler.command, *compiler.machine_flags, *flags, "-c", unit, "-o", "object.o"], Path(work))
-
-
-def cache_folder() -> Path:
-    """Return where products are kept: `$SYNTH_CACHE`, else `$XDG_CACHE_HOME/synth`, else `~/.cache/synth`."""
-    if chosen := os.environ.get("SYNTH_CACHE"):
-        return Path(chosen).absolute()
-    base = os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / "synth"
 
 
 def identified(command: tuple[str, ...], mend: str, machine_flags: tuple[str, ...] = ()) -> Compiler:
@@ -169,13 +173,13 @@ def _key(sources: Mapping[str, str], arguments: Sequence[str], compiler: Compile
     return hashlib.sha256(json.dumps(built_from).encode()).hexdigest()
 
 
-def _work_folder(cache: Path) -> tempfile.TemporaryDirectory[str]:
+def _work_folder(where: Path) -> tempfile.TemporaryDirectory[str]:
     try:
-        cache.mkdir(parents=True, exist_ok=True)
-        return tempfile.TemporaryDirectory(prefix="building-", dir=cache)
+        where.mkdir(parents=True, exist_ok=True)
+        return tempfile.TemporaryDirectory(prefix="building-", dir=where)
     except OSError as error:
         raise CompileError(
-            f"compiler cache: {cache} cannot be written ({error}); set SYNTH_CACHE to a folder that can"
+            f"compiler cache: {where} cannot be written ({error}); set SYNTH_CACHE to a folder that can"
         ) from error
 
 

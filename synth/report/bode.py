@@ -23,7 +23,8 @@ from synth.statespace import Array, StateSpace
 from synth.timing import Discrete
 
 DECIBELS = (-60.0, 80.0)  # what is shown: the poles of an internal model are infinitely high
-WIDTHS = (2.6, 1.6, 0.7)  # curves that coincide stay visible under each other
+WIDEST, NARROWEST = 2.6, 0.7  # points: curves that coincide stay visible under each other
+MOST = len(COLOURS)  # loops in one plot
 NYQUIST = 0.98  # of pi/T is shown: at pi/T itself L is real, and its phase jumps there
 
 
@@ -62,18 +63,19 @@ def phase(curve: LoopCurve) -> Array:
 
 
 def bode_plot(curves: Sequence[LoopCurve]) -> Figure:
-    """Draw gain, phase and sensitivity over frequency in Hz, one colour a loop, for three loops at most.
+    """Draw gain, phase and sensitivity over frequency in Hz, one colour a loop, for six loops at most.
 
     A dot marks each gain crossing, a diamond each phase crossing.
 
-    Raises SignalError when there are none or more than three.
+    Raises SignalError when there are none or more than six.
     """
-    if not 1 <= len(curves) <= len(WIDTHS):
-        raise SignalError(f"Bode plot has {len(curves)} loops: give 1 to {len(WIDTHS)}, more could not be told apart")
+    if not 1 <= len(curves) <= MOST:
+        raise SignalError(f"Bode plot has {len(curves)} loops: give 1 to {MOST}, more could not be told apart")
+    widths = np.linspace(WIDEST, NARROWEST, max(len(curves), 3)).tolist()
     with styled():
         figure = Figure(figsize=(9.0, 6.2), layout="constrained")
         gain, angle, sensitivity = figure.subplots(3, 1, sharex=True, height_ratios=(3, 3, 2))
-        for c, colour, width in zip(curves, COLOURS, WIDTHS, strict=False):
+        for c, colour, width in zip(curves, COLOURS, widths, strict=False):
             _draw(gain, angle, sensitivity, c, {"color": colour, "linewidth": width})
         _decibels(gain, "|L|, dB", DECIBELS, 20)
         _decibels(sensitivity, "|S|, dB", (-40.0, max(10.0, *(float(_S(c).max()) + 2 for c in curves))), 20)

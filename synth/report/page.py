@@ -44,6 +44,28 @@ class Equations:
 
 
 @dataclass(frozen=True)
+class Formula:
+    """A derived equation as MathML, its unit and range; of equations that are alike, `likewise` says with what.
+
+    `likewise` is markup too.
+    """
+
+    math: Markup
+    unit: str = ""
+    range: str = ""
+    likewise: str = ""
+
+
+@dataclass(frozen=True)
+class Formulas:
+    """Derived equations under a title; `also` names others that are alike, and with what."""
+
+    title: str
+    rows: tuple[Formula, ...]
+    also: tuple[tuple[str, Markup], ...] = ()
+
+
+@dataclass(frozen=True)
 class Table:
     """Rows of texts and numbers under their columns; a number is shown to `digits`, a text as it is.
 
@@ -73,6 +95,21 @@ class Figure:
 
 
 @dataclass(frozen=True)
+class Prose:
+    """Text as HTML, which `prose.rendered` makes of Markdown."""
+
+    html: Markup
+
+
+@dataclass(frozen=True)
+class Folded:
+    """Equations and tables that a reader opens when they are wanted; on paper they are open."""
+
+    title: str
+    blocks: tuple[Formulas | Table, ...]
+
+
+@dataclass(frozen=True)
 class Checks:
     """Measured figures with their limits."""
 
@@ -80,7 +117,7 @@ class Checks:
     checks: tuple[Check, ...]
 
 
-Block = Text | Equations | Table | Figure | Checks
+Block = Text | Prose | Equations | Formulas | Table | Figure | Folded | Checks
 
 
 @dataclass(frozen=True)

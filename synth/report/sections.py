@@ -5,9 +5,11 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 
+from synth.analyse.disk import DiskMargin
 from synth.plant import Plant
 from synth.report import bode, figures
 from synth.report.audit import Row
+from synth.report.equations.glyphs import symbol
 from synth.report.notation import number, readable
 from synth.report.page import Cell, Checks, Figure, Section, Table, Text
 from synth.simulate.experiment import Experiment
@@ -17,8 +19,10 @@ from synth.verify.cost import NOTE, Cost, tables
 
 def parameters(plant: Plant) -> Table:
     """Return the plant's parameters: value, unit, relative tolerance in %, source."""
-    rows = tuple((p.name, p.value, readable(p.unit), 100 * p.tolerance, p.source) for p in plant.parameters)
-    return Table("Parameters", ("name", "value", "unit", "tolerance, %", "source"), rows, digits=6)
+    rows = tuple(
+        (symbol(p.name), p.name, p.value, readable(p.unit), 100 * p.tolerance, p.source) for p in plant.parameters
+    )
+    return Table("Parameters", ("symbol", "name", "value", "unit", "tolerance, %", "source"), rows, digits=6)
 
 
 def experiment(
@@ -46,10 +50,14 @@ def experiment(
 def loop(title: str, name: str, curves: Sequence[bode.LoopCurve]) -> Section:
     """Return one loop under several conditions: its Bode plot and a table of the worst of its margins.
 
-    Raises SignalError when there are too many curves to tell apart.
+    Of more curves than can be told apart those with the least modulus margins are drawn.
+
+    Raises SignalError when there is no curve.
     """
-    drawn = figures.svg(bode.bode_plot(curves), _id(name))
-    caption = f"{title}: open loop and sensitivity. Dots mark |L| = 1, diamonds L < 0."
+    worst = sorted(curves, key=lambda c: c.margins.modulus_margin)[: bode.MOST]
+    drawn = figures.svg(bode.bode_plot([c for c in curves if c in worst]), _id(name))
+    which = f" The {bode.MOST} loops with the least modulus margins are drawn." if len(curves) > bode.MOST else ""
+    caption = f"{title}: open loop and sensitivity. Dots mark |L| = 1, diamonds L < 0.{which}"
     return Section(title, (Figure(drawn, caption), margins_table(title, curves)))
 
 
@@ -64,6 +72,17 @@ def margins_table(caption: str, curves: Iterable[bode.LoopCurve]) -> Table:
         columns,
         tuple(_margins(c) for c in curves),
     )
+
+
+def disks(found: Mapping[str, Mapping[str, DiskMargin]]) -> Table:
+    """Return disk margins by loop and by where it is opened, all channels varied at once."""
+    rows = []
+    for label, margins in found.items():
+        for cut, m in margins.items():
+            gains, hertz = f"{m.gain_low:.3g} .. {m.gain_high:.3g}", m.frequency / (2 * math.pi)
+            rows.append((label, cut, m.lower, m.upper, gains, m.phase, hertz, "yes" if m.certified else "NO"))
+    columns = ("loop", "opened at", "α, at least", "α, at most", "all gains, ×", "all phases, ± °", "worst at, Hz")
+    return Table("Disk margins of all channels at once", (*columns, "all frequencies"), tuple(rows))
 
 
 def agreements(found: Iterable[Agreement]) -> Table:

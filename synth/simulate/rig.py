@@ -56,22 +56,24 @@ class Rig:
         references: Mapping[str, ArrayLike] | None = None,
         **options: Any,
     ) -> Trajectory:
-        """Simulate from rest at `start` (plant states, the others 0) under set-points by name, constants or (N,).
+        """Simulate from rest at `start` (plant states, others as the stage starts) under set-points by name.
 
-        A set-point that is not given stays where its position starts. `options` are further fields of `Scenario`.
+        A set-point is a constant or (N,); one that is not given stays where its position starts. `options` are further
+        fields of `Scenario`.
 
         Raises SignalError and WiringError as `closed_loop.simulate`.
         """
-        around, start = self.stage.interface, dict(start or {})
+        around, start = self.stage.interface, {**self.stage.start, **(start or {})}
         n = len(sample_times(duration_s, self.period_s))
         rest = {s.name: start.get(s.of, s.initial) for s in around.set_points}
+        commands = self.controller.outputs.names or ()
         fields: dict[str, Any] = {
             "sensors": {s.name: s.of for s in around.sensors},
             "actuators": self.actuators or self.stage.wires or {a.of: a.name for a in around.actuators},
             "references": rest | dict(references or {}),
             "encoders": self._encoders(),
             "noise": self._noise(n),
-            "hold": {a.name: a.safe for a in around.actuators},
+            "hold": {a.name: a.safe for a in around.actuators if a.name in commands},
             "forcing": dict.fromkeys(around.disturbances, 0.0),
             "velocities": self.stage.velocities,
             "stops": self.stage.stops,
@@ -80,6 +82,15 @@ class Rig:
         }
         scenario = Scenario(duration_s, start, **(fields | options))
         return closed_loop.simulate(self.plant, self.controller, scenario, self.disturbance)
+
+    def at_rest(self) -> dict[str, float]:
+        """Return the controller's inputs where the stage starts, without currents."""
+        around, start = self.stage.interface, self.stage.start
+        x = [start.get(s.name, 0.0) for s in self.plant.states]
+        shown = np.asarray(self.plant.h(x, np.zeros(len(self.plant.inputs)), self.plant.values)).ravel()
+        outputs = dict(zip((s.name for s in self.plant.outputs), shown.tolist(), strict=True))
+        sensors = {s.name: outputs[s.of] for s in around.sensors}
+        return sensors | {s.name: float(start.get(s.of, s.initial or 0.0)) for s in around.set_points}
 
     def _encoders(self) -> dict[str, Encoder]:
         return {s.name: Encoder(s.resolution) for s in self.stage.interface.sensors if self.quantised and s.resolution}

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.declaration import Interface
+from synth.declaration import Interface, SetPoint
 from synth.execute import host
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
@@ -48,15 +48,14 @@ def closed_loop(rig: Rig, n: int, beyond: float = np.nan) -> Trajectory:
     """
     around = rig.stage.interface
     k, lost = np.arange(n), n - n // 20
-    references = {s.name: _swing(around, i, k, lost) for i, s in enumerate(around.set_points)}
+    rest = rig.at_rest()
+    references = {s.name: _swing(s, i, rest[s.name], k, lost) for i, s in enumerate(around.set_points)}
     return rig.run(n * rig.period_s, {}, references, overrides=_bad(around, k, lost, beyond))
 
 
-def _swing(around: Interface, i: int, k: NDArray[np.int64], lost: int) -> NDArray[np.float64]:
-    point = around.set_points[i]
-    assert point.initial is not None
-    size = SWING * min(point.high - point.initial, point.initial - point.low) or SWING * (point.high - point.low) / 2
-    values = point.initial + size * np.sin(2 * np.pi * (TURNS + 2 * i) * k / len(k))
+def _swing(point: SetPoint, i: int, rest: float, k: NDArray[np.int64], lost: int) -> NDArray[np.float64]:
+    size = SWING * (min(point.high - rest, rest - point.low) or (point.high - point.low) / 2)
+    values = rest + size * np.sin(2 * np.pi * (TURNS + 2 * i) * k / len(k))
     jump = np.where(k >= lost - JUMP, size, 0.0)
     return np.clip(values + jump, point.low, point.high)
 
@@ -79,15 +78,14 @@ def sequences(rig: Rig, experiments: Sequence[Experiment], progress: Callable[[s
     controller = rig.controller
     runs = {e.name: e.trajectory for e in experiments} | {"faults in motion": closed_loop(rig, REPLAY)}
     loops = [steps.recorded(controller, name, run.measured, closed_loop=True) for name, run in runs.items()]
-    return [*(steps.thinned(loop, EACH) for loop in loops), *excursions(controller, rig.stage.interface, loops)]
+    return [*(steps.thinned(loop, EACH) for loop in loops), *excursions(controller, rig.at_rest(), loops)]
 
 
-def excursions(controller: host.Controller, around: Interface, loops: Sequence[Steps]) -> list[Steps]:
-    """Return the sequences that need no closed loop; the states of recorded `loops` are drawn anew."""
+def excursions(controller: host.Controller, at_rest: Mapping[str, float], loops: Sequence[Steps]) -> list[Steps]:
+    """Return the sequences that need no closed loop, from inputs at rest; states of recorded `loops` are drawn anew."""
     pool = steps.joined("all closed loops", loops)
     drawn = steps.drawn(controller, DRAWN)
     wrong = steps.anew(controller, steps.thinned(pool, DRAWN), "states anew")
-    at_rest = {s.name: s.initial or 0.0 for s in around.sensors} | {s.name: s.initial or 0.0 for s in around.set_points}
     return [
         *latches(controller, SEED),
         steps.faulty(controller, at_rest),

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from synth import cache as results
 from synth.errors import CompileError
 from synth.execute import compile as host
 
@@ -160,10 +161,10 @@ def test_a_wrong_cc_is_named(command: str, monkeypatch: pytest.MonkeyPatch) -> N
 def test_the_cache_follows_the_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.delenv("SYNTH_CACHE")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    assert host.cache_folder() == tmp_path / "synth"
+    assert results.folder() == tmp_path / "synth"
     monkeypatch.setenv("XDG_CACHE_HOME", "")
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
-    assert host.cache_folder() == tmp_path / "home" / ".cache" / "synth"
+    assert results.folder() == tmp_path / "home" / ".cache" / "synth"
 
 
 def test_a_cache_that_cannot_be_written_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

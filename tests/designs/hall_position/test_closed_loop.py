@@ -9,6 +9,7 @@ import pytest
 from designs.hall_position import closed_loop, shipped
 from designs.planar_6dof import allocation, lqg, sensing
 from models import planar_stage
+from synth.block import unranged
 from synth.emit import write
 from synth.errors import ModelError
 from synth.execute import host
@@ -24,7 +25,7 @@ Columns = dict[str, np.ndarray]
 
 @cache
 def emitted() -> write.Emitted:
-    return write.emit(closed_loop._source(TIME, ""), np.float64)
+    return write.emit(unranged(closed_loop._source(TIME, "")), np.float64)
 
 
 def answers(changed: Columns | None = None, old: str = "", new: str = "") -> Columns:

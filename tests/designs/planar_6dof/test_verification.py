@@ -17,7 +17,7 @@ from synth.synthesise import safety
 from synth.timing import Discrete
 from synth.verify import agree
 
-SUBJECTS = {"leadlag": leadlag.SUBJECT, "lqg": lqg.SUBJECT}
+SUBJECTS = {"leadlag": leadlag.subject(), "lqg": lqg.subject()}
 PITCH = planar_stage.plant().parameter("l").value
 WHOLE = 5.0  # s of the tour
 

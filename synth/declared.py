@@ -5,9 +5,9 @@ simulate   the experiments, on the shipped C           bench      stimuli of the
 report     the standard report
 """
 
-import functools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from synth.declaration import Stage
 from synth.emit import vectors, write
 from synth.emit.write import Emitted
 from synth.execute import build, host
-from synth.report import page, sections
+from synth.report import template
 from synth.report.audit import Row
 from synth.simulate import experiments, headroom
 from synth.simulate.experiment import Experiment
@@ -29,7 +29,6 @@ from synth.verify.steps import Steps
 from synth.workspace import Bench
 
 Progress = Callable[[str], None]
-Recording = Callable[[Rig], Mapping[str, NDArray[Any]]]
 
 
 def compiled(stage: Stage, scalar: type[np.floating]) -> host.Controller:
@@ -37,7 +36,7 @@ def compiled(stage: Stage, scalar: type[np.floating]) -> host.Controller:
     return _compiled(stage, np.dtype(scalar).name)
 
 
-@functools.lru_cache(maxsize=8)
+@lru_cache(maxsize=8)
 def _compiled(stage: Stage, scalar: str) -> host.Controller:
     kind = np.float32 if scalar == "float32" else np.float64
     return build.compiled(stage.controller.block, kind, error=stage.surrogate_error.get(kind))
@@ -48,18 +47,23 @@ def rig(stage: Stage, scalar: type[np.floating]) -> Rig:
     return Rig(stage, stage.plant, compiled(stage, scalar))
 
 
-def emit(stage: Stage, scalar: type[np.floating], recording: Recording | None = None) -> dict[str, Emitted]:
-    """Return the files of the controller by folder; the test vectors are a `recording` of a closed loop."""
+def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, Emitted]:
+    """Return the files of the controller and its companions by folder, with test vectors of a closed loop."""
     error, block = stage.surrogate_error.get(scalar), stage.controller.block
-    files = write.emit(block, scalar, {"design": gains(stage, scalar)}, error=error)
+    files = write.emit(block, scalar, {"design": (stage.gains or partial(gains, stage))(scalar)}, error=error)
     controller = host.load(files.files, files.manifest)
-    inputs = (recording or record)(Rig(stage, stage.plant, controller))
-    return {stage.name: with_vectors(files, controller, inputs)}
-
-
-def with_vectors(files: Emitted, controller: host.Controller, inputs: Mapping[str, NDArray[Any]]) -> Emitted:
-    """Return emitted files with vectors.json: what the compiled C answers to N recorded inputs."""
+    inputs = dict((stage.recording or record)(Rig(stage, stage.plant, controller)))
     answers = controller.replay(inputs)
+    folders = {stage.name: _with_vectors(files, inputs, answers)}
+    for companion in stage.companions:
+        beside = write.emit(companion.block, scalar, error=error)
+        given = dict(companion.inputs(inputs, answers.outputs))
+        answered = host.load(beside.files, beside.manifest).replay(given)
+        folders[companion.block.name] = _with_vectors(beside, given, answered)
+    return folders
+
+
+def _with_vectors(files: Emitted, inputs: Mapping[str, NDArray[Any]], answers: host.Replay) -> Emitted:
     text = vectors.document(inputs, answers.outputs, answers.faults)
     return replace(files, files={**files.files, "vectors.json": text})
 
@@ -83,6 +87,11 @@ def simulate(stage: Stage, progress: Progress) -> list[Experiment]:
     return [headroom.judged(run, double, stage.limited) for run in runs]
 
 
+def no_audit(stage: Stage) -> Iterator[Row]:
+    """Yield nothing: a stage of one's own has no published figures."""
+    return iter(())
+
+
 def bench(stage: Stage) -> Bench:
     """Return what is measured of the controller as machine code."""
 
@@ -93,7 +102,7 @@ def bench(stage: Stage) -> Bench:
         loop = Rig(stage, stage.plant, controller)
         return stimuli.sequences(loop, [e.run(loop) for e in stage.experiments], progress)
 
-    return Bench(lambda: stage.controller.block, replay, sequences, standard.largest_output(stage))
+    return Bench(lambda: stage.controller.block, replay, sequences)
 
 
 def report(
@@ -105,17 +114,4 @@ def report(
     cost: Cost | None,
 ) -> str:
     """Return the report as one HTML document."""
-    signals = [*stage.plant.states, *stage.plant.inputs, *stage.plant.outputs, *stage.interface.signals.values()]
-    units = {s.name: s.unit for s in signals}
-    texts = {f"{folder}/{name}": text for folder, one in files.items() for name, text in one.files.items()}
-    parts = (
-        page.Section("Model", (sections.parameters(stage.plant),)),
-        page.Section("Experiments", (), tuple(sections.experiment(e, units) for e in runs)),
-        *((page.Section("Audit", (sections.audit(rows),)),) if rows else ()),
-        page.Section(
-            "Verification", (sections.agreements(evidence.agreements), page.Checks("Limits", tuple(evidence.checks)))
-        ),
-        *((sections.cost(cost),) if cost else ()),
-        page.Section("Files", (sections.files(texts),)),
-    )
-    return page.render(page.Report(stage.name, stage.about, parts))
+    return template.report(stage, files, evidence, runs, rows, cost, gains(stage, stage.scalar))

@@ -1,0 +1,191 @@
+"""Content-addressed cache: a result on disk, under the digest of everything that it depends on.
+
+    key = SHA-256(the function's slice, its arguments, versions of Python and of all packages, platform and processor)
+
+Nothing goes by time: what has not changed is found again, and what has changed has another key. An entry is a pickle
+behind a digest of itself, written to one side and moved into place whole, so a reader sees all of it or none. An entry
+that is cut short, altered, or no longer readable counts as missing. Of processes that want the same result one computes
+it while the others wait; the lock goes with the process that holds it, killed ones too. Where the folder cannot be
+written, results are computed and not kept.
+
+Reading a pickle runs what is in it. The folder is the user's own, as are the programs that he runs: do not share it
+with people whom you would not let run commands in your name.
+
+With SYNTH_FRESH set, to any name of the run, an entry is read only if it was made under the same name: such a run
+trusts nothing older than itself, makes everything once, and leaves the new entries for others.
+"""
+
+import fcntl
+import functools
+import hashlib
+import importlib.metadata
+import os
+import pickle
+import platform
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any, ParamSpec, TypeVar
+
+from synth import contents, slices
+from synth.errors import ContentError
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+FRESH = "SYNTH_FRESH"
+# Variables that choose the kernels of linear algebra, and how many threads share a sum: both change how it rounds.
+KERNELS = ("OPENBLAS_CORETYPE", "OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "GOTO_NUM_THREADS", "MKL_NUM_THREADS")
+MAGIC = b"synth cache 1\n"
+LIMIT = 4 * 2**30  # bytes of results kept, those that were not used for the longest time left out
+
+
+def folder() -> Path:
+    """Return where results are kept: `$SYNTH_CACHE`, else `$XDG_CACHE_HOME/synth`, else `~/.cache/synth`."""
+    if chosen := os.environ.get("SYNTH_CACHE"):
+        return Path(chosen).absolute()
+    base = os.environ.get("XDG_CACHE_HOME")
+    return (Path(base) if base else Path.home() / ".cache") / "synth"
+
+
+def run_name() -> str:
+    """Return the name of a run that trusts nothing older than itself, '' for one that reads all entries."""
+    return os.environ.get(FRESH, "")
+
+
+def kept(function: Callable[P, T]) -> Callable[P, T]:
+    """Keep the results of a function of its arguments alone; one of an argument without digest is computed each time.
+
+    What it raises is not kept.
+    """
+
+    @functools.wraps(function)
+    def call(*args: P.args, **kwargs: P.kwargs) -> T:
+        try:
+            name = key(function, args, kwargs)
+        except ContentError:
+            return function(*args, **kwargs)
+        return fetch(name, lambda: function(*args, **kwargs))
+
+    return call
+
+
+def key(function: Callable[..., Any], *values: Any, data: bool = False) -> str:
+    """Return the key of what a function computes of `values`; with `data` also of data files beside its modules.
+
+    Raises ContentError for a value that has no digest.
+    """
+    return contents.digest(environment(), slices.digest(function, data), values)
+
+
+def fetch(name: str, compute: Callable[[], T]) -> T:
+    """Return the result kept under a key, or compute it and keep it."""
+    path = folder() / "results" / name[:2] / name[2:]
+    with suppress(_Missing):
+        return _read(path)
+    with _locked(path):
+        with suppress(_Missing):  # another process has made it meanwhile
+            return _read(path)
+        result = compute()
+        _write(path, result)
+    return result
+
+
+def trim(limit: int = LIMIT) -> None:
+    """Remove the entries that were not used for the longest time, until `limit` bytes are left."""
+    with suppress(OSError):
+        entries = [(p, p.stat()) for p in (folder() / "results").glob("??/*") if p.is_file()]
+        total = sum(s.st_size for _, s in entries)
+        for path, status in sorted(entries, key=lambda e: e[1].st_mtime_ns):
+            if total <= limit:
+                return
+            path.unlink(missing_ok=True)
+            total -= status.st_size
+
+
+@functools.cache
+def environment() -> str:
+    """Return a digest of what every result may depend on: Python, packages, platform, processor, kernels."""
+    packages = sorted({(d.name or "", d.version or "") for d in importlib.metadata.distributions()})
+    processor = (platform.system(), platform.machine(), _processor(), os.cpu_count())
+    kernels = [(name, os.environ.get(name)) for name in KERNELS]
+    return contents.digest(sys.version, packages, processor, kernels)
+
+
+def _processor() -> str:
+    """Return what decides which kernels run: model and flags of the first processor, where Linux tells them."""
+    path = Path("/proc/cpuinfo")
+    lines = path.read_text(encoding="utf-8").split("\n\n")[0].splitlines() if path.exists() else [platform.processor()]
+    return "\n".join(line for line in lines if line.startswith(("model name", "flags", "Features", "CPU part")))
+
+
+class _Missing(Exception):
+    """There is no entry that can be read."""
+
+
+def _read(path: Path) -> Any:
+    try:
+        entry = path.read_bytes()
+        head, check, run, body = entry.split(b"\n", 3)
+    except (OSError, ValueError):
+        raise _Missing from None
+    intact = head + b"\n" == MAGIC and check == _check(path, run, body)
+    if not intact or (run_name() and run != run_name().encode()):
+        raise _Missing
+    try:
+        result = pickle.loads(body)
+    except Exception:  # a pickle of classes that have moved since raises anything
+        raise _Missing from None
+    with suppress(OSError):
+        os.utime(path)  # for `trim`
+    return result
+
+
+def _write(path: Path, result: Any) -> None:
+    run, body = run_name().encode(), pickle.dumps(result, protocol=pickle.HIGHEST_PROTOCOL)
+    with suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(prefix=".writing-", dir=path.parent)
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(b"\n".join([MAGIC.rstrip(b"\n"), _check(path, run, body), run, body]))
+            os.replace(name, path)
+        except BaseException:
+            os.unlink(name)
+            raise
+
+
+def _check(path: Path, run: bytes, body: bytes) -> bytes:
+    """Return the digest of an entry; its own place counts, so that none can stand in for another."""
+    return hashlib.sha256(b"\n".join([path.name.encode(), run, body])).hexdigest().encode()
+
+
+@contextmanager
+def _locked(path: Path) -> Iterator[None]:
+    """Hold the lock of a key, which ends with the process; none where the folder takes no locks."""
+    lock = folder() / "locks" / path.name
+    try:
+        handle = _acquired(lock)
+    except OSError:
+        yield
+        return
+    try:
+        yield
+    finally:
+        with suppress(OSError):
+            lock.unlink()
+        os.close(handle)
+
+
+def _acquired(lock: Path) -> int:
+    lock.parent.mkdir(parents=True, exist_ok=True)
+    while True:
+        handle = os.open(lock, os.O_RDWR | os.O_CREAT, 0o600)
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        # Who held it last has removed the file, and another process may hold one of the same name by now.
+        with suppress(FileNotFoundError):
+            if os.path.samestat(os.fstat(handle), os.stat(lock)):
+                return handle
+        os.close(handle)

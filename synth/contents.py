@@ -1,0 +1,118 @@
+"""Content digests: one SHA-256 for equal values, on every machine and in every process.
+
+    numbers, texts, types, sequences, mappings     their type and their content, bit by bit; a mapping's order counts
+    arrays                                         type, shape and bytes
+    dataclasses                                    the class with its slice, and all fields
+    CasADi's expressions and functions             their serialised form; symbols count by name and place
+    functions                                      their slice, defaults, and what they close over
+
+A value of another kind has no digest.
+"""
+
+import dataclasses
+import hashlib
+import inspect
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass
+from enum import Enum
+from functools import partial
+from pathlib import PurePath
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from synth import slices
+from synth.errors import ContentError
+
+
+def digest(*values: Any) -> str:
+    """Return the digest of values, in order.
+
+    Raises ContentError for a value that has none.
+    """
+    reader = _Reader([])
+    text = b"".join(reader.content(v) for v in values)
+    return hashlib.sha256(text + reader.joint()).hexdigest()
+
+
+@dataclass(frozen=True, eq=False)
+class _Reader:
+    """What reads values: it gathers their SX expressions, so that a symbol in two of them counts as one."""
+
+    expressions: list[ca.SX]
+
+    def content(self, value: Any) -> bytes:
+        """Return the content of a value as bytes that no other value has."""
+        kind, body = self._simple(value) or self._composed(value) or self._code(value)
+        text = body if isinstance(body, bytes) else b"".join(self.content(part) for part in body)
+        return f"{kind}:{len(text)}:".encode() + text
+
+    def joint(self) -> bytes:
+        """Return all expressions as one function of all symbols in them."""
+        if not self.expressions:
+            return b""
+        symbols = ca.symvar(ca.veccat(*self.expressions))
+        return str(ca.Function("content", symbols, self.expressions).serialize()).encode()
+
+    def _simple(self, value: Any) -> tuple[str, bytes | Iterable[Any]] | None:
+        kind = type(value).__name__
+        if value is None or isinstance(value, bool | int | float | complex):
+            return kind, repr(value).encode()
+        if isinstance(value, bytes):
+            return kind, value
+        if isinstance(value, Enum):
+            return "enum", (type(value), value.name)
+        if isinstance(value, str | PurePath):
+            return kind, str(value).encode()
+        if isinstance(value, np.ndarray | np.generic):
+            return "array", _array(np.asarray(value))
+        if isinstance(value, ca.SX):
+            self.expressions.append(value)
+            return "SX", str(len(self.expressions)).encode()
+        if isinstance(value, ca.DM | ca.Function):
+            return kind, str(value.serialize()).encode()
+        return None
+
+    def _composed(self, value: Any) -> tuple[str, bytes | Iterable[Any]] | None:
+        if dataclasses.is_dataclass(value) and not isinstance(value, type):
+            return "dataclass", (type(value), *((f.name, getattr(value, f.name)) for f in dataclasses.fields(value)))
+        if isinstance(value, Mapping):
+            return "mapping", value.items()
+        if isinstance(value, AbstractSet):
+            return "set", b"".join(sorted(self.content(v) for v in value))
+        if isinstance(value, Sequence):
+            return type(value).__name__, value
+        if isinstance(value, partial):
+            return "partial", (value.func, value.args, value.keywords)
+        if inspect.ismethod(value):
+            return "method", (value.__self__, value.__func__)
+        return None
+
+    def _code(self, value: Any) -> tuple[str, bytes | Iterable[Any]]:
+        if isinstance(value, type):
+            return "type", _source(value)
+        inner = inspect.unwrap(value) if callable(value) else value
+        if inspect.isfunction(inner):
+            free = inspect.getclosurevars(inner).nonlocals.items()
+            around = [(name, v) for name, v in free if v is not value]
+            return "function", (_source(inner), inner.__defaults__, inner.__kwdefaults__, around)
+        if inspect.isbuiltin(inner):
+            return "builtin", f"{inner.__module__}.{inner.__qualname__}".encode()
+        raise ContentError(
+            f"content of a {type(value).__module__}.{type(value).__qualname__}: found no way to compare it, need "
+            "numbers, texts, arrays, dataclasses, expressions or functions of these: give those"
+        )
+
+
+def _array(value: np.ndarray[Any, Any]) -> tuple[Any, ...]:
+    if value.dtype.hasobject:
+        raise ContentError("content of an array: found objects in it, need numbers: give it a type of numbers")
+    return str(value.dtype.descr), value.shape, np.ascontiguousarray(value).tobytes()
+
+
+def _source(value: Callable[..., Any] | type) -> bytes:
+    """Return the name of a class or function, and its slice where its source counts."""
+    name = f"{value.__module__}.{value.__qualname__}"
+    return f"{name} {slices.digest(value) if slices.is_followed(value) else ''}".encode()

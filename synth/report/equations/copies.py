@@ -1,0 +1,88 @@
+"""Equations that are alike but for the names in them: shown once, with what stands for what in the others.
+
+Two equations are alike when one becomes the other, as shown, by putting other names for those in it.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import sympy as sp
+
+from synth.report.equations import symbolic
+from synth.report.equations.derive import Equation, Group
+
+LEAST = 4  # operations: what has fewer is as quickly read as said to be alike
+
+
+@dataclass(frozen=True)
+class Shown:
+    """An equation that is shown, and its copies with the names that they have in place of its own."""
+
+    equation: Equation
+    copies: tuple[tuple[Equation, Mapping[str, str]], ...] = ()
+
+
+@dataclass(frozen=True)
+class ShownGroup:
+    """A group that is shown, and groups that are alike as a whole, with their names in place of its own."""
+
+    group: Group
+    equations: tuple[Shown, ...]
+    copies: tuple[tuple[Group, Mapping[str, str]], ...] = ()
+
+
+def of_groups(groups: Sequence[Group]) -> tuple[ShownGroup, ...]:
+    """Return the groups, each with those that are alike as a whole."""
+    first: list[tuple[Group, list[tuple[Group, Mapping[str, str]]]]] = []
+    for group in groups:
+        for source, copies in first:
+            if (names := _group_names(source, group)) is not None:
+                copies.append((group, names))
+                break
+        else:
+            first.append((group, []))
+    return tuple(ShownGroup(g, of_equations(g), tuple(copies)) for g, copies in first)
+
+
+def of_equations(group: Group) -> tuple[Shown, ...]:
+    """Return the equations of a group, each with those that are alike."""
+    first: list[tuple[Equation, list[tuple[Equation, Mapping[str, str]]]]] = []
+    for equation in group.equations:
+        for source, copies in first:
+            if sp.count_ops(source.shown) < LEAST or source.mark != equation.mark:
+                continue
+            if (names := names_in_place(source, equation)) is not None:
+                copies.append((equation, names))
+                break
+        else:
+            first.append((equation, []))
+    return tuple(Shown(e, tuple(copies)) for e, copies in first)
+
+
+def names_in_place(source: Equation, other: Equation) -> dict[str, str] | None:
+    """Return the names that turn the right side of one equation into that of the other, None where none do."""
+    if source.shape[0] != other.shape[0] or len(source.shape[1]) != len(other.shape[1]):
+        return None
+    names = dict(zip(source.shape[1], other.shape[1], strict=True))
+    changed = {symbolic.symbol(a): symbolic.symbol(b) for a, b in names.items()}
+    if source.shown.xreplace(changed) != other.shown:
+        return None
+    return {a: b for a, b in names.items() if a != b}
+
+
+def _group_names(source: Group, other: Group) -> dict[str, str] | None:
+    """Return what stands in another group for the names in the first, as on the page; None where they are unlike."""
+    if len(source.equations) != len(other.equations) or source.title == other.title:
+        return None
+    whole: dict[str, str] = {}
+    for a, b in zip(source.equations, other.equations, strict=True):
+        names = names_in_place(a, b)
+        if names is None or a.mark != b.mark:
+            return None
+        names = dict(zip(a.shape[1], b.shape[1], strict=True)) | {a.name: b.name}
+        if any(whole.get(k, v) != v for k, v in names.items()):
+            return None
+        whole |= names
+    parts = {e.name for e in source.equations if e.signal is None}
+    shown = {source.name(a): other.name(b) for a, b in whole.items() if a not in parts}
+    return {a: b for a, b in shown.items() if a != b} if len(set(whole.values())) == len(whole) else None

@@ -1,0 +1,115 @@
+"""Equations as blocks of a page: a plant's definitions and rates, and the Blocks of a controller in their order."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+
+from markupsafe import Markup
+from sympy.core.parameters import distribute
+
+from synth.block import Block
+from synth.plant import Plant
+from synth.report import page
+from synth.report.equations import copies, derive, glyphs, mathml, proof
+from synth.report.equations.copies import Shown, ShownGroup
+from synth.report.equations.derive import Equation, Group, Named
+from synth.report.notation import number, readable
+from synth.signals import Signal
+
+LEGEND = (
+    "The equations are derived from the expressions that the C is made of, and read back and compared with them at "
+    f"{proof.POINTS} random points. Parts without a name of their own are numbered. A number that ends with an "
+    "ellipsis is cut off. sat limits to the bounds below and above it, or, without any, to the range beside; a flag "
+    "is 1 where it is true."
+)
+FEW = 12  # equations of a Block that are open on the page; what has more is folded
+
+
+def plant(plant: Plant, named: Named | None = None) -> tuple[page.Formulas, ...]:
+    """Return the equations of a plant, proved; `named` as in `derive.plant`.
+
+    Raises ModelError where what is shown would be unlike the plant.
+    """
+    with distribute(False):  # of a factor over a sum
+        groups = derive.plant(plant, named)
+        proof.plant(plant, groups, named)
+        return tuple(_formulas(shown) for shown in copies.of_groups(groups))
+
+
+def block(block: Block, folded: Collection[str] = ()) -> tuple[page.Formulas | page.Folded, ...]:
+    """Return the equations of a Block, proved: those of each Block of a composition, some of them `folded`.
+
+    Raises ModelError where what is shown would be unlike the Block.
+    """
+    with distribute(False):
+        groups = derive.block(block)
+        proof.block(block, groups)
+        shown = {g.group.title: _formulas(g) for g in copies.of_groups(groups)}
+    return tuple(_folded(f) if name in folded or len(f.rows) > FEW else f for name, f in shown.items())
+
+
+def signals(caption: str, signals: Sequence[Signal]) -> page.Table:
+    """Return a table of signals: as shown, as in code, unit, range and what each is."""
+    rows = tuple((glyphs.symbol(s.name), s.name, readable(s.unit), s.low, s.high, s.about) for s in signals)
+    return page.Table(caption, ("symbol", "name", "unit", "from", "to", "is"), rows)
+
+
+def constants(block: Block) -> page.Table:
+    """Return a table of a Block's constants: as in code, value, unit and source."""
+    rows = tuple((c.name, c.value, readable(c.unit), c.source) for c in block.constants)
+    return page.Table("Constants", ("name", "value", "unit", "computed from"), rows, digits=7)
+
+
+def _folded(formulas: page.Formulas) -> page.Folded:
+    title = f"{formulas.title}, {len(formulas.rows)} lines"
+    return page.Folded(title, (replace(formulas, title=""),))
+
+
+def _formulas(shown: ShownGroup) -> page.Formulas:
+    group = shown.group
+    title = f"{group.title}: {group.tag}" if group.tag else group.title
+    rows = [row for each in shown.equations for row in _rows(group, each)]
+    also = tuple((g.title, Markup(_in_place(names))) for g, names in shown.copies)
+    return page.Formulas(title, tuple(rows), also)
+
+
+def _rows(group: Group, shown: Shown) -> list[page.Formula]:
+    equation = shown.equation
+    math = mathml.display(group.left(equation), "<mo>=</mo>", group.right(equation))
+    rows = [page.Formula(Markup(math), *_beside(equation))]
+    if shown.copies:
+        left = "<mo>,</mo>".join(group.left(other) for other, _ in shown.copies)
+        rows.append(page.Formula(Markup(mathml.display(left)), "", "", _likewise(group, shown)))
+    return rows
+
+
+def _likewise(group: Group, shown: Shown) -> Markup:
+    """Return what stands in the copies for each name of the equation."""
+    changed = list(dict.fromkeys(name for _, names in shown.copies for name in names))
+    parts = []
+    for name in changed:
+        others = "<mo>,</mo>".join(glyphs.markup(group.name(names.get(name, name))) for _, names in shown.copies)
+        parts.append(f"{mathml.display(others)} for {mathml.display(glyphs.markup(group.name(name)))}")
+    return Markup("likewise" + (f", with {'; '.join(parts)}" if parts else ""))
+
+
+def _in_place(names: Mapping[str, str]) -> str:
+    pairs = (f"{mathml.display(glyphs.markup(b))} for {mathml.display(glyphs.markup(a))}" for a, b in names.items())
+    return ", ".join(pairs)
+
+
+def _beside(equation: Equation) -> tuple[str, str]:
+    signal = equation.signal
+    if signal is None:
+        return "", ""
+    unit = readable(f"{signal.unit}/s") if equation.mark == "rate" else readable(signal.unit)
+    if equation.mark == "rate":
+        return readable(_per_second(signal.unit)), ""
+    return unit, f"{number(signal.low)} … {number(signal.high)}"
+
+
+def _per_second(unit: str) -> str:
+    """Return the unit of a rate: m/s^2 for m/s."""
+    before, divided, after = unit.partition("/s")
+    if divided and (not after or after.startswith("^")):
+        return f"{before}/s^{int(after[1:] or 1) + 1}"
+    return f"{unit}/s"

@@ -1,0 +1,218 @@
+"""Presentation MathML of SymPy expressions, as browsers show it without scripts; `mathml_value` reads it back.
+
+A number with more than DIGITS digits is cut off and ends with an ellipsis; the whole number stands in ``data-value``.
+"""
+
+import re
+from collections.abc import Sequence
+from itertools import pairwise
+
+import sympy as sp
+from markupsafe import escape
+
+from synth.report.equations import glyphs
+from synth.report.equations.symbolic import opaque
+
+DIGITS = 6
+WIDTH = 64  # characters of a sum before it is continued on the next line
+WORDS = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "asinh": "arsinh", "acosh": "arcosh", "atanh": "artanh"}
+WORDS |= {"log": "ln", "sign": "sgn", "atan2": "atan2"}
+RELATIONS = {"lt": "&lt;", "le": "≤", "eq": "=", "ne": "≠"}
+LOGIC = {"and": "∧", "or": "∨"}
+SUM, PRODUCT, POWER, ATOM = 1, 2, 3, 4  # how strongly a piece holds together
+RELATION, CONJUNCTION = 0, -1
+TIMES, APPLY = '<mo>&#x2062;</mo><mspace width="0.15em"></mspace>', "<mo>&#x2061;</mo>"
+Piece = tuple[str, int]
+
+
+def expression(expr: sp.Expr) -> str:
+    """Return the markup of an expression, long sums on several lines."""
+    return cases(expr) if type(expr).__name__ == "choose" else _piece(expr)[0]
+
+
+def display(*rows: str) -> str:
+    """Return one formula."""
+    return f'<math display="inline" displaystyle="true"><mrow>{"".join(rows)}</mrow></math>'
+
+
+def _lines(terms: Sequence[str]) -> str:
+    lines, width = [[terms[0]]], _width(terms[0])
+    for term in terms[1:]:
+        width += _width(term)
+        if width > WIDTH:
+            lines.append([])
+            width = _width(term)
+        lines[-1].append(term)
+    if len(lines) == 1:
+        return f"<mrow>{''.join(lines[0])}</mrow>"
+    rows = "".join(f'<mtr><mtd class="left"><mrow>{"".join(line)}</mrow></mtd></mtr>' for line in lines)
+    return f'<mtable class="continued">{rows}</mtable>'
+
+
+def _width(markup: str) -> int:
+    """Return about how many characters wide a piece is shown; of a fraction the wider half counts."""
+    halves = re.sub(r"<mfrac>|</mfrac>", "", markup)
+    shown = len(re.sub(r"<[^>]*>|&[^;]*;", "", halves))
+    return shown * 2 // 3 if halves != markup else shown
+
+
+def _piece(expr: sp.Expr) -> Piece:
+    if isinstance(expr, sp.Symbol):
+        return glyphs.markup(expr.name), ATOM
+    if expr is sp.pi:
+        return '<mi mathvariant="normal">π</mi>', ATOM
+    if expr is sp.oo:
+        return "<mn>∞</mn>", ATOM
+    if isinstance(expr, sp.Add):
+        return _lines(_terms(expr)), SUM
+    if (isinstance(expr, sp.Number) and expr < 0) or (isinstance(expr, sp.Mul) and _negative(expr)):
+        return f"<mrow><mo>−</mo>{_within(-expr, PRODUCT)}</mrow>", SUM
+    if isinstance(expr, sp.Mul) or (isinstance(expr, sp.Rational) and expr.q != 1):
+        return _product(expr)
+    if isinstance(expr, sp.Number):
+        return _number(expr)
+    if isinstance(expr, sp.Pow):
+        return _power(expr)
+    return _function(type(expr).__name__, [*expr.args])
+
+
+def _within(expr: sp.Expr, least: int) -> str:
+    """Return an expression's markup, in parentheses unless it holds together as strongly as `least`."""
+    markup, strength = _piece(expr)
+    return markup if strength >= least else _bracketed("(", markup, ")")
+
+
+def _bracketed(left: str, markup: str, right: str) -> str:
+    tall = "true" if re.search("<m(frac|table|sqrt|root)", markup) else "false"
+    fence = f'<mo fence="true" stretchy="{tall}">'
+    return f"<mrow>{fence}{left}</mo>{markup}{fence}{right}</mo></mrow>"
+
+
+def _negative(expr: sp.Expr) -> bool:
+    return bool(expr.as_coeff_Mul()[0] < 0)
+
+
+def _terms(expr: sp.Add) -> list[str]:
+    """Return the terms with their signs, a positive one first where there is one."""
+    ordered = sorted(expr.as_ordered_terms(), key=_negative)
+    marked = []
+    for k, term in enumerate(ordered):
+        form = ' form="infix"' if k else ""
+        sign = f"<mo{form}>−</mo>" if _negative(term) else f"<mo{form}>+</mo>" if k else ""
+        marked.append(sign + _within(-term if _negative(term) else term, PRODUCT))
+    return marked
+
+
+def _product(expr: sp.Expr) -> Piece:
+    coefficient, factors = expr.as_coeff_mul()
+    above: list[sp.Expr] = []
+    below: list[sp.Expr] = []
+    for factor in factors:
+        power = factor.as_base_exp()[1] if isinstance(factor, sp.Pow) else sp.Integer(1)
+        (below if power.is_number and power < 0 else above).append(factor)
+    whole = coefficient if not isinstance(coefficient, sp.Rational) else sp.Integer(coefficient.p)
+    under = sp.Integer(coefficient.q) if isinstance(coefficient, sp.Rational) else sp.Integer(1)
+    above = [whole, *above] if whole != 1 or not above else above
+    below = [*([under] if under != 1 else []), *(1 / f for f in below)]
+    if not below:
+        return _factors(above), PRODUCT
+    parts = (_piece(each[0])[0] if len(each) == 1 else _factors(each) for each in (above, below))
+    return f"<mfrac>{''.join(f'<mrow>{part}</mrow>' for part in parts)}</mfrac>", ATOM
+
+
+def _factors(factors: Sequence[sp.Expr]) -> str:
+    found = [_within(factors[0], PRODUCT)]
+    for before, factor in pairwise(factors):
+        numbers = isinstance(factor, sp.Number) or (isinstance(before, sp.Number) and isinstance(factor, sp.Pow))
+        found += ["<mo>·</mo>" if numbers else TIMES, _within(factor, PRODUCT)]
+    return f"<mrow>{''.join(found)}</mrow>"
+
+
+def _power(expr: sp.Pow) -> Piece:
+    base, exponent = expr.as_base_exp()
+    if exponent.is_number and exponent < 0:
+        return f"<mfrac><mn>1</mn><mrow>{_piece(1 / expr)[0]}</mrow></mfrac>", ATOM
+    if exponent == sp.Rational(1, 2):
+        return f"<msqrt>{_piece(base)[0]}</msqrt>", ATOM
+    if isinstance(exponent, sp.Rational) and exponent.p == 1:
+        return f"<mroot><mrow>{_piece(base)[0]}</mrow><mn>{exponent.q}</mn></mroot>", ATOM
+    above = _piece(exponent)[0]
+    if isinstance(base, sp.Function) and exponent.is_Integer and type(base).__name__ in _PLAIN:
+        return _applied(f"<msup>{_word(type(base).__name__)}{above}</msup>", base.args), PRODUCT
+    return f"<msup>{_within(base, ATOM)}<mrow>{above}</mrow></msup>", POWER
+
+
+def _number(value: sp.Number) -> Piece:
+    text = str(value) if isinstance(value, sp.Integer) else repr(float(value))
+    mantissa, _, exponent = text.removesuffix(".0").partition("e")
+    shown = _cut(mantissa)
+    whole = f' data-value="{mantissa}"' if shown != mantissa else ""
+    written = f"<mn{whole}>{shown}</mn>"
+    if not exponent:
+        return written, ATOM
+    power = f"<msup><mn>10</mn><mn>{str(int(exponent)).replace('-', '−')}</mn></msup>"
+    return (power if mantissa == "1" else f"<mrow>{written}<mo>·</mo>{power}</mrow>"), PRODUCT
+
+
+def _cut(mantissa: str) -> str:
+    """Return a mantissa cut off after DIGITS digits behind its leading zeros, with an ellipsis for what is left out."""
+    whole, _, part = mantissa.partition(".")
+    leading = len(part) - len(part.lstrip("0")) if not whole.strip("0") else 0
+    keep = max(DIGITS - len(whole.lstrip("0")) + leading, 1)
+    return f"{whole}.{part[:keep]}…" if len(part) > keep + 1 else mantissa
+
+
+_PLAIN = frozenset({*WORDS, "sin", "cos", "tan", "sinh", "cosh", "tanh"})
+
+
+def _function(kind: str, args: Sequence[sp.Expr]) -> Piece:
+    if kind in RELATIONS or kind in LOGIC or kind == "not":
+        return _bracketed("[", _condition(opaque(kind)(*args))[0], "]"), ATOM
+    if kind == "choose":
+        return _bracketed("(", cases(opaque(kind)(*args)), ")"), ATOM
+    if kind == "Abs":
+        return _bracketed("|", _piece(args[0])[0], "|"), ATOM
+    if kind in ("floor", "ceil"):
+        left, right = "⌊⌋" if kind == "floor" else "⌈⌉"
+        return _bracketed(left, _piece(args[0])[0], right), ATOM
+    if kind == "sat" and len(args) == 3:
+        low, high = (f"<mrow>{_piece(a)[0]}</mrow>" for a in args[1:])
+        return _applied(f"<msubsup><mi>sat</mi>{low}{high}</msubsup>", args[:1]), ATOM
+    return _applied(_word(kind), args), ATOM
+
+
+def _word(kind: str) -> str:
+    return f"<mi>{escape(WORDS.get(kind, kind))}</mi>"
+
+
+def _applied(head: str, args: Sequence[sp.Expr]) -> str:
+    whole = len(args) == 1 and type(args[0]).__name__ == "choose"  # then one pair of parentheses is enough
+    inner = cases(args[0]) if whole else "<mo>,</mo>".join(_piece(a)[0] for a in args)
+    return f"<mrow>{head}{APPLY}{_bracketed('(', inner, ')')}</mrow>"
+
+
+def cases(expr: sp.Expr) -> str:
+    """Return the markup of a choice with its conditions below each other."""
+    rows = []
+    while type(expr).__name__ == "choose":
+        condition, value, expr = expr.args
+        rows.append((_piece(value)[0], f"<mtext>if&#xa0;</mtext>{_condition(condition)[0]}"))
+    rows.append((_piece(expr)[0], "<mtext>otherwise</mtext>"))
+    cells = "".join(f'<mtr><mtd class="left">{v}</mtd><mtd class="left">{c}</mtd></mtr>' for v, c in rows)
+    return f'<mrow><mo fence="true">{{</mo><mtable class="cases">{cells}</mtable></mrow>'
+
+
+def _condition(expr: sp.Expr) -> Piece:
+    """Return what is compared; of a number, that it is not 0 is understood."""
+    kind = type(expr).__name__
+    if kind in RELATIONS:
+        first, second = (_within(a, SUM) for a in expr.args)
+        return f"<mrow>{first}<mo>{RELATIONS[kind]}</mo>{second}</mrow>", RELATION
+    if kind in LOGIC:
+        inside = (_condition(a) for a in expr.args)
+        parts = [m if s >= RELATION else _bracketed("(", m, ")") for m, s in inside]
+        return f"<mrow>{f'<mo>{LOGIC[kind]}</mo>'.join(parts)}</mrow>", CONJUNCTION
+    if kind == "not":
+        markup, strength = _condition(expr.args[0])
+        return f"<mrow><mo>¬</mo>{markup if strength >= ATOM else _bracketed('(', markup, ')')}</mrow>", ATOM
+    return _piece(expr)

@@ -1,0 +1,244 @@
+"""The value of presentation MathML, read as a reader sees it: what a formula on the page amounts to.
+
+    condition  = conjunct {∨ conjunct};    conjunct = negation {∧ negation};    negation = [¬] relation
+    relation   = sum [(< | ≤ | = | ≠) sum];    sum = [−] term {(+ | −) term};    term = factor {[·] factor}
+
+Groups that are not visible (mrow, the lines of a continued sum) are taken apart first, so that a pair of parentheses
+that is missing on the page is missing here. A number that was cut off must begin its whole value, which then counts.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import erf
+
+from synth.errors import DesignError
+
+Array = NDArray[np.float64]
+Element = ElementTree.Element
+FUNCTIONS: Mapping[str, Callable[..., Array]] = {
+    **{n: getattr(np, n) for n in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "exp", "hypot", "log1p", "expm1")},
+    **dict(zip(("arsinh", "arcosh", "artanh"), (np.arcsinh, np.arccosh, np.arctanh), strict=True)),
+    **dict(zip(("arcsin", "arccos", "arctan", "atan2"), (np.arcsin, np.arccos, np.arctan, np.arctan2), strict=True)),
+    **dict(
+        zip(("min", "max", "mod", "ln", "sgn", "erf"), (np.fmin, np.fmax, np.fmod, np.log, np.sign, erf), strict=True)
+    ),
+}
+_FENCES: Mapping[str, tuple[str, Callable[[Array], Array]]] = {
+    "(": (")", np.asarray),
+    "[": ("]", lambda truth: _as_number(truth != 0)),
+    "|": ("|", np.abs),
+    "⌊": ("⌋", np.floor),
+    "⌈": ("⌉", np.ceil),
+}
+_RELATIONS = {"<": np.less, "≤": np.less_equal, "=": np.equal, "≠": np.not_equal}
+_TIMES, _APPLY = "\u2062", "\u2061"
+_INVISIBLE = ("mrow", "mspace", "math")
+
+
+def key(markup: str) -> str:
+    """Return what tells a name on the page from another: its markup without space."""
+    return _key(ElementTree.fromstring(markup))
+
+
+def value(
+    markup: str,
+    names: Mapping[str, Array],
+    limits: tuple[float, float] | None = None,
+    tables: Mapping[str, Callable[..., Array]] | None = None,
+) -> Array:
+    """Return what the markup of an expression amounts to where the names, by `key`, have these values (N,).
+
+    `limits` are those of a limit that is shown without any; `tables` are further functions by name.
+
+    Raises DesignError for what a reader could not make sense of.
+    """
+    tokens = _flat(ElementTree.fromstring(f"<mrow>{markup}</mrow>"))
+    reader = _Reader(tokens, names, limits, {**FUNCTIONS, **(tables or {})})
+    found = reader.condition()
+    if reader.next is not None:
+        raise DesignError(f"the formula goes on behind its end with '{_key(reader.next)}': show it as one expression")
+    return found
+
+
+def _flat(element: Element) -> list[Element]:
+    """Return the visible pieces beside each other."""
+    if element.tag == "mspace":
+        return []
+    if element.tag == "mtable" and element.get("class") == "continued":
+        return [piece for row in element for cell in row for child in cell for piece in _flat(child)]
+    if element.tag in _INVISIBLE:
+        return [piece for child in element for piece in _flat(child)]
+    return [element]
+
+
+def _key(element: Element) -> str:
+    pieces = (_key(child) for child in element if child.tag != "mspace")
+    inner = (element.text or "").strip() + " ".join(pieces)
+    return inner if element.tag in _INVISIBLE else f"{element.tag}({inner})"
+
+
+@dataclass
+class _Reader:
+    """Reads pieces from left to right."""
+
+    tokens: list[Element]
+    names: Mapping[str, Array]
+    limits: tuple[float, float] | None
+    functions: Mapping[str, Callable[..., Array]]
+    at: int = 0
+
+    @property
+    def next(self) -> Element | None:
+        return self.tokens[self.at] if self.at < len(self.tokens) else None
+
+    def sign(self, *signs: str) -> str:
+        """Take one of the signs if it comes next; return it, or nothing."""
+        piece = self.next
+        if piece is None or piece.tag != "mo" or piece.text not in signs:
+            return ""
+        self.at += 1
+        return str(piece.text)
+
+    def inside(self, element: Element) -> Array:
+        """Return what the pieces of an element amount to as an expression of their own."""
+        return self.of(_flat(element) if element.tag in _INVISIBLE else [element])
+
+    def of(self, tokens: list[Element]) -> Array:
+        reader = _Reader(tokens, self.names, self.limits, self.functions)
+        found = reader.condition()
+        if reader.next is not None:
+            raise DesignError(f"a part of the formula goes on with '{_key(reader.next)}': show it as one expression")
+        return found
+
+    def condition(self) -> Array:
+        found = self.conjunct()
+        while self.sign("∨"):
+            found = _as_number((found != 0) | (self.conjunct() != 0))
+        return found
+
+    def conjunct(self) -> Array:
+        found = self.negation()
+        while self.sign("∧"):
+            found = _as_number((found != 0) & (self.negation() != 0))
+        return found
+
+    def negation(self) -> Array:
+        return _as_number(self.negation() == 0) if self.sign("¬") else self.relation()
+
+    def relation(self) -> Array:
+        found = self.sum()
+        if sign := self.sign(*_RELATIONS):
+            return _as_number(_RELATIONS[sign](found, self.sum()))
+        return found
+
+    def sum(self) -> Array:
+        found = -self.term() if self.sign("−") else self.term()
+        while sign := self.sign("+", "−"):
+            found = found + self.term() if sign == "+" else found - self.term()
+        return found
+
+    def term(self) -> Array:
+        found = self.factor()
+        while self.sign("·", _TIMES):
+            found = found * self.factor()
+        return found
+
+    def factor(self) -> Array:
+        piece = self.next
+        if piece is None:
+            raise DesignError("a formula ends where a value is needed: show the whole expression")
+        if piece.tag == "mo" and piece.text == "{":
+            self.at += 1
+            return self.cases(self.take())
+        if left := self.sign(*_FENCES):
+            right, function = _FENCES[left]
+            found = self.condition()
+            if not self.sign(right):
+                raise DesignError(f"a formula opens '{left}' and does not close it: close it")
+            return function(found)
+        self.at += 1
+        if (following := self.next) is not None and following.tag == "mo" and following.text == _APPLY:
+            return self.applied(piece)
+        return self.atom(piece)
+
+    def take(self) -> Element:
+        piece = self.next
+        if piece is None:
+            raise DesignError("a formula ends where a value is needed: show the whole expression")
+        self.at += 1
+        return piece
+
+    def cases(self, table: Element) -> Array:
+        """Return the value in the first row whose condition holds."""
+        conditions, values = [], []
+        for row in table:
+            value, condition = row
+            words = [*condition]
+            values.append(self.of([p for child in value for p in _flat(child)]))
+            rest = [p for child in words[1:] for p in _flat(child)]
+            conditions.append(self.of(rest) != 0 if rest else np.array(True))
+        return np.select(np.broadcast_arrays(*conditions), np.broadcast_arrays(*values))
+
+    def applied(self, head: Element) -> Array:
+        """Return the value of a function of what stands behind it in parentheses."""
+        self.at += 2
+        args = [self.condition()]
+        while self.sign(","):
+            args.append(self.condition())
+        if not self.sign(")"):
+            raise DesignError("a formula does not close the arguments of a function: close them")
+        if head.tag == "msubsup":
+            return np.fmax(np.fmin(args[0], self.inside(head[2])), self.inside(head[1]))
+        if head.tag == "mi" and head.text == "sat" and self.limits:
+            return np.fmax(np.fmin(args[0], self.limits[1]), self.limits[0])
+        name = head[0] if head.tag == "msup" else head
+        if name.text not in self.functions:
+            raise DesignError(f"a formula applies '{name.text}', which no reader knows as a function: write it out")
+        found = self.functions[str(name.text)](*args)
+        return np.asarray(found ** self.inside(head[1]) if head.tag == "msup" else found)
+
+    def atom(self, piece: Element) -> Array:
+        if piece.tag == "mn":
+            return np.array(_number(piece))
+        if piece.tag == "mi" and piece.text == "π" and piece.get("mathvariant") == "normal":
+            return np.array(np.pi)
+        if piece.tag == "mfrac":
+            return self.inside(piece[0]) / self.inside(piece[1])
+        if piece.tag == "msqrt":
+            return np.asarray(self.of([p for child in piece for p in _flat(child)]) ** 0.5)
+        if piece.tag == "mroot":
+            return np.asarray(self.inside(piece[0]) ** (1 / self.inside(piece[1])))
+        if piece.tag == "msup":
+            return np.asarray(self.base(piece[0]) ** self.inside(piece[1]))
+        if _key(piece) in self.names:
+            return self.names[_key(piece)]
+        raise DesignError(f"a formula shows '{_key(piece)}', which has no value: name what it stands for")
+
+    def base(self, element: Element) -> Array:
+        """Return what is raised to a power: one piece, or one pair of parentheses."""
+        tokens = _flat(element)
+        reader = _Reader(tokens, self.names, self.limits, self.functions)
+        found = reader.factor()
+        if reader.next is not None:
+            raise DesignError("a formula raises several pieces to a power: put them in parentheses")
+        return found
+
+
+def _number(piece: Element) -> float:
+    """Return a number, whole where it is shown cut off."""
+    shown, whole = str(piece.text).replace("−", "-"), piece.get("data-value")
+    if shown == "∞":
+        return float("inf")
+    if whole is None:
+        return float(shown)
+    if not shown.endswith("…") or not whole.startswith(shown[:-1]):
+        raise DesignError(f"a formula shows {shown} for {whole}: cut the number off, with an ellipsis")
+    return float(whole)
+
+
+def _as_number(truth: NDArray[np.bool_]) -> Array:
+    return np.asarray(truth, dtype=np.float64)

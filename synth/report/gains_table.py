@@ -1,0 +1,74 @@
+"""gains.json as tables: laws beside each other where what is said of them has the same entries.
+
+{"y": {"K": [1, 2], "certificate": {"residual": 1e-9}}, "x": {...}}   ->   entry                    y      x
+                                                                           K                        1, 2   ...
+                                                                           certificate: residual    1e-9   ...
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from synth.report.notation import number
+from synth.report.page import Cell, Table
+
+DIGITS = 6
+WIDE = 5  # laws beside each other in one table
+SHORT = 2  # entries of a list on one line, where laws stand beside each other
+
+
+def tables(document: Mapping[str, Any]) -> tuple[Table, ...]:
+    """Return the tables of a document: what is said of the whole first, then the laws."""
+    laws = {label: dict(_entries(law)) for label, law in _laws(document)}
+    whole = {name: value for name, value in document.items() if not isinstance(value, Mapping)}
+    rows = tuple((name, _cell(value)) for name, value in _entries(whole))
+    first = (Table("Gains", ("entry", "value"), rows),) if rows else ()
+    return (*first, *(_table(group) for group in _alike(laws)))
+
+
+def _laws(document: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """Yield the laws with their names; what is made of laws alone stands for these. The plant's parameters are none."""
+    for name, law in document.items():
+        if not isinstance(law, Mapping) or name == "parameters":
+            continue
+        if law and all(isinstance(value, Mapping) for value in law.values()):
+            yield from ((inner if inner == name else f"{name}, {inner}", value) for inner, value in law.items())
+        else:
+            yield name, law
+
+
+def _alike(laws: Mapping[str, Mapping[str, Any]]) -> Iterator[dict[str, Mapping[str, Any]]]:
+    """Yield laws with the same entries together, up to WIDE of them."""
+    waiting = dict(laws)
+    while waiting:
+        entries = set(next(iter(waiting.values())))
+        group = [name for name, law in waiting.items() if set(law) == entries][:WIDE]
+        yield {name: waiting.pop(name) for name in group}
+
+
+def _table(laws: Mapping[str, Mapping[str, Any]]) -> Table:
+    rows: list[tuple[Cell, ...]] = []
+    for entry in next(iter(laws.values())):
+        rows.append((entry, *(_cell(law[entry], len(laws) > 1) for law in laws.values())))
+    return Table(f"Gains of {', '.join(laws)}", ("entry", *laws), tuple(rows), DIGITS)
+
+
+def _entries(law: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the entries with their names in words, those inside others behind the name of these."""
+    for name, value in law.items():
+        words = f"{above}{name.replace('_', ' ')}"
+        if isinstance(value, Mapping):
+            yield from _entries(value, f"{words}: ")
+        else:
+            yield words, value
+
+
+def _cell(value: Any, narrow: bool = False) -> str:
+    """Return a value as text: a matrix by rows, a longer list one entry a line where the column is `narrow`."""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, bool) or value is None:
+        return {True: "yes", False: "no", None: "none"}[value]
+    if isinstance(value, Sequence):
+        nested = any(isinstance(v, Sequence) and not isinstance(v, str) for v in value)
+        return ("\n" if nested or (narrow and len(value) > SHORT) else ", ").join(_cell(v) for v in value)
+    return number(value, DIGITS)

@@ -1,0 +1,144 @@
+"""A design's own words in its report: Markdown with {{ placeholders }}, placed among the sections of the page.
+
+    # Title          a standard section of this title begins with the text; another title makes a section there
+    ## Title         the same for a section inside
+    {{ name }}       a value, {{ name:.3g }} in a format of Python's, {{ name }} alone in its paragraph also a block
+    $k_s_phi$        a name, written as in equations
+
+Text before the first title is left to the caller. HTML is shown as text, and a page loads nothing from elsewhere.
+"""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from markdown_it import MarkdownIt
+from markupsafe import Markup
+
+from synth.errors import DesignError
+from synth.report import page
+from synth.report.equations import glyphs
+from synth.report.notation import number
+from synth.report.page import Section
+
+Value = str | float | page.Block
+_PLACEHOLDER = re.compile(r"\{\{\s*([A-Za-z]\w*(?:[.-]\w+)*)\s*(?::([^{}]*?))?\s*\}\}")
+_NAME, _OPEN, _CLOSE = re.compile(r"\$([A-Za-z]\w*)\$"), "\ue000", "\ue001"  # the marks mean nothing in Markdown
+_TITLE = re.compile(r"^(#{1,2}) +(.+?)\s*#*$")
+
+
+@dataclass(frozen=True)
+class Part:
+    """A titled part of the prose: its blocks, and the parts inside it."""
+
+    title: str
+    blocks: tuple[page.Block, ...]
+    parts: tuple["Part", ...] = ()
+
+
+def read(text: str, values: Mapping[str, Value]) -> Part:
+    """Return prose as parts, those of the first level inside one without a title.
+
+    Raises DesignError for an unknown placeholder, naming the known ones, a block inside a sentence, or a format that
+    does not suit its value.
+    """
+    titled = [(level, title, _blocks(body, values)) for level, title, body in _split(text)]
+    first = titled[0][2]
+    parts: list[Part] = []
+    for level, title, blocks in titled[1:]:
+        if level == 1 or not parts:
+            parts.append(Part(title, blocks))
+        else:
+            parts[-1] = replace(parts[-1], parts=(*parts[-1].parts, Part(title, blocks)))
+    return Part("", first, tuple(parts))
+
+
+def placed(sections: Sequence[Section], parts: Sequence[Part]) -> tuple[Section, ...]:
+    """Return sections with prose in front of their blocks; a part of another title follows the one before it."""
+    placed = list(sections)
+    at = 0
+    for part in parts:
+        same = next((k for k, s in enumerate(placed) if s.title == part.title), None)
+        if same is None:
+            placed.insert(at, Section(part.title, part.blocks, placed_inside(part)))
+            at += 1
+        else:
+            old = placed[same]
+            placed[same] = replace(old, blocks=(*part.blocks, *old.blocks), sections=_inside(old, part))
+            at = same + 1
+    return tuple(placed)
+
+
+def placed_inside(part: Part) -> tuple[Section, ...]:
+    """Return the parts inside one as sections."""
+    return placed((), part.parts)
+
+
+def _inside(section: Section, part: Part) -> tuple[Section, ...]:
+    return placed(section.sections, part.parts)
+
+
+def _split(text: str) -> Iterator[tuple[int, str, str]]:
+    """Yield (level, title, text) of each part, first what stands before any title."""
+    level, title, body = 0, "", list[str]()
+    fenced = False
+    for line in text.splitlines():
+        fenced ^= line.startswith("```")
+        if (match := _TITLE.match(line)) and not fenced:
+            yield level, title, "\n".join(body)
+            level, title, body = len(match[1]), match[2], []
+        else:
+            body.append(line)
+    yield level, title, "\n".join(body)
+
+
+def _blocks(text: str, values: Mapping[str, Value]) -> tuple[page.Block, ...]:
+    blocks: list[page.Block] = []
+    words: list[str] = []
+    for paragraph in re.split(r"\n\s*\n", text.strip()):
+        match = _PLACEHOLDER.fullmatch(paragraph.strip())
+        value = _value(match[1], values) if match else ""
+        if isinstance(value, str | float | int):
+            words.append(_PLACEHOLDER.sub(lambda m: _written(m, values), paragraph))
+        else:
+            blocks += [*_text(words), value]
+            words = []
+    return (*blocks, *_text(words))
+
+
+def _text(paragraphs: Sequence[str]) -> list[page.Block]:
+    text = "\n\n".join(paragraphs).strip()
+    return [rendered(text)] if text else []
+
+
+def rendered(text: str) -> page.Prose:
+    """Return Markdown as HTML, without images, titles and HTML of its own."""
+    markdown = (
+        MarkdownIt("commonmark", {"html": False, "typographer": False}).enable("table").disable(["image", "lheading"])
+    )
+    html = markdown.render(_NAME.sub(f"{_OPEN}\\1{_CLOSE}", text))
+    return page.Prose(Markup(re.sub(f"{_OPEN}(.*?){_CLOSE}", lambda m: glyphs.symbol(m[1]), html)))
+
+
+def _value(name: str, values: Mapping[str, Value]) -> Value:
+    if name not in values:
+        raise DesignError(
+            f"report.md asks for {{{{ {name} }}}}, which is not known: there are {', '.join(sorted(values))}"
+        )
+    return values[name]
+
+
+def _written(match: re.Match[str], values: Mapping[str, Value]) -> str:
+    name, form = match[1], match[2] or ""
+    value = _value(name, values)
+    if not isinstance(value, str | float | int):
+        raise DesignError(f"report.md has the block {{{{ {name} }}}} inside a sentence: give it a paragraph of its own")
+    if not form and not isinstance(value, str):
+        return number(value)
+    try:
+        text = format(value, form)
+    except ValueError as error:
+        raise DesignError(
+            f"report.md writes {{{{ {name}:{form} }}}} of {value!r}, {error}: use a format that suits"
+        ) from error
+    return re.sub(r"([\\`*_{}\[\]<>#|!])", r"\\\1", text).replace("-", "−" if not isinstance(value, str) else "-")

@@ -1,0 +1,167 @@
+"""The standard report of a declared stage: every section from the declaration, and the design's own words among them.
+
+A design says more in three ways: by report.md in its folder, see `prose`; by `Extra`, whose values and blocks report.md
+places and whose sections stand in for the standard ones; or by a report of its own from the sections in `standard`.
+"""
+
+import importlib.util
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from synth.analyse import robustness
+from synth.check import Check
+from synth.declaration import Stage
+from synth.emit.write import Emitted
+from synth.report import page, prose, sections, standard
+from synth.report.audit import Row
+from synth.report.equations.derive import Named
+from synth.report.page import Section
+from synth.report.prose import Value
+from synth.report.standard import Shown
+from synth.simulate.experiment import Experiment
+from synth.verify import standard as verification
+from synth.verify.cost import Cost
+from synth.verify.evidence import Evidence
+
+FLOOR = "the largest magnitude in the output's range"
+SHORTFALLS = frozenset(f"{name.replace('_', ' ')} falls short by" for name in robustness.REQUIREMENTS)
+
+
+@dataclass(frozen=True, eq=False)
+class Extra:
+    """What a design adds to the standard report.
+
+    `values` are further placeholders of report.md; `sections` stand in place of the standard ones of their titles;
+    `named` names what the physics computes, see `derive.plant`; `facts` stand below the standard ones; `shown` says how
+    experiments are shown where units and resolutions of the declaration are not enough.
+    """
+
+    values: Mapping[str, Value] = field(default_factory=dict)
+    sections: Sequence[Section] = ()
+    named: Named | None = None
+    facts: Sequence[tuple[str, str]] = ()
+    shown: Shown | None = None
+
+
+def report(
+    stage: Stage,
+    files: Mapping[str, Emitted],
+    evidence: Evidence,
+    runs: Sequence[Experiment],
+    rows: Sequence[Row],
+    cost: Cost | None,
+    gains: Mapping[str, object],
+    extra: Extra | None = None,
+) -> str:
+    """Return the report of a stage as one HTML document; `gains` is what gains.json says of the design.
+
+    Raises DesignError for a placeholder that is not known, ModelError for an equation that would be unlike the stage.
+    """
+    extra = extra or Extra()
+    replaced = {s.title: s for s in extra.sections}
+    made = [
+        *_computed(stage, gains, evidence, replaced, extra),
+        standard.experiments(runs, extra.shown or shown(stage)),
+        *((standard.audit(rows),) if rows else ()),
+        standard.verification(evidence, FLOOR, is_margin),
+        sections.cost(cost),
+        standard.files(files),
+    ]
+    known = {**values(stage, rows), **extra.values}
+    parts = [replaced.get(s.title, s) for s in made]
+    return assembled(stage.name, stage.about, (*facts(stage), *extra.facts), parts, known)
+
+
+def assembled(
+    name: str,
+    about: str,
+    facts: Sequence[tuple[str, str]],
+    parts: Sequence[Section],
+    values: Mapping[str, Value] | None = None,
+) -> str:
+    """Return a page of sections as one HTML document, with the prose of the design's report.md among them.
+
+    Prose before the first title makes a section of its own at the top.
+
+    Raises DesignError as `prose.read`.
+    """
+    words = prose.read(own_words(name), values or {})
+    summary = (Section("Summary", words.blocks),) if words.blocks else ()
+    placed = prose.placed(parts, words.parts)
+    return page.render(page.Report(name, about, (*summary, *placed), tuple(facts)))
+
+
+def _computed(
+    stage: Stage, gains: Mapping[str, object], evidence: Evidence, replaced: Mapping[str, Section], extra: Extra
+) -> list[Section]:
+    """Return the sections that are computed for the report, those left out that the design replaces."""
+    block = stage.controller.block.rounded(stage.scalar)
+    made = {
+        standard.MODEL: lambda: standard.model(stage.plant, extra.named),
+        standard.LAW: lambda: standard.law(block),
+        standard.GAINS: lambda: standard.gains(gains),
+        standard.LOOPS: lambda: loops(stage, [c for c in evidence.checks if is_margin(c)]),
+    }
+    return [replaced[title] if title in replaced else make() for title, make in made.items()]
+
+
+def facts(stage: Stage) -> tuple[tuple[str, str], ...]:
+    """Return what stands at the top of a stage's report."""
+    around, signals = stage.interface, stage.interface.signals
+    points = f"; set-points {', '.join(s.name for s in around.set_points)}" if around.set_points else ""
+    inputs = f"sensors {', '.join(s.name for s in around.sensors)}{points}"
+    outputs = ", ".join(f"{a.name} in {signals[a.name].unit}" for a in around.actuators)
+    shown = outputs or standard.listed(stage.controller.block.outputs)
+    delay = f"{around.delay} sample{'s' if around.delay != 1 else ''} from measurement to actuation"
+    return (*standard.facts(stage.controller.time, stage.scalar, inputs, shown), ("delay", delay))
+
+
+def loops(stage: Stage, required: Sequence[Check]) -> Section:
+    """Return a stage's loops at its operating points, its margins over them, and the disk margins."""
+    if not stage.operating_points:
+        return Section(standard.LOOPS, (page.Text("No operating points are declared, so no loop is opened."),))
+    opened = verification.loops(stage)
+    disks = {point: robustness.disks(opened, point) for point in opened.points}
+    blocks = (page.Text(standard.OPENED), sections.disks(disks))
+    return standard.loops(robustness.opened(opened), required, blocks)
+
+
+def shown(stage: Stage) -> Shown:
+    """Return how a stage's experiments are shown: units and resolutions as declared."""
+    plant = stage.plant
+    signals = [*plant.states, *plant.inputs, *plant.outputs, *stage.interface.signals.values()]
+    levels = {s.of: s.resolution for s in stage.interface.sensors if s.resolution}
+    return Shown({s.name: s.unit for s in signals}, levels)
+
+
+def is_margin(check: Check) -> bool:
+    """Tell whether a check is that of a required margin."""
+    return check.name in SHORTFALLS
+
+
+def values(stage: Stage, rows: Sequence[Row]) -> dict[str, Value]:
+    """Return what report.md may ask for of any stage."""
+    around, period = stage.interface, stage.controller.time.period_s
+    known: dict[str, Value] = {
+        "name": stage.name,
+        "period_ms": 1e3 * period,
+        "rate_hz": 1 / period,
+        "scalar": np.dtype(stage.scalar).name,
+        "delay": around.delay,
+        "bad_samples": around.bad_samples,
+        "reason": around.reason,
+    }
+    known |= {f"plant.{p.name}": p.value for p in stage.plant.parameters}
+    return known | {f"audit.{row.id}": row.published.text for row in rows}
+
+
+def own_words(name: str) -> str:
+    """Return the text of a design's report.md, nothing where it has none."""
+    found = importlib.util.find_spec(f"designs.{name}") if importlib.util.find_spec("designs") else None
+    for folder in (found.submodule_search_locations or ()) if found else ():
+        if (path := Path(folder) / "report.md").is_file():
+            return path.read_text(encoding="utf-8")
+    return ""

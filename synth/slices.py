@@ -1,0 +1,359 @@
+"""Program slices: the statements that a function may run, read from the syntax trees of its module and its imports.
+
+    slice(f) = the least set that holds f's own statement, and with a statement every top-level statement that it names,
+               in its module or by way of an import, and all that runs when a module of the slice is imported
+
+Its digest changes when what the function computes may change, and stays when unrelated functions beside it change. A
+module that is named as a whole (passed on, or read by a name that it does not define) counts whole. Data files beside
+the modules (`.toml`, `.c`, ...) count where they are asked for. Comments do not count; docstrings do.
+
+Followed are `synth` and the packages of the workspace that holds the function; of others the versions count. What a
+string names at run time is not seen: nothing here calls by such a string.
+
+Source: M. Weiser, Program slicing, IEEE Trans. Software Engineering 10 (1984), 352-357.
+"""
+
+import ast
+import hashlib
+import inspect
+import sys
+import sysconfig
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from synth.errors import ContentError
+
+DATA = (".toml", ".c", ".h", ".j2", ".css", ".md", ".json", ".csv")
+TOOLKIT = Path(__file__).resolve().parent
+WHOLE, BARE = "*", ""  # in place of the name of one statement: all of a module, and what it runs when it is imported
+
+Place = tuple[str, str]  # module and name
+Paths = tuple[tuple[str, ...], ...]  # dotted names, split at the dots
+
+
+@dataclass(frozen=True)
+class Statement:
+    """A top-level statement: the digest of its text, the dotted names in it, and the names that it imports itself.
+
+    `defines` tells a function or a class.
+    """
+
+    digest: str
+    defines: bool
+    paths: Paths
+    imports: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Module:
+    """A parsed module: its statements by the name that they bind, the others (BARE), and its imports by name."""
+
+    path: Path
+    tree: ast.Module
+    statements: dict[str, tuple[Statement, ...]]
+    imports: dict[str, str]
+
+
+def digest(function: Callable[..., Any] | type, data: bool = False) -> str:
+    """Return the digest of the slice of a function or class; with `data` also of data files beside its modules.
+
+    Raises ContentError where its source is not in a file, or where a function of the slice was replaced since.
+    """
+    entry = _entry(function)
+    lines = [_digest(entry, data), *_live(entry.root, _places(entry))]
+    return hashlib.sha256("\n".join(lines).encode()).hexdigest()
+
+
+def names(function: Callable[..., Any] | type) -> frozenset[Place]:
+    """Return the (module, name) of every top-level statement in the slice of a function or class.
+
+    Raises ContentError as `digest`.
+    """
+    return _places(_entry(function))
+
+
+@cache
+def _places(entry: "_Entry") -> frozenset[Place]:
+    return _closure(entry.root, entry.start())
+
+
+@cache
+def _digest(entry: "_Entry", data: bool) -> str:
+    start, places = entry.start(), _places(entry)
+    lines = [f"{place} {s.digest}" for place in sorted(places) for s in _at(entry.root, place)]
+    lines += [s.digest for s in start if isinstance(s, Statement)]
+    if data:
+        modules = {module for module, _ in places}
+        lines += [line for module in sorted(modules) for line in _beside(entry.root, module)]
+    return hashlib.sha256("\n".join(lines).encode()).hexdigest()
+
+
+def _live(root: Path, places: frozenset[Place]) -> Iterator[str]:
+    """Yield the numbers and texts that stand at places now: a program, or a test, may set them after the import."""
+    for module, name in sorted(places):
+        value = getattr(sys.modules.get(module), name, None) if name not in (WHOLE, BARE) else None
+        if inspect.isfunction(value) or isinstance(value, type):
+            _require_own(root, (module, name), value)
+        elif (plain := _plain(value)) is not None:
+            yield f"{module} {name} {plain}"
+
+
+def _require_own(root: Path, place: Place, value: Any) -> None:
+    """Raise ContentError where a statement defines a function or class and another one stands in its place."""
+    inner, name = inspect.unwrap(value), ".".join(place)
+    found = f"{inner.__module__}.{inner.__qualname__}"
+    if found != name and any(s.defines for s in _at(root, place)):
+        raise ContentError(f"slice: found {found} in place of {name}, need what its source says: put it back")
+
+
+def _plain(value: Any) -> str | None:
+    """Return a text for numbers, texts and collections of them, None for anything else."""
+    if isinstance(value, bool | int | float | complex | str | bytes):
+        return repr(value)
+    if isinstance(value, dict):
+        value = [part for item in value.items() for part in item]
+    if not isinstance(value, list | tuple | set | frozenset):
+        return None
+    parts = [_plain(v) or type(v).__name__ for v in value]
+    return f"({', '.join(sorted(parts) if isinstance(value, set | frozenset) else parts)})"
+
+
+def is_followed(function: Callable[..., Any] | type) -> bool:
+    """Whether the source of a function or class counts: that of Python and of installed packages has a version."""
+    try:
+        path = _resolved(inspect.getfile(inspect.unwrap(function)))
+    except (TypeError, OSError):  # it is built in
+        return False
+    return path is None or path.is_relative_to(TOOLKIT) or not any(map(path.is_relative_to, _installed()))
+
+
+@cache
+def _installed() -> tuple[Path, ...]:
+    return tuple(Path(sysconfig.get_path(name)).resolve() for name in ("stdlib", "purelib", "platlib"))
+
+
+@dataclass(frozen=True)
+class _Entry:
+    """Where a slice begins: a top-level statement of a module, or the lambdas in one line of it."""
+
+    module: str
+    path: Path
+    top: str
+    line: int
+
+    @property
+    def root(self) -> Path:
+        """The folder that holds the module's package."""
+        return self.path.parents[self.module.count(".") + (self.path.name == "__init__.py")]
+
+    def start(self) -> list[Place | Statement]:
+        """Return the places that begin the slice, and the statements that are lambdas."""
+        parsed = _parsed(self.path, self.module)
+        if self.top != "<lambda>":
+            return [(self.module, self.top if self.top in parsed.statements else WHOLE), (self.module, BARE)]
+        lambdas = [n for n in ast.walk(parsed.tree) if isinstance(n, ast.Lambda) and n.lineno == self.line]
+        return [(self.module, BARE), *(_statement(n, self.module, False) for n in lambdas)]
+
+
+def _entry(function: Callable[..., Any] | type) -> _Entry:
+    inner = inspect.unwrap(function)
+    module, top = inner.__module__, inner.__qualname__.split(".")[0]
+    path = _resolved(inspect.getfile(inner))
+    if path is None:
+        raise ContentError(f"slice of {module}.{top}: found no file with its source, need one: import it from a file")
+    line = inner.__code__.co_firstlineno if top == "<lambda>" else 0
+    return _Entry(module, path, top, line)
+
+
+@cache
+def _resolved(file: str) -> Path | None:
+    path = Path(file).resolve()
+    return path if path.is_file() else None
+
+
+def _closure(root: Path, start: Sequence[Place | Statement]) -> frozenset[Place]:
+    """Return the places that can be reached from where a slice starts."""
+    waiting = [each for each in start if not isinstance(each, Statement)]
+    module = waiting[0][0]
+    waiting += [place for each in start if isinstance(each, Statement) for place in _reached(root, module, each)]
+    places: set[Place] = set()
+    while waiting:
+        place = waiting.pop()
+        if place not in places:
+            places.add(place)
+            waiting += _next(root, place)
+    return frozenset(places)
+
+
+@cache
+def _next(root: Path, place: Place) -> tuple[Place, ...]:
+    """Return the places that the statements at a place name, and those that run with the import of its module."""
+    name = place[0]
+    module = _module(root, name)
+    if module is None:
+        return ()
+    imported = [(t, BARE) for target in module.imports.values() for t in _targets(target)]
+    packages = [(".".join(name.split(".")[:k]), BARE) for k in range(1, name.count(".") + 1)]
+    reached = [p for s in _at(root, place) for p in _reached(root, name, s)]
+    return tuple(dict.fromkeys([(name, BARE), *imported, *packages, *reached]))
+
+
+def _targets(target: str) -> tuple[str, ...]:
+    """Return the modules that the import of a dotted name may load."""
+    parts = target.split(".")
+    return tuple(".".join(parts[:k]) for k in range(1, len(parts) + 1))
+
+
+def _at(root: Path, place: Place) -> tuple[Statement, ...]:
+    module = _module(root, place[0])
+    if module is None:
+        return ()
+    if place[1] == WHOLE:
+        return tuple(s for statements in module.statements.values() for s in statements)
+    return module.statements.get(place[1], ())
+
+
+def _reached(root: Path, name: str, statement: Statement) -> Iterator[Place]:
+    """Yield the places that a statement of a module names."""
+    own, module = dict(statement.imports), _module(root, name)
+    for target in own.values():
+        yield from ((t, BARE) for t in _targets(target))
+    for first, *attributes in statement.paths:
+        if first in own:
+            yield from _followed(root, own[first], attributes)
+        elif module and first in module.statements:
+            yield name, first
+        elif module and first in module.imports:
+            yield from _followed(root, module.imports[first], attributes)
+
+
+def _followed(root: Path, target: str, attributes: Sequence[str]) -> Iterator[Place]:
+    """Yield what `target.attribute. ...` names, where the target is a module or a name in one."""
+    if _module(root, target) is None:
+        parent, _, last = target.rpartition(".")
+        if parent and _module(root, parent) is not None:
+            yield from _named(root, parent, last, attributes)
+        return
+    if not attributes:
+        yield target, WHOLE
+        return
+    deeper = f"{target}.{attributes[0]}"
+    if _module(root, deeper) is not None:
+        yield from _followed(root, deeper, attributes[1:])
+    else:
+        yield from _named(root, target, attributes[0], attributes[1:])
+
+
+def _named(root: Path, name: str, wanted: str, attributes: Sequence[str]) -> Iterator[Place]:
+    """Yield the statement that binds a name in a module, the one that it is imported from, or the module whole."""
+    module = _module(root, name)
+    if module and wanted in module.statements:
+        yield name, wanted
+    elif module and wanted in module.imports:
+        yield from _followed(root, module.imports[wanted], attributes)
+    else:
+        yield name, WHOLE
+
+
+@cache
+def _module(root: Path, name: str) -> Module | None:
+    """Return a module of the toolkit or of the workspace at `root`, None for any other."""
+    first, *others = name.split(".")
+    base = TOOLKIT if first == "synth" else root / first
+    path = base.joinpath(*others)
+    if first != "synth" and root == TOOLKIT.parent and not _is_workspace(root, first):
+        return None
+    for file in (path.with_name(f"{path.name}.py"), path / "__init__.py"):
+        if file.is_file():
+            return _parsed(file, name)
+    return _parsed(None, name) if path.is_dir() and path != root else None
+
+
+def _is_workspace(root: Path, first: str) -> bool:
+    """Whether a top-level package is one of a workspace, where the toolkit may be installed among other packages."""
+    return (root / "designs").is_dir() and (root / first).exists()
+
+
+@cache
+def _parsed(path: Path | None, name: str) -> Module:
+    """Read and parse a module once in a process: what is imported does not change with its file afterwards."""
+    if path is None:  # a folder without __init__.py
+        return Module(Path(), ast.Module([], []), {}, {})
+    package = path.name == "__init__.py"
+    tree = ast.parse(path.read_bytes())
+    statements: dict[str, tuple[Statement, ...]] = {}
+    for node in tree.body:
+        if isinstance(node, ast.Import | ast.ImportFrom) or _is_docstring(node):
+            continue
+        made = _statement(node, name, package)
+        for bound in _bound(node) or (BARE,):
+            statements[bound] = (*statements.get(bound, ()), made)
+    return Module(path, tree, statements, dict(_imports(tree.body, name, package)))
+
+
+def _statement(node: ast.AST, name: str, package: bool) -> Statement:
+    inside = [n for n in ast.walk(node) if isinstance(n, ast.Import | ast.ImportFrom)]
+    text = hashlib.sha256(ast.unparse(node).encode()).hexdigest()
+    defines = isinstance(node, ast.FunctionDef | ast.ClassDef)
+    return Statement(text, defines, tuple(sorted(set(_paths(node)))), tuple(_imports(inside, name, package)))
+
+
+def _is_docstring(node: ast.stmt) -> bool:
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+
+
+def _bound(node: ast.stmt) -> tuple[str, ...]:
+    """Return the names that a statement binds, none where it does more than that."""
+    if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+        return (node.name,)
+    targets: list[ast.expr] = []
+    if isinstance(node, ast.Assign):
+        targets = node.targets
+    elif isinstance(node, ast.AnnAssign):
+        targets = [node.target]
+    flat = [e for t in targets for e in (t.elts if isinstance(t, ast.Tuple | ast.List) else [t])]
+    return tuple(e.id for e in flat if isinstance(e, ast.Name)) if all(isinstance(e, ast.Name) for e in flat) else ()
+
+
+def _paths(node: ast.AST) -> Iterator[tuple[str, ...]]:
+    """Yield each dotted name in a tree, as long as it goes."""
+    chain: list[str] = []
+    inner: ast.AST = node
+    while isinstance(inner, ast.Attribute):
+        chain.append(inner.attr)
+        inner = inner.value
+    if isinstance(inner, ast.Name):
+        yield (inner.id, *reversed(chain))
+        return
+    for child in ast.iter_child_nodes(inner):
+        yield from _paths(child)
+
+
+def _imports(nodes: Sequence[ast.AST], name: str, package: bool) -> Iterator[tuple[str, str]]:
+    """Yield (name, dotted target) of import statements in a module."""
+    for node in nodes:
+        if isinstance(node, ast.Import):
+            for a in node.names:
+                top = a.name.split(".")[0]
+                yield (a.asname, a.name) if a.asname else (top, top)
+            yield from ((f".{a.name}", a.name) for a in node.names)  # loaded, under no name of its own
+        elif isinstance(node, ast.ImportFrom):
+            base = name.split(".")[: len(name.split(".")) - node.level + package] if node.level else []
+            source = ".".join([*base, *([node.module] if node.module else [])])
+            yield from ((a.asname or a.name, f"{source}.{a.name}") for a in node.names)
+
+
+def _beside(root: Path, name: str) -> Iterator[str]:
+    """Yield a line for each data file in the folder of a module."""
+    module = _module(root, name)
+    if module is not None and module.path.is_file():
+        yield from _data(module.path.parent)
+
+
+@cache
+def _data(folder: Path) -> tuple[str, ...]:
+    files = sorted(p for p in folder.iterdir() if p.suffix in DATA and p.is_file())
+    return tuple(f"{p.name} {hashlib.sha256(p.read_bytes()).hexdigest()}" for p in files)

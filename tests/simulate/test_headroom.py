@@ -1,0 +1,70 @@
+"""A state that stands at its bound fails its experiment, though no fault bit is set and every witness agrees."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from synth import declared
+from synth.block import Block, clip
+from synth.declaration import Stage
+from synth.simulate import headroom
+from synth.simulate.rig import Rig
+from synth.verify import suite
+from tests import levitator
+
+PID = levitator.design()
+LOW = 3e-3  # m/s: a step of 0.2 mm needs some 0.01
+
+
+def bounded(block: Block, name: str, bound: float) -> Block:
+    """Return a law whose state has another bound, as one that its engineer has set too low."""
+    states = tuple(
+        replace(s, signal=replace(s.signal, low=-bound, high=bound)) if s.name == name else s for s in block.states
+    )
+    signal = next(s.signal for s in states if s.name == name)
+    return replace(block, states=states, next={**block.next, name: clip(block.next[name], signal)})
+
+
+@pytest.fixture(scope="module")
+def planted() -> Stage:
+    """The stage whose rate of the error in z has too low a bound."""
+    laws = {"z": bounded(PID.pid("z"), "v", LOW), "x": PID.pid("x")}
+    return replace(PID.DESIGN.stage, controller=PID.variant(laws))
+
+
+def test_a_sound_stage_is_inside_all_bounds() -> None:
+    for run in PID.DESIGN.simulate(lambda _: None):
+        check = next(c for c in run.checks if c.name == headroom.NAME)
+        assert check.passed and 0.05 < check.found < 0.5
+        assert any(name.startswith(headroom.NAME) for name in run.figures)
+
+
+def test_a_bound_that_is_too_low_is_found(planted: Stage) -> None:
+    runs = {run.name: run for run in declared.simulate(planted, lambda _: None)}
+    check = next(c for c in runs["step_z"].checks if c.name == headroom.NAME)
+    assert not check.passed and check.found == pytest.approx(1) and check.about.startswith("pid_z_v")
+    assert not runs["step_z"].trajectory.faults.any()
+
+
+def test_the_witnesses_alone_do_not_find_it(planted: Stage) -> None:
+    """CasADi, its own C and the emitted C limit the state alike: recorded inputs give equal outputs."""
+    by = suite.witnesses(planted.controller.block, PID.reference.step)
+    others = {name: witness for name, witness in by.of.items() if name != "reference"}
+    run = planted.experiments[0].run(Rig(planted, planted.plant, by.c64))
+    found = suite.replay("step", replace(by, of=others), run.trajectory.measured, None)
+    assert [c for c in suite.exact(found, "A") if not c.passed] == []
+
+
+def test_what_is_limited_on_purpose_may_stand_at_its_bound(planted: Stage) -> None:
+    runs = declared.simulate(replace(planted, limited=["pid_z_v"]), lambda _: None)
+    assert all(c.passed for run in runs for c in run.checks if c.name == headroom.NAME)
+
+
+def test_the_ratio_is_taken_about_the_middle_of_the_range() -> None:
+    controller = declared.compiled(PID.DESIGN.stage, np.float64)
+    n = 10
+    inputs = {"z": np.zeros(n), "x": np.full(n, -1e-3), "z_ref": np.zeros(n), "x_ref": np.full(n, 8e-4)}
+    found = headroom.ratios(controller, inputs)
+    assert found["pid_x_last"] == pytest.approx(1) and found["pid_z_last"] == 0
+    assert set(found) == {f"pid_{axis}_{name}" for axis in "zx" for name in ("integral", "v", "last")}

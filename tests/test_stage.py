@@ -1,0 +1,125 @@
+"""What surrounds the laws of a stage follows from the plant's signals, and each part of a design can be replaced."""
+
+from dataclasses import replace
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from synth import declared, stage
+from synth.errors import DesignError, SignalError, WiringError
+from synth.execute import host
+from synth.stage import Actuator, Sensor, SetPoint
+from tests import levitator
+
+PID = levitator.design()
+SENSORS = [Sensor("z"), Sensor("x_read", of="x", high=5e-4, initial=1e-4, about="from the left")]
+POINTS = [SetPoint("z_ref", of="z", low=1e-4, high=5e-4)]
+ACTUATORS = [Actuator("i1", 0.0, 100.0), Actuator("coil", 0.0, 50.0, of="i2", low=-1.0)]
+
+
+def around(**changed: Any) -> stage.Interface:
+    given = {"sensors": SENSORS, "set_points": POINTS, "actuators": ACTUATORS, "disturbances": ["hum"]}
+    return stage.interface(PID.PLANT, **(given | changed))
+
+
+def test_names_units_and_ranges_come_from_the_plant() -> None:
+    found = around()
+    ranges = {name: (s.unit, s.low, s.high) for name, s in found.signals.items()}
+    assert ranges == {
+        "z": ("m", -6e-4, 6e-4),
+        "x_read": ("m", -1e-3, 5e-4),
+        "z_ref": ("m", 1e-4, 5e-4),
+        "i1": ("A", -3, 3),
+        "coil": ("A", -1.0, 2),
+    }
+    assert [s.name for s in found.inputs] == ["z", "x_read", "z_ref"] and found.set_points[0].initial == 1e-4
+    error = found.error("z")
+    assert (error.name, error.low, error.high) == ("z_error", pytest.approx(-5e-4), pytest.approx(11e-4))
+    assert found.signals["coil"].about == "voice coil" and found.signals["x_read"].about == "from the left"
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"sensors": [Sensor("y")]}, "plant 'levitator' has no output 'y': name one of z, x"),
+        ({"set_points": [SetPoint("r", of="y", low=0, high=1)]}, "no output or state 'y'"),
+        ({"actuators": [Actuator("i3", 0.0, 1.0)]}, "no input 'i3'"),
+        ({"disturbances": ["wind"]}, "no input 'wind'"),
+        ({"disturbances": []}, "plant input 'hum' is driven by nothing"),
+        ({"sensors": [*SENSORS, Sensor("z")]}, "'z' is declared 2 times"),
+    ],
+)
+def test_what_the_plant_does_not_have_is_refused_by_name(changed: dict[str, Any], message: str) -> None:
+    with pytest.raises(SignalError, match=message):
+        around(**changed)
+
+
+def test_a_set_point_without_a_sensor_has_no_error() -> None:
+    with pytest.raises(SignalError, match="'x_read' is no sensor with a set-point"):
+        around().error("x_read")
+
+
+def test_the_laws_are_composed_with_guard_errors_limits_and_safe_output() -> None:
+    made = PID.DESIGN.stage.controller
+    assert [b.name for b in made.parts] == ["guard", "errors", "pid_z", "pid_x", "limits", "safe_output"]
+    assert [s.name for s in made.block.inputs] == ["z", "x", "z_ref", "x_ref"]
+    assert [s.name for s in made.block.outputs] == ["i1", "i2"]
+    assert made.block.safety is not None and made.block.safety.bad_samples == 4
+    assert dict(made.block.safety.slew_per_s) == {"i1": 100.0, "i2": 100.0}
+
+
+def test_a_law_without_its_actuator_is_refused() -> None:
+    with pytest.raises(WiringError, match="'i2_computed' is needed by 'safe_output'"):
+        stage.controller("one", PID.TIME, PID.INTERFACE, [PID.pid("z")]).block  # noqa: B018
+
+
+def test_once_latched_the_laws_stand_still_and_the_outputs_go_to_their_safe_values() -> None:
+    controller = declared.compiled(PID.DESIGN.stage, np.float64)
+    n = 100
+    held = {"z": np.full(n, 1e-4), "x": np.full(n, 5e-4), "z_ref": np.zeros(n), "x_ref": np.full(n, 8e-4)}
+    held["z"][20:] = np.nan
+    replay = controller.replay(held)
+    assert np.argmax(replay.faults >> 31) == 23 and replay.outputs["i2"][22] > 0.1
+    assert np.abs(np.diff(replay.outputs["i2"][22:])).max() == pytest.approx(100 / 2000)
+    assert replay.outputs["i1"][-1] == replay.outputs["i2"][-1] == 0
+
+
+def test_a_stage_without_reference_is_refused_where_it_would_be_verified() -> None:
+    made = PID.DESIGN.stage.controller
+    with pytest.raises(DesignError, match="give `reference`, a NumPy step"):
+        stage.design(made, PID.PLANT)
+    assert stage.design(made, PID.PLANT, verify=lambda *_: None).verify(print, False) is None
+
+
+def test_each_task_can_be_replaced() -> None:
+    made = PID.DESIGN.stage.controller
+    own = stage.design(
+        made, PID.PLANT, reference=PID.reference.step, audit=lambda s: iter([s.name]), report=lambda s, *_: s.about
+    )
+    assert list(own.audit()) == ["levitator_pid"] and own.report({}, None, [], [], None) == ""
+    assert list(PID.DESIGN.audit()) == []
+
+
+def test_test_vectors_are_a_closed_loop_up_to_the_latch() -> None:
+    files = PID.DESIGN.emit(np.float32)["levitator_pid"]
+    assert set(files.files) == {"levitator_pid.c", "levitator_pid.h", "manifest.json", "gains.json", "vectors.json"}
+    controller = host.load(files.files, files.manifest)
+    inputs = declared.record(declared.rig(PID.DESIGN.stage, np.float32))
+    faults = controller.replay(inputs).faults
+    assert len(faults) == 1000 and faults[-1] >> 31 and not faults[:900].max() >> 31
+    assert all(np.isfinite(column).all() for column in inputs.values())
+
+
+def test_the_errors_are_set_point_less_measurement() -> None:
+    block = stage.errors(PID.TIME, PID.INTERFACE, ["z"])
+    f = ca.Function("f", [block.symbol[s.name] for s in block.inputs], [block.output["z_error"]])
+    assert [s.name for s in block.inputs] == ["z_held", "z_ref_held"]
+    assert float(f(1e-4, 3e-4)) == pytest.approx(2e-4)
+
+
+def test_a_variant_of_the_interface_makes_another_controller() -> None:
+    slower = replace(PID.INTERFACE, bad_samples=7)
+    made = stage.controller("slow", PID.TIME, slower, [PID.pid("z"), PID.pid("x")])
+    assert made.block.safety is not None and made.block.safety.bad_samples == 7
