@@ -78,7 +78,7 @@ def whole(name: str, block: Block, parts: Parts) -> Subject:
     """Return a controller with every sequence of its bench."""
     emitted = write.emit(block, np.float32, error=interface.SURROGATE_ERROR[np.float32])
     controller = host.load(emitted.files, emitted.manifest)
-    sequences = bench.of(block, partial(experiments.run, parts)).sequences(controller, lambda _: None)
+    sequences = bench.of(lambda: block, partial(experiments.run, parts)).sequences(controller, lambda _: None)
     loops = steps.joined("closed loops", [s for s in sequences if s.closed_loop])
     sound = steps.thinned(steps.without_faults(controller, loops), SHARED)
     return Subject(name, block, emitted, controller, sound, steps.joined("all", sequences))

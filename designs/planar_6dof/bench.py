@@ -59,14 +59,14 @@ Progress = Callable[[str], None]
 Columns = dict[str, NDArray[Any]]
 
 
-def of(block: Block, experiments: Callable[[Rig, Progress], Sequence[Experiment]]) -> Bench:
+def of(block: Callable[[], Block], experiments: Callable[[Rig, Progress], Sequence[Experiment]]) -> Bench:
     """Return what is measured of a design, by its controller and what runs its experiments."""
 
     def sequences(controller: host.Controller, progress: Progress) -> list[Steps]:
         progress("sequences")
-        return [*closed_loops(loops.of(block, controller), experiments), *excursions(controller)]
+        return [*closed_loops(loops.of(block(), controller), experiments), *excursions(controller)]
 
-    return Bench(lambda: block, lambda controller: replay(loops.of(block, controller)), sequences, FLOOR)
+    return Bench(block, lambda controller: replay(loops.of(block(), controller)), sequences, FLOOR)
 
 
 def replay(loop: Rig) -> Columns:

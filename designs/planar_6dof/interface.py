@@ -7,7 +7,7 @@ s A w in V, with the fundamental's amplitude A in V and its wave number w in 1/m
 make it 22 % flatter than that, and the raw position noisier than s.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 import casadi as ca
@@ -17,7 +17,7 @@ from designs.planar_6dof import sensing, vertical
 from models import halbach, hall_calibration, planar_stage
 from synth import stage
 from synth.block import Block
-from synth.declaration import Actuator, Controller, Sensor, SetPoint
+from synth.declaration import Actuator, Composition, Controller, Sensor, SetPoint
 from synth.plant import Plant
 from synth.signals import names
 from synth.timing import Discrete
@@ -66,7 +66,6 @@ def controller(name: str, plant: Plant, time: Discrete, sensed: Sequence[Block],
     return stage.controller(name, time, INTERFACE, [*sensed, vertical.vertical_kinematics(plant, time), *law]).block
 
 
-def declared(block: Block) -> Controller:
-    """Return a controller of this interface as it is declared, from its Block."""
-    assert isinstance(block.time, Discrete)
-    return Controller(block.name, block.time, INTERFACE, (), (), block)
+def declared(name: str, time: Discrete, block: Callable[[], Block]) -> Controller:
+    """Return a controller of this interface as it is declared; its Block is made when it is first asked for."""
+    return Controller(name, time, INTERFACE, lambda: Composition((), (), block()))

@@ -1,5 +1,6 @@
 """The planar positioner of Yu and Kim under its lead-lag controller at 1 kHz, from physics to verified C."""
 
+from functools import cache
 from typing import Any
 
 from designs.planar_6dof import allocation, assembly, emitted, vertical
@@ -8,7 +9,11 @@ from designs.planar_6dof.random_steps import Subject
 from designs.planar_6dof_leadlag import control, experiments, page, reference
 from models import planar_stage
 
-SUBJECT = Subject(control.controller(planar_stage.plant()), reference.step, size=0.3, step=0.06)
+
+@cache
+def subject() -> Subject:
+    """Return the controller beside its reference."""
+    return Subject(control.controller(planar_stage.plant()), reference.step, size=0.3, step=0.06)
 
 
 def gains() -> dict[str, Any]:
@@ -23,4 +28,4 @@ def gains() -> dict[str, Any]:
     }
 
 
-DESIGN = assembly.design(SUBJECT, gains, experiments.PARTS, rows.leadlag, page.report)
+DESIGN = assembly.design(control.NAME, control.TIME, subject, gains, experiments.PARTS, rows.leadlag, page.report)

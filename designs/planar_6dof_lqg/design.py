@@ -1,7 +1,7 @@
 """The planar positioner of Yu and Kim under its reduced-order LQG controller at 800 Hz, from physics to verified C."""
 
 from collections.abc import Mapping
-from functools import partial
+from functools import cache, partial
 
 from designs.planar_6dof import assembly, lqg
 from designs.planar_6dof.allocation import HORIZONTAL
@@ -19,6 +19,11 @@ def at_rest(block: Block, pose: Mapping[str, Array]) -> Columns:
     return {f"lqg_{axis}_x3": -L[f"lqg_{axis}_L"] * pose[axis] for axis in HORIZONTAL}
 
 
-BLOCK = lqg.controller(planar_stage.plant())
-SUBJECT = Subject(BLOCK, reference.step, size=0.1, step=0.06, at_rest=partial(at_rest, BLOCK))
-DESIGN = assembly.design(SUBJECT, gains.gains, experiments.PARTS, rows.lqg, page.report)
+@cache
+def subject() -> Subject:
+    """Return the controller beside its reference."""
+    block = lqg.controller(planar_stage.plant())
+    return Subject(block, reference.step, size=0.1, step=0.06, at_rest=partial(at_rest, block))
+
+
+DESIGN = assembly.design(lqg.NAME, lqg.TIME, subject, gains.gains, experiments.PARTS, rows.lqg, page.report)

@@ -80,7 +80,7 @@ def subject(name: str) -> Subject:
     return Subject(emitted, controller, {s.name: s for s in bench.excursions(controller)})
 
 
-BLOCKS = {d.DESIGN.name: d.SUBJECT.block for d in (leadlag, lqg_design)}
+BLOCKS = {d.DESIGN.name: d.subject().block for d in (leadlag, lqg_design)}
 
 
 def loop_of(name: str) -> Rig:
@@ -253,4 +253,4 @@ def test_a_design_hands_on_its_own_experiments(module: Any, monkeypatch: pytest.
     monkeypatch.setattr(bench, "closed_loops", lambda loop, run: [given.append((loop.controller, run.args))])
     module.DESIGN.bench.sequences("controller", lambda _: None)
     assert given == [("controller", (module.experiments.PARTS,))]
-    assert module.DESIGN.bench.floor == bench.FLOOR and module.DESIGN.bench.block() is module.SUBJECT.block
+    assert module.DESIGN.bench.floor == bench.FLOOR and module.DESIGN.bench.block() is module.subject().block

@@ -12,7 +12,7 @@ from synth.errors import SignalError
 from synth.verify import agree
 
 PLANT = planar_stage.plant()
-SUBJECTS = {"leadlag": leadlag.SUBJECT, "lqg": lqg.SUBJECT}
+SUBJECTS = {"leadlag": leadlag.subject(), "lqg": lqg.subject()}
 
 
 @pytest.mark.parametrize("subject", SUBJECTS.values(), ids=SUBJECTS)

@@ -9,9 +9,7 @@ from designs.planar_6dof import loop as loops
 from designs.planar_6dof import random_steps, verification
 from designs.planar_6dof.random_steps import Subject
 from designs.planar_6dof_leadlag import design as leadlag
-from designs.planar_6dof_leadlag import verification as leadlag
 from designs.planar_6dof_lqg import design as lqg
-from designs.planar_6dof_lqg import verification as lqg
 from models import planar_stage
 from synth.blocks import safety
 from synth.simulate.rig import Rig
@@ -19,7 +17,7 @@ from synth.simulate.scenario import Trajectory
 from synth.timing import Discrete
 from synth.verify import agree
 
-SUBJECTS = {"leadlag": leadlag.SUBJECT, "lqg": lqg.SUBJECT}
+SUBJECTS = {"leadlag": leadlag.subject(), "lqg": lqg.subject()}
 PITCH = planar_stage.plant().parameter("l").value
 WHOLE = 5.0  # s of the tour
 

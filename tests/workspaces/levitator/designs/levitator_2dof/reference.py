@@ -56,16 +56,22 @@ AXES = {
 }  # fmt: skip
 BOUNDS = {  # of the controller's states, as its manifest declares them
     "z": {
-        "sum": 0.31,
-        "p1": 0.0089,
-        "q1": 0.24,
+        "sum": 0.32,
+        "p1": 0.0092,
+        "q1": 0.25,
         "z_predicted": 1.2e-3,
         "vz_predicted": 1.1,
         "w_z_late1_predicted": 57.0,
     },
     "x": {
-        "sum": 0.49, "p1": 0.014, "q1": 0.39, "p2": 0.069, "q2": 0.45,
-        "x_predicted": 2.2e-3, "vx_predicted": 2.5, "i2_late1_predicted": 2.3,
+        "sum": 0.49,
+        "p1": 0.014,
+        "q1": 0.39,
+        "p2": 0.069,
+        "q2": 0.45,
+        "x_predicted": 2.2e-3,
+        "vx_predicted": 2.5,
+        "i2_late1_predicted": 2.3,
     },
 }
 
