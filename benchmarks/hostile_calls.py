@@ -8,6 +8,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
+from benchmarks import hostile_stages
 from benchmarks.hostile_examples import (
     CURRENT,
     GAP,
@@ -80,6 +81,7 @@ def own() -> Mapping[str, Call]:
     resting_loop = example_resting_loop()
     rest = resting.solve(resting_loop, {}, common["point"])
     return {
+        **hostile_stages.examples(),
         "signals.names": {"signals": [GAP, RATE]},
         "signals.Signal": {"name": "gap", "unit": "m", "low": 0.0, "high": 1.0, "about": "the gap"},
         "signals.Parameter": {"name": "k", "value": 1.0, "unit": "N", "tolerance": 0.1, "source": "measured"},

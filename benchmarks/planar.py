@@ -23,7 +23,7 @@ from designs.planar_6dof_leadlag import experiments as of_leadlag
 from designs.planar_6dof_lqg import core, full_order
 from designs.planar_6dof_lqg import experiments as of_lqg
 from models import planar_stage
-from synth.block import Block
+from synth.block import Block, unranged
 from synth.emit import write
 from synth.execute import host
 from synth.simulate.experiment import Experiment
@@ -89,7 +89,7 @@ def cores() -> Iterator[Subject]:
     orders: tuple[full_order.Order, ...] = ("reduced", "full")
     for order in orders:
         block = core.block(order)
-        emitted = write.emit(block, np.float32)
+        emitted = write.emit(unranged(block), np.float32)
         controller = host.load(emitted.files, emitted.manifest)
         errors = {axis: 1e-6 * np.sin(np.arange(CORE) + i) for i, axis in enumerate(HORIZONTAL)}
         small = steps.recorded(controller, "small", errors)

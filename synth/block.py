@@ -247,6 +247,16 @@ def build(
 
 
 @arguments.checked
+def unranged(block: Block) -> Block:
+    """Return the Block with outputs of any finite value in single precision.
+
+    Emission then proves no range of theirs: for looking at inner signals on the host, not for driving hardware.
+    """
+    any_value = float(np.finfo(np.float32).max)
+    return replace(block, outputs=tuple(replace(s, low=-any_value, high=any_value) for s in block.outputs))
+
+
+@arguments.checked
 def clip(expr: ca.SX, bounds: Signal) -> ca.SX:
     """Return `expr` limited to the range of `bounds`."""
     return ca.fmax(ca.fmin(expr, bounds.high), bounds.low)

@@ -65,7 +65,7 @@ def build(names: Names = None, json_wanted: AsJson = False) -> None:
     for design in workspace.designs(root, names or ()):
         say = _progress(json_wanted, design.name)
         say("gains and C")
-        emitted = design.emit(design.scalar)
+        emitted = workspace.emitted(design, design.scalar)
         for folder, files in emitted.items():
             write.save(files.files, root / "generated_c" / folder)
         evidence = design.verify(say, False)
@@ -126,7 +126,7 @@ def _on_target(
     from synth.verify import on_target
 
     say("C")
-    emitted = design.emit(CORES[core])[design.name]
+    emitted = workspace.emitted(design, CORES[core])[design.name]
     inputs = design.bench.replay(host.load(emitted.files, emitted.manifest))
     checks = on_target.verify(emitted, inputs, core, say)
     document: dict[str, Any] = {"design": design.name, "target": core, "checks": _checks(checks), "drift": None}
@@ -134,9 +134,9 @@ def _on_target(
         say("drift with contraction: arm-none-eabi-gcc is not installed, not measured")
         return document, checks, {}
     drift = on_target.drift(emitted, inputs, core, design.bench.floor)
-    what = (
-        f"drift with contraction over {drift.steps} steps, worst in {drift.output}, of max({design.bench.floor:g}, |i|)"
-    )
+    floor = design.bench.floor
+    least = f"{floor:g}" if isinstance(floor, float) else "floor"
+    what = f"drift with contraction over {drift.steps} steps, worst in {drift.output}, of max({least}, |i|)"
     return document | {"drift": asdict(drift)}, checks, {what: drift.worst, "fault words unlike then": drift.faults}
 
 
@@ -151,7 +151,7 @@ def cost(names: Names = None, json_wanted: AsJson = False) -> None:
     for design in workspace.designs(Path.cwd(), names or ()):
         say = _progress(json_wanted, design.name)
         say("C")
-        emitted = design.emit(np.float32)[design.name]
+        emitted = workspace.emitted(design, np.float32)[design.name]
         sequences = design.bench.sequences(host.load(emitted.files, emitted.manifest), say)
         found = meter.measure(emitted, design.bench.block(), sequences, say)
         documents.append(found.document())
@@ -183,7 +183,7 @@ def prove(
     documents, failed = [], False
     for design in workspace.designs(Path.cwd(), names or ()):
         _progress(json_wanted, design.name)("C")
-        for folder, emitted in design.emit(design.scalar).items():
+        for folder, emitted in workspace.emitted(design, design.scalar).items():
             checks = proofs.prove(emitted.files, emitted.manifest, whole, _progress(json_wanted, folder))
             documents.append({"design": folder, "whole": whole, "checks": _checks(checks)})
             failed |= not all(c.passed for c in checks)
@@ -235,7 +235,8 @@ def emit(
     """Write a design's C, header, manifest, gains and vectors elsewhere, or in the other scalar type."""
     if scalar not in SCALARS:
         raise typer.BadParameter(f"'{scalar}' is neither float32 nor float64", param_hint="--scalar")
-    for folder, files in workspace.designs(Path.cwd(), [name])[0].emit(SCALARS[scalar]).items():
+    (design,) = workspace.designs(Path.cwd(), [name])
+    for folder, files in workspace.emitted(design, SCALARS[scalar]).items():
         write.save(files.files, out / folder)
 
 

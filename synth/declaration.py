@@ -8,6 +8,7 @@ The data alone; `synth.stage` completes it from the plant's signals, composes th
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -163,15 +164,42 @@ class Synthesis(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
+class Composition:
+    """The laws of a controller, all Blocks of which it is made in the order of the data, and what they are together."""
+
+    laws: tuple[Law, ...]
+    parts: tuple[Block, ...]
+    block: Block
+
+
+@dataclass(frozen=True, eq=False)
 class Controller:
-    """The composed controller, its laws, and all Blocks of which it is made, in the order of the data."""
+    """A controller, composed when it is first asked for: a design may be named without its gains being computed."""
 
     name: str
     time: Discrete
     interface: Interface
-    laws: tuple[Law, ...]
-    parts: tuple[Block, ...]
-    block: Block
+    compose: Callable[[], Composition]
+
+    @cached_property
+    def composition(self) -> Composition:
+        """The laws, parts and whole, computed once."""
+        return self.compose()
+
+    @property
+    def laws(self) -> tuple[Law, ...]:
+        """The laws between errors and limits."""
+        return self.composition.laws
+
+    @property
+    def parts(self) -> tuple[Block, ...]:
+        """All Blocks, from the guard to the safe output."""
+        return self.composition.parts
+
+    @property
+    def block(self) -> Block:
+        """The whole controller as one Block."""
+        return self.composition.block
 
 
 @dataclass(frozen=True, eq=False)

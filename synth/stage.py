@@ -16,10 +16,22 @@ from typing import Any
 
 import numpy as np
 
-from synth import tasks
+from synth import declared
 from synth.block import Block, Exprs, Step, build, clip
 from synth.compose import compose
-from synth.declaration import Actuator, Companion, Controller, Interface, Law, Sensor, SetPoint, Stage, Synthesis
+from synth.declaration import (
+    Actuator,
+    Companion,
+    Composition,
+    Controller,
+    Interface,
+    Law,
+    Sensor,
+    SetPoint,
+    Stage,
+    Synthesis,
+)
+from synth.declared import Progress
 from synth.emit.write import Emitted
 from synth.errors import SignalError
 from synth.plant import Plant
@@ -27,7 +39,6 @@ from synth.report.audit import Row
 from synth.signals import Signal, names
 from synth.simulate.experiment import Experiment
 from synth.synthesise import safety
-from synth.tasks import Progress
 from synth.timing import Discrete
 from synth.verify import standard
 from synth.verify.evidence import Evidence
@@ -162,20 +173,34 @@ def limits(time: Discrete, around: Interface, demands: Sequence[Signal]) -> Bloc
     return build("limits", time, law, inputs=list(demands), outputs=outputs, tag="actuator limits")
 
 
+Laws = Sequence[Law | Synthesis | Block]
+
+
 def controller(
     name: str,
     time: Discrete,
     around: Interface,
-    laws: Sequence[Law | Synthesis | Block],
+    laws: Laws | Callable[[], Laws],
     outputs: Sequence[str] | None = None,
 ) -> Controller:
     """Compose guard, errors, laws, limits and safe output; once latched the laws' states stand still.
 
-    `outputs` are the controller's, the actuators' where they are left out: a law that reads an actuator's value stands
-    behind the safe output and may share it out.
+    It is composed when it is first used, and `laws` that are a function are called then. `outputs` are the
+    controller's, the actuators' where they are left out: a law that reads an actuator's value stands behind the safe
+    output and may share it out.
 
-    Raises WiringError as `compose.compose`, and SignalError as `safety.guard` and `safety.safe_output`.
+    Its use raises WiringError as `compose.compose`, and SignalError as `safety.guard` and `safety.safe_output`.
     """
+
+    def composed() -> Composition:
+        return _composition(name, time, around, laws() if callable(laws) else laws, outputs)
+
+    return Controller(name, time, around, composed)
+
+
+def _composition(
+    name: str, time: Discrete, around: Interface, laws: Laws, outputs: Sequence[str] | None
+) -> Composition:
     made = tuple(_law(law, time, around) for law in laws)
     blocks = [block for law in made for block in law.blocks]
     read = {s.name for block in blocks for s in block.inputs}
@@ -184,17 +209,17 @@ def controller(
     wanted = [s.of for s in around.set_points if f"{s.of}_error" in read - set(driven)]
     actuators = {a.name for a in around.actuators}
     behind = [block for block in blocks if actuators & {s.name for s in block.inputs}]
-    parts = [
+    parts = (
         safety.guard(time, guarded(around), around.bad_samples, around.suspected, reason=around.reason),
         *([errors(time, around, wanted)] if wanted else []),
         *(block for block in blocks if block not in behind),
         *([limits(time, around, demands)] if demands else []),
         *([safety.safe_output(time, around.outputs, safe(around))] if around.actuators else []),
         *behind,
-    ]
+    )
     shown = list(outputs) if outputs is not None else [a.name for a in around.actuators]
     block = safety.frozen(compose(name, parts, inputs=names(around.inputs), outputs=shown))
-    return Controller(name, time, around, made, tuple(parts), block)
+    return Composition(made, parts, block)
 
 
 def _law(law: Law | Synthesis | Block, time: Discrete, around: Interface) -> Law:
@@ -207,22 +232,22 @@ def design(
     controller: Controller,
     plant: Plant,
     *,
-    emit: Callable[[Stage, type[np.floating]], Mapping[str, Emitted]] = tasks.emit,
+    emit: Callable[[Stage, type[np.floating]], Mapping[str, Emitted]] = declared.emit,
     verify: Callable[[Stage, Progress, bool], Evidence] = standard.verify,
-    simulate: Callable[[Stage, Progress], Sequence[Experiment]] = tasks.simulate,
-    audit: Callable[[Stage], Iterator[Row]] = tasks.no_audit,
-    bench: Callable[[Stage], Bench] = tasks.bench,
-    report: Callable[..., str] = tasks.report,
-    **declared: Any,
+    simulate: Callable[[Stage, Progress], Sequence[Experiment]] = declared.simulate,
+    audit: Callable[[Stage], Iterator[Row]] = declared.no_audit,
+    bench: Callable[[Stage], Bench] = declared.bench,
+    report: Callable[..., str] = declared.report,
+    **fields: Any,
 ) -> Design:
-    """Return what the command line does with a stage; `declared` are the further fields of `declaration.Stage`.
+    """Return what the command line does with a stage; `fields` are further ones of `declaration.Stage`.
 
     Each of the six tasks is a function of the stage, then of the arguments that `workspace.Design` gives it, and can be
     replaced by one of the design's own.
 
     Raises DesignError for a stage without `reference` that has the standard verification.
     """
-    stage = Stage(controller, plant, **declared)
+    stage = Stage(controller, plant, **fields)
     if verify is standard.verify:
         standard.require_reference(stage)
     return Design(

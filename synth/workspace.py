@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 
 from synth.block import Block
 from synth.declaration import Stage
+from synth.emit import write
 from synth.emit.write import Emitted
 from synth.errors import DesignError
 from synth.execute import host
 from synth.report.audit import Row
 from synth.simulate.experiment import Experiment
+from synth.verify import agree
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 from synth.verify.steps import Steps
@@ -33,13 +35,18 @@ class Bench:
 
     `block` is what is emitted under the design's name. `replay` returns inputs (N,) of a closed loop with faults, and
     `sequences` the steps that look for the costliest one and reach every decision; both take the compiled C. Below
-    `floor`, in the outputs' unit, a difference of outputs is absolute.
+    `floor`, one number or one for each output by name, a difference of outputs is absolute; see `agree.floors`.
     """
 
     block: Callable[[], Block]
     replay: Callable[[host.Controller], Mapping[str, NDArray[np.floating]]]
     sequences: Callable[[host.Controller, Told], Sequence[Steps]]
-    floor: float
+    floor: agree.Floor = None
+
+
+def _no_rows() -> Iterator[Row]:
+    """Return the rows of a design that recomputes no published figure."""
+    return iter(())
 
 
 @dataclass(frozen=True)
@@ -47,8 +54,9 @@ class Design:
     """One design; each task hears the progress that it reports.
 
     `emit(scalar)` returns what is written to generated_c/<name>/, by folder. `verify` returns evidence, `simulate` the
-    experiments, `audit` the published figures recomputed, `report` the page made of all these and of the cost, which
-    is None where nothing could measure it. `stage` is what was declared, where a declaration made the design.
+    experiments, `audit` the published figures recomputed, where there are any, `report` the page made of
+    all these and of the cost, which is None where nothing could measure it. `stage` is what was declared, where a
+    declaration made the design.
     """
 
     name: str
@@ -56,10 +64,16 @@ class Design:
     emit: Callable[[type[np.floating]], Mapping[str, Emitted]]
     verify: Callable[[Told, bool], Evidence]
     simulate: Callable[[Told], Sequence[Experiment]]
-    audit: Callable[[], Iterator[Row]]
     bench: Bench
     report: Report
+    audit: Callable[[], Iterator[Row]] = _no_rows
     stage: Stage | None = None
+
+
+def regenerate(design: Design, root: Path = Path()) -> None:
+    """Write what a design emits to generated_c/ of the workspace at `root`."""
+    for folder, files in design.emit(design.scalar).items():
+        write.save(files.files, root / "generated_c" / folder)
 
 
 def designs(root: Path, wanted: Sequence[str] = ()) -> list[Design]:
@@ -79,9 +93,24 @@ def designs(root: Path, wanted: Sequence[str] = ()) -> list[Design]:
     return [_load(name) for name in (wanted or found)]
 
 
+def emitted(design: Design, scalar: type[np.floating]) -> Mapping[str, Emitted]:
+    """Return what the design emits, by folder; raise DesignError when none of the folders has the design's name."""
+    folders = design.emit(scalar)
+    if design.name not in folders:
+        raise DesignError(
+            f"design '{design.name}' emits {', '.join(folders) or 'nothing'}, but not '{design.name}': give DESIGN the "
+            "name of the Block that it emits"
+        )
+    return folders
+
+
 def _load(name: str) -> Design:
     module = importlib.import_module(f"designs.{name}.design")
     design = getattr(module, "DESIGN", None)
     if not isinstance(design, Design):
         raise DesignError(f"designs/{name}/design.py defines no DESIGN: end it with DESIGN = workspace.Design(...)")
+    if design.name != name:
+        raise DesignError(
+            f"DESIGN of designs/{name}/design.py has the name '{design.name}': give it the name of its folder, '{name}'"
+        )
     return design

@@ -1,5 +1,6 @@
-"""The stage of tests/workspaces under two laws composed by hand, imported beside the designs of this repository."""
+"""The stage of tests/workspaces under hand-made laws and under axes, imported beside this repository's designs."""
 
+import importlib
 import sys
 from pathlib import Path
 from typing import Any
@@ -7,10 +8,8 @@ from typing import Any
 FOLDER = Path(__file__).parent / "workspaces" / "levitator"
 
 
-def design() -> Any:
-    """Return the module that declares it."""
+def design(name: str = "levitator_pid") -> Any:
+    """Return the module that declares a design."""
     if str(FOLDER) not in sys.path:
         sys.path.append(str(FOLDER))
-    from designs.levitator_pid import design
-
-    return design
+    return importlib.import_module(f"designs.{name}.design")

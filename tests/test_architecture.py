@@ -34,7 +34,7 @@ VOCABULARY = (
     "declaration",
 )
 LAYERS = ("analyse", "synthesise", "emit", "execute", "simulate", "verify", "report")
-LAYERS += ("workspace", "tasks", "stage", "testing", "cli")
+LAYERS += ("workspace", "declared", "stage", "testing", "cli")
 RANK = {("synth", name): 0 for name in VOCABULARY}
 RANK |= {("synth", name): rank for rank, name in enumerate(LAYERS, 1)}
 RANK |= {("models",): len(LAYERS) + 1, ("designs",): len(LAYERS) + 2}

@@ -7,7 +7,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from synth import stage, tasks
+from synth import declared, stage
 from synth.errors import DesignError, SignalError, WiringError
 from synth.execute import host
 from synth.stage import Actuator, Sensor, SetPoint
@@ -72,11 +72,11 @@ def test_the_laws_are_composed_with_guard_errors_limits_and_safe_output() -> Non
 
 def test_a_law_without_its_actuator_is_refused() -> None:
     with pytest.raises(WiringError, match="'i2_computed' is needed by 'safe_output'"):
-        stage.controller("one", PID.TIME, PID.INTERFACE, [PID.pid("z")])
+        stage.controller("one", PID.TIME, PID.INTERFACE, [PID.pid("z")]).block  # noqa: B018
 
 
 def test_once_latched_the_laws_stand_still_and_the_outputs_go_to_their_safe_values() -> None:
-    controller = tasks.compiled(PID.DESIGN.stage, np.float64)
+    controller = declared.compiled(PID.DESIGN.stage, np.float64)
     n = 100
     held = {"z": np.full(n, 1e-4), "x": np.full(n, 5e-4), "z_ref": np.zeros(n), "x_ref": np.full(n, 8e-4)}
     held["z"][20:] = np.nan
@@ -106,7 +106,7 @@ def test_test_vectors_are_a_closed_loop_up_to_the_latch() -> None:
     files = PID.DESIGN.emit(np.float32)["levitator_pid"]
     assert set(files.files) == {"levitator_pid.c", "levitator_pid.h", "manifest.json", "gains.json", "vectors.json"}
     controller = host.load(files.files, files.manifest)
-    inputs = tasks.record(tasks.rig(PID.DESIGN.stage, np.float32))
+    inputs = declared.record(declared.rig(PID.DESIGN.stage, np.float32))
     faults = controller.replay(inputs).faults
     assert len(faults) == 1000 and faults[-1] >> 31 and not faults[:900].max() >> 31
     assert all(np.isfinite(column).all() for column in inputs.values())

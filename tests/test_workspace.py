@@ -5,6 +5,8 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from types import ModuleType
+from typing import Any, NoReturn
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from typer.testing import CliRunner
 
 from synth import workspace
 from synth.cli import app
+from synth.emit import write
 from synth.errors import DesignError
 
 ROOT = Path(__file__).parents[1]
@@ -25,10 +28,58 @@ def root(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 
 
 def test_designs_are_found_by_name() -> None:
-    known = ["hall_position", "maglev_5dof", "planar_6dof_leadlag", "planar_6dof_lqg"]
-    assert [d.name for d in workspace.designs(ROOT)] == known
+    known = sorted(path.parent.name for path in (ROOT / "designs").glob("*/design.py"))
+    assert known and [d.name for d in workspace.designs(ROOT)] == known
+    assert [d.name for d in workspace.designs(ROOT, known[:1])] == known[:1]
     with pytest.raises(DesignError, match=f"'other' is not here: there are {', '.join(known)}"):
         workspace.designs(ROOT, ["other"])
+
+
+def design(name: str, **emitted: write.Emitted) -> workspace.Design:
+    """Return a design without an audit that emits `emitted`; the rest of it is not to be reached."""
+
+    def never(*_: Any) -> NoReturn:
+        raise AssertionError("reached")
+
+    return workspace.Design(
+        name, np.float32, lambda _: emitted, never, never, workspace.Bench(never, never, never), never
+    )
+
+
+def test_a_design_under_another_name_than_its_folder_is_refused_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "designs/stage").mkdir(parents=True)
+    (tmp_path / "designs/stage/design.py").touch()
+    module = ModuleType("designs.stage.design")
+    module.DESIGN = design("other")  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "designs.stage.design", module)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    with pytest.raises(DesignError, match=r"designs/stage/design.py has the name 'other': give it the name of its f"):
+        workspace.designs(tmp_path)
+
+
+def test_a_design_that_emits_under_another_name_is_refused_before_anything_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = design("stage", levitator=write.Emitted({}, {}))
+    monkeypatch.setattr(workspace, "designs", lambda *_: [made])
+    monkeypatch.chdir(tmp_path)
+    for command in (
+        ["build"],
+        ["prove"],
+        ["cost"],
+        ["emit", "stage", "--out", "o"],
+        ["verify", "--target", "cortex-m7"],
+    ):
+        result = RUNNER.invoke(app, command)
+        assert isinstance(result.exception, DesignError), command
+        assert "design 'stage' emits levitator, but not 'stage': give DESIGN the name" in str(result.exception)
+    assert not any(tmp_path.iterdir())
+
+
+def test_a_design_needs_no_audit() -> None:
+    assert list(design("stage").audit()) == []
 
 
 def test_a_folder_without_designs_is_refused(tmp_path: Path) -> None:

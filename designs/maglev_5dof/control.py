@@ -10,7 +10,6 @@ own measured gap, and what i_q^2 attracts at the thrust current of the sample be
 only a part of the guides' springs is compensated.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from math import pi, sqrt
@@ -19,11 +18,13 @@ import casadi as ca
 import numpy as np
 
 from models import maglev_stage, pmlsm, windings
+from synth import stage
 from synth.analyse import magnitude
 from synth.block import Block, Exprs, Step, build, clip
 from synth.compose import compose
 from synth.plant import Plant
 from synth.signals import Signal
+from synth.stage import Actuator, Sensor, SetPoint
 from synth.statespace import StateSpace, readonly
 from synth.synthesise import derivative_filter, internal_model, lqr, regulator, safety
 from synth.timing import Continuous, Discrete
@@ -40,6 +41,7 @@ ANTI_WINDUP = (7e-5, 7e-5, 7e-5)  # E_x = E_z, F section IV-A
 BAD_SAMPLES = 5
 SAFE_CURRENT = 2.5  # A rms of i_d: lets the platen down from every gap of 18.1 mm or more
 SLEW = 100.0  # A/s
+RESOLUTION = 10e-6  # m, F section II
 SURROGATE_ERROR = {np.float32: 5e-7, np.float64: 1e-14}  # relative; the force law itself is known to some 1e-3
 
 
@@ -81,13 +83,53 @@ class Axis:
         return Signal(f"w_{self.name}", f"{self.position.unit}/s^2", -1e4, 1e4, "demanded acceleration")
 
 
+def _sensor(j: int) -> Sensor:
+    low, high = (ENCODER_13, ENCODER_24)[j % 2 == 0]
+    about = f"gap of motor {j}"
+    return Sensor(f"y{j}", of=f"g{j}", resolution=RESOLUTION, low=low, high=high, initial=GAP[1], about=about)
+
+
+def _along(name: str) -> Sensor:
+    about = f"platen along {name.upper()}"
+    return Sensor(name, resolution=RESOLUTION, low=-ENCODER_XZ, high=ENCODER_XZ, initial=0.0, about=about)
+
+
+def _current(name: str, safe: float, about: str) -> Actuator:
+    return Actuator(name, safe, SLEW, low=-CURRENT, high=CURRENT, about=f"{about}, rms")
+
+
+INTERFACE = stage.interface(
+    maglev_stage.plant(),
+    sensors=[*(_sensor(j) for j in range(1, 5)), *(_along(n) for n in "xz")],
+    set_points=[
+        SetPoint("y_ref", "y", *GAP, initial=GAP[1], about="set-point of the gap"),
+        SetPoint("x_ref", "x", -STROKE, STROKE, about="set-point along X"),
+        SetPoint("z_ref", "z", -STROKE, STROKE, about="set-point along Z"),
+        SetPoint("phi_ref", "phi", -PHI, PHI, about="set-point of the rotation about X"),
+        SetPoint("theta_ref", "theta", -THETA, THETA, about="set-point of the rotation about Z"),
+    ],
+    actuators=[
+        *(_current(f"i_d{j}", SAFE_CURRENT, f"direct current of motor {j}") for j in range(1, 5)),
+        *(_current(f"u_{n}", 0.0, f"thrust current along {n.upper()}") for n in "xz"),
+    ],
+    bad_samples=BAD_SAMPLES,
+    reason="zero current slams the platen up below 28.7 mm; 2.5 A rms lets it down from 18.1 mm and above",
+)
+CURRENTS = INTERFACE.outputs
+OUTPUTS = (
+    *CURRENTS[:4],
+    *(Signal(f"i_q{j}", "A", -CURRENT, CURRENT, f"quadrature current of motor {j}, rms") for j in range(1, 5)),
+)
+HELD = tuple(INTERFACE.held(f"y{j}") for j in range(1, 5))
+
+
 def _axes() -> tuple[Axis, ...]:
     y, xz = (3e4, 3e4, 2.5e9, 2.5e7, 2.5e7), (1500.0, 1500.0, 4.5e8, 2.25e6, 2.25e6)
     theta = (4e4, 4e4, 4e9, 4e7, 4e7)
     eta = (600.0, 3.0, 600.0)
-    reference = {n: Signal(f"{n}_ref_held", g.signal.unit, g.signal.low, g.signal.high) for n, g in _SET_POINTS.items()}
+    reference = {s.of: INTERFACE.held(s.name) for s in INTERFACE.set_points}
     gap = Signal("y", "m", 0.0145, 0.0345, "gap at the centre")
-    x, z = (Signal(f"{n}_held", "m", -ENCODER_XZ, ENCODER_XZ) for n in "xz")
+    x, z = (INTERFACE.held(n) for n in "xz")
     phi = Signal("phi", "rad", -0.02, 0.02, "rotation about X")
     tilt = Signal("theta", "rad", -0.031, 0.031, "rotation about Z")
     excess = {n: Signal(f"excess_{n}", "A", -1e6, 1e6, f"u_{n} limited less u_{n} demanded") for n in "xz"}
@@ -100,44 +142,7 @@ def _axes() -> tuple[Axis, ...]:
     )
 
 
-def _measured(name: str, bounds: tuple[float, float], initial: float, about: str) -> safety.Guarded:
-    return safety.Guarded(Signal(name, "m", *bounds, about), initial, True)
-
-
-_MEASUREMENTS = (
-    *(_measured(f"y{j}", (ENCODER_13, ENCODER_24)[j % 2 == 0], GAP[1], f"gap of motor {j}") for j in range(1, 5)),
-    *(_measured(n, (-ENCODER_XZ, ENCODER_XZ), 0.0, f"platen along {n.upper()}") for n in "xz"),
-)
-_SET_POINTS = {
-    "y": safety.Guarded(Signal("y_ref", "m", *GAP, "set-point of the gap"), GAP[1], False),
-    "x": safety.Guarded(Signal("x_ref", "m", -STROKE, STROKE, "set-point along X"), 0.0, False),
-    "z": safety.Guarded(Signal("z_ref", "m", -STROKE, STROKE, "set-point along Z"), 0.0, False),
-    "phi": safety.Guarded(Signal("phi_ref", "rad", -PHI, PHI, "set-point of the rotation about X"), 0.0, False),
-    "theta": safety.Guarded(Signal("theta_ref", "rad", -THETA, THETA, "set-point of the rotation about Z"), 0.0, False),
-}
-INPUTS = (*_MEASUREMENTS, *_SET_POINTS.values())
-_DIRECT = tuple(Signal(f"i_d{j}", "A", -CURRENT, CURRENT, f"direct current of motor {j}, rms") for j in range(1, 5))
-CURRENTS = (
-    *_DIRECT,
-    *(Signal(f"u_{n}", "A", -CURRENT, CURRENT, f"thrust current along {n.upper()}, rms") for n in "xz"),
-)
-OUTPUTS = (
-    *_DIRECT,
-    *(Signal(f"i_q{j}", "A", -CURRENT, CURRENT, f"quadrature current of motor {j}, rms") for j in range(1, 5)),
-)
 AXES = _axes()
-
-
-def _safety(currents: Sequence[Signal]) -> safety.Safety:
-    return safety.Safety(
-        BAD_SAMPLES,
-        {s.name: SAFE_CURRENT if s.name.startswith("i_d") else 0.0 for s in currents},
-        {s.name: SLEW for s in currents},
-        "zero current slams the platen up below 28.7 mm; 2.5 A rms lets it down from 18.1 mm and above",
-    )
-
-
-SAFETY = _safety(OUTPUTS)
 
 
 def axis_plant(axis: Axis) -> StateSpace:
@@ -176,14 +181,13 @@ def regulator_block(axis: Axis, wound: bool = True) -> Block:
 def kinematics(plant: Plant) -> Block:
     """Return the Block from the four vertical encoders to y, phi and theta, the inverse of F(5)."""
     r = plant.parameter("r").value
-    held = [Signal(f"y{j}_held", "m", *(ENCODER_13, ENCODER_24)[j % 2 == 0]) for j in range(1, 5)]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        y1, y2, y3, y4 = (u[s.name] for s in held)
+        y1, y2, y3, y4 = (u[s.name] for s in HELD)
         return Step(maglev_stage.kinematics(y1, y2, y3, y4, ca.SX(r)))
 
     outputs = [a.position for a in AXES if a.name in ("y", "phi", "theta")]
-    return build("kinematics", TIME, law, inputs=held, outputs=outputs, tag="F(5) inverted")
+    return build("kinematics", TIME, law, inputs=HELD, outputs=outputs, tag="F(5) inverted")
 
 
 def errors() -> Block:
@@ -206,12 +210,11 @@ def decoupling(plant: Plant, restored: bool = True) -> Block:
     lifting = Signal("i", "A", -DIRECT, DIRECT)
     values = _values(plant)
     values |= {n: part * values[n] for n, part in COMPENSATED.items()} if restored else {}
-    held = [Signal(f"y{j}_held", "m", *(ENCODER_13, ENCODER_24)[j % 2 == 0]) for j in range(1, 5)]
     angles = [a.position for a in AXES if a.name in ("phi", "theta")]
     demands, excess = [a.demand for a in AXES], [a.excess for a in AXES if a.excess]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        motors = [pmlsm.force_law(u[s.name], values) for s in held]
+        motors = [pmlsm.force_law(u[s.name], values) for s in HELD]
         w = {a.name: u[a.demand.name] for a in AXES}
         before = {s.name: u[f"{s.name}_before"] for s in CURRENTS}
         thrust_before = [before[name] for name in maglev_stage.QUADRATURE]
@@ -236,7 +239,7 @@ def decoupling(plant: Plant, restored: bool = True) -> Block:
 
     computed = [replace(s, name=f"{s.name}_computed") for s in CURRENTS]
     before = [replace(s, name=f"{s.name}_before") for s in CURRENTS]
-    inputs, outputs = [*held, *angles, *demands, *before], [*computed, *excess]
+    inputs, outputs = [*HELD, *angles, *demands, *before], [*computed, *excess]
     return build("decoupling", TIME, law, inputs=inputs, outputs=outputs, tag="F(8), F(12), limits")
 
 
@@ -261,12 +264,10 @@ def _values(plant: Plant) -> dict[str, ca.SX]:
     return maglev_stage.nominal(**{p.name: p.value for p in plant.parameters})
 
 
-def blocks(plant: Plant, restored: bool = True, wound: bool = True) -> list[Block]:
-    """Return the Blocks of the controller for the stage's parameters; `wound=False` leaves the anti-windup out."""
-    guard = safety.guard(TIME, INPUTS, BAD_SAMPLES)
+def laws(plant: Plant, restored: bool = True, wound: bool = True) -> list[Block]:
+    """Return the laws for the stage's parameters; `wound=False` leaves the anti-windup out."""
     loops = [block for a in AXES for block in (_filter(a), regulator_block(a, wound))]
-    limits = [decoupling(plant, restored), safety.safe_output(TIME, CURRENTS, _safety(CURRENTS)), shares()]
-    return [guard, kinematics(plant), errors(), *loops, *limits]
+    return [kinematics(plant), errors(), *loops, decoupling(plant, restored), shares()]
 
 
 def require_invertible(plant: Plant) -> None:
@@ -276,10 +277,9 @@ def require_invertible(plant: Plant) -> None:
     magnitude.require_invertible(model.decoupling(), model.x, box, "decoupling matrix of F(12)")
 
 
-def controller(plant: Plant, restored: bool = True, wound: bool = True) -> Block:
+def controller(plant: Plant, restored: bool = True, wound: bool = True) -> stage.Controller:
     """Return the whole controller, from six encoders and five set-points to the motors' currents."""
-    parts, inputs = blocks(plant, restored, wound), [g.signal.name for g in INPUTS]
-    return safety.frozen(compose(NAME, parts, inputs=inputs, outputs=[s.name for s in OUTPUTS]))
+    return stage.controller(NAME, TIME, INTERFACE, lambda: laws(plant, restored, wound), [s.name for s in OUTPUTS])
 
 
 def phase_currents(plant: Plant) -> Block:
@@ -290,7 +290,7 @@ def phase_currents(plant: Plant) -> Block:
     """
     tau = plant.parameter("tau").value
     positions = {n: Signal(n, "m", -ENCODER_XZ, ENCODER_XZ, f"platen along {n.upper()}") for n in "xz"}
-    guarded = [safety.Guarded(s, SAFETY.safe_output[s.name], False) for s in OUTPUTS]
+    guarded = [safety.Guarded(s, SAFE_CURRENT if s.name.startswith("i_d") else 0.0, False) for s in OUTPUTS]
     guarded += [safety.Guarded(s, 0.0, False) for s in positions.values()]
     peak = 2 * CURRENT * (1 + 1e-6)  # both inputs at their limit, rounded
     outputs = [

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from designs.planar_6dof import filtering, interface, sensing, vertical
 from models import halbach, hall_calibration, planar_stage
-from synth.block import Block
+from synth.block import Block, unranged
 from synth.compose import compose
 from synth.emit import write
 from synth.execute import host
@@ -116,7 +116,7 @@ def view(time: Discrete, predicted: bool = True) -> Block:
     guard = safety.guard(time, interface.INPUTS, interface.BAD_SAMPLES, suspected=planar_stage.HALL)
     parts = [guard, sensing.sensing(planar_stage.plant(), time, predicted), *filtering.blocks(time)]
     outputs = [*(s.name for s in (*sensing.RAW.values(), *sensing.RESIDUALS)), *filtering.AXES]
-    return compose("view", parts, inputs=[g.signal.name for g in interface.INPUTS], outputs=outputs)
+    return unranged(compose("view", parts, inputs=[g.signal.name for g in interface.INPUTS], outputs=outputs))
 
 
 def resolutions() -> dict[str, Encoder]:

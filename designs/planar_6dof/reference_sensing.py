@@ -151,7 +151,7 @@ class Pair:
         return np.where(near, np.where(self.c < 0, back, f), np.where(self.s < 0, -PITCH / 4, PITCH / 4) - f)
 
 
-def filtered(state: Columns) -> dict[str, Array]:
+def predicted(state: Columns) -> dict[str, Array]:
     """Return x, y and phi as the filters predict them."""
     return {axis: state[f"filter_{axis}_p"] for axis in DENSITY}
 
@@ -237,6 +237,6 @@ def step(
     state: Columns, v: Columns, flags: tuple[Array, Array], k: Constants
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return all outputs and the next state of sensing and filters for one sample of held voltages."""
-    raw, after = sense(state, v, flags, filtered(state), k)
+    raw, after = sense(state, v, flags, predicted(state), k)
     pose, moved = estimate(state, raw, flags[0], k)
     return raw | pose, after | moved

@@ -162,5 +162,3 @@ def _root(f: Callable[[Array], Array], a: float, b: float, at_a: float, at_b: fl
 def _distinct(w: list[float]) -> list[float]:
     """Return rising frequencies without those that the same crossing gave twice."""
     return [v for k, v in enumerate(w) if k == 0 or v - w[k - 1] > 4 * NARROW * v]
-
-

@@ -21,9 +21,7 @@ from synth.statespace import StateSpace
 RESOLVED = 1e-8  # where |1 + L| is less, rounding error decides on which side of -1 the loop passes
 
 
-def count_unstable(
-    loop: Delayed, factor: complex = 1.0, high: float | None = None, L: Response | None = None
-) -> float:
+def count_unstable(loop: Delayed, factor: complex = 1.0, high: float | None = None, L: Response | None = None) -> float:
     """Return how many poles of the loop closed on `factor` L lie to the right, by the argument principle.
 
     With a delay, |D| >= 1 and no hold, infinitely many lie there or come as near to the axis as one likes: inf. The

@@ -15,15 +15,16 @@ from synth.statespace import Array, System, of, readonly
 from synth.timing import period
 
 SETTLED = 1e-3  # q, at which the sum ends
-LONGEST = 2_000_000  # samples until then
+BLOCK = 64  # samples that are summed at once
+SLOWEST = 1e-6  # of 1 - |z|: a mode that decays slower counts as not decaying
 
 
 @arguments.checked
 def states(system: System, inputs: ArrayLike) -> Array:
     """Return bounds (n,) of a stable sampled model's states from 0, for inputs within +-`inputs` (m,).
 
-    Raises TimingError for a continuous model; SignalError for bounds that are no finite numbers of 0 or more; ModelError
-    for a model that is not stable, or settles too slowly.
+    Raises TimingError for a continuous model; SignalError for bounds that are not finite or below 0; ModelError for a
+    model that is not stable, or settles too slowly.
     """
     model = of(system)
     period(model.time)
@@ -35,16 +36,23 @@ def states(system: System, inputs: ArrayLike) -> Array:
         )
     if not len(model.states):
         return readonly([])
-    column, power, total = model.B * largest, np.eye(len(model.A)), np.zeros(len(model.A))
-    for _ in range(LONGEST):
-        total += np.abs(column).sum(axis=1)
-        column, power = model.A @ column, model.A @ power
-        left = np.abs(power) @ total
-        if (left <= SETTLED * total).all():
+    slowest = float(np.abs(model.poles).max(initial=0.0))
+    if slowest > 1 - SLOWEST:
+        raise ModelError(
+            f"the states {', '.join(model.states)} have no bound: a mode of them has |z| = {slowest:.9g}, at most "
+            f"{1 - SLOWEST:.9g} is needed; stabilise the model, or give its slow modes a faster decay"
+        )
+    columns = [model.B * largest]
+    for _ in range(BLOCK - 1):
+        columns.append(model.A @ columns[-1])
+    terms, step, power = np.hstack(columns), np.linalg.matrix_power(model.A, BLOCK), np.eye(len(model.A))
+    total = np.zeros(len(model.A))
+    while np.isfinite(terms).all():
+        total += np.abs(terms).sum(axis=1)
+        terms, power = step @ terms, step @ power
+        if (np.abs(power) @ total <= SETTLED * total).all():
             return readonly(total / (1 - SETTLED))
-        if not np.isfinite(left).all():
-            break
     raise ModelError(
-        f"the states {', '.join(model.states)} have no bound: after {LONGEST} samples they have not settled; stabilise "
-        "the model, or give its slow modes a faster decay"
+        f"the states {', '.join(model.states)} grow beyond what a double holds before they settle: choose units in "
+        "which they are nearer to 1"
     )

@@ -4,12 +4,12 @@
            ^                                      v         is solved for where it rests, linearised and opened there
            +----[ controller as it ships ]<-------+         at one * at a time, all others closed: L, with 1 + L closed.
 
-The controller has its constants in the scalar type in which it ships and its own idea of the plant; parameters change in
-the plant alone. MATLAB: `getLoopTransfer` over `ureal` vertices, `allmargin`.
+The controller has its constants in the scalar type in which it ships and its own idea of the plant; parameters change
+in the plant alone. MATLAB: `getLoopTransfer` over `ureal` vertices, `allmargin`.
 """
 
 import itertools
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -43,7 +43,9 @@ class _Requirement:
 REQUIREMENTS: Mapping[str, _Requirement] = {
     "phase_margin": _Requirement("degrees", 0.0, lambda m: m.phase_margin),
     "gain_margin": _Requirement("1", 1.0, lambda m: m.gain_margin),
-    "gain_reduction": _Requirement("1", 1.0, lambda m: 1 / m.gain_reduction_margin if m.gain_reduction_margin else np.inf),
+    "gain_reduction": _Requirement(
+        "1", 1.0, lambda m: 1 / m.gain_reduction_margin if m.gain_reduction_margin else np.inf
+    ),
     "delay_margin": _Requirement("s", 0.0, lambda m: m.delay_margin),
     "modulus_margin": _Requirement("1", 0.0, lambda m: m.modulus_margin),
 }
@@ -71,7 +73,6 @@ class OpenLoop:
         return float(kind.of(self.margins)) if self.margins.stable else kind.lost
 
 
-@arguments.checked
 @dataclass(frozen=True, eq=False)
 class Loops:
     """Where the loops of a stage are taken: the closed loop and its interface, operating points and parameters' values.
@@ -112,7 +113,9 @@ def of_controller(
     Raises SignalError for no operating point, or as `resting.ClosedLoop`.
     """
     if not points or not cases:
-        raise SignalError("there are no operating points or no cases: give one of each at least, the middle of the range")
+        raise SignalError(
+            "there are no operating points or no cases: give one of each at least, the middle of the range"
+        )
     around = controller.interface
     wires = {a.of: a.name for a in around.actuators} if actuators is None else actuators
     sensors = {s.name: s.of for s in around.sensors}
@@ -128,7 +131,9 @@ def corners(plant: Plant, parameters: Sequence[str]) -> list[Case]:
     """
     ends = [_ends(plant, name) for name in parameters]
     if 2 ** len(ends) > MOST_CORNERS:
-        raise SignalError(f"{len(ends)} parameters have 2^{len(ends)} corners, {MOST_CORNERS} at most are taken: name fewer")
+        raise SignalError(
+            f"{len(ends)} parameters have 2^{len(ends)} corners, {MOST_CORNERS} at most are taken: name fewer"
+        )
     return [dict(zip(parameters, values, strict=True)) for values in itertools.product(*ends)] if ends else []
 
 
@@ -142,7 +147,9 @@ def one_at_a_time(plant: Plant) -> list[Case]:
 def _ends(plant: Plant, name: str) -> tuple[float, float]:
     p = plant.parameter(name)
     if not p.tolerance * abs(p.value):
-        raise SignalError(f"parameter '{name}' is {p.value} {p.unit} with the tolerance {p.tolerance}: give it one that spans")
+        raise SignalError(
+            f"parameter '{name}' is {p.value} {p.unit} with the tolerance {p.tolerance}: give it one that spans"
+        )
     return p.value * (1 - p.tolerance), p.value * (1 + p.tolerance)
 
 
@@ -166,17 +173,19 @@ def rest(loops: Loops, point: str, case: Case = NOMINAL) -> Rest:
 
 
 @arguments.checked
-def opened(loops: Loops, signals: Sequence[str] | None = None) -> Iterator[OpenLoop]:
-    """Yield the loop at each operating point and case, opened at each of `signals`, all actuators and sensors if left out.
+def opened(loops: Loops, signals: Sequence[str] | None = None) -> list[OpenLoop]:
+    """Return the loop at each operating point and case, opened at each of `signals`: all actuators and sensors if None.
 
     Raises SignalError for an unknown signal; ModelError naming the point where none is found.
     """
     chosen = [*loops.actuators, *loops.sensors] if signals is None else signals
-    for point, case in itertools.product(loops.points, loops.cases):
-        where = rest(loops, point, case)
-        for signal in chosen:
-            L = resting.open_loop(where, signal)
-            yield OpenLoop(point, case, signal, L, _margins(L, signal, point))
+    rests = ((point, case, rest(loops, point, case)) for point, case in itertools.product(loops.points, loops.cases))
+    return [_open(point, case, signal, where) for point, case, where in rests for signal in chosen]
+
+
+def _open(point: str, case: Case, signal: str, where: Rest) -> OpenLoop:
+    L = resting.open_loop(where, signal)
+    return OpenLoop(point, case, signal, L, _margins(L, signal, point))
 
 
 def _margins(L: StateSpace, signal: str, point: str) -> Margins:
@@ -188,14 +197,14 @@ def _margins(L: StateSpace, signal: str, point: str) -> Margins:
 
 @arguments.checked
 def disks(loops: Loops, point: str, case: Case = NOMINAL) -> dict[str, disk.DiskMargin]:
-    """Return the disk margins with all ``actuators``, all ``sensors`` and ``both`` varied at once, as `disk.of_loop`."""
+    """Return the disk margins with all ``actuators``, all ``sensors`` or ``both`` varied at once, as `disk.of_loop`."""
     where = rest(loops, point, case)
     cuts = {"actuators": loops.actuators, "sensors": loops.sensors, "both": (*loops.actuators, *loops.sensors)}
     return {name: disk.of_loop(resting.open_loop(where, list(signals))) for name, signals in cuts.items()}
 
 
 @arguments.checked
-def checks(found: Iterable[OpenLoop], require: Mapping[str, float]) -> list[Check]:
+def checks(loops: Sequence[OpenLoop], require: Mapping[str, float]) -> list[Check]:
     """Return for each required margin by how much the worst of some loops falls short of it, and which loop that is.
 
     `require` {name: least} takes the names of REQUIREMENTS: phase_margin in degrees, gain_margin and gain_reduction as
@@ -203,7 +212,6 @@ def checks(found: Iterable[OpenLoop], require: Mapping[str, float]) -> list[Chec
 
     Raises SignalError for another name or no loop.
     """
-    loops = list(found)
     if unknown := [name for name in require if name not in REQUIREMENTS]:
         raise SignalError(f"'{unknown[0]}' is no margin that can be required: choose of {', '.join(REQUIREMENTS)}")
     if not loops:

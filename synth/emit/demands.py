@@ -25,6 +25,10 @@ class Demand:
     failed: Test
     value: Callable[[list[Interval]], Array]
     signed: bool = False
+    mend: str = (
+        "narrow the ranges of the signals named, limit the argument (fmax, fmin), or write the expression in another "
+        "form"
+    )
 
 
 def _middle(a: Interval) -> Array:
@@ -113,3 +117,24 @@ FINITE = Demand(
     lambda y, args: (y.low == inf) | (y.high == -inf),
     lambda args: 1 / _middle(args[0]),
 )
+
+
+def between(low: float, high: float, unit: str) -> Demand:
+    """Return the demand that a result itself, in `unit`, lies in low .. high."""
+
+    def met(y: Interval, args: list[Interval]) -> Mask:
+        return (y.low >= low) & (y.high <= high) & ~y.nan
+
+    def failed(y: Interval, args: list[Interval]) -> Mask:
+        return (y.low > high) | (y.high < low)
+
+    return Demand(
+        f"it must stay in its declared range {low:.9g} .. {high:.9g} {unit}",
+        "it",
+        (),
+        met,
+        failed,
+        lambda sides: _middle(sides[0]),
+        mend="limit it in the law, as block.clip(y, signal) does, declare the range that it has, or, only to look at "
+        "it on the host, take block.unranged",
+    )

@@ -1,7 +1,7 @@
 """Reduction: a Block as the program that is printed: lowered, folded, its functions replaced, its idle limits dropped.
 
 Each step keeps what is computed, to rounding or to a surrogate's certificate. The ranges of the result are proved: no
-division by zero, no root of a negative number, and every next state inside its bounds.
+division by zero, no root of a negative number, and every next state and output inside its declared range.
 """
 
 from collections.abc import Sequence
@@ -31,8 +31,8 @@ def reduce(block: Block, scalar: type[np.floating], libm: bool = False, error: f
 
     `error` is the relative error allowed to a surrogate, that of `surrogate.fit` when it is left out.
 
-    Raises EmitError for an operation without a form in C, for one that is not proved safe, and for a state that may
-    leave its bounds.
+    Raises EmitError for an operation without a form in C, for one that is not proved safe, and for a state or
+    an output that may leave its declared range.
     """
     program = fold.folded(lower.program(block))
     bounds = ranges.bounds(block, scalar)
@@ -46,8 +46,9 @@ def reduce(block: Block, scalar: type[np.floating], libm: bool = False, error: f
     block = replace(block, constants=(*block.constants, *_products(block, program, scalar)))
     bounds = ranges.bounds(block, scalar)
     proved = ranges.analyse(program, bounds, scalar)
-    safe.require_safe(program, proved, block, scalar)
+    narrowed = safe.require_safe(program, proved, block, scalar)
     ranges.inductive(program, proved, block, scalar)
+    safe.require_declared(program, narrowed, block, scalar)
     _require_whole(program, proved)
     return Reduced(block, program, found)
 

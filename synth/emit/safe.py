@@ -15,6 +15,7 @@ import numpy as np
 from synth.block import Block
 from synth.emit import bisection, demands, wording
 from synth.emit.interval import Array, Interval, interval
+from synth.emit.layout import layout
 from synth.emit.lower import LOGICAL, Program
 from synth.emit.ranges import (
     LOADS,
@@ -72,6 +73,21 @@ def require_safe(
             R = enclose(s, arithmetic, first, range(len(program.nodes)), proved)
     _require_counters(s, R, block)
     return tuple(Range(float(a.low[0]), float(a.high[0]), bool(a.nan[0])) for a in (R[k] for k in range(len(R))))
+
+
+def require_declared(program: Program, ranges: tuple[Range, ...], block: Block, scalar: type[np.floating]) -> None:
+    """Raise EmitError, by name, for an output that is not proved to stay in its declared range.
+
+    The range is the layout's, rounded to the scalar type: what the manifest tells.
+    """
+    s, arithmetic = structure(program), Arithmetic(scalar)
+    R = {k: interval(r.low, r.high, r.nan, scalar) for k, r in enumerate(ranges)}
+    for field in layout(block, scalar).output.fields:
+        if field.name in program.outputs:
+            k = program.outputs[field.name]
+            claim = _Claim(k, demands.between(field.low, field.high, field.unit), (k,), frozenset())
+            if not _met(s, claim, R):
+                _proof(s, arithmetic, R, {}, claim, block)
 
 
 def _met(s: Structure, claim: _Claim, R: Mapping[int, Interval]) -> bool:
@@ -188,9 +204,9 @@ def _refusal(
     verdict: bisection.Verdict,
 ) -> str:
     watched = ", ".join(f"`{wording.expression(program, k)}`" for k in claim.watched)
-    if claim.demand is demands.FINITE:
+    if not claim.demand.watched:
         what = f"{_end(program, claim.k)} = {watched} of block '{block.name}'"
-        origin = _origin(program, R, claim.k)
+        origin = _origin(program, R, claim.k) if claim.demand is demands.FINITE else claim.k
         begins = "" if origin == claim.k else f"; it begins at `{wording.expression(program, origin)}`"
     else:
         op = program.nodes[claim.k].op
@@ -207,10 +223,7 @@ def _refusal(
             f"not proved in {verdict.cells} cells: {claim.demand.quantity} comes nearest, {verdict.value:.6g}, at "
             f"{point}, in the cell {cell}"
         )
-    return (
-        f"{what} is not safe: {claim.demand.need}; {where}{begins}; narrow the ranges of the signals named, limit the "
-        "argument (fmax, fmin), or write the expression in another form"
-    )
+    return f"{what} is not safe: {claim.demand.need}; {where}{begins}; {claim.demand.mend}"
 
 
 def _end(program: Program, k: int) -> str:

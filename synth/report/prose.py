@@ -3,6 +3,7 @@
     # Title          a standard section of this title begins with the text; another title makes a section there
     ## Title         the same for a section inside
     {{ name }}       a value, {{ name:.3g }} in a format of Python's, {{ name }} alone in its paragraph also a block
+    $k_s_phi$        a name, written as in equations
 
 Text before the first title is left to the caller. HTML is shown as text, and a page loads nothing from elsewhere.
 """
@@ -16,11 +17,13 @@ from markupsafe import Markup
 
 from synth.errors import DesignError
 from synth.report import page
+from synth.report.equations import glyphs
 from synth.report.notation import number
 from synth.report.page import Section
 
 Value = str | float | page.Block
 _PLACEHOLDER = re.compile(r"\{\{\s*([A-Za-z]\w*(?:[.-]\w+)*)\s*(?::([^{}]*?))?\s*\}\}")
+_NAME, _OPEN, _CLOSE = re.compile(r"\$([A-Za-z]\w*)\$"), "\ue000", "\ue001"  # the marks mean nothing in Markdown
 _TITLE = re.compile(r"^(#{1,2}) +(.+?)\s*#*$")
 
 
@@ -113,7 +116,8 @@ def rendered(text: str) -> page.Prose:
     markdown = (
         MarkdownIt("commonmark", {"html": False, "typographer": False}).enable("table").disable(["image", "lheading"])
     )
-    return page.Prose(Markup(markdown.render(text)))
+    html = markdown.render(_NAME.sub(f"{_OPEN}\\1{_CLOSE}", text))
+    return page.Prose(Markup(re.sub(f"{_OPEN}(.*?){_CLOSE}", lambda m: glyphs.symbol(m[1]), html)))
 
 
 def _value(name: str, values: Mapping[str, Value]) -> Value:

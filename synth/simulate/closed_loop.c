@@ -27,14 +27,16 @@ typedef struct {
 
     int64_t sensors;
     const int64_t *sensor_source, *sensor_offset; /* plant output; byte offset in the controller's input */
+    const double *sensor_gain, *sensor_bias;      /* of what is seen: gain y + bias + noise */
     const double *sensor_resolution;              /* 0: ideal */
+    const double *sensor_low, *sensor_high;       /* where it saturates */
     const double *noise;                          /* (samples, sensors): added before the encoder */
     const uint8_t *overridden;                    /* (samples, sensors): the input holds this sample already */
 
     int64_t commands;
     const int64_t *command_offset; /* byte offset in the controller's output */
     const double *mixing;          /* (N_U, commands) */
-    const double *forcing;         /* (N_U) */
+    const double *forcing;         /* (samples, substeps, N_U) */
     double *waiting;               /* (max(delay, 1), commands): computed and not yet applied */
 
     int64_t single; /* the controller's scalars are float */
@@ -104,9 +106,13 @@ static void measure(const loop_t *loop, int64_t k, const double *y) {
     char *const in = loop->in + k * loop->in_size;
     for (int64_t i = 0; i < loop->sensors; i++) {
         if (loop->overridden[k * loop->sensors + i]) continue;
-        const double seen = y[loop->sensor_source[i]] + loop->noise[k * loop->sensors + i];
+        const double scaled = loop->sensor_gain[i] * y[loop->sensor_source[i]] + loop->sensor_bias[i];
+        const double seen = scaled + loop->noise[k * loop->sensors + i];
         const double resolution = loop->sensor_resolution[i];
-        const double value = resolution > 0.0 ? resolution * rint(seen / resolution) : seen;
+        const double counted = resolution > 0.0 ? resolution * rint(seen / resolution) : seen;
+        /* A plant that is not finite is seen as it is. */
+        const double held = counted > loop->sensor_high[i] ? loop->sensor_high[i] : counted;
+        const double value = held < loop->sensor_low[i] ? loop->sensor_low[i] : held;
         const float narrow = (float)value;
         if (loop->single) memcpy(in + loop->sensor_offset[i], &narrow, sizeof narrow);
         else memcpy(in + loop->sensor_offset[i], &value, sizeof value);
@@ -124,9 +130,9 @@ static void command(const loop_t *loop, int64_t k, double *values) {
     }
 }
 
-static void mix(const loop_t *loop, const double *commands, double *u) {
+static void mix(const loop_t *loop, const double *commands, int64_t substep, double *u) {
     for (int64_t j = 0; j < N_U; j++) {
-        u[j] = loop->forcing[j];
+        u[j] = loop->forcing[substep * N_U + j];
         for (int64_t i = 0; i < loop->commands; i++) {
             const double weight = loop->mixing[j * loop->commands + i];
             /* An infinite command must not reach an input that does not listen to it. */
@@ -138,7 +144,7 @@ static void mix(const loop_t *loop, const double *commands, double *u) {
 void synth_closed_loop(const loop_t *loop) {
     const double h = loop->period / (double)loop->substeps;
     double u[N_U], y[N_Y];
-    mix(loop, loop->waiting, u);
+    mix(loop, loop->waiting, 0, u);
     for (int64_t k = 0; k < loop->samples; k++) {
         const double *const given[3] = {loop->x, u, loop->p};
         evaluate(synth_plant_h, given, y);
@@ -148,12 +154,12 @@ void synth_closed_loop(const loop_t *loop) {
         loop->faults[k] = loop->step(loop->state, loop->in + k * loop->in_size, loop->out + k * loop->out_size);
         double *const slot = loop->waiting + (loop->delay ? k % loop->delay : 0) * loop->commands;
         if (loop->delay == 0) command(loop, k, slot);
-        mix(loop, slot, u);
-        if (loop->delay > 0) command(loop, k, slot);
-        memcpy(loop->applied + k * N_U, u, N_U * sizeof *u);
         for (int64_t j = 0; j < loop->substeps; j++) {
+            mix(loop, slot, k * loop->substeps + j, u);
+            if (j == 0) memcpy(loop->applied + k * N_U, u, N_U * sizeof *u);
             rk4(loop, u, (double)(k * loop->substeps + j) * h, h);
             stop(loop);
         }
+        if (loop->delay > 0) command(loop, k, slot);
     }
 }

@@ -1,16 +1,18 @@
 """Simulate a plant in continuous time under compiled C in sampled time, T apart, with the whole loop in C.
 
     dx/dt = f(x, u(t), p) + d(x, t)                   by `substeps` steps of RK4 in each period
-    m_k = encoder(h(x(kT), u_{k-1}, p) + noise_k)     or the override's sample
+    m_k = sensor(h(x(kT), u_{k-1}, p) + noise_k)      or the override's sample
     c_k = step(state, m_k, references_k)
-    u(t) = M c_{k-delay} + forcing                    for kT <= t < (k+1)T, with c_j = hold for j < 0
+    u(t) = M c_{k-delay} + forcing(t)                 for kT <= t < (k+1)T, with c_j = hold for j < 0
+
+Forcing is held over each substep, at its value in the middle of it.
 
 A hard stop is inelastic: after each substep the position is put back and the velocity into the stop is taken out. A
 locked coordinate keeps its position and velocity.
 """
 
 import ctypes
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib import resources
 from itertools import chain
 from typing import Any
@@ -26,7 +28,7 @@ from synth.execute import host
 from synth.plant import Plant
 from synth.signals import Signal, dimension, names
 from synth.simulate.scenario import Array, Scenario, Trajectory, sample_times
-from synth.simulate.sensors import Encoder
+from synth.simulate.sensors import Plain
 
 __all__ = ["Scenario", "Trajectory", "sample_times", "simulate"]
 
@@ -36,7 +38,8 @@ _COUNTS = ("samples", "substeps", "delay", "stops", "sensors", "commands", "sing
 _MEMBERS = (
     *("samples", "substeps", "delay", "period", "p", "x", "locked"),
     *("stops", "stop_position", "stop_velocity", "stop_low", "stop_high", "impact"),
-    *("sensors", "sensor_source", "sensor_offset", "sensor_resolution", "noise", "overridden"),
+    *("sensors", "sensor_source", "sensor_offset", "sensor_gain", "sensor_bias", "sensor_resolution"),
+    *("sensor_low", "sensor_high", "noise", "overridden"),
     *("commands", "command_offset", "mixing", "forcing", "waiting"),
     *("single", "step", "state", "in_size", "out_size", "in", "out", "faults", "states", "outputs", "applied"),
 )
@@ -78,7 +81,7 @@ def simulate(
         _plant_arrays(plant, scenario, len(time))
         | _controller_arrays(controller, scenario, len(time))
         | _sensor_arrays(plant, controller, scenario, len(time))
-        | _actuator_arrays(plant, controller, scenario)
+        | _actuator_arrays(plant, controller, scenario, time)
     )
     counts = {
         "samples": len(time),
@@ -170,21 +173,27 @@ def _sensor_arrays(plant: Plant, controller: host.Controller, scenario: Scenario
     for i, name in enumerate(sensors):
         if name in scenario.overrides:
             overridden[:, i] = scenario.overrides[name].mask
-    noise = np.zeros((n, len(sensors)))
+    models = [scenario.encoders.get(name, Plain()) for name in sensors]
+    noise = np.stack([model.noise_of(n, i) for i, model in enumerate(models)], axis=1, dtype=np.float64).reshape(n, -1)
     for i, name in enumerate(sensors):
         if name in scenario.noise:
-            noise[:, i] = _noise(name, scenario.noise[name], n)
-    resolutions = [scenario.encoders.get(name, Encoder()).resolution for name in sensors]
+            noise[:, i] += _noise(name, scenario.noise[name], n)
+    chains = np.array([model.chain for model in models], dtype=np.float64).reshape(-1, 5).T.copy()
+    gain, bias, resolution, low, high = chains
     return {
         "sensor_source": np.array([names(plant.outputs).index(s) for s in sensors.values()], dtype=np.int64),
         "sensor_offset": np.array([_offset(controller.inputs, name) for name in sensors], dtype=np.int64),
-        "sensor_resolution": np.array(resolutions, dtype=np.float64),
+        "sensor_gain": gain,
+        "sensor_bias": bias,
+        "sensor_resolution": resolution,
+        "sensor_low": low,
+        "sensor_high": high,
         "noise": noise,
         "overridden": overridden,
     }
 
 
-def _actuator_arrays(plant: Plant, controller: host.Controller, scenario: Scenario) -> Arrays:
+def _actuator_arrays(plant: Plant, controller: host.Controller, scenario: Scenario, time: Array) -> Arrays:
     inputs, known = {s.name: s for s in plant.inputs}, controller.outputs.names or ()
     rows = {name: {w: 1.0} if isinstance(w, str) else dict(w) for name, w in scenario.actuators.items()}
     commands = tuple(dict.fromkeys(chain(*rows.values())))
@@ -200,9 +209,33 @@ def _actuator_arrays(plant: Plant, controller: host.Controller, scenario: Scenar
     return {
         "command_offset": np.array([_offset(controller.outputs, c) for c in commands], dtype=np.int64),
         "mixing": np.array([[rows.get(u, {}).get(c, 0.0) for c in commands] for u in inputs], dtype=np.float64),
-        "forcing": np.array([scenario.forcing.get(u, 0.0) for u in inputs], dtype=np.float64),
+        "forcing": _forcing(inputs, scenario, time),
         "waiting": np.tile(hold, (max(scenario.delay, 1), 1)),
     }
+
+
+def _forcing(inputs: Mapping[str, Signal], scenario: Scenario, time: Array) -> Array:
+    """Return what is added to each input in each substep, (samples, substeps, inputs), in the inputs' units."""
+    n, m = len(time), scenario.substeps
+    period = scenario.duration_s / n if n == 1 else time[1]
+    middles = time[:, None] + period * (np.arange(m) + 0.5) / m
+    forcing = np.zeros((n, m, len(inputs)))
+    for j, (name, signal) in enumerate(inputs.items()):
+        given = scenario.forcing.get(name, 0.0)
+        try:
+            values = np.vectorize(given, otypes=[np.float64])(middles) if callable(given) else np.asarray(given, float)
+        except (TypeError, ValueError) as error:
+            raise SignalError(f"forcing of '{name}' is no number at some time ({error}): {_give(n, signal)}") from error
+        if not callable(given) and values.shape not in ((), (n,)):
+            raise SignalError(f"forcing of '{name}' is an array {values.shape}: {_give(n, signal)}")
+        if not np.isfinite(values).all():
+            raise SignalError(f"forcing of '{name}' is not finite: {_give(n, signal)}")
+        forcing[:, :, j] = values[:, None] if values.shape == (n,) else values
+    return forcing
+
+
+def _give(n: int, signal: Signal) -> str:
+    return f"give a finite number in {signal.unit}, {n} of them, one a sample, or a function of the time in s"
 
 
 def _offset(struct: np.dtype[np.void], name: str) -> int:

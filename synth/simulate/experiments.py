@@ -5,8 +5,8 @@
     Hold      set-points stand still:     max |y - r| under disturbances, when the start has died out
     LiftOff   it starts elsewhere:        set-points ramp from there; overshoot / way, max |y - r| at the end
 
-Positions are the plant's own, not what sensors show. Each experiment also checks that no fault bit was set and tells how
-far the actuators went. `run` carries experiments out on a rig.
+Positions are the plant's own, not what sensors show. Each experiment also checks that no fault bit was set and tells
+how far the actuators went. `run` carries experiments out on a rig.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -14,69 +14,18 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from synth.check import Check
 from synth.errors import SignalError
 from synth.signals import Signal
-from synth.simulate import metrics
+from synth.simulate import conditions, metrics
+from synth.simulate.conditions import Conditions, Course, Ramp
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Array, Trajectory, sample_times
 
 BAND = 0.02  # of a step: the usual 2 % of the settling time
 END = 0.1  # of a run: its last part, in which the error at the end is taken
-
-Course = float | ArrayLike | Callable[[Array], ArrayLike]
-"""A value over time: a constant, one for each sample, or a function of times in s."""
-
-
-@dataclass(frozen=True)
-class Sine:
-    """offset + amplitude sin(frequency t + phase), in rad/s and rad."""
-
-    amplitude: float
-    frequency: float
-    phase: float = 0.0
-    offset: float = 0.0
-
-    def __call__(self, time: Array) -> Array:
-        """Return the values at times in s."""
-        return np.asarray(self.offset + self.amplitude * np.sin(self.frequency * time + self.phase))
-
-
-@dataclass(frozen=True)
-class Ramp:
-    """From `start` to `end` within `duration_s`, from `begin_s` on."""
-
-    start: float
-    end: float
-    begin_s: float
-    duration_s: float
-
-    def __call__(self, time: Array) -> Array:
-        """Return the values at times in s."""
-        return np.asarray(self.start + (self.end - self.start) * np.clip((time - self.begin_s) / self.duration_s, 0, 1))
-
-
-@dataclass(frozen=True, eq=False)
-class Conditions:
-    """Under what an experiment runs, beside the declared stage.
-
-    `start` has plant states, others are 0; `disturbances` are courses of plant inputs that no actuator drives;
-    `parameters` are values of the plant's parameters that the controller does not know of. `options` are further fields
-    of `scenario.Scenario`.
-    """
-
-    start: Mapping[str, float] = field(default_factory=dict)
-    disturbances: Mapping[str, Course] = field(default_factory=dict)
-    parameters: Mapping[str, float] = field(default_factory=dict)
-    options: Mapping[str, Any] = field(default_factory=dict)
-
-    def text(self) -> str:
-        """Return the conditions in words, with a comma before each."""
-        changed = [f"{name} = {value:g}" for name, value in {**self.parameters, **self.start}.items()]
-        return "".join(f", {part}" for part in (*changed, *(f"{name} acts" for name in self.disturbances)))
 
 
 class Runnable(Protocol):
@@ -137,7 +86,7 @@ class Step:
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """Set-points move, each on its course; the mean |y - r| after `after_s` is at most `mean_error`, by set-point or one.
+    """Set-points move on courses; the mean |y - r| after `after_s` is at most `mean_error`, one or {set-point: limit}.
 
     The run starts at rest where the courses start.
     """
@@ -157,7 +106,7 @@ class Track:
     def run(self, rig: Rig) -> Experiment:
         """Run from rest at the start of the courses."""
         time = sample_times(self.duration_s, rig.period_s)
-        courses = {name: _values(course, time) for name, course in self.set_points.items()}
+        courses = {name: conditions.values(course, time) for name, course in self.set_points.items()}
         positions = {name: _position(rig, name) for name in courses}
         start = {positions[name][0]: float(course[0]) for name, course in courses.items()}
         under = replace(self.under, start=start | dict(self.under.start))
@@ -199,7 +148,9 @@ class Hold:
             courses[position] = np.full(len(trajectory.time), r)
             error = trajectory[position] - r
             figures[f"largest |e_{position}| from the start, {unit}"] = float(np.abs(error).max())
-            checks.append(Check(f"largest |e_{position}|", _largest(error[late]), limit, unit, f"from {self.after_s:g} s on"))
+            checks.append(
+                Check(f"largest |e_{position}|", _largest(error[late]), limit, unit, f"from {self.after_s:g} s on")
+            )
         title = f"{', '.join(courses)} held{self.under.text()}"
         return _experiment(rig, self.name, title, trajectory, courses, figures, checks)
 
@@ -261,18 +212,11 @@ def run(rig: Rig, experiments: Sequence[Runnable], progress: Callable[[str], Non
 def _trajectory(rig: Rig, duration_s: float, courses: Mapping[str, Array], under: Conditions) -> Trajectory:
     time = sample_times(duration_s, rig.period_s)
     around = rig.stage.interface
-    forcing = dict.fromkeys(around.disturbances, 0.0) | {
-        name: course if isinstance(course, float | int) else _values(course, time)
-        for name, course in under.disturbances.items()
-    }
+    forcing: dict[str, Any] = dict.fromkeys(around.disturbances, 0.0)
+    forcing |= {n: c if callable(c) else conditions.values(c, time) for n, c in under.disturbances.items()}
     plant = rig.plant.with_parameters(**under.parameters) if under.parameters else rig.plant
     options = {"forcing": forcing} | dict(under.options)
     return replace(rig, plant=plant).run(duration_s, under.start, courses, **options)
-
-
-def _values(course: Course, time: Array) -> Array:
-    values = course(time) if callable(course) else course
-    return np.broadcast_to(np.asarray(values, dtype=np.float64), time.shape).copy()
 
 
 def _point(rig: Rig, name: str) -> Any:

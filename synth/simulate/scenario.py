@@ -4,7 +4,7 @@ Wires are named from the receiving end: `sensors[controller input] = plant outpu
 `actuators[plant input] = controller output` or `{controller output: weight, ...}`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
 from typing import Any
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from synth.errors import SignalError
-from synth.simulate.sensors import Encoder, Override
+from synth.simulate.sensors import Override, Sensor
 
 Array = NDArray[np.float64]
 Columns = dict[str, NDArray[Any]]
@@ -24,10 +24,11 @@ class Scenario:
     """What is simulated: the wires, the start, the set-points and what disturbs the loop; SI units throughout.
 
     Every controller input is in `sensors` or in `references` (a constant or one value for each sample); every plant
-    input is in `actuators` or in `forcing` (a constant that is added), or in both. A state that `x0` leaves out starts
-    at 0, a command that `hold` leaves out is 0 before the first, and a sensor without encoder is ideal. `noise` (N,) is
-    added to what a sensor sees, before its encoder. `velocities` pairs the positions that `stops` (low, high) and
-    `locked` may name with their velocities. `delay` counts samples.
+    input is in `actuators` or in `forcing`, or in both: a constant that is added, one value for each sample, or a
+    function of the time in s, in the input's unit, as of a force on the stage. A state that `x0` leaves out starts at
+    0, a command that `hold` leaves out is 0 before the first, and a sensor that `encoders` leaves out is ideal. `noise`
+    (N,) is added to what a sensor sees, before its counts. `velocities` pairs the positions that `stops` (low, high)
+    and `locked` may name with their velocities. `delay` counts samples.
     """
 
     duration_s: float
@@ -35,11 +36,11 @@ class Scenario:
     sensors: Mapping[str, str]
     actuators: Mapping[str, str | Mapping[str, float]]
     references: Mapping[str, ArrayLike] = field(default_factory=dict)
-    encoders: Mapping[str, Encoder] = field(default_factory=dict)
+    encoders: Mapping[str, Sensor] = field(default_factory=dict)
     noise: Mapping[str, ArrayLike] = field(default_factory=dict)
     overrides: Mapping[str, Override] = field(default_factory=dict)
     hold: Mapping[str, float] = field(default_factory=dict)
-    forcing: Mapping[str, float] = field(default_factory=dict)
+    forcing: Mapping[str, ArrayLike | Callable[[float], float]] = field(default_factory=dict)
     velocities: Mapping[str, str] = field(default_factory=dict)
     stops: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     locked: Sequence[str] = ()

@@ -1,9 +1,12 @@
 """Sensors: what the controller reads when the plant's output is y.
 
-    encoder:   m = r round(y / r), halves to even, so |m - y| <= r/2 for the resolution r;  m = y for r = 0
-    override:  m_k = v_k at every sample k of the mask, whatever the sensor reads
+    seen      s = (1 + gain_error) y + offset + noise          of every sensor
+    Plain     m = s
+    Encoder   m = r round(s / r), halves to even, so |m - s| <= r/2 for the resolution r;  m = s for r = 0
+    Analogue  as an encoder with r = (high - low) / 2^bits, limited to low .. high
+    override  m_k = v_k at every sample k of the mask, whatever the sensor reads
 
-Resolutions and values are in the unit of y.
+Offsets, resolutions, noise and values are in the unit of y; a gain error is a part of 1.
 """
 
 import math
@@ -14,21 +17,115 @@ from numpy.typing import ArrayLike, NDArray
 
 from synth.errors import SignalError
 
+Chain = tuple[float, float, float, float, float]  # gain, offset, resolution, low, high
+
+
+@dataclass(frozen=True)
+class Plain:
+    """A sensor that shows every value, wrong by an offset and a relative gain error."""
+
+    offset: float = 0.0
+    gain_error: float = 0.0
+
+    def __post_init__(self) -> None:
+        _check_errors("plain sensor", self.offset, self.gain_error)
+
+    @property
+    def chain(self) -> Chain:
+        """Gain, offset, resolution and limits."""
+        return 1 + self.gain_error, self.offset, 0.0, -math.inf, math.inf
+
+    def read(self, y: ArrayLike) -> NDArray[np.float64]:
+        """Return what the sensor shows at y, any shape, in the unit of y."""
+        return _read(self.chain, y)
+
+    def noise_of(self, n: int, stream: int) -> NDArray[np.float64]:
+        """Return no noise, (n,)."""
+        return np.zeros(n)
+
 
 @dataclass(frozen=True)
 class Encoder:
     """An incremental encoder of `resolution`, in the unit of what it measures; 0 makes it ideal."""
 
     resolution: float = 0.0
+    offset: float = 0.0
+    gain_error: float = 0.0
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.resolution) and self.resolution >= 0):
             raise SignalError(f"encoder resolution is {self.resolution}: give a finite number, 0 for an ideal sensor")
+        _check_errors("encoder", self.offset, self.gain_error)
+
+    @property
+    def chain(self) -> Chain:
+        """Gain, offset, resolution and limits."""
+        return 1 + self.gain_error, self.offset, self.resolution, -math.inf, math.inf
 
     def read(self, y: ArrayLike) -> NDArray[np.float64]:
         """Return what the encoder shows at y, any shape, in the unit of y."""
-        values = np.asarray(y, dtype=np.float64)
-        return self.resolution * np.rint(values / self.resolution) if self.resolution else values
+        return _read(self.chain, y)
+
+    def noise_of(self, n: int, stream: int) -> NDArray[np.float64]:
+        """Return no noise, (n,)."""
+        return np.zeros(n)
+
+
+@dataclass(frozen=True)
+class Analogue:
+    """An analogue sensor behind a converter of `bits` over low .. high, where it saturates, in the unit of y.
+
+    `noise` is white, Gaussian, rms, and the same at each run with the same `seed`; sensors of one loop differ.
+    """
+
+    low: float
+    high: float
+    bits: int = 16
+    noise: float = 0.0
+    offset: float = 0.0
+    gain_error: float = 0.0
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
+            raise SignalError(f"analogue sensor spans {self.low} .. {self.high}: give finite ends, low below high")
+        if not (1 <= self.bits <= 53 and self.bits == int(self.bits)):
+            raise SignalError(f"analogue sensor has {self.bits} bits: give a whole number from 1 to 53")
+        if not (math.isfinite(self.noise) and self.noise >= 0):
+            raise SignalError(f"analogue sensor has the noise {self.noise} rms: give a finite number, 0 for none")
+        _check_errors("analogue sensor", self.offset, self.gain_error)
+
+    @property
+    def resolution(self) -> float:
+        """One count, in the unit of y."""
+        return (self.high - self.low) / 2**self.bits
+
+    @property
+    def chain(self) -> Chain:
+        """Gain, offset, resolution and limits."""
+        return 1 + self.gain_error, self.offset, self.resolution, self.low, self.high
+
+    def read(self, y: ArrayLike) -> NDArray[np.float64]:
+        """Return what the converter shows at y without noise, any shape, in the unit of y."""
+        return _read(self.chain, y)
+
+    def noise_of(self, n: int, stream: int) -> NDArray[np.float64]:
+        """Return the noise of n samples of the sensor number `stream`, (n,), in the unit of y."""
+        return self.noise * np.random.default_rng([self.seed, stream]).standard_normal(n)
+
+
+Sensor = Plain | Encoder | Analogue
+
+
+def _check_errors(what: str, offset: float, gain_error: float) -> None:
+    if not (math.isfinite(offset) and math.isfinite(gain_error)):
+        raise SignalError(f"{what} has the offset {offset} and the gain error {gain_error}: give finite numbers")
+
+
+def _read(chain: Chain, y: ArrayLike) -> NDArray[np.float64]:
+    gain, offset, resolution, low, high = chain
+    seen = gain * np.asarray(y, dtype=np.float64) + offset
+    return np.clip(resolution * np.rint(seen / resolution) if resolution else seen, low, high)
 
 
 @dataclass(frozen=True, eq=False)

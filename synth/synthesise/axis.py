@@ -1,39 +1,29 @@
-"""Control axes as parts of a stage's controller: from a model and weights to Blocks, gains and bounds of all states.
+"""Control axes of a stage, as laws of its controller: from a model and weights to Blocks, gains and bounds.
 
-    <output>_error, _held --> [ servo_<output> ] --> w_<output>_command --> [ inverse ] --> <actuator>_demand --> limits
-                                   ^ made of w  <------------- [ made ] <----------------- <actuator>_excess <------'
+    Z = axis.servo(inverse.chain("z"), modes={0.0: 25.0}, weights={"z": 1e8, "vz": 1e3}, effort=1e-2,
+                   estimator=axis.kalman(process={"vz": 1e-5}, sensor={"z": 1e-14}), anti_windup=30.0)
+    stage.controller("levitator", Discrete(1 / 2000), interface, [Z, ...])
 
 `axis_regulator` states the problem that one axis solves. An axis whose model is a chain of a feedback linearisation
-has its demand turned into actuators' values by the inverse of the plant, at the states that the estimator predicts for
-the time when these values act; what the actuators' limits leave of the demand goes back to estimator and anti-windup.
-The axis of a linear model commands its actuator itself.
-
-While it is told what the actuator really does, an axis is a stable system whether that is at its limit or not: its
-internal model follows the actuator (A - E C), its estimator decays. So its states' bounds are those that its inputs in
-their ranges can drive it to (`reach`), and no tuning.
+has its demand turned into actuators' values by the inverse of the plant (`axis_inverse`); that of a linear model
+commands its actuator itself. `axis_blocks` makes the Blocks.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from synth import arguments
-from synth.analyse import box, reach, structure
-from synth.block import Block, Exprs, Step, build, clip
+from synth.analyse import structure
 from synth.declaration import Interface, Law
 from synth.errors import SignalError
-from synth.signals import Signal, names
-from synth.statespace import Array, StateSpace, System, of
-from synth.synthesise import axis_regulator, estimator_start, internal_model, linear_block
-from synth.synthesise.axis_regulator import Axis, Kalman, Regulator
-from synth.synthesise.feedback_linearisation import Chain, Linearisation
+from synth.statespace import System, of
+from synth.synthesise import axis_blocks, axis_regulator, internal_model
+from synth.synthesise.axis_regulator import Axis, Kalman
+from synth.synthesise.feedback_linearisation import Chain
 from synth.timing import Discrete
-
-MARGIN = 1.1  # of a bound: room for rounding in single precision
-POINTS, SEED = 256, 11  # scattered over the plant's box, beside its vertices
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,11 +38,9 @@ class ServoLaw:
         Raises SignalError for an output without sensor or set-point, a command without actuator, and for an inverse
         that takes the demands of other axes too; else as `axis_regulator.synthesise`.
         """
-        regulators = [axis_regulator.synthesise(axis, time, interface.delay) for axis in self.axes]
-        blocks = [block for r in regulators for block in _servo(r, interface)]
-        if (inverse := self.axes[0].inverse) is not None:
-            blocks += _inverse(inverse, regulators, interface)
+        blocks = axis_blocks.blocks(time, self.axes, interface)
         name = "_".join(axis.output for axis in self.axes)
+        regulators = [axis_regulator.synthesise(axis, time, interface.delay) for axis in self.axes]
         return Law(name, tuple(blocks), lambda scalar: {r.axis.output: r.document() for r in regulators})
 
 
@@ -89,9 +77,8 @@ def servo(
     effort       the weight on the command, in 1/unit^2; only ratios of `weights` and `effort` count
     estimator    the Kalman filter of the model's states from the output, as `kalman` asks for it
     anti_windup  the rate in 1/s at which the internal model follows the actuator while that is at its limit
-    set_point    the part b >= 0 of the set-point that meets the output at the gains K_x, as in K_x (y - b r), 0 for none
-                 and 1 for all; left out, the part whose zero cancels the pole that the mode 0 leaves at its speed, and
-                 1 without that mode
+    set_point    the weight b >= 0 of the set-point at the gains K_x, as in K_x (y - b r): 0 for none, 1 for the error;
+                 left out, that whose zero cancels the pole which the mode 0 leaves at its speed, or 1 without that mode
 
     Raises SignalError for what does not fit; `ServoLaw.law` raises what only the sample period can tell.
     """
@@ -148,230 +135,3 @@ def decoupled(axes: Sequence[ServoLaw]) -> ServoLaw:
             f"{', '.join(inverse.degree.outputs)}: give one axis for each"
         )
     return ServoLaw(joined)
-
-
-@dataclass(frozen=True, eq=False)
-class _Wires:
-    """The signals of one axis, in the order of its controller's inputs but for the excess, and its command."""
-
-    error: Signal
-    limited: Signal
-    measured: Signal
-    reference: Signal
-    excess: str
-    command: str
-
-    @property
-    def bounds(self) -> Array:
-        """The largest error, limited command, measurement and set-point."""
-        return np.array([_largest(s) for s in (self.error, self.limited, self.measured, self.reference)])
-
-
-def _servo(regulator: Regulator, interface: Interface) -> list[Block]:
-    """Return the Block of one axis: internal model, estimator, gains."""
-    axis, wires = regulator.axis, _wires(regulator.axis, interface)
-    model = regulator.controller
-    measured, late = [axis.output], [s for s in regulator.servo.plant.states if s not in axis.model.states]
-    safe = {a.of: a.safe for a in interface.actuators}.get(axis.command, 0.0)
-    start = estimator_start.from_measurement(model, regulator.servo.plant, measured, values=dict.fromkeys(late, safe))
-    bounds = _state_bounds(model, wires)
-    inputs = np.append(wires.bounds, 0.0)[[0, 1, 2, 4, 3]]  # the excess is within the command
-    command = MARGIN * float(np.abs(model.C[0]) @ bounds + np.abs(model.D[0]) @ inputs)
-    excess = Signal(
-        wires.excess, wires.limited.unit, -command - _largest(wires.limited), command + _largest(wires.limited)
-    )
-    signals = (wires.error, wires.limited, wires.measured, excess, wires.reference)
-    ahead = _states_ahead(axis, interface)
-    kept = [model.outputs[0], *(f"{name}_ahead" for name in ahead)]
-    turned = _negated(model, f"{axis.output}_error").select(kept, model.inputs)
-    names_of = dict(zip(model.inputs, (s.name for s in signals), strict=True)) | {model.outputs[0]: wires.command}
-    outputs = [
-        Signal(wires.command, wires.limited.unit, -command, command, f"demanded of {axis.output}"),
-        *ahead.values(),
-    ]
-    states = [Signal(name, model.unit(name) or "1", -b, b) for name, b in zip(model.states, bounds, strict=True)]
-    tag = f"servo of {axis.output}"
-    block = linear_block.block(
-        f"servo_{axis.output}",
-        turned.renamed(names_of),
-        inputs=signals,
-        outputs=outputs,
-        states=states,
-        tag=tag,
-        start=start,
-    )
-    return [block]
-
-
-def _negated(model: StateSpace, name: str) -> StateSpace:
-    """Return the model with one input of the other sign: an error is here the set-point less the measurement."""
-    sign = np.array([-1.0 if n == name else 1.0 for n in model.inputs])
-    return replace(model, B=model.B * sign, D=model.D * sign)
-
-
-def _wires(axis: Axis, interface: Interface) -> _Wires:
-    sensor = next((s.name for s in interface.sensors if s.of == axis.output), "")
-    point = next((s.name for s in interface.set_points if s.of in (axis.output, sensor)), "")
-    if not sensor or not point:
-        raise SignalError(
-            f"the axis of '{axis.output}' needs a sensor and a set-point of it: the interface has sensors of "
-            f"{', '.join(s.of for s in interface.sensors)} and set-points of "
-            f"{', '.join(s.of for s in interface.set_points) or 'nothing'}; declare both"
-        )
-    around = interface.error(sensor), interface.held(sensor), interface.held(point)
-    if axis.inverse is not None:
-        bound, unit = _demand_bound(axis, interface), axis.model.unit(axis.command) or "1"
-        limited = Signal(f"{axis.command}_limited", unit, -bound, bound, "what the actuators make of the demand")
-        return _Wires(around[0], limited, *around[1:], f"{axis.command}_excess", f"{axis.command}_command")
-    actuator = next((a.name for a in interface.actuators if a.of == axis.command), None)
-    if actuator is None:
-        raise SignalError(
-            f"the axis of '{axis.output}' commands '{axis.command}', which no actuator drives: the interface has "
-            f"{', '.join(a.of for a in interface.actuators)}"
-        )
-    limited = interface.computed(actuator)
-    return _Wires(around[0], limited, *around[1:], f"{actuator}_excess", f"{actuator}_demand")
-
-
-def _state_bounds(model: StateSpace, wires: _Wires) -> Array:
-    """Return the bounds of the controller's states, whether its command is limited or not: excess = limited - command."""
-    excess = [i for i, name in enumerate(model.inputs) if name.endswith("_excess")]
-    others = [i for i in range(len(model.inputs)) if i not in excess]
-    E, command, direct = model.B[:, excess], model.C[:1], model.D[:1]
-    B = model.B - E @ direct
-    B[:, [i for i in others if model.inputs[i].endswith("_limited")]] += E
-    held = StateSpace(
-        model.A - E @ command,
-        B[:, others],
-        command,
-        direct[:, others],
-        model.states,
-        tuple(model.inputs[i] for i in others),
-        model.outputs[:1],
-        model.time,
-    )
-    return np.array([_rounded_up(MARGIN * float(b)) for b in reach.states(held, wires.bounds)])
-
-
-def _rounded_up(value: float) -> float:
-    """Return a bound in two digits, so that it is alike on every machine."""
-    if not value:
-        return 1e-30
-    scale = 10.0 ** (np.floor(np.log10(value)) - 1)
-    return float(f"{np.ceil(value / scale) * scale:.2g}")
-
-
-def _largest(signal: Signal) -> float:
-    return max(abs(signal.low), abs(signal.high))
-
-
-def _states_ahead(axis: Axis, interface: Interface) -> dict[str, Signal]:
-    """Return the predicted states of this axis that the inverse of the plant takes, inside the plant's domain."""
-    if axis.inverse is None:
-        return {}
-    taken = _entering(axis.inverse)
-    return {s.name: replace(s, name=f"{s.name}_ahead") for s in taken if s.name in axis.model.states}
-
-
-def _entering(inverse: Linearisation) -> list[Signal]:
-    """Return the plant's states that the law or the decoupling matrix takes."""
-    model = inverse.degree.model
-    exprs = ca.vertcat(inverse.u, ca.vec(inverse.degree.decoupling), inverse.degree.drift)
-    return [model.states[k] for k in box.entering(exprs, inverse.x, model.states)]
-
-
-def _inverse(inverse: Linearisation, regulators: Sequence[Regulator], interface: Interface) -> list[Block]:
-    """Return the Blocks from the demands to the actuators, and from what these make of it back to the axes."""
-    time, axes = regulators[0].time, [r.axis for r in regulators]
-    outputs, commands = inverse.degree.outputs, {axis.output: axis.command for axis in axes}
-    if missing := [name for name in outputs if name not in commands]:
-        raise SignalError(
-            f"the feedback linearisation takes the demand of '{missing[0]}' too: join the axes of "
-            f"{', '.join(outputs)} by axis.decoupled"
-        )
-    wires = {axis.output: _wires(axis, interface) for axis in axes}
-    known = {name: s for axis in axes for name, s in _states_ahead(axis, interface).items()}
-    for state in _entering(inverse):
-        if state.name not in known:
-            known[state.name] = _measured(state, interface)
-    actuators = {a.of: a.name for a in interface.actuators}
-    if missing := [name for name in inverse.inputs if name not in actuators]:
-        raise SignalError(
-            f"the feedback linearisation needs '{missing[0]}', which no actuator drives: hold it, or add one"
-        )
-    demand = {name: Signal(wires[name].command, wires[name].limited.unit, -1e30, 1e30) for name in outputs}
-    bound = _actuator_bounds(inverse, wires)
-    sent = {name: interface.demand(actuators[name], bound[name]) for name in inverse.inputs}
-    excess = {name: interface.excess(actuators[name], bound[name]) for name in inverse.inputs}
-
-    def at(expr: ca.SX, u: Exprs) -> ca.SX:
-        """Return an expression of the plant's states at their signals, clipped to the plant's domain."""
-        places = {s.name: k for k, s in enumerate(inverse.degree.model.states)}
-        old = ca.vertcat(*(inverse.x[places[name]] for name in known))
-        new = ca.vertcat(*(clip(u[s.name], inverse.degree.model.states[places[name]]) for name, s in known.items()))
-        return ca.substitute(expr, old, new) if known else expr
-
-    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        w = ca.vertcat(*(u[demand[name].name] for name in outputs))
-        command = ca.substitute(at(inverse.u, u), inverse.w, w)
-        return Step({s.name: command[i] for i, s in enumerate(sent.values())})
-
-    def made(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        added = ca.mtimes(at(inverse.degree.decoupling, u), ca.vertcat(*(u[s.name] for s in excess.values())))
-        output = {wires[name].excess: added[i] for i, name in enumerate(outputs)}
-        for i, name in enumerate(outputs):
-            output[wires[name].limited.name] = clip(u[demand[name].name] + added[i], wires[name].limited)
-        return Step(output)
-
-    ends = [Signal(wires[name].excess, wires[name].limited.unit, -1e30, 1e30) for name in outputs]
-    signals, tag = [*known.values(), *demand.values()], f"feedback linearisation of {', '.join(outputs)}"
-    name = "_".join(outputs)
-    back = [*ends, *(wires[name].limited for name in outputs)]
-    return [
-        build(f"inverse_{name}", time, law, inputs=signals, outputs=list(sent.values()), tag=tag),
-        build(f"made_{name}", time, made, inputs=[*signals, *excess.values()], outputs=back, tag=tag),
-    ]
-
-
-def _measured(state: Signal, interface: Interface) -> Signal:
-    sensor = next((s.name for s in interface.sensors if s.of == state.name), None)
-    if sensor is None:
-        raise SignalError(
-            f"the feedback linearisation takes '{state.name}', which no axis estimates and no sensor measures: linearise "
-            "its output too, or measure it"
-        )
-    return interface.held(sensor)
-
-
-def _scattered(inverse: Linearisation, inputs: Mapping[str, tuple[float, float]]) -> tuple[Array, Array]:
-    """Return points of the plant's box and of ranges of inputs: states (n, k) and inputs (m, k), vertices first."""
-    model = inverse.degree.model
-    ranges = [*model.states, *(Signal(name, "1", low, high) for name, (low, high) in inputs.items())]
-    points = np.hstack([_vertices(ranges), box.scatter(ranges, POINTS, SEED)])
-    return points[: len(model.states)], points[len(model.states) :]
-
-
-def _vertices(ranges: Sequence[Signal]) -> Array:
-    corners = np.array(np.meshgrid(*([0.0, 1.0] for _ in ranges))).reshape(len(ranges), -1)
-    return box.within(ranges, corners)
-
-
-def _demand_bound(axis: Axis, interface: Interface) -> float:
-    """Return how large the actuators can make the derivative that is the axis' demand, in the plant's box."""
-    inverse = axis.inverse
-    assert inverse is not None
-    ranges = {a.of: (interface.signals[a.name].low, interface.signals[a.name].high) for a in interface.actuators}
-    degree, i = inverse.degree, inverse.degree.outputs.index(axis.output)
-    x, u = _scattered(inverse, {name: ranges.get(name, (-1.0, 1.0)) for name in names(degree.model.inputs)})
-    symbols = ca.SX.sym("u", len(u))
-    made = degree.drift[i] + ca.mtimes(degree.decoupling[i, :], symbols)
-    function = ca.Function("made", [inverse.x, symbols], [ca.densify(made)])
-    return _rounded_up(MARGIN * float(np.abs(np.asarray(function(x, u))).max()))
-
-
-def _actuator_bounds(inverse: Linearisation, wires: Mapping[str, _Wires]) -> dict[str, float]:
-    """Return how large the law's inputs become in the plant's box, for demands four times what the actuators can make."""
-    reachable = {name: 4 * _largest(wires[name].limited) for name in inverse.degree.outputs}
-    x, w = _scattered(inverse, {f"w_{name}": (-b, b) for name, b in reachable.items()})
-    largest = np.abs(np.asarray(inverse.law(x, w))).max(axis=1)
-    return {name: _rounded_up(MARGIN * float(b)) for name, b in zip(inverse.inputs, largest, strict=True)}

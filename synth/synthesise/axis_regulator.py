@@ -29,7 +29,6 @@ from typing import Any
 import flint
 import numpy as np
 
-from synth import arguments
 from synth.analyse import loop, precise
 from synth.errors import SignalError
 from synth.statespace import Array, StateSpace, readonly
@@ -41,7 +40,6 @@ from synth.synthesise.feedback_linearisation import Linearisation
 from synth.timing import Discrete
 
 
-@arguments.checked
 @dataclass(frozen=True)
 class Kalman:
     """A Kalman filter to design: densities of white noise on states' derivatives, variances of the samples.
@@ -141,7 +139,6 @@ def _cut(value: float) -> float:
     return float(f"{value:.6g}")
 
 
-@arguments.checked
 def internal_weights(modes: Mapping[float, float], weight: float) -> Array:
     """Return the weight (k, k) on xi that lets the error of each mode die out at its speed in 1/s.
 
@@ -159,7 +156,7 @@ def internal_weights(modes: Mapping[float, float], weight: float) -> Array:
         factor = (2 if f else 1) * Fraction(speed) ** 2 * Fraction(weight)
         for row in rows:
             full = [*row, *[Fraction(0)] * (k - len(row))]
-            total = [[t + factor * a * b for t, b in zip(line, full, strict=True)] for line, a in zip(total, full)]
+            total = [[total[i][j] + factor * full[i] * full[j] for j in range(k)] for i in range(k)]
     return readonly([[float(v) for v in line] for line in total])
 
 
@@ -176,7 +173,6 @@ def _product(frequencies: Sequence[float]) -> list[Fraction]:
     return coefficients
 
 
-@arguments.checked
 def synthesise(axis: Axis, time: Discrete, delay: int = 1) -> Regulator:
     """Return the axis at a sample period, for a command that acts `delay` whole samples after its measurement.
 

@@ -82,7 +82,7 @@ class Linearisation:
         return ca.Function("law", [self.x, self.w], [ca.densify(self.u)], ["x", "w"], ["u"])
 
     def chain(self, output: str) -> "Chain":
-        """Return the chain of integrators from the demand ``w_<output>`` to an output, which this law makes of the plant.
+        """Return the chain of integrators from a demand ``w_<output>`` to an output, which the law makes of the plant.
 
         Its states are the output and its derivatives, by the name of the plant's state that a derivative is, else
         ``<output>_d<k>``.

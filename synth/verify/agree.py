@@ -5,9 +5,10 @@
     casadi_c    CasADi's own C of the Block, double
     c64, c32    the emitted C in double and in single precision
 
-A difference of the output v from the output r is |v - r| / max(floor, |r|), with the floor in the signal's unit: 1 A
-for currents. A difference of next states is relative to the width of the state's declared range. Every witness takes
-the same bits in: samples are drawn once, in the scalar type of the coarser witness.
+A difference of the output v from the output r is |v - r| / max(floor, |r|), with the floor in the output's unit: one
+number for all, one for each output by name, or else the largest magnitude of its declared range. A difference of next
+states is relative to the width of the state's declared range. Every witness takes the same bits in: samples are drawn
+once, in the scalar type of the coarser witness.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -20,10 +21,12 @@ from numpy.typing import NDArray
 
 from synth.block import Block
 from synth.emit import casadi_c
+from synth.errors import SignalError
 from synth.execute import compile as host_compiler
 from synth.execute import host
 
 Columns = Mapping[str, NDArray[Any]]
+Floor = float | Mapping[str, float] | None
 
 
 @dataclass(frozen=True)
@@ -64,23 +67,43 @@ def compare(
     what: str,
     first: tuple[str, Stepped],
     second: tuple[str, Stepped],
-    floor: float,
+    floor: Floor,
     block: Block,
     scalar: type[np.floating] = np.float64,
 ) -> Agreement:
     """Compare outputs, fault words and next states of two witnesses of the same N steps of a Block.
 
     A value that is no number differs by infinity. A recorded run has the states after its last step only.
+
+    Raises SignalError as `floors`.
     """
     (name, r), (other, v) = first, second
     gaps = {s.name: _gap(r.outputs[s.name], v.outputs[s.name]) for s in block.outputs}
-    sizes = {s.name: np.maximum(floor, np.abs(np.asarray(r.outputs[s.name], dtype=np.float64))) for s in block.outputs}
+    least = floors(floor, {s.name: (s.low, s.high) for s in block.outputs})
+    sizes = {n: np.maximum(least[n], np.abs(np.asarray(r.outputs[n], dtype=np.float64))) for n in least}
     signal, sample, worst = _worst({n: gap / sizes[n] for n, gap in gaps.items()})
     ulps = max(float(np.max(gap / np.spacing(sizes[n].astype(scalar)).astype(np.float64))) for n, gap in gaps.items())
     widths = {s.name: s.signal.high - s.signal.low for s in block.states}
     state, _, state_worst = _worst({n: _gap(r.states[n], v.states[n]) / w for n, w in widths.items()})
     unlike = int(np.count_nonzero(np.asarray(r.faults) != np.asarray(v.faults)))
     return Agreement(name, other, what, len(r.faults), worst, signal, sample, ulps, unlike, state_worst, state)
+
+
+def floors(floor: Floor, ranges: Mapping[str, tuple[float, float]]) -> dict[str, float]:
+    """Return the floor of each output, of whose (low, high) the largest magnitude serves where none is given.
+
+    Raises SignalError for a floor of no output, or one that is not finite and positive.
+    """
+    own = floor if isinstance(floor, Mapping) else {} if floor is None else dict.fromkeys(ranges, floor)
+    if unknown := [n for n in own if n not in ranges]:
+        raise SignalError(
+            f"floor of '{unknown[0]}': it is not one of the outputs {', '.join(ranges)}: correct the name"
+        )
+    least = {n: own.get(n, max(abs(low), abs(high)) or 1.0) for n, (low, high) in ranges.items()}
+    for name, value in least.items():
+        if not 0 < value < np.inf:
+            raise SignalError(f"floor of '{name}' is {value}: give a finite positive number in the output's unit")
+    return least
 
 
 def _gap(expected: Any, found: Any) -> NDArray[np.float64]:

@@ -20,7 +20,7 @@ from synth.check import Check
 from synth.emit.write import Emitted
 from synth.errors import DesignError
 from synth.execute import cross, host, image, qemu, target
-from synth.verify import steps
+from synth.verify import agree, steps
 from synth.verify.steps import Steps
 
 Columns = Mapping[str, NDArray[Any]]
@@ -78,19 +78,21 @@ def verify(emitted: Emitted, inputs: Columns, core: str, told: Callable[[str], N
     return tuple(checks)
 
 
-def drift(emitted: Emitted, inputs: Columns, core: str, floor: float, compiler: str = "gcc") -> Drift:
+def drift(emitted: Emitted, inputs: Columns, core: str, floor: agree.Floor = None, compiler: str = "gcc") -> Drift:
     """Replay inputs (N,) with contraction on and compare with the host's, where it is off.
 
-    `floor` is in the outputs' unit: below it a difference is absolute.
+    Below its floor, as `agree.floors` has it, a difference of an output is absolute.
 
-    Raises CompileError when the compiler is not installed, SignalError for inputs that do not fit.
+    Raises CompileError when the compiler is not installed, SignalError for inputs or a floor that do not fit.
     """
     expected = host.load(emitted.files, emitted.manifest).replay(inputs)
     found = target.load(emitted.files, emitted.manifest, core, compiler, cross.CONTRACTED).replay(inputs)
+    fields = emitted.manifest["structs"]["output"]["fields"]
+    least = agree.floors(floor, {f["name"]: (f["low"], f["high"]) for f in fields})
     gaps = {}
     for name, i in expected.outputs.items():
         value = i.astype(np.float64)
-        gaps[name] = np.abs(found.outputs[name].astype(np.float64) - value) / np.maximum(floor, np.abs(value))
+        gaps[name] = np.abs(found.outputs[name].astype(np.float64) - value) / np.maximum(least[name], np.abs(value))
     worst = max(gaps, key=lambda name: float(gaps[name].max()))
     step = int(np.argmax(gaps[worst]))
     unlike = int(np.count_nonzero(found.faults != expected.faults))

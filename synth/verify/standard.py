@@ -80,8 +80,8 @@ def loops(stage: Stage) -> robustness.Loops:
 
 
 def largest_output(stage: Stage) -> float:
-    """Return the largest magnitude in the ranges of the controller's outputs, in their units."""
-    return max(max(abs(s.low), abs(s.high)) for s in stage.controller.block.outputs)
+    """Return the largest magnitude in the ranges of the actuators, or of the outputs where there is no actuator."""
+    return max(max(abs(s.low), abs(s.high)) for s in stage.interface.outputs or stage.controller.block.outputs)
 
 
 def _unit(stage: Stage, floor: float) -> str:

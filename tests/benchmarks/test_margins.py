@@ -39,9 +39,7 @@ def test_a_margin_that_is_reported_a_thousandth_too_large_is_noticed(
             for c in found.gain_crossings
         )
         rising = [c for c in found.phase_crossings if c.gain_margin > 1]
-        phases = tuple(
-            replace(c, gain_margin=c.gain_margin * (more if part == "gain" else 1)) for c in rising
-        )
+        phases = tuple(replace(c, gain_margin=c.gain_margin * (more if part == "gain" else 1)) for c in rising)
         peak = found.peak_sensitivity / (more if part == "modulus" else 1)
         return replace(found, gain_crossings=gains, phase_crossings=phases, peak_sensitivity=peak)
 

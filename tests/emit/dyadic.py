@@ -21,6 +21,7 @@ TIME = Discrete(1e-3)
 SX = ca.SX
 BITS = 20
 REALS, BOUND, PLACES = ("r", "s", "q"), 8, 3
+WIDE = 1024.0  # no output leaves it
 TOP = 7  # of the counter
 AWKWARD = ["limit", "t1", "t2", "t3", "t4", "faults", "min", "max", "state", "in", "out", "faults_2", "t1_2", "sinf"]
 AWKWARD += ["fabsf", "limit_2", "r_next", "n_next", "y1", "j0", "uint32_t", "init", "step", "main", "rb"]
@@ -183,7 +184,7 @@ def part(
 
     states = [State(signal(n, -BOUND, BOUND), 0.25 * i) for i, n in enumerate((*REALS, "g"))]
     states += [State(signal("n", 0, TOP), 2, True), State(signal("f", 0, 1), 0, True)]
-    outs = [signal(n, -BOUND, BOUND) for n in outputs] + [signal(f"flag_{name}", 0, 1)]
+    outs = [signal(n, -WIDE, WIDE) for n in outputs] + [signal(f"flag_{name}", 0, 1)]
     constants = [Constant("k", 1.25, "1", "test"), Constant("kk", -0.5, "1", "test")]
     return build(name, TIME, law, inputs=inputs, outputs=outs, states=states, constants=constants, tag=f"law of {name}")
 

@@ -288,7 +288,7 @@ def test_a_guard_block_hands_on_numbers_within_range() -> None:
 
 
 def test_the_values_of_a_controller_lie_in_its_ranges() -> None:
-    block = control.controller(maglev_stage.plant()).rounded(F32)
+    block = control.controller(maglev_stage.plant()).block.rounded(F32)
     program = lower.program(block)
     box, rng = ranges.bounds(block, F32), np.random.default_rng(1)
     found = ranges.analyse(program, box, F32)

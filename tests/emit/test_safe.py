@@ -203,7 +203,7 @@ def test_a_signal_inside_a_composition_is_named_with_its_block() -> None:
 
 
 def test_a_controller_is_safe() -> None:
-    block = control.controller(maglev_stage.plant())
+    block = control.controller(maglev_stage.plant()).block
     assert all(r.finite for r in proved(block).values())
 
 

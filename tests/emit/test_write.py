@@ -23,12 +23,12 @@ FLOATS = [np.float32, np.float64]
 OWN = str(Path(reduced.__file__).parent)
 
 
-def filter_block(k: float = 0.1) -> Block:
+def filter_block(k: float = 0.1, high: float = 3.0) -> Block:
     def law(u: dict[str, ca.SX], x: dict[str, ca.SX], k: dict[str, ca.SX]) -> Step:
         lag = x["lag"] + k["k"] * (u["a"] - x["lag"])
         return Step({"y": ca.sin(lag) + lag}, {"lag": lag})
 
-    a, y, lag = (Signal(name, "1", -2, 2) for name in ("a", "y", "lag"))
+    a, lag, y = Signal("a", "1", -2, 2), Signal("lag", "1", -2, 2), Signal("y", "1", -high, high)
     constants = [Constant("k", k, "1", "a tenth")]
     return build("lagged", Discrete(1e-3), law, inputs=[a], outputs=[y], states=[State(lag, 0)], constants=constants)
 
@@ -68,7 +68,7 @@ def test_what_a_type_cannot_hold_is_refused() -> None:
         emit(filter_block(), np.float16)
     with pytest.raises(SignalError, match="constant 'k' is inf"):
         emit(filter_block(1e39), np.float32)
-    assert "k = 1e+39;" in emit(filter_block(1e39), np.float64, libm=True).files["lagged.c"]
+    assert "k = 1e+39;" in emit(filter_block(1e39, 1e40), np.float64, libm=True).files["lagged.c"]
 
 
 def axis(i: int) -> Block:

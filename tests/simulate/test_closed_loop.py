@@ -1,5 +1,6 @@
 """The simulated loop must be the loop of the equations: against matrix recursions, SciPy's integrator and mechanics."""
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -15,7 +16,7 @@ from synth.execute.host import Controller
 from synth.plant import Plant
 from synth.simulate import closed_loop
 from synth.simulate.closed_loop import Scenario, Trajectory
-from synth.simulate.sensors import Encoder, Override
+from synth.simulate.sensors import Analogue, Encoder, Override, Plain
 
 T, KP, KD, BIAS = 1e-3, 400.0, 6.0, 2.0
 Level = Callable[[str], Controller]
@@ -204,6 +205,41 @@ def test_disturbance_depends_on_state_and_time(mass: Plant, level: Level) -> Non
         closed_loop.simulate(mass, level("float64"), scenario, ca.Function("extra", [x], [x]))
 
 
+def test_an_input_is_forced_by_a_time_series_and_by_a_function_of_time(mass: Plant, level: Level) -> None:
+    """A carriage of 2 kg under 3 N, held over each sample or read in the middle of each substep."""
+    series = np.where(np.arange(300) < 100, 3.0, 0.0)
+    found = closed_loop.simulate(mass, level("float64"), replace(BASE, forcing={"j": series}))
+    speed = np.minimum(found.time, 0.1) * 3.0 / 2.0
+    assert np.allclose(found["w"], speed, rtol=0, atol=1e-12) and np.array_equal(found.applied["j"], series)
+    moving = replace(BASE, forcing={"j": lambda t: 3.0 * math.sin(20 * t)}, substeps=40)
+    found = closed_loop.simulate(mass, level("float64"), moving)
+    assert np.allclose(found["w"], 3 / 40 * (1 - np.cos(20 * found.time)), rtol=0, atol=3e-9)
+    coarse = closed_loop.simulate(mass, level("float64"), replace(moving, forcing={"j": 3 * np.sin(20 * found.time)}))
+    assert np.abs(coarse["w"] - found["w"]).max() > 1e-5
+
+
+def test_forcing_is_added_to_what_is_commanded_in_each_substep(mass: Plant, level: Level) -> None:
+    """An actuated input that is forced as well: with two samples of delay the command waits, the force does not."""
+    still = replace(BASE, delay=2, hold={"current": 1.5})
+    free = closed_loop.simulate(mass, level("float64"), still)
+    found = closed_loop.simulate(mass, level("float64"), replace(still, forcing={"i": np.full(300, 0.25), "j": 0.0}))
+    assert found.applied["i"][0] == 1.75 and found.applied["i"][1] == 1.75 and free.applied["i"][0] == 1.5
+    assert np.array_equal(found.applied["i"][2:], found.commands["current"][:-2] + 0.25)
+
+
+@pytest.mark.parametrize("scalar", ["float32", "float64"])
+def test_sensors_are_wrong_as_they_say(magnet: Plant, level: Level, scalar: str) -> None:
+    controller = level(scalar)
+    analogue = Analogue(0.0, 0.04, bits=12, noise=2e-5, offset=1e-5, gain_error=1e-3, seed=5)
+    for sensor in (Plain(1e-5, -1e-3), Encoder(1e-6, 2e-5, 1e-3), analogue, replace(analogue, low=0.0208)):
+        found = closed_loop.simulate(magnet, controller, replace(BASE, encoders={"gap": sensor}))
+        noise = sensor.noise_of(300, 0) / (1 + sensor.gain_error)
+        assert np.array_equal(found.measured["gap"][:3], sensor.read(found["q"] + noise).astype(controller.scalar)[:3])
+        near = np.abs(found.measured["gap"] - sensor.read(found["q"] + noise))
+        assert near.max() < 1.1 * max(sensor.chain[2], 1e-8), sensor
+        assert found.measured["gap"].min() >= controller.scalar(sensor.chain[3])
+
+
 def test_a_perturbed_plant_needs_no_compiler(
     magnet: Plant, level: Level, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -241,6 +277,13 @@ def test_a_trajectory_is_read_by_name_and_not_written(mass: Plant, level: Level)
         ({"references": {"gap_ref": 0.02, "gap": 0.0}}, WiringError, "'gap' has 2 sources"),
         ({"references": {"gap_ref": np.zeros(299)}}, SignalError, r"\(299,\), need \(300,\)"),
         ({"forcing": {}}, WiringError, "plant input 'j' has no source"),
+        ({"forcing": {"j": np.zeros(299)}}, SignalError, r"forcing of 'j' is an array \(299,\): give .* in A, 300 of"),
+        ({"forcing": {"j": np.zeros((300, 4))}}, SignalError, r"forcing of 'j' is an array \(300, 4\)"),
+        ({"forcing": {"j": np.full(300, np.nan)}}, SignalError, "forcing of 'j' is not finite: give"),
+        ({"forcing": {"j": lambda t: np.inf}}, SignalError, "forcing of 'j' is not finite: give"),
+        ({"forcing": {"j": "hum"}}, SignalError, "forcing of 'j' is no number at some time"),
+        ({"forcing": {"j": lambda t: [t]}}, SignalError, "forcing of 'j' is no number at some time"),
+        ({"forcing": {"j": 0.0, "k": np.zeros(300)}}, SignalError, "forcing: 'k' is not one of i, j"),
         ({"actuators": {"i": "voltage"}}, SignalError, "'voltage' is not one of current, overflow, trim"),
         ({"hold": {"voltage": 0.0}}, SignalError, "hold: 'voltage'"),
         ({"encoders": {"gap_ref": Encoder(1e-5)}}, SignalError, "encoders: 'gap_ref'"),

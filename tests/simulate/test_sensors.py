@@ -1,10 +1,12 @@
-"""An encoder rounds to the nearest count, and to nothing else."""
+"""An encoder rounds to the nearest count, and to nothing else; an analogue sensor saturates and makes noise."""
+
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 
 from synth.errors import SignalError
-from synth.simulate.sensors import Encoder
+from synth.simulate.sensors import Analogue, Encoder, Plain, Sensor
 
 
 def test_reading_is_the_nearest_count() -> None:
@@ -28,3 +30,32 @@ def test_zero_resolution_is_ideal() -> None:
 def test_a_resolution_that_is_none_is_refused(resolution: float) -> None:
     with pytest.raises(SignalError, match="encoder resolution"):
         Encoder(resolution)
+
+
+def test_offset_and_gain_errors_come_before_the_counts() -> None:
+    assert Plain(0.5, 0.01).read(2.0) == pytest.approx(2.52)
+    assert Encoder(0.1, 0.04, 0.01).read(1.1) == pytest.approx(1.2)  # 1.151
+    assert Analogue(-1.0, 1.0, bits=3, offset=0.2).read([0.1, 0.9, -7.0]) == pytest.approx([0.25, 1.0, -1.0])
+
+
+def test_noise_has_its_size_and_its_seed() -> None:
+    sensor = Analogue(-10.0, 10.0, noise=1e-3, seed=3)
+    noise = sensor.noise_of(20_000, 0)
+    assert np.std(noise) == pytest.approx(1e-3, rel=0.03) and abs(np.mean(noise)) < 3e-5
+    assert np.array_equal(noise, sensor.noise_of(20_000, 0)) and not np.array_equal(noise, sensor.noise_of(20_000, 1))
+    assert abs(np.corrcoef(noise, sensor.noise_of(20_000, 1))[0, 1]) < 0.05
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: Analogue(1.0, 1.0), "spans 1.0 .. 1.0"),
+        (lambda: Analogue(0.0, 1.0, bits=0), "0 bits: give a whole number from 1 to 53"),
+        (lambda: Analogue(0.0, 1.0, noise=-1.0), "noise -1.0 rms"),
+        (lambda: Plain(np.nan), "plain sensor has the offset nan"),
+        (lambda: Encoder(1e-3, 0.0, np.inf), "encoder has the offset 0.0 and the gain error inf"),
+    ],
+)
+def test_errors_that_are_no_numbers_are_refused(make: Callable[[], Sensor], words: str) -> None:
+    with pytest.raises(SignalError, match=words):
+        make()

@@ -315,3 +315,17 @@ def test_the_aircrafts_law_by_hand() -> None:
         D = np.array([[-s, 0.3 * c], [c, 0.3 * s]])
         sent = law.law(x, [0.4, -0.7]).full().ravel()
         np.testing.assert_allclose(sent, np.linalg.solve(D, [0.4, 0.3]), rtol=1e-12)
+
+
+def test_a_chain_bears_the_names_of_the_plants_states_where_a_derivative_is_one() -> None:
+    """x and z of the aircraft have their velocities for states; the flexible joint's acceleration is no state."""
+    joint = feedback_linearisation.of_plant(textbook_plants.flexible_joint()).chain("y")
+    assert joint.model.states == ("q1", "w1", "y_d2", "y_d3") and joint.model.inputs == ("w_y",)
+    assert [joint.model.unit(n) for n in ("y", "q1", "w1", "y_d2", "w_y")] == ["rad", "rad", "rad/s", "rad/s^2", "rad/s^4"]
+    np.testing.assert_array_equal(joint.model.A, np.eye(4, k=1))
+    assert joint.law.degree.outputs == ("y",)
+
+
+def test_a_chain_of_another_output_is_refused() -> None:
+    with pytest.raises(SignalError, match="'q1' is not linearised: choose one of y"):
+        feedback_linearisation.of_plant(textbook_plants.flexible_joint()).chain("q1")

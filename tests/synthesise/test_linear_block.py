@@ -21,7 +21,7 @@ from tests import tolerances
 TIME = Discrete(1e-3)
 DOUBLE = tolerances.of("double")
 INPUTS = [Signal("u", "N", -1, 1), Signal("v", "N m/rad", -1, 1)]
-OUTPUTS = [Signal("p", "m", -9, 9), Signal("w", "rad", -9, 9)]
+OUTPUTS = [Signal("p", "m", -50, 50), Signal("w", "rad", -200, 200)]
 STATES = [Signal("p", "m", -50, 50), Signal("q", "m/s", -50, 50)]
 MODEL = StateSpace(
     [[0.5, 1], [0, -0.25]], [[1, 0], [0.3, -1]], [[1, 0], [-2, 0.7]], [[0, 0], [1, -1]],

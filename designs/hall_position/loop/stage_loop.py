@@ -21,7 +21,7 @@ from designs.planar_6dof import interface, lqg
 from designs.planar_6dof import loop as planar
 from models import built_matrix, hall_calibration, hall_chain, planar_stage
 from models.hall_chain import Chain
-from synth.block import Block
+from synth.block import Block, unranged
 from synth.compose import compose
 from synth.emit import write
 from synth.emit.write import Emitted
@@ -120,7 +120,7 @@ def view(source: Source) -> Block:
     guard = safety.guard(TIME, interface.INPUTS, interface.BAD_SAMPLES, suspected=planar_stage.HALL)
     outputs = [*RAW.values(), "X", "Y", "yaw", "valid", "residual"]
     parts = [guard, *closed_loop.sensed(source, TIME)]
-    return compose("hall_view", parts, inputs=[g.signal.name for g in interface.INPUTS], outputs=outputs)
+    return unranged(compose("hall_view", parts, inputs=[g.signal.name for g in interface.INPUTS], outputs=outputs))
 
 
 def _loop(bench: Bench, block: Block, shown: Block, matched: float, error: float, libm: bool) -> Loop:

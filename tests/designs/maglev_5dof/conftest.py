@@ -3,12 +3,19 @@
 import numpy as np
 import pytest
 
-from designs.maglev_5dof import verification
-from designs.maglev_5dof.loop import Loop, compiled
+from designs.maglev_5dof.design import DESIGN
 from models import maglev_stage
+from synth import declared
 from synth.execute import host
 from synth.plant import Plant
+from synth.simulate.rig import Rig
 from synth.verify.evidence import Evidence
+from synth.workspace import Design
+
+
+@pytest.fixture(scope="session")
+def design() -> Design:
+    return DESIGN
 
 
 @pytest.fixture(scope="session")
@@ -17,20 +24,20 @@ def stage() -> Plant:
 
 
 @pytest.fixture(scope="session")
-def single(stage: Plant) -> host.Controller:
-    return compiled(stage, np.float32)
+def single() -> host.Controller:
+    return declared.compiled(DESIGN.stage, np.float32)
 
 
 @pytest.fixture(scope="session")
-def double(stage: Plant) -> host.Controller:
-    return compiled(stage, np.float64)
+def double() -> host.Controller:
+    return declared.compiled(DESIGN.stage, np.float64)
 
 
 @pytest.fixture(scope="session")
-def shipped(stage: Plant, single: host.Controller) -> Loop:
-    return Loop(stage, single)
+def shipped() -> Rig:
+    return declared.rig(DESIGN.stage, np.float32)
 
 
 @pytest.fixture(scope="session")
-def evidence(stage: Plant) -> Evidence:
-    return verification.verify(stage, lambda _: None)
+def evidence() -> Evidence:
+    return DESIGN.verify(lambda _: None, True)

@@ -7,19 +7,18 @@ import numpy as np
 import pytest
 
 from designs.maglev_5dof import control, experiments
-from designs.maglev_5dof.loop import Loop, compiled
+from designs.maglev_5dof.design import DESIGN
 from synth.block import Block, Constant
 from synth.check import Check
-from synth.emit import write
-from synth.execute import host
+from synth.execute import build, host
 from synth.plant import Plant
 from synth.simulate.experiment import Experiment
+from synth.simulate.rig import Rig
 
 
 @pytest.fixture(scope="module")
-def found(shipped: Loop, stage: Plant) -> dict[str, Experiment]:
-    unwound = Loop(stage, compiled(stage, np.float32, wound=False))
-    return {e.name: e for e in experiments.run(shipped, unwound, lambda _: None)}
+def found() -> dict[str, Experiment]:
+    return {e.name: e for e in DESIGN.simulate(lambda _: None)}
 
 
 def test_every_check_passes(found: dict[str, Experiment]) -> None:
@@ -55,7 +54,7 @@ def test_zero_current_slams_up_and_the_safe_output_does_not(found: dict[str, Exp
 
 
 @pytest.mark.parametrize("gap", np.arange(0.0181, 0.031, 0.0003).tolist())
-def test_the_safe_output_lets_the_platen_down_from_every_gap(shipped: Loop, gap: float) -> None:
+def test_the_safe_output_lets_the_platen_down_from_every_gap(shipped: Rig, gap: float) -> None:
     """From rest, under the safe output alone; zero current instead slams it up from 28.7 mm and below."""
     safe = {f"i_d{j}": control.SAFE_CURRENT for j in range(1, 5)} | {"u_x": 0.0, "u_z": 0.0}
     y = shipped.run(2.0, {"y": gap}, {}, actuators={}, forcing=safe)["y"]
@@ -77,16 +76,16 @@ def _with_gain(block: Block, name: str) -> Block:
 
 
 def test_a_wrong_sign_in_a_gain_is_caught(stage: Plant) -> None:
-    block = _with_gain(control.controller(stage), "regulator_y_k_de")
-    emitted = write.emit(block, np.float32, error=control.SURROGATE_ERROR[np.float32])
-    run = experiments.step(Loop(stage, host.load(emitted.files, emitted.manifest)), "y", 0.022, 0.029, gap=0.022)
+    block = _with_gain(control.controller(stage).block, "regulator_y_k_de")
+    wrong = build.compiled(block, np.float32, error=control.SURROGATE_ERROR[np.float32])
+    run = experiments.step(Rig(DESIGN.stage, stage, wrong), "y", 0.022, 0.029, gap=0.022)
     assert run.response.t_s > experiments.Y_LIMITS[1]
 
 
 @pytest.mark.parametrize("parameter", ["k_s_theta", "G"])
 def test_a_wrong_sign_in_the_physics_is_caught(stage: Plant, single: host.Controller, parameter: str) -> None:
     wrong = stage.with_parameters(**MappingProxyType({parameter: -stage.parameter(parameter).value}))
-    runs = [experiments.step(Loop(plant, single), "theta", 0.0, 0.01) for plant in (stage, wrong)]
+    runs = [experiments.step(Rig(DESIGN.stage, plant, single), "theta", 0.0, 0.01) for plant in (stage, wrong)]
     late, gone = experiments.THETA_LIMITS[1], 1e-3
     found = [r.response.t_s > late or np.abs(r.trajectory["y"] - 0.025).max() > gone for r in runs]
     assert found == [False, True]

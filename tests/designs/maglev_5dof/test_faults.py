@@ -9,15 +9,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from designs.maglev_5dof import control, experiments
-from designs.maglev_5dof.loop import Loop
+from designs.maglev_5dof.design import DESIGN
+from synth import stage as stages
 from synth.emit import write
 from synth.execute import host
 from synth.plant import Plant
+from synth.simulate.rig import Rig
 from synth.simulate.scenario import sample_times
 from synth.simulate.sensors import Override
 
-NAMES = [g.signal.name for g in control.INPUTS]
-MEASURED = [g.signal.name for g in control.INPUTS if g.measurement]
+INPUTS = stages.guarded(control.INTERFACE)
+NAMES = [g.signal.name for g in INPUTS]
+MEASURED = [g.signal.name for g in INPUTS if g.measurement]
 LATCHED = 1 << 31
 BAD = (np.nan, np.inf, -np.inf, 1e30, -1e30, 5e-324, -1.0)
 LIMIT = 4.950
@@ -46,11 +49,11 @@ def test_any_bits_for_ever(single: host.Controller, data: st.DataObject) -> None
     rng = np.random.default_rng(seed)
     words = {name: bits(rng.integers(0, 2**32, n, dtype=np.uint64).tolist()) for name in NAMES}
     for name in data.draw(st.sets(st.sampled_from(NAMES))):
-        signal = next(g.signal for g in control.INPUTS if g.signal.name == name)
+        signal = next(g.signal for g in INPUTS if g.signal.name == name)
         words[name] = rng.uniform(signal.low, signal.high, n).astype(np.float32)
     replay = single.replay(words)
     require_sound(replay, single.manifest["structs"]["state"]["fields"])
-    for i, g in enumerate(control.INPUTS):
+    for i, g in enumerate(INPUTS):
         low, high = np.float32(g.signal.low), np.float32(g.signal.high)
         with np.errstate(invalid="ignore"):
             good = (words[g.signal.name] >= low) & (words[g.signal.name] <= high)
@@ -59,10 +62,10 @@ def test_any_bits_for_ever(single: host.Controller, data: st.DataObject) -> None
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("bad", BAD)
-def test_one_bad_sample_is_held_and_flagged_and_the_loop_recovers(shipped: Loop, name: str, bad: float) -> None:
+def test_one_bad_sample_is_held_and_flagged_and_the_loop_recovers(shipped: Rig, name: str, bad: float) -> None:
     time = sample_times(1.5, control.TIME.period_s)
     mask = (time >= 0.5) & (time < 0.5015)
-    signal = next(g.signal for g in control.INPUTS if g.signal.name == name)
+    signal = next(g.signal for g in INPUTS if g.signal.name == name)
     in_range = signal.low <= bad <= signal.high
     trajectory = shipped.run(1.5, {"y": 0.025}, {}, overrides={name: Override(mask, np.full(len(time), bad))})
     expected = np.where(mask & (not in_range), 1 << NAMES.index(name), 0)
@@ -72,7 +75,7 @@ def test_one_bad_sample_is_held_and_flagged_and_the_loop_recovers(shipped: Loop,
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_bad_for_ever_latches_a_measurement_and_never_a_set_point(shipped: Loop, name: str) -> None:
+def test_bad_for_ever_latches_a_measurement_and_never_a_set_point(shipped: Rig, name: str) -> None:
     time = sample_times(3.0, control.TIME.period_s)
     lost = Override(time >= 0.5, np.full(len(time), np.nan))
     trajectory = shipped.run(3.0, {"y": 0.025}, {}, overrides={name: lost})
@@ -80,7 +83,7 @@ def test_bad_for_ever_latches_a_measurement_and_never_a_set_point(shipped: Loop,
     if name in MEASURED:
         assert np.argmax(latched) == np.argmax(time >= 0.5) + control.BAD_SAMPLES - 1 and latched[-1]
         final = {n: float(v[-1]) for n, v in trajectory.commands.items()}
-        assert final == {n: pytest.approx(v) for n, v in control.SAFETY.safe_output.items()}
+        assert final == {n: pytest.approx(v) for n, v in DESIGN.stage.controller.block.safety.safe_output.items()}
         steps = [np.abs(np.diff(v.astype(float)[latched])).max() for v in trajectory.commands.values()]
         assert max(steps) <= control.SLEW * control.TIME.period_s * (1 + 1e-5)
     else:
@@ -89,7 +92,7 @@ def test_bad_for_ever_latches_a_measurement_and_never_a_set_point(shipped: Loop,
 
 
 def test_bad_samples_of_several_measurements_in_a_row_latch(single: host.Controller) -> None:
-    good = {g.signal.name: np.full(12, g.initial) for g in control.INPUTS}
+    good = {g.signal.name: np.full(12, g.initial) for g in INPUTS}
     turns = {name: good[name].copy() for name in MEASURED}
     for k, name in enumerate(MEASURED):
         turns[name][k] = np.nan
@@ -101,7 +104,7 @@ def test_bad_samples_of_several_measurements_in_a_row_latch(single: host.Control
 
 def test_once_latched_filters_and_internal_models_stand_still(single: host.Controller) -> None:
     n, k = 400, 200
-    inputs = {g.signal.name: np.full(n, g.initial) for g in control.INPUTS} | {"x_ref": np.linspace(0, 0.05, n)}
+    inputs = {g.signal.name: np.full(n, g.initial) for g in INPUTS} | {"x_ref": np.linspace(0, 0.05, n)}
     inputs["z"] = np.where((np.arange(n) >= k) & (np.arange(n) < k + control.BAD_SAMPLES), np.nan, 0.0)
     at = [single.replay({name: v[:stop] for name, v in inputs.items()}).state for stop in (k + 4, k + 5, k + 6, n)]
     loops = [m for m in at[0].dtype.names or () if m.startswith(("filter_", "regulator_"))]
@@ -114,7 +117,7 @@ def test_once_latched_filters_and_internal_models_stand_still(single: host.Contr
 
 
 def test_a_latch_stays_until_init(single: host.Controller) -> None:
-    good = {g.signal.name: np.full(50, g.initial) for g in control.INPUTS}
+    good = {g.signal.name: np.full(50, g.initial) for g in INPUTS}
     lost = dict(good) | {"z": np.where(np.arange(50) < 5, np.nan, 0.0)}
     latched = single.replay(lost)
     after = single.replay(good, latched.state)
@@ -124,7 +127,7 @@ def test_a_latch_stays_until_init(single: host.Controller) -> None:
 
 def _emitted(stage: Plant) -> write.Emitted:
     error = control.SURROGATE_ERROR[np.float32]
-    return write.emit(control.controller(stage), np.float32, error=error)
+    return write.emit(control.controller(stage).block, np.float32, error=error)
 
 
 @pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="-mfma is a flag of x86-64 compilers")
@@ -132,7 +135,7 @@ def test_a_motor_at_its_limit_with_fused_operations(stage: Plant) -> None:
     """Contraction, the default of gcc for ARM, rounds a product less: no root of a negative number comes of it."""
     emitted = _emitted(stage)
     fused = host.load(emitted.files, emitted.manifest, ("-ffp-contract=fast", "-mfma"))
-    held = {g.signal.name: np.full(3000, g.initial) for g in control.INPUTS}
+    held = {g.signal.name: np.full(3000, g.initial) for g in INPUTS}
     moves = {"y_ref": np.full(3000, 0.018), "x_ref": np.full(3000, 0.05), "z_ref": np.full(3000, -0.05)}
     replay = fused.replay(held | moves)
     require_sound(replay, fused.manifest["structs"]["state"]["fields"])
@@ -154,7 +157,7 @@ def test_a_lost_limit_is_caught(stage: Plant, old: str, new: str) -> None:
     assert old in text
     wrong = host.load({**emitted.files, "maglev_5dof.c": text.replace(old, new)}, emitted.manifest)
     n = 100_000  # enough for a standing error of 13 mm to wind the sum up
-    held = {g.signal.name: np.full(n, g.initial) for g in control.INPUTS}
+    held = {g.signal.name: np.full(n, g.initial) for g in INPUTS}
     replay = wrong.replay(held | {"y_ref": np.full(n, 0.018), "x_ref": np.full(n, 0.05)})
     with pytest.raises(AssertionError):
         require_sound(replay, wrong.manifest["structs"]["state"]["fields"])

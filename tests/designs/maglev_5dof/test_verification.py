@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from designs.maglev_5dof import control, reference, verification
-from designs.maglev_5dof.loop import compiled
+from designs.maglev_5dof.design import DESIGN
 from models import maglev_stage
 from synth.block import Block
 from synth.emit import write
-from synth.execute import host
+from synth.execute import build, host
 from synth.plant import Plant
-from synth.verify import agree
+from synth.verify import agree, suite
 from synth.verify.evidence import Evidence
 
 
@@ -28,7 +28,7 @@ def test_every_check_passes(evidence: Evidence) -> None:
 @pytest.fixture(scope="module")
 def drawn(stage: Plant) -> tuple[verification.Columns, verification.Columns]:
     """Random steps of the domain, then as many edge steps: bad inputs, limits, latched states."""
-    block = control.controller(stage)
+    block = control.controller(stage).block
     random, edge = verification.random_steps(block, 2000), verification.edge_steps(block, 2000)
     joined = [{n: np.concatenate([a[n], b[n]]) for n in a} for a, b in zip(random, edge, strict=True)]
     return joined[0], joined[1]
@@ -36,13 +36,13 @@ def drawn(stage: Plant) -> tuple[verification.Columns, verification.Columns]:
 
 def _worst(controller: host.Controller, drawn: tuple[verification.Columns, verification.Columns]) -> agree.Agreement:
     expected = agree.reference(reference.step)(*drawn)
-    block, found = control.controller(maglev_stage.plant()), agree.emitted(controller)(*drawn)
+    block, found = DESIGN.stage.controller.block, agree.emitted(controller)(*drawn)
     return agree.compare("planted", ("reference", expected), ("c64", found), verification.EDGE_FLOOR, block)
 
 
 def test_most_random_steps_are_near_operation(stage: Plant) -> None:
     """Far from a limit, not latched, the last currents those of a platen at rest: what is compared is the law."""
-    block = control.controller(stage)
+    block = control.controller(stage).block
     states, inputs = verification.random_steps(block, 5000)
     after, outputs, faults = reference.step(states, inputs)
     assert not faults.any() and set(states) == {s.name for s in block.states}
@@ -55,7 +55,12 @@ def test_most_random_steps_are_near_operation(stage: Plant) -> None:
 
 
 def _apart(found: agree.Agreement) -> bool:
-    return max(found.worst, found.state_worst) > 1e3 * verification.EXACT or found.faults_differ > 0
+    return max(found.worst, found.state_worst) > 1e3 * suite.EXACT or found.faults_differ > 0
+
+
+def _compiled(plant: Plant) -> host.Controller:
+    error = control.SURROGATE_ERROR[np.float64]
+    return build.compiled(control.controller(plant).block, np.float64, error=error)
 
 
 def _emitted(block: Block) -> write.Emitted:
@@ -64,7 +69,7 @@ def _emitted(block: Block) -> write.Emitted:
 
 def test_the_sound_c_agrees(double: host.Controller, drawn: tuple[verification.Columns, verification.Columns]) -> None:
     found = _worst(double, drawn)
-    assert max(found.worst, found.state_worst) <= verification.EXACT and found.faults_differ == 0
+    assert max(found.worst, found.state_worst) <= suite.EXACT and found.faults_differ == 0
 
 
 @pytest.mark.parametrize(
@@ -86,7 +91,7 @@ def test_the_sound_c_agrees(double: host.Controller, drawn: tuple[verification.C
 def test_a_planted_change_in_the_c_is_caught(
     stage: Plant, drawn: tuple[verification.Columns, verification.Columns], old: str, new: str
 ) -> None:
-    emitted = _emitted(control.controller(stage))
+    emitted = _emitted(control.controller(stage).block)
     text = emitted.files["maglev_5dof.c"]
     assert old in text
     before, _, after = text.rpartition(old)
@@ -97,7 +102,7 @@ def test_a_planted_change_in_the_c_is_caught(
 def test_a_planted_sign_in_a_gain_is_caught(
     stage: Plant, drawn: tuple[verification.Columns, verification.Columns]
 ) -> None:
-    block = control.controller(stage)
+    block = control.controller(stage).block
     constants = tuple(replace(c, value=-c.value) if c.name == "regulator_x_k_p1" else c for c in block.constants)
     emitted = _emitted(replace(block, constants=constants))
     assert _apart(_worst(host.load(emitted.files, emitted.manifest), drawn))
@@ -107,7 +112,7 @@ def test_a_planted_sign_in_the_physics_is_caught(
     stage: Plant, drawn: tuple[verification.Columns, verification.Columns]
 ) -> None:
     wrong = stage.with_parameters(k_s_theta=-stage.parameter("k_s_theta").value)
-    assert _apart(_worst(compiled(wrong, np.float64), drawn))
+    assert _apart(_worst(_compiled(wrong), drawn))
 
 
 def test_the_plant_agrees_with_the_reference_plant() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 
 from designs.planar_6dof import allocation
 from models import planar_stage
-from synth.block import Block
+from synth.block import Block, unranged
 from synth.compose import compose
 from synth.emit import write
 from synth.execute import host
@@ -31,7 +31,7 @@ def compiled(law: Sequence[Block], time: Discrete, filtered: bool = False) -> ho
     parts = [*opened.seen(PLANT, time, filtered), *law]
     inputs = [f"{a}_seen" for a in allocation.HORIZONTAL] + [*planar_stage.LASERS, *opened.REFERENCES]
     block = compose("known", parts, inputs=[*inputs, *opened.ready(parts)], outputs=[*opened.ACTUATORS])
-    emitted = write.emit(block, np.float64)
+    emitted = write.emit(unranged(block), np.float64)
     return host.load(emitted.files, emitted.manifest)
 
 

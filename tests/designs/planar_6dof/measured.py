@@ -11,7 +11,7 @@ import numpy as np
 
 from designs.planar_6dof import reference_sensing, sensing, sensing_maps
 from models import hall_calibration, planar_stage
-from synth.block import Block
+from synth.block import Block, unranged
 from synth.emit import write
 from synth.execute import host
 from synth.statespace import Array
@@ -40,7 +40,7 @@ def estimation(predicted: bool = True) -> Block:
 
 @cache
 def compiled(scalar: type[np.floating], predicted: bool = True) -> host.Controller:
-    made = write.emit(estimation(predicted), scalar)
+    made = write.emit(unranged(estimation(predicted)), scalar)
     return host.load(made.files, made.manifest)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from designs.planar_6dof import allocation, interface, reference_control
 from models import lorentz_motor, planar_stage
-from synth.block import Block
+from synth.block import Block, unranged
 from synth.emit import write
 from synth.errors import EmitError
 from synth.execute import host
@@ -30,7 +30,7 @@ N = 20_000
 
 
 def compiled(block: Block) -> agree.Witness:
-    emitted = write.emit(block, np.float64)
+    emitted = write.emit(unranged(block), np.float64)
     return agree.emitted(host.load(emitted.files, emitted.manifest))
 
 
@@ -144,7 +144,7 @@ def test_no_phase_has_more_than_the_limit_though_no_limit_is_printed(scalar: typ
         q[f"i_{m}Q"] = allocation.QUADRATURE * np.sign(q[f"i_{m}Q"])
         q[f"i_{m}D"] = allocation.DIRECT * np.sign(q[f"i_{m}D"])
     block = allocation.commutation(PLANT, TIME)
-    emitted = write.emit(block, scalar, error=interface.SURROGATE_ERROR[scalar])
+    emitted = write.emit(unranged(block), scalar, error=interface.SURROGATE_ERROR[scalar])
     text = emitted.files[f"{block.name}.c"]
     assert text.count("admit -1.26") == 9 and not re.search(r"i_.._computed = limit", text)
     found = agree.emitted(host.load(emitted.files, emitted.manifest))({}, asked(q)).outputs
@@ -154,9 +154,9 @@ def test_no_phase_has_more_than_the_limit_though_no_limit_is_printed(scalar: typ
 
 def test_a_limit_stays_where_nothing_is_spared(monkeypatch: pytest.MonkeyPatch) -> None:
     """The planted defect: currents that leave nothing to rounding, or polynomials that are too coarse."""
-    coarse = write.emit(allocation.commutation(PLANT, TIME), np.float32, error=1e-3)
+    coarse = write.emit(unranged(allocation.commutation(PLANT, TIME)), np.float32, error=1e-3)
     monkeypatch.setattr(allocation, "DIRECT", np.sqrt(allocation.LIMIT**2 - allocation.QUADRATURE**2))
-    tight = write.emit(allocation.commutation(PLANT, TIME), np.float32, error=1e-6)
+    tight = write.emit(unranged(allocation.commutation(PLANT, TIME)), np.float32, error=1e-6)
     for emitted in (coarse, tight):
         text = emitted.files["commutation.c"]
         assert "admit" not in text and text.count("_computed = limit(") == 9
@@ -227,15 +227,15 @@ def test_yaw_is_held_where_x_and_y_are_beyond_the_motors(allocated: dict[str, ag
 def test_the_cosine_of_a_quarter_is_proved_and_that_of_a_place_beyond_its_pitch_is_not() -> None:
     """Its root is of 1 - sin^2, which rounding may make negative where a quarter of the angle is 90 degrees."""
     beyond = [replace(s, low=2 * s.low, high=2 * s.high) for s in allocation.WITHIN]
-    write.emit(allocation.commutation(PLANT, TIME), np.float32)
+    write.emit(unranged(allocation.commutation(PLANT, TIME)), np.float32)
     block = allocation.commutation(PLANT, TIME)
     inputs = tuple(next((s for s in beyond if s.name == i.name), i) for i in block.inputs)
     with pytest.raises(EmitError, match=r"sqrt of `\(1 - \(quarter_sine_(\w+) \* quarter_sine_\1\)\)`"):
-        write.emit(replace(block, inputs=inputs), np.float32)
+        write.emit(unranged(replace(block, inputs=inputs)), np.float32)
 
 
 def test_the_functions_of_the_angle_become_polynomials() -> None:
-    text = write.emit(allocation.commutation(PLANT, TIME), np.float64).files["commutation.c"]
+    text = write.emit(unranged(allocation.commutation(PLANT, TIME)), np.float64).files["commutation.c"]
     step = text[text.index("commutation_step(") :]
     assert not re.search(r"\b(sin|cos)f?\(", step)
     assert all(f"quarter_sine_{motors}_polynomial(" in step for motors in ("back", "front"))

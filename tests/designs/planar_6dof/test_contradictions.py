@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from designs.planar_6dof import filtering, reference_sensing, sensing, sensing_maps
-from synth.block import Block
+from synth.block import Block, unranged
 from synth.compose import compose
 from synth.emit import write
 from synth.execute import host
@@ -141,7 +141,7 @@ WAIT = 5  # samples that are not complete, of which the last latches
 
 @cache
 def guarded_c(predicted: bool) -> host.Controller:
-    made = write.emit(guarded(predicted), np.float32)
+    made = write.emit(unranged(guarded(predicted)), np.float32)
     return host.load(made.files, made.manifest)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from designs.planar_6dof import filtering, reference_sensing
-from synth.block import Block
+from synth.block import Block, unranged
 from synth.compose import compose
 from synth.emit import write
 from synth.execute import compile as compiler
@@ -33,7 +33,7 @@ def alone(axis: str, rate: int) -> Block:
 
 
 def compiled(axis: str, rate: int, scalar: type[np.floating], change: Callable[[str], str] = str) -> host.Controller:
-    made = write.emit(alone(axis, rate), scalar)
+    made = write.emit(unranged(alone(axis, rate)), scalar)
     return host.load(dict(made.files) | {"filtered.c": change(made.files["filtered.c"])}, made.manifest)
 
 
@@ -160,7 +160,7 @@ def test_a_wrong_gain_is_seen() -> None:
     wrong = [
         c if c.name != "filter_x_k_s" else type(c)(c.name, 1.01 * c.value, c.unit, c.source) for c in block.constants
     ]
-    made = write.emit(type(block)(**{**vars(block), "constants": tuple(wrong)}), np.float64)
+    made = write.emit(unranged(type(block)(**{**vars(block), "constants": tuple(wrong)})), np.float64)
     raw = travel("x", 800, 5e-5)[:400]
     inputs = {"x_raw": raw, "ready": 1.0}
     right = compiled("x", 800, np.float64).replay(inputs).outputs["x"]
@@ -168,7 +168,7 @@ def test_a_wrong_gain_is_seen() -> None:
 
 
 def test_the_c_is_free_of_warnings_and_stores_no_product() -> None:
-    made = write.emit(alone("x", 800), np.float32)
+    made = write.emit(unranged(alone("x", 800)), np.float32)
     compiler.check(host.code(made.files))
     assert [s["name"] for s in made.manifest["structs"]["state"]["fields"]] == [
         "filter_x_p",

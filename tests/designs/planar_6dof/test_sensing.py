@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from designs.planar_6dof import filtering, reference_sensing, sensing, sensing_maps
-from synth.block import Block
+from synth.block import Block, unranged
 from synth.emit import write
 from synth.execute import compile as compiler
 from synth.execute import cross, host
@@ -252,7 +252,7 @@ def test_the_count_stays_within_its_bounds(ready: float, predicted: bool) -> Non
 
 
 def test_the_c_is_free_of_warnings_and_calls_no_libm() -> None:
-    made = write.emit(estimation(), np.float32)
+    made = write.emit(unranged(estimation()), np.float32)
     compiler.check(host.code(made.files))
     text = made.files["estimation.c"]
     assert not any(f"{name}f(" in text for name in ("sin", "cos", "atan", "asin", "atan2"))
@@ -262,7 +262,8 @@ def test_the_c_is_free_of_warnings_and_calls_no_libm() -> None:
 @pytest.mark.parametrize(("predicted", "most"), [(True, 335), (False, 235)])
 def test_what_a_step_costs(predicted: bool, most: int) -> None:
     block, position = estimation(predicted), ["x", "y", "phi"] if predicted else AS_MEASURED
-    made = write.emit(replace(block, outputs=tuple(s for s in block.outputs if s.name in position)), np.float32)
+    alone = replace(block, outputs=tuple(s for s in block.outputs if s.name in position))
+    made = write.emit(unranged(alone), np.float32)
     pose = {k: v[:, 0] for k, v in motion(300, 1, 0).items()}
     inputs = seen(noisy(sensing_maps.voltages(PLANT, pose)))
     given = steps.recorded(host.load(made.files, made.manifest), "motion", inputs)

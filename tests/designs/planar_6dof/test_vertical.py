@@ -9,6 +9,7 @@ from designs.planar_6dof import allocation, lqg, reference_control, vertical
 from designs.planar_6dof_leadlag import control as leadlag
 from models import planar_stage
 from synth.analyse import loop
+from synth.block import unranged
 from synth.compose import compose
 from synth.emit import write
 from synth.execute import host
@@ -74,7 +75,7 @@ def test_an_integral_goes_to_what_the_motors_make_and_back() -> None:
     """A set-point out of reach for a second leaves the integral where the motors are, not beyond."""
     time, axis = RATES[0], "z"
     block = vertical.block(PLANT, vertical.loop(axis, vertical.compensator(axis, time), time), time)
-    emitted = write.emit(block, np.float64)
+    emitted = write.emit(unranged(block), np.float64)
     controller, n, limit = host.load(emitted.files, emitted.manifest), 1000, 5.0 / allocation.scales(PLANT)[axis]
     state, made, seen = controller.init(), 0.0, []
     for k in range(2 * n):

@@ -8,6 +8,7 @@ from designs.planar_6dof.allocation import HORIZONTAL
 from designs.planar_6dof_lqg import core
 from designs.planar_6dof_lqg.full_order import Order
 from synth.analyse import loop
+from synth.block import unranged
 from synth.emit import write
 from synth.execute import host
 from synth.verify import meter, rivals, steps
@@ -45,7 +46,7 @@ def test_what_a_step_costs(order: Order) -> None:
     builds = {b.name: b for b in meter.builds()}
     if "gcc, newlib" not in builds:
         pytest.skip("no arm-none-eabi-gcc")
-    emitted = write.emit(core.block(order), np.float32)
+    emitted = write.emit(unranged(core.block(order)), np.float32)
     controller = host.load(emitted.files, emitted.manifest)
     errors = {axis: 1e-6 * np.sin(np.arange(50) + i) for i, axis in enumerate(HORIZONTAL)}
     small = steps.recorded(controller, "small", errors, closed_loop=True)

@@ -10,6 +10,7 @@ from designs.hall_position import shipped
 from designs.hall_position.loop import closed_loop
 from designs.planar_6dof import allocation, lqg, sensing
 from models import planar_stage
+from synth.block import unranged
 from synth.emit import write
 from synth.errors import ModelError
 from synth.execute import host
@@ -25,7 +26,7 @@ Columns = dict[str, np.ndarray]
 
 @cache
 def emitted() -> write.Emitted:
-    return write.emit(closed_loop._source(TIME, ""), np.float64)
+    return write.emit(unranged(closed_loop._source(TIME, "")), np.float64)
 
 
 def answers(changed: Columns | None = None, old: str = "", new: str = "") -> Columns:

@@ -10,6 +10,7 @@ from designs.hall_position import shipped
 from designs.hall_position.loop import calibration, error_map
 from designs.hall_position.loop.closed_loop import Source
 from designs.hall_position.loop.error_map import COORDINATES, ErrorMap, Grid, Samples
+from synth.block import unranged
 from synth.emit import write
 from synth.errors import ModelError
 from synth.execute import host
@@ -38,7 +39,7 @@ def places() -> np.ndarray:
 
 
 def answered(of: ErrorMap, scalar: type[np.floating], at: np.ndarray) -> np.ndarray:
-    made = write.emit(error_map.block(of, TIME), scalar)
+    made = write.emit(unranged(error_map.block(of, TIME)), scalar)
     found = host.load(made.files, made.manifest).replay(dict(zip(COORDINATES, at.T, strict=True))).outputs
     return np.stack([found[f"{name}_corrected"] for name in COORDINATES], axis=1)
 

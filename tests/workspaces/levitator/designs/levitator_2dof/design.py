@@ -3,10 +3,12 @@
 from math import pi
 
 from designs.levitator_2dof import reference
+
 from models import levitator
 from synth import stage
 from synth.analyse import linearise, trim
-from synth.simulate.experiments import Conditions, Hold, LiftOff, Sine, Step, Track
+from synth.simulate.conditions import Conditions, Sine
+from synth.simulate.experiments import Hold, LiftOff, Step, Track
 from synth.stage import Actuator, Sensor, SetPoint
 from synth.synthesise import axis, feedback_linearisation
 from synth.timing import Discrete

@@ -56,12 +56,22 @@ AXES = {
 }  # fmt: skip
 BOUNDS = {  # of the controller's states, as its manifest declares them
     "z": {
-        **{"sum": 0.32, "p1": 0.0092, "q1": 0.25},
-        **{"z_predicted": 1.2e-3, "vz_predicted": 0.87, "w_z_late1_predicted": 57.0},
+        "sum": 0.32,
+        "p1": 0.0092,
+        "q1": 0.25,
+        "z_predicted": 1.2e-3,
+        "vz_predicted": 0.87,
+        "w_z_late1_predicted": 57.0,
     },
     "x": {
-        **{"sum": 0.49, "p1": 0.014, "q1": 0.39, "p2": 0.069, "q2": 0.45},
-        **{"x_predicted": 2.2e-3, "vx_predicted": 2.5, "i2_late1_predicted": 2.3},
+        "sum": 0.49,
+        "p1": 0.014,
+        "q1": 0.39,
+        "p2": 0.069,
+        "q2": 0.45,
+        "x_predicted": 2.2e-3,
+        "vx_predicted": 2.5,
+        "i2_late1_predicted": 2.3,
     },
 }
 
@@ -274,7 +284,7 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
             demand = (M * (u + G) / field - F0) / K
             computed[current] = np.clip(demand, -CURRENTS[current], CURRENTS[current])
             excess = K * field / M * (computed[current] - demand)
-            made = np.clip(u + excess, -MADE, MADE)
+            made = np.clip(field * (F0 + K * computed[current]) / M - G, -MADE, MADE)
         else:
             made = computed[current] = np.clip(u, -CURRENTS[current], CURRENTS[current])
             excess = made - u

@@ -1,6 +1,6 @@
 """The loops under audit, made once for a plant: ideal ones and compiled ones on encoders.
 
-"Ideal" is the loop in continuous time with ideal sensing (`audit_continuous`). "Encoders" is the compiled controller at
+"Ideal" is the loop in continuous time with ideal sensing (`continuous`). "Encoders" is the compiled controller at
 1 kHz on encoders of 10 um with its filters and one sample of delay: with the printed law (12), or `restored`, with the
 shipped law, which puts back the squares of i_d that (11) drops and cancels the guide springs in part. Both laws take
 squares of currents one sample late, and each motor at its own measured gap. Tracking errors are means of |e|, with
@@ -8,7 +8,7 @@ encoders from 10 to 60 s. Ideal runs are periodic by 12 s, and the mean is over 
 Shorter runs keep these proportions.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import pi
@@ -17,19 +17,23 @@ from typing import Literal, TypeVar, cast
 import casadi as ca
 import numpy as np
 
-from designs.maglev_5dof import audit_continuous, control, experiments, loop
-from designs.maglev_5dof.audit_continuous import Reference
-from designs.maglev_5dof.audit_motor import geometry
+from designs.maglev_5dof import control, experiments
+from designs.maglev_5dof.paper import continuous
+from designs.maglev_5dof.paper.continuous import Reference
 from models import slotted_field
-from synth.emit import write
-from synth.execute import host
+from synth.declaration import Stage
+from synth.execute import build, host
 from synth.plant import Plant
-from synth.report.audit import Published
 from synth.simulate import metrics
+from synth.simulate.rig import Rig
 
 Springs = Literal["known", "unknown", "absent"]
 T = TypeVar("T")
 
+MAGNETS = ("b0", "t1", "h_m", "L_A", "p_m", "tau", "tau_p", "H_c", "mu_rec", "mu0")
+FORCES = (*MAGNETS, "W", "w_c", "p", "z1")
+FIELD = ("b0", "t1", "h_m", "L_A", "p_m", "tau", "tau_p", "H_c", "mu_rec", "W", "p")
+MM = 1e-3
 SPRINGS = ("k_s_phi", "k_s_theta")
 FRICTION = {"x": 1.8, "z": 1.3}  # N of guide friction, fitted to the two printed errors of the ellipse
 SLIP = 1e-3  # m/s, within which friction changes sign
@@ -37,14 +41,14 @@ SLIP = 1e-3  # m/s, within which friction changes sign
 
 @dataclass(frozen=True, eq=False)
 class Bench:
-    """The plant under audit, what the paper prints, the length of the tracking runs in s.
+    """The stage and the plant under audit, and the length of the tracking runs in s.
 
     `cells` is the fineness of the slotted field. Of the guide springs, "known" means in plant and (12), "unknown" in
     the plant alone, "absent" in neither. Runs and controllers are kept for the rows that share them.
     """
 
+    stage: Stage
     plant: Plant
-    published: Mapping[str, Published]
     duration_s: float = experiments.TRACK_TO
     cells: int = 12
     _kept: dict[tuple[object, ...], object] = field(default_factory=dict, repr=False)
@@ -54,7 +58,7 @@ class Bench:
         """The plant without guide springs."""
         return self.plant.with_parameters(**dict.fromkeys(SPRINGS, 0.0))
 
-    def ideal(self, four: bool, springs: Springs, lv3: str = "csch2") -> audit_continuous.Motion:
+    def ideal(self, four: bool, springs: Springs, lv3: str = "csch2") -> continuous.Motion:
         """Return the ideal 4-DOF tracking or ellipse under (12), with this reading of L_v3 in plant and law."""
         return self._once(("ideal", four, springs, lv3), lambda: self._ideal(four, springs, lv3))
 
@@ -88,7 +92,7 @@ class Bench:
             added[f"v{axis}"] = force / self.plant.parameter(mass).value
         return ca.Function("guides", [x, t], [ca.vcat(list(added.values()))])
 
-    def _ideal(self, four: bool, springs: Springs, lv3: str) -> audit_continuous.Motion:
+    def _ideal(self, four: bool, springs: Springs, lv3: str) -> continuous.Motion:
         references = {
             "y": Reference(0.025, 0.005, -pi / 2),
             "x": Reference(0.0, 0.03, -pi / 2),
@@ -97,11 +101,12 @@ class Bench:
         if four:
             references |= {"phi": Reference(), "theta": Reference(0.0, 0.01)}
         start = {"y": 0.020, "x": -0.03}
-        return audit_continuous.run(*self._pair(springs), references, start, self.duration_s / 3, lv3)
+        return continuous.run(*self._pair(springs), references, start, self.duration_s / 3, lv3)
 
     def _encoder_errors(self, four: bool, restored: bool, springs: Springs, guided: bool) -> dict[str, float]:
         plant, known = self._pair(springs)
-        rig = loop.Loop(plant, self._controller(restored, known), disturbance=self.guides() if guided else None)
+        added = self.guides() if guided else None
+        rig = Rig(self.stage, plant, self._controller(restored, known), disturbance=added)
         trajectory, references = experiments.tracking(rig, four, self.duration_s)
         errors = {a: trajectory[a] - references.get(f"{a}_ref", 0.0) for a in experiments.AXES}
         start = self.duration_s / 6
@@ -109,7 +114,9 @@ class Bench:
 
     def _controller(self, restored: bool, known: Plant) -> host.Controller:
         key = ("controller", restored, known is self.plant)
-        return self._once(key, lambda: _compiled(known, restored))
+        # The library computes the functions, which for new parameters none has fitted.
+        block = control.controller(known, restored)
+        return self._once(key, lambda: build.compiled(block.block, np.float64, libm=True))
 
     def _pair(self, springs: Springs) -> tuple[Plant, Plant]:
         """Return the plant, and the one that (12) takes it for."""
@@ -122,7 +129,12 @@ class Bench:
         return cast(T, self._kept[key])
 
 
-def _compiled(known: Plant, restored: bool) -> host.Controller:
-    """Return the controller in double; the library computes its functions, which for new parameters none has fitted."""
-    emitted = write.emit(control.controller(known, restored), np.float64, libm=True)
-    return host.load(emitted.files, emitted.manifest)
+def values(plant: Plant) -> dict[str, ca.SX]:
+    """Return the parameters' values by name, as constant expressions."""
+    return {p.name: ca.SX(p.value) for p in plant.parameters}
+
+
+def geometry(plant: Plant) -> slotted_field.Geometry:
+    """Return the motor of the slotted field from the plant's parameters."""
+    shared = {n: plant.parameter(n).value for n in FIELD if n != "p"}
+    return slotted_field.Geometry(poles=plant.parameter("p").value, **shared)

@@ -18,11 +18,12 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from designs.maglev_5dof import audit_model, control
+from designs.maglev_5dof import control
 from models import maglev_stage, pmlsm
 from synth.plant import Plant
 from synth.simulate import metrics
 from synth.simulate.scenario import sample_times
+from synth.synthesise import feedback_linearisation
 
 Array = NDArray[np.float64]
 SAMPLE = 1e-3  # s, at which the continuous responses are judged
@@ -152,7 +153,7 @@ def law(
     row.
     """
     model = maglev_stage.simplified(maglev_stage.input_polynomial(known, lv3))
-    found = audit_model.inverse(model, w)
+    found = inverse(model, w)
     if "theta" not in position:
         c = model.coefficients
         alone = ca.substitute((w["y"] - c["a1"]) / c["a3"], ca.vcat(list(model.u.values())), _listed(found, model.u))
@@ -161,6 +162,18 @@ def law(
     pose = ca.vcat([position.get(n, ca.SX(0)) for n in model.x])
     at_pose = ca.substitute(ca.vcat(list(inputs.values())), ca.vcat(list(model.x.values())), pose)
     return dict(zip(inputs, ca.vertsplit(at_pose), strict=True))
+
+
+def inverse(model: maglev_stage.InputPolynomial, w: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
+    """Return v_y, v_phi, v_theta, u_x, u_z in A from the demanded accelerations, in the symbols of `model`.
+
+    Source: (12).
+    """
+    second, names = model.accelerations(), ("y", "phi", "theta")
+    law = feedback_linearisation.linearise([second[n] for n in names], model.v, [w[n] for n in names])
+    u = {f"u_{n}": w[n] / model.coefficients[f"h_{n}"] for n in ("x", "z")}
+    old, new = ca.vcat(list(model.u.values())), ca.vcat([u[n] for n in model.u])
+    return u | {n: ca.substitute(e, old, new) for n, e in law.inputs.items()}
 
 
 def _listed(found: Mapping[str, ca.SX], wanted: Iterable[str]) -> ca.SX:

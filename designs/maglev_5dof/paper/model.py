@@ -9,73 +9,60 @@ from math import asin, sin, sqrt
 import casadi as ca
 import numpy as np
 
-from designs.maglev_5dof.audit_motor import FORCES, MAGNETS, MM, values
+from designs.maglev_5dof.paper.bench import FORCES, MAGNETS, MM, Bench, values
+from designs.maglev_5dof.paper.continuous import inverse
 from models import maglev_stage
 from synth.analyse import magnitude
 from synth.plant import Plant
-from synth.report.audit import Published, Row, judge, row
+from synth.report.audit import Outcome, Published, recomputes
 from synth.signals import Signal
-from synth.synthesise import feedback_linearisation
 
 DOMINANT, SMALL = ("a2", "a3", "a7"), ("a4", "a5", "a6", "a8", "a9")
 
 
-def dominance_as_printed(plant: Plant, printed: Published) -> Row:
-    """F-5: recompute Fig. 3 with coth^2."""
-    figures, dominated = _magnitudes(plant, printed, "coth2")
-    why = (
-        "Rule: at 20, 25 and 30 mm the least of a2, a3, a7 exceeds the greatest of the terms that (11) drops. With "
-        "coth^2, as printed, a6 exceeds a2."
-    )
-    return row(printed, figures, judge(dominated), why, (*FORCES, "M_y", "r"))
+@recomputes("F-5", *FORCES, "M_y", "r")
+def dominance_as_printed(bench: Bench, printed: Published) -> Outcome:
+    """Recompute Fig. 3 with coth^2."""
+    figures, dominated = _magnitudes(bench.plant, printed, "coth2")
+    return Outcome(figures, dominated)
 
 
-def dominance(plant: Plant, printed: Published) -> Row:
-    """F-5b: recompute Fig. 3 with csch^2."""
-    figures, dominated = _magnitudes(plant, printed, "csch2")
-    as_printed = _magnitudes(plant, printed, "coth2")[1]
-    why = (
-        "Rule as in F-5. The tangential field on the current sheet lowers the attraction by coth^2 - csch^2 = 1; with "
-        "csch^2 in L_v3 the figure comes out as drawn."
-    )
-    return row(printed, figures, judge(as_printed, dominated), why, (*FORCES, "M_y", "r"))
+@recomputes("F-5b", *FORCES, "M_y", "r")
+def dominance(bench: Bench, printed: Published) -> Outcome:
+    """Recompute Fig. 3 with csch^2."""
+    figures, dominated = _magnitudes(bench.plant, printed, "csch2")
+    as_printed = _magnitudes(bench.plant, printed, "coth2")[1]
+    return Outcome(figures, as_printed, dominated)
 
 
-def order_of_a1(plant: Plant, printed: Published) -> Row:
-    """F-6: recompute a1 at zero angles and thrust currents."""
-    model = _polynomial(plant, "csch2")
+@recomputes("F-6", *MAGNETS, "M_y", "G")
+def order_of_a1(bench: Bench, printed: Published) -> Outcome:
+    """Recompute a1 at zero angles and thrust currents."""
+    model = _polynomial(bench.plant, "csch2")
     symbols = ca.vcat([*model.x.values(), *model.u.values()])
     a1 = ca.Function("a1", [symbols], [model.coefficients["a1"]])
     found = {g: float(a1([g * MM, 0, 0, 0, 0])) for g in (20, 25, 30)}
     order, largest = printed["order"].value, max(abs(a) for a in found.values())
-    why = (
-        "Rule: the greatest |a1| lies within half a decade of 10^3. In SI units it is nearly two decades below, and at "
-        "30 mm less than a3 times 1 A."
-    )
-    verdict = judge(order / sqrt(10) <= largest <= order * sqrt(10))
     figures = [(f"a1 at {g} mm", a, "m/s^2") for g, a in found.items()]
-    return row(printed, figures, verdict, why, (*MAGNETS, "M_y", "G"))
+    return Outcome(figures, order / sqrt(10) <= largest <= order * sqrt(10))
 
 
-def invertibility(plant: Plant, printed: Published) -> Row:
-    """F-7: recompute the least determinant and the greatest condition number of the matrix in (12)."""
-    model = maglev_stage.simplified(_polynomial(plant, "csch2"))
-    found = magnitude.conditioning(model.decoupling(), model.x, _box(plant, "y", "phi", "theta"))
+@recomputes("F-7", *FORCES, "M_y", "r", "I_x", "I_z")
+def invertibility(bench: Bench, printed: Published) -> Outcome:
+    """Recompute the least determinant and the greatest condition number of the matrix in (12)."""
+    model = maglev_stage.simplified(_polynomial(bench.plant, "csch2"))
+    found = magnitude.conditioning(model.decoupling(), model.x, _box(bench.plant, "y", "phi", "theta"))
     figures = [
         ("least |det|", found.min_abs_det, "m rad^2/s^6/A^3"),
         ("greatest condition number", found.max_cond, "1"),
     ]
-    why = (
-        "Rule: the determinant keeps its sign and the condition number stays below 1000 over gaps of 18 to 31 mm, "
-        "+-3 mrad and +-14 mrad. Both are searched for, not proven."
-    )
-    verdict = judge(found.min_abs_det > 0 and found.max_cond < 1e3)
-    return row(printed, figures, verdict, why, (*FORCES, "M_y", "r", "I_x", "I_z"))
+    return Outcome(figures, found.min_abs_det > 0 and found.max_cond < 1e3)
 
 
-def double_integrators(plant: Plant, printed: Published) -> Row:
-    """F-19: recompute (13): the accelerations of (11) under (12), and what remains on the full model."""
-    full = _polynomial(plant, "csch2")
+@recomputes("F-19", *MAGNETS, "M_y", "r", "I_x", "I_z", "G", "k_s_phi", "k_s_theta")
+def double_integrators(bench: Bench, printed: Published) -> Outcome:
+    """Recompute (13): the accelerations of (11) under (12), and what remains on the full model."""
+    full = _polynomial(bench.plant, "csch2")
     model = maglev_stage.simplified(full)
     w = {n: ca.SX.sym(f"w_{n}") for n in maglev_stage.RATE}
     law = inverse(model, w)
@@ -86,39 +73,31 @@ def double_integrators(plant: Plant, printed: Published) -> Row:
     terms = {n: ca.substitute(rest[n], zero, ca.SX.zeros(zero.numel())) for n in ("y", "phi", "theta")}
     greatest = dict.fromkeys(terms, 0.0)
     for gap in (18, 20, 25, 30, 31):
-        found = magnitude.magnitudes(terms, full.x, _box(plant, "phi", "theta"), "y", [gap * MM], {})
+        found = magnitude.magnitudes(terms, full.x, _box(bench.plant, "phi", "theta"), "y", [gap * MM], {})
         greatest = {n: max(greatest[n], float(found.of(n)[0])) for n in terms}
     units = {"y": "m/s^2", "phi": "rad/s^2", "theta": "rad/s^2"}
     figures = [("axes of (11) that obey x'' = w", float(reduced), "1")]
     figures += [(f"greatest |{n}''| of (9) at w = 0", greatest[n], units[n]) for n in terms]
-    why = (
-        "Rule: at 50 points of the box |x'' - w| <= 1e-9 (1 + |w|) on all five axes of the simplified model (11). On "
-        "the full model (9) the dropped terms remain as disturbances, searched for at five gaps over both angles; the "
-        "winding does not matter, since the law scales its currents."
-    )
-    depends = (*MAGNETS, "M_y", "r", "I_x", "I_z", "G", "k_s_phi", "k_s_theta")
-    return row(printed, figures, judge(reduced == printed["axes"].value), why, depends)
+    return Outcome(figures, reduced == printed["axes"].value)
 
 
-def rotational_resolution(plant: Plant, printed: Published) -> Row:
-    """F-17: recompute the steps of phi and theta from encoders at the motors' radius."""
-    r, count = plant.parameter("r").value, printed["encoder"].value * 1e-6
+@recomputes("F-17", "r")
+def rotational_resolution(bench: Bench, printed: Published) -> Outcome:
+    """Recompute the steps of phi and theta from encoders at the motors' radius."""
+    r, count = bench.plant.parameter("r").value, printed["encoder"].value * 1e-6
     one, both = asin(count / (2 * r)) * 1e6, asin(count / r) * 1e6
     figures = [
         ("step when one encoder counts", one, "urad"),
         ("step when both count", both, "urad"),
         ("radius at which one count is 20 urad", count / 2 / (printed["resolution"].value * 1e-6), "m"),
     ]
-    why = (
-        "Rule: the printed figure, called approximate, lies between the steps that one and two encoders at the movers' "
-        "radius make. Where the vertical encoders stand is not printed."
-    )
-    return row(printed, figures, judge(one <= printed["resolution"].value <= both), why, ("r",))
+    return Outcome(figures, one <= printed["resolution"].value <= both)
 
 
-def rotation_range(plant: Plant, printed: Published) -> Row:
-    """F-18: recompute the ranges from +-3 and +-14 mrad, and whether the motors' gaps leave room for them."""
-    r, room = plant.parameter("r").value, (printed["gap_high"].value - printed["gap_low"].value) * MM
+@recomputes("F-18", "r")
+def rotation_range(bench: Bench, printed: Published) -> Outcome:
+    """Recompute the ranges from +-3 and +-14 mrad, and whether the motors' gaps leave room for them."""
+    r, room = bench.plant.parameter("r").value, (printed["gap_high"].value - printed["gap_low"].value) * MM
     swing = {n: r * sin(printed[n].value * 1e-3) for n in ("phi", "theta")}
     figures = [
         ("range of phi", 2 * printed["phi"].value, "mrad"),
@@ -130,23 +109,7 @@ def rotation_range(plant: Plant, printed: Published) -> Row:
         ("greatest central gap for the whole theta", printed["gap_high"].value - swing["theta"] / MM, "mm"),
     ]
     printed_ranges = all(printed[f"{n}_range"].agrees(2 * printed[n].value) for n in ("phi", "theta"))
-    why = (
-        "Rule: twice the amplitudes are the printed ranges, and some central gap lets each swing with all motors "
-        "between 18 and 31 mm. The whole theta fits only near the middle, as the paper says of its stoppers."
-    )
-    return row(printed, figures, judge(printed_ranges and 2 * max(swing.values()) <= room), why, ("r",))
-
-
-def inverse(model: maglev_stage.InputPolynomial, w: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
-    """Return v_y, v_phi, v_theta, u_x, u_z in A from the demanded accelerations, in the symbols of `model`.
-
-    Source: (12).
-    """
-    second, names = model.accelerations(), ("y", "phi", "theta")
-    law = feedback_linearisation.linearise([second[n] for n in names], model.v, [w[n] for n in names])
-    u = {f"u_{n}": w[n] / model.coefficients[f"h_{n}"] for n in ("x", "z")}
-    old, new = ca.vcat(list(model.u.values())), ca.vcat([u[n] for n in model.u])
-    return u | {n: ca.substitute(e, old, new) for n, e in law.inputs.items()}
+    return Outcome(figures, printed_ranges and 2 * max(swing.values()) <= room)
 
 
 def _polynomial(plant: Plant, lv3: str) -> maglev_stage.InputPolynomial:

@@ -1,0 +1,46 @@
+"""Calls that work of functions that take what a stage declares: its controller, its loops, its control axes."""
+
+from collections.abc import Mapping
+
+from benchmarks.hostile_examples import Call, usual
+from synth import stage
+from synth.analyse import robustness
+from synth.synthesise import axis, feedback_linearisation
+from synth.timing import Discrete
+
+POINTS = {"middle": {"gap": 0.02}}
+
+
+def examples() -> Mapping[str, Call]:
+    """Return examples by function: the levitated mass under one axis at 1 kHz."""
+    maglev = usual()["maglev"]
+    noise = {"process": {"rate": 1e-2}, "sensor": {"gap": 1e-10}}
+    asked: Call = {
+        "model": feedback_linearisation.of_plant(maglev).chain("gap"),
+        "modes": {0.0: 5.0},
+        "weights": {"gap": 1.0},
+        "effort": 1e-8,
+        "anti_windup": 5.0,
+        "estimator": axis.kalman(noise["process"], noise["sensor"]),
+    }
+    around = stage.interface(
+        maglev,
+        sensors=[stage.Sensor("gap")],
+        set_points=[stage.SetPoint("gap_ref", "gap", 0.012, 0.028)],
+        actuators=[stage.Actuator("current", 4.0, 10.0)],
+    )
+    controller = stage.controller("held", Discrete(1e-3), around, [axis.servo(**asked)])
+    loops = robustness.of_controller(controller, maglev, POINTS)
+    return {
+        "axis.kalman": noise,
+        "axis.servo": asked,
+        "axis.decoupled": {"axes": [axis.servo(**asked)]},
+        "reach.states": {"system": ([[0.5]], [[1.0]], [[1.0]], [[0.0]], Discrete(1e-3)), "inputs": [1.0]},
+        "robustness.of_controller": {"controller": controller, "plant": maglev, "points": POINTS},
+        "robustness.corners": {"plant": maglev, "parameters": ["k"]},
+        "robustness.one_at_a_time": {"plant": maglev},
+        "robustness.rest": {"loops": loops, "point": "middle"},
+        "robustness.opened": {"loops": loops},
+        "robustness.disks": {"loops": loops, "point": "middle"},
+        "robustness.checks": {"loops": robustness.opened(loops), "require": {"phase_margin": 10.0}},
+    }

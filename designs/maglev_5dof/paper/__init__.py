@@ -1,0 +1,1 @@
+"""The audit of the paper of Fulford, Maggiore and Apkarian, F."""

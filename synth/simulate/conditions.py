@@ -1,0 +1,75 @@
+"""Conditions of an experiment: courses of set-points and disturbances over time, the start, parameters that differ."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from synth.errors import SignalError
+from synth.simulate.scenario import Array
+
+Course = float | ArrayLike | Callable[[Array], ArrayLike]
+"""A value over time: a constant, one for each sample, or a function of times in s."""
+
+
+@dataclass(frozen=True)
+class Sine:
+    """offset + amplitude sin(frequency t + phase), in rad/s and rad."""
+
+    amplitude: float
+    frequency: float
+    phase: float = 0.0
+    offset: float = 0.0
+
+    def __call__(self, time: Array) -> Array:
+        """Return the values at times in s."""
+        return np.asarray(self.offset + self.amplitude * np.sin(self.frequency * time + self.phase))
+
+
+@dataclass(frozen=True)
+class Ramp:
+    """From `start` to `end` within `duration_s`, from `begin_s` on."""
+
+    start: float
+    end: float
+    begin_s: float
+    duration_s: float
+
+    def __call__(self, time: Array) -> Array:
+        """Return the values at times in s."""
+        return np.asarray(self.start + (self.end - self.start) * np.clip((time - self.begin_s) / self.duration_s, 0, 1))
+
+
+@dataclass(frozen=True, eq=False)
+class Conditions:
+    """Under what an experiment runs, beside the declared stage.
+
+    `start` has plant states, others are 0; `disturbances` are courses of plant inputs that no actuator drives;
+    `parameters` are values of the plant's parameters that the controller does not know of. `options` are further fields
+    of `scenario.Scenario`.
+    """
+
+    start: Mapping[str, float] = field(default_factory=dict)
+    disturbances: Mapping[str, Course] = field(default_factory=dict)
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def text(self) -> str:
+        """Return the conditions in words, with a comma before each."""
+        changed = [f"{name} = {value:g}" for name, value in {**self.parameters, **self.start}.items()]
+        return "".join(f", {part}" for part in (*changed, *(f"{name} acts" for name in self.disturbances)))
+
+
+def values(course: Course, time: Array) -> Array:
+    """Return a course at times (N,) in s.
+
+    Raises SignalError for one that has another count of values.
+    """
+    found = np.asarray(course(time) if callable(course) else course, dtype=np.float64)
+    if found.shape not in ((), time.shape):
+        raise SignalError(
+            f"a course has values of shape {found.shape}: give one, or one for each of {len(time)} samples"
+        )
+    return np.array(np.broadcast_to(found, time.shape))

@@ -1,0 +1,127 @@
+"""A synthesised axis as a Block, with its signals from a stage's interface and derived bounds of all its states.
+
+    <output>_error, <output>_held, <set point>_held --> [ servo_<output> ] --> command --> [ inverse ] --> limits
+                                                              ^                                              v
+                                                              '--------- limited command, excess ------------'
+
+While it is told what the actuator really does, an axis is a stable system whether that is at its limit or not: its
+internal model follows the actuator (A - E C), its estimator decays. So its states' bounds are those to which its inputs
+in their ranges can drive it (`reach`), and no tuning.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from synth.analyse import reach
+from synth.block import Block
+from synth.declaration import Interface
+from synth.errors import SignalError
+from synth.signals import Signal
+from synth.statespace import Array, StateSpace
+from synth.synthesise import axis_inverse, axis_regulator, estimator_start, linear_block
+from synth.synthesise.axis_inverse import MARGIN, Command, rounded_up
+from synth.synthesise.axis_regulator import Axis, Regulator
+from synth.timing import Discrete
+
+
+@dataclass(frozen=True, eq=False)
+class _Wires:
+    """The signals of an axis: error, limited command, measurement, excess, set-point, in the controller's order."""
+
+    error: Signal
+    command: Command
+    measured: Signal
+    reference: Signal
+
+    @property
+    def bounds(self) -> Array:
+        """The largest error, limited command, measurement and set-point."""
+        signals = (self.error, self.command.limited, self.measured, self.reference)
+        return np.array([max(abs(s.low), abs(s.high)) for s in signals])
+
+
+def blocks(time: Discrete, axes: Sequence[Axis], interface: Interface) -> list[Block]:
+    """Return the Blocks of axes that share one inverse, or of one axis without.
+
+    Raises SignalError for an output without sensor or set-point, a command without actuator, and as
+    `axis_inverse.blocks`; else as `axis_regulator.synthesise`.
+    """
+    wires = {axis.output: _wires(axis, interface) for axis in axes}
+    regulators = [axis_regulator.synthesise(axis, time, interface.delay) for axis in axes]
+    made = [_servo(regulator, wires[regulator.axis.output], interface) for regulator in regulators]
+    if axes[0].inverse is not None:
+        made += axis_inverse.blocks(time, axes, {name: w.command for name, w in wires.items()}, interface)
+    return made
+
+
+def _wires(axis: Axis, interface: Interface) -> _Wires:
+    sensor = next((s.name for s in interface.sensors if s.of == axis.output), "")
+    point = next((s.name for s in interface.set_points if s.of in (axis.output, sensor)), "")
+    if not sensor or not point:
+        raise SignalError(
+            f"the axis of '{axis.output}' needs a sensor and a set-point of it: the interface has sensors of "
+            f"{', '.join(s.of for s in interface.sensors) or 'nothing'} and set-points of "
+            f"{', '.join(s.of for s in interface.set_points) or 'nothing'}; declare both"
+        )
+    command = axis_inverse.command(axis, interface) if axis.inverse is not None else _command(axis, interface)
+    return _Wires(interface.error(sensor), command, interface.held(sensor), interface.held(point))
+
+
+def _command(axis: Axis, interface: Interface) -> Command:
+    actuator = next((a.name for a in interface.actuators if a.of == axis.command), None)
+    if actuator is None:
+        raise SignalError(
+            f"the axis of '{axis.output}' commands '{axis.command}', which no actuator drives: the interface has "
+            f"{', '.join(a.of for a in interface.actuators) or 'none'}"
+        )
+    return Command(f"{actuator}_demand", f"{actuator}_excess", interface.computed(actuator))
+
+
+def _servo(regulator: Regulator, wires: _Wires, interface: Interface) -> Block:
+    """Return the Block of one axis: internal model, estimator, gains."""
+    axis, model, command = regulator.axis, regulator.controller, wires.command
+    bounds = _state_bounds(model, wires)
+    largest = np.insert(wires.bounds, 3, 0.0)  # the excess does not reach the command
+    bound = MARGIN * float(np.abs(model.C[0]) @ bounds + np.abs(model.D[0]) @ largest)
+    excess = command.excess_signal(bound + wires.bounds[1])
+    inputs = (wires.error, command.limited, wires.measured, excess, wires.reference)
+    ahead = axis_inverse.states_ahead(axis)
+    shown = model.select([model.outputs[0], *(f"{name}_ahead" for name in ahead)], model.inputs)
+    renamed = dict(zip(model.inputs, (s.name for s in inputs), strict=True)) | {model.outputs[0]: command.name}
+    return linear_block.block(
+        f"servo_{axis.output}",
+        _with_error_turned(shown).renamed(renamed),
+        inputs=inputs,
+        outputs=[command.signal(bound), *ahead.values()],
+        states=[Signal(n, model.unit(n) or "1", -b, b) for n, b in zip(model.states, bounds, strict=True)],
+        tag=f"servo of {axis.output}",
+        start=_start(regulator, interface),
+    )
+
+
+def _with_error_turned(model: StateSpace) -> StateSpace:
+    """Return the model with its first input, the error, counted as in a stage: the set-point less the measurement."""
+    sign = np.where(np.arange(len(model.inputs)) == 0, -1.0, 1.0)
+    return replace(model, B=model.B * sign, D=model.D * sign)
+
+
+def _start(regulator: Regulator, interface: Interface) -> linear_block.Start:
+    """Return the start at rest at the first measurement, with the actuator's safe value on its way."""
+    axis, plant = regulator.axis, regulator.servo.plant
+    late = [s for s in plant.states if s not in axis.model.states]
+    safe = {a.of: a.safe for a in interface.actuators}.get(axis.command, 0.0)
+    values = dict.fromkeys(late, safe)
+    return estimator_start.from_measurement(regulator.controller, plant, [axis.output], values=values)
+
+
+def _state_bounds(model: StateSpace, wires: _Wires) -> Array:
+    """Return the bounds of the controller's states, its command limited or not: excess = limited - command."""
+    E, command, direct = model.B[:, [3]], model.C[:1], model.D[:1]
+    B = model.B - E @ direct
+    B[:, [1]] += E
+    others, inputs = [0, 1, 2, 4], tuple(model.inputs[i] for i in (0, 1, 2, 4))
+    form = (model.A - E @ command, B[:, others], command, direct[:, others])
+    held = StateSpace(*form, model.states, inputs, model.outputs[:1], model.time)
+    return np.array([rounded_up(MARGIN * float(b)) for b in reach.states(held, wires.bounds)])

@@ -1,0 +1,197 @@
+"""The inverse of a plant as Blocks: demands on derivatives of outputs to actuators, and back what their limits leave.
+
+    w ---> [ i = D(x)^-1 (w - a(x)) ] ---> <actuator>_demand ---> limits ---> <actuator>_excess
+                                                                                   v
+    <w>_limited, <w>_excess  <-----  [ <w>_excess = D(x) <actuator>_excess,  <w>_limited = a(x) + D(x) <actuator> ]
+
+x are the states that the axes predict for the time when the actuators act, or else measure, limited to the plant's
+domain: outside, the law is not defined. Source: `feedback_linearisation`.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import casadi as ca
+import numpy as np
+
+from synth.analyse import box
+from synth.block import Block, Exprs, Step, build, clip
+from synth.declaration import Interface
+from synth.errors import SignalError
+from synth.signals import Signal, names
+from synth.statespace import Array
+from synth.synthesise.axis_regulator import Axis
+from synth.synthesise.feedback_linearisation import Linearisation
+from synth.timing import Discrete
+
+MARGIN = 1.1  # of a bound: room for rounding, and for what lies between the points at which it is taken
+POINTS, SEED = 256, 11  # scattered over the plant's box, beside its vertices
+BEYOND = 4.0  # times what the actuators can make: demands up to which the law's inputs are bounded
+UNBOUNDED = 1e30  # an inner signal of which no range is promised
+
+
+@dataclass(frozen=True)
+class Command:
+    """The names of a command and of its excess, and the signal of the command as the actuators make it."""
+
+    name: str
+    excess: str
+    limited: Signal
+
+    def signal(self, bound: float = UNBOUNDED) -> Signal:
+        """Return the command's signal, up to +-`bound`."""
+        return replace(self.limited, name=self.name, low=-bound, high=bound, about="before the limits")
+
+    def excess_signal(self, bound: float = UNBOUNDED) -> Signal:
+        """Return the signal of what the limits add to the command, up to +-`bound`."""
+        return replace(self.limited, name=self.excess, low=-bound, high=bound, about="limited less commanded")
+
+
+def command(axis: Axis, interface: Interface) -> Command:
+    """Return the demand of an axis on the inverse, limited to what the actuators can make in the plant's box.
+
+    Raises SignalError for an axis without an inverse.
+    """
+    unit = axis.model.unit(axis.command) or "1"
+    bound = _demand_bound(_inverse(axis), axis.output, interface)
+    limited = Signal(f"{axis.command}_limited", unit, -bound, bound, "what the actuators make of the demand")
+    return Command(f"{axis.command}_command", f"{axis.command}_excess", limited)
+
+
+def _inverse(axis: Axis) -> Linearisation:
+    if axis.inverse is None:
+        raise SignalError(f"the axis of '{axis.output}' has no inverse: give it a chain of a feedback linearisation")
+    return axis.inverse
+
+
+def states_ahead(axis: Axis) -> dict[str, Signal]:
+    """Return the signals of those predicted states of an axis that the inverse takes, by the plant's name."""
+    if axis.inverse is None:
+        return {}
+    taken = _entering(axis.inverse)
+    return {s.name: replace(s, name=f"{s.name}_ahead") for s in taken if s.name in axis.model.states}
+
+
+def _entering(inverse: Linearisation) -> list[Signal]:
+    """Return the plant's states that the law or the decoupling matrix takes."""
+    model = inverse.degree.model
+    exprs = ca.vertcat(inverse.u, ca.vec(inverse.degree.decoupling), inverse.degree.drift)
+    return [model.states[k] for k in box.entering(exprs, inverse.x, model.states)]
+
+
+def blocks(time: Discrete, axes: Sequence[Axis], commands: Mapping[str, Command], interface: Interface) -> list[Block]:
+    """Return the Blocks from the commands {output: Command} of axes to the actuators' demands, and back.
+
+    Raises SignalError for an output without axis, an input without actuator, or a state that is neither estimated by an
+    axis nor measured.
+    """
+    inverse = _inverse(axes[0])
+    outputs = inverse.degree.outputs
+    if missing := [name for name in outputs if name not in commands]:
+        raise SignalError(
+            f"the feedback linearisation takes the demand of '{missing[0]}' too: join the axes of "
+            f"{', '.join(outputs)} by axis.decoupled"
+        )
+    at = _Places(inverse, _states(inverse, axes, interface))
+    actuators, bounds = _actuators(inverse, interface), _actuator_bounds(inverse, commands)
+    demands = [commands[name].signal() for name in outputs]
+    sent = [interface.demand(a, b) for a, b in zip(actuators, bounds, strict=True)]
+    excess = [interface.excess(a, b) for a, b in zip(actuators, bounds, strict=True)]
+    computed = [interface.computed(a) for a in actuators]
+
+    def invert(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        w = ca.vertcat(*(u[s.name] for s in demands))
+        i = ca.substitute(at.signals(inverse.u, u), inverse.w, w)
+        return Step({s.name: i[k] for k, s in enumerate(sent)})
+
+    def give_back(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        a, D = (at.signals(e, u) for e in (inverse.degree.drift, inverse.degree.decoupling))
+        added = ca.mtimes(D, ca.vertcat(*(u[s.name] for s in excess)))
+        made = a + ca.mtimes(D, ca.vertcat(*(u[s.name] for s in computed)))
+        output = {commands[name].excess: added[i] for i, name in enumerate(outputs)}
+        limited = [commands[name].limited for name in outputs]
+        return Step(output | {s.name: clip(made[i], s) for i, s in enumerate(limited)})
+
+    states, name = list(at.states.values()), "_".join(outputs)
+    back = [s for name in outputs for s in (commands[name].excess_signal(), commands[name].limited)]
+    tag = f"feedback linearisation of {', '.join(outputs)}"
+    return [
+        build(f"inverse_{name}", time, invert, inputs=[*states, *demands], outputs=sent, tag=tag),
+        build(f"made_{name}", time, give_back, inputs=[*states, *excess, *computed], outputs=back, tag=tag),
+    ]
+
+
+@dataclass(frozen=True, eq=False)
+class _Places:
+    """The signals that stand for the plant's states in the law, by state."""
+
+    inverse: Linearisation
+    states: Mapping[str, Signal]
+
+    def signals(self, expr: ca.SX, u: Exprs) -> ca.SX:
+        """Return an expression of the plant's states at their signals, limited to the plant's domain."""
+        domain = self.inverse.degree.model.states
+        for symbol, state in zip(ca.vertsplit(self.inverse.x), domain, strict=True):
+            if state.name in self.states:
+                expr = ca.substitute(expr, symbol, clip(u[self.states[state.name].name], state))
+        return expr
+
+
+def _states(inverse: Linearisation, axes: Sequence[Axis], interface: Interface) -> dict[str, Signal]:
+    ahead = {name: s for axis in axes for name, s in states_ahead(axis).items()}
+    sensors = {s.of: s.name for s in interface.sensors}
+    for state in _entering(inverse):
+        if state.name not in ahead:
+            if state.name not in sensors:
+                raise SignalError(
+                    f"the feedback linearisation takes '{state.name}', which no axis estimates and no sensor measures: "
+                    "linearise its output too, or measure it"
+                )
+            ahead[state.name] = interface.held(sensors[state.name])
+    return ahead
+
+
+def _actuators(inverse: Linearisation, interface: Interface) -> list[str]:
+    actuators = {a.of: a.name for a in interface.actuators}
+    if missing := [name for name in inverse.inputs if name not in actuators]:
+        raise SignalError(
+            f"the feedback linearisation sends '{missing[0]}', which no actuator drives: hold it, or add an actuator"
+        )
+    return [actuators[name] for name in inverse.inputs]
+
+
+def _scattered(inverse: Linearisation, ranges: Mapping[str, tuple[float, float]]) -> tuple[Array, Array]:
+    """Return points of the plant's box and of further ranges: states (n, k) and the others (m, k), vertices first."""
+    states = inverse.degree.model.states
+    signals = [*states, *(Signal(name, "1", low, high) for name, (low, high) in ranges.items())]
+    corners = np.array(np.meshgrid(*([0.0, 1.0] for _ in signals))).reshape(len(signals), -1)
+    points = np.hstack([box.within(signals, corners), box.scatter(signals, POINTS, SEED)])
+    return points[: len(states)], points[len(states) :]
+
+
+def _demand_bound(inverse: Linearisation, output: str, interface: Interface) -> float:
+    """Return how large the actuators can make the derivative that is demanded."""
+    signals = {a.of: interface.signals[a.name] for a in interface.actuators}
+    degree, i = inverse.degree, inverse.degree.outputs.index(output)
+    ranges = [signals.get(s.name, s) for s in degree.model.inputs]
+    x, u = _scattered(inverse, {s.name: (s.low, s.high) for s in ranges})
+    symbols = ca.SX.sym("u", len(u))
+    made = degree.drift[i] + ca.mtimes(degree.decoupling[i, :], symbols)
+    function = ca.Function("made", [inverse.x, symbols], [ca.densify(made)])
+    return rounded_up(MARGIN * float(np.abs(np.asarray(function(x, u))).max()))
+
+
+def _actuator_bounds(inverse: Linearisation, commands: Mapping[str, Command]) -> list[float]:
+    """Return how large the law's inputs become in the plant's box, for demands beyond what the actuators can make."""
+    outputs = names(inverse.degree.model.outputs)
+    reached = {name: BEYOND * commands[name].limited.high for name in outputs}
+    x, w = _scattered(inverse, {f"w_{name}": (-b, b) for name, b in reached.items()})
+    return [rounded_up(MARGIN * float(v)) for v in np.abs(np.asarray(inverse.law(x, w))).max(axis=1)]
+
+
+def rounded_up(value: float) -> float:
+    """Return a bound in two digits, so that it is alike on every machine; 1e-30 for none."""
+    if not value:
+        return 1e-30
+    scale = 10.0 ** (np.floor(np.log10(value)) - 1)
+    return float(f"{np.ceil(value / scale) * scale:.2g}")

@@ -1,0 +1,117 @@
+"""Loops of a stage over operating points and tolerances: against the linear theory, with the worst named."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from synth.analyse import disk, linearise, loop, margins, robustness, trim
+from synth.analyse.robustness import Loops
+from synth.errors import SignalError
+from tests import levitator
+
+DESIGN: Any = levitator.design("levitator_2dof")
+CONTROLLER = DESIGN.DESIGN.stage.controller
+POINTS = {"low": {"z": -5e-4}, "side": {"x": 8e-4}}
+
+
+def loops(points: Any = None, cases: Any = (robustness.NOMINAL,)) -> Loops:
+    return robustness.of_controller(CONTROLLER, DESIGN.PLANT, POINTS if points is None else points, cases)
+
+
+@pytest.fixture(scope="module")
+def nominal() -> list[robustness.OpenLoop]:
+    return robustness.opened(loops())
+
+
+def test_every_actuator_and_sensor_is_opened_at_every_point(nominal: list[robustness.OpenLoop]) -> None:
+    assert [(o.point, o.signal) for o in nominal] == [(p, s) for p in POINTS for s in ("i1", "i2", "z", "x")]
+    assert all(o.margins.stable for o in nominal)
+    assert nominal[0].label == "at i1, low"
+
+
+def test_the_controller_holds_the_plant_where_it_rests(nominal: list[robustness.OpenLoop]) -> None:
+    rest = robustness.rest(loops(), "side")
+    point = trim.trim(DESIGN.PLANT, {"x": 8e-4}, ["i1", "i2"])
+    assert rest.point["i2"] == pytest.approx(400 * 8e-4 / 8, rel=1e-6)
+    assert rest.point["i1"] == pytest.approx(point["i1"], rel=1e-6)
+    assert rest.inputs["x"] == pytest.approx(rest.inputs["x_ref"], rel=1e-9) and rest.inputs["x_ref"] == 8e-4
+
+
+def test_a_decoupled_axis_has_the_margins_of_its_own_linear_loop(nominal: list[robustness.OpenLoop]) -> None:
+    """x does not depend on z: its loop is the model that it was made from, with hold and delay, under its servo."""
+    T = DESIGN.TIME.period_s
+    model = linearise.linearise(DESIGN.PLANT, DESIGN.REST).channel("x", "i2")
+    servo = DESIGN.X.law(DESIGN.TIME, DESIGN.INTERFACE).blocks[0].rounded(np.float32)
+    K = loop.linearised(servo, {"started": 1.0}, dict.fromkeys((s.name for s in servo.inputs), 0.0))
+    P = loop.sampled(model, T, T)
+    inputs = {name: i for i, name in enumerate(K.inputs)}
+    # The measurement reaches the error too; the command comes back as limited.
+    on_y = K.B[:, [inputs["x_held"]]] - K.B[:, [inputs["x_error"]]]
+    D = float(K.D[0, inputs["x_held"]] - K.D[0, inputs["x_error"]])
+    on_u, C = K.B[:, [inputs["i2_computed"]]], K.C[:1]
+    A = K.A + on_u @ C
+    z = np.exp(1j * T * np.geomspace(1.0, 3000.0, 40))
+    controller = np.array([(C @ np.linalg.solve(v * np.eye(len(A)) - A, on_y + on_u * D))[0, 0] + D for v in z])
+    L = -P.response(z)[:, 0, 0] * controller
+    found = next(o for o in nominal if (o.point, o.signal) == ("low", "x")).L.response(z)[:, 0, 0]
+    np.testing.assert_allclose(found, L, rtol=1e-5)
+
+
+def test_the_worst_loop_is_named_with_its_parameters() -> None:
+    cases = [robustness.NOMINAL, *robustness.corners(DESIGN.PLANT, ["k", "m"])]
+    found = robustness.opened(loops({"mid": {"z": 0.0}}, cases), ["i2"])
+    (check,) = robustness.checks(found, {"modulus_margin": 0.5})
+    least = min(found, key=lambda o: o.margins.modulus_margin)
+    assert check.passed and check.found == 0.5 - least.margins.modulus_margin
+    assert dict(least.case) == {"k": pytest.approx(8.8), "m": pytest.approx(0.285)}  # the largest gain
+    assert f"of 5 loops is {least.margins.modulus_margin:.4g} at i2, mid, k = 8.8, m = 0.285" in check.about
+
+
+def test_a_margin_that_is_missed_fails_and_so_does_a_loop_that_is_not_stable() -> None:
+    found = robustness.opened(loops({"mid": {"z": 0.0}}, [{"K": 80.0}]), ["z"])  # four times the gain
+    require = {"phase_margin": 30.0, "gain_margin": 1.5, "modulus_margin": 0.5}
+    lost = {c.name: c for c in robustness.checks(found, require)}
+    assert not found[0].margins.stable and "not stable" in lost["phase margin falls short by"].about
+    assert lost["phase margin falls short by"].found == 30.0 and lost["modulus margin falls short by"].found == 0.5
+    assert lost["gain margin falls short by"].found == 0.5 and not any(c.passed for c in lost.values())
+    sound = robustness.checks(robustness.opened(loops({"mid": {"z": 0.0}}), ["z"]), {"phase_margin": 80.0})
+    assert not sound[0].passed and 30 < 80 - sound[0].found < 50
+
+
+def test_disk_margins_are_no_larger_than_those_of_one_channel(nominal: list[robustness.OpenLoop]) -> None:
+    found = robustness.disks(loops(), "low")
+    single = min(disk.of_loop(o.L).upper for o in nominal if o.point == "low" and o.signal in ("i1", "i2"))
+    assert found["actuators"].lower <= single * (1 + 1e-6)
+    assert found["both"].upper < found["sensors"].lower
+
+
+def test_tolerances_are_taken_one_at_a_time_or_in_all_corners() -> None:
+    plant = DESIGN.PLANT
+    alone = robustness.one_at_a_time(plant)
+    assert len(alone) == 18 and {"M": pytest.approx(1.425)} in alone and not any("g" in case for case in alone)
+    corners = robustness.corners(plant, ["K", "F0"])
+    expected = [(18.0, 13.72), (18.0, 14.28), (22.0, 13.72), (22.0, 14.28)]
+    np.testing.assert_allclose([tuple(c.values()) for c in corners], expected)
+    assert robustness.corners(plant, []) == []
+
+
+def test_what_is_not_known_is_refused_by_name(nominal: list[robustness.OpenLoop]) -> None:
+    with pytest.raises(SignalError, match=r"parameter 'g' is 9.81 .* with the tolerance 0"):
+        robustness.corners(DESIGN.PLANT, ["g"])
+    with pytest.raises(SignalError, match="2\\^11 corners"):
+        robustness.corners(DESIGN.PLANT, ["K"] * 11)
+    with pytest.raises(SignalError, match="no operating point 'mid': choose one of low, side"):
+        robustness.rest(loops(), "mid")
+    with pytest.raises(SignalError, match="no operating points"):
+        loops({})
+    with pytest.raises(SignalError, match="'phase' is no margin"):
+        robustness.checks(nominal, {"phase": 1.0})
+    with pytest.raises(SignalError, match="no loop to check"):
+        robustness.checks([], {"phase_margin": 1.0})
+
+
+def test_the_margins_are_those_of_the_opened_loop(nominal: list[robustness.OpenLoop]) -> None:
+    for o in nominal[:2]:
+        assert o.margin("delay_margin") == margins.of_loop(o.L).delay_margin
+        assert o.margin("gain_reduction") == 1 / o.margins.gain_reduction_margin

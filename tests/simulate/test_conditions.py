@@ -1,0 +1,22 @@
+"""Courses of set-points and disturbances, and conditions in words."""
+
+import numpy as np
+import pytest
+
+from synth.errors import SignalError
+from synth.simulate import conditions
+from synth.simulate.conditions import Conditions, Ramp, Sine
+
+
+def test_courses() -> None:
+    time = np.array([0.0, 0.5, 1.0, 2.0])
+    np.testing.assert_allclose(Ramp(1.0, 3.0, 0.5, 1.0)(time), [1, 1, 2, 3])
+    np.testing.assert_allclose(Sine(2.0, np.pi, offset=1.0)(time), [1, 3, 1, 1], atol=1e-15)
+    np.testing.assert_allclose(conditions.values(3.0, time), [3, 3, 3, 3])
+    with pytest.raises(SignalError, match="give one, or one for each of 4 samples"):
+        conditions.values([1.0, 2.0], time)
+
+
+def test_conditions_are_told_in_words() -> None:
+    under = Conditions({"z": 1e-4}, {"hum": Sine(0.2, 300.0)}, {"M": 1.6})
+    assert under.text() == ", M = 1.6, z = 0.0001, hum acts"

@@ -1,0 +1,98 @@
+"""Experiments as data: the checks that they imply, on a loop that is known and with what must fail."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from synth import tasks
+from synth.errors import SignalError
+from synth.simulate import experiments
+from synth.simulate.conditions import Conditions, Sine
+from synth.simulate.experiments import Hold, LiftOff, Step, Track
+from synth.simulate.rig import Rig
+from synth.simulate.sensors import Override
+from tests import levitator
+
+DESIGN: Any = levitator.design("levitator_2dof")
+
+
+@pytest.fixture(scope="module")
+def rig() -> Rig:
+    stage = DESIGN.DESIGN.stage
+    return Rig(stage, DESIGN.PLANT, tasks.compiled(stage, np.float32))
+
+
+def checks(run: Any) -> dict[str, Any]:
+    return {c.name: c for c in run.checks}
+
+
+def test_every_experiment_of_the_levitator_holds(rig: Rig) -> None:
+    heard: list[str] = []
+    runs = experiments.run(rig, DESIGN.EXPERIMENTS, heard.append)
+    assert heard == [r.name for r in runs] and len(set(heard)) == len(DESIGN.EXPERIMENTS)
+    assert [f"{r.name}: {c}" for r in runs for c in r.checks if not c.passed] == []
+
+
+def test_a_step_is_measured_from_the_sample_at_which_it_comes(rig: Rig) -> None:
+    run = Step("z_ref", 2e-4, 0.05, 0.2, error=2e-7, under=Conditions(start={"z": -1e-4})).run(rig)
+    t, r, z = run.trajectory.time, run.references["z"], run.trajectory["z"]
+    k = int(np.argmax(r > 0))
+    assert t[k] == 0.2 and r[k - 1] == -1e-4 and r[k] == pytest.approx(1e-4) and len(t) == 2000
+    late = np.abs(z[k:] - 1e-4) > 0.02 * 2e-4
+    assert checks(run)["settling time"].found == pytest.approx((np.flatnonzero(late)[-1] + 1) * 5e-4)
+    assert checks(run)["overshoot"].found == pytest.approx((z[k:].max() - 1e-4) / 2e-4)
+    assert checks(run)["|e_z| at the end"].found == np.abs(z[t >= 0.9 * t[-1]] - 1e-4).max()
+    assert run.figures["largest |i1|, A"] == np.abs(run.trajectory.commands["i1"]).max()
+
+
+def test_a_track_starts_on_its_course_and_takes_a_limit_for_each(rig: Rig) -> None:
+    course = Sine(2e-4, DESIGN.COURSE, np.pi / 2)
+    run = Track({"z_ref": course, "x_ref": 1e-4}, {"z_ref": 1e-7, "x_ref": 1e-12}, 0.6, 0.5).run(rig)
+    assert run.trajectory["z"][0] == 2e-4 and run.trajectory["x"][0] == 1e-4
+    error = run.trajectory["z"] - course(run.trajectory.time)
+    assert checks(run)["mean |e_z|"].found == pytest.approx(np.abs(error[run.trajectory.time >= 0.5]).mean())
+    assert not checks(run)["mean |e_x|"].passed
+
+
+def test_an_internal_model_leaves_nothing_of_the_hum_that_it_holds(rig: Rig) -> None:
+    """The same force at another frequency stays."""
+    held, other = (
+        Hold({"x_ref": 1e-6}, 2.0, 1.5, Conditions(disturbances={"hum": Sine(0.2, w)})).run(rig)
+        for w in (DESIGN.HUM, 0.8 * DESIGN.HUM)
+    )
+    assert checks(held)["largest |e_x|"].passed and not checks(other)["largest |e_x|"].passed
+    assert checks(other)["largest |e_x|"].found > 20 * checks(held)["largest |e_x|"].found
+    assert held.title == "x held, hum acts"
+
+
+def test_a_lift_off_ramps_from_the_set_points_end_and_may_be_too_fast(rig: Rig) -> None:
+    start = Conditions(start={"z": -6e-4})
+    slow, fast = (LiftOff({"z_ref": 0.0}, s, 0.05, 2e-7, start).run(rig) for s in (0.2, 0.01))
+    assert slow.references["z"][0] == -5e-4 and slow.trajectory["z"][0] == -6e-4
+    assert all(c.passed for c in slow.checks)
+    assert not all(c.passed for c in fast.checks)
+
+
+def test_parameters_change_the_plant_alone(rig: Rig) -> None:
+    step = Step("z_ref", 3e-4, 0.05, 0.2)
+    heavy = replace(step, under=Conditions(parameters={"M": 1.9, "K": 12.0}), label="heavy")
+    assert all(c.passed for c in step.run(rig).checks)
+    run = heavy.run(rig)
+    assert not all(c.passed for c in run.checks) and run.title == "z steps by 0.0003 m, M = 1.9, K = 12"
+    assert rig.plant is DESIGN.PLANT
+
+
+def test_a_fault_fails_any_experiment(rig: Rig) -> None:
+    missing = Override(np.arange(2000) == 1200, np.nan)
+    run = Hold({"z_ref": 1e-6}, under=Conditions(options={"overrides": {"z": missing}})).run(rig)
+    assert checks(run)["samples with a fault bit"].found == 1 and checks(run)["largest |e_z|"].passed
+
+
+def test_names_are_kept_apart_and_known(rig: Rig) -> None:
+    step = Step("z_ref", 1e-4, 0.1, 0.1)
+    with pytest.raises(SignalError, match=r"two experiments are called 'step_z_ref_0\.0001'"):
+        experiments.run(rig, [step, step], print)
+    with pytest.raises(SignalError, match="no set-point 'z': name one of z_ref, x_ref"):
+        Step("z", 1e-4, 0.1, 0.1).run(rig)

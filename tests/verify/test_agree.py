@@ -1,0 +1,43 @@
+"""Each output has a floor of its own: given, or from its declared range."""
+
+import numpy as np
+import pytest
+
+from synth.block import Step, build
+from synth.errors import SignalError
+from synth.signals import Signal
+from synth.timing import Discrete
+from synth.verify import agree
+
+X, ANGLE = Signal("x", "m", -1e-3, 5e-4), Signal("angle", "rad", -3, 3)
+BLOCK = build(
+    "two",
+    Discrete(1e-3),
+    lambda u, x, k: Step({"x": u["x_in"], "angle": u["angle_in"]}),
+    inputs=[Signal("x_in", "m", -1e-3, 5e-4), Signal("angle_in", "rad", -3, 3)],
+    outputs=[X, ANGLE],
+)
+
+
+def worst(floor: agree.Floor) -> tuple[float, str]:
+    """An error of 1e-6 of the range of x and of 1e-9 of that of the angle."""
+    words = np.zeros(1, np.uint32)
+    right = agree.Stepped({"x": np.zeros(1), "angle": np.zeros(1)}, {}, words)
+    wrong = agree.Stepped({"x": np.full(1, 1e-9), "angle": np.full(1, 3e-9)}, {}, words)
+    found = agree.compare("steps", ("right", right), ("wrong", wrong), floor, BLOCK)
+    return found.worst, found.signal
+
+
+def test_one_floor_for_all_hides_what_an_output_of_small_range_does() -> None:
+    assert worst(1.0) == (3e-9, "angle")
+    assert worst(None) == (pytest.approx(1e-6), "x")
+    assert worst({"x": 1e-3, "angle": 1.0}) == (pytest.approx(1e-6), "x")
+    assert worst({"x": 1.0}) == (1e-9, "x"), "the angle's own range serves"
+
+
+@pytest.mark.parametrize(
+    ("floor", "words"), [({"y": 1.0}, "floor of 'y': it is not one of the outputs x, angle"), (0.0, "'x' is 0.0: give")]
+)
+def test_a_floor_that_does_not_fit_is_refused(floor: agree.Floor, words: str) -> None:
+    with pytest.raises(SignalError, match=words):
+        worst(floor)
