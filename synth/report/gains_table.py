@@ -2,7 +2,8 @@
 
 {"y": {"K": [1, 2], "certificate": {"residual": 1e-9}}, "x": {...}}   ->   entry                    y      x
                                                                            K                        1, 2   ...
-                                                                           certificate: residual    1e-9   ...
+                                                                           certificate:
+                                                                               residual                 1e-9   ...
 """
 
 import re
@@ -67,7 +68,7 @@ def _entries(law: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any
     for name, value in law.items():
         words = f"{above}{name.replace('_', ' ')}"
         if isinstance(value, Mapping):
-            yield from _entries(value, f"{words}: ")
+            yield from _entries(value, f"{words}:\n")
         else:
             yield words, value
 

@@ -45,7 +45,7 @@ def test_laws_with_the_same_entries_stand_beside_each_other() -> None:
     assert [row[0] for row in first.rows] == ["plant", "period s"]
     assert laws.columns == ("entry", "z", "x") and other.columns == ("entry", "filter")
     assert laws.rows == (("K", "1, −2.5", "3\n4\n5"),)
-    assert dict(alike.rows) == {"weights: x": "10", "certified": "yes", "A": "0, 1\n2, 3"}
+    assert dict(alike.rows) == {"weights:\nx": "10", "certified": "yes", "A": "0, 1\n2, 3"}
 
 
 def test_loops_are_drawn_by_signal_and_the_worst_where_there_are_many() -> None:
