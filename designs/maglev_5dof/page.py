@@ -6,12 +6,12 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 
-from designs.maglev_5dof import control
+from designs.maglev_5dof import control, loops
 from models import maglev_stage, pmlsm
 from synth.declaration import Stage
 from synth.emit.write import Emitted
 from synth.plant import Symbols
-from synth.report import figures, page, template
+from synth.report import figures, page, standard, template
 from synth.report.audit import Row
 from synth.report.prose import Value
 from synth.report.template import Extra
@@ -47,7 +47,8 @@ def report(
     }
     drawn = {run.name: (_path(run),) for run in runs if run.name == "ellipse"}
     shown = replace(template.shown(stage), levels=LEVELS, beside=beside, drawn=drawn, longest=LONGEST, window=WINDOW)
-    extra = Extra(_values(), named=forces, shown=shown)
+    opened = standard.loops(loops.all_loops(stage.plant))
+    extra = Extra(_values(), [opened], forces, shown=shown)
     return template.report(stage, files, evidence, runs, rows, cost, extra)
 
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from synth import arguments
-from synth.analyse import disk, margins, resting, trim
+from synth.analyse import disk, margins, rest_equations, resting, trim
 from synth.analyse.margins import Margins
 from synth.analyse.resting import ClosedLoop, Rest
 from synth.check import Check
@@ -104,7 +104,7 @@ def of_controller(
     points: Mapping[str, Mapping[str, float]],
     cases: Sequence[Case] = (NOMINAL,),
     scalar: type[np.floating] = np.float32,
-    actuators: resting.Wires | None = None,
+    actuators: rest_equations.Wires | None = None,
 ) -> Loops:
     """Return the loops of a composed controller, its constants rounded to `scalar`, around a plant.
 
