@@ -22,7 +22,7 @@ from synth.report.audit import Row
 from synth.simulate import experiments, headroom
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
-from synth.verify import standard, stimuli
+from synth.verify import stimuli
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 from synth.verify.steps import Steps
@@ -102,7 +102,7 @@ def bench(stage: Stage) -> Bench:
         loop = Rig(stage, stage.plant, controller)
         return stimuli.sequences(loop, [e.run(loop) for e in stage.experiments], progress)
 
-    return Bench(lambda: stage.controller.block, replay, sequences, standard.largest_output(stage))
+    return Bench(lambda: stage.controller.block, replay, sequences)
 
 
 def report(

@@ -28,6 +28,7 @@ from synth.verify import standard as verification
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 
+FLOOR = "the largest magnitude in the output's range"
 SHORTFALLS = frozenset(f"{name.replace('_', ' ')} falls short by" for name in robustness.REQUIREMENTS)
 
 
@@ -66,7 +67,7 @@ def report(
         *_computed(stage, gains(stage, files), evidence, replaced, extra),
         standard.experiments(runs, extra.shown or shown(stage)),
         *((standard.audit(rows),) if rows else ()),
-        standard.verification(evidence, floor(stage), is_margin),
+        standard.verification(evidence, FLOOR, is_margin),
         sections.cost(cost),
         standard.files(files),
     ]
@@ -142,12 +143,6 @@ def shown(stage: Stage) -> Shown:
     signals = [*plant.states, *plant.inputs, *plant.outputs, *stage.interface.signals.values()]
     levels = {s.of: s.resolution for s in stage.interface.sensors if s.resolution}
     return Shown({s.name: s.unit for s in signals}, levels)
-
-
-def floor(stage: Stage) -> str:
-    """Return below what size a difference of outputs is absolute, in words."""
-    units = dict.fromkeys(s.unit for s in stage.controller.block.outputs)
-    return f"{verification.largest_output(stage):g} {', '.join(units)}"
 
 
 def is_margin(check: Check) -> bool:

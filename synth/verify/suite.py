@@ -47,7 +47,7 @@ def witnesses(block: Block, reference: Reference, error: Mapping[type[np.floatin
     return Witnesses(block, others | {"casadi_c": agree.casadi_own_c(block), "c64": agree.emitted(c64)}, c64, c32)
 
 
-def compare(what: str, by: Witnesses, states: Columns, inputs: Columns, floor: float) -> list[Agreement]:
+def compare(what: str, by: Witnesses, states: Columns, inputs: Columns, floor: agree.Floor) -> list[Agreement]:
     """Compare each other witness with the C in double precision over N steps (x, u)."""
     c64 = by.of["c64"](states, inputs)
     return [
@@ -56,7 +56,7 @@ def compare(what: str, by: Witnesses, states: Columns, inputs: Columns, floor: f
     ]
 
 
-def replay(what: str, by: Witnesses, inputs: Columns, floor: float) -> list[Agreement]:
+def replay(what: str, by: Witnesses, inputs: Columns, floor: agree.Floor) -> list[Agreement]:
     """Compare each other witness with the C in double precision over N recorded inputs from `init`."""
     c64, start = agree.replayed(by.c64, inputs), {s.name: s.initial for s in by.block.states}
     return [
