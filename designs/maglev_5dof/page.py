@@ -1,26 +1,20 @@
-"""What the report of the maglev stage has beyond the standard one: the forces by name, and the paper's own figures."""
+"""What the report of the maglev stage adds to the standard one; its prose is in report.md."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from designs.maglev_5dof import control, loops
+from designs.maglev_5dof import control, experiments, loops
 from models import maglev_stage, pmlsm
 from synth.declaration import Stage
-from synth.emit.write import Emitted
-from synth.plant import Symbols
+from synth.plant import Plant, Symbols
 from synth.report import figures, page, standard, template
-from synth.report.audit import Row
 from synth.report.prose import Value
-from synth.report.template import Extra
 from synth.simulate.experiment import Experiment
-from synth.verify.cost import Cost
-from synth.verify.evidence import Evidence
 
+COUNTS = {a: experiments.ANGLE_RESOLUTION if a in ("phi", "theta") else control.RESOLUTION for a in experiments.AXES}
 LONGEST, WINDOW = 30.0, (0.0, 5.0)  # s: what runs longer is drawn over the window
-LEVELS = {"y": 10e-6, "x": 10e-6, "z": 10e-6, "phi": 20e-6, "theta": 20e-6}  # m, rad: one count
 _GAP, _TILT = ("F-11", "Fig. 4 of the paper"), ("F-12", "Fig. 5 of the paper")
 BESIDE = {
     **dict.fromkeys(("y_22_29", "y_29_22", "y_20_27", "y_27_20", "paper_y_22_29", "paper_y_29_22"), (_GAP,)),
@@ -31,24 +25,18 @@ BESIDE = {
 }
 
 
-def report(
-    stage: Stage,
-    files: Mapping[str, Emitted],
-    evidence: Evidence,
-    runs: Sequence[Experiment],
-    rows: Sequence[Row],
-    cost: Cost | None,
-) -> str:
-    """Return the report as one HTML document."""
+def report(stage: Stage, files: Any, evidence: Any, runs: Any, rows: Any, cost: Any) -> str:
+    """Return the report as one HTML document; arguments as `template.report`."""
     printed = {row.id: row.published.text for row in rows}
     beside = {
-        name: ". ".join(f"{figure}: {printed[row]}" for row, figure in said if row in printed)
-        for name, said in BESIDE.items()
+        name: ". ".join(f"{figure}: {printed[row]}" for row, figure in found if row in printed)
+        for name, found in BESIDE.items()
     }
     drawn = {run.name: (_path(run),) for run in runs if run.name == "ellipse"}
-    shown = replace(template.shown(stage), levels=LEVELS, beside=beside, drawn=drawn, longest=LONGEST, window=WINDOW)
+    units = {axis: experiments.unit(axis) for axis in experiments.AXES}
+    shown = standard.Shown(units, COUNTS, beside, drawn, LONGEST, WINDOW)
     opened = standard.loops(loops.all_loops(stage.plant))
-    extra = Extra(_values(), [opened], forces, shown=shown)
+    extra = template.Extra(_values(stage.plant), [opened], forces, shown=shown)
     return template.report(stage, files, evidence, runs, rows, cost, extra)
 
 
@@ -63,15 +51,17 @@ def forces(x: Symbols, u: Symbols, p: Symbols) -> dict[str, ca.SX]:
     return named
 
 
-def _values() -> dict[str, Value]:
-    """Return what report.md asks for beyond what is known of every stage."""
-    k_s, cancelled = maglev_stage.plant().parameter("k_s_phi").value, control.COMPENSATED["k_s_phi"]
-    stiffness = -float(control.gain(control.AXES[3]).K[0, 0])
+def _values(plant: Plant) -> dict[str, Value]:
+    """Return what report.md asks for."""
+    k_s, own = plant.parameter("k_s_phi").value, -float(control.gain(control.AXES[3]).K[0, 0])
+    cancelled = control.COMPENSATED["k_s_phi"]
     return {
         "compensated_phi": cancelled,
         "compensated_theta": control.COMPENSATED["k_s_theta"],
-        "stiffness": stiffness,
-        "stable_above": (cancelled * k_s - stiffness) / k_s,
+        "k_s_phi": k_s,
+        "k_s_theta": plant.parameter("k_s_theta").value,
+        "stiffness": own,
+        "stable_above": (cancelled * k_s - own) / k_s,
     }
 
 
