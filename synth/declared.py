@@ -22,7 +22,7 @@ from synth.report.audit import Row
 from synth.simulate import experiments, headroom
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
-from synth.verify import standard, stimuli
+from synth.verify import stimuli
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 from synth.verify.steps import Steps

@@ -11,7 +11,6 @@ DESIGN = stage.design(
     control.controller(PLANT),
     PLANT,
     reference=reference.step,
-    operating_points={f"{gap * 1e3:.4g} mm": {"y": gap} for gap in (control.GAP[0], 0.025, control.GAP[1])},
     experiments=experiments.ALL,
     surrogate_error=control.SURROGATE_ERROR,
     start={"y": 0.025},

@@ -5,7 +5,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from designs.maglev_5dof import control, experiments, gains
+from designs.maglev_5dof import control, experiments, gains, loops
 from models import maglev_stage, pmlsm
 from synth.declaration import Stage
 from synth.plant import Plant, Symbols
@@ -32,7 +32,8 @@ def report(stage: Stage, files: Any, evidence: Any, runs: Any, rows: Any, cost: 
     drawn = {run.name: (_path(run),) for run in runs if run.name == "ellipse"}
     units = {axis: experiments.unit(axis) for axis in experiments.AXES}
     shown = standard.Shown(units, COUNTS, beside, drawn, LONGEST, WINDOW)
-    extra = template.Extra(_values(stage.plant), named=forces, shown=shown)
+    opened = standard.loops(loops.all_loops(stage.plant))
+    extra = template.Extra(_values(stage.plant), [opened], forces, shown=shown)
     document = gains.document(stage.scalar)
     return template.report(stage, files, evidence, runs, rows, cost, document, extra)
 

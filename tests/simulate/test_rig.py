@@ -1,0 +1,57 @@
+"""The rig: set-points rest where the stage starts, noise is drawn alike for every length, and plants can differ."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from synth import declared
+from synth.simulate.rig import Rig
+from tests import levitator
+
+PID = levitator.design()
+
+
+@pytest.fixture(scope="module")
+def rig() -> Rig:
+    return declared.rig(PID.DESIGN.stage, np.float64)
+
+
+def test_a_set_point_that_is_not_given_stays_where_its_position_starts(rig: Rig) -> None:
+    run = rig.run(0.2, {"z": 2e-4})
+    assert (run.measured["z_ref"] == 2e-4).all() and (run.measured["x_ref"] == 0).all()
+    assert abs(run["z"][-1] - 2e-4) < 1e-6
+
+
+def test_a_stage_may_start_elsewhere(rig: Rig) -> None:
+    elsewhere = replace(rig, stage=replace(rig.stage, start={"x": 3e-4}))
+    assert elsewhere.run(0.01)["x"][0] == 3e-4
+    assert elsewhere.at_rest() == {"z": 0.0, "x": 3e-4, "z_ref": 0.0, "x_ref": 3e-4}
+
+
+def test_sensors_show_counts_and_ideal_ones_do_not(rig: Rig) -> None:
+    counts = rig.run(0.05, {"z": 1.23456789e-4}).measured["z"] / 1e-7
+    np.testing.assert_allclose(counts, np.rint(counts), rtol=0, atol=1e-6)
+    assert rig.ideal.run(0.05, {"z": 1.23456789e-4}).measured["z"][0] == 1.23456789e-4
+
+
+def test_noise_of_a_short_run_begins_that_of_a_long_one(rig: Rig) -> None:
+    around = rig.stage.interface
+    noisy = replace(around, sensors=tuple(replace(s, noise=1e-7, resolution=0.0) for s in around.sensors))
+    loud = replace(rig, stage=replace(rig.stage, controller=replace(rig.stage.controller, interface=noisy)))
+    short, long = (loud.run(T).measured["x"] for T in (0.05, 0.1))
+    np.testing.assert_array_equal(short, long[: len(short)])
+    other = replace(loud, seed=1).run(0.05).measured["x"]
+    assert not np.array_equal(short, other) and 5e-8 < np.std(short) < 2e-7
+    assert not loud.ideal.run(0.05).measured["x"].any()
+
+
+def test_the_plant_may_be_another_than_the_controller_knows(rig: Rig) -> None:
+    heavy = replace(rig, plant=rig.plant.with_parameters(M=1.6))
+    assert np.abs(heavy.run(0.05)["z"]).max() > 1.2 * np.abs(rig.run(0.05)["z"]).max()
+
+
+def test_wires_may_mix_the_controllers_outputs(rig: Rig) -> None:
+    halved = replace(rig, actuators={"i1": "i1", "i2": {"i2": 0.5}})
+    run = halved.run(0.05, references={"x_ref": 1e-4})
+    np.testing.assert_allclose(run.applied["i2"][1:], 0.5 * run.commands["i2"][:-1])
