@@ -236,7 +236,7 @@ def test_the_costliest_step_keeps_below_its_ceiling(build: str, design: Subject)
 
 
 def test_closed_loops_are_the_experiments_and_the_replay() -> None:
-    def run(loop: Rig, told: bench.Told) -> Sequence[Experiment]:
+    def run(loop: Rig, progress: bench.Progress) -> Sequence[Experiment]:
         return leadlag_experiments.PARTS["steps"](loop)
 
     found = {s.name: s for s in bench.closed_loops(loop_of("planar_6dof_leadlag"), run)}
