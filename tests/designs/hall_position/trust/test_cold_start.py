@@ -20,7 +20,7 @@ def test_three_sensors_find_every_place_within_forty_samples() -> None:
     """A twentieth of a second. Over 8,000 poses it was 23 samples at most, and 6 in the middle."""
     found = cold_start.run(THREE, cold_start.grid(THREE, 24, YAWS), 60)
     assert found.valid == 1.0 and found.wrong == 0 and found.took.max() <= 40 and np.median(found.took) < 10
-    assert found.found.all() and found.poses.shape == (24 * 24 * 5, 3) and "median samples" in str(found)
+    assert found.found.all() and found.poses.shape == (24 * 24 * 5, 3)
 
 
 def test_two_sensors_are_certain_at_rest_in_a_part_of_the_pitch_and_on_the_way_nearly_anywhere() -> None:
