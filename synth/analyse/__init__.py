@@ -1,0 +1,1 @@
+"""Analysis of linear and nonlinear models: operating points, linearisation, loops and margins, norms, structure."""

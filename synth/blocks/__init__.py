@@ -1,0 +1,1 @@
+"""Blocks: guard and safe output, linear models, derivative filter, internal-model regulator, control axes."""

@@ -1,0 +1,1 @@
+"""Synthesis of gains, observers, regulators and estimators; each result certifies itself."""

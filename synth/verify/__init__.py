@@ -1,0 +1,1 @@
+"""Verification of the emitted C: independent witnesses, stimuli, costs and proofs."""

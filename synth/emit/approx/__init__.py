@@ -1,0 +1,1 @@
+"""Approximation: functions of one variable become polynomials with a certificate."""

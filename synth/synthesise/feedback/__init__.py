@@ -1,0 +1,1 @@
+"""State feedback: LQR, pole placement, deadbeat control, and weights for them."""

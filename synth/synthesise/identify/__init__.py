@@ -1,0 +1,1 @@
+"""Identification of parameters from logged data: linear and nonlinear least squares, trajectories."""

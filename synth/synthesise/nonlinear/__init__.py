@@ -1,0 +1,1 @@
+"""Feedback linearisation and dynamic extension."""

@@ -1,0 +1,1 @@
+"""Riccati, Stein and Lyapunov equations, each solution with a certificate."""

@@ -1,0 +1,1 @@
+"""Servo regulators: internal models, their gains, anti-windup and bumpless start."""
