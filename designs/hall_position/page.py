@@ -12,7 +12,7 @@ from designs.hall_position.loop import calibration
 from designs.hall_position.pages import accuracy, estimator, experiments, field, loops, six, trust
 from designs.hall_position.paper.stage import Stage
 from synth.emit.write import Emitted
-from synth.report import page, prose, sections, standard, template
+from synth.report import page, prose, sections, standard
 from synth.report.audit import Row
 from synth.report.prose import Value
 from synth.simulate.experiment import Experiment
@@ -55,7 +55,7 @@ def report(
     placed = prose.placed([section for section in made if section.title not in skipped], parts)
     inputs, outputs = "4 Hall voltages; 6 with a third sensor", "X, Y and yaw, their deviations, residual, flags"
     facts = (*standard.facts(shipped.TIME, np.float32, inputs, outputs), *FACTS)
-    return template.assembled(shipped.NAME, ABOUT, facts, placed)
+    return page.render(page.Report(shipped.NAME, ABOUT, placed, facts))
 
 
 def _equations(data: Mapping[str, Any]) -> dict[str, Value]:
