@@ -9,10 +9,10 @@ import numpy as np
 
 from designs.hall_position import shipped
 from designs.hall_position.loop import calibration
-from designs.hall_position.pages import accuracy, costs, estimator, experiments, field, loops, six, trust
+from designs.hall_position.pages import accuracy, estimator, experiments, field, loops, six, trust
 from designs.hall_position.paper.stage import Stage
 from synth.emit.write import Emitted
-from synth.report import page, prose, sections, standard, template
+from synth.report import page, prose, sections, standard
 from synth.report.audit import Row
 from synth.report.prose import Value
 from synth.simulate.experiment import Experiment
@@ -25,6 +25,7 @@ ABOUT = (
     "every figure on it was measured on the C that ships, or on the model that the C was derived from."
 )
 FACTS = (("law", "GLSDC, Fig. 9, five corrections a sample"),)
+COSTS = "Cost of three sensors and of six degrees of freedom"
 LOOP = ("Calibration", standard.EXPERIMENTS, standard.LOOPS)  # parts of the closed loop
 
 
@@ -48,13 +49,13 @@ def report(
         standard.VERIFICATION: standard.verification(evidence),
     }
     others = _others(files, cost, stage)
-    skipped = {*(() if runs else LOOP), *(() if others else (costs.TITLE,))}
+    skipped = {*(() if runs else LOOP), *(() if others else (COSTS,))}
     made = [*computed.values(), sections.cost(cost), *others, standard.files(files)]
     parts = [part for part in words.parts if part.title not in skipped]
     placed = prose.placed([section for section in made if section.title not in skipped], parts)
     inputs, outputs = "4 Hall voltages; 6 with a third sensor", "X, Y and yaw, their deviations, residual, flags"
     facts = (*standard.facts(shipped.TIME, np.float32, inputs, outputs), *FACTS)
-    return template.assembled(shipped.NAME, ABOUT, facts, placed)
+    return page.render(page.Report(shipped.NAME, ABOUT, placed, facts))
 
 
 def _equations(data: Mapping[str, Any]) -> dict[str, Value]:
@@ -77,6 +78,6 @@ def _others(files: Mapping[str, Emitted], cost: Cost | None, stage: Stage) -> tu
     """Return what the other estimators cost, none where nothing was measured for want of an emulator or a compiler."""
     if cost is None:
         return ()
-    from designs.hall_position.costs import measure  # which needs the extra `target`
+    from designs.hall_position import costs  # which needs the extra `target`
 
-    return (costs.section(measure(files[shipped.THREE], six.placed(stage, 4))),)
+    return (costs.section(costs.measure(files[shipped.THREE], six.placed(stage, 4))),)

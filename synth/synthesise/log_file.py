@@ -5,6 +5,8 @@
 
 Lines that are empty or begin with # are passed over. What is read is a Log in SI units. What cannot be read is refused
 with its line, and nothing is guessed.
+
+Library: no design measures yet; docs/library.md has an example.
 """
 
 import csv

@@ -127,7 +127,7 @@ def _check_places(array: Array) -> None:
 
 
 def _outputs(array: Array, tuning: Tuning) -> list[Signal]:
-    far = (tuning.pitches + 1) * array.pitch
+    far = (tuning.pitches + 2) * array.pitch
     found = [Signal(axis, "m", -far, far, "of the body's origin over the matrix") for axis in "XY"]
     found += [Signal("Z", "m", 0, 1, "of the body's origin above the matrix")]
     found += [Signal(name, "rad", -pi, pi, "of the body over the matrix") for name in OUTPUTS[3:]]

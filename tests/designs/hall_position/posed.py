@@ -9,7 +9,7 @@ from designs.hall_position import reference_six
 from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import channels, six_estimator
 from designs.hall_position.glsdc.six_parameters import Array, Tuning
-from synth.block import Block
+from synth.block import Block, unranged
 from synth.emit import write
 from synth.execute import host
 from synth.statespace import Array as Numbers
@@ -29,7 +29,7 @@ Columns = Mapping[str, Numbers]
 
 @cache
 def block(array: Array, tuning: Tuning = USUAL) -> Block:
-    return six_estimator.guarded(array, TIME, tuning)
+    return unranged(six_estimator.guarded(array, TIME, tuning))
 
 
 @cache
