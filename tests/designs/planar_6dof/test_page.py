@@ -57,7 +57,7 @@ def test_figures_by_channel_keep_each_value(runs: list[Experiment]) -> None:
 
 def test_positions_are_seen_as_the_compiled_c_has_them(lead: Rig, runs: list[Experiment]) -> None:
     rest = runs[3].trajectory
-    found, expected = page_stage.seen(rest, leadlag.TIME, 500), loops.seen(lead, rest)
+    found, expected = page_stage.seen(rest, leadlag.TIME, 500), simulated.seen(lead, rest)
     for name in ("x_raw", "x", "phi"):
         np.testing.assert_allclose(found[name], expected[name][:500], rtol=0, atol=2e-8)
     assert 0.3 < np.std(found["x"][100:]) / np.std(found["x_raw"][100:]) < 0.6
