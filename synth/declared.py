@@ -114,4 +114,4 @@ def report(
     cost: Cost | None,
 ) -> str:
     """Return the report as one HTML document."""
-    return template.report(stage, files, evidence, runs, rows, cost, gains(stage, stage.scalar))
+    return template.report(stage, files, evidence, runs, rows, cost)

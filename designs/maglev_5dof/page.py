@@ -5,7 +5,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from designs.maglev_5dof import control, experiments, gains, loops
+from designs.maglev_5dof import control, experiments, loops
 from models import maglev_stage, pmlsm
 from synth.declaration import Stage
 from synth.plant import Plant, Symbols
@@ -28,14 +28,16 @@ BESIDE = {
 def report(stage: Stage, files: Any, evidence: Any, runs: Any, rows: Any, cost: Any) -> str:
     """Return the report as one HTML document; arguments as `template.report`."""
     printed = {row.id: row.published.text for row in rows}
-    beside = {name: ". ".join(f"{figure}: {printed[row]}" for row, figure in found) for name, found in BESIDE.items()}
+    beside = {
+        name: ". ".join(f"{figure}: {printed[row]}" for row, figure in found if row in printed)
+        for name, found in BESIDE.items()
+    }
     drawn = {run.name: (_path(run),) for run in runs if run.name == "ellipse"}
     units = {axis: experiments.unit(axis) for axis in experiments.AXES}
     shown = standard.Shown(units, COUNTS, beside, drawn, LONGEST, WINDOW)
     opened = standard.loops(loops.all_loops(stage.plant))
     extra = template.Extra(_values(stage.plant), [opened], forces, shown=shown)
-    document = gains.document(stage.scalar)
-    return template.report(stage, files, evidence, runs, rows, cost, document, extra)
+    return template.report(stage, files, evidence, runs, rows, cost, extra)
 
 
 def forces(x: Symbols, u: Symbols, p: Symbols) -> dict[str, ca.SX]:

@@ -5,20 +5,20 @@ adds its law, its gains and its loops.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from designs.planar_6dof import allocation, loops, page_experiments, page_stage, vertical
+from designs.planar_6dof import allocation, loops, page_experiments, page_stage, sensing_maps, vertical
 from designs.planar_6dof.page_experiments import Beside, Told
 from designs.planar_6dof.page_stage import SYMBOLS
 from models import planar_stage
-from synth.analyse import disk
 from synth.block import Block
 from synth.emit.write import Emitted
 from synth.plant import Plant
-from synth.report import bode, page, sections
+from synth.report import bode, page, sections, standard, template
 from synth.report.audit import Row
+from synth.report.prose import Value
 from synth.simulate.experiment import Experiment
 from synth.timing import Discrete
 from synth.verify.cost import Cost
@@ -29,7 +29,6 @@ ABOUT = (
     "magnet matrix and seen by three Hall sensors and three laser distance sensors. This page was computed from the "
     "physics; every figure on it was measured on the C that ships, or on the model that the C was derived from."
 )
-RESET = ("", "d = w + I,  I ← I + (1 - z_2) (made - I),  w = D e + V,  V ← p V + D (p - z_1) e")
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +36,7 @@ class Contents:
     """What a design adds to its report: a line on its law, sections, and what follows the cost.
 
     `beside` gives the rows of the audit that an experiment stands beside; `filtered` tells whether the law reads
-    filtered positions, `spectrum` whether the paper draws one.
+    filtered positions, `spectrum` whether the paper draws one; `values` are what its report.md asks for.
     """
 
     name: str
@@ -49,6 +48,7 @@ class Contents:
     beside: Beside
     filtered: bool = True
     spectrum: bool = False
+    values: Mapping[str, Value] = field(default_factory=dict)
     cost: tuple[page.Block, ...] = ()
 
 
@@ -72,32 +72,15 @@ def report(
         page_experiments.experiments(experiments, told, own.time),
         page_experiments.headroom(experiments),
         page_stage.failures(plant, own.time, own.filtered),
-        page.Section("Audit of the paper", (page.Text("Verdicts are computed."), sections.audit(rows))),
-        _verification(evidence),
+        standard.audit(rows),
+        standard.verification(evidence, "1 A"),
         replace(spent, blocks=(*spent.blocks, *own.cost)),
-        page.Section("Files", (sections.files(_texts(files)),)),
+        standard.files(files),
     )
-    facts = (
-        ("sample period", f"{own.time.period_s * 1e3:g} ms"),
-        ("scalar type", "float32"),
-        ("inputs", "6 Hall voltages, 3 laser distances, 6 set-points"),
-        ("outputs", "9 phase currents of 3 motors"),
-        ("law", own.line),
-    )
-    return page.render(page.Report(own.name, ABOUT, parts, facts))
-
-
-def _verification(evidence: Evidence) -> page.Section:
-    text = page.Text(
-        "reference: NumPy, written from the paper's equations, with gains of its own. casadi: CasADi's evaluation. "
-        "casadi_c: CasADi's own C, double. c64, c32: the emitted C in double and single precision. The floor is 1 A."
-    )
-    checks = page.Checks("Limits", tuple(evidence.checks))
-    return page.Section("Verification", (text, sections.agreements(evidence.agreements), checks))
-
-
-def _texts(files: Mapping[str, Emitted]) -> dict[str, str]:
-    return {f"{folder}/{name}": text for folder, found in files.items() for name, text in found.files.items()}
+    inputs = "6 Hall voltages, 3 laser distances, 6 set-points"
+    facts = (*standard.facts(own.time, np.float32, inputs, "9 phase currents of 3 motors"), ("law", own.line))
+    values = {"speed": sensing_maps.SPEED, **own.values}
+    return template.assembled(own.name, ABOUT, facts, parts, values, ("planar_6dof",))
 
 
 def upright() -> tuple[tuple[str, str], ...]:
@@ -131,17 +114,6 @@ def bodes(found: Sequence[loops.OpenLoop], axis: str) -> page.Section:
     """Return the Bode plot of an axis with the margins of each of its loops."""
     curves = [bode.curve(o.label, o.L, o.margins) for o in found if o.axis == axis]
     return sections.loop(f"Loop of {SYMBOLS.get(axis, axis)}", f"bode-{axis}", curves)
-
-
-def disk_table(found: Mapping[str, Mapping[str, disk.DiskMargin]]) -> page.Table:
-    """Return disk margins by loop and by where it is opened, all channels varied at once."""
-    rows = []
-    for label, margins in found.items():
-        for cut, m in margins.items():
-            gains, hertz = f"{m.gain_low:.3g} .. {m.gain_high:.3g}", m.frequency / (2 * np.pi)
-            rows.append((label, cut, m.lower, m.upper, gains, m.phase, hertz, "yes" if m.certified else "NO"))
-    columns = ("loop", "opened at", "α, at least", "α, at most", "all gains, ×", "all phases, ± °", "worst at, Hz")
-    return page.Table("Disk margins of all channels at once", (*columns, "all frequencies"), tuple(rows))
 
 
 def over_pitch(plant: Plant, block: Block) -> page.Table:

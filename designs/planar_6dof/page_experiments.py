@@ -10,7 +10,7 @@ from designs.planar_6dof.page_stage import REST, seen
 from models import halbach, planar_stage, planar_voltages
 from synth.errors import SignalError
 from synth.plant import Plant
-from synth.report import figures, page, sections
+from synth.report import figures, page, sections, standard
 from synth.report.notation import readable
 from synth.signals import names
 from synth.simulate.experiment import Experiment
@@ -43,17 +43,11 @@ class Told:
 
 def experiments(found: Sequence[Experiment], told: Told, time: Discrete) -> page.Section:
     """Return every experiment."""
-    text = page.Text(
-        "Unless a title says otherwise: the full nonlinear stage, whose motors see the field's harmonics, Hall "
-        "sensors with white noise of 13 µm rms of a position, laser distances with 0.2 µm rms, converters of 16 bits "
-        "over ±10 V, one sample of delay, and the shipped C in the loop. Rise, overshoot and settling of steps are "
-        "those of a twin run without noise, of the position as its sensors show it."
-    )
     drawn = {e.name: (_path(e),) for e in found if _base(e) == CIRCLE}
     rest = [e.trajectory for e in found if e.name == REST]
     if told.spectrum:
         drawn |= {e.name: (_spectrum(e.trajectory, rest, time, told.filtered),) for e in found if e.name == SPECTRUM}
-    return page.Section("Experiments", (text,), tuple(_one(e, told, drawn.get(e.name, ())) for e in found))
+    return page.Section(standard.EXPERIMENTS, (), tuple(_one(e, told, drawn.get(e.name, ())) for e in found))
 
 
 def _one(e: Experiment, told: Told, more: tuple[page.Figure, ...]) -> page.Section:
@@ -144,18 +138,13 @@ def _spectrum(step: Trajectory, rest: Sequence[Trajectory], time: Discrete, filt
 
 def headroom(found: Sequence[Experiment]) -> page.Section:
     """Return what voltages the currents of each run need, beside the one that Table 1 states."""
-    text = page.Text(
-        "What the currents of each run need: R i + L di/dt, the current taken to go where it is in a straight line "
-        "during the sample before, and the voltage that the motion induces in the field of the infinite matrix. Runs "
-        "behind amplifiers that have a supply of their own are not in the table."
-    )
     plant = planar_stage.plant(halbach.HARMONICS)
     left = f"headroom under {planar_voltages.STATED:g} V, V"
     columns = ("run", "largest current, A", "largest induced, V", "largest voltage, V", left, "samples above, %")
     rows: list[tuple[page.Cell, ...]] = []
     for e in (e for e in found if _ideal(plant, e.trajectory)):
         rows.append((_greek(readable(e.title)), *_needs(plant, e.trajectory)))
-    return page.Section("Voltages", (text, page.Table("Voltages of the phases", columns, tuple(rows), digits=3)))
+    return page.Section("Voltages", (page.Table("Voltages of the phases", columns, tuple(rows), digits=3),))
 
 
 def _ideal(plant: Plant, run: Trajectory) -> bool:

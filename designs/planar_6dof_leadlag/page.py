@@ -13,8 +13,9 @@ from designs.planar_6dof_leadlag.control import TIME
 from models import halbach, planar_stage
 from synth.emit.write import Emitted
 from synth.plant import Plant
-from synth.report import page
+from synth.report import page, standard
 from synth.report.audit import Row
+from synth.report.prose import Value
 from synth.simulate.experiment import Experiment
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
@@ -38,18 +39,13 @@ def report(
     """Return the whole report as one HTML document."""
     plant = planar_stage.plant()
     line = "six lead-lag loops, (21)-(25), those of x, y and φ on filtered positions"
-    own = shared.Contents(control.NAME, TIME, line, _law(), _gains(), _loops(plant), BESIDE)
+    own = shared.Contents(control.NAME, TIME, line, _law(plant), _gains(), _loops(plant), BESIDE, values=_printed())
     return shared.report(own, files, evidence, experiments, rows, cost)
 
 
-def _law() -> page.Section:
-    text = page.Text(
-        "Each loop is a lead w and a reset I. The reset is driven by what the limited currents make of the demand, so "
-        "that nothing winds up. The filters (6)-(16) take the phase that (21) and (22) have to give: x, y and φ use a "
-        "part of the printed gain. z, θ and ψ have their zeros as printed, the pole at 2/T, and a part of the gain at "
-        "low frequencies: a sample of delay makes ψ as printed unstable, whose crossover is 110 Hz."
-    )
-    return page.Section("Control law", (text, page.Equations((*_horizontal(), *shared.upright(), shared.RESET))))
+def _law(plant: Plant) -> page.Section:
+    printed = page.Equations((*_horizontal(), *shared.upright()))
+    return standard.law(control.controller(plant).rounded(np.float32), (printed,))
 
 
 def _horizontal() -> tuple[tuple[str, str], ...]:
@@ -64,21 +60,15 @@ def _horizontal() -> tuple[tuple[str, str], ...]:
 def _gains() -> page.Section:
     upright = [vertical.loop(axis, vertical.compensator(axis, TIME), TIME) for axis in VERTICAL]
     table = shared.compensators([*control.loops(), *upright], control.PART | vertical.PART)
-    text = page.Text(
-        "Gains, zeros and poles are computed in ball arithmetic and rounded once. The errors are those of the sampled "
-        "compensator beside the continuous one; hold and delay come on top and are in the loops below."
-    )
-    return page.Section("Gains and certificates", (text, table))
+    return page.Section(standard.GAINS, (table,))
 
 
 def _loops(plant: Plant) -> page.Section:
-    found, printed = loops.all_loops(plant), [rows.printed()[row]["crossover"].text for row in ("Y-7", "Y-8")]
-    text = page.Text(
-        "Each loop is opened at the platen's own coordinate, the other five closed: the rounded controller as it "
-        "ships, guard and sensing included, one sample of computation delay, the hold, and the stage, linearised "
-        "about the platen at rest in the middle of its travel. What is printed of one axis is closed with the other "
-        "five as shipped, with the filters, and without its own. The paper prints crossovers of "
-        f"{' and '.join(printed)} Hz, rows Y-7 and Y-8 of the audit, for a loop without filter and delay."
-    )
+    found = loops.all_loops(plant)
     over = shared.over_pitch(planar_stage.plant(halbach.HARMONICS), control.controller(plant).rounded(np.float32))
-    return page.Section("Loops and margins", (text, over), tuple(shared.bodes(found, axis) for axis in AXES))
+    return page.Section(standard.LOOPS, (over,), tuple(shared.bodes(found, axis) for axis in AXES))
+
+
+def _printed() -> dict[str, Value]:
+    """Return what report.md asks for: the crossovers that the paper prints, in Hz."""
+    return {f"crossover_{row}": rows.printed()[row]["crossover"].text for row in ("Y-7", "Y-8")}

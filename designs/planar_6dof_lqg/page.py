@@ -14,9 +14,10 @@ from designs.planar_6dof_lqg import loops, orders
 from models import halbach, planar_stage
 from synth.emit.write import Emitted
 from synth.plant import Plant
-from synth.report import figures, page
+from synth.report import figures, page, sections, standard
 from synth.report.audit import Row
 from synth.report.notation import number
+from synth.report.prose import Value
 from synth.simulate.experiment import Experiment
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
@@ -29,10 +30,6 @@ BESIDE = {
 LAW = (
     ("Y(31)", "x'' = b i_C,  y'' = b (i_A + i_B),  φ'' = c (i_B - i_A),  z_1' = x,  z_2' = y,  z_3' = φ"),
     ("Y(43)", "min ∫ (x' Q x + u' u) dt,  u held over T,  u = K x"),
-    ("Y(33)", "v = x_3 + L q,  x_3 ← F x_3 + G q + H d_1,  L = (1 - p) / T"),
-    ("", "q_1 = q + T v + b T^2/2 d_1,  v_1 = v + b T d_1"),
-    ("", "w = k_1 (q - q_1) - k_2 v_1,  d = w + k (r - q) + I,  k = k_1 + k_3"),
-    ("", "I ← (1 - g) I + g (made - w),  d_1 ← made,  g = k_3 / k"),
 )
 LOW, HIGH, POINTS = 0.3, 0.999, 300  # Hz, of the Nyquist frequency, points of singular values
 
@@ -48,34 +45,19 @@ def report(
     plant = planar_stage.plant()
     line = "reduced-order LQG in x, y and φ, (26)-(49), on positions as measured; lead-lag in z, θ and ψ, (23)-(25)"
     spent = orders.spent(experiments) if cost else ()
-    parts = (_law(), _gains(plant), _loops(plant))
-    own = shared.Contents(lqg.NAME, TIME, line, *parts, BESIDE, filtered=False, spectrum=True, cost=spent)
+    parts = (_law(plant), _gains(plant), _loops(plant))
+    own = shared.Contents(lqg.NAME, TIME, line, *parts, BESIDE, False, True, _values(plant), spent)
     return shared.report(own, files, evidence, experiments, rows, cost)
 
 
-def _law() -> page.Section:
-    text = page.Text(
-        "K falls apart into three axes q'' = b d, whose demands the allocation turns into currents: it compensates "
-        "the yaw of motor C, which (26) leaves out. Each axis knows the demand d₁ that the motors meet until the "
-        "next sample and estimates its rate alone. K belongs to a loop without delay; the prediction q₁, v₁ puts "
-        "it where it was designed for. Positions are taken as they are measured: behind the filters (6)-(16), which "
-        "know nothing of d, this loop is unstable for every p. At a limit the integral follows what is made. An error "
-        f"of x beyond {1e3 * ERROR['x']:g} mm, or of y beyond {1e3 * ERROR['y']:g} mm, counts as that and "
-        "the integral fades, so that the motors can stop the platen after any step. z, θ and ψ have the zeros of "
-        "(23)-(25), the pole at 2/T, and a part of the gain at low frequencies."
-    )
-    return page.Section("Control law", (text, page.Equations((*LAW, *shared.upright(), shared.RESET))))
+def _law(plant: Plant) -> page.Section:
+    return standard.law(lqg.controller(plant).rounded(np.float32), (page.Equations((*LAW, *shared.upright())),))
 
 
 def _gains(plant: Plant) -> page.Section:
-    text = page.Text(
-        "K of (49) is that of other weights than those printed with it: rows Y-10 and Y-11 of the audit recover them. "
-        "Gains are correctly rounded, alike on every machine; residual and error of the Riccati solution are relative, "
-        "in scaled units. F and p are the pole of the observer."
-    )
     upright = [vertical.loop(axis, vertical.compensator(axis, TIME), TIME) for axis in VERTICAL]
     tables = (_weights(), _certificates(), _axes(plant), shared.compensators(upright, vertical.PART))
-    return page.Section("Gains and certificates", (text, *tables))
+    return page.Section(standard.GAINS, tables)
 
 
 def _weights() -> page.Table:
@@ -112,34 +94,23 @@ def _axes(plant: Plant) -> page.Table:
 
 
 def _loops(plant: Plant) -> page.Section:
-    found, stated = loops.all_loops(plant), lqg.PER_AMPERE * plant.parameter("M").value
-    weaker = 1 - allocation.force_constant(plant) / stated
-    text = page.Text(
-        "Each loop is opened at the platen's own coordinate, the other five closed: the rounded controller as it "
-        "ships, guard and sensing included, one sample of computation delay, the hold, and the stage, linearised "
-        "about the platen at rest in the middle of its travel. 'weights (47)' has the gains that lqrd makes of the "
-        "weights printed with (49). '(33) as printed' has K of (49) on the observer alone, without the prediction, "
-        "from ideal positions straight to the three currents, of which the stage makes "
-        f"{100 * weaker:.1f} % less force than (26) has. z, θ and ψ as printed are closed with the others as shipped."
-    )
+    found = loops.all_loops(plant)
     over = shared.over_pitch(planar_stage.plant(halbach.HARMONICS), lqg.controller(plant).rounded(np.float32))
-    return page.Section(
-        "Loops and margins", (text, over), (_whole(plant), *(shared.bodes(found, axis) for axis in AXES))
-    )
+    return page.Section(standard.LOOPS, (over,), (_whole(plant), *(shared.bodes(found, axis) for axis in AXES)))
+
+
+def _values(plant: Plant) -> dict[str, Value]:
+    """Return what report.md asks for."""
+    stated = lqg.PER_AMPERE * plant.parameter("M").value
+    return {
+        "x_error_mm": 1e3 * ERROR["x"],
+        "y_error_mm": 1e3 * ERROR["y"],
+        "weaker": 1 - allocation.force_constant(plant) / stated,
+    }
 
 
 def _whole(plant: Plant) -> page.Section:
     found = loops.horizontals(plant)
-    text = page.Text(
-        "x, y and φ with the motors A, B and C as they are, opened at the three currents i_AQ, i_BQ, i_CQ, at the "
-        "three positions, and at all six at once. A disk margin α says that all channels may go astray at once, each "
-        "in its own way, by gains within the factors or phases within the angle given; it is shown for all "
-        "frequencies, not for those of a grid.\n\n"
-        "At the currents the loop is a full matrix, for each motor moves more than one axis; at the positions it is "
-        "diagonal, for the allocation compensates that. Both have one margin. In (33) as printed nothing compensates "
-        "the yaw that motor C makes: S is large at the currents, while the disk margin, which asks for changes of "
-        "single currents only, hardly tells."
-    )
     refused = page.Text(
         f"The gain H of (42) is no choice. The library refuses it: {loops.refusal().replace('-1', '−1')}."
     )
@@ -147,9 +118,8 @@ def _whole(plant: Plant) -> page.Section:
     drawn = figures.svg(drawings.disks(disks[loops.SHIPPED]), "disks")
     caption = "Disk margin over frequency, as shipped, by where the loop is opened."
     blocks: tuple[page.Block, ...] = (
-        text,
         *_singular(found),
-        shared.disk_table(disks),
+        sections.disks(disks),
         page.Figure(drawn, caption),
         refused,
     )

@@ -2,9 +2,11 @@
 
 {"y": {"K": [1, 2], "certificate": {"residual": 1e-9}}, "x": {...}}   ->   entry                    y      x
                                                                            K                        1, 2   ...
-                                                                           certificate: residual    1e-9   ...
+                                                                           certificate:
+                                                                               residual                 1e-9   ...
 """
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -12,6 +14,7 @@ from synth.report.notation import number
 from synth.report.page import Cell, Table
 
 DIGITS = 6
+_COMPLEX = re.compile(r"[-+.0-9ei]*[0-9]i?")
 WIDE = 5  # laws beside each other in one table
 SHORT = 2  # entries of a list on one line, where laws stand beside each other
 
@@ -22,7 +25,7 @@ def tables(document: Mapping[str, Any]) -> tuple[Table, ...]:
     whole = {name: value for name, value in document.items() if not isinstance(value, Mapping)}
     rows = tuple((name, _cell(value)) for name, value in _entries(whole))
     first = (Table("Gains", ("entry", "value"), rows),) if rows else ()
-    return (*first, *(_table(group) for group in _alike(laws)))
+    return (*first, *(table for group in _alike(laws) for table in _tables(group)))
 
 
 def _laws(document: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]:
@@ -45,11 +48,19 @@ def _alike(laws: Mapping[str, Mapping[str, Any]]) -> Iterator[dict[str, Mapping[
         yield {name: waiting.pop(name) for name in group}
 
 
-def _table(laws: Mapping[str, Mapping[str, Any]]) -> Table:
+def _tables(laws: Mapping[str, Mapping[str, Any]]) -> Iterator[Table]:
+    """Yield what is said alike of several laws, and what is not, the laws beside each other."""
+    first, names = next(iter(laws.values())), ", ".join(laws)
+    alike = [entry for entry in first if len(laws) > 1 and all(law[entry] == first[entry] for law in laws.values())]
+    if alike:
+        yield Table(
+            f"Gains of {names}: the same for all", ("entry", "value"), tuple((e, _cell(first[e])) for e in alike)
+        )
     rows: list[tuple[Cell, ...]] = []
-    for entry in next(iter(laws.values())):
+    for entry in (e for e in first if e not in alike):
         rows.append((entry, *(_cell(law[entry], len(laws) > 1) for law in laws.values())))
-    return Table(f"Gains of {', '.join(laws)}", ("entry", *laws), tuple(rows), DIGITS)
+    if rows:
+        yield Table(f"Gains of {names}", ("entry", *laws), tuple(rows), DIGITS)
 
 
 def _entries(law: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
@@ -57,7 +68,7 @@ def _entries(law: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any
     for name, value in law.items():
         words = f"{above}{name.replace('_', ' ')}"
         if isinstance(value, Mapping):
-            yield from _entries(value, f"{words}: ")
+            yield from _entries(value, f"{words}:\n")
         else:
             yield words, value
 
@@ -65,7 +76,7 @@ def _entries(law: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any
 def _cell(value: Any, narrow: bool = False) -> str:
     """Return a value as text: a matrix by rows, a longer list one entry a line where the column is `narrow`."""
     if isinstance(value, str):
-        return value
+        return value.replace("-", "−") if _COMPLEX.fullmatch(value) else value
     if isinstance(value, bool) or value is None:
         return {True: "yes", False: "no", None: "none"}[value]
     if isinstance(value, Sequence):

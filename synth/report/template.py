@@ -5,9 +5,11 @@ places and whose sections stand in for the standard ones; or by a report of its 
 """
 
 import importlib.util
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -53,17 +55,16 @@ def report(
     runs: Sequence[Experiment],
     rows: Sequence[Row],
     cost: Cost | None,
-    gains: Mapping[str, object],
     extra: Extra | None = None,
 ) -> str:
-    """Return the report of a stage as one HTML document; `gains` is what gains.json says of the design.
+    """Return the report of a stage as one HTML document.
 
     Raises DesignError for a placeholder that is not known, ModelError for an equation that would be unlike the stage.
     """
     extra = extra or Extra()
     replaced = {s.title: s for s in extra.sections}
     made = [
-        *_computed(stage, gains, evidence, replaced, extra),
+        *_computed(stage, gains(stage, files), evidence, replaced, extra),
         standard.experiments(runs, extra.shown or shown(stage)),
         *((standard.audit(rows),) if rows else ()),
         standard.verification(evidence, FLOOR, is_margin),
@@ -81,21 +82,22 @@ def assembled(
     facts: Sequence[tuple[str, str]],
     parts: Sequence[Section],
     values: Mapping[str, Value] | None = None,
+    shared: Sequence[str] = (),
 ) -> str:
     """Return a page of sections as one HTML document, with the prose of the design's report.md among them.
 
-    Prose before the first title makes a section of its own at the top.
+    That of `shared` packages of designs comes first. Prose before the first title makes a section at the top.
 
     Raises DesignError as `prose.read`.
     """
-    words = prose.read(own_words(name), values or {})
+    words = prose.read("\n\n".join(own_words(folder) for folder in (*shared, name)), values or {})
     summary = (Section("Summary", words.blocks),) if words.blocks else ()
     placed = prose.placed(parts, words.parts)
     return page.render(page.Report(name, about, (*summary, *placed), tuple(facts)))
 
 
 def _computed(
-    stage: Stage, gains: Mapping[str, object], evidence: Evidence, replaced: Mapping[str, Section], extra: Extra
+    stage: Stage, gains: Mapping[str, Any], evidence: Evidence, replaced: Mapping[str, Section], extra: Extra
 ) -> list[Section]:
     """Return the sections that are computed for the report, those left out that the design replaces."""
     block = stage.controller.block.rounded(stage.scalar)
@@ -106,6 +108,12 @@ def _computed(
         standard.LOOPS: lambda: loops(stage, [c for c in evidence.checks if is_margin(c)]),
     }
     return [replaced[title] if title in replaced else make() for title, make in made.items()]
+
+
+def gains(stage: Stage, files: Mapping[str, Emitted]) -> Mapping[str, Any]:
+    """Return what the gains.json that is emitted says of the design, nothing where none is."""
+    emitted = files[stage.name].files if stage.name in files else {}
+    return dict(json.loads(emitted["gains.json"]).get("design", {})) if "gains.json" in emitted else {}
 
 
 def facts(stage: Stage) -> tuple[tuple[str, str], ...]:

@@ -209,10 +209,17 @@ def _condition(expr: sp.Expr) -> Piece:
         first, second = (_within(a, SUM) for a in expr.args)
         return f"<mrow>{first}<mo>{RELATIONS[kind]}</mo>{second}</mrow>", RELATION
     if kind in LOGIC:
-        inside = (_condition(a) for a in expr.args)
+        inside = (_condition(a) for a in _operands(kind, expr))
         parts = [m if s >= RELATION else _bracketed("(", m, ")") for m, s in inside]
         return f"<mrow>{f'<mo>{LOGIC[kind]}</mo>'.join(parts)}</mrow>", CONJUNCTION
     if kind == "not":
         markup, strength = _condition(expr.args[0])
         return f"<mrow><mo>¬</mo>{markup if strength >= ATOM else _bracketed('(', markup, ')')}</mrow>", ATOM
     return _piece(expr)
+
+
+def _operands(kind: str, expr: sp.Expr) -> list[sp.Expr]:
+    """Return what a chain of one connective connects."""
+    if type(expr).__name__ != kind:
+        return [expr]
+    return [operand for a in expr.args for operand in _operands(kind, a)]

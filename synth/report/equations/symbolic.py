@@ -99,8 +99,9 @@ def expression(nodes: Sequence[Node], names: Mapping[int, str], end: int) -> sp.
             return opaque(node.name)(*(of(a) for a in node.args))
         if node.op == "max" and (limited := _limits(nodes, names, node)):
             return opaque("sat")(*(of(a) for a in limited))
-        if node.op == "when":
-            return opaque("choose")(of(node.args[0]), of(node.args[1]), sp.Integer(0))
+        if node.op in ("when", "choose"):
+            otherwise = of(node.args[2]) if node.op == "choose" else sp.Integer(0)
+            return _choice(of(node.args[0]), of(node.args[1]), otherwise)
         return _OPERATIONS.get(node.op, opaque(node.op))(*(of(a) for a in node.args))
 
     return build(end) if nodes[end].args or end not in names else of(end)
@@ -119,6 +120,13 @@ def number(value: float) -> sp.Expr:
             if 0 < abs(above) < 100 and abs(above * known / below - value) <= ROUNDING * abs(value):
                 return sp.Rational(above, below) * exact
     return sp.Float(value)
+
+
+def _choice(condition: sp.Expr, value: sp.Expr, otherwise: sp.Expr) -> sp.Expr:
+    """Return a choice; one inside it that ends alike is part of its condition."""
+    if type(value).__name__ == "choose" and value.args[2] == otherwise:
+        return opaque("choose")(opaque("and")(condition, value.args[0]), value.args[1], otherwise)
+    return opaque("choose")(condition, value, otherwise)
 
 
 def _limits(nodes: Sequence[Node], names: Mapping[int, str], node: Node) -> tuple[int, int, int] | None:

@@ -1,0 +1,52 @@
+"""The report of a declared stage: all of its sections from the declaration, and a design's own in their places."""
+
+from typing import Any
+
+import pytest
+
+from synth.check import Check
+from synth.report import page, standard, template
+from synth.report.page import Section
+from synth.report.template import Extra
+from synth.verify.evidence import Evidence
+from tests import levitator
+
+STAGE = levitator.design().DESIGN.stage
+MARGIN = Check("phase margin falls short by", -3.0, 0.0, "degrees")
+EVIDENCE = Evidence("levitator_pid", (), (MARGIN, Check("random steps", 0.0, 1e-9, "A")))
+OWN = "# Model\nThe moved mass is {{ plant.M }} kg, read every {{ period_ms:g }} ms.\n\n# Bench\n{{ bench }}\n"
+
+
+def report(monkeypatch: pytest.MonkeyPatch, words: str, **extra: Any) -> str:
+    """Return the report without runs and without the loops, which take their time."""
+    made = (Section(standard.LOOPS, (page.Checks("Required margins", (MARGIN,)),)),)
+    monkeypatch.setattr(template, "own_words", lambda name: words)
+    return template.report(STAGE, {}, EVIDENCE, (), (), None, Extra(sections=made, **extra))
+
+
+def test_a_declaration_alone_gives_every_standard_section(monkeypatch: pytest.MonkeyPatch) -> None:
+    html = report(monkeypatch, "")
+    titles = (standard.MODEL, standard.LAW, standard.GAINS, standard.LOOPS, standard.EXPERIMENTS)
+    for title in (*titles, standard.VERIFICATION, standard.COST, standard.FILES):
+        assert f" {title}</h2>" in html, title
+    assert "<math" in html and standard.AUDIT not in html
+    assert "2 checks" in html and html.count("phase margin falls short by") == 1
+
+
+def test_the_designs_own_words_and_blocks_stand_where_report_md_says(monkeypatch: pytest.MonkeyPatch) -> None:
+    bench = page.Table("Where it stands", ("floor",), (("granite",),))
+    html = report(monkeypatch, OWN, values={"bench": bench}, facts=(("payload", "1 kg"),))
+    assert "The moved mass is 1.5 kg, read every 0.5 ms." in html and "<dd>1 kg</dd>" in html
+    model, own, law = (html.index(f" {title}</h2>") for title in ("Model", "Bench", "Control law"))
+    assert model < own < html.index("granite") < law
+
+
+def test_units_and_counts_of_experiments_are_those_declared() -> None:
+    shown = template.shown(STAGE)
+    assert shown.units["z"] == "m" and shown.levels == {
+        s.of: s.resolution for s in STAGE.interface.sensors if s.resolution
+    }
+
+
+def test_a_design_without_words_of_its_own_has_none() -> None:
+    assert template.own_words("no_such_design") == ""
