@@ -132,7 +132,7 @@ def own() -> Mapping[str, Call]:
         "loop.cut": {"blocks": [example_step()], "signal": "y"},
         "loop.linearised": {"block": example_step(), "state": {"last": 0.0}, "inputs": {"u": 0.0}},
         "loop.opened": {"controller": cut, "signal": "s", "sensors": {"x": "x"}, "actuators": {"f": "c"}, "delay": 1},
-        "resting.ClosedLoop": fields(resting_loop),
+        "rest_equations.ClosedLoop": fields(resting_loop),
         "resting.Rest": fields(rest),
         "resting.open_loop": {"rest": rest, "signal": "current"},
         "resting.solve": {"closed": resting_loop, "references": {}, "near": common["point"]},

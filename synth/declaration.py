@@ -220,6 +220,7 @@ class Stage:
 
     reference         a step of the independent NumPy witness: (states, inputs) -> (states', outputs, fault words)
     operating_points  plant states by name of the point; `require` are least margins there
+    tolerances        parameters of the plant at all ends of whose tolerances the margins are required, too
     experiments       data with `name` and `run(rig) -> Experiment`
     scalar            the type in which it ships; `surrogate_error` is relative, by type, else the emitter's own
     start             plant states of a run, where these are not 0
@@ -236,6 +237,7 @@ class Stage:
     reference: Reference | None = None
     operating_points: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     require: Mapping[str, float] = field(default_factory=dict)
+    tolerances: Sequence[str] = ()
     experiments: Sequence[Any] = ()
     about: str = ""
     scalar: type[np.floating] = np.float32

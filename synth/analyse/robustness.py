@@ -17,7 +17,8 @@ import numpy as np
 from synth import arguments
 from synth.analyse import disk, margins, resting, trim
 from synth.analyse.margins import Margins
-from synth.analyse.resting import ClosedLoop, Rest
+from synth.analyse.rest_equations import ClosedLoop, Wires
+from synth.analyse.resting import Rest
 from synth.check import Check
 from synth.declaration import Controller, Interface
 from synth.errors import ModelError, SignalError
@@ -104,13 +105,13 @@ def of_controller(
     points: Mapping[str, Mapping[str, float]],
     cases: Sequence[Case] = (NOMINAL,),
     scalar: type[np.floating] = np.float32,
-    actuators: resting.Wires | None = None,
+    actuators: Wires | None = None,
 ) -> Loops:
     """Return the loops of a composed controller, its constants rounded to `scalar`, around a plant.
 
     `actuators` are the wires from the controller's outputs to the plant's inputs, those of the interface if left out.
 
-    Raises SignalError for no operating point, or as `resting.ClosedLoop`.
+    Raises SignalError for no operating point, or as `rest_equations.ClosedLoop`.
     """
     if not points or not cases:
         raise SignalError(

@@ -4,6 +4,7 @@
     nonfinite      a NaN or infinite input does what a finite one out of range does
     fuzzing        10,000,000 steps (whole) or 300,000 (subset) of machine code under sanitizers
     misra          cppcheck's addon finds nothing
+    latch          outputs slew to their safe values as declared, from wherever random inputs take them
 
 The first two are proofs over the whole declared domain at either depth.
 """
@@ -12,7 +13,8 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from synth.check import Check
-from synth.verify import eva, fuzz, misra, nonfinite
+from synth.execute import host
+from synth.verify import eva, fuzz, latch, misra, nonfinite
 
 WHOLE_STEPS = 10_000_000
 SUBSET_STEPS = 300_000
@@ -36,4 +38,6 @@ def prove(
     told(f"fuzzing: {steps} steps")
     checks += fuzz.run(code, manifest, steps).checks()
     told("cppcheck --addon=misra")
-    return checks + misra.inspect(code).checks()
+    checks += misra.inspect(code).checks()
+    told("latch: slew to the safe output")
+    return checks + latch.verify(host.load(code, manifest))

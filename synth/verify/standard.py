@@ -9,6 +9,7 @@ sensors by the true path of the plant.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -67,7 +68,7 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
     checks += paths(stage, by)
     if stage.operating_points and stage.require:
         progress("loops over the operating points")
-        checks += robustness.checks(robustness.opened(loops(stage)), stage.require)
+        checks += robustness.checks(robustness.opened(over_tolerances(stage)), stage.require)
     return Evidence(stage.name, tuple(agreements), tuple(checks))
 
 
@@ -77,6 +78,11 @@ def loops(stage: Stage) -> robustness.Loops:
     return robustness.of_controller(
         stage.controller, stage.plant, stage.operating_points, scalar=stage.scalar, actuators=wires
     )
+
+
+def over_tolerances(stage: Stage) -> robustness.Loops:
+    """Return the loops of a stage with its plant as declared and at the corners of the named tolerances."""
+    return replace(loops(stage), cases=(robustness.NOMINAL, *robustness.corners(stage.plant, stage.tolerances)))
 
 
 def _runs(rig: Rig, n: int) -> dict[str, agree.Columns]:

@@ -321,7 +321,13 @@ def test_a_chain_bears_the_names_of_the_plants_states_where_a_derivative_is_one(
     """x and z of the aircraft have their velocities for states; the flexible joint's acceleration is no state."""
     joint = feedback_linearisation.of_plant(textbook_plants.flexible_joint()).chain("y")
     assert joint.model.states == ("q1", "w1", "y_d2", "y_d3") and joint.model.inputs == ("w_y",)
-    assert [joint.model.unit(n) for n in ("y", "q1", "w1", "y_d2", "w_y")] == ["rad", "rad", "rad/s", "rad/s^2", "rad/s^4"]
+    assert [joint.model.unit(n) for n in ("y", "q1", "w1", "y_d2", "w_y")] == [
+        "rad",
+        "rad",
+        "rad/s",
+        "rad/s^2",
+        "rad/s^4",
+    ]
     np.testing.assert_array_equal(joint.model.A, np.eye(4, k=1))
     assert joint.law.degree.outputs == ("y",)
 

@@ -34,7 +34,7 @@ Z = axis.servo(
     modes={0.0: 25.0, COURSE: 20.0},  # rad/s: 1/s
     weights={"z": 1e8, "vz": 1e3},
     effort=1e-2,
-    estimator=axis.kalman(process={"vz": 1e-5}, sensor={"z": 1e-14}),  # m^2/s^3, m^2
+    estimator=axis.kalman(process={"vz": 3e-5}, sensor={"z": 1e-14}),  # m^2/s^3, m^2
     anti_windup=30.0,  # 1/s
     set_point=0.6,
 )
@@ -65,6 +65,7 @@ DESIGN = stage.design(
     reference=reference.step,
     operating_points={"low": {"z": -5e-4}, "mid": {"z": 0.0}, "high": {"z": 5e-4}, "side": {"x": 8e-4}},
     require={"phase_margin": 30.0, "modulus_margin": 0.5},
+    tolerances=["M", "K"],
     experiments=EXPERIMENTS,
     stops=levitator.STOPS,
     velocities=levitator.VELOCITY,

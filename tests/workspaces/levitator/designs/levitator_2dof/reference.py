@@ -29,7 +29,7 @@ HUM, COURSE, WINDUP = 100 * pi, 20 * pi, 30.0
 M, F0, K, ELL, G, MASS, COIL, DAMPING, SPRING = 1.5, 14.0, 20.0, 5e-3, 9.81, 0.3, 8.0, 1.0, 400.0
 LIMITS = {"z": (-6e-4, 6e-4), "x": (-1e-3, 1e-3), "z_ref": (-5e-4, 5e-4), "x_ref": (-8e-4, 8e-4)}
 CURRENTS = {"i1": 3.0, "i2": 2.0}
-MADE = 57.0  # m/s^2, of z'': what the coil can make in the box of the stage
+MADE = 51.0  # m/s^2, of z'': what the coil can make in the box of the stage
 SLEW, BAD_SAMPLES = 100.0, 4
 
 
@@ -48,7 +48,7 @@ class Axis:
 
 
 AXES = {
-    "z": Axis([[0, 1], [0, 0]], [0, 1], {0.0: 25.0, COURSE: 20.0}, (1e8, 1e3), 1e-2, 1e-5, 1e-14, 0.6),
+    "z": Axis([[0, 1], [0, 0]], [0, 1], {0.0: 25.0, COURSE: 20.0}, (1e8, 1e3), 1e-2, 3e-5, 1e-14, 0.6),
     "x": Axis(
         [[0, 1], [-SPRING / MASS, -DAMPING / MASS]], [0, COIL / MASS], {0.0: 25.0, COURSE: 20.0, HUM: 20.0},
         (1e8, 1e2), 1e1, 1e-4, 1e-14, 0.5,
@@ -56,11 +56,11 @@ AXES = {
 }  # fmt: skip
 BOUNDS = {  # of the controller's states, as its manifest declares them
     "z": {
-        "sum": 0.32,
-        "p1": 0.0092,
-        "q1": 0.25,
+        "sum": 0.31,
+        "p1": 0.0089,
+        "q1": 0.24,
         "z_predicted": 1.2e-3,
-        "vz_predicted": 0.87,
+        "vz_predicted": 1.1,
         "w_z_late1_predicted": 57.0,
     },
     "x": {
