@@ -10,14 +10,15 @@ word: gcc's line table.
 """
 
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
-from designs.planar_6dof import bench, interface, lqg
+from designs.planar_6dof import bench, experiments, interface, lqg
 from designs.planar_6dof.allocation import HORIZONTAL
-from designs.planar_6dof.loop import Loop
+from designs.planar_6dof.experiments import Parts
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import experiments as of_leadlag
 from designs.planar_6dof_lqg import core, full_order
@@ -26,7 +27,6 @@ from models import planar_stage
 from synth.block import Block, unranged
 from synth.emit import write
 from synth.execute import host
-from synth.simulate.experiment import Experiment
 from synth.verify import meter, parts, rivals, steps
 from synth.verify.steps import Steps
 
@@ -69,16 +69,16 @@ class Costs:
 def wholes() -> Iterator[Subject]:
     """Yield the three controllers."""
     plant = planar_stage.plant()
-    yield whole("lead-lag", leadlag.controller(plant), of_leadlag.run)
-    yield whole("LQG", lqg.controller(plant), of_lqg.run)
-    yield whole("LQG, full order", lqg.controller(plant, regulate=full_order.full_order), of_lqg.run)
+    yield whole("lead-lag", leadlag.controller(plant), of_leadlag.PARTS)
+    yield whole("LQG", lqg.controller(plant), of_lqg.PARTS)
+    yield whole("LQG, full order", lqg.controller(plant, regulate=full_order.full_order), of_lqg.PARTS)
 
 
-def whole(name: str, block: Block, run: Callable[[Loop, bench.Told], Sequence[Experiment]]) -> Subject:
+def whole(name: str, block: Block, parts: Parts) -> Subject:
     """Return a controller with every sequence of its bench."""
     emitted = write.emit(block, np.float32, error=interface.SURROGATE_ERROR[np.float32])
     controller = host.load(emitted.files, emitted.manifest)
-    sequences = bench.sequences(controller, run, lambda _: None)
+    sequences = bench.of(lambda: block, partial(experiments.run, parts)).sequences(controller, lambda _: None)
     loops = steps.joined("closed loops", [s for s in sequences if s.closed_loop])
     sound = steps.thinned(steps.without_faults(controller, loops), SHARED)
     return Subject(name, block, emitted, controller, sound, steps.joined("all", sequences))

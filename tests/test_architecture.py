@@ -37,6 +37,7 @@ LAYERS += ("workspace", "declared", "stage", "testing", "cli")
 RANK = {("synth", name): 0 for name in VOCABULARY}
 RANK |= {("synth", name): rank for rank, name in enumerate(LAYERS, 1)}
 RANK |= {("models",): len(LAYERS) + 1, ("designs",): len(LAYERS) + 2}
+ASSEMBLED = ("design.py", "__main__.py")
 NOT_IN_A_REFERENCE = {"casadi", "synth", "models", "designs", "importlib"}
 
 
@@ -79,14 +80,17 @@ def folder(module: tuple[str, ...], folders: Iterable[tuple[str, ...]]) -> tuple
     return max((f for f in folders if module[: len(f)] == f), key=len, default=())
 
 
+def place(path: Path) -> tuple[str, ...]:
+    """Return the folder that a file belongs to; what puts the folders of a design together stands by itself."""
+    return path.with_suffix("").parts if path.name in ASSEMBLED else path.parent.parts
+
+
 def folder_imports(texts: Mapping[Path, str]) -> dict[tuple[str, ...], set[tuple[str, ...]]]:
     """Return which other folders of designs/ each folder imports, from the text of every file."""
-    folders = {path.parent.parts for path in texts if path.parts[0] == "designs"}
-    found: dict[tuple[str, ...], set[tuple[str, ...]]] = {f: set() for f in folders}
-    for path, text in texts.items():
-        if path.parent.parts in folders:
-            others = {folder(module, folders) for module in imports(path, text)}
-            found[path.parent.parts] |= others - {path.parent.parts, ()}
+    files = {path: text for path, text in texts.items() if path.parts[0] == "designs"}
+    found: dict[tuple[str, ...], set[tuple[str, ...]]] = {place(path): set() for path in files}
+    for path, text in files.items():
+        found[place(path)] |= {folder(module, found) for module in imports(path, text)} - {place(path), ()}
     return found
 
 
@@ -95,7 +99,7 @@ def folder_violations(texts: Mapping[Path, str]) -> list[str]:
     by_folder = folder_imports(texts)
     designs = {path.parent.parts for path in texts if path.name == "design.py"}
     found = [
-        f"{'/'.join(one)} imports the design {'/'.join(other[:2])}"
+        f"{'/'.join(one[:2])} imports the design {'/'.join(other[:2])}"
         for one, others in by_folder.items()
         for other in others
         if other[:2] in designs and one[:2] != other[:2]
@@ -164,7 +168,8 @@ DESIGNS = {
     "designs/stage/paper/rows.py": "from designs.stage import law\nfrom designs.sensing.maps import VOLTS",
     "designs/sensing/maps.py": "from . import fit",
     "designs/one/design.py": "from designs.stage.paper import rows\nfrom designs.one import page",
-    "designs/one/page.py": "from designs.one import design\nfrom designs.stage import law",
+    "designs/one/page.py": "from designs.one import loops\nfrom designs.stage import law",
+    "designs/one/__main__.py": "from designs.one.design import DESIGN",
 }
 
 
@@ -182,6 +187,8 @@ def test_shared_packages_may_be_imported_and_files_of_a_folder_each_other() -> N
         ("designs/stage/loop.py", "from designs.stage.paper import rows", "a cycle of folders"),
         ("designs/sensing/loop.py", "from designs.stage.paper.rows import Y", "a cycle of folders"),
         ("designs/one/paper/rows.py", "from designs.one import page", None),
+        ("designs/one/design.py", "from designs.one.paper import rows\nfrom designs.one import page", None),
+        ("designs/one/page.py", "from designs.one.design import DESIGN", "a cycle of folders"),
         ("designs/stage/paper/rows.py", "from designs.one.paper import rows", "imports the design designs/one"),
     ],
 )

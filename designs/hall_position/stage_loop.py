@@ -94,7 +94,7 @@ class Loop:
         volts = hall_chain.noise(self.bench.chain, TIME, (len(planar_stage.HALL), n), self.seed)
         drawn = np.random.default_rng(self.seed + 1).standard_normal((len(planar_stage.LASERS), n))
         found = dict(zip(planar_stage.HALL, volts, strict=True))
-        return found | dict(zip(planar_stage.LASERS, planar.LASER_NOISE * drawn, strict=True))
+        return found | dict(zip(planar_stage.LASERS, interface.LASER_NOISE * drawn, strict=True))
 
 
 def of_source(source: Source, bench: Bench | None = None, libm: bool = False) -> Loop:

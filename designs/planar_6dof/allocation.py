@@ -57,7 +57,7 @@ BOX = {s.name: s for s in planar_stage.STATES}
 YAW = replace(BOX["phi"], low=-0.075, high=0.075)  # rad: what the filter leaves of raw yaws within 0.025
 UNITS = {"x": "N", "y": "N", "phi": "N m", "z": "N", "theta": "N m", "psi": "N m"}  # of w
 DEMANDS = tuple(Signal(f"d_{axis}", "A", -1e5, 1e5, f"demand over the scale of {axis}") for axis in AXES)
-MADE = tuple(
+ACHIEVED = tuple(
     replace(s, name=f"made_{axis}", about="by the limited currents") for axis, s in zip(AXES, DEMANDS, strict=True)
 )
 CURRENTS = tuple(
@@ -93,7 +93,7 @@ def wrench(plant: Plant) -> Array:
     return readonly(rows)
 
 
-def shares(plant: Plant) -> Array:
+def allocation_matrix(plant: Plant) -> Array:
     """Return the inverse of `wrench` (6, 6): the motors' forces for demands in the platen's frame."""
     a, b, c = (plant.parameter(name).value for name in "abc")
     h, front = 1 / (2 * a), c / (2 * (b + c))
@@ -122,7 +122,7 @@ def authority(plant: Plant) -> dict[str, float]:
     return {axis: float(w) / scale for w, (axis, scale) in zip(most, scales(plant).items(), strict=True)}
 
 
-def reach(plant: Plant) -> dict[str, float]:
+def achievable_bound(plant: Plant) -> dict[str, float]:
     """Return for each axis a bound in A of what is met of its demand, however the yaw within YAW shares x and y."""
     most = authority(plant)
     return most | {"x": most["x"] + YAW.high * most["y"], "y": most["y"] + YAW.high * most["x"]}
@@ -162,9 +162,9 @@ def allocation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
             k["part"] * Cz - k["front_part"] * lifts,
             k["half"] * (Az - Bz),
         )
-        return Step(dict(zip((s.name for s in (*CURRENTS, *MADE)), (*currents, *made), strict=True)))
+        return Step(dict(zip((s.name for s in (*CURRENTS, *ACHIEVED)), (*currents, *made), strict=True)))
 
-    inputs, outputs, tag = [*DEMANDS, phi], [*CURRENTS, *MADE], "Table 3, (17), limits"
+    inputs, outputs, tag = [*DEMANDS, phi], [*CURRENTS, *ACHIEVED], "Table 3, (17), limits"
     return build("allocation", time, law, inputs=inputs, outputs=outputs, constants=constants, tag=tag)
 
 

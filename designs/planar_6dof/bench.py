@@ -20,16 +20,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designs.planar_6dof import allocation, interface, sensing
-from designs.planar_6dof.loop import NOISE, Array, Loop, compiled, slope, view
-from models import halbach, hall_calibration, planar_stage
+from designs.planar_6dof import loop as loops
+from designs.planar_6dof.loop import Array, simulate
+from models import hall_calibration, planar_stage
+from synth.block import Block
 from synth.execute import host
 from synth.signals import names
 from synth.simulate.experiment import Experiment
+from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
 from synth.simulate.sensors import Override
-from synth.timing import Discrete
 from synth.verify import steps
 from synth.verify.steps import Steps
+from synth.workspace import Bench
 
 FLOOR = 1.0  # A, below which a difference of currents is absolute: a phase is a projection of up to 1.26 A
 REPLAY = 10_000  # steps
@@ -52,21 +55,23 @@ GROUPS = (
     planar_stage.HALL,
 )
 BOUND = sensing.RESIDUAL * hall_calibration.of(planar_stage.plant()).amplitude  # V, from which on two sensors disagree
-Told = Callable[[str], None]
+Progress = Callable[[str], None]
 Columns = dict[str, NDArray[Any]]
 
 
-def replay(controller: host.Controller) -> Columns:
+def of(block: Callable[[], Block], experiments: Callable[[Rig, Progress], Sequence[Experiment]]) -> Bench:
+    """Return what is measured of a design, by its controller and what runs its experiments."""
+
+    def sequences(controller: host.Controller, progress: Progress) -> list[Steps]:
+        progress("sequences")
+        return [*closed_loops(loops.of(block(), controller), experiments), *excursions(controller)]
+
+    return Bench(block, lambda controller: replay(loops.of(block(), controller)), sequences, FLOOR)
+
+
+def replay(loop: Rig) -> Columns:
     """Return the controller's inputs (10,000,) on a curve through the pitches, with bad samples and the latch."""
-    return dict(_replayed(loop_of(controller)).measured)
-
-
-def sequences(
-    controller: host.Controller, run: Callable[[Loop, Told], Sequence[Experiment]], told: Told
-) -> list[Steps]:
-    """Return every sequence of a design, whose experiments `run` makes, closed loops first."""
-    told("sequences")
-    return [*closed_loops(controller, run), *excursions(controller)]
+    return dict(_replayed(loop).measured)
 
 
 def excursions(controller: host.Controller) -> list[Steps]:
@@ -106,20 +111,14 @@ def _extreme(controller: host.Controller, far: Steps) -> Steps:
     return found
 
 
-def loop_of(controller: host.Controller) -> Loop:
-    """Return the simulated loop of a controller, on motors that see the field's harmonics."""
-    return Loop(planar_stage.plant(halbach.HARMONICS), controller, compiled(view(Discrete(controller.period_s))))
-
-
-def closed_loops(controller: host.Controller, run: Callable[[Loop, Told], Sequence[Experiment]]) -> list[Steps]:
-    """Return steps of each experiment under the given controller, and of the replay."""
-    loop = loop_of(controller)
+def closed_loops(loop: Rig, run: Callable[[Rig, Progress], Sequence[Experiment]]) -> list[Steps]:
+    """Return steps of each experiment under the loop's controller, and of the replay."""
     runs = {e.name: e.trajectory for e in run(loop, lambda _: None)} | {"replay": _replayed(loop)}
-    found = [steps.recorded(controller, name, r.measured, closed_loop=True) for name, r in runs.items()]
+    found = [steps.recorded(loop.controller, name, r.measured, closed_loop=True) for name, r in runs.items()]
     return [steps.thinned(each, EACH) for each in found]
 
 
-def _replayed(loop: Loop) -> Trajectory:
+def _replayed(loop: Rig) -> Trajectory:
     """Run the replay: bad samples alone and in runs, and a channel that drops to zero until it latches."""
     duration, k = REPLAY * loop.period_s, np.arange(REPLAY)
     angle = 2 * np.pi * k / REPLAY
@@ -132,7 +131,7 @@ def _replayed(loop: Loop) -> Trajectory:
         "V_cy": ((k >= 7100) & (k < 7103), -6.0),
     }
     overrides = {name: Override(mask, np.full(REPLAY, value)) for name, (mask, value) in bad.items()}
-    return loop.run(duration, wanted, {}, overrides=overrides)
+    return simulate(loop, duration, wanted, {}, overrides=overrides)
 
 
 def seen(pose: Mapping[str, Array]) -> Columns:
@@ -169,7 +168,7 @@ def travel(rng: np.random.Generator, far: float | None = None) -> Columns:
     With `far`, then a part of the yaw's range, those of z, theta and psi are off by more than the motors can do, and at
     half of the samples all are.
     """
-    at, noise = poses(rng, 1.0 if far is None else far), NOISE * slope(planar_stage.plant())
+    at, noise = poses(rng, 1.0 if far is None else far), interface.INTERFACE.sensors[0].noise
     columns = seen(at)
     for name in planar_stage.HALL:
         columns[name] = columns[name] + rng.normal(0, noise, TRAVEL)

@@ -1,4 +1,4 @@
-"""What is committed of a planar controller under generated_c/<its name>/: its C, its numbers and test vectors.
+"""What is committed of a planar controller beside its C: its numbers and test vectors.
 
 The vectors are a second of a closed loop with noise. The platen starts at rest beside the corner of a pitch and goes
 out of it and back in x and y, over a border of its sections as well, while it yaws, lifts and tilts. A Hall channel is
@@ -11,15 +11,13 @@ from math import pi
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from designs.planar_6dof import filtering, interface, vertical
-from designs.planar_6dof import loop as loops
-from designs.planar_6dof.loop import Array, Loop
-from models import halbach, planar_stage
-from synth.block import Block
-from synth.emit import digits, vectors, write
-from synth.execute import host
-from synth.simulate.scenario import Trajectory, sample_times
+from designs.planar_6dof import filtering, vertical
+from designs.planar_6dof.loop import SUBSTEPS, Array, simulate
+from synth.emit import digits
+from synth.simulate.rig import Rig
+from synth.simulate.scenario import sample_times
 from synth.simulate.sensors import Override
 from synth.synthesise import riccati
 from synth.timing import Discrete
@@ -31,27 +29,15 @@ CHANNEL, BAD, VOLTS = "V_ay", slice(700, 703), 9.0  # the converter's range is 1
 SET_POINT, ASTRAY, TOO_FAR = "x_ref", slice(800, 810), 0.2  # m
 
 
-def emitted(block: Block, scalar: type[np.floating], design: Mapping[str, Any]) -> dict[str, write.Emitted]:
-    """Return the files of a controller in a scalar type, by folder; `design` is what gains.json says of it."""
-    error = interface.SURROGATE_ERROR[scalar]
-    files = write.emit(block, scalar, {"design": design}, error=error)
-    controller = host.load(files.files, files.manifest)
-    inputs = recorded(controller, block.time).measured
-    answered = controller.replay(inputs)
-    text = vectors.document(inputs, answered.outputs, answered.faults)
-    return {block.name: replace(files, files={**files.files, "vectors.json": text})}
-
-
-def recorded(controller: host.Controller, time: Discrete) -> Trajectory:
-    """Run the closed loop of the test vectors."""
-    at = sample_times(STEPS * time.period_s, time.period_s)
-    wanted = ways(at)
+def recorded(rig: Rig) -> Mapping[str, NDArray[Any]]:
+    """Return the inputs (STEPS,) of the test vectors' closed loop."""
+    T = rig.period_s
+    wanted = ways(sample_times(STEPS * T, T))
     wanted["x"][ASTRAY] = TOO_FAR
     mask = np.zeros(STEPS, dtype=bool)
     mask[BAD] = True
     bad = {CHANNEL: Override(mask, np.full(STEPS, VOLTS))}
-    loop = Loop(planar_stage.plant(halbach.HARMONICS), controller, loops.compiled(loops.view(time)))
-    return loop.run(STEPS * time.period_s, wanted, START, overrides=bad)
+    return simulate(replace(rig, substeps=SUBSTEPS), STEPS * T, wanted, START, overrides=bad).measured
 
 
 def ways(time: Array) -> dict[str, Array]:

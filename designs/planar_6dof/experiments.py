@@ -6,15 +6,18 @@ step is, the paper could not see either, and stands beside as the true error. Al
 trajectory that is shown. The motors see the field's harmonics, and every current comes a sample late.
 """
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from designs.planar_6dof.loop import NOISE_PRINTED, Array, Loop
+from designs.planar_6dof.interface import NOISE_PRINTED
+from designs.planar_6dof.loop import Array, noise_of, seen, simulate, with_noise
 from models import planar_stage, planar_voltages
 from synth.check import Check
 from synth.simulate import metrics
 from synth.simulate.experiment import Experiment
+from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 
 SETTLE, AFTER = 0.5, 2.0  # s before a step, and after it
@@ -50,6 +53,10 @@ class StepRun:
         return self.shown_ideal[self.sample :]
 
 
+Parts = Mapping[str, Callable[[Rig], Sequence[Experiment]]]
+"""What makes experiments, by what is said of it while it runs."""
+
+
 @dataclass(frozen=True)
 class Limits:
     """Rise in s, overshoot and settling in s, into `band` of the step, that a paper states, and voltage in V."""
@@ -61,17 +68,33 @@ class Limits:
     voltage: float
 
 
-def step(loop: Loop, axis: str, height: float, after: float = AFTER) -> StepRun:
+def run(parts: Parts, loop: Rig, progress: Callable[[str], None]) -> list[Experiment]:
+    """Run every experiment; `progress` hears what comes next."""
+    found: list[Experiment] = []
+    for name, part in parts.items():
+        progress(name)
+        found += part(loop)
+    return found
+
+
+def steps(
+    loop: Rig, heights: Mapping[str, float], titles: Mapping[str, str], limits: Limits | None
+) -> list[Experiment]:
+    """Return a step of each axis by its height in m or rad."""
+    return [step_experiment(loop, step(loop, a, h), f"step_{a}", titles[a], limits) for a, h in heights.items()]
+
+
+def step(loop: Rig, axis: str, height: float, after: float = AFTER) -> StepRun:
     """Run a step from the middle of the travel, and its twin, followed for `after` seconds."""
     time = sample_times(SETTLE + after, loop.period_s)
     reference = np.where(time < SETTLE, 0.0, height)
-    noisy, ideal = (each.run(SETTLE + after, {axis: reference}, {}) for each in (loop, loop.ideal))
-    shown, shown_ideal = (loop.seen(run)[f"{axis}_raw"] for run in (noisy, ideal))
+    noisy, ideal = (simulate(each, SETTLE + after, {axis: reference}, {}) for each in (loop, loop.ideal))
+    shown, shown_ideal = (seen(loop, run)[f"{axis}_raw"] for run in (noisy, ideal))
     k = int(np.argmax(time >= SETTLE))
     return StepRun(axis, height, k, noisy, ideal, shown, shown_ideal, reference)
 
 
-def step_experiment(loop: Loop, run: StepRun, name: str, title: str, limits: Limits | None) -> Experiment:
+def step_experiment(loop: Rig, run: StepRun, name: str, title: str, limits: Limits | None) -> Experiment:
     """Return a step as an experiment; without `limits` its metrics are figures alone."""
     found = step_metrics(run)
     _, small, scale = UNITS[run.axis]
@@ -118,40 +141,40 @@ def step_metrics(run: StepRun) -> dict[str, float]:
     }
 
 
-def settled(loop: Loop, values: Array) -> Array:
+def settled(loop: Rig, values: Array) -> Array:
     """Return a record of the standstill without its first second."""
     return values[round(1.0 / loop.period_s) :]
 
 
-def filtered_at_rest(loop: Loop, duration_s: float) -> dict[str, Array]:
+def filtered_at_rest(loop: Rig, duration_s: float) -> dict[str, Array]:
     """Return x and y (N,) in m at rest behind the filter (6)-(16): no better position was recorded."""
-    shown = loop.seen(loop.run(duration_s, {}, {}))
+    shown = seen(loop, simulate(loop, duration_s, {}, {}))
     return {axis: settled(loop, shown[axis]) for axis in "xy"}
 
 
-def standstills(loop: Loop) -> list[Experiment]:
+def standstills(loop: Rig) -> list[Experiment]:
     """Return the standstill with the noise of Fig. 5, that of section 3.2, and behind amplifiers of some supplies."""
-    cases = {"standstill": loop, "standstill_printed_noise": replace(loop, noise=NOISE_PRINTED)}
+    cases = {"standstill": loop, "standstill_printed_noise": with_noise(loop, NOISE_PRINTED)}
     found = []
     for name, case in cases.items():
-        run, title = case.run(REST, {}, {}), f"At rest, noise of {1e6 * case.noise:g} um rms"
+        run, title = simulate(case, REST, {}, {}), f"At rest, noise of {1e6 * noise_of(case):g} um rms"
         figures = rest_figures(case, run) | planar_voltages.figures(case.plant, run, None)
         found.append(_standstill(case, name, title, run, figures))
     for volts in SUPPLIES:
         case = replace(loop, plant=planar_voltages.amplified(volts))
-        run, title = case.run(SHORT, {}, {}, substeps=FINE), f"At rest, amplifiers of {volts:g} V"
+        run, title = simulate(case, SHORT, {}, {}, substeps=FINE), f"At rest, amplifiers of {volts:g} V"
         found.append(_standstill(case, f"standstill_{volts:g}_V", title, run, rest_figures(case, run)))
     return found
 
 
-def _standstill(loop: Loop, name: str, title: str, run: Trajectory, figures: dict[str, float]) -> Experiment:
+def _standstill(loop: Rig, name: str, title: str, run: Trajectory, figures: dict[str, float]) -> Experiment:
     about = f"{len(run.time) * loop.period_s:g} s, {_about(loop)}"
     return Experiment(name, title, about, run, ("x", "y", "phi"), {}, figures, usual(run))
 
 
-def rest_figures(loop: Loop, run: Trajectory) -> dict[str, float]:
+def rest_figures(loop: Rig, run: Trajectory) -> dict[str, float]:
     """Return the noise of the six axes at rest, and that of x, y and phi as measured and as filtered."""
-    shown, found = loop.seen(run), {}
+    shown, found = seen(loop, run), {}
     for axis, (_, small, scale) in UNITS.items():
         for what, values in (("true", run[axis]), ("filtered", shown[axis]), ("raw", shown[f"{axis}_raw"])):
             found[f"{what} {axis}, {small} rms"] = float(np.std(settled(loop, values))) / scale
@@ -169,10 +192,10 @@ def usual(run: Trajectory) -> tuple[Check, ...]:
     )
 
 
-def _last(loop: Loop, values: Array) -> float:
+def _last(loop: Rig, values: Array) -> float:
     return float(np.std(values[-round(1.0 / loop.period_s) :]))
 
 
-def _about(loop: Loop) -> str:
+def _about(loop: Rig) -> str:
     """Return what the sensors are."""
-    return f"noise of {1e6 * loop.noise:g} um rms in a Hall sensor's position, 16 bits, one sample of delay"
+    return f"noise of {1e6 * noise_of(loop):g} um rms in a Hall sensor's position, 16 bits, one sample of delay"

@@ -20,10 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designs.planar_6dof import interface, sensing
-from designs.planar_6dof.loop import Array, Loop
+from designs.planar_6dof.loop import Array, seen, simulate
 from models import hall_calibration, planar_stage
 from synth.check import Check
 from synth.simulate.experiment import Experiment
+from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
 from synth.synthesise import safety
@@ -123,7 +124,7 @@ class Failed:
         return int(found[0]) - self.sample if found.size else None
 
 
-def fail(loop: Loop, channel: str, kind: Kind, start: Place = START, speed: Place | None = None) -> Failed:
+def fail(loop: Rig, channel: str, kind: Kind, start: Place = START, speed: Place | None = None) -> Failed:
     """Run the stage with a channel that fails after FAILURE seconds and stays so; at rest without a `speed`, m/s."""
     time = sample_times(DURATION, loop.period_s)
     k = int(np.argmax(time >= FAILURE))
@@ -131,21 +132,21 @@ def fail(loop: Loop, channel: str, kind: Kind, start: Place = START, speed: Plac
     wanted = {a: at + (speed or dict.fromkeys(start, 0.0))[a] * gone for a, at in start.items()}
     value = _read(loop, wanted, channel, k) if kind == "stuck" else {"zero": 0.0, "nan": np.nan}[kind]
     bad = Override(np.arange(len(time)) >= k, np.full(len(time), value))
-    run = loop.run(DURATION, wanted, start, overrides={channel: bad})
+    run = simulate(loop, DURATION, wanted, start, overrides={channel: bad})
     strayed = np.max([np.abs(run[a] - r) for a, r in wanted.items()], axis=0)
     beyond = (residuals(loop, run) > 1) & (np.arange(len(time)) >= k)
     return Failed(channel, k, run, strayed, beyond, _bits(loop))
 
 
-def residuals(loop: Loop, run: Trajectory) -> Array:
+def residuals(loop: Rig, run: Trajectory) -> Array:
     """Return rho (N,) of `sensing`, 0 where the word names a channel already."""
-    seen, A = loop.seen(run), hall_calibration.of(loop.plant).amplitude
+    shown, A = seen(loop, run), hall_calibration.of(loop.plant).amplitude
     bounds = {s.name: sensing.POWER * A**2 if s.unit == "V^2" else sensing.RESIDUAL * A for s in sensing.RESIDUALS}
-    rho = np.sqrt(np.sum([(seen[name] / bound) ** 2 for name, bound in bounds.items()], axis=0))
+    rho = np.sqrt(np.sum([(shown[name] / bound) ** 2 for name, bound in bounds.items()], axis=0))
     return np.where(run.faults & np.bitwise_or.reduce(list(_bits(loop).values())), 0.0, rho)
 
 
-def _bits(loop: Loop) -> dict[str, int]:
+def _bits(loop: Rig) -> dict[str, int]:
     """Return the bits of the fault word by the channel that they name."""
     found = dict.fromkeys(HALL, 0)
     for fault in loop.controller.manifest["faults"]:
@@ -155,14 +156,14 @@ def _bits(loop: Loop) -> dict[str, int]:
     return found
 
 
-def _read(loop: Loop, wanted: dict[str, Array], channel: str, k: int) -> float:
+def _read(loop: Rig, wanted: dict[str, Array], channel: str, k: int) -> float:
     """Return what a channel reads at sample k as long as it is sound."""
     until = {axis: values[: k + 1] for axis, values in wanted.items()}
     start = {axis: float(values[0]) for axis, values in wanted.items()}
-    return float(loop.run((k + 1) * loop.period_s, until, start).measured[channel][k])
+    return float(simulate(loop, (k + 1) * loop.period_s, until, start).measured[channel][k])
 
 
-def experiment(loop: Loop, kind: Kind, moving: bool) -> Experiment:
+def experiment(loop: Rig, kind: Kind, moving: bool) -> Experiment:
     """Return what one kind of failure does, over all channels."""
     runs = [fail(loop, channel, kind, START, SPEED if moving else None) for channel in HALL]
     worst = max(runs, key=lambda f: f.astray)
@@ -227,7 +228,7 @@ def places() -> tuple[tuple[Place, Place], ...]:
     return tuple(found)
 
 
-def survey(loop: Loop, kind: Kind, speeds: Sequence[float]) -> Experiment:
+def survey(loop: Rig, kind: Kind, speeds: Sequence[float]) -> Experiment:
     """Return what one kind of failure does, over all channels, places and speeds in m/s."""
     runs = [
         fail(loop, channel, kind, start, {axis: v * part for axis, part in way.items()})
@@ -259,8 +260,8 @@ def survey(loop: Loop, kind: Kind, speeds: Sequence[float]) -> Experiment:
     )
 
 
-def experiments(loop: Loop) -> list[Experiment]:
+def experiments(loop: Rig) -> list[Experiment]:
     """Return the three kinds of failure, at rest and in motion, and the surveys."""
     kinds: tuple[Kind, ...] = ("nan", "zero", "stuck")
-    told = [experiment(loop, kind, moving) for moving in (False, True) for kind in kinds]
-    return [*told, *(survey(loop, kind, SPEEDS) for kind in SURVEYED)]
+    by_channel = [experiment(loop, kind, moving) for moving in (False, True) for kind in kinds]
+    return [*by_channel, *(survey(loop, kind, SPEEDS) for kind in SURVEYED)]

@@ -25,10 +25,12 @@ from numpy.typing import NDArray
 
 from designs.planar_6dof import experiments as shared
 from designs.planar_6dof.allocation import HORIZONTAL, force_constant
-from designs.planar_6dof.loop import NOISE, Array, Loop
+from designs.planar_6dof.interface import NOISE
+from designs.planar_6dof.loop import Array, seen, simulate
 from models import finite_matrix, finite_motor, finite_stage, planar_stage
 from synth.check import Check
 from synth.simulate.experiment import Experiment
+from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
 
 AXES = planar_stage.AXES
@@ -40,12 +42,12 @@ MADE, IDEAL, CLOSED = "blocks as made", "ideal blocks", "closed law"
 MATRICES = {MADE: finite_matrix.made, IDEAL: finite_matrix.ideal}
 
 
-def over(loop: Loop, made: bool = True) -> Loop:
+def over(loop: Rig, made: bool = True) -> Rig:
     """Return the loop over the finite matrix, of blocks as made or ideal."""
     return replace(loop, plant=finite_stage.plant(made))
 
 
-def step(loop: Loop, axis: str, height: float, title: str, limits: shared.Limits | None) -> Experiment:
+def step(loop: Rig, axis: str, height: float, title: str, limits: shared.Limits | None) -> Experiment:
     """Return a step over the finite matrix, beside that of `loop`."""
     there, closed = over(loop), shared.step(loop, axis, height)
     run = shared.step(there, axis, height)
@@ -72,11 +74,11 @@ def _moved(run: shared.StepRun) -> dict[str, float]:
     return {axis: float(np.abs(run.ideal[axis][k:] - run.ideal[axis][k]).max()) for axis in AXES}
 
 
-def standstill(loop: Loop) -> Experiment:
+def standstill(loop: Rig) -> Experiment:
     """Return the standstill over the finite matrix, beside that of `loop`."""
     there = over(loop)
-    run, still = (each.run(shared.REST, {}, {}) for each in (there, there.ideal))
-    found, closed = _noise(there, run, 1.0), _noise(loop, loop.run(shared.REST, {}, {}), 1.0)
+    run, still = (simulate(each, shared.REST, {}, {}) for each in (there, there.ideal))
+    found, closed = _noise(there, run, 1.0), _noise(loop, simulate(loop, shared.REST, {}, {}), 1.0)
     figures = shared.rest_figures(there, run)
     for axis in AXES:
         unit = UNITS[axis][1]
@@ -93,7 +95,7 @@ def standstill(loop: Loop) -> Experiment:
     )
 
 
-def _noise(loop: Loop, run: Trajectory, since: float) -> dict[str, float]:
+def _noise(loop: Rig, run: Trajectory, since: float) -> dict[str, float]:
     """Return the rms of each axis about its mean, m and rad, from a time in s on; one below 0 counts from the end."""
     first = round(since / loop.period_s)
     return {axis: float(np.std(run[axis][first:])) for axis in AXES}
@@ -108,9 +110,9 @@ class Motion:
     window: NDArray[np.bool_]
 
 
-def astray(loop: Loop, motion: Motion) -> dict[str, float]:
+def astray(loop: Rig, motion: Motion) -> dict[str, float]:
     """Return how far x and y are from where they should be, m rms: as the sensors show it and truly."""
-    shown, found = loop.seen(motion.run), {}
+    shown, found = seen(loop, motion.run), {}
     for axis in "xy":
         for what, at in (("as shown", shown[f"{axis}_raw"]), ("truly", motion.run[axis])):
             error = (at - motion.references[axis])[motion.window]
@@ -118,7 +120,7 @@ def astray(loop: Loop, motion: Motion) -> dict[str, float]:
     return found
 
 
-def motion(loop: Loop, found: Experiment, noiseless: Mapping[str, Motion]) -> Experiment:
+def motion(loop: Rig, found: Experiment, noiseless: Mapping[str, Motion]) -> Experiment:
     """Return an experiment of a motion over the finite matrix with its bars.
 
     `noiseless` are its twins without noise, by MADE and other names.

@@ -30,7 +30,7 @@ import numpy as np
 from designs.planar_6dof import allocation, interface, sensing, vertical
 from designs.planar_6dof.allocation import HORIZONTAL
 from designs.planar_6dof.sensing import READY
-from designs.planar_6dof.vertical import MARGIN, POSITIONS, REFERENCES, Reading
+from designs.planar_6dof.vertical import MARGIN, POSITIONS, REFERENCES, Variant
 from synth.analyse import discretise
 from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.plant import Plant
@@ -118,7 +118,7 @@ def observer(axis: Axis, pole: float | None = None) -> reduced_observer.ReducedO
 def reduced_order(plant: Plant, axis: Axis) -> Block:
     """Return the regulator of one axis on the observer of its rate alone; x3 is kept in units of what it demands."""
     found, T = observer(axis), TIME.period_s
-    q, f1 = MEASURED[axis.name], allocation.reach(plant)[axis.name]
+    q, f1 = MEASURED[axis.name], allocation.achievable_bound(plant)[axis.name]
     on_rate, on_force = axis.k1 * T + axis.k2, axis.b * T * (axis.k1 * T / 2 + axis.k2)
     F, G, H, L = float(found.F[0, 0]), *(on_rate * float(m[0, 0]) for m in (found.G, found.H, found.L))
     x3 = MARGIN * (abs(G) * q.high + abs(H) * f1) / (1 - abs(F))
@@ -154,7 +154,7 @@ def regulator(
     """
     q, r = MEASURED[axis.name], REFERENCES[axis.name]
     wanted, driven = vertical.demand(axis.name), vertical.made(axis.name)
-    k, f1 = axis.k1 + axis.k3, allocation.reach(plant)[axis.name]
+    k, f1 = axis.k1 + axis.k3, allocation.achievable_bound(plant)[axis.name]
     integral, g = MARGIN * (most + f1), axis.k3 / k
 
     def law(u: Exprs, x: Exprs, c: Exprs) -> Step:
@@ -194,10 +194,10 @@ def per_position(axis: str) -> str:
     return f"{vertical.demand(axis).unit}/{POSITIONS[axis].unit}"
 
 
-def law(plant: Plant, reading: Reading = "shipped", regulate: Regulate = reduced_order) -> list[Block]:
+def law(plant: Plant, variant: Variant = "shipped", regulate: Regulate = reduced_order) -> list[Block]:
     """Return the Blocks from positions and held set-points to computed phase currents."""
     horizontal = [regulate(plant, axis) for axis in axes(plant)]
-    upright, yaw = vertical.blocks(plant, TIME, reading), MEASURED["phi"]
+    upright, yaw = vertical.blocks(plant, TIME, variant), MEASURED["phi"]
     motors = (make(plant, TIME, yaw) for make in (allocation.allocation, allocation.commutation))
     return [*horizontal, *upright, *motors]
 
@@ -207,6 +207,6 @@ def sensed(plant: Plant) -> list[Block]:
     return [sensing.sensing(plant, TIME, predicted=False)]
 
 
-def controller(plant: Plant, reading: Reading = "shipped", regulate: Regulate = reduced_order) -> Block:
+def controller(plant: Plant, variant: Variant = "shipped", regulate: Regulate = reduced_order) -> Block:
     """Return the whole controller, from Hall voltages, distances and set-points to the motors' phase currents."""
-    return interface.controller(NAME, plant, TIME, sensed(plant), law(plant, reading, regulate))
+    return interface.controller(NAME, plant, TIME, sensed(plant), law(plant, variant, regulate))

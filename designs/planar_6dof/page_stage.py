@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import casadi as ca
 import numpy as np
 
-from designs.planar_6dof import allocation, drawings, filtering, sensing_maps
+from designs.planar_6dof import allocation, drawings, filtering, interface, sensing_maps
 from designs.planar_6dof import loop as simulated
 from models import hall_calibration, planar_stage
 from synth.plant import Plant, Symbols
@@ -39,7 +39,7 @@ def _derived(plant: Plant) -> page.Table:
         ("K / M", K / M, "m/s²/A", "(26) prints 13.2547, which carries the factor 1/2 of (17)"),
         ("K a / Izz", K * a / Izz, "rad/s²/A", "(26) prints 117.15"),
         ("A", hall_calibration.of(plant).amplitude, "V", "amplitude of a Hall voltage's fundamental"),
-        ("A γ", simulated.slope(plant) / 1e3, "V/mm", "its slope where it is 0"),
+        ("A γ", interface.volts_per_metre(plant) / 1e3, "V/mm", "its slope where it is 0"),
     )
     return page.Table("Derived", ("name", "value", "unit", "is"), rows, digits=5)
 

@@ -19,17 +19,16 @@ from synth.block import Block
 from synth.errors import SignalError
 from synth.plant import Plant
 from synth.signals import Signal
-from synth.verify import agree
+from synth.verify import agree, sampling
 
 Columns = dict[str, NDArray[Any]]
 SEED = 20_060_711
-INSIDE = 1e-6  # of a range, whose ends are other numbers in single precision than in double
+INSIDE = sampling.MARGIN
 UNREADY, SUSPECTED, FAILED = 0.02, 0.02, 0.1  # shares of samples
 WRONG = 0.6  # V: deviation of a voltage that fails, which contradicts the others from some 0.2 V on
 PART = 0.3  # of the size of demands: of each of what is added up to one
 ENDS, DEAD = 0.25, 0.02  # shares of inputs at a special value, and of samples in which all Hall voltages have the same
 RESTING = 0.2  # share of edge steps with a flag because of which no law is computed
-SPECIAL = (np.nan, np.inf, -np.inf, 5e-324, -5e-324, 1e-40, -0.0, 0.0, 1e300, -1e300)
 TINY = 1e-100  # V: the square of a smaller one is 0 or may be
 LAW = ("loop_", "lqg_")  # its Blocks
 SEEING, ANYTHING = ("sensing_", "filter_"), ("sensing_doubt", "sensing_first_")  # of which any value will do
@@ -58,7 +57,7 @@ def in_operation(subject: Subject, plant: Plant, n: int, seed: int = SEED) -> tu
     Raises SignalError when the controller remembers what this knows no values for.
     """
     block, rng = subject.block, np.random.default_rng(seed)
-    states, _ = _anywhere(block, rng, n)
+    states, _ = sampling.anywhere(block, rng, n, INSIDE)
     box = {a: next(s for s in block.inputs if s.name == f"{a}_ref") for a in allocation.AXES}
     pose = {a: _within(box[a], rng.uniform(-1, 1, n)) for a in allocation.AXES}
     known = {"guard_latched": np.zeros(n), "guard_ready": _rare(rng, n, 1 - UNREADY)}
@@ -67,7 +66,7 @@ def in_operation(subject: Subject, plant: Plant, n: int, seed: int = SEED) -> tu
     if strange := [s for s in states if s.startswith(SEEING) and s not in known and not s.startswith(ANYTHING)]:
         raise SignalError(f"'{block.name}' remembers {', '.join(strange)}: say what that is where the platen is known")
     error = {a: rng.normal(0, PART, n) * subject.size * _reach(block, plant, a) for a in allocation.AXES}
-    references = {f"{a}_ref": _clipped(box[a], pose[a] + error[a]) for a in allocation.AXES}
+    references = {f"{a}_ref": sampling.inside(box[a], pose[a] + error[a]) for a in allocation.AXES}
     inputs = _failing(bench.seen(pose), rng, n) | references
     return {s: known.get(s, drawn) for s, drawn in states.items()}, inputs
 
@@ -104,12 +103,12 @@ def at_the_edges(block: Block, n: int, seed: int = SEED) -> tuple[Columns, Colum
     the larger, none can tell.
     """
     rng = np.random.default_rng(seed + 1)
-    states, inputs = _anywhere(block, rng, n + n // 20)
+    states, inputs = sampling.anywhere(block, rng, n + n // 20, INSIDE)
     states |= {flag: _rare(rng, n + n // 20, RESTING) for flag in ("guard_latched", "sensing_named")}
     dead = rng.uniform(size=n + n // 20) < DEAD
-    same = np.take(SPECIAL, rng.integers(0, len(SPECIAL), len(dead)))
+    same = np.take(sampling.SPECIAL, rng.integers(0, len(sampling.SPECIAL), len(dead)))
     for s in block.inputs:
-        ends = (s.low, s.high, np.nextafter(s.low, -np.inf), np.nextafter(s.high, np.inf), *SPECIAL)
+        ends = sampling.edge_values(s)
         special = rng.uniform(size=len(dead)) < ENDS
         inputs[s.name] = np.where(special, np.take(ends, rng.integers(0, len(ends), len(dead))), inputs[s.name])
         inputs[s.name] = np.where(dead & (s.name in planar_stage.HALL), same, inputs[s.name])
@@ -147,7 +146,7 @@ def _law(subject: Subject, plant: Plant, pose: Mapping[str, NDArray[Any]], rng: 
     drawn = {}
     for s in (s for s in subject.block.states if s.name in of_law(subject.block)):
         value = mean.get(s.name, 0.0) + rng.normal(0, PART * subject.size * most[axis_of(s.name)], n)
-        drawn[s.name] = _clipped(s.signal, value)
+        drawn[s.name] = sampling.inside(s.signal, value)
     return drawn
 
 
@@ -159,23 +158,9 @@ def _reach(block: Block, plant: Plant, axis: str) -> float:
     return allocation.authority(plant)[axis] / direct[0]
 
 
-def _anywhere(block: Block, rng: np.random.Generator, n: int) -> tuple[Columns, Columns]:
-    states = {}
-    for s in block.states:
-        low, high = s.signal.low, s.signal.high
-        whole = rng.integers(int(low), int(high) + 1, n).astype(float) if s.integer else rng.uniform(low, high, n)
-        states[s.name] = whole if s.integer else _clipped(s.signal, whole)
-    return states, {s.name: rng.uniform(s.low, s.high, n) for s in block.inputs}
-
-
 def _within(s: Signal, part: NDArray[Any]) -> NDArray[Any]:
     """Return values (N,) of a signal for -1 .. 1."""
-    return _clipped(s, (s.low + s.high) / 2 + (s.high - s.low) / 2 * part)
-
-
-def _clipped(s: Signal, value: NDArray[Any]) -> NDArray[Any]:
-    margin = INSIDE * (s.high - s.low)
-    return np.clip(value, s.low + margin, s.high - margin)
+    return sampling.inside(s, (s.low + s.high) / 2 + (s.high - s.low) / 2 * part)
 
 
 def _rare(rng: np.random.Generator, n: int, share: float) -> NDArray[Any]:

@@ -9,33 +9,32 @@ whether sensors contradict each other. Of random steps those are compared that d
 is told. Over a long tour the path of the stage tells what single precision does.
 """
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from math import pi
 
 import numpy as np
-from numpy.typing import NDArray
 
 from designs.planar_6dof import allocation, failures, interface, random_steps
 from designs.planar_6dof import loop as loops
-from designs.planar_6dof.loop import Array, Loop
+from designs.planar_6dof.loop import Array, simulate
 from designs.planar_6dof.random_steps import Columns, Subject
-from models import halbach, planar_stage
+from models import planar_stage
 from synth.check import Check
-from synth.execute import host
+from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
 from synth.timing import Discrete
-from synth.verify import agree
+from synth.verify import agree, suite
 from synth.verify.evidence import Evidence
+from synth.verify.suite import Witnesses
 
 RANDOM_STEPS, EDGE_STEPS = 100_000, 20_000
 FLOOR = 1.0  # A: a phase is one projection of up to 1.26 A, and what rounding leaves is no smaller where it is
-EXACT = 1e-12
 AT_A_LIMIT = (0.02, 0.5)  # share of random steps: some, and few enough that limits hide nothing
 PASSED_OVER = 0.15  # share of random steps whose sensors contradict each other, or have done so
 OTHERWISE = 1e-3  # share of random steps
-DECIDED = 0.01  # m: more than rounding, and less than a pitch; also less than the step of a counter
+DECIDED = 0.01  # m: more than rounding, and less than a pitch
 LATCHED = 0.02  # share of random steps: those whose last good sample is long ago
 LONG = 60.0  # s
 RADIUS, RATE, GROWTH = 0.06, pi / 2, 2.0  # m, rad/s, s: six pitches in 4 s, at 0.1 m/s
@@ -46,73 +45,50 @@ SHORT = 1.0  # s
 LARGEST = {"x": 1e-7, "y": 1e-7, "phi": 1e-6, "z": 1e-8, "theta": 1e-7, "psi": 1e-6}
 # m, rad rms: with converters, of which a count, 0.84 um or 0.1 mrad, falls otherwise now and then; a tenth of the noise
 COUNTED = {"x": 1.3e-6, "y": 1.3e-6, "phi": 3e-5}
-OTHERS = ("reference", "casadi", "casadi_c")  # that the C in double precision is compared with
-Told = Callable[[str], None]
+Progress = Callable[[str], None]
 Compared = tuple[agree.Agreement, list[Check]]
-
-
-@dataclass(frozen=True, eq=False)
-class Witnesses:
-    """The witnesses of one step by name, and the compiled C in both scalar types."""
-
-    of: Mapping[str, agree.Witness]
-    c64: host.Controller
-    c32: host.Controller
 
 
 def witnesses(subject: Subject) -> Witnesses:
     """Return the witnesses of a controller."""
-    block = subject.block
-    c64, c32 = (loops.compiled(block, scalar) for scalar in (np.float64, np.float32))
-    others = {"reference": agree.reference(subject.reference), "casadi": agree.casadi(block)}
-    return Witnesses(others | {"casadi_c": agree.casadi_own_c(block), "c64": agree.emitted(c64)}, c64, c32)
+    return suite.witnesses(subject.block, subject.reference, interface.SURROGATE_ERROR)
 
 
-def verify(subject: Subject, told: Told, replay_s: float) -> Evidence:
+def verify(subject: Subject, progress: Progress, replay_s: float) -> Evidence:
     """Compare all witnesses; `replay_s` is how much of the tour the others replay, in s."""
     by = witnesses(subject)
-    found = [*drawn(subject, by, told)]
-    told("replays of closed loops")
-    view = loops.compiled(loops.view(subject.block.time))
-    loop = Loop(planar_stage.plant(halbach.HARMONICS), by.c64, view)
+    found = [*drawn(subject, by, progress)]
+    progress("replays of closed loops")
+    loop = loops.of(subject.block, by.c64)
     for what, run in runs(loop, subject.step, replay_s).items():
         found += replayed(what, subject, by, run)
-    told(f"single against double over {LONG:g} s")
+    progress(f"single against double over {LONG:g} s")
     last = single_against_double(loop, replace(loop, controller=by.c32))
     checks = [c for _, some in found for c in some]
     return Evidence(subject.block.name, tuple(a for a, _ in found), (*checks, *last))
 
 
-def drawn(subject: Subject, by: Witnesses, told: Told) -> Iterator[Compared]:
+def drawn(subject: Subject, by: Witnesses, progress: Progress) -> Iterator[Compared]:
     """Yield the comparisons of random steps, in operation and at the edges, and those of single precision."""
-    told("random steps")
+    progress("random steps")
     inside = random_steps.in_operation(subject, planar_stage.plant(), RANDOM_STEPS)
     found = {name: witness(*inside) for name, witness in by.of.items()}
-    yield from (compared("random steps", subject, (name, found[name]), found["c64"]) for name in OTHERS)
+    yield from (compared("random steps", subject, (name, found[name]), found["c64"]) for name in suite.OTHERS)
     single, decided = in_single(subject, by, *inside)
     yield single, [*decided, *shares(inside[0], found["c64"])]
-    told("edge steps")
+    progress("edge steps")
     edges = random_steps.at_the_edges(subject.block, EDGE_STEPS)
     found = {name: witness(*edges) for name, witness in by.of.items()}
-    yield from (compared("edge steps", subject, (name, found[name]), found["c64"]) for name in OTHERS)
+    yield from (compared("edge steps", subject, (name, found[name]), found["c64"]) for name in suite.OTHERS)
 
 
 def compared(what: str, subject: Subject, first: tuple[str, agree.Stepped], c64: agree.Stepped) -> Compared:
     """Compare a witness by name with the C in double precision."""
     a = agree.compare(what, first, ("c64", c64), FLOOR, subject.block)
-    return a, exact(a, law_apart(subject, first[1], c64))
-
-
-def exact(a: agree.Agreement, apart: float) -> list[Check]:
-    """Return the checks of two witnesses in double precision; `apart` is that of the law's states."""
-    pair = f"{a.first} and {a.second}"
-    about = f"worst of {a.samples} steps, {a.signal}"
-    return [
-        Check(f"{a.what}: {a.first} against {a.second}", a.worst, EXACT, f"max({FLOOR:g} A, |i|)", about),
-        Check(f"{a.what}: next states of {pair}", a.state_worst, EXACT, "of range", a.state),
-        Check(f"{a.what}: next states of the law of {pair}", apart, EXACT, "max(|x|, what the motors meet)"),
-        Check(f"{a.what}: fault words of {pair} unlike", a.faults_differ, 0, "1"),
-    ]
+    apart = law_apart(subject, first[1], c64)
+    name = f"{what}: next states of the law of {a.first} and {a.second}"
+    law = Check(name, apart, suite.EXACT, "max(|x|, what the motors meet)")
+    return a, [*suite.exact([a], f"max({FLOOR:g} A, |i|)"), law]
 
 
 def law_apart(subject: Subject, first: agree.Stepped, second: agree.Stepped) -> float:
@@ -143,21 +119,14 @@ def shares(states: Columns, found: agree.Stepped) -> list[Check]:
 
 def in_single(subject: Subject, by: Witnesses, states: Columns, inputs: Columns) -> Compared:
     """Compare single with double on the same bits, where all decisions are alike, and check how many are not."""
-    x, u = ({n: v.astype(np.float32) for n, v in columns.items()} for columns in (states, inputs))
-    double, single = agree.emitted(by.c64)(x, u), agree.emitted(by.c32)(x, u)
-    alike = double.faults == single.faults
-    for s in subject.block.states:
-        if s.integer or "_offset_" in s.name:  # of whole pitches
-            alike &= np.abs(double.states[s.name] - single.states[s.name].astype(np.float64)) < DECIDED
-    pair = ("c64", _part(double, alike)), ("c32", _part(single, alike))
+    double, single = suite.in_single(by, states, inputs)
+    alike = suite.decide_alike(subject.block, double, single)
+    for s in (s.name for s in subject.block.states if "_offset_" in s.name):  # of whole pitches
+        alike &= np.abs(double.states[s] - single.states[s].astype(np.float64)) < DECIDED
+    pair = ("c64", suite.part(double, alike)), ("c32", suite.part(single, alike))
     a = agree.compare("random steps", *pair, FLOOR, subject.block, np.float32)
     otherwise = float(np.mean(~alike))
     return a, [Check("random steps: decisions otherwise in single precision", otherwise, OTHERWISE, "1")]
-
-
-def _part(stepped: agree.Stepped, chosen: NDArray[np.bool_]) -> agree.Stepped:
-    outputs, states = ({n: v[chosen] for n, v in c.items()} for c in (stepped.outputs, stepped.states))
-    return agree.Stepped(outputs, states, stepped.faults[chosen])
 
 
 def tour(duration_s: float, time: Discrete) -> dict[str, Array]:
@@ -169,14 +138,14 @@ def tour(duration_s: float, time: Discrete) -> dict[str, Array]:
     return wanted | {a: high * np.sin((k + 1.3) * t) for k, (a, high) in enumerate(TILTS.items())}
 
 
-def runs(loop: Loop, step: float, replay_s: float) -> dict[str, Trajectory]:
+def runs(loop: Rig, step: float, replay_s: float) -> dict[str, Trajectory]:
     """Run what is replayed: the tour, a step beyond the motors, bad samples up to the latch, a sensor that sticks."""
     time = Discrete(loop.period_s)
     t = sample_times(SHORT, loop.period_s)
     return {
-        f"replay of {replay_s:g} s": loop.run(replay_s, tour(replay_s, time), {}),
-        "replay of a saturated step": loop.run(SHORT, {"x": np.where(t < 0.2, 0.0, step)}, {}),
-        "replay of faults": loop.run(SHORT, tour(SHORT, time), {}, overrides=bad_samples(t)),
+        f"replay of {replay_s:g} s": simulate(loop, replay_s, tour(replay_s, time), {}),
+        "replay of a saturated step": simulate(loop, SHORT, {"x": np.where(t < 0.2, 0.0, step)}, {}),
+        "replay of faults": simulate(loop, SHORT, tour(SHORT, time), {}, overrides=bad_samples(t)),
         "replay of a sensor that sticks": failures.fail(loop, "V_ax", "stuck", speed=failures.SPEED).run,
     }
 
@@ -197,18 +166,18 @@ def bad_samples(t: Array) -> dict[str, Override]:
 def replayed(what: str, subject: Subject, by: Witnesses, run: Trajectory) -> list[Compared]:
     """Compare the witnesses over a recorded run from `init`."""
     c64, start = agree.replayed(by.c64, run.measured), {s.name: s.initial for s in subject.block.states}
-    others = ((name, agree.recorded(by.of[name], start, run.measured)) for name in OTHERS)
+    others = ((name, agree.recorded(by.of[name], start, run.measured)) for name in suite.OTHERS)
     return [compared(what, subject, other, c64) for other in others]
 
 
-def single_against_double(double: Loop, single: Loop) -> list[Check]:
+def single_against_double(double: Rig, single: Rig) -> list[Check]:
     """Compare the stage's path under both types over LONG, with noise: at its worst, and with converters its rms."""
     wanted, about, checks = tour(LONG, Discrete(double.period_s)), f"{LONG:g} s of the tour", []
-    one, two = (replace(loop, converters=False).run(LONG, wanted, {}) for loop in (double, single))
+    one, two = (simulate(replace(loop, quantised=False), LONG, wanted, {}) for loop in (double, single))
     for axis, limit in LARGEST.items():
         worst = float(np.abs(one[axis] - two[axis]).max())
         checks.append(Check(f"single less double, {axis}", worst, limit, "m" if axis in "xyz" else "rad", about))
-    one, two = (loop.run(LONG, wanted, {}) for loop in (double, single))
+    one, two = (simulate(loop, LONG, wanted, {}) for loop in (double, single))
     for axis, limit in COUNTED.items():
         rms = float(np.sqrt(np.mean((one[axis] - two[axis]) ** 2)))
         unit = "m rms" if axis in "xyz" else "rad rms"

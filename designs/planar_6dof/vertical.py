@@ -26,7 +26,7 @@ from math import pi
 from typing import Literal
 
 from designs.planar_6dof import allocation
-from designs.planar_6dof.allocation import AXES, BOX, DEMANDS, MADE
+from designs.planar_6dof.allocation import ACHIEVED, AXES, BOX, DEMANDS
 from models import planar_stage
 from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.plant import Plant
@@ -34,7 +34,7 @@ from synth.signals import Signal
 from synth.synthesise import lead_lag
 from synth.timing import Discrete
 
-Reading = Literal["shipped", "published"]
+Variant = Literal["shipped", "published"]
 
 PUBLISHED = {
     "z": (323252.0, 102.91, 776.828),
@@ -71,7 +71,7 @@ class Loop:
     reset: float
 
 
-def heights(plant: Plant, time: Discrete) -> Block:
+def vertical_kinematics(plant: Plant, time: Discrete) -> Block:
     """Return the Block from the laser distances to z, theta and psi; tilts count to first order."""
     r = plant.parameter("laser_arm").value
 
@@ -84,10 +84,10 @@ def heights(plant: Plant, time: Discrete) -> Block:
     return build("heights", time, law, inputs=DISTANCES, outputs=outputs, tag="laser distances inverted")
 
 
-def compensator(axis: str, time: Discrete, reading: Reading = "shipped") -> lead_lag.Compensator:
+def compensator(axis: str, time: Discrete, variant: Variant = "shipped") -> lead_lag.Compensator:
     """Return the continuous compensator of z, theta or psi, from m to N or rad to N m. Source: (23)-(25)."""
     gain, zero, pole = PUBLISHED[axis]
-    if reading == "shipped":
+    if variant == "shipped":
         nearer = 2 / time.period_s
         gain, pole = PART[axis] * gain * nearer / pole, nearer
     return lead_lag.Compensator(gain, (-zero, -RESET), (-pole, 0.0), output=effort(axis))
@@ -105,7 +105,7 @@ def demand(axis: str) -> Signal:
 
 def made(axis: str) -> Signal:
     """Return what the limited currents meet of an axis' demand."""
-    return MADE[AXES.index(axis)]
+    return ACHIEVED[AXES.index(axis)]
 
 
 def loop(axis: str, continuous: lead_lag.Compensator, time: Discrete) -> Loop:
@@ -123,13 +123,13 @@ def loop(axis: str, continuous: lead_lag.Compensator, time: Discrete) -> Loop:
 def block(plant: Plant, part: Loop, time: Discrete) -> Block:
     """Return the Block of one loop, from the position, the set-point and what is made to the demand.
 
-    Both states stay in their ranges as long as the position does, and what is made is within `reach`.
+    Both states stay in their ranges as long as the position does, and what is made is within `achievable_bound`.
     """
     axis, position, reference = part.axis, POSITIONS[part.axis], REFERENCES[part.axis]
     wanted, driven = demand(axis), made(axis)
     direct, into_lag = (v / allocation.scales(plant)[axis] for v in (part.D, part.into_lag))
     most = MARGIN * abs(into_lag) * (position.high + reference.high) / (1 - abs(part.pole))
-    integral = MARGIN * allocation.reach(plant)[axis]
+    integral = MARGIN * allocation.achievable_bound(plant)[axis]
     states = [
         State(Signal("integral", wanted.unit, -integral, integral, "of the error"), 0.0),
         State(Signal("lag", wanted.unit, -most, most, "what the lead takes back"), 0.0),
@@ -155,7 +155,7 @@ def block(plant: Plant, part: Loop, time: Discrete) -> Block:
     return build(name, time, law, inputs=inputs, outputs=[wanted], states=states, constants=constants, tag=tag)
 
 
-def blocks(plant: Plant, time: Discrete, reading: Reading = "shipped") -> list[Block]:
+def blocks(plant: Plant, time: Discrete, variant: Variant = "shipped") -> list[Block]:
     """Return the Blocks of the three vertical loops."""
-    loops = (loop(axis, compensator(axis, time, reading), time) for axis in allocation.VERTICAL)
+    loops = (loop(axis, compensator(axis, time, variant), time) for axis in allocation.VERTICAL)
     return [block(plant, part, time) for part in loops]

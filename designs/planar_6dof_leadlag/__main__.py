@@ -2,10 +2,8 @@
 
 from pathlib import Path
 
-import numpy as np
-
-from designs.planar_6dof_leadlag import emitted
+from designs.planar_6dof_leadlag.design import DESIGN
 from synth.emit import write
 
-for folder, files in emitted.emitted(np.float32).items():
+for folder, files in DESIGN.emit(DESIGN.scalar).items():
     write.save(files.files, Path("generated_c") / folder)

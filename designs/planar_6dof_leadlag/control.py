@@ -16,7 +16,7 @@ phi of 17 degrees and 4.7. As shipped it is 37 degrees and 2.2, and 68 degrees a
 """
 
 from designs.planar_6dof import allocation, filtering, interface, sensing, vertical
-from designs.planar_6dof.vertical import Loop, Reading
+from designs.planar_6dof.vertical import Loop, Variant
 from synth.block import Block
 from synth.plant import Plant
 from synth.synthesise import lead_lag
@@ -27,29 +27,28 @@ TIME = Discrete(1e-3)
 PUBLISHED = {"x": (1.5e4, 0.11), "y": (1.5e4, 0.11), "phi": (35.0, 0.12)}  # gain, lead in s
 LAG, RESET = 0.00088, 0.1  # s, of (21) and (22)
 PART = {"x": 0.4, "y": 0.4, "phi": 0.5}  # of the published gain
-INPUTS, OUTPUTS, SAFETY = interface.INPUTS, interface.OUTPUTS, interface.SAFETY
 
 
-def compensator(axis: str, reading: Reading = "shipped") -> lead_lag.Compensator:
+def compensator(axis: str, variant: Variant = "shipped") -> lead_lag.Compensator:
     """Return the continuous compensator of x, y or phi, from m to N or rad to N m. Source: (21), (22)."""
     gain, lead = PUBLISHED[axis]
-    gain *= PART[axis] if reading == "shipped" else 1
+    gain *= PART[axis] if variant == "shipped" else 1
     return lead_lag.from_constants(gain, (lead, RESET), (LAG,), 1, output=vertical.effort(axis))
 
 
-def loops(reading: Reading = "shipped") -> list[Loop]:
+def loops(variant: Variant = "shipped") -> list[Loop]:
     """Return the loops of x, y and phi, sampled."""
-    return [vertical.loop(axis, compensator(axis, reading), TIME) for axis in allocation.HORIZONTAL]
+    return [vertical.loop(axis, compensator(axis, variant), TIME) for axis in allocation.HORIZONTAL]
 
 
-def law(plant: Plant, reading: Reading = "shipped") -> list[Block]:
+def law(plant: Plant, variant: Variant = "shipped") -> list[Block]:
     """Return the Blocks from positions and held set-points to computed phase currents."""
-    horizontal = [vertical.block(plant, part, TIME) for part in loops(reading)]
-    upright = vertical.blocks(plant, TIME, reading)
+    horizontal = [vertical.block(plant, part, TIME) for part in loops(variant)]
+    upright = vertical.blocks(plant, TIME, variant)
     return [*horizontal, *upright, allocation.allocation(plant, TIME), allocation.commutation(plant, TIME)]
 
 
-def controller(plant: Plant, reading: Reading = "shipped") -> Block:
+def controller(plant: Plant, variant: Variant = "shipped") -> Block:
     """Return the whole controller, from Hall voltages, distances and set-points to the motors' phase currents."""
     sensed = [sensing.sensing(plant, TIME), *filtering.blocks(TIME)]
-    return interface.controller(NAME, plant, TIME, sensed, law(plant, reading))
+    return interface.controller(NAME, plant, TIME, sensed, law(plant, variant))

@@ -1,54 +1,31 @@
 """The planar positioner of Yu and Kim under its lead-lag controller at 1 kHz, from physics to verified C."""
 
-from collections.abc import Callable, Iterator, Sequence
+from functools import cache
+from typing import Any
 
-import numpy as np
-
-from designs.planar_6dof import loop
+from designs.planar_6dof import allocation, assembly, emitted, vertical
 from designs.planar_6dof.paper import rows
-from designs.planar_6dof_leadlag import bench, control, emitted, experiments, page, verification
+from designs.planar_6dof.random_steps import Subject
+from designs.planar_6dof_leadlag import control, experiments, page, reference
 from models import planar_stage
-from synth.block import Block
-from synth.report.audit import Row
-from synth.simulate.experiment import Experiment
-from synth.verify.evidence import Evidence
-from synth.workspace import Bench, Design
-
-QUICK_REPLAY, WHOLE_REPLAY = 5.0, 60.0  # s of a closed loop that the reference replays
 
 
-def verify(told: Callable[[str], None], whole: bool) -> Evidence:
-    """Compare the witnesses, over the `whole` replay or over a short one."""
-    return verification.verify(told, WHOLE_REPLAY if whole else QUICK_REPLAY)
+@cache
+def subject() -> Subject:
+    """Return the controller beside its reference."""
+    return Subject(control.controller(planar_stage.plant()), reference.step, size=0.3, step=0.06)
 
 
-def simulate(told: Callable[[str], None]) -> Sequence[Experiment]:
-    """Run the experiments with the shipped single-precision C."""
-    return experiments.run(shipped(), told)
+def gains() -> dict[str, Any]:
+    """Return the six compensators with what the paper prints of x, y and phi, and the filters."""
+    upright = [vertical.loop(a, vertical.compensator(a, control.TIME), control.TIME) for a in allocation.VERTICAL]
+    return {
+        "plant": "M q'' = f in x and y, Izz phi'' = m; M z'' = f - Kz z, and so for theta and psi",
+        "period_s": control.TIME.period_s,
+        "parts_of_the_published_gain": control.PART | vertical.PART,
+        "compensators": emitted.compensators([*control.loops(), *upright]),
+        "filters": emitted.filters(control.TIME),
+    }
 
 
-def audit() -> Iterator[Row]:
-    """Recompute the paper's figures."""
-    return rows.leadlag(shipped())
-
-
-def shipped() -> loop.Loop:
-    """Return the loop under the shipped controller."""
-    return loop.of(block())
-
-
-def block() -> Block:
-    """Return the controller for the stage's parameters."""
-    return control.controller(planar_stage.plant())
-
-
-DESIGN = Design(
-    name=control.NAME,
-    scalar=np.float32,
-    emit=emitted.emitted,
-    verify=verify,
-    simulate=simulate,
-    audit=audit,
-    bench=Bench(block, bench.replay, bench.sequences, bench.FLOOR),
-    report=page.report,
-)
+DESIGN = assembly.design(control.NAME, control.TIME, subject, gains, experiments.PARTS, rows.leadlag, page.report)

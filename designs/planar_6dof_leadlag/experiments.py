@@ -5,7 +5,6 @@ of the eight sections of a pitch, the error of the raw position may jump by no m
 from sample to sample elsewhere: the borders must not show in the noise.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import pi
 
@@ -14,14 +13,15 @@ from numpy.typing import NDArray
 
 from designs.planar_6dof import experiments as shared
 from designs.planar_6dof import failures, finite
-from designs.planar_6dof.loop import Array, Loop
+from designs.planar_6dof.loop import Array, seen, simulate
 from designs.planar_6dof.paper.steps import FIGURE_8
 from models import planar_voltages
 from synth.check import Check
 from synth.simulate.experiment import Experiment
+from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 
-SIZES = {"x": "20 um", "y": "100 um", "phi": "0.01 degrees"}
+TITLES = {"x": "x by 20 um", "y": "y by 100 um", "phi": "phi by 0.01 degrees"}
 # Y-9, whose band is not printed: into 2 % it takes 0.33 s. Around 20 % is within a quarter of it, as Y-9b is judged.
 LIMITS = shared.Limits(rise=0.025, overshoot=0.25, settling=0.220, band=0.05, voltage=planar_voltages.STATED)
 RADIUS, RATE, GROWTH = 0.1, 0.2094, 5.0  # m, rad/s, s
@@ -43,13 +43,13 @@ class Circle:
         return np.asarray((self.run[axis] - self.references[axis])[self.grown])
 
 
-def circle(loop: Loop) -> Circle:
+def circle(loop: Rig) -> Circle:
     """Run a whole revolution after the radius has grown to RADIUS."""
     time = sample_times(GROWTH + REVOLUTION, loop.period_s)
     part = np.clip(time / GROWTH, 0, 1)
     r = RADIUS * part**3 * (10 - 15 * part + 6 * part**2)
     wanted = {"x": r * np.cos(RATE * time), "y": r * np.sin(RATE * time)}
-    return Circle(loop.run(GROWTH + REVOLUTION, wanted, {}), wanted, time >= GROWTH)
+    return Circle(simulate(loop, GROWTH + REVOLUTION, wanted, {}), wanted, time >= GROWTH)
 
 
 def switched(run: Trajectory, axis: str) -> NDArray[np.bool_]:
@@ -59,19 +59,19 @@ def switched(run: Trajectory, axis: str) -> NDArray[np.bool_]:
     return np.asarray(np.diff(first, prepend=first[0]))
 
 
-def jumps(loop: Loop, run: Trajectory, axis: str) -> tuple[Array, Array]:
+def jumps(loop: Rig, run: Trajectory, axis: str) -> tuple[Array, Array]:
     """Return by how much the raw position's error changes at a switching sample, and at the others, m."""
-    error = loop.seen(run)[f"{axis}_raw"] - run[axis]
+    error = seen(loop, run)[f"{axis}_raw"] - run[axis]
     change, there = np.diff(error, prepend=error[0]), switched(run, axis)
     return change[there], change[~there]
 
 
-def circle_experiment(loop: Loop) -> Experiment:
+def circle_experiment(loop: Rig) -> Experiment:
     """Return the circle of Fig. 9."""
     return _judged(loop, circle(loop), circle(loop.ideal))
 
 
-def _judged(loop: Loop, found: Circle, ideal: Circle) -> Experiment:
+def _judged(loop: Rig, found: Circle, ideal: Circle) -> Experiment:
     """Return a circle, with its twin without noise, as an experiment."""
     pitch = loop.plant.parameter("l").value
     figures, checks = planar_voltages.figures(loop.plant, found.run, ideal.run), []
@@ -102,23 +102,13 @@ def _judged(loop: Loop, found: Circle, ideal: Circle) -> Experiment:
     )
 
 
-def step_experiments(loop: Loop) -> list[Experiment]:
-    """Return the steps of Fig. 8; the text's theta is phi in its caption."""
-    return [
-        shared.step_experiment(
-            loop, shared.step(loop, axis, height), f"step_{axis}", f"{axis} by {SIZES[axis]} (Fig. 8)", LIMITS
-        )
-        for axis, height in FIGURE_8.items()
-    ]
-
-
-def finite_experiments(loop: Loop) -> list[Experiment]:
+def finite_experiments(loop: Rig) -> list[Experiment]:
     """Return steps, circle and standstill over a magnet matrix of finite size."""
-    steps = [finite.step(loop, axis, height, f"{axis} by {SIZES[axis]}", LIMITS) for axis, height in FIGURE_8.items()]
+    steps = [finite.step(loop, axis, height, TITLES[axis], LIMITS) for axis, height in FIGURE_8.items()]
     return [*steps, finite_circle(loop), finite.standstill(loop)]
 
 
-def finite_circle(loop: Loop) -> Experiment:
+def finite_circle(loop: Rig) -> Experiment:
     """Return the circle over the finite matrix, with what its motors do."""
     there, ideal = finite.over(loop), finite.over(loop, made=False)
     loops = {finite.CLOSED: loop, finite.MADE: there, finite.IDEAL: ideal}
@@ -129,17 +119,10 @@ def finite_circle(loop: Loop) -> Experiment:
     return replace(judged, figures={**judged.figures, **finite.forces(RADIUS)})
 
 
-def run(loop: Loop, told: Callable[[str], None]) -> list[Experiment]:
-    """Run every experiment; `told` hears what comes next."""
-    found: list[Experiment] = []
-    parts: tuple[tuple[str, Callable[[], list[Experiment]]], ...] = (
-        ("steps", lambda: step_experiments(loop)),
-        ("circle", lambda: [circle_experiment(loop)]),
-        ("standstill", lambda: shared.standstills(loop)),
-        ("failures of a Hall channel", lambda: failures.experiments(loop)),
-        ("finite magnet matrix", lambda: finite_experiments(loop)),
-    )
-    for name, part in parts:
-        told(name)
-        found += part()
-    return found
+PARTS: shared.Parts = {
+    "steps": lambda loop: shared.steps(loop, FIGURE_8, {a: f"{size} (Fig. 8)" for a, size in TITLES.items()}, LIMITS),
+    "circle": lambda loop: [circle_experiment(loop)],
+    "standstill": shared.standstills,
+    "failures of a Hall channel": failures.experiments,
+    "finite magnet matrix": finite_experiments,
+}

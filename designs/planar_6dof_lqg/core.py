@@ -21,7 +21,7 @@ from designs.planar_6dof import lqg
 from designs.planar_6dof.allocation import HORIZONTAL, LIMIT
 from designs.planar_6dof.lqg import CURRENTS, OBSERVER_POLE, STATES, TIME
 from designs.planar_6dof.vertical import MARGIN, POSITIONS
-from designs.planar_6dof_lqg.full_order import NOISE, PUSHED, Order
+from designs.planar_6dof_lqg.full_order import NOISE, PROCESS_NOISE, Order
 from synth.analyse import discretise
 from synth.block import Block
 from synth.compose import compose
@@ -56,7 +56,7 @@ def compensator() -> reduced_compensator.Compensator:
 
 def estimator() -> kalman.Estimator:
     """Return the full-order filter (40) of (26), pushed by white accelerations."""
-    W, V = [PUSHED[a] for a in HORIZONTAL], [NOISE[a] ** 2 for a in HORIZONTAL]
+    W, V = [PROCESS_NOISE[a] for a in HORIZONTAL], [NOISE[a] ** 2 for a in HORIZONTAL]
     return kalman.sampled(plant(), W, V, TIME.period_s, G=np.eye(6)[:, 3:], exact=True)
 
 

@@ -1,54 +1,29 @@
 """The planar positioner of Yu and Kim under its reduced-order LQG controller at 800 Hz, from physics to verified C."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Mapping
+from functools import cache, partial
 
-import numpy as np
-
-from designs.planar_6dof import loop, lqg
+from designs.planar_6dof import assembly, lqg
+from designs.planar_6dof.allocation import HORIZONTAL
 from designs.planar_6dof.paper import rows
-from designs.planar_6dof_lqg import bench, emitted, experiments, page, verification
+from designs.planar_6dof.random_steps import Columns, Subject
+from designs.planar_6dof_lqg import experiments, gains, page, reference
 from models import planar_stage
 from synth.block import Block
-from synth.report.audit import Row
-from synth.simulate.experiment import Experiment
-from synth.verify.evidence import Evidence
-from synth.workspace import Bench, Design
-
-QUICK_REPLAY, WHOLE_REPLAY = 5.0, 60.0  # s of a closed loop that the reference replays
+from synth.statespace import Array
 
 
-def verify(told: Callable[[str], None], whole: bool) -> Evidence:
-    """Compare the witnesses, over the `whole` replay or over a short one."""
-    return verification.verify(told, WHOLE_REPLAY if whole else QUICK_REPLAY)
+def at_rest(block: Block, pose: Mapping[str, Array]) -> Columns:
+    """Return x3 (N,) of platens at rest: it is less L times the position, as large as 50 times what the motors meet."""
+    L = {c.name: c.value for c in block.constants}
+    return {f"lqg_{axis}_x3": -L[f"lqg_{axis}_L"] * pose[axis] for axis in HORIZONTAL}
 
 
-def simulate(told: Callable[[str], None]) -> Sequence[Experiment]:
-    """Run the experiments with the shipped single-precision C."""
-    return experiments.run(shipped(), told)
+@cache
+def subject() -> Subject:
+    """Return the controller beside its reference."""
+    block = lqg.controller(planar_stage.plant())
+    return Subject(block, reference.step, size=0.1, step=0.06, at_rest=partial(at_rest, block))
 
 
-def audit() -> Iterator[Row]:
-    """Recompute the paper's figures."""
-    return rows.lqg(shipped())
-
-
-def shipped() -> loop.Loop:
-    """Return the loop under the shipped controller."""
-    return loop.of(block())
-
-
-def block() -> Block:
-    """Return the controller for the stage's parameters."""
-    return lqg.controller(planar_stage.plant())
-
-
-DESIGN = Design(
-    name=lqg.NAME,
-    scalar=np.float32,
-    emit=emitted.emitted,
-    verify=verify,
-    simulate=simulate,
-    audit=audit,
-    bench=Bench(block, bench.replay, bench.sequences, bench.FLOOR),
-    report=page.report,
-)
+DESIGN = assembly.design(lqg.NAME, lqg.TIME, subject, gains.gains, experiments.PARTS, rows.lqg, page.report)

@@ -5,7 +5,6 @@ from sample to sample, for which their windings take 18 to 31 V where Table 1 st
 voltages here, and the standstills behind amplifiers tell what becomes of y and phi.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 from math import pi
 
@@ -13,10 +12,10 @@ import numpy as np
 
 from designs.planar_6dof import experiments as shared
 from designs.planar_6dof import failures, finite
-from designs.planar_6dof.loop import Loop
 from designs.planar_6dof.paper import spectrum
 from synth.check import Check
 from synth.simulate.experiment import Experiment
+from synth.simulate.rig import Rig
 
 STEPS = {"x": spectrum.STEP, "y": 50e-6, "phi": 0.3 * pi / 180}  # m, rad, Fig. 10
 TITLES = {"x": "x by 50 um", "y": "y by 50 um", "phi": "phi by 0.3 degrees"}
@@ -24,16 +23,13 @@ FIGURES = {"x": "Fig. 10(a), (d)", "y": "Fig. 10(b)", "phi": "Fig. 10(c)"}
 LARGE = 0.06  # m
 
 
-def step_experiments(loop: Loop) -> list[Experiment]:
-    """Return the steps of Fig. 10."""
-    found = []
-    for axis, height in STEPS.items():
-        run = shared.step(loop, axis, height)
-        found.append(shared.step_experiment(loop, run, f"step_{axis}", f"{TITLES[axis]} ({FIGURES[axis]})", None))
-    return [_with_spectrum(loop, found[0]), *found[1:], large_step(loop)]
+def step_experiments(loop: Rig) -> list[Experiment]:
+    """Return the steps of Fig. 10, the first with its spectrum, and a large one."""
+    first, *others = shared.steps(loop, STEPS, {a: f"{title} ({FIGURES[a]})" for a, title in TITLES.items()}, None)
+    return [_with_spectrum(loop, first), *others, large_step(loop)]
 
 
-def large_step(loop: Loop) -> Experiment:
+def large_step(loop: Rig) -> Experiment:
     """Return a step of x that takes the motors to their limit, which the paper does not make."""
     found = shared.step_experiment(loop, shared.step(loop, "x", LARGE), "step_x_large", "x by 60 mm", None)
     overshoot = Check("overshoot", found.figures["overshoot"], 0.05, "1", "at the motors' limits")
@@ -42,29 +38,22 @@ def large_step(loop: Loop) -> Experiment:
     return replace(found, checks=(*found.checks, overshoot, yaw))
 
 
-def _with_spectrum(loop: Loop, step: Experiment) -> Experiment:
+def _with_spectrum(loop: Rig, step: Experiment) -> Experiment:
     line, about = spectrum.of_step(loop), "above its neighbours, x as measured"
     check = Check("most prominent line", line.above, spectrum.DOMINANT, "dB", about)
     figures = {**step.figures, "most prominent line, Hz": line.frequency}
     return replace(step, figures=figures, checks=(*step.checks, check))
 
 
-def finite_experiments(loop: Loop) -> list[Experiment]:
+def finite_experiments(loop: Rig) -> list[Experiment]:
     """Return steps and standstill over a magnet matrix of finite size."""
     steps = [finite.step(loop, axis, height, TITLES[axis], None) for axis, height in STEPS.items()]
     return [*steps, finite.standstill(loop)]
 
 
-def run(loop: Loop, told: Callable[[str], None]) -> list[Experiment]:
-    """Run every experiment; `told` hears what comes next."""
-    found: list[Experiment] = []
-    parts: tuple[tuple[str, Callable[[], list[Experiment]]], ...] = (
-        ("steps", lambda: step_experiments(loop)),
-        ("standstill", lambda: shared.standstills(loop)),
-        ("failures of a Hall channel", lambda: failures.experiments(loop)),
-        ("finite magnet matrix", lambda: finite_experiments(loop)),
-    )
-    for name, part in parts:
-        told(name)
-        found += part()
-    return found
+PARTS: shared.Parts = {
+    "steps": step_experiments,
+    "standstill": shared.standstills,
+    "failures of a Hall channel": failures.experiments,
+    "finite magnet matrix": finite_experiments,
+}

@@ -1,6 +1,6 @@
 """The LQG controller on full-order Kalman filters, Y(36)-(46): the reduced order's saving is counted against it.
 
-x^ = x- + M (q - x-),    x-+ = A x^ + B f    position and rate of one axis, pushed by white acceleration of PUSHED
+x^ = x- + M (q - x-),    x-+ = A x^ + B f    position and rate of one axis, white acceleration of PROCESS_NOISE
 """
 
 from collections.abc import Mapping
@@ -18,14 +18,14 @@ from synth.signals import Signal
 from synth.synthesise import kalman
 
 NOISE = {"x": 5e-5, "y": 5e-5, "phi": 1e-3}  # m, rad, of a sample: (9) and (46), that of phi is not printed
-PUSHED = {"x": 0.3, "y": 0.3, "phi": 3.0}  # m^2/s^3, rad^2/s^3: densities of acceleration
+PROCESS_NOISE = {"x": 0.3, "y": 0.3, "phi": 3.0}  # m^2/s^3, rad^2/s^3: densities of acceleration
 FASTEST = 20.0  # m/s, rad/s, of an estimate
 Order = Literal["reduced", "full"]
 
 
 def estimator(axis: Axis) -> kalman.Estimator:
     """Return the full-order filter of position and rate, pushed by white acceleration."""
-    W, V = [PUSHED[axis.name]], [NOISE[axis.name] ** 2]
+    W, V = [PROCESS_NOISE[axis.name]], [NOISE[axis.name] ** 2]
     return kalman.sampled(lqg.continuous(axis), W, V, TIME.period_s, G=[[0.0], [1.0]], exact=True)
 
 

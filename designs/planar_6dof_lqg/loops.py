@@ -32,7 +32,7 @@ ROW = {"x": 2, "y": 1, "phi": 1}  # of K in which an axis has its gains
 
 def all_loops(plant: Plant) -> list[OpenLoop]:
     """Return the six loops of each kind; another kind of one axis is closed with the other axes as shipped."""
-    shipped, printed = lqg.law(plant), lqg.law(plant, reading="published")
+    shipped, printed = lqg.law(plant), lqg.law(plant, variant="published")
     found = shared.of_block(plant, whole(plant, shipped), AXES, SHIPPED)
     for axis in AXES:
         other, label = (reweighted(plant), REWEIGHTED) if axis in HORIZONTAL else (printed, "as printed")

@@ -123,9 +123,9 @@ def _sampled(axis: Axis, rule: lead_lag.LeadLag) -> sensitivity.ClosedLoop:
     return sensitivity.close(loop.sampled(axis.plant, timing.period(rule.discrete.time)), rule.discrete)
 
 
-def _margin(found: margins.Margins) -> Margin:
-    last = max(found.gain_crossings, key=lambda c: c.frequency)
-    return Margin(last.frequency / (2 * pi), last.phase_margin, last.delay_margin, found.stable)
+def _margin(of_loop: margins.Margins) -> Margin:
+    last = max(of_loop.gain_crossings, key=lambda c: c.frequency)
+    return Margin(last.frequency / (2 * pi), last.phase_margin, last.delay_margin, of_loop.stable)
 
 
 def _reach(time: Array, y: Array, level: float) -> float:

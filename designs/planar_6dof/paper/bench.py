@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from designs.planar_6dof.loop import Loop
 from synth.plant import Plant
 from synth.report.audit import Published
+from synth.simulate.rig import Rig
 
 MM = 1e-3
 
@@ -42,5 +42,5 @@ class Bench:
 class Recorder:
     """The simulated loop whose records are judged, and what the paper prints by row."""
 
-    loop: Loop
+    loop: Rig
     published: Mapping[str, Published]

@@ -42,12 +42,12 @@ def bandwidth_of_phi(bench: Bench, printed: Published) -> Outcome:
 def _bandwidth(bench: Bench, printed: Published) -> Outcome:
     q, wanted = printed["q"].value, printed["bandwidth"].value
     filters = steady(bench, q)
-    found = {name: half_power(f.current()) for name, f in filters.items()}
-    figures = [(f"bandwidth at {n}", value, "Hz") for n, value in found.items()]
+    bandwidths = {name: half_power(f.current()) for name, f in filters.items()}
+    figures = [(f"bandwidth at {n}", value, "Hz") for n, value in bandwidths.items()]
     figures += [(f"bandwidth of the prediction at {n}", half_power(f.predictor()), "Hz") for n, f in filters.items()]
     needed, unit = _deviation(q, 1 / rates(bench)["1 kHz"], wanted), printed["q"].unit.split("^")[0]
     figures.append((f"deviation of the measurement that makes {printed['bandwidth'].text} Hz at 1 kHz", needed, unit))
-    return Outcome(figures, any(printed["bandwidth"].agrees(value) for value in found.values()))
+    return Outcome(figures, any(printed["bandwidth"].agrees(value) for value in bandwidths.values()))
 
 
 @recomputes("Y-15", "Y-13.q", "Y-14.q", *SOURCES)
@@ -140,12 +140,12 @@ def gains(q: float, period_s: float, deviation: float, p0: float, update: bool) 
     """Return the gain of the position (N,) over a second from P_0 = p0 I, with or without an update of P."""
     axis, Gamma = model(period_s)
     W, V = q * Gamma @ Gamma.T, deviation**2
-    now, found = belief.initial(axis, p0 * np.ones(3)), []
+    now, history = belief.initial(axis, p0 * np.ones(3)), []
     for _ in range(round(SECONDS / period_s)):
-        found.append(now.P[0, 0] / (now.P[0, 0] + V))
+        history.append(now.P[0, 0] / (now.P[0, 0] + V))
         now = belief.update(now, axis, np.array([V]), np.zeros(1)) if update else now
         now = belief.predict(now, axis, (W + W.T) / 2)
-    return np.array(found)
+    return np.array(history)
 
 
 @cache

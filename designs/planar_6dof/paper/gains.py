@@ -43,25 +43,25 @@ SAME = 1e-9  # distance of poles in z that are one
 def optimal(bench: Bench, printed: Published) -> Outcome:
     """Recompute (49) with the weights that make it, and recover these from (49)."""
     of, point = stage_of(bench), _with_points(printed)
-    found = gains(of, WEIGHTS)
+    computed = gains(of, WEIGHTS)
     recovered: dict[str, float] = {}
     for k, axis in enumerate(POSITIONS):
         recovered |= weights(of, axis, tuple(point[n].value for n in STATES[k::3]))
-    figures = [(f"gain of {n}", found[n], printed[n].unit) for n in STATES]
+    figures = [(f"gain of {n}", computed[n], printed[n].unit) for n in STATES]
     figures += [(f"weight on {n} from the printed gains", recovered[n], "1") for n in STATES]
-    mended = all(point[n].agrees(value) for n, value in found.items())
-    as_printed = all(printed[n].agrees(value) for n, value in found.items())
-    return Outcome(figures, as_printed, mended)
+    corrected = all(point[n].agrees(value) for n, value in computed.items())
+    as_printed = all(printed[n].agrees(value) for n, value in computed.items())
+    return Outcome(figures, as_printed, corrected)
 
 
 @recomputes("Y-11", *MODEL, "Y-11.*")
 def printed_weights(bench: Bench, printed: Published) -> Outcome:
     """Recompute (49) with the weights as printed."""
     q = tuple(printed[f"q_{n}"].value for n in STATES)
-    found = gains(stage_of(bench), q, printed["r"].value)
+    computed = gains(stage_of(bench), q, printed["r"].value)
     wanted = _with_points(bench.published["Y-10"])
-    figures = [(f"gain of {n}", value, wanted[n].unit) for n, value in found.items()]
-    return Outcome(figures, all(wanted[n].agrees(value) for n, value in found.items()))
+    figures = [(f"gain of {n}", value, wanted[n].unit) for n, value in computed.items()]
+    return Outcome(figures, all(wanted[n].agrees(value) for n, value in computed.items()))
 
 
 @recomputes("Y-12", "Y-7.rate_lqg", "Y-12.theta")
@@ -79,9 +79,9 @@ def kalman_gain(bench: Bench, printed: Published) -> Outcome:
         ("greatest |z| of A22 - H A12", float(np.abs(poles).max()), "1"),
     ]
     named = dict(zip(("own", "other", "integral"), (float(f[1]) for f in figures[1:4]), strict=True))
-    mended = all(printed[n].agrees(value) for n, value in named.items())
+    corrected = all(printed[n].agrees(value) for n, value in named.items())
     as_printed = printed["own"].agrees(plain[0, 0]) and printed["other"].agrees(plain[0, 1])
-    return Outcome(figures, as_printed, mended)
+    return Outcome(figures, as_printed, corrected)
 
 
 @recomputes("Y-36", *MODEL, "Y-10.*")
@@ -113,8 +113,8 @@ def observability(bench: Bench, printed: Published) -> Outcome:
     figures = [(f"modes that no output of {n} shows", float(k), "1") for n, k in hidden.items()]
     figures += [(f"modes that no input of {n} moves", float(k), "1") for n, k in list(stuck.items())[:2]]
     as_printed = not any((*stuck.values(), hidden["(26), (27)"], hidden["(31), (32)"]))
-    mended = not any((*stuck.values(), hidden["(26), (27)"], hidden["(31) with the integrals as outputs"]))
-    return Outcome(figures, as_printed, mended)
+    corrected = not any((*stuck.values(), hidden["(26), (27)"], hidden["(31) with the integrals as outputs"]))
+    return Outcome(figures, as_printed, corrected)
 
 
 @dataclass(frozen=True)
@@ -196,8 +196,8 @@ def weights(of: Stage, axis: str, wanted: tuple[float, ...]) -> Mapping[str, flo
 
     unknowns = np.eye(10)
     columns = np.array([left(e[:6], e[6:]) for e in unknowns]).T
-    found = np.linalg.solve(columns[:, :9], -columns[:, 9])
-    return dict(zip(chain.states, found[6:].tolist(), strict=True))
+    solution = np.linalg.solve(columns[:, :9], -columns[:, 9])
+    return dict(zip(chain.states, solution[6:].tolist(), strict=True))
 
 
 def _over_a_period(chain: StateSpace, q: Array, period_s: float) -> Array:
@@ -231,18 +231,18 @@ def _is_the_loop(held: StateSpace, K: Array) -> bool:
     """Tell whether (33) is the loop of a reduced-order observer with the sampled model."""
     L = 0.5 / timing.period(held.time) * np.eye(3, 6)
     observer = reduced_observer.from_gain(held, (*POSITIONS, *INTEGRALS), L)
-    found = reduced_compensator.compensator(observer, -K).loop.A
-    return bool(np.allclose(found, loop_33(held, K, L), rtol=SAME, atol=SAME * float(np.abs(found).max())))
+    A = reduced_compensator.compensator(observer, -K).loop.A
+    return bool(np.allclose(A, loop_33(held, K, L), rtol=SAME, atol=SAME * float(np.abs(A).max())))
 
 
-def _common(found: NDArray[Any], wanted: NDArray[Any]) -> int:
+def _common(poles: NDArray[Any], wanted: NDArray[Any]) -> int:
     """Return how many of two sets of poles, paired as near as can be, are the same."""
-    distance = np.abs(found[:, None] - wanted)
+    distance = np.abs(poles[:, None] - wanted)
     return int((distance[linear_sum_assignment(distance)] < SAME).sum())
 
 
 def _with_points(printed: Published) -> dict[str, Printed]:
     """Return the printed gains by state, with the decimal points that the scan lost."""
-    found = {n: printed[n] for n in STATES}
-    mended = {n: Printed(str(Decimal(found[n].text).scaleb(-LOST)), found[n].unit) for n in RATES}
-    return found | mended
+    gains_printed = {n: printed[n] for n in STATES}
+    with_points = {n: Printed(str(Decimal(gains_printed[n].text).scaleb(-LOST)), gains_printed[n].unit) for n in RATES}
+    return gains_printed | with_points

@@ -23,15 +23,15 @@ POINTS = 24  # of Gauss-Legendre quadrature along each side of a band
 @recomputes("Y-1", "turns", "Y-1.turn_density", "Y-1.area")
 def area(bench: Bench, printed: Published) -> Outcome:
     """Recompute the area of a winding from its turns and their density."""
-    found = bench.value("turns") / printed["turn_density"].value
+    expected = bench.value("turns") / printed["turn_density"].value
     as_printed = printed["area"].value
-    mended = as_printed * 10.0 ** (-2 * floor(log10(as_printed)))
+    corrected = as_printed * 10.0 ** (-2 * floor(log10(as_printed)))
     figures = [
-        ("turns over turn density", found, "m^2"),
-        ("printed area over it", as_printed / found, "1"),
-        ("the same with the sign of the exponent turned", mended / found, "1"),
+        ("turns over turn density", expected, "m^2"),
+        ("printed area over it", as_printed / expected, "1"),
+        ("the same with the sign of the exponent turned", corrected / expected, "1"),
     ]
-    return Outcome(figures, abs(as_printed / found - 1) < 1e-3, abs(mended / found - 1) < 1e-3)
+    return Outcome(figures, abs(as_printed / expected - 1) < 1e-3, abs(corrected / expected - 1) < 1e-3)
 
 
 @recomputes("Y-2", "area", "turns", "Y-1.turn_density", "Y-2.density")
@@ -51,17 +51,17 @@ def nominal_current(bench: Bench, printed: Published) -> Outcome:
 def voltages(bench: Bench, printed: Published) -> Outcome:
     """Recompute the voltages of a phase at rest."""
     currents = {"nominal": bench.printed("Y-2.current"), "maximum": printed["maximum_current"].value}
-    found = {name: bench.value("resistance") * i for name, i in currents.items()}
-    figures = [(f"R i, {name}", voltage, "V") for name, voltage in found.items()]
+    drops = {name: bench.value("resistance") * i for name, i in currents.items()}
+    figures = [(f"R i, {name}", voltage, "V") for name, voltage in drops.items()]
     figures += [(f"resistance that makes it, {name}", printed[name].value / i, "ohm") for name, i in currents.items()]
-    return Outcome(figures, all(printed[name].agrees(voltage) for name, voltage in found.items()))
+    return Outcome(figures, all(printed[name].agrees(voltage) for name, voltage in drops.items()))
 
 
 @recomputes("Y-4", *SHAPE, "Y-17.pitch", "Y-18.w", "Y-19.Gamma")
 def geometric_constant(bench: Bench, printed: Published) -> Outcome:
     """Recompute G from the motor's dimensions."""
     pitch, w, winding = bench.printed("Y-17.pitch") * MM, bench.value("w"), bench.value("area")
-    found = {
+    constants = {
         "G, w and Gamma as printed (Gamma in mm), pitch of Table 1": G(
             bench, pitch, bench.printed("Y-18.w") * MM, bench.printed("Y-19.Gamma") * MM * pitch / 6
         ),
@@ -69,8 +69,8 @@ def geometric_constant(bench: Bench, printed: Published) -> Outcome:
         "G, pitch of Table 1 in both": G(bench, pitch, pitch, winding),
         "G, pitch of the matrix in both": float(lorentz_motor.geometric_constant(bench.values())),
     }
-    as_printed, mended, *_ = (printed["G"].agrees(value) for value in found.values())
-    return Outcome([(n, v, "m^3") for n, v in found.items()], as_printed, mended)
+    as_printed, corrected, *_ = (printed["G"].agrees(value) for value in constants.values())
+    return Outcome([(n, v, "m^3") for n, v in constants.items()], as_printed, corrected)
 
 
 @recomputes("Y-5", *FORCE, "M", "Y-1.turn_density", "Y-4.G", "Y-5.per_ampere", "Y-17.gamma")
@@ -148,14 +148,16 @@ def thickness(bench: Bench, printed: Published) -> Outcome:
     table_1, w = bench.printed("Y-17.pitch") * MM, bench.value("w")
     open_ = sqrt(2) * w * table_1**2 / pi**2 * (1 - exp(-pi / 2))
     needed = -log(1 - bench.printed("Y-4.G") / open_) * table_1 / (2 * pi)
-    found = {
+    thicknesses = {
         "area over l/6, pitch of Table 1": 6 * bench.value("area") / table_1,
         "area over l/6, pitch of the matrix": float(lorentz_motor.thickness(bench.values())),
         "Gamma that makes G": needed,
     }
     units = {"mm": MM, "cm": 1e-2, "m": 1.0, "in": INCH}
-    agree = any(all(abs(printed["Gamma"].value * u / v - 1) < 1e-2 for v in found.values()) for u in units.values())
-    figures = [(name, value / MM, "mm") for name, value in found.items()]
+    agree = any(
+        all(abs(printed["Gamma"].value * u / v - 1) < 1e-2 for v in thicknesses.values()) for u in units.values()
+    )
+    figures = [(name, value / MM, "mm") for name, value in thicknesses.items()]
     return Outcome(figures, agree)
 
 
@@ -213,8 +215,8 @@ def lorentz_force(bench: Bench, y: float) -> tuple[float, float]:
 
 def _currents(bench: Bench, y: float) -> dict[str, float]:
     """Return the phase currents of i_Q = 1 A at y in m."""
-    found = lorentz_motor.commutated(ca.SX(1), ca.SX(0), ca.SX(y), bench.values())
-    return {phase: float(i) for phase, i in found.items()}
+    currents = lorentz_motor.commutated(ca.SX(1), ca.SX(0), ca.SX(y), bench.values())
+    return {phase: float(i) for phase, i in currents.items()}
 
 
 def _width(bench: Bench, l: float) -> float:

@@ -31,9 +31,9 @@ def motions(bench: Bench, printed: Published) -> Outcome:
         axis, force = name.split("_")
         table[axis][force] = number.value
     weight = -sum(table["theta"][f] for f in ("Az", "Bz")) / table["theta"]["Cz"]
-    mended = table | {"theta": table["theta"] | {"Cz": weight * table["theta"]["Cz"]}}
+    corrected = table | {"theta": table["theta"] | {"Cz": weight * table["theta"]["Cz"]}}
     made = {force: accelerations(bench, force) for force in FORCES}
-    counts = [sum(moved(made, forces) == {axis} for axis, forces in t.items()) for t in (table, mended)]
+    counts = [sum(moved(made, forces) == {axis} for axis, forces in t.items()) for t in (table, corrected)]
     figures = [
         ("rows that move their axis alone, unit forces", counts[0], "1"),
         ("lift that the row theta leaves, in forces of one motor", sum(table["theta"].values()), "1"),
@@ -46,10 +46,10 @@ def motions(bench: Bench, printed: Published) -> Outcome:
 @recomputes("Y-23", *FORCE, "Izz", "a", "c")
 def yaw_of_c(bench: Bench, printed: Published) -> Outcome:
     """Recompute phi'' per ampere of motor C."""
-    found = {motor: accelerations(bench, f"{motor}y")["phi"] for motor in "BC"}
-    figures = [(f"phi'' per ampere of motor {motor}", value, "rad/s^2/A") for motor, value in found.items()]
-    figures.append(("of C over that of B", found["C"] / found["B"], "1"))
-    return Outcome(figures, abs(found["C"] - printed["per_ampere"].value) < 0.01 * abs(found["B"]))
+    per_ampere = {motor: accelerations(bench, f"{motor}y")["phi"] for motor in "BC"}
+    figures = [(f"phi'' per ampere of motor {motor}", value, "rad/s^2/A") for motor, value in per_ampere.items()]
+    figures.append(("of C over that of B", per_ampere["C"] / per_ampere["B"], "1"))
+    return Outcome(figures, abs(per_ampere["C"] - printed["per_ampere"].value) < 0.01 * abs(per_ampere["B"]))
 
 
 @recomputes("Y-24", "Ixx", "Iyy", "Izz", "M", *(f"Y-24.{size}" for size in SIZES.values()))
@@ -68,13 +68,13 @@ def inertias(bench: Bench, printed: Published) -> Outcome:
 def springs(bench: Bench, printed: Published) -> Outcome:
     """Recompute at which arms the vertical springs make the torsional ones."""
     Kz = bench.value("Kz")
-    found = {"K_theta": bench.printed("Y-24.depth") * MM, "K_psi": bench.printed("Y-24.width") * MM}
-    arms = {name: sqrt(bench.value(name) / Kz) for name in found}
+    sizes = {"K_theta": bench.printed("Y-24.depth") * MM, "K_psi": bench.printed("Y-24.width") * MM}
+    arms = {name: sqrt(bench.value(name) / Kz) for name in sizes}
     figures = [(f"arm at which Kz makes {name}", a / MM, "mm") for name, a in arms.items()]
     figures += [
-        (f"greatest {name} of springs Kz within the platen", Kz * size**2, "N m/rad") for name, size in found.items()
+        (f"greatest {name} of springs Kz within the platen", Kz * size**2, "N m/rad") for name, size in sizes.items()
     ]
-    return Outcome(figures, all(arms[name] <= size for name, size in found.items()))
+    return Outcome(figures, all(arms[name] <= size for name, size in sizes.items()))
 
 
 @recomputes("Y-26", "b", "c", "w", "Nm", "l", "Y-17.matrix", "Y-24.width", "Y-24.depth", "Y-26.x", "Y-26.y")
@@ -110,17 +110,17 @@ def circle(bench: Bench, printed: Published) -> Outcome:
 def rate(bench: Bench, printed: Published) -> Outcome:
     """Recompute the angular velocity from a period of whole seconds."""
     period = 2 * pi / printed["rate"].value
-    found = 2 * pi / round(period)
-    figures = [("period of the printed rate", period, "s"), ("2 pi over its whole seconds", found, "rad/s")]
-    return Outcome(figures, printed["rate"].agrees(found))
+    rate_of_period = 2 * pi / round(period)
+    figures = [("period of the printed rate", period, "s"), ("2 pi over its whole seconds", rate_of_period, "rad/s")]
+    return Outcome(figures, printed["rate"].agrees(rate_of_period))
 
 
 @recomputes("Y-28")
 def control_outputs(bench: Bench, printed: Published) -> Outcome:
     """Recount the phases."""
-    found = len(bench.plant.inputs)
-    figures = [("motors times phases", found, "1")]
-    return Outcome(figures, found == printed["outputs"].value <= printed["channels"].value)
+    count = len(bench.plant.inputs)
+    figures = [("motors times phases", count, "1")]
+    return Outcome(figures, count == printed["outputs"].value <= printed["channels"].value)
 
 
 def accelerations(bench: Bench, force: str) -> dict[str, float]:
@@ -132,8 +132,8 @@ def accelerations(bench: Bench, force: str) -> dict[str, float]:
     u = {f"i_{motor}{phase}": float(i) for phase, i in phases.items()}
     plant = bench.plant
     slopes = plant.f(np.zeros(len(plant.states)), [u.get(n, 0.0) for n in names(plant.inputs)], plant.values)
-    found = dict(zip(names(plant.states), np.asarray(slopes).ravel(), strict=True))
-    return {axis: float(found[planar_stage.RATE[axis]]) for axis in planar_stage.AXES}
+    slope = dict(zip(names(plant.states), np.asarray(slopes).ravel(), strict=True))
+    return {axis: float(slope[planar_stage.RATE[axis]]) for axis in planar_stage.AXES}
 
 
 def moved(made: Mapping[str, Mapping[str, float]], forces: Mapping[str, float]) -> set[str]:

@@ -7,24 +7,24 @@ is stored.
 from collections.abc import Iterator
 from pathlib import Path
 
-from designs.planar_6dof.loop import Loop
 from designs.planar_6dof.paper import filter, gains, loops, motor, platen, sensing, spectrum, steps
 from designs.planar_6dof.paper.bench import Bench, Recorder
 from models import planar_stage
 from synth.report import audit
 from synth.report.audit import Published, Row
+from synth.simulate.rig import Rig
 
 LEADLAG, LQG = (motor, platen, sensing, loops), (gains, filter)  # rows of the stage and its printed numbers
 
 
-def leadlag(loop: Loop) -> Iterator[Row]:
+def leadlag(loop: Rig) -> Iterator[Row]:
     """Yield the rows of sections 3.1 and 5.2: motors, platen, Hall sensors, lead-lag loops."""
     prints = printed()
     yield from audit.rows(LEADLAG, Bench(planar_stage.plant(), prints), prints)
     yield from audit.rows([steps], Recorder(loop, prints), prints)
 
 
-def lqg(loop: Loop) -> Iterator[Row]:
+def lqg(loop: Rig) -> Iterator[Row]:
     """Yield the rows of sections 3.2 and 5.3: optimal gains, Kalman filter; (26) is taken as printed."""
     prints = printed()
     yield from audit.rows(LQG, Bench(planar_stage.plant(), prints), prints)

@@ -65,12 +65,12 @@ def inverse(bench: Bench, printed: Published) -> Outcome:
     voltage, read = scan(bench, PLACES).a, np.abs(PLACES) < 0.125
     amplitude = 2 * np.mean(voltage * np.sin(2 * pi * PLACES))
     angle, normalised = 2 * pi * PLACES[read], np.clip(voltage[read] / amplitude, -1, 1)
-    found = {
+    angles = {
         "sin, pure sine": np.sin(np.sin(angle)),
         "arcsine, pure sine": np.arcsin(np.sin(angle)),
         "arcsine, harmonics 1, 5, 9": np.arcsin(normalised),
     }
-    errors = {n: round(float(np.abs(v - angle).max()), 9) * bench.value("l") / (2 * pi) for n, v in found.items()}
+    errors = {n: round(float(np.abs(v - angle).max()), 9) * bench.value("l") / (2 * pi) for n, v in angles.items()}
     figures = [(f"greatest error, {name}", e * 1e6, "um") for name, e in errors.items()]
     limit = printed["noise"].value
     return Outcome(figures, errors["sin, pure sine"] < limit, errors["arcsine, pure sine"] < limit)

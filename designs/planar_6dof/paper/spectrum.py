@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 from scipy import ndimage, signal
 
 from designs.planar_6dof import experiments
-from designs.planar_6dof.loop import Loop
 from designs.planar_6dof.paper import steps
 from designs.planar_6dof.paper.bench import Recorder
 from synth.report.audit import Outcome, Published, recomputes
+from synth.simulate.rig import Rig
 
 Array = NDArray[np.float64]
 
@@ -47,7 +47,7 @@ def judge_line(line: Line) -> Outcome:
     return Outcome(figures, line.above < DOMINANT)
 
 
-def of_step(loop: Loop) -> Line:
+def of_step(loop: Rig) -> Line:
     """Return the most prominent line of x as measured, over RECORD, once its step has settled."""
     run = experiments.step(loop, "x", STEP, 1.0 + RECORD)
     return prominent(run.shown[run.sample + round(1.0 / loop.period_s) :], loop.period_s)

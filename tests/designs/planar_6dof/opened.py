@@ -53,7 +53,7 @@ def seen(plant: Plant, time: Discrete, filtered: bool) -> list[Block]:
     for axis, unit in (("x", "m"), ("y", "m"), ("phi", "rad")):
         found += passed(time, {f"{axis}_raw": f"{axis}_seen"}, unit)
         found += [filtering.block(axis, time)] if filtered else passed(time, {axis: f"{axis}_raw"}, unit)
-    return [*found, vertical.heights(plant, time)]
+    return [*found, vertical.vertical_kinematics(plant, time)]
 
 
 def ready(parts: Sequence[Block]) -> list[str]:

@@ -12,7 +12,7 @@ from models import planar_stage
 from synth.block import Block
 from synth.emit import write
 from synth.execute import host
-from synth.verify import agree
+from synth.verify import agree, suite
 from synth.verify.evidence import Evidence
 
 PLANT = planar_stage.plant()
@@ -88,7 +88,7 @@ def require_witnesses(evidence: Evidence, samples: Mapping[str, int]) -> None:
     pairs = {(a.what, a.first, a.second) for a in evidence.agreements}
     replays = [what for what, _, _ in pairs if what.startswith("replay")]
     kinds = {"random steps", "edge steps", *replays}
-    assert pairs == {(k, n, "c64") for k in kinds for n in verification.OTHERS} | {("random steps", "c64", "c32")}
+    assert pairs == {(k, n, "c64") for k in kinds for n in suite.OTHERS} | {("random steps", "c64", "c32")}
     assert len(set(replays)) == 4
     found = {a.what: a.samples for a in evidence.agreements if a.first == "reference"}
     assert {what: found[what] for what in samples} == samples

@@ -86,14 +86,14 @@ def forces(q: dict[str, np.ndarray], out: agree.Columns) -> tuple[np.ndarray, np
 
 
 def test_shares_undo_the_wrench() -> None:
-    T, S = allocation.wrench(PLANT), allocation.shares(PLANT)
+    T, S = allocation.wrench(PLANT), allocation.allocation_matrix(PLANT)
     for product in (T @ S, S @ T):
         np.testing.assert_allclose(product, np.eye(6), rtol=0, atol=tolerances.of("last_bit"))
 
 
 def test_shares_have_the_signs_of_table_3() -> None:
     table = {"x": "-++000", "y": "++0000", "phi": "-+0000", "z": "000+++", "theta": "000--+", "psi": "000+-0"}
-    for row, (axis, expected) in zip(allocation.shares(PLANT).T, table.items(), strict=True):
+    for row, (axis, expected) in zip(allocation.allocation_matrix(PLANT).T, table.items(), strict=True):
         found = "".join("+" if v > 1e-12 else "-" if v < -1e-12 else "0" for v in row)
         assert found == expected, axis
 
@@ -208,7 +208,8 @@ def test_limits_put_yaw_first_and_leave_the_vertical_axes_their_part(allocated: 
         assert np.mean(np.abs(i_q) >= most * (1 - DOUBLE)) > 0.45
         assert np.abs(i_d).max() == allocation.DIRECT
     made, straight = np.array([out[f"made_{axis}"] for axis in allocation.AXES]), np.abs(u["phi"]) <= BOX_YAW
-    reach, most = (np.array(list(v(PLANT).values()))[:, None] for v in (allocation.reach, allocation.authority))
+    bounds = (allocation.achievable_bound, allocation.authority)
+    reach, most = (np.array(list(v(PLANT).values()))[:, None] for v in bounds)
     assert (np.abs(made) <= reach * (1 + DOUBLE)).all()
     assert (np.abs(made[:, straight]) <= most * (1 + DOUBLE)).all() and 0.2 < straight.mean() < 0.4
 
@@ -255,7 +256,7 @@ def test_scales_are_those_of_the_reference_and_leave_ratios_of_arms() -> None:
         "BD": [0, 0, 0, 1, -1, -1],
         "CD": [0, 0, 0, 2 * b / c, 2, 0],
     }
-    found = allocation.shares(PLANT) * list(SCALES.values()) / K
+    found = allocation.allocation_matrix(PLANT) * list(SCALES.values()) / K
     np.testing.assert_allclose(found, list(rows.values()), rtol=0, atol=DOUBLE)
 
 

@@ -13,14 +13,15 @@ import numpy as np
 import pytest
 
 from designs.planar_6dof import allocation, bench, interface
-from designs.planar_6dof.loop import Loop
-from designs.planar_6dof_leadlag import bench as leadlag
-from designs.planar_6dof_leadlag import experiments
-from designs.planar_6dof_lqg import bench as lqg
+from designs.planar_6dof import loop as loops
+from designs.planar_6dof_leadlag import design as leadlag
+from designs.planar_6dof_leadlag import experiments as leadlag_experiments
+from designs.planar_6dof_lqg import design as lqg_design
 from models import planar_stage
 from synth.emit.write import Emitted
 from synth.execute import host
 from synth.simulate.experiment import Experiment
+from synth.simulate.rig import Rig
 from synth.synthesise import safety
 from synth.verify import meter, on_target, rivals, steps
 from synth.verify.steps import Steps
@@ -79,9 +80,16 @@ def subject(name: str) -> Subject:
     return Subject(emitted, controller, {s.name: s for s in bench.excursions(controller)})
 
 
+BLOCKS = {d.DESIGN.name: d.subject().block for d in (leadlag, lqg_design)}
+
+
+def loop_of(name: str) -> Rig:
+    return loops.of(BLOCKS[name], subject(name).controller)
+
+
 @cache
 def replayed(name: str) -> dict[str, Any]:
-    return bench.replay(subject(name).controller)
+    return bench.replay(loop_of(name))
 
 
 @pytest.fixture(params=CEILINGS)
@@ -228,20 +236,21 @@ def test_the_costliest_step_keeps_below_its_ceiling(build: str, design: Subject)
 
 
 def test_closed_loops_are_the_experiments_and_the_replay() -> None:
-    def run(loop: Loop, told: bench.Told) -> Sequence[Experiment]:
-        return experiments.step_experiments(loop)
+    def run(loop: Rig, progress: bench.Progress) -> Sequence[Experiment]:
+        return leadlag_experiments.PARTS["steps"](loop)
 
-    loops = {s.name: s for s in bench.closed_loops(subject("planar_6dof_leadlag").controller, run)}
-    assert set(loops) == {"step_x", "step_y", "step_phi", "replay"}
-    assert all(s.closed_loop and len(s) == bench.EACH for s in loops.values())
-    taken = {n: steps.taken(subject("planar_6dof_leadlag").controller, s) for n, s in loops.items()}
+    found = {s.name: s for s in bench.closed_loops(loop_of("planar_6dof_leadlag"), run)}
+    assert set(found) == {"step_x", "step_y", "step_phi", "replay"}
+    assert all(s.closed_loop and len(s) == bench.EACH for s in found.values())
+    taken = {n: steps.taken(subject("planar_6dof_leadlag").controller, s) for n, s in found.items()}
     assert taken["replay"].faults.any() and not taken["step_x"].faults.any()
 
 
-@pytest.mark.parametrize("module", [leadlag, lqg])
+@pytest.mark.parametrize("module", [leadlag, lqg_design])
 def test_a_design_hands_on_its_own_experiments(module: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     given: list[Any] = []
-    monkeypatch.setattr(bench, "sequences", lambda *arguments: given.append(arguments) or [])
-    assert module.sequences("controller", print) == []
-    assert given == [("controller", module.experiments.run, print)]
-    assert (module.FLOOR, module.replay) == (bench.FLOOR, bench.replay)
+    monkeypatch.setattr(bench, "excursions", lambda controller: [])
+    monkeypatch.setattr(bench, "closed_loops", lambda loop, run: [given.append((loop.controller, run.args))])
+    module.DESIGN.bench.sequences("controller", lambda _: None)
+    assert given == [("controller", (module.experiments.PARTS,))]
+    assert module.DESIGN.bench.floor == bench.FLOOR and module.DESIGN.bench.block() is module.subject().block

@@ -13,9 +13,10 @@ from designs.planar_6dof import emitted as shared
 from designs.planar_6dof import lqg
 from designs.planar_6dof.paper import rows
 from designs.planar_6dof_leadlag import control as leadlag
-from designs.planar_6dof_leadlag import emitted as leadlag_emitted
+from designs.planar_6dof_leadlag import design as leadlag_design
 from designs.planar_6dof_leadlag import reference as leadlag_reference
-from designs.planar_6dof_lqg import emitted as lqg_emitted
+from designs.planar_6dof_lqg import design as lqg_design
+from designs.planar_6dof_lqg import gains as lqg_gains
 from designs.planar_6dof_lqg import reference as lqg_reference
 from models import planar_stage
 from synth.block import Block
@@ -26,8 +27,8 @@ from synth.synthesise import safety
 
 ROOT = Path(__file__).parents[3]
 EMITTED: dict[str, Callable[[type[np.floating]], dict[str, Emitted]]] = {
-    leadlag.NAME: leadlag_emitted.emitted,
-    lqg.NAME: lqg_emitted.emitted,
+    leadlag.NAME: leadlag_design.DESIGN.emit,
+    lqg.NAME: lqg_design.DESIGN.emit,
 }
 BLOCKS: dict[str, Callable[[Any], Block]] = {leadlag.NAME: leadlag.controller, lqg.NAME: lqg.controller}
 LAST_BITS = 8  # units in the last place of double precision by which libm's functions may differ
@@ -112,7 +113,7 @@ def test_no_warning(double: bool, compiler: str) -> None:
 
 
 def test_the_lqg_gains_are_those_of_49_and_of_the_reference() -> None:
-    design = lqg_emitted.gains(planar_stage.plant())
+    design = lqg_gains.gains()
     K, printed = design["K"], rows.printed()["Y-10"]
     for current, states in (("i_AQ", ("y", "phi", "z2", "z3")), ("i_CQ", ("x", "z1"))):
         for state in states:
@@ -129,7 +130,7 @@ def test_the_lqg_gains_are_those_of_49_and_of_the_reference() -> None:
 
 
 def test_the_compensators_are_those_of_the_reference() -> None:
-    design = leadlag_emitted.gains()
+    design = leadlag_design.gains()
     assert list(design["compensators"]) == list(leadlag_reference.compensators())
     for axis, k in leadlag_reference.compensators().items():
         found = design["compensators"][axis]["sampled"]

@@ -6,9 +6,9 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from designs.planar_6dof import allocation, experiments, failures, lqg
+from designs.planar_6dof import allocation, experiments, failures, interface, lqg
 from designs.planar_6dof import loop as loops
-from designs.planar_6dof.loop import Loop
+from designs.planar_6dof.loop import simulate
 from designs.planar_6dof.paper import rows as paper
 from designs.planar_6dof.paper import spectrum, steps
 from designs.planar_6dof_leadlag import control as leadlag
@@ -18,6 +18,7 @@ from models import halbach, planar_stage, planar_voltages
 from synth.block import Block
 from synth.report import audit
 from synth.simulate.experiment import Experiment
+from synth.simulate.rig import Rig
 from synth.simulate.scenario import sample_times
 from synth.simulate.sensors import Override
 
@@ -31,23 +32,24 @@ FAILURES += ["zero_anywhere", "stuck_anywhere"]
 
 
 @pytest.fixture(scope="module")
-def lead() -> Loop:
+def lead() -> Rig:
     return loops.of(leadlag.controller(PLANT))
 
 
 @pytest.fixture(scope="module")
-def optimal() -> Loop:
+def optimal() -> Rig:
     return loops.of(lqg.controller(PLANT))
 
 
 @pytest.fixture(scope="module")
-def found(lead: Loop, optimal: Loop) -> Found:
+def found(lead: Rig, optimal: Rig) -> Found:
     """Return every experiment but those over the finite matrix, which `test_finite` runs: a mark is in their place."""
     mark = Experiment("finite", "", "", lead.ideal.run(0.01, {}, {}), ())
-    with pytest.MonkeyPatch.context() as patch:
-        for each in (leadlag_experiments, lqg_experiments):
-            patch.setattr(each, "finite_experiments", lambda loop: [mark])
-        runs = (leadlag_experiments.run(lead, lambda _: None), lqg_experiments.run(optimal, lambda _: None))
+    marked = {"finite magnet matrix": lambda loop: [mark]}
+    runs = (
+        experiments.run({**parts, **marked}, loop, lambda _: None)
+        for parts, loop in ((leadlag_experiments.PARTS, lead), (lqg_experiments.PARTS, optimal))
+    )
     return {name: {e.name: e for e in run} for name, run in zip(("leadlag", "lqg"), runs, strict=True)}
 
 
@@ -95,7 +97,7 @@ def test_the_circle_crosses_pitches_and_no_border_shows(found: Found) -> None:
         assert e.figures[f"switching samples, {axis}"] > 30
 
 
-def test_recorded_rows(lead: Loop, optimal: Loop) -> None:
+def test_recorded_rows(lead: Rig, optimal: Rig) -> None:
     every = [*paper.leadlag(lead), *paper.lqg(optimal)]
     assert len(every) == len({r.id for r in every}) == 42
     rows = {r.id: r for r in every if r.id in audit.recipes([steps, spectrum])}
@@ -108,39 +110,42 @@ def test_recorded_rows(lead: Loop, optimal: Loop) -> None:
 # What is measured
 
 
-def test_noise_is_that_of_a_position(lead: Loop) -> None:
-    drawn = loops.noise(lead, 20000)
-    assert np.std(drawn["V_ax"]) == pytest.approx(13e-6 * loops.slope(lead.plant), rel=0.02)
-    assert np.std(drawn["d1"]) == pytest.approx(loops.LASER_NOISE, rel=0.02)
+def test_noise_is_that_of_a_position(lead: Rig) -> None:
+    drawn = lead._noise(20000)
+    assert np.std(drawn["V_ax"]) == pytest.approx(13e-6 * interface.volts_per_metre(lead.plant), rel=0.02)
+    assert np.std(drawn["d1"]) == pytest.approx(interface.LASER_NOISE, rel=0.02)
     assert abs(np.corrcoef(drawn["V_ax"], drawn["V_cy"])[0, 1]) < 0.03
     quarter = lead.plant.parameter("l").value / 4
-    at = {x: float(lead.run(0.002, {}, {"x": x}).outputs["V_ax"][0]) for x in (-1e-5, 1e-5, quarter)}
+    at = {x: float(lead.run(0.002, {"x": x}).outputs["V_ax"][0]) for x in (-1e-5, 1e-5, quarter)}
     parts = [float(halbach.amplitude(n, ca.SX(3e-3), VALUES)) for n in halbach.HARMONICS]
-    assert at[quarter] * parts[0] / sum(parts) == pytest.approx(loops.slope(lead.plant) * quarter / (np.pi / 2))
+    slope = interface.volts_per_metre(lead.plant)
+    assert at[quarter] * parts[0] / sum(parts) == pytest.approx(slope * quarter / (np.pi / 2))
     flatter = np.dot(halbach.HARMONICS, parts) / parts[0]
-    assert (at[1e-5] - at[-1e-5]) / 2e-5 == pytest.approx(flatter * loops.slope(lead.plant), rel=1e-4)
+    assert (at[1e-5] - at[-1e-5]) / 2e-5 == pytest.approx(flatter * slope, rel=1e-4)
     assert 1 - flatter == pytest.approx(0.22, abs=0.005)
 
 
-def test_one_seed_is_one_run(lead: Loop) -> None:
+def test_one_seed_is_one_run(lead: Rig) -> None:
     first, again, other = (replace(lead, seed=s).run(0.05, {}, {}).measured["V_bx"] for s in (0, 0, 1))
     np.testing.assert_array_equal(first, again)
     assert (first != other).any()
-    counts = first / loops.ADC
+    counts = first / interface.ADC
     np.testing.assert_allclose(counts, np.rint(counts), atol=0.01)  # single precision of a count
 
 
-def test_substeps_are_fine_enough(lead: Loop) -> None:
+def test_substeps_are_fine_enough(lead: Rig) -> None:
     """Four times as many change the position by less than a thousandth of its noise."""
-    few, many = (lead.run(0.3, {"x": 1e-4, "psi": 1e-4}, {}, substeps=n) for n in (loops.SUBSTEPS, 4 * loops.SUBSTEPS))
-    np.testing.assert_allclose(few["x"], many["x"], atol=1e-3 * loops.NOISE)
+    few, many = (
+        simulate(lead, 0.3, {"x": 1e-4, "psi": 1e-4}, {}, substeps=n) for n in (loops.SUBSTEPS, 4 * loops.SUBSTEPS)
+    )
+    np.testing.assert_allclose(few["x"], many["x"], atol=1e-3 * interface.NOISE)
 
 
-def test_voltages_are_those_of_resistance_inductance_and_motion(lead: Loop) -> None:
+def test_voltages_are_those_of_resistance_inductance_and_motion(lead: Rig) -> None:
     """At v along x, motor C alone has a voltage of amplitude 2 K v / 3; without motion, R i and L di/dt."""
     plant, v, T = planar_stage.plant(), 0.1, lead.period_s
     idle = dict.fromkeys(loops.ACTUATORS, 0.0)
-    run = replace(lead, plant=plant).ideal.run(0.6, {}, {"vx": v}, actuators={}, forcing=idle)
+    run = replace(lead, plant=plant).ideal.run(0.6, {"vx": v}, actuators={}, forcing=idle)
     u = planar_voltages.needed(plant, run)
     assert np.abs(u[6:]).max() == pytest.approx(2 / 3 * allocation.force_constant(plant) * v, rel=1e-3)
     assert np.abs(u[:6]).max() < 1e-9
@@ -150,7 +155,7 @@ def test_voltages_are_those_of_resistance_inductance_and_motion(lead: Loop) -> N
     assert u[0, 0] == pytest.approx(0.01 * (R + L / T)) and u[0, 1] == pytest.approx(0.01 * R, rel=0.03)
 
 
-def test_an_amplifier_without_limit_follows_and_one_with_a_limit_slews(lead: Loop) -> None:
+def test_an_amplifier_without_limit_follows_and_one_with_a_limit_slews(lead: Rig) -> None:
     """From 0 to 0.2 A: 1 - exp(-t/LAG) without a limit, and (1 - exp(-t R/L)) u/R as long as u is the limit."""
     idle = dict.fromkeys(loops.ACTUATORS, 0.0) | {"i_CA": 0.2}
     R, L = (PLANT.parameter(n).value for n in ("resistance", "inductance"))
@@ -162,23 +167,23 @@ def test_an_amplifier_without_limit_follows_and_one_with_a_limit_slews(lead: Loo
         np.testing.assert_allclose(run["true_i_CA"], expected, rtol=0.01)  # the platen gives way
 
 
-def test_a_failed_channel_is_the_one_that_is_named(lead: Loop) -> None:
+def test_a_failed_channel_is_the_one_that_is_named(lead: Rig) -> None:
     for channel in failures.HALL:
         f = failures.fail(lead, channel, "nan")
         assert f.named == 0 and f.latched == 4 and not f.others and f.contradicted is None
-    late = failures.fail(replace(lead, noise=0.0), "V_ax", "stuck")
+    late = failures.fail(loops.with_noise(lead, 0.0), "V_ax", "stuck")
     assert late.named is None and late.latched is None and late.left() == 0 == late.slew() == late.unanswered
 
 
-def test_noise_is_no_failure(lead: Loop, optimal: Loop) -> None:
+def test_noise_is_no_failure(lead: Rig, optimal: Rig) -> None:
     """A minute of what section 3.2 says, at rest and along the circle; three times as much does look like failures."""
     for loop, factor, alarm in ((lead, 1, False), (optimal, 1, False), (lead, 3, True), (optimal, 3, True)):
-        noisy = replace(loop, noise=factor * loops.NOISE_PRINTED)
+        noisy = loops.with_noise(loop, factor * interface.NOISE_PRINTED)
         time = sample_times(60.0, loop.period_s)
         part = leadlag_experiments.RADIUS * np.clip(time / leadlag_experiments.GROWTH, 0, 1) ** 2
         turn = leadlag_experiments.RATE * time
         for wanted in ({}, {"x": part * np.cos(turn), "y": part * np.sin(turn)}):
-            run = noisy.run(60.0, wanted, {})
+            run = simulate(noisy, 60.0, wanted, {})
             largest = failures.residuals(noisy, run)[1:].max()
             assert (largest > 1) == alarm and largest > 0.4
             assert alarm or not run.faults.any()
@@ -198,41 +203,42 @@ def failed(e: Experiment) -> set[str]:
 
 
 @pytest.mark.parametrize(("parameter", "factor"), [("turns", 0.6), ("M", 1.6), ("turns", -1.0)])
-def test_a_wrong_plant_is_caught(lead: Loop, parameter: str, factor: float) -> None:
+def test_a_wrong_plant_is_caught(lead: Rig, parameter: str, factor: float) -> None:
     """A loop gain that is off by a third, or its sign."""
     wrong = lead.plant.with_parameters(**{parameter: factor * lead.plant.parameter(parameter).value})
     bad = replace(lead, plant=wrong)
-    run = experiments.step(bad, "x", leadlag_experiments.STEPS["x"])
+    run = experiments.step(bad, "x", steps.FIGURE_8["x"])
     found = experiments.step_experiment(bad, run, "", "", leadlag_experiments.LIMITS)
     assert failed(found) & {"rise", "overshoot", "settling"}
 
 
-def test_delay_counts_and_a_second_sample_is_caught(lead: Loop) -> None:
+def test_delay_counts_and_a_second_sample_is_caught(lead: Rig) -> None:
     found = []
     for delay in (0, 1, 2):
-        late = replace(lead, delay=delay)
-        run = experiments.step(late, "x", leadlag_experiments.STEPS["x"])
+        late = loops.with_interface(lead, replace(lead.stage.interface, delay=delay))
+        run = experiments.step(late, "x", steps.FIGURE_8["x"])
         found.append(experiments.step_experiment(late, run, "", "", leadlag_experiments.LIMITS))
     beyond = [e.figures["overshoot"] for e in found]
     assert beyond[0] + 0.005 < beyond[1] < beyond[2] - 0.005
     assert [failed(e) for e in found] == [set(), set(), {"overshoot"}]
 
 
-def test_a_jump_at_a_border_is_caught(lead: Loop, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_jump_at_a_border_is_caught(lead: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     """A calibration that is 1 % too long leaves 0.13 mm between two sections."""
     monkeypatch.setattr(leadlag_experiments, "REVOLUTION", 8.0)
     wrong = loops.compiled(planted(loops.view(leadlag.TIME), "sensing_position_1", 1.01))
-    found = leadlag_experiments.circle_experiment(replace(lead, view=wrong))
+    monkeypatch.setattr(loops, "_compiled_view", lambda period_s, predicted: wrong)
+    found = leadlag_experiments.circle_experiment(lead)
     assert failed(found) == {"jump of x at a switching sample", "jump of y at a switching sample"}
 
 
-def test_a_fault_is_caught(lead: Loop) -> None:
+def test_a_fault_is_caught(lead: Rig) -> None:
     mask = np.arange(100) == 50
     run = lead.run(0.1, {}, {}, overrides={"V_by": Override(mask, np.full(100, np.nan))})
     assert experiments.usual(run)[0].found == 1 and not experiments.usual(run)[0].passed
 
 
-def test_a_jump_to_zero_a_current_that_stays_and_a_late_latch_are_caught(lead: Loop) -> None:
+def test_a_jump_to_zero_a_current_that_stays_and_a_late_latch_are_caught(lead: Rig) -> None:
     def caught(f: failures.Failed, kind: failures.Kind = "nan") -> set[str]:
         return {c.name for c in failures.checks([f], kind, moving=False) if not c.passed}
 
@@ -251,5 +257,5 @@ def test_a_jump_to_zero_a_current_that_stays_and_a_late_latch_are_caught(lead: L
         (4, {"samples from a residual out of bounds to the channel's name or the latch"}),
     ):
         assert caught(replace(early, beyond=np.roll(early.beyond, -ahead)), "zero") == expected
-    unseen = failures.fail(replace(lead, noise=0.0), "V_ax", "stuck")
+    unseen = failures.fail(loops.with_noise(lead, 0.0), "V_ax", "stuck")
     assert caught(unseen, "zero") == {"channels whose failure is not noticed"} and not caught(unseen, "stuck")

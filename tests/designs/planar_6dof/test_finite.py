@@ -7,12 +7,12 @@ import pytest
 
 from designs.planar_6dof import finite, lqg
 from designs.planar_6dof import loop as loops
-from designs.planar_6dof.loop import Loop
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import experiments as leadlag_experiments
 from designs.planar_6dof_lqg import experiments as lqg_experiments
 from models import finite_stage, planar_stage
 from synth.simulate.experiment import Experiment
+from synth.simulate.rig import Rig
 
 PLANT = planar_stage.plant()
 Found = dict[str, dict[str, Experiment]]
@@ -20,12 +20,12 @@ NAMES = {"step_x_finite", "step_y_finite", "step_phi_finite", "standstill_finite
 
 
 @pytest.fixture(scope="module")
-def lead() -> Loop:
+def lead() -> Rig:
     return loops.of(leadlag.controller(PLANT))
 
 
 @pytest.fixture(scope="module")
-def found(lead: Loop) -> Found:
+def found(lead: Rig) -> Found:
     """Return every experiment, but of the circle a small piece: `test_the_circle` has all of it."""
     with pytest.MonkeyPatch.context() as patch:
         for name, short in (("RADIUS", 0.02), ("GROWTH", 3.0), ("REVOLUTION", 1.0)):
@@ -72,7 +72,7 @@ def test_psi_is_what_gets_noisier(found: Found) -> None:
         assert figures["x settles without noise at, um"] == pytest.approx(2.145, abs=0.01)
 
 
-def test_the_circle(lead: Loop) -> None:
+def test_the_circle(lead: Rig) -> None:
     """All of it, without noise: the sensors stray 0.1 mm rms over these blocks, the control 6.6 um."""
     there = finite.over(lead)
     runs = {finite.CLOSED: leadlag_experiments.circle(lead.ideal), finite.MADE: leadlag_experiments.circle(there.ideal)}
@@ -109,7 +109,7 @@ def test_what_departs_from_the_closed_law() -> None:
 # Planted defects
 
 
-def test_end_turns_in_the_plane_of_the_bands_lose_the_stage(lead: Loop, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_end_turns_in_the_plane_of_the_bands_lose_the_stage(lead: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     """They twist it by more than the arms of the motors make: psi is lost, and with it the air gap and the fields."""
     monkeypatch.setattr(leadlag_experiments, "RADIUS", 0.05)
     monkeypatch.setattr(leadlag_experiments, "REVOLUTION", 0.1)
@@ -126,7 +126,7 @@ def test_end_turns_in_the_plane_of_the_bands_lose_the_stage(lead: Loop, monkeypa
     ],
 )
 def test_a_plant_that_is_worse_is_caught(
-    lead: Loop, parameter: str, factor: float, experiment: str, caught: set[str], monkeypatch: pytest.MonkeyPatch
+    lead: Rig, parameter: str, factor: float, experiment: str, caught: set[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     plant = finite_stage.plant()
     wrong = plant.with_parameters(**{parameter: factor * plant.parameter(parameter).value})
@@ -136,7 +136,7 @@ def test_a_plant_that_is_worse_is_caught(
     assert failed(e) & caught == caught
 
 
-def test_the_noise_is_the_same_on_both_plants(lead: Loop) -> None:
+def test_the_noise_is_the_same_on_both_plants(lead: Rig) -> None:
     first, second = (each.run(0.002, {}, {}) for each in (lead, finite.over(lead)))
     for name in loops.SENSORS:
         assert abs(float(first.measured[name][0] - second.measured[name][0])) < 0.02

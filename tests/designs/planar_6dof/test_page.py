@@ -7,11 +7,11 @@ import pytest
 
 from designs.planar_6dof import failures, page_experiments, page_stage, sensing_maps
 from designs.planar_6dof import loop as simulated
-from designs.planar_6dof.loop import Loop
 from designs.planar_6dof_leadlag import control as leadlag
 from models import planar_stage
 from synth.errors import SignalError
 from synth.simulate.experiment import Experiment
+from synth.simulate.rig import Rig
 from synth.synthesise import safety
 from tests.designs.planar_6dof import short_runs
 
@@ -19,12 +19,12 @@ PLANT = planar_stage.plant()
 
 
 @pytest.fixture(scope="module")
-def lead() -> Loop:
+def lead() -> Rig:
     return simulated.of(leadlag.controller(PLANT))
 
 
 @pytest.fixture(scope="module")
-def runs(lead: Loop) -> list[Experiment]:
+def runs(lead: Rig) -> list[Experiment]:
     return [*short_runs.runs(lead), failures.experiment(lead, "nan", False)]
 
 
@@ -55,9 +55,9 @@ def test_figures_by_channel_keep_each_value(runs: list[Experiment]) -> None:
     assert page_experiments.by_channel(runs[0].figures) is None and page_experiments.by_channel({}) is None
 
 
-def test_positions_are_seen_as_the_compiled_c_has_them(lead: Loop, runs: list[Experiment]) -> None:
+def test_positions_are_seen_as_the_compiled_c_has_them(lead: Rig, runs: list[Experiment]) -> None:
     rest = runs[3].trajectory
-    found, expected = page_stage.seen(rest, leadlag.TIME, 500), lead.seen(rest)
+    found, expected = page_stage.seen(rest, leadlag.TIME, 500), simulated.seen(lead, rest)
     for name in ("x_raw", "x", "phi"):
         np.testing.assert_allclose(found[name], expected[name][:500], rtol=0, atol=2e-8)
     assert 0.3 < np.std(found["x"][100:]) / np.std(found["x_raw"][100:]) < 0.6

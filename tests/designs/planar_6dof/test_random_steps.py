@@ -5,8 +5,8 @@ import pytest
 
 from designs.planar_6dof import random_steps
 from designs.planar_6dof.random_steps import Subject
-from designs.planar_6dof_leadlag import verification as leadlag
-from designs.planar_6dof_lqg import verification as lqg
+from designs.planar_6dof_leadlag import design as leadlag
+from designs.planar_6dof_lqg import design as lqg
 from models import planar_stage
 from synth.errors import SignalError
 from synth.verify import agree

@@ -7,11 +7,11 @@ import pytest
 
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof import random_steps, verification
-from designs.planar_6dof.loop import Loop
 from designs.planar_6dof.random_steps import Subject
-from designs.planar_6dof_leadlag import verification as leadlag
-from designs.planar_6dof_lqg import verification as lqg
-from models import halbach, planar_stage
+from designs.planar_6dof_leadlag import design as leadlag
+from designs.planar_6dof_lqg import design as lqg
+from models import planar_stage
+from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
 from synth.synthesise import safety
 from synth.timing import Discrete
@@ -22,9 +22,8 @@ PITCH = planar_stage.plant().parameter("l").value
 WHOLE = 5.0  # s of the tour
 
 
-def loop_of(subject: Subject) -> Loop:
-    view = loops.compiled(loops.view(subject.block.time))
-    return Loop(planar_stage.plant(halbach.HARMONICS), loops.compiled(subject.block), view)
+def loop_of(subject: Subject) -> Rig:
+    return loops.of(subject.block)
 
 
 @pytest.fixture(scope="module", params=SUBJECTS)

@@ -32,7 +32,7 @@ def test_heights_undo_the_lasers() -> None:
     y = np.asarray(PLANT.h.map(100)(x, np.zeros((9, 100)), np.tile(PLANT.values[:, None], 100)))
     distances = dict(zip(names(PLANT.outputs), y, strict=True))
     held = {f"{d}_held": distances[d] for d in planar_stage.LASERS}
-    found = agree.casadi(vertical.heights(PLANT, RATES[0]))({}, held).outputs
+    found = agree.casadi(vertical.vertical_kinematics(PLANT, RATES[0]))({}, held).outputs
     other = reference_control.heights(distances)
     for axis in allocation.VERTICAL:
         for seen in (found[axis], other[axis]):
@@ -109,7 +109,7 @@ def test_margins_as_shipped(axis: str) -> None:
 
 
 def test_as_printed_psi_is_unstable_with_a_sample_of_delay_and_theta_almost() -> None:
-    laws = ((leadlag.law(PLANT, "published"), leadlag.TIME), (lqg.law(PLANT, reading="published"), lqg.TIME))
+    laws = ((leadlag.law(PLANT, "published"), leadlag.TIME), (lqg.law(PLANT, variant="published"), lqg.TIME))
     for (law, time), peak in zip(laws, (6.58, 38.5), strict=True):
         psi = opened.margins_of(law, time, "psi", filtered=False)
         assert not psi.stable and 0 < psi.gain_reduction_margin < 0.5

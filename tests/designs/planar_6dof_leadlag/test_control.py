@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from designs.planar_6dof import allocation, random_steps
+from designs.planar_6dof import allocation, interface, random_steps
 from designs.planar_6dof_leadlag import control, reference
 from synth.emit import write
 from synth.execute import host
@@ -34,12 +34,12 @@ def known() -> host.Controller:
 
 @pytest.mark.parametrize("axis", allocation.HORIZONTAL)
 @pytest.mark.parametrize(
-    ("reading", "filtered", "expected"),
+    ("variant", "filtered", "expected"),
     [("published", False, WITHOUT_FILTER), ("published", True, BEHIND_FILTER), ("shipped", True, SHIPPED)],
 )
-def test_margins(reading: str, filtered: bool, expected: dict[str, tuple[float, ...]], axis: str) -> None:
+def test_margins(variant: str, filtered: bool, expected: dict[str, tuple[float, ...]], axis: str) -> None:
     # With the vertical loops as shipped: those as printed are unstable, in whatever loop is opened.
-    horizontal = control.law(PLANT, reading)[:3]
+    horizontal = control.law(PLANT, variant)[:3]
     law = [*horizontal, *control.law(PLANT)[3:]]
     found = opened.margins_of(law, control.TIME, axis, filtered)
     crossover, phase, gain, peak = expected[axis]
@@ -86,12 +86,12 @@ def test_gains_are_those_of_the_reference() -> None:
 
 def test_a_bad_measurement_for_long_takes_the_currents_to_zero(c64: host.Controller) -> None:
     n = 40
-    inputs = {g.signal.name: np.zeros(n) for g in control.INPUTS}
+    inputs = {g.signal.name: np.zeros(n) for g in interface.INPUTS}
     inputs |= {name: np.full(n, v) for name, v in drawn.at_rest().items()} | {"x_ref": np.full(n, 1e-4)}
     inputs["d1"][10:] = np.nan
     got = c64.replay(inputs)
     latched = got.faults >> safety.LATCH_BIT > 0
-    assert latched.argmax() == 10 + control.SAFETY.bad_samples - 1
-    size = np.max([np.abs(got.outputs[s.name]) for s in control.OUTPUTS], axis=0)
+    assert latched.argmax() == 10 + interface.BAD_SAMPLES - 1
+    size = np.max([np.abs(got.outputs[s.name]) for s in interface.OUTPUTS], axis=0)
     assert size[latched.argmax() - 1] > 1e-3 and not size[-1]
     assert (np.diff(size[latched]) <= 0).all()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from designs.planar_6dof import random_steps, reference_control, reference_sensing
-from designs.planar_6dof_leadlag import reference, verification
+from designs.planar_6dof_leadlag import design, reference
 from synth.verify import agree
 from tests.designs.planar_6dof import planted
 from tests.designs.planar_6dof.planted import Bench
@@ -16,7 +16,7 @@ from tests.designs.planar_6dof.planted import Bench
 
 @pytest.fixture(scope="module")
 def at() -> Bench:
-    return planted.bench(verification.subject())
+    return planted.bench(design.subject())
 
 
 def test_the_sound_reference_is_no_defect(at: Bench) -> None:
@@ -25,7 +25,7 @@ def test_the_sound_reference_is_no_defect(at: Bench) -> None:
 
 
 def test_steps_that_are_mostly_at_the_limits() -> None:
-    subject = replace(verification.subject(), size=3.0)
+    subject = replace(design.subject(), size=3.0)
     at = planted.bench(subject, edges=0)
     assert np.mean(random_steps.saturated(at.c64.outputs)) > 0.9
     assert not planted.told(at, agree.reference(reference.step))

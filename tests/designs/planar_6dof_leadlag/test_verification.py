@@ -3,7 +3,7 @@
 import pytest
 
 from designs.planar_6dof import verification as shared
-from designs.planar_6dof_leadlag import control, verification
+from designs.planar_6dof_leadlag import control, design
 from tests.designs.planar_6dof import planted
 
 REPLAY, STEPS = 2.0, 40_000  # s; `synth verify` replays 60, and draws 100,000
@@ -12,7 +12,7 @@ REPLAY, STEPS = 2.0, 40_000  # s; `synth verify` replays 60, and draws 100,000
 def test_every_check_passes(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shared, "RANDOM_STEPS", STEPS)
     told: list[str] = []
-    evidence = verification.verify(told.append, REPLAY)
+    evidence = shared.verify(design.subject(), told.append, REPLAY)
     assert [c for c in evidence.checks if not c.passed] == []
     assert evidence.design == control.NAME and told
     planted.require_witnesses(evidence, {f"replay of {REPLAY:g} s": 2000, "random steps": STEPS})

@@ -1,30 +1,20 @@
-"""What is committed under generated_c/planar_6dof_lqg/: the controller on reduced-order observers.
-
-The variant on full-order filters is counted and compared, not committed.
-"""
+"""What gains.json says of the LQG controller: (49) with its weights and certificate, observers, compensators."""
 
 from typing import Any
-
-import numpy as np
 
 from designs.planar_6dof import allocation, lqg, vertical
 from designs.planar_6dof import emitted as shared
 from models import planar_stage
-from synth.emit import digits, write
-from synth.plant import Plant
+from synth.emit import digits
+from synth.statespace import Array
 
 
-def emitted(scalar: type[np.floating]) -> dict[str, write.Emitted]:
-    """Return the files of planar_6dof_lqg in a scalar type, by folder."""
-    plant = planar_stage.plant()
-    return shared.emitted(lqg.controller(plant), scalar, gains(plant))
-
-
-def gains(plant: Plant) -> dict[str, Any]:
+def gains() -> dict[str, Any]:
     """Return (49) with its weights, plant, rate and certificate, the observers, and the vertical compensators.
 
     Beside (49) stands the gain of the weights that are printed with it.
     """
+    plant = planar_stage.plant()
     found, printed = lqg.gain(), lqg.gain(lqg.PRINTED_WEIGHTS)
     upright = [vertical.loop(a, vertical.compensator(a, lqg.TIME), lqg.TIME) for a in allocation.VERTICAL]
     return {
@@ -47,7 +37,7 @@ def gains(plant: Plant) -> dict[str, Any]:
     }
 
 
-def _rows(K: lqg.Array) -> dict[str, list[float]]:
+def _rows(K: Array) -> dict[str, list[float]]:
     return {name: [float(v) + 0.0 for v in row] for name, row in zip(lqg.CURRENTS, K, strict=True)}
 
 
