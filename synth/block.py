@@ -17,10 +17,9 @@ from numpy.typing import NDArray
 from synth import arguments
 from synth import law as laws
 from synth.errors import SignalError, TimingError
+from synth.fault import LATCH_BIT, Fault, Safety
 from synth.signals import Signal, identifier, names
 from synth.timing import Discrete
-
-LATCH_BIT = 31  # of the fault word: it has latched
 
 Exprs = Mapping[str, ca.SX]
 Certificate = Callable[[float, float], float]
@@ -83,35 +82,6 @@ class Named:
     block: str
     tag: str
     certificate: Certificate | None = None
-
-
-@arguments.checked
-@dataclass(frozen=True)
-class Fault:
-    """One bit of the word that a step returns: `output` is the flag signal.
-
-    `input` is the input that is out of range, `suspect` the one that contradicts others; without either it has latched.
-    """
-
-    bit: int
-    output: str
-    input: str | None = None
-    suspect: str | None = None
-
-
-@arguments.checked
-@dataclass(frozen=True)
-class Safety:
-    """After `bad_samples` samples in a row with a bad measurement the outputs slew to `safe_output`.
-
-    Both mappings have the outputs of a Block as keys; an output in neither goes on as computed. `reason` says why
-    these values.
-    """
-
-    bad_samples: int
-    safe_output: Mapping[str, float]
-    slew_per_s: Mapping[str, float]
-    reason: str
 
 
 @arguments.checked

@@ -31,6 +31,7 @@ VOCABULARY = (
     "plant",
     "resolvent",
     "statespace",
+    "fault",
     "block",
     "compose",
     "declaration",

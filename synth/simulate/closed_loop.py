@@ -12,8 +12,7 @@ locked coordinate keeps its position and velocity.
 """
 
 import ctypes
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from importlib import resources
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import chain
 from typing import Any
 
@@ -21,12 +20,11 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from synth.emit.c import casadi_c
 from synth.errors import SignalError, WiringError
-from synth.execute import compile as host_compiler
 from synth.execute import host
 from synth.plant import Plant
 from synth.signals import Signal, dimension, names
+from synth.simulate import plant_code
 from synth.simulate.scenario import Array, Scenario, Trajectory, sample_times
 from synth.simulate.sensors import Plain
 
@@ -43,16 +41,6 @@ _MEMBERS = (
     *("commands", "command_offset", "mixing", "forcing", "waiting"),
     *("single", "step", "state", "in_size", "out_size", "in", "out", "faults", "states", "outputs", "applied"),
 )
-_HEADER = """#define N_X {x}
-#define N_U {u}
-#define N_Y {y}
-#define SIZE_ARG {arg}
-#define SIZE_RES {res}
-#define SIZE_IW {iw}
-#define SIZE_W {w}
-#define HAS_DISTURBANCE {disturbed}
-{prototypes}
-"""
 
 
 class _Loop(ctypes.Structure):
@@ -96,7 +84,7 @@ def simulate(
     }
     addresses = {name: array.ctypes.data for name, array in arrays.items()}
     loop = _Loop(**counts, **addresses, period=controller.period_s, step=controller.step_address)
-    _compiled(plant, disturbance, flags)(ctypes.byref(loop))
+    plant_code.compiled(plant, disturbance, flags)(ctypes.byref(loop))
     return _trajectory(plant, scenario, time, arrays)
 
 
@@ -273,38 +261,3 @@ def _require_like(controller: host.Controller, role: str, name: str, signal: Sig
             f"controller {role} '{name}' is {found['count']} {found['ctype']} in {found['unit']}, plant signal "
             f"'{signal.name}' one real number in {signal.unit}: wire like to like"
         )
-
-
-def _compiled(plant: Plant, disturbance: ca.Function | None, flags: Sequence[str]) -> Callable[..., None]:
-    functions = [_dense(plant.f, "synth_plant_f"), _dense(plant.h, "synth_plant_h")]
-    if disturbance is not None:
-        n = len(plant.states)
-        shapes = [*map(disturbance.size_in, range(disturbance.n_in())), disturbance.size_out(0)]
-        if shapes != [(n, 1), (1, 1), (n, 1)]:
-            raise WiringError(f"disturbance has arguments and result of {shapes}: need (x, t) of {(n, 1)}, (1, 1)")
-        functions.append(_dense(disturbance, "synth_plant_disturbance"))
-    loop_c = resources.files("synth.simulate").joinpath("closed_loop.c").read_text(encoding="utf-8")
-    sources = {"closed_loop.c": loop_c, "plant.h": _header(plant, functions), **casadi_c.functions(functions, "plant")}
-    library = ctypes.CDLL(str(host_compiler.shared_library(sources, flags)))
-    return ctypes.CFUNCTYPE(None, ctypes.POINTER(_Loop))(("synth_closed_loop", library))
-
-
-def _dense(f: ca.Function, name: str) -> ca.Function:
-    """The function under another name with every entry of its results stored, structural zeros too."""
-    given = f.sx_in()
-    return ca.Function(name, given, ca.cse([ca.densify(result) for result in f.call(given)]))
-
-
-def _header(plant: Plant, functions: Sequence[ca.Function]) -> str:
-    signature = "(const double **arg, double **res, long long *iw, double *w, int mem);"
-    return _HEADER.format(
-        x=len(plant.states),
-        u=len(plant.inputs),
-        y=len(plant.outputs),
-        arg=max(3, *(f.sz_arg() for f in functions)),
-        res=max(f.sz_res() for f in functions),
-        iw=max(1, *(f.sz_iw() for f in functions)),
-        w=max(1, *(f.sz_w() for f in functions)),
-        disturbed=int(len(functions) == 3),
-        prototypes="\n".join(f"int {f.name()}{signature}" for f in functions),
-    )

@@ -63,7 +63,7 @@ def shaped(
     n = len(plant.states)
     if Qx is not None:
         extra[:n, :n] = weights.semidefinite("Qx", Qx, plant.states)
-    found = lqr.output_weighted(joined, Qz, R)
+    found = weights.output_weighted(joined, Qz, R)
     Q = found.Q + extra
     if period_s is None:
         gain, model = lqr.lqr(joined, Q, found.R, found.N, exact), joined

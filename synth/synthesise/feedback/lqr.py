@@ -13,7 +13,7 @@
     ^                                       |
     +------------------[ K ]<---------------+
 
-`output_weighted` turns weights on outputs into such weights, `integral` adds the states q. In double precision; with
+`weights.output_weighted` turns weights on outputs into such weights, `integral` adds the states q. In double precision; with
 `exact` in ball arithmetic, for gains that must be the same on every machine.
 """
 
@@ -68,24 +68,6 @@ class Gain:
 
 @show.printed
 @dataclass(frozen=True, eq=False, repr=False)
-class Weights:
-    """Weights x'Qx + u'Ru + 2 x'Nu: Q (n, n), R (m, m), N (n, m)."""
-
-    Q: Array
-    R: Array
-    N: Array
-    states: tuple[str, ...]
-    inputs: tuple[str, ...]
-
-    def sheet(self) -> show.Sheet:
-        """Return the weights as one table."""
-        names = (*self.states, *self.inputs)
-        joint = weights.joined(self.Q, self.R, self.N)
-        return show.Sheet("Weights [Q, N; N', R]", tables=(show.matrix("", joint, names, names),))
-
-
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
 class SampledCost:
     """The held model over one period and the weights Q, R, N of the exact cost integral."""
 
@@ -96,7 +78,7 @@ class SampledCost:
 
     def sheet(self) -> show.Sheet:
         """Return the weights as one table."""
-        made = Weights(self.Q, self.R, self.N, self.model.states, self.model.inputs).sheet()
+        made = weights.Weights(self.Q, self.R, self.N, self.model.states, self.model.inputs).sheet()
         return replace(made, title=f"Cost over one period in {self.model.time}: weights [Q, N; N', R]")
 
 
@@ -258,24 +240,6 @@ def _fitting(gain: Gain, model: StateSpace) -> Array:
     if K.shape != model.B.T.shape or not np.isfinite(K).all():
         raise SignalError(f"the gain K is {K.shape}: this model needs a finite one of {model.B.T.shape}")
     return K
-
-
-@arguments.checked
-def output_weighted(system: System, Qy: weights.Weight, R: weights.Weight) -> Weights:
-    """Return the weights on states and inputs that amount to y'Qy y + u'Ru, y = C x + D u; Qy (p, p), R (m, m).
-
-    Q = C'Qy C, N = C'Qy D, R + D'Qy D: R may be semidefinite where D'Qy D makes up for it.
-
-    Raises SignalError for weights that do not fit or are asymmetric or indefinite.
-    """
-    model = of(system)
-    Qy, R = weights.semidefinite("Qy", Qy, model.outputs), weights.semidefinite("R", R, model.inputs)
-    n = len(model.states)
-    both = np.hstack([model.C, model.D])
-    W = both.T @ Qy @ both
-    W = (W + W.T) / 2
-    Q, R, N = (readonly(v) for v in (W[:n, :n], W[n:, n:] + R, W[:n, n:]))
-    return Weights(Q, R, N, model.states, model.inputs)
 
 
 @arguments.checked

@@ -5,19 +5,38 @@ above 0.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from synth import arguments
+from synth import arguments, show
 from synth.errors import SignalError
-from synth.statespace import Array
+from synth.statespace import Array, System, of, readonly
 
 Weight = ArrayLike | Mapping[str, float]
 
 ROUNDING = 1e-12  # of the unit diagonal: an eigenvalue this far below zero is the rounding error of a zero
 ASYMMETRY = 2.0**-50  # of M_ij and sqrt(M_ii M_jj), times n: M_ij - M_ji this small is the rounding error of a product
 SINGULAR = 2.0**-50  # of the unit diagonal, times n: an eigenvalue below it may be the rounding error of a zero
+
+
+@show.printed
+@dataclass(frozen=True, eq=False, repr=False)
+class Weights:
+    """Weights x'Qx + u'Ru + 2 x'Nu: Q (n, n), R (m, m), N (n, m)."""
+
+    Q: Array
+    R: Array
+    N: Array
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+
+    def sheet(self) -> show.Sheet:
+        """Return the weights as one table."""
+        names = (*self.states, *self.inputs)
+        joint = joined(self.Q, self.R, self.N)
+        return show.Sheet("Weights [Q, N; N', R]", tables=(show.matrix("", joint, names, names),))
 
 
 def symmetric(what: str, value: Weight, names: Sequence[str]) -> Array:
@@ -152,3 +171,21 @@ def _by_name(what: str, value: Mapping[str, float], names: Sequence[str]) -> Arr
             raise SignalError(f"the weight {what} of '{name}' has shape {entry.shape}: give a number")
         diagonal[k] = entry
     return diagonal
+
+
+@arguments.checked
+def output_weighted(system: System, Qy: Weight, R: Weight) -> Weights:
+    """Return the weights on states and inputs that amount to y'Qy y + u'Ru, y = C x + D u; Qy (p, p), R (m, m).
+
+    Q = C'Qy C, N = C'Qy D, R + D'Qy D: R may be semidefinite where D'Qy D makes up for it.
+
+    Raises SignalError for weights that do not fit or are asymmetric or indefinite.
+    """
+    model = of(system)
+    Qy, R = semidefinite("Qy", Qy, model.outputs), semidefinite("R", R, model.inputs)
+    n = len(model.states)
+    both = np.hstack([model.C, model.D])
+    W = both.T @ Qy @ both
+    W = (W + W.T) / 2
+    Q, R, N = (readonly(v) for v in (W[:n, :n], W[n:, n:] + R, W[:n, n:]))
+    return Weights(Q, R, N, model.states, model.inputs)

@@ -7,7 +7,7 @@ import scipy.linalg
 from synth.analyse import discretise
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import StateSpace
-from synth.synthesise.feedback import frequency_weights, lqr
+from synth.synthesise.feedback import frequency_weights, lqr, weights
 from synth.timing import Continuous, Discrete
 from tests import tolerances
 
@@ -94,7 +94,7 @@ def test_the_held_loop_is_optimal_for_the_continuous_cost() -> None:
     poles = np.sort_complex(np.linalg.eigvals(closed(held, found.controller)))
     np.testing.assert_allclose(poles, found.gain.poles, rtol=tolerances.of("pencil"))
     joined = frequency_weights.augmented(PLANT, [SLOW])
-    w = lqr.output_weighted(joined, {"zy": 5.0}, {"f": 0.1})
+    w = weights.output_weighted(joined, {"zy": 5.0}, {"f": 0.1})
     nodes, weight = np.polynomial.legendre.leggauss(10)
     F, x, total = scipy.linalg.block_diag(np.hstack([joined.A, joined.B]), np.zeros((1, 0))), np.array([1.0, 0, 0]), 0.0
     W = np.block([[w.Q, w.N], [w.N.T, w.R]])

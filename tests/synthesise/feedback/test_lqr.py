@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import StateSpace
-from synth.synthesise.feedback import lqr
+from synth.synthesise.feedback import lqr, weights
 from synth.synthesise.servo import internal_model
 from synth.timing import Continuous, Discrete
 from tests import tolerances
@@ -153,7 +153,7 @@ def test_sampled_integrals_are_sums_and_units_cancel() -> None:
 def test_weights_on_outputs_count_what_the_input_adds() -> None:
     rng = np.random.default_rng(5)
     A, B, C, D = (rng.normal(size=shape) for shape in ((3, 3), (3, 2), (2, 3), (2, 2)))
-    found = lqr.output_weighted((A, B, C, D), [2.0, 5.0], np.diag([0.0, 1.0]))
+    found = weights.output_weighted((A, B, C, D), [2.0, 5.0], np.diag([0.0, 1.0]))
     x, u = rng.normal(size=3), rng.normal(size=2)
     y = C @ x + D @ u
     told = x @ found.Q @ x + u @ found.R @ u + 2 * x @ found.N @ u

@@ -1,0 +1,36 @@
+"""Faults: the bits of the word that a step returns, and what it does once it has latched."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from synth import arguments
+
+LATCH_BIT = 31  # of the fault word: it has latched
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One bit of the word that a step returns: `output` is the flag signal.
+
+    `input` is the input that is out of range, `suspect` the one that contradicts others; without either it has latched.
+    """
+
+    bit: int
+    output: str
+    input: str | None = None
+    suspect: str | None = None
+
+
+@arguments.checked
+@dataclass(frozen=True)
+class Safety:
+    """After `bad_samples` samples in a row with a bad measurement the outputs slew to `safe_output`.
+
+    Both mappings have the outputs of a Block as keys; an output in neither goes on as computed. `reason` says why
+    these values.
+    """
+
+    bad_samples: int
+    safe_output: Mapping[str, float]
+    slew_per_s: Mapping[str, float]
+    reason: str
