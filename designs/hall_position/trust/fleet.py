@@ -17,6 +17,7 @@ from designs.hall_position.glsdc.parameters import Array, Tuning
 from designs.hall_position.trust import motions
 from designs.hall_position.trust.motions import Numbers, Pose
 from synth import numeric, timing
+from synth.block import unranged
 from synth.errors import ModelError
 from synth.execute import build, host
 from synth.simulate import ensemble
@@ -57,7 +58,7 @@ class Judged:
 def compiled(kind: Kind) -> host.Controller:
     """Return the estimator's C in single precision, compiled."""
     block = estimator.guarded(kind.array, kind.time, kind.tuning)
-    return build.compiled(block, np.float32, error=estimator.SURROGATE_ERROR[np.float32])
+    return build.compiled(unranged(block), np.float32, error=estimator.SURROGATE_ERROR[np.float32])
 
 
 def anywhere(kind: Kind, n: int, yaw: float, rng: np.random.Generator) -> Pose:

@@ -10,6 +10,7 @@ from designs.hall_position.glsdc import estimator
 from designs.hall_position.pages import trust
 from designs.hall_position.trust import basin, cold_start, endurance, failures, fleet
 from designs.hall_position.trust.fleet import Kind
+from synth.block import unranged
 from synth.emit import write
 from synth.execute import host
 from synth.report.page import Figure, Table
@@ -21,7 +22,7 @@ TWO = {shipped.NAME: trust.kinds()[shipped.NAME]}
 @cache
 def with_libm(kind: Kind) -> host.Controller:
     """Return the same C with sines of libm, which is emitted in a tenth of the time."""
-    made = write.emit(estimator.guarded(kind.array, kind.time, kind.tuning), np.float32, libm=True)
+    made = write.emit(unranged(estimator.guarded(kind.array, kind.time, kind.tuning)), np.float32, libm=True)
     return host.load(made.files, made.manifest)
 
 
