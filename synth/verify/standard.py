@@ -25,7 +25,7 @@ from synth.verify.evidence import Evidence
 from synth.verify.suite import Witnesses
 
 RANDOM_STEPS, EDGE_STEPS = 100_000, 20_000
-WHOLE, QUICK = 20_000, 2_000  # samples of a closed loop that the other witnesses replay
+WHOLE, QUICK = 5_000, 1_000  # samples of a closed loop that the other witnesses replay
 SEED = 20_260
 UNIT = "of the output's range or more"
 SINGLE = 1e-3  # of an output's range: single against double in one step
