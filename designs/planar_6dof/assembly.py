@@ -20,6 +20,7 @@ from synth.simulate.rig import Rig
 from synth.timing import Discrete
 from synth.workspace import Design
 
+COUNTS = ("sensing_offset_x", "sensing_offset_y")  # of whole pitches: the last pitch of the travel is their bound
 QUICK_REPLAY, WHOLE_REPLAY = 5.0, 60.0  # s of a closed loop that the reference replays
 
 
@@ -41,7 +42,7 @@ def design(
 
     def simulate(_: Stage, progress: Progress) -> list[Experiment]:
         double = loop.compiled(subject().block, np.float64)
-        return [headroom.judged(each, double) for each in experiments.run(parts, shipped(), progress)]
+        return [headroom.judged(each, double, COUNTS) for each in experiments.run(parts, shipped(), progress)]
 
     return stage.design(
         interface.declared(name, time, lambda: subject().block),

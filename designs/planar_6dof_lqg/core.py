@@ -12,7 +12,6 @@ p and b are then complex, and i has the real part of p. As |Re lambda| + |Im lam
 itself; the integral is limited.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -36,7 +35,6 @@ FROM_MODES = readonly([[1, -1, 0], [1, 1, 0], [0, 0, 1]])
 INTEGRALS = STATES[3:6]
 PLANT = [0, 1, 2, 6, 7, 8]  # of the states of (31), those of (26)
 REACH = 2 * LIMIT  # A, of an integral
-ESTIMATE = 1e4  # A, of a current
 SMALL = 1e-9  # of the largest residue: that of another axis
 
 
@@ -83,7 +81,10 @@ def block(order: Order) -> Block:
     whole = law(order)
     parts = [_compensator(whole, axis, mode) for axis, mode in zip(HORIZONTAL, ("i_x", "i_y", "i_phi"), strict=True)]
     rows = StateSpace(np.zeros((0, 0)), np.zeros((0, 3)), np.zeros((3, 0)), FROM_MODES, (), MODES, CURRENTS, TIME)
-    last = linear_block.block("rows", rows, inputs=_currents(MODES), outputs=_currents(CURRENTS), tag="(26)")
+    modes = {part.outputs[0].name: part.outputs[0] for part in parts}
+    most = MARGIN * np.abs(FROM_MODES) @ [modes[name].high for name in MODES]
+    outputs = [Signal(name, "A", -high, high) for name, high in zip(CURRENTS, most.tolist(), strict=True)]
+    last = linear_block.block("rows", rows, inputs=[modes[name] for name in MODES], outputs=outputs, tag="(26)")
     return compose(f"core_{order}", [*parts, last], inputs=HORIZONTAL, outputs=CURRENTS)
 
 
@@ -104,8 +105,9 @@ def _compensator(whole: StateSpace, axis: str, mode: str) -> Block:
     model = StateSpace(*arrays, kept, (axis,), (mode,), TIME)
     bounds = {name: REACH if name == "integral" else 2 * size for name in kept}
     states = [Signal(name, "A", -bounds[name], bounds[name]) for name in kept]
-    inputs, outputs = [error], _currents([mode])
-    return linear_block.block(axis, model, inputs=inputs, outputs=outputs, states=states, tag="(33), (40), (49)")
+    most = MARGIN * (sum(abs(c) * bounds[name] for c, name in zip(C, kept, strict=True)) + abs(d) * error.high)
+    output = Signal(mode, "A", -most, most)
+    return linear_block.block(axis, model, inputs=[error], outputs=[output], states=states, tag="(33), (40), (49)")
 
 
 def _modes(whole: StateSpace, axis: str, mode: str) -> tuple[Array, Array, float]:
@@ -115,7 +117,3 @@ def _modes(whole: StateSpace, axis: str, mode: str) -> tuple[Array, Array, float
     residues = (whole.C[row] @ V) * np.linalg.solve(V, whole.B[:, column])
     own = (np.abs(residues) > SMALL * np.abs(residues).max()) & (poles.imag >= 0)
     return poles[own], residues[own], float(whole.D[row, column])
-
-
-def _currents(names: Sequence[str]) -> list[Signal]:
-    return [Signal(name, "A", -ESTIMATE, ESTIMATE) for name in names]
