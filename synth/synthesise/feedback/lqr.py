@@ -13,8 +13,8 @@
     ^                                       |
     +------------------[ K ]<---------------+
 
-`weights.output_weighted` turns weights on outputs into such weights, `integral` adds the states q. In double precision; with
-`exact` in ball arithmetic, for gains that must be the same on every machine.
+`weights.output_weighted` turns weights on outputs into such weights, `integral` adds the states q. In double precision;
+with `exact` in ball arithmetic, for gains that must be the same on every machine.
 """
 
 from collections.abc import Mapping, Sequence
