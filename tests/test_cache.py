@@ -143,6 +143,16 @@ def test_a_package_of_another_version_is_another_key(monkeypatch: pytest.MonkeyP
     assert len({*found, cache.environment()}) == 3
 
 
+def test_another_compiler_is_another_key(monkeypatch: pytest.MonkeyPatch) -> None:
+    from synth import tasks
+
+    task = tasks.Task("planted", lambda say: 1.0, (times,))
+    before = task.key()
+    assert task.key() == before
+    monkeypatch.setattr(tasks, "compilers", lambda: [("cc", "cc (of another version)")])
+    assert task.key() != before
+
+
 def test_the_toolkit_itself_counts(monkeypatch: pytest.MonkeyPatch) -> None:
     """A constant of the surrogates' search that is set otherwise, and another function in the place of one."""
     from synth.emit.approx import minimax, surrogate

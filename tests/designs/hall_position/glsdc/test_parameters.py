@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from designs.hall_position import shipped
-from designs.hall_position.glsdc import estimator, six_estimator, six_parameters
+from designs.hall_position.glsdc import channels, estimator, six_estimator, six_parameters
 from designs.hall_position.glsdc.parameters import Array, Tuning
 from designs.hall_position.trust import fleet
 from synth.errors import DesignError, ModelError, TimingError
@@ -70,7 +70,7 @@ def test_more_sensors_than_are_named_are_refused() -> None:
         six(positions=many)
     with pytest.raises(ModelError, match="27 positions"):
         array(positions=[r[:2] for r in many])
-    assert len(six_estimator.voltages(six(positions=many[:26]))) == 52
+    assert len(channels.voltages(len(six(positions=many[:26]).positions))) == 52
 
 
 @pytest.mark.parametrize("weights", [2.0, ("a", 1.0), (1.0, True), (1.0, float("nan")), ((1.0, 1.0), (1.0, 1.0)), None])
@@ -100,7 +100,7 @@ def test_what_is_counted_is_a_whole_number(of: Any, name: str) -> None:
 def test_an_estimator_takes_a_period(time: Any) -> None:
     two = shipped.array()
     for made, given in ((estimator, two), (six_estimator, FOUR)):
-        with pytest.raises(TimingError, match=r"`time` of `safety.guard` is .*: give a Discrete"):
+        with pytest.raises(TimingError, match=r"`time` of `block.build` is .*: give a Discrete"):
             made.guarded(given, time)
     with pytest.raises(TimingError, match=r"`time` of `block.build` is .*: give a Discrete"):
         estimator.estimator(two, time)

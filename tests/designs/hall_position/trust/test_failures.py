@@ -123,7 +123,7 @@ def test_no_bodies_points_or_samples_are_refused(number: Any) -> None:
     for within in (None, MOVING):
         with pytest.raises(ModelError, match="number of bodies is"):
             failures.tried(FOUR, "dead", 1, number, within)
-    with pytest.raises(ModelError, match="number of points is"):
+    with pytest.raises(ModelError, match="number of poses along the pitch is"):
         failures.unseen(FOUR, "dead", 1, number)
     with pytest.raises(ModelError, match="number of bodies is"):
         endurance.run(FOUR, number, 3, MOVING)
