@@ -164,7 +164,7 @@ def test_the_toolkit_itself_counts(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
     assert slices.digest(replace._fitted) == before
     monkeypatch.setattr(minimax, "fit", lambda *a: None)
-    with pytest.raises(ContentError, match=r"in place of synth\.emit\.minimax\.fit"):
+    with pytest.raises(ContentError, match=r"in place of synth\.emit\.approx\.minimax\.fit"):
         slices.digest(replace._fitted)
 
 

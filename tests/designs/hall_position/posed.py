@@ -34,7 +34,7 @@ def block(array: Array, tuning: Tuning = USUAL) -> Block:
 
 @cache
 def emitted(array: Array, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64) -> write.Emitted:
-    return write.emit(block(array, tuning), scalar, error=six_estimator.SURROGATE_ERROR[scalar])
+    return write.emit(unranged(block(array, tuning)), scalar, error=six_estimator.SURROGATE_ERROR[scalar])
 
 
 @cache

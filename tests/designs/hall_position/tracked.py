@@ -10,7 +10,7 @@ import numpy as np
 from designs.hall_position import reference
 from designs.hall_position.glsdc import channels, estimator
 from designs.hall_position.glsdc.parameters import Array, Tuning
-from synth.block import Block
+from synth.block import Block, unranged
 from synth.emit import write
 from synth.execute import host
 from synth.statespace import Array as Numbers
@@ -47,7 +47,7 @@ def block(array: Array, tuning: Tuning = USUAL) -> Block:
 
 @cache
 def emitted(array: Array, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64) -> write.Emitted:
-    return write.emit(block(array, tuning), scalar, error=estimator.SURROGATE_ERROR[scalar])
+    return write.emit(unranged(block(array, tuning)), scalar, error=estimator.SURROGATE_ERROR[scalar])
 
 
 @cache

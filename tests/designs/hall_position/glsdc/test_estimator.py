@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from designs.hall_position import reference
-from designs.hall_position.glsdc import estimator
+from designs.hall_position.glsdc import channels
 from designs.hall_position.glsdc.parameters import Array, Tuning
 from models import concentrated_field, hall_array
 from synth.errors import ModelError
@@ -231,5 +231,5 @@ def test_a_weighted_sensor_counts_for_more() -> None:
 
 
 def test_voltages_are_named_by_sensor_and_axis() -> None:
-    assert [s.name for s in estimator.voltages(Array(PAIR, 0.0, ALPHA, BETA))] == ["V_ax", "V_ay", "V_bx", "V_by"]
+    assert [s.name for s in channels.voltages(len(PAIR))] == ["V_ax", "V_ay", "V_bx", "V_by"]
     assert pytest.approx(TWO.wave_number) == W
