@@ -4,7 +4,7 @@
     arrays                                         type, shape and bytes
     dataclasses                                    the class with its slice, and all fields
     CasADi's expressions and functions             their serialised form; symbols count by name and place
-    functions                                      their slice, defaults, and what they close over
+    functions                                      their slice, bytecode, defaults, and what they close over
 
 A value of another kind has no digest.
 """
@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from enum import Enum
 from functools import partial
 from pathlib import PurePath
+from types import CodeType
 from typing import Any
 
 import casadi as ca
@@ -100,7 +101,8 @@ class _Reader:
         if inspect.isfunction(inner):
             free = inspect.getclosurevars(inner).nonlocals.items()
             around = [(name, v) for name, v in free if v is not value]
-            return "function", (_source(inner), inner.__defaults__, inner.__kwdefaults__, around)
+            own = _bytecode(inner.__code__)  # of several lambdas in one statement the slice is the same
+            return "function", (_source(inner), own, inner.__defaults__, inner.__kwdefaults__, around)
         if inspect.isbuiltin(inner):
             return "builtin", f"{inner.__module__}.{inner.__qualname__}".encode()
         raise ContentError(
@@ -113,6 +115,15 @@ def _array(value: np.ndarray[Any, Any]) -> tuple[Any, ...]:
     if value.dtype.hasobject:
         raise ContentError("content of an array: found objects in it, need numbers: give it a type of numbers")
     return str(value.dtype.descr), value.shape, np.ascontiguousarray(value).tobytes()
+
+
+def _bytecode(code: CodeType) -> tuple[Any, ...]:
+    """Return what a function computes of its names and constants; a set among these has no order."""
+    constants = [
+        _bytecode(c) if isinstance(c, CodeType) else sorted(map(repr, c)) if isinstance(c, frozenset) else repr(c)
+        for c in code.co_consts
+    ]
+    return code.co_code, code.co_names, code.co_freevars, constants
 
 
 def _source(value: Callable[..., Any] | type) -> bytes:

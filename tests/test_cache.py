@@ -223,6 +223,11 @@ def test_unlike_values_have_unlike_digests() -> None:
     assert len({contents.digest(v) for v in UNLIKE}) == len(UNLIKE)
 
 
+def test_lambdas_of_one_function_have_unlike_digests() -> None:
+    pairs = [lambda x: 2 * x, lambda x: 3 * x, lambda x: x in {1, 2}, lambda x: x in {1, 3}, lambda x: (lambda: x)()]
+    assert len({contents.digest(f) for f in pairs}) == len(pairs)
+
+
 def test_a_symbol_in_two_expressions_is_one() -> None:
     x, other, y = SX("x"), SX("x"), SX("y")
     assert contents.digest([x, x + y]) == contents.digest([other, other + y])

@@ -9,7 +9,7 @@ import pytest
 
 from synth.block import Block, Constant, State, Step, build, clip
 from synth.emit import lower, pipeline, write
-from synth.emit.passes import fold
+from synth.emit.passes import fold, limits
 from synth.emit.pipeline import Reduced
 from synth.emit.proof import ranges
 from synth.errors import EmitError
@@ -104,7 +104,7 @@ def test_a_needed_limit_that_is_dropped_is_noticed(width: float, monkeypatch: py
     def all_idle(program: lower.Program, found: Any) -> dict[int, int]:
         return {k: n.args[0] for k, n in enumerate(program.nodes) if n.op in LIMITS}
 
-    monkeypatch.setattr(ranges, "redundant", all_idle)
+    monkeypatch.setattr(limits, "redundant", all_idle)
     with pytest.raises(EmitError, match=rf"state 'x' may become .* but its declared bounds are -{width} .. {width} 1"):
         reduce(filtered(width))
     reduce(filtered(2.5))

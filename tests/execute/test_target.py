@@ -89,7 +89,8 @@ def test_an_emitted_block_in_double_on_the_cortex_m7(compiler: str) -> None:
         slow = x["slow"] + 0.1 * (u["a"] - x["slow"])
         return Step({"y": ca.sqrt(ca.fabs(slow)) + u["b"] / (2 + slow)}, {"slow": ca.fmin(ca.fmax(slow, -1), 1)})
 
-    a, b, y, slow = (Signal(name, "1", -1, 1) for name in ("a", "b", "y", "slow"))
+    a, b, slow = (Signal(name, "1", -1, 1) for name in ("a", "b", "slow"))
+    y = Signal("y", "1", -1, 3)
     block = build("slow", Discrete(1e-3), law, inputs=[a, b], outputs=[y], states=[State(slow, 0.25)], constants=[])
     made = emit(block, np.float64)
     inputs = {n: np.random.default_rng(6).uniform(-1, 1, 500) for n in ("a", "b")}

@@ -42,6 +42,7 @@ def grid(kind: Kind, points: int, yaws: Numbers) -> Pose:
 
     Raises ModelError for no point, or yaws that are none or not finite.
     """
+    yaws = numeric.table("the yaws", np.reshape(yaws, (-1, 1)), 1)[:, 0]
     return Pose(*layouts.poses(kind.array.pitch, points, yaws))
 
 

@@ -9,7 +9,7 @@ from functools import cache, partial
 import numpy as np
 import pytest
 
-from designs.hall_position import bench, costs, page_costs, shipped
+from designs.hall_position import bench, costs, shipped
 from designs.hall_position.costs import BUILDS, Costs, Row, Subject
 from synth.emit import write
 from synth.emit.write import Emitted
@@ -120,4 +120,4 @@ def test_every_row_is_shown() -> None:
 
 
 def rendered(found: Costs) -> str:
-    return page.render(page.Report("costs", "", (page_costs.section(found),)))
+    return page.render(page.Report("costs", "", (costs.section(found),)))

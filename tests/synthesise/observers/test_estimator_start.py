@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from synth.block import Block
+from synth.block import Block, unranged
 from synth.blocks import linear_block
 from synth.emit import write
 from synth.errors import ModelError, SignalError, TimingError
@@ -59,7 +59,7 @@ def by_casadi(block: Block, u: Array) -> Array:
 
 
 def by_c(block: Block, u: Array) -> Array:
-    emitted = write.emit(block, np.float64)
+    emitted = write.emit(unranged(block), np.float64)
     columns = {s.name: u[:, i] for i, s in enumerate(block.inputs)}
     out = host.load(emitted.files, emitted.manifest).replay(columns).outputs
     return np.stack([out[s.name] for s in block.outputs], axis=1)

@@ -9,9 +9,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from designs.hall_position import page_loops, shipped
+from designs.hall_position import shipped
 from designs.hall_position.loop import closed_loop, experiments, sources, stage_loop
 from designs.hall_position.loop.stage_loop import Loop
+from designs.hall_position.pages import loops as page_loops
 from designs.planar_6dof import lqg
 from models import planar_stage
 from synth.execute import cross, host

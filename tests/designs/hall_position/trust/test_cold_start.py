@@ -59,7 +59,7 @@ def test_a_yaw_beyond_the_assumed_ones_is_not_valid() -> None:
 
 @pytest.mark.parametrize("number", [0, -1, 2.5, None, True])
 def test_no_points_or_samples_are_refused(number: Any) -> None:
-    with pytest.raises(ModelError, match="number of points is"):
+    with pytest.raises(ModelError, match="number of poses along the pitch is"):
         cold_start.grid(THREE, number, YAWS)
     with pytest.raises(ModelError, match="number of samples is"):
         cold_start.run(THREE, cold_start.grid(THREE, 1, YAWS), number)

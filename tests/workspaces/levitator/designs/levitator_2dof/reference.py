@@ -56,9 +56,9 @@ AXES = {
 }  # fmt: skip
 BOUNDS = {  # of the controller's states, as its manifest declares them
     "z": {
-        "sum": 0.32,
-        "p1": 0.0092,
-        "q1": 0.25,
+        "sum": 0.31,
+        "p1": 0.0089,
+        "q1": 0.24,
         "z_predicted": 1.2e-3,
         "vz_predicted": 1.1,
         "w_z_late1_predicted": 57.0,
