@@ -87,7 +87,8 @@ class Singular:
 def parts(plant: Plant, block: Block, place: Place = MIDDLE, delay: float = 1) -> Parts:
     """Return both parts of the loop of a whole controller with the platen at rest at a place, `delay` in samples."""
     pose = {**MIDDLE, **place}
-    stage, E, T = linearise.linearise(plant, trim.trim(plant, pose, [])), turned(plant, pose), block.time.period_s
+    stage, E = linearise.linearise(plant, trim.trim(plant, pose, [])), commutation_matrix(plant, pose)
+    T = block.time.period_s
     shown = stage.select(SENSED, ()).C[:, [stage.states.index(axis) for axis in AXES]]
     motors = stage.select(AXES, PHASES)
     held = loop.sampled(replace(motors, B=motors.B @ E, D=motors.D @ E, inputs=MOTORS), T, delay * T)
@@ -120,7 +121,7 @@ def _stepped(block: Block, inputs: Mapping[str, float], samples: int) -> tuple[d
     return states, outputs
 
 
-def turned(plant: Plant, pose: Place) -> Array:
+def commutation_matrix(plant: Plant, pose: Place) -> Array:
     """Return E (9, 6): the phase currents of a current of 1 A of each motor, along its motion or up."""
     p = {s.name: ca.SX(s.value) for s in plant.parameters}
     centres = planar_stage.centres({axis: ca.SX(v) for axis, v in pose.items()}, p)

@@ -25,14 +25,13 @@ from designs.planar_6dof import page as planar
 from designs.planar_6dof.allocation import AXES, HORIZONTAL
 from designs.planar_6dof.loops import MOTORS, PHASES, SENSED, Parts, Place
 from designs.planar_6dof.page_stage import SYMBOLS
-from models import concentrated_field, hall_array, lorentz_motor, planar_stage
+from models import concentrated_field, hall_array, planar_stage
 from models.hall_chain import Chain
 from synth.analyse import linearise, loop, trim
 from synth.block import Block
-from synth.plant import Plant
 from synth.report import page, standard
 from synth.signals import names
-from synth.statespace import Array, StateSpace, readonly
+from synth.statespace import Array, StateSpace
 from synth.timing import period
 
 ESTIMATE, SECTIONS = "estimate, three sensors", "sections, three sensors"
@@ -74,7 +73,7 @@ def _over_pitch(source: Source, block: Block, points: int) -> page.Table:
 def opened(source: Source, block: Block, place: Place) -> Parts:
     """Return both parts of the loop with the platen at rest at a place, m."""
     plant, T, pose = planar_stage.plant(), period(block.time), {**loops.MIDDLE, **place}
-    stage, E = linearise.linearise(plant, trim.trim(plant, pose, [])), turned(plant, pose)
+    stage, E = linearise.linearise(plant, trim.trim(plant, pose, [])), loops.commutation_matrix(plant, pose)
     motors = stage.select(AXES, PHASES)
     moved = filtered(replace(motors, B=motors.B @ E, D=motors.D @ E, inputs=MOTORS), Chain())
     volts, slopes = sensed(source.array, pose)
@@ -87,19 +86,6 @@ def opened(source: Source, block: Block, place: Place) -> Parts:
     seen, commands = tuple(f"{axis}_seen" for axis in AXES), tuple(f"{name}_command" for name in MOTORS)
     B, C, D = K.B @ shown, 2 / 3 * E.T @ K.C, 2 / 3 * E.T @ K.D @ shown
     return Parts(loop.sampled(moved, T, T), replace(K, B=B, C=C, D=D, inputs=seen, outputs=commands))
-
-
-def turned(plant: Plant, pose: Place) -> Array:
-    """Return E (9, 6): the phase currents of a current of 1 A of each motor, along its motion or up."""
-    p = {s.name: ca.SX(s.value) for s in plant.parameters}
-    centres = planar_stage.centres({axis: ca.SX(v) for axis, v in pose.items()}, p)
-    E = np.zeros((len(PHASES), len(MOTORS)))
-    for column, name in enumerate(MOTORS):
-        motor, along = name[2], name[3] == "Q"
-        at = centres[motor].X if motor == "C" else centres[motor].Y
-        for phase, current in lorentz_motor.commutated(ca.SX(along), ca.SX(not along), at, p).items():
-            E[PHASES.index(f"i_{motor}{phase}"), column] = float(current)
-    return readonly(E)
 
 
 def filtered(motors: StateSpace, chain: Chain) -> StateSpace:
