@@ -23,8 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.analyse import discretise, precise
+from synth.conversions import coefficients
 from synth.errors import ModelError
-from synth.statespace import Array, StateSpace, System, coefficients, of
+from synth.statespace import Array, StateSpace, System, of
 from synth.timing import Continuous, Time
 
 Complex = NDArray[np.complex128]
