@@ -6,7 +6,7 @@ it.
 
 import copy
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from synth.signals import dimension
 from synth.timing import Continuous, Discrete, Time, period
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 
 
 def readonly(values: ArrayLike) -> Array:
@@ -31,8 +32,7 @@ def readonly(values: ArrayLike) -> Array:
 
 
 @arguments.checked
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class StateSpace:
     """A linear model with n states, m inputs and p outputs.
 
@@ -92,11 +92,11 @@ class StateSpace:
         return show.Sheet(f"Linear model in {self.time}: {size}", tables=(table,))
 
     @property
-    def poles(self) -> NDArray[np.complex128]:
+    def poles(self) -> Complex:
         """Eigenvalues of A, sorted by real then imaginary part."""
         return np.sort_complex(np.linalg.eigvals(self.A).astype(np.complex128))
 
-    def response(self, s_or_z: ArrayLike) -> NDArray[np.complex128]:
+    def response(self, s_or_z: ArrayLike) -> Complex:
         """Return C (v I - A)^-1 B + D at each point v of `s_or_z` (k,) as an array (k, p, m).
 
         Values beyond what a double holds are not finite.

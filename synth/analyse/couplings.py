@@ -14,8 +14,7 @@ from scipy.linalg import lapack
 
 from synth import arguments, show
 from synth.analyse import staircase, structure
-from synth.analyse.staircase import Complex
-from synth.statespace import Array, System, of
+from synth.statespace import Array, Complex, System, of
 from synth.timing import Time
 
 CHUNK = 16  # modes that are taken together
@@ -39,8 +38,7 @@ class Coupling:
     by_output: Mapping[str, float]
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Couplings:
     """The couplings of each mode, the slowest first."""
 

@@ -16,23 +16,20 @@ one channel of L at a time and leaves the others as they are. A sampled loop is 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from synth import arguments, show
 from synth.analyse import equilibrate, structured_peak
 from synth.errors import ModelError, SignalError
-from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.timing import Continuous, Time
 
-Complex = NDArray[np.complex128]
 Matrices = tuple[Array, Array, Array, Array]
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class DiskMargin:
     """The disk margin of a loop with p channels: it lies between `lower` and `upper`.
 

@@ -39,8 +39,7 @@ class _Span:
     text: str
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Gramians:
     """Wc (n, n), Wo (n, n) in the units of the states, Hankel singular values (n,), largest first, and shares.
 

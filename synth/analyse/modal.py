@@ -19,9 +19,7 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from synth.statespace import Array
-
-Complex = NDArray[np.complex128]
+from synth.statespace import Array, Complex
 
 EPS = float(np.finfo(float).eps)  # twice the largest error of a rounding
 WIDE = 1e30  # no number is larger, no pole nearer to the axis than its inverse: squares keep within a double

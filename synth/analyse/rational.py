@@ -20,15 +20,13 @@ from typing import Any
 
 import flint
 import numpy as np
-from numpy.typing import NDArray
 
 from synth.analyse import discretise, precise
 from synth.conversions import coefficients
 from synth.errors import ModelError
-from synth.statespace import Array, StateSpace, System, of
+from synth.statespace import Array, Complex, StateSpace, System, of
 from synth.timing import Continuous, Time
 
-Complex = NDArray[np.complex128]
 Polynomial = flint.fmpz_poly
 
 BITS = 128  # of each zero; more where they do not resolve a value

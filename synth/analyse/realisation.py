@@ -34,8 +34,7 @@ class Fewer:
     difference: float
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Minimal:
     """The minimal `model`, the modes that left it, and the largest difference of the responses.
 

@@ -14,12 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
-from numpy.typing import NDArray
 
 from synth.errors import SignalError
-from synth.statespace import Array, StateSpace
-
-Complex = NDArray[np.complex128]
+from synth.statespace import Array, Complex, StateSpace
 
 COUPLING = 1e-11  # of the scaled matrices' size: what is weaker counts as rounding error and moves nothing
 LARGEST = 332.0  # of the exponents of 2 of entries and units: cubes of what is larger leave the range of a double

@@ -22,9 +22,8 @@ from numpy.typing import ArrayLike
 from synth import arguments, show
 from synth.analyse import staircase
 from synth.analyse.equilibrate import equilibrated
-from synth.analyse.staircase import Complex
 from synth.errors import ModelError
-from synth.statespace import Array, StateSpace, System, of
+from synth.statespace import Array, Complex, StateSpace, System, of
 from synth.timing import Continuous, Time
 
 DECAY = 1e-12  # of |w|' |A|, w a scaled left eigenvector of length 1: what decays slower counts as not decaying
@@ -64,8 +63,7 @@ class Root:
     outputs: Direction
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Poles:
     """The poles of a model, the slowest first, each with the states of its right eigenvector."""
 
@@ -82,8 +80,7 @@ class Poles:
         return show.Sheet(f"Poles in {self.time}: {len(self.roots)}", tables=_tables("pole", self.roots))
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Zeros:
     """The finite transmission zeros of a model, the slowest first, and the usual `rank` of its response (p, m).
 

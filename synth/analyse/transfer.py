@@ -14,16 +14,15 @@ from dataclasses import dataclass
 from numbers import Real
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from synth import arguments, show
 from synth.analyse import schur_response
 from synth.analyse.refinement import NARROW, refined
 from synth.errors import ModelError, SignalError, TimingError
-from synth.statespace import Array, StateSpace, System, of
+from synth.statespace import Array, Complex, StateSpace, System, of
 from synth.timing import Continuous, Discrete, Time
 
-Complex = NDArray[np.complex128]
 Response = Callable[[ArrayLike], Complex]
 
 ZERO = 1e-12  # of the fastest rate: a slower one may be the rounding error of an integrator
@@ -34,8 +33,7 @@ TURNS = 1000  # of the delay over the whole grid: beyond, the loop is refused
 
 
 @arguments.checked
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Delayed:
     """A scalar continuous model whose output is late by `delay_s` and, where `hold_s` is not 0, held over `hold_s`."""
 

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from scipy.special import erf
 
 from synth.errors import DesignError
+from synth.statespace import Array
 
-Array = NDArray[np.float64]
 Element = ElementTree.Element
 FUNCTIONS: Mapping[str, Callable[..., Array]] = {
     **{n: getattr(np, n) for n in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "exp", "hypot", "log1p", "expm1")},

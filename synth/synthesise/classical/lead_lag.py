@@ -78,8 +78,7 @@ class Compensator:
         return show.Sheet(f"Compensator in {self.time}, {ends}", (), (show.Table(("", "value"), tuple(rows)),))
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class LeadLag:
     """A compensator and what is sampled of it; `zeros` and `poles` are those in z, `gain` the factor before them.
 

@@ -6,8 +6,6 @@ built up by orthonormal steps in scaled units. With one input the gain is the on
 arithmetic.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 import scipy.linalg
 
@@ -19,8 +17,7 @@ from synth.synthesise.feedback import pole_placement
 from synth.timing import Continuous, Discrete
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Deadbeat:
     """K (m, n) for which every state is 0 after `steps` samples, the fewest.
 

@@ -11,7 +11,6 @@ are those of the rounded K, computed in ball arithmetic: what separates them fro
 
 import warnings
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import flint
 import numpy as np
@@ -22,9 +21,8 @@ from scipy.optimize import linear_sum_assignment
 from synth import arguments, show
 from synth.analyse import precise, staircase, structure
 from synth.errors import ModelError, SignalError
-from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.synthesise.riccati import spectrum
-from synth.synthesise.riccati.spectrum import Complex
 from synth.timing import Continuous, Discrete, Time
 
 PAIR = 1e-9  # of a pole's size: what differs less is a conjugate
@@ -36,8 +34,7 @@ LISTED = 6  # poles that a message lists
 MISSED = 1e-2  # of the poles' size: further off is refused; K's rounding moves a sixfold pole by 2e-3
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Placement:
     """K (m, n) with the poles asked for and those attained, in 1/s or in z.
 

@@ -33,8 +33,7 @@ from synth.statespace import Array
 from synth.synthesise.nonlinear import cofactors
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Extension:
     """The extended `plant`, its new states in the order they were added, and the degree of its outputs.
 

@@ -55,8 +55,7 @@ class Law:
     inputs: dict[str, ca.SX]
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Linearisation:
     """The law `u` (m,) of the states `x` (n,) and the demands `w` (p,), in symbols, with what it rests on.
 

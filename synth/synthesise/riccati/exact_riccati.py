@@ -20,8 +20,8 @@ import numpy as np
 
 from synth.analyse import precise
 from synth.errors import ModelError
-from synth.statespace import Array
-from synth.synthesise.riccati.equation import Complex, Equation, Solution, decays
+from synth.statespace import Array, Complex
+from synth.synthesise.riccati.equation import Equation, Solution, decays
 
 Mat = flint.arb_mat
 

@@ -22,9 +22,9 @@ from numpy.typing import NDArray
 from synth import show
 from synth.analyse import staircase, structure
 from synth.errors import ModelError
-from synth.statespace import Array, StateSpace
+from synth.statespace import Array, Complex, StateSpace
 from synth.synthesise.feedback import weights
-from synth.synthesise.riccati.equation import Complex, Equation, decays
+from synth.synthesise.riccati.equation import Equation, decays
 from synth.timing import Continuous, Time
 
 MARGIN = 1e-7  # of the fastest pole: what decays slower may be the rounding error of a mode that does not decay

@@ -21,9 +21,8 @@ from numpy.typing import ArrayLike
 
 from synth import arguments
 from synth.analyse import staircase
-from synth.analyse.staircase import Complex
 from synth.errors import SignalError
-from synth.statespace import Array
+from synth.statespace import Array, Complex
 
 NEIGHBOURHOODS = (3e-4, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12)  # of the size of a part of S
 ALIKE = 1e-9  # relative: modes of separate parts of S this close are one

@@ -31,8 +31,7 @@ from synth.timing import Continuous, Time
 SOLVED = 1e-9  # of the terms of an equation: a residual above it says that there is no solution
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class SteadyState:
     """x = Pi w and u = Gamma w: Pi (n, q), Gamma (m, q); `residual` is the largest of both equations over its terms."""
 

@@ -18,16 +18,15 @@ regulator that feeds back e and its derivatives in the place of x, as `regulator
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import scipy.linalg
 from numpy.typing import ArrayLike
 
 from synth import arguments, show
-from synth.analyse.staircase import Complex
 from synth.errors import ModelError, SignalError
-from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.synthesise.servo import internal_model, steady_error
 from synth.synthesise.servo.internal_model import Exosystem, InternalModel
 from synth.synthesise.servo.steady_error import SteadyError, named
@@ -37,8 +36,7 @@ Names = Sequence[str] | str | None
 """Names of signals; None for all."""
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Servo:
     """u = K_x x + K_xi xi for a plant, with its certificate; n states, m controls, p regulated outputs, k modes' order.
 
