@@ -114,7 +114,9 @@ class DiskMargin:
         parts = [_first_order(delta, w, self.skew) for delta in self.delta.tolist()]
         A, B, C, D = (np.diag([part[k] for part in parts]) for k in range(4))
         if not isinstance(self.time, Continuous):
-            A, B, C, D = _sampled(A, B, C, D)
+            one, root = np.eye(len(A)), np.sqrt(2)
+            inverse = np.linalg.inv(one - A)
+            A, B, C, D = inverse @ (A + one), root * inverse @ B, root * C @ inverse, D + C @ inverse @ B
         states, outputs = (tuple(f"{name}_{kind}" for name in self.channels) for kind in ("allpass", "astray"))
         return StateSpace(A, B, C, D, states, self.channels, outputs, self.time)
 
@@ -207,13 +209,6 @@ def _margin(closed: StateSpace, channels: tuple[str, ...], skew: float, certify:
         lower, upper, curve = 1 / np.float64(peak.level), 1 / np.float64(peak.lower), 1 / peak.bounds
     bounds = float(lower), float(upper), peak.certified
     return DiskMargin(channels, float(skew), closed.time, *bounds, peak.frequency, peak.delta, peak.frequencies, curve)
-
-
-def _sampled(A: Array, B: Array, C: Array, D: Array) -> Matrices:
-    """Return the model in z of one in s = (z - 1)/(z + 1)."""
-    one, root = np.eye(len(A)), np.sqrt(2)
-    inverse = np.linalg.inv(one - A)
-    return inverse @ (A + one), root * inverse @ B, root * C @ inverse, D + C @ inverse @ B
 
 
 def _first_order(delta: complex, w: float, skew: float) -> tuple[float, float, float, float]:

@@ -91,7 +91,8 @@ def of_system(system: System) -> Rational:
     if not isinstance(model.time, Continuous):
         order = max(N.degree(), D.degree())
         N, D = _bilinear(N, order), _bilinear(D, order)
-    N, D = _primitive(N, D)
+    common = gcd(int(N.content()), int(D.content())) or 1
+    N, D = N // common, D // common
     return Rational(N, D, model, fraction)
 
 
@@ -137,12 +138,6 @@ def _bilinear(P: Polynomial, order: int) -> Polynomial:
     shifted = [int(c) << k for k, c in enumerate(map(int, P(X - 1).coeffs()))]
     padded = shifted + [0] * (order + 1 - len(shifted))
     return flint.fmpz_poly(padded[::-1])(1 - X)
-
-
-def _primitive(N: Polynomial, D: Polynomial) -> tuple[Polynomial, Polynomial]:
-    """Return N and D without the common divisor of all their coefficients."""
-    common = gcd(int(N.content()), int(D.content())) or 1
-    return N // common, D // common
 
 
 def zeros(P: Polynomial) -> Complex:
