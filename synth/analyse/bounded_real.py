@@ -105,7 +105,6 @@ def _inequality(X: Array, model: Matrices, level: float, continuous: bool) -> tu
 
 
 def _embedded(M: Array, rows: int) -> Array:
-    """Return M with rows of zeros below its own."""
     return np.vstack([M, np.zeros((rows, M.shape[1]))])
 
 

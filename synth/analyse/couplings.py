@@ -81,10 +81,7 @@ class Couplings:
 
 @arguments.checked
 def couplings(system: System) -> Couplings:
-    """Return how strongly inputs move and outputs show each mode of a System.
-
-    Raises SignalError as `statespace.of`.
-    """
+    """Return how strongly inputs move and outputs show each mode of a System; raise SignalError as `statespace.of`."""
     model = of(system)
     part = staircase.of_model(model)
     roots = structure.poles(model).roots
@@ -136,7 +133,6 @@ def _with_row(T: Complex, row: Complex) -> Complex:
 
 
 def _least(R: Complex) -> float:
-    """Return the least singular value of an upper triangular matrix (n, n)."""
     if len(R) > SMALL and np.isfinite(found := _iterated(R)):
         return found
     return float(np.linalg.svd(R, compute_uv=False)[-1])

@@ -214,7 +214,6 @@ def _gramians(model: StateSpace, T: Array, span: _Span) -> Gramians:
 
 
 def _residual(F: Array, Q: Array, W: Array, span: _Span, continuous: bool) -> float:
-    """Return the residual of the Lyapunov equation over the norms of its terms."""
     left, edge = (F.T @ W + W @ F if continuous else F.T @ W @ F - W), span.edge(F, Q)
     size = np.linalg.norm(F.T @ W) + np.linalg.norm(edge)
     return float(np.linalg.norm(left - edge) / (size or 1.0))

@@ -99,12 +99,10 @@ def eigen(A: Array) -> tuple[Complex, Array]:
 
 
 def _largest(*matrices: NDArray[np.floating]) -> float:
-    """Return the size of the largest entry."""
     return max(float(np.abs(M).max(initial=0.0)) for M in matrices)
 
 
 def _partners(poles: Complex) -> NDArray[np.intp]:
-    """Return the place of each pole's conjugate."""
     return np.arange(len(poles)) + np.sign(poles.imag).astype(np.intp)
 
 

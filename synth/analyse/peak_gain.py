@@ -131,7 +131,6 @@ def _middles(eigenvalues: Complex) -> Array:
 
 
 def _climb(form: Matrices, w: float) -> tuple[float, float]:
-    """Return the value and the frequency of the local maximum that Newton's method finds from w."""
     if np.isinf(w) or not len(form[0]):
         return float(np.linalg.norm(form[3], 2)), w
     return climb.climb(lambda at: _derivatives(form, at), w)

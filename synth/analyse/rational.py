@@ -82,10 +82,7 @@ class Rational:
 
 
 def of_system(system: System) -> Rational:
-    """Return a scalar System as the ratio that its numbers make.
-
-    Raises SignalError when the system cannot be read.
-    """
+    """Return a scalar System as the ratio that its numbers make; raise SignalError when the system cannot be read."""
     model, fraction = of(system), coefficients(system)
     N, D = _integer_coefficients(*fraction) if fraction else _determinants(model)
     if not isinstance(model.time, Continuous):
@@ -190,10 +187,7 @@ def count_unstable(loop: Rational, factor: complex) -> int:
 
 
 def _complex_roots(real: Polynomial, imaginary: Polynomial) -> list[flint.acb]:
-    """Return the zeros of real + i imaginary, exact coefficients.
-
-    Raises ModelError where they cannot be told apart.
-    """
+    """Return the zeros of real + i imaginary, exact coefficients; raise ModelError where they cannot be told apart."""
     with precise.precision(max(real.height_bits(), imaginary.height_bits()) + BITS):
         P = flint.acb_poly(real) + flint.acb(0, 1) * flint.acb_poly(imaginary)
         try:

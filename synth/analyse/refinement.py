@@ -29,7 +29,6 @@ def refined(L: Response, w: Array, value: Complex) -> tuple[Array, Complex]:
 
 
 def _step(value: Complex) -> Array:
-    """Return how far log `value` moves from point to point."""
     turn = np.diff(np.angle(value))
     return np.hypot(np.diff(log(value)), (turn + np.pi) % (2 * np.pi) - np.pi)
 

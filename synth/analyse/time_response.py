@@ -173,7 +173,6 @@ def _duration(model: StateSpace) -> float:
 
 
 def _count(model: StateSpace, span: float) -> int:
-    """Return how many intervals show the oscillations of a continuous model over a span."""
     rates = _rates(model)
     turning = np.abs(rates.imag[np.abs(rates.imag) > 0.1 * np.abs(rates.real)])
     return int(np.clip(PER_TURN * span * turning.max(initial=0.0) / (2 * np.pi), POINTS, MOST / 2))

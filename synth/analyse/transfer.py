@@ -216,7 +216,6 @@ def _lateness(loop: Delayed, w: Array) -> Complex:
 
 
 def _closed_rates(loop: StateSpace | Delayed) -> Complex:
-    """Return the poles of the closed loop, without its delay, in 1/s."""
     if isinstance(loop, StateSpace):
         return _rates(closed_poles(loop), loop)
     return loop.model.poles if loop.model.D[0, 0] == -1 else closed_poles(loop.model)

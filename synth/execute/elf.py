@@ -104,10 +104,7 @@ class Program:
 
 
 def read(path: Path) -> Program:
-    """Read a linked image.
-
-    Raises CompileError when the file has no symbols, as after `-s`.
-    """
+    """Read a linked image; raise CompileError when the file has no symbols, as after `-s`."""
     with path.open("rb") as file:
         elf = ELFFile(file)
         symbols, sections = _symbols(elf), [s for s in elf.iter_sections() if _loaded(s)]

@@ -92,20 +92,14 @@ class Image:
         return address
 
     def write(self, address: int, content: bytes) -> None:
-        """Write bytes.
-
-        Raises SynthError where nothing is reserved.
-        """
+        """Write bytes; raise SynthError where nothing is reserved."""
         try:
             self.engine.mem_write(address, content)
         except UcError as error:
             raise SynthError(f"memory of the core: {address:#x} takes no {len(content)} bytes: reserve them") from error
 
     def read(self, address: int, size: int) -> bytes:
-        """Return `size` bytes.
-
-        Raises SynthError where nothing is reserved.
-        """
+        """Return `size` bytes; raise SynthError where nothing is reserved."""
         try:
             return bytes(self.engine.mem_read(address, size))
         except UcError as error:
@@ -170,7 +164,6 @@ class Image:
         )
 
     def _lowest_written(self) -> int:
-        """The lowest address of the stack whose paint is gone."""
         words = np.frombuffer(self.read(STACK, STACK_BYTES), np.uint8).reshape(-1, len(_PAINT))
         touched = np.flatnonzero((words != np.frombuffer(_PAINT, np.uint8)).ravel())
         return STACK + (int(touched[0]) if touched.size else STACK_BYTES)

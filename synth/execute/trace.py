@@ -98,10 +98,7 @@ class Counts:
 
 
 def decode(program: elf.Program) -> Code:
-    """Disassemble every instruction of a program.
-
-    Raises SynthError at bytes that are none.
-    """
+    """Disassemble every instruction of a program; raise SynthError at bytes that are none."""
     engine = Cs(CS_ARCH_ARM, CS_MODE_THUMB | CS_MODE_MCLASS)
     engine.detail = True
     found = tuple(i for region in program.regions if region.thumb for i in _disassembled(engine, region))

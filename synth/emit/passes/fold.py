@@ -172,7 +172,6 @@ def _not(f: _Folder, a: int) -> int | None:
 
 
 def _truth(f: _Folder, a: int) -> int:
-    """Return 1 where node a is not 0, else 0."""
     return a if f.nodes[a].op in LOGICAL else f.place(Node("ne", (a, f.literal(0.0))))
 
 

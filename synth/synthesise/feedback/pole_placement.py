@@ -272,6 +272,5 @@ def _size(poles: Complex, time: Time) -> float:
 
 
 def _listed(poles: Complex, most: int | None = None) -> str:
-    """Return poles as text, no more than `most`."""
     more = [f"and {len(poles) - most} more"] if most is not None and len(poles) > most else []
     return ", ".join([*(show.number(p, 6) for p in poles[:most]), *more])

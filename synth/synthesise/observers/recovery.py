@@ -166,7 +166,6 @@ def _formed(controller: object) -> lqg.Controller:
 
 
 def _compensator(controller: lqg.Controller, s: Complex) -> Complex:
-    """Return the response (k, m, p) from y to u."""
     F = controller.compensator.select(controller.gain.inputs, controller.estimator.model.outputs)
     return F.response(s)
 

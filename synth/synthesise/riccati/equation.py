@@ -76,7 +76,6 @@ class Equation:
         return np.asarray(np.linalg.solve(self.weight(X), self._cross(X)), dtype=np.float64)
 
     def _cross(self, X: Array) -> Array:
-        """Return P'."""
         XB = self.B.T @ X
         return (XB if self.continuous else XB @ self.A) + self.N.T
 

@@ -170,7 +170,6 @@ def _starts(problem: _Problem, start: Array | None) -> Iterator[Mat]:
 
 
 def _size(p: _Problem) -> flint.arb:
-    """Return a size for X0."""
     return flint.arb((precise.norm(p.Q) + precise.norm(p.R) / precise.norm(p.B) ** 2) if precise.norm(p.B) else 1.0)
 
 
@@ -215,7 +214,6 @@ def _mapped(A: Mat, G: Mat, H: Mat) -> tuple[Mat, Mat, Mat]:
 
 
 def _poles(closed: Mat) -> Complex:
-    """Return the eigenvalues (n,) of a loop, each to far more digits than those of double."""
     values = flint.acb_mat(precise.middle(closed)).eig(algorithm="approx")
     return np.sort_complex(np.array([_level(complex(float(v.real), float(v.imag))) for v in values]))
 

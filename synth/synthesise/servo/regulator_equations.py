@@ -114,7 +114,6 @@ def require_no_zero(model: StateSpace, points: Sequence[complex]) -> None:
 
 
 def _point(s: complex, time: Time) -> complex:
-    """Return a mode of 1/s in a model's time: s itself or exp(s T)."""
     return complex(s) if isinstance(time, Continuous) else complex(np.exp(s * time.period_s))
 
 

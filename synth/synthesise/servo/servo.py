@@ -238,7 +238,6 @@ def _controller(
 
 
 def _identity(plant: StateSpace) -> StateSpace:
-    """Return the estimator of a plant whose states are measured."""
     n = len(plant.A)
     form = (np.zeros((0, 0)), np.zeros((0, n)), np.zeros((n, 0)), np.eye(n))
     return StateSpace(*form, (), plant.states, plant.states, plant.time)

@@ -195,7 +195,6 @@ def _taylor(loop: StateSpace, mode: Mode) -> list[Array]:
 
 
 def _terms(loop: StateSpace, point: complex) -> Array:
-    """Return |C| |x| + |D| (p, q) at a point."""
     X = np.linalg.solve(point * np.eye(len(loop.A)) - loop.A, loop.B.astype(np.complex128))
     return np.asarray(np.abs(loop.C) @ np.abs(X) + np.abs(loop.D), dtype=np.float64)
 
@@ -212,6 +211,5 @@ def _frequencies(poles: Complex, time: Time) -> Complex:
 
 
 def _point(s: complex, time: Time) -> flint.acb:
-    """Return s or exp(s T) in the present precision."""
     ball = flint.acb(s.real, s.imag)
     return ball if isinstance(time, Continuous) else (ball * flint.arb(time.period_s)).exp()
