@@ -123,7 +123,6 @@ def own() -> Mapping[str, Call]:
         "structure.unmoved": {"time": Continuous()},
         "structure.require_stabilisable": {"time": Continuous()},
         "structure.require_detectable": {"time": Continuous(), "what": "Q"},
-        "structure.has_transmission_zero": {"s": 1.0},
         "structure.pair": {"value": 1 + 2j},
         "structure.rates": {"values": np.array([-1.0 + 0j])},
         "structure.direction": {"vector": np.array([1.0 + 0j, 2.0]), "names": ["a", "b"]},

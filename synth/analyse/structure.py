@@ -21,7 +21,6 @@ from numpy.typing import ArrayLike
 
 from synth import arguments, show
 from synth.analyse import staircase
-from synth.analyse.equilibrate import equilibrated
 from synth.errors import ModelError
 from synth.statespace import Array, Complex, StateSpace, System, of
 from synth.timing import Continuous, Time
@@ -199,17 +198,6 @@ def check_detectable(system: System) -> None:
     """Raise ModelError naming the first mode of a System that does not decay and that none of its outputs shows."""
     model = of(system)
     require_detectable(model.A, model.C, model.states, ", ".join(model.outputs) or "no output", model.time)
-
-
-@arguments.checked
-def has_transmission_zero(model: StateSpace, s: complex) -> bool:
-    """Tell whether the Rosenbrock matrix [[A - s I, B], [C, D]] loses row rank at s."""
-    rosenbrock = np.block([[model.A - s * np.eye(len(model.A)), model.B], [model.C, model.D]])
-    rows, columns = rosenbrock.shape
-    if rows > columns:
-        return True
-    values = np.linalg.svd(equilibrated(rosenbrock)[0], compute_uv=False)
-    return bool(values[-1] <= staircase.COUPLING * values[0])
 
 
 @arguments.checked
