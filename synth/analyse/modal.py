@@ -65,7 +65,7 @@ def of(A: Array, B: Array, C: Array, D: Array, poles: Complex, V: Array, sampled
         W = np.linalg.inv(V)
     except np.linalg.LinAlgError:
         return None
-    n, pairs, paired = len(A), _partners(poles), poles.imag != 0
+    n, pairs, paired = len(A), np.arange(len(poles)) + np.sign(poles.imag).astype(np.intp), poles.imag != 0
     rounding = (n + 5) * (EPS / 2) * UP  # of sums of n products and what is added to them
     W_size, V_size, other = np.abs(W), np.abs(V), V[:, pairs]
     G = W @ V
@@ -100,10 +100,6 @@ def eigen(A: Array) -> tuple[Complex, Array]:
 
 def _largest(*matrices: NDArray[np.floating]) -> float:
     return max(float(np.abs(M).max(initial=0.0)) for M in matrices)
-
-
-def _partners(poles: Complex) -> NDArray[np.intp]:
-    return np.arange(len(poles)) + np.sign(poles.imag).astype(np.intp)
 
 
 def _inverted(X: Array, rows: Array) -> Array:
