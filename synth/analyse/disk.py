@@ -21,7 +21,7 @@ from dataclasses import replace
 import numpy as np
 
 from synth import arguments, show
-from synth.analyse import equilibrate, structured_peak
+from synth.analyse import equilibrate, structured_peak, transfer
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.timing import Continuous, Time
@@ -190,11 +190,8 @@ def _closed(loop: StateSpace, skew: float) -> StateSpace:
 
 
 def _require_decay(A: Array, time: Time) -> None:
-    poles = np.linalg.eigvals(A)
-    if isinstance(time, Continuous):
-        lasting = poles.real >= -1e-14 * np.abs(poles).max(initial=0.0)
-    else:
-        lasting = np.abs(poles) >= 1 - 1e-14
+    poles = np.linalg.eigvals(A).astype(np.complex128)
+    lasting = transfer.lasting(poles, time)
     if lasting.any():
         found = ", ".join(show.number(s) for s in poles[lasting & (poles.imag >= 0)].tolist())
         raise ModelError(

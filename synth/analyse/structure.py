@@ -156,8 +156,7 @@ def unmoved(A: ArrayLike, B: ArrayLike, states: Sequence[str], time: Time) -> li
     Raises SignalError for other shapes and what is not finite.
     """
     A, B = arguments.fitting("A", A, len(states), len(states)), arguments.fitting("B", B, len(states))
-    n, m = B.shape
-    part = staircase.scaled(A, B, np.zeros((0, n)), np.zeros((0, m)))
+    part = staircase.scaled(A, B)
     values, w = staircase.unreached(part)
     slow = DECAY * np.linalg.norm(np.abs(w).T @ np.abs(part.A), axis=1)
     lasting = values.real >= -slow if isinstance(time, Continuous) else np.abs(values) * part.rate >= 1 - DECAY

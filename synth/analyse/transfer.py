@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from numbers import Real
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from synth import arguments, show
 from synth.analyse import schur_response
@@ -149,14 +149,14 @@ def closed_poles(model: StateSpace, factor: complex = 1.0) -> Complex:
 
 def decay(poles: Complex, time: Time) -> bool:
     """Tell whether all poles decay, by more than the rounding error of the matrix that they belong to."""
-    return not_decaying(poles, time) == 0
+    return not lasting(poles, time).any()
 
 
-def not_decaying(poles: Complex, time: Time) -> int:
-    """Count the poles that do not decay by more than the rounding error of the matrix that they belong to."""
+def lasting(poles: Complex, time: Time) -> NDArray[np.bool_]:
+    """Tell of each pole whether it does not decay by more than the rounding error of the matrix that it belongs to."""
     if isinstance(time, Continuous):
-        return int((poles.real >= -1e-14 * np.abs(poles).max(initial=0.0)).sum())
-    return int((np.abs(poles) >= 1 - 1e-14).sum())
+        return np.asarray(poles.real >= -1e-14 * np.abs(poles).max(initial=0.0))
+    return np.asarray(np.abs(poles) >= 1 - 1e-14)
 
 
 @arguments.checked

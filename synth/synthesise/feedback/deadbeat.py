@@ -50,7 +50,7 @@ def feedback(system: System) -> Deadbeat:
     model = of(system)
     if isinstance(model.time, Continuous):
         raise TimingError("no constant gain is deadbeat in continuous time: sample the model, or place fast poles")
-    part = pole_placement.scaled(model)
+    part = staircase.scaled(model.A, model.B)
     split = staircase.split(part.A, part.B)
     if len(model.inputs) == 1 and len(model.A) and not split.outside.size:
         wanted = np.zeros(len(model.A), dtype=np.complex128)
@@ -74,7 +74,7 @@ def lasting(model: StateSpace) -> tuple[complex, str]:
 
     Raises ModelError where the inputs move all modes.
     """
-    part = pole_placement.scaled(model)
+    part = staircase.scaled(model.A, model.B)
     values, vectors = staircase.modes(part.A.T, staircase.split(part.A, part.B).outside)
     if not len(values):
         raise ModelError(f"the inputs {', '.join(model.inputs)} move every mode: there is none that lasts")

@@ -76,7 +76,7 @@ def place(system: System, poles: Sequence[complex] | ArrayLike) -> Placement:
     """
     model = of(system)
     structure.require_stabilisable(model.A, model.B, model.states, model.inputs, model.time)
-    part = scaled(model)
+    part = staircase.scaled(model.A, model.B)
     split = staircase.split(part.A, part.B)
     fixed = staircase.modes(part.A.T, split.outside)[0] * part.rate
     wanted = _requested(poles, split.inside.shape[1], fixed, model)
@@ -88,13 +88,6 @@ def place(system: System, poles: Sequence[complex] | ArrayLike) -> Placement:
     if best.error > MISSED * size or not spectrum.decays(best.poles, model.time).all():
         raise ModelError(_missed(best))
     return best
-
-
-@arguments.checked
-def scaled(model: StateSpace) -> staircase.Scaled:
-    """Return A and B of a model scaled."""
-    n, m = model.B.shape
-    return staircase.scaled(model.A, model.B, np.zeros((0, n)), np.zeros((0, m)))
 
 
 def _requested(poles: Sequence[complex] | ArrayLike, count: int, fixed: Complex, model: StateSpace) -> Complex:
@@ -261,7 +254,7 @@ def _placement(model: StateSpace, K: Array, requested: Complex, fixed: Complex) 
         poles, F = spectrum.of(loop), precise.rounded(loop)
     distance = np.abs(poles[:, None] - np.concatenate([requested, fixed]))
     error = float(distance[linear_sum_assignment(distance)].max(initial=0.0))
-    part = scaled(model)
+    part = staircase.scaled(model.A, model.B)
     vectors = np.linalg.eig(F * part.x / part.x[:, None])[1]
     condition = float(np.linalg.cond(vectors)) if len(vectors) else 1.0
     return Placement(readonly(K), requested, fixed, poles, error, condition, model.states, model.inputs, model.time)

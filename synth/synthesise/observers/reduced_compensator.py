@@ -213,7 +213,6 @@ def _separation(observer: ReducedObserver, A: Array, regulated: Array) -> float:
     found = to @ A @ np.linalg.inv(to)
     expected = found.copy()
     expected[: n + k, : n + k], expected[n + k :, : n + k], expected[n + k :, n + k :] = regulated, 0.0, observer.F
-    size = len(found)
-    x = staircase.scaled(expected, np.zeros((size, 0)), np.zeros((0, size)), np.zeros((0, 0))).x
+    x = staircase.scaled(expected).x
     off, whole = ((m * x / x[:, None]) for m in (found - expected, expected))
     return float(np.abs(off).max() / np.abs(whole).max())

@@ -129,8 +129,7 @@ def boundary_modes(A: Array, Q: Array, states: Sequence[str], time: Time) -> lis
 
 def _hidden(A: Array, Q: Array, states: Sequence[str]) -> tuple[structure.Mode, ...]:
     """Return the modes of A (n, n) that Q (n, n) does not show."""
-    n = len(A)
-    part = staircase.scaled(A.T, Q.T, np.zeros((0, n)), np.zeros((0, n)))
+    part = staircase.scaled(A.T, Q.T)
     return structure.named_modes(staircase.unreached(part), part.B.T, part.rate, states)
 
 

@@ -52,7 +52,7 @@ def roots(S: ArrayLike) -> tuple[Mode, ...]:
     if matrix.shape[0] != matrix.shape[1] or not matrix.size or not np.isfinite(matrix).all():
         raise SignalError(f"the exosystem matrix S is {matrix.shape}: give a square matrix of finite numbers")
     q = len(matrix)
-    scaled = staircase.scaled(matrix, np.zeros((q, 0)), np.zeros((0, q)), np.zeros((0, 0)))
+    scaled = staircase.scaled(matrix)
     values = _distinct(value for part in _parts(scaled.A) for value in _clustered(part))
     found = [Mode(v * scaled.rate, _index(scaled.A, v, values) or q) for v in values if v.imag >= 0]
     return tuple(sorted(found, key=lambda m: (abs(m.value), m.value.imag)))
