@@ -59,11 +59,6 @@ class Size:
     data: int
     functions: Mapping[str, int]
 
-    @property
-    def flash(self) -> int:
-        """What a microcontroller stores, without the first values of `data`."""
-        return self.code + self.literals + self.constants
-
 
 @dataclass(frozen=True, eq=False)
 class Program:
