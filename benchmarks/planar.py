@@ -5,7 +5,7 @@
     CasADi  its own C of the same Blocks over some of the same steps: as emitted, and with a float shim (`rivals`)
 
 `mean` is over steps of closed loops without a fault, `most` over all sequences: instructions that are issued. For a
-core `small` errors leave every state within its bounds. Which part an instruction belongs to is `synth.verify.parts`'s
+core `small` errors leave every state within its bounds. Which part an instruction belongs to is `benchmarks.parts`'s
 word: gcc's line table.
 """
 
@@ -16,6 +16,7 @@ from functools import partial
 
 import numpy as np
 
+from benchmarks import parts
 from designs.planar_6dof import bench, experiments, interface, lqg
 from designs.planar_6dof.allocation import HORIZONTAL
 from designs.planar_6dof.experiments import Parts
@@ -27,7 +28,7 @@ from models import planar_stage
 from synth.block import Block, unranged
 from synth.emit import write
 from synth.execute import host
-from synth.verify import meter, parts, rivals, steps
+from synth.verify import meter, rivals, steps
 from synth.verify.steps import Steps
 
 BARS = {"lead-lag": 800, "LQG": 700, "LQG, full order": 700, "reduced core": 95, "full core": 100}

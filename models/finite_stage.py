@@ -78,7 +78,6 @@ def _flux(blocks: Blocks) -> tuple[ca.Function, float]:
 
 
 def _amplitude(found: Series, flux: finite_matrix.Complex) -> float:
-    """Return the amplitude in T of sin(2 pi X / l) in the middle pitch, in the mean over Y."""
     pitch = found.summed(flux, VALUES["l"] / 2)[:-1, :-1]
     angle = 2 * pi / VALUES["l"] * found.grid(VALUES["l"] / 2)[:-1]
     return float(2 * np.mean(pitch * np.sin(angle)[:, None]))

@@ -28,10 +28,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Chain:
-    """From flux density to numbers.
-
-    Raises ModelError unless every figure is positive, noise apart, which may be 0.
-    """
+    """From flux density to numbers; raise ModelError unless every figure is positive, noise apart, which may be 0."""
 
     sensitivity: float = 0.4  # V/T: with 0.1 a noise of 1 mV would be 10 um, and less is claimed
     amplifier: float = 21.0

@@ -121,12 +121,10 @@ def insensitive(found: Sequence[Wave], points: int = 480, height: float = hall_a
 
 
 def _pitch(found: Sequence[Wave]) -> float:
-    """Return the pitch of waves in m."""
     first = found[0]
     return float(2 * np.pi * np.hypot(*first.order) / float(first.kappa))
 
 
 def _mapped(prediction: hall_array.Prediction, X: Array) -> tuple[Array, Array]:
-    """Return voltages (m, n) and slopes (m, n) over X (n,)."""
     volts, slopes = prediction.function().map(len(X))(X[None, :])
     return volts.full(), slopes.full()

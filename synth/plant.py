@@ -74,8 +74,8 @@ def build(
     kinds = zip(("states", "inputs", "parameters"), (x, u, p), strict=True)
     named = (law.Named(f"among its {kind} plant '{name}'", s) for kind, s in kinds)
     derivative, output = _pair(name, law.evaluate(f"the physics of plant '{name}'", physics, *named))
-    _same_names(f"plant '{name}': derivatives", names(states), derivative)
-    _same_names(f"plant '{name}': outputs", names(outputs), output)
+    law.require_names(f"plant '{name}': derivatives", names(states), derivative)
+    law.require_names(f"plant '{name}': outputs", names(outputs), output)
     args = [ca.vcat(list(s.values())) for s in (x, u, p)]
     f = ca.Function("f", args, [ca.vcat([derivative[s.name] for s in states])], ["x", "u", "p"], ["dx"])
     for exprs in (derivative, output):
@@ -91,11 +91,3 @@ def _pair(name: str, given: object) -> tuple[Mapping[str, ca.SX], Mapping[str, c
         f"the physics of plant '{name}' returns {arguments.found(given)}: return two mappings, the derivatives by "
         "state and the outputs by name"
     )
-
-
-def _same_names(what: str, wanted: Sequence[str], found: Mapping[str, ca.SX]) -> None:
-    missing, unknown = [n for n in wanted if n not in found], [n for n in found if n not in wanted]
-    if missing or unknown:
-        raise SignalError(
-            f"{what}: missing {missing or 'none'}, not declared {unknown or 'none'}: give one for each signal"
-        )

@@ -17,15 +17,14 @@ from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq, minimize
 
 from synth import arguments, law
 from synth.errors import ModelError, SignalError
 from synth.signals import Signal, names
-from synth.statespace import readonly
+from synth.statespace import Array, readonly
 
-Array = NDArray[np.float64]
 Exprs = Mapping[str, ca.SX]
 
 GRID = 9  # points along each signal

@@ -80,8 +80,7 @@ class Worst:
         return not self.condition <= CONDITION_LIMIT
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class ConditionMap:
     """Conditions (k, l) of the matrix called `what` over `points` (k,) and (l,) of two signals, the rest `held`."""
 

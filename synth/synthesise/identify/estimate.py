@@ -32,8 +32,7 @@ class Residual:
         )
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Estimate:
     """Parameters (k,) with their covariance (k, k), and what tells how good they are.
 
