@@ -123,6 +123,13 @@ OUTPUTS = (
     *(Signal(f"i_q{j}", "A", -CURRENT, CURRENT, f"quadrature current of motor {j}, rms") for j in range(1, 5)),
 )
 HELD = tuple(INTERFACE.held(f"y{j}") for j in range(1, 5))
+ARM = 1 / (2 * INTERFACE.plant.parameter("r").value)  # 1/m
+# y, phi and theta in the heights of the four motors, F(5) about the level platen: where the loops are opened.
+POSE = {
+    "y": dict.fromkeys(("y1", "y2", "y3", "y4"), 0.25),
+    "phi": {"y3": ARM, "y1": -ARM},
+    "theta": {"y2": ARM, "y4": -ARM},
+}
 
 
 def _axes() -> tuple[Axis, ...]:

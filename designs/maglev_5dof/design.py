@@ -12,6 +12,8 @@ DESIGN = stage.design(
     PLANT,
     reference=reference.step,
     experiments=experiments.ALL,
+    operating_points={f"{gap:g} mm": {"y": gap * 1e-3} for gap in (18, 25, 31)},
+    coordinates=control.POSE,
     surrogate_error=control.SURROGATE_ERROR,
     start={"y": 0.025},
     stops={"y": control.GAP, "phi": (-control.PHI, control.PHI), "theta": (-control.THETA, control.THETA)},

@@ -5,13 +5,15 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from designs.maglev_5dof import control, experiments, loops
+from designs.maglev_5dof import control, experiments
 from models import maglev_stage, pmlsm
+from synth.analyse import robustness
 from synth.declaration import Stage
 from synth.plant import Plant, Symbols
 from synth.report import figures, page, standard, template
 from synth.report.prose import Value
 from synth.simulate.experiment import Experiment
+from synth.verify import standard as verification
 
 COUNTS = {a: experiments.ANGLE_RESOLUTION if a in ("phi", "theta") else control.RESOLUTION for a in experiments.AXES}
 LONGEST, WINDOW = 30.0, (0.0, 5.0)  # s: what runs longer is drawn over the window
@@ -35,7 +37,7 @@ def report(stage: Stage, files: Any, evidence: Any, runs: Any, rows: Any, cost: 
     drawn = {run.name: (_path(run),) for run in runs if run.name == "ellipse"}
     units = {axis: experiments.unit(axis) for axis in experiments.AXES}
     shown = standard.Shown(units, COUNTS, beside, drawn, LONGEST, WINDOW)
-    opened = standard.loops(loops.all_loops(stage.plant))
+    opened = standard.loops(robustness.opened(verification.loops(stage)))
     extra = template.Extra(_values(stage.plant), [opened], forces, shown=shown)
     return template.report(stage, files, evidence, runs, rows, cost, extra)
 
