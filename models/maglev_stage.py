@@ -100,9 +100,9 @@ TERMS: Mapping[str, tuple[str, tuple[str, ...]]] = {
 NEGLIGIBLE = ("a4", "a5", "a6", "a8", "a9", "b4", "b5", "b6", "c4", "c5", "c6")  # what (11) drops
 
 
-def nominal(**changed: float) -> dict[str, ca.SX]:
-    """Return the parameters' values by name as constant expressions, some of them `changed`."""
-    return {p.name: ca.SX(changed.get(p.name, p.value)) for p in PARAMETERS}
+def nominal(plant: Plant | None = None) -> dict[str, ca.SX]:
+    """Return the parameters' values by name as constant expressions, those of `plant` where one is given."""
+    return {p.name: ca.SX(p.value) for p in (plant.parameters if plant else PARAMETERS)}
 
 
 def gaps(x: Exprs, p: Exprs) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:

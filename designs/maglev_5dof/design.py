@@ -1,6 +1,6 @@
 """The five-axis maglev stage of Fulford, Maggiore and Apkarian, from physics to verified C."""
 
-from designs.maglev_5dof import control, experiments, gains, page, recordings, reference, verification
+from designs.maglev_5dof import control, experiments, gains, page, reference, verification
 from designs.maglev_5dof.paper import rows
 from models import maglev_stage
 from synth import stage
@@ -19,9 +19,9 @@ DESIGN = stage.design(
     stops={"y": control.GAP, "phi": (-control.PHI, control.PHI), "theta": (-control.THETA, control.THETA)},
     velocities=maglev_stage.RATE,
     wires=experiments.WIRES,
-    recording=recordings.vectors,
+    recording=verification.vectors,
     gains=gains.document,
-    companions=[Companion(control.phase_currents(PLANT), recordings.phases)],
+    companions=[Companion(control.phase_currents(PLANT), verification.phases)],
     verify=verification.verify,
     audit=rows.rows,
     report=page.report,

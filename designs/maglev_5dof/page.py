@@ -15,7 +15,6 @@ from synth.report.prose import Value
 from synth.simulate.experiment import Experiment
 from synth.verify import standard as verification
 
-COUNTS = {a: experiments.ANGLE_RESOLUTION if a in ("phi", "theta") else control.RESOLUTION for a in experiments.AXES}
 LONGEST, WINDOW = 30.0, (0.0, 5.0)  # s: what runs longer is drawn over the window
 _GAP, _TILT = ("F-11", "Fig. 4 of the paper"), ("F-12", "Fig. 5 of the paper")
 BESIDE = {
@@ -35,8 +34,7 @@ def report(stage: Stage, files: Any, evidence: Any, runs: Any, rows: Any, cost: 
         for name, found in BESIDE.items()
     }
     drawn = {run.name: (_path(run),) for run in runs if run.name == "ellipse"}
-    units = {axis: experiments.unit(axis) for axis in experiments.AXES}
-    shown = standard.Shown(units, COUNTS, beside, drawn, LONGEST, WINDOW)
+    shown = standard.Shown(experiments.UNITS, experiments.COUNTS, beside, drawn, LONGEST, WINDOW)
     opened = standard.loops(robustness.opened(verification.loops(stage)))
     extra = template.Extra(_values(stage.plant), [opened], forces, shown=shown)
     return template.report(stage, files, evidence, runs, rows, cost, extra)

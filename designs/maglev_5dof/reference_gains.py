@@ -24,8 +24,8 @@ ANTI_WINDUP = 7e-5  # each entry of E_x = E_z, F section IV-A
 def gain(weights: Sequence[float]) -> Array:
     """Return K (5,) of w = K (e, e', xi) that minimises the integral of z' diag(weights) z + w^2. F(16).
 
-    The closed loop p(s) = d(s) - K n(s), d = s^3 (s^2 + w0^2), n = (s (s^2 + w0^2), s^2 (s^2 + w0^2), 1, s, s^2), is the
-    stable factor of the symmetric root locus p(s) p(-s) = d(s) d(-s) + sum_i q_i n_i(s) n_i(-s), even in s.
+    The closed loop p(s) = d(s) - K n(s), d = s^3 (s^2 + w0^2), n = (s (s^2 + w0^2), s^2 (s^2 + w0^2), 1, s, s^2), is
+    the stable factor of the symmetric root locus p(s) p(-s) = d(s) d(-s) + sum_i q_i n_i(s) n_i(-s).
     """
     with mpmath.workdps(60):
         q, w2 = [mpmath.mpf(weight) for weight in weights], mpmath.mpf(OMEGA0) ** 2

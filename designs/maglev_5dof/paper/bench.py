@@ -108,7 +108,7 @@ class Bench:
         added = self.guides() if guided else None
         rig = Rig(self.stage, plant, self._controller(restored, known), disturbance=added)
         trajectory, references = experiments.tracking(rig, four, self.duration_s)
-        errors = {a: trajectory[a] - references.get(f"{a}_ref", 0.0) for a in experiments.AXES}
+        errors = {a: trajectory[a] - references.get(a, 0.0) for a in experiments.UNITS}
         start = self.duration_s / 6
         return {a: 1e6 * metrics.mean_absolute(trajectory.time, e, start) for a, e in errors.items()}
 

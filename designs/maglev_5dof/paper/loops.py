@@ -84,7 +84,7 @@ def gap_step(bench: Bench, printed: Published) -> Outcome:
 def tilt_step(bench: Bench, printed: Published) -> Outcome:
     """Recompute the step of 10 mrad on the linear loop."""
     size = printed["step"].value * 1e-3
-    found = continuous.linear_step("theta", size, experiments.BAND, experiments.ANGLE_RESOLUTION)
+    found = continuous.linear_step("theta", size, experiments.BAND, experiments.COUNTS["theta"])
     agree = (
         printed["overshoot"].agrees(found.overshoot * 100)
         and printed["t_s_low"].value <= found.t_s <= printed["t_s_high"].value
