@@ -177,7 +177,8 @@ def kinematics(plant: Plant) -> Block:
     r = ca.SX(plant.parameter("r").value)
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        return Step(maglev_stage.kinematics(*(u[s.name] for s in HELD), r))
+        y1, y2, y3, y4 = (u[s.name] for s in HELD)
+        return Step(maglev_stage.kinematics(y1, y2, y3, y4, r))
 
     outputs = [a.position for a in AXES if a.name in POSE]
     return build("kinematics", TIME, law, inputs=HELD, outputs=outputs, tag="F(5) inverted")

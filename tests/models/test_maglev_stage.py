@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from models import maglev_stage, pmlsm
+from models import maglev_polynomial, maglev_stage, pmlsm
 from synth.errors import ModelError
 from synth.plant import Plant
 from synth.signals import Signal, names
@@ -120,7 +120,7 @@ def test_outputs_are_coordinates_and_gaps_within_their_ranges() -> None:
         assert all(s.low <= v <= s.high for s, v in zip(plant.outputs, y, strict=True))
 
 
-def evaluate(model: maglev_stage.InputPolynomial, exprs: list[ca.SX], point: Mapping[str, float]) -> np.ndarray:
+def evaluate(model: maglev_polynomial.InputPolynomial, exprs: list[ca.SX], point: Mapping[str, float]) -> np.ndarray:
     symbols = {**model.x, **model.u, **model.v}
     f = ca.Function("f", [ca.vcat(list(symbols.values()))], [ca.vcat(exprs)])
     return np.asarray(f([point[n] for n in symbols])).ravel()
@@ -128,13 +128,13 @@ def evaluate(model: maglev_stage.InputPolynomial, exprs: list[ca.SX], point: Map
 
 def random_v(count: int) -> list[dict[str, float]]:
     rng = np.random.default_rng(3)
-    v = [dict(zip(maglev_stage.TRANSFORMED, rng.uniform(-5, 5, 3), strict=True)) for _ in range(count)]
+    v = [dict(zip(maglev_polynomial.TRANSFORMED, rng.uniform(-5, 5, 3), strict=True)) for _ in range(count)]
     return [x | u | w for (x, u), w in zip(random_points(count), v, strict=True)]
 
 
 @pytest.mark.parametrize("lv3", ["csch2", "coth2"])
 def test_the_polynomial_sums_to_the_full_model(lv3: str) -> None:
-    model = maglev_stage.input_polynomial(maglev_stage.nominal(), lv3)
+    model = maglev_polynomial.input_polynomial(maglev_stage.nominal(), lv3)
     for at in random_v(20):
         found = evaluate(model, list(model.accelerations().values()), at)
         u = at | {n: float(i) for n, i in maglev_stage.input_transformation(at).items()}
@@ -142,21 +142,21 @@ def test_the_polynomial_sums_to_the_full_model(lv3: str) -> None:
 
 
 def test_a_polynomial_that_lacks_a_term_does_not_sum_to_the_model() -> None:
-    whole = maglev_stage.input_polynomial(maglev_stage.nominal())
+    whole = maglev_polynomial.input_polynomial(maglev_stage.nominal())
     at = random_v(1)[0]
-    for term in maglev_stage.TERMS:
-        part = maglev_stage.simplified(whole, [term])
+    for term in maglev_polynomial.TERMS:
+        part = maglev_polynomial.simplified(whole, [term])
         difference = [a - b for a, b in zip(whole.accelerations().values(), part.accelerations().values(), strict=True)]
         assert np.abs(evaluate(whole, difference, at)).max() > 1e-6, term
 
 
 def test_the_simplified_model_is_the_full_one_without_the_dropped_terms() -> None:
-    full = maglev_stage.input_polynomial(maglev_stage.nominal())
-    kept = maglev_stage.simplified(full)
-    assert set(full.coefficients) - set(kept.coefficients) == set(maglev_stage.NEGLIGIBLE)
+    full = maglev_polynomial.input_polynomial(maglev_stage.nominal())
+    kept = maglev_polynomial.simplified(full)
+    assert set(full.coefficients) - set(kept.coefficients) == set(maglev_polynomial.NEGLIGIBLE)
     for at in random_v(10):
         c = dict(zip(full.coefficients, evaluate(full, list(full.coefficients.values()), at), strict=True))
-        vy, vphi, vtheta = (at[n] for n in maglev_stage.TRANSFORMED)
+        vy, vphi, vtheta = (at[n] for n in maglev_polynomial.TRANSFORMED)
         y = c["a4"] * vphi * vy + c["a5"] * vphi**2 + c["a6"] * vy**2 + c["a8"] * vy * vtheta + c["a9"] * vtheta**2
         phi = c["b4"] * vphi * vy + c["b5"] * vphi**2 + c["b6"] * vy**2
         theta = c["c4"] * vy * vtheta + c["c5"] * vtheta**2 + c["c6"] * vy**2
@@ -169,7 +169,7 @@ def test_the_simplified_model_is_the_full_one_without_the_dropped_terms() -> Non
 
 
 def test_coefficients_depend_on_what_is_printed_in_their_brackets() -> None:
-    model = maglev_stage.input_polynomial(maglev_stage.nominal())
+    model = maglev_polynomial.input_polynomial(maglev_stage.nominal())
     both, by_phi, by_theta = {"y", "phi", "theta"}, {"y", "phi"}, {"y", "theta"}
     printed_arguments = {"a1": both | {"u_x", "u_z"}, "a3": both, "a6": both, "h_x": by_theta, "h_z": by_phi}
     printed_arguments |= dict.fromkeys(("a2", "a4", "a5", "b2", "b3", "b4", "b5", "b6"), by_phi)
@@ -179,18 +179,18 @@ def test_coefficients_depend_on_what_is_printed_in_their_brackets() -> None:
 
 
 def test_unknown_names_are_refused() -> None:
-    model = maglev_stage.input_polynomial(maglev_stage.nominal())
+    model = maglev_polynomial.input_polynomial(maglev_stage.nominal())
     with pytest.raises(ModelError, match="a10"):
-        maglev_stage.simplified(model, ["a10"])
+        maglev_polynomial.simplified(model, ["a10"])
     with pytest.raises(ModelError, match="h_x"):
-        maglev_stage.simplified(model, ["h_x"])
+        maglev_polynomial.simplified(model, ["h_x"])
     with pytest.raises(ModelError, match=r"sech2.*csch2"):
         maglev_stage.plant("sech2")
 
 
 def test_parameters_may_stay_symbols() -> None:
     p = maglev_stage.parameter_symbols()
-    model = maglev_stage.input_polynomial(p)
+    model = maglev_polynomial.input_polynomial(p)
     f = ca.Function("a3", [ca.vcat(list(model.x.values())), ca.vcat(list(p.values()))], [model.coefficients["a3"]])
     at_rest = [0.025, 0.0, 0.0]
     slope = force_factors(0.025, "csch2")["v2"]
@@ -244,7 +244,7 @@ def test_a_planted_change_in_a_parameter_of_the_inverse_shows(name: str, monkeyp
 
 def test_without_the_squares_of_the_direct_currents_it_is_12() -> None:
     """The witness: (11) solved for v by cofactors of its decoupling matrix, and (8)."""
-    model = maglev_stage.simplified(maglev_stage.input_polynomial(maglev_stage.nominal()))
+    model = maglev_polynomial.simplified(maglev_polynomial.input_polynomial(maglev_stage.nominal()))
     axes = ("y", "phi", "theta")
     wanted = {q: ca.SX.sym(f"w_{q}") for q in axes}
     second = model.accelerations()

@@ -8,7 +8,7 @@ The linear loop is the double integrator e'' = w of (13) instead of law and plan
 of the audit none reaches 7 A peak.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 
@@ -18,29 +18,16 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from designs.maglev_5dof import control
-from models import maglev_stage, pmlsm
+from designs.maglev_5dof import control, experiments
+from models import maglev_polynomial, maglev_stage
 from synth.plant import Plant
 from synth.simulate import metrics
+from synth.simulate.conditions import Sine
 from synth.simulate.scenario import sample_times
-from synth.synthesise.nonlinear import feedback_linearisation
 
 Array = NDArray[np.float64]
 SAMPLE = 1e-3  # s, at which the continuous responses are judged
 RELATIVE, ABSOLUTE = 1e-8, 1e-11  # of the integration
-
-
-@dataclass(frozen=True)
-class Reference:
-    """mean + amplitude sin(omega0 t + phase), m or rad; constant for the amplitude 0."""
-
-    mean: float = 0.0
-    amplitude: float = 0.0
-    phase: float = 0.0
-
-    def at(self, time: Array) -> Array:
-        """Return the values at the times (N,) in s."""
-        return self.mean + self.amplitude * np.sin(control.OMEGA0 * time + self.phase)
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +54,7 @@ def closed_loop(name: str) -> Array:
     return np.asarray(plant.A + plant.B @ control.gain(axis(name)).K)
 
 
-def linear_step(name: str, step: float, band: float, resolution: float) -> metrics.StepResponse:
+def linear_step(name: str, step: float) -> metrics.StepResponse:
     """Return the metrics over 10 s of a step in m or rad on the linear loop, from rest with xi = 0, de = 0."""
     time = sample_times(10.0, SAMPLE)
     transition = expm(closed_loop(name) * SAMPLE)
@@ -75,49 +62,43 @@ def linear_step(name: str, step: float, band: float, resolution: float) -> metri
     for k in range(len(time)):
         error[k] = state[0]
         state = transition @ state
-    return metrics.step_response(time, error + step, 0.0, step, band, resolution)
+    return metrics.step_response(time, error + step, 0.0, step, experiments.BAND, experiments.COUNTS[name])
 
 
 def run(
     plant: Plant,
     known: Plant,
-    references: Mapping[str, Reference],
+    courses: Mapping[str, Sine],
     start: Mapping[str, float],
     duration_s: float,
     lv3: str = "csch2",
 ) -> Motion:
-    """Integrate the axes named in `references` from rest at `start` (m, rad); the others rest at 0.
+    """Integrate the axes named in `courses` from rest at `start` (m, rad); the others rest at 0.
 
     `known` holds the parameters that (12) knows; `lv3` is the reading of L_v3 in plant and law. Without phi and theta
     among the axes v_phi = v_theta = 0.
     """
-    names = tuple(references)
-    t, x = ca.SX.sym("t"), ca.SX.sym("x", 5 * len(names))
-    waves = np.array([[w.mean, w.amplitude, w.phase] for w in references.values()])
+    names, n = tuple(courses), len(courses)
+    t, x = ca.SX.sym("t"), ca.SX.sym("x", 5 * n)
+    waves = np.array([[w.offset, w.amplitude, w.phase] for w in courses.values()])
     symbolic = _derivative(tuple(axis(n) for n in names), lv3)
     derivative = ca.Function("derivative", [t, x], [symbolic(t, x, plant.values, known.values, waves)], {"cse": True})
-    state = np.zeros(5 * len(names))
-    state[: 2 * len(names) : 2] = [start.get(n, 0.0) for n in names]
+    state = np.zeros(5 * n)
+    state[: 2 * n : 2] = [start.get(name, 0.0) for name in names]
     low, high = control.GAP
 
     def leaves(t: float, x: Array) -> float:
         return float((x[0] - low) * (high - x[0]))
 
+    def slope(t: float, x: Array) -> Array:
+        return np.asarray(derivative(t, x)).ravel()
+
     leaves.terminal = True  # type: ignore[attr-defined]
     time = sample_times(duration_s, SAMPLE)
-    found = solve_ivp(
-        lambda t, x: np.asarray(derivative(t, x)).ravel(),
-        (0.0, time[-1]),
-        state,
-        method="LSODA",
-        t_eval=time,
-        events=leaves,
-        rtol=RELATIVE,
-        atol=ABSOLUTE,
-    )
-    error = {n: found.y[2 * k] - references[n].at(found.t) for k, n in enumerate(names)}
-    left = float(found.t_events[0][0]) if len(found.t_events[0]) else np.inf
-    return Motion(found.t, error, left)
+    accuracy = {"rtol": RELATIVE, "atol": ABSOLUTE}
+    path = solve_ivp(slope, (0.0, time[-1]), state, method="LSODA", t_eval=time, events=leaves, **accuracy)
+    error = {name: path.y[2 * k] - courses[name](path.t) for k, name in enumerate(names)}
+    return Motion(path.t, error, float(path.t_events[0][0]) if len(path.t_events[0]) else np.inf)
 
 
 @cache
@@ -135,46 +116,9 @@ def _derivative(axes: tuple[control.Axis, ...], lv3: str) -> ca.Function:
         z = ca.vertcat(position[a.name] - reference, speed[a.name] - ca.jacobian(reference, t), xi)
         w[a.name] = ca.mtimes(ca.DM(np.asarray(control.gain(a).K)), z)
         d_xi.append(ca.mtimes(ca.DM(np.asarray(control.axis_plant(a).A)), z)[2:])
-    inputs = law(known, lv3, position, w)
+    inputs = maglev_polynomial.law(known, lv3, position, w)
     pose = {n: position.get(n, ca.SX(0)) for n in ("y", "phi", "theta")}
-    reading = pmlsm.Reading("coth2" if lv3 == "coth2" else "csch2")
-    second = maglev_stage.accelerations(pose, inputs, true, reading)
+    second = maglev_stage.accelerations(pose, inputs, true, maglev_stage.named_reading(lv3))
     slopes = [slope for a in axes for slope in (speed[a.name], second[a.name])]
     arguments = [t, state, ca.vcat(list(true.values())), ca.vcat(list(known.values())), waves]
     return ca.Function("derivative", arguments, [ca.vcat([*slopes, *d_xi])], {"cse": True})
-
-
-def law(
-    known: Mapping[str, ca.SX], lv3: str, position: Mapping[str, ca.SX], w: Mapping[str, ca.SX]
-) -> dict[str, ca.SX]:
-    """Return i_d1..i_d4, u_x, u_z in A from positions and demanded accelerations. Source: (8), (12).
-
-    `known` holds the parameters by name. Without theta among the positions v_phi = v_theta = 0, and (12) is its first
-    row.
-    """
-    model = maglev_stage.simplified(maglev_stage.input_polynomial(known, lv3))
-    found = inverse(model, w)
-    if "theta" not in position:
-        c = model.coefficients
-        alone = ca.substitute((w["y"] - c["a1"]) / c["a3"], ca.vcat(list(model.u.values())), _listed(found, model.u))
-        found |= {"v_y": alone, "v_phi": ca.SX(0), "v_theta": ca.SX(0)}
-    inputs = maglev_stage.input_transformation(found) | {n: found[n] for n in model.u}
-    pose = ca.vcat([position.get(n, ca.SX(0)) for n in model.x])
-    at_pose = ca.substitute(ca.vcat(list(inputs.values())), ca.vcat(list(model.x.values())), pose)
-    return dict(zip(inputs, ca.vertsplit(at_pose), strict=True))
-
-
-def inverse(model: maglev_stage.InputPolynomial, w: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
-    """Return v_y, v_phi, v_theta, u_x, u_z in A from the demanded accelerations, in the symbols of `model`.
-
-    Source: (12).
-    """
-    second, names = model.accelerations(), ("y", "phi", "theta")
-    law = feedback_linearisation.linearise([second[n] for n in names], model.v, [w[n] for n in names])
-    u = {f"u_{n}": w[n] / model.coefficients[f"h_{n}"] for n in ("x", "z")}
-    old, new = ca.vcat(list(model.u.values())), ca.vcat([u[n] for n in model.u])
-    return u | {n: ca.substitute(e, old, new) for n, e in law.inputs.items()}
-
-
-def _listed(found: Mapping[str, ca.SX], wanted: Iterable[str]) -> ca.SX:
-    return ca.vcat([found[n] for n in wanted])
