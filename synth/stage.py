@@ -22,7 +22,6 @@ from synth.blocks import safety
 from synth.compose import compose
 from synth.declaration import (
     Actuator,
-    Companion,
     Composition,
     Controller,
     Interface,
@@ -46,7 +45,6 @@ from synth.workspace import Bench, Design
 
 __all__ = [
     "Actuator",
-    "Companion",
     "Interface",
     "Law",
     "Sensor",

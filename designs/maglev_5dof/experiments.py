@@ -47,7 +47,8 @@ WIRES: Mapping[str, str | Mapping[str, float]] = {
 NO_ROTATION = {**WIRES, **{f"i_d{j}": {f"i_d{k}": 0.25 for k in control.MOTORS} for j in control.MOTORS}}
 Y_LIMITS, XZ_LIMITS, THETA_LIMITS, WRONG_LIMITS = (0.20, 2.2, 4.0), (0.25, 2.0, 3.5), (0.20, 2.2, 4.0), (0.40, 3.3, 6.0)
 TRACKED = {"y": 50e-6, "x": 2e-6, "z": 2e-6, "theta": 25e-6}  # m, rad: mean errors of the 4-DOF tracking
-LEVEL, LOCKED = "v_phi = v_theta = 0", "x and z locked"  # as in the paper's experiments
+LEVEL: Mapping[str, Any] = {"about": "in the paper's configuration", "actuators": NO_ROTATION}
+LOCKED: Mapping[str, Any] = {"about": "in the paper's configuration", "locked": ("x", "z")}
 
 
 @dataclass(frozen=True)
@@ -126,8 +127,9 @@ def _experiment(
     return Experiment("", "", about, trajectory, axes, dict(courses), dict(figures), (*checks, limited))
 
 
-def _last_second(trajectory: Trajectory, axis: str, target: float) -> float:
-    return float(np.max(np.abs(trajectory[axis][-1000:] - target)))
+def _last_second(trajectory: Trajectory, axis: str, target: float, limit: float) -> Check:
+    error = float(np.max(np.abs(trajectory[axis][-1000:] - target)))
+    return Check("true error in the last second", error, limit, UNITS[axis])
 
 
 def _overload(trajectory: Trajectory) -> dict[str, float]:
@@ -138,6 +140,7 @@ def _overload(trajectory: Trajectory) -> dict[str, float]:
 def _step(
     rig: Rig, axis: str, start: float, target: float, limits: tuple[float, float, float], gap: float = 0.025
 ) -> Experiment:
+    """Step under `limits` of overshoot, t_s and t_enc."""
     run, unit = step(rig, axis, start, target, gap), UNITS[axis]
     trajectory, response = run.trajectory, run.response
     checks = [
@@ -147,8 +150,9 @@ def _step(
     ]
     if unit == "m":
         # One count, as single precision reads it: a count on 31 mm is off by up to 1 nm there.
-        error = float(np.max(np.abs(_measured(trajectory, axis)[-1000:] - target)))
-        limit = RESOLUTION * (1 + 1e-4)
+        names, limit = [f"y{j}" for j in control.MOTORS] if axis == "y" else [axis], RESOLUTION * (1 + 1e-4)
+        measured = np.mean([trajectory.measured[name].astype(float) for name in names], axis=0)
+        error = float(np.max(np.abs(measured[-1000:] - target)))
         checks.append(Check("measured error in the last second", error, limit, "m", "one encoder count"))
     if axis in "xz":
         moved = float(np.max(np.abs(trajectory["y"][run.sample :] - trajectory["y"][run.sample])))
@@ -157,24 +161,14 @@ def _step(
     return _experiment(trajectory, about, {axis: run.reference}, _overload(trajectory), checks)
 
 
-def _measured(trajectory: Trajectory, axis: str) -> Array:
-    names = [f"y{j}" for j in control.MOTORS] if axis == "y" else [axis]
-    return np.mean([trajectory.measured[name].astype(float) for name in names], axis=0)
-
-
-def _tilt(rig: Rig) -> Experiment:
-    """Step phi, whose guide spring is stiff and known to 30 % only."""
-    run = step(rig, "phi", 0.0, 0.5e-3)
-    check = Check("true error in the last second", _last_second(run.trajectory, "phi", 0.5e-3), BAND, "rad")
-    about, figures = "the axis stays stable over the spring's tolerance", {"overshoot": run.response.overshoot}
-    return _experiment(run.trajectory, about, {"phi": run.reference}, figures, [check])
-
-
-def _as_printed(rig: Rig, axis: str, start: float, target: float, gap: float = 0.025, **options: Any) -> Experiment:
-    run = step(rig, axis, start, target, gap, **options)
-    r = run.response
+def _response(
+    rig: Rig, axis: str, start: float, target: float, about: str, error: float | None = None, **options: Any
+) -> Experiment:
+    """Step and show the response; `error` limits what is left of it in the last second."""
+    run = step(rig, axis, start, target, **options)
+    r, checks = run.response, [] if error is None else [_last_second(run.trajectory, axis, target, error)]
     figures = {"overshoot": r.overshoot, "t_s, s": r.t_s, "t_enc, s": r.t_enc}
-    return _experiment(run.trajectory, "in the paper's configuration", {axis: run.reference}, figures)
+    return _experiment(run.trajectory, about, {axis: run.reference}, figures, checks)
 
 
 def _tracking(rig: Rig, four: bool) -> Experiment:
@@ -200,16 +194,14 @@ def unwound(scalar: str) -> host.Controller:
 
 def _windup(rig: Rig, wound: bool) -> Experiment:
     """Step x by 100 mm at a gap of 30 mm with the anti-windup (17), or without it."""
-    without = replace(rig, controller=unwound(np.dtype(rig.controller.scalar).name))
-    runs = [step(used, "x", -0.05, 0.05, gap=0.030) for used in (without, rig)]
-    run, checks = runs[wound], []
-    if wound:
-        ratio = run.response.overshoot / runs[False].response.overshoot
-        about = "the anti-windup must matter here"
-        checks.append(Check("overshoot with over overshoot without", ratio, 0.9, "1", about))
-    about = "the stops along x are taken away, so that the overshoot shows"
-    figures = {"overshoot": run.response.overshoot, "t_s, s": run.response.t_s}
-    return _experiment(run.trajectory, about, {"x": run.reference}, figures, checks)
+    bare = replace(rig, controller=unwound(np.dtype(rig.controller.scalar).name))
+    options = {"about": "the stops along x are taken away, so that the overshoot shows", "gap": 0.030}
+    without, run = (_response(used, "x", -0.05, 0.05, **options) for used in (bare, rig))
+    if not wound:
+        return without
+    ratio = run.figures["overshoot"] / without.figures["overshoot"]
+    check = Check("overshoot with over overshoot without", ratio, 0.9, "1", "the anti-windup must matter here")
+    return replace(run, checks=(check, *run.checks))
 
 
 def _lift_off(rig: Rig) -> Experiment:
@@ -219,7 +211,7 @@ def _lift_off(rig: Rig) -> Experiment:
     trajectory = rig.run(6.0, {"y": 0.031}, {"y_ref": reference})
     checks = (
         Check("overshoot", float(0.025 - trajectory["y"].min()) / 0.006, 0.02, "1", "of the 6 mm"),
-        Check("true error in the last second", _last_second(trajectory, "y", 0.025), RESOLUTION, "m"),
+        _last_second(trajectory, "y", 0.025, RESOLUTION),
     )
     return _experiment(trajectory, "caught from rest on the lower stop", {"y": reference}, {}, checks)
 
@@ -262,7 +254,8 @@ def _wrong_spring(mrad: int, factor: float) -> Run:
 
 def _phi_spring(factor: float) -> Run:
     title = f"phi by 0.5 mrad, the true guide spring {factor:g} of the assumed one"
-    return Run(f"phi_springs_{factor:g}", title, _tilt, {}, {"k_s_phi": factor})
+    options = _by("phi", 0.5e-3, about="the axis stays stable over the spring's tolerance", error=BAND)
+    return Run(f"phi_springs_{factor:g}", title, _response, options, {"k_s_phi": factor})
 
 
 def _lost_encoder(gap: float) -> Run:
@@ -281,10 +274,10 @@ ALL = (
     Run("theta_10", "theta by 10 mrad (Fig. 5)", _step, _by("theta", 0.010, limits=THETA_LIMITS)),
     *(_wrong_spring(mrad, factor) for factor in (0.8, 1 / 1.2, 1.2, 1 / 0.8) for mrad in (5, 10)),
     *(_phi_spring(factor) for factor in (0.7, 1.0, 1.3)),
-    Run("paper_y_22_29", f"Air gap 22 to 29 mm, {LEVEL} (Fig. 4)", _as_printed, _gap(22, 29, actuators=NO_ROTATION)),
-    Run("paper_y_29_22", f"Air gap 29 to 22 mm, {LEVEL} (Fig. 4)", _as_printed, _gap(29, 22, actuators=NO_ROTATION)),
-    Run("paper_theta_5", f"theta by 5 mrad, {LOCKED} (Fig. 5)", _as_printed, _by("theta", 0.005, locked=("x", "z"))),
-    Run("paper_theta_10", f"theta by 10 mrad, {LOCKED} (Fig. 5)", _as_printed, _by("theta", 0.010, locked=("x", "z"))),
+    Run("paper_y_22_29", "Air gap 22 to 29 mm, v_phi = v_theta = 0 (Fig. 4)", _response, _gap(22, 29, **LEVEL)),
+    Run("paper_y_29_22", "Air gap 29 to 22 mm, v_phi = v_theta = 0 (Fig. 4)", _response, _gap(29, 22, **LEVEL)),
+    Run("paper_theta_5", "theta by 5 mrad, x and z locked (Fig. 5)", _response, _by("theta", 0.005, **LOCKED)),
+    Run("paper_theta_10", "theta by 10 mrad, x and z locked (Fig. 5)", _response, _by("theta", 0.010, **LOCKED)),
     Run("ellipse", "3-DOF ellipse (Fig. 6)", _tracking, {"four": False}),
     Run("tracking", "4-DOF tracking (Figs. 7, 8)", _tracking, {"four": True}),
     Run("windup_with", "x from -50 to 50 mm at 30 mm gap, with anti-windup", _windup, {"wound": True}),
