@@ -63,13 +63,16 @@ STATES = (
 )
 RATE = {"y": "vy", "x": "vx", "z": "vz", "phi": "wphi", "theta": "wtheta"}
 INPUTS = (
-    *(Signal(f"i_d{j}", "A", -PEAK, PEAK, f"rms direct current of motor {j}") for j in (1, 2, 3, 4)),
-    Signal("u_x", "A", -PEAK, PEAK, "rms quadrature current of motors 2 and 4"),
-    Signal("u_z", "A", -PEAK, PEAK, "rms quadrature current of motors 1 and 3"),
+    *(Signal(f"i_d{j}", "A", -PEAK, PEAK, f"direct current of motor {j}, rms") for j in (1, 2, 3, 4)),
+    *(Signal(f"u_{n}", "A", -PEAK, PEAK, f"thrust current along {n.upper()}, rms") for n in "xz"),
 )
+TILTED, ROLLED = (
+    (0.0168, 0.0322),
+    (0.0124, 0.0366),
+)  # m: gaps of motors 1 and 3, 2 and 4, over the ranges of y and angles
 OUTPUTS = (
     *(signal for signal in STATES if signal.name in RATE),
-    *(Signal(f"g{j}", "m", 0.012, 0.037, f"gap of motor {j}") for j in (1, 2, 3, 4)),
+    *(Signal(f"g{j}", "m", *ends, f"gap of motor {j}") for j, ends in enumerate(2 * (TILTED, ROLLED), 1)),
 )
 QUADRATURE = ("u_z", "u_x", "u_z", "u_x")  # of motors 1 to 4
 

@@ -35,7 +35,7 @@ TIME = Discrete(1e-3)
 OMEGA0 = 1.5 * pi  # rad/s, the frequency of the references, F section IV-B
 FREQUENCIES = (0.0, OMEGA0)  # rad/s, the exosystem of F(15)
 FILTER = 1000.0  # rad/s: 300 makes the phi loop unstable and 500 leaves it a peak sensitivity of 4.6
-CURRENT = 7 / sqrt(2)  # A rms, 7 A peak, F section II
+CURRENT = maglev_stage.PEAK  # A rms, F section II
 DIRECT = CURRENT * (1 - 1e-4)  # of i_d: keeps the root of what it leaves of CURRENT away from 0
 RATED = 5 / sqrt(2)  # A rms, 5 A peak continuous, F section II
 ANTI_WINDUP = (7e-5, 7e-5, 7e-5)  # E_x = E_z, F section IV-A
@@ -50,36 +50,26 @@ SURROGATE_ERROR = {np.float32: 5e-7, np.float64: 1e-14}  # relative; the force l
 # are weaker than assumed by 30 % (phi) and 20 % (theta) leave the axes stable.
 COMPENSATED = {"k_s_phi": 0.75, "k_s_theta": 0.95}
 
-GAP, PHI, THETA, STROKE = (0.018, 0.031), 0.003, 0.014, 0.05  # m, rad, rad, m: the box of the stage
-MOTORS = (1, 2, 3, 4)
-GAPS = {1: (0.0168, 0.0322), 2: (0.0124, 0.0366), 3: (0.0168, 0.0322), 4: (0.0124, 0.0366)}  # m, over that box
-ENCODER_XZ = 0.1  # m: twice the stroke, so that neither overshoot nor the give of a stop reads as a broken encoder
-
-
-def _encoder(name: str, of: str, low: float, high: float, initial: float, about: str) -> Sensor:
-    return Sensor(name, of=of, resolution=RESOLUTION, low=low, high=high, initial=initial, about=about)
-
-
-def _current(name: str, safe: float, about: str) -> Actuator:
-    return Actuator(name, safe, SLEW, low=-CURRENT, high=CURRENT, about=f"{about}, rms")
-
+BOX = {s.name: (s.low, s.high) for s in maglev_stage.STATES if s.name in maglev_stage.RATE}  # m, rad
+GAP, MOTORS = BOX["y"], (1, 2, 3, 4)
+WIDE = 0.1  # m: twice the stroke, so that neither overshoot nor the give of a stop reads as a broken encoder
 
 INTERFACE = stage.interface(
     maglev_stage.plant(),
     sensors=[
-        *(_encoder(f"y{j}", f"g{j}", *GAPS[j], GAP[1], f"gap of motor {j}") for j in MOTORS),
-        *(_encoder(n, n, -ENCODER_XZ, ENCODER_XZ, 0.0, f"platen along {n.upper()}") for n in "xz"),
+        *(Sensor(f"y{j}", of=f"g{j}", resolution=RESOLUTION, initial=GAP[1]) for j in MOTORS),
+        *(Sensor(n, resolution=RESOLUTION, low=-WIDE, high=WIDE, about=f"platen along {n.upper()}") for n in "xz"),
     ],
     set_points=[
         SetPoint("y_ref", "y", *GAP, initial=GAP[1], about="set-point of the gap"),
-        SetPoint("x_ref", "x", -STROKE, STROKE, about="set-point along X"),
-        SetPoint("z_ref", "z", -STROKE, STROKE, about="set-point along Z"),
-        SetPoint("phi_ref", "phi", -PHI, PHI, about="set-point of the rotation about X"),
-        SetPoint("theta_ref", "theta", -THETA, THETA, about="set-point of the rotation about Z"),
+        SetPoint("x_ref", "x", *BOX["x"], about="set-point along X"),
+        SetPoint("z_ref", "z", *BOX["z"], about="set-point along Z"),
+        SetPoint("phi_ref", "phi", *BOX["phi"], about="set-point of the rotation about X"),
+        SetPoint("theta_ref", "theta", *BOX["theta"], about="set-point of the rotation about Z"),
     ],
     actuators=[
-        *(_current(f"i_d{j}", SAFE_CURRENT, f"direct current of motor {j}") for j in MOTORS),
-        *(_current(f"u_{n}", 0.0, f"thrust current along {n.upper()}") for n in "xz"),
+        *(Actuator(f"i_d{j}", SAFE_CURRENT, SLEW) for j in MOTORS),
+        *(Actuator(f"u_{n}", 0.0, SLEW) for n in "xz"),
     ],
     bad_samples=BAD_SAMPLES,
     reason="zero current slams the platen up below 28.7 mm; 2.5 A rms lets it down from 18.1 mm and above",
