@@ -203,6 +203,18 @@ class Controller:
 
 
 @dataclass(frozen=True, eq=False)
+class Companion:
+    """A Block that is emitted beside the controller, as the commutation of a motor is.
+
+    `inputs` returns its inputs (N,) by name for test vectors, from those that were recorded of the controller and what
+    the controller answered.
+    """
+
+    block: Block
+    inputs: Callable[[Mapping[str, Any], Mapping[str, Any]], Mapping[str, Any]]
+
+
+@dataclass(frozen=True, eq=False)
 class Stage:
     """A whole stage: what is declared, before anything is computed of it.
 
@@ -218,7 +230,7 @@ class Stage:
     wires             plant input: controller output, where these are not the interface's actuators
     recording         inputs (N,) of test vectors from a rig, else of the standard closed loop with faults
     gains             what gains.json says, else what the laws say
-    companions        Blocks that are emitted beside the controller, whose inputs or outputs they read by name
+    companions        Blocks that are emitted beside the controller
     """
 
     controller: Controller
@@ -239,7 +251,7 @@ class Stage:
     wires: Mapping[str, str | Mapping[str, float]] = field(default_factory=dict)
     recording: Callable[[Any], Mapping[str, Any]] | None = None
     gains: Gains | None = None
-    companions: Sequence[Block] = ()
+    companions: Sequence[Companion] = ()
 
     @property
     def name(self) -> str:

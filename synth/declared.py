@@ -13,12 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.block import Block
 from synth.declaration import Stage
 from synth.emit import write
 from synth.emit.c import vectors
 from synth.emit.write import Emitted
-from synth.errors import SignalError
 from synth.execute import build, host
 from synth.report import template
 from synth.report.audit import Row
@@ -59,22 +57,11 @@ def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, Emitted]:
     answers = controller.replay(inputs)
     folders = {stage.name: _with_vectors(files, inputs, answers)}
     for companion in stage.companions:
-        beside = write.emit(companion, scalar, error=error)
-        recorded = inputs_of(companion, {**inputs, **answers.outputs})
-        answered = host.load(beside.files, beside.manifest).replay(recorded)
-        folders[companion.name] = _with_vectors(beside, recorded, answered)
+        beside = write.emit(companion.block, scalar, error=error)
+        given = dict(companion.inputs(inputs, answers.outputs))
+        answered = host.load(beside.files, beside.manifest).replay(given)
+        folders[companion.block.name] = _with_vectors(beside, given, answered)
     return folders
-
-
-def inputs_of(companion: Block, known: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
-    """Return a companion's inputs (N,) among a controller's; raise SignalError for one that is not among them."""
-    for s in companion.inputs:
-        if s.name not in known:
-            raise SignalError(
-                f"companion '{companion.name}' reads '{s.name}', which its controller neither reads nor gives: name "
-                f"one of {', '.join(known)}"
-            )
-    return {s.name: known[s.name] for s in companion.inputs}
 
 
 def _with_vectors(files: Emitted, inputs: Mapping[str, NDArray[Any]], answers: host.Replay) -> Emitted:

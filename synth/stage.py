@@ -22,6 +22,7 @@ from synth.blocks import safety
 from synth.compose import compose
 from synth.declaration import (
     Actuator,
+    Companion,
     Composition,
     Controller,
     Interface,
@@ -45,6 +46,7 @@ from synth.workspace import Bench, Design
 
 __all__ = [
     "Actuator",
+    "Companion",
     "Interface",
     "Law",
     "Sensor",

@@ -1,6 +1,5 @@
 """What surrounds the laws of a stage follows from the plant's signals, and each part of a design can be replaced."""
 
-import json
 from dataclasses import replace
 from typing import Any
 
@@ -9,10 +8,8 @@ import numpy as np
 import pytest
 
 from synth import declared, stage
-from synth.block import Exprs, Step, build, clip
 from synth.errors import DesignError, SignalError, WiringError
 from synth.execute import host
-from synth.signals import Signal
 from synth.stage import Actuator, Sensor, SetPoint
 from tests import levitator
 
@@ -126,19 +123,3 @@ def test_a_variant_of_the_interface_makes_another_controller() -> None:
     slower = replace(PID.INTERFACE, bad_samples=7)
     made = stage.controller("slow", PID.TIME, slower, [PID.pid("z"), PID.pid("x")])
     assert made.block.safety is not None and made.block.safety.bad_samples == 7
-
-
-def test_a_companion_reads_what_the_controller_reads_or_gives_and_nothing_else() -> None:
-    made, twice = PID.DESIGN.stage, Signal("twice", "A", -7, 7)
-    inputs = [made.interface.signals[n] for n in ("i1", "z")]
-
-    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        return Step({"twice": clip(2 * u["i1"] + 1e3 * u["z"], twice)})
-
-    doubled = build("doubled", PID.TIME, law, inputs=inputs, outputs=[twice])
-    emitted = declared.emit(replace(made, companions=[doubled]), np.float32)
-    assert list(emitted) == [made.name, "doubled"]
-    own, beside = (json.loads(each.files["vectors.json"]) for each in emitted.values())
-    assert beside["inputs"] == {"i1": own["outputs"]["i1"], "z": own["inputs"]["z"]}
-    with pytest.raises(SignalError, match="companion 'doubled' reads 'i1', which its controller neither reads nor"):
-        declared.inputs_of(doubled, {"z": np.zeros(3)})

@@ -4,6 +4,7 @@ from designs.maglev_5dof import control, experiments, gains, page, reference, ve
 from designs.maglev_5dof.paper import rows
 from models import maglev_stage
 from synth import stage
+from synth.stage import Companion
 
 PLANT = maglev_stage.plant()
 DESIGN = stage.design(
@@ -20,7 +21,7 @@ DESIGN = stage.design(
     wires=experiments.WIRES,
     recording=verification.vectors,
     gains=gains.document,
-    companions=[control.phase_currents(PLANT)],
+    companions=[Companion(control.phase_currents(PLANT), verification.phases)],
     verify=verification.verify,
     audit=rows.rows,
     report=page.report,

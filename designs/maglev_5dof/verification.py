@@ -161,3 +161,8 @@ def vectors(rig: Rig) -> Mapping[str, Any]:
     references["y_ref"][BAD_SET_POINT] = 0.05
     bad = Override(np.isin(np.arange(STEPS), np.r_[BAD]), np.full(STEPS, 0.2))
     return rig.run(time[-1] + rig.period_s, {"y": 0.031}, references, overrides={"x": bad}).measured
+
+
+def phases(inputs: Mapping[str, Any], outputs: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the inputs of the commutation that follows the controller."""
+    return dict(outputs) | {n: inputs[n] for n in ("x", "z")}
