@@ -195,7 +195,7 @@ def unwound(scalar: str) -> host.Controller:
 def _windup(rig: Rig, wound: bool) -> Experiment:
     """Step x by 100 mm at a gap of 30 mm with the anti-windup (17), or without it."""
     bare = replace(rig, controller=unwound(np.dtype(rig.controller.scalar).name))
-    options = {"about": "the stops along x are taken away, so that the overshoot shows", "gap": 0.030}
+    options: Any = {"about": "the stops along x are taken away, so that the overshoot shows", "gap": 0.030}
     without, run = (_response(used, "x", -0.05, 0.05, **options) for used in (bare, rig))
     if not wound:
         return without
