@@ -20,7 +20,7 @@ from math import pi, sin, sqrt
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from designs.maglev_5dof import reference_gains
 
@@ -89,16 +89,16 @@ class Motor:
 
 @dataclass(frozen=True)
 class Constants:
-    """What is rounded once: K (5, 5) on (e, e', eta) by axis; c and E (3,) of eta; fade, rho and h of the filter; the
-    ranges (11, 2) of the inputs. `restored` puts back the squares of i_d that F(11) drops.
+    """K (5, 5) on (e, e', eta) by axis; c and E (3,) of eta; fade, rho and h of the filter.
+
+    `restored` puts back the squares of i_d that F(11) drops.
     """
 
     parameters: Parameters
     K: Array
     c: float
     E: Array
-    filter: Array
-    limits: Array
+    filter: tuple[float, float, float]
     restored: bool = True
 
 
@@ -121,27 +121,11 @@ def motor(g: Array, p: Parameters) -> Motor:
 
 
 @cache
-def constants(scalar: type[np.floating] = np.float64, restored: bool = True) -> Constants:
-    """Return the constants, rounded to `scalar` and held in double; `restored=False` is F(12) as printed."""
-
-    def rounded(A: ArrayLike) -> Array:
-        out = np.asarray(A, dtype=scalar).astype(np.float64)
-        out.flags.writeable = False
-        return out
-
-    model, filter = reference_gains.turning(), rounded(reference_gains.derivative_filter())
-    by_weights = {q: model.in_eta(reference_gains.gain(q)) for q in set(WEIGHTS.values())}
-    K = rounded([by_weights[WEIGHTS[s]] for s in AXES])
-    c, E = float(rounded(float(model.c))), rounded([float(v) for v in model.E])
-    return Constants(Parameters(), K, c, E, filter, rounded([*LIMITS.values()]), restored)
-
-
-def initial_state() -> dict[str, Array]:
-    """Return the state after init, by name."""
-    state: dict[str, float] = {f"guard_last_{s}": 0.031 if s[0] == "y" else 0.0 for s in LIMITS}
-    state |= {"guard_left": BAD_SAMPLES, "guard_latched": 0, "guard_ready": 0}
-    state |= dict.fromkeys(MEMORY, 0.0) | {f"safe_output_last_{s}": value for s, value in SAFE.items()}
-    return {name: np.array(value, dtype=np.float64) for name, value in state.items()}
+def constants(restored: bool = True) -> Constants:
+    """Return the constants; `restored=False` is F(12) as printed."""
+    model, filter = reference_gains.turning(), reference_gains.derivative_filter()
+    K = np.array([model.in_eta(reference_gains.gain(WEIGHTS[s])) for s in AXES])
+    return Constants(Parameters(), K, float(model.c), np.array([float(v) for v in model.E]), filter, restored)
 
 
 def side_by_side(columns: Columns, names: Iterable[str]) -> Array:
@@ -154,11 +138,12 @@ def apart(A: Array) -> Array:
     return np.moveaxis(A, -1, 0)
 
 
-def guard(state: Columns, inputs: Columns, limits: Array) -> tuple[Array, dict[str, Array], NDArray[Any]]:
+def guard(state: Columns, inputs: Columns) -> tuple[Array, dict[str, Array], NDArray[Any]]:
     """Return the values to use (n, 11), the guard's next state and the fault word. NaN is in no range."""
     u, last = side_by_side(inputs, LIMITS), side_by_side(state, [f"guard_last_{s}" for s in LIMITS])
+    low, high = np.array([*LIMITS.values()]).T
     with np.errstate(invalid="ignore"):
-        good = (u >= limits[:, 0]) & (u <= limits[:, 1])
+        good = (u >= low) & (u <= high)
     values = np.where(good, u, last)
     complete = good[..., :SENSORS].all(axis=-1)
     left = np.where(complete, BAD_SAMPLES, np.asarray(state["guard_left"]) - 1)
@@ -245,7 +230,7 @@ def step(
 ) -> tuple[dict[str, Array], dict[str, Array], NDArray[Any]]:
     """Return (next state, outputs, fault word) of one sample, columns by name. F(5), (8), (12), (14)-(17)."""
     k = k or constants()
-    values, after, word = guard(state, inputs, k.limits)
+    values, after, word = guard(state, inputs)
     ready, latched = (np.asarray(flag)[..., None] > 0 for flag in (state["guard_ready"], after["guard_latched"]))
     memory = side_by_side(state, MEMORY)
     rows = apart(memory.reshape(*memory.shape[:-1], len(AXES), -1))

@@ -23,3 +23,11 @@ def plant(state: Array, currents: Array, p: reference.Parameters) -> Array:
     tilt = p.r * (F[2] - F[0]) / p.I - p.k_s_phi * phi
     roll = p.r * (F[1] - F[3]) / p.I - p.k_s_theta * theta
     return np.stack([v_y, p.G + F.sum(axis=0) / p.M_y, v_x, x, v_z, z, v_phi, tilt, v_theta, roll])
+
+
+def initial_state() -> dict[str, float]:
+    """Return the state of the controller after init, by name."""
+    state: dict[str, float] = {f"guard_last_{s}": 0.031 if s[0] == "y" else 0.0 for s in reference.LIMITS}
+    state |= {"guard_left": reference.BAD_SAMPLES, "guard_latched": 0.0, "guard_ready": 0.0}
+    state |= dict.fromkeys(reference.MEMORY, 0.0)
+    return state | {f"safe_output_last_{s}": value for s, value in reference.SAFE.items()}

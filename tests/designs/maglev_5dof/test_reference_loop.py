@@ -33,7 +33,7 @@ class Run:
 
 def closed_loop(x: Array, references: dict[str, Array], k: reference.Constants) -> Run:
     """Run from rest under ideal sensing; a sample's currents act one sample later, the first at once."""
-    state = {name: np.full(x.shape[1], value) for name, value in reference.initial_state().items()}
+    state = {name: np.full(x.shape[1], value) for name, value in full_plant.initial_state().items()}
     applied, path = None, []
     for n in range(len(references["y"])):
         tilt, roll = P.r * np.sin(x[6]), P.r * np.sin(x[8])
