@@ -7,7 +7,6 @@ import numpy as np
 
 from designs.maglev_5dof import control, experiments
 from designs.maglev_5dof.paper import bench as benches
-from designs.maglev_5dof.paper import continuous
 from designs.maglev_5dof.paper.bench import FORCES, FRICTION, MAGNETS, Bench, Springs
 from synth.report.audit import Outcome, Published, recomputes
 from synth.simulate import metrics
@@ -23,12 +22,12 @@ TURNING = (*LEVEL, "r", "I_z", "k_s_theta")  # and while it turns by theta
 
 def _poles(name: str, bench: Bench, printed: Published) -> Outcome:
     """Recompute the closed-loop poles of an axis from its LQR weights."""
-    poles = np.linalg.eigvals(continuous.closed_loop(name))
+    poles = np.linalg.eigvals(benches.closed_loop(name))
     first, second = sorted(poles[poles.imag > 1e-9], key=lambda pole: -pole.imag)
     recomputed = {"fast": float(poles[np.abs(poles.imag) < 1e-9].real[0])}
     for pair, pole in (("first", first), ("second", second)):
         recomputed |= {f"{pair}_real": float(pole.real), f"{pair}_imaginary": float(pole.imag)}
-    inverse = inverse_lqr.diagonal_weights(control.axis_plant(continuous.axis(name)), _printed_poles(printed))
+    inverse = inverse_lqr.diagonal_weights(control.axis_plant(benches.axis(name)), _printed_poles(printed))
     figures = [(n.replace("_", " pair, "), value, "1/s") for n, value in recomputed.items()]
     recovered = zip(("e", "de", "xi1", "xi2", "xi3"), inverse.q, strict=True)
     figures += [(f"weight on {state} from the printed poles", q, "1") for state, q in recovered]
@@ -50,8 +49,8 @@ poles_y, poles_x, poles_theta = (
 def gap_step(bench: Bench, printed: Published) -> Outcome:
     """Recompute the step of 7 mm, on the linear loop and on the nonlinear plant."""
     size, low = printed["step"].value * 1e-3, 0.022
-    linear, high = continuous.linear_step("y", size), low + size
-    motion = continuous.run(bench.plant, bench.plant, {"y": Sine(0.0, control.OMEGA0, 0.0, high)}, {"y": low}, 6.0)
+    linear, high = benches.linear_step("y", size), low + size
+    motion = benches.run(bench.plant, bench.plant, {"y": Sine(0.0, control.OMEGA0, 0.0, high)}, {"y": low}, 6.0)
     gap = motion.error["y"] + low + size
     full = metrics.step_response(motion.time, gap, low, high, experiments.BAND, control.RESOLUTION)
     figures = [*_step_figures("linear", linear), *_step_figures("nonlinear, 22 to 29 mm", full)]
@@ -67,7 +66,7 @@ def gap_step(bench: Bench, printed: Published) -> Outcome:
 @recomputes("F-12")
 def tilt_step(bench: Bench, printed: Published) -> Outcome:
     """Recompute the step of 10 mrad on the linear loop."""
-    step = continuous.linear_step("theta", printed["step"].value * 1e-3)
+    step = benches.linear_step("theta", printed["step"].value * 1e-3)
     agree = (
         printed["overshoot"].agrees(step.overshoot * 100)
         and printed["t_s_low"].value <= step.t_s <= printed["t_s_high"].value
@@ -79,7 +78,7 @@ def tilt_step(bench: Bench, printed: Published) -> Outcome:
 @recomputes("F-13")
 def horizontal_step(bench: Bench, printed: Published) -> Outcome:
     """Recompute the steps of 30 mm in x and z on the linear loop, which is the same for both."""
-    step = continuous.linear_step("x", printed["step"].value * 1e-3)
+    step = benches.linear_step("x", printed["step"].value * 1e-3)
     measured = {"overshoot": step.overshoot * 100, "t_s": step.t_s, "t_enc": step.t_enc}
     return Outcome(_step_figures("linear", step), all(v < printed[n].value for n, v in measured.items()))
 
