@@ -225,9 +225,7 @@ def _break(
     coordinates: Mapping[str, Mapping[str, float]],
 ) -> _Break:
     """Take the wires to `signals` out."""
-    T = _wires(tuple(coordinates), K.inputs, coordinates)
-    if np.linalg.matrix_rank(T) < len(T):
-        raise SignalError(f"the coordinates {', '.join(coordinates)} depend on each other: leave one of them out")
+    T = _weights(coordinates, K.inputs, signals)
     E = np.linalg.pinv(T)
     b = _Break(
         S.copy(),
@@ -259,6 +257,17 @@ def _break(
             i = P.inputs.index(name)
             b.into_plant[i, j], b.of_controller[j], b.U[i] = 1, U[i], 0
     return b
+
+
+def _weights(coordinates: Mapping[str, Mapping[str, float]], inputs: Sequence[str], signals: Sequence[str]) -> Array:
+    """Return the weights (coordinates, inputs) of coordinates that may be opened at `signals`."""
+    T = _wires(tuple(coordinates), inputs, coordinates)
+    if np.linalg.matrix_rank(T) < len(T):
+        raise SignalError(f"the coordinates {', '.join(coordinates)} depend on each other: leave one of them out")
+    summed = {sensor for name in signals if name in coordinates for sensor in coordinates[name]}
+    if both := summed.intersection(signals):
+        raise SignalError(f"the loop cannot open at '{min(both)}' and at a coordinate of it at once: leave one out")
+    return T
 
 
 def _wires(into: Sequence[str], source: Sequence[str], wires: Mapping[str, str | Mapping[str, float]]) -> Array:

@@ -147,3 +147,9 @@ def test_loops_open_at_coordinates_of_sensors_in_place_of_these() -> None:
 def test_coordinates_that_do_not_fit_are_refused(weights: dict[str, dict[str, float]], message: str) -> None:
     with pytest.raises(SignalError, match=message):
         robustness.opened(coordinates(**weights), list(weights))
+
+
+def test_a_loop_does_not_open_at_a_sensor_and_at_its_coordinate() -> None:
+    at = robustness.rest(coordinates(far={"z": 2.0}), "mid")
+    with pytest.raises(SignalError, match="at 'z' and at a coordinate of it at once"):
+        resting.open_loop(at, ["far", "z"])
