@@ -180,8 +180,8 @@ def errors() -> Block:
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         return Step({a.error.name: u[a.position.name] - u[a.reference.name] for a in AXES})
 
-    inputs, outputs = [s for a in AXES for s in (a.position, a.reference)], [a.error for a in AXES]
-    return build("errors", TIME, law, inputs=inputs, outputs=outputs, tag="F(14) e")
+    inputs = [s for a in AXES for s in (a.position, a.reference)]
+    return build("errors", TIME, law, inputs=inputs, outputs=[a.error for a in AXES], tag="F(14) e")
 
 
 def decoupling(plant: Plant, restored: bool = True) -> Block:

@@ -22,7 +22,7 @@ from synth.execute import build, host
 from synth.simulate import metrics
 from synth.simulate.conditions import Sine
 from synth.simulate.experiment import Experiment
-from synth.simulate.rig import Rig
+from synth.simulate.rig import Rig, Wires
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
 
@@ -39,12 +39,8 @@ COURSES = {  # of the 4-DOF tracking, F section IV-B
     "z": Sine(0.03, OMEGA0),
     "theta": Sine(0.01, OMEGA0),
 }
-WIRES: Mapping[str, str | Mapping[str, float]] = {
-    **{f"i_d{j}": f"i_d{j}" for j in control.MOTORS},
-    "u_x": "i_q2",
-    "u_z": "i_q1",
-}
-NO_ROTATION = {**WIRES, **{f"i_d{j}": {f"i_d{k}": 0.25 for k in control.MOTORS} for j in control.MOTORS}}
+WIRES: Wires = {f"i_d{j}": f"i_d{j}" for j in control.MOTORS} | {"u_x": "i_q2", "u_z": "i_q1"}
+NO_ROTATION: Wires = {**WIRES, **{f"i_d{j}": {f"i_d{k}": 0.25 for k in control.MOTORS} for j in control.MOTORS}}
 Y_LIMITS, XZ_LIMITS, THETA_LIMITS, WRONG_LIMITS = (0.20, 2.2, 4.0), (0.25, 2.0, 3.5), (0.20, 2.2, 4.0), (0.40, 3.3, 6.0)
 TRACKED = {"y": 50e-6, "x": 2e-6, "z": 2e-6, "theta": 25e-6}  # m, rad: mean errors of the 4-DOF tracking
 LEVEL: Mapping[str, Any] = {"about": "in the paper's configuration", "actuators": NO_ROTATION}
