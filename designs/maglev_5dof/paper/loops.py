@@ -124,7 +124,7 @@ def horizontal_errors(bench: Bench, printed: Published) -> Outcome:
         "ideal": benches.ideal_errors(bench, False, "known"),
         "encoders, printed law": unfitted,
         "encoders, friction, cogging": benches.encoder_errors(bench, False, False, guided=True),
-        "4-DOF, encoders, printed law": benches.encoder_errors(bench, True, False),
+        "4-DOF, encoders, printed law": benches.encoder_errors(bench, True, False, "known"),
         "4-DOF, encoders, friction, cogging": benches.encoder_errors(bench, True, False, guided=True),
     }
     figures = [(f"{n}, {name}", errors[n], "um") for name, errors in cases.items() for n in ("x", "z")]
