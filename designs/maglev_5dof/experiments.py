@@ -158,11 +158,11 @@ def _step(
 
 
 def _response(
-    rig: Rig, axis: str, start: float, target: float, about: str, error: float | None = None, **options: Any
+    rig: Rig, axis: str, start: float, target: float, about: str, settles: bool = False, **options: Any
 ) -> Experiment:
-    """Step and show the response; `error` limits what is left of it in the last second."""
+    """Step and show the response, which `settles` into BAND for the last second."""
     run = step(rig, axis, start, target, **options)
-    r, checks = run.response, [] if error is None else [_last_second(run.trajectory, axis, target, error)]
+    r, checks = run.response, [_last_second(run.trajectory, axis, target, BAND)] if settles else []
     figures = {"overshoot": r.overshoot, "t_s, s": r.t_s, "t_enc, s": r.t_enc}
     return _experiment(run.trajectory, about, {axis: run.reference}, figures, checks)
 
@@ -250,7 +250,7 @@ def _wrong_spring(mrad: int, factor: float) -> Run:
 
 def _phi_spring(factor: float) -> Run:
     title = f"phi by 0.5 mrad, the true guide spring {factor:g} of the assumed one"
-    options = _by("phi", 0.5e-3, about="the axis stays stable over the spring's tolerance", error=BAND)
+    options = _by("phi", 0.5e-3, about="the axis stays stable over the spring's tolerance", settles=True)
     return Run(f"phi_springs_{factor:g}", title, _response, options, {"k_s_phi": factor})
 
 
