@@ -107,7 +107,6 @@ def own() -> Mapping[str, Call]:
         "resting.solve": {"closed": resting_loop, "references": {}, "near": common["point"]},
         "magnitude.magnitudes": {"terms": {"x": x * g}, "symbols": symbols, "box": [RATE], "along": "gap", "held": {}},
         "magnitude.conditioning": {"matrix": matrix, "symbols": symbols},
-        "magnitude.require_invertible": {"matrix": matrix, "symbols": symbols},
         "relative_degree.of_plant": single,
         "relative_degree.of_affine": {"model": lie.affine(maglev)},
         "sensitivity.close": {"controller": ([[-100.0]], [[1.0]], [[10.0]])},

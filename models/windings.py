@@ -1,4 +1,4 @@
-"""Three-phase windings: phase currents from direct and quadrature currents.
+"""Three-phase windings: phase currents from direct and quadrature currents, the inverse Park transformation.
 
 i_d, i_q are rms currents in A, the phase currents are instantaneous, th is the electrical angle in rad:
 
@@ -32,8 +32,6 @@ def electrical_angle(displacement: ca.SX, tau: ca.SX) -> ca.SX:
 
 def phase_currents(i_d: ca.SX, i_q: ca.SX, angle: ca.SX) -> PhaseCurrents:
     """Return the phase currents in A for rms currents `i_d`, `i_q` at the electrical angle in rad (inverse Park)."""
-    a, b, c = (
-        ca.sqrt(2) * (i_d * ca.cos(th) - i_q * ca.sin(th))
-        for th in (angle, angle - 2 * ca.pi / 3, angle + 2 * ca.pi / 3)
-    )
+    axes = angle, angle - 2 * ca.pi / 3, angle + 2 * ca.pi / 3
+    a, b, c = (ca.sqrt(2) * (i_d * ca.cos(th) - i_q * ca.sin(th)) for th in axes)
     return PhaseCurrents(a, b, c)

@@ -220,6 +220,7 @@ class Stage:
 
     reference         a step of the independent NumPy witness: (states, inputs) -> (states', outputs, fault words)
     operating_points  plant states by name of the point; `require` are least margins there
+    coordinates       {name: {sensor: weight}}: sums of sensors at which loops are opened, in place of all these
     tolerances        parameters of the plant at all ends of whose tolerances the margins are required, too
     experiments       data with `name` and `run(rig) -> Experiment`
     scalar            the type in which it ships; `surrogate_error` is relative, by type, else the emitter's own
@@ -237,6 +238,7 @@ class Stage:
     reference: Reference | None = None
     operating_points: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     require: Mapping[str, float] = field(default_factory=dict)
+    coordinates: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     tolerances: Sequence[str] = ()
     experiments: Sequence[Any] = ()
     about: str = ""

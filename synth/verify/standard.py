@@ -74,9 +74,13 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
 
 def loops(stage: Stage) -> robustness.Loops:
     """Return the loops of a stage at its operating points, its constants rounded as they ship."""
-    wires = stage.wires or None
     return robustness.of_controller(
-        stage.controller, stage.plant, stage.operating_points, scalar=stage.scalar, actuators=wires
+        stage.controller,
+        stage.plant,
+        stage.operating_points,
+        scalar=stage.scalar,
+        actuators=stage.wires or None,
+        coordinates=stage.coordinates,
     )
 
 
