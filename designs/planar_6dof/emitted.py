@@ -6,7 +6,6 @@ out of range for three samples and a set-point for ten.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from math import pi
 from typing import Any
 
@@ -14,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designs.planar_6dof import filtering, vertical
-from designs.planar_6dof.loop import SUBSTEPS, Array, simulate
+from designs.planar_6dof.loop import Array, simulate
 from synth.emit.c import digits
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import sample_times
@@ -37,7 +36,7 @@ def recorded(rig: Rig) -> Mapping[str, NDArray[Any]]:
     mask = np.zeros(STEPS, dtype=bool)
     mask[BAD] = True
     bad = {CHANNEL: Override(mask, np.full(STEPS, VOLTS))}
-    return simulate(replace(rig, substeps=SUBSTEPS), STEPS * T, wanted, START, overrides=bad).measured
+    return simulate(rig, STEPS * T, wanted, START, overrides=bad).measured
 
 
 def ways(time: Array) -> dict[str, Array]:

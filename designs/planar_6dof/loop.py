@@ -40,8 +40,7 @@ def of(block: Block, controller: host.Controller | None = None) -> Rig:
     """Return the loop of a controller, as compiled here or as shipped, on motors that see the field's harmonics."""
     plant = planar_stage.plant(halbach.HARMONICS)
     declared = interface.declared(block.name, Discrete(period(block.time)), lambda: block)
-    stage = Stage(declared, plant, surrogate_error=interface.SURROGATE_ERROR)
-    return Rig(stage, plant, controller or compiled(block), substeps=SUBSTEPS)
+    return Rig(Stage(declared, plant, substeps=SUBSTEPS), plant, controller or compiled(block))
 
 
 def simulate(

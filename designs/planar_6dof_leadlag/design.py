@@ -28,4 +28,4 @@ def gains() -> dict[str, Any]:
     }
 
 
-DESIGN = assembly.design(control.NAME, control.TIME, subject, gains, experiments.PARTS, rows.leadlag, page.report)
+DESIGN = assembly.design(control.NAME, control.TIME, subject, gains, experiments.ALL, rows.leadlag, page.report)
