@@ -26,13 +26,13 @@ from designs.planar_6dof import allocation, interface
 from designs.planar_6dof import loop as simulated
 from designs.planar_6dof.allocation import AXES
 from models import lorentz_motor, planar_stage
-from synth.analyse import disk, interconnect, linearise, loop, margins, realisation, trim
+from synth.analyse import disk, linearise, loop, margins, trim
 from synth.block import Block
-from synth.errors import SignalError
 from synth.plant import Plant
 from synth.signals import names
 from synth.statespace import Array, StateSpace, readonly
 from synth.timing import Discrete, period
+from synth.verify import agree
 
 Place = Mapping[str, float]  # m and rad, by axis
 
@@ -45,10 +45,11 @@ HORIZONTAL = MOTORS[:3]
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """The sampled stage from motor currents in A to positions in m and rad, and the controller back."""
+    """The stage from motor currents in A to positions in m and rad, the controller back, and the delay in samples."""
 
     plant: StateSpace
     controller: StateSpace
+    delay: float = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,40 +86,35 @@ class Singular:
 
 
 def parts(plant: Plant, block: Block, place: Place = MIDDLE, delay: float = 1) -> Parts:
-    """Return both parts of the loop of a whole controller with the platen at rest at a place, `delay` in samples."""
+    """Return both parts of the loop of a whole controller with the platen at rest at a place."""
     pose = {**MIDDLE, **place}
-    stage, E = linearise.linearise(plant, trim.trim(plant, pose, [])), commutation_matrix(plant, pose)
-    T = block.time.period_s
+    stage = linearise.linearise(plant, trim.trim(plant, pose, []))
     shown = stage.select(SENSED, ()).C[:, [stage.states.index(axis) for axis in AXES]]
-    motors = stage.select(AXES, PHASES)
-    held = loop.sampled(replace(motors, B=motors.B @ E, D=motors.D @ E, inputs=MOTORS), T, delay * T)
-    K = loop.linearised(block, *resting(plant, block, pose)).select(PHASES, SENSED)
-    seen, commands = tuple(f"{axis}_seen" for axis in AXES), tuple(f"{name}_command" for name in MOTORS)
+    K = loop.linearised(block, *resting(plant, block, pose))
+    return around(stage.select(AXES, PHASES), K, shown, commutation_matrix(plant, pose), delay)
+
+
+def around(stage: StateSpace, controller: StateSpace, shown: Array, E: Array, delay: float = 1) -> Parts:
+    """Return both parts of a loop from phases and a controller of sensors, which show positions by `shown` (9, 6)."""
+    K = controller.select(PHASES, SENSED)
     B, C, D = K.B @ shown, 2 / 3 * E.T @ K.C, 2 / 3 * E.T @ K.D @ shown
-    return Parts(held, replace(K, B=B, C=C, D=D, inputs=seen, outputs=commands))
+    motors = replace(stage, B=stage.B @ E, D=stage.D @ E, inputs=MOTORS)
+    return Parts(motors, replace(K, B=B, C=C, D=D, inputs=AXES, outputs=MOTORS), delay)
 
 
 def resting(plant: Plant, block: Block, place: Place) -> tuple[dict[str, float], dict[str, float]]:
     """Return states and inputs of the controller with the platen at rest at its set-points, as its sensors show it."""
-    pose = {**MIDDLE, **place}
-    x = [pose.get(s.name, 0.0) for s in plant.states]
-    y = np.asarray(plant.h(x, np.zeros(len(plant.inputs)), plant.values)).ravel().tolist()
-    measured = {name: v for name, v in zip(names(plant.outputs), y, strict=True) if name in SENSED}
-    view = simulated.view(block.time)
-    shown = _stepped(view, dict.fromkeys(names(view.inputs), 0.0) | measured, SETTLED)[1]
-    inputs = measured | {f"{axis}_ref": shown.get(axis, pose[axis]) for axis in AXES}
-    return _stepped(block, inputs, 2)[0], inputs
+    read, view = plant.output_values(place), simulated.view(block.time)
+    measured = {name: float(read[name][0]) for name in SENSED}
+    shown = _held(view, dict.fromkeys(names(view.inputs), 0.0) | measured, SETTLED).outputs
+    inputs = measured | {f"{a}_ref": float(shown[a][-1]) if a in shown else place.get(a, 0.0) for a in AXES}
+    return {name: float(v[0]) for name, v in _held(block, inputs, 2).states.items()}, inputs
 
 
-def _stepped(block: Block, inputs: Mapping[str, float], samples: int) -> tuple[dict[str, float], dict[str, float]]:
-    """Return states and outputs after some samples of constant inputs, from init."""
-    step, x, u = block.function(), ca.DM(block.initial), [inputs[name] for name in names(block.inputs)]
-    y = ca.DM()
-    for _ in range(samples):
-        x, y = step(x, u)
-    columns = ((s.name for s in block.states), x), (names(block.outputs), y)
-    states, outputs = (dict(zip(known, np.asarray(v).ravel().tolist(), strict=True)) for known, v in columns)
-    return states, outputs
+def _held(block: Block, inputs: Mapping[str, float], samples: int) -> agree.Stepped:
+    """Return what a Block makes of some samples of constant inputs, from init."""
+    start, columns = {s.name: s.initial for s in block.states}, {n: np.full(samples, v) for n, v in inputs.items()}
+    return agree.recorded(agree.casadi(block), start, columns)
 
 
 def commutation_matrix(plant: Plant, pose: Place) -> Array:
@@ -140,15 +136,8 @@ def opened(found: Parts, signals: Sequence[str]) -> StateSpace:
 
     Raises SignalError for a signal that is neither.
     """
-    known = (*MOTORS, *AXES)
-    if unknown := [name for name in signals if name not in known]:
-        raise SignalError(f"{', '.join(unknown)} do not go around this loop: open it at some of {', '.join(known)}")
-    ends = {name: f"{name}_command" for name in found.plant.inputs} | {a: a for a in found.plant.outputs}
-    wires = {(n if n in MOTORS else f"{n}_seen"): {f"{n}_in" if n in signals else end: 1.0} for n, end in ends.items()}
-    inputs, outputs = [f"{n}_in" for n in signals], [ends[n] for n in signals]
-    around = interconnect.connect([found.plant, found.controller], inputs, outputs, wires)
-    back = tuple(f"{n}_out" for n in signals)
-    return realisation.connected(replace(around, C=-around.C, D=-around.D, inputs=tuple(signals), outputs=back))
+    sensors, actuators = ({name: name for name in ends} for ends in (found.plant.outputs, found.plant.inputs))
+    return loop.opened(found.plant, found.controller, list(signals), sensors, actuators, found.delay)
 
 
 def of_block(plant: Plant, block: Block, axes: Iterable[str], label: str) -> list[OpenLoop]:

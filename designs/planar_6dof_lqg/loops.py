@@ -70,9 +70,7 @@ def _reweighted(axis: Axis) -> Axis:
 def as_printed(plant: Plant) -> Parts:
     """Return the horizontal stage under (33) with K of (49), which leaves the yaw of motor C out."""
     stage = shared.parts(plant, whole(plant, lqg.law(plant))).plant
-    law = core.compensator().model
-    seen, commands = tuple(f"{axis}_seen" for axis in law.inputs), tuple(f"{name}_command" for name in law.outputs)
-    return Parts(stage.select(HORIZONTAL, CURRENTS), replace(law, inputs=seen, outputs=commands))
+    return Parts(stage.select(HORIZONTAL, CURRENTS), core.compensator().model)
 
 
 def gain_of_42() -> Array:
