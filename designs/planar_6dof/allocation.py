@@ -93,21 +93,6 @@ def wrench(plant: Plant) -> Array:
     return readonly(rows)
 
 
-def allocation_matrix(plant: Plant) -> Array:
-    """Return the inverse of `wrench` (6, 6): the motors' forces for demands in the platen's frame."""
-    a, b, c = (plant.parameter(name).value for name in "abc")
-    h, front = 1 / (2 * a), c / (2 * (b + c))
-    rows: list[list[float]] = [
-        [-c * h, 0.5, -h, 0, 0, 0],
-        [c * h, 0.5, h, 0, 0, 0],
-        [1, 0, 0, 0, 0, 0],
-        [0, 0, 0, front, -0.5 / (b + c), h],
-        [0, 0, 0, front, -0.5 / (b + c), -h],
-        [0, 0, 0, b / (b + c), 1 / (b + c), 0],
-    ]
-    return readonly(rows)
-
-
 def scales(plant: Plant) -> dict[str, float]:
     """Return for each axis the force in N or torque in N m of a demand of 1 A."""
     a, b, c = (plant.parameter(name).value for name in "abc")

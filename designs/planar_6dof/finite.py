@@ -24,11 +24,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designs.planar_6dof import experiments as shared
-from designs.planar_6dof.allocation import HORIZONTAL, force_constant
+from designs.planar_6dof.allocation import HORIZONTAL
 from designs.planar_6dof.experiments import SMALL
 from designs.planar_6dof.interface import NOISE
 from designs.planar_6dof.loop import Array, seen, simulate
-from models import finite_matrix, finite_motor, finite_stage, planar_stage
+from models import finite_stage, planar_stage
 from synth.check import Check
 from synth.simulate.experiment import Experiment
 from synth.simulate.experiments import Run
@@ -41,7 +41,6 @@ NOISIER = 1.15
 RANGE = {s.name: s.high for s in planar_stage.STATES}
 ACCURACY = 1.4e-3  # m
 MADE, IDEAL, CLOSED = "blocks as made", "ideal blocks", "closed law"
-MATRICES = {MADE: finite_matrix.made, IDEAL: finite_matrix.ideal}
 
 
 def over(loop: Rig, made: bool = True) -> Rig:
@@ -148,46 +147,9 @@ def motion(loop: Rig, found: Experiment, noiseless: Mapping[str, Motion]) -> Exp
 
 @cache
 def forces(radius: float) -> dict[str, float]:
-    """Return what of a motor departs from the closed law, for places of the platen up to `radius` in m from the middle.
-
-    Forces are per A of the quadrature or the direct current, over K, and in the middle pitch unless they say otherwise;
-    torques are about the motor's own centre.
-    """
-    figures: dict[str, float] = {}
-    for name, matrix in MATRICES.items():
-        series = finite_matrix.series(matrix(), finite_stage.FORCE_HARMONICS)
-        y = series.grid(finite_stage.REACH)
-        phases = [finite_motor.maps(series, p, "value", finite_stage.REACH) for p in finite_motor.PHASES]
-        per_ampere = finite_motor.commutated(np.array(phases), y)
-        figures |= {f"{what} ({name}){unit}": float(v) for what, unit, v in _departures(per_ampere, y, radius)}
-    return figures
-
-
-def _departures(per_ampere: Array, y: Array, radius: float) -> list[tuple[str, str, float]]:
-    K, half = force_constant(planar_stage.plant()), finite_matrix.VALUES["l"] / 2
-    inside, way = (y > -half - 1e-9) & (y < half - 1e-9), _reached(y, radius)
-    middle = per_ampere[:, :, inside][:, :, :, inside]
-    mean = middle.mean(axis=(2, 3))
-    driven, across = per_ampere[0, 1][way] / K, np.abs(per_ampere[:, 0][:, way]).max()
-    peak = np.abs(middle).max(axis=(2, 3))
-    return [
-        ("driving force over K", "", mean[0, 1] / K),
-        ("lifting force over K", "", mean[1, 2] / K),
-        ("peak ripple of the driving force", "", np.abs(middle[0, 1] / mean[0, 1] - 1).max()),
-        ("peak ripple of the lifting force", "", np.abs(middle[1, 2] / mean[1, 2] - 1).max()),
-        ("peak lift of the driving current over K", "", peak[0, 2] / K),
-        ("peak force across the motion over K", "", peak[:, 0].max() / K),
-        ("peak torque along the conductors", ", N m/A", peak[:, 3].max()),
-        ("peak torque along the motion", ", N m/A", peak[:, 4].max()),
-        ("peak torque in yaw", ", N m/A", peak[:, 5].max()),
-        ("least driving force over K on the way", "", driven.min()),
-        ("greatest driving force over K on the way", "", driven.max()),
-        ("peak force across the motion over K on the way", "", across / K),
-    ]
-
-
-def _reached(y: Array, radius: float) -> NDArray[np.bool_]:
-    """Return where on the grid (n, n), across the motion and along it, a motor's centre comes to."""
-    a, b, c = (planar_stage.plant().parameter(name).value for name in "abc")
-    across, along = y[:, None], y[None, :]
-    return np.any([np.hypot(across - u, along - v) <= radius for u, v in ((-a, -b), (a, -b), (c, 0.0))], axis=0)
+    """Return how the motors depart from the closed law, the platen up to `radius` in m from the middle."""
+    return {
+        f"{what} ({name}){unit}": value
+        for name, made in ((MADE, True), (IDEAL, False))
+        for (what, unit), value in finite_stage.departures(made, radius).items()
+    }
