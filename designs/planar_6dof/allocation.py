@@ -117,12 +117,11 @@ def allocation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
     """Return the Block from demands and the yaw `phi` to limited currents and what these meet of each demand."""
     a, b, c = (plant.parameter(name).value for name in "abc")
     across, rear = c / (2 * a), 2 * b / c
-    arms = (
-        ("half", 0.5, "1/2"),
-        ("part", c / (2 * (b + c)), "c/(2 (b + c))"),
-        ("front_part", b / (2 * (b + c)), "b/(2 (b + c))"),
-    )
-    constants = [Constant(name, value, "1", f"Table 3: {what}") for name, value, what in arms]
+    constants = [
+        Constant("half", 0.5, "1", "Table 3: 1/2"),
+        Constant("part", c / (2 * (b + c)), "1", "Table 3: c/(2 (b + c))"),
+        Constant("front_part", b / (2 * (b + c)), "1", "Table 3: b/(2 (b + c))"),
+    ]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         angle = clip(u[phi.name], YAW)

@@ -135,14 +135,13 @@ def block(plant: Plant, part: Loop, time: Discrete) -> Block:
         State(Signal("lag", wanted.unit, -most, most, "what the lead takes back"), 0.0),
     ]
     per, tag = f"{wanted.unit}/{position.unit}", f"({EQUATION[axis]})"
-    numbers = (
-        ("direct", direct, per, "gain of the error"),
-        ("into_lag", into_lag, per, "gain times pole less zero"),
-        ("pole", part.pole, "1", "pole in z"),
-        ("reset", part.reset, "1", "zero of the integrator in z"),
-        ("driven", 1 - part.reset, "1", "1 less that"),
-    )
-    constants = [Constant(name, value, unit, f"{tag}: {what}") for name, value, unit, what in numbers if value]
+    constants = [
+        Constant("direct", direct, per, f"{tag}: gain of the error"),
+        Constant("into_lag", into_lag, per, f"{tag}: gain times pole less zero"),
+        *([Constant("pole", part.pole, "1", f"{tag}: pole in z")] if part.pole else []),
+        Constant("reset", part.reset, "1", f"{tag}: zero of the integrator in z"),
+        Constant("driven", 1 - part.reset, "1", f"{tag}: 1 less that"),
+    ]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         error = u[reference.name] - u[position.name]
