@@ -11,9 +11,7 @@ without end. Each experiment is run on both plants with the same noise. Its bars
     a motion          as shown, x and y stray by no more than their sensors' noise of 13 um; truly by no more than the
                       1.4 mm that Kawato and Kim state of such sensors; the yaw stays within the range of 20 mrad
 
-psi moves by the end turns of motors A and B, of which nothing is printed: at rest its noise is 56 urad under the
-lead-lag controller and 170 under the LQG controller, 3.9 and 53 without end turns, 0.9 and 3.1 on the closed law. With
-end turns in the plane of the bands the stage is lost. `forces` tells in what the motors differ from the closed law.
+`forces` tells in what the motors differ from the closed law. Results: docs/decisions/planar_leadlag.md.
 """
 
 from collections.abc import Mapping

@@ -7,10 +7,7 @@
     published   K (s + a) (s + 10) / ((s + b) s), as printed
     shipped     the same zeros, the pole b at 2/T, and a part of the gain at low frequencies
 
-With a sample of delay psi as printed is unstable at 1 kHz and at 800 Hz, for its crossover is 110 Hz with the printed
-Iyy; theta has a peak sensitivity of 6.6 and 38. As shipped no loop has more than 2.1, at either rate. Sampled by
-Tustin's rule: the crossovers are a twelfth of the rate at most, where it bends the phase by a tenth of a degree, and of
-the rules that keep the order it lags least. It puts a pole at 2/T to z = 0.
+Both are sampled by Tustin's rule; docs/decisions/planar_leadlag.md says why.
 
 Each loop is a lead and a reset, whose zero z2 is that of s + 10. The reset is driven by what the motors make:
 
