@@ -197,10 +197,9 @@ def per_position(axis: str) -> str:
 
 def law(plant: Plant, variant: Variant = "shipped", regulate: Regulate = reduced_order) -> list[Block]:
     """Return the Blocks from positions and held set-points to computed phase currents."""
-    horizontal = [regulate(plant, axis) for axis in axes(plant)]
-    upright, yaw = vertical.blocks(plant, TIME, variant), MEASURED["phi"]
-    motors = (make(plant, TIME, yaw) for make in (allocation.allocation, allocation.commutation))
-    return [*horizontal, *upright, *motors]
+    upright = [vertical.block(plant, part, TIME) for part in vertical.loops(TIME, variant)]
+    motors = (make(plant, TIME, MEASURED["phi"]) for make in (allocation.allocation, allocation.commutation))
+    return [*(regulate(plant, axis) for axis in axes(plant)), *upright, *motors]
 
 
 def sensed(plant: Plant) -> list[Block]:

@@ -117,6 +117,11 @@ def loop(axis: str, continuous: lead_lag.Compensator, time: Discrete) -> Loop:
     return Loop(axis, sampled, D, p, D * (p - z1), z2)
 
 
+def loops(time: Discrete, variant: Variant = "shipped") -> list[Loop]:
+    """Return the loops of z, theta and psi, sampled."""
+    return [loop(axis, compensator(axis, time, variant), time) for axis in allocation.VERTICAL]
+
+
 def block(plant: Plant, part: Loop, time: Discrete) -> Block:
     """Return the Block of one loop, from the position, the set-point and what is made to the demand.
 
@@ -149,9 +154,3 @@ def block(plant: Plant, part: Loop, time: Discrete) -> Block:
     inputs = [position, reference, driven]
     name = f"loop_{axis}"
     return build(name, time, law, inputs=inputs, outputs=[wanted], states=states, constants=constants, tag=tag)
-
-
-def blocks(plant: Plant, time: Discrete, variant: Variant = "shipped") -> list[Block]:
-    """Return the Blocks of the three vertical loops."""
-    loops = (loop(axis, compensator(axis, time, variant), time) for axis in allocation.VERTICAL)
-    return [block(plant, part, time) for part in loops]

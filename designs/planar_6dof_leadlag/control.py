@@ -40,9 +40,8 @@ def loops(variant: Variant = "shipped") -> list[Loop]:
 
 def law(plant: Plant, variant: Variant = "shipped") -> list[Block]:
     """Return the Blocks from positions and held set-points to computed phase currents."""
-    horizontal = [vertical.block(plant, part, TIME) for part in loops(variant)]
-    upright = vertical.blocks(plant, TIME, variant)
-    return [*horizontal, *upright, allocation.allocation(plant, TIME), allocation.commutation(plant, TIME)]
+    six = [vertical.block(plant, part, TIME) for part in (*loops(variant), *vertical.loops(TIME, variant))]
+    return [*six, allocation.allocation(plant, TIME), allocation.commutation(plant, TIME)]
 
 
 def controller(plant: Plant, variant: Variant = "shipped") -> Block:

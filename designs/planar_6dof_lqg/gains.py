@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from designs.planar_6dof import allocation, lqg, vertical
 from designs.planar_6dof import emitted as shared
+from designs.planar_6dof import lqg, vertical
 from models import planar_stage
 from synth.emit.c import digits
 from synth.statespace import Array
@@ -16,7 +16,6 @@ def gains() -> dict[str, Any]:
     """
     plant = planar_stage.plant()
     found, printed = lqg.gain(), lqg.gain(lqg.PRINTED_WEIGHTS)
-    upright = [vertical.loop(a, vertical.compensator(a, lqg.TIME), lqg.TIME) for a in allocation.VERTICAL]
     return {
         "plant": "(31) as printed: q'' = B i in x, y and phi, with their rates d, f, v and their integrals z1, z2, z3",
         "period_s": lqg.TIME.period_s,
@@ -33,7 +32,7 @@ def gains() -> dict[str, Any]:
             "certificate": shared.certificate(printed.certificate),
         },
         "axes": {axis.name: _axis(axis) for axis in lqg.axes(plant)},
-        "compensators": shared.compensators(upright),
+        "compensators": shared.compensators(vertical.loops(lqg.TIME)),
     }
 
 
