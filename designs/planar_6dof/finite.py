@@ -58,18 +58,18 @@ def step(loop: Rig, name: str, axis: str, height: float, title: str, limits: sha
     """Return a step over the finite matrix, beside that of `loop`."""
     there, closed = over(loop), shared.step(loop, axis, height)
     run = shared.step(there, axis, height)
-    found = shared.step_experiment(there, run, name, f"{title}, finite matrix", limits)
+    experiment = shared.step_experiment(there, run, name, f"{title}, finite matrix", limits)
     moved, before, noise = _moved(run), _moved(closed), _noise(there, run.noisy, -1.0)
     departs = np.abs(run.response - closed.response).max() / abs(height)
-    figures = {**found.figures, "response departs from the closed law's by, of the step": float(departs)}
-    checks = list(found.checks)
+    figures = {**experiment.figures, "response departs from the closed law's by, of the step": float(departs)}
+    checks = list(experiment.checks)
     for other in (a for a in AXES if a != axis):
         figures[f"{other} moves from the step on, without noise, {SMALL[other]}"] = 1e6 * moved[other]
         figures[f"{other} does so on the closed law, {SMALL[other]}"] = 1e6 * before[other]
         bar, about = (noise[other], "its noise, rms") if other in HORIZONTAL else (RANGE[other], "its range")
         what = f"{other} moves from the step on"
         checks.append(Check(what, moved[other], bar, UNITS[other], f"without noise; {about}"))
-    return replace(found, figures=figures, checks=tuple(checks))
+    return replace(experiment, figures=figures, checks=tuple(checks))
 
 
 def _moved(run: shared.StepRun) -> dict[str, float]:
@@ -124,7 +124,7 @@ def astray(loop: Rig, motion: Motion) -> dict[str, float]:
     return errors
 
 
-def motion(loop: Rig, found: Experiment, noiseless: Mapping[str, Motion]) -> Experiment:
+def motion(loop: Rig, experiment: Experiment, noiseless: Mapping[str, Motion]) -> Experiment:
     """Return an experiment of a motion over the finite matrix with its bars.
 
     `noiseless` are its twins without noise, by MADE and other names.
@@ -136,11 +136,13 @@ def motion(loop: Rig, found: Experiment, noiseless: Mapping[str, Motion]) -> Exp
     for axis in "xy":
         lost = float(np.abs((twin.run[axis] - twin.references[axis])[twin.window]).max())
         checks.append(Check(f"greatest true error of {axis}", lost, ACCURACY, "m", "without noise"))
-    checks.append(Check("greatest yaw", float(np.abs(found.trajectory["phi"]).max()), RANGE["phi"], "rad", "its range"))
+    checks.append(
+        Check("greatest yaw", float(np.abs(experiment.trajectory["phi"]).max()), RANGE["phi"], "rad", "its range")
+    )
     for axis in AXES[3:]:
-        figures[f"greatest {axis}, {SMALL[axis]}"] = 1e6 * float(np.abs(found.trajectory[axis]).max())
-    title, figures = f"{found.title}, finite matrix", {**found.figures, **figures}
-    return replace(found, title=title, figures=figures, checks=(*found.checks, *checks))
+        figures[f"greatest {axis}, {SMALL[axis]}"] = 1e6 * float(np.abs(experiment.trajectory[axis]).max())
+    title, figures = f"{experiment.title}, finite matrix", {**experiment.figures, **figures}
+    return replace(experiment, title=title, figures=figures, checks=(*experiment.checks, *checks))
 
 
 @cache

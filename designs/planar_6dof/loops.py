@@ -131,13 +131,13 @@ def commutation_matrix(plant: Plant, pose: Place) -> Array:
     return readonly(E)
 
 
-def opened(found: Parts, signals: Sequence[str]) -> StateSpace:
+def opened(both: Parts, signals: Sequence[str]) -> StateSpace:
     """Return L (p, p) from and to some of the axes and motor currents, all others closed.
 
     Raises SignalError for a signal that is neither.
     """
-    sensors, actuators = ({name: name for name in ends} for ends in (found.plant.outputs, found.plant.inputs))
-    return loop.opened(found.plant, found.controller, list(signals), sensors, actuators, found.delay)
+    sensors, actuators = ({name: name for name in ends} for ends in (both.plant.outputs, both.plant.inputs))
+    return loop.opened(both.plant, both.controller, list(signals), sensors, actuators, both.delay)
 
 
 def of_block(plant: Plant, block: Block, axes: Iterable[str], label: str) -> list[OpenLoop]:
@@ -145,9 +145,9 @@ def of_block(plant: Plant, block: Block, axes: Iterable[str], label: str) -> lis
     return of_parts(parts(plant, block), axes, label)
 
 
-def of_parts(found: Parts, axes: Iterable[str], label: str) -> list[OpenLoop]:
+def of_parts(both: Parts, axes: Iterable[str], label: str) -> list[OpenLoop]:
     """Return the loops of some axes, all others closed."""
-    return [OpenLoop(axis, label, L, margins.of_loop(L)) for axis in axes for L in [opened(found, [axis])]]
+    return [OpenLoop(axis, label, L, margins.of_loop(L)) for axis in axes for L in [opened(both, [axis])]]
 
 
 def whole(plant: Plant, time: Discrete, sensed: Sequence[Block], law: Sequence[Block]) -> Block:
@@ -165,18 +165,18 @@ def over_pitch(plant: Plant, block: Block, places: int = 7) -> list[dict[str, ma
     """Return the margins of the six loops by axis at places spread over a pitch in x and in y."""
     l = plant.parameter("l").value
     spread = [{"x": l * _within(k, places), "y": l * _within(3 * k % places, places)} for k in range(places)]
-    found = (parts(plant, block, place) for place in spread)
-    return [{axis: margins.of_loop(opened(each, [axis])) for axis in AXES} for each in found]
+    each_place = (parts(plant, block, place) for place in spread)
+    return [{axis: margins.of_loop(opened(each, [axis])) for axis in AXES} for each in each_place]
 
 
 def _within(k: int, places: int) -> float:
     return (k + 0.5) / places - 0.5
 
 
-def horizontal(found: Parts) -> Horizontal:
+def horizontal(both: Parts) -> Horizontal:
     """Return the loop of x, y and phi, any other axes closed."""
     axes = allocation.HORIZONTAL
-    return Horizontal(*(opened(found, cut) for cut in (HORIZONTAL, axes, (*HORIZONTAL, *axes))))
+    return Horizontal(*(opened(both, cut) for cut in (HORIZONTAL, axes, (*HORIZONTAL, *axes))))
 
 
 def scaled(L: StateSpace, sizes: Mapping[str, float]) -> StateSpace:

@@ -92,12 +92,12 @@ def axes(plant: Plant) -> tuple[Axis, ...]:
     """Return x, y and phi with their gains from positions to demands."""
     k, a, scales = PER_AMPERE * plant.parameter("M").value, plant.parameter("a").value, allocation.scales(plant)
     pushed = {"x": PER_AMPERE / k, "y": PER_AMPERE / k, "phi": YAW_PER_AMPERE / (k * a)}
-    found = []
+    rows = []
     for i, (name, row) in enumerate(zip(HORIZONTAL, -demanded(plant), strict=True)):
         scale = scales[name]
         k1, k2, k3 = row[[i, 6 + i, 3 + i]] / scale
-        found.append(Axis(name, pushed[name] * scale, float(k1), float(k2), float(k3) * TIME.period_s))
-    return tuple(found)
+        rows.append(Axis(name, pushed[name] * scale, float(k1), float(k2), float(k3) * TIME.period_s))
+    return tuple(rows)
 
 
 def continuous(axis: Axis) -> StateSpace:
@@ -118,10 +118,10 @@ def observer(axis: Axis, pole: float | None = None) -> reduced_observer.ReducedO
 
 def reduced_order(plant: Plant, axis: Axis) -> Block:
     """Return the regulator of one axis on the observer of its rate alone; x3 is kept in units of what it demands."""
-    found, T = observer(axis), TIME.period_s
+    observed, T = observer(axis), TIME.period_s
     q, f1 = MEASURED[axis.name], allocation.achievable_bound(plant)[axis.name]
     on_rate, on_force = axis.k1 * T + axis.k2, axis.b * T * (axis.k1 * T / 2 + axis.k2)
-    F, G, H, L = float(found.F[0, 0]), *(on_rate * float(m[0, 0]) for m in (found.G, found.H, found.L))
+    F, G, H, L = float(observed.F[0, 0]), *(on_rate * float(m[0, 0]) for m in (observed.G, observed.H, observed.L))
     x3 = MARGIN * (abs(G) * q.high + abs(H) * f1) / (1 - abs(F))
     per = per_position(axis.name)
     constants = [

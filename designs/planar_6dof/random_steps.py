@@ -84,16 +84,16 @@ def _remembered(plant: Plant, pose: Mapping[str, NDArray[Any]], rng: np.random.G
     pitch, most = plant.parameter("l").value, sensing.PITCHES
     near = {a: pose[a] + rng.normal(0, PREDICTED, n) for a in allocation.HORIZONTAL}
     whole = {a: pitch * np.clip(np.round(near[a] / pitch), -most, most) for a in "xy"}
-    found = {f"sensing_offset_{a}": values for a, values in whole.items()}
-    found |= {f"sensing_within_{a}": np.clip(near[a] - whole[a], -pitch / 2, pitch / 2) * (1 - INSIDE) for a in "xy"}
-    found["sensing_phi_raw"] = near["phi"]
+    columns = {f"sensing_offset_{a}": values for a, values in whole.items()}
+    columns |= {f"sensing_within_{a}": np.clip(near[a] - whole[a], -pitch / 2, pitch / 2) * (1 - INSIDE) for a in "xy"}
+    columns["sensing_phi_raw"] = near["phi"]
     for a in allocation.HORIZONTAL:
-        found |= {
+        columns |= {
             f"filter_{a}_p": near[a],
             f"filter_{a}_s": rng.normal(0, MOVED, n),
             f"filter_{a}_h": rng.normal(0, BENT, n),
         }
-    return found
+    return columns
 
 
 def at_the_edges(block: Block, n: int, seed: int = SEED) -> tuple[Columns, Columns]:

@@ -124,13 +124,13 @@ def guard(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, 
     A value that is no number is in no range.
     """
     with np.errstate(invalid="ignore"):
-        given = {s: np.asarray(inputs[s], dtype=np.float64) for s in LIMITS}
-        good = {s: np.abs(given[s]) <= high for s, high in LIMITS.items()}
-    values = {s: np.where(good[s], given[s], 0.0 if s in HALL else state[f"guard_last_{s}"]) for s in LIMITS}
+        read = {s: np.asarray(inputs[s], dtype=np.float64) for s in LIMITS}
+        good = {s: np.abs(read[s]) <= high for s, high in LIMITS.items()}
+    values = {s: np.where(good[s], read[s], 0.0 if s in HALL else state[f"guard_last_{s}"]) for s in LIMITS}
     after = {f"guard_last_{s}": value for s, value in values.items() if s not in HALL}
     named = np.asarray(state["sensing_named"]) > 0
-    told = reference_sensing.suspects(state, reference_sensing.harmonic(1))
-    flags = [~good[s] for s in LIMITS] + [named & told[s] for s in HALL]
+    suspected = reference_sensing.suspects(state, reference_sensing.harmonic(1))
+    flags = [~good[s] for s in LIMITS] + [named & suspected[s] for s in HALL]
     word = np.sum([np.where(flag, 1 << bit, 0) for bit, flag in enumerate(flags)], axis=0)
     complete = np.all([good[s] for s in HALL], axis=0) & ~named
     every = np.all([good[s] for s in MEASUREMENTS], axis=0) & ~named
@@ -145,8 +145,8 @@ def guard(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, 
 def heights(v: Columns) -> dict[str, Array]:
     """Return z, theta and psi for three distances."""
     points = np.array([[1, y, -x] for x, y in ((-LASER_ARM, -LASER_ARM), (LASER_ARM, -LASER_ARM), (0.0, LASER_ARM))])
-    found = np.linalg.inv(points) @ np.stack([v["d1"], v["d2"], v["d3"]])
-    return dict(zip(("z", "theta", "psi"), found, strict=True))
+    lifts = np.linalg.inv(points) @ np.stack([v["d1"], v["d2"], v["d3"]])
+    return dict(zip(("z", "theta", "psi"), lifts, strict=True))
 
 
 def motors(w: Columns, phi: Array) -> tuple[dict[str, tuple[Array, Array]], dict[str, Array]]:

@@ -204,14 +204,14 @@ def suspects(state: Columns, A: float) -> dict[str, Array]:
     there, beside = m > least_m, np.abs(r) > least_r
     big = np.sqrt(np.sum((r / (RESIDUAL * A)) ** 2 + (m / (POWER * A**2)) ** 2, axis=0)) > BIG
     lost = (np.abs(seen["phi"]) > KNOWN) | (~big & np.all(there, axis=0))
-    turned, found = np.any(beside, axis=0), {}
+    turned, wrong = np.any(beside, axis=0), {}
     for i, (s, c, other) in enumerate((("V_ax", "V_bx", "V_cx"), ("V_ay", "V_cy", "V_by"))):
         before = seen["s_x" if i == 0 else "s_y"]
         mended = np.abs((before + r[i]) ** 2 - before**2)
-        found[s] = np.where(big, beside[i] & ((mended < small) | (m[i] >= nearly)), turned | there[i])
-        found[c] = np.where(big, m[i] > mended + nearly, there[i])
-        found[other] = np.where(big, beside[i] & (m[i] < nearly), turned)
-    return {name: one | lost for name, one in found.items()}
+        wrong[s] = np.where(big, beside[i] & ((mended < small) | (m[i] >= nearly)), turned | there[i])
+        wrong[c] = np.where(big, m[i] > mended + nearly, there[i])
+        wrong[other] = np.where(big, beside[i] & (m[i] < nearly), turned)
+    return {name: one | lost for name, one in wrong.items()}
 
 
 def estimate(state: Columns, raw: Columns, ready: Array, k: Constants) -> tuple[dict[str, Array], dict[str, Array]]:

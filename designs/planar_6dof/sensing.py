@@ -252,7 +252,7 @@ def _suspects(x: Exprs, A: float) -> dict[str, ca.SX]:
     big = _squared(r["y"], r["x"], m["x"], m["y"], A) > (BIG * RESIDUAL * A) ** 2
     both = ca.logic_and(ca.logic_and(there["x"], there["y"]), ca.logic_not(big))
     lost = ca.logic_or(ca.fabs(x["first_phi"]) > KNOWN, both)
-    found: dict[str, ca.SX] = {}
+    flags: dict[str, ca.SX] = {}
     for a, (s, c, other) in (("x", ("V_ax", "V_bx", "V_cx")), ("y", ("V_ay", "V_cy", "V_by"))):
         nearly, mended = size[a] < NEARLY * A**2, ca.fabs(r[a] * (2 * x[f"first_s_{a}"] + r[a]))
         slight = ca.logic_or(ca.logic_not(nearly), mended < SMALL * A**2)
@@ -262,5 +262,5 @@ def _suspects(x: Exprs, A: float) -> dict[str, ca.SX]:
             other: ca.logic_and(beside[a], nearly),
         }
         crept = {s: ca.logic_or(turned, there[a]), c: there[a], other: turned}
-        found |= {name: ca.logic_or(ca.if_else(big, jumped[name], crept[name]), lost) for name in jumped}
-    return found
+        flags |= {name: ca.logic_or(ca.if_else(big, jumped[name], crept[name]), lost) for name in jumped}
+    return flags

@@ -100,17 +100,17 @@ def law_apart(subject: Subject, first: agree.Stepped, second: agree.Stepped) -> 
     return max(worst)
 
 
-def shares(states: Columns, found: agree.Stepped) -> list[Check]:
+def shares(states: Columns, c64: agree.Stepped) -> list[Check]:
     """Return the shares of random steps at limits, and of those from which no position is taken or no law computed."""
     least, most = AT_A_LIMIT
-    limited = float(np.mean(random_steps.saturated(found.outputs)))
-    before, after = states["sensing_doubt"], found.states["sensing_doubt"]
+    limited = float(np.mean(random_steps.saturated(c64.outputs)))
+    before, after = states["sensing_doubt"], c64.states["sensing_doubt"]
     passed_over = float(np.mean(after != np.maximum(before - 1, 0)))  # else the memory of contradictions fades
     return [
         Check("share of random steps at a limit", limited, most, "1"),
         Check("share of random steps within all limits", 1 - limited, 1 - least, "1"),
         Check("share of random steps that sensing passes over", passed_over, PASSED_OVER, "1"),
-        Check("share of random steps that latch", float(np.mean(found.states["guard_latched"])), LATCHED, "1"),
+        Check("share of random steps that latch", float(np.mean(c64.states["guard_latched"])), LATCHED, "1"),
     ]
 
 

@@ -72,34 +72,34 @@ def circle_experiment(loop: Rig, name: str) -> Experiment:
     return _judged(loop, name, circle(loop), circle(loop.ideal))
 
 
-def _judged(loop: Rig, name: str, found: Circle, ideal: Circle) -> Experiment:
+def _judged(loop: Rig, name: str, noisy: Circle, ideal: Circle) -> Experiment:
     """Return a circle, with its twin without noise, as an experiment."""
     pitch = loop.plant.parameter("l").value
-    figures, checks = planar_voltages.figures(loop.plant, found.run, ideal.run), []
+    figures, checks = planar_voltages.figures(loop.plant, noisy.run, ideal.run), []
     for axis in "xy":
-        there, elsewhere = jumps(loop, found.run, axis)
+        there, elsewhere = jumps(loop, noisy.run, axis)
         rms = float(np.sqrt(np.mean(elsewhere**2)))
         worst = float(np.abs(there).max())
         smooth = jumps(loop, ideal.run, axis)[0]
         figures |= {
-            f"pitches crossed, {axis}": float(np.ptp(found.run[axis])) / pitch,
+            f"pitches crossed, {axis}": float(np.ptp(noisy.run[axis])) / pitch,
             f"switching samples, {axis}": float(len(there)),
             f"largest jump at one, {axis}, um": 1e6 * worst,
             f"rms elsewhere, {axis}, um": 1e6 * rms,
             f"largest jump at one without noise, {axis}, um": 1e6 * float(np.abs(smooth).max()),
-            f"error of {axis}, um rms": 1e6 * float(np.sqrt(np.mean(found.error(axis) ** 2))),
+            f"error of {axis}, um rms": 1e6 * float(np.sqrt(np.mean(noisy.error(axis) ** 2))),
             f"error of {axis} without noise, um rms": 1e6 * float(np.sqrt(np.mean(ideal.error(axis) ** 2))),
         }
         checks.append(Check(f"jump of {axis} at a switching sample", worst / rms, JUMP, "1", "times the rms elsewhere"))
-        lost = float(np.abs(found.error(axis)).max())
+        lost = float(np.abs(noisy.error(axis)).max())
         checks.append(Check(f"greatest error of {axis}", lost, pitch / 16, "m", "half a section: no count is lost"))
     needed = figures["largest voltage without noise, V"]
     checks.append(Check("largest voltage without noise", needed, planar_voltages.STATED, "V", "Table 1"))
-    figures["greatest yaw, urad"] = 1e6 * float(np.abs(found.run["phi"]).max())
+    figures["greatest yaw, urad"] = 1e6 * float(np.abs(noisy.run["phi"]).max())
     title = "Circle of 200 mm diameter at 0.2094 rad/s (Fig. 9)"
     about = f"a revolution of {REVOLUTION:.4g} s after {GROWTH:g} s in which the radius grows"
     return Experiment(
-        name, title, about, found.run, ("x", "y"), found.references, figures, (*checks, *shared.usual(found.run))
+        name, title, about, noisy.run, ("x", "y"), noisy.references, figures, (*checks, *shared.usual(noisy.run))
     )
 
 
@@ -108,9 +108,9 @@ def finite_circle(loop: Rig, name: str) -> Experiment:
     there, ideal = finite.over(loop), finite.over(loop, made=False)
     loops = {finite.CLOSED: loop, finite.MADE: there, finite.IDEAL: ideal}
     twins = {name: circle(each.ideal) for name, each in loops.items()}
-    found = _judged(there, name, circle(there), twins[finite.MADE])
+    experiment = _judged(there, name, circle(there), twins[finite.MADE])
     noiseless = {name: finite.Motion(c.run, c.references, c.grown) for name, c in twins.items()}
-    judged = finite.motion(loop, found, noiseless)
+    judged = finite.motion(loop, experiment, noiseless)
     return replace(judged, figures={**judged.figures, **finite.forces(RADIUS)})
 
 

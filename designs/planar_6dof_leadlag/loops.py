@@ -19,13 +19,13 @@ from synth.plant import Plant
 def all_loops(plant: Plant) -> list[OpenLoop]:
     """Return the six loops of each kind; what is printed of one axis is closed with the others as shipped."""
     shipped, printed = control.law(plant), control.law(plant, "published")
-    found = shared.of_block(plant, whole(plant, filtering.blocks(TIME), shipped), AXES, "as shipped")
+    opened = shared.of_block(plant, whole(plant, filtering.blocks(TIME), shipped), AXES, "as shipped")
     for axis in AXES:
         law = shared.exchanged(shipped, printed, axis)
-        found += shared.of_block(plant, whole(plant, filtering.blocks(TIME), law), [axis], "as printed")
+        opened += shared.of_block(plant, whole(plant, filtering.blocks(TIME), law), [axis], "as printed")
         if axis in HORIZONTAL:
-            found += shared.of_block(plant, whole(plant, unfiltered(axis), law), [axis], "as printed, unfiltered")
-    return found
+            opened += shared.of_block(plant, whole(plant, unfiltered(axis), law), [axis], "as printed, unfiltered")
+    return opened
 
 
 def whole(plant: Plant, filters: Sequence[Block], law: Sequence[Block]) -> Block:

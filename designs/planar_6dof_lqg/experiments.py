@@ -26,11 +26,11 @@ LARGE = 0.06  # m
 
 def large_step(loop: Rig, name: str) -> Experiment:
     """Return a step of x that takes the motors to their limit, which the paper does not make."""
-    found = shared.step_experiment(loop, shared.step(loop, "x", LARGE), name, "x by 60 mm", None)
-    overshoot = Check("overshoot", found.figures["overshoot"], 0.05, "1", "at the motors' limits")
-    turned = float(np.abs(found.trajectory["phi"]).max())
+    experiment = shared.step_experiment(loop, shared.step(loop, "x", LARGE), name, "x by 60 mm", None)
+    overshoot = Check("overshoot", experiment.figures["overshoot"], 0.05, "1", "at the motors' limits")
+    turned = float(np.abs(experiment.trajectory["phi"]).max())
     yaw = Check("greatest yaw", turned, 5e-3, "rad", "a fifth of what the sensors tell")
-    return replace(found, checks=(*found.checks, overshoot, yaw))
+    return replace(experiment, checks=(*experiment.checks, overshoot, yaw))
 
 
 def step_with_spectrum(loop: Rig, name: str) -> Experiment:

@@ -48,14 +48,14 @@ class Axis:
 @cache
 def axes() -> dict[str, Axis]:
     """Return the three axes with their gains in A per m, m/s, and m of each sample."""
-    T, found = float(PERIOD), {}
+    T, by_axis = float(PERIOD), {}
     made = {"x": FORCE, "y": 2 * FORCE, "phi": 2 * FORCE * shared.ARM}
     pushed = {"x": PER_AMPERE, "y": 2 * PER_AMPERE, "phi": 2 * YAW_PER_AMPERE}
     for axis, weights in WEIGHTS.items():
         K, unit = gain(pushed[axis], weights, 1 if axis == "x" else 2), made[axis] / shared.scales()[axis]
         k_q, k_z, k_v = (unit * v for v in K)
-        found[axis] = Axis(pushed[axis] / unit, k_q, k_v, k_z * T, float(Fraction(POLE[axis])))
-    return found
+        by_axis[axis] = Axis(pushed[axis] / unit, k_q, k_v, k_z * T, float(Fraction(POLE[axis])))
+    return by_axis
 
 
 def gain(b: float, weights: tuple[float, float, float], R: float) -> Array:
