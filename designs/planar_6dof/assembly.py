@@ -14,7 +14,6 @@ from synth.simulate.rig import Rig
 from synth.timing import Discrete
 from synth.workspace import Design
 
-COUNTS = ("sensing_offset_x", "sensing_offset_y")  # of whole pitches: the last pitch of the travel is their bound
 QUICK_REPLAY, WHOLE_REPLAY = 5.0, 60.0  # s of a closed loop that the reference replays
 
 
@@ -39,7 +38,7 @@ def design(
         surrogate_error=interface.SURROGATE_ERROR,
         substeps=loop.SUBSTEPS,
         experiments=experiments,
-        limited=COUNTS,
+        limited=tuple(verification.COUNTS),  # the last pitch of the travel is their bound
         gains=lambda _: gains(),
         recording=emitted.recorded,
         verify=lambda _, progress, whole: verification.verify(subject(), progress, replays[whole]),

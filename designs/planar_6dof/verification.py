@@ -25,7 +25,7 @@ from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
 from synth.timing import Discrete
-from synth.verify import agree, suite
+from synth.verify import agree, standard, suite
 from synth.verify.evidence import Evidence
 from synth.verify.suite import Witnesses
 
@@ -33,8 +33,7 @@ RANDOM_STEPS, EDGE_STEPS = 100_000, 20_000
 FLOOR = 1.0  # A: a phase is one projection of up to 1.26 A, and what rounding leaves is no smaller where it is
 AT_A_LIMIT = (0.02, 0.5)  # share of random steps: some, and few enough that limits hide nothing
 PASSED_OVER = 0.15  # share of random steps whose sensors contradict each other, or have done so
-OTHERWISE = 1e-3  # share of random steps
-DECIDED = 0.01  # m: more than rounding, and less than a pitch
+COUNTS = {f"sensing_offset_{axis}": 0.01 for axis in "xy"}  # m: more than rounding, and less than a pitch
 LATCHED = 0.02  # share of random steps: those whose last good sample is long ago
 LONG = 60.0  # s
 RADIUS, RATE, GROWTH = 0.06, pi / 2, 2.0  # m, rad/s, s: six pitches in 4 s, at 0.1 m/s
@@ -55,8 +54,8 @@ def verify(subject: Subject, progress: Progress, replay_s: float) -> Evidence:
     progress("random steps")
     drawn = random_steps.in_operation(subject, planar_stage.plant(), RANDOM_STEPS)
     random = {name: witness(*drawn) for name, witness in by.of.items()}
-    single, decided = in_single(subject, by, *drawn)
-    pairs = [*compared("random steps", subject, random), (single, [decided, *shares(drawn[0], random["c64"])])]
+    single, decided = standard.in_single(by, *drawn, FLOOR, COUNTS)
+    pairs = [*compared("random steps", subject, random), (single, [*decided, *shares(drawn[0], random["c64"])])]
     progress("edge steps")
     edges = random_steps.at_the_edges(subject.block, EDGE_STEPS)
     pairs += compared("edge steps", subject, {name: witness(*edges) for name, witness in by.of.items()})
@@ -112,17 +111,6 @@ def shares(states: Columns, c64: agree.Stepped) -> list[Check]:
         Check("share of random steps that sensing passes over", passed_over, PASSED_OVER, "1"),
         Check("share of random steps that latch", float(np.mean(c64.states["guard_latched"])), LATCHED, "1"),
     ]
-
-
-def in_single(subject: Subject, by: Witnesses, states: Columns, inputs: Columns) -> tuple[agree.Agreement, Check]:
-    """Compare single with double on the same bits, where all decisions are alike, and check how many are not."""
-    double, single = suite.in_single(by, states, inputs)
-    alike = suite.decide_alike(subject.block, double, single)
-    for s in (s.name for s in subject.block.states if "_offset_" in s.name):  # of whole pitches
-        alike &= np.abs(double.states[s] - single.states[s].astype(np.float64)) < DECIDED
-    pair = ("c64", suite.part(double, alike)), ("c32", suite.part(single, alike))
-    a, share = agree.compare("random steps", *pair, FLOOR, subject.block, np.float32), float(np.mean(~alike))
-    return a, Check("random steps: decisions otherwise in single precision", share, OTHERWISE, "1")
 
 
 def tour(duration_s: float, time: Discrete) -> dict[str, Array]:

@@ -30,6 +30,7 @@ SEED = 20_260
 UNIT = "of the output's range or more"
 SINGLE = 1e-3  # of an output's range: single against double in one step
 OTHERWISE = 1e-3  # share of random steps that decide otherwise in single precision
+NONE: Mapping[str, float] = {}
 PATH = 1e-4  # of a sensor's range, where it has no resolution: the plant's path in single against double
 
 
@@ -104,15 +105,26 @@ def drawn(by: Witnesses, runs: Mapping[str, agree.Columns]) -> tuple[list[Agreem
     return [*found, single], [*suite.exact(found, UNIT), *checks]
 
 
-def in_single(by: Witnesses, states: sampling.Columns, inputs: sampling.Columns) -> tuple[Agreement, list[Check]]:
-    """Compare single with double precision from the same bits, where both decide alike."""
+def in_single(
+    by: Witnesses,
+    states: sampling.Columns,
+    inputs: sampling.Columns,
+    floor: agree.Floor = None,
+    counts: Mapping[str, float] = NONE,
+) -> tuple[Agreement, list[Check]]:
+    """Compare single with double precision from the same bits, where both decide alike.
+
+    `counts` are states that jump as a decision goes, each with the least jump.
+    """
     double, single = suite.in_single(by, states, inputs)
     alike = suite.decide_alike(by.block, double, single)
+    for name, jump in counts.items():
+        alike &= np.abs(double.states[name] - single.states[name].astype(np.float64)) < jump
     pair = ("c64", suite.part(double, alike)), ("c32", suite.part(single, alike))
-    a = agree.compare("random steps", *pair, None, by.block, np.float32)
-    share = float(np.mean(~alike))
+    a = agree.compare("random steps", *pair, floor, by.block, np.float32)
+    share, unit = float(np.mean(~alike)), UNIT if floor is None else "of the output's floor or more"
     return a, [
-        Check("random steps: single against double", a.worst, SINGLE, UNIT, a.signal),
+        Check("random steps: single against double", a.worst, SINGLE, unit, a.signal),
         Check("random steps: decisions otherwise in single precision", share, OTHERWISE, "1"),
     ]
 
