@@ -164,13 +164,10 @@ def exchanged(law: Sequence[Block], other: Sequence[Block], axis: str) -> list[B
 def over_pitch(plant: Plant, block: Block, places: int = 7) -> list[dict[str, margins.Margins]]:
     """Return the margins of the six loops by axis at places spread over a pitch in x and in y."""
     l = plant.parameter("l").value
-    spread = [{"x": l * _within(k, places), "y": l * _within(3 * k % places, places)} for k in range(places)]
+    within = l * ((np.arange(places) + 0.5) / places - 0.5)
+    spread = ({"x": float(within[k]), "y": float(within[3 * k % places])} for k in range(places))
     each_place = (parts(plant, block, place) for place in spread)
     return [{axis: margins.of_loop(opened(each, [axis])) for axis in AXES} for each in each_place]
-
-
-def _within(k: int, places: int) -> float:
-    return (k + 0.5) / places - 0.5
 
 
 def horizontal(both: Parts) -> Horizontal:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from designs.planar_6dof import filtering, sensing
+from designs.planar_6dof import filtering, interface, sensing
 from models import hall_calibration, planar_stage
 from synth.block import Block
 from synth.compose import compose
@@ -103,8 +103,7 @@ def error_map(plant: Plant, yaw: float = 0.0, lift: float = 0.0, doubt: float = 
 
 def deviation(plant: Plant) -> float:
     """Return the noise rms of a voltage in V that makes NOISE in a position."""
-    cal = hall_calibration.of(plant)
-    return float(cal.amplitude * 2 * np.pi / cal.pitch * NOISE)
+    return interface.volts_per_metre(plant) * NOISE
 
 
 def faults(plant: Plant, time: Discrete, points: int = 12, predicted: bool = True) -> list[Unseen]:

@@ -35,8 +35,7 @@ def whole(plant: Plant, filters: Sequence[Block], law: Sequence[Block]) -> Block
 
 def unfiltered(axis: str) -> list[Block]:
     """Return the filters, of which that of one axis passes its raw position on and predicts as before."""
-    return [_bypassed(b, axis) if axis in b.output else b for b in filtering.blocks(TIME)]
-
-
-def _bypassed(block: Block, axis: str) -> Block:
-    return replace(block, output={**block.output, axis: block.symbol[f"{axis}_raw"]})
+    return [
+        replace(b, output={**b.output, axis: b.symbol[f"{axis}_raw"]}) if axis in b.output else b
+        for b in filtering.blocks(TIME)
+    ]

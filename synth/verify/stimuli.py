@@ -123,12 +123,12 @@ def latches(controller: host.Controller, seed: int) -> list[Steps]:
         (f["high"] - f["low"]) / safety["slew_per_s"][n] for n, f in fields.items() if n in safety["slew_per_s"]
     )
     after = safety["bad_samples"] + min(ceil(longest / controller.period_s), LONGEST) + steps.GOOD
-    runs = [steps.recorded(controller, "latches", _lost(controller, lead, after, rng)) for lead in LEADS]
+    runs = [steps.recorded(controller, "latches", lost(controller, lead, after, rng)) for lead in LEADS]
     return [steps.joined("latches", [run.part(slice(lead, None)) for run, lead in zip(runs, LEADS, strict=True)])]
 
 
-def _lost(controller: host.Controller, lead: int, after: int, rng: np.random.Generator) -> dict[str, NDArray[Any]]:
-    """Return inputs (lead + after,): anywhere in their ranges, and from `lead` on no number."""
+def lost(controller: host.Controller, lead: int, after: int, rng: np.random.Generator) -> dict[str, NDArray[Any]]:
+    """Return inputs (lead + after,): anywhere in their ranges, and from `lead` on not a number."""
     inputs = controller.manifest["structs"]["input"]["fields"]
     columns = {f["name"]: rng.uniform(f["low"], f["high"], lead + after) for f in inputs}
     for values in columns.values():
