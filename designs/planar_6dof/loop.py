@@ -55,7 +55,7 @@ def with_noise(rig: Rig, noise: float) -> Rig:
     volts = noise * interface.VOLTS_PER_METRE
     sensors = rig.stage.interface.sensors
     noisy = tuple(replace(s, noise=volts) if s.name in planar_stage.HALL else s for s in sensors)
-    return rig.around(sensors=noisy)
+    return rig.with_interface(sensors=noisy)
 
 
 def noise_of(rig: Rig) -> float:

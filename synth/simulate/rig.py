@@ -48,7 +48,7 @@ class Rig:
         """The same rig, its sensors without noise and resolution."""
         return replace(self, quantised=False, noise=0.0)
 
-    def around(self, **fields: Any) -> "Rig":
+    def with_interface(self, **fields: Any) -> "Rig":
         """Return the same rig with some fields of its interface replaced; the controller stays as it is."""
         controller = self.stage.controller
         declared = replace(controller, interface=replace(controller.interface, **fields))

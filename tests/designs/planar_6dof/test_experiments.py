@@ -215,7 +215,7 @@ def test_a_wrong_plant_is_caught(lead: Rig, parameter: str, factor: float) -> No
 def test_delay_counts_and_a_second_sample_is_caught(lead: Rig) -> None:
     found = []
     for delay in (0, 1, 2):
-        late = lead.around(delay=delay)
+        late = lead.with_interface(delay=delay)
         run = experiments.step(late, "x", steps.FIGURE_8["x"])
         found.append(experiments.step_experiment(late, run, "", "", leadlag_experiments.LIMITS))
     beyond = [e.figures["overshoot"] for e in found]
