@@ -94,19 +94,17 @@ def axes(plant: Plant) -> tuple[Axis, ...]:
     pushed = {"x": PER_AMPERE / k, "y": PER_AMPERE / k, "phi": YAW_PER_AMPERE / (k * a)}
     rows = []
     for i, (name, row) in enumerate(zip(HORIZONTAL, -demanded(plant), strict=True)):
-        scale = scales[name]
-        k1, k2, k3 = row[[i, 6 + i, 3 + i]] / scale
-        rows.append(Axis(name, pushed[name] * scale, float(k1), float(k2), float(k3) * TIME.period_s))
+        k1, k2, k3 = (row[[i, 6 + i, 3 + i]] / scales[name]).tolist()
+        rows.append(Axis(name, pushed[name] * scales[name], k1, k2, k3 * TIME.period_s))
     return tuple(rows)
 
 
 def continuous(axis: Axis) -> StateSpace:
     """Return q'' = b f with the states q and its rate."""
     made, rate, unit = vertical.demand(axis.name), RATES[axis.name], POSITIONS[axis.name].unit
-    arrays: tuple[list[list[float]], ...] = ([[0, 1], [0, 0]], [[0], [axis.b]], [[1, 0]], [[0]])
-    A, B, C, D = (readonly(m) for m in arrays)
-    units = {axis.name: unit, rate: f"{unit}/s", made.name: made.unit}
-    return StateSpace(A, B, C, D, (axis.name, rate), (made.name,), (axis.name,), Continuous(), units)
+    A, B = np.eye(2, k=1), readonly([[0.0], [axis.b]])
+    units, states = {axis.name: unit, rate: f"{unit}/s", made.name: made.unit}, (axis.name, rate)
+    return StateSpace(A, B, np.eye(1, 2), np.zeros((1, 1)), states, (made.name,), states[:1], Continuous(), units)
 
 
 def observer(axis: Axis, pole: float | None = None) -> reduced_observer.ReducedObserver:
