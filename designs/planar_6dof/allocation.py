@@ -40,10 +40,10 @@ import casadi as ca
 import numpy as np
 
 from models import lorentz_motor, planar_stage
+from models.planar_stage import force_constant, wrench
 from synth.block import Block, Constant, Exprs, Step, build, clip
 from synth.plant import Plant
 from synth.signals import Signal
-from synth.statespace import Array, readonly
 from synth.timing import Discrete
 
 LIMIT = planar_stage.LIMIT  # A
@@ -72,25 +72,6 @@ WITHIN = tuple(
     Signal(f"within_{axis}", "m", -PITCH / 2, PITCH / 2, f"position along {axis.upper()} from the middle of its pitch")
     for axis in "xy"
 )
-
-
-def force_constant(plant: Plant) -> float:
-    """Return K in N/A, the Lorentz integral's."""
-    return float(lorentz_motor.force_constant({p.name: ca.SX(p.value) for p in plant.parameters}))
-
-
-def wrench(plant: Plant) -> Array:
-    """Return T (6, 6) from f_Ay, f_By, f_Cx, f_Az, f_Bz, f_Cz in N to forces in N and torques in N m on the platen."""
-    a, b, c = (plant.parameter(name).value for name in "abc")
-    rows: list[list[float]] = [
-        [0, 0, 1, 0, 0, 0],
-        [1, 1, 0, 0, 0, 0],
-        [-a, a, -c, 0, 0, 0],
-        [0, 0, 0, 1, 1, 1],
-        [0, 0, 0, -b, -b, c],
-        [0, 0, 0, a, -a, 0],
-    ]
-    return readonly(rows)
 
 
 def scales(plant: Plant) -> dict[str, float]:

@@ -18,14 +18,14 @@ A loop is opened at some of these signals, marked by *, the others closed: L = -
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
 from designs.planar_6dof import allocation, interface
 from designs.planar_6dof import loop as simulated
 from designs.planar_6dof.allocation import AXES
-from models import lorentz_motor, planar_stage
+from models import planar_stage
+from models.planar_stage import commutation_matrix
 from synth.analyse import disk, linearise, loop, margins, trim
 from synth.block import Block
 from synth.plant import Plant
@@ -115,20 +115,6 @@ def _held(block: Block, inputs: Mapping[str, float], samples: int) -> agree.Step
     """Return what a Block makes of some samples of constant inputs, from init."""
     start, columns = {s.name: s.initial for s in block.states}, {n: np.full(samples, v) for n, v in inputs.items()}
     return agree.recorded(agree.casadi(block), start, columns)
-
-
-def commutation_matrix(plant: Plant, pose: Place) -> Array:
-    """Return E (9, 6): the phase currents of a current of 1 A of each motor, along its motion or up."""
-    p = {s.name: ca.SX(s.value) for s in plant.parameters}
-    centres = planar_stage.centres({axis: ca.SX(v) for axis, v in pose.items()}, p)
-    E = np.zeros((len(PHASES), len(MOTORS)))
-    for column, name in enumerate(MOTORS):
-        motor, along = name[2], name[3] == "Q"
-        at = centres[motor].X if motor == "C" else centres[motor].Y
-        phases = lorentz_motor.commutated(ca.SX(along), ca.SX(not along), at, p)
-        for phase, current in phases.items():
-            E[PHASES.index(f"i_{motor}{phase}"), column] = float(current)
-    return readonly(E)
 
 
 def opened(both: Parts, signals: Sequence[str]) -> StateSpace:
