@@ -1,7 +1,7 @@
 """From a planar controller, its reference and experiments to everything that the command line does with a design."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import cache, partial
+from functools import partial
 from typing import Any
 
 from designs.planar_6dof import bench, emitted, interface, loop, verification
@@ -30,7 +30,6 @@ def design(
 
     `audit` makes the rows of the paper from the shipped loop.
     """
-    shipped = cache(lambda: loop.of(subject().block))
     replays = {False: QUICK_REPLAY, True: WHOLE_REPLAY}
     return stage.design(
         interface.declared(name, time, lambda: subject().block),
@@ -42,7 +41,7 @@ def design(
         gains=lambda _: gains(),
         recording=emitted.recorded,
         verify=lambda _, progress, whole: verification.verify(subject(), progress, replays[whole]),
-        audit=lambda _: audit(shipped()),
+        audit=lambda made: audit(declared.rig(made, made.scalar)),
         bench=partial(declared.bench, own=bench.own, floor=bench.FLOOR),
         report=lambda _, *arguments: report(*arguments),
     )
