@@ -30,7 +30,6 @@ SEED = 20_260
 UNIT = "of the output's range or more"
 SINGLE = 1e-3  # of an output's range: single against double in one step
 OTHERWISE = 1e-3  # share of random steps that decide otherwise in single precision
-NONE: Mapping[str, float] = {}
 PATH = 1e-4  # of a sensor's range, where it has no resolution: the plant's path in single against double
 
 
@@ -110,15 +109,15 @@ def in_single(
     states: sampling.Columns,
     inputs: sampling.Columns,
     floor: agree.Floor = None,
-    counts: Mapping[str, float] = NONE,
+    counts: Mapping[str, float] | None = None,
 ) -> tuple[Agreement, list[Check]]:
     """Compare single with double precision from the same bits, where both decide alike.
 
-    `counts` are states that jump as a decision goes, each with the least jump.
+    `counts` are real states that a decision lets jump, each with its least jump: they decide alike, too.
     """
     double, single = suite.in_single(by, states, inputs)
     alike = suite.decide_alike(by.block, double, single)
-    for name, jump in counts.items():
+    for name, jump in (counts or {}).items():
         alike &= np.abs(double.states[name] - single.states[name].astype(np.float64)) < jump
     pair = ("c64", suite.part(double, alike)), ("c32", suite.part(single, alike))
     a = agree.compare("random steps", *pair, floor, by.block, np.float32)
