@@ -25,6 +25,7 @@ from synth.verify import agree
 NOISE = filtering.DEVIATION  # m rms of a position
 NUDGE = 1e-4  # V, of a difference quotient
 SPEED = 0.1  # m/s, at which the platen moves away from where a sensor sticks
+FLAGS = (sensing.READY, sensing.COMPLETE)
 SETTLED = 100  # samples after which nothing more is noticed of a sensor at rest
 
 Columns = Mapping[str, Array]
@@ -72,9 +73,6 @@ def estimation(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
     parts = [sensed, *(filtering.blocks(time) if predicted else [])]
     outputs = [*names(sensed.outputs), *(filtering.AXES if predicted else ())]
     return compose("estimation", parts, inputs=names((*sensing.HELD, *FLAGS)), outputs=outputs)
-
-
-FLAGS = (sensing.READY, sensing.COMPLETE)
 
 
 def error_map(plant: Plant, yaw: float = 0.0, lift: float = 0.0, doubt: float = 0.0, points: int = 48) -> ErrorMap:
