@@ -55,13 +55,5 @@ def _counted(what: str, order: Order, block: Block, inputs: Columns) -> Iterator
     assert emitted.program is not None
     arithmetic = sum(operations.of_program(emitted.program).values())
     for build in meter.builds():
-        instructions = meter.run(rivals.emitted(emitted), recorded, build).cost.instructions
-        yield (
-            what,
-            order,
-            len(block.states),
-            arithmetic,
-            build.name,
-            float(instructions.mean()),
-            int(instructions.max()),
-        )
+        n = meter.run(rivals.emitted(emitted), recorded, build).cost.instructions
+        yield what, order, len(block.states), arithmetic, build.name, float(n.mean()), int(n.max())
