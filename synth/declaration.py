@@ -231,6 +231,7 @@ class Stage:
     recording         inputs (N,) of test vectors from a rig, else of the standard closed loop with faults
     gains             what gains.json says, else what the laws say
     companions        Blocks that are emitted beside the controller
+    substeps          Runge-Kutta steps of a sample in simulation
     """
 
     controller: Controller
@@ -252,6 +253,7 @@ class Stage:
     recording: Callable[[Any], Mapping[str, Any]] | None = None
     gains: Gains | None = None
     companions: Sequence[Companion] = ()
+    substeps: int = 4
 
     @property
     def name(self) -> str:

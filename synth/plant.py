@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from synth import arguments, law
 from synth.errors import SignalError
@@ -49,6 +49,20 @@ class Plant:
             self.parameter(name)
         changed = tuple(replace(p, value=values.get(p.name, p.value)) for p in self.parameters)
         return replace(self, parameters=changed)
+
+    def output_values(self, values: Mapping[str, ArrayLike]) -> dict[str, NDArray[np.float64]]:
+        """Return the outputs (N,) by name at `values` of states and inputs, (N,) or constants; others are 0.
+
+        Raises SignalError for a name that is neither a state nor an input.
+        """
+        signals = (*self.states, *self.inputs)
+        if unknown := [name for name in values if name not in names(signals)]:
+            raise SignalError(
+                f"plant '{self.name}' has no state or input '{unknown[0]}': it has {', '.join(names(signals))}"
+            )
+        columns = np.broadcast_arrays(*(np.atleast_1d(values.get(s.name, 0.0)) for s in signals))
+        x, u = np.split(np.array(columns, dtype=np.float64), [len(self.states)])
+        return dict(zip(names(self.outputs), np.asarray(self.h(x, u, self.values)), strict=True))
 
 
 @arguments.checked

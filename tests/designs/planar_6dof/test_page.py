@@ -25,7 +25,7 @@ def lead() -> Rig:
 
 @pytest.fixture(scope="module")
 def runs(lead: Rig) -> list[Experiment]:
-    return [*short_runs.runs(lead), failures.experiment(lead, "nan", False)]
+    return [*short_runs.runs(lead), failures.ALL[0].run(lead)]
 
 
 def test_a_small_signal_is_shown_in_micrometres_and_its_error_is_the_same(runs: list[Experiment]) -> None:
