@@ -36,7 +36,7 @@ class Scan:
 @recomputes("Y-29", "l", "Y-29.offset", "Y-29.step")
 def spacing(bench: Bench, printed: Published) -> Outcome:
     """Recompute the phase between two sensors from their spacing."""
-    l = bench.value("l")
+    l = bench.parameters["l"]
     apart = {n: (printed["offset"].value + printed["step"].value * n) * l for n in SPACINGS}
     phases = {n: _phase(scan(bench, PLACES[:: COUNT // 100], spacing=d)) for n, d in apart.items()}
     figures = [(f"phase for n = {n}", phase, "degrees") for n, phase in phases.items()]
@@ -49,8 +49,7 @@ def switching(bench: Bench, printed: Published) -> Outcome:
     """Recompute where the sensors switch, and how sensitive the one is that is read."""
     real = scan(bench, PLACES)
     read_a = np.abs(real.a) < np.abs(real.b)
-    section = 4 * read_a + 2 * (real.a > 0) + (real.b > 0)
-    switches, sections = _changes(read_a), _changes(section)
+    switches, sections = (_changes(v) for v in (read_a, 4 * read_a + 2 * (real.a > 0) + (real.b > 0)))
     fields = {"fundamental": (1,), "harmonics 1, 5, 9": halbach.HARMONICS}
     slopes = {name: _least_slope(scan(bench, EDGES, harmonics)) for name, harmonics in fields.items()}
     figures = [("switches in a pitch", float(switches), "1"), ("sections in a pitch", float(sections), "1")]
@@ -70,7 +69,7 @@ def inverse(bench: Bench, printed: Published) -> Outcome:
         "arcsine, pure sine": np.arcsin(np.sin(angle)),
         "arcsine, harmonics 1, 5, 9": np.arcsin(normalised),
     }
-    errors = {n: round(float(np.abs(v - angle).max()), 9) * bench.value("l") / (2 * pi) for n, v in angles.items()}
+    errors = {n: round(float(np.abs(v - angle).max()), 9) * bench.parameters["l"] / (2 * pi) for n, v in angles.items()}
     figures = [(f"greatest error, {name}", e * 1e6, "um") for name, e in errors.items()]
     limit = printed["noise"].value
     return Outcome(figures, errors["sin, pure sine"] < limit, errors["arcsine, pure sine"] < limit)
@@ -83,7 +82,7 @@ def scan(bench: Bench, places: Array, harmonics: tuple[int, ...] = halbach.HARMO
     V = planar_stage.hall_voltages(pose, p, harmonics)
     pair = ca.vertcat(V["V_ax"], V["V_bx"])
     read = ca.Function("read", [X], [ca.vertcat(pair, ca.jacobian(pair, X))])
-    return Scan(*np.asarray(read.map(len(places))((places * bench.value("l")).reshape(1, -1))))
+    return Scan(*np.asarray(read.map(len(places))((places * bench.parameters["l"]).reshape(1, -1))))
 
 
 def _phase(scanned: Scan) -> float:

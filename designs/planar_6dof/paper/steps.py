@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designs.planar_6dof import experiments
-from designs.planar_6dof.paper import axes, loops
+from designs.planar_6dof.paper import axes
 from designs.planar_6dof.paper.axes import Step
 from designs.planar_6dof.paper.bench import Recorder
 from synth.report.audit import Outcome, Published, recomputes
@@ -45,8 +45,15 @@ def judge_steps(published: Mapping[str, Published], time: Array, records: Mappin
     """Recompute Fig. 8 from records x, y, phi (N,), m and rad, of the printed steps from 0, made at time[0] s."""
     printed, bounds, overshoot = (published[id] for id in ("Y-35", "Y-9", "Y-9b"))
     measured = {axis: of_record(time, y / (printed[axis].value * UNITS[axis])) for axis, y in records.items()}
-    figures = loops.of_steps(measured, rise="rise", overshoot="overshoot", settled="last time outside its band")
-    agree = (loops.in_bounds(s, bounds) and loops.overshoots(s, overshoot) for s in measured.values())
+    figures = [
+        *((f"rise, {axis}", 1e3 * s.rise, "ms") for axis, s in measured.items()),
+        *((f"overshoot, {axis}", s.overshoot, "%") for axis, s in measured.items()),
+        *((f"last time outside its band, {axis}", 1e3 * s.settled, "ms") for axis, s in measured.items()),
+    ]
+    agree = (
+        s.in_bounds(bounds["rise"], bounds["settling"]) and s.overshoots(overshoot["overshoot"])
+        for s in measured.values()
+    )
     return Outcome(figures, all(agree))
 
 
