@@ -1,18 +1,17 @@
-"""What the rows of the audit of Y are computed from: the plant's parameters, the printed numbers, a loop's records.
+"""What the rows of the audit of Y are computed from: the plant's parameters, the printed numbers, functions.
 
 A row that is a function declares each parameter of the plant, "mu0_M0", and each printed number, "Y-4.G", that its
 figures follow from. Printed numbers that a row only compares its figures with are not declared.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
 
 from synth.plant import Plant
 from synth.report.audit import Published
-from synth.simulate.rig import Rig
 
 UNITS = {"mm": 1e-3, "um": 1e-6, "inch": 25.4e-3}  # in m
 MM = UNITS["mm"]
@@ -29,7 +28,7 @@ class Bench:
 
     plant: Plant
     published: Mapping[str, Published]
-    functions: Mapping[str, Any] = field(default_factory=dict)
+    functions: Mapping[str, Any]
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -44,11 +43,3 @@ class Bench:
     def values(self, **changed: float) -> dict[str, ca.SX]:
         """Return the plant's parameters by name as constant expressions, some of them `changed`."""
         return constants(self.parameters | changed)
-
-
-@dataclass(frozen=True, eq=False)
-class Recorder:
-    """The simulated loop whose records are judged, and what the paper prints by row."""
-
-    loop: Rig
-    published: Mapping[str, Published]

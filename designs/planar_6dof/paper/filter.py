@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
+from designs.planar_6dof import filtering
 from synth.statespace import StateSpace
 from synth.synthesise.observers import belief, kalman, noise
 from synth.timing import Discrete, period
@@ -22,19 +23,15 @@ SECONDS = 1.0  # after which the recursions are compared
 NEAR = 1e-2  # relative: a gain this near to the steady one has converged
 
 
-def model(period_s: float) -> tuple[StateSpace, Array]:
-    """Return (11), (12) of one axis and its Gamma (3, 1)."""
-    T = period_s
-    A, Gamma = np.array([[1, T, T * T / 2], [0, 1, T], [0, 0, 1]]), np.array([[T**3 / 6], [T**2 / 2], [T]])
-    names = (("q", "v", "a"), (), ("y",), Discrete(T))
-    return StateSpace(A, np.zeros((3, 0)), np.eye(1, 3), np.zeros((1, 0)), *names), Gamma
+def model(period_s: float) -> StateSpace:
+    """Return (11), (12) of one axis, from the jerk."""
+    return filtering.model("x", Discrete(period_s))
 
 
 @cache
 def steady(q: float, period_s: float, deviation: float) -> kalman.Estimator:
     """Return the steady filter of one axis."""
-    axis, Gamma = model(period_s)
-    return kalman.discrete(axis, np.array([q]), np.array([deviation**2]), Gamma)
+    return kalman.discrete(model(period_s), np.array([q]), np.array([deviation**2]), ("jerk",))
 
 
 def half_power(form: StateSpace) -> float:
@@ -61,8 +58,8 @@ def passed(form: StateSpace) -> float:
 @cache
 def position_gains(q: float, period_s: float, deviation: float, p0: float, update: bool) -> Array:
     """Return the gain of the position (N,) over a second from P_0 = p0 I, with or without an update of P."""
-    axis, Gamma = model(period_s)
-    W, V = q * Gamma @ Gamma.T, deviation**2
+    axis, V = model(period_s), deviation**2
+    W = q * axis.B @ axis.B.T
     now, history = belief.initial(axis, p0 * np.ones(3)), []
     for _ in range(round(SECONDS / period_s)):
         history.append(now.P[0, 0] / (now.P[0, 0] + V))

@@ -4,45 +4,39 @@ A row follows from the parameters of the plant and the printed numbers, or from 
 is stored.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from types import ModuleType
 
 from designs.planar_6dof.paper import axes, filter, gains, motor, platen, sensing, spectrum, steps
-from designs.planar_6dof.paper.bench import UNITS, Bench, Recorder
+from designs.planar_6dof.paper.bench import UNITS, Bench
 from models import planar_stage
 from synth.plant import Plant
 from synth.report import audit
 from synth.report.audit import Published, Row
 from synth.simulate.rig import Rig
 
-LEADLAG, LQG = (platen, sensing, steps), (gains, spectrum)  # the rows that are functions
-FORMULAS = (motor, axes, filter, gains)  # the functions of rows that are formulas
+LEADLAG, LQG = (platen, sensing), (gains,)  # the rows that are functions
+FORMULAS = (motor, axes, filter, gains, steps, spectrum)  # the functions of rows that are formulas
 OPTIMAL = {f"Y-{n}" for n in (*range(10, 16), *range(36, 42))}  # the rows of planar_6dof_lqg
 
 
 def leadlag(loop: Rig) -> Iterator[Row]:
     """Yield the rows of sections 3.1 and 5.2: motors, platen, Hall sensors, lead-lag loops."""
-    return _rows({id: p for id, p in printed().items() if id not in OPTIMAL}, LEADLAG, loop)
+    prints = printed()
+    return audit.rows(LEADLAG, bench(loop=loop), {id: p for id, p in prints.items() if id not in OPTIMAL})
 
 
 def lqg(loop: Rig) -> Iterator[Row]:
     """Yield the rows of sections 3.2 and 5.3: optimal gains, Kalman filter; (26) is taken as printed."""
-    return _rows({id: p for id, p in printed().items() if id in OPTIMAL}, LQG, loop)
+    prints = printed()
+    return audit.rows(LQG, bench(loop=loop), {id: p for id, p in prints.items() if id in OPTIMAL})
 
 
-def _rows(prints: Mapping[str, Published], modules: Sequence[ModuleType], loop: Rig) -> Iterator[Row]:
-    *of_stage, of_records = modules
-    recorded = audit.recipes([of_records])
-    yield from audit.rows(of_stage, bench(), {id: p for id, p in prints.items() if id not in recorded})
-    yield from audit.rows([of_records], Recorder(loop, printed()), {id: prints[id] for id in recorded})
-
-
-def bench(plant: Plant | None = None, prints: Mapping[str, Published] | None = None) -> Bench:
-    """Return what the rows of the stage are computed from, as published where nothing else is given."""
-    functions = {name: value for module in FORMULAS for name, value in vars(module).items() if callable(value)}
+def bench(plant: Plant | None = None, prints: Mapping[str, Published] | None = None, loop: Rig | None = None) -> Bench:
+    """Return what rows are computed from, the plant and the print as published where no others are given."""
     plant = plant or planar_stage.plant()
-    return Bench(plant, prints or printed(), {**functions, **UNITS, "plant": plant})
+    functions = {name: value for module in FORMULAS for name, value in vars(module).items() if callable(value)}
+    return Bench(plant, prints or printed(), {**functions, **UNITS, "plant": plant, "loop": loop})
 
 
 def printed() -> dict[str, Published]:

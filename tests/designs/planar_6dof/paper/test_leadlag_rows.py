@@ -14,7 +14,7 @@ from designs.planar_6dof.paper import axes, motor, steps
 from models import lorentz_motor, planar_stage
 from synth.analyse import loop
 from synth.plant import Plant
-from synth.report.audit import Outcome, Row
+from synth.report.audit import Row
 from tests.designs.planar_6dof.paper import recomputed
 from tests.designs.planar_6dof.paper.recomputed import (
     PLANT,
@@ -22,14 +22,14 @@ from tests.designs.planar_6dof.paper.recomputed import (
     RECORDED,
     assert_a_number_moves_what_depends_on_it,
     changed,
-    figure,
     one,
+    recorded,
     wrong_dependences,
 )
 
 ROWS = recomputed.ids(optimal=False)
 PARAMETERS = tuple(p.name for p in PLANT.parameters)
-NUMBERS = recomputed.numbers([*ROWS, *(name for name in RECORDED if name in ("Y-34", "Y-35"))])
+NUMBERS = recomputed.numbers([*ROWS, "Y-34", "Y-35"])
 UNUSED = {"inductance", "sensitivity", "laser_arm"}  # no printed figure follows from them
 
 
@@ -419,25 +419,23 @@ def records(overshoot: float, noise: float = 0.0) -> tuple[np.ndarray, dict[str,
     return time, {n: s * (y + noise * rng.normal(size=len(y))) for n, s in size.items()}
 
 
-def test_recorded_steps() -> None:
-    def outcome(overshoot: float, noise: float = 0.0) -> Outcome:
-        return steps.judge_steps(PRINTED, *records(overshoot, noise))
+def of_steps(time: np.ndarray, records: dict[str, np.ndarray]) -> Row:
+    return recorded("Y-35", recorded_step=lambda _, axis, printed: steps.of_record(time, records[axis] / printed))
 
-    good = outcome(19.0)
-    assert good.as_printed and figure(good, "overshoot, y") == pytest.approx(19, abs=0.05)
-    assert outcome(19.0, 0.005).as_printed
-    assert not outcome(40.0).as_printed
-    assert not outcome(3.0).as_printed
+
+def test_recorded_steps() -> None:
+    good = of_steps(*records(19.0))
+    assert good.verdict == "R" and good["overshoot, y"] == pytest.approx(19, abs=0.05)
+    assert of_steps(*records(19.0, 0.005)).verdict == "R"
+    assert of_steps(*records(40.0)).verdict == of_steps(*records(3.0)).verdict == "N"
     time, slow = records(19.0)
-    assert not steps.judge_steps(PRINTED, 3 * time, slow).as_printed
+    assert of_steps(3 * time, slow).verdict == "N"
 
 
 def test_recorded_noise() -> None:
-    rng = np.random.default_rng(1)
-    still = {n: 6e-6 * rng.normal(size=20000) + 1e-3 for n in "xy"}
-    outcome = steps.judge_noise(PRINTED["Y-34"], still)
-    assert outcome.as_printed and figure(outcome, "rms, x") == pytest.approx(6, rel=0.02)
-    assert not steps.judge_noise(PRINTED["Y-34"], still | {"y": 2 * still["y"]}).as_printed
+    row = recorded("Y-34", noise_at_rest=lambda *_: {"x": 6e-6, "y": 6.5e-6})
+    assert row.verdict == "R" and row["rms, x"] == pytest.approx(6)
+    assert recorded("Y-34", noise_at_rest=lambda *_: {"x": 6e-6, "y": 12e-6}).verdict == "N"
 
 
 def test_a_step_that_never_settles_has_no_time() -> None:

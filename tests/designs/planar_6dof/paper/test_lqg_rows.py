@@ -9,7 +9,7 @@ import scipy.linalg
 import scipy.signal
 from scipy.optimize import brentq
 
-from designs.planar_6dof.paper import filter, gains, spectrum, steps
+from designs.planar_6dof.paper import filter, gains, spectrum
 from designs.planar_6dof.paper.rows import bench
 from synth.report.audit import Row
 from synth.synthesise.feedback import lqr
@@ -20,8 +20,8 @@ from tests.designs.planar_6dof.paper.recomputed import (
     RECORDED,
     assert_a_number_moves_what_depends_on_it,
     changed,
-    figure,
     one,
+    recorded,
     wrong_dependences,
 )
 
@@ -165,7 +165,7 @@ def test_the_bandwidth_is_that_of_scipys_filter(
     assert rows[name][f"bandwidth at {case}"] == pytest.approx(brentq(excess, 5, 0.4 * rate), rel=1e-6)
     needed = next(f for f in rows[name].recomputed if f.name.startswith("deviation"))
     wanted = PRINTED[name]["bandwidth"].value
-    better = kalman.discrete(filter.model(1e-3)[0], [q], [needed.value**2], filter.model(1e-3)[1])
+    better = kalman.discrete(filter.model(1e-3), [q], [needed.value**2], ("jerk",))
     assert filter.half_power(better.current()) == pytest.approx(wanted, rel=1e-6)
 
 
@@ -179,8 +179,8 @@ def test_simulated_noise_is_let_through_as_the_row_says(rows: dict[str, Row]) ->
 
 
 def test_the_recursion_is_that_of_covariances_written_out(rows: dict[str, Row]) -> None:
-    axis, Gamma = filter.model(T)
-    A, C, R = axis.A, axis.C, 25e-10
+    axis = filter.model(T)
+    A, C, Gamma, R = axis.A, axis.C, axis.B, 25e-10
     P, found = 1e8 * np.eye(3), []
     for _ in range(200):
         K = P @ C.T / (P[0, 0] + R)
@@ -325,18 +325,16 @@ def test_without_integrals_all_modes_show(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 def test_recorded_noise() -> None:
-    rng = np.random.default_rng(1)
-    still = {n: 10e-6 * rng.normal(size=20000) for n in "xy"}
-    assert steps.judge_noise(PRINTED["Y-40"], still).as_printed
-    assert not steps.judge_noise(PRINTED["Y-40"], {n: 0.6 * v for n, v in still.items()}).as_printed
+    assert recorded("Y-40", noise_at_rest=lambda *_: {"x": 10e-6, "y": 10.5e-6}).verdict == "R"
+    assert recorded("Y-40", noise_at_rest=lambda *_: {"x": 6e-6, "y": 6e-6}).verdict == "N"
 
 
 @pytest.mark.parametrize("seed", range(6))
 def test_a_line_in_the_spectrum_is_found_and_noise_has_none(seed: int) -> None:
     rng, time = np.random.default_rng(seed), np.arange(8192) * T
     low_passed = scipy.signal.lfilter([0.2], [1, -0.8], rng.normal(size=len(time))) * 1e-5
-    quiet = spectrum.judge_line(spectrum.prominent(low_passed, T))
-    assert quiet.as_printed and figure(quiet, "above its neighbours") < 6
+    quiet = recorded("Y-41", of_step=lambda _: spectrum.prominent(low_passed, T))
+    assert quiet.verdict == "R" and quiet["above its neighbours"] < 6
     hum = low_passed + 0.5e-5 * np.sin(2 * np.pi * 60 * time)
-    loud = spectrum.judge_line(spectrum.prominent(hum, T))
-    assert not loud.as_printed and figure(loud, "most prominent line") == pytest.approx(60, abs=1)
+    loud = recorded("Y-41", of_step=lambda _: spectrum.prominent(hum, T))
+    assert loud.verdict == "N" and loud["most prominent line"] == pytest.approx(60, abs=1)
