@@ -1,6 +1,6 @@
-"""Figures of the planar positioner's report: voltages and failures over a pitch, noise, circle, singular values.
+"""Figures of the planar positioner's report: voltages and failures over a pitch, noise, circle.
 
-Values come in SI units and are shown in mm, um, mrad, Hz and dB.
+Values come in SI units and are shown in mm, um, mrad and Hz.
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,14 +10,11 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
-from matplotlib.ticker import FuncFormatter, NullFormatter
 from numpy.typing import NDArray
 from scipy import signal
 
 from designs.planar_6dof import sensing, sensing_maps
-from designs.planar_6dof.loops import Singular
 from models import hall_calibration
-from synth.analyse.disk import DiskMargin
 from synth.plant import Plant
 from synth.report import figures, maps
 from synth.report.figures import COLOURS, Curve, Panel
@@ -25,10 +22,7 @@ from synth.statespace import Array
 from synth.timing import Discrete
 
 POINTS, SECTIONS = 64, 8  # over a pitch
-DECIBELS = (-60.0, 60.0)
 SEGMENT = 1024  # samples of a spectrum at most
-LINES = ("-", "--", ":")
-LOWEST = 1.0  # rad/s, of disk margins
 GREY = "#bbbbbb"
 
 
@@ -141,40 +135,3 @@ def circle(set_point: Sequence[Array], path: Sequence[Array]) -> Figure:
         for axes in (left, right):
             maps.above(axes)
     return figure
-
-
-def singular_values(found: Mapping[str, Singular]) -> Figure:
-    """Draw the singular values of L, S and T over frequency in Hz, one colour a loop."""
-    with maps.panels(3.8, 1, 3, sharex=True) as (figure, grid):
-        for axes, letter in zip(grid, ("L", "S", "T"), strict=True):
-            highest = 0.0
-            for (label, each), colour, line in zip(found.items(), COLOURS, LINES, strict=False):
-                level = 20 * np.log10(getattr(each, letter))
-                lines = axes.plot(each.frequency / (2 * np.pi), level, color=colour, ls=line, lw=1.2)
-                lines[0].set_label(label)
-                highest = max(highest, float(level.max()))
-            axes.axhline(0.0, color="#666666", lw=0.8)
-            low, high = DECIBELS if letter == "L" else (-40.0, max(15.0, 5 * np.ceil(highest / 5)))
-            axes.set(title=f"singular values of {letter}, dB", ylim=(low, high))
-            _hertz(axes)
-        figure.legend(*grid[0].get_legend_handles_labels(), loc="outside upper right", ncols=len(found), frameon=False)
-    return figure
-
-
-def disks(found: Mapping[str, DiskMargin]) -> Figure:
-    """Draw disk margins over frequency in Hz, those that coincide under each other."""
-    with maps.panels(2.8) as (figure, axes):
-        for (label, each), colour, width in zip(found.items(), COLOURS, (3.0, 1.2, 1.2), strict=False):
-            inside = (each.frequencies > LOWEST) & np.isfinite(each.frequencies)
-            axes.plot(each.frequencies[inside] / (2 * np.pi), each.curve[inside], color=colour, lw=width, label=label)
-        axes.set(ylabel="disk margin α", ylim=(0.0, 2.5))
-        axes.legend(loc="lower left")
-        _hertz(axes)
-    return figure
-
-
-def _hertz(axes: Axes) -> None:
-    axes.set_xscale("log")
-    axes.set_xlabel("frequency, Hz")
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
-    axes.xaxis.set_minor_formatter(NullFormatter())

@@ -10,7 +10,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from designs.planar_6dof import allocation, loops, page_experiments, page_stage, sensing_maps, vertical
-from designs.planar_6dof.page_experiments import Beside, Told
 from designs.planar_6dof.page_stage import SYMBOLS
 from models import halbach, planar_stage
 from synth.block import Block
@@ -20,6 +19,7 @@ from synth.report import bode, page, sections, standard, template
 from synth.report.audit import Row
 from synth.report.page import Section
 from synth.report.prose import Value
+from synth.report.shown import Beside, beside
 from synth.simulate.experiment import Experiment
 from synth.timing import Discrete
 from synth.verify.cost import Cost
@@ -67,14 +67,13 @@ def report(
     own = contents(plant)
     block, time = own.block.rounded(np.float32), own.block.time
     shown = dict.fromkeys(opened.axis for opened in own.loops)
-    told = Told(own.beside, {row.id: row.published.text for row in rows}, own.spectrum, own.filtered)
     parts = (
         page_stage.model(plant),
         page_stage.sensing(plant, time, experiments if own.filtered else None),
         standard.law(block, (page.Equations((*own.equations, *_upright())),)),
         Section(standard.GAINS, tuple(own.gains)),
         Section(standard.LOOPS, (over_pitch(block),), (*own.whole, *(bodes(own.loops, axis) for axis in shown))),
-        page_experiments.experiments(experiments, told, time),
+        page_experiments.experiments(experiments, beside(own.beside, rows), time, own.filtered, own.spectrum),
         page_experiments.headroom(experiments),
         page_stage.failures(plant, time, own.filtered),
         standard.audit(rows),

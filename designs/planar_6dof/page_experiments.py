@@ -1,7 +1,7 @@
 """The report's parts on experiments: how each run is shown, and the voltages that all of them need."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,8 +17,6 @@ from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory
 from synth.timing import Discrete
 
-Beside = Mapping[str, Sequence[tuple[str, str]]]  # by experiment: rows of the audit, and the paper's figures
-
 SHOWN = Shown(
     {s.name: s.unit for s in (*planar_stage.STATES, *planar_stage.INPUTS, *planar_stage.OUTPUTS)},
     latch=(0.1, 0.05),  # the platen then goes on without current
@@ -29,32 +27,19 @@ SPECTRUM, SETTLED = "step_x", 1.0  # the run of Fig. 10(a), s of it that are lef
 CIRCLE, FINITE = "circle", "_finite"
 
 
-@dataclass(frozen=True, eq=False)
-class Told:
-    """What the paper says beside the runs: rows by experiment, their texts by id, and whether it draws a spectrum.
+def experiments(
+    found: Sequence[Experiment], beside: Mapping[str, str], time: Discrete, filtered: bool, spectrum: bool
+) -> page.Section:
+    """Return every experiment with what the paper says beside it, that over a finite matrix as on the closed force law.
 
-    `filtered` tells whether the law reads filtered positions.
+    `filtered` tells whether the law reads filtered positions, `spectrum` whether the paper draws one.
     """
-
-    beside: Beside
-    printed: Mapping[str, str]
-    spectrum: bool
-    filtered: bool
-
-
-def experiments(found: Sequence[Experiment], told: Told, time: Discrete) -> page.Section:
-    """Return every experiment, one over a finite matrix beside the same figure as that on the closed force law."""
     drawn = {e.name: (_path(e),) for e in found if e.name.removesuffix(FINITE) == CIRCLE}
     rest = [e.trajectory for e in found if e.name == REST]
-    if told.spectrum:
-        drawn |= {e.name: (_spectrum(e.trajectory, rest, time, told.filtered),) for e in found if e.name == SPECTRUM}
-    beside = {e.name: _beside(told, e.name.removesuffix(FINITE)) for e in found}
-    return standard.experiments([_worded(e) for e in found], replace(SHOWN, beside=beside, drawn=drawn))
-
-
-def _beside(told: Told, name: str) -> str:
-    texts = [f"{figure}: {told.printed[row]}" for row, figure in told.beside.get(name, ()) if row in told.printed]
-    return readable(". ".join(texts))
+    if spectrum:
+        drawn |= {e.name: (_spectrum(e.trajectory, rest, time, filtered),) for e in found if e.name == SPECTRUM}
+    told = {e.name: readable(beside.get(e.name.removesuffix(FINITE), "")) for e in found}
+    return standard.experiments([_worded(e) for e in found], replace(SHOWN, beside=told, drawn=drawn))
 
 
 def _worded(e: Experiment) -> Experiment:

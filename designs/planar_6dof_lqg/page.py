@@ -5,14 +5,14 @@ from functools import partial
 
 import numpy as np
 
-from designs.planar_6dof import allocation, drawings, lqg, page
+from designs.planar_6dof import allocation, lqg, page
 from designs.planar_6dof import loops as shared
 from designs.planar_6dof.lqg import ERROR, PRINTED_WEIGHTS, STATES, TIME, WEIGHTS
 from designs.planar_6dof.page_stage import SYMBOLS
 from designs.planar_6dof_lqg import loops, orders
 from models import planar_stage
 from synth.plant import Plant
-from synth.report import figures, sections
+from synth.report import figures, multivariable, sections
 from synth.report.notation import number
 from synth.report.page import Cell, Figure, Section, Table, Text
 from synth.report.prose import Value
@@ -77,7 +77,7 @@ def _whole(plant: Plant) -> Section:
     found = loops.horizontals(plant)
     refused = f"The gain H of (42) is no choice. The library refuses it: {loops.refusal().replace('-1', '−1')}."
     disks = {label: each.disks() for label, each in found.items()}
-    drawn = figures.svg(drawings.disks(disks[loops.SHIPPED]), "disks")
+    drawn = figures.svg(multivariable.disks(disks[loops.SHIPPED]), "disks")
     shipped = Figure(drawn, "Disk margin over frequency, as shipped, by where the loop is opened.")
     return Section("The horizontal loop as a whole", (*_singular(found), sections.disks(disks), shipped, Text(refused)))
 
@@ -92,8 +92,8 @@ def _singular(found: Mapping[str, shared.Horizontal]) -> tuple[Figure, ...]:
     }
     drawn = []
     for (name, at), opened in cuts.items():
-        values = {label: shared.singular(L, w) for label, L in opened.items()}
-        svg = figures.svg(drawings.singular_values(values), f"singular-{name}")
+        values = {label: multivariable.singular(L, w) for label, L in opened.items()}
+        svg = figures.svg(multivariable.singular_values(values), f"singular-{name}")
         drawn.append(Figure(svg, f"Singular values of the loop opened at {at}."))
     return tuple(drawn)
 

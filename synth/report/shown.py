@@ -8,10 +8,12 @@ import numpy as np
 
 from synth.fault import LATCH_BIT
 from synth.report import figures, page
+from synth.report.audit import Row
 from synth.report.notation import readable
 from synth.simulate.experiment import Experiment
 
 HEADROOM = "largest |state| / bound"  # how the figure and the check of `simulate.headroom` begin
+Beside = Mapping[str, Sequence[tuple[str, str]]]  # by experiment: rows of the audit, and the source's figures
 FINE = {unit: shown for unit, (shown, _) in figures.FINE.items()}
 
 
@@ -34,6 +36,15 @@ class Shown:
     latch: tuple[float, float] | None = None
     fine: float = 0.0
     channels: Sequence[str] = ()
+
+
+def beside(figures: Beside, rows: Sequence[Row]) -> dict[str, str]:
+    """Return what rows of the audit print, by experiment; a row that is not among them is left out."""
+    printed = {row.id: row.published.text for row in rows}
+    return {
+        name: ". ".join(f"{figure}: {printed[row]}" for row, figure in of if row in printed)
+        for name, of in figures.items()
+    }
 
 
 def window(run: Experiment, shown: Shown) -> figures.Window | None:

@@ -17,6 +17,7 @@ from synth.emit import write
 from synth.errors import SignalError
 from synth.execute import host
 from synth.plant import Plant
+from synth.report import multivariable
 from synth.signals import names
 from synth.timing import Discrete
 from tests.designs.planar_6dof import analytic
@@ -169,7 +170,7 @@ def test_disk_margins_of_a_diagonal_loop_are_those_of_its_axes(opened: dict[str,
 
 def test_singular_values_are_those_of_s_and_t(opened: dict[str, loops.Parts]) -> None:
     L = loops.horizontal(opened["lqg"]).currents
-    found = loops.singular(L, [10.0, 200.0])
+    found = multivariable.singular(L, [10.0, 200.0])
     value = L.response([np.exp(1j * 200.0 * lqg.TIME.period_s)])[0]
     S = np.linalg.inv(np.eye(3) + value)
     for letter, m in (("L", value), ("S", S), ("T", np.eye(3) - S)):

@@ -9,7 +9,7 @@ from designs.planar_6dof import failures, page_experiments, page_stage, sensing_
 from designs.planar_6dof import loop as simulated
 from designs.planar_6dof_leadlag import control as leadlag
 from models import planar_stage
-from synth.report import page
+from synth.report import page, shown
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
 from tests.designs.planar_6dof import short_runs
@@ -28,8 +28,8 @@ def runs(lead: Rig) -> list[Experiment]:
 
 
 def test_runs_are_shown_by_the_units_of_the_stage_and_the_channels_of_its_sensors(runs: list[Experiment]) -> None:
-    told = page_experiments.Told({"step_x": (("Y-9", "Fig. 8"),)}, {"Y-9": "25 ms"}, False, True)
-    section = page_experiments.experiments(runs, told, leadlag.TIME)
+    beside = shown.beside({"step_x": (("Y-9", "Fig. 8"), ("Y-1", "Table 1"))}, short_runs.ROWS)
+    section = page_experiments.experiments(runs, beside, leadlag.TIME, True, False)
     titles = [s.title for s in section.sections]
     assert titles[0] == "x by 20 µm" and len(titles) == len(runs)
     latched = section.sections[-1]
@@ -38,8 +38,8 @@ def test_runs_are_shown_by_the_units_of_the_stage_and_the_channels_of_its_sensor
     (table,) = [b for b in latched.blocks if isinstance(b, page.Table)]
     assert [row[0] for row in table.rows] == list(planar_stage.HALL)
     assert sum(len(row) - 1 for row in table.rows) == len(runs[-1].figures)
-    beside = [b.beside for s in section.sections[:2] for b in s.blocks if isinstance(b, page.Figure)]
-    assert beside == ["Fig. 8: 25 ms"] * 2  # beside the finite one, too
+    texts = [b.beside for s in section.sections[:2] for b in s.blocks if isinstance(b, page.Figure)]
+    assert texts == ["Fig. 8: steps rise in less than 25 ms"] * 2  # beside the finite one, too
 
 
 def test_positions_are_seen_as_the_compiled_c_has_them(lead: Rig, runs: list[Experiment]) -> None:
