@@ -15,8 +15,8 @@ from synth.report import audit
 from synth.report.audit import Published, Row
 from synth.simulate.rig import Rig
 
-LEADLAG, LQG = (platen, sensing), (gains,)  # the rows that are functions
-FORMULAS = (motor, axes, filter, gains, steps, spectrum)  # the functions of rows that are formulas
+LEADLAG, LQG = (platen,), (gains,)  # the rows that are functions
+FORMULAS = (motor, sensing, axes, filter, gains, steps, spectrum)  # the functions of rows that are formulas
 OPTIMAL = {f"Y-{n}" for n in (*range(10, 16), *range(36, 42))}  # the rows of planar_6dof_lqg
 
 
