@@ -35,7 +35,8 @@ def lqg(loop: Rig) -> Iterator[Row]:
 def bench(plant: Plant | None = None, prints: Mapping[str, Published] | None = None, loop: Rig | None = None) -> Bench:
     """Return what rows are computed from, the plant and the print as published where no others are given."""
     plant = plant or planar_stage.plant()
-    functions = {name: value for module in FORMULAS for name, value in vars(module).items() if callable(value)}
+    own = (v for module in FORMULAS for v in vars(module).values() if getattr(v, "__module__", "") == module.__name__)
+    functions = {value.__name__: value for value in own}
     return Bench(plant, prints or printed(), {**functions, **UNITS, "plant": plant, "loop": loop})
 
 
