@@ -8,7 +8,7 @@ module that is named as a whole (passed on, or read by a name that it does not d
 the modules (`.toml`, `.c`, ...) count where they are asked for. Comments do not count; docstrings do.
 
 Followed are `synth` and the packages of the workspace that holds the function; of others the versions count. What a
-string names at run time is not seen: nothing here calls by such a string.
+string names at run time is not seen: formulas of an audit call functions of modules that are named as a whole.
 
 Source: M. Weiser, Program slicing, IEEE Trans. Software Engineering 10 (1984), 352-357.
 """

@@ -1,6 +1,6 @@
-"""Figures of the planar positioner's report: voltages and failures over a pitch, noise, circle, singular values.
+"""Figures of the planar positioner's report: voltages and failures over a pitch, noise, circle.
 
-Values come in SI units and are shown in mm, um, mrad, Hz and dB.
+Values come in SI units and are shown in mm, um, mrad and Hz.
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,25 +10,19 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
-from matplotlib.ticker import FuncFormatter, NullFormatter
 from numpy.typing import NDArray
 from scipy import signal
 
 from designs.planar_6dof import sensing, sensing_maps
-from designs.planar_6dof.loops import Singular
 from models import hall_calibration
-from synth.analyse.disk import DiskMargin
 from synth.plant import Plant
-from synth.report import figures
+from synth.report import figures, maps
 from synth.report.figures import COLOURS, Curve, Panel
 from synth.statespace import Array
 from synth.timing import Discrete
 
 POINTS, SECTIONS = 64, 8  # over a pitch
-DECIBELS = (-60.0, 60.0)
 SEGMENT = 1024  # samples of a spectrum at most
-LINES = ("-", "--", ":")
-LOWEST = 1.0  # rad/s, of disk margins
 GREY = "#bbbbbb"
 
 
@@ -39,9 +33,7 @@ def pitch(plant: Plant) -> Figure:
     v = sensing_maps.voltages(plant, {"x": x})
     waves = {"V_ax, sensor A": v["V_ax"] / cal.amplitude, "−V_bx, sensor B": -v["V_bx"] / cal.amplitude}
     used = np.abs(v["V_ax"]) <= np.abs(v["V_bx"])
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 4.8), layout="constrained")
-        top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
+    with maps.panels(4.8, 2, 1, sharex=True, height_ratios=(3, 2)) as (figure, (top, bottom)):
         for (label, values), mine, colour in zip(waves.items(), (used, ~used), COLOURS, strict=False):
             top.plot(1e3 * x, values, color=colour, lw=0.8)
             top.plot(1e3 * x, np.where(mine, values, np.nan), color=colour, lw=3.0, label=f"{label}; bold: used")
@@ -49,12 +41,12 @@ def pitch(plant: Plant) -> Figure:
             at = 1e3 * cal.pitch * ((k + 0.5) / SECTIONS - 0.5)
             top.text(at, -1.25, f"section {k + 1}", ha="center", va="bottom", fontsize=8.0, color="#555555")
         top.set(ylabel="voltage over amplitude", ylim=(-1.3, 1.1))
-        top.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False, borderaxespad=0.1)
+        maps.above(top)
         bottom.plot(1e3 * x, 1e6 * (_raw(plant, x) - x), color=COLOURS[0], lw=0.8)
         bottom.set(ylabel="error of raw x, µm", xlabel="x from the middle of a pitch, mm")
         for axes in (top, bottom):
             axes.set_xticks(1e3 * cal.pitch * (np.arange(SECTIONS + 1) / SECTIONS - 0.5))
-            axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.4g}".replace("-", "−")))
+            axes.xaxis.set_major_formatter(maps.SIGNS)
     return figure
 
 
@@ -75,9 +67,8 @@ def yaw_maps(plant: Plant, yaw: float = 6e-3, doubt: float = 1e-3) -> Figure:
         f"noise of raw φ for {1e6 * sensing_maps.NOISE:g} µm, mrad rms": 1e3 * level.noise["phi"],
     }
     l = hall_calibration.of(plant).pitch
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 4.0), layout="constrained")
-        for axes, (title, values) in zip(figure.subplots(1, 2), shown.items(), strict=True):
+    with maps.panels(4.0, 1, 2) as (figure, grid):
+        for axes, (title, values) in zip(grid, shown.items(), strict=True):
             figure.colorbar(_map(axes, title, values, l, "viridis"), ax=axes, shrink=0.85)
     return figure
 
@@ -85,12 +76,9 @@ def yaw_maps(plant: Plant, yaw: float = 6e-3, doubt: float = 1e-3) -> Figure:
 def failures(found: Mapping[str, NDArray[np.bool_]], l: float) -> Figure:
     """Draw over a pitch l in m where a voltage that drops to zero is not noticed, as `sensing_maps.unnoticed` tells."""
     colours = ListedColormap(["#f2f2f2", COLOURS[1]])
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 6.2), layout="constrained")
-        grid = figure.subplots(2, 3, sharex=True, sharey=True)
+    with maps.panels(6.2, 2, 3, sharex=True, sharey=True) as (figure, grid):
         for axes, (name, silent) in zip(grid.T.flat, found.items(), strict=True):
             _map(axes, f"{name}: {100 * silent.mean():.0f} % of the places", silent, l, colours)
-        for axes in grid.flat:
             axes.label_outer()
     return figure
 
@@ -118,12 +106,9 @@ def before_and_after(time: Array, raw: Array, filtered: Array) -> Figure:
 
 def spectra(records: Mapping[str, Array], period_s: float) -> Figure:
     """Draw Fig. 10(d): the densities of positions (N,) in m, averaged over segments, without mean and trend."""
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 3.2), layout="constrained")
-        axes = figure.subplots()
+    with maps.panels(3.2) as (figure, axes):
         for (label, x), colour in zip(records.items(), COLOURS, strict=False):
-            segment = min(SEGMENT, len(x) // 4)
-            frequency, power = signal.welch(x, 1 / period_s, nperseg=segment, detrend="linear")
+            frequency, power = signal.welch(x, 1 / period_s, nperseg=min(SEGMENT, len(x) // 4), detrend="linear")
             axes.plot(frequency[1:], 1e6 * np.sqrt(power[1:]), color=colour, label=label)
         axes.set(xlabel="frequency, Hz", ylabel="x, µm/√Hz", xlim=(0.0, 0.5 / period_s))
         axes.set_ylim(bottom=0.0)
@@ -134,64 +119,19 @@ def spectra(records: Mapping[str, Array], period_s: float) -> Figure:
 def circle(set_point: Sequence[Array], path: Sequence[Array]) -> Figure:
     """Draw Fig. 9: y over x in m, and how far the path is from its radius, by the angle of the set-point."""
     (x, y), (u, v) = path, set_point
-    angle = np.unwrap(np.arctan2(v, u))
-    radial, along = (1e6 * ((x - u) * a + (y - v) * b) for a, b in _frame(angle))
+    angle, off = np.unwrap(np.arctan2(v, u)), 1e6 * ((x - u) + 1j * (y - v))
+    turned = off * np.exp(-1j * angle)  # outward, and along the path
     grown = np.hypot(u, v) > 0.999 * np.hypot(u, v).max()
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 4.0), layout="constrained")
-        left, right = figure.subplots(1, 2, width_ratios=(1, 1.25))
+    with maps.panels(4.0, 1, 2, width_ratios=(1, 1.25)) as (figure, (left, right)):
         left.plot(1e3 * u, 1e3 * v, color=GREY, lw=4.0, label="set-point")
         left.plot(1e3 * x, 1e3 * y, color=COLOURS[0], lw=0.9, label="true path")
         left.set(xlabel="x, mm", ylabel="y, mm", aspect="equal")
-        left.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False, borderaxespad=0.1)
-        for values, label, colour in ((radial, "outward", COLOURS[0]), (along, "along the path", COLOURS[1])):
+        for values, label, colour in zip(
+            (turned.real, turned.imag), ("outward", "along the path"), COLOURS, strict=False
+        ):
             keep = figures.decimate(values[grown])
             right.plot(np.degrees(angle[grown][keep]), values[grown][keep], color=colour, lw=0.7, label=label)
         right.set(xlabel="angle of the set-point, °", ylabel="true error, µm")
-        right.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False, borderaxespad=0.1)
+        for axes in (left, right):
+            maps.above(axes)
     return figure
-
-
-def _frame(angle: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    return (np.cos(angle), np.sin(angle)), (-np.sin(angle), np.cos(angle))
-
-
-def singular_values(found: Mapping[str, Singular]) -> Figure:
-    """Draw the singular values of L, S and T over frequency in Hz, one colour a loop."""
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 3.8), layout="constrained")
-        grid = figure.subplots(1, 3, sharex=True)
-        for axes, letter in zip(grid, ("L", "S", "T"), strict=True):
-            highest = 0.0
-            for (label, each), colour, line in zip(found.items(), COLOURS, LINES, strict=False):
-                level = 20 * np.log10(getattr(each, letter))
-                lines = axes.plot(each.frequency / (2 * np.pi), level, color=colour, ls=line, lw=1.2)
-                lines[0].set_label(label)
-                highest = max(highest, float(level.max()))
-            axes.axhline(0.0, color="#666666", lw=0.8)
-            low, high = DECIBELS if letter == "L" else (-40.0, max(15.0, 5 * np.ceil(highest / 5)))
-            axes.set(title=f"singular values of {letter}, dB", ylim=(low, high))
-            _hertz(axes)
-        figure.legend(*grid[0].get_legend_handles_labels(), loc="outside upper right", ncols=len(found), frameon=False)
-    return figure
-
-
-def disks(found: Mapping[str, DiskMargin]) -> Figure:
-    """Draw disk margins over frequency in Hz, those that coincide under each other."""
-    with figures.styled():
-        figure = Figure(figsize=(9.0, 2.8), layout="constrained")
-        axes = figure.subplots()
-        for (label, each), colour, width in zip(found.items(), COLOURS, (3.0, 1.2, 1.2), strict=False):
-            inside = (each.frequencies > LOWEST) & np.isfinite(each.frequencies)
-            axes.plot(each.frequencies[inside] / (2 * np.pi), each.curve[inside], color=colour, lw=width, label=label)
-        axes.set(ylabel="disk margin α", ylim=(0.0, 2.5))
-        axes.legend(loc="lower left")
-        _hertz(axes)
-    return figure
-
-
-def _hertz(axes: Axes) -> None:
-    axes.set_xscale("log")
-    axes.set_xlabel("frequency, Hz")
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
-    axes.xaxis.set_minor_formatter(NullFormatter())

@@ -19,7 +19,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from designs.planar_6dof import allocation, interface
 from designs.planar_6dof import loop as simulated
@@ -30,8 +29,8 @@ from synth.analyse import disk, linearise, loop, margins, trim
 from synth.block import Block
 from synth.plant import Plant
 from synth.signals import names
-from synth.statespace import Array, StateSpace, readonly
-from synth.timing import Discrete, period
+from synth.statespace import Array, StateSpace
+from synth.timing import Discrete
 from synth.verify import agree
 
 Place = Mapping[str, float]  # m and rad, by axis
@@ -73,16 +72,6 @@ class Horizontal:
     def disks(self) -> dict[str, disk.DiskMargin]:
         """Return the disk margin at each cut, all of its channels varied at once."""
         return {name: disk.of_loop(getattr(self, name)) for name in ("currents", "positions", "both")}
-
-
-@dataclass(frozen=True, eq=False)
-class Singular:
-    """Singular values (N, p), falling, of L, S = 1/(1 + L) and T = L/(1 + L) at frequencies (N,) in rad/s."""
-
-    frequency: Array
-    L: Array
-    S: Array
-    T: Array
 
 
 def parts(plant: Plant, block: Block, place: Place = MIDDLE, delay: float = 1) -> Parts:
@@ -166,12 +155,3 @@ def scaled(L: StateSpace, sizes: Mapping[str, float]) -> StateSpace:
     """Return L with some channels taken times a factor, by name, where they leave it and where they come back."""
     s = np.array([sizes.get(name, 1.0) for name in L.inputs])
     return replace(L, B=L.B / s, C=L.C * s[:, None], D=L.D * s[:, None] / s, units={})
-
-
-def singular(L: StateSpace, frequency: ArrayLike) -> Singular:
-    """Return the singular values of a sampled loop, of its S and of its T."""
-    w = readonly(np.asarray(frequency, dtype=np.float64))
-    response = L.response(np.exp(1j * w * period(L.time)))
-    one = np.eye(response.shape[1])
-    S = np.linalg.inv(one + response)
-    return Singular(w, *(readonly(np.linalg.svd(m, compute_uv=False)) for m in (response, S, one - S)))

@@ -4,21 +4,22 @@ Both designs share stage, sensing, filter, the pictures of experiments, voltages
 adds its law, its gains and its loops.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from designs.planar_6dof import allocation, loops, page_experiments, page_stage, sensing_maps, vertical
-from designs.planar_6dof.page_experiments import Beside, Told
 from designs.planar_6dof.page_stage import SYMBOLS
-from models import planar_stage
+from models import halbach, planar_stage
 from synth.block import Block
 from synth.emit.write import Emitted
 from synth.plant import Plant
 from synth.report import bode, page, sections, standard, template
 from synth.report.audit import Row
+from synth.report.page import Section
 from synth.report.prose import Value
+from synth.report.shown import Beside, beside
 from synth.simulate.experiment import Experiment
 from synth.timing import Discrete
 from synth.verify.cost import Cost
@@ -33,27 +34,28 @@ ABOUT = (
 
 @dataclass(frozen=True, eq=False)
 class Contents:
-    """What a design adds to its report: a line on its law, sections, and what follows the cost.
+    """What a design adds to its report: its controller, a line on its law and equations as printed, gains and loops.
 
-    `beside` gives the rows of the audit that an experiment stands beside; `filtered` tells whether the law reads
-    filtered positions, `spectrum` whether the paper draws one; `values` are what its report.md asks for.
+    `whole` are sections on several loops at once. `beside` gives the rows of the audit that an experiment stands
+    beside; `filtered` tells whether the law reads filtered positions, `spectrum` whether the paper draws one; `values`
+    are what its report.md asks for; `cost` follows the cost.
     """
 
-    name: str
-    time: Discrete
+    block: Block
     line: str
-    law: page.Section
-    gains: page.Section
-    loops: page.Section
+    equations: Sequence[tuple[str, str]]
+    gains: Sequence[page.Table]
+    loops: Sequence[loops.OpenLoop]
     beside: Beside
+    whole: Sequence[Section] = ()
     filtered: bool = True
     spectrum: bool = False
     values: Mapping[str, Value] = field(default_factory=dict)
-    cost: tuple[page.Block, ...] = ()
+    cost: Callable[[Sequence[Experiment]], tuple[page.Block, ...]] = lambda _: ()
 
 
 def report(
-    own: Contents,
+    contents: Callable[[Plant], Contents],
     files: Mapping[str, Emitted],
     evidence: Evidence,
     experiments: Sequence[Experiment],
@@ -62,46 +64,54 @@ def report(
 ) -> str:
     """Return the whole report of a design as one HTML document, with every experiment that is handed in."""
     plant, spent = planar_stage.plant(), sections.cost(cost)
-    told = Told(own.beside, {row.id: row.published.text for row in rows}, own.spectrum, own.filtered)
+    own = contents(plant)
+    block, time = own.block.rounded(np.float32), own.block.time
+    shown = dict.fromkeys(opened.axis for opened in own.loops)
     parts = (
         page_stage.model(plant),
-        page_stage.sensing(plant, own.time, experiments if own.filtered else None),
-        own.law,
-        own.gains,
-        own.loops,
-        page_experiments.experiments(experiments, told, own.time),
+        page_stage.sensing(plant, time, experiments if own.filtered else None),
+        standard.law(block, (page.Equations((*own.equations, *_upright())),)),
+        Section(standard.GAINS, tuple(own.gains)),
+        Section(standard.LOOPS, (over_pitch(block),), (*own.whole, *(bodes(own.loops, axis) for axis in shown))),
+        page_experiments.experiments(experiments, beside(own.beside, rows), time, own.filtered, own.spectrum),
         page_experiments.headroom(experiments),
-        page_stage.failures(plant, own.time, own.filtered),
+        page_stage.failures(plant, time, own.filtered),
         standard.audit(rows),
         standard.verification(evidence, "1 A"),
-        replace(spent, blocks=(*spent.blocks, *own.cost)),
+        replace(spent, blocks=(*spent.blocks, *(own.cost(experiments) if cost else ()))),
         standard.files(files),
     )
     inputs = "6 Hall voltages, 3 laser distances, 6 set-points"
-    facts = (*standard.facts(own.time, np.float32, inputs, "9 phase currents of 3 motors"), ("law", own.line))
+    facts = (*standard.facts(time, np.float32, inputs, "9 phase currents of 3 motors"), ("law", own.line))
     values = {"speed": sensing_maps.SPEED, **own.values}
-    return template.assembled(own.name, ABOUT, facts, parts, values, ("planar_6dof",))
+    return template.assembled(own.block.name, ABOUT, facts, parts, values, ("planar_6dof",))
 
 
-def upright() -> tuple[tuple[str, str], ...]:
+def _upright() -> tuple[tuple[str, str], ...]:
     """Return (23)-(25) as printed, times the part that is used."""
-    found = []
-    for axis in allocation.VERTICAL:
-        (gain, zero, pole), k = vertical.PUBLISHED[axis], SYMBOLS.get(axis, axis)
-        lead = f"(s + {zero:g}) / (s + {pole:g}) (s + {vertical.RESET:g}) / s"
-        found.append((f"Y({vertical.EQUATION[axis]})", f"K_{k} = {gain:.6g} k_{k} {lead}"))
-    return tuple(found)
-
-
-def compensators(parts: Sequence[vertical.Loop], used: Mapping[str, float]) -> page.Table:
-    """Return lead-lag compensators as sampled, the part of the printed gain in each, and the errors of sampling."""
     rows = []
-    for part in parts:
+    for axis, (gain, zero, pole) in vertical.PUBLISHED.items():
+        k = SYMBOLS.get(axis, axis)
+        lead = f"(s + {zero:g}) / (s + {pole:g}) (s + {vertical.RESET:g}) / s"
+        rows.append((f"Y({vertical.EQUATION[axis]})", f"K_{k} = {gain:.6g} k_{k} {lead}"))
+    return tuple(rows)
+
+
+def compensators(
+    time: Discrete, parts: Iterable[vertical.Loop] = (), used: Mapping[str, float] | None = None
+) -> page.Table:
+    """Return lead-lag compensators as sampled, the part of the printed gain in each, and the errors of sampling.
+
+    Those of the vertical axes stand behind `parts`, of whose gains a part is `used`.
+    """
+    rows, shares = [], {**(used or {}), **vertical.PART}
+    upright = (vertical.loop(axis, vertical.compensator(axis, time), time) for axis in allocation.VERTICAL)
+    for part in (*parts, *upright):
         made = part.sampled
         zeros, poles = (", ".join(f"{v.real + 0.0:.6g}" for v in np.round(v, 12)) for v in (made.zeros, made.poles))
         errors = f"{100 * made.gain_error:.2g}", f"{made.phase_error:.2g}"
         name = SYMBOLS.get(part.axis, part.axis), f"({vertical.EQUATION[part.axis]})"
-        rows.append((*name, used[part.axis], made.gain, zeros, poles, *errors))
+        rows.append((*name, shares[part.axis], made.gain, zeros, poles, *errors))
     errors_of = ("gain off by, %", "phase off by, °")
     columns = ("axis", "from", "part of the gain", "D, N/m or N m/rad", "zeros, z", "poles, z", *errors_of)
     caption = (
@@ -110,15 +120,15 @@ def compensators(parts: Sequence[vertical.Loop], used: Mapping[str, float]) -> p
     return page.Table(caption, columns, tuple(rows), digits=6)
 
 
-def bodes(found: Sequence[loops.OpenLoop], axis: str) -> page.Section:
+def bodes(found: Sequence[loops.OpenLoop], axis: str) -> Section:
     """Return the Bode plot of an axis with the margins of each of its loops."""
     curves = [bode.curve(o.label, o.L, o.margins) for o in found if o.axis == axis]
     return sections.loop(f"Loop of {SYMBOLS.get(axis, axis)}", f"bode-{axis}", curves)
 
 
-def over_pitch(plant: Plant, block: Block) -> page.Table:
+def over_pitch(block: Block) -> page.Table:
     """Return the least and the greatest margins of each loop over a pitch."""
-    found, rows = loops.over_pitch(plant, block), []
+    found, rows = loops.over_pitch(planar_stage.plant(halbach.HARMONICS), block), []
     for axis in allocation.AXES:
         each = [m[axis] for m in found]
         crossovers = [max(c.frequency for c in m.gain_crossings) / (2 * np.pi) for m in each]

@@ -1,124 +1,56 @@
-"""The report's parts on experiments: each run with its figures and checks, and the voltages that all of them need."""
+"""The report's parts on experiments: how each run is shown, and the voltages that all of them need."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from designs.planar_6dof import drawings
-from designs.planar_6dof.page_stage import REST, seen
+from designs.planar_6dof.page_stage import REST, SYMBOLS, seen
 from models import halbach, planar_stage, planar_voltages
-from synth.blocks import safety
-from synth.errors import SignalError
 from synth.plant import Plant
-from synth.report import figures, page, sections, standard
+from synth.report import figures, page, standard
 from synth.report.notation import readable
+from synth.report.shown import Shown, window
 from synth.signals import names
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory
 from synth.timing import Discrete
 
-Beside = Mapping[str, Sequence[tuple[str, str]]]  # by experiment: rows of the audit, and the paper's figures
-
-UNITS = {s.name: s.unit for s in (*planar_stage.STATES, *planar_stage.INPUTS, *planar_stage.OUTPUTS)}
-SMALL, PREFIXED = 5e-4, {"m": "µm", "rad": "µrad"}  # m, rad: below it a signal is shown with the prefix
-AROUND = (0.1, 0.05)  # s before a latch and after it that are drawn: the platen then goes on without current
+SHOWN = Shown(
+    {s.name: s.unit for s in (*planar_stage.STATES, *planar_stage.INPUTS, *planar_stage.OUTPUTS)},
+    latch=(0.1, 0.05),  # the platen then goes on without current
+    fine=5e-4,
+    channels=planar_stage.HALL,
+)
 SPECTRUM, SETTLED = "step_x", 1.0  # the run of Fig. 10(a), s of it that are left out
 CIRCLE, FINITE = "circle", "_finite"
-CHANNELS = planar_stage.HALL
 
 
-@dataclass(frozen=True, eq=False)
-class Told:
-    """What the paper says beside the runs: rows by experiment, their texts by id, and whether it draws a spectrum.
+def experiments(
+    found: Sequence[Experiment], beside: Mapping[str, str], time: Discrete, filtered: bool, spectrum: bool
+) -> page.Section:
+    """Return every experiment with what the paper says beside it, that over a finite matrix as on the closed force law.
 
-    `filtered` tells whether the law reads filtered positions.
+    `filtered` tells whether the law reads filtered positions, `spectrum` whether the paper draws one.
     """
-
-    beside: Beside
-    printed: Mapping[str, str]
-    spectrum: bool
-    filtered: bool
-
-
-def experiments(found: Sequence[Experiment], told: Told, time: Discrete) -> page.Section:
-    """Return every experiment."""
-    drawn = {e.name: (_path(e),) for e in found if _base(e) == CIRCLE}
+    drawn = {e.name: (_path(e),) for e in found if e.name.removesuffix(FINITE) == CIRCLE}
     rest = [e.trajectory for e in found if e.name == REST]
-    if told.spectrum:
-        drawn |= {e.name: (_spectrum(e.trajectory, rest, time, told.filtered),) for e in found if e.name == SPECTRUM}
-    return page.Section(standard.EXPERIMENTS, (), tuple(_one(e, told, drawn.get(e.name, ())) for e in found))
+    if spectrum:
+        drawn |= {e.name: (_spectrum(e.trajectory, rest, time, filtered),) for e in found if e.name == SPECTRUM}
+    told = {e.name: readable(beside.get(e.name.removesuffix(FINITE), "")) for e in found}
+    return standard.experiments([_worded(e) for e in found], replace(SHOWN, beside=told, drawn=drawn))
 
 
-def _one(e: Experiment, told: Told, more: tuple[page.Figure, ...]) -> page.Section:
-    shown, units = scaled(e)
-    rows, window = by_channel(e.figures), around_latch(e.trajectory)
-    about = readable(e.about) + ("; drawn around the latch" if window else "")
-    shown = replace(shown, title=_greek(readable(e.title)), about=about, figures={} if rows else _with_units(e.figures))
-    beside = [f"{figure}: {told.printed[row]}" for row, figure in told.beside.get(_base(e), ()) if row in told.printed]
-    found = sections.experiment(shown, units, window=window, beside=readable(". ".join(beside)))
-    first, *others = found.blocks
-    return replace(found, blocks=(first, *more, *((rows,) if rows else ()), *others))
+def _worded(e: Experiment) -> Experiment:
+    """Return an experiment whose title and text are written as a reader writes them."""
+    about = readable(e.about) + ("; drawn around the latch" if window(e, SHOWN) else "")
+    return replace(e, title=_title(e), about=about)
 
 
-def _base(e: Experiment) -> str:
-    """Return the name of the run on the closed force law that one over a finite matrix repeats, or its own."""
-    return e.name.removesuffix(FINITE)
-
-
-def _greek(title: str) -> str:
-    first, space, rest = title.partition(" ")
-    return f"{figures.SYMBOLS.get(first, first)}{space}{rest}"
-
-
-def scaled(e: Experiment) -> tuple[Experiment, dict[str, str]]:
-    """Return an experiment whose small signals are in um and urad, and the units of what it shows.
-
-    Raises SignalError when it shows a signal that the stage does not have.
-    """
-    units, states, references = {}, dict(e.trajectory.states), dict(e.references)
-    for name in e.shown:
-        if name not in UNITS:
-            raise SignalError(
-                f"experiment '{e.name}' shows '{name}', which is no signal of the stage: show one that is"
-            )
-        values, units[name] = np.asarray(e.trajectory[name], dtype=np.float64), UNITS[name]
-        if UNITS[name] in PREFIXED and float(np.nanmax(np.abs(values))) < SMALL:
-            units[name], states[name] = PREFIXED[UNITS[name]], 1e6 * values
-            references |= {name: 1e6 * e.references[name]} if name in references else {}
-    return replace(e, trajectory=replace(e.trajectory, states=states), references=references), units
-
-
-def around_latch(run: Trajectory) -> tuple[float, float] | None:
-    """Return the times in s between which a run that latches is drawn, None for one that does not."""
-    latched = np.flatnonzero(np.asarray(run.faults) >> safety.LATCH_BIT & 1)
-    if not latched.size:
-        return None
-    at, before, after = float(run.time[latched[0]]), *AROUND
-    return max(at - before, float(run.time[0])), min(at + after, float(run.time[-1]))
-
-
-def by_channel(figures: Mapping[str, float]) -> page.Table | None:
-    """Return figures that are measured for each Hall channel as one table, a row a channel; None for others."""
-    found: dict[str, dict[str, float]] = {}
-    for name, value in figures.items():
-        channel = next((c for c in CHANNELS if c in name), None)
-        if channel is None:
-            return None
-        what = name.replace(f", {channel}", "").replace(channel, "it")
-        found.setdefault(channel, {})[what] = value
-    if not found:
-        return None
-    columns = tuple(next(iter(found.values())))
-    rows: list[tuple[page.Cell, ...]] = []
-    for channel, row in found.items():
-        rows.append((channel, *(row.get(c, np.nan) for c in columns)))
-    return page.Table("Measured, by channel", ("channel", *map(readable, columns)), tuple(rows))
-
-
-def _with_units(figures: Mapping[str, float]) -> dict[str, float]:
-    """Return figures whose names all end with a unit: one that ends with a signal's name gets 1."""
-    return {f"{n}, 1" if n.rsplit(", ", 1)[-1] in UNITS else n: value for n, value in figures.items()}
+def _title(e: Experiment) -> str:
+    first, space, rest = readable(e.title).partition(" ")
+    return f"{SYMBOLS.get(first, first)}{space}{rest}"
 
 
 def _path(e: Experiment) -> page.Figure:
@@ -141,9 +73,9 @@ def headroom(found: Sequence[Experiment]) -> page.Section:
     plant = planar_stage.plant(halbach.HARMONICS)
     left = f"headroom under {planar_voltages.STATED:g} V, V"
     columns = ("run", "largest current, A", "largest induced, V", "largest voltage, V", left, "samples above, %")
-    rows: list[tuple[page.Cell, ...]] = []
-    for e in (e for e in found if _ideal(plant, e.trajectory)):
-        rows.append((_greek(readable(e.title)), *_needs(plant, e.trajectory)))
+    rows: list[tuple[page.Cell, ...]] = [
+        (_title(e), *_needs(plant, e.trajectory)) for e in found if _ideal(plant, e.trajectory)
+    ]
     return page.Section("Voltages", (page.Table("Voltages of the phases", columns, tuple(rows), digits=3),))
 
 

@@ -10,13 +10,13 @@ from designs.planar_6dof import loop as simulated
 from models import hall_calibration, planar_stage
 from synth.plant import Plant, Symbols
 from synth.report import figures, page, standard
+from synth.report.figures import SYMBOLS
 from synth.report.notation import number
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory
 from synth.statespace import Array
 from synth.timing import Discrete
 
-SYMBOLS = {"phi": "φ", "theta": "θ", "psi": "ψ"}
 REST, FIRST, SHOWN = "standstill", 1.0, 2.0  # its name, s of it that are left out, s that are drawn
 DRAWN = 41  # places over a pitch in x and in y of a picture, one where voltages are 0
 PLACES = 9  # over a pitch in x and in y, at which every failure is followed: one where voltages are 0

@@ -9,12 +9,18 @@ A row compares figures v_i with the numbers that a paper prints. Its verdict is 
 A figure v agrees with a printed number when |v - printed| is below one unit of the last printed digit, so that
 both rounding and cutting off count as agreement.
 
-An audit is a published.toml, which holds what is printed and the rule of each verdict, and one function a row:
+An audit is a published.toml, which holds what is printed and the rule of each verdict, and how a row is recomputed: by
+formulas in the same file (`formulas`), in which a printed number stands for its value, in a verdict for a `Printed`,
+
+    [F-1.computed]
+    stiffness = "mass * F-2.rate ** 2"
+    frequency = ["sqrt(stiffness / mass) / (2 * pi)", "Hz", "frequency of the free stage"]
+    as_printed = "F-1.frequency.agrees(frequency)"
+
+or, where that takes more, by a function of what the audit is computed from:
 
     @audit.recomputes("F-1", "mass", "F-2.stiffness")
     def frequency(bench: Bench, printed: Published) -> Outcome: ...
-
-`rows` applies the functions of some modules to what they are computed from.
 """
 
 import math
@@ -25,11 +31,15 @@ from decimal import Decimal, InvalidOperation
 from enum import StrEnum
 from pathlib import Path
 from types import ModuleType
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 from synth.errors import DesignError
+from synth.report import formulas
+from synth.report.formulas import Formula
 
 Subject = TypeVar("Subject")
+
+VERDICTS = ("as_printed", "corrected")  # the formulas of a row that say whether its figures meet the print
 
 
 class Verdict(StrEnum):
@@ -68,6 +78,7 @@ class Published:
     """What a paper prints for one row: where, in words, and its numbers by name.
 
     `rule` says how the row is judged and what explains a difference; it is empty where the row's function says it.
+    `computed` are its formulas by name, among them the two statements of the verdict, `as_printed` and `corrected`.
     """
 
     id: str
@@ -76,6 +87,7 @@ class Published:
     text: str
     numbers: Mapping[str, Printed]
     rule: str = ""
+    computed: Mapping[str, Formula] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> Printed:
         """Return the printed number called `name`."""
@@ -164,20 +176,55 @@ def recomputes(id: str, *depends: str) -> Callable[[Callable[[Subject, Published
     return lambda recompute: Recipe(id, depends, recompute)
 
 
+class Scope(Protocol):
+    """What formulas name: parameters by name in SI units, further functions and constants, and what is printed."""
+
+    @property
+    def parameters(self) -> Mapping[str, float]: ...
+
+    @property
+    def functions(self) -> Mapping[str, Any]: ...
+
+    @property
+    def published(self) -> Mapping[str, Published]: ...
+
+
+def computed(printed: Published, scope: Scope) -> Row:
+    """Return a row as recomputed by its formulas.
+
+    Raises DesignError as `formulas.evaluate`.
+    """
+    numbers = {f"{id}.{n}": number for id, each in scope.published.items() for n, number in each.numbers.items()}
+    of_values = {name: f for name, f in printed.computed.items() if name not in VERDICTS}
+    names = {**scope.functions, **scope.parameters}
+    values = formulas.evaluate(of_values, names, {source: number.value for source, number in numbers.items()})
+    statements = (printed.computed.get(name, Formula("False")) for name in VERDICTS)
+    verdict = judge(*(bool(statement.value(names | values, numbers)) for statement in statements))
+    figures = [(f.what, values[name], f.unit) for name, f in of_values.items() if f.what]
+    depends = formulas.sources(of_values) & {*scope.parameters, *numbers}
+    return row(printed, figures, verdict, printed.rule, sorted(depends))
+
+
 def recipes(modules: Iterable[ModuleType]) -> dict[str, Recipe[Any]]:
     """Return the recipes that modules define, by row."""
     return {each.id: each for module in modules for each in vars(module).values() if isinstance(each, Recipe)}
 
 
 def rows(modules: Iterable[ModuleType], subject: Any, prints: Mapping[str, Published]) -> Iterator[Row]:
-    """Yield the rows that some modules recompute, in the order of `prints`, each when it is computed.
+    """Yield the rows that some modules or formulas recompute, in the order of `prints`, each when it is computed.
 
-    Raises DesignError for a row that is not among `prints`, and as `row`.
+    The subject of rows with formulas is a `Scope`.
+
+    Raises DesignError for a row that is not among `prints`, and as `row` and `computed`.
     """
     known = recipes(modules)
     if missing := [id for id in known if id not in prints]:
         raise DesignError(f"{', '.join(missing)} is recomputed, but not printed: add it to published.toml")
-    yield from (known[id].row(subject, prints) for id in prints if id in known)
+    for id, printed in prints.items():
+        if id in known:
+            yield known[id].row(subject, prints)
+        elif printed.computed:
+            yield computed(printed, subject)
 
 
 def _expanded(depends: Iterable[str], prints: Mapping[str, Published]) -> Iterator[str]:
@@ -214,7 +261,7 @@ def row(
 def published(text: str) -> dict[str, Published]:
     """Read the rows of a published.toml: `[ID]` with paper, where, text, rule and numbers = {name = ["14.3", "%"]}.
 
-    `rule` and `numbers` may be left out.
+    `rule`, `numbers` and `computed` = {name = "formula" or ["formula", "unit", "figure"]} may be left out.
 
     Raises DesignError for a row without these, or a number that is none.
     """
@@ -230,7 +277,8 @@ def _published(name: str, entry: Mapping[str, Any]) -> Published:
     if missing := [key for key in ("paper", "where", "text") if not entry.get(key)]:
         raise DesignError(f"published row {name} lacks {', '.join(missing)}: say what is printed, and where")
     numbers = {key: _printed(name, key, value) for key, value in entry.get("numbers", {}).items()}
-    return Published(name, entry["paper"], entry["where"], entry["text"], numbers, entry.get("rule", ""))
+    computed = {k: Formula(*[v] if isinstance(v, str) else v) for k, v in entry.get("computed", {}).items()}
+    return Published(name, entry["paper"], entry["where"], entry["text"], numbers, entry.get("rule", ""), computed)
 
 
 def _printed(name: str, key: str, value: Any) -> Printed:

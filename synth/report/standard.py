@@ -5,10 +5,9 @@
 `template` puts them together for a declared stage; a design of another kind calls those that it has use for.
 """
 
-import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -24,6 +23,7 @@ from synth.report.equations import display
 from synth.report.equations.derive import Named
 from synth.report.notation import number
 from synth.report.page import Section
+from synth.report.shown import HEADROOM, Shown, by_channel, in_fine_units, window, with_units
 from synth.signals import Signal
 from synth.simulate.experiment import Experiment
 from synth.statespace import StateSpace
@@ -43,7 +43,6 @@ OPENED = (
     "to which the gain may fall."
 )
 AROUND = ("guard", "safe_output")  # Blocks that every controller has, folded away
-HEADROOM = "largest |state| / bound"  # how the figure and the check of `simulate.headroom` begin
 
 
 class Loop(Protocol):
@@ -68,22 +67,6 @@ class Loop(Protocol):
     def margins(self) -> Margins:
         """Its margins."""
         ...
-
-
-@dataclass(frozen=True)
-class Shown:
-    """How experiments are shown: units of signals by name, levels across their errors, and further figures.
-
-    `beside` says by name of the experiment what the source's figure shows, `drawn` adds blocks to its section. Runs
-    longer than `longest` s are drawn over `window`.
-    """
-
-    units: Mapping[str, str]
-    levels: Mapping[str, float] = field(default_factory=dict)
-    beside: Mapping[str, str] = field(default_factory=dict)
-    drawn: Mapping[str, Sequence[page.Block]] = field(default_factory=dict)
-    longest: float = math.inf
-    window: figures.Window = (0.0, 5.0)
 
 
 def facts(time: Discrete, scalar: type[np.floating], inputs: str, outputs: str) -> tuple[tuple[str, str], ...]:
@@ -151,10 +134,11 @@ def experiments(runs: Sequence[Experiment], shown: Shown, blocks: Sequence[page.
 
 
 def _experiment(run: Experiment, shown: Shown) -> Section:
-    time = run.trajectory.time
-    window = shown.window if len(time) and float(time[-1]) > shown.longest else None
-    section = sections.experiment(run, shown.units, shown.levels, window, shown.beside.get(run.name, ""))
-    return Section(section.title, (*section.blocks, *shown.drawn.get(run.name, ())), section.sections)
+    table, drawn, part = by_channel(run.figures, shown.channels), shown.drawn.get(run.name, ()), window(run, shown)
+    measured = {} if table else with_units(run.figures, shown.units)
+    fine, by = in_fine_units(replace(run, figures=measured), shown)
+    section = sections.experiment(fine, by.units, by.levels, part, shown.beside.get(run.name, ""))
+    return Section(section.title, (*section.blocks, *table, *drawn), section.sections)
 
 
 def _headroom(runs: Sequence[Experiment]) -> tuple[page.Table, ...]:

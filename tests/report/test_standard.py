@@ -8,7 +8,7 @@ import numpy as np
 from synth.analyse import margins
 from synth.check import Check
 from synth.report import gains_table, page, standard
-from synth.report.standard import Shown
+from synth.report.shown import Shown
 from synth.simulate.experiment import Experiment
 from synth.statespace import StateSpace, readonly
 from synth.timing import Continuous, Discrete

@@ -1,4 +1,4 @@
-"""One axis of the stage under its lead-lag compensator, with ideal sensing: margins and steps.
+"""One axis of the stage under its lead-lag compensator, with ideal sensing: its margins and steps, for formulas.
 
 An inertia m with a spring k, q'' = (f - k q) / m, under f = K(s) (r - q), K(s) = g (s - z1) (s - z2) / ((s - p) s).
 
@@ -11,7 +11,8 @@ Steps start from rest at t = 0 and are relative to their size; the rise is from 
 record, LONG seconds, does not contain the event.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cache
 from math import pi
 
@@ -19,7 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth import timing
-from synth.analyse import loop, margins, sensitivity, transfer
+from synth.analyse import loop, margins, sensitivity, time_response, transfer
+from synth.report.audit import Printed
 from synth.statespace import StateSpace
 from synth.synthesise.classical import lead_lag
 from synth.timing import Continuous
@@ -28,6 +30,7 @@ Array = NDArray[np.float64]
 
 FINE, LONG = 1e-5, 1.2  # s: the grid of continuous steps, and how long all are watched
 BAND = 0.02
+OVERSHOOT = 0.25  # relative: "around 20 %" is 15 to 25 %
 
 
 @dataclass(frozen=True)
@@ -61,6 +64,10 @@ class Margin:
     delay: float
     stable: bool
 
+    def meets(self, crossover: Printed, phase: Printed) -> bool:
+        """Return whether crossover and phase margin are those printed."""
+        return crossover.agrees(self.crossover) and phase.agrees(self.phase)
+
 
 @dataclass(frozen=True)
 class Step:
@@ -70,19 +77,52 @@ class Step:
     overshoot: float
     settled: float
 
+    def in_bounds(self, rise: Printed, settling: Printed) -> bool:
+        """Return whether a step is as fast as printed, ms."""
+        return 1e3 * self.rise < rise.value and 1e3 * self.settled < settling.value
+
+    def overshoots(self, printed: Printed) -> bool:
+        """Return whether a step overshoots by about as much as printed."""
+        return abs(self.overshoot / printed.value - 1) <= OVERSHOOT
+
+
+def vertical(inertia: float, spring: float, gain: float, lead: float, lag: float, reset: float) -> Axis:
+    """Return an axis by gain, zeros and pole of (23)-(25) in 1/s."""
+    return Axis(inertia, spring, gain, (-lead, -reset), (-lag, 0.0))
+
+
+def horizontal(inertia: float, gain: float, lead: float, lag: float, reset: float) -> Axis:
+    """Return an axis by gain and time constants of (21), (22) in s."""
+    return vertical(inertia, 0.0, gain * lead * reset / lag, 1 / lead, 1 / lag, 1 / reset)
+
+
+def scaled(axis: Axis, factor: float) -> Axis:
+    """Return an axis with another gain."""
+    return replace(axis, gain=factor * axis.gain)
+
+
+def stable(axes: Sequence[Axis], hold_s: float, delay_s: float = 0.0) -> int:
+    """Return how many axes are stable, held and with a delay."""
+    return sum(margin(axis, hold_s, delay_s).stable for axis in axes)
+
+
+def integrating(axes: Sequence[Axis], order: float) -> int:
+    """Return how many axes have a compensator of an order with one integrator."""
+    return sum(len(a.poles) == order and a.poles.count(0.0) == 1 for a in axes)
+
 
 @cache
 def margin(axis: Axis, hold_s: float = 0.0, delay_s: float = 0.0) -> Margin:
     """Return the margins of the continuous loop, or of the held one, with a delay."""
     L = sensitivity.close(axis.plant, axis.compensator.model).L
-    return _margin(margins.of_loop(transfer.delayed(L, delay_s, hold_s) if hold_s else L))
+    return _margin(transfer.delayed(L, delay_s, hold_s) if hold_s else L)
 
 
 @cache
 def sampled_margin(axis: Axis, period_s: float) -> Margin:
     """Return the margins of the sampled loop."""
     rule = lead_lag.prewarped(axis.compensator, period_s, 2 * pi * margin(axis).crossover)
-    return _margin(margins.of_loop(_sampled(axis, rule).L))
+    return _margin(_sampled(axis, rule).L)
 
 
 @cache
@@ -98,19 +138,17 @@ def step(axis: Axis) -> Step:
 @cache
 def sampled_step(axis: Axis, period_s: float) -> Step:
     """Return the step of the sampled loop."""
-    T, y = _sampled(axis, lead_lag.tustin(axis.compensator, period_s, 1 / period_s)).T, []
-    x = np.zeros(len(T.A))
-    for _ in range(round(LONG / period_s)):
-        y.append(float((T.C @ x + T.D[:, 0])[0]))
-        x = T.A @ x + T.B[:, 0]
-    return measured(np.arange(len(y), dtype=np.float64) * period_s, np.array(y))
+    response = time_response.step_response(
+        _sampled(axis, lead_lag.tustin(axis.compensator, period_s, 1 / period_s)).T, LONG - period_s
+    )
+    return measured(response.time, response.outputs[:, 0, 0])
 
 
 def measured(time: Array, y: Array, band: float = BAND) -> Step:
     """Return the figures of a record y (N,) of a step from 0 to 1 at time[0], s."""
     outside = np.flatnonzero(np.abs(y - 1) > band)
     last = 0.0 if not len(outside) else time[outside[-1]] - time[0] if outside[-1] + 1 < len(y) else np.inf
-    return Step(_reach(time, y, 0.9) - _reach(time, y, 0.1), 100 * (float(y.max()) - 1), float(last))
+    return Step(_first(time, y, 0.9) - _first(time, y, 0.1), 100 * (float(y.max()) - 1), float(last))
 
 
 def gain_at(axis: Axis, frequency: float) -> float:
@@ -123,11 +161,12 @@ def _sampled(axis: Axis, rule: lead_lag.LeadLag) -> sensitivity.ClosedLoop:
     return sensitivity.close(loop.sampled(axis.plant, timing.period(rule.discrete.time)), rule.discrete)
 
 
-def _margin(of_loop: margins.Margins) -> Margin:
+def _margin(L: transfer.Loop) -> Margin:
+    of_loop = margins.of_loop(L)
     last = max(of_loop.gain_crossings, key=lambda c: c.frequency)
     return Margin(last.frequency / (2 * pi), last.phase_margin, last.delay_margin, of_loop.stable)
 
 
-def _reach(time: Array, y: Array, level: float) -> float:
+def _first(time: Array, y: Array, level: float) -> float:
     """Return the first time of a sample at or above a level."""
     return float(time[np.argmax(y >= level)]) if (y >= level).any() else np.inf

@@ -50,39 +50,16 @@ def optimal(bench: Bench, printed: Published) -> Outcome:
         recovered |= weights(of, axis, tuple(point[n].value for n in STATES[k::3]))
     figures = [(f"gain of {n}", computed[n], printed[n].unit) for n in STATES]
     figures += [(f"weight on {n} from the printed gains", recovered[n], "1") for n in STATES]
-    corrected = all(point[n].agrees(value) for n, value in computed.items())
-    as_printed = all(printed[n].agrees(value) for n, value in computed.items())
-    return Outcome(figures, as_printed, corrected)
+    return Outcome(figures, *(all(p[n].agrees(value) for n, value in computed.items()) for p in (printed, point)))
 
 
 @recomputes("Y-11", *MODEL, "Y-11.*")
 def printed_weights(bench: Bench, printed: Published) -> Outcome:
     """Recompute (49) with the weights as printed."""
-    q = tuple(printed[f"q_{n}"].value for n in STATES)
+    q, wanted = tuple(printed[f"q_{n}"].value for n in STATES), _with_points(bench.published["Y-10"])
     computed = gains(stage_of(bench), q, printed["r"].value)
-    wanted = _with_points(bench.published["Y-10"])
     figures = [(f"gain of {n}", value, wanted[n].unit) for n, value in computed.items()]
     return Outcome(figures, all(wanted[n].agrees(value) for n, value in computed.items()))
-
-
-@recomputes("Y-12", "Y-7.rate_lqg", "Y-12.theta")
-def kalman_gain(bench: Bench, printed: Published) -> Outcome:
-    """Recompute (42) by (41), for (26) and for the sampled model's parts."""
-    held, theta = sampled(stage_of(bench)), printed["theta"].value
-    plain = kalman.continuous(model(stage_of(bench), False), np.eye(6), theta * np.eye(3)).L
-    H = misapplied(held, theta)
-    poles = np.linalg.eigvals(held.A[6:, 6:] - H @ held.A[:6, 6:])
-    figures = [
-        ("H, own position, (41) for (26) with L Psi L' = I", plain[0, 0], "1/s"),
-        ("H, own position", H[0, 0], "1/s"),
-        ("H, another position", H[0, 1], "1/s"),
-        ("H, own integral", H[0, 3], "1/s^2"),
-        ("greatest |z| of A22 - H A12", float(np.abs(poles).max()), "1"),
-    ]
-    named = dict(zip(("own", "other", "integral"), (float(f[1]) for f in figures[1:4]), strict=True))
-    corrected = all(printed[n].agrees(value) for n, value in named.items())
-    as_printed = printed["own"].agrees(plain[0, 0]) and printed["other"].agrees(plain[0, 1])
-    return Outcome(figures, as_printed, corrected)
 
 
 @recomputes("Y-36", *MODEL, "Y-10.*")
@@ -92,7 +69,7 @@ def separation(bench: Bench, printed: Published) -> Outcome:
     K = matrix({n: gain.value for n, gain in _with_points(bench.published["Y-10"]).items()})
     closed, figures = held.A - held.B @ K, []
     for p in POLES:
-        L = (1 - p) / timing.period(held.time) * np.eye(3, 6)
+        L = _observer_gain(held, p)
         whole = np.linalg.eigvals(loop_33(held, K, L))
         parts = np.concatenate([np.linalg.eigvals(closed), np.linalg.eigvals(held.A[6:, 6:] - L @ held.A[:6, 6:])])
         figures.append((f"poles that are those of the parts, observer {p:g}", float(_common(whole, parts)), "1"))
@@ -105,17 +82,15 @@ def separation(bench: Bench, printed: Published) -> Outcome:
 @recomputes("Y-37")
 def observability(bench: Bench, printed: Published) -> Outcome:
     """Recount the modes that no input moves and that no output shows."""
-    of = stage_of(bench)
-    plain, whole = model(of, False), model(of, True)
+    plain, whole = (model(stage_of(bench), integrals) for integrals in (False, True))
     shown = replace(whole, C=np.eye(6, 9), D=np.zeros((6, 3)), outputs=(*POSITIONS, *INTEGRALS))
     cases = {"(26), (27)": plain, "(31), (32)": whole, "(31) with the integrals as outputs": shown}
     hidden = {n: len(structure.unmoved(m.A.T, m.C.T, m.states, m.time)) for n, m in cases.items()}
-    stuck = {n: len(structure.unmoved(m.A, m.B, m.states, m.time)) for n, m in cases.items()}
+    stuck = {n: len(structure.unmoved(m.A, m.B, m.states, m.time)) for n, m in list(cases.items())[:2]}
     figures = [(f"modes that no output of {n} shows", float(k), "1") for n, k in hidden.items()]
-    figures += [(f"modes that no input of {n} moves", float(k), "1") for n, k in list(stuck.items())[:2]]
-    as_printed = not any((*stuck.values(), hidden["(26), (27)"], hidden["(31), (32)"]))
-    corrected = not any((*stuck.values(), hidden["(26), (27)"], hidden["(31) with the integrals as outputs"]))
-    return Outcome(figures, as_printed, corrected)
+    figures += [(f"modes that no input of {n} moves", float(k), "1") for n, k in stuck.items()]
+    first, second, corrected = (not any((*stuck.values(), k)) for k in hidden.values())
+    return Outcome(figures, first and second, first and corrected)
 
 
 @dataclass(frozen=True)
@@ -155,8 +130,7 @@ def one(of: Stage, axis: str) -> tuple[StateSpace, float]:
     k = POSITIONS.index(axis)
     b = of.per_ampere if axis == "x" else 2 * (of.per_ampere if axis == "y" else of.turning)
     A, B = np.array([[0.0, 0, 1], [1, 0, 0], [0, 0, 0]]), np.array([[0.0], [0], [b]])
-    states = (POSITIONS[k], INTEGRALS[k], RATES[k])
-    chain = StateSpace(A, B, np.eye(1, 3), np.zeros((1, 1)), states, ("i",), (axis,), Continuous())
+    chain = StateSpace(A, B, np.eye(1, 3), np.zeros((1, 1)), STATES[k::3], ("i",), (axis,), Continuous())
     return chain, 1.0 if axis == "x" else 2.0
 
 
@@ -187,50 +161,62 @@ def weights(of: Stage, axis: str, wanted: tuple[float, ...]) -> Mapping[str, flo
     chain, r = one(of, axis)
     sampled, K = discretise.zero_order_hold(chain, of.period_s), np.array([wanted])
     closed, both = sampled.A - sampled.B @ K, np.vstack([np.eye(3), -K])
+    flow = np.vstack([np.hstack([chain.A, chain.B]), np.zeros((1, 4))])
 
     def left(x: Array, q: Array) -> Array:
-        X, W = np.zeros((3, 3)), _over_a_period(chain, np.append(q[:3], q[3:] * r), of.period_s)
+        X, W = np.zeros((3, 3)), discretise.gramian(flow, np.diag(np.append(q[:3], q[3:] * r)), of.period_s).W
         X[np.triu_indices(3)] = x
         X = X + np.triu(X, 1).T
         cost = closed.T @ X @ closed - X + both.T @ W @ both
         return np.append(cost[np.triu_indices(3)], sampled.B.T @ X @ closed + (W @ both)[3:])
 
-    unknowns = np.eye(10)
-    columns = np.array([left(e[:6], e[6:]) for e in unknowns]).T
+    columns = np.array([left(e[:6], e[6:]) for e in np.eye(10)]).T
     solution = np.linalg.solve(columns[:, :9], -columns[:, 9])
     return dict(zip(chain.states, solution[6:].tolist(), strict=True))
 
 
-def _over_a_period(chain: StateSpace, q: Array, period_s: float) -> Array:
-    """Return W (4, 4) of [x; u]' W [x; u], what x'diag(q) x + q_4 u^2 gathers over a period with u held."""
-    F = np.vstack([np.hstack([chain.A, chain.B]), np.zeros((1, 4))])
-    return discretise.gramian(F, np.diag(q), period_s).W
+def unsampled_gain(of: Stage, theta: float) -> Array:
+    """Return the gain of (41) for (26), (27) with Theta = theta I and L Psi L' = I."""
+    return kalman.continuous(model(of, False), np.eye(6), theta * np.eye(3)).L
 
 
-def misapplied(held: StateSpace, theta: float) -> Array:
+def misapplied(of: Stage, theta: float) -> Array:
     """Return H (3, 6) of the continuous (41) for the sampled A22, A12, Theta = theta I and L Psi L' = theta ones."""
+    held = sampled(of)
     A12 = held.A[:6, 6:]
     sigma = solve_continuous_are(held.A[6:, 6:].T, A12.T, np.full((3, 3), theta), theta * np.eye(6))
     return np.asarray(sigma @ A12.T / theta)
+
+
+def greatest_pole(of: Stage, H: Array) -> float:
+    """Return the greatest |z| of A22 - H A12."""
+    held = sampled(of)
+    return float(np.abs(np.linalg.eigvals(held.A[6:, 6:] - H @ held.A[:6, 6:])).max())
 
 
 def loop_33(held: StateSpace, K: Array, L: Array) -> Array:
     """Return the matrix (12, 12) of (33) on x1, x2 and x3 = x2^ - L x1."""
     A11, A12, A21, A22 = held.A[:6, :6], held.A[:6, 6:], held.A[6:, :6], held.A[6:, 6:]
     B1, B2, k1, k2 = held.B[:6], held.B[6:], K[:, :6], K[:, 6:]
-    first = [
-        A11 - B1 @ k1 - B1 @ k2 @ L,
-        A21 - B2 @ k1 - B2 @ k2 @ L,
-        (A22 - L @ A12) @ L + A21 - L @ A11 - (B2 - L @ B1) @ (k1 + k2 @ L),
+    rows = [
+        [A11 - B1 @ k1 - B1 @ k2 @ L, A12, -B1 @ k2],
+        [A21 - B2 @ k1 - B2 @ k2 @ L, A22, -B2 @ k2],
+        [
+            (A22 - L @ A12) @ L + A21 - L @ A11 - (B2 - L @ B1) @ (k1 + k2 @ L),
+            np.zeros((3, 3)),
+            A22 - L @ A12 - B2 @ k2 + L @ B1 @ k2,
+        ],
     ]
-    second = [A12, A22, np.zeros((3, 3))]
-    third = [-B1 @ k2, -B2 @ k2, A22 - L @ A12 - B2 @ k2 + L @ B1 @ k2]
-    return np.block([list(blocks) for blocks in zip(first, second, third, strict=True)])
+    return np.block(rows)
+
+
+def _observer_gain(held: StateSpace, pole: float) -> Array:
+    return (1 - pole) / timing.period(held.time) * np.eye(3, 6)
 
 
 def _is_the_loop(held: StateSpace, K: Array) -> bool:
     """Tell whether (33) is the loop of a reduced-order observer with the sampled model."""
-    L = 0.5 / timing.period(held.time) * np.eye(3, 6)
+    L = _observer_gain(held, 0.5)
     observer = reduced_observer.from_gain(held, (*POSITIONS, *INTEGRALS), L)
     A = reduced_compensator.compensator(observer, -K).loop.A
     return bool(np.allclose(A, loop_33(held, K, L), rtol=SAME, atol=SAME * float(np.abs(A).max())))
@@ -244,6 +230,6 @@ def _common(poles: NDArray[Any], wanted: NDArray[Any]) -> int:
 
 def _with_points(printed: Published) -> dict[str, Printed]:
     """Return the printed gains by state, with the decimal points that the scan lost."""
-    gains_printed = {n: printed[n] for n in STATES}
-    with_points = {n: Printed(str(Decimal(gains_printed[n].text).scaleb(-LOST)), gains_printed[n].unit) for n in RATES}
-    return gains_printed | with_points
+    lost = {n: printed[n].text for n in RATES}
+    mended = {n: Printed(str(Decimal(text).scaleb(-LOST)), printed[n].unit) for n, text in lost.items()}
+    return {n: printed[n] for n in STATES} | mended

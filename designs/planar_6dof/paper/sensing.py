@@ -1,103 +1,74 @@
-"""Audit of the Hall sensors: the spacing (1), their switching, and the inverse of the field in (2) and (3).
+"""Two Hall sensors for the audit's formulas: the spacing (1), their switching, the inverse of the field in (2), (3).
 
 Two sensors on the platen's x read V_a and V_b over one pitch of travel. A sensor is sensitive where |dV/dx| is large,
 which is where |V| is small: the one with the smaller |V| is read.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
 from math import pi
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.planar_6dof.paper.bench import MM, Bench
+from designs.planar_6dof.paper.bench import constants
 from models import halbach, planar_stage
-from synth.report.audit import Outcome, Published, recomputes
 
 Array = NDArray[np.float64]
+Parameters = Mapping[str, float]
 
+PUBLISHED = {p.name: p.value for p in planar_stage.PARAMETERS}
 COUNT = 2000  # places in a pitch, a multiple of 8
 EDGES = np.arange(COUNT) / COUNT - 0.5  # in pitches, with the borders of the sections among them
 PLACES = EDGES + 0.5 / COUNT  # without
-SPACINGS = (1, 2, 3)  # n of (1)
 
 
-@dataclass(frozen=True, eq=False)
-class Scan:
-    """Voltages of the sensors a and b in V and their slopes in V/m at some places (N,)."""
+def scan(p: Parameters, places: Array, harmonics: tuple[int, ...] = halbach.HARMONICS) -> Array:
+    """Return voltages in V and slopes in V/m (4, N), V_a, V_b and their slopes, level at y = 0.
 
-    a: Array
-    b: Array
-    slope_a: Array
-    slope_b: Array
-
-
-@recomputes("Y-29", "l", "Y-29.offset", "Y-29.step")
-def spacing(bench: Bench, printed: Published) -> Outcome:
-    """Recompute the phase between two sensors from their spacing."""
-    l = bench.value("l")
-    apart = {n: (printed["offset"].value + printed["step"].value * n) * l for n in SPACINGS}
-    phases = {n: _phase(scan(bench, PLACES[:: COUNT // 100], spacing=d)) for n, d in apart.items()}
-    figures = [(f"phase for n = {n}", phase, "degrees") for n, phase in phases.items()]
-    figures += [(f"spacing for n = {n}", d / MM, "mm") for n, d in apart.items()]
-    return Outcome(figures, all(abs(abs(phase) - printed["phase"].value) < 1e-6 for phase in phases.values()))
-
-
-@recomputes("Y-30", "l", "Delta", "height", "spacing")
-def switching(bench: Bench, printed: Published) -> Outcome:
-    """Recompute where the sensors switch, and how sensitive the one is that is read."""
-    real = scan(bench, PLACES)
-    read_a = np.abs(real.a) < np.abs(real.b)
-    section = 4 * read_a + 2 * (real.a > 0) + (real.b > 0)
-    switches, sections = _changes(read_a), _changes(section)
-    fields = {"fundamental": (1,), "harmonics 1, 5, 9": halbach.HARMONICS}
-    slopes = {name: _least_slope(scan(bench, EDGES, harmonics)) for name, harmonics in fields.items()}
-    figures = [("switches in a pitch", float(switches), "1"), ("sections in a pitch", float(sections), "1")]
-    figures += [(f"least slope that is read over the greatest, {name}", v, "1") for name, v in slopes.items()]
-    agree = switches * printed["quarter"].value == 1 and sections == printed["sections"].value
-    return Outcome(figures, agree and min(slopes.values()) > 0.5)
-
-
-@recomputes("Y-31", "l", "Delta", "height")
-def inverse(bench: Bench, printed: Published) -> Outcome:
-    """Recompute the position by (2) as printed and by the arcsine, where a sensor is read."""
-    voltage, read = scan(bench, PLACES).a, np.abs(PLACES) < 0.125
-    amplitude = 2 * np.mean(voltage * np.sin(2 * pi * PLACES))
-    angle, normalised = 2 * pi * PLACES[read], np.clip(voltage[read] / amplitude, -1, 1)
-    angles = {
-        "sin, pure sine": np.sin(np.sin(angle)),
-        "arcsine, pure sine": np.arcsin(np.sin(angle)),
-        "arcsine, harmonics 1, 5, 9": np.arcsin(normalised),
-    }
-    errors = {n: round(float(np.abs(v - angle).max()), 9) * bench.value("l") / (2 * pi) for n, v in angles.items()}
-    figures = [(f"greatest error, {name}", e * 1e6, "um") for name, e in errors.items()]
-    limit = printed["noise"].value
-    return Outcome(figures, errors["sin, pure sine"] < limit, errors["arcsine, pure sine"] < limit)
-
-
-def scan(bench: Bench, places: Array, harmonics: tuple[int, ...] = halbach.HARMONICS, **changed: float) -> Scan:
-    """Return what the sensors a and b read, level at y = 0, at `places` (N,) along x in pitches from a strong block."""
-    p, X = bench.values(**changed), ca.SX.sym("X")
-    pose = dict.fromkeys(planar_stage.AXES, ca.SX(0)) | {"x": X}
-    V = planar_stage.hall_voltages(pose, p, harmonics)
+    `places` (N,) lie along x in pitches from a strong block; parameters that `p` leaves out are as published.
+    """
+    every, X = {**PUBLISHED, **p}, ca.SX.sym("X")
+    V = planar_stage.hall_voltages(dict.fromkeys(planar_stage.AXES, ca.SX(0)) | {"x": X}, constants(every), harmonics)
     pair = ca.vertcat(V["V_ax"], V["V_bx"])
     read = ca.Function("read", [X], [ca.vertcat(pair, ca.jacobian(pair, X))])
-    return Scan(*np.asarray(read.map(len(places))((places * bench.value("l")).reshape(1, -1))))
+    return np.asarray(read.map(len(places))((places * every["l"]).reshape(1, -1)))
 
 
-def _phase(scanned: Scan) -> float:
-    """Return by how many degrees the fundamental of b is ahead of that of a, -180 to 180."""
-    a, b = (np.fft.fft(v)[1] for v in (scanned.a, scanned.b))
+def phase(l: float, spacing: float) -> float:
+    """Return by how many degrees the fundamental of V_b is ahead of that of V_a, -180 to 180."""
+    a, b, *_ = (np.fft.fft(v)[1] for v in scan({"l": l, "spacing": spacing}, PLACES[:: COUNT // 100]))
     return float(np.degrees(np.angle(b / a)))
+
+
+def switches(p: Parameters) -> int:
+    """Return how often another sensor is read over a pitch."""
+    a, b, *_ = scan(p, PLACES)
+    return _changes(np.abs(a) < np.abs(b))
+
+
+def sections(p: Parameters) -> int:
+    """Return how often the sensor that is read or a sign changes over a pitch."""
+    a, b, *_ = scan(p, PLACES)
+    return _changes(4 * (np.abs(a) < np.abs(b)) + 2 * (a > 0) + (b > 0))
+
+
+def least_slope(p: Parameters, *harmonics: int) -> float:
+    """Return the least over the greatest slope that is read, with some harmonics of the field."""
+    a, b, slope_a, slope_b = np.abs(scan(p, EDGES, harmonics))
+    slope = np.where(a < b, slope_a, slope_b)
+    return float(slope.min() / slope.max())
+
+
+def inverse_errors(p: Parameters) -> Array:
+    """Return the greatest errors in m of (2) where a sensor is read: as printed, by the arcsine, with harmonics."""
+    voltage, read = scan(p, PLACES)[0], np.abs(PLACES) < 0.125
+    amplitude = 2 * np.mean(voltage * np.sin(2 * pi * PLACES))
+    angle, normalised = 2 * pi * PLACES[read], np.clip(voltage[read] / amplitude, -1, 1)
+    angles = np.sin(np.sin(angle)), np.arcsin(np.sin(angle)), np.arcsin(normalised)
+    return np.array([round(float(np.abs(v - angle).max()), 9) * p["l"] / (2 * pi) for v in angles])
 
 
 def _changes(values: NDArray[np.int64] | NDArray[np.bool_]) -> int:
     """Return how often a periodic record changes."""
     return int(np.sum(values != np.roll(values, 1)))
-
-
-def _least_slope(scanned: Scan) -> float:
-    """Return the least over the greatest slope of the sensor with the smaller voltage."""
-    read = np.where(np.abs(scanned.a) < np.abs(scanned.b), np.abs(scanned.slope_a), np.abs(scanned.slope_b))
-    return float(read.min() / read.max())

@@ -1,4 +1,4 @@
-"""Audit of what the simulated LQG loop records: its noise at rest and the spectrum of its step."""
+"""What the simulated LQG loop records, for the audit's formulas: the spectrum of its step."""
 
 from dataclasses import dataclass
 
@@ -7,15 +7,12 @@ from numpy.typing import NDArray
 from scipy import ndimage, signal
 
 from designs.planar_6dof import experiments
-from designs.planar_6dof.paper import steps
-from designs.planar_6dof.paper.bench import Recorder
-from synth.report.audit import Outcome, Published, recomputes
 from synth.simulate.rig import Rig
 
 Array = NDArray[np.float64]
 
 STEP = 50e-6  # m, of x in Fig. 10
-RECORD = 20.0  # s: of noise; of x whose spectrum is taken, after a second in which its step settles
+RECORD = 20.0  # s, of x whose spectrum is taken, after a second in which its step settles
 DOMINANT = 10.0  # dB by which a dominant line stands above the median of its neighbours
 SEGMENTS = 16  # whose spectra are averaged, so that those of noise scatter by less
 NEIGHBOURS = 31  # lines
@@ -28,23 +25,10 @@ class Line:
     frequency: float
     above: float
 
-
-@recomputes("Y-40")
-def noise(recorder: Recorder, printed: Published) -> Outcome:
-    """Recompute the noise as filtered, as for the lead-lag controller."""
-    return steps.judge_noise(printed, experiments.filtered_at_rest(recorder.loop, RECORD))
-
-
-@recomputes("Y-41")
-def spectrum(recorder: Recorder, printed: Published) -> Outcome:
-    """Recompute the spectrum of the step of x, Fig. 10(d), as measured."""
-    return judge_line(of_step(recorder.loop))
-
-
-def judge_line(line: Line) -> Outcome:
-    """Recompute what Fig. 10(d) shows from the most prominent line of a spectrum."""
-    figures = [("most prominent line", line.frequency, "Hz"), ("above its neighbours", line.above, "dB")]
-    return Outcome(figures, line.above < DOMINANT)
+    @property
+    def dominant(self) -> bool:
+        """Whether it is a component of its own."""
+        return self.above >= DOMINANT
 
 
 def of_step(loop: Rig) -> Line:

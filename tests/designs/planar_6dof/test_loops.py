@@ -167,16 +167,6 @@ def test_disk_margins_of_a_diagonal_loop_are_those_of_its_axes(opened: dict[str,
         assert abs(np.linalg.det(np.eye(len(value)) + value @ np.diag(m.factors))) < 1e-3
 
 
-def test_singular_values_are_those_of_s_and_t(opened: dict[str, loops.Parts]) -> None:
-    L = loops.horizontal(opened["lqg"]).currents
-    found = loops.singular(L, [10.0, 200.0])
-    value = L.response([np.exp(1j * 200.0 * lqg.TIME.period_s)])[0]
-    S = np.linalg.inv(np.eye(3) + value)
-    for letter, m in (("L", value), ("S", S), ("T", np.eye(3) - S)):
-        np.testing.assert_allclose(getattr(found, letter)[1], np.linalg.svd(m, compute_uv=False), rtol=1e-9)
-    assert found.S[0].max() < 0.1
-
-
 def test_a_scaled_loop_has_the_same_diagonal_and_disk_margin(opened: dict[str, loops.Parts]) -> None:
     L = loops.horizontal(opened["lqg"]).currents
     z, other = circle(lqg.TIME), loops.scaled(L, {"i_CQ": 0.01})

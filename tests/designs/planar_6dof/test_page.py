@@ -9,8 +9,7 @@ from designs.planar_6dof import failures, page_experiments, page_stage, sensing_
 from designs.planar_6dof import loop as simulated
 from designs.planar_6dof_leadlag import control as leadlag
 from models import planar_stage
-from synth.blocks import safety
-from synth.errors import SignalError
+from synth.report import page, shown
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
 from tests.designs.planar_6dof import short_runs
@@ -28,31 +27,19 @@ def runs(lead: Rig) -> list[Experiment]:
     return [*short_runs.runs(lead), failures.ALL[0].run(lead)]
 
 
-def test_a_small_signal_is_shown_in_micrometres_and_its_error_is_the_same(runs: list[Experiment]) -> None:
-    shown, units = page_experiments.scaled(runs[0])
-    assert units == {"x": "µm"} and page_experiments.scaled(runs[2])[1] == {"x": "m", "y": "m"}
-    np.testing.assert_allclose(shown.trajectory["x"], 1e6 * runs[0].trajectory["x"])
-    np.testing.assert_allclose(shown.references["x"], 1e6 * runs[0].references["x"])
-    with pytest.raises(SignalError, match="shows 'warp', which is no signal of the stage"):
-        page_experiments.scaled(replace(runs[0], shown=("warp",)))
-
-
-def test_a_run_that_latches_is_drawn_around_the_latch(runs: list[Experiment]) -> None:
-    nan = runs[-1]
-    window = page_experiments.around_latch(nan.trajectory)
-    latch = nan.trajectory.time[np.argmax(nan.trajectory.faults >> safety.LATCH_BIT & 1)]
-    assert window is not None and window[0] < failures.FAILURE < latch < window[1]
-    assert page_experiments.around_latch(runs[0].trajectory) is None
-
-
-def test_figures_by_channel_keep_each_value(runs: list[Experiment]) -> None:
-    table = page_experiments.by_channel(runs[-1].figures)
-    assert table is not None and [row[0] for row in table.rows] == list(planar_stage.HALL)
-    at = table.columns.index("samples until the latch")
-    for row in table.rows:
-        assert row[at] == runs[-1].figures[f"samples until the latch, {row[0]}"]
+def test_runs_are_shown_by_the_units_of_the_stage_and_the_channels_of_its_sensors(runs: list[Experiment]) -> None:
+    beside = shown.beside({"step_x": (("Y-9", "Fig. 8"), ("Y-1", "Table 1"))}, short_runs.ROWS)
+    section = page_experiments.experiments(runs, beside, leadlag.TIME, True, False)
+    titles = [s.title for s in section.sections]
+    assert titles[0] == "x by 20 µm" and len(titles) == len(runs)
+    latched = section.sections[-1]
+    captions = [b.caption for b in latched.blocks if isinstance(b, page.Figure)]
+    assert "drawn around the latch" in captions[0]
+    (table,) = [b for b in latched.blocks if isinstance(b, page.Table)]
+    assert [row[0] for row in table.rows] == list(planar_stage.HALL)
     assert sum(len(row) - 1 for row in table.rows) == len(runs[-1].figures)
-    assert page_experiments.by_channel(runs[0].figures) is None and page_experiments.by_channel({}) is None
+    texts = [b.beside for s in section.sections[:2] for b in s.blocks if isinstance(b, page.Figure)]
+    assert texts == ["Fig. 8: steps rise in less than 25 ms"] * 2  # beside the finite one, too
 
 
 def test_positions_are_seen_as_the_compiled_c_has_them(lead: Rig, runs: list[Experiment]) -> None:

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from designs.planar_6dof import allocation, lqg
-from designs.planar_6dof import loops as shared
 from designs.planar_6dof.allocation import AXES, HORIZONTAL, VERTICAL
 from designs.planar_6dof.loops import OpenLoop
 from designs.planar_6dof.lqg import TIME
 from designs.planar_6dof_lqg import loops
 from models import planar_stage
 from synth.errors import ModelError
+from synth.report import multivariable
 from tests.designs.planar_6dof import analytic
 
 PLANT = planar_stage.plant()
@@ -80,7 +80,8 @@ def test_the_whole_horizontal_loop() -> None:
         assert least == sorted(least) and all(d[cut].certified for d in disks.values())
     assert disks[loops.SHIPPED]["positions"].lower == pytest.approx(0.592, abs=2e-3)
     assert disks[loops.SHIPPED]["both"].lower == pytest.approx(0.290, abs=2e-3)
-    peak = {label: shared.singular(each.currents, np.geomspace(10, 2000, 100)).S.max() for label, each in whole.items()}
+    frequency = np.geomspace(10, 2000, 100)
+    peak = {label: multivariable.singular(each.currents, frequency).S.max() for label, each in whole.items()}
     assert peak[loops.PRINTED] > 2 * peak[loops.SHIPPED]
 
 

@@ -5,7 +5,6 @@ import pytest
 from designs.planar_6dof import experiments, lqg
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof import loops as shared
-from designs.planar_6dof.allocation import AXES
 from designs.planar_6dof_lqg import page
 from models import planar_stage
 from synth.verify.evidence import Evidence
@@ -15,9 +14,8 @@ from tests.designs.planar_6dof import short_runs
 def test_it_shows_the_whole_loop_and_what_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     loop = loops.of(lqg.controller(planar_stage.plant()))
     short_runs.coarse(monkeypatch)
-    monkeypatch.setattr(page, "AXES", ("x", "psi"))
     found = shared.parts(planar_stage.plant(), lqg.controller(planar_stage.plant()))
-    monkeypatch.setattr(page.loops, "all_loops", lambda _: shared.of_parts(found, AXES, "as shipped"))
+    monkeypatch.setattr(page.loops, "all_loops", lambda _: shared.of_parts(found, ("x", "psi"), "as shipped"))
     monkeypatch.setattr(page.loops, "horizontals", lambda _: {"as shipped": shared.horizontal(found)})
     step = experiments.step_experiment(loop, experiments.step(loop, "x", 50e-6, 1.5), "step_x", "x by 50 um", None)
     html = page.report({}, Evidence(lqg.NAME, (), ()), [step], [], None)

@@ -1,0 +1,95 @@
+"""Formulas of an audit: values as expressions of parameters, printed numbers, functions and the values above them.
+
+    turns / Y-1.turn_density          a parameter over what row Y-1 prints as turn_density
+    sqrt(K_theta / Kz)                the functions of FUNCTIONS, and those that the audit adds
+
+An expression is one of Python's without comprehensions. What a value follows from is read off its names, so that it is
+declared nowhere else.
+"""
+
+import ast
+import math
+import re
+from collections import ChainMap
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from types import CodeType
+from typing import Any
+
+from synth.errors import DesignError
+
+
+def near(value: float, relative: float, *others: float) -> bool:
+    """Return whether a value is within a part of each of some others."""
+    return all(abs(value / other - 1) < relative for other in others)
+
+
+FUNCTIONS: Mapping[str, Any] = {
+    **{f.__name__: f for f in (abs, all, any, dict, len, max, min, near, round)},
+    **{name: getattr(math, name) for name in ("cos", "degrees", "exp", "floor", "log", "log10", "pi", "sin", "sqrt")},
+}
+_PRINTED = re.compile(r"\b([A-Z]+-\w+\.\w+)")
+
+
+@dataclass(frozen=True)
+class Formula:
+    """An expression; with a name to show, `what`, and a unit it is a figure."""
+
+    text: str
+    unit: str = ""
+    what: str = ""
+
+    @cached_property
+    def code(self) -> CodeType:
+        """The compiled expression, in which F-1.mass is printed["F-1.mass"].
+
+        Raises DesignError where it is none.
+        """
+        try:
+            return compile(_PRINTED.sub(r'printed["\1"]', self.text), self.text, "eval")
+        except SyntaxError as cause:
+            raise DesignError(f"the formula '{self.text}' is no expression: {cause.msg}; mend it") from cause
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Parameters, functions, other values and printed numbers, such as F-1.mass, that stand in it."""
+        tree = ast.parse(_PRINTED.sub("printed", self.text), mode="eval")
+        return frozenset(_PRINTED.findall(self.text)) | {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)}
+
+    def value(self, names: Mapping[str, Any], printed: Mapping[str, Any]) -> Any:
+        """Return the value for names and printed numbers by "F-1.mass".
+
+        Raises DesignError for a name that is not known or not printed, and as `code`.
+        """
+        if absent := [source for source in _PRINTED.findall(self.text) if source not in printed]:
+            raise DesignError(
+                f"the formula '{self.text}' names {absent[0]}, which is not printed: use one of {', '.join(printed)}"
+            )
+        known = ChainMap({"printed": printed}, dict(names), dict(FUNCTIONS))
+        try:
+            return eval(self.code, {"__builtins__": {}}, known)
+        except NameError as cause:
+            raise DesignError(
+                f"the formula '{self.text}' names '{cause.name}', which is neither a value above it nor a parameter: "
+                f"use one of {', '.join(known)}"
+            ) from cause
+
+
+def evaluate(formulas: Mapping[str, Formula], names: Mapping[str, Any], printed: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values of formulas by name, each of which may use those above it.
+
+    Raises DesignError as `Formula.value`.
+    """
+    values: dict[str, Any] = {}
+    for name, formula in formulas.items():
+        values[name] = formula.value(ChainMap(values, dict(names)), printed)
+    return values
+
+
+def sources(formulas: Mapping[str, Formula]) -> frozenset[str]:
+    """Return the names that the figures among some formulas follow from, directly or by the values above them."""
+    reached: dict[str, frozenset[str]] = {}
+    for name, formula in formulas.items():
+        reached[name] = frozenset().union(*(reached.get(n, {n}) for n in formula.names))
+    return frozenset().union(*(reached[name] for name, formula in formulas.items() if formula.what))

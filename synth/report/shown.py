@@ -1,0 +1,89 @@
+"""How experiments are shown: units, prefixes, the part of a run that is drawn, and figures of many channels."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from synth.fault import LATCH_BIT
+from synth.report import figures, page
+from synth.report.audit import Row
+from synth.report.notation import readable
+from synth.simulate.experiment import Experiment
+
+HEADROOM = "largest |state| / bound"  # how the figure and the check of `simulate.headroom` begin
+Beside = Mapping[str, Sequence[tuple[str, str]]]  # by experiment: rows of the audit, and the source's figures
+FINE = {unit: shown for unit, (shown, _) in figures.FINE.items()}
+
+
+@dataclass(frozen=True)
+class Shown:
+    """How experiments are shown: units of signals by name, levels across their errors, and further figures.
+
+    `beside` says by name of the experiment what the source's figure shows, `drawn` adds blocks to its section. Runs
+    longer than `longest` s are drawn over `window`; one that latches, from `before` the latch to `after` it in s where
+    `latch` is given. A signal in m or rad that stays below `fine` is shown in um or urad. Figures that are measured for
+    each of `channels`, "noise, V_ax", make a table with a row a channel.
+    """
+
+    units: Mapping[str, str]
+    levels: Mapping[str, float] = field(default_factory=dict)
+    beside: Mapping[str, str] = field(default_factory=dict)
+    drawn: Mapping[str, Sequence[page.Block]] = field(default_factory=dict)
+    longest: float = math.inf
+    window: figures.Window = (0.0, 5.0)
+    latch: tuple[float, float] | None = None
+    fine: float = 0.0
+    channels: Sequence[str] = ()
+
+
+def beside(figures: Beside, rows: Sequence[Row]) -> dict[str, str]:
+    """Return what rows of the audit print, by experiment; a row that is not among them is left out."""
+    printed = {row.id: row.published.text for row in rows}
+    return {
+        name: ". ".join(f"{figure}: {printed[row]}" for row, figure in of if row in printed)
+        for name, of in figures.items()
+    }
+
+
+def window(run: Experiment, shown: Shown) -> figures.Window | None:
+    """Return the times in s between which a run is drawn, None for all of it."""
+    time, faults = run.trajectory.time, np.asarray(run.trajectory.faults)
+    latched = np.flatnonzero(faults >> LATCH_BIT & 1)
+    if shown.latch and latched.size:
+        at, (before, after) = float(time[latched[0]]), shown.latch
+        return max(at - before, float(time[0])), min(at + after, float(time[-1]))
+    return shown.window if len(time) and float(time[-1]) > shown.longest else None
+
+
+def in_fine_units(run: Experiment, shown: Shown) -> tuple[Experiment, Shown]:
+    """Return a run whose small signals are in um and urad, and how it is then shown."""
+    units, levels = dict(shown.units), dict(shown.levels)
+    states, references = dict(run.trajectory.states), dict(run.references)
+    for name in run.shown:
+        values = np.asarray(run.trajectory[name], dtype=np.float64)
+        if units.get(name) in FINE and float(np.nanmax(np.abs(values), initial=0.0)) < shown.fine:
+            units[name], states[name] = FINE[units[name]], 1e6 * values
+            references |= {name: 1e6 * references[name]} if name in references else {}
+            levels |= {name: 1e6 * levels[name]} if name in levels else {}
+    scaled = replace(run, trajectory=replace(run.trajectory, states=states), references=references)
+    return scaled, replace(shown, units=units, levels=levels)
+
+
+def by_channel(measured: Mapping[str, float], channels: Sequence[str]) -> tuple[page.Table, ...]:
+    """Return figures as one table, a row a channel, none unless each but that of states is measured for a channel."""
+    measured = {name: value for name, value in measured.items() if not name.startswith(HEADROOM)}
+    of = {name: next((c for c in channels if c in name), "") for name in measured}
+    if not measured or not all(of.values()):
+        return ()
+    what = {name: readable(name.replace(f", {c}", "").replace(c, "it")) for name, c in of.items()}
+    columns, rows = tuple(dict.fromkeys(what.values())), dict.fromkeys(of.values())
+    values = {(of[name], what[name]): value for name, value in measured.items()}
+    cells: list[tuple[page.Cell, ...]] = [(c, *(values.get((c, n), math.nan) for n in columns)) for c in rows]
+    return (page.Table("Measured, by channel", ("channel", *columns), tuple(cells)),)
+
+
+def with_units(measured: Mapping[str, float], units: Mapping[str, str]) -> dict[str, float]:
+    """Return figures whose names all end with a unit: one that ends with a signal's name gets 1."""
+    return {f"{n}, 1" if n.rsplit(", ", 1)[-1] in units else n: value for n, value in measured.items()}
