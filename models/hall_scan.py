@@ -96,11 +96,8 @@ def scanned(array: HallArray, waves: Sequence[Wave], at: Mapping[str, Array], se
 
     Channels are V_ax, V_ay, V_bx, .. for the axes u and v of each sensor, V.
     """
-    q = ca.SX.sym("q", 6)
-    volts = ca.Function("volts", [q], [hall_array.voltages(array, waves, hall_array.spatial_pose(q))])
-    N = len(at["X"])
-    poses = np.vstack([at["X"], at["Y"], at["Z"], np.zeros((3, N))])
-    true: Array = volts.map(N)(poses).full()
+    poses = np.column_stack([at["X"], at["Y"], at["Z"], np.zeros((len(at["X"]), 3))])
+    true = hall_array.spatial(array, waves).read(poses).T
     read = true + array.chain.noise * np.random.default_rng(seed).standard_normal(true.shape)
     names = [f"V_{chr(ord('a') + k)}{axis}" for k in range(len(array.sensors)) for axis in "xy"]
     return Log({name: at[name] for name in ("X", "Y", "Z")} | dict(zip(names, read, strict=True)))

@@ -1,5 +1,6 @@
 """Redundant sensors and six degrees of freedom in the report, which the paper leaves as future work."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from designs.hall_position.pages import drawings
 from designs.hall_position.paper import errors
 from designs.hall_position.paper.stage import Stage
 from models import hall_array
+from synth.analyse.observability.information import Accuracy
 from synth.report import maps as pictures
 from synth.report import page
 from synth.report.maps import Map, figure
@@ -18,7 +20,7 @@ from synth.report.prose import Value
 
 POINTS = 48  # of maps, along a pitch
 ENOUGH = 4  # sensors
-LEVEL = maps.CONDITIONS["level at the height"]
+LEVEL = maps.CONDITIONS[maps.LEVEL]
 COLUMNS = ("", "X, µm", "Y, µm", "Z, µm", "roll, µrad", "pitch, µrad", "yaw, µrad")
 
 
@@ -75,10 +77,10 @@ def _layout(of: Array, sensors: int) -> page.Section:
     return page.Section(f"{sensors} sensors", (*drawn, *tables, _misfit(of)))
 
 
-def _table(of: maps.Map, what: str) -> page.Table:
+def _table(of: Mapping[str, Accuracy], what: str) -> page.Table:
     rows = tuple(
-        (name.replace("-", "−").replace(" deg", "°"), *(1e6 * worst).tolist(), float(condition))
-        for name, worst, condition in zip(of.names, of.worst, of.condition, strict=True)
+        (name.replace("-", "−").replace(" deg", "°"), *(1e6 * each.deviations.max(axis=0)), each.condition.max())
+        for name, each in of.items()
     )
     return page.Table(f"Largest standard deviations over the pitch {what}", (*COLUMNS, "condition"), rows)
 
