@@ -4,7 +4,7 @@ What is found counts as wrong where it is valid and X, Y or the yaw is off by mo
 position is compared within the pitch, which is all that a search tells.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from math import pi
@@ -46,12 +46,21 @@ class Kind:
 
 @dataclass(frozen=True, eq=False)
 class Judged:
-    """By body: whether the estimate is valid, how far off in m within the pitch, and whether it is `wrong`."""
+    """Whether estimates are valid (.., N), how far off within the pitch, m, and by their own deviations (.., 3, N)."""
 
     valid: NDArray[np.bool_]
     off: Numbers
     deviations: Numbers
-    wrong: NDArray[np.bool_]
+
+    @property
+    def right(self) -> NDArray[np.bool_]:
+        """Whether estimates are the truth, valid or not."""
+        return np.asarray(self.deviations.max(axis=-2) <= WRONG)
+
+    @property
+    def wrong(self) -> NDArray[np.bool_]:
+        """Whether estimates are valid elsewhere."""
+        return self.valid & ~self.right
 
 
 @cache
@@ -110,12 +119,6 @@ def wrapped(angle: Numbers) -> Numbers:
     return (angle + pi) % FULL - pi
 
 
-def voltages(kind: Kind, pose: Pose, rng: np.random.Generator) -> Numbers:
-    """Return what the sensors of bodies (N,) read, with noise, (N, sensors, 2), V."""
-    read = motions.volts(kind.array, pose)
-    return read + kind.array.deviation * rng.standard_normal(read.shape)
-
-
 def stepped(kind: Kind, state: host.Records, volts: Numbers) -> host.Batch:
     """Advance bodies (N,) by a sample on voltages (N, sensors, 2)."""
     return compiled(kind).batch(state, motions.named(volts))
@@ -123,11 +126,11 @@ def stepped(kind: Kind, state: host.Records, volts: Numbers) -> host.Batch:
 
 def judged(kind: Kind, found: Mapping[str, Numbers], pose: Pose) -> Judged:
     """Judge outputs (N,) by where the bodies are."""
-    pitch, valid = kind.array.pitch, found["valid"] > 0
+    pitch = kind.array.pitch
     along = [(found[a] - getattr(pose, a) + pitch / 2) % pitch - pitch / 2 for a in "XY"]
     errors = np.array([*along, wrapped(found["yaw"] - pose.yaw)])
-    share = np.abs(errors) / np.array([found[f"deviation_{a}"] for a in ("X", "Y", "yaw")])
-    return Judged(valid, np.hypot(*along), share, valid & (share.max(axis=0) > WRONG))
+    stated = np.array([found[f"deviation_{a}"] for a in ("X", "Y", "yaw")])
+    return Judged(found["valid"] > 0, np.hypot(*along), np.abs(errors) / stated)
 
 
 def followed(
@@ -138,10 +141,18 @@ def followed(
     rng: np.random.Generator,
     spoilt: Callable[[int, Numbers], Numbers] = lambda k, volts: volts,
 ) -> Iterator[tuple[host.Batch, Judged]]:
-    """Yield what each sample makes of bodies that are at known poses, on noisy voltages that are `spoilt` then."""
+    """Yield what each sample makes of bodies that are at known poses, on noisy voltages that are `spoilt` then.
+
+    Raises ModelError for a number of samples that is none.
+    """
 
     def step(now: host.Records, k: int) -> host.Batch:
-        return stepped(kind, now, spoilt(k, voltages(kind, at(k), rng)))
+        return stepped(kind, now, spoilt(k, motions.noisy(kind.array, at(k), rng)))
 
-    for k, batch in enumerate(ensemble.followed(step, state, samples)):
+    for k, batch in enumerate(ensemble.followed(step, state, numeric.whole("the number of samples", samples))):
         yield batch, judged(kind, batch.outputs, at(k))
+
+
+def stacked(seen: Sequence[Judged]) -> Judged:
+    """Return samples of bodies as one, (K, N)."""
+    return Judged(*(np.array([getattr(each, name) for each in seen]) for name in ("valid", "off", "deviations")))
