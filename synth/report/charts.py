@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
@@ -57,7 +56,7 @@ def draw(charts: Sequence[Chart], height: float, widths: Sequence[float] | None 
     return drawn
 
 
-def _draw(axes: Axes, chart: Chart) -> None:
+def _draw(axes: Any, chart: Chart) -> None:
     for k, line in enumerate(chart.lines):
         style = {"color": COLOURS[k % len(COLOURS)], "lw": 0.9, **line.style}
         axes.plot(np.asarray(line.x), np.asarray(line.y), label=line.label or None, **style)
@@ -73,4 +72,4 @@ def _draw(axes: Axes, chart: Chart) -> None:
     if chart.legend == "above":
         maps.above(axes)
     elif chart.legend and chart.legend != "figure":
-        axes.legend(**{"loc": chart.legend})
+        axes.legend(loc=chart.legend)
