@@ -132,7 +132,7 @@ def zigzags(both: Mapping[str, Loop]) -> list[Experiment]:
     time, x, y = zigzag()
     window = time > LEAD + 0.2
     runs = {name: loop.run(float(time[-1]) + TIME.period_s, {"x": x, "y": y}, {}) for name, loop in both.items()}
-    late = stage_loop.lag(both["plain"].bench.chain, 2 * WIDE / LEG)
+    late = 2 * WIDE / LEG / (2 * np.pi * both["plain"].bench.chain.corner)  # m, by the filters
     found, rms = [], {name: _astray(run, window)["x and y, um rms"] for name, run in runs.items()}
     for name, run in runs.items():
         figures = _astray(run, window) | {"of this the filters' lag, um": 1e6 * late, "Fig. 10(c): at most, mm": 1.4}
