@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from designs.hall_position.accuracy import fisher, six_field
 from designs.hall_position.glsdc import parameters, six_parameters
 from designs.hall_position.glsdc.parameters import Pair
+from models import hall_array
 from synth import numeric
 from synth.analyse.observability import information
 from synth.errors import ModelError
@@ -88,12 +89,6 @@ def level(array: six_parameters.Array, q: Numbers) -> Numbers:
     return readonly(np.column_stack([q[0], q[1], none + array.height, none, none, q[2]]))
 
 
-def sizes(unknowns: int, lever: float) -> Numbers:
-    """Return what a unit of each unknown moves, m: 1 for places, the lever for angles; raise ModelError for none."""
-    lever = numeric.positive("the lever", lever)
-    return np.array([1.0, 1.0, lever] if unknowns == len("XY") + 1 else [1.0, 1.0, 1.0, lever, lever, lever])
-
-
 def jacobians(array: Array, q: Numbers) -> Numbers:
     """Return the Jacobians (N, 2 sensors, 3 or 6) in V/m and V/rad at q (3, N), rows sensor by sensor."""
     if isinstance(array, six_parameters.Array):
@@ -106,7 +101,7 @@ def jacobians(array: Array, q: Numbers) -> Numbers:
 def cost(array: Array, q: Numbers, lever: float = LEVER, spare: bool = False) -> float:
     """Return the largest deviation over q (3, N), m, angles at the lever; with `spare` after any sensor's loss."""
     H = jacobians(array, q)
-    return information.largest_deviation(H, array.deviation, sizes(H.shape[2], lever), 2 if spare else 0)
+    return information.largest_deviation(H, array.deviation, hall_array.sizes(H.shape[2], lever), 2 if spare else 0)
 
 
 def signs(array: six_parameters.Array, yaw: float = 0.0, points: int = 100) -> Signs:
@@ -116,6 +111,6 @@ def signs(array: six_parameters.Array, yaw: float = 0.0, points: int = 100) -> S
     """
     if len(array.positions) != 3:
         raise ModelError(f"{len(array.positions)} sensors have no determinant: give three")
-    D = np.linalg.det(jacobians(array, poses(array.pitch, points, yaw)) / sizes(6, array.pitch))
+    D = np.linalg.det(jacobians(array, poses(array.pitch, points, yaw)) / hall_array.sizes(6, array.pitch))
     mean = np.abs(D).mean()
     return Signs(float(D.min() / mean), float(D.max() / mean))

@@ -9,7 +9,7 @@ Deviations are proportional to sigma: those here are of the array's own, 1 mV un
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import radians, sqrt
+from math import radians
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,7 +20,6 @@ from designs.hall_position.glsdc.six_parameters import Array
 from models import hall_array
 from models.concentrated_field import Wave
 from models.hall_array import HallArray
-from synth import numeric
 from synth.analyse.observability import information
 from synth.analyse.observability.information import Accuracy
 from synth.errors import ModelError
@@ -42,30 +41,9 @@ CONDITIONS: dict[str, Condition] = {
 }
 
 
-def of_sensors(
-    array: HallArray, waves: Sequence[Wave], poses: ArrayLike, lever: float, height: float = hall_array.HEIGHT
-) -> Accuracy:
-    """Return what sensors tell at poses (N, 3) of X, Y, yaw at a height in m, or (N, 6) of all, in m and rad.
-
-    Raises ModelError for poses that are none, a lever that is not above 0, or a single sensor.
-    """
-    if len(array.sensors) < 2:
-        raise ModelError("one sensor has two voltages for three coordinates: add another one")
-    at = numeric.table("the poses", poses, np.shape(poses)[-1] if np.shape(poses)[-1:] in ((3,), (6,)) else 6)
-    predicted = hall_array.planar(array, waves, height) if at.shape[1] == 3 else hall_array.spatial(array, waves)
-    H = information.jacobians(predicted.measurement(), at)
-    return information.accuracy(H, array.chain.noise, layouts.sizes(at.shape[1], lever))
-
-
-def spread(array: HallArray) -> float:
-    """Return the sensors' root mean square distance in the plane from their mean, m: a lever of the yaw."""
-    places = np.array([s.position[:2] for s in array.sensors])
-    return sqrt(((places - places.mean(axis=0)) ** 2).sum(axis=1).mean())
-
-
 def spatial(array: Array, poses: ArrayLike, lever: float = LEVER) -> Accuracy:
     """Return what an array tells at poses (N, 6) in m and rad; raise ModelError as `of_sensors`."""
-    return information.accuracy(six_field.rows(array, poses), array.deviation, layouts.sizes(6, lever))
+    return information.accuracy(six_field.rows(array, poses), array.deviation, hall_array.sizes(6, lever))
 
 
 def cell(array: Array, condition: Condition, points: int = POINTS) -> Numbers:
@@ -104,4 +82,4 @@ def misfit(array: Array, sensors: HallArray, waves: Sequence[Wave], poses: Array
             f"{len(sensors.sensors)} sensors meet {len(array.positions)} of the model: give as many of each"
         )
     true, known = hall_array.spatial(sensors, waves), hall_array.spatial(*six_field.model(array))
-    return information.bias(six_field.rows(array, at), true.read(at) - known.read(at), layouts.sizes(6, LEVER))
+    return information.bias(six_field.rows(array, at), true.read(at) - known.read(at), hall_array.sizes(6, LEVER))

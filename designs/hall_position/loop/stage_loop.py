@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from designs.hall_position.loop import calibration, closed_loop
-from designs.hall_position.loop.calibration import Bench
 from designs.hall_position.loop.closed_loop import Source
 from designs.planar_6dof import interface, lqg
 from designs.planar_6dof import loop as planar
-from models import built_matrix, hall_calibration, hall_chain, planar_stage
+from models import built_matrix, hall_bench, hall_calibration, hall_chain, planar_stage
+from models.hall_bench import Bench
 from synth.block import Block, unranged
 from synth.blocks import safety
 from synth.compose import compose
@@ -73,7 +73,7 @@ class Loop:
     def _filtered(self, start: Mapping[str, float]) -> dict[str, float]:
         """Return what the filters hold when the platen has been at rest, V."""
         pose = np.array([[start.get(axis, 0.0) for axis in closed_loop.HORIZONTAL]])
-        volts = self.matched * calibration.settled(self.bench, pose)[0]
+        volts = self.matched * hall_bench.settled(self.bench, pose)[0]
         return {f"filtered_{n}": float(v) for n, v in zip(planar_stage.HALL, volts, strict=True)}
 
     def _noise(self, n: int) -> dict[str, Array]:
@@ -85,7 +85,7 @@ class Loop:
 
 def of_source(source: Source, bench: Bench | None = None, libm: bool = False) -> Loop:
     """Return the loop that a source closes; with `libm` the C takes its sines from the library, which emits sooner."""
-    bench = bench or Bench(places=source.array.positions)
+    bench = bench or Bench(source.array.positions)
     plant = planar_stage.plant()
     block = closed_loop.controller(lqg.NAME, plant, TIME, lqg.law(plant), source)
     return _loop(bench, block, view(source), 1.0, closed_loop.SURROGATE_ERROR[np.float32], libm)
@@ -94,7 +94,7 @@ def of_source(source: Source, bench: Bench | None = None, libm: bool = False) ->
 def of_sections(bench: Bench | None = None, libm: bool = False) -> Loop:
     """Return the loop that the sections of the stage's own sensors close."""
     plant = planar_stage.plant()
-    bench = bench or Bench(places=closed_loop.stage_places(plant))
+    bench = bench or Bench(closed_loop.stage_places(plant))
     amplitude = calibration.array(bench, calibration.fits(bench)).alpha
     matched = hall_calibration.of(plant).amplitude / amplitude
     shown = planar.view(TIME, predicted=False)

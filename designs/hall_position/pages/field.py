@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 
-import casadi as ca
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -11,7 +10,6 @@ from designs.hall_position.paper import field as audited
 from designs.hall_position.paper.stage import Stage
 from models import concentrated_field, hall_array, hall_figures, hall_scan
 from models.concentrated_field import CROSS, PARAMETERS, on_axes
-from models.hall_figures import Surface
 from models.hall_scan import Decay, Fit
 from synth.report import charts, maps
 from synth.report.captions import Made, Rows
@@ -33,12 +31,14 @@ def blocks(stage: Stage) -> dict[str, Made]:
     """Return the matrix' field with Figs. 3, 4, 5 and 8, and the dependence on the air gap."""
     fit, (fits, decays) = audited.fitted(stage), over_gap(stage)
     left = 1e3 * np.abs(fit.residual)
+    waves = stage.waves(concentrated_field.up_to(5) + on_axes((7, 9)))
+    surfaces = [hall_figures.surface(POINTS, stage.height, of) for of in ((), waves)]
     above = [(f"{1e3 * z:g} mm above", hall_figures.coefficients(z=z)) for z in (0.0, stage.height)]
     return {
         "field.parameters": _parameters(stage),
         "field.amplitudes": _amplitudes(stage),
         "field.coefficients": drawings.coefficients(above),
-        "field.surface": drawings.field(hall_figures.surface(POINTS, stage.height), surface(stage)),
+        "field.surface": drawings.field(*surfaces),
         "field.spacing": _spacing(stage),
         "fit.largest_mV": float(left.max()),
         "fit.rms_mV": float(np.sqrt(np.mean(left**2))),
@@ -49,16 +49,6 @@ def blocks(stage: Stage) -> dict[str, Made]:
         "gap.coefficients": [_coefficients(z, fit) for z, fit in fits.items()],
         "gap.decays": [_decay(each) for each in decays],
     }
-
-
-def surface(stage: Stage) -> Surface:
-    """Return B_X above the blocks that were made on a grid over a pitch."""
-    X, Y, z = (ca.SX.sym(name) for name in "XYz")
-    B = concentrated_field.field(stage.waves(concentrated_field.up_to(5) + on_axes((7, 9))), X, Y, z)
-    side = np.linspace(0.0, stage.pitch, POINTS)
-    at = (each.reshape(1, -1) for each in np.meshgrid(side, side, indexing="ij"))
-    flux = ca.Function("B_X", [X, Y, z], [B.x]).map(POINTS**2)(*at, stage.height).full()
-    return Surface(side, side, flux.reshape(POINTS, POINTS))
 
 
 def over_gap(stage: Stage) -> tuple[Mapping[float, Fit], list[Decay]]:

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy import interpolate
 
-from designs.hall_position.loop import calibration, error_map
+from designs.hall_position.loop import calibration, closed_loop, error_map
 from designs.hall_position.loop.error_map import COORDINATES, ErrorMap, Samples
+from models.hall_bench import Bench
 from synth.block import unranged
 from synth.blocks import lookup_table
 from synth.blocks.lookup_table import Grid
@@ -81,7 +82,7 @@ def test_beyond_the_table_its_edge_counts() -> None:
 
 
 def test_calibration_makes_the_errors_smaller_on_lines_that_it_has_not_seen() -> None:
-    source, bench = calibration.calibrated(), calibration.Bench()
+    source, bench = calibration.calibrated(), Bench(closed_loop.PLACES)
     other = calibration.samples(bench, replace(source, map=None), 0.0265, 1.7e-3, seed=77)
     assert source.map is not None
     before, peak_before = errors(other)
@@ -95,7 +96,7 @@ def test_calibration_makes_the_errors_smaller_on_lines_that_it_has_not_seen() ->
 
 
 def test_the_model_of_the_field_is_that_of_the_paper() -> None:
-    bench = calibration.Bench()
+    bench = Bench(closed_loop.PLACES)
     fits = calibration.fits(bench)
     found = calibration.array(bench, fits)
     assert found.alpha == pytest.approx(3.1502, rel=0.02) and found.beta == pytest.approx(-0.1803, rel=0.05)
@@ -137,18 +138,3 @@ def test_samples_of_unlike_numbers_are_refused() -> None:
 def test_values_that_do_not_fit_their_grid_are_refused(shape: tuple[int, ...]) -> None:
     with pytest.raises(ModelError, match=r"give finite ones for its points, .3, 9, 6."):
         ErrorMap(GRID, np.zeros(shape))
-
-
-def test_a_bench_and_what_it_reads_are_checked() -> None:
-    with pytest.raises(ModelError, match="number of places is 1"):
-        calibration.Bench(places=((0.0, 0.0),))
-    with pytest.raises(ModelError, match=r"number of places is 9: .* at most 8"):
-        calibration.Bench(places=tuple((1e-3 * k, 0.0) for k in range(9)))
-    with pytest.raises(ModelError, match="positions are"):
-        calibration.Bench(places=[0.0, 1.0])  # type: ignore[arg-type]
-    bench = calibration.Bench()
-    for poses in (np.zeros(3), np.zeros((2, 2)), np.full((2, 3), np.nan)):
-        with pytest.raises(ModelError, match="poses of X, Y and yaw have the shape"):
-            calibration.read(bench, poses, 1)
-    with pytest.raises(ModelError, match="the true field is known to 78 mm"):
-        calibration.settled(bench, np.array([[0.1, 0.0, 0.0]]))
