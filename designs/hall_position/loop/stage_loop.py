@@ -60,7 +60,7 @@ class Loop:
         The raw position that the controller sees is added to the outputs, as x_raw, y_raw and phi_raw.
         """
         rig = replace(planar.of(self.block, self.controller), plant=self.plant)
-        shown = {"encoders": {}, "noise": {}}
+        shown: dict[str, Any] = {"encoders": {}, "noise": {}}
         if self.noisy:
             step = dict.fromkeys(planar_stage.HALL, Encoder(self.bench.chain.step))
             noise = self._noise(len(sample_times(duration_s, TIME.period_s)))
