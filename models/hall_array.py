@@ -21,18 +21,15 @@ Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", secti
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from math import cos, factorial, isfinite, sin, sqrt
+from math import cos, factorial, isfinite, sin
 
 import casadi as ca
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from models import concentrated_field
 from models.concentrated_field import Wave
 from models.hall_chain import Chain
-from synth import numeric
-from synth.analyse.observability import information
-from synth.analyse.observability.information import Accuracy
 from synth.errors import ModelError
 from synth.statespace import readonly
 
@@ -179,35 +176,6 @@ def along(spacing: float, waves: Sequence[Wave], height: ca.SX | float = HEIGHT)
     pair = sensors([(0.0, 0.0), (spacing, 0.0)])
     both = voltages(pair, waves, planar_pose(ca.vertcat(X, 0, 0), height))
     return _prediction(X, ca.vertcat(both[0], both[2]))
-
-
-def accuracy(
-    array: HallArray, waves: Sequence[Wave], poses: ArrayLike, lever: float, height: float = HEIGHT
-) -> Accuracy:
-    """Return what sensors tell at poses (N, 3) of X, Y, yaw at a height in m, or (N, 6) of all, in m and rad.
-
-    Cramér-Rao deviations and condition numbers, a turn counting as a displacement by the lever in m.
-
-    Raises ModelError for poses that are none, a lever that is not above 0, or a single sensor.
-    """
-    if len(array.sensors) < 2:
-        raise ModelError("one sensor has two voltages for three coordinates: add another one")
-    at = numeric.table("the poses", poses, np.shape(poses)[-1] if np.shape(poses)[-1:] in ((3,), (6,)) else 6)
-    predicted = planar(array, waves, height) if at.shape[1] == 3 else spatial(array, waves)
-    H = information.jacobians(predicted.measurement(), at)
-    return information.accuracy(H, array.chain.noise, sizes(at.shape[1], lever))
-
-
-def sizes(unknowns: int, lever: float) -> Array:
-    """Return what a unit of each unknown moves, m: 1 for places, the lever for angles; raise ModelError for none."""
-    lever = numeric.positive("the lever", lever)
-    return np.array([1.0, 1.0, lever] if unknowns == len(PLANAR) else [1.0, 1.0, 1.0, lever, lever, lever])
-
-
-def spread(array: HallArray) -> float:
-    """Return the sensors' root mean square distance in the plane from their mean, m: a lever of the yaw."""
-    places = np.array([s.position[:2] for s in array.sensors])
-    return sqrt(((places - places.mean(axis=0)) ** 2).sum(axis=1).mean())
 
 
 def _prediction(q: ca.SX, volts: ca.SX) -> Prediction:

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from designs.hall_position.accuracy import fisher, six_field
 from designs.hall_position.glsdc import parameters, six_parameters
 from designs.hall_position.glsdc.parameters import Pair
-from models import hall_array
+from models import hall_accuracy
 from synth import numeric
 from synth.analyse.observability import information
 from synth.errors import ModelError
@@ -101,7 +101,7 @@ def jacobians(array: Array, q: Numbers) -> Numbers:
 def cost(array: Array, q: Numbers, lever: float = LEVER, spare: bool = False) -> float:
     """Return the largest deviation over q (3, N), m, angles at the lever; with `spare` after any sensor's loss."""
     H = jacobians(array, q)
-    return information.largest_deviation(H, array.deviation, hall_array.sizes(H.shape[2], lever), 2 if spare else 0)
+    return information.largest_deviation(H, array.deviation, hall_accuracy.sizes(H.shape[2], lever), 2 if spare else 0)
 
 
 def signs(array: six_parameters.Array, yaw: float = 0.0, points: int = 100) -> Signs:
@@ -111,6 +111,6 @@ def signs(array: six_parameters.Array, yaw: float = 0.0, points: int = 100) -> S
     """
     if len(array.positions) != 3:
         raise ModelError(f"{len(array.positions)} sensors have no determinant: give three")
-    D = np.linalg.det(jacobians(array, poses(array.pitch, points, yaw)) / hall_array.sizes(6, array.pitch))
+    D = np.linalg.det(jacobians(array, poses(array.pitch, points, yaw)) / hall_accuracy.sizes(6, array.pitch))
     mean = np.abs(D).mean()
     return Signs(float(D.min() / mean), float(D.max() / mean))

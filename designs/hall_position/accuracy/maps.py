@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from designs.hall_position.accuracy import layouts, six_field
 from designs.hall_position.accuracy.layouts import LEVER, Numbers
 from designs.hall_position.glsdc.six_parameters import Array
-from models import hall_array
+from models import hall_accuracy, hall_array
 from models.concentrated_field import Wave
 from models.hall_array import HallArray
 from synth.analyse.observability import information
@@ -43,7 +43,7 @@ CONDITIONS: dict[str, Condition] = {
 
 def spatial(array: Array, poses: ArrayLike, lever: float = LEVER) -> Accuracy:
     """Return what an array tells at poses (N, 6) in m and rad; raise ModelError as `of_sensors`."""
-    return information.accuracy(six_field.rows(array, poses), array.deviation, hall_array.sizes(6, lever))
+    return information.accuracy(six_field.rows(array, poses), array.deviation, hall_accuracy.sizes(6, lever))
 
 
 def cell(array: Array, condition: Condition, points: int = POINTS) -> Numbers:
@@ -82,4 +82,4 @@ def misfit(array: Array, sensors: HallArray, waves: Sequence[Wave], poses: Array
             f"{len(sensors.sensors)} sensors meet {len(array.positions)} of the model: give as many of each"
         )
     true, known = hall_array.spatial(sensors, waves), hall_array.spatial(*six_field.model(array))
-    return information.bias(six_field.rows(array, at), true.read(at) - known.read(at), hall_array.sizes(6, LEVER))
+    return information.bias(six_field.rows(array, at), true.read(at) - known.read(at), hall_accuracy.sizes(6, LEVER))

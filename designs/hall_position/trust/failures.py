@@ -27,6 +27,7 @@ from designs.hall_position.trust.motions import Numbers, Pose
 from synth import numeric
 from synth.errors import ModelError
 from synth.execute import host
+from synth.simulate import ensemble
 from synth.statespace import readonly
 
 SOON = 5  # samples within which a residual out of its bound is to be flagged
@@ -78,7 +79,7 @@ class _Seen:
 
     out: NDArray[np.bool_]
     flagged: NDArray[np.bool_]
-    judged: fleet.Judged
+    judged: ensemble.Scores
     state: Numbers
 
 
@@ -130,7 +131,7 @@ def _run(kind: Kind, failure: str, sensor: int, at: Callable[[float], Pose], rng
     samples = fleet.followed(kind, state, lambda k: at(k * T), BEFORE + AFTER, rng, spoilt)
     batches, judged = zip(*list(samples)[BEFORE:], strict=True)
     out = np.array([batch.outputs["residual"] > kind.tuning.residual for batch in batches])
-    return _Seen(out, np.array([*map(_flagged, batches)]), fleet.stacked(judged), batches[-1].states)
+    return _Seen(out, np.array([*map(_flagged, batches)]), ensemble.stacked(judged), batches[-1].states)
 
 
 def _flagged(batch: host.Batch) -> NDArray[np.bool_]:

@@ -1,16 +1,14 @@
 """Many bodies at once through the compiled C of the guarded estimator, on voltages by model (2) with noise.
 
-What is found counts as wrong where it is valid and X, Y or the yaw is off by more than WRONG of its own deviations. A
-position is compared within the pitch, which is all that a search tells.
+A position is compared within the pitch, which is all that a search tells.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from math import pi
 
 import numpy as np
-from numpy.typing import NDArray
 
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.glsdc.parameters import Array, Tuning
@@ -21,11 +19,11 @@ from synth.block import unranged
 from synth.errors import ModelError
 from synth.execute import build, host
 from synth.simulate import ensemble
+from synth.simulate.ensemble import Scores
 from synth.timing import Discrete
 
 TIME = Discrete(1 / 800)
 USUAL = Tuning()
-WRONG = 10.0  # deviations: noise alone exceeds 6 in 2e-9 of samples, and corrections end within a tenth of one
 FULL = 2 * pi
 
 
@@ -42,25 +40,6 @@ class Kind:
 
     def __post_init__(self) -> None:
         timing.period(self.time)
-
-
-@dataclass(frozen=True, eq=False)
-class Judged:
-    """Whether estimates are valid (.., N), how far off within the pitch, m, and by their own deviations (.., 3, N)."""
-
-    valid: NDArray[np.bool_]
-    off: Numbers
-    deviations: Numbers
-
-    @property
-    def right(self) -> NDArray[np.bool_]:
-        """Whether estimates are the truth, valid or not."""
-        return np.asarray(self.deviations.max(axis=-2) <= WRONG)
-
-    @property
-    def wrong(self) -> NDArray[np.bool_]:
-        """Whether estimates are valid elsewhere."""
-        return self.valid & ~self.right
 
 
 @cache
@@ -124,13 +103,13 @@ def stepped(kind: Kind, state: host.Records, volts: Numbers) -> host.Batch:
     return compiled(kind).batch(state, motions.named(volts))
 
 
-def judged(kind: Kind, found: Mapping[str, Numbers], pose: Pose) -> Judged:
+def judged(kind: Kind, found: Mapping[str, Numbers], pose: Pose) -> Scores:
     """Judge outputs (N,) by where the bodies are."""
     pitch = kind.array.pitch
     along = [(found[a] - getattr(pose, a) + pitch / 2) % pitch - pitch / 2 for a in "XY"]
     errors = np.array([*along, wrapped(found["yaw"] - pose.yaw)])
     stated = np.array([found[f"deviation_{a}"] for a in ("X", "Y", "yaw")])
-    return Judged(found["valid"] > 0, np.hypot(*along), np.abs(errors) / stated)
+    return Scores(found["valid"] > 0, np.hypot(*along), np.abs(errors) / stated)
 
 
 def followed(
@@ -140,7 +119,7 @@ def followed(
     samples: int,
     rng: np.random.Generator,
     spoilt: Callable[[int, Numbers], Numbers] = lambda k, volts: volts,
-) -> Iterator[tuple[host.Batch, Judged]]:
+) -> Iterator[tuple[host.Batch, Scores]]:
     """Yield what each sample makes of bodies that are at known poses, on noisy voltages that are `spoilt` then.
 
     Raises ModelError for a number of samples that is none.
@@ -151,8 +130,3 @@ def followed(
 
     for k, batch in enumerate(ensemble.followed(step, state, numeric.whole("the number of samples", samples))):
         yield batch, judged(kind, batch.outputs, at(k))
-
-
-def stacked(seen: Sequence[Judged]) -> Judged:
-    """Return samples of bodies as one, (K, N)."""
-    return Judged(*(np.array([getattr(each, name) for each in seen]) for name in ("valid", "off", "deviations")))

@@ -18,6 +18,7 @@ from synth.emit import write
 from synth.execute import host
 from synth.report.captions import Made, Rows
 from synth.report.page import Table
+from synth.simulate import ensemble
 
 TWO = {shipped.NAME: trust.kinds()[shipped.NAME]}
 
@@ -62,7 +63,7 @@ def test_the_basin_is_shown_as_it_is() -> None:
 
 def test_what_is_valid_and_wrong_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     """With deviations that count as wrong from a tenth on, most valid samples are."""
-    monkeypatch.setattr(fleet, "WRONG", 0.1)
+    monkeypatch.setattr(ensemble, "WRONG", 0.1)
     assert float(rows_of(trust.basins(TWO)["trust.wrong"])[0][2]) > 10
 
 

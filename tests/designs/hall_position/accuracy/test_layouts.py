@@ -10,7 +10,7 @@ import pytest
 from designs.hall_position.accuracy import fisher, layouts, six_field
 from designs.hall_position.accuracy.layouts import LAYOUTS, PUBLISHED
 from designs.hall_position.glsdc.parameters import Array
-from models import hall_array
+from models import hall_accuracy
 from synth.analyse.observability import placement
 from synth.errors import ModelError
 from tests.designs.hall_position.posed import ANY, FIVE, FOUR, SIX
@@ -84,7 +84,7 @@ def test_the_cost_is_the_largest_deviation(array: layouts.Array) -> None:
     q = FINE[:, :50]
     H = layouts.jacobians(array, q)
     bound = 1e-3 * np.sqrt(np.diagonal(np.linalg.inv(H.transpose(0, 2, 1) @ H), axis1=1, axis2=2))
-    sizes = hall_array.sizes(H.shape[2], layouts.LEVER)
+    sizes = hall_accuracy.sizes(H.shape[2], layouts.LEVER)
     assert layouts.cost(array, q) == pytest.approx((bound * sizes).max(), rel=1e-5)
     if isinstance(array, Array):
         np.testing.assert_allclose(bound.T, fisher.deviations(array, q), rtol=1e-8)

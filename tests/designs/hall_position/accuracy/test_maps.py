@@ -12,18 +12,18 @@ from scipy import optimize
 from designs.hall_position.accuracy import layouts, maps, six_field
 from designs.hall_position.glsdc.six_parameters import Array
 from models import concentrated_field as cf
-from models import hall_array
+from models import hall_accuracy, hall_array
 from models.hall_array import HallArray, Sensor
 from synth.analyse.observability.information import Accuracy
 from synth.errors import ModelError
 from tests.designs.hall_position.posed import FIVE, FOUR, L, noisy, places, volts
 
-SIZES = hall_array.sizes(6, layouts.LEVER)
+SIZES = hall_accuracy.sizes(6, layouts.LEVER)
 
 
 def test_deviations_are_those_of_the_sensor_model() -> None:
     at = places(200, 0)
-    own, of = maps.spatial(FOUR, at), hall_array.accuracy(*six_field.model(FOUR), at, layouts.LEVER)
+    own, of = maps.spatial(FOUR, at), hall_accuracy.of_sensors(*six_field.model(FOUR), at, layouts.LEVER)
     np.testing.assert_allclose(own.deviations, of.deviations, rtol=1e-9)
     np.testing.assert_allclose(own.condition, of.condition, rtol=1e-9)
     assert own.condition.max() < 12
@@ -119,7 +119,7 @@ def test_a_lever_of_nothing_is_refused() -> None:
         with pytest.raises(ModelError, match="the lever is"):
             maps.spatial(FOUR, places(1, 0), lever)  # type: ignore[arg-type]
         with pytest.raises(ModelError, match="the lever is"):
-            hall_array.sizes(6, lever)  # type: ignore[arg-type]
+            hall_accuracy.sizes(6, lever)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("points", [0, 2.5, -1, True])
@@ -146,7 +146,7 @@ POINTS = (0.0, 0.0, 0.0)
 
 def test_two_sensors_are_as_published() -> None:
     pair = replace(hall_array.sensors(PLACES[:2]), volume=POINTS)
-    found = hall_array.accuracy(pair, FITTED, layouts.poses(l, 60).T, 0.05)
+    found = hall_accuracy.of_sensors(pair, FITTED, layouts.poses(l, 60).T, 0.05)
     assert abs(found.condition.min() - 1.376) < 5e-4
     assert abs(np.median(found.condition) - 4.14) < 0.03  # a median moves with the grid by as much
     larger = found.deviations[:, :2].max(axis=1)
@@ -159,7 +159,7 @@ def test_waves_beyond_the_model_change_the_worst_little(waves: str) -> None:
     orders = cf.on_axes((1, 5, 9)) + (cf.CROSS if waves == "cross" else ())
     made = cf.waves(cf.fabricated(P["strong"], P["weak"]), orders, P)
     of = hall_array.sensors(PLACES)
-    found = hall_array.accuracy(of, made, layouts.poses(l, 60).T, hall_array.spread(of)).deviations.max(axis=0)
+    found = hall_accuracy.of_sensors(of, made, layouts.poses(l, 60).T, hall_accuracy.spread(of)).deviations.max(axis=0)
     assert (found < [5.3e-6, 5.3e-6, 200e-6]).all() and found[0] > 4.5e-6
 
 
@@ -167,7 +167,7 @@ def test_misaligned_sensors_are_seen() -> None:
     crooked = HallArray(tuple(Sensor((x, y, 0.0), 0.3, (0.5, 0.5)) for x, y in PLACES), volume=POINTS)
     straight = replace(hall_array.sensors(PLACES), volume=POINTS)
     cell = layouts.poses(l, 8, 0.2).T
-    ours, theirs = (hall_array.accuracy(each, FITTED, cell, 0.01).deviations for each in (crooked, straight))
+    ours, theirs = (hall_accuracy.of_sensors(each, FITTED, cell, 0.01).deviations for each in (crooked, straight))
     np.testing.assert_allclose(ours, 2 * theirs, rtol=1e-9)  # half the gain; turned axes see as much
 
 
@@ -175,7 +175,7 @@ def test_a_quarter_turn_exchanges_the_axes() -> None:
     array = replace(hall_array.sensors(PLACES), volume=POINTS)
     q = layouts.poses(l, 7, 0.3).T
     turned = np.column_stack([-q[:, 1], q[:, 0], q[:, 2] + np.pi / 2])
-    ours, theirs = (hall_array.accuracy(array, FITTED, each, 0.01) for each in (q, turned))
+    ours, theirs = (hall_accuracy.of_sensors(array, FITTED, each, 0.01) for each in (q, turned))
     np.testing.assert_allclose(theirs.deviations, ours.deviations[:, [1, 0, 2]], rtol=1e-9)
 
 
@@ -183,8 +183,8 @@ def test_places_and_sensors_that_are_none_are_refused() -> None:
     array, same = hall_array.sensors(PLACES), hall_array.sensors((PLACES[0], PLACES[0]))
     for poses in ([0.0, 1.0], [[0.0, 1.0, np.nan]]):
         with pytest.raises(ModelError, match="finite"):
-            hall_array.accuracy(array, FITTED, poses, 0.01)
+            hall_accuracy.of_sensors(array, FITTED, poses, 0.01)
     with pytest.raises(ModelError, match="two voltages for three"):
-        hall_array.accuracy(hall_array.sensors(PLACES[:1]), FITTED, layouts.poses(l, 2).T, 0.01)
+        hall_accuracy.of_sensors(hall_array.sensors(PLACES[:1]), FITTED, layouts.poses(l, 2).T, 0.01)
     with pytest.raises(ModelError, match="the lever is 0"):
-        hall_array.accuracy(same, FITTED, layouts.poses(l, 2).T, hall_array.spread(same))
+        hall_accuracy.of_sensors(same, FITTED, layouts.poses(l, 2).T, hall_accuracy.spread(same))
