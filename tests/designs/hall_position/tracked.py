@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+import designs.hall_position.trust.motions as motions
 from designs.hall_position import reference
 from designs.hall_position.glsdc import channels, estimator
 from designs.hall_position.glsdc.parameters import Array, Tuning
-from designs.hall_position.trust import motions
 from synth.block import Block, unranged
 from synth.emit import write
 from synth.execute import host
