@@ -13,10 +13,7 @@ single precision, and X, Y and yaw are closed by three sensors, where the paper 
     a loss              without any voltage the loop latches after LATCH samples, and no current flows in the end
     `sources`           the sections of planar_6dof_lqg beside the estimate
 
-While a step takes motor C to its limit, the noise of the yaw decides what x gets: `allocation` leaves C what the yaw
-does not demand. Another draw of the noise moves x by 10 to 70 um during the step of 4 mm, and so does a dropout at its
-beginning, which shows the loop no noise for three samples: were C's limit constant, it would be 1 um. So a step is
-judged without noise, and within the limits, where the loop is linear: x moves by RESPONSE times what is held errs by.
+Why a dropout is judged in a small step without noise: docs/decisions/hall_position_loop.md.
 """
 
 from collections.abc import Callable, Mapping
