@@ -78,11 +78,6 @@ def poses(pitch: float, points: int, yaws: ArrayLike = 0.0, shift: float = 0.0) 
     return readonly([each.ravel() for each in np.meshgrid(along, along, turns, indexing="ij")])
 
 
-def over_yaws(array: Array, yaw: float, points: tuple[int, int]) -> Numbers:
-    """Return a grid (3, N) of so many poses along the pitch and over yaws up to `yaw` to either side."""
-    return poses(array.pitch, points[0], np.linspace(-yaw, yaw, points[1]))
-
-
 def level(array: six_parameters.Array, q: Numbers) -> Numbers:
     """Return poses (N, 6) of a level body at the array's height, at X, Y and yaws (3, N)."""
     none = np.zeros_like(q[0])

@@ -32,14 +32,10 @@ CLEAR = 1e-9  # of alpha^2, rad: far above what double precision leaves of a det
 
 @dataclass(frozen=True, eq=False)
 class SingularPoints:
-    """All points `at` (n, 2) of the body's origin in a pitch, in m, where rank is lost at a yaw in rad.
-
-    `lost` (n, 3) is the motion in X, Y (m) and yaw (rad), of length 1 with the yaw times 1/w, that moves no voltage.
-    """
+    """All points `at` (n, 2) of the body's origin in a pitch, in m, where rank is lost at a yaw in rad."""
 
     yaw: float
     at: Array
-    lost: Array
 
 
 def of_pair(array: parameters.Array, yaw: float) -> SingularPoints:
@@ -56,11 +52,8 @@ def of_pair(array: parameters.Array, yaw: float) -> SingularPoints:
         pair = _Pair.of(array, yaw)
         equations = isolated_zeros.Equations(2, pair.values, partial(possible, array, yaw))
         points = [cube.at for cube in isolated_zeros.search(equations)]
-        places = [[float(isolated_zeros.within_turn(v) / pair.w) for v in p] for p in points]
-        motions = [[float(v) for v in pair.lost(p)] for p in points]
-    order = sorted(range(len(points)), key=lambda i: places[i])
-    at, lost = (np.reshape([rows[i] for i in order], (-1, n)) for rows, n in ((places, 2), (motions, 3)))
-    return SingularPoints(yaw, readonly(at), readonly(lost))
+        places = sorted([float(isolated_zeros.within_turn(v) / pair.w) for v in p] for p in points)
+    return SingularPoints(yaw, readonly(np.reshape(places, (-1, 2))))
 
 
 def possible(array: parameters.Array, yaw: float, cells: Array, half: float) -> NDArray[np.bool_]:
@@ -117,15 +110,6 @@ class _Pair:
         """Return D_X and D_Y."""
         rows = (self.rows(at, i) for i in (0, 1))
         return [g0 * h1 - g1 * h0 for (g0, h0), (g1, h1) in rows]
-
-    def lost(self, at: Sequence[Ball]) -> tuple[Ball, Ball, Ball]:
-        """Return (X, Y, yaw) of length 1, the yaw times 1/w, as least squares of both sensors have it."""
-        moved = []
-        for i in (0, 1):
-            (g0, h0), (g1, h1) = self.rows(at, i)
-            moved.append(-(g0 * h0 + g1 * h1) / (g0**2 + g1**2))
-        size = (moved[0] ** 2 + moved[1] ** 2 + 1).sqrt()
-        return moved[0] / self.w / size, moved[1] / self.w / size, 1 / size
 
 
 def _check_slopes(array: parameters.Array, yaw: float) -> None:

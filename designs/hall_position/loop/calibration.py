@@ -7,7 +7,6 @@ estimator said where.
 The noise of the array is the model's misfit: by it estimates settle, and their deviations are what they err by.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -18,7 +17,7 @@ from designs.hall_position.glsdc.parameters import Array, Pair
 from designs.hall_position.loop import closed_loop, error_map
 from designs.hall_position.loop.closed_loop import PITCH, Source
 from designs.hall_position.loop.error_map import Samples
-from models import hall_bench, hall_scan
+from models import hall_bench
 from models.hall_bench import Bench
 from synth.block import unranged
 from synth.blocks import lookup_table
@@ -40,17 +39,13 @@ STEP, READ = 5e-5, 8  # m between samples, of which so many are taken together
 def calibrated(places: tuple[Pair, ...] = closed_loop.PLACES) -> Source:
     """Return the source of a stage, with its field measured and its errors mapped; raise ModelError as `Bench`."""
     bench = Bench(places)
-    plain = Source(array(bench, fits(bench)))
+    plain = Source(array(bench))
     return replace(plain, map=error_map.fit(samples(bench, plain), lookup_table.square(MAPPED, CELL)))
 
 
-def fits(bench: Bench) -> list[hall_scan.Fit]:
-    """Return model (2) of each channel."""
-    return hall_bench.fits(bench, PITCH, TIME)
-
-
-def array(bench: Bench, scans: Sequence[hall_scan.Fit]) -> Array:
+def array(bench: Bench) -> Array:
     """Return the array that the estimator is made for, of its channels' models."""
+    scans = hall_bench.fits(bench, PITCH, TIME)
     c, alpha, beta = (
         digits.cut(float(np.mean([f.estimate[name] for f in scans])), DIGITS) for name in ("c", "alpha", "beta")
     )

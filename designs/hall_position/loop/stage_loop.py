@@ -95,7 +95,7 @@ def of_sections(bench: Bench | None = None, libm: bool = False) -> Loop:
     """Return the loop that the sections of the stage's own sensors close."""
     plant = planar_stage.plant()
     bench = bench or Bench(closed_loop.stage_places(plant))
-    amplitude = calibration.array(bench, calibration.fits(bench)).alpha
+    amplitude = calibration.array(bench).alpha
     matched = hall_calibration.of(plant).amplitude / amplitude
     shown = planar.view(TIME, predicted=False)
     return _loop(bench, lqg.controller(plant), shown, matched, interface.SURROGATE_ERROR[np.float32], libm)

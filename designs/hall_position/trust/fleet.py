@@ -61,17 +61,12 @@ def anywhere(kind: Kind, n: int, yaw: float, rng: np.random.Generator) -> Pose:
     return Pose(X, Y, rng.uniform(-yaw, yaw, n))
 
 
-def unplaced(kind: Kind, n: int) -> host.Records:
-    """Return the states of n bodies after `init`."""
-    return ensemble.started(compiled(kind), n)
-
-
 def placed(kind: Kind, pose: Pose, before: Pose | None = None, certain: bool = True) -> host.Records:
     """Return the states of bodies that are at poses (N,), and were at others a sample before, or at rest.
 
     Where that is not certain a yaw about 0 is assumed, as after `init`.
     """
-    state = unplaced(kind, len(pose.X))
+    state = ensemble.started(compiled(kind), len(pose.X))
     w, pitch = kind.array.wave_number, kind.array.pitch
     now, last = _centre(kind.array, pose), _centre(kind.array, before or pose)
     for axis, at, past in zip("xy", now, last, strict=True):

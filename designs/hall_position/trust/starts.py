@@ -105,7 +105,8 @@ def cold_start(kind: Kind, pose: Pose, samples: int, speed: float = 0.0, seed: i
     def at(k: int) -> Pose:
         return _off(pose, speed * k * kind.time.period_s, heading)
 
-    seen = ensemble.stacked([j for _, j in fleet.followed(kind, fleet.unplaced(kind, n), at, samples, rng)])
+    state = ensemble.started(fleet.compiled(kind), n)
+    seen = ensemble.stacked([j for _, j in fleet.followed(kind, state, at, samples, rng)])
     took = np.where(seen.valid.any(axis=0), 1 + seen.valid.argmax(axis=0), 0)
     return ColdStart(took, seen.right[-1], int(seen.wrong.sum()))
 

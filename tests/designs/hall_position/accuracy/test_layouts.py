@@ -18,7 +18,14 @@ from tests.designs.hall_position.posed import ANY, FIVE, FOUR, SIX
 l = 50.8e-3
 FIELD = Array(((0.0, 0.0), (l, 0.0)), 0.0, 8.4 * 0.37502, -8.4 * 0.02146)
 YAW = radians(5)
-FINE = layouts.over_yaws(ANY, YAW, (48, 7))
+
+
+def over_yaws(array: layouts.Array, yaw: float, points: tuple[int, int]) -> np.ndarray:
+    """Return a grid (3, N) of so many poses along the pitch and over yaws up to `yaw` to either side."""
+    return layouts.poses(array.pitch, points[0], np.linspace(-yaw, yaw, points[1]))
+
+
+FINE = over_yaws(ANY, YAW, (48, 7))
 
 
 def cost_of(array: layouts.Array, q: np.ndarray) -> Callable[[np.ndarray], float]:
@@ -35,14 +42,14 @@ def test_the_published_layout_gets_worse_between_the_yaws_that_were_looked_at() 
     near = fisher.deviations(array, np.array([[0.49712 * l], [0.09771 * l], [radians(9.385)]])).ravel()
     assert near[0] > 190e-6 and near[2] > 4e-3
     for yaw in (0.0, 5.0, 15.0):
-        assert planar_cost(PUBLISHED, layouts.over_yaws(FIELD, radians(yaw) or 1e-9, (60, 2))) < 25e-6
+        assert planar_cost(PUBLISHED, over_yaws(FIELD, radians(yaw) or 1e-9, (60, 2))) < 25e-6
 
 
 @pytest.mark.parametrize(("yaw", "tolerance", "bounds"), [(5, 0.1, (5.3, 5.6, 232)), (15, 0.25, (5.9, 5.7, 313))])
 def test_a_layout_is_proved_better(yaw: int, tolerance: float, bounds: tuple[float, float, float]) -> None:
     proved = fisher.worst(layouts.placed(FIELD, LAYOUTS[yaw]), (-radians(yaw), radians(yaw)), tolerance)
     assert (proved.bound * [1e6, 1e6, 1e6] < bounds).all()
-    at = layouts.over_yaws(FIELD, radians(yaw), (60, 17))
+    at = over_yaws(FIELD, radians(yaw), (60, 17))
     published = fisher.deviations(layouts.placed(FIELD, PUBLISHED), at).max(axis=1)
     assert (published[:2] > 1.2 * proved.bound[:2]).all() and published[2] > proved.bound[2]
     assert np.abs(LAYOUTS[yaw]).max() <= layouts.REACH
@@ -50,7 +57,7 @@ def test_a_layout_is_proved_better(yaw: int, tolerance: float, bounds: tuple[flo
 
 @pytest.mark.parametrize("yaw", [5, 15])
 def test_no_small_step_betters_a_layout_much(yaw: int) -> None:
-    cost = cost_of(FIELD, layouts.over_yaws(FIELD, radians(yaw), (48, 9)))
+    cost = cost_of(FIELD, over_yaws(FIELD, radians(yaw), (48, 9)))
     ours = cost(np.ravel(LAYOUTS[yaw]))
     for seed in range(20):
         step = np.random.default_rng(seed).normal(size=6) * 0.01
@@ -58,21 +65,21 @@ def test_no_small_step_betters_a_layout_much(yaw: int) -> None:
 
 
 def test_a_short_search_betters_the_published_layout() -> None:
-    coarse, fine = (cost_of(FIELD, layouts.over_yaws(FIELD, YAW, points)) for points in ((12, 3), (32, 5)))
-    square, finest = placement.Square(layouts.REACH), cost_of(FIELD, layouts.over_yaws(FIELD, YAW, (60, 9)))
+    coarse, fine = (cost_of(FIELD, over_yaws(FIELD, YAW, points)) for points in ((12, 3), (32, 5)))
+    square, finest = placement.Square(layouts.REACH), cost_of(FIELD, over_yaws(FIELD, YAW, (60, 9)))
     found = [placement.search(coarse, fine, 6, square, placement.Effort(60, 8, 15, seed)) for seed in (0, 2)]
     assert min(map(finest, found)) < 0.9 * finest(np.ravel(PUBLISHED))
 
 
 def test_steps_better_a_layout() -> None:
-    cost = cost_of(FIELD, layouts.over_yaws(FIELD, YAW, (64, 11)))
+    cost = cost_of(FIELD, over_yaws(FIELD, YAW, (64, 11)))
     start = np.ravel(LAYOUTS[15])
     better = placement.improve(cost, start, placement.Square(layouts.REACH), placement.Effort(tries=1))
     assert cost(better) < cost(start)
 
 
 def test_a_spare_sensor_counts_as_lost() -> None:
-    four, q = (*PUBLISHED, (0.1, -0.3)), layouts.over_yaws(FIELD, YAW, (16, 3))
+    four, q = (*PUBLISHED, (0.1, -0.3)), over_yaws(FIELD, YAW, (16, 3))
     of_four = layouts.placed(FIELD, four)
     with_all, with_loss = (layouts.cost(of_four, q, spare=spare) for spare in (False, True))
     alone = [planar_cost((*four[:k], *four[k + 1 :]), q) for k in range(4)]
@@ -126,7 +133,7 @@ def test_any_sensor_may_be_lost_of_six_and_with_less_accuracy_of_five() -> None:
 
 
 def test_steps_better_places_in_six_degrees_of_freedom() -> None:
-    cost = cost_of(ANY, layouts.over_yaws(ANY, YAW, (20, 3)))
+    cost = cost_of(ANY, over_yaws(ANY, YAW, (20, 3)))
     start = np.array([0.3, -0.3, -0.3, -0.3, -0.3, 0.3, 0.3, 0.3])
     better = placement.improve(cost, start, placement.Square(layouts.REACH), placement.Effort(tries=3))
     assert cost(better) < cost(start) and np.abs(better).max() <= layouts.REACH

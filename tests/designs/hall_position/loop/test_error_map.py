@@ -8,6 +8,7 @@ from scipy import interpolate
 
 from designs.hall_position.loop import calibration, closed_loop, error_map
 from designs.hall_position.loop.error_map import COORDINATES, ErrorMap, Samples
+from models import hall_bench
 from models.hall_bench import Bench
 from synth.block import unranged
 from synth.blocks import lookup_table
@@ -97,8 +98,8 @@ def test_calibration_makes_the_errors_smaller_on_lines_that_it_has_not_seen() ->
 
 def test_the_model_of_the_field_is_that_of_the_paper() -> None:
     bench = Bench(closed_loop.PLACES)
-    fits = calibration.fits(bench)
-    found = calibration.array(bench, fits)
+    fits = hall_bench.fits(bench, calibration.PITCH, TIME)
+    found = calibration.array(bench)
     assert found.alpha == pytest.approx(3.1502, rel=0.02) and found.beta == pytest.approx(-0.1803, rel=0.05)
     assert max(np.abs(f.residual).max() for f in fits) < 0.21  # V: "less than 200 mV", for blocks that are spread
     assert 0.03 < found.deviation < 0.06

@@ -24,7 +24,7 @@ BODIES = 500
 
 
 def test_the_layout_leaves_any_three_of_four_sensors_with_no_singular_place() -> None:
-    q = layouts.over_yaws(FOUR.array, np.radians(5), (40, 5))
+    q = layouts.poses(FOUR.array.pitch, 40, np.radians(np.linspace(-5, 5, 5)))
     assert layouts.cost(FOUR.array, q, spare=True) < 11e-6
 
 
