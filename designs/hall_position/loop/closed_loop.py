@@ -73,10 +73,8 @@ def stage_places(plant: Plant) -> tuple[Pair, ...]:
 def controller(name: str, plant: Plant, time: Discrete, law: Sequence[Block], source: Source) -> Block:
     """Return the whole planar controller on this source, `law` being its Blocks from positions to computed currents.
 
-    Raises ModelError for what is no Source, or not of three sensors.
+    Raises ModelError for a source that is not of three sensors.
     """
-    if not isinstance(source, Source):
-        raise ModelError(f"source is {source!r}: give a closed_loop.Source, or none for the Hall sections")
     if len(source.array.positions) != SENSORS:
         raise ModelError(
             f"the source has {len(source.array.positions)} sensors: the stage reads {SENSORS}, give so many"

@@ -83,18 +83,17 @@ class Loop:
         return dict(zip((*planar_stage.HALL, *planar_stage.LASERS), rows, strict=True))
 
 
-def of_source(source: Source, bench: Bench | None = None, libm: bool = False) -> Loop:
+def of_source(source: Source, libm: bool = False) -> Loop:
     """Return the loop that a source closes; with `libm` the C takes its sines from the library, which emits sooner."""
-    bench = bench or Bench(source.array.positions)
-    plant = planar_stage.plant()
+    bench, plant = Bench(source.array.positions), planar_stage.plant()
     block = closed_loop.controller(lqg.NAME, plant, TIME, lqg.law(plant), source)
     return _loop(bench, block, view(source), 1.0, closed_loop.SURROGATE_ERROR[np.float32], libm)
 
 
-def of_sections(bench: Bench | None = None, libm: bool = False) -> Loop:
+def of_sections(libm: bool = False) -> Loop:
     """Return the loop that the sections of the stage's own sensors close."""
     plant = planar_stage.plant()
-    bench = bench or Bench(closed_loop.stage_places(plant))
+    bench = Bench(closed_loop.stage_places(plant))
     amplitude = calibration.array(bench).alpha
     matched = hall_calibration.of(plant).amplitude / amplitude
     shown = planar.view(TIME, predicted=False)

@@ -98,8 +98,8 @@ def stepped(kind: Kind, state: host.Records, volts: Numbers) -> host.Batch:
     return compiled(kind).batch(state, motions.named(volts))
 
 
-def judged(kind: Kind, found: Mapping[str, Numbers], pose: Pose) -> Scores:
-    """Judge outputs (N,) by where the bodies are."""
+def score(kind: Kind, found: Mapping[str, Numbers], pose: Pose) -> Scores:
+    """Return the scores of outputs (N,) by where the bodies are."""
     pitch = kind.array.pitch
     along = [(found[a] - getattr(pose, a) + pitch / 2) % pitch - pitch / 2 for a in "XY"]
     errors = np.array([*along, wrapped(found["yaw"] - pose.yaw)])
@@ -124,4 +124,4 @@ def followed(
         return stepped(kind, now, spoilt(k, motions.noisy(kind.array, at(k), rng)))
 
     for k, batch in enumerate(ensemble.followed(step, state, numeric.whole("the number of samples", samples))):
-        yield batch, judged(kind, batch.outputs, at(k))
+        yield batch, score(kind, batch.outputs, at(k))

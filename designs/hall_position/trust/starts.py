@@ -69,7 +69,7 @@ def basin(kind: Kind, bodies: int, yaw: float, samples: int = 60, seed: int = 0)
     off, turned = FAR * pitch * rng.random(bodies), TURNED * rng.random(bodies)
     start = _off(pose, off, rng.uniform(0, 2 * np.pi, bodies), turned * rng.choice([-1, 1], bodies))
     state = fleet.placed(kind, start, certain=False)
-    seen = ensemble.stacked([j for _, j in fleet.followed(kind, state, lambda k: pose, samples, rng)])
+    seen = ensemble.stacked([scores for _, scores in fleet.followed(kind, state, lambda k: pose, samples, rng)])
     edges = [FAR * pitch * np.arange(BINS[0] + 1) / BINS[0], TURNED * np.arange(BINS[1] + 1) / BINS[1]]
     every, _, _ = np.histogram2d(off, turned, edges)
     led = [np.histogram2d(off[right], turned[right], edges)[0] for right in (seen.right[0], seen.right[-1])]
@@ -106,7 +106,7 @@ def cold_start(kind: Kind, pose: Pose, samples: int, speed: float = 0.0, seed: i
         return _off(pose, speed * k * kind.time.period_s, heading)
 
     state = ensemble.started(fleet.compiled(kind), n)
-    seen = ensemble.stacked([j for _, j in fleet.followed(kind, state, at, samples, rng)])
+    seen = ensemble.stacked([scores for _, scores in fleet.followed(kind, state, at, samples, rng)])
     took = np.where(seen.valid.any(axis=0), 1 + seen.valid.argmax(axis=0), 0)
     return ColdStart(took, seen.right[-1], int(seen.wrong.sum()))
 

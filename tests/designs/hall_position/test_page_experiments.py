@@ -15,6 +15,7 @@ from designs.hall_position.pages import experiments
 from designs.hall_position.pages import loops as own_loops
 from designs.planar_6dof import loops, lqg
 from models import planar_stage
+from synth.blocks import lookup_table
 from synth.report.page import Figure
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory
@@ -67,7 +68,7 @@ def test_every_experiment_is_on_the_page_with_the_papers_figure() -> None:
 
 
 def test_the_error_map_is_drawn_as_it_is() -> None:
-    of = error_map.ErrorMap(error_map.square(2e-3, 1e-3), np.arange(75.0).reshape(3, 5, 5) * 1e-5)
+    of = error_map.ErrorMap(lookup_table.square(2e-3, 1e-3), np.arange(75.0).reshape(3, 5, 5) * 1e-5)
     found = experiments.blocks(of, [])
     rows, drawn = found["calibration.shares"], found["calibration.map"]
     assert isinstance(rows, list) and isinstance(drawn, Drawing)
