@@ -65,12 +65,6 @@ def correlation(chain: Chain, time: Discrete) -> float:
     return exp(-2 * pi * chain.corner * time.period_s)
 
 
-def converted(chain: Chain, volts: ca.SX) -> ca.SX:
-    """Return what the converter reads, V: the nearest step within its range."""
-    half = 2 ** (chain.bits - 1)
-    return chain.step * ca.fmin(ca.fmax(ca.floor(volts / chain.step + 0.5), -half), half - 1)
-
-
 def noise(chain: Chain, time: Discrete, shape: tuple[int, int], seed: int) -> Array:
     """Return the noise (channels, N) in V of samples, stationary from the first on."""
     kept = correlation(chain, time)
