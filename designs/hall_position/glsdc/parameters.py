@@ -28,8 +28,7 @@ RANGES = {  # of the other numbers, above the first and at most the second
 class Array:
     """Sensors at `positions` in the body, m, and the field that they see, V; each axis is noisy by `deviation`, V.
 
-    `weights` are those of the sensors, 1 for each unless given; a sensor's deviation is `deviation` / sqrt(weight).
-    Both may be given as lists or arrays.
+    A sensor of a weight, 1 unless given, has the deviation `deviation` / sqrt(weight). Lists and arrays are taken, too.
 
     Raises ModelError for fewer than two places or more than 26 sensors, unlike numbers of weights, or a figure that is
     no number or out of its range.
@@ -89,40 +88,28 @@ class Array:
 
 @dataclass(frozen=True)
 class Tuning:
-    """How the estimator goes about its task.
+    """How the estimator of (X, Y, yaw) works; the damping holds to the prediction what the voltages do not tell.
 
-    `iterations` a sample; `scale` of each correction; `damping`, of alpha^2, of phases towards the expected ones; the
-    yaw, by what it moves the sensors on an average, `firm` times as firmly as they; `reach`, rad of phase by which
-    corrections may move a sensor in a sample, half of it by the yaw; `follow`, the part of a sample's correction by
-    which the next motion is expected to differ: with 0 none is expected. A correction of less than `settled` standard
-    deviations ends the search, and of more than `leaning` parameters that the damping decides instead of the voltages
-    there is `damped`, the yaw no more firmly than the phases. To the damping belongs a deviation of motions from the
-    expected one, array.deviation / (alpha sqrt(damping)); by more than `surprise` times that a body does not move in
-    a sample. Residuals up to `residual` V rms are those of the field's model. Positions are counted to `pitches` on
-    either side.
-
-    A place is certain once the damping decides no more than `certain` parameters there, of two sensors, which elsewhere
-    may read the same at another place, and four times as many of more than two. With two sensors, or after a search,
-    its yaw is within `turn`, rad, of that at the last certain place, 0 at first. Nothing is valid at a yaw of more than
-    `yaw`, rad, with two sensors than half of `turn` besides, nor after it.
+    It stands for motions that deviate from their prediction by array.deviation / (alpha sqrt(damping)). Nothing is
+    valid after a yaw of more than `yaw`, and with two sensors of more than half of `turn`.
 
     Raises ModelError for a figure that is out of its range.
     """
 
-    iterations: int = 5
-    scale: float = 1.0
-    damping: float = 1e-3
-    firm: float = 5.0
-    reach: float = 1.0
-    follow: float = 0.5
-    settled: float = 0.1
-    leaning: float = 0.15
-    surprise: float = 3.0
-    residual: float = 0.1
-    pitches: int = 8
-    certain: float = 0.004
-    turn: float = radians(5)
-    yaw: float = radians(10)
+    iterations: int = 5  # a sample
+    scale: float = 1.0  # of each correction
+    damping: float = 1e-3  # of alpha^2, of phases from the prediction
+    firm: float = 5.0  # times as much the yaw is damped, by what it moves the sensors on an average
+    reach: float = 1.0  # rad of phase by which a sample may move a sensor, half of it by the yaw
+    follow: float = 0.5  # part of a correction by which the next motion is predicted to differ; 0: none is predicted
+    settled: float = 0.1  # standard deviations: a smaller correction has converged
+    leaning: float = 0.15  # parameters that the damping may decide instead of the voltages, else `damped`
+    surprise: float = 3.0  # deviations of motions: more is no motion of a body
+    residual: float = 0.1  # V rms up to which residuals are those of the field's model
+    pitches: int = 8  # to either side up to which positions are counted
+    certain: float = 0.004  # parameters that the damping may decide at a certain place of two sensors
+    turn: float = radians(5)  # rad of yaw from the last certain place, within which two sensors tell places apart
+    yaw: float = radians(10)  # rad up to which a place is valid
 
     def __post_init__(self) -> None:
         numeric.check_fields(self, RANGES, WHOLE)

@@ -80,29 +80,23 @@ class Array:
 
 @dataclass(frozen=True)
 class Tuning:
-    """How the estimator goes about its task, as `parameters.Tuning` has it for three degrees of freedom.
+    """How the estimator of six degrees of freedom works, in the words of `parameters.Tuning`.
 
-    `corrections` a sample, all by the Jacobian where the sample begins; `damping`, of alpha^2, of displacements from
-    there; `reach`, rad of phase by which corrections may move a sensor in a sample; `follow`, the part of a correction
-    by which the next motion is expected to differ. A last correction of less than `settled` standard deviations has
-    converged; of more than `leaning` parameters that the damping decides there is `damped`, and by more than `surprise`
-    deviations of motions a body does not move. Residuals up to `residual` V rms are those of the field's model: above
-    the fabricated matrix, whose other waves leave up to 0.093 V of four sensors' voltages, give more than these. Z is
-    within `gap` m of the height, roll and pitch are within `tilt` rad; positions are counted to `pitches` either side.
+    Above the fabricated matrix, other waves leave up to 0.093 V of four sensors' voltages: allow more than `residual`.
 
     Raises ModelError for a figure that is out of its range.
     """
 
-    corrections: int = 4
-    damping: float = 1e-4
-    reach: float = 0.5
-    follow: float = 0.5
-    settled: float = 0.1
-    leaning: float = 0.15
-    surprise: float = 3.0
-    residual: float = 0.02
-    gap: float = 1e-3
-    tilt: float = 0.02
+    corrections: int = 4  # a sample, all by the Jacobian where it begins
+    damping: float = 1e-4  # of alpha^2
+    reach: float = 0.5  # rad of phase
+    follow: float = 0.5  # part of a correction
+    settled: float = 0.1  # standard deviations
+    leaning: float = 0.15  # parameters
+    surprise: float = 3.0  # deviations of motions
+    residual: float = 0.02  # V rms
+    gap: float = 1e-3  # m from the height within which Z is valid
+    tilt: float = 0.02  # rad within which roll and pitch are valid
     pitches: int = 8
 
     def __post_init__(self) -> None:

@@ -9,6 +9,7 @@ from designs.hall_position import reference_six
 from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import channels, six_estimator
 from designs.hall_position.glsdc.six_parameters import Array, Tuning
+from designs.hall_position.reference_glsdc import Setup
 from synth.block import Block, unranged
 from synth.emit import write
 from synth.execute import host
@@ -43,9 +44,9 @@ def compiled(array: Array, tuning: Tuning = USUAL, scalar: type[np.floating] = n
     return host.load(made.files, made.manifest)
 
 
-def setup(array: Array, tuning: Tuning = USUAL) -> reference_six.Setup:
+def setup(array: Array, tuning: Tuning = USUAL) -> Setup:
     """Return what the reference needs to know."""
-    return reference_six.Setup(**vars(array), **vars(tuning))
+    return Setup(**vars(array), **vars(tuning))
 
 
 def volts(array: Array, pose: Numbers) -> Numbers:
