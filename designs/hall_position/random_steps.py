@@ -42,9 +42,7 @@ class Subject:
 
 def subject(name: str) -> Subject:
     """Return what ships under a name."""
-    array = shipped.array(name)
-    weights = array.weights or (1.0,) * len(array.positions)
-    return Subject(name, array, shipped.block(name), Setup(**vars(array) | vars(shipped.TUNING) | {"weights": weights}))
+    return Subject(name, shipped.array(name), shipped.block(name), shipped.setup(name))
 
 
 def in_operation(subject: Subject, n: int) -> tuple[Columns, Columns]:

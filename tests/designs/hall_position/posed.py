@@ -5,7 +5,6 @@ from functools import cache
 
 import numpy as np
 
-from designs.hall_position import reference_six
 from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import channels, six_estimator
 from designs.hall_position.glsdc.six_parameters import Array, Tuning
@@ -15,6 +14,7 @@ from synth.emit import write
 from synth.execute import host
 from synth.statespace import Array as Numbers
 from synth.timing import Discrete
+from tests.designs.hall_position import reference_six
 
 TIME = Discrete(1 / 800)
 L = 0.0508

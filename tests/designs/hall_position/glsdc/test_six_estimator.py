@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import optimize
 
-from designs.hall_position import reference_glsdc, reference_six
+from designs.hall_position import reference_glsdc
 from designs.hall_position.accuracy import layouts, six_field
 from designs.hall_position.glsdc import channels, six_estimator
 from designs.hall_position.glsdc.six_parameters import Array
@@ -15,6 +15,7 @@ from synth.errors import ModelError
 from synth.execute import host
 from synth.statespace import Array as Numbers
 from tests import tolerances
+from tests.designs.hall_position import reference_six
 from tests.designs.hall_position.posed import (
     ANY,
     FIVE,

@@ -4,17 +4,23 @@ The field is that of the fabricated matrix at the sensors' height, by the blocks
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from types import MappingProxyType
 
 from designs.hall_position.accuracy import layouts
-from designs.hall_position.glsdc import estimator
+from designs.hall_position.glsdc import channels, estimator
 from designs.hall_position.glsdc.parameters import Array, Pair, Tuning
+from designs.hall_position.reference_glsdc import Setup
 from models import concentrated_field, hall_array
 from models.concentrated_field import STRONG, WEAK
 from models.hall_chain import Chain
+from synth import stage
 from synth.block import Block
+from synth.declaration import Controller
 from synth.emit.c import digits
 from synth.errors import DesignError
+from synth.plant import Plant
+from synth.stage import Sensor
 from synth.timing import Discrete
 
 NAME, THREE = "hall_position", "hall_position_three"
@@ -41,6 +47,12 @@ def array(name: str = NAME, chain: Chain | None = None) -> Array:
     return Array(places, 0.0, alpha, beta, pitch, chain.noise)
 
 
+def setup(name: str = NAME) -> Setup:
+    """Return the numbers of the reference; raise DesignError for an unknown name."""
+    of = array(name)
+    return Setup(**vars(of) | vars(TUNING) | {"weights": of.weights or (1.0,) * len(of.positions)})
+
+
 def amplitudes() -> tuple[float, float]:
     """Return alpha and beta of (2) for the fabricated matrix, T."""
     cell = concentrated_field.fabricated(STRONG, WEAK)
@@ -49,6 +61,29 @@ def amplitudes() -> tuple[float, float]:
     return first, fifth
 
 
-def block(name: str = NAME) -> Block:
+def plant(of: Array) -> Plant:
+    """Return the sensors on a body that moves over the field of (2)."""
+    sensors = replace(hall_array.sensors(of.positions), volume=(0.0, 0.0, 0.0))
+    gain = sensors.chain.gain
+    waves = concentrated_field.fitted(
+        {1: of.alpha / gain, 5: of.beta / gain}, hall_array.HEIGHT, concentrated_field.values()
+    )
+    return hall_array.plant(sensors, waves, channels.voltages(len(of.positions)), TUNING.pitches * of.pitch)
+
+
+def controller(name: str = NAME) -> Controller:
     """Return the guarded estimator that ships under a name; raise DesignError for an unknown one."""
-    return estimator.guarded(array(name), TIME, TUNING, name)
+    of = array(name)
+    around = stage.interface(
+        plant(of),
+        sensors=[Sensor(s.name) for s in channels.voltages(len(of.positions))],
+        disturbances=["speed_X", "speed_Y", "speed_yaw"],
+        bad_samples=channels.BAD_SAMPLES,
+        reason=estimator.REASON,
+    )
+    return stage.controller(name, TIME, around, lambda: [estimator.estimator(of, TIME, TUNING)])
+
+
+def block(name: str = NAME) -> Block:
+    """Return the same as a Block."""
+    return controller(name).block

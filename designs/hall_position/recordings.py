@@ -5,20 +5,18 @@ out of range for three samples; then the body sets out across pitches while it y
 sensor is out of range for longer than until the latch.
 """
 
-from dataclasses import asdict, replace
+from collections.abc import Mapping
+from dataclasses import asdict
 from math import pi
 from typing import Any
 
 import numpy as np
 
 from designs.hall_position import shipped
-from designs.hall_position.glsdc import channels, estimator
-from designs.hall_position.glsdc.parameters import Array
+from designs.hall_position.glsdc import channels
 from designs.hall_position.trust import motions
 from designs.hall_position.trust.motions import Numbers, Pose
-from synth.emit import write
-from synth.emit.c import digits, vectors
-from synth.execute import host
+from synth.emit.c import digits
 
 STEPS, REST = 1000, 200  # samples, of them at rest
 START = {"X": 0.011, "Y": 0.034, "yaw": 0.03}  # m, rad
@@ -27,26 +25,17 @@ OUT, BAD, LOST = 9.0, slice(150, 153), slice(900, 910)  # V; of V_ay and of V_bx
 SEED = 2009
 
 
-def emitted(scalar: type[np.floating]) -> dict[str, write.Emitted]:
-    """Return the files of hall_position and hall_position_three in a scalar type, by folder."""
-    return {name: _emitted(name, scalar) for name in shipped.PLACES}
+def recording(name: str, scalar: type[np.floating]) -> dict[str, Numbers]:
+    """Return the inputs (N,) of an estimator's test vectors, V."""
+    V = motions.noisy(shipped.array(name), way(), SEED)
+    V[BAD, 0, 1] = OUT
+    V[LOST, 1, 0] = OUT
+    return motions.named(V.astype(scalar))
 
 
-def _emitted(name: str, scalar: type[np.floating]) -> write.Emitted:
-    block, error = shipped.block(name), estimator.SURROGATE_ERROR[scalar]
-    files = write.emit(block, scalar, {"design": design(name)}, error=error)
-    given = motions.named(measured(shipped.array(name)))
-    answered = host.load(files.files, files.manifest).replay(given)
-    text = vectors.document({n: v.astype(scalar) for n, v in given.items()}, answered.outputs, answered.faults)
-    return replace(files, files={**files.files, "vectors.json": text})
-
-
-def measured(array: Array) -> Numbers:
-    """Return the voltages (N, sensors, 2) of the test vectors, V."""
-    found = motions.noisy(array, way(), SEED)
-    found[BAD, 0, 1] = OUT
-    found[LOST, 1, 0] = OUT
-    return found
+def of_three(inputs: Mapping[str, Any], outputs: Mapping[str, Any]) -> dict[str, Numbers]:
+    """Return those of three sensors beside `inputs` of two, in their scalar type."""
+    return recording(shipped.THREE, inputs["V_ax"].dtype.type)
 
 
 def way() -> Pose:
@@ -56,7 +45,7 @@ def way() -> Pose:
     return Pose(**{name: START[name] + WAY[name] * along for name in START})
 
 
-def design(name: str) -> dict[str, Any]:
+def gains(name: str, scalar: type[np.floating]) -> dict[str, Any]:
     """Return what gains.json says of an estimator: model, sensors, tuning, and where the numbers are from."""
     array = shipped.array(name)
     return {
