@@ -3,20 +3,16 @@
     V_ax, V_ay, V_bx .. --->[ guard ]---> <name>_held ---> [ estimator ]---> X, Y, yaw, their deviations, flags
                                |------- complete -------------^
 
-A sample begins at the predicted pose, whose sines and cosines are computed once, and corrections follow. The damping
-holds to the prediction what the voltages do not tell: two sensors lose rank at places. There the estimate goes on as it
-did in one direction for as long as the place is passed, and is `damped`.
+The damping holds to the predicted pose what the voltages do not tell: two sensors lose rank at places, where the
+estimate goes on as it did in one direction and is `damped`.
 
-`valid` is an estimate that has converged, is not damped, leaves residuals as small as the field's model does, is no
-motion that a body cannot make, and rests on measurements that are all accepted, or on the others where there are more
-than two sensors. Its place is certain, as no other within a window of yaws has the same voltages, and has never been
-lost since. Positions are absolute in a pitch, and count pitches on from where `init` puts them; a body that has left
-the pitches that are counted, or the yaws that are declared, is not valid again until then. The voltages are the same
-when everything is turned by 90 degrees about a strong block, so that the yaw is known to a quarter turn; it goes on
-from the last one.
+`valid` is an estimate that has converged, is not damped, has neither a residual fault nor a sudden motion, and rests on
+measurements that are all accepted, or on the others with more than two sensors. Its place is certain and has never been
+lost since. Positions count pitches on from where `init` puts them; a body that has left the pitches that are counted,
+or the yaws that are declared, is not valid again until then. The voltages are the same when everything is turned by 90
+degrees about a strong block: the yaw is known to a quarter turn, and goes on from the last one.
 
-Deviations are those of a body at rest, from the normal equations: deviation^2 (H'W H + damping)^-1, where the yaw is
-damped as the phases are: more damping makes none of them smaller.
+Deviations are those of a body at rest, deviation^2 (H'W H + damping)^-1, where the yaw is damped as the phases are.
 
 Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 3.B, Fig. 9.
 """

@@ -13,10 +13,7 @@ from synth.blocks.glsdc import Vector
 from synth.signals import Signal
 
 PATIENCE = 5  # samples
-STEPS = {
-    "x": -2 * pi * (1 - 0.7548776662466927),
-    "y": -2 * pi * (1 - 0.5698402909980532),
-}  # downwards: one end is passed
+PARTS = {"x": 0.7548776662466927, "y": 0.5698402909980532}  # of a pitch: 1/g, 1/g^2
 ASTRAY = Signal("astray", "1", 0, PATIENCE, "samples in a row with large residuals")
 SEARCHING = Signal("searching", "1", 0, 1, "its place is not known")
 RESTARTED = Signal("restarted", "1", 0, 1, "it has looked for its place again")
@@ -50,8 +47,8 @@ def unless_held(residual_fault: ca.SX, names: tuple[str, ...], at: Vector, x: Ex
 def phases(again: ca.SX, pose: Exprs, x: Exprs) -> dict[str, ca.SX]:
     """Return the next phases and starts: those of the pose, or of the next start."""
     next: dict[str, ca.SX] = {}
-    for axis, step in STEPS.items():
-        start = x[f"start_{axis}"] + step
+    for axis, part in PARTS.items():
+        start = x[f"start_{axis}"] + -2 * pi * (1 - part)  # downwards: one end is passed
         start = ca.if_else(start < -pi, start + 2 * pi, start)
         next[f"start_{axis}"] = ca.if_else(again, start, x[f"start_{axis}"])
         next[f"phase_{axis}"] = ca.if_else(again, start, pose[f"phase_{axis}"])

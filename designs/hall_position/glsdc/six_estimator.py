@@ -1,19 +1,10 @@
 """Pose in all six degrees of freedom from the voltages of four or more two-axis Hall sensors: GLSDC.
 
-    V_ax, V_ay, .. V_dy --->[ guard ]---> <name>_held ---> [ estimator ]---> X, Y, Z, roll, pitch, yaw, ..
-                               |------- complete -------------^                deviations and flags
-
-A sample begins where the last motion leads, motion <- motion + follow * correction, and is corrected by one Jacobian.
-The damping holds to that what the voltages do not tell; the estimate is `damped` there. With a fifth sensor a sensor of
-which a voltage is refused is left out, and the others tell the pose.
-
-`valid` is an estimate that has converged, is not damped, leaves residuals as small as the field's model does, is no
-motion that a body cannot make, lies within the gap and the tilts of the tuning, and rests on measurements that are
-accepted. A body whose residuals are larger goes on as before; after PATIENCE samples of that it is searched: every
-PATIENCE samples begin elsewhere in the pitch, level, at the height and with the last yaw that was known. Pitches then
-count from 0.
-
-Deviations are those of a body at rest, deviation^2 (H'H + damping)^-1, by the Jacobian where the sample begins.
+It works as `estimator` does, with one Jacobian a sample. With a fifth sensor a sensor of which a voltage is refused is
+left out. `valid` is an estimate that has converged, is not damped, has neither a residual fault nor a sudden motion,
+lies within the gap and the tilts of the tuning, and rests on measurements that are accepted. After PATIENCE faults in a
+row the body is searched: every PATIENCE samples begin elsewhere in the pitch, level, at the height and with the last
+yaw that was known. Pitches then count from 0. Deviations are those of the Jacobian where the sample begins.
 
 Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 3, Fig. 6 (b) and Fig. 9.
 """

@@ -129,30 +129,36 @@ def correct(pose: Exprs, sensors: Sequence[Sensor], of: Problem, named: Named) -
     body = attitude(heading, pose["roll"], pose["pitch"])
     places = [_place(s, body) for s in sensors]
     phases = [[phasor.reduced(pose[POSE[i]] + o[i], of.halvings, "phase_part", named) for i in (0, 1)] for o in places]
-    residuals: list[ca.SX] = []
-    rows: list[Vector] = []
-    for s, o, along in zip(sensors, places, phases, strict=True):
-        decay = ca.exp(-(pose["rise"] + o[2]))
-        x, y = (_waves(p, decay) for p in along)
-        residuals += _residuals(s, _flux(s, x, y), body)
-        rows += _rows(s, x, y, body)
+    seen = _waves_at(sensors, places, phases, pose["rise"])
+    first = [e for s, x, y in seen for e in _residuals(s, _flux(s, x, y), body)]
+    rows = [row for s, x, y in seen for row in _rows(s, x, y, body)]
 
-    def displaced(i: int, at: Vector) -> Vector:
+    def residuals(i: int, at: Vector) -> Vector:
         if not i:
-            return residuals
+            return first
         by = dict(zip(POSE, at, strict=True))
         turned = attitude(heading.times(phasor.of(by["yaw"])), *(pose[n] + by[n] for n in ("roll", "pitch")))
-        e: list[ca.SX] = []
-        for s, begun, along in zip(sensors, places, phases, strict=True):
-            o = _place(s, turned)
-            decay = ca.exp(-(pose["rise"] + by["rise"] + o[2]))
-            turns = (phasor.of(clip(at[i] + (o[i] - begun[i]), of.turn)) for i in (0, 1))
-            x, y = (_waves(p.times(t), decay) for p, t in zip(along, turns, strict=True))
-            e += _residuals(s, _flux(s, x, y), turned)
-        return e
+        moved = [_place(s, turned) for s in sensors]
+        displaced = [
+            [p.times(phasor.of(clip(at[i] + (o[i] - begun[i]), of.turn))) for i, p in enumerate(along)]
+            for o, begun, along in zip(moved, places, phases, strict=True)
+        ]
+        seen = _waves_at(sensors, moved, displaced, pose["rise"] + by["rise"])
+        return [e for s, x, y in seen for e in _residuals(s, _flux(s, x, y), turned)]
 
     factors = glsdc.factorise(rows, of.damping, of.most)
-    return glsdc.descend(glsdc.fixed_jacobian(factors, rows, displaced, of.damping, named), of.descent)
+    return glsdc.descend(glsdc.fixed_jacobian(factors, rows, residuals, of.damping, named), of.descent)
+
+
+def _waves_at(
+    sensors: Sequence[Sensor], places: Sequence[Vector], phases: Sequence[Sequence[Phasor]], rise: ca.SX
+) -> list[tuple[Sensor, Waves, Waves]]:
+    """Return the sensors with the waves along X and Y that they see."""
+    seen = []
+    for s, o, (x, y) in zip(sensors, places, phases, strict=True):
+        decay = ca.exp(-(rise + o[2]))
+        seen.append((s, _waves(x, decay), _waves(y, decay)))
+    return seen
 
 
 def attitude(yaw: Phasor, by_x: ca.SX, by_y: ca.SX) -> Attitude:

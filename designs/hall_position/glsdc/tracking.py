@@ -1,23 +1,20 @@
 """Integrity monitor and tracker of (X, Y, yaw) from sample to sample: prediction, gates, lost sensors, restarts.
 
 A sample is predicted to move the body as the last one did, motion <- motion + follow * correction; of the yaw, which is
-damped more, by so much less. That decides where the voltages do not tell: two sensors that pass a place where they lose
-rank read the same on two ways out of it.
+damped more, by so much less. Two sensors that pass a place where they lose rank read the same on two ways out of it.
 
 A residual fault is a sample whose residuals exceed those of the field's model, or whose motion no body makes from a
 certain place. A body whose place was known then goes on as before. At the SUSPECT-th fault in a row, with more than two
 sensors, the one that differs most from its prediction is left out from then on, if the others differ by no more than
 the field's model and motions explain, and by CONTRAST times less than it, and if not all of them fit another place. If
 PATIENCE samples do not end it, the place is lost. As after `init`, it is searched until a sample converges: corrections
-are followed wherever they lead, and every PATIENCE samples begin elsewhere in the pitch, with the last certain yaw. An
-estimate that has `restarted`, as its place was certain and got lost, counts its pitches from anywhere, and may do so on
-a sensor that fails.
+are followed wherever they lead, and every PATIENCE samples begin elsewhere in the pitch, with the last certain yaw.
 
 Where two sensors lose rank, ways of like voltages cross, and a body that passes there may be followed on the wrong one
 for as long as the residuals do not tell. So a place is certain only when no other within a window of yaws has the same
 voltages, and stays so until a sample is damped. More than two sensors tell all places apart at such yaws; two do where
-the damping decides little, which is far enough from where ways cross. Of more, two that remain keep the place that is
-certain, but make none so: they need not be such a pair.
+the damping decides little, far enough from where ways cross. Of more, two that remain make no place certain: they need
+not be such a pair.
 """
 
 from dataclasses import dataclass
