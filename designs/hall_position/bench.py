@@ -5,6 +5,8 @@
     lost             motions whose voltages jump to those of elsewhere, so that the place is searched for
     refused          single voltages and runs of them, up to the latch
     shifted          samples of motions from states with phases and yaws of others: the end of every reach
+    vectors          what is committed: from `init` at rest, with three samples out of range, then across pitches with a
+                     yaw, and a voltage of another sensor that is out of range until the latch
     random, anew     states and voltages drawn anywhere, and samples of motions with some states drawn anew
     faults, edges    every input bad alone and all at once; every input on the last number accepted and on the next
     at ends, rare    of these, those that come to the end of a range, and those whose flags few others have
@@ -12,13 +14,14 @@
 A motion is what a closed loop makes the body do: the estimator moves nothing itself.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
 from designs.hall_position import random_steps, shipped
 from designs.hall_position.trust import motions
-from designs.hall_position.trust.motions import Numbers
+from designs.hall_position.trust.motions import Numbers, Pose
 from synth.errors import DesignError
 from synth.execute import host
 from synth.verify import steps
@@ -33,6 +36,9 @@ EACH, DRAWN, RARE = 1500, 4000, 1500  # steps of each kind
 EACH_END, NEAR = 40, 1e-5  # steps for an end of a range, and what is near it, of the range
 PERTURBED = 10, 1e-3  # how often, and how much of the range at most
 SEED = 1204
+VECTORS, REST, VECTORS_SEED = 1000, 200, 2009  # samples of the test vectors, of them at rest
+START, WAY = (0.011, 0.034, 0.03), (0.12, -0.09, -0.08)  # X, Y, yaw in m and rad: over two pitches in 1 s
+OUT, BAD, LOST = 9.0, slice(150, 153), slice(900, 910)  # V; of V_ay and of V_bx
 
 
 def replay(controller: host.Controller) -> Columns:
@@ -44,6 +50,26 @@ def replay(controller: host.Controller) -> Columns:
     V[(k > 7100) & (k < 7104), 1, 1] = -6.0
     V[k > 9500, 0, 0] = 9.0
     return motions.named(V)
+
+
+def recording(name: str, scalar: type[np.floating]) -> dict[str, Numbers]:
+    """Return the inputs (N,) of an estimator's test vectors, V."""
+    V = motions.noisy(shipped.array(name), way(), VECTORS_SEED)
+    V[BAD, 0, 1] = OUT
+    V[LOST, 1, 0] = OUT
+    return motions.named(V.astype(scalar))
+
+
+def of_three(inputs: Mapping[str, Any], outputs: Mapping[str, Any]) -> dict[str, Numbers]:
+    """Return those of three sensors beside `inputs` of two, in their scalar type."""
+    return recording(shipped.THREE, inputs["V_ax"].dtype.type)
+
+
+def way() -> Pose:
+    """Return the poses (N,) of the test vectors: at rest, then there without a jerk."""
+    part = np.clip((np.arange(VECTORS) - REST) / (VECTORS - REST), 0, 1)
+    along = part - np.sin(2 * np.pi * part) / (2 * np.pi)
+    return Pose(*(start + by * along for start, by in zip(START, WAY, strict=True)))
 
 
 def sequences(controller: host.Controller, progress: Callable[[str], None]) -> list[Steps]:
@@ -102,7 +128,7 @@ def _shifted(controller: host.Controller, pool: Steps) -> Steps:
 
 def _random(controller: host.Controller, name: str) -> Steps:
     """Return random steps as verification draws them."""
-    columns, inputs = random_steps.in_operation(random_steps.subject(name), DRAWN)
+    columns, inputs = random_steps.in_operation(shipped.subject(name), DRAWN)
     states = np.zeros(DRAWN, controller.state)
     for state, values in columns.items():
         states[state] = values

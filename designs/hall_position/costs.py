@@ -10,8 +10,8 @@ Needs the extra `target`.
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -43,8 +43,7 @@ COLUMNS = ("estimator", "build", "steps", "emitted C", "CasADi's C in float", "r
 SEED = 2_025  # a motion that takes within five of the most that thousands of steps do
 
 
-@dataclass(frozen=True)
-class Row:
+class Row(NamedTuple):
     """The most instructions of any of some steps, of the emitted C and of CasADi's, by one build."""
 
     estimator: str
@@ -54,8 +53,7 @@ class Row:
     rival: int
 
 
-@dataclass(frozen=True, eq=False)
-class Subject:
+class Subject(NamedTuple):
     """The emitted C of an estimator, CasADi's C of the same block, and the steps that both are given."""
 
     name: str
@@ -134,6 +132,6 @@ def section(rows: Sequence[Row]) -> page.Section:
     """Return the most instructions of a sample, beside those of CasADi's C, or why nothing was measured."""
     if not rows:
         return page.Section(TITLE, (page.Text(ABSENT),))
-    cells = tuple((r.estimator, r.build, r.steps, r.own, r.rival, f"{r.rival / r.own:.2f}") for r in rows)
+    cells = tuple((*r, f"{r.rival / r.own:.2f}") for r in rows)
     caption = "Most instructions a sample, emulated Cortex-M4F; instructions are not cycles"
     return page.Section(TITLE, (page.Table(caption, COLUMNS, cells, digits=6),))

@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from designs.hall_position import bench, page, recordings, reference_guard, shipped, verification
+from designs.hall_position import bench, page, reference_guard, shipped, verification
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.loop import experiments
 from designs.hall_position.paper import rows
@@ -16,9 +16,9 @@ DESIGN = stage.design(
     CONTROLLER.interface.plant,
     reference=partial(reference_guard.step, shipped.setup()),
     surrogate_error=estimator.SURROGATE_ERROR,
-    recording=lambda rig: recordings.recording(shipped.NAME, rig.controller.scalar),
-    gains=partial(recordings.gains, shipped.NAME),
-    companions=[Companion(THREE, recordings.of_three, partial(recordings.gains, shipped.THREE))],
+    recording=lambda rig: bench.recording(shipped.NAME, rig.controller.scalar),
+    gains=partial(shipped.gains, shipped.NAME),
+    companions=[Companion(THREE, bench.of_three, partial(shipped.gains, shipped.THREE))],
     verify=lambda of, progress, whole: verification.verify(progress, whole),
     simulate=lambda of, progress: experiments.run(progress),
     audit=lambda of: rows.rows(),

@@ -4,8 +4,11 @@ The field is that of the fabricated matrix at the sensors' height, by the blocks
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import asdict, dataclass, replace
 from types import MappingProxyType
+from typing import Any
+
+import numpy as np
 
 from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import channels, estimator
@@ -20,6 +23,7 @@ from synth.declaration import Controller
 from synth.emit.c import digits
 from synth.errors import DesignError
 from synth.plant import Plant
+from synth.signals import names
 from synth.stage import Sensor
 from synth.timing import Discrete
 
@@ -31,6 +35,16 @@ PLACES: Mapping[str, tuple[Pair, ...]] = MappingProxyType(
 )  # in pitches
 TUNING = Tuning()
 DIGITS = 6  # of the field, so that it is the same on every machine
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """An estimator that ships: its sensors, its Block, and the numbers of the reference."""
+
+    name: str
+    array: Array
+    block: Block
+    of: Setup
 
 
 def array(name: str = NAME, chain: Chain | None = None) -> Array:
@@ -64,20 +78,19 @@ def amplitudes() -> tuple[float, float]:
 def plant(of: Array) -> Plant:
     """Return the sensors on a body that moves over the field of (2)."""
     sensors = replace(hall_array.sensors(of.positions), volume=(0.0, 0.0, 0.0))
-    gain = sensors.chain.gain
-    waves = concentrated_field.fitted(
-        {1: of.alpha / gain, 5: of.beta / gain}, hall_array.HEIGHT, concentrated_field.values()
-    )
+    flux = {n: v / sensors.chain.gain for n, v in ((1, of.alpha), (5, of.beta))}
+    waves = concentrated_field.fitted(flux, hall_array.HEIGHT, concentrated_field.values())
     return hall_array.plant(sensors, waves, channels.voltages(len(of.positions)), TUNING.pitches * of.pitch)
 
 
 def controller(name: str = NAME) -> Controller:
     """Return the guarded estimator that ships under a name; raise DesignError for an unknown one."""
     of = array(name)
+    body = plant(of)
     around = stage.interface(
-        plant(of),
-        sensors=[Sensor(s.name) for s in channels.voltages(len(of.positions))],
-        disturbances=["speed_X", "speed_Y", "speed_yaw"],
+        body,
+        sensors=[Sensor(s.name) for s in body.outputs],
+        disturbances=names(body.inputs),
         bad_samples=channels.BAD_SAMPLES,
         reason=estimator.REASON,
     )
@@ -87,3 +100,25 @@ def controller(name: str = NAME) -> Controller:
 def block(name: str = NAME) -> Block:
     """Return the same as a Block."""
     return controller(name).block
+
+
+def subject(name: str) -> Subject:
+    """Return what ships under a name for comparison with the reference."""
+    return Subject(name, array(name), block(name), setup(name))
+
+
+def gains(name: str, scalar: type[np.floating]) -> dict[str, Any]:
+    """Return what gains.json says of an estimator: model, sensors, tuning, and where the numbers are from."""
+    of = array(name)
+    return {
+        "model": "B_X = alpha sin(w X) + beta sin(5 w X), B_Y likewise in Y: (2), for the fabricated matrix at 3 mm",
+        "alpha_V": of.alpha,
+        "beta_V": of.beta,
+        "pitch_m": of.pitch,
+        "deviation_V": of.deviation,
+        "positions_pitches": [list(place) for place in PLACES[name]],
+        "period_s": TIME.period_s,
+        "method": "modified Gaussian least squares differential correction (GLSDC), Fig. 9, a fixed number a sample",
+        "tuning": {k: digits.cut(v, 12) if isinstance(v, float) else v for k, v in asdict(TUNING).items()},
+        "bad_samples": channels.BAD_SAMPLES,
+    }

@@ -59,7 +59,7 @@ def looping(emitted: Emitted) -> Emitted:
 
 @GCC
 def test_a_loop_that_is_planted_shows_as_more() -> None:
-    found = costs.row(replace(subject(), own=rivals.emitted(looping(three()))), PLAIN)
+    found = costs.row(subject()._replace(own=rivals.emitted(looping(three()))), PLAIN)
     assert 4 * TURNS <= found.own - measured().own <= 10 * TURNS  # load, compare, branch, add, store
     assert found.rival == measured().rival
 
