@@ -220,36 +220,18 @@ def _gap(first: Stepped, second: Stepped, name: str) -> Numbers:
 
 def free_running(of: Subject, by: Witnesses, inputs: Columns) -> list[Check]:
     """Compare valid positions of the reference and of single precision, each on its own way, with those of the C."""
-    double = positions(by.c64, inputs)
-    ways = (
-        ("reference", _reference(of, inputs), suite.EXACT, 0.0),
-        ("c32", positions(by.c32, inputs), SINGLE, VALID_OTHERWISE),
+    start = {s.name: s.initial for s in of.block.states}
+    double, alone, single = (
+        agree.recorded(witness, start, inputs).outputs
+        for witness in (by.of["c64"], by.of["reference"], agree.emitted(by.c32))
     )
     checks = []
-    for name, found, limit, share in ways:
-        both = (found["valid"] > 0) & (double["valid"] > 0)
-        worst = max(float(np.abs(found[y] - double[y])[both].max(initial=0.0)) for y in ("X", "Y"))
-        unlike = float(np.mean(found["valid"] != double["valid"]))
+    for name, way, limit, share in (("reference", alone, suite.EXACT, 0.0), ("c32", single, SINGLE, VALID_OTHERWISE)):
+        both = (way["valid"] > 0) & (double["valid"] > 0)
+        worst = max(float(np.abs(way[y] - double[y])[both].max(initial=0.0)) for y in ("X", "Y"))
+        unlike = float(np.mean(way["valid"] != double["valid"]))
         about = f"{np.count_nonzero(both)} of {both.size} samples from init are valid"
         what = f"{of.name}, each its own way: {name} against c64"
         checks.append(Check(f"{what}, where valid", worst, limit, "m", about))
         checks.append(Check(f"{what}, valid unlike", unlike, share, "1"))
     return checks
-
-
-def positions(controller: host.Controller, inputs: Columns) -> dict[str, Numbers]:
-    """Return X, Y in m and `valid` (samples, bodies) from `init` over columns of inputs."""
-    return _stacked([batch.outputs for batch in ensemble.replayed(controller, inputs)])
-
-
-def _reference(of: Subject, inputs: Columns) -> dict[str, Numbers]:
-    samples, bodies = next(iter(inputs.values())).shape
-    now, outputs = {s.name: np.full(bodies, s.initial) for s in of.block.states}, []
-    for k in range(samples):
-        now, out, _ = reference_guard.step(of.of, now, {n: v[k] for n, v in inputs.items()})
-        outputs.append(out)
-    return _stacked(outputs)
-
-
-def _stacked(outputs: Sequence[Mapping[str, Numbers]]) -> dict[str, Numbers]:
-    return {n: np.array([out[n] for out in outputs], dtype=np.float64) for n in ("X", "Y", "valid")}

@@ -2,7 +2,7 @@
 
     minimise  J(d) = |V - h(q + d)|^2 + d' damping d
 
-    d_0 = 0;   J(d_i) <= J(best) + slack ?   yes: best = d_i, d_i+1 = d_i + scale * correction, within its bounds
+    d_0 = 0;   J(d_i) <= J(best) + slack ?   yes: best = d_i, d_i+1 = d_i + correction, within its bounds
                                              no:  d_i+1 = (best + d_i) / 2
 
 for any measurement model h and any number of unknowns: i = 0 .. n-1, so that J is computed n times whatever the
@@ -14,8 +14,7 @@ factorised without pivots:
 
     N = H'H + damping = L D L',    D_j >= damping_j,    |L_ij| <= (N_ii / damping_j)^(1/2)
 
-What remains of N when unknowns are eliminated is never less than the damping, and no entry of L exceeds the root: both
-are enforced, which changes nothing but what rounding does, and bounds all that follows.
+Both inequalities hold but for rounding; they are enforced, which bounds all that follows.
 
 Sources: Golub, Van Loan, "Matrix Computations", section 4.1 (LDL'); Kawato, Kim, "Multi-Degree-of-Freedom Precision
 Position Sensing", Fig. 9.
@@ -132,11 +131,11 @@ class Factorised:
 
     @property
     def decrease(self) -> ca.SX:
-        """See `Normal`."""
+        """gradient' N^-1 gradient."""
         return total(z**2 * d for z, d in zip(self.forward, self.factors.inverse, strict=True))
 
     def solve(self, choose: Choose) -> list[ca.SX]:
-        """See `Normal`; from the last unknown on."""
+        """Return where the gradient leads, from the last unknown on."""
         n = len(self.forward)
         ends, moved = [ca.SX(0)] * n, [ca.SX(0)] * n
         for i in reversed(range(n)):

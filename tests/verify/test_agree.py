@@ -41,3 +41,18 @@ def test_one_floor_for_all_hides_what_an_output_of_small_range_does() -> None:
 def test_a_floor_that_does_not_fit_is_refused(floor: agree.Floor, words: str) -> None:
     with pytest.raises(SignalError, match=words):
         worst(floor)
+
+
+def test_copies_that_run_side_by_side_are_as_each_alone() -> None:
+    def integrate(states: agree.Columns, inputs: agree.Columns) -> agree.Stepped:
+        total = states["total"] + inputs["u"]
+        return agree.Stepped({"y": 2 * total}, {"total": total}, (total > 1).astype(np.uint32))
+
+    u = np.random.default_rng(0).uniform(-1, 1, (20, 3))
+    together = agree.recorded(integrate, {"total": 0.5}, {"u": u})
+    assert together.outputs["y"].shape == together.faults.shape == u.shape
+    for k in range(3):
+        alone = agree.recorded(integrate, {"total": 0.5}, {"u": u[:, k]})
+        np.testing.assert_array_equal(together.outputs["y"][:, k], alone.outputs["y"])
+        np.testing.assert_array_equal(together.faults[:, k], alone.faults)
+        assert together.states["total"][k] == alone.states["total"][0]

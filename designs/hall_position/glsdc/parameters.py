@@ -10,18 +10,9 @@ from math import hypot, inf, pi, radians, sqrt
 
 from synth import numeric
 from synth.errors import ModelError
+from synth.numeric import between
 
 Pair = tuple[float, float]
-WHOLE = ("iterations", "pitches")  # of a tuning
-RANGES = {  # of the other numbers, above the first and at most the second
-    **dict.fromkeys(("scale", "damping", "reach", "settled"), (0, 1)),
-    **dict.fromkeys(("surprise", "residual"), (0, inf)),
-    **dict.fromkeys(("leaning", "certain"), (0, 3)),
-    **dict.fromkeys(("turn", "yaw"), (0, pi)),
-    "iterations": (1, 20),
-    "firm": (0, 100),
-    "pitches": (1, 1000),
-}
 
 
 @dataclass(frozen=True)
@@ -96,22 +87,22 @@ class Tuning:
     Raises ModelError for a figure that is out of its range.
     """
 
-    iterations: int = 5  # a sample
-    scale: float = 1.0  # of each correction
-    damping: float = 1e-3  # of alpha^2, of phases from the prediction
-    firm: float = 5.0  # times as much the yaw is damped, by what it moves the sensors on an average
-    reach: float = 1.0  # rad of phase by which a sample may move a sensor, half of it by the yaw
+    iterations: int = between(1, 5, 20)  # a sample
+    scale: float = between(0, 1.0, 1)  # of each correction
+    damping: float = between(0, 1e-3, 1)  # of alpha^2, of phases from the prediction
+    firm: float = between(0, 5.0, 100)  # times as much the yaw is damped, by what it moves the sensors
+    reach: float = between(0, 1.0, 1)  # rad of phase by which a sample may move a sensor, half of it by the yaw
     follow: float = 0.5  # part of a correction by which the next motion is predicted to differ; 0: none is predicted
-    settled: float = 0.1  # standard deviations: a smaller correction has converged
-    leaning: float = 0.15  # parameters that the damping may decide instead of the voltages, else `damped`
-    surprise: float = 3.0  # deviations of motions: more is no motion of a body
-    residual: float = 0.1  # V rms up to which residuals are those of the field's model
-    pitches: int = 8  # to either side up to which positions are counted
-    certain: float = 0.004  # parameters that the damping may decide at a certain place of two sensors
-    turn: float = radians(5)  # rad of yaw from the last certain place, within which two sensors tell places apart
-    yaw: float = radians(10)  # rad up to which a place is valid
+    settled: float = between(0, 0.1, 1)  # standard deviations: a smaller correction has converged
+    leaning: float = between(0, 0.15, 3)  # parameters that the damping may decide; else `damped`
+    surprise: float = between(0, 3.0, inf)  # deviations of motions: more is no motion of a body
+    residual: float = between(0, 0.1, inf)  # V rms up to which residuals are those of the field's model
+    pitches: int = between(1, 8, 1000)  # to either side up to which positions are counted
+    certain: float = between(0, 0.004, 3)  # parameters that it may decide at a certain place of two sensors
+    turn: float = between(0, radians(5), pi)  # rad from the last certain yaw: there two sensors tell places apart
+    yaw: float = between(0, radians(10), pi)  # rad up to which a place is valid
 
     def __post_init__(self) -> None:
-        numeric.check_fields(self, RANGES, WHOLE)
+        numeric.check_fields(self)
         if not 0 <= numeric.number("follow", self.follow) <= 1:
             raise ModelError(f"follow is {self.follow}: it must be at least 0 and at most 1")

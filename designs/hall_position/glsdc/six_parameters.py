@@ -14,18 +14,9 @@ from math import inf, pi, sqrt
 
 from synth import numeric
 from synth.errors import ModelError
+from synth.numeric import between
 
 Triple = tuple[float, float, float]
-WHOLE = ("corrections", "pitches")  # of a tuning
-RANGES = {  # of the other numbers, above the first and at most the second
-    **dict.fromkeys(("damping", "reach", "follow", "settled"), (0, 1)),
-    **dict.fromkeys(("surprise", "residual"), (0, inf)),
-    "corrections": (1, 20),
-    "leaning": (0, 6),
-    "pitches": (1, 1000),
-    "gap": (0, 2e-3),
-    "tilt": (0, 0.05),
-}
 FEWEST = 3  # sensors of two axes for six unknowns
 
 
@@ -87,17 +78,17 @@ class Tuning:
     Raises ModelError for a figure that is out of its range.
     """
 
-    corrections: int = 4  # a sample, all by the Jacobian where it begins
-    damping: float = 1e-4  # of alpha^2
-    reach: float = 0.5  # rad of phase
-    follow: float = 0.5  # part of a correction
-    settled: float = 0.1  # standard deviations
-    leaning: float = 0.15  # parameters
-    surprise: float = 3.0  # deviations of motions
-    residual: float = 0.02  # V rms
-    gap: float = 1e-3  # m from the height within which Z is valid
-    tilt: float = 0.02  # rad within which roll and pitch are valid
-    pitches: int = 8
+    corrections: int = between(1, 4, 20)  # a sample, all by the Jacobian where it begins
+    damping: float = between(0, 1e-4, 1)  # of alpha^2
+    reach: float = between(0, 0.5, 1)  # rad of phase
+    follow: float = between(0, 0.5, 1)  # part of a correction
+    settled: float = between(0, 0.1, 1)  # standard deviations
+    leaning: float = between(0, 0.15, 6)  # parameters
+    surprise: float = between(0, 3.0, inf)  # deviations of motions
+    residual: float = between(0, 0.02, inf)  # V rms
+    gap: float = between(0, 1e-3, 0.002)  # m from the height within which Z is valid
+    tilt: float = between(0, 0.02, 0.05)  # rad within which roll and pitch are valid
+    pitches: int = between(1, 8, 1000)
 
     def __post_init__(self) -> None:
-        numeric.check_fields(self, RANGES, WHOLE)
+        numeric.check_fields(self)

@@ -204,8 +204,9 @@ def test_own_ways_that_part_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     inputs = random_steps.along_motions(of, SIZES["motions"])
     names = failed(verification.free_running(of, wrong_in_single(), inputs))
     assert any("c32" in name for name in names) and not any("reference" in name for name in names)
-    other = replace(of, of=of.of.but(deviation=1.5 * of.of.deviation, beta=1.0001 * of.of.beta))
-    assert any("reference" in name for name in failed(verification.free_running(other, sound(), inputs)))
+    other = partial(reference_guard.step, of.of.but(deviation=1.5 * of.of.deviation, beta=1.0001 * of.of.beta))
+    by = replace(sound(), of={**sound().of, "reference": agree.reference(other)})
+    assert any("reference" in name for name in failed(verification.free_running(of, by, inputs)))
 
 
 def test_motions_cross_pitches_turn_around_and_latch() -> None:
@@ -213,7 +214,8 @@ def test_motions_cross_pitches_turn_around_and_latch() -> None:
     inputs = random_steps.along_motions(of, SIZES["motions"])
     bodies = SIZES["motions"] // n
     assert inputs["V_ax"].shape == (n, bodies)
-    found = verification.positions(sound().c64, inputs)
+    start = {s.name: s.initial for s in of.block.states}
+    found = agree.recorded(sound().of["c64"], start, inputs).outputs
     valid = found["valid"] > 0
     known = np.where(valid, found["X"], -np.inf).max(axis=0) - np.where(valid, found["X"], np.inf).min(axis=0)
     assert known.max() > 2 * of.array.pitch and np.mean(valid) > 0.2
