@@ -1,7 +1,9 @@
-"""Voltages of two-axis sensors behind their guard, sensors left out, residuals, and the flags of an estimate."""
+"""Voltages of two-axis sensors behind their guard, sensors left out, residuals, and the outputs of an estimate."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import reduce
+from math import pi
 from string import ascii_lowercase
 
 import casadi as ca
@@ -17,18 +19,27 @@ SPAN = 5.0  # V, of the converter
 BAD_SAMPLES = 5
 LEAST = 1e-30  # V^2, in a root: squares are not below 0, which is not seen of products that may not be rounded
 COMPLETE = Signal("complete", "1", 0, 1, "every measurement is good")
-RESIDUAL = Signal("residual", "V", 0, 1e3, "root mean square by degrees of freedom")
 
 
-def flags(damped: str, valid: str, restarted: str) -> tuple[Signal, ...]:
-    """Return the flags of an estimate by what they mean."""
-    abouts = {
-        "converged": "the last correction is small, and none has raised the cost",
-        "damped": damped,
-        "valid": valid,
-        "restarted": restarted,
-    }
-    return tuple(Signal(name, "1", 0, 1, about) for name, about in abouts.items())
+def outputs(names: Sequence[str], far: float, loose: float, flags: Mapping[str, str]) -> list[Signal]:
+    """Return a pose up to `far`, its standard deviations up to `loose`, m, the residual, and flags by their meaning."""
+    pose = [_coordinate(name, far) for name in names]
+    noise = "standard deviation by the noise of the voltages"
+    return [
+        *pose,
+        *(Signal(f"deviation_{s.name}", s.unit, 0, loose if s.unit == "m" else 1, noise) for s in pose),
+        Signal("residual", "V", 0, 1e3, "root mean square by degrees of freedom"),
+        Signal("converged", "1", 0, 1, "the last correction is small, and none has raised the cost"),
+        *(Signal(name, "1", 0, 1, about) for name, about in flags.items()),
+    ]
+
+
+def _coordinate(name: str, far: float) -> Signal:
+    if name in "XY":
+        return Signal(name, "m", -far, far, "of the body's origin over the matrix")
+    if name == "Z":
+        return Signal(name, "m", 0, 1, "of the body's origin above the matrix")
+    return Signal(name, "rad", -pi, pi, "of the body over the matrix")
 
 
 def voltages(sensors: int) -> tuple[Signal, ...]:

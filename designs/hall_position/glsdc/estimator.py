@@ -17,8 +17,6 @@ Deviations are those of a body at rest, deviation^2 (H'W H + damping)^-1, where 
 Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 3.B, Fig. 9.
 """
 
-from math import pi
-
 import casadi as ca
 import numpy as np
 
@@ -37,11 +35,12 @@ LOOSE = 1e4  # m: 1e-3 is never exceeded, but intervals do not see what is equal
 USUAL = Tuning()
 # Relative, of polynomials: a sine that is wrong by 3e-7 is a position that is wrong by 3 nm.
 SURROGATE_ERROR: dict[type[np.floating], float] = {np.float32: 3e-7, np.float64: 1e-15}
-FLAGS = channels.flags(
-    "the voltages do not tell all of the position",
-    "converged, place certain and never lost, not damped, astray or sudden, inputs accepted",
-    "its place has been lost, or left what is declared: pitches are not known, and nothing is valid until init",
-)
+FLAGS = {
+    "damped": "the voltages do not tell all of the position",
+    "valid": "converged, place certain and never lost, not damped, astray or sudden, inputs accepted",
+    "restarted": "its place has been lost, or left what is declared: pitches are not known, and nothing is valid until "
+    "init",
+}
 
 
 def guarded(array: Array, time: Discrete, tuning: Tuning = USUAL, name: str = "hall_position") -> Block:
@@ -86,19 +85,8 @@ def estimator(array: Array, time: Discrete, tuning: Tuning = USUAL) -> Block:
 
 def _outputs(array: Array, tuning: Tuning) -> list[Signal]:
     far = (tuning.pitches + 2) * array.pitch + sum(map(abs, array.centre))
-    noise = "standard deviation by the noise of the voltages"
-    return [
-        *(Signal(axis, "m", -far, far, "of the body's origin over the matrix") for axis in "XY"),
-        Signal("yaw", "rad", -pi, pi, "of the body over the matrix"),
-        *(Signal(f"deviation_{a}", "m", 0, LOOSE, noise) for a in "XY"),
-        Signal("deviation_yaw", "rad", 0, 1, noise),
-        *(channels.RESIDUAL, *FLAGS),
-        *([_left_out(array)] if tracking.is_redundant(array) else []),
-    ]
-
-
-def _left_out(array: Array) -> Signal:
-    return Signal("without", "1", 0, len(array.positions), "number of the sensor that is left out")
+    outputs = channels.outputs(("X", "Y", "yaw"), far, LOOSE, FLAGS)
+    return [*outputs, tracking.left_out_number(array)] if tracking.is_redundant(array) else outputs
 
 
 def _lever(heading: Phasor, yaw: ca.SX, array: Array, named: Named) -> Phasor:

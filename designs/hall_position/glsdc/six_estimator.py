@@ -34,11 +34,11 @@ USUAL = Tuning()
 SURROGATE_ERROR: dict[type[np.floating], float] = {np.float32: 2e-7, np.float64: 1e-15}
 MOTION = tuple(f"motion_{name}" for name in POSE)
 OUTPUTS = ("X", "Y", "Z", "roll", "pitch", "yaw")
-FLAGS = channels.flags(
-    "the voltages do not tell all of the pose",
-    "converged, neither damped, astray nor sudden, inputs accepted, in its ranges",
-    "has looked for its place again: pitches are not known any more",
-)
+FLAGS = {
+    "damped": "the voltages do not tell all of the pose",
+    "valid": "converged, neither damped, astray nor sudden, inputs accepted, in its ranges",
+    "restarted": "has looked for its place again: pitches are not known any more",
+}
 
 
 class NextState(NamedTuple):
@@ -91,7 +91,7 @@ def estimator(array: Array, time: Discrete, tuning: Tuning = USUAL) -> Block:
         time,
         law,
         inputs=channels.held(len(array.positions), redundant),
-        outputs=_outputs(array, tuning),
+        outputs=channels.outputs(OUTPUTS, (tuning.pitches + 2) * array.pitch, 1, FLAGS),
         states=_states(of),
         constants=[Constant("alpha", array.alpha, "V", "fundamental"), Constant("beta", array.beta, "V", "5th wave")],
         tag="GLSDC, Fig. 9",
@@ -110,18 +110,6 @@ def _check_places(array: Array) -> None:
             f"{len(places)} sensors at {len(set(places))} places leave fewer than {ENOUGH} of these after the loss "
             "of one: give each a place of its own"
         )
-
-
-def _outputs(array: Array, tuning: Tuning) -> list[Signal]:
-    far = (tuning.pitches + 2) * array.pitch
-    about = "standard deviation by the noise of the voltages"
-    return [
-        *(Signal(axis, "m", -far, far, "of the body's origin over the matrix") for axis in "XY"),
-        Signal("Z", "m", 0, 1, "of the body's origin above the matrix"),
-        *(Signal(name, "rad", -pi, pi, "of the body over the matrix") for name in OUTPUTS[3:]),
-        *(Signal(f"deviation_{name}", "m" if name in "XYZ" else "rad", 0, 1, about) for name in OUTPUTS),
-        *(channels.RESIDUAL, *FLAGS),
-    ]
 
 
 def _states(of: Problem) -> list[State]:

@@ -31,6 +31,7 @@ from synth.blocks.glsdc import Descent, Factorised, Named, Solution, Vector, dot
 from synth.signals import Signal
 
 POSE = ("phase_x", "phase_y", "rise", "roll", "pitch", "yaw")
+Waves = tuple[Phasor, Phasor]  # fundamental and 5th wave along an axis, times their decay
 SLACK = 0.01  # of deviation^2: so much a cost may rise, by rounding
 STEP = 0.25  # of the ranges of rise and tilts: by no more do these change in a sample
 
@@ -69,14 +70,6 @@ class Sensor:
     volts: tuple[ca.SX, ca.SX]
     alpha: ca.SX
     beta: ca.SX
-
-
-@dataclass(frozen=True, eq=False)
-class Waves:
-    """Fundamental and 5th wave along an axis, times their decay."""
-
-    first: Phasor
-    fifth: Phasor
 
 
 def problem(array: Array, tuning: Tuning) -> Problem:
@@ -189,14 +182,14 @@ def _waves(of: Phasor, decay: ca.SX) -> Waves:
     s, c = decay * of.sine, decay * of.cosine
     p, q = s**2, c**2
     both = 10 * p * q
-    return Waves(Phasor(c, s), Phasor(c * (q**2 - both + 5 * p**2), s * (p**2 - both + 5 * q**2)))
+    return Phasor(c, s), Phasor(c * (q**2 - both + 5 * p**2), s * (p**2 - both + 5 * q**2))
 
 
 def _flux(of: Sensor, x: Waves, y: Waves) -> Vector:
     """Return B, V."""
-    along = [of.alpha * axis.first.sine + of.beta * axis.fifth.sine for axis in (x, y)]
-    up = of.alpha * (x.first.cosine + y.first.cosine) + of.beta * (x.fifth.cosine + y.fifth.cosine)
-    return along[0], along[1], up
+    along = [of.alpha * first.sine + of.beta * fifth.sine for first, fifth in (x, y)]
+    up = of.alpha * (x[0].cosine + y[0].cosine) + of.beta * (x[1].cosine + y[1].cosine)
+    return *along, up
 
 
 def _residuals(of: Sensor, B: Vector, body: Attitude) -> list[ca.SX]:
@@ -207,8 +200,8 @@ def _residuals(of: Sensor, B: Vector, body: Attitude) -> list[ca.SX]:
 def _rows(of: Sensor, x: Waves, y: Waves, body: Attitude) -> tuple[Vector, Vector]:
     """Return the Jacobian's rows of u and v, (6,) each, V by rad."""
     B, fifth = _flux(of, x, y), 5 * of.beta
-    f = [of.alpha * w.first.sine + fifth * w.fifth.sine for w in (x, y)]
-    g = [of.alpha * w.first.cosine + fifth * w.fifth.cosine for w in (x, y)]
+    f = [of.alpha * w[0].sine + fifth * w[1].sine for w in (x, y)]
+    g = [of.alpha * w[0].cosine + fifth * w[1].cosine for w in (x, y)]
     first, second, _ = body.axes
     p, r = (
         (g[0] * e[0] - f[0] * e[2], g[1] * e[1] - f[1] * e[2], -f[0] * e[0] - f[1] * e[1] - (g[0] + g[1]) * e[2])

@@ -68,7 +68,7 @@ class NextState:
 
 def states(of: Problem) -> list[State]:
     """Return what is remembered."""
-    n, sensors = of.tuning.pitches, len(of.array.positions)
+    n = of.tuning.pitches
     reals = [Signal(f"phase_{a}", "rad", -pi, pi, "of the sensors' centre in its pitch") for a in AXES]
     reals += [Signal("yaw", "rad", -pi, pi, "of the last sample")]
     reals += [Signal("yaw_known", "rad", -pi, pi, "of the last sample whose place was certain")]
@@ -81,7 +81,7 @@ def states(of: Problem) -> list[State]:
     counts += [Signal("certain", "1", 0, 1, "no other place has the same voltages")]
     counts += [Signal("placed", "1", 0, 1, "its place has been certain"), restarts.RESTARTED]
     if is_redundant(of.array):
-        counts += [Signal("without", "1", 0, sensors, "number of the sensor that is left out")]
+        counts += [left_out_number(of.array)]
     return restarts.states(reals, counts)
 
 
@@ -93,6 +93,11 @@ def predict(x: Exprs, of: Problem) -> Exprs:
 def is_redundant(array: Array) -> bool:
     """Return whether one sensor can be left out."""
     return len(array.positions) > 2
+
+
+def left_out_number(array: Array) -> Signal:
+    """Return the number of the sensor that is left out, 0 for none."""
+    return Signal("without", "1", 0, len(array.positions), "number of the sensor that is left out")
 
 
 def left_out(array: Array, u: Exprs, x: Exprs) -> Vector | None:
