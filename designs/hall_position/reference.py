@@ -121,10 +121,13 @@ def step(of: Setup, state: Columns, volts: Array, refused: Array) -> tuple[dict[
     inverse = np.linalg.inv(np.linalg.qr(glsdc.damped(last.H, damping(of)))[1])
     judged = judge(of, state, last, start[:, 2] + end[:, 2], freedom, inverse, converged, (weights > 0).sum(axis=1))
     end = np.where((judged.fault & (state["searching"] == 0))[:, None], 0.0, end)
-    counted, turned, limit = extent(of, state, start + end)
+    pose = locate(of, state, start + end)
+    counted = np.all([np.abs(pose[f"pitch_{a}"]) <= of.pitches for a in "xy"], axis=0)
+    limit = of.yaw if is_redundant(of) else min(of.yaw, of.turn / 2)  # two sensors tell places apart within `turn`
+    turned = np.abs(pose["yaw"])
     inside = counted & (turned <= limit)
     certain = (judged.unambiguous & complete & inside) | ((state["certain"] > 0) & ~judged.damped)
-    pose, next = advance(of, state, start + end, judged, converged, certain, fits[0].each)
+    next = advance(of, state, pose, judged, converged, certain, fits[0].each)
     left = ~(counted & (turned <= np.where(certain, limit, 2 * limit)))
     next["restarted"] = np.maximum(next["restarted"], (state["placed"] > 0) & left)
     if of.follow:
@@ -156,16 +159,22 @@ def judge(
     return Judgement(fault, inconsistent, damped, good, good & ~searching & alone)
 
 
-def advance(
-    of: Setup, state: Columns, pose: Array, judged: Judgement, converged: Array, certain: Array, each: Array
-) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Return where the bodies are, and the next states."""
-    fault, found = judged.fault, {"yaw": wrap(pose[:, 2])[0]}
+def locate(of: Setup, state: Columns, at: Array) -> dict[str, Array]:
+    """Return phases, pitches and yaws of bodies at (N, 3)."""
+    pose = {"yaw": wrap(at[:, 2])[0]}
     for i, axis in enumerate("xy"):
-        phase, turns = wrap(2 * pi / of.pitch * pose[:, i])
-        found |= {f"phase_{axis}": phase, f"pitch_{axis}": state[f"pitch_{axis}"] + turns}
-    restarted, again = glsdc.restart(state, fault, found)
-    next = found | restarted
+        phase, turns = wrap(2 * pi / of.pitch * at[:, i])
+        pose |= {f"phase_{axis}": phase, f"pitch_{axis}": state[f"pitch_{axis}"] + turns}
+    return pose
+
+
+def advance(
+    of: Setup, state: Columns, pose: Columns, judged: Judgement, converged: Array, certain: Array, each: Array
+) -> dict[str, Array]:
+    """Return the next states of bodies at a pose."""
+    fault = judged.fault
+    restarted, again = glsdc.restart(state, fault, pose)
+    next = dict(pose) | restarted
     if is_redundant(of):
         others, sensors = np.sort(each, axis=1)[:, :-1].sum(axis=1), each.shape[1] - 1
         expected = of.residual**2 + (of.surprise * of.deviation) ** 2 / of.damping
@@ -175,30 +184,17 @@ def advance(
     next["searching"] = np.where(again, 1, np.where(converged & ~fault, 0, state["searching"]))
     next |= {"restarted": np.maximum(state["restarted"], again & (state["placed"] > 0))}
     next |= {"placed": np.maximum(certain, state["placed"]), "certain": certain & ~again}
-    next |= {"yaw": np.where(again, state["yaw_known"], found["yaw"])}
-    next |= {"yaw_known": np.where(certain & ~fault, found["yaw"], state["yaw_known"])}
-    next |= {f"pitch_{a}": np.clip(found[f"pitch_{a}"], -of.pitches, of.pitches) for a in "xy"}
-    return found, next
+    next |= {"yaw": np.where(again, state["yaw_known"], pose["yaw"])}
+    next |= {"yaw_known": np.where(certain & ~fault, pose["yaw"], state["yaw_known"])}
+    return next | {f"pitch_{a}": np.clip(pose[f"pitch_{a}"], -of.pitches, of.pitches) for a in "xy"}
 
 
-def extent(of: Setup, state: Columns, pose: Array) -> tuple[Array, Array, float]:
-    """Return whether the pitches of poses (N, 3) are counted, how far they are turned, and up to where they are valid.
-
-    Two sensors tell places apart within `turn`.
-    """
-    counted = np.ones(len(pose), bool)
-    for i, axis in enumerate("xy"):
-        _, turns = wrap(2 * pi / of.pitch * pose[:, i])
-        counted &= np.abs(state[f"pitch_{axis}"] + turns) <= of.pitches
-    return counted, np.abs(wrap(pose[:, 2])[0]), of.yaw if is_redundant(of) else min(of.yaw, of.turn / 2)
-
-
-def position(of: Setup, found: Columns) -> dict[str, Array]:
+def position(of: Setup, pose: Columns) -> dict[str, Array]:
     """Return X and Y of the body's origin, m, and the yaw."""
-    (x, y), c, s = middle(of), np.cos(found["yaw"]), np.sin(found["yaw"])
+    (x, y), c, s = middle(of), np.cos(pose["yaw"]), np.sin(pose["yaw"])
     turned = {"x": c * x - s * y, "y": s * x + c * y}
-    at = {a: (found[f"phase_{a}"] / (2 * pi) + found[f"pitch_{a}"]) * of.pitch - turned[a] for a in "xy"}
-    return {"X": at["x"], "Y": at["y"], "yaw": found["yaw"]}
+    X, Y = ((pose[f"phase_{a}"] / (2 * pi) + pose[f"pitch_{a}"]) * of.pitch - turned[a] for a in "xy")
+    return {"X": X, "Y": Y, "yaw": pose["yaw"]}
 
 
 def deviations(of: Setup, inverse: Array, yaw: Array) -> dict[str, Array]:
