@@ -1,17 +1,13 @@
-"""Stimuli of the estimator as machine code: which steps are measured and replayed.
+"""Stimuli of the estimator as machine code: which steps are measured, replayed, and committed as test vectors.
 
-    motions          across pitches at up to 2 m/s with a little yaw, through full turns, and to yaws where no estimate
-                     is valid; with noise, from `init`
-    lost             motions whose voltages jump to those of elsewhere, so that the place is searched for
-    refused          single voltages and runs of them, up to the latch
-    shifted          samples of motions from states with phases and yaws of others: the end of every reach
-    vectors          what is committed: from `init` at rest, with three samples out of range, then across pitches with a
-                     yaw, and a voltage of another sensor that is out of range until the latch
-    random, anew     states and voltages drawn anywhere, and samples of motions with some states drawn anew
-    faults, edges    every input bad alone and all at once; every input on the last number accepted and on the next
-    at ends, rare    of these, those that come to the end of a range, and those whose flags few others have
-
-A motion is what a closed loop makes the body do: the estimator moves nothing itself.
+motions          with noise, from `init`: across pitches at up to 2 m/s with a little yaw, through full turns, and
+                 to yaws where no estimate is valid
+lost, refused    voltages that jump to those of elsewhere; single voltages out of range and runs of them
+shifted          samples of motions from states with phases and yaws of others: the end of every reach
+random, anew     states and voltages drawn anywhere, and samples of motions with some states drawn anew
+faults, edges    every input bad alone and all at once; every input on the last number accepted and on the next
+at ends, rare    of these, those that come to the end of a range, and those whose flags few others have
+vectors          from `init` at rest with three samples out of range, then across pitches with a yaw, to the latch
 """
 
 from collections.abc import Callable, Mapping

@@ -28,10 +28,6 @@ PLASTIC = 1.324717957244746  # g, g^3 = g + 1
 class Setup(SimpleNamespace):
     """The numbers of sensors and algorithm by name: m, V and rad."""
 
-    def but(self, **changed: Any) -> "Setup":
-        """Return other numbers, those that are changed."""
-        return Setup(**vars(self) | changed)
-
 
 @dataclass(frozen=True)
 class Problem:

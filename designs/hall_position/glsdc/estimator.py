@@ -55,7 +55,7 @@ def estimator(array: Array, time: Discrete, tuning: Tuning = USUAL) -> Block:
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         named: Named = []
         left_out, begun = tracking.left_out(array, u, x), tracking.predict(x, of)
-        heading = phasor.of_yaw(begun["yaw"], named)
+        heading = phasor.reduced(begun["yaw"], 2, "yaw_part", named)
         sensors = planar_model.sensors(u, begun, k, heading, left_out, of, named)
         solution = glsdc.descend(planar_model.weigh(sensors, of, named), of.descent)
         normal, yaw = solution.last.normal, begun["yaw"] + solution.at[2]

@@ -48,8 +48,3 @@ def reduced(angle: ca.SX, halvings: int, name: str, named: Named) -> Phasor:
         s = s if left else clip(s, TWICE)
         s, c = s * c, 1 - s**2 / 2 ** (2 * left + 1)
     return Phasor(c, clip(s, UNIT))
-
-
-def of_yaw(yaw: ca.SX, named: Named) -> Phasor:
-    """Return the phasor of a yaw within half a turn."""
-    return reduced(yaw, 2, "yaw_part", named)

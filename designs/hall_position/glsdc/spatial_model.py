@@ -116,7 +116,7 @@ def sensors(array: Array, u: Exprs, k: Exprs, left_out: Vector | None) -> list[S
 
 def correct(pose: Exprs, sensors: Sequence[Sensor], of: Problem, named: Named) -> Solution[Factorised]:
     """Return what the corrections of a predicted pose lead to."""
-    heading = phasor.of_yaw(pose["yaw"], named)
+    heading = phasor.reduced(pose["yaw"], 2, "yaw_part", named)
     # A bound that rounding makes as wide below as above: X and Y then share their polynomials.
     heading = Phasor(ca.fmax(heading.cosine, -1), heading.sine)
     body = attitude(heading, pose["roll"], pose["pitch"])

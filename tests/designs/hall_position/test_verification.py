@@ -10,6 +10,7 @@ import pytest
 
 from designs.hall_position import random_steps, reference_guard, shipped, verification
 from designs.hall_position.glsdc import estimator
+from designs.hall_position.reference_glsdc import Setup
 from designs.hall_position.shipped import Subject
 from designs.hall_position.trust import endurance
 from designs.hall_position.verification import Compared, Steps
@@ -83,7 +84,7 @@ def test_the_sound_estimator_passes() -> None:
 )
 def test_a_wrong_number_in_the_reference_is_told(kind: str, name: str) -> None:
     factor = 2.0 if name == "residual" else 1.05
-    other = subject().of.but(**{name: factor * getattr(subject().of, name)})
+    other = Setup(**vars(subject().of) | {name: factor * getattr(subject().of, name)})
     assert told(agree.reference(partial(reference_guard.step, other)), kind, "reference")
 
 
@@ -204,7 +205,8 @@ def test_own_ways_that_part_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     inputs = random_steps.along_motions(of, SIZES["motions"])
     names = failed(verification.free_running(of, wrong_in_single(), inputs))
     assert any("c32" in name for name in names) and not any("reference" in name for name in names)
-    other = partial(reference_guard.step, of.of.but(deviation=1.5 * of.of.deviation, beta=1.0001 * of.of.beta))
+    changed = {"deviation": 1.5 * of.of.deviation, "beta": 1.0001 * of.of.beta}
+    other = partial(reference_guard.step, Setup(**vars(of.of) | changed))
     by = replace(sound(), of={**sound().of, "reference": agree.reference(other)})
     assert any("reference" in name for name in failed(verification.free_running(of, by, inputs)))
 
