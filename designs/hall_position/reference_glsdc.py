@@ -11,7 +11,6 @@ Source: Kawato and Kim, "Multi-Degree-of-Freedom Precision Position Sensing", se
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import pi
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -25,8 +24,17 @@ PATIENCE = 5  # samples
 PLASTIC = 1.324717957244746  # g, g^3 = g + 1
 
 
-class Setup(SimpleNamespace):
-    """The numbers of sensors and algorithm by name: m, V and rad."""
+@dataclass(frozen=True)
+class Setup:
+    """The numbers of sensors and algorithm by name, in m, V and rad; each is an attribute."""
+
+    numbers: dict[str, Any]
+
+    def __getattr__(self, name: str) -> Any:
+        """Return a number; raise AttributeError for an unknown name."""
+        if name not in vars(self).get("numbers", ()):
+            raise AttributeError(f"the setup has no '{name}': name one of its numbers")
+        return self.numbers[name]
 
 
 @dataclass(frozen=True)

@@ -64,7 +64,7 @@ def array(name: str = NAME, chain: Chain | None = None) -> Array:
 def setup(name: str = NAME) -> Setup:
     """Return the numbers of the reference; raise DesignError for an unknown name."""
     of = array(name)
-    return Setup(**vars(of) | vars(TUNING) | {"weights": of.weights or (1.0,) * len(of.positions)})
+    return Setup(vars(of) | vars(TUNING) | {"weights": of.weights or (1.0,) * len(of.positions)})
 
 
 def amplitudes() -> tuple[float, float]:

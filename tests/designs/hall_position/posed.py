@@ -46,7 +46,7 @@ def compiled(array: Array, tuning: Tuning = USUAL, scalar: type[np.floating] = n
 
 def setup(array: Array, tuning: Tuning = USUAL) -> Setup:
     """Return what the reference needs to know."""
-    return Setup(**vars(array), **vars(tuning))
+    return Setup(vars(array) | vars(tuning))
 
 
 def volts(array: Array, pose: Numbers) -> Numbers:

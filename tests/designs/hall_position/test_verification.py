@@ -84,7 +84,7 @@ def test_the_sound_estimator_passes() -> None:
 )
 def test_a_wrong_number_in_the_reference_is_told(kind: str, name: str) -> None:
     factor = 2.0 if name == "residual" else 1.05
-    other = Setup(**vars(subject().of) | {name: factor * getattr(subject().of, name)})
+    other = Setup(subject().of.numbers | {name: factor * getattr(subject().of, name)})
     assert told(agree.reference(partial(reference_guard.step, other)), kind, "reference")
 
 
@@ -206,7 +206,7 @@ def test_own_ways_that_part_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     names = failed(verification.free_running(of, wrong_in_single(), inputs))
     assert any("c32" in name for name in names) and not any("reference" in name for name in names)
     changed = {"deviation": 1.5 * of.of.deviation, "beta": 1.0001 * of.of.beta}
-    other = partial(reference_guard.step, Setup(**vars(of.of) | changed))
+    other = partial(reference_guard.step, Setup(of.of.numbers | changed))
     by = replace(sound(), of={**sound().of, "reference": agree.reference(other)})
     assert any("reference" in name for name in failed(verification.free_running(of, by, inputs)))
 

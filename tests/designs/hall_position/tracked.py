@@ -59,7 +59,7 @@ def compiled(array: Array, tuning: Tuning = USUAL, scalar: type[np.floating] = n
 def setup(array: Array, tuning: Tuning = USUAL) -> Setup:
     """Return what the reference needs to know."""
     weights = array.weights or (1.0,) * len(array.positions)
-    return Setup(**vars(array) | vars(tuning) | {"weights": weights})
+    return Setup(vars(array) | vars(tuning) | {"weights": weights})
 
 
 def volts(array: Array, pose: Pose) -> Numbers:
