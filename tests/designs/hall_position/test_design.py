@@ -10,7 +10,7 @@ import pytest
 
 from designs.hall_position import bench, shipped
 from designs.hall_position.glsdc import estimator
-from synth import testing, workspace
+from synth import contents, testing, workspace
 from synth.check import Check
 from synth.emit import write
 from synth.verify import eva, misra, nonfinite
@@ -47,6 +47,12 @@ def test_what_is_declared_is_the_guarded_estimator(design: Design) -> None:
     other = estimator.guarded(shipped.array(), shipped.TIME, shipped.TUNING)
     texts = [write.emit(block, np.float32, libm=True).files for block in (design.stage.controller.block, other)]
     assert texts[0] == texts[1]
+
+
+def test_every_task_has_a_key(design: Design) -> None:
+    """So that evidence and reports are made once."""
+    for task in (design.emit, design.verify, design.simulate, design.audit, design.report):
+        assert contents.digest(task) == contents.digest(task)
 
 
 def test_defects_that_are_planted_are_found(design: Design) -> None:
