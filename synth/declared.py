@@ -18,7 +18,6 @@ from synth.emit import write
 from synth.emit.c import vectors
 from synth.emit.write import Emitted
 from synth.execute import build, host
-from synth.report import template
 from synth.report.audit import Row
 from synth.simulate import experiments, headroom
 from synth.simulate.experiment import Experiment
@@ -116,4 +115,6 @@ def report(
     cost: Cost | None,
 ) -> str:
     """Return the report as one HTML document."""
+    from synth.report import template  # what draws takes longer to import than all else together
+
     return template.report(stage, files, evidence, runs, rows, cost)
