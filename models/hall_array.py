@@ -21,7 +21,7 @@ Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", secti
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from math import cos, factorial, isfinite, sin
+from math import cos, factorial, isfinite, pi, sin
 
 import casadi as ca
 import numpy as np
@@ -30,7 +30,10 @@ from numpy.typing import NDArray
 from models import concentrated_field
 from models.concentrated_field import Wave
 from models.hall_chain import Chain
+from synth.block import Exprs
 from synth.errors import ModelError
+from synth.plant import Plant, build
+from synth.signals import Signal, names
 from synth.statespace import readonly
 
 Array = NDArray[np.float64]
@@ -162,6 +165,22 @@ def planar(array: HallArray, waves: Sequence[Wave], height: ca.SX | float = HEIG
     """Return the voltages for (X, Y, theta_z), the body's plane at a height in m above the matrix."""
     q = ca.vertcat(*(ca.SX.sym(name) for name in PLANAR))
     return _prediction(q, voltages(array, waves, planar_pose(q, height)))
+
+
+def plant(array: HallArray, waves: Sequence[Wave], volts: Sequence[Signal], reach: float) -> Plant:
+    """Return sensors on a body that moves in the plane at given speeds: dq/dt = v, within `reach`, m, at any yaw.
+
+    `volts` are u and v of each sensor in turn.
+    """
+    states = [Signal(name, "m", -reach, reach, "of the body's origin over the matrix") for name in "XY"]
+    states.append(Signal("yaw", "rad", -pi, pi, "of the body over the matrix"))
+    speeds = [Signal(f"speed_{s.name}", f"{s.unit}/s", -10, 10, "of the body") for s in states]
+
+    def physics(x: Exprs, u: Exprs, p: Exprs) -> tuple[Exprs, Exprs]:
+        read = ca.vertsplit(voltages(array, waves, planar_pose(ca.vcat([x[s.name] for s in states]))))
+        return {s.name: u[f"speed_{s.name}"] for s in states}, dict(zip(names(volts), read, strict=True))
+
+    return build("hall_sensors", states, speeds, volts, [], physics)
 
 
 def spatial(array: HallArray, waves: Sequence[Wave]) -> Prediction:

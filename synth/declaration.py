@@ -207,11 +207,12 @@ class Companion:
     """A Block that is emitted beside the controller, as the commutation of a motor is.
 
     `inputs` returns its inputs (N,) by name for test vectors, from those that were recorded of the controller and what
-    the controller answered.
+    the controller answered, and `gains` what its gains.json says.
     """
 
     block: Block
     inputs: Callable[[Mapping[str, Any], Mapping[str, Any]], Mapping[str, Any]]
+    gains: Gains | None = None
 
 
 @dataclass(frozen=True, eq=False)

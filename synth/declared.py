@@ -56,7 +56,8 @@ def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, Emitted]:
     answers = controller.replay(inputs)
     folders = {stage.name: _with_vectors(files, inputs, answers)}
     for companion in stage.companions:
-        beside = write.emit(companion.block, scalar, error=error)
+        document = {"design": companion.gains(scalar)} if companion.gains else None
+        beside = write.emit(companion.block, scalar, document, error=error)
         given = dict(companion.inputs(inputs, answers.outputs))
         answered = host.load(beside.files, beside.manifest).replay(given)
         folders[companion.block.name] = _with_vectors(beside, given, answered)

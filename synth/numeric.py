@@ -1,9 +1,10 @@
 """Numbers as a user gives them: finite, whole, in rows and tables. What is none is refused by its name."""
 
-from collections.abc import Collection, Mapping
 from contextlib import suppress
+from dataclasses import field, fields
 from math import inf, isfinite
 from numbers import Real
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,16 +49,18 @@ def above(name: str, value: object, low: float, high: float = inf) -> float:
     return found
 
 
-def check_fields(of: object, ranges: Mapping[str, tuple[float, float]], counts: Collection[str] = ()) -> None:
-    """Check fields of an object: above the lower end and at most the upper; `counts` are whole numbers from 1 on.
+def between(low: float, default: float, high: float) -> Any:
+    """Return a dataclass field above `low` and at most `high`; where the default is whole, from `low` on and whole."""
+    return field(default=default, metadata={"range": (low, high)})
 
-    Raises ModelError with the name of the first field that is not so.
+
+def check_fields(of: Any) -> None:
+    """Check the fields of a dataclass that are declared by `between`.
+
+    Raises ModelError with the name of the first one out of its range.
     """
-    for name, (low, high) in ranges.items():
-        if name in counts:
-            whole(name, getattr(of, name), 1, high)
-        else:
-            above(name, getattr(of, name), low, high)
+    for f in (f for f in fields(of) if "range" in f.metadata):
+        (whole if isinstance(f.default, int) else above)(f.name, getattr(of, f.name), *f.metadata["range"])
 
 
 def numbers(name: str, given: object) -> tuple[float, ...]:

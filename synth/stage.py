@@ -187,7 +187,7 @@ def controller(
 
     It is composed when it is first used, and `laws` that are a function are called then. `outputs` are the
     controller's, the actuators' where they are left out: a law that reads an actuator's value stands behind the safe
-    output and may share it out.
+    output and may share it out. Without actuators they are those of the laws, which go on once latched.
 
     Its use raises WiringError as `compose.compose`, and SignalError as `safety.guard` and `safety.safe_output`.
     """
@@ -207,8 +207,8 @@ def _composition(
     driven = {s.name: s for block in blocks for s in block.outputs}
     demands = [driven[f"{a.name}_demand"] for a in around.actuators if f"{a.name}_demand" in driven]
     wanted = [s.of for s in around.set_points if f"{s.of}_error" in read - set(driven)]
-    actuators = {a.name for a in around.actuators}
-    behind = [block for block in blocks if actuators & {s.name for s in block.inputs}]
+    actuators = [a.name for a in around.actuators]
+    behind = [block for block in blocks if {*actuators} & {s.name for s in block.inputs}]
     parts = (
         safety.guard(time, guarded(around), around.bad_samples, around.suspected, reason=around.reason),
         *([errors(time, around, wanted)] if wanted else []),
@@ -217,9 +217,9 @@ def _composition(
         *([safety.safe_output(time, around.outputs, safe(around))] if around.actuators else []),
         *behind,
     )
-    shown = list(outputs) if outputs is not None else [a.name for a in around.actuators]
-    block = safety.frozen(compose(name, parts, inputs=names(around.inputs), outputs=shown))
-    return Composition(made, parts, block)
+    own = list(actuators) or [s.name for block in blocks for s in block.outputs]
+    block = compose(name, parts, inputs=names(around.inputs), outputs=own if outputs is None else list(outputs))
+    return Composition(made, parts, safety.frozen(block) if around.actuators else block)
 
 
 def _law(law: Law | Synthesis | Block, time: Discrete, around: Interface) -> Law:

@@ -68,7 +68,7 @@ def violations(path: Path, text: str) -> list[str]:
     if name[0] == "synth" and name[1] != "__init__" and name[:2] not in RANK:
         return [f"{path} has no place in the order; add {name[1]} to VOCABULARY or LAYERS"]
     own = rank(name)
-    reference = path.name.startswith("reference") and path.parts[0] == "designs"
+    reference = path.name.startswith("reference") and "designs" in path.parts[:2]
     found = []
     for module in imports(path, text):
         other = rank(module)
@@ -117,7 +117,8 @@ def folder_violations(texts: Mapping[Path, str]) -> list[str]:
 
 
 def sources() -> list[Path]:
-    return [file for top in ("synth", "models", "designs") for file in sorted((ROOT / top).rglob("*.py"))]
+    own = [file for top in ("synth", "models", "designs") for file in sorted((ROOT / top).rglob("*.py"))]
+    return [*own, *sorted((ROOT / "tests" / "designs").rglob("reference*.py"))]
 
 
 def test_imports_follow_the_flow_of_data() -> None:
@@ -142,6 +143,7 @@ def test_imports_follow_the_flow_of_data() -> None:
         ("designs/maglev_5dof/reference.py", "from importlib import import_module"),
         ("designs/planar_6dof/reference_sensing.py", "from designs.planar_6dof import sensing"),
         ("designs/planar_6dof/reference_sensing.py", "import designs.planar_6dof"),
+        ("tests/designs/hall_position/reference_six.py", "from synth import numeric"),
     ],
 )
 def test_a_planted_violation_is_found(path: str, text: str) -> None:

@@ -2,10 +2,7 @@
 
 from pathlib import Path
 
-import numpy as np
+from designs.hall_position.design import DESIGN
+from synth import workspace
 
-from designs.hall_position import emitted
-from synth.emit import write
-
-for folder, files in emitted.emitted(np.float32).items():
-    write.save(files.files, Path("generated_c") / folder)
+workspace.regenerate(DESIGN, Path())

@@ -8,9 +8,10 @@ build, over the same steps. Instructions are not cycles, and the most of some st
 Needs the extra `target`.
 """
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -42,8 +43,7 @@ COLUMNS = ("estimator", "build", "steps", "emitted C", "CasADi's C in float", "r
 SEED = 2_025  # a motion that takes within five of the most that thousands of steps do
 
 
-@dataclass(frozen=True)
-class Row:
+class Row(NamedTuple):
     """The most instructions of any of some steps, of the emitted C and of CasADi's, by one build."""
 
     estimator: str
@@ -52,22 +52,8 @@ class Row:
     own: int
     rival: int
 
-    @property
-    def ratio(self) -> float:
-        """Return how many times as many instructions CasADi's C takes."""
-        return self.rival / self.own
 
-
-@dataclass(frozen=True)
-class Costs:
-    """What was measured; without rows, `absent` says why."""
-
-    rows: tuple[Row, ...]
-    absent: str = ""
-
-
-@dataclass(frozen=True, eq=False)
-class Subject:
+class Subject(NamedTuple):
     """The emitted C of an estimator, CasADi's C of the same block, and the steps that both are given."""
 
     name: str
@@ -76,27 +62,23 @@ class Subject:
     steps: Steps
 
 
-def measure(three: Emitted, four: Array) -> Costs:
+def measure(three: Emitted, four: Array) -> Sequence[Row]:
     """Measure the C that was emitted of three sensors, and that of four sensors in six degrees of freedom.
 
-    The latter is emitted here, which takes most of the time; compilers run meanwhile, as processes of their own.
+    The latter is emitted here, which takes most of the time; compilers run meanwhile, as processes of their own. There
+    is no row where the compiler is not installed.
 
     Raises CompileError when the compiler refuses a text.
     """
     if "gcc" not in cross.available():
-        return Costs((), ABSENT)
+        return ()
     with ThreadPoolExecutor(len(BUILDS)) as pool:
         subjects = []
-        for subject in _subjects(three, four):
-            subjects.append(subject)
+        for made in (partial(of_three, three), partial(of_six, four)):
+            subjects.append(made())
             for build in BUILDS:
-                pool.submit(_compile, subject, build)  # a text that is refused is so again below
-    return Costs(tuple(row(subject, build) for subject in subjects for build in BUILDS))
-
-
-def _subjects(three: Emitted, four: Array) -> Iterator[Subject]:
-    yield of_three(three)
-    yield of_six(four)
+                pool.submit(_compile, subjects[-1], build)  # a text that is refused is so again below
+    return tuple(row(subject, build) for subject in subjects for build in BUILDS)
 
 
 def _compile(of: Subject, build: Build) -> None:
@@ -113,49 +95,43 @@ def row(of: Subject, build: Build) -> Row:
 
 def of_three(emitted: Emitted) -> Subject:
     """Return what was emitted of three sensors, over steps among which are the costliest."""
-    found = bench.sequences(host.load(emitted.files, emitted.manifest), lambda _: None)
-    given = steps.joined("costly", [steps.thinned(s, EACH) for s in found if s.name in COSTLY])
+    sequences = bench.sequences(host.load(emitted.files, emitted.manifest), lambda _: None)
+    costly = steps.joined("costly", [steps.thinned(s, EACH) for s in sequences if s.name in COSTLY])
     rival = rivals.casadi(shipped.block(shipped.THREE), shimmed=True)
-    return Subject("three sensors", rivals.emitted(emitted), rival, given)
+    return Subject("three sensors", rivals.emitted(emitted), rival, costly)
 
 
 def of_six(array: Array) -> Subject:
     """Return the estimator of six degrees of freedom, on a motion and on random states and inputs."""
     block = unranged(six_estimator.guarded(array, shipped.TIME))  # which does not ship
     emitted = write.emit(block, np.float32, error=six_estimator.SURROGATE_ERROR[np.float32])
-    given = six_steps(array, host.load(emitted.files, emitted.manifest))
+    sequence = six_steps(array, host.load(emitted.files, emitted.manifest))
     name = f"six degrees of freedom, {len(array.positions)} sensors"
-    return Subject(name, rivals.emitted(emitted), rivals.casadi(block, shimmed=True), given)
+    return Subject(name, rivals.emitted(emitted), rivals.casadi(block, shimmed=True), sequence)
 
 
 def six_steps(array: Array, controller: host.Controller) -> Steps:
     """Return steps of a motion in which it loses its way now and then, and steps from any state."""
-    V = _noisy(array, _motion(array, SIX))
+    volts, _ = hall_array.spatial(*six_field.model(array)).function().map(SIX)(motion(array, SIX).T)
+    V = np.asarray(volts.full().T)
+    V += array.deviation * np.random.default_rng(SEED).standard_normal(V.shape)
     V[LOST] *= -1
-    given = dict(zip((s.name for s in channels.voltages(len(array.positions))), V.T, strict=True))
-    return steps.joined("all", [steps.recorded(controller, "motion", given), steps.drawn(controller, SIX)])
+    inputs = dict(zip((s.name for s in channels.voltages(len(array.positions))), V.T, strict=True))
+    return steps.joined("all", [steps.recorded(controller, "motion", inputs), steps.drawn(controller, SIX)])
 
 
-def _motion(array: Array, n: int) -> Numbers:
+def motion(array: Array, n: int) -> Numbers:
     """Return poses (n, 6) of X, Y, Z, roll, pitch and yaw, m and rad."""
     time = shipped.TIME.period_s
     across = motions.wander(time, (n, 1), SEED, TRAVEL, YAW)
     tilted = motions.wander(time, (n, 1), SEED + 1, TILT, GAP)  # roll and pitch as X and Y, the height as the yaw
-    parts = (across.X, across.Y, array.height + tilted.yaw, tilted.X, tilted.Y, across.yaw)
-    return np.hstack(parts)
+    return np.hstack((across.X, across.Y, array.height + tilted.yaw, tilted.X, tilted.Y, across.yaw))
 
 
-def _noisy(array: Array, poses: Numbers) -> Numbers:
-    """Return the voltages (n, 2 sensors) at poses (n, 6), with noise."""
-    volts, _ = hall_array.spatial(*six_field.model(array)).function().map(len(poses))(poses.T)
-    found = np.asarray(volts.full().T)
-    return found + array.deviation * np.random.default_rng(SEED).standard_normal(found.shape)
-
-
-def section(of: Costs) -> page.Section:
+def section(rows: Sequence[Row]) -> page.Section:
     """Return the most instructions of a sample, beside those of CasADi's C, or why nothing was measured."""
-    if not of.rows:
-        return page.Section(TITLE, (page.Text(of.absent),))
-    rows = tuple((r.estimator, r.build, r.steps, r.own, r.rival, f"{r.ratio:.2f}") for r in of.rows)
+    if not rows:
+        return page.Section(TITLE, (page.Text(ABSENT),))
+    cells = tuple((*r, f"{r.rival / r.own:.2f}") for r in rows)
     caption = "Most instructions a sample, emulated Cortex-M4F; instructions are not cycles"
-    return page.Section(TITLE, (page.Table(caption, COLUMNS, rows, digits=6),))
+    return page.Section(TITLE, (page.Table(caption, COLUMNS, cells, digits=6),))

@@ -1,19 +1,28 @@
 """Absolute position from Hall voltages, after Kawato and Kim: from the magnets' geometry to verified C."""
 
-import numpy as np
+from functools import partial
 
-from designs.hall_position import bench, emitted, page, shipped, verification
+from designs.hall_position import bench, page, reference_guard, shipped, verification
+from designs.hall_position.glsdc import estimator
 from designs.hall_position.loop import experiments
 from designs.hall_position.paper import rows
-from synth.workspace import Bench, Design
+from synth import stage
+from synth.stage import Companion
+from synth.workspace import Bench
 
-DESIGN = Design(
-    name=shipped.NAME,
-    scalar=np.float32,
-    emit=emitted.emitted,
-    verify=verification.verify,
-    simulate=experiments.run,
-    audit=rows.rows,
-    bench=Bench(shipped.block, bench.replay, bench.sequences, bench.FLOOR),
-    report=page.report,
+CONTROLLER, THREE = shipped.controller(), shipped.block(shipped.THREE)
+DESIGN = stage.design(
+    CONTROLLER,
+    CONTROLLER.interface.plant,
+    reference=partial(reference_guard.step, shipped.setup()),
+    surrogate_error=estimator.SURROGATE_ERROR,
+    recording=lambda rig: bench.recording(shipped.NAME, rig.controller.scalar),
+    gains=partial(shipped.gains, shipped.NAME),
+    companions=[Companion(THREE, bench.of_three, partial(shipped.gains, shipped.THREE))],
+    verify=lambda of, progress, whole: verification.verify(progress, whole),
+    simulate=lambda of, progress: experiments.run(progress),
+    audit=lambda of: rows.rows(),
+    bench=lambda of: Bench(shipped.block, bench.replay, bench.sequences, bench.FLOOR),
+    report=lambda of, *parts: page.report(*parts),
+    about=__doc__,
 )

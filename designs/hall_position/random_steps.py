@@ -7,60 +7,35 @@ motions   across many pitches and through full turns of yaw, from `init`, where 
           of them voltages are refused, alone, in runs, and in the end up to the latch
 """
 
-from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
 
 from designs.hall_position import reference, reference_guard, shipped
-from designs.hall_position.glsdc.parameters import Array, Tuning
-from designs.hall_position.reference import Setup
+from designs.hall_position.shipped import Subject
 from designs.hall_position.trust import motions
 from designs.hall_position.trust.motions import Numbers, Pose
-from synth.block import Block
 from synth.verify import sampling
+from synth.verify.sampling import Columns
 
-Columns = dict[str, Numbers]
 SEED = 2_013
 NEAR = (1e-3, 0.05, 0.3)  # rad of phase, from where a sample begins
-REFUSED = 0.01
+REFUSED, ON_END = 0.01, 0.25  # shares of voltages, and of states
 COUNTS = ("estimator_pitch_x", "estimator_pitch_y")  # whole numbers, held as real ones
 TRAVEL = 0.3  # m: six pitches, at up to 2 m/s
 YAW, TURN = (0.04, 0.5), (0.0, 13.0)  # rad, rad/s, of every other motion: a turn in 0.5 s
 LENGTH, BAD_COLUMNS = 500, 5  # samples of a motion; of so many one has bad samples
 
 
-@dataclass(frozen=True, eq=False)
-class Subject:
-    """An estimator that ships: its sensors, its Block, and what the reference knows of it."""
-
-    name: str
-    array: Array
-    block: Block
-    of: Setup
-
-
-def subject(name: str) -> Subject:
-    """Return what ships under a name."""
-    array = shipped.array(name)
-    return Subject(name, array, shipped.block(name), _setup(array, shipped.TUNING))
-
-
-def _setup(array: Array, tuning: Tuning) -> Setup:
-    names = ("positions", "c", "alpha", "beta", "pitch", "deviation")
-    given = {name: getattr(array, name) for name in names} | vars(tuning)
-    return Setup(weights=array.weights or (1.0,) * len(array.positions), **given)
-
-
 def in_operation(subject: Subject, n: int) -> tuple[Columns, Columns]:
     """Draw n random steps (states, inputs)."""
-    rng = np.random.default_rng(SEED)
-    states, of, w = sampling.states_anywhere(subject.block, rng, n, whole=COUNTS), subject.of, subject.array.wave_number
-    start, _ = reference.begun(of, reference_guard.of_estimator(states), np.zeros((n, len(of.positions), 2), bool))
-    size = rng.choice(NEAR, n)[:, np.newaxis] * rng.standard_normal((n, 3)) / [w, w, subject.array.radius]
+    rng, of, array = np.random.default_rng(SEED), subject.of, subject.array
+    states, w = sampling.states_anywhere(subject.block, rng, n, whole=COUNTS), array.wave_number
+    start, _ = reference.predict(of, reference_guard.of_estimator(states), np.zeros((n, len(of.positions), 2), bool))
+    size = rng.choice(NEAR, n)[:, np.newaxis] * rng.standard_normal((n, 3)) / [w, w, array.radius]
     x, y, yaw = (start + size).T
-    (cx, cy), c, s = subject.array.centre, np.cos(yaw), np.sin(yaw)
-    V = motions.noisy(subject.array, Pose(x - c * cx + s * cy, y - s * cx - c * cy, yaw), SEED)
+    (cx, cy), c, s = array.centre, np.cos(yaw), np.sin(yaw)
+    V = motions.noisy(array, Pose(x - c * cx + s * cy, y - s * cx - c * cy, yaw), SEED)
     span = reference_guard.SPAN
     V = np.where((rng.random(n) < 1 / 3)[:, np.newaxis, np.newaxis], rng.uniform(-span, span, V.shape), V)
     V[rng.random(V.shape) < REFUSED] = np.nan
@@ -73,21 +48,21 @@ def at_the_edges(subject: Subject, n: int) -> tuple[Columns, Columns]:
     states = sampling.states_anywhere(block, rng, n, whole=COUNTS)
     for s in block.states:
         ends = rng.choice((s.signal.low, s.signal.high), n)
-        states[s.name] = np.where(rng.random(n) < 0.25, ends, states[s.name])
+        states[s.name] = np.where(rng.random(n) < ON_END, ends, states[s.name])
     return states, {signal.name: sampling.at_edges(signal, rng, n) for signal in block.inputs}
 
 
-def measured(subject: Subject, period_s: float, n: int) -> Columns:
+def along_motions(subject: Subject, n: int) -> Columns:
     """Return the inputs (LENGTH, columns) of at least n samples of motions."""
     columns = ceil(n / LENGTH)
     yaw, turn = np.resize(YAW, columns), np.resize(TURN, columns)
-    pose = motions.wander(period_s, (LENGTH, columns), SEED, TRAVEL, yaw, turn)
+    pose = motions.wander(shipped.TIME.period_s, (LENGTH, columns), SEED, TRAVEL, yaw, turn)
     V = motions.noisy(subject.array, pose, SEED + 1)
-    _spoil(V[:, ::BAD_COLUMNS], reference_guard.BAD_SAMPLES)
+    _refuse(V[:, ::BAD_COLUMNS], reference_guard.BAD_SAMPLES)
     return motions.named(V)
 
 
-def _spoil(V: Numbers, limit: int) -> None:
+def _refuse(V: Numbers, limit: int) -> None:
     """Refuse voltages (LENGTH, columns, sensors, 2) in place: single ones, a run of nearly the limit, one up to it."""
     k = np.arange(LENGTH)
     V[k % 60 == 59, :, 0, 1] = np.nan

@@ -5,15 +5,12 @@ is set by the fifth sample in a row with a refused voltage. N bodies advance one
 """
 
 from string import ascii_lowercase
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from designs.hall_position import reference
-from designs.hall_position.reference import Columns, Setup
+from designs.hall_position.reference_glsdc import Array, Columns, Setup
 
-Numbers = NDArray[Any]
 OWN = "estimator_"
 SPAN, BAD_SAMPLES, LATCH = 5.0, 5, np.uint32(1 << 31)
 
@@ -23,7 +20,7 @@ def channels(of: Setup) -> list[str]:
     return [f"V_{letter}{axis}" for letter in ascii_lowercase[: len(of.positions)] for axis in "xy"]
 
 
-def accepted(of: Setup, states: Columns, inputs: Columns) -> tuple[Numbers, Numbers]:
+def accepted(of: Setup, states: Columns, inputs: Columns) -> tuple[Array, Array]:
     """Return the held voltages and which were refused, (N, sensors, 2) both."""
     now = np.stack([np.asarray(inputs[n], dtype=np.float64) for n in channels(of)], axis=1)
     last = np.stack([np.asarray(states[f"guard_last_{n}"], dtype=np.float64) for n in channels(of)], axis=1)
@@ -33,31 +30,21 @@ def accepted(of: Setup, states: Columns, inputs: Columns) -> tuple[Numbers, Numb
     return np.where(refused, last, now).reshape(shape), refused.reshape(shape)
 
 
-def of_estimator(states: Columns) -> dict[str, Numbers]:
+def of_estimator(states: Columns) -> dict[str, Array]:
     """Return the estimator's part of the states, by its own names."""
-    return {own_name(n): np.asarray(v, dtype=np.float64) for n, v in states.items() if n.startswith(OWN)}
+    return {n.removeprefix(OWN): np.asarray(v, dtype=np.float64) for n, v in states.items() if n.startswith(OWN)}
 
 
-def own_name(state: str) -> str:
-    """Return what the estimator itself calls one of its states."""
-    return state.removeprefix(OWN)
-
-
-def step(of: Setup, states: Columns, inputs: Columns) -> tuple[dict[str, Numbers], dict[str, Numbers], Numbers]:
+def step(of: Setup, states: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
     """Return next states, outputs and fault words (N,), states by the names that the C gives them."""
     held, refused = accepted(of, states, inputs)
     outputs, after = reference.step(of, of_estimator(states), held, refused)
-    bad, names = refused.reshape(len(refused), -1), channels(of)
+    flat, names = refused.reshape(len(refused), -1), channels(of)
+    bad, left = np.any(flat, axis=1), np.asarray(states["guard_left"], dtype=np.int64)
+    latched = (np.asarray(states["guard_latched"]) > 0) | (bad & (left <= 1))
     next = {f"{OWN}{n}": v for n, v in after.items()}
     next |= {f"guard_last_{n}": v for n, v in zip(names, held.reshape(len(held), -1).T, strict=True)}
-    guard, latched = _latched(states, np.any(bad, axis=1))
-    word = (bad * (1 << np.arange(len(names)))).sum(axis=1).astype(np.uint32) | np.where(latched, LATCH, 0)
-    return next | guard, outputs, word.astype(np.uint32)
-
-
-def _latched(states: Columns, bad: Any) -> tuple[dict[str, Numbers], Numbers]:
-    """Return the guard's next counts and flags, and whether it is latched, this sample included."""
-    left = np.asarray(states["guard_left"], dtype=np.int64)
-    latched = (np.asarray(states["guard_latched"]) > 0) | (bad & (left <= 1))
-    next = {"guard_left": np.where(bad, np.maximum(left - 1, 1), BAD_SAMPLES), "guard_latched": 1 * latched}
-    return next | {"guard_ready": np.where(bad, states["guard_ready"], 1)}, latched
+    next |= {"guard_left": np.where(bad, np.maximum(left - 1, 1), BAD_SAMPLES), "guard_latched": 1 * latched}
+    next |= {"guard_ready": np.where(bad, states["guard_ready"], 1)}
+    word = (flat * (1 << np.arange(len(names)))).sum(axis=1).astype(np.uint32) | np.where(latched, LATCH, 0)
+    return next, outputs, word.astype(np.uint32)

@@ -1,1 +1,1 @@
-"""Blocks: guard and safe output, linear models, derivative filter, internal-model regulator, control axes."""
+"""Blocks: guard and safe output, linear models, derivative filter, internal-model regulator, GLSDC, control axes."""

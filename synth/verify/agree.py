@@ -159,18 +159,18 @@ def reference(step: Callable[[Any, Any], tuple[Columns, Columns, Any]]) -> Witne
 
 
 def recorded(witness: Witness, states: Mapping[str, float], inputs: Columns) -> Stepped:
-    """Run a witness over N recorded inputs in a row, from one state, by one step at a time."""
-    now: Columns = {name: np.array([value]) for name, value in states.items()}
-    if isinstance(witness, Evaluated):
+    """Run a witness over N recorded inputs in a row, (N,) or (N, copies), from one state, by one step at a time."""
+    n, *copies = shape = next(iter(inputs.values())).shape
+    now: Columns = {name: np.full(copies or 1, value) for name, value in states.items()}
+    if isinstance(witness, Evaluated) and not copies:
         return witness.in_a_row(now, inputs)
-    n = len(next(iter(inputs.values())))
     outputs: dict[str, NDArray[Any]] = {}
-    faults = np.zeros(n, np.uint32)
+    faults = np.zeros(shape, np.uint32)
     for k in range(n):
-        stepped = witness(now, {name: values[k : k + 1] for name, values in inputs.items()})
-        now, faults[k] = stepped.states, stepped.faults[0]
+        stepped = witness(now, {name: np.atleast_1d(values[k]) for name, values in inputs.items()})
+        now, faults[k] = stepped.states, np.reshape(stepped.faults, copies)
         for name, value in stepped.outputs.items():
-            outputs.setdefault(name, np.empty(n))[k] = value[0]
+            outputs.setdefault(name, np.empty(shape))[k] = np.reshape(value, copies)
     return Stepped(outputs, now, faults)
 
 

@@ -46,6 +46,21 @@ def test_a_floor_that_does_not_fit_is_refused(floor: agree.Floor, words: str) ->
         worst(floor)
 
 
+def test_copies_that_run_side_by_side_are_as_each_alone() -> None:
+    def integrate(states: agree.Columns, inputs: agree.Columns) -> agree.Stepped:
+        total = states["total"] + inputs["u"]
+        return agree.Stepped({"y": 2 * total}, {"total": total}, (total > 1).astype(np.uint32))
+
+    u = np.random.default_rng(0).uniform(-1, 1, (20, 3))
+    together = agree.recorded(integrate, {"total": 0.5}, {"u": u})
+    assert together.outputs["y"].shape == together.faults.shape == u.shape
+    for k in range(3):
+        alone = agree.recorded(integrate, {"total": 0.5}, {"u": u[:, k]})
+        np.testing.assert_array_equal(together.outputs["y"][:, k], alone.outputs["y"])
+        np.testing.assert_array_equal(together.faults[:, k], alone.faults)
+        assert together.states["total"][k] == alone.states["total"][0]
+
+
 @pytest.mark.parametrize("made", [agree.casadi, agree.casadi_own_c])
 def test_steps_in_a_row_are_the_steps_one_by_one(made: Callable[[Block], agree.Witness]) -> None:
     """Over the end of a part of `IN_A_ROW` samples, with a bad sample in each."""

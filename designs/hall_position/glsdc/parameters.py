@@ -10,26 +10,16 @@ from math import hypot, inf, pi, radians, sqrt
 
 from synth import numeric
 from synth.errors import ModelError
+from synth.numeric import between
 
 Pair = tuple[float, float]
-WHOLE = ("iterations", "pitches")  # of a tuning
-RANGES = {  # of the other numbers, above the first and at most the second
-    **dict.fromkeys(("scale", "damping", "reach", "settled"), (0, 1)),
-    **dict.fromkeys(("surprise", "residual"), (0, inf)),
-    **dict.fromkeys(("leaning", "certain"), (0, 3)),
-    **dict.fromkeys(("turn", "yaw"), (0, pi)),
-    "iterations": (1, 20),
-    "firm": (0, 100),
-    "pitches": (1, 1000),
-}
 
 
 @dataclass(frozen=True)
 class Array:
     """Sensors at `positions` in the body, m, and the field that they see, V; each axis is noisy by `deviation`, V.
 
-    `weights` are those of the sensors, 1 for each unless given; a sensor's deviation is `deviation` / sqrt(weight).
-    Both may be given as lists or arrays.
+    A sensor of a weight, 1 unless given, has the deviation `deviation` / sqrt(weight). Lists and arrays are taken, too.
 
     Raises ModelError for fewer than two places or more than 26 sensors, unlike numbers of weights, or a figure that is
     no number or out of its range.
@@ -89,42 +79,30 @@ class Array:
 
 @dataclass(frozen=True)
 class Tuning:
-    """How the estimator goes about its task.
+    """How the estimator of (X, Y, yaw) works; the damping holds to the prediction what the voltages do not tell.
 
-    `iterations` a sample; `scale` of each correction; `damping`, of alpha^2, of phases towards the expected ones; the
-    yaw, by what it moves the sensors on an average, `firm` times as firmly as they; `reach`, rad of phase by which
-    corrections may move a sensor in a sample, half of it by the yaw; `follow`, the part of a sample's correction by
-    which the next motion is expected to differ: with 0 none is expected. A correction of less than `settled` standard
-    deviations ends the search, and of more than `leaning` parameters that the damping decides instead of the voltages
-    there is `damped`, the yaw no more firmly than the phases. To the damping belongs a deviation of motions from the
-    expected one, array.deviation / (alpha sqrt(damping)); by more than `surprise` times that a body does not move in
-    a sample. Residuals up to `residual` V rms are those of the field's model. Positions are counted to `pitches` on
-    either side.
-
-    A place is certain once the damping decides no more than `certain` parameters there, of two sensors, which elsewhere
-    may read the same at another place, and four times as many of more than two. With two sensors, or after a search,
-    its yaw is within `turn`, rad, of that at the last certain place, 0 at first. Nothing is valid at a yaw of more than
-    `yaw`, rad, with two sensors than half of `turn` besides, nor after it.
+    It stands for motions that deviate from their prediction by array.deviation / (alpha sqrt(damping)). Nothing is
+    valid after a yaw of more than `yaw`, and with two sensors of more than half of `turn`.
 
     Raises ModelError for a figure that is out of its range.
     """
 
-    iterations: int = 5
-    scale: float = 1.0
-    damping: float = 1e-3
-    firm: float = 5.0
-    reach: float = 1.0
-    follow: float = 0.5
-    settled: float = 0.1
-    leaning: float = 0.15
-    surprise: float = 3.0
-    residual: float = 0.1
-    pitches: int = 8
-    certain: float = 0.004
-    turn: float = radians(5)
-    yaw: float = radians(10)
+    iterations: int = between(1, 5, 20)  # a sample
+    scale: float = between(0, 1.0, 1)  # of each correction
+    damping: float = between(0, 1e-3, 1)  # of alpha^2, of phases from the prediction
+    firm: float = between(0, 5.0, 100)  # times as much the yaw is damped, by what it moves the sensors
+    reach: float = between(0, 1.0, 1)  # rad of phase by which a sample may move a sensor, half of it by the yaw
+    follow: float = 0.5  # part of a correction by which the next motion is predicted to differ; 0: none is predicted
+    settled: float = between(0, 0.1, 1)  # standard deviations: a smaller correction has converged
+    leaning: float = between(0, 0.15, 3)  # parameters that the damping may decide; else `damped`
+    surprise: float = between(0, 3.0, inf)  # deviations of motions: more is no motion of a body
+    residual: float = between(0, 0.1, inf)  # V rms up to which residuals are those of the field's model
+    pitches: int = between(1, 8, 1000)  # to either side up to which positions are counted
+    certain: float = between(0, 0.004, 3)  # parameters that it may decide at a certain place of two sensors
+    turn: float = between(0, radians(5), pi)  # rad from the last certain yaw: there two sensors tell places apart
+    yaw: float = between(0, radians(10), pi)  # rad up to which a place is valid
 
     def __post_init__(self) -> None:
-        numeric.check_fields(self, RANGES, WHOLE)
+        numeric.check_fields(self)
         if not 0 <= numeric.number("follow", self.follow) <= 1:
             raise ModelError(f"follow is {self.follow}: it must be at least 0 and at most 1")

@@ -14,18 +14,9 @@ from math import inf, pi, sqrt
 
 from synth import numeric
 from synth.errors import ModelError
+from synth.numeric import between
 
 Triple = tuple[float, float, float]
-WHOLE = ("corrections", "pitches")  # of a tuning
-RANGES = {  # of the other numbers, above the first and at most the second
-    **dict.fromkeys(("damping", "reach", "follow", "settled"), (0, 1)),
-    **dict.fromkeys(("surprise", "residual"), (0, inf)),
-    "corrections": (1, 20),
-    "leaning": (0, 6),
-    "pitches": (1, 1000),
-    "gap": (0, 2e-3),
-    "tilt": (0, 0.05),
-}
 FEWEST = 3  # sensors of two axes for six unknowns
 
 
@@ -80,30 +71,24 @@ class Array:
 
 @dataclass(frozen=True)
 class Tuning:
-    """How the estimator goes about its task, as `parameters.Tuning` has it for three degrees of freedom.
+    """How the estimator of six degrees of freedom works, in the words of `parameters.Tuning`.
 
-    `corrections` a sample, all by the Jacobian where the sample begins; `damping`, of alpha^2, of displacements from
-    there; `reach`, rad of phase by which corrections may move a sensor in a sample; `follow`, the part of a correction
-    by which the next motion is expected to differ. A last correction of less than `settled` standard deviations has
-    converged; of more than `leaning` parameters that the damping decides there is `damped`, and by more than `surprise`
-    deviations of motions a body does not move. Residuals up to `residual` V rms are those of the field's model: above
-    the fabricated matrix, whose other waves leave up to 0.093 V of four sensors' voltages, give more than these. Z is
-    within `gap` m of the height, roll and pitch are within `tilt` rad; positions are counted to `pitches` either side.
+    Above the fabricated matrix, other waves leave up to 0.093 V of four sensors' voltages: allow more than `residual`.
 
     Raises ModelError for a figure that is out of its range.
     """
 
-    corrections: int = 4
-    damping: float = 1e-4
-    reach: float = 0.5
-    follow: float = 0.5
-    settled: float = 0.1
-    leaning: float = 0.15
-    surprise: float = 3.0
-    residual: float = 0.02
-    gap: float = 1e-3
-    tilt: float = 0.02
-    pitches: int = 8
+    corrections: int = between(1, 4, 20)  # a sample, all by the Jacobian where it begins
+    damping: float = between(0, 1e-4, 1)  # of alpha^2
+    reach: float = between(0, 0.5, 1)  # rad of phase
+    follow: float = between(0, 0.5, 1)  # part of a correction
+    settled: float = between(0, 0.1, 1)  # standard deviations
+    leaning: float = between(0, 0.15, 6)  # parameters
+    surprise: float = between(0, 3.0, inf)  # deviations of motions
+    residual: float = between(0, 0.02, inf)  # V rms
+    gap: float = between(0, 1e-3, 0.002)  # m from the height within which Z is valid
+    tilt: float = between(0, 0.02, 0.05)  # rad within which roll and pitch are valid
+    pitches: int = between(1, 8, 1000)
 
     def __post_init__(self) -> None:
-        numeric.check_fields(self, RANGES, WHOLE)
+        numeric.check_fields(self)

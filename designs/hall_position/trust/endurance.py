@@ -76,7 +76,7 @@ def limits(kind: Kind) -> Limits:
     t, a, T = kind.tuning, kind.array, kind.time.period_s
     e = t.surprise * a.deviation / (a.alpha * sqrt(t.damping))
     speed, acceleration = t.reach / 2 / (a.wave_number * T), (1 - MARGIN) * t.follow * e / (a.wave_number * T**2)
-    return Limits(speed, acceleration, PART * tracking.declared(a, t))
+    return Limits(speed, acceleration, PART * tracking.valid_yaw_limit(a, t))
 
 
 def run(kind: Kind, bodies: int, samples: int, within: Limits, seed: int = 0) -> Endurance:

@@ -5,15 +5,16 @@ from functools import cache
 
 import numpy as np
 
-from designs.hall_position import reference_six
 from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import channels, six_estimator
 from designs.hall_position.glsdc.six_parameters import Array, Tuning
+from designs.hall_position.reference_glsdc import Setup
 from synth.block import Block, unranged
 from synth.emit import write
 from synth.execute import host
 from synth.statespace import Array as Numbers
 from synth.timing import Discrete
+from tests.designs.hall_position import reference_six
 
 TIME = Discrete(1 / 800)
 L = 0.0508
@@ -43,9 +44,9 @@ def compiled(array: Array, tuning: Tuning = USUAL, scalar: type[np.floating] = n
     return host.load(made.files, made.manifest)
 
 
-def setup(array: Array, tuning: Tuning = USUAL) -> reference_six.Setup:
+def setup(array: Array, tuning: Tuning = USUAL) -> Setup:
     """Return what the reference needs to know."""
-    return reference_six.Setup(**vars(array), **vars(tuning))
+    return Setup(vars(array) | vars(tuning))
 
 
 def volts(array: Array, pose: Numbers) -> Numbers:

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from designs.hall_position import bench, page, shipped
-from designs.hall_position.loop import experiments
-from synth import workspace
+from designs.hall_position import bench, shipped
+from designs.hall_position.glsdc import estimator
+from synth import contents, testing, workspace
 from synth.check import Check
+from synth.emit import write
 from synth.verify import eva, misra, nonfinite
 from synth.workspace import Design
 
@@ -38,7 +39,25 @@ def test_the_workspace_finds_it(design: Design) -> None:
     assert block.name == design.name and block.time == shipped.TIME and block.time.period_s == 1 / 800
     assert [s.name for s in block.inputs] == ["V_ax", "V_ay", "V_bx", "V_by"]
     assert design.bench == workspace.Bench(shipped.block, bench.replay, bench.sequences, bench.FLOOR)
-    assert (design.simulate, design.report) == (experiments.run, page.report)
+
+
+def test_what_is_declared_is_the_guarded_estimator(design: Design) -> None:
+    """Byte by byte what a guard and the estimator are together; once latched its states go on."""
+    assert design.stage is not None
+    other = estimator.guarded(shipped.array(), shipped.TIME, shipped.TUNING)
+    texts = [write.emit(block, np.float32, libm=True).files for block in (design.stage.controller.block, other)]
+    assert texts[0] == texts[1]
+
+
+def test_every_task_has_a_key(design: Design) -> None:
+    """So that evidence and reports are made once."""
+    for task in (design.emit, design.verify, design.simulate, design.audit, design.report):
+        assert contents.digest(task) == contents.digest(task)
+
+
+def test_defects_that_are_planted_are_found(design: Design) -> None:
+    assert design.stage is not None
+    assert testing.unnoticed(design.stage) == []
 
 
 @pytest.mark.parametrize("name", shipped.PLACES)

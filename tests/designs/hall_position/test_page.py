@@ -8,7 +8,7 @@ import pytest
 
 from designs.hall_position import costs, page, shipped
 from designs.hall_position.accuracy import fisher, maps
-from designs.hall_position.costs import Costs, Row
+from designs.hall_position.costs import Row
 from designs.hall_position.pages import accuracy, field, six, trust
 from designs.hall_position.paper import rows
 from designs.hall_position.paper.stage import Stage, grid
@@ -53,7 +53,7 @@ def tables(section: Section) -> dict[str, Table]:
 @pytest.mark.usefixtures("coarse")
 def test_every_part_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
     three, row = Emitted({}, {}), Row("three sensors", "gcc -O2", 600, 3795, 7225)
-    others = {(id(three), six.placed(STAGE, 4)): Costs((row,))}
+    others = {(id(three), six.placed(STAGE, 4)): (row,)}
     monkeypatch.setattr(costs, "measure", lambda three, four: others[id(three), four])
     monkeypatch.setattr(sections, "cost", lambda found: Section("Cost of two sensors"))
     cost = Cost(shipped.NAME, "cortex-m4f", 1e-3, (), (), (), {}, ())

@@ -10,7 +10,8 @@ import pytest
 
 from designs.hall_position import random_steps, reference_guard, shipped, verification
 from designs.hall_position.glsdc import estimator
-from designs.hall_position.random_steps import Subject
+from designs.hall_position.reference_glsdc import Setup
+from designs.hall_position.shipped import Subject
 from designs.hall_position.trust import endurance
 from designs.hall_position.verification import Compared, Steps
 from synth.block import Block
@@ -28,7 +29,7 @@ PAIR = shipped.NAME
 
 @cache
 def subject() -> Subject:
-    return random_steps.subject(PAIR)
+    return shipped.subject(PAIR)
 
 
 @cache
@@ -40,10 +41,10 @@ def sound() -> Witnesses:
 def drawn(kind: str) -> Steps:
     of = subject()
     if kind == "motions":
-        inputs = random_steps.measured(of, shipped.TIME.period_s, SIZES[kind])
-        return verification.severe(of, kind, *verification.along(of, sound().c64, inputs))
+        inputs = random_steps.along_motions(of, SIZES[kind])
+        return verification.conditioned(of, kind, *verification.along(of, sound().c64, inputs))
     draw = {"random": random_steps.in_operation, "edge": random_steps.at_the_edges}[kind]
-    return verification.severe(of, kind, *draw(of, SIZES[kind]))
+    return verification.conditioned(of, kind, *draw(of, SIZES[kind]))
 
 
 def failed(found: Compared | Sequence[Check]) -> list[str]:
@@ -83,7 +84,7 @@ def test_the_sound_estimator_passes() -> None:
 )
 def test_a_wrong_number_in_the_reference_is_told(kind: str, name: str) -> None:
     factor = 2.0 if name == "residual" else 1.05
-    other = replace(subject().of, **{name: factor * getattr(subject().of, name)})
+    other = Setup(subject().of.numbers | {name: factor * getattr(subject().of, name)})
     assert told(agree.reference(partial(reference_guard.step, other)), kind, "reference")
 
 
@@ -107,8 +108,8 @@ def test_a_missing_fault_is_told() -> None:
 def test_an_error_where_errors_are_magnified_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of these alone: what is asked of the others would not see it."""
     given, witness = drawn("random"), sound().of["reference"]
-    monkeypatch.setattr(verification, "SEVERE", 100.0)
-    above = given.severity > verification.SEVERE
+    monkeypatch.setattr(verification, "ILL_CONDITIONED", 100.0)
+    above = given.severity > verification.ILL_CONDITIONED
     assert 0 < np.mean(above) < 0.5
 
     def spoilt(states: Any, inputs: Any) -> Stepped:
@@ -117,9 +118,9 @@ def test_an_error_where_errors_are_magnified_is_told(monkeypatch: pytest.MonkeyP
 
     (name,) = told(spoilt)
     assert "where magnified" in name and not told(witness)
-    assert not verification.shared(given).passed  # too many are compared so
+    assert not verification.ill_conditioned(given).passed  # too many are compared so
     one = replace(given, severity=np.ones(len(above)))
-    assert verification.shared(one).found == 0
+    assert verification.ill_conditioned(one).found == 0
 
 
 def test_no_number_is_told() -> None:
@@ -201,19 +202,22 @@ def test_decisions_of_single_precision_are_counted(monkeypatch: pytest.MonkeyPat
 
 def test_own_ways_that_part_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     of = subject()
-    inputs = random_steps.measured(of, shipped.TIME.period_s, SIZES["motions"])
-    names = failed(verification.own_ways(of, wrong_in_single(), inputs))
+    inputs = random_steps.along_motions(of, SIZES["motions"])
+    names = failed(verification.free_running(of, wrong_in_single(), inputs))
     assert any("c32" in name for name in names) and not any("reference" in name for name in names)
-    other = replace(of, of=replace(of.of, deviation=1.5 * of.of.deviation, beta=1.0001 * of.of.beta))
-    assert any("reference" in name for name in failed(verification.own_ways(other, sound(), inputs)))
+    changed = {"deviation": 1.5 * of.of.deviation, "beta": 1.0001 * of.of.beta}
+    other = partial(reference_guard.step, Setup(of.of.numbers | changed))
+    by = replace(sound(), of={**sound().of, "reference": agree.reference(other)})
+    assert any("reference" in name for name in failed(verification.free_running(of, by, inputs)))
 
 
 def test_motions_cross_pitches_turn_around_and_latch() -> None:
     of, n = subject(), random_steps.LENGTH
-    inputs = random_steps.measured(of, shipped.TIME.period_s, SIZES["motions"])
+    inputs = random_steps.along_motions(of, SIZES["motions"])
     bodies = SIZES["motions"] // n
     assert inputs["V_ax"].shape == (n, bodies)
-    found = verification.positions(sound().c64, inputs)
+    start = {s.name: s.initial for s in of.block.states}
+    found = agree.recorded(sound().of["c64"], start, inputs).outputs
     valid = found["valid"] > 0
     known = np.where(valid, found["X"], -np.inf).max(axis=0) - np.where(valid, found["X"], np.inf).min(axis=0)
     assert known.max() > 2 * of.array.pitch and np.mean(valid) > 0.2
@@ -224,7 +228,7 @@ def test_motions_cross_pitches_turn_around_and_latch() -> None:
     latched = words >> safety.LATCH_BIT > 0
     assert latched[-1].tolist() == [k % random_steps.BAD_COLUMNS == 0 for k in range(bodies)]
     assert not latched[:305].any() and set(np.unique(words & 15)) == {0, 2, 4, 8}
-    assert all(np.mean(drawn(kind).severity > verification.SEVERE) < verification.SEVERE_SHARE for kind in SIZES)
+    assert all(np.mean(drawn(kind).severity > verification.ILL_CONDITIONED) < verification.ILL_SHARE for kind in SIZES)
 
 
 def test_evidence_is_of_both_estimators(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Any
 
 import numpy as np
 
@@ -11,6 +10,7 @@ import designs.hall_position.trust.motions as motions
 from designs.hall_position import reference
 from designs.hall_position.glsdc import channels, estimator
 from designs.hall_position.glsdc.parameters import Array, Tuning
+from designs.hall_position.reference_glsdc import Setup
 from synth.block import Block, unranged
 from synth.emit import write
 from synth.execute import host
@@ -57,12 +57,10 @@ def compiled(array: Array, tuning: Tuning = USUAL, scalar: type[np.floating] = n
     return host.load(made.files, made.manifest)
 
 
-def setup(array: Array, tuning: Tuning = USUAL, **changed: Any) -> reference.Setup:
+def setup(array: Array, tuning: Tuning = USUAL) -> Setup:
     """Return what the reference needs to know."""
-    names = ("c", "alpha", "beta", "pitch", "deviation")
-    given = {name: getattr(array, name) for name in names} | vars(tuning) | changed
     weights = array.weights or (1.0,) * len(array.positions)
-    return reference.Setup(positions=array.positions, weights=weights, **given)
+    return Setup(vars(array) | vars(tuning) | {"weights": weights})
 
 
 def noisy(array: Array, pose: Pose, seed: int = 0) -> Numbers:

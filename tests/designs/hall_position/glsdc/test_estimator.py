@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from designs.hall_position import reference
+from designs.hall_position import reference, reference_glsdc
 from designs.hall_position.glsdc import channels
 from designs.hall_position.glsdc.parameters import Array, Tuning
 from models import concentrated_field, hall_array
@@ -134,8 +134,8 @@ def test_no_sample_raises_the_cost_whatever_the_voltages(array: Array) -> None:
     pose, V = places(n, 6, np.pi), np.random.default_rng(6).uniform(-4.9, 4.9, (n, len(array.positions), 2))
     state = known(array, pose) | {"searching": np.ones(n)}
     seen = np.zeros((n, len(array.positions), 2), bool)
-    start, weights = reference.begun(of, state, seen)
-    before = reference.fitted(of, start, np.zeros((n, 3)), V, weights)
+    (start, weights), problem = reference.predict(of, state, seen), reference.problem(of)
+    before = reference_glsdc.fit(problem, start, np.zeros((n, 3)), V, weights)
     after = compiled(array).batch(records(array, state), given(array, V))
     c, s, (x, y) = np.cos(after.outputs["yaw"]), np.sin(after.outputs["yaw"]), array.centre
     end = np.stack(
@@ -143,8 +143,8 @@ def test_no_sample_raises_the_cost_whatever_the_voltages(array: Array) -> None:
     )
     moved = np.column_stack([end[:, :2] - start[:, :2], wrapped(end[:, 2] - start[:, 2])])
     moved[:, :2] = (moved[:, :2] + L / 2) % L - L / 2
-    cost = reference.fitted(of, start, moved, V, weights).cost
-    assert (cost <= before.cost + 5 * reference.SLACK * array.deviation**2).all()
+    cost = reference_glsdc.fit(problem, start, moved, V, weights).cost
+    assert (cost <= before.cost + 5 * reference_glsdc.SLACK * array.deviation**2).all()
     assert (cost < 0.9 * before.cost).mean() > 0.5
 
 

@@ -1,13 +1,12 @@
 """The estimator as a Block and as C against NumPy's, from any state and over motions; its C in single precision."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from designs.hall_position import reference
+from designs.hall_position import reference, reference_glsdc, reference_rounding
 from designs.hall_position.glsdc import channels
 from designs.hall_position.glsdc.parameters import Array
+from designs.hall_position.reference_glsdc import Setup
 from synth.execute import host
 from synth.statespace import Array as Numbers
 from tests import tolerances
@@ -49,7 +48,8 @@ def drawn(array: Array, n: int, seed: int) -> tuple[dict[str, Numbers], Numbers,
     # Every other yaw is about the known one, where a place may become certain.
     about = state["yaw"] + rng.uniform(-0.12, 0.12, n)
     state["yaw_known"] = np.where(rng.random(n) < 0.5, (about + np.pi) % (2 * np.pi) - np.pi, state["yaw_known"])
-    bounds = of.bounds * [W, W, 1]
+    problem = reference.problem(of)
+    bounds = problem.bounds * problem.units
     state |= {name: rng.uniform(-b, b, n) for name, b in zip(reference.MOTION, bounds, strict=True)}
     state |= {f"pitch_{a}": rng.integers(-8, 9, n).astype(float) for a in "xy"}
     state |= {"astray": rng.integers(0, 5, n), "searching": rng.integers(0, 2, n), "restarted": rng.integers(0, 2, n)}
@@ -57,7 +57,7 @@ def drawn(array: Array, n: int, seed: int) -> tuple[dict[str, Numbers], Numbers,
     state["placed"] = np.maximum(state["certain"], rng.integers(0, 2, n))
     if k > 2:
         state["without"] = np.where(rng.random(n) < 0.7, 0, rng.integers(0, k + 1, n))
-    start, _ = reference.begun(of, state, np.zeros((n, k, 2), bool))
+    start, _ = reference.predict(of, state, np.zeros((n, k, 2), bool))
     size = rng.choice([1e-3, 0.05, 0.3], n)[:, np.newaxis] * rng.standard_normal((n, 3)) / [W, W, 6]
     x, y, yaw = (start + size).T
     (cx, cy), c, s = array.centre, np.cos(yaw), np.sin(yaw)
@@ -85,12 +85,12 @@ def apart(found: Columns, after: host.Records, out: Columns, next: Columns) -> N
     return np.max(gap, axis=0)
 
 
-def disagreement(array: Array, n: int, of: reference.Setup) -> Numbers:
+def disagreement(array: Array, n: int, of: Setup) -> Numbers:
     """Return by how much the C differs from the reference in n steps, over what is allowed, (N,)."""
     state, V, refused = drawn(array, n, 3)
     out, next = reference.step(of, state, held(V, refused), refused)
     batch = compiled(array).batch(records(array, state), given(array, np.where(refused, np.nan, V)))
-    severe = reference.magnification(of, state, held(V, refused), refused)
+    severe = reference_rounding.magnification(of, state, held(V, refused), refused)
     allowed = np.where(severe > SEVERE, SHARE * EPS * severe, EXACT)
     assert (severe > SEVERE).mean() < 0.02 and next["restarted"].mean() > 0.5
     return apart(batch.outputs, batch.states, out, next) / allowed
@@ -111,13 +111,13 @@ def test_the_block_agrees_with_the_reference(array: Array) -> None:
         x[i] = state.get(name, x[i])
     y = of.function().map(300)(x, np.array([*given(array, V).values()]))[1].full()
     out, _ = reference.step(setup(array), state, V, clear)
-    allowed = np.maximum(EXACT, SHARE * EPS * reference.magnification(setup(array), state, V, clear))
+    allowed = np.maximum(EXACT, SHARE * EPS * reference_rounding.magnification(setup(array), state, V, clear))
     for signal, found in zip(of.outputs, y, strict=True):
         size = channels.SPAN if signal.name == "residual" else 1
         assert (np.abs(found - out[signal.name]) <= size * allowed).all(), signal.name
 
 
-def over_motions(array: Array, pose: Pose, of: reference.Setup) -> float:
+def over_motions(array: Array, pose: Pose, of: Setup) -> float:
     """Return the worst difference of C and reference that each go their own way."""
     V, state = noisy(array, pose), known(array, begun(pose))
     after, gap, clear = records(array, state), 0.0, np.zeros(V.shape[1:], bool)
@@ -153,7 +153,7 @@ def test_c_agrees_with_the_reference_over_1e5_samples_of_many_pitches_and_turns(
     ids=lambda change: next(iter(change)),
 )
 def test_another_setup_is_seen(change: dict[str, float]) -> None:
-    assert disagreement(TWO, 2000, replace(setup(TWO), **change)).max() > 1e3
+    assert disagreement(TWO, 2000, Setup(setup(TWO).numbers | change)).max() > 1e3
 
 
 @pytest.mark.parametrize(
@@ -169,7 +169,7 @@ def test_another_setup_is_seen(change: dict[str, float]) -> None:
     ],
 )
 def test_another_reference_is_seen(name: str, value: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(reference, name, value)
+    monkeypatch.setattr(reference if hasattr(reference, name) else reference_glsdc, name, value)
     assert disagreement(THREE, 2000, setup(THREE)).max() > 1e3
 
 

@@ -6,11 +6,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from designs.hall_position import costs, reference_six
+from designs.hall_position import costs
 from synth.execute import cross, host
 from synth.statespace import Array as Numbers
 from synth.verify import meter, rivals, steps
 from synth.verify.meter import Build
+from tests.designs.hall_position import reference_six
 from tests.designs.hall_position.posed import (
     FOUR,
     USUAL,

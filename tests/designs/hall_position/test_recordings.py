@@ -2,6 +2,7 @@
 
 import json
 import re
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from designs.hall_position import emitted, shipped
+from designs.hall_position import bench, shipped
+from designs.hall_position.design import DESIGN
 from designs.hall_position.glsdc import channels
 from synth.blocks import safety
 from synth.emit.write import Emitted
@@ -22,8 +24,8 @@ SEARCH = 60  # samples from init, at rest, in which the place is found
 
 
 @cache
-def made() -> dict[str, Emitted]:
-    return emitted.emitted(np.float32)
+def made() -> Mapping[str, Emitted]:
+    return DESIGN.emit(np.float32)
 
 
 def committed(name: str) -> tuple[dict[str, str], dict[str, Any], dict[str, Any]]:
@@ -70,19 +72,19 @@ def test_the_committed_c_answers_its_vectors(name: str) -> None:
 def test_the_vectors_find_the_place_and_hold_bad_samples(name: str) -> None:
     _, _, recorded = committed(name)
     words, out = np.array(recorded["faults"]), {n: np.array(v) for n, v in recorded["outputs"].items()}
-    wanted = np.zeros(emitted.STEPS, dtype=np.int64)
-    wanted[emitted.BAD] = 1 << 1
-    wanted[emitted.LOST] = 1 << 2
-    wanted[emitted.LOST.start + channels.BAD_SAMPLES - 1 :] |= 1 << safety.LATCH_BIT
+    wanted = np.zeros(bench.VECTORS, dtype=np.int64)
+    wanted[bench.BAD] = 1 << 1
+    wanted[bench.LOST] = 1 << 2
+    wanted[bench.LOST.start + channels.BAD_SAMPLES - 1 :] |= 1 << safety.LATCH_BIT
     np.testing.assert_array_equal(words, wanted)
-    way, pitch, valid = emitted.way(), shipped.array(name).pitch, out["valid"] > 0
-    assert np.ptp(way.X) > 2 * pitch and valid[SEARCH : emitted.BAD.start].all() and valid.mean() > 0.5
+    way, pitch, valid = bench.way(), shipped.array(name).pitch, out["valid"] > 0
+    assert np.ptp(way.X) > 2 * pitch and valid[SEARCH : bench.BAD.start].all() and valid.mean() > 0.5
     for axis, true in (("X", way.X), ("Y", way.Y)):
         off = (out[axis] - true + pitch / 2) % pitch - pitch / 2  # pitches are counted from init on
         deviations = off[valid] / out[f"deviation_{axis}"][valid]
         # They are those of a body at rest: the damping adds what it holds back of a motion.
         assert np.abs(deviations).max() < 10 and np.sqrt(np.mean(deviations**2)) < 1.2
-    survives = valid[emitted.BAD].all() and valid[emitted.LOST].all()
+    survives = valid[bench.BAD].all() and valid[bench.LOST].all()
     assert survives == (name == shipped.THREE)
 
 

@@ -1,0 +1,160 @@
+"""GLSDC in plain NumPy for any number of unknowns, for comparison; N bodies advance one sample at a time.
+
+    minimise  |w^(1/2) (V - h(q + d))|^2 + |S d|^2,    d (n,) in m and rad, S diagonal: the root of the damping
+
+A correction is the least-squares solution of the weighted rows over S, by an orthogonal factorisation, anew at each
+trial or once where the sample begins. A search begins at points of Roberts' sequence.
+
+Source: Kawato and Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 3.B and Fig. 9.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from math import pi
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+Columns = Mapping[str, Array]
+
+SLACK = 0.01  # of deviation^2, of the cost
+PATIENCE = 5  # samples
+PLASTIC = 1.324717957244746  # g, g^3 = g + 1
+
+
+@dataclass(frozen=True)
+class Setup:
+    """The numbers of sensors and algorithm by name, in m, V and rad; each is an attribute."""
+
+    numbers: dict[str, Any]
+
+    def __getattr__(self, name: str) -> Any:
+        """Return a number; raise AttributeError for an unknown name."""
+        if name not in vars(self).get("numbers", ()):
+            raise AttributeError(f"the setup has no '{name}': name one of its numbers")
+        return self.numbers[name]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Names of states, residuals (N, m) and rows (N, m, n) at poses (N, n), S, and how far d may go, (n,) in m and rad.
+
+    Residuals are those of the first axes of all sensors, then of the second ones. `blocks` of unknowns are solved for
+    together, the last ones first; where these are limited, those before fit it. Rows are factorised `once` a sample or
+    at each trial. `units` are a state's units of each unknown. A cost may rise by the part `rounding` of itself.
+    """
+
+    poses: Sequence[str]
+    motions: Sequence[str]
+    linearise: Callable[[Array, Array], tuple[Array, Array]]
+    damping: Array
+    bounds: Array
+    units: Array
+    blocks: Sequence[slice]
+    corrections: int
+    deviation: float
+    settled: float
+    scale: float = 1.0
+    rounding: float = 0.0
+    once: bool = False
+
+    def threshold(self, cost: Array) -> Array:
+        """Return the cost up to which another one counts as lower."""
+        return np.asarray((1 + self.rounding) * cost + SLACK * self.deviation**2)
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Rows H (N, m, n) at a displacement, damped and factorised: Q, R and z = Q'b (N, n).
+
+    `each` (N, sensors) are the squared residuals of sensors, V^2.
+    """
+
+    at: Array
+    H: Array
+    each: Array
+    squares: Array
+    cost: Array
+    Q: Array
+    R: Array
+    z: Array
+
+
+def initial_state(names: Sequence[str]) -> dict[str, Array]:
+    """Return the state after init, by name."""
+    return {name: np.array([1.0 * (name == "searching")]) for name in names}
+
+
+def predict(of: Problem, state: Columns) -> Array:
+    """Return the pose (N, n) in m and rad with which a sample begins, where the last motion leads, if there is one."""
+    start = np.stack([state[name] for name in of.poses], axis=1)
+    by = np.stack([state[name] for name in of.motions], axis=1) if of.motions else 0.0
+    return np.asarray((start + by) / of.units)
+
+
+def descend(of: Problem, start: Array, volts: Array, weights: Array) -> tuple[list[Fit], Array, Array]:
+    """Return the trials, the displacement (N, n) after all corrections, and whether they have converged."""
+    trial = fit(of, start, np.zeros_like(start), volts, weights)
+    fits, best, lowest, better = [trial], trial.at, trial.cost, np.ones(len(start), bool)
+    for _ in range(of.corrections - 1):
+        at = np.where(better[:, None], correct(of, trial), (trial.at + best) / 2)
+        trial = fit(of, start, at, volts, weights, fits[0] if of.once else None)
+        fits.append(trial)
+        better = trial.cost <= of.threshold(lowest)
+        best, lowest = np.where(better[:, None], trial.at, best), np.where(better, trial.cost, lowest)
+    converged = better & ((trial.z**2).sum(axis=1) <= (of.settled * of.deviation) ** 2)
+    return fits, np.where(converged[:, None], correct(of, trial), best), converged
+
+
+def fit(of: Problem, start: Array, at: Array, volts: Array, weights: Array, first: Fit | None = None) -> Fit:
+    """Linearise at a displacement (N, n), by the weights (N, sensors) of sensors; the `first` fit keeps its rows."""
+    root = np.tile(np.sqrt(weights), 2)
+    e, H = of.linearise(start + at, volts)
+    e, H = root * e, root[:, :, None] * H if first is None else first.H
+    Q, R = np.linalg.qr(damped(H, of.damping)) if first is None else (first.Q, first.R)
+    b = np.concatenate([e, -of.damping * at], axis=1)
+    each = (e**2).reshape(len(at), 2, -1).sum(axis=1)
+    return Fit(at, H, each, each.sum(axis=1), (b**2).sum(axis=1), Q, R, np.einsum("nmi,nm->ni", Q, b))
+
+
+def damped(H: Array, root: Array) -> Array:
+    """Return rows (N, m, n) over those of the damping's root (n,)."""
+    return np.concatenate([H, np.broadcast_to(np.diag(root), (len(H), len(root), len(root)))], axis=1)
+
+
+def correct(of: Problem, trial: Fit) -> Array:
+    """Return the displacement (N, n) that a scaled correction leads to, within the bounds."""
+    R, z, end = trial.R, of.scale * trial.z, trial.at.copy()
+    for block in of.blocks:
+        moved = end[:, block.stop :] - trial.at[:, block.stop :]
+        right = z[:, block] - (R[:, block, block.stop :] @ moved[:, :, None])[:, :, 0]
+        own = R[:, block, block]
+        step = right / own[:, 0] if own.shape[1] == 1 else np.linalg.solve(own, right[:, :, None])[:, :, 0]
+        end[:, block] = np.clip(trial.at[:, block] + step, -of.bounds[block], of.bounds[block])
+    return end
+
+
+def follow(of: Problem, state: Columns, by: Array, lost: Array) -> dict[str, Array]:
+    """Return the motions that follow corrections `by` (N, n), in a state's units; none of bodies that are lost."""
+    bounds = of.bounds * of.units
+    moved = {m: np.clip(state[m] + by[:, i], -bounds[i], bounds[i]) for i, m in enumerate(of.motions)}
+    return {m: np.where(lost, 0, v) for m, v in moved.items()}
+
+
+def restart(state: Columns, fault: Array, phases: Columns) -> tuple[dict[str, Array], Array]:
+    """Return the next counts, starts and phases, and whether the next sample begins elsewhere."""
+    again = fault & (state["astray"] >= PATIENCE - 1)
+    next = {"astray": np.where(fault & ~again, state["astray"] + 1, 0)}
+    for axis, part in (("x", 1 / PLASTIC), ("y", 1 / PLASTIC**2)):
+        start = wrap(state[f"start_{axis}"] + 2 * pi * (part - 1))[0]
+        next[f"start_{axis}"] = np.where(again, start, state[f"start_{axis}"])
+        next[f"phase_{axis}"] = np.where(again, start, phases[f"phase_{axis}"])
+    return next, again
+
+
+def wrap(angle: Array) -> tuple[Array, Array]:
+    """Return angles within half a turn, and the turns taken off."""
+    turns = np.where(angle > pi, 1.0, np.where(angle < -pi, -1.0, 0.0))
+    return angle - 2 * pi * turns, turns

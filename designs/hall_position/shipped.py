@@ -1,0 +1,124 @@
+"""What ships: the estimator of two sensors as published, and of three where the worst deviation is least.
+
+The field is that of the fabricated matrix at the sensors' height, by the blocks' remanences, times the chain's V/T.
+"""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from designs.hall_position.accuracy import layouts
+from designs.hall_position.glsdc import channels, estimator
+from designs.hall_position.glsdc.parameters import Array, Pair, Tuning
+from designs.hall_position.reference_glsdc import Setup
+from models import concentrated_field, hall_array
+from models.concentrated_field import STRONG, WEAK
+from models.hall_chain import Chain
+from synth import stage
+from synth.block import Block
+from synth.declaration import Controller
+from synth.emit.c import digits
+from synth.errors import DesignError
+from synth.plant import Plant
+from synth.signals import names
+from synth.stage import Sensor
+from synth.timing import Discrete
+
+NAME, THREE = "hall_position", "hall_position_three"
+TIME = Discrete(1 / 800)
+LAYOUT = 5  # degrees of yaw to either side, for which the three sensors are placed
+PLACES: Mapping[str, tuple[Pair, ...]] = MappingProxyType(
+    {NAME: layouts.PUBLISHED[:2], THREE: layouts.LAYOUTS[LAYOUT]}
+)  # in pitches
+TUNING = Tuning()
+DIGITS = 6  # of the field, so that it is the same on every machine
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """An estimator that ships: its sensors, its Block, and the numbers of the reference."""
+
+    name: str
+    array: Array
+    block: Block
+    of: Setup
+
+
+def array(name: str = NAME, chain: Chain | None = None) -> Array:
+    """Return the sensors that ship under a name, their field in V and their noise.
+
+    Raises DesignError for an unknown name.
+    """
+    if name not in tuple(PLACES):
+        raise DesignError(f"'{name}' is none of the estimators that ship: give one of {', '.join(PLACES)}")
+    chain = chain or Chain()
+    alpha, beta = (digits.cut(chain.gain * b, DIGITS) for b in amplitudes())
+    pitch = concentrated_field.PARAMETERS[0].value
+    places = tuple((x * pitch, y * pitch) for x, y in PLACES[name])
+    return Array(places, 0.0, alpha, beta, pitch, chain.noise)
+
+
+def setup(name: str = NAME) -> Setup:
+    """Return the numbers of the reference; raise DesignError for an unknown name."""
+    of = array(name)
+    return Setup(vars(of) | vars(TUNING) | {"weights": of.weights or (1.0,) * len(of.positions)})
+
+
+def amplitudes() -> tuple[float, float]:
+    """Return alpha and beta of (2) for the fabricated matrix, T."""
+    cell = concentrated_field.fabricated(STRONG, WEAK)
+    waves = concentrated_field.waves(cell, [(1, 0), (5, 0)], concentrated_field.values())
+    first, fifth = (float(concentrated_field.amplitude(w, hall_array.HEIGHT)) for w in waves)
+    return first, fifth
+
+
+def plant(of: Array) -> Plant:
+    """Return the sensors on a body that moves over the field of (2)."""
+    sensors = replace(hall_array.sensors(of.positions), volume=(0.0, 0.0, 0.0))
+    flux = {n: v / sensors.chain.gain for n, v in ((1, of.alpha), (5, of.beta))}
+    waves = concentrated_field.fitted(flux, hall_array.HEIGHT, concentrated_field.values())
+    return hall_array.plant(sensors, waves, channels.voltages(len(of.positions)), TUNING.pitches * of.pitch)
+
+
+def controller(name: str = NAME) -> Controller:
+    """Return the guarded estimator that ships under a name; raise DesignError for an unknown one."""
+    of = array(name)
+    body = plant(of)
+    around = stage.interface(
+        body,
+        sensors=[Sensor(s.name) for s in body.outputs],
+        disturbances=names(body.inputs),
+        bad_samples=channels.BAD_SAMPLES,
+        reason=estimator.REASON,
+    )
+    return stage.controller(name, TIME, around, lambda: [estimator.estimator(of, TIME, TUNING)])
+
+
+def block(name: str = NAME) -> Block:
+    """Return the same as a Block."""
+    return controller(name).block
+
+
+def subject(name: str) -> Subject:
+    """Return what ships under a name for comparison with the reference."""
+    return Subject(name, array(name), block(name), setup(name))
+
+
+def gains(name: str, scalar: type[np.floating]) -> dict[str, Any]:
+    """Return what gains.json says of an estimator: model, sensors, tuning, and where the numbers are from."""
+    of = array(name)
+    return {
+        "model": "B_X = alpha sin(w X) + beta sin(5 w X), B_Y likewise in Y: (2), for the fabricated matrix at 3 mm",
+        "alpha_V": of.alpha,
+        "beta_V": of.beta,
+        "pitch_m": of.pitch,
+        "deviation_V": of.deviation,
+        "positions_pitches": [list(place) for place in PLACES[name]],
+        "period_s": TIME.period_s,
+        "method": "modified Gaussian least squares differential correction (GLSDC), Fig. 9, a fixed number a sample",
+        "tuning": {k: digits.cut(v, 12) if isinstance(v, float) else v for k, v in asdict(TUNING).items()},
+        "bad_samples": channels.BAD_SAMPLES,
+    }

@@ -1,0 +1,215 @@
+"""Gaussian least squares differential correction (GLSDC): damped Gauss-Newton with a descent check, in a fixed time.
+
+    minimise  J(d) = |V - h(q + d)|^2 + d' damping d
+
+    d_0 = 0;   J(d_i) <= J(best) + slack ?   yes: best = d_i, d_i+1 = d_i + correction, within its bounds
+                                             no:  d_i+1 = (best + d_i) / 2
+
+for any measurement model h and any number of unknowns: i = 0 .. n-1, so that J is computed n times whatever the
+voltages. d_n is not tried any more: it counts only where the last correction is small, less than a part of a standard
+deviation in the metric of the normal equations, (gradient' N^-1 gradient)^(1/2) / deviation; else the best one counts.
+
+A model gives each trial with its own normal equations. `fixed_jacobian` makes those of one Jacobian for all trials,
+factorised without pivots:
+
+    N = H'H + damping = L D L',    D_j >= damping_j,    |L_ij| <= (N_ii / damping_j)^(1/2)
+
+Both inequalities hold but for rounding; they are enforced, which bounds all that follows.
+
+Sources: Golub, Van Loan, "Matrix Computations", section 4.1 (LDL'); Kawato, Kim, "Multi-Degree-of-Freedom Precision
+Position Sensing", Fig. 9.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import reduce
+from math import sqrt
+from operator import add
+from typing import Generic, Protocol, TypeVar
+
+import casadi as ca
+
+from synth.block import clip
+from synth.signals import Signal
+
+Vector = Sequence[ca.SX]
+Named = list[tuple[Signal, ca.SX]]
+Choose = Callable[[int, ca.SX], tuple[ca.SX, ca.SX]]
+"""From an unknown and the step computed for it to where it ends and how far that is."""
+
+
+class Normal(Protocol):
+    """Normal equations at a trial."""
+
+    @property
+    def decrease(self) -> ca.SX:
+        """gradient' N^-1 gradient: what a whole correction takes off the cost, to first order."""
+
+    def solve(self, choose: Choose) -> list[ca.SX]:
+        """Return where N^-1 gradient leads: `choose` limits one unknown after the other, and the next ones fit it."""
+
+
+N = TypeVar("N", bound=Normal)
+
+
+@dataclass(frozen=True, eq=False)
+class Trial(Generic[N]):
+    """A displacement (n,) with its residuals (m,), their squared sum, the cost, and the normal equations there."""
+
+    at: Vector
+    residuals: Vector
+    squares: ca.SX
+    cost: ca.SX
+    normal: N
+
+
+@dataclass(frozen=True, eq=False)
+class Solution(Generic[N]):
+    """Where the corrections end (n,), the first and the last trial, and whether they have converged."""
+
+    at: Vector
+    first: Trial[N]
+    last: Trial[N]
+    converged: ca.SX
+
+
+@dataclass(frozen=True)
+class Descent:
+    """How many `corrections`, and the `bounds` of each unknown of d.
+
+    By rounding a cost may rise by `slack` and by the part `rounding` of itself. A decrease up to `settled` is small.
+    """
+
+    corrections: int
+    bounds: tuple[Signal, ...]
+    slack: float
+    settled: float
+    rounding: float = 0.0
+
+
+def descend(weigh: Callable[[int, Vector], Trial[N]], of: Descent) -> Solution[N]:
+    """Return what the corrections lead to; `weigh` makes the i-th trial, whose displacement is 0 for i = 0."""
+    trial = first = weigh(0, [ca.SX(0)] * len(of.bounds))
+    best, lowest, better = trial.at, trial.cost, ca.SX(1)
+    for i in range(1, of.corrections):
+        trial = weigh(i, _next(trial, better, best, of))
+        better = trial.cost <= (1 + of.rounding) * lowest + of.slack
+        best, lowest = _choose(better, trial.at, best), ca.if_else(better, trial.cost, lowest)
+    untried = _next(trial, ca.SX(1), best, of)
+    converged = ca.logic_and(better, trial.normal.decrease <= of.settled)
+    return Solution(_choose(converged, untried, best), first, trial, converged)
+
+
+def _next(trial: Trial[N], better: ca.SX, best: Vector, of: Descent) -> list[ca.SX]:
+    """Return the next displacement: from a better one where the correction leads, else halfway back to the best."""
+
+    def choose(i: int, step: ca.SX) -> tuple[ca.SX, ca.SX]:
+        end = clip(ca.if_else(better, trial.at[i] + step, (trial.at[i] + best[i]) / 2), of.bounds[i])
+        return end, end - trial.at[i]
+
+    return trial.normal.solve(choose)
+
+
+def _choose(condition: ca.SX, then: Vector, other: Vector) -> list[ca.SX]:
+    return [ca.if_else(condition, a, b) for a, b in zip(then, other, strict=True)]
+
+
+@dataclass(frozen=True, eq=False)
+class Factors:
+    """N = L D L': L below the diagonal by rows, and 1/D."""
+
+    lower: tuple[tuple[ca.SX, ...], ...]
+    inverse: tuple[ca.SX, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Factorised:
+    """Normal equations by factors of N and `forward`, L^-1 gradient."""
+
+    factors: Factors
+    forward: Vector
+
+    @property
+    def decrease(self) -> ca.SX:
+        """gradient' N^-1 gradient."""
+        return total(z**2 * d for z, d in zip(self.forward, self.factors.inverse, strict=True))
+
+    def solve(self, choose: Choose) -> list[ca.SX]:
+        """Return where the gradient leads, from the last unknown on."""
+        n = len(self.forward)
+        ends, moved = [ca.SX(0)] * n, [ca.SX(0)] * n
+        for i in reversed(range(n)):
+            step = self.forward[i] * self.factors.inverse[i]
+            for k in range(i + 1, n):
+                step -= self.factors.lower[k][i] * moved[k]
+            ends[i], moved[i] = choose(i, step)
+        return ends
+
+
+def fixed_jacobian(
+    factors: Factors,
+    rows: Sequence[Vector],
+    residuals: Callable[[int, Vector], Vector],
+    damping: Sequence[float],
+    named: Named,
+) -> Callable[[int, Vector], Trial[Factorised]]:
+    """Return what weighs trials by the Jacobian's rows (m, n) and factors at d = 0 and by residuals at each d."""
+
+    def weigh(i: int, at: Vector) -> Trial[Factorised]:
+        e = residuals(i, at)
+        squares = total(v**2 for v in e)
+        damped = [weight * v for weight, v in zip(damping, at, strict=True)]
+        cost = squares + dot(damped, at)
+        named.append((Signal("cost", "V^2", 0, 1e9, "squared residuals and damping"), cost))
+        gradient = [total(r[j] * v for r, v in zip(rows, e, strict=True)) - damped[j] for j in range(len(at))]
+        return Trial(at, e, squares, cost, Factorised(factors, _forward(factors, gradient)))
+
+    return weigh
+
+
+def factorise(rows: Sequence[Vector], damping: Sequence[float], most: float) -> Factors:
+    """Return L and D of H'H + damping (n,); no column of H is longer than the root of `most` times its damping."""
+    left = [
+        [total(r[i] * r[j] for r in rows) + (damping[i] if i == j else 0) for j in range(i + 1)]
+        for i in range(len(damping))
+    ]
+    lower: list[list[ca.SX]] = [[] for _ in damping]
+    inverse = []
+    for j, least in enumerate(damping):
+        inverse.append(1 / ca.fmax(left[j][j], least))
+        for i in range(j + 1, len(damping)):
+            bound = sqrt((1 + most) * damping[i] / least)
+            lower[i].append(clip(left[i][j] * inverse[j], Signal("lower", "1", -bound, bound)))
+        for i in range(j + 1, len(damping)):
+            for k in range(j + 1, i + 1):
+                left[i][k] -= lower[i][j] * left[k][j]
+    return Factors(tuple(map(tuple, lower)), tuple(inverse))
+
+
+def _forward(of: Factors, right: Vector) -> list[ca.SX]:
+    z: list[ca.SX] = []
+    for row, value in zip(of.lower, right, strict=True):
+        z.append(reduce(lambda left, term: left - term[0] * term[1], zip(row, z, strict=True), value))
+    return z
+
+
+def variances(of: Factors) -> list[ca.SX]:
+    """Return the diagonal of N^-1: sums of squares of L^-1 by columns."""
+    n, diagonal = len(of.inverse), []
+    for i in range(n):
+        column: list[ca.SX] = [ca.SX(1)]
+        for k in range(i + 1, n):
+            column.append(-total(of.lower[k][j] * column[j - i] for j in range(i, k)))
+        diagonal.append(total(w**2 * d for w, d in zip(column, of.inverse[i:], strict=True)))
+    return diagonal
+
+
+def dot(a: Vector, b: Vector) -> ca.SX:
+    """Return a.b."""
+    return total(u * v for u, v in zip(a, b, strict=True))
+
+
+def total(terms: Iterable[ca.SX]) -> ca.SX:
+    """Return the sum, 0 without any term."""
+    terms = list(terms)
+    return reduce(add, terms) if terms else ca.SX(0)
