@@ -124,7 +124,7 @@ def _shifted(controller: host.Controller, pool: Steps) -> Steps:
 
 def _random(controller: host.Controller, name: str) -> Steps:
     """Return random steps as verification draws them."""
-    columns, inputs = random_steps.in_operation(shipped.subject(name), DRAWN)
+    columns, inputs = random_steps.in_operation(random_steps.subject(name), DRAWN)
     states = np.zeros(DRAWN, controller.state)
     for state, values in columns.items():
         states[state] = values

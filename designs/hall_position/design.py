@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from designs.hall_position import bench, page, reference_guard, shipped, verification
+from designs.hall_position import bench, page, random_steps, reference_guard, shipped, verification
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.loop import experiments
 from designs.hall_position.paper import rows
@@ -14,7 +14,7 @@ CONTROLLER, THREE = shipped.controller(), shipped.block(shipped.THREE)
 DESIGN = stage.design(
     CONTROLLER,
     CONTROLLER.interface.plant,
-    reference=partial(reference_guard.step, shipped.setup()),
+    reference=partial(reference_guard.step, random_steps.setup()),
     surrogate_error=estimator.SURROGATE_ERROR,
     recording=lambda rig: bench.recording(shipped.NAME, rig.controller.scalar),
     gains=partial(shipped.gains, shipped.NAME),

@@ -7,14 +7,17 @@ motions   across many pitches and through full turns of yaw, from `init`, where 
           of them voltages are refused, alone, in runs, and in the end up to the latch
 """
 
+from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
 
 from designs.hall_position import reference, reference_guard, shipped
-from designs.hall_position.shipped import Subject
+from designs.hall_position.glsdc.parameters import Array
+from designs.hall_position.reference_glsdc import Setup
 from designs.hall_position.trust import motions
 from designs.hall_position.trust.motions import Numbers, Pose
+from synth.block import Block
 from synth.verify import sampling
 from synth.verify.sampling import Columns
 
@@ -25,6 +28,27 @@ COUNTS = ("estimator_pitch_x", "estimator_pitch_y")  # whole numbers, held as re
 TRAVEL = 0.3  # m: six pitches, at up to 2 m/s
 YAW, TURN = (0.04, 0.5), (0.0, 13.0)  # rad, rad/s, of every other motion: a turn in 0.5 s
 LENGTH, BAD_COLUMNS = 500, 5  # samples of a motion; of so many one has bad samples
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """An estimator that ships: its sensors, its Block, and the numbers of the reference."""
+
+    name: str
+    array: Array
+    block: Block
+    of: Setup
+
+
+def setup(name: str = shipped.NAME) -> Setup:
+    """Return the numbers of the reference; raise DesignError for an unknown name."""
+    of = shipped.array(name)
+    return Setup(vars(of) | vars(shipped.TUNING) | {"weights": of.weights or (1.0,) * len(of.positions)})
+
+
+def subject(name: str) -> Subject:
+    """Return what ships under a name for comparison with the reference."""
+    return Subject(name, shipped.array(name), shipped.block(name), setup(name))
 
 
 def in_operation(subject: Subject, n: int) -> tuple[Columns, Columns]:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from designs.hall_position import random_steps, reference, reference_guard, reference_rounding, shipped
 from designs.hall_position.glsdc import estimator
-from designs.hall_position.shipped import Subject
+from designs.hall_position.random_steps import Subject
 from designs.hall_position.trust import endurance
 from designs.hall_position.trust.fleet import Kind
 from designs.hall_position.trust.motions import Numbers
@@ -73,7 +73,7 @@ def verify(progress: Progress, whole: bool) -> Evidence:
     checks: list[Check] = []
     for name in shipped.PLACES:
         progress(f"{name}: witnesses")
-        of = shipped.subject(name)
+        of = random_steps.subject(name)
         for found, some in compared(of, witnesses(of), WHOLE if whole else QUICK, progress):
             agreements += found
             checks += some

@@ -13,7 +13,7 @@ import casadi as ca
 import numpy as np
 from scipy import interpolate, spatial
 
-from synth import numeric
+from synth import arguments, numeric
 from synth.block import clip
 from synth.errors import ModelError
 from synth.signals import Signal
@@ -47,6 +47,7 @@ class Grid:
         return readonly(along[0]), readonly(along[1])
 
 
+@arguments.checked
 def square(reach: float, spacing: float) -> Grid:
     """Return a grid of at least `reach` to either side of the origin.
 

@@ -127,7 +127,7 @@ def test_another_design_is_refused() -> None:
 
 
 def test_random_steps_are_those_of_verification() -> None:
-    drawn, _ = random_steps.in_operation(shipped.subject(shipped.NAME), bench.DRAWN)
+    drawn, _ = random_steps.in_operation(random_steps.subject(shipped.NAME), bench.DRAWN)
     found = subject(shipped.NAME).sequences["random"]
     assert len(found) == bench.DRAWN
     np.testing.assert_array_equal(found.states["estimator_yaw"], drawn["estimator_yaw"].astype(np.float32))

@@ -10,8 +10,8 @@ import pytest
 
 from designs.hall_position import random_steps, reference_guard, shipped, verification
 from designs.hall_position.glsdc import estimator
+from designs.hall_position.random_steps import Subject
 from designs.hall_position.reference_glsdc import Setup
-from designs.hall_position.shipped import Subject
 from designs.hall_position.trust import endurance
 from designs.hall_position.verification import Compared, Steps
 from synth.block import Block
@@ -29,7 +29,7 @@ PAIR = shipped.NAME
 
 @cache
 def subject() -> Subject:
-    return shipped.subject(PAIR)
+    return random_steps.subject(PAIR)
 
 
 @cache

@@ -4,7 +4,7 @@ The field is that of the fabricated matrix at the sensors' height, by the blocks
 """
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -13,7 +13,6 @@ import numpy as np
 from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import channels, estimator
 from designs.hall_position.glsdc.parameters import Array, Pair, Tuning
-from designs.hall_position.reference_glsdc import Setup
 from models import concentrated_field, hall_array
 from models.concentrated_field import STRONG, WEAK
 from models.hall_chain import Chain
@@ -37,16 +36,6 @@ TUNING = Tuning()
 DIGITS = 6  # of the field, so that it is the same on every machine
 
 
-@dataclass(frozen=True, eq=False)
-class Subject:
-    """An estimator that ships: its sensors, its Block, and the numbers of the reference."""
-
-    name: str
-    array: Array
-    block: Block
-    of: Setup
-
-
 def array(name: str = NAME, chain: Chain | None = None) -> Array:
     """Return the sensors that ship under a name, their field in V and their noise.
 
@@ -59,12 +48,6 @@ def array(name: str = NAME, chain: Chain | None = None) -> Array:
     pitch = concentrated_field.PARAMETERS[0].value
     places = tuple((x * pitch, y * pitch) for x, y in PLACES[name])
     return Array(places, 0.0, alpha, beta, pitch, chain.noise)
-
-
-def setup(name: str = NAME) -> Setup:
-    """Return the numbers of the reference; raise DesignError for an unknown name."""
-    of = array(name)
-    return Setup(vars(of) | vars(TUNING) | {"weights": of.weights or (1.0,) * len(of.positions)})
 
 
 def amplitudes() -> tuple[float, float]:
@@ -100,11 +83,6 @@ def controller(name: str = NAME) -> Controller:
 def block(name: str = NAME) -> Block:
     """Return the same as a Block."""
     return controller(name).block
-
-
-def subject(name: str) -> Subject:
-    """Return what ships under a name for comparison with the reference."""
-    return Subject(name, array(name), block(name), setup(name))
 
 
 def gains(name: str, scalar: type[np.floating]) -> dict[str, Any]:
