@@ -128,6 +128,17 @@ def accelerations(x: Exprs, u: Exprs, p: Exprs, reading: pmlsm.Reading = pmlsm.S
     }
 
 
+def factors(x: Exprs, u: Exprs, p: Exprs) -> dict[str, ca.SX]:
+    """Return the factors of (1)-(4) and the normal forces F_V by motor, as `accelerations` has them; h = K_h L_h."""
+    K = pmlsm.constants(p)
+    named = {"k_w1": pmlsm.winding_factor(p), "K_v1": K.K_v1, "K_v3": K.K_v3, "K_h": K.K_h}
+    for j, (g, thrust) in enumerate(zip(gaps(x, p), QUADRATURE, strict=True), 1):
+        named |= {f"lambda_{j}": pmlsm.permeance_factor(g, p), f"K_c{j}": pmlsm.carter_coefficient(g, p)}
+        named |= {f"B_{j}": pmlsm.magnet_field(g, p), f"F_V{j}": pmlsm.normal_force(g, u[f"i_d{j}"], u[thrust], p)}
+        named[f"h_{j}"] = K.K_h * pmlsm.coefficients(g, p).L_h
+    return named
+
+
 def plant(lv3: str = "csch2") -> Plant:
     """Return the full model (5)-(7): ten states, six currents, outputs y, x, z, phi, theta and the motors' gaps.
 

@@ -2,14 +2,13 @@
 
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from designs.maglev_5dof import control, experiments
-from models import maglev_stage, pmlsm
+from models import maglev_stage
 from synth.analyse import robustness
 from synth.declaration import Stage
-from synth.plant import Plant, Symbols
+from synth.plant import Plant
 from synth.report import figures, page, standard, template
 from synth.report.prose import Value
 from synth.simulate.experiment import Experiment
@@ -35,19 +34,8 @@ def report(stage: Stage, files: Any, evidence: Any, runs: Any, rows: Any, cost: 
     drawn = {run.name: (_path(run),) for run in runs if run.name == "ellipse"}
     shown = standard.Shown(experiments.UNITS, experiments.COUNTS, beside, drawn, LONGEST, WINDOW)
     opened = standard.loops(robustness.opened(verification.loops(stage)))
-    extra = template.Extra(_values(stage.plant), [opened], forces, shown=shown)
+    extra = template.Extra(_values(stage.plant), [opened], maglev_stage.factors, shown=shown)
     return template.report(stage, files, evidence, runs, rows, cost, extra)
-
-
-def forces(x: Symbols, u: Symbols, p: Symbols) -> dict[str, ca.SX]:
-    """Return the factors of F(1)-(4) and the normal forces F_V by motor, as the physics computes them; h = K_h L_h."""
-    K = pmlsm.constants(p)
-    named = {"k_w1": pmlsm.winding_factor(p), "K_v1": K.K_v1, "K_v3": K.K_v3, "K_h": K.K_h}
-    for j, (g, thrust) in enumerate(zip(maglev_stage.gaps(x, p), maglev_stage.QUADRATURE, strict=True), 1):
-        named |= {f"lambda_{j}": pmlsm.permeance_factor(g, p), f"K_c{j}": pmlsm.carter_coefficient(g, p)}
-        named |= {f"B_{j}": pmlsm.magnet_field(g, p), f"F_V{j}": pmlsm.normal_force(g, u[f"i_d{j}"], u[thrust], p)}
-        named[f"h_{j}"] = K.K_h * pmlsm.coefficients(g, p).L_h
-    return named
 
 
 def _values(plant: Plant) -> dict[str, Value]:
