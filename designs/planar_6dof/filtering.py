@@ -84,16 +84,9 @@ def block(axis: str, time: Discrete) -> Block:
 
     about = {"p": "predicted position", "s": "T velocity", "h": "T^2/2 acceleration"}
     states = [State(replace(predicted, name=n, about=what), 0.0) for n, what in about.items()]
-    return build(
-        f"filter_{axis}",
-        time,
-        law,
-        inputs=[raw, sensing.READY],
-        outputs=[replace(predicted, name=axis, about="filtered"), predicted],
-        states=states,
-        constants=constants,
-        tag="(6)-(16)",
-    )
+    inputs, outputs = [raw, sensing.READY], [replace(predicted, name=axis, about="filtered"), predicted]
+    name, tag = f"filter_{axis}", "(6)-(16)"
+    return build(name, time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
 
 
 def blocks(time: Discrete) -> list[Block]:

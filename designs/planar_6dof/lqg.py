@@ -167,25 +167,19 @@ def regulator(
         demand = c["on_error"] * error + (w + x["integral"])
         return Step({wanted.name: demand}, after | {"integral": integral, "force": u[driven.name]})
 
-    shared = [
+    all_constants = [
         Constant("on_error", k, per_position(axis.name), "(49): k1 + k3 T"),
         Constant("kept", 1 - g, "1", "(49): 1 - k3 T / (k1 + k3 T)"),
         Constant("driven", g, "1", "(49): k3 T / (k1 + k3 T)"),
+        *constants,
     ]
-    kept = [
+    all_states = [
+        *states,
         State(Signal("integral", wanted.unit, -integral, integral, "of the error"), 0.0),
         State(Signal("force", wanted.unit, -f1, f1, "that acts until the next sample"), 0.0),
     ]
-    return build(
-        f"lqg_{axis.name}",
-        TIME,
-        law,
-        inputs=[q, r, driven, READY],
-        outputs=[wanted],
-        states=[*states, *kept],
-        constants=[*shared, *constants],
-        tag="(28)-(35), (49)",
-    )
+    inputs, tag, name = [q, r, driven, READY], "(28)-(35), (49)", f"lqg_{axis.name}"
+    return build(name, TIME, law, inputs=inputs, outputs=[wanted], states=all_states, constants=all_constants, tag=tag)
 
 
 def per_position(axis: str) -> str:

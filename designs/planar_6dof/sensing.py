@@ -161,25 +161,21 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
         named = list(zip(RATIOS, ratio.values(), strict=True))
         return Step(output | seen, next, named, {s.name: lambda u, e: RATIOS[0].high for s in RATIOS})
 
-    return build(
-        "sensing",
-        time,
-        law,
-        inputs=[*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE],
-        outputs=[*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS],
-        states=[*_states(), *([] if predicted else [State(replace(RAW["phi"], about="of the sample before"), 0.0)])],
-        constants=_constants(cal),
-        tag="(1)-(5)",
-    )
+    inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE]
+    outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS]
+    states, constants, tag = _states(predicted), _constants(cal), "(1)-(5)"
+    return build("sensing", time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
 
 
-def _states() -> list[State]:
+def _states(predicted: bool) -> list[State]:
     doubt = Signal("doubt", "1", 0, MEMORY, "samples for which a contradiction is still remembered")
     named = Signal("named", "1", 0, 1, "a contradiction is confirmed")
     first = [*RESIDUALS, *(Signal(f"s_{axis}", "V", -2 * VOLTAGE, 2 * VOLTAGE, "voltage") for axis in "xy")]
     first.append(replace(PREDICTED["phi"], name="phi", about="yaw"))
     shown = [replace(s, name=f"first_{s.name}", about=f"{s.about}, as a contradiction first shows it") for s in first]
-    return [*(State(s, 0, True) for s in (doubt, named)), *(State(s, 0.0) for s in (*shown, *OFFSETS, *WITHIN))]
+    last = [] if predicted else [replace(RAW["phi"], about="of the sample before")]
+    reals = (*shown, *OFFSETS, *WITHIN, *last)
+    return [*(State(s, 0, True) for s in (doubt, named)), *(State(s, 0.0) for s in reals)]
 
 
 def _constants(cal: hall_calibration.Calibration) -> list[Constant]:
