@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from models import halbach, lorentz_motor
+from models import halbach, lorentz_derivation, lorentz_motor
 from tests import tolerances
-from tests.models import lorentz_oracle
 from tests.models.test_halbach import blocks
 
 Field = Callable[[np.ndarray, float], tuple[np.ndarray, np.ndarray]]
@@ -64,7 +63,7 @@ def test_the_closed_form_is_the_integral(harmonics: tuple[int, ...]) -> None:
 
 
 def test_the_symbolic_integral_is_the_closed_form() -> None:
-    d = lorentz_oracle
+    d = lorentz_derivation
     law = d.force_law()
     numbers = {d.l: l, d.Gamma: Gamma, d.Delta: VALUES["Delta"], d.w: VALUES["w"], d.eta0: eta0, d.Nm: VALUES["Nm"]}
     numbers |= {d.m: VALUES["mu0_M0"], d.z0: VALUES["z0"]}
@@ -91,6 +90,8 @@ def test_commutation_is_exact_at_every_position() -> None:
         i_q, i_d = np.random.default_rng(int(abs(y) * 1e9)).uniform(-1, 1, 2)
         i = currents(i_q, i_d, y)
         np.testing.assert_allclose(np.ravel(f(y, 0, i)), [K * i_q, K * i_d], rtol=0, atol=1e-12 * K)
+        back = lorentz_motor.transformed(dict(zip("ABC", map(ca.SX, i), strict=True)), ca.SX(y), P)
+        np.testing.assert_allclose([float(v) for v in back], [i_q, i_d], atol=DOUBLE)
         assert abs(sum(i)) < DOUBLE
 
 
