@@ -41,7 +41,7 @@ from synth.errors import SynthError
 
 LIMIT_S = 5.0
 MEMORY = 4 << 30  # bytes
-VOCABULARY = ("signals", "timing", "plant", "statespace", "fault", "block", "compose", "check")
+VOCABULARY = ("signals", "timing", "plant", "statespace", "conversions", "fault", "block", "compose", "check")
 UNCHECKED = ("timing.Discrete", "check.Check", "safety.Guarded", "logs.Log")  # constructors that read for themselves
 NAN_MEANS = {
     "structure.poles": "the damping of a pole at 0",

@@ -8,23 +8,19 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
-from benchmarks import hostile_stages
+from benchmarks import hostile_stages, hostile_vocabulary
 from benchmarks.hostile_examples import (
-    CURRENT,
     GAP,
     RATE,
     TIME,
-    UNITS,
     Call,
     K,
     T,
     U,
     Y,
-    example_law,
     example_linear,
     example_linear_signals,
     example_loop,
-    example_physics,
     example_regulator,
     example_resting_loop,
     example_scaled,
@@ -35,9 +31,8 @@ from benchmarks.hostile_examples import (
 )
 from synth.analyse import lie, relative_degree, resting, worst
 from synth.analyse.observability import placement
-from synth.block import Constant, State
 from synth.blocks import safety
-from synth.signals import Parameter, Signal
+from synth.signals import Parameter
 from synth.synthesise.feedback import lqr
 from synth.synthesise.identify import logs
 from synth.synthesise.observers import belief, kalman, lqg, noise
@@ -77,52 +72,7 @@ def own() -> Mapping[str, Call]:
     rest = resting.solve(resting_loop, {}, common["point"])
     return {
         **hostile_stages.examples(),
-        "signals.names": {"signals": [GAP, RATE]},
-        "signals.Signal": {"name": "gap", "unit": "m", "low": 0.0, "high": 1.0, "about": "the gap"},
-        "signals.Parameter": {"name": "k", "value": 1.0, "unit": "N", "tolerance": 0.1, "source": "measured"},
-        "timing.common": {"times": [TIME, TIME]},
-        "timing.Discrete": {"period_s": T},
-        "plant.Plant": fields(maglev),
-        "plant.symbols": {"signals": [GAP]},
-        "plant.build": {
-            "name": "maglev",
-            "states": [GAP, RATE],
-            "inputs": [CURRENT],
-            "outputs": [GAP],
-            "parameters": [K],
-            "physics": example_physics,
-        },
-        "statespace.StateSpace": {
-            "A": stage.A,
-            "B": stage.B,
-            "C": stage.C,
-            "D": stage.D,
-            "states": ("x", "v"),
-            "inputs": ("f",),
-            "outputs": ("x",),
-            "time": Continuous(),
-            "units": UNITS,
-        },
-        "statespace.coefficients": {"system": common["transfer"]},
-        "statespace.together": {"systems": [stage, stage]},
-        "statespace.from_control": {"system": stage.to_control()},
-        "block.State": {"signal": GAP, "initial": 0.02, "integer": False},
-        "block.Constant": {"name": "k", "value": 1.0, "unit": "1", "source": "given"},
-        "block.Named": {"signal": GAP, "block": "b", "tag": "", "certificate": None},
-        "fault.Fault": {"bit": 1, "output": "fault", "input": "gap", "suspect": None},
-        "block.Step": {"output": {"y": u}, "next": {"x": u}, "named": [(GAP, u)], "certified": {}},
-        "block.Block": fields(example_step()),
-        "block.build": {
-            "name": "step",
-            "time": TIME,
-            "law": example_law,
-            "inputs": [U],
-            "outputs": [Y],
-            "states": [State(Signal("last", "1", -1.0, 1.0), 0.0)],
-            "constants": [Constant("gain", 2.0, "1", "given")],
-        },
-        "block.clip": {"expr": u, "bounds": GAP},
-        "compose.compose": {"name": "whole", "blocks": [example_step()], "inputs": ["u"], "outputs": ["y"]},
+        **hostile_vocabulary.examples(),
         **{
             f"information.{name}": {"H": np.ones((2, 3, 1)), "sigma": 0.1, "sizes": [1.0]}
             for name in ("accuracy", "largest_deviation")
@@ -157,7 +107,6 @@ def own() -> Mapping[str, Call]:
         "resting.solve": {"closed": resting_loop, "references": {}, "near": common["point"]},
         "magnitude.magnitudes": {"terms": {"x": x * g}, "symbols": symbols, "box": [RATE], "along": "gap", "held": {}},
         "magnitude.conditioning": {"matrix": matrix, "symbols": symbols},
-        "magnitude.require_invertible": {"matrix": matrix, "symbols": symbols},
         "relative_degree.of_plant": single,
         "relative_degree.of_affine": {"model": lie.affine(maglev)},
         "sensitivity.close": {"controller": ([[-100.0]], [[1.0]], [[10.0]])},
@@ -173,7 +122,6 @@ def own() -> Mapping[str, Call]:
         "structure.unmoved": {"time": Continuous()},
         "structure.require_stabilisable": {"time": Continuous()},
         "structure.require_detectable": {"time": Continuous(), "what": "Q"},
-        "structure.has_transmission_zero": {"s": 1.0},
         "structure.pair": {"value": 1 + 2j},
         "structure.rates": {"values": np.array([-1.0 + 0j])},
         "structure.direction": {"vector": np.array([1.0 + 0j, 2.0]), "names": ["a", "b"]},
@@ -291,7 +239,6 @@ def own() -> Mapping[str, Call]:
         "log_file.read": {"path": _file("a [m]\n1.0\n"), "wanted": {"a": "m"}},
         "log_file.parsed": {"text": "a [m]\n1.0\n", "wanted": {"a": "m"}, "name": "measurements"},
         "log_file.written": {"log": log, "units": {"a": "m"}},
-        "check.Check": {"name": "c", "found": 1.0, "limit": 2.0, "unit": "1", "about": ""},
     }
 
 

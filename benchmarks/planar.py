@@ -5,20 +5,19 @@
     CasADi  its own C of the same Blocks over some of the same steps: as emitted, and with a float shim (`rivals`)
 
 `mean` is over steps of closed loops without a fault, `most` over all sequences: instructions that are issued. For a
-core `small` errors leave every state within its bounds. Which part an instruction belongs to is `synth.verify.parts`'s
+core `small` errors leave every state within its bounds. Which part an instruction belongs to is `benchmarks.parts`'s
 word: gcc's line table.
 """
 
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
-from designs.planar_6dof import bench, experiments, interface, lqg
+from benchmarks import parts
+from designs.planar_6dof import bench, interface, loop, lqg
 from designs.planar_6dof.allocation import HORIZONTAL
-from designs.planar_6dof.experiments import Parts
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import experiments as of_leadlag
 from designs.planar_6dof_lqg import core, full_order
@@ -27,7 +26,8 @@ from models import planar_stage
 from synth.block import Block, unranged
 from synth.emit import write
 from synth.execute import host
-from synth.verify import meter, parts, rivals, steps
+from synth.simulate.experiments import Run
+from synth.verify import meter, rivals, steps, stimuli
 from synth.verify.steps import Steps
 
 BARS = {"lead-lag": 800, "LQG": 700, "LQG, full order": 700, "reduced core": 95, "full core": 100}
@@ -69,16 +69,18 @@ class Costs:
 def wholes() -> Iterator[Subject]:
     """Yield the three controllers."""
     plant = planar_stage.plant()
-    yield whole("lead-lag", leadlag.controller(plant), of_leadlag.PARTS)
-    yield whole("LQG", lqg.controller(plant), of_lqg.PARTS)
-    yield whole("LQG, full order", lqg.controller(plant, regulate=full_order.full_order), of_lqg.PARTS)
+    yield whole("lead-lag", leadlag.controller(plant), of_leadlag.ALL)
+    yield whole("LQG", lqg.controller(plant), of_lqg.ALL)
+    yield whole("LQG, full order", lqg.controller(plant, regulate=full_order.full_order), of_lqg.ALL)
 
 
-def whole(name: str, block: Block, parts: Parts) -> Subject:
+def whole(name: str, block: Block, experiments: Sequence[Run]) -> Subject:
     """Return a controller with every sequence of its bench."""
     emitted = write.emit(block, np.float32, error=interface.SURROGATE_ERROR[np.float32])
     controller = host.load(emitted.files, emitted.manifest)
-    sequences = bench.of(lambda: block, partial(experiments.run, parts)).sequences(controller, lambda _: None)
+    rig = loop.of(block, controller)
+    runs = [experiment.run(rig) for experiment in experiments]
+    sequences = stimuli.sequences(rig, runs, lambda _: None, bench.own(controller))
     loops = steps.joined("closed loops", [s for s in sequences if s.closed_loop])
     sound = steps.thinned(steps.without_faults(controller, loops), SHARED)
     return Subject(name, block, emitted, controller, sound, steps.joined("all", sequences))

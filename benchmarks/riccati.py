@@ -21,7 +21,7 @@ import scipy.linalg
 from synth.analyse import precise
 from synth.errors import SynthError
 from synth.statespace import Array
-from synth.synthesise.riccati import exact_riccati, riccati
+from synth.synthesise.riccati import exact_riccati, riccati, spectrum
 from synth.synthesise.riccati.equation import Equation, decays
 from synth.timing import Continuous, Discrete, Time
 
@@ -98,7 +98,7 @@ def is_right(p: Problem, X: Array, L: Array) -> bool:
         return False
     with precise.precision(BITS):
         exact, gain = exact_riccati._problem(p.equation), precise.matrix(L)
-        if not decays(exact_riccati._poles(exact.A - exact.B * gain), p.equation.continuous):
+        if not decays(spectrum.of(precise.middle(exact.A - exact.B * gain)), p.equation.continuous):
             return False
         try:
             cost = exact.cost(gain)

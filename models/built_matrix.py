@@ -141,16 +141,6 @@ def field(spread: Tolerances = USUAL, height: float = hall_array.HEIGHT) -> Fiel
     return Field(ca.Function("truth_field", [X, Y], [at], {"never_inline": True}), height)
 
 
-def tabulation_error(spread: Tolerances = USUAL) -> dict[str, float]:
-    """Return the largest errors of the tables of B_X and B_Y, T, against a series and grid half as fine again."""
-    fine = series(made(spread), HARMONICS * 3 // 2)
-    points, true = fine.grid(REACH), tabulated(fine)
-    X, Y = np.meshgrid(points, points, indexing="ij")
-    at = field(spread).at.map(X.size)(X.ravel()[None], Y.ravel()[None]).full()
-    error = np.abs(at.reshape(true.shape) - true).max(axis=(1, 2))
-    return dict(zip(CHANNELS[:2], error[:2].tolist(), strict=True))
-
-
 def flux(of: Field, X: ca.SX, Y: ca.SX, lift: ca.SX) -> halbach.Field:
     """Return the flux density in T at X, Y and `lift` in m above the field's height; along Z it is not known."""
     bx, by, slope_x, slope_y = ca.vertsplit(of.at(X, Y))

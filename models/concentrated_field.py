@@ -183,7 +183,6 @@ def _wave(cell: Cell, order: Order, shape: float, w: ca.SX, Delta: ca.SX) -> Wav
 
 
 def _numbers(order: Order, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """Return kx, ky and kappa in 1/m."""
     p, q = order
     return p * w, q * w, sqrt(p**2 + q**2) * w
 
@@ -227,7 +226,6 @@ def _distinct(orders: Iterable[Order]) -> tuple[Order, ...]:
 
 
 def _sinc(p: int, n: int) -> float:
-    """Return sinc(p/n), exactly 0 where it vanishes."""
     if p == 0:
         return 1.0
     return 0.0 if p % n == 0 else sin(pi * p / n) / (pi * p / n)

@@ -21,12 +21,14 @@ Freedom Precision Position Sensing", section 2.
 """
 
 from dataclasses import dataclass
+from functools import cache
 from math import pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from models import concentrated_field, lorentz_motor
+from synth.statespace import readonly
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -122,3 +124,32 @@ def flux_density(found: Series, z: float, order: int = 0) -> tuple[Complex, Comp
     """Return the coefficients of B_X, B_Y, B_Z in T at z in m above the matrix; with `order` 1 of d/dz, T/m."""
     at = found.potential * np.exp(-found.kappa * z) * (-found.kappa) ** order
     return -1j * found.kx * at, -1j * found.ky * at, found.kappa * at
+
+
+@dataclass(frozen=True, eq=False)
+class Scan:
+    """What sensors read above a matrix of six pitches, in V: (n, n) of B_X over X and over Y, about a pitch.
+
+    Places are multiples of `spacing`, m, the body's origin from 0 up to `count` of them. B_Y is the transpose.
+    """
+
+    spacing: float
+    count: int
+    first: int
+    B_X: Array
+
+    def at(self, i: NDArray[np.int_], j: NDArray[np.int_]) -> Array:
+        """Return B_X and B_Y (2, ..) at the points i along X and j along Y."""
+        return np.array([self.B_X[i + self.first, j + self.first], self.B_X[j + self.first, i + self.first]])
+
+
+@cache
+def scan(strong: float, weak: float, height: float, gain: float, count: int) -> Scan:
+    """Return what is read, by a gain in V/T, in the pitch ahead of the middle of blocks of remanences in T.
+
+    `height` is in m above them; `count` is the number of points along a pitch.
+    """
+    reach = 1.5 * VALUES["l"]
+    found = series(blocks(strong, weak), count // 2)
+    flux = found.summed(flux_density(found, height)[0], reach)
+    return Scan(found.spacing, count, len(found.grid(reach)) // 2, readonly(gain * flux))

@@ -27,12 +27,14 @@ from math import pi
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
-from models import finite_matrix, finite_motor, finite_tables, halbach, hall_sensor, planar_stage
+from models import finite_matrix, finite_motor, finite_tables, halbach, hall_sensor, lorentz_motor, planar_stage
 from models.finite_matrix import VALUES, Blocks, Series
 from models.halbach import Field
 from models.planar_stage import Place
 from synth.plant import Plant, build
+from synth.statespace import Array
 
 Exprs = Mapping[str, ca.SX]
 
@@ -78,7 +80,6 @@ def _flux(blocks: Blocks) -> tuple[ca.Function, float]:
 
 
 def _amplitude(found: Series, flux: finite_matrix.Complex) -> float:
-    """Return the amplitude in T of sin(2 pi X / l) in the middle pitch, in the mean over Y."""
     pitch = found.summed(flux, VALUES["l"] / 2)[:-1, :-1]
     angle = 2 * pi / VALUES["l"] * found.grid(VALUES["l"] / 2)[:-1]
     return float(2 * np.mean(pitch * np.sin(angle)[:, None]))
@@ -155,6 +156,44 @@ def hall_voltages(x: Exprs, p: Exprs, found: Tables) -> dict[str, ca.SX]:
         pair = hall_sensor.voltages(field, x["phi"], gain, ca.SX(0))
         result |= {f"V_{sensor}x": pair.u, f"V_{sensor}y": pair.v}
     return result
+
+
+def departures(made: bool, radius: float) -> dict[tuple[str, str], float]:
+    """Return what of a motor departs from the closed law, for places of the platen up to `radius` in m from the middle.
+
+    Forces are per A of the quadrature or the direct current, over K, and in the middle pitch unless they say otherwise;
+    torques are about the motor's own centre. Keys are what is told, and its unit.
+    """
+    series = finite_matrix.series(finite_matrix.made() if made else finite_matrix.ideal(), FORCE_HARMONICS)
+    y, K = series.grid(REACH), float(lorentz_motor.force_constant({n: ca.SX(v) for n, v in VALUES.items()}))
+    phases = [finite_motor.maps(series, phase, "value", REACH) for phase in PHASES]
+    per_ampere = finite_motor.commutated(np.array(phases), y)
+    inside, way = (y > -VALUES["l"] / 2 - 1e-9) & (y < VALUES["l"] / 2 - 1e-9), _reached(y, radius)
+    middle = per_ampere[:, :, inside][:, :, :, inside]
+    mean, peak = middle.mean(axis=(2, 3)), np.abs(middle).max(axis=(2, 3))
+    driven, across = per_ampere[0, 1][way] / K, np.abs(per_ampere[:, 0][:, way]).max()
+    rows = (
+        ("driving force over K", "", mean[0, 1] / K),
+        ("lifting force over K", "", mean[1, 2] / K),
+        ("peak ripple of the driving force", "", np.abs(middle[0, 1] / mean[0, 1] - 1).max()),
+        ("peak ripple of the lifting force", "", np.abs(middle[1, 2] / mean[1, 2] - 1).max()),
+        ("peak lift of the driving current over K", "", peak[0, 2] / K),
+        ("peak force across the motion over K", "", peak[:, 0].max() / K),
+        ("peak torque along the conductors", ", N m/A", peak[:, 3].max()),
+        ("peak torque along the motion", ", N m/A", peak[:, 4].max()),
+        ("peak torque in yaw", ", N m/A", peak[:, 5].max()),
+        ("least driving force over K on the way", "", driven.min()),
+        ("greatest driving force over K on the way", "", driven.max()),
+        ("peak force across the motion over K on the way", "", across / K),
+    )
+    return {(what, unit): float(value) for what, unit, value in rows}
+
+
+def _reached(y: Array, radius: float) -> NDArray[np.bool_]:
+    """Return where on the grid (n, n), across the motion and along it, a motor's centre comes to."""
+    a, b, c = (next(p.value for p in planar_stage.PARAMETERS if p.name == name) for name in "abc")
+    across, along = y[:, None], y[None, :]
+    return np.any([np.hypot(across - u, along - v) <= radius for u, v in ((-a, -b), (a, -b), (c, 0.0))], axis=0)
 
 
 def plant(made: bool = True, end_turns: float = finite_motor.RAISED) -> Plant:

@@ -30,7 +30,6 @@ def function(name: str, points: Array, values: Array, bounds: Sequence[float]) -
 
 
 def _spline(at: ca.MX, points: Array, values: Array) -> ca.MX:
-    """Return the cubic splines through values (n, r) at `points`, at a place (r, 1)."""
     found = interpolate.make_interp_spline(points, values, k=DEGREE)
     return ca.bspline(at, found.c.ravel(), [found.t.tolist()], [DEGREE], values.shape[1], {})
 

@@ -99,6 +99,14 @@ class Prediction:
         """Return q -> (volts, jacobian); symbols of the field that are not numbers are further arguments."""
         return ca.Function("hall_array", [self.q, *free], [self.volts, self.jacobian])
 
+    def measurement(self) -> ca.Function:
+        """Return q -> volts, of a field without free symbols."""
+        return ca.Function("volts", [self.q], [self.volts])
+
+    def read(self, poses: Array) -> Array:
+        """Return the voltages (N, m) at poses (N, n), of a field without free symbols."""
+        return np.asarray(self.measurement().map(len(poses))(poses.T).full().T)
+
 
 def sensors(places: Iterable[Pair]) -> HallArray:
     """Return sensors without errors at (x, y) in m in the body's plane, their axes along the body's."""

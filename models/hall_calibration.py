@@ -76,7 +76,6 @@ def _of(*values: float) -> Calibration:
 
 
 def _amplitude(n: int, l: flint.arb, Delta: flint.arb, m: flint.arb, z: flint.arb) -> flint.arb:
-    """Return A_n in T, the field of `halbach.amplitude`."""
     k = n * flint.arb.pi()
     w = 2 * k / l
     return 4 / k * (k / 4).sin() * m * (1 - (-w * Delta).exp()) * (-w * z).exp()

@@ -28,10 +28,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Chain:
-    """From flux density to numbers.
-
-    Raises ModelError unless every figure is positive, noise apart, which may be 0.
-    """
+    """From flux density to numbers; raise ModelError unless every figure is positive, noise apart, which may be 0."""
 
     sensitivity: float = 0.4  # V/T: with 0.1 a noise of 1 mV would be 10 um, and less is claimed
     amplifier: float = 21.0
@@ -66,12 +63,6 @@ def slope(chain: Chain, held: ca.SX, volts: ca.SX) -> ca.SX:
 def correlation(chain: Chain, time: Discrete) -> float:
     """Return exp(-w_c T)."""
     return exp(-2 * pi * chain.corner * time.period_s)
-
-
-def converted(chain: Chain, volts: ca.SX) -> ca.SX:
-    """Return what the converter reads, V: the nearest step within its range."""
-    half = 2 ** (chain.bits - 1)
-    return chain.step * ca.fmin(ca.fmax(ca.floor(volts / chain.step + 0.5), -half), half - 1)
 
 
 def noise(chain: Chain, time: Discrete, shape: tuple[int, int], seed: int) -> Array:

@@ -86,10 +86,10 @@ def coefficients(highest: int = 9, z: float = 0.0) -> Coefficients:
     return Coefficients(np.array(numbers), found(ideal(p["strong"])), found(made), cross)
 
 
-def surface(points: int = 65, z: float = 3e-3) -> Surface:
-    """Return Fig. 4: B_X of the ideal matrix on a grid, z in m above it."""
+def surface(points: int = 65, z: float = 3e-3, of: Sequence[Wave] = ()) -> Surface:
+    """Return Fig. 4: B_X on a grid, z in m above the ideal matrix, or of waves without symbols."""
     p, X, Y = values(), ca.SX.sym("X"), ca.SX.sym("Y")
-    B = field(waves(ideal(p["strong"]), on_axes(HARMONICS), p), X, Y, ca.SX(z))
+    B = field(of or waves(ideal(p["strong"]), on_axes(HARMONICS), p), X, Y, ca.SX(z))
     side = np.linspace(0.0, float(p["l"]), points)
     grid = (each.reshape(1, -1) for each in np.meshgrid(side, side, indexing="ij"))
     flux = ca.Function("B_X", [X, Y], [B.x]).map(points**2)(*grid)
@@ -121,12 +121,10 @@ def insensitive(found: Sequence[Wave], points: int = 480, height: float = hall_a
 
 
 def _pitch(found: Sequence[Wave]) -> float:
-    """Return the pitch of waves in m."""
     first = found[0]
     return float(2 * np.pi * np.hypot(*first.order) / float(first.kappa))
 
 
 def _mapped(prediction: hall_array.Prediction, X: Array) -> tuple[Array, Array]:
-    """Return voltages (m, n) and slopes (m, n) over X (n,)."""
     volts, slopes = prediction.function().map(len(X))(X[None, :])
     return volts.full(), slopes.full()

@@ -96,11 +96,8 @@ def scanned(array: HallArray, waves: Sequence[Wave], at: Mapping[str, Array], se
 
     Channels are V_ax, V_ay, V_bx, .. for the axes u and v of each sensor, V.
     """
-    q = ca.SX.sym("q", 6)
-    volts = ca.Function("volts", [q], [hall_array.voltages(array, waves, hall_array.spatial_pose(q))])
-    N = len(at["X"])
-    poses = np.vstack([at["X"], at["Y"], at["Z"], np.zeros((3, N))])
-    true: Array = volts.map(N)(poses).full()
+    poses = np.column_stack([at["X"], at["Y"], at["Z"], np.zeros((len(at["X"]), 3))])
+    true = hall_array.spatial(array, waves).read(poses).T
     read = true + array.chain.noise * np.random.default_rng(seed).standard_normal(true.shape)
     names = [f"V_{chr(ord('a') + k)}{axis}" for k in range(len(array.sensors)) for axis in "xy"]
     return Log({name: at[name] for name in ("X", "Y", "Z")} | dict(zip(names, read, strict=True)))
@@ -114,18 +111,21 @@ def fit(log: Log, channel: str, pitch: float, along: str = "X", level: float = 0
     Raises SignalError for another axis or a signal that the log does not hold; ModelError naming coefficients that the
     scan does not tell apart, as a line at one Y does not.
     """
-    _check_axis(along)
-    return _fit(log, channel, {n: ca.SX(1) for n in (1, 5)}, pitch, along, level)
-
-
-def fit_over_gap(log: Log, channel: str, pitch: float, height: float, along: str = "X", level: float = 0.95) -> Fit:
-    """Return model (2) at a height in m above the matrix, from a log that holds heights Z too, by the law of decay.
-
-    Raises as `fit`.
-    """
-    _check_axis(along)
-    w, Z = 2 * pi / pitch, ca.SX.sym("Z")
-    return _fit(log, channel, {n: ca.exp(-n * w * (Z - height)) for n in (1, 5)}, pitch, along, level, {"Z": Z})
+    if along not in ACROSS:
+        raise SignalError(f"the channel's axis is along '{along}': give X or Y")
+    w = 2 * pi / pitch
+    signals = {name: ca.SX.sym(name) for name in ("X", "Y", channel)}
+    k = {name: ca.SX.sym(name) for name in COEFFICIENTS}
+    u, v = signals[along], signals[ACROSS[along]]
+    model: ca.SX = k["c"]
+    for name, place in {"alpha": u, "beta": u, "gamma": v, "delta": v}.items():
+        model += k[name] * ca.sin(NUMBERS[name] * w * place)
+    found = identify.fit_linear({channel: model - signals[channel]}, signals, PARAMETERS, k, log, level=level)
+    data = log.columns(tuple(signals))
+    by_row = ca.Function("model", [ca.vcat(list(signals.values())), ca.vcat(list(k.values()))], [model]).map(len(data))
+    modelled = by_row(data.T, np.tile(found.values[:, None], len(data))).full().ravel()
+    X, Y, V = (log.samples[name] for name in ("X", "Y", channel))
+    return Fit(channel, found, X, Y, V, readonly(modelled))
 
 
 def decay(
@@ -154,33 +154,3 @@ def decay(
         np.column_stack([np.ones_like(above), -above]), y, ("ln", "rate"), ("ln",), None, level, units
     )
     return Decay(coefficient, estimate, NUMBERS[coefficient] * 2 * pi / pitch)
-
-
-def _check_axis(along: str) -> None:
-    if along not in ACROSS:
-        raise SignalError(f"the channel's axis is along '{along}': give X or Y")
-
-
-def _fit(
-    log: Log,
-    channel: str,
-    weight: Mapping[int, ca.SX],
-    pitch: float,
-    along: str,
-    level: float,
-    more: Mapping[str, ca.SX] | None = None,
-) -> Fit:
-    w = 2 * pi / pitch
-    signals = {name: ca.SX.sym(name) for name in ("X", "Y", channel)} | dict(more or {})
-    k = {name: ca.SX.sym(name) for name in COEFFICIENTS}
-    u, v = signals[along], signals[ACROSS[along]]
-    model: ca.SX = k["c"]
-    for name, place in {"alpha": u, "beta": u, "gamma": v, "delta": v}.items():
-        n = NUMBERS[name]
-        model += k[name] * weight[n] * ca.sin(n * w * place)
-    found = identify.fit_linear({channel: model - signals[channel]}, signals, PARAMETERS, k, log, level=level)
-    data = log.columns(tuple(signals))
-    by_row = ca.Function("model", [ca.vcat(list(signals.values())), ca.vcat(list(k.values()))], [model]).map(len(data))
-    modelled = by_row(data.T, np.tile(found.values[:, None], len(data))).full().ravel()
-    X, Y, V = (log.samples[name] for name in ("X", "Y", channel))
-    return Fit(channel, found, X, Y, V, readonly(modelled))

@@ -114,11 +114,3 @@ def commutated(i_q: ca.SX, i_d: ca.SX, y: ca.SX, p: Values) -> dict[str, ca.SX]:
     beta = ca.sin(angle) * i_q + ca.cos(angle) * i_d
     half = sqrt(3) / 2 * beta
     return {"A": alpha, "B": half - alpha / 2, "C": -half - alpha / 2}
-
-
-def transformed(currents: Mapping[str, ca.SX], y: ca.SX, p: Values) -> tuple[ca.SX, ca.SX]:
-    """Return i_q, i_d in A of phase currents in A at y in m; what is common to all phases drops out. Source: (17)."""
-    angle = halbach.wave_number(p) * y
-    alpha = (2 * currents["A"] - currents["B"] - currents["C"]) / 3
-    beta = (currents["B"] - currents["C"]) / sqrt(3)
-    return ca.cos(angle) * alpha + ca.sin(angle) * beta, ca.cos(angle) * beta - ca.sin(angle) * alpha

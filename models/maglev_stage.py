@@ -14,19 +14,19 @@ With the forces F_H, F_V of `models.pmlsm` at each gap, the full model is
     (7) phi''   = r (F_V(g3) - F_V(g1)) / I_x - k_s_phi phi
         theta'' = r (F_V(g2) - F_V(g4)) / I_z - k_s_theta theta
 
-and, with the direct currents (8) from v = (v_y, v_phi, v_theta), a polynomial in v (9), whose small terms (11) drops.
 The last terms of (6) read -C_v3 (L_v3(g1) + L_v3(g3)) u_z^2 - C_v3 (L_v3(g2) + L_v3(g4)) u_x^2. Currents are rms.
+`maglev_polynomial` has the model in the transformed currents of (8).
 
-Source: Fulford, Maggiore, Apkarian, "Control of a 5DOF Magnetically Levitated Positioning Stage", (5)-(11).
+Source: Fulford, Maggiore, Apkarian, "Control of a 5DOF Magnetically Levitated Positioning Stage", (5)-(8), (12).
 """
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from math import sqrt
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from math import pi, sqrt
 
 import casadi as ca
 
-from models import pmlsm
+from models import pmlsm, slotted_field
 from synth.errors import ModelError
 from synth.plant import Plant, build, symbols
 from synth.signals import Parameter, Signal
@@ -34,6 +34,7 @@ from synth.signals import Parameter, Signal
 Exprs = Mapping[str, ca.SX]
 
 PEAK = 7 / sqrt(2)  # A rms: 7 A peak
+SLIP = 1e-3  # m/s, within which friction of the guides changes sign
 TABLE = pmlsm.TABLE
 PARAMETERS = (
     *pmlsm.PARAMETERS,
@@ -62,47 +63,23 @@ STATES = (
 )
 RATE = {"y": "vy", "x": "vx", "z": "vz", "phi": "wphi", "theta": "wtheta"}
 INPUTS = (
-    *(Signal(f"i_d{j}", "A", -PEAK, PEAK, f"rms direct current of motor {j}") for j in (1, 2, 3, 4)),
-    Signal("u_x", "A", -PEAK, PEAK, "rms quadrature current of motors 2 and 4"),
-    Signal("u_z", "A", -PEAK, PEAK, "rms quadrature current of motors 1 and 3"),
+    *(Signal(f"i_d{j}", "A", -PEAK, PEAK, f"direct current of motor {j}, rms") for j in (1, 2, 3, 4)),
+    *(Signal(f"u_{n}", "A", -PEAK, PEAK, f"thrust current along {n.upper()}, rms") for n in "xz"),
 )
+TILTED, ROLLED = (
+    (0.0168, 0.0322),
+    (0.0124, 0.0366),
+)  # m: gaps of motors 1 and 3, 2 and 4, over the ranges of y and angles
 OUTPUTS = (
     *(signal for signal in STATES if signal.name in RATE),
-    *(Signal(f"g{j}", "m", 0.012, 0.037, f"gap of motor {j}") for j in (1, 2, 3, 4)),
+    *(Signal(f"g{j}", "m", *ends, f"gap of motor {j}") for j, ends in enumerate(2 * (TILTED, ROLLED), 1)),
 )
 QUADRATURE = ("u_z", "u_x", "u_z", "u_x")  # of motors 1 to 4
-TRANSFORMED = ("v_y", "v_phi", "v_theta")
-
-# (9): each coefficient's acceleration and the monomial of v that it multiplies.
-TERMS: Mapping[str, tuple[str, tuple[str, ...]]] = {
-    "a1": ("y", ()),
-    "a2": ("y", ("v_phi",)),
-    "a3": ("y", ("v_y",)),
-    "a4": ("y", ("v_phi", "v_y")),
-    "a5": ("y", ("v_phi", "v_phi")),
-    "a6": ("y", ("v_y", "v_y")),
-    "a7": ("y", ("v_theta",)),
-    "a8": ("y", ("v_y", "v_theta")),
-    "a9": ("y", ("v_theta", "v_theta")),
-    "b1": ("phi", ()),
-    "b2": ("phi", ("v_phi",)),
-    "b3": ("phi", ("v_y",)),
-    "b4": ("phi", ("v_phi", "v_y")),
-    "b5": ("phi", ("v_phi", "v_phi")),
-    "b6": ("phi", ("v_y", "v_y")),
-    "c1": ("theta", ()),
-    "c2": ("theta", ("v_theta",)),
-    "c3": ("theta", ("v_y",)),
-    "c4": ("theta", ("v_y", "v_theta")),
-    "c5": ("theta", ("v_theta", "v_theta")),
-    "c6": ("theta", ("v_y", "v_y")),
-}
-NEGLIGIBLE = ("a4", "a5", "a6", "a8", "a9", "b4", "b5", "b6", "c4", "c5", "c6")  # what (11) drops
 
 
-def nominal(**changed: float) -> dict[str, ca.SX]:
-    """Return the parameters' values by name as constant expressions, some of them `changed`."""
-    return {p.name: ca.SX(changed.get(p.name, p.value)) for p in PARAMETERS}
+def nominal(plant: Plant | None = None) -> dict[str, ca.SX]:
+    """Return the parameters' values by name as constant expressions, those of `plant` where one is given."""
+    return {p.name: ca.SX(p.value) for p in (plant.parameters if plant else PARAMETERS)}
 
 
 def gaps(x: Exprs, p: Exprs) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
@@ -158,7 +135,7 @@ def plant(lv3: str = "csch2") -> Plant:
 
     Raises ModelError for another `lv3`.
     """
-    reading = _reading(lv3)
+    reading = named_reading(lv3)
 
     def physics(x: Exprs, u: Exprs, p: Exprs) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
         second = accelerations(x, u, p, reading)
@@ -167,65 +144,6 @@ def plant(lv3: str = "csch2") -> Plant:
         return derivative, {q: x[q] for q in RATE} | named_gaps
 
     return build("maglev_stage", STATES, INPUTS, OUTPUTS, PARAMETERS, physics)
-
-
-@dataclass(frozen=True, eq=False)
-class InputPolynomial:
-    """The accelerations as polynomials in v: (9), or (11) when terms are left out.
-
-    `x` holds the symbols y, phi, theta; `u` those of u_x, u_z; `v` those of v_y, v_phi, v_theta. `coefficients` maps
-    a1..a9, b1..b6, c1..c6 (each kept name of `TERMS`) and h_x, h_z to expressions in x, in u, and in what symbols the
-    parameters contained. The unit of a coefficient is that of its acceleration over A^degree.
-    """
-
-    x: Exprs
-    u: Exprs
-    v: Exprs
-    coefficients: Exprs
-
-    def accelerations(self) -> dict[str, ca.SX]:
-        """Return the five accelerations, put together from the kept monomials."""
-        total = {q: ca.SX(0) for q in RATE}
-        for name, expr in self.coefficients.items():
-            if name in TERMS:
-                acceleration, monomial = TERMS[name]
-                total[acceleration] += expr * _product(self.v[n] for n in monomial)
-        return total | {q: self.coefficients[f"h_{q}"] * self.u[f"u_{q}"] for q in ("x", "z")}
-
-    def decoupling(self) -> ca.SX:
-        """Return [[a3, a2, a7], [b3, b2, 0], [c3, 0, c2]], the matrix (3, 3) in (11) and (12)."""
-        second = self.accelerations()
-        vertical = ca.vcat([second[q] for q in ("y", "phi", "theta")])
-        v = ca.vcat([self.v[name] for name in TRANSFORMED])
-        return ca.substitute(ca.jacobian(vertical, v), v, ca.SX.zeros(v.numel()))
-
-
-def input_polynomial(p: Exprs, lv3: str = "csch2") -> InputPolynomial:
-    """Return (9): the coefficients are derivatives at v = 0 of the full model (6), (7) under (8).
-
-    `p` holds the parameters by name, as numbers (`nominal()`) or as symbols.
-
-    Raises ModelError for an unknown `lv3`.
-    """
-    x = {name: ca.SX.sym(name) for name in ("y", "phi", "theta")}
-    u = {name: ca.SX.sym(name) for name in ("u_x", "u_z")}
-    v = {name: ca.SX.sym(name) for name in TRANSFORMED}
-    second = accelerations(x, u | input_transformation(v), p, _reading(lv3))
-    found = {name: _coefficient(second[q], v, monomial) for name, (q, monomial) in TERMS.items()}
-    found |= {f"h_{q}": ca.jacobian(second[q], u[f"u_{q}"]) for q in ("x", "z")}
-    return InputPolynomial(x, u, v, found)
-
-
-def simplified(model: InputPolynomial, dropped: Collection[str] = NEGLIGIBLE) -> InputPolynomial:
-    """Return the model without the `dropped` terms: (11) for the default.
-
-    Raises ModelError for a name that the model does not have.
-    """
-    unknown = [name for name in dropped if name not in model.coefficients or name not in TERMS]
-    if unknown:
-        kept = ", ".join(name for name in model.coefficients if name in TERMS)
-        raise ModelError(f"the terms {', '.join(unknown)} cannot be dropped: the polynomial has {kept}")
-    return replace(model, coefficients={n: e for n, e in model.coefficients.items() if n not in dropped})
 
 
 def direct_currents(
@@ -261,7 +179,8 @@ def parameter_symbols() -> dict[str, ca.SX]:
     return symbols(PARAMETERS)
 
 
-def _reading(lv3: str) -> pmlsm.Reading:
+def named_reading(lv3: str) -> pmlsm.Reading:
+    """Return the reading with the factor "csch2" or "coth2" in L_v3; raise ModelError for another."""
     if lv3 == "csch2":
         return pmlsm.Reading("csch2")
     if lv3 == "coth2":
@@ -269,18 +188,27 @@ def _reading(lv3: str) -> pmlsm.Reading:
     raise ModelError(f"the factor in L_v3 is named '{lv3}': choose 'csch2', or 'coth2' as printed")
 
 
-def _coefficient(expr: ca.SX, v: Exprs, monomial: tuple[str, ...]) -> ca.SX:
-    """Return the coefficient of a monomial: its mixed derivative at v = 0 over the factorials of its powers."""
-    factor = 1
-    for position, name in enumerate(monomial):
-        expr = ca.jacobian(expr, v[name])
-        factor *= 1 + monomial[:position].count(name)
-    at_zero = ca.substitute(expr, ca.vcat(list(v.values())), ca.SX.zeros(len(v)))
-    return ca.simplify(at_zero / factor)
+def geometry(plant: Plant) -> slotted_field.Geometry:
+    """Return a motor of the slotted field from the plant's parameters."""
+    known = [f.name for f in fields(slotted_field.Geometry)]
+    shared = {p.name: p.value for p in plant.parameters if p.name in known}
+    return slotted_field.Geometry(poles=plant.parameter("p").value, **shared)
 
 
-def _product(factors: Iterable[ca.SX]) -> ca.SX:
-    result = ca.SX(1)
-    for factor in factors:
-        result *= factor
-    return result
+def guides(plant: Plant, friction: Mapping[str, float], cells: int) -> ca.Function:
+    """Return the accelerations (10,) that friction and cogging add, a function of the state (10,) and t in s.
+
+    F_s = -F_c tanh(v_s/SLIP) + 2 A(y) sin(2 pi s/t1), s = x, z, with F_c in N by axis; A is geometric through the
+    amplitudes of the slotted field of a fineness `cells` at 20 and 25 mm.
+    """
+    names = [s.name for s in plant.states]
+    x, t = ca.SX.sym("x", len(names)), ca.SX.sym("t")
+    state = dict(zip(names, ca.vertsplit(x), strict=True))
+    near, far = (slotted_field.forces(geometry(plant), g, cells).cogging for g in (0.020, 0.025))
+    amplitude = near * (far / near) ** ((state["y"] - 0.020) / 0.005)
+    added = dict.fromkeys(names, ca.SX(0))
+    for axis, force in friction.items():
+        wave = ca.sin(2 * pi * state[axis] / plant.parameter("t1").value)
+        total = -force * ca.tanh(state[f"v{axis}"] / SLIP) + 2 * amplitude * wave
+        added[f"v{axis}"] = total / plant.parameter(f"M_{axis}").value
+    return ca.Function("guides", [x, t], [ca.vcat(list(added.values()))])

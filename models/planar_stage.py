@@ -27,10 +27,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
+import numpy as np
 
 from models import halbach, hall_sensor, lorentz_motor
 from synth.plant import Plant, build
-from synth.signals import Parameter, Signal
+from synth.signals import Parameter, Signal, names
+from synth.statespace import Array, readonly
 
 Exprs = Mapping[str, ca.SX]
 
@@ -149,6 +151,37 @@ def laser_distances(x: Exprs, p: Exprs) -> dict[str, ca.SX]:
     arm = p["laser_arm"]
     points = ((-arm, -arm), (arm, -arm), (ca.SX(0), arm))
     return {name: place(x, *point).lift for name, point in zip(LASERS, points, strict=True)}
+
+
+def force_constant(plant: Plant) -> float:
+    """Return K in N/A, the Lorentz integral's."""
+    return float(lorentz_motor.force_constant({p.name: ca.SX(p.value) for p in plant.parameters}))
+
+
+def wrench(plant: Plant) -> Array:
+    """Return T (6, 6) from f_Ay, f_By, f_Cx, f_Az, f_Bz, f_Cz in N to forces in N and torques in N m on the platen."""
+    a, b, c = (plant.parameter(name).value for name in "abc")
+    rows: list[list[float]] = [
+        [0, 0, 1, 0, 0, 0],
+        [1, 1, 0, 0, 0, 0],
+        [-a, a, -c, 0, 0, 0],
+        [0, 0, 0, 1, 1, 1],
+        [0, 0, 0, -b, -b, c],
+        [0, 0, 0, a, -a, 0],
+    ]
+    return readonly(rows)
+
+
+def commutation_matrix(plant: Plant, pose: Mapping[str, float]) -> Array:
+    """Return E (9, 6) at a pose (m, rad): phase currents of 1 A in each motor, along its motion (3), then up (3)."""
+    p = {s.name: ca.SX(s.value) for s in plant.parameters}
+    E, phases = np.zeros((len(INPUTS), 2 * len(MOTORS))), names(INPUTS)
+    for k, (motor, at) in enumerate(centres({axis: ca.SX(v) for axis, v in pose.items()}, p).items()):
+        for column, along in ((k, True), (k + len(MOTORS), False)):
+            y = at.X if motor == "C" else at.Y
+            for phase, current in lorentz_motor.commutated(ca.SX(along), ca.SX(not along), y, p).items():
+                E[phases.index(f"i_{motor}{phase}"), column] = float(current)
+    return readonly(E)
 
 
 def plant(force_harmonics: Sequence[int] = (1,), field_harmonics: Sequence[int] = halbach.HARMONICS) -> Plant:

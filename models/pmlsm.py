@@ -22,7 +22,7 @@ Source: Fulford, Maggiore, Apkarian, "Control of a 5DOF Magnetically Levitated P
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import pi
+from math import nan, pi, sqrt
 from typing import Literal
 
 import casadi as ca
@@ -171,6 +171,32 @@ def normal_force(g: ca.SX, i_d: ca.SX, i_q: ca.SX, p: Values, reading: Reading =
     """
     K, L = constants(p, reading), coefficients(g, p, reading)
     return -K.K_v1 * L.L_v1 + K.K_v2 * L.L_v2 * i_d - K.K_v3 * L.L_v3 * (i_d**2 + i_q**2)
+
+
+@dataclass(frozen=True)
+class Balance:
+    """A load and a motor's own forces without thrust: free + linear i_d + quadratic i_d^2 = 0, in N and A rms."""
+
+    free: float
+    linear: float
+    quadratic: float
+
+    @property
+    def discriminant(self) -> float:
+        """linear^2 - 4 quadratic free, in N^2/A^2; below 0 no direct current carries the load."""
+        return self.linear**2 - 4 * self.quadratic * self.free
+
+    @property
+    def current(self) -> float:
+        """The smaller direct current that carries the load, NaN where none does."""
+        D = self.discriminant
+        return -2 * self.free / (self.linear + sqrt(D)) if D >= 0 else nan
+
+
+def balance(g: float, load: ca.SX, p: Values, reading: Reading = STRESS) -> Balance:
+    """Return the balance of a `load` in N, downwards, at a gap in m; parameters are numbers. Source: (2)."""
+    K, L = constants(p, reading), coefficients(ca.SX(g), p, reading)
+    return Balance(float(load - K.K_v1 * L.L_v1), float(K.K_v2 * L.L_v2), float(-K.K_v3 * L.L_v3))
 
 
 def force_law(g: ca.SX, p: Values) -> ForceLaw:

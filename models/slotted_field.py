@@ -178,14 +178,6 @@ def _mid_gap(field: Field) -> tuple[Array, Array]:
     return B_x, -np.diff(A[:, j]) / np.diff(field.grid.x)
 
 
-def coenergy(geometry: Geometry, field: Field) -> float:
-    """Return l/2 sum of I A [J]; at given currents its slopes along x_m and against the gap are F_x and F_y.
-
-    Along x_m this holds for what the slot currents add: a sheet's energy in its own field varies within a cell.
-    """
-    return float(geometry.L_A * geometry.p_m * np.sum(field.I * field.A) / 2)
-
-
 def forces(geometry: Geometry, gap: float, cells: int = 12) -> Forces:
     """Return the forces at a gap [m] by superposing magnets, d and q currents; `cells` and ValueError as in `grid`."""
     g = grid(geometry, gap, cells)

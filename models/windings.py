@@ -1,4 +1,4 @@
-"""Three-phase windings: phase currents from direct and quadrature currents, and back.
+"""Three-phase windings: phase currents from direct and quadrature currents, the inverse Park transformation.
 
 i_d, i_q are rms currents in A, the phase currents are instantaneous, th is the electrical angle in rad:
 
@@ -21,14 +21,6 @@ class PhaseCurrents:
     c: ca.SX
 
 
-@dataclass(frozen=True, eq=False)
-class AxisCurrents:
-    """Direct and quadrature current, A rms."""
-
-    d: ca.SX
-    q: ca.SX
-
-
 def electrical_angle(displacement: ca.SX, tau: ca.SX) -> ca.SX:
     """Return th = pi displacement / tau + pi/2 in rad, for a pole pitch `tau` in m.
 
@@ -40,20 +32,6 @@ def electrical_angle(displacement: ca.SX, tau: ca.SX) -> ca.SX:
 
 def phase_currents(i_d: ca.SX, i_q: ca.SX, angle: ca.SX) -> PhaseCurrents:
     """Return the phase currents in A for rms currents `i_d`, `i_q` at the electrical angle in rad (inverse Park)."""
-    a, b, c = (ca.sqrt(2) * (i_d * ca.cos(th) - i_q * ca.sin(th)) for th in _axes(angle))
+    axes = angle, angle - 2 * ca.pi / 3, angle + 2 * ca.pi / 3
+    a, b, c = (ca.sqrt(2) * (i_d * ca.cos(th) - i_q * ca.sin(th)) for th in axes)
     return PhaseCurrents(a, b, c)
-
-
-def axis_currents(phases: PhaseCurrents, angle: ca.SX) -> AxisCurrents:
-    """Return the rms currents i_d, i_q that phase currents in A make at the electrical angle in rad (Park).
-
-    i_d = sqrt(2)/3 sum_k i_k cos th_k, i_q = -sqrt(2)/3 sum_k i_k sin th_k; a current common to all phases drops out.
-    """
-    a, b, c = _axes(angle)
-    d = phases.a * ca.cos(a) + phases.b * ca.cos(b) + phases.c * ca.cos(c)
-    q = phases.a * ca.sin(a) + phases.b * ca.sin(b) + phases.c * ca.sin(c)
-    return AxisCurrents(ca.sqrt(2) / 3 * d, -ca.sqrt(2) / 3 * q)
-
-
-def _axes(angle: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
-    return angle, angle - 2 * ca.pi / 3, angle + 2 * ca.pi / 3

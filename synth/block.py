@@ -192,8 +192,8 @@ def build(
     step = laws.evaluate(f"the law of block '{name}'", law, u, x, k)
     if not isinstance(step, Step):
         raise SignalError(f"the law of block '{name}' returns {arguments.found(step)}: return a Step")
-    _complete(f"block '{name}': outputs", [s.name for s in outputs], step.output)
-    _complete(f"block '{name}': next states", [s.name for s in states], step.next)
+    laws.require_names(f"block '{name}': outputs", [s.name for s in outputs], step.output)
+    laws.require_names(f"block '{name}': next states", [s.name for s in states], step.next)
     advanced = {s.name: ca.SX(step.next[s.name]) for s in states}
     next = {s.name: advanced[s.name] if s.integer else clip(advanced[s.name], s.signal) for s in states}
     output = {s.name: ca.SX(step.output[s.name]) for s in outputs}
@@ -270,9 +270,3 @@ def _closed(name: str, exprs: Sequence[ca.SX], symbol: Exprs) -> None:
             raise SignalError(
                 f"block '{name}' uses '{v}', which is none of its inputs, states or constants: declare it"
             )
-
-
-def _complete(what: str, wanted: Sequence[str], found: Exprs) -> None:
-    missing, unknown = [n for n in wanted if n not in found], [n for n in found if n not in wanted]
-    if missing or unknown:
-        raise SignalError(f"{what}: missing {missing or 'none'}, not declared {unknown or 'none'}: give one for each")

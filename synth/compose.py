@@ -111,7 +111,6 @@ def _prefixed(block: Block) -> Block:
 
 
 def _private(block: Block) -> list[str]:
-    """Return the names of the states and constants."""
     return [s.name for s in block.states] + [c.name for c in block.constants]
 
 
@@ -238,7 +237,6 @@ def _resolve(
 
 
 def _needs(block: Block, expr: ca.SX) -> set[str]:
-    """Return the names of the Block's inputs on which `expr` depends."""
     return _depends(expr, {s.name: block.symbol[s.name] for s in block.inputs})
 
 

@@ -29,10 +29,7 @@ from synth.errors import ContentError
 
 
 def digest(*values: Any) -> str:
-    """Return the digest of values, in order.
-
-    Raises ContentError for a value that has none.
-    """
+    """Return the digest of values, in order; raise ContentError for a value that has none."""
     reader = _Reader([])
     try:
         text = b"".join(reader.content(v) for v in values)

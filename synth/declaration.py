@@ -220,6 +220,7 @@ class Stage:
 
     reference         a step of the independent NumPy witness: (states, inputs) -> (states', outputs, fault words)
     operating_points  plant states by name of the point; `require` are least margins there
+    coordinates       {name: {sensor: weight}}: sums of sensors at which loops are opened, in place of all these
     tolerances        parameters of the plant at all ends of whose tolerances the margins are required, too
     experiments       data with `name` and `run(rig) -> Experiment`
     scalar            the type in which it ships; `surrogate_error` is relative, by type, else the emitter's own
@@ -230,6 +231,7 @@ class Stage:
     recording         inputs (N,) of test vectors from a rig, else of the standard closed loop with faults
     gains             what gains.json says, else what the laws say
     companions        Blocks that are emitted beside the controller
+    substeps          Runge-Kutta steps of a sample in simulation
     """
 
     controller: Controller
@@ -237,6 +239,7 @@ class Stage:
     reference: Reference | None = None
     operating_points: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     require: Mapping[str, float] = field(default_factory=dict)
+    coordinates: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     tolerances: Sequence[str] = ()
     experiments: Sequence[Any] = ()
     about: str = ""
@@ -250,6 +253,7 @@ class Stage:
     recording: Callable[[Any], Mapping[str, Any]] | None = None
     gains: Gains | None = None
     companions: Sequence[Companion] = ()
+    substeps: int = 4
 
     @property
     def name(self) -> str:

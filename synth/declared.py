@@ -18,12 +18,11 @@ from synth.emit import write
 from synth.emit.c import vectors
 from synth.emit.write import Emitted
 from synth.execute import build, host
-from synth.report import template
 from synth.report.audit import Row
 from synth.simulate import experiments, headroom
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
-from synth.verify import stimuli
+from synth.verify import agree, stimuli
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 from synth.verify.steps import Steps
@@ -93,17 +92,23 @@ def no_audit(stage: Stage) -> Iterator[Row]:
     return iter(())
 
 
-def bench(stage: Stage) -> Bench:
-    """Return what is measured of the controller as machine code."""
+def _no_steps(controller: host.Controller) -> Sequence[Steps]:
+    return ()
+
+
+def bench(
+    stage: Stage, own: Callable[[host.Controller], Sequence[Steps]] = _no_steps, floor: agree.Floor = None
+) -> Bench:
+    """Return what is measured of the controller as machine code; `own` are steps that only this stage can say."""
 
     def replay(controller: host.Controller) -> Mapping[str, NDArray[Any]]:
         return stimuli.closed_loop(Rig(stage, stage.plant, controller), stimuli.REPLAY).measured
 
     def sequences(controller: host.Controller, progress: Progress) -> Sequence[Steps]:
         loop = Rig(stage, stage.plant, controller)
-        return stimuli.sequences(loop, [e.run(loop) for e in stage.experiments], progress)
+        return stimuli.sequences(loop, [e.run(loop) for e in stage.experiments], progress, own(controller))
 
-    return Bench(lambda: stage.controller.block, replay, sequences)
+    return Bench(lambda: stage.controller.block, replay, sequences, floor)
 
 
 def report(
@@ -115,4 +120,6 @@ def report(
     cost: Cost | None,
 ) -> str:
     """Return the report as one HTML document."""
+    from synth.report import template  # what draws takes longer to import than all else together
+
     return template.report(stage, files, evidence, runs, rows, cost)

@@ -130,28 +130,8 @@ def _float(value: Any) -> Any:
     return float(value)
 
 
-def _int(value: Any) -> Any:
-    return value if value is None or isinstance(value, int) else int(value)
-
-
-def _expression(value: Any) -> Any:
-    return value if value is None or isinstance(value, ca.SX) else ca.SX(value)
-
-
-def _is_complex(value: Any) -> bool:
-    return is_number(abs(value) if isinstance(value, complex | np.complexfloating) else value)
-
-
-def _is_whole(value: Any) -> bool:
-    return isinstance(value, int | np.integer) and not isinstance(value, bool)
-
-
 def _is_array_like(value: Any) -> bool:
     return not isinstance(value, NO_ARRAYS) and not callable(value) and not has_mask(value)
-
-
-def _is_expression(value: Any) -> bool:
-    return isinstance(value, ca.SX | ca.DM) or is_number(value)
 
 
 ARRAY_LIKE = Kind(_is_array_like, "an array of numbers without a mask")
@@ -162,11 +142,19 @@ KINDS: dict[Any, Kind | None] = {
     object: None,
     type(None): NONE,
     float: Kind(is_number, "a number", _float),
-    complex: Kind(_is_complex, "a number"),
-    int: Kind(_is_whole, "a whole number", _int),
+    complex: Kind(lambda v: is_number(abs(v) if isinstance(v, complex | np.complexfloating) else v), "a number"),
+    int: Kind(
+        lambda v: isinstance(v, int | np.integer) and not isinstance(v, bool),
+        "a whole number",
+        lambda v: v if v is None or isinstance(v, int) else int(v),
+    ),
     bool: Kind(lambda value: isinstance(value, bool | np.bool), "True or False"),
     str: TEXT,
-    ca.SX: Kind(_is_expression, "an expression of CasADi (SX)", _expression),
+    ca.SX: Kind(
+        lambda v: isinstance(v, ca.SX | ca.DM) or is_number(v),
+        "an expression of CasADi (SX)",
+        lambda v: v if v is None or isinstance(v, ca.SX) else ca.SX(v),
+    ),
 }
 
 

@@ -5,7 +5,7 @@ What Python decides while it runs the function, it decides before any signal has
 """
 
 import traceback
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import ParamSpec, TypeVar
 
 import casadi as ca
@@ -43,6 +43,15 @@ def column(what: str, symbols: Mapping[str, ca.SX], names: Iterable[str]) -> ca.
                 f"{what} have no symbol for '{name}': give a scalar SX symbol for each of {', '.join(listed)}"
             )
     return ca.vcat([symbols[name] for name in listed])
+
+
+def require_names(what: str, wanted: Sequence[str], given: Collection[str]) -> None:
+    """Raise SignalError, calling them `what`, unless all wanted names are given and no others."""
+    missing, unknown = [n for n in wanted if n not in given], [n for n in given if n not in wanted]
+    if missing or unknown:
+        raise SignalError(
+            f"{what}: missing {missing or 'none'}, not declared {unknown or 'none'}: give one for each signal"
+        )
 
 
 def evaluate(what: str, function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> R:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from synth import arguments, law
 from synth.errors import SignalError
@@ -50,6 +50,20 @@ class Plant:
         changed = tuple(replace(p, value=values.get(p.name, p.value)) for p in self.parameters)
         return replace(self, parameters=changed)
 
+    def output_values(self, values: Mapping[str, ArrayLike]) -> dict[str, NDArray[np.float64]]:
+        """Return the outputs (N,) by name at `values` of states and inputs, (N,) or constants; others are 0.
+
+        Raises SignalError for a name that is neither a state nor an input.
+        """
+        signals = (*self.states, *self.inputs)
+        if unknown := [name for name in values if name not in names(signals)]:
+            raise SignalError(
+                f"plant '{self.name}' has no state or input '{unknown[0]}': it has {', '.join(names(signals))}"
+            )
+        columns = np.broadcast_arrays(*(np.atleast_1d(values.get(s.name, 0.0)) for s in signals))
+        x, u = np.split(np.array(columns, dtype=np.float64), [len(self.states)])
+        return dict(zip(names(self.outputs), np.asarray(self.h(x, u, self.values)), strict=True))
+
 
 @arguments.checked
 def symbols(signals: Sequence[Signal | Parameter]) -> dict[str, ca.SX]:
@@ -74,8 +88,8 @@ def build(
     kinds = zip(("states", "inputs", "parameters"), (x, u, p), strict=True)
     named = (law.Named(f"among its {kind} plant '{name}'", s) for kind, s in kinds)
     derivative, output = _pair(name, law.evaluate(f"the physics of plant '{name}'", physics, *named))
-    _same_names(f"plant '{name}': derivatives", names(states), derivative)
-    _same_names(f"plant '{name}': outputs", names(outputs), output)
+    law.require_names(f"plant '{name}': derivatives", names(states), derivative)
+    law.require_names(f"plant '{name}': outputs", names(outputs), output)
     args = [ca.vcat(list(s.values())) for s in (x, u, p)]
     f = ca.Function("f", args, [ca.vcat([derivative[s.name] for s in states])], ["x", "u", "p"], ["dx"])
     for exprs in (derivative, output):
@@ -91,11 +105,3 @@ def _pair(name: str, given: object) -> tuple[Mapping[str, ca.SX], Mapping[str, c
         f"the physics of plant '{name}' returns {arguments.found(given)}: return two mappings, the derivatives by "
         "state and the outputs by name"
     )
-
-
-def _same_names(what: str, wanted: Sequence[str], found: Mapping[str, ca.SX]) -> None:
-    missing, unknown = [n for n in wanted if n not in found], [n for n in found if n not in wanted]
-    if missing or unknown:
-        raise SignalError(
-            f"{what}: missing {missing or 'none'}, not declared {unknown or 'none'}: give one for each signal"
-        )

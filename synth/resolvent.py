@@ -200,14 +200,12 @@ def _satisfied(A: Array, B: Array, v: Complex, size: Array, residual: Complex) -
 
 
 def _product(P: Array, X: Complex) -> Complex:
-    """Return P X (q, m, k) of a real P (q, n) and X (n, m, k)."""
     n, m, k = X.shape
     X = np.ascontiguousarray(X)
     return (P @ X.view(np.float64).reshape(n, 2 * m * k)).view(np.complex128).reshape(len(P), m, k)
 
 
 def _size(X: Complex) -> Array:
-    """Return |Re| + |Im| of each entry."""
     return np.asarray(np.abs(X.real) + np.abs(X.imag), dtype=np.float64)
 
 

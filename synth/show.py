@@ -1,12 +1,12 @@
 """How results look at a prompt and in a notebook: a title, sentences, and tables whose rows and columns are named.
 
-A class decorated with `printed` tells what it shows by its method ``sheet()``.
+A class decorated with `printed`, or with `result`, tells what it shows by its method ``sheet()``.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from html import escape
-from typing import Protocol, TypeVar
+from typing import Protocol, TypeVar, dataclass_transform
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -41,6 +41,7 @@ class Shown(Protocol):
 
 
 K = TypeVar("K", bound=Callable[..., Shown])
+R = TypeVar("R", bound=Shown)
 T = TypeVar("T")
 
 
@@ -49,6 +50,12 @@ def printed(kind: K) -> K:
     setattr(kind, "__repr__", lambda self: text(self.sheet()))  # noqa: B010
     setattr(kind, "_repr_html_", lambda self: html(self.sheet()))  # noqa: B010
     return kind
+
+
+@dataclass_transform(frozen_default=True, eq_default=False)
+def result(kind: type[R]) -> type[R]:
+    """Make a class a frozen dataclass, compared by identity, that prints its sheet."""
+    return printed(dataclass(frozen=True, eq=False, repr=False)(kind))
 
 
 def number(value: complex, digits: int = 5) -> str:

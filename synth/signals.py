@@ -67,6 +67,14 @@ def _factor(name: str, unit: str) -> Dimension:
 
 
 @arguments.checked
+def per_second(unit: str) -> str:
+    """Return a unit over s: "m/s^2" for "m/s"."""
+    if match := re.fullmatch(r"(.+)/s(?:\^(\d+))?", unit):
+        return f"{match[1]}/s^{int(match[2] or 1) + 1}"
+    return f"{unit}/s"
+
+
+@arguments.checked
 def identifier(kind: str, name: str) -> None:
     """Raise SignalError when `name` cannot stand in C as the name of a `kind`."""
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or _KEYWORD.fullmatch(name):

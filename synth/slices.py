@@ -44,14 +44,6 @@ def digest(function: Callable[..., Any] | type, data: bool = False) -> str:
     return hashlib.sha256("\n".join(lines).encode()).hexdigest()
 
 
-def names(function: Callable[..., Any] | type) -> frozenset[Place]:
-    """Return the (module, name) of every top-level statement in the slice of a function or class.
-
-    Raises ContentError as `digest`.
-    """
-    return _places(_entry(function))
-
-
 @functools.cache
 def _places(entry: "_Entry") -> frozenset[Place]:
     return _closure(entry.root, entry.start())

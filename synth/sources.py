@@ -48,17 +48,12 @@ def module(root: Path, name: str) -> Module | None:
     first, *others = name.split(".")
     base = TOOLKIT if first == "synth" else root / first
     path = base.joinpath(*others)
-    if first != "synth" and root == TOOLKIT.parent and not _is_workspace(root, first):
+    if first != "synth" and root == TOOLKIT.parent and not ((root / "designs").is_dir() and (root / first).exists()):
         return None
     for file in (path.with_name(f"{path.name}.py"), path / "__init__.py"):
         if file.is_file():
             return parsed(file, name)
     return parsed(None, name) if path.is_dir() and path != root else None
-
-
-def _is_workspace(root: Path, first: str) -> bool:
-    """Whether a top-level package is one of a workspace, where the toolkit may be installed among other packages."""
-    return (root / "designs").is_dir() and (root / first).exists()
 
 
 @cache

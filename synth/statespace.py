@@ -6,19 +6,19 @@ it.
 
 import copy
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from fractions import Fraction
+from dataclasses import field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from synth import arguments, resolvent, show
+from synth import arguments, conversions, resolvent, show
 from synth.errors import ModelError, SignalError, TimingError
 from synth.signals import dimension
 from synth.timing import Continuous, Discrete, Time, period
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 
 
 def readonly(values: ArrayLike) -> Array:
@@ -32,8 +32,7 @@ def readonly(values: ArrayLike) -> Array:
 
 
 @arguments.checked
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class StateSpace:
     """A linear model with n states, m inputs and p outputs.
 
@@ -93,11 +92,11 @@ class StateSpace:
         return show.Sheet(f"Linear model in {self.time}: {size}", tables=(table,))
 
     @property
-    def poles(self) -> NDArray[np.complex128]:
+    def poles(self) -> Complex:
         """Eigenvalues of A, sorted by real then imaginary part."""
         return np.sort_complex(np.linalg.eigvals(self.A).astype(np.complex128))
 
-    def response(self, s_or_z: ArrayLike) -> NDArray[np.complex128]:
+    def response(self, s_or_z: ArrayLike) -> Complex:
         """Return C (v I - A)^-1 B + D at each point v of `s_or_z` (k,) as an array (k, p, m).
 
         Values beyond what a double holds are not finite.
@@ -177,13 +176,13 @@ def of(system: System) -> StateSpace:
     if isinstance(system, StateSpace):
         return system
     if isinstance(system, tuple | list):
-        return _from_arrays(system)
+        return StateSpace(*conversions.from_arrays(system))
     if all(hasattr(system, name) for name in ("to_ss", "to_tf", "to_zpk")):
-        return _from_scipy(system)
+        return StateSpace(*conversions.from_scipy(system))
     if all(hasattr(system, name) for name in ("A", "B", "C", "D", "dt")):
         return from_control(system)
     if all(hasattr(system, name) for name in ("num", "den", "dt")):
-        return _from_fractions(system)
+        return StateSpace(*conversions.from_fractions(system))
     raise SignalError(
         f"a {type(system).__name__} is no linear model: give a StateSpace, arrays (A, B, C, D) or a system of "
         "python-control or scipy.signal"
@@ -221,95 +220,6 @@ def _in_time(system: Any, time: Time) -> StateSpace:
     return of(known)
 
 
-def _from_fractions(system: Any) -> StateSpace:
-    """Return python-control's transfer functions, each in companion form: nothing is cancelled."""
-    p, m = len(system.num), len(system.num[0])
-    parts = [[_companion(system.num[i][j], system.den[i][j]) for j in range(m)] for i in range(p)]
-    order = sum(len(part[0]) for row in parts for part in row)
-    A, B, C, D = np.zeros((order, order)), np.zeros((order, m)), np.zeros((p, order)), np.zeros((p, m))
-    first = 0
-    for i, j in np.ndindex(p, m):
-        a, b, c, D[i, j] = parts[i][j]
-        own = slice(first, first + len(a))
-        A[own, own], B[own, j], C[i, own] = a, b, c
-        first = own.stop
-    labels = (tuple(system.input_labels), tuple(system.output_labels))
-    return StateSpace(A, B, C, D, _numbered("x", order), *labels, _time(system.dt))
-
-
-def _companion(numerator: Any, denominator: Any) -> tuple[Array, Array, Array, float]:
-    """Return A (n, n), B (n,), C (n,) and D of numerator over denominator, highest powers first."""
-    given = [arguments.matrix(name, [v])[0] for name, v in (("numerator", numerator), ("denominator", denominator))]
-    if not all(np.isfinite(v).all() for v in given):
-        raise SignalError(f"the transfer function {given[0]} / {given[1]} is not finite: give finite coefficients")
-    b, a = (np.trim_zeros(v, "f") for v in given)
-    if not len(a) or len(b) > len(a):
-        raise SignalError(
-            f"the transfer function {given[0]} / {given[1]} has no state-space form: its denominator must be other "
-            "than 0 and of no less degree than its numerator"
-        )
-    n = len(a) - 1
-    exact = [[Fraction(float(v)) for v in part] for part in (a, np.concatenate([np.zeros(len(a) - len(b)), b]))]
-    a, b = ([v / exact[0][0] for v in part] for part in exact)
-    A = np.eye(n, k=-1)
-    A[:1] = [-float(v) for v in a[1:]]
-    C = np.array([float(v - b[0] * u) for v, u in zip(b[1:], a[1:], strict=True)])
-    return A, np.eye(n, 1)[:, 0], C, float(b[0])
-
-
-@arguments.checked
-def coefficients(system: Any) -> tuple[Array, Array] | None:
-    """Return numerator and denominator of a scalar transfer function, highest powers first; None for another System."""
-    if not all(hasattr(system, name) for name in ("num", "den", "dt")):
-        return None
-    b, a = (v[0][0] if isinstance(v, list) else v for v in (system.num, system.den))
-    return arguments.matrix("numerator", [b])[0], arguments.matrix("denominator", [a])[0]
-
-
-def _from_scipy(system: Any) -> StateSpace:
-    """Return a system of scipy.signal; those in continuous time have no `dt`, or None for it."""
-    try:
-        found = system.to_ss()
-    except ValueError as error:
-        raise SignalError(f"the scipy.signal system has no state-space form ({error}): give A, B, C, D") from error
-    dt = getattr(found, "dt", None)
-    return _from_arrays((found.A, found.B, found.C, found.D, 0 if dt is None else dt))
-
-
-def _from_arrays(arrays: Sequence[Any]) -> StateSpace:
-    given, time = list(arrays), _given_time(arrays)
-    if len(given) == 5 or (given and isinstance(given[-1], Continuous | Discrete)):
-        given.pop()
-    if len(given) not in (2, 3, 4):
-        raise SignalError(f"{len(given)} arrays make no linear model: give (A, B), (A, B, C) or (A, B, C, D)")
-    A, B, *rest = (arguments.matrix(name, value) for name, value in zip("ABCD", given, strict=False))
-    states, inputs = _numbered("x", len(A)), _numbered("u", B.shape[1])
-    C = rest[0] if rest else np.eye(len(A))
-    D = rest[1] if len(rest) > 1 else np.zeros((len(C), B.shape[1]))
-    return StateSpace(A, B, C, D, states, inputs, _numbered("y", len(C)) if rest else states, time)
-
-
-def _given_time(arrays: Sequence[Any]) -> Time:
-    last = arrays[-1] if arrays else None
-    if isinstance(last, Continuous | Discrete):
-        return last
-    if len(arrays) < 5:
-        return Continuous()
-    return _time(last)
-
-
-def _time(dt: Any) -> Time:
-    """Return the time that a `dt` stands for: 0 for continuous, else a period in seconds."""
-    value = dt.item() if isinstance(dt, np.ndarray | np.generic) and dt.size == 1 and not np.ndim(dt) else dt
-    if not isinstance(value, int | float) or value is True:
-        raise SignalError(f"there is no sample period, dt is {dt!r}: give 0 for continuous time or a period in seconds")
-    return Discrete(float(value)) if value else Continuous()
-
-
-def _numbered(letter: str, count: int) -> tuple[str, ...]:
-    return tuple(f"{letter}{k + 1}" for k in range(count))
-
-
 def _places(names: Sequence[str], known: Sequence[str]) -> list[int]:
     for name in names:
         if name not in known:
@@ -322,6 +232,6 @@ def from_control(system: Any) -> StateSpace:
     """Return a python-control StateSpace as this package's; raise SignalError when its time base is not given."""
     if not all(hasattr(system, name) for name in ("A", "B", "C", "D", "dt", "state_labels")):
         raise SignalError(f"{arguments.found(system)} is no StateSpace of python-control: give one, or use `of`")
-    time = _time(system.dt)
+    time = conversions.time_of(system.dt)
     labels = (tuple(system.state_labels), tuple(system.input_labels), tuple(system.output_labels))
     return StateSpace(system.A, system.B, system.C, system.D, *labels, time)

@@ -45,10 +45,7 @@ class Task(Generic[T]):
     depends: tuple[Any, ...]
 
     def key(self) -> str:
-        """Return the key of the result.
-
-        Raises ContentError where the source of a function cannot be read.
-        """
+        """Return the key of the result; raise ContentError where the source of a function cannot be read."""
         first, *others = self.depends
         data = [slices.digest(d, True) for d in others if callable(d) and not isinstance(d, type)]
         return cache.key(first, compilers(), data, *others, data=True)

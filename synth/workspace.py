@@ -45,7 +45,6 @@ class Bench:
 
 
 def _no_rows() -> Iterator[Row]:
-    """Return the rows of a design that recomputes no published figure."""
     return iter(())
 
 

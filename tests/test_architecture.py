@@ -30,6 +30,7 @@ VOCABULARY = (
     "law",
     "plant",
     "resolvent",
+    "conversions",
     "statespace",
     "fault",
     "block",

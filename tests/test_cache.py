@@ -171,7 +171,7 @@ def test_the_toolkit_itself_counts(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_slice_holds_what_runs_and_little_else() -> None:
     from synth.analyse import margins
 
-    modules = {module for module, _ in slices.names(margins.of_loop)}
+    modules = {module for module, _ in slices._places(slices._entry(margins.of_loop))}
     assert {"synth.analyse.crossings", "synth.analyse.rational", "synth.statespace"} <= modules
     assert not any(module.startswith(("synth.emit", "synth.report", "synth.synthesise")) for module in modules)
 
@@ -200,7 +200,7 @@ def test_every_function_that_runs_is_in_the_slice() -> None:
         inner(loop)
     finally:
         sys.setprofile(None)
-    assert called and called <= slices.names(margins.of_loop)
+    assert called and called <= slices._places(slices._entry(margins.of_loop))
 
 
 def times(x: float, k: float = 2.0) -> float:

@@ -16,6 +16,8 @@ ROOT = Path(__file__).parents[1]
 NAME = "levitator_2dof"
 MOST = 90  # lines of design and experiments
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:

@@ -61,3 +61,12 @@ def test_a_plant_without_parameters_works() -> None:
     made = plant.build("lag", STATES[:1], INPUTS, OUTPUTS, (), lambda x, u, p: ({"angle": -x["angle"]}, {"height": 1}))
     assert float(made.f([0.25], [0], made.values)) == -0.25
     assert float(made.h([0.25], [0], made.values)) == 1
+
+
+def test_outputs_are_those_of_states_and_inputs_by_name() -> None:
+    made = build()
+    angles = np.array([0.0, 0.3, -0.3])
+    np.testing.assert_allclose(made.output_values({"angle": angles})["height"], 0.5 * (1 - np.cos(angles)), atol=1e-15)
+    assert made.output_values({"angle": 0.3, "torque": 1.0})["height"].shape == (1,)
+    with pytest.raises(SignalError, match="no state or input 'tilt': it has angle, rate, torque"):
+        made.output_values({"tilt": 0.1})

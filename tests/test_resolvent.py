@@ -62,6 +62,7 @@ HARD = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", HARD)
 def test_many_points_are_as_exact_as_elimination_at_each(name: str) -> None:
     """A factor of 30 over elimination: both are exact for entries of A that are off by a few roundings."""

@@ -12,9 +12,9 @@ from designs.hall_position.loop import calibration
 from designs.hall_position.pages import accuracy, estimator, experiments, field, loops, six, trust
 from designs.hall_position.paper.stage import Stage
 from synth.emit.write import Emitted
-from synth.report import page, prose, sections, standard
+from synth.report import captions, page, sections, standard, template
 from synth.report.audit import Row
-from synth.report.prose import Value
+from synth.report.captions import Made
 from synth.simulate.experiment import Experiment
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
@@ -24,9 +24,8 @@ ABOUT = (
     "the field, its model, the estimator and what it tells where. This page was computed from the magnets' geometry; "
     "every figure on it was measured on the C that ships, or on the model that the C was derived from."
 )
-FACTS = (("law", "GLSDC, Fig. 9, five corrections a sample"),)
 COSTS = "Cost of three sensors and of six degrees of freedom"
-LOOP = ("Calibration", standard.EXPERIMENTS, standard.LOOPS)  # parts of the closed loop
+ABSENT = page.Text("Not measured: no emulator or no cross compiler was installed.")
 
 
 def report(
@@ -38,46 +37,40 @@ def report(
 ) -> str:
     """Return the whole report as one HTML document, with every experiment that is handed in."""
     data = tomllib.loads(Path(__file__).with_name("report.toml").read_text(encoding="utf-8"))
-    text = Path(__file__).with_name("report.md").read_text(encoding="utf-8")
     stage = Stage()
-    words = prose.read(text, {**_equations(data), **_blocks(stage, data, runs)})
-    computed = {
-        standard.EXPERIMENTS: experiments.section(runs, data["beside"]),
-        standard.LOOPS: loops.section() if runs else page.Section(standard.LOOPS),
-        "Six degrees of freedom": six.section(stage),
-        standard.AUDIT: standard.audit(rows, ()),
-        standard.VERIFICATION: standard.verification(evidence),
-    }
-    others = _others(files, cost, stage)
-    skipped = {*(() if runs else LOOP), *(() if others else (COSTS,))}
-    made = [*computed.values(), sections.cost(cost), *others, standard.files(files)]
-    parts = [part for part in words.parts if part.title not in skipped]
-    placed = prose.placed([section for section in made if section.title not in skipped], parts)
+    made = captions.captioned(_blocks(stage, data, runs), data["blocks"])
+    equations = {f"equations.{e['name']}": page.Equations(tuple(map(tuple, e["rows"]))) for e in data["equations"]}
+    parts = [
+        experiments.section(runs, data["beside"]),
+        loops.section() if runs else page.Section(standard.LOOPS, (experiments.ABSENT,)),
+        six.section(stage),
+        standard.audit(rows, ()),
+        standard.verification(evidence),
+        sections.cost(cost),
+        _others(files, cost, stage),
+        standard.files(files),
+    ]
     inputs, outputs = "4 Hall voltages; 6 with a third sensor", "X, Y and yaw, their deviations, residual, flags"
-    facts = (*standard.facts(shipped.TIME, np.float32, inputs, outputs), *FACTS)
-    return page.render(page.Report(shipped.NAME, ABOUT, placed, facts))
+    law = ("law", "GLSDC, Fig. 9, five corrections a sample")
+    facts = (*standard.facts(shipped.TIME, np.float32, inputs, outputs), law)
+    return template.assembled(shipped.NAME, ABOUT, facts, parts, {**equations, **made})
 
 
-def _equations(data: Mapping[str, Any]) -> dict[str, Value]:
-    return {f"equations.{e['name']}": page.Equations(tuple(map(tuple, e["rows"]))) for e in data["equations"]}
-
-
-def _blocks(stage: Stage, data: Mapping[str, Any], runs: Sequence[Experiment]) -> dict[str, Value]:
-    of = calibration.calibrated().map if runs else None
+def _blocks(stage: Stage, data: Mapping[str, Any], runs: Sequence[Experiment]) -> dict[str, Made]:
     return {
         **field.blocks(stage),
         **estimator.blocks(data["meaning"]),
         **accuracy.blocks(stage),
         **trust.blocks(trust.kinds()),
-        **experiments.blocks(of, runs),
+        **experiments.blocks(calibration.calibrated().map if runs else None, runs),
         **six.blocks(stage),
     }
 
 
-def _others(files: Mapping[str, Emitted], cost: Cost | None, stage: Stage) -> tuple[page.Section, ...]:
-    """Return what the other estimators cost, none where nothing was measured for want of an emulator or a compiler."""
+def _others(files: Mapping[str, Emitted], cost: Cost | None, stage: Stage) -> page.Section:
+    """Return what the other estimators cost, where the first one's was measured."""
     if cost is None:
-        return ()
+        return page.Section(COSTS, (ABSENT,))
     from designs.hall_position import costs  # which needs the extra `target`
 
-    return (costs.section(costs.measure(files[shipped.THREE], six.placed(stage, 4))),)
+    return costs.section(costs.measure(files[shipped.THREE], six.placed(stage, 4)))

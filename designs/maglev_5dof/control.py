@@ -19,12 +19,11 @@ import numpy as np
 
 from models import maglev_stage, pmlsm, windings
 from synth import stage
-from synth.analyse import magnitude
 from synth.block import Block, Exprs, Step, build, clip
 from synth.blocks import derivative_filter, regulator, safety
 from synth.compose import compose
 from synth.plant import Plant
-from synth.signals import Signal
+from synth.signals import Signal, names
 from synth.stage import Actuator, Sensor, SetPoint
 from synth.statespace import StateSpace, readonly
 from synth.synthesise.feedback import lqr
@@ -36,36 +35,68 @@ TIME = Discrete(1e-3)
 OMEGA0 = 1.5 * pi  # rad/s, the frequency of the references, F section IV-B
 FREQUENCIES = (0.0, OMEGA0)  # rad/s, the exosystem of F(15)
 FILTER = 1000.0  # rad/s: 300 makes the phi loop unstable and 500 leaves it a peak sensitivity of 4.6
-CURRENT = 7 / sqrt(2)  # A rms, 7 A peak, F section II
+CURRENT = maglev_stage.PEAK  # A rms, F section II
 DIRECT = CURRENT * (1 - 1e-4)  # of i_d: keeps the root of what it leaves of CURRENT away from 0
 RATED = 5 / sqrt(2)  # A rms, 5 A peak continuous, F section II
 ANTI_WINDUP = (7e-5, 7e-5, 7e-5)  # E_x = E_z, F section IV-A
+ETA_BOUNDS = (600.0, 3.0, 600.0)  # of the internal model's states
 BAD_SAMPLES = 5
 SAFE_CURRENT = 2.5  # A rms of i_d: lets the platen down from every gap of 18.1 mm or more
 SLEW = 100.0  # A/s
 RESOLUTION = 10e-6  # m, F section II
 SURROGATE_ERROR = {np.float32: 5e-7, np.float64: 1e-14}  # relative; the force law itself is known to some 1e-3
 
-
 # The part of each guide spring that F(12) cancels: too much makes an axis unstable, too little only slow. Springs that
 # are weaker than assumed by 30 % (phi) and 20 % (theta) leave the axes stable.
 COMPENSATED = {"k_s_phi": 0.75, "k_s_theta": 0.95}
 
-GAP, PHI, THETA, STROKE = (0.018, 0.031), 0.003, 0.014, 0.05  # m, rad, rad, m: the box of the stage
-ENCODER_13, ENCODER_24 = (0.0168, 0.0322), (0.0124, 0.0366)  # m: motor gaps over that box
-ENCODER_XZ = 0.1  # m: twice the stroke, so that neither overshoot nor the give of a stop reads as a broken encoder
+BOX = {s.name: (s.low, s.high) for s in maglev_stage.STATES if s.name in maglev_stage.RATE}  # m, rad
+GAP, MOTORS = BOX["y"], (1, 2, 3, 4)
+WIDE = 0.1  # m: twice the stroke, so that neither overshoot nor the give of a stop reads as a broken encoder
+
+INTERFACE = stage.interface(
+    maglev_stage.plant(),
+    sensors=[
+        *(Sensor(f"y{j}", of=f"g{j}", resolution=RESOLUTION, initial=GAP[1]) for j in MOTORS),
+        *(Sensor(n, resolution=RESOLUTION, low=-WIDE, high=WIDE, about=f"platen along {n.upper()}") for n in "xz"),
+    ],
+    set_points=[
+        SetPoint("y_ref", "y", *GAP, initial=GAP[1], about="set-point of the gap"),
+        SetPoint("x_ref", "x", *BOX["x"], about="set-point along X"),
+        SetPoint("z_ref", "z", *BOX["z"], about="set-point along Z"),
+        SetPoint("phi_ref", "phi", *BOX["phi"], about="set-point of the rotation about X"),
+        SetPoint("theta_ref", "theta", *BOX["theta"], about="set-point of the rotation about Z"),
+    ],
+    actuators=[
+        *(Actuator(f"i_d{j}", SAFE_CURRENT, SLEW) for j in MOTORS),
+        *(Actuator(f"u_{n}", 0.0, SLEW) for n in "xz"),
+    ],
+    bad_samples=BAD_SAMPLES,
+    reason="zero current slams the platen up below 28.7 mm; 2.5 A rms lets it down from 18.1 mm and above",
+)
+CURRENTS = INTERFACE.outputs
+OUTPUTS = (
+    *CURRENTS[:4],
+    *(Signal(f"i_q{j}", "A", -CURRENT, CURRENT, f"quadrature current of motor {j}, rms") for j in MOTORS),
+)
+HELD = tuple(INTERFACE.held(f"y{j}") for j in MOTORS)
+ARM = 1 / (2 * INTERFACE.plant.parameter("r").value)  # 1/m
+# y, phi and theta in the heights of the four motors, F(5) about the level platen: where the loops are opened.
+POSE = {"y": {f"y{j}": 0.25 for j in MOTORS}, "phi": {"y3": ARM, "y1": -ARM}, "theta": {"y2": ARM, "y4": -ARM}}
 
 
 @dataclass(frozen=True)
 class Axis:
-    """One controlled coordinate: signals, LQR weights on (e, de, xi1, xi2, xi3) with R = 1, bounds of its states."""
+    """One controlled coordinate: its position, and LQR weights on (e, de, xi1, xi2, xi3) with R = 1."""
 
     name: str
     position: Signal
-    reference: Signal
-    weights: tuple[float, float, float, float, float]
-    eta_bounds: tuple[float, float, float]
-    excess: Signal | None = None
+    weights: tuple[float, ...]
+
+    @property
+    def reference(self) -> Signal:
+        """The set-point."""
+        return INTERFACE.held(f"{self.name}_ref")
 
     @property
     def error(self) -> Signal:
@@ -84,67 +115,22 @@ class Axis:
         """The demanded acceleration w."""
         return Signal(f"w_{self.name}", f"{self.position.unit}/s^2", -1e4, 1e4, "demanded acceleration")
 
-
-def _sensor(j: int) -> Sensor:
-    low, high = (ENCODER_13, ENCODER_24)[j % 2 == 0]
-    about = f"gap of motor {j}"
-    return Sensor(f"y{j}", of=f"g{j}", resolution=RESOLUTION, low=low, high=high, initial=GAP[1], about=about)
-
-
-def _along(name: str) -> Sensor:
-    about = f"platen along {name.upper()}"
-    return Sensor(name, resolution=RESOLUTION, low=-ENCODER_XZ, high=ENCODER_XZ, initial=0.0, about=about)
+    @property
+    def excess(self) -> Signal | None:
+        """What the limit adds to the thrust current of x and z."""
+        about = f"u_{self.name} limited less u_{self.name} demanded"
+        return Signal(f"excess_{self.name}", "A", -1e6, 1e6, about) if self.name in "xz" else None
 
 
-def _current(name: str, safe: float, about: str) -> Actuator:
-    return Actuator(name, safe, SLEW, low=-CURRENT, high=CURRENT, about=f"{about}, rms")
-
-
-INTERFACE = stage.interface(
-    maglev_stage.plant(),
-    sensors=[*(_sensor(j) for j in range(1, 5)), *(_along(n) for n in "xz")],
-    set_points=[
-        SetPoint("y_ref", "y", *GAP, initial=GAP[1], about="set-point of the gap"),
-        SetPoint("x_ref", "x", -STROKE, STROKE, about="set-point along X"),
-        SetPoint("z_ref", "z", -STROKE, STROKE, about="set-point along Z"),
-        SetPoint("phi_ref", "phi", -PHI, PHI, about="set-point of the rotation about X"),
-        SetPoint("theta_ref", "theta", -THETA, THETA, about="set-point of the rotation about Z"),
-    ],
-    actuators=[
-        *(_current(f"i_d{j}", SAFE_CURRENT, f"direct current of motor {j}") for j in range(1, 5)),
-        *(_current(f"u_{n}", 0.0, f"thrust current along {n.upper()}") for n in "xz"),
-    ],
-    bad_samples=BAD_SAMPLES,
-    reason="zero current slams the platen up below 28.7 mm; 2.5 A rms lets it down from 18.1 mm and above",
+VERTICAL, THRUST = (3e4, 3e4, 2.5e9, 2.5e7, 2.5e7), (1500.0, 1500.0, 4.5e8, 2.25e6, 2.25e6)
+TILT = (4e4, 4e4, 4e9, 4e7, 4e7)
+AXES = (
+    Axis("y", Signal("y", "m", 0.0145, 0.0345, "gap at the centre"), VERTICAL),
+    Axis("x", INTERFACE.held("x"), THRUST),
+    Axis("z", INTERFACE.held("z"), THRUST),
+    Axis("phi", Signal("phi", "rad", -0.02, 0.02, "rotation about X"), TILT),
+    Axis("theta", Signal("theta", "rad", -0.031, 0.031, "rotation about Z"), TILT),
 )
-CURRENTS = INTERFACE.outputs
-OUTPUTS = (
-    *CURRENTS[:4],
-    *(Signal(f"i_q{j}", "A", -CURRENT, CURRENT, f"quadrature current of motor {j}, rms") for j in range(1, 5)),
-)
-HELD = tuple(INTERFACE.held(f"y{j}") for j in range(1, 5))
-
-
-def _axes() -> tuple[Axis, ...]:
-    y, xz = (3e4, 3e4, 2.5e9, 2.5e7, 2.5e7), (1500.0, 1500.0, 4.5e8, 2.25e6, 2.25e6)
-    theta = (4e4, 4e4, 4e9, 4e7, 4e7)
-    eta = (600.0, 3.0, 600.0)
-    reference = {s.of: INTERFACE.held(s.name) for s in INTERFACE.set_points}
-    gap = Signal("y", "m", 0.0145, 0.0345, "gap at the centre")
-    x, z = (INTERFACE.held(n) for n in "xz")
-    phi = Signal("phi", "rad", -0.02, 0.02, "rotation about X")
-    tilt = Signal("theta", "rad", -0.031, 0.031, "rotation about Z")
-    excess = {n: Signal(f"excess_{n}", "A", -1e6, 1e6, f"u_{n} limited less u_{n} demanded") for n in "xz"}
-    return (
-        Axis("y", gap, reference["y"], y, eta),
-        Axis("x", x, reference["x"], xz, eta, excess["x"]),
-        Axis("z", z, reference["z"], xz, eta, excess["z"]),
-        Axis("phi", phi, reference["phi"], theta, eta),
-        Axis("theta", tilt, reference["theta"], theta, eta),
-    )
-
-
-AXES = _axes()
 
 
 def axis_plant(axis: Axis) -> StateSpace:
@@ -160,10 +146,6 @@ def gain(axis: Axis) -> lqr.Gain:
     return lqr.lqr(axis_plant(axis), np.diag(axis.weights), np.eye(1), exact=True)
 
 
-def _filter(axis: Axis) -> Block:
-    return derivative_filter.block(f"filter_{axis.name}", TIME, axis.error, axis.rate, FILTER)
-
-
 def regulator_block(axis: Axis, wound: bool = True) -> Block:
     """Return the regulator of one axis, F(14)-(17), or F(14)-(16) when `wound` is false."""
     return regulator.block(
@@ -174,7 +156,7 @@ def regulator_block(axis: Axis, wound: bool = True) -> Block:
         error=axis.error,
         rate=axis.rate,
         demand=axis.demand,
-        bounds=axis.eta_bounds,
+        bounds=ETA_BOUNDS,
         anti_windup=(axis.excess, ANTI_WINDUP) if axis.excess and wound else None,
         tag="F(14)-(17)" if axis.excess else "F(14)-(16)",
     )
@@ -182,13 +164,13 @@ def regulator_block(axis: Axis, wound: bool = True) -> Block:
 
 def kinematics(plant: Plant) -> Block:
     """Return the Block from the four vertical encoders to y, phi and theta, the inverse of F(5)."""
-    r = plant.parameter("r").value
+    r = ca.SX(plant.parameter("r").value)
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         y1, y2, y3, y4 = (u[s.name] for s in HELD)
-        return Step(maglev_stage.kinematics(y1, y2, y3, y4, ca.SX(r)))
+        return Step(maglev_stage.kinematics(y1, y2, y3, y4, r))
 
-    outputs = [a.position for a in AXES if a.name in ("y", "phi", "theta")]
+    outputs = [a.position for a in AXES if a.name in POSE]
     return build("kinematics", TIME, law, inputs=HELD, outputs=outputs, tag="F(5) inverted")
 
 
@@ -198,8 +180,8 @@ def errors() -> Block:
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         return Step({a.error.name: u[a.position.name] - u[a.reference.name] for a in AXES})
 
-    inputs, outputs = [s for a in AXES for s in (a.position, a.reference)], [a.error for a in AXES]
-    return build("errors", TIME, law, inputs=inputs, outputs=outputs, tag="F(14) e")
+    inputs = [s for a in AXES for s in (a.position, a.reference)]
+    return build("errors", TIME, law, inputs=inputs, outputs=[a.error for a in AXES], tag="F(14) e")
 
 
 def decoupling(plant: Plant, restored: bool = True) -> Block:
@@ -209,20 +191,17 @@ def decoupling(plant: Plant, restored: bool = True) -> Block:
     the sample before, so that the rest is linear; where it is not `restored`, that of i_d^2 is left out as in F(11).
     Each motor keeps hypot(i_d, i_q) <= CURRENT with i_d served first.
     """
-    lifting = Signal("i", "A", -DIRECT, DIRECT)
-    values = _values(plant)
+    lifting, values = Signal("i", "A", -DIRECT, DIRECT), maglev_stage.nominal(plant)
     values |= {n: part * values[n] for n, part in COMPENSATED.items()} if restored else {}
     angles = [a.position for a in AXES if a.name in ("phi", "theta")]
-    demands, excess = [a.demand for a in AXES], [a.excess for a in AXES if a.excess]
+    before = [INTERFACE.before(s.name) for s in CURRENTS]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         motors = [pmlsm.force_law(u[s.name], values) for s in HELD]
-        w = {a.name: u[a.demand.name] for a in AXES}
-        before = {s.name: u[f"{s.name}_before"] for s in CURRENTS}
-        thrust_before = [before[name] for name in maglev_stage.QUADRATURE]
-        squares = [i_q**2 for i_q in thrust_before]
+        squares = [u[f"{thrust}_before"] ** 2 for thrust in maglev_stage.QUADRATURE]
         if restored:
-            squares = [i_q + before[f"i_d{j}"] ** 2 for j, i_q in enumerate(squares, 1)]
+            squares = [i_q + u[f"i_d{j}_before"] ** 2 for j, i_q in zip(MOTORS, squares, strict=True)]
+        w = {a.name: u[a.demand.name] for a in AXES}
         direct = maglev_stage.direct_currents(w, u, squares, motors, values)
         i_d = {n: clip(i, lifting) for n, i in direct.items()}
         demand = maglev_stage.thrust_currents(w, motors, values)
@@ -230,19 +209,25 @@ def decoupling(plant: Plant, restored: bool = True) -> Block:
         thrust = {n: _limited(demand[n], *pair) for n, pair in pairs.items()}
         output = {f"{n}_computed": i for n, i in (i_d | thrust).items()}
         output |= {f"excess_{n[-1]}": thrust[n] - demand[n] for n in thrust}
-        named = []
-        for j, (m, square) in enumerate(zip(motors, squares, strict=True), 1):
-            named += [(Signal(f"thrust_{j}", "N/A", 0, 100), m.h), (Signal(f"pull_{j}", "A^2/N", 0, 100), m.ratio)]
-            named += [(Signal(f"half_a_{j}", "N", 0, 1e3), m.half_a), (Signal(f"half_c_{j}", "N/A^2", 0, 10), m.half_c)]
-            named += [(Signal(f"half_load_{j}", "N", 0, 1e3), m.half_a + m.half_c * square)]
-            named += [(Signal(f"inverse_b_{j}", "A/N", 0, 1), 1 / m.b)]
+        named = [pair for j, m, square in zip(MOTORS, motors, squares, strict=True) for pair in _named(j, m, square)]
         named += [(Signal(f"{n}_demand", "A", -1e6, 1e6), demand[n]) for n in thrust]
         return Step(output, named=named)
 
-    computed = [replace(s, name=f"{s.name}_computed") for s in CURRENTS]
-    before = [replace(s, name=f"{s.name}_before") for s in CURRENTS]
-    inputs, outputs = [*HELD, *angles, *demands, *before], [*computed, *excess]
+    inputs = [*HELD, *angles, *(a.demand for a in AXES), *before]
+    outputs = [*(INTERFACE.computed(s.name) for s in CURRENTS), *(a.excess for a in AXES if a.excess)]
     return build("decoupling", TIME, law, inputs=inputs, outputs=outputs, tag="F(8), F(12), limits")
+
+
+def _named(j: int, m: pmlsm.ForceLaw, square: ca.SX) -> list[tuple[Signal, ca.SX]]:
+    """Return what the C names of a motor's forces."""
+    return [
+        (Signal(f"thrust_{j}", "N/A", 0, 100), m.h),
+        (Signal(f"pull_{j}", "A^2/N", 0, 100), m.ratio),
+        (Signal(f"half_a_{j}", "N", 0, 1e3), m.half_a),
+        (Signal(f"half_c_{j}", "N/A^2", 0, 10), m.half_c),
+        (Signal(f"half_load_{j}", "N", 0, 1e3), m.half_a + m.half_c * square),
+        (Signal(f"inverse_b_{j}", "A/N", 0, 1), 1 / m.b),
+    ]
 
 
 def _limited(thrust: ca.SX, *direct: ca.SX) -> ca.SX:
@@ -257,31 +242,20 @@ def shares() -> Block:
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         return Step({f"i_q{j}": u[name] for j, name in enumerate(maglev_stage.QUADRATURE, 1)})
 
-    thrusts = [s for s in CURRENTS if s.name.startswith("u")]
-    outputs = [s for s in OUTPUTS if s.name.startswith("i_q")]
-    return build("shares", TIME, law, inputs=thrusts, outputs=outputs, tag="F(6)")
-
-
-def _values(plant: Plant) -> dict[str, ca.SX]:
-    return maglev_stage.nominal(**{p.name: p.value for p in plant.parameters})
+    return build("shares", TIME, law, inputs=CURRENTS[4:], outputs=OUTPUTS[4:], tag="F(6)")
 
 
 def laws(plant: Plant, restored: bool = True, wound: bool = True) -> list[Block]:
     """Return the laws for the stage's parameters; `wound=False` leaves the anti-windup out."""
-    loops = [block for a in AXES for block in (_filter(a), regulator_block(a, wound))]
+    loops: list[Block] = []
+    for a in AXES:
+        loops += [derivative_filter.block(f"filter_{a.name}", TIME, a.error, a.rate, FILTER), regulator_block(a, wound)]
     return [kinematics(plant), errors(), *loops, decoupling(plant, restored), shares()]
-
-
-def require_invertible(plant: Plant) -> None:
-    """Raise ModelError, saying where, for a plant whose decoupling matrix in F(12) is singular in the box."""
-    model = maglev_stage.simplified(maglev_stage.input_polynomial(_values(plant)))
-    box = (Signal("y", "m", *GAP), Signal("phi", "rad", -PHI, PHI), Signal("theta", "rad", -THETA, THETA))
-    magnitude.require_invertible(model.decoupling(), model.x, box, "decoupling matrix of F(12)")
 
 
 def controller(plant: Plant, restored: bool = True, wound: bool = True) -> stage.Controller:
     """Return the whole controller, from six encoders and five set-points to the motors' currents."""
-    return stage.controller(NAME, TIME, INTERFACE, lambda: laws(plant, restored, wound), [s.name for s in OUTPUTS])
+    return stage.controller(NAME, TIME, INTERFACE, lambda: laws(plant, restored, wound), names(OUTPUTS))
 
 
 def phase_currents(plant: Plant) -> Block:
@@ -290,21 +264,20 @@ def phase_currents(plant: Plant) -> Block:
     Motors 2 and 4 lie along X, 1 and 3 along Z. Inputs are held while bad, and nothing latches here: the controller
     that computes the currents does.
     """
-    tau = plant.parameter("tau").value
-    positions = {n: Signal(n, "m", -ENCODER_XZ, ENCODER_XZ, f"platen along {n.upper()}") for n in "xz"}
-    guarded = [safety.Guarded(s, SAFE_CURRENT if s.name.startswith("i_d") else 0.0, False) for s in OUTPUTS]
-    guarded += [safety.Guarded(s, 0.0, False) for s in positions.values()]
+    tau = ca.SX(plant.parameter("tau").value)
+    along = [INTERFACE.signals[n] for n in "xz"]
+    guarded = [safety.Guarded(s, SAFE_CURRENT if s.name.startswith("i_d") else 0.0, False) for s in (*OUTPUTS, *along)]
     peak = 2 * CURRENT * (1 + 1e-6)  # both inputs at their limit, rounded
     outputs = [
         Signal(f"i_{phase}{j}", "A", -peak, peak, f"phase {phase} of motor {j}, instantaneous")
-        for j in range(1, 5)
+        for j in MOTORS
         for phase in "abc"
     ]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         output: dict[str, ca.SX] = {}
         for j, thrust in enumerate(maglev_stage.QUADRATURE, 1):
-            angle = windings.electrical_angle(u[f"{thrust[-1]}_held"], ca.SX(tau))
+            angle = windings.electrical_angle(u[f"{thrust[-1]}_held"], tau)
             phases = windings.phase_currents(u[f"i_d{j}_held"], u[f"i_q{j}_held"], angle)
             output |= {f"i_a{j}": phases.a, f"i_b{j}": phases.b, f"i_c{j}": phases.c}
         return Step({s.name: clip(output[s.name], s) for s in outputs})
@@ -314,5 +287,4 @@ def phase_currents(plant: Plant) -> Block:
         safety.guard(TIME, guarded, BAD_SAMPLES),
         build("commutation", TIME, law, inputs=held, outputs=outputs, tag="inverse Park"),
     ]
-    inputs, names = [g.signal.name for g in guarded], [s.name for s in outputs]
-    return compose(f"{NAME}_phase", blocks, inputs=inputs, outputs=names)
+    return compose(f"{NAME}_phase", blocks, inputs=names(g.signal for g in guarded), outputs=names(outputs))

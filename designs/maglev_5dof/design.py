@@ -1,6 +1,6 @@
 """The five-axis maglev stage of Fulford, Maggiore and Apkarian, from physics to verified C."""
 
-from designs.maglev_5dof import control, experiments, gains, page, recordings, reference, verification
+from designs.maglev_5dof import control, experiments, gains, page, reference, verification
 from designs.maglev_5dof.paper import rows
 from models import maglev_stage
 from synth import stage
@@ -12,14 +12,16 @@ DESIGN = stage.design(
     PLANT,
     reference=reference.step,
     experiments=experiments.ALL,
+    operating_points={f"{gap:g} mm": {"y": gap * 1e-3} for gap in (18, 25, 31)},
+    coordinates=control.POSE,
     surrogate_error=control.SURROGATE_ERROR,
     start={"y": 0.025},
-    stops={"y": control.GAP, "phi": (-control.PHI, control.PHI), "theta": (-control.THETA, control.THETA)},
+    stops={name: control.BOX[name] for name in ("y", "phi", "theta")},
     velocities=maglev_stage.RATE,
     wires=experiments.WIRES,
-    recording=recordings.vectors,
+    recording=verification.vectors,
     gains=gains.document,
-    companions=[Companion(control.phase_currents(PLANT), recordings.phases)],
+    companions=[Companion(control.phase_currents(PLANT), verification.phases)],
     verify=verification.verify,
     audit=rows.rows,
     report=page.report,

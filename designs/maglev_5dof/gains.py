@@ -7,7 +7,7 @@ import numpy as np
 
 from designs.maglev_5dof import control
 from synth.emit.c import digits
-from synth.statespace import Array, readonly
+from synth.statespace import readonly
 from synth.synthesise.feedback import lqr
 from synth.synthesise.servo import internal_model
 
@@ -18,13 +18,13 @@ def document(scalar: type[np.floating]) -> dict[str, Any]:
 
 
 def _gain(axis: control.Axis, scalar: type[np.floating]) -> dict[str, Any]:
-    model, period = control.axis_plant(axis), control.TIME.period_s
-    Q, R = np.diag(axis.weights), np.eye(1)
-    gain = control.gain(axis)
-    sampled = lqr.lqrd(model, Q, R, period, exact=True)
-    T = internal_model.leapfrog(control.FREQUENCIES, period).T
-    ratio = lqr.cost_ratio(model, replace(gain, K=_shipped(axis, T, scalar)), Q, R, period, exact=True)
-    certificate = gain.certificate
+    model, period, Q, R = control.axis_plant(axis), control.TIME.period_s, np.diag(axis.weights), np.eye(1)
+    made, T = control.gain(axis), internal_model.leapfrog(control.FREQUENCIES, period).T
+    shipped = {c.name: c.value for c in control.regulator_block(axis).rounded(scalar).constants}
+    on_xi = np.linalg.solve(T.T, [shipped[f"k_{s}"] for s in ("sum", "p1", "q1")])
+    rounded = replace(made, K=readonly([[shipped["k_e"], shipped["k_de"], *on_xi]]))
+    sampled, certificate = lqr.lqrd(model, Q, R, period, exact=True), made.certificate
+    error = float((certificate.step / np.abs(certificate.X).max()).max())
     return {
         "plant": "q'' = w, xi' = Phi xi + N e, Phi and N for the frequencies below; states e, de, xi1, xi2, xi3",
         "coordinates": "K is on these states; the constants are on e, de, sum, p1, q1 with xi = T (sum, p1, q1)",
@@ -34,24 +34,14 @@ def _gain(axis: control.Axis, scalar: type[np.floating]) -> dict[str, Any]:
         "weight_R": 1.0,
         "published_weights": axis.name != "phi",
         "period_s": period,
-        "K": [float(v) for v in gain.K[0].astype(scalar)],
-        "poles_rad_s": [digits.pole(s) for s in gain.poles],
+        "K": [float(v) for v in made.K[0].astype(scalar)],
+        "poles_rad_s": [digits.pole(s) for s in made.poles],
         "certificate": {
             "relative_residual_below": digits.bound(float(certificate.defect.max()) / max(axis.weights)),
-            "relative_forward_error_estimate": digits.bound(
-                float((certificate.step / np.abs(certificate.X).max()).max())
-            ),
+            "relative_forward_error_estimate": digits.bound(error),
         },
         "sampled_data_optimum": {
             "K": [digits.cut(v, 6) for v in sampled.K[0]],
-            "worst_cost_ratio_of_K": digits.cut(ratio, 4),
+            "worst_cost_ratio_of_K": digits.cut(lqr.cost_ratio(model, rounded, Q, R, period, exact=True), 4),
         },
     }
-
-
-def _shipped(axis: control.Axis, T: Array, scalar: type[np.floating]) -> Array:
-    """Return the gain (1, 5) on (e, de, xi) to which the rounded constants on (e, de, eta) amount."""
-    block = control.regulator_block(axis).rounded(scalar)
-    k = {c.name: c.value for c in block.constants}
-    on_eta = [k[f"k_{s.name}"] for s in block.states]
-    return readonly([[k["k_e"], k["k_de"], *np.linalg.solve(T.T, on_eta)]])

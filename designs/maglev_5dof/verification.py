@@ -5,16 +5,19 @@ anywhere in their bounds. Recorded inputs of closed loops are replayed from `ini
 precision are held against double.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.maglev_5dof import control, experiments, recordings, reference
+from designs.maglev_5dof import control, experiments, reference
 from synth.block import Block
 from synth.check import Check
 from synth.declaration import Stage
 from synth.simulate.rig import Rig
+from synth.simulate.scenario import sample_times
+from synth.simulate.sensors import Override
 from synth.verify import agree, sampling, standard, suite
 from synth.verify.evidence import Evidence
 from synth.verify.sampling import Columns
@@ -31,30 +34,30 @@ FLOOR = 1.0  # A
 EDGE_FLOOR = control.CURRENT
 POINTWISE = {"y": 1e-7, "x": 1e-7, "z": 1e-7, "phi": 5e-7, "theta": 5e-7}  # m, rad: single and double, ideal sensing
 MEANS = {"y": 1e-7, "x": 1e-7, "z": 1e-7, "phi": 2e-7, "theta": 2e-7}  # m, rad: mean errors, with encoders
+STEPS = 1000  # of the test vectors
+BAD, BAD_SET_POINT = slice(700, 703), slice(800, 810)  # samples with the x encoder or y_ref out of range
 
 
 def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Evidence:
     """Compare all witnesses, over the `whole` replay or over a short one."""
     by = standard.witnesses(stage)
     progress("random steps")
-    states, inputs = random_steps(by.block, RANDOM_STEPS)
-    compared = suite.compare("random steps", by, states, inputs, FLOOR)
-    checks = suite.exact(compared, _unit(FLOOR))
-    share = float(np.mean(saturated(by.of["c64"](states, inputs).outputs)))
-    checks.append(Check("share of random steps at a limit", share, 0.5, "1"))
-    double, single = suite.in_single(by, states, inputs)
+    drawn = random_steps(by.block, RANDOM_STEPS)
+    compared = suite.compare("random steps", by, *drawn, FLOOR)
+    share = float(np.mean(saturated(by.of["c64"](*drawn).outputs)))
+    double, single = suite.in_single(by, *drawn)
     pair = ("c64", double), ("c32", single)
-    agreements = [*compared, agree.compare("random steps", *pair, FLOOR, by.block, np.float32)]
+    in_single = agree.compare("random steps", *pair, FLOOR, by.block, np.float32)
     progress("edge steps")
-    compared = suite.compare("edge steps", by, *edge_steps(by.block, EDGE_STEPS), EDGE_FLOOR)
-    agreements, checks = agreements + compared, checks + suite.exact(compared, _unit(EDGE_FLOOR))
+    edge = suite.compare("edge steps", by, *edge_steps(by.block, EDGE_STEPS), EDGE_FLOOR)
     progress("replays of closed loops")
     rigs = [Rig(stage, stage.plant, c) for c in (by.c32, by.c64)]
-    for what, run in recordings.replays(rigs[1], WHOLE_REPLAY if whole else QUICK_REPLAY).items():
-        compared = suite.replay(what, by, run.measured, FLOOR)
-        agreements, checks = agreements + compared, checks + suite.exact(compared, _unit(FLOOR))
+    for what, inputs in replays(rigs[1], WHOLE_REPLAY if whole else QUICK_REPLAY).items():
+        compared += suite.replay(what, by, inputs, FLOOR)
     progress("single against double over 60 s")
-    return Evidence(stage.name, tuple(agreements), (*checks, *single_against_double(*rigs)))
+    checks = [c for of, floor in ((compared, FLOOR), (edge, EDGE_FLOOR)) for c in suite.exact(of, _unit(floor))]
+    checks += [Check("share of random steps at a limit", share, 0.5, "1"), *single_against_double(*rigs)]
+    return Evidence(stage.name, (*compared, in_single, *edge), tuple(checks))
 
 
 def _unit(floor: float) -> str:
@@ -65,22 +68,19 @@ def random_steps(block: Block, n: int) -> tuple[Columns, Columns]:
     """Draw n independent (states, inputs) over the domain; the platen is near its set-points, so that few saturate.
 
     The last currents are those that hold a level platen at each motor's gap, within half an ampere. Steps with a direct
-    current in the corner are left to `edge_steps`.
+    current near its limit but not at it, where the room of i_q falls steeply, are left to `edge_steps`.
     """
     states, inputs = _in_operation(block, n + n // 4)
-    kept = np.flatnonzero(~_cornered(reference.step(states, inputs)[1]))[:n]
+    outputs = reference.step(states, inputs)[1]
+    size = np.abs([outputs[f"i_d{j}"] for j in control.MOTORS])
+    cornered = np.any((size > CORNER * control.DIRECT) & (size < control.DIRECT), axis=0)
+    kept = np.flatnonzero(~cornered)[:n]
     return {s: v[kept] for s, v in states.items()}, {s: v[kept] for s, v in inputs.items()}
 
 
 def edge_steps(block: Block, n: int) -> tuple[Columns, Columns]:
     """Draw n independent (states, inputs) anywhere in the declared bounds, with inputs on ends and on no numbers."""
     return sampling.edge_steps(block, np.random.default_rng(SEED + 1), n)
-
-
-def _cornered(outputs: agree.Columns) -> NDArray[np.bool_]:
-    """Tell for each sample whether some i_d is near its limit but not at it, where the room of i_q falls steeply."""
-    size = np.abs([outputs[f"i_d{j}"] for j in range(1, 5)])
-    return np.any((size > CORNER * control.DIRECT) & (size < control.DIRECT), axis=0)
 
 
 def _in_operation(block: Block, n: int) -> tuple[Columns, Columns]:
@@ -92,14 +92,14 @@ def _in_operation(block: Block, n: int) -> tuple[Columns, Columns]:
     tilt, roll = r * np.sin(pose["phi"]), r * np.sin(pose["theta"])
     inputs |= {"y1": pose["y"] - tilt, "y3": pose["y"] + tilt, "y2": pose["y"] + roll, "y4": pose["y"] - roll}
     inputs |= {"x": pose["x"], "z": pose["z"]}
-    for a in control.AXES:
+    for name, ends in bounds.items():
         error = rng.uniform(-1, 1, n) * 10.0 ** rng.uniform(-6, -3.3, n)
-        inputs[f"{a.name}_ref"] = np.clip(pose[a.name] - error, *bounds[a.name])
-        states[f"filter_{a.name}_q_prev"] = error + rng.normal(0, 1e-6, n)
-        states[f"filter_{a.name}_s"] = rng.normal(0, 5e-6, n)
-        states[f"filter_{a.name}_r"] = rng.normal(0, 1e-5, n)
-        for name, bound in zip(reference.ETA, a.eta_bounds, strict=True):
-            states[f"regulator_{a.name}_{name}"] = rng.normal(0, NEAR * bound, n)
+        inputs[f"{name}_ref"] = np.clip(pose[name] - error, *ends)
+        states[f"filter_{name}_q_prev"] = error + rng.normal(0, 1e-6, n)
+        states[f"filter_{name}_s"] = rng.normal(0, 5e-6, n)
+        states[f"filter_{name}_r"] = rng.normal(0, 1e-5, n)
+        for eta, bound in zip(reference.ETA, control.ETA_BOUNDS, strict=True):
+            states[f"regulator_{name}_{eta}"] = rng.normal(0, NEAR * bound, n)
     states |= {"guard_ready": (rng.uniform(size=n) < 0.98).astype(float), "guard_latched": np.zeros(n)}
     for s in control.CURRENTS:
         held = holding(inputs[f"y{s.name[-1]}"]) if s.name.startswith("i_d") else 0.0
@@ -118,13 +118,29 @@ def holding(gap: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def saturated(outputs: agree.Columns) -> NDArray[np.bool_]:
     """Tell for each sample whether some motor stands at its limit."""
-    motors = [np.hypot(outputs[f"i_d{j}"], outputs[f"i_q{j}"]) for j in range(1, 5)]
+    motors = [np.hypot(outputs[f"i_d{j}"], outputs[f"i_q{j}"]) for j in control.MOTORS]
     return np.max(motors, axis=0) > control.DIRECT * (1 - 1e-9)
+
+
+def replays(rig: Rig, replay_s: float) -> dict[str, agree.Columns]:
+    """Record the 4-DOF tracking with encoders, a saturated step, and faults up to the latch.
+
+    Single samples of y2 and x_ref are bad, four in a row of x, and in the end z for ever, which latches.
+    """
+    time = sample_times(2.0, rig.period_s)
+    masks = {"y2": time % 0.25 < 1e-9, "x_ref": time % 0.3 < 1e-9, "x": (time > 0.8) & (time < 0.8045), "z": time > 1.5}
+    bad = {name: Override(mask, np.full(len(time), np.nan)) for name, mask in masks.items()}
+    runs = {
+        f"replay of {replay_s:g} s": experiments.tracking(rig, True, replay_s)[0],
+        "replay of a saturated step": experiments.step(rig, "x", -0.05, 0.05, gap=0.030, after=2.0).trajectory,
+        "replay of faults": rig.run(2.0, overrides=bad),
+    }
+    return {what: run.measured for what, run in runs.items()}
 
 
 def single_against_double(single: Rig, double: Rig) -> list[Check]:
     """Compare 60 s of 4-DOF tracking in both types: point by point with ideal sensing, by mean errors with encoders."""
-    checks, units = [], {axis: experiments.unit(axis) for axis in MEANS}
+    checks, units = [], experiments.UNITS
     one, two = (experiments.tracking(rig.ideal, True)[0] for rig in (single, double))
     for axis, limit in POINTWISE.items():
         worst = float(np.max(np.abs(one[axis] - two[axis])))
@@ -134,3 +150,19 @@ def single_against_double(single: Rig, double: Rig) -> list[Check]:
         gap = abs(means[0][axis] - means[1][axis])
         checks.append(Check(f"mean error, single less double, {axis}", gap, limit, units[axis], "60 s, encoders"))
     return checks
+
+
+def vectors(rig: Rig) -> Mapping[str, Any]:
+    """Return a lift-off from the stop with moves in x, z and theta, three bad encoder samples and a bad set-point."""
+    time = sample_times(STEPS * rig.period_s, rig.period_s)
+    wave = np.sin(control.OMEGA0 * time)
+    references = {"y_ref": 0.031 - 0.006 * time, "x_ref": 0.005 * wave, "z_ref": -0.005 * wave}
+    references["theta_ref"] = 0.001 * wave
+    references["y_ref"][BAD_SET_POINT] = 0.05
+    bad = Override(np.isin(np.arange(STEPS), np.r_[BAD]), np.full(STEPS, 0.2))
+    return rig.run(time[-1] + rig.period_s, {"y": 0.031}, references, overrides={"x": bad}).measured
+
+
+def phases(inputs: Mapping[str, Any], outputs: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the inputs of the commutation that follows the controller."""
+    return dict(outputs) | {n: inputs[n] for n in ("x", "z")}

@@ -40,10 +40,10 @@ import casadi as ca
 import numpy as np
 
 from models import lorentz_motor, planar_stage
+from models.planar_stage import force_constant, wrench
 from synth.block import Block, Constant, Exprs, Step, build, clip
 from synth.plant import Plant
 from synth.signals import Signal
-from synth.statespace import Array, readonly
 from synth.timing import Discrete
 
 LIMIT = planar_stage.LIMIT  # A
@@ -74,40 +74,6 @@ WITHIN = tuple(
 )
 
 
-def force_constant(plant: Plant) -> float:
-    """Return K in N/A, the Lorentz integral's."""
-    return float(lorentz_motor.force_constant({p.name: ca.SX(p.value) for p in plant.parameters}))
-
-
-def wrench(plant: Plant) -> Array:
-    """Return T (6, 6) from f_Ay, f_By, f_Cx, f_Az, f_Bz, f_Cz in N to forces in N and torques in N m on the platen."""
-    a, b, c = (plant.parameter(name).value for name in "abc")
-    rows: list[list[float]] = [
-        [0, 0, 1, 0, 0, 0],
-        [1, 1, 0, 0, 0, 0],
-        [-a, a, -c, 0, 0, 0],
-        [0, 0, 0, 1, 1, 1],
-        [0, 0, 0, -b, -b, c],
-        [0, 0, 0, a, -a, 0],
-    ]
-    return readonly(rows)
-
-
-def allocation_matrix(plant: Plant) -> Array:
-    """Return the inverse of `wrench` (6, 6): the motors' forces for demands in the platen's frame."""
-    a, b, c = (plant.parameter(name).value for name in "abc")
-    h, front = 1 / (2 * a), c / (2 * (b + c))
-    rows: list[list[float]] = [
-        [-c * h, 0.5, -h, 0, 0, 0],
-        [c * h, 0.5, h, 0, 0, 0],
-        [1, 0, 0, 0, 0, 0],
-        [0, 0, 0, front, -0.5 / (b + c), h],
-        [0, 0, 0, front, -0.5 / (b + c), -h],
-        [0, 0, 0, b / (b + c), 1 / (b + c), 0],
-    ]
-    return readonly(rows)
-
-
 def scales(plant: Plant) -> dict[str, float]:
     """Return for each axis the force in N or torque in N m of a demand of 1 A."""
     a, b, c = (plant.parameter(name).value for name in "abc")
@@ -132,12 +98,11 @@ def allocation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
     """Return the Block from demands and the yaw `phi` to limited currents and what these meet of each demand."""
     a, b, c = (plant.parameter(name).value for name in "abc")
     across, rear = c / (2 * a), 2 * b / c
-    arms = (
-        ("half", 0.5, "1/2"),
-        ("part", c / (2 * (b + c)), "c/(2 (b + c))"),
-        ("front_part", b / (2 * (b + c)), "b/(2 (b + c))"),
-    )
-    constants = [Constant(name, value, "1", f"Table 3: {what}") for name, value, what in arms]
+    constants = [
+        Constant("half", 0.5, "1", "Table 3: 1/2"),
+        Constant("part", c / (2 * (b + c)), "1", "Table 3: c/(2 (b + c))"),
+        Constant("front_part", b / (2 * (b + c)), "1", "Table 3: b/(2 (b + c))"),
+    ]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         angle = clip(u[phi.name], YAW)

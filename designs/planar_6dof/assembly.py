@@ -1,26 +1,19 @@
 """From a planar controller, its reference and experiments to everything that the command line does with a design."""
 
-from collections.abc import Callable, Iterator, Mapping
-from functools import cache, partial
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any
 
-import numpy as np
-
-from designs.planar_6dof import bench, emitted, experiments, interface, loop, verification
-from designs.planar_6dof.experiments import Parts
+from designs.planar_6dof import bench, emitted, interface, loop, verification
 from designs.planar_6dof.random_steps import Subject
 from models import halbach, planar_stage
-from synth import stage
-from synth.declaration import Stage
-from synth.declared import Progress
+from synth import declared, stage
 from synth.report.audit import Row
-from synth.simulate import headroom
-from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Run
 from synth.simulate.rig import Rig
 from synth.timing import Discrete
 from synth.workspace import Design
 
-COUNTS = ("sensing_offset_x", "sensing_offset_y")  # of whole pitches: the last pitch of the travel is their bound
 QUICK_REPLAY, WHOLE_REPLAY = 5.0, 60.0  # s of a closed loop that the reference replays
 
 
@@ -29,7 +22,7 @@ def design(
     time: Discrete,
     subject: Callable[[], Subject],
     gains: Callable[[], Mapping[str, Any]],
-    parts: Parts,
+    experiments: Sequence[Run],
     audit: Callable[[Rig], Iterator[Row]],
     report: Callable[..., str],
 ) -> Design:
@@ -37,22 +30,18 @@ def design(
 
     `audit` makes the rows of the paper from the shipped loop.
     """
-    shipped = cache(lambda: loop.of(subject().block))
     replays = {False: QUICK_REPLAY, True: WHOLE_REPLAY}
-
-    def simulate(_: Stage, progress: Progress) -> list[Experiment]:
-        double = loop.compiled(subject().block, np.float64)
-        return [headroom.judged(each, double, COUNTS) for each in experiments.run(parts, shipped(), progress)]
-
     return stage.design(
         interface.declared(name, time, lambda: subject().block),
         planar_stage.plant(halbach.HARMONICS),
         surrogate_error=interface.SURROGATE_ERROR,
+        substeps=loop.SUBSTEPS,
+        experiments=experiments,
+        limited=tuple(verification.COUNTS),  # the last pitch of the travel is their bound
         gains=lambda _: gains(),
         recording=emitted.recorded,
         verify=lambda _, progress, whole: verification.verify(subject(), progress, replays[whole]),
-        simulate=simulate,
-        audit=lambda _: audit(shipped()),
-        bench=lambda _: bench.of(lambda: subject().block, partial(experiments.run, parts)),
+        audit=lambda made: audit(declared.rig(made, made.scalar)),
+        bench=partial(declared.bench, own=bench.own, floor=bench.FLOOR),
         report=lambda _, *arguments: report(*arguments),
     )

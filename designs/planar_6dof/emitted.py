@@ -6,7 +6,6 @@ out of range for three samples and a set-point for ten.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from math import pi
 from typing import Any
 
@@ -14,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designs.planar_6dof import filtering, vertical
-from designs.planar_6dof.loop import SUBSTEPS, Array, simulate
+from designs.planar_6dof.loop import Array, simulate
 from synth.emit.c import digits
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import sample_times
@@ -37,7 +36,7 @@ def recorded(rig: Rig) -> Mapping[str, NDArray[Any]]:
     mask = np.zeros(STEPS, dtype=bool)
     mask[BAD] = True
     bad = {CHANNEL: Override(mask, np.full(STEPS, VOLTS))}
-    return simulate(replace(rig, substeps=SUBSTEPS), STEPS * T, wanted, START, overrides=bad).measured
+    return simulate(rig, STEPS * T, wanted, START, overrides=bad).measured
 
 
 def ways(time: Array) -> dict[str, Array]:
@@ -76,21 +75,21 @@ def filters(time: Discrete) -> dict[str, Any]:
 
 
 def _filter(axis: str, time: Discrete) -> dict[str, Any]:
-    found = filtering.estimator(axis, time)
+    estimator = filtering.estimator(axis, time)
     return {
         "states": list(filtering.STATES),
         "jerk_variance": filtering.JERK[axis],
         "deviation": filtering.DEVIATION,
-        "gain": [float(v) for v in found.M[:, 0]],
-        "poles": [digits.pole(z) for z in found.poles],
-        "certificate": certificate(found.certificate),
+        "gain": [float(v) for v in estimator.M[:, 0]],
+        "poles": [digits.pole(z) for z in estimator.poles],
+        "certificate": certificate(estimator.certificate),
     }
 
 
-def certificate(found: riccati.Riccati) -> dict[str, float]:
+def certificate(solution: riccati.Riccati) -> dict[str, float]:
     """Return how far a Riccati solution is from one, of its largest weight and of its largest entry."""
-    weight = max(float(np.abs(found.Q).max()), float(np.abs(found.R).max()))
+    weight = max(float(np.abs(solution.Q).max()), float(np.abs(solution.R).max()))
     return {
-        "relative_residual_below": digits.bound(float(found.defect.max()) / weight),
-        "relative_forward_error_estimate": digits.bound(float((found.step / np.abs(found.X).max()).max())),
+        "relative_residual_below": digits.bound(float(solution.defect.max()) / weight),
+        "relative_forward_error_estimate": digits.bound(float((solution.step / np.abs(solution.X).max()).max())),
     }

@@ -6,8 +6,9 @@ step is, the paper could not see either, and stands beside as the true error. Al
 trajectory that is shown. The motors see the field's harmonics, and every current comes a sample late.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -17,13 +18,15 @@ from models import planar_stage, planar_voltages
 from synth.check import Check
 from synth.simulate import metrics
 from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Run
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 
 SETTLE, AFTER = 0.5, 2.0  # s before a step, and after it
 REST, SHORT = 10.0, 5.0  # s of standstill, of which the first is left out; behind amplifiers
 SUPPLIES, FINE = (planar_voltages.STATED, 24.0), 8  # V; substeps of a sample, for an amplifier's lag of 0.25 ms
-UNITS = {"x": ("m", "um", 1e-6), "y": ("m", "um", 1e-6), "phi": ("rad", "urad", 1e-6)}
+SMALL = {"x": "um", "y": "um", "phi": "urad", "z": "um", "theta": "urad", "psi": "urad"}  # 1e-6 m, 1e-6 rad
+HORIZONTAL = planar_stage.AXES[:3]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,35 +56,23 @@ class StepRun:
         return self.shown_ideal[self.sample :]
 
 
-Parts = Mapping[str, Callable[[Rig], Sequence[Experiment]]]
-"""What makes experiments, by what is said of it while it runs."""
-
-
 @dataclass(frozen=True)
 class Limits:
-    """Rise in s, overshoot and settling in s, into `band` of the step, that a paper states, and voltage in V."""
+    """Rise in s, overshoot and settling in s, into 5 % of the step, that a paper states, and voltage in V."""
 
     rise: float
     overshoot: float
     settling: float
-    band: float
     voltage: float
 
 
-def run(parts: Parts, loop: Rig, progress: Callable[[str], None]) -> list[Experiment]:
-    """Run every experiment; `progress` hears what comes next."""
-    found: list[Experiment] = []
-    for name, part in parts.items():
-        progress(name)
-        found += part(loop)
-    return found
-
-
-def steps(
-    loop: Rig, heights: Mapping[str, float], titles: Mapping[str, str], limits: Limits | None
-) -> list[Experiment]:
+def steps(heights: Mapping[str, float], titles: Mapping[str, str], limits: Limits | None) -> tuple[Run, ...]:
     """Return a step of each axis by its height in m or rad."""
-    return [step_experiment(loop, step(loop, a, h), f"step_{a}", titles[a], limits) for a, h in heights.items()]
+
+    def make(loop: Rig, name: str, axis: str) -> Experiment:
+        return step_experiment(loop, step(loop, axis, heights[axis]), name, titles[axis], limits)
+
+    return tuple(Run(f"step_{axis}", partial(make, axis=axis)) for axis in heights)
 
 
 def step(loop: Rig, axis: str, height: float, after: float = AFTER) -> StepRun:
@@ -90,54 +81,45 @@ def step(loop: Rig, axis: str, height: float, after: float = AFTER) -> StepRun:
     reference = np.where(time < SETTLE, 0.0, height)
     noisy, ideal = (simulate(each, SETTLE + after, {axis: reference}, {}) for each in (loop, loop.ideal))
     shown, shown_ideal = (seen(loop, run)[f"{axis}_raw"] for run in (noisy, ideal))
-    k = int(np.argmax(time >= SETTLE))
-    return StepRun(axis, height, k, noisy, ideal, shown, shown_ideal, reference)
+    return StepRun(axis, height, int(np.argmax(time >= SETTLE)), noisy, ideal, shown, shown_ideal, reference)
 
 
 def step_experiment(loop: Rig, run: StepRun, name: str, title: str, limits: Limits | None) -> Experiment:
     """Return a step as an experiment; without `limits` its metrics are figures alone."""
-    found = step_metrics(run)
-    _, small, scale = UNITS[run.axis]
-    others = [a for a in planar_stage.AXES[:3] if a != run.axis]
-    ending = run.shown_ideal[-1] / run.height - 1, run.ideal[run.axis][-1] / run.height - 1
-    figures = found | {
-        "error at the end as shown, without noise, of the step": ending[0],
-        "true error at the end, without noise, of the step": ending[1],
-        f"noise of the true {run.axis} in the last second, {small} rms": _last(loop, run.noisy[run.axis]) / scale,
-        **{f"{a} moves without noise by, {UNITS[a][1]}": np.abs(run.ideal[a]).max() / UNITS[a][2] for a in others},
-        **planar_voltages.figures(loop.plant, run.noisy, run.ideal),
+    measured, small = step_metrics(run), SMALL[run.axis]
+    shown, true = run.shown_ideal[-1] / run.height - 1, run.ideal[run.axis][-1] / run.height - 1
+    last = run.noisy[run.axis][-round(1.0 / loop.period_s) :]
+    figures = measured | {
+        "error at the end as shown, without noise, of the step": shown,
+        "true error at the end, without noise, of the step": true,
+        f"noise of the true {run.axis} in the last second, {small} rms": float(np.std(last)) / 1e-6,
     }
-    checks = [Check("error at the end as shown, without noise", abs(ending[0]), 1e-3, "1", "of the step")]
+    for other in (a for a in HORIZONTAL if a != run.axis):
+        figures[f"{other} moves without noise by, {SMALL[other]}"] = np.abs(run.ideal[other]).max() / 1e-6
+    figures |= planar_voltages.figures(loop.plant, run.noisy, run.ideal)
+    checks = [Check("error at the end as shown, without noise", abs(shown), 1e-3, "1", "of the step")]
     if limits:
-        about = "of the twin without noise, as its sensors show it"
-        settled = metrics.settling_time(run.time, run.response - run.height, limits.band * abs(run.height))
+        about, settling = "of the twin without noise, as its sensors show it", measured["settling into 5 %, s"]
         checks += [
-            Check("rise", found["rise, s"], limits.rise, "s", about),
-            Check("overshoot", found["overshoot"], limits.overshoot, "1", about),
-            Check("settling", settled, limits.settling, "s", f"into {100 * limits.band:g} %, {about}"),
+            Check("rise", measured["rise, s"], limits.rise, "s", about),
+            Check("overshoot", measured["overshoot"], limits.overshoot, "1", about),
+            Check("settling", settling, limits.settling, "s", f"into 5 %, {about}"),
             Check("largest voltage", float(figures["largest voltage, V"]), limits.voltage, "V", "Table 1; with noise"),
         ]
-    about = f"{run.axis} by {run.height / scale:.4g} {small}, {_about(loop)}"
-    return Experiment(
-        name,
-        title,
-        about,
-        run.noisy,
-        (run.axis,),
-        {run.axis: run.reference},
-        {key: float(value) for key, value in figures.items()},
-        (*checks, *usual(run.noisy)),
-    )
+    about = f"{run.axis} by {run.height / 1e-6:.4g} {small}, {_about(loop)}"
+    figures = {key: float(value) for key, value in figures.items()}
+    references = {run.axis: run.reference}
+    return Experiment(name, title, about, run.noisy, (run.axis,), references, figures, (*checks, *usual(run.noisy)))
 
 
 def step_metrics(run: StepRun) -> dict[str, float]:
     """Return rise, overshoot and settling into 2 and 5 % of the twin without noise."""
-    error = run.response - run.height
+    error, band = run.response - run.height, abs(run.height)
     return {
         "rise, s": metrics.rise_time(run.time, run.response, 0.0, run.height),
         "overshoot": metrics.overshoot(run.response, 0.0, run.height),
-        "settling into 2 %, s": metrics.settling_time(run.time, error, 0.02 * abs(run.height)),
-        "settling into 5 %, s": metrics.settling_time(run.time, error, 0.05 * abs(run.height)),
+        "settling into 2 %, s": metrics.settling_time(run.time, error, 0.02 * band),
+        "settling into 5 %, s": metrics.settling_time(run.time, error, 0.05 * band),
     }
 
 
@@ -152,36 +134,41 @@ def filtered_at_rest(loop: Rig, duration_s: float) -> dict[str, Array]:
     return {axis: settled(loop, shown[axis]) for axis in "xy"}
 
 
-def standstills(loop: Rig) -> list[Experiment]:
-    """Return the standstill with the noise of Fig. 5, that of section 3.2, and behind amplifiers of some supplies."""
-    cases = {"standstill": loop, "standstill_printed_noise": with_noise(loop, NOISE_PRINTED)}
-    found = []
-    for name, case in cases.items():
-        run, title = simulate(case, REST, {}, {}), f"At rest, noise of {1e6 * noise_of(case):g} um rms"
-        figures = rest_figures(case, run) | planar_voltages.figures(case.plant, run, None)
-        found.append(_standstill(case, name, title, run, figures))
-    for volts in SUPPLIES:
-        case = replace(loop, plant=planar_voltages.amplified(volts))
-        run, title = simulate(case, SHORT, {}, {}, substeps=FINE), f"At rest, amplifiers of {volts:g} V"
-        found.append(_standstill(case, f"standstill_{volts:g}_V", title, run, rest_figures(case, run)))
-    return found
+def _standstill(loop: Rig, name: str, noise: float | None = None) -> Experiment:
+    """Return the standstill with the noise of Fig. 5, or with another one, a position's in m."""
+    case = loop if noise is None else with_noise(loop, noise)
+    run = simulate(case, REST, {}, {})
+    figures = rest_figures(case, run) | planar_voltages.figures(case.plant, run, None)
+    return _at_rest(case, name, f"At rest, noise of {1e6 * noise_of(case):g} um rms", run, figures)
 
 
-def _standstill(loop: Rig, name: str, title: str, run: Trajectory, figures: dict[str, float]) -> Experiment:
+def _amplified(loop: Rig, name: str, volts: float) -> Experiment:
+    """Return the standstill behind amplifiers of a supply in V."""
+    case = replace(loop, plant=planar_voltages.amplified(volts))
+    run = simulate(case, SHORT, {}, {}, substeps=FINE)
+    return _at_rest(case, name, f"At rest, amplifiers of {volts:g} V", run, rest_figures(case, run))
+
+
+def _at_rest(loop: Rig, name: str, title: str, run: Trajectory, figures: Mapping[str, float]) -> Experiment:
     about = f"{len(run.time) * loop.period_s:g} s, {_about(loop)}"
-    return Experiment(name, title, about, run, ("x", "y", "phi"), {}, figures, usual(run))
+    return Experiment(name, title, about, run, HORIZONTAL, {}, figures, usual(run))
+
+
+STANDSTILLS = (
+    Run("standstill", _standstill),
+    Run("standstill_printed_noise", partial(_standstill, noise=NOISE_PRINTED)),
+    *(Run(f"standstill_{volts:g}_V", partial(_amplified, volts=volts)) for volts in SUPPLIES),
+)
 
 
 def rest_figures(loop: Rig, run: Trajectory) -> dict[str, float]:
     """Return the noise of the six axes at rest, and that of x, y and phi as measured and as filtered."""
-    shown, found = seen(loop, run), {}
-    for axis, (_, small, scale) in UNITS.items():
+    shown, figures = seen(loop, run), {}
+    for axis in HORIZONTAL:
         for what, values in (("true", run[axis]), ("filtered", shown[axis]), ("raw", shown[f"{axis}_raw"])):
-            found[f"{what} {axis}, {small} rms"] = float(np.std(settled(loop, values))) / scale
-    return found | {f"true {a}, {u} rms": 1e6 * float(np.std(settled(loop, run[a]))) for a, u in _UPRIGHT.items()}
-
-
-_UPRIGHT = {"z": "um", "theta": "urad", "psi": "urad"}
+            figures[f"{what} {axis}, {SMALL[axis]} rms"] = float(np.std(settled(loop, values))) / 1e-6
+    upright = planar_stage.AXES[3:]
+    return figures | {f"true {a}, {SMALL[a]} rms": 1e6 * float(np.std(settled(loop, run[a]))) for a in upright}
 
 
 def usual(run: Trajectory) -> tuple[Check, ...]:
@@ -190,10 +177,6 @@ def usual(run: Trajectory) -> tuple[Check, ...]:
         Check("samples with a fault", float(np.count_nonzero(run.faults)), 0.0, "1"),
         Check("largest phase current", planar_voltages.largest_current(run), planar_stage.LIMIT, "A", "Table 1"),
     )
-
-
-def _last(loop: Rig, values: Array) -> float:
-    return float(np.std(values[-round(1.0 / loop.period_s) :]))
 
 
 def _about(loop: Rig) -> str:

@@ -11,35 +11,34 @@ without end. Each experiment is run on both plants with the same noise. Its bars
     a motion          as shown, x and y stray by no more than their sensors' noise of 13 um; truly by no more than the
                       1.4 mm that Kawato and Kim state of such sensors; the yaw stays within the range of 20 mrad
 
-psi moves by the end turns of motors A and B, of which nothing is printed: at rest its noise is 56 urad under the
-lead-lag controller and 170 under the LQG controller, 3.9 and 53 without end turns, 0.9 and 3.1 on the closed law. With
-end turns in the plane of the bands the stage is lost. `forces` tells in what the motors differ from the closed law.
+`forces` tells in what the motors differ from the closed law. Results: docs/decisions/planar_leadlag.md.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from designs.planar_6dof import experiments as shared
-from designs.planar_6dof.allocation import HORIZONTAL, force_constant
+from designs.planar_6dof.allocation import HORIZONTAL
+from designs.planar_6dof.experiments import SMALL
 from designs.planar_6dof.interface import NOISE
 from designs.planar_6dof.loop import Array, seen, simulate
-from models import finite_matrix, finite_motor, finite_stage, planar_stage
+from models import finite_stage, planar_stage
 from synth.check import Check
 from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Run
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
 
 AXES = planar_stage.AXES
-UNITS = {a: ("m", "um") if a in "xyz" else ("rad", "urad") for a in AXES}
+UNITS = {axis: unit.removeprefix("u") for axis, unit in SMALL.items()}
 NOISIER = 1.15
 RANGE = {s.name: s.high for s in planar_stage.STATES}
 ACCURACY = 1.4e-3  # m
 MADE, IDEAL, CLOSED = "blocks as made", "ideal blocks", "closed law"
-MATRICES = {MADE: finite_matrix.made, IDEAL: finite_matrix.ideal}
 
 
 def over(loop: Rig, made: bool = True) -> Rig:
@@ -47,25 +46,30 @@ def over(loop: Rig, made: bool = True) -> Rig:
     return replace(loop, plant=finite_stage.plant(made))
 
 
-def step(loop: Rig, axis: str, height: float, title: str, limits: shared.Limits | None) -> Experiment:
+def steps(heights: Mapping[str, float], titles: Mapping[str, str], limits: shared.Limits | None) -> tuple[Run, ...]:
+    """Return a step of each axis by its height in m or rad, over the finite matrix."""
+    return tuple(
+        Run(f"step_{axis}_finite", partial(step, axis=axis, height=height, title=titles[axis], limits=limits))
+        for axis, height in heights.items()
+    )
+
+
+def step(loop: Rig, name: str, axis: str, height: float, title: str, limits: shared.Limits | None) -> Experiment:
     """Return a step over the finite matrix, beside that of `loop`."""
     there, closed = over(loop), shared.step(loop, axis, height)
     run = shared.step(there, axis, height)
-    found = shared.step_experiment(there, run, f"step_{axis}_finite", f"{title}, finite matrix", limits)
+    experiment = shared.step_experiment(there, run, name, f"{title}, finite matrix", limits)
     moved, before, noise = _moved(run), _moved(closed), _noise(there, run.noisy, -1.0)
     departs = np.abs(run.response - closed.response).max() / abs(height)
-    figures = {"response departs from the closed law's by, of the step": float(departs)}
-    for other in AXES:
-        if other != axis:
-            unit = UNITS[other][1]
-            figures[f"{other} moves from the step on, without noise, {unit}"] = 1e6 * moved[other]
-            figures[f"{other} does so on the closed law, {unit}"] = 1e6 * before[other]
-    bars = {a: (noise[a], "its noise, rms") if a in HORIZONTAL else (RANGE[a], "its range") for a in AXES if a != axis}
-    checks = [
-        Check(f"{a} moves from the step on", moved[a], bar, UNITS[a][0], f"without noise; {about}")
-        for a, (bar, about) in bars.items()
-    ]
-    return replace(found, figures={**found.figures, **figures}, checks=(*found.checks, *checks))
+    figures = {**experiment.figures, "response departs from the closed law's by, of the step": float(departs)}
+    checks = list(experiment.checks)
+    for other in (a for a in AXES if a != axis):
+        figures[f"{other} moves from the step on, without noise, {SMALL[other]}"] = 1e6 * moved[other]
+        figures[f"{other} does so on the closed law, {SMALL[other]}"] = 1e6 * before[other]
+        bar, about = (noise[other], "its noise, rms") if other in HORIZONTAL else (RANGE[other], "its range")
+        what = f"{other} moves from the step on"
+        checks.append(Check(what, moved[other], bar, UNITS[other], f"without noise; {about}"))
+    return replace(experiment, figures=figures, checks=tuple(checks))
 
 
 def _moved(run: shared.StepRun) -> dict[str, float]:
@@ -74,25 +78,25 @@ def _moved(run: shared.StepRun) -> dict[str, float]:
     return {axis: float(np.abs(run.ideal[axis][k:] - run.ideal[axis][k]).max()) for axis in AXES}
 
 
-def standstill(loop: Rig) -> Experiment:
+def standstill(loop: Rig, name: str) -> Experiment:
     """Return the standstill over the finite matrix, beside that of `loop`."""
     there = over(loop)
     run, still = (simulate(each, shared.REST, {}, {}) for each in (there, there.ideal))
-    found, closed = _noise(there, run, 1.0), _noise(loop, simulate(loop, shared.REST, {}, {}), 1.0)
+    noise, closed = _noise(there, run, 1.0), _noise(loop, simulate(loop, shared.REST, {}, {}), 1.0)
     figures = shared.rest_figures(there, run)
-    for axis in AXES:
-        unit = UNITS[axis][1]
+    for axis, unit in SMALL.items():
         figures[f"true {axis} on the closed law, {unit} rms"] = 1e6 * closed[axis]
         figures[f"{axis} wanders without noise by, {unit}"] = 1e6 * float(np.ptp(shared.settled(there, still[axis])))
     for axis in "xy":
         figures[f"{axis} settles without noise at, um"] = 1e6 * float(still[axis][-1])
     about = "times that on the closed law"
-    checks = [Check(f"noise of {a}", found[a] / closed[a], NOISIER, "1", about) for a in HORIZONTAL]
-    checks += [Check(f"noise of {a}", found[a], RANGE[a] / 10, "rad", "a tenth of its range") for a in ("theta", "psi")]
+    checks = [Check(f"noise of {a}", noise[a] / closed[a], NOISIER, "1", about) for a in HORIZONTAL]
+    checks += [Check(f"noise of {a}", noise[a], RANGE[a] / 10, "rad", "a tenth of its range") for a in ("theta", "psi")]
     title, shown = "At rest, finite matrix", ("x", "y", "psi")
-    return Experiment(
-        "standstill_finite", title, f"{shared.REST:g} s", run, shown, {}, figures, (*checks, *shared.usual(run))
-    )
+    return Experiment(name, title, f"{shared.REST:g} s", run, shown, {}, figures, (*checks, *shared.usual(run)))
+
+
+STANDSTILL = Run("standstill_finite", standstill)
 
 
 def _noise(loop: Rig, run: Trajectory, since: float) -> dict[str, float]:
@@ -112,15 +116,15 @@ class Motion:
 
 def astray(loop: Rig, motion: Motion) -> dict[str, float]:
     """Return how far x and y are from where they should be, m rms: as the sensors show it and truly."""
-    shown, found = seen(loop, motion.run), {}
+    shown, errors = seen(loop, motion.run), {}
     for axis in "xy":
         for what, at in (("as shown", shown[f"{axis}_raw"]), ("truly", motion.run[axis])):
             error = (at - motion.references[axis])[motion.window]
-            found[f"{axis} {what}"] = float(np.sqrt(np.mean(error**2)))
-    return found
+            errors[f"{axis} {what}"] = float(np.sqrt(np.mean(error**2)))
+    return errors
 
 
-def motion(loop: Rig, found: Experiment, noiseless: Mapping[str, Motion]) -> Experiment:
+def motion(loop: Rig, experiment: Experiment, noiseless: Mapping[str, Motion]) -> Experiment:
     """Return an experiment of a motion over the finite matrix with its bars.
 
     `noiseless` are its twins without noise, by MADE and other names.
@@ -132,59 +136,20 @@ def motion(loop: Rig, found: Experiment, noiseless: Mapping[str, Motion]) -> Exp
     for axis in "xy":
         lost = float(np.abs((twin.run[axis] - twin.references[axis])[twin.window]).max())
         checks.append(Check(f"greatest true error of {axis}", lost, ACCURACY, "m", "without noise"))
-    checks.append(Check("greatest yaw", float(np.abs(found.trajectory["phi"]).max()), RANGE["phi"], "rad", "its range"))
-    for axis in ("z", "theta", "psi"):
-        figures[f"greatest {axis}, {UNITS[axis][1]}"] = 1e6 * float(np.abs(found.trajectory[axis]).max())
-    name, title = f"{found.name}_finite", f"{found.title}, finite matrix"
-    figures = {**found.figures, **figures}
-    return replace(found, name=name, title=title, figures=figures, checks=(*found.checks, *checks))
+    checks.append(
+        Check("greatest yaw", float(np.abs(experiment.trajectory["phi"]).max()), RANGE["phi"], "rad", "its range")
+    )
+    for axis in AXES[3:]:
+        figures[f"greatest {axis}, {SMALL[axis]}"] = 1e6 * float(np.abs(experiment.trajectory[axis]).max())
+    title, figures = f"{experiment.title}, finite matrix", {**experiment.figures, **figures}
+    return replace(experiment, title=title, figures=figures, checks=(*experiment.checks, *checks))
 
 
 @cache
 def forces(radius: float) -> dict[str, float]:
-    """Return what of a motor departs from the closed law, for places of the platen up to `radius` in m from the middle.
-
-    Forces are per A of the quadrature or the direct current, over K, and in the middle pitch unless they say otherwise;
-    torques are about the motor's own centre.
-    """
-    figures: dict[str, float] = {}
-    for name, matrix in MATRICES.items():
-        series = finite_matrix.series(matrix(), finite_stage.FORCE_HARMONICS)
-        y = series.grid(finite_stage.REACH)
-        phases = [finite_motor.maps(series, p, "value", finite_stage.REACH) for p in finite_motor.PHASES]
-        per_ampere = finite_motor.commutated(np.array(phases), y)
-        figures |= {f"{what} ({name}){unit}": v for (what, unit), v in _departures(per_ampere, y, radius).items()}
-    return figures
-
-
-def _departures(per_ampere: Array, y: Array, radius: float) -> dict[tuple[str, str], float]:
-    K, half = force_constant(planar_stage.plant()), finite_matrix.VALUES["l"] / 2
-    inside = (y > -half - 1e-9) & (y < half - 1e-9)
-    middle = per_ampere[:, :, inside][:, :, :, inside]
-    mean, push, lift = middle.mean(axis=(2, 3)), middle[0, 1], middle[1, 2]
-    reached = per_ampere[0, 1][_reached(y, radius)] / K
+    """Return how the motors depart from the closed law, the platen up to `radius` in m from the middle."""
     return {
-        ("driving force over K", ""): float(mean[0, 1]) / K,
-        ("lifting force over K", ""): float(mean[1, 2]) / K,
-        ("peak ripple of the driving force", ""): float(np.abs(push / mean[0, 1] - 1).max()),
-        ("peak ripple of the lifting force", ""): float(np.abs(lift / mean[1, 2] - 1).max()),
-        ("peak lift of the driving current over K", ""): float(np.abs(middle[0, 2]).max()) / K,
-        ("peak force across the motion over K", ""): float(np.abs(middle[:, 0]).max()) / K,
-        ("peak torque along the conductors", ", N m/A"): float(np.abs(middle[:, 3]).max()),
-        ("peak torque along the motion", ", N m/A"): float(np.abs(middle[:, 4]).max()),
-        ("peak torque in yaw", ", N m/A"): float(np.abs(middle[:, 5]).max()),
-        ("least driving force over K on the way", ""): float(reached.min()),
-        ("greatest driving force over K on the way", ""): float(reached.max()),
-        ("peak force across the motion over K on the way", ""): float(
-            np.abs(per_ampere[:, 0][:, _reached(y, radius)]).max()
-        )
-        / K,
+        f"{what} ({name}){unit}": value
+        for name, made in ((MADE, True), (IDEAL, False))
+        for (what, unit), value in finite_stage.departures(made, radius).items()
     }
-
-
-def _reached(y: Array, radius: float) -> NDArray[np.bool_]:
-    """Return where on the grid (n, n), across the motion and along it, a motor's centre comes to."""
-    a, b, c = (planar_stage.plant().parameter(name).value for name in "abc")
-    across, along = y[:, None], y[None, :]
-    centres = ((-a, -b), (a, -b), (c, 0.0))
-    return np.any([np.hypot(across - u, along - v) <= radius for u, v in centres], axis=0)

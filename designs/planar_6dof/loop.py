@@ -21,7 +21,7 @@ from models import halbach, planar_stage
 from synth.block import Block, unranged
 from synth.blocks import safety
 from synth.compose import compose
-from synth.declaration import Interface, Stage
+from synth.declaration import Stage
 from synth.execute import build, host
 from synth.signals import names
 from synth.simulate.rig import Rig
@@ -40,8 +40,7 @@ def of(block: Block, controller: host.Controller | None = None) -> Rig:
     """Return the loop of a controller, as compiled here or as shipped, on motors that see the field's harmonics."""
     plant = planar_stage.plant(halbach.HARMONICS)
     declared = interface.declared(block.name, Discrete(period(block.time)), lambda: block)
-    stage = Stage(declared, plant, surrogate_error=interface.SURROGATE_ERROR)
-    return Rig(stage, plant, controller or compiled(block), substeps=SUBSTEPS)
+    return Rig(Stage(declared, plant, substeps=SUBSTEPS), plant, controller or compiled(block))
 
 
 def simulate(
@@ -53,14 +52,10 @@ def simulate(
 
 def with_noise(rig: Rig, noise: float) -> Rig:
     """Return a loop whose Hall sensors are noisy by a position's deviation in m."""
-    around, volts = rig.stage.interface, noise * interface.VOLTS_PER_METRE
-    sensors = tuple(replace(s, noise=volts) if s.name in planar_stage.HALL else s for s in around.sensors)
-    return with_interface(rig, replace(around, sensors=sensors))
-
-
-def with_interface(rig: Rig, around: Interface) -> Rig:
-    """Return a loop whose sensors, set-points and amplifiers are declared otherwise; the controller is the same."""
-    return replace(rig, stage=replace(rig.stage, controller=replace(rig.stage.controller, interface=around)))
+    volts = noise * interface.VOLTS_PER_METRE
+    sensors = rig.stage.interface.sensors
+    noisy = tuple(replace(s, noise=volts) if s.name in planar_stage.HALL else s for s in sensors)
+    return rig.with_interface(sensors=noisy)
 
 
 def noise_of(rig: Rig) -> float:

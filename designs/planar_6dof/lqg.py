@@ -92,21 +92,19 @@ def axes(plant: Plant) -> tuple[Axis, ...]:
     """Return x, y and phi with their gains from positions to demands."""
     k, a, scales = PER_AMPERE * plant.parameter("M").value, plant.parameter("a").value, allocation.scales(plant)
     pushed = {"x": PER_AMPERE / k, "y": PER_AMPERE / k, "phi": YAW_PER_AMPERE / (k * a)}
-    found = []
+    rows = []
     for i, (name, row) in enumerate(zip(HORIZONTAL, -demanded(plant), strict=True)):
-        scale = scales[name]
-        k1, k2, k3 = row[[i, 6 + i, 3 + i]] / scale
-        found.append(Axis(name, pushed[name] * scale, float(k1), float(k2), float(k3) * TIME.period_s))
-    return tuple(found)
+        k1, k2, k3 = (row[[i, 6 + i, 3 + i]] / scales[name]).tolist()
+        rows.append(Axis(name, pushed[name] * scales[name], k1, k2, k3 * TIME.period_s))
+    return tuple(rows)
 
 
 def continuous(axis: Axis) -> StateSpace:
     """Return q'' = b f with the states q and its rate."""
     made, rate, unit = vertical.demand(axis.name), RATES[axis.name], POSITIONS[axis.name].unit
-    arrays: tuple[list[list[float]], ...] = ([[0, 1], [0, 0]], [[0], [axis.b]], [[1, 0]], [[0]])
-    A, B, C, D = (readonly(m) for m in arrays)
-    units = {axis.name: unit, rate: f"{unit}/s", made.name: made.unit}
-    return StateSpace(A, B, C, D, (axis.name, rate), (made.name,), (axis.name,), Continuous(), units)
+    A, B = np.eye(2, k=1), readonly([[0.0], [axis.b]])
+    units, states = {axis.name: unit, rate: f"{unit}/s", made.name: made.unit}, (axis.name, rate)
+    return StateSpace(A, B, np.eye(1, 2), np.zeros((1, 1)), states, (made.name,), states[:1], Continuous(), units)
 
 
 def observer(axis: Axis, pole: float | None = None) -> reduced_observer.ReducedObserver:
@@ -118,10 +116,10 @@ def observer(axis: Axis, pole: float | None = None) -> reduced_observer.ReducedO
 
 def reduced_order(plant: Plant, axis: Axis) -> Block:
     """Return the regulator of one axis on the observer of its rate alone; x3 is kept in units of what it demands."""
-    found, T = observer(axis), TIME.period_s
+    observed, T = observer(axis), TIME.period_s
     q, f1 = MEASURED[axis.name], allocation.achievable_bound(plant)[axis.name]
     on_rate, on_force = axis.k1 * T + axis.k2, axis.b * T * (axis.k1 * T / 2 + axis.k2)
-    F, G, H, L = float(found.F[0, 0]), *(on_rate * float(m[0, 0]) for m in (found.G, found.H, found.L))
+    F, G, H, L = float(observed.F[0, 0]), *(on_rate * float(m[0, 0]) for m in (observed.G, observed.H, observed.L))
     x3 = MARGIN * (abs(G) * q.high + abs(H) * f1) / (1 - abs(F))
     per = per_position(axis.name)
     constants = [
@@ -197,10 +195,9 @@ def per_position(axis: str) -> str:
 
 def law(plant: Plant, variant: Variant = "shipped", regulate: Regulate = reduced_order) -> list[Block]:
     """Return the Blocks from positions and held set-points to computed phase currents."""
-    horizontal = [regulate(plant, axis) for axis in axes(plant)]
-    upright, yaw = vertical.blocks(plant, TIME, variant), MEASURED["phi"]
-    motors = (make(plant, TIME, yaw) for make in (allocation.allocation, allocation.commutation))
-    return [*horizontal, *upright, *motors]
+    upright = [vertical.block(plant, part, TIME) for part in vertical.loops(TIME, variant)]
+    motors = (make(plant, TIME, MEASURED["phi"]) for make in (allocation.allocation, allocation.commutation))
+    return [*(regulate(plant, axis) for axis in axes(plant)), *upright, *motors]
 
 
 def sensed(plant: Plant) -> list[Block]:

@@ -18,7 +18,6 @@ from models import planar_stage
 from synth.block import Block
 from synth.errors import SignalError
 from synth.plant import Plant
-from synth.signals import Signal
 from synth.verify import agree, sampling
 
 Columns = dict[str, NDArray[Any]]
@@ -59,7 +58,8 @@ def in_operation(subject: Subject, plant: Plant, n: int, seed: int = SEED) -> tu
     block, rng = subject.block, np.random.default_rng(seed)
     states, _ = sampling.anywhere(block, rng, n, INSIDE)
     box = {a: next(s for s in block.inputs if s.name == f"{a}_ref") for a in allocation.AXES}
-    pose = {a: _within(box[a], rng.uniform(-1, 1, n)) for a in allocation.AXES}
+    middle = {a: ((s.low + s.high) / 2, (s.high - s.low) / 2) for a, s in box.items()}
+    pose = {a: sampling.inside(box[a], at + half * rng.uniform(-1, 1, n)) for a, (at, half) in middle.items()}
     known = {"guard_latched": np.zeros(n), "guard_ready": _rare(rng, n, 1 - UNREADY)}
     known |= {"sensing_named": _rare(rng, n, SUSPECTED)} | _remembered(plant, pose, rng, n)
     known |= _law(subject, plant, pose, rng, n)
@@ -84,16 +84,16 @@ def _remembered(plant: Plant, pose: Mapping[str, NDArray[Any]], rng: np.random.G
     pitch, most = plant.parameter("l").value, sensing.PITCHES
     near = {a: pose[a] + rng.normal(0, PREDICTED, n) for a in allocation.HORIZONTAL}
     whole = {a: pitch * np.clip(np.round(near[a] / pitch), -most, most) for a in "xy"}
-    found = {f"sensing_offset_{a}": values for a, values in whole.items()}
-    found |= {f"sensing_within_{a}": np.clip(near[a] - whole[a], -pitch / 2, pitch / 2) * (1 - INSIDE) for a in "xy"}
-    found["sensing_phi_raw"] = near["phi"]
+    columns = {f"sensing_offset_{a}": values for a, values in whole.items()}
+    columns |= {f"sensing_within_{a}": np.clip(near[a] - whole[a], -pitch / 2, pitch / 2) * (1 - INSIDE) for a in "xy"}
+    columns["sensing_phi_raw"] = near["phi"]
     for a in allocation.HORIZONTAL:
-        found |= {
+        columns |= {
             f"filter_{a}_p": near[a],
             f"filter_{a}_s": rng.normal(0, MOVED, n),
             f"filter_{a}_h": rng.normal(0, BENT, n),
         }
-    return found
+    return columns
 
 
 def at_the_edges(block: Block, n: int, seed: int = SEED) -> tuple[Columns, Columns]:
@@ -156,11 +156,6 @@ def _reach(block: Block, plant: Plant, axis: str) -> float:
     if len(direct) != 1:
         raise SignalError(f"'{block.name}' has {len(direct)} gains of the error of {axis}: one is needed to draw steps")
     return allocation.authority(plant)[axis] / direct[0]
-
-
-def _within(s: Signal, part: NDArray[Any]) -> NDArray[Any]:
-    """Return values (N,) of a signal for -1 .. 1."""
-    return sampling.inside(s, (s.low + s.high) / 2 + (s.high - s.low) / 2 * part)
 
 
 def _rare(rng: np.random.Generator, n: int, share: float) -> NDArray[Any]:

@@ -37,7 +37,7 @@ DIRECT = sqrt(((1 - 3e-5) * LIMIT) ** 2 - QUADRATURE**2)
 YAW = 0.075  # rad
 LASER_ARM = 0.06  # m
 BAD_SAMPLES, SLEW = 5, 126.0  # A/s
-HALL = ("V_ax", "V_ay", "V_bx", "V_by", "V_cx", "V_cy")
+HALL = reference_sensing.HALL
 LIMITS = dict.fromkeys(HALL, 5.0) | dict.fromkeys(("d1", "d2", "d3"), 5e-4)
 MEASUREMENTS = tuple(LIMITS)
 BOX = {"x": 0.11, "y": 0.10, "phi": 0.02, "z": 2e-4, "theta": 2e-3, "psi": 2e-3}
@@ -59,13 +59,9 @@ def force_constant() -> float:
 
 def wrench() -> Array:
     """Return T (6, 6) of w = T f: forces add up, torques are r x f about Z, X and Y. Table 3."""
-    columns = []
-    for motor, (r_x, r_y) in CENTRES.items():
-        f = np.array([1.0, 0.0, 0.0] if motor == "C" else [0.0, 1.0, 0.0])
-        columns.append([f[0], f[1], r_x * f[1] - r_y * f[0], 0, 0, 0])
-    for r_x, r_y in CENTRES.values():
-        columns.append([0, 0, 0, 1, r_y, -r_x])
-    return np.array(columns).T
+    along = {motor: (1.0, 0.0) if motor == "C" else (0.0, 1.0) for motor in CENTRES}
+    columns = [[f, g, x * g - y * f, 0, 0, 0] for (x, y), (f, g) in zip(CENTRES.values(), along.values(), strict=True)]
+    return np.array(columns + [[0, 0, 0, 1, y, -x] for x, y in CENTRES.values()]).T
 
 
 @dataclass(frozen=True)
@@ -128,13 +124,13 @@ def guard(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, 
     A value that is no number is in no range.
     """
     with np.errstate(invalid="ignore"):
-        given = {s: np.asarray(inputs[s], dtype=np.float64) for s in LIMITS}
-        good = {s: np.abs(given[s]) <= high for s, high in LIMITS.items()}
-    values = {s: np.where(good[s], given[s], 0.0 if s in HALL else state[f"guard_last_{s}"]) for s in LIMITS}
+        read = {s: np.asarray(inputs[s], dtype=np.float64) for s in LIMITS}
+        good = {s: np.abs(read[s]) <= high for s, high in LIMITS.items()}
+    values = {s: np.where(good[s], read[s], 0.0 if s in HALL else state[f"guard_last_{s}"]) for s in LIMITS}
     after = {f"guard_last_{s}": value for s, value in values.items() if s not in HALL}
     named = np.asarray(state["sensing_named"]) > 0
-    told = reference_sensing.suspects(state, reference_sensing.harmonic(1))
-    flags = [~good[s] for s in LIMITS] + [named & told[s] for s in HALL]
+    suspected = reference_sensing.suspects(state, reference_sensing.harmonic(1))
+    flags = [~good[s] for s in LIMITS] + [named & suspected[s] for s in HALL]
     word = np.sum([np.where(flag, 1 << bit, 0) for bit, flag in enumerate(flags)], axis=0)
     complete = np.all([good[s] for s in HALL], axis=0) & ~named
     every = np.all([good[s] for s in MEASUREMENTS], axis=0) & ~named
@@ -149,8 +145,8 @@ def guard(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, 
 def heights(v: Columns) -> dict[str, Array]:
     """Return z, theta and psi for three distances."""
     points = np.array([[1, y, -x] for x, y in ((-LASER_ARM, -LASER_ARM), (LASER_ARM, -LASER_ARM), (0.0, LASER_ARM))])
-    found = np.linalg.inv(points) @ np.stack([v["d1"], v["d2"], v["d3"]])
-    return dict(zip(("z", "theta", "psi"), found, strict=True))
+    lifts = np.linalg.inv(points) @ np.stack([v["d1"], v["d2"], v["d3"]])
+    return dict(zip(("z", "theta", "psi"), lifts, strict=True))
 
 
 def motors(w: Columns, phi: Array) -> tuple[dict[str, tuple[Array, Array]], dict[str, Array]]:
@@ -175,25 +171,14 @@ def motors(w: Columns, phi: Array) -> tuple[dict[str, tuple[Array, Array]], dict
 
 def phases(currents: Mapping[str, tuple[Array, Array]], q: Columns) -> dict[str, Array]:
     """Return the phase currents of the motors at the place within a pitch, (17) inverted."""
-    phi, found = np.clip(q["phi"], -YAW, YAW), {}
+    phi, out = np.clip(q["phi"], -YAW, YAW), {}
+    front, aside = q["within_y"] - ARM * np.cos(phi), ARM * np.sin(phi)
     back = q["within_x"] - 2 * ARM * np.sin(phi)
-    front = q["within_y"] - ARM * np.cos(phi)
-    aside = ARM * np.sin(phi)
     for motor, along in (("A", front - aside), ("B", front + aside), ("C", back)):
         i_q, i_d = currents[motor]
         rotor = np.exp(1j * GAMMA * along) * (i_q + 1j * i_d)
-        for phase, at in zip("ABC", (0, 1, 2), strict=True):
-            found[f"i_{motor}{phase}"] = (rotor * np.exp(-2j * pi / 3 * at)).real
-    return found
-
-
-def driven(computed: Columns, state: Columns, latched: Array, T: Fraction) -> dict[str, Array]:
-    """Return the phase currents within their limit: as computed, or once latched on a slew to 0."""
-    out, reach = {}, SLEW * float(T)
-    for name in PHASES:
-        last = state[f"safe_output_last_{name}"]
-        slewed = np.clip(0.0, last - reach, last + reach)
-        out[name] = np.clip(np.where(latched > 0, slewed, computed[name]), -LIMIT, LIMIT)
+        for k, phase in enumerate("ABC"):
+            out[f"i_{motor}{phase}"] = (rotor * np.exp(-2j * pi / 3 * k)).real
     return out
 
 
@@ -209,8 +194,14 @@ def initial_state(axes: tuple[str, ...]) -> dict[str, Array]:
 def concluded(
     state: Columns, after: dict[str, Array], computed: Columns, T: Fraction
 ) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Return the next state, which stands still once latched but for the guard, and the phase currents."""
-    latched = after["guard_latched"]
-    kept = {n: v if n.startswith("guard_") else np.where(latched > 0, state[n], v) for n, v in after.items()}
-    out = driven(computed, state, latched, T)
+    """Return the next state, which stands still once latched but for the guard, and the phase currents.
+
+    These are within their limit: as computed, or once latched on a slew to 0.
+    """
+    latched, out, reach = after["guard_latched"] > 0, {}, SLEW * float(T)
+    kept = {n: v if n.startswith("guard_") else np.where(latched, state[n], v) for n, v in after.items()}
+    for name in PHASES:
+        last = state[f"safe_output_last_{name}"]
+        slewed = np.clip(0.0, last - reach, last + reach)
+        out[name] = np.clip(np.where(latched, slewed, computed[name]), -LIMIT, LIMIT)
     return kept | {f"safe_output_last_{name}": i for name, i in out.items()}, out

@@ -11,7 +11,7 @@ position as T^3/6 (z^2 + 4 z + 1) / (z - 1)^3, so that the poles of the filter a
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from math import pi
 from typing import Any
@@ -124,17 +124,17 @@ def filters_at_rest() -> dict[str, Array]:
 
 @dataclass(frozen=True)
 class Pair:
-    """Voltages of one axis with the yaw turned back, V, and the excess of their squares' sum, V^2."""
+    """Voltages of one axis with the yaw turned back, V."""
 
     s: Array
     c: Array
     k: Constants
-    m: Array = field(init=False)
 
-    def __post_init__(self) -> None:
-        product = (self.s * self.c) ** 2
-        q = self.k.power
-        object.__setattr__(self, "m", self.s**2 + self.c**2 - (q[0] + q[1] * product + q[2] * product**2))
+    @property
+    def m(self) -> Array:
+        """The excess of the squares' sum over that of the field, V^2."""
+        product, q = (self.s * self.c) ** 2, self.k.power
+        return self.s**2 + self.c**2 - (q[0] + q[1] * product + q[2] * product**2)
 
     @property
     def slope(self) -> Array:
@@ -173,19 +173,17 @@ def sense(
     information = h1**2 + h2**2 + weight * h3**2 + REGULAR * A**2
     step = (h1 * r1 - h2 * r2 + weight * h3 * r3) / information
     rho = np.sqrt((r1**2 + r2**2) / (RESIDUAL * A) ** 2 + (x.m**2 + y.m**2) / (POWER * A**2) ** 2)
-    out = {"m_x": x.m, "m_y": y.m, "r_1": r1, "r_2": r2}
+    residuals = {"m_x": x.m, "m_y": y.m, "r_1": r1, "r_2": r2}
     before = np.asarray(state["sensing_doubt"])
     doubt = (ready > 0) & complete & (rho > np.where(before > 0, AGAIN, 1))
     sure = complete & ~doubt
-    out["phi_raw"] = np.clip(phi + np.where(sure, step, 0), -YAW, YAW)
+    out = residuals | {"phi_raw": np.clip(phi + np.where(sure, step, 0), -YAW, YAW)}
     after = {
         "sensing_doubt": np.where(doubt, MEMORY, np.where(sure, np.maximum(before - 1, 0), before)),
         "sensing_named": np.where(doubt & (before > 0), 1.0, state["sensing_named"]),
     }
-    first = {"m_x": x.m, "m_y": y.m, "r_1": r1, "r_2": r2, "s_x": x.s, "s_y": y.s, "phi": phi}
-    for name, value in first.items():
-        kept = np.asarray(state[f"sensing_first_{name}"])
-        after[f"sensing_first_{name}"] = np.where(doubt & (before == 0), value, kept)
+    for name, value in (residuals | {"s_x": x.s, "s_y": y.s, "phi": phi}).items():
+        after[f"sensing_first_{name}"] = np.where(doubt & (before == 0), value, state[f"sensing_first_{name}"])
     for axis, pair in (("x", x), ("y", y)):
         offset, within = state[f"sensing_offset_{axis}"], state[f"sensing_within_{axis}"]
         off = pair.place + offset - predicted[axis]
@@ -206,30 +204,29 @@ def suspects(state: Columns, A: float) -> dict[str, Array]:
     there, beside = m > least_m, np.abs(r) > least_r
     big = np.sqrt(np.sum((r / (RESIDUAL * A)) ** 2 + (m / (POWER * A**2)) ** 2, axis=0)) > BIG
     lost = (np.abs(seen["phi"]) > KNOWN) | (~big & np.all(there, axis=0))
-    turned, found = np.any(beside, axis=0), {}
+    turned, wrong = np.any(beside, axis=0), {}
     for i, (s, c, other) in enumerate((("V_ax", "V_bx", "V_cx"), ("V_ay", "V_cy", "V_by"))):
         before = seen["s_x" if i == 0 else "s_y"]
         mended = np.abs((before + r[i]) ** 2 - before**2)
-        found[s] = np.where(big, beside[i] & ((mended < small) | (m[i] >= nearly)), turned | there[i])
-        found[c] = np.where(big, m[i] > mended + nearly, there[i])
-        found[other] = np.where(big, beside[i] & (m[i] < nearly), turned)
-    return {name: one | lost for name, one in found.items()}
+        wrong[s] = np.where(big, beside[i] & ((mended < small) | (m[i] >= nearly)), turned | there[i])
+        wrong[c] = np.where(big, m[i] > mended + nearly, there[i])
+        wrong[other] = np.where(big, beside[i] & (m[i] < nearly), turned)
+    return {name: one | lost for name, one in wrong.items()}
 
 
 def estimate(state: Columns, raw: Columns, ready: Array, k: Constants) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return the filtered x, y, phi and the filters' next states. Y(6)-(16)."""
-    out: dict[str, Array] = {}
-    after: dict[str, Array] = {}
+    out, after = {}, {}
     for axis, bound in BOUND.items():
-        p, s, h = (state[f"filter_{axis}_{part}"] for part in "psh")
-        measured, K = raw[f"{axis}_raw"], k.gain[axis]
-        e = measured - p
-        now = [p + K[0] * e, s + K[1] * e, h + K[2] * e]
-        next = [now[0] + now[1] + now[2], now[1] + 2 * now[2], now[2]]
+        measured = raw[f"{axis}_raw"]
+        predicted = [state[f"filter_{axis}_{part}"] for part in "psh"]
+        p, s, h = (v + K * (measured - predicted[0]) for v, K in zip(predicted, k.gain[axis], strict=True))
+        next = [p + s + h, s + 2 * h, h]
         kept = (ready > 0) & np.all(np.abs(next) <= bound, axis=0)
-        out[axis] = np.where(kept, now[0], measured)
-        rest = (measured, np.zeros_like(measured), np.zeros_like(measured))
-        after |= {f"filter_{axis}_{n}": np.where(kept, v, r) for n, v, r in zip("psh", next, rest, strict=True)}
+        out[axis] = np.where(kept, p, measured)
+        rests = measured, np.zeros_like(measured), np.zeros_like(measured)
+        for part, value, rest in zip("psh", next, rests, strict=True):
+            after[f"filter_{axis}_{part}"] = np.where(kept, value, rest)
     return out, after
 
 

@@ -117,14 +117,6 @@ class _Checks:
     r2: ca.SX
 
 
-@dataclass(frozen=True, eq=False)
-class _Found:
-    """A raw position in m: within its pitch, and whole pitches."""
-
-    within: ca.SX
-    offset: ca.SX
-
-
 def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
     """Return the Block from held voltages to the raw position, that within its pitch, residuals and suspects.
 
@@ -137,18 +129,15 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         ax, ay, bx, by, cx, cy = (u[s.name] for s in HELD)
         phi = u["phi_predicted"] if predicted else x[yaw]
-        expected = {
-            a: u[f"{a}_predicted"] - x[f"offset_{a}"] if predicted else x[f"within_{a}"] for a in "xy"
-        }  # within the pitch that is counted
+        # within the pitch that is counted
+        expected = {a: u[f"{a}_predicted"] - x[f"offset_{a}"] if predicted else x[f"within_{a}"] for a in "xy"}
         X, Y = _pair(ax, -bx, ay, phi, k), _pair(ay, -cy, -ax, phi, k)
         h1, h2 = _slope(Y, k) + (X.c + X.s), _slope(X, k) + (Y.c + Y.s)
         checks = _Checks(h1, h2, by - ay - h1 * phi, cx - ax + h2 * phi)
         ratio = {"x": _ratio(X, A), "y": _ratio(Y, A)}
-        places = {
-            axis: _nearest(_place(pair, ratio[axis], k, cal), x[f"offset_{axis}"], expected[axis], l)
-            for axis, pair in (("x", X), ("y", Y))
-        }
-        known, squared = ca.logic_and(u["ready"], u["complete"]), _squared(X, Y, checks, A)
+        within = {axis: _place(pair, ratio[axis], k, cal) for axis, pair in (("x", X), ("y", Y))}
+        offset = {axis: _nearest(at, x[f"offset_{axis}"], expected[axis], l) for axis, at in within.items()}
+        known, squared = ca.logic_and(u["ready"], u["complete"]), _squared(checks.r1, checks.r2, X.m, Y.m, A)
         beyond = ca.logic_or(x["doubt"], squared > (RESIDUAL * A) ** 2)
         doubt = ca.if_else(known, ca.logic_and(squared > (AGAIN * RESIDUAL * A) ** 2, beyond), 0)
         sure = ca.logic_and(ca.logic_not(doubt), u["complete"])
@@ -158,11 +147,11 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
         seen = {"m_x": X.m, "m_y": Y.m, "r_1": checks.r1, "r_2": checks.r2}
         for name, value in (seen | {"s_x": X.s, "s_y": Y.s, "phi": phi}).items():
             next[f"first_{name}"] = ca.if_else(first, value, x[f"first_{name}"])
-        for axis, at in places.items():
-            next[f"offset_{axis}"] = ca.if_else(sure, at.offset, x[f"offset_{axis}"])
-            next[f"within_{axis}"] = ca.if_else(sure, at.within, x[f"within_{axis}"])
+        for axis, at in within.items():
+            next[f"offset_{axis}"] = ca.if_else(sure, offset[axis], x[f"offset_{axis}"])
+            next[f"within_{axis}"] = ca.if_else(sure, at, x[f"within_{axis}"])
             held = u[f"{axis}_predicted"] if predicted else x[f"within_{axis}"] + x[f"offset_{axis}"]
-            output[f"{axis}_raw"] = ca.if_else(sure, at.within + at.offset, held)
+            output[f"{axis}_raw"] = ca.if_else(sure, at + offset[axis], held)
             output[f"within_{axis}"] = next[f"within_{axis}"]
         next |= {} if predicted else {yaw: output[yaw]}
         again = ca.logic_and(doubt, x["doubt"])
@@ -197,13 +186,11 @@ def _constants(cal: hall_calibration.Calibration) -> list[Constant]:
     position = [(f"position_{2 * n + 1}", v, "m") for n, v in enumerate(cal.position)]
     slope = [(f"slope_{n}", v, f"1/V^{2 * n + 2}") for n, v in enumerate(cal.slope)]
     power = [(f"power_{n}", v, unit) for n, (v, unit) in enumerate(zip(cal.power, _POWERS, strict=True))]
-    fits = {"position": position, "slope": slope, "power": power}
-    found = [
-        Constant(name, v, unit, f"{what} in the calculated field")
-        for what, rows in fits.items()
-        for name, v, unit in rows
+    fits = [
+        Constant(name, v, unit, f"{name.partition('_')[0]} in the calculated field")
+        for name, v, unit in (*position, *slope, *power)
     ]
-    return [*found, Constant("third", 2 * WEIGHT / cal.amplitude**2, "1/V^2", "2 W / A^2")]
+    return [*fits, Constant("third", 2 * WEIGHT / cal.amplitude**2, "1/V^2", "2 W / A^2")]
 
 
 _POWERS = ("V^2", "1/V^2", "1/V^6")
@@ -242,18 +229,17 @@ def _ratio(p: _Pair, A: float) -> ca.SX:
     return clip(p.s * p.c / (ca.fmax(p.s**2, p.c**2) + LEAST * A**2), RATIOS[0])
 
 
-def _nearest(within: ca.SX, offset: ca.SX, expected: ca.SX, l: float) -> _Found:
-    """Return the position that lies nearest to the prediction, one pitch from the offset at most."""
+def _nearest(within: ca.SX, offset: ca.SX, expected: ca.SX, l: float) -> ca.SX:
+    """Return the whole pitches that come nearest to the prediction, one from the offset at most."""
     off = within - expected
     beyond = ca.fabs(off) > l / 2
     down, up = ca.if_else(offset >= l - FAR, offset - l, offset), ca.if_else(offset <= FAR - l, offset + l, offset)
-    moved = ca.if_else(off > 0, down, up)
-    return _Found(within, ca.if_else(beyond, moved, offset))
+    return ca.if_else(beyond, ca.if_else(off > 0, down, up), offset)
 
 
-def _squared(X: _Pair, Y: _Pair, of: _Checks, A: float) -> ca.SX:
+def _squared(r1: ca.SX, r2: ca.SX, m_x: ca.SX, m_y: ca.SX, A: float) -> ca.SX:
     """Return (RESIDUAL A rho)^2."""
-    return of.r1**2 + of.r2**2 + (RESIDUAL / (POWER * A)) ** 2 * (X.m**2 + Y.m**2)
+    return r1**2 + r2**2 + (RESIDUAL / (POWER * A)) ** 2 * (m_x**2 + m_y**2)
 
 
 def _suspects(x: Exprs, A: float) -> dict[str, ca.SX]:
@@ -263,11 +249,10 @@ def _suspects(x: Exprs, A: float) -> dict[str, ca.SX]:
     there = {a: size[a] > PART["m"] * POWER * A**2 for a in "xy"}
     beside = {a: ca.fabs(r[a]) > PART["r"] * RESIDUAL * A for a in "xy"}
     turned = ca.logic_or(beside["x"], beside["y"])
-    squares = r["y"] ** 2 + r["x"] ** 2 + (RESIDUAL / (POWER * A)) ** 2 * (m["x"] ** 2 + m["y"] ** 2)
-    big = squares > (BIG * RESIDUAL * A) ** 2
+    big = _squared(r["y"], r["x"], m["x"], m["y"], A) > (BIG * RESIDUAL * A) ** 2
     both = ca.logic_and(ca.logic_and(there["x"], there["y"]), ca.logic_not(big))
     lost = ca.logic_or(ca.fabs(x["first_phi"]) > KNOWN, both)
-    found: dict[str, ca.SX] = {}
+    flags: dict[str, ca.SX] = {}
     for a, (s, c, other) in (("x", ("V_ax", "V_bx", "V_cx")), ("y", ("V_ay", "V_cy", "V_by"))):
         nearly, mended = size[a] < NEARLY * A**2, ca.fabs(r[a] * (2 * x[f"first_s_{a}"] + r[a]))
         slight = ca.logic_or(ca.logic_not(nearly), mended < SMALL * A**2)
@@ -277,5 +262,5 @@ def _suspects(x: Exprs, A: float) -> dict[str, ca.SX]:
             other: ca.logic_and(beside[a], nearly),
         }
         crept = {s: ca.logic_or(turned, there[a]), c: there[a], other: turned}
-        found |= {name: ca.logic_or(ca.if_else(big, jumped[name], crept[name]), lost) for name in jumped}
-    return found
+        flags |= {name: ca.logic_or(ca.if_else(big, jumped[name], crept[name]), lost) for name in jumped}
+    return flags

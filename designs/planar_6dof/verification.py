@@ -9,7 +9,7 @@ whether sensors contradict each other. Of random steps those are compared that d
 is told. Over a long tour the path of the stage tells what single precision does.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from math import pi
 
@@ -25,7 +25,7 @@ from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
 from synth.timing import Discrete
-from synth.verify import agree, suite
+from synth.verify import agree, standard, suite
 from synth.verify.evidence import Evidence
 from synth.verify.suite import Witnesses
 
@@ -33,8 +33,7 @@ RANDOM_STEPS, EDGE_STEPS = 100_000, 20_000
 FLOOR = 1.0  # A: a phase is one projection of up to 1.26 A, and what rounding leaves is no smaller where it is
 AT_A_LIMIT = (0.02, 0.5)  # share of random steps: some, and few enough that limits hide nothing
 PASSED_OVER = 0.15  # share of random steps whose sensors contradict each other, or have done so
-OTHERWISE = 1e-3  # share of random steps
-DECIDED = 0.01  # m: more than rounding, and less than a pitch
+COUNTS = {f"sensing_offset_{axis}": 0.01 for axis in "xy"}  # m: more than rounding, and less than a pitch
 LATCHED = 0.02  # share of random steps: those whose last good sample is long ago
 LONG = 60.0  # s
 RADIUS, RATE, GROWTH = 0.06, pi / 2, 2.0  # m, rad/s, s: six pitches in 4 s, at 0.1 m/s
@@ -49,46 +48,43 @@ Progress = Callable[[str], None]
 Compared = tuple[agree.Agreement, list[Check]]
 
 
-def witnesses(subject: Subject) -> Witnesses:
-    """Return the witnesses of a controller."""
-    return suite.witnesses(subject.block, subject.reference, interface.SURROGATE_ERROR)
-
-
 def verify(subject: Subject, progress: Progress, replay_s: float) -> Evidence:
     """Compare all witnesses; `replay_s` is how much of the tour the others replay, in s."""
-    by = witnesses(subject)
-    found = [*drawn(subject, by, progress)]
+    by = suite.witnesses(subject.block, subject.reference, interface.SURROGATE_ERROR)
+    progress("random steps")
+    drawn = random_steps.in_operation(subject, planar_stage.plant(), RANDOM_STEPS)
+    random = {name: witness(*drawn) for name, witness in by.of.items()}
+    single, decided = standard.in_single(by, *drawn, FLOOR, COUNTS)
+    pairs = [*compared("random steps", subject, random), (single, [*decided, *shares(drawn[0], random["c64"])])]
+    progress("edge steps")
+    edges = random_steps.at_the_edges(subject.block, EDGE_STEPS)
+    pairs += compared("edge steps", subject, {name: witness(*edges) for name, witness in by.of.items()})
     progress("replays of closed loops")
     loop = loops.of(subject.block, by.c64)
     for what, run in runs(loop, subject.step, replay_s).items():
-        found += replayed(what, subject, by, run)
+        pairs += compared(what, subject, replayed(by, run))
     progress(f"single against double over {LONG:g} s")
     last = single_against_double(loop, replace(loop, controller=by.c32))
-    checks = [c for _, some in found for c in some]
-    return Evidence(subject.block.name, tuple(a for a, _ in found), (*checks, *last))
+    checks = [check for _, some in pairs for check in some]
+    return Evidence(subject.block.name, tuple(a for a, _ in pairs), (*checks, *last))
 
 
-def drawn(subject: Subject, by: Witnesses, progress: Progress) -> Iterator[Compared]:
-    """Yield the comparisons of random steps, in operation and at the edges, and those of single precision."""
-    progress("random steps")
-    inside = random_steps.in_operation(subject, planar_stage.plant(), RANDOM_STEPS)
-    found = {name: witness(*inside) for name, witness in by.of.items()}
-    yield from (compared("random steps", subject, (name, found[name]), found["c64"]) for name in suite.OTHERS)
-    single, decided = in_single(subject, by, *inside)
-    yield single, [*decided, *shares(inside[0], found["c64"])]
-    progress("edge steps")
-    edges = random_steps.at_the_edges(subject.block, EDGE_STEPS)
-    found = {name: witness(*edges) for name, witness in by.of.items()}
-    yield from (compared("edge steps", subject, (name, found[name]), found["c64"]) for name in suite.OTHERS)
+def compared(what: str, subject: Subject, by: Mapping[str, agree.Stepped]) -> list[Compared]:
+    """Compare the other witnesses that are there with the C in double precision, over the same steps."""
+    pairs: list[Compared] = []
+    for name in (n for n in suite.OTHERS if n in by):
+        a = agree.compare(what, (name, by[name]), ("c64", by["c64"]), FLOOR, subject.block)
+        apart, law = law_apart(subject, by[name], by["c64"]), f"{what}: next states of the law of {name} and c64"
+        checks = suite.exact([a], f"max({FLOOR:g} A, |i|)")
+        pairs.append((a, [*checks, Check(law, apart, suite.EXACT, "max(|x|, what the motors meet)")]))
+    return pairs
 
 
-def compared(what: str, subject: Subject, first: tuple[str, agree.Stepped], c64: agree.Stepped) -> Compared:
-    """Compare a witness by name with the C in double precision."""
-    a = agree.compare(what, first, ("c64", c64), FLOOR, subject.block)
-    apart = law_apart(subject, first[1], c64)
-    name = f"{what}: next states of the law of {a.first} and {a.second}"
-    law = Check(name, apart, suite.EXACT, "max(|x|, what the motors meet)")
-    return a, [*suite.exact([a], f"max({FLOOR:g} A, |i|)"), law]
+def replayed(by: Witnesses, run: Trajectory) -> dict[str, agree.Stepped]:
+    """Replay a recorded run from `init` with all witnesses."""
+    start = {s.name: s.initial for s in by.block.states}
+    others = {name: agree.recorded(by.of[name], start, run.measured) for name in suite.OTHERS}
+    return others | {"c64": agree.replayed(by.c64, run.measured)}
 
 
 def law_apart(subject: Subject, first: agree.Stepped, second: agree.Stepped) -> float:
@@ -96,37 +92,25 @@ def law_apart(subject: Subject, first: agree.Stepped, second: agree.Stepped) -> 
 
     They are bounded by what a sensor may read, a hundred times what the motors meet: of that 1e-12 would be little.
     """
-    most = allocation.authority(planar_stage.plant())
-    return max(
-        float(np.max(np.abs(first.states[s] - second.states[s]) / np.maximum(np.abs(first.states[s]), most[axis])))
-        for s, axis in ((s, random_steps.axis_of(s)) for s in random_steps.of_law(subject.block))
-    )
+    most, worst = allocation.authority(planar_stage.plant()), []
+    for state in random_steps.of_law(subject.block):
+        a, b = first.states[state], second.states[state]
+        worst.append(float(np.max(np.abs(a - b) / np.maximum(np.abs(a), most[random_steps.axis_of(state)]))))
+    return max(worst)
 
 
-def shares(states: Columns, found: agree.Stepped) -> list[Check]:
+def shares(states: Columns, c64: agree.Stepped) -> list[Check]:
     """Return the shares of random steps at limits, and of those from which no position is taken or no law computed."""
     least, most = AT_A_LIMIT
-    limited = float(np.mean(random_steps.saturated(found.outputs)))
-    before, after = states["sensing_doubt"], found.states["sensing_doubt"]
+    limited = float(np.mean(random_steps.saturated(c64.outputs)))
+    before, after = states["sensing_doubt"], c64.states["sensing_doubt"]
     passed_over = float(np.mean(after != np.maximum(before - 1, 0)))  # else the memory of contradictions fades
     return [
         Check("share of random steps at a limit", limited, most, "1"),
         Check("share of random steps within all limits", 1 - limited, 1 - least, "1"),
         Check("share of random steps that sensing passes over", passed_over, PASSED_OVER, "1"),
-        Check("share of random steps that latch", float(np.mean(found.states["guard_latched"])), LATCHED, "1"),
+        Check("share of random steps that latch", float(np.mean(c64.states["guard_latched"])), LATCHED, "1"),
     ]
-
-
-def in_single(subject: Subject, by: Witnesses, states: Columns, inputs: Columns) -> Compared:
-    """Compare single with double on the same bits, where all decisions are alike, and check how many are not."""
-    double, single = suite.in_single(by, states, inputs)
-    alike = suite.decide_alike(subject.block, double, single)
-    for s in (s.name for s in subject.block.states if "_offset_" in s.name):  # of whole pitches
-        alike &= np.abs(double.states[s] - single.states[s].astype(np.float64)) < DECIDED
-    pair = ("c64", suite.part(double, alike)), ("c32", suite.part(single, alike))
-    a = agree.compare("random steps", *pair, FLOOR, subject.block, np.float32)
-    otherwise = float(np.mean(~alike))
-    return a, [Check("random steps: decisions otherwise in single precision", otherwise, OTHERWISE, "1")]
 
 
 def tour(duration_s: float, time: Discrete) -> dict[str, Array]:
@@ -146,7 +130,7 @@ def runs(loop: Rig, step: float, replay_s: float) -> dict[str, Trajectory]:
         f"replay of {replay_s:g} s": simulate(loop, replay_s, tour(replay_s, time), {}),
         "replay of a saturated step": simulate(loop, SHORT, {"x": np.where(t < 0.2, 0.0, step)}, {}),
         "replay of faults": simulate(loop, SHORT, tour(SHORT, time), {}, overrides=bad_samples(t)),
-        "replay of a sensor that sticks": failures.fail(loop, "V_ax", "stuck", speed=failures.SPEED).run,
+        "replay of a sensor that sticks": failures.fail(loop, "V_ax", "stuck", speed=failures.SPEED).failure.run,
     }
 
 
@@ -163,23 +147,14 @@ def bad_samples(t: Array) -> dict[str, Override]:
     return {name: Override(mask, np.full(len(t), np.nan)) for name, mask in masks.items()}
 
 
-def replayed(what: str, subject: Subject, by: Witnesses, run: Trajectory) -> list[Compared]:
-    """Compare the witnesses over a recorded run from `init`."""
-    c64, start = agree.replayed(by.c64, run.measured), {s.name: s.initial for s in subject.block.states}
-    others = ((name, agree.recorded(by.of[name], start, run.measured)) for name in suite.OTHERS)
-    return [compared(what, subject, other, c64) for other in others]
-
-
 def single_against_double(double: Rig, single: Rig) -> list[Check]:
     """Compare the stage's path under both types over LONG, with noise: at its worst, and with converters its rms."""
     wanted, about, checks = tour(LONG, Discrete(double.period_s)), f"{LONG:g} s of the tour", []
-    one, two = (simulate(replace(loop, quantised=False), LONG, wanted, {}) for loop in (double, single))
-    for axis, limit in LARGEST.items():
-        worst = float(np.abs(one[axis] - two[axis]).max())
-        checks.append(Check(f"single less double, {axis}", worst, limit, "m" if axis in "xyz" else "rad", about))
-    one, two = (simulate(loop, LONG, wanted, {}) for loop in (double, single))
-    for axis, limit in COUNTED.items():
-        rms = float(np.sqrt(np.mean((one[axis] - two[axis]) ** 2)))
-        unit = "m rms" if axis in "xyz" else "rad rms"
-        checks.append(Check(f"single less double, {axis}, with converters", rms, limit, unit, about))
+    for quantised, limits, what, kind in ((False, LARGEST, "", ""), (True, COUNTED, ", with converters", " rms")):
+        pair = (replace(loop, quantised=quantised) for loop in (double, single))
+        one, two = (simulate(loop, LONG, wanted, {}) for loop in pair)
+        for axis, limit in limits.items():
+            off, unit = one[axis] - two[axis], "m" if axis in "xyz" else "rad"
+            size = float(np.sqrt(np.mean(off**2)) if quantised else np.abs(off).max())
+            checks.append(Check(f"single less double, {axis}{what}", size, limit, f"{unit}{kind}", about))
     return checks

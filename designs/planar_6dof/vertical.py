@@ -7,10 +7,7 @@
     published   K (s + a) (s + 10) / ((s + b) s), as printed
     shipped     the same zeros, the pole b at 2/T, and a part of the gain at low frequencies
 
-With a sample of delay psi as printed is unstable at 1 kHz and at 800 Hz, for its crossover is 110 Hz with the printed
-Iyy; theta has a peak sensitivity of 6.6 and 38. As shipped no loop has more than 2.1, at either rate. Sampled by
-Tustin's rule: the crossovers are a twelfth of the rate at most, where it bends the phase by a tenth of a degree, and of
-the rules that keep the order it lags least. It puts a pole at 2/T to z = 0.
+Both are sampled by Tustin's rule; docs/decisions/planar_leadlag.md says why.
 
 Each loop is a lead and a reset, whose zero z2 is that of s + 10. The reset is driven by what the motors make:
 
@@ -120,6 +117,11 @@ def loop(axis: str, continuous: lead_lag.Compensator, time: Discrete) -> Loop:
     return Loop(axis, sampled, D, p, D * (p - z1), z2)
 
 
+def loops(time: Discrete, variant: Variant = "shipped") -> list[Loop]:
+    """Return the loops of z, theta and psi, sampled."""
+    return [loop(axis, compensator(axis, time, variant), time) for axis in allocation.VERTICAL]
+
+
 def block(plant: Plant, part: Loop, time: Discrete) -> Block:
     """Return the Block of one loop, from the position, the set-point and what is made to the demand.
 
@@ -135,14 +137,13 @@ def block(plant: Plant, part: Loop, time: Discrete) -> Block:
         State(Signal("lag", wanted.unit, -most, most, "what the lead takes back"), 0.0),
     ]
     per, tag = f"{wanted.unit}/{position.unit}", f"({EQUATION[axis]})"
-    numbers = (
-        ("direct", direct, per, "gain of the error"),
-        ("into_lag", into_lag, per, "gain times pole less zero"),
-        ("pole", part.pole, "1", "pole in z"),
-        ("reset", part.reset, "1", "zero of the integrator in z"),
-        ("driven", 1 - part.reset, "1", "1 less that"),
-    )
-    constants = [Constant(name, value, unit, f"{tag}: {what}") for name, value, unit, what in numbers if value]
+    constants = [
+        Constant("direct", direct, per, f"{tag}: gain of the error"),
+        Constant("into_lag", into_lag, per, f"{tag}: gain times pole less zero"),
+        *([Constant("pole", part.pole, "1", f"{tag}: pole in z")] if part.pole else []),
+        Constant("reset", part.reset, "1", f"{tag}: zero of the integrator in z"),
+        Constant("driven", 1 - part.reset, "1", f"{tag}: 1 less that"),
+    ]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         error = u[reference.name] - u[position.name]
@@ -153,9 +154,3 @@ def block(plant: Plant, part: Loop, time: Discrete) -> Block:
     inputs = [position, reference, driven]
     name = f"loop_{axis}"
     return build(name, time, law, inputs=inputs, outputs=[wanted], states=states, constants=constants, tag=tag)
-
-
-def blocks(plant: Plant, time: Discrete, variant: Variant = "shipped") -> list[Block]:
-    """Return the Blocks of the three vertical loops."""
-    loops = (loop(axis, compensator(axis, time, variant), time) for axis in allocation.VERTICAL)
-    return [block(plant, part, time) for part in loops]

@@ -1,9 +1,6 @@
-"""Regenerate the gains and the C of this design: `python -m designs.planar_6dof_leadlag`, in the workspace's root."""
-
-from pathlib import Path
+"""Regenerate what is committed of this design: `python -m designs.planar_6dof_leadlag`, in the workspace's root."""
 
 from designs.planar_6dof_leadlag.design import DESIGN
-from synth.emit import write
+from synth.workspace import regenerate
 
-for folder, files in DESIGN.emit(DESIGN.scalar).items():
-    write.save(files.files, Path("generated_c") / folder)
+regenerate(DESIGN)

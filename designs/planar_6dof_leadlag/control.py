@@ -6,13 +6,10 @@
                                             ^              |
                                             +---- made ----+
 
-published   (21), (22) as printed, for which the crossovers without a filter are 17 and 30 Hz
+published   (21), (22) as printed
 shipped     a part of their gain; of (23)-(25) see `vertical`
 
-The filters (6)-(16) with their printed noise pass 25 Hz in x, y and 77 Hz in phi, and the rest of the phase goes there:
-behind them and a sample of delay the published x, y have a phase margin of 10 degrees and a peak sensitivity of 6.2,
-phi of 17 degrees and 4.7. As shipped it is 37 degrees and 2.2, and 68 degrees and 1.9. A step of x then overshoots by
-24 % and rises in 19 ms. Sampled by Tustin's rule.
+Sampled by Tustin's rule. The margins behind the filters (6)-(16): docs/decisions/planar_leadlag.md.
 """
 
 from designs.planar_6dof import allocation, filtering, interface, sensing, vertical
@@ -43,9 +40,8 @@ def loops(variant: Variant = "shipped") -> list[Loop]:
 
 def law(plant: Plant, variant: Variant = "shipped") -> list[Block]:
     """Return the Blocks from positions and held set-points to computed phase currents."""
-    horizontal = [vertical.block(plant, part, TIME) for part in loops(variant)]
-    upright = vertical.blocks(plant, TIME, variant)
-    return [*horizontal, *upright, allocation.allocation(plant, TIME), allocation.commutation(plant, TIME)]
+    six = [vertical.block(plant, part, TIME) for part in (*loops(variant), *vertical.loops(TIME, variant))]
+    return [*six, allocation.allocation(plant, TIME), allocation.commutation(plant, TIME)]
 
 
 def controller(plant: Plant, variant: Variant = "shipped") -> Block:

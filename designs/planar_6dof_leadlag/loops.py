@@ -19,13 +19,13 @@ from synth.plant import Plant
 def all_loops(plant: Plant) -> list[OpenLoop]:
     """Return the six loops of each kind; what is printed of one axis is closed with the others as shipped."""
     shipped, printed = control.law(plant), control.law(plant, "published")
-    found = shared.of_block(plant, whole(plant, filtering.blocks(TIME), shipped), AXES, "as shipped")
+    opened = shared.of_block(plant, whole(plant, filtering.blocks(TIME), shipped), AXES, "as shipped")
     for axis in AXES:
         law = shared.exchanged(shipped, printed, axis)
-        found += shared.of_block(plant, whole(plant, filtering.blocks(TIME), law), [axis], "as printed")
+        opened += shared.of_block(plant, whole(plant, filtering.blocks(TIME), law), [axis], "as printed")
         if axis in HORIZONTAL:
-            found += shared.of_block(plant, whole(plant, unfiltered(axis), law), [axis], "as printed, unfiltered")
-    return found
+            opened += shared.of_block(plant, whole(plant, unfiltered(axis), law), [axis], "as printed, unfiltered")
+    return opened
 
 
 def whole(plant: Plant, filters: Sequence[Block], law: Sequence[Block]) -> Block:
@@ -35,8 +35,7 @@ def whole(plant: Plant, filters: Sequence[Block], law: Sequence[Block]) -> Block
 
 def unfiltered(axis: str) -> list[Block]:
     """Return the filters, of which that of one axis passes its raw position on and predicts as before."""
-    return [_bypassed(b, axis) if axis in b.output else b for b in filtering.blocks(TIME)]
-
-
-def _bypassed(block: Block, axis: str) -> Block:
-    return replace(block, output={**block.output, axis: block.symbol[f"{axis}_raw"]})
+    return [
+        replace(b, output={**b.output, axis: b.symbol[f"{axis}_raw"]}) if axis in b.output else b
+        for b in filtering.blocks(TIME)
+    ]

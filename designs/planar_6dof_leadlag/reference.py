@@ -30,12 +30,12 @@ LAG, RESET = Fraction("0.00088"), Fraction("0.1")  # s
 @cache
 def compensators() -> dict[str, Compensator]:
     """Return the six compensators. (21)-(25)."""
-    found = {}
+    sampled = {}
     for axis in GAIN:
         lead = Fraction(LEAD[axis])
         gain = Fraction(PART[axis]) * Fraction(GAIN[axis]) * lead * RESET / LAG
-        found[axis] = shared.tustin(gain, (1 / lead, 1 / RESET), 1 / LAG, PERIOD)
-    return found | {axis: shared.vertical(axis, PERIOD) for axis in shared.VERTICAL}
+        sampled[axis] = shared.tustin(gain, (1 / lead, 1 / RESET), 1 / LAG, PERIOD)
+    return sampled | {axis: shared.vertical(axis, PERIOD) for axis in shared.VERTICAL}
 
 
 def initial_state() -> dict[str, Array]:

@@ -26,4 +26,4 @@ def subject() -> Subject:
     return Subject(block, reference.step, size=0.1, step=0.06, at_rest=partial(at_rest, block))
 
 
-DESIGN = assembly.design(lqg.NAME, lqg.TIME, subject, gains.gains, experiments.PARTS, rows.lqg, page.report)
+DESIGN = assembly.design(lqg.NAME, lqg.TIME, subject, gains.gains, experiments.ALL, rows.lqg, page.report)

@@ -15,6 +15,7 @@ from designs.planar_6dof import failures, finite
 from designs.planar_6dof.paper import spectrum
 from synth.check import Check
 from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Run
 from synth.simulate.rig import Rig
 
 STEPS = {"x": spectrum.STEP, "y": 50e-6, "phi": 0.3 * pi / 180}  # m, rad, Fig. 10
@@ -23,37 +24,31 @@ FIGURES = {"x": "Fig. 10(a), (d)", "y": "Fig. 10(b)", "phi": "Fig. 10(c)"}
 LARGE = 0.06  # m
 
 
-def step_experiments(loop: Rig) -> list[Experiment]:
-    """Return the steps of Fig. 10, the first with its spectrum, and a large one."""
-    first, *others = shared.steps(loop, STEPS, {a: f"{title} ({FIGURES[a]})" for a, title in TITLES.items()}, None)
-    return [_with_spectrum(loop, first), *others, large_step(loop)]
-
-
-def large_step(loop: Rig) -> Experiment:
+def large_step(loop: Rig, name: str) -> Experiment:
     """Return a step of x that takes the motors to their limit, which the paper does not make."""
-    found = shared.step_experiment(loop, shared.step(loop, "x", LARGE), "step_x_large", "x by 60 mm", None)
-    overshoot = Check("overshoot", found.figures["overshoot"], 0.05, "1", "at the motors' limits")
-    turned = float(np.abs(found.trajectory["phi"]).max())
+    experiment = shared.step_experiment(loop, shared.step(loop, "x", LARGE), name, "x by 60 mm", None)
+    overshoot = Check("overshoot", experiment.figures["overshoot"], 0.05, "1", "at the motors' limits")
+    turned = float(np.abs(experiment.trajectory["phi"]).max())
     yaw = Check("greatest yaw", turned, 5e-3, "rad", "a fifth of what the sensors tell")
-    return replace(found, checks=(*found.checks, overshoot, yaw))
+    return replace(experiment, checks=(*experiment.checks, overshoot, yaw))
 
 
-def _with_spectrum(loop: Rig, step: Experiment) -> Experiment:
-    line, about = spectrum.of_step(loop), "above its neighbours, x as measured"
+def step_with_spectrum(loop: Rig, name: str) -> Experiment:
+    """Return the step of x with the most prominent line of its spectrum."""
+    step, line = _STEP_X.make(loop, name), spectrum.of_step(loop)
+    about = "above its neighbours, x as measured"
     check = Check("most prominent line", line.above, spectrum.DOMINANT, "dB", about)
     figures = {**step.figures, "most prominent line, Hz": line.frequency}
     return replace(step, figures=figures, checks=(*step.checks, check))
 
 
-def finite_experiments(loop: Rig) -> list[Experiment]:
-    """Return steps and standstill over a magnet matrix of finite size."""
-    steps = [finite.step(loop, axis, height, TITLES[axis], None) for axis, height in STEPS.items()]
-    return [*steps, finite.standstill(loop)]
-
-
-PARTS: shared.Parts = {
-    "steps": step_experiments,
-    "standstill": shared.standstills,
-    "failures of a Hall channel": failures.experiments,
-    "finite magnet matrix": finite_experiments,
-}
+_STEP_X, *_OTHERS = shared.steps(STEPS, {axis: f"{title} ({FIGURES[axis]})" for axis, title in TITLES.items()}, None)
+ALL = (
+    Run(_STEP_X.name, step_with_spectrum),
+    *_OTHERS,
+    Run("step_x_large", large_step),
+    *shared.STANDSTILLS,
+    *failures.ALL,
+    *finite.steps(STEPS, TITLES, None),
+    finite.STANDSTILL,
+)

@@ -31,13 +31,13 @@ def estimator(axis: Axis) -> kalman.Estimator:
 
 def full_order(plant: Plant, axis: Axis) -> Block:
     """Return the regulator of one axis on the Kalman filter of its position and rate."""
-    found, T, q = estimator(axis), TIME.period_s, MEASURED[axis.name]
+    kalman_filter, T, q = estimator(axis), TIME.period_s, MEASURED[axis.name]
     per, force = lqg.per_position(axis.name), vertical.demand(axis.name).unit.replace(" ", "/")
     constants = [
         Constant("on_position", axis.k1, per, "(49): k1"),
         Constant("on_rate", axis.k2, f"{per} s", "(49): k2"),
-        Constant("into_position", float(found.M[0, 0]), "1", "(40): M"),
-        Constant("into_rate", float(found.M[1, 0]), "1/s", "(40): M"),
+        Constant("into_position", float(kalman_filter.M[0, 0]), "1", "(40): M"),
+        Constant("into_rate", float(kalman_filter.M[1, 0]), "1/s", "(40): M"),
         Constant("period", T, "s", "T"),
         Constant("moved", axis.b * T**2 / 2, f"{q.unit}/{force}", "b T^2 / 2"),
         Constant("sped", axis.b * T, f"{q.unit}/s/{force}", "b T"),
@@ -53,7 +53,7 @@ def full_order(plant: Plant, axis: Axis) -> Block:
 
     expected = [Signal("position", q.unit, q.low, q.high), Signal("rate", f"{q.unit}/s", -FASTEST, FASTEST)]
     states = [State(replace(s, about="expected at this sample"), 0.0) for s in expected]
-    most = axis.k1 * 4 * q.high + axis.k2 * (FASTEST + 2 * float(found.M[1, 0]) * q.high)
+    most = axis.k1 * 4 * q.high + axis.k2 * (FASTEST + 2 * float(kalman_filter.M[1, 0]) * q.high)
     return lqg.regulator(plant, axis, estimate, states, constants, 1.1 * most)
 
 

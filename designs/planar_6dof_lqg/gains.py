@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from designs.planar_6dof import allocation, lqg, vertical
 from designs.planar_6dof import emitted as shared
+from designs.planar_6dof import lqg, vertical
 from models import planar_stage
 from synth.emit.c import digits
 from synth.statespace import Array
@@ -15,8 +15,7 @@ def gains() -> dict[str, Any]:
     Beside (49) stands the gain of the weights that are printed with it.
     """
     plant = planar_stage.plant()
-    found, printed = lqg.gain(), lqg.gain(lqg.PRINTED_WEIGHTS)
-    upright = [vertical.loop(a, vertical.compensator(a, lqg.TIME), lqg.TIME) for a in allocation.VERTICAL]
+    shipped, printed = lqg.gain(), lqg.gain(lqg.PRINTED_WEIGHTS)
     return {
         "plant": "(31) as printed: q'' = B i in x, y and phi, with their rates d, f, v and their integrals z1, z2, z3",
         "period_s": lqg.TIME.period_s,
@@ -24,16 +23,16 @@ def gains() -> dict[str, Any]:
         "states": list(lqg.STATES),
         "weights_Q": list(lqg.WEIGHTS),
         "weight_R": 1.0,
-        "K": _rows(found.K),
-        "poles": [digits.pole(z) for z in found.poles],
-        "certificate": shared.certificate(found.certificate),
+        "K": _rows(shipped.K),
+        "poles": [digits.pole(z) for z in shipped.poles],
+        "certificate": shared.certificate(shipped.certificate),
         "printed_weights": {
             "weights_Q": list(lqg.PRINTED_WEIGHTS),
             "K": {name: [digits.cut(v, 6) for v in row] for name, row in _rows(printed.K).items()},
             "certificate": shared.certificate(printed.certificate),
         },
         "axes": {axis.name: _axis(axis) for axis in lqg.axes(plant)},
-        "compensators": shared.compensators(upright),
+        "compensators": shared.compensators(vertical.loops(lqg.TIME)),
     }
 
 
@@ -43,14 +42,14 @@ def _rows(K: Array) -> dict[str, list[float]]:
 
 def _axis(axis: lqg.Axis) -> dict[str, Any]:
     """Return an axis' gains, on position, rate and the sum of errors, and its observer of the rate."""
-    found = lqg.observer(axis)
-    numbers = {"F": found.F, "G": found.G, "H": found.H, "L": found.L}
+    observer = lqg.observer(axis)
+    numbers = {"F": observer.F, "G": observer.G, "H": observer.H, "L": observer.L}
     return {
         "b": digits.cut(axis.b, 12),
         "gains": {name: digits.cut(getattr(axis, name), 12) for name in ("k1", "k2", "k3")},
         "observer": {
             "pole": lqg.OBSERVER_POLE[axis.name],
-            "poles": [digits.pole(z) for z in found.poles],
+            "poles": [digits.pole(z) for z in observer.poles],
             **{name: digits.cut(float(m[0, 0]), 12) for name, m in numbers.items()},
         },
     }

@@ -33,18 +33,18 @@ ROW = {"x": 2, "y": 1, "phi": 1}  # of K in which an axis has its gains
 def all_loops(plant: Plant) -> list[OpenLoop]:
     """Return the six loops of each kind; another kind of one axis is closed with the other axes as shipped."""
     shipped, printed = lqg.law(plant), lqg.law(plant, variant="published")
-    found = shared.of_block(plant, whole(plant, shipped), AXES, SHIPPED)
+    opened = shared.of_block(plant, whole(plant, shipped), AXES, SHIPPED)
     for axis in AXES:
         other, label = (reweighted(plant), REWEIGHTED) if axis in HORIZONTAL else (printed, "as printed")
-        found += shared.of_block(plant, whole(plant, shared.exchanged(shipped, other, axis)), [axis], label)
-    return found + shared.of_parts(as_printed(plant), HORIZONTAL, PRINTED)
+        opened += shared.of_block(plant, whole(plant, shared.exchanged(shipped, other, axis)), [axis], label)
+    return opened + shared.of_parts(as_printed(plant), HORIZONTAL, PRINTED)
 
 
 def horizontals(plant: Plant) -> dict[str, Horizontal]:
     """Return the loop of x, y and phi of each kind."""
     laws = {SHIPPED: lqg.law(plant), REWEIGHTED: reweighted(plant)}
-    found = {label: shared.parts(plant, whole(plant, law)) for label, law in laws.items()}
-    return {label: shared.horizontal(each) for label, each in (found | {PRINTED: as_printed(plant)}).items()}
+    both = {label: shared.parts(plant, whole(plant, law)) for label, law in laws.items()}
+    return {label: shared.horizontal(each) for label, each in (both | {PRINTED: as_printed(plant)}).items()}
 
 
 def whole(plant: Plant, law: Sequence[Block]) -> Block:
@@ -70,9 +70,7 @@ def _reweighted(axis: Axis) -> Axis:
 def as_printed(plant: Plant) -> Parts:
     """Return the horizontal stage under (33) with K of (49), which leaves the yaw of motor C out."""
     stage = shared.parts(plant, whole(plant, lqg.law(plant))).plant
-    law = core.compensator().model
-    seen, commands = tuple(f"{axis}_seen" for axis in law.inputs), tuple(f"{name}_command" for name in law.outputs)
-    return Parts(stage.select(HORIZONTAL, CURRENTS), replace(law, inputs=seen, outputs=commands))
+    return Parts(stage.select(HORIZONTAL, CURRENTS), core.compensator().model)
 
 
 def gain_of_42() -> Array:

@@ -51,9 +51,9 @@ def _counted(what: str, order: Order, block: Block, inputs: Columns) -> Iterator
     from synth.verify import meter, rivals, steps  # needs the extra `target`
 
     emitted = write.emit(block, np.float32, error=interface.SURROGATE_ERROR[np.float32])
-    given = steps.recorded(host.load(emitted.files, emitted.manifest), "at rest", dict(inputs), closed_loop=True)
+    recorded = steps.recorded(host.load(emitted.files, emitted.manifest), "at rest", dict(inputs), closed_loop=True)
     assert emitted.program is not None
     arithmetic = sum(operations.of_program(emitted.program).values())
     for build in meter.builds():
-        found = meter.run(rivals.emitted(emitted), given, build).cost.instructions
-        yield what, order, len(block.states), arithmetic, build.name, float(found.mean()), int(found.max())
+        n = meter.run(rivals.emitted(emitted), recorded, build).cost.instructions
+        yield what, order, len(block.states), arithmetic, build.name, float(n.mean()), int(n.max())

@@ -48,14 +48,14 @@ class Axis:
 @cache
 def axes() -> dict[str, Axis]:
     """Return the three axes with their gains in A per m, m/s, and m of each sample."""
-    T, found = float(PERIOD), {}
+    T, by_axis = float(PERIOD), {}
     made = {"x": FORCE, "y": 2 * FORCE, "phi": 2 * FORCE * shared.ARM}
     pushed = {"x": PER_AMPERE, "y": 2 * PER_AMPERE, "phi": 2 * YAW_PER_AMPERE}
     for axis, weights in WEIGHTS.items():
         K, unit = gain(pushed[axis], weights, 1 if axis == "x" else 2), made[axis] / shared.scales()[axis]
         k_q, k_z, k_v = (unit * v for v in K)
-        found[axis] = Axis(pushed[axis] / unit, k_q, k_v, k_z * T, float(Fraction(POLE[axis])))
-    return found
+        by_axis[axis] = Axis(pushed[axis] / unit, k_q, k_v, k_z * T, float(Fraction(POLE[axis])))
+    return by_axis
 
 
 def gain(b: float, weights: tuple[float, float, float], R: float) -> Array:
@@ -99,10 +99,10 @@ def estimated(name: str, q: Array, ready: Array, state: Columns) -> Array:
     return np.where(ready > 0, state[f"lqg_{name}_x3"] / on_rate(k), -(1 - k.p) / float(PERIOD) * q)
 
 
-def regulated(name: str, q: Array, r: Array, x3: Array, state: Columns) -> tuple[Array, Array]:
+def regulated(name: str, q: Array, r: Array, ready: Array, state: Columns) -> tuple[Array, Array]:
     """Return the demand of an axis, and how far it is from what the error and the integral make. (33), (49)."""
     k, T, f1 = axes()[name], float(PERIOD), state[f"lqg_{name}_force"]
-    v = x3 + (1 - k.p) / T * q
+    v = estimated(name, q, ready, state) + (1 - k.p) / T * q
     q1, v1 = q + T * v + k.b * T**2 / 2 * f1, v + k.b * T * f1
     w = -k.k_q * (q1 - q) - k.k_v * v1
     e = np.clip(r - q, -ERROR[name], ERROR[name])
@@ -114,11 +114,11 @@ def on_rate(k: Axis) -> float:
     return k.k_q * float(PERIOD) + k.k_v
 
 
-def advanced(name: str, q: Array, r: Array, w: Array, x3: Array, made: Array, state: Columns) -> dict[str, Array]:
+def advanced(name: str, q: Array, r: Array, ready: Array, made: Array, state: Columns) -> dict[str, Array]:
     """Return the next observer, integral and force of an axis; the integral fades while the error is large. (33)."""
-    k, T, f1 = axes()[name], float(PERIOD), state[f"lqg_{name}_force"]
+    k, T, f1, w = axes()[name], float(PERIOD), state[f"lqg_{name}_force"], regulated(name, q, r, ready, state)[1]
     L, g = (1 - k.p) / T, k.k_z / (k.k_q + k.k_z)
-    moved = k.p * x3 - L * (1 - k.p) * q + k.b * T * (1 - L * T / 2) * f1
+    moved = k.p * estimated(name, q, ready, state) - L * (1 - k.p) * q + k.b * T * (1 - L * T / 2) * f1
     integral = state[f"lqg_{name}_integral"]
     return {
         f"lqg_{name}_x3": on_rate(k) * moved,
@@ -130,26 +130,21 @@ def advanced(name: str, q: Array, r: Array, w: Array, x3: Array, made: Array, st
 def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
     """Return (next state, phase currents, fault word) of one sample, columns by name."""
     values, after, word, complete = shared.guard(state, inputs)
-    ready = np.asarray(state["guard_ready"])
+    ready, scales = np.asarray(state["guard_ready"]), shared.scales()
     last = {axis: state[f"sensing_within_{axis}"] + state[f"sensing_offset_{axis}"] for axis in "xy"}
     last |= {"phi": state["sensing_phi_raw"]}
     pose, moved = sensing.sense(state, values, (ready, complete), last, sensing.constants(float(PERIOD)))
-    moved |= {"sensing_phi_raw": pose["phi_raw"]}
     pose |= {"phi": pose["phi_raw"], **shared.heights(values)}
-    wanted, w, k = {}, {}, {axis: shared.vertical(axis, PERIOD) for axis in UPRIGHT}
-    x3 = {axis: estimated(axis, pose[f"{axis}_raw"], ready, state) for axis in HORIZONTAL}
-    scales = shared.scales()
-    for axis in HORIZONTAL:
-        d, w[axis] = regulated(axis, pose[f"{axis}_raw"], values[f"{axis}_ref"], x3[axis], state)
-        wanted[axis] = d * scales[axis]
+    seen = {axis: (pose[f"{axis}_raw"], values[f"{axis}_ref"], ready) for axis in HORIZONTAL}
     e = {axis: values[f"{axis}_ref"] - pose[axis] for axis in UPRIGHT}
-    for axis in UPRIGHT:
-        wanted[axis] = shared.compensated(axis, k[axis], e[axis], state)
+    k = {axis: shared.vertical(axis, PERIOD) for axis in UPRIGHT}
+    wanted = {axis: regulated(axis, *qr, state)[0] * scales[axis] for axis, qr in seen.items()}
+    wanted |= {axis: shared.compensated(axis, k[axis], e[axis], state) for axis in UPRIGHT}
     currents, made = shared.motors(wanted, pose["phi"])
-    for axis in HORIZONTAL:
-        q, r, met = pose[f"{axis}_raw"], values[f"{axis}_ref"], made[axis] / scales[axis]
-        after |= advanced(axis, q, r, w[axis], x3[axis], met, state)
+    for axis, qr in seen.items():
+        after |= advanced(axis, *qr, made[axis] / scales[axis], state)
     for axis in UPRIGHT:
         after |= shared.advanced(axis, k[axis], e[axis], made[axis], state)
-    kept, out = shared.concluded(state, after | moved, shared.phases(currents, pose), PERIOD)
+    after |= moved | {"sensing_phi_raw": pose["phi_raw"]}
+    kept, out = shared.concluded(state, after, shared.phases(currents, pose), PERIOD)
     return kept, out, word

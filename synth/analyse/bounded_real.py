@@ -23,12 +23,10 @@ response M(i w), with W = 0. X is that of the sampled model, too, when A, B, C, 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from synth.analyse import twofold
-from synth.statespace import Array
+from synth.statespace import Array, Complex
 
-Complex = NDArray[np.complex128]
 Matrices = tuple[Array, Array, Array, Array]
 
 EPS = float(np.finfo(float).eps)  # twice the largest error of a rounding
@@ -107,7 +105,6 @@ def _inequality(X: Array, model: Matrices, level: float, continuous: bool) -> tu
 
 
 def _embedded(M: Array, rows: int) -> Array:
-    """Return M with rows of zeros below its own."""
     return np.vstack([M, np.zeros((rows, M.shape[1]))])
 
 

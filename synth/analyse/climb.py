@@ -8,11 +8,9 @@ where u, v are the singular vectors at w.
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from synth.statespace import Array
+from synth.statespace import Array, Complex
 
-Complex = NDArray[np.complex128]
 Derivatives = Callable[[float], tuple[Complex, Complex, Complex]]
 
 STEPS = 8

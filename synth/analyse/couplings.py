@@ -14,8 +14,7 @@ from scipy.linalg import lapack
 
 from synth import arguments, show
 from synth.analyse import staircase, structure
-from synth.analyse.staircase import Complex
-from synth.statespace import Array, System, of
+from synth.statespace import Array, Complex, System, of
 from synth.timing import Time
 
 CHUNK = 16  # modes that are taken together
@@ -39,8 +38,7 @@ class Coupling:
     by_output: Mapping[str, float]
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Couplings:
     """The couplings of each mode, the slowest first."""
 
@@ -83,10 +81,7 @@ class Couplings:
 
 @arguments.checked
 def couplings(system: System) -> Couplings:
-    """Return how strongly inputs move and outputs show each mode of a System.
-
-    Raises SignalError as `statespace.of`.
-    """
+    """Return how strongly inputs move and outputs show each mode of a System; raise SignalError as `statespace.of`."""
     model = of(system)
     part = staircase.of_model(model)
     roots = structure.poles(model).roots
@@ -138,7 +133,6 @@ def _with_row(T: Complex, row: Complex) -> Complex:
 
 
 def _least(R: Complex) -> float:
-    """Return the least singular value of an upper triangular matrix (n, n)."""
     if len(R) > SMALL and np.isfinite(found := _iterated(R)):
         return found
     return float(np.linalg.svd(R, compute_uv=False)[-1])

@@ -197,7 +197,6 @@ def _van_loan(F: Array, W: Array, period_s: float) -> tuple[Array, Array]:
 
 
 def _period(period_s: float) -> Discrete:
-    """Return a period as time, in double precision whatever kind of number it came as."""
     return Discrete(float(Discrete(period_s).period_s))
 
 

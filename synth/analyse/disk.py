@@ -16,23 +16,20 @@ one channel of L at a time and leaves the others as they are. A sampled loop is 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from synth import arguments, show
-from synth.analyse import equilibrate, structured_peak
+from synth.analyse import equilibrate, structured_peak, transfer
 from synth.errors import ModelError, SignalError
-from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.timing import Continuous, Time
 
-Complex = NDArray[np.complex128]
 Matrices = tuple[Array, Array, Array, Array]
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class DiskMargin:
     """The disk margin of a loop with p channels: it lies between `lower` and `upper`.
 
@@ -117,7 +114,9 @@ class DiskMargin:
         parts = [_first_order(delta, w, self.skew) for delta in self.delta.tolist()]
         A, B, C, D = (np.diag([part[k] for part in parts]) for k in range(4))
         if not isinstance(self.time, Continuous):
-            A, B, C, D = _sampled(A, B, C, D)
+            one, root = np.eye(len(A)), np.sqrt(2)
+            inverse = np.linalg.inv(one - A)
+            A, B, C, D = inverse @ (A + one), root * inverse @ B, root * C @ inverse, D + C @ inverse @ B
         states, outputs = (tuple(f"{name}_{kind}" for name in self.channels) for kind in ("allpass", "astray"))
         return StateSpace(A, B, C, D, states, self.channels, outputs, self.time)
 
@@ -191,11 +190,8 @@ def _closed(loop: StateSpace, skew: float) -> StateSpace:
 
 
 def _require_decay(A: Array, time: Time) -> None:
-    poles = np.linalg.eigvals(A)
-    if isinstance(time, Continuous):
-        lasting = poles.real >= -1e-14 * np.abs(poles).max(initial=0.0)
-    else:
-        lasting = np.abs(poles) >= 1 - 1e-14
+    poles = np.linalg.eigvals(A).astype(np.complex128)
+    lasting = transfer.lasting(poles, time)
     if lasting.any():
         found = ", ".join(show.number(s) for s in poles[lasting & (poles.imag >= 0)].tolist())
         raise ModelError(
@@ -210,13 +206,6 @@ def _margin(closed: StateSpace, channels: tuple[str, ...], skew: float, certify:
         lower, upper, curve = 1 / np.float64(peak.level), 1 / np.float64(peak.lower), 1 / peak.bounds
     bounds = float(lower), float(upper), peak.certified
     return DiskMargin(channels, float(skew), closed.time, *bounds, peak.frequency, peak.delta, peak.frequencies, curve)
-
-
-def _sampled(A: Array, B: Array, C: Array, D: Array) -> Matrices:
-    """Return the model in z of one in s = (z - 1)/(z + 1)."""
-    one, root = np.eye(len(A)), np.sqrt(2)
-    inverse = np.linalg.inv(one - A)
-    return inverse @ (A + one), root * inverse @ B, root * C @ inverse, D + C @ inverse @ B
 
 
 def _first_order(delta: complex, w: float, skew: float) -> tuple[float, float, float, float]:

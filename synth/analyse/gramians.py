@@ -39,8 +39,7 @@ class _Span:
     text: str
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Gramians:
     """Wc (n, n), Wo (n, n) in the units of the states, Hankel singular values (n,), largest first, and shares.
 
@@ -107,11 +106,16 @@ def over(system: System, horizon_s: float) -> Gramians:
     if not 0 < horizon_s < np.inf:
         raise TimingError(f"the horizon is {horizon_s} s: give a finite positive time")
     if isinstance(model.time, Continuous):
-        return _gramians(model, X, _over_time(horizon_s) if len(X) else _Span(_nothing, _nothing, _text(horizon_s)))
+
+        def gathered(F: Array, Q: Array) -> tuple[Array, Array]:
+            found = discretise.gramian(F, Q, horizon_s) if len(F) else None
+            return (found.W, found.M) if found else (Q, F)
+
+        return _gramians(model, X, _over(f"{horizon_s:g} s", gathered))
     samples = round(horizon_s / model.time.period_s)
     if samples < 1:
         raise TimingError(f"the horizon of {horizon_s:g} s is shorter than a sample of {model.time.period_s:g} s")
-    return _gramians(model, X, _over_samples(samples))
+    return _gramians(model, X, _over(f"{samples} samples", lambda F, Q: _summed(F, Q, samples)))
 
 
 def _stable_first(A: Array, continuous: bool) -> tuple[Array, int]:
@@ -141,28 +145,14 @@ def _over_all_time(n: int, k: int, continuous: bool) -> _Span:
     return _Span(integral, edge, "over all time" if k == n else "over the future of what decays, the past of the rest")
 
 
-def _over_time(horizon_s: float) -> _Span:
+def _over(span: str, gathered: Callable[[Array, Array], tuple[Array, Array]]) -> _Span:
+    """Return the span of which `gathered` gives W and what the state has become at its end."""
+
     def edge(F: Array, Q: Array) -> Array:
-        M = discretise.gramian(F, Q, horizon_s).M
+        M = gathered(F, Q)[1]
         return M.T @ Q @ M - Q
 
-    return _Span(lambda F, Q: discretise.gramian(F, Q, horizon_s).W, edge, _text(horizon_s))
-
-
-def _text(horizon_s: float) -> str:
-    return f"over {horizon_s:g} s"
-
-
-def _nothing(F: Array, Q: Array) -> Array:
-    return Q
-
-
-def _over_samples(samples: int) -> _Span:
-    def edge(F: Array, Q: Array) -> Array:
-        M = np.linalg.matrix_power(F, samples)
-        return M.T @ Q @ M - Q
-
-    return _Span(lambda F, Q: _summed(F, Q, samples), edge, f"over {samples} samples")
+    return _Span(lambda F, Q: gathered(F, Q)[0], edge, f"over {span}")
 
 
 def _lyapunov(F: Array, Q: Array, continuous: bool) -> Array:
@@ -180,14 +170,14 @@ def _inverse(T: Array) -> Array:
     return np.asarray(np.linalg.inv(T), dtype=np.float64)
 
 
-def _summed(F: Array, Q: Array, samples: int) -> Array:
-    """Return the sum over F'^k Q F^k for k below `samples`, doubling the span: W(a + b) = W(a) + F'^a W(b) F^a."""
+def _summed(F: Array, Q: Array, samples: int) -> tuple[Array, Array]:
+    """Return the sum over F'^k Q F^k for k below `samples`, doubling W(a + b) = W(a) + F'^a W(b) F^a, and F^samples."""
     W, power = np.zeros_like(Q), np.eye(len(F))
     for digit in f"{samples:b}":
         W, power = W + power.T @ W @ power, power @ power
         if digit == "1":
             W, power = Q + F.T @ W @ F, power @ F
-    return W
+    return W, power
 
 
 def _gramians(model: StateSpace, T: Array, span: _Span) -> Gramians:
@@ -215,7 +205,6 @@ def _gramians(model: StateSpace, T: Array, span: _Span) -> Gramians:
 
 
 def _residual(F: Array, Q: Array, W: Array, span: _Span, continuous: bool) -> float:
-    """Return the residual of the Lyapunov equation over the norms of its terms."""
     left, edge = (F.T @ W + W @ F if continuous else F.T @ W @ F - W), span.edge(F, Q)
     size = np.linalg.norm(F.T @ W) + np.linalg.norm(edge)
     return float(np.linalg.norm(left - edge) / (size or 1.0))

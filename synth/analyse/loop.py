@@ -2,7 +2,8 @@
 
     u_s --> [ controller without s ] --> [ delay ] --> [ hold, plant, sampler ] --> [ controller ] --> y_s
 
-The signal s is a sensor, an actuator, or one inside the controller, whose Blocks are then composed with s `cut`: its
+The signal s is a sensor, an actuator, a coordinate q = T y of sensors y, which is cut with E = pinv(T) in front of the
+controller, y -> (1 - E T) y + E q, or one inside the controller, whose Blocks are then composed with s `cut`: its
 driver drives ``s_out``, its readers read ``s``. The loop L from s to -s_out has the closed loop 1 + L. Plant and
 controller linearised where both rest, and the loop opened there, is `resting.open_loop`.
 
@@ -30,6 +31,7 @@ from synth.statespace import Array, StateSpace, System, of
 from synth.timing import Continuous, Discrete, period
 
 WHOLE = 1e-9  # of a sample: a delay that is nearer to a whole count of samples is that count
+KINDS = ("a sensor", "an actuator", "a coordinate")
 LONGEST = 500  # states for the delay: the eigenvalues of the loop cost their cube
 
 
@@ -166,6 +168,7 @@ def opened(
     sensors: Mapping[str, str],
     actuators: Mapping[str, str | Mapping[str, float]],
     delay: float = 1,
+    coordinates: Mapping[str, Mapping[str, float]] | None = None,
 ) -> StateSpace:
     """Return L from `signal` to minus ``<signal>_out``: the continuous plant held and sampled under the controller.
 
@@ -173,12 +176,13 @@ def opened(
     {controller output: weight}; other inputs stay at rest. The loop opens at a controller input that is a sensor, at a
     plant input that is an actuator (before its delay, so that an observer in the controller still sees what it
     commands), or at a signal that the controller was `cut` at; at several of them at once when several are named.
+    `coordinates` {name: {sensor: weight}} are sums of sensors at which it opens as well.
 
     `delay` is in samples, any number from 0.
 
     Raises TimingError for a sampled plant, a continuous controller or a delay as `sampled`; ModelError as `sampled`;
-    SignalError for a name that is not known, that is a sensor and an actuator, or when without a delay the plant passes
-    its inputs straight on.
+    SignalError for a name that is not known, or that is two of sensor, actuator and coordinate, for coordinates that
+    depend on each other, or when without a delay the plant passes its inputs straight on.
     """
     K = of(controller)
     P = _late(of(plant), Discrete(period(K.time)), _number(delay))
@@ -187,7 +191,7 @@ def opened(
     signals = arguments.names("signals to open the loop at", signal)
     S = _wires(K.inputs, P.outputs, sensors)
     U = _wires(P.inputs, K.outputs, actuators)
-    b = _break(signals, P, K, S, U, sensors, actuators)
+    b = _break(signals, P, K, S, U, sensors, actuators, coordinates or {})
     A = np.block([[P.A + P.B @ b.U @ K.D @ b.S @ P.C, P.B @ b.U @ K.C], [K.B @ b.S @ P.C, K.A]])
     B = np.vstack([P.B @ (b.U @ K.D @ b.into_controller + b.into_plant), K.B @ b.into_controller])
     C = -np.hstack([b.of_controller @ K.D @ b.S @ P.C + b.of_plant @ P.C, b.of_controller @ K.C])
@@ -218,8 +222,11 @@ def _break(
     U: Array,
     sensors: Collection[str],
     actuators: Collection[str],
+    coordinates: Mapping[str, Mapping[str, float]],
 ) -> _Break:
     """Take the wires to `signals` out."""
+    T = _weights(coordinates, K.inputs, signals)
+    E = np.linalg.pinv(T)
     b = _Break(
         S.copy(),
         U.copy(),
@@ -231,20 +238,36 @@ def _break(
             b.into_controller[:, j : j + 1] = _wires(K.inputs, (name,), {name: name})
             b.of_controller[j] = _wires(("out",), K.outputs, {"out": f"{name}_out"})[0]
             continue
-        is_sensor, is_actuator = name in sensors, name in actuators
-        if is_sensor == is_actuator:
-            what = "is a sensor and an actuator" if is_sensor else "is neither a sensor nor an actuator"
+        kinds = [what for what, known in zip(KINDS, (sensors, actuators, coordinates), strict=True) if name in known]
+        if len(kinds) != 1:
+            what = f"is {' and '.join(kinds)}" if kinds else "is neither a sensor nor an actuator"
             raise SignalError(
-                f"the loop cannot open at '{name}', which {what}: name one of {', '.join((*sensors, *actuators))}, "
-                "rename one of two with the same name, or `cut` the controller at it"
+                f"the loop cannot open at '{name}', which {what}: name one of "
+                f"{', '.join((*sensors, *actuators, *coordinates))}, rename one of two with the same name, or `cut` "
+                "the controller at it"
             )
-        if is_sensor:
+        if name in coordinates:
+            row = list(coordinates).index(name)
+            b.into_controller[:, j], b.of_plant[j] = E[:, row], T[row] @ S
+            b.S[:] -= np.outer(E[:, row], T[row] @ S)
+        elif name in sensors:
             i = K.inputs.index(name)
             b.into_controller[i, j], b.of_plant[j], b.S[i] = 1, S[i], 0
         else:
             i = P.inputs.index(name)
             b.into_plant[i, j], b.of_controller[j], b.U[i] = 1, U[i], 0
     return b
+
+
+def _weights(coordinates: Mapping[str, Mapping[str, float]], inputs: Sequence[str], signals: Sequence[str]) -> Array:
+    """Return the weights (coordinates, inputs) of coordinates that may be opened at `signals`."""
+    T = _wires(tuple(coordinates), inputs, coordinates)
+    if np.linalg.matrix_rank(T) < len(T):
+        raise SignalError(f"the coordinates {', '.join(coordinates)} depend on each other: leave one of them out")
+    summed = {sensor for name in signals if name in coordinates for sensor in coordinates[name]}
+    if both := summed.intersection(signals):
+        raise SignalError(f"the loop cannot open at '{min(both)}' and at a coordinate of it at once: leave one out")
+    return T
 
 
 def _wires(into: Sequence[str], source: Sequence[str], wires: Mapping[str, str | Mapping[str, float]]) -> Array:

@@ -17,20 +17,18 @@ from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq, minimize
 
 from synth import arguments, law
 from synth.errors import ModelError, SignalError
 from synth.signals import Signal, names
-from synth.statespace import readonly
+from synth.statespace import Array, readonly
 
-Array = NDArray[np.float64]
 Exprs = Mapping[str, ca.SX]
 
 GRID = 9  # points along each signal
 SEEDS = 3  # grid points that are refined
-CONDITION_LIMIT = 1e8
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,30 +134,6 @@ def conditioning(matrix: ca.SX, symbols: Exprs, box: Sequence[Signal]) -> Condit
     cond_value, cond_at = _largest_condition(cond, scan)
     named = [dict(zip(boxed, map(float, scan.signals(at)), strict=True)) for at in (det_at, cond_at)]
     return Conditioning(det_value, named[0], cond_value, named[1])
-
-
-@arguments.checked
-def require_invertible(
-    matrix: ca.SX,
-    symbols: Exprs,
-    box: Sequence[Signal],
-    what: str = "decoupling matrix",
-    limit: float = CONDITION_LIMIT,
-) -> Conditioning:
-    """Return the conditioning of `matrix` over `box`; raise ModelError, saying where, when it is singular there.
-
-    It counts as singular where the determinant vanishes or changes sign, or where the condition number passes `limit`.
-    """
-    found = conditioning(matrix, symbols, box)
-    if found.min_abs_det == 0 or not found.max_cond <= limit:
-        at = found.det_at if found.min_abs_det == 0 else found.cond_at
-        where = ", ".join(f"{s.name} = {at[s.name]:.6g} {s.unit}" for s in box)
-        raise ModelError(
-            f"the {what} is singular in the domain: |det| falls to {found.min_abs_det:.3g} and the condition number "
-            f"rises to {found.max_cond:.3g} (at most {limit:.3g} is needed) at {where}: shrink the domain or choose "
-            "other inputs"
-        )
-    return found
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,10 +29,10 @@ from synth import arguments, cache, show
 from synth.analyse import assessment, transfer
 from synth.analyse.assessment import Assessment
 from synth.analyse.crossings import Crossing
-from synth.analyse.transfer import Complex, Delayed, Loop
+from synth.analyse.transfer import Delayed, Loop
 from synth.errors import ModelError
 
-__all__ = ["Complex", "GainCrossing", "Margins", "PhaseCrossing", "of_loop", "response"]
+__all__ = ["GainCrossing", "Margins", "PhaseCrossing", "of_loop", "response"]
 
 EXACT_STATES = 50  # up to which a loop is taken as a ratio of polynomials: their cost grows with the fourth power
 NOTHING = 1e-12  # |L| below it, or above its inverse, is rounding error and no crossing is reported

@@ -19,9 +19,7 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from synth.statespace import Array
-
-Complex = NDArray[np.complex128]
+from synth.statespace import Array, Complex
 
 EPS = float(np.finfo(float).eps)  # twice the largest error of a rounding
 WIDE = 1e30  # no number is larger, no pole nearer to the axis than its inverse: squares keep within a double
@@ -67,7 +65,7 @@ def of(A: Array, B: Array, C: Array, D: Array, poles: Complex, V: Array, sampled
         W = np.linalg.inv(V)
     except np.linalg.LinAlgError:
         return None
-    n, pairs, paired = len(A), _partners(poles), poles.imag != 0
+    n, pairs, paired = len(A), np.arange(len(poles)) + np.sign(poles.imag).astype(np.intp), poles.imag != 0
     rounding = (n + 5) * (EPS / 2) * UP  # of sums of n products and what is added to them
     W_size, V_size, other = np.abs(W), np.abs(V), V[:, pairs]
     G = W @ V
@@ -101,13 +99,7 @@ def eigen(A: Array) -> tuple[Complex, Array]:
 
 
 def _largest(*matrices: NDArray[np.floating]) -> float:
-    """Return the size of the largest entry."""
     return max(float(np.abs(M).max(initial=0.0)) for M in matrices)
-
-
-def _partners(poles: Complex) -> NDArray[np.intp]:
-    """Return the place of each pole's conjugate."""
-    return np.arange(len(poles)) + np.sign(poles.imag).astype(np.intp)
 
 
 def _inverted(X: Array, rows: Array) -> Array:

@@ -18,8 +18,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from synth.analyse import climb, modal
-from synth.analyse.modal import EPS, Complex, Modes
-from synth.statespace import Array
+from synth.analyse.modal import EPS, Modes
+from synth.statespace import Array, Complex
 
 SWEEPS = 40
 MOST = 20_000  # intervals of one sweep: beyond, the response is too flat to be bounded so

@@ -28,9 +28,9 @@ from functools import cmp_to_key
 from itertools import islice
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from synth.statespace import Array
+
 Pair = tuple[Array, Array]
 
 BOX_STARTS = 24

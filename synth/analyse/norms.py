@@ -46,8 +46,7 @@ class _Square:
 Found = TypeVar("Found", _Square, peak_gain.Peak)
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class NormH2:
     """The H2 norm `value`, known to the relative `error`; where it is infinite, `reason` says why."""
 
@@ -65,8 +64,7 @@ class NormH2:
         return show.Sheet(f"H2 norm in {self.time}: {show.number(self.value, 8)}", (line,))
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class NormHinf:
     """The H-infinity norm: `lower` <= norm <= `upper`, and the value `peak` in double precision at `frequency` rad/s.
 

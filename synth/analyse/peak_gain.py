@@ -13,17 +13,14 @@ rounding may have added to it.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from synth import resolvent
 from synth.analyse import bounded_real, climb, modal, modal_peak, schur_response
 from synth.analyse.bounded_real import EPS, Matrices
 from synth.analyse.modal import Modes
 from synth.analyse.modal_peak import Bound
-from synth.statespace import Array, StateSpace
+from synth.statespace import Array, Complex, StateSpace
 from synth.timing import Continuous
-
-Complex = NDArray[np.complex128]
 
 LEVELS = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)  # e, relative
 TINY = 1e-300
@@ -134,7 +131,6 @@ def _middles(eigenvalues: Complex) -> Array:
 
 
 def _climb(form: Matrices, w: float) -> tuple[float, float]:
-    """Return the value and the frequency of the local maximum that Newton's method finds from w."""
     if np.isinf(w) or not len(form[0]):
         return float(np.linalg.norm(form[3], 2)), w
     return climb.climb(lambda at: _derivatives(form, at), w)

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.analyse import precise
-from synth.analyse.rational import BITS, Complex, Rational
+from synth.analyse.rational import BITS, Rational
 from synth.errors import ModelError
-from synth.statespace import Array, StateSpace
+from synth.statespace import Array, Complex, StateSpace
 from synth.timing import Continuous, Time
 
 SLOW = 1e-14  # of the fastest pole, or of the unit circle: a pole that decays by less may be undamped

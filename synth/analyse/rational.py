@@ -20,14 +20,13 @@ from typing import Any
 
 import flint
 import numpy as np
-from numpy.typing import NDArray
 
 from synth.analyse import discretise, precise
+from synth.conversions import coefficients
 from synth.errors import ModelError
-from synth.statespace import Array, StateSpace, System, coefficients, of
+from synth.statespace import Array, Complex, StateSpace, System, of
 from synth.timing import Continuous, Time
 
-Complex = NDArray[np.complex128]
 Polynomial = flint.fmpz_poly
 
 BITS = 128  # of each zero; more where they do not resolve a value
@@ -83,16 +82,14 @@ class Rational:
 
 
 def of_system(system: System) -> Rational:
-    """Return a scalar System as the ratio that its numbers make.
-
-    Raises SignalError when the system cannot be read.
-    """
+    """Return a scalar System as the ratio that its numbers make; raise SignalError when the system cannot be read."""
     model, fraction = of(system), coefficients(system)
     N, D = _integer_coefficients(*fraction) if fraction else _determinants(model)
     if not isinstance(model.time, Continuous):
         order = max(N.degree(), D.degree())
         N, D = _bilinear(N, order), _bilinear(D, order)
-    N, D = _primitive(N, D)
+    common = gcd(int(N.content()), int(D.content())) or 1
+    N, D = N // common, D // common
     return Rational(N, D, model, fraction)
 
 
@@ -138,12 +135,6 @@ def _bilinear(P: Polynomial, order: int) -> Polynomial:
     shifted = [int(c) << k for k, c in enumerate(map(int, P(X - 1).coeffs()))]
     padded = shifted + [0] * (order + 1 - len(shifted))
     return flint.fmpz_poly(padded[::-1])(1 - X)
-
-
-def _primitive(N: Polynomial, D: Polynomial) -> tuple[Polynomial, Polynomial]:
-    """Return N and D without the common divisor of all their coefficients."""
-    common = gcd(int(N.content()), int(D.content())) or 1
-    return N // common, D // common
 
 
 def zeros(P: Polynomial) -> Complex:
@@ -196,10 +187,7 @@ def count_unstable(loop: Rational, factor: complex) -> int:
 
 
 def _complex_roots(real: Polynomial, imaginary: Polynomial) -> list[flint.acb]:
-    """Return the zeros of real + i imaginary, exact coefficients.
-
-    Raises ModelError where they cannot be told apart.
-    """
+    """Return the zeros of real + i imaginary, exact coefficients; raise ModelError where they cannot be told apart."""
     with precise.precision(max(real.height_bits(), imaginary.height_bits()) + BITS):
         P = flint.acb_poly(real) + flint.acb(0, 1) * flint.acb_poly(imaginary)
         try:

@@ -34,8 +34,7 @@ class Fewer:
     difference: float
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Minimal:
     """The minimal `model`, the modes that left it, and the largest difference of the responses.
 
@@ -181,7 +180,6 @@ def _points(model: StateSpace) -> NDArray[np.complex128]:
 
 
 def _response(model: StateSpace, points: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """Return the response (k, p, m), computed in scaled states."""
     part = staircase.of_model(model)
     A, B, C = part.A * part.rate, part.B * part.rate / part.u, part.C * part.y[:, None]
     return replace(model, A=A, B=B, C=C).response(points)

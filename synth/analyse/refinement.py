@@ -3,11 +3,10 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from synth.statespace import Array
+from synth.statespace import Array, Complex
 
-Complex = NDArray[np.complex128]
 Response = Callable[[ArrayLike], Complex]
 NARROW = 1e-9  # of a frequency: nodes stand no closer, for nearer to an undamped pole L is rounding error
 
@@ -30,7 +29,6 @@ def refined(L: Response, w: Array, value: Complex) -> tuple[Array, Complex]:
 
 
 def _step(value: Complex) -> Array:
-    """Return how far log `value` moves from point to point."""
     turn = np.diff(np.angle(value))
     return np.hypot(np.diff(log(value)), (turn + np.pi) % (2 * np.pi) - np.pi)
 

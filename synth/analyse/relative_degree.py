@@ -37,8 +37,7 @@ class Rows:
     dependent: Mapping[str, tuple[str, ...]]
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class RelativeDegree:
     """Degrees (p,) of `model`'s outputs, with decoupling matrix D (p, m) and drift a (p,) in the symbols `model.x`.
 

@@ -6,7 +6,7 @@ each relative to half the width of its signal's range; Newton's method with the 
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import casadi as ca
@@ -36,7 +36,7 @@ class ClosedLoop:
 
     `sensors[controller input] = plant output`; `actuators[plant input] = controller output`, or a sum of them,
     {controller output: weight}. Commands act `delay` samples late. Other inputs of the controller are references, other
-    inputs of the plant disturbances.
+    inputs of the plant disturbances. `coordinates` {name: {sensor: weight}} are sums of sensors at which it may open.
 
     Raises SignalError for a wire whose ends are not known.
     """
@@ -46,6 +46,7 @@ class ClosedLoop:
     sensors: Mapping[str, str]
     actuators: Wires
     delay: float = 1
+    coordinates: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         ends = (

@@ -12,6 +12,7 @@ solves it, each unknown relative to half the width of its range, from the plant'
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
@@ -44,12 +45,12 @@ class Rest:
     inputs: Mapping[str, float]
     residual: float
 
-    @property
+    @cached_property
     def controller(self) -> StateSpace:
         """The controller's Jacobians where it rests."""
         return loop.linearised(self.closed.controller, self.state, self.inputs)
 
-    @property
+    @cached_property
     def plant(self) -> StateSpace:
         """The plant's Jacobians where it rests."""
         return linearise.linearise(self.closed.plant, self.point)
@@ -57,14 +58,14 @@ class Rest:
 
 @arguments.checked
 def open_loop(rest: Rest, signal: str | Sequence[str]) -> StateSpace:
-    """Return L from `signal`, an actuator or a sensor, to minus ``<signal>_out``, sampled, where the loop rests.
+    """Return L from `signal`, actuator, sensor or coordinate, to minus ``<signal>_out``, sampled, where the loop rests.
 
     An actuator is named as the plant's input, a sensor as the controller's; with several names L is opened at all of
     them. An actuator opens before its delay and behind whatever in the controller observes the command. Arguments and
     errors are those of `loop.opened`.
     """
     of = rest.closed
-    return loop.opened(rest.plant, rest.controller, signal, of.sensors, of.actuators, of.delay)
+    return loop.opened(rest.plant, rest.controller, signal, of.sensors, of.actuators, of.delay, of.coordinates)
 
 
 @arguments.checked

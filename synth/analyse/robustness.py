@@ -10,7 +10,7 @@ in the plant alone. MATLAB: `getLoopTransfer` over `ureal` vertices, `allmargin`
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -97,6 +97,14 @@ class Loops:
         """The controller's inputs that sensors drive."""
         return tuple(self.closed.sensors)
 
+    @property
+    def signals(self) -> tuple[str, ...]:
+        """All actuators and sensors; where there are coordinates, these and the sensors that are in none of them."""
+        coordinates = self.closed.coordinates
+        taken = {sensor for weights in coordinates.values() for sensor in weights}
+        alone = [sensor for sensor in self.sensors if sensor not in taken]
+        return (*coordinates, *alone) if coordinates else (*self.actuators, *alone)
+
 
 @arguments.checked
 def of_controller(
@@ -106,10 +114,12 @@ def of_controller(
     cases: Sequence[Case] = (NOMINAL,),
     scalar: type[np.floating] = np.float32,
     actuators: Wires | None = None,
+    coordinates: Mapping[str, Mapping[str, float]] | None = None,
 ) -> Loops:
     """Return the loops of a composed controller, its constants rounded to `scalar`, around a plant.
 
-    `actuators` are the wires from the controller's outputs to the plant's inputs, those of the interface if left out.
+    `actuators` are the wires from the controller's outputs to the plant's inputs, those of the interface if left out;
+    `coordinates` {name: {sensor: weight}} are sums of sensors at which the loops open in place of these.
 
     Raises SignalError for no operating point, or as `rest_equations.ClosedLoop`.
     """
@@ -120,7 +130,7 @@ def of_controller(
     around = controller.interface
     wires = {a.of: a.name for a in around.actuators} if actuators is None else actuators
     sensors = {s.name: s.of for s in around.sensors}
-    closed = ClosedLoop(plant, controller.block.rounded(scalar), sensors, wires, around.delay)
+    closed = ClosedLoop(plant, controller.block.rounded(scalar), sensors, wires, around.delay, coordinates or {})
     return Loops(closed, around, dict(points), tuple(cases))
 
 
@@ -169,17 +179,16 @@ def rest(loops: Loops, point: str, case: Case = NOMINAL) -> Rest:
     values = dict(zip(near.states, near.x.tolist(), strict=True)) | dict(zip(names(plant.outputs), shown, strict=True))
     values |= {sensor: values[output] for sensor, output in of.sensors.items()}
     references = {s.name: values[s.of] for s in loops.interface.set_points}
-    closed = ClosedLoop(plant, of.controller, of.sensors, of.actuators, of.delay)
-    return resting.solve(closed, references, near)
+    return resting.solve(replace(of, plant=plant), references, near)
 
 
 @arguments.checked
 def opened(loops: Loops, signals: Sequence[str] | None = None) -> list[OpenLoop]:
-    """Return the loop at each operating point and case, opened at each of `signals`: all actuators and sensors if None.
+    """Return the loop at each operating point and case, opened at each of `signals`, at `Loops.signals` if None.
 
     Raises SignalError for an unknown signal; ModelError naming the point where none is found.
     """
-    chosen = [*loops.actuators, *loops.sensors] if signals is None else signals
+    chosen = loops.signals if signals is None else signals
     rests = ((point, case, rest(loops, point, case)) for point, case in itertools.product(loops.points, loops.cases))
     return [_open(point, case, signal, where) for point, case, where in rests for signal in chosen]
 

@@ -13,13 +13,10 @@ z = exp(i w T) becomes s = i tan(w T / 2), exactly:
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from synth import resolvent
-from synth.statespace import Array, StateSpace
+from synth.statespace import Array, Complex, StateSpace
 from synth.timing import Continuous
-
-Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, eq=False)

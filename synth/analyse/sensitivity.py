@@ -27,7 +27,7 @@ d ``f_disturbance``, u ``f_command``, -u ``f_compensation``, v ``f`` and y ``q``
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import scipy.linalg
@@ -52,8 +52,7 @@ ARROWS = {
 }
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class ClosedLoop:
     """The closed loop of a plant and a controller: `whole` is the model from (r, d, n) to (e, u, v, y).
 

@@ -20,7 +20,6 @@ from itertools import product
 import casadi as ca
 import numpy as np
 from scipy.optimize import brentq, minimize
-from scipy.stats import qmc
 
 from synth import arguments, show
 from synth.analyse import box, rounding
@@ -81,8 +80,7 @@ class Worst:
         return not self.condition <= CONDITION_LIMIT
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class ConditionMap:
     """Conditions (k, l) of the matrix called `what` over `points` (k,) and (l,) of two signals, the rest `held`."""
 
@@ -194,6 +192,8 @@ def _points(signals: Sequence[Signal]) -> Array:
     if d <= DENSE:
         axes = np.meshgrid(*[np.linspace(0.0, 1.0, GRID)] * d, indexing="ij")
         return box.within(signals, np.array([a.ravel() for a in axes]).reshape(d, -1) if d else np.zeros((0, 1)))
+    from scipy.stats import qmc  # takes a second to import, which few need
+
     vertices = np.array(list(product((0.0, 1.0), repeat=min(d, 10))))
     vertices = np.hstack([vertices, np.full((len(vertices), d - vertices.shape[1]), 0.5)])
     spread = qmc.Halton(d, scramble=False).random(SPREAD)

@@ -14,12 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
-from numpy.typing import NDArray
 
 from synth.errors import SignalError
-from synth.statespace import Array, StateSpace
-
-Complex = NDArray[np.complex128]
+from synth.statespace import Array, Complex, StateSpace
 
 COUPLING = 1e-11  # of the scaled matrices' size: what is weaker counts as rounding error and moves nothing
 LARGEST = 332.0  # of the exponents of 2 of entries and units: cubes of what is larger leave the range of a double
@@ -42,14 +39,17 @@ class Scaled:
     rate: float
 
 
-def scaled(A: Array, B: Array, C: Array, D: Array) -> Scaled:
+def scaled(A: Array, B: Array | None = None, C: Array | None = None, D: Array | None = None) -> Scaled:
     """Return the model in units that bring the logarithms of its entries together in the least squares sense.
 
-    Powers of 2 round nothing.
+    Powers of 2 round nothing. Without B, or C, there are no inputs, or outputs; D is 0 where it is left out.
 
     Raises SignalError for entries or units whose cubes a double does not hold.
     """
+    B = np.zeros((len(A), 0)) if B is None else B
+    C = np.zeros((0, len(A))) if C is None else C
     (n, m), p = B.shape, len(C)
+    D = np.zeros((p, m)) if D is None else D
     M = np.abs(np.block([[A, B], [C, D]]))
     least = np.minimum(M.max(axis=1, initial=0.0)[:, None], M.max(axis=0, initial=0.0))
     row, column = np.nonzero(NOISE * least < M)

@@ -21,10 +21,8 @@ from numpy.typing import ArrayLike
 
 from synth import arguments, show
 from synth.analyse import staircase
-from synth.analyse.equilibrate import equilibrated
-from synth.analyse.staircase import Complex
 from synth.errors import ModelError
-from synth.statespace import Array, StateSpace, System, of
+from synth.statespace import Array, Complex, StateSpace, System, of
 from synth.timing import Continuous, Time
 
 DECAY = 1e-12  # of |w|' |A|, w a scaled left eigenvector of length 1: what decays slower counts as not decaying
@@ -64,8 +62,7 @@ class Root:
     outputs: Direction
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Poles:
     """The poles of a model, the slowest first, each with the states of its right eigenvector."""
 
@@ -82,8 +79,7 @@ class Poles:
         return show.Sheet(f"Poles in {self.time}: {len(self.roots)}", tables=_tables("pole", self.roots))
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Zeros:
     """The finite transmission zeros of a model, the slowest first, and the usual `rank` of its response (p, m).
 
@@ -160,8 +156,7 @@ def unmoved(A: ArrayLike, B: ArrayLike, states: Sequence[str], time: Time) -> li
     Raises SignalError for other shapes and what is not finite.
     """
     A, B = arguments.fitting("A", A, len(states), len(states)), arguments.fitting("B", B, len(states))
-    n, m = B.shape
-    part = staircase.scaled(A, B, np.zeros((0, n)), np.zeros((0, m)))
+    part = staircase.scaled(A, B)
     values, w = staircase.unreached(part)
     slow = DECAY * np.linalg.norm(np.abs(w).T @ np.abs(part.A), axis=1)
     lasting = values.real >= -slow if isinstance(time, Continuous) else np.abs(values) * part.rate >= 1 - DECAY
@@ -202,17 +197,6 @@ def check_detectable(system: System) -> None:
     """Raise ModelError naming the first mode of a System that does not decay and that none of its outputs shows."""
     model = of(system)
     require_detectable(model.A, model.C, model.states, ", ".join(model.outputs) or "no output", model.time)
-
-
-@arguments.checked
-def has_transmission_zero(model: StateSpace, s: complex) -> bool:
-    """Tell whether the Rosenbrock matrix [[A - s I, B], [C, D]] loses row rank at s."""
-    rosenbrock = np.block([[model.A - s * np.eye(len(model.A)), model.B], [model.C, model.D]])
-    rows, columns = rosenbrock.shape
-    if rows > columns:
-        return True
-    values = np.linalg.svd(equilibrated(rosenbrock)[0], compute_uv=False)
-    return bool(values[-1] <= staircase.COUPLING * values[0])
 
 
 @arguments.checked

@@ -18,9 +18,8 @@ from numpy.typing import NDArray
 from synth.analyse import bounded_real, schur_response
 from synth.analyse import structured_singular_value as ssv
 from synth.analyse.schur_response import Response
-from synth.statespace import Array, StateSpace
+from synth.statespace import Array, Complex, StateSpace
 
-Complex = NDArray[np.complex128]
 Interval = tuple[float, float]
 COARSE, FINE = 1e-2, 1e-8  # relative, of the bounds on the grid and at the points that decide
 # (count, e): this many eigenvalue problems are solved for the level (1 + e) peak before the next e is taken.

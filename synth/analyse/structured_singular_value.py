@@ -16,12 +16,10 @@ one with the delta that belongs to it. All matrices of a batch (k, p, p) are tre
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from synth.statespace import Array
+from synth.statespace import Array, Complex
 
-Complex = NDArray[np.complex128]
 STEPS = 100  # of Newton's method at most; some ten are usual, more where singular values meet
 CENTRED = 0.5  # Newton decrement below which t is lowered
 STARTS = 12  # of the power iteration, from phases drawn with a fixed seed

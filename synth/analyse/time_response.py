@@ -10,8 +10,6 @@ The impulse of a sampled model is the unit pulse: 1 at the first sample, 0 after
 Markov parameters and sums up to the step response. MATLAB and python-control give a pulse of 1/T instead, of area 1.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,8 +26,7 @@ PER_TURN = 20  # points in a period of the fastest mode that oscillates
 BAND = 0.02  # of the final value: within it a step response has settled
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class TimeResponse:
     """Outputs (k, p, m) at `time` (k,) in seconds: output i when input j alone gets the `signal`, a step or an impulse.
 
@@ -176,7 +173,6 @@ def _duration(model: StateSpace) -> float:
 
 
 def _count(model: StateSpace, span: float) -> int:
-    """Return how many intervals show the oscillations of a continuous model over a span."""
     rates = _rates(model)
     turning = np.abs(rates.imag[np.abs(rates.imag) > 0.1 * np.abs(rates.real)])
     return int(np.clip(PER_TURN * span * turning.max(initial=0.0) / (2 * np.pi), POINTS, MOST / 2))

@@ -14,9 +14,9 @@ from scipy.optimize import brentq, minimize_scalar
 
 from synth.analyse import refinement
 from synth.analyse.crossings import Crossing, Crossings
-from synth.analyse.transfer import Complex, Curve
+from synth.analyse.transfer import Curve
 from synth.errors import ModelError
-from synth.statespace import Array
+from synth.statespace import Array, Complex
 
 FLAT = 1e-10  # log |L| or sin(arg L) stays below it over neighbouring nodes only where it is 0 all along
 NEAR = 0.3  # neighbours differ by half of it at most: a turn farther from 0 does not reach it

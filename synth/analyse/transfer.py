@@ -20,10 +20,9 @@ from synth import arguments, show
 from synth.analyse import schur_response
 from synth.analyse.refinement import NARROW, refined
 from synth.errors import ModelError, SignalError, TimingError
-from synth.statespace import Array, StateSpace, System, of
+from synth.statespace import Array, Complex, StateSpace, System, of
 from synth.timing import Continuous, Discrete, Time
 
-Complex = NDArray[np.complex128]
 Response = Callable[[ArrayLike], Complex]
 
 ZERO = 1e-12  # of the fastest rate: a slower one may be the rounding error of an integrator
@@ -34,8 +33,7 @@ TURNS = 1000  # of the delay over the whole grid: beyond, the loop is refused
 
 
 @arguments.checked
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Delayed:
     """A scalar continuous model whose output is late by `delay_s` and, where `hold_s` is not 0, held over `hold_s`."""
 
@@ -151,14 +149,14 @@ def closed_poles(model: StateSpace, factor: complex = 1.0) -> Complex:
 
 def decay(poles: Complex, time: Time) -> bool:
     """Tell whether all poles decay, by more than the rounding error of the matrix that they belong to."""
-    return not_decaying(poles, time) == 0
+    return not lasting(poles, time).any()
 
 
-def not_decaying(poles: Complex, time: Time) -> int:
-    """Count the poles that do not decay by more than the rounding error of the matrix that they belong to."""
+def lasting(poles: Complex, time: Time) -> NDArray[np.bool_]:
+    """Tell of each pole whether it does not decay by more than the rounding error of the matrix that it belongs to."""
     if isinstance(time, Continuous):
-        return int((poles.real >= -1e-14 * np.abs(poles).max(initial=0.0)).sum())
-    return int((np.abs(poles) >= 1 - 1e-14).sum())
+        return np.asarray(poles.real >= -1e-14 * np.abs(poles).max(initial=0.0))
+    return np.asarray(np.abs(poles) >= 1 - 1e-14)
 
 
 @arguments.checked
@@ -218,7 +216,6 @@ def _lateness(loop: Delayed, w: Array) -> Complex:
 
 
 def _closed_rates(loop: StateSpace | Delayed) -> Complex:
-    """Return the poles of the closed loop, without its delay, in 1/s."""
     if isinstance(loop, StateSpace):
         return _rates(closed_poles(loop), loop)
     return loop.model.poles if loop.model.D[0, 0] == -1 else closed_poles(loop.model)

@@ -15,16 +15,14 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from synth import arguments
 from synth.analyse import nearest_root
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant
 from synth.signals import Signal, names
-from synth.statespace import readonly
+from synth.statespace import Array, readonly
 
-Array = NDArray[np.float64]
 Linear = Callable[[Array], tuple[Array, Array]]
 
 RELATIVE_TOLERANCE = 1e-9

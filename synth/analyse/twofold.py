@@ -48,11 +48,6 @@ class Twofold:
         return self + -other
 
 
-def of(values: Array) -> Twofold:
-    """Return a matrix of doubles."""
-    return Twofold(values, np.zeros_like(values))
-
-
 def product(X: Twofold | Array, Y: Twofold | Array) -> Twofold:
     """Return X Y (n, m) of X (n, k) and Y (k, m)."""
     x, x_low = (X.high, X.low) if isinstance(X, Twofold) else (X, 0.0)

@@ -73,8 +73,7 @@ class Point:
     where: Mapping[str, float]
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Worst:
     """The worst `value` of a figure, attained at the operating point `at` with the parameters' values `where`."""
 

@@ -49,8 +49,7 @@ class Mode:
     states: tuple[str, ...]
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class ZeroDynamics:
     """The modes of the zero dynamics, the transmission `zeros` of the pencil, and how far apart they are.
 

@@ -10,7 +10,7 @@ from itertools import groupby
 
 import casadi as ca
 
-from synth.block import Block, Named, State
+from synth.block import Block, Named
 from synth.emit.approx.polynomial import Polynomial
 from synth.errors import EmitError
 
@@ -145,7 +145,7 @@ def program(block: Block) -> Program:
     word = _word(nodes, [(outputs[fault.output], fault.bit) for fault in block.faults])
     outputs = {s.name: outputs[s.name] for s in block.outputs}
     titles = {n.block: f"{n.block}: {n.tag}" if n.tag else n.block for n, _ in block.inside}
-    integers = frozenset(_integers(block.states))
+    integers = frozenset([s.name for s in block.states if s.integer])
     return _pruned(Program(tuple(nodes), marks, outputs, next, integers, word, titles=titles, tables=tables))
 
 
@@ -170,10 +170,6 @@ def _word(nodes: list[Node], faults: Sequence[tuple[int, int]]) -> int | None:
 
 def _condition(flag: Node) -> int | None:
     return flag.args[0] if flag.op == "and" else None
-
-
-def _integers(states: Sequence[State]) -> list[str]:
-    return [s.name for s in states if s.integer]
 
 
 def walk(

@@ -66,7 +66,6 @@ def _reduced(
 
 
 def _without_certificates(program: Program) -> Program:
-    """Return the program without the certificates, which are functions and have served."""
     return replace(program, marks=tuple((replace(named, certificate=None), k) for named, k in program.marks))
 
 

@@ -64,10 +64,7 @@ def available() -> tuple[str, ...]:
 
 
 def find_core(name: str) -> Core:
-    """Return the core of that name.
-
-    Raises CompileError when there is none.
-    """
+    """Return the core of that name; raise CompileError when there is none."""
     if name not in CORES:
         raise CompileError(f"core: found '{name}', need one of {', '.join(CORES)}: correct the name")
     return CORES[name]
@@ -124,10 +121,7 @@ def prepare(core: str) -> None:
 def objects(
     sources: Mapping[str, str], core: str, compiler: str = "zig", flags: Sequence[str] = ()
 ) -> tuple[Path, ...]:
-    """Compile each `.c` of `{filename: text}` to an object of its own.
-
-    Raises CompileError as `link` does.
-    """
+    """Compile each `.c` of `{filename: text}` to an object of its own; raise CompileError as `link` does."""
     options = [*FLAGS, *SECTIONS, *flags, "-c"]
     chosen = find_compiler(core, compiler)
     units = sorted(name for name in sources if name.endswith(".c"))

@@ -59,11 +59,6 @@ class Size:
     data: int
     functions: Mapping[str, int]
 
-    @property
-    def flash(self) -> int:
-        """What a microcontroller stores, without the first values of `data`."""
-        return self.code + self.literals + self.constants
-
 
 @dataclass(frozen=True, eq=False)
 class Program:
@@ -104,10 +99,7 @@ class Program:
 
 
 def read(path: Path) -> Program:
-    """Read a linked image.
-
-    Raises CompileError when the file has no symbols, as after `-s`.
-    """
+    """Read a linked image; raise CompileError when the file has no symbols, as after `-s`."""
     with path.open("rb") as file:
         elf = ELFFile(file)
         symbols, sections = _symbols(elf), [s for s in elf.iter_sections() if _loaded(s)]

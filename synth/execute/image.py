@@ -59,7 +59,7 @@ class Calls(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Image:
-    """A program in the memory of an emulated core; `load` makes one.
+    """A program in the memory of an emulated core; `boot` makes one.
 
     Addresses are the core's. Memory keeps what was written to it, from call to call.
     """
@@ -92,20 +92,14 @@ class Image:
         return address
 
     def write(self, address: int, content: bytes) -> None:
-        """Write bytes.
-
-        Raises SynthError where nothing is reserved.
-        """
+        """Write bytes; raise SynthError where nothing is reserved."""
         try:
             self.engine.mem_write(address, content)
         except UcError as error:
             raise SynthError(f"memory of the core: {address:#x} takes no {len(content)} bytes: reserve them") from error
 
     def read(self, address: int, size: int) -> bytes:
-        """Return `size` bytes.
-
-        Raises SynthError where nothing is reserved.
-        """
+        """Return `size` bytes; raise SynthError where nothing is reserved."""
         try:
             return bytes(self.engine.mem_read(address, size))
         except UcError as error:
@@ -170,7 +164,6 @@ class Image:
         )
 
     def _lowest_written(self) -> int:
-        """The lowest address of the stack whose paint is gone."""
         words = np.frombuffer(self.read(STACK, STACK_BYTES), np.uint8).reshape(-1, len(_PAINT))
         touched = np.flatnonzero((words != np.frombuffer(_PAINT, np.uint8)).ravel())
         return STACK + (int(touched[0]) if touched.size else STACK_BYTES)
@@ -195,40 +188,6 @@ class Image:
     def _require_plain_floats(self) -> None:
         fpscr = self.engine.reg_read(arm_const.UC_ARM_REG_FPSCR)
         cross.require_plain_floats(f"the emulated {self.core}", fpscr)
-
-
-def load(
-    sources: Mapping[str, str],
-    entries: Sequence[str],
-    core: str = "cortex-m4f",
-    compiler: str = "zig",
-    flags: Sequence[str] = (),
-) -> Image:
-    """Build `{filename: text}` for a core and load what the functions `entries` reach into an emulator.
-
-    Raises CompileError as `cross.link`.
-    """
-    program = elf.read(cross.link(sources, entries, core, compiler, flags))
-    return boot(program, core, cross.functions(sources, core, compiler, flags))
-
-
-def size(
-    sources: Mapping[str, str],
-    entry: str,
-    core: str = "cortex-m4f",
-    compiler: str = "zig",
-    flags: Sequence[str] = (),
-) -> elf.Size:
-    """Count the bytes that a function reaches: itself, what it calls, libm and compiler run-time included.
-
-    The image is linked with this function as its only root, so that all that is left in it is what the linker cannot
-    prove unreached, section by section. State, inputs and outputs are the caller's, with their sizes in the manifest.
-
-    Raises CompileError as `cross.link`, and when the sources define no such function.
-    """
-    program = elf.read(cross.link(sources, [entry], core, compiler, flags))
-    program.address(entry)
-    return program.size()
 
 
 def boot(program: elf.Program, core: str, own: frozenset[str]) -> Image:

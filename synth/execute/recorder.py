@@ -68,10 +68,7 @@ class Recorder:
         return int(self.memory.lowest_sp)
 
     def call_ended(self) -> None:
-        """Note that a call has returned.
-
-        Raises SynthError when it executed more instructions than the buffer holds.
-        """
+        """Note that a call has returned; raise SynthError when it executed more instructions than the buffer holds."""
         if self.memory.count > self.memory.capacity:
             raise SynthError(
                 f"one call executed {self.memory.count} instructions, {self.memory.capacity // 2} can be recorded: "

@@ -98,10 +98,7 @@ class Counts:
 
 
 def decode(program: elf.Program) -> Code:
-    """Disassemble every instruction of a program.
-
-    Raises SynthError at bytes that are none.
-    """
+    """Disassemble every instruction of a program; raise SynthError at bytes that are none."""
     engine = Cs(CS_ARCH_ARM, CS_MODE_THUMB | CS_MODE_MCLASS)
     engine.detail = True
     found = tuple(i for region in program.regions if region.thumb for i in _disassembled(engine, region))
@@ -111,7 +108,7 @@ def decode(program: elf.Program) -> Code:
         instructions=found,
         address=address,
         conditional=np.array([_is_conditional(i) for i in found], dtype=bool),
-        transfers=np.array([_transfers(i) for i in found], dtype=bool),
+        transfers=np.array([(i.id in _BRANCHES or ARM_REG_PC in i.regs_access()[1]) for i in found], dtype=bool),
         decides=_decisions(found),
         function=program.function_at(address),
     )
@@ -200,10 +197,6 @@ def _is_conditional(instruction: CsInsn) -> bool:
     # For IT itself the disassembler gives the condition of the block that it opens.
     predicated = instruction.id != ARM_INS_IT and instruction.cc not in (0, ARM_CC_AL)
     return predicated or instruction.id in (ARM_INS_CBZ, ARM_INS_CBNZ)
-
-
-def _transfers(instruction: CsInsn) -> bool:
-    return instruction.id in _BRANCHES or ARM_REG_PC in instruction.regs_access()[1]
 
 
 def _decisions(instructions: tuple[CsInsn, ...]) -> NDArray[np.bool_]:

@@ -19,7 +19,7 @@ from synth.analyse import margins
 from synth.analyse.margins import Margins
 from synth.errors import SignalError
 from synth.report.figures import COLOURS, styled
-from synth.statespace import Array, StateSpace
+from synth.statespace import Array, Complex, StateSpace
 from synth.timing import Discrete
 
 DECIBELS = (-60.0, 80.0)  # what is shown: the poles of an internal model are infinitely high
@@ -34,7 +34,7 @@ class LoopCurve:
 
     label: str
     frequency: Array
-    response: margins.Complex
+    response: Complex
     margins: Margins
 
 
@@ -103,7 +103,7 @@ def _draw(gain: Axes, angle: Axes, sensitivity: Axes, curve: LoopCurve, style: d
             axes.plot(at, np.interp(at, f, values), marker=marker, **look)
 
 
-def _db(response: margins.Complex) -> Array:
+def _db(response: Complex) -> Array:
     return np.asarray(20 * np.log10(np.maximum(np.abs(response), 1e-300)), dtype=np.float64)
 
 

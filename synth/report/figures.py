@@ -26,8 +26,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from synth.errors import SignalError
 from synth.simulate.experiment import Experiment
+from synth.statespace import Array
 
-Array = NDArray[np.float64]
 Window = tuple[float, float]
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")  # told apart with any colour vision

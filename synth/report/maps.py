@@ -1,6 +1,6 @@
 """Maps over a plane: values on a grid over X and Y as pictures, with one scale for all or one about 0 for each.
 
-Places come in m and are shown in mm.
+Places come as they are shown, in mm unless labels say otherwise.
 """
 
 from collections.abc import Iterator, Sequence
@@ -13,19 +13,22 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from synth.report import figures, page
+from synth.report import figures
 from synth.statespace import Array
 
 SIGNED, PLAIN = "RdBu_r", "viridis"
+PLANE = ("X, mm", "Y, mm")
+Side = tuple[float, float]
 SIGNS = FuncFormatter(lambda v, _: f"{v:.4g}".replace("-", "−"))  # minus signs as such
 
 
 @dataclass(frozen=True, eq=False)
 class Map:
-    """Values (n, n) over X and Y of a pitch, X changing slowest; marks (m, 2) are places in m."""
+    """Values (n, n) over X and Y, X changing slowest; marks (m, 2) are places."""
 
     title: str
     values: Array | NDArray[np.bool_]
@@ -40,20 +43,21 @@ def panels(height: float, *shape: int, **options: Any) -> Iterator[tuple[Figure,
         yield drawn, drawn.subplots(*shape, **options)
 
 
-def figure(name: str, drawn: Figure, caption: str, beside: str = "") -> page.Figure:
-    """Return a drawing as a block of the page."""
-    return page.Figure(figures.svg(drawn, name), caption, beside)
-
-
 def maps(
-    shown: Sequence[Map], pitch: float, low: float, high: float, columns: int = 3, log: bool = True, label: str = ""
+    shown: Sequence[Map],
+    sides: Sequence[Side],
+    scale: tuple[float, float],
+    columns: int = 3,
+    log: bool = True,
+    label: str = "",
+    labels: tuple[str, str] = PLANE,
 ) -> Figure:
-    """Draw maps over the pitch with one scale from `low` to `high`; what is beyond has the end's colour."""
-    norm: Normalize = LogNorm(low, high) if log else Normalize(low, high)
+    """Draw maps between two `sides` each, as `labels` say, with one scale; what is beyond it has the end's colour."""
+    norm: Normalize = LogNorm(*scale) if log else Normalize(*scale)
     rows = -(-len(shown) // columns)
     with panels(3.0 * rows, rows, columns, sharex=True, sharey=True, squeeze=False) as (drawn, grid):
         for axes, each in zip(grid.flat, shown, strict=False):
-            _one(axes, each, pitch, norm, PLAIN)
+            _one(axes, each, sides, labels, cmap=PLAIN, norm=norm)
         for axes in grid.flat[len(shown) :]:
             axes.set_visible(False)
         for axes in grid.flat:
@@ -64,34 +68,25 @@ def maps(
     return drawn
 
 
-def signed(shown: Sequence[Map], sides: Sequence[tuple[float, float]]) -> Figure:
-    """Draw maps of values about 0 over X and Y between two `sides` each, m, each map with its own scale."""
-    extent = tuple(1e3 * v for side in sides for v in side)
+def signed(shown: Sequence[Map], sides: Sequence[Side], labels: tuple[str, str] = PLANE) -> Figure:
+    """Draw maps of values about 0 between two `sides` each, as `labels` say, each map with its own scale."""
     with panels(2.9, 1, len(shown)) as (drawn, grid):
         for axes, each in zip(np.atleast_1d(grid), shown, strict=True):
             high = float(np.nanmax(np.abs(each.values))) or 1.0
-            image = axes.imshow(
-                each.values.T, origin="lower", extent=extent, cmap=SIGNED, norm=Normalize(-high, high), aspect="equal"
-            )
-            square(axes, each.title)
-            signs(axes)
+            image = _one(axes, each, sides, labels, cmap=SIGNED, norm=Normalize(-high, high))
             drawn.colorbar(image, ax=axes, shrink=0.8, format=SIGNS)
     return drawn
 
 
-def _one(axes: Axes, each: Map, pitch: float, norm: Normalize, colours: str) -> None:
-    l = 1e3 * pitch
-    axes.imshow(each.values.T, origin="lower", extent=(0, l, 0, l), cmap=colours, norm=norm, aspect="equal")
-    square(axes, each.title)
-    if each.marks is not None and len(each.marks):
-        axes.plot(*(1e3 * each.marks.T), "o", ms=2.6, mfc="none", mec="#ffffff", mew=0.7)
-        axes.set(xlim=(0, l), ylim=(0, l))
-
-
-def square(axes: Axes, title: str) -> None:
-    """Title axes over X and Y, m shown as mm, with one scale for both."""
-    axes.set(title=title, xlabel="X, mm", ylabel="Y, mm", aspect="equal")
+def _one(axes: Axes, each: Map, sides: Sequence[Side], labels: tuple[str, str], **colours: Any) -> AxesImage:
+    image = axes.imshow(each.values.T, origin="lower", extent=(*sides[0], *sides[1]), aspect="equal", **colours)
+    axes.set(title=each.title, xlabel=labels[0], ylabel=labels[1])
     axes.grid(visible=False)
+    signs(axes)
+    if each.marks is not None and len(each.marks):
+        axes.plot(*each.marks.T, "o", ms=2.6, mfc="none", mec="#ffffff", mew=0.7)
+        axes.set(xlim=sides[0], ylim=sides[1])
+    return image
 
 
 def above(axes: Axes) -> None:

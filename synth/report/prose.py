@@ -128,7 +128,16 @@ def _value(name: str, values: Mapping[str, Value]) -> Value:
     return values[name]
 
 
+def filled(text: str, values: Mapping[str, Value]) -> str:
+    """Return a sentence with its placeholders filled in; raise DesignError as `read`."""
+    return _PLACEHOLDER.sub(lambda m: _plain(m, values), text)
+
+
 def _written(match: re.Match[str], values: Mapping[str, Value]) -> str:
+    return re.sub(r"([\\`*_{}\[\]<>#|!])", r"\\\1", _plain(match, values))
+
+
+def _plain(match: re.Match[str], values: Mapping[str, Value]) -> str:
     name, form = match[1], match[2] or ""
     value = _value(name, values)
     if not isinstance(value, str | float | int):
@@ -141,4 +150,4 @@ def _written(match: re.Match[str], values: Mapping[str, Value]) -> str:
         raise DesignError(
             f"report.md writes {{{{ {name}:{form} }}}} of {value!r}, {error}: use a format that suits"
         ) from error
-    return re.sub(r"([\\`*_{}\[\]<>#|!])", r"\\\1", text).replace("-", "−" if not isinstance(value, str) else "-")
+    return text if isinstance(value, str) else text.replace("-", "−")

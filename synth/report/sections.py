@@ -16,6 +16,20 @@ from synth.simulate.experiment import Experiment
 from synth.verify.agree import Agreement
 from synth.verify.cost import NOTE, Cost, tables
 
+AGREEMENT = {
+    "compared": "what",
+    "steps": "samples",
+    "of": "first",
+    "with": "second",
+    "worst difference": "worst",
+    "in": "signal",
+    "at step": "sample",
+    "ulp": "ulps",
+    "fault words unlike": "faults_differ",
+    "worst state, of range": "state_worst",
+    "state": "state",
+}
+
 
 def parameters(plant: Plant) -> Table:
     """Return the plant's parameters: value, unit, relative tolerance in %, source."""
@@ -87,36 +101,8 @@ def disks(found: Mapping[str, Mapping[str, DiskMargin]]) -> Table:
 
 def agreements(found: Iterable[Agreement]) -> Table:
     """Return how far each pair of witnesses is apart."""
-    columns = (
-        "compared",
-        "steps",
-        "of",
-        "with",
-        "worst difference",
-        "in",
-        "at step",
-        "ulp",
-        "fault words unlike",
-        "worst state, of range",
-        "state",
-    )
-    rows = tuple(
-        (
-            a.what,
-            a.samples,
-            a.first,
-            a.second,
-            a.worst,
-            a.signal,
-            a.sample,
-            a.ulps,
-            a.faults_differ,
-            a.state_worst,
-            a.state,
-        )
-        for a in found
-    )
-    return Table("Agreement of the witnesses; differences relative to max(floor, |value|)", columns, rows)
+    rows = tuple(tuple(getattr(a, entry) for entry in AGREEMENT.values()) for a in found)
+    return Table("Agreement of the witnesses; differences relative to max(floor, |value|)", tuple(AGREEMENT), rows)
 
 
 def audit(rows: Iterable[Row]) -> Table:

@@ -26,7 +26,7 @@ from synth.plant import Plant
 from synth.signals import Signal, dimension, names
 from synth.simulate import plant_code
 from synth.simulate.scenario import Array, Scenario, Trajectory, sample_times
-from synth.simulate.sensors import Plain
+from synth.simulate.sensors import Encoder
 
 __all__ = ["Scenario", "Trajectory", "sample_times", "simulate"]
 
@@ -161,7 +161,7 @@ def _sensor_arrays(plant: Plant, controller: host.Controller, scenario: Scenario
     for i, name in enumerate(sensors):
         if name in scenario.overrides:
             overridden[:, i] = scenario.overrides[name].mask
-    models = [scenario.encoders.get(name, Plain()) for name in sensors]
+    models = [scenario.encoders.get(name, Encoder()) for name in sensors]
     noise = np.stack([model.noise_of(n, i) for i, model in enumerate(models)], axis=1, dtype=np.float64).reshape(n, -1)
     for i, name in enumerate(sensors):
         if name in scenario.noise:

@@ -63,10 +63,7 @@ class Conditions:
 
 
 def values(course: Course, time: Array) -> Array:
-    """Return a course at times (N,) in s.
-
-    Raises SignalError for one that has another count of values.
-    """
+    """Return a course at times (N,) in s; raise SignalError for one that has another count of values."""
     found = np.asarray(course(time) if callable(course) else course, dtype=np.float64)
     if found.shape not in ((), time.shape):
         raise SignalError(

@@ -41,6 +41,18 @@ class Runnable(Protocol):
         ...
 
 
+@dataclass(frozen=True)
+class Run:
+    """An experiment of a stage's own: its name, and what carries it out under this name."""
+
+    name: str
+    make: Callable[[Rig, str], Experiment]
+
+    def run(self, rig: Rig) -> Experiment:
+        """Carry it out."""
+        return self.make(rig, self.name)
+
+
 @dataclass(frozen=True, eq=False)
 class Step:
     """The set-point steps by `height` in its unit once the loop has settled.

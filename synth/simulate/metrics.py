@@ -19,8 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from synth.errors import SignalError
-
-Array = NDArray[np.float64]
+from synth.statespace import Array
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,6 @@ class Rig:
     quantised: bool = True
     noise: float = 1.0
     seed: int = 0
-    substeps: int = 4
     actuators: Wires = field(default_factory=dict)
     disturbance: ca.Function | None = None
 
@@ -48,6 +47,12 @@ class Rig:
     def ideal(self) -> "Rig":
         """The same rig, its sensors without noise and resolution."""
         return replace(self, quantised=False, noise=0.0)
+
+    def with_interface(self, **fields: Any) -> "Rig":
+        """Return the same rig with some fields of its interface replaced; the controller stays as it is."""
+        controller = self.stage.controller
+        declared = replace(controller, interface=replace(controller.interface, **fields))
+        return replace(self, stage=replace(self.stage, controller=declared))
 
     def run(
         self,
@@ -78,7 +83,7 @@ class Rig:
             "velocities": self.stage.velocities,
             "stops": self.stage.stops,
             "delay": around.delay,
-            "substeps": self.substeps,
+            "substeps": self.stage.substeps,
         }
         scenario = Scenario(duration_s, start, **(fields | options))
         return closed_loop.simulate(self.plant, self.controller, scenario, self.disturbance)
@@ -86,10 +91,8 @@ class Rig:
     def at_rest(self) -> dict[str, float]:
         """Return the controller's inputs where the stage starts, without currents."""
         around, start = self.stage.interface, self.stage.start
-        x = [start.get(s.name, 0.0) for s in self.plant.states]
-        shown = np.asarray(self.plant.h(x, np.zeros(len(self.plant.inputs)), self.plant.values)).ravel()
-        outputs = dict(zip((s.name for s in self.plant.outputs), shown.tolist(), strict=True))
-        sensors = {s.name: outputs[s.of] for s in around.sensors}
+        outputs = self.plant.output_values(start)
+        sensors = {s.name: float(outputs[s.of][0]) for s in around.sensors}
         return sensors | {s.name: float(start.get(s.of, s.initial or 0.0)) for s in around.set_points}
 
     def _encoders(self) -> dict[str, Encoder]:

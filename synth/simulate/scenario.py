@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from synth.errors import SignalError
 from synth.simulate.sensors import Override, Sensor
+from synth.statespace import Array
 
-Array = NDArray[np.float64]
 Columns = dict[str, NDArray[Any]]
 
 

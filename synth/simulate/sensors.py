@@ -1,7 +1,6 @@
 """Sensors: what the controller reads when the plant's output is y.
 
     seen      s = (1 + gain_error) y + offset + noise          of every sensor
-    Plain     m = s
     Encoder   m = r round(s / r), halves to even, so |m - s| <= r/2 for the resolution r;  m = s for r = 0
     Analogue  as an encoder with r = (high - low) / 2^bits, limited to low .. high
     override  m_k = v_k at every sample k of the mask, whatever the sensor reads
@@ -18,30 +17,6 @@ from numpy.typing import ArrayLike, NDArray
 from synth.errors import SignalError
 
 Chain = tuple[float, float, float, float, float]  # gain, offset, resolution, low, high
-
-
-@dataclass(frozen=True)
-class Plain:
-    """A sensor that shows every value, wrong by an offset and a relative gain error."""
-
-    offset: float = 0.0
-    gain_error: float = 0.0
-
-    def __post_init__(self) -> None:
-        _check_errors("plain sensor", self.offset, self.gain_error)
-
-    @property
-    def chain(self) -> Chain:
-        """Gain, offset, resolution and limits."""
-        return 1 + self.gain_error, self.offset, 0.0, -math.inf, math.inf
-
-    def read(self, y: ArrayLike) -> NDArray[np.float64]:
-        """Return what the sensor shows at y, any shape, in the unit of y."""
-        return _read(self.chain, y)
-
-    def noise_of(self, n: int, stream: int) -> NDArray[np.float64]:
-        """Return no noise, (n,)."""
-        return np.zeros(n)
 
 
 @dataclass(frozen=True)
@@ -114,7 +89,7 @@ class Analogue:
         return self.noise * np.random.default_rng([self.seed, stream]).standard_normal(n)
 
 
-Sensor = Plain | Encoder | Analogue
+Sensor = Encoder | Analogue
 
 
 def _check_errors(what: str, offset: float, gain_error: float) -> None:

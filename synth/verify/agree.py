@@ -27,6 +27,7 @@ from synth.execute import host
 
 Columns = Mapping[str, NDArray[Any]]
 Floor = float | Mapping[str, float] | None
+IN_A_ROW = 1000  # samples that one call of CasADi steps through: more take memory and no less time
 
 
 @dataclass(frozen=True)
@@ -137,14 +138,14 @@ def emitted(controller: host.Controller) -> Witness:
 
 def casadi(block: Block) -> Witness:
     """Return CasADi's evaluation of the Block as a witness."""
-    return _function(block, _with_faults(block))
+    return Evaluated(block, _with_faults(block))
 
 
 def casadi_own_c(block: Block, flags: Sequence[str] = ()) -> Witness:
     """Return CasADi's own C of the Block, compiled here, as a witness."""
     f = _with_faults(block)
     library = host_compiler.shared_library(casadi_c.functions([f], f"{block.name}_casadi"), flags)
-    return _function(block, ca.external(f.name(), str(library)))
+    return Evaluated(block, ca.external(f.name(), str(library)))
 
 
 def reference(step: Callable[[Any, Any], tuple[Columns, Columns, Any]]) -> Witness:
@@ -159,8 +160,10 @@ def reference(step: Callable[[Any, Any], tuple[Columns, Columns, Any]]) -> Witne
 
 def recorded(witness: Witness, states: Mapping[str, float], inputs: Columns) -> Stepped:
     """Run a witness over N recorded inputs in a row, from one state, by one step at a time."""
-    n = len(next(iter(inputs.values())))
     now: Columns = {name: np.array([value]) for name, value in states.items()}
+    if isinstance(witness, Evaluated):
+        return witness.in_a_row(now, inputs)
+    n = len(next(iter(inputs.values())))
     outputs: dict[str, NDArray[Any]] = {}
     faults = np.zeros(n, np.uint32)
     for k in range(n):
@@ -191,15 +194,35 @@ def _with_faults(block: Block) -> ca.Function:
     return ca.Function(f"{block.name}_witness", [x, u], ca.cse(dense))
 
 
-def _function(block: Block, f: ca.Function) -> Witness:
-    def step(states: Columns, inputs: Columns) -> Stepped:
-        x = np.array([np.asarray(states[s.name], dtype=np.float64) for s in block.states])
-        u = np.array([np.asarray(inputs[s.name], dtype=np.float64) for s in block.inputs])
-        next, y, word = (np.asarray(r) for r in f(x, u))
-        return Stepped(
-            {s.name: row for s, row in zip(block.outputs, y, strict=True)},
-            {s.name: row for s, row in zip(block.states, next, strict=True)},
-            word[0].astype(np.uint32),
-        )
+@dataclass(frozen=True, eq=False)
+class Evaluated:
+    """A CasADi function (x, u) -> (x', y, fault word) of a Block as a witness."""
 
-    return step
+    block: Block
+    function: ca.Function
+
+    def __call__(self, states: Columns, inputs: Columns) -> Stepped:
+        """Return one step from each of N states."""
+        return self._stepped(*(np.asarray(r) for r in self.function(*self._read(states, inputs))))
+
+    def in_a_row(self, states: Columns, inputs: Columns) -> Stepped:
+        """Return N steps in a row from one state. The loop over them is CasADi's, which starts its machine once."""
+        x, u = self._read(states, inputs)
+        x, recorded = x.reshape(-1, 1), []
+        for first in range(0, u.shape[1], IN_A_ROW):
+            part = u[:, first : first + IN_A_ROW]
+            after, y, word = (np.asarray(r) for r in self.function.mapaccum(part.shape[1])(x, part))
+            x = after[:, -1:]
+            recorded.append((y, word))
+        outputs, words = (np.hstack(rows) for rows in zip(*recorded, strict=True))
+        return self._stepped(x, outputs, words)
+
+    def _read(self, states: Columns, inputs: Columns) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        x = [np.asarray(states[s.name], dtype=np.float64) for s in self.block.states]
+        u = [np.asarray(inputs[s.name], dtype=np.float64) for s in self.block.inputs]
+        return np.array(x), np.array(u)
+
+    def _stepped(self, after: NDArray[np.float64], y: NDArray[np.float64], word: NDArray[np.float64]) -> Stepped:
+        outputs = {s.name: row for s, row in zip(self.block.outputs, y, strict=True)}
+        states = {s.name: row for s, row in zip(self.block.states, after, strict=True)}
+        return Stepped(outputs, states, word[0].astype(np.uint32))

@@ -68,18 +68,12 @@ def members(manifest: Mapping[str, Any], role: str) -> tuple[Member, ...]:
 
 
 def headers(files: Mapping[str, str]) -> tuple[str, ...]:
-    """Return the names of the headers among emitted files.
-
-    Raises DesignError when there is none.
-    """
+    """Return the names of the headers among emitted files; raise DesignError when there is none."""
     return _ending(files, ".h")
 
 
 def units(files: Mapping[str, str]) -> tuple[str, ...]:
-    """Return the names of the C sources among emitted files.
-
-    Raises DesignError when there is none.
-    """
+    """Return the names of the C sources among emitted files; raise DesignError when there is none."""
     return _ending(files, ".c")
 
 

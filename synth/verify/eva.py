@@ -207,11 +207,7 @@ def _exact(member: Member, value: float) -> str:
 
 def _analyses(files: Mapping[str, str], harnesses: Sequence[str]) -> list[Analysis]:
     with ThreadPoolExecutor(_PROCESSES) as pool:
-        return list(pool.map(lambda harness: _analyse(files, harness), harnesses))
-
-
-def _analyse(files: Mapping[str, str], harness: str) -> Analysis:
-    return eva_report.read(*_reported(files, harness))
+        return list(pool.map(lambda harness: eva_report.read(*_reported(files, harness)), harnesses))
 
 
 def _reported(files: Mapping[str, str], harness: str) -> tuple[list[dict[str, str]], str]:

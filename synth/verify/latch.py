@@ -13,6 +13,7 @@ import numpy as np
 from synth.block import LATCH_BIT
 from synth.check import Check
 from synth.execute import host
+from synth.verify import stimuli
 
 SEED, RUNS, BEFORE = 31, 8, 50  # runs of random inputs, and samples of each before the measurements end
 LONGEST = 100_000  # samples of a slew
@@ -31,11 +32,7 @@ def verify(controller: host.Controller) -> tuple[Check, ...]:
     after = safety["bad_samples"] + min(max(slews), LONGEST) + 2
     fastest, left = dict.fromkeys(span, 0.0), dict.fromkeys(span, 0.0)
     for _ in range(RUNS):
-        inputs = controller.manifest["structs"]["input"]["fields"]
-        columns = {f["name"]: rng.uniform(f["low"], f["high"], BEFORE + after) for f in inputs}
-        for values in columns.values():
-            values[BEFORE:] = np.nan
-        replay = controller.replay(columns)
+        replay = controller.replay(stimuli.lost(controller, BEFORE, after, rng))
         latched = int(np.argmax(replay.faults >> LATCH_BIT & 1))
         for name, target in safety["safe_output"].items():
             y = np.asarray(replay.outputs[name], dtype=np.float64)

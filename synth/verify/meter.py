@@ -56,10 +56,7 @@ class Run(NamedTuple):
 
 
 def builds() -> tuple[Build, ...]:
-    """Return the builds whose compilers are installed.
-
-    Raises CompileError when there is none.
-    """
+    """Return the builds whose compilers are installed; raise CompileError when there is none."""
     installed = cross.available()
     if not installed:
         raise CompileError(

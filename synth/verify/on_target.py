@@ -122,7 +122,6 @@ def _stepped(found: target.Target, given: Steps) -> host.Batch:
 
 
 def _replayed(replay: host.Replay) -> host.Batch:
-    """Read a replay as steps of which the last state alone is known."""
     return host.Batch(replay.outputs, replay.faults, replay.state.reshape(1))
 
 

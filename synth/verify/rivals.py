@@ -152,7 +152,6 @@ def _placed(block: Block, f: ca.Function, image: Image, steps: Steps) -> Placed:
 
 
 def _vectors(records: host.Records, names: list[str]) -> NDArray[np.float32]:
-    """Return chosen members of records (N,) as floats (N, n)."""
     return np.stack([records[name].astype(np.float32) for name in names], axis=1)
 
 

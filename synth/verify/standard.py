@@ -74,9 +74,13 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
 
 def loops(stage: Stage) -> robustness.Loops:
     """Return the loops of a stage at its operating points, its constants rounded as they ship."""
-    wires = stage.wires or None
     return robustness.of_controller(
-        stage.controller, stage.plant, stage.operating_points, scalar=stage.scalar, actuators=wires
+        stage.controller,
+        stage.plant,
+        stage.operating_points,
+        scalar=stage.scalar,
+        actuators=stage.wires or None,
+        coordinates=stage.coordinates,
     )
 
 
@@ -104,15 +108,26 @@ def drawn(by: Witnesses, runs: Mapping[str, agree.Columns]) -> tuple[list[Agreem
     return [*found, single], [*suite.exact(found, UNIT), *checks]
 
 
-def in_single(by: Witnesses, states: sampling.Columns, inputs: sampling.Columns) -> tuple[Agreement, list[Check]]:
-    """Compare single with double precision from the same bits, where both decide alike."""
+def in_single(
+    by: Witnesses,
+    states: sampling.Columns,
+    inputs: sampling.Columns,
+    floor: agree.Floor = None,
+    counts: Mapping[str, float] | None = None,
+) -> tuple[Agreement, list[Check]]:
+    """Compare single with double precision from the same bits, where both decide alike.
+
+    `counts` are real states that a decision lets jump, each with its least jump: they decide alike, too.
+    """
     double, single = suite.in_single(by, states, inputs)
     alike = suite.decide_alike(by.block, double, single)
+    for name, jump in (counts or {}).items():
+        alike &= np.abs(double.states[name] - single.states[name].astype(np.float64)) < jump
     pair = ("c64", suite.part(double, alike)), ("c32", suite.part(single, alike))
-    a = agree.compare("random steps", *pair, None, by.block, np.float32)
-    share = float(np.mean(~alike))
+    a = agree.compare("random steps", *pair, floor, by.block, np.float32)
+    share, unit = float(np.mean(~alike)), UNIT if floor is None else "of the output's floor or more"
     return a, [
-        Check("random steps: single against double", a.worst, SINGLE, UNIT, a.signal),
+        Check("random steps: single against double", a.worst, SINGLE, unit, a.signal),
         Check("random steps: decisions otherwise in single precision", share, OTHERWISE, "1"),
     ]
 

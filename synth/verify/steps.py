@@ -59,10 +59,7 @@ def recorded(
 
 
 def joined(name: str, parts: Sequence[Steps]) -> Steps:
-    """Return the steps of all parts, one after the other.
-
-    Raises SignalError when there is none.
-    """
+    """Return the steps of all parts, one after the other; raise SignalError when there is none."""
     if not parts:
         raise SignalError(f"steps '{name}': found no part, need at least one: give sequences")
     states, inputs = np.concatenate([p.states for p in parts]), np.concatenate([p.inputs for p in parts])

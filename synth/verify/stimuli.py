@@ -72,29 +72,40 @@ def _bad(around: Interface, k: NDArray[np.int64], lost: int, beyond: float) -> d
     return {name: Override(mask, np.full(n, values[name])) for name, mask in masks.items()}
 
 
-def sequences(rig: Rig, experiments: Sequence[Experiment], progress: Callable[[str], None]) -> list[Steps]:
-    """Return every sequence for a rig's controller, closed loops first; `experiments` were run with it."""
+def sequences(
+    rig: Rig, experiments: Sequence[Experiment], progress: Callable[[str], None], own: Sequence[Steps] = ()
+) -> list[Steps]:
+    """Return every sequence for a rig's controller, closed loops first; `experiments` were run with it.
+
+    `own` are further steps of the design's.
+    """
     progress("sequences")
     controller = rig.controller
     runs = {e.name: e.trajectory for e in experiments} | {"faults in motion": closed_loop(rig, REPLAY)}
     loops = [steps.recorded(controller, name, run.measured, closed_loop=True) for name, run in runs.items()]
-    return [*(steps.thinned(loop, EACH) for loop in loops), *excursions(controller, rig.at_rest(), loops)]
+    return [*(steps.thinned(loop, EACH) for loop in loops), *excursions(controller, rig.at_rest(), loops, own)]
 
 
-def excursions(controller: host.Controller, at_rest: Mapping[str, float], loops: Sequence[Steps]) -> list[Steps]:
-    """Return the sequences that need no closed loop, from inputs at rest; states of recorded `loops` are drawn anew."""
-    pool = steps.joined("all closed loops", loops)
+def excursions(
+    controller: host.Controller, at_rest: Mapping[str, float], loops: Sequence[Steps], own: Sequence[Steps] = ()
+) -> list[Steps]:
+    """Return the sequences that need no closed loop, from inputs at rest.
+
+    States of recorded `loops` and of the design's `own` steps are drawn anew.
+    """
+    pools = [*([steps.joined("", loops)] if loops else []), *own]
     drawn = steps.drawn(controller, DRAWN)
-    wrong = steps.anew(controller, steps.thinned(pool, DRAWN), "states anew")
+    wrong = [steps.anew(controller, steps.thinned(p, DRAWN), f"{p.name} states anew".lstrip()) for p in pools]
     return [
+        *(steps.thinned(each, RANDOM) for each in own),
         *latches(controller, SEED),
         steps.faulty(controller, at_rest),
-        steps.edges(controller, steps.thinned(pool, DRAWN)),
+        steps.edges(controller, steps.thinned(pools[0], DRAWN)),
         steps.in_range(controller, RANDOM),
         drawn,
-        wrong,
-        steps.rare(controller, wrong, RARE),
-        steps.at_ends(controller, steps.joined("random", [drawn, wrong]), EACH_END),
+        *wrong,
+        *(steps.rare(controller, each, RARE) for each in (*own, *wrong)),
+        steps.at_ends(controller, steps.joined("random", [drawn, *wrong, *own]), EACH_END),
     ]
 
 
@@ -112,12 +123,12 @@ def latches(controller: host.Controller, seed: int) -> list[Steps]:
         (f["high"] - f["low"]) / safety["slew_per_s"][n] for n, f in fields.items() if n in safety["slew_per_s"]
     )
     after = safety["bad_samples"] + min(ceil(longest / controller.period_s), LONGEST) + steps.GOOD
-    runs = [steps.recorded(controller, "latches", _lost(controller, lead, after, rng)) for lead in LEADS]
+    runs = [steps.recorded(controller, "latches", lost(controller, lead, after, rng)) for lead in LEADS]
     return [steps.joined("latches", [run.part(slice(lead, None)) for run, lead in zip(runs, LEADS, strict=True)])]
 
 
-def _lost(controller: host.Controller, lead: int, after: int, rng: np.random.Generator) -> dict[str, NDArray[Any]]:
-    """Return inputs (lead + after,): anywhere in their ranges, and from `lead` on no number."""
+def lost(controller: host.Controller, lead: int, after: int, rng: np.random.Generator) -> dict[str, NDArray[Any]]:
+    """Return inputs (lead + after,): anywhere in their ranges, and from `lead` on not a number."""
     inputs = controller.manifest["structs"]["input"]["fields"]
     columns = {f["name"]: rng.uniform(f["low"], f["high"], lead + after) for f in inputs}
     for values in columns.values():

@@ -65,6 +65,7 @@ def test_one_input_cannot_move_two_modes_of_one_value() -> None:
     assert all(m.reach < tolerances.of("double") and m.sight > 0.5 for m in found.modes)
 
 
+@pytest.mark.slow
 def test_the_measures_of_a_large_model_are_the_least_singular_values() -> None:
     """Above SMALL states inverse iteration takes the place of a decomposition for each mode, input and output."""
     rng = np.random.default_rng(4)

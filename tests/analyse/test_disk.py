@@ -87,6 +87,7 @@ def holds(found: disk.DiskMargin, destabilising: float) -> bool:
 CASES = [(p, sampled, seed) for p in (1, 2, 3, 4) for sampled in (False, True) for seed in (0, 1)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("p", "sampled", "seed"), CASES)
 def test_a_search_finds_no_smaller_factors_and_none_much_larger(p: int, sampled: bool, seed: int) -> None:
     loop = sensitivity.close(*regulated(p, sampled, seed)).L

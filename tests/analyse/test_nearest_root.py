@@ -38,6 +38,7 @@ def known_roots(a: Array, b: Array) -> list[Array]:
     return [np.linalg.solve(a[np.arange(n), choice], b[np.arange(n), choice]) for choice in choices]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("n", "d"), [(1, 2), (1, 5), (2, 2), (2, 3), (3, 2)])
 def test_the_nearest_of_many_roots_is_taken(n: int, d: int) -> None:
     for seed in range(8):

@@ -134,6 +134,7 @@ def test_disturbances_stay_and_weights_share_a_command() -> None:
     assert rest.state["safe_output_last_drive"] == pytest.approx(2 * rest.point["i"], rel=1e-7)
 
 
+@pytest.mark.slow
 def test_what_does_not_rest_is_refused() -> None:
     with pytest.raises(ModelError, match="counts without end"):
         at(0.1, toggles=True)

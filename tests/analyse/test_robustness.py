@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from synth.analyse import disk, linearise, loop, margins, robustness, trim
+from synth.analyse import disk, linearise, loop, margins, resting, robustness, trim
 from synth.analyse.robustness import Loops
 from synth.errors import SignalError
 from tests import levitator
@@ -115,3 +115,41 @@ def test_the_margins_are_those_of_the_opened_loop(nominal: list[robustness.OpenL
     for o in nominal[:2]:
         assert o.margin("delay_margin") == margins.of_loop(o.L).delay_margin
         assert o.margin("gain_reduction") == 1 / o.margins.gain_reduction_margin
+
+
+def coordinates(**weights: dict[str, float]) -> Loops:
+    return robustness.of_controller(CONTROLLER, DESIGN.PLANT, {"mid": {"z": 0.0}}, coordinates=weights)
+
+
+def test_loops_open_at_coordinates_of_sensors_in_place_of_these() -> None:
+    """A scaled sensor is cut as it is; all of them cut at once leave det(1 + L) in any coordinates."""
+    z = np.exp(1j * np.array([0.02, 0.3, 1.5]))
+    at = robustness.rest(loops({"mid": {"z": 0.0}}), "mid")
+    scaled = robustness.opened(coordinates(far={"z": 2.0}))
+    assert [o.signal for o in scaled] == ["far", "x"]
+    np.testing.assert_allclose(scaled[0].L.response(z), resting.open_loop(at, "z").response(z), rtol=1e-9)
+    turned = robustness.rest(coordinates(mean={"z": 0.5, "x": 0.5}, gap={"z": 1.0, "x": -0.7}), "mid")
+    pairs = resting.open_loop(turned, ["mean", "gap"]), resting.open_loop(at, ["z", "x"])
+    new, old = (np.linalg.det(np.eye(2) + L.response(z)) for L in pairs)
+    np.testing.assert_allclose(new, old, rtol=1e-9)
+    alone = resting.open_loop(turned, "mean").response(z)
+    assert np.abs(alone / resting.open_loop(at, "z").response(z) - 1).max() > 0.1
+
+
+@pytest.mark.parametrize(
+    ("weights", "message"),
+    [
+        ({"a": {"z": 1.0}, "b": {"z": 2.0}}, "the coordinates a, b depend on each other"),
+        ({"x": {"z": 1.0}}, "at 'x', which is a sensor and a coordinate"),
+        ({"a": {"w": 1.0}}, "the wire from 'w' to 'a': 'w' is not one of"),
+    ],
+)
+def test_coordinates_that_do_not_fit_are_refused(weights: dict[str, dict[str, float]], message: str) -> None:
+    with pytest.raises(SignalError, match=message):
+        robustness.opened(coordinates(**weights), list(weights))
+
+
+def test_a_loop_does_not_open_at_a_sensor_and_at_its_coordinate() -> None:
+    at = robustness.rest(coordinates(far={"z": 2.0}), "mid")
+    with pytest.raises(SignalError, match="at 'z' and at a coordinate of it at once"):
+        resting.open_loop(at, ["far", "z"])

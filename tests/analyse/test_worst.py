@@ -115,6 +115,7 @@ def test_each_operating_point_has_its_row_and_the_worst_of_them_is_told() -> Non
     assert alone.evaluations == 2 and alone.value == pytest.approx(phase_margin(5.0, 1.0))
 
 
+@pytest.mark.slow
 def test_a_plants_own_tolerances_are_searched() -> None:
     """A mass on a spring under a sampled PD controller, built and linearised anew at each vertex."""
     x, v, f = Signal("x", "m", -1, 1), Signal("v", "m/s", -1, 1), Signal("f", "N", -9, 9)

@@ -20,7 +20,7 @@ INNER = {  # modules whose functions take what others have read
     *("box", "equilibrate", "precise", "rounding", "schur_response", "staircase", "structured_peak", "twofold"),
     *("structured_singular_value", "bordered", "cofactors", "doubling", "equation", "exact_riccati", "newton"),
     *("reduced_noise", "reduced_partition", "reduced_variance", "solvability", "spectrum", "trajectory"),
-    *("trajectory_fit", "undetermined", "variances", "minimal_polynomial", "weights", "check"),
+    *("trajectory_fit", "undetermined", "variances", "minimal_polynomial", "weights", "check", "conversions"),
     *("rational", "crossings", "delayed_crossings", "traced_crossings", "zpk", "perturbation", "nyquist", "assessment"),
     *("nearest_root", "peak_gain", "bounded_real", "resolvent", "held_cost", "balance", "copies", "modes"),
     *("modal", "modal_peak", "climb", "isolated_zeros", "refinement", "zeros", "normal_equations"),

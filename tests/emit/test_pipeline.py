@@ -110,6 +110,7 @@ def test_a_needed_limit_that_is_dropped_is_noticed(width: float, monkeypatch: py
     reduce(filtered(2.5))
 
 
+@pytest.mark.slow
 def test_a_reduced_program_computes_what_its_block_computes() -> None:
     for seed in range(40):
         block = dyadic.drawn(seed)
@@ -190,6 +191,7 @@ def rotated(certificate: Any) -> Block:
     return make(law)
 
 
+@pytest.mark.slow
 def test_a_limit_that_a_certificate_proves_idle_is_not_printed() -> None:
     def proved(u: float, e: float) -> float:
         return 1.5 * (1 + e) * (1 + 6 * u)

@@ -124,11 +124,13 @@ def growth() -> dict[str, float]:
     return {what: many[what] / few[what] for what in few}
 
 
+@pytest.mark.slow
 def test_emission_grows_with_the_number_of_axes_and_no_faster() -> None:
     found = growth()
     assert all(3.5 < ratio < 4.1 for ratio in found.values()), found
 
 
+@pytest.mark.slow
 def test_a_search_through_all_nodes_for_each_axis_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     plain = replace._arguments
 

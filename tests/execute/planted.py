@@ -1,9 +1,13 @@
 """Small sources for the tests of machine code: functions in assembly, and a step without any libm call."""
 
 import shutil
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import pytest
+
+from synth.execute import cross, elf
+from synth.execute.image import Image, boot
 
 COMPILERS = [
     "zig",
@@ -77,3 +81,18 @@ def lag(scalar: str) -> tuple[dict[str, str], dict[str, Any]]:
     functions = {"init": "lag_init", "step": "lag_step"}
     manifest = {"design": "lag", "period_s": 0.001, "scalar": scalar, "functions": functions, "structs": structs}
     return {"lag.h": _HEADER.replace("REAL", real), "lag.c": _SOURCE}, manifest
+
+
+def loaded(
+    sources: Mapping[str, str], entries: Sequence[str], core: str = "cortex-m4f", compiler: str = "zig"
+) -> Image:
+    """Sources built for a core, with what the functions `entries` reach in an emulator."""
+    program = elf.read(cross.link(sources, entries, core, compiler))
+    return boot(program, core, cross.functions(sources, core, compiler))
+
+
+def size(sources: Mapping[str, str], entry: str, core: str = "cortex-m4f", compiler: str = "zig") -> elf.Size:
+    """The bytes that a function reaches: it is the only root of the image."""
+    program = elf.read(cross.link(sources, [entry], core, compiler))
+    program.address(entry)
+    return program.size()

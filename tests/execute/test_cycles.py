@@ -5,7 +5,7 @@ import pytest
 
 from synth.errors import SynthError
 from synth.execute import cycles, image, recorder, trace
-from tests.execute.planted import assembly
+from tests.execute.planted import assembly, loaded
 
 # The way back: bx, 1 + P with P of 1 to 3.
 BACK_LOW, BACK_HIGH = 2, 4
@@ -81,7 +81,7 @@ def planted() -> image.Image:
     """Every body as a function of its own, in one image."""
     names = [f"f{k}" for k in range(len(ALL))]
     texts = [text for n, body in zip(names, ALL, strict=True) for text in assembly(n, f"{body}; bx lr").values()]
-    return image.load({"all.c": "".join(texts)}, names)
+    return loaded({"all.c": "".join(texts)}, names)
 
 
 @pytest.mark.parametrize("body", ALL)
@@ -93,7 +93,7 @@ def test_sums_by_hand(planted: image.Image, body: str) -> None:
 
 
 def test_every_call_is_estimated_by_itself() -> None:
-    found = image.load(assembly("f", "1: vadd.f32 s0, s0, s1; subs r0, #1; bne 1b; bx lr"), ["f"])
+    found = loaded(assembly("f", "1: vadd.f32 s0, s0, s1; subs r0, #1; bne 1b; bx lr"), ["f"])
     cost = found.measure("f", np.array([[n] for n in (1, 4, 2)])).cost
     assert cost.cycles is not None
     assert cost.cycles.low.tolist() == [2 * n + 2 * (n - 1) + 1 + BACK_LOW for n in (1, 4, 2)]
@@ -115,20 +115,20 @@ def path_of(found: image.Image) -> trace.Trace:
     ],
 )
 def test_no_call_depends_on_the_one_before(body: str, low: int) -> None:
-    found = image.load(assembly("f", body), ["f"])
+    found = loaded(assembly("f", body), ["f"])
     cost = found.measure("f", np.array([[found.reserve(8)]] * 3)).cost
     assert cost.cycles is not None and cost.cycles.low.tolist() == [low] * 3
 
 
 @pytest.mark.parametrize("line", ["vrintz.f32 s0, s1", "vadd.f64 d0, d1, d2", "vcvt.f64.f32 d0, s1"])
 def test_what_a_cortex_m4_does_not_have_is_named(line: str) -> None:
-    found = image.load(assembly("f", f".fpu fpv5-d16; {line}; bx lr"), ["f"], core="cortex-m7")
+    found = loaded(assembly("f", f".fpu fpv5-d16; {line}; bx lr"), ["f"], core="cortex-m7")
     with pytest.raises(SynthError, match=f"`{line}` at .* has no row"):
         cycles.estimate(cycles.timing(found.code), path_of(found))
 
 
 def test_no_estimate_without_a_published_table() -> None:
-    cost = image.load(assembly("f", "nop; bx lr"), ["f"], core="cortex-m7").measure("f", np.array([[0]])).cost
+    cost = loaded(assembly("f", "nop; bx lr"), ["f"], core="cortex-m7").measure("f", np.array([[0]])).cost
     assert cost.cycles is None and cost.instructions.tolist() == [2]
 
 

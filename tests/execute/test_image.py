@@ -6,7 +6,7 @@ import pytest
 
 from synth.emit.c import casadi_c
 from synth.errors import CompileError, SignalError, SynthError
-from synth.execute import image
+from tests.execute import planted
 from tests.execute.planted import COMPILERS, assembly
 
 MANY = """#include <stdint.h>
@@ -26,7 +26,7 @@ uint32_t __attribute__((noinline)) deep(uint32_t n) {
 
 @pytest.mark.parametrize("compiler", COMPILERS)
 def test_arguments_on_the_stack_and_in_memory(compiler: str) -> None:
-    found = image.load({"many.c": MANY}, ["many"], compiler=compiler)
+    found = planted.loaded({"many.c": MANY}, ["many"], compiler=compiler)
     at = found.place(np.array([9, -4], dtype=np.int32))
     assert found.call("many", -1, 2, 3, 4, 5, at) == (-1 + 4 + 9 + 20 + 35 - 44) & 0xFFFFFFFF
     rows = np.array([[1, 0, 0, 0, k, at] for k in range(4)])
@@ -35,7 +35,7 @@ def test_arguments_on_the_stack_and_in_memory(compiler: str) -> None:
 
 
 def test_memory_keeps_what_is_written() -> None:
-    found = image.load(assembly("bump", "ldr r1, [r0]; adds r1, #1; str r1, [r0]; mov r0, r1; bx lr"), ["bump"])
+    found = planted.loaded(assembly("bump", "ldr r1, [r0]; adds r1, #1; str r1, [r0]; mov r0, r1; bx lr"), ["bump"])
     first, second = found.reserve(5000), found.reserve(1)
     assert second >= first + 5000 and found.read(first, 5000) == bytes(5000)
     found.write(second, b"\x07\0\0\0")
@@ -52,7 +52,7 @@ def test_memory_keeps_what_is_written() -> None:
 
 @pytest.mark.parametrize("compiler", COMPILERS)
 def test_the_deepest_call_gives_the_stack(compiler: str) -> None:
-    found = image.load({"deep.c": DEEP}, ["deep"], compiler=compiler)
+    found = planted.loaded({"deep.c": DEEP}, ["deep"], compiler=compiler)
     flat, *deeper = (found.measure("deep", np.array([[n]])).cost.stack_bytes for n in (0, 1, 9))
     frame = deeper[0] - flat
     assert 24 <= frame <= 64 and deeper[1] == flat + 9 * frame  # four words, a return address, what is saved
@@ -71,7 +71,7 @@ def test_the_deepest_call_gives_the_stack(compiler: str) -> None:
     ],
 )
 def test_stack_that_is_claimed_or_written(body: str, taken: int) -> None:
-    assert image.load(assembly("f", body), ["f"]).measure("f", np.array([[1]])).cost.stack_bytes == taken
+    assert planted.loaded(assembly("f", body), ["f"]).measure("f", np.array([[1]])).cost.stack_bytes == taken
 
 
 @pytest.mark.parametrize(
@@ -84,21 +84,21 @@ def test_stack_that_is_claimed_or_written(body: str, taken: int) -> None:
     ],
 )
 def test_code_that_goes_astray_is_named(body: str, says: str) -> None:
-    found = image.load(assembly("astray", body), ["astray"])
+    found = planted.loaded(assembly("astray", body), ["astray"])
     with pytest.raises(SynthError, match=f"(?i)'astray' on the emulated cortex-m4f: .*({says}).* at 0x"):
         found.call("astray", 1)
 
 
 def test_code_that_flushes_to_zero_is_refused() -> None:
     body = "vmrs r1, fpscr; orr r1, r1, #0x1000000; vmsr fpscr, r1; bx lr"
-    found = image.load(assembly("flush", body), ["flush"])
+    found = planted.loaded(assembly("flush", body), ["flush"])
     for run in (lambda: found.call("flush"), lambda: found.measure("flush", np.array([[0]]))):
         with pytest.raises(SynthError, match="mode bits 0x1000000"):
             run()
 
 
 def test_subnormals_are_kept() -> None:
-    found = image.load(
+    found = planted.loaded(
         assembly("halve", "vmov s0, r0; vmov.f32 s1, #0.5; vmul.f32 s0, s0, s1; vmov r0, s0; bx lr"), ["halve"]
     )
     assert found.call("halve", 0x00800000) == 0x00400000  # half of the least normal number
@@ -107,12 +107,12 @@ def test_subnormals_are_kept() -> None:
 
 
 def test_what_is_not_there_is_named() -> None:
-    found = image.load(assembly("f", "bx lr"), ["f"])
+    found = planted.loaded(assembly("f", "bx lr"), ["f"])
     for run in (lambda: found.call("g"), lambda: found.measure("g", np.array([[0]]))):
         with pytest.raises(CompileError, match="no function 'g'"):
             run()
     with pytest.raises(CompileError, match="no function 'g'"):
-        image.size(assembly("f", "bx lr"), "g")
+        planted.size(assembly("f", "bx lr"), "g")
     with pytest.raises(SignalError, match="found 0 calls"):
         found.measure("f", np.zeros((0, 1), dtype=np.int64))
 
@@ -122,7 +122,7 @@ def test_casadis_own_c_is_measured_alike(compiler: str) -> None:
     """`int f(const double **arg, double **res, long long *iw, double *w, int mem)` over N argument vectors."""
     x, y = ca.SX.sym("x", 3), ca.SX.sym("y")
     f = ca.Function("f", [x, y], [ca.dot(x, x) * y, ca.if_else(y > 0, x[0] - y, x[1] * y)])
-    found = image.load(casadi_c.functions([f], "f"), ["f"], "cortex-m7", compiler)
+    found = planted.loaded(casadi_c.functions([f], "f"), ["f"], "cortex-m7", compiler)
     samples = np.random.default_rng(4).normal(size=(20, 4))
     given, taken = found.place(samples), found.reserve(20 * 16)
     rows = []

@@ -5,6 +5,7 @@ import pytest
 
 from synth.errors import SynthError
 from synth.execute import elf, image, recorder, trace
+from tests.execute import planted
 from tests.execute.planted import COMPILERS, assembly
 
 CLAMP = "cmp r0, #3; ite gt; movgt r0, #10; movle r0, #20; cbz r1, 1f; adds r0, #1; 1: bx lr"
@@ -12,7 +13,7 @@ LOOP = "movs r2, #0; 1: adds r2, r2, r0; subs r1, #1; bne 1b; mov r0, r2; bx lr"
 
 
 def loaded(name: str, body: str, compiler: str = "zig") -> image.Image:
-    return image.load(assembly(name, body), [name], compiler=compiler)
+    return planted.loaded(assembly(name, body), [name], compiler=compiler)
 
 
 def directions(cost: image.Cost) -> list[tuple[str, int, int]]:
@@ -51,7 +52,7 @@ def floats(*values: float) -> np.ndarray:
 
 def test_loops_and_calls_count_by_function() -> None:
     sources = assembly("sum", LOOP) | assembly("twice", "push {r4, lr}; bl sum; lsls r0, r0, #1; pop {r4, pc}")
-    results, cost = image.load(sources, ["twice"]).measure("twice", np.array([[5, 1], [5, 4]]))
+    results, cost = planted.loaded(sources, ["twice"]).measure("twice", np.array([[5, 1], [5, 4]]))
     assert results.tolist() == [10, 40]
     assert {name: n.tolist() for name, n in cost.by_function.items()} == {"sum": [6, 15], "twice": [4, 4]}
     assert directions(cost) == [("bne", 3, 2)]

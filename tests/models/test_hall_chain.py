@@ -12,10 +12,6 @@ from synth.timing import Discrete
 CHAIN, TIME = hall_chain.Chain(), Discrete(1 / 800)
 
 
-def converted(volts: float) -> float:
-    return float(hall_chain.converted(CHAIN, ca.SX(volts)))
-
-
 def test_gain_and_step() -> None:
     assert CHAIN.gain == pytest.approx(8.4)
     assert CHAIN.step == 10 / 65536
@@ -24,16 +20,6 @@ def test_gain_and_step() -> None:
     assert CHAIN.noise / (CHAIN.gain * 0.37502 * w) == pytest.approx(2.567e-6, abs=5e-10)
     slow = hall_chain.Chain(sensitivity=0.1)  # why the sensitivity is 0.4 V/T and not 0.1
     assert slow.noise / (slow.gain * 0.37502 * w) > 10e-6
-
-
-def test_the_converter_rounds_and_saturates() -> None:
-    volts = np.random.default_rng(1).uniform(-4.99, 4.99, 500)
-    read = np.array([converted(v) for v in volts])
-    assert np.abs(read - volts).max() <= CHAIN.step / 2 * (1 + 1e-9)
-    assert np.std(read - volts) == pytest.approx(CHAIN.step / np.sqrt(12), rel=0.1)
-    np.testing.assert_array_equal(read / CHAIN.step, np.rint(read / CHAIN.step))
-    assert converted(7.0) == converted(np.inf) == 5.0 - CHAIN.step
-    assert converted(-7.0) == converted(-np.inf) == -5.0
 
 
 def test_the_filter_is_of_first_order() -> None:

@@ -99,15 +99,6 @@ def test_a_field_that_decays_otherwise_is_seen() -> None:
     assert low <= 0.99 * found.law <= high
 
 
-def test_all_heights_at_once_give_the_waves_of_six_degrees_of_freedom() -> None:
-    log = hall_scan.scanned(EXACT, MODEL, hall_scan.places(l, 16, HEIGHTS), 0)
-    found = hall_scan.fit_over_gap(log, "V_ax", l, 3e-3).estimate
-    c, s = 8.4 * np.cos(0.02), 8.4 * np.sin(0.02)
-    np.testing.assert_allclose(found.values, [0, 0.37502 * c, -0.02146 * c, 0.37502 * s, -0.02146 * s], atol=1e-12)
-    flat = hall_scan.fit(log, "V_ax", l)
-    assert np.abs(flat.residual).max() > 0.1  # a model without the gap does not fit these
-
-
 def test_refusals() -> None:
     fits = by_height(MODEL)
     with pytest.raises(SignalError, match="give X or Y"):

@@ -1,4 +1,4 @@
-"""The five-axis model against its printed equations in NumPy, and its polynomial forms against the model."""
+"""The five-axis model against its printed equations in NumPy, and the currents that invert it."""
 
 from collections.abc import Mapping
 
@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from models import maglev_stage, pmlsm
+from models import maglev_polynomial, maglev_stage, pmlsm, slotted_field
 from synth.errors import ModelError
 from synth.plant import Plant
 from synth.signals import Signal, names
@@ -120,83 +120,29 @@ def test_outputs_are_coordinates_and_gaps_within_their_ranges() -> None:
         assert all(s.low <= v <= s.high for s, v in zip(plant.outputs, y, strict=True))
 
 
-def evaluate(model: maglev_stage.InputPolynomial, exprs: list[ca.SX], point: Mapping[str, float]) -> np.ndarray:
-    symbols = {**model.x, **model.u, **model.v}
-    f = ca.Function("f", [ca.vcat(list(symbols.values()))], [ca.vcat(exprs)])
-    return np.asarray(f([point[n] for n in symbols])).ravel()
-
-
-def random_v(count: int) -> list[dict[str, float]]:
-    rng = np.random.default_rng(3)
-    v = [dict(zip(maglev_stage.TRANSFORMED, rng.uniform(-5, 5, 3), strict=True)) for _ in range(count)]
-    return [x | u | w for (x, u), w in zip(random_points(count), v, strict=True)]
-
-
-@pytest.mark.parametrize("lv3", ["csch2", "coth2"])
-def test_the_polynomial_sums_to_the_full_model(lv3: str) -> None:
-    model = maglev_stage.input_polynomial(maglev_stage.nominal(), lv3)
-    for at in random_v(20):
-        found = evaluate(model, list(model.accelerations().values()), at)
-        u = at | {n: float(i) for n, i in maglev_stage.input_transformation(at).items()}
-        assert np.abs(found - printed(at, u, lv3)).max() < 1e-11
-
-
-def test_a_polynomial_that_lacks_a_term_does_not_sum_to_the_model() -> None:
-    whole = maglev_stage.input_polynomial(maglev_stage.nominal())
-    at = random_v(1)[0]
-    for term in maglev_stage.TERMS:
-        part = maglev_stage.simplified(whole, [term])
-        difference = [a - b for a, b in zip(whole.accelerations().values(), part.accelerations().values(), strict=True)]
-        assert np.abs(evaluate(whole, difference, at)).max() > 1e-6, term
-
-
-def test_the_simplified_model_is_the_full_one_without_the_dropped_terms() -> None:
-    full = maglev_stage.input_polynomial(maglev_stage.nominal())
-    kept = maglev_stage.simplified(full)
-    assert set(full.coefficients) - set(kept.coefficients) == set(maglev_stage.NEGLIGIBLE)
-    for at in random_v(10):
-        c = dict(zip(full.coefficients, evaluate(full, list(full.coefficients.values()), at), strict=True))
-        vy, vphi, vtheta = (at[n] for n in maglev_stage.TRANSFORMED)
-        y = c["a4"] * vphi * vy + c["a5"] * vphi**2 + c["a6"] * vy**2 + c["a8"] * vy * vtheta + c["a9"] * vtheta**2
-        phi = c["b4"] * vphi * vy + c["b5"] * vphi**2 + c["b6"] * vy**2
-        theta = c["c4"] * vy * vtheta + c["c5"] * vtheta**2 + c["c6"] * vy**2
-        whole, rest = (evaluate(m, list(m.accelerations().values()), at) for m in (full, kept))
-        assert np.allclose(whole - rest, [y, 0, 0, phi, theta], rtol=0, atol=1e-11)
-        matrix = evaluate(kept, [ca.vec(kept.decoupling().T)], at).reshape(3, 3)
-        expected = [[c["a3"], c["a2"], c["a7"]], [c["b3"], c["b2"], 0], [c["c3"], 0, c["c2"]]]
-        assert np.allclose(matrix, expected, rtol=1e-12)
-        assert matrix[1, 1] < 0 and matrix[2, 2] < 0
-
-
-def test_coefficients_depend_on_what_is_printed_in_their_brackets() -> None:
-    model = maglev_stage.input_polynomial(maglev_stage.nominal())
-    both, by_phi, by_theta = {"y", "phi", "theta"}, {"y", "phi"}, {"y", "theta"}
-    printed_arguments = {"a1": both | {"u_x", "u_z"}, "a3": both, "a6": both, "h_x": by_theta, "h_z": by_phi}
-    printed_arguments |= dict.fromkeys(("a2", "a4", "a5", "b2", "b3", "b4", "b5", "b6"), by_phi)
-    printed_arguments |= dict.fromkeys(("a7", "a8", "a9", "c2", "c3", "c4", "c5", "c6"), by_theta)
-    printed_arguments |= {"b1": by_phi | {"u_z"}, "c1": by_theta | {"u_x"}}
-    assert {n: {s.name() for s in ca.symvar(e)} for n, e in model.coefficients.items()} == printed_arguments
-
-
-def test_unknown_names_are_refused() -> None:
-    model = maglev_stage.input_polynomial(maglev_stage.nominal())
-    with pytest.raises(ModelError, match="a10"):
-        maglev_stage.simplified(model, ["a10"])
-    with pytest.raises(ModelError, match="h_x"):
-        maglev_stage.simplified(model, ["h_x"])
+def test_an_unknown_reading_is_refused() -> None:
     with pytest.raises(ModelError, match=r"sech2.*csch2"):
         maglev_stage.plant("sech2")
 
 
-def test_parameters_may_stay_symbols() -> None:
-    p = maglev_stage.parameter_symbols()
-    model = maglev_stage.input_polynomial(p)
-    f = ca.Function("a3", [ca.vcat(list(model.x.values())), ca.vcat(list(p.values()))], [model.coefficients["a3"]])
-    at_rest = [0.025, 0.0, 0.0]
-    slope = force_factors(0.025, "csch2")["v2"]
-    for mass in (6.9, 7.0):
-        expected = 2 * slope / mass  # v_y / 2 into each of four motors
-        assert float(f(at_rest, list((VALUES | {"M_y": mass}).values()))) == pytest.approx(expected, rel=1e-12)
+def test_friction_and_cogging_push_as_they_are_written() -> None:
+    """At a crest of the cogging, at the gap at which its amplitude is that of the field; the rest does not move."""
+    plant = maglev_stage.plant()
+    field = slotted_field.forces(maglev_stage.geometry(plant), 0.020, 3)
+    guides = maglev_stage.guides(plant, {"x": 1.8, "z": 1.3}, 3)
+    at = {"y": 0.020, "x": plant.parameter("t1").value / 4, "vx": 1.0, "vz": -1.0}
+    states = names(plant.states)
+    added = np.asarray(guides([at.get(n, 0.0) for n in states], 0.0)).ravel()
+    pushed = dict(zip(states, added, strict=True))
+    assert pushed["vx"] == pytest.approx((2 * field.cogging - 1.8) / 10.6, rel=1e-9)
+    assert pushed["vz"] == pytest.approx(1.3 / 8.6, rel=1e-9)
+    assert {n for n, a in pushed.items() if a} == {"vx", "vz"}
+
+
+def random_v(count: int) -> list[dict[str, float]]:
+    rng = np.random.default_rng(3)
+    v = [dict(zip(maglev_polynomial.TRANSFORMED, rng.uniform(-5, 5, 3), strict=True)) for _ in range(count)]
+    return [x | u | w for (x, u), w in zip(random_points(count), v, strict=True)]
 
 
 def motors(x: Mapping[str, float]) -> list[pmlsm.ForceLaw]:
@@ -244,7 +190,7 @@ def test_a_planted_change_in_a_parameter_of_the_inverse_shows(name: str, monkeyp
 
 def test_without_the_squares_of_the_direct_currents_it_is_12() -> None:
     """The witness: (11) solved for v by cofactors of its decoupling matrix, and (8)."""
-    model = maglev_stage.simplified(maglev_stage.input_polynomial(maglev_stage.nominal()))
+    model = maglev_polynomial.simplified(maglev_polynomial.input_polynomial(maglev_stage.nominal()))
     axes = ("y", "phi", "theta")
     wanted = {q: ca.SX.sym(f"w_{q}") for q in axes}
     second = model.accelerations()

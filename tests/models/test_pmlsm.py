@@ -176,3 +176,14 @@ def test_the_ratio_of_the_force_law_grows_slowly_with_the_gap() -> None:
     np.testing.assert_allclose([float(f.ratio) for f in found], [float(f.half_a / f.h**2) for f in found], rtol=1e-14)
     ratios = [float(f.ratio) for f in found]
     assert max(ratios) < 1.25 * min(ratios) and float(found[0].half_a) > 10 * float(found[-1].half_a)
+
+
+def test_a_motor_carries_its_load_by_the_current_of_the_balance_and_by_no_other() -> None:
+    p = {name: ca.SX(value) for name, value in NOMINAL.items()}
+    balance = pmlsm.balance(0.025, ca.SX(WEIGHT / 4), p)
+    assert balance.current == pytest.approx(0.67864, abs=1e-5) and balance.discriminant > 0
+    for i_d, rests in ((balance.current, True), (-balance.current, False)):
+        force = float(pmlsm.normal_force(ca.SX(0.025), ca.SX(i_d), ca.SX(0), p)) + WEIGHT / 4
+        assert (abs(force) < 1e-11) == rests
+    lost = pmlsm.balance(0.025, ca.SX(-1e4), p)
+    assert lost.discriminant < 0 and math.isnan(lost.current)

@@ -16,7 +16,7 @@ from synth.execute.host import Controller
 from synth.plant import Plant
 from synth.simulate import closed_loop
 from synth.simulate.closed_loop import Scenario, Trajectory
-from synth.simulate.sensors import Analogue, Encoder, Override, Plain
+from synth.simulate.sensors import Analogue, Encoder, Override
 
 T, KP, KD, BIAS = 1e-3, 400.0, 6.0, 2.0
 Level = Callable[[str], Controller]
@@ -231,7 +231,7 @@ def test_forcing_is_added_to_what_is_commanded_in_each_substep(mass: Plant, leve
 def test_sensors_are_wrong_as_they_say(magnet: Plant, level: Level, scalar: str) -> None:
     controller = level(scalar)
     analogue = Analogue(0.0, 0.04, bits=12, noise=2e-5, offset=1e-5, gain_error=1e-3, seed=5)
-    for sensor in (Plain(1e-5, -1e-3), Encoder(1e-6, 2e-5, 1e-3), analogue, replace(analogue, low=0.0208)):
+    for sensor in (Encoder(0.0, 1e-5, -1e-3), Encoder(1e-6, 2e-5, 1e-3), analogue, replace(analogue, low=0.0208)):
         found = closed_loop.simulate(magnet, controller, replace(BASE, encoders={"gap": sensor}))
         noise = sensor.noise_of(300, 0) / (1 + sensor.gain_error)
         assert np.array_equal(found.measured["gap"][:3], sensor.read(found["q"] + noise).astype(controller.scalar)[:3])

@@ -36,9 +36,8 @@ def test_sensors_show_counts_and_ideal_ones_do_not(rig: Rig) -> None:
 
 
 def test_noise_of_a_short_run_begins_that_of_a_long_one(rig: Rig) -> None:
-    around = rig.stage.interface
-    noisy = replace(around, sensors=tuple(replace(s, noise=1e-7, resolution=0.0) for s in around.sensors))
-    loud = replace(rig, stage=replace(rig.stage, controller=replace(rig.stage.controller, interface=noisy)))
+    sensors = rig.stage.interface.sensors
+    loud = rig.with_interface(sensors=tuple(replace(s, noise=1e-7, resolution=0.0) for s in sensors))
     short, long = (loud.run(T).measured["x"] for T in (0.05, 0.1))
     np.testing.assert_array_equal(short, long[: len(short)])
     other = replace(loud, seed=1).run(0.05).measured["x"]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from synth.errors import SignalError
-from synth.simulate.sensors import Analogue, Encoder, Plain, Sensor
+from synth.simulate.sensors import Analogue, Encoder, Sensor
 
 
 def test_reading_is_the_nearest_count() -> None:
@@ -33,7 +33,7 @@ def test_a_resolution_that_is_none_is_refused(resolution: float) -> None:
 
 
 def test_offset_and_gain_errors_come_before_the_counts() -> None:
-    assert Plain(0.5, 0.01).read(2.0) == pytest.approx(2.52)
+    assert Encoder(0.0, 0.5, 0.01).read(2.0) == pytest.approx(2.52)
     assert Encoder(0.1, 0.04, 0.01).read(1.1) == pytest.approx(1.2)  # 1.151
     assert Analogue(-1.0, 1.0, bits=3, offset=0.2).read([0.1, 0.9, -7.0]) == pytest.approx([0.25, 1.0, -1.0])
 
@@ -52,7 +52,7 @@ def test_noise_has_its_size_and_its_seed() -> None:
         (lambda: Analogue(1.0, 1.0), "spans 1.0 .. 1.0"),
         (lambda: Analogue(0.0, 1.0, bits=0), "0 bits: give a whole number from 1 to 53"),
         (lambda: Analogue(0.0, 1.0, noise=-1.0), "noise -1.0 rms"),
-        (lambda: Plain(np.nan), "plain sensor has the offset nan"),
+        (lambda: Encoder(0.0, np.nan), "encoder has the offset nan"),
         (lambda: Encoder(1e-3, 0.0, np.inf), "encoder has the offset 0.0 and the gain error inf"),
     ],
 )

@@ -1,13 +1,16 @@
 """Each output has a floor of its own: given, or from its declared range."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
-from synth.block import Step, build
+from synth.block import Block, Step, build
 from synth.errors import SignalError
 from synth.signals import Signal
 from synth.timing import Discrete
 from synth.verify import agree
+from tests import levitator
 
 X, ANGLE = Signal("x", "m", -1e-3, 5e-4), Signal("angle", "rad", -3, 3)
 BLOCK = build(
@@ -41,3 +44,24 @@ def test_one_floor_for_all_hides_what_an_output_of_small_range_does() -> None:
 def test_a_floor_that_does_not_fit_is_refused(floor: agree.Floor, words: str) -> None:
     with pytest.raises(SignalError, match=words):
         worst(floor)
+
+
+@pytest.mark.parametrize("made", [agree.casadi, agree.casadi_own_c])
+def test_steps_in_a_row_are_the_steps_one_by_one(made: Callable[[Block], agree.Witness]) -> None:
+    """Over the end of a part of `IN_A_ROW` samples, with a bad sample in each."""
+    block = levitator.design().DESIGN.stage.controller.block
+    rng, n = np.random.default_rng(3), agree.IN_A_ROW + 30
+    inputs = {s.name: rng.uniform(s.low, s.high, n) for s in block.inputs}
+    for values in inputs.values():
+        values[[5, -5]] = np.nan
+    witness, start = made(block), {s.name: s.initial for s in block.states}
+    found, one_by_one = (agree.recorded(w, start, inputs) for w in (witness, lambda x, u: witness(x, u)))
+    np.testing.assert_equal(found.outputs, one_by_one.outputs)
+    np.testing.assert_equal(found.states, one_by_one.states)
+    assert np.array_equal(found.faults, one_by_one.faults) and len(set(found.faults)) > 1
+
+
+def test_a_block_without_states_steps_in_a_row() -> None:
+    inputs = {"x_in": np.array([1e-4, -2e-4]), "angle_in": np.array([1.0, 2.0])}
+    found = agree.recorded(agree.casadi(BLOCK), {}, inputs).outputs
+    np.testing.assert_equal(found, {"x": inputs["x_in"], "angle": inputs["angle_in"]})

@@ -1,9 +1,10 @@
-"""Where sensors are in the body: layouts that are published, that were searched for, and their search.
+"""Where sensors are in the body: the published layout and those that were searched for, grids of poses, their cost.
 
-    minimise over r_1 .. r_n in a square   max over (X, Y) in the pitch, |yaw| <= range   max(s_places, lever s_angles)
+    cost = max over poses of max(s_places, lever s_angles)    for yaws to either side, in m
 
 of (X, Y, yaw), or of all six coordinates of a level body. The lever says how far from the body's origin a turn counts
-as a displacement. `fisher.worst` proves what a planar result is worth, between the points of the grid too.
+as a displacement. `observability.placement` searched for places of the least cost, and `fisher.worst` proves what a
+planar result is worth, between the points of the grid too.
 
 Three sensors of two axes have as many voltages as a body has coordinates. Their determinant D(X, Y) = det H is
 continuous over the pitch, and where it takes both signs it vanishes on curves between: rank is lost on these. `signs`
@@ -12,9 +13,7 @@ equations hold: at isolated points of X, Y and yaw, of which a layout may have n
 would have to be free of such points; one more than that leaves five, which are.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from math import radians
+from dataclasses import replace
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -23,8 +22,9 @@ from numpy.typing import ArrayLike, NDArray
 from designs.hall_position.accuracy import fisher, six_field
 from designs.hall_position.glsdc import parameters, six_parameters
 from designs.hall_position.glsdc.parameters import Pair
+from models import hall_accuracy
 from synth import numeric
-from synth.analyse.observability import information, placement
+from synth.analyse.observability import information
 from synth.errors import ModelError
 from synth.statespace import readonly
 
@@ -33,6 +33,8 @@ Array = parameters.Array | six_parameters.Array
 AnyArray = TypeVar("AnyArray", parameters.Array, six_parameters.Array)
 Places = tuple[Pair, ...]  # in pitches
 
+LEVER = 25.4e-3  # m, half a pitch
+REACH = 0.64  # pitches, of the searches: as far as the published layout
 PUBLISHED: Places = ((-0.375, -0.375), (0.375, 0.375), (0.640, 0.613))  # the third was added to (3)
 LAYOUTS: dict[int, Places] = {  # by the yaws in degrees to either side; at worst, by proof, in um and urad:
     5: ((-0.132, 0.173), (0.106, -0.066), (0.385, -0.344)),  # 4.87, 5.14, 217, where PUBLISHED has 7.7, 7.0, 238
@@ -50,47 +52,11 @@ SPATIAL: dict[int, Places] = {
 }
 
 
-class Effort(NamedTuple):
-    """Poses along a pitch and over the yaws of a coarse and of a fine grid, and the population of the evolution."""
-
-    coarse: tuple[int, int]
-    fine: tuple[int, int]
-    population: int
-
-
-PLANAR_EFFORT, SPATIAL_EFFORT = Effort((20, 5), (64, 11), 8), Effort((20, 3), (40, 5), 6)
-
-
 class Signs(NamedTuple):
     """The least and the largest determinant of three sensors over the pitch, in units of its mean size."""
 
     least: float
     largest: float
-
-
-@dataclass(frozen=True)
-class Task:
-    """How many sensors, yaws up to `yaw` in rad to either side, places up to `reach` pitches, a lever in m.
-
-    With one to `spare` what counts is the worst after the loss of any sensor.
-
-    Raises ModelError for less than two sensors that are left, or a figure that is no number or not positive.
-    """
-
-    sensors: int = 3
-    yaw: float = radians(5)
-    reach: float = 0.64  # as far as the published layout
-    lever: float = 25.4e-3  # half a pitch
-    spare: bool = False
-
-    def __post_init__(self) -> None:
-        numeric.whole("the number of sensors", self.sensors, 1, numeric.MOST_SENSORS)
-        if not isinstance(self.spare, bool):
-            raise ModelError(f"spare is {self.spare!r}: give True for one to spare, or False")
-        if self.sensors - self.spare < 2:
-            raise ModelError(f"{self.sensors - self.spare} sensors do not tell the yaw: leave two or more")
-        for name in ("yaw", "reach", "lever"):
-            numeric.positive(name, getattr(self, name))
 
 
 def placed(array: AnyArray, places: ArrayLike | Places) -> AnyArray:
@@ -107,27 +73,15 @@ def poses(pitch: float, points: int, yaws: ArrayLike = 0.0, shift: float = 0.0) 
     Raises ModelError for no points, or a yaw that is not finite.
     """
     points = numeric.whole("the number of poses along the pitch", points)
-    turns = numeric.numbers("the yaws", np.atleast_1d(np.asarray(yaws)))
+    turns = numeric.table("the yaws", np.reshape(yaws, (-1, 1)), 1)[:, 0]
     along = pitch * (np.arange(points) + shift) / points
     return readonly([each.ravel() for each in np.meshgrid(along, along, turns, indexing="ij")])
-
-
-def over_yaws(array: Array, yaw: float, points: tuple[int, int]) -> Numbers:
-    """Return a grid (3, N) of so many poses along the pitch and over yaws up to `yaw` to either side."""
-    yaw, many = numeric.number("the yaw", yaw), numeric.whole("the number of yaws", points[1])
-    return poses(array.pitch, points[0], np.linspace(-yaw, yaw, many) if many > 1 else 0.0)
 
 
 def level(array: six_parameters.Array, q: Numbers) -> Numbers:
     """Return poses (N, 6) of a level body at the array's height, at X, Y and yaws (3, N)."""
     none = np.zeros_like(q[0])
     return readonly(np.column_stack([q[0], q[1], none + array.height, none, none, q[2]]))
-
-
-def sizes(unknowns: int, lever: float) -> Numbers:
-    """Return what a unit of each unknown moves, m: 1 for places, the lever for angles; raise ModelError for none."""
-    lever = numeric.positive("the lever", lever)
-    return np.array([1.0, 1.0, lever] if unknowns == len("XY") + 1 else [1.0, 1.0, 1.0, lever, lever, lever])
 
 
 def jacobians(array: Array, q: Numbers) -> Numbers:
@@ -139,10 +93,10 @@ def jacobians(array: Array, q: Numbers) -> Numbers:
     return H.reshape(3, 2, n, -1).transpose(3, 2, 1, 0).reshape(-1, 2 * n, 3)
 
 
-def cost(array: Array, q: Numbers, lever: float, spare: bool = False) -> float:
+def cost(array: Array, q: Numbers, lever: float = LEVER, spare: bool = False) -> float:
     """Return the largest deviation over q (3, N), m, angles at the lever; with `spare` after any sensor's loss."""
     H = jacobians(array, q)
-    return information.largest_deviation(H, array.deviation, sizes(H.shape[2], lever), 2 if spare else 0)
+    return information.largest_deviation(H, array.deviation, hall_accuracy.sizes(H.shape[2], lever), 2 if spare else 0)
 
 
 def signs(array: six_parameters.Array, yaw: float = 0.0, points: int = 100) -> Signs:
@@ -152,50 +106,6 @@ def signs(array: six_parameters.Array, yaw: float = 0.0, points: int = 100) -> S
     """
     if len(array.positions) != 3:
         raise ModelError(f"{len(array.positions)} sensors have no determinant: give three")
-    at = level(array, poses(array.pitch, points, numeric.number("the yaw", yaw)))
-    D = np.linalg.det(six_field.rows(array, at) / sizes(6, array.pitch))
+    D = np.linalg.det(jacobians(array, poses(array.pitch, points, yaw)) / hall_accuracy.sizes(6, array.pitch))
     mean = np.abs(D).mean()
     return Signs(float(D.min() / mean), float(D.max() / mean))
-
-
-def search(array: AnyArray, task: Task, seed: int = 0, generations: int = 200, tries: int = 40) -> Places:
-    """Return the places of sensors in the field of `array`; its own places are not looked at.
-
-    Raises ModelError as `placement.search`, and for a task that leaves too few sensors.
-    """
-    effort = effort_of(array)
-    coarse, fine = (costs(array, task, points) for points in (effort.coarse, effort.fine))
-    square = placement.Square(task.reach)
-    how = placement.Effort(generations, effort.population, tries, seed)
-    return _pairs(placement.search(coarse, fine, 2 * task.sensors, square, how))
-
-
-def improve(array: AnyArray, task: Task, places: Places, seed: int = 0, tries: int = 40) -> Places:
-    """Return places that are no worse than those given, by `tries` steps of each length.
-
-    Raises ModelError unless there is a place for each sensor of the task.
-    """
-    start = numeric.rows("places", places, 2)
-    if len(start) != task.sensors:
-        raise ModelError(f"{len(start)} places are given for {task.sensors} sensors: give one for each")
-    fine = costs(array, task, effort_of(array).fine)
-    how = placement.Effort(tries=tries, seed=seed)
-    return _pairs(placement.improve(fine, np.ravel(start), placement.Square(task.reach), how))
-
-
-def effort_of(array: Array) -> Effort:
-    """Return how a search for an array goes about."""
-    return PLANAR_EFFORT if isinstance(array, parameters.Array) else SPATIAL_EFFORT
-
-
-def costs(array: AnyArray, task: Task, points: tuple[int, int]) -> Callable[[Numbers], float]:
-    """Return the cost of places (2 sensors,) on a grid; raise ModelError for a task that leaves too few sensors."""
-    left, fewest = task.sensors - task.spare, six_parameters.FEWEST
-    if isinstance(array, six_parameters.Array) and left < fewest:
-        raise ModelError(f"{left} sensors have fewer than six voltages: leave {fewest} or more")
-    q = over_yaws(array, task.yaw, points)
-    return lambda x: cost(placed(array, x.reshape(-1, 2)), q, task.lever, task.spare)
-
-
-def _pairs(x: Numbers) -> Places:
-    return tuple((float(u), float(v)) for u, v in x.reshape(-1, 2))

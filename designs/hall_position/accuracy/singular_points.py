@@ -9,7 +9,9 @@ Their zeros are isolated and proved by `synth.analyse.observability.isolated_zer
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import pi
+from typing import Any
 
 import flint
 import numpy as np
@@ -30,14 +32,10 @@ CLEAR = 1e-9  # of alpha^2, rad: far above what double precision leaves of a det
 
 @dataclass(frozen=True, eq=False)
 class SingularPoints:
-    """All points `at` (n, 2) of the body's origin in a pitch, in m, where rank is lost at a yaw in rad.
-
-    `lost` (n, 3) is the motion in X, Y (m) and yaw (rad), of length 1 with the yaw times 1/w, that moves no voltage.
-    """
+    """All points `at` (n, 2) of the body's origin in a pitch, in m, where rank is lost at a yaw in rad."""
 
     yaw: float
     at: Array
-    lost: Array
 
 
 def of_pair(array: parameters.Array, yaw: float) -> SingularPoints:
@@ -52,15 +50,10 @@ def of_pair(array: parameters.Array, yaw: float) -> SingularPoints:
     _check_slopes(array, yaw)
     with precise.precision():
         pair = _Pair.of(array, yaw)
-        equations = isolated_zeros.Equations(
-            2, pair.values, pair.slopes, lambda cells, half: possible(array, yaw, cells, half)
-        )
+        equations = isolated_zeros.Equations(2, pair.values, partial(possible, array, yaw))
         points = [cube.at for cube in isolated_zeros.search(equations)]
-        places = [[float(isolated_zeros.within_turn(v) / pair.w) for v in p] for p in points]
-        motions = [[float(v) for v in pair.lost(p)] for p in points]
-    order = sorted(range(len(points)), key=lambda i: places[i])
-    at, lost = (np.reshape([rows[i] for i in order], (-1, n)) for rows, n in ((places, 2), (motions, 3)))
-    return SingularPoints(yaw, readonly(at), readonly(lost))
+        places = sorted([float(isolated_zeros.within_turn(v) / pair.w) for v in p] for p in points)
+    return SingularPoints(yaw, readonly(np.reshape(places, (-1, 2))))
 
 
 def possible(array: parameters.Array, yaw: float, cells: Array, half: float) -> NDArray[np.bool_]:
@@ -81,7 +74,10 @@ def possible(array: parameters.Array, yaw: float, cells: Array, half: float) -> 
 
 @dataclass(frozen=True, eq=False)
 class _Pair:
-    """Two sensors in balls: places (o_X, o_Y) in rad at the yaw; c, alpha and beta in V."""
+    """Two sensors in balls: places (o_X, o_Y) in rad at the yaw; c, alpha and beta in V.
+
+    Phases are balls, or series in one of them.
+    """
 
     w: Ball
     places: list[tuple[Ball, Ball]]
@@ -97,11 +93,11 @@ class _Pair:
         places = [(w * (c * Ball(x) - s * Ball(y)), w * (s * Ball(x) + c * Ball(y))) for x, y in array.positions]
         return _Pair(w, places, Ball(array.c), Ball(array.alpha), Ball(array.beta))
 
-    def slope(self, p: Ball) -> Ball:
+    def slope(self, p: Any) -> Any:
         """Return B'."""
         return self.alpha * p.cos() + 5 * self.beta * (5 * p).cos()
 
-    def rows(self, at: Sequence[Ball], i: int) -> list[tuple[Ball, Ball]]:
+    def rows(self, at: Sequence[Any], i: int) -> list[tuple[Any, Any]]:
         """Return g and h of each sensor along the axis i."""
         pairs, sign = [], 1 - 2 * i
         for place in self.places:
@@ -110,34 +106,10 @@ class _Pair:
             pairs.append((g, sign * (self.c + self.alpha * q.sin() + self.beta * (5 * q).sin() - g * o)))
         return pairs
 
-    def values(self, at: Sequence[Ball]) -> flint.arb_mat:
-        """Return D_X and D_Y (2, 1)."""
+    def values(self, at: Sequence[Any]) -> list[Any]:
+        """Return D_X and D_Y."""
         rows = (self.rows(at, i) for i in (0, 1))
-        return flint.arb_mat([[g0 * h1 - g1 * h0] for (g0, h0), (g1, h1) in rows])
-
-    def slopes(self, at: Sequence[Ball]) -> flint.arb_mat:
-        """Return the derivatives (2, 2) of D_X and D_Y by both phases."""
-        J = flint.arb_mat(2, 2)
-        for i in (0, 1):
-            (g0, h0), (g1, h1) = self.rows(at, i)
-            sign, along, across = 1 - 2 * i, [], []
-            for place in self.places:
-                p = at[i] + place[i]
-                along.append(-self.alpha * p.sin() - 25 * self.beta * (5 * p).sin())
-                across.append(sign * self.slope(at[1 - i] + place[1 - i]))
-            turns = [-sign * d * place[1 - i] for d, place in zip(along, self.places, strict=True)]
-            J[i, i] = along[0] * h1 + g0 * turns[1] - along[1] * h0 - g1 * turns[0]
-            J[i, 1 - i] = g0 * across[1] - g1 * across[0]
-        return J
-
-    def lost(self, at: Sequence[Ball]) -> tuple[Ball, Ball, Ball]:
-        """Return (X, Y, yaw) of length 1, the yaw times 1/w, as least squares of both sensors have it."""
-        moved = []
-        for i in (0, 1):
-            (g0, h0), (g1, h1) = self.rows(at, i)
-            moved.append(-(g0 * h0 + g1 * h1) / (g0**2 + g1**2))
-        size = (moved[0] ** 2 + moved[1] ** 2 + 1).sqrt()
-        return moved[0] / self.w / size, moved[1] / self.w / size, 1 / size
+        return [g0 * h1 - g1 * h0 for (g0, h0), (g1, h1) in rows]
 
 
 def _check_slopes(array: parameters.Array, yaw: float) -> None:

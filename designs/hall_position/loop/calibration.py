@@ -7,124 +7,45 @@ estimator said where.
 The noise of the array is the model's misfit: by it estimates settle, and their deviations are what they err by.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import cache
-from string import ascii_lowercase
 
-import casadi as ca
 import numpy as np
 
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.glsdc.parameters import Array, Pair
 from designs.hall_position.loop import closed_loop, error_map
-from designs.hall_position.loop.closed_loop import Source
-from designs.hall_position.loop.error_map import ErrorMap, Samples
-from models import built_matrix, hall_chain, hall_scan, planar_stage
-from models.built_matrix import Field, Tolerances
-from models.hall_chain import Chain
-from synth import numeric
+from designs.hall_position.loop.closed_loop import PITCH, Source
+from designs.hall_position.loop.error_map import Samples
+from models import hall_bench
+from models.hall_bench import Bench
 from synth.block import unranged
+from synth.blocks import lookup_table
 from synth.emit.c import digits
-from synth.errors import ModelError
 from synth.execute import build, host
 from synth.statespace import Array as Numbers
 from synth.statespace import readonly
-from synth.synthesise.identify.logs import Log
 from synth.timing import Discrete
 
 TIME = Discrete(1 / 800)
-PITCH = closed_loop.PITCH
-SCANNED = 48  # places along a pitch
 DIGITS = 5  # of the field
 MAPPED, CELL = 0.027, 1e-3  # m: to where, and by what spacing, the error is tabulated
 BEYOND, LINE = 2.2e-3, 1e-3  # m: how far the samples go on, and how far their lines are apart
 ASIDE, WAVER = 2e-4, 7.3e-3  # m: by how much lines waver, and over which way
 STEP, READ = 5e-5, 8  # m between samples, of which so many are taken together
-MOST = 8  # sensors that the true field is read at
-PLACED = (*planar_stage.AXES,)
 
 
-@dataclass(frozen=True, eq=False)
-class Bench:
-    """A stage on the bench: the spread of its blocks, sensors at `places` in m, and what follows them.
-
-    Raises ModelError for places that are none, fewer than two, or more than MOST.
-    """
-
-    spread: Tolerances = built_matrix.USUAL
-    places: tuple[Pair, ...] = closed_loop.PLACES
-    chain: Chain = field(default_factory=Chain)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "places", numeric.places(self.places, 2))
-        numeric.whole("the number of places", len(self.places), 2, MOST)
-
-    @property
-    def true(self) -> Field:
-        """The true field."""
-        return built_matrix.field(self.spread)
+@cache
+def calibrated(places: tuple[Pair, ...] = closed_loop.PLACES) -> Source:
+    """Return the source of a stage, with its field measured and its errors mapped; raise ModelError as `Bench`."""
+    bench = Bench(places)
+    plain = Source(array(bench))
+    return replace(plain, map=error_map.fit(samples(bench, plain), lookup_table.square(MAPPED, CELL)))
 
 
-def settled(bench: Bench, poses: Numbers) -> Numbers:
-    """Return the voltages (N, 2 sensors) at rest at poses (N, 3) of X, Y in m and the yaw in rad, without noise.
-
-    Raises ModelError for poses of another shape, none, or that take a sensor to where the true field is not known.
-    """
-    poses = numeric.table("the poses of X, Y and yaw", poses, 3)
-    _check_reach(bench, poses)
-    x = {name: ca.SX.sym(name) for name in PLACED}
-    volts = ca.vcat(list(built_matrix.voltages(bench.true, bench.places, x, bench.chain.gain).values()))
-    of = ca.Function("volts", [ca.vcat([x[n] for n in ("x", "y", "phi")])], [ca.substitute(volts, *_flat(x))])
-    return readonly(of.map(len(poses))(poses.T).full().T)
-
-
-def _check_reach(bench: Bench, poses: Numbers) -> None:
-    c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
-    at = [(poses[:, 0] + c * x - s * y, poses[:, 1] + s * x + c * y) for x, y in bench.places]
-    furthest = float(np.abs(at).max())
-    if furthest > built_matrix.REACH + built_matrix.MARGIN:
-        raise ModelError(
-            f"a sensor comes {1e3 * furthest:.4g} mm from the origin: the true field is known to "
-            f"{1e3 * (built_matrix.REACH + built_matrix.MARGIN):.4g} mm, measure nearer"
-        )
-
-
-def _flat(x: dict[str, ca.SX]) -> tuple[ca.SX, ca.SX]:
-    upright = ca.vcat([x[n] for n in ("z", "theta", "psi")])
-    return upright, ca.SX.zeros(3)
-
-
-def read(bench: Bench, poses: Numbers, seed: int) -> dict[str, Numbers]:
-    """Return what the converter reads of each voltage (N,), V, with the chain's noise."""
-    true = settled(bench, poses).T
-    noisy = true + hall_chain.noise(bench.chain, TIME, true.shape, seed)
-    step = bench.chain.step
-    return {name: readonly(step * np.rint(row / step)) for name, row in zip(channels(bench), noisy, strict=True)}
-
-
-def channels(bench: Bench) -> list[str]:
-    """Return V_ax, V_ay, V_bx .. ."""
-    return [f"V_{letter}{axis}" for letter in ascii_lowercase[: len(bench.places)] for axis in "xy"]
-
-
-def fits(bench: Bench, seed: int = 1) -> list[hall_scan.Fit]:
-    """Return model (2) of each channel, by scans over a pitch about the origin."""
-    along = PITCH * (np.arange(SCANNED) / SCANNED - 0.5)
-    X, Y = (each.ravel() for each in np.meshgrid(along, along, indexing="ij"))
-    volts = read(bench, np.column_stack([X, Y, np.zeros(X.size)]), seed)
-    found = []
-    for name, volt in volts.items():
-        x, y = bench.places[ascii_lowercase.index(name[2])]
-        log = Log({"X": readonly(X + x), "Y": readonly(Y + y), name: volt})
-        found.append(hall_scan.fit(log, name, PITCH, name[3].upper()))
-    return found
-
-
-def array(bench: Bench, scans: Sequence[hall_scan.Fit]) -> Array:
-    """Return the array that the estimator is made for, of its channels' models; raise ModelError for none."""
-    if not scans:
-        raise ModelError("no channel has a model: give the scan of one or more")
+def array(bench: Bench) -> Array:
+    """Return the array that the estimator is made for, of its channels' models."""
+    scans = hall_bench.fits(bench, PITCH, TIME)
     c, alpha, beta = (
         digits.cut(float(np.mean([f.estimate[name] for f in scans])), DIGITS) for name in ("c", "alpha", "beta")
     )
@@ -137,12 +58,11 @@ def samples(bench: Bench, source: Source, reach: float = MAPPED + BEYOND, line: 
 
     The platen comes from the origin, so that pitches are counted from there. Lines waver, as no loop follows them.
 
-    Raises ModelError for a reach or a distance of lines that is not positive, and as `settled`.
+    Raises ModelError as `hall_bench.settled`.
     """
-    reach, line = numeric.positive("the reach", reach), numeric.positive("the distance of lines", line)
     way = _way(reach, line)
     poses = np.column_stack([way, np.zeros(len(way))])
-    found = compiled(source).replay(read(bench, poses, seed)).outputs
+    found = compiled(source).replay(hall_bench.read(bench, poses, TIME, seed)).outputs
     columns = np.stack([np.asarray(found[n], np.float64) for n in error_map.COORDINATES], axis=1)
     valid = np.asarray(found["valid"]).reshape(-1, READ).all(axis=1)
     estimated, true = (each.reshape(-1, READ, 3).mean(axis=1) for each in (columns, poses))
@@ -160,23 +80,6 @@ def _way(reach: float, line: float) -> Numbers:
     return np.column_stack([X, Y + ASIDE * np.sin(2 * np.pi * at / WAVER)])
 
 
-def mapped(bench: Bench, source: Source, reach: float = MAPPED) -> ErrorMap:
-    """Return the map of the errors of a source, up to `reach` m from the origin."""
-    return error_map.fit(samples(bench, source, reach + BEYOND), error_map.square(reach, CELL))
-
-
 def compiled(source: Source) -> host.Controller:
     """Return the estimator of a source behind its guard, in single precision, with functions of libm."""
     return build.compiled(unranged(estimator.guarded(source.array, TIME, source.tuning)), np.float32, libm=True)
-
-
-def calibrated(places: tuple[Pair, ...] = closed_loop.PLACES, spread: Tolerances = built_matrix.USUAL) -> Source:
-    """Return the source of a stage, with its field measured and its errors mapped; raise ModelError as `Bench`."""
-    return _calibrated(Bench(spread, places).places, spread)
-
-
-@cache
-def _calibrated(places: tuple[Pair, ...], spread: Tolerances) -> Source:
-    bench = Bench(spread, places)
-    plain = Source(array(bench, fits(bench)))
-    return replace(plain, map=mapped(bench, plain))

@@ -16,15 +16,7 @@ between, so that an estimate that is not valid does not move the loop:
 After LOST invalid samples in a row all Hall voltages are suspects, and both voltages of a sensor that the estimator
 leaves out are so at once: no sample is complete then, and the guard latches BAD_SAMPLES later.
 
-Places. PLACES are `layouts.LAYOUTS` for yaws of 5 degrees, against those of the stage, A at its centre, B and C
-3/4 of a pitch along its axes. Over the pitch and yaws of 20 mrad, at 1 mV, they prove
-
-                    X, at most    Y           yaw         X, Y, yaw rms over pitch and yaws
-    the stage's     4.89 um       4.89 um     277 urad    2.66, 2.66 um, 110 urad
-    PLACES          4.58 um       4.84 um     208 urad    2.50, 2.57 um, 132 urad
-
-and what decides is the field's misfit, 44 mV, not the noise. Calibrated over a truth field, the stage's leave 53 um, 60
-um and 6.9 mrad at most, PLACES 31 um, 41 um and 1.6 mrad. `stage_places` are for the comparison with the sections.
+The choice of PLACES: docs/decisions/hall_position_loop.md; `stage_places` are for the comparison with the sections.
 """
 
 from collections.abc import Sequence
@@ -81,10 +73,8 @@ def stage_places(plant: Plant) -> tuple[Pair, ...]:
 def controller(name: str, plant: Plant, time: Discrete, law: Sequence[Block], source: Source) -> Block:
     """Return the whole planar controller on this source, `law` being its Blocks from positions to computed currents.
 
-    Raises ModelError for what is no Source, or not of three sensors.
+    Raises ModelError for a source that is not of three sensors.
     """
-    if not isinstance(source, Source):
-        raise ModelError(f"source is {source!r}: give a closed_loop.Source, or none for the Hall sections")
     if len(source.array.positions) != SENSORS:
         raise ModelError(
             f"the source has {len(source.array.positions)} sensors: the stage reads {SENSORS}, give so many"

@@ -13,10 +13,7 @@ single precision, and X, Y and yaw are closed by three sensors, where the paper 
     a loss              without any voltage the loop latches after LATCH samples, and no current flows in the end
     `sources`           the sections of planar_6dof_lqg beside the estimate
 
-While a step takes motor C to its limit, the noise of the yaw decides what x gets: `allocation` leaves C what the yaw
-does not demand. Another draw of the noise moves x by 10 to 70 um during the step of 4 mm, and so does a dropout at its
-beginning, which shows the loop no noise for three samples: were C's limit constant, it would be 1 um. So a step is
-judged without noise, and within the limits, where the loop is linear: x moves by RESPONSE times what is held errs by.
+Why a dropout is judged in a small step without noise: docs/decisions/hall_position_loop.md.
 """
 
 from collections.abc import Callable, Mapping
@@ -24,7 +21,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from designs.hall_position.loop import calibration, closed_loop, sources, stage_loop
 from designs.hall_position.loop.error_map import ErrorMap
@@ -51,7 +48,6 @@ QUIET = 0.12  # s: from then on the estimate is within 10 um after the step of 4
 SMALL, PLACES = 2.5e-4, range(6, 54, 8)  # m: it demands 0.49 A of C, which has 0.57 A whatever the yaw; samples after
 RESPONSE = 0.25  # m by which x moves for each m by which a sample is wrong: 0.237 of the linear loop, and a twentieth
 LATCH = closed_loop.LOST + interface.BAD_SAMPLES  # samples
-Told = Callable[[str], None]
 Mask = NDArray[np.bool_]
 
 
@@ -65,21 +61,21 @@ def loops(libm: bool = False) -> Mapping[str, Loop]:
     }
 
 
-def run(told: Told) -> list[Experiment]:
-    """Run every experiment; `told` hears what comes next."""
-    told("calibration")
-    both = loops()
-    found: list[Experiment] = []
-    parts: tuple[tuple[str, Callable[[], list[Experiment]]], ...] = (
-        ("standstill", lambda: [standstill(both["calibrated"])]),
-        ("step of 4 mm", lambda: [step(both[name], name) for name in both]),
-        ("zigzag", lambda: zigzags(both)),
-        ("staircase", lambda: [staircase(both["calibrated"])]),
-        ("dropouts", lambda: [dropouts(both["calibrated"]), loss(both["calibrated"])]),
-        ("sources", lambda: [sources.experiment({**sources.others(), sources.PLACED: both["calibrated"]})]),
-    )
-    for name, part in parts:
-        told(name)
+def run(progress: Callable[[str], None]) -> list[Experiment]:
+    """Run every experiment; `progress` hears what comes next."""
+    progress("calibration")
+    both, found = loops(), list[Experiment]()
+    calibrated = both["calibrated"]
+    parts: dict[str, Callable[[], list[Experiment]]] = {
+        "standstill": lambda: [standstill(calibrated)],
+        "step of 4 mm": lambda: [step(both[name], name) for name in both],
+        "zigzag": lambda: zigzags(both),
+        "staircase": lambda: [staircase(calibrated)],
+        "dropouts": lambda: [dropouts(calibrated), loss(calibrated)],
+        "sources": lambda: [sources.experiment({**sources.others(), sources.PLACED: calibrated})],
+    }
+    for name, part in parts.items():
+        progress(name)
         found += part()
     return found
 
@@ -87,8 +83,7 @@ def run(told: Told) -> list[Experiment]:
 def standstill(loop: Loop) -> Experiment:
     """Return the noise at rest."""
     run = loop.run(sources.REST, {}, {})
-    figures = sources.noise(run, 1.0)
-    bar = "a step that Fig. 12 shows"
+    figures, bar = sources.noise(run, 1.0), "a step that Fig. 12 shows"
     checks = [
         Check(f"noise of {a} as estimated", figures[f"{a} as estimated, um rms"] / 1e6, FINE, "m", bar) for a in "xy"
     ]
@@ -98,25 +93,29 @@ def standstill(loop: Loop) -> Experiment:
 
 def step(loop: Loop, name: str) -> Experiment:
     """Return the step of 4 mm of Fig. 11, without a map ("plain") or with it."""
-    time = sample_times(SETTLE + AFTER, TIME.period_s)
-    wanted, last = np.where(time < SETTLE, 0.0, STEP), round(0.5 / TIME.period_s)
-    run, first = (
-        loop.run(SETTLE + AFTER, {"x": wanted}, {}),
-        slice(round(0.25 / TIME.period_s), round(SETTLE / TIME.period_s)),
-    )
-    moved = float(run["x"][-last:].mean() - run["x"][first].mean())
+    time, plain = sample_times(SETTLE + AFTER, TIME.period_s), name == "plain"
+    wanted = np.where(time < SETTLE, 0.0, STEP)
+    run = loop.run(SETTLE + AFTER, {"x": wanted}, {})
+    first, last = _samples(0.25, SETTLE), _samples(SETTLE + AFTER - 0.5, SETTLE + AFTER)
+    ends = {n: float(run[n][last].mean()) for n in ("x", "y", "phi", "x_raw")}
+    moved, estimated = (ends[n] - float(run[n][first].mean()) for n in ("x", "x_raw"))
     figures = {
         "true motion, mm": 1e3 * moved,
-        "motion as estimated, mm": 1e3 * float(run["x_raw"][-last:].mean() - run["x_raw"][first].mean()),
-        "true x at the end, mm": 1e3 * float(run["x"][-last:].mean()),
-        "true y at the end, um": 1e6 * float(run["y"][-last:].mean()),
-        "true yaw at the end, mrad": 1e3 * float(run["phi"][-last:].mean()),
+        "motion as estimated, mm": 1e3 * estimated,
+        "true x at the end, mm": 1e3 * ends["x"],
+        "true y at the end, um": 1e6 * ends["y"],
+        "true yaw at the end, mrad": 1e3 * ends["phi"],
+        "Fig. 11: true motion, mm": 1e3 * (STEP + (READ if plain else 0.0)),
     }
-    figures |= {"Fig. 11: true motion, mm": 1e3 * (STEP + (READ if name == "plain" else 0.0))}
-    figures |= _steps_anywhere(calibration.calibrated().map) if name == "plain" else {}
-    checks = [Check("error of the motion", abs(moved - STEP), ACCURACY if name == "plain" else CALIBRATED, "m")]
-    title = f"x by 4 mm, {'not calibrated, Fig. 11(a)' if name == 'plain' else 'calibrated, Fig. 11(b)'}"
+    figures |= _steps_anywhere(calibration.calibrated().map) if plain else {}
+    checks = [Check("error of the motion", abs(moved - STEP), ACCURACY if plain else CALIBRATED, "m")]
+    title = f"x by 4 mm, {'not calibrated, Fig. 11(a)' if plain else 'calibrated, Fig. 11(b)'}"
     return sources.judged(f"step_{name}", title, run, ("x", "x_raw"), {"x": wanted}, figures, checks)
+
+
+def _samples(since: float, until: float) -> slice:
+    """Return the samples between two times in s."""
+    return slice(round(since / TIME.period_s), round(until / TIME.period_s))
 
 
 def _steps_anywhere(map: ErrorMap | None) -> dict[str, float]:
@@ -124,7 +123,11 @@ def _steps_anywhere(map: ErrorMap | None) -> dict[str, float]:
     assert map is not None
     points, h = map.added[0], round(STEP / map.grid.spacing)
     by = 1e3 * np.abs(points[h:] - points[:-h])
-    return {"a step of 4 mm anywhere errs by, mm rms": float(np.sqrt(np.mean(by**2))), "at most, mm": float(by.max())}
+    return {"a step of 4 mm anywhere errs by, mm rms": _rms(by), "at most, mm": float(by.max())}
+
+
+def _rms(values: ArrayLike) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
 
 
 def zigzags(both: Mapping[str, Loop]) -> list[Experiment]:
@@ -132,15 +135,17 @@ def zigzags(both: Mapping[str, Loop]) -> list[Experiment]:
     time, x, y = zigzag()
     window = time > LEAD + 0.2
     runs = {name: loop.run(float(time[-1]) + TIME.period_s, {"x": x, "y": y}, {}) for name, loop in both.items()}
-    late = stage_loop.lag(both["plain"].bench.chain, 2 * WIDE / LEG)
-    found, rms = [], {name: _astray(run, window)["x and y, um rms"] for name, run in runs.items()}
+    late = 2 * WIDE / LEG / (2 * np.pi * both["plain"].bench.chain.corner)  # m, by the filters
+    off = {name: _astray(run, window) for name, run in runs.items()}
+    found, ratio = [], off["calibrated"]["x and y, um rms"] / off["plain"]["x and y, um rms"]
     for name, run in runs.items():
-        figures = _astray(run, window) | {"of this the filters' lag, um": 1e6 * late, "Fig. 10(c): at most, mm": 1.4}
-        figures |= {f"yaw, {k}": v for k, v in _yaw(run, window).items()}
+        yaw = 1e3 * (run["phi"] - run["phi_raw"])[window]
+        figures = off[name] | {"of this the filters' lag, um": 1e6 * late, "Fig. 10(c): at most, mm": 1.4}
+        figures |= {"yaw, mrad rms": _rms(yaw), "yaw, mrad at most": float(np.abs(yaw).max())}
         worst = max(figures[f"{a}, um at most"] for a in "xy") / 1e6
         checks = [Check("true from shown position", worst, ACCURACY if name == "plain" else CALIBRATED + late, "m")]
         if name == "calibrated":
-            checks.append(Check("error over that without calibration", rms[name] / rms["plain"], 1 / TIMES, "1", "rms"))
+            checks.append(Check("error over that without calibration", ratio, 1 / TIMES, "1", "rms"))
         title = f"Zigzag, Fig. 10, {'not calibrated' if name == 'plain' else name}"
         found.append(sources.judged(f"zigzag_{name}", title, run, ("x", "y"), {"x": x, "y": y}, figures, checks))
     return found
@@ -158,14 +163,9 @@ def zigzag() -> tuple[Array, Array, Array]:
 def _astray(run: Trajectory, window: Mask) -> dict[str, float]:
     """Return how far the true position is from that which the controller sees."""
     off = {axis: 1e6 * (run[axis] - run[f"{axis}_raw"])[window] for axis in "xy"}
-    found = {f"{a}, um rms": float(np.sqrt(np.mean(v**2))) for a, v in off.items()}
+    found = {f"{a}, um rms": _rms(v) for a, v in off.items()}
     found |= {f"{a}, um at most": float(np.abs(v).max()) for a, v in off.items()}
-    return found | {"x and y, um rms": float(np.sqrt(np.mean([v**2 for v in off.values()])))}
-
-
-def _yaw(run: Trajectory, window: Mask) -> dict[str, float]:
-    off = 1e3 * (run["phi"] - run["phi_raw"])[window]
-    return {"mrad rms": float(np.sqrt(np.mean(off**2))), "mrad at most": float(np.abs(off).max())}
+    return found | {"x and y, um rms": _rms([*off.values()])}
 
 
 def staircase(loop: Loop) -> Experiment:
@@ -178,19 +178,19 @@ def staircase(loop: Loop) -> Experiment:
     figures, checks = {}, []
     for what, name in (("as estimated", "x_raw"), ("truly", "x")):
         heights = np.diff([run[name][span].mean() for span in spans])
+        worst = float(np.abs(heights - FINE).max())
         figures[f"mean step {what}, um"] = 1e6 * float(heights.mean())
-        figures[f"largest difference from 10 um {what}, um"] = 1e6 * float(np.abs(heights - FINE).max())
-        checks.append(Check(f"a step {what}", float(np.abs(heights - FINE).max()), FIFTH, "m", "from 10 um, of means"))
+        figures[f"largest difference from 10 um {what}, um"] = 1e6 * worst
+        checks.append(Check(f"a step {what}", worst, FIFTH, "m", "from 10 um, of means"))
     spread = max(float(np.std(run["x_raw"][span])) for span in spans)
     figures["noise of the estimate on a step, um rms"] = 1e6 * spread
     checks.append(Check("noise of the estimate", spread, RESOLUTION, "m", "below 10 um, Fig. 12"))
-    about = f"{COUNT} steps, {sources.ABOUT}"
-    shown = ("x_raw", "x")
+    about, shown = f"{COUNT} steps, {sources.ABOUT}", ("x_raw", "x")
     return sources.judged("staircase", "x by 10 um, Fig. 12", run, shown, {"x": wanted}, figures, checks, about)
 
 
 @dataclass(frozen=True)
-class Stirred:
+class DropoutResponse:
     """By how much x differs for a dropout so many samples `after` a small step, and may differ, m."""
 
     after: int
@@ -200,22 +200,19 @@ class Stirred:
 
 def dropouts(loop: Loop) -> Experiment:
     """Return rest, a step of 4 mm, rest and a steady motion, with two sensors silent for SILENT samples of EVERY."""
-    duration = SETTLE + AFTER
-    time = sample_times(duration, TIME.period_s)
+    time = sample_times(SETTLE + AFTER, TIME.period_s)
     wanted, k = np.where(time < SETTLE, 0.0, STEP) + SPEED * np.maximum(time - LEAVES, 0.0), np.arange(len(time))
-    clean = loop.run(duration, {"x": wanted}, {})
-    run = loop.run(duration, {"x": wanted}, {}, overrides=_silent((k % EVERY < SILENT) & (k >= EVERY)))
+    clean = loop.run(SETTLE + AFTER, {"x": wanted}, {})
+    run = loop.run(SETTLE + AFTER, {"x": wanted}, {}, overrides=_silent((k % EVERY < SILENT) & (k >= EVERY)))
     off, stepping = np.abs(run["x"] - clean["x"]), (time >= SETTLE) & (time < SETTLE + QUIET)
     found = {
         "at rest": float(off[(time < LEAVES) & ~stepping].max()),
         "in a steady motion": float(off[time >= LEAVES + QUIET].max()),
     }
-    worst = max(_stirred(loop), key=lambda each: each.off / each.bar)
+    worst = max(_responses(loop), key=lambda each: each.off / each.bar)
     figures = {f"x differs {where} by, um": 1e6 * by for where, by in found.items()}
-    figures |= {
-        "during the step of 4 mm, by the noise of the yaw, um": 1e6 * float(off[stepping].max()),
-        "invalid samples": float(np.sum(run["valid"] == 0)),
-    }
+    figures["during the step of 4 mm, by the noise of the yaw, um"] = 1e6 * float(off[stepping].max())
+    figures["invalid samples"] = float(np.sum(run["valid"] == 0))
     about = f"{worst.after} samples after a step of {1e3 * SMALL:g} mm, without noise"
     checks = (
         *(Check(f"x differs {where}", by, STIRRED, "m", "from that without dropouts") for where, by in found.items()),
@@ -231,7 +228,7 @@ def _silent(gone: Mask) -> dict[str, Override]:
     return {n: Override(gone, np.full(len(gone), np.nan)) for n in planar_stage.HALL if n[2] in "ab"}
 
 
-def _stirred(loop: Loop) -> list[Stirred]:
+def _responses(loop: Loop) -> list[DropoutResponse]:
     """Return what a dropout at each of PLACES does to a small step without noise."""
     still, duration = replace(loop, noisy=False), 1.5 * SETTLE
     time, found = sample_times(duration, TIME.period_s), []
@@ -241,7 +238,8 @@ def _stirred(loop: Loop) -> list[Stirred]:
     for after in PLACES:
         at = round(SETTLE / TIME.period_s) + after
         run = still.run(duration, {"x": wanted}, {}, overrides=_silent((k >= at) & (k < at + SILENT)))
-        found.append(Stirred(after, float(np.abs(run["x"] - clean["x"]).max()), RESPONSE * float(errs[at])))
+        off = float(np.abs(run["x"] - clean["x"]).max())
+        found.append(DropoutResponse(after, off, RESPONSE * float(errs[at])))
     return found
 
 
@@ -256,13 +254,11 @@ def _held(raw: Array) -> Array:
 
 def loss(loop: Loop) -> Experiment:
     """Return a standstill in which every voltage falls to 0: the estimate is not valid, and the currents go."""
-    duration, at = 1.0, 0.5
-    k = np.arange(len(sample_times(duration, TIME.period_s)))
-    gone = k * TIME.period_s >= at
-    run = loop.run(duration, {}, {}, overrides={n: Override(gone, np.zeros(len(k))) for n in planar_stage.HALL})
-    first = int(np.argmax(gone))
+    gone = sample_times(1.0, TIME.period_s) >= 0.5
+    none = Override(gone, np.zeros(len(gone)))
+    run = loop.run(1.0, {}, {}, overrides=dict.fromkeys(planar_stage.HALL, none))
     latched = run.faults >> np.uint32(31) == 1
-    after = float(np.argmax(latched) - first) if latched.any() else float("inf")
+    after = float(np.argmax(latched) - np.argmax(gone)) if latched.any() else float("inf")
     currents = max(float(np.abs(run.commands[name][-1])) for name in names(planar_stage.INPUTS))
     figures = {"samples to the latch": after, "x at the end, um": 1e6 * float(run["x"][-1])}
     checks = (

@@ -15,12 +15,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from designs.hall_position.loop import calibration, closed_loop
-from designs.hall_position.loop.calibration import Bench
 from designs.hall_position.loop.closed_loop import Source
 from designs.planar_6dof import interface, lqg
 from designs.planar_6dof import loop as planar
-from models import built_matrix, hall_calibration, hall_chain, planar_stage
-from models.hall_chain import Chain
+from models import built_matrix, hall_bench, hall_calibration, hall_chain, planar_stage
+from models.hall_bench import Bench
 from synth.block import Block, unranged
 from synth.blocks import safety
 from synth.compose import compose
@@ -28,8 +27,7 @@ from synth.emit import write
 from synth.emit.write import Emitted
 from synth.execute import host
 from synth.plant import Plant
-from synth.simulate import closed_loop as simulation
-from synth.simulate.scenario import Scenario, Trajectory, sample_times
+from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Encoder
 from synth.statespace import Array
 
@@ -53,7 +51,6 @@ class Loop:
     matched: float = 1.0
     noisy: bool = True
     seed: int = 0
-    delay: int = 1
 
     def run(
         self, duration_s: float, references: Mapping[str, ArrayLike], start: Mapping[str, float], **options: Any
@@ -62,54 +59,42 @@ class Loop:
 
         The raw position that the controller sees is added to the outputs, as x_raw, y_raw and phi_raw.
         """
-        rest = {f"{axis}_ref": start.get(axis, 0.0) for axis in planar_stage.AXES}
-        scenario = Scenario(
-            duration_s,
-            {**start, **self._filtered(start)},
-            planar.SENSORS,
-            planar.ACTUATORS,
-            references=rest | {f"{axis}_ref": values for axis, values in references.items()},
-            encoders=self._converters() if self.noisy else {},
-            noise=self._noise(len(sample_times(duration_s, TIME.period_s))) if self.noisy else {},
-            delay=self.delay,
-            substeps=planar.SUBSTEPS,
-            **options,
-        )
-        found = simulation.simulate(self.plant, self.controller, scenario)
-        shown = self.view.replay(found.measured).outputs
-        seen = {name: np.asarray(values, np.float64) for name, values in shown.items()}
-        return replace(found, outputs={**found.outputs, **seen})
+        rig = replace(planar.of(self.block, self.controller), plant=self.plant)
+        shown: dict[str, Any] = {"encoders": {}, "noise": {}}
+        if self.noisy:
+            step = dict.fromkeys(planar_stage.HALL, Encoder(self.bench.chain.step))
+            noise = self._noise(len(sample_times(duration_s, TIME.period_s)))
+            shown = {"encoders": planar.resolutions() | step, "noise": noise}
+        found = planar.simulate(rig, duration_s, references, {**start, **self._filtered(start)}, **shown, **options)
+        seen = self.view.replay(found.measured).outputs
+        added = {name: np.asarray(values, np.float64) for name, values in seen.items()}
+        return replace(found, outputs={**found.outputs, **added})
 
     def _filtered(self, start: Mapping[str, float]) -> dict[str, float]:
         """Return what the filters hold when the platen has been at rest, V."""
         pose = np.array([[start.get(axis, 0.0) for axis in closed_loop.HORIZONTAL]])
-        volts = self.matched * calibration.settled(self.bench, pose)[0]
+        volts = self.matched * hall_bench.settled(self.bench, pose)[0]
         return {f"filtered_{n}": float(v) for n, v in zip(planar_stage.HALL, volts, strict=True)}
-
-    def _converters(self) -> dict[str, Encoder]:
-        step = {name: Encoder(self.bench.chain.step) for name in planar_stage.HALL}
-        return planar.resolutions() | step
 
     def _noise(self, n: int) -> dict[str, Array]:
         volts = hall_chain.noise(self.bench.chain, TIME, (len(planar_stage.HALL), n), self.seed)
         drawn = np.random.default_rng(self.seed + 1).standard_normal((len(planar_stage.LASERS), n))
-        found = dict(zip(planar_stage.HALL, volts, strict=True))
-        return found | dict(zip(planar_stage.LASERS, interface.LASER_NOISE * drawn, strict=True))
+        rows = (*volts, *(interface.LASER_NOISE * drawn))
+        return dict(zip((*planar_stage.HALL, *planar_stage.LASERS), rows, strict=True))
 
 
-def of_source(source: Source, bench: Bench | None = None, libm: bool = False) -> Loop:
+def of_source(source: Source, libm: bool = False) -> Loop:
     """Return the loop that a source closes; with `libm` the C takes its sines from the library, which emits sooner."""
-    bench = bench or Bench(places=source.array.positions)
-    plant = planar_stage.plant()
+    bench, plant = Bench(source.array.positions), planar_stage.plant()
     block = closed_loop.controller(lqg.NAME, plant, TIME, lqg.law(plant), source)
     return _loop(bench, block, view(source), 1.0, closed_loop.SURROGATE_ERROR[np.float32], libm)
 
 
-def of_sections(bench: Bench | None = None, libm: bool = False) -> Loop:
+def of_sections(libm: bool = False) -> Loop:
     """Return the loop that the sections of the stage's own sensors close."""
     plant = planar_stage.plant()
-    bench = bench or Bench(places=closed_loop.stage_places(plant))
-    amplitude = calibration.array(bench, calibration.fits(bench)).alpha
+    bench = Bench(closed_loop.stage_places(plant))
+    amplitude = calibration.array(bench).alpha
     matched = hall_calibration.of(plant).amplitude / amplitude
     shown = planar.view(TIME, predicted=False)
     return _loop(bench, lqg.controller(plant), shown, matched, interface.SURROGATE_ERROR[np.float32], libm)
@@ -128,8 +113,3 @@ def _loop(bench: Bench, block: Block, shown: Block, matched: float, error: float
     emitted, seen = (write.emit(each, np.float32, libm=libm, error=error) for each in (block, shown))
     controller, way = (host.load(each.files, each.manifest) for each in (emitted, seen))
     return Loop(bench, plant, block, emitted, controller, way, matched)
-
-
-def lag(chain: Chain, speed: float) -> float:
-    """Return by how much the filters make a position late at a speed in m/s, m."""
-    return speed / (2 * np.pi * chain.corner)

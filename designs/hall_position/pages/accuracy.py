@@ -4,16 +4,18 @@ from collections.abc import Mapping
 from math import radians
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from designs.hall_position.accuracy import fisher, singular_points
 from designs.hall_position.accuracy.layouts import LAYOUTS, PUBLISHED
 from designs.hall_position.glsdc import parameters
-from designs.hall_position.pages import curves, drawings
+from designs.hall_position.pages import drawings
 from designs.hall_position.paper import errors, estimate, rank
 from designs.hall_position.paper.stage import TOLERANCE, UM, Array, Stage, grid, worst
-from synth.report import maps, page
-from synth.report.maps import Map, figure
-from synth.report.prose import Value
+from synth.report import charts, maps
+from synth.report.captions import Made, Rows
+from synth.report.charts import LEVEL, Chart, Line
+from synth.report.maps import Map
 
 POINTS = 96  # of a map, along a pitch
 COARSE, TURNS = 48, 121  # of the curve over yaw: places along a pitch, yaws
@@ -25,18 +27,22 @@ SIDE, PLACES = 25, 16  # starts along a side, from so many places of the pitch e
 WIDE = 0.5  # pitches: the starts' square
 CORRECTIONS, SCALE = 60, 0.5
 FOUND = 1e-6  # m
+OFF = ("off along X, pitches", "off along Y, pitches")
 NEAR = (0.0625, 0.125, 0.25)  # pitches, of starts that are counted
 
 
-def blocks(stage: Stage) -> dict[str, Value]:
+def blocks(stage: Stage) -> dict[str, Made]:
     """Return how accurate each layout is over the pitch and the yaw, and by how much the field's model errs."""
     layouts = named(stage)
+    places = {n: [(x / of.pitch, y / of.pitch) for x, y in of.positions] for n, of in layouts.items()}
     return {
-        "accuracy.places": _places(layouts),
+        "accuracy.places": drawings.layouts(places),
         "accuracy.maps": _maps(stage, layouts),
-        "accuracy.over_yaw": _turned(layouts),
+        "accuracy.coarse": COARSE,
+        "accuracy.required": REQUIRED / UM,
+        "accuracy.over_yaw": _over_yaw(layouts),
         "accuracy.worst": _worst(stage),
-        "accuracy.singular": _singular(stage),
+        "accuracy.singular": [_singular(stage, turn) for turn in SINGULAR],
         **_errors(stage),
         **_basins(stage),
     }
@@ -48,20 +54,17 @@ def named(stage: Stage) -> dict[str, parameters.Array]:
     return {"two sensors": stage.pair, "third sensor added": stage.array(PUBLISHED)} | searched
 
 
-def _places(layouts: Mapping[str, parameters.Array]) -> page.Figure:
-    shown = {n: [(x / of.pitch, y / of.pitch) for x, y in of.positions] for n, of in layouts.items()}
-    caption = "Sensors in the body, in pitches, beside the square of one pitch about the body's origin."
-    return figure("layouts", drawings.layouts(shown), caption)
+def _over_pitch(stage: Stage) -> list[tuple[float, float]]:
+    return [(0.0, 1e3 * stage.pitch)] * 2
 
 
-def _maps(stage: Stage, layouts: Mapping[str, parameters.Array]) -> page.Figure:
+def _maps(stage: Stage, layouts: Mapping[str, parameters.Array]) -> Figure:
     shown = []
     for yaw in (0.0, YAW):
         for name in list(layouts)[:3]:
-            marks = singular_points.of_pair(stage.pair, yaw).at if name == "two sensors" else None
+            marks = 1e3 * singular_points.of_pair(stage.pair, yaw).at if name == "two sensors" else None
             shown.append(Map(f"{name}, yaw {np.degrees(yaw):g}°", _larger(layouts[name], yaw) / UM, marks))
-    caption = "Standard deviation of X or Y, whichever is larger, for 1 mV. Circles: singular points."
-    return figure("accuracy", maps.maps(shown, stage.pitch, 2.0, 20.0, label="µm"), caption)
+    return maps.maps(shown, _over_pitch(stage), (2.0, 20.0), label="µm")
 
 
 def _larger(of: parameters.Array, yaw: float) -> Array:
@@ -71,63 +74,48 @@ def _larger(of: parameters.Array, yaw: float) -> Array:
     return np.asarray(fisher.deviations(of, q)[:2].max(axis=0).reshape(POINTS, POINTS))
 
 
-def _turned(layouts: Mapping[str, parameters.Array]) -> page.Figure:
-    lines, yaws = {}, np.linspace(-WIDEST, WIDEST, TURNS)
+def _over_yaw(layouts: Mapping[str, parameters.Array]) -> Figure:
+    lines, yaws = [], np.linspace(-WIDEST, WIDEST, TURNS)
     for name, of in list(layouts.items())[1:]:
         q = np.tile(grid(of, COARSE), TURNS)
         q[2] = np.repeat(yaws, COARSE**2)
-        lines[name] = (yaws, fisher.deviations(of, q)[:2].max(axis=0).reshape(TURNS, -1).max(axis=1))
-    caption = (
-        f"Largest deviation over the pitch by the yaw, on {COARSE} × {COARSE} places, which show less than the worst. "
-        f"Dotted: the {REQUIRED / UM:g} µm that are required of the third sensor at yaw 0."
-    )
-    return figure("over-yaw", drawings.over_yaw(lines, REQUIRED), caption)
+        largest = fisher.deviations(of, q)[:2].max(axis=0).reshape(TURNS, -1).max(axis=1)
+        lines.append(Line(np.degrees(yaws), largest / UM, name, {"lw": 1.2}))
+    lines.append(Line(np.degrees(yaws), np.full(TURNS, REQUIRED / UM), style={**LEVEL, "ls": ":"}))
+    return charts.draw([Chart(lines, "yaw, °", "largest of X and Y over the pitch, µm", log="y")], 3.0)
 
 
-def _worst(stage: Stage) -> page.Table:
+def _worst(stage: Stage) -> Rows:
     cases = [("third sensor added", PUBLISHED, 0), *((f"searched, ±{t}°", LAYOUTS[t], t) for t in (5, 15))]
-    rows: list[tuple[page.Cell, ...]] = [("two sensors", "any", *("none",) * 6)]
+    rows: list[tuple[str, ...]] = [("two sensors", "any", *("none",) * 6)]
     for name, places, turn in cases:
-        of = stage.array(places)
-        proved = worst(of, -radians(turn), radians(turn), rank.TOLERANCES.get(turn, TOLERANCE))
+        proved = worst(stage.array(places), -radians(turn), radians(turn), rank.TOLERANCES.get(turn, TOLERANCE))
         values = (f"{v / UM:.4g}" for v in (*proved.met, *proved.bound))
         rows.append((name, f"{-turn or 0} .. {turn}".replace("-", "−"), *values))
-    columns = ("layout", "yaw, °", "X, µm", "Y, µm", "yaw, µrad", "X at most", "Y at most", "yaw at most")
-    return page.Table("Largest deviations that were found, and bounds that are proved", columns, tuple(rows))
+    return rows
 
 
-def _singular(stage: Stage) -> page.Table:
-    rows: list[tuple[page.Cell, ...]] = []
-    for turn in SINGULAR:
-        points = singular_points.of_pair(stage.pair, radians(turn)).at
-        first = points[0] if len(points) else np.full(2, np.nan)
-        rows.append((turn, len(points), *(1e3 * first).tolist()))
-    columns = ("yaw, °", "singular points in the pitch", "first: X, mm", "Y, mm")
-    return page.Table("Where two sensors lose rank", columns, tuple(rows))
+def _singular(stage: Stage, turn: float) -> tuple[float, ...]:
+    points = singular_points.of_pair(stage.pair, radians(turn)).at
+    first = points[0] if len(points) else np.full(2, np.nan)
+    return turn, len(points), *(1e3 * first).tolist()
 
 
-def _errors(stage: Stage) -> dict[str, Value]:
-    n = stage.truth.count
-    known, free = (1e3 * np.hypot(*errors.errors(stage, yaw)).reshape(n, n) for yaw in (True, False))
-    three = 1e3 * np.hypot(*errors.by_waves(stage, stage.array(LAYOUTS[5]))).reshape(n, n)
-    shown = [
-        Map("two sensors, yaw known", known),
-        Map("two sensors, yaw estimated", free),
-        Map("three sensors, searched, yaw estimated", three),
-    ]
-    rows = tuple(
-        (m.title, errors.rms(np.asarray(m.values, np.float64)), *np.percentile(m.values, (99, 100)).tolist())
-        for m in shown
-    )
-    columns = ("sensors", "rms", "99 % of the places", "largest")
-    drawn = maps.maps(shown, stage.pitch, 0.02, 2.0, label="mm")
+def _errors(stage: Stage) -> dict[str, Made]:
+    found = {
+        "two sensors, yaw known": errors.errors(stage, True),
+        "two sensors, yaw estimated": errors.errors(stage, False),
+        "three sensors, searched, yaw estimated": errors.by_waves(stage, stage.array(LAYOUTS[5])),
+    }
+    off = {name: 1e3 * np.hypot(*each).reshape(stage.truth.count, -1) for name, each in found.items()}
+    shown = [Map(name, values) for name, values in off.items()]
     return {
-        "errors.figure": figure("model-error", drawn, "Distance of the estimate from the true place, mm."),
-        "errors.table": page.Table("Errors in mm by model (2), yaw 0", columns, rows, digits=3),
+        "errors.figure": maps.maps(shown, _over_pitch(stage), (0.02, 2.0), label="mm"),
+        "errors.table": [(n, errors.rms(v), *np.percentile(v, (99, 100)).tolist()) for n, v in off.items()],
     }
 
 
-def _basins(stage: Stage) -> dict[str, Value]:
+def _basins(stage: Stage) -> dict[str, Made]:
     """Return from which starts GLSDC finds the place, without damping or memory."""
     shares = {
         "two sensors, yaw known": basin(stage.pair, True),
@@ -135,15 +123,13 @@ def _basins(stage: Stage) -> dict[str, Value]:
         "three sensors, searched": basin(stage.array(LAYOUTS[5]), False),
     }
     away = WIDE * np.abs(np.linspace(-1, 1, SIDE))
-    furthest = np.maximum(away[:, None], away)
-    rows: tuple[tuple[page.Cell, ...], ...]
-    rows = tuple((n, *(100 * float(v[furthest <= near + 1e-9].mean()) for near in NEAR)) for n, v in shares.items())
-    columns = ("sensors", *(f"within 1/{1 / near:g} pitch, %" for near in NEAR))
-    drawn = curves.basins([Map(name, 100 * share) for name, share in shares.items()], WIDE)
+    near = [np.maximum(away[:, None], away) <= distance + 1e-9 for distance in NEAR]
+    shown = [Map(n, 100 * share) for n, share in shares.items()]
     return {
         "basin.scale": SCALE,
-        "basin.figure": figure("basins", drawn, f"Share of {PLACES} places in %, by where the start is off."),
-        "basin.table": page.Table("Starts that lead to the place", columns, rows, digits=3),
+        "basin.places": PLACES,
+        "basin.figure": maps.maps(shown, [(-WIDE, WIDE)] * 2, (0.0, 100.0), log=False, label="%", labels=OFF),
+        "basin.table": [(n, *(100 * float(v[inside].mean()) for inside in near)) for n, v in shares.items()],
     }
 
 

@@ -3,15 +3,17 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from designs.hall_position.loop.error_map import ErrorMap
-from designs.hall_position.pages import curves
-from synth.report import maps, page, standard
-from synth.report.maps import Map, figure
+from synth.report import charts, figures, maps, page, standard
+from synth.report.captions import Made, Rows
+from synth.report.charts import Chart, Line
+from synth.report.maps import Map
 from synth.report.notation import readable
-from synth.report.prose import Value
 from synth.report.standard import Shown
 from synth.simulate.experiment import Experiment
 from synth.statespace import Array
@@ -25,15 +27,19 @@ NAMES = (
 ABSENT = page.Text("Not run.")
 
 
-def blocks(of: ErrorMap | None, runs: Sequence[Experiment]) -> dict[str, Value]:
+def blocks(of: ErrorMap | None, runs: Sequence[Experiment]) -> dict[str, Made]:
     """Return the map of a source's errors, what it takes off them, and Figs. 10 and 11; ABSENT what was not run."""
     by_name = {e.name: e for e in runs}
-    found: dict[str, Value] = dict.fromkeys(NAMES, ABSENT)
+    found: dict[str, Made] = dict.fromkeys(NAMES, ABSENT)
     if of is not None:
-        found |= {"calibration.map": _map(of), "calibration.shares": _shares(of)}
+        found |= {
+            "calibration.size": f"{of.grid.size[0]} × {of.grid.size[1]}",
+            "calibration.spacing": 1e3 * of.grid.spacing,
+            "calibration.map": _map(of),
+            "calibration.shares": _shares(of),
+        }
     if rows := _before_and_after(by_name):
-        columns = ("run", "figure", "without", "with")
-        found["calibration.compared"] = page.Table("Without calibration and with it", columns, rows)
+        found["calibration.compared"] = rows
     if by_name.keys() >= set(STEPS):
         found["experiments.steps"] = _steps(by_name)
     if by_name.keys() >= set(ZIGZAGS):
@@ -43,15 +49,9 @@ def blocks(of: ErrorMap | None, runs: Sequence[Experiment]) -> dict[str, Value]:
 
 def section(runs: Sequence[Experiment], beside: Mapping[str, str]) -> page.Section:
     """Return every experiment, with what the paper's figure shows `beside` it by name."""
-    shown = [scaled(e) for e in runs]
-    units = {name: unit for _, each in shown for name, unit in each.items()}
     drawn = {e.name: (compared(e.figures),) for e in runs if e.name == SOURCES}
-    parts = [standard.experiments([e], Shown(each, beside=beside, drawn=drawn)) for e, each in shown]
-    return (
-        page.Section(standard.EXPERIMENTS, (), tuple(s for part in parts for s in part.sections))
-        if units
-        else (page.Section(standard.EXPERIMENTS))
-    )
+    parts = [standard.experiments([e], Shown(each, beside=beside, drawn=drawn)) for e, each in map(scaled, runs)]
+    return page.Section(standard.EXPERIMENTS, (), tuple(s for part in parts for s in part.sections))
 
 
 def scaled(e: Experiment) -> tuple[Experiment, dict[str, str]]:
@@ -67,15 +67,13 @@ def scaled(e: Experiment) -> tuple[Experiment, dict[str, str]]:
         units[label], factor = (PREFIXED[unit], 1e6) if small else (unit, 1.0)
         states[label] = factor * values
         references |= {label: factor * e.references[name]} if name in e.references else {}
-    title, about = (readable(t).replace("+-", "±") for t in (e.title, e.about))
-    measured = {} if e.name == SOURCES else {_unit(n): v for n, v in e.figures.items()}
-    run = replace(e.trajectory, states=states)
-    return (
-        replace(
-            e, title=title, about=about, trajectory=run, shown=tuple(units), references=references, figures=measured
-        ),
-        units,
-    )
+    changed: dict[str, Any] = {
+        "title": readable(e.title).replace("+-", "±"),
+        "about": readable(e.about).replace("+-", "±"),
+        "trajectory": replace(e.trajectory, states=states),
+        "figures": {} if e.name == SOURCES else {_unit(n): v for n, v in e.figures.items()},
+    }
+    return replace(e, shown=tuple(units), references=references, **changed), units
 
 
 def compared(measured: Mapping[str, float]) -> page.Table:
@@ -93,51 +91,62 @@ def _unit(what: str) -> str:
     return readable(re.sub(r"\bphi\b", "φ", what))
 
 
-def _map(of: ErrorMap) -> page.Figure:
+def _map(of: ErrorMap) -> Figure:
     titles = ("added to X, mm", "added to Y, mm", "added to yaw, mrad")
     shown = [Map(title, 1e3 * values) for title, values in zip(titles, of.added, strict=True)]
-    drawn = maps.signed(shown, tuple((a[0], a[-1]) for a in of.grid.axes))
-    caption = f"The table: {of.grid.size[0]} × {of.grid.size[1]} places, {1e3 * of.grid.spacing:g} mm apart."
-    return figure("error-map", drawn, caption, "Fig. 10(c): errors of up to 1.4 mm.")
+    return maps.signed(shown, [(1e3 * float(a[0]), 1e3 * float(a[-1])) for a in of.grid.axes])
 
 
-def _shares(of: ErrorMap) -> page.Table:
-    rows = tuple(
+def _shares(of: ErrorMap) -> Rows:
+    return [
         (name, 1e6 * float(np.sqrt(np.mean(values**2))), 1e6 * float(np.abs(values).max()), unit)
         for name, unit, values in zip(("X", "Y", "yaw"), ("µm", "µm", "µrad"), of.added, strict=True)
-    )
-    return page.Table("What the table takes off", ("of", "rms", "largest", "unit"), rows)
+    ]
 
 
-def _before_and_after(by_name: Mapping[str, Experiment]) -> tuple[tuple[page.Cell, ...], ...]:
+def _before_and_after(by_name: Mapping[str, Experiment]) -> Rows:
     """Return the figures that runs without calibration and with it share, one row a figure."""
     pairs = [(by_name[a], by_name[b]) for a, b in (STEPS, ZIGZAGS) if a in by_name and b in by_name]
-    return tuple(
+    return [
         (before.name.split("_")[0], _unit(name), value, after.figures[name])
         for before, after in pairs
         for name, value in before.figures.items()
         if name in after.figures and not name.startswith("Fig.")
-    )
+    ]
 
 
-def _steps(by_name: Mapping[str, Experiment]) -> page.Figure:
+def _steps(by_name: Mapping[str, Experiment]) -> Figure:
+    """Return Fig. 11: x over time, whole and close to the end."""
     plain, calibrated = (by_name[name].trajectory for name in STEPS)
-    lines = {
-        "(a) true, not calibrated": np.asarray(plain["x"]),
-        "(c) estimate, calibrated": np.asarray(calibrated["x_raw"]),
-        "(b) true, calibrated": np.asarray(calibrated["x"]),
+    shown = {
+        "(a) true, not calibrated": plain["x"],
+        "(c) estimate, calibrated": calibrated["x_raw"],
+        "(b) true, calibrated": calibrated["x"],
     }
-    drawn = curves.steps(plain.time, lines, float(by_name[STEPS[0]].references["x"].max()))
-    caption = "A step of 4 mm. The paper's 4.3 mm belong to another place of another matrix; rows K-6 and K-9."
-    return figure("steps", drawn, caption, "Fig. 11: 4.3 mm without calibration, 4 mm with it.")
+    lines = [_decimated(plain.time, 1e3 * x, n) for n, x in shown.items()]
+    size = 1e3 * float(by_name[STEPS[0]].references["x"].max())
+    ends = [size, *(1e3 * v for x in shown.values() for v in (x[-200:].min(), x[-200:].max()))]
+    low, high = min(ends), max(ends)
+    close = {"ylim": (low - 0.3 * (high - low), high + 0.3 * (high - low))}
+    left = Chart(lines, "time, s", "x, mm", levels=[size], legend="figure")
+    return charts.draw([left, replace(left, ylabel="", options=close)], 2.9)
 
 
-def _zigzags(by_name: Mapping[str, Experiment]) -> page.Figure:
-    runs = [by_name[n].trajectory for n in ZIGZAGS]
-    paths = [[np.asarray(run[c]) for c in ("x_raw", "y_raw", "x", "y")] for run in runs]
-    drawn = curves.zigzags(runs[0].time, dict(zip(("not calibrated", "calibrated"), paths, strict=True)))
-    caption = (
-        "Zigzag: (a) as the sensors show it, (b) as it is, not calibrated; (c) the distance between the two, without "
-        "calibration and with it, the lag of the filters included."
-    )
-    return figure("zigzag", drawn, caption, "Fig. 10.")
+def _zigzags(by_name: Mapping[str, Experiment]) -> Figure:
+    """Return Fig. 10: the path as shown and as it is without calibration, and the distances of the two of both runs."""
+    runs = dict(zip(("not calibrated", "calibrated"), (by_name[n].trajectory for n in ZIGZAGS), strict=True))
+    first, parts = runs["not calibrated"], []
+    for title, x, y in (("(a) as shown", "x_raw", "y_raw"), ("(b) true", "x", "y")):
+        path = Line(1e3 * first[x][::4], 1e3 * first[y][::4])
+        parts.append(Chart([path], "X, mm", "Y, mm", title, legend="", options={"aspect": "equal", "xmargin": 0.05}))
+    lines = [
+        _decimated(run.time, 1e3 * np.hypot(run["x"] - run["x_raw"], run["y"] - run["y_raw"]), name)
+        for name, run in runs.items()
+    ]
+    parts.append(Chart(lines, "time, s", "distance of the two, mm", "(c)", options={"ylim": (0.0, None)}))
+    return charts.draw(parts, 3.2, (1, 1, 1.5))
+
+
+def _decimated(time: Array, values: Array, label: str) -> Line:
+    keep = figures.decimate(values)
+    return Line(time[keep], values[keep], label)

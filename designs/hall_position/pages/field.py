@@ -2,19 +2,20 @@
 
 from collections.abc import Mapping
 
-import casadi as ca
 import numpy as np
+from matplotlib.figure import Figure
 
 from designs.hall_position.pages import drawings
 from designs.hall_position.paper import field as audited
 from designs.hall_position.paper.stage import Stage
 from models import concentrated_field, hall_array, hall_figures, hall_scan
 from models.concentrated_field import CROSS, PARAMETERS, on_axes
-from models.hall_figures import Surface
 from models.hall_scan import Decay, Fit
-from synth.report import page
-from synth.report.maps import figure
-from synth.report.prose import Value
+from synth.report import charts, maps
+from synth.report.captions import Made, Rows
+from synth.report.charts import Chart, Line
+from synth.report.figures import COLOURS
+from synth.report.maps import Map
 
 POINTS = 97  # of a field's picture, along a pitch
 HEIGHTS = (2e-3, 2.5e-3, 3e-3, 3.5e-3, 4e-3)  # m
@@ -26,52 +27,28 @@ PRINTED = 3  # spacings of (3)
 GREEK = {"alpha": "α", "beta": "β", "gamma": "γ"}
 
 
-def blocks(stage: Stage) -> dict[str, Value]:
+def blocks(stage: Stage) -> dict[str, Made]:
     """Return the matrix' field with Figs. 3, 4, 5 and 8, and the dependence on the air gap."""
     fit, (fits, decays) = audited.fitted(stage), over_gap(stage)
     left = 1e3 * np.abs(fit.residual)
+    waves = stage.waves(concentrated_field.up_to(5) + on_axes((7, 9)))
+    surfaces = [hall_figures.surface(POINTS, stage.height, of) for of in ((), waves)]
+    above = [(f"{1e3 * z:g} mm above", hall_figures.coefficients(z=z)) for z in (0.0, stage.height)]
     return {
         "field.parameters": _parameters(stage),
         "field.amplitudes": _amplitudes(stage),
-        "field.coefficients": figure(
-            "coefficients",
-            drawings.coefficients(
-                [(f"{1e3 * z:g} mm above", hall_figures.coefficients(z=z)) for z in (0.0, stage.height)]
-            ),
-            "Amplitudes of B_X at the blocks' face and at the sensors' height.",
-            "Fig. 3: coefficients at 0 mm; the fundamental and the 5th are the largest.",
-        ),
-        "field.surface": figure(
-            "field",
-            drawings.field(hall_figures.surface(POINTS, stage.height), surface(stage)),
-            "B_X over the target area, a pitch by a pitch, 3 mm above the matrix. As made it depends on Y too.",
-            "Fig. 4: the ideal matrix.",
-        ),
+        "field.coefficients": drawings.coefficients(above),
+        "field.surface": drawings.field(*surfaces),
         "field.spacing": _spacing(stage),
         "fit.largest_mV": float(left.max()),
         "fit.rms_mV": float(np.sqrt(np.mean(left**2))),
-        "fit.residuals": figure(
-            "residuals",
-            drawings.residuals(fit),
-            f"Voltage of a sensor's axis along X at {stage.chain.gain:g} V/T; (c) has a scale of its own.",
-            "Fig. 8: the error is less than 200 mV.",
-        ),
+        "fit.gain": stage.chain.gain,
+        "fit.residuals": _residuals(fit),
         "gap.turned_deg": float(np.degrees(TURNED)),
         "gap.figure": _gap(stage, fits, decays),
-        "gap.coefficients": _coefficients(fits),
-        "gap.decays": _decays(decays),
+        "gap.coefficients": [_coefficients(z, fit) for z, fit in fits.items()],
+        "gap.decays": [_decay(each) for each in decays],
     }
-
-
-def surface(stage: Stage, points: int | None = None) -> Surface:
-    """Return B_X above the blocks that were made on a grid over a pitch."""
-    X, Y, z = (ca.SX.sym(name) for name in "XYz")
-    B = concentrated_field.field(stage.waves(concentrated_field.up_to(5) + on_axes((7, 9))), X, Y, z)
-    n = points or POINTS
-    side = np.linspace(0.0, stage.pitch, n)
-    at = (each.reshape(1, -1) for each in np.meshgrid(side, side, indexing="ij"))
-    flux = ca.Function("B_X", [X, Y, z], [B.x]).map(n**2)(*at, stage.height).full()
-    return Surface(side, side, flux.reshape(n, n))
 
 
 def over_gap(stage: Stage) -> tuple[Mapping[float, Fit], list[Decay]]:
@@ -85,10 +62,10 @@ def over_gap(stage: Stage) -> tuple[Mapping[float, Fit], list[Decay]]:
     return fits, [hall_scan.decay(fits, name, stage.pitch, stage.height) for name in GREEK]
 
 
-def _parameters(stage: Stage) -> page.Table:
+def _parameters(stage: Stage) -> Rows:
     chain = stage.chain
-    rows: list[tuple[page.Cell, ...]] = [(p.name, p.value, p.unit, p.source) for p in PARAMETERS]
-    rows += [
+    return [
+        *((p.name, p.value, p.unit, p.source) for p in PARAMETERS),
         ("height", 1e3 * stage.height, "mm", "Fig. 4, of the sensors above the blocks"),
         ("sensitivity", chain.sensitivity, "V/T", "assumed: with 0.1 V/T 10 µm would not be met"),
         ("amplifier", chain.amplifier, "", "section II-C"),
@@ -96,54 +73,66 @@ def _parameters(stage: Stage) -> page.Table:
         ("noise", 1e3 * chain.noise, "mV", "section II-C, rms behind the filter"),
         ("volume", "250 × 250 × 200", "µm", "section III-A; voltages are means over it"),
     ]
-    return page.Table("Matrix, sensors and their chain", ("name", "value", "unit", "source"), tuple(rows))
 
 
-def _amplitudes(stage: Stage) -> page.Table:
-    rows: list[tuple[page.Cell, ...]] = []
+def _amplitudes(stage: Stage) -> Rows:
+    rows = []
     for label, ideal in (("ideal", True), ("as made", False)):
         for z in (0.0, stage.height):
             sizes = stage.amplitudes(NUMBERS, z, ideal)
             shown = np.where(np.abs(sizes) < audited.NONE, 0.0, sizes).tolist()
             rows.append((label, f"{1e3 * z:g} mm", *shown, 0.0 if ideal else stage.cross(z)))
-    columns = ("matrix", "above", *(f"n = {n}" for n in NUMBERS), "(2, ±1)")
-    return page.Table("Amplitudes of B_X, T", columns, tuple(rows))
+    return rows
 
 
-def _spacing(stage: Stage) -> page.Figure:
-    waves = stage.waves(on_axes(hall_figures.HARMONICS))
-    printed = hall_figures.spacings(PRINTED, stage.pitch)
+def _spacing(stage: Stage) -> Figure:
+    """Return Fig. 5: what two sensors read along X, and how insensitive a pair gets by its spacing."""
+    waves, printed = stage.waves(on_axes(hall_figures.HARMONICS)), hall_figures.spacings(PRINTED, stage.pitch)
     line = hall_figures.line(waves, float(printed[0]), height=stage.height)
-    caption = (
-        "Two sensors 3/4 pitch apart on a line: where one has no slope the other has one. On the right the least "
-        "√(slope² + slope²) in the pitch by the spacing; it vanishes for multiples of half a pitch."
-    )
-    drawn = drawings.spacing(line, hall_figures.insensitive(waves, 240, stage.height), printed)
-    return figure("spacing", drawn, caption, "Fig. 5 and (3).")
+    of = hall_figures.insensitive(waves, 240, stage.height)
+    X, pitch, top = 1e3 * line.X, line.X[-1], 1e-3 * float(of.least.max())
+    steep = np.abs(line.slopes[0]) >= np.abs(line.slopes[1])
+    read = []
+    for k, (volts, used) in enumerate(zip(line.volts, (steep, ~steep), strict=True)):
+        read.append(Line(X, volts, style={"color": COLOURS[k], "lw": 0.8}))
+        bold = {"color": COLOURS[k], "lw": 2.8}
+        read.append(Line(X, np.where(used, volts, np.nan), f"sensor {'AB'[k]}", bold))
+    least = [Line(of.spacing / pitch, 1e-3 * of.least)]
+    dashed = {"color": COLOURS[1], "ls": "--"}
+    least += [Line([at, at], [0.0, top], "" if k else "(3)", dashed) for k, at in enumerate(printed / pitch)]
+    ends = {"ylim": (0.0, None)}
+    right = Chart(least, "spacing, pitches", "least slope of the pair, V/mm", legend="lower right", options=ends)
+    return charts.draw([Chart(read, "X, mm", "voltage, V; bold: the steeper", legend="upper right"), right], 2.8)
 
 
-def _gap(stage: Stage, fits: Mapping[float, Fit], decays: list[Decay]) -> page.Figure:
-    values = {greek: np.array([f.estimate[name] for f in fits.values()]) for name, greek in GREEK.items()}
-    drawn = drawings.gap(np.array(HEIGHTS), values, decays, stage.height)
-    return figure("gap", drawn, "Coefficients by the height, dots, and the law, lines.")
+def _residuals(fit: Fit) -> Figure:
+    """Return Fig. 8: a scan of a voltage, model (2) of it, and what is left; scanned places are middles of squares."""
+    n, half = int(np.sqrt(len(fit.measured))), fit.Y[1] / 2
+    sides = [(1e3 * float(v[0] - half), 1e3 * float(v[-1] + half)) for v in (fit.X, fit.Y)]
+    shown = {"(a) measured, V": fit.measured, "(b) model (2), V": fit.modelled, "(c) left, mV": 1e3 * fit.residual}
+    return maps.signed([Map(title, values.reshape(n, n)) for title, values in shown.items()], sides)
 
 
-def _coefficients(fits: Mapping[float, Fit]) -> page.Table:
-    rows: list[tuple[page.Cell, ...]] = []
-    for z, fit in fits.items():
-        e = fit.estimate
-        halves = np.diff(e.intervals)[:, 0] / 2
-        shown = (f"{1e3 * e[n]:.2f} ± {1e3 * half:.2f}" for n, half in zip(e.names, halves, strict=True))
-        rows.append((f"{1e3 * z:g}", *(t.replace("-", "−") for t in shown), 1e3 * float(np.abs(fit.residual).max())))
-    columns = ("height, mm", "c", "α", "β", "γ", "δ", "largest residual, mV")
-    return page.Table("Coefficients of (2) in mV with intervals of 95 %", columns, tuple(rows))
+def _gap(stage: Stage, fits: Mapping[float, Fit], decays: list[Decay]) -> Figure:
+    """Return |alpha|, |beta|, .. of fits by the height, and the law of decay from the ones at the sensors' height."""
+    z, lines = np.linspace(HEIGHTS[0], HEIGHTS[-1], 50), []
+    for (name, greek), decay, colour in zip(GREEK.items(), decays, COLOURS, strict=False):
+        law = np.exp(decay.estimate["ln"] - decay.law * (z - stage.height))
+        dots = {"ls": "", "marker": "o", "ms": 4, "color": colour}
+        sizes = [abs(f.estimate[name]) for f in fits.values()]
+        lines += [Line(1e3 * z, law, style={"color": colour}), Line(1e3 * np.array(HEIGHTS), sizes, f"|{greek}|", dots)]
+    ends = {"xlim": (1e3 * HEIGHTS[0] - 0.05, 1e3 * HEIGHTS[-1] + 0.05)}
+    labels = "height above the matrix, mm", "coefficient, V"
+    return charts.draw([Chart(lines, *labels, log="y", legend="center right", options=ends)], 2.9)
 
 
-def _decays(decays: list[Decay]) -> page.Table:
-    rows: list[tuple[page.Cell, ...]] = []
-    for each in decays:
-        low, high = each.estimate.intervals[1]
-        within = "yes" if low <= each.law <= high else "NO"
-        rows.append((GREEK[each.coefficient], each.estimate["rate"], low, high, each.law, within))
-    columns = ("coefficient", "−d ln|·| / dz, 1/m", "from", "to", "n ω, 1/m", "law within")
-    return page.Table("Rates of decay with intervals of 95 %", columns, tuple(rows))
+def _coefficients(z: float, fit: Fit) -> tuple[str | float, ...]:
+    e = fit.estimate
+    halves = np.diff(e.intervals)[:, 0] / 2
+    shown = (f"{1e3 * e[n]:.2f} ± {1e3 * half:.2f}" for n, half in zip(e.names, halves, strict=True))
+    return f"{1e3 * z:g}", *(t.replace("-", "−") for t in shown), 1e3 * float(np.abs(fit.residual).max())
+
+
+def _decay(of: Decay) -> tuple[str | float, ...]:
+    low, high = of.estimate.intervals[1]
+    return GREEK[of.coefficient], of.estimate["rate"], low, high, of.law, "yes" if low <= of.law <= high else "NO"

@@ -23,7 +23,7 @@ from designs.hall_position.loop.closed_loop import Source
 from designs.planar_6dof import loops, lqg
 from designs.planar_6dof import page as planar
 from designs.planar_6dof.allocation import AXES, HORIZONTAL
-from designs.planar_6dof.loops import MOTORS, PHASES, SENSED, Parts, Place
+from designs.planar_6dof.loops import PHASES, SENSED, Parts, Place
 from designs.planar_6dof.page_stage import SYMBOLS
 from models import concentrated_field, hall_array, planar_stage
 from models.hall_chain import Chain
@@ -32,7 +32,6 @@ from synth.block import Block
 from synth.report import page, standard
 from synth.signals import names
 from synth.statespace import Array, StateSpace
-from synth.timing import period
 
 ESTIMATE, SECTIONS = "estimate, three sensors", "sections, three sensors"
 PLACES = 3  # over a pitch
@@ -72,20 +71,17 @@ def _over_pitch(source: Source, block: Block, points: int) -> page.Table:
 
 def opened(source: Source, block: Block, place: Place) -> Parts:
     """Return both parts of the loop with the platen at rest at a place, m."""
-    plant, T, pose = planar_stage.plant(), period(block.time), {**loops.MIDDLE, **place}
+    plant, pose = planar_stage.plant(), {**loops.MIDDLE, **place}
     stage, E = linearise.linearise(plant, trim.trim(plant, pose, [])), loops.commutation_matrix(plant, pose)
     motors = stage.select(AXES, PHASES)
-    moved = filtered(replace(motors, B=motors.B @ E, D=motors.D @ E, inputs=MOTORS), Chain())
     volts, slopes = sensed(source.array, pose)
     upright = stage.select(planar_stage.LASERS, ()).C[:, [stage.states.index(axis) for axis in AXES]]
     shown = np.vstack([slopes, upright])
     distances = upright @ [pose[axis] for axis in AXES]
     inputs = dict(zip(SENSED, [*volts.tolist(), *distances.tolist()], strict=True))
     inputs |= {f"{axis}_ref": pose[axis] for axis in AXES}
-    K = loop.linearised(block, rested(block, begun(block, source.array, pose), inputs), inputs).select(PHASES, SENSED)
-    seen, commands = tuple(f"{axis}_seen" for axis in AXES), tuple(f"{name}_command" for name in MOTORS)
-    B, C, D = K.B @ shown, 2 / 3 * E.T @ K.C, 2 / 3 * E.T @ K.D @ shown
-    return Parts(loop.sampled(moved, T, T), replace(K, B=B, C=C, D=D, inputs=seen, outputs=commands))
+    K = loop.linearised(block, rested(block, begun(block, source.array, pose), inputs), inputs)
+    return loops.around(filtered(motors, Chain()), K, shown, E)
 
 
 def filtered(motors: StateSpace, chain: Chain) -> StateSpace:

@@ -7,10 +7,10 @@ from math import radians
 
 import numpy as np
 
-from designs.hall_position.accuracy import fisher, layouts, maps, singular_points
+from designs.hall_position.accuracy import fisher, layouts, singular_points
 from designs.hall_position.paper import errors, estimate
 from designs.hall_position.paper.stage import MM, NOISE, NUMBERS, POINTS, TOLERANCE, UM, Array, Stage, grid, worst
-from models import concentrated_field
+from models import concentrated_field, hall_accuracy
 from synth.report.audit import Outcome, Published, recomputes
 
 FINE = 120  # places along a pitch of a map with more harmonics
@@ -31,7 +31,7 @@ def sufficient(stage: Stage, printed: Published) -> Outcome:
     ]
     nearest = np.abs(at[0.0] - [l / 8, 3 * l / 8]).max(axis=1).min() if len(at[0.0]) else np.inf
     cell = fisher.deviations(stage.pair, grid(stage.pair, POINTS))
-    condition = maps.of_sensors(
+    condition = hall_accuracy.of_sensors(
         errors.sensors(stage.pair, stage.chain), _model(stage), layouts.poses(l, 60).T, LEVER
     ).condition
     figures += [
@@ -98,7 +98,7 @@ def with_ninth(stage: Stage, points: int = FINE) -> Array:
     waves = stage.waves(concentrated_field.on_axes((1, 5, 9)))
     of = errors.sensors(stage.three, stage.chain)
     at = layouts.poses(stage.pitch, points).T
-    return maps.of_sensors(of, waves, at, maps.spread(of), stage.height).deviations.max(axis=0)
+    return hall_accuracy.of_sensors(of, waves, at, hall_accuracy.spread(of), stage.height).deviations.max(axis=0)
 
 
 def _model(stage: Stage) -> tuple[concentrated_field.Wave, ...]:

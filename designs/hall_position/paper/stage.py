@@ -18,6 +18,7 @@ from designs.hall_position.glsdc import parameters
 from designs.hall_position.glsdc.parameters import Pair
 from models import concentrated_field, finite_matrix, hall_array
 from models.concentrated_field import STRONG, WEAK, Cell, Order, Wave
+from models.finite_matrix import Scan
 from models.hall_chain import Chain
 
 Array = NDArray[np.float64]
@@ -58,9 +59,9 @@ class Stage:
         return self.array(self.places)
 
     @property
-    def truth(self) -> "Truth":
+    def truth(self) -> Scan:
         """What is read above six pitches of the blocks that were made."""
-        return truth(self.strong, self.weak, self.height, self.chain.gain)
+        return finite_matrix.scan(self.strong, self.weak, self.height, self.chain.gain, PER_PITCH)
 
     def array(self, places: Sequence[Pair]) -> parameters.Array:
         """Return model (2) for sensors at places in pitches."""
@@ -88,36 +89,9 @@ class Stage:
         return concentrated_field.ideal(self.strong) if ideal else concentrated_field.fabricated(self.strong, self.weak)
 
 
-@dataclass(frozen=True, eq=False)
-class Truth:
-    """What sensors read above a matrix of six pitches, in V: (n, n) of B_X over X and over Y, about a pitch.
-
-    Places are multiples of `spacing`, m, the body's origin from 0 up to `count` of them. B_Y is the transpose.
-    """
-
-    spacing: float
-    count: int
-    first: int
-    B_X: Array
-
-    def at(self, i: NDArray[np.int_], j: NDArray[np.int_]) -> Array:
-        """Return B_X and B_Y (2, ..) at the points i along X and j along Y."""
-        return np.array([self.B_X[i + self.first, j + self.first], self.B_X[j + self.first, i + self.first]])
-
-
 def grid(of: parameters.Array, points: int) -> Array:
     """Return poses (3, points^2) in the middles of squares over the pitch, m, at yaw 0."""
     return np.array(layouts.poses(of.pitch, points, shift=0.5))
-
-
-@lru_cache(KEPT)
-def truth(strong: float, weak: float, height: float, gain: float) -> Truth:
-    """Return what is read in the pitch ahead of the middle of the matrix of six pitches."""
-    reach = 1.5 * finite_matrix.VALUES["l"]
-    series = finite_matrix.series(finite_matrix.blocks(strong, weak), PER_PITCH // 2)
-    flux = series.summed(finite_matrix.flux_density(series, height)[0], reach)
-    flux.flags.writeable = False
-    return Truth(series.spacing, PER_PITCH, len(series.grid(reach)) // 2, gain * flux)
 
 
 def known_yaw(of: parameters.Array, points: int = 4096) -> Array:

@@ -84,9 +84,8 @@ def run(kind: Kind, bodies: int, samples: int, within: Limits, seed: int = 0) ->
 
     Half of the bodies come to the limit, the others to parts of it that are drawn down to SLOWEST.
 
-    Raises ModelError unless these are whole numbers above 0, and as `motion`.
+    Raises ModelError for no sample, and as `motion`.
     """
-    samples = numeric.whole("the number of samples", samples)
     kind = replace(kind, tuning=replace(kind.tuning, pitches=FAR))
     rng, T = np.random.default_rng(seed), kind.time.period_s
     at = motion(kind, bodies, within, rng, SLOWEST)

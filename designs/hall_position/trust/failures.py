@@ -27,6 +27,7 @@ from designs.hall_position.trust.motions import Numbers, Pose
 from synth import numeric
 from synth.errors import ModelError
 from synth.execute import host
+from synth.simulate import ensemble
 from synth.statespace import readonly
 
 SOON = 5  # samples within which a residual out of its bound is to be flagged
@@ -73,22 +74,12 @@ class Outcome:
 
 
 @dataclass(frozen=True, eq=False)
-class Unseen:
-    """Over X and Y (n,) in m, at rest: 1 where a failure is not flagged (n, n), and by how much it errs there, m."""
-
-    X: Numbers
-    Y: Numbers
-    unseen: Numbers
-    error: Numbers
-
-
-@dataclass(frozen=True, eq=False)
 class _Seen:
     """Over the samples (AFTER, N) from the failure on."""
 
-    out: Numbers
-    flagged: Numbers
-    judged: list[fleet.Judged]
+    out: NDArray[np.bool_]
+    flagged: NDArray[np.bool_]
+    judged: ensemble.Scores
     state: Numbers
 
 
@@ -102,35 +93,30 @@ def tried(kind: Kind, failure: str, sensor: int, bodies: int, within: Limits | N
         at = endurance.motion(kind, bodies, within, rng)
     else:
         at = _resting(fleet.anywhere(kind, bodies, endurance.YAW, rng))
-    return _outcome(kind, _run(kind, failure, sensor, at, rng), sensor)
+    return _outcome(_run(kind, failure, sensor, at, rng), sensor)
 
 
-def unseen(kind: Kind, failure: str, sensor: int, points: int, yaw: float = 0.0, seed: int = 0) -> Unseen:
-    """Return where the failure of a sensor of bodies at rest is not flagged.
+def unseen(kind: Kind, failure: str, sensor: int, points: int, seed: int = 0) -> Numbers:
+    """Return by how much the estimate errs where the failure of a sensor of bodies at rest is not flagged.
+
+    In m, over X and Y of the pitch (points, points), at yaw 0; NaN where it is flagged.
 
     Raises ModelError for an unknown failure, a sensor that is not there, or no point.
     """
-    pose = Pose(*layouts.poses(kind.array.pitch, points, yaw))
-    along = pose.Y[:points]
-    seen = _run(kind, failure, sensor, _resting(pose), np.random.default_rng(seed))
-    hidden = ~seen.flagged[: SOON + 1].any(axis=0)
-    error = np.where(hidden, seen.judged[SOON].off, 0.0)
-    shape = (points, points)
-    return Unseen(readonly(along), readonly(along), readonly(hidden.reshape(shape)), readonly(error.reshape(shape)))
+    at = _resting(Pose(*layouts.poses(kind.array.pitch, points)))
+    seen = _run(kind, failure, sensor, at, np.random.default_rng(seed))
+    flagged = seen.flagged[: SOON + 1].any(axis=0)
+    return readonly(np.where(flagged, np.nan, seen.judged.off[SOON]).reshape(points, points))
 
 
 def _resting(pose: Pose) -> Callable[[float], Pose]:
     return lambda t: pose
 
 
-def _check(kind: Kind, failure: str, sensor: int) -> None:
+def _run(kind: Kind, failure: str, sensor: int, at: Callable[[float], Pose], rng: np.random.Generator) -> _Seen:
     if failure not in tuple(FAILURES):
         raise ModelError(f"'{failure}' is no failure that is known: give one of {', '.join(FAILURES)}")
     numeric.whole("the number of the sensor that fails", sensor, 1, len(kind.array.positions))
-
-
-def _run(kind: Kind, failure: str, sensor: int, at: Callable[[float], Pose], rng: np.random.Generator) -> _Seen:
-    _check(kind, failure, sensor)
     T, fails, held = kind.time.period_s, FAILURES[failure], np.zeros(0)
 
     def spoilt(k: int, volts: Numbers) -> Numbers:
@@ -143,10 +129,9 @@ def _run(kind: Kind, failure: str, sensor: int, at: Callable[[float], Pose], rng
 
     state = fleet.placed(kind, at(-T), at(-2 * T))
     samples = fleet.followed(kind, state, lambda k: at(k * T), BEFORE + AFTER, rng, spoilt)
-    seen = list(samples)[BEFORE:]
-    out = np.array([batch.outputs["residual"] > kind.tuning.residual for batch, _ in seen])
-    flagged = np.array([_flagged(batch) for batch, _ in seen])
-    return _Seen(out, flagged, [judged for _, judged in seen], seen[-1][0].states)
+    batches, judged = zip(*list(samples)[BEFORE:], strict=True)
+    out = np.array([batch.outputs["residual"] > kind.tuning.residual for batch in batches])
+    return _Seen(out, np.array([*map(_flagged, batches)]), ensemble.stacked(judged), batches[-1].states)
 
 
 def _flagged(batch: host.Batch) -> NDArray[np.bool_]:
@@ -155,23 +140,19 @@ def _flagged(batch: host.Batch) -> NDArray[np.bool_]:
     return np.asarray((batch.outputs["valid"] == 0) | left_out | (batch.faults > 0))
 
 
-def _outcome(kind: Kind, seen: _Seen, sensor: int) -> Outcome:
+def _outcome(seen: _Seen, sensor: int) -> Outcome:
     out, flag = (np.where(v.any(axis=0), v.argmax(axis=0), AFTER) for v in (seen.out, seen.flagged))
-    exceeded = out < AFTER
-    valid = np.array([j.valid for j in seen.judged])
-    share = np.array([j.deviations.max(axis=0) for j in seen.judged])
-    rms = np.array([np.sqrt((j.deviations**2).mean(axis=0)) for j in seen.judged])
-    off = np.array([j.off for j in seen.judged])
-    names = seen.state.dtype.names or ()
-    without = seen.state["estimator_without"] if "estimator_without" in names else np.zeros(out.size)
+    exceeded, valid, state = out < AFTER, seen.judged.valid, seen.state
+    without = state["estimator_without"] if "estimator_without" in (state.dtype.names or ()) else np.zeros(out.size)
+    rms = np.sqrt((seen.judged.deviations**2).mean(axis=1))
     return Outcome(
         out=float(exceeded.mean()),
         flagged=float((flag < AFTER).mean()),
         named=float((without == sensor).mean()),
-        lost=float((seen.state["estimator_restarted"] > 0).mean()),
+        lost=float((state["estimator_restarted"] > 0).mean()),
         late=int((flag - out)[exceeded].max(initial=0)),
         valid=float(valid[-1].mean()),
         error=float(np.sqrt((rms[valid] ** 2).mean())) if valid.any() else 0.0,
-        worst=float(off[valid].max(initial=0)),
-        away=float((valid & (share > fleet.WRONG)).any(axis=0).mean()),
+        worst=float(seen.judged.off[valid].max(initial=0)),
+        away=float(seen.judged.wrong.any(axis=0).mean()),
     )

@@ -1,7 +1,6 @@
 """Many bodies at once through the compiled C of the guarded estimator, on voltages by model (2) with noise.
 
-What is found counts as wrong where it is valid and X, Y or the yaw is off by more than WRONG of its own deviations. A
-position is compared within the pitch, which is all that a search tells.
+A position is compared within the pitch, which is all that a search tells.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -10,7 +9,6 @@ from functools import cache
 from math import pi
 
 import numpy as np
-from numpy.typing import NDArray
 
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.glsdc.parameters import Array, Tuning
@@ -21,11 +19,11 @@ from synth.block import unranged
 from synth.errors import ModelError
 from synth.execute import build, host
 from synth.simulate import ensemble
+from synth.simulate.ensemble import Scores
 from synth.timing import Discrete
 
 TIME = Discrete(1 / 800)
 USUAL = Tuning()
-WRONG = 10.0  # deviations: noise alone exceeds 6 in 2e-9 of samples, and corrections end within a tenth of one
 FULL = 2 * pi
 
 
@@ -42,16 +40,6 @@ class Kind:
 
     def __post_init__(self) -> None:
         timing.period(self.time)
-
-
-@dataclass(frozen=True, eq=False)
-class Judged:
-    """By body: whether the estimate is valid, how far off in m within the pitch, and whether it is `wrong`."""
-
-    valid: NDArray[np.bool_]
-    off: Numbers
-    deviations: Numbers
-    wrong: NDArray[np.bool_]
 
 
 @cache
@@ -73,17 +61,12 @@ def anywhere(kind: Kind, n: int, yaw: float, rng: np.random.Generator) -> Pose:
     return Pose(X, Y, rng.uniform(-yaw, yaw, n))
 
 
-def unplaced(kind: Kind, n: int) -> host.Records:
-    """Return the states of n bodies after `init`."""
-    return ensemble.started(compiled(kind), n)
-
-
 def placed(kind: Kind, pose: Pose, before: Pose | None = None, certain: bool = True) -> host.Records:
     """Return the states of bodies that are at poses (N,), and were at others a sample before, or at rest.
 
     Where that is not certain a yaw about 0 is assumed, as after `init`.
     """
-    state = unplaced(kind, len(pose.X))
+    state = ensemble.started(compiled(kind), len(pose.X))
     w, pitch = kind.array.wave_number, kind.array.pitch
     now, last = _centre(kind.array, pose), _centre(kind.array, before or pose)
     for axis, at, past in zip("xy", now, last, strict=True):
@@ -110,24 +93,18 @@ def wrapped(angle: Numbers) -> Numbers:
     return (angle + pi) % FULL - pi
 
 
-def voltages(kind: Kind, pose: Pose, rng: np.random.Generator) -> Numbers:
-    """Return what the sensors of bodies (N,) read, with noise, (N, sensors, 2), V."""
-    read = motions.volts(kind.array, pose)
-    return read + kind.array.deviation * rng.standard_normal(read.shape)
-
-
 def stepped(kind: Kind, state: host.Records, volts: Numbers) -> host.Batch:
     """Advance bodies (N,) by a sample on voltages (N, sensors, 2)."""
     return compiled(kind).batch(state, motions.named(volts))
 
 
-def judged(kind: Kind, found: Mapping[str, Numbers], pose: Pose) -> Judged:
-    """Judge outputs (N,) by where the bodies are."""
-    pitch, valid = kind.array.pitch, found["valid"] > 0
+def score(kind: Kind, found: Mapping[str, Numbers], pose: Pose) -> Scores:
+    """Return the scores of outputs (N,) by where the bodies are."""
+    pitch = kind.array.pitch
     along = [(found[a] - getattr(pose, a) + pitch / 2) % pitch - pitch / 2 for a in "XY"]
     errors = np.array([*along, wrapped(found["yaw"] - pose.yaw)])
-    share = np.abs(errors) / np.array([found[f"deviation_{a}"] for a in ("X", "Y", "yaw")])
-    return Judged(valid, np.hypot(*along), share, valid & (share.max(axis=0) > WRONG))
+    stated = np.array([found[f"deviation_{a}"] for a in ("X", "Y", "yaw")])
+    return Scores(found["valid"] > 0, np.hypot(*along), np.abs(errors) / stated)
 
 
 def followed(
@@ -137,11 +114,14 @@ def followed(
     samples: int,
     rng: np.random.Generator,
     spoilt: Callable[[int, Numbers], Numbers] = lambda k, volts: volts,
-) -> Iterator[tuple[host.Batch, Judged]]:
-    """Yield what each sample makes of bodies that are at known poses, on noisy voltages that are `spoilt` then."""
+) -> Iterator[tuple[host.Batch, Scores]]:
+    """Yield what each sample makes of bodies that are at known poses, on noisy voltages that are `spoilt` then.
+
+    Raises ModelError for a number of samples that is none.
+    """
 
     def step(now: host.Records, k: int) -> host.Batch:
-        return stepped(kind, now, spoilt(k, voltages(kind, at(k), rng)))
+        return stepped(kind, now, spoilt(k, motions.noisy(kind.array, at(k), rng)))
 
-    for k, batch in enumerate(ensemble.followed(step, state, samples)):
-        yield batch, judged(kind, batch.outputs, at(k))
+    for k, batch in enumerate(ensemble.followed(step, state, numeric.whole("the number of samples", samples))):
+        yield batch, score(kind, batch.outputs, at(k))

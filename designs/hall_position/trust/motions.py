@@ -43,7 +43,7 @@ def volts(array: Array, pose: Pose) -> Numbers:
     return np.stack(found, axis=-2)
 
 
-def noisy(array: Array, pose: Pose, seed: int) -> Numbers:
+def noisy(array: Array, pose: Pose, seed: int | np.random.Generator) -> Numbers:
     """Return the same with noise."""
     found = volts(array, pose)
     return found + array.deviation * np.random.default_rng(seed).standard_normal(found.shape)

@@ -6,24 +6,23 @@ Everything is computed from the parameters of the plant that is given; a verdict
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from designs.maglev_5dof.paper import loops, model, motor
+from designs.maglev_5dof.paper import loops, model
 from designs.maglev_5dof.paper.bench import Bench
 from synth.declaration import Stage
-from synth.plant import Plant
 from synth.report import audit
 from synth.report.audit import Published, Row
 
-MODULES = (motor, model, loops)
+MODULES = (model, loops)
 
 
-def rows(stage: Stage, plant: Plant | None = None) -> Iterator[Row]:
-    """Yield the rows F-1 to F-19 for the stage's parameters, or those of `plant`, each when it is computed."""
-    yield from on(Bench(stage, plant or stage.plant))
+def rows(stage: Stage) -> Iterator[Row]:
+    """Yield the rows F-1 to F-19 for the stage's parameters, each when it is computed."""
+    return on(Bench(stage, stage.plant))
 
 
 def on(bench: Bench) -> Iterator[Row]:
     """Yield the rows as recomputed on a bench of given plant, length of runs and fineness of the field."""
-    yield from audit.rows(MODULES, bench, printed())
+    return audit.rows(MODULES, bench, printed())
 
 
 def printed() -> Mapping[str, Published]:

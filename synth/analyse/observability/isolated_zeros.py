@@ -14,6 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import product
 from math import ceil, pi
+from typing import Any
 
 import flint
 import numpy as np
@@ -38,15 +39,25 @@ SAME = 1e-7  # rad, between two ends of Newton's method that are one zero
 
 @dataclass(frozen=True)
 class Equations:
-    """Equations in n unknowns: `values` (n, 1) and `slopes` (n, n) at balls, and which cells may hold a zero.
+    """n equations f(p) = 0 in n unknowns, and which cells may hold a zero.
 
-    `possible` takes middles (n, N) and half a side in rad, and returns (N,).
+    `f` is called on balls, and on power series (`flint.arb_series`) for its slopes. `possible` takes middles (n, N) and
+    half a side in rad, and returns (N,).
     """
 
     n: int
-    values: Callable[[Sequence[Ball]], flint.arb_mat]
-    slopes: Callable[[Sequence[Ball]], flint.arb_mat]
+    f: Callable[[Sequence[Any]], Sequence[Any]]
     possible: Callable[[Array, float], NDArray[np.bool_]]
+
+    def values(self, at: Sequence[Ball]) -> flint.arb_mat:
+        """Return f (n, 1) at balls."""
+        return flint.arb_mat([[value] for value in self.f(at)])
+
+    def slopes(self, at: Sequence[Ball]) -> flint.arb_mat:
+        """Return df/dp (n, n) at balls."""
+        n = range(self.n)
+        columns = [self.f([flint.arb_series([v, int(i == j)], prec=2) for i, v in enumerate(at)]) for j in n]
+        return flint.arb_mat([[columns[j][i][1] for j in n] for i in n])
 
 
 @dataclass(frozen=True, eq=False)

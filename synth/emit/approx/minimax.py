@@ -85,5 +85,4 @@ def rounded(
 
 
 def _powers(x: flint.arb, first: flint.arb, count: int) -> list[flint.arb]:
-    """Return first, first x, first x^2, ..."""
     return list(itertools.accumulate([first] + [x] * (count - 1), operator.mul))

@@ -155,7 +155,6 @@ def _search(task: _Task, allowed: float) -> Polynomial:
 
 
 def _terms(g: Enclosure) -> int:
-    """Return how many coefficients make a polynomial of degree DEGREE."""
     return (DEGREE - g.power) // (1 if g.parity == "none" else 2) + 1
 
 

@@ -156,11 +156,6 @@ def _scaled(program: Program, trails: dict[int, _Trail], varies: list[bool], k: 
     return [k, *_scaled(program, trails, varies, varying[0])]
 
 
-def evaluator(program: Program, ranges: Sequence[Range], root: int, variable: int) -> Analytic:
-    """Return `root` as a function of `variable`: `function` of its `key`. Raises EmitError as `key` does."""
-    return function(key(program, ranges, root, variable))
-
-
 def key(program: Program, ranges: Sequence[Range], root: int, variable: int) -> Key:
     """Return `root` as operations on earlier rows (operation, rows, number), the variable first.
 

@@ -114,14 +114,6 @@ def _inv(f: _Folder, a: int) -> int | None:
     return _div(f, f.literal(1.0), a) if f.number(a) or f.scaled(a)[0] != 1 else None
 
 
-def _add(f: _Folder, a: int, b: int) -> int | None:
-    return _sum(f, "add", a, b)
-
-
-def _sub(f: _Folder, a: int, b: int) -> int | None:
-    return _sum(f, "sub", a, b)
-
-
 def _sum(f: _Folder, op: str, a: int, b: int) -> int | None:
     first, second = f.number(a), f.number(b)
     if first is not None and second is not None:
@@ -137,10 +129,6 @@ def _sum(f: _Folder, op: str, a: int, b: int) -> int | None:
     if l < 0 and op == "add":
         return f.make(Node("sub", (b, times(f, -l, x))))
     return None
-
-
-def _twice(f: _Folder, a: int) -> int | None:
-    return times(f, 2.0, a)
 
 
 def _extreme(op: str) -> Callable[[_Folder, int, int], int | None]:
@@ -172,12 +160,7 @@ def _not(f: _Folder, a: int) -> int | None:
 
 
 def _truth(f: _Folder, a: int) -> int:
-    """Return 1 where node a is not 0, else 0."""
     return a if f.nodes[a].op in LOGICAL else f.place(Node("ne", (a, f.literal(0.0))))
-
-
-def _when(f: _Folder, c: int, a: int) -> int | None:
-    return f.make(Node("choose", (c, a, f.literal(0.0))))
 
 
 def _choose(f: _Folder, c: int, a: int, b: int) -> int | None:
@@ -214,13 +197,13 @@ _RULES: dict[str, Callable[..., int | None]] = {
     "mul": _mul,
     "div": _div,
     "inv": _inv,
-    "add": _add,
-    "sub": _sub,
-    "twice": _twice,
+    "add": lambda f, a, b: _sum(f, "add", a, b),
+    "sub": lambda f, a, b: _sum(f, "sub", a, b),
+    "twice": lambda f, a: times(f, 2.0, a),
     "min": _extreme("min"),
     "max": _limit,
     "not": _not,
-    "when": _when,
+    "when": lambda f, c, a: f.make(Node("choose", (c, a, f.literal(0.0)))),
     "choose": _choose,
     "and": _and,
     "or": _or,

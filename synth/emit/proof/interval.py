@@ -153,20 +153,15 @@ def _clamp(x: Interval, low: Interval, high: Interval) -> Interval:
     return Interval(np.where(odd, outer.low, found.low), np.where(odd, outer.high, found.high), outer.nan)
 
 
-def _floor(a: Interval) -> Interval:
-    return Interval(np.floor(a.low), np.floor(a.high), a.nan)
-
-
 def _sqrt(a: Interval) -> Interval:
     return Interval(np.sqrt(np.maximum(a.low, 0)), np.sqrt(np.maximum(a.high, 0)), a.nan | (a.low < 0))
 
 
-def _lt(a: Interval, b: Interval) -> Interval:
-    return _logical((a.high < b.low) & ~(a.nan | b.nan), a.low < b.high, a.low.dtype.type)
+def _ordered(below: Callable[[Array, Array], Mask]) -> Callable[[Interval, Interval], Interval]:
+    def compared(a: Interval, b: Interval) -> Interval:
+        return _logical(below(a.high, b.low) & ~(a.nan | b.nan), below(a.low, b.high), a.low.dtype.type)
 
-
-def _le(a: Interval, b: Interval) -> Interval:
-    return _logical((a.high <= b.low) & ~(a.nan | b.nan), a.low <= b.high, a.low.dtype.type)
+    return compared
 
 
 def _eq(a: Interval, b: Interval) -> Interval:
@@ -179,14 +174,6 @@ def _not(a: Interval) -> Interval:
     return Interval(1 - t.high, 1 - t.low, np.zeros_like(a.nan))
 
 
-def _and(a: Interval, b: Interval) -> Interval:
-    return _min(truth(a), truth(b))
-
-
-def _or(a: Interval, b: Interval) -> Interval:
-    return _max(truth(a), truth(b))
-
-
 EXACT: dict[str, Callable[..., Interval]] = {
     "neg": _neg,
     "fabs": _fabs,
@@ -197,19 +184,19 @@ EXACT: dict[str, Callable[..., Interval]] = {
     "twice": lambda a: _add(a, a),
     "div": _div,
     "inv": _inv,
-    "floor": _floor,
+    "floor": lambda a: Interval(np.floor(a.low), np.floor(a.high), a.nan),
     "sqrt": _sqrt,
     "min": _min,
     "max": _max,
     "clamp": _clamp,
     "within": _clamp,
-    "lt": _lt,
-    "le": _le,
+    "lt": _ordered(np.less),
+    "le": _ordered(np.less_equal),
     "eq": _eq,
     "ne": lambda a, b: _not(_eq(a, b)),
     "not": _not,
-    "and": _and,
-    "or": _or,
+    "and": lambda a, b: _min(truth(a), truth(b)),
+    "or": lambda a, b: _max(truth(a), truth(b)),
 }
 
 

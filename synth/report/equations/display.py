@@ -13,7 +13,7 @@ from synth.report.equations import copies, derive, glyphs, mathml, proof
 from synth.report.equations.copies import Shown, ShownGroup
 from synth.report.equations.derive import Equation, Group, Named
 from synth.report.notation import number, readable
-from synth.signals import Signal
+from synth.signals import Signal, per_second
 
 LEGEND = (
     "The equations are derived from the expressions that the C is made of, and read back and compared with them at "
@@ -101,15 +101,6 @@ def _beside(equation: Equation) -> tuple[str, str]:
     signal = equation.signal
     if signal is None:
         return "", ""
-    unit = readable(f"{signal.unit}/s") if equation.mark == "rate" else readable(signal.unit)
     if equation.mark == "rate":
-        return readable(_per_second(signal.unit)), ""
-    return unit, f"{number(signal.low)} … {number(signal.high)}"
-
-
-def _per_second(unit: str) -> str:
-    """Return the unit of a rate: m/s^2 for m/s."""
-    before, divided, after = unit.partition("/s")
-    if divided and (not after or after.startswith("^")):
-        return f"{before}/s^{int(after[1:] or 1) + 1}"
-    return f"{unit}/s"
+        return readable(per_second(signal.unit)), ""
+    return readable(signal.unit), f"{number(signal.low)} … {number(signal.high)}"

@@ -219,7 +219,6 @@ def _condition(expr: sp.Expr) -> Piece:
 
 
 def _operands(kind: str, expr: sp.Expr) -> list[sp.Expr]:
-    """Return what a chain of one connective connects."""
     if type(expr).__name__ != kind:
         return [expr]
     return [operand for a in expr.args for operand in _operands(kind, a)]

@@ -9,6 +9,7 @@ that is missing on the page is missing here. A number that was cut off must begi
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -16,8 +17,8 @@ from numpy.typing import NDArray
 from scipy.special import erf
 
 from synth.errors import DesignError
+from synth.statespace import Array
 
-Array = NDArray[np.float64]
 Element = ElementTree.Element
 FUNCTIONS: Mapping[str, Callable[..., Array]] = {
     **{n: getattr(np, n) for n in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "exp", "hypot", "log1p", "expm1")},
@@ -114,17 +115,17 @@ class _Reader:
             raise DesignError(f"a part of the formula goes on with '{_key(reader.next)}': show it as one expression")
         return found
 
-    def condition(self) -> Array:
-        found = self.conjunct()
-        while self.sign("∨"):
-            found = _as_number((found != 0) | (self.conjunct() != 0))
+    def chain(self, found: Array, operand: Callable[[], Array], operators: Mapping[str, Callable[..., Any]]) -> Array:
+        """Return what the value read and further operands amount to, operators between them, from left to right."""
+        while sign := self.sign(*operators):
+            found = np.asarray(operators[sign](found, operand()), dtype=np.float64)
         return found
 
+    def condition(self) -> Array:
+        return self.chain(self.conjunct(), self.conjunct, {"∨": np.logical_or})
+
     def conjunct(self) -> Array:
-        found = self.negation()
-        while self.sign("∧"):
-            found = _as_number((found != 0) & (self.negation() != 0))
-        return found
+        return self.chain(self.negation(), self.negation, {"∧": np.logical_and})
 
     def negation(self) -> Array:
         return _as_number(self.negation() == 0) if self.sign("¬") else self.relation()
@@ -136,23 +137,14 @@ class _Reader:
         return found
 
     def sum(self) -> Array:
-        found = -self.term() if self.sign("−") else self.term()
-        while sign := self.sign("+", "−"):
-            found = found + self.term() if sign == "+" else found - self.term()
-        return found
+        first = -self.term() if self.sign("−") else self.term()
+        return self.chain(first, self.term, {"+": np.add, "−": np.subtract})
 
     def term(self) -> Array:
-        found = self.factor()
-        while self.sign("·", _TIMES):
-            found = found * self.factor()
-        return found
+        return self.chain(self.factor(), self.factor, {"·": np.multiply, _TIMES: np.multiply})
 
     def factor(self) -> Array:
-        piece = self.next
-        if piece is None:
-            raise DesignError("a formula ends where a value is needed: show the whole expression")
-        if piece.tag == "mo" and piece.text == "{":
-            self.at += 1
+        if self.sign("{"):
             return self.cases(self.take())
         if left := self.sign(*_FENCES):
             right, function = _FENCES[left]
@@ -160,7 +152,7 @@ class _Reader:
             if not self.sign(right):
                 raise DesignError(f"a formula opens '{left}' and does not close it: close it")
             return function(found)
-        self.at += 1
+        piece = self.take()
         if (following := self.next) is not None and following.tag == "mo" and following.text == _APPLY:
             return self.applied(piece)
         return self.atom(piece)

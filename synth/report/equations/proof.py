@@ -8,7 +8,6 @@ from collections.abc import Callable, Mapping, Sequence
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from synth.block import Block
 from synth.emit import lower
@@ -17,8 +16,8 @@ from synth.plant import Plant
 from synth.report.equations import derive, glyphs, mathml_value
 from synth.report.equations.derive import Equation, Group, Named
 from synth.signals import Signal
+from synth.statespace import Array
 
-Array = NDArray[np.float64]
 Values = Mapping[str, Array]
 POINTS, TOLERANCE, SEED = 48, 1e-9, 7
 SPREAD = 0.05  # of a parameter's or constant's value: by how much it varies

@@ -11,7 +11,6 @@ whichever rule, has |L| = 1 and arg L = margin - 180 degrees at w to rounding er
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq
@@ -27,8 +26,7 @@ from synth.timing import Continuous, Discrete
 MOST_LEAD = 65.0  # degrees a section: r = 20; beyond, gain and noise grow far faster than the lead
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Design:
     """The compensator, the sampled plant with hold and delay, and the loop that they make.
 

@@ -78,8 +78,7 @@ class Compensator:
         return show.Sheet(f"Compensator in {self.time}, {ends}", (), (show.Table(("", "value"), tuple(rows)),))
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class LeadLag:
     """A compensator and what is sampled of it; `zeros` and `poles` are those in z, `gain` the factor before them.
 
@@ -156,10 +155,7 @@ def tustin(compensator: Compensator, period_s: float, at: float) -> LeadLag:
 
 @arguments.checked
 def prewarped(compensator: Compensator, period_s: float, at: float) -> LeadLag:
-    """Return the trapezoidal rule that is exact at the frequency `at` in rad/s.
-
-    Raises as `tustin`.
-    """
+    """Return the trapezoidal rule that is exact at the frequency `at` in rad/s; raises as `tustin`."""
     _require(compensator, period_s, at)
     with precise.precision():
         half = flint.arb(at) * flint.arb(period_s) / 2
@@ -228,7 +224,6 @@ def _bilinear(compensator: Compensator, period_s: float, at: float, scale: flint
 def _sampled(
     like: Compensator, period_s: float, gain: flint.arb, zeros: Sequence[flint.arb], poles: Sequence[flint.arb]
 ) -> Compensator:
-    """Return the compensator in z, each number rounded once."""
     g, z, p = (tuple(float(v.mid()) for v in part) for part in ([gain], zeros, poles))
     return Compensator(g[0], z, p, Discrete(period_s), like.input, like.output, like.units)
 

@@ -6,8 +6,6 @@ built up by orthonormal steps in scaled units. With one input the gain is the on
 arithmetic.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 import scipy.linalg
 
@@ -19,8 +17,7 @@ from synth.synthesise.feedback import pole_placement
 from synth.timing import Continuous, Discrete
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Deadbeat:
     """K (m, n) for which every state is 0 after `steps` samples, the fewest.
 
@@ -53,7 +50,7 @@ def feedback(system: System) -> Deadbeat:
     model = of(system)
     if isinstance(model.time, Continuous):
         raise TimingError("no constant gain is deadbeat in continuous time: sample the model, or place fast poles")
-    part = pole_placement.scaled(model)
+    part = staircase.scaled(model.A, model.B)
     split = staircase.split(part.A, part.B)
     if len(model.inputs) == 1 and len(model.A) and not split.outside.size:
         wanted = np.zeros(len(model.A), dtype=np.complex128)
@@ -77,7 +74,7 @@ def lasting(model: StateSpace) -> tuple[complex, str]:
 
     Raises ModelError where the inputs move all modes.
     """
-    part = pole_placement.scaled(model)
+    part = staircase.scaled(model.A, model.B)
     values, vectors = staircase.modes(part.A.T, staircase.split(part.A, part.B).outside)
     if not len(values):
         raise ModelError(f"the inputs {', '.join(model.inputs)} move every mode: there is none that lasts")

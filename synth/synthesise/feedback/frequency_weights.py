@@ -13,7 +13,6 @@ chapter 9.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
@@ -25,8 +24,7 @@ from synth.synthesise.feedback import lqr, weights
 from synth.timing import common
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Shaped:
     """The gain on (x, w) and the controller from x to u, whose states are w, in the gain's time."""
 

@@ -53,7 +53,6 @@ def over_period(plant: StateSpace, W: Array, period_s: float, delay_s: float, ex
 
 
 def _input_matrix(plant: StateSpace) -> Array:
-    """Return [[A, B], [0, 0]]."""
     n, m = plant.B.shape
     return np.vstack([np.hstack([plant.A, plant.B]), np.zeros((m, n + m))])
 

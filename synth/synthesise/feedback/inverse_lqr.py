@@ -20,7 +20,6 @@ so that optimality is m n linear equations in q (n,) and r (m,), of which r_1 = 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
@@ -29,9 +28,9 @@ from scipy.optimize import nnls
 
 from synth import arguments, show
 from synth.errors import ModelError, SignalError
-from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.synthesise.feedback import lqr, weights
-from synth.synthesise.riccati.equation import Complex, decays
+from synth.synthesise.riccati.equation import decays
 from synth.timing import Continuous
 
 RANK = 1e-10  # of the largest singular value: what is smaller is rounding error of a zero
@@ -40,8 +39,7 @@ CLOSE = 1e-5  # of the terms: what they differ by is the equations' size if not 
 NEGATIVE = 1e-9  # of the terms: what a weight below zero may add to them as the rounding error of a zero
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class DiagonalWeights:
     """The weights q (n,) for R; `unique` unless `nullspace` (n, k) has columns; `residual` is relative."""
 
@@ -57,8 +55,7 @@ class DiagonalWeights:
         return _sheet(f"Diagonal weights for R = {self.R:g}", self.states, self.q, self.nullspace, self.residual)
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class GainWeights:
     """The weights q (n,) and r (m,), r_1 = 1, for which a gain is optimal.
 

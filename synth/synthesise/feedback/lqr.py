@@ -18,7 +18,7 @@ with `exact` in ball arithmetic, for gains that must be the same on every machin
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 import scipy.linalg
@@ -33,8 +33,7 @@ from synth.synthesise.riccati import doubling, riccati
 from synth.timing import Continuous, Discrete, Time, period
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Gain:
     """State feedback u = K x, K (m, n), with the weights that it minimises and its certificate.
 
@@ -66,8 +65,7 @@ class Gain:
         return show.Sheet(title, self.certificate.lines(), tables)
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class SampledCost:
     """The held model over one period and the weights Q, R, N of the exact cost integral."""
 

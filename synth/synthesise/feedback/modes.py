@@ -28,6 +28,5 @@ def _deadbeat_radius(poles: NDArray[np.complex128]) -> float:
 
 
 def _shape(pole: complex, time: Time) -> tuple[str, str]:
-    """Return the natural frequency in Hz and the damping."""
     s = np.log(complex(pole)) / time.period_s if isinstance(time, Discrete) else pole
     return show.number(abs(s) / (2 * np.pi)), show.number(-s.real / abs(s)) if s else "-"

@@ -11,7 +11,6 @@ are those of the rounded K, computed in ball arithmetic: what separates them fro
 
 import warnings
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import flint
 import numpy as np
@@ -22,9 +21,8 @@ from scipy.optimize import linear_sum_assignment
 from synth import arguments, show
 from synth.analyse import precise, staircase, structure
 from synth.errors import ModelError, SignalError
-from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.synthesise.riccati import spectrum
-from synth.synthesise.riccati.spectrum import Complex
 from synth.timing import Continuous, Discrete, Time
 
 PAIR = 1e-9  # of a pole's size: what differs less is a conjugate
@@ -36,8 +34,7 @@ LISTED = 6  # poles that a message lists
 MISSED = 1e-2  # of the poles' size: further off is refused; K's rounding moves a sixfold pole by 2e-3
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Placement:
     """K (m, n) with the poles asked for and those attained, in 1/s or in z.
 
@@ -79,7 +76,7 @@ def place(system: System, poles: Sequence[complex] | ArrayLike) -> Placement:
     """
     model = of(system)
     structure.require_stabilisable(model.A, model.B, model.states, model.inputs, model.time)
-    part = scaled(model)
+    part = staircase.scaled(model.A, model.B)
     split = staircase.split(part.A, part.B)
     fixed = staircase.modes(part.A.T, split.outside)[0] * part.rate
     wanted = _requested(poles, split.inside.shape[1], fixed, model)
@@ -91,13 +88,6 @@ def place(system: System, poles: Sequence[complex] | ArrayLike) -> Placement:
     if best.error > MISSED * size or not spectrum.decays(best.poles, model.time).all():
         raise ModelError(_missed(best))
     return best
-
-
-@arguments.checked
-def scaled(model: StateSpace) -> staircase.Scaled:
-    """Return A and B of a model scaled."""
-    n, m = model.B.shape
-    return staircase.scaled(model.A, model.B, np.zeros((0, n)), np.zeros((0, m)))
 
 
 def _requested(poles: Sequence[complex] | ArrayLike, count: int, fixed: Complex, model: StateSpace) -> Complex:
@@ -264,7 +254,7 @@ def _placement(model: StateSpace, K: Array, requested: Complex, fixed: Complex) 
         poles, F = spectrum.of(loop), precise.rounded(loop)
     distance = np.abs(poles[:, None] - np.concatenate([requested, fixed]))
     error = float(distance[linear_sum_assignment(distance)].max(initial=0.0))
-    part = scaled(model)
+    part = staircase.scaled(model.A, model.B)
     vectors = np.linalg.eig(F * part.x / part.x[:, None])[1]
     condition = float(np.linalg.cond(vectors)) if len(vectors) else 1.0
     return Placement(readonly(K), requested, fixed, poles, error, condition, model.states, model.inputs, model.time)
@@ -275,6 +265,5 @@ def _size(poles: Complex, time: Time) -> float:
 
 
 def _listed(poles: Complex, most: int | None = None) -> str:
-    """Return poles as text, no more than `most`."""
     more = [f"and {len(poles) - most} more"] if most is not None and len(poles) > most else []
     return ", ".join([*(show.number(p, 6) for p in poles[:most]), *more])

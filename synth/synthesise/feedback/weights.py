@@ -5,7 +5,6 @@ above 0.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,8 +20,7 @@ ASYMMETRY = 2.0**-50  # of M_ij and sqrt(M_ii M_jj), times n: M_ij - M_ji this s
 SINGULAR = 2.0**-50  # of the unit diagonal, times n: an eigenvalue below it may be the rounding error of a zero
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Weights:
     """Weights x'Qx + u'Ru + 2 x'Nu: Q (n, n), R (m, m), N (n, m)."""
 

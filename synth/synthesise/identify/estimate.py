@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-import scipy.stats
+from scipy.special import ndtri, stdtrit
 
 from synth import show
 from synth.errors import SignalError
@@ -23,7 +23,7 @@ class Residual:
     @property
     def expected(self) -> float:
         """What the largest of as many normal residuals reaches, in the median."""
-        return float(scipy.stats.norm.isf((1 - 0.5 ** (1 / self.many)) / 2))
+        return -float(ndtri((1 - 0.5 ** (1 / self.many)) / 2))
 
     def __str__(self) -> str:
         return (
@@ -32,8 +32,7 @@ class Residual:
         )
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Estimate:
     """Parameters (k,) with their covariance (k, k), and what tells how good they are.
 
@@ -73,7 +72,7 @@ class Estimate:
     @property
     def intervals(self) -> Array:
         """The lower and upper end (k, 2) of each confidence interval."""
-        reach = scipy.stats.t.ppf((1 + self.level) / 2, self.freedoms) * self.errors
+        reach = stdtrit(self.freedoms, (1 + self.level) / 2) * self.errors
         return np.column_stack([self.values - reach, self.values + reach])
 
     @property

@@ -30,8 +30,7 @@ EXACT = 1e-3  # of the length of y: an e that is shorter is taken for this, so t
 PASSES = 200  # minima that may be needed until the outputs' noise settles
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Fit:
     """The estimate of what is free, the parameters `held` at a bound, the steps taken and what J leaves unexplained.
 

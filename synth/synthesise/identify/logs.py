@@ -1,7 +1,6 @@
 """Logs: samples of named signals, row by row, with or without a sample period."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,8 +14,7 @@ JITTER = 1e-2  # of the period: by how much the distance of two rows may differ 
 DRIFT = 1e-4  # of the log's duration: by how much the times may differ from it, twice what poor quartz clocks do
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Log:
     """Samples (N,) of each signal by name, in the signals' SI units, one period apart if there is one.
 

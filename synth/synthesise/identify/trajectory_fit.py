@@ -6,7 +6,7 @@ order by some 16.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -22,8 +22,7 @@ NEGLIGIBLE = 1e-7  # of a parameter: what that may be, too, since a log without 
 DOUBLINGS = 6  # of the Runge-Kutta steps, before a plant counts as too fast for its sample period
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class TrajectoryFit:
     """A fit (`gauss_newton.Fit`) with the Runge-Kutta steps a period that it took.
 

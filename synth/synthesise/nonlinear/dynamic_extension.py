@@ -15,7 +15,6 @@ inverse, as one in which an output is a function of another, never ends this, an
 Sources: Descusse, Moog, International Journal of Control 42 (1985) 1387-1398; Isidori, Nonlinear Control Systems, 5.4.
 """
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -28,13 +27,12 @@ from synth.analyse import box, relative_degree, rounding
 from synth.analyse.relative_degree import RelativeDegree
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant, Symbols, build
-from synth.signals import Signal, names
+from synth.signals import Signal, names, per_second
 from synth.statespace import Array
 from synth.synthesise.nonlinear import cofactors
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Extension:
     """The extended `plant`, its new states in the order they were added, and the degree of its outputs.
 
@@ -225,11 +223,3 @@ def _rate(state: Signal) -> Signal:
     """Return the input of an integrator: it may cross the range of its state in a second."""
     width = state.high - state.low
     return Signal(f"{state.name}_rate", per_second(state.unit), -width, width, f"rate of {state.name}")
-
-
-@arguments.checked
-def per_second(unit: str) -> str:
-    """Return a unit over s: "m/s^2" for "m/s"."""
-    if match := re.fullmatch(r"(.+)/s(?:\^(\d+))?", unit):
-        return f"{match[1]}/s^{int(match[2] or 1) + 1}"
-    return f"{unit}/s"

@@ -33,10 +33,10 @@ from synth.analyse.zero_dynamics import ZeroDynamics
 from synth.check import Check
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant
-from synth.signals import names
+from synth.signals import names, per_second
 from synth.statespace import Array, StateSpace
 from synth.synthesise.feedback import weights
-from synth.synthesise.nonlinear import cofactors, dynamic_extension
+from synth.synthesise.nonlinear import cofactors
 from synth.timing import Continuous
 
 SEED = 7  # not one of those that the relative degree was told by
@@ -55,8 +55,7 @@ class Law:
     inputs: dict[str, ca.SX]
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Linearisation:
     """The law `u` (m,) of the states `x` (n,) and the demands `w` (p,), in symbols, with what it rests on.
 
@@ -98,7 +97,7 @@ class Linearisation:
         states, demand, unit = _chain_states(self, i), f"w_{output}", self.degree.model.outputs[i].unit
         units = {output: unit}
         for name in (*states, demand):
-            units[name], unit = unit, dynamic_extension.per_second(unit)
+            units[name], unit = unit, per_second(unit)
         matrices = np.eye(r, k=1), np.eye(r)[:, -1:], np.eye(r)[:1], np.zeros((1, 1))
         return Chain(StateSpace(*matrices, states, (demand,), (output,), Continuous(), units), self)
 
@@ -153,7 +152,7 @@ class Linearisation:
     def _demands(self) -> list[str]:
         found = []
         for signal, r in zip(self.degree.model.outputs, self.degree.degrees, strict=True):
-            unit = reduce(lambda unit, _: dynamic_extension.per_second(unit), range(r), signal.unit)
+            unit = reduce(lambda unit, _: per_second(unit), range(r), signal.unit)
             times = {0: signal.name, 1: f"d {signal.name}/dt"}.get(r, f"d^{r} {signal.name}/dt^{r}")
             found.append(show.named(times, unit))
         return found

@@ -10,7 +10,7 @@ Each belief is a new one. A sample that is missing is no update; several sensors
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 import scipy.linalg
@@ -26,8 +26,7 @@ Values = ArrayLike | Mapping[str, float]
 """One number for each signal, as an array or by name."""
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Belief:
     """The mean x (n,) of named states and a root (n, n) of its covariance P = root root'."""
 

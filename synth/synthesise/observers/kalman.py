@@ -20,8 +20,6 @@ so that the current estimate has used the sample of its own instant, the predict
 time M is 0 and the two are one. Source: Anderson, Moore, Optimal Filtering (1979), chapters 4 and 5.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -35,8 +33,7 @@ from synth.synthesise.riccati import riccati, solvability
 from synth.timing import Continuous, Discrete, common, period
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Estimator:
     """The gains L and M (n, p) of a filter and the covariances of its error (n, n), before and after a sample.
 

@@ -14,27 +14,24 @@ the integrators, and those of the estimator (separation). Source: Anderson, Moor
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import scipy.linalg
 import scipy.optimize
-from numpy.typing import NDArray
 
 from synth import arguments, show
 from synth.analyse import interconnect
 from synth.errors import SignalError
-from synth.statespace import StateSpace
+from synth.statespace import Complex, StateSpace
 from synth.synthesise.feedback import lqr
 from synth.synthesise.observers import kalman, noise
 from synth.timing import Continuous, Discrete, Time, common
 
-Complex = NDArray[np.complex128]
 INTEGRAL = "_integral"
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Controller:
     """A gain on an estimator: `compensator` from y, references and other known inputs to u, and the closed `loop`.
 
@@ -76,8 +73,7 @@ class Controller:
         return show.Sheet(title, lines, inner.tables)
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Expectation:
     """The mean of x'Q x + u'R u + 2 x'N u for each second, or each sample, and the standard deviations behind it.
 

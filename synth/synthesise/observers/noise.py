@@ -207,9 +207,7 @@ def _names(G: Entry) -> tuple[str, ...]:
 
 def _least(covariance: Array) -> tuple[float, Array]:
     """Return the least eigenvalue of a covariance scaled to a diagonal of 1, and its direction."""
-    size = np.sqrt(np.diag(covariance))
-    size = np.where(size > 0, size, 1.0)
-    values, vectors = scipy.linalg.eigh(covariance / size / size[:, None])
+    values, vectors = scipy.linalg.eigh(weights.unit_diagonal(covariance))
     return float(values[0]), vectors[:, 0]
 
 

@@ -18,19 +18,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from synth import arguments, show
 from synth.analyse import structure
 from synth.errors import ModelError, SignalError
-from synth.statespace import Array, StateSpace, System, readonly
+from synth.statespace import Array, Complex, StateSpace, System, readonly
 from synth.synthesise.feedback import lqr, weights
 from synth.synthesise.observers import kalman, lqg, noise
 from synth.timing import Continuous, Discrete
 
 POINTS = 400
 MARGIN = 1e-9  # of a zero's size: what decays slower counts as not decaying
-Complex = NDArray[np.complex128]
 Form = Callable[[lqr.Gain, kalman.Estimator], lqg.Controller]
 
 
@@ -44,8 +42,7 @@ class Step:
     noise: lqg.Expectation
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Recovery:
     """A sweep over q at the `place` "input" or "output"; `obstacles` say why the distance does not tend to 0.
 
@@ -169,7 +166,6 @@ def _formed(controller: object) -> lqg.Controller:
 
 
 def _compensator(controller: lqg.Controller, s: Complex) -> Complex:
-    """Return the response (k, m, p) from y to u."""
     F = controller.compensator.select(controller.gain.inputs, controller.estimator.model.outputs)
     return F.response(s)
 

@@ -20,7 +20,6 @@ the names of its signals, fails to be so: the largest entry that is off over the
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import flint
 import numpy as np
@@ -29,16 +28,15 @@ from numpy.typing import ArrayLike
 from synth import arguments, show
 from synth.analyse import equilibrate, interconnect, precise, staircase
 from synth.errors import ModelError, SignalError
-from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.synthesise.observers.reduced_observer import ReducedObserver
 from synth.synthesise.observers.reduced_partition import Partition, rows
 from synth.synthesise.riccati import spectrum
-from synth.synthesise.riccati.spectrum import Complex, ball
+from synth.synthesise.riccati.spectrum import ball
 from synth.timing import Continuous, common
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Compensator:
     """K (m, n + k) on the states and on what is computed, with the compensator as a `model` from y to u.
 
@@ -215,7 +213,6 @@ def _separation(observer: ReducedObserver, A: Array, regulated: Array) -> float:
     found = to @ A @ np.linalg.inv(to)
     expected = found.copy()
     expected[: n + k, : n + k], expected[n + k :, : n + k], expected[n + k :, n + k :] = regulated, 0.0, observer.F
-    size = len(found)
-    x = staircase.scaled(expected, np.zeros((size, 0)), np.zeros((0, size)), np.zeros((0, 0))).x
+    x = staircase.scaled(expected).x
     off, whole = ((m * x / x[:, None]) for m in (found - expected, expected))
     return float(np.abs(off).max() / np.abs(whole).max())

@@ -140,9 +140,7 @@ def steady(A: Array, C: Array, Q: Array, R: Array, S: Array, states: tuple[str, 
 
 def _kernel(R: Array) -> Array:
     """Return the combinations (p, k) of signals that have no noise, R (p, p) scaled to a diagonal of 1."""
-    size = np.sqrt(np.diag(R))
-    d = np.where(size > 0, size, 1.0)
-    values, vectors = np.linalg.eigh(R / d / d[:, None])
+    values, vectors = np.linalg.eigh(weights.unit_diagonal(R))
     return np.asarray(vectors[:, values <= SINGULAR])
 
 

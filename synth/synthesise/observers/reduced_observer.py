@@ -22,7 +22,6 @@ F, G and H are computed from L in ball arithmetic and rounded once; poles are th
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -30,20 +29,19 @@ from numpy.typing import ArrayLike
 from synth import arguments, show
 from synth.analyse import precise
 from synth.errors import ModelError, SignalError, TimingError
-from synth.statespace import Array, StateSpace, System, readonly
+from synth.statespace import Array, Complex, StateSpace, System, readonly
 from synth.synthesise.feedback import deadbeat as nilpotent
 from synth.synthesise.feedback import pole_placement
 from synth.synthesise.observers import reduced_noise, reduced_partition, reduced_variance
 from synth.synthesise.observers.reduced_partition import Partition
 from synth.synthesise.riccati import spectrum
-from synth.synthesise.riccati.spectrum import Complex, ball
+from synth.synthesise.riccati.spectrum import ball
 from synth.timing import Continuous
 
 Certificate = pole_placement.Placement | nilpotent.Deadbeat | reduced_noise.Filter | None
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class ReducedObserver:
     """L (n - p, p) and the recursion of x3 for a partitioned model; `poles` of F in 1/s or in z.
 

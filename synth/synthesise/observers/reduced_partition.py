@@ -94,7 +94,7 @@ def rows(model: StateSpace, measured: Sequence[str] | str) -> tuple[Array, Array
 def _left_over(model: StateSpace, names: tuple[str, ...], C: Array) -> tuple[list[int], float]:
     """Return the places of the states to estimate, in the model's order, and the condition of [C; E], scaled."""
     p, n = C.shape
-    part = staircase.scaled(model.A, np.zeros((n, 0)), C, np.zeros((p, 0)))
+    part = staircase.scaled(model.A, C=C)
     scaled = part.C / np.maximum(np.linalg.norm(part.C, axis=1, keepdims=True), np.finfo(float).tiny)
     U, sigma, _ = np.linalg.svd(scaled)
     if rank := p - int((sigma > staircase.COUPLING * sigma[0]).sum()):

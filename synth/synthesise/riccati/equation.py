@@ -14,13 +14,10 @@ is the same function; its large terms are evaluated to twice the precision of do
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from synth.analyse import discretise, twofold
 from synth.analyse.twofold import Twofold
-from synth.statespace import Array
-
-Complex = NDArray[np.complex128]
+from synth.statespace import Array, Complex
 
 LEAST = 2.0**-52  # of the largest diagonal entry of balanced X: below it a state costs nothing within rounding
 POLISHED = 1e-10  # of each row of L: a correction this small leaves nothing to correct
@@ -79,7 +76,6 @@ class Equation:
         return np.asarray(np.linalg.solve(self.weight(X), self._cross(X)), dtype=np.float64)
 
     def _cross(self, X: Array) -> Array:
-        """Return P'."""
         XB = self.B.T @ X
         return (XB if self.continuous else XB @ self.A) + self.N.T
 

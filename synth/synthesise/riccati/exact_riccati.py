@@ -20,8 +20,9 @@ import numpy as np
 
 from synth.analyse import precise
 from synth.errors import ModelError
-from synth.statespace import Array
-from synth.synthesise.riccati.equation import Complex, Equation, Solution, decays
+from synth.statespace import Array, Complex
+from synth.synthesise.riccati import spectrum
+from synth.synthesise.riccati.equation import Equation, Solution, decays
 
 Mat = flint.arb_mat
 
@@ -31,7 +32,6 @@ HALVED = 8  # steps that only halve the error: so they do to the end where a pol
 PASSES = 200  # doublings
 STILL = 1e-20  # of H: a pass that adds less ends the doubling
 CLEAR = 1e-15  # of a pole: what decays slower counts as not decaying
-LEVEL = 1e-30  # of a pole: a part, real or imaginary, this small is the rounding error of a zero
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +170,6 @@ def _starts(problem: _Problem, start: Array | None) -> Iterator[Mat]:
 
 
 def _size(p: _Problem) -> flint.arb:
-    """Return a size for X0."""
     return flint.arb((precise.norm(p.Q) + precise.norm(p.R) / precise.norm(p.B) ** 2) if precise.norm(p.B) else 1.0)
 
 
@@ -192,7 +191,8 @@ def _doubled(p: _Problem, X0: Mat) -> Mat | None:
                 return None
             if precise.norm(step) <= STILL * precise.norm(H):
                 X = X0 + H
-                return X if _decays_clearly(_poles(p.A - p.B * p.feedback(X)), p.continuous) else None
+                poles = spectrum.of(precise.middle(p.A - p.B * p.feedback(X)))
+                return X if _decays_clearly(poles, p.continuous) else None
     except ZeroDivisionError:
         return None
     return None
@@ -214,17 +214,6 @@ def _mapped(A: Mat, G: Mat, H: Mat) -> tuple[Mat, Mat, Mat]:
     return one + W.transpose() * (2 * c), J * G * W * (2 * c), W * H * J * (2 * c)
 
 
-def _poles(closed: Mat) -> Complex:
-    """Return the eigenvalues (n,) of a loop, each to far more digits than those of double."""
-    values = flint.acb_mat(precise.middle(closed)).eig(algorithm="approx")
-    return np.sort_complex(np.array([_level(complex(float(v.real), float(v.imag))) for v in values]))
-
-
-def _level(s: complex) -> complex:
-    """Return a number without the rounding error that stands for a part of zero."""
-    return complex(*(0.0 if abs(part) <= LEVEL * abs(s) else part for part in (s.real, s.imag)))
-
-
 def _found(problem: _Problem, X: Mat) -> Solution:
     """Return X and the L that belongs to it, each rounded once; the rest is that of the rounded X.
 
@@ -234,7 +223,7 @@ def _found(problem: _Problem, X: Mat) -> Solution:
     shipped = precise.rounded(X)
     ball = precise.matrix(shipped)
     closed = problem.A - problem.B * L
-    poles = _poles(closed)
+    poles = spectrum.of(precise.middle(closed))
     defect, step = _bounds(problem.residual(ball)), _bounds(problem.newton(ball) - ball)
     step = step if decays(poles, problem.continuous) else np.full_like(step, np.inf)
     return Solution(shipped, precise.rounded(L), precise.rounded(closed), defect, step, poles)

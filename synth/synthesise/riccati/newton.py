@@ -15,10 +15,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from synth.statespace import Array
+from synth.statespace import Array, Complex
 from synth.synthesise.riccati import doubling
 from synth.synthesise.riccati.doubling import Bilinear, Decay
-from synth.synthesise.riccati.equation import Complex, Equation, Solution, sizes
+from synth.synthesise.riccati.equation import Equation, Solution, sizes
 
 ROUNDED = 2.0**-52  # of sqrt(X_ii X_jj), times n: an error that only makes up for the rounding of X
 FINE = 1e-10  # likewise: an error that is enough where the linear equation is rigid

@@ -20,28 +20,26 @@ for 12 states or fewer. With `exact` ball arithmetic rounds X and L correctly, a
 
 import warnings
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from synth import arguments, show
 from synth.analyse import structure
 from synth.errors import ModelError, SignalError
-from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.synthesise.feedback import modes, weights
 from synth.synthesise.riccati import doubling, exact_riccati, newton, solvability
 from synth.synthesise.riccati.balance import Balance
-from synth.synthesise.riccati.equation import Complex, Equation, Solution, decays
+from synth.synthesise.riccati.equation import Equation, Solution, decays
 from synth.timing import Continuous, Time
 
 TRUSTED = 1e-8  # forward error up to which a solution in double precision is taken
 BALLS = 12  # states up to which ball arithmetic is tried
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Riccati:
     """The stabilising solution X (n, n) and L (m, n), u = -L x, for the weights Q, R, N, with its certificate.
 
@@ -66,7 +64,7 @@ class Riccati:
     Q: Array
     R: Array
     N: Array
-    poles: NDArray[np.complex128]
+    poles: Complex
     residual: float
     forward_error: float
     condition: float

@@ -22,9 +22,9 @@ from numpy.typing import NDArray
 from synth import show
 from synth.analyse import staircase, structure
 from synth.errors import ModelError
-from synth.statespace import Array, StateSpace
+from synth.statespace import Array, Complex, StateSpace
 from synth.synthesise.feedback import weights
-from synth.synthesise.riccati.equation import Complex, Equation, decays
+from synth.synthesise.riccati.equation import Equation, decays
 from synth.timing import Continuous, Time
 
 MARGIN = 1e-7  # of the fastest pole: what decays slower may be the rounding error of a mode that does not decay
@@ -129,8 +129,7 @@ def boundary_modes(A: Array, Q: Array, states: Sequence[str], time: Time) -> lis
 
 def _hidden(A: Array, Q: Array, states: Sequence[str]) -> tuple[structure.Mode, ...]:
     """Return the modes of A (n, n) that Q (n, n) does not show."""
-    n = len(A)
-    part = staircase.scaled(A.T, Q.T, np.zeros((0, n)), np.zeros((0, n)))
+    part = staircase.scaled(A.T, Q.T)
     return structure.named_modes(staircase.unreached(part), part.B.T, part.rate, states)
 
 

@@ -9,10 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.analyse import discretise, precise, structure
-from synth.statespace import Array
+from synth.statespace import Array, Complex
 from synth.timing import Continuous, Time
-
-Complex = NDArray[np.complex128]
 
 
 def ball(values: Array) -> flint.arb_mat:

@@ -20,7 +20,7 @@ conditioning       the realisable reference (Hanus, Kinnaert, Henrotte 1987): th
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import flint
 import numpy as np
@@ -31,9 +31,8 @@ from numpy.typing import ArrayLike
 from synth import arguments, show
 from synth.analyse import precise
 from synth.analyse.equilibrate import equilibrated
-from synth.analyse.staircase import Complex
 from synth.errors import ModelError, SignalError
-from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.synthesise.feedback import weights
 from synth.synthesise.riccati import copies, spectrum
 from synth.synthesise.servo import internal_model, minimal_polynomial
@@ -44,8 +43,7 @@ from synth.timing import Continuous, Time
 SINGULAR = 1e-11  # of the largest singular value, rows and columns scaled: what is smaller is rounding error
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class AntiWindup:
     """E (k, m), from the excess of each command into the controller's states.
 

@@ -33,8 +33,7 @@ from synth.timing import Continuous, Discrete, Time, common
 MOST = 100  # times that a mode counts: no signal grows as t^100
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class InternalModel:
     """One copy, Phi (n, n) and N (n, 1), of an exosystem with `modes` in 1/s, whatever `time` the copy is in."""
 

@@ -21,9 +21,8 @@ from numpy.typing import ArrayLike
 
 from synth import arguments
 from synth.analyse import staircase
-from synth.analyse.staircase import Complex
 from synth.errors import SignalError
-from synth.statespace import Array
+from synth.statespace import Array, Complex
 
 NEIGHBOURHOODS = (3e-4, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12)  # of the size of a part of S
 ALIKE = 1e-9  # relative: modes of separate parts of S this close are one
@@ -53,7 +52,7 @@ def roots(S: ArrayLike) -> tuple[Mode, ...]:
     if matrix.shape[0] != matrix.shape[1] or not matrix.size or not np.isfinite(matrix).all():
         raise SignalError(f"the exosystem matrix S is {matrix.shape}: give a square matrix of finite numbers")
     q = len(matrix)
-    scaled = staircase.scaled(matrix, np.zeros((q, 0)), np.zeros((0, q)), np.zeros((0, 0)))
+    scaled = staircase.scaled(matrix)
     values = _distinct(value for part in _parts(scaled.A) for value in _clustered(part))
     found = [Mode(v * scaled.rate, _index(scaled.A, v, values) or q) for v in values if v.imag >= 0]
     return tuple(sorted(found, key=lambda m: (abs(m.value), m.value.imag)))

@@ -31,8 +31,7 @@ from synth.timing import Continuous, Time
 SOLVED = 1e-9  # of the terms of an equation: a residual above it says that there is no solution
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class SteadyState:
     """x = Pi w and u = Gamma w: Pi (n, q), Gamma (m, q); `residual` is the largest of both equations over its terms."""
 
@@ -115,7 +114,6 @@ def require_no_zero(model: StateSpace, points: Sequence[complex]) -> None:
 
 
 def _point(s: complex, time: Time) -> complex:
-    """Return a mode of 1/s in a model's time: s itself or exp(s T)."""
     return complex(s) if isinstance(time, Continuous) else complex(np.exp(s * time.period_s))
 
 

@@ -18,16 +18,16 @@ regulator that feeds back e and its derivatives in the place of x, as `regulator
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 import scipy.linalg
 from numpy.typing import ArrayLike
 
 from synth import arguments, show
-from synth.analyse.staircase import Complex
 from synth.errors import ModelError, SignalError
-from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.synthesise.servo import internal_model, steady_error
 from synth.synthesise.servo.internal_model import Exosystem, InternalModel
 from synth.synthesise.servo.steady_error import SteadyError, named
@@ -37,8 +37,7 @@ Names = Sequence[str] | str | None
 """Names of signals; None for all."""
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class Servo:
     """u = K_x x + K_xi xi for a plant, with its certificate; n states, m controls, p regulated outputs, k modes' order.
 
@@ -53,9 +52,7 @@ class Servo:
     controls: tuple[str, ...]
     K: Array
     measured: tuple[str, ...]
-    controller: StateSpace
     estimator: StateSpace | None
-    steady: SteadyError
 
     @property
     def K_x(self) -> Array:
@@ -77,13 +74,29 @@ class Servo:
         """The closed loop's poles, in 1/s or in z."""
         return self.steady.poles
 
+    @cached_property
+    def controller(self) -> StateSpace:
+        """The regulator from errors and the estimator's inputs to the commands."""
+        return _controller(self, self.estimator or _identity(self.plant))
+
+    @cached_property
+    def steady(self) -> SteadyError:
+        """What is left of the exosystem's signals."""
+        return self.around(self.plant)
+
     def closed_loop(self, plant: System | None = None) -> StateSpace:
         """Return the loop, as `steady_error.closed`, around the plant or around another one with its signals.
 
         Raises SignalError for a plant without them, TimingError for one in another time.
         """
         other = self.plant if plant is None else of(plant)
-        seen = _seen(other, self.measured, self.estimator is None)
+        if self.estimator:
+            seen = other.select(self.measured, other.inputs)
+        elif missing := [name for name in self.measured if name not in other.states]:
+            raise SignalError(f"the plant has no state '{missing[0]}', which the regulator feeds back")
+        else:
+            C = np.eye(len(other.A))[[other.states.index(name) for name in self.measured]]
+            seen = replace(other, C=C, D=np.zeros((len(C), len(other.inputs))), outputs=self.measured)
         return steady_error.closed(other, seen, self.regulated, self.controls, self.controller)
 
     def around(self, plant: System) -> SteadyError:
@@ -123,7 +136,7 @@ def of_gain(
             f"K is {gain.shape}: give a finite one of {(len(acting.inputs), len(states))}, {', '.join(acting.inputs)} "
             f"by {', '.join(states)}"
         )
-    return _certified(plant, model, acting.outputs, acting.inputs, readonly(gain), plant.states, None)
+    return _stable(Servo(plant, model, acting.outputs, acting.inputs, readonly(gain), plant.states, None))
 
 
 @arguments.checked
@@ -170,8 +183,7 @@ def estimated(servo: Servo, estimator: System) -> Servo:
             "estimator that uses the controls of the sample before"
         )
     measured = tuple(name for name in model.inputs if name not in u)
-    kept_model = model.select(kept, model.inputs)
-    return _certified(plant, servo.model, servo.regulated, u, servo.K, measured, kept_model)
+    return _stable(replace(servo, measured=measured, estimator=model.select(kept, model.inputs)))
 
 
 @arguments.checked
@@ -191,44 +203,25 @@ def parts(
     return plant, acting, internal_model.in_time(exosystem, plant.time)
 
 
-def _certified(
-    plant: StateSpace,
-    model: InternalModel,
-    regulated: tuple[str, ...],
-    controls: tuple[str, ...],
-    K: Array,
-    measured: tuple[str, ...],
-    estimator: StateSpace | None,
-) -> Servo:
-    """Return the regulator with its certificate; raise ModelError when its loop is not stable."""
-    controller = _controller(plant, model, regulated, controls, K, estimator or _identity(plant))
-    loop = steady_error.closed(plant, _seen(plant, measured, estimator is None), regulated, controls, controller)
-    steady = steady_error.evaluate(loop, named(regulated, "error"), model)
-    if steady.lasting is not None:
+def _stable(servo: Servo) -> Servo:
+    if servo.steady.lasting is not None:
         raise ModelError(
-            f"the servo loop has the pole {show.number(steady.lasting)}, which does not decay: give gains that "
+            f"the servo loop has the pole {show.number(servo.steady.lasting)}, which does not decay: give gains that "
             "stabilise the plant together with the internal model, and an estimator whose error decays"
         )
-    return Servo(plant, model, regulated, controls, K, measured, controller, estimator, steady)
+    return servo
 
 
-def _controller(
-    plant: StateSpace,
-    model: InternalModel,
-    regulated: tuple[str, ...],
-    controls: tuple[str, ...],
-    K: Array,
-    estimator: StateSpace,
-) -> StateSpace:
-    """Return the regulator from errors and the estimator's inputs to the commands."""
-    n, p = len(plant.A), len(regulated)
-    K_x, K_xi = K[:, :n], K[:, n:]
+def _controller(servo: Servo, estimator: StateSpace) -> StateSpace:
+    plant, model, regulated, controls = servo.plant, servo.model, servo.regulated, servo.controls
+    p = len(regulated)
     Phi, N = np.kron(np.eye(p), model.Phi), np.kron(np.eye(p), model.N)
     limited = {u: f"{u}_limited" for u in controls}
     fed = [limited.get(name, name) for name in estimator.inputs]
     own = [f"{name}_estimate" if name in plant.states else name for name in estimator.states]
     A, B = scipy.linalg.block_diag(Phi, estimator.A), scipy.linalg.block_diag(N, estimator.B)
-    C, D = np.hstack([K_xi, K_x @ estimator.C]), np.hstack([np.zeros((len(controls), p)), K_x @ estimator.D])
+    C = np.hstack([servo.K_xi, servo.K_x @ estimator.C])
+    D = np.hstack([np.zeros((len(controls), p)), servo.K_x @ estimator.D])
     units = {f"{x}_estimate": unit for x, unit in plant.units.items()}
     units |= {name: estimator.unit(x) for name, x in zip(own, estimator.states, strict=True) if estimator.unit(x)}
     units |= {**plant.units, **model.units(regulated, plant.units)}
@@ -240,17 +233,6 @@ def _controller(
 
 
 def _identity(plant: StateSpace) -> StateSpace:
-    """Return the estimator of a plant whose states are measured."""
     n = len(plant.A)
     form = (np.zeros((0, 0)), np.zeros((0, n)), np.zeros((n, 0)), np.eye(n))
     return StateSpace(*form, (), plant.states, plant.states, plant.time)
-
-
-def _seen(plant: StateSpace, measured: tuple[str, ...], states: bool) -> StateSpace:
-    """Return a plant with the outputs that the controller measures, or with such `states` as outputs."""
-    if not states:
-        return plant.select(measured, plant.inputs)
-    if missing := [name for name in measured if name not in plant.states]:
-        raise SignalError(f"the plant has no state '{missing[0]}', which the regulator feeds back")
-    rows = np.eye(len(plant.A))[[plant.states.index(name) for name in measured]]
-    return replace(plant, C=rows, D=np.zeros((len(rows), len(plant.inputs))), outputs=measured)

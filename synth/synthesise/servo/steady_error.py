@@ -18,7 +18,6 @@ power j, the scale on which T changes.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import flint
 import numpy as np
@@ -27,9 +26,8 @@ import scipy.linalg
 from synth import arguments, show
 from synth.analyse import precise
 from synth.analyse.equilibrate import equilibrated
-from synth.analyse.staircase import Complex
 from synth.errors import ModelError, SignalError
-from synth.statespace import Array, StateSpace, System, of, readonly
+from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.synthesise.riccati import spectrum
 from synth.synthesise.servo import internal_model
 from synth.synthesise.servo.minimal_polynomial import Mode
@@ -39,8 +37,7 @@ VANISHING = 1e-8  # of the signals that make up the error: modes rounded by 1e-1
 SINGULAR = 1e-14  # of the largest singular value of a direct term with rows and columns scaled
 
 
-@show.printed
-@dataclass(frozen=True, eq=False, repr=False)
+@show.result
 class SteadyError:
     """What is left in each error of a signal from each source, for k modes, p errors and q sources.
 
@@ -198,7 +195,6 @@ def _taylor(loop: StateSpace, mode: Mode) -> list[Array]:
 
 
 def _terms(loop: StateSpace, point: complex) -> Array:
-    """Return |C| |x| + |D| (p, q) at a point."""
     X = np.linalg.solve(point * np.eye(len(loop.A)) - loop.A, loop.B.astype(np.complex128))
     return np.asarray(np.abs(loop.C) @ np.abs(X) + np.abs(loop.D), dtype=np.float64)
 
@@ -215,6 +211,5 @@ def _frequencies(poles: Complex, time: Time) -> Complex:
 
 
 def _point(s: complex, time: Time) -> flint.acb:
-    """Return s or exp(s T) in the present precision."""
     ball = flint.acb(s.real, s.imag)
     return ball if isinstance(time, Continuous) else (ball * flint.arb(time.period_s)).exp()

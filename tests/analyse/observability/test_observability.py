@@ -1,9 +1,10 @@
 """Information, its worst place, zeros of determinants and placement, on measurements whose answers are known."""
 
+from collections.abc import Sequence
 from functools import partial
+from typing import Any
 
 import casadi as ca
-import flint
 import numpy as np
 import pytest
 
@@ -91,17 +92,14 @@ def test_an_unbounded_deviation_is_refused_with_its_place() -> None:
 def sines(shift: float) -> isolated_zeros.Equations:
     """Return sin(p) = shift, cos(2 q) + sin(p) = shift: zeros at which cos(2 q) = 0, eight of them."""
 
-    def values(at: isolated_zeros.Place) -> flint.arb_mat:
-        return flint.arb_mat([[at[0].sin() - shift], [(2 * at[1]).cos() + at[0].sin() - shift]])
-
-    def slopes(at: isolated_zeros.Place) -> flint.arb_mat:
-        return flint.arb_mat([[at[0].cos(), 0], [at[0].cos(), -2 * (2 * at[1]).sin()]])
+    def f(at: Sequence[Any]) -> list[Any]:
+        return [at[0].sin() - shift, (2 * at[1]).cos() + at[0].sin() - shift]
 
     def possible(cells: np.ndarray, half: float) -> np.ndarray:
         first = np.abs(np.sin(cells[0]) - shift) <= half
         return first & (np.abs(np.cos(2 * cells[1]) + np.sin(cells[0]) - shift) <= 3 * half)
 
-    return isolated_zeros.Equations(2, values, slopes, possible)
+    return isolated_zeros.Equations(2, f, possible)
 
 
 def test_all_zeros_are_found() -> None:
@@ -111,6 +109,14 @@ def test_all_zeros_are_found() -> None:
         )
     expected = sorted((p, np.pi / 4 * k) for p in (np.pi / 6, 5 * np.pi / 6) for k in (1, 3, 5, 7))
     np.testing.assert_allclose(found, expected, rtol=1e-15)
+
+
+def test_slopes_are_the_derivatives() -> None:
+    with precise.precision():
+        at = (precise.matrix([[0.3]])[0, 0], precise.matrix([[0.8]])[0, 0])
+        found = sines(0.5).slopes(at)
+    expected = [[np.cos(0.3), 0.0], [np.cos(0.3), -2 * np.sin(1.6)]]
+    np.testing.assert_allclose([[float(found[i, j]) for j in (0, 1)] for i in (0, 1)], expected, rtol=1e-15)
 
 
 def test_a_zero_that_newton_does_not_meet_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,8 +15,8 @@ from designs.hall_position.paper.stage import Stage, grid
 from synth.emit.write import Emitted
 from synth.report import sections
 from synth.report.audit import recipes
+from synth.report.captions import Made, Rows
 from synth.report.page import Section, Table
-from synth.report.prose import Value
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 
@@ -37,9 +37,9 @@ def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(trust, "blocks", lambda of: absent)  # which compiles two estimators: see test_page_trust
 
 
-def table(block: Value) -> Table:
-    assert isinstance(block, Table)
-    return block
+def rows_of(made: Made) -> Rows:
+    assert isinstance(made, list)
+    return made
 
 
 def tables(section: Section) -> dict[str, Table]:
@@ -79,7 +79,7 @@ def test_every_part_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_without_a_measured_cost_no_other_is_measured() -> None:
-    assert page._others({}, None, STAGE) == ()
+    assert page._others({}, None, STAGE).blocks == (page.ABSENT,) and page.COSTS == costs.TITLE
 
 
 def test_the_map_is_that_of_the_deviations(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -95,18 +95,18 @@ def test_the_map_is_that_of_the_deviations(monkeypatch: pytest.MonkeyPatch) -> N
 @pytest.mark.usefixtures("coarse")
 def test_the_tables_tell_what_is_proved_and_where_rank_is_lost() -> None:
     found = accuracy.blocks(STAGE)
-    worst = {row[0]: row[2:] for row in table(found["accuracy.worst"]).rows}
+    worst = {row[0]: row[2:] for row in rows_of(found["accuracy.worst"])}
     assert worst["third sensor added"][:3] == ("5.28", "5.308", "198")
     for name, proved in worst.items():
         if name != "two sensors":
             assert all(float(a) <= float(b) for a, b in zip(proved[:3], proved[3:], strict=True))
-    assert table(found["accuracy.singular"]).rows[0][:2] == (5.0, 40)
+    assert rows_of(found["accuracy.singular"])[0][:2] == (5.0, 40)
 
 
 def test_the_law_of_decay_is_within_the_intervals() -> None:
-    rates = table(field.blocks(STAGE)["gap.decays"])
+    rates = rows_of(field.blocks(STAGE)["gap.decays"])
     w = 2 * np.pi / STAGE.pitch
-    for row, n in zip(rates.rows, (1, 5, 1), strict=True):
+    for row, n in zip(rates, (1, 5, 1), strict=True):
         assert row[4] == pytest.approx(n * w) and row[5] == "yes"
         assert isinstance(row[2], float) and isinstance(row[3], float) and row[2] < n * w < row[3]
 
@@ -114,9 +114,9 @@ def test_the_law_of_decay_is_within_the_intervals() -> None:
 def test_three_sensors_are_told_to_lose_rank_in_six_degrees_of_freedom(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(six, "POINTS", 8)
     section = six.section(STAGE)
-    assert all(row[3] == "on lines" for row in table(six.blocks(STAGE)["six.determinants"]).rows)
+    assert all(row[3] == "on lines" for row in rows_of(six.blocks(STAGE)["six.determinants"]))
     of = six.placed(STAGE, 4)
-    expected = 1e6 * maps.conditions(of, 8).worst[0]
+    expected = 1e6 * maps.conditions(of, 8)[maps.LEVEL].deviations.max(axis=0)
     shown = tables(section.sections[0])["Largest standard deviations over the pitch under conditions"].rows[0]
     assert shown[1:7] == pytest.approx(tuple(expected))
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure as Drawing
 
 from designs.hall_position import page, shipped
 from designs.hall_position.loop import closed_loop, error_map
@@ -14,7 +15,8 @@ from designs.hall_position.pages import experiments
 from designs.hall_position.pages import loops as own_loops
 from designs.planar_6dof import loops, lqg
 from models import planar_stage
-from synth.report.page import Figure, Table
+from synth.blocks import lookup_table
+from synth.report.page import Figure
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory
 
@@ -40,8 +42,8 @@ def test_runs_with_and_without_calibration_stand_side_by_side() -> None:
     plain = run({"x": np.zeros(8)}, more={"true motion, mm": 3.9, "at most, mm": 1.0, "Fig. 11: motion, mm": 4.3})
     after = run({"x": np.zeros(8)}, "step_calibrated", {"true motion, mm": 4.0, "Fig. 11: motion, mm": 4.0})
     both = {e.name: e for e in (plain, after)}
-    assert experiments._before_and_after(both) == (("step", "true motion, mm", 3.9, 4.0),)
-    assert experiments._before_and_after({plain.name: plain}) == ()
+    assert experiments._before_and_after(both) == [("step", "true motion, mm", 3.9, 4.0)]
+    assert experiments._before_and_after({plain.name: plain}) == []
     assert experiments.blocks(None, [plain])["calibration.compared"] == experiments.ABSENT
 
 
@@ -59,18 +61,18 @@ def test_every_experiment_is_on_the_page_with_the_papers_figure() -> None:
     section, blocks = experiments.section(found, shown), experiments.blocks(None, found)
     assert len(section.sections) == len(found)
     drawn = [blocks[f"experiments.{name}"] for name in ("steps", "zigzags")]
-    assert [b.svg.count("<svg") for b in drawn if isinstance(b, Figure)] == [1, 1]
+    assert [len(each.axes) for each in drawn if isinstance(each, Drawing)] == [2, 3]
     for part, beside in zip(section.sections, shown.values(), strict=True):
         (figure,) = (b for b in part.blocks if isinstance(b, Figure))
         assert figure.beside == beside and "±5 V" in figure.caption and part.title == "x by 10 µm"
 
 
 def test_the_error_map_is_drawn_as_it_is() -> None:
-    of = error_map.ErrorMap(error_map.square(2e-3, 1e-3), np.arange(75.0).reshape(3, 5, 5) * 1e-5)
+    of = error_map.ErrorMap(lookup_table.square(2e-3, 1e-3), np.arange(75.0).reshape(3, 5, 5) * 1e-5)
     found = experiments.blocks(of, [])
-    table, drawn = found["calibration.shares"], found["calibration.map"]
-    assert isinstance(table, Table) and isinstance(drawn, Figure)
-    assert table.rows[0] == (
+    rows, drawn = found["calibration.shares"], found["calibration.map"]
+    assert isinstance(rows, list) and isinstance(drawn, Drawing)
+    assert rows[0] == (
         "X",
         pytest.approx(10 * np.sqrt(np.mean(np.arange(25.0) ** 2))),
         pytest.approx(240.0),

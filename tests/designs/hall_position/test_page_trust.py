@@ -4,17 +4,21 @@ from functools import cache
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from designs.hall_position import shipped
+from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.pages import trust
-from designs.hall_position.trust import basin, cold_start, endurance, failures, fleet
+from designs.hall_position.trust import endurance, failures, fleet, starts
 from designs.hall_position.trust.fleet import Kind
+from designs.hall_position.trust.motions import Pose
 from synth.block import unranged
 from synth.emit import write
 from synth.execute import host
-from synth.report.page import Figure, Table
-from synth.report.prose import Value
+from synth.report.captions import Made, Rows
+from synth.report.page import Table
+from synth.simulate import ensemble
 
 TWO = {shipped.NAME: trust.kinds()[shipped.NAME]}
 
@@ -41,41 +45,40 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(trust, name, value)
 
 
-def table(block: Value) -> Table:
-    assert isinstance(block, Table)
-    return block
+def rows_of(made: Made) -> Rows:
+    return made.rows if isinstance(made, Table) else made  # type: ignore[return-value]
 
 
 def test_the_basin_is_shown_as_it_is() -> None:
     blocks = trust.basins(TWO)
     (kind,) = TWO.values()
-    found = basin.mapped(kind, 400, trust.YAW, 20)
-    rows = zip(table(blocks["trust.basins"]).rows, [*found.first, *found.then], strict=True)
+    found = starts.basin(kind, 400, trust.YAW, 20)
+    rows = zip(rows_of(blocks["trust.basins"]), [*found.first, *found.then], strict=True)
     for k, (row, expected) in enumerate(rows):
         assert row[:2] == ("two sensors", 1 if k < len(found.off) else 20)
         assert row[3:] == pytest.approx(tuple(100 * expected))
-    assert table(blocks["trust.wrong"]).rows == (("two sensors", found.samples, found.wrong),)
+    assert rows_of(blocks["trust.wrong"]) == [("two sensors", found.samples, found.wrong)]
     assert isinstance(blocks["trust.reach"], Figure)
 
 
 def test_what_is_valid_and_wrong_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     """With deviations that count as wrong from a tenth on, most valid samples are."""
-    monkeypatch.setattr(fleet, "WRONG", 0.1)
-    assert float(table(trust.basins(TWO)["trust.wrong"]).rows[0][2]) > 10
+    monkeypatch.setattr(ensemble, "WRONG", 0.1)
+    assert float(rows_of(trust.basins(TWO)["trust.wrong"])[0][2]) > 10
 
 
 def test_cold_starts_are_shown_as_they_are() -> None:
-    row = table(trust.cold_starts(TWO)["trust.cold_starts"]).rows[0]
+    row = rows_of(trust.cold_starts(TWO)["trust.cold_starts"])[0]
     (kind,) = TWO.values()
-    grid = cold_start.grid(kind, 4, trust.YAWS)
-    found = cold_start.run(kind, grid, 60)
+    grid = Pose(*layouts.poses(kind.array.pitch, 4, trust.YAWS))
+    found = starts.cold_start(kind, grid, 60)
     assert row[1:3] == pytest.approx((100 * found.found.mean(), 100 * found.valid))
     assert row[4] == pytest.approx(1.25 * found.took.max())
 
 
 def test_motion_is_within_the_limits_that_are_derived() -> None:
-    row = trust.motion(TWO).rows[0]
     (kind,) = TWO.values()
+    row = trust._motion(shipped.NAME, kind)
     within = endurance.limits(kind)
     assert row[1:4] == (within.speed, within.acceleration, 800)
     assert row[6] == 0
@@ -84,19 +87,19 @@ def test_motion_is_within_the_limits_that_are_derived() -> None:
 def test_failures_are_shown_as_they_are(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(trust, "FAILING", 20)
     monkeypatch.setattr(trust, "MAPPED", 6)
-    rows = trust.failing(TWO).rows
+    rows = trust.failing(TWO)
     (kind,) = TWO.values()
     found = [failures.tried(kind, "dead", sensor, 20, None, sensor) for sensor in (1, 2)]
     row = next(r for r in rows if r[1:3] == ("dead", "at rest"))
     assert len(rows) == 2 * len(failures.FAILURES)
     assert row[4] == pytest.approx(50 * sum(f.flagged for f in found))
     assert row[7] == max(f.late for f in found) and row[8] == pytest.approx(100 * max(f.away for f in found))
-    assert trust._unseen(shipped.NAME, kind).svg.count("unseen") >= 2
+    assert sum("unseen" in axes.get_title() for axes in trust._unseen(kind).axes) == 2
 
 
 def test_a_failure_that_is_not_flagged_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     """A sensor that fails as nobody sees is flagged in no body that rests."""
     monkeypatch.setattr(trust, "FAILING", 20)
     monkeypatch.setattr(failures, "FAILURES", {"none": lambda now, before: now})
-    rows = trust.failing(TWO).rows
+    rows = trust.failing(TWO)
     assert rows[0][1:3] == ("none", "at rest") and float(rows[0][3]) == 0 and float(rows[0][6]) > 80

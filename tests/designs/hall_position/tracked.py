@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+import designs.hall_position.trust.motions as motions
 from designs.hall_position import reference
 from designs.hall_position.glsdc import channels, estimator
 from designs.hall_position.glsdc.parameters import Array, Tuning
@@ -64,22 +65,12 @@ def setup(array: Array, tuning: Tuning = USUAL, **changed: Any) -> reference.Set
     return reference.Setup(positions=array.positions, weights=weights, **given)
 
 
-def volts(array: Array, pose: Pose) -> Numbers:
-    """Return V = R(yaw)' B(P) of each sensor, (.., sensors, 2)."""
-    c, s = np.cos(pose.yaw), np.sin(pose.yaw)
-    found = []
-    for x, y in array.positions:
-        bx, by = (
-            array.c + array.alpha * np.sin(W * p) + array.beta * np.sin(5 * W * p)
-            for p in (pose.X + c * x - s * y, pose.Y + s * x + c * y)
-        )
-        found.append(np.stack([c * bx + s * by, c * by - s * bx], axis=-1))
-    return np.stack(found, axis=-2)
-
-
 def noisy(array: Array, pose: Pose, seed: int = 0) -> Numbers:
-    found = volts(array, pose)
-    return found + array.deviation * np.random.default_rng(seed).standard_normal(found.shape)
+    return motions.noisy(array, motions.Pose(pose.X, pose.Y, pose.yaw), seed)
+
+
+def volts(array: Array, pose: Pose) -> Numbers:
+    return motions.volts(array, motions.Pose(pose.X, pose.Y, pose.yaw))
 
 
 def wrapped(angle: Numbers) -> Numbers:

@@ -13,7 +13,7 @@ from designs.maglev_5dof.design import DESIGN
 from designs.maglev_5dof.paper import model
 from designs.maglev_5dof.paper import rows as paper
 from designs.maglev_5dof.paper.bench import SPRINGS, Bench
-from models import maglev_stage
+from models import maglev_polynomial, maglev_stage
 from synth.analyse import trim
 from synth.report import audit
 from synth.report.audit import Row
@@ -229,9 +229,9 @@ def _sign_in_the_inverse(patch: pytest.MonkeyPatch) -> None:
 
 
 def _singular_matrix(patch: pytest.MonkeyPatch) -> None:
-    kept = (*maglev_stage.NEGLIGIBLE, "b2")
-    right = maglev_stage.simplified
-    patch.setattr(maglev_stage, "simplified", lambda m: right(m, kept))
+    kept = (*maglev_polynomial.NEGLIGIBLE, "b2")
+    right = maglev_polynomial.simplified
+    patch.setattr(maglev_polynomial, "simplified", lambda m: right(m, kept))
 
 
 def _scaled_weights(patch: pytest.MonkeyPatch) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from designs.maglev_5dof import recordings, reference
+from designs.maglev_5dof import reference, reference_gains, verification
 from designs.maglev_5dof.design import DESIGN
 from synth.emit.write import Emitted
 from synth.execute import host
@@ -28,7 +28,7 @@ def test_the_committed_c_answers_its_vectors(name: str) -> None:
     manifest = json.loads((folder / "manifest.json").read_text())
     files = {p.name: p.read_text() for p in folder.glob("*.[ch]")}
     replay = host.load(files, manifest).replay({n: np.array(v) for n, v in vectors["inputs"].items()})
-    assert len(vectors["faults"]) == recordings.STEPS
+    assert len(vectors["faults"]) == verification.STEPS
     assert replay.faults.tolist() == vectors["faults"]
     for signal, values in vectors["outputs"].items():
         # The C library's sine may differ in the last place from one machine to another; fused sums round once less.
@@ -52,7 +52,7 @@ def test_the_constants_are_the_gains_in_the_coordinates_of_the_loop(regenerated:
     gains = json.loads(regenerated["maglev_5dof"].files["gains.json"])
     for axis, found in gains["design"].items():
         shipped = [gains["constants"][f"regulator_{axis}_k_{s}"]["value"] for s in ("e", "de", "sum", "p1", "q1")]
-        exact = np.array(reference.gain(reference.WEIGHTS[axis]))
+        exact = np.array(reference_gains.gain(reference.WEIGHTS[axis]))
         exact[2:] = exact[2:] @ np.array(found["T"])
         np.testing.assert_allclose(shipped, exact, rtol=2.0**-24 * 1.001)
         assert shipped == [float(np.float32(v)) for v in shipped]

@@ -11,7 +11,8 @@ import pytest
 from numpy.typing import NDArray
 from scipy import linalg, signal
 
-from designs.maglev_5dof import reference
+from designs.maglev_5dof import reference, reference_gains
+from tests.designs.maglev_5dof import full_plant
 
 Array = NDArray[np.float64]
 P = reference.Parameters()
@@ -32,13 +33,13 @@ class Run:
 
 def closed_loop(x: Array, references: dict[str, Array], k: reference.Constants) -> Run:
     """Run from rest under ideal sensing; a sample's currents act one sample later, the first at once."""
-    state = {name: np.full(x.shape[1], value) for name, value in reference.initial_state().items()}
+    state = {name: np.full(x.shape[1], value) for name, value in full_plant.initial_state().items()}
     applied, path = None, []
     for n in range(len(references["y"])):
         tilt, roll = P.r * np.sin(x[6]), P.r * np.sin(x[8])
         at = {"y1": x[0] - tilt, "y2": x[0] + roll, "y3": x[0] + tilt, "y4": x[0] - roll, "x": x[2], "z": x[4]}
         state, out, _ = reference.step(state, at | {f"{s}_ref": r[n] for s, r in references.items()}, k)
-        commanded = np.stack([out[f"i_{axis}{j}"] for axis in "dq" for j in reference.MOTORS])
+        commanded = np.stack([out[f"i_{axis}{j}"] for axis in "dq" for j in range(1, 5)])
         path.append(x)
         x = runge_kutta(x, commanded if applied is None else applied)
         applied = commanded
@@ -46,10 +47,10 @@ def closed_loop(x: Array, references: dict[str, Array], k: reference.Constants) 
 
 
 def runge_kutta(x: Array, u: Array) -> Array:
-    a = reference.plant(x, u, P)
-    b = reference.plant(x + T / 2 * a, u, P)
-    c = reference.plant(x + T / 2 * b, u, P)
-    return x + T / 6 * (a + 2 * b + 2 * c + reference.plant(x + T * c, u, P))
+    a = full_plant.plant(x, u, P)
+    b = full_plant.plant(x + T / 2 * a, u, P)
+    c = full_plant.plant(x + T / 2 * b, u, P)
+    return x + T / 6 * (a + 2 * b + 2 * c + full_plant.plant(x + T * c, u, P))
 
 
 STEP, THRUST, TRACK, KICK, SMALL = range(5)
@@ -58,7 +59,7 @@ STEP, THRUST, TRACK, KICK, SMALL = range(5)
 def scenario(duration: float) -> tuple[Array, dict[str, Array]]:
     """Return starts and set-points: y by 7 mm; x by 30 mm; 4-DOF references, F IV-B; y after 10 ms; x by 10 mm."""
     t = np.arange(0, duration, T)
-    wave = reference.OMEGA0 * t
+    wave = reference_gains.OMEGA0 * t
     r = {s: np.zeros((len(t), 5)) for s in reference.AXES}
     r["y"][:] = 0.029, 0.025, 0.025, 0.029, 0.025
     r["y"][:10, KICK] = 0.022
@@ -79,9 +80,9 @@ def restored() -> Run:
 
 def linear_step(axis: str, height: float, n: int, delayed: bool = True) -> Array:
     """Return the error of q'' = w after a step, sampled with one sample of delay, from K, SciPy's filter and model."""
-    K, w = reference.gain(reference.WEIGHTS[axis]), reference.FILTER
+    K, w = reference_gains.gain(reference.WEIGHTS[axis]), reference_gains.FILTER
     M = np.zeros((4, 4))
-    M[:3, :3], M[2, 3] = reference.internal_model().astype(float), 1.0
+    M[:4, :4] = [[0, 1, 0, 0], [0, 0, 1, 0], [0, -(reference_gains.OMEGA0**2), 0, 1], [0] * 4]
     A = linalg.expm(M * T)
     b, a, _ = signal.cont2discrete(([w**2, 0.0], [1.0, 2.0 * w, w**2]), T, method="foh")
     b, past, rates = b.ravel(), np.zeros(2), np.zeros(2)
@@ -127,6 +128,6 @@ def test_tracking(restored: Run) -> None:
     x, r = scenario(3.0)
     one = {s: v[:, TRACK : TRACK + 1] for s, v in r.items()}
     printed = closed_loop(x[:, TRACK : TRACK + 1], one, reference.constants(restored=False))
-    period = slice(-round(2 * pi / reference.OMEGA0 / T), None)
+    period = slice(-round(2 * pi / reference_gains.OMEGA0 / T), None)
     assert 40e-6 < np.mean(np.abs(printed.error("y", 0)[period])) < 50e-6
     assert np.mean(np.abs(restored.error("y", TRACK)[period])) < 2e-6

@@ -14,6 +14,7 @@ from synth.execute import build, host
 from synth.plant import Plant
 from synth.verify import agree, suite
 from synth.verify.evidence import Evidence
+from tests.designs.maglev_5dof import full_plant
 
 
 def test_every_check_passes(evidence: Evidence) -> None:
@@ -122,7 +123,7 @@ def test_the_plant_agrees_with_the_reference_plant() -> None:
     u = np.array([rng.uniform(s.low, s.high, 500) for s in plant.inputs])
     found = np.asarray(plant.f(x, u, np.tile(plant.values[:, None], 500)))
     currents = np.array([*u[:4], u[5], u[4], u[5], u[4]])
-    expected = reference.plant(x, currents, reference.Parameters())
+    expected = full_plant.plant(x, currents, reference.Parameters())
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9)
-    turned = reference.plant(x, -currents, reference.Parameters())
+    turned = full_plant.plant(x, -currents, reference.Parameters())
     assert np.abs(found - turned).max() > 1.0

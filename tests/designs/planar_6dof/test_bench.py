@@ -3,7 +3,7 @@
 import json
 import re
 from collections import Counter
-from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 from itertools import combinations
 from pathlib import Path
@@ -15,15 +15,13 @@ import pytest
 from designs.planar_6dof import allocation, bench, interface
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof_leadlag import design as leadlag
-from designs.planar_6dof_leadlag import experiments as leadlag_experiments
 from designs.planar_6dof_lqg import design as lqg_design
 from models import planar_stage
+from synth import declared
 from synth.blocks import safety
 from synth.emit.write import Emitted
 from synth.execute import host
-from synth.simulate.experiment import Experiment
-from synth.simulate.rig import Rig
-from synth.verify import meter, on_target, rivals, steps
+from synth.verify import meter, on_target, rivals, steps, stimuli
 from synth.verify.steps import Steps
 
 GENERATED = Path(__file__).parents[3] / "generated_c"
@@ -58,7 +56,7 @@ def shipped(name: str) -> Emitted:
 
 
 class Subject(NamedTuple):
-    """A design's shipped C, compiled, and the sequences that need no closed loop."""
+    """A design's shipped C, compiled, and the sequences that need no closed loop but the recording with faults."""
 
     emitted: Emitted
     controller: host.Controller
@@ -67,9 +65,7 @@ class Subject(NamedTuple):
     @property
     def every(self) -> Steps:
         """All sequences, those thinned that are drawn at random."""
-        parts = [
-            s if s.name.startswith(("rare", "shaken")) else steps.thinned(s, THIN) for s in self.sequences.values()
-        ]
+        parts = [s if s.name.startswith("rare") else steps.thinned(s, THIN) for s in self.sequences.values()]
         return steps.joined("all", parts)
 
 
@@ -77,19 +73,18 @@ class Subject(NamedTuple):
 def subject(name: str) -> Subject:
     emitted = shipped(name)
     controller = host.load(emitted.files, emitted.manifest)
-    return Subject(emitted, controller, {s.name: s for s in bench.excursions(controller)})
+    at_rest = loops.of(BLOCKS[name], controller).at_rest()
+    found = stimuli.excursions(controller, at_rest, [], bench.own(controller))
+    return Subject(emitted, controller, {s.name: s for s in found})
 
 
+DESIGNS = {d.DESIGN.name: d.DESIGN for d in (leadlag, lqg_design)}
 BLOCKS = {d.DESIGN.name: d.subject().block for d in (leadlag, lqg_design)}
-
-
-def loop_of(name: str) -> Rig:
-    return loops.of(BLOCKS[name], subject(name).controller)
 
 
 @cache
 def replayed(name: str) -> dict[str, Any]:
-    return bench.replay(loop_of(name))
+    return dict(DESIGNS[name].bench.replay(subject(name).controller))
 
 
 @pytest.fixture(params=CEILINGS)
@@ -103,15 +98,15 @@ def sizes(outputs: dict[str, Any]) -> np.ndarray:
     return np.sqrt(2 / 3 * (np.array(phases) ** 2).sum(axis=1))
 
 
-def test_the_replay_has_faults_and_a_channel_that_drops_out_latches_it(design: Subject) -> None:
+def test_the_replay_has_faults_and_latches_in_the_end(design: Subject) -> None:
     replay = design.controller.replay(replayed(design.emitted.manifest["design"]))
     words, latched = replay.faults, (replay.faults & LATCH) != 0
     first = int(np.argmax(latched))
-    assert len(words) == bench.REPLAY and 9501 < first < 9600 and latched[first:].all()
-    inputs = [g.signal.name for g in interface.INPUTS]
-    for name in ("V_by", "d2", "V_cy", "theta_ref"):
-        assert np.count_nonzero(words[:9500] >> inputs.index(name) & 1) >= 3
-    assert np.count_nonzero(words[:9500]) < 100
+    assert len(words) == stimuli.REPLAY and 9500 <= first < 9510 and latched[first:].all()
+    for bit, name in enumerate(g.signal.name for g in interface.INPUTS):
+        refused = name == "x_ref" or not name.endswith("_ref")
+        assert (np.count_nonzero(words[:9500] >> bit & 1) >= 3) == refused, name
+    assert np.count_nonzero(words[:9500]) < 150
     assert all(replay.outputs[s.name][-1] == 0 for s in interface.OUTPUTS)
 
 
@@ -144,8 +139,8 @@ def test_the_controller_follows_the_travel_in_all_pitches(design: Subject) -> No
 
 
 def test_every_motor_stands_at_its_limit_and_none_goes_beyond(design: Subject) -> None:
-    controller, sequences = design.controller, design.sequences
-    outputs = steps.taken(controller, sequences["saturated"]).outputs
+    (far,) = (s for s in bench.own(design.controller) if s.name == "saturated")
+    outputs = steps.taken(design.controller, far).outputs
     found = sizes(outputs)
     # Both currents of a motor have limits of their own: only where both stand there its size is LIMIT.
     assert np.any(found > 0.999 * allocation.LIMIT, axis=1).all()
@@ -153,7 +148,6 @@ def test_every_motor_stands_at_its_limit_and_none_goes_beyond(design: Subject) -
     for s in interface.OUTPUTS:  # C seldom has all of its current, as the yaw is demanded too
         near = 0.5 if s.name.startswith("i_C") else 0.02
         assert all(np.count_nonzero(np.abs(outputs[s.name] - end) < near) > 5 for end in (s.low, s.high))
-    assert len(sequences["shaken, at ends"]) > 300
 
 
 def test_every_input_fails_and_each_hall_channel_is_suspected(design: Subject) -> None:
@@ -163,25 +157,13 @@ def test_every_input_fails_and_each_hall_channel_is_suspected(design: Subject) -
         assert {0, 1} == set((words[words & LATCH == 0] >> bit & 1).tolist())
     flags = [f["name"] for f in controller.manifest["structs"]["state"]["fields"] if f["ctype"] == "uint32_t"]
     named = set()
-    for given in (sequences["failures"], sequences["failures, again"]):
+    for given in (sequences["failures"], sequences["failures again"]):
         after = steps.taken(controller, given).states
         named |= {flag for flag in flags if np.any(after[flag] > given.states[flag])}
     assert {"sensing_doubt", "sensing_named"} <= named
-    told = steps.taken(controller, sequences["failures, named"]).faults
+    told = steps.taken(controller, sequences["failures named"]).faults
     bits = [1 << f["bit"] for f in controller.manifest["faults"] if f.get("suspect")]
     assert len(bits) == len(planar_stage.HALL) and all({0, bit} == set((told & bit).tolist()) for bit in bits)
-
-
-def test_latches_slew_from_large_currents_to_none(design: Subject) -> None:
-    found = design.sequences["latches"]
-    outputs = steps.taken(design.controller, found).outputs
-    ends = np.arange(bench.KEPT - 1, len(found), bench.KEPT)
-    assert len(ends) == len(bench.LATCHED)
-    for s in interface.OUTPUTS:
-        assert np.all(outputs[s.name][ends] == 0)
-        inside = np.delete(np.abs(np.diff(outputs[s.name])), ends[:-1])
-        assert inside[interface.BAD_SAMPLES :].max() > 0
-    assert sizes(outputs)[:, ends - bench.KEPT + 1].max() > allocation.QUADRATURE * 0.99
 
 
 def unexplained(missing: tuple[str, ...]) -> list[str]:
@@ -228,29 +210,20 @@ def test_what_the_failures_are_for_is_told_without_them() -> None:
 
 @pytest.mark.parametrize("build", SHIPPED)
 def test_the_costliest_step_keeps_below_its_ceiling(build: str, design: Subject) -> None:
-    costly = [s for s in design.sequences.values() if s.name.endswith(("anew", "again")) or s.name == "corners"]
+    costly = [s for s in design.sequences.values() if s.name.endswith(("anew", "again"))]
     given = steps.joined("costly", [steps.thinned(s, COSTLY) for s in costly])
     found = meter.run(rivals.emitted(design.emitted), given, SHIPPED[build])
     most, ceiling = found.cost.instructions.max(), CEILINGS[design.emitted.manifest["design"]][build]
     assert 0.95 * ceiling < most <= ceiling
 
 
-def test_closed_loops_are_the_experiments_and_the_replay() -> None:
-    def run(loop: Rig, progress: bench.Progress) -> Sequence[Experiment]:
-        return leadlag_experiments.PARTS["steps"](loop)
-
-    found = {s.name: s for s in bench.closed_loops(loop_of("planar_6dof_leadlag"), run)}
-    assert set(found) == {"step_x", "step_y", "step_phi", "replay"}
-    assert all(s.closed_loop and len(s) == bench.EACH for s in found.values())
-    taken = {n: steps.taken(subject("planar_6dof_leadlag").controller, s) for n, s in found.items()}
-    assert taken["replay"].faults.any() and not taken["step_x"].faults.any()
-
-
-@pytest.mark.parametrize("module", [leadlag, lqg_design])
-def test_a_design_hands_on_its_own_experiments(module: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("name", CEILINGS)
+def test_a_design_measures_its_own_steps_beside_the_standard_ones(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     given: list[Any] = []
-    monkeypatch.setattr(bench, "excursions", lambda controller: [])
-    monkeypatch.setattr(bench, "closed_loops", lambda loop, run: [given.append((loop.controller, run.args))])
-    module.DESIGN.bench.sequences("controller", lambda _: None)
-    assert given == [("controller", (module.experiments.PARTS,))]
-    assert module.DESIGN.bench.floor == bench.FLOOR and module.DESIGN.bench.block() is module.subject().block
+    monkeypatch.setattr(stimuli, "sequences", lambda *arguments: given.append(arguments) or [])
+    monkeypatch.setattr(bench, "own", lambda controller: [])
+    stage, controller = DESIGNS[name].stage, subject(name).controller
+    assert stage is not None
+    declared.bench(replace(stage, experiments=()), bench.own, bench.FLOOR).sequences(controller, lambda _: None)
+    assert given[0][0].controller is controller and given[0][3] == []
+    assert DESIGNS[name].bench.floor == bench.FLOOR and DESIGNS[name].bench.block() is BLOCKS[name]

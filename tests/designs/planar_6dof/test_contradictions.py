@@ -226,5 +226,5 @@ def test_the_map_of_faults_says_what_is_not_noticed(predicted: bool) -> None:
 def test_at_rest_a_sensor_that_sticks_is_not_noticed() -> None:
     start = np.full((2, 1), L / 16)
     for predicted in (True, False):
-        seen = sensing_maps._watched(PLANT, estimation(predicted), start, 0 * start, 50, "V_ax", stuck=True)
+        seen = sensing_maps.watch(PLANT, estimation(predicted), start, 0 * start, 50, "V_ax", stuck=True)
         assert seen.noticed.tolist() == [-1] and seen.error.max() < 1e-5

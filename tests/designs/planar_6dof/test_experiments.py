@@ -1,6 +1,7 @@
 """The planar positioner's experiments keep their limits, what they measure is right, and planted defects are seen."""
 
 from dataclasses import replace
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -42,22 +43,20 @@ def optimal() -> Rig:
 
 @pytest.fixture(scope="module")
 def found(lead: Rig, optimal: Rig) -> Found:
-    """Return every experiment but those over the finite matrix, which `test_finite` runs: a mark is in their place."""
-    mark = Experiment("finite", "", "", lead.ideal.run(0.01, {}, {}), ())
-    marked = {"finite magnet matrix": lambda loop: [mark]}
-    runs = (
-        experiments.run({**parts, **marked}, loop, lambda _: None)
-        for parts, loop in ((leadlag_experiments.PARTS, lead), (lqg_experiments.PARTS, optimal))
-    )
-    return {name: {e.name: e for e in run} for name, run in zip(("leadlag", "lqg"), runs, strict=True)}
+    """Return every experiment but those over the finite matrix, which `test_finite` runs."""
+    runs = {"leadlag": (leadlag_experiments.ALL, lead), "lqg": (lqg_experiments.ALL, optimal)}
+    return {
+        name: {e.name: e.run(loop) for e in every if not e.name.endswith("_finite")}
+        for name, (every, loop) in runs.items()
+    }
 
 
 def test_every_experiment_keeps_its_limits(found: Found) -> None:
     checks = [(n, e.name, c) for n, run in found.items() for e in run.values() for c in e.checks]
     assert not [f"{n} {e}: {c.name} {c.found:.4g} > {c.limit:.4g} {c.unit}" for n, e, c in checks if not c.passed]
     assert len(checks) >= 80
-    assert set(found["leadlag"]) == {*STEPS, "circle", *RESTS, *FAILURES, "finite"}
-    assert set(found["lqg"]) == {*STEPS, "step_x_large", *RESTS, *FAILURES, "finite"}
+    assert set(found["leadlag"]) == {*STEPS, "circle", *RESTS, *FAILURES}
+    assert set(found["lqg"]) == {*STEPS, "step_x_large", *RESTS, *FAILURES}
 
 
 def test_steps_of_the_lead_lag_controller(found: Found) -> None:
@@ -169,9 +168,10 @@ def test_an_amplifier_without_limit_follows_and_one_with_a_limit_slews(lead: Rig
 def test_a_failed_channel_is_the_one_that_is_named(lead: Rig) -> None:
     for channel in failures.HALL:
         f = failures.fail(lead, channel, "nan")
-        assert f.named == 0 and f.latched == 4 and not f.others and f.contradicted is None
+        assert f.failure.named == 0 and f.failure.latched == 4 and not f.others and f.contradicted is None
     late = failures.fail(loops.with_noise(lead, 0.0), "V_ax", "stuck")
-    assert late.named is None and late.latched is None and late.left() == 0 == late.slew() == late.unanswered
+    assert late.failure.named is None and late.failure.latched is None
+    assert late.failure.left() == 0 == late.failure.slew() == late.unanswered
 
 
 def test_noise_is_no_failure(lead: Rig, optimal: Rig) -> None:
@@ -214,7 +214,7 @@ def test_a_wrong_plant_is_caught(lead: Rig, parameter: str, factor: float) -> No
 def test_delay_counts_and_a_second_sample_is_caught(lead: Rig) -> None:
     found = []
     for delay in (0, 1, 2):
-        late = loops.with_interface(lead, replace(lead.stage.interface, delay=delay))
+        late = lead.with_interface(delay=delay)
         run = experiments.step(late, "x", steps.FIGURE_8["x"])
         found.append(experiments.step_experiment(late, run, "", "", leadlag_experiments.LIMITS))
     beyond = [e.figures["overshoot"] for e in found]
@@ -227,7 +227,7 @@ def test_a_jump_at_a_border_is_caught(lead: Rig, monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(leadlag_experiments, "REVOLUTION", 8.0)
     wrong = loops.compiled(planted(loops.view(leadlag.TIME), "sensing_position_1", 1.01))
     monkeypatch.setattr(loops, "_compiled_view", lambda period_s, predicted: wrong)
-    found = leadlag_experiments.circle_experiment(lead)
+    found = leadlag_experiments.circle_experiment(lead, "circle")
     assert failed(found) == {"jump of x at a switching sample", "jump of y at a switching sample"}
 
 
@@ -238,23 +238,29 @@ def test_a_fault_is_caught(lead: Rig) -> None:
 
 
 def test_a_jump_to_zero_a_current_that_stays_and_a_late_latch_are_caught(lead: Rig) -> None:
-    def caught(f: failures.Failed, kind: failures.Kind = "nan") -> set[str]:
+    def caught(f: failures.Failed, kind: str = "nan") -> set[str]:
         return {c.name for c in failures.checks([f], kind, moving=False) if not c.passed}
 
     good = failures.fail(lead, "V_cx", "nan", speed=failures.SPEED)
-    before = np.arange(len(good.run.time)) < good.sample + 4
+    run, sample = good.failure.run, good.failure.sample
+
+    def changed(f: failures.Failed, **fields: Any) -> failures.Failed:
+        return replace(f, failure=replace(f.failure, **fields))
+
+    before = np.arange(len(run.time)) < sample + 4
     still = {name: np.full(len(before), 0.1) for name in loops.ACTUATORS}
     gone = {name: np.where(before, 0.5, 0.0) for name in loops.ACTUATORS}
-    assert not caught(good) and 0 < good.slew() <= failures.SLEW
-    assert caught(replace(good, run=replace(good.run, commands=gone))) == {"change of a current from the latch on"}
-    assert caught(replace(good, run=replace(good.run, commands=still))) == {"current left at the end after a latch"}
-    assert caught(replace(good, sample=good.sample - 1)) == {"samples until the latch"}
-    assert caught(replace(good, sample=good.sample + 1)) == {"samples with a fault before the failure"}
+    assert not caught(good) and 0 < good.failure.slew() <= failures.SLEW
+    assert caught(changed(good, run=replace(run, commands=gone))) == {"change of a current from the latch on"}
+    assert caught(changed(good, run=replace(run, commands=still))) == {"current left at the end after a latch"}
+    assert caught(changed(good, sample=sample - 1)) == {"samples until the latch"}
+    assert caught(changed(good, sample=sample + 1)) == {"samples with a fault before the failure"}
     early = failures.fail(lead, "V_cx", "zero", speed=failures.SPEED)
+    assert early.contradicted is not None
     for ahead, expected in (
         (3, set()),
         (4, {"samples from a residual out of bounds to the channel's name or the latch"}),
     ):
-        assert caught(replace(early, beyond=np.roll(early.beyond, -ahead)), "zero") == expected
+        assert caught(replace(early, contradicted=early.contradicted - ahead), "zero") == expected
     unseen = failures.fail(loops.with_noise(lead, 0.0), "V_ax", "stuck")
     assert caught(unseen, "zero") == {"channels whose failure is not noticed"} and not caught(unseen, "stuck")

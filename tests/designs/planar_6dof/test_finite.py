@@ -30,11 +30,11 @@ def found(lead: Rig) -> Found:
     with pytest.MonkeyPatch.context() as patch:
         for name, short in (("RADIUS", 0.02), ("GROWTH", 3.0), ("REVOLUTION", 1.0)):
             patch.setattr(leadlag_experiments, name, short)
-        first = leadlag_experiments.finite_experiments(lead)
+        first = {e.name: e.run(lead) for e in leadlag_experiments.ALL if e.name.endswith("_finite")}
     optimal = loops.of(lqg.controller(PLANT))
     return {
-        "leadlag": {e.name: e for e in first},
-        "lqg": {e.name: e for e in lqg_experiments.finite_experiments(optimal)},
+        "leadlag": first,
+        "lqg": {e.name: e.run(optimal) for e in lqg_experiments.ALL if e.name.endswith("_finite")},
     }
 
 
@@ -132,7 +132,7 @@ def test_a_plant_that_is_worse_is_caught(
     wrong = plant.with_parameters(**{parameter: factor * plant.parameter(parameter).value})
     monkeypatch.setattr(finite, "over", lambda loop: replace(loop, plant=wrong))
     limits = leadlag_experiments.LIMITS
-    e = finite.standstill(lead) if experiment == "standstill" else finite.step(lead, "x", 20e-6, "", limits)
+    e = finite.standstill(lead, "") if experiment == "standstill" else finite.step(lead, "", "x", 20e-6, "", limits)
     assert failed(e) & caught == caught
 
 

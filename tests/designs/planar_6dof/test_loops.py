@@ -176,7 +176,9 @@ def test_a_scaled_loop_has_the_same_diagonal_and_disk_margin(opened: dict[str, l
 
 
 def test_a_signal_that_does_not_go_around_is_refused(opened: dict[str, loops.Parts]) -> None:
-    with pytest.raises(SignalError, match=r"x_raw do not go around this loop: open it at some of i_AQ"):
+    with pytest.raises(
+        SignalError, match=r"cannot open at 'x_raw', which is neither .*: name one of x, y, phi, z, theta, psi, i_AQ"
+    ):
         loops.opened(opened["lqg"], ["x_raw"])
 
 

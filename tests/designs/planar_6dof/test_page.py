@@ -24,7 +24,7 @@ def lead() -> Rig:
 
 @pytest.fixture(scope="module")
 def runs(lead: Rig) -> list[Experiment]:
-    return [*short_runs.runs(lead), failures.experiment(lead, "nan", False)]
+    return [*short_runs.runs(lead), failures.ALL[0].run(lead)]
 
 
 def test_runs_are_shown_by_the_units_of_the_stage_and_the_channels_of_its_sensors(runs: list[Experiment]) -> None:

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from designs.planar_6dof import interface, random_steps, verification
 from designs.planar_6dof import loop as loops
-from designs.planar_6dof import random_steps, verification
 from designs.planar_6dof.random_steps import Subject
 from designs.planar_6dof_leadlag import design as leadlag
 from designs.planar_6dof_lqg import design as lqg
@@ -15,7 +15,7 @@ from synth.blocks import safety
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
 from synth.timing import Discrete
-from synth.verify import agree
+from synth.verify import agree, standard, suite
 
 SUBJECTS = {"leadlag": leadlag.subject(), "lqg": lqg.subject()}
 PITCH = planar_stage.plant().parameter("l").value
@@ -92,14 +92,15 @@ def test_single_precision_that_is_wrong_does_not_pass(monkeypatch: pytest.Monkey
 
 def test_decisions_of_single_precision_are_counted() -> None:
     subject = SUBJECTS["lqg"]
-    by = verification.witnesses(subject)
+    by = suite.witnesses(subject.block, subject.reference, interface.SURROGATE_ERROR)
     drawn = random_steps.in_operation(subject, planar_stage.plant(), 2000)
-    a, (decided,) = verification.in_single(subject, by, *drawn)
-    assert a.faults_differ == 0 and 0 < a.worst < 1e-3 and decided.passed
+    a, checks = standard.in_single(by, *drawn, verification.FLOOR, verification.COUNTS)
+    assert a.faults_differ == 0 and 0 < a.worst < 1e-3 and all(c.passed for c in checks)
     first = subject.block.inputs[0].name
     spoilt = drawn[1] | {first: np.where(np.arange(2000) < 10, 5 + 1e-7, drawn[1][first])}
     wide = replace(by, c64=loops.compiled(replace(subject.block, faults=()), np.float64))
-    assert verification.in_single(subject, wide, drawn[0], spoilt)[1][0].found >= 10 / 2000
+    failed = standard.in_single(wide, drawn[0], spoilt, verification.FLOOR, verification.COUNTS)[1][1]
+    assert failed.found >= 10 / 2000
 
 
 def test_the_tour_starts_at_rest() -> None:

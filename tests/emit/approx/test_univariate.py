@@ -62,7 +62,7 @@ def test_a_force_law_is_one_function_of_the_gap() -> None:
     (f,) = found
     assert program.nodes[f.variable].op == "sub"
     assert {program.nodes[u].op for u in program.users()[f.root]} == {"mul"}
-    evaluate = univariate.evaluator(program, analysed, f.root, f.variable)
+    evaluate = univariate.function(univariate.key(program, analysed, f.root, f.variable))
     for g in (0.1, 0.7, 1.9):
         expected = 35 * (1 - 0.01 / (g + 0.1)) / (np.sinh(3 * (0.005 + g)) * (1 + g * np.log(1 + g)))
         assert float(evaluate(flint.acb(g)).real) == pytest.approx(expected, rel=1e-14)
@@ -209,7 +209,7 @@ def test_equal_functions_have_equal_keys_and_others_are_refused() -> None:
     keys = [univariate.key(program, analysed, f.root, f.variable) for f in found]
     assert len(keys) == 3 and len(set(keys)) == 2
     with pytest.raises(EmitError, match=r"no analytic function of node \d+: it needs 'b'"):
-        univariate.evaluator(program, analysed, program.outputs["y"], found[0].variable)
+        univariate.key(program, analysed, program.outputs["y"], found[0].variable)
 
 
 def test_a_block_without_such_functions_has_none() -> None:

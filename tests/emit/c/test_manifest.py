@@ -239,6 +239,7 @@ TREES = st.recursive(
 )
 
 
+@pytest.mark.slow
 @given(st.dictionaries(st.text(), TREES))
 def test_the_text_reads_back_as_the_document(document: dict[str, Any]) -> None:
     text = dumps(document)

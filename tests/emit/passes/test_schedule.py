@@ -114,10 +114,12 @@ def defects(blocks: Sequence[Block]) -> list[str]:
     return found
 
 
+@pytest.mark.slow
 def test_hazards_are_scheduled_right() -> None:
     assert not defects(hazards.BLOCKS)
 
 
+@pytest.mark.slow
 def test_random_blocks_are_scheduled_right() -> None:
     blocks = [(dyadic.drawn, dyadic.withheld)[seed // 4 % 2](seed) for seed in SEEDS]
     assert not defects(blocks)
@@ -152,6 +154,7 @@ PLANTED: dict[str, Callable[..., Any]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PLANTED)
 def test_a_planted_defect_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     blocks = [*hazards.BLOCKS, *(make(seed) for seed in SEEDS[:40] for make in (dyadic.drawn, dyadic.withheld))]

@@ -54,6 +54,7 @@ def of_output(law: Callable[..., ca.SX], *inputs: Signal, guarded: str = "", sca
 # --- every value lies in its range ---
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scalar", [F32, F64])
 @settings(max_examples=250, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 @given(drawn=programs(), seed=st.integers(0, 2**32))

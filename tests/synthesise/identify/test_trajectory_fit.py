@@ -108,6 +108,7 @@ def covered(logs: int, measured: tuple[str, ...], span: int | None, fixed: bool 
     return float(np.mean(hits))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("measured", "span"), [(("s",), None), (("x", "v"), 24)])
 def test_noisy_start_states_leave_intervals_true(measured: tuple[str, ...], span: int | None) -> None:
     """12 logs, three intervals each, which go together at worst: a standard deviation of at most 6.3 %."""

@@ -208,6 +208,7 @@ def test_the_nonlinear_plant_follows_the_linear_chain(name: str) -> None:
     assert followed(law, np.array(start), pole, seconds, sign=1.001) > 1e-5
 
 
+@pytest.mark.slow
 def test_the_levitated_stage_follows_fifteen_integrators() -> None:
     """All quadratic terms of the currents are in the plant, and no term is dropped from the law."""
     stage = full_stage()

@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 
 from synth.analyse import precise
+from synth.statespace import Complex
 from synth.synthesise.riccati import spectrum
 from synth.timing import Continuous, Discrete
 from tests import tolerances
 
 
-def of(F: object) -> spectrum.Complex:
+def of(F: object) -> Complex:
     with precise.precision():
         return spectrum.of(spectrum.ball(np.asarray(F, dtype=float)))
 

@@ -7,9 +7,9 @@ from math import radians
 import numpy as np
 import pytest
 
-from designs.hall_position.accuracy import fisher, maps
+from designs.hall_position.accuracy import fisher
 from designs.hall_position.glsdc.parameters import Array
-from models import concentrated_field, hall_array
+from models import concentrated_field, hall_accuracy, hall_array
 from synth.analyse.observability import worst_deviation
 from synth.errors import ModelError
 
@@ -27,7 +27,7 @@ def poses(count: int, seed: int = 3) -> np.ndarray:
 def test_deviations_are_those_of_the_sensor_model() -> None:
     q = poses(500)
     sensors = replace(hall_array.sensors(PLACES), volume=(0.0, 0.0, 0.0))
-    expected = maps.of_sensors(sensors, WAVES, q.T, maps.spread(sensors))
+    expected = hall_accuracy.of_sensors(sensors, WAVES, q.T, hall_accuracy.spread(sensors))
     sound = expected.condition < 1e3
     np.testing.assert_allclose(fisher.deviations(THREE, q).T[sound], expected.deviations[sound], rtol=1e-8)
     assert sound.sum() > 450

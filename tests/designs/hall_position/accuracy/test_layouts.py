@@ -1,26 +1,40 @@
 """Layouts that were found: proved better than the published one, why three sensors do not do for six, the search."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import radians
-from typing import Any
 
 import numpy as np
 import pytest
 
 from designs.hall_position.accuracy import fisher, layouts, six_field
-from designs.hall_position.accuracy.layouts import LAYOUTS, PUBLISHED, Task
+from designs.hall_position.accuracy.layouts import LAYOUTS, PUBLISHED
 from designs.hall_position.glsdc.parameters import Array
+from models import hall_accuracy
+from synth.analyse.observability import placement
 from synth.errors import ModelError
 from tests.designs.hall_position.posed import ANY, FIVE, FOUR, SIX
 
 l = 50.8e-3
 FIELD = Array(((0.0, 0.0), (l, 0.0)), 0.0, 8.4 * 0.37502, -8.4 * 0.02146)
-LEVER = Task().lever
-FINE = layouts.over_yaws(ANY, Task().yaw, (48, 7))
+YAW = radians(5)
+
+
+def over_yaws(array: layouts.Array, yaw: float, points: tuple[int, int]) -> np.ndarray:
+    """Return a grid (3, N) of so many poses along the pitch and over yaws up to `yaw` to either side."""
+    return layouts.poses(array.pitch, points[0], np.linspace(-yaw, yaw, points[1]))
+
+
+FINE = over_yaws(ANY, YAW, (48, 7))
+
+
+def cost_of(array: layouts.Array, q: np.ndarray) -> Callable[[np.ndarray], float]:
+    """Return the cost of coordinates (2 sensors,) of places over poses."""
+    return lambda x: layouts.cost(layouts.placed(array, x.reshape(-1, 2)), q)
 
 
 def planar_cost(places: layouts.Places, q: np.ndarray) -> float:
-    return layouts.cost(layouts.placed(FIELD, places), q, LEVER)
+    return cost_of(FIELD, q)(np.ravel(places))
 
 
 def test_the_published_layout_gets_worse_between_the_yaws_that_were_looked_at() -> None:
@@ -28,49 +42,46 @@ def test_the_published_layout_gets_worse_between_the_yaws_that_were_looked_at() 
     near = fisher.deviations(array, np.array([[0.49712 * l], [0.09771 * l], [radians(9.385)]])).ravel()
     assert near[0] > 190e-6 and near[2] > 4e-3
     for yaw in (0.0, 5.0, 15.0):
-        assert planar_cost(PUBLISHED, layouts.over_yaws(FIELD, radians(yaw) or 1e-9, (60, 2))) < 25e-6
+        assert planar_cost(PUBLISHED, over_yaws(FIELD, radians(yaw) or 1e-9, (60, 2))) < 25e-6
 
 
 @pytest.mark.parametrize(("yaw", "tolerance", "bounds"), [(5, 0.1, (5.3, 5.6, 232)), (15, 0.25, (5.9, 5.7, 313))])
 def test_a_layout_is_proved_better(yaw: int, tolerance: float, bounds: tuple[float, float, float]) -> None:
     proved = fisher.worst(layouts.placed(FIELD, LAYOUTS[yaw]), (-radians(yaw), radians(yaw)), tolerance)
     assert (proved.bound * [1e6, 1e6, 1e6] < bounds).all()
-    at = layouts.over_yaws(FIELD, radians(yaw), (60, 17))
+    at = over_yaws(FIELD, radians(yaw), (60, 17))
     published = fisher.deviations(layouts.placed(FIELD, PUBLISHED), at).max(axis=1)
     assert (published[:2] > 1.2 * proved.bound[:2]).all() and published[2] > proved.bound[2]
-    assert np.abs(LAYOUTS[yaw]).max() <= Task().reach
+    assert np.abs(LAYOUTS[yaw]).max() <= layouts.REACH
 
 
 @pytest.mark.parametrize("yaw", [5, 15])
 def test_no_small_step_betters_a_layout_much(yaw: int) -> None:
-    cost = layouts.costs(FIELD, Task(yaw=radians(yaw)), (48, 9))
+    cost = cost_of(FIELD, over_yaws(FIELD, radians(yaw), (48, 9)))
     ours = cost(np.ravel(LAYOUTS[yaw]))
     for seed in range(20):
         step = np.random.default_rng(seed).normal(size=6) * 0.01
         assert cost(np.ravel(LAYOUTS[yaw]) + step) > 0.98 * ours
 
 
-def test_a_short_search_betters_the_published_layout(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(layouts, "PLANAR_EFFORT", layouts.Effort((12, 3), (32, 5), 8))
-    task = Task()
-    assert layouts.search(FIELD, task, 1, 2, 1) == layouts.search(FIELD, task, 1, 2, 1)
-    found = [layouts.search(FIELD, task, seed, 60, 15) for seed in (0, 2)]
-    fine = layouts.costs(FIELD, task, (60, 9))
-    assert min(fine(np.ravel(places)) for places in found) < 0.9 * fine(np.ravel(PUBLISHED))
-    np.testing.assert_allclose(np.array(found) * 1000, np.round(np.array(found) * 1000), rtol=0, atol=1e-9)
+def test_a_short_search_betters_the_published_layout() -> None:
+    coarse, fine = (cost_of(FIELD, over_yaws(FIELD, YAW, points)) for points in ((12, 3), (32, 5)))
+    square, finest = placement.Square(layouts.REACH), cost_of(FIELD, over_yaws(FIELD, YAW, (60, 9)))
+    found = [placement.search(coarse, fine, 6, square, placement.Effort(60, 8, 15, seed)) for seed in (0, 2)]
+    assert min(map(finest, found)) < 0.9 * finest(np.ravel(PUBLISHED))
 
 
 def test_steps_better_a_layout() -> None:
-    task = Task(yaw=radians(5))
-    cost = layouts.costs(FIELD, task, layouts.PLANAR_EFFORT.fine)
-    better = layouts.improve(FIELD, task, LAYOUTS[15], 0, 1)
-    assert cost(np.ravel(better)) < cost(np.ravel(LAYOUTS[15]))
+    cost = cost_of(FIELD, over_yaws(FIELD, YAW, (64, 11)))
+    start = np.ravel(LAYOUTS[15])
+    better = placement.improve(cost, start, placement.Square(layouts.REACH), placement.Effort(tries=1))
+    assert cost(better) < cost(start)
 
 
 def test_a_spare_sensor_counts_as_lost() -> None:
-    four, q = (*PUBLISHED, (0.1, -0.3)), layouts.over_yaws(FIELD, Task().yaw, (16, 3))
+    four, q = (*PUBLISHED, (0.1, -0.3)), over_yaws(FIELD, YAW, (16, 3))
     of_four = layouts.placed(FIELD, four)
-    with_all, with_loss = (layouts.cost(of_four, q, LEVER, spare) for spare in (False, True))
+    with_all, with_loss = (layouts.cost(of_four, q, spare=spare) for spare in (False, True))
     alone = [planar_cost((*four[:k], *four[k + 1 :]), q) for k in range(4)]
     assert with_all < alone[3] and with_loss == pytest.approx(max(alone), rel=1e-4)
 
@@ -80,16 +91,17 @@ def test_the_cost_is_the_largest_deviation(array: layouts.Array) -> None:
     q = FINE[:, :50]
     H = layouts.jacobians(array, q)
     bound = 1e-3 * np.sqrt(np.diagonal(np.linalg.inv(H.transpose(0, 2, 1) @ H), axis1=1, axis2=2))
-    assert layouts.cost(array, q, LEVER) == pytest.approx((bound * layouts.sizes(H.shape[2], LEVER)).max(), rel=1e-5)
+    sizes = hall_accuracy.sizes(H.shape[2], layouts.LEVER)
+    assert layouts.cost(array, q) == pytest.approx((bound * sizes).max(), rel=1e-5)
     if isinstance(array, Array):
         np.testing.assert_allclose(bound.T, fisher.deviations(array, q), rtol=1e-8)
 
 
 def test_four_sensors_tell_the_pose_everywhere() -> None:
     """Within 4.9 um, and a hundredth of that by half a pitch of angles, at yaws of 5 degrees to either side."""
-    assert 4.4e-6 < layouts.cost(FOUR, FINE, LEVER) < 4.9e-6
+    assert 4.4e-6 < layouts.cost(FOUR, FINE) < 4.9e-6
     moved = replace(FOUR, positions=(*FOUR.positions[:3], (0.0, 0.0, 0.0)))
-    assert layouts.cost(moved, FINE, LEVER) > 10e-6
+    assert layouts.cost(moved, FINE) > 10e-6
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.5])
@@ -104,7 +116,7 @@ def test_three_sensors_are_singular_on_curves(yaw: float) -> None:
 def test_where_the_determinant_changes_its_sign_deviations_are_unbounded() -> None:
     three = replace(FOUR, positions=FOUR.positions[:3])
     at = layouts.poses(three.pitch, 200)
-    assert layouts.cost(three, at, LEVER) > 1000 * layouts.cost(FOUR, at, LEVER)
+    assert layouts.cost(three, at) > 1000 * layouts.cost(FOUR, at)
     with pytest.raises(ModelError, match="4 sensors have no determinant"):
         layouts.signs(FOUR)
 
@@ -112,72 +124,30 @@ def test_where_the_determinant_changes_its_sign_deviations_are_unbounded() -> No
 def test_any_sensor_may_be_lost_of_six_and_with_less_accuracy_of_five() -> None:
     """Four have none to spare. Of five the worst is at single points, of six nowhere above 12.7 um."""
     at = layouts.poses(ANY.pitch, 40)
-    assert layouts.cost(FOUR, at, LEVER, spare=True) > 1e-3
-    of_five = layouts.cost(FIVE, at, LEVER, spare=True)
+    assert layouts.cost(FOUR, at, spare=True) > 1e-3
+    of_five = layouts.cost(FIVE, at, spare=True)
     left = [replace(FIVE, positions=FIVE.positions[:k] + FIVE.positions[k + 1 :]) for k in range(5)]
-    assert of_five == pytest.approx(max(layouts.cost(a, at, LEVER) for a in left), rel=1e-4)
+    assert of_five == pytest.approx(max(layouts.cost(a, at) for a in left), rel=1e-4)
     assert 20e-6 < of_five < 100e-6
-    assert 9e-6 < layouts.cost(SIX, FINE, LEVER, spare=True) < 13e-6
+    assert 9e-6 < layouts.cost(SIX, FINE, spare=True) < 13e-6
 
 
-def test_the_search_improves_places_in_six_degrees_of_freedom() -> None:
-    task = Task(sensors=4)
-    found = layouts.search(ANY, task, generations=2, tries=1)
-    assert len(found) == 4 and all(abs(v) <= task.reach for place in found for v in place)
-    better = layouts.improve(ANY, task, found, tries=3)
-    at = layouts.over_yaws(ANY, task.yaw, layouts.SPATIAL_EFFORT.fine)
-    assert layouts.cost(layouts.placed(ANY, better), at, LEVER) <= layouts.cost(layouts.placed(ANY, found), at, LEVER)
+def test_steps_better_places_in_six_degrees_of_freedom() -> None:
+    cost = cost_of(ANY, over_yaws(ANY, YAW, (20, 3)))
+    start = np.array([0.3, -0.3, -0.3, -0.3, -0.3, 0.3, 0.3, 0.3])
+    better = placement.improve(cost, start, placement.Square(layouts.REACH), placement.Effort(tries=3))
+    assert cost(better) < cost(start) and np.abs(better).max() <= layouts.REACH
 
 
 def test_refusals() -> None:
-    with pytest.raises(ModelError, match="1 sensors do not tell the yaw"):
-        Task(sensors=2, spare=True)
-    with pytest.raises(ModelError, match="spare is 1: give True"):
-        Task(spare=1)  # type: ignore[arg-type]
-    for task in (Task(sensors=2), Task(sensors=3, spare=True)):
-        with pytest.raises(ModelError, match="2 sensors have fewer than six voltages"):
-            layouts.search(ANY, task, generations=1, tries=0)
+    three = replace(FOUR, positions=FOUR.positions[:3])
     with pytest.raises(ModelError, match="number of poses along the pitch is 0"):
-        layouts.signs(replace(FOUR, positions=FOUR.positions[:3]), points=0)
-    with pytest.raises(ModelError, match="the yaw is nan"):
-        layouts.signs(replace(FOUR, positions=FOUR.positions[:3]), float("nan"), 3)
-
-
-@pytest.mark.parametrize("value", [2.5, "3", None, True, 0, 27])
-def test_the_number_of_sensors_is_whole(value: Any) -> None:
-    with pytest.raises(ModelError, match="the number of sensors is"):
-        Task(sensors=value)
-
-
-@pytest.mark.parametrize("value", ["1", None, True, float("inf"), float("nan"), 0.0])
-def test_figures_of_a_task_are_numbers(value: Any) -> None:
-    for name in ("yaw", "reach", "lever"):
-        with pytest.raises(ModelError, match=f"{name} is"):
-            Task(**{name: value})
-
-
-@pytest.mark.parametrize("array", [FIELD, ANY])
-@pytest.mark.parametrize(
-    ("places", "message"),
-    [
-        (((0.0, 0.0), (0.1, 0.2)), "2 places are given for 3 sensors"),
-        (((0.0, 0.0), (0.1, 0.2), (0.1, 0.2, 0.3)), "has 3 numbers: give 2"),
-        (((0.0, 0.0), (0.1, 0.2), (0.1, float("nan"))), "one of places is nan"),
-        ((), "0 places"),
-        (None, "places are None"),
-    ],
-)
-def test_places_that_are_none_are_refused(array: layouts.Array, places: Any, message: str) -> None:
-    with pytest.raises(ModelError, match=message):
-        layouts.improve(array, Task(), places, tries=0)
-
-
-def test_no_poses_are_refused() -> None:
-    for points in ((0, 1), (2, 0), (2.5, 1)):
-        with pytest.raises(ModelError, match=r"number of .* is"):
-            layouts.over_yaws(FIELD, 0.1, points)  # type: ignore[arg-type]
-    with pytest.raises(ModelError, match="the yaw is nan"):
-        layouts.over_yaws(FIELD, float("nan"), (2, 1))
+        layouts.signs(three, points=0)
+    with pytest.raises(ModelError, match=r"the yaws have the shape .* not all finite"):
+        layouts.signs(three, float("nan"), 3)
+    for places in (((0.0, 0.0), (0.1, 0.2, 0.3)), ((0.0, 0.0), (0.1, float("nan"))), (), None):
+        with pytest.raises(ModelError):
+            layouts.placed(FIELD, places)  # type: ignore[type-var]
 
 
 def test_the_jacobian_in_six_degrees_of_freedom_holds_that_of_three() -> None:

@@ -1,7 +1,6 @@
 """What stands between the estimate and the regulators: held, predicted, counted, and passed on only when valid."""
 
 from functools import cache
-from typing import Any
 
 import numpy as np
 import pytest
@@ -134,12 +133,6 @@ def test_the_planar_controllers_law_is_taken_as_it_is_but_for_what_makes_it_read
     gated = [g for b in changed for g in closed_loop._gated(b, TIME)]
     assert [g.name for g in gated][-1] == "known_gate"
     assert names(gated[-1].outputs) == names(allocation.COMPUTED)
-
-
-@pytest.mark.parametrize("given", ["hall", 42])
-def test_what_is_no_source_is_refused(given: Any) -> None:
-    with pytest.raises(ModelError, match="give a closed_loop"):
-        closed_loop.controller(lqg.NAME, planar_stage.plant(), TIME, [], given)
 
 
 def test_a_source_takes_three_sensors() -> None:

@@ -57,7 +57,6 @@ def _counted(path: trace.Trace, owner: NDArray[np.intp], entry: NDArray[np.bool_
 
 
 def _within(code: trace.Code, function: str) -> NDArray[np.bool_]:
-    """Tell of each instruction (I,) whether it is one of a function."""
     names = [f.name for f in code.program.functions]
     return np.asarray(code.function == names.index(function))
 
@@ -76,6 +75,5 @@ def _owners(emitted: Emitted, code: trace.Code, entry: str, path: Path) -> tuple
 
 
 def _blocks(runs: Mapping[str, list[list[int]]]) -> dict[int, str]:
-    """Return the Block of each line of the emitted C, in the order of the text."""
     found = {line: tag.split(":")[0] for tag, spans in runs.items() for a, b in spans for line in range(a, b + 1)}
     return dict(sorted(found.items()))

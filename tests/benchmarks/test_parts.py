@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from benchmarks import axes
+from benchmarks import axes, parts
 from synth.emit.write import Emitted
 from synth.errors import SignalError
 from synth.execute import host
-from synth.verify import lines, meter, parts, rivals, steps
+from synth.verify import lines, meter, rivals, steps
 from synth.verify.steps import Steps
 from tests.execute.planted import COMPILERS
 

@@ -1,0 +1,90 @@
+"""Constants of the maglev controller's loops in 60 digits, apart from the toolkit: regulator, internal model, filter.
+
+plant    e'' = w;   xi' = Phi xi + N e + E (u limited - u),   Phi with the eigenvalues 0, +-i w0           F(13)-(15)
+gain     w = K (e, e', xi) of the least integral of z' Q z + w^2                                           F(16)
+sample   xi = T eta, where sum' = sum + e and a rotation p' = p + c q, q' = q - p' + e                     F(17)
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import pi
+
+import mpmath  # type: ignore[import-untyped]
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+SAMPLES_PER_S = 1000
+FILTER = 1000  # rad/s
+OMEGA0 = 1.5 * pi  # rad/s, F section IV-B
+ANTI_WINDUP = 7e-5  # each entry of E_x = E_z, F section IV-A
+
+
+def gain(weights: Sequence[float]) -> Array:
+    """Return K (5,) of w = K (e, e', xi) that minimises the integral of z' diag(weights) z + w^2. F(16).
+
+    The closed loop p(s) = d(s) - K n(s), d = s^3 (s^2 + w0^2), n = (s (s^2 + w0^2), s^2 (s^2 + w0^2), 1, s, s^2), is
+    the stable factor of the symmetric root locus p(s) p(-s) = d(s) d(-s) + sum_i q_i n_i(s) n_i(-s).
+    """
+    with mpmath.workdps(60):
+        q, w2 = [mpmath.mpf(weight) for weight in weights], mpmath.mpf(OMEGA0) ** 2
+        even = np.polyadd(np.polymul([-1, q[1], -q[0], 0], [1, 2 * w2, w2**2]), [q[4], -q[3], q[2]])
+        squares = mpmath.polyroots(list(even), maxsteps=500, extraprec=400)
+        p = np.array([1])
+        for square in squares:
+            p = np.polymul(p, [1, mpmath.sqrt(square)])
+        p4, p3, p2, p1, p0 = (mpmath.re(v) for v in p[1:])
+        K = w2 - p3, -p4, -p0, w2 * (p3 - w2) - p1, w2 * p4 - p2
+        return np.array([float(v) for v in K])
+
+
+@dataclass(frozen=True)
+class Turning:
+    """One sample of the internal model in eta = (sum, p, q), T of xi = T eta, and what E adds to eta."""
+
+    c: mpmath.mpf
+    T: mpmath.matrix
+    E: mpmath.matrix
+
+    def in_eta(self, K: Array) -> Array:
+        """Return K (5,) on (e, e', eta) from K on (e, e', xi)."""
+        with mpmath.workdps(60):
+            turned = mpmath.matrix([K[2:].tolist()]) * self.T
+            return np.array([K[0], K[1], *(float(turned[0, j]) for j in range(3))])
+
+
+def turning() -> Turning:
+    """Return the internal model of one period in eta. F(14), (15), (17).
+
+    Both forms are driven by e alone, so that (N, Phi N, Phi^2 N) = T (B, A B, A^2 B). The anti-windup enters p before
+    q is computed from it.
+    """
+    with mpmath.workdps(60):
+        a, w2 = mpmath.mpf(ANTI_WINDUP), mpmath.mpf(OMEGA0) ** 2
+        rows = [[0, 1, 0, 0, a], [0, 0, 1, 0, a], [0, -w2, 0, 1, a], [0] * 5, [0] * 5]  # of (xi, e, u limited - u)
+        held = mpmath.expm(mpmath.matrix(rows) / SAMPLES_PER_S)
+        c = 3 - held[0, 0] - held[1, 1] - held[2, 2]  # the trace of a rotation by w T is 2 cos(w T)
+        A = mpmath.matrix([[1, 0, 0], [0, 1, c], [0, -1, 1 - c]])
+        T = _driven(held[:3, :3], held[:3, 3]) * mpmath.inverse(_driven(A, mpmath.matrix([1, 0, 1])))
+        E = mpmath.lu_solve(T, held[:3, 4])
+        E[2] += E[1]
+        return Turning(c, T, E)
+
+
+def _driven(A: mpmath.matrix, B: mpmath.matrix) -> mpmath.matrix:
+    columns = [B, A * B, A * A * B]
+    return mpmath.matrix([[column[i] for column in columns] for i in range(3)])
+
+
+def derivative_filter() -> tuple[float, float, float]:
+    """Return fade, rho, h of s <- fade s + d, r <- fade r + s + rho s_before, v = h r, d = q - q_prev. F section III.
+
+    It is v = s w^2/(s+w)^2 q with q a ramp between samples, exactly. A unit step of q answers with w^2 t exp(-w t); the
+    ramp from 0 to 1 over one period T with 1/T times the integral of it, and the sum over all samples of v is 1/T.
+    """
+    with mpmath.workdps(60):
+        wT = mpmath.mpf(FILTER) / SAMPLES_PER_S
+        fade = mpmath.exp(-wT)
+        hT = 1 - (1 + wT) * fade
+        return float(fade), float((1 - fade) ** 2 / hT - 1), float(hT * SAMPLES_PER_S)

@@ -1,0 +1,88 @@
+"""A Hall array on the bench: what its sensors read at rest over a matrix as built, and model (2) of each by a scan.
+
+    pose --> field as built --> 200 Hz filter, settled --> + noise --> converter --> model (2) by batch least squares
+
+Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", sections 2.C and 3.A.
+"""
+
+from dataclasses import dataclass, field
+from string import ascii_lowercase
+
+import casadi as ca
+import numpy as np
+
+from models import built_matrix, hall_chain, hall_scan, planar_stage
+from models.built_matrix import Field, Tolerances
+from models.hall_array import Pair
+from models.hall_chain import Chain
+from synth import numeric
+from synth.errors import ModelError
+from synth.statespace import Array, readonly
+from synth.synthesise.identify.logs import Log
+from synth.timing import Discrete
+
+POSE = ("x", "y", "phi")
+SCANNED = 48  # places along a pitch
+MOST = 8  # sensors that the true field is read at
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """Sensors at `places` in m over blocks with tolerances, and what follows them.
+
+    Raises ModelError for places that are none, fewer than two, or more than MOST.
+    """
+
+    places: tuple[Pair, ...]
+    spread: Tolerances = built_matrix.USUAL
+    chain: Chain = field(default_factory=Chain)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "places", numeric.places(self.places, 2))
+        numeric.whole("the number of places", len(self.places), 2, MOST)
+
+    @property
+    def true(self) -> Field:
+        """The true field."""
+        return built_matrix.field(self.spread)
+
+
+def settled(bench: Bench, poses: Array) -> Array:
+    """Return the voltages (N, 2 sensors) at rest at poses (N, 3) of X, Y in m and the yaw in rad, without noise.
+
+    Raises ModelError for poses of another shape, none, or that take a sensor to where the true field is not known.
+    """
+    poses = numeric.table("the poses of X, Y and yaw", poses, len(POSE))
+    X, Y, yaw = poses.T
+    c, s = np.cos(yaw), np.sin(yaw)
+    furthest = max(float(np.abs([X + c * x - s * y, Y + s * x + c * y]).max()) for x, y in bench.places)
+    if furthest > built_matrix.REACH + built_matrix.MARGIN:
+        raise ModelError(
+            f"a sensor comes {1e3 * furthest:.4g} mm from the origin: the true field is known to "
+            f"{1e3 * (built_matrix.REACH + built_matrix.MARGIN):.4g} mm, measure nearer"
+        )
+    x = {name: ca.SX.sym(name) if name in POSE else ca.SX(0) for name in planar_stage.AXES}
+    volts = ca.vcat(list(built_matrix.voltages(bench.true, bench.places, x, bench.chain.gain).values()))
+    of = ca.Function("volts", [ca.vcat([x[n] for n in POSE])], [volts])
+    return readonly(of.map(len(poses))(poses.T).full().T)
+
+
+def read(bench: Bench, poses: Array, time: Discrete, seed: int) -> dict[str, Array]:
+    """Return what the converter reads of V_ax, V_ay, V_bx .. (N,), V, with the chain's noise at a sample time."""
+    true, step = settled(bench, poses).T, bench.chain.step
+    noisy = true + hall_chain.noise(bench.chain, time, true.shape, seed)
+    names = [f"V_{letter}{axis}" for letter in ascii_lowercase[: len(bench.places)] for axis in "xy"]
+    return {name: readonly(step * np.rint(row / step)) for name, row in zip(names, noisy, strict=True)}
+
+
+def fits(bench: Bench, pitch: float, time: Discrete, seed: int = 1) -> list[hall_scan.Fit]:
+    """Return model (2) of each channel, by scans over a pitch in m about the origin."""
+    along = pitch * (np.arange(SCANNED) / SCANNED - 0.5)
+    X, Y = (each.ravel() for each in np.meshgrid(along, along, indexing="ij"))
+    volts = read(bench, np.column_stack([X, Y, np.zeros(X.size)]), time, seed)
+    found = []
+    for name, volt in volts.items():
+        x, y = bench.places[ascii_lowercase.index(name[2])]
+        log = Log({"X": readonly(X + x), "Y": readonly(Y + y), name: volt})
+        found.append(hall_scan.fit(log, name, pitch, name[3].upper()))
+    return found

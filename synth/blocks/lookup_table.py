@@ -1,0 +1,96 @@
+"""Two-dimensional lookup table: bilinear between the nearest four values of a grid (Simulink "2-D Lookup Table").
+
+    v(x, y) = v_00 + f (v_10 - v_00) + g (v_01 - v_00 + f (v_11 - v_01 - v_10 + v_00)),    f, g = 0 .. 1 in a cell
+
+Beyond the grid's ends the values on its edge count. `fitted` makes the values of scattered samples, linear on their
+Delaunay triangles (SciPy `LinearNDInterpolator`).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+from scipy import interpolate, spatial
+
+from synth import numeric
+from synth.block import clip
+from synth.errors import ModelError
+from synth.signals import Signal
+from synth.statespace import Array, readonly
+
+MOST = 2**20  # points: whole numbers of single precision tell as many apart, and a controller holds no more
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Points low + (i, j) spacing, i < n_x, j < n_y, in the unit of x and y, with numbers `size` = (n_x, n_y).
+
+    Raises ModelError for a spacing that is not positive, or fewer than two points along a side, or more than MOST.
+    """
+
+    low: tuple[float, float]
+    spacing: float
+    size: tuple[int, int]
+
+    def __post_init__(self) -> None:
+        numeric.positive("the grid's spacing", self.spacing)
+        for n in self.size:
+            numeric.whole("the number of points along a side of the grid", n, 2)
+        if self.size[0] * self.size[1] > MOST:
+            raise ModelError(f"the grid has {self.size} points: give a wider spacing, {MOST} points are the most")
+
+    @property
+    def axes(self) -> tuple[Array, Array]:
+        """Return the points (n_x,) and (n_y,) along x and y."""
+        along = [low + self.spacing * np.arange(n) for low, n in zip(self.low, self.size, strict=True)]
+        return readonly(along[0]), readonly(along[1])
+
+
+def square(reach: float, spacing: float) -> Grid:
+    """Return a grid of at least `reach` to either side of the origin.
+
+    Raises ModelError for figures that are no positive numbers, and as `Grid`.
+    """
+    reach, spacing = numeric.positive("the reach", reach), numeric.positive("the grid's spacing", spacing)
+    n = int(np.ceil(reach / spacing - 1e-9))
+    return Grid((-n * spacing, -n * spacing), spacing, (2 * n + 1, 2 * n + 1))
+
+
+def fitted(at: Array, values: Array, grid: Grid) -> Array:
+    """Return values (n_x, n_y, m) on a grid from samples (N, m) at scattered places (N, 2).
+
+    Raises ModelError for samples that make no triangle, or a grid that reaches beyond them.
+    """
+    try:
+        between = interpolate.LinearNDInterpolator(at, values)
+    except spatial.QhullError as error:
+        raise ModelError(
+            f"{len(at)} samples make no triangle: measure at three places or more, not on a line"
+        ) from error
+    table = between(*np.meshgrid(*grid.axes, indexing="ij"))
+    missing = np.argwhere(~np.isfinite(table).all(axis=2))
+    if len(missing):
+        x, y = (axis[k] for axis, k in zip(grid.axes, missing[0], strict=True))
+        raise ModelError(f"no samples lie about ({x:.4g}, {y:.4g}): narrow the grid, or measure beyond its ends")
+    return readonly(table)
+
+
+def bilinear(tables: Mapping[str, ca.Function], grid: Grid, x: ca.SX, y: ca.SX) -> dict[str, ca.SX]:
+    """Return what `block.table`s of values (n_x n_y,), y changing fastest, have at a place, by name."""
+    (i, f), (j, g) = (_cell(place, grid, side) for side, place in enumerate((x, y)))
+    columns, looked_up = grid.size[1], {}
+    corners = [i * columns + j + step for step in (0, 1, columns, columns + 1)]
+    for name, table in tables.items():
+        here, above, right, across = (table(corner) for corner in corners)
+        rise, turn = above - here, (across - right) - (above - here)
+        looked_up[name] = here + f * (right - here) + g * (rise + f * turn)
+    return looked_up
+
+
+def _cell(place: ca.SX, grid: Grid, side: int) -> tuple[ca.SX, ca.SX]:
+    """Return the number of the cell at a place, and how far in it the place lies, 0 .. 1."""
+    last = grid.size[side] - 1
+    along = clip((place - grid.low[side]) / grid.spacing, Signal("along", "1", 0, last))
+    cell = ca.floor(ca.fmin(along, last - 1))
+    return cell, along - cell

@@ -1,0 +1,39 @@
+"""Figures and tables of a report whose captions and columns are data, beside what is computed for them.
+
+[blocks."accuracy.places"]         a drawing of this name is a figure, rows of this name are a table
+caption = "Sensors, in pitches of {{ pitch_mm:.1f }} mm."      placeholders as in report.md
+beside = "Fig. 3: ..."             of a figure: what the source's own shows
+columns = ["layout", "X, µm"]      of a table; `digits` that its numbers are shown to, 4 unless given
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from synth.errors import DesignError
+from synth.report import figures, page, prose
+from synth.report.prose import Value
+
+Rows = Sequence[Sequence[page.Cell]]
+Made = Value | Figure | Rows
+
+
+def captioned(made: Mapping[str, Made], described: Mapping[str, Any]) -> dict[str, Value]:
+    """Return what is made as values of report.md: drawings and rows with their captions, all else as it is.
+
+    Raises DesignError for a drawing or rows that are not described, and as `prose.filled`.
+    """
+    return {name: _block(name, each, described, made) for name, each in made.items()}
+
+
+def _block(name: str, each: Made, described: Mapping[str, Any], made: Mapping[str, Any]) -> Value:
+    if not isinstance(each, Figure | list | tuple):
+        return each  # type: ignore[return-value]
+    if name not in described:
+        raise DesignError(f"'{name}' has no caption: describe it in report.toml as [blocks.\"{name}\"]")
+    words = described[name]
+    caption = prose.filled(words["caption"], made)
+    if isinstance(each, Figure):
+        return page.Figure(figures.svg(each, name.replace(".", "-")), caption, words.get("beside", ""))
+    return page.Table(caption, tuple(words["columns"]), tuple(map(tuple, each)), words.get("digits", 4))

@@ -1,0 +1,116 @@
+"""Failure of one sensor in closed loop: when the controller names it, when it latches, and what the machine does then.
+
+From a sample on the sensor shows a constant, as one that is dead, out of range or not a number, or it sticks at its
+last sound reading. Samples are counted from the first bad one, 0 for that one itself.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synth.fault import LATCH_BIT
+from synth.simulate.rig import Rig
+from synth.simulate.scenario import Array, Trajectory, sample_times
+from synth.simulate.sensors import Override
+
+
+@dataclass(frozen=True, eq=False)
+class Failure:
+    """A run in which `sensor` fails at `sample`; `bits` are those of the fault word that name each sensor.
+
+    `deviation` (N,) is the largest |position - set-point| among the set-points that were given.
+    """
+
+    sensor: str
+    sample: int
+    run: Trajectory
+    deviation: Array
+    bits: Mapping[str, int]
+
+    @property
+    def latched(self) -> int | None:
+        """Samples from the failure to the latch, None if never."""
+        return self.first(self.run.faults >> LATCH_BIT & 1)
+
+    @property
+    def named(self) -> int | None:
+        """Samples from the failure to the first in which the sensor is named, None if not up to the latch."""
+        return self.first(self.words & self.bits[self.sensor])
+
+    @property
+    def others(self) -> tuple[str, ...]:
+        """The sensors that are named up to the latch though they are sound."""
+        word = int(np.bitwise_or.reduce(self.words))
+        return tuple(name for name, bits in self.bits.items() if word & bits and name != self.sensor)
+
+    @property
+    def words(self) -> NDArray[np.uint32]:
+        """The fault words up to the latch."""
+        return self.run.faults[: None if self.latched is None else self.sample + self.latched + 1]
+
+    @property
+    def excursion(self) -> float:
+        """The largest deviation from the failure to the latch."""
+        end = None if self.latched is None else self.sample + self.latched
+        return float(self.deviation[self.sample : end].max(initial=0.0))
+
+    def slew(self) -> float:
+        """Return the fastest change of a command from the latch on, in its unit per s, 0 without a latch."""
+        if self.latched is None:
+            return 0.0
+        step = float(self.run.time[1] - self.run.time[0])
+        return float(np.abs(np.diff(self._commands()[:, self.sample + self.latched - 1 :], axis=1)).max()) / step
+
+    def left(self) -> float:
+        """Return the largest command at the end, 0 without a latch."""
+        return 0.0 if self.latched is None else float(np.abs(self._commands()[:, -1]).max())
+
+    def first(self, flags: NDArray[Any]) -> int | None:
+        """Return the samples from the failure to the first that is flagged, None where none is."""
+        samples = np.flatnonzero(flags)
+        return int(samples[0]) - self.sample if samples.size else None
+
+    def _commands(self) -> Array:
+        return np.array(list(self.run.commands.values()), dtype=np.float64)
+
+
+def fail(
+    rig: Rig,
+    sensor: str,
+    shown: float | None,
+    at_s: float,
+    duration_s: float,
+    courses: Mapping[str, Array],
+    start: Mapping[str, float],
+) -> Failure:
+    """Run a rig from rest at `start` on `courses` of set-points (N,); from `at_s` on a sensor shows only `shown`.
+
+    None lets it stick at its last sound reading. Raises SignalError as `Rig.run`.
+    """
+    time = sample_times(duration_s, rig.period_s)
+    k = int(np.argmax(time >= at_s))
+    value = _reading(rig, sensor, k, courses, start) if shown is None else shown
+    bad = Override(np.arange(len(time)) >= k, np.full(len(time), value))
+    run = rig.run(duration_s, start, courses, overrides={sensor: bad})
+    positions = {s.name: s.of for s in rig.stage.interface.set_points}
+    deviation = np.max([np.abs(run[positions[name]] - course) for name, course in courses.items()], axis=0)
+    return Failure(sensor, k, run, deviation, bits(rig))
+
+
+def bits(rig: Rig) -> dict[str, int]:
+    """Return the bits of the fault word that name each sensor, as out of range or as a suspect."""
+    words = dict.fromkeys((s.name for s in rig.stage.interface.sensors), 0)
+    for fault in rig.controller.manifest["faults"]:
+        name = fault.get("input") or fault.get("suspect")
+        if name in words:
+            words[name] |= 1 << fault["bit"]
+    return words
+
+
+def _reading(rig: Rig, sensor: str, k: int, courses: Mapping[str, Array], start: Mapping[str, float]) -> float:
+    """Return what a sound sensor shows at sample k."""
+    until = {name: course[: k + 1] for name, course in courses.items()}
+    return float(rig.run((k + 1) * rig.period_s, start, until).measured[sensor][k])

@@ -1,0 +1,54 @@
+"""Grids and values fitted to samples; the bilinear Block is compared with SciPy in the Hall position's error map."""
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from synth.block import table
+from synth.blocks import lookup_table
+from synth.blocks.lookup_table import Grid
+from synth.errors import ModelError
+
+GRID = Grid((-1.0, 2.0), 0.5, (5, 3))
+
+
+def bilinear(values: np.ndarray, x: float, y: float) -> float:
+    place = [ca.SX.sym(name) for name in "xy"]
+    found = lookup_table.bilinear({"v": table("v", values.ravel())}, GRID, *place)["v"]
+    return float(ca.Function("f", place, [found])(x, y))
+
+
+def test_a_bilinear_function_is_kept_and_its_edge_counts_beyond() -> None:
+    x, y = np.meshgrid(*GRID.axes, indexing="ij")
+    values = 1 + 2 * x - 3 * y + 0.5 * x * y
+    assert bilinear(values, 0.3, 2.2) == pytest.approx(1 + 0.6 - 6.6 + 0.33)
+    assert bilinear(values, 9.0, -9.0) == pytest.approx(values[-1, 0])
+    assert bilinear(values, 1.0, 3.0) == pytest.approx(values[-1, -1])
+
+
+def test_linear_samples_are_fitted_exactly() -> None:
+    at = np.random.default_rng(0).uniform((-2, 1), (2, 4), (200, 2))
+    values = np.column_stack([at @ [1.0, 2.0], at @ [-3.0, 0.5] + 1])
+    fitted = lookup_table.fitted(at, values, GRID)
+    x, y = np.meshgrid(*GRID.axes, indexing="ij")
+    np.testing.assert_allclose(fitted, np.stack([x + 2 * y, -3 * x + 0.5 * y + 1], axis=-1), rtol=1e-12, atol=1e-12)
+    with pytest.raises(ModelError, match="no samples lie about"):
+        lookup_table.fitted(at, values, lookup_table.square(5.0, 1.0))
+
+
+@pytest.mark.parametrize("spacing", [0, -1e-3, float("nan"), None, "1", True])
+def test_a_grid_of_no_spacing_or_reach_is_refused(spacing: Any) -> None:
+    with pytest.raises(ModelError, match="spacing is"):
+        lookup_table.square(1e-3, spacing)
+    with pytest.raises(ModelError, match="reach is"):
+        lookup_table.square(spacing, 1e-3)
+    with pytest.raises(ModelError, match="spacing is"):
+        Grid((0.0, 0.0), spacing, (3, 3))
+
+
+def test_a_grid_has_two_points_along_each_side_and_no_more_than_a_controller_holds() -> None:
+    for size, message in (((1, 3), "whole number of at least 2"), ((3.5, 3), "whole"), ((2048, 2048), "wider spacing")):
+        with pytest.raises(ModelError, match=message):
+            Grid((0.0, 0.0), 1e-3, size)  # type: ignore[arg-type]

@@ -1,0 +1,29 @@
+"""Drawings and rows take their captions from data; what is not described is refused."""
+
+import pytest
+from matplotlib.figure import Figure
+
+from synth.errors import DesignError
+from synth.report import captions, page
+
+DESCRIBED = {
+    "a.rows": {"caption": "Of {{ a.n }} in {{ a.x:.2f }}-100 %", "columns": ["name", "value"], "digits": 2},
+    "a.drawn": {"caption": "Drawn.", "beside": "Fig. 1"},
+}
+
+
+def test_rows_become_a_table_and_a_drawing_a_figure() -> None:
+    table = page.Table("own", ("x",), ())
+    made = {"a.rows": [("one", 1.0)], "a.drawn": Figure(), "a.n": 3, "a.x": -0.5, "a.table": table}
+    found = captions.captioned(made, DESCRIBED)
+    assert found["a.rows"] == page.Table("Of 3 in −0.50-100 %", ("name", "value"), (("one", 1.0),), 2)
+    drawn = found["a.drawn"]
+    assert isinstance(drawn, page.Figure) and drawn.svg.startswith("<svg") and drawn.beside == "Fig. 1"
+    assert found["a.table"] is table and found["a.n"] == 3
+
+
+def test_what_is_not_described_is_refused() -> None:
+    with pytest.raises(DesignError, match=r"'b' has no caption: describe it in report.toml as \[blocks."):
+        captions.captioned({"b": [("one",)]}, DESCRIBED)
+    with pytest.raises(DesignError, match=r"a\.n }}, which is not known"):
+        captions.captioned({"a.rows": [("one", 1.0)]}, DESCRIBED)

@@ -1,0 +1,16 @@
+"""Scores of estimators tell what is right, and what is valid and wrong."""
+
+import numpy as np
+
+from synth.simulate import ensemble
+from synth.simulate.ensemble import Scores
+
+
+def test_what_is_valid_elsewhere_is_wrong() -> None:
+    deviations = np.array([[0.5, 11.0, 11.0, np.nan], [9.0, 0.0, 0.0, 0.0]])
+    one = Scores(np.array([True, True, False, True]), np.arange(4.0), deviations)
+    np.testing.assert_array_equal(one.right, [True, False, False, False])
+    np.testing.assert_array_equal(one.wrong, [False, True, False, True])
+    both = ensemble.stacked([one, one])
+    assert both.wrong.shape == both.off.shape == (2, 4) and both.deviations.shape == (2, 2, 4)
+    np.testing.assert_array_equal(both.wrong[1], one.wrong)

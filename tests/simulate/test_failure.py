@@ -1,0 +1,35 @@
+"""Failures of a sensor in closed loop: it is named at once or never, and the commands go to their safe values."""
+
+import numpy as np
+
+from synth import declared
+from synth.simulate import failure
+from synth.simulate.failure import Failure
+from tests.verify.test_stimuli import STAGE
+
+AT, DURATION = 0.1, 0.4  # s
+
+
+def fail(shown: float | None) -> Failure:
+    rig = declared.rig(STAGE, np.float64)
+    point = rig.stage.interface.set_points[0]
+    n = round(DURATION / rig.period_s)
+    course = np.full(n, rig.at_rest()[point.name])
+    return failure.fail(rig, rig.stage.interface.sensors[0].name, shown, AT, DURATION, {point.name: course}, {})
+
+
+def test_a_sensor_that_is_no_number_is_named_and_latches() -> None:
+    f, bad = fail(np.nan), STAGE.interface.bad_samples
+    assert f.named == 0 and f.latched == bad - 1 and f.others == () and len(f.words) == f.sample + bad
+    assert f.run.time[f.sample] >= AT > f.run.time[f.sample - 1]
+    rates = [a.slew_per_s for a in STAGE.interface.actuators]
+    assert f.slew() <= max(rates) * (1 + 1e-9) and f.left() == 0
+    assert f.excursion <= f.deviation.max()
+
+
+def test_a_sensor_that_sticks_at_rest_shows_what_it_did() -> None:
+    f = fail(None)
+    name, k = f.sensor, f.sample
+    shown = f.run.measured[name][k:]
+    assert (shown == shown[0]).all() and f.named is None and f.latched is None and f.slew() == 0 == f.left()
+    assert f.excursion == f.deviation[k:].max()
