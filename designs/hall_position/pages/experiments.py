@@ -14,12 +14,13 @@ from synth.report.captions import Made, Rows
 from synth.report.charts import Chart, Line
 from synth.report.maps import Map
 from synth.report.notation import readable
-from synth.report.standard import Shown
+from synth.report.shown import Shown
 from synth.simulate.experiment import Experiment
 from synth.statespace import Array
 
-UNITS = {"x": "m", "y": "m", "phi": "rad"}  # of what begins so
-SMALL, PREFIXED = 5e-4, {"m": "µm", "rad": "µrad"}  # m, rad: below it a signal is shown with the prefix
+ESTIMATED = ", estimated"
+UNITS = {axis + kind: unit for axis, unit in (("x", "m"), ("y", "m"), ("phi", "rad")) for kind in ("", ESTIMATED)}
+SMALL = 5e-4  # m, rad: below it a signal is shown in um or urad
 STEPS, ZIGZAGS, SOURCES = ("step_plain", "step_calibrated"), ("zigzag_plain", "zigzag_calibrated"), "sources"
 NAMES = (
     *("calibration.map", "calibration.shares", "calibration.compared", "experiments.steps", "experiments.zigzags"),
@@ -50,30 +51,22 @@ def blocks(of: ErrorMap | None, runs: Sequence[Experiment]) -> dict[str, Made]:
 def section(runs: Sequence[Experiment], beside: Mapping[str, str]) -> page.Section:
     """Return every experiment, with what the paper's figure shows `beside` it by name."""
     drawn = {e.name: (compared(e.figures),) for e in runs if e.name == SOURCES}
-    parts = [standard.experiments([e], Shown(each, beside=beside, drawn=drawn)) for e, each in map(scaled, runs)]
-    return page.Section(standard.EXPERIMENTS, (), tuple(s for part in parts for s in part.sections))
+    return standard.experiments([worded(e) for e in runs], Shown(UNITS, beside=beside, drawn=drawn, fine=SMALL))
 
 
-def scaled(e: Experiment) -> tuple[Experiment, dict[str, str]]:
-    """Return an experiment whose small signals are in um and urad, and the units of what it shows, names readable."""
-    units: dict[str, str] = {}
-    states: dict[str, Array] = {}
-    references: dict[str, Array] = {}
-    for name in e.shown:
-        axis, *estimated = name.split("_")
-        label = f"{axis}, estimated" if estimated else axis
-        values, unit = np.asarray(e.trajectory[name], dtype=np.float64), UNITS[axis]
-        small = float(np.nanmax(np.abs(values))) < SMALL
-        units[label], factor = (PREFIXED[unit], 1e6) if small else (unit, 1.0)
-        states[label] = factor * values
-        references |= {label: factor * e.references[name]} if name in e.references else {}
+def worded(e: Experiment) -> Experiment:
+    """Return an experiment whose signals, title and text are named as a reader writes them."""
+    labels = {name: name.replace("_raw", ESTIMATED) for name in e.shown}
+    states = {label: np.asarray(e.trajectory[name], np.float64) for name, label in labels.items()}
     changed: dict[str, Any] = {
         "title": readable(e.title).replace("+-", "±"),
         "about": readable(e.about).replace("+-", "±"),
         "trajectory": replace(e.trajectory, states=states),
+        "shown": tuple(states),
+        "references": {labels[name]: values for name, values in e.references.items() if name in labels},
         "figures": {} if e.name == SOURCES else {_unit(n): v for n, v in e.figures.items()},
     }
-    return replace(e, shown=tuple(units), references=references, **changed), units
+    return replace(e, **changed)
 
 
 def compared(measured: Mapping[str, float]) -> page.Table:

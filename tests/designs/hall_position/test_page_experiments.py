@@ -29,13 +29,14 @@ def run(values: dict[str, np.ndarray], name: str = "step_plain", more: Mapping[s
     return Experiment(name, "x by 10 um", "16 bits over +-5 V", trajectory, tuple(values), wanted, more)
 
 
-def test_small_signals_are_shown_in_micrometres() -> None:
+def test_signals_are_named_as_a_reader_writes_them() -> None:
     e = run({"x": np.full(8, 4e-3), "x_raw": np.full(8, 3e-5), "phi": np.full(8, 1e-3)})
-    shown, units = experiments.scaled(e)
-    assert units == {"x": "m", "x, estimated": "µm", "phi": "rad"}
-    np.testing.assert_allclose(shown.trajectory["x, estimated"], 30.0)
-    np.testing.assert_allclose(shown.trajectory["x"], 4e-3)
-    np.testing.assert_allclose(shown.references["x"], 4e-3)
+    shown = experiments.worded(e)
+    assert shown.shown == ("x", "x, estimated", "phi") and set(shown.shown) <= set(experiments.UNITS)
+    np.testing.assert_array_equal(shown.trajectory["x, estimated"], 3e-5)
+    np.testing.assert_array_equal(shown.references["x"], 4e-3)
+    (part,) = experiments.section([e], {}).sections
+    assert isinstance(part.blocks[0], Figure) and "estimated" in part.blocks[0].svg and "µm" in part.blocks[0].svg
 
 
 def test_runs_with_and_without_calibration_stand_side_by_side() -> None:
