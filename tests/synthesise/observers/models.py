@@ -1,11 +1,14 @@
-"""Models of a mass and of one state, and the run of a sampled model over recorded inputs."""
+"""Models of a mass and of one state, the filter of the mass, and the run of a sampled model over recorded inputs."""
 
 import numpy as np
 
 from synth.statespace import StateSpace, of
+from synth.synthesise.observers import kalman, lqg
 from synth.timing import Continuous, Time
 
 UNITS = {"x": "m", "v": "m/s", "f": "N", "y": "m"}
+FORMS = (lqg.predictor, lqg.current)
+T = 1e-3
 
 
 def mass() -> StateSpace:
@@ -13,6 +16,10 @@ def mass() -> StateSpace:
     return StateSpace(
         [[0, 1], [0, 0]], [[0], [1 / 1.52]], [[1, 0]], [[0]], ("x", "v"), ("f",), ("y",), Continuous(), UNITS
     )
+
+
+def held_mass() -> kalman.Estimator:
+    return kalman.sampled(mass(), [1e-3], [25e-10], T, G=mass().B)
 
 
 def scalar(a: float, time: Time, c: float = 1.0) -> StateSpace:
