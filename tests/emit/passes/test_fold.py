@@ -16,16 +16,16 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from synth.block import Constant, Step, build
+from synth.block import Step, build
 from synth.emit import lower
 from synth.emit.lower import Node, Program
 from synth.emit.passes import fold
 from synth.signals import Signal
 from synth.timing import Discrete
 from tests.emit.meaning import interpret
+from tests.emit.passes.trees import LEAVES, A, B, C, K, L, folded, tree
 
 NUMBERS = (0.0, 1.0, -1.0, 2.0, -2.0, 0.5, -0.25, 4.0)
-LEAVES = [Node("input", name=n) for n in "abc"] + [Node("constant", name="k"), Node("constant", name="l")]
 UNARY = ("neg", "fabs", "sq", "twice", "inv", "not")
 BINARY = ("add", "sub", "mul", "div", "min", "max", "lt", "le", "eq", "ne", "and", "or", "when")
 OFTEN = ("add", "sub", "mul", "mul", "div", "neg", "choose", "max", "min", "inv")
@@ -137,27 +137,6 @@ def test_a_planted_defect_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -
     else:
         monkeypatch.setitem(fold._RULES, name, TABLED[name])
     assert differing()
-
-
-# --- each rule ---
-
-
-A, B, C, K, L = range(5)
-
-
-def folded(*nodes: Node, leaves: list[Node] = LEAVES) -> Program:
-    """Fold a program whose output is the last node."""
-    return fold.folded(Program((*leaves, *nodes), (), {"y": len(leaves) + len(nodes) - 1}, {}))
-
-
-def tree(program: Program, k: int | None = None) -> str:
-    """Write a node as a text, operations before their arguments."""
-    node = program.nodes[program.outputs["y"] if k is None else k]
-    if node.op in ("input", "constant"):
-        return node.name
-    if node.op == "literal":
-        return f"{node.value:g}"
-    return f"{node.op}({', '.join(tree(program, a) for a in node.args)})"
 
 
 def number(value: float) -> Node:
@@ -288,49 +267,3 @@ def test_divisions_on_sides_that_exclude_each_other_stay_where_they_are_safe() -
     assert divisions(folded(*sides)) == 2
     # One more that is made anyway, and the reciprocal costs nothing.
     assert divisions(folded(*sides, Node("inv", (C,)), Node("add", (8, 9)))) == 1
-
-
-# --- products of constants ---
-
-
-def gathered(*nodes: Node) -> Program:
-    return fold.gathered(folded(*nodes, leaves=[*LEAVES, Node("constant", name="m")]))
-
-
-M = 5
-
-
-def test_two_constants_become_one() -> None:
-    program = gathered(Node("mul", (L, A)), Node("mul", (K, 6)))
-    assert tree(program) == "mul(k_x_l, a)" and program.products == {"k_x_l": ("k", "l")}
-
-
-def test_three_constants_become_two() -> None:
-    """The third is not lost."""
-    program = gathered(Node("mul", (M, A)), Node("mul", (L, 6)), Node("mul", (K, 7)))
-    assert tree(program) == "mul(k, mul(l_x_m, a))" and program.products == {"l_x_m": ("l", "m")}
-    assert fold.gathered(program).products == {"l_x_m": ("l", "m"), "k_x_l_x_m": ("k", "l_x_m")}
-
-
-def test_what_is_read_elsewhere_too_is_not_gathered() -> None:
-    program = gathered(Node("mul", (L, A)), Node("mul", (K, 6)), Node("add", (6, 7)))
-    assert not program.products
-
-
-def test_a_name_that_is_taken_is_not_given_again() -> None:
-    leaves = [*LEAVES, Node("constant", name="k_x_l")]
-    nodes = [Node("mul", (L, A)), Node("mul", (K, 6)), Node("mul", (5, B)), Node("add", (7, 8))]
-    assert not fold.gathered(folded(*nodes, leaves=leaves)).products
-
-
-def test_a_block_keeps_its_constants() -> None:
-    block = build(
-        "kept",
-        Discrete(1e-3),
-        lambda u, x, k: Step({"y": 2 * (k["k"] * (3 * u["a"])) + k["l"] / 4}),
-        inputs=[Signal("a", "1", -1, 1)],
-        outputs=[Signal("y", "1", -99, 99)],
-        constants=[Constant("k", 0.1, "1", "test"), Constant("l", 0.3, "1", "test")],
-    )
-    program = fold.folded(lower.program(block))
-    assert {n.name for n in program.nodes if n.op == "constant"} == {"k", "l"}

@@ -1,6 +1,5 @@
-"""Steady-state filters against closed forms, other solvers, simulation, and the figures of a published filter."""
+"""Steady-state filters against closed forms, other solvers and simulation."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import control
@@ -10,27 +9,13 @@ import scipy.linalg
 import slycot
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.optimize import brentq
 
-from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import StateSpace, of
-from synth.synthesise.observers import belief, kalman
+from synth.synthesise.observers import kalman
 from synth.synthesise.riccati import riccati
 from synth.timing import Continuous, Discrete, Time
 from tests import tolerances
-
-UNITS = {"x": "m", "v": "m/s", "f": "N", "y": "m"}
-
-
-def mass() -> StateSpace:
-    """1.52 kg on a guide, its position measured."""
-    return StateSpace(
-        [[0, 1], [0, 0]], [[0], [1 / 1.52]], [[1, 0]], [[0]], ("x", "v"), ("f",), ("y",), Continuous(), UNITS
-    )
-
-
-def scalar(a: float, time: Time, c: float = 1.0) -> StateSpace:
-    return of((a, 1.0, c, 0.0, time))
+from tests.synthesise.observers.models import mass, run, scalar
 
 
 def random_problem(seed: int, time: Time) -> tuple[StateSpace, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -218,17 +203,6 @@ def test_the_errors_of_a_simulation_have_the_covariances() -> None:
     assert apart(simulated(uncrossed, W, G, V, S)) > 0.06
 
 
-# The filters as models
-
-
-def run(form: StateSpace, inputs: np.ndarray) -> np.ndarray:
-    x, outputs = np.zeros(len(form.states)), []
-    for u in inputs:
-        outputs.append(form.C @ x + form.D @ u)
-        x = form.A @ x + form.B @ u
-    return np.array(outputs)
-
-
 def test_both_forms_estimate_what_the_recursion_says_with_a_direct_term_and_cross_covariance() -> None:
     model, G, W, V, S = random_problem(2, Discrete(0.1))
     found = kalman.discrete(model, W, V, G, S)
@@ -289,144 +263,3 @@ def test_noise_that_reaches_an_output_at_once_is_correlated_noise() -> None:
     total = V + F @ W @ F.T + F @ S + S.T @ F.T
     want = kalman.discrete(model, W, (total + total.T) / 2, G, W @ F.T + S)
     np.testing.assert_allclose(found.L, want.L, rtol=tolerances.of("double") * 10)
-
-
-# What is refused
-
-BIASED = StateSpace(np.diag([-1.0, 0.0]), [[1], [0]], [[1, 0]], [[0]], ("x", "bias"), ("u",), ("y",), Continuous())
-SEEN_BIAS = replace(BIASED, C=[[1, 1]])
-
-
-@pytest.mark.parametrize(
-    ("make", "error", "message"),
-    [
-        (lambda: kalman.continuous(BIASED, [1, 1], [1]), ModelError, "not detectable: mode 0 in bias"),
-        (lambda: kalman.continuous(SEEN_BIAS, {"x": 1}, [1]), ModelError, "no noise reaches the mode 0 in bias"),
-        (lambda: kalman.discrete(scalar(1, Discrete(1)), [0], [1]), ModelError, "no noise reaches the mode 1 in x1"),
-        (lambda: kalman.continuous(mass(), {"v": 1}, [0.0]), ModelError, "measurement of y .* reduced-order observer"),
-        (
-            lambda: kalman.continuous(
-                replace(mass(), C=np.eye(2), D=[[0], [0]], outputs=("x", "v")), [1, 1], [[1, 1], [1, 1]]
-            ),
-            ModelError,
-            "measurement of x, v .* reduced-order",
-        ),
-        (lambda: kalman.sampled(mass(), {"v": 1}, [0.0], 1e-3), ModelError, "measurement of y has no white noise"),
-        (lambda: kalman.continuous(mass(), {"v": 1}, [-1.0]), SignalError, "V has the eigenvalue -1"),
-        (lambda: kalman.continuous(mass(), [[1, 2], [0, 1]], [1]), SignalError, "W is not symmetric"),
-        (lambda: kalman.continuous(mass(), [1, np.nan], [1]), SignalError, "W has nan"),
-        (lambda: kalman.continuous(mass(), {"q": 1}, [1]), SignalError, "names 'q'"),
-        (lambda: kalman.continuous(mass(), [1, 1], [1], S=[[0], [2]]), SignalError, "S is larger than W and V allow"),
-        (lambda: kalman.continuous(mass(), [1, 1], [1], S=[[0, 2]]), SignalError, "S is "),
-        (lambda: kalman.continuous(mass(), [1], [1], G="g"), SignalError, "'g' is not one of f"),
-        (lambda: kalman.continuous(mass(), [1], [1], G=[[1.0]]), SignalError, "G is .* 2 states"),
-        (lambda: kalman.continuous(mass().select((), ("f",)), [1, 1], []), SignalError, "0 outputs"),
-        (lambda: kalman.discrete(mass(), [1, 1], [1]), TimingError, "sample period"),
-        (lambda: kalman.continuous(scalar(1, Discrete(1)), [1], [1]), TimingError, "discretise or resample"),
-        (lambda: kalman.sampled(scalar(1, Discrete(1)), [1], [1], 0.1), TimingError, "continuous model"),
-        (lambda: kalman.sampled(mass(), [1, 1], [1], 0.0), TimingError, "period"),
-        (lambda: kalman.sampled((-1, 1, 1, 1), [1], [1], 0.1, G="u1"), SignalError, "reaches y1 at once"),
-    ],
-)
-def test_what_has_no_filter_is_refused(make: Callable[[], object], error: type[Exception], message: str) -> None:
-    with pytest.raises(error, match=message):
-        make()
-
-
-def test_an_unstable_mode_with_noise_and_a_decaying_one_without_both_have_a_filter() -> None:
-    model = StateSpace(np.diag([2.0, -1.0]), [[1], [1]], [[1, 1]], [[0]], ("a", "b"), ("u",), ("y",), Continuous())
-    found = kalman.continuous(model, {"a": 1}, [1])
-    assert found.poles.real.max() < 0
-    assert abs(found.prior[1, 1]) < tolerances.of("double")
-
-
-def test_noise_that_the_measurement_tells_counts_as_known() -> None:
-    """w = v S / V: x' = a x + (S / V) (y - x), which decays or not without a filter's help."""
-    told = kalman.continuous(scalar(0, Continuous()), [1.0], [1.0], S=[[1.0]])
-    assert (told.prior[0, 0], told.L[0, 0]) == (pytest.approx(0, abs=1e-14), pytest.approx(1))
-    with pytest.raises(ModelError, match="no noise reaches the mode 0 in x1"):
-        kalman.continuous(scalar(-1, Continuous()), [1.0], [1.0], S=[[-1.0]])
-
-
-# The published filter: position, speed and acceleration of one axis, jerk as white noise, equations (7) to (16)
-
-AUDITED = 1e-3  # relative: the audited bandwidths lie 0.02 to 0.10 % above the crossing, as if read on a grid
-
-
-def published(rate: float) -> tuple[StateSpace, np.ndarray]:
-    """The model (11), (12) of one axis and Gamma. The axes do not meet in (7) to (13)."""
-    T = 1 / rate
-    A = [[1, T, T * T / 2], [0, 1, T], [0, 0, 1]]
-    model = StateSpace(A, np.zeros((3, 0)), [[1, 0, 0]], np.zeros((1, 0)), ("x", "dx", "ddx"), (), ("y",), Discrete(T))
-    return model, np.array([[T**3 / 6], [T * T / 2], [T]])
-
-
-def bandwidth(form: StateSpace) -> float:
-    """Where |x_estimate / y|^2 falls through a half, in Hz."""
-    T = form.time.period_s
-
-    def excess(frequency: float) -> float:
-        return float(np.abs(form.response(np.exp(2j * np.pi * frequency * T))[0, 0, 0]) ** 2 - 0.5)
-
-    return brentq(excess, 5.0, 0.45 / T, xtol=1e-10)
-
-
-@pytest.mark.parametrize(
-    ("rate", "q", "exact", "audited"),
-    [(800, 100, 25.458, 25.463), (1000, 100, 25.627, 25.652), (800, 1e5, 75.532, 75.546), (1000, 1e5, 76.850, 76.882)],
-)
-def test_the_published_filter_has_half_the_bandwidth_that_is_printed(
-    rate: float, q: float, exact: float, audited: float
-) -> None:
-    """Printed: 50 Hz (x, y; q = 100) and 100 Hz (phi; q = 1e5).
-
-    The transfer is that from the measured position to the estimate of the same sample, of the steady filter for
-    W = q Gamma Gamma' and V = (5e-5)^2, at half the power.
-    """
-    model, Gamma = published(rate)
-    found = kalman.discrete(model, [q], [25e-10], Gamma)
-    assert round(bandwidth(found.current()), 3) == exact
-    assert 0 < audited / bandwidth(found.current()) - 1 < AUDITED
-    assert abs(bandwidth(found.predictor()) / audited - 1) > 0.05  # the other form is another figure
-    filtered = run(found.current(), np.sin(2 * np.pi * exact / rate * np.arange(8000))[:, None])[4000:, 0]
-    assert 2 * np.mean(filtered**2) == pytest.approx(0.5, rel=2e-3)  # a sine at the crossing comes out at half power
-
-
-@pytest.mark.parametrize(("rate", "ratio"), [(800, 0.33906), (1000, 0.30502)])
-def test_the_published_filter_lets_through_a_third_of_the_noise(rate: float, ratio: float) -> None:
-    """Printed: down by 75 %. White noise on y alone, stage at rest: the deviation of x_estimate over that of y."""
-    model, Gamma = published(rate)
-    form = kalman.discrete(model, [100.0], [25e-10], Gamma).current()
-    impulse = run(form, np.eye(3000, 1))[:, 0]
-    assert round(float(np.sqrt(impulse @ impulse)), 5) == ratio
-
-
-def test_the_gain_as_printed_tends_to_one() -> None:
-    """(14) predicts P and never updates it, so that it grows and K of (16) trusts the measurement alone."""
-    model, Gamma = published(800)
-    W = 100 * Gamma @ Gamma.T
-    now = belief.initial(model, 1e8 * np.eye(3))
-    for _ in range(200):
-        now = belief.predict(now, model, (W + W.T) / 2)
-    P = now.P[0, 0]
-    assert 1 - P / (P + 25e-10) < 1e-12
-    from_nothing = belief.initial(model, np.zeros((3, 3)))
-    gains = []
-    for _ in range(800):
-        from_nothing = belief.predict(from_nothing, model, (W + W.T) / 2)
-        gains.append(from_nothing.P[0, 0] / (from_nothing.P[0, 0] + 25e-10))
-    assert (np.diff(gains) > 0).all()
-    assert gains[-1] > 1 - 1e-6
-    assert kalman.discrete(model, [100.0], [25e-10], Gamma).M[0, 0] == pytest.approx(0.1360, abs=5e-5)
-
-
-@pytest.mark.parametrize("size", [1e-310, 1e-120, 1e120])
-def test_variances_that_cannot_be_squared_are_refused(size: float) -> None:
-    plant = ([[0, 1.0], [0, 0]], [[0], [1.0]], [[1.0, 0]], [[0.0]])
-    for make in (
-        lambda: kalman.continuous(plant, [size, size], [size]),
-        lambda: kalman.discrete((*plant, 0.1), [1.0, 1.0], [size]),
-        lambda: kalman.sampled(plant, [size, size], [size], 0.1),
-    ):
-        with pytest.raises(SignalError, match=r"the noise on (x1|y1) has the size .*; choose|the weight [WV] reach 1e"):
-            make()

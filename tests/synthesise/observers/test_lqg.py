@@ -1,4 +1,4 @@
-"""Separation, expected costs against their closed forms and simulation, and integrators that leave no error."""
+"""Separation, expected costs against their closed forms and simulation."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -15,31 +15,7 @@ from synth.synthesise.feedback import lqr
 from synth.synthesise.observers import kalman, lqg, noise
 from synth.timing import Continuous, Discrete, Time
 from tests import tolerances
-
-UNITS = {"x": "m", "v": "m/s", "f": "N", "y": "m"}
-FORMS = (lqg.predictor, lqg.current)
-T = 1e-3
-
-
-def mass() -> StateSpace:
-    return StateSpace(
-        [[0, 1], [0, 0]], [[0], [1 / 1.52]], [[1, 0]], [[0]], ("x", "v"), ("f",), ("y",), Continuous(), UNITS
-    )
-
-
-def held_mass() -> kalman.Estimator:
-    return kalman.sampled(mass(), [1e-3], [25e-10], T, G=mass().B)
-
-
-def planar() -> StateSpace:
-    """Equations (26), (27): x, y, phi and their rates under three currents."""
-    M = np.array([[0, 0, 13.2547], [13.2547, 13.2547, 0], [-117.15, 117.15, 0]])
-    A, B = np.eye(6, k=3), np.vstack([np.zeros((3, 3)), M])
-    states, inputs = ("x", "y", "phi", "d", "f", "v"), ("i_aq", "i_bq", "i_cq")
-    units = dict(zip((*states, *inputs), ("m", "m", "rad", "m/s", "m/s", "rad/s", "A", "A", "A"), strict=True))
-    outputs = ("x_hall", "y_hall", "phi_hall")
-    units |= dict(zip(outputs, ("m", "m", "rad"), strict=True))
-    return StateSpace(A, B, np.eye(3, 6), np.zeros((3, 3)), states, inputs, outputs, Continuous(), units)
+from tests.synthesise.observers.models import FORMS, T, held_mass, mass
 
 
 def random_loop(seed: int, time: Time) -> tuple[lqr.Gain, kalman.Estimator]:
@@ -234,85 +210,6 @@ def test_the_expected_cost_of_a_stiff_loop_is_that_of_its_parts() -> None:
     np.testing.assert_allclose(both.cost, sum(cost(-a * one).cost for a in rates), rtol=tolerances.of("double"))
     assert both.residual < tolerances.of("double")
     assert "Equation of the covariance solved to" in repr(both)
-
-
-# Integrators
-
-
-def last(loop: StateSpace, constant: dict[str, float], steps: int) -> dict[str, float]:
-    """The outputs of a sampled loop after many steps with constant inputs."""
-    x, u = np.zeros(len(loop.states)), np.array([constant.get(name, 0.0) for name in loop.inputs])
-    for _ in range(steps):
-        x = loop.A @ x + loop.B @ u
-    return dict(zip(loop.outputs, loop.C @ x + loop.D @ u, strict=True))
-
-
-@pytest.mark.parametrize("form", FORMS)
-def test_integrators_leave_no_error_to_a_constant_force_and_reference(form: Callable[..., lqg.Controller]) -> None:
-    estimator = held_mass()
-    full = lqr.integral(estimator.model, ("y",))
-    assert (full.states, full.unit("y_integral")) == (("x", "v", "y_integral"), "m s")
-    loop = form(lqr.lqr(full, np.diag([1e6, 1, 1e8]), [[1e-2]]), estimator)
-    assert loop.separation < tolerances.of("double") * 1e2
-    assert loop.compensator.inputs == ("y", "y_reference")
-    push = {"x_disturbance": 1e-6, "v_disturbance": 2e-3, "y_reference": 3e-4}
-    assert last(loop.loop, push, 20_000)["y"] == pytest.approx(3e-4, rel=tolerances.of("settled"))
-    plain = form(lqr.lqr(estimator.model, np.diag([1e6, 1]), [[1e-2]]), estimator)
-    assert abs(last(plain.loop, {"v_disturbance": 2e-3}, 20_000)["y"]) > 1e-5
-
-
-def test_the_integral_of_a_continuous_loop_is_that_of_the_error() -> None:
-    estimator = kalman.continuous(mass(), [1e-3], [25e-13], G=mass().B)
-    full = lqr.integral(mass(), ("y",))
-    np.testing.assert_array_equal(full.A, [[0, 1, 0], [0, 0, 0], [1, 0, 0]])  # the pattern of (31)
-    loop = lqg.predictor(lqr.lqr(full, np.diag([1e4, 1, 1e5]), [[1e-2]]), estimator)
-    assert loop.separation < tolerances.of("double") * 1e2
-    rest = -np.linalg.solve(loop.loop.A, loop.loop.B)
-    settled = loop.loop.C @ rest + loop.loop.D
-    y, names = settled[0], loop.loop.inputs
-    assert y[names.index("y_reference")] == pytest.approx(1.0)
-    assert y[names.index("v_disturbance")] == pytest.approx(0.0, abs=1e-12)
-
-
-def test_a_direct_term_is_integrated_too() -> None:
-    plant = replace(mass(), D=[[0.25]])
-    np.testing.assert_array_equal(lqr.integral(plant, ("y",)).B, [[0], [1 / 1.52], [0.25]])
-    estimator = kalman.sampled(plant, [1e-3], [25e-10], T, G=mass().B)
-    loop = lqg.predictor(lqr.lqr(lqr.integral(estimator.model, ("y",)), np.diag([1e4, 1, 1]), [[1e-2]]), estimator)
-    assert loop.separation < tolerances.of("double") * 1e2
-
-
-def test_measurement_noise_reaches_the_integral() -> None:
-    """E of the cost with integrators: the noise on (x, q) is (w, T v), its covariance with v (S, T V)."""
-    estimator = held_mass()
-    gain = lqr.lqr(lqr.integral(estimator.model, ("y",)), np.diag([1e6, 1, 1e8]), [[1e-2]])
-    e, X, K = estimator.noise, gain.certificate.X, gain.K[:, :2]
-    B = np.vstack([estimator.model.B, np.zeros((1, 1))])
-    W = np.block([[e.W, T * e.S], [T * e.S.T, T * T * e.V]])
-    weight = gain.R + B.T @ X @ B
-    before = np.trace(X @ W) + np.trace(estimator.prior @ K.T @ weight @ K)
-    assert lqg.expected(lqg.predictor(gain, estimator)).cost == pytest.approx(before, rel=1e-7)
-    seen = np.vstack([e.S, T * e.V])
-    now = np.trace(X @ W) + np.trace(estimator.posterior @ K.T @ weight @ K)
-    now += 2 * np.trace(X @ B @ K @ estimator.M @ seen.T)
-    assert lqg.expected(lqg.current(gain, estimator)).cost == pytest.approx(now, rel=1e-7)
-
-
-def test_the_planar_stage_with_three_integrators_at_800_hz() -> None:
-    """The model of (26), (27), (31) with the weights (47), (48), the integrals' first as printed."""
-    plant, period = planar(), 1 / 800
-    G = np.vstack([np.zeros((3, 3)), np.eye(3)])
-    estimator = kalman.sampled(plant, np.eye(3) * 1e-2, [25e-10] * 3, period, G=G)
-    full = lqr.integral(estimator.model, plant.outputs)
-    Q = np.diag([1e3, 1e4, 1e3, 1e2, 1e2, 1e2, 1e9, 1e8, 1e8])
-    loop = lqg.current(lqr.lqr(full, Q * period, np.eye(3) * period), estimator)
-    assert loop.separation < tolerances.of("multiple_root")
-    assert np.abs(loop.poles).max() < 1
-    target = {"x_hall_reference": 20e-6, "y_hall_reference": 100e-6, "phi_hall_reference": 1e-4, "v_disturbance": 1e-3}
-    reached = last(loop.loop, target, 6000)
-    for name in plant.outputs:
-        assert reached[name] == pytest.approx(target[f"{name}_reference"], rel=1e-6)
-    assert lqg.expected(loop).units["phi_hall_integral"] == "rad s"
 
 
 # Names, prints, refusals

@@ -1,0 +1,52 @@
+"""Products of constants are computed once, and keep the constants that are read elsewhere."""
+
+from synth.block import Constant, Step, build
+from synth.emit import lower
+from synth.emit.lower import Node, Program
+from synth.emit.passes import fold
+from synth.signals import Signal
+from synth.timing import Discrete
+from tests.emit.passes.trees import LEAVES, A, B, K, L, folded, tree
+
+
+def gathered(*nodes: Node) -> Program:
+    return fold.gathered(folded(*nodes, leaves=[*LEAVES, Node("constant", name="m")]))
+
+
+M = 5
+
+
+def test_two_constants_become_one() -> None:
+    program = gathered(Node("mul", (L, A)), Node("mul", (K, 6)))
+    assert tree(program) == "mul(k_x_l, a)" and program.products == {"k_x_l": ("k", "l")}
+
+
+def test_three_constants_become_two() -> None:
+    """The third is not lost."""
+    program = gathered(Node("mul", (M, A)), Node("mul", (L, 6)), Node("mul", (K, 7)))
+    assert tree(program) == "mul(k, mul(l_x_m, a))" and program.products == {"l_x_m": ("l", "m")}
+    assert fold.gathered(program).products == {"l_x_m": ("l", "m"), "k_x_l_x_m": ("k", "l_x_m")}
+
+
+def test_what_is_read_elsewhere_too_is_not_gathered() -> None:
+    program = gathered(Node("mul", (L, A)), Node("mul", (K, 6)), Node("add", (6, 7)))
+    assert not program.products
+
+
+def test_a_name_that_is_taken_is_not_given_again() -> None:
+    leaves = [*LEAVES, Node("constant", name="k_x_l")]
+    nodes = [Node("mul", (L, A)), Node("mul", (K, 6)), Node("mul", (5, B)), Node("add", (7, 8))]
+    assert not fold.gathered(folded(*nodes, leaves=leaves)).products
+
+
+def test_a_block_keeps_its_constants() -> None:
+    block = build(
+        "kept",
+        Discrete(1e-3),
+        lambda u, x, k: Step({"y": 2 * (k["k"] * (3 * u["a"])) + k["l"] / 4}),
+        inputs=[Signal("a", "1", -1, 1)],
+        outputs=[Signal("y", "1", -99, 99)],
+        constants=[Constant("k", 0.1, "1", "test"), Constant("l", 0.3, "1", "test")],
+    )
+    program = fold.folded(lower.program(block))
+    assert {n.name for n in program.nodes if n.op == "constant"} == {"k", "l"}
