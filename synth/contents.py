@@ -30,7 +30,7 @@ from synth.errors import ContentError
 
 def digest(*values: Any) -> str:
     """Return the digest of values, in order; raise ContentError for a value that has none."""
-    reader = _Reader([])
+    reader = _Reader([], {})
     try:
         text = b"".join(reader.content(v) for v in values)
         return hashlib.sha256(text + reader.joint()).hexdigest()
@@ -40,9 +40,13 @@ def digest(*values: Any) -> str:
 
 @dataclass(frozen=True, eq=False)
 class _Reader:
-    """What reads values: it gathers their SX expressions, so that a symbol in two of them counts as one."""
+    """What reads values: it gathers their SX expressions, so that a symbol in two of them counts as one.
+
+    The classes of a program's thousands of nodes are few: each is read once.
+    """
 
     expressions: list[ca.SX]
+    classes: dict[type, bytes]
 
     def content(self, value: Any) -> bytes:
         """Return the content of a value as bytes that no other value has."""
@@ -93,7 +97,9 @@ class _Reader:
 
     def _code(self, value: Any) -> tuple[str, bytes | Iterable[Any]]:
         if isinstance(value, type):
-            return "type", _source(value)
+            if value not in self.classes:
+                self.classes[value] = _source(value)
+            return "type", self.classes[value]
         inner = inspect.unwrap(value) if callable(value) else value
         if inspect.isfunction(inner):
             free = inspect.getclosurevars(inner).nonlocals.items()

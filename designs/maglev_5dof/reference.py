@@ -135,7 +135,7 @@ def side_by_side(columns: Columns, names: Iterable[str]) -> Array:
 
 def apart(A: Array) -> Array:
     """Return the columns (m, n) of an array (n, m)."""
-    return np.moveaxis(A, -1, 0)
+    return A.transpose(-1, *range(A.ndim - 1))
 
 
 def guard(state: Columns, inputs: Columns) -> tuple[Array, dict[str, Array], NDArray[Any]]:
