@@ -15,6 +15,7 @@ from designs.hall_position.loop.stage_loop import Loop
 from designs.hall_position.pages import loops as page_loops
 from designs.planar_6dof import lqg
 from models import planar_stage
+from synth.analyse.loop import sampled
 from synth.execute import cross, host
 from synth.signals import names
 from synth.simulate.experiment import Experiment
@@ -92,7 +93,8 @@ def test_what_a_wrong_sample_makes_of_the_position_is_the_linear_loops() -> None
     source, plant = closed_loop.Source(shipped.array(shipped.THREE)), planar_stage.plant()
     block = closed_loop.controller(lqg.NAME, plant, lqg.TIME, lqg.law(plant), source).rounded(np.float32)
     found = page_loops.opened(source, block, {})
-    stage, law = found.plant, found.controller
+    T = lqg.TIME.period_s
+    stage, law = sampled(found.plant, T, found.delay * T), found.controller
     x, state, moved = np.zeros(len(stage.states)), np.zeros(len(law.states)), []
     for k in range(200):
         seen = stage.C @ x + (k == 0) * (np.array(stage.outputs) == "x")
