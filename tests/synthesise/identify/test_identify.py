@@ -10,6 +10,7 @@ from synth.analyse import trim
 from synth.errors import ModelError, SignalError
 from synth.synthesise.identify import identify
 from synth.synthesise.identify.logs import Log
+from tests.designs.maglev_5dof import full_plant
 from tests.synthesise.mass_spring import DAMP, MASS, SPRING, run, stage
 
 X, U = {"x": ca.SX.sym("x"), "v": ca.SX.sym("v"), "a": ca.SX.sym("a")}, {"f": ca.SX.sym("f")}
@@ -91,7 +92,7 @@ def by_hand(log: Log, angle: str, row: int) -> float:
     state = np.array([log.samples[n] for n in ("y", "vy", "x", "vx", "z", "vz", "phi", "wphi", "theta", "wtheta")])
     currents = [log.samples[f"i_d{j}"] for j in (1, 2, 3, 4)] + [log.samples[q] for q in ("u_z", "u_x") * 2]
     loose = reference.Parameters(k_s_phi=0.0, k_s_theta=0.0)
-    torque, at = reference.plant(state, np.array(currents), loose)[row], log.samples[angle]
+    torque, at = full_plant.plant(state, np.array(currents), loose)[row], log.samples[angle]
     return float(at @ torque / (at @ at))
 
 
