@@ -1,7 +1,7 @@
 """Certificates: how far a polynomial program is from its function, for every number of the scalar type in the range.
 
 float32   Every x with |x| >= tau is tried, with multiplication and addition rounded apart and fused. The truth, for a
-          run of up to 2^14 neighbours, is a short polynomial in double about their middle, taken from the enclosure of
+          run of up to 2^15 neighbours, is a short polynomial in double about their middle, taken from the enclosure of
           the function; the bound of its own error is added. tau is 0, or the least power of two that keeps the work
           within WORK. With a parity x > 0 stands for x < 0 too: the program and G have it exactly. Below tau:
 float64   |p - f| <= |p - G| + |G - f| + rounding, in ball arithmetic on each of PIECES pieces. At a zero of f at x = 0
@@ -21,7 +21,7 @@ from synth.emit.approx.enclosure import Enclosure, size
 from synth.emit.approx.polynomial import Polynomial, Scalars
 
 WORK = 3.2e8  # values times (coefficients + 8): under a second
-RUN = 2**14
+RUN = 2**15
 PIECES = 128
 SWEEPS = 16  # one run of so many first, then the next of each: what fails does so early
 
