@@ -1,4 +1,4 @@
-"""The command line: `synth build | verify | simulate | audit | cost | prove | emit`, in the root of a workspace.
+"""The command line: `synth build | verify | simulate | audit | cost | prove | emit | new`, in a workspace's root.
 
 With --json stdout is one document and progress goes to stderr. Exit status: 0 well, 1 a check failed, 2 wrong usage.
 What a command needs is imported once it runs, so that the help and the completion of the shell answer at once.
@@ -140,3 +140,11 @@ def emit(
     from synth import commands
 
     raise typer.Exit(commands.emit(name, out, scalar, fresh))
+
+
+@app.command(epilog="Example: synth new my_stage && cd my_stage && synth build")
+def new(name: Annotated[str, typer.Argument(help="the stage: small letters, digits and underscores")]) -> None:
+    """Make a workspace with a levitator of one axis that builds at once; in a workspace, add such a stage to it."""
+    from synth import commands
+
+    raise typer.Exit(commands.new(name))

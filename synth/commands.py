@@ -23,6 +23,7 @@ from synth.check import Check
 from synth.emit import write
 from synth.errors import CompileError
 from synth.jobs import Job, run
+from synth.new import create
 from synth.simulate.experiment import Experiment
 from synth.verify import prove as proofs
 
@@ -194,6 +195,16 @@ def emit(name: str, out: Path, scalar: str, fresh: bool) -> int:
         emitted = tasks.emission(design, SCALARS[scalar]).result(lambda what: None)
     for folder, files in emitted.items():
         write.save(files.files, out / folder)
+    return 0
+
+
+def new(name: str) -> int:
+    """Write the files of a new stage below the current folder, and print what to do next."""
+    folder, files = create(Path.cwd(), name)
+    inside = "" if folder == Path.cwd() else f"cd {name} && "
+    for path in files:
+        sys.stdout.write(f"{(folder / path).relative_to(Path.cwd())}\n")
+    sys.stdout.write(f"Next: {inside}synth build, then open reports/{name}.html\n")
     return 0
 
 
