@@ -11,7 +11,7 @@ unexport PYTHONDONTWRITEBYTECODE
 # The vocabulary, analysis, synthesis and emission: what `make quick` tests of them compiles nothing and is not `slow`.
 QUICK := tests/analyse tests/synthesise tests/emit $(wildcard tests/test_*.py)
 
-.PHONY: build quick test test-kernels bench prove clean
+.PHONY: build quick test test-kernels docs bench prove clean
 
 build: $(STAMP)
 	$(BIN)/synth build
@@ -29,6 +29,10 @@ test: $(STAMP)
 # The vocabulary, analysis and synthesis under two other kernels of OpenBLAS, which round otherwise.
 test-kernels: $(STAMP)
 	$(BIN)/python -m tests.kernels
+
+# The site, with its reference from the docstrings; a warning fails it.
+docs: $(STAMP)
+	$(BIN)/python -m sphinx -q -W --keep-going -j auto -b html docs build/docs
 
 bench: $(STAMP)
 	$(BIN)/synth cost
@@ -50,7 +54,7 @@ prove: $(STAMP)
 $(STAMP): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet -c constraints.txt setuptools
-	$(BIN)/python -m pip install --quiet -c constraints.txt --no-build-isolation -e '.[dev]'
+	$(BIN)/python -m pip install --quiet -c constraints.txt --no-build-isolation -e '.[dev,docs]'
 	touch $@
 
 clean:

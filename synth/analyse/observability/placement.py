@@ -15,7 +15,7 @@ from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import differential_evolution
+from scipy import optimize
 
 from synth import arguments, kinds
 from synth.errors import ModelError
@@ -71,7 +71,7 @@ def search(coarse: Cost, fine: Cost, coordinates: int, within: Square, effort: E
     if not 1 <= coordinates <= MOST:
         raise ModelError(f"{coordinates} coordinates are searched for: give a number from 1 to {MOST}")
     bounds = [(-within.reach, within.reach)] * coordinates
-    best = differential_evolution(
+    best = optimize.differential_evolution(
         partial(_value, coarse),
         bounds,
         seed=effort.seed,
