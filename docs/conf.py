@@ -12,7 +12,7 @@ myst_heading_anchors = 3
 html_theme = "furo"
 html_title = "synth"
 autodoc_default_options = {"members": True, "member-order": "bysource"}
-autodoc_typehints = "signature"
+autodoc_typehints = "none"  # docstrings give shapes and units, which types do not
 autodoc_preserve_defaults = True
 add_module_names = False
 

@@ -1,6 +1,7 @@
 """What the documentation shows runs as it stands."""
 
 import ast
+import importlib
 import os
 import re
 import subprocess
@@ -37,6 +38,14 @@ def run(text: str) -> dict[str, Any]:
 def test_the_examples_of_the_library_run() -> None:
     session = run((DOCS / "library.md").read_text(encoding="utf-8"))
     assert session["gain"].K[0, 1] == pytest.approx(-507.24, abs=0.005)
+
+
+def test_the_signs_are_those_that_are_told() -> None:
+    """The page holds itself against python-control; what it names is there."""
+    text = (DOCS / "coming-from.md").read_text(encoding="utf-8")
+    run(text)
+    for module, function in re.findall(r"`((?:analyse|synthesise)\.[a-z_.]+)\.([a-z_0-9]+)`", text):
+        assert callable(getattr(importlib.import_module(f"synth.{module}"), function)), (module, function)
 
 
 def test_the_tutorial_leads_to_a_verified_bearing(tmp_path: Path) -> None:
