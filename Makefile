@@ -42,6 +42,7 @@ bench: $(STAMP)
 	$(BIN)/python -m benchmarks.synthesis
 	$(BIN)/python -m benchmarks.disk
 	$(BIN)/python -m benchmarks.planar
+	$(BIN)/python -m benchmarks.startup
 	$(BIN)/python -m benchmarks.response
 	$(BIN)/python -m benchmarks.margins
 	$(BIN)/python -m benchmarks.riccati
