@@ -5,19 +5,15 @@ from functools import partial
 
 import numpy as np
 
-from designs.maglev_5dof import control, experiments
+from designs.maglev_5dof import control
 from designs.maglev_5dof.paper import bench as benches
-from designs.maglev_5dof.paper.bench import FORCES, FRICTION, MAGNETS, Bench, Springs
+from designs.maglev_5dof.paper.bench import FRICTION, GROUPS, Bench, Springs
 from synth.report.audit import Outcome, Published, recomputes
-from synth.simulate import metrics
-from synth.simulate.conditions import Sine
 from synth.synthesise.feedback import inverse_lqr
 
 NEAR = 0.10  # a tracking error agrees within this part of the printed one
 SPRING_CASES: tuple[Springs, ...] = ("absent", "known", "unknown")
 _TRACKED = (("y", "um"), ("theta", "urad"))
-LEVEL = (*FORCES, "M_x", "M_z", "M_y", "G")  # what counts while the platen does not turn
-TURNING = (*LEVEL, "r", "I_z", "k_s_theta")  # and while it turns by theta
 
 
 def _poles(name: str, bench: Bench, printed: Published) -> Outcome:
@@ -45,53 +41,7 @@ poles_y, poles_x, poles_theta = (
 )
 
 
-@recomputes("F-11", *MAGNETS, "M_y", "G")
-def gap_step(bench: Bench, printed: Published) -> Outcome:
-    """Recompute the step of 7 mm, on the linear loop and on the nonlinear plant."""
-    size, low = printed["step"].value * 1e-3, 0.022
-    linear, high = benches.linear_step("y", size), low + size
-    motion = benches.run(bench.plant, bench.plant, {"y": Sine(0.0, control.OMEGA0, 0.0, high)}, {"y": low}, 6.0)
-    gap = motion.error["y"] + low + size
-    full = metrics.step_response(motion.time, gap, low, high, experiments.BAND, control.RESOLUTION)
-    figures = [*_step_figures("linear", linear), *_step_figures("nonlinear, 22 to 29 mm", full)]
-    figures.append(("overshoot length, nonlinear, 22 to 29 mm", full.overshoot * size * 1e3, "mm"))
-    agree = (
-        printed["overshoot_length"].agrees(round(full.overshoot * size * 1e3))
-        and max(linear.t_s, full.t_s) < printed["t_s"].value
-        and max(linear.t_enc, full.t_enc) <= printed["t_enc"].value
-    )
-    return Outcome(figures, agree)
-
-
-@recomputes("F-12")
-def tilt_step(bench: Bench, printed: Published) -> Outcome:
-    """Recompute the step of 10 mrad on the linear loop."""
-    step = benches.linear_step("theta", printed["step"].value * 1e-3)
-    agree = (
-        printed["overshoot"].agrees(step.overshoot * 100)
-        and printed["t_s_low"].value <= step.t_s <= printed["t_s_high"].value
-        and step.t_enc < printed["t_enc"].value
-    )
-    return Outcome(_step_figures("linear", step), agree)
-
-
-@recomputes("F-13")
-def horizontal_step(bench: Bench, printed: Published) -> Outcome:
-    """Recompute the steps of 30 mm in x and z on the linear loop, which is the same for both."""
-    step = benches.linear_step("x", printed["step"].value * 1e-3)
-    measured = {"overshoot": step.overshoot * 100, "t_s": step.t_s, "t_enc": step.t_enc}
-    return Outcome(_step_figures("linear", step), all(v < printed[n].value for n, v in measured.items()))
-
-
-def _step_figures(kind: str, step: metrics.StepResponse) -> list[tuple[str, float, str]]:
-    return [
-        (f"overshoot, {kind}", 100 * step.overshoot, "%"),
-        (f"t_s, {kind}", step.t_s, "s"),
-        (f"t_enc, {kind}", step.t_enc, "s"),
-    ]
-
-
-@recomputes("F-14", *LEVEL)
+@recomputes("F-14", *GROUPS["level"])
 def ellipse(bench: Bench, printed: Published) -> Outcome:
     """Recompute the mean gap error of the 3-DOF ellipse."""
     csch, coth = (benches.ideal_errors(bench, False, "known", lv3)["y"] for lv3 in ("csch2", "coth2"))
@@ -101,7 +51,7 @@ def ellipse(bench: Bench, printed: Published) -> Outcome:
     return Outcome([(f"y, {case}", e, "um") for case, e in errors.items()], _within({"y": coth}, printed), corrected)
 
 
-@recomputes("F-15", *TURNING)
+@recomputes("F-15", *GROUPS["turning"])
 def tracking(bench: Bench, printed: Published) -> Outcome:
     """Recompute the mean errors of the 4-DOF tracking."""
     cases = {f"ideal, springs {s}": benches.ideal_errors(bench, True, s) for s in SPRING_CASES}
@@ -116,7 +66,7 @@ def tracking(bench: Bench, printed: Published) -> Outcome:
     return Outcome(figures, False, near)
 
 
-@recomputes("F-16", *TURNING)
+@recomputes("F-16", *GROUPS["turning"])
 def horizontal_errors(bench: Bench, printed: Published) -> Outcome:
     """Recompute the mean errors along x and z, without and with a fitted guide friction and cogging."""
     unfitted = benches.encoder_errors(bench, False, False)
