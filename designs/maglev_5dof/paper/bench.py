@@ -37,7 +37,6 @@ from synth.statespace import Array
 
 Springs = Literal["known", "unknown", "absent"]
 
-MM = 1e-3
 GROUPS: dict[str, tuple[str, ...]] = {
     "field": ("b0", "t1", "h_m", "L_A", "p_m", "tau", "tau_p", "H_c", "mu_rec", "W", "p")
 }
@@ -74,8 +73,9 @@ class Bench:
 
     @property
     def functions(self) -> dict[str, Any]:
-        """What formulas name: `plant` of the parameters that a row follows from, and functions of it."""
-        return {**self.own, "mm": MM, "plant": lambda **_: self.plant, "cells": self.cells}
+        """What formulas name: `bench` and `plant` of the parameters that a row follows from, and functions of these."""
+        of_parameters = {"bench": lambda **_: self, "plant": lambda **_: self.plant}
+        return {**self.own, **of_parameters, "mm": 1e-3, "cells": self.cells}
 
     @cached_property
     def without_springs(self) -> Plant:

@@ -7,7 +7,7 @@ import numpy as np
 
 from designs.maglev_5dof import control
 from designs.maglev_5dof.paper import bench as benches
-from designs.maglev_5dof.paper.bench import FRICTION, GROUPS, Bench, Springs
+from designs.maglev_5dof.paper.bench import GROUPS, Bench, Springs
 from synth.report.audit import Outcome, Published, recomputes
 from synth.synthesise.feedback import inverse_lqr
 
@@ -41,16 +41,6 @@ poles_y, poles_x, poles_theta = (
 )
 
 
-@recomputes("F-14", *GROUPS["level"])
-def ellipse(bench: Bench, printed: Published) -> Outcome:
-    """Recompute the mean gap error of the 3-DOF ellipse."""
-    csch, coth = (benches.ideal_errors(bench, False, "known", lv3)["y"] for lv3 in ("csch2", "coth2"))
-    coarse, shipped = (benches.encoder_errors(bench, False, restored)["y"] for restored in (False, True))
-    errors = {"ideal": csch, "ideal, coth^2": coth, "encoders, printed law": coarse, "encoders, shipped law": shipped}
-    corrected = _within({"y": csch}, printed) or _within({"y": coarse}, printed)
-    return Outcome([(f"y, {case}", e, "um") for case, e in errors.items()], _within({"y": coth}, printed), corrected)
-
-
 @recomputes("F-15", *GROUPS["turning"])
 def tracking(bench: Bench, printed: Published) -> Outcome:
     """Recompute the mean errors of the 4-DOF tracking."""
@@ -64,22 +54,6 @@ def tracking(bench: Bench, printed: Published) -> Outcome:
     lost = benches.ideal(bench, True, "absent", "coth2").left_at
     figures.append(("time at which the gap leaves 18 .. 31 mm, ideal, coth^2, springs absent", lost, "s"))
     return Outcome(figures, False, near)
-
-
-@recomputes("F-16", *GROUPS["turning"])
-def horizontal_errors(bench: Bench, printed: Published) -> Outcome:
-    """Recompute the mean errors along x and z, without and with a fitted guide friction and cogging."""
-    unfitted = benches.encoder_errors(bench, False, False)
-    cases = {
-        "ideal": benches.ideal_errors(bench, False, "known"),
-        "encoders, printed law": unfitted,
-        "encoders, friction, cogging": benches.encoder_errors(bench, False, False, guided=True),
-        "4-DOF, encoders, printed law": benches.encoder_errors(bench, True, False, "known"),
-        "4-DOF, encoders, friction, cogging": benches.encoder_errors(bench, True, False, guided=True),
-    }
-    figures = [(f"{n}, {name}", errors[n], "um") for name, errors in cases.items() for n in ("x", "z")]
-    figures += [(f"friction along {n}, fitted", force, "N") for n, force in FRICTION.items()]
-    return Outcome(figures, _within({n: unfitted[n] for n in ("x", "z")}, printed))
 
 
 def _within(errors: Mapping[str, float], printed: Published) -> bool:

@@ -9,15 +9,16 @@ from pathlib import Path
 from typing import Any
 
 from designs.maglev_5dof.paper import bench as benches
-from designs.maglev_5dof.paper import loops, model
+from designs.maglev_5dof.paper import loops
 from designs.maglev_5dof.paper.bench import BY_GROUP, Bench
+from models import maglev_figures
 from synth.declaration import Stage
 from synth.plant import Plant
 from synth.report import audit
 from synth.report.audit import Published, Row
 
-MODULES = (model, loops)
-FORMULAS = (benches, model)  # what formulas may name: what these define and import
+MODULES = (loops,)
+FORMULAS = (benches, maglev_figures)  # what formulas may name: what these define and import
 
 
 def rows(stage: Stage) -> Iterator[Row]:

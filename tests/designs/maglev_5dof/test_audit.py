@@ -10,10 +10,9 @@ from scipy.linalg import solve_continuous_are
 
 from designs.maglev_5dof import control
 from designs.maglev_5dof.design import DESIGN
-from designs.maglev_5dof.paper import model
 from designs.maglev_5dof.paper import rows as paper
 from designs.maglev_5dof.paper.bench import SPRINGS, Bench
-from models import maglev_polynomial, maglev_stage
+from models import maglev_figures, maglev_polynomial, maglev_stage
 from synth.analyse import trim
 from synth.report import audit
 from synth.report.audit import Published, Row
@@ -233,8 +232,10 @@ Patch = Callable[[pytest.MonkeyPatch], None]
 
 
 def _sign_in_the_inverse(patch: pytest.MonkeyPatch) -> None:
-    right = model.inverse
-    patch.setattr(model, "inverse", lambda m, w: {n: -e if n == "v_phi" else e for n, e in right(m, w).items()})
+    right = maglev_figures.inverse
+    patch.setattr(
+        maglev_figures, "inverse", lambda m, w: {n: -e if n == "v_phi" else e for n, e in right(m, w).items()}
+    )
 
 
 def _singular_matrix(patch: pytest.MonkeyPatch) -> None:

@@ -1,26 +1,25 @@
-"""Audit of motors and model: levitation, misprints, cogging, the dominant terms of (9), its inverse (12), angles.
+"""Figures of the levitated platen, by its plant: levitation, thrust, the dominant terms of (9), its inverse (12).
 
 The four motors hold the platen level at a gap g when 4 F_V(g, i_d) + M_y G = 0, a quadratic in i_d: `pmlsm.balance`.
 (9) is the full model (6), (7) as a polynomial in v; its coefficients are maximised over the box of angles, as in (10).
+
+Source: Fulford, Maggiore, Apkarian, "Control of a 5DOF Magnetically Levitated Positioning Stage", (1)-(13).
 """
 
 from collections.abc import Callable, Mapping
 from functools import lru_cache
 from math import nan
+from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
 from scipy.optimize import brentq
 
-from designs.maglev_5dof.paper.bench import GROUPS, MM, Bench
 from models import maglev_polynomial, maglev_stage, pmlsm, slotted_field
 from models.maglev_polynomial import InputPolynomial, inverse
 from synth.analyse import magnitude
 from synth.plant import Plant
-from synth.report.audit import Outcome, Published, recomputes
 from synth.signals import Signal
-
-Figures = list[tuple[str, float, str]]
 
 READINGS = {
     "printed": pmlsm.PRINTED,
@@ -29,7 +28,22 @@ READINGS = {
     "squared": pmlsm.Reading("coth2", 2),
     "pole_pairs": pmlsm.Reading(p_counts="pole_pairs"),
 }
+# (9): what (11) keeps and drops of y''
 DOMINANT, SMALL = ("a2", "a3", "a7"), ("a4", "a5", "a6", "a8", "a9")
+
+
+class Dominance(NamedTuple):
+    """The maxima (3,) of |a2| .. |a9| over the angles at three gaps, and whether a2, a3, a7 exceed all others there."""
+
+    greatest: Mapping[str, np.ndarray]
+    dominated: bool
+
+
+class Inversion(NamedTuple):
+    """How many axes of (11) are double integrators under (12), and the greatest |q''| that is left of (9) at w = 0."""
+
+    axes: int
+    left: Mapping[str, float]
 
 
 @lru_cache(maxsize=8)
@@ -93,56 +107,31 @@ def _box(plant: Plant, *names: str) -> list[Signal]:
     return [s for s in plant.states if s.name in names]
 
 
-@recomputes("F-5", *GROUPS["forces"], "M_y", "r")
-def dominance_as_printed(bench: Bench, printed: Published) -> Outcome:
-    """Recompute Fig. 3 with coth^2."""
-    return Outcome(*_magnitudes(bench.plant, "coth2", *_box_of(printed)))
-
-
-@recomputes("F-5b", *GROUPS["forces"], "M_y", "r")
-def dominance(bench: Bench, printed: Published) -> Outcome:
-    """Recompute Fig. 3 with csch^2."""
-    (_, as_printed), (figures, dominated) = (
-        _magnitudes(bench.plant, lv3, *_box_of(printed)) for lv3 in ("coth2", "csch2")
-    )
-    return Outcome(figures, as_printed, dominated)
-
-
-def _box_of(printed: Published) -> tuple[float, ...]:
-    return tuple(printed[n].value for n in ("gap_low", "gap_high", "phi", "theta"))
-
-
 @lru_cache(maxsize=8)
-def _magnitudes(plant: Plant, lv3: str, low: float, high: float, phi: float, theta: float) -> tuple[Figures, bool]:
-    """Return the maxima of a2..a9 at the ends of the gaps in mm, and whether a2, a3, a7 dominate there and at 25 mm."""
-    model, gaps = _polynomial(plant, lv3), np.array([low, 25.0, high])
+def dominance(plant: Plant, lv3: str, low: float, high: float, phi: float, theta: float) -> Dominance:
+    """Return the terms of (9) between two gaps in m, at 25 mm and over angles of +-phi and +-theta in rad."""
+    model, gaps = _polynomial(plant, lv3), np.array([low, 0.025, high])
     box = [Signal(n, "rad", -end, end) for n, end in (("phi", phi), ("theta", theta))]
     terms = {n: model.coefficients[n] for n in (*DOMINANT, *SMALL)}
-    found = magnitude.magnitudes(terms, {**model.x, **model.u}, box, "y", gaps * MM, {"u_x": 0.0, "u_z": 0.0})
-    units = dict.fromkeys(DOMINANT, "m/s^2/A") | dict.fromkeys(SMALL, "m/s^2/A^2")
-    figures = [(f"{n} at {gaps[k]:g} mm", float(found.of(n)[k]), units[n]) for n in sorted(terms) for k in (0, 2)]
+    found = magnitude.magnitudes(terms, {**model.x, **model.u}, box, "y", gaps, {"u_x": 0.0, "u_z": 0.0})
     least = np.min([found.of(n) for n in DOMINANT], axis=0)
-    return figures, bool((least > np.max([found.of(n) for n in SMALL], axis=0)).all())
+    dominated = bool((least > np.max([found.of(n) for n in SMALL], axis=0)).all())
+    return Dominance({n: found.of(n) for n in terms}, dominated)
 
 
-@recomputes("F-19", *GROUPS["magnets"], "M_y", "r", "I_x", "I_z", "G", "k_s_phi", "k_s_theta")
-def double_integrators(bench: Bench, printed: Published) -> Outcome:
-    """Recompute (13): the accelerations of (11) under (12), and what remains on the full model."""
-    full = _polynomial(bench.plant)
+def inversion(plant: Plant) -> Inversion:
+    """Return what (12) makes of (11) and of (9): (13), and what remains on the full model."""
+    full = _polynomial(plant)
     model = maglev_polynomial.simplified(full)
     w = {n: ca.SX.sym(f"w_{n}") for n in maglev_stage.RATE}
     law = inverse(model, w)
     nominal, rest = _under(model, law), _under(full, law)
-    reduced = sum(_vanishes(nominal[n] - w[n], model, w) for n in w)
     zero = ca.vcat([*w.values(), *full.u.values()])
-    units = {"y": "m/s^2", "phi": "rad/s^2", "theta": "rad/s^2"}
-    terms = {n: ca.substitute(rest[n], zero, ca.SX.zeros(zero.numel())) for n in units}
-    gaps, angles = [g * MM for g in (18, 20, 25, 30, 31)], _box(bench.plant, "phi", "theta")
+    terms = {n: ca.substitute(rest[n], zero, ca.SX.zeros(zero.numel())) for n in ("y", "phi", "theta")}
+    gaps, angles = [mm * 1e-3 for mm in (18, 20, 25, 30, 31)], _box(plant, "phi", "theta")
     found = [magnitude.magnitudes(terms, full.x, angles, "y", [gap], {}) for gap in gaps]
-    greatest = {n: max(float(at.of(n)[0]) for at in found) for n in terms}
-    figures = [("axes of (11) that obey x'' = w", float(reduced), "1")]
-    figures += [(f"greatest |{n}''| of (9) at w = 0", greatest[n], unit) for n, unit in units.items()]
-    return Outcome(figures, reduced == printed["axes"].value)
+    left = {n: max(float(at.of(n)[0]) for at in found) for n in terms}
+    return Inversion(sum(_vanishes(nominal[n] - w[n], model, w) for n in w), left)
 
 
 def _under(model: InputPolynomial, law: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
