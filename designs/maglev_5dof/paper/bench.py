@@ -14,7 +14,7 @@ the six whole periods up to 20 s. Shorter runs keep these proportions.
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from scipy.linalg import expm
@@ -28,12 +28,13 @@ from synth.emit import write
 from synth.execute import host
 from synth.plant import Plant
 from synth.report.audit import Published
-from synth.report.formulas import Formula
+from synth.report.formulas import Formula, near
 from synth.simulate import metrics
 from synth.simulate.conditions import Sine
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import sample_times
 from synth.statespace import Array
+from synth.synthesise.feedback import inverse_lqr
 
 Springs = Literal["known", "unknown", "absent"]
 
@@ -49,6 +50,14 @@ SPRINGS = ("k_s_phi", "k_s_theta")
 FRICTION = {"x": 1.8, "z": 1.3}  # N of guide friction, fitted to the two printed errors of the ellipse
 KEPT = 32  # runs that the rows share
 SAMPLE = 1e-3  # s, at which the continuous responses are judged
+
+
+class Poles(NamedTuple):
+    """Closed-loop poles of an axis in 1/s: the real one, and one of either pair."""
+
+    fast: float
+    first: complex
+    second: complex
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +126,11 @@ def ideal_errors(bench: Bench, four: bool, springs: Springs, lv3: str = "csch2")
     return {axis: 1e6 * metrics.mean_absolute(motion.time, e, start) for axis, e in motion.error.items()}
 
 
+def meets(errors: Mapping[str, float], printed: Mapping[str, float]) -> bool:
+    """Return whether tracking errors agree with printed ones: within a tenth of these."""
+    return all(near(errors[name], 0.1, value) for name, value in printed.items())
+
+
 @lru_cache(maxsize=KEPT)
 def encoder_errors(
     bench: Bench, four: bool, restored: bool, springs: Springs = "known", guided: bool = False
@@ -161,6 +175,19 @@ def closed_loop(name: str) -> Array:
     """Return A + B K (5, 5) of the linear loop of an axis."""
     plant = control.axis_plant(axis(name))
     return np.asarray(plant.A + plant.B @ control.gain(axis(name)).K)
+
+
+def poles(name: str) -> Poles:
+    """Return the closed-loop poles of an axis that follow from its LQR weights."""
+    poles = np.linalg.eigvals(closed_loop(name))
+    first, second = sorted(poles[poles.imag > 1e-9], key=lambda pole: -pole.imag)
+    return Poles(float(poles[np.abs(poles.imag) < 1e-9].real[0]), first, second)
+
+
+def weights_of(name: str, fast: float, *pairs: complex) -> inverse_lqr.DiagonalWeights:
+    """Return the diagonal weights for which the LQR of an axis has a real pole and pairs of others, in 1/s."""
+    conjugated = [s for pair in pairs for s in (pair, pair.conjugate())]
+    return inverse_lqr.diagonal_weights(control.axis_plant(axis(name)), [complex(fast), *conjugated])
 
 
 def linear_step(name: str, step: float) -> metrics.StepResponse:

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from designs.maglev_5dof.paper import bench as benches
-from designs.maglev_5dof.paper import loops
 from designs.maglev_5dof.paper.bench import BY_GROUP, Bench
 from models import maglev_figures
 from synth.declaration import Stage
@@ -17,7 +16,6 @@ from synth.plant import Plant
 from synth.report import audit
 from synth.report.audit import Published, Row
 
-MODULES = (loops,)
 FORMULAS = (benches, maglev_figures)  # what formulas may name: what these define and import
 
 
@@ -34,10 +32,10 @@ def bench(stage: Stage, plant: Plant, **fields: Any) -> Bench:
 
 def on(bench: Bench) -> Iterator[Row]:
     """Yield the rows as recomputed on a bench of given plant, length of runs and fineness of the field."""
-    return audit.rows(MODULES, bench, bench.published)
+    return audit.rows((), bench, bench.published)
 
 
 def printed() -> dict[str, Published]:
     """Return what the paper prints, by row, with the groups of parameters before each row's formulas."""
     prints = audit.read(Path(__file__).parent).items()
-    return {id: replace(p, computed={**BY_GROUP, **p.computed} if p.computed else {}) for id, p in prints}
+    return {id: replace(p, computed={**BY_GROUP, **p.computed}) for id, p in prints}
