@@ -119,7 +119,7 @@ def _overload(trajectory: Trajectory) -> dict[str, float]:
 
 
 def _step(
-    rig: Rig, axis: str, start: float, target: float, limits: tuple[float, float, float], gap: float = 0.025
+    rig: Rig, axis: str, target: float, limits: tuple[float, float, float], start: float = 0.0, gap: float = 0.025
 ) -> Experiment:
     """Step under `limits` of overshoot, t_s and t_enc."""
     run, unit = step(rig, axis, start, target, gap), UNITS[axis]
@@ -143,7 +143,7 @@ def _step(
 
 
 def _response(
-    rig: Rig, axis: str, start: float, target: float, about: str, settles: bool = False, **options: Any
+    rig: Rig, axis: str, target: float, about: str, start: float = 0.0, settles: bool = False, **options: Any
 ) -> Experiment:
     """Step and show the response, which `settles` into BAND for the last second."""
     run = step(rig, axis, start, target, **options)
@@ -176,8 +176,8 @@ def unwound(scalar: str) -> host.Controller:
 def _windup(rig: Rig, wound: bool) -> Experiment:
     """Step x by 100 mm at a gap of 30 mm with the anti-windup (17), or without it."""
     bare = replace(rig, controller=unwound(np.dtype(rig.controller.scalar).name))
-    options: Any = {"about": "the stops along x are taken away, so that the overshoot shows", "gap": 0.030}
-    without, run = (_response(used, "x", -0.05, 0.05, **options) for used in (bare, rig))
+    about = "the stops along x are taken away, so that the overshoot shows"
+    without, run = (_response(used, "x", 0.05, about, -0.05, gap=0.030) for used in (bare, rig))
     if not wound:
         return without
     ratio = run.figures["overshoot"] / without.figures["overshoot"]
@@ -236,21 +236,20 @@ def _gap(a: int, b: int, make: Make, prefix: str = "", title: str = "", **option
 
 
 def _theta(mrad: int, make: Make, prefix: str = "", title: str = "", **options: Any) -> Run:
-    step: Any = {"axis": "theta", "start": 0.0, "target": mrad / 1e3}
-    return _run(f"{prefix}theta_{mrad}", f"theta by {mrad} mrad{title} (Fig. 5)", make, **step, **options)
+    title = f"theta by {mrad} mrad{title} (Fig. 5)"
+    return _run(f"{prefix}theta_{mrad}", title, make, axis="theta", target=mrad / 1e3, **options)
 
 
 def _wrong_spring(mrad: int, factor: float) -> Run:
     title = f"theta by {mrad} mrad, the true guide spring {factor:.2f} of the assumed one"
-    options: Any = {"axis": "theta", "start": 0.0, "target": mrad / 1e3, "limits": WRONG_LIMITS}
-    return _run(f"theta_{mrad}_springs_{factor:.2f}", title, _step, {"k_s_theta": factor}, **options)
+    step: Any = {"axis": "theta", "target": mrad / 1e3, "limits": WRONG_LIMITS}
+    return _run(f"theta_{mrad}_springs_{factor:.2f}", title, _step, {"k_s_theta": factor}, **step)
 
 
 def _phi_spring(factor: float) -> Run:
     title = f"phi by 0.5 mrad, the true guide spring {factor:g} of the assumed one"
-    options: Any = {"about": "the axis stays stable over the spring's tolerance", "settles": True}
-    options |= {"axis": "phi", "start": 0.0, "target": 0.5e-3}
-    return _run(f"phi_springs_{factor:g}", title, _response, {"k_s_phi": factor}, **options)
+    step: Any = {"axis": "phi", "target": 0.5e-3, "about": "the axis stays stable over the spring's tolerance"}
+    return _run(f"phi_springs_{factor:g}", title, _response, {"k_s_phi": factor}, settles=True, **step)
 
 
 def _lost_encoder(gap: float) -> Run:
@@ -261,7 +260,7 @@ def _lost_encoder(gap: float) -> Run:
 WINDUP = "x from -50 to 50 mm at 30 mm gap, {} anti-windup"
 ALL = (
     *(_gap(a, b, _step, limits=Y_LIMITS) for a, b in ((22, 29), (29, 22), (20, 27), (27, 20))),
-    *(_run(f"{s}_30", f"{s} by 30 mm", _step, axis=s, start=0.0, target=0.03, limits=XZ_LIMITS) for s in "xz"),
+    *(_run(f"{s}_30", f"{s} by 30 mm", _step, axis=s, target=0.03, limits=XZ_LIMITS) for s in "xz"),
     *(_theta(mrad, _step, limits=THETA_LIMITS) for mrad in (5, 10)),
     *(_wrong_spring(mrad, factor) for factor in (0.8, 1 / 1.2, 1.2, 1 / 0.8) for mrad in (5, 10)),
     *(_phi_spring(factor) for factor in (0.7, 1.0, 1.3)),
