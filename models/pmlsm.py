@@ -20,7 +20,7 @@ on the sheet lowers the attraction by the missing coth^2 - csch^2 = 1. `Reading`
 Source: Fulford, Maggiore, Apkarian, "Control of a 5DOF Magnetically Levitated Positioning Stage", (1)-(4), Table I.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import nan, pi, sqrt
 from typing import Literal
@@ -193,10 +193,12 @@ class Balance:
         return -2 * self.free / (self.linear + sqrt(D)) if D >= 0 else nan
 
 
-def balance(g: float, load: ca.SX, p: Values, reading: Reading = STRESS) -> Balance:
-    """Return the balance of a `load` in N, downwards, at a gap in m; parameters are numbers. Source: (2)."""
-    K, L = constants(p, reading), coefficients(ca.SX(g), p, reading)
-    return Balance(float(load - K.K_v1 * L.L_v1), float(K.K_v2 * L.L_v2), float(-K.K_v3 * L.L_v3))
+def balance(load: ca.SX, p: Values, reading: Reading = STRESS) -> Callable[[float], Balance]:
+    """Return the balance of a `load` in N, downwards, by the gap in m; parameters are numbers. Source: (2)."""
+    g = ca.SX.sym("g")
+    K, L = constants(p, reading), coefficients(g, p, reading)
+    terms = ca.Function("balance", [g], [load - K.K_v1 * L.L_v1, K.K_v2 * L.L_v2, -K.K_v3 * L.L_v3])
+    return lambda gap: Balance(*map(float, terms(gap)))
 
 
 def force_law(g: ca.SX, p: Values) -> ForceLaw:

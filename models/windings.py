@@ -7,18 +7,7 @@ i_d, i_q are rms currents in A, the phase currents are instantaneous, th is the 
 They sum to zero and have the amplitude sqrt(2) hypot(i_d, i_q), so that a limit of that norm limits every phase.
 """
 
-from dataclasses import dataclass
-
 import casadi as ca
-
-
-@dataclass(frozen=True, eq=False)
-class PhaseCurrents:
-    """Instantaneous currents of the three phases, A."""
-
-    a: ca.SX
-    b: ca.SX
-    c: ca.SX
 
 
 def electrical_angle(displacement: ca.SX, tau: ca.SX) -> ca.SX:
@@ -30,8 +19,7 @@ def electrical_angle(displacement: ca.SX, tau: ca.SX) -> ca.SX:
     return ca.pi * displacement / tau + ca.pi / 2
 
 
-def phase_currents(i_d: ca.SX, i_q: ca.SX, angle: ca.SX) -> PhaseCurrents:
-    """Return the phase currents in A for rms currents `i_d`, `i_q` at the electrical angle in rad (inverse Park)."""
+def phase_currents(i_d: ca.SX, i_q: ca.SX, angle: ca.SX) -> dict[str, ca.SX]:
+    """Return the currents in A of phases a, b, c for rms currents at the electrical angle in rad (inverse Park)."""
     axes = angle, angle - 2 * ca.pi / 3, angle + 2 * ca.pi / 3
-    a, b, c = (ca.sqrt(2) * (i_d * ca.cos(th) - i_q * ca.sin(th)) for th in axes)
-    return PhaseCurrents(a, b, c)
+    return {phase: ca.sqrt(2) * (i_d * ca.cos(th) - i_q * ca.sin(th)) for phase, th in zip("abc", axes, strict=True)}

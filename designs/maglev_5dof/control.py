@@ -279,7 +279,7 @@ def phase_currents(plant: Plant) -> Block:
         for j, thrust in enumerate(maglev_stage.QUADRATURE, 1):
             angle = windings.electrical_angle(u[f"{thrust[-1]}_held"], tau)
             phases = windings.phase_currents(u[f"i_d{j}_held"], u[f"i_q{j}_held"], angle)
-            output |= {f"i_a{j}": phases.a, f"i_b{j}": phases.b, f"i_c{j}": phases.c}
+            output |= {f"i_{phase}{j}": current for phase, current in phases.items()}
         return Step({s.name: clip(output[s.name], s) for s in outputs})
 
     held = [replace(g.signal, name=f"{g.signal.name}_held") for g in guarded]

@@ -6,7 +6,7 @@ to stay within 10 um or 20 urad.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cache
 from math import pi
 from typing import Any
@@ -22,11 +22,13 @@ from synth.execute import build, host
 from synth.simulate import metrics
 from synth.simulate.conditions import Sine
 from synth.simulate.experiment import Experiment
+from synth.simulate.experiments import Run
 from synth.simulate.rig import Rig, Wires
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
 
 Array = NDArray[np.float64]
+Make = Callable[..., Experiment]
 
 SETTLE, AFTER = 1.0, 8.0  # s before a step, and after it
 BAND = 1e-4  # m or rad, the band of t_s
@@ -45,23 +47,6 @@ Y_LIMITS, XZ_LIMITS, THETA_LIMITS, WRONG_LIMITS = (0.20, 2.2, 4.0), (0.25, 2.0, 
 TRACKED = {"y": 50e-6, "x": 2e-6, "z": 2e-6, "theta": 25e-6}  # m, rad: mean errors of the 4-DOF tracking
 LEVEL: Mapping[str, Any] = {"about": "in the paper's configuration", "actuators": NO_ROTATION}
 LOCKED: Mapping[str, Any] = {"about": "in the paper's configuration", "locked": ("x", "z")}
-
-
-@dataclass(frozen=True)
-class Run:
-    """An experiment by name and title: `make(rig, **options)`, with true guide springs `springs` times the assumed."""
-
-    name: str
-    title: str
-    make: Callable[..., Experiment]
-    options: Mapping[str, Any] = field(default_factory=dict)
-    springs: Mapping[str, float] = field(default_factory=dict)
-
-    def run(self, rig: Rig) -> Experiment:
-        """Carry it out."""
-        plant = rig.plant
-        plant = plant.with_parameters(**{name: plant.parameter(name).value * f for name, f in self.springs.items()})
-        return replace(self.make(replace(rig, plant=plant), **self.options), name=self.name, title=self.title)
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +119,7 @@ def _overload(trajectory: Trajectory) -> dict[str, float]:
 
 
 def _step(
-    rig: Rig, axis: str, start: float, target: float, limits: tuple[float, float, float], gap: float = 0.025
+    rig: Rig, axis: str, target: float, limits: tuple[float, float, float], start: float = 0.0, gap: float = 0.025
 ) -> Experiment:
     """Step under `limits` of overshoot, t_s and t_enc."""
     run, unit = step(rig, axis, start, target, gap), UNITS[axis]
@@ -158,7 +143,7 @@ def _step(
 
 
 def _response(
-    rig: Rig, axis: str, start: float, target: float, about: str, settles: bool = False, **options: Any
+    rig: Rig, axis: str, target: float, about: str, start: float = 0.0, settles: bool = False, **options: Any
 ) -> Experiment:
     """Step and show the response, which `settles` into BAND for the last second."""
     run = step(rig, axis, start, target, **options)
@@ -191,8 +176,8 @@ def unwound(scalar: str) -> host.Controller:
 def _windup(rig: Rig, wound: bool) -> Experiment:
     """Step x by 100 mm at a gap of 30 mm with the anti-windup (17), or without it."""
     bare = replace(rig, controller=unwound(np.dtype(rig.controller.scalar).name))
-    options: Any = {"about": "the stops along x are taken away, so that the overshoot shows", "gap": 0.030}
-    without, run = (_response(used, "x", -0.05, 0.05, **options) for used in (bare, rig))
+    about = "the stops along x are taken away, so that the overshoot shows"
+    without, run = (_response(used, "x", 0.05, about, -0.05, gap=0.030) for used in (bare, rig))
     if not wound:
         return without
     ratio = run.figures["overshoot"] / without.figures["overshoot"]
@@ -234,51 +219,57 @@ def _zero_current(rig: Rig) -> Experiment:
     return Experiment("", "", "the platen slams up", trajectory, ("y",), {}, figures)
 
 
-def _gap(a: int, b: int, **options: Any) -> dict[str, Any]:
-    return {"axis": "y", "start": a / 1e3, "target": b / 1e3, "gap": a / 1e3} | options
+def _run(name: str, title: str, make: Make, springs: Mapping[str, float] | None = None, **options: Any) -> Run:
+    """Return an experiment, `make(rig, **options)`, with true guide springs `springs` times the assumed."""
+
+    def carried_out(rig: Rig, name: str) -> Experiment:
+        true = {spring: rig.plant.parameter(spring).value * factor for spring, factor in (springs or {}).items()}
+        made = make(replace(rig, plant=rig.plant.with_parameters(**true)), **options)
+        return replace(made, name=name, title=title)
+
+    return Run(name, carried_out)
 
 
-def _by(axis: str, target: float, **options: Any) -> dict[str, Any]:
-    return {"axis": axis, "start": 0.0, "target": target} | options
+def _gap(a: int, b: int, make: Make, prefix: str = "", title: str = "", **options: Any) -> Run:
+    step: Any = {"axis": "y", "start": a / 1e3, "target": b / 1e3, "gap": a / 1e3}
+    return _run(f"{prefix}y_{a}_{b}", f"Air gap {a} to {b} mm{title} (Fig. 4)", make, **step, **options)
+
+
+def _theta(mrad: int, make: Make, prefix: str = "", title: str = "", **options: Any) -> Run:
+    title = f"theta by {mrad} mrad{title} (Fig. 5)"
+    return _run(f"{prefix}theta_{mrad}", title, make, axis="theta", target=mrad / 1e3, **options)
 
 
 def _wrong_spring(mrad: int, factor: float) -> Run:
     title = f"theta by {mrad} mrad, the true guide spring {factor:.2f} of the assumed one"
-    options = _by("theta", mrad / 1e3, limits=WRONG_LIMITS)
-    return Run(f"theta_{mrad}_springs_{factor:.2f}", title, _step, options, {"k_s_theta": factor})
+    step: Any = {"axis": "theta", "target": mrad / 1e3, "limits": WRONG_LIMITS}
+    return _run(f"theta_{mrad}_springs_{factor:.2f}", title, _step, {"k_s_theta": factor}, **step)
 
 
 def _phi_spring(factor: float) -> Run:
     title = f"phi by 0.5 mrad, the true guide spring {factor:g} of the assumed one"
-    options = _by("phi", 0.5e-3, about="the axis stays stable over the spring's tolerance", settles=True)
-    return Run(f"phi_springs_{factor:g}", title, _response, options, {"k_s_phi": factor})
+    step: Any = {"axis": "phi", "target": 0.5e-3, "about": "the axis stays stable over the spring's tolerance"}
+    return _run(f"phi_springs_{factor:g}", title, _response, {"k_s_phi": factor}, settles=True, **step)
 
 
 def _lost_encoder(gap: float) -> Run:
     title = f"Safe output from {gap * 1e3:g} mm after the loss of an encoder"
-    return Run(f"set_down_{gap * 1e3:g}", title, _set_down, {"gap": gap})
+    return _run(f"set_down_{gap * 1e3:g}", title, _set_down, gap=gap)
 
 
+WINDUP = "x from -50 to 50 mm at 30 mm gap, {} anti-windup"
 ALL = (
-    Run("y_22_29", "Air gap 22 to 29 mm (Fig. 4)", _step, _gap(22, 29, limits=Y_LIMITS)),
-    Run("y_29_22", "Air gap 29 to 22 mm (Fig. 4)", _step, _gap(29, 22, limits=Y_LIMITS)),
-    Run("y_20_27", "Air gap 20 to 27 mm (Fig. 4)", _step, _gap(20, 27, limits=Y_LIMITS)),
-    Run("y_27_20", "Air gap 27 to 20 mm (Fig. 4)", _step, _gap(27, 20, limits=Y_LIMITS)),
-    Run("x_30", "x by 30 mm", _step, _by("x", 0.03, limits=XZ_LIMITS)),
-    Run("z_30", "z by 30 mm", _step, _by("z", 0.03, limits=XZ_LIMITS)),
-    Run("theta_5", "theta by 5 mrad (Fig. 5)", _step, _by("theta", 0.005, limits=THETA_LIMITS)),
-    Run("theta_10", "theta by 10 mrad (Fig. 5)", _step, _by("theta", 0.010, limits=THETA_LIMITS)),
+    *(_gap(a, b, _step, limits=Y_LIMITS) for a, b in ((22, 29), (29, 22), (20, 27), (27, 20))),
+    *(_run(f"{s}_30", f"{s} by 30 mm", _step, axis=s, target=0.03, limits=XZ_LIMITS) for s in "xz"),
+    *(_theta(mrad, _step, limits=THETA_LIMITS) for mrad in (5, 10)),
     *(_wrong_spring(mrad, factor) for factor in (0.8, 1 / 1.2, 1.2, 1 / 0.8) for mrad in (5, 10)),
     *(_phi_spring(factor) for factor in (0.7, 1.0, 1.3)),
-    Run("paper_y_22_29", "Air gap 22 to 29 mm, v_phi = v_theta = 0 (Fig. 4)", _response, _gap(22, 29, **LEVEL)),
-    Run("paper_y_29_22", "Air gap 29 to 22 mm, v_phi = v_theta = 0 (Fig. 4)", _response, _gap(29, 22, **LEVEL)),
-    Run("paper_theta_5", "theta by 5 mrad, x and z locked (Fig. 5)", _response, _by("theta", 0.005, **LOCKED)),
-    Run("paper_theta_10", "theta by 10 mrad, x and z locked (Fig. 5)", _response, _by("theta", 0.010, **LOCKED)),
-    Run("ellipse", "3-DOF ellipse (Fig. 6)", _tracking, {"four": False}),
-    Run("tracking", "4-DOF tracking (Figs. 7, 8)", _tracking, {"four": True}),
-    Run("windup_with", "x from -50 to 50 mm at 30 mm gap, with anti-windup", _windup, {"wound": True}),
-    Run("windup_without", "x from -50 to 50 mm at 30 mm gap, without anti-windup", _windup, {"wound": False}),
-    Run("lift_off", "Lift-off from the 31 mm stop, ramp of 1 s to 25 mm", _lift_off),
+    *(_gap(a, b, _response, "paper_", ", v_phi = v_theta = 0", **LEVEL) for a, b in ((22, 29), (29, 22))),
+    *(_theta(mrad, _response, "paper_", ", x and z locked", **LOCKED) for mrad in (5, 10)),
+    _run("ellipse", "3-DOF ellipse (Fig. 6)", _tracking, four=False),
+    _run("tracking", "4-DOF tracking (Figs. 7, 8)", _tracking, four=True),
+    *(_run(f"windup_{kind}", WINDUP.format(kind), _windup, wound=kind == "with") for kind in ("with", "without")),
+    _run("lift_off", "Lift-off from the 31 mm stop, ramp of 1 s to 25 mm", _lift_off),
     *(_lost_encoder(gap) for gap in (0.0181, 0.020, 0.025, 0.030)),
-    Run("zero_current", "Zero current from 25 mm, for comparison", _zero_current),
+    _run("zero_current", "Zero current from 25 mm, for comparison", _zero_current),
 )

@@ -9,32 +9,27 @@ from models import maglev_stage
 from synth.analyse import robustness
 from synth.declaration import Stage
 from synth.plant import Plant
-from synth.report import figures, page, standard, template
+from synth.report import figures, page, shown, standard, template
 from synth.report.prose import Value
 from synth.simulate.experiment import Experiment
 from synth.verify import standard as verification
 
 LONGEST, WINDOW = 30.0, (0.0, 5.0)  # s: what runs longer is drawn over the window
 BESIDE = {  # rows of the audit that say what the paper shows of an experiment
-    "F-11": ("y_22_29", "y_29_22", "y_20_27", "y_27_20", "paper_y_22_29", "paper_y_29_22"),
-    "F-12": ("theta_10", "paper_theta_10"),
-    "F-13": ("x_30", "z_30"),
-    "F-14": ("ellipse",),
-    "F-15": ("tracking",),
-    "F-16": ("ellipse", "tracking"),
+    **dict.fromkeys(("y_22_29", "y_29_22", "y_20_27", "y_27_20", "paper_y_22_29", "paper_y_29_22"), (("F-11", ""),)),
+    **dict.fromkeys(("theta_10", "paper_theta_10"), (("F-12", ""),)),
+    **dict.fromkeys(("x_30", "z_30"), (("F-13", ""),)),
+    "ellipse": (("F-14", ""), ("F-16", "")),
+    "tracking": (("F-15", ""), ("F-16", "")),
 }
 
 
 def report(stage: Stage, files: Any, evidence: Any, runs: Any, rows: Any, cost: Any) -> str:
     """Return the report as one HTML document; arguments as `template.report`."""
-    prints = {
-        name: [row.published for row in rows if name in BESIDE.get(row.id, ())] for name in (r.name for r in runs)
-    }
-    beside = {name: ". ".join(f"{p.where}: {p.text}" for p in printed) for name, printed in prints.items()}
     drawn = {run.name: (_path(run),) for run in runs if run.name == "ellipse"}
-    shown = standard.Shown(experiments.UNITS, experiments.COUNTS, beside, drawn, LONGEST, WINDOW)
+    style = standard.Shown(experiments.UNITS, experiments.COUNTS, shown.beside(BESIDE, rows), drawn, LONGEST, WINDOW)
     opened = standard.loops(robustness.opened(verification.loops(stage)))
-    extra = template.Extra(_values(stage.plant), [opened], maglev_stage.factors, shown=shown)
+    extra = template.Extra(_values(stage.plant), [opened], maglev_stage.factors, shown=style)
     return template.report(stage, files, evidence, runs, rows, cost, extra)
 
 

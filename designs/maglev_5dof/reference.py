@@ -8,9 +8,9 @@
 
 The controller keeps xi = T eta, where one sample is sum' = sum + e and a rotation p' = p + c q, q' = q - p' + e.
 
-Constants come from `reference_gains` and are rounded once. `step` takes scalars or columns (n,) of n
-independent controllers; inside, those of the axes, motors or currents stand side by side in the last dimension. Lengths
-in m, angles in rad, currents in A rms.
+Constants come from `reference_gains` and are rounded once. `step` takes scalars or columns (n,) of n independent
+controllers; inside, those of the axes, motors or currents are rows of one array. Lengths in m, angles in rad, currents
+in A rms.
 """
 
 from collections.abc import Iterable, Mapping
@@ -38,11 +38,15 @@ ODD, EVEN = (0.0168, 0.0322), (0.0124, 0.0366)  # gaps of motors 1, 3 and 2, 4
 LIMITS = {"y1": ODD, "y2": EVEN, "y3": ODD, "y4": EVEN, "x": (-0.1, 0.1), "z": (-0.1, 0.1)}
 SENSORS = len(LIMITS)
 LIMITS |= {f"{s}_ref": BOX.get(s, (-0.05, 0.05)) for s in AXES}
+LOW, HIGH = np.array([*LIMITS.values()]).T
+BITS = 1 << np.arange(len(LIMITS))
+HELD = tuple(f"guard_last_{s}" for s in LIMITS)
 ETA = ("sum", "p1", "q1")
 ETA_BOUNDS = (600.0, 3.0, 600.0)
 STATES = (*(f"filter_{{}}_{n}" for n in ("q_prev", "s", "r")), *(f"regulator_{{}}_{n}" for n in ETA))  # of an axis
-MEMORY = tuple(name.format(s) for s in AXES for name in STATES)
+MEMORY = tuple(name.format(s) for name in STATES for s in AXES)
 SAFE = {"i_d1": 2.5, "i_d2": 2.5, "i_d3": 2.5, "i_d4": 2.5, "u_x": 0.0, "u_z": 0.0}
+LAST = tuple(f"safe_output_last_{s}" for s in SAFE)
 QUADRATURE = [5, 4, 5, 4]  # of SAFE: the thrust currents of motors 1 to 4
 OUTPUTS = tuple(f"i_{axis}{j}" for axis in "dq" for j in (1, 2, 3, 4))
 WEIGHTS = {"y": (3e4, 3e4, 2.5e9, 2.5e7, 2.5e7)}
@@ -128,42 +132,35 @@ def constants(restored: bool = True) -> Constants:
     return Constants(Parameters(), K, float(model.c), np.array([float(v) for v in model.E]), filter, restored)
 
 
-def side_by_side(columns: Columns, names: Iterable[str]) -> Array:
-    """Return some columns (n,) as one array (n, m), by number."""
-    return np.stack([np.asarray(columns[name], dtype=np.float64) for name in names], axis=-1)
-
-
-def apart(A: Array) -> Array:
-    """Return the columns (m, n) of an array (n, m)."""
-    return A.transpose(-1, *range(A.ndim - 1))
+def rows(columns: Columns, names: Iterable[str]) -> Array:
+    """Return some columns (n,) as the rows of one array (m, n)."""
+    return np.array([columns[name] for name in names], dtype=np.float64)
 
 
 def guard(state: Columns, inputs: Columns) -> tuple[Array, dict[str, Array], NDArray[Any]]:
-    """Return the values to use (n, 11), the guard's next state and the fault word. NaN is in no range."""
-    u, last = side_by_side(inputs, LIMITS), side_by_side(state, [f"guard_last_{s}" for s in LIMITS])
-    low, high = np.array([*LIMITS.values()]).T
+    """Return the values to use (11, n), the guard's next state and the fault word. NaN is in no range."""
+    u = rows(inputs, LIMITS)
     with np.errstate(invalid="ignore"):
-        good = (u >= low) & (u <= high)
-    values = np.where(good, u, last)
-    complete = good[..., :SENSORS].all(axis=-1)
+        good = ((u.T >= LOW) & (u.T <= HIGH)).T
+    values = np.where(good, u, rows(state, HELD))
+    complete = good[:SENSORS].all(axis=0)
     left = np.where(complete, BAD_SAMPLES, np.asarray(state["guard_left"]) - 1)
-    after = {f"guard_last_{s}": value for s, value in zip(LIMITS, apart(values), strict=True)}
+    after = dict(zip(HELD, values, strict=True))
     after["guard_left"] = np.maximum(left, 1)
     after["guard_latched"] = np.where(left < 1, 1, state["guard_latched"])
     after["guard_ready"] = np.where(complete, 1, state["guard_ready"])
-    word = np.sum(np.where(good, 0, 1 << np.arange(len(LIMITS))), axis=-1) + (1 << 31) * (after["guard_latched"] > 0)
-    return values, after, np.asarray(word).astype(np.uint32)
+    return values, after, np.asarray(BITS @ ~good + (1 << 31) * (after["guard_latched"] > 0)).astype(np.uint32)
 
 
 def pose(values: Array, r: float) -> Array:
-    """Return y, x, z, phi and theta (n, 5) from six encoders (n, 6). F(5) inverted."""
-    y1, y2, y3, y4, x, z = apart(values)
+    """Return y, x, z, phi and theta (5, n) from six encoders (6, n). F(5) inverted."""
+    y1, y2, y3, y4, x, z = values
     phi, theta = np.arcsin((y3 - y1) / (2 * r)), np.arcsin((y2 - y4) / (2 * r))
-    return np.stack([(y1 + y2 + y3 + y4) / 4, x, z, phi, theta], axis=-1)
+    return np.array([(y1 + y2 + y3 + y4) / 4, x, z, phi, theta])
 
 
 def rate(e: Array, memory: Array, ready: NDArray[np.bool_], k: Constants) -> tuple[Array, list[Array]]:
-    """Return the filtered derivatives of the errors e (n, 5) and the next (q_prev, s, r), at rest until ready."""
+    """Return the filtered derivatives of the errors e (5, n) and the next (q_prev, s, r), at rest until ready."""
     (fade, rho, h), (q_prev, before, r) = k.filter, memory
     faded = fade * before + np.where(ready, e - q_prev, 0.0)
     r = fade * r + faded + rho * before
@@ -171,13 +168,13 @@ def rate(e: Array, memory: Array, ready: NDArray[np.bool_], k: Constants) -> tup
 
 
 def demand(e: Array, v: Array, eta: Array, k: Constants) -> Array:
-    """Return the demanded accelerations w = K (e, e', eta) (n, 5). F(16)."""
-    K = k.K.T
-    return np.asarray(K[0] * e + K[1] * v + sum(gain * x for gain, x in zip(K[2:], eta, strict=True)))
+    """Return the demanded accelerations w = K (e, e', eta) (5, n). F(16)."""
+    on_e, on_v, *on_eta = (gain * x.T for gain, x in zip(k.K.T, (e, v, *eta), strict=True))
+    return np.asarray(on_e + on_v + sum(on_eta)).T
 
 
 def model_step(e: Array, excess: Array, eta: Array, k: Constants) -> list[Array]:
-    """Return the next eta, each (n, 5); an entry that would leave its bounds stays as it is. F(14), (17)."""
+    """Return the next eta, each (5, n); an entry that would leave its bounds stays as it is. F(14), (17)."""
     total = eta[0] + e + k.E[0] * excess
     p = eta[1] + k.c * eta[2] + k.E[1] * excess
     q = eta[2] - p + e + k.E[2] * excess
@@ -191,14 +188,14 @@ def direct_currents(w: Array, at: Array, m: Motor, load: Array, k: Constants) ->
     i_d1 + i_d3 = i_d2 + i_d4, which is F(8): one linear equation in f1 + f3. F(12).
     """
     p, (part_phi, part_theta) = k.parameters, COMPENSATED.values() if k.restored else (1.0, 1.0)
-    (w_y, _, _, w_phi, w_theta), (_, _, _, phi, theta), loads = apart(w), apart(at), apart(load)
-    f = p.M_y * (w_y - p.G) + sum(loads)
-    d = p.I / p.r * (w_phi + part_phi * p.k_s_phi * phi) + loads[2] - loads[0]
-    c = p.I / p.r * (w_theta + part_theta * p.k_s_theta * theta) + loads[1] - loads[3]
-    s1, s2, s3, s4 = apart(1 / m.b)
+    (w_y, _, _, w_phi, w_theta), (_, _, _, phi, theta) = w, at
+    f = p.M_y * (w_y - p.G) + sum(load)
+    d = p.I / p.r * (w_phi + part_phi * p.k_s_phi * phi) + load[2] - load[0]
+    c = p.I / p.r * (w_theta + part_theta * p.k_s_theta * theta) + load[1] - load[3]
+    s1, s2, s3, s4 = 1 / m.b
     odd = ((s2 + s4) * f + (s2 - s4) * c - (s3 - s1) * d) / (s1 + s2 + s3 + s4)
     even = f - odd
-    return np.stack([s1 * (odd - d) / 2, s2 * (even + c) / 2, s3 * (odd + d) / 2, s4 * (even - c) / 2], axis=-1)
+    return np.array([s1 * (odd - d) / 2, s2 * (even + c) / 2, s3 * (odd + d) / 2, s4 * (even - c) / 2])
 
 
 def limited(u: Array, first: Array, second: Array) -> Array:
@@ -208,21 +205,21 @@ def limited(u: Array, first: Array, second: Array) -> Array:
 
 
 def currents(w: Array, q: Array, gaps: Array, before: Array, k: Constants) -> tuple[Array, Array]:
-    """Return i_d1..i_d4, u_x, u_z (n, 6) and by axis (n, 5) u limited less u demanded. F(12), (17), levitation first.
+    """Return i_d1..i_d4, u_x, u_z (6, n) and by axis (5, n) u limited less u demanded. F(12), (17), levitation first.
 
     The attraction by i_q^2 and, where the law is `restored`, by i_d^2 is that of the currents `before`, one sample ago.
     """
     p, m = k.parameters, motor(gaps, k.parameters)
-    squares = before[..., QUADRATURE] ** 2
+    squares = before[QUADRATURE] ** 2
     if k.restored:
-        squares = squares + before[..., :4] ** 2
+        squares = squares + before[:4] ** 2
     i_d = np.clip(direct_currents(w, q, m, m.a + m.c * squares, k), -DIRECT, DIRECT)
     first, second = [1, 0], [3, 2]  # motors 2 and 4 along x, 1 and 3 along z
-    demanded = -np.array([p.M_x, p.M_z]) * w[..., 1:3] / (m.h[..., first] + m.h[..., second])
-    u = limited(demanded, i_d[..., first], i_d[..., second])
+    demanded = (-np.array([p.M_x, p.M_z]) * w[1:3].T).T / (m.h[first] + m.h[second])
+    u = limited(demanded, i_d[first], i_d[second])
     excess = np.zeros_like(w)
-    excess[..., 1:3] = u - demanded
-    return np.concatenate([i_d, u], axis=-1), excess
+    excess[1:3] = u - demanded
+    return np.concatenate([i_d, u]), excess
 
 
 def step(
@@ -231,18 +228,16 @@ def step(
     """Return (next state, outputs, fault word) of one sample, columns by name. F(5), (8), (12), (14)-(17)."""
     k = k or constants()
     values, after, word = guard(state, inputs)
-    ready, latched = (np.asarray(flag)[..., None] > 0 for flag in (state["guard_ready"], after["guard_latched"]))
-    memory = side_by_side(state, MEMORY)
-    rows = apart(memory.reshape(*memory.shape[:-1], len(AXES), -1))
-    last = side_by_side(state, [f"safe_output_last_{s}" for s in SAFE])
-    q = pose(values[..., :SENSORS], k.parameters.r)
-    e = q - values[..., SENSORS:]
-    v, filtered = rate(e, rows[:3], ready, k)
-    w = demand(e, v, rows[3:], k)
-    computed, excess = currents(w, q, values[..., :4], last, k)
-    moved = np.stack([*filtered, *model_step(e, excess, rows[3:], k)], axis=-1)
-    after |= zip(MEMORY, apart(np.where(latched, memory, moved.reshape(memory.shape))), strict=True)
-    out = np.where(latched, np.clip([*SAFE.values()], last - SLEW, last + SLEW), computed)
-    after |= {f"safe_output_last_{s}": i for s, i in zip(SAFE, apart(out), strict=True)}
-    motors = np.concatenate([out[..., :4], out[..., QUADRATURE]], axis=-1)
-    return after, dict(zip(OUTPUTS, apart(motors), strict=True)), word
+    ready, latched = np.asarray(state["guard_ready"]) > 0, after["guard_latched"] > 0
+    memory, last = rows(state, MEMORY), rows(state, LAST)
+    filters, eta = np.split(memory.reshape(len(STATES), len(AXES), *memory.shape[1:]), 2)
+    q = pose(values[:SENSORS], k.parameters.r)
+    e = q - values[SENSORS:]
+    v, filtered = rate(e, filters, ready, k)
+    w = demand(e, v, eta, k)
+    computed, excess = currents(w, q, values[:4], last, k)
+    moved = np.array([*filtered, *model_step(e, excess, eta, k)])
+    after |= zip(MEMORY, np.where(latched, memory, moved.reshape(memory.shape)), strict=True)
+    out = np.where(latched, np.clip([*SAFE.values()], last.T - SLEW, last.T + SLEW).T, computed)
+    after |= zip(LAST, out, strict=True)
+    return after, dict(zip(OUTPUTS, np.concatenate([out[:4], out[QUADRATURE]]), strict=True)), word

@@ -52,8 +52,7 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
     edge = suite.compare("edge steps", by, *edge_steps(by.block, EDGE_STEPS), EDGE_FLOOR)
     progress("replays of closed loops")
     rigs = [Rig(stage, stage.plant, c) for c in (by.c32, by.c64)]
-    for what, inputs in replays(rigs[1], WHOLE_REPLAY if whole else QUICK_REPLAY).items():
-        compared += suite.replay(what, by, inputs, FLOOR)
+    compared += suite.replay(by, replays(rigs[1], WHOLE_REPLAY if whole else QUICK_REPLAY), FLOOR)
     progress("single against double over 60 s")
     checks = [c for of, floor in ((compared, FLOOR), (edge, EDGE_FLOOR)) for c in suite.exact(of, _unit(floor))]
     checks += [Check("share of random steps at a limit", share, 0.5, "1"), *single_against_double(*rigs)]

@@ -18,7 +18,6 @@ from synth.emit.c import digits
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import sample_times
 from synth.simulate.sensors import Override
-from synth.synthesise.riccati import riccati
 from synth.timing import Discrete
 
 STEPS = 1000
@@ -82,14 +81,5 @@ def _filter(axis: str, time: Discrete) -> dict[str, Any]:
         "deviation": filtering.DEVIATION,
         "gain": [float(v) for v in estimator.M[:, 0]],
         "poles": [digits.pole(z) for z in estimator.poles],
-        "certificate": certificate(estimator.certificate),
-    }
-
-
-def certificate(solution: riccati.Riccati) -> dict[str, float]:
-    """Return how far a Riccati solution is from one, of its largest weight and of its largest entry."""
-    weight = max(float(np.abs(solution.Q).max()), float(np.abs(solution.R).max()))
-    return {
-        "relative_residual_below": digits.bound(float(solution.defect.max()) / weight),
-        "relative_forward_error_estimate": digits.bound(float((solution.step / np.abs(solution.X).max()).max())),
+        "certificate": digits.certificate(estimator.certificate),
     }

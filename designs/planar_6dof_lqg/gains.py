@@ -25,11 +25,11 @@ def gains() -> dict[str, Any]:
         "weight_R": 1.0,
         "K": _rows(shipped.K),
         "poles": [digits.pole(z) for z in shipped.poles],
-        "certificate": shared.certificate(shipped.certificate),
+        "certificate": digits.certificate(shipped.certificate),
         "printed_weights": {
             "weights_Q": list(lqg.PRINTED_WEIGHTS),
             "K": {name: [digits.cut(v, 6) for v in row] for name, row in _rows(printed.K).items()},
-            "certificate": shared.certificate(printed.certificate),
+            "certificate": digits.certificate(printed.certificate),
         },
         "axes": {axis.name: _axis(axis) for axis in lqg.axes(plant)},
         "compensators": shared.compensators(vertical.loops(lqg.TIME)),

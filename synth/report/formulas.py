@@ -25,9 +25,10 @@ def near(value: float, relative: float, *others: float) -> bool:
     return all(abs(value / other - 1) < relative for other in others)
 
 
+_OF_MATH = ("asin", "cos", "degrees", "exp", "floor", "log", "log10", "pi", "sin", "sqrt")
 FUNCTIONS: Mapping[str, Any] = {
     **{f.__name__: f for f in (abs, all, any, dict, len, max, min, near, round)},
-    **{name: getattr(math, name) for name in ("cos", "degrees", "exp", "floor", "log", "log10", "pi", "sin", "sqrt")},
+    **{name: getattr(math, name) for name in _OF_MATH},
 }
 _PRINTED = re.compile(r"\b([A-Z]+-\w+\.\w+)")
 

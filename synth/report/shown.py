@@ -39,10 +39,13 @@ class Shown:
 
 
 def beside(figures: Beside, rows: Sequence[Row]) -> dict[str, str]:
-    """Return what rows of the audit print, by experiment; a row that is not among them is left out."""
-    printed = {row.id: row.published.text for row in rows}
+    """Return what rows of the audit print, by experiment; a row that is not among them is left out.
+
+    A figure without a name, "", is called by the place where its row is printed.
+    """
+    printed = {row.id: row.published for row in rows}
     return {
-        name: ". ".join(f"{figure}: {printed[row]}" for row, figure in of if row in printed)
+        name: ". ".join(f"{figure or printed[row].where}: {printed[row].text}" for row, figure in of if row in printed)
         for name, of in figures.items()
     }
 

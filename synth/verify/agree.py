@@ -13,6 +13,7 @@ once, in the scalar type of the coarser witness.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import casadi as ca
@@ -164,14 +165,48 @@ def recorded(witness: Witness, states: Mapping[str, float], inputs: Columns) -> 
     now: Columns = {name: np.full(copies or 1, value) for name, value in states.items()}
     if isinstance(witness, Evaluated) and not copies:
         return witness.in_a_row(now, inputs)
-    outputs: dict[str, NDArray[Any]] = {}
-    faults = np.zeros(shape, np.uint32)
+    columns = {name: values.reshape(n, *(copies or [1])) for name, values in inputs.items()}
+    rows: list[Stepped] = []
     for k in range(n):
-        stepped = witness(now, {name: np.atleast_1d(values[k]) for name, values in inputs.items()})
-        now, faults[k] = stepped.states, np.reshape(stepped.faults, copies)
-        for name, value in stepped.outputs.items():
-            outputs.setdefault(name, np.empty(shape))[k] = np.reshape(value, copies)
-    return Stepped(outputs, now, faults)
+        stepped = witness(now, {name: values[k] for name, values in columns.items()})
+        now = stepped.states
+        rows.append(Stepped(stepped.outputs, {}, stepped.faults))
+    outputs = {name: np.reshape([row.outputs[name] for row in rows], shape) for name in rows[0].outputs}
+    return Stepped(outputs, now, np.reshape([row.faults for row in rows], shape))
+
+
+def recorded_runs(witness: Witness, states: Mapping[str, float], runs: Sequence[Columns]) -> list[Stepped]:
+    """Run a witness over recorded inputs (N,) of several runs, each from the same state.
+
+    A witness that takes one step at a time takes it for all runs that last, side by side.
+    """
+    if isinstance(witness, Evaluated):
+        return [recorded(witness, states, run) for run in runs]
+    lengths = [len(next(iter(run.values()))) for run in runs]
+    order, ends = sorted(range(len(runs)), key=lambda j: -lengths[j]), sorted({0, *lengths})
+    parts: list[list[Stepped]] = [[] for _ in runs]
+    now: Mapping[str, Any] = states
+    for first, last in pairwise(ends):
+        going = [j for j in order if lengths[j] >= last]
+        inputs = {name: np.stack([runs[j][name][first:last] for j in going], axis=1) for name in runs[0]}
+        start = {name: value if first == 0 else value[: len(going)] for name, value in now.items()}
+        both = recorded(witness, start, inputs)
+        now = both.states
+        for k, j in enumerate(going):
+            parts[j].append(_copy(both, k))
+    return [_in_a_row(of_run) for of_run in parts]
+
+
+def _copy(both: Stepped, k: int) -> Stepped:
+    """Return one of several runs side by side."""
+    outputs = {name: value[:, k] for name, value in both.outputs.items()}
+    return Stepped(outputs, {name: value[k : k + 1] for name, value in both.states.items()}, both.faults[:, k])
+
+
+def _in_a_row(parts: Sequence[Stepped]) -> Stepped:
+    """Return the parts of a run as one."""
+    outputs = {name: np.concatenate([part.outputs[name] for part in parts]) for name in parts[0].outputs}
+    return Stepped(outputs, parts[-1].states, np.concatenate([part.faults for part in parts]))
 
 
 def replayed(controller: host.Controller, inputs: Columns) -> Stepped:

@@ -61,9 +61,8 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
     progress("random and edge steps")
     agreements, checks = drawn(by, runs)
     progress("replays of closed loops")
-    for name, inputs in runs.items():
-        compared = suite.replay(f"replay of {name}", by, inputs, None)
-        agreements, checks = [*agreements, *compared], [*checks, *suite.exact(compared, UNIT)]
+    compared = suite.replay(by, {f"replay of {name}": inputs for name, inputs in runs.items()}, None)
+    agreements, checks = [*agreements, *compared], [*checks, *suite.exact(compared, UNIT)]
     progress("single against double")
     checks += paths(stage, by)
     if stage.operating_points and stage.require:

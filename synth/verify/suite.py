@@ -56,12 +56,14 @@ def compare(what: str, by: Witnesses, states: Columns, inputs: Columns, floor: a
     ]
 
 
-def replay(what: str, by: Witnesses, inputs: Columns, floor: agree.Floor) -> list[Agreement]:
-    """Compare each other witness with the C in double precision over N recorded inputs from `init`."""
-    c64, start = agree.replayed(by.c64, inputs), {s.name: s.initial for s in by.block.states}
+def replay(by: Witnesses, runs: Mapping[str, Columns], floor: agree.Floor) -> list[Agreement]:
+    """Compare each other witness with the C in double precision over the N recorded inputs of each run from `init`."""
+    start = {s.name: s.initial for s in by.block.states}
+    others = {name: agree.recorded_runs(witness, start, list(runs.values())) for name, witness in by.others.items()}
     return [
-        agree.compare(what, (name, agree.recorded(witness, start, inputs)), ("c64", c64), floor, by.block)
-        for name, witness in by.others.items()
+        agree.compare(what, (name, stepped[k]), ("c64", agree.replayed(by.c64, inputs)), floor, by.block)
+        for k, (what, inputs) in enumerate(runs.items())
+        for name, stepped in others.items()
     ]
 
 

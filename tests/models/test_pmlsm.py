@@ -180,10 +180,10 @@ def test_the_ratio_of_the_force_law_grows_slowly_with_the_gap() -> None:
 
 def test_a_motor_carries_its_load_by_the_current_of_the_balance_and_by_no_other() -> None:
     p = {name: ca.SX(value) for name, value in NOMINAL.items()}
-    balance = pmlsm.balance(0.025, ca.SX(WEIGHT / 4), p)
+    balance = pmlsm.balance(ca.SX(WEIGHT / 4), p)(0.025)
     assert balance.current == pytest.approx(0.67864, abs=1e-5) and balance.discriminant > 0
     for i_d, rests in ((balance.current, True), (-balance.current, False)):
         force = float(pmlsm.normal_force(ca.SX(0.025), ca.SX(i_d), ca.SX(0), p)) + WEIGHT / 4
         assert (abs(force) < 1e-11) == rests
-    lost = pmlsm.balance(0.025, ca.SX(-1e4), p)
+    lost = pmlsm.balance(ca.SX(-1e4), p)(0.025)
     assert lost.discriminant < 0 and math.isnan(lost.current)

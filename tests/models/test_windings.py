@@ -18,16 +18,16 @@ def park(a: float, b: float, c: float, angle: float) -> np.ndarray:
 
 @pytest.mark.parametrize(("d", "q", "angle"), CASES)
 def test_phases_sum_to_zero_and_come_back(d: float, q: float, angle: float) -> None:
-    phases = windings.phase_currents(d, q, angle)
-    assert phases.a + phases.b + phases.c == pytest.approx(0, abs=1e-13)
-    assert park(phases.a, phases.b, phases.c, angle) == pytest.approx([d, q], abs=1e-12)
-    assert park(phases.a, phases.c, phases.b, angle) != pytest.approx([d, q], abs=1e-2)
+    a, b, c = windings.phase_currents(d, q, angle).values()
+    assert a + b + c == pytest.approx(0, abs=1e-13)
+    assert park(a, b, c, angle) == pytest.approx([d, q], abs=1e-12)
+    assert park(a, c, b, angle) != pytest.approx([d, q], abs=1e-2)
 
 
 @pytest.mark.parametrize(("d", "q", "angle"), CASES)
 def test_amplitude_and_rms(d: float, q: float, angle: float) -> None:
     turn = angle + np.linspace(0, 2 * np.pi, 3600, endpoint=False)
-    b = np.array([windings.phase_currents(d, q, th).b for th in turn])
+    b = np.array([windings.phase_currents(d, q, th)["b"] for th in turn])
     assert np.abs(b).max() == pytest.approx(math.sqrt(2) * math.hypot(d, q), rel=1e-5)
     assert np.sqrt(np.mean(b**2)) == pytest.approx(math.hypot(d, q), rel=1e-12)
 
@@ -39,6 +39,6 @@ def test_the_phases_are_the_travelling_wave_of_the_slots(x_m: float) -> None:
     tau, i_d, i_q = 0.05715, 1.2, -0.8
     k = math.pi / tau
     phases = windings.phase_currents(i_d, i_q, windings.electrical_angle(x_m, tau))
-    for slot, current in zip((0, 2, 4), (phases.a, phases.b, phases.c), strict=True):
+    for slot, current in zip((0, 2, 4), phases.values(), strict=True):
         at = k * (slot * tau / 3 - x_m)
         assert current == pytest.approx(math.sqrt(2) * (i_d * math.sin(at) - i_q * math.cos(at)), abs=1e-12)

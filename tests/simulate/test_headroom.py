@@ -52,7 +52,7 @@ def test_the_witnesses_alone_do_not_find_it(planted: Stage) -> None:
     by = suite.witnesses(planted.controller.block, PID.reference.step)
     others = {name: witness for name, witness in by.of.items() if name != "reference"}
     run = planted.experiments[0].run(Rig(planted, planted.plant, by.c64))
-    found = suite.replay("step", replace(by, of=others), run.trajectory.measured, None)
+    found = suite.replay(replace(by, of=others), {"step": run.trajectory.measured}, None)
     assert [c for c in suite.exact(found, "A") if not c.passed] == []
 
 

@@ -61,6 +61,21 @@ def test_copies_that_run_side_by_side_are_as_each_alone() -> None:
         assert together.states["total"][k] == alone.states["total"][0]
 
 
+def test_runs_of_any_lengths_are_as_each_alone() -> None:
+    """One ends before the others, two together, and one goes on to its end."""
+
+    def integrate(states: agree.Columns, inputs: agree.Columns) -> agree.Stepped:
+        total = states["total"] + inputs["u"]
+        return agree.Stepped({"y": 2 * total}, {"total": total}, (total > 1).astype(np.uint32))
+
+    rng = np.random.default_rng(0)
+    runs = [{"u": rng.uniform(-1, 1, n)} for n in (7, 20, 7, 3)]
+    for run, found in zip(runs, agree.recorded_runs(integrate, {"total": 0.5}, runs), strict=True):
+        alone = agree.recorded(integrate, {"total": 0.5}, run)
+        np.testing.assert_equal((found.outputs, found.states), (alone.outputs, alone.states))
+        np.testing.assert_array_equal(found.faults, alone.faults)
+
+
 @pytest.mark.parametrize("made", [agree.casadi, agree.casadi_own_c])
 def test_steps_in_a_row_are_the_steps_one_by_one(made: Callable[[Block], agree.Witness]) -> None:
     """Over the end of a part of `IN_A_ROW` samples, with a bad sample in each."""

@@ -1,10 +1,7 @@
-"""The loops under audit, made once for a plant: ideal ones in continuous time, and compiled ones on encoders.
+"""What the audit is computed from: parameters by group, and loops made once for a plant, ideal or on encoders.
 
-Ideal, with ideal sensing, free of sampling, filters and encoders; currents are not limited, and none reaches 7 A peak:
-
-    axis s:    w_s = K_s (e_s, de_s, xi_s),   dxi_s = Phi xi_s + N e_s                   (14)-(16), Gamma xi within K
-    law:       v = D^-1 (w_y - a1, w_phi - b1, w_theta - c1),   u_x = w_x/h_x, u_z = w_z/h_z,   i_d of (8)     (12)
-    plant:     (6), (7) with every quadratic term; the linear loop is e'' = w of (13) instead of law and plant
+Ideal loops are those of `models.maglev_loop`, free of sampling, filters and encoders; their currents are not limited,
+and none reaches 7 A peak. The linear loop is e'' = w of (13) in place of law and plant.
 
 "Encoders" is the compiled controller at 1 kHz on encoders of 10 um with its filters and one sample of delay: with the
 printed law (12), or `restored`, with the shipped law, which puts back the squares of i_d that (11) drops and cancels
@@ -15,43 +12,57 @@ the six whole periods up to 20 s. Shorter runs keep these proportions.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import cache, cached_property, lru_cache
-from typing import Literal
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
+from typing import Any, Literal, NamedTuple
 
-import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from designs.maglev_5dof import control, experiments
-from models import maglev_polynomial, maglev_stage
+from models import maglev_loop, maglev_stage
+from models.maglev_loop import Motion, Regulator
+from synth import cache
 from synth.declaration import Stage
-from synth.execute import build, host
+from synth.emit import write
+from synth.execute import host
 from synth.plant import Plant
+from synth.report.audit import Published
+from synth.report.formulas import Formula, near
 from synth.simulate import metrics
 from synth.simulate.conditions import Sine
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import sample_times
+from synth.statespace import Array
+from synth.synthesise.feedback import inverse_lqr
 
-Array = NDArray[np.float64]
 Springs = Literal["known", "unknown", "absent"]
 
-MAGNETS = ("b0", "t1", "h_m", "L_A", "p_m", "tau", "tau_p", "H_c", "mu_rec", "mu0")
-FORCES = (*MAGNETS, "W", "w_c", "p", "z1")
-FIELD = (*(name for name in MAGNETS if name != "mu0"), "W", "p")
-MM = 1e-3
+GROUPS: dict[str, tuple[str, ...]] = {
+    "field": ("b0", "t1", "h_m", "L_A", "p_m", "tau", "tau_p", "H_c", "mu_rec", "W", "p")
+}
+GROUPS["magnets"] = (*GROUPS["field"][:-2], "mu0")
+GROUPS["forces"] = (*GROUPS["magnets"], "W", "w_c", "p", "z1")
+GROUPS["level"] = (*GROUPS["forces"], "M_x", "M_z", "M_y", "G")  # what counts while the platen does not turn
+GROUPS["turning"] = (*GROUPS["level"], "r", "I_z", "k_s_theta")  # and while it turns by theta
+BY_GROUP = {name: Formula(f"dict({', '.join(f'{n}={n}' for n in group)})") for name, group in GROUPS.items()}
 SPRINGS = ("k_s_phi", "k_s_theta")
 FRICTION = {"x": 1.8, "z": 1.3}  # N of guide friction, fitted to the two printed errors of the ellipse
 KEPT = 32  # runs that the rows share
 SAMPLE = 1e-3  # s, at which the continuous responses are judged
-RELATIVE, ABSOLUTE = 1e-8, 1e-11  # of the integration
+
+
+class Poles(NamedTuple):
+    """Closed-loop poles of an axis in 1/s: the real one, and one of either pair."""
+
+    fast: float
+    first: complex
+    second: complex
 
 
 @dataclass(frozen=True, eq=False)
 class Bench:
-    """The stage and the plant under audit, and the length of the tracking runs in s.
+    """The stage and the plant under audit, what is printed, functions for formulas, and how long tracking runs, s.
 
     `cells` is the fineness of the slotted field. Of the guide springs, "known" means in plant and (12), "unknown" in
     the plant alone, "absent" in neither.
@@ -59,8 +70,21 @@ class Bench:
 
     stage: Stage
     plant: Plant
+    published: Mapping[str, Published]
+    own: Mapping[str, Any] = field(default_factory=dict)
     duration_s: float = experiments.TRACK_TO
     cells: int = 12
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """The plant's parameters by name, SI."""
+        return {p.name: p.value for p in self.plant.parameters}
+
+    @property
+    def functions(self) -> dict[str, Any]:
+        """What formulas name: `bench` and `plant` of the parameters that a row follows from, and functions of these."""
+        of_parameters = {"bench": lambda **_: self, "plant": lambda **_: self.plant}
+        return {**self.own, **of_parameters, "mm": 1e-3, "cells": self.cells}
 
     @cached_property
     def without_springs(self) -> Plant:
@@ -73,22 +97,25 @@ class Bench:
         return plant, self.plant if springs == "known" else self.without_springs
 
 
-@dataclass(frozen=True, eq=False)
-class Motion:
-    """Errors in m and rad by axis at the times (N,); `left_at` is when the gap left its range, s, or infinity."""
-
-    time: Array
-    error: Mapping[str, Array]
-    left_at: float
-
-
 @lru_cache(maxsize=KEPT)
 def ideal(bench: Bench, four: bool, springs: Springs, lv3: str = "csch2") -> Motion:
     """Return the ideal 4-DOF tracking or ellipse under (12), with this reading of L_v3 in plant and law."""
     courses = {axis: experiments.COURSES[axis] for axis in ("y", "x", "z")}
     if four:
         courses |= {"phi": Sine(0.0, control.OMEGA0), "theta": experiments.COURSES["theta"]}
-    return run(*bench.pair(springs), courses, {"y": 0.020, "x": -0.03}, bench.duration_s / 3, lv3)
+    return run(bench.pair(springs), courses, {"y": 0.020, "x": -0.03}, bench.duration_s / 3, lv3)
+
+
+def run(
+    plants: tuple[Plant, Plant],
+    courses: Mapping[str, Sine],
+    start: Mapping[str, float],
+    duration_s: float,
+    lv3: str = "csch2",
+) -> Motion:
+    """Return the motion of a plant under (12) for another one, on the ideal loops of the axes that have courses."""
+    regulators = [regulator(axis(name)) for name in courses]
+    return maglev_loop.run(*plants, regulators, courses, start, (duration_s, SAMPLE), lv3)
 
 
 def ideal_errors(bench: Bench, four: bool, springs: Springs, lv3: str = "csch2") -> dict[str, float]:
@@ -97,6 +124,11 @@ def ideal_errors(bench: Bench, four: bool, springs: Springs, lv3: str = "csch2")
     if np.isfinite(motion.left_at):
         return dict.fromkeys(motion.error, np.nan)
     return {axis: 1e6 * metrics.mean_absolute(motion.time, e, start) for axis, e in motion.error.items()}
+
+
+def meets(errors: Mapping[str, float], printed: Mapping[str, float]) -> bool:
+    """Return whether tracking errors agree with printed ones: within a tenth of these."""
+    return all(near(errors[name], 0.1, value) for name, value in printed.items())
 
 
 @lru_cache(maxsize=KEPT)
@@ -113,8 +145,19 @@ def encoder_errors(
 
 @lru_cache(maxsize=KEPT)
 def _controller(known: Plant, restored: bool) -> host.Controller:
-    # The library computes the functions, which for new parameters none has fitted.
-    return build.compiled(control.controller(known, restored).block, np.float64, libm=True)
+    emitted = _emitted(tuple((p.name, p.value) for p in known.parameters), restored)
+    return host.load(emitted.files, emitted.manifest)
+
+
+@cache.kept
+def _emitted(parameters: tuple[tuple[str, float], ...], restored: bool) -> write.Emitted:
+    """Return the C of the controller that knows some parameters of the plant: nothing else of it counts.
+
+    The library computes the functions, which for new parameters none has fitted.
+    """
+    known = maglev_stage.plant().with_parameters(**dict(parameters))
+    emitted = write.emit(control.controller(known, restored).block, np.float64, libm=True)
+    return replace(emitted, program=None)
 
 
 def axis(name: str) -> control.Axis:
@@ -122,10 +165,29 @@ def axis(name: str) -> control.Axis:
     return next(a for a in control.AXES if a.name == name)
 
 
+@lru_cache(maxsize=KEPT)
+def regulator(axis: control.Axis) -> Regulator:
+    """Return the regulator of an axis."""
+    return Regulator(axis.name, control.gain(axis).K, control.axis_plant(axis).A)
+
+
 def closed_loop(name: str) -> Array:
     """Return A + B K (5, 5) of the linear loop of an axis."""
     plant = control.axis_plant(axis(name))
     return np.asarray(plant.A + plant.B @ control.gain(axis(name)).K)
+
+
+def poles(name: str) -> Poles:
+    """Return the closed-loop poles of an axis that follow from its LQR weights."""
+    poles = np.linalg.eigvals(closed_loop(name))
+    first, second = sorted(poles[poles.imag > 1e-9], key=lambda pole: -pole.imag)
+    return Poles(float(poles[np.abs(poles.imag) < 1e-9].real[0]), first, second)
+
+
+def weights_of(name: str, fast: float, *pairs: complex) -> inverse_lqr.DiagonalWeights:
+    """Return the diagonal weights for which the LQR of an axis has a real pole and pairs of others, in 1/s."""
+    conjugated = [s for pair in pairs for s in (pair, pair.conjugate())]
+    return inverse_lqr.diagonal_weights(control.axis_plant(axis(name)), [complex(fast), *conjugated])
 
 
 def linear_step(name: str, step: float) -> metrics.StepResponse:
@@ -139,60 +201,9 @@ def linear_step(name: str, step: float) -> metrics.StepResponse:
     return metrics.step_response(time, error + step, 0.0, step, experiments.BAND, experiments.COUNTS[name])
 
 
-def run(
-    plant: Plant,
-    known: Plant,
-    courses: Mapping[str, Sine],
-    start: Mapping[str, float],
-    duration_s: float,
-    lv3: str = "csch2",
-) -> Motion:
-    """Integrate the axes named in `courses` from rest at `start` (m, rad); the others rest at 0.
-
-    `known` holds the parameters that (12) knows; `lv3` is the reading of L_v3 in plant and law. Without phi and theta
-    among the axes v_phi = v_theta = 0.
-    """
-    names, n = tuple(courses), len(courses)
-    t, x = ca.SX.sym("t"), ca.SX.sym("x", 5 * n)
-    waves = np.array([[w.offset, w.amplitude, w.phase] for w in courses.values()])
-    symbolic = _derivative(tuple(axis(n) for n in names), lv3)
-    derivative = ca.Function("derivative", [t, x], [symbolic(t, x, plant.values, known.values, waves)], {"cse": True})
-    state = np.zeros(5 * n)
-    state[: 2 * n : 2] = [start.get(name, 0.0) for name in names]
-    low, high = control.GAP
-
-    def leaves(t: float, x: Array) -> float:
-        return float((x[0] - low) * (high - x[0]))
-
-    def slope(t: float, x: Array) -> Array:
-        return np.asarray(derivative(t, x)).ravel()
-
-    leaves.terminal = True  # type: ignore[attr-defined]
-    time = sample_times(duration_s, SAMPLE)
-    accuracy = {"rtol": RELATIVE, "atol": ABSOLUTE}
-    path = solve_ivp(slope, (0.0, time[-1]), state, method="LSODA", t_eval=time, events=leaves, **accuracy)
-    error = {name: path.y[2 * k] - courses[name](path.t) for k, name in enumerate(names)}
-    return Motion(path.t, error, float(path.t_events[0][0]) if len(path.t_events[0]) else np.inf)
-
-
-@cache
-def _derivative(axes: tuple[control.Axis, ...], lv3: str) -> ca.Function:
-    """Return d/dt of (q, v of each axis, then xi of each) for (t, state, parameters, those known to (12), waves)."""
-    count = len(axes)
-    t, state, waves = ca.SX.sym("t"), ca.SX.sym("state", 5 * count), ca.SX.sym("waves", count, 3)
-    true, known = maglev_stage.parameter_symbols(), maglev_stage.parameter_symbols()
-    position = {a.name: state[2 * k] for k, a in enumerate(axes)}
-    speed = {a.name: state[2 * k + 1] for k, a in enumerate(axes)}
-    w, d_xi = dict.fromkeys(maglev_stage.RATE, ca.SX(0)), []
-    for k, a in enumerate(axes):
-        reference = waves[k, 0] + waves[k, 1] * ca.sin(control.OMEGA0 * t + waves[k, 2])
-        xi = state[2 * count + 3 * k : 2 * count + 3 * k + 3]
-        z = ca.vertcat(position[a.name] - reference, speed[a.name] - ca.jacobian(reference, t), xi)
-        w[a.name] = ca.mtimes(ca.DM(np.asarray(control.gain(a).K)), z)
-        d_xi.append(ca.mtimes(ca.DM(np.asarray(control.axis_plant(a).A)), z)[2:])
-    inputs = maglev_polynomial.law(known, lv3, position, w)
-    pose = {n: position.get(n, ca.SX(0)) for n in ("y", "phi", "theta")}
-    second = maglev_stage.accelerations(pose, inputs, true, maglev_stage.named_reading(lv3))
-    slopes = [slope for a in axes for slope in (speed[a.name], second[a.name])]
-    arguments = [t, state, ca.vcat(list(true.values())), ca.vcat(list(known.values())), waves]
-    return ca.Function("derivative", arguments, [ca.vcat([*slopes, *d_xi])], {"cse": True})
+def gap_step(plant: Plant, low: float, size: float) -> metrics.StepResponse:
+    """Return the metrics over 6 s of a step of the gap from `low` by `size` in m, on the nonlinear plant under (12)."""
+    high = low + size
+    motion = run((plant, plant), {"y": Sine(0.0, control.OMEGA0, 0.0, high)}, {"y": low}, 6.0)
+    gap = motion.error["y"] + low + size
+    return metrics.step_response(motion.time, gap, low, high, experiments.BAND, control.RESOLUTION)

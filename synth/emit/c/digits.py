@@ -2,6 +2,10 @@
 
 import math
 
+import numpy as np
+
+from synth.synthesise.riccati import riccati
+
 
 def cut(value: float, digits: int) -> float:
     """Return `value` rounded to so many significant digits."""
@@ -19,3 +23,12 @@ def bound(value: float) -> float:
 def pole(value: complex) -> str:
     """Return a pole in six digits; an imaginary part of less than 1e-9 is none."""
     return f"{value.real:.6g}{value.imag:+.6g}i" if abs(value.imag) > 1e-9 else f"{value.real:.6g}"
+
+
+def certificate(solution: riccati.Riccati) -> dict[str, float]:
+    """Return how far a Riccati solution is from one, of its largest weight and of its largest entry."""
+    weight = max(float(np.abs(solution.Q).max()), float(np.abs(solution.R).max()))
+    return {
+        "relative_residual_below": bound(float(solution.defect.max()) / weight),
+        "relative_forward_error_estimate": bound(float((solution.step / np.abs(solution.X).max()).max())),
+    }

@@ -355,28 +355,28 @@ class TestLaw:
 
     @staticmethod
     def gaps(q: dict[str, Array], warp: float = 0.0) -> Array:
-        """Return the four gaps (n, 4) of a pose, with a `warp` in m that no rigid platen has."""
+        """Return the four gaps (4, n) of a pose, with a `warp` in m that no rigid platen has."""
         tilt, roll = P.r * np.sin(q["phi"]), P.r * np.sin(q["theta"])
         at = [q["y"] - tilt + warp, q["y"] + roll - warp, q["y"] + tilt + warp, q["y"] - roll - warp]
-        return np.stack(at, axis=-1)
+        return np.stack(at)
 
     def currents(
         self, w: dict[str, Array], q: dict[str, Array], gaps: Array, before: Array, k: reference.Constants
     ) -> tuple[Array, Array]:
-        """Return the currents (n, 6) and what the limits add to those of the axes (n, 5), for columns by axis."""
+        """Return the currents (6, n) and what the limits add to those of the axes (5, n), for columns by axis."""
         flat = {s: np.zeros_like(q["y"]) for s in reference.AXES} | q
-        both = (reference.side_by_side(columns, reference.AXES) for columns in (w, flat))
+        both = (reference.rows(columns, reference.AXES) for columns in (w, flat))
         return reference.currents(*both, gaps, before, k)
 
     @staticmethod
     def stacked(out: Array) -> Array:
-        """Return i_d1..i_d4, i_q1..i_q4 (8, n) of the currents i_d1..i_d4, u_x, u_z (n, 6)."""
-        return out.T[[0, 1, 2, 3, 5, 4, 5, 4]]
+        """Return i_d1..i_d4, i_q1..i_q4 (8, n) of the currents i_d1..i_d4, u_x, u_z (6, n)."""
+        return out[[0, 1, 2, 3, 5, 4, 5, 4]]
 
     def test_as_printed(self, samples: tuple[dict[str, Array], dict[str, Array]]) -> None:
         q, w = samples
         rng = np.random.default_rng(7)
-        before = rng.uniform(-3, 3, (len(q["y"]), 6))
+        before = rng.uniform(-3, 3, (len(q["y"]), 6)).T
         out, _ = self.currents(w, q, self.gaps(q), before, reference.constants(restored=False))
         i_d, i_q = self.stacked(out)[:4], self.stacked(before)[4:]
         free = np.max(np.abs(i_d), axis=0) < 0.99 * reference.CURRENT
@@ -391,11 +391,11 @@ class TestLaw:
         The pose and the demands stand still until the currents do.
         """
         q, w = samples
-        out = np.tile([*reference.SAFE.values()], (len(q["y"]), 1))
+        out = np.tile([*reference.SAFE.values()], (len(q["y"]), 1)).T
         for _ in range(40):
             out, excess = self.currents(w, q, self.gaps(q), out, reference.constants(restored=restored))
         u = self.stacked(out)
-        free = (np.max(np.abs(u), axis=0) < 0.9 * reference.CURRENT) & (excess == 0).all(axis=1)
+        free = (np.max(np.abs(u), axis=0) < 0.9 * reference.CURRENT) & (excess == 0).all(axis=0)
         assert np.mean(free) > 0.5
         derivative = self.at(q["y"], q["phi"], q["theta"], u)
         for row, axis, k_s in ((7, "phi", P.k_s_phi), (9, "theta", P.k_s_theta)):
@@ -418,7 +418,7 @@ class TestLaw:
         """Sum_j c_j (|i_j|^2 - |i_j before|^2) / M_y, downwards."""
         q, w = samples
         k, rng = reference.constants(), np.random.default_rng(8)
-        before = rng.uniform(-1, 1, (len(q["y"]), 6))
+        before = rng.uniform(-1, 1, (len(q["y"]), 6)).T
         out, _ = self.currents(w, q, self.gaps(q), before, k)
         u, v = self.stacked(out), self.stacked(before)
         free = np.max(np.abs(u), axis=0) < 0.9 * reference.CURRENT

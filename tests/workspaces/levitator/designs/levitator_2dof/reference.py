@@ -135,11 +135,11 @@ def block(A: Matrix, B: Matrix) -> Matrix:
 
 def gramian(F: Matrix, W: Matrix) -> tuple[Matrix, Matrix]:
     """Return exp(F T) and the integral over a period of exp(F' t) W exp(F t) (Van Loan 1978)."""
-    n = F.rows
+    n, size = F.rows, mpmath.mnorm(W)  # a large W asks for more terms
     Z = block(-F.T, F)
-    Z[:n, n:] = W
+    Z[:n, n:] = W / size
     E = mpmath.expm(Z * mpmath.mpf(T), method="taylor")
-    return E[n:, n:], E[n:, n:].T * E[:n, n:]
+    return E[n:, n:], E[n:, n:].T * E[:n, n:] * size
 
 
 def riccati(A: Matrix, B: Matrix, Q: Matrix, R: Matrix, N: Matrix) -> tuple[Matrix, Matrix]:
@@ -147,9 +147,11 @@ def riccati(A: Matrix, B: Matrix, Q: Matrix, R: Matrix, N: Matrix) -> tuple[Matr
     inverse = mpmath.inverse(R)
     a, g, h = A - B * inverse * N.T, B * inverse * B.T, Q - N * inverse * N.T
     one = mpmath.eye(A.rows)
-    for _ in range(40):
+    step = h
+    while mpmath.mnorm(step) > mpmath.mnorm(h) * mpmath.mpf(10) ** -40:  # the next one is of the square of this
         w = mpmath.inverse(one + g * h)
-        a, g, h = a * w * a, g + a * w * g * a.T, h + a.T * h * w * a
+        step = a.T * h * w * a
+        a, g, h = a * w * a, g + a * w * g * a.T, h + step
     return h, mpmath.inverse(R + B.T * h * B) * (B.T * h * A + N.T)
 
 
