@@ -16,9 +16,10 @@ from functools import cache, partial
 
 import numpy as np
 
-from designs.planar_6dof import interface, sensing
+from designs.planar_6dof import interface
 from designs.planar_6dof.loop import Array, seen
 from models import hall_calibration, planar_stage
+from models import hall_sections as sensing
 from synth.check import Check
 from synth.simulate import failure
 from synth.simulate.experiment import Experiment

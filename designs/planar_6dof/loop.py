@@ -16,8 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from designs.planar_6dof import filtering, interface, sensing
+from designs.planar_6dof import filtering, interface
 from models import halbach, planar_stage
+from models import hall_sections as sensing
 from synth.block import Block, unranged
 from synth.blocks import safety
 from synth.compose import compose

@@ -27,10 +27,11 @@ from functools import cache
 import casadi as ca
 import numpy as np
 
-from designs.planar_6dof import allocation, interface, sensing, vertical
+from designs.planar_6dof import allocation, interface, vertical
 from designs.planar_6dof.allocation import HORIZONTAL
-from designs.planar_6dof.sensing import READY
 from designs.planar_6dof.vertical import MARGIN, POSITIONS, REFERENCES, Variant
+from models import hall_sections as sensing
+from models.hall_sections import READY
 from synth.analyse import discretise
 from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.plant import Plant

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from designs.planar_6dof import filtering, interface, sensing
+from designs.planar_6dof import filtering, interface
 from models import hall_calibration, planar_stage
+from models import hall_sections as sensing
 from synth.block import Block
 from synth.compose import compose
 from synth.plant import Plant

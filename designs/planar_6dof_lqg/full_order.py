@@ -11,7 +11,7 @@ import casadi as ca
 
 from designs.planar_6dof import lqg, vertical
 from designs.planar_6dof.lqg import MEASURED, TIME, Axis, Regulate
-from designs.planar_6dof.sensing import READY
+from models.hall_sections import READY
 from synth.block import Block, Constant, Exprs, State
 from synth.plant import Plant
 from synth.signals import Signal

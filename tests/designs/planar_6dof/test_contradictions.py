@@ -10,7 +10,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from designs.planar_6dof import filtering, reference_sensing, sensing, sensing_maps
+from designs.planar_6dof import filtering, reference_sensing, sensing_maps
+from models import hall_sections as sensing
 from synth.block import Block, unranged
 from synth.blocks import safety
 from synth.compose import compose
