@@ -5,8 +5,8 @@
         f_x = k i_C,   f_y = k (i_A + i_B),   m_phi = k a (i_B - i_A),   k = 13.2547 M
 
     makes forces of its currents, so that the allocation compensates the yaw of motor C that (26) leaves out. In these K
-    falls apart into three axes q'' = b f, in which f is then over its scale in `allocation`, in A. Each knows the f1
-    that the motors make until the next sample, that of the sample before, and estimates the rate alone, with
+    falls apart into three axes q'' = b f, in which f is then over its scale in `planar_allocation`, in A. Each knows
+    the f1 that the motors make until the next sample, that of the sample before, and estimates the rate alone, with
     L = (1 - p) / T:
 
         v^  = x3 + L q,                     x3+ = F x3 + G q + H f1                                        (33), (35)
@@ -27,11 +27,12 @@ from functools import cache
 import casadi as ca
 import numpy as np
 
-from designs.planar_6dof import allocation, interface, vertical
-from designs.planar_6dof.allocation import HORIZONTAL
+from designs.planar_6dof import interface, vertical
 from designs.planar_6dof.vertical import MARGIN, POSITIONS, REFERENCES, Variant
 from models import hall_sections as sensing
+from models import planar_allocation as allocation
 from models.hall_sections import READY
+from models.planar_allocation import HORIZONTAL
 from synth.analyse import discretise
 from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.plant import Plant

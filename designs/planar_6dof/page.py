@@ -13,9 +13,10 @@ import casadi as ca
 import numpy as np
 from matplotlib.figure import Figure
 
-from designs.planar_6dof import allocation, drawings, interface, loops, sensing_maps
+from designs.planar_6dof import drawings, interface, loops, sensing_maps
 from designs.planar_6dof import loop as simulated
 from models import halbach, hall_calibration, planar_stage
+from models import planar_allocation as allocation
 from synth.analyse.margins import Margins
 from synth.block import Block
 from synth.emit.write import Emitted

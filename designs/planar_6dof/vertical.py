@@ -13,7 +13,7 @@ Each loop is a lead and a reset, whose zero z2 is that of s + 10. The reset is d
 
     d = w + I,   I+ = z2 I + (1 - z2) made,   w = D e + V,   V+ = p V + D (p - z1) e,       e = set-point - position
 
-all over the scale of the axis in `allocation`, so that d is its demand in A. While made = d this is
+all over the scale of the axis in `planar_allocation`, so that d is its demand in A. While made = d this is
 d = w (z - z2) / (z - 1). At a limit I goes to what is made, no further, with the time constant of the reset: there is
 no windup, and no limit to be computed. Source: Yu, Kim, section 5.2, (19), (20), (23)-(25).
 """
@@ -23,9 +23,9 @@ from dataclasses import replace
 from math import pi
 from typing import Literal
 
-from designs.planar_6dof import allocation
-from designs.planar_6dof.allocation import ACHIEVED, AXES, BOX, DEMANDS
+from models import planar_allocation as allocation
 from models import planar_stage
+from models.planar_allocation import ACHIEVED, AXES, BOX, DEMANDS
 from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.plant import Plant
 from synth.signals import Signal

@@ -12,9 +12,10 @@ shipped     a part of their gain; of (23)-(25) see `vertical`
 Sampled by Tustin's rule. The margins behind the filters (6)-(16): docs/decisions/planar_leadlag.md.
 """
 
-from designs.planar_6dof import allocation, filtering, interface, vertical
+from designs.planar_6dof import filtering, interface, vertical
 from designs.planar_6dof.vertical import Variant
 from models import hall_sections as sensing
+from models import planar_allocation as allocation
 from synth.block import Block
 from synth.plant import Plant
 from synth.synthesise.classical import lead_lag

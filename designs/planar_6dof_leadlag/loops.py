@@ -8,11 +8,11 @@ from dataclasses import replace
 
 from designs.planar_6dof import filtering
 from designs.planar_6dof import loops as shared
-from designs.planar_6dof.allocation import AXES, HORIZONTAL
 from designs.planar_6dof.loops import OpenLoop
 from designs.planar_6dof_leadlag import control
 from designs.planar_6dof_leadlag.control import TIME
 from models import hall_sections as sensing
+from models.planar_allocation import AXES, HORIZONTAL
 from synth.block import Block
 from synth.plant import Plant
 

@@ -5,10 +5,11 @@ from functools import partial
 
 import numpy as np
 
-from designs.planar_6dof import allocation, lqg, page
 from designs.planar_6dof import loops as shared
+from designs.planar_6dof import lqg, page
 from designs.planar_6dof.lqg import ERROR, PRINTED_WEIGHTS, STATES, TIME, WEIGHTS
 from designs.planar_6dof_lqg import loops, orders
+from models import planar_allocation as allocation
 from models import planar_stage
 from synth.plant import Plant
 from synth.report import figures, multivariable, sections

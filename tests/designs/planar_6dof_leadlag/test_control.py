@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from designs.planar_6dof import allocation, interface, random_steps
+from designs.planar_6dof import interface, random_steps
 from designs.planar_6dof_leadlag import control, reference
+from models import planar_allocation as allocation
 from synth.blocks import safety
 from synth.emit import write
 from synth.execute import host
