@@ -128,12 +128,6 @@ def settled(loop: Rig, values: Array) -> Array:
     return values[round(1.0 / loop.period_s) :]
 
 
-def filtered_at_rest(loop: Rig, duration_s: float) -> dict[str, Array]:
-    """Return x and y (N,) in m at rest behind the filter (6)-(16): no better position was recorded."""
-    shown = seen(loop, simulate(loop, duration_s, {}, {}))
-    return {axis: settled(loop, shown[axis]) for axis in "xy"}
-
-
 def _standstill(loop: Rig, name: str, noise: float | None = None) -> Experiment:
     """Return the standstill with the noise of Fig. 5, or with another one, a position's in m."""
     case = loop if noise is None else with_noise(loop, noise)

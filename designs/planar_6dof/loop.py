@@ -44,6 +44,13 @@ def of(block: Block, controller: host.Controller | None = None) -> Rig:
     return Rig(Stage(declared, plant, substeps=SUBSTEPS), plant, controller or compiled(block))
 
 
+def growing_circle(time: Array, radius: float, rate: float, growth: float) -> dict[str, Array]:
+    """Return set-points x, y (N,) in m around the middle at a rate in rad/s, the radius grown within `growth` s."""
+    part = np.clip(time / growth, 0, 1)
+    r = radius * part**3 * (10 - 15 * part + 6 * part**2)
+    return {"x": r * np.cos(rate * time), "y": r * np.sin(rate * time)}
+
+
 def simulate(
     rig: Rig, duration_s: float, references: Mapping[str, ArrayLike], start: Mapping[str, float], **options: Any
 ) -> Trajectory:

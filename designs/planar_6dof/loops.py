@@ -54,9 +54,9 @@ class Parts:
 
 @dataclass(frozen=True, eq=False)
 class OpenLoop:
-    """The loop of one axis, opened at its position, under a label, and its margins."""
+    """The loop of one axis, opened at its position, the `signal`, under a label, and its margins."""
 
-    axis: str
+    signal: str
     label: str
     L: StateSpace
     margins: margins.Margins

@@ -75,8 +75,10 @@ def test_psi_is_what_gets_noisier(found: Found) -> None:
 def test_the_circle(lead: Rig) -> None:
     """All of it, without noise: the sensors stray 0.1 mm rms over these blocks, the control 6.6 um."""
     there = finite.over(lead)
-    runs = {finite.CLOSED: leadlag_experiments.circle(lead.ideal), finite.MADE: leadlag_experiments.circle(there.ideal)}
-    twins = {name: finite.Motion(c.run, c.references, c.grown) for name, c in runs.items()}
+    twins = {
+        finite.CLOSED: leadlag_experiments.circle(lead.ideal),
+        finite.MADE: leadlag_experiments.circle(there.ideal),
+    }
     run = twins[finite.MADE].run
     e = finite.motion(there, Experiment("circle", "", "", run, ("x", "y")), twins)
     assert len(e.checks) == 5 and not failed(e) and not run.faults.any()
@@ -86,7 +88,7 @@ def test_the_circle(lead: Rig) -> None:
         assert e.figures[f"error of {axis} truly (blocks as made), um rms"] == pytest.approx(105, abs=2)
         assert e.figures[f"error of {axis} truly (closed law), um rms"] == pytest.approx(5.1, abs=0.2)
     assert np.abs(run["phi"]).max() == pytest.approx(0.0134, abs=5e-4)
-    astray = replace(twins[finite.MADE], references={a: r + 1.3e-3 for a, r in runs[finite.MADE].references.items()})
+    astray = replace(twins[finite.MADE], references={a: r + 1.3e-3 for a, r in twins[finite.MADE].references.items()})
     assert failed(finite.motion(there, e, {finite.MADE: astray})) == {
         *(f"error of {a} as shown" for a in "xy"),
         *(f"greatest true error of {a}" for a in "xy"),

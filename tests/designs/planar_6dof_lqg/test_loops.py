@@ -28,11 +28,11 @@ Found = dict[tuple[str, str], OpenLoop]
 
 @pytest.fixture(scope="module")
 def found() -> Found:
-    return {(o.axis, o.label): o for o in loops.all_loops(PLANT)}
+    return {(o.signal, o.label): o for o in loops.all_loops(PLANT)}
 
 
 def distance(o: OpenLoop, C: analytic.Transfer) -> float:
-    expected = analytic.loop(PLANT, o.axis, C, TIME, False)(Z)
+    expected = analytic.loop(PLANT, o.signal, C, TIME, False)(Z)
     return float(np.abs(o.L.response(Z)[:, 0, 0] / expected - 1).max())
 
 
