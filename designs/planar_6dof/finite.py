@@ -16,7 +16,7 @@ without end. Each experiment is run on both plants with the same noise. Its bars
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,14 +44,6 @@ MADE, IDEAL, CLOSED = "blocks as made", "ideal blocks", "closed law"
 def over(loop: Rig, made: bool = True) -> Rig:
     """Return the loop over the finite matrix, of blocks as made or ideal."""
     return replace(loop, plant=finite_stage.plant(made))
-
-
-def steps(heights: Mapping[str, float], titles: Mapping[str, str], limits: shared.Limits | None) -> tuple[Run, ...]:
-    """Return a step of each axis by its height in m or rad, over the finite matrix."""
-    return tuple(
-        Run(f"step_{axis}_finite", partial(step, axis=axis, height=height, title=titles[axis], limits=limits))
-        for axis, height in heights.items()
-    )
 
 
 def step(loop: Rig, name: str, axis: str, height: float, title: str, limits: shared.Limits | None) -> Experiment:

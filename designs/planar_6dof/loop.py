@@ -24,7 +24,6 @@ from synth.blocks import safety
 from synth.compose import compose
 from synth.declaration import Stage
 from synth.execute import build, host
-from synth.signals import names
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
 from synth.simulate.sensors import Encoder
@@ -33,8 +32,6 @@ from synth.timing import Discrete, period
 Array = NDArray[np.float64]
 
 SUBSTEPS = 2  # of a sample: psi swings at 214 rad/s, 0.13 in half of 1.25 ms
-SENSORS = {name: name for name in (*planar_stage.HALL, *planar_stage.LASERS)}
-ACTUATORS: dict[str, str | Mapping[str, float]] = {name: name for name in names(interface.OUTPUTS)}
 
 
 def of(block: Block, controller: host.Controller | None = None) -> Rig:

@@ -58,15 +58,14 @@ PART = (1.0, 3.0)  # s of the standstill that are drawn
 class Contents:
     """What a design adds to its report: its controller, a line on its law and equations as printed, and loops.
 
-    `gains` follow those of gains.json, `whole` are sections on several loops at once. `beside` gives the rows of the
-    audit that an experiment stands beside; `filtered` tells whether the law reads filtered positions, `spectrum`
-    whether the paper draws one; `values` are what its report.md asks for; `cost` follows the cost.
+    `whole` are sections on several loops at once. `beside` gives the rows of the audit that an experiment stands
+    beside; `filtered` tells whether the law reads filtered positions, `spectrum` whether the paper draws one; `values`
+    are what its report.md asks for; `cost` follows the cost.
     """
 
     block: Block
     line: str
     equations: Sequence[tuple[str, str]]
-    gains: Sequence[page.Table]
     loops: Sequence[loops.OpenLoop]
     beside: Beside
     whole: Sequence[Section] = ()
@@ -91,12 +90,11 @@ def report(
     made = {**_stage(plant, block, own.filtered), **_at_rest(runs, time, own), **_drawn(runs, time, own)}
     values = captions.captioned(made, data["blocks"])
     equations = (*own.equations, *map(tuple, data["equations"]["upright"]))
-    gains = standard.gains(template.gains(own.block.name, files))
     opened = standard.loops(own.loops)
     parts = (
         standard.model(plant, _forces),
         standard.law(block, (page.Equations(equations),)),
-        replace(gains, blocks=(*gains.blocks, *own.gains)),
+        standard.gains(template.gains(own.block.name, files)),
         replace(opened, sections=(*own.whole, *opened.sections)),
         experiments(own, runs, rows, values),
         standard.audit(rows),

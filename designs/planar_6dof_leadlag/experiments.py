@@ -104,7 +104,7 @@ ALL = (
     Run("circle", circle_experiment),
     *shared.STANDSTILLS,
     *failures.ALL,
-    *finite.steps(FIGURE_8, TITLES, LIMITS),
+    *shared.steps(FIGURE_8, TITLES, LIMITS, finite.step, "_finite"),
     Run("circle_finite", finite_circle),
     finite.STANDSTILL,
 )

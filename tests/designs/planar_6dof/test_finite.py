@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from designs.planar_6dof import finite, lqg
+from designs.planar_6dof import finite, interface, lqg
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import experiments as leadlag_experiments
@@ -140,5 +140,5 @@ def test_a_plant_that_is_worse_is_caught(
 
 def test_the_noise_is_the_same_on_both_plants(lead: Rig) -> None:
     first, second = (each.run(0.002, {}, {}) for each in (lead, finite.over(lead)))
-    for name in loops.SENSORS:
+    for name in interface.SENSORS:
         assert abs(float(first.measured[name][0] - second.measured[name][0])) < 0.02
