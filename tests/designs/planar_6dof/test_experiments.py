@@ -11,7 +11,7 @@ from designs.planar_6dof import experiments, failures, interface, lqg
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof.loop import simulate
 from designs.planar_6dof.paper import rows as paper
-from designs.planar_6dof.paper import steps
+from designs.planar_6dof.paper.records import FIGURE_8
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import experiments as leadlag_experiments
 from designs.planar_6dof_lqg import experiments as lqg_experiments
@@ -208,7 +208,7 @@ def test_a_wrong_plant_is_caught(lead: Rig, parameter: str, factor: float) -> No
     """A loop gain that is off by a third, or its sign."""
     wrong = lead.plant.with_parameters(**{parameter: factor * lead.plant.parameter(parameter).value})
     bad = replace(lead, plant=wrong)
-    run = experiments.step(bad, "x", steps.FIGURE_8["x"])
+    run = experiments.step(bad, "x", FIGURE_8["x"])
     found = experiments.step_experiment(bad, run, "", "", leadlag_experiments.LIMITS)
     assert failed(found) & {"rise", "overshoot", "settling"}
 
@@ -217,7 +217,7 @@ def test_delay_counts_and_a_second_sample_is_caught(lead: Rig) -> None:
     found = []
     for delay in (0, 1, 2):
         late = lead.with_interface(delay=delay)
-        run = experiments.step(late, "x", steps.FIGURE_8["x"])
+        run = experiments.step(late, "x", FIGURE_8["x"])
         found.append(experiments.step_experiment(late, run, "", "", leadlag_experiments.LIMITS))
     beyond = [e.figures["overshoot"] for e in found]
     assert beyond[0] + 0.005 < beyond[1] < beyond[2] - 0.005
