@@ -15,7 +15,7 @@ from designs.planar_6dof.paper.records import FIGURE_8
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import experiments as leadlag_experiments
 from designs.planar_6dof_lqg import experiments as lqg_experiments
-from models import halbach, planar_stage, planar_voltages
+from models import halbach, hall_calibration, planar_stage, planar_voltages
 from models import planar_allocation as allocation
 from synth.block import Block
 from synth.simulate.experiment import Experiment
@@ -112,13 +112,13 @@ def test_recorded_rows(lead: Rig, optimal: Rig) -> None:
 
 def test_noise_is_that_of_a_position(lead: Rig) -> None:
     drawn = lead._noise(20000)
-    assert np.std(drawn["V_ax"]) == pytest.approx(13e-6 * interface.volts_per_metre(lead.plant), rel=0.02)
+    assert np.std(drawn["V_ax"]) == pytest.approx(13e-6 * hall_calibration.of(lead.plant).volts_per_metre, rel=0.02)
     assert np.std(drawn["d1"]) == pytest.approx(interface.LASER_NOISE, rel=0.02)
     assert abs(np.corrcoef(drawn["V_ax"], drawn["V_cy"])[0, 1]) < 0.03
     quarter = lead.plant.parameter("l").value / 4
     at = {x: float(lead.run(0.002, {"x": x}).outputs["V_ax"][0]) for x in (-1e-5, 1e-5, quarter)}
     parts = [float(halbach.amplitude(n, ca.SX(3e-3), VALUES)) for n in halbach.HARMONICS]
-    slope = interface.volts_per_metre(lead.plant)
+    slope = hall_calibration.of(lead.plant).volts_per_metre
     assert at[quarter] * parts[0] / sum(parts) == pytest.approx(slope * quarter / (np.pi / 2))
     flatter = np.dot(halbach.HARMONICS, parts) / parts[0]
     assert (at[1e-5] - at[-1e-5]) / 2e-5 == pytest.approx(flatter * slope, rel=1e-4)
