@@ -10,11 +10,11 @@ make it 22 % flatter than that, and the raw position noisier than s.
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
-import casadi as ca
 import numpy as np
 
-from designs.planar_6dof import sensing, vertical
-from models import halbach, hall_calibration, planar_stage
+from designs.planar_6dof import vertical
+from models import hall_calibration, planar_stage
+from models import hall_sections as sensing
 from synth import stage
 from synth.block import Block
 from synth.declaration import Actuator, Composition, Controller, Sensor, SetPoint
@@ -34,13 +34,7 @@ SLEW = 126.0  # A/s: from the limit to 0 in 10 ms, three times L/R, for which a 
 SURROGATE_ERROR: Mapping[type[np.floating], float] = {np.float32: 2e-5, np.float64: 1e-14}
 
 
-def volts_per_metre(plant: Plant) -> float:
-    """Return A w in V/m, the slope of the fundamental where it is 0."""
-    k = float(halbach.wave_number({p.name: ca.SX(p.value) for p in plant.parameters}))
-    return hall_calibration.of(plant).amplitude * k
-
-
-VOLTS_PER_METRE = volts_per_metre(planar_stage.plant())
+VOLTS_PER_METRE = hall_calibration.of(planar_stage.plant()).volts_per_metre  # of the fundamental where it is 0
 _HALL = partial(Sensor, resolution=ADC, noise=NOISE * VOLTS_PER_METRE, held=False, about="Hall sensor and axis")
 _LASER = partial(Sensor, resolution=LASER_RESOLUTION, noise=LASER_NOISE, about="laser distance")
 INTERFACE = stage.interface(
@@ -55,6 +49,7 @@ INTERFACE = stage.interface(
     reason="the air bearings carry the platen, and without current nothing pushes it",
     suspected=planar_stage.HALL,
 )
+SENSORS = tuple(s.name for s in INTERFACE.sensors)
 INPUTS, OUTPUTS = stage.guarded(INTERFACE), INTERFACE.outputs
 
 

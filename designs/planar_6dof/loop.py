@@ -16,14 +16,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from designs.planar_6dof import filtering, interface, sensing
+from designs.planar_6dof import filtering, interface
 from models import halbach, planar_stage
+from models import hall_sections as sensing
 from synth.block import Block, unranged
 from synth.blocks import safety
 from synth.compose import compose
 from synth.declaration import Stage
 from synth.execute import build, host
-from synth.signals import names
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
 from synth.simulate.sensors import Encoder
@@ -32,8 +32,6 @@ from synth.timing import Discrete, period
 Array = NDArray[np.float64]
 
 SUBSTEPS = 2  # of a sample: psi swings at 214 rad/s, 0.13 in half of 1.25 ms
-SENSORS = {name: name for name in (*planar_stage.HALL, *planar_stage.LASERS)}
-ACTUATORS: dict[str, str | Mapping[str, float]] = {name: name for name in names(interface.OUTPUTS)}
 
 
 def of(block: Block, controller: host.Controller | None = None) -> Rig:
@@ -41,6 +39,13 @@ def of(block: Block, controller: host.Controller | None = None) -> Rig:
     plant = planar_stage.plant(halbach.HARMONICS)
     declared = interface.declared(block.name, Discrete(period(block.time)), lambda: block)
     return Rig(Stage(declared, plant, substeps=SUBSTEPS), plant, controller or compiled(block))
+
+
+def growing_circle(time: Array, radius: float, rate: float, growth: float) -> dict[str, Array]:
+    """Return set-points x, y (N,) in m around the middle at a rate in rad/s, the radius grown within `growth` s."""
+    part = np.clip(time / growth, 0, 1)
+    r = radius * part**3 * (10 - 15 * part + 6 * part**2)
+    return {"x": r * np.cos(rate * time), "y": r * np.sin(rate * time)}
 
 
 def simulate(
@@ -66,7 +71,12 @@ def noise_of(rig: Rig) -> float:
 def seen(rig: Rig, trajectory: Trajectory) -> dict[str, Array]:
     """Return raw and filtered positions, ``x_raw`` and ``x``, as the controller has them in a run."""
     predicted = any(s.name.startswith("filter_") for s in rig.stage.controller.block.states)
-    columns = _compiled_view(rig.period_s, predicted).replay(trajectory.measured).outputs
+    return positions(trajectory, rig.period_s, predicted)
+
+
+def positions(run: Trajectory, period_s: float, predicted: bool = True) -> dict[str, Array]:
+    """Return `seen` of a run at a period in s by a controller whose filters predict, or which has none."""
+    columns = _compiled_view(period_s, predicted).replay(run.measured).outputs
     return {name: np.asarray(values, dtype=np.float64) for name, values in columns.items()}
 
 

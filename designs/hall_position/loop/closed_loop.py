@@ -30,9 +30,10 @@ from designs.hall_position.glsdc import estimator
 from designs.hall_position.glsdc.parameters import Array, Pair, Tuning
 from designs.hall_position.loop import error_map
 from designs.hall_position.loop.error_map import ErrorMap
-from designs.planar_6dof import interface, sensing, vertical
-from designs.planar_6dof.allocation import HORIZONTAL, PITCH
+from designs.planar_6dof import interface, vertical
+from models import hall_sections as sensing
 from models import planar_stage
+from models.planar_allocation import HORIZONTAL, PITCH
 from synth.block import Block, Exprs, State, Step, build, clip
 from synth.errors import ModelError
 from synth.plant import Plant

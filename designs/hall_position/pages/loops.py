@@ -21,15 +21,14 @@ from designs.hall_position.glsdc.parameters import Array as Sensors
 from designs.hall_position.loop import closed_loop
 from designs.hall_position.loop.closed_loop import Source
 from designs.planar_6dof import loops, lqg
-from designs.planar_6dof import page as planar
-from designs.planar_6dof.allocation import AXES, HORIZONTAL
 from designs.planar_6dof.loops import PHASES, SENSED, Parts, Place
-from designs.planar_6dof.page_stage import SYMBOLS
 from models import concentrated_field, hall_array, planar_stage
 from models.hall_chain import Chain
+from models.planar_allocation import AXES, HORIZONTAL
 from synth.analyse import linearise, loop, trim
 from synth.block import Block
 from synth.report import page, standard
+from synth.report.figures import SYMBOLS
 from synth.signals import names
 from synth.statespace import Array, StateSpace
 
@@ -48,8 +47,7 @@ def section(points: int = PLACES) -> page.Section:
     shown = loops.of_parts(found, HORIZONTAL, ESTIMATE)
     sections = loops.whole(plant, lqg.TIME, lqg.sensed(plant), lqg.law(plant))
     shown += loops.of_block(plant, sections, HORIZONTAL, SECTIONS)
-    blocks = (_over_pitch(source, block, points),)
-    return page.Section(standard.LOOPS, blocks, tuple(planar.bodes(shown, axis) for axis in HORIZONTAL))
+    return standard.loops(shown, blocks=(_over_pitch(source, block, points),))
 
 
 def _over_pitch(source: Source, block: Block, points: int) -> page.Table:

@@ -7,15 +7,16 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from designs.planar_6dof import allocation, experiments, failures, interface, lqg
+from designs.planar_6dof import experiments, failures, interface, lqg
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof.loop import simulate
 from designs.planar_6dof.paper import rows as paper
-from designs.planar_6dof.paper import steps
+from designs.planar_6dof.paper.records import FIGURE_8
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import experiments as leadlag_experiments
 from designs.planar_6dof_lqg import experiments as lqg_experiments
-from models import halbach, planar_stage, planar_voltages
+from models import halbach, hall_calibration, planar_stage, planar_voltages
+from models import planar_allocation as allocation
 from synth.block import Block
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
@@ -23,6 +24,7 @@ from synth.simulate.scenario import sample_times
 from synth.simulate.sensors import Override
 
 PLANT = planar_stage.plant()
+ACTUATORS = [s.name for s in interface.OUTPUTS]
 VALUES = {p.name: ca.SX(p.value) for p in PLANT.parameters}
 Found = dict[str, dict[str, Experiment]]
 STEPS = ("step_x", "step_y", "step_phi")
@@ -110,13 +112,13 @@ def test_recorded_rows(lead: Rig, optimal: Rig) -> None:
 
 def test_noise_is_that_of_a_position(lead: Rig) -> None:
     drawn = lead._noise(20000)
-    assert np.std(drawn["V_ax"]) == pytest.approx(13e-6 * interface.volts_per_metre(lead.plant), rel=0.02)
+    assert np.std(drawn["V_ax"]) == pytest.approx(13e-6 * hall_calibration.of(lead.plant).volts_per_metre, rel=0.02)
     assert np.std(drawn["d1"]) == pytest.approx(interface.LASER_NOISE, rel=0.02)
     assert abs(np.corrcoef(drawn["V_ax"], drawn["V_cy"])[0, 1]) < 0.03
     quarter = lead.plant.parameter("l").value / 4
     at = {x: float(lead.run(0.002, {"x": x}).outputs["V_ax"][0]) for x in (-1e-5, 1e-5, quarter)}
     parts = [float(halbach.amplitude(n, ca.SX(3e-3), VALUES)) for n in halbach.HARMONICS]
-    slope = interface.volts_per_metre(lead.plant)
+    slope = hall_calibration.of(lead.plant).volts_per_metre
     assert at[quarter] * parts[0] / sum(parts) == pytest.approx(slope * quarter / (np.pi / 2))
     flatter = np.dot(halbach.HARMONICS, parts) / parts[0]
     assert (at[1e-5] - at[-1e-5]) / 2e-5 == pytest.approx(flatter * slope, rel=1e-4)
@@ -142,7 +144,7 @@ def test_substeps_are_fine_enough(lead: Rig) -> None:
 def test_voltages_are_those_of_resistance_inductance_and_motion(lead: Rig) -> None:
     """At v along x, motor C alone has a voltage of amplitude 2 K v / 3; without motion, R i and L di/dt."""
     plant, v, T = planar_stage.plant(), 0.1, lead.period_s
-    idle = dict.fromkeys(loops.ACTUATORS, 0.0)
+    idle = dict.fromkeys(ACTUATORS, 0.0)
     run = replace(lead, plant=plant).ideal.run(0.6, {"vx": v}, actuators={}, forcing=idle)
     u = planar_voltages.needed(plant, run)
     assert np.abs(u[6:]).max() == pytest.approx(2 / 3 * allocation.force_constant(plant) * v, rel=1e-3)
@@ -155,7 +157,7 @@ def test_voltages_are_those_of_resistance_inductance_and_motion(lead: Rig) -> No
 
 def test_an_amplifier_without_limit_follows_and_one_with_a_limit_slews(lead: Rig) -> None:
     """From 0 to 0.2 A: 1 - exp(-t/LAG) without a limit, and (1 - exp(-t R/L)) u/R as long as u is the limit."""
-    idle = dict.fromkeys(loops.ACTUATORS, 0.0) | {"i_CA": 0.2}
+    idle = dict.fromkeys(ACTUATORS, 0.0) | {"i_CA": 0.2}
     R, L = (PLANT.parameter(n).value for n in ("resistance", "inductance"))
     for volts in (1e3, 0.5):
         bad = replace(lead, plant=planar_voltages.amplified(volts)).ideal
@@ -206,7 +208,7 @@ def test_a_wrong_plant_is_caught(lead: Rig, parameter: str, factor: float) -> No
     """A loop gain that is off by a third, or its sign."""
     wrong = lead.plant.with_parameters(**{parameter: factor * lead.plant.parameter(parameter).value})
     bad = replace(lead, plant=wrong)
-    run = experiments.step(bad, "x", steps.FIGURE_8["x"])
+    run = experiments.step(bad, "x", FIGURE_8["x"])
     found = experiments.step_experiment(bad, run, "", "", leadlag_experiments.LIMITS)
     assert failed(found) & {"rise", "overshoot", "settling"}
 
@@ -215,7 +217,7 @@ def test_delay_counts_and_a_second_sample_is_caught(lead: Rig) -> None:
     found = []
     for delay in (0, 1, 2):
         late = lead.with_interface(delay=delay)
-        run = experiments.step(late, "x", steps.FIGURE_8["x"])
+        run = experiments.step(late, "x", FIGURE_8["x"])
         found.append(experiments.step_experiment(late, run, "", "", leadlag_experiments.LIMITS))
     beyond = [e.figures["overshoot"] for e in found]
     assert beyond[0] + 0.005 < beyond[1] < beyond[2] - 0.005
@@ -248,8 +250,8 @@ def test_a_jump_to_zero_a_current_that_stays_and_a_late_latch_are_caught(lead: R
         return replace(f, failure=replace(f.failure, **fields))
 
     before = np.arange(len(run.time)) < sample + 4
-    still = {name: np.full(len(before), 0.1) for name in loops.ACTUATORS}
-    gone = {name: np.where(before, 0.5, 0.0) for name in loops.ACTUATORS}
+    still = {name: np.full(len(before), 0.1) for name in ACTUATORS}
+    gone = {name: np.where(before, 0.5, 0.0) for name in ACTUATORS}
     assert not caught(good) and 0 < good.failure.slew() <= failures.SLEW
     assert caught(changed(good, run=replace(run, commands=gone))) == {"change of a current from the latch on"}
     assert caught(changed(good, run=replace(run, commands=still))) == {"current left at the end after a latch"}
