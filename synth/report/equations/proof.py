@@ -6,6 +6,7 @@ next states are compared, to TOLERANCE of the greatest value of each.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -25,7 +26,7 @@ Values = Mapping[str, Array]
 POINTS, TOLERANCE, SEED = 48, 1e-9, 7
 SPREAD = 0.05  # of a parameter's or constant's value: by how much it varies
 WILD = 4  # powers of ten by which a Block's inputs leave their ranges in half of the points
-FUNCTIONS: Mapping[str, Callable[..., Array]] = {
+FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     **{n: getattr(np, n) for n in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "exp", "log", "sign", "floor", "ceil")},
     **{n: getattr(np, f"arc{n[1:]}") for n in ("asin", "acos", "atan", "atan2", "asinh", "acosh", "atanh")},
     **{n: getattr(np, n) for n in ("hypot", "log1p", "expm1")},
@@ -95,7 +96,7 @@ def check(
             _same(what, equation, shown, computed[equation.key])
 
 
-def value(expr: sp.Expr, names: Values, functions: Mapping[str, Callable[..., Array]] = FUNCTIONS) -> Array:
+def value(expr: sp.Expr, names: Values, functions: Mapping[str, Callable[..., Any]] = FUNCTIONS) -> Array:
     """Return what an expression amounts to where the names in it have these values (N,)."""
     if isinstance(expr, sp.Symbol):
         return names[expr.name]
