@@ -176,7 +176,6 @@ def own() -> Mapping[str, Call]:
         "internal_model.exact": {"modes": [Mode(0j, 1)], "time": TIME},
         "inverse_lqr.diagonal_weights": {"poles": [-2.0, -3.0], "R": 1.0},
         "inverse_lqr.gain_weights": {"K": common["gain"].K, "system": stage},
-        "inverse_lqr.reproduces": {"q": [1.0, 1.0], "R": 1.0},
         "kalman.discrete": white,
         "kalman.steady": {"noisy": noise.white(held, 1e-4 * np.eye(2), [[1e-6]])},
         "lookup_table.square": {"reach": 1.0, "spacing": 0.5},

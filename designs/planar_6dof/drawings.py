@@ -41,7 +41,7 @@ def pitch(plant: Plant) -> Figure:
             at = 1e3 * cal.pitch * ((k + 0.5) / SECTIONS - 0.5)
             top.text(at, -1.25, f"section {k + 1}", ha="center", va="bottom", fontsize=8.0, color="#555555")
         top.set(ylabel="voltage over amplitude", ylim=(-1.3, 1.1))
-        maps.above(top)
+        figures.above(top)
         bottom.plot(1e3 * x, 1e6 * (_raw(plant, x) - x), color=COLOURS[0], lw=0.8)
         bottom.set(ylabel="error of raw x, µm", xlabel="x from the middle of a pitch, mm")
         for axes in (top, bottom):
@@ -133,5 +133,5 @@ def circle(set_point: Sequence[Array], path: Sequence[Array]) -> Figure:
             right.plot(np.degrees(angle[grown][keep]), values[grown][keep], color=colour, lw=0.7, label=label)
         right.set(xlabel="angle of the set-point, °", ylabel="true error, µm")
         for axes in (left, right):
-            maps.above(axes)
+            figures.above(axes)
     return figure
