@@ -234,7 +234,6 @@ def own() -> Mapping[str, Call]:
         "logs.Log": {"samples": {"a": [1.0, 2.0]}, "period_s": T, "times": [0.0, T]},
         "log_file.read": {"path": _file("a [m]\n1.0\n"), "wanted": {"a": "m"}},
         "log_file.parsed": {"text": "a [m]\n1.0\n", "wanted": {"a": "m"}, "name": "measurements"},
-        "log_file.written": {"log": log, "units": {"a": "m"}},
     }
 
 
