@@ -202,7 +202,7 @@ def own() -> Mapping[str, Call]:
         "prescribed_decay.design": {"decay_per_s": {0.0: 5.0, 6.0: 4.0}, "system": held},
         "recovery.at_input": {"gain": lqr.lqr(stage, np.eye(2), np.eye(1))},
         "recovery.at_output": {"estimator": kalman.continuous(stage, np.eye(2), [[1e-2]])},
-        "reduced_compensator.integrals": {"system": held, "signals": {"x_integral": "x"}},
+        "interconnect.integrals": {"system": held, "signals": {"x_integral": "x"}},
         "reduced_compensator.augmented": {"computed": sum_of},
         "reduced_observer.from_gain": {"system": held, "L": [[1.0]]},
         "reduced_observer.by_poles": {"system": held, "poles": [0.5]},
