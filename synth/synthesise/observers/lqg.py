@@ -201,6 +201,6 @@ def _integrators(model: StateSpace, outputs: Sequence[str]) -> StateSpace:
     """Return q' = y - r, or q+ = q + T (y - r), for some outputs of a model, named and in units as `lqr.integral`."""
     references = tuple(f"{y}_reference" for y in outputs)
     sums = interconnect.integrals(model, {f"{y}{INTEGRAL}": y for y in outputs})
-    units = sums.units | {r: model.unit(y) for y, r in zip(outputs, references, strict=True) if y in model.units}
+    units = dict(sums.units) | {r: model.unit(y) for y, r in zip(outputs, references, strict=True) if y in model.units}
     D = np.zeros((len(outputs), 2 * len(outputs)))
     return replace(sums, B=np.hstack([sums.B, -sums.B]), D=D, inputs=(*outputs, *references), units=units)
