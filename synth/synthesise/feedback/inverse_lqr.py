@@ -209,20 +209,7 @@ def _beside(wanted: Array) -> float:
 
 
 def _poles(model: StateSpace, poles: Sequence[complex]) -> Complex:
-    """Return poles (n,) that an optimal loop may have."""
-    given = _numbers(model, poles)
-    continuous = isinstance(model.time, Continuous)
-    for s in given:
-        if not decays(np.array([s]), continuous):
-            beyond = "Re >= 0" if continuous else "|z| >= 1"
-            raise ModelError(f"no weights give the pole {s:.4g}: an optimal loop has none with {beyond}")
-    if not np.array_equal(np.sort_complex(given), np.sort_complex(given.conj())):
-        raise SignalError(f"the poles {_listed(given)} are not in conjugate pairs: give both of each pair")
-    return given
-
-
-def _numbers(model: StateSpace, poles: Sequence[complex]) -> Complex:
-    """Return poles (n,) of a model of one input as finite numbers."""
+    """Return poles (n,) that an optimal loop of a model of one input may have."""
     n, m = model.B.shape
     try:
         given = np.asarray(poles, dtype=np.complex128)
@@ -233,6 +220,13 @@ def _numbers(model: StateSpace, poles: Sequence[complex]) -> Complex:
             f"need a model of 1 input, with states, and {n} finite poles: found {m} inputs and poles "
             f"{_listed(given.ravel())}"
         )
+    continuous = isinstance(model.time, Continuous)
+    for s in given:
+        if not decays(np.array([s]), continuous):
+            beyond = "Re >= 0" if continuous else "|z| >= 1"
+            raise ModelError(f"no weights give the pole {s:.4g}: an optimal loop has none with {beyond}")
+    if not np.array_equal(np.sort_complex(given), np.sort_complex(given.conj())):
+        raise SignalError(f"the poles {_listed(given)} are not in conjugate pairs: give both of each pair")
     return given
 
 
