@@ -8,6 +8,8 @@ Energy. With Phi(t) = exp(A t), or A^t in discrete time (sums for integrals),
 
 A model with modes that do not decay has none; `over` integrates to a horizon instead. An input's share is its part of
 trace(Wc Wo) = sum of squared Hankel values; shares compare inputs in the units that they have.
+
+Library: no design uses it yet; docs/library.md has an example.
 """
 
 import warnings

@@ -6,6 +6,8 @@ by Gauss and Newton's steps, damped where they do not descend (Levenberg, Marqua
 length 1, (J'J + m I) d = J' e. The minimum is found when next to nothing of e is left that J could explain.
 Its confidence is that of the linear problem J theta + e there (`least_squares`); so is the noise of several outputs for
 which none is given, with which the minimum is sought again until it settles.
+
+Library: no design uses it yet; docs/library.md has an example.
 """
 
 from collections.abc import Callable, Mapping, Sequence

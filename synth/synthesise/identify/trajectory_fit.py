@@ -3,6 +3,8 @@
 The fit is repeated with twice the Runge-Kutta steps, from where it ended, until that moves no parameter by more than a
 tenth of its standard error, or a ten-millionth of itself; the last fit counts. Each doubling divides an error of fourth
 order by some 16.
+
+Library: no design uses it yet; docs/library.md has an example.
 """
 
 from collections.abc import Callable, Sequence

@@ -13,6 +13,8 @@ the other way round. In discrete time that takes a plant that answers in the nex
 current form of the controller, which is swept here: the predictor does not recover. What q gives in the loop it takes
 in noise: each row has both.
 Source: Doyle, Stein (1979, 1981); Maciejowski, IEEE Trans. AC-30 (1985).
+
+Library: no design uses it yet; docs/library.md has an example.
 """
 
 from collections.abc import Sequence

@@ -14,6 +14,8 @@ filter after its sample as the measurement noise vanishes. In continuous time m 
 W11 > 0 and
 
     L = (P A12' + W21) W11^-1,   A22 P + P A22' + W22 - L W11 L' = 0
+
+Library: no design uses it yet; docs/library.md has an example.
 """
 
 from dataclasses import dataclass
