@@ -14,13 +14,11 @@ from benchmarks.hostile_examples import (
     RATE,
     TIME,
     Call,
-    K,
     T,
     U,
     Y,
     example_linear,
     example_linear_signals,
-    example_loop,
     example_regulator,
     example_resting_loop,
     example_scaled,
@@ -29,7 +27,7 @@ from benchmarks.hostile_examples import (
     model,
     usual,
 )
-from synth.analyse import lie, relative_degree, resting, worst
+from synth.analyse import lie, relative_degree, resting
 from synth.analyse.observability import placement
 from synth.blocks import safety
 from synth.signals import Parameter
@@ -132,8 +130,6 @@ def own() -> Mapping[str, Call]:
         "transfer.check_turns": {"late": 1e-3, "top": 10.0},
         "refinement.log": {"value": np.array([1 + 1j])},
         "trim.trim": {"plant": maglev, "fixed": {"gap": 0.02}, "free": ["current"]},
-        "worst.Figure": {"name": "f", "unit": "1", "of": lambda loop: 1.0, "largest": False},
-        "worst.search": {"loop": example_loop, "parameters": [K], "figure": worst.PHASE_MARGIN},
         "zero_dynamics.at_point": {"plant": maglev, "degree": relative_degree.of_plant(maglev)},
         "zero_dynamics.of_linear": {"degrees": [2]},
         "anti_windup.of_gain": {"controller": ([[-1.0]], [[1.0]], [[1.0]]), "E": [[-0.5]]},
@@ -180,7 +176,6 @@ def own() -> Mapping[str, Call]:
         "internal_model.exact": {"modes": [Mode(0j, 1)], "time": TIME},
         "inverse_lqr.diagonal_weights": {"poles": [-2.0, -3.0], "R": 1.0},
         "inverse_lqr.gain_weights": {"K": common["gain"].K, "system": stage},
-        "inverse_lqr.reproduces": {"q": [1.0, 1.0], "R": 1.0},
         "kalman.discrete": white,
         "kalman.steady": {"noisy": noise.white(held, 1e-4 * np.eye(2), [[1e-6]])},
         "lookup_table.square": {"reach": 1.0, "spacing": 0.5},
@@ -207,7 +202,7 @@ def own() -> Mapping[str, Call]:
         "prescribed_decay.design": {"decay_per_s": {0.0: 5.0, 6.0: 4.0}, "system": held},
         "recovery.at_input": {"gain": lqr.lqr(stage, np.eye(2), np.eye(1))},
         "recovery.at_output": {"estimator": kalman.continuous(stage, np.eye(2), [[1e-2]])},
-        "reduced_compensator.integrals": {"system": held, "signals": {"x_integral": "x"}},
+        "interconnect.integrals": {"system": held, "signals": {"x_integral": "x"}},
         "reduced_compensator.augmented": {"computed": sum_of},
         "reduced_observer.from_gain": {"system": held, "L": [[1.0]]},
         "reduced_observer.by_poles": {"system": held, "poles": [0.5]},
@@ -239,7 +234,6 @@ def own() -> Mapping[str, Call]:
         "logs.Log": {"samples": {"a": [1.0, 2.0]}, "period_s": T, "times": [0.0, T]},
         "log_file.read": {"path": _file("a [m]\n1.0\n"), "wanted": {"a": "m"}},
         "log_file.parsed": {"text": "a [m]\n1.0\n", "wanted": {"a": "m"}, "name": "measurements"},
-        "log_file.written": {"log": log, "units": {"a": "m"}},
     }
 
 

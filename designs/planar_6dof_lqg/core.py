@@ -21,7 +21,7 @@ from designs.planar_6dof.lqg import CURRENTS, OBSERVER_POLE, STATES, TIME
 from designs.planar_6dof.vertical import MARGIN, POSITIONS
 from designs.planar_6dof_lqg.full_order import NOISE, PROCESS_NOISE, Order
 from models.planar_allocation import HORIZONTAL, LIMIT
-from synth.analyse import discretise
+from synth.analyse import discretise, interconnect
 from synth.block import Block
 from synth.blocks import linear_block
 from synth.compose import compose
@@ -43,7 +43,7 @@ def compensator() -> reduced_compensator.Compensator:
     held = discretise.zero_order_hold(lqg.model(integrals=False), TIME.period_s)
     L = np.diag([(1 - OBSERVER_POLE[axis]) / TIME.period_s for axis in HORIZONTAL])
     observer = reduced_observer.from_gain(held, HORIZONTAL, L)
-    integrals = reduced_compensator.integrals(held, dict(zip(INTEGRALS, HORIZONTAL, strict=True)))
+    integrals = interconnect.integrals(held, dict(zip(INTEGRALS, HORIZONTAL, strict=True)))
     return reduced_compensator.compensator(observer, gain(), integrals)
 
 

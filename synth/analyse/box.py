@@ -55,6 +55,12 @@ def within(box: Sequence[Signal], unit: Array) -> Array:
     return low + (high - low) * unit
 
 
+def grid(d: int, count: int) -> Array:
+    """Return coordinates (d, k) from 0 to 1 on a grid of `count` points along each, the vertices among them."""
+    axes = np.meshgrid(*[np.linspace(0.0, 1.0, count)] * d, indexing="ij")
+    return np.array([a.ravel() for a in axes]).reshape(d, -1) if d else np.zeros((0, 1))
+
+
 def half_widths(box: Sequence[Signal]) -> Array:
     """Return half of each signal's range (d,)."""
     return np.array([(s.high - s.low) / 2 for s in box])

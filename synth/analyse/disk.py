@@ -24,7 +24,7 @@ from synth import arguments, show
 from synth.analyse import equilibrate, structured_peak, transfer
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, System, of, readonly
-from synth.timing import Continuous, Time
+from synth.timing import Time
 
 Matrices = tuple[Array, Array, Array, Array]
 
@@ -100,25 +100,6 @@ class DiskMargin:
         with np.errstate(all="ignore"):
             f = (1 + a * self.delta) / (1 - b * self.delta)
         return np.where(np.isfinite(f), f, np.inf)
-
-    def destabiliser(self) -> StateSpace:
-        """Return diag(f) as a model with real coefficients: each delta_i an all-pass with the phase that it needs.
-
-        Raises ModelError when no finite delta destabilises, or when f is unbounded at high frequency.
-        """
-        if not np.isfinite(self.upper):
-            raise ModelError("no delta of finite size destabilises this loop: there is no factor to be built")
-        w = self.frequency
-        if not isinstance(self.time, Continuous):
-            w = float(np.tan(w * self.time.period_s / 2))
-        parts = [_first_order(delta, w, self.skew) for delta in self.delta.tolist()]
-        A, B, C, D = (np.diag([part[k] for part in parts]) for k in range(4))
-        if not isinstance(self.time, Continuous):
-            one, root = np.eye(len(A)), np.sqrt(2)
-            inverse = np.linalg.inv(one - A)
-            A, B, C, D = inverse @ (A + one), root * inverse @ B, root * C @ inverse, D + C @ inverse @ B
-        states, outputs = (tuple(f"{name}_{kind}" for name in self.channels) for kind in ("allpass", "astray"))
-        return StateSpace(A, B, C, D, states, self.channels, outputs, self.time)
 
     def sheet(self) -> show.Sheet:
         """Return margin, gains, phase, and the worst factor of each channel."""
@@ -206,20 +187,3 @@ def _margin(closed: StateSpace, channels: tuple[str, ...], skew: float, certify:
         lower, upper, curve = 1 / np.float64(peak.level), 1 / np.float64(peak.lower), 1 / peak.bounds
     bounds = float(lower), float(upper), peak.certified
     return DiskMargin(channels, float(skew), closed.time, *bounds, peak.frequency, peak.delta, peak.frequencies, curve)
-
-
-def _first_order(delta: complex, w: float, skew: float) -> tuple[float, float, float, float]:
-    """Return a, b, c, d of f(s) with delta(s) = k (s - z)/(s + z), z > 0 and delta(i w) = delta; k if delta is real."""
-    half, other = _halves(skew)
-    turn = float(np.angle(delta)) % np.pi
-    real = min(turn, np.pi - turn) < 1e-9
-    k = delta.real if real else float(abs(delta) * np.sign(delta.imag))
-    if abs(1 - other * k) < 1e-12:
-        raise ModelError("f is unbounded at high frequency: this margin reaches up to infinite gain")
-    d = (1 + half * k) / (1 - other * k)
-    if real:
-        return -1.0, 0.0, 0.0, d
-    # f = ((1 + half k) s + (1 - half k) z) / ((1 - other k) s + (1 + other k) z)
-    z = w * np.tan(turn / 2)
-    pole = (1 + other * k) / (1 - other * k) * z
-    return -pole, 1.0, (1 - half * k) / (1 - other * k) * z - d * pole, d

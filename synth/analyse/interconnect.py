@@ -18,8 +18,8 @@ from synth import arguments
 from synth.analyse import equilibrate
 from synth.errors import ModelError, SignalError
 from synth.signals import dimension
-from synth.statespace import Array, StateSpace, System, together
-from synth.timing import common
+from synth.statespace import Array, StateSpace, System, of, together
+from synth.timing import Continuous, common
 
 Wires = Mapping[str, Mapping[str, float]]
 
@@ -65,6 +65,26 @@ def connect(models: Sequence[System], inputs: Sequence[str], outputs: Sequence[s
     F, G = np.linalg.solve(loop, W @ C), np.linalg.solve(loop, V)
     joined = StateSpace(A + B @ F, B @ G, C + D @ F, D @ G, x, tuple(inputs), y, time, units)
     return joined.select(outputs, inputs)
+
+
+@arguments.checked
+def integrals(system: System, signals: Mapping[str, str]) -> StateSpace:
+    """Return z' = y, in discrete time z+ = z + T y, for each {z: name of y} of a model's signals.
+
+    An integral has the unit of its signal times s.
+    """
+    model, k = of(system), len(signals)
+    inputs = tuple(dict.fromkeys(signals.values()))
+    B = np.array([[float(name == source) for name in inputs] for source in signals.values()]).reshape(k, len(inputs))
+    A, rate = (np.zeros((k, k)), 1.0) if isinstance(model.time, Continuous) else (np.eye(k), model.time.period_s)
+    units = {name: _times_s(model.unit(source)) for name, source in signals.items() if model.unit(source)}
+    units |= {name: model.unit(name) for name in inputs if model.unit(name)}
+    names = tuple(signals)
+    return StateSpace(A, rate * B, np.eye(k), np.zeros((k, len(inputs))), names, inputs, names, model.time, units)
+
+
+def _times_s(unit: str) -> str:
+    return "s" if unit == "1" else unit.removesuffix("/s") if unit.endswith("/s") else f"{unit} s"
 
 
 def _joined(kind: str, parts: Sequence[StateSpace]) -> tuple[str, ...]:

@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq, minimize
 
 from synth import arguments, law
+from synth.analyse import box as boxes
 from synth.errors import ModelError, SignalError
 from synth.signals import Signal, names
 from synth.statespace import Array, readonly
@@ -65,22 +66,6 @@ class Conditioning:
     cond_at: Mapping[str, float]
 
 
-@dataclass(frozen=True, eq=False)
-class _Scan:
-    """Points of a box in unit coordinates, (d, k) from 0 to 1, and the way back to signals."""
-
-    low: Array
-    width: Array
-
-    def signals(self, unit: ArrayLike) -> Array:
-        unit = np.asarray(unit, dtype=np.float64)
-        return self.low.reshape(-1, *[1] * (unit.ndim - 1)) + self.width.reshape(-1, *[1] * (unit.ndim - 1)) * unit
-
-    def grid(self) -> Array:
-        axes = np.meshgrid(*[np.linspace(0.0, 1.0, GRID)] * len(self.low), indexing="ij")
-        return np.array([axis.ravel() for axis in axes]).reshape(len(self.low), -1)
-
-
 @arguments.checked
 def magnitudes(
     terms: Exprs, symbols: Exprs, box: Sequence[Signal], along: str, points: ArrayLike, held: Mapping[str, float]
@@ -95,7 +80,8 @@ def magnitudes(
     points = np.atleast_1d(arguments.real("points", points))
     if points.ndim != 1 or not np.isfinite(points).all():
         raise SignalError(f"the points of '{along}' have shape {points.shape} or are not finite: give finite numbers")
-    boxed, scan = names(box), _scan(box)
+    _require_box(box)
+    boxed = names(box)
     free = law.column("the symbols", symbols, boxed)
     known = {along: symbols.get(along), **{n: symbols.get(n) for n in held}}
     if unknown := [n for n, s in known.items() if s is None]:
@@ -105,9 +91,9 @@ def magnitudes(
         values = dict(held) | {along: float(point)}
         old, new = law.column("the symbols", symbols, values), ca.vcat(list(values.values()))
         exprs = [ca.substitute(ca.SX(expr), old, ca.SX(new)) for expr in terms.values()]
-        best.append([_largest(n, _compiled(e, free, scan), scan, boxed) for n, e in zip(terms, exprs, strict=True)])
+        best.append([_largest(n, _compiled(e, free, box), box) for n, e in zip(terms, exprs, strict=True)])
     maxima = readonly([[value for value, _ in row] for row in best])
-    worst = readonly([[scan.signals(at) for _, at in row] for row in best])
+    worst = readonly([[_signals(box, at) for _, at in row] for row in best])
     return Magnitudes(along, readonly(points), tuple(terms), boxed, maxima, worst)
 
 
@@ -121,18 +107,19 @@ def conditioning(matrix: ca.SX, symbols: Exprs, box: Sequence[Signal]) -> Condit
     """
     if matrix.size1() != matrix.size2():
         raise ModelError(f"a matrix of shape {matrix.shape} has no determinant: give as many inputs as outputs")
-    boxed, scan = names(box), _scan(box)
+    _require_box(box)
+    boxed = names(box)
     free = law.column("the symbols", symbols, boxed)
-    det_value, det_at = _least_determinant(_compiled(ca.det(matrix), free, scan), scan, boxed)
+    det_value, det_at = _least_determinant(_compiled(ca.det(matrix), free, box), box)
     evaluate = _function(ca.vec(matrix), free)
     n = matrix.size1()
 
     def cond(unit: Array) -> float:
-        values = np.asarray(evaluate(scan.signals(unit))).reshape(n, n, order="F")
+        values = np.asarray(evaluate(_signals(box, unit))).reshape(n, n, order="F")
         return float(np.linalg.cond(values)) if np.isfinite(values).all() else np.inf
 
-    cond_value, cond_at = _largest_condition(cond, scan)
-    named = [dict(zip(boxed, map(float, scan.signals(at)), strict=True)) for at in (det_at, cond_at)]
+    cond_value, cond_at = _largest_condition(cond, len(box))
+    named = [dict(zip(boxed, map(float, _signals(box, at)), strict=True)) for at in (det_at, cond_at)]
     return Conditioning(det_value, named[0], cond_value, named[1])
 
 
@@ -144,11 +131,15 @@ class _Compiled:
     slope: Callable[[Array], tuple[float, Array]]
 
 
-def _scan(box: Sequence[Signal]) -> _Scan:
-    if not box:
+def _signals(signals: Sequence[Signal], unit: ArrayLike) -> Array:
+    """Return the point (d,), or the points (d, k), of the box at coordinates from 0 to 1."""
+    at = np.asarray(unit, dtype=np.float64)
+    return boxes.within(signals, at.reshape(len(at), -1)).reshape(at.shape)
+
+
+def _require_box(signals: Sequence[Signal]) -> None:
+    if not signals:
         raise SignalError("the box is empty: name at least one signal to vary")
-    low = np.array([s.low for s in box])
-    return _Scan(low, np.array([s.high for s in box]) - low)
 
 
 def _function(exprs: ca.SX, free: ca.SX) -> ca.Function:
@@ -158,28 +149,21 @@ def _function(exprs: ca.SX, free: ca.SX) -> ca.Function:
     return ca.Function("e", [free], [ca.densify(exprs)])
 
 
-def _compiled(expr: ca.SX, free: ca.SX, scan: _Scan) -> _Compiled:
+def _compiled(expr: ca.SX, free: ca.SX, box: Sequence[Signal]) -> _Compiled:
     value, gradient = _function(expr, free), _function(ca.jacobian(expr, free), free)
+    width = 2 * boxes.half_widths(box)
 
     def slope(unit: Array) -> tuple[float, Array]:
-        at = scan.signals(unit)
-        return float(value(at)), np.asarray(gradient(at)).ravel() * scan.width
+        at = _signals(box, unit)
+        return float(value(at)), np.asarray(gradient(at)).ravel() * width
 
-    return _Compiled(lambda unit: np.asarray(value(scan.signals(unit))).ravel(), slope)
-
-
-def _finite(what: str, values: Array, unit: Array, scan: _Scan, boxed: Sequence[str]) -> None:
-    bad = np.flatnonzero(~np.isfinite(values))
-    if len(bad):
-        at = scan.signals(unit[:, bad[0]])
-        where = ", ".join(f"{n} = {v:.6g}" for n, v in zip(boxed, at, strict=True))
-        raise ModelError(f"{what} is {values[bad[0]]} at {where}: shrink the box to where the model is finite")
+    return _Compiled(lambda unit: np.asarray(value(_signals(box, unit))).ravel(), slope)
 
 
-def _largest(name: str, expr: _Compiled, scan: _Scan, boxed: Sequence[str]) -> tuple[float, Array]:
-    unit = scan.grid()
+def _largest(name: str, expr: _Compiled, box: Sequence[Signal]) -> tuple[float, Array]:
+    unit = boxes.grid(len(box), GRID)
     values = expr.values(unit)
-    _finite(f"term '{name}'", values, unit, scan, boxed)
+    boxes.require_finite(f"term '{name}'", values, box, boxes.within(box, unit))
     seeds = np.argsort(-np.abs(values))[:SEEDS]
     tried = [_descend(expr, unit[:, k], -np.sign(values[k])) for k in seeds]
     tried += [(float(values[k]), unit[:, k]) for k in seeds]
@@ -187,10 +171,10 @@ def _largest(name: str, expr: _Compiled, scan: _Scan, boxed: Sequence[str]) -> t
     return abs(value), at
 
 
-def _least_determinant(det: _Compiled, scan: _Scan, boxed: Sequence[str]) -> tuple[float, Array]:
-    unit = scan.grid()
+def _least_determinant(det: _Compiled, box: Sequence[Signal]) -> tuple[float, Array]:
+    unit = boxes.grid(len(box), GRID)
     values = det.values(unit)
-    _finite("the determinant", values, unit, scan, boxed)
+    boxes.require_finite("the determinant", values, box, boxes.within(box, unit))
     seeds = np.argsort(np.abs(values))[:SEEDS]
     tried = [_descend(det, unit[:, k], np.sign(values[k])) for k in seeds]
     tried += [(float(values[k]), unit[:, k]) for k in seeds]
@@ -225,8 +209,8 @@ def _descend(expr: _Compiled, start: Array, sign: float) -> tuple[float, Array]:
     return expr.slope(at)[0], at
 
 
-def _largest_condition(cond: Callable[[Array], float], scan: _Scan) -> tuple[float, Array]:
-    unit = scan.grid()
+def _largest_condition(cond: Callable[[Array], float], d: int) -> tuple[float, Array]:
+    unit = boxes.grid(d, GRID)
     values = np.array([cond(column) for column in unit.T])
     start = unit[:, values.argmax()]
     if not np.isfinite(values.max()):

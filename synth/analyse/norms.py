@@ -15,6 +15,8 @@ Computed P and Q leave residuals Rp and Rq, known to twice the precision. For an
 trace(C P C' + D D') + trace(Q* Rp) with the true Q*; so Q corrects it, and what is left is at most
 |Q* - Q| |Rp|_* <= |H| |Rq| sqrt(n) |Rp|, where H is the Gramian of C = I. The proofs for H-infinity are in `modal_peak`
 and `bounded_real`.
+
+Library: no design uses it yet; docs/library.md has an example.
 """
 
 import warnings

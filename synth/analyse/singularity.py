@@ -190,8 +190,7 @@ def mapped(
 def _points(signals: Sequence[Signal]) -> Array:
     d = len(signals)
     if d <= DENSE:
-        axes = np.meshgrid(*[np.linspace(0.0, 1.0, GRID)] * d, indexing="ij")
-        return box.within(signals, np.array([a.ravel() for a in axes]).reshape(d, -1) if d else np.zeros((0, 1)))
+        return box.within(signals, box.grid(d, GRID))
     from scipy.stats import qmc  # takes a second to import, which few need
 
     vertices = np.array(list(product((0.0, 1.0), repeat=min(d, 10))))

@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from synth import arguments, show
-from synth.analyse import schur_response
 from synth.analyse.refinement import NARROW, refined
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, Complex, StateSpace, System, of
@@ -27,7 +26,6 @@ Response = Callable[[ArrayLike], Complex]
 
 ZERO = 1e-12  # of the fastest rate: a slower one may be the rounding error of an integrator
 QUIET = 1e-2  # a delayed loop is followed until |L| stays this near to its last value, and for two turns at least
-SMALL = 50  # states up to which each frequency is solved for by itself
 ILL_POSED = "the loop passes its input straight on with the factor -1: 1 + L has no inverse; delay it"
 TURNS = 1000  # of the delay over the whole grid: beyond, the loop is refused
 
@@ -112,30 +110,20 @@ def response(loop: Loop) -> Response:
 
 
 def _moving(model: StateSpace) -> Response:
-    """Return w (k,) -> C (v I - A)^-1 B + D (k,), of a large model from one Schur form."""
+    """Return w (k,) -> C (v I - A)^-1 B + D (k,)."""
     time = model.time
-    if len(model.A) <= SMALL or (model.poles == -1).any():
 
-        def points(w: Array) -> Complex:
-            return np.asarray(1j * w if isinstance(time, Continuous) else np.exp(1j * w * time.period_s))
+    def points(w: Array) -> Complex:
+        return np.asarray(1j * w if isinstance(time, Continuous) else np.exp(1j * w * time.period_s))
 
-        def direct(w: ArrayLike) -> Complex:
-            at = np.asarray(w)
-            try:
-                return model.response(points(at))[:, 0, 0]
-            except ModelError:
-                return model.response(points(at * (1 + 1e-14)))[:, 0, 0]
-
-        return direct
-    schur = schur_response.of(model)
-
-    def factored(w: ArrayLike) -> Complex:
+    def moving(w: ArrayLike) -> Complex:
         at = np.asarray(w)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            value = schur.at(at if isinstance(time, Continuous) else np.tan(at * time.period_s / 2))[:, 0, 0]
-        return value if np.isfinite(value).all() else factored(np.where(np.isfinite(value), at, at * (1 + 1e-14)))
+        try:
+            return model.response(points(at))[:, 0, 0]
+        except ModelError:
+            return model.response(points(at * (1 + 1e-14)))[:, 0, 0]
 
-    return factored
+    return moving
 
 
 @arguments.checked

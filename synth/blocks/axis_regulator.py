@@ -189,7 +189,7 @@ def synthesise(axis: Axis, time: Discrete, delay: int = 1) -> Regulator:
     regulator = servos.of_gain(held, undelayed.model, _delayed(undelayed, delay))
     filter, form = _filter(axis, held, T)
     observed = servos.estimated(regulator, form)
-    wound = windup.back_calculation(observed, axis.anti_windup, exact=True)
+    wound = windup.back_calculation(observed, axis.anti_windup)
     feedforward = _feedforward(axis, regulator, T)
     controller = _with_reference(leapfrog_form.controller(observed, wound.controller), axis, feedforward)
     controller = _with_states_ahead(controller, undelayed.plant, form, delay)

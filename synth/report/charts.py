@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-from synth.report import maps
+from synth.report import figures, maps
 from synth.report.figures import COLOURS
 
 LEVEL = {"color": "#666666", "ls": "--", "lw": 0.9}
@@ -70,6 +70,6 @@ def _draw(axes: Any, chart: Chart) -> None:
     axes.set(xlabel=chart.xlabel, ylabel=chart.ylabel, **chart.options)
     axes.set_title(chart.title, loc="left" if chart.legend == "above" else "center")
     if chart.legend == "above":
-        maps.above(axes)
+        figures.above(axes)
     elif chart.legend and chart.legend != "figure":
         axes.legend(loc=chart.legend)

@@ -4,7 +4,7 @@
     error         |v - r| on a logarithmic axis, cut off a thousand times below its level, where it has one
 
 Values come in SI units; positions are shown in mm and mrad, errors in um and urad. The figures belong to nobody: no
-state of matplotlib is read or left changed, and `svg` and `png` turn each into text or bytes.
+state of matplotlib is read or left changed, and `svg` turns each into text.
 """
 
 import io
@@ -18,7 +18,6 @@ from typing import Any
 import matplotlib.style
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
@@ -97,15 +96,6 @@ def svg(figure: Figure, name: str) -> str:
     with styled(), matplotlib.rc_context({"svg.hashsalt": name}):
         FigureCanvasSVG(figure).print_svg(text, metadata=_NO_METADATA)
     return _slim(text.getvalue()[text.getvalue().index("<svg") :], name)
-
-
-def png(figure: Figure, dpi: float = 150) -> bytes:
-    """Return a figure as the bytes of a PNG file, `dpi` pixels for an inch."""
-    data = io.BytesIO()
-    figure.set_dpi(dpi)
-    with styled():
-        FigureCanvasAgg(figure).print_png(data, metadata={"Software": None})
-    return data.getvalue()
 
 
 def _slim(text: str, name: str) -> str:
@@ -260,9 +250,14 @@ def _styles(curves: Iterable[Curve]) -> list[dict[str, Any]]:
 
 def _legend(axes: Axes) -> None:
     """Put the legend of two curves or more above the axes, where it hides none."""
+    if len(axes.get_legend_handles_labels()[0]) > 1:
+        above(axes)
+
+
+def above(axes: Axes) -> None:
+    """Put the legend above the axes, where it hides no curve."""
     count = len(axes.get_legend_handles_labels()[0])
-    if count > 1:
-        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=count, frameon=False, borderaxespad=0.1)
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=count, frameon=False, borderaxespad=0.1)
 
 
 def _label_time(figure: Figure, lowest: Iterable[Axes]) -> None:

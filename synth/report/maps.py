@@ -89,12 +89,6 @@ def _one(axes: Axes, each: Map, sides: Sequence[Side], labels: tuple[str, str], 
     return image
 
 
-def above(axes: Axes) -> None:
-    """Put the legend above the axes, where it hides no curve."""
-    count = len(axes.get_legend_handles_labels()[0])
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=count, frameon=False, borderaxespad=0.1)
-
-
 def plain_log(axes: Axes) -> None:
     """Label a logarithmic axis by plain numbers, 1, 2 and 5 of each decade."""
     axes.yaxis.set_major_locator(LogLocator(10, (1.0, 2.0, 5.0)))

@@ -2,7 +2,6 @@
 
     overshoot     max over t of (y - r) s / |r - y0|, at least 0, with s the sign of the step r - y0
     rise time     from the first sample beyond 10 % of the step to the first beyond 90 %, between samples linearly
-    first reach   the least t_j - t_0 with |e_j| <= band
     settling      the least t_j - t_0 with |e_k| <= band for all k >= j
     mean error    the mean of |e_k| over start <= t_k <= stop
 
@@ -10,7 +9,7 @@ A time is infinite when the record does not contain the event: a response that i
 has not settled. A sample that is no number lies outside every band. Settling is judged by the record that is given, so
 the record should go on well beyond it. The paper's t_s is the settling time for 0.1 mm or 0.1 mrad, and its t_enc, "the
 time it takes for the tracking error to reach encoder resolution", is taken in the stricter sense of settling, for
-10 um or 20 urad; the first reach stands beside it.
+10 um or 20 urad.
 """
 
 from dataclasses import dataclass
@@ -29,7 +28,6 @@ class StepResponse:
     overshoot: float
     t_s: float
     t_enc: float
-    first_reach: float
 
 
 def step_response(
@@ -37,7 +35,7 @@ def step_response(
 ) -> StepResponse:
     """Return the metrics of a step from `start` to `target` at time[0]; time and y are (N,).
 
-    t_s is for `band`; t_enc and first_reach are for `resolution`; all three in the unit of y.
+    t_s is for `band`; t_enc is for `resolution`; both in the unit of y.
 
     Raises SignalError when there is no step, when the arrays do not fit or when a band is not positive.
     """
@@ -46,7 +44,6 @@ def step_response(
         overshoot=overshoot(y, start, target),
         t_s=settling_time(time, error, band),
         t_enc=settling_time(time, error, resolution),
-        first_reach=first_reach(time, error, resolution),
     )
 
 
@@ -93,12 +90,6 @@ def settling_time(time: ArrayLike, error: ArrayLike, band: float) -> float:
         return np.inf
     outside = np.flatnonzero(~inside)
     return float(t[outside[-1] + 1] - t[0]) if outside.size else 0.0
-
-
-def first_reach(time: ArrayLike, error: ArrayLike, band: float) -> float:
-    """Return the seconds from time[0] to the first sample with |error| at or below `band`; inf if there is none."""
-    t, inside = _inside(time, error, band)
-    return float(t[np.argmax(inside)] - t[0]) if inside.any() else np.inf
 
 
 def mean_absolute(time: ArrayLike, error: ArrayLike, start: float = -np.inf, stop: float = np.inf) -> float:

@@ -83,28 +83,6 @@ def parsed(text: str, wanted: Mapping[str, str], name: str = "measurements") -> 
     return Log({column: np.array(values) for column, values in samples.items()})
 
 
-@arguments.checked
-def written(log: Log, units: Mapping[str, str]) -> str:
-    """Return samples as text that `parsed` reads back to the last bit; `units` are the SI units of the columns.
-
-    Raises SignalError for a column that the log does not hold, or what `parsed` would not read back so: no column, a
-    name of more than letters, digits and underscores, a unit that is none of SI, a number that is huge.
-    """
-    if not units:
-        raise SignalError("no columns are to be written: name one or more, with their SI units")
-    for column, unit in units.items():
-        _check_unit(column, unit)
-        if not COLUMN.fullmatch(f"{column} [{unit}]"):
-            raise SignalError(f"'{column}' cannot be written: name it by letters, digits and underscores")
-        if not (np.abs(log.columns((column,))) < HUGE).all():
-            raise SignalError(
-                f"'{column}' holds {np.abs(log.columns((column,))).max():g} {unit}: scale it below {HUGE:g}"
-            )
-    head = ", ".join(f"{name} [{unit}]" for name, unit in units.items())
-    rows = (", ".join(map(repr, row)) for row in log.columns(tuple(units)).tolist())
-    return "\n".join([head, *rows, ""])
-
-
 def _check_unit(column: str, unit: str) -> None:
     if unit not in SI:
         raise SignalError(f"'{column}' is asked for in '{unit}': logs are in SI units, give one of {', '.join(SI)}")

@@ -25,8 +25,6 @@ from synth.simulate.sensors import Override
 from synth.verify import steps
 from synth.verify.steps import Steps
 
-Columns = Mapping[str, NDArray[Any]]
-
 REPLAY, VECTORS = 10_000, 1000  # steps
 EACH = 1000  # steps of each closed loop
 SWING = 0.2  # of a set-point's range, to either side of rest

@@ -11,6 +11,7 @@ from scipy.optimize import minimize
 from synth.analyse import disk, sensitivity, structured_peak
 from synth.statespace import StateSpace, of
 from synth.timing import Continuous, Discrete
+from tests.analyse.destabiliser import destabiliser
 from tests.analyse.disk_tolerances import DOUBLE, LEVEL
 
 Complex = np.typing.NDArray[np.complex128]
@@ -216,7 +217,7 @@ def test_factors_at_inputs_and_outputs_at_once_are_a_search_of_the_whole_loop(sa
 def test_the_destabiliser_is_a_real_system_that_puts_a_pole_on_the_boundary(sampled: bool, skew: float) -> None:
     loop = sensitivity.close(*regulated(3, sampled, 0 if sampled else 3)).Li
     found = disk.of_loop(loop, skew)
-    f = found.destabiliser()
+    f = destabiliser(found)
     assert f.inputs == loop.inputs and f.time == loop.time and np.isrealobj(f.A)
     value = np.diagonal(f.response(point(loop, np.array(found.frequency)))[0])
     assert value == pytest.approx(found.factors, rel=1e-6)

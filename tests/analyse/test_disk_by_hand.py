@@ -1,7 +1,5 @@
 """Disk margins of loops whose peak follows by hand, at rest, at Nyquist and at infinity, and loops that are refused."""
 
-from dataclasses import replace
-
 import control
 import numpy as np
 import pytest
@@ -71,8 +69,6 @@ def test_static_loops() -> None:
     assert found.factors[0] == pytest.approx(-1 / 3, rel=1e-6)
     unit = disk.of_loop((*empty, np.eye(2)))
     assert unit.alpha == np.inf and unit.gain_low == -1 and unit.gain_high == np.inf and unit.phase == 180
-    with pytest.raises(ModelError, match="no delta of finite size"):
-        unit.destabiliser()
     L = np.array([[1.0, 8.0], [0.3, 1.0]])
     M = np.linalg.inv(np.eye(2) + L) - np.eye(2) / 2
     turns = np.exp(1j * np.linspace(0, 2 * np.pi, 3601))
@@ -120,9 +116,6 @@ def test_what_cannot_be_read_is_refused() -> None:
         disk.of_loop(([[np.nan]], [[1.0]], [[1.0]]))
     with pytest.raises(ModelError, match=r"I \+ D is singular"):
         disk.of_loop(([[-1.0]], [[1.0]], [[1.0]], [[-1.0]]))
-    unbounded = disk.of_loop(([[0.0]], [[1.0]], [[1.0]], [[0.0]]), 1.0)
-    with pytest.raises(ModelError, match="unbounded"):
-        replace(unbounded, delta=np.array([1.0 + 0j])).destabiliser()
 
 
 def test_a_margin_prints_what_it_claims() -> None:

@@ -115,7 +115,8 @@ def test_refusals() -> None:
 
 def test_a_scan_goes_through_a_file() -> None:
     log = hall_scan.scanned(TURNED, MADE, hall_scan.places(l, 12), 3)
-    text = log_file.written(log, {"X": "m", "Y": "m", "V_ax": "V"})
+    rows = log.columns(("X", "Y", "V_ax")).tolist()
+    text = "\n".join(["X [m], Y [m], V_ax [V]", *(", ".join(map(repr, row)) for row in rows)])
     read = log_file.parsed(text, {"X": "m", "Y": "m", "V_ax": "V"})
     np.testing.assert_array_equal(
         hall_scan.fit(read, "V_ax", l).estimate.values, hall_scan.fit(log, "V_ax", l).estimate.values

@@ -73,12 +73,11 @@ def test_a_missing_unit_and_a_wrong_length_are_refused(run: Callable[..., Experi
 
 def test_the_same_data_give_the_same_bytes_whatever_the_users_settings() -> None:
     before = dict(matplotlib.rcParams)
-    first, picture = figures.svg(small(), "a"), figures.png(small())
+    first = figures.svg(small(), "a")
     assert dict(matplotlib.rcParams) == before
     with matplotlib.rc_context({"axes.facecolor": "red", "font.size": 30, "svg.hashsalt": "x", "svg.fonttype": "path"}):
-        assert figures.svg(small(), "a") == first and figures.png(small()) == picture
+        assert figures.svg(small(), "a") == first
     assert figures.svg(small(1.1), "a") != first
-    assert picture.startswith(b"\x89PNG")
 
 
 def test_an_svg_bears_no_date_no_program_and_only_ids_of_its_own() -> None:

@@ -36,8 +36,7 @@ def test_step_of_a_second_order_system(start: float, target: float) -> None:
     assert found.overshoot == pytest.approx(np.exp(-np.pi * Z / np.sqrt(1 - Z**2)), rel=1e-6)
     assert found.t_s == pytest.approx(crossings(0.05)[-1], abs=1.01e-4)
     assert found.t_enc == pytest.approx(crossings(1e-3)[-1], abs=1.01e-4)
-    assert found.first_reach == pytest.approx(crossings(1e-3)[0], abs=1.01e-4)
-    assert found.first_reach < found.t_s < found.t_enc
+    assert found.t_s < found.t_enc
     assert abs(crossings(0.05)[0] - found.t_s) > 0.1, "the first entry must not pass for settling"
 
 
@@ -48,7 +47,6 @@ def test_mean_absolute_error_over_a_window() -> None:
 
 def test_what_never_happens_takes_for_ever() -> None:
     assert metrics.settling_time(TIME, error(TIME) + 1, 0.1) == np.inf
-    assert metrics.first_reach(TIME, np.full_like(TIME, 1.0), 0.1) == np.inf
     assert metrics.settling_time([0, 1, 2], [0.0, 0.0, 1.0], 0.1) == np.inf
     assert metrics.settling_time([3, 4, 5], [0.0, 0.0, 0.0], 0.1) == 0.0
     assert metrics.first_exit(TIME, error(TIME), -1, 1) == np.inf
@@ -77,8 +75,8 @@ def test_no_overshoot_is_zero() -> None:
         (lambda: metrics.overshoot([], 0, 1), "no sample"),
         (lambda: metrics.settling_time([0, 1], [0, 1], 0.0), "band is 0.0"),
         (lambda: metrics.settling_time([0, 1], [0, 1], np.nan), "band is nan"),
-        (lambda: metrics.first_reach([0, 1], [0], 1.0), r"\(2,\) and values \(1,\)"),
-        (lambda: metrics.first_reach([], [], 1.0), r"\(0,\)"),
+        (lambda: metrics.settling_time([0, 1], [0], 1.0), r"\(2,\) and values \(1,\)"),
+        (lambda: metrics.settling_time([], [], 1.0), r"\(0,\)"),
         (lambda: metrics.mean_absolute([0, 1], [0, 1], 5, 6), "no sample in 5 .. 6 s"),
     ],
 )

@@ -8,6 +8,8 @@ w is the crossover in rad/s, wi the corner of integral action, which is left out
 section leads by asin((r - 1) / (r + 1)) at w, or lags where r < 1. P_d is exact: it has the hold, and the delay to any
 fraction of a sample (`loop.sampled`). What K must add at w follows, and r and k with it, so that the sampled K_d, by
 whichever rule, has |L| = 1 and arg L = margin - 180 degrees at w to rounding error.
+
+Library: no design uses it yet; docs/library.md has an example.
 """
 
 from collections.abc import Callable

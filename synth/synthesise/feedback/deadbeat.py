@@ -4,6 +4,8 @@ S_j, what can be brought to 0 in j samples, grows by S_j = {x: A x in S_{j-1} + 
 into S_{j-1}; k is the first j for which S_j is everything, the controllability index where A is regular. The S_j are
 built up by orthonormal steps in scaled units. With one input the gain is the one that places all poles at 0, in ball
 arithmetic.
+
+Library: no design uses it yet; docs/library.md has an example.
 """
 
 import numpy as np

@@ -10,6 +10,8 @@ By Parseval z'Qz z weights the filtered signals by |W(i omega)|^2. A filter's in
 the plant, by name; its outputs z are weighted by name. What is run is the dynamic controller from x to u, which holds
 the filters. Source: Gupta, Frequency-shaped cost functionals (1980); Anderson, Moore, Optimal Control (1990),
 chapter 9.
+
+Library: no design uses it yet; docs/library.md has an example.
 """
 
 from collections.abc import Sequence

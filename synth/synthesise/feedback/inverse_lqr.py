@@ -7,9 +7,9 @@ From poles. For one input, u = K x optimal for x'Qx + R u^2, open-loop polynomia
 (the symmetric root locus). Both sides are even; comparing powers of s^2 gives n linear equations in the n weights. In
 discrete time z and 1/z stand for s and -s, and on the left there is a factor r / R, r = R + B'XB: the n + 1
 coefficients of z^k + z^-k are linear in the weights and r. The weights are unique when the polynomials n_i(s) n_i(-s)
-are linearly independent. Published poles are rounded, so the weights come out near, not on, the numbers that were used:
-`reproduces` tells whether given weights round to the print. LQR never gives poles that do not decay, and p(s) p(-s)
-cannot tell s from -s: such poles are refused, and so are weights below zero.
+are linearly independent. Published poles are rounded, so the weights come out near, not on, the numbers that were used.
+LQR never gives poles that do not decay, and p(s) p(-s) cannot tell s from -s: such poles are refused, and so are
+weights below zero.
 
 From a gain K (m, n) that leaves Ac = A + B K stable. Its cost X for Q = diag(q), R = diag(r) is linear in the weights,
 
@@ -29,7 +29,7 @@ from scipy.optimize import nnls
 from synth import arguments, show
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, System, of, readonly
-from synth.synthesise.feedback import lqr, weights
+from synth.synthesise.feedback import weights
 from synth.synthesise.riccati.equation import decays
 from synth.timing import Continuous
 
@@ -208,45 +208,8 @@ def _beside(wanted: Array) -> float:
     return max(float(np.linalg.norm(wanted)), CLOSE)
 
 
-@arguments.checked
-def reproduces(
-    system: System, q: weights.Weight, poles: Sequence[complex], digits: Sequence[int], R: float = 1.0
-) -> bool:
-    """Tell whether the weights give each of `poles` once its parts are rounded to its count of decimals in `digits`.
-
-    Raises SignalError as `diagonal_weights`, or unless there is a whole number of decimals for each pole; else as
-    `lqr.lqr`.
-    """
-    model = of(system)
-    printed = _numbers(model, poles)
-    places = list(digits)
-    if len(places) != len(printed) or not all(isinstance(k, int | np.integer) for k in places):
-        raise SignalError(f"the decimals are {places}: give a whole number for each of {len(printed)} poles")
-    found = list(lqr.lqr(model, q, [_positive(R)]).poles)
-    for pole, k in zip(printed, places, strict=True):
-        nearest = min(found, key=lambda s, at=pole: abs(s - at))  # type: ignore[misc]
-        found.remove(nearest)
-        half = 0.5 * 10.0**-k * (1 + 1e-9)
-        if abs(nearest.real - pole.real) > half or abs(nearest.imag - pole.imag) > half:
-            return False
-    return True
-
-
 def _poles(model: StateSpace, poles: Sequence[complex]) -> Complex:
-    """Return poles (n,) that an optimal loop may have."""
-    given = _numbers(model, poles)
-    continuous = isinstance(model.time, Continuous)
-    for s in given:
-        if not decays(np.array([s]), continuous):
-            beyond = "Re >= 0" if continuous else "|z| >= 1"
-            raise ModelError(f"no weights give the pole {s:.4g}: an optimal loop has none with {beyond}")
-    if not np.array_equal(np.sort_complex(given), np.sort_complex(given.conj())):
-        raise SignalError(f"the poles {_listed(given)} are not in conjugate pairs: give both of each pair")
-    return given
-
-
-def _numbers(model: StateSpace, poles: Sequence[complex]) -> Complex:
-    """Return poles (n,) of a model of one input as finite numbers."""
+    """Return poles (n,) that an optimal loop of a model of one input may have."""
     n, m = model.B.shape
     try:
         given = np.asarray(poles, dtype=np.complex128)
@@ -257,6 +220,13 @@ def _numbers(model: StateSpace, poles: Sequence[complex]) -> Complex:
             f"need a model of 1 input, with states, and {n} finite poles: found {m} inputs and poles "
             f"{_listed(given.ravel())}"
         )
+    continuous = isinstance(model.time, Continuous)
+    for s in given:
+        if not decays(np.array([s]), continuous):
+            beyond = "Re >= 0" if continuous else "|z| >= 1"
+            raise ModelError(f"no weights give the pole {s:.4g}: an optimal loop has none with {beyond}")
+    if not np.array_equal(np.sort_complex(given), np.sort_complex(given.conj())):
+        raise SignalError(f"the poles {_listed(given)} are not in conjugate pairs: give both of each pair")
     return given
 
 

@@ -21,11 +21,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
 from synth import arguments, show
-from synth.analyse import structure
+from synth.analyse import interconnect, structure
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.synthesise.feedback import held_cost, modes, weights
@@ -249,25 +248,8 @@ def integral(system: System, outputs: Sequence[str]) -> StateSpace:
     Raises SignalError for an output that is not known or stands twice.
     """
     model = of(system)
-    chosen = model.select(outputs, model.inputs)
-    sampled = isinstance(model.time, Discrete)
-    k, T = len(outputs), model.time.period_s if isinstance(model.time, Discrete) else 1.0
-    names = tuple(f"{name}_integral" for name in outputs)
-    units = {new: _times_s(model.unit(y)) for new, y in zip(names, outputs, strict=True) if y in model.units}
-    n, m = model.B.shape
-    corner = np.eye(k) if sampled else np.zeros((k, k))
-    return StateSpace(
-        A=np.block([[model.A, np.zeros((n, k))], [T * chosen.C, corner]]),
-        B=np.vstack([model.B, T * chosen.D]),
-        C=scipy.linalg.block_diag(model.C, np.eye(k)),
-        D=np.vstack([model.D, np.zeros((k, m))]),
-        states=(*model.states, *names),
-        inputs=model.inputs,
-        outputs=(*model.outputs, *names),
-        time=model.time,
-        units={**model.units, **units},
-    )
-
-
-def _times_s(unit: str) -> str:
-    return "s" if unit == "1" else unit.removesuffix("/s") if unit.endswith("/s") else f"{unit} s"
+    model.select(outputs, ())
+    sums = interconnect.integrals(model, {f"{y}_integral": y for y in outputs})
+    wires = {f"{y}_measured": {y: 1.0} for y in outputs}
+    parts = (model, sums.renamed({y: f"{y}_measured" for y in outputs}))
+    return interconnect.connect(parts, model.inputs, (*model.outputs, *sums.outputs), wires)

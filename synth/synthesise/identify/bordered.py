@@ -9,7 +9,7 @@ P = A - Q Q'A alone, of which P = U S V' (Frisch, Waugh 1933); [U, Q] is a basis
 those of columns of J of length 1.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,10 +32,6 @@ class Jacobian:
     def weighted(self, weight: Array) -> "Jacobian":
         """Return the derivatives of the outputs divided by `weight` (p,)."""
         return Jacobian(self.shared / weight[:, None], self.own / weight[:, None])
-
-    def columns(self, chosen: NDArray[np.bool_]) -> "Jacobian":
-        """Return the derivatives by some of the shared parameters, and by all others."""
-        return replace(self, shared=self.shared[:, :, chosen])
 
     def acting(self) -> Array:
         """Return how many parameters at most determine each output (p,)."""

@@ -1,19 +1,20 @@
 """Nonlinear least squares with confidence: y = g(theta) + e.
 
-    minimise  sum_j |y_j - g_j(theta)|^2 / w_j^2      low <= theta <= high
+    minimise  sum_j |y_j - g_j(theta)|^2 / w_j^2
 
 by Gauss and Newton's steps, damped where they do not descend (Levenberg, Marquardt): with J = dg/dtheta and columns of
 length 1, (J'J + m I) d = J' e. The minimum is found when next to nothing of e is left that J could explain.
 Its confidence is that of the linear problem J theta + e there (`least_squares`); so is the noise of several outputs for
-which none is given, with which the minimum is sought again until it settles. A parameter that ends on a bound is
-held there and has none.
+which none is given, with which the minimum is sought again until it settles.
+
+Library: no design uses it yet; docs/library.md has an example.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from synth import arguments, show
 from synth.errors import ModelError, SignalError
@@ -32,29 +33,22 @@ PASSES = 200  # minima that may be needed until the outputs' noise settles
 
 @show.result
 class Fit:
-    """The estimate of what is free, the parameters `held` at a bound, the steps taken and what J leaves unexplained.
+    """The estimate, the steps taken and what J leaves unexplained.
 
     `theta` is the minimum as the model takes it; `unexplained` the length of the part of e in the range of J over the
     length of e.
     """
 
     estimate: Estimate
-    held: Mapping[str, float]
     theta: Array
     steps: int
     unexplained: float
 
-    @property
-    def by_name(self) -> dict[str, float]:
-        """All parameters' values by name."""
-        return {**self.estimate.by_name, **self.held}
-
     def sheet(self) -> show.Sheet:
         """Return the estimate's sheet with the convergence."""
         sheet = self.estimate.sheet()
-        lines = [f"Converged after {self.steps} steps; unexplained {self.unexplained:.1e}."]
-        lines += [f"'{name}' is held at its bound {value:.6g}." for name, value in self.held.items()]
-        return replace(sheet, lines=(*sheet.lines, *lines))
+        line = f"Converged after {self.steps} steps; unexplained {self.unexplained:.1e}."
+        return replace(sheet, lines=(*sheet.lines, line))
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,16 +73,15 @@ def minimise(
     start: ArrayLike,
     parameters: Sequence[str],
     outputs: Sequence[str],
-    bounds: tuple[ArrayLike, ArrayLike] = (-np.inf, np.inf),
     noise: Mapping[str, float] | None = None,
     level: float = 0.95,
     units: Mapping[str, str] | None = None,
 ) -> Fit:
-    """Return theta (k,) of y = g(theta) + e, y (N, p), from a start inside the bounds.
+    """Return theta (k,) of y = g(theta) + e, y (N, p), from a start.
 
     `noise` gives the outputs' standard deviations, up to a common factor; where it is left out they are estimated.
 
-    Raises as `least_squares.solve`; SignalError for a start of another length or outside the bounds; ModelError when
+    Raises as `least_squares.solve`; SignalError for a start of another length or that is not finite; ModelError when
     the model is not finite at the start or no minimum is found.
     """
     parameters, outputs = arguments.distinct("parameters", parameters), arguments.distinct("outputs", outputs)
@@ -96,21 +89,15 @@ def minimise(
     y = arguments.real("outputs", y)
     theta = arguments.real("start values", start)
     _check_shapes(model, y, theta, parameters, outputs)
-    low, high = _bounds(bounds, theta, parameters)
     arguments.check_samples(y, outputs)
     weight, steps, estimated = least_squares.weights(noise, outputs, y), 0, noise is None and len(outputs) > 1
     for _ in range(PASSES):
-        point, free, taken, left = _minimum(model, y, theta, weight, low, high, outputs)
+        point, taken, left = _minimum(model, y, theta, weight, outputs)
         theta, steps = point.theta, steps + taken
-        names = [name for name, open_ in zip(parameters, free, strict=True) if open_]
-        if not names:
-            raise ModelError(
-                f"all of {', '.join(parameters)} end on a bound: widen their tolerances or check the log's units"
-            )
-        J, values = point.J.columns(free), theta[: len(parameters)][free]
-        least_squares.check_rows(J, y, names, outputs, noise)
+        J, values = point.J, theta[: len(parameters)]
+        least_squares.check_rows(J, y, parameters, outputs, noise)
         try:
-            linear = least_squares.weighted(J, point.e + J.shared @ values, weight, names, values)
+            linear = least_squares.weighted(J, point.e + J.shared @ values, weight, parameters, values)
         except ModelError as error:
             raise ModelError(f"{error}; the residual is {_most(point.e / weight, outputs)}") from error
         before = weight
@@ -119,29 +106,16 @@ def minimise(
             break
     else:
         raise ModelError(least_squares.unsettled(PASSES))
-    found = least_squares.estimate(linear, y, names, outputs, noise, level, units)
-    held = {name: float(v) for name, v, open_ in zip(parameters, theta, free, strict=False) if not open_}
-    return Fit(found, held, readonly(theta), steps, left)
-
-
-def _bounds(bounds: tuple[ArrayLike, ArrayLike], theta: Array, parameters: Sequence[str]) -> tuple[Array, Array]:
-    """Return the bounds, each (k,), of a start that is inside them."""
-    k = len(parameters)
-    low, high = (arguments.real("bounds", b) for b in bounds)
-    for what, values in {"lower": low, "upper": high}.items():
-        if values.shape not in ((), (k,)):
-            raise SignalError(f"the {what} bound has the shape {values.shape}: give {k} values, one for each parameter")
-    low, high = (np.broadcast_to(b, (k,)) for b in (low, high))
-    for name, value, least, most in zip(parameters, theta[:k], low, high, strict=True):
-        if not (least <= value <= most and np.isfinite(value)):
-            raise SignalError(f"'{name}' starts at {value:g}, outside its bounds {least:g} to {most:g}: start inside")
-    return low, high
+    found = least_squares.estimate(linear, y, parameters, outputs, noise, level, units)
+    return Fit(found, readonly(theta), steps, left)
 
 
 def _check_shapes(model: Model, y: Array, theta: Array, parameters: Sequence[str], outputs: Sequence[str]) -> None:
     k, wanted = len(parameters), (len(y) if y.ndim else 0, len(outputs))
-    if theta.ndim != 1 or len(theta) < k:
-        raise SignalError(f"the start has the shape {theta.shape}: give {k} values, one for each parameter")
+    if theta.ndim != 1 or len(theta) < k or not np.isfinite(theta[:k]).all():
+        raise SignalError(
+            f"the start has the shape {theta.shape} or is not finite: give {k} values, one for each parameter"
+        )
     try:
         at = _at(model, np.zeros(()), theta, np.ones(()))
     except (TypeError, ValueError, IndexError) as error:
@@ -157,30 +131,23 @@ def _check_shapes(model: Model, y: Array, theta: Array, parameters: Sequence[str
         )
 
 
-def _minimum(
-    model: Model, y: Array, theta: Array, weight: Array, low: Array, high: Array, outputs: Sequence[str]
-) -> tuple[_Point, NDArray[np.bool_], int, float]:
-    """Return the minimum for given weights, which parameters are free there, the steps, and what J could explain."""
+def _minimum(model: Model, y: Array, theta: Array, weight: Array, outputs: Sequence[str]) -> tuple[_Point, int, float]:
+    """Return the minimum for given weights, the steps, and what J could explain."""
     point, damping = _at(model, y, theta, weight), 1e-3
     if not point.cost < np.inf:
         raise ModelError("the model is not finite at the start: start nearer to the truth, or simulate shorter spans")
     size = float(np.linalg.norm(y / weight)) or 1.0
     for step in range(STEPS):
         J, e = point.J.weighted(weight), (point.e / weight).ravel()
-        uphill = np.einsum("npk,np->k", J.shared, point.e / weight)  # minus the gradient
-        here = point.theta[: len(low)]
-        free = ~(((here <= low) & (uphill < 0)) | ((here >= high) & (uphill > 0)))
-        parts = bordered.factors(J.columns(free))
+        parts = bordered.factors(J)
         kept = parts.sigma > undetermined.RANK * max(1.0, parts.sigma.max(initial=0.0))
         shares = np.concatenate([(parts.U.T @ e)[kept], parts.along(e).ravel()])
         left = float(np.linalg.norm(shares)) / max(float(np.linalg.norm(e)), EXACT * size)
         if left <= UNEXPLAINED:
-            return point, free, step, left
+            return point, step, left
         while damping < 1e12:
-            move = np.zeros(len(low))
-            move[free], own = parts.step(e, damping, kept)
-            after = np.clip(here + move, low, high), point.theta[len(low) :] + own.ravel()
-            trial = _at(model, y, np.concatenate(after), weight)
+            shared, own = parts.step(e, damping, kept)
+            trial = _at(model, y, point.theta + np.concatenate([shared, own.ravel()]), weight)
             if trial.cost < point.cost:
                 point, damping = trial, damping / 10
                 break

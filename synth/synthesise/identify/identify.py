@@ -124,7 +124,6 @@ def fit_trajectory(
     span: int | None = None,
     initial: Mapping[str, float] | None = None,
     free: Sequence[str] = (),
-    within_tolerance: bool = False,
     noise: Mapping[str, float] | None = None,
     level: float = 0.95,
     substeps: int = 4,
@@ -134,8 +133,7 @@ def fit_trajectory(
     `measured` names the outputs or states in the log to be matched. With a `span` the simulation starts anew after
     every `span` periods. All start states are estimated, from the log's as first guess, and told as ``<state>_0`` where
     there is no span. Without a span, states in `initial` start from the values given there, exactly, unless they are in
-    `free` too. `within_tolerance` bounds each parameter by its relative tolerance. `substeps` Runge-Kutta steps a
-    period are tried first, then twice as many until that moves no parameter.
+    `free` too. `substeps` Runge-Kutta steps a period are tried first, then twice as many until that moves no parameter.
 
     Raises SignalError for a name that is not known, a signal that the log does not hold or a span below 1; TimingError
     for a log without period; ModelError where no number of steps is enough; else as `gauss_newton.minimise`.
@@ -150,9 +148,6 @@ def fit_trajectory(
     first = trajectory.problem(plant, log, parameters, measured, span, initial or {}, free, substeps)
     starts = [plant.states[i] for i in first.free]
     labels = (*parameters, *(f"{s.name}_0" for s in starts)) if span is None else parameters
-    reach = np.array([p.tolerance for p in chosen]) * np.abs(values) if within_tolerance else np.inf
-    no_bound = np.full(len(labels) - len(values), np.inf)
-    low, high = (np.concatenate([values + sign * reach, sign * no_bound]) for sign in (-1, 1))
     units = {s.name: s.unit for s in (*plant.states, *plant.outputs)} | {p.name: p.unit for p in chosen}
     units |= {f"{s.name}_0": s.unit for s in starts}
 
@@ -160,7 +155,7 @@ def fit_trajectory(
         return trajectory.problem(plant, log, parameters, measured, span, initial or {}, free, steps)
 
     def minimise(at: trajectory.Problem, start: Array) -> gauss_newton.Fit:
-        return gauss_newton.minimise(at.simulate, at.y, start, labels, measured, (low, high), noise, level, units)
+        return gauss_newton.minimise(at.simulate, at.y, start, labels, measured, noise, level, units)
 
     start = np.concatenate([values, first.starts.ravel()])
     return trajectory_fit.certified(problem, minimise, start, parameters, substeps)

@@ -5,6 +5,8 @@
 
 R is one Runge-Kutta step of fourth order over a part of a period, with u held. The log is followed in spans of rows,
 none of which belongs to two; each starts from states of its own.
+
+Library: no design uses it yet; docs/library.md has an example.
 """
 
 from collections.abc import Mapping, Sequence

@@ -3,9 +3,11 @@
 The fit is repeated with twice the Runge-Kutta steps, from where it ended, until that moves no parameter by more than a
 tenth of its standard error, or a ten-millionth of itself; the last fit counts. Each doubling divides an error of fourth
 order by some 16.
+
+Library: no design uses it yet; docs/library.md has an example.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -31,20 +33,14 @@ class TrajectoryFit:
     """
 
     estimate: Estimate
-    held: Mapping[str, float]
     steps: int
     unexplained: float
     substeps: int
     shift: float
 
-    @property
-    def by_name(self) -> dict[str, float]:
-        """All parameters' values by name."""
-        return {**self.estimate.by_name, **self.held}
-
     def sheet(self) -> show.Sheet:
         """Return the sheet of the fit with its integration error."""
-        sheet = gauss_newton.Fit(self.estimate, self.held, self.estimate.values, self.steps, self.unexplained).sheet()
+        sheet = gauss_newton.Fit(self.estimate, self.estimate.values, self.steps, self.unexplained).sheet()
         line = (
             f"{self.substeps} Runge-Kutta steps a period; half as many move a parameter by at most {self.shift:.1e} "
             "standard errors."
@@ -67,12 +63,12 @@ def certified(
     for _ in range(DOUBLINGS):
         before, steps, substeps = fit, steps + fit.steps, 2 * substeps
         fit = minimise(problem(substeps), before.theta)
-        change = np.array([fit.by_name[name] - before.by_name[name] for name in parameters])
+        change = np.array([fit.estimate[name] - before.estimate[name] for name in parameters])
         shift = _in_errors(fit, change, parameters)
-        negligible = NEGLIGIBLE * np.abs([fit.by_name[name] for name in parameters])
+        negligible = NEGLIGIBLE * np.abs([fit.estimate[name] for name in parameters])
         if ((shift <= SHIFT) | (np.abs(change) <= negligible)).all():
             most = float(shift.max())
-            return TrajectoryFit(fit.estimate, fit.held, steps + fit.steps, fit.unexplained, substeps, most)
+            return TrajectoryFit(fit.estimate, steps + fit.steps, fit.unexplained, substeps, most)
     worst = int(shift.argmax())
     raise ModelError(
         f"with {substeps} Runge-Kutta steps a period instead of {substeps // 2} '{parameters[worst]}' still moves by "
@@ -82,7 +78,7 @@ def certified(
 
 
 def _in_errors(fit: gauss_newton.Fit, change: Array, parameters: Sequence[str]) -> Array:
-    """Return changes of parameters in standard errors; infinite where a parameter that is held at a bound moved."""
+    """Return changes of parameters in standard errors; infinite where an exact one moved."""
     errors = dict(zip(fit.estimate.names, fit.estimate.errors, strict=True))
-    error = np.array([errors.get(name, 0.0) for name in parameters])
+    error = np.array([errors[name] for name in parameters])
     return np.where(error > 0, np.abs(change) / np.where(error > 0, error, 1.0), np.where(change == 0, 0.0, np.inf))

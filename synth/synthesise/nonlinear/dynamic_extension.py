@@ -13,6 +13,8 @@ and the number of states are compared at the end: a full degree leaves no zero d
 inverse, as one in which an output is a function of another, never ends this, and is refused at a bound.
 
 Sources: Descusse, Moog, International Journal of Control 42 (1985) 1387-1398; Isidori, Nonlinear Control Systems, 5.4.
+
+Library: no design uses it yet; docs/library.md has an example.
 """
 
 from collections.abc import Mapping, Sequence

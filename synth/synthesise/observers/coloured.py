@@ -13,6 +13,8 @@ The filter's outputs have the names of the plant's inputs or outputs to which th
 out the white noises are inputs; name them as G to `kalman`. An input on which nothing known acts is taken out by
 `select`. Noise that the filter makes of white noise alone, without a white part of its own (V = 0, D_f = 0), can be
 differentiated until it is exact: `kalman` refuses it, and a reduced-order observer is in place.
+
+Library: no design uses it yet; docs/library.md has an example.
 """
 
 from collections.abc import Sequence

@@ -26,7 +26,7 @@ from synth.errors import SignalError
 from synth.statespace import Complex, StateSpace
 from synth.synthesise.feedback import lqr
 from synth.synthesise.observers import kalman, noise
-from synth.timing import Continuous, Discrete, Time, common
+from synth.timing import Continuous, Time, common
 
 INTEGRAL = "_integral"
 
@@ -199,10 +199,8 @@ def integrals(gain: lqr.Gain, model: StateSpace) -> tuple[str, ...]:
 
 def _integrators(model: StateSpace, outputs: Sequence[str]) -> StateSpace:
     """Return q' = y - r, or q+ = q + T (y - r), for some outputs of a model, named and in units as `lqr.integral`."""
-    k, full = len(outputs), lqr.integral(model, outputs)
-    states, references = full.states[len(model.states) :], tuple(f"{y}_reference" for y in outputs)
-    T = model.time.period_s if isinstance(model.time, Discrete) else 1.0
-    A = np.zeros((k, k)) if isinstance(model.time, Continuous) else np.eye(k)
-    units = {r: model.unit(y) for y, r in zip(outputs, references, strict=True) if y in model.units}
-    B, D = T * np.hstack([np.eye(k), -np.eye(k)]), np.zeros((k, 2 * k))
-    return StateSpace(A, B, np.eye(k), D, states, (*outputs, *references), states, model.time, {**full.units, **units})
+    references = tuple(f"{y}_reference" for y in outputs)
+    sums = interconnect.integrals(model, {f"{y}{INTEGRAL}": y for y in outputs})
+    units = dict(sums.units) | {r: model.unit(y) for y, r in zip(outputs, references, strict=True) if y in model.units}
+    D = np.zeros((len(outputs), 2 * len(outputs)))
+    return replace(sums, B=np.hstack([sums.B, -sums.B]), D=D, inputs=(*outputs, *references), units=units)

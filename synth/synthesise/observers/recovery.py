@@ -9,12 +9,15 @@
 
 where F is the compensator from y to u. As q grows, the loop of a continuous plant tends to the target when no zero of
 the plant lies on the right and the response has full rank, at the input with no more inputs than outputs, at the output
-the other way round. In discrete time that takes the current form and, besides, a plant that answers in the next sample
-(C B of full rank); the predictor does not recover. What q gives in the loop it takes in noise: each row has both.
+the other way round. In discrete time that takes a plant that answers in the next sample (C B of full rank), and the
+current form of the controller, which is swept here: the predictor does not recover. What q gives in the loop it takes
+in noise: each row has both.
 Source: Doyle, Stein (1979, 1981); Maciejowski, IEEE Trans. AC-30 (1985).
+
+Library: no design uses it yet; docs/library.md has an example.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -29,7 +32,6 @@ from synth.timing import Continuous, Discrete
 
 POINTS = 400
 MARGIN = 1e-9  # of a zero's size: what decays slower counts as not decaying
-Form = Callable[[lqr.Gain, kalman.Estimator], lqg.Controller]
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +82,6 @@ def at_input(
     qs: Sequence[float],
     band: tuple[float, float],
     G: noise.Entry = None,
-    form: Form = lqg.current,
 ) -> Recovery:
     """Sweep the filter for W + q^2 B B' at a gain, which may have integral states; B are the columns of its inputs.
 
@@ -98,11 +99,11 @@ def at_input(
 
     def step(q: float) -> Step:
         raised = replace(e, W=readonly(e.W + q * q * _square(plant.B)))
-        controller = _formed(form(gain, kalman.steady(replace(acting, noise=raised))))
+        controller = lqg.current(gain, kalman.steady(replace(acting, noise=raised)))
         ratio = -_compensator(controller, s) @ plant.response(s)
         return Step(float(q), controller, _distance(ratio, target), lqg.expected(controller, e))
 
-    return Recovery("input", tuple(step(q) for q in qs), band, _obstacles(plant, "input", form))
+    return Recovery("input", tuple(step(q) for q in qs), band, _obstacles(plant, "input"))
 
 
 @arguments.checked
@@ -112,7 +113,6 @@ def at_output(
     R: weights.Weight,
     qs: Sequence[float],
     band: tuple[float, float],
-    form: Form = lqg.current,
 ) -> Recovery:
     """Sweep the gain for Q + q^2 C'C (n, n) and R (m, m), matrices, diagonals or by name, at an estimator.
 
@@ -126,11 +126,11 @@ def at_output(
     target = _present(target, "L")
 
     def step(q: float) -> Step:
-        controller = _formed(form(lqr.lqr(plant, Q + q * q * _square(plant.C.T), R), estimator))
+        controller = lqg.current(lqr.lqr(plant, Q + q * q * _square(plant.C.T), R), estimator)
         ratio = -plant.response(s) @ _compensator(controller, s)
         return Step(float(q), controller, _distance(ratio, target), lqg.expected(controller, e))
 
-    obstacles = _obstacles(plant, "output", form)
+    obstacles = _obstacles(plant, "output")
     if isinstance(plant.time, Discrete) and e.S.any():
         obstacles += ("the noise on states and outputs is correlated: at the output of a sampled plant L is not A M",)
     return Recovery("output", tuple(step(q) for q in qs), band, obstacles)
@@ -159,12 +159,6 @@ def _square(B: Array) -> Array:
     return (product + product.T) / 2
 
 
-def _formed(controller: object) -> lqg.Controller:
-    if isinstance(controller, lqg.Controller):
-        return controller
-    raise SignalError(f"the form makes {arguments.found(controller)}: give lqg.current or lqg.predictor")
-
-
 def _compensator(controller: lqg.Controller, s: Complex) -> Complex:
     F = controller.compensator.select(controller.gain.inputs, controller.estimator.model.outputs)
     return F.response(s)
@@ -185,7 +179,7 @@ def _distance(ratio: Complex, target: Complex) -> float:
     return float(apart.max())
 
 
-def _obstacles(plant: StateSpace, place: str, form: Form) -> tuple[str, ...]:
+def _obstacles(plant: StateSpace, place: str) -> tuple[str, ...]:
     """Return why the loop is not recovered at the `place`, however large q is."""
     zeros, sampled = structure.transmission_zeros(plant), isinstance(plant.time, Discrete)
     needed = len(plant.inputs if place == "input" else plant.outputs)
@@ -195,8 +189,6 @@ def _obstacles(plant: StateSpace, place: str, form: Form) -> tuple[str, ...]:
     for z in zeros.values:
         if z.imag >= 0 and (abs(z) > 1 - MARGIN if sampled else z.real > -MARGIN * abs(z)):
             found.append(f"the plant's zero {show.number(z)} does not decay: no recovery near it and above")
-    if sampled and form is lqg.predictor:
-        found.append("the predictor form of a sampled loop does not recover: use the current form")
     if sampled and zeros.rank >= needed and np.linalg.matrix_rank(plant.C @ plant.B) < needed:
         found.append(
             "C B has no full rank: the plant answers later than in the next sample, which no gain makes up for"

@@ -19,8 +19,6 @@ so that the poles of the loop are the regulator's and the observer's. `separatio
 the names of its signals, fails to be so: the largest entry that is off over the largest one, in scaled units.
 """
 
-from collections.abc import Mapping
-
 import flint
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,7 +31,7 @@ from synth.synthesise.observers.reduced_observer import ReducedObserver
 from synth.synthesise.observers.reduced_partition import Partition, rows
 from synth.synthesise.riccati import spectrum
 from synth.synthesise.riccati.spectrum import ball
-from synth.timing import Continuous, common
+from synth.timing import common
 
 
 @show.result
@@ -68,22 +66,6 @@ class Compensator:
 
 
 @arguments.checked
-def integrals(system: System, signals: Mapping[str, str]) -> StateSpace:
-    """Return z' = y, in discrete time z+ = z + T y, for each {z: name of y} of a model's signals.
-
-    An integral has the unit of its signal times s.
-    """
-    model, k = of(system), len(signals)
-    inputs = tuple(dict.fromkeys(signals.values()))
-    B = np.array([[float(name == source) for name in inputs] for source in signals.values()]).reshape(k, len(inputs))
-    A, rate = (np.zeros((k, k)), 1.0) if isinstance(model.time, Continuous) else (np.eye(k), model.time.period_s)
-    units = {name: f"{model.unit(source)} s" for name, source in signals.items() if model.unit(source)}
-    units |= {name: model.unit(name) for name in inputs if model.unit(name)}
-    names = tuple(signals)
-    return StateSpace(A, rate * B, np.eye(k), np.zeros((k, len(inputs))), names, inputs, names, model.time, units)
-
-
-@arguments.checked
 def augmented(observer: ReducedObserver, computed: System) -> StateSpace:
     """Return the plant with the computed states behind its own, driven by the true x: the model to design K on.
 
@@ -109,7 +91,7 @@ def compensator(observer: ReducedObserver, K: ArrayLike, computed: System | None
     Raises SignalError when K does not fit or is not finite; ModelError naming the poles when A + B K does not decay, or
     when u acts on itself at once through D without a solution; else as `augmented`.
     """
-    extra = integrals(observer.model, {}) if computed is None else of(computed)
+    extra = interconnect.integrals(observer.model, {}) if computed is None else of(computed)
     plant = augmented(observer, extra)
     gain, shape = arguments.matrix("K", K), plant.B.T.shape
     if gain.shape != shape or not np.isfinite(gain).all():

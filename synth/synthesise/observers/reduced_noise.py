@@ -1,20 +1,21 @@
-"""Gains of reduced-order observers for white noise: w on the states, v on the measured signals.
+"""Gains of reduced-order observers for white noise w on the states and measurements without noise.
 
-    x1+ = A11 x1 + A12 x2 + B1 u + w1,   x2+ = A21 x1 + A22 x2 + B2 u + w2,   y = x1 + v + D u
-    E w w' = W = [[W11, W12], [W21, W22]],   E v v' = V,   w, v white and independent of each other
+    x1+ = A11 x1 + A12 x2 + B1 u + w1,   x2+ = A21 x1 + A22 x2 + B2 u + w2,   y = x1 + D u
+    E w w' = W = [[W11, W12], [W21, W22]],   w white
 
-Without v. At sample k + 1 the measurement m = x1+ - A11 x1 - B1 u = A12 x2 + w1 of x2 at sample k is known exactly.
+At sample k + 1 the measurement m = x1+ - A11 x1 - B1 u = A12 x2 + w1 of x2 at sample k is known exactly.
 With its noise w1, the process noise w2 and their covariance W21, the Kalman filter that predicts x2 at k + 1 from the m
 up to k has, by the Riccati equation of its error covariance P,
 
     L = (A22 P A12' + W21) (A12 P A12' + W11)^-1,   P = A22 P A22' + W22 - L (A12 P A22' + W12)
 
 and x3 + L x1 is this prediction: with y up to k + 1 it is the estimate at k + 1 itself, the limit of the full-order
-filter after its sample as V -> 0. In continuous time m = x1' - A11 x1 - B1 u, W is a density, W11 > 0 and
+filter after its sample as the measurement noise vanishes. In continuous time m = x1' - A11 x1 - B1 u, W is a density,
+W11 > 0 and
 
     L = (P A12' + W21) W11^-1,   A22 P + P A22' + W22 - L W11 L' = 0
 
-With v the best filter of this order is found by `reduced_variance`.
+Library: no design uses it yet; docs/library.md has an example.
 """
 
 from dataclasses import dataclass
@@ -30,25 +31,22 @@ from synth.synthesise.feedback import weights
 from synth.synthesise.feedback.weights import Weight
 from synth.synthesise.observers.reduced_partition import Partition
 from synth.synthesise.riccati import riccati
-from synth.timing import Continuous, Time
+from synth.timing import Continuous
 
 SINGULAR = 1e-12  # of a covariance scaled to a diagonal of 1: an eigenvalue below it counts as zero
 
 
 @dataclass(frozen=True, eq=False)
 class Filter:
-    """L with the covariance of x2 - x2^ (n - p, n - p), in time or at each sample, and its `bound`, of full order.
+    """L with the covariance of x2 - x2^ (n - p, n - p), in time or at each sample.
 
-    `residual` is that of the Riccati equation over W22, or with measurement noise the relative slope of the cost at L.
+    `residual` is that of the Riccati equation over W22.
     """
 
     L: Array
     covariance: Array
-    bound: Array
-    excess: float
     residual: float
     estimated: tuple[str, ...]
-    noisy: bool
 
     @property
     def deviations(self) -> dict[str, float]:
@@ -58,84 +56,57 @@ class Filter:
     def lines(self) -> tuple[str, ...]:
         """Return the certificate in sentences."""
         sizes = ", ".join(f"{name} {size:.4g}" for name, size in self.deviations.items())
-        if not self.noisy:
-            return (
-                f"Standard deviation of the error: {sizes}",
-                f"Least for noise-free measurements; Riccati equation solved to {self.residual:.1e}",
-            )
-        least = ", ".join(f"{np.sqrt(v):.4g}" for v in np.diag(self.bound))
         return (
-            f"Standard deviation of the error: {sizes}; of the Kalman filter of full order: {least}",
-            f"Weighted variance {self.excess:.4g} times that of full order; slope at L {self.residual:.1e}",
+            f"Standard deviation of the error: {sizes}",
+            f"Least for noise-free measurements; Riccati equation solved to {self.residual:.1e}",
         )
 
 
 @dataclass(frozen=True, eq=False)
 class Noise:
-    """W (n, n) of w1 and w2 with its blocks W11 (p, p), W12 (p, n - p), W22, and V (p, p) of v."""
+    """The blocks W11 (p, p), W12 (p, n - p), W22 of the covariance of w1 and w2."""
 
     W11: Array
     W12: Array
     W22: Array
-    W: Array
-    V: Array
 
 
-@dataclass(frozen=True, eq=False)
-class Steady:
-    """P of a predicting filter with its gain and the relative residual of its equation."""
+def of(part: Partition, W: Weight) -> Noise:
+    """Return process noise W (n, n) on the states, partitioned.
 
-    P: Array
-    L: Array
-    residual: float
-
-
-def of(part: Partition, W: Weight, V: Weight | None = None) -> Noise:
-    """Return process noise W (n, n) on the states and measurement noise V (p, p) on the measured signals, partitioned.
-
-    Raises SignalError for a W or V that does not fit, is not finite, asymmetric or indefinite.
+    Raises SignalError for a W that does not fit, is not finite, asymmetric or indefinite.
     """
     p = len(part.measured)
-    process = weights.semidefinite("W", W, part.model.states)
-    V = np.zeros((p, p)) if V is None else weights.semidefinite("V", V, part.measured)
-    moved = part.M @ process @ part.M.T
+    moved = part.M @ weights.semidefinite("W", W, part.model.states) @ part.M.T
     moved = (moved + moved.T) / 2
-    return Noise(*(readonly(m) for m in (moved[:p, :p], moved[:p, p:], moved[p:, p:], moved, V)))
+    return Noise(*(readonly(m) for m in (moved[:p, :p], moved[:p, p:], moved[p:, p:])))
 
 
 def noise_free(part: Partition, noise: Noise) -> Filter:
-    """Return the optimal filter without measurement noise.
+    """Return the optimal filter.
 
     Raises ModelError when no steady filter exists: W does not reach a lasting mode of the error, or in continuous time
     the rate of a measured signal has no noise.
     """
     _require_steady(part, noise)
-    found = steady(part.A22, part.A12, noise.W22, noise.W11, noise.W12.T, part.estimated, part.model.time)
-    P = readonly(found.P)
-    return Filter(readonly(found.L), P, P, 1.0, found.residual, part.estimated, False)
-
-
-def steady(A: Array, C: Array, Q: Array, R: Array, S: Array, states: tuple[str, ...], time: Time) -> Steady:
-    """Return the predicting filter of x' = A x + w, y = C x + v with E w w' = Q, E v v' = R, E w v' = S.
-
-    In discrete time R may be singular. Raises ModelError when no steady filter exists.
-    """
+    A, C, Q, R, S = part.A22, part.A12, noise.W22, noise.W11, noise.W12.T
+    names, time = part.estimated, part.model.time
     if _kernel(R).shape[1] == 0:
         n, p = C.T.shape
         inputs = tuple(f"e{k + 1}" for k in range(p))
-        dual = StateSpace(A.T, C.T, np.eye(n), np.zeros((n, p)), states, inputs, states, time)
+        dual = StateSpace(A.T, C.T, np.eye(n), np.zeros((n, p)), names, inputs, names, time)
         found = riccati.solve(dual, Q, R, S)
-        return Steady(found.X, found.L.T, found.residual)
+        return Filter(readonly(found.L.T), readonly(found.X), found.residual, names)
     try:
         P = scipy.linalg.solve_discrete_are(A.T, C.T, Q, R, s=S)
         L = np.linalg.solve(R + C @ P @ C.T, (A @ P @ C.T + S).T).T
     except (np.linalg.LinAlgError, ValueError) as error:
         raise ModelError(
-            f"the filter of {', '.join(states)} has no steady gain, as signals without noise show the same or noise "
+            f"the filter of {', '.join(names)} has no steady gain, as signals without noise show the same or noise "
             f"reaches too little ({error}): leave such a signal out, or give W a part on each state"
         ) from error
     miss = A @ P @ A.T + Q - L @ (C @ P @ A.T + S.T) - P
-    return Steady(P, L, float(np.abs(miss).max() / (np.abs(Q).max() or 1.0)))
+    return Filter(readonly(L), readonly(P), float(np.abs(miss).max() / (np.abs(Q).max() or 1.0)), names)
 
 
 def _kernel(R: Array) -> Array:

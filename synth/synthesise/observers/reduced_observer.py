@@ -14,7 +14,7 @@ so that the error e = x2 - x2^ of an exact model obeys e' = F e, whatever u does
 is taken: x2^ at a sample has used the y of that sample, and passes L y on at once. L comes
 
     by_poles     with the poles of F asked for: state feedback of the dual pair (A22', A12')
-    by_riccati   as the filter of least error covariance for white noise: `reduced_noise`, `reduced_variance`
+    by_riccati   as the filter of least error covariance for white noise: `reduced_noise`
     deadbeat     with F^k = 0 for the least k, the observability index of (A12, A22): e = 0 after k samples
     from_gain    as given, and refused when e does not decay
 
@@ -32,7 +32,7 @@ from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, Complex, StateSpace, System, readonly
 from synth.synthesise.feedback import deadbeat as nilpotent
 from synth.synthesise.feedback import pole_placement
-from synth.synthesise.observers import reduced_noise, reduced_partition, reduced_variance
+from synth.synthesise.observers import reduced_noise, reduced_partition
 from synth.synthesise.observers.reduced_partition import Partition
 from synth.synthesise.riccati import spectrum
 from synth.synthesise.riccati.spectrum import ball
@@ -136,19 +136,16 @@ def by_poles(system: System, measured: Sequence[str] | str, poles: Sequence[comp
 
 
 @arguments.checked
-def by_riccati(
-    system: System, measured: Sequence[str] | str, W: reduced_noise.Weight, V: reduced_noise.Weight | None = None
-) -> ReducedObserver:
-    """Return the observer of least error covariance for process noise W (n, n) and measurement noise V (p, p).
+def by_riccati(system: System, measured: Sequence[str] | str, W: reduced_noise.Weight) -> ReducedObserver:
+    """Return the observer of least error covariance for process noise W (n, n) and measurements without noise.
 
-    W is on the states, V on the measured signals: matrices, diagonals or {name: entry}; covariances at each sample, or
-    densities in continuous time. Without V it is the optimal filter; with V the best of this order.
+    W is on the states: a matrix, a diagonal or {name: entry}; a covariance at each sample, or a density in continuous
+    time. Where the measurements are noisy, the Kalman filter of full order is the optimal one (`kalman`).
 
-    Raises as `reduced_noise`, with V as `reduced_variance.least`, and as `reduced_partition.of_model`.
+    Raises as `reduced_noise` and `reduced_partition.of_model`.
     """
     part = reduced_partition.of_model(system, measured)
-    noise = reduced_noise.of(part, W, V)
-    found = reduced_variance.least(part, noise) if noise.V.any() else reduced_noise.noise_free(part, noise)
+    found = reduced_noise.noise_free(part, reduced_noise.of(part, W))
     return _observer(part, found.L, found)
 
 

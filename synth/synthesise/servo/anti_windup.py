@@ -24,8 +24,6 @@ from dataclasses import replace
 
 import flint
 import numpy as np
-import scipy.linalg
-import scipy.special
 from numpy.typing import ArrayLike
 
 from synth import arguments, show
@@ -36,7 +34,6 @@ from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.synthesise.feedback import weights
 from synth.synthesise.riccati import copies, spectrum
 from synth.synthesise.servo import internal_model, minimal_polynomial
-from synth.synthesise.servo.internal_model import InternalModel
 from synth.synthesise.servo.servo import Servo
 from synth.timing import Continuous, Time
 
@@ -78,42 +75,23 @@ def of_gain(controller: System, E: ArrayLike) -> AntiWindup:
 
 
 @arguments.checked
-def back_calculation(
-    regulator: Servo, decay_per_s: float, V: weights.Weight | None = None, exact: bool = False
-) -> AntiWindup:
+def back_calculation(regulator: Servo, decay_per_s: float, V: weights.Weight | None = None) -> AntiWindup:
     """Return a servo regulator whose internal model decays at the rate a = `decay_per_s` while its commands are held.
 
     V (m, m) shares E among the commands: the excess of one with a large entry counts less. Left out, commands count by
-    the size of their gains, whatever their units. An observer goes on with the limited commands. `exact` computes E in
-    ball arithmetic and rounds each entry once, alike on every machine.
+    the size of their gains, whatever their units. An observer goes on with the limited commands. E is
+    computed in ball arithmetic and each entry rounded once, alike on every machine.
 
     Raises SignalError for a rate that is not positive or a V that is not definite; ModelError as `of_gain`.
     """
     rate, controls = _positive(decay_per_s), regulator.controls
     given = None if V is None else weights.definite("V", V, controls)
-    E = (_exact_gain if exact else _gain)(regulator, rate, given)
+    E = _gain(regulator, rate, given)
     still = np.zeros((len(regulator.controller.A) - len(E), len(controls)))
     return _wound(regulator.controller, readonly(np.vstack([E, still])), "choose a larger decay_per_s")
 
 
 def _gain(regulator: Servo, rate: float, V: Array | None) -> Array:
-    """Return E (p k, m) in double precision."""
-    model, p = regulator.model, len(regulator.regulated)
-    T, J = (np.kron(np.eye(p), M) for M in _jordan(model, rate))
-    C = regulator.K_xi @ T
-    size = _sizes(C, [mode.order for mode in model.modes] * p)
-    T, J, C = T / size, J / size * size[:, None], C / size
-    V = np.diag(1 / equilibrated(C)[1] ** 2) if V is None else V
-    if isinstance(model.time, Continuous):
-        F = J + rate / 2 * np.eye(len(J))
-        shared = np.linalg.solve(V, C)
-        E = np.linalg.solve(scipy.linalg.solve_continuous_lyapunov(F.T, C.T @ shared), shared.T)
-    else:
-        E = _sampled(J, C, V, np.exp(-rate * model.time.period_s / 2))
-    return np.asarray(T @ E, dtype=np.float64)
-
-
-def _exact_gain(regulator: Servo, rate: float, V: Array | None) -> Array:
     """Return E (p k, m), each entry rounded once; in the coordinates xi, for E is that of any coordinates."""
     model, p = regulator.model, len(regulator.regulated)
     k = len(model.Phi)
@@ -200,40 +178,11 @@ def _wound(model: StateSpace, gain: Array, mend: str) -> AntiWindup:
     return AntiWindup(readonly(gain), wound, values)
 
 
-def _jordan(model: InternalModel, rate: float) -> tuple[Array, Array]:
-    """Return T and J with Phi T = T J: J real, of one block for each mode, in the model's time; chains count in 1/rate.
-
-    Columns of T are 1, s, s^2, .. at the modes s and their derivatives, for Phi is a companion form.
-    """
-    n = len(model.Phi)
-    columns, blocks = [], []
-    for mode in model.modes:
-        k, s = mode.multiplicity, mode.value
-        powers = np.arange(n)
-        for j in range(k):
-            lowered = np.where(powers >= j, s ** np.maximum(powers - j, 0), 0)
-            v = scipy.special.comb(powers, j) * lowered * rate**j
-            columns += [v.real, v.imag] if s.imag else [v.real]
-        turn = np.array([[s.real, s.imag], [-s.imag, s.real]]) if s.imag else np.array([[s.real]])
-        blocks.append(np.kron(np.eye(k), turn) + np.kron(np.eye(k, k=1), rate * np.eye(len(turn))))
-    T, J = np.column_stack(columns), scipy.linalg.block_diag(*blocks)
-    return T, J if isinstance(model.time, Continuous) else scipy.linalg.expm(J * model.time.period_s)
-
-
 def _sizes(C: Array, orders: Sequence[int]) -> Array:
     """Return the size of each column of C, one for all columns of a mode: it brings modes to like size."""
     first = np.cumsum([0, *orders[:-1]])
     whole = np.sqrt(np.add.reduceat((C**2).sum(axis=0), first))
     return np.repeat(np.where(whole > 0, whole, 1.0), orders)
-
-
-def _sampled(J: Array, C: Array, V: Array, decay: float) -> Array:
-    """Return E for which J - E C has the eigenvalues s decay^2 / |s|^2 for the s of J (k, k); C (m, k)."""
-    F = J.T / decay
-    inverse = np.linalg.inv(F)
-    Z = scipy.linalg.solve_discrete_lyapunov(inverse, inverse @ C.T @ np.linalg.solve(V, C) @ inverse.T)
-    X = np.linalg.inv((Z + Z.T) / 2)
-    return np.asarray(decay * np.linalg.solve(V + C @ X @ C.T, C @ X @ F).T)
 
 
 def _invertible(part: StateSpace, M: Array, what: str) -> Array:

@@ -4,6 +4,8 @@
 
 for the state x, or its estimate, and what the actuators do, u. It can be solved for every u when K_xi has full row
 rank: not with more actuators than the internal model has states, nor with actuators of which some act alike.
+
+Library: no design uses it yet; docs/library.md has an example.
 """
 
 import numpy as np

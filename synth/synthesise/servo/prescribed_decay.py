@@ -17,6 +17,8 @@ exp((-a +-i w) T) and
     F = I (x) J exp(a T / 2),   S = R + B'XB, to which each mode adds its b' P b
 
 All of it is computed in ball arithmetic and rounded once: the result is alike on every machine if K and X are.
+
+Library: no design uses it yet; docs/library.md has an example.
 """
 
 from collections.abc import Iterator, Mapping

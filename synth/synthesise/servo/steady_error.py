@@ -18,14 +18,13 @@ power j, the scale on which T changes.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import flint
 import numpy as np
-import scipy.linalg
 
 from synth import arguments, show
-from synth.analyse import precise
-from synth.analyse.equilibrate import equilibrated
+from synth.analyse import interconnect, precise
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.synthesise.riccati import spectrum
@@ -34,7 +33,6 @@ from synth.synthesise.servo.minimal_polynomial import Mode
 from synth.timing import Continuous, Time, common
 
 VANISHING = 1e-8  # of the signals that make up the error: modes rounded by 1e-16 beside poles that are 1e-8 away
-SINGULAR = 1e-14  # of the largest singular value of a direct term with rows and columns scaled
 
 
 @show.result
@@ -116,56 +114,26 @@ def closed(
     Raises TimingError for unlike times, SignalError for a name that is not known or stands twice, ModelError for an
     algebraic loop without a solution.
     """
-    time = common(plant.time, controller.time)
+    common(plant.time, controller.time)
     if measured.states != plant.states or not len(controls):
         raise SignalError(
             f"the plant has the states {', '.join(plant.states)}, as measured {', '.join(measured.states)}, and "
             f"{len(controls)} controls: give one plant, and one control or more"
         )
-    errors, commands, told = named(regulated, "error"), named(controls, "command"), named(controls, "limited")
-    B_Y, D_Y = _columns(controller, commands, (*measured.outputs, *errors))
-    B_l, D_l = _columns(controller, commands, told)
-    acting, given = plant.select(regulated, controls), measured.select(measured.outputs, controls)
-    (n, m), c, (l, p) = acting.B.shape, len(controller.A), (len(measured.outputs), len(regulated))
-    # All columns are those of the states (x, x_c) and the sources (r, d). What the controller sees is Y = y, e.
-    aimed = plant.select(regulated, plant.inputs)
-    seen = np.block(
-        [
-            [measured.C, np.zeros((l, c + p)), measured.D],
-            [aimed.C, np.zeros((p, c)), -np.eye(p), aimed.D],
-        ]
-    )
-    D_u = np.vstack([given.D, acting.D])
-    told_C = np.hstack([np.zeros((m, n)), controller.select(commands, ()).C, np.zeros((m, seen.shape[1] - n - c))])
-    U = np.linalg.solve(_solvable(np.eye(m) - D_l - D_Y @ D_u), D_Y @ seen + told_C)
-    Y = seen + D_u @ U
-    own = scipy.linalg.block_diag(plant.A, controller.A)
-    outside = np.vstack([np.hstack([np.zeros((n, p)), plant.B]), np.zeros((c, p + plant.B.shape[1]))])
-    X = np.hstack([own, outside]) + np.vstack([acting.B, B_l]) @ U + np.vstack([np.zeros((n, l + p)), B_Y]) @ Y
-    ends, k = np.vstack([Y[l:], U]), n + c
-    sources = (*named(regulated, "reference"), *(f"{d}_disturbance" if d in controls else d for d in plant.inputs))
-    states = (*plant.states, *controller.states)
-    return StateSpace(X[:, :k], X[:, k:], ends[:, :k], ends[:, k:], states, sources, (*errors, *commands), time)
-
-
-def _columns(controller: StateSpace, commands: Sequence[str], inputs: Sequence[str]) -> tuple[Array, Array]:
-    """Return a controller's B and D for some inputs, columns of zeros for those that it does not have."""
-    known = controller.select(commands, [name for name in inputs if name in controller.inputs])
-    place = [k for k, name in enumerate(inputs) if name in controller.inputs]
-    B, D = (np.zeros((len(M), len(inputs))) for M in (known.B, known.D))
-    B[:, place], D[:, place] = known.B, known.D
-    return B, D
-
-
-def _solvable(loop: Array) -> Array:
-    """Return the loop's direct term I - D; raise ModelError when it is singular in any units."""
-    values = np.linalg.svd(equilibrated(loop)[0], compute_uv=False)
-    if values[-1] <= SINGULAR * values[0]:
-        raise ModelError(
-            "plant and controller pass signals around a loop at once, without a solution: put a delay into the loop or "
-            "take the direct term out of the plant"
-        )
-    return loop
+    errors, commands, references = named(regulated, "error"), named(controls, "command"), named(regulated, "reference")
+    aimed, seen = plant.select(regulated, plant.inputs), measured.select(measured.outputs, plant.inputs)
+    ends = named(regulated, "regulated")
+    both = replace(seen, C=np.vstack([seen.C, aimed.C]), D=np.vstack([seen.D, aimed.D]), outputs=(*seen.outputs, *ends))
+    p = len(ends)
+    nothing = (np.zeros((0, 0)), np.zeros((0, 2 * p)), np.zeros((p, 0)))
+    compared = StateSpace(*nothing, np.hstack([np.eye(p), -np.eye(p)]), (), (*ends, *references), errors, plant.time)
+    told = {f"{u}_limited": {f"{u}_command": 1.0} for u in controls}
+    wires: dict[str, dict[str, float]] = {
+        name: told.get(name, {}) for name in controller.inputs if name not in (*seen.outputs, *errors)
+    }
+    wires |= {u: {f"{u}_command": 1.0, f"{u}_disturbance": 1.0} for u in controls}
+    sources = (*references, *(f"{d}_disturbance" if d in controls else d for d in plant.inputs))
+    return interconnect.connect((both, controller, compared), sources, (*errors, *commands), wires)
 
 
 @arguments.checked

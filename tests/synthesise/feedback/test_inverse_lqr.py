@@ -1,5 +1,8 @@
 """Weights are recovered from the poles that they give, and poles that no weights give are refused."""
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -46,15 +49,26 @@ def axis() -> StateSpace:
     return internal_model.augmented(double, (0.0, 1.5 * np.pi))
 
 
+def reproduces(weights: Any, poles: Sequence[complex], digits: Sequence[int]) -> bool:
+    """Tell whether the weights give each of `poles` once its parts are rounded to its count of decimals."""
+    found = list(lqr.lqr(axis(), np.diag(weights), [[1.0]]).poles)
+    for pole, k in zip(poles, digits, strict=True):
+        nearest = found.pop(int(np.argmin(np.abs(np.array(found) - pole))))
+        off = nearest - pole
+        if max(abs(off.real), abs(off.imag)) > 0.5 * 10.0**-k * (1 + 1e-9):
+            return False
+    return True
+
+
 @pytest.mark.parametrize("name", PRINTED)
 def test_the_published_weights_are_the_unique_ones(name: str) -> None:
     poles, digits, weights = PRINTED[name]
     found = inverse_lqr.diagonal_weights(axis(), lqr.lqr(axis(), np.diag(weights), [[1.0]]).poles)
     assert found.unique and found.nullspace.shape == (5, 0) and found.residual < 1e-8
     np.testing.assert_allclose(found.q, weights, rtol=1e-6)
-    assert inverse_lqr.reproduces(axis(), weights, poles, digits)
+    assert reproduces(weights, poles, digits)
     detuned = np.array(weights) * np.where(np.arange(5) == 2, 1.1, 1.0)
-    assert not inverse_lqr.reproduces(axis(), detuned, poles, digits)
+    assert not reproduces(detuned, poles, digits)
 
 
 @pytest.mark.parametrize("name", PRINTED)
@@ -149,12 +163,6 @@ def test_other_models_are_refused() -> None:
         inverse_lqr.diagonal_weights((np.zeros((0, 0)), np.zeros((0, 1))), [])
     with pytest.raises(SignalError, match="0 states and 1 inputs: it needs of each"):
         inverse_lqr.gain_weights((np.zeros((0, 0)), np.zeros((0, 1))), np.zeros((1, 0)))
-
-
-@pytest.mark.parametrize("digits", [[1], [1, 1, 1], [1, 0.5]])
-def test_each_printed_pole_has_its_decimals(digits: list[int]) -> None:
-    with pytest.raises(SignalError, match=r"give a whole number for each of 2|each entry a whole number"):
-        inverse_lqr.reproduces(DOUBLE, [1, 1], [-1, -2], digits)
 
 
 @pytest.mark.parametrize("time", [Continuous(), Discrete(0.1)])

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linear_sum_assignment
 
-from synth.analyse import discretise
+from synth.analyse import discretise, interconnect
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, StateSpace
 from synth.synthesise.feedback import lqr
@@ -154,7 +154,7 @@ def test_no_choice_of_noise_would_have_mended_42(seed: int, rank: int) -> None:
 def test_integrals_that_the_compensator_computes_itself() -> None:
     """z+ = z + T y for K designed on that very model; a constant force on each axis leaves no error in y."""
     observer = reduced_observer.by_poles(PLAIN, POSITIONS, [0.5, 0.5, 0.5])
-    computed = reduced_compensator.integrals(PLAIN, dict(zip(INTEGRALS, POSITIONS, strict=True)))
+    computed = interconnect.integrals(PLAIN, dict(zip(INTEGRALS, POSITIONS, strict=True)))
     np.testing.assert_array_equal(computed.B, T * np.eye(3))
     plant = reduced_compensator.augmented(observer, computed)
     assert plant.states == (*POSITIONS, *SPEEDS, *INTEGRALS)
@@ -230,7 +230,7 @@ def test_the_loop_answers_disturbances_and_noise_as_its_parts_say() -> None:
 
 def test_a_continuous_loop_separates() -> None:
     observer = reduced_observer.by_poles(planar(integrals=False), POSITIONS, [-300, -300, -400])
-    computed = reduced_compensator.integrals(planar(integrals=False), {"z1": "x"})
+    computed = interconnect.integrals(planar(integrals=False), {"z1": "x"})
     gain = lqr.lqr(reduced_compensator.augmented(observer, computed), np.diag([1e6, 1e6, 1e6, 1, 1, 1, 1e8]), np.eye(3))
     found = reduced_compensator.compensator(observer, gain.K, computed)
     assert found.separation < tolerances.of("double")
@@ -263,7 +263,7 @@ def test_what_makes_no_compensator() -> None:
         reduced_compensator.compensator(observer, gain, other)
     with pytest.raises(TimingError, match="meets"):
         reduced_compensator.compensator(observer, gain, replace(other, time=Discrete(2 * T)))
-    twice = reduced_compensator.integrals(PLAIN, {"d": "x"})
+    twice = interconnect.integrals(PLAIN, {"d": "x"})
     with pytest.raises(SignalError, match="a name stands twice among the states"):
         reduced_compensator.augmented(observer, twice)
 

@@ -162,9 +162,7 @@ def test_an_algebraic_loop_without_a_solution_is_refused() -> None:
             loop = steady_error.closed(plant, nothing, ["y"], ["u"], controller)
             np.testing.assert_allclose(loop.poles, [0.0], atol=tolerances.of("double"))  # u = x - r + 2 d
         else:
-            with pytest.raises(
-                ModelError, match="around a loop at once, without a solution: put a delay into the loop"
-            ):
+            with pytest.raises(ModelError, match="around a loop at once, without a solution"):
                 steady_error.closed(plant, nothing, ["y"], ["u"], controller)
 
 
