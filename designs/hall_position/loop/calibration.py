@@ -16,7 +16,6 @@ from designs.hall_position.glsdc import estimator
 from designs.hall_position.glsdc.parameters import Array, Pair
 from designs.hall_position.loop import closed_loop, error_map
 from designs.hall_position.loop.closed_loop import PITCH, Source
-from designs.hall_position.loop.error_map import Samples
 from models import hall_bench
 from models.hall_bench import Bench
 from synth.block import unranged
@@ -40,7 +39,7 @@ def calibrated(places: tuple[Pair, ...] = closed_loop.PLACES) -> Source:
     """Return the source of a stage, with its field measured and its errors mapped; raise ModelError as `Bench`."""
     bench = Bench(places)
     plain = Source(array(bench))
-    return replace(plain, map=error_map.fit(samples(bench, plain), lookup_table.square(MAPPED, CELL)))
+    return replace(plain, map=error_map.fit(*samples(bench, plain), lookup_table.square(MAPPED, CELL)))
 
 
 def array(bench: Bench) -> Array:
@@ -53,8 +52,10 @@ def array(bench: Bench) -> Array:
     return Array(bench.places, c, alpha, beta, PITCH, digits.cut(misfit, 2))
 
 
-def samples(bench: Bench, source: Source, reach: float = MAPPED + BEYOND, line: float = LINE, seed: int = 2) -> Samples:
-    """Return estimates beside the laser's places, means over READ samples on the way along lines `line` m apart.
+def samples(
+    bench: Bench, source: Source, reach: float = MAPPED + BEYOND, line: float = LINE, seed: int = 2
+) -> tuple[Numbers, Numbers]:
+    """Return estimates (N, 3) beside the laser's places, means over READ samples on the way along lines `line` m apart.
 
     The platen comes from the origin, so that pitches are counted from there. Lines waver, as no loop follows them.
 
@@ -62,11 +63,11 @@ def samples(bench: Bench, source: Source, reach: float = MAPPED + BEYOND, line: 
     """
     way = _way(reach, line)
     poses = np.column_stack([way, np.zeros(len(way))])
-    found = compiled(source).replay(hall_bench.read(bench, poses, TIME, seed)).outputs
-    columns = np.stack([np.asarray(found[n], np.float64) for n in error_map.COORDINATES], axis=1)
-    valid = np.asarray(found["valid"]).reshape(-1, READ).all(axis=1)
-    estimated, true = (each.reshape(-1, READ, 3).mean(axis=1) for each in (columns, poses))
-    return Samples(readonly(estimated[valid]), readonly(true[valid]))
+    read = compiled(source).replay(hall_bench.read(bench, poses, TIME, seed)).outputs
+    columns = np.stack([np.asarray(read[n], np.float64) for n in error_map.COORDINATES], axis=1)
+    valid = np.asarray(read["valid"]).reshape(-1, READ).all(axis=1)
+    estimated, true = (readonly(each.reshape(-1, READ, 3).mean(axis=1)[valid]) for each in (columns, poses))
+    return estimated, true
 
 
 def _way(reach: float, line: float) -> Numbers:

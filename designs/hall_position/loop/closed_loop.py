@@ -30,13 +30,12 @@ from designs.hall_position.glsdc import estimator
 from designs.hall_position.glsdc.parameters import Array, Pair, Tuning
 from designs.hall_position.loop import error_map
 from designs.hall_position.loop.error_map import ErrorMap
-from designs.planar_6dof import interface, sensing, vertical
+from designs.planar_6dof import allocation, interface, sensing, vertical
 from designs.planar_6dof.allocation import HORIZONTAL, PITCH
-from models import planar_stage
 from synth.block import Block, Exprs, State, Step, build, clip
 from synth.errors import ModelError
 from synth.plant import Plant
-from synth.signals import Signal
+from synth.signals import Signal, names
 from synth.timing import Discrete
 
 LOST = 5  # samples
@@ -79,16 +78,15 @@ def controller(name: str, plant: Plant, time: Discrete, law: Sequence[Block], so
         raise ModelError(
             f"the source has {len(source.array.positions)} sensors: the stage reads {SENSORS}, give so many"
         )
-    driven = [_gated(_from_known(block), time) for block in law]
-    return interface.controller(name, plant, time, sensed(source, time), [b for group in driven for b in group])
+    return interface.controller(name, plant, time, sensed(source, time), driven(law, time))
 
 
 def sensed(source: Source, time: Discrete) -> list[Block]:
     """Return the Blocks from held voltages to raw positions, places within the pitch and suspects."""
-    found = [estimator.estimator(source.array, time, source.tuning)]
+    estimated = estimator.estimator(source.array, time, source.tuning)
     if source.map is None:
-        return [*found, _source(time, "")]
-    return [*found, error_map.block(source.map, time), _source(time, "_corrected")]
+        return [estimated, _source(time, "")]
+    return [estimated, error_map.block(source.map, time), _source(time, "_corrected")]
 
 
 def _source(time: Discrete, suffix: str) -> Block:
@@ -162,35 +160,15 @@ def _suspects(x: Exprs) -> dict[str, ca.SX]:
     return found
 
 
-def _from_known(block: Block) -> Block:
-    """Return a Block that is ready when a position is known, not when every measurement was good at once."""
-    ready, raw = sensing.READY.name, {s.name for s in sensing.RAW.values()}
-    if ready not in block.symbol or not raw & block.symbol.keys():
-        return block
-    inputs = tuple(KNOWN if s.name == ready else s for s in block.inputs)
-    return replace(block, inputs=inputs, symbol={KNOWN.name if n == ready else n: s for n, s in block.symbol.items()})
+def driven(law: Sequence[Block], time: Discrete) -> list[Block]:
+    """Return a law that is ready when a position is known, and a gate that passes no current before."""
+    computed = [s for b in law for s in b.outputs if s.name in names(allocation.COMPUTED)]
+    wanted = {s.name: s.name.replace("_computed", "_wanted") for s in computed}
+    raw, ready = {s.name for s in sensing.RAW.values()}, {sensing.READY.name: KNOWN.name}
+    blocks = [b.renamed(wanted | (ready if raw & b.symbol.keys() else {})) for b in law]
 
+    def gate(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        return Step({name: ca.if_else(u[KNOWN.name], u[to], 0) for name, to in wanted.items()})
 
-def _gated(block: Block, time: Discrete) -> list[Block]:
-    """Return a Block; behind that of the computed currents another one, which passes none until a position is known."""
-    computed = {f"{s.name}_computed" for s in planar_stage.INPUTS}
-    if not computed <= {s.name for s in block.outputs}:
-        return [block]
-    wanted = [replace(s, name=s.name.replace("_computed", "_wanted")) for s in block.outputs]
-    renamed = {s.name: w.name for s, w in zip(block.outputs, wanted, strict=True)}
-    before = replace(
-        block,
-        outputs=tuple(wanted),
-        output={renamed[n]: e for n, e in block.output.items()},
-        inside=tuple(
-            (replace(n, signal=replace(n.signal, name=renamed.get(n.signal.name, n.signal.name))), e)
-            for n, e in block.inside
-        ),
-    )
-
-    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        return Step({name: ca.if_else(u[KNOWN.name], u[to], 0) for name, to in renamed.items()})
-
-    tag = "no current until a position is known"
-    gate = build("known_gate", time, law, inputs=[*wanted, KNOWN], outputs=block.outputs, tag=tag)
-    return [before, gate]
+    inputs, tag = [*(replace(s, name=wanted[s.name]) for s in computed), KNOWN], "no current until a position is known"
+    return [*blocks, build("known_gate", time, gate, inputs=inputs, outputs=computed, tag=tag)]

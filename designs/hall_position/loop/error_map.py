@@ -32,14 +32,6 @@ FAR = 10.0  # m, rad: of what comes in and goes out
 
 
 @dataclass(frozen=True, eq=False)
-class Samples:
-    """Estimates and references (N, 3) of X, Y in m and the yaw in rad."""
-
-    estimated: Array
-    reference: Array
-
-
-@dataclass(frozen=True, eq=False)
 class ErrorMap:
     """What is added to the estimate at the points of a grid in m, `added` (3, n_x, n_y), m, m and rad.
 
@@ -55,10 +47,13 @@ class ErrorMap:
             raise ModelError(f"the map has values {np.shape(self.added)}: give finite ones for its points, {shape}")
 
 
-def fit(samples: Samples, grid: Grid) -> ErrorMap:
-    """Return the map of samples on a grid; raise ModelError for samples that are none, and as `lookup_table.fitted`."""
-    estimated = numeric.table("the samples' estimates", samples.estimated, len(COORDINATES))
-    reference = numeric.table("the samples' references", samples.reference, len(COORDINATES))
+def fit(estimated: Array, reference: Array, grid: Grid) -> ErrorMap:
+    """Return the map on a grid of estimates and references (N, 3) of X, Y in m and the yaw in rad.
+
+    Raises ModelError for samples that are none, and as `lookup_table.fitted`.
+    """
+    estimated = numeric.table("the samples' estimates", estimated, len(COORDINATES))
+    reference = numeric.table("the samples' references", reference, len(COORDINATES))
     if len(estimated) != len(reference):
         raise ModelError(f"{len(estimated)} estimates meet {len(reference)} references: give one for each")
     errors = lookup_table.fitted(estimated[:, :2], reference - estimated, grid)

@@ -7,7 +7,7 @@ import pytest
 from scipy import interpolate
 
 from designs.hall_position.loop import calibration, closed_loop, error_map
-from designs.hall_position.loop.error_map import COORDINATES, ErrorMap, Samples
+from designs.hall_position.loop.error_map import COORDINATES, ErrorMap
 from models import hall_bench
 from models.hall_bench import Bench
 from synth.block import unranged
@@ -26,11 +26,11 @@ RANDOM = ErrorMap(GRID, 1e-4 * RNG.standard_normal((3, *GRID.size)))
 SEVEN = 7.0  # times smaller at least are rms and peaks; the yaw's peak, which the map finds least, is
 
 
-def scattered(n: int = 400) -> Samples:
-    """Return samples whose error is linear in the estimated place."""
+def scattered(n: int = 400) -> tuple[np.ndarray, np.ndarray]:
+    """Return estimates and references (n, 3) whose difference is linear in the estimated place."""
     estimated = np.column_stack([RNG.uniform(-6e-3, 6e-3, (n, 2)), RNG.uniform(-1e-3, 1e-3, n)])
     tilt = np.array([[3e-3, -2e-3, 0.1], [1e-3, 5e-3, 0.2]])
-    return Samples(estimated, estimated + estimated[:, :2] @ tilt + [1e-5, -2e-5, 1e-4])
+    return estimated, estimated + estimated[:, :2] @ tilt + [1e-5, -2e-5, 1e-4]
 
 
 def correct(of: ErrorMap, estimated: np.ndarray) -> np.ndarray:
@@ -40,9 +40,9 @@ def correct(of: ErrorMap, estimated: np.ndarray) -> np.ndarray:
     return estimated + between(np.column_stack(points))
 
 
-def errors(samples: Samples) -> tuple[np.ndarray, np.ndarray]:
+def errors(estimated: np.ndarray, reference: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return how far estimates are from references, rms and at most (3,)."""
-    off = np.abs(samples.estimated - samples.reference)
+    off = np.abs(estimated - reference)
     return np.sqrt((off**2).mean(axis=0)), off.max(axis=0)
 
 
@@ -60,12 +60,12 @@ def answered(of: ErrorMap, scalar: type[np.floating], at: np.ndarray) -> np.ndar
 
 
 def test_linear_errors_are_taken_off_to_the_maps_unit() -> None:
-    samples = scattered()
-    found = error_map.fit(samples, GRID)
-    inside = np.all([np.abs(samples.estimated[:, k]) < -GRID.low[k] for k in (0, 1)], axis=0)
-    left = (correct(found, samples.estimated) - samples.reference)[inside]
+    estimated, reference = scattered()
+    found = error_map.fit(estimated, reference, GRID)
+    inside = np.all([np.abs(estimated[:, k]) < -GRID.low[k] for k in (0, 1)], axis=0)
+    left = (correct(found, estimated) - reference)[inside]
     assert np.all(np.abs(left) <= UNITS)
-    assert np.abs(samples.estimated - samples.reference)[inside].max() > 1e-4
+    assert np.abs(estimated - reference)[inside].max() > 1e-4
     np.testing.assert_allclose(np.rint(found.added / UNITS[:, None, None]) * UNITS[:, None, None], found.added, atol=0)
 
 
@@ -84,15 +84,15 @@ def test_beyond_the_table_its_edge_counts() -> None:
 
 def test_calibration_makes_the_errors_smaller_on_lines_that_it_has_not_seen() -> None:
     source, bench = calibration.calibrated(), Bench(closed_loop.PLACES)
-    other = calibration.samples(bench, replace(source, map=None), 0.0265, 1.7e-3, seed=77)
+    estimated, reference = calibration.samples(bench, replace(source, map=None), 0.0265, 1.7e-3, seed=77)
     assert source.map is not None
-    before, peak_before = errors(other)
-    after, peak = errors(Samples(correct(source.map, other.estimated), other.reference))
+    before, peak_before = errors(estimated, reference)
+    after, peak = errors(correct(source.map, estimated), reference)
     assert np.all(SEVEN * after < before) and np.all(SEVEN * peak < peak_before)
     assert max(peak[:2]) < 45e-6
     assert peak_before[0] < 1.4e-3  # what the paper found
     turned = ErrorMap(source.map.grid, source.map.added.transpose(0, 2, 1))
-    worse, _ = errors(Samples(correct(turned, other.estimated), other.reference))
+    worse, _ = errors(correct(turned, estimated), reference)
     assert np.all(worse > 3 * after)
 
 
@@ -106,33 +106,30 @@ def test_the_model_of_the_field_is_that_of_the_paper() -> None:
 
 
 def test_what_makes_no_map_is_refused() -> None:
-    samples = scattered()
+    estimated, reference = scattered()
     with pytest.raises(ModelError, match="no samples lie about "):
-        error_map.fit(samples, lookup_table.square(7e-3, 1e-3))
-    broken = replace(samples, estimated=np.full_like(samples.estimated, np.nan))
+        error_map.fit(estimated, reference, lookup_table.square(7e-3, 1e-3))
     with pytest.raises(ModelError, match=r"estimates have the shape .400, 3., not all finite"):
-        error_map.fit(broken, GRID)
+        error_map.fit(np.full_like(estimated, np.nan), reference, GRID)
 
 
 @pytest.mark.parametrize(("n", "message"), [(0, "a row or more"), (1, "1 samples make no triangle"), (2, "2 samples")])
 def test_fewer_than_three_samples_make_no_map(n: int, message: str) -> None:
-    samples = scattered(n)
     with pytest.raises(ModelError, match=message):
-        error_map.fit(samples, GRID)
+        error_map.fit(*scattered(n), GRID)
 
 
 @pytest.mark.parametrize("along", [[1.0, 0.0, 0.0], [0.0, 1.0, 1.0], [0.0, 0.0, 0.0]])
 def test_samples_on_a_line_make_no_map(along: list[float]) -> None:
-    samples = scattered(20)
-    flat = Samples(samples.estimated * along, samples.reference)
+    estimated, reference = scattered(20)
     with pytest.raises(ModelError, match="20 samples make no triangle: measure at three places or more, not on a line"):
-        error_map.fit(flat, GRID)
+        error_map.fit(estimated * along, reference, GRID)
 
 
 def test_samples_of_unlike_numbers_are_refused() -> None:
-    samples = scattered(20)
+    estimated, reference = scattered(20)
     with pytest.raises(ModelError, match="1 estimates meet 20 references"):
-        error_map.fit(Samples(samples.estimated[:1], samples.reference), GRID)
+        error_map.fit(estimated[:1], reference, GRID)
 
 
 @pytest.mark.parametrize("shape", [(2, 9, 6), (3, 9, 5), (3, 6, 9)])

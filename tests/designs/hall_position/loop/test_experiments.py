@@ -30,11 +30,11 @@ def loops() -> dict[str, Loop]:
 def planted(old: str, new: str) -> Loop:
     """Return the calibrated loop with `old` in its C being `new`."""
     loop = loops()["calibrated"]
-    name = f"{loop.block.name}.c"
+    name = f"{loop.rig.stage.controller.name}.c"
     text = loop.emitted.files[name]
     assert text.count(old) == 1
     wrong = host.load({**loop.emitted.files, name: text.replace(old, new)}, loop.emitted.manifest)
-    return replace(loop, controller=wrong)
+    return replace(loop, rig=replace(loop.rig, controller=wrong))
 
 
 def failed(found: Experiment) -> set[str]:
@@ -144,7 +144,7 @@ def test_the_estimate_costs_some_times_as_much() -> None:
 
 def test_both_controllers_have_the_same_wires() -> None:
     plant = planar_stage.plant()
-    source = loops()["calibrated"].block
+    source = loops()["calibrated"].rig.stage.controller.block
     sections = lqg.controller(plant)
     assert names(source.inputs) == names(sections.inputs) and names(source.outputs) == names(sections.outputs)
     assert source.faults == sections.faults
