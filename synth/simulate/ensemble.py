@@ -61,6 +61,11 @@ class Scores:
         return np.asarray(self.deviations.max(axis=-2) <= WRONG)
 
     @property
+    def first_valid(self) -> NDArray[np.int_]:
+        """How many of K samples it takes until an estimate is valid (N,), 0 for never."""
+        return np.where(self.valid.any(axis=0), 1 + self.valid.argmax(axis=0), 0)
+
+    @property
     def wrong(self) -> NDArray[np.bool_]:
         """Whether estimates are valid elsewhere."""
         return self.valid & ~self.right

@@ -11,12 +11,12 @@ from designs.hall_position.accuracy import layouts
 from designs.hall_position.trust import endurance, failures, starts
 from designs.hall_position.trust.fleet import Kind
 from designs.hall_position.trust.motions import Pose
-from designs.hall_position.trust.starts import ColdStart
 from synth.report import charts, maps, page
 from synth.report.captions import Made, Rows
 from synth.report.charts import Chart, Line
 from synth.report.figures import COLOURS
 from synth.report.maps import Map
+from synth.simulate.ensemble import Scores
 
 NAMES = {shipped.NAME: "two sensors", shipped.THREE: "three sensors"}
 POINTS, BODIES, SAMPLES = 24, 4000, 60  # places along a pitch of the reach, starts drawn, samples of each
@@ -35,7 +35,7 @@ Kinds = Mapping[str, Kind]
 
 def kinds() -> dict[str, Kind]:
     """Return the estimators that ship, by name."""
-    return {name: Kind(shipped.array(name), shipped.TUNING, shipped.TIME) for name in NAMES}
+    return {name: Kind(shipped.array(name)) for name in NAMES}
 
 
 def blocks(of: Kinds) -> dict[str, Made]:
@@ -76,7 +76,7 @@ def basins(of: Kinds) -> dict[str, Made]:
 
 def cold_starts(of: Kinds) -> dict[str, Made]:
     """Return how long it takes from `init` to a valid estimate."""
-    runs: dict[str, ColdStart] = {}
+    runs: dict[str, Scores] = {}
     for name, kind in of.items():
         pose = Pose(*layouts.poses(kind.array.pitch, STARTS, YAWS))
         for what, speed in (("at rest", 0.0), ("moving", DRIFT)):
@@ -84,7 +84,7 @@ def cold_starts(of: Kinds) -> dict[str, Made]:
     lines = []
     for k, (name, each) in enumerate(runs.items()):
         style = {"drawstyle": "steps-post", "color": COLOURS[k // 2], "ls": ("-", "--")[k % 2]}
-        by = [100 * float(np.mean((each.took > 0) & (each.took <= n))) for n in range(1, WAIT + 1)]
+        by = 100 * np.logical_or.accumulate(each.valid).mean(axis=1)
         lines.append(Line(_ms(np.arange(1, WAIT + 1)), by, name, style))
     options = {"ylim": (0.0, 103.0)}
     return {
@@ -97,10 +97,12 @@ def _ms(samples: np.ndarray) -> np.ndarray:
     return 1e3 * shipped.TIME.period_s * samples
 
 
-def _waited(name: str, each: ColdStart) -> tuple[page.Cell, ...]:
-    took = _ms(each.took[each.took > 0])
-    half, most = (float(np.median(took)), float(took.max())) if took.size else (np.inf, np.inf)
-    return name, 100 * float(each.found.mean()), 100 * each.valid, half, most, each.wrong
+def _waited(name: str, each: Scores) -> tuple[page.Cell, ...]:
+    took = each.first_valid
+    ms = _ms(took[took > 0])
+    half, most = (float(np.median(ms)), float(ms.max())) if ms.size else (np.inf, np.inf)
+    found, valid = (100 * float(bodies.mean()) for bodies in (each.right[-1], took > 0))
+    return name, found, valid, half, most, int(each.wrong.sum())
 
 
 def _motion(name: str, kind: Kind) -> tuple[page.Cell, ...]:

@@ -19,7 +19,7 @@ import numpy as np
 
 from designs.hall_position.glsdc import tracking
 from designs.hall_position.trust import fleet
-from designs.hall_position.trust.fleet import Kind
+from designs.hall_position.trust.fleet import Course, Kind
 from designs.hall_position.trust.motions import Numbers, Pose
 from synth import numeric
 from synth.check import Check
@@ -87,12 +87,12 @@ def run(kind: Kind, bodies: int, samples: int, within: Limits, seed: int = 0) ->
     Raises ModelError for no sample, and as `motion`.
     """
     kind = replace(kind, tuning=replace(kind.tuning, pitches=FAR))
-    rng, T = np.random.default_rng(seed), kind.time.period_s
+    rng = np.random.default_rng(seed)
     at = motion(kind, bodies, within, rng, SLOWEST)
-    state = fleet.placed(kind, at(-T), at(-2 * T))
+    state = fleet.moving(kind, at)
     valid = wrong = 0
     worst = off = 0.0
-    for batch, seen in fleet.followed(kind, state, lambda k: at(k * T), samples, rng):
+    for batch, seen in fleet.followed(kind, state, at, samples, rng):
         state = batch.states
         valid, wrong = valid + int(seen.valid.sum()), wrong + int(seen.wrong.sum())
         worst, off = max(worst, float(seen.off[seen.valid].max(initial=0))), max(off, float(seen.off.max()))
@@ -100,10 +100,8 @@ def run(kind: Kind, bodies: int, samples: int, within: Limits, seed: int = 0) ->
     return Endurance(within, bodies * samples, valid / (bodies * samples), lost, wrong, worst, off)
 
 
-def motion(
-    kind: Kind, bodies: int, within: Limits, rng: np.random.Generator, slowest: float = 1.0
-) -> Callable[[float], Pose]:
-    """Return where bodies are at a time in s, on random sines whose speed and acceleration do not exceed a limit.
+def motion(kind: Kind, bodies: int, within: Limits, rng: np.random.Generator, slowest: float = 1.0) -> Course:
+    """Return where bodies are at a sample, on random sines whose speed and acceleration do not exceed a limit.
 
     Every other body is slower, by a part that is drawn down to `slowest`. Yaws swing within the limit.
 
@@ -120,7 +118,12 @@ def motion(
     yaw = rng.uniform(-within.yaw, within.yaw, bodies)
     swing = (within.yaw - np.abs(yaw)) * rng.random(bodies)
     rate, phase = 2 * pi * np.exp(rng.uniform(log(SWINGS[0]), log(SWINGS[1]), bodies)), rng.uniform(0, 2 * pi, bodies)
-    return lambda t: Pose(middle[0] + along[0](t), middle[1] + along[1](t), yaw + swing * np.sin(rate * t + phase))
+
+    def at(k: int) -> Pose:
+        t = k * kind.time.period_s
+        return Pose(middle[0] + along[0](t), middle[1] + along[1](t), yaw + swing * np.sin(rate * t + phase))
+
+    return at
 
 
 def _sines(bodies: int, speed: Numbers, acceleration: Numbers, rng: np.random.Generator) -> Callable[[float], Numbers]:

@@ -25,6 +25,7 @@ from synth.timing import Discrete
 TIME = Discrete(1 / 800)
 USUAL = Tuning()
 FULL = 2 * pi
+Course = Callable[[int], Pose]  # the number of a sample to where bodies are then
 
 
 @dataclass(frozen=True)
@@ -83,6 +84,16 @@ def placed(kind: Kind, pose: Pose, before: Pose | None = None, certain: bool = T
     return state
 
 
+def resting(pose: Pose) -> Course:
+    """Return the course of bodies that rest."""
+    return lambda k: pose
+
+
+def moving(kind: Kind, at: Course) -> host.Records:
+    """Return the states of bodies on a course, before sample 0."""
+    return placed(kind, at(-1), at(-2))
+
+
 def _centre(array: Array, pose: Pose) -> tuple[Numbers, Numbers]:
     (x, y), c, s = array.centre, np.cos(pose.yaw), np.sin(pose.yaw)
     return pose.X + c * x - s * y, pose.Y + s * x + c * y
@@ -110,7 +121,7 @@ def score(kind: Kind, found: Mapping[str, Numbers], pose: Pose) -> Scores:
 def followed(
     kind: Kind,
     state: host.Records,
-    at: Callable[[int], Pose],
+    at: Course,
     samples: int,
     rng: np.random.Generator,
     spoilt: Callable[[int, Numbers], Numbers] = lambda k, volts: volts,
@@ -125,3 +136,8 @@ def followed(
 
     for k, batch in enumerate(ensemble.followed(step, state, numeric.whole("the number of samples", samples))):
         yield batch, score(kind, batch.outputs, at(k))
+
+
+def scored(kind: Kind, state: host.Records, at: Course, samples: int, rng: np.random.Generator) -> Scores:
+    """Return the scores (samples, N) of bodies that are at known poses; raise ModelError as `followed`."""
+    return ensemble.stacked([scores for _, scores in followed(kind, state, at, samples, rng)])

@@ -29,6 +29,10 @@ class Pose:
     Y: Numbers
     yaw: Numbers
 
+    def moved(self, by: Each, heading: Numbers, turned: Each = 0.0) -> "Pose":
+        """Return poses so many m away in a direction, and turned, both in rad."""
+        return Pose(self.X + by * np.cos(heading), self.Y + by * np.sin(heading), self.yaw + turned)
+
 
 def volts(array: Array, pose: Pose) -> Numbers:
     """Return what sensors read at poses of any shape, (.., sensors, 2), V."""

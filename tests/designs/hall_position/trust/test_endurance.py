@@ -55,7 +55,7 @@ def test_motions_creep_and_swing() -> None:
     """Within the limits, and half of them come close to these."""
     rng, limits, T = np.random.default_rng(0), endurance.limits(TWO), TWO.time.period_s
     at = endurance.motion(TWO, 400, limits, rng, endurance.SLOWEST)
-    found = [at(k * T) for k in range(4000)]
+    found = [at(k) for k in range(4000)]
     X, Y, yaw = (np.array([getattr(p, name) for p in found]) for name in ("X", "Y", "yaw"))
     speed = np.abs(np.diff(X, axis=0)).max(axis=0) / T
     size = np.hypot(np.diff(X, 2, axis=0), np.diff(Y, 2, axis=0)).max(axis=0) / T**2

@@ -89,15 +89,17 @@ def test_where_no_start_was_drawn_there_is_no_share() -> None:
 def test_three_sensors_find_every_place_within_forty_samples() -> None:
     """A twentieth of a second. Over 8,000 poses it was 23 samples at most, and 6 in the middle."""
     found = starts.cold_start(THREE, grid(24), 60)
-    assert found.valid == 1.0 and found.wrong == 0 and found.took.max() <= 40 and np.median(found.took) < 10
-    assert found.found.all() and found.found.shape == (24 * 24 * 5,)
+    took = found.first_valid
+    assert took.all() and not found.wrong.any() and took.max() <= 40 and np.median(took) < 10
+    assert found.right[-1].all() and took.shape == (24 * 24 * 5,)
 
 
 def test_two_sensors_are_certain_at_rest_in_a_part_of_the_pitch_and_on_the_way_nearly_anywhere() -> None:
     pose = grid(16, YAWS / 2)
     rest, moving = starts.cold_start(TWO, pose, 60), starts.cold_start(TWO, pose, 400, speed=0.05)
-    assert rest.found.mean() > 0.9 and 0.2 < rest.valid < 0.35 and rest.wrong == 0
-    assert moving.valid > 0.9 and moving.wrong == 0
+    at_rest, in_motion = ((each.first_valid > 0).mean() for each in (rest, moving))
+    assert rest.right[-1].mean() > 0.9 and 0.2 < at_rest < 0.35 and not rest.wrong.any()
+    assert in_motion > 0.9 and not moving.wrong.any()
 
 
 @pytest.mark.parametrize("kind", [TWO, THREE], ids=["two", "three"])
@@ -106,7 +108,7 @@ def test_a_body_that_moves_is_found(kind: Kind) -> None:
     speeds, pose = (0.15, 0.2, 0.25, 0.3), grid(24)
     for seed, speed in enumerate(speeds):
         found = starts.cold_start(kind, pose, 120, speed, seed)
-        assert found.wrong == 0 and found.found.mean() >= (0.999 if kind is THREE else 0.95)
+        assert not found.wrong.any() and found.right[-1].mean() >= (0.999 if kind is THREE else 0.95)
 
 
 @pytest.mark.parametrize("kind", [TWO, THREE], ids=["two", "three"])
@@ -118,13 +120,13 @@ def test_a_search_that_ends_wherever_it_converges_is_seen(kind: Kind, monkeypatc
         return batch._replace(outputs=batch.outputs | {"valid": batch.outputs["converged"]})
 
     monkeypatch.setattr(fleet, "stepped", careless)
-    assert starts.cold_start(kind, grid(24), 40).wrong > 0
+    assert starts.cold_start(kind, grid(24), 40).wrong.any()
 
 
 def test_a_yaw_beyond_the_assumed_ones_is_not_valid() -> None:
     """By 40 degrees: what is found is a quarter turn off, or nothing."""
     found = starts.cold_start(THREE, grid(12, np.radians([-40.0, 40.0])), 60)
-    assert found.valid == 0 and found.wrong == 0
+    assert not found.valid.any() and not found.wrong.any()
 
 
 @pytest.mark.parametrize("number", [0, -1, 2.5, None, True])
