@@ -128,12 +128,10 @@ def bodes(found: Sequence[loops.OpenLoop], axis: str) -> Section:
 
 def over_pitch(block: Block) -> page.Table:
     """Return the least and the greatest margins of each loop over a pitch."""
-    found, rows = loops.over_pitch(planar_stage.plant(halbach.HARMONICS), block), []
-    for axis in allocation.AXES:
-        each = [m[axis] for m in found]
-        crossovers = [max(c.frequency for c in m.gain_crossings) / (2 * np.pi) for m in each]
-        rest = ([m.phase_margin for m in each], [m.gain_margin for m in each], [m.peak_sensitivity for m in each])
-        rows.append((SYMBOLS.get(axis, axis), *(f"{min(v):.3g} .. {max(v):.3g}" for v in (crossovers, *rest))))
-    columns = ("axis", "crossover, Hz", "phase margin, °", "gain margin, ×", "Ms")
+    found = loops.over_pitch(planar_stage.plant(halbach.HARMONICS), block)
+    rows = [
+        (SYMBOLS.get(axis, axis), *sections.margins_ranges([margins[axis] for margins in found]))
+        for axis in allocation.AXES
+    ]
     caption = f"The loops as shipped at {len(found)} places of a pitch, motors with the field's harmonics"
-    return page.Table(caption, columns, tuple(rows))
+    return page.Table(caption, ("axis", *sections.RANGES), tuple(rows))
