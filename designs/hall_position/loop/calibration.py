@@ -2,7 +2,8 @@
 
 Both are measured of the truth field, at no yaw and so slowly that the filters do not lag: scans of the voltages over a
 pitch give (2) by batch least squares, the mean over all channels; the laser gives where the platen was when the
-estimator said where.
+estimator said where. The map holds at the yaw at which it was made: one of X and Y alone would leave the yaw to be
+wrong by as much as before, and with it the places of the sensors. So the yaw is mapped, too (Figs. 10 and 11).
 
 The noise of the array is the model's misfit: by it estimates settle, and their deviations are what they err by.
 """
@@ -14,12 +15,12 @@ import numpy as np
 
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.glsdc.parameters import Array, Pair
-from designs.hall_position.loop import closed_loop, error_map
+from designs.hall_position.loop import closed_loop
 from designs.hall_position.loop.closed_loop import PITCH, Source
 from models import hall_bench
 from models.hall_bench import Bench
 from synth.block import unranged
-from synth.blocks import lookup_table
+from synth.blocks import error_map, lookup_table
 from synth.emit.c import digits
 from synth.execute import build, host
 from synth.statespace import Array as Numbers
@@ -29,6 +30,7 @@ from synth.timing import Discrete
 TIME = Discrete(1 / 800)
 DIGITS = 5  # of the field
 MAPPED, CELL = 0.027, 1e-3  # m: to where, and by what spacing, the error is tabulated
+UNITS = (1e-8, 1e-8, 1e-6)  # m, m, rad: a hundredth of the noise
 BEYOND, LINE = 2.2e-3, 1e-3  # m: how far the samples go on, and how far their lines are apart
 ASIDE, WAVER = 2e-4, 7.3e-3  # m: by how much lines waver, and over which way
 STEP, READ = 5e-5, 8  # m between samples, of which so many are taken together
@@ -39,7 +41,7 @@ def calibrated(places: tuple[Pair, ...] = closed_loop.PLACES) -> Source:
     """Return the source of a stage, with its field measured and its errors mapped; raise ModelError as `Bench`."""
     bench = Bench(places)
     plain = Source(array(bench))
-    return replace(plain, map=error_map.fit(*samples(bench, plain), lookup_table.square(MAPPED, CELL)))
+    return replace(plain, map=error_map.fit(*samples(bench, plain), lookup_table.square(MAPPED, CELL), UNITS))
 
 
 def array(bench: Bench) -> Array:
@@ -64,7 +66,7 @@ def samples(
     way = _way(reach, line)
     poses = np.column_stack([way, np.zeros(len(way))])
     read = compiled(source).replay(hall_bench.read(bench, poses, TIME, seed)).outputs
-    columns = np.stack([np.asarray(read[n], np.float64) for n in error_map.COORDINATES], axis=1)
+    columns = np.stack([np.asarray(read[n], np.float64) for n in ("X", "Y", "yaw")], axis=1)
     valid = np.asarray(read["valid"]).reshape(-1, READ).all(axis=1)
     estimated, true = (readonly(each.reshape(-1, READ, 3).mean(axis=1)[valid]) for each in (columns, poses))
     return estimated, true

@@ -28,11 +28,11 @@ import numpy as np
 from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.glsdc.parameters import Array, Pair, Tuning
-from designs.hall_position.loop import error_map
-from designs.hall_position.loop.error_map import ErrorMap
 from designs.planar_6dof import allocation, interface, sensing, vertical
 from designs.planar_6dof.allocation import HORIZONTAL, PITCH
 from synth.block import Block, Exprs, State, Step, build, clip
+from synth.blocks import error_map
+from synth.blocks.error_map import ErrorMap
 from synth.errors import ModelError
 from synth.plant import Plant
 from synth.signals import Signal, names
@@ -43,6 +43,7 @@ FOLLOW = 0.1  # of what a sample differs from the expected one
 FASTEST = {"x": 1.25e-3, "y": 1.25e-3, "phi": 6.25e-3}  # m, rad a sample: 1 m/s and 5 rad/s at 800 Hz
 OF = {"x": "X", "y": "Y", "phi": "yaw"}
 PLACES: tuple[Pair, ...] = tuple((x * PITCH, y * PITCH) for x, y in layouts.LAYOUTS[5])
+MAPPED = [Signal(name, unit, -10, 10) for name, unit in (("X", "m"), ("Y", "m"), ("yaw", "rad"))]
 SENSORS = 3
 ANY = SENSORS + 1  # in place of the number of the sensor that failed
 BEGINS = {"x": PITCH / 2, "y": PITCH / 2, "phi": sensing.YAW}  # m, rad
@@ -86,7 +87,7 @@ def sensed(source: Source, time: Discrete) -> list[Block]:
     estimated = estimator.estimator(source.array, time, source.tuning)
     if source.map is None:
         return [estimated, _source(time, "")]
-    return [estimated, error_map.block(source.map, time), _source(time, "_corrected")]
+    return [estimated, error_map.block(source.map, time, MAPPED, "Figs. 10, 11"), _source(time, "_corrected")]
 
 
 def _source(time: Discrete, suffix: str) -> Block:

@@ -24,11 +24,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from designs.hall_position.loop import calibration, closed_loop, sources, stage_loop
-from designs.hall_position.loop.error_map import ErrorMap
 from designs.hall_position.loop.stage_loop import TIME, Loop
 from designs.planar_6dof import interface
 from designs.planar_6dof.experiments import usual
 from models import planar_stage
+from synth.blocks.error_map import ErrorMap
 from synth.check import Check
 from synth.signals import names
 from synth.simulate.experiment import Experiment

@@ -23,7 +23,7 @@ from designs.planar_6dof import page as planar
 from designs.planar_6dof.allocation import AXES, HORIZONTAL
 from designs.planar_6dof.loops import PHASES, SENSED, Parts, Place
 from designs.planar_6dof.page_stage import SYMBOLS
-from models import concentrated_field, hall_array, planar_stage
+from models import hall_array, planar_stage
 from models.hall_chain import Chain
 from synth.analyse import interconnect, linearise, loop, trim
 from synth.block import Block
@@ -90,14 +90,10 @@ def filtered(motors: StateSpace, chain: Chain) -> StateSpace:
 
 def sensed(of: Sensors, pose: Place) -> tuple[Array, Array]:
     """Return the Hall voltages (6,) at a pose in the field of model (2), and their slopes (6, 6) by AXES."""
-    chain = Chain()
-    sizes = {1: of.alpha / chain.gain, 5: of.beta / chain.gain}
-    waves = concentrated_field.fitted(sizes, hall_array.HEIGHT, concentrated_field.values())
-    array = replace(hall_array.sensors(of.positions), volume=(0.0, 0.0, 0.0))
     q = np.zeros(len(hall_array.SPATIAL))
     for axis, k in SPATIAL.items():
         q[k] = pose[axis] + (hall_array.HEIGHT if axis == "z" else 0.0)
-    volts, H = (v.full() for v in hall_array.spatial(array, waves).function()(q))
+    volts, H = (v.full() for v in hall_array.spatial(*shipped.field(of)).function()(q))
     return volts.ravel(), H[:, [SPATIAL[axis] for axis in AXES]]
 
 

@@ -14,7 +14,8 @@ from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import channels, estimator
 from designs.hall_position.glsdc.parameters import Array, Pair, Tuning
 from models import concentrated_field, hall_array
-from models.concentrated_field import STRONG, WEAK
+from models.concentrated_field import STRONG, WEAK, Wave
+from models.hall_array import HallArray
 from models.hall_chain import Chain
 from synth import stage
 from synth.block import Block
@@ -58,12 +59,16 @@ def amplitudes() -> tuple[float, float]:
     return first, fifth
 
 
-def plant(of: Array) -> Plant:
-    """Return the sensors on a body that moves over the field of (2)."""
+def field(of: Array) -> tuple[HallArray, tuple[Wave, ...]]:
+    """Return sensors that are points, and the field of (2) as waves."""
     sensors = replace(hall_array.sensors(of.positions), volume=(0.0, 0.0, 0.0))
     flux = {n: v / sensors.chain.gain for n, v in ((1, of.alpha), (5, of.beta))}
-    waves = concentrated_field.fitted(flux, hall_array.HEIGHT, concentrated_field.values())
-    return hall_array.plant(sensors, waves, channels.voltages(len(of.positions)), TUNING.pitches * of.pitch)
+    return sensors, concentrated_field.fitted(flux, hall_array.HEIGHT, concentrated_field.values())
+
+
+def plant(of: Array) -> Plant:
+    """Return the sensors on a body that moves over the field of (2)."""
+    return hall_array.plant(*field(of), channels.voltages(len(of.positions)), TUNING.pitches * of.pitch)
 
 
 def controller(name: str = NAME) -> Controller:

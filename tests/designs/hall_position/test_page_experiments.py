@@ -9,13 +9,13 @@ import pytest
 from matplotlib.figure import Figure as Drawing
 
 from designs.hall_position import page, shipped
-from designs.hall_position.loop import closed_loop, error_map
+from designs.hall_position.loop import closed_loop
 from designs.hall_position.loop.closed_loop import Source
 from designs.hall_position.pages import experiments
 from designs.hall_position.pages import loops as own_loops
 from designs.planar_6dof import loops, lqg
 from models import planar_stage
-from synth.blocks import lookup_table
+from synth.blocks import error_map, lookup_table
 from synth.report.page import Figure
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory
