@@ -124,8 +124,6 @@ def _shifted(controller: host.Controller, pool: Steps) -> Steps:
 
 def _random(controller: host.Controller, name: str) -> Steps:
     """Return random steps as verification draws them."""
-    columns, inputs = random_steps.in_operation(random_steps.subject(name), DRAWN)
-    states = np.zeros(DRAWN, controller.state)
-    for state, values in columns.items():
-        states[state] = values
-    return Steps("random", states, controller.records(inputs, DRAWN))
+    states, inputs = random_steps.in_operation(random_steps.subject(name), DRAWN)
+    records = host.records(controller.manifest, controller.state, states, DRAWN)
+    return Steps("random", records, controller.records(inputs, DRAWN))
