@@ -22,7 +22,7 @@ from models.hall_bench import Bench
 from synth.block import unranged
 from synth.blocks import error_map, lookup_table
 from synth.emit.c import digits
-from synth.execute import build, host
+from synth.execute import build
 from synth.statespace import Array as Numbers
 from synth.statespace import readonly
 from synth.timing import Discrete
@@ -32,8 +32,7 @@ DIGITS = 5  # of the field
 MAPPED, CELL = 0.027, 1e-3  # m: to where, and by what spacing, the error is tabulated
 UNITS = (1e-8, 1e-8, 1e-6)  # m, m, rad: a hundredth of the noise
 BEYOND, LINE = 2.2e-3, 1e-3  # m: how far the samples go on, and how far their lines are apart
-ASIDE, WAVER = 2e-4, 7.3e-3  # m: by how much lines waver, and over which way
-STEP, READ = 5e-5, 8  # m between samples, of which so many are taken together
+READ = 8  # samples that are taken together
 
 
 @cache
@@ -59,30 +58,13 @@ def samples(
 ) -> tuple[Numbers, Numbers]:
     """Return estimates (N, 3) beside the laser's places, means over READ samples on the way along lines `line` m apart.
 
-    The platen comes from the origin, so that pitches are counted from there. Lines waver, as no loop follows them.
-
-    Raises ModelError as `hall_bench.settled`.
+    Pitches are counted from the origin, where the platen comes from. Raises ModelError as `hall_bench.settled`.
     """
-    way = _way(reach, line)
-    poses = np.column_stack([way, np.zeros(len(way))])
-    read = compiled(source).replay(hall_bench.read(bench, poses, TIME, seed)).outputs
+    poses = hall_bench.scan(reach, line, READ)
+    block = unranged(estimator.guarded(source.array, TIME, closed_loop.TUNING))
+    controller = build.compiled(block, np.float32, libm=True)
+    read = controller.replay(hall_bench.read(bench, poses, TIME, seed)).outputs
     columns = np.stack([np.asarray(read[n], np.float64) for n in ("X", "Y", "yaw")], axis=1)
     valid = np.asarray(read["valid"]).reshape(-1, READ).all(axis=1)
     estimated, true = (readonly(each.reshape(-1, READ, 3).mean(axis=1)[valid]) for each in (columns, poses))
     return estimated, true
-
-
-def _way(reach: float, line: float) -> Numbers:
-    """Return places (N, 2) in m, STEP apart: from the origin to a corner, then line by line to and fro."""
-    across = np.arange(-reach, reach + line / 2, line)
-    ends = np.array([(side * (-1) ** k * reach, y) for k, y in enumerate(across) for side in (-1, 1)])
-    corners = np.vstack([np.zeros(2), ends])
-    lengths = np.concatenate([[0], np.cumsum(np.abs(np.diff(corners, axis=0)).sum(axis=1))])
-    at = np.arange(round(lengths[-1] / STEP) // READ * READ) * STEP
-    X, Y = (np.interp(at, lengths, corners[:, k]) for k in (0, 1))
-    return np.column_stack([X, Y + ASIDE * np.sin(2 * np.pi * at / WAVER)])
-
-
-def compiled(source: Source) -> host.Controller:
-    """Return the estimator of a source behind its guard, in single precision, with functions of libm."""
-    return build.compiled(unranged(estimator.guarded(source.array, TIME, source.tuning)), np.float32, libm=True)

@@ -57,10 +57,9 @@ TUNING = Tuning(residual=0.2, surprise=0.3)
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """Where the position comes from: sensors, how they are estimated from, and the map of what that errs by."""
+    """Where the position comes from: sensors, and the map of what the estimate from them errs by."""
 
     array: Array
-    tuning: Tuning = TUNING
     map: ErrorMap | None = None
 
 
@@ -84,7 +83,7 @@ def controller(name: str, plant: Plant, time: Discrete, law: Sequence[Block], so
 
 def sensed(source: Source, time: Discrete) -> list[Block]:
     """Return the Blocks from held voltages to raw positions, places within the pitch and suspects."""
-    estimated = estimator.estimator(source.array, time, source.tuning)
+    estimated = estimator.estimator(source.array, time, TUNING)
     if source.map is None:
         return [estimated, _source(time, "")]
     return [estimated, error_map.block(source.map, time, MAPPED, "Figs. 10, 11"), _source(time, "_corrected")]

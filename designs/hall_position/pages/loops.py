@@ -10,8 +10,6 @@ voltage is one for each of x, y and yaw, as the voltages are linear in small mot
 move the voltages too, is left out.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from designs.hall_position import shipped
@@ -23,12 +21,12 @@ from designs.planar_6dof import page as planar
 from designs.planar_6dof.allocation import AXES, HORIZONTAL
 from designs.planar_6dof.loops import PHASES, SENSED, Parts, Place
 from designs.planar_6dof.page_stage import SYMBOLS
-from models import hall_array, planar_stage
+from models import hall_array, hall_chain, planar_stage
 from models.hall_chain import Chain
-from synth.analyse import interconnect, linearise, loop, trim
+from synth.analyse import linearise, loop, trim
 from synth.block import Block
 from synth.report import page, sections, standard
-from synth.statespace import Array, StateSpace
+from synth.statespace import Array
 from synth.verify import agree
 
 ESTIMATE, SECTIONS = "estimate, three sensors", "sections, three sensors"
@@ -76,16 +74,7 @@ def opened(source: Source, block: Block, place: Place) -> Parts:
     held = {name: np.full(SETTLED, value) for name, value in inputs.items()}
     rested = agree.recorded(agree.casadi(block), begun(block, source.array, pose), held).states
     K = loop.linearised(block, {name: float(value[0]) for name, value in rested.items()}, inputs)
-    return loops.around(filtered(motors, Chain()), K, shown, E)
-
-
-def filtered(motors: StateSpace, chain: Chain) -> StateSpace:
-    """Return motors to positions with x, y and phi behind a filter of the chain's corner."""
-    w, I = 2 * np.pi * chain.corner, np.eye(len(HORIZONTAL))
-    late, states = ({axis: f"{axis}_{what}" for axis in HORIZONTAL} for what in ("late", "lag"))
-    lag = StateSpace(-w * I, w * I, I, 0 * I, tuple(states.values()), HORIZONTAL, tuple(late.values()), motors.time)
-    seen = interconnect.connect([motors, lag], motors.inputs, [late.get(axis, axis) for axis in AXES], {})
-    return replace(seen, outputs=AXES, units={})
+    return loops.around(hall_chain.filtered(motors, HORIZONTAL, Chain()), K, shown, E)
 
 
 def sensed(of: Sensors, pose: Place) -> tuple[Array, Array]:

@@ -14,7 +14,7 @@ from designs.hall_position.loop.closed_loop import Source
 from designs.hall_position.pages import experiments
 from designs.hall_position.pages import loops as own_loops
 from designs.planar_6dof import loops, lqg
-from models import planar_stage
+from models import hall_chain, planar_stage
 from synth.blocks import error_map, lookup_table
 from synth.report.page import Figure
 from synth.simulate.experiment import Experiment
@@ -101,5 +101,5 @@ def test_the_loop_is_that_of_the_sections_behind_the_filter(monkeypatch: pytest.
 
     assert apart() < 0.025
     with monkeypatch.context() as patched:  # a filter that is forgotten
-        patched.setattr(own_loops, "filtered", lambda motors, chain: motors)
+        patched.setattr(hall_chain, "filtered", lambda motors, outputs, chain: motors)
         assert apart() > 0.1
