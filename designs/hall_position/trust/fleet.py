@@ -69,7 +69,7 @@ def placed(kind: Kind, pose: Pose, before: Pose | None = None, certain: bool = T
     """
     state = ensemble.started(compiled(kind), len(pose.X))
     w, pitch = kind.array.wave_number, kind.array.pitch
-    now, last = _centre(kind.array, pose), _centre(kind.array, before or pose)
+    now, last = (each.place(kind.array.centre) for each in (pose, before or pose))
     for axis, at, past in zip("xy", now, last, strict=True):
         turns = np.round(at / pitch)
         state[f"estimator_phase_{axis}"], state[f"estimator_pitch_{axis}"] = w * (at - turns * pitch), turns
@@ -92,11 +92,6 @@ def resting(pose: Pose) -> Course:
 def moving(kind: Kind, at: Course) -> host.Records:
     """Return the states of bodies on a course, before sample 0."""
     return placed(kind, at(-1), at(-2))
-
-
-def _centre(array: Array, pose: Pose) -> tuple[Numbers, Numbers]:
-    (x, y), c, s = array.centre, np.cos(pose.yaw), np.sin(pose.yaw)
-    return pose.X + c * x - s * y, pose.Y + s * x + c * y
 
 
 def wrapped(angle: Numbers) -> Numbers:
@@ -130,12 +125,11 @@ def followed(
 
     Raises ModelError for a number of samples that is none.
     """
-
-    def step(now: host.Records, k: int) -> host.Batch:
-        return stepped(kind, now, spoilt(k, motions.noisy(kind.array, at(k), rng)))
-
-    for k, batch in enumerate(ensemble.followed(step, state, numeric.whole("the number of samples", samples))):
-        yield batch, score(kind, batch.outputs, at(k))
+    for k in range(numeric.whole("the number of samples", samples)):
+        pose = at(k)
+        batch = stepped(kind, state, spoilt(k, motions.noisy(kind.array, pose, rng)))
+        state = batch.states
+        yield batch, score(kind, batch.outputs, pose)
 
 
 def scored(kind: Kind, state: host.Records, at: Course, samples: int, rng: np.random.Generator) -> Scores:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.hall_position.glsdc.parameters import Array
+from designs.hall_position.glsdc.parameters import Array, Pair
 
 Numbers = NDArray[Any]
 Each = float | Numbers  # one for all columns, or one for each
@@ -29,6 +29,11 @@ class Pose:
     Y: Numbers
     yaw: Numbers
 
+    def place(self, at: Pair) -> tuple[Numbers, Numbers]:
+        """Return where a place in the body is, m."""
+        (x, y), c, s = at, np.cos(self.yaw), np.sin(self.yaw)
+        return self.X + c * x - s * y, self.Y + s * x + c * y
+
     def moved(self, by: Each, heading: Numbers, turned: Each = 0.0) -> "Pose":
         """Return poses so many m away in a direction, and turned, both in rad."""
         return Pose(self.X + by * np.cos(heading), self.Y + by * np.sin(heading), self.yaw + turned)
@@ -38,11 +43,8 @@ def volts(array: Array, pose: Pose) -> Numbers:
     """Return what sensors read at poses of any shape, (.., sensors, 2), V."""
     w, c, s = array.wave_number, np.cos(pose.yaw), np.sin(pose.yaw)
     found = []
-    for x, y in array.positions:
-        bx, by = (
-            array.c + array.alpha * np.sin(w * p) + array.beta * np.sin(5 * w * p)
-            for p in (pose.X + c * x - s * y, pose.Y + s * x + c * y)
-        )
+    for place in array.positions:
+        bx, by = (array.c + array.alpha * np.sin(w * p) + array.beta * np.sin(5 * w * p) for p in pose.place(place))
         found.append(np.stack([c * bx + s * by, c * by - s * bx], axis=-1))
     return np.stack(found, axis=-2)
 
