@@ -27,12 +27,14 @@ import numpy as np
 
 from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import estimator
-from designs.hall_position.glsdc.parameters import Array, Pair, Tuning
+from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.loop import error_map
 from designs.hall_position.loop.error_map import ErrorMap
 from designs.planar_6dof import interface, sensing, vertical
 from designs.planar_6dof.allocation import HORIZONTAL, PITCH
 from models import planar_stage
+from models.hall_array import Pair
+from models.hall_two_waves import PlanarArray as Array
 from synth.block import Block, Exprs, State, Step, build, clip
 from synth.errors import ModelError
 from synth.plant import Plant

@@ -17,7 +17,6 @@ import casadi as ca
 import numpy as np
 
 from designs.hall_position import shipped
-from designs.hall_position.glsdc.parameters import Array as Sensors
 from designs.hall_position.loop import closed_loop
 from designs.hall_position.loop.closed_loop import Source
 from designs.planar_6dof import loops, lqg
@@ -27,6 +26,7 @@ from designs.planar_6dof.loops import PHASES, SENSED, Parts, Place
 from designs.planar_6dof.page_stage import SYMBOLS
 from models import concentrated_field, hall_array, planar_stage
 from models.hall_chain import Chain
+from models.hall_two_waves import PlanarArray as Sensors
 from synth.analyse import linearise, loop, trim
 from synth.block import Block
 from synth.report import page, standard

@@ -9,7 +9,6 @@ from math import radians
 
 import numpy as np
 
-from designs.hall_position.accuracy import fisher
 from designs.hall_position.paper import errors
 from designs.hall_position.paper.stage import (
     FIELD,
@@ -24,6 +23,7 @@ from designs.hall_position.paper.stage import (
     known_yaw,
     worst,
 )
+from models import hall_fisher
 from synth.report.audit import Outcome, Published, recomputes
 
 WEAKER = 0.1  # V/T, the other sensitivity that fits such a sensor
@@ -35,7 +35,7 @@ MOST = 0.99  # part of the poses that counts as all but the singular points
 @recomputes("K-5", *NOISE)
 def resolution(stage: Stage, printed: Published) -> Outcome:
     """Recompute the deviations of two sensors over the pitch, the yaw known and the yaw estimated."""
-    known, free = known_yaw(stage.pair), fisher.deviations(stage.pair, grid(stage.pair, POINTS))
+    known, free = known_yaw(stage.pair), hall_fisher.deviations(stage.pair, grid(stage.pair, POINTS))
     worse, limit = free[:2].max(axis=0), printed["resolution"].value * UM
     weaker = replace(stage, chain=replace(stage.chain, sensitivity=WEAKER))
     figures = [
@@ -89,7 +89,7 @@ def _along(stage: Stage, yaw_known: bool) -> Array:
 @recomputes("K-11", *NOISE)
 def yaw(stage: Stage, printed: Published) -> Outcome:
     """Recompute the deviation of the yaw over the pitch."""
-    free = fisher.deviations(stage.pair, grid(stage.pair, POINTS))[2]
+    free = hall_fisher.deviations(stage.pair, grid(stage.pair, POINTS))[2]
     limit = radians(printed["resolution"].value)
     three = worst(stage.three, 0.0, 0.0, TOLERANCE).met[2]
     figures = [

@@ -4,10 +4,9 @@ from math import radians
 
 import numpy as np
 
-from designs.hall_position.glsdc import parameters
-from designs.hall_position.paper import estimate
 from designs.hall_position.paper.stage import UM, Array, Stage, grid
-from models import hall_chain
+from models import hall_chain, hall_correction
+from models.hall_two_waves import PlanarArray
 from synth.report.audit import Outcome, Published, recomputes
 from synth.timing import Discrete
 
@@ -41,22 +40,22 @@ def convergence(stage: Stage, printed: Published) -> Outcome:
     return Outcome(figures, left[1] < LEFT, left[INNER[1]] < LEFT)
 
 
-def remaining(of: parameters.Array, scale: float, corrections: int) -> float:
+def remaining(of: PlanarArray, scale: float, corrections: int) -> float:
     """Return the median part of a step of X that is left after so many corrections, over the pitch."""
     q = grid(of, 20)
     start = q - np.array([[STEP], [0.0], [0.0]])
-    end = estimate.settled(of, estimate.volts(of, q), start, scale, corrections)
+    end = hall_correction.settled(of, hall_correction.volts(of, q), start, scale, corrections)
     return float(np.median(np.abs(end[0] - q[0]))) / STEP
 
 
-def from_drawn(of: parameters.Array, scale: float, reach: float, turn: float) -> float:
+def from_drawn(of: PlanarArray, scale: float, reach: float, turn: float) -> float:
     """Return the part of drawn starts, within `reach` pitches and `turn` degrees, that end where the body is."""
     q, off = drawn(of, reach, turn)
-    end = estimate.settled(of, estimate.volts(of, q), q + off, scale, CORRECTIONS)
+    end = hall_correction.settled(of, hall_correction.volts(of, q), q + off, scale, CORRECTIONS)
     return float(np.mean(np.hypot(*(end - q)[:2]) < FOUND))
 
 
-def drawn(of: parameters.Array, reach: float, turn: float) -> tuple[Array, Array]:
+def drawn(of: PlanarArray, reach: float, turn: float) -> tuple[Array, Array]:
     """Return poses (3, N) at yaw 0 in the pitch, and by how much the starts are off."""
     rng = np.random.default_rng(SEED)
     q = np.vstack([rng.uniform(0, of.pitch, (2, DRAWS)), np.zeros(DRAWS)])
@@ -93,8 +92,8 @@ def treads(stage: Stage, step: float, yaw_known: bool) -> Array:
     found, at = [], q
     for stair, more in enumerate(noise):
         true = q + np.array([[step * stair], [0.0], [0.0]])
-        clean = estimate.volts(of, true)
+        clean = hall_correction.volts(of, true)
         for now in more:
-            at = estimate.settled(of, clean + now, at, SCALE, INNER[1], yaw_known)
+            at = hall_correction.settled(of, clean + now, at, SCALE, INNER[1], yaw_known)
             found.append(at[0])
     return np.array(found).reshape(STEPS + 1, TREAD, -1)[:, TREAD // 2 :]

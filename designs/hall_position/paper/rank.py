@@ -1,16 +1,16 @@
 """Audit of what two sensors and a third one tell: lost rank, the worst deviations, what is absolute.
 
-Deviations are as in `audit_accuracy`; the largest over the pitch are proved by `fisher.worst`.
+Deviations are as in `audit_accuracy`; the largest over the pitch are proved by `hall_fisher.worst`.
 """
 
 from math import radians
 
 import numpy as np
 
-from designs.hall_position.accuracy import fisher, layouts, singular_points
-from designs.hall_position.paper import errors, estimate
+from designs.hall_position.accuracy import layouts
+from designs.hall_position.paper import errors
 from designs.hall_position.paper.stage import MM, NOISE, NUMBERS, POINTS, TOLERANCE, UM, Array, Stage, grid, worst
-from models import concentrated_field, hall_accuracy
+from models import concentrated_field, hall_accuracy, hall_correction, hall_fisher, hall_singular_points, hall_two_waves
 from synth.report.audit import Outcome, Published, recomputes
 
 FINE = 120  # places along a pitch of a map with more harmonics
@@ -24,15 +24,15 @@ LEVER = 50e-3  # m, by which a yaw counts as a displacement
 @recomputes("K-13", *NOISE)
 def sufficient(stage: Stage, printed: Published) -> Outcome:
     """Find the places at which two sensors do not tell X, Y and yaw."""
-    at = {turn: singular_points.of_pair(stage.pair, turn).at for turn in TURNS}
+    at = {turn: hall_singular_points.of_pair(stage.pair, turn) for turn in TURNS}
     l = stage.pitch
     figures = [
         (f"singular points in a pitch, yaw {turn:.3g} rad", float(len(found)), "1") for turn, found in at.items()
     ]
     nearest = np.abs(at[0.0] - [l / 8, 3 * l / 8]).max(axis=1).min() if len(at[0.0]) else np.inf
-    cell = fisher.deviations(stage.pair, grid(stage.pair, POINTS))
+    cell = hall_fisher.deviations(stage.pair, grid(stage.pair, POINTS))
     condition = hall_accuracy.of_sensors(
-        errors.sensors(stage.pair, stage.chain), _model(stage), layouts.poses(l, 60).T, LEVER
+        errors.sensors(stage.pair, stage.chain), _model(stage), hall_two_waves.poses(l, 60).T, LEVER
     ).condition
     figures += [
         ("from the nearest of them to (1/8, 3/8) pitch", float(nearest) / UM, "um"),
@@ -60,7 +60,7 @@ def redundant(stage: Stage, printed: Published) -> Outcome:
     for turn in YAWS:
         found = worst(stage.three, radians(turn), radians(turn), 10 * TOLERANCE).met
         figures.append((f"larger of X and Y, yaw {turn:g} degrees", float(found[:2].max()) / UM, "um"))
-    near = fisher.deviations(stage.three, _near(stage))[:, 0]
+    near = hall_fisher.deviations(stage.three, _near(stage))[:, 0]
     figures += [("X near the lost rank, yaw 9.385 degrees", float(near[0]) / UM, "um")]
     for turn, places in layouts.LAYOUTS.items():
         tolerance = TOLERANCES[turn]
@@ -97,7 +97,7 @@ def with_ninth(stage: Stage, points: int = FINE) -> Array:
     """Return the largest deviations of X, Y and yaw of all sensors at yaw 0, the 9th harmonic included."""
     waves = stage.waves(concentrated_field.on_axes((1, 5, 9)))
     of = errors.sensors(stage.three, stage.chain)
-    at = layouts.poses(stage.pitch, points).T
+    at = hall_two_waves.poses(stage.pitch, points).T
     return hall_accuracy.of_sensors(of, waves, at, hall_accuracy.spread(of), stage.height).deviations.max(axis=0)
 
 
@@ -108,7 +108,7 @@ def _model(stage: Stage) -> tuple[concentrated_field.Wave, ...]:
 
 def _read(stage: Stage, q: Array) -> Array:
     """Return what three sensors read in the body (2, sensors, N) at q (3, N), V."""
-    return estimate.turned(estimate.volts(stage.three, q), -q[2])
+    return hall_correction.turned(hall_correction.volts(stage.three, q), -q[2])
 
 
 def _near(stage: Stage) -> Array:

@@ -10,18 +10,14 @@ from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from designs.hall_position.accuracy import fisher, layouts
 from designs.hall_position.accuracy.layouts import PUBLISHED
-from designs.hall_position.glsdc import parameters
-from designs.hall_position.glsdc.parameters import Pair
-from models import concentrated_field, finite_matrix, hall_array
+from models import concentrated_field, finite_matrix, hall_array, hall_fisher, hall_two_waves
 from models.concentrated_field import STRONG, WEAK, Cell, Order, Wave
 from models.finite_matrix import Scan
+from models.hall_array import Array, Pair
 from models.hall_chain import Chain
-
-Array = NDArray[np.float64]
+from models.hall_two_waves import PlanarArray
 
 UM, MM, MV = 1e-6, 1e-3, 1e-3
 FIELD = ("strong", "weak")  # what the field follows from
@@ -49,12 +45,12 @@ class Stage:
         return float(concentrated_field.values()["l"])
 
     @cached_property
-    def pair(self) -> parameters.Array:
+    def pair(self) -> PlanarArray:
         """The first two sensors and model (2)."""
         return self.array(self.places[:2])
 
     @cached_property
-    def three(self) -> parameters.Array:
+    def three(self) -> PlanarArray:
         """All sensors and model (2)."""
         return self.array(self.places)
 
@@ -63,12 +59,12 @@ class Stage:
         """What is read above six pitches of the blocks that were made."""
         return finite_matrix.scan(self.strong, self.weak, self.height, self.chain.gain, PER_PITCH)
 
-    def array(self, places: Sequence[Pair]) -> parameters.Array:
+    def array(self, places: Sequence[Pair]) -> PlanarArray:
         """Return model (2) for sensors at places in pitches."""
         alpha, beta = (self.chain.gain * self.amplitudes(NUMBERS)[k] for k in (0, 1))
         two = ((0.0, 0.0), (self.pitch, 0.0))
-        model = parameters.Array(two, 0.0, float(alpha), float(beta), self.pitch, self.chain.noise)
-        return layouts.placed(model, tuple(places))
+        model = PlanarArray(two, 0.0, float(alpha), float(beta), self.pitch, self.chain.noise)
+        return hall_two_waves.placed(model, tuple(places))
 
     def waves(self, orders: Sequence[Order], ideal: bool = False) -> tuple[Wave, ...]:
         """Return waves above the blocks that were made, or above `ideal` ones."""
@@ -89,20 +85,20 @@ class Stage:
         return concentrated_field.ideal(self.strong) if ideal else concentrated_field.fabricated(self.strong, self.weak)
 
 
-def grid(of: parameters.Array, points: int) -> Array:
+def grid(of: PlanarArray, points: int) -> Array:
     """Return poses (3, points^2) in the middles of squares over the pitch, m, at yaw 0."""
-    return np.array(layouts.poses(of.pitch, points, shift=0.5))
+    return np.array(hall_two_waves.poses(of.pitch, points, shift=0.5))
 
 
-def known_yaw(of: parameters.Array, points: int = 4096) -> Array:
+def known_yaw(of: PlanarArray, points: int = 4096) -> Array:
     """Return the deviation of X in m of sensors without yaw or yaw error, over a pitch (points,)."""
     q = np.zeros((3, points))
     q[0] = 2 * np.pi * np.arange(points) / points
-    slopes = fisher.rows(of, q).g[0]
+    slopes = hall_fisher.rows(of, q).g[0]
     return np.asarray(of.deviation / of.wave_number / np.sqrt((slopes**2).sum(axis=0)))
 
 
 @lru_cache(KEPT)
-def worst(of: parameters.Array, low: float, high: float, tolerance: float) -> fisher.Worst:
-    """Return the largest deviations over the pitch and yaws in rad, with their bounds, as `fisher.worst`."""
-    return fisher.worst(of, (low, high), tolerance)
+def worst(of: PlanarArray, low: float, high: float, tolerance: float) -> hall_fisher.Worst:
+    """Return the largest deviations over the pitch and yaws in rad, with their bounds, as `hall_fisher.worst`."""
+    return hall_fisher.worst(of, (low, high), tolerance)

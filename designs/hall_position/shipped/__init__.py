@@ -12,10 +12,12 @@ import numpy as np
 
 from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import channels, estimator
-from designs.hall_position.glsdc.parameters import Array, Pair, Tuning
+from designs.hall_position.glsdc.parameters import Tuning
 from models import concentrated_field, hall_array
 from models.concentrated_field import STRONG, WEAK
+from models.hall_array import Pair
 from models.hall_chain import Chain
+from models.hall_two_waves import PlanarArray as Array
 from synth import stage
 from synth.block import Block
 from synth.declaration import Controller

@@ -18,12 +18,12 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import channels
 from designs.hall_position.trust import endurance, fleet
 from designs.hall_position.trust.endurance import Limits
 from designs.hall_position.trust.fleet import Kind
 from designs.hall_position.trust.motions import Numbers, Pose
+from models import hall_two_waves
 from synth import numeric
 from synth.errors import ModelError
 from synth.execute import host
@@ -103,7 +103,7 @@ def unseen(kind: Kind, failure: str, sensor: int, points: int, seed: int = 0) ->
 
     Raises ModelError for an unknown failure, a sensor that is not there, or no point.
     """
-    at = _resting(Pose(*layouts.poses(kind.array.pitch, points)))
+    at = _resting(Pose(*hall_two_waves.poses(kind.array.pitch, points)))
     seen = _run(kind, failure, sensor, at, np.random.default_rng(seed))
     flagged = seen.flagged[: SOON + 1].any(axis=0)
     return readonly(np.where(flagged, np.nan, seen.judged.off[SOON]).reshape(points, points))

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.hall_position.glsdc.parameters import Array
+from models.hall_two_waves import PlanarArray as Array
 
 Numbers = NDArray[Any]
 Each = float | Numbers  # one for all columns, or one for each
