@@ -9,14 +9,16 @@ from matplotlib.figure import Figure
 from designs.hall_position.accuracy.layouts import LAYOUTS, PUBLISHED
 from designs.hall_position.pages import drawings
 from designs.hall_position.paper import errors, rank
-from designs.hall_position.paper.stage import TOLERANCE, UM, Array, Stage, grid, worst
+from designs.hall_position.paper.stage import Stage, grid
 from models import hall_correction, hall_fisher, hall_singular_points
+from models.hall_array import Array
 from models.hall_two_waves import PlanarArray
 from synth.report import charts, maps
 from synth.report.captions import Made, Rows
 from synth.report.charts import LEVEL, Chart, Line
 from synth.report.maps import Map
 
+UM = 1e-6
 POINTS = 96  # of a map, along a pitch
 COARSE, TURNS = 48, 121  # of the curve over yaw: places along a pitch, yaws
 YAW = radians(5)  # of the second maps
@@ -86,10 +88,10 @@ def _over_yaw(layouts: Mapping[str, PlanarArray]) -> Figure:
 
 
 def _worst(stage: Stage) -> Rows:
-    cases = [("third sensor added", PUBLISHED, 0), *((f"searched, ±{t}°", LAYOUTS[t], t) for t in (5, 15))]
+    proofs = {("third sensor added", 0): rank.worst(stage.array(PUBLISHED), 0.0, 0.0)}
+    proofs |= {(f"searched, ±{turn}°", turn): rank.worst_searched(stage, turn) for turn in (5, 15)}
     rows: list[tuple[str, ...]] = [("two sensors", "any", *("none",) * 6)]
-    for name, places, turn in cases:
-        proved = worst(stage.array(places), -radians(turn), radians(turn), rank.TOLERANCES.get(turn, TOLERANCE))
+    for (name, turn), proved in proofs.items():
         values = (f"{v / UM:.4g}" for v in (*proved.met, *proved.bound))
         rows.append((name, f"{-turn or 0} .. {turn}".replace("-", "−"), *values))
     return rows

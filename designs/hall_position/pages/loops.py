@@ -23,13 +23,13 @@ from designs.planar_6dof import loops, lqg
 from designs.planar_6dof import page as planar
 from designs.planar_6dof.allocation import AXES, HORIZONTAL
 from designs.planar_6dof.loops import PHASES, SENSED, Parts, Place
-from designs.planar_6dof.page_stage import SYMBOLS
 from models import concentrated_field, hall_array, planar_stage
 from models.hall_chain import Chain
 from models.hall_two_waves import PlanarArray as Sensors
 from synth.analyse import linearise, loop, trim
 from synth.block import Block
 from synth.report import page, standard
+from synth.report.figures import SYMBOLS
 from synth.signals import names
 from synth.statespace import Array, StateSpace
 

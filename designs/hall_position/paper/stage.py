@@ -6,38 +6,38 @@ Sensors are at +-(3/8, 3/8) l about the body's origin: the paper gives the spaci
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from designs.hall_position.accuracy.layouts import PUBLISHED
-from models import concentrated_field, finite_matrix, hall_array, hall_fisher, hall_two_waves
+from models import concentrated_field, finite_matrix, hall_array, hall_two_waves
 from models.concentrated_field import STRONG, WEAK, Cell, Order, Wave
 from models.finite_matrix import Scan
 from models.hall_array import Array, Pair
 from models.hall_chain import Chain
 from models.hall_two_waves import PlanarArray
 
-UM, MM, MV = 1e-6, 1e-3, 1e-3
-FIELD = ("strong", "weak")  # what the field follows from
-NOISE = (*FIELD, "sensitivity", "noise")  # and the deviations
-TOLERANCE = 1e-3  # relative, of proofs at one yaw
 KEPT = 8  # results of each kind, for those that are asked for more than once
-POINTS = 240  # of a map, along a pitch
 PER_PITCH = 40  # points of a scan, so that sensors of (3/8) l stand on points
 NUMBERS = (1, 5)  # of model (2)
 
 
 @dataclass(frozen=True)
 class Stage:
-    """Remanences in T, where sensors are in pitches, their height above the matrix in m, and what follows them."""
+    """Remanences in T, the sensors' height above the matrix in m, and their sensitivity in V/T and noise in V."""
 
     strong: float = STRONG
     weak: float = WEAK
-    places: tuple[Pair, ...] = PUBLISHED
     height: float = hall_array.HEIGHT
-    chain: Chain = field(default_factory=Chain)
+    sensitivity: float = Chain.sensitivity
+    noise: float = Chain.noise
+
+    @property
+    def chain(self) -> Chain:
+        """What follows the sensors."""
+        return Chain(self.sensitivity, noise=self.noise)
 
     @cached_property
     def pitch(self) -> float:
@@ -47,12 +47,12 @@ class Stage:
     @cached_property
     def pair(self) -> PlanarArray:
         """The first two sensors and model (2)."""
-        return self.array(self.places[:2])
+        return self.array(PUBLISHED[:2])
 
     @cached_property
     def three(self) -> PlanarArray:
         """All sensors and model (2)."""
-        return self.array(self.places)
+        return self.array(PUBLISHED)
 
     @property
     def truth(self) -> Scan:
@@ -88,17 +88,3 @@ class Stage:
 def grid(of: PlanarArray, points: int) -> Array:
     """Return poses (3, points^2) in the middles of squares over the pitch, m, at yaw 0."""
     return np.array(hall_two_waves.poses(of.pitch, points, shift=0.5))
-
-
-def known_yaw(of: PlanarArray, points: int = 4096) -> Array:
-    """Return the deviation of X in m of sensors without yaw or yaw error, over a pitch (points,)."""
-    q = np.zeros((3, points))
-    q[0] = 2 * np.pi * np.arange(points) / points
-    slopes = hall_fisher.rows(of, q).g[0]
-    return np.asarray(of.deviation / of.wave_number / np.sqrt((slopes**2).sum(axis=0)))
-
-
-@lru_cache(KEPT)
-def worst(of: PlanarArray, low: float, high: float, tolerance: float) -> hall_fisher.Worst:
-    """Return the largest deviations over the pitch and yaws in rad, with their bounds, as `hall_fisher.worst`."""
-    return hall_fisher.worst(of, (low, high), tolerance)

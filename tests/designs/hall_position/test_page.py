@@ -13,8 +13,7 @@ from designs.hall_position.paper import rows
 from designs.hall_position.paper.stage import Stage, grid
 from models import hall_accuracy, hall_fisher
 from synth.emit.write import Emitted
-from synth.report import sections
-from synth.report.audit import recipes
+from synth.report import audit, sections
 from synth.report.captions import Made, Rows
 from synth.report.page import Section, Table
 from synth.verify.cost import Cost
@@ -57,7 +56,8 @@ def test_every_part_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(costs, "measure", lambda three, four: others[id(three), four])
     monkeypatch.setattr(sections, "cost", lambda found: Section("Cost of two sensors"))
     cost = Cost(shipped.NAME, "cortex-m4f", 1e-3, (), (), (), {}, ())
-    few = [recipes(rows.ROWS)[n].row(STAGE, rows.printed()) for n in ("K-1", "K-8")]
+    bench = rows.on(STAGE, rows.printed())
+    few = [audit.computed(bench.published[n], bench) for n in ("K-1", "K-8")]
     html = page.report({shipped.THREE: three}, Evidence(shipped.NAME, (), ()), [], few, cost)
     assert len(html.encode()) < MOST and html.count("<svg") == len(set(re.findall(r"Figure (\d+)\.", html)))
     for text in (
