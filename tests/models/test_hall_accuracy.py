@@ -147,7 +147,7 @@ POINTS = (0.0, 0.0, 0.0)
 
 
 def test_two_sensors_are_as_published() -> None:
-    pair = replace(hall_array.sensors(PLACES[:2]), volume=POINTS)
+    pair = hall_array.points(PLACES[:2])
     found = hall_accuracy.of_sensors(pair, FITTED, hall_two_waves.poses(l, 60).T, 0.05)
     assert abs(found.condition.min() - 1.376) < 5e-4
     assert abs(np.median(found.condition) - 4.14) < 0.03  # a median moves with the grid by as much
@@ -169,14 +169,14 @@ def test_waves_beyond_the_model_change_the_worst_little(waves: str) -> None:
 
 def test_misaligned_sensors_are_seen() -> None:
     crooked = HallArray(tuple(Sensor((x, y, 0.0), 0.3, (0.5, 0.5)) for x, y in PLACES), volume=POINTS)
-    straight = replace(hall_array.sensors(PLACES), volume=POINTS)
+    straight = hall_array.points(PLACES)
     cell = hall_two_waves.poses(l, 8, 0.2).T
     ours, theirs = (hall_accuracy.of_sensors(each, FITTED, cell, 0.01).deviations for each in (crooked, straight))
     np.testing.assert_allclose(ours, 2 * theirs, rtol=1e-9)  # half the gain; turned axes see as much
 
 
 def test_a_quarter_turn_exchanges_the_axes() -> None:
-    array = replace(hall_array.sensors(PLACES), volume=POINTS)
+    array = hall_array.points(PLACES)
     q = hall_two_waves.poses(l, 7, 0.3).T
     turned = np.column_stack([-q[:, 1], q[:, 0], q[:, 2] + np.pi / 2])
     ours, theirs = (hall_accuracy.of_sensors(array, FITTED, each, 0.01) for each in (q, turned))

@@ -25,7 +25,7 @@ def poses(count: int, seed: int = 3) -> np.ndarray:
 
 def test_deviations_are_those_of_the_sensor_model() -> None:
     q = poses(500)
-    sensors = replace(hall_array.sensors(PLACES), volume=(0.0, 0.0, 0.0))
+    sensors = hall_array.points(PLACES)
     expected = hall_accuracy.of_sensors(sensors, WAVES, q.T, hall_accuracy.spread(sensors))
     sound = expected.condition < 1e3
     np.testing.assert_allclose(hall_fisher.deviations(THREE, q).T[sound], expected.deviations[sound], rtol=1e-8)

@@ -27,7 +27,7 @@ def test_the_published_point_is_exact_and_one_of_many() -> None:
 @pytest.mark.parametrize("yaw", [0.0, 0.05, -0.7])
 def test_the_sensor_model_loses_rank_there(yaw: float) -> None:
     found = hall_singular_points.of_pair(PAIR, yaw)
-    sensors = replace(hall_array.sensors(PLACES), volume=(0.0, 0.0, 0.0))
+    sensors = hall_array.points(PLACES)
     poses = np.column_stack([found, np.full(len(found), yaw)])
     assert len(poses) and (hall_accuracy.of_sensors(sensors, WAVES, poses, 0.01).condition > 1e12).all()
 

@@ -103,7 +103,7 @@ def sensed(of: Sensors, pose: Place) -> tuple[Array, Array]:
     chain = Chain()
     sizes = {1: of.alpha / chain.gain, 5: of.beta / chain.gain}
     waves = concentrated_field.fitted(sizes, hall_array.HEIGHT, concentrated_field.values())
-    array = replace(hall_array.sensors(of.positions), volume=(0.0, 0.0, 0.0))
+    array = hall_array.points(of.positions)
     q = np.zeros(len(hall_array.SPATIAL))
     for axis, k in SPATIAL.items():
         q[k] = pose[axis] + (hall_array.HEIGHT if axis == "z" else 0.0)

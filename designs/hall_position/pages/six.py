@@ -1,7 +1,6 @@
 """Redundant sensors and six degrees of freedom in the report, which the paper leaves as future work."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 import numpy as np
 
@@ -80,7 +79,7 @@ def _table(of: Mapping[str, Accuracy], what: str) -> page.Table:
 
 def _misfit(of: SpatialArray) -> page.Table:
     """Return the errors by waves that the model has not, to first order."""
-    sensors = replace(hall_array.sensors([(x, y) for x, y, _ in of.positions]), volume=(0.0, 0.0, 0.0))
+    sensors = hall_array.points([(x, y) for x, y, _ in of.positions])
     off = 1e6 * hall_accuracy.misfit(of, sensors, Stage().waves(errors.WAVES), hall_accuracy.cell(of, LEVEL, POINTS))
     rows = ("rms", *np.sqrt(np.mean(off**2, axis=0)).tolist()), ("largest", *np.abs(off).max(axis=0).tolist())
     return page.Table("Errors by what model (2) does not know of the field, to first order, level", COLUMNS, rows)

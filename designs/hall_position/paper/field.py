@@ -74,7 +74,6 @@ def fitted(stage: Stage) -> hall_scan.Fit:
 
 def above_infinite(stage: Stage, points: int = PER_PITCH, highest: int = 9) -> hall_scan.Fit:
     """Return model (2) of a scan over a pitch of the infinite matrix, harmonics up to the `highest` of either axis."""
-    one = hall_array.sensors([(0.0, 0.0)])
-    silent = replace(one, chain=replace(stage.chain, noise=0.0), volume=(0.0, 0.0, 0.0))
+    silent = hall_array.points([(0.0, 0.0)], replace(stage.chain, noise=0.0))
     waves, at = stage.waves(concentrated_field.up_to(highest)), hall_scan.places(stage.pitch, points, (stage.height,))
     return hall_scan.fit(hall_scan.scanned(silent, waves, at, 0), "V_ax", stage.pitch)

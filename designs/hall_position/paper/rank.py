@@ -11,9 +11,16 @@ from math import radians
 import numpy as np
 
 from designs.hall_position.accuracy import layouts
-from designs.hall_position.paper import errors
 from designs.hall_position.paper.stage import KEPT, NUMBERS, Stage, grid
-from models import concentrated_field, hall_accuracy, hall_correction, hall_fisher, hall_singular_points, hall_two_waves
+from models import (
+    concentrated_field,
+    hall_accuracy,
+    hall_array,
+    hall_correction,
+    hall_fisher,
+    hall_singular_points,
+    hall_two_waves,
+)
 from models.hall_array import Array
 from models.hall_two_waves import PlanarArray
 from synth.analyse.observability.worst_deviation import Worst
@@ -68,13 +75,16 @@ def conditions(stage: Stage) -> Array:
     """Return the condition numbers (N,) of two sensors over the pitch."""
     sizes = dict(zip(NUMBERS, stage.amplitudes(NUMBERS).tolist(), strict=True))
     waves = concentrated_field.fitted(sizes, stage.height, concentrated_field.values())
-    pair, at = errors.sensors(stage.pair, stage.chain), hall_two_waves.poses(stage.pitch, 60).T
+    pair, at = hall_array.points(stage.pair.positions, stage.chain), hall_two_waves.poses(stage.pitch, 60).T
     return hall_accuracy.of_sensors(pair, waves, at, LEVER).condition
 
 
 def with_ninth(stage: Stage) -> Array:
     """Return the largest deviations of X, Y and yaw of all sensors at yaw 0, the 9th harmonic included."""
-    waves, of = stage.waves(concentrated_field.on_axes((1, 5, 9))), errors.sensors(stage.three, stage.chain)
+    waves, of = (
+        stage.waves(concentrated_field.on_axes((1, 5, 9))),
+        hall_array.points(stage.three.positions, stage.chain),
+    )
     at = hall_two_waves.poses(stage.pitch, FINE).T
     return hall_accuracy.of_sensors(of, waves, at, hall_accuracy.spread(of), stage.height).deviations.max(axis=0)
 

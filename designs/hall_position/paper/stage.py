@@ -73,9 +73,7 @@ class Stage:
     def amplitudes(self, numbers: Sequence[int], z: float | None = None, ideal: bool = False) -> Array:
         """Return A_n in T of sin(n w X) in B_X, z in m above the matrix, at the sensors' height unless given."""
         at = self.height if z is None else z
-        found = {w.order: w for w in self.waves([(n, 0) for n in numbers], ideal)}
-        sizes = {n: concentrated_field.amplitude(found[n, 0], at) for n in numbers if (n, 0) in found}
-        return np.array([float(sizes.get(n, 0.0)) for n in numbers])
+        return np.array(concentrated_field.amplitudes(self._cell(ideal), numbers, at))
 
     def cross(self, z: float) -> float:
         """Return the amplitude in T of sin(w (2 X + Y)) in B_X."""

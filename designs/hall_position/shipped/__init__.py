@@ -4,7 +4,7 @@ The field is that of the fabricated matrix at the sensors' height, by the blocks
 """
 
 from collections.abc import Mapping
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from types import MappingProxyType
 from typing import Any
 
@@ -46,23 +46,17 @@ def array(name: str = NAME, chain: Chain | None = None) -> Array:
     if name not in tuple(PLACES):
         raise DesignError(f"'{name}' is none of the estimators that ship: give one of {', '.join(PLACES)}")
     chain = chain or Chain()
-    alpha, beta = (digits.cut(chain.gain * b, DIGITS) for b in amplitudes())
+    fabricated = concentrated_field.fabricated(STRONG, WEAK)
+    amplitudes = concentrated_field.amplitudes(fabricated, (1, 5), hall_array.HEIGHT)
+    alpha, beta = (digits.cut(chain.gain * b, DIGITS) for b in amplitudes)
     pitch = concentrated_field.PARAMETERS[0].value
     places = tuple((x * pitch, y * pitch) for x, y in PLACES[name])
     return Array(places, 0.0, alpha, beta, pitch, chain.noise)
 
 
-def amplitudes() -> tuple[float, float]:
-    """Return alpha and beta of (2) for the fabricated matrix, T."""
-    cell = concentrated_field.fabricated(STRONG, WEAK)
-    waves = concentrated_field.waves(cell, [(1, 0), (5, 0)], concentrated_field.values())
-    first, fifth = (float(concentrated_field.amplitude(w, hall_array.HEIGHT)) for w in waves)
-    return first, fifth
-
-
 def plant(of: Array) -> Plant:
     """Return the sensors on a body that moves over the field of (2)."""
-    sensors = replace(hall_array.sensors(of.positions), volume=(0.0, 0.0, 0.0))
+    sensors = hall_array.points(of.positions)
     flux = {n: v / sensors.chain.gain for n, v in ((1, of.alpha), (5, of.beta))}
     waves = concentrated_field.fitted(flux, hall_array.HEIGHT, concentrated_field.values())
     return hall_array.plant(sensors, waves, channels.voltages(len(of.positions)), TUNING.pitches * of.pitch)

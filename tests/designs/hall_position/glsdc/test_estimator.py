@@ -52,7 +52,7 @@ def rms(values: Numbers) -> float:
 
 def test_the_voltages_here_are_those_of_the_sensor_model() -> None:
     field = concentrated_field.fitted({1: ALPHA / 8.4, 5: BETA / 8.4}, 3e-3, concentrated_field.values())
-    sensors = replace(hall_array.sensors(THREE.positions), volume=(0.0, 0.0, 0.0))
+    sensors = hall_array.points(THREE.positions)
     predicted, pose = hall_array.planar(sensors, field).function(), places(20, 0, 3.0)
     for X, Y, yaw, V in zip(pose.X, pose.Y, pose.yaw, volts(THREE, pose), strict=True):
         np.testing.assert_allclose(predicted(ca.DM([X, Y, yaw]))[0].full().ravel(), V.ravel(), rtol=0, atol=EXACT)

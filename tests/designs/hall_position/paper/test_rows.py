@@ -169,7 +169,7 @@ def test_a_correction_is_the_least_squares_solution_of_the_sensor_model() -> Non
     waves = concentrated_field.fitted(
         {1: STAGE.three.alpha / 8.4, 5: STAGE.three.beta / 8.4}, 3e-3, concentrated_field.values()
     )
-    sensors = replace(hall_array.sensors(STAGE.three.positions), volume=(0.0, 0.0, 0.0))
+    sensors = hall_array.points(STAGE.three.positions)
     model = hall_array.planar(sensors, waves).function()
     for known in (False, True):
         found = hall_correction.correction(STAGE.three, read, at, known)
