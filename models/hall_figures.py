@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from models import hall_array
 from models.concentrated_field import (
     CROSS,
-    Cell,
     Wave,
     amplitude,
+    amplitudes,
     fabricated,
     field,
     ideal,
@@ -76,14 +76,10 @@ class Spacings:
 def coefficients(highest: int = 9, z: float = 0.0) -> Coefficients:
     """Return Fig. 3: coefficients up to a number, z in m above ideal blocks and above those that were made."""
     p, numbers = values(), range(1, highest + 1)
-
-    def found(cell: Cell) -> Array:
-        by_order = {wave.order: float(amplitude(wave, z)) for wave in waves(cell, on_axes(numbers), p)}
-        return readonly([by_order.get((n, 0), 0.0) for n in numbers])
-
     made = fabricated(p["strong"], p["weak"])
     cross = float(amplitude(waves(made, CROSS, p)[0], z))
-    return Coefficients(np.array(numbers), found(ideal(p["strong"])), found(made), cross)
+    of_ideal, of_made = (readonly(amplitudes(cell, numbers, z)) for cell in (ideal(p["strong"]), made))
+    return Coefficients(np.array(numbers), of_ideal, of_made, cross)
 
 
 def surface(points: int = 65, z: float = 3e-3, of: Sequence[Wave] = ()) -> Surface:

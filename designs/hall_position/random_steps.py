@@ -13,10 +13,10 @@ from math import ceil
 import numpy as np
 
 from designs.hall_position import reference, reference_guard, shipped
-from designs.hall_position.glsdc.parameters import Array
 from designs.hall_position.reference_glsdc import Setup
 from designs.hall_position.trust import motions
 from designs.hall_position.trust.motions import Numbers, Pose
+from models.hall_two_waves import PlanarArray as Array
 from synth.block import Block
 from synth.verify import sampling
 from synth.verify.sampling import Columns
@@ -43,7 +43,7 @@ class Subject:
 def setup(name: str = shipped.NAME) -> Setup:
     """Return the numbers of the reference; raise DesignError for an unknown name."""
     of = shipped.array(name)
-    return Setup(vars(of) | vars(shipped.TUNING) | {"weights": of.weights or (1.0,) * len(of.positions)})
+    return Setup(vars(of) | vars(shipped.TUNING))
 
 
 def subject(name: str) -> Subject:

@@ -29,8 +29,9 @@ from typing import NamedTuple
 import casadi as ca
 
 from designs.hall_position.glsdc import phasor
-from designs.hall_position.glsdc.parameters import Array, Tuning
+from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.glsdc.phasor import Phasor
+from models.hall_two_waves import PlanarArray
 from synth.block import Constant, Exprs
 from synth.blocks.glsdc import Choose, Descent, Named, Trial, Vector, total
 from synth.signals import Signal
@@ -47,7 +48,7 @@ class Problem:
     Voltages are within `expected` V rms of their prediction.
     """
 
-    array: Array
+    array: PlanarArray
     tuning: Tuning
     descent: Descent
     damping: float
@@ -118,7 +119,7 @@ class Normal:
         return [*ends, yaw]
 
 
-def problem(array: Array, tuning: Tuning) -> Problem:
+def problem(array: PlanarArray, tuning: Tuning) -> Problem:
     """Return the problem; a yaw moves the phase of a sensor as far as U and V do, together by `tuning.reach`."""
     arm = max(abs(x) + abs(y) for x, y in array.arms)
     half = tuning.reach / 2
@@ -132,7 +133,7 @@ def problem(array: Array, tuning: Tuning) -> Problem:
     return Problem(array, tuning, descent, tuning.damping * array.alpha**2, halvings, expected)
 
 
-def constants(array: Array) -> list[Constant]:
+def constants(array: PlanarArray) -> list[Constant]:
     """Return the coefficients of the field by powers of the sine, and of its derivative by the phase."""
     values = dict(zip(POWERS, (array.alpha + 5 * array.beta, -20 * array.beta, 16 * array.beta), strict=True))
     about = "alpha sin p + beta sin 5p by powers of the sine"
@@ -143,16 +144,16 @@ def constants(array: Array) -> list[Constant]:
 def sensors(
     u: Exprs, pose: Exprs, k: Exprs, heading: Phasor, left_out: Vector | None, of: Problem, named: Named
 ) -> list[Sensor]:
-    """Return the sensors at the predicted pose, the root of its weight on each; one that is left out reads 0 in none.
+    """Return the sensors at the predicted pose; one that is left out reads 0 in no field.
 
     It does so by a product with 0: CasADi would pass a choice on into every correction.
     """
 
     def sensor(n: int) -> Sensor:
-        letter, scale, (ax, ay) = ascii_lowercase[n], of.array.scales[n], of.array.arms[n]
+        letter, (ax, ay) = ascii_lowercase[n], of.array.arms[n]
 
         def kept(value: ca.SX) -> ca.SX:
-            return scale * (value if left_out is None else (1 - left_out[n]) * value)
+            return value if left_out is None else (1 - left_out[n]) * value
 
         place = heading.times(Phasor(ca.SX(ax), ca.SX(ay)))
         at = pose["phase_x"] + place.cosine, pose["phase_y"] + place.sine

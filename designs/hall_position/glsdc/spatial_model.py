@@ -2,8 +2,8 @@
 
     V_k = [u v]' B(P_k),   P_k = (X, Y, Z) + R r_k,    q = (phase_x, phase_y, rise, roll, pitch, yaw) in rad
 
-In units of phase, so that the gradient of B is that of `six_field` over w and places are o = w R r. With rows p of the
-gradient turned into the body's axes, p_i = R' grad B R_i, b = R' B and a sensor at (x, y, z) rad in the body,
+In units of phase, so that the gradient of B is that of `hall_two_waves` over w and places are o = w R r. With rows p of
+the gradient turned into the body's axes, p_i = R' grad B R_i, b = R' B and a sensor at (x, y, z) rad in the body,
 
     u:  p_1 by phases,  t = (y p_13 - z p_12,  z p_11 - x p_13 - b_3,  x p_12 - y p_11 + b_2)    by turns in the body
     v:  p_2 by phases,  t = (y p_23 - z p_22 + b_3,  z p_12 - x p_23,  x p_22 - y p_12 - b_1)
@@ -23,8 +23,9 @@ from string import ascii_lowercase
 import casadi as ca
 
 from designs.hall_position.glsdc import phasor
+from designs.hall_position.glsdc.parameters import SpatialTuning
 from designs.hall_position.glsdc.phasor import Phasor
-from designs.hall_position.glsdc.six_parameters import Array, Tuning
+from models.hall_two_waves import SpatialArray
 from synth.block import Exprs, clip
 from synth.blocks import glsdc
 from synth.blocks.glsdc import Descent, Factorised, Named, Solution, Vector, dot, total
@@ -44,8 +45,8 @@ class Problem:
     most `most` times its damping.
     """
 
-    array: Array
-    tuning: Tuning
+    array: SpatialArray
+    tuning: SpatialTuning
     descent: Descent
     damping: tuple[float, ...]
     ranges: tuple[Signal, ...]
@@ -72,7 +73,7 @@ class Sensor:
     beta: ca.SX
 
 
-def problem(array: Array, tuning: Tuning) -> Problem:
+def problem(array: SpatialArray, tuning: SpatialTuning) -> Problem:
     """Return the problem; phases and the yaw together move a sensor's phase by `tuning.reach`."""
     arm = max(abs(x) + abs(y) for x, y, _ in array.arms)
     half, rise = tuning.reach / 2, array.wave_number * tuning.gap
@@ -94,7 +95,7 @@ def problem(array: Array, tuning: Tuning) -> Problem:
     return Problem(array, tuning, descent, damping, ranges, turned, _most(array, tuning), halvings)
 
 
-def _most(array: Array, tuning: Tuning) -> float:
+def _most(array: SpatialArray, tuning: SpatialTuning) -> float:
     """Return a bound of a column's square over its damping: |B| and the gradient times an axis are below 2 slope."""
     lift = array.wave_number * tuning.gap + tuning.tilt * max(hypot(*r) for r in array.arms)
     slope = exp(lift) + 5 * abs(array.beta) / array.alpha * exp(5 * lift)
@@ -102,7 +103,7 @@ def _most(array: Array, tuning: Tuning) -> float:
     return ceil(2 * max(len(array.arms) * (2 * slope) ** 2, turned) / tuning.damping)
 
 
-def sensors(array: Array, u: Exprs, k: Exprs, left_out: Vector | None) -> list[Sensor]:
+def sensors(array: SpatialArray, u: Exprs, k: Exprs, left_out: Vector | None) -> list[Sensor]:
     """Return the sensors; one that is left out reads 0 in no field, by a product with 0."""
     sensors = []
     for n, (letter, arm) in enumerate(zip(ascii_lowercase, array.arms, strict=False)):

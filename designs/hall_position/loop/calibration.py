@@ -14,11 +14,12 @@ from functools import cache
 import numpy as np
 
 from designs.hall_position.glsdc import estimator
-from designs.hall_position.glsdc.parameters import Array, Pair
 from designs.hall_position.loop import closed_loop
 from designs.hall_position.loop.closed_loop import PITCH, Source
 from models import hall_bench
+from models.hall_array import Pair
 from models.hall_bench import Bench
+from models.hall_two_waves import PlanarArray as Array
 from synth.block import unranged
 from synth.blocks import error_map, lookup_table
 from synth.emit.c import digits

@@ -27,9 +27,11 @@ import numpy as np
 
 from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import estimator
-from designs.hall_position.glsdc.parameters import Array, Pair, Tuning
+from designs.hall_position.glsdc.parameters import Tuning
 from designs.planar_6dof import allocation, interface, sensing, vertical
 from designs.planar_6dof.allocation import HORIZONTAL, PITCH
+from models.hall_array import Pair
+from models.hall_two_waves import PlanarArray as Array
 from synth.block import Block, Exprs, State, Step, build, clip
 from synth.blocks import error_map
 from synth.blocks.error_map import ErrorMap

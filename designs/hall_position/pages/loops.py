@@ -13,19 +13,19 @@ move the voltages too, is left out.
 import numpy as np
 
 from designs.hall_position import shipped
-from designs.hall_position.glsdc.parameters import Array as Sensors
 from designs.hall_position.loop import closed_loop
 from designs.hall_position.loop.closed_loop import Source
 from designs.planar_6dof import loops, lqg
 from designs.planar_6dof import page as planar
 from designs.planar_6dof.allocation import AXES, HORIZONTAL
 from designs.planar_6dof.loops import PHASES, SENSED, Parts, Place
-from designs.planar_6dof.page_stage import SYMBOLS
-from models import hall_array, hall_chain, planar_stage
+from models import hall_array, hall_chain, hall_two_waves, planar_stage
 from models.hall_chain import Chain
+from models.hall_two_waves import PlanarArray as Sensors
 from synth.analyse import linearise, loop, trim
 from synth.block import Block
 from synth.report import page, sections, standard
+from synth.report.figures import SYMBOLS
 from synth.statespace import Array
 from synth.verify import agree
 
@@ -82,7 +82,7 @@ def sensed(of: Sensors, pose: Place) -> tuple[Array, Array]:
     q = np.zeros(len(hall_array.SPATIAL))
     for axis, k in SPATIAL.items():
         q[k] = pose[axis] + (hall_array.HEIGHT if axis == "z" else 0.0)
-    volts, H = (v.full() for v in hall_array.spatial(*shipped.field(of)).function()(q))
+    volts, H = (v.full() for v in hall_array.spatial(*hall_two_waves.model(of)).function()(q))
     return volts.ravel(), H[:, [SPATIAL[axis] for axis in AXES]]
 
 

@@ -7,10 +7,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from designs.hall_position import shipped
-from designs.hall_position.accuracy import layouts
 from designs.hall_position.trust import endurance, failures, starts
 from designs.hall_position.trust.fleet import Kind
 from designs.hall_position.trust.motions import Pose
+from models import hall_two_waves
 from synth.report import charts, maps, page
 from synth.report.captions import Made, Rows
 from synth.report.charts import Chart, Line
@@ -78,7 +78,7 @@ def cold_starts(of: Kinds) -> dict[str, Made]:
     """Return how long it takes from `init` to a valid estimate."""
     runs: dict[str, Scores] = {}
     for name, kind in of.items():
-        pose = Pose(*layouts.poses(kind.array.pitch, STARTS, YAWS))
+        pose = Pose(*hall_two_waves.poses(kind.array.pitch, STARTS, YAWS))
         for what, speed in (("at rest", 0.0), ("moving", DRIFT)):
             runs[f"{NAMES[name]}, {what}"] = starts.cold_start(kind, pose, WAIT, speed)
     lines = []

@@ -12,11 +12,11 @@ import numpy as np
 
 from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import channels, estimator
-from designs.hall_position.glsdc.parameters import Array, Pair, Tuning
+from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.paper.stage import Stage
-from models import concentrated_field, hall_array
-from models.concentrated_field import Wave
-from models.hall_array import HallArray
+from models import hall_array, hall_two_waves
+from models.hall_array import Pair
+from models.hall_two_waves import PlanarArray as Array
 from synth import stage
 from synth.block import Block
 from synth.declaration import Controller
@@ -44,20 +44,14 @@ def array(name: str = NAME) -> Array:
     """
     if name not in tuple(PLACES):
         raise DesignError(f"'{name}' is none of the estimators that ship: give one of {', '.join(PLACES)}")
-    of = Stage(places=PLACES[name]).three
+    of = Stage().array(PLACES[name])
     return replace(of, alpha=digits.cut(of.alpha, DIGITS), beta=digits.cut(of.beta, DIGITS))
-
-
-def field(of: Array) -> tuple[HallArray, tuple[Wave, ...]]:
-    """Return sensors that are points, and the field of (2) as waves."""
-    sensors = replace(hall_array.sensors(of.positions), volume=(0.0, 0.0, 0.0))
-    flux = {n: v / sensors.chain.gain for n, v in ((1, of.alpha), (5, of.beta))}
-    return sensors, concentrated_field.fitted(flux, hall_array.HEIGHT, concentrated_field.values())
 
 
 def plant(of: Array) -> Plant:
     """Return the sensors on a body that moves over the field of (2)."""
-    return hall_array.plant(*field(of), channels.voltages(len(of.positions)), TUNING.pitches * of.pitch)
+    volts = channels.voltages(len(of.positions))
+    return hall_array.plant(*hall_two_waves.model(of), volts, TUNING.pitches * of.pitch)
 
 
 def controller(name: str = NAME) -> Controller:

@@ -18,12 +18,12 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import channels
 from designs.hall_position.trust import endurance, fleet
 from designs.hall_position.trust.endurance import Limits
 from designs.hall_position.trust.fleet import Course, Kind
 from designs.hall_position.trust.motions import Numbers, Pose
+from models import hall_two_waves
 from synth import numeric
 from synth.errors import ModelError
 from synth.execute import host
@@ -95,7 +95,7 @@ def unseen(kind: Kind, failure: str, sensor: int, points: int, seed: int = 0) ->
 
     Raises ModelError for an unknown failure, a sensor that is not there, or no point.
     """
-    at = fleet.resting(Pose(*layouts.poses(kind.array.pitch, points)))
+    at = fleet.resting(Pose(*hall_two_waves.poses(kind.array.pitch, points)))
     samples = _run(kind, failure, sensor, at, np.random.default_rng(seed))
     flagged = np.any([_flagged(batch) for batch, _ in samples[: SOON + 1]], axis=0)
     return readonly(np.where(flagged, np.nan, samples[SOON][1].off).reshape(points, points))

@@ -11,9 +11,10 @@ from math import pi
 import numpy as np
 
 from designs.hall_position.glsdc import estimator
-from designs.hall_position.glsdc.parameters import Array, Tuning
+from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.trust import motions
 from designs.hall_position.trust.motions import Numbers, Pose
+from models.hall_two_waves import PlanarArray as Array
 from synth import numeric, timing
 from synth.block import unranged
 from synth.errors import ModelError

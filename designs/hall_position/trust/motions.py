@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.hall_position.glsdc.parameters import Array, Pair
+from models.hall_array import Pair
+from models.hall_two_waves import PlanarArray as Array
 
 Numbers = NDArray[Any]
 Each = float | Numbers  # one for all columns, or one for each

@@ -7,12 +7,12 @@ import pytest
 from matplotlib.figure import Figure
 
 from designs.hall_position import shipped
-from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.pages import trust
 from designs.hall_position.trust import endurance, failures, fleet, starts
 from designs.hall_position.trust.fleet import Kind
 from designs.hall_position.trust.motions import Pose
+from models import hall_two_waves
 from synth.block import unranged
 from synth.emit import write
 from synth.execute import host
@@ -70,7 +70,7 @@ def test_what_is_valid_and_wrong_is_counted(monkeypatch: pytest.MonkeyPatch) -> 
 def test_cold_starts_are_shown_as_they_are() -> None:
     row = rows_of(trust.cold_starts(TWO)["trust.cold_starts"])[0]
     (kind,) = TWO.values()
-    grid = Pose(*layouts.poses(kind.array.pitch, 4, trust.YAWS))
+    grid = Pose(*hall_two_waves.poses(kind.array.pitch, 4, trust.YAWS))
     found = starts.cold_start(kind, grid, 60)
     took = found.first_valid
     assert row[1:3] == pytest.approx((100 * found.right[-1].mean(), 100 * (took > 0).mean()))

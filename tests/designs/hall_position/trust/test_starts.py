@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from designs.hall_position import shipped
-from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.trust import fleet, starts
 from designs.hall_position.trust.fleet import Kind
 from designs.hall_position.trust.motions import Pose
+from models import hall_two_waves
 from synth.errors import ModelError
 from synth.execute import host
 
@@ -21,7 +21,7 @@ YAWS = np.radians([-4.5, -2.0, 0.0, 2.0, 4.5])
 
 
 def grid(points: int, yaws: np.ndarray = YAWS) -> Pose:
-    return Pose(*layouts.poses(THREE.array.pitch, points, yaws))
+    return Pose(*hall_two_waves.poses(THREE.array.pitch, points, yaws))
 
 
 def test_of_three_sensors_every_start_within_a_sixteenth_of_a_pitch_leads_to_the_truth() -> None:
