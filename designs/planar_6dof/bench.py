@@ -12,9 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.planar_6dof import allocation, interface, sensing
+from designs.planar_6dof import interface
 from designs.planar_6dof.loop import SENSORS, Array
 from models import hall_calibration, planar_stage
+from models import hall_sections as sensing
+from models import planar_allocation as allocation
 from synth.execute import host
 from synth.verify import steps
 from synth.verify.steps import Steps

@@ -5,7 +5,7 @@ out of it and back in x and y, over a border of its sections as well, while it y
 out of range for three samples and a set-point for ten.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from math import pi
 from typing import Any
 
@@ -18,6 +18,7 @@ from synth.emit.c import digits
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import sample_times
 from synth.simulate.sensors import Override
+from synth.synthesise.classical import lead_lag
 from synth.synthesise.riccati import riccati
 from synth.timing import Discrete
 
@@ -46,20 +47,20 @@ def ways(time: Array) -> dict[str, Array]:
     return {axis: START.get(axis, 0.0) + way * there[axis] for axis, way in WAY.items()}
 
 
-def compensators(parts: Sequence[vertical.Loop]) -> dict[str, Any]:
+def compensators(parts: Mapping[str, lead_lag.LeadLag]) -> dict[str, Any]:
     """Return lead-lag compensators by axis, continuous and sampled, with the error of sampling."""
-    return {part.axis: _compensator(part) for part in parts}
+    return {axis: _compensator(axis, made) for axis, made in parts.items()}
 
 
-def _compensator(part: vertical.Loop) -> dict[str, Any]:
-    made, continuous = part.sampled, part.sampled.continuous
+def _compensator(axis: str, made: lead_lag.LeadLag) -> dict[str, Any]:
+    continuous = made.continuous
     return {
-        "equation": f"({vertical.EQUATION[part.axis]})",
+        "equation": f"({vertical.EQUATION[axis]})",
         "continuous": {"gain": continuous.gain, "zeros": list(continuous.zeros), "poles": list(continuous.poles)},
         "sampled": {
             "gain": made.gain,
             "zeros": [digits.cut(z.real, 12) for z in made.zeros],
-            "poles": [digits.cut(part.pole, 12), 1.0],
+            "poles": [digits.cut(vertical.pole(made), 12), 1.0],
         },
         "certificate": {
             "at_rad_s": digits.cut(made.at, 6),

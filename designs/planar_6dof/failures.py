@@ -16,9 +16,10 @@ from functools import cache, partial
 
 import numpy as np
 
-from designs.planar_6dof import interface, sensing
+from designs.planar_6dof import interface
 from designs.planar_6dof.loop import Array, seen
 from models import hall_calibration, planar_stage
+from models import hall_sections as sensing
 from synth.check import Check
 from synth.simulate import failure
 from synth.simulate.experiment import Experiment
@@ -85,7 +86,7 @@ def fail(loop: Rig, channel: str, kind: str, start: Place = START, speed: Place 
 
 
 def residuals(loop: Rig, run: Trajectory) -> Array:
-    """Return rho (N,) of `sensing`, 0 where the word names a channel already."""
+    """Return rho (N,) of `hall_sections`, 0 where the word names a channel already."""
     shown, A = seen(loop, run), hall_calibration.of(loop.plant).amplitude
     bounds = {s.name: sensing.POWER * A**2 if s.unit == "V^2" else sensing.RESIDUAL * A for s in sensing.RESIDUALS}
     rho = np.sqrt(np.sum([(shown[name] / bound) ** 2 for name, bound in bounds.items()], axis=0))

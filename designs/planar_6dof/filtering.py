@@ -30,7 +30,7 @@ from functools import cache
 import casadi as ca
 import numpy as np
 
-from designs.planar_6dof import sensing
+from models import hall_sections as sensing
 from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.statespace import StateSpace, readonly
 from synth.synthesise.observers import kalman

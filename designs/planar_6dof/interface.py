@@ -13,8 +13,9 @@ from functools import partial
 import casadi as ca
 import numpy as np
 
-from designs.planar_6dof import sensing, vertical
+from designs.planar_6dof import vertical
 from models import halbach, hall_calibration, planar_stage
+from models import hall_sections as sensing
 from synth import stage
 from synth.block import Block
 from synth.declaration import Actuator, Composition, Controller, Sensor, SetPoint

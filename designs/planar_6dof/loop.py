@@ -16,8 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from designs.planar_6dof import filtering, interface, sensing
+from designs.planar_6dof import filtering, interface
 from models import halbach, planar_stage
+from models import hall_sections as sensing
 from synth.block import Block, unranged
 from synth.blocks import safety
 from synth.compose import compose
@@ -65,7 +66,12 @@ def noise_of(rig: Rig) -> float:
 def seen(rig: Rig, trajectory: Trajectory) -> dict[str, Array]:
     """Return raw and filtered positions, ``x_raw`` and ``x``, as the controller has them in a run."""
     predicted = any(s.name.startswith("filter_") for s in rig.stage.controller.block.states)
-    columns = _compiled_view(rig.period_s, predicted).replay(trajectory.measured).outputs
+    return positions(trajectory, rig.period_s, predicted)
+
+
+def positions(run: Trajectory, period_s: float, predicted: bool = True) -> dict[str, Array]:
+    """Return `seen` of a run at a period in s by a controller whose filters predict, or which has none."""
+    columns = _compiled_view(period_s, predicted).replay(run.measured).outputs
     return {name: np.asarray(values, dtype=np.float64) for name, values in columns.items()}
 
 

@@ -20,10 +20,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from designs.planar_6dof import allocation, interface
+from designs.planar_6dof import interface
 from designs.planar_6dof import loop as simulated
-from designs.planar_6dof.allocation import AXES
+from models import planar_allocation as allocation
 from models import planar_stage
+from models.planar_allocation import AXES
 from models.planar_stage import commutation_matrix
 from synth.analyse import disk, linearise, loop, margins, trim
 from synth.block import Block

@@ -5,8 +5,8 @@
         f_x = k i_C,   f_y = k (i_A + i_B),   m_phi = k a (i_B - i_A),   k = 13.2547 M
 
     makes forces of its currents, so that the allocation compensates the yaw of motor C that (26) leaves out. In these K
-    falls apart into three axes q'' = b f, in which f is then over its scale in `allocation`, in A. Each knows the f1
-    that the motors make until the next sample, that of the sample before, and estimates the rate alone, with
+    falls apart into three axes q'' = b f, in which f is then over its scale in `planar_allocation`, in A. Each knows
+    the f1 that the motors make until the next sample, that of the sample before, and estimates the rate alone, with
     L = (1 - p) / T:
 
         v^  = x3 + L q,                     x3+ = F x3 + G q + H f1                                        (33), (35)
@@ -27,10 +27,12 @@ from functools import cache
 import casadi as ca
 import numpy as np
 
-from designs.planar_6dof import allocation, interface, sensing, vertical
-from designs.planar_6dof.allocation import HORIZONTAL
-from designs.planar_6dof.sensing import READY
+from designs.planar_6dof import interface, vertical
 from designs.planar_6dof.vertical import MARGIN, POSITIONS, REFERENCES, Variant
+from models import hall_sections as sensing
+from models import planar_allocation as allocation
+from models.hall_sections import READY
+from models.planar_allocation import HORIZONTAL
 from synth.analyse import discretise
 from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.plant import Plant
@@ -101,7 +103,7 @@ def axes(plant: Plant) -> tuple[Axis, ...]:
 
 def continuous(axis: Axis) -> StateSpace:
     """Return q'' = b f with the states q and its rate."""
-    made, rate, unit = vertical.demand(axis.name), RATES[axis.name], POSITIONS[axis.name].unit
+    made, rate, unit = vertical.DEMAND[axis.name], RATES[axis.name], POSITIONS[axis.name].unit
     A, B = np.eye(2, k=1), readonly([[0.0], [axis.b]])
     units, states = {axis.name: unit, rate: f"{unit}/s", made.name: made.unit}, (axis.name, rate)
     return StateSpace(A, B, np.eye(1, 2), np.zeros((1, 1)), states, (made.name,), states[:1], Continuous(), units)
@@ -136,7 +138,7 @@ def reduced_order(plant: Plant, axis: Axis) -> Block:
         after = k["F"] * now + k["G"] * u[q.name] + k["H"] * x["force"]
         return -(now + seen + k["on_force"] * x["force"]), {"x3": after}
 
-    unit = vertical.demand(axis.name).unit
+    unit = vertical.DEMAND[axis.name].unit
     state = State(Signal("x3", unit, -x3, x3, "for the estimated rate less L position"), 0.0)
     return regulator(plant, axis, estimate, [state], constants, x3 + L * q.high + on_force * f1)
 
@@ -152,7 +154,7 @@ def regulator(
     The integral and the force that acts until the next sample are added to the states.
     """
     q, r = MEASURED[axis.name], REFERENCES[axis.name]
-    wanted, driven = vertical.demand(axis.name), vertical.made(axis.name)
+    wanted, driven = vertical.DEMAND[axis.name], vertical.MADE[axis.name]
     k, f1 = axis.k1 + axis.k3, allocation.achievable_bound(plant)[axis.name]
     integral, g = MARGIN * (most + f1), axis.k3 / k
 
@@ -184,12 +186,12 @@ def regulator(
 
 def per_position(axis: str) -> str:
     """Return the unit of a demand over a position."""
-    return f"{vertical.demand(axis).unit}/{POSITIONS[axis].unit}"
+    return f"{vertical.DEMAND[axis].unit}/{POSITIONS[axis].unit}"
 
 
 def law(plant: Plant, variant: Variant = "shipped", regulate: Regulate = reduced_order) -> list[Block]:
     """Return the Blocks from positions and held set-points to computed phase currents."""
-    upright = [vertical.block(plant, part, TIME) for part in vertical.loops(TIME, variant)]
+    upright = [vertical.block(plant, axis, K, TIME) for axis, K in vertical.loops(TIME, variant).items()]
     motors = (make(plant, TIME, MEASURED["phi"]) for make in (allocation.allocation, allocation.commutation))
     return [*(regulate(plant, axis) for axis in axes(plant)), *upright, *motors]
 

@@ -1,26 +1,35 @@
-"""The report of a planar design: what a design review reads, assembled from the computed parts.
+"""The report of a planar design: what a design review reads, from report.md, report.toml and the computed blocks.
 
-Both designs share stage, sensing, filter, the pictures of experiments, voltages, failures, audit and verification; each
-adds its law, its gains and its loops.
+Both designs share stage, sensing, filter, the pictures of experiments, failures, audit and verification; each adds its
+law and its loops.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
+import casadi as ca
 import numpy as np
+from matplotlib.figure import Figure
 
-from designs.planar_6dof import allocation, loops, page_experiments, page_stage, sensing_maps, vertical
-from designs.planar_6dof.page_stage import SYMBOLS
-from models import halbach, planar_stage
+from designs.planar_6dof import drawings, interface, loops, sensing_maps
+from designs.planar_6dof import loop as simulated
+from models import halbach, hall_calibration, planar_stage
+from models import planar_allocation as allocation
 from synth.block import Block
 from synth.emit.write import Emitted
-from synth.plant import Plant
-from synth.report import bode, page, sections, standard, template
+from synth.plant import Plant, Symbols
+from synth.report import bode, captions, page, sections, standard, template
 from synth.report.audit import Row
+from synth.report.captions import Made
+from synth.report.figures import SYMBOLS
+from synth.report.notation import readable
 from synth.report.page import Section
 from synth.report.prose import Value
-from synth.report.shown import Beside, beside
+from synth.report.shown import Beside, Shown, beside, window
 from synth.simulate.experiment import Experiment
+from synth.simulate.scenario import Trajectory
 from synth.timing import Discrete
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
@@ -30,15 +39,27 @@ ABOUT = (
     "magnet matrix and seen by three Hall sensors and three laser distance sensors. This page was computed from the "
     "physics; every figure on it was measured on the C that ships, or on the model that the C was derived from."
 )
+SHOWN = Shown(
+    {s.name: s.unit for s in (*planar_stage.STATES, *planar_stage.INPUTS, *planar_stage.OUTPUTS)},
+    latch=(0.1, 0.05),  # the platen then goes on without current
+    fine=5e-4,
+    channels=planar_stage.HALL,
+)
+DRAWN = 41  # places over a pitch in x and in y of a picture, one where voltages are 0
+PLACES = 9  # over a pitch in x and in y, from which what sticks is moved
+REST, SPECTRUM, CIRCLE, FINITE = "standstill", "step_x", "circle", "_finite"  # runs by name
+OF_RUN = "run."  # how blocks begin that belong to a run
+SETTLED = 1.0  # s of a run that are left out
+PART = (1.0, 3.0)  # s of the standstill that are drawn
 
 
 @dataclass(frozen=True, eq=False)
 class Contents:
-    """What a design adds to its report: its controller, a line on its law and equations as printed, gains and loops.
+    """What a design adds to its report: its controller, a line on its law and equations as printed, and loops.
 
-    `whole` are sections on several loops at once. `beside` gives the rows of the audit that an experiment stands
-    beside; `filtered` tells whether the law reads filtered positions, `spectrum` whether the paper draws one; `values`
-    are what its report.md asks for; `cost` follows the cost.
+    `gains` follow those of gains.json, `whole` are sections on several loops at once. `beside` gives the rows of the
+    audit that an experiment stands beside; `filtered` tells whether the law reads filtered positions, `spectrum`
+    whether the paper draws one; `values` are what its report.md asks for; `cost` follows the cost.
     """
 
     block: Block
@@ -58,80 +79,120 @@ def report(
     contents: Callable[[Plant], Contents],
     files: Mapping[str, Emitted],
     evidence: Evidence,
-    experiments: Sequence[Experiment],
+    runs: Sequence[Experiment],
     rows: Sequence[Row],
     cost: Cost | None,
 ) -> str:
     """Return the whole report of a design as one HTML document, with every experiment that is handed in."""
     plant, spent = planar_stage.plant(), sections.cost(cost)
-    own = contents(plant)
+    own, data = contents(plant), tomllib.loads(Path(__file__).with_name("report.toml").read_text(encoding="utf-8"))
     block, time = own.block.rounded(np.float32), own.block.time
-    shown = dict.fromkeys(opened.axis for opened in own.loops)
+    made = {**_stage(plant, block, own.filtered), **_at_rest(runs, time, own), **_drawn(runs, time, own)}
+    values = captions.captioned(made, data["blocks"])
+    equations = (*own.equations, *map(tuple, data["equations"]["upright"]))
+    gains = standard.gains(template.gains(own.block.name, files))
+    bodes_by_axis = [bodes(own.loops, axis) for axis in dict.fromkeys(opened.axis for opened in own.loops)]
     parts = (
-        page_stage.model(plant),
-        page_stage.sensing(plant, time, experiments if own.filtered else None),
-        standard.law(block, (page.Equations((*own.equations, *_upright())),)),
-        Section(standard.GAINS, tuple(own.gains)),
-        Section(standard.LOOPS, (over_pitch(block),), (*own.whole, *(bodes(own.loops, axis) for axis in shown))),
-        page_experiments.experiments(experiments, beside(own.beside, rows), time, own.filtered, own.spectrum),
-        page_experiments.headroom(experiments),
-        page_stage.failures(plant, time, own.filtered),
+        standard.model(plant, _forces),
+        standard.law(block, (page.Equations(equations),)),
+        replace(gains, blocks=(*gains.blocks, *own.gains)),
+        Section(standard.LOOPS, (), (*own.whole, *bodes_by_axis)),
+        experiments(own, runs, rows, values),
         standard.audit(rows),
         standard.verification(evidence, "1 A"),
-        replace(spent, blocks=(*spent.blocks, *(own.cost(experiments) if cost else ()))),
+        replace(spent, blocks=(*spent.blocks, *(own.cost(runs) if cost else ()))),
         standard.files(files),
     )
     inputs = "6 Hall voltages, 3 laser distances, 6 set-points"
     facts = (*standard.facts(time, np.float32, inputs, "9 phase currents of 3 motors"), ("law", own.line))
-    values = {"speed": sensing_maps.SPEED, **own.values}
-    return template.assembled(own.block.name, ABOUT, facts, parts, values, ("planar_6dof",))
+    return template.assembled(own.block.name, ABOUT, facts, parts, {**values, **own.values}, ("planar_6dof",))
 
 
-def _upright() -> tuple[tuple[str, str], ...]:
-    """Return (23)-(25) as printed, times the part that is used."""
-    rows = []
-    for axis, (gain, zero, pole) in vertical.PUBLISHED.items():
-        k = SYMBOLS.get(axis, axis)
-        lead = f"(s + {zero:g}) / (s + {pole:g}) (s + {vertical.RESET:g}) / s"
-        rows.append((f"Y({vertical.EQUATION[axis]})", f"K_{k} = {gain:.6g} k_{k} {lead}"))
-    return tuple(rows)
+def _forces(x: Symbols, u: Symbols, p: Symbols) -> dict[str, ca.SX]:
+    """Return the force of each motor along its motion by name, as the physics computes it."""
+    return {f"f_{motor}": f.y for motor, f in planar_stage.motor_forces(x, u, p).items()}
 
 
-def compensators(
-    time: Discrete, parts: Iterable[vertical.Loop] = (), used: Mapping[str, float] | None = None
-) -> page.Table:
-    """Return lead-lag compensators as sampled, the part of the printed gain in each, and the errors of sampling.
+def _stage(plant: Plant, block: Block, filtered: bool) -> dict[str, Made]:
+    """Return figures and tables of the stage: what follows from its parameters, its sensing, loops and failures."""
+    K, M, a, Izz = allocation.force_constant(plant), *(plant.parameter(n).value for n in ("M", "a", "Izz"))
+    silent = sensing_maps.faults(plant, block.time, DRAWN, filtered)
+    failed = {"zero": silent, "stuck": sensing_maps.stuck(plant, block.time, PLACES, filtered)}
+    found = loops.over_pitch(planar_stage.plant(halbach.HARMONICS), block)
+    return {
+        "stage.derived": [
+            ("K", K, "N/A", "force of a motor per ampere, (17) with 3/(2π)"),
+            ("K / M", K / M, "m/s²/A", "(26) prints 13.2547, which carries the factor 1/2 of (17)"),
+            ("K a / Izz", K * a / Izz, "rad/s²/A", "(26) prints 117.15"),
+            ("A", hall_calibration.of(plant).amplitude, "V", "amplitude of a Hall voltage's fundamental"),
+            ("A γ", interface.volts_per_metre(plant) / 1e3, "V/mm", "its slope where it is 0"),
+        ],
+        "sensing.pitch": drawings.pitch(plant),
+        "sensing.yaw": drawings.yaw_maps(plant),
+        "speed": sensing_maps.SPEED,
+        "failures.places": drawings.unnoticed(
+            plant, {name: (w.noticed < 0).reshape(DRAWN, DRAWN) for name, w in silent.items()}
+        ),
+        "failures.table": [(n, kind, *w.summary(n).values()) for kind, of in failed.items() for n, w in of.items()],
+        "loops.places": len(found),
+        "loops.pitch": [
+            (SYMBOLS.get(axis, axis), *sections.margins_ranges([each[axis] for each in found]))
+            for axis in allocation.AXES
+        ],
+    }
 
-    Those of the vertical axes stand behind `parts`, of whose gains a part is `used`.
-    """
-    rows, shares = [], {**(used or {}), **vertical.PART}
-    upright = (vertical.loop(axis, vertical.compensator(axis, time), time) for axis in allocation.VERTICAL)
-    for part in (*parts, *upright):
-        made = part.sampled
-        zeros, poles = (", ".join(f"{v.real + 0.0:.6g}" for v in np.round(v, 12)) for v in (made.zeros, made.poles))
-        errors = f"{100 * made.gain_error:.2g}", f"{made.phase_error:.2g}"
-        name = SYMBOLS.get(part.axis, part.axis), f"({vertical.EQUATION[part.axis]})"
-        rows.append((*name, shares[part.axis], made.gain, zeros, poles, *errors))
-    errors_of = ("gain off by, %", "phase off by, °")
-    columns = ("axis", "from", "part of the gain", "D, N/m or N m/rad", "zeros, z", "poles, z", *errors_of)
-    caption = (
-        f"Compensators by Tustin's rule; the errors of sampling are those at {vertical.COMPARED / (2 * np.pi):g} Hz"
-    )
-    return page.Table(caption, columns, tuple(rows), digits=6)
+
+def _at_rest(runs: Sequence[Experiment], time: Discrete, own: Contents) -> dict[str, Made]:
+    """Return what a standstill shows of the filter, nothing where there is neither."""
+    if not own.filtered:
+        return {}
+    rest = [e.trajectory for e in runs if e.name == REST]
+    if not rest:
+        return {"sensing.filtered": "No run at rest was handed in.", "sensing.left": np.nan}
+    part = slice(*(round(t / time.period_s) for t in PART))
+    shown = simulated.positions(rest[0], time.period_s)
+    raw, filtered = shown["x_raw"][part], shown["x"][part]
+    drawn = drawings.before_and_after(rest[0].time[part], raw, filtered)
+    return {"sensing.filtered": drawn, "sensing.left": 100 * float(np.std(filtered) / np.std(raw))}
+
+
+def _drawn(runs: Sequence[Experiment], time: Discrete, own: Contents) -> dict[str, Made]:
+    """Return the paths of circles, and the spectrum of a step where the paper draws one."""
+    rest = [e.trajectory for e in runs if e.name == REST]
+    drawn: dict[str, Made] = {}
+    for e in runs:
+        if e.name.removesuffix(FINITE) == CIRCLE:
+            ways = ([np.asarray(source[n]) for n in "xy"] for source in (e.references, e.trajectory))
+            drawn[f"{OF_RUN}{e.name}"] = drawings.circle(*ways)
+        if own.spectrum and e.name == SPECTRUM:
+            drawn[f"{OF_RUN}{e.name}"] = _spectrum(e.trajectory, rest, time, own.filtered)
+    return drawn
+
+
+def _spectrum(step: Trajectory, rest: Sequence[Trajectory], time: Discrete, filtered: bool) -> Figure:
+    records, part = {}, round(SETTLED / time.period_s)
+    for label, run in zip(("step of x", "at rest"), (step, *rest), strict=False):
+        records[label] = simulated.positions(run, time.period_s, filtered)["x_raw"][part:]
+    return drawings.spectra(records, time.period_s)
+
+
+def experiments(own: Contents, runs: Sequence[Experiment], rows: Sequence[Row], values: Mapping[str, Value]) -> Section:
+    """Return every run with what the paper says beside it, that over a finite matrix as on the closed force law."""
+    told = beside(own.beside, rows)
+    texts = {e.name: readable(told.get(e.name.removesuffix(FINITE), "")) for e in runs}
+    blocks = {name.removeprefix(OF_RUN): each for name, each in values.items() if name.startswith(OF_RUN)}
+    drawn = {name: (each,) for name, each in blocks.items() if isinstance(each, page.Figure)}
+    return standard.experiments([_worded(e) for e in runs], replace(SHOWN, beside=texts, drawn=drawn))
+
+
+def _worded(e: Experiment) -> Experiment:
+    """Return an experiment whose title and text are written as a reader writes them."""
+    about = readable(e.about) + ("; drawn around the latch" if window(e, SHOWN) else "")
+    first, space, rest = readable(e.title).partition(" ")
+    return replace(e, title=f"{SYMBOLS.get(first, first)}{space}{rest}", about=about)
 
 
 def bodes(found: Sequence[loops.OpenLoop], axis: str) -> Section:
     """Return the Bode plot of an axis with the margins of each of its loops."""
     curves = [bode.curve(o.label, o.L, o.margins) for o in found if o.axis == axis]
     return sections.loop(f"Loop of {SYMBOLS.get(axis, axis)}", f"bode-{axis}", curves)
-
-
-def over_pitch(block: Block) -> page.Table:
-    """Return the least and the greatest margins of each loop over a pitch."""
-    found = loops.over_pitch(planar_stage.plant(halbach.HARMONICS), block)
-    rows = [
-        (SYMBOLS.get(axis, axis), *sections.margins_ranges([margins[axis] for margins in found]))
-        for axis in allocation.AXES
-    ]
-    caption = f"The loops as shipped at {len(found)} places of a pitch, motors with the field's harmonics"
-    return page.Table(caption, ("axis", *sections.RANGES), tuple(rows))

@@ -13,7 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.planar_6dof import allocation, bench, sensing
+from designs.planar_6dof import bench
+from models import hall_sections as sensing
+from models import planar_allocation as allocation
 from models import planar_stage
 from synth.block import Block
 from synth.errors import SignalError

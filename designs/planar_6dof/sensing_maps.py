@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from designs.planar_6dof import filtering, interface, sensing
+from designs.planar_6dof import filtering, interface
 from models import hall_calibration, planar_stage
+from models import hall_sections as sensing
 from synth.block import Block
 from synth.compose import compose
 from synth.plant import Plant
@@ -40,24 +41,6 @@ class ErrorMap:
     noise: Columns
 
 
-@dataclass(frozen=True)
-class Unseen:
-    """What a failed voltage does before it is noticed: shares of the places, and the largest errors in m and rad.
-
-    `named` is the share of the noticed failures in which the voltage is among those named, `alone` in which it is the
-    only one. `moved` is the largest movement in m before the failure is noticed; inf where it is not within a pitch.
-    """
-
-    voltage: str
-    failure: str
-    unnoticed: float
-    named: float
-    alone: float
-    moved: float
-    position: float
-    yaw: float
-
-
 def voltages(plant: Plant, pose: Mapping[str, ArrayLike]) -> dict[str, Array]:
     """Return the six voltages (N,) of N poses in m and rad by axis; an axis that is left out is 0."""
     outputs = plant.output_values({axis: np.ravel(values) for axis, values in pose.items()})
@@ -77,26 +60,30 @@ def estimation(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
 
 def error_map(plant: Plant, yaw: float = 0.0, lift: float = 0.0, doubt: float = 0.0, points: int = 48) -> ErrorMap:
     """Return the map at a yaw in rad, known to `doubt` in rad, and a lift in m."""
+    x, y = _places(plant, points)
+    error, noise = errors(plant, {"x": x, "y": y, "phi": np.full_like(x, yaw), "z": np.full_like(x, lift)}, doubt)
+    squares = ({axis: v.reshape(points, points) for axis, v in of.items()} for of in (error, noise))
+    return ErrorMap(readonly(y[:points]), *squares)
+
+
+def errors(plant: Plant, pose: Columns, doubt: float = 0.0) -> tuple[Columns, Columns]:
+    """Return error and noise rms (N,) of each raw axis at N poses, whose yaw is known to `doubt` in rad."""
     block = sensing.sensing(plant, Discrete(1e-3))
-    step, (x, y) = agree.casadi(block), _places(plant, points)
-    start = {s.name: np.array(float(s.initial)) for s in block.states}
-    u = voltages(plant, {"x": x, "y": y, "phi": yaw, "z": lift})
-    known = {"x_predicted": x, "y_predicted": y, "phi_predicted": np.full_like(x, yaw + doubt)}
-    known |= {flag.name: np.ones_like(x) for flag in FLAGS}
+    step, start = agree.casadi(block), {s.name: np.array(float(s.initial)) for s in block.states}
+    u = voltages(plant, pose)
+    known = {f"{axis}_predicted": pose[axis] + (doubt if axis == "phi" else 0.0) for axis in sensing.RAW}
+    known |= {flag.name: np.ones_like(pose["x"]) for flag in FLAGS}
 
     def raw(change: str = "", by: float = 0.0) -> Array:
         held = {f"{name}_held": v + (by if name == change else 0.0) for name, v in u.items()}
         outputs = step(start, held | known).outputs
         return np.array([outputs[s.name] for s in sensing.RAW.values()])
 
-    error = raw() - np.array([x, y, np.full_like(x, yaw)])
+    error = raw() - np.array([pose[axis] for axis in sensing.RAW])
     slopes = [(raw(name, NUDGE) - raw(name, -NUDGE)) / (2 * NUDGE) for name in u]
     noise = deviation(plant) * np.sqrt(np.sum(np.square(slopes), axis=0))
-    squares = (
-        {axis: readonly(v.reshape(points, points)) for axis, v in zip(sensing.RAW, rows, strict=True)}
-        for rows in (error, noise)
-    )
-    return ErrorMap(readonly(y[:points]), *squares)
+    first, second = (dict(zip(sensing.RAW, map(readonly, rows), strict=True)) for rows in (error, noise))
+    return first, second
 
 
 def deviation(plant: Plant) -> float:
@@ -104,27 +91,24 @@ def deviation(plant: Plant) -> float:
     return interface.volts_per_metre(plant) * NOISE
 
 
-def faults(plant: Plant, time: Discrete, points: int = 12, predicted: bool = True) -> list[Unseen]:
-    """Return what each voltage does that drops to zero at rest, or sticks while it moves at SPEED; see `estimation`.
+def faults(plant: Plant, time: Discrete, points: int = 12, predicted: bool = True) -> dict[str, "Watch"]:
+    """Return what each voltage that drops to zero at rest does from points^2 places over a pitch; see `estimation`."""
+    block, start = estimation(plant, time, predicted), _places(plant, points)
+    return {name: watch(plant, block, start, 0 * start, SETTLED, name) for name in planar_stage.HALL}
+
+
+def stuck(plant: Plant, time: Discrete, points: int = 12, predicted: bool = True) -> dict[str, "Watch"]:
+    """Return what each voltage does that sticks while the platen moves at SPEED, as `faults`.
 
     It moves from each place to and fro along the voltage's own axis, over a pitch at most.
     """
     block, start = estimation(plant, time, predicted), _places(plant, points)
-    rows = [watch(plant, block, start, 0 * start, SETTLED, name).summary(name, 0.0) for name in planar_stage.HALL]
-    samples = round(hall_calibration.of(plant).pitch / SPEED / time.period_s)
+    samples, found = round(hall_calibration.of(plant).pitch / SPEED / time.period_s), {}
     for name in planar_stage.HALL:
         along = np.array([[name[-1] == axis] for axis in "xy"])
         velocity = SPEED * along * np.repeat([1.0, -1.0], start.shape[1])
-        seen = watch(plant, block, np.tile(start, 2), velocity, samples, name, stuck=True)
-        rows.append(seen.summary(name, SPEED * time.period_s))
-    return rows
-
-
-def unnoticed(plant: Plant, time: Discrete, points: int, predicted: bool = True) -> dict[str, NDArray[np.bool_]]:
-    """Tell by voltage at which places (points, points) over a pitch its drop to zero at rest is never noticed."""
-    block, start = estimation(plant, time, predicted), _places(plant, points)
-    runs = {name: watch(plant, block, start, 0 * start, SETTLED, name) for name in planar_stage.HALL}
-    return {name: (seen.noticed < 0).reshape(points, points) for name, seen in runs.items()}
+        found[name] = watch(plant, block, np.tile(start, 2), velocity, samples, name, sticks=True)
+    return found
 
 
 def _places(plant: Plant, points: int) -> Array:
@@ -135,31 +119,35 @@ def _places(plant: Plant, points: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Watch:
-    """Over N starts: when a failure was noticed, -1 if never, who was named, and the errors (axes, N) until then."""
+    """Over N starts: when a failure was noticed, -1 if never, who was named, and the errors (axes, N) until then.
+
+    `moved` (N,) is the way in m until it was noticed, inf where it was not.
+    """
 
     noticed: NDArray[np.int64]
     named: NDArray[np.bool_]
     error: Array
+    moved: Array
 
-    def summary(self, name: str, moved: float) -> Unseen:
-        """Return what the failed voltage `name` does while the platen moves by `moved` m a sample."""
+    def summary(self, name: str) -> dict[str, float]:
+        """Return what the failed voltage `name` does: shares in %, those of the named among the noticed, the worst."""
         noticed, own = self.noticed >= 0, self.named[planar_stage.HALL.index(name)]
         alone = own & (self.named.sum(axis=0) == 1)
         named, only = (float(flags[noticed].mean()) if noticed.any() else 0.0 for flags in (own, alone))
-        way = float(np.where(noticed, moved * self.noticed, np.inf).max())
-        errors = float(self.error[:2].max()), float(self.error[2].max())
-        return Unseen(name, "stuck" if moved else "zero", float(np.mean(~noticed)), named, only, way, *errors)
+        worst = {"moved, mm": self.moved, "position, mm": self.error[:2], "yaw, mrad": self.error[2]}
+        shares = {"unnoticed, %": 100 * float(np.mean(~noticed)), "named, %": 100 * named, "alone, %": 100 * only}
+        return shares | {what: 1e3 * float(v.max()) for what, v in worst.items()}
 
 
 def watch(
-    plant: Plant, block: Block, start: Array, velocity: Array, samples: int, failed: str, stuck: bool = False
+    plant: Plant, block: Block, start: Array, velocity: Array, samples: int, failed: str, sticks: bool = False
 ) -> Watch:
     """Follow N platens from `start` (2, N) in m with `velocity` (2, N) in m/s and a voltage that fails at once."""
     n, step = start.shape[1], agree.casadi(block)
     state: Columns = _moving(block, start, velocity)
     pose = start + block.time.period_s * np.arange(samples)[:, None, None] * velocity
     u = {name: v.reshape(samples, n) for name, v in voltages(plant, {"x": pose[:, 0], "y": pose[:, 1]}).items()}
-    u[failed] = np.tile(u[failed][:1], (samples, 1)) if stuck else np.zeros((samples, n))
+    u[failed] = np.tile(u[failed][:1], (samples, 1)) if sticks else np.zeros((samples, n))
     flags = {flag.name: np.ones(n) for flag in FLAGS}
     axes = [axis if axis in names(block.outputs) else f"{axis}_raw" for axis in filtering.AXES]
     noticed, named, error = np.full(n, -1), np.zeros((len(u), n), bool), np.zeros((len(axes), n))
@@ -173,7 +161,8 @@ def watch(
         noticed = np.where(fresh, k, noticed)
         if (noticed >= 0).all():
             break
-    return Watch(noticed, named, error)
+    moved = np.hypot(*velocity) * block.time.period_s * noticed
+    return Watch(noticed, named, error, np.where(noticed < 0, np.inf, moved))
 
 
 def _moving(block: Block, start: Array, velocity: Array) -> dict[str, Array]:

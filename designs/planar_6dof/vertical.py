@@ -13,18 +13,19 @@ Each loop is a lead and a reset, whose zero z2 is that of s + 10. The reset is d
 
     d = w + I,   I+ = z2 I + (1 - z2) made,   w = D e + V,   V+ = p V + D (p - z1) e,       e = set-point - position
 
-all over the scale of the axis in `allocation`, so that d is its demand in A. While made = d this is
+all over the scale of the axis in `planar_allocation`, so that d is its demand in A. While made = d this is
 d = w (z - z2) / (z - 1). At a limit I goes to what is made, no further, with the time constant of the reset: there is
 no windup, and no limit to be computed. Source: Yu, Kim, section 5.2, (19), (20), (23)-(25).
 """
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
 from math import pi
 from typing import Literal
 
-from designs.planar_6dof import allocation
-from designs.planar_6dof.allocation import ACHIEVED, AXES, BOX, DEMANDS
+from models import planar_allocation as allocation
 from models import planar_stage
+from models.planar_allocation import ACHIEVED, AXES, BOX, DEMANDS
 from synth.block import Block, Constant, Exprs, State, Step, build
 from synth.plant import Plant
 from synth.signals import Signal
@@ -45,27 +46,13 @@ LASER = 5e-4  # m
 DISTANCES = tuple(Signal(f"{name}_held", "m", -LASER, LASER, "laser distance") for name in planar_stage.LASERS)
 REACH = {"x": 0.4, "y": 0.4, "phi": 0.1, "z": LASER, "theta": 0.01, "psi": 0.01}  # m, rad: of what is measured
 POSITIONS = {axis: replace(BOX[axis], low=-high, high=high) for axis, high in REACH.items()}
+DEMAND, MADE = (dict(zip(AXES, signals, strict=True)) for signals in (DEMANDS, ACHIEVED))  # of each axis
 EQUATION = {"x": "21", "y": "21", "phi": "22", "z": "23", "theta": "24", "psi": "25"}
 MARGIN = 1.01  # of states over what bounds them: rounding stays below it
 REFERENCES = {axis: replace(BOX[axis], name=f"{axis}_ref_held", about="set-point") for axis in AXES}
 # The raw yaw is one to first order: at (-16.8, 8.3) mm of a pitch 15 mrad read as 10.3, and the loop of an upright
 # platen is lost beyond 10. Near there one that is tilted by 2 mrad is lost at 8 already.
 REFERENCES["phi"] = replace(REFERENCES["phi"], low=-0.008, high=0.008)
-
-
-@dataclass(frozen=True)
-class Loop:
-    """A compensator, its sampled form, and that in the parts of the module's text: D, p, D (p - z1) and z2.
-
-    D and D (p - z1) are in N/m or N m/rad.
-    """
-
-    axis: str
-    sampled: lead_lag.LeadLag
-    D: float
-    pole: float
-    into_lag: float
-    reset: float
 
 
 def vertical_kinematics(plant: Plant, time: Discrete) -> Block:
@@ -87,50 +74,35 @@ def compensator(axis: str, time: Discrete, variant: Variant = "shipped") -> lead
     if variant == "shipped":
         nearer = 2 / time.period_s
         gain, pole = PART[axis] * gain * nearer / pole, nearer
-    return lead_lag.Compensator(gain, (-zero, -RESET), (-pole, 0.0), output=effort(axis))
+    return lead_lag.Compensator(gain, (-zero, -RESET), (-pole, 0.0))
 
 
-def effort(axis: str) -> str:
-    """Return the name of an axis' force or torque."""
-    return f"{'f' if allocation.UNITS[axis] == 'N' else 'm'}_{axis}"
+def sampled(continuous: Mapping[str, lead_lag.Compensator], time: Discrete) -> dict[str, lead_lag.LeadLag]:
+    """Return compensators by axis, sampled by Tustin's rule."""
+    return {axis: lead_lag.tustin(K, time.period_s, COMPARED) for axis, K in continuous.items()}
 
 
-def demand(axis: str) -> Signal:
-    """Return the demand of an axis."""
-    return DEMANDS[AXES.index(axis)]
+def loops(time: Discrete, variant: Variant = "shipped") -> dict[str, lead_lag.LeadLag]:
+    """Return the compensators of z, theta and psi, sampled."""
+    return sampled({axis: compensator(axis, time, variant) for axis in allocation.VERTICAL}, time)
 
 
-def made(axis: str) -> Signal:
-    """Return what the limited currents meet of an axis' demand."""
-    return ACHIEVED[AXES.index(axis)]
+def pole(K: lead_lag.LeadLag) -> float:
+    """Return the pole in z beside the integrator, 0 where it was at 2/T."""
+    p = float(K.poles[0].real)
+    return p if abs(p) > 1e-12 else 0.0
 
 
-def loop(axis: str, continuous: lead_lag.Compensator, time: Discrete) -> Loop:
-    """Return a compensator with two zeros, a pole and an integrator, in this order, sampled and split into its parts.
-
-    The zero of the reset is the second one.
-    """
-    sampled = lead_lag.tustin(continuous, time.period_s, COMPARED)
-    z1, z2 = (float(z.real) for z in sampled.zeros)
-    p, D = float(sampled.poles[0].real), sampled.gain
-    p = p if abs(p) > 1e-12 else 0.0
-    return Loop(axis, sampled, D, p, D * (p - z1), z2)
-
-
-def loops(time: Discrete, variant: Variant = "shipped") -> list[Loop]:
-    """Return the loops of z, theta and psi, sampled."""
-    return [loop(axis, compensator(axis, time, variant), time) for axis in allocation.VERTICAL]
-
-
-def block(plant: Plant, part: Loop, time: Discrete) -> Block:
+def block(plant: Plant, axis: str, K: lead_lag.LeadLag, time: Discrete) -> Block:
     """Return the Block of one loop, from the position, the set-point and what is made to the demand.
 
-    Both states stay in their ranges as long as the position does, and what is made is within `achievable_bound`.
+    K has two zeros, the second one that of the reset, a pole and an integrator, in this order. Both states stay in
+    their ranges as long as the position does, and what is made is within `achievable_bound`.
     """
-    axis, position, reference = part.axis, POSITIONS[part.axis], REFERENCES[part.axis]
-    wanted, driven = demand(axis), made(axis)
-    direct, into_lag = (v / allocation.scales(plant)[axis] for v in (part.D, part.into_lag))
-    most = MARGIN * abs(into_lag) * (position.high + reference.high) / (1 - abs(part.pole))
+    position, reference, wanted, driven = POSITIONS[axis], REFERENCES[axis], DEMAND[axis], MADE[axis]
+    (z1, z2), p = (float(z.real) for z in K.zeros), pole(K)
+    direct, into_lag = (v / allocation.scales(plant)[axis] for v in (K.gain, K.gain * (p - z1)))
+    most = MARGIN * abs(into_lag) * (position.high + reference.high) / (1 - abs(p))
     integral = MARGIN * allocation.achievable_bound(plant)[axis]
     states = [
         State(Signal("integral", wanted.unit, -integral, integral, "of the error"), 0.0),
@@ -140,14 +112,14 @@ def block(plant: Plant, part: Loop, time: Discrete) -> Block:
     constants = [
         Constant("direct", direct, per, f"{tag}: gain of the error"),
         Constant("into_lag", into_lag, per, f"{tag}: gain times pole less zero"),
-        *([Constant("pole", part.pole, "1", f"{tag}: pole in z")] if part.pole else []),
-        Constant("reset", part.reset, "1", f"{tag}: zero of the integrator in z"),
-        Constant("driven", 1 - part.reset, "1", f"{tag}: 1 less that"),
+        *([Constant("pole", p, "1", f"{tag}: pole in z")] if p else []),
+        Constant("reset", z2, "1", f"{tag}: zero of the integrator in z"),
+        Constant("driven", 1 - z2, "1", f"{tag}: 1 less that"),
     ]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         error = u[reference.name] - u[position.name]
-        lag = k["into_lag"] * error + (k["pole"] * x["lag"] if part.pole else 0)
+        lag = k["into_lag"] * error + (k["pole"] * x["lag"] if p else 0)
         integral = k["reset"] * x["integral"] + k["driven"] * u[driven.name]
         return Step({wanted.name: k["direct"] * error + x["lag"] + x["integral"]}, {"integral": integral, "lag": lag})
 

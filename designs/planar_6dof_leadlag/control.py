@@ -12,8 +12,10 @@ shipped     a part of their gain; of (23)-(25) see `vertical`
 Sampled by Tustin's rule. The margins behind the filters (6)-(16): docs/decisions/planar_leadlag.md.
 """
 
-from designs.planar_6dof import allocation, filtering, interface, sensing, vertical
-from designs.planar_6dof.vertical import Loop, Variant
+from designs.planar_6dof import filtering, interface, vertical
+from designs.planar_6dof.vertical import Variant
+from models import hall_sections as sensing
+from models import planar_allocation as allocation
 from synth.block import Block
 from synth.plant import Plant
 from synth.synthesise.classical import lead_lag
@@ -30,17 +32,18 @@ def compensator(axis: str, variant: Variant = "shipped") -> lead_lag.Compensator
     """Return the continuous compensator of x, y or phi, from m to N or rad to N m. Source: (21), (22)."""
     gain, lead = PUBLISHED[axis]
     gain *= PART[axis] if variant == "shipped" else 1
-    return lead_lag.from_constants(gain, (lead, RESET), (LAG,), 1, output=vertical.effort(axis))
+    return lead_lag.from_constants(gain, (lead, RESET), (LAG,), 1)
 
 
-def loops(variant: Variant = "shipped") -> list[Loop]:
-    """Return the loops of x, y and phi, sampled."""
-    return [vertical.loop(axis, compensator(axis, variant), TIME) for axis in allocation.HORIZONTAL]
+def loops(variant: Variant = "shipped") -> dict[str, lead_lag.LeadLag]:
+    """Return the compensators of all six axes, sampled."""
+    horizontal = {axis: compensator(axis, variant) for axis in allocation.HORIZONTAL}
+    return vertical.sampled(horizontal, TIME) | vertical.loops(TIME, variant)
 
 
 def law(plant: Plant, variant: Variant = "shipped") -> list[Block]:
     """Return the Blocks from positions and held set-points to computed phase currents."""
-    six = [vertical.block(plant, part, TIME) for part in (*loops(variant), *vertical.loops(TIME, variant))]
+    six = [vertical.block(plant, axis, K, TIME) for axis, K in loops(variant).items()]
     return [*six, allocation.allocation(plant, TIME), allocation.commutation(plant, TIME)]
 
 

@@ -6,12 +6,13 @@ The paper's crossovers and margins are those of the third kind: (21), (22) witho
 from collections.abc import Sequence
 from dataclasses import replace
 
-from designs.planar_6dof import filtering, sensing
+from designs.planar_6dof import filtering
 from designs.planar_6dof import loops as shared
-from designs.planar_6dof.allocation import AXES, HORIZONTAL
 from designs.planar_6dof.loops import OpenLoop
 from designs.planar_6dof_leadlag import control
 from designs.planar_6dof_leadlag.control import TIME
+from models import hall_sections as sensing
+from models.planar_allocation import AXES, HORIZONTAL
 from synth.block import Block
 from synth.plant import Plant
 

@@ -3,10 +3,10 @@
 from functools import partial
 
 from designs.planar_6dof import page, vertical
-from designs.planar_6dof.page_stage import SYMBOLS
 from designs.planar_6dof.paper import rows
 from designs.planar_6dof_leadlag import control, loops
 from synth.plant import Plant
+from synth.report.figures import SYMBOLS
 
 LINE = "six lead-lag loops, (21)-(25), those of x, y and φ on filtered positions"
 _STEP = (("Y-9", "Fig. 8"), ("Y-9b", "Fig. 8"))
@@ -21,9 +21,8 @@ BESIDE = {
 def contents(plant: Plant) -> page.Contents:
     """Return what is said of this design; report.md asks for the crossovers that the paper prints, in Hz."""
     printed = {f"crossover_{row}": rows.printed()[row]["crossover"].text for row in ("Y-7", "Y-8")}
-    gains = page.compensators(control.TIME, control.loops(), control.PART)
     block, opened = control.controller(plant), loops.all_loops(plant)
-    return page.Contents(block, LINE, _horizontal(), (gains,), opened, BESIDE, values=printed)
+    return page.Contents(block, LINE, _horizontal(), (), opened, BESIDE, values=printed)
 
 
 def _horizontal() -> list[tuple[str, str]]:

@@ -17,10 +17,10 @@ from dataclasses import replace
 import numpy as np
 
 from designs.planar_6dof import lqg
-from designs.planar_6dof.allocation import HORIZONTAL, LIMIT
 from designs.planar_6dof.lqg import CURRENTS, OBSERVER_POLE, STATES, TIME
 from designs.planar_6dof.vertical import MARGIN, POSITIONS
 from designs.planar_6dof_lqg.full_order import NOISE, PROCESS_NOISE, Order
+from models.planar_allocation import HORIZONTAL, LIMIT
 from synth.analyse import discretise
 from synth.block import Block
 from synth.blocks import linear_block

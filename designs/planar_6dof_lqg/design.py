@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from functools import cache, partial
 
 from designs.planar_6dof import assembly, lqg
-from designs.planar_6dof.allocation import HORIZONTAL
 from designs.planar_6dof.paper import rows
 from designs.planar_6dof.random_steps import Columns, Subject
 from designs.planar_6dof_lqg import experiments, gains, page, reference
 from models import planar_stage
+from models.planar_allocation import HORIZONTAL
 from synth.block import Block
 from synth.statespace import Array
 

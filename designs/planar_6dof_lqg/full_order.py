@@ -11,7 +11,7 @@ import casadi as ca
 
 from designs.planar_6dof import lqg, vertical
 from designs.planar_6dof.lqg import MEASURED, TIME, Axis, Regulate
-from designs.planar_6dof.sensing import READY
+from models.hall_sections import READY
 from synth.block import Block, Constant, Exprs, State
 from synth.plant import Plant
 from synth.signals import Signal
@@ -32,7 +32,7 @@ def estimator(axis: Axis) -> kalman.Estimator:
 def full_order(plant: Plant, axis: Axis) -> Block:
     """Return the regulator of one axis on the Kalman filter of its position and rate."""
     kalman_filter, T, q = estimator(axis), TIME.period_s, MEASURED[axis.name]
-    per, force = lqg.per_position(axis.name), vertical.demand(axis.name).unit.replace(" ", "/")
+    per, force = lqg.per_position(axis.name), vertical.DEMAND[axis.name].unit.replace(" ", "/")
     constants = [
         Constant("on_position", axis.k1, per, "(49): k1"),
         Constant("on_rate", axis.k2, f"{per} s", "(49): k2"),

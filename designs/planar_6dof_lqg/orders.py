@@ -8,11 +8,11 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from designs.planar_6dof import interface, lqg
-from designs.planar_6dof.allocation import HORIZONTAL
-from designs.planar_6dof.page_stage import REST
+from designs.planar_6dof.page import REST
 from designs.planar_6dof_lqg import core
 from designs.planar_6dof_lqg.full_order import REGULATORS, Order
 from models import planar_stage
+from models.planar_allocation import HORIZONTAL
 from synth.block import Block
 from synth.emit import write
 from synth.execute import host

@@ -5,14 +5,15 @@ from functools import partial
 
 import numpy as np
 
-from designs.planar_6dof import allocation, lqg, page
 from designs.planar_6dof import loops as shared
+from designs.planar_6dof import lqg, page
 from designs.planar_6dof.lqg import ERROR, PRINTED_WEIGHTS, STATES, TIME, WEIGHTS
-from designs.planar_6dof.page_stage import SYMBOLS
 from designs.planar_6dof_lqg import loops, orders
+from models import planar_allocation as allocation
 from models import planar_stage
 from synth.plant import Plant
 from synth.report import figures, multivariable, sections
+from synth.report.figures import SYMBOLS
 from synth.report.notation import number
 from synth.report.page import Cell, Figure, Section, Table, Text
 from synth.report.prose import Value
@@ -28,7 +29,7 @@ LOW, HIGH, POINTS = 0.3, 0.999, 300  # Hz, of the Nyquist frequency, points of s
 
 def contents(plant: Plant) -> page.Contents:
     """Return what is said of this design."""
-    gains = (_weights(), _certificates(), _axes(plant), page.compensators(TIME))
+    gains = (_weights(), _certificates(), _axes(plant))
     block, opened, whole = lqg.controller(plant), loops.all_loops(plant), (_whole(plant),)
     values, cost = _values(plant), orders.spent
     return page.Contents(block, LINE, EQUATIONS, gains, opened, BESIDE, whole, False, True, values, cost)

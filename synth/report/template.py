@@ -64,7 +64,7 @@ def report(
     extra = extra or Extra()
     replaced = {s.title: s for s in extra.sections}
     made = [
-        *_computed(stage, gains(stage, files), evidence, replaced, extra),
+        *_computed(stage, gains(stage.name, files), evidence, replaced, extra),
         standard.experiments(runs, extra.shown or shown(stage)),
         *((standard.audit(rows),) if rows else ()),
         standard.verification(evidence, FLOOR, is_margin),
@@ -110,9 +110,9 @@ def _computed(
     return [replaced[title] if title in replaced else make() for title, make in made.items()]
 
 
-def gains(stage: Stage, files: Mapping[str, Emitted]) -> Mapping[str, Any]:
-    """Return what the gains.json that is emitted says of the design, nothing where none is."""
-    emitted = files[stage.name].files if stage.name in files else {}
+def gains(name: str, files: Mapping[str, Emitted]) -> Mapping[str, Any]:
+    """Return what the gains.json that is emitted says of the design of a name, nothing where none is."""
+    emitted = files[name].files if name in files else {}
     return dict(json.loads(emitted["gains.json"]).get("design", {})) if "gains.json" in emitted else {}
 
 

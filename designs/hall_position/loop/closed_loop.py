@@ -28,10 +28,12 @@ import numpy as np
 from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.glsdc.parameters import Tuning
-from designs.planar_6dof import allocation, interface, sensing, vertical
-from designs.planar_6dof.allocation import HORIZONTAL, PITCH
+from designs.planar_6dof import interface, vertical
+from models import hall_sections as sensing
+from models import planar_allocation as allocation
 from models.hall_array import Pair
 from models.hall_two_waves import PlanarArray as Array
+from models.planar_allocation import HORIZONTAL, PITCH
 from synth.block import Block, Exprs, State, Step, build, clip
 from synth.blocks import error_map
 from synth.blocks.error_map import ErrorMap

@@ -17,11 +17,11 @@ from designs.hall_position.loop import closed_loop
 from designs.hall_position.loop.closed_loop import Source
 from designs.planar_6dof import loops, lqg
 from designs.planar_6dof import page as planar
-from designs.planar_6dof.allocation import AXES, HORIZONTAL
 from designs.planar_6dof.loops import PHASES, SENSED, Parts, Place
 from models import hall_array, hall_chain, hall_two_waves, planar_stage
 from models.hall_chain import Chain
 from models.hall_two_waves import PlanarArray as Sensors
+from models.planar_allocation import AXES, HORIZONTAL
 from synth.analyse import linearise, loop, trim
 from synth.block import Block
 from synth.report import page, sections, standard

@@ -1,4 +1,4 @@
-"""Audit of the optimal gains: (49) by lqrd, (42) by the filter's Riccati equation, (33)-(35) and what is observable.
+"""The optimal gains for the audit's formulas: (49) by lqrd, (42) by the filter's Riccati equation, (33)-(35).
 
 (26) has the states x, y, phi and their rates d, f, v; (31) adds the integrals z1, z2, z3. With b and c for the printed
 accelerations per ampere of (26), the yaw of motor C left out (Y-23),
@@ -10,9 +10,7 @@ so that K falls into three loops of one input: i_C, i_A = i_B, and -i_A = i_B, t
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from decimal import Decimal
 from functools import cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,10 +19,8 @@ from scipy.optimize import linear_sum_assignment
 
 from designs.planar_6dof import lqg
 from designs.planar_6dof.lqg import STATES, WEIGHTS
-from designs.planar_6dof.paper.bench import Bench
 from synth import timing
 from synth.analyse import discretise, structure
-from synth.report.audit import Outcome, Printed, Published, recomputes
 from synth.statespace import StateSpace
 from synth.synthesise.feedback import lqr
 from synth.synthesise.observers import kalman, reduced_compensator, reduced_observer
@@ -34,63 +30,7 @@ Array = NDArray[np.float64]
 
 POSITIONS, INTEGRALS, RATES = STATES[:3], STATES[3:6], STATES[6:]
 ROW = {"x": 2, "z1": 2, "d": 2}  # of K in which the gain of a state stands without a minus; else 1
-MODEL = ("Y-5.per_ampere", "Y-6.per_ampere", "Y-7.rate_lqg")  # the printed numbers that the sampled (31) follows from
-LOST = 4  # places by which the scan's decimal points are too far right in the gains of the rates
-POLES = (0.0, 0.35, 0.7)  # of observers that work, L = (1 - p) / T
 SAME = 1e-9  # distance of poles in z that are one
-
-
-@recomputes("Y-10", *MODEL, "Y-10.*")
-def optimal(bench: Bench, printed: Published) -> Outcome:
-    """Recompute (49) with the weights that make it, and recover these from (49)."""
-    of, point = stage_of(bench), _with_points(printed)
-    computed = gains(of, WEIGHTS)
-    recovered: dict[str, float] = {}
-    for k, axis in enumerate(POSITIONS):
-        recovered |= weights(of, axis, tuple(point[n].value for n in STATES[k::3]))
-    figures = [(f"gain of {n}", computed[n], printed[n].unit) for n in STATES]
-    figures += [(f"weight on {n} from the printed gains", recovered[n], "1") for n in STATES]
-    return Outcome(figures, *(all(p[n].agrees(value) for n, value in computed.items()) for p in (printed, point)))
-
-
-@recomputes("Y-11", *MODEL, "Y-11.*")
-def printed_weights(bench: Bench, printed: Published) -> Outcome:
-    """Recompute (49) with the weights as printed."""
-    q, wanted = tuple(printed[f"q_{n}"].value for n in STATES), _with_points(bench.published["Y-10"])
-    computed = gains(stage_of(bench), q, printed["r"].value)
-    figures = [(f"gain of {n}", value, wanted[n].unit) for n, value in computed.items()]
-    return Outcome(figures, all(wanted[n].agrees(value) for n, value in computed.items()))
-
-
-@recomputes("Y-36", *MODEL, "Y-10.*")
-def separation(bench: Bench, printed: Published) -> Outcome:
-    """Recompute the poles of (33) term by term and compare them with those of its parts."""
-    held = sampled(stage_of(bench))
-    K = matrix({n: gain.value for n, gain in _with_points(bench.published["Y-10"]).items()})
-    closed, figures = held.A - held.B @ K, []
-    for p in POLES:
-        L = _observer_gain(held, p)
-        whole = np.linalg.eigvals(loop_33(held, K, L))
-        parts = np.concatenate([np.linalg.eigvals(closed), np.linalg.eigvals(held.A[6:, 6:] - L @ held.A[:6, 6:])])
-        figures.append((f"poles that are those of the parts, observer {p:g}", float(_common(whole, parts)), "1"))
-    for k, axis in enumerate(POSITIONS):  # A - B K keeps the axes apart
-        greatest = float(np.abs(np.linalg.eigvals(closed[k::3, k::3])).max())
-        figures.append((f"greatest |z| of A - B K, {axis}", greatest, "1"))
-    return Outcome(figures, all(count == 12 for _, count, _ in figures[: len(POLES)]) and _is_the_loop(held, K))
-
-
-@recomputes("Y-37")
-def observability(bench: Bench, printed: Published) -> Outcome:
-    """Recount the modes that no input moves and that no output shows."""
-    plain, whole = (model(stage_of(bench), integrals) for integrals in (False, True))
-    shown = replace(whole, C=np.eye(6, 9), D=np.zeros((6, 3)), outputs=(*POSITIONS, *INTEGRALS))
-    cases = {"(26), (27)": plain, "(31), (32)": whole, "(31) with the integrals as outputs": shown}
-    hidden = {n: len(structure.unmoved(m.A.T, m.C.T, m.states, m.time)) for n, m in cases.items()}
-    stuck = {n: len(structure.unmoved(m.A, m.B, m.states, m.time)) for n, m in list(cases.items())[:2]}
-    figures = [(f"modes that no output of {n} shows", float(k), "1") for n, k in hidden.items()]
-    figures += [(f"modes that no input of {n} moves", float(k), "1") for n, k in stuck.items()]
-    first, second, corrected = (not any((*stuck.values(), k)) for k in hidden.values())
-    return Outcome(figures, first and second, first and corrected)
 
 
 @dataclass(frozen=True)
@@ -100,12 +40,6 @@ class Stage:
     per_ampere: float
     turning: float
     period_s: float
-
-
-def stage_of(bench: Bench) -> Stage:
-    """Return the stage of (26), sampled as the paper says."""
-    b, c, rate = (bench.printed(source) for source in MODEL)
-    return Stage(b, c, 1 / rate)
 
 
 @cache
@@ -135,7 +69,7 @@ def one(of: Stage, axis: str) -> tuple[StateSpace, float]:
 
 
 @cache
-def gains(of: Stage, q: tuple[float, ...], r: float = 1.0) -> Mapping[str, float]:
+def gains(of: Stage, q: tuple[float, ...] = WEIGHTS, r: float = 1.0) -> Mapping[str, float]:
     """Return the size of each gain of lqrd, by state, for diagonal weights in the order of STATES."""
     K = -lqr.lqrd(model(of, True), np.array(q), r * np.ones(3), of.period_s).K
     return {n: float(K[ROW.get(n, 1), i]) for i, n in enumerate(STATES)}
@@ -210,11 +144,22 @@ def loop_33(held: StateSpace, K: Array, L: Array) -> Array:
     return np.block(rows)
 
 
-def _observer_gain(held: StateSpace, pole: float) -> Array:
-    return (1 - pole) / timing.period(held.time) * np.eye(3, 6)
+def shared_poles(held: StateSpace, K: Array, pole: float) -> int:
+    """Return how many poles of (33) are those of A - B K and A22 - L A12, with L = (1 - pole) / T on the positions."""
+    L = _observer_gain(held, pole)
+    whole, closed = np.linalg.eigvals(loop_33(held, K, L)), np.linalg.eigvals(held.A - held.B @ K)
+    parts = np.concatenate([closed, np.linalg.eigvals(held.A[6:, 6:] - L @ held.A[:6, 6:])])
+    distance = np.abs(whole[:, None] - parts)
+    return int((distance[linear_sum_assignment(distance)] < SAME).sum())
 
 
-def _is_the_loop(held: StateSpace, K: Array) -> bool:
+def slowest(held: StateSpace, K: Array, axis: str) -> float:
+    """Return the greatest |z| of A - B K in an axis; it keeps the axes apart."""
+    k = POSITIONS.index(axis)
+    return float(np.abs(np.linalg.eigvals((held.A - held.B @ K)[k::3, k::3])).max())
+
+
+def is_reduced_order_loop(held: StateSpace, K: Array) -> bool:
     """Tell whether (33) is the loop of a reduced-order observer with the sampled model."""
     L = _observer_gain(held, 0.5)
     observer = reduced_observer.from_gain(held, (*POSITIONS, *INTEGRALS), L)
@@ -222,14 +167,17 @@ def _is_the_loop(held: StateSpace, K: Array) -> bool:
     return bool(np.allclose(A, loop_33(held, K, L), rtol=SAME, atol=SAME * float(np.abs(A).max())))
 
 
-def _common(poles: NDArray[Any], wanted: NDArray[Any]) -> int:
-    """Return how many of two sets of poles, paired as near as can be, are the same."""
-    distance = np.abs(poles[:, None] - wanted)
-    return int((distance[linear_sum_assignment(distance)] < SAME).sum())
+def _observer_gain(held: StateSpace, pole: float) -> Array:
+    return (1 - pole) / timing.period(held.time) * np.eye(3, 6)
 
 
-def _with_points(printed: Published) -> dict[str, Printed]:
-    """Return the printed gains by state, with the decimal points that the scan lost."""
-    lost = {n: printed[n].text for n in RATES}
-    mended = {n: Printed(str(Decimal(text).scaleb(-LOST)), printed[n].unit) for n, text in lost.items()}
-    return {n: printed[n] for n in STATES} | mended
+def unobservable(of: Stage, integrals: bool, shown: bool = False) -> int:
+    """Return how many modes no output of `model` shows; `shown` takes the integrals as outputs, too."""
+    m = model(of, integrals)
+    return len(structure.unmoved(m.A.T, np.eye(9, 6) if shown else m.C.T, m.states, m.time))
+
+
+def uncontrollable(of: Stage, integrals: bool) -> int:
+    """Return how many modes no input of `model` moves."""
+    m = model(of, integrals)
+    return len(structure.unmoved(m.A, m.B, m.states, m.time))

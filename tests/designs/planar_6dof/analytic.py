@@ -14,10 +14,11 @@ from collections.abc import Callable, Mapping
 import casadi as ca
 import numpy as np
 
-from designs.planar_6dof import filtering, lqg, sensing, vertical
+from designs.planar_6dof import filtering, lqg, vertical
 from designs.planar_6dof.paper import rows
 from designs.planar_6dof_leadlag import control as leadlag
 from models import halbach, hall_calibration
+from models import hall_sections as sensing
 from synth.plant import Plant
 from synth.timing import Discrete
 

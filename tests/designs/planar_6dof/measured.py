@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from designs.planar_6dof import reference_sensing, sensing, sensing_maps
+from designs.planar_6dof import reference_sensing, sensing_maps
 from models import hall_calibration, planar_stage
+from models import hall_sections as sensing
 from synth.block import Block, unranged
 from synth.emit import write
 from synth.execute import host

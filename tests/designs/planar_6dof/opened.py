@@ -4,7 +4,8 @@ from collections.abc import Mapping, Sequence
 
 import casadi as ca
 
-from designs.planar_6dof import allocation, filtering, vertical
+from designs.planar_6dof import filtering, vertical
+from models import planar_allocation as allocation
 from models import planar_stage
 from synth.analyse import linearise, loop, margins, trim
 from synth.block import Block, Exprs, Step, build, clip

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from designs.planar_6dof import drawings, experiments, loops, page_stage, sensing_maps
+from designs.planar_6dof import drawings, experiments, loops, page, sensing_maps
 from designs.planar_6dof.loop import simulate
 from synth.report.audit import Figure, Published, Row, Verdict
 from synth.simulate.experiment import Experiment
@@ -31,8 +31,8 @@ def runs(loop: Rig) -> list[Experiment]:
 
 def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let maps have few points and loops be opened at one place, so that a page takes seconds."""
-    monkeypatch.setattr(page_stage, "PLACES", 2)
+    monkeypatch.setattr(page, "PLACES", 2)
     monkeypatch.setattr(sensing_maps, "SPEED", 2.0)
     monkeypatch.setattr(drawings, "POINTS", 8)
-    monkeypatch.setattr(page_stage, "DRAWN", 3)
+    monkeypatch.setattr(page, "DRAWN", 3)
     monkeypatch.setattr(loops, "over_pitch", partial(loops.over_pitch, places=1))

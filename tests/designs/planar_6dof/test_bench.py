@@ -12,10 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from designs.planar_6dof import allocation, bench, interface
+from designs.planar_6dof import bench, interface
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof_leadlag import design as leadlag
 from designs.planar_6dof_lqg import design as lqg_design
+from models import planar_allocation as allocation
 from models import planar_stage
 from synth import declared
 from synth.blocks import safety

@@ -10,7 +10,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from designs.planar_6dof import filtering, reference_sensing, sensing, sensing_maps
+from designs.planar_6dof import filtering, reference_sensing, sensing_maps
+from models import hall_sections as sensing
 from synth.block import Block, unranged
 from synth.blocks import safety
 from synth.compose import compose
@@ -213,18 +214,18 @@ def test_a_single_glitch_is_passed_over(predicted: bool) -> None:
 
 @pytest.mark.parametrize("predicted", [True, False])
 def test_the_map_of_faults_says_what_is_not_noticed(predicted: bool) -> None:
-    found = sensing_maps.faults(PLANT, TIME, points=5, predicted=predicted)
-    rows = {(r.voltage, r.failure): r for r in found}
-    assert len(rows) == 12 and all(r.named == 1.0 for r in found)
+    zero, stuck = (f(PLANT, TIME, points=5, predicted=predicted) for f in (sensing_maps.faults, sensing_maps.stuck))
+    first, second = ({name: w.summary(name) for name, w in of.items()} for of in (zero, stuck))
+    assert [*first] == [*second] == [*HALL] and all(r["named, %"] == 100 for r in (*first.values(), *second.values()))
     # What drops to zero near its zero is not noticed, and is worth little; V_bx and V_cy hide wherever the circle of
     # their pair passes near by.
-    assert 0.3 < rows["V_bx", "zero"].unnoticed < 0.6 and rows["V_bx", "zero"].position < 5e-3
-    assert all(rows[v, "zero"].unnoticed <= 0.2 for v in ("V_ax", "V_ay", "V_by", "V_cx"))
-    assert all(rows[v, "stuck"].unnoticed == 0.0 and rows[v, "stuck"].moved < 15e-3 for v in HALL)
+    assert 30 < first["V_bx"]["unnoticed, %"] < 60 and first["V_bx"]["position, mm"] < 5
+    assert all(first[v]["unnoticed, %"] <= 20 for v in ("V_ax", "V_ay", "V_by", "V_cx"))
+    assert all(r["unnoticed, %"] == 0.0 and r["moved, mm"] < 15 for r in second.values())
 
 
 def test_at_rest_a_sensor_that_sticks_is_not_noticed() -> None:
     start = np.full((2, 1), L / 16)
     for predicted in (True, False):
-        seen = sensing_maps.watch(PLANT, estimation(predicted), start, 0 * start, 50, "V_ax", stuck=True)
+        seen = sensing_maps.watch(PLANT, estimation(predicted), start, 0 * start, 50, "V_ax", sticks=True)
         assert seen.noticed.tolist() == [-1] and seen.error.max() < 1e-5

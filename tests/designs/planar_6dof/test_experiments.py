@@ -7,7 +7,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from designs.planar_6dof import allocation, experiments, failures, interface, lqg
+from designs.planar_6dof import experiments, failures, interface, lqg
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof.loop import simulate
 from designs.planar_6dof.paper import rows as paper
@@ -16,6 +16,7 @@ from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import experiments as leadlag_experiments
 from designs.planar_6dof_lqg import experiments as lqg_experiments
 from models import halbach, planar_stage, planar_voltages
+from models import planar_allocation as allocation
 from synth.block import Block
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig

@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from designs.planar_6dof import allocation, interface, loops, lqg
+from designs.planar_6dof import interface, loops, lqg
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import loops as own
+from models import planar_allocation as allocation
 from models import planar_stage
 from synth.analyse import disk, margins
 from synth.analyse import loop as analyse

@@ -5,8 +5,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from designs.planar_6dof import allocation, lqg, reference_control, vertical
+from designs.planar_6dof import lqg, reference_control, vertical
 from designs.planar_6dof_leadlag import control as leadlag
+from models import planar_allocation as allocation
 from models import planar_stage
 from synth.analyse import loop
 from synth.block import unranged
@@ -14,6 +15,7 @@ from synth.compose import compose
 from synth.emit import write
 from synth.execute import host
 from synth.signals import names
+from synth.synthesise.classical import lead_lag
 from synth.timing import Discrete
 from synth.verify import agree
 from tests import tolerances
@@ -39,42 +41,43 @@ def test_heights_undo_the_lasers() -> None:
             np.testing.assert_allclose(seen, pose[axis], rtol=0, atol=1e-3 * DOUBLE)
 
 
-def every_loop(time: Discrete) -> list[vertical.Loop]:
-    found = [vertical.loop(a, vertical.compensator(a, time), time) for a in allocation.VERTICAL]
-    found += [vertical.loop(a, vertical.compensator(a, time, "published"), time) for a in allocation.VERTICAL]
-    return found + [vertical.loop(a, leadlag.compensator(a), time) for a in allocation.HORIZONTAL]
+def every_loop(time: Discrete) -> list[tuple[str, lead_lag.LeadLag]]:
+    horizontal = vertical.sampled({a: leadlag.compensator(a) for a in allocation.HORIZONTAL}, time)
+    return [*vertical.loops(time).items(), *vertical.loops(time, "published").items(), *horizontal.items()]
 
 
 @pytest.mark.parametrize("time", RATES)
 def test_the_parts_are_the_sampled_compensator(time: Discrete) -> None:
     """With what is made wired to what is demanded, a loop has the response of `lead_lag`'s model."""
     z = np.exp(1j * np.geomspace(1e-3, np.pi, 40))
-    for part in every_loop(time):
-        wanted, driven = vertical.demand(part.axis), vertical.made(part.axis)
+    for axis, K in every_loop(time):
+        wanted, driven = vertical.DEMAND[axis], vertical.MADE[axis]
         unlimited = opened.passed(time, {driven.name: wanted.name}, wanted.unit)
-        block = vertical.block(PLANT, part, time)
+        block = vertical.block(PLANT, axis, K, time)
         inputs = [s.name for s in block.inputs if s.name != driven.name]
         whole = compose("whole", [block, *unlimited], inputs=inputs, outputs=[wanted.name])
         model = loop.linearised(whole, {}, dict.fromkeys(inputs, 0.0))
-        found = model.channel(wanted.name, vertical.REFERENCES[part.axis].name).response(z)
-        found = allocation.scales(PLANT)[part.axis] * found
-        np.testing.assert_allclose(found, part.sampled.discrete.response(z), rtol=1e-9)  # z - 1 is 1e-3 at the least
+        found = model.channel(wanted.name, vertical.REFERENCES[axis].name).response(z)
+        found = allocation.scales(PLANT)[axis] * found
+        np.testing.assert_allclose(found, K.discrete.response(z), rtol=1e-9)  # z - 1 is 1e-3 at the least
 
 
 @pytest.mark.parametrize("time", RATES)
 def test_shipped_compensators_are_those_of_the_reference(time: Discrete) -> None:
     for axis in allocation.VERTICAL:
-        part = vertical.loop(axis, vertical.compensator(axis, time), time)
+        K = vertical.loops(time)[axis]
         other = reference_control.vertical(axis, Fraction(1, round(1 / time.period_s)))
-        found, expected = (part.D, part.into_lag, part.reset), (other.D, -other.D * other.z1, other.z2)
-        np.testing.assert_allclose(found, expected, rtol=DOUBLE)
-        assert part.pole == other.p == 0
+        np.testing.assert_allclose([K.gain, *K.zeros], [other.D, other.z1, other.z2], rtol=DOUBLE)
+        constants = {c.name: c.value for c in vertical.block(PLANT, axis, K, time).constants}
+        into_lag = -other.D * other.z1 / allocation.scales(PLANT)[axis]
+        assert constants["into_lag"] == pytest.approx(into_lag, rel=DOUBLE)
+        assert "pole" not in constants and other.p == 0
 
 
 def test_an_integral_goes_to_what_the_motors_make_and_back() -> None:
     """A set-point out of reach for a second leaves the integral where the motors are, not beyond."""
     time, axis = RATES[0], "z"
-    block = vertical.block(PLANT, vertical.loop(axis, vertical.compensator(axis, time), time), time)
+    block = vertical.block(PLANT, axis, vertical.loops(time)[axis], time)
     emitted = write.emit(unranged(block), np.float64)
     controller, n, limit = host.load(emitted.files, emitted.manifest), 1000, 5.0 / allocation.scales(PLANT)[axis]
     state, made, seen = controller.init(), 0.0, []

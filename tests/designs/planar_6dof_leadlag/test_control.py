@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from designs.planar_6dof import allocation, interface, random_steps
+from designs.planar_6dof import interface, random_steps
 from designs.planar_6dof_leadlag import control, reference
+from models import planar_allocation as allocation
 from synth.blocks import safety
 from synth.emit import write
 from synth.execute import host
@@ -77,11 +78,10 @@ def test_a_step_beyond_the_motors_does_not_wind_up() -> None:
 
 
 def test_gains_are_those_of_the_reference() -> None:
-    for part in control.loops():
-        k = reference.compensators()[part.axis]
-        found, expected = (part.D, part.into_lag, part.reset), (k.D, k.D * (k.p - k.z1), k.z2)
-        np.testing.assert_allclose(found, expected, rtol=DOUBLE)
-        assert part.pole == pytest.approx(k.p, abs=DOUBLE)
+    for axis, K in control.loops().items():
+        k = reference.compensators()[axis]
+        np.testing.assert_allclose([K.gain, *K.zeros], [k.D, k.z1, k.z2], rtol=DOUBLE)
+        assert K.poles == pytest.approx((k.p, 1.0), abs=DOUBLE)
 
 
 def test_a_bad_measurement_for_long_takes_the_currents_to_zero(c64: host.Controller) -> None:

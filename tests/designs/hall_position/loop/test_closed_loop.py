@@ -7,7 +7,9 @@ import pytest
 
 from designs.hall_position import shipped
 from designs.hall_position.loop import closed_loop
-from designs.planar_6dof import allocation, lqg, sensing
+from designs.planar_6dof import lqg
+from models import hall_sections as sensing
+from models import planar_allocation as allocation
 from models import planar_stage
 from synth.block import unranged
 from synth.emit import write

@@ -1,19 +1,17 @@
 """Rows of the audit of Y recomputed alone, from another plant or another print, and what each row follows from."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from designs.planar_6dof.paper import rows
-from designs.planar_6dof.paper.rows import LEADLAG, LQG
 from models import planar_stage
 from synth.plant import Plant
 from synth.report import audit
-from synth.report.audit import Printed, Published, Row
+from synth.report.audit import Published, Row
 
 PLANT, PRINTED = planar_stage.plant(), rows.printed()
-RECIPES = audit.recipes([*LEADLAG, *LQG])
 RECORDED = {"Y-34", "Y-35", "Y-40", "Y-41"}  # rows of a loop's records
 INSENSITIVE = {  # by row: what its formulas name, but 1 % of it moves no figure
     "Y-12": {"Y-5.per_ampere", "Y-6.per_ampere"},  # H is that of an observer: no input enters it
@@ -22,6 +20,7 @@ INSENSITIVE = {  # by row: what its formulas name, but 1 % of it moves no figure
         "Izz",
         *(f"Y-{n}.{name}" for n in (7, 8) for name in ("gain", "lead", "lag", "reset")),
     },  # stable is stable
+    "Y-37": {"Y-5.per_ampere", "Y-6.per_ampere", "Y-7.rate_lqg"},  # what is pushed at all is moved
     "Y-39": {"Y-39.p0"},  # a large one is soon forgotten
 }
 
@@ -39,44 +38,18 @@ def numbers(names: Sequence[str]) -> list[str]:
 
 
 def one(name: str, plant: Plant = PLANT, published: Prints = PRINTED) -> Row:
-    bench = rows.bench(plant, published)
-    return RECIPES[name].row(bench, published) if name in RECIPES else audit.computed(published[name], bench)
+    return audit.computed(published[name], rows.scope(plant, published))
 
 
 def recorded(name: str, **functions: Callable[..., object]) -> Row:
     """Return a row of records that some functions give in place of a loop."""
-    bench = rows.bench()
-    return audit.computed(PRINTED[name], replace(bench, functions={**bench.functions, **functions}))
-
-
-class Watched(dict[str, Printed]):
-    """Printed numbers that note which of them are read."""
-
-    def __init__(self, name: str, numbers: dict[str, Printed], seen: set[str]) -> None:
-        super().__init__(numbers)
-        self.name, self.seen = name, seen
-
-    def __getitem__(self, key: str) -> Printed:
-        self.seen.add(f"{self.name}.{key}")
-        return super().__getitem__(key)
-
-    def items(self) -> Iterator[tuple[str, Printed]]:  # type: ignore[override]
-        return ((key, self[key]) for key in self)
+    scope = rows.scope()
+    return audit.computed(PRINTED[name], replace(scope, functions={**scope.functions, **functions}))
 
 
 def readers(names: Sequence[str]) -> dict[str, set[str]]:
-    """Return for each row the printed numbers that it reads: it cannot depend on another."""
-    return {name: _watched(name) if name in RECIPES else _named(name) for name in names}
-
-
-def _watched(name: str) -> set[str]:
-    seen: set[str] = set()
-    one(name, published={n: replace(p, numbers=Watched(n, dict(p.numbers), seen)) for n, p in PRINTED.items()})
-    return seen
-
-
-def _named(name: str) -> set[str]:
-    return {n for formula in PRINTED[name].computed.values() for n in formula.names}
+    """Return for each row what its formulas name: it cannot depend on another printed number."""
+    return {name: {n for formula in PRINTED[name].computed.values() for n in formula.names} for name in names}
 
 
 def changed(texts: Mapping[str, str]) -> dict[str, Published]:

@@ -1,7 +1,9 @@
-"""Two Hall sensors for the audit's formulas: the spacing (1), their switching, the inverse of the field in (2), (3).
+"""Figures of two Hall sensors over a pitch: their spacing (1), their switching, the inverse of the field in (2), (3).
 
 Two sensors on the platen's x read V_a and V_b over one pitch of travel. A sensor is sensitive where |dV/dx| is large,
 which is where |V| is small: the one with the smaller |V| is read.
+
+Source: Yu, Kim, section 3.1, Figs. 3 and 4.
 """
 
 from collections.abc import Mapping
@@ -11,8 +13,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.planar_6dof.paper.bench import constants
 from models import halbach, planar_stage
+from models.motor_figures import constants
 
 Array = NDArray[np.float64]
 Parameters = Mapping[str, float]

@@ -1,6 +1,8 @@
-"""Functions of the audit's rows on the motors: G and K of (17), the Lorentz force on the bands, and angles of phases.
+"""Figures of one planar motor: G and K of (17), the Lorentz force on the bands by quadrature, and angles of phases.
 
-The pitch of Table 1 is not that of the matrix, so that figures are given for each where it matters.
+They are functions of numbers, as the pitch of Table 1 is not that of the matrix and a comparison needs both.
+
+Source: Yu, Kim, section 5.1, (17), Tables 1 and 2; see `lorentz_motor`.
 """
 
 from collections.abc import Mapping
@@ -9,12 +11,16 @@ from math import pi
 import casadi as ca
 import numpy as np
 
-from designs.planar_6dof.paper.bench import constants
 from models import halbach, lorentz_motor
 
 Parameters = Mapping[str, float]
 
 POINTS = 24  # of Gauss-Legendre quadrature along each side of a band
+
+
+def constants(p: Parameters) -> dict[str, ca.SX]:
+    """Return numbers by name as the constant expressions that models take."""
+    return {name: ca.SX(value) for name, value in p.items()}
 
 
 def G(l: float, w: float, area: float, Delta: float) -> float:
