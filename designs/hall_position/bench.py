@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from designs.hall_position import random_steps, shipped
-from designs.hall_position.trust import motions
-from designs.hall_position.trust.motions import Numbers, Pose
+from models import hall_motions as motions
+from models.hall_motions import Numbers, Pose
 from synth.errors import DesignError
 from synth.execute import host
 from synth.verify import steps

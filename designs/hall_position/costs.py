@@ -17,9 +17,9 @@ import numpy as np
 
 from designs.hall_position import bench, shipped
 from designs.hall_position.glsdc import channels, six_estimator
-from designs.hall_position.trust import motions
-from designs.hall_position.trust.motions import Numbers
 from models import hall_array, hall_two_waves
+from models import hall_motions as motions
+from models.hall_motions import Numbers
 from models.hall_two_waves import SpatialArray
 from synth.block import unranged
 from synth.emit import write

@@ -14,8 +14,8 @@ import numpy as np
 
 from designs.hall_position import reference, reference_guard, shipped
 from designs.hall_position.reference_glsdc import Setup
-from designs.hall_position.trust import motions
-from designs.hall_position.trust.motions import Numbers, Pose
+from models import hall_motions as motions
+from models.hall_motions import Numbers, Pose
 from models.hall_two_waves import PlanarArray as Array
 from synth.block import Block
 from synth.verify import sampling

@@ -21,7 +21,7 @@ from designs.hall_position.glsdc import estimator
 from designs.hall_position.random_steps import Subject
 from designs.hall_position.trust import endurance
 from designs.hall_position.trust.fleet import Kind
-from designs.hall_position.trust.motions import Numbers
+from models.hall_motions import Numbers
 from synth.check import Check
 from synth.execute import host
 from synth.simulate import ensemble

@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 from designs.hall_position import shipped
 from designs.hall_position.trust import endurance, failures, starts
 from designs.hall_position.trust.fleet import Kind
-from designs.hall_position.trust.motions import Pose
 from models import hall_two_waves
+from models.hall_motions import Pose
 from synth.report import charts, maps, page
 from synth.report.captions import Made, Rows
 from synth.report.charts import Chart, Line

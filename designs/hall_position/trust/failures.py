@@ -19,11 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designs.hall_position.glsdc import channels
-from designs.hall_position.trust import endurance, fleet
-from designs.hall_position.trust.endurance import Limits
-from designs.hall_position.trust.fleet import Course, Kind
-from designs.hall_position.trust.motions import Numbers, Pose
+from designs.hall_position.trust import fleet
+from designs.hall_position.trust.fleet import Kind
+from models import hall_motions as motions
 from models import hall_two_waves
+from models.hall_motions import Course, Limits, Numbers, Pose
 from synth import numeric
 from synth.errors import ModelError
 from synth.execute import host
@@ -82,9 +82,9 @@ def tried(kind: Kind, failure: str, sensor: int, bodies: int, within: Limits | N
     """
     rng = np.random.default_rng(seed)
     if within:
-        at = endurance.motion(kind, bodies, within, rng)
+        at = motions.sines(kind.array, kind.time, bodies, within, rng)
     else:
-        at = fleet.resting(fleet.anywhere(kind, bodies, endurance.YAW, rng))
+        at = motions.resting(motions.anywhere(kind.array, bodies, motions.YAW, rng))
     return _outcome(kind, _run(kind, failure, sensor, at, rng), sensor)
 
 
@@ -95,7 +95,7 @@ def unseen(kind: Kind, failure: str, sensor: int, points: int, seed: int = 0) ->
 
     Raises ModelError for an unknown failure, a sensor that is not there, or no point.
     """
-    at = fleet.resting(Pose(*hall_two_waves.poses(kind.array.pitch, points)))
+    at = motions.resting(Pose(*hall_two_waves.poses(kind.array.pitch, points)))
     samples = _run(kind, failure, sensor, at, np.random.default_rng(seed))
     flagged = np.any([_flagged(batch) for batch, _ in samples[: SOON + 1]], axis=0)
     return readonly(np.where(flagged, np.nan, samples[SOON][1].off).reshape(points, points))

@@ -12,12 +12,11 @@ import numpy as np
 
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.glsdc.parameters import Tuning
-from designs.hall_position.trust import motions
-from designs.hall_position.trust.motions import Numbers, Pose
+from models import hall_motions as motions
+from models.hall_motions import Course, Numbers, Pose
 from models.hall_two_waves import PlanarArray as Array
 from synth import numeric, timing
 from synth.block import unranged
-from synth.errors import ModelError
 from synth.execute import build, host
 from synth.simulate import ensemble
 from synth.simulate.ensemble import Scores
@@ -26,7 +25,6 @@ from synth.timing import Discrete
 TIME = Discrete(1 / 800)
 USUAL = Tuning()
 FULL = 2 * pi
-Course = Callable[[int], Pose]  # the number of a sample to where bodies are then
 
 
 @dataclass(frozen=True)
@@ -51,18 +49,6 @@ def compiled(kind: Kind) -> host.Controller:
     return build.compiled(unranged(block), np.float32, error=estimator.SURROGATE_ERROR[np.float32])
 
 
-def anywhere(kind: Kind, n: int, yaw: float, rng: np.random.Generator) -> Pose:
-    """Draw n poses over the pitch, at yaws in rad of up to `yaw` to either side.
-
-    Raises ModelError unless n is a whole number above 0 and the yaw one of at least 0.
-    """
-    n = numeric.whole("the number of bodies", n)
-    if numeric.number("the yaw", yaw) < 0:
-        raise ModelError(f"the yaw is {yaw} rad: give how far it goes to either side, at least 0")
-    X, Y = rng.uniform(0, kind.array.pitch, (2, n))
-    return Pose(X, Y, rng.uniform(-yaw, yaw, n))
-
-
 def placed(kind: Kind, pose: Pose, before: Pose | None = None, certain: bool = True) -> host.Records:
     """Return the states of bodies that are at poses (N,), and were at others a sample before, or at rest.
 
@@ -83,11 +69,6 @@ def placed(kind: Kind, pose: Pose, before: Pose | None = None, certain: bool = T
         state["estimator_yaw_known"] = wrapped(pose.yaw)
         state["estimator_certain"] = state["estimator_placed"] = 1
     return state
-
-
-def resting(pose: Pose) -> Course:
-    """Return the course of bodies that rest."""
-    return lambda k: pose
 
 
 def moving(kind: Kind, at: Course) -> host.Records:

@@ -15,7 +15,8 @@ import numpy as np
 
 from designs.hall_position.trust import fleet
 from designs.hall_position.trust.fleet import Kind
-from designs.hall_position.trust.motions import Numbers, Pose
+from models import hall_motions as motions
+from models.hall_motions import Numbers, Pose
 from synth import numeric
 from synth.simulate import ensemble
 from synth.simulate.ensemble import Scores
@@ -48,10 +49,10 @@ def basin(kind: Kind, bodies: int, yaw: float, samples: int = 60, seed: int = 0)
     Raises ModelError for no body or sample, or a yaw that is none.
     """
     rng, pitch = np.random.default_rng(seed), kind.array.pitch
-    pose = fleet.anywhere(kind, bodies, yaw, rng)
+    pose = motions.anywhere(kind.array, bodies, yaw, rng)
     off, turned = FAR * pitch * rng.random(bodies), TURNED * rng.random(bodies)
     start = pose.moved(off, rng.uniform(0, 2 * np.pi, bodies), turned * rng.choice([-1, 1], bodies))
-    scores = fleet.scored(kind, fleet.placed(kind, start, certain=False), fleet.resting(pose), samples, rng)
+    scores = fleet.scored(kind, fleet.placed(kind, start, certain=False), motions.resting(pose), samples, rng)
     edges = [FAR * pitch * np.arange(BINS[0] + 1) / BINS[0], TURNED * np.arange(BINS[1] + 1) / BINS[1]]
     every, _, _ = np.histogram2d(off, turned, edges)
     led = [np.histogram2d(off[right], turned[right], edges)[0] for right in scores.right[[0, -1]]]
@@ -71,7 +72,7 @@ def reach(kind: Kind, points: int, seed: int = 0) -> Numbers:
     X, Y, d, h = np.meshgrid(along, along, rings, 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS, indexing="ij")
     pose = Pose(X.ravel(), Y.ravel(), np.zeros(X.size))
     state = fleet.placed(kind, pose.moved(d.ravel(), h.ravel()), certain=False)
-    right = fleet.scored(kind, state, fleet.resting(pose), 1, rng).right.reshape(X.shape).all(axis=3)
+    right = fleet.scored(kind, state, motions.resting(pose), 1, rng).right.reshape(X.shape).all(axis=3)
     return readonly(rings[0] * np.cumprod(right, axis=2).sum(axis=2))
 
 

@@ -11,8 +11,8 @@ from designs.hall_position.glsdc import estimator
 from designs.hall_position.pages import trust
 from designs.hall_position.trust import endurance, failures, fleet, starts
 from designs.hall_position.trust.fleet import Kind
-from designs.hall_position.trust.motions import Pose
 from models import hall_two_waves
+from models.hall_motions import Pose
 from synth.block import unranged
 from synth.emit import write
 from synth.execute import host

@@ -6,11 +6,11 @@ from functools import cache
 
 import numpy as np
 
-import designs.hall_position.trust.motions as motions
 from designs.hall_position import reference
 from designs.hall_position.glsdc import channels, estimator
 from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.reference_glsdc import Setup
+from models import hall_motions as motions
 from models.hall_two_waves import PlanarArray as Array
 from synth.block import Block, unranged
 from synth.emit import write

@@ -8,8 +8,9 @@ import pytest
 from designs.hall_position import shipped
 from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.trust import endurance, fleet
-from designs.hall_position.trust.endurance import Limits
 from designs.hall_position.trust.fleet import Kind
+from models import hall_motions as motions
+from models.hall_motions import Limits
 from synth.execute import host
 
 TWO, THREE = (Kind(shipped.array(name)) for name in (shipped.NAME, shipped.THREE))
@@ -54,7 +55,7 @@ def test_two_sensors_stay_with_it_and_are_not_valid_where_they_lose_rank() -> No
 def test_motions_creep_and_swing() -> None:
     """Within the limits, and half of them come close to these."""
     rng, limits, T = np.random.default_rng(0), endurance.limits(TWO), TWO.time.period_s
-    at = endurance.motion(TWO, 400, limits, rng, endurance.SLOWEST)
+    at = motions.sines(TWO.array, TWO.time, 400, limits, rng, endurance.SLOWEST)
     found = [at(k) for k in range(4000)]
     X, Y, yaw = (np.array([getattr(p, name) for p in found]) for name in ("X", "Y", "yaw"))
     speed = np.abs(np.diff(X, axis=0)).max(axis=0) / T

@@ -10,10 +10,10 @@ from designs.hall_position import shipped
 from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.trust import endurance, failures, fleet
-from designs.hall_position.trust.endurance import Limits
 from designs.hall_position.trust.failures import FAILURES, SOON
 from designs.hall_position.trust.fleet import Kind
 from models import hall_accuracy, hall_fisher, hall_two_waves
+from models.hall_motions import Limits
 from synth.errors import ModelError
 from synth.execute import host
 

@@ -9,8 +9,8 @@ from designs.hall_position import shipped
 from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.trust import fleet, starts
 from designs.hall_position.trust.fleet import Kind
-from designs.hall_position.trust.motions import Pose
 from models import hall_two_waves
+from models.hall_motions import Pose
 from synth.errors import ModelError
 from synth.execute import host
 
