@@ -16,7 +16,7 @@ between, so that an estimate that is not valid does not move the loop:
 After LOST invalid samples in a row all Hall voltages are suspects, and both voltages of a sensor that the estimator
 leaves out are so at once: no sample is complete then, and the guard latches BAD_SAMPLES later.
 
-The choice of PLACES: docs/decisions/hall_position_loop.md; `stage_places` are for the comparison with the sections.
+The choice of PLACES: docs/decisions/hall_position_loop.md.
 """
 
 from collections.abc import Sequence
@@ -65,12 +65,6 @@ class Source:
 
     array: Array
     map: ErrorMap | None = None
-
-
-def stage_places(plant: Plant) -> tuple[Pair, ...]:
-    """Return where the stage's own three sensors are, m."""
-    spacing = plant.parameter("spacing").value
-    return (0.0, 0.0), (spacing, 0.0), (0.0, spacing)
 
 
 def controller(name: str, plant: Plant, time: Discrete, law: Sequence[Block], source: Source) -> Block:

@@ -10,7 +10,7 @@ from functools import cache
 
 import numpy as np
 
-from designs.hall_position.loop import calibration, closed_loop, stage_loop
+from designs.hall_position.loop import calibration, stage_loop
 from designs.hall_position.loop.stage_loop import TIME, Loop
 from designs.planar_6dof.experiments import usual
 from models import planar_stage
@@ -33,8 +33,8 @@ ABOUT = "1 mV of noise, 200 Hz, 16 bits over +-5 V, one sample of delay"
 @cache
 def others(libm: bool = False) -> Mapping[str, Loop]:
     """Return the loops on the stage's own sensors: by sections, and by the estimate with its own calibration."""
-    places = closed_loop.stage_places(planar_stage.plant())
-    own = stage_loop.of_source(calibration.calibrated(places), libm=libm)
+    source = calibration.calibrated(planar_stage.hall_places(planar_stage.plant()))
+    own = stage_loop.of_source(source, libm=libm)
     return {SECTIONS: stage_loop.of_sections(libm=libm), OWN: own}
 
 

@@ -89,7 +89,7 @@ def of_source(source: Source, libm: bool = False) -> Loop:
 def of_sections(libm: bool = False) -> Loop:
     """Return the loop that the sections of the stage's own sensors close."""
     plant = planar_stage.plant()
-    bench = Bench(closed_loop.stage_places(plant))
+    bench = Bench(planar_stage.hall_places(plant))
     matched = hall_calibration.of(plant).amplitude / calibration.array(bench).alpha
     shown = planar.view(TIME, predicted=False)
     return _loop(bench, lqg.controller(plant), shown, interface.SURROGATE_ERROR[np.float32], libm, matched)

@@ -32,7 +32,7 @@ from synth.verify import agree
 ESTIMATE, SECTIONS = "estimate, three sensors", "sections, three sensors"
 PLACES = 3  # over a pitch
 SETTLED = 300  # samples after which the estimate rests
-SPATIAL = {"x": 0, "y": 1, "z": 2, "theta": 3, "psi": 4, "phi": 5}  # in hall_array.SPATIAL
+SPATIAL = ("x", "y", "z", "theta", "psi", "phi")  # as in hall_array.SPATIAL
 
 
 def section(points: int = PLACES) -> page.Section:
@@ -42,8 +42,8 @@ def section(points: int = PLACES) -> page.Section:
     block = closed_loop.controller(lqg.NAME, plant, lqg.TIME, lqg.law(plant), source).rounded(np.float32)
     found = opened(source, block, {})
     shown = loops.of_parts(found, HORIZONTAL, ESTIMATE)
-    sections = loops.whole(plant, lqg.TIME, lqg.sensed(plant), lqg.law(plant))
-    shown += loops.of_block(plant, sections, HORIZONTAL, SECTIONS)
+    by_sections = loops.whole(plant, lqg.TIME, lqg.sensed(plant), lqg.law(plant))
+    shown += loops.of_block(plant, by_sections, HORIZONTAL, SECTIONS)
     blocks = (_over_pitch(source, block, points),)
     return page.Section(standard.LOOPS, blocks, tuple(planar.bodes(shown, axis) for axis in HORIZONTAL))
 
@@ -79,11 +79,9 @@ def opened(source: Source, block: Block, place: Place) -> Parts:
 
 def sensed(of: Sensors, pose: Place) -> tuple[Array, Array]:
     """Return the Hall voltages (6,) at a pose in the field of model (2), and their slopes (6, 6) by AXES."""
-    q = np.zeros(len(hall_array.SPATIAL))
-    for axis, k in SPATIAL.items():
-        q[k] = pose[axis] + (hall_array.HEIGHT if axis == "z" else 0.0)
+    q = [pose[axis] + (hall_array.HEIGHT if axis == "z" else 0.0) for axis in SPATIAL]
     volts, H = (v.full() for v in hall_array.spatial(*hall_two_waves.model(of)).function()(q))
-    return volts.ravel(), H[:, [SPATIAL[axis] for axis in AXES]]
+    return volts.ravel(), H[:, [SPATIAL.index(axis) for axis in AXES]]
 
 
 def begun(block: Block, of: Sensors, pose: Place) -> dict[str, float]:

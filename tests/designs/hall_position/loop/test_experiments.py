@@ -148,4 +148,4 @@ def test_both_controllers_have_the_same_wires() -> None:
     sections = lqg.controller(plant)
     assert names(source.inputs) == names(sections.inputs) and names(source.outputs) == names(sections.outputs)
     assert source.faults == sections.faults
-    assert closed_loop.stage_places(plant)[1][0] == plant.parameter("spacing").value
+    assert planar_stage.hall_places(plant)[1][0] == plant.parameter("spacing").value
