@@ -7,15 +7,13 @@ import numpy as np
 
 from designs.planar_6dof import loops as shared
 from designs.planar_6dof import lqg, page
-from designs.planar_6dof.lqg import ERROR, PRINTED_WEIGHTS, STATES, TIME, WEIGHTS
+from designs.planar_6dof.lqg import ERROR, PRINTED_WEIGHTS, TIME, WEIGHTS
 from designs.planar_6dof_lqg import loops, orders
 from models import planar_allocation as allocation
 from models import planar_stage
 from synth.plant import Plant
 from synth.report import figures, multivariable, sections
-from synth.report.figures import SYMBOLS
-from synth.report.notation import number
-from synth.report.page import Cell, Figure, Section, Table, Text
+from synth.report.page import Figure, Section, Table, Text
 from synth.report.prose import Value
 
 LINE = "reduced-order LQG in x, y and φ, (26)-(49), on positions as measured; lead-lag in z, θ and ψ, (23)-(25)"
@@ -29,20 +27,9 @@ LOW, HIGH, POINTS = 0.3, 0.999, 300  # Hz, of the Nyquist frequency, points of s
 
 def contents(plant: Plant) -> page.Contents:
     """Return what is said of this design."""
-    gains = (_weights(), _certificates(), _axes(plant))
     block, opened, whole = lqg.controller(plant), loops.all_loops(plant), (_whole(plant),)
     values, cost = _values(plant), orders.spent
-    return page.Contents(block, LINE, EQUATIONS, gains, opened, BESIDE, whole, False, True, values, cost)
-
-
-def _weights() -> Table:
-    used, printed = (-lqg.gain(weights).K for weights in (WEIGHTS, PRINTED_WEIGHTS))
-    rows = []
-    for name, q, other, *K in zip(STATES, WEIGHTS, PRINTED_WEIGHTS, used.T, printed.T, strict=True):
-        gains = [", ".join(number(v, 6) for v in column) for column in K]
-        rows.append((name, number(q), gains[0], number(other), gains[1]))
-    columns = ("state", "weight", "−K: i_AQ, i_BQ, i_CQ", "printed weight (47)", "−K of it")
-    return Table("Gains of (49) at 800 Hz, R = I, and those of the printed weights", columns, tuple(rows))
+    return page.Contents(block, LINE, EQUATIONS, (_certificates(),), opened, BESIDE, whole, False, True, values, cost)
 
 
 def _certificates() -> Table:
@@ -54,17 +41,6 @@ def _certificates() -> Table:
         rows.append((label, found.residual, found.forward_error, found.least_eigenvalue, told))
     columns = ("K", "residual", "error of X", "least eigenvalue of X, scaled", "poles of A + B K, z")
     return Table("Certificates of the Riccati solutions", columns, tuple(rows), digits=2)
-
-
-def _axes(plant: Plant) -> Table:
-    rows: list[tuple[Cell, ...]] = []
-    for axis in lqg.axes(plant):
-        found = lqg.observer(axis)
-        entries = (float(m[0, 0]) for m in (found.F, found.G, found.H, found.L))
-        rows.append((SYMBOLS.get(axis.name, axis.name), axis.b, axis.k1, axis.k2, axis.k3, *entries))
-    columns = ("axis", "b, 1/A", "k1, A", "k2, A s", "k3, A", "F = p", "G, 1/s", "H, 1/A/s", "L, 1/s")
-    caption = "Axes and observers, per m or rad: gains on position, rate and sum of errors; the observer of the rate"
-    return Table(caption, columns, tuple(rows), digits=5)
 
 
 def _values(plant: Plant) -> dict[str, Value]:
