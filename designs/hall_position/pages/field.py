@@ -32,12 +32,12 @@ def blocks(stage: Stage) -> dict[str, Made]:
     fit, (fits, decays) = audited.fitted(stage), over_gap(stage)
     left = 1e3 * np.abs(fit.residual)
     waves = stage.waves(concentrated_field.up_to(5) + on_axes((7, 9)))
-    above = {"ideal": (), "as made": waves}
-    surfaces = {name: hall_figures.surface(POINTS, stage.height, of) for name, of in above.items()}
+    above = {"ideal": stage.waves(on_axes(hall_figures.HARMONICS), ideal=True), "as made": waves}
+    surfaces = {name: hall_figures.surface(of, POINTS, stage.height) for name, of in above.items()}
     return {
         "field.parameters": _parameters(stage),
         "field.amplitudes": _amplitudes(stage),
-        "field.coefficients": charts.draw([_coefficients_at(z) for z in (0.0, stage.height)], 3.0),
+        "field.coefficients": charts.draw([_harmonics(stage, z) for z in (0.0, stage.height)], 3.0),
         "field.surface": _surface(surfaces),
         "field.sections": _sections(surfaces),
         "field.spacing": _spacing(stage),
@@ -86,13 +86,13 @@ def _amplitudes(stage: Stage) -> Rows:
     return rows
 
 
-def _coefficients_at(z: float) -> Chart:
+def _harmonics(stage: Stage, z: float) -> Chart:
     """Return Fig. 3: amplitudes by number, above ideal blocks and those that were made, z in m above the blocks."""
-    of = hall_figures.coefficients(z=z)
-    numbers = [*of.numbers, of.numbers[-1] + 2]
-    made = Line(numbers, [*of.fabricated, of.cross], "as made", {"ls": "", "marker": "s", "ms": 4})
-    ideal = Line(of.numbers, of.ideal, "ideal", {"ls": "", "marker": "o", "ms": 7, "mfc": "none"})
-    ticks = {"xlim": (0.5, numbers[-1] + 0.5), "xticks": numbers, "xticklabels": [*map(str, of.numbers), "(2, 1)"]}
+    first = list(range(1, 10))
+    numbers, sizes = [*first, 11], [*stage.amplitudes(first, z), stage.cross(z)]
+    made = Line(numbers, sizes, "as made", {"ls": "", "marker": "s", "ms": 4})
+    ideal = Line(first, stage.amplitudes(first, z, True), "ideal", {"ls": "", "marker": "o", "ms": 7, "mfc": "none"})
+    ticks = {"xlim": (0.5, numbers[-1] + 0.5), "xticks": numbers, "xticklabels": [*map(str, first), "(2, 1)"]}
     labels = "number n of sin(n ω X)", "amplitude of B_X, T", f"{1e3 * z:g} mm above"
     return Chart([ideal, made], *labels, levels=(0.0,), legend="upper right", options=ticks)
 
