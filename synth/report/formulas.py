@@ -13,7 +13,7 @@ import re
 from collections import ChainMap
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache
 from types import CodeType
 from typing import Any
 
@@ -40,17 +40,6 @@ class Formula:
     unit: str = ""
     what: str = ""
 
-    @cached_property
-    def code(self) -> CodeType:
-        """The compiled expression, in which F-1.mass is printed["F-1.mass"].
-
-        Raises DesignError where it is none.
-        """
-        try:
-            return compile(_PRINTED.sub(r'printed["\1"]', self.text), self.text, "eval")
-        except SyntaxError as cause:
-            raise DesignError(f"the formula '{self.text}' is no expression: {cause.msg}; mend it") from cause
-
     @property
     def names(self) -> frozenset[str]:
         """Parameters, functions, other values and printed numbers, such as F-1.mass, that stand in it."""
@@ -60,7 +49,7 @@ class Formula:
     def value(self, names: Mapping[str, Any], printed: Mapping[str, Any]) -> Any:
         """Return the value for names and printed numbers by "F-1.mass".
 
-        Raises DesignError for a name that is not known or not printed, and as `code`.
+        Raises DesignError for a name that is not known or not printed, and where the text is no expression.
         """
         if absent := [source for source in _PRINTED.findall(self.text) if source not in printed]:
             raise DesignError(
@@ -68,12 +57,21 @@ class Formula:
             )
         known = ChainMap({"printed": printed}, dict(names), dict(FUNCTIONS))
         try:
-            return eval(self.code, {"__builtins__": {}}, known)
+            return eval(_code(self.text), {"__builtins__": {}}, known)
         except NameError as cause:
             raise DesignError(
                 f"the formula '{self.text}' names '{cause.name}', which is neither a value above it nor a parameter: "
                 f"use one of {', '.join(known)}"
             ) from cause
+
+
+@cache
+def _code(text: str) -> CodeType:
+    """Compile an expression, in which F-1.mass is printed["F-1.mass"]."""
+    try:
+        return compile(_PRINTED.sub(r'printed["\1"]', text), text, "eval")
+    except SyntaxError as cause:
+        raise DesignError(f"the formula '{text}' is no expression: {cause.msg}; mend it") from cause
 
 
 def evaluate(formulas: Mapping[str, Formula], names: Mapping[str, Any], printed: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,5 +1,7 @@
 """Formulas of an audit: what they may name, what they follow from, and which of them are refused."""
 
+import pickle
+
 import pytest
 
 from synth.errors import DesignError
@@ -41,6 +43,11 @@ def test_rows_are_recomputed_by_their_formulas() -> None:
     assert first["frequency"] == pytest.approx(1.5915, abs=1e-4) and first["twice it"] == 2 * first["frequency"]
     assert (first.verdict, first.why) == ("RC", "Rule: within one unit of the last printed digit.")
     assert (second.verdict, second["half"], second.depends) == ("R", 2.0, ("F-2.rate",))
+
+
+def test_a_row_is_data_that_another_process_can_read() -> None:
+    rows = list(audit.rows([], Scope(), PRINTS))
+    assert pickle.loads(pickle.dumps(rows)) == rows
 
 
 def test_a_row_depends_on_what_its_figures_name_and_on_no_more() -> None:
