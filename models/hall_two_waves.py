@@ -12,7 +12,7 @@ Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", (2), 
 from dataclasses import dataclass, replace
 from functools import cache
 from math import hypot, pi, sqrt
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import casadi as ca
 import numpy as np
@@ -29,14 +29,24 @@ FEWEST = 3  # sensors of two axes for six unknowns
 
 
 class _Periodic:
-    """An array over a field of a pitch in m."""
+    """An array over a field of a pitch in m, of sensors at `arms` in rad of phase."""
 
     pitch: float
+    arms: Any
 
     @property
     def wave_number(self) -> float:
         """Return w, rad/m."""
         return 2 * pi / self.pitch
+
+    @property
+    def reach(self) -> float:
+        """Return the largest |x| + |y| of the arms, rad."""
+        return max(abs(x) + abs(y) for x, y, *_ in self.arms)
+
+    def yaw_within(self, phase: float) -> float:
+        """Return the yaw in rad that moves no sensor by more than a phase in rad: reach (T + T^2/2) = phase."""
+        return sqrt(1 + 2 * phase / self.reach) - 1
 
     def _check(self, *positive: str, finite: str = "beta") -> None:
         """Make fields floats; raise ModelError for one that is no number, or not above 0."""

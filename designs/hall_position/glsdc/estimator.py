@@ -20,14 +20,15 @@ Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", secti
 import casadi as ca
 import numpy as np
 
-from designs.hall_position.glsdc import channels, phasor, planar_model, tracking
+from designs.hall_position.glsdc import channels, planar_model, tracking
 from designs.hall_position.glsdc.parameters import Tuning
-from designs.hall_position.glsdc.phasor import Phasor
 from designs.hall_position.glsdc.planar_model import Normal, Problem
+from models import hall_planar
 from models.hall_two_waves import PlanarArray
 from synth.block import Block, Exprs, Step, build
-from synth.blocks import glsdc
+from synth.blocks import glsdc, phasor
 from synth.blocks.glsdc import Named
+from synth.blocks.phasor import Phasor
 from synth.signals import Signal
 from synth.timing import Discrete
 
@@ -79,7 +80,7 @@ def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = USUAL) -> Blo
         inputs=channels.held(len(array.positions), redundant),
         outputs=_outputs(array, tuning),
         states=tracking.states(of),
-        constants=planar_model.constants(array),
+        constants=hall_planar.constants(array),
         tag="GLSDC, Fig. 9",
     )
 
@@ -95,7 +96,7 @@ def _lever(heading: Phasor, yaw: ca.SX, array: PlanarArray, named: Named) -> Pha
     x, y = array.centre
     if x == y == 0:
         return Phasor(ca.SX(0), ca.SX(0))
-    return heading.times(planar_model.turned(yaw, named)[0]).times(Phasor(ca.SX(x), ca.SX(y)))
+    return heading.times(hall_planar.turned(yaw, named)[0]).times(Phasor(ca.SX(x), ca.SX(y)))
 
 
 def _position(pose: Exprs, lever: Phasor, array: PlanarArray) -> dict[str, ca.SX]:

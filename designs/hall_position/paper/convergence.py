@@ -61,13 +61,3 @@ def treads(stage: Stage, step: float, yaw_known: bool) -> Array:
             at = hall_correction.settled(of, clean + now, at, SCALE, INNER, yaw_known)
             found.append(at[0])
     return np.array(found).reshape(STEPS + 1, TREAD, -1)[:, TREAD // 2 :]
-
-
-def risen(treads: Array) -> float:
-    """Return the median step in m of the output from stair to stair."""
-    return float(np.median(np.diff(treads.mean(axis=1), axis=0)))
-
-
-def ripple(treads: Array) -> Array:
-    """Return the noise (N,) in m of the output on a stair."""
-    return np.asarray(treads.std(axis=1).mean(axis=0))

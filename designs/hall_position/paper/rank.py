@@ -18,7 +18,6 @@ from models import (
     hall_array,
     hall_correction,
     hall_fisher,
-    hall_singular_points,
     hall_two_waves,
 )
 from models.hall_array import Array
@@ -44,11 +43,6 @@ def known_yaw(of: PlanarArray, points: int = 4096) -> Array:
     return np.asarray(of.deviation / of.wave_number / np.sqrt((slopes**2).sum(axis=0)))
 
 
-def steepest(stage: Stage) -> float:
-    """Return the slope of the fundamental's steepest place, V/m."""
-    return stage.pair.alpha * stage.pair.wave_number
-
-
 @lru_cache(KEPT)
 def worst(of: PlanarArray, low: float, high: float, tolerance: float = TOLERANCES[0]) -> Worst:
     """Return the largest deviations over the pitch and yaws in degrees, with their bounds, as `hall_fisher.worst`."""
@@ -58,11 +52,6 @@ def worst(of: PlanarArray, low: float, high: float, tolerance: float = TOLERANCE
 def worst_searched(stage: Stage, turn: int) -> Worst:
     """Return the largest deviations of the layout that was searched for yaws up to a turn in degrees."""
     return worst(stage.array(layouts.LAYOUTS[turn]), -turn, turn, TOLERANCES[turn])
-
-
-def singular(stage: Stage, turn: float) -> Array:
-    """Return the places (n, 2) in m at which two sensors turned by a yaw in rad lose rank."""
-    return hall_singular_points.of_pair(stage.pair, turn)
 
 
 def off_eighth(stage: Stage, places: Array) -> float:

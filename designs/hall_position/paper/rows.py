@@ -12,11 +12,12 @@ import numpy as np
 
 from designs.hall_position.paper import convergence, errors, field, rank
 from designs.hall_position.paper.stage import Stage
+from models import hall_singular_points
 from synth.report import audit
 from synth.report.audit import Published, Row
 
 UNITS = {"um": 1e-6, "mm": 1e-3, "mV": 1e-3}
-NUMPY = (np.degrees, np.hypot, np.isfinite, np.mean, np.median, np.percentile, np.radians)
+NUMPY = (np.degrees, np.diff, np.hypot, np.isfinite, np.maximum, np.mean, np.median, np.percentile, np.radians, np.std)
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +40,7 @@ def on(stage: Stage, prints: Mapping[str, Published]) -> Bench:
     modules = (convergence, errors, field, rank)
     own = (v for m in modules for v in vars(m).values() if getattr(v, "__module__", "") == m.__name__)
     functions = {f.__name__: f for f in (*own, *NUMPY, Stage)}
+    functions["singular_points"] = hall_singular_points.of_pair
     return Bench(asdict(stage), {**functions, **UNITS}, prints)
 
 

@@ -131,7 +131,7 @@ def test_a_defect_changes_the_verdict(name: str, stage: Stage, numbers: dict[str
 
 
 def test_verdicts_on_layouts_follow_their_figures() -> None:
-    assert str(computed_by("K-13", singular=lambda *_: np.zeros((0, 2))).verdict) == "R"
+    assert str(computed_by("K-13", singular_points=lambda *_: np.zeros((0, 2))).verdict) == "R"
     offset = rank.changes(replace(STAGE.three, c=0.1))  # an offset of all voltages tells quarter turns apart
     assert str(computed_by("K-15", changes=lambda _: offset).verdict) == "N"
     worse = computed_by("K-14", by_waves=lambda s, of: errors.by_waves(s, of) * 10 ** (len(of.positions) - 2))
