@@ -39,7 +39,7 @@ from math import hypot, pi, sqrt
 import casadi as ca
 import numpy as np
 
-from models import lorentz_motor, planar_stage
+from models import hall_sections, lorentz_motor, planar_stage
 from models.planar_stage import force_constant, wrench
 from synth.block import Block, Constant, Exprs, Step, build, clip
 from synth.plant import Plant
@@ -55,7 +55,6 @@ HORIZONTAL, VERTICAL = AXES[:3], AXES[3:]
 ROUNDING = 1e-14  # of a ratio of arms
 BOX = {s.name: s for s in planar_stage.STATES}
 YAW = replace(BOX["phi"], low=-0.075, high=0.075)  # rad: what the filter leaves of raw yaws within 0.025
-UNITS = {"x": "N", "y": "N", "phi": "N m", "z": "N", "theta": "N m", "psi": "N m"}  # of w
 DEMANDS = tuple(Signal(f"d_{axis}", "A", -1e5, 1e5, f"demand over the scale of {axis}") for axis in AXES)
 ACHIEVED = tuple(
     replace(s, name=f"made_{axis}", about="by the limited currents") for axis, s in zip(AXES, DEMANDS, strict=True)
@@ -68,10 +67,7 @@ CURRENTS = tuple(
 PHASES = planar_stage.INPUTS
 COMPUTED = tuple(replace(s, name=f"{s.name}_computed") for s in PHASES)
 PITCH = planar_stage.plant().parameter("l").value
-WITHIN = tuple(
-    Signal(f"within_{axis}", "m", -PITCH / 2, PITCH / 2, f"position along {axis.upper()} from the middle of its pitch")
-    for axis in "xy"
-)
+WITHIN = hall_sections.WITHIN
 
 
 def scales(plant: Plant) -> dict[str, float]:

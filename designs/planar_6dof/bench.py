@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designs.planar_6dof import interface
-from designs.planar_6dof.loop import SENSORS, Array
+from designs.planar_6dof.loop import Array
 from models import hall_calibration, planar_stage
 from models import hall_sections as sensing
 from models import planar_allocation as allocation
@@ -52,7 +52,7 @@ def own(controller: host.Controller) -> list[Steps]:
 def seen(pose: Mapping[str, Array]) -> Columns:
     """Return what the sensors read without noise, V and m, at poses (N,) by axis, m and rad."""
     columns = planar_stage.plant().output_values(pose)
-    return {name: columns[name] for name in SENSORS}
+    return {name: columns[name] for name in interface.SENSORS}
 
 
 def poses(rng: np.random.Generator, yaw: float = 1.0) -> dict[str, Array]:

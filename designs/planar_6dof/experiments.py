@@ -6,7 +6,7 @@ step is, the paper could not see either, and stands beside as the true error. Al
 trajectory that is shown. The motors see the field's harmonics, and every current comes a sample late.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -66,13 +66,22 @@ class Limits:
     voltage: float
 
 
-def steps(heights: Mapping[str, float], titles: Mapping[str, str], limits: Limits | None) -> tuple[Run, ...]:
-    """Return a step of each axis by its height in m or rad."""
+def _stepped(loop: Rig, name: str, axis: str, height: float, title: str, limits: Limits | None) -> Experiment:
+    return step_experiment(loop, step(loop, axis, height), name, title, limits)
 
-    def make(loop: Rig, name: str, axis: str) -> Experiment:
-        return step_experiment(loop, step(loop, axis, heights[axis]), name, titles[axis], limits)
 
-    return tuple(Run(f"step_{axis}", partial(make, axis=axis)) for axis in heights)
+def steps(
+    heights: Mapping[str, float],
+    titles: Mapping[str, str],
+    limits: Limits | None,
+    make: Callable[..., Experiment] = _stepped,
+    suffix: str = "",
+) -> tuple[Run, ...]:
+    """Return a step of each axis by its height in m or rad, as `make` makes it; the names end with a suffix."""
+    return tuple(
+        Run(f"step_{axis}{suffix}", partial(make, axis=axis, height=height, title=titles[axis], limits=limits))
+        for axis, height in heights.items()
+    )
 
 
 def step(loop: Rig, axis: str, height: float, after: float = AFTER) -> StepRun:
@@ -126,12 +135,6 @@ def step_metrics(run: StepRun) -> dict[str, float]:
 def settled(loop: Rig, values: Array) -> Array:
     """Return a record of the standstill without its first second."""
     return values[round(1.0 / loop.period_s) :]
-
-
-def filtered_at_rest(loop: Rig, duration_s: float) -> dict[str, Array]:
-    """Return x and y (N,) in m at rest behind the filter (6)-(16): no better position was recorded."""
-    shown = seen(loop, simulate(loop, duration_s, {}, {}))
-    return {axis: settled(loop, shown[axis]) for axis in "xy"}
 
 
 def _standstill(loop: Rig, name: str, noise: float | None = None) -> Experiment:

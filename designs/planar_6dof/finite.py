@@ -16,7 +16,7 @@ without end. Each experiment is run on both plants with the same noise. Its bars
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,14 +44,6 @@ MADE, IDEAL, CLOSED = "blocks as made", "ideal blocks", "closed law"
 def over(loop: Rig, made: bool = True) -> Rig:
     """Return the loop over the finite matrix, of blocks as made or ideal."""
     return replace(loop, plant=finite_stage.plant(made))
-
-
-def steps(heights: Mapping[str, float], titles: Mapping[str, str], limits: shared.Limits | None) -> tuple[Run, ...]:
-    """Return a step of each axis by its height in m or rad, over the finite matrix."""
-    return tuple(
-        Run(f"step_{axis}_finite", partial(step, axis=axis, height=height, title=titles[axis], limits=limits))
-        for axis, height in heights.items()
-    )
 
 
 def step(loop: Rig, name: str, axis: str, height: float, title: str, limits: shared.Limits | None) -> Experiment:
@@ -107,11 +99,15 @@ def _noise(loop: Rig, run: Trajectory, since: float) -> dict[str, float]:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A run without noise along set-points x, y (N,) in m, judged over the samples `window` (N,)."""
+    """A run along set-points x, y (N,) in m, judged over the samples `window` (N,)."""
 
     run: Trajectory
     references: Mapping[str, Array]
     window: NDArray[np.bool_]
+
+    def error(self, axis: str, at: Array | None = None) -> Array:
+        """Return the true error of x or y in the window, m, or that of another position `at` (N,)."""
+        return np.asarray(((self.run[axis] if at is None else at) - self.references[axis])[self.window])
 
 
 def astray(loop: Rig, motion: Motion) -> dict[str, float]:
@@ -119,8 +115,7 @@ def astray(loop: Rig, motion: Motion) -> dict[str, float]:
     shown, errors = seen(loop, motion.run), {}
     for axis in "xy":
         for what, at in (("as shown", shown[f"{axis}_raw"]), ("truly", motion.run[axis])):
-            error = (at - motion.references[axis])[motion.window]
-            errors[f"{axis} {what}"] = float(np.sqrt(np.mean(error**2)))
+            errors[f"{axis} {what}"] = float(np.sqrt(np.mean(motion.error(axis, at) ** 2)))
     return errors
 
 
@@ -134,7 +129,7 @@ def motion(loop: Rig, experiment: Experiment, noiseless: Mapping[str, Motion]) -
     made, twin = errors[MADE], noiseless[MADE]
     checks = [Check(f"error of {a} as shown", made[f"{a} as shown"], NOISE, "m", "rms without noise") for a in "xy"]
     for axis in "xy":
-        lost = float(np.abs((twin.run[axis] - twin.references[axis])[twin.window]).max())
+        lost = float(np.abs(twin.error(axis)).max())
         checks.append(Check(f"greatest true error of {axis}", lost, ACCURACY, "m", "without noise"))
     checks.append(
         Check("greatest yaw", float(np.abs(experiment.trajectory["phi"]).max()), RANGE["phi"], "rad", "its range")

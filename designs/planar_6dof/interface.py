@@ -9,12 +9,12 @@ make it 22 % flatter than that, and the raw position noisier than s.
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from math import pi
 
-import casadi as ca
 import numpy as np
 
 from designs.planar_6dof import vertical
-from models import halbach, hall_calibration, planar_stage
+from models import hall_calibration, planar_stage
 from models import hall_sections as sensing
 from synth import stage
 from synth.block import Block
@@ -37,8 +37,8 @@ SURROGATE_ERROR: Mapping[type[np.floating], float] = {np.float32: 2e-5, np.float
 
 def volts_per_metre(plant: Plant) -> float:
     """Return A w in V/m, the slope of the fundamental where it is 0."""
-    k = float(halbach.wave_number({p.name: ca.SX(p.value) for p in plant.parameters}))
-    return hall_calibration.of(plant).amplitude * k
+    cal = hall_calibration.of(plant)
+    return cal.amplitude * (2 * pi / cal.pitch)
 
 
 VOLTS_PER_METRE = volts_per_metre(planar_stage.plant())
@@ -56,6 +56,7 @@ INTERFACE = stage.interface(
     reason="the air bearings carry the platen, and without current nothing pushes it",
     suspected=planar_stage.HALL,
 )
+SENSORS = tuple(s.name for s in INTERFACE.sensors)
 INPUTS, OUTPUTS = stage.guarded(INTERFACE), INTERFACE.outputs
 
 

@@ -24,7 +24,6 @@ from synth.blocks import safety
 from synth.compose import compose
 from synth.declaration import Stage
 from synth.execute import build, host
-from synth.signals import names
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
 from synth.timing import Discrete, period
@@ -32,8 +31,6 @@ from synth.timing import Discrete, period
 Array = NDArray[np.float64]
 
 SUBSTEPS = 2  # of a sample: psi swings at 214 rad/s, 0.13 in half of 1.25 ms
-SENSORS = {name: name for name in (*planar_stage.HALL, *planar_stage.LASERS)}
-ACTUATORS: dict[str, str | Mapping[str, float]] = {name: name for name in names(interface.OUTPUTS)}
 
 
 def of(block: Block, controller: host.Controller | None = None) -> Rig:
@@ -41,6 +38,13 @@ def of(block: Block, controller: host.Controller | None = None) -> Rig:
     plant = planar_stage.plant(halbach.HARMONICS)
     declared = interface.declared(block.name, Discrete(period(block.time)), lambda: block)
     return Rig(Stage(declared, plant, substeps=SUBSTEPS), plant, controller or compiled(block))
+
+
+def growing_circle(time: Array, radius: float, rate: float, growth: float) -> dict[str, Array]:
+    """Return set-points x, y (N,) in m around the middle at a rate in rad/s, the radius grown within `growth` s."""
+    part = np.clip(time / growth, 0, 1)
+    r = radius * part**3 * (10 - 15 * part + 6 * part**2)
+    return {"x": r * np.cos(rate * time), "y": r * np.sin(rate * time)}
 
 
 def simulate(

@@ -38,7 +38,7 @@ Place = Mapping[str, float]  # m and rad, by axis
 
 MIDDLE: Place = dict.fromkeys(AXES, 0.0)  # of the travel
 SETTLED = 50  # samples after which the filters have come to rest
-PHASES, SENSED = names(planar_stage.INPUTS), (*planar_stage.HALL, *planar_stage.LASERS)
+PHASES, SENSED = names(planar_stage.INPUTS), interface.SENSORS
 MOTORS = names(allocation.CURRENTS)
 HORIZONTAL = MOTORS[:3]
 
@@ -54,25 +54,12 @@ class Parts:
 
 @dataclass(frozen=True, eq=False)
 class OpenLoop:
-    """The loop of one axis, opened at its position, under a label, and its margins."""
+    """The loop of one axis, opened at its position, the `signal`, under a label, and its margins."""
 
-    axis: str
+    signal: str
     label: str
     L: StateSpace
     margins: margins.Margins
-
-
-@dataclass(frozen=True, eq=False)
-class Horizontal:
-    """The loop of x, y and phi opened at the motors' currents along their motion, at the positions, and at both."""
-
-    currents: StateSpace
-    positions: StateSpace
-    both: StateSpace
-
-    def disks(self) -> dict[str, disk.DiskMargin]:
-        """Return the disk margin at each cut, all of its channels varied at once."""
-        return {name: disk.of_loop(getattr(self, name)) for name in ("currents", "positions", "both")}
 
 
 def parts(plant: Plant, block: Block, place: Place = MIDDLE, delay: float = 1) -> Parts:
@@ -149,10 +136,16 @@ def over_pitch(plant: Plant, block: Block, places: int = 7) -> list[dict[str, ma
     return [{axis: margins.of_loop(opened(each, [axis])) for axis in AXES} for each in each_place]
 
 
-def horizontal(both: Parts) -> Horizontal:
-    """Return the loop of x, y and phi, any other axes closed."""
-    axes = allocation.HORIZONTAL
-    return Horizontal(*(opened(both, cut) for cut in (HORIZONTAL, axes, (*HORIZONTAL, *axes))))
+def horizontal(both: Parts) -> dict[str, StateSpace]:
+    """Return the loop of x, y and phi opened at the motors' currents along their motion, at the positions, at both."""
+    cuts = {"currents": HORIZONTAL, "positions": allocation.HORIZONTAL}
+    cuts["both"] = (*HORIZONTAL, *allocation.HORIZONTAL)
+    return {name: opened(both, cut) for name, cut in cuts.items()}
+
+
+def disks(whole: Mapping[str, StateSpace]) -> dict[str, disk.DiskMargin]:
+    """Return the disk margin at each cut, all of its channels varied at once."""
+    return {name: disk.of_loop(L) for name, L in whole.items()}
 
 
 def scaled(L: StateSpace, sizes: Mapping[str, float]) -> StateSpace:

@@ -67,15 +67,17 @@ class Axis:
     k3: float
 
 
-def model(per_ampere: float = PER_AMPERE, yaw_per_ampere: float = YAW_PER_AMPERE) -> StateSpace:
-    """Return (31), (32) with the currents as inputs, from the accelerations per ampere of (26)."""
+def model(per_ampere: float = PER_AMPERE, yaw_per_ampere: float = YAW_PER_AMPERE, integrals: bool = True) -> StateSpace:
+    """Return (31), (32) with the currents as inputs, or (26), (27) without `integrals`, from what an ampere pushes."""
     A, B = np.zeros((9, 9)), np.zeros((9, 3))
     A[:3, 6:], A[3:6, :3] = np.eye(3), np.eye(3)
     B[6, 2] = B[7, 0] = B[7, 1] = per_ampere
     B[8, 0], B[8, 1] = -yaw_per_ampere, yaw_per_ampere
     units = dict(zip(STATES, ("m", "m", "rad", "m s", "m s", "rad s", "m/s", "m/s", "rad/s"), strict=True))
     units |= dict.fromkeys(CURRENTS, "A")
-    return StateSpace(A, B, np.eye(3, 9), np.zeros((3, 3)), STATES, CURRENTS, STATES[:3], Continuous(), units)
+    keep = [i for i in range(9) if integrals or i not in (3, 4, 5)]
+    A, B, C, states = A[np.ix_(keep, keep)], B[keep], np.eye(3, 9)[:, keep], tuple(STATES[i] for i in keep)
+    return StateSpace(A, B, C, np.zeros((3, 3)), states, CURRENTS, STATES[:3], Continuous(), units)
 
 
 @cache

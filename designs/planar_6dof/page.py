@@ -20,7 +20,7 @@ from models import planar_allocation as allocation
 from synth.block import Block
 from synth.emit.write import Emitted
 from synth.plant import Plant, Symbols
-from synth.report import bode, captions, page, sections, standard, template
+from synth.report import captions, page, sections, standard, template
 from synth.report.audit import Row
 from synth.report.captions import Made
 from synth.report.figures import SYMBOLS
@@ -57,15 +57,14 @@ PART = (1.0, 3.0)  # s of the standstill that are drawn
 class Contents:
     """What a design adds to its report: its controller, a line on its law and equations as printed, and loops.
 
-    `gains` follow those of gains.json, `whole` are sections on several loops at once. `beside` gives the rows of the
-    audit that an experiment stands beside; `filtered` tells whether the law reads filtered positions, `spectrum`
-    whether the paper draws one; `values` are what its report.md asks for; `cost` follows the cost.
+    `whole` are sections on several loops at once. `beside` gives the rows of the audit that an experiment stands
+    beside; `filtered` tells whether the law reads filtered positions, `spectrum` whether the paper draws one; `values`
+    are what its report.md asks for; `cost` follows the cost.
     """
 
     block: Block
     line: str
     equations: Sequence[tuple[str, str]]
-    gains: Sequence[page.Table]
     loops: Sequence[loops.OpenLoop]
     beside: Beside
     whole: Sequence[Section] = ()
@@ -90,13 +89,12 @@ def report(
     made = {**_stage(plant, block, own.filtered), **_at_rest(runs, time, own), **_drawn(runs, time, own)}
     values = captions.captioned(made, data["blocks"])
     equations = (*own.equations, *map(tuple, data["equations"]["upright"]))
-    gains = standard.gains(template.gains(own.block.name, files))
-    bodes_by_axis = [bodes(own.loops, axis) for axis in dict.fromkeys(opened.axis for opened in own.loops)]
+    opened = standard.loops(own.loops)
     parts = (
         standard.model(plant, _forces),
         standard.law(block, (page.Equations(equations),)),
-        replace(gains, blocks=(*gains.blocks, *own.gains)),
-        Section(standard.LOOPS, (), (*own.whole, *bodes_by_axis)),
+        standard.gains(template.gains(own.block.name, files)),
+        replace(opened, sections=(*own.whole, *opened.sections)),
         experiments(own, runs, rows, values),
         standard.audit(rows),
         standard.verification(evidence, "1 A"),
@@ -190,9 +188,3 @@ def _worded(e: Experiment) -> Experiment:
     about = readable(e.about) + ("; drawn around the latch" if window(e, SHOWN) else "")
     first, space, rest = readable(e.title).partition(" ")
     return replace(e, title=f"{SYMBOLS.get(first, first)}{space}{rest}", about=about)
-
-
-def bodes(found: Sequence[loops.OpenLoop], axis: str) -> Section:
-    """Return the Bode plot of an axis with the margins of each of its loops."""
-    curves = [bode.curve(o.label, o.L, o.margins) for o in found if o.axis == axis]
-    return sections.loop(f"Loop of {SYMBOLS.get(axis, axis)}", f"bode-{axis}", curves)

@@ -17,7 +17,7 @@ import numpy as np
 
 from designs.planar_6dof import failures, interface, random_steps
 from designs.planar_6dof import loop as loops
-from designs.planar_6dof.loop import Array, simulate
+from designs.planar_6dof.loop import Array, growing_circle, simulate
 from designs.planar_6dof.random_steps import Columns, Subject
 from models import planar_allocation as allocation
 from models import planar_stage
@@ -117,10 +117,9 @@ def shares(states: Columns, c64: agree.Stepped) -> list[Check]:
 def tour(duration_s: float, time: Discrete) -> dict[str, Array]:
     """Return set-points (N,) by axis: a circle that grows to RADIUS, yaw, lift and tilts that swing."""
     t = sample_times(duration_s, time.period_s)
-    part = np.clip(t / GROWTH, 0, 1)
-    r = RADIUS * part**3 * (10 - 15 * part + 6 * part**2)
-    wanted = {"x": r * np.cos(RATE * t), "y": r * np.sin(RATE * t)}
-    return wanted | {a: high * np.sin((k + 1.3) * t) for k, (a, high) in enumerate(TILTS.items())}
+    return growing_circle(t, RADIUS, RATE, GROWTH) | {
+        a: high * np.sin((k + 1.3) * t) for k, (a, high) in enumerate(TILTS.items())
+    }
 
 
 def runs(loop: Rig, step: float, replay_s: float) -> dict[str, Trajectory]:

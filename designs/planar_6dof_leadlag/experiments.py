@@ -5,7 +5,7 @@ of the eight sections of a pitch, the error of the raw position may jump by no m
 from sample to sample elsewhere: the borders must not show in the noise.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import pi
 
 import numpy as np
@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from designs.planar_6dof import experiments as shared
 from designs.planar_6dof import failures, finite
-from designs.planar_6dof.loop import Array, seen, simulate
+from designs.planar_6dof.finite import Motion
+from designs.planar_6dof.loop import Array, growing_circle, seen, simulate
 from designs.planar_6dof.paper.steps import FIGURE_8
 from models import planar_voltages
 from synth.check import Check
@@ -31,26 +32,11 @@ PAIRS = {"x": ("V_ax", "V_bx"), "y": ("V_ay", "V_cy")}  # s and -c of an axis
 JUMP = 3.0
 
 
-@dataclass(frozen=True, eq=False)
-class Circle:
-    """A run around the circle, its set-points x, y (N,) in m, and whether the radius has grown (N,)."""
-
-    run: Trajectory
-    references: dict[str, Array]
-    grown: NDArray[np.bool_]
-
-    def error(self, axis: str) -> Array:
-        """Return the true error of x or y on the full circle, m."""
-        return np.asarray((self.run[axis] - self.references[axis])[self.grown])
-
-
-def circle(loop: Rig) -> Circle:
+def circle(loop: Rig) -> Motion:
     """Run a whole revolution after the radius has grown to RADIUS."""
     time = sample_times(GROWTH + REVOLUTION, loop.period_s)
-    part = np.clip(time / GROWTH, 0, 1)
-    r = RADIUS * part**3 * (10 - 15 * part + 6 * part**2)
-    wanted = {"x": r * np.cos(RATE * time), "y": r * np.sin(RATE * time)}
-    return Circle(simulate(loop, GROWTH + REVOLUTION, wanted, {}), wanted, time >= GROWTH)
+    wanted = growing_circle(time, RADIUS, RATE, GROWTH)
+    return Motion(simulate(loop, GROWTH + REVOLUTION, wanted, {}), wanted, time >= GROWTH)
 
 
 def switched(run: Trajectory, axis: str) -> NDArray[np.bool_]:
@@ -72,7 +58,7 @@ def circle_experiment(loop: Rig, name: str) -> Experiment:
     return _judged(loop, name, circle(loop), circle(loop.ideal))
 
 
-def _judged(loop: Rig, name: str, noisy: Circle, ideal: Circle) -> Experiment:
+def _judged(loop: Rig, name: str, noisy: Motion, ideal: Motion) -> Experiment:
     """Return a circle, with its twin without noise, as an experiment."""
     pitch = loop.plant.parameter("l").value
     figures, checks = planar_voltages.figures(loop.plant, noisy.run, ideal.run), []
@@ -109,8 +95,7 @@ def finite_circle(loop: Rig, name: str) -> Experiment:
     loops = {finite.CLOSED: loop, finite.MADE: there, finite.IDEAL: ideal}
     twins = {name: circle(each.ideal) for name, each in loops.items()}
     experiment = _judged(there, name, circle(there), twins[finite.MADE])
-    noiseless = {name: finite.Motion(c.run, c.references, c.grown) for name, c in twins.items()}
-    judged = finite.motion(loop, experiment, noiseless)
+    judged = finite.motion(loop, experiment, twins)
     return replace(judged, figures={**judged.figures, **finite.forces(RADIUS)})
 
 
@@ -119,7 +104,7 @@ ALL = (
     Run("circle", circle_experiment),
     *shared.STANDSTILLS,
     *failures.ALL,
-    *finite.steps(FIGURE_8, TITLES, LIMITS),
+    *shared.steps(FIGURE_8, TITLES, LIMITS, finite.step, "_finite"),
     Run("circle_finite", finite_circle),
     finite.STANDSTILL,
 )

@@ -22,7 +22,7 @@ def contents(plant: Plant) -> page.Contents:
     """Return what is said of this design; report.md asks for the crossovers that the paper prints, in Hz."""
     printed = {f"crossover_{row}": rows.printed()[row]["crossover"].text for row in ("Y-7", "Y-8")}
     block, opened = control.controller(plant), loops.all_loops(plant)
-    return page.Contents(block, LINE, _horizontal(), (), opened, BESIDE, values=printed)
+    return page.Contents(block, LINE, _horizontal(), opened, BESIDE, values=printed)
 
 
 def _horizontal() -> list[tuple[str, str]]:

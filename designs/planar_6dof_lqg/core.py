@@ -38,15 +38,9 @@ REACH = 2 * LIMIT  # A, of an integral
 SMALL = 1e-9  # of the largest residue: that of another axis
 
 
-def plant() -> StateSpace:
-    """Return (26), (27), continuous."""
-    whole, states = lqg.model(), tuple(STATES[i] for i in PLANT)
-    return replace(whole, A=whole.A[np.ix_(PLANT, PLANT)], B=whole.B[PLANT], C=whole.C[:, PLANT], states=states)
-
-
 def compensator() -> reduced_compensator.Compensator:
     """Return (33)-(35) at 800 Hz with the integrals of (31), certified by the library."""
-    held = discretise.zero_order_hold(plant(), TIME.period_s)
+    held = discretise.zero_order_hold(lqg.model(integrals=False), TIME.period_s)
     L = np.diag([(1 - OBSERVER_POLE[axis]) / TIME.period_s for axis in HORIZONTAL])
     observer = reduced_observer.from_gain(held, HORIZONTAL, L)
     integrals = reduced_compensator.integrals(held, dict(zip(INTEGRALS, HORIZONTAL, strict=True)))
@@ -56,11 +50,11 @@ def compensator() -> reduced_compensator.Compensator:
 def estimator() -> kalman.Estimator:
     """Return the full-order filter (40) of (26), pushed by white accelerations."""
     W, V = [PROCESS_NOISE[a] for a in HORIZONTAL], [NOISE[a] ** 2 for a in HORIZONTAL]
-    return kalman.sampled(plant(), W, V, TIME.period_s, G=np.eye(6)[:, 3:], exact=True)
+    return kalman.sampled(lqg.model(integrals=False), W, V, TIME.period_s, G=np.eye(6)[:, 3:], exact=True)
 
 
 def gain() -> Array:
-    """Return K (3, 9) on the states of `plant`, then on the integrals."""
+    """Return K (3, 9) on the states of (26), then on the integrals."""
     return readonly(lqg.gain().K[:, [*PLANT, 3, 4, 5]])
 
 

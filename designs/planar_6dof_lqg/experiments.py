@@ -49,6 +49,6 @@ ALL = (
     Run("step_x_large", large_step),
     *shared.STANDSTILLS,
     *failures.ALL,
-    *finite.steps(STEPS, TITLES, None),
+    *shared.steps(STEPS, TITLES, None, finite.step, "_finite"),
     finite.STANDSTILL,
 )

@@ -14,7 +14,7 @@ import numpy as np
 
 from designs.planar_6dof import loops as shared
 from designs.planar_6dof import lqg
-from designs.planar_6dof.loops import Horizontal, OpenLoop, Parts
+from designs.planar_6dof.loops import OpenLoop, Parts
 from designs.planar_6dof.lqg import CURRENTS, STATES, TIME, Axis
 from designs.planar_6dof.paper import rows
 from designs.planar_6dof_lqg import core
@@ -23,7 +23,7 @@ from synth.analyse import discretise
 from synth.block import Block
 from synth.errors import ModelError
 from synth.plant import Plant
-from synth.statespace import Array, readonly
+from synth.statespace import Array, StateSpace, readonly
 from synth.synthesise.observers import reduced_observer
 
 SHIPPED, REWEIGHTED, PRINTED = "as shipped", "weights (47)", "(33) as printed"
@@ -40,7 +40,7 @@ def all_loops(plant: Plant) -> list[OpenLoop]:
     return opened + shared.of_parts(as_printed(plant), HORIZONTAL, PRINTED)
 
 
-def horizontals(plant: Plant) -> dict[str, Horizontal]:
+def horizontals(plant: Plant) -> dict[str, dict[str, StateSpace]]:
     """Return the loop of x, y and phi of each kind."""
     laws = {SHIPPED: lqg.law(plant), REWEIGHTED: reweighted(plant)}
     both = {label: shared.parts(plant, whole(plant, law)) for label, law in laws.items()}

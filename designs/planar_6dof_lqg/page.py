@@ -7,14 +7,15 @@ import numpy as np
 
 from designs.planar_6dof import loops as shared
 from designs.planar_6dof import lqg, page
-from designs.planar_6dof.lqg import ERROR, PRINTED_WEIGHTS, TIME, WEIGHTS
+from designs.planar_6dof.lqg import ERROR, TIME
 from designs.planar_6dof_lqg import loops, orders
 from models import planar_allocation as allocation
 from models import planar_stage
 from synth.plant import Plant
 from synth.report import figures, multivariable, sections
-from synth.report.page import Figure, Section, Table, Text
+from synth.report.page import Figure, Section, Text
 from synth.report.prose import Value
+from synth.statespace import StateSpace
 
 LINE = "reduced-order LQG in x, y and φ, (26)-(49), on positions as measured; lead-lag in z, θ and ψ, (23)-(25)"
 BESIDE = dict.fromkeys(("step_x", "step_y", "standstill"), (("Y-40", "section 5.3"),))
@@ -29,18 +30,7 @@ def contents(plant: Plant) -> page.Contents:
     """Return what is said of this design."""
     block, opened, whole = lqg.controller(plant), loops.all_loops(plant), (_whole(plant),)
     values, cost = _values(plant), orders.spent
-    return page.Contents(block, LINE, EQUATIONS, (_certificates(),), opened, BESIDE, whole, False, True, values, cost)
-
-
-def _certificates() -> Table:
-    rows = []
-    for label, weights in (("(49)", WEIGHTS), ("of (47)", PRINTED_WEIGHTS)):
-        found = lqg.gain(weights).certificate
-        poles = sorted({(round(p.real, 5), round(abs(p.imag), 5)) for p in found.poles})
-        told = ", ".join(f"{re:g}" + (f" ± {im:g}i" if im else "") for re, im in poles)
-        rows.append((label, found.residual, found.forward_error, found.least_eigenvalue, told))
-    columns = ("K", "residual", "error of X", "least eigenvalue of X, scaled", "poles of A + B K, z")
-    return Table("Certificates of the Riccati solutions", columns, tuple(rows), digits=2)
+    return page.Contents(block, LINE, EQUATIONS, opened, BESIDE, whole, False, True, values, cost)
 
 
 def _values(plant: Plant) -> dict[str, Value]:
@@ -53,19 +43,19 @@ def _values(plant: Plant) -> dict[str, Value]:
 def _whole(plant: Plant) -> Section:
     found = loops.horizontals(plant)
     refused = f"The gain H of (42) is no choice. The library refuses it: {loops.refusal().replace('-1', '−1')}."
-    disks = {label: each.disks() for label, each in found.items()}
+    disks = {label: shared.disks(each) for label, each in found.items()}
     drawn = figures.svg(multivariable.disks(disks[loops.SHIPPED]), "disks")
     shipped = Figure(drawn, "Disk margin over frequency, as shipped, by where the loop is opened.")
     return Section("The horizontal loop as a whole", (*_singular(found), sections.disks(disks), shipped, Text(refused)))
 
 
-def _singular(found: Mapping[str, shared.Horizontal]) -> tuple[Figure, ...]:
+def _singular(found: Mapping[str, Mapping[str, StateSpace]]) -> tuple[Figure, ...]:
     w = 2 * np.pi * np.geomspace(LOW, HIGH * 0.5 / TIME.period_s, POINTS)
     arm = planar_stage.plant().parameter("a").value
     places = f"x, y and φ, φ times an arm of {1e3 * arm:.4g} mm"
     cuts = {
-        ("currents", "i_AQ, i_BQ, i_CQ"): {label: each.currents for label, each in found.items()},
-        ("positions", places): {label: shared.scaled(each.positions, {"phi": arm}) for label, each in found.items()},
+        ("currents", "i_AQ, i_BQ, i_CQ"): {label: each["currents"] for label, each in found.items()},
+        ("positions", places): {label: shared.scaled(each["positions"], {"phi": arm}) for label, each in found.items()},
     }
     drawn = []
     for (name, at), opened in cuts.items():

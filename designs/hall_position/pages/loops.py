@@ -16,7 +16,6 @@ from designs.hall_position import shipped
 from designs.hall_position.loop import closed_loop
 from designs.hall_position.loop.closed_loop import Source
 from designs.planar_6dof import loops, lqg
-from designs.planar_6dof import page as planar
 from designs.planar_6dof.loops import PHASES, SENSED, Parts, Place
 from models import hall_array, hall_chain, hall_two_waves, planar_stage
 from models.hall_chain import Chain
@@ -44,8 +43,7 @@ def section(points: int = PLACES) -> page.Section:
     shown = loops.of_parts(found, HORIZONTAL, ESTIMATE)
     by_sections = loops.whole(plant, lqg.TIME, lqg.sensed(plant), lqg.law(plant))
     shown += loops.of_block(plant, by_sections, HORIZONTAL, SECTIONS)
-    blocks = (_over_pitch(source, block, points),)
-    return page.Section(standard.LOOPS, blocks, tuple(planar.bodes(shown, axis) for axis in HORIZONTAL))
+    return standard.loops(shown, blocks=(_over_pitch(source, block, points),))
 
 
 def _over_pitch(source: Source, block: Block, points: int) -> page.Table:

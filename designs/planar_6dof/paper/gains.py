@@ -9,7 +9,7 @@ so that K falls into three loops of one input: i_C, i_A = i_B, and -i_A = i_B, t
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -45,12 +45,7 @@ class Stage:
 @cache
 def model(of: Stage, integrals: bool) -> StateSpace:
     """Return (31), (32), or (26), (27) without the integrals, in continuous time."""
-    whole = lqg.model(of.per_ampere, of.turning)
-    if integrals:
-        return whole
-    keep = [i for i, name in enumerate(STATES) if name not in INTEGRALS]
-    A, B, C = whole.A[np.ix_(keep, keep)], whole.B[keep], whole.C[:, keep]
-    return replace(whole, A=A, B=B, C=C, states=tuple(STATES[i] for i in keep), units={})
+    return lqg.model(of.per_ampere, of.turning, integrals)
 
 
 @cache

@@ -24,6 +24,7 @@ from synth.simulate.scenario import sample_times
 from synth.simulate.sensors import Override
 
 PLANT = planar_stage.plant()
+ACTUATORS = [s.name for s in interface.OUTPUTS]
 VALUES = {p.name: ca.SX(p.value) for p in PLANT.parameters}
 Found = dict[str, dict[str, Experiment]]
 STEPS = ("step_x", "step_y", "step_phi")
@@ -143,7 +144,7 @@ def test_substeps_are_fine_enough(lead: Rig) -> None:
 def test_voltages_are_those_of_resistance_inductance_and_motion(lead: Rig) -> None:
     """At v along x, motor C alone has a voltage of amplitude 2 K v / 3; without motion, R i and L di/dt."""
     plant, v, T = planar_stage.plant(), 0.1, lead.period_s
-    idle = dict.fromkeys(loops.ACTUATORS, 0.0)
+    idle = dict.fromkeys(ACTUATORS, 0.0)
     run = replace(lead, plant=plant).ideal.run(0.6, {"vx": v}, actuators={}, forcing=idle)
     u = planar_voltages.needed(plant, run)
     assert np.abs(u[6:]).max() == pytest.approx(2 / 3 * allocation.force_constant(plant) * v, rel=1e-3)
@@ -156,7 +157,7 @@ def test_voltages_are_those_of_resistance_inductance_and_motion(lead: Rig) -> No
 
 def test_an_amplifier_without_limit_follows_and_one_with_a_limit_slews(lead: Rig) -> None:
     """From 0 to 0.2 A: 1 - exp(-t/LAG) without a limit, and (1 - exp(-t R/L)) u/R as long as u is the limit."""
-    idle = dict.fromkeys(loops.ACTUATORS, 0.0) | {"i_CA": 0.2}
+    idle = dict.fromkeys(ACTUATORS, 0.0) | {"i_CA": 0.2}
     R, L = (PLANT.parameter(n).value for n in ("resistance", "inductance"))
     for volts in (1e3, 0.5):
         bad = replace(lead, plant=planar_voltages.amplified(volts)).ideal
@@ -249,8 +250,8 @@ def test_a_jump_to_zero_a_current_that_stays_and_a_late_latch_are_caught(lead: R
         return replace(f, failure=replace(f.failure, **fields))
 
     before = np.arange(len(run.time)) < sample + 4
-    still = {name: np.full(len(before), 0.1) for name in loops.ACTUATORS}
-    gone = {name: np.where(before, 0.5, 0.0) for name in loops.ACTUATORS}
+    still = {name: np.full(len(before), 0.1) for name in ACTUATORS}
+    gone = {name: np.where(before, 0.5, 0.0) for name in ACTUATORS}
     assert not caught(good) and 0 < good.failure.slew() <= failures.SLEW
     assert caught(changed(good, run=replace(run, commands=gone))) == {"change of a current from the latch on"}
     assert caught(changed(good, run=replace(run, commands=still))) == {"current left at the end after a latch"}

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from designs.planar_6dof import finite, lqg
+from designs.planar_6dof import finite, interface, lqg
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import experiments as leadlag_experiments
@@ -75,8 +75,10 @@ def test_psi_is_what_gets_noisier(found: Found) -> None:
 def test_the_circle(lead: Rig) -> None:
     """All of it, without noise: the sensors stray 0.1 mm rms over these blocks, the control 6.6 um."""
     there = finite.over(lead)
-    runs = {finite.CLOSED: leadlag_experiments.circle(lead.ideal), finite.MADE: leadlag_experiments.circle(there.ideal)}
-    twins = {name: finite.Motion(c.run, c.references, c.grown) for name, c in runs.items()}
+    twins = {
+        finite.CLOSED: leadlag_experiments.circle(lead.ideal),
+        finite.MADE: leadlag_experiments.circle(there.ideal),
+    }
     run = twins[finite.MADE].run
     e = finite.motion(there, Experiment("circle", "", "", run, ("x", "y")), twins)
     assert len(e.checks) == 5 and not failed(e) and not run.faults.any()
@@ -86,7 +88,7 @@ def test_the_circle(lead: Rig) -> None:
         assert e.figures[f"error of {axis} truly (blocks as made), um rms"] == pytest.approx(105, abs=2)
         assert e.figures[f"error of {axis} truly (closed law), um rms"] == pytest.approx(5.1, abs=0.2)
     assert np.abs(run["phi"]).max() == pytest.approx(0.0134, abs=5e-4)
-    astray = replace(twins[finite.MADE], references={a: r + 1.3e-3 for a, r in runs[finite.MADE].references.items()})
+    astray = replace(twins[finite.MADE], references={a: r + 1.3e-3 for a, r in twins[finite.MADE].references.items()})
     assert failed(finite.motion(there, e, {finite.MADE: astray})) == {
         *(f"error of {a} as shown" for a in "xy"),
         *(f"greatest true error of {a}" for a in "xy"),
@@ -138,5 +140,5 @@ def test_a_plant_that_is_worse_is_caught(
 
 def test_the_noise_is_the_same_on_both_plants(lead: Rig) -> None:
     first, second = (each.run(0.002, {}, {}) for each in (lead, finite.over(lead)))
-    for name in loops.SENSORS:
+    for name in interface.SENSORS:
         assert abs(float(first.measured[name][0] - second.measured[name][0])) < 0.02

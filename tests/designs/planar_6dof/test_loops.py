@@ -80,11 +80,11 @@ def test_the_loop_at_the_currents_is_the_analytic_one(
     z, whole = circle(time), loops.horizontal(opened[name])
     single = {a: analytic.loop(PLANT, a, compensator(a), time, filtered) for a in HORIZONTAL}
     expected = analytic.currents(PLANT, single, z)
-    found = whole.currents.response(z)
+    found = whole["currents"].response(z)
     size = np.abs(expected).max(axis=(1, 2), keepdims=True)
     assert (np.abs(found - expected) / size).max() < NEAR
     assert (np.abs(expected[:, 1, 2]) / size[:, 0, 0]).max() > 0.1
-    across = whole.positions.response(z)
+    across = whole["positions"].response(z)
     assert np.abs(across[:, 0, 2] * PLANT.parameter("a").value).max() < NEAR * np.abs(across[:, 0, 0]).max()
 
 
@@ -157,19 +157,19 @@ def test_margins_over_a_pitch_scatter_little(opened: dict[str, loops.Parts], cas
 
 def test_disk_margins_of_a_diagonal_loop_are_those_of_its_axes(opened: dict[str, loops.Parts]) -> None:
     whole = loops.horizontal(opened["lqg"])
-    found = whole.disks()
+    found = loops.disks(whole)
     alone = [disk.of_loop(loops.opened(opened["lqg"], [a])).lower for a in HORIZONTAL]
     assert found["positions"].lower == pytest.approx(min(alone), rel=1e-3)
     assert found["both"].lower < 0.6 * found["positions"].lower
     assert all(m.certified for m in found.values())
     for name, m in found.items():  # the factors found put a pole onto the unit circle
-        L = getattr(whole, name)
+        L = whole[name]
         value = L.response([np.exp(1j * m.frequency * lqg.TIME.period_s)])[0]
         assert abs(np.linalg.det(np.eye(len(value)) + value @ np.diag(m.factors))) < 1e-3
 
 
 def test_a_scaled_loop_has_the_same_diagonal_and_disk_margin(opened: dict[str, loops.Parts]) -> None:
-    L = loops.horizontal(opened["lqg"]).currents
+    L = loops.horizontal(opened["lqg"])["currents"]
     z, other = circle(lqg.TIME), loops.scaled(L, {"i_CQ": 0.01})
     a, b = L.response(z), other.response(z)
     np.testing.assert_allclose(np.diagonal(a, axis1=1, axis2=2), np.diagonal(b, axis1=1, axis2=2), rtol=1e-9)
@@ -236,5 +236,5 @@ def test_a_loop_without_its_filter_is_caught(cases: dict[str, Case]) -> None:
 def test_a_wrong_arm_shows_at_the_currents(cases: dict[str, Case]) -> None:
     """An allocation for another arm c leaves the yaw of motor C: positions are then no diagonal loop."""
     wrong = lqg.controller(changed_parameter(PLANT, "c"))
-    found = loops.horizontal(loops.parts(PLANT, wrong)).positions.response(circle(lqg.TIME))
+    found = loops.horizontal(loops.parts(PLANT, wrong))["positions"].response(circle(lqg.TIME))
     assert np.abs(found[:, 2, 0]).max() > 1e-4

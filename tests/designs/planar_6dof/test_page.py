@@ -28,7 +28,7 @@ def runs(lead: Rig) -> list[Experiment]:
 
 def test_runs_are_shown_by_the_units_of_the_stage_and_the_channels_of_its_sensors(runs: list[Experiment]) -> None:
     beside = {"step_x": (("Y-9", "Fig. 8"), ("Y-1", "Table 1"))}
-    contents = planar.Contents(leadlag.controller(PLANT), "", (), (), (), beside)
+    contents = planar.Contents(leadlag.controller(PLANT), "", (), (), beside)
     section = planar.experiments(contents, runs, short_runs.ROWS, {})
     titles = [s.title for s in section.sections]
     assert titles[0] == "x by 20 µm" and len(titles) == len(runs)

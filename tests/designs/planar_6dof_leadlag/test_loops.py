@@ -17,11 +17,11 @@ Z = np.exp(2j * np.pi * np.geomspace(0.3, 400, 40) * TIME.period_s)
 
 @pytest.fixture(scope="module")
 def found() -> dict[tuple[str, str], OpenLoop]:
-    return {(o.axis, o.label): o for o in loops.all_loops(PLANT)}
+    return {(o.signal, o.label): o for o in loops.all_loops(PLANT)}
 
 
 def distance(o: OpenLoop, published: bool, filtered: bool) -> float:
-    expected = analytic.loop(PLANT, o.axis, analytic.lead_lag(o.axis, TIME, published), TIME, filtered)(Z)
+    expected = analytic.loop(PLANT, o.signal, analytic.lead_lag(o.signal, TIME, published), TIME, filtered)(Z)
     return float(np.abs(o.L.response(Z)[:, 0, 0] / expected - 1).max())
 
 

@@ -31,7 +31,7 @@ def test_the_reduced_core_is_the_librarys_compensator() -> None:
 
 
 def test_the_full_core_regulates_the_plant_with_the_estimators_poles() -> None:
-    held = lqg.discretise.zero_order_hold(core.plant(), lqg.TIME.period_s)
+    held = lqg.discretise.zero_order_hold(lqg.model(integrals=False), lqg.TIME.period_s)
     K = loop.linearised(core.block("full"), {}, dict.fromkeys(HORIZONTAL, 0.0))
     poles = np.linalg.eigvals(np.block([[held.A, held.B @ K.C], [K.B @ held.C, K.A]]))
     assert not K.D.any()

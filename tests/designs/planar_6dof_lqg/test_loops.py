@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from designs.planar_6dof import loops as shared
 from designs.planar_6dof import lqg
 from designs.planar_6dof.loops import OpenLoop
 from designs.planar_6dof.lqg import TIME
@@ -28,11 +29,11 @@ Found = dict[tuple[str, str], OpenLoop]
 
 @pytest.fixture(scope="module")
 def found() -> Found:
-    return {(o.axis, o.label): o for o in loops.all_loops(PLANT)}
+    return {(o.signal, o.label): o for o in loops.all_loops(PLANT)}
 
 
 def distance(o: OpenLoop, C: analytic.Transfer) -> float:
-    expected = analytic.loop(PLANT, o.axis, C, TIME, False)(Z)
+    expected = analytic.loop(PLANT, o.signal, C, TIME, False)(Z)
     return float(np.abs(o.L.response(Z)[:, 0, 0] / expected - 1).max())
 
 
@@ -75,14 +76,14 @@ def test_one_axis_as_printed_is_psi_that_is_not_stable(found: Found) -> None:
 def test_the_whole_horizontal_loop() -> None:
     """Prediction and allocation gain margin, the printed weights more; S at the currents tells of motor C's yaw."""
     whole = loops.horizontals(PLANT)
-    disks = {label: each.disks() for label, each in whole.items()}
+    disks = {label: shared.disks(each) for label, each in whole.items()}
     for cut in ("currents", "positions", "both"):
         least = [disks[label][cut].lower for label in (loops.PRINTED, loops.SHIPPED, loops.REWEIGHTED)]
         assert least == sorted(least) and all(d[cut].certified for d in disks.values())
     assert disks[loops.SHIPPED]["positions"].lower == pytest.approx(0.592, abs=2e-3)
     assert disks[loops.SHIPPED]["both"].lower == pytest.approx(0.290, abs=2e-3)
     frequency = np.geomspace(10, 2000, 100)
-    peak = {label: multivariable.singular(each.currents, frequency).S.max() for label, each in whole.items()}
+    peak = {label: multivariable.singular(each["currents"], frequency).S.max() for label, each in whole.items()}
     assert peak[loops.PRINTED] > 2 * peak[loops.SHIPPED]
 
 

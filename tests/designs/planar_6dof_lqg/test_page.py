@@ -13,6 +13,8 @@ from synth.emit.write import Emitted
 from synth.verify.evidence import Evidence
 from tests.designs.planar_6dof import short_runs
 
+ROOT = Path(__file__).parents[3]
+
 
 def test_it_shows_the_whole_loop_and_what_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     loop = loops.of(lqg.controller(planar_stage.plant()))
@@ -21,9 +23,8 @@ def test_it_shows_the_whole_loop_and_what_is_refused(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(page.loops, "all_loops", lambda _: shared.of_parts(found, ("x", "psi"), "as shipped"))
     monkeypatch.setattr(page.loops, "horizontals", lambda _: {"as shipped": shared.horizontal(found)})
     step = experiments.step_experiment(loop, experiments.step(loop, "x", 50e-6, 1.5), "step_x", "x by 50 um", None)
-    numbers = (Path(__file__).parents[3] / "generated_c" / lqg.NAME / "gains.json").read_text()
-    files = {lqg.NAME: Emitted({"gains.json": numbers}, {})}
-    html = page.report(files, Evidence(lqg.NAME, (), ()), [step], [], None)
+    gains = (ROOT / "generated_c" / lqg.NAME / "gains.json").read_text()
+    html = page.report({lqg.NAME: Emitted({"gains.json": gains}, {})}, Evidence(lqg.NAME, (), ()), [step], [], None)
     assert len(html.encode()) < short_runs.MOST
     assert html.count("open loop and sensitivity") == 2 and html.count("<td>as shipped</td>") == 2 + 3
     for text in ("Disk margins of all channels", "The library refuses it", "has the poles −1", "weights (47)"):

@@ -10,8 +10,8 @@ import scipy.signal
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
-from designs.planar_6dof.paper import axes, steps
-from models import lorentz_motor, motor_figures, planar_stage
+from designs.planar_6dof.paper import steps
+from models import axis_figures, lorentz_motor, motor_figures, planar_stage
 from synth.analyse import loop
 from synth.plant import Plant
 from synth.report.audit import Row
@@ -364,16 +364,16 @@ def _late_plant(patch: pytest.MonkeyPatch) -> Plant:
 
 
 def _heavy_settling(patch: pytest.MonkeyPatch) -> Plant:
-    patch.setattr(axes, "BAND", 1e-5)
-    right = axes.measured
-    patch.setattr(axes, "measured", lambda t, y, band=1e-5: right(t, y, band))
+    patch.setattr(axis_figures, "BAND", 1e-5)
+    right = axis_figures.measured
+    patch.setattr(axis_figures, "measured", lambda t, y, band=1e-5: right(t, y, band))
     return PLANT
 
 
 def _fresh(patch: pytest.MonkeyPatch) -> None:
     """Set aside what earlier rows have computed."""
     for name in ("margin", "sampled_margin", "step", "sampled_step"):
-        patch.setattr(axes, name, getattr(axes, name).__wrapped__)
+        patch.setattr(axis_figures, name, getattr(axis_figures, name).__wrapped__)
 
 
 @pytest.mark.parametrize(
@@ -440,13 +440,13 @@ def test_recorded_noise() -> None:
 
 def test_a_step_that_never_settles_has_no_time() -> None:
     time = np.arange(100) * 1e-3
-    found = axes.measured(time, np.full(100, 0.5))
+    found = axis_figures.measured(time, np.full(100, 0.5))
     assert found.settled == np.inf and found.rise == np.inf
-    assert axes.measured(time, np.ones(100)).settled == 0
+    assert axis_figures.measured(time, np.ones(100)).settled == 0
 
 
 def test_time_constants_and_zeros_and_poles_make_the_same_axis() -> None:
-    psi = axes.vertical(0.0019, 87.0, 1100.0, 80.0, 640.0, 10.0)
+    psi = axis_figures.vertical(0.0019, 87.0, 1100.0, 80.0, 640.0, 10.0)
     assert (psi.inertia, psi.spring, psi.gain, psi.zeros, psi.poles) == (0.0019, 87, 1100, (-80, -10), (-640, 0))
-    free = axes.horizontal(0.0019, 1100.0 * 800 / 640, 1 / 80, 1 / 640, 1 / 10)
+    free = axis_figures.horizontal(0.0019, 1100.0 * 800 / 640, 1 / 80, 1 / 640, 1 / 10)
     assert (free.gain, *free.zeros, *free.poles) == pytest.approx((psi.gain, *psi.zeros, *psi.poles))

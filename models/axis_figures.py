@@ -1,4 +1,4 @@
-"""One axis of the stage under its lead-lag compensator, with ideal sensing: its margins and steps, for formulas.
+"""One axis of the platen under a lead-lag compensator, with ideal sensing: its margins and steps.
 
 An inertia m with a spring k, q'' = (f - k q) / m, under f = K(s) (r - q), K(s) = g (s - z1) (s - z2) / ((s - p) s).
 
@@ -9,6 +9,8 @@ An inertia m with a spring k, q'' = (f - k q) / m, under f = K(s) (r - q), K(s) 
 
 Steps start from rest at t = 0 and are relative to their size; the rise is from 10 to 90 %. A time is infinite when the
 record, LONG seconds, does not contain the event.
+
+Source: Yu, Kim, section 5.2, (19)-(25).
 """
 
 from collections.abc import Sequence
@@ -21,7 +23,6 @@ from numpy.typing import NDArray
 
 from synth import timing
 from synth.analyse import loop, margins, sensitivity, time_response, transfer
-from synth.report.audit import Printed
 from synth.statespace import StateSpace
 from synth.synthesise.classical import lead_lag
 from synth.timing import Continuous
@@ -30,7 +31,6 @@ Array = NDArray[np.float64]
 
 FINE, LONG = 1e-5, 1.2  # s: the grid of continuous steps, and how long all are watched
 BAND = 0.02
-OVERSHOOT = 0.25  # relative: "around 20 %" is 15 to 25 %
 
 
 @dataclass(frozen=True)
@@ -64,10 +64,6 @@ class Margin:
     delay: float
     stable: bool
 
-    def meets(self, crossover: Printed, phase: Printed) -> bool:
-        """Return whether crossover and phase margin are those printed."""
-        return crossover.agrees(self.crossover) and phase.agrees(self.phase)
-
 
 @dataclass(frozen=True)
 class Step:
@@ -76,14 +72,6 @@ class Step:
     rise: float
     overshoot: float
     settled: float
-
-    def in_bounds(self, rise: Printed, settling: Printed) -> bool:
-        """Return whether a step is as fast as printed, ms."""
-        return 1e3 * self.rise < rise.value and 1e3 * self.settled < settling.value
-
-    def overshoots(self, printed: Printed) -> bool:
-        """Return whether a step overshoots by about as much as printed."""
-        return abs(self.overshoot / printed.value - 1) <= OVERSHOOT
 
 
 def vertical(inertia: float, spring: float, gain: float, lead: float, lag: float, reset: float) -> Axis:
