@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from designs.hall_position import random_steps, shipped
+from designs.hall_position import config, random_steps
 from models import hall_motions as motions
 from models.hall_motions import Numbers, Pose
 from synth.errors import DesignError
@@ -50,7 +50,7 @@ def replay(controller: host.Controller) -> Columns:
 
 def recording(name: str, scalar: type[np.floating]) -> dict[str, Numbers]:
     """Return the inputs (N,) of an estimator's test vectors, V."""
-    V = motions.noisy(shipped.array(name), way(), VECTORS_SEED)
+    V = motions.noisy(config.array(name), way(), VECTORS_SEED)
     V[BAD, 0, 1] = OUT
     V[LOST, 1, 0] = OUT
     return motions.named(V.astype(scalar))
@@ -58,7 +58,7 @@ def recording(name: str, scalar: type[np.floating]) -> dict[str, Numbers]:
 
 def of_three(inputs: Mapping[str, Any], outputs: Mapping[str, Any]) -> dict[str, Numbers]:
     """Return those of three sensors beside `inputs` of two, in their scalar type."""
-    return recording(shipped.THREE, inputs["V_ax"].dtype.type)
+    return recording(config.THREE, inputs["V_ax"].dtype.type)
 
 
 def way() -> Pose:
@@ -93,15 +93,15 @@ def sequences(controller: host.Controller, progress: Callable[[str], None]) -> l
 
 def _name(controller: host.Controller) -> str:
     name = str(controller.manifest["design"])
-    if name not in shipped.PLACES:
-        raise DesignError(f"'{name}' is none of {', '.join(shipped.PLACES)}: measure one of these")
+    if name not in config.PLACES:
+        raise DesignError(f"'{name}' is none of {', '.join(config.PLACES)}: measure one of these")
     return name
 
 
 def _measured(name: str, n: int, size: tuple[float, float, float], seed: int) -> Numbers:
     """Return voltages (n, sensors, 2) on a motion of one body."""
-    pose = motions.wander(shipped.TIME.period_s, (n, 1), seed, *size)
-    return motions.noisy(shipped.array(name), pose, seed)[:, 0]
+    pose = motions.wander(config.TIME.period_s, (n, 1), seed, *size)
+    return motions.noisy(config.array(name), pose, seed)[:, 0]
 
 
 def _lost(V: Numbers, other: Numbers) -> Numbers:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from designs.hall_position import bench, shipped
+from designs.hall_position import bench, config
 from designs.hall_position.glsdc import channels, six_estimator
 from models import hall_array, hall_two_waves
 from models import hall_motions as motions
@@ -96,13 +96,13 @@ def of_three(emitted: Emitted) -> Subject:
     """Return what was emitted of three sensors, over steps among which are the costliest."""
     sequences = bench.sequences(host.load(emitted.files, emitted.manifest), lambda _: None)
     costly = steps.joined("costly", [steps.thinned(s, EACH) for s in sequences if s.name in COSTLY])
-    rival = rivals.casadi(shipped.block(shipped.THREE), shimmed=True)
+    rival = rivals.casadi(config.block(config.THREE), shimmed=True)
     return Subject("three sensors", rivals.emitted(emitted), rival, costly)
 
 
 def of_six(array: SpatialArray) -> Subject:
     """Return the estimator of six degrees of freedom, on a motion and on random states and inputs."""
-    block = unranged(six_estimator.guarded(array, shipped.TIME))  # which does not ship
+    block = unranged(six_estimator.guarded(array, config.TIME))  # which does not ship
     emitted = write.emit(block, np.float32, error=six_estimator.SURROGATE_ERROR[np.float32])
     sequence = six_steps(array, host.load(emitted.files, emitted.manifest))
     name = f"six degrees of freedom, {len(array.positions)} sensors"
@@ -121,7 +121,7 @@ def six_steps(array: SpatialArray, controller: host.Controller) -> Steps:
 
 def motion(array: SpatialArray, n: int) -> Numbers:
     """Return poses (n, 6) of X, Y, Z, roll, pitch and yaw, m and rad."""
-    time = shipped.TIME.period_s
+    time = config.TIME.period_s
     across = motions.wander(time, (n, 1), SEED, TRAVEL, YAW)
     tilted = motions.wander(time, (n, 1), SEED + 1, TILT, GAP)  # roll and pitch as X and Y, the height as the yaw
     return np.hstack((across.X, across.Y, array.height + tilted.yaw, tilted.X, tilted.Y, across.yaw))

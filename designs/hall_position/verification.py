@@ -16,7 +16,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.hall_position import random_steps, reference, reference_guard, reference_rounding, shipped
+from designs.hall_position import config, random_steps, reference, reference_guard, reference_rounding
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.random_steps import Subject
 from designs.hall_position.trust import endurance
@@ -72,15 +72,15 @@ def verify(progress: Progress, whole: bool) -> Evidence:
     """Compare all witnesses of both estimators, over many steps or over few."""
     agreements: list[agree.Agreement] = []
     checks: list[Check] = []
-    for name in shipped.PLACES:
+    for name in config.PLACES:
         progress(f"{name}: witnesses")
         of = random_steps.subject(name)
         for found, some in compared(of, witnesses(of), WHOLE if whole else QUICK, progress):
             agreements += found
             checks += some
         progress(f"{name}: random motion without end")
-        checks += endurance.checks(name, Kind(shipped.array(name)), BODIES, LONG if whole else SHORT)
-    return Evidence(shipped.NAME, tuple(agreements), tuple(checks))
+        checks += endurance.checks(name, Kind(config.array(name)), BODIES, LONG if whole else SHORT)
+    return Evidence(config.NAME, tuple(agreements), tuple(checks))
 
 
 def compared(of: Subject, by: Witnesses, sizes: Mapping[str, int], progress: Progress) -> Iterator[Compared]:

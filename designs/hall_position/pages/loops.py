@@ -12,7 +12,7 @@ move the voltages too, is left out.
 
 import numpy as np
 
-from designs.hall_position import shipped
+from designs.hall_position import config
 from designs.hall_position.loop import closed_loop
 from designs.hall_position.loop.closed_loop import Source
 from designs.planar_6dof import loops, lqg
@@ -36,7 +36,7 @@ SPATIAL = ("x", "y", "z", "theta", "psi", "phi")  # as in hall_array.SPATIAL
 
 def section(points: int = PLACES) -> page.Section:
     """Return the loops that the estimate closes beside those that the sections close."""
-    source = Source(shipped.array(shipped.THREE))
+    source = Source(config.array(config.THREE))
     plant = planar_stage.plant()
     block = closed_loop.controller(lqg.NAME, plant, lqg.TIME, lqg.law(plant), source).rounded(np.float32)
     found = opened(source, block, {})

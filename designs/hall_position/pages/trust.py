@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from matplotlib.figure import Figure
 
-from designs.hall_position import shipped
+from designs.hall_position import config
 from designs.hall_position.trust import endurance, failures, starts
 from designs.hall_position.trust.fleet import Kind
 from models import hall_two_waves
@@ -18,7 +18,7 @@ from synth.report.figures import COLOURS
 from synth.report.maps import Map
 from synth.simulate.ensemble import Scores
 
-NAMES = {shipped.NAME: "two sensors", shipped.THREE: "three sensors"}
+NAMES = {config.NAME: "two sensors", config.THREE: "three sensors"}
 POINTS, BODIES, SAMPLES = 24, 4000, 60  # places along a pitch of the reach, starts drawn, samples of each
 YAW = np.radians(2)  # of bodies in these, to either side
 YAWS = np.array([-YAW, 0.0, YAW])  # of cold starts
@@ -35,16 +35,16 @@ Kinds = Mapping[str, Kind]
 
 def kinds() -> dict[str, Kind]:
     """Return the estimators that ship, by name."""
-    return {name: Kind(shipped.array(name)) for name in NAMES}
+    return {name: Kind(config.array(name)) for name in NAMES}
 
 
 def blocks(of: Kinds) -> dict[str, Made]:
     """Return basins, cold starts, motions and failures."""
     return {
-        "trust.window_deg": float(np.degrees(shipped.TUNING.turn)),
+        "trust.window_deg": float(np.degrees(config.TUNING.turn)),
         "trust.starts": STARTS,
         "trust.drift": 1e3 * DRIFT,
-        "trust.wait_s": WAIT * shipped.TIME.period_s,
+        "trust.wait_s": WAIT * config.TIME.period_s,
         "trust.margin": 1 - endurance.MARGIN,
         "trust.far": endurance.FAR,
         "trust.motion": [_motion(name, kind) for name, kind in of.items()],
@@ -94,7 +94,7 @@ def cold_starts(of: Kinds) -> dict[str, Made]:
 
 
 def _ms(samples: np.ndarray) -> np.ndarray:
-    return 1e3 * shipped.TIME.period_s * samples
+    return 1e3 * config.TIME.period_s * samples
 
 
 def _waited(name: str, each: Scores) -> tuple[page.Cell, ...]:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from designs.hall_position import costs, page, shipped
+from designs.hall_position import config, costs, page
 from designs.hall_position.costs import Row
 from designs.hall_position.pages import accuracy, field, six, trust
 from designs.hall_position.paper import rows
@@ -55,10 +55,10 @@ def test_every_part_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
     others = {(id(three), six.placed(STAGE, 4)): (row,)}
     monkeypatch.setattr(costs, "measure", lambda three, four: others[id(three), four])
     monkeypatch.setattr(sections, "cost", lambda found: Section("Cost of two sensors"))
-    cost = Cost(shipped.NAME, "cortex-m4f", 1e-3, (), (), (), {}, ())
+    cost = Cost(config.NAME, "cortex-m4f", 1e-3, (), (), (), {}, ())
     bench = rows.on(STAGE, rows.printed())
     few = [audit.computed(bench.published[n], bench) for n in ("K-1", "K-8")]
-    html = page.report({shipped.THREE: three}, Evidence(shipped.NAME, (), ()), [], few, cost)
+    html = page.report({config.THREE: three}, Evidence(config.NAME, (), ()), [], few, cost)
     assert len(html.encode()) < MOST and html.count("<svg") == len(set(re.findall(r"Figure (\d+)\.", html)))
     for text in (
         "Fig. 3",

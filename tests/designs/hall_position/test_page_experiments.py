@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure as Drawing
 
-from designs.hall_position import page, shipped
+from designs.hall_position import config, page
 from designs.hall_position.loop import closed_loop
 from designs.hall_position.loop.closed_loop import Source
 from designs.hall_position.pages import experiments
@@ -84,7 +84,7 @@ def test_the_error_map_is_drawn_as_it_is() -> None:
 
 def test_the_loop_is_that_of_the_sections_behind_the_filter(monkeypatch: pytest.MonkeyPatch) -> None:
     """The estimate follows within a sample: what differs is the filter's lag, and 1 % of the damping."""
-    plant, source = planar_stage.plant(), Source(shipped.array(shipped.THREE))
+    plant, source = planar_stage.plant(), Source(config.array(config.THREE))
     law = lqg.law(plant)
     block = closed_loop.controller(lqg.NAME, plant, lqg.TIME, law, source).rounded(np.float32)
     place = {"x": 4e-3, "y": -7e-3}

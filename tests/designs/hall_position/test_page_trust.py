@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from designs.hall_position import shipped
+from designs.hall_position import config
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.pages import trust
 from designs.hall_position.trust import endurance, failures, fleet, starts
@@ -20,7 +20,7 @@ from synth.report.captions import Made, Rows
 from synth.report.page import Table
 from synth.simulate import ensemble
 
-TWO = {shipped.NAME: trust.kinds()[shipped.NAME]}
+TWO = {config.NAME: trust.kinds()[config.NAME]}
 
 
 @cache
@@ -79,7 +79,7 @@ def test_cold_starts_are_shown_as_they_are() -> None:
 
 def test_motion_is_within_the_limits_that_are_derived() -> None:
     (kind,) = TWO.values()
-    row = trust._motion(shipped.NAME, kind)
+    row = trust._motion(config.NAME, kind)
     within = endurance.limits(kind)
     assert row[1:4] == (within.speed, within.acceleration, 800)
     assert row[6] == 0

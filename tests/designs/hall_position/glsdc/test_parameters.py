@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from designs.hall_position import shipped
+from designs.hall_position import config
 from designs.hall_position.glsdc import channels, estimator, six_estimator
 from designs.hall_position.glsdc.parameters import SpatialTuning, Tuning
 from designs.hall_position.trust import fleet
@@ -94,7 +94,7 @@ def test_what_is_counted_is_a_whole_number(of: Any, name: str) -> None:
 
 @pytest.mark.parametrize("time", [None, Continuous(), 1 / 800])
 def test_an_estimator_takes_a_period(time: Any) -> None:
-    two = shipped.array()
+    two = config.array()
     for made, given in ((estimator, two), (six_estimator, FOUR)):
         with pytest.raises(TimingError, match=r"`time` of `block.build` is .*: give a Discrete"):
             made.guarded(given, time)
@@ -106,6 +106,6 @@ def test_an_estimator_takes_a_period(time: Any) -> None:
 
 @pytest.mark.parametrize("name", ["hall", "", None, ["hall_position"]])
 def test_what_does_not_ship_is_refused(name: Any) -> None:
-    for made in (shipped.array, shipped.block):
+    for made in (config.array, config.block):
         with pytest.raises(DesignError, match="give one of hall_position, hall_position_three"):
             made(name)

@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from designs.hall_position import shipped
+from designs.hall_position import config
 from designs.hall_position.loop import closed_loop
 from designs.planar_6dof import lqg
 from models import hall_sections as sensing
@@ -138,4 +138,4 @@ def test_the_planar_controllers_law_is_taken_as_it_is_but_for_what_makes_it_read
 
 def test_a_source_takes_three_sensors() -> None:
     with pytest.raises(ModelError, match="2 sensors: the stage reads 3"):
-        closed_loop.controller(lqg.NAME, planar_stage.plant(), TIME, [], closed_loop.Source(shipped.array()))
+        closed_loop.controller(lqg.NAME, planar_stage.plant(), TIME, [], closed_loop.Source(config.array()))

@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from designs.hall_position import shipped
+from designs.hall_position import config
 from designs.hall_position.loop import closed_loop, experiments, sources, stage_loop
 from designs.hall_position.loop.stage_loop import Loop
 from designs.hall_position.pages import loops as page_loops
@@ -90,7 +90,7 @@ def test_a_position_that_is_not_held_in_dropouts_is_told(old: str, new: str, tol
 
 
 def test_what_a_wrong_sample_makes_of_the_position_is_the_linear_loops() -> None:
-    source, plant = closed_loop.Source(shipped.array(shipped.THREE)), planar_stage.plant()
+    source, plant = closed_loop.Source(config.array(config.THREE)), planar_stage.plant()
     block = closed_loop.controller(lqg.NAME, plant, lqg.TIME, lqg.law(plant), source).rounded(np.float32)
     found = page_loops.opened(source, block, {})
     T = lqg.TIME.period_s

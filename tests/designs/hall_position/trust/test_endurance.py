@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from designs.hall_position import shipped
+from designs.hall_position import config
 from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.trust import endurance, fleet
 from designs.hall_position.trust.fleet import Kind
@@ -13,7 +13,7 @@ from models import hall_motions as motions
 from models.hall_motions import Limits
 from synth.execute import host
 
-TWO, THREE = (Kind(shipped.array(name)) for name in (shipped.NAME, shipped.THREE))
+TWO, THREE = (Kind(config.array(name)) for name in (config.NAME, config.THREE))
 BODIES, SAMPLES = 2000, 250
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from designs.hall_position import shipped
+from designs.hall_position import config
 from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.trust import endurance, failures, fleet
@@ -17,9 +17,9 @@ from models.hall_motions import Limits
 from synth.errors import ModelError
 from synth.execute import host
 
-THREE = Kind(shipped.array(shipped.THREE))
+THREE = Kind(config.array(config.THREE))
 # The field as well known as the noise lets residuals tell, ten deviations.
-FOUR = Kind(hall_two_waves.placed(shipped.array(), layouts.SPARE), Tuning(residual=0.01))
+FOUR = Kind(hall_two_waves.placed(config.array(), layouts.SPARE), Tuning(residual=0.01))
 MOVING = Limits(0.5, 5.0)
 BODIES = 500
 

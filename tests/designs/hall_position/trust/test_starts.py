@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from designs.hall_position import shipped
+from designs.hall_position import config
 from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.trust import fleet, starts
 from designs.hall_position.trust.fleet import Kind
@@ -14,7 +14,7 @@ from models.hall_motions import Pose
 from synth.errors import ModelError
 from synth.execute import host
 
-TWO, THREE = (Kind(shipped.array(name)) for name in (shipped.NAME, shipped.THREE))
+TWO, THREE = (Kind(config.array(name)) for name in (config.NAME, config.THREE))
 YAW = np.radians(4.5)  # within the five degrees that a search assumes
 BODIES = 10_000
 YAWS = np.radians([-4.5, -2.0, 0.0, 2.0, 4.5])
