@@ -61,7 +61,7 @@ def checks(name: str, kind: Kind, bodies: int, samples: int) -> list[Check]:
 
 def limits(kind: Kind) -> Limits:
     """Return how fast the sensors' centre may be, with MARGIN."""
-    t, a, T = kind.tuning, kind.array, kind.time.period_s
+    t, a, T = kind.tuning, kind.array, fleet.TIME.period_s
     e = t.surprise * a.deviation / (a.alpha * sqrt(t.damping))
     speed, acceleration = t.reach / 2 / (a.wave_number * T), (1 - MARGIN) * t.follow * e / (a.wave_number * T**2)
     return Limits(speed, acceleration, PART * tracking.valid_yaw_limit(a, t))
@@ -76,7 +76,7 @@ def run(kind: Kind, bodies: int, samples: int, within: Limits, seed: int = 0) ->
     """
     kind = replace(kind, tuning=replace(kind.tuning, pitches=FAR))
     rng = np.random.default_rng(seed)
-    at = motions.sines(kind.array, kind.time, bodies, within, rng, SLOWEST)
+    at = motions.sines(kind.array, fleet.TIME, bodies, within, rng, SLOWEST)
     state = fleet.moving(kind, at)
     valid = wrong = 0
     worst = off = 0.0

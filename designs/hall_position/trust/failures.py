@@ -82,7 +82,7 @@ def tried(kind: Kind, failure: str, sensor: int, bodies: int, within: Limits | N
     """
     rng = np.random.default_rng(seed)
     if within:
-        at = motions.sines(kind.array, kind.time, bodies, within, rng)
+        at = motions.sines(kind.array, fleet.TIME, bodies, within, rng)
     else:
         at = motions.resting(motions.anywhere(kind.array, bodies, motions.YAW, rng))
     return _outcome(kind, _run(kind, failure, sensor, at, rng), sensor)

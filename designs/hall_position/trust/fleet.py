@@ -15,7 +15,7 @@ from designs.hall_position.glsdc.parameters import Tuning
 from models import hall_motions as motions
 from models.hall_motions import Course, Numbers, Pose
 from models.hall_two_waves import PlanarArray as Array
-from synth import numeric, timing
+from synth import numeric
 from synth.block import unranged
 from synth.execute import build, host
 from synth.simulate import ensemble
@@ -29,23 +29,16 @@ FULL = 2 * pi
 
 @dataclass(frozen=True)
 class Kind:
-    """Sensors, how they are estimated from, and the period.
-
-    Raises TimingError for a time without a period.
-    """
+    """Sensors, and how they are estimated from."""
 
     array: Array
     tuning: Tuning = USUAL
-    time: Discrete = TIME
-
-    def __post_init__(self) -> None:
-        timing.period(self.time)
 
 
 @cache
 def compiled(kind: Kind) -> host.Controller:
     """Return the estimator's C in single precision, compiled."""
-    block = estimator.guarded(kind.array, kind.time, kind.tuning)
+    block = estimator.guarded(kind.array, TIME, kind.tuning)
     return build.compiled(unranged(block), np.float32, error=estimator.SURROGATE_ERROR[np.float32])
 
 

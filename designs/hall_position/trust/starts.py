@@ -85,6 +85,6 @@ def cold_start(kind: Kind, pose: Pose, samples: int, speed: float = 0.0, seed: i
     heading = rng.uniform(0, 2 * np.pi, n)
 
     def at(k: int) -> Pose:
-        return pose.moved(speed * k * kind.time.period_s, heading)
+        return pose.moved(speed * k * fleet.TIME.period_s, heading)
 
     return fleet.scored(kind, ensemble.started(fleet.compiled(kind), n), at, samples, rng)

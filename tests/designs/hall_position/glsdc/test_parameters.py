@@ -8,7 +8,6 @@ import pytest
 from designs.hall_position import config
 from designs.hall_position.glsdc import channels, estimator, six_estimator
 from designs.hall_position.glsdc.parameters import SpatialTuning, Tuning
-from designs.hall_position.trust import fleet
 from models.hall_two_waves import PlanarArray as Array
 from models.hall_two_waves import SpatialArray
 from synth.errors import DesignError, ModelError, TimingError
@@ -100,8 +99,6 @@ def test_an_estimator_takes_a_period(time: Any) -> None:
             made.guarded(given, time)
     with pytest.raises(TimingError, match=r"`time` of `block.build` is .*: give a Discrete"):
         estimator.estimator(two, time)
-    with pytest.raises(TimingError, match="period"):
-        fleet.Kind(two, time=time)
 
 
 @pytest.mark.parametrize("name", ["hall", "", None, ["hall_position"]])

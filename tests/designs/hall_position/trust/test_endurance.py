@@ -54,8 +54,8 @@ def test_two_sensors_stay_with_it_and_are_not_valid_where_they_lose_rank() -> No
 
 def test_motions_creep_and_swing() -> None:
     """Within the limits, and half of them come close to these."""
-    rng, limits, T = np.random.default_rng(0), endurance.limits(TWO), TWO.time.period_s
-    at = motions.sines(TWO.array, TWO.time, 400, limits, rng, endurance.SLOWEST)
+    rng, limits, T = np.random.default_rng(0), endurance.limits(TWO), fleet.TIME.period_s
+    at = motions.sines(TWO.array, fleet.TIME, 400, limits, rng, endurance.SLOWEST)
     found = [at(k) for k in range(4000)]
     X, Y, yaw = (np.array([getattr(p, name) for p in found]) for name in ("X", "Y", "yaw"))
     speed = np.abs(np.diff(X, axis=0)).max(axis=0) / T
