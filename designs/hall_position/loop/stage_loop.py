@@ -9,7 +9,6 @@ calibrated for an amplitude of the field that is not this one's: their sensors' 
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -33,7 +32,6 @@ from synth.statespace import Array
 
 TIME = lqg.TIME
 RAW = {axis: f"{axis}_raw" for axis in closed_loop.HORIZONTAL}
-ORIGIN: Mapping[str, float] = MappingProxyType({})
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +51,7 @@ class Loop:
         self,
         duration_s: float,
         references: Mapping[str, ArrayLike],
-        start: Mapping[str, float] = ORIGIN,
+        start: Mapping[str, float] | None = None,
         **options: Any,
     ) -> Trajectory:
         """Simulate from rest at `start` by axis (m, rad), set-points staying there unless given by axis.
@@ -61,7 +59,7 @@ class Loop:
         The raw position that the controller sees is added to the outputs, as x_raw, y_raw and phi_raw.
         """
         noise = self._noise(len(sample_times(duration_s, TIME.period_s))) if self.rig.noise else {}
-        start = {**start, **self._filtered(start)}
+        start = {**(start or {}), **self._filtered(start or {})}
         run = planar.simulate(self.rig, duration_s, references, start, noise=noise, **options)
         seen = self.view.replay(run.measured).outputs
         return replace(run, outputs=run.outputs | {name: np.asarray(v, np.float64) for name, v in seen.items()})
