@@ -20,7 +20,7 @@ from designs.hall_position import config, random_steps, reference, reference_gua
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.random_steps import Subject
 from designs.hall_position.trust import endurance
-from designs.hall_position.trust.fleet import Kind
+from designs.hall_position.trust.fleet import EstimatorConfig
 from models.hall_motions import Numbers
 from synth.check import Check
 from synth.execute import host
@@ -79,7 +79,7 @@ def verify(progress: Progress, whole: bool) -> Evidence:
             agreements += found
             checks += some
         progress(f"{name}: random motion without end")
-        checks += endurance.checks(name, Kind(config.array(name)), BODIES, LONG if whole else SHORT)
+        checks += endurance.checks(name, EstimatorConfig(config.array(name)), BODIES, LONG if whole else SHORT)
     return Evidence(config.NAME, tuple(agreements), tuple(checks))
 
 

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from designs.hall_position import config
 from designs.hall_position.trust import endurance, failures, starts
-from designs.hall_position.trust.fleet import Kind
+from designs.hall_position.trust.fleet import EstimatorConfig
 from models import hall_two_waves
 from models.hall_motions import Pose
 from synth.report import charts, maps, page
@@ -30,15 +30,15 @@ SHOWN = "one axis"  # the failure of the maps
 SCALE = (1.0, 1e3)  # um, of the maps
 SHARES = ("out", "flagged", "named", "valid")
 
-Kinds = Mapping[str, Kind]
+EstimatorConfigs = Mapping[str, EstimatorConfig]
 
 
-def kinds() -> dict[str, Kind]:
+def kinds() -> dict[str, EstimatorConfig]:
     """Return the estimators that ship, by name."""
-    return {name: Kind(config.array(name)) for name in NAMES}
+    return {name: EstimatorConfig(config.array(name)) for name in NAMES}
 
 
-def blocks(of: Kinds) -> dict[str, Made]:
+def blocks(of: EstimatorConfigs) -> dict[str, Made]:
     """Return basins, cold starts, motions and failures."""
     return {
         "trust.window_deg": float(np.degrees(config.TUNING.turn)),
@@ -56,7 +56,7 @@ def blocks(of: Kinds) -> dict[str, Made]:
     }
 
 
-def basins(of: Kinds) -> dict[str, Made]:
+def basins(of: EstimatorConfigs) -> dict[str, Made]:
     """Return how far a start may be off, by the compiled C."""
     reach = [Map(NAMES[n], 1e3 * starts.reach(kind, POINTS)) for n, kind in of.items()]
     pitch = 1e3 * next(iter(of.values())).array.pitch
@@ -74,7 +74,7 @@ def basins(of: Kinds) -> dict[str, Made]:
     }
 
 
-def cold_starts(of: Kinds) -> dict[str, Made]:
+def cold_starts(of: EstimatorConfigs) -> dict[str, Made]:
     """Return how long it takes from `init` to a valid estimate."""
     runs: dict[str, Scores] = {}
     for name, kind in of.items():
@@ -105,14 +105,14 @@ def _waited(name: str, each: Scores) -> tuple[page.Cell, ...]:
     return name, found, valid, half, most, int(each.wrong.sum())
 
 
-def _motion(name: str, kind: Kind) -> tuple[page.Cell, ...]:
+def _motion(name: str, kind: EstimatorConfig) -> tuple[page.Cell, ...]:
     """Return how fast a body may be, and a run of random motions at these speeds."""
     run = endurance.run(kind, MOVING, LONG, endurance.limits(kind))
     shares = 100 * run.valid, 100 * run.lost, run.wrong, 1e6 * run.worst
     return NAMES[name], run.limits.speed, run.limits.acceleration, run.samples, *shares
 
 
-def failing(of: Kinds) -> Rows:
+def failing(of: EstimatorConfigs) -> Rows:
     """Return what becomes of the estimates when a sensor fails, at rest and in motion."""
     return [
         (NAMES[name], failure, case, *_worst(kind, failure, part))
@@ -122,7 +122,7 @@ def failing(of: Kinds) -> Rows:
     ]
 
 
-def _worst(kind: Kind, failure: str, part: float) -> tuple[page.Cell, ...]:
+def _worst(kind: EstimatorConfig, failure: str, part: float) -> tuple[page.Cell, ...]:
     most = endurance.limits(kind)
     within = replace(most, speed=part * most.speed, acceleration=part * most.acceleration) if part else None
     sensors = range(1, len(kind.array.positions) + 1)
@@ -131,7 +131,7 @@ def _worst(kind: Kind, failure: str, part: float) -> tuple[page.Cell, ...]:
     return *means, max(o.late for o in outcomes), 100 * max(o.away for o in outcomes)
 
 
-def _unseen(kind: Kind) -> Figure:
+def _unseen(kind: EstimatorConfig) -> Figure:
     """Return where at rest, yaw 0, the failure of a sensor is not flagged, and by how much the estimate errs there."""
     shown = []
     for sensor in range(1, len(kind.array.positions) + 1):

@@ -18,7 +18,7 @@ import numpy as np
 
 from designs.hall_position.glsdc import tracking
 from designs.hall_position.trust import fleet
-from designs.hall_position.trust.fleet import Kind
+from designs.hall_position.trust.fleet import EstimatorConfig
 from models import hall_motions as motions
 from models.hall_motions import Limits
 from synth.check import Check
@@ -46,7 +46,7 @@ class Endurance:
     off: float
 
 
-def checks(name: str, kind: Kind, bodies: int, samples: int) -> list[Check]:
+def checks(name: str, kind: EstimatorConfig, bodies: int, samples: int) -> list[Check]:
     """Check that no body is lost, and none wrong, within the limits."""
     found = run(kind, bodies, samples, limits(kind))
     within = f"{found.limits.speed:.3g} m/s, {found.limits.acceleration:.3g} m/s^2, {found.samples} samples"
@@ -59,7 +59,7 @@ def checks(name: str, kind: Kind, bodies: int, samples: int) -> list[Check]:
     ]
 
 
-def limits(kind: Kind) -> Limits:
+def limits(kind: EstimatorConfig) -> Limits:
     """Return how fast the sensors' centre may be, with MARGIN."""
     t, a, T = kind.tuning, kind.array, fleet.TIME.period_s
     e = t.surprise * a.deviation / (a.alpha * sqrt(t.damping))
@@ -67,7 +67,7 @@ def limits(kind: Kind) -> Limits:
     return Limits(speed, acceleration, PART * tracking.valid_yaw_limit(a, t))
 
 
-def run(kind: Kind, bodies: int, samples: int, within: Limits, seed: int = 0) -> Endurance:
+def run(kind: EstimatorConfig, bodies: int, samples: int, within: Limits, seed: int = 0) -> Endurance:
     """Run so many bodies for so many samples on random motions within a limit; pitches are counted to FAR.
 
     Half of the bodies come to the limit, the others to parts of it that are drawn down to SLOWEST.

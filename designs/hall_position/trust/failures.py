@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from designs.hall_position.glsdc import channels
 from designs.hall_position.trust import fleet
-from designs.hall_position.trust.fleet import Kind
+from designs.hall_position.trust.fleet import EstimatorConfig
 from models import hall_motions as motions
 from models import hall_two_waves
 from models.hall_motions import Course, Limits, Numbers, Pose
@@ -75,7 +75,9 @@ class Outcome:
     away: float
 
 
-def tried(kind: Kind, failure: str, sensor: int, bodies: int, within: Limits | None, seed: int = 0) -> Outcome:
+def tried(
+    kind: EstimatorConfig, failure: str, sensor: int, bodies: int, within: Limits | None, seed: int = 0
+) -> Outcome:
     """Let a sensor, numbered from 1, of bodies fail that move within a limit, or rest anywhere in the pitch.
 
     Raises ModelError for an unknown failure, a sensor that is not there, or no body.
@@ -88,7 +90,7 @@ def tried(kind: Kind, failure: str, sensor: int, bodies: int, within: Limits | N
     return _outcome(kind, _run(kind, failure, sensor, at, rng), sensor)
 
 
-def unseen(kind: Kind, failure: str, sensor: int, points: int, seed: int = 0) -> Numbers:
+def unseen(kind: EstimatorConfig, failure: str, sensor: int, points: int, seed: int = 0) -> Numbers:
     """Return by how much the estimate errs where the failure of a sensor of bodies at rest is not flagged.
 
     In m, over X and Y of the pitch (points, points), at yaw 0; NaN where it is flagged.
@@ -101,7 +103,7 @@ def unseen(kind: Kind, failure: str, sensor: int, points: int, seed: int = 0) ->
     return readonly(np.where(flagged, np.nan, samples[SOON][1].off).reshape(points, points))
 
 
-def _run(kind: Kind, failure: str, sensor: int, at: Course, rng: np.random.Generator) -> Samples:
+def _run(kind: EstimatorConfig, failure: str, sensor: int, at: Course, rng: np.random.Generator) -> Samples:
     """Return the samples from the failure on."""
     if failure not in tuple(FAILURES):
         raise ModelError(f"'{failure}' is no failure that is known: give one of {', '.join(FAILURES)}")
@@ -125,7 +127,7 @@ def _flagged(batch: host.Batch) -> NDArray[np.bool_]:
     return np.asarray((batch.outputs["valid"] == 0) | left_out | (batch.faults > 0))
 
 
-def _outcome(kind: Kind, samples: Samples, sensor: int) -> Outcome:
+def _outcome(kind: EstimatorConfig, samples: Samples, sensor: int) -> Outcome:
     batches, scores = zip(*samples, strict=True)
     judged, state = ensemble.stacked(scores), batches[-1].states
     flag = _first(np.array([_flagged(batch) for batch in batches]))

@@ -28,7 +28,7 @@ FULL = 2 * pi
 
 
 @dataclass(frozen=True)
-class Kind:
+class EstimatorConfig:
     """Sensors, and how they are estimated from."""
 
     array: Array
@@ -36,13 +36,13 @@ class Kind:
 
 
 @cache
-def compiled(kind: Kind) -> host.Controller:
+def compiled(kind: EstimatorConfig) -> host.Controller:
     """Return the estimator's C in single precision, compiled."""
     block = estimator.guarded(kind.array, TIME, kind.tuning)
     return build.compiled(unranged(block), np.float32, error=estimator.SURROGATE_ERROR[np.float32])
 
 
-def placed(kind: Kind, pose: Pose, before: Pose | None = None, certain: bool = True) -> host.Records:
+def placed(kind: EstimatorConfig, pose: Pose, before: Pose | None = None, certain: bool = True) -> host.Records:
     """Return the states of bodies that are at poses (N,), and were at others a sample before, or at rest.
 
     Where that is not certain a yaw about 0 is assumed, as after `init`.
@@ -64,7 +64,7 @@ def placed(kind: Kind, pose: Pose, before: Pose | None = None, certain: bool = T
     return state
 
 
-def moving(kind: Kind, at: Course) -> host.Records:
+def moving(kind: EstimatorConfig, at: Course) -> host.Records:
     """Return the states of bodies on a course, before sample 0."""
     return placed(kind, at(-1), at(-2))
 
@@ -74,12 +74,12 @@ def wrapped(angle: Numbers) -> Numbers:
     return (angle + pi) % FULL - pi
 
 
-def stepped(kind: Kind, state: host.Records, volts: Numbers) -> host.Batch:
+def stepped(kind: EstimatorConfig, state: host.Records, volts: Numbers) -> host.Batch:
     """Advance bodies (N,) by a sample on voltages (N, sensors, 2)."""
     return compiled(kind).batch(state, motions.named(volts))
 
 
-def score(kind: Kind, found: Mapping[str, Numbers], pose: Pose) -> Scores:
+def score(kind: EstimatorConfig, found: Mapping[str, Numbers], pose: Pose) -> Scores:
     """Return the scores of outputs (N,) by where the bodies are."""
     pitch = kind.array.pitch
     along = [(found[a] - getattr(pose, a) + pitch / 2) % pitch - pitch / 2 for a in "XY"]
@@ -89,7 +89,7 @@ def score(kind: Kind, found: Mapping[str, Numbers], pose: Pose) -> Scores:
 
 
 def followed(
-    kind: Kind,
+    kind: EstimatorConfig,
     state: host.Records,
     at: Course,
     samples: int,
@@ -107,6 +107,6 @@ def followed(
         yield batch, score(kind, batch.outputs, pose)
 
 
-def scored(kind: Kind, state: host.Records, at: Course, samples: int, rng: np.random.Generator) -> Scores:
+def scored(kind: EstimatorConfig, state: host.Records, at: Course, samples: int, rng: np.random.Generator) -> Scores:
     """Return the scores (samples, N) of bodies that are at known poses; raise ModelError as `followed`."""
     return ensemble.stacked([scores for _, scores in followed(kind, state, at, samples, rng)])

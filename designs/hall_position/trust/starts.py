@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from designs.hall_position.trust import fleet
-from designs.hall_position.trust.fleet import Kind
+from designs.hall_position.trust.fleet import EstimatorConfig
 from models import hall_motions as motions
 from models.hall_motions import Numbers, Pose
 from synth import numeric
@@ -43,7 +43,7 @@ class Basin:
     wrong: int
 
 
-def basin(kind: Kind, bodies: int, yaw: float, samples: int = 60, seed: int = 0) -> Basin:
+def basin(kind: EstimatorConfig, bodies: int, yaw: float, samples: int = 60, seed: int = 0) -> Basin:
     """Return where starts lead about places anywhere in the pitch, at yaws in rad of up to `yaw` to either side.
 
     Raises ModelError for no body or sample, or a yaw that is none.
@@ -61,7 +61,7 @@ def basin(kind: Kind, bodies: int, yaw: float, samples: int = 60, seed: int = 0)
     return Basin(readonly(edges[0][1:]), readonly(edges[1][1:]), first, then, bodies * samples, int(scores.wrong.sum()))
 
 
-def reach(kind: Kind, points: int, seed: int = 0) -> Numbers:
+def reach(kind: EstimatorConfig, points: int, seed: int = 0) -> Numbers:
     """Return how far all starts about a place may be off at yaw 0 to lead to it in the first sample, (points, points).
 
     In m, over X and Y of the pitch. Raises ModelError for no point.
@@ -76,7 +76,7 @@ def reach(kind: Kind, points: int, seed: int = 0) -> Numbers:
     return readonly(rings[0] * np.cumprod(right, axis=2).sum(axis=2))
 
 
-def cold_start(kind: Kind, pose: Pose, samples: int, speed: float = 0.0, seed: int = 0) -> Scores:
+def cold_start(kind: EstimatorConfig, pose: Pose, samples: int, speed: float = 0.0, seed: int = 0) -> Scores:
     """Return the scores (samples, n) from `init` of bodies that are at poses (n,), or leave them at a speed in m/s.
 
     Each goes in a direction of its own. Raises ModelError for no sample.

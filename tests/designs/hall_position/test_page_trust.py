@@ -10,7 +10,7 @@ from designs.hall_position import config
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.pages import trust
 from designs.hall_position.trust import endurance, failures, fleet, starts
-from designs.hall_position.trust.fleet import Kind
+from designs.hall_position.trust.fleet import EstimatorConfig
 from models import hall_two_waves
 from models.hall_motions import Pose
 from synth.block import unranged
@@ -24,7 +24,7 @@ TWO = {config.NAME: trust.kinds()[config.NAME]}
 
 
 @cache
-def with_libm(kind: Kind) -> host.Controller:
+def with_libm(kind: EstimatorConfig) -> host.Controller:
     """Return the same C with sines of libm, which is emitted in a tenth of the time."""
     made = write.emit(unranged(estimator.guarded(kind.array, fleet.TIME, kind.tuning)), np.float32, libm=True)
     return host.load(made.files, made.manifest)

@@ -8,12 +8,12 @@ import pytest
 from designs.hall_position import config
 from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.trust import endurance, fleet
-from designs.hall_position.trust.fleet import Kind
+from designs.hall_position.trust.fleet import EstimatorConfig
 from models import hall_motions as motions
 from models.hall_motions import Limits
 from synth.execute import host
 
-TWO, THREE = (Kind(config.array(name)) for name in (config.NAME, config.THREE))
+TWO, THREE = (EstimatorConfig(config.array(name)) for name in (config.NAME, config.THREE))
 BODIES, SAMPLES = 2000, 250
 
 
@@ -69,7 +69,7 @@ def test_motions_creep_and_swing() -> None:
 def test_an_estimate_that_is_valid_wherever_it_converges_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     stepped = fleet.stepped
 
-    def careless(kind: Kind, state: host.Records, volts: fleet.Numbers) -> host.Batch:
+    def careless(kind: EstimatorConfig, state: host.Records, volts: fleet.Numbers) -> host.Batch:
         batch = stepped(kind, state, volts)
         return batch._replace(outputs=batch.outputs | {"valid": batch.outputs["converged"]})
 
@@ -80,7 +80,7 @@ def test_an_estimate_that_is_valid_wherever_it_converges_is_seen(monkeypatch: py
 
 
 def test_the_checks_tell_a_body_that_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
-    kind = Kind(TWO.array)
+    kind = EstimatorConfig(TWO.array)
     sound = endurance.checks("two", kind, 500, 50)
     assert all(c.passed for c in sound) and [c.found for c in sound[:2]] == [0, 0] and "25000 samples" in sound[0].about
     limits = endurance.limits(kind)

@@ -11,15 +11,15 @@ from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.trust import endurance, failures, fleet
 from designs.hall_position.trust.failures import FAILURES, SOON
-from designs.hall_position.trust.fleet import Kind
+from designs.hall_position.trust.fleet import EstimatorConfig
 from models import hall_accuracy, hall_fisher, hall_two_waves
 from models.hall_motions import Limits
 from synth.errors import ModelError
 from synth.execute import host
 
-THREE = Kind(config.array(config.THREE))
+THREE = EstimatorConfig(config.array(config.THREE))
 # The field as well known as the noise lets residuals tell, ten deviations.
-FOUR = Kind(hall_two_waves.placed(config.array(), layouts.SPARE), Tuning(residual=0.01))
+FOUR = EstimatorConfig(hall_two_waves.placed(config.array(), layouts.SPARE), Tuning(residual=0.01))
 MOVING = Limits(0.5, 5.0)
 BODIES = 500
 
@@ -89,7 +89,7 @@ def test_without_a_failure_nothing_is_flagged() -> None:
 def test_an_estimate_without_flags_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     stepped = fleet.stepped
 
-    def blind(kind: Kind, state: host.Records, volts: fleet.Numbers) -> host.Batch:
+    def blind(kind: EstimatorConfig, state: host.Records, volts: fleet.Numbers) -> host.Batch:
         """Goes on with all sensors and is always valid."""
         state["estimator_without"] = 0
         batch = stepped(kind, state, volts)

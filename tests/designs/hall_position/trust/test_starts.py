@@ -8,13 +8,13 @@ import pytest
 from designs.hall_position import config
 from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.trust import fleet, starts
-from designs.hall_position.trust.fleet import Kind
+from designs.hall_position.trust.fleet import EstimatorConfig
 from models import hall_two_waves
 from models.hall_motions import Pose
 from synth.errors import ModelError
 from synth.execute import host
 
-TWO, THREE = (Kind(config.array(name)) for name in (config.NAME, config.THREE))
+TWO, THREE = (EstimatorConfig(config.array(name)) for name in (config.NAME, config.THREE))
 YAW = np.radians(4.5)  # within the five degrees that a search assumes
 BODIES = 10_000
 YAWS = np.radians([-4.5, -2.0, 0.0, 2.0, 4.5])
@@ -40,7 +40,7 @@ def test_of_two_sensors_some_lead_elsewhere_and_none_is_valid_there() -> None:
 
 
 def test_a_map_over_the_pitch_shows_where_starts_must_be_nearer() -> None:
-    loose = Kind(TWO.array, Tuning(firm=1.0))
+    loose = EstimatorConfig(TWO.array, Tuning(firm=1.0))
     three, two, other = (starts.reach(kind, 16) for kind in (THREE, TWO, loose))
     assert three.shape == (16, 16) and three.min() > 3e-3 and two.min() > 3e-3
     # Near singular places the nearest start leads to the other way out, but for the yaw that is held.
@@ -50,11 +50,11 @@ def test_a_map_over_the_pitch_shows_where_starts_must_be_nearer() -> None:
 
 @pytest.mark.parametrize("kind", [TWO, THREE], ids=["two", "three"])
 def test_places_that_are_valid_wherever_the_estimate_converges_are_seen(
-    kind: Kind, monkeypatch: pytest.MonkeyPatch
+    kind: EstimatorConfig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     stepped = fleet.stepped
 
-    def careless(kind: Kind, state: host.Records, volts: fleet.Numbers) -> host.Batch:
+    def careless(kind: EstimatorConfig, state: host.Records, volts: fleet.Numbers) -> host.Batch:
         batch = stepped(kind, state, volts)
         return batch._replace(outputs=batch.outputs | {"valid": batch.outputs["converged"]})
 
@@ -103,7 +103,7 @@ def test_two_sensors_are_certain_at_rest_in_a_part_of_the_pitch_and_on_the_way_n
 
 
 @pytest.mark.parametrize("kind", [TWO, THREE], ids=["two", "three"])
-def test_a_body_that_moves_is_found(kind: Kind) -> None:
+def test_a_body_that_moves_is_found(kind: EstimatorConfig) -> None:
     """Its place is not certain before its motion is known, nor is a sound sensor left out as the motion is not."""
     speeds, pose = (0.15, 0.2, 0.25, 0.3), grid(24)
     for seed, speed in enumerate(speeds):
@@ -112,10 +112,12 @@ def test_a_body_that_moves_is_found(kind: Kind) -> None:
 
 
 @pytest.mark.parametrize("kind", [TWO, THREE], ids=["two", "three"])
-def test_a_search_that_ends_wherever_it_converges_is_seen(kind: Kind, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_search_that_ends_wherever_it_converges_is_seen(
+    kind: EstimatorConfig, monkeypatch: pytest.MonkeyPatch
+) -> None:
     stepped = fleet.stepped
 
-    def careless(kind: Kind, state: host.Records, volts: fleet.Numbers) -> host.Batch:
+    def careless(kind: EstimatorConfig, state: host.Records, volts: fleet.Numbers) -> host.Batch:
         batch = stepped(kind, state, volts)
         return batch._replace(outputs=batch.outputs | {"valid": batch.outputs["converged"]})
 
