@@ -1,40 +1,47 @@
-"""The command line: `synth build | verify | simulate | audit | cost | prove | emit`, in the root of a workspace.
+"""The command line: `synth build | verify | simulate | audit | cost | prove | emit | new`, in a workspace's root.
 
 With --json stdout is one document and progress goes to stderr. Exit status: 0 well, 1 a check failed, 2 wrong usage.
+What a command needs is imported once it runs, so that the help and the completion of the shell answer at once.
 """
 
-import json
-import math
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import nullcontext
-from dataclasses import asdict, dataclass
-from functools import partial
+from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
-import numpy as np
 import typer
-from rich.console import Console
-from rich.markup import escape
-
-from synth import store, tables, tasks, workspace
-from synth.check import Check
-from synth.emit import write
-from synth.errors import CompileError, SynthError
-from synth.jobs import Job, run
-from synth.simulate.experiment import Experiment
-from synth.verify import prove as proofs
 
 app = typer.Typer(
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     help="Physics to verified C for precision stages. Call it in the root of a workspace.",
 )
-Names = Annotated[list[str] | None, typer.Argument(metavar="[NAME]...", help="designs; all when left out")]
+
+
+class Core(StrEnum):
+    """A processor that the emulator runs."""
+
+    M4F = "cortex-m4f"
+    M7 = "cortex-m7"
+
+
+class Scalar(StrEnum):
+    """A scalar type of the emitted C."""
+
+    FLOAT32 = "float32"
+    FLOAT64 = "float64"
+
+
+def _complete(incomplete: str) -> list[str]:
+    """Return the designs of the workspace whose names begin so."""
+    return sorted(path.parent.name for path in Path().glob(f"designs/{incomplete}*/design.py"))
+
+
+Name = Annotated[str, typer.Argument(help="the design", autocompletion=_complete)]
+Names = Annotated[
+    list[str] | None,
+    typer.Argument(metavar="[NAME]...", help="designs; all when left out", autocompletion=_complete),
+]
 AsJson = Annotated[bool, typer.Option("--json", help="print one JSON document, progress on stderr")]
-SCALARS: dict[str, type[np.floating]] = {"float32": np.float32, "float64": np.float64}
-CORES: dict[str, type[np.floating]] = {"cortex-m4f": np.float32, "cortex-m7": np.float64}
 Fresh = Annotated[bool, typer.Option("--fresh", help="trust nothing that an earlier run left in the cache")]
 
 
@@ -47,60 +54,32 @@ def main() -> None:
     """Run the command line; an error of this package or of a file is told in one line and exits with 2."""
     try:
         app()
-    except (SynthError, OSError) as error:
+    except Exception as error:
+        from synth.errors import SynthError
+
+        if not isinstance(error, SynthError | OSError):
+            raise
+        from rich.console import Console
+        from rich.markup import escape
+
         Console(stderr=True).print(f"[bold red]error:[/] {escape(str(error))}", highlight=False, soft_wrap=True)
         raise SystemExit(2) from error
 
 
-def _say(json_wanted: bool) -> Callable[[str, str], None]:
-    console = Console(stderr=json_wanted)
-    return lambda name, what: console.print(f"{name}: {what}", highlight=False, markup=False)
-
-
-def _run(jobs: Sequence[Job], designs: Sequence[workspace.Design], json_wanted: bool, fresh: bool) -> dict[str, Any]:
-    """Run jobs side by side; return what those called like a design returned, or their error as a document."""
-    with store.fresh_run() if fresh else nullcontext():
-        outcomes = run(jobs, _say(json_wanted))
-    console = Console(stderr=True)
-    for name, outcome in outcomes.items():
-        if outcome.error:
-            console.print(f"[bold red]error:[/] {escape(f'{name}: {outcome.error}')}", highlight=False, soft_wrap=True)
-    store.trim()
-    return {d.name: Failed(d.name, o.error) if (o := outcomes[d.name]).error else o.value for d in designs}
-
-
-def _each(
-    names: Names, json_wanted: bool, fresh: bool, work: Callable[[workspace.Design, workspace.Told], Any]
-) -> dict[str, Any]:
-    """Do one thing with each design, side by side; return what came of it by name."""
-    designs = workspace.designs(Path.cwd(), names or ())
-    jobs = [Job(d.name, d.name, lambda say, d=d: work(d, say)) for d in designs]  # type: ignore[misc]
-    return _run(jobs, designs, json_wanted, fresh)
-
-
-@app.command()
-def build(names: Names = None, json_wanted: AsJson = False, fresh: Fresh = False) -> None:
+@app.command(epilog="Example: synth build my_stage")
+def build(names: Names = None, as_json: AsJson = False, fresh: Fresh = False) -> None:
     """Regenerate gains and C, verify, simulate, audit, and write the report of each design."""
-    root, told = Path.cwd(), []
-    designs = workspace.designs(root, names or ())
-    results = _run(tasks.build_jobs(designs, root), designs, json_wanted, fresh)
-    for name, built in results.items():
-        if isinstance(built, Failed):
-            continue
-        reports = {f"{name}.html": built.page, f"{name}.evidence.json": _json(built.evidence) + "\n"}
-        write.save(reports, root / "reports")
-        bad = [c for c in built.checks if not c.passed]
-        _say(json_wanted)(name, f"{len(built.checks)} checks, {len(bad)} failed; report in reports/{name}.html")
-        told.append({"design": name, "checks": len(built.checks), "failed": [asdict(c) for c in bad]})
-    _finish(json_wanted, told, results, any(document["failed"] for document in told))
+    from synth import commands
+
+    raise typer.Exit(commands.build(names or (), as_json, fresh))
 
 
-@app.command()
+@app.command(epilog="Example: synth verify my_stage --target cortex-m4f")
 def verify(
     names: Names = None,
-    json_wanted: AsJson = False,
+    as_json: AsJson = False,
     core: Annotated[
-        str | None, typer.Option("--target", help="replay on cortex-m4f (float32) or cortex-m7 (float64) instead")
+        Core | None, typer.Option("--target", help="replay on cortex-m4f (float32) or cortex-m7 (float64) instead")
     ] = None,
     fresh: Fresh = False,
 ) -> None:
@@ -108,179 +87,64 @@ def verify(
 
     With --target, compare the machine code of a Cortex-M core, in an emulator, with this machine's, bit by bit.
     """
-    if core is not None and core not in CORES:
-        raise typer.BadParameter(f"'{core}' is none of {', '.join(CORES)}", param_hint="--target")
-    if core is not None:
-        _require_emulator()
-    results = _each(names, json_wanted, fresh, partial(_on_target, core) if core else _on_host)
-    documents = [r.document for r in _good(results)]
-    for name, verified in results.items():
-        if not json_wanted and isinstance(verified, Verified):
-            tables.print_checks(name, verified.checks, verified.figures)
-    _finish(json_wanted, documents, results, not all(c.passed for r in _good(results) for c in r.checks))
+    from synth import commands
+
+    raise typer.Exit(commands.verify(names or (), as_json, fresh, core))
 
 
-@dataclass(frozen=True)
-class Failed:
-    """The name of a design that came to no result, and why."""
-
-    design: str
-    error: str
-
-
-@dataclass(frozen=True)
-class Verified:
-    """A verification: the document, the checks, and figures beside them."""
-
-    document: Mapping[str, Any]
-    checks: Sequence[Check]
-    figures: Mapping[str, float]
-
-
-def _good(results: Mapping[str, Any]) -> list[Any]:
-    return [result for result in results.values() if not isinstance(result, Failed)]
-
-
-def _on_host(design: workspace.Design, say: workspace.Told) -> Verified:
-    evidence = tasks.verification(design, True).result(say)
-    return Verified(evidence.document(), evidence.checks, {})
-
-
-def _on_target(core: str, design: workspace.Design, say: workspace.Told) -> Verified:
-    """Replay on the host and on a core: the document, the checks, and the drift with contraction as figures."""
-    from synth.execute import cross, host
-    from synth.verify import on_target
-
-    emitted = tasks.emission(design, CORES[core]).result(say)[design.name]
-    inputs = design.bench.replay(host.load(emitted.files, emitted.manifest))
-    checks = on_target.verify(emitted, inputs, core, say)
-    document: dict[str, Any] = {"design": design.name, "target": core, "checks": _checks(checks), "drift": None}
-    if "gcc" not in cross.available():
-        say("drift with contraction: arm-none-eabi-gcc is not installed, not measured")
-        return Verified(document, checks, {})
-    drift = on_target.drift(emitted, inputs, core, design.bench.floor)
-    floor = design.bench.floor
-    least = f"{floor:g}" if isinstance(floor, float) else "floor"
-    what = f"drift with contraction over {drift.steps} steps, worst in {drift.output}, of max({least}, |i|)"
-    figures = {what: drift.worst, "fault words unlike then": float(drift.faults)}
-    return Verified(document | {"drift": asdict(drift)}, checks, figures)
-
-
-@app.command()
-def cost(names: Names = None, json_wanted: AsJson = False, fresh: Fresh = False) -> None:
+@app.command(epilog="Example: synth cost my_stage --json")
+def cost(names: Names = None, as_json: AsJson = False, fresh: Fresh = False) -> None:
     """Count what a step costs on a Cortex-M4F, beside CasADi's own C: instructions, bytes, decisions. No verdicts."""
-    _require_emulator()
-    results = _each(names, json_wanted, fresh, lambda design, say: tasks.whole_cost(design).result(say))
-    for measured in _good(results):
-        if not json_wanted:
-            tables.print_cost(measured)
-    _finish(json_wanted, [measured.document() for measured in _good(results)], results)
+    from synth import commands
+
+    raise typer.Exit(commands.cost(names or (), as_json, fresh))
 
 
-@app.command()
+@app.command(epilog="Example: synth prove my_stage --whole")
 def prove(
     names: Names = None,
-    json_wanted: AsJson = False,
+    as_json: AsJson = False,
     whole: Annotated[bool, typer.Option("--whole", help="as deep as the proofs go; a subset when left out")] = False,
     fresh: Fresh = False,
 ) -> None:
     """Prove the emitted C: Eva, inputs that are not finite, fuzzing under sanitizers, cppcheck's misra addon."""
+    from synth import commands
 
-    def proved(design: workspace.Design, say: workspace.Told) -> dict[str, list[Check]]:
-        emitted = tasks.emission(design, design.scalar).result(say)
-        return {
-            folder: list(proofs.prove(e.files, e.manifest, whole, lambda what, folder=folder: say(f"{folder}: {what}")))  # type: ignore[misc]
-            for folder, e in emitted.items()
-        }
-
-    results = _each(names, json_wanted, fresh, proved)
-    folders = {folder: checks for each in _good(results) for folder, checks in each.items()}
-    if not json_wanted:
-        for folder, checks in folders.items():
-            tables.print_checks(folder, checks)
-    documents = [{"design": folder, "whole": whole, "checks": _checks(checks)} for folder, checks in folders.items()]
-    _finish(json_wanted, documents, results, not all(c.passed for checks in folders.values() for c in checks))
+    raise typer.Exit(commands.prove(names or (), as_json, fresh, whole))
 
 
-@app.command()
-def simulate(names: Names = None, json_wanted: AsJson = False, fresh: Fresh = False) -> None:
+@app.command(epilog="Example: synth simulate my_stage")
+def simulate(names: Names = None, as_json: AsJson = False, fresh: Fresh = False) -> None:
     """Run each design's experiments on the full plant with the compiled C in the loop."""
+    from synth import commands
 
-    def simulated(design: workspace.Design, say: workspace.Told) -> list[Verified]:
-        experiments = tasks.simulation(design).result(say)
-        return [Verified(_experiment(e), e.checks, e.figures) for e in experiments]
-
-    results = _each(names, json_wanted, fresh, simulated)
-    documents, every = [], [v for each in _good(results) for v in each]
-    for name, each in results.items():
-        if not isinstance(each, Failed):
-            documents.append({"design": name, "experiments": [v.document for v in each]})
-    if not json_wanted:
-        for v in every:
-            tables.print_checks(v.document["title"], v.checks, v.figures)
-    _finish(json_wanted, documents, results, not all(c.passed for v in every for c in v.checks))
+    raise typer.Exit(commands.simulate(names or (), as_json, fresh))
 
 
-@app.command()
-def audit(names: Names = None, json_wanted: AsJson = False, fresh: Fresh = False) -> None:
+@app.command(epilog="Example: synth audit my_stage")
+def audit(names: Names = None, as_json: AsJson = False, fresh: Fresh = False) -> None:
     """Recompute every published figure: published, recomputed, verdict, why. No verdict fails the command."""
-    results = _each(names, json_wanted, fresh, lambda design, say: tasks.audit(design).result(say))
-    rows = [row for each in _good(results) for row in each]
-    if not json_wanted:
-        tables.print_rows(rows)
-    _finish(json_wanted, [row.document() for row in rows], results)
+    from synth import commands
+
+    raise typer.Exit(commands.audit(names or (), as_json, fresh))
 
 
-@app.command()
+@app.command(epilog="Example: synth emit my_stage --scalar float64 --out firmware")
 def emit(
-    name: Annotated[str, typer.Argument(help="the design")],
+    name: Name,
     out: Annotated[Path, typer.Option(help="folder to write to")],
-    scalar: Annotated[str, typer.Option(help="float32 or float64")] = "float32",
+    scalar: Annotated[Scalar, typer.Option(help="scalar type of the C")] = Scalar.FLOAT32,
     fresh: Fresh = False,
 ) -> None:
     """Write a design's C, header, manifest, gains and vectors elsewhere, or in the other scalar type."""
-    if scalar not in SCALARS:
-        raise typer.BadParameter(f"'{scalar}' is neither float32 nor float64", param_hint="--scalar")
-    (design,) = workspace.designs(Path.cwd(), [name])
-    with store.fresh_run() if fresh else nullcontext():
-        emitted = tasks.emission(design, SCALARS[scalar]).result(lambda what: None)
-    for folder, files in emitted.items():
-        write.save(files.files, out / folder)
+    from synth import commands
+
+    raise typer.Exit(commands.emit(name, out, scalar, fresh))
 
 
-def _experiment(e: Experiment) -> Mapping[str, Any]:
-    return {"name": e.name, "title": e.title, "figures": dict(e.figures), "checks": _checks(e.checks)}
+@app.command(epilog="Example: synth new my_stage && cd my_stage && synth build")
+def new(name: Annotated[str, typer.Argument(help="the stage: small letters, digits and underscores")]) -> None:
+    """Make a workspace with a levitator of one axis that builds at once; in a workspace, add such a stage to it."""
+    from synth import commands
 
-
-def _checks(checks: Sequence[Check]) -> list[Mapping[str, Any]]:
-    return [asdict(c) | {"passed": c.passed} for c in checks]
-
-
-def _require_emulator() -> None:
-    if missing := tasks.missing():
-        raise CompileError(
-            f"emulator: found no {', '.join(missing)}, need the extra target: run `pip install 'synth-stage[target]'`"
-        )
-
-
-def _json(document: Any) -> str:
-    """Return strict JSON: null for a number that JSON does not have."""
-    return json.dumps(_finite(document), indent=1, allow_nan=False)
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {k: _finite(v) for k, v in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(v) for v in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def _finish(
-    json_wanted: bool, documents: Sequence[Mapping[str, Any]], results: Mapping[str, Any], failed: bool = False
-) -> None:
-    """Print the documents, errors last, and end: 2 where a design came to no result, 1 where a check failed."""
-    errors = [asdict(result) for result in results.values() if isinstance(result, Failed)]
-    if json_wanted:
-        typer.echo(_json([*documents, *errors]))
-    raise typer.Exit(2 if errors else int(failed))
+    raise typer.Exit(commands.new(name))

@@ -3,6 +3,8 @@
 import json
 import os
 import signal
+import subprocess
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -121,7 +123,7 @@ def test_verify_without_a_target_compares_the_witnesses() -> None:
 @pytest.mark.usefixtures("one_design")
 def test_an_unknown_core_is_wrong_usage() -> None:
     result = RUNNER.invoke(cli.app, ["verify", "--target", "cortex-m0"])
-    assert result.exit_code == 2 and "cortex-m4f, cortex-m7" in " ".join(result.stderr.split())
+    assert result.exit_code == 2 and "'cortex-m4f', 'cortex-m7'" in " ".join(result.stderr.split())
 
 
 @pytest.mark.usefixtures("one_design")
@@ -208,3 +210,23 @@ def test_lines_of_progress_are_whole_and_named(monkeypatch: pytest.MonkeyPatch) 
         f"{name}: step {k} of a long line that another process must not cut" for name in names for k in range(50)
     ]
     assert sorted(lines) == sorted(expected)
+
+
+def test_help_and_completion_load_nothing_heavy() -> None:
+    """The help answers at once: what a command needs is imported when it runs."""
+    script = (
+        "import sys\nfrom typer.testing import CliRunner\nfrom synth import cli\n"
+        "assert CliRunner().invoke(cli.app, ['build', '--help']).exit_code == 0\n"
+        "assert cli._complete('no_such') == []\n"
+        "print(sorted({'numpy', 'scipy', 'casadi', 'matplotlib', 'control', 'sympy'} & set(sys.modules)))"
+    )
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "[]"
+
+
+def test_names_are_completed_from_the_workspace(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    for name in ("lens", "lever", "mirror"):
+        (tmp_path / "designs" / name).mkdir(parents=True)
+        (tmp_path / "designs" / name / "design.py").touch()
+    monkeypatch.chdir(tmp_path)
+    assert cli._complete("le") == ["lens", "lever"] and cli._complete("") == ["lens", "lever", "mirror"]

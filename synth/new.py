@@ -1,0 +1,57 @@
+"""A new stage: a levitator of one axis with its law, reference and experiments, to be turned into the reader's own.
+
+In a folder that holds no workspace yet a new one is made, with README, settings of git and of continuous integration;
+in the root of a workspace the stage joins those that are there.
+"""
+
+import keyword
+from collections.abc import Mapping
+from pathlib import Path
+
+import jinja2
+
+from synth import signals
+from synth.errors import DesignError
+
+STAGE = {
+    "model.py.j2": "models/{name}.py",
+    "control.py.j2": "designs/{name}/control.py",
+    "reference.py.j2": "designs/{name}/reference.py",
+    "design.py.j2": "designs/{name}/design.py",
+    "test_design.py.j2": "tests/test_{name}.py",
+}
+WORKSPACE = {"README.md.j2": "README.md", "gitignore.j2": ".gitignore", "ci.yml.j2": ".github/workflows/ci.yml"}
+RESERVED = ("designs", "models", "synth", "test", "tests")  # modules that a model of that name would hide
+
+
+def create(root: Path, name: str) -> tuple[Path, tuple[Path, ...]]:
+    """Write the files of a new stage; return the root of its workspace and the files, relative to it.
+
+    Raises SignalError for a name that C does not take, and DesignError for one that Python does not take and where a
+    file is there already: then nothing is written.
+    """
+    _check_name(name)
+    in_workspace = (root / "designs").is_dir()
+    folder, sources = (root, STAGE) if in_workspace else (root / name, WORKSPACE | STAGE)
+    files = _rendered(sources, name)
+    if present := [path for path in files if (folder / path).exists()]:
+        raise DesignError(f"{folder / present[0]} exists already, and nothing was written: choose another name")
+    for path, text in files.items():
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        (folder / path).write_text(text, encoding="utf-8")
+    return folder, tuple(files)
+
+
+def _check_name(name: str) -> None:
+    signals.identifier("stage", name)
+    if name != name.lower() or keyword.iskeyword(name) or name in RESERVED:
+        raise DesignError(
+            f"stage '{name}' cannot be the name of a module: use small letters, and none of Python's words or of "
+            f"{', '.join(RESERVED)}, such as my_stage"
+        )
+
+
+def _rendered(sources: Mapping[str, str], name: str) -> dict[Path, str]:
+    loader = jinja2.PackageLoader("synth", "new_stage")
+    environment = jinja2.Environment(loader=loader, undefined=jinja2.StrictUndefined, keep_trailing_newline=True)
+    return {Path(path.format(name=name)): environment.get_template(t).render(name=name) for t, path in sources.items()}

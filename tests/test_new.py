@@ -1,0 +1,64 @@
+"""A new stage: what `synth new` writes builds, verifies and passes its tests at once, and nothing is overwritten."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from synth import new
+from synth.errors import SynthError
+
+ROOT = Path(__file__).parents[1]
+
+
+def run(folder: Path, *command: str) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{folder}"}
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+
+
+def synth(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    return run(folder, sys.executable, "-c", "from synth.cli import main; main()", *arguments)
+
+
+@pytest.mark.slow
+def test_two_new_stages_build_and_pass_their_own_tests(tmp_path: Path) -> None:
+    """The first makes the workspace, the second joins it; their C differs in names alone."""
+    made = synth(tmp_path, "new", "lens_focus")
+    assert made.returncode == 0 and "Next: cd lens_focus && synth build" in made.stdout
+    workspace = tmp_path / "lens_focus"
+    assert "Next: synth build" in synth(workspace, "new", "mirror").stdout
+    built = synth(workspace, "build", "--json")
+    assert built.returncode == 0, built.stdout[-2000:] + built.stderr[-2000:]
+    assert {d["design"]: d["failed"] for d in json.loads(built.stdout)} == {"lens_focus": [], "mirror": []}
+    lens, mirror = ((workspace / f"generated_c/{n}/{n}.c").read_text().lower() for n in ("lens_focus", "mirror"))
+    assert "".join(lens.replace("lens_focus", "mirror").split()) == "".join(mirror.split())
+    tests = run(workspace, sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider")
+    assert tests.returncode == 0 and "10 passed" in tests.stdout, tests.stdout[-3000:]
+
+
+def test_the_new_files_are_as_clean_as_this_repository(tmp_path: Path) -> None:
+    folder, files = new.create(tmp_path, "stage")
+    assert all((folder / path).is_file() for path in files) and Path(".gitignore") in files
+    settings = ("--config", str(ROOT / "pyproject.toml"), "--ignore", "I001")  # sorted as in a workspace of its own
+    assert (found := run(folder, sys.executable, "-m", "ruff", "check", *settings, ".")).returncode == 0, found.stdout
+    form = ("--config", str(ROOT / "pyproject.toml"), "--check")
+    assert (found := run(folder, sys.executable, "-m", "ruff", "format", *form, ".")).returncode == 0, found.stdout
+
+
+@pytest.mark.parametrize("name", ["", "1a", "a-b", "../up", "My", "class", "int", "tests", "models", "é"])
+def test_a_name_that_no_module_can_have_is_refused(tmp_path: Path, name: str) -> None:
+    with pytest.raises(SynthError, match=r"cannot be the name of a module|no identifier of C"):
+        new.create(tmp_path, name)
+    assert not list(tmp_path.iterdir())
+
+
+def test_nothing_is_overwritten(tmp_path: Path) -> None:
+    (tmp_path / "lens" / "models").mkdir(parents=True)
+    mine = tmp_path / "lens" / "models" / "lens.py"
+    mine.write_text("mine")
+    with pytest.raises(SynthError, match=r"lens\.py exists already, and nothing was written"):
+        new.create(tmp_path, "lens")
+    assert mine.read_text() == "mine" and [p.name for p in (tmp_path / "lens").rglob("*.*")] == ["lens.py"]
