@@ -9,6 +9,7 @@ so that B_X is the same at the height, without c: offsets of the sensors are to 
 Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", (2), section 3.A, Fig. 6 (b).
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cache
 from math import hypot, pi, sqrt
@@ -48,11 +49,11 @@ class _Periodic:
         """Return the yaw in rad that moves no sensor by more than a phase in rad: reach (T + T^2/2) = phase."""
         return sqrt(1 + 2 * phase / self.reach) - 1
 
-    def _check(self, *positive: str, finite: str = "beta") -> None:
-        """Make fields floats; raise ModelError for one that is no number, or not above 0."""
+    def _check(self, positive: Iterable[str], finite: Iterable[str]) -> None:
+        """Make fields floats; raise ModelError for one that is no number, or not above 0 where it must be."""
         for name in positive:
             object.__setattr__(self, name, numeric.positive(name, getattr(self, name)))
-        for name in finite.split():
+        for name in finite:
             object.__setattr__(self, name, numeric.number(name, getattr(self, name)))
 
 
@@ -75,7 +76,7 @@ class PlanarArray(_Periodic):
         object.__setattr__(self, "positions", numeric.places(self.positions, 2))
         if len(set(self.positions)) < 2:
             raise ModelError(f"sensors are at {self.positions}: the yaw takes two places, give another one")
-        self._check("alpha", "pitch", "deviation", finite="c beta")
+        self._check(("alpha", "pitch", "deviation"), ("c", "beta"))
 
     @property
     def centre(self) -> Pair:
@@ -123,7 +124,7 @@ class SpatialArray(_Periodic):
                 f"all sensors are at x, y = {self.positions[0][:2]} m, above one another: their voltages differ by the "
                 "decay with Z alone, which hardly tells turns from displacements; give places apart in x and y"
             )
-        self._check("alpha", "height", "pitch", "deviation")
+        self._check(("alpha", "height", "pitch", "deviation"), ("beta",))
 
     @property
     def arms(self) -> tuple[Triple, ...]:

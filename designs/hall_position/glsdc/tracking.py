@@ -189,8 +189,9 @@ def advance(solution: Solution[Normal], judged: Judgement, begun: Exprs, x: Expr
 
 def _search(solution: Solution[Normal], judged: Judgement, x: Exprs, of: Problem) -> tuple[dict[str, ca.SX], ca.SX]:
     """Return the next counts and flags, and whether the next sample begins elsewhere."""
-    fault, restart = judged.residual_fault, restarts.count(judged.residual_fault, x)
-    next, again = {"astray": restart.faults}, restart.again
+    fault = judged.residual_fault
+    again, faults = restarts.count(fault, x)
+    next = {"astray": faults}
     if is_redundant(of.array):
         worst, alone = _worst(solution.first.residuals, of)
         known = ca.logic_and(x["certain"], x["astray"] >= SUSPECT - 1)
