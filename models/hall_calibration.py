@@ -14,6 +14,7 @@ by itself: the first fit is arctangent and calibration in one.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from math import pi
 
 import flint
 
@@ -38,6 +39,11 @@ class Calibration:
     position: tuple[float, ...]
     slope: tuple[float, ...]
     power: tuple[float, ...]
+
+    @property
+    def volts_per_metre(self) -> float:
+        """The slope of the fundamental where it is 0, V/m."""
+        return self.amplitude * (2 * pi / self.pitch)
 
 
 @dataclass(frozen=True)

@@ -96,25 +96,11 @@ SUSPECTS = tuple(Signal(f"suspect_{name}", "1", 0, 1, f"{name} contradicts the o
 
 @dataclass(frozen=True, eq=False)
 class _Pair:
-    """One axis' voltages with the yaw turned back, s = A S and c = A C, and the excess m of s^2 + c^2.
-
-    A further turn by phi takes `other` phi from s and adds it to c.
-    """
+    """One axis' voltages with the yaw turned back, s = A S and c = A C, and the excess m of s^2 + c^2."""
 
     s: ca.SX
     c: ca.SX
-    other: ca.SX
     m: ca.SX
-
-
-@dataclass(frozen=True, eq=False)
-class _Checks:
-    """What the yaw and the diagnosis come from: h_1, h_2 and the residuals r_1, r_2."""
-
-    h1: ca.SX
-    h2: ca.SX
-    r1: ca.SX
-    r2: ca.SX
 
 
 def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
@@ -133,18 +119,18 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
         expected = {a: u[f"{a}_predicted"] - x[f"offset_{a}"] if predicted else x[f"within_{a}"] for a in "xy"}
         X, Y = _pair(ax, -bx, ay, phi, k), _pair(ay, -cy, -ax, phi, k)
         h1, h2 = _slope(Y, k) + (X.c + X.s), _slope(X, k) + (Y.c + Y.s)
-        checks = _Checks(h1, h2, by - ay - h1 * phi, cx - ax + h2 * phi)
+        r1, r2 = by - ay - h1 * phi, cx - ax + h2 * phi
         ratio = {"x": _ratio(X, A), "y": _ratio(Y, A)}
         within = {axis: _place(pair, ratio[axis], k, cal) for axis, pair in (("x", X), ("y", Y))}
         offset = {axis: _nearest(at, x[f"offset_{axis}"], expected[axis], l) for axis, at in within.items()}
-        known, squared = ca.logic_and(u["ready"], u["complete"]), _squared(checks.r1, checks.r2, X.m, Y.m, A)
+        known, squared = ca.logic_and(u["ready"], u["complete"]), _squared(r1, r2, X.m, Y.m, A)
         beyond = ca.logic_or(x["doubt"], squared > (RESIDUAL * A) ** 2)
         doubt = ca.if_else(known, ca.logic_and(squared > (AGAIN * RESIDUAL * A) ** 2, beyond), 0)
         sure = ca.logic_and(ca.logic_not(doubt), u["complete"])
-        output = {yaw: clip(phi + ca.if_else(sure, _turn(X, Y, checks, k, A), 0), RAW["phi"])}
+        output = {yaw: clip(phi + ca.if_else(sure, _turn(X, Y, (h1, h2), (r1, r2), k, A), 0), RAW["phi"])}
         next: dict[str, ca.SX] = {}
         first = ca.logic_and(doubt, ca.logic_not(x["doubt"]))
-        seen = {"m_x": X.m, "m_y": Y.m, "r_1": checks.r1, "r_2": checks.r2}
+        seen = {"m_x": X.m, "m_y": Y.m, "r_1": r1, "r_2": r2}
         for name, value in (seen | {"s_x": X.s, "s_y": Y.s, "phi": phi}).items():
             next[f"first_{name}"] = ca.if_else(first, value, x[f"first_{name}"])
         for axis, at in within.items():
@@ -195,7 +181,7 @@ _POWERS = ("V^2", "1/V^2", "1/V^6")
 def _pair(s: ca.SX, c: ca.SX, other: ca.SX, phi: ca.SX, k: Exprs) -> _Pair:
     s, c = s - phi * other, c + phi * other
     product = (s * c) ** 2
-    return _Pair(s, c, other, s**2 + c**2 - (k["power_0"] + product * (k["power_1"] + product * k["power_2"])))
+    return _Pair(s, c, s**2 + c**2 - (k["power_0"] + product * (k["power_1"] + product * k["power_2"])))
 
 
 def _slope(p: _Pair, k: Exprs) -> ca.SX:
@@ -203,11 +189,12 @@ def _slope(p: _Pair, k: Exprs) -> ca.SX:
     return p.c * p.c**2 * (k["slope_0"] + p.s**2 * k["slope_1"])
 
 
-def _turn(X: _Pair, Y: _Pair, of: _Checks, k: Exprs, A: float) -> ca.SX:
+def _turn(X: _Pair, Y: _Pair, h: tuple[ca.SX, ca.SX], r: tuple[ca.SX, ca.SX], k: Exprs, A: float) -> ca.SX:
     """Return the yaw less the predicted one, rad; h3 is half of h_3."""
     h3 = X.s * (Y.s - Y.c) + Y.s * (X.s - X.c)
-    information = of.h1**2 + of.h2**2 + 2 * k["third"] * h3**2 + REGULAR * A**2
-    return (of.h1 * of.r1 - of.h2 * of.r2 + k["third"] * (h3 * (X.m - Y.m))) / information
+    (h1, h2), (r1, r2) = h, r
+    information = h1**2 + h2**2 + 2 * k["third"] * h3**2 + REGULAR * A**2
+    return (h1 * r1 - h2 * r2 + k["third"] * (h3 * (X.m - Y.m))) / information
 
 
 def _place(p: _Pair, r: ca.SX, k: Exprs, cal: hall_calibration.Calibration) -> ca.SX:

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy import signal
 
-from designs.planar_6dof import sensing_maps
 from models import hall_calibration
+from models import hall_section_maps as sensing_maps
 from synth.plant import Plant
 from synth.report import charts, figures, maps
 from synth.report.charts import Chart, Line

@@ -49,11 +49,10 @@ def ways(time: Array) -> dict[str, Array]:
 
 def compensators(parts: Mapping[str, lead_lag.LeadLag]) -> dict[str, Any]:
     """Return lead-lag compensators by axis, continuous and sampled, with the error of sampling."""
-    return {axis: _compensator(axis, made) for axis, made in parts.items()}
+    return {axis: _compensator(axis, made, made.continuous) for axis, made in parts.items()}
 
 
-def _compensator(axis: str, made: lead_lag.LeadLag) -> dict[str, Any]:
-    continuous = made.continuous
+def _compensator(axis: str, made: lead_lag.LeadLag, continuous: lead_lag.Compensator) -> dict[str, Any]:
     return {
         "equation": f"({vertical.EQUATION[axis]})",
         "continuous": {"gain": continuous.gain, "zeros": list(continuous.zeros), "poles": list(continuous.poles)},

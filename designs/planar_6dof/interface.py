@@ -9,7 +9,6 @@ make it 22 % flatter than that, and the raw position noisier than s.
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from math import pi
 
 import numpy as np
 
@@ -35,13 +34,7 @@ SLEW = 126.0  # A/s: from the limit to 0 in 10 ms, three times L/R, for which a 
 SURROGATE_ERROR: Mapping[type[np.floating], float] = {np.float32: 2e-5, np.float64: 1e-14}
 
 
-def volts_per_metre(plant: Plant) -> float:
-    """Return A w in V/m, the slope of the fundamental where it is 0."""
-    cal = hall_calibration.of(plant)
-    return cal.amplitude * (2 * pi / cal.pitch)
-
-
-VOLTS_PER_METRE = volts_per_metre(planar_stage.plant())
+VOLTS_PER_METRE = hall_calibration.of(planar_stage.plant()).volts_per_metre  # of the fundamental where it is 0
 _HALL = partial(Sensor, resolution=ADC, noise=NOISE * VOLTS_PER_METRE, held=False, about="Hall sensor and axis")
 _LASER = partial(Sensor, resolution=LASER_RESOLUTION, noise=LASER_NOISE, about="laser distance")
 INTERFACE = stage.interface(

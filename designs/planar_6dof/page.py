@@ -13,9 +13,10 @@ import casadi as ca
 import numpy as np
 from matplotlib.figure import Figure
 
-from designs.planar_6dof import drawings, interface, loops, sensing_maps
+from designs.planar_6dof import drawings, filtering, loops
 from designs.planar_6dof import loop as simulated
 from models import halbach, hall_calibration, planar_stage
+from models import hall_section_maps as sensing_maps
 from models import planar_allocation as allocation
 from synth.block import Block
 from synth.emit.write import Emitted
@@ -114,8 +115,9 @@ def _forces(x: Symbols, u: Symbols, p: Symbols) -> dict[str, ca.SX]:
 def _stage(plant: Plant, block: Block, filtered: bool) -> dict[str, Made]:
     """Return figures and tables of the stage: what follows from its parameters, its sensing, loops and failures."""
     K, M, a, Izz = allocation.force_constant(plant), *(plant.parameter(n).value for n in ("M", "a", "Izz"))
-    silent = sensing_maps.faults(plant, block.time, DRAWN, filtered)
-    failed = {"zero": silent, "stuck": sensing_maps.stuck(plant, block.time, PLACES, filtered)}
+    filters = filtering.blocks(block.time) if filtered else []
+    silent = sensing_maps.faults(plant, block.time, DRAWN, filters)
+    failed = {"zero": silent, "stuck": sensing_maps.stuck(plant, block.time, PLACES, filters)}
     found = loops.over_pitch(planar_stage.plant(halbach.HARMONICS), block)
     return {
         "stage.derived": [
@@ -123,7 +125,7 @@ def _stage(plant: Plant, block: Block, filtered: bool) -> dict[str, Made]:
             ("K / M", K / M, "m/s²/A", "(26) prints 13.2547, which carries the factor 1/2 of (17)"),
             ("K a / Izz", K * a / Izz, "rad/s²/A", "(26) prints 117.15"),
             ("A", hall_calibration.of(plant).amplitude, "V", "amplitude of a Hall voltage's fundamental"),
-            ("A γ", interface.volts_per_metre(plant) / 1e3, "V/mm", "its slope where it is 0"),
+            ("A γ", hall_calibration.of(plant).volts_per_metre / 1e3, "V/mm", "its slope where it is 0"),
         ],
         "sensing.pitch": drawings.pitch(plant),
         "sensing.yaw": drawings.yaw_maps(plant),

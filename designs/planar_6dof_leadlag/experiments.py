@@ -15,7 +15,7 @@ from designs.planar_6dof import experiments as shared
 from designs.planar_6dof import failures, finite
 from designs.planar_6dof.finite import Motion
 from designs.planar_6dof.loop import Array, growing_circle, seen, simulate
-from designs.planar_6dof.paper.steps import FIGURE_8
+from designs.planar_6dof.paper.records import FIGURE_8
 from models import planar_voltages
 from synth.check import Check
 from synth.simulate.experiment import Experiment

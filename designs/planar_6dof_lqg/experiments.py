@@ -12,13 +12,13 @@ import numpy as np
 
 from designs.planar_6dof import experiments as shared
 from designs.planar_6dof import failures, finite
-from designs.planar_6dof.paper import spectrum
+from designs.planar_6dof.paper import records
 from synth.check import Check
 from synth.simulate.experiment import Experiment
 from synth.simulate.experiments import Run
 from synth.simulate.rig import Rig
 
-STEPS = {"x": spectrum.STEP, "y": 50e-6, "phi": 0.3 * pi / 180}  # m, rad, Fig. 10
+STEPS = {"x": records.STEP, "y": 50e-6, "phi": 0.3 * pi / 180}  # m, rad, Fig. 10
 TITLES = {"x": "x by 50 um", "y": "y by 50 um", "phi": "phi by 0.3 degrees"}
 FIGURES = {"x": "Fig. 10(a), (d)", "y": "Fig. 10(b)", "phi": "Fig. 10(c)"}
 LARGE = 0.06  # m
@@ -35,9 +35,9 @@ def large_step(loop: Rig, name: str) -> Experiment:
 
 def step_with_spectrum(loop: Rig, name: str) -> Experiment:
     """Return the step of x with the most prominent line of its spectrum."""
-    step, line = _STEP_X.make(loop, name), spectrum.of_step(loop)
+    step, line = _STEP_X.make(loop, name), records.of_step(loop)
     about = "above its neighbours, x as measured"
-    check = Check("most prominent line", line.above, spectrum.DOMINANT, "dB", about)
+    check = Check("most prominent line", line.above, records.DOMINANT, "dB", about)
     figures = {**step.figures, "most prominent line, Hz": line.frequency}
     return replace(step, figures=figures, checks=(*step.checks, check))
 

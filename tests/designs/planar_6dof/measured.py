@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from designs.planar_6dof import reference_sensing, sensing_maps
+from designs.planar_6dof import filtering, reference_sensing
 from models import hall_calibration, planar_stage
+from models import hall_section_maps as sensing_maps
 from models import hall_sections as sensing
 from synth.block import Block, unranged
 from synth.emit import write
@@ -36,7 +37,7 @@ Columns = Mapping[str, Array]
 
 @cache
 def estimation(predicted: bool = True) -> Block:
-    return sensing_maps.estimation(PLANT, TIME, predicted)
+    return sensing_maps.estimation(PLANT, TIME, filtering.blocks(TIME) if predicted else ())
 
 
 @cache

@@ -6,8 +6,9 @@ from functools import partial
 import numpy as np
 import pytest
 
-from designs.planar_6dof import drawings, experiments, loops, page, sensing_maps
+from designs.planar_6dof import drawings, experiments, loops, page
 from designs.planar_6dof.loop import simulate
+from models import hall_section_maps as sensing_maps
 from synth.report.audit import Figure, Published, Row, Verdict
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig

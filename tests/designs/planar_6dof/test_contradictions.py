@@ -10,7 +10,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from designs.planar_6dof import filtering, reference_sensing, sensing_maps
+from designs.planar_6dof import filtering, reference_sensing
+from models import hall_section_maps as sensing_maps
 from models import hall_sections as sensing
 from synth.block import Block, unranged
 from synth.blocks import safety
@@ -214,7 +215,8 @@ def test_a_single_glitch_is_passed_over(predicted: bool) -> None:
 
 @pytest.mark.parametrize("predicted", [True, False])
 def test_the_map_of_faults_says_what_is_not_noticed(predicted: bool) -> None:
-    zero, stuck = (f(PLANT, TIME, points=5, predicted=predicted) for f in (sensing_maps.faults, sensing_maps.stuck))
+    filters = filtering.blocks(TIME) if predicted else ()
+    zero, stuck = (f(PLANT, TIME, 5, filters) for f in (sensing_maps.faults, sensing_maps.stuck))
     first, second = ({name: w.summary(name) for name, w in of.items()} for of in (zero, stuck))
     assert [*first] == [*second] == [*HALL] and all(r["named, %"] == 100 for r in (*first.values(), *second.values()))
     # What drops to zero near its zero is not noticed, and is worth little; V_bx and V_cy hide wherever the circle of

@@ -11,11 +11,11 @@ from designs.planar_6dof import experiments, failures, interface, lqg
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof.loop import simulate
 from designs.planar_6dof.paper import rows as paper
-from designs.planar_6dof.paper import steps
+from designs.planar_6dof.paper.records import FIGURE_8
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import experiments as leadlag_experiments
 from designs.planar_6dof_lqg import experiments as lqg_experiments
-from models import halbach, planar_stage, planar_voltages
+from models import halbach, hall_calibration, planar_stage, planar_voltages
 from models import planar_allocation as allocation
 from synth.block import Block
 from synth.simulate.experiment import Experiment
@@ -112,13 +112,13 @@ def test_recorded_rows(lead: Rig, optimal: Rig) -> None:
 
 def test_noise_is_that_of_a_position(lead: Rig) -> None:
     drawn = lead._noise(20000)
-    assert np.std(drawn["V_ax"]) == pytest.approx(13e-6 * interface.volts_per_metre(lead.plant), rel=0.02)
+    assert np.std(drawn["V_ax"]) == pytest.approx(13e-6 * hall_calibration.of(lead.plant).volts_per_metre, rel=0.02)
     assert np.std(drawn["d1"]) == pytest.approx(interface.LASER_NOISE, rel=0.02)
     assert abs(np.corrcoef(drawn["V_ax"], drawn["V_cy"])[0, 1]) < 0.03
     quarter = lead.plant.parameter("l").value / 4
     at = {x: float(lead.run(0.002, {"x": x}).outputs["V_ax"][0]) for x in (-1e-5, 1e-5, quarter)}
     parts = [float(halbach.amplitude(n, ca.SX(3e-3), VALUES)) for n in halbach.HARMONICS]
-    slope = interface.volts_per_metre(lead.plant)
+    slope = hall_calibration.of(lead.plant).volts_per_metre
     assert at[quarter] * parts[0] / sum(parts) == pytest.approx(slope * quarter / (np.pi / 2))
     flatter = np.dot(halbach.HARMONICS, parts) / parts[0]
     assert (at[1e-5] - at[-1e-5]) / 2e-5 == pytest.approx(flatter * slope, rel=1e-4)
@@ -208,7 +208,7 @@ def test_a_wrong_plant_is_caught(lead: Rig, parameter: str, factor: float) -> No
     """A loop gain that is off by a third, or its sign."""
     wrong = lead.plant.with_parameters(**{parameter: factor * lead.plant.parameter(parameter).value})
     bad = replace(lead, plant=wrong)
-    run = experiments.step(bad, "x", steps.FIGURE_8["x"])
+    run = experiments.step(bad, "x", FIGURE_8["x"])
     found = experiments.step_experiment(bad, run, "", "", leadlag_experiments.LIMITS)
     assert failed(found) & {"rise", "overshoot", "settling"}
 
@@ -217,7 +217,7 @@ def test_delay_counts_and_a_second_sample_is_caught(lead: Rig) -> None:
     found = []
     for delay in (0, 1, 2):
         late = lead.with_interface(delay=delay)
-        run = experiments.step(late, "x", steps.FIGURE_8["x"])
+        run = experiments.step(late, "x", FIGURE_8["x"])
         found.append(experiments.step_experiment(late, run, "", "", leadlag_experiments.LIMITS))
     beyond = [e.figures["overshoot"] for e in found]
     assert beyond[0] + 0.005 < beyond[1] < beyond[2] - 0.005

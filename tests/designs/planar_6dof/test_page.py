@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from designs.planar_6dof import failures, sensing_maps
+from designs.planar_6dof import failures, filtering
 from designs.planar_6dof import loop as simulated
 from designs.planar_6dof import page as planar
 from designs.planar_6dof_leadlag import control as leadlag
+from models import hall_section_maps as sensing_maps
 from models import planar_stage
 from synth.report import page
 from synth.simulate.experiment import Experiment
@@ -49,7 +50,7 @@ def test_the_filter_leaves_about_half_of_the_noise(lead: Rig, runs: list[Experim
 
 @pytest.mark.parametrize("predicted", [True, False])
 def test_the_map_of_what_is_not_noticed(predicted: bool) -> None:
-    failed = sensing_maps.faults(PLANT, leadlag.TIME, 6, predicted)
+    failed = sensing_maps.faults(PLANT, leadlag.TIME, 6, filtering.blocks(leadlag.TIME) if predicted else ())
     found = {name: (w.noticed < 0).reshape(6, 6) for name, w in failed.items()}
     told = {name: w.summary(name)["unnoticed, %"] for name, w in failed.items()}
     assert {name: 100 * silent.mean() for name, silent in found.items()} == pytest.approx(told)

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from designs.planar_6dof import filtering, reference_sensing, sensing_maps
+from designs.planar_6dof import filtering, reference_sensing
+from models import hall_section_maps as sensing_maps
 from models import hall_sections as sensing
 from synth.block import Block, unranged
 from synth.emit import write

@@ -10,8 +10,8 @@ import scipy.signal
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
-from designs.planar_6dof.paper import steps
-from models import axis_figures, lorentz_motor, motor_figures, planar_stage
+from designs.planar_6dof.paper.records import of_record
+from models import axis_figures, lorentz_motor, planar_stage
 from synth.analyse import loop
 from synth.plant import Plant
 from synth.report.audit import Row
@@ -187,25 +187,6 @@ def test_the_spread_of_masses_is_found_from_their_inertias() -> None:
         expected = 1e3 * np.sqrt(masses @ values**2 / M)
         assert found[f"rms distance along {axis}, as printed"] == pytest.approx(expected, rel=1e-9)
     assert found.verdict == "R"
-
-
-def test_the_direct_integral_known_elsewhere_has_the_pitch_of_table_1() -> None:
-    """19.349 N/A is for l = w = 50.977 mm, where (17) gives 20.262 N/A; 20.205 N/A is that of G = 1.072e-5."""
-    l, density = 50.977e-3, 3.5246e6
-    plant = PLANT.with_parameters(l=l, w=l, Delta=l / 4, turns=density * 8.6524e-5)
-    p = {each.name: each.value for each in plant.parameters}
-    direct, lift = motor_figures.lorentz_force(p, 0.0)
-    printed = motor_figures.force_constant(p, "printed")
-    assert (round(direct, 3), round(printed, 3)) == (19.349, 20.262)
-    assert direct / printed == pytest.approx(3 / np.pi, rel=1e-12) and abs(lift) < 1e-12
-    of_G = 0.5 * 0.71 * density * 2 * 1.072e-5 * np.exp(-123.25 * 2.3e-3)
-    assert round(of_G, 3) == 20.205 and abs(19.349 / of_G - 3 / np.pi) > 2e-3
-
-
-def test_g_is_the_formula_of_the_paper() -> None:
-    l, w, Gamma = 50.977e-3, 50.8e-3, 8.6524e-5 / (50.977e-3 / 6)
-    expected = np.sqrt(2) * w * l**2 / np.pi**2 * (1 - np.exp(-2 * np.pi / l * Gamma)) * (1 - np.exp(-np.pi / 2))
-    assert motor_figures.G(l, w, 8.6524e-5, l / 4) == pytest.approx(expected, rel=1e-12)
 
 
 # What moves what
@@ -420,7 +401,7 @@ def records(overshoot: float, noise: float = 0.0) -> tuple[np.ndarray, dict[str,
 
 
 def of_steps(time: np.ndarray, records: dict[str, np.ndarray]) -> Row:
-    return recorded("Y-35", recorded_step=lambda _, axis, printed: steps.of_record(time, records[axis] / printed))
+    return recorded("Y-35", recorded_step=lambda _, axis, printed: of_record(time, records[axis] / printed))
 
 
 def test_recorded_steps() -> None:
@@ -436,17 +417,3 @@ def test_recorded_noise() -> None:
     row = recorded("Y-34", noise_at_rest=lambda *_: {"x": 6e-6, "y": 6.5e-6})
     assert row.verdict == "R" and row["rms, x"] == pytest.approx(6)
     assert recorded("Y-34", noise_at_rest=lambda *_: {"x": 6e-6, "y": 12e-6}).verdict == "N"
-
-
-def test_a_step_that_never_settles_has_no_time() -> None:
-    time = np.arange(100) * 1e-3
-    found = axis_figures.measured(time, np.full(100, 0.5))
-    assert found.settled == np.inf and found.rise == np.inf
-    assert axis_figures.measured(time, np.ones(100)).settled == 0
-
-
-def test_time_constants_and_zeros_and_poles_make_the_same_axis() -> None:
-    psi = axis_figures.vertical(0.0019, 87.0, 1100.0, 80.0, 640.0, 10.0)
-    assert (psi.inertia, psi.spring, psi.gain, psi.zeros, psi.poles) == (0.0019, 87, 1100, (-80, -10), (-640, 0))
-    free = axis_figures.horizontal(0.0019, 1100.0 * 800 / 640, 1 / 80, 1 / 640, 1 / 10)
-    assert (free.gain, *free.zeros, *free.poles) == pytest.approx((psi.gain, *psi.zeros, *psi.poles))

@@ -9,7 +9,8 @@ import scipy.linalg
 import scipy.signal
 from scipy.optimize import brentq
 
-from designs.planar_6dof.paper import filter, gains, spectrum
+from designs.planar_6dof.paper import filter, gains
+from designs.planar_6dof.paper.records import prominent
 from synth.report.audit import Published, Row
 from synth.report.formulas import Formula
 from synth.synthesise.feedback import lqr
@@ -336,8 +337,8 @@ def test_recorded_noise() -> None:
 def test_a_line_in_the_spectrum_is_found_and_noise_has_none(seed: int) -> None:
     rng, time = np.random.default_rng(seed), np.arange(8192) * T
     low_passed = scipy.signal.lfilter([0.2], [1, -0.8], rng.normal(size=len(time))) * 1e-5
-    quiet = recorded("Y-41", of_step=lambda _: spectrum.prominent(low_passed, T))
+    quiet = recorded("Y-41", of_step=lambda _: prominent(low_passed, T))
     assert quiet.verdict == "R" and quiet["above its neighbours"] < 6
     hum = low_passed + 0.5e-5 * np.sin(2 * np.pi * 60 * time)
-    loud = recorded("Y-41", of_step=lambda _: spectrum.prominent(hum, T))
+    loud = recorded("Y-41", of_step=lambda _: prominent(hum, T))
     assert loud.verdict == "N" and loud["most prominent line"] == pytest.approx(60, abs=1)

@@ -6,13 +6,12 @@ to the residuals is far inside their bounds. A failure is noticed in the sample 
 The results are discussed in docs/decisions/planar_sensing.md.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from designs.planar_6dof import filtering, interface
 from models import hall_calibration, planar_stage
 from models import hall_sections as sensing
 from synth.block import Block
@@ -23,7 +22,7 @@ from synth.statespace import Array, readonly
 from synth.timing import Discrete
 from synth.verify import agree
 
-NOISE = filtering.DEVIATION  # m rms of a position
+NOISE = 5e-5  # m rms of a position, section 3.2
 NUDGE = 1e-4  # V, of a difference quotient
 SPEED = 0.1  # m/s, at which the platen moves away from where a sensor sticks
 FLAGS = (sensing.READY, sensing.COMPLETE)
@@ -47,15 +46,14 @@ def voltages(plant: Plant, pose: Mapping[str, ArrayLike]) -> dict[str, Array]:
     return {name: outputs[name] for name in planar_stage.HALL}
 
 
-def estimation(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
-    """Return sensing as one Block with the filters that predict, or without, from held voltages and the guard's flags.
+def estimation(plant: Plant, time: Discrete, filters: Sequence[Block] = ()) -> Block:
+    """Return sensing as one Block with the filters that predict x, y and phi, from held voltages and the guard's flags.
 
     Without filters the prediction is the sample before.
     """
-    sensed = sensing.sensing(plant, time, predicted)
-    parts = [sensed, *(filtering.blocks(time) if predicted else [])]
-    outputs = [*names(sensed.outputs), *(filtering.AXES if predicted else ())]
-    return compose("estimation", parts, inputs=names((*sensing.HELD, *FLAGS)), outputs=outputs)
+    sensed = sensing.sensing(plant, time, bool(filters))
+    outputs = [*names(sensed.outputs), *(sensing.RAW if filters else ())]
+    return compose("estimation", [sensed, *filters], inputs=names((*sensing.HELD, *FLAGS)), outputs=outputs)
 
 
 def error_map(plant: Plant, yaw: float = 0.0, lift: float = 0.0, doubt: float = 0.0, points: int = 48) -> ErrorMap:
@@ -88,21 +86,21 @@ def errors(plant: Plant, pose: Columns, doubt: float = 0.0) -> tuple[Columns, Co
 
 def deviation(plant: Plant) -> float:
     """Return the noise rms of a voltage in V that makes NOISE in a position."""
-    return interface.volts_per_metre(plant) * NOISE
+    return hall_calibration.of(plant).volts_per_metre * NOISE
 
 
-def faults(plant: Plant, time: Discrete, points: int = 12, predicted: bool = True) -> dict[str, "Watch"]:
+def faults(plant: Plant, time: Discrete, points: int = 12, filters: Sequence[Block] = ()) -> dict[str, "Watch"]:
     """Return what each voltage that drops to zero at rest does from points^2 places over a pitch; see `estimation`."""
-    block, start = estimation(plant, time, predicted), _places(plant, points)
+    block, start = estimation(plant, time, filters), _places(plant, points)
     return {name: watch(plant, block, start, 0 * start, SETTLED, name) for name in planar_stage.HALL}
 
 
-def stuck(plant: Plant, time: Discrete, points: int = 12, predicted: bool = True) -> dict[str, "Watch"]:
+def stuck(plant: Plant, time: Discrete, points: int = 12, filters: Sequence[Block] = ()) -> dict[str, "Watch"]:
     """Return what each voltage does that sticks while the platen moves at SPEED, as `faults`.
 
     It moves from each place to and fro along the voltage's own axis, over a pitch at most.
     """
-    block, start = estimation(plant, time, predicted), _places(plant, points)
+    block, start = estimation(plant, time, filters), _places(plant, points)
     samples, found = round(hall_calibration.of(plant).pitch / SPEED / time.period_s), {}
     for name in planar_stage.HALL:
         along = np.array([[name[-1] == axis] for axis in "xy"])
@@ -149,7 +147,7 @@ def watch(
     u = {name: v.reshape(samples, n) for name, v in voltages(plant, {"x": pose[:, 0], "y": pose[:, 1]}).items()}
     u[failed] = np.tile(u[failed][:1], (samples, 1)) if sticks else np.zeros((samples, n))
     flags = {flag.name: np.ones(n) for flag in FLAGS}
-    axes = [axis if axis in names(block.outputs) else f"{axis}_raw" for axis in filtering.AXES]
+    axes = [axis if axis in names(block.outputs) else f"{axis}_raw" for axis in sensing.RAW]
     noticed, named, error = np.full(n, -1), np.zeros((len(u), n), bool), np.zeros((len(axes), n))
     for k in range(samples):
         stepped = step(state, {f"{name}_held": v[k] for name, v in u.items()} | flags)
