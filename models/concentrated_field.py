@@ -202,6 +202,13 @@ def amplitude(wave: Wave, z: ca.SX | float) -> ca.SX:
     return k * wave.cosine * ca.exp(-wave.kappa * z)
 
 
+def amplitudes(cell: Cell, numbers: Iterable[int], z: float) -> list[float]:
+    """Return A_n in T of sin(n w X) in B_X, z in m above a matrix, 0 where its blocks do not make the wave."""
+    orders = [(n, 0) for n in numbers]
+    found = {wave.order: float(amplitude(wave, z)) for wave in waves(cell, orders, values())}
+    return [found.get(order, 0.0) for order in orders]
+
+
 def field(found: Iterable[Wave], X: ca.SX, Y: ca.SX, z: ca.SX) -> Field:
     """Return the flux density in T at X, Y in m, z in m above the matrix."""
     x, y, up = ca.SX(0), ca.SX(0), ca.SX(0)

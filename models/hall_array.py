@@ -116,6 +116,11 @@ def sensors(places: Iterable[Pair]) -> HallArray:
     return HallArray(tuple(Sensor((x, y, 0.0)) for x, y in places))
 
 
+def points(places: Iterable[Pair], chain: Chain | None = None) -> HallArray:
+    """Return the same without a volume, behind a chain."""
+    return replace(sensors(places), chain=chain or Chain(), volume=(0.0, 0.0, 0.0))
+
+
 def planar_pose(q: ca.SX, height: ca.SX | float = HEIGHT) -> Pose:
     """Return the pose of (X, Y, theta_z) in m and rad, the body's plane at a height in m above the matrix."""
     return Pose(ca.vertcat(q[0], q[1], height), _about_z(q[2]))

@@ -23,6 +23,7 @@ from synth.timing import Discrete
 
 POSE = ("x", "y", "phi")
 SCANNED = 48  # places along a pitch
+STEP, ASIDE, WAVER = 5e-5, 2e-4, 7.3e-3  # m between samples of a scan; by how much its lines waver, and over which way
 MOST = 8  # sensors that the true field is read at
 
 
@@ -73,6 +74,20 @@ def read(bench: Bench, poses: Array, time: Discrete, seed: int) -> dict[str, Arr
     noisy = true + hall_chain.noise(bench.chain, time, true.shape, seed)
     names = [f"V_{letter}{axis}" for letter in ascii_lowercase[: len(bench.places)] for axis in "xy"]
     return {name: readonly(step * np.rint(row / step)) for name, row in zip(names, noisy, strict=True)}
+
+
+def scan(reach: float, line: float, together: int) -> Array:
+    """Return poses (N, 3) without yaw, STEP apart: from the origin to a corner, then to and fro on lines so far apart.
+
+    Lines waver, as no loop follows them; N is a multiple of the samples that are taken `together`.
+    """
+    across = np.arange(-reach, reach + line / 2, line)
+    ends = np.array([(side * (-1) ** k * reach, y) for k, y in enumerate(across) for side in (-1, 1)])
+    corners = np.vstack([np.zeros(2), ends])
+    lengths = np.concatenate([[0], np.cumsum(np.abs(np.diff(corners, axis=0)).sum(axis=1))])
+    at = np.arange(round(lengths[-1] / STEP) // together * together) * STEP
+    X, Y = (np.interp(at, lengths, corners[:, k]) for k in (0, 1))
+    return readonly(np.column_stack([X, Y + ASIDE * np.sin(2 * np.pi * at / WAVER), np.zeros(len(at))]))
 
 
 def fits(bench: Bench, pitch: float, time: Discrete, seed: int = 1) -> list[hall_scan.Fit]:

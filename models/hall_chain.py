@@ -11,7 +11,8 @@ mV rms beside the noise of 1 mV.
 Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 2.C.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from math import exp, pi, sqrt
 
 import casadi as ca
@@ -19,8 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
+from synth.analyse.interconnect import connect
 from synth.errors import ModelError
-from synth.statespace import readonly
+from synth.statespace import StateSpace, readonly
 from synth.timing import Discrete
 
 Array = NDArray[np.float64]
@@ -58,6 +60,16 @@ class Chain:
 def slope(chain: Chain, held: ca.SX, volts: ca.SX) -> ca.SX:
     """Return V_f' in V/s, for V_f = `held` and V = `volts`."""
     return 2 * pi * chain.corner * (volts - held)
+
+
+def filtered(model: StateSpace, outputs: Sequence[str], chain: Chain) -> StateSpace:
+    """Return a model with some of its outputs behind the filter."""
+    w, I = 2 * pi * chain.corner, np.eye(len(outputs))
+    late = {name: f"{name}_filtered" for name in outputs}
+    states = tuple(f"{name}_lag" for name in outputs)
+    lag = StateSpace(-w * I, w * I, I, 0 * I, states, tuple(outputs), tuple(late.values()), model.time)
+    joined = connect([model, lag], model.inputs, [late.get(name, name) for name in model.outputs], {})
+    return replace(joined, outputs=model.outputs, units={})
 
 
 def correlation(chain: Chain, time: Discrete) -> float:

@@ -1,10 +1,10 @@
-"""What Figs. 3 to 5 of the paper show, as arrays: coefficients, the field over the target area, sensors on a line.
+"""What Figs. 4 and 5 of the paper show, as arrays: the field over the target area, sensors on a line.
 
 Fig. 5 and (3): of two sensors a spacing apart along X, whose voltages have the slopes V_1' and V_2', how insensitive
 the pair gets is the least sqrt(V_1'^2 + V_2'^2) over X, noise / (that) being the standard deviation of X. For a sine
 alone it is largest, and the same everywhere, at (1/4 + n/2) pitch.
 
-Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 2, Figs. 3 to 5.
+Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 2, Figs. 4 and 5.
 """
 
 from collections.abc import Sequence
@@ -15,36 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models import hall_array
-from models.concentrated_field import (
-    CROSS,
-    Cell,
-    Wave,
-    amplitude,
-    fabricated,
-    field,
-    ideal,
-    on_axes,
-    values,
-    waves,
-)
+from models.concentrated_field import Wave, field
 from synth.statespace import readonly
 
 Array = NDArray[np.float64]
 
 HARMONICS = (1, 5, 9, 13)  # the next is below 1e-4 T at 3 mm
-
-
-@dataclass(frozen=True, eq=False)
-class Coefficients:
-    """The amplitudes (N,) in T of sin(n w X) in B_X, n in `numbers` (N,), above ideal blocks and those that were made.
-
-    `cross` is that of sin(w (2 X +- Y)) above those that were made.
-    """
-
-    numbers: NDArray[np.int_]
-    ideal: Array
-    fabricated: Array
-    cross: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,24 +49,11 @@ class Spacings:
     least: Array
 
 
-def coefficients(highest: int = 9, z: float = 0.0) -> Coefficients:
-    """Return Fig. 3: coefficients up to a number, z in m above ideal blocks and above those that were made."""
-    p, numbers = values(), range(1, highest + 1)
-
-    def found(cell: Cell) -> Array:
-        by_order = {wave.order: float(amplitude(wave, z)) for wave in waves(cell, on_axes(numbers), p)}
-        return readonly([by_order.get((n, 0), 0.0) for n in numbers])
-
-    made = fabricated(p["strong"], p["weak"])
-    cross = float(amplitude(waves(made, CROSS, p)[0], z))
-    return Coefficients(np.array(numbers), found(ideal(p["strong"])), found(made), cross)
-
-
-def surface(points: int = 65, z: float = 3e-3, of: Sequence[Wave] = ()) -> Surface:
-    """Return Fig. 4: B_X on a grid, z in m above the ideal matrix, or of waves without symbols."""
-    p, X, Y = values(), ca.SX.sym("X"), ca.SX.sym("Y")
-    B = field(of or waves(ideal(p["strong"]), on_axes(HARMONICS), p), X, Y, ca.SX(z))
-    side = np.linspace(0.0, float(p["l"]), points)
+def surface(of: Sequence[Wave], points: int = 65, z: float = 3e-3) -> Surface:
+    """Return Fig. 4: B_X on a grid over a pitch, z in m above the matrix, of waves without symbols."""
+    X, Y = ca.SX.sym("X"), ca.SX.sym("Y")
+    B = field(of, X, Y, ca.SX(z))
+    side = np.linspace(0.0, _pitch(of), points)
     grid = (each.reshape(1, -1) for each in np.meshgrid(side, side, indexing="ij"))
     flux = ca.Function("B_X", [X, Y], [B.x]).map(points**2)(*grid)
     return Surface(readonly(side), readonly(side), readonly(flux.full().reshape(points, points)))

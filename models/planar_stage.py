@@ -135,6 +135,12 @@ def accelerations(x: Exprs, u: Exprs, p: Exprs, harmonics: Sequence[int] = (1,))
     }
 
 
+def hall_places(plant: Plant) -> tuple[tuple[float, float], ...]:
+    """Return where Hall sensors A, B and C are in the platen, m."""
+    spacing = plant.parameter("spacing").value
+    return (0.0, 0.0), (spacing, 0.0), (0.0, spacing)
+
+
 def hall_voltages(x: Exprs, p: Exprs, harmonics: Sequence[int] = halbach.HARMONICS) -> dict[str, ca.SX]:
     """Return V_ax .. V_cy in V: sensor A at the platen's centre, B a spacing along its x, C one along its y."""
     found: dict[str, ca.SX] = {}

@@ -9,6 +9,7 @@ that x' lies in its box for every x in the box and every u.
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 import casadi as ca
 import numpy as np
@@ -23,6 +24,7 @@ from synth.timing import Discrete
 
 Exprs = Mapping[str, ca.SX]
 Certificate = Callable[[float, float], float]
+Value = TypeVar("Value")
 
 
 @arguments.checked
@@ -115,6 +117,23 @@ class Block:
         """Return the Block with each constant rounded to `scalar`: what is analysed is then what ships."""
         with np.errstate(over="ignore"):  # an overflow is infinite, which a Constant refuses
             return replace(self, constants=tuple(replace(c, value=float(scalar(c.value))) for c in self.constants))
+
+    def renamed(self, names: Mapping[str, str]) -> "Block":
+        """Return the Block with inputs and outputs renamed, old name to new; one that is not listed keeps its own."""
+        inputs, safety = [s.name for s in self.inputs], self.safety
+        if safety:
+            values, rates = _under(names, safety.safe_output), _under(names, safety.slew_per_s)
+            safety = replace(safety, safe_output=values, slew_per_s=rates)
+        return replace(
+            self,
+            inputs=tuple(_signal(names, s) for s in self.inputs),
+            outputs=tuple(_signal(names, s) for s in self.outputs),
+            symbol=_under({n: new for n, new in names.items() if n in inputs}, self.symbol),
+            output=_under(names, self.output),
+            inside=tuple((replace(n, signal=_signal(names, n.signal)), e) for n, e in self.inside),
+            faults=tuple(replace(f, output=names.get(f.output, f.output)) for f in self.faults),
+            safety=safety,
+        )
 
     @property
     def latches(self) -> bool:
@@ -245,6 +264,15 @@ def table(name: str, values: Sequence[float]) -> ca.Function:
         raise SignalError(f"table name '{name}' has a meaning in CasADi, or two underscores in a row: rename it")
     index = ca.MX.sym("index")
     return ca.Function(name, [index], [ca.MX(ca.DM(_row(name, values)))[index]], {"never_inline": True})
+
+
+def _signal(names: Mapping[str, str], signal: Signal) -> Signal:
+    return replace(signal, name=names.get(signal.name, signal.name))
+
+
+def _under(names: Mapping[str, str], of: Mapping[str, Value]) -> dict[str, Value]:
+    """Return values under their new names."""
+    return {names.get(name, name): value for name, value in of.items()}
 
 
 def _row(name: str, values: Sequence[float]) -> list[float]:

@@ -295,3 +295,14 @@ def test_numbers_may_stand_for_expressions() -> None:
     )
     next, y = compose("w", [made], inputs=["u"], outputs=["y"]).function()([0, 0], 0)
     assert (next.full().ravel().tolist(), float(y)) == ([10, 1], 0.25)
+
+
+def test_a_renamed_block_steps_as_before_under_its_new_names() -> None:
+    """A state keeps its name, even where an output of the same name is renamed."""
+    block = replace(delay("d", "a", "kept"), faults=(Fault(0, "kept"),))
+    renamed = block.renamed({"a": "b", "kept": "late", "other": "none"})
+    assert [s.name for s in (*renamed.inputs, *renamed.outputs)] == ["b", "late"]
+    assert [s.name for s in renamed.states] == ["kept"] and renamed.faults[0].output == "late"
+    assert [named.signal.name for named, _ in renamed.inside] == ["late"] and {"b", "kept"} == set(renamed.symbol)
+    for given, found in zip(block.function()(2.0, 3.0), renamed.function()(2.0, 3.0), strict=True):
+        assert float(given) == float(found)

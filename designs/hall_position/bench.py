@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from designs.hall_position import random_steps, shipped
-from designs.hall_position.trust import motions
-from designs.hall_position.trust.motions import Numbers, Pose
+from designs.hall_position import config, random_steps
+from models import hall_motions as motions
+from models.hall_motions import Numbers, Pose
 from synth.errors import DesignError
 from synth.execute import host
 from synth.verify import steps
@@ -50,7 +50,7 @@ def replay(controller: host.Controller) -> Columns:
 
 def recording(name: str, scalar: type[np.floating]) -> dict[str, Numbers]:
     """Return the inputs (N,) of an estimator's test vectors, V."""
-    V = motions.noisy(shipped.array(name), way(), VECTORS_SEED)
+    V = motions.noisy(config.array(name), way(), VECTORS_SEED)
     V[BAD, 0, 1] = OUT
     V[LOST, 1, 0] = OUT
     return motions.named(V.astype(scalar))
@@ -58,7 +58,7 @@ def recording(name: str, scalar: type[np.floating]) -> dict[str, Numbers]:
 
 def of_three(inputs: Mapping[str, Any], outputs: Mapping[str, Any]) -> dict[str, Numbers]:
     """Return those of three sensors beside `inputs` of two, in their scalar type."""
-    return recording(shipped.THREE, inputs["V_ax"].dtype.type)
+    return recording(config.THREE, inputs["V_ax"].dtype.type)
 
 
 def way() -> Pose:
@@ -93,15 +93,15 @@ def sequences(controller: host.Controller, progress: Callable[[str], None]) -> l
 
 def _name(controller: host.Controller) -> str:
     name = str(controller.manifest["design"])
-    if name not in shipped.PLACES:
-        raise DesignError(f"'{name}' is none of {', '.join(shipped.PLACES)}: measure one of these")
+    if name not in config.PLACES:
+        raise DesignError(f"'{name}' is none of {', '.join(config.PLACES)}: measure one of these")
     return name
 
 
 def _measured(name: str, n: int, size: tuple[float, float, float], seed: int) -> Numbers:
     """Return voltages (n, sensors, 2) on a motion of one body."""
-    pose = motions.wander(shipped.TIME.period_s, (n, 1), seed, *size)
-    return motions.noisy(shipped.array(name), pose, seed)[:, 0]
+    pose = motions.wander(config.TIME.period_s, (n, 1), seed, *size)
+    return motions.noisy(config.array(name), pose, seed)[:, 0]
 
 
 def _lost(V: Numbers, other: Numbers) -> Numbers:
@@ -124,8 +124,6 @@ def _shifted(controller: host.Controller, pool: Steps) -> Steps:
 
 def _random(controller: host.Controller, name: str) -> Steps:
     """Return random steps as verification draws them."""
-    columns, inputs = random_steps.in_operation(random_steps.subject(name), DRAWN)
-    states = np.zeros(DRAWN, controller.state)
-    for state, values in columns.items():
-        states[state] = values
-    return Steps("random", states, controller.records(inputs, DRAWN))
+    states, inputs = random_steps.in_operation(random_steps.subject(name), DRAWN)
+    records = host.records(controller.manifest, controller.state, states, DRAWN)
+    return Steps("random", records, controller.records(inputs, DRAWN))

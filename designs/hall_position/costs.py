@@ -15,13 +15,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from designs.hall_position import bench, shipped
-from designs.hall_position.accuracy import six_field
+from designs.hall_position import bench, config
 from designs.hall_position.glsdc import channels, six_estimator
-from designs.hall_position.glsdc.six_parameters import Array
-from designs.hall_position.trust import motions
-from designs.hall_position.trust.motions import Numbers
-from models import hall_array
+from models import hall_array, hall_two_waves
+from models import hall_motions as motions
+from models.hall_motions import Numbers
+from models.hall_two_waves import SpatialArray
 from synth.block import unranged
 from synth.emit import write
 from synth.emit.write import Emitted
@@ -62,7 +61,7 @@ class Subject(NamedTuple):
     steps: Steps
 
 
-def measure(three: Emitted, four: Array) -> Sequence[Row]:
+def measure(three: Emitted, four: SpatialArray) -> Sequence[Row]:
     """Measure the C that was emitted of three sensors, and that of four sensors in six degrees of freedom.
 
     The latter is emitted here, which takes most of the time; compilers run meanwhile, as processes of their own. There
@@ -97,22 +96,22 @@ def of_three(emitted: Emitted) -> Subject:
     """Return what was emitted of three sensors, over steps among which are the costliest."""
     sequences = bench.sequences(host.load(emitted.files, emitted.manifest), lambda _: None)
     costly = steps.joined("costly", [steps.thinned(s, EACH) for s in sequences if s.name in COSTLY])
-    rival = rivals.casadi(shipped.block(shipped.THREE), shimmed=True)
+    rival = rivals.casadi(config.block(config.THREE), shimmed=True)
     return Subject("three sensors", rivals.emitted(emitted), rival, costly)
 
 
-def of_six(array: Array) -> Subject:
+def of_six(array: SpatialArray) -> Subject:
     """Return the estimator of six degrees of freedom, on a motion and on random states and inputs."""
-    block = unranged(six_estimator.guarded(array, shipped.TIME))  # which does not ship
+    block = unranged(six_estimator.guarded(array, config.TIME))  # which does not ship
     emitted = write.emit(block, np.float32, error=six_estimator.SURROGATE_ERROR[np.float32])
     sequence = six_steps(array, host.load(emitted.files, emitted.manifest))
     name = f"six degrees of freedom, {len(array.positions)} sensors"
     return Subject(name, rivals.emitted(emitted), rivals.casadi(block, shimmed=True), sequence)
 
 
-def six_steps(array: Array, controller: host.Controller) -> Steps:
+def six_steps(array: SpatialArray, controller: host.Controller) -> Steps:
     """Return steps of a motion in which it loses its way now and then, and steps from any state."""
-    volts, _ = hall_array.spatial(*six_field.model(array)).function().map(SIX)(motion(array, SIX).T)
+    volts, _ = hall_array.spatial(*hall_two_waves.model(array)).function().map(SIX)(motion(array, SIX).T)
     V = np.asarray(volts.full().T)
     V += array.deviation * np.random.default_rng(SEED).standard_normal(V.shape)
     V[LOST] *= -1
@@ -120,9 +119,9 @@ def six_steps(array: Array, controller: host.Controller) -> Steps:
     return steps.joined("all", [steps.recorded(controller, "motion", inputs), steps.drawn(controller, SIX)])
 
 
-def motion(array: Array, n: int) -> Numbers:
+def motion(array: SpatialArray, n: int) -> Numbers:
     """Return poses (n, 6) of X, Y, Z, roll, pitch and yaw, m and rad."""
-    time = shipped.TIME.period_s
+    time = config.TIME.period_s
     across = motions.wander(time, (n, 1), SEED, TRAVEL, YAW)
     tilted = motions.wander(time, (n, 1), SEED + 1, TILT, GAP)  # roll and pitch as X and Y, the height as the yaw
     return np.hstack((across.X, across.Y, array.height + tilted.yaw, tilted.X, tilted.Y, across.yaw))

@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from designs.hall_position import bench, page, random_steps, reference_guard, shipped, verification
+from designs.hall_position import bench, config, page, random_steps, reference_guard, verification
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.loop import experiments
 from designs.hall_position.paper import rows
@@ -10,19 +10,19 @@ from synth import stage
 from synth.stage import Companion
 from synth.workspace import Bench
 
-CONTROLLER, THREE = shipped.controller(), shipped.block(shipped.THREE)
+CONTROLLER, THREE = config.controller(), config.block(config.THREE)
 DESIGN = stage.design(
     CONTROLLER,
     CONTROLLER.interface.plant,
     reference=partial(reference_guard.step, random_steps.setup()),
     surrogate_error=estimator.SURROGATE_ERROR,
-    recording=lambda rig: bench.recording(shipped.NAME, rig.controller.scalar),
-    gains=partial(shipped.gains, shipped.NAME),
-    companions=[Companion(THREE, bench.of_three, partial(shipped.gains, shipped.THREE))],
+    recording=lambda rig: bench.recording(config.NAME, rig.controller.scalar),
+    gains=partial(config.gains, config.NAME),
+    companions=[Companion(THREE, bench.of_three, partial(config.gains, config.THREE))],
     verify=lambda of, progress, whole: verification.verify(progress, whole),
     simulate=lambda of, progress: experiments.run(progress),
     audit=lambda of: rows.rows(),
-    bench=lambda of: Bench(shipped.block, bench.replay, bench.sequences, bench.FLOOR),
+    bench=lambda of: Bench(config.block, bench.replay, bench.sequences, bench.FLOOR),
     report=lambda of, *parts: page.report(*parts),
     about=__doc__,
 )

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from designs.hall_position import shipped
+from designs.hall_position import config
 from designs.hall_position.loop import calibration
 from designs.hall_position.pages import accuracy, estimator, experiments, field, loops, six, trust
 from designs.hall_position.paper.stage import Stage
@@ -52,8 +52,8 @@ def report(
     ]
     inputs, outputs = "4 Hall voltages; 6 with a third sensor", "X, Y and yaw, their deviations, residual, flags"
     law = ("law", "GLSDC, Fig. 9, five corrections a sample")
-    facts = (*standard.facts(shipped.TIME, np.float32, inputs, outputs), law)
-    return template.assembled(shipped.NAME, ABOUT, facts, parts, {**equations, **made})
+    facts = (*standard.facts(config.TIME, np.float32, inputs, outputs), law)
+    return template.assembled(config.NAME, ABOUT, facts, parts, {**equations, **made})
 
 
 def _blocks(stage: Stage, data: Mapping[str, Any], runs: Sequence[Experiment]) -> dict[str, Made]:
@@ -73,4 +73,4 @@ def _others(files: Mapping[str, Emitted], cost: Cost | None, stage: Stage) -> pa
         return page.Section(COSTS, (ABSENT,))
     from designs.hall_position import costs  # which needs the extra `target`
 
-    return costs.section(costs.measure(files[shipped.THREE], six.placed(stage, 4)))
+    return costs.section(costs.measure(files[config.THREE], six.placed(stage, 4)))

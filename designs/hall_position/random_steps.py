@@ -12,11 +12,11 @@ from math import ceil
 
 import numpy as np
 
-from designs.hall_position import reference, reference_guard, shipped
-from designs.hall_position.glsdc.parameters import Array
+from designs.hall_position import config, reference, reference_guard
 from designs.hall_position.reference_glsdc import Setup
-from designs.hall_position.trust import motions
-from designs.hall_position.trust.motions import Numbers, Pose
+from models import hall_motions as motions
+from models.hall_motions import Numbers, Pose
+from models.hall_two_waves import PlanarArray as Array
 from synth.block import Block
 from synth.verify import sampling
 from synth.verify.sampling import Columns
@@ -40,15 +40,15 @@ class Subject:
     of: Setup
 
 
-def setup(name: str = shipped.NAME) -> Setup:
+def setup(name: str = config.NAME) -> Setup:
     """Return the numbers of the reference; raise DesignError for an unknown name."""
-    of = shipped.array(name)
-    return Setup(vars(of) | vars(shipped.TUNING) | {"weights": of.weights or (1.0,) * len(of.positions)})
+    of = config.array(name)
+    return Setup(vars(of) | vars(config.TUNING))
 
 
 def subject(name: str) -> Subject:
     """Return what ships under a name for comparison with the reference."""
-    return Subject(name, shipped.array(name), shipped.block(name), setup(name))
+    return Subject(name, config.array(name), config.block(name), setup(name))
 
 
 def in_operation(subject: Subject, n: int) -> tuple[Columns, Columns]:
@@ -80,7 +80,7 @@ def along_motions(subject: Subject, n: int) -> Columns:
     """Return the inputs (LENGTH, columns) of at least n samples of motions."""
     columns = ceil(n / LENGTH)
     yaw, turn = np.resize(YAW, columns), np.resize(TURN, columns)
-    pose = motions.wander(shipped.TIME.period_s, (LENGTH, columns), SEED, TRAVEL, yaw, turn)
+    pose = motions.wander(config.TIME.period_s, (LENGTH, columns), SEED, TRAVEL, yaw, turn)
     V = motions.noisy(subject.array, pose, SEED + 1)
     _refuse(V[:, ::BAD_COLUMNS], reference_guard.BAD_SAMPLES)
     return motions.named(V)

@@ -104,12 +104,12 @@ def initial_state(of: Setup) -> dict[str, Array]:
 
 
 def predict(of: Setup, state: Columns, refused: Array) -> tuple[Array, Array]:
-    """Return the pose (N, 3) in m and rad with which a sample begins, and the weights (N, sensors)."""
+    """Return the pose (N, 3) in m and rad with which a sample begins, and which sensors count (N, sensors), 0 or 1."""
     good = np.ones(refused.shape[:2])
     if is_redundant(of):
         numbers = np.arange(1, len(of.positions) + 1)
         good = 1.0 * (~np.any(refused, axis=2) & (numbers != state["without"][:, None]))
-    return glsdc.predict(problem(of), state), good * np.array(of.weights)
+    return glsdc.predict(problem(of), state), good
 
 
 def step(of: Setup, state: Columns, volts: Array, refused: Array) -> tuple[dict[str, Array], dict[str, Array]]:

@@ -16,12 +16,12 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.hall_position import random_steps, reference, reference_guard, reference_rounding, shipped
+from designs.hall_position import config, random_steps, reference, reference_guard, reference_rounding
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.random_steps import Subject
 from designs.hall_position.trust import endurance
-from designs.hall_position.trust.fleet import Kind
-from designs.hall_position.trust.motions import Numbers
+from designs.hall_position.trust.fleet import EstimatorConfig
+from models.hall_motions import Numbers
 from synth.check import Check
 from synth.execute import host
 from synth.simulate import ensemble
@@ -46,6 +46,7 @@ RELATIVE = 1e-10  # of deviations in double precision, which are micrometres
 STEP, NARROW = 2.0**-23, 2e-3  # of single precision; share of steps of which a cost is that near its bound
 OTHERWISE = 0.01  # share of the steps of motions that decide otherwise in single precision
 VALID_OTHERWISE = 2e-3
+OF_CONDITION = "condition number times epsilon"
 DECISIONS = ("converged", "damped", "valid")
 Progress = Callable[[str], None]
 Compared = tuple[Sequence[agree.Agreement], Sequence[Check]]
@@ -71,16 +72,15 @@ def verify(progress: Progress, whole: bool) -> Evidence:
     """Compare all witnesses of both estimators, over many steps or over few."""
     agreements: list[agree.Agreement] = []
     checks: list[Check] = []
-    for name in shipped.PLACES:
+    for name in config.PLACES:
         progress(f"{name}: witnesses")
         of = random_steps.subject(name)
         for found, some in compared(of, witnesses(of), WHOLE if whole else QUICK, progress):
             agreements += found
             checks += some
         progress(f"{name}: random motion without end")
-        kind = Kind(shipped.array(name), shipped.TUNING, shipped.TIME)
-        checks += endurance.checks(name, kind, BODIES, LONG if whole else SHORT)
-    return Evidence(shipped.NAME, tuple(agreements), tuple(checks))
+        checks += endurance.checks(name, EstimatorConfig(config.array(name)), BODIES, LONG if whole else SHORT)
+    return Evidence(config.NAME, tuple(agreements), tuple(checks))
 
 
 def compared(of: Subject, by: Witnesses, sizes: Mapping[str, int], progress: Progress) -> Iterator[Compared]:
@@ -134,9 +134,8 @@ def ill_conditioned(steps: Steps) -> Check:
     """Return the share of steps that are compared at their condition number times epsilon."""
     above = steps.severity > ILL_CONDITIONED
     about = f"{np.count_nonzero(above)} of {len(above)} steps, at most {steps.severity.max():.2g}"
-    return Check(
-        f"{steps.what}: magnified over {ILL_CONDITIONED:g} times", float(np.mean(above)), ILL_SHARE, "1", about
-    )
+    name = f"{steps.what}: magnified over {ILL_CONDITIONED:g} times"
+    return Check(name, float(np.mean(above)), ILL_SHARE, "1", about)
 
 
 def exact(of: Subject, steps: Steps, first: tuple[str, Stepped], c64: Stepped) -> Compared:
@@ -144,27 +143,17 @@ def exact(of: Subject, steps: Steps, first: tuple[str, Stepped], c64: Stepped) -
     above = steps.severity > ILL_CONDITIONED
     pair = (first[0], suite.part(first[1], ~above)), ("c64", suite.part(c64, ~above))
     a = agree.compare(steps.what, *pair, FLOOR, of.block)
-    off = float((differences(of, first[1], c64) / (EPSILON * steps.severity))[above].max(initial=0.0))
+    outputs, states = agree.differences(first[1], c64, FLOOR, of.block)
+    magnified = np.max([*outputs.values(), *states.values()], axis=0) / (EPSILON * steps.severity)
     unlike = int(np.count_nonzero(first[1].faults != c64.faults))
     name = f"{steps.what}: {first[0]} against c64"
     return [a], [
         Check(name, a.worst, suite.EXACT, f"max({FLOOR:g}, |y|)", f"worst of {a.samples} steps, {a.signal}"),
         Check(f"{name}, next states", a.state_worst, suite.EXACT, "of range", a.state),
         Check(f"{name}, deviations", _of_deviations(pair[0][1], pair[1][1]), RELATIVE, "of itself"),
-        Check(f"{name}, where magnified", off, TIMES, "condition number times epsilon"),
+        Check(f"{name}, where magnified", float(magnified[above].max(initial=0.0)), TIMES, OF_CONDITION),
         Check(f"{name}, fault words unlike", unlike, 0, "1"),
     ]
-
-
-def differences(of: Subject, first: Stepped, second: Stepped) -> Numbers:
-    """Return by how much two witnesses differ in each step (N,): outputs of max(FLOOR, |y|), states of their range."""
-    sizes = {s.name: np.maximum(FLOOR, np.abs(first.outputs[s.name])) for s in of.block.outputs}
-    gaps = [_gap(first, second, name) / size for name, size in sizes.items()]
-    for s in of.block.states:
-        gap = np.abs(np.asarray(second.states[s.name], dtype=np.float64) - first.states[s.name])
-        gaps.append(gap / (s.signal.high - s.signal.low))
-    worst = np.max(gaps, axis=0)
-    return np.where(np.isfinite(worst), worst, np.inf)
 
 
 def in_single(of: Subject, by: Witnesses, steps: Steps) -> Compared:
@@ -182,40 +171,38 @@ def in_single(of: Subject, by: Witnesses, steps: Steps) -> Compared:
     a = agree.compare(steps.what, ("c64", pair[0]), ("c32", pair[1]), FLOOR, of.block, np.float32)
     less = "single less double"
     rows = [
-        (f"yaw, {less}", _gap(*pair, "yaw").max(initial=0.0), SINGLE_YAW, "rad"),
-        (f"residual, {less}", _gap(*pair, "residual").max(initial=0.0), SINGLE_RESIDUAL, "V"),
-        (f"deviations, {less}", _of_deviations(*pair), SINGLE_DEVIATION, "of itself"),
-        ("decisions otherwise in single", np.mean(~alike), OTHERWISE, "1"),
-        ("not converged, costs apart by rounding in single", np.mean(narrow), NARROW, "1"),
+        (f"yaw, {less}", _gap(*pair, "yaw").max(initial=0.0), SINGLE_YAW, "rad", ""),
+        (f"residual, {less}", _gap(*pair, "residual").max(initial=0.0), SINGLE_RESIDUAL, "V", ""),
+        (f"deviations, {less}", _of_deviations(*pair), SINGLE_DEVIATION, "of itself", ""),
+        ("decisions otherwise in single", np.mean(~alike), OTHERWISE, "1", ""),
+        ("not converged, costs apart by rounding in single", np.mean(narrow), NARROW, "1", ""),
     ]
-    checks = [Check(f"{steps.what}: {name}", float(value), limit, unit) for name, value, limit, unit in rows]
     off = np.maximum(_gap(double, single, "X"), _gap(double, single, "Y"))
     for where, among in (("converged", chosen & converged), ("not converged", chosen & ~converged)):
-        name, worst = f"{steps.what}: X and Y, {less}, where {where}", float(off[among].max(initial=0.0))
-        share = f"{np.count_nonzero(among)} of {len(chosen)} steps"
-        checks.append(Check(name, worst, SINGLE, "m", f"{share}, errors magnified up to {ILL_CONDITIONED:g} times"))
-    return [a], checks
+        about = f"{np.count_nonzero(among)} of {len(chosen)} steps, errors magnified up to {ILL_CONDITIONED:g} times"
+        rows.append((f"X and Y, {less}, where {where}", off[among].max(initial=0.0), SINGLE, "m", about))
+    return [a], [
+        Check(f"{steps.what}: {name}", float(found), limit, unit, about) for name, found, limit, unit, about in rows
+    ]
 
 
 def _decides_alike(of: Subject, double: Stepped, single: Stepped) -> NDArray[np.bool_]:
-    alike = double.faults == single.faults
+    """Tell for each step whether flags and counts are alike, and no angle has been wrapped in one of them alone."""
+    alike = suite.decide_alike(of.block, double, single)
     for flag in DECISIONS:
         alike &= double.outputs[flag] == single.outputs[flag]
-    for s in of.block.states:  # a flag, a count, or an angle that has been wrapped
-        gap = np.abs(np.asarray(double.states[s.name], dtype=np.float64) - single.states[s.name])
-        alike &= gap < (0.5 if s.integer else (s.signal.high - s.signal.low) / 2)
-    return alike
+    _, states = agree.differences(double, single, FLOOR, of.block)
+    return alike & np.all([states[s.name] < 0.5 for s in of.block.states if not s.integer], axis=0)
 
 
 def _of_deviations(first: Stepped, second: Stepped) -> float:
     """Return by how much of itself a standard deviation differs, at most."""
-    names = [name for name in first.outputs if name.startswith("deviation")]
-    sizes = {name: np.abs(np.asarray(first.outputs[name], dtype=np.float64)) for name in names}
-    return max(float((_gap(first, second, name) / size).max(initial=0.0)) for name, size in sizes.items())
+    sizes = {n: np.abs(v.astype(np.float64)) for n, v in first.outputs.items() if n.startswith("deviation")}
+    return max(float((_gap(first, second, n) / size).max(initial=0.0)) for n, size in sizes.items())
 
 
 def _gap(first: Stepped, second: Stepped, name: str) -> Numbers:
-    return np.abs(np.asarray(second.outputs[name], dtype=np.float64) - first.outputs[name])
+    return np.abs(second.outputs[name].astype(np.float64) - first.outputs[name])
 
 
 def free_running(of: Subject, by: Witnesses, inputs: Columns) -> list[Check]:

@@ -26,7 +26,6 @@ from synth.declaration import Stage
 from synth.execute import build, host
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
-from synth.simulate.sensors import Encoder
 from synth.timing import Discrete, period
 
 Array = NDArray[np.float64]
@@ -94,11 +93,6 @@ def view(time: Discrete, predicted: bool = True) -> Block:
     parts = [guard, sensing.sensing(planar_stage.plant(), time, predicted), *filtering.blocks(time)]
     outputs = [*(s.name for s in (*sensing.RAW.values(), *sensing.RESIDUALS)), *filtering.AXES]
     return unranged(compose("view", parts, inputs=[g.signal.name for g in interface.INPUTS], outputs=outputs))
-
-
-def resolutions() -> dict[str, Encoder]:
-    """Return the converters' counts, V and m."""
-    return {s.name: Encoder(s.resolution) for s in interface.INTERFACE.sensors}
 
 
 def compiled(block: Block, scalar: type[np.floating] = np.float32) -> host.Controller:

@@ -124,12 +124,15 @@ def exchanged(law: Sequence[Block], other: Sequence[Block], axis: str) -> list[B
     return [own.get(b.name, b) for b in law]
 
 
+def spread(pitch: float, places: int) -> list[Place]:
+    """Return places spread over a pitch in x and in y."""
+    within = (pitch * ((np.arange(places) + 0.5) / places - 0.5)).tolist()
+    return [{"x": within[k], "y": within[3 * k % places]} for k in range(places)]
+
+
 def over_pitch(plant: Plant, block: Block, places: int = 7) -> list[dict[str, margins.Margins]]:
     """Return the margins of the six loops by axis at places spread over a pitch in x and in y."""
-    l = plant.parameter("l").value
-    within = l * ((np.arange(places) + 0.5) / places - 0.5)
-    spread = ({"x": float(within[k]), "y": float(within[3 * k % places])} for k in range(places))
-    each_place = (parts(plant, block, place) for place in spread)
+    each_place = (parts(plant, block, place) for place in spread(plant.parameter("l").value, places))
     return [{axis: margins.of_loop(opened(each, [axis])) for axis in AXES} for each in each_place]
 
 

@@ -18,7 +18,6 @@ from designs.planar_6dof import loop as simulated
 from models import halbach, hall_calibration, planar_stage
 from models import hall_section_maps as sensing_maps
 from models import planar_allocation as allocation
-from synth.analyse.margins import Margins
 from synth.block import Block
 from synth.emit.write import Emitted
 from synth.plant import Plant, Symbols
@@ -136,15 +135,11 @@ def _stage(plant: Plant, block: Block, filtered: bool) -> dict[str, Made]:
         ),
         "failures.table": [(n, kind, *w.summary(n).values()) for kind, of in failed.items() for n, w in of.items()],
         "loops.places": len(found),
-        "loops.pitch": [_margins(axis, [each[axis] for each in found]) for axis in allocation.AXES],
+        "loops.pitch": [
+            (SYMBOLS.get(axis, axis), *sections.margins_ranges([each[axis] for each in found]))
+            for axis in allocation.AXES
+        ],
     }
-
-
-def _margins(axis: str, each: Sequence[Margins]) -> tuple[str, ...]:
-    """Return the least and the greatest margins of an axis."""
-    crossovers = [max(c.frequency for c in m.gain_crossings) / (2 * np.pi) for m in each]
-    rest = ([m.phase_margin for m in each], [m.gain_margin for m in each], [m.peak_sensitivity for m in each])
-    return SYMBOLS.get(axis, axis), *(f"{min(v):.3g} .. {max(v):.3g}" for v in (crossovers, *rest))
 
 
 def _at_rest(runs: Sequence[Experiment], time: Discrete, own: Contents) -> dict[str, Made]:

@@ -24,7 +24,7 @@ import numpy as np
 
 from synth import arguments
 from synth.analyse import discretise, precise, realisation
-from synth.block import Block, Safety
+from synth.block import Block
 from synth.errors import ModelError, SignalError, TimingError
 from synth.signals import names
 from synth.statespace import Array, StateSpace, System, of
@@ -44,26 +44,7 @@ def cut(blocks: Sequence[Block], signal: str) -> tuple[Block, ...]:
     out = f"{signal}_out"
     if not any(signal in names(b.outputs) for b in blocks):
         raise SignalError(f"no Block drives '{signal}': open the loop at a signal that one drives")
-    return tuple(_renamed(b, signal, out) if signal in names(b.outputs) else b for b in blocks)
-
-
-def _renamed(block: Block, old: str, new: str) -> Block:
-    outputs = tuple(replace(s, name=new) if s.name == old else s for s in block.outputs)
-    inside = tuple(
-        (replace(n, signal=replace(n.signal, name=new)) if n.signal.name == old else n, e) for n, e in block.inside
-    )
-    output = {new if n == old else n: e for n, e in block.output.items()}
-    faults = tuple(replace(f, output=new) if f.output == old else f for f in block.faults)
-    return replace(block, outputs=outputs, inside=inside, output=output, faults=faults, safety=_kept(block, old, new))
-
-
-def _kept(block: Block, old: str, new: str) -> Safety | None:
-    if block.safety is None:
-        return None
-    values, rates = (
-        {new if n == old else n: v for n, v in of.items()} for of in (block.safety.safe_output, block.safety.slew_per_s)
-    )
-    return replace(block.safety, safe_output=values, slew_per_s=rates)
+    return tuple(b.renamed({signal: out}) if signal in names(b.outputs) else b for b in blocks)
 
 
 @arguments.checked

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 
 from synth.analyse.disk import DiskMargin
+from synth.analyse.margins import Margins
 from synth.plant import Plant
 from synth.report import bode, figures
 from synth.report.audit import Row
@@ -16,6 +17,7 @@ from synth.simulate.experiment import Experiment
 from synth.verify.agree import Agreement
 from synth.verify.cost import NOTE, Cost, tables
 
+RANGES = ("crossover, Hz", "phase margin, °", "gain margin, ×", "Ms")
 AGREEMENT = {
     "compared": "what",
     "steps": "samples",
@@ -86,6 +88,17 @@ def margins_table(caption: str, curves: Iterable[bode.LoopCurve]) -> Table:
         columns,
         tuple(_margins(c) for c in curves),
     )
+
+
+def margins_ranges(margins: Sequence[Margins]) -> tuple[str, ...]:
+    """Return the least and the greatest of each of RANGES over loops."""
+    crossovers = [max(c.frequency for c in m.gain_crossings) / (2 * math.pi) for m in margins]
+    others = (
+        [m.phase_margin for m in margins],
+        [m.gain_margin for m in margins],
+        [m.peak_sensitivity for m in margins],
+    )
+    return tuple(f"{min(v):.3g} .. {max(v):.3g}" for v in (crossovers, *others))
 
 
 def disks(found: Mapping[str, Mapping[str, DiskMargin]]) -> Table:

@@ -5,7 +5,7 @@ shows of its whole distribution. Of estimators, which say when they are valid an
 `Scores` keep how right they are: wrong is what is valid and off by more than WRONG of its own deviations.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,8 +17,6 @@ from synth.execute import host
 WRONG = 10.0  # deviations: Gaussian noise alone exceeds 6 in 2e-9 of samples
 
 Columns = Mapping[str, NDArray[Any]]
-Step = Callable[[host.Records, int], host.Batch]
-"""States (N,) and the number of the sample to what one step makes of them."""
 
 
 def started(controller: host.Controller, n: int) -> host.Records:
@@ -26,22 +24,14 @@ def started(controller: host.Controller, n: int) -> host.Records:
     return np.repeat(controller.init()[np.newaxis], n)
 
 
-def followed(step: Step, states: host.Records, samples: int) -> Iterator[host.Batch]:
-    """Yield what each of so many samples makes of states (N,)."""
-    for k in range(samples):
-        batch = step(states, k)
-        states = batch.states
-        yield batch
-
-
 def replayed(controller: host.Controller, inputs: Columns) -> Iterator[host.Batch]:
     """Yield what `controller` makes of inputs (samples, N) from `init`, sample by sample."""
     samples, n = next(iter(inputs.values())).shape
-
-    def step(states: host.Records, k: int) -> host.Batch:
-        return controller.batch(states, {name: np.ascontiguousarray(v[k]) for name, v in inputs.items()})
-
-    yield from followed(step, started(controller, n), samples)
+    states = started(controller, n)
+    for k in range(samples):
+        batch = controller.batch(states, {name: np.ascontiguousarray(v[k]) for name, v in inputs.items()})
+        states = batch.states
+        yield batch
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +49,11 @@ class Scores:
     def right(self) -> NDArray[np.bool_]:
         """Whether estimates are the truth, valid or not."""
         return np.asarray(self.deviations.max(axis=-2) <= WRONG)
+
+    @property
+    def first_valid(self) -> NDArray[np.int_]:
+        """How many of K samples it takes until an estimate is valid (N,), 0 for never."""
+        return np.where(self.valid.any(axis=0), 1 + self.valid.argmax(axis=0), 0)
 
     @property
     def wrong(self) -> NDArray[np.bool_]:

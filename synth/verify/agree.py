@@ -80,15 +80,32 @@ def compare(
     Raises SignalError as `floors`.
     """
     (name, r), (other, v) = first, second
-    gaps = {s.name: _gap(r.outputs[s.name], v.outputs[s.name]) for s in block.outputs}
-    least = floors(floor, {s.name: (s.low, s.high) for s in block.outputs})
-    sizes = {n: np.maximum(least[n], np.abs(np.asarray(r.outputs[n], dtype=np.float64))) for n in least}
-    signal, sample, worst = _worst({n: gap / sizes[n] for n, gap in gaps.items()})
+    sizes = _sizes(r, floor, block)
+    outputs, states = differences(r, v, floor, block)
+    signal, sample, worst = _worst(outputs)
+    state, _, state_worst = _worst(states)
+    gaps = {n: _gap(r.outputs[n], v.outputs[n]) for n in sizes}
     ulps = max(float(np.max(gap / np.spacing(sizes[n].astype(scalar)).astype(np.float64))) for n, gap in gaps.items())
-    widths = {s.name: s.signal.high - s.signal.low for s in block.states}
-    state, _, state_worst = _worst({n: _gap(r.states[n], v.states[n]) / w for n, w in widths.items()})
     unlike = int(np.count_nonzero(np.asarray(r.faults) != np.asarray(v.faults)))
     return Agreement(name, other, what, len(r.faults), worst, signal, sample, ulps, unlike, state_worst, state)
+
+
+def differences(
+    first: Stepped, second: Stepped, floor: Floor, block: Block
+) -> tuple[dict[str, NDArray[np.float64]], dict[str, NDArray[np.float64]]]:
+    """Return the differences in each step of outputs and of next states (N,) by name, infinite for what is no number.
+
+    Raises SignalError as `floors`.
+    """
+    sizes, widths = _sizes(first, floor, block), {s.name: s.signal.high - s.signal.low for s in block.states}
+    outputs = {n: _gap(first.outputs[n], second.outputs[n]) / size for n, size in sizes.items()}
+    return outputs, {n: _gap(first.states[n], second.states[n]) / width for n, width in widths.items()}
+
+
+def _sizes(of: Stepped, floor: Floor, block: Block) -> dict[str, NDArray[np.float64]]:
+    """Return what the differences of outputs are relative to."""
+    least = floors(floor, {s.name: (s.low, s.high) for s in block.outputs})
+    return {n: np.maximum(least[n], np.abs(np.asarray(of.outputs[n], dtype=np.float64))) for n in least}
 
 
 def floors(floor: Floor, ranges: Mapping[str, tuple[float, float]]) -> dict[str, float]:

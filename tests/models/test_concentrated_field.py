@@ -188,3 +188,15 @@ def test_refusals_name_the_mend(call: object, message: str) -> None:
     assert callable(call)
     with pytest.raises(ModelError, match=message):
         call()
+
+
+def test_the_amplitudes_are_those_of_figure_3() -> None:
+    numbers, p = range(1, 10), cf.values()
+    made = cf.fabricated(p["strong"], p["weak"])
+    of_ideal, of_made = (np.array(cf.amplitudes(cell, numbers, 0.0)) for cell in (cf.ideal(p["strong"]), made))
+    odd = [0, 2, 4, 6, 8]
+    np.testing.assert_allclose(of_ideal[odd], [0.50991, 0, -0.12870, 0, 0.07153], rtol=0, atol=5.01e-6)
+    np.testing.assert_allclose(of_made[odd], [0.54351, -0.00467, -0.13718, 0.00202, 0.07624], rtol=0, atol=5.01e-6)
+    assert not of_ideal[1::2].any() and not of_made[1::2].any()
+    assert float(cf.amplitude(cf.waves(made, cf.CROSS, p)[0], 0.0)) == pytest.approx(-0.00781, abs=5e-6)
+    assert (1 + np.argsort(-np.abs(of_made))[:3]).tolist() == [1, 5, 9]

@@ -70,7 +70,7 @@ def differences(f: ca.Function, q: np.ndarray, h: float) -> np.ndarray:
 
 
 def test_the_plane_is_the_formula() -> None:
-    f = hall_array.planar(replace(hall_array.sensors(PLACES), volume=POINTS), FITTED).function()
+    f = hall_array.planar(hall_array.points(PLACES), FITTED).function()
     for q in poses(30, six=False):
         volts, jacobian = (each.full() for each in f(q))
         expected, rows = formula(q, PLACES)
@@ -91,7 +91,7 @@ def test_jacobians_are_differences_of_the_voltages(six: bool) -> None:
 def test_a_yaw_turned_the_wrong_way_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
     right = hall_array._about_z
     monkeypatch.setattr(hall_array, "_about_z", lambda angle: right(-angle))
-    f = hall_array.planar(replace(hall_array.sensors(PLACES), volume=POINTS), FITTED).function()
+    f = hall_array.planar(hall_array.points(PLACES), FITTED).function()
     q = poses(1, six=False)[0]
     assert np.abs(f(q)[1].full() - formula(q, PLACES)[1]).max() > 10
 
@@ -186,7 +186,7 @@ def test_two_sensors_go_blind_at_a_place_and_three_do_not() -> None:
 
 def deviations(count: int, columns: int, at: np.ndarray) -> np.ndarray:
     """Return standard deviations (k, columns) for 1 mV at places (k, 2) in pitches and yaw 0, Cramer-Rao."""
-    f = hall_array.planar(replace(hall_array.sensors(PLACES[:count]), volume=POINTS), FITTED).function()
+    f = hall_array.planar(hall_array.points(PLACES[:count]), FITTED).function()
     q = np.column_stack([l * at, np.zeros(len(at))])
     rows = f.map(len(q))(q.T)[1].full().reshape(2 * count, len(q), 3).transpose(1, 0, 2)[:, :, :columns]
     return 1e-3 * np.sqrt(np.linalg.inv(rows.transpose(0, 2, 1) @ rows).diagonal(axis1=1, axis2=2))

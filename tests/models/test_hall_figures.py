@@ -1,4 +1,4 @@
-"""The arrays of Figs. 3 to 5: digits, symmetry, and which spacings keep a pair of sensors sensitive."""
+"""The arrays of Figs. 4 and 5: digits, symmetry, and which spacings keep a pair of sensors sensitive."""
 
 import numpy as np
 import pytest
@@ -9,25 +9,12 @@ from models import hall_figures
 l = 50.8e-3
 P = cf.values()
 SINE = cf.fitted({1: 0.375}, 3e-3, P)
+IDEAL = cf.waves(cf.ideal(P["strong"]), cf.on_axes(hall_figures.HARMONICS), P)
 MADE = cf.waves(cf.fabricated(P["strong"], P["weak"]), cf.on_axes((1, 5, 9, 13)), P)
 
 
-def test_figure_3() -> None:
-    found = hall_figures.coefficients()
-    assert found.numbers.tolist() == list(range(1, 10))
-    odd = [0, 2, 4, 6, 8]
-    np.testing.assert_allclose(found.ideal[odd], [0.50991, 0, -0.12870, 0, 0.07153], rtol=0, atol=5.01e-6)
-    np.testing.assert_allclose(
-        found.fabricated[odd], [0.54351, -0.00467, -0.13718, 0.00202, 0.07624], rtol=0, atol=5.01e-6
-    )
-    assert not found.ideal[1::2].any() and not found.fabricated[1::2].any()
-    assert found.cross == pytest.approx(-0.00781, abs=5e-6)
-    order = np.argsort(-np.abs(found.fabricated))
-    assert found.numbers[order[:3]].tolist() == [1, 5, 9]
-
-
 def test_figure_4() -> None:
-    found = hall_figures.surface(33)
+    found = hall_figures.surface(IDEAL, 33)
     assert found.X[0] == 0 and found.X[-1] == pytest.approx(l) and found.B_X.shape == (33, 33)
     np.testing.assert_allclose(found.B_X, -found.B_X[::-1], rtol=0, atol=1e-15)
     assert np.ptp(found.B_X, axis=1).max() == 0  # an ideal matrix' B_X does not depend on Y

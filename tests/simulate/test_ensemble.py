@@ -14,3 +14,4 @@ def test_what_is_valid_elsewhere_is_wrong() -> None:
     both = ensemble.stacked([one, one])
     assert both.wrong.shape == both.off.shape == (2, 4) and both.deviations.shape == (2, 2, 4)
     np.testing.assert_array_equal(both.wrong[1], one.wrong)
+    np.testing.assert_array_equal(both.first_valid, [1, 1, 0, 1])

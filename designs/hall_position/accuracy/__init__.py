@@ -1,1 +1,1 @@
-"""What the voltages tell of a pose: deviations, lost rank, layouts of sensors."""
+"""Layouts of sensors."""

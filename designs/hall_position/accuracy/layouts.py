@@ -1,39 +1,18 @@
-"""Where sensors are in the body: the published layout and those that were searched for, grids of poses, their cost.
+"""Where sensors are in the body: the published layout, and those of the least `hall_accuracy.cost` that were found.
 
-    cost = max over poses of max(s_places, lever s_angles)    for yaws to either side, in m
-
-of (X, Y, yaw), or of all six coordinates of a level body. The lever says how far from the body's origin a turn counts
-as a displacement. `observability.placement` searched for places of the least cost, and `fisher.worst` proves what a
-planar result is worth, between the points of the grid too.
+Coordinates are in pitches. `hall_fisher.worst` proves what a planar layout is worth, between the points of a grid too.
 
 Three sensors of two axes have as many voltages as a body has coordinates. Their determinant D(X, Y) = det H is
-continuous over the pitch, and where it takes both signs it vanishes on curves between: rank is lost on these. `signs`
-shows it for a layout; the search for one with a single sign finds none. Four sensors lose rank where three further
-equations hold: at isolated points of X, Y and yaw, of which a layout may have none. Of five, each four that are left
-would have to be free of such points; one more than that leaves five, which are.
+continuous over the pitch, and where it takes both signs it vanishes on curves between: rank is lost on these.
+`hall_accuracy.signs` shows it for a layout; the search for one with a single sign finds none. Four sensors lose rank
+where three further equations hold: at isolated points of X, Y and yaw, of which a layout may have none. Of five, each
+four that are left would have to be free of such points; one more than that leaves five, which are.
 """
 
-from dataclasses import replace
-from typing import NamedTuple, TypeVar
+from models.hall_array import Pair
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
-from designs.hall_position.accuracy import fisher, six_field
-from designs.hall_position.glsdc import parameters, six_parameters
-from designs.hall_position.glsdc.parameters import Pair
-from models import hall_accuracy
-from synth import numeric
-from synth.analyse.observability import information
-from synth.errors import ModelError
-from synth.statespace import readonly
-
-Numbers = NDArray[np.float64]
-Array = parameters.Array | six_parameters.Array
-AnyArray = TypeVar("AnyArray", parameters.Array, six_parameters.Array)
 Places = tuple[Pair, ...]  # in pitches
 
-LEVER = 25.4e-3  # m, half a pitch
 REACH = 0.64  # pitches, of the searches: as far as the published layout
 PUBLISHED: Places = ((-0.375, -0.375), (0.375, 0.375), (0.640, 0.613))  # the third was added to (3)
 LAYOUTS: dict[int, Places] = {  # by the yaws in degrees to either side; at worst, by proof, in um and urad:
@@ -50,62 +29,3 @@ SPATIAL: dict[int, Places] = {
     5: ((0.336, -0.636), (-0.330, -0.506), (-0.508, 0.302), (0.346, 0.186), (0.045, 0.322)),
     6: ((0.336, -0.636), (-0.330, -0.506), (-0.508, 0.302), (0.346, 0.186), (0.045, 0.322), (-0.530, -0.337)),
 }
-
-
-class Signs(NamedTuple):
-    """The least and the largest determinant of three sensors over the pitch, in units of its mean size."""
-
-    least: float
-    largest: float
-
-
-def placed(array: AnyArray, places: ArrayLike | Places) -> AnyArray:
-    """Return an array with its sensors at places in the body's plane, in pitches; raise ModelError for no places."""
-    at = [(x * array.pitch, y * array.pitch) for x, y in numeric.rows("places", places, 2)]
-    if isinstance(array, parameters.Array):
-        return replace(array, positions=tuple(at), weights=())
-    return replace(array, positions=tuple((x, y, 0.0) for x, y in at))
-
-
-def poses(pitch: float, points: int, yaws: ArrayLike = 0.0, shift: float = 0.0) -> Numbers:
-    """Return a grid (3, N) of X, Y in m and yaws in rad over a pitch in m, X changing slowest, by `shift` of a step.
-
-    Raises ModelError for no points, or a yaw that is not finite.
-    """
-    points = numeric.whole("the number of poses along the pitch", points)
-    turns = numeric.table("the yaws", np.reshape(yaws, (-1, 1)), 1)[:, 0]
-    along = pitch * (np.arange(points) + shift) / points
-    return readonly([each.ravel() for each in np.meshgrid(along, along, turns, indexing="ij")])
-
-
-def level(array: six_parameters.Array, q: Numbers) -> Numbers:
-    """Return poses (N, 6) of a level body at the array's height, at X, Y and yaws (3, N)."""
-    none = np.zeros_like(q[0])
-    return readonly(np.column_stack([q[0], q[1], none + array.height, none, none, q[2]]))
-
-
-def jacobians(array: Array, q: Numbers) -> Numbers:
-    """Return the Jacobians (N, 2 sensors, 3 or 6) in V/m and V/rad at q (3, N), rows sensor by sensor."""
-    if isinstance(array, six_parameters.Array):
-        return six_field.rows(array, level(array, q))
-    w, n = array.wave_number, len(array.positions)
-    H = fisher.rows(array, np.array([w * q[0], w * q[1], q[2]])).jacobian / fisher.units(array)[:, None, None]
-    return H.reshape(3, 2, n, -1).transpose(3, 2, 1, 0).reshape(-1, 2 * n, 3)
-
-
-def cost(array: Array, q: Numbers, lever: float = LEVER, spare: bool = False) -> float:
-    """Return the largest deviation over q (3, N), m, angles at the lever; with `spare` after any sensor's loss."""
-    H = jacobians(array, q)
-    return information.largest_deviation(H, array.deviation, hall_accuracy.sizes(H.shape[2], lever), 2 if spare else 0)
-
-
-def signs(array: six_parameters.Array, yaw: float = 0.0, points: int = 100) -> Signs:
-    """Return between which determinants of H a pitch at one yaw in rad lies, of an array of three sensors.
-
-    Raises ModelError for another number of sensors, whose H is not square.
-    """
-    if len(array.positions) != 3:
-        raise ModelError(f"{len(array.positions)} sensors have no determinant: give three")
-    D = np.linalg.det(jacobians(array, poses(array.pitch, points, yaw)) / hall_accuracy.sizes(6, array.pitch))
-    mean = np.abs(D).mean()
-    return Signs(float(D.min() / mean), float(D.max() / mean))

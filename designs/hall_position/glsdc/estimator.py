@@ -20,13 +20,15 @@ Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", secti
 import casadi as ca
 import numpy as np
 
-from designs.hall_position.glsdc import channels, phasor, planar_model, tracking
-from designs.hall_position.glsdc.parameters import Array, Tuning
-from designs.hall_position.glsdc.phasor import Phasor
+from designs.hall_position.glsdc import channels, planar_model, tracking
+from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.glsdc.planar_model import Normal, Problem
+from models import hall_planar
+from models.hall_two_waves import PlanarArray
 from synth.block import Block, Exprs, Step, build
-from synth.blocks import glsdc
+from synth.blocks import glsdc, phasor
 from synth.blocks.glsdc import Named
+from synth.blocks.phasor import Phasor
 from synth.signals import Signal
 from synth.timing import Discrete
 
@@ -43,12 +45,12 @@ FLAGS = {
 }
 
 
-def guarded(array: Array, time: Discrete, tuning: Tuning = USUAL, name: str = "hall_position") -> Block:
+def guarded(array: PlanarArray, time: Discrete, tuning: Tuning = USUAL, name: str = "hall_position") -> Block:
     """Return the estimator behind the guard of its voltages."""
     return channels.guarded(name, time, len(array.positions), estimator(array, time, tuning), REASON)
 
 
-def estimator(array: Array, time: Discrete, tuning: Tuning = USUAL) -> Block:
+def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = USUAL) -> Block:
     """Return the Block from held voltages, ``complete`` or, if redundant, ``fault_V_ax`` .. to X, Y and yaw."""
     of, redundant = planar_model.problem(array, tuning), tracking.is_redundant(array)
 
@@ -78,26 +80,26 @@ def estimator(array: Array, time: Discrete, tuning: Tuning = USUAL) -> Block:
         inputs=channels.held(len(array.positions), redundant),
         outputs=_outputs(array, tuning),
         states=tracking.states(of),
-        constants=planar_model.constants(array),
+        constants=hall_planar.constants(array),
         tag="GLSDC, Fig. 9",
     )
 
 
-def _outputs(array: Array, tuning: Tuning) -> list[Signal]:
+def _outputs(array: PlanarArray, tuning: Tuning) -> list[Signal]:
     far = (tuning.pitches + 2) * array.pitch + sum(map(abs, array.centre))
     outputs = channels.outputs(("X", "Y", "yaw"), far, LOOSE, FLAGS)
     return [*outputs, tracking.left_out_number(array)] if tracking.is_redundant(array) else outputs
 
 
-def _lever(heading: Phasor, yaw: ca.SX, array: Array, named: Named) -> Phasor:
+def _lever(heading: Phasor, yaw: ca.SX, array: PlanarArray, named: Named) -> Phasor:
     """Return the centre from the body's origin, m, turned by a yaw since the sample began."""
     x, y = array.centre
     if x == y == 0:
         return Phasor(ca.SX(0), ca.SX(0))
-    return heading.times(planar_model.turned(yaw, named)[0]).times(Phasor(ca.SX(x), ca.SX(y)))
+    return heading.times(hall_planar.turned(yaw, named)[0]).times(Phasor(ca.SX(x), ca.SX(y)))
 
 
-def _position(pose: Exprs, lever: Phasor, array: Array) -> dict[str, ca.SX]:
+def _position(pose: Exprs, lever: Phasor, array: PlanarArray) -> dict[str, ca.SX]:
     """Return X and Y of the body's origin, m, and the yaw."""
     x, y = (pose[f"phase_{a}"] / array.wave_number + pose[f"pitch_{a}"] * array.pitch for a in planar_model.AXES)
     return {"X": x - lever.cosine, "Y": y - lever.sine, "yaw": pose["yaw"]}

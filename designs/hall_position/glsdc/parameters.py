@@ -1,80 +1,11 @@
-"""What the estimator is made for: two-axis sensors over a field of one pitch, and how it goes about its task.
-
-    B_X(X) = c + alpha sin(w X) + beta sin(5 w X),   B_Y likewise in Y,   w = 2 pi / pitch        in volts: (2) times s
-
-Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", (2), without gamma and delta.
-"""
+"""How the estimators of (X, Y, yaw) and of all six degrees of freedom go about their task."""
 
 from dataclasses import dataclass
-from math import hypot, inf, pi, radians, sqrt
+from math import inf, pi, radians
 
 from synth import numeric
 from synth.errors import ModelError
 from synth.numeric import between
-
-Pair = tuple[float, float]
-
-
-@dataclass(frozen=True)
-class Array:
-    """Sensors at `positions` in the body, m, and the field that they see, V; each axis is noisy by `deviation`, V.
-
-    A sensor of a weight, 1 unless given, has the deviation `deviation` / sqrt(weight). Lists and arrays are taken, too.
-
-    Raises ModelError for fewer than two places or more than 26 sensors, unlike numbers of weights, or a figure that is
-    no number or out of its range.
-    """
-
-    positions: tuple[Pair, ...]
-    c: float
-    alpha: float
-    beta: float
-    pitch: float = 0.0508
-    deviation: float = 1e-3
-    weights: tuple[float, ...] = ()
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "positions", numeric.places(self.positions, 2))
-        object.__setattr__(self, "weights", numeric.numbers("weights", self.weights))
-        if len(set(self.positions)) < 2:
-            raise ModelError(f"sensors are at {self.positions}: the yaw takes two places, give another one")
-        if self.weights and len(self.weights) != len(self.positions):
-            raise ModelError(f"{len(self.weights)} weights for {len(self.positions)} sensors: give one for each")
-        if not all(w > 0 for w in self.weights):
-            raise ModelError(
-                f"weights are {self.weights}: they must be finite, and weights positive; leave a sensor out"
-            )
-        for name in ("alpha", "pitch", "deviation"):
-            object.__setattr__(self, name, numeric.positive(name, getattr(self, name)))
-        for name in ("c", "beta"):
-            object.__setattr__(self, name, numeric.number(name, getattr(self, name)))
-
-    @property
-    def wave_number(self) -> float:
-        """Return w, rad/m."""
-        return 2 * pi / self.pitch
-
-    @property
-    def centre(self) -> Pair:
-        """Return the mean of the positions, m: where the estimate is made, so that X, Y and yaw are least coupled."""
-        n = len(self.positions)
-        return sum(x for x, _ in self.positions) / n, sum(y for _, y in self.positions) / n
-
-    @property
-    def arms(self) -> tuple[Pair, ...]:
-        """Return the positions from the centre, as phases, rad."""
-        w, (x0, y0) = self.wave_number, self.centre
-        return tuple((w * (x - x0), w * (y - y0)) for x, y in self.positions)
-
-    @property
-    def radius(self) -> float:
-        """Return the root mean square of the arms, rad of phase by rad of yaw."""
-        return sqrt(sum(hypot(*arm) ** 2 for arm in self.arms) / len(self.arms))
-
-    @property
-    def scales(self) -> tuple[float, ...]:
-        """Return the root of each sensor's weight, which multiplies its voltages."""
-        return tuple(map(sqrt, self.weights)) if self.weights else (1.0,) * len(self.positions)
 
 
 @dataclass(frozen=True)
@@ -106,3 +37,28 @@ class Tuning:
         numeric.check_fields(self)
         if not 0 <= numeric.number("follow", self.follow) <= 1:
             raise ModelError(f"follow is {self.follow}: it must be at least 0 and at most 1")
+
+
+@dataclass(frozen=True)
+class SpatialTuning:
+    """How the estimator of six degrees of freedom works, in the words of `Tuning`.
+
+    Above the fabricated matrix, other waves leave up to 0.093 V of four sensors' voltages: allow more than `residual`.
+
+    Raises ModelError for a figure that is out of its range.
+    """
+
+    corrections: int = between(1, 4, 20)  # a sample, all by the Jacobian where it begins
+    damping: float = between(0, 1e-4, 1)  # of alpha^2
+    reach: float = between(0, 0.5, 1)  # rad of phase
+    follow: float = between(0, 0.5, 1)  # part of a correction
+    settled: float = between(0, 0.1, 1)  # standard deviations
+    leaning: float = between(0, 0.15, 6)  # parameters
+    surprise: float = between(0, 3.0, inf)  # deviations of motions
+    residual: float = between(0, 0.02, inf)  # V rms
+    gap: float = between(0, 1e-3, 0.002)  # m from the height within which Z is valid
+    tilt: float = between(0, 0.02, 0.05)  # rad within which roll and pitch are valid
+    pitches: int = between(1, 8, 1000)
+
+    def __post_init__(self) -> None:
+        numeric.check_fields(self)

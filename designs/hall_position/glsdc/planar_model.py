@@ -1,42 +1,37 @@
-"""Hall voltages over (X, Y, yaw): measurement model, Jacobian, and the normal equations of one correction.
+"""(X, Y, yaw) by GLSDC: what is minimised over the model `hall_planar`, and the normal equations of one correction.
 
     minimise  J(d) = sum over sensors k |R(yaw) V_k - B(P_k)|^2 + lambda (U^2 + V^2 + radius^2 T^2),   d = (U, V, T)
 
-for the displacement d from the predicted pose: U, V phases of the centre in rad, T the yaw. R(yaw) V - B is as long as
-V - R(yaw)' B, the residual of the sensor. In the field's axes the Jacobian is sparse,
-
-    X:  [g_X, 0, h_X],  g_X = B_X'(P_X),  h_X = B_Y - g_X o_Y      o = w R(yaw) r: the sensor's place about the centre
-    Y:  [0, g_Y, h_Y],  g_Y = B_Y'(P_Y),  h_Y = g_Y o_X - B_X      in rad of phase, B' by the phase
-
-so that U and V are eliminated one by one. With N_X = lambda + sum g_X^2 the information on the yaw is, by Lagrange's
-identity, a sum of squares: no difference of large numbers, and never less than lambda radius^2, the radius being the
-sensors' mean arm times the ratio by which the yaw is damped more:
+for the displacement d from the predicted pose: U, V phases of the centre in rad, T the yaw. By the sparse Jacobian of
+`hall_planar`, [g_X, 0, h_X] and [0, g_Y, h_Y], U and V are eliminated one by one. With N_X = lambda + sum g_X^2 the
+information on the yaw is, by Lagrange's identity, a sum of squares: no difference of large numbers, and never less than
+lambda radius^2, the radius being the sensors' mean arm times the ratio by which the yaw is damped more:
 
     N_T = lambda radius^2 + sum over X, Y of [sum over pairs (g_i h_j - g_j h_i)^2 + lambda sum h^2] / N
-
-A displaced phase is the predicted one turned by a small angle; sin(5 p) = sin(p) (5 - 20 sin(p)^2 + 16 sin(p)^4).
 
 Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 3.B, Fig. 9.
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
-from math import ceil, hypot, log2, pi, sqrt
+from math import hypot, pi, sqrt
 from string import ascii_lowercase
 from typing import NamedTuple
 
 import casadi as ca
 
-from designs.hall_position.glsdc import phasor
-from designs.hall_position.glsdc.parameters import Array, Tuning
-from designs.hall_position.glsdc.phasor import Phasor
-from synth.block import Constant, Exprs
+from designs.hall_position.glsdc.parameters import Tuning
+from models import hall_planar
+from models.hall_planar import Row, Sensor
+from models.hall_two_waves import PlanarArray
+from synth.block import Exprs
+from synth.blocks import phasor
 from synth.blocks.glsdc import Choose, Descent, Named, Trial, Vector, total
+from synth.blocks.phasor import Phasor
 from synth.signals import Signal
 
 AXES = ("x", "y")
-POWERS = (1, 3, 5)  # of the sine, in alpha sin p + beta sin 5p
 SLACK, ROUNDING = 0.01, 2e-6  # of deviation^2, and of itself: so much a cost may rise, by rounding
 
 
@@ -47,34 +42,12 @@ class Problem:
     Voltages are within `expected` V rms of their prediction.
     """
 
-    array: Array
+    array: PlanarArray
     tuning: Tuning
     descent: Descent
     damping: float
     halvings: int
     expected: float
-
-
-@dataclass(frozen=True, eq=False)
-class Sensor:
-    """A sensor at a pose: its phases along X and Y, its place about the centre, rad, its voltages in field axes, V.
-
-    `field` are the constant and the coefficients of sin, sin^3 and sin^5, `slope` those of the derivative.
-    """
-
-    phases: tuple[Phasor, Phasor]
-    place: Phasor
-    volts: Phasor
-    field: Sequence[ca.SX]
-    slope: Sequence[ca.SX]
-
-
-class Row(NamedTuple):
-    """One voltage in field axes, e = g U + h T to first order."""
-
-    e: ca.SX
-    g: ca.SX
-    h: ca.SX
 
 
 class Axis(NamedTuple):
@@ -118,48 +91,38 @@ class Normal:
         return [*ends, yaw]
 
 
-def problem(array: Array, tuning: Tuning) -> Problem:
+def problem(array: PlanarArray, tuning: Tuning) -> Problem:
     """Return the problem; a yaw moves the phase of a sensor as far as U and V do, together by `tuning.reach`."""
-    arm = max(abs(x) + abs(y) for x, y in array.arms)
     half = tuning.reach / 2
-    yaw = sqrt(1 + 2 * half / arm) - 1  # arm (T + T^2/2) = half
-    sizes = zip((*AXES, "yaw"), (half, half, yaw), strict=True)
+    sizes = zip((*AXES, "yaw"), (half, half, array.yaw_within(half)), strict=True)
     bounds = tuple(Signal(f"motion_{name}", "rad", -size, size) for name, size in sizes)
     variance = array.deviation**2
     descent = Descent(tuning.iterations, bounds, SLACK * variance, (tuning.settled * array.deviation) ** 2, ROUNDING)
     expected = hypot(tuning.residual, tuning.surprise * array.deviation / sqrt(tuning.damping))
-    halvings = max(1, ceil(log2((pi + half + arm) / phasor.PART)))
+    halvings = phasor.halvings(pi + half + array.reach)
     return Problem(array, tuning, descent, tuning.damping * array.alpha**2, halvings, expected)
-
-
-def constants(array: Array) -> list[Constant]:
-    """Return the coefficients of the field by powers of the sine, and of its derivative by the phase."""
-    values = dict(zip(POWERS, (array.alpha + 5 * array.beta, -20 * array.beta, 16 * array.beta), strict=True))
-    about = "alpha sin p + beta sin 5p by powers of the sine"
-    field = [Constant(f"field_{n}", v, "V", about) for n, v in values.items()]
-    return [*field, *(Constant(f"slope_{n - 1}", n * v, "V", f"derivative of {about}") for n, v in values.items())]
 
 
 def sensors(
     u: Exprs, pose: Exprs, k: Exprs, heading: Phasor, left_out: Vector | None, of: Problem, named: Named
 ) -> list[Sensor]:
-    """Return the sensors at the predicted pose, the root of its weight on each; one that is left out reads 0 in none.
+    """Return the sensors at the predicted pose; one that is left out reads 0 in no field.
 
     It does so by a product with 0: CasADi would pass a choice on into every correction.
     """
 
     def sensor(n: int) -> Sensor:
-        letter, scale, (ax, ay) = ascii_lowercase[n], of.array.scales[n], of.array.arms[n]
+        letter, (ax, ay) = ascii_lowercase[n], of.array.arms[n]
 
         def kept(value: ca.SX) -> ca.SX:
-            return scale * (value if left_out is None else (1 - left_out[n]) * value)
+            return value if left_out is None else (1 - left_out[n]) * value
 
         place = heading.times(Phasor(ca.SX(ax), ca.SX(ay)))
         at = pose["phase_x"] + place.cosine, pose["phase_y"] + place.sine
         x, y = (phasor.reduced(p, of.halvings, "phase_part", named) for p in at)
         vx, vy = (kept(u[f"V_{letter}{a}_held"]) for a in AXES)
-        field = [kept(ca.SX(of.array.c)), *(kept(k[f"field_{i}"]) for i in POWERS)]
-        slope = [kept(k[f"slope_{i - 1}"]) for i in POWERS]
+        field = [kept(ca.SX(of.array.c)), *(kept(k[f"field_{i}"]) for i in hall_planar.POWERS)]
+        slope = [kept(k[f"slope_{i - 1}"]) for i in hall_planar.POWERS]
         return Sensor((x, y), place, heading.times(Phasor(vx, vy)), field, slope)
 
     return [sensor(n) for n in range(len(of.array.positions))]
@@ -170,8 +133,8 @@ def weigh(sensors: Sequence[Sensor], of: Problem, named: Named) -> Callable[[int
     damping, radius = of.damping, of.tuning.firm * of.array.radius
 
     def trial(i: int, at: Vector) -> Trial[Normal]:
-        moved = _displaced(sensors, at, named) if i else sensors
-        by_axis = tuple(zip(*map(_rows, moved), strict=True))
+        moved = hall_planar.displaced(sensors, at, named) if i else sensors
+        by_axis = tuple(zip(*map(hall_planar.rows, moved), strict=True))
         residuals = [r.e for rows in by_axis for r in rows]
         squares = total(e**2 for e in residuals)
         cost = squares + damping * squared_motion(at, radius)
@@ -184,36 +147,6 @@ def weigh(sensors: Sequence[Sensor], of: Problem, named: Named) -> Callable[[int
 def squared_motion(at: Vector, radius: float) -> ca.SX:
     """Return the square of a displacement, rad^2, its yaw times a radius."""
     return at[0] ** 2 + at[1] ** 2 + radius**2 * at[2] ** 2
-
-
-def turned(yaw: ca.SX, named: Named) -> tuple[Phasor, ca.SX]:
-    """Return the phasor of a small yaw, and 1 - cos, which is 2 sin^2 of its half."""
-    sine, half = ca.sin(yaw), sqrt(2) * ca.sin(yaw / 2)
-    named.append((Signal("turn_sine", "1", -1, 1, "of the yaw since the sample began"), sine))
-    named.append((Signal("half_sine", "1", -2, 2, "of half of it, times sqrt(2)"), half))
-    return Phasor(1 - half**2, sine), half**2
-
-
-def _displaced(sensors: Sequence[Sensor], at: Vector, named: Named) -> list[Sensor]:
-    turn, versine = turned(at[2], named)
-    return [_moved(s, at, turn, versine) for s in sensors]
-
-
-def _moved(s: Sensor, at: Vector, turn: Phasor, versine: ca.SX) -> Sensor:
-    x, y = s.place.cosine, s.place.sine
-    dx, dy = -x * versine - y * turn.sine, -y * versine + x * turn.sine
-    phases = s.phases[0].times(phasor.of(at[0] + dx)), s.phases[1].times(phasor.of(at[1] + dy))
-    return replace(s, phases=phases, place=Phasor(x + dx, y + dy), volts=s.volts.times(turn))
-
-
-def _rows(s: Sensor) -> tuple[Row, Row]:
-    B, g = [], []
-    for p in s.phases:
-        q = p.sine**2
-        B.append(s.field[0] + p.sine * (s.field[1] + q * (s.field[2] + q * s.field[3])))
-        g.append(p.cosine * (s.slope[0] + q * (s.slope[1] + q * s.slope[2])))
-    x = Row(s.volts.cosine - B[0], g[0], B[1] - g[0] * s.place.sine)
-    return x, Row(s.volts.sine - B[1], g[1], g[1] * s.place.cosine - B[0])
 
 
 def _normal(by_axis: Iterable[Sequence[Row]], at: Vector, damping: float, radius: float, scale: float) -> Normal:

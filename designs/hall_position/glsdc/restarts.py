@@ -4,7 +4,6 @@ Starts fill the pitch evenly, however many they are: Roberts' sequence, a pitch 
 """
 
 from math import pi
-from typing import NamedTuple
 
 import casadi as ca
 
@@ -19,23 +18,16 @@ SEARCHING = Signal("searching", "1", 0, 1, "its place is not known")
 RESTARTED = Signal("restarted", "1", 0, 1, "it has looked for its place again")
 
 
-class Restart(NamedTuple):
-    """Whether the next sample begins elsewhere, and how many residual faults there were in a row."""
-
-    again: ca.SX
-    faults: ca.SX
-
-
 def states(reals: list[Signal], counts: list[Signal]) -> list[State]:
     """Return the states after `init`: 0 and searching."""
     return [*(State(s, 0.0) for s in reals), *(State(s, int(s is SEARCHING), True) for s in counts)]
 
 
-def count(residual_fault: ca.SX, x: Exprs) -> Restart:
-    """Return the restart that follows a sample with a residual fault or without one."""
+def count(residual_fault: ca.SX, x: Exprs) -> tuple[ca.SX, ca.SX]:
+    """Return whether the next sample begins elsewhere, and how many residual faults there were in a row."""
     impatient = x["astray"] >= PATIENCE - 1
     faults = ca.if_else(residual_fault, ca.if_else(impatient, 0, x["astray"] + 1), 0)
-    return Restart(ca.logic_and(residual_fault, impatient), faults)
+    return ca.logic_and(residual_fault, impatient), faults
 
 
 def unless_held(residual_fault: ca.SX, names: tuple[str, ...], at: Vector, x: Exprs) -> dict[str, ca.SX]:

@@ -19,8 +19,9 @@ import casadi as ca
 import numpy as np
 
 from designs.hall_position.glsdc import channels, restarts, spatial_model
-from designs.hall_position.glsdc.six_parameters import Array, Tuning
+from designs.hall_position.glsdc.parameters import SpatialTuning
 from designs.hall_position.glsdc.spatial_model import POSE, Problem
+from models.hall_two_waves import SpatialArray
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.blocks import glsdc
 from synth.blocks.glsdc import Factorised, Named, Solution
@@ -29,7 +30,7 @@ from synth.signals import Signal
 from synth.timing import Discrete
 
 ENOUGH = 4  # sensors; one more is redundant
-USUAL = Tuning()
+USUAL = SpatialTuning()
 # Relative, of polynomials: a sine that is wrong by 2e-7 is a position that is wrong by 2 nm.
 SURROGATE_ERROR: dict[type[np.floating], float] = {np.float32: 2e-7, np.float64: 1e-15}
 MOTION = tuple(f"motion_{name}" for name in POSE)
@@ -49,17 +50,17 @@ class NextState(NamedTuple):
     inside: ca.SX
 
 
-def is_redundant(array: Array) -> bool:
+def is_redundant(array: SpatialArray) -> bool:
     """Return whether one sensor can be left out."""
     return len(array.positions) > ENOUGH
 
 
-def guarded(array: Array, time: Discrete, tuning: Tuning = USUAL, name: str = "hall_pose") -> Block:
+def guarded(array: SpatialArray, time: Discrete, tuning: SpatialTuning = USUAL, name: str = "hall_pose") -> Block:
     """Return the estimator behind the guard of its voltages."""
     return channels.guarded(name, time, len(array.positions), estimator(array, time, tuning))
 
 
-def estimator(array: Array, time: Discrete, tuning: Tuning = USUAL) -> Block:
+def estimator(array: SpatialArray, time: Discrete, tuning: SpatialTuning = USUAL) -> Block:
     """Return the Block from held voltages, ``complete`` or with a redundant sensor ``fault_V_ax`` .. to the pose.
 
     Raises ModelError for fewer than four places, or of sensors with a redundant one fewer than four after its loss.
@@ -98,7 +99,7 @@ def estimator(array: Array, time: Discrete, tuning: Tuning = USUAL) -> Block:
     )
 
 
-def _check_places(array: Array) -> None:
+def _check_places(array: SpatialArray) -> None:
     places = array.positions
     if len(set(places)) < ENOUGH:
         raise ModelError(
@@ -150,14 +151,14 @@ def _advance(solution: Solution[Factorised], fault: ca.SX, begun: Exprs, x: Expr
     return NextState(pose, next, reduce(ca.logic_and, inside))
 
 
-def _position(pose: Exprs, array: Array) -> dict[str, ca.SX]:
+def _position(pose: Exprs, array: SpatialArray) -> dict[str, ca.SX]:
     """Return the body's origin, m, and its angles."""
     w = array.wave_number
     x, y = (pose[f"phase_{a}"] / w + pose[f"count_{a}"] * array.pitch for a in "xy")
     return {"X": x, "Y": y, "Z": array.height + pose["rise"] / w} | {name: pose[name] for name in OUTPUTS[3:]}
 
 
-def _deviations(variances: Sequence[ca.SX], array: Array) -> dict[str, ca.SX]:
+def _deviations(variances: Sequence[ca.SX], array: SpatialArray) -> dict[str, ca.SX]:
     """Return standard deviations, m and rad."""
     sizes = [array.deviation / array.wave_number] * 3 + [array.deviation] * 3
     named = zip(OUTPUTS, sizes, variances, strict=True)

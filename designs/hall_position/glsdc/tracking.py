@@ -25,8 +25,9 @@ from operator import add
 import casadi as ca
 
 from designs.hall_position.glsdc import channels, planar_model, restarts
-from designs.hall_position.glsdc.parameters import Array, Tuning
+from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.glsdc.planar_model import AXES, Normal, Problem
+from models.hall_two_waves import PlanarArray
 from synth.block import Exprs, State
 from synth.blocks.glsdc import Solution, Vector
 from synth.signals import Signal
@@ -90,17 +91,17 @@ def predict(x: Exprs, of: Problem) -> Exprs:
     return {n: x[n] + x[m] if of.tuning.follow else x[n] for n, m in zip(POSE, MOTION, strict=True)}
 
 
-def is_redundant(array: Array) -> bool:
+def is_redundant(array: PlanarArray) -> bool:
     """Return whether one sensor can be left out."""
     return len(array.positions) > 2
 
 
-def left_out_number(array: Array) -> Signal:
+def left_out_number(array: PlanarArray) -> Signal:
     """Return the number of the sensor that is left out, 0 for none."""
     return Signal("without", "1", 0, len(array.positions), "number of the sensor that is left out")
 
 
-def left_out(array: Array, u: Exprs, x: Exprs) -> Vector | None:
+def left_out(array: PlanarArray, u: Exprs, x: Exprs) -> Vector | None:
     """Return which sensors are left out: one that is suspected, and those of which a voltage is refused."""
     if not is_redundant(array):
         return None
@@ -108,7 +109,7 @@ def left_out(array: Array, u: Exprs, x: Exprs) -> Vector | None:
     return [ca.logic_or(each, x["without"] == n) for n, each in enumerate(refused, 1)]
 
 
-def valid_yaw_limit(array: Array, tuning: Tuning) -> float:
+def valid_yaw_limit(array: PlanarArray, tuning: Tuning) -> float:
     """Return the yaws to either side at which a place may be valid, rad.
 
     With two sensors no two of these are further apart than the yaws within which their places are told apart.
@@ -188,8 +189,9 @@ def advance(solution: Solution[Normal], judged: Judgement, begun: Exprs, x: Expr
 
 def _search(solution: Solution[Normal], judged: Judgement, x: Exprs, of: Problem) -> tuple[dict[str, ca.SX], ca.SX]:
     """Return the next counts and flags, and whether the next sample begins elsewhere."""
-    fault, restart = judged.residual_fault, restarts.count(judged.residual_fault, x)
-    next, again = {"astray": restart.faults}, restart.again
+    fault = judged.residual_fault
+    again, faults = restarts.count(fault, x)
+    next = {"astray": faults}
     if is_redundant(of.array):
         worst, alone = _worst(solution.first.residuals, of)
         known = ca.logic_and(x["certain"], x["astray"] >= SUSPECT - 1)

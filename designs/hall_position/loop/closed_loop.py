@@ -16,7 +16,7 @@ between, so that an estimate that is not valid does not move the loop:
 After LOST invalid samples in a row all Hall voltages are suspects, and both voltages of a sensor that the estimator
 leaves out are so at once: no sample is complete then, and the guard latches BAD_SAMPLES later.
 
-The choice of PLACES: docs/decisions/hall_position_loop.md; `stage_places` are for the comparison with the sections.
+The choice of PLACES: docs/decisions/hall_position_loop.md.
 """
 
 from collections.abc import Sequence
@@ -27,17 +27,19 @@ import numpy as np
 
 from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import estimator
-from designs.hall_position.glsdc.parameters import Array, Pair, Tuning
-from designs.hall_position.loop import error_map
-from designs.hall_position.loop.error_map import ErrorMap
+from designs.hall_position.glsdc.parameters import Tuning
 from designs.planar_6dof import interface, vertical
 from models import hall_sections as sensing
-from models import planar_stage
+from models import planar_allocation as allocation
+from models.hall_array import Pair
+from models.hall_two_waves import PlanarArray as Array
 from models.planar_allocation import HORIZONTAL, PITCH
 from synth.block import Block, Exprs, State, Step, build, clip
+from synth.blocks import error_map
+from synth.blocks.error_map import ErrorMap
 from synth.errors import ModelError
 from synth.plant import Plant
-from synth.signals import Signal
+from synth.signals import Signal, names
 from synth.timing import Discrete
 
 LOST = 5  # samples
@@ -45,6 +47,7 @@ FOLLOW = 0.1  # of what a sample differs from the expected one
 FASTEST = {"x": 1.25e-3, "y": 1.25e-3, "phi": 6.25e-3}  # m, rad a sample: 1 m/s and 5 rad/s at 800 Hz
 OF = {"x": "X", "y": "Y", "phi": "yaw"}
 PLACES: tuple[Pair, ...] = tuple((x * PITCH, y * PITCH) for x, y in layouts.LAYOUTS[5])
+MAPPED = [Signal(name, unit, -10, 10) for name, unit in (("X", "m"), ("Y", "m"), ("yaw", "rad"))]
 SENSORS = 3
 ANY = SENSORS + 1  # in place of the number of the sensor that failed
 BEGINS = {"x": PITCH / 2, "y": PITCH / 2, "phi": sensing.YAW}  # m, rad
@@ -58,17 +61,10 @@ TUNING = Tuning(residual=0.2, surprise=0.3)
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """Where the position comes from: sensors, how they are estimated from, and the map of what that errs by."""
+    """Where the position comes from: sensors, and the map of what the estimate from them errs by."""
 
     array: Array
-    tuning: Tuning = TUNING
     map: ErrorMap | None = None
-
-
-def stage_places(plant: Plant) -> tuple[Pair, ...]:
-    """Return where the stage's own three sensors are, m."""
-    spacing = plant.parameter("spacing").value
-    return (0.0, 0.0), (spacing, 0.0), (0.0, spacing)
 
 
 def controller(name: str, plant: Plant, time: Discrete, law: Sequence[Block], source: Source) -> Block:
@@ -80,16 +76,15 @@ def controller(name: str, plant: Plant, time: Discrete, law: Sequence[Block], so
         raise ModelError(
             f"the source has {len(source.array.positions)} sensors: the stage reads {SENSORS}, give so many"
         )
-    driven = [_gated(_from_known(block), time) for block in law]
-    return interface.controller(name, plant, time, sensed(source, time), [b for group in driven for b in group])
+    return interface.controller(name, plant, time, sensed(source, time), driven(law, time))
 
 
 def sensed(source: Source, time: Discrete) -> list[Block]:
     """Return the Blocks from held voltages to raw positions, places within the pitch and suspects."""
-    found = [estimator.estimator(source.array, time, source.tuning)]
+    estimated = estimator.estimator(source.array, time, TUNING)
     if source.map is None:
-        return [*found, _source(time, "")]
-    return [*found, error_map.block(source.map, time), _source(time, "_corrected")]
+        return [estimated, _source(time, "")]
+    return [estimated, error_map.block(source.map, time, MAPPED, "Figs. 10, 11"), _source(time, "_corrected")]
 
 
 def _source(time: Discrete, suffix: str) -> Block:
@@ -163,35 +158,15 @@ def _suspects(x: Exprs) -> dict[str, ca.SX]:
     return found
 
 
-def _from_known(block: Block) -> Block:
-    """Return a Block that is ready when a position is known, not when every measurement was good at once."""
-    ready, raw = sensing.READY.name, {s.name for s in sensing.RAW.values()}
-    if ready not in block.symbol or not raw & block.symbol.keys():
-        return block
-    inputs = tuple(KNOWN if s.name == ready else s for s in block.inputs)
-    return replace(block, inputs=inputs, symbol={KNOWN.name if n == ready else n: s for n, s in block.symbol.items()})
+def driven(law: Sequence[Block], time: Discrete) -> list[Block]:
+    """Return a law that is ready when a position is known, and a gate that passes no current before."""
+    computed = [s for b in law for s in b.outputs if s.name in names(allocation.COMPUTED)]
+    wanted = {s.name: s.name.replace("_computed", "_wanted") for s in computed}
+    raw, ready = {s.name for s in sensing.RAW.values()}, {sensing.READY.name: KNOWN.name}
+    blocks = [b.renamed(wanted | (ready if raw & b.symbol.keys() else {})) for b in law]
 
+    def gate(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        return Step({name: ca.if_else(u[KNOWN.name], u[to], 0) for name, to in wanted.items()})
 
-def _gated(block: Block, time: Discrete) -> list[Block]:
-    """Return a Block; behind that of the computed currents another one, which passes none until a position is known."""
-    computed = {f"{s.name}_computed" for s in planar_stage.INPUTS}
-    if not computed <= {s.name for s in block.outputs}:
-        return [block]
-    wanted = [replace(s, name=s.name.replace("_computed", "_wanted")) for s in block.outputs]
-    renamed = {s.name: w.name for s, w in zip(block.outputs, wanted, strict=True)}
-    before = replace(
-        block,
-        outputs=tuple(wanted),
-        output={renamed[n]: e for n, e in block.output.items()},
-        inside=tuple(
-            (replace(n, signal=replace(n.signal, name=renamed.get(n.signal.name, n.signal.name))), e)
-            for n, e in block.inside
-        ),
-    )
-
-    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        return Step({name: ca.if_else(u[KNOWN.name], u[to], 0) for name, to in renamed.items()})
-
-    tag = "no current until a position is known"
-    gate = build("known_gate", time, law, inputs=[*wanted, KNOWN], outputs=block.outputs, tag=tag)
-    return [before, gate]
+    inputs, tag = [*(replace(s, name=wanted[s.name]) for s in computed), KNOWN], "no current until a position is known"
+    return [*blocks, build("known_gate", time, gate, inputs=inputs, outputs=computed, tag=tag)]

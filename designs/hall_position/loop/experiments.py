@@ -17,17 +17,18 @@ Why a dropout is judged in a small step without noise: docs/decisions/hall_posit
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from designs.hall_position.loop import calibration, closed_loop, sources, stage_loop
-from designs.hall_position.loop.error_map import ErrorMap
 from designs.hall_position.loop.stage_loop import TIME, Loop
 from designs.planar_6dof import interface
+from designs.planar_6dof.experiments import usual
 from models import planar_stage
+from synth.blocks.error_map import ErrorMap
 from synth.check import Check
 from synth.signals import names
 from synth.simulate.experiment import Experiment
@@ -64,7 +65,7 @@ def loops(libm: bool = False) -> Mapping[str, Loop]:
 def run(progress: Callable[[str], None]) -> list[Experiment]:
     """Run every experiment; `progress` hears what comes next."""
     progress("calibration")
-    both, found = loops(), list[Experiment]()
+    both, done = loops(), list[Experiment]()
     calibrated = both["calibrated"]
     parts: dict[str, Callable[[], list[Experiment]]] = {
         "standstill": lambda: [standstill(calibrated)],
@@ -76,26 +77,25 @@ def run(progress: Callable[[str], None]) -> list[Experiment]:
     }
     for name, part in parts.items():
         progress(name)
-        found += part()
-    return found
+        done += part()
+    return done
 
 
 def standstill(loop: Loop) -> Experiment:
     """Return the noise at rest."""
-    run = loop.run(sources.REST, {}, {})
+    run = loop.run(sources.REST, {})
     figures, bar = sources.noise(run, 1.0), "a step that Fig. 12 shows"
-    checks = [
-        Check(f"noise of {a} as estimated", figures[f"{a} as estimated, um rms"] / 1e6, FINE, "m", bar) for a in "xy"
-    ]
+    noise = {axis: figures[f"{axis} as estimated, um rms"] / 1e6 for axis in "xy"}
+    checks = [Check(f"noise of {axis} as estimated", rms, FINE, "m", bar) for axis, rms in noise.items()]
     about = f"{sources.REST:g} s, {sources.ABOUT}"
-    return sources.judged("rest", "At rest", run, HORIZONTAL, {}, figures, checks, about)
+    return Experiment("rest", "At rest", about, run, HORIZONTAL, {}, figures, (*checks, *usual(run)))
 
 
 def step(loop: Loop, name: str) -> Experiment:
     """Return the step of 4 mm of Fig. 11, without a map ("plain") or with it."""
     time, plain = sample_times(SETTLE + AFTER, TIME.period_s), name == "plain"
     wanted = np.where(time < SETTLE, 0.0, STEP)
-    run = loop.run(SETTLE + AFTER, {"x": wanted}, {})
+    run = loop.run(SETTLE + AFTER, {"x": wanted})
     first, last = _samples(0.25, SETTLE), _samples(SETTLE + AFTER - 0.5, SETTLE + AFTER)
     ends = {n: float(run[n][last].mean()) for n in ("x", "y", "phi", "x_raw")}
     moved, estimated = (ends[n] - float(run[n][first].mean()) for n in ("x", "x_raw"))
@@ -108,9 +108,9 @@ def step(loop: Loop, name: str) -> Experiment:
         "Fig. 11: true motion, mm": 1e3 * (STEP + (READ if plain else 0.0)),
     }
     figures |= _steps_anywhere(calibration.calibrated().map) if plain else {}
-    checks = [Check("error of the motion", abs(moved - STEP), ACCURACY if plain else CALIBRATED, "m")]
+    checks = (Check("error of the motion", abs(moved - STEP), ACCURACY if plain else CALIBRATED, "m"), *usual(run))
     title = f"x by 4 mm, {'not calibrated, Fig. 11(a)' if plain else 'calibrated, Fig. 11(b)'}"
-    return sources.judged(f"step_{name}", title, run, ("x", "x_raw"), {"x": wanted}, figures, checks)
+    return Experiment(f"step_{name}", title, sources.ABOUT, run, ("x", "x_raw"), {"x": wanted}, figures, checks)
 
 
 def _samples(since: float, until: float) -> slice:
@@ -134,10 +134,10 @@ def zigzags(both: Mapping[str, Loop]) -> list[Experiment]:
     """Return the zigzag of Fig. 10 without calibration and with it, whose error has to be TIMES smaller."""
     time, x, y = zigzag()
     window = time > LEAD + 0.2
-    runs = {name: loop.run(float(time[-1]) + TIME.period_s, {"x": x, "y": y}, {}) for name, loop in both.items()}
+    runs = {name: loop.run(float(time[-1]) + TIME.period_s, {"x": x, "y": y}) for name, loop in both.items()}
     late = 2 * WIDE / LEG / (2 * np.pi * both["plain"].bench.chain.corner)  # m, by the filters
     off = {name: _astray(run, window) for name, run in runs.items()}
-    found, ratio = [], off["calibrated"]["x and y, um rms"] / off["plain"]["x and y, um rms"]
+    experiments, ratio = [], off["calibrated"]["x and y, um rms"] / off["plain"]["x and y, um rms"]
     for name, run in runs.items():
         yaw = 1e3 * (run["phi"] - run["phi_raw"])[window]
         figures = off[name] | {"of this the filters' lag, um": 1e6 * late, "Fig. 10(c): at most, mm": 1.4}
@@ -147,8 +147,12 @@ def zigzags(both: Mapping[str, Loop]) -> list[Experiment]:
         if name == "calibrated":
             checks.append(Check("error over that without calibration", ratio, 1 / TIMES, "1", "rms"))
         title = f"Zigzag, Fig. 10, {'not calibrated' if name == 'plain' else name}"
-        found.append(sources.judged(f"zigzag_{name}", title, run, ("x", "y"), {"x": x, "y": y}, figures, checks))
-    return found
+        shown, references = ("x", "y"), {"x": x, "y": y}
+        checks += usual(run)
+        experiments.append(
+            Experiment(f"zigzag_{name}", title, sources.ABOUT, run, shown, references, figures, tuple(checks))
+        )
+    return experiments
 
 
 def zigzag() -> tuple[Array, Array, Array]:
@@ -163,16 +167,16 @@ def zigzag() -> tuple[Array, Array, Array]:
 def _astray(run: Trajectory, window: Mask) -> dict[str, float]:
     """Return how far the true position is from that which the controller sees."""
     off = {axis: 1e6 * (run[axis] - run[f"{axis}_raw"])[window] for axis in "xy"}
-    found = {f"{a}, um rms": _rms(v) for a, v in off.items()}
-    found |= {f"{a}, um at most": float(np.abs(v).max()) for a, v in off.items()}
-    return found | {"x and y, um rms": _rms([*off.values()])}
+    figures = {f"{a}, um rms": _rms(v) for a, v in off.items()}
+    figures |= {f"{a}, um at most": float(np.abs(v).max()) for a, v in off.items()}
+    return figures | {"x and y, um rms": _rms([*off.values()])}
 
 
 def staircase(loop: Loop) -> Experiment:
     """Return steps of 10 um up, as Fig. 12 shows them in the estimate."""
     time = sample_times(EACH * (COUNT + 1), TIME.period_s)
     wanted = FINE * np.minimum(np.floor(time / EACH + 1e-9), COUNT)
-    run = loop.run(float(time[-1]) + TIME.period_s, {"x": wanted}, {})
+    run = loop.run(float(time[-1]) + TIME.period_s, {"x": wanted})
     ends = [round(EACH * (k + 1) / TIME.period_s) for k in range(COUNT + 1)]
     spans = [slice(end - round(STEADY / TIME.period_s), end) for end in ends]
     figures, checks = {}, []
@@ -185,38 +189,25 @@ def staircase(loop: Loop) -> Experiment:
     spread = max(float(np.std(run["x_raw"][span])) for span in spans)
     figures["noise of the estimate on a step, um rms"] = 1e6 * spread
     checks.append(Check("noise of the estimate", spread, RESOLUTION, "m", "below 10 um, Fig. 12"))
-    about, shown = f"{COUNT} steps, {sources.ABOUT}", ("x_raw", "x")
-    return sources.judged("staircase", "x by 10 um, Fig. 12", run, shown, {"x": wanted}, figures, checks, about)
-
-
-@dataclass(frozen=True)
-class DropoutResponse:
-    """By how much x differs for a dropout so many samples `after` a small step, and may differ, m."""
-
-    after: int
-    off: float
-    bar: float
+    about, shown, title = f"{COUNT} steps, {sources.ABOUT}", ("x_raw", "x"), "x by 10 um, Fig. 12"
+    return Experiment("staircase", title, about, run, shown, {"x": wanted}, figures, (*checks, *usual(run)))
 
 
 def dropouts(loop: Loop) -> Experiment:
     """Return rest, a step of 4 mm, rest and a steady motion, with two sensors silent for SILENT samples of EVERY."""
     time = sample_times(SETTLE + AFTER, TIME.period_s)
     wanted, k = np.where(time < SETTLE, 0.0, STEP) + SPEED * np.maximum(time - LEAVES, 0.0), np.arange(len(time))
-    clean = loop.run(SETTLE + AFTER, {"x": wanted}, {})
-    run = loop.run(SETTLE + AFTER, {"x": wanted}, {}, overrides=_silent((k % EVERY < SILENT) & (k >= EVERY)))
+    clean = loop.run(SETTLE + AFTER, {"x": wanted})
+    run = loop.run(SETTLE + AFTER, {"x": wanted}, overrides=_silent((k % EVERY < SILENT) & (k >= EVERY)))
     off, stepping = np.abs(run["x"] - clean["x"]), (time >= SETTLE) & (time < SETTLE + QUIET)
-    found = {
-        "at rest": float(off[(time < LEAVES) & ~stepping].max()),
-        "in a steady motion": float(off[time >= LEAVES + QUIET].max()),
-    }
-    worst = max(_responses(loop), key=lambda each: each.off / each.bar)
-    figures = {f"x differs {where} by, um": 1e6 * by for where, by in found.items()}
+    windows = {"at rest": (time < LEAVES) & ~stepping, "in a steady motion": time >= LEAVES + QUIET}
+    largest = {f"x differs {where}": float(off[window].max()) for where, window in windows.items()}
+    figures = {f"{what} by, um": 1e6 * by for what, by in largest.items()}
     figures["during the step of 4 mm, by the noise of the yaw, um"] = 1e6 * float(off[stepping].max())
     figures["invalid samples"] = float(np.sum(run["valid"] == 0))
-    about = f"{worst.after} samples after a step of {1e3 * SMALL:g} mm, without noise"
     checks = (
-        *(Check(f"x differs {where}", by, STIRRED, "m", "from that without dropouts") for where, by in found.items()),
-        Check("x differs in a step", worst.off, worst.bar, "m", about),
+        *(Check(what, by, STIRRED, "m", "from that without dropouts") for what, by in largest.items()),
+        _dropout_in_a_step(loop),
         Check("latched", float(np.count_nonzero(run.faults >> np.uint32(31))), 0.0, "1"),
     )
     title = "Two sensors silent for three samples, again and again"
@@ -228,35 +219,36 @@ def _silent(gone: Mask) -> dict[str, Override]:
     return {n: Override(gone, np.full(len(gone), np.nan)) for n in planar_stage.HALL if n[2] in "ab"}
 
 
-def _responses(loop: Loop) -> list[DropoutResponse]:
-    """Return what a dropout at each of PLACES does to a small step without noise."""
-    still, duration = replace(loop, noisy=False), 1.5 * SETTLE
-    time, found = sample_times(duration, TIME.period_s), []
+def _dropout_in_a_step(loop: Loop) -> Check:
+    """Return by how much x differs for a dropout in a small step without noise, at the worst of PLACES."""
+    ideal, duration, checks = replace(loop, rig=loop.rig.ideal), 1.5 * SETTLE, []
+    time = sample_times(duration, TIME.period_s)
     wanted, k = np.where(time < SETTLE, 0.0, SMALL), np.arange(len(time))
-    clean = still.run(duration, {"x": wanted}, {})
-    errs = _held(np.asarray(clean["x_raw"], np.float64))
+    clean = ideal.run(duration, {"x": wanted})
+    errors = _held(np.asarray(clean["x_raw"], np.float64))
     for after in PLACES:
         at = round(SETTLE / TIME.period_s) + after
-        run = still.run(duration, {"x": wanted}, {}, overrides=_silent((k >= at) & (k < at + SILENT)))
+        run = ideal.run(duration, {"x": wanted}, overrides=_silent((k >= at) & (k < at + SILENT)))
+        about = f"{after} samples after a step of {1e3 * SMALL:g} mm, without noise"
         off = float(np.abs(run["x"] - clean["x"]).max())
-        found.append(DropoutResponse(after, off, RESPONSE * float(errs[at])))
-    return found
+        checks.append(Check("x differs in a step", off, RESPONSE * float(errors[at]), "m", about))
+    return max(checks, key=lambda check: check.found / check.limit)
 
 
 def _held(raw: Array) -> Array:
     """Return what SILENT positions from each sample on err by in all if they are held as `closed_loop` says, m."""
-    at, motion, ahead, found = raw[0], 0.0, np.arange(1, SILENT + 1), []
+    at, motion, ahead, errors = raw[0], 0.0, np.arange(1, SILENT + 1), []
     for k in range(len(raw) - SILENT + 1):
-        found.append(float(np.abs(at + motion * ahead - raw[k : k + SILENT]).sum()))
+        errors.append(float(np.abs(at + motion * ahead - raw[k : k + SILENT]).sum()))
         at, motion = raw[k], motion + closed_loop.FOLLOW * (raw[k] - at - motion)
-    return np.array(found)
+    return np.array(errors)
 
 
 def loss(loop: Loop) -> Experiment:
     """Return a standstill in which every voltage falls to 0: the estimate is not valid, and the currents go."""
     gone = sample_times(1.0, TIME.period_s) >= 0.5
     none = Override(gone, np.zeros(len(gone)))
-    run = loop.run(1.0, {}, {}, overrides=dict.fromkeys(planar_stage.HALL, none))
+    run = loop.run(1.0, {}, overrides=dict.fromkeys(planar_stage.HALL, none))
     latched = run.faults >> np.uint32(31) == 1
     after = float(np.argmax(latched) - np.argmax(gone)) if latched.any() else float("inf")
     currents = max(float(np.abs(run.commands[name][-1])) for name in names(planar_stage.INPUTS))

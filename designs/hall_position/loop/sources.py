@@ -5,15 +5,15 @@ estimate of the same sensors, and that of sensors placed for it, both calibrated
 estimate follows its path within half of the sections' errors; it takes six times as many instructions.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping
 from functools import cache
 
 import numpy as np
 
-from designs.hall_position.loop import calibration, closed_loop, stage_loop
+from designs.hall_position.loop import calibration, stage_loop
 from designs.hall_position.loop.stage_loop import TIME, Loop
-from models import planar_stage, planar_voltages
+from designs.planar_6dof.experiments import usual
+from models import planar_stage
 from synth.check import Check
 from synth.execute import cross
 from synth.simulate.experiment import Experiment
@@ -33,81 +33,56 @@ ABOUT = "1 mV of noise, 200 Hz, 16 bits over +-5 V, one sample of delay"
 @cache
 def others(libm: bool = False) -> Mapping[str, Loop]:
     """Return the loops on the stage's own sensors: by sections, and by the estimate with its own calibration."""
-    places = closed_loop.stage_places(planar_stage.plant())
-    own = stage_loop.of_source(calibration.calibrated(places), libm=libm)
+    source = calibration.calibrated(planar_stage.hall_places(planar_stage.plant()))
+    own = stage_loop.of_source(source, libm=libm)
     return {SECTIONS: stage_loop.of_sections(libm=libm), OWN: own}
-
-
-def usual(run: Trajectory) -> tuple[Check, ...]:
-    """Return what every run without a planted failure must keep."""
-    return (
-        Check("samples with a fault", float(np.count_nonzero(run.faults)), 0.0, "1"),
-        Check("largest phase current", planar_voltages.largest_current(run), planar_stage.LIMIT, "A", "Table 1"),
-    )
-
-
-def judged(
-    name: str,
-    title: str,
-    run: Trajectory,
-    shown: Sequence[str],
-    references: Mapping[str, Array],
-    figures: Mapping[str, float],
-    checks: Sequence[Check],
-    about: str = ABOUT,
-) -> Experiment:
-    """Return an experiment with what every run without a planted failure must keep."""
-    return Experiment(name, title, about, run, tuple(shown), references, figures, (*checks, *usual(run)))
 
 
 def noise(run: Trajectory, since: float) -> dict[str, float]:
     """Return the rms about the mean of what is true and as estimated, um and urad, from a time in s on."""
-    first, found = round(since / TIME.period_s), {}
+    first, figures = round(since / TIME.period_s), {}
     for axis, unit in UNITS.items():
-        found[f"{axis}, {unit} rms"] = MICRO * float(np.std(run[axis][first:]))
-        found[f"{axis} as estimated, {unit} rms"] = MICRO * float(np.std(run[f"{axis}_raw"][first:]))
-    return found
+        figures[f"{axis}, {unit} rms"] = MICRO * float(np.std(run[axis][first:]))
+        figures[f"{axis} as estimated, {unit} rms"] = MICRO * float(np.std(run[f"{axis}_raw"][first:]))
+    return figures
 
 
 def experiment(by_name: Mapping[str, Loop]) -> Experiment:
     """Return the slow path by each source, PLACED being shown and judged against SECTIONS."""
+    runs = {name: loop.run(SLOW[-1][0], set_points()) for name, loop in by_name.items()}
+    errors = {name: _path_errors(run) for name, run in runs.items()}
     figures: dict[str, float] = {}
-    runs: dict[str, Trajectory] = {}
     for name, loop in by_name.items():
-        runs[name] = _path(loop)
-        found = {f"noise of {k}": v for k, v in noise(loop.run(REST, {}, {}), 1.0).items() if "estimated" not in k}
-        found |= {f"{a} off its path, {UNITS[a]} at most": v for a, v in _astray(runs[name]).items()}
-        found |= {f"instructions, {BUILD}": float(n) for n in instructions(loop, runs[name])}
-        figures |= {f"{name}: {what}": v for what, v in found.items()}
-    least, most = _astray(runs[PLACED]), _astray(runs[SECTIONS])
+        rest = noise(loop.run(REST, {}), 1.0)
+        measured = {f"noise of {what}": rms for what, rms in rest.items() if "estimated" not in what}
+        measured |= {f"{axis} off its path, {UNITS[axis]} at most": error for axis, error in errors[name].items()}
+        measured |= {f"instructions, {BUILD}": float(n) for n in instructions(loop, runs[name])}
+        figures |= {f"{name}: {what}": value for what, value in measured.items()}
     about = "at most, calibrated; half of the sections'"
-    checks = [Check(f"{a} off its path", least[a], most[a] / 2, unit, about) for a, unit in UNITS.items()]
-    references = dict(zip("xy", _set_points(), strict=True))
-    title = "A slow path through a pitch, by each source"
-    made = judged("sources", title, runs[PLACED], tuple(UNITS), references, figures, checks, f"4.8 mm/s, {ABOUT}")
-    return replace(made, checks=(*checks, *(check for run in runs.values() for check in usual(run))))
+    checks = [
+        Check(f"{axis} off its path", errors[PLACED][axis], errors[SECTIONS][axis] / 2, unit, about)
+        for axis, unit in UNITS.items()
+    ]
+    checks += [check for run in runs.values() for check in usual(run)]
+    title, about = "A slow path through a pitch, by each source", f"4.8 mm/s, {ABOUT}"
+    return Experiment("sources", title, about, runs[PLACED], tuple(UNITS), set_points(), figures, tuple(checks))
 
 
-def _set_points() -> list[Array]:
+def set_points() -> dict[str, Array]:
     """Return x and y (N,) of the path, m."""
-    time, at = sample_times(SLOW[-1][0], TIME.period_s), np.array(SLOW).T
-    return [np.interp(time, at[0], row) for row in at[1:]]
+    time, (at, x, y) = sample_times(SLOW[-1][0], TIME.period_s), np.array(SLOW).T
+    return {"x": np.interp(time, at, x), "y": np.interp(time, at, y)}
 
 
-def _path(loop: Loop) -> Trajectory:
-    return loop.run(SLOW[-1][0], dict(zip("xy", _set_points(), strict=True)), {})
-
-
-def _astray(run: Trajectory) -> dict[str, float]:
+def _path_errors(run: Trajectory) -> dict[str, float]:
     """Return how far x, y and phi are off the path at most while it goes through the pitch, um and urad."""
     window = (run.time > SLOW[2][0] + 0.5) & (run.time < SLOW[3][0])
-    x, y = _set_points()
-    off = {"x": run["x"] - x, "y": run["y"] - y, "phi": run["phi"]}
-    return {axis: MICRO * float(np.abs(values[window]).max()) for axis, values in off.items()}
+    wanted = {"phi": np.zeros_like(run.time)} | set_points()
+    return {axis: MICRO * float(np.abs(run[axis] - wanted[axis])[window].max()) for axis in UNITS}
 
 
 def instructions(loop: Loop, run: Trajectory) -> list[int]:
     """Return the instructions of a whole step on a Cortex-M4F, at most in some of a run; none without the compiler."""
-    given = steps.thinned(steps.recorded(loop.controller, "path", run.measured, closed_loop=True), COUNTED)
+    path = steps.thinned(steps.recorded(loop.rig.controller, "path", run.measured, closed_loop=True), COUNTED)
     builds = [b for b in (meter.builds() if cross.available() else ()) if b.name == BUILD]
-    return [int(meter.run(rivals.emitted(loop.emitted), given, b).cost.instructions.max()) for b in builds]
+    return [int(meter.run(rivals.emitted(loop.emitted), path, b).cost.instructions.max()) for b in builds]

@@ -25,10 +25,9 @@ from synth.blocks import safety
 from synth.compose import compose
 from synth.emit import write
 from synth.emit.write import Emitted
-from synth.execute import host
-from synth.plant import Plant
+from synth.execute import build, host
+from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
-from synth.simulate.sensors import Encoder
 from synth.statespace import Array
 
 TIME = lqg.TIME
@@ -37,38 +36,33 @@ RAW = {axis: f"{axis}_raw" for axis in closed_loop.HORIZONTAL}
 
 @dataclass(frozen=True, eq=False)
 class Loop:
-    """A plant whose Hall sensors are at the bench's places, under a controller; `view` is its way to the raw position.
+    """A rig whose Hall sensors are at the bench's places; `view` is its controller's way to the raw position.
 
-    The voltages are those of the bench times `matched`. `noisy` False is without noise and converters; `seed` draws it.
+    The voltages are those of the bench times `matched`.
     """
 
+    rig: Rig
     bench: Bench
-    plant: Plant
-    block: Block
     emitted: Emitted
-    controller: host.Controller
     view: host.Controller
     matched: float = 1.0
-    noisy: bool = True
-    seed: int = 0
 
     def run(
-        self, duration_s: float, references: Mapping[str, ArrayLike], start: Mapping[str, float], **options: Any
+        self,
+        duration_s: float,
+        references: Mapping[str, ArrayLike],
+        start: Mapping[str, float] | None = None,
+        **options: Any,
     ) -> Trajectory:
         """Simulate from rest at `start` by axis (m, rad), set-points staying there unless given by axis.
 
         The raw position that the controller sees is added to the outputs, as x_raw, y_raw and phi_raw.
         """
-        rig = replace(planar.of(self.block, self.controller), plant=self.plant)
-        shown: dict[str, Any] = {"encoders": {}, "noise": {}}
-        if self.noisy:
-            step = dict.fromkeys(planar_stage.HALL, Encoder(self.bench.chain.step))
-            noise = self._noise(len(sample_times(duration_s, TIME.period_s)))
-            shown = {"encoders": planar.resolutions() | step, "noise": noise}
-        found = planar.simulate(rig, duration_s, references, {**start, **self._filtered(start)}, **shown, **options)
-        seen = self.view.replay(found.measured).outputs
-        added = {name: np.asarray(values, np.float64) for name, values in seen.items()}
-        return replace(found, outputs={**found.outputs, **added})
+        noise = self._noise(len(sample_times(duration_s, TIME.period_s))) if self.rig.noise else {}
+        start = {**(start or {}), **self._filtered(start or {})}
+        run = planar.simulate(self.rig, duration_s, references, start, noise=noise, **options)
+        seen = self.view.replay(run.measured).outputs
+        return replace(run, outputs=run.outputs | {name: np.asarray(v, np.float64) for name, v in seen.items()})
 
     def _filtered(self, start: Mapping[str, float]) -> dict[str, float]:
         """Return what the filters hold when the platen has been at rest, V."""
@@ -77,27 +71,26 @@ class Loop:
         return {f"filtered_{n}": float(v) for n, v in zip(planar_stage.HALL, volts, strict=True)}
 
     def _noise(self, n: int) -> dict[str, Array]:
-        volts = hall_chain.noise(self.bench.chain, TIME, (len(planar_stage.HALL), n), self.seed)
-        drawn = np.random.default_rng(self.seed + 1).standard_normal((len(planar_stage.LASERS), n))
+        volts = hall_chain.noise(self.bench.chain, TIME, (len(planar_stage.HALL), n), self.rig.seed)
+        drawn = np.random.default_rng(self.rig.seed + 1).standard_normal((len(planar_stage.LASERS), n))
         rows = (*volts, *(interface.LASER_NOISE * drawn))
         return dict(zip((*planar_stage.HALL, *planar_stage.LASERS), rows, strict=True))
 
 
 def of_source(source: Source, libm: bool = False) -> Loop:
     """Return the loop that a source closes; with `libm` the C takes its sines from the library, which emits sooner."""
-    bench, plant = Bench(source.array.positions), planar_stage.plant()
+    plant = planar_stage.plant()
     block = closed_loop.controller(lqg.NAME, plant, TIME, lqg.law(plant), source)
-    return _loop(bench, block, view(source), 1.0, closed_loop.SURROGATE_ERROR[np.float32], libm)
+    return _loop(Bench(source.array.positions), block, view(source), closed_loop.SURROGATE_ERROR[np.float32], libm)
 
 
 def of_sections(libm: bool = False) -> Loop:
     """Return the loop that the sections of the stage's own sensors close."""
     plant = planar_stage.plant()
-    bench = Bench(closed_loop.stage_places(plant))
-    amplitude = calibration.array(bench).alpha
-    matched = hall_calibration.of(plant).amplitude / amplitude
+    bench = Bench(planar_stage.hall_places(plant))
+    matched = hall_calibration.of(plant).amplitude / calibration.array(bench).alpha
     shown = planar.view(TIME, predicted=False)
-    return _loop(bench, lqg.controller(plant), shown, matched, interface.SURROGATE_ERROR[np.float32], libm)
+    return _loop(bench, lqg.controller(plant), shown, interface.SURROGATE_ERROR[np.float32], libm, matched)
 
 
 def view(source: Source) -> Block:
@@ -108,8 +101,11 @@ def view(source: Source) -> Block:
     return unranged(compose("hall_view", parts, inputs=[g.signal.name for g in interface.INPUTS], outputs=outputs))
 
 
-def _loop(bench: Bench, block: Block, shown: Block, matched: float, error: float, libm: bool) -> Loop:
+def _loop(bench: Bench, block: Block, shown: Block, error: float, libm: bool, matched: float = 1.0) -> Loop:
     plant = built_matrix.plant(bench.places, bench.true, bench.chain, matched * bench.chain.gain)
-    emitted, seen = (write.emit(each, np.float32, libm=libm, error=error) for each in (block, shown))
-    controller, way = (host.load(each.files, each.manifest) for each in (emitted, seen))
-    return Loop(bench, plant, block, emitted, controller, way, matched)
+    emitted = write.emit(block, np.float32, libm=libm, error=error)
+    rig = replace(planar.of(block, host.load(emitted.files, emitted.manifest)), plant=plant)
+    step, sensors = bench.chain.step, rig.stage.interface.sensors
+    converted = tuple(replace(s, resolution=step) if s.name in planar_stage.HALL else s for s in sensors)
+    seen = build.compiled(shown, np.float32, libm=libm, error=error)
+    return Loop(rig.with_interface(sensors=converted), bench, emitted, seen, matched)

@@ -6,17 +6,19 @@ from math import radians
 import numpy as np
 from matplotlib.figure import Figure
 
-from designs.hall_position.accuracy import fisher, singular_points
 from designs.hall_position.accuracy.layouts import LAYOUTS, PUBLISHED
-from designs.hall_position.glsdc import parameters
 from designs.hall_position.pages import drawings
-from designs.hall_position.paper import errors, estimate, rank
-from designs.hall_position.paper.stage import TOLERANCE, UM, Array, Stage, grid, worst
+from designs.hall_position.paper import errors, rank
+from designs.hall_position.paper.stage import Stage, grid
+from models import hall_correction, hall_fisher, hall_singular_points
+from models.hall_array import Array
+from models.hall_two_waves import PlanarArray
 from synth.report import charts, maps
 from synth.report.captions import Made, Rows
 from synth.report.charts import LEVEL, Chart, Line
 from synth.report.maps import Map
 
+UM = 1e-6
 POINTS = 96  # of a map, along a pitch
 COARSE, TURNS = 48, 121  # of the curve over yaw: places along a pitch, yaws
 YAW = radians(5)  # of the second maps
@@ -48,7 +50,7 @@ def blocks(stage: Stage) -> dict[str, Made]:
     }
 
 
-def named(stage: Stage) -> dict[str, parameters.Array]:
+def named(stage: Stage) -> dict[str, PlanarArray]:
     """Return the layouts that are compared, by name."""
     searched = {f"searched, ±{turn}°": stage.array(places) for turn, places in LAYOUTS.items()}
     return {"two sensors": stage.pair, "third sensor added": stage.array(PUBLISHED)} | searched
@@ -58,45 +60,45 @@ def _over_pitch(stage: Stage) -> list[tuple[float, float]]:
     return [(0.0, 1e3 * stage.pitch)] * 2
 
 
-def _maps(stage: Stage, layouts: Mapping[str, parameters.Array]) -> Figure:
+def _maps(stage: Stage, layouts: Mapping[str, PlanarArray]) -> Figure:
     shown = []
     for yaw in (0.0, YAW):
         for name in list(layouts)[:3]:
-            marks = 1e3 * singular_points.of_pair(stage.pair, yaw).at if name == "two sensors" else None
+            marks = 1e3 * hall_singular_points.of_pair(stage.pair, yaw) if name == "two sensors" else None
             shown.append(Map(f"{name}, yaw {np.degrees(yaw):g}°", _larger(layouts[name], yaw) / UM, marks))
     return maps.maps(shown, _over_pitch(stage), (2.0, 20.0), label="µm")
 
 
-def _larger(of: parameters.Array, yaw: float) -> Array:
+def _larger(of: PlanarArray, yaw: float) -> Array:
     """Return the larger of the deviations of X and Y (POINTS, POINTS) over the pitch at a yaw, m."""
     q = grid(of, POINTS)
     q[2] = yaw
-    return np.asarray(fisher.deviations(of, q)[:2].max(axis=0).reshape(POINTS, POINTS))
+    return np.asarray(hall_fisher.deviations(of, q)[:2].max(axis=0).reshape(POINTS, POINTS))
 
 
-def _over_yaw(layouts: Mapping[str, parameters.Array]) -> Figure:
+def _over_yaw(layouts: Mapping[str, PlanarArray]) -> Figure:
     lines, yaws = [], np.linspace(-WIDEST, WIDEST, TURNS)
     for name, of in list(layouts.items())[1:]:
         q = np.tile(grid(of, COARSE), TURNS)
         q[2] = np.repeat(yaws, COARSE**2)
-        largest = fisher.deviations(of, q)[:2].max(axis=0).reshape(TURNS, -1).max(axis=1)
+        largest = hall_fisher.deviations(of, q)[:2].max(axis=0).reshape(TURNS, -1).max(axis=1)
         lines.append(Line(np.degrees(yaws), largest / UM, name, {"lw": 1.2}))
     lines.append(Line(np.degrees(yaws), np.full(TURNS, REQUIRED / UM), style={**LEVEL, "ls": ":"}))
     return charts.draw([Chart(lines, "yaw, °", "largest of X and Y over the pitch, µm", log="y")], 3.0)
 
 
 def _worst(stage: Stage) -> Rows:
-    cases = [("third sensor added", PUBLISHED, 0), *((f"searched, ±{t}°", LAYOUTS[t], t) for t in (5, 15))]
+    proofs = {("third sensor added", 0): rank.worst(stage.array(PUBLISHED), 0.0, 0.0)}
+    proofs |= {(f"searched, ±{turn}°", turn): rank.worst_searched(stage, turn) for turn in (5, 15)}
     rows: list[tuple[str, ...]] = [("two sensors", "any", *("none",) * 6)]
-    for name, places, turn in cases:
-        proved = worst(stage.array(places), -radians(turn), radians(turn), rank.TOLERANCES.get(turn, TOLERANCE))
+    for (name, turn), proved in proofs.items():
         values = (f"{v / UM:.4g}" for v in (*proved.met, *proved.bound))
         rows.append((name, f"{-turn or 0} .. {turn}".replace("-", "−"), *values))
     return rows
 
 
 def _singular(stage: Stage, turn: float) -> tuple[float, ...]:
-    points = singular_points.of_pair(stage.pair, radians(turn)).at
+    points = hall_singular_points.of_pair(stage.pair, radians(turn))
     first = points[0] if len(points) else np.full(2, np.nan)
     return turn, len(points), *(1e3 * first).tolist()
 
@@ -133,7 +135,7 @@ def _basins(stage: Stage) -> dict[str, Made]:
     }
 
 
-def basin(of: parameters.Array, yaw_known: bool) -> Array:
+def basin(of: PlanarArray, yaw_known: bool) -> Array:
     """Return the share of places (SIDE, SIDE) at which starts off by (X, Y) lead to the body."""
     off = of.pitch * np.linspace(-WIDE, WIDE, SIDE)
     X, Y = np.meshgrid(off, off, indexing="ij")
@@ -142,5 +144,5 @@ def basin(of: parameters.Array, yaw_known: bool) -> Array:
     q[:2] = places[:, :, None, None]
     start = q + np.array([X, Y, np.zeros_like(X)])[:, None]
     flat, begun = q.reshape(3, -1), start.reshape(3, -1)
-    end = estimate.settled(of, estimate.volts(of, flat), begun, SCALE, CORRECTIONS, yaw_known)
+    end = hall_correction.settled(of, hall_correction.volts(of, flat), begun, SCALE, CORRECTIONS, yaw_known)
     return np.asarray((np.hypot(*(end - flat)[:2]) < FOUND).reshape(PLACES, SIDE, SIDE).mean(axis=0))

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from math import degrees, pi
 
-from designs.hall_position import shipped
+from designs.hall_position import config
 from models import hall_chain
 from models.hall_chain import Chain
 from synth.report.captions import Made, Rows
@@ -11,22 +11,22 @@ from synth.report.captions import Made, Rows
 
 def blocks(meaning: Mapping[str, str]) -> dict[str, Made]:
     """Return the tuning with what each number means, the sensors, and the chain."""
-    tuning = vars(shipped.TUNING)
+    tuning = vars(config.TUNING)
     return {
         "estimator.tuning": [(name, float(tuning[name]), about) for name, about in meaning.items()],
-        "estimator.arrays": [_array(name) for name in shipped.PLACES],
+        "estimator.arrays": [_array(name) for name in config.PLACES],
         "estimator.chain": _chain(),
     }
 
 
 def _array(name: str) -> tuple[str | float, ...]:
-    of = shipped.array(name)
+    of = config.array(name)
     places = ", ".join(f"({x / of.pitch:.3f}, {y / of.pitch:.3f})".replace("-", "−") for x, y in of.positions)
     return name, len(of.positions), places, of.alpha, of.beta, 1e3 * of.deviation
 
 
 def _chain() -> Rows:
-    chain, time = Chain(), shipped.TIME
+    chain, time = Chain(), config.TIME
     lag = 1 / (2 * pi * chain.corner)
     white = hall_chain.correlation(chain, time)
     return [

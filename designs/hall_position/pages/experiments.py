@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from designs.hall_position.loop.error_map import ErrorMap
+from synth.blocks.error_map import ErrorMap
 from synth.report import charts, figures, maps, page, standard
 from synth.report.captions import Made, Rows
 from synth.report.charts import Chart, Line
@@ -22,30 +22,18 @@ ESTIMATED = ", estimated"
 UNITS = {axis + kind: unit for axis, unit in (("x", "m"), ("y", "m"), ("phi", "rad")) for kind in ("", ESTIMATED)}
 SMALL = 5e-4  # m, rad: below it a signal is shown in um or urad
 STEPS, ZIGZAGS, SOURCES = ("step_plain", "step_calibrated"), ("zigzag_plain", "zigzag_calibrated"), "sources"
-NAMES = (
-    *("calibration.map", "calibration.shares", "calibration.compared", "experiments.steps", "experiments.zigzags"),
-)
 ABSENT = page.Text("Not run.")
 
 
 def blocks(of: ErrorMap | None, runs: Sequence[Experiment]) -> dict[str, Made]:
     """Return the map of a source's errors, what it takes off them, and Figs. 10 and 11; ABSENT what was not run."""
     by_name = {e.name: e for e in runs}
-    found: dict[str, Made] = dict.fromkeys(NAMES, ABSENT)
-    if of is not None:
-        found |= {
-            "calibration.size": f"{of.grid.size[0]} × {of.grid.size[1]}",
-            "calibration.spacing": 1e3 * of.grid.spacing,
-            "calibration.map": _map(of),
-            "calibration.shares": _shares(of),
-        }
-    if rows := _before_and_after(by_name):
-        found["calibration.compared"] = rows
-    if by_name.keys() >= set(STEPS):
-        found["experiments.steps"] = _steps(by_name)
-    if by_name.keys() >= set(ZIGZAGS):
-        found["experiments.zigzags"] = _zigzags(by_name)
-    return found
+    return {
+        **({"calibration.map": ABSENT, "calibration.shares": ABSENT} if of is None else _calibration(of)),
+        "calibration.compared": _before_and_after(by_name) or ABSENT,
+        "experiments.steps": _steps(by_name) if by_name.keys() >= set(STEPS) else ABSENT,
+        "experiments.zigzags": _zigzags(by_name) if by_name.keys() >= set(ZIGZAGS) else ABSENT,
+    }
 
 
 def section(runs: Sequence[Experiment], beside: Mapping[str, str]) -> page.Section:
@@ -84,17 +72,20 @@ def _unit(what: str) -> str:
     return readable(re.sub(r"\bphi\b", "φ", what))
 
 
-def _map(of: ErrorMap) -> Figure:
-    titles = ("added to X, mm", "added to Y, mm", "added to yaw, mrad")
-    shown = [Map(title, 1e3 * values) for title, values in zip(titles, of.added, strict=True)]
-    return maps.signed(shown, [(1e3 * float(a[0]), 1e3 * float(a[-1])) for a in of.grid.axes])
-
-
-def _shares(of: ErrorMap) -> Rows:
-    return [
+def _calibration(of: ErrorMap) -> dict[str, Made]:
+    """Return the map of a source's errors, and how large it is, rms and at most."""
+    named = zip(("X", "Y", "yaw"), ("mm", "mm", "mrad"), of.added, strict=True)
+    shown = [Map(f"added to {name}, {unit}", 1e3 * values) for name, unit, values in named]
+    shares = [
         (name, 1e6 * float(np.sqrt(np.mean(values**2))), 1e6 * float(np.abs(values).max()), unit)
         for name, unit, values in zip(("X", "Y", "yaw"), ("µm", "µm", "µrad"), of.added, strict=True)
     ]
+    return {
+        "calibration.size": f"{of.grid.size[0]} × {of.grid.size[1]}",
+        "calibration.spacing": 1e3 * of.grid.spacing,
+        "calibration.map": maps.signed(shown, [(1e3 * float(a[0]), 1e3 * float(a[-1])) for a in of.grid.axes]),
+        "calibration.shares": shares,
+    }
 
 
 def _before_and_after(by_name: Mapping[str, Experiment]) -> Rows:

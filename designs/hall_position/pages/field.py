@@ -5,11 +5,11 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from designs.hall_position.pages import drawings
 from designs.hall_position.paper import field as audited
 from designs.hall_position.paper.stage import Stage
 from models import concentrated_field, hall_array, hall_figures, hall_scan
 from models.concentrated_field import CROSS, PARAMETERS, on_axes
+from models.hall_figures import Surface
 from models.hall_scan import Decay, Fit
 from synth.report import charts, maps
 from synth.report.captions import Made, Rows
@@ -32,13 +32,14 @@ def blocks(stage: Stage) -> dict[str, Made]:
     fit, (fits, decays) = audited.fitted(stage), over_gap(stage)
     left = 1e3 * np.abs(fit.residual)
     waves = stage.waves(concentrated_field.up_to(5) + on_axes((7, 9)))
-    surfaces = [hall_figures.surface(POINTS, stage.height, of) for of in ((), waves)]
-    above = [(f"{1e3 * z:g} mm above", hall_figures.coefficients(z=z)) for z in (0.0, stage.height)]
+    above = {"ideal": stage.waves(on_axes(hall_figures.HARMONICS), ideal=True), "as made": waves}
+    surfaces = {name: hall_figures.surface(of, POINTS, stage.height) for name, of in above.items()}
     return {
         "field.parameters": _parameters(stage),
         "field.amplitudes": _amplitudes(stage),
-        "field.coefficients": drawings.coefficients(above),
-        "field.surface": drawings.field(*surfaces),
+        "field.coefficients": charts.draw([_harmonics(stage, z) for z in (0.0, stage.height)], 3.0),
+        "field.surface": _surface(surfaces),
+        "field.sections": _sections(surfaces),
         "field.spacing": _spacing(stage),
         "fit.largest_mV": float(left.max()),
         "fit.rms_mV": float(np.sqrt(np.mean(left**2))),
@@ -83,6 +84,33 @@ def _amplitudes(stage: Stage) -> Rows:
             shown = np.where(np.abs(sizes) < audited.NONE, 0.0, sizes).tolist()
             rows.append((label, f"{1e3 * z:g} mm", *shown, 0.0 if ideal else stage.cross(z)))
     return rows
+
+
+def _harmonics(stage: Stage, z: float) -> Chart:
+    """Return Fig. 3: amplitudes by number, above ideal blocks and those that were made, z in m above the blocks."""
+    first = list(range(1, 10))
+    numbers, sizes = [*first, 11], [*stage.amplitudes(first, z), stage.cross(z)]
+    made = Line(numbers, sizes, "as made", {"ls": "", "marker": "s", "ms": 4})
+    ideal = Line(first, stage.amplitudes(first, z, True), "ideal", {"ls": "", "marker": "o", "ms": 7, "mfc": "none"})
+    ticks = {"xlim": (0.5, numbers[-1] + 0.5), "xticks": numbers, "xticklabels": [*map(str, first), "(2, 1)"]}
+    labels = "number n of sin(n ω X)", "amplitude of B_X, T", f"{1e3 * z:g} mm above"
+    return Chart([ideal, made], *labels, levels=(0.0,), legend="upper right", options=ticks)
+
+
+def _surface(above: Mapping[str, Surface]) -> Figure:
+    """Return Fig. 4: B_X over the target area above ideal blocks and those that were made."""
+    shown = [Map(f"B_X, {name}, mT", 1e3 * of.B_X) for name, of in above.items()]
+    return maps.signed(shown, [(0.0, 1e3 * float(above["ideal"].X[-1]))] * 2)
+
+
+def _sections(above: Mapping[str, Surface]) -> Figure:
+    """Return four sections along X of each."""
+    lines = [
+        Line(1e3 * of.X, 1e3 * of.B_X[:, k], "" if k else name, {"color": colour, "lw": 0.8})
+        for (name, of), colour in zip(above.items(), COLOURS, strict=False)
+        for k in range(0, len(of.Y) - 1, (len(of.Y) - 1) // 4)
+    ]
+    return charts.draw([Chart(lines, "X, mm", "B_X, mT", legend="upper right")], 2.6)
 
 
 def _spacing(stage: Stage) -> Figure:

@@ -1,26 +1,25 @@
 """Redundant sensors and six degrees of freedom in the report, which the paper leaves as future work."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 import numpy as np
 
-from designs.hall_position.accuracy import layouts, maps
+from designs.hall_position.accuracy import layouts
 from designs.hall_position.accuracy.layouts import LAYOUTS, PUBLISHED
-from designs.hall_position.glsdc.six_parameters import Array, Tuning
+from designs.hall_position.glsdc.parameters import SpatialTuning
 from designs.hall_position.pages import drawings
 from designs.hall_position.paper import errors
 from designs.hall_position.paper.stage import Stage
-from models import hall_array
+from models import hall_accuracy, hall_array, hall_two_waves
+from models.hall_two_waves import SpatialArray
 from synth.analyse.observability.information import Accuracy
-from synth.report import figures, page
-from synth.report import maps as pictures
+from synth.report import figures, maps, page
 from synth.report.captions import Made
 from synth.report.maps import Map
 
 POINTS = 48  # of maps, along a pitch
 ENOUGH = 4  # sensors
-LEVEL = maps.CONDITIONS[maps.LEVEL]
+LEVEL = hall_accuracy.CONDITIONS[hall_accuracy.LEVEL]
 COLUMNS = ("", "X, µm", "Y, µm", "Z, µm", "roll, µrad", "pitch, µrad", "yaw, µrad")
 
 
@@ -30,7 +29,7 @@ def blocks(stage: Stage) -> dict[str, Made]:
     return {
         "six.places": drawings.layouts({f"{n} sensors": places for n, places in layouts.SPATIAL.items()}),
         "six.determinants": [_signs(stage, name, places) for name, places in three.items()],
-        "six.tuning": [(name, float(value)) for name, value in vars(Tuning()).items()],
+        "six.tuning": [(name, float(value)) for name, value in vars(SpatialTuning()).items()],
     }
 
 
@@ -40,33 +39,33 @@ def section(stage: Stage) -> page.Section:
     return page.Section("Six degrees of freedom", (), parts)
 
 
-def placed(stage: Stage, sensors: int) -> Array:
+def placed(stage: Stage, sensors: int) -> SpatialArray:
     """Return a layout that was searched, in the field of model (2)."""
     of, any_place = stage.pair, tuple((x, 0.0, 0.0) for x in (0.0, 1.0, 2.0))
-    array = Array(any_place, of.alpha, of.beta, stage.height, stage.pitch, of.deviation)
-    return layouts.placed(array, layouts.SPATIAL[sensors])
+    array = SpatialArray(any_place, of.alpha, of.beta, stage.height, stage.pitch, of.deviation)
+    return hall_two_waves.placed(array, layouts.SPATIAL[sensors])
 
 
 def _signs(stage: Stage, name: str, places: layouts.Places) -> tuple[str | float, ...]:
-    least, largest = layouts.signs(layouts.placed(placed(stage, ENOUGH), places))
+    least, largest = hall_accuracy.signs(hall_two_waves.placed(placed(stage, ENOUGH), places))
     return name, least, largest, "on lines" if least < 0 < largest else "not seen"
 
 
-def _layout(of: Array, sensors: int) -> page.Section:
-    deviations = 1e6 * maps.spatial(of, maps.cell(of, LEVEL, POINTS)).deviations.reshape(POINTS, POINTS, 6)
-    X, Y, Z, roll, pitch, yaw = np.moveaxis(deviations, -1, 0)
+def _layout(of: SpatialArray, sensors: int) -> page.Section:
+    deviations = 1e6 * hall_accuracy.spatial(of, hall_accuracy.cell(of, LEVEL, POINTS)).deviations
+    X, Y, Z, roll, pitch, yaw = np.moveaxis(deviations.reshape(POINTS, POINTS, 6), -1, 0)
     pairs = {
         "places": ([Map("X or Y, µm", np.maximum(X, Y)), Map("Z, µm", Z)], (1.0, 10.0), "µm"),
         "turns": ([Map("roll or pitch, µrad", np.maximum(roll, pitch)), Map("yaw, µrad", yaw)], (50.0, 500.0), "µrad"),
     }
     sides, caption = [(0.0, 1e3 * of.pitch)] * 2, f"Standard deviations for 1 mV, level at {1e3 * of.height:g} mm."
     drawn = [
-        page.Figure(figures.svg(pictures.maps(shown, sides, scale, 2, label=unit), f"six-{sensors}-{name}"), caption)
+        page.Figure(figures.svg(maps.maps(shown, sides, scale, 2, label=unit), f"six-{sensors}-{name}"), caption)
         for name, (shown, scale, unit) in pairs.items()
     ]
-    tables = [_table(maps.conditions(of, POINTS), "under conditions")]
+    tables = [_table(hall_accuracy.conditions(of, POINTS), "under conditions")]
     if sensors > ENOUGH:
-        tables.append(_table(maps.losses(of, POINTS), "after the loss of a sensor, level"))
+        tables.append(_table(hall_accuracy.losses(of, POINTS), "after the loss of a sensor, level"))
     return page.Section(f"{sensors} sensors", (*drawn, *tables, _misfit(of)))
 
 
@@ -78,9 +77,9 @@ def _table(of: Mapping[str, Accuracy], what: str) -> page.Table:
     return page.Table(f"Largest standard deviations over the pitch {what}", (*COLUMNS, "condition"), rows)
 
 
-def _misfit(of: Array) -> page.Table:
+def _misfit(of: SpatialArray) -> page.Table:
     """Return the errors by waves that the model has not, to first order."""
-    sensors = replace(hall_array.sensors([(x, y) for x, y, _ in of.positions]), volume=(0.0, 0.0, 0.0))
-    off = 1e6 * maps.misfit(of, sensors, Stage().waves(errors.WAVES), maps.cell(of, LEVEL, POINTS))
+    sensors = hall_array.points([(x, y) for x, y, _ in of.positions])
+    off = 1e6 * hall_accuracy.misfit(of, sensors, Stage().waves(errors.WAVES), hall_accuracy.cell(of, LEVEL, POINTS))
     rows = ("rms", *np.sqrt(np.mean(off**2, axis=0)).tolist()), ("largest", *np.abs(off).max(axis=0).tolist())
     return page.Table("Errors by what model (2) does not know of the field, to first order, level", COLUMNS, rows)

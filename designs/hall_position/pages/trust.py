@@ -6,19 +6,19 @@ from dataclasses import replace
 import numpy as np
 from matplotlib.figure import Figure
 
-from designs.hall_position import shipped
-from designs.hall_position.accuracy import layouts
+from designs.hall_position import config
 from designs.hall_position.trust import endurance, failures, starts
-from designs.hall_position.trust.fleet import Kind
-from designs.hall_position.trust.motions import Pose
-from designs.hall_position.trust.starts import ColdStart
+from designs.hall_position.trust.fleet import EstimatorConfig
+from models import hall_two_waves
+from models.hall_motions import Pose
 from synth.report import charts, maps, page
 from synth.report.captions import Made, Rows
 from synth.report.charts import Chart, Line
 from synth.report.figures import COLOURS
 from synth.report.maps import Map
+from synth.simulate.ensemble import Scores
 
-NAMES = {shipped.NAME: "two sensors", shipped.THREE: "three sensors"}
+NAMES = {config.NAME: "two sensors", config.THREE: "three sensors"}
 POINTS, BODIES, SAMPLES = 24, 4000, 60  # places along a pitch of the reach, starts drawn, samples of each
 YAW = np.radians(2)  # of bodies in these, to either side
 YAWS = np.array([-YAW, 0.0, YAW])  # of cold starts
@@ -30,21 +30,21 @@ SHOWN = "one axis"  # the failure of the maps
 SCALE = (1.0, 1e3)  # um, of the maps
 SHARES = ("out", "flagged", "named", "valid")
 
-Kinds = Mapping[str, Kind]
+EstimatorConfigs = Mapping[str, EstimatorConfig]
 
 
-def kinds() -> dict[str, Kind]:
+def kinds() -> dict[str, EstimatorConfig]:
     """Return the estimators that ship, by name."""
-    return {name: Kind(shipped.array(name), shipped.TUNING, shipped.TIME) for name in NAMES}
+    return {name: EstimatorConfig(config.array(name)) for name in NAMES}
 
 
-def blocks(of: Kinds) -> dict[str, Made]:
+def blocks(of: EstimatorConfigs) -> dict[str, Made]:
     """Return basins, cold starts, motions and failures."""
     return {
-        "trust.window_deg": float(np.degrees(shipped.TUNING.turn)),
+        "trust.window_deg": float(np.degrees(config.TUNING.turn)),
         "trust.starts": STARTS,
         "trust.drift": 1e3 * DRIFT,
-        "trust.wait_s": WAIT * shipped.TIME.period_s,
+        "trust.wait_s": WAIT * config.TIME.period_s,
         "trust.margin": 1 - endurance.MARGIN,
         "trust.far": endurance.FAR,
         "trust.motion": [_motion(name, kind) for name, kind in of.items()],
@@ -56,7 +56,7 @@ def blocks(of: Kinds) -> dict[str, Made]:
     }
 
 
-def basins(of: Kinds) -> dict[str, Made]:
+def basins(of: EstimatorConfigs) -> dict[str, Made]:
     """Return how far a start may be off, by the compiled C."""
     reach = [Map(NAMES[n], 1e3 * starts.reach(kind, POINTS)) for n, kind in of.items()]
     pitch = 1e3 * next(iter(of.values())).array.pitch
@@ -74,17 +74,17 @@ def basins(of: Kinds) -> dict[str, Made]:
     }
 
 
-def cold_starts(of: Kinds) -> dict[str, Made]:
+def cold_starts(of: EstimatorConfigs) -> dict[str, Made]:
     """Return how long it takes from `init` to a valid estimate."""
-    runs: dict[str, ColdStart] = {}
+    runs: dict[str, Scores] = {}
     for name, kind in of.items():
-        pose = Pose(*layouts.poses(kind.array.pitch, STARTS, YAWS))
+        pose = Pose(*hall_two_waves.poses(kind.array.pitch, STARTS, YAWS))
         for what, speed in (("at rest", 0.0), ("moving", DRIFT)):
             runs[f"{NAMES[name]}, {what}"] = starts.cold_start(kind, pose, WAIT, speed)
     lines = []
     for k, (name, each) in enumerate(runs.items()):
         style = {"drawstyle": "steps-post", "color": COLOURS[k // 2], "ls": ("-", "--")[k % 2]}
-        by = [100 * float(np.mean((each.took > 0) & (each.took <= n))) for n in range(1, WAIT + 1)]
+        by = 100 * np.logical_or.accumulate(each.valid).mean(axis=1)
         lines.append(Line(_ms(np.arange(1, WAIT + 1)), by, name, style))
     options = {"ylim": (0.0, 103.0)}
     return {
@@ -94,23 +94,25 @@ def cold_starts(of: Kinds) -> dict[str, Made]:
 
 
 def _ms(samples: np.ndarray) -> np.ndarray:
-    return 1e3 * shipped.TIME.period_s * samples
+    return 1e3 * config.TIME.period_s * samples
 
 
-def _waited(name: str, each: ColdStart) -> tuple[page.Cell, ...]:
-    took = _ms(each.took[each.took > 0])
-    half, most = (float(np.median(took)), float(took.max())) if took.size else (np.inf, np.inf)
-    return name, 100 * float(each.found.mean()), 100 * each.valid, half, most, each.wrong
+def _waited(name: str, each: Scores) -> tuple[page.Cell, ...]:
+    took = each.first_valid
+    ms = _ms(took[took > 0])
+    half, most = (float(np.median(ms)), float(ms.max())) if ms.size else (np.inf, np.inf)
+    found, valid = (100 * float(bodies.mean()) for bodies in (each.right[-1], took > 0))
+    return name, found, valid, half, most, int(each.wrong.sum())
 
 
-def _motion(name: str, kind: Kind) -> tuple[page.Cell, ...]:
+def _motion(name: str, kind: EstimatorConfig) -> tuple[page.Cell, ...]:
     """Return how fast a body may be, and a run of random motions at these speeds."""
     run = endurance.run(kind, MOVING, LONG, endurance.limits(kind))
     shares = 100 * run.valid, 100 * run.lost, run.wrong, 1e6 * run.worst
     return NAMES[name], run.limits.speed, run.limits.acceleration, run.samples, *shares
 
 
-def failing(of: Kinds) -> Rows:
+def failing(of: EstimatorConfigs) -> Rows:
     """Return what becomes of the estimates when a sensor fails, at rest and in motion."""
     return [
         (NAMES[name], failure, case, *_worst(kind, failure, part))
@@ -120,7 +122,7 @@ def failing(of: Kinds) -> Rows:
     ]
 
 
-def _worst(kind: Kind, failure: str, part: float) -> tuple[page.Cell, ...]:
+def _worst(kind: EstimatorConfig, failure: str, part: float) -> tuple[page.Cell, ...]:
     most = endurance.limits(kind)
     within = replace(most, speed=part * most.speed, acceleration=part * most.acceleration) if part else None
     sensors = range(1, len(kind.array.positions) + 1)
@@ -129,7 +131,7 @@ def _worst(kind: Kind, failure: str, part: float) -> tuple[page.Cell, ...]:
     return *means, max(o.late for o in outcomes), 100 * max(o.away for o in outcomes)
 
 
-def _unseen(kind: Kind) -> Figure:
+def _unseen(kind: EstimatorConfig) -> Figure:
     """Return where at rest, yaw 0, the failure of a sensor is not flagged, and by how much the estimate errs there."""
     shown = []
     for sensor in range(1, len(kind.array.positions) + 1):

@@ -5,12 +5,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from designs.hall_position.glsdc import parameters
-from designs.hall_position.paper import estimate, field
-from designs.hall_position.paper.stage import KEPT, PER_PITCH, Array, Stage, grid
-from models import concentrated_field, hall_array
-from models.hall_array import HallArray
-from models.hall_chain import Chain
+from designs.hall_position.paper import field
+from designs.hall_position.paper.stage import KEPT, PER_PITCH, Stage, grid
+from models import concentrated_field, hall_array, hall_correction
+from models.hall_array import Array
+from models.hall_two_waves import PlanarArray
 from synth.statespace import readonly
 
 CORRECTIONS, SCALE = 200, 0.2  # of GLSDC: what is left of a step is below any digit
@@ -57,21 +56,16 @@ def motions(off: Array, spacing: float, step: float) -> Array:
 
 
 @lru_cache(KEPT)
-def by_waves(stage: Stage, of: parameters.Array, points: int = PER_PITCH) -> Array:
+def by_waves(stage: Stage, of: PlanarArray, points: int = PER_PITCH) -> Array:
     """Return by how much GLSDC errs in X and Y (2, N) in m above the infinite matrix, the yaw free and 0."""
     q = grid(of, points)
-    predicted = hall_array.planar(sensors(of, stage.chain), stage.waves(WAVES), stage.height)
+    predicted = hall_array.planar(hall_array.points(of.positions, stage.chain), stage.waves(WAVES), stage.height)
     volts = predicted.function().map(q.shape[1])(q)[0].full()
     return _error(of, np.stack([volts[0::2], volts[1::2]]), q, False)
 
 
-def _error(of: parameters.Array, read: Array, q: Array, yaw_known: bool) -> Array:
-    return readonly(estimate.settled(of, read, q, SCALE, CORRECTIONS, yaw_known)[:2] - q[:2])
-
-
-def sensors(of: parameters.Array, chain: Chain) -> HallArray:
-    """Return sensors of points, without errors, behind a chain."""
-    return replace(hall_array.sensors(of.positions), chain=chain, volume=(0.0, 0.0, 0.0))
+def _error(of: PlanarArray, read: Array, q: Array, yaw_known: bool) -> Array:
+    return readonly(hall_correction.settled(of, read, q, SCALE, CORRECTIONS, yaw_known)[:2] - q[:2])
 
 
 def rms(values: Array) -> float:

@@ -6,42 +6,38 @@ Sensors are at +-(3/8, 3/8) l about the body's origin: the paper gives the spaci
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from designs.hall_position.accuracy import fisher, layouts
 from designs.hall_position.accuracy.layouts import PUBLISHED
-from designs.hall_position.glsdc import parameters
-from designs.hall_position.glsdc.parameters import Pair
-from models import concentrated_field, finite_matrix, hall_array
+from models import concentrated_field, finite_matrix, hall_array, hall_two_waves
 from models.concentrated_field import STRONG, WEAK, Cell, Order, Wave
 from models.finite_matrix import Scan
+from models.hall_array import Array, Pair
 from models.hall_chain import Chain
+from models.hall_two_waves import PlanarArray
 
-Array = NDArray[np.float64]
-
-UM, MM, MV = 1e-6, 1e-3, 1e-3
-FIELD = ("strong", "weak")  # what the field follows from
-NOISE = (*FIELD, "sensitivity", "noise")  # and the deviations
-TOLERANCE = 1e-3  # relative, of proofs at one yaw
 KEPT = 8  # results of each kind, for those that are asked for more than once
-POINTS = 240  # of a map, along a pitch
 PER_PITCH = 40  # points of a scan, so that sensors of (3/8) l stand on points
 NUMBERS = (1, 5)  # of model (2)
 
 
 @dataclass(frozen=True)
 class Stage:
-    """Remanences in T, where sensors are in pitches, their height above the matrix in m, and what follows them."""
+    """Remanences in T, the sensors' height above the matrix in m, and their sensitivity in V/T and noise in V."""
 
     strong: float = STRONG
     weak: float = WEAK
-    places: tuple[Pair, ...] = PUBLISHED
     height: float = hall_array.HEIGHT
-    chain: Chain = field(default_factory=Chain)
+    sensitivity: float = Chain.sensitivity
+    noise: float = Chain.noise
+
+    @property
+    def chain(self) -> Chain:
+        """What follows the sensors."""
+        return Chain(self.sensitivity, noise=self.noise)
 
     @cached_property
     def pitch(self) -> float:
@@ -49,26 +45,26 @@ class Stage:
         return float(concentrated_field.values()["l"])
 
     @cached_property
-    def pair(self) -> parameters.Array:
+    def pair(self) -> PlanarArray:
         """The first two sensors and model (2)."""
-        return self.array(self.places[:2])
+        return self.array(PUBLISHED[:2])
 
     @cached_property
-    def three(self) -> parameters.Array:
+    def three(self) -> PlanarArray:
         """All sensors and model (2)."""
-        return self.array(self.places)
+        return self.array(PUBLISHED)
 
     @property
     def truth(self) -> Scan:
         """What is read above six pitches of the blocks that were made."""
         return finite_matrix.scan(self.strong, self.weak, self.height, self.chain.gain, PER_PITCH)
 
-    def array(self, places: Sequence[Pair]) -> parameters.Array:
+    def array(self, places: Sequence[Pair]) -> PlanarArray:
         """Return model (2) for sensors at places in pitches."""
         alpha, beta = (self.chain.gain * self.amplitudes(NUMBERS)[k] for k in (0, 1))
         two = ((0.0, 0.0), (self.pitch, 0.0))
-        model = parameters.Array(two, 0.0, float(alpha), float(beta), self.pitch, self.chain.noise)
-        return layouts.placed(model, tuple(places))
+        model = PlanarArray(two, 0.0, float(alpha), float(beta), self.pitch, self.chain.noise)
+        return hall_two_waves.placed(model, tuple(places))
 
     def waves(self, orders: Sequence[Order], ideal: bool = False) -> tuple[Wave, ...]:
         """Return waves above the blocks that were made, or above `ideal` ones."""
@@ -77,9 +73,7 @@ class Stage:
     def amplitudes(self, numbers: Sequence[int], z: float | None = None, ideal: bool = False) -> Array:
         """Return A_n in T of sin(n w X) in B_X, z in m above the matrix, at the sensors' height unless given."""
         at = self.height if z is None else z
-        found = {w.order: w for w in self.waves([(n, 0) for n in numbers], ideal)}
-        sizes = {n: concentrated_field.amplitude(found[n, 0], at) for n in numbers if (n, 0) in found}
-        return np.array([float(sizes.get(n, 0.0)) for n in numbers])
+        return np.array(concentrated_field.amplitudes(self._cell(ideal), numbers, at))
 
     def cross(self, z: float) -> float:
         """Return the amplitude in T of sin(w (2 X + Y)) in B_X."""
@@ -89,20 +83,6 @@ class Stage:
         return concentrated_field.ideal(self.strong) if ideal else concentrated_field.fabricated(self.strong, self.weak)
 
 
-def grid(of: parameters.Array, points: int) -> Array:
+def grid(of: PlanarArray, points: int) -> Array:
     """Return poses (3, points^2) in the middles of squares over the pitch, m, at yaw 0."""
-    return np.array(layouts.poses(of.pitch, points, shift=0.5))
-
-
-def known_yaw(of: parameters.Array, points: int = 4096) -> Array:
-    """Return the deviation of X in m of sensors without yaw or yaw error, over a pitch (points,)."""
-    q = np.zeros((3, points))
-    q[0] = 2 * np.pi * np.arange(points) / points
-    slopes = fisher.rows(of, q).g[0]
-    return np.asarray(of.deviation / of.wave_number / np.sqrt((slopes**2).sum(axis=0)))
-
-
-@lru_cache(KEPT)
-def worst(of: parameters.Array, low: float, high: float, tolerance: float) -> fisher.Worst:
-    """Return the largest deviations over the pitch and yaws in rad, with their bounds, as `fisher.worst`."""
-    return fisher.worst(of, (low, high), tolerance)
+    return np.array(hall_two_waves.poses(of.pitch, points, shift=0.5))

@@ -11,35 +11,23 @@ MARGIN is left to the noise and to yaws, which move the sensors by their mean ar
 fifty is lost with three sensors in 1500 samples.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import log, pi, sqrt
+from math import sqrt
 
 import numpy as np
 
 from designs.hall_position.glsdc import tracking
 from designs.hall_position.trust import fleet
-from designs.hall_position.trust.fleet import Kind
-from designs.hall_position.trust.motions import Numbers, Pose
-from synth import numeric
+from designs.hall_position.trust.fleet import EstimatorConfig
+from models import hall_motions as motions
+from models.hall_motions import Limits
 from synth.check import Check
 
 MARGIN = 0.5  # of the acceleration
 FAR = 1000  # pitches: motions at the limits lead further than what ships counts
 WORST = 1e-4  # m: ten deviations at the worst place where an estimate is valid
-WAVES, SPREAD = 3, (0.2, 1.0)  # sines along each axis, and their frequencies
-SLOWEST, GENTLEST = 1e-3, 0.1  # parts of the speed, and of the acceleration by that: bodies creep as well
-YAW, SWINGS = 0.03, (0.1, 3.0)  # rad, Hz
+SLOWEST = 1e-3  # part of the speed: bodies creep as well
 PART = 0.95  # of the yaws that are declared
-
-
-@dataclass(frozen=True)
-class Limits:
-    """Speed along each axis, m/s, acceleration in the plane, m/s^2, and yaws to either side, rad."""
-
-    speed: float
-    acceleration: float
-    yaw: float = YAW
 
 
 @dataclass(frozen=True)
@@ -58,7 +46,7 @@ class Endurance:
     off: float
 
 
-def checks(name: str, kind: Kind, bodies: int, samples: int) -> list[Check]:
+def checks(name: str, kind: EstimatorConfig, bodies: int, samples: int) -> list[Check]:
     """Check that no body is lost, and none wrong, within the limits."""
     found = run(kind, bodies, samples, limits(kind))
     within = f"{found.limits.speed:.3g} m/s, {found.limits.acceleration:.3g} m/s^2, {found.samples} samples"
@@ -71,61 +59,30 @@ def checks(name: str, kind: Kind, bodies: int, samples: int) -> list[Check]:
     ]
 
 
-def limits(kind: Kind) -> Limits:
+def limits(kind: EstimatorConfig) -> Limits:
     """Return how fast the sensors' centre may be, with MARGIN."""
-    t, a, T = kind.tuning, kind.array, kind.time.period_s
+    t, a, T = kind.tuning, kind.array, fleet.TIME.period_s
     e = t.surprise * a.deviation / (a.alpha * sqrt(t.damping))
     speed, acceleration = t.reach / 2 / (a.wave_number * T), (1 - MARGIN) * t.follow * e / (a.wave_number * T**2)
     return Limits(speed, acceleration, PART * tracking.valid_yaw_limit(a, t))
 
 
-def run(kind: Kind, bodies: int, samples: int, within: Limits, seed: int = 0) -> Endurance:
+def run(kind: EstimatorConfig, bodies: int, samples: int, within: Limits, seed: int = 0) -> Endurance:
     """Run so many bodies for so many samples on random motions within a limit; pitches are counted to FAR.
 
     Half of the bodies come to the limit, the others to parts of it that are drawn down to SLOWEST.
 
-    Raises ModelError for no sample, and as `motion`.
+    Raises ModelError for no sample, and as `motions.sines`.
     """
     kind = replace(kind, tuning=replace(kind.tuning, pitches=FAR))
-    rng, T = np.random.default_rng(seed), kind.time.period_s
-    at = motion(kind, bodies, within, rng, SLOWEST)
-    state = fleet.placed(kind, at(-T), at(-2 * T))
+    rng = np.random.default_rng(seed)
+    at = motions.sines(kind.array, fleet.TIME, bodies, within, rng, SLOWEST)
+    state = fleet.moving(kind, at)
     valid = wrong = 0
     worst = off = 0.0
-    for batch, seen in fleet.followed(kind, state, lambda k: at(k * T), samples, rng):
+    for batch, seen in fleet.followed(kind, state, at, samples, rng):
         state = batch.states
         valid, wrong = valid + int(seen.valid.sum()), wrong + int(seen.wrong.sum())
         worst, off = max(worst, float(seen.off[seen.valid].max(initial=0))), max(off, float(seen.off.max()))
     lost = float((state["estimator_restarted"] > 0).mean())
     return Endurance(within, bodies * samples, valid / (bodies * samples), lost, wrong, worst, off)
-
-
-def motion(
-    kind: Kind, bodies: int, within: Limits, rng: np.random.Generator, slowest: float = 1.0
-) -> Callable[[float], Pose]:
-    """Return where bodies are at a time in s, on random sines whose speed and acceleration do not exceed a limit.
-
-    Every other body is slower, by a part that is drawn down to `slowest`. Yaws swing within the limit.
-
-    Raises ModelError for no body, or a limit that is not positive.
-    """
-    bodies = numeric.whole("the number of bodies", bodies)
-    for name in ("speed", "acceleration", "yaw"):
-        numeric.positive(f"the {name} that is the limit", getattr(within, name))
-    middle = rng.uniform(0, kind.array.pitch, (2, bodies))
-    every = np.arange(bodies) % 2
-    part = np.exp(every * rng.uniform(log(slowest), 0, bodies))
-    gentle = part * np.exp(every * rng.uniform(log(max(slowest, GENTLEST)), 0, bodies))
-    along = [_sines(bodies, part * within.speed, gentle * within.acceleration / sqrt(2), rng) for _ in "xy"]
-    yaw = rng.uniform(-within.yaw, within.yaw, bodies)
-    swing = (within.yaw - np.abs(yaw)) * rng.random(bodies)
-    rate, phase = 2 * pi * np.exp(rng.uniform(log(SWINGS[0]), log(SWINGS[1]), bodies)), rng.uniform(0, 2 * pi, bodies)
-    return lambda t: Pose(middle[0] + along[0](t), middle[1] + along[1](t), yaw + swing * np.sin(rate * t + phase))
-
-
-def _sines(bodies: int, speed: Numbers, acceleration: Numbers, rng: np.random.Generator) -> Callable[[float], Numbers]:
-    """Return displacements (bodies,) over time whose speed and acceleration reach these where all sines agree."""
-    part, rate = rng.dirichlet([1.0] * WAVES, bodies).T, rng.uniform(*SPREAD, (WAVES, bodies))
-    rate *= acceleration / speed / (part * rate).sum(axis=0)
-    phase = rng.uniform(0, 2 * pi, (WAVES, bodies))
-    return lambda t: (speed * part / rate * np.sin(rate * t + phase)).sum(axis=0)

@@ -11,28 +11,30 @@ by, nothing is flagged: the estimate is off then by what residuals up to the bou
 least slope. A sensor that is stuck while the body rests shows nothing, and does no harm before it moves.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import channels
-from designs.hall_position.trust import endurance, fleet
-from designs.hall_position.trust.endurance import Limits
-from designs.hall_position.trust.fleet import Kind
-from designs.hall_position.trust.motions import Numbers, Pose
+from designs.hall_position.trust import fleet
+from designs.hall_position.trust.fleet import EstimatorConfig
+from models import hall_motions as motions
+from models import hall_two_waves
+from models.hall_motions import Course, Limits, Numbers, Pose
 from synth import numeric
 from synth.errors import ModelError
 from synth.execute import host
 from synth.simulate import ensemble
+from synth.simulate.ensemble import Scores
 from synth.statespace import readonly
 
 SOON = 5  # samples within which a residual out of its bound is to be flagged
 BEFORE, AFTER = 20, 40  # samples
 WEAK = 0.9
+Samples = Sequence[tuple[host.Batch, Scores]]
 Failing = Callable[[Numbers, Numbers], Numbers]  # a sensor's voltages (N, 2), and those before: what is read
 
 
@@ -73,51 +75,40 @@ class Outcome:
     away: float
 
 
-@dataclass(frozen=True, eq=False)
-class _Seen:
-    """Over the samples (AFTER, N) from the failure on."""
-
-    out: NDArray[np.bool_]
-    flagged: NDArray[np.bool_]
-    judged: ensemble.Scores
-    state: Numbers
-
-
-def tried(kind: Kind, failure: str, sensor: int, bodies: int, within: Limits | None, seed: int = 0) -> Outcome:
+def tried(
+    kind: EstimatorConfig, failure: str, sensor: int, bodies: int, within: Limits | None, seed: int = 0
+) -> Outcome:
     """Let a sensor, numbered from 1, of bodies fail that move within a limit, or rest anywhere in the pitch.
 
     Raises ModelError for an unknown failure, a sensor that is not there, or no body.
     """
     rng = np.random.default_rng(seed)
     if within:
-        at = endurance.motion(kind, bodies, within, rng)
+        at = motions.sines(kind.array, fleet.TIME, bodies, within, rng)
     else:
-        at = _resting(fleet.anywhere(kind, bodies, endurance.YAW, rng))
-    return _outcome(_run(kind, failure, sensor, at, rng), sensor)
+        at = motions.resting(motions.anywhere(kind.array, bodies, motions.YAW, rng))
+    return _outcome(kind, _run(kind, failure, sensor, at, rng), sensor)
 
 
-def unseen(kind: Kind, failure: str, sensor: int, points: int, seed: int = 0) -> Numbers:
+def unseen(kind: EstimatorConfig, failure: str, sensor: int, points: int, seed: int = 0) -> Numbers:
     """Return by how much the estimate errs where the failure of a sensor of bodies at rest is not flagged.
 
     In m, over X and Y of the pitch (points, points), at yaw 0; NaN where it is flagged.
 
     Raises ModelError for an unknown failure, a sensor that is not there, or no point.
     """
-    at = _resting(Pose(*layouts.poses(kind.array.pitch, points)))
-    seen = _run(kind, failure, sensor, at, np.random.default_rng(seed))
-    flagged = seen.flagged[: SOON + 1].any(axis=0)
-    return readonly(np.where(flagged, np.nan, seen.judged.off[SOON]).reshape(points, points))
+    at = motions.resting(Pose(*hall_two_waves.poses(kind.array.pitch, points)))
+    samples = _run(kind, failure, sensor, at, np.random.default_rng(seed))
+    flagged = np.any([_flagged(batch) for batch, _ in samples[: SOON + 1]], axis=0)
+    return readonly(np.where(flagged, np.nan, samples[SOON][1].off).reshape(points, points))
 
 
-def _resting(pose: Pose) -> Callable[[float], Pose]:
-    return lambda t: pose
-
-
-def _run(kind: Kind, failure: str, sensor: int, at: Callable[[float], Pose], rng: np.random.Generator) -> _Seen:
+def _run(kind: EstimatorConfig, failure: str, sensor: int, at: Course, rng: np.random.Generator) -> Samples:
+    """Return the samples from the failure on."""
     if failure not in tuple(FAILURES):
         raise ModelError(f"'{failure}' is no failure that is known: give one of {', '.join(FAILURES)}")
     numeric.whole("the number of the sensor that fails", sensor, 1, len(kind.array.positions))
-    T, fails, held = kind.time.period_s, FAILURES[failure], np.zeros(0)
+    fails, held = FAILURES[failure], np.zeros(0)
 
     def spoilt(k: int, volts: Numbers) -> Numbers:
         nonlocal held
@@ -127,11 +118,7 @@ def _run(kind: Kind, failure: str, sensor: int, at: Callable[[float], Pose], rng
             volts[:, sensor - 1] = fails(volts[:, sensor - 1], held)
         return volts
 
-    state = fleet.placed(kind, at(-T), at(-2 * T))
-    samples = fleet.followed(kind, state, lambda k: at(k * T), BEFORE + AFTER, rng, spoilt)
-    batches, judged = zip(*list(samples)[BEFORE:], strict=True)
-    out = np.array([batch.outputs["residual"] > kind.tuning.residual for batch in batches])
-    return _Seen(out, np.array([*map(_flagged, batches)]), ensemble.stacked(judged), batches[-1].states)
+    return list(fleet.followed(kind, fleet.moving(kind, at), at, BEFORE + AFTER, rng, spoilt))[BEFORE:]
 
 
 def _flagged(batch: host.Batch) -> NDArray[np.bool_]:
@@ -140,11 +127,14 @@ def _flagged(batch: host.Batch) -> NDArray[np.bool_]:
     return np.asarray((batch.outputs["valid"] == 0) | left_out | (batch.faults > 0))
 
 
-def _outcome(seen: _Seen, sensor: int) -> Outcome:
-    out, flag = (np.where(v.any(axis=0), v.argmax(axis=0), AFTER) for v in (seen.out, seen.flagged))
-    exceeded, valid, state = out < AFTER, seen.judged.valid, seen.state
+def _outcome(kind: EstimatorConfig, samples: Samples, sensor: int) -> Outcome:
+    batches, scores = zip(*samples, strict=True)
+    judged, state = ensemble.stacked(scores), batches[-1].states
+    flag = _first(np.array([_flagged(batch) for batch in batches]))
+    out = _first(np.array([batch.outputs["residual"] > kind.tuning.residual for batch in batches]))
+    exceeded, valid = out < AFTER, judged.valid
     without = state["estimator_without"] if "estimator_without" in (state.dtype.names or ()) else np.zeros(out.size)
-    rms = np.sqrt((seen.judged.deviations**2).mean(axis=1))
+    rms = np.sqrt((judged.deviations**2).mean(axis=1))
     return Outcome(
         out=float(exceeded.mean()),
         flagged=float((flag < AFTER).mean()),
@@ -153,6 +143,11 @@ def _outcome(seen: _Seen, sensor: int) -> Outcome:
         late=int((flag - out)[exceeded].max(initial=0)),
         valid=float(valid[-1].mean()),
         error=float(np.sqrt((rms[valid] ** 2).mean())) if valid.any() else 0.0,
-        worst=float(seen.judged.off[valid].max(initial=0)),
-        away=float(seen.judged.wrong.any(axis=0).mean()),
+        worst=float(judged.off[valid].max(initial=0)),
+        away=float(judged.wrong.any(axis=0).mean()),
     )
+
+
+def _first(flags: NDArray[np.bool_]) -> NDArray[np.int_]:
+    """Return the first of AFTER samples that is flagged (N,), AFTER where none is."""
+    return np.where(flags.any(axis=0), flags.argmax(axis=0), AFTER)

@@ -11,12 +11,12 @@ from math import pi
 import numpy as np
 
 from designs.hall_position.glsdc import estimator
-from designs.hall_position.glsdc.parameters import Array, Tuning
-from designs.hall_position.trust import motions
-from designs.hall_position.trust.motions import Numbers, Pose
-from synth import numeric, timing
+from designs.hall_position.glsdc.parameters import Tuning
+from models import hall_motions as motions
+from models.hall_motions import Course, Numbers, Pose
+from models.hall_two_waves import PlanarArray as Array
+from synth import numeric
 from synth.block import unranged
-from synth.errors import ModelError
 from synth.execute import build, host
 from synth.simulate import ensemble
 from synth.simulate.ensemble import Scores
@@ -28,47 +28,28 @@ FULL = 2 * pi
 
 
 @dataclass(frozen=True)
-class Kind:
-    """Sensors, how they are estimated from, and the period.
-
-    Raises TimingError for a time without a period.
-    """
+class EstimatorConfig:
+    """Sensors, and how they are estimated from."""
 
     array: Array
     tuning: Tuning = USUAL
-    time: Discrete = TIME
-
-    def __post_init__(self) -> None:
-        timing.period(self.time)
 
 
 @cache
-def compiled(kind: Kind) -> host.Controller:
+def compiled(kind: EstimatorConfig) -> host.Controller:
     """Return the estimator's C in single precision, compiled."""
-    block = estimator.guarded(kind.array, kind.time, kind.tuning)
+    block = estimator.guarded(kind.array, TIME, kind.tuning)
     return build.compiled(unranged(block), np.float32, error=estimator.SURROGATE_ERROR[np.float32])
 
 
-def anywhere(kind: Kind, n: int, yaw: float, rng: np.random.Generator) -> Pose:
-    """Draw n poses over the pitch, at yaws in rad of up to `yaw` to either side.
-
-    Raises ModelError unless n is a whole number above 0 and the yaw one of at least 0.
-    """
-    n = numeric.whole("the number of bodies", n)
-    if numeric.number("the yaw", yaw) < 0:
-        raise ModelError(f"the yaw is {yaw} rad: give how far it goes to either side, at least 0")
-    X, Y = rng.uniform(0, kind.array.pitch, (2, n))
-    return Pose(X, Y, rng.uniform(-yaw, yaw, n))
-
-
-def placed(kind: Kind, pose: Pose, before: Pose | None = None, certain: bool = True) -> host.Records:
+def placed(kind: EstimatorConfig, pose: Pose, before: Pose | None = None, certain: bool = True) -> host.Records:
     """Return the states of bodies that are at poses (N,), and were at others a sample before, or at rest.
 
     Where that is not certain a yaw about 0 is assumed, as after `init`.
     """
     state = ensemble.started(compiled(kind), len(pose.X))
     w, pitch = kind.array.wave_number, kind.array.pitch
-    now, last = _centre(kind.array, pose), _centre(kind.array, before or pose)
+    now, last = (each.place(kind.array.centre) for each in (pose, before or pose))
     for axis, at, past in zip("xy", now, last, strict=True):
         turns = np.round(at / pitch)
         state[f"estimator_phase_{axis}"], state[f"estimator_pitch_{axis}"] = w * (at - turns * pitch), turns
@@ -83,9 +64,9 @@ def placed(kind: Kind, pose: Pose, before: Pose | None = None, certain: bool = T
     return state
 
 
-def _centre(array: Array, pose: Pose) -> tuple[Numbers, Numbers]:
-    (x, y), c, s = array.centre, np.cos(pose.yaw), np.sin(pose.yaw)
-    return pose.X + c * x - s * y, pose.Y + s * x + c * y
+def moving(kind: EstimatorConfig, at: Course) -> host.Records:
+    """Return the states of bodies on a course, before sample 0."""
+    return placed(kind, at(-1), at(-2))
 
 
 def wrapped(angle: Numbers) -> Numbers:
@@ -93,12 +74,12 @@ def wrapped(angle: Numbers) -> Numbers:
     return (angle + pi) % FULL - pi
 
 
-def stepped(kind: Kind, state: host.Records, volts: Numbers) -> host.Batch:
+def stepped(kind: EstimatorConfig, state: host.Records, volts: Numbers) -> host.Batch:
     """Advance bodies (N,) by a sample on voltages (N, sensors, 2)."""
     return compiled(kind).batch(state, motions.named(volts))
 
 
-def score(kind: Kind, found: Mapping[str, Numbers], pose: Pose) -> Scores:
+def score(kind: EstimatorConfig, found: Mapping[str, Numbers], pose: Pose) -> Scores:
     """Return the scores of outputs (N,) by where the bodies are."""
     pitch = kind.array.pitch
     along = [(found[a] - getattr(pose, a) + pitch / 2) % pitch - pitch / 2 for a in "XY"]
@@ -108,9 +89,9 @@ def score(kind: Kind, found: Mapping[str, Numbers], pose: Pose) -> Scores:
 
 
 def followed(
-    kind: Kind,
+    kind: EstimatorConfig,
     state: host.Records,
-    at: Callable[[int], Pose],
+    at: Course,
     samples: int,
     rng: np.random.Generator,
     spoilt: Callable[[int, Numbers], Numbers] = lambda k, volts: volts,
@@ -119,9 +100,13 @@ def followed(
 
     Raises ModelError for a number of samples that is none.
     """
+    for k in range(numeric.whole("the number of samples", samples)):
+        pose = at(k)
+        batch = stepped(kind, state, spoilt(k, motions.noisy(kind.array, pose, rng)))
+        state = batch.states
+        yield batch, score(kind, batch.outputs, pose)
 
-    def step(now: host.Records, k: int) -> host.Batch:
-        return stepped(kind, now, spoilt(k, motions.noisy(kind.array, at(k), rng)))
 
-    for k, batch in enumerate(ensemble.followed(step, state, numeric.whole("the number of samples", samples))):
-        yield batch, score(kind, batch.outputs, at(k))
+def scored(kind: EstimatorConfig, state: host.Records, at: Course, samples: int, rng: np.random.Generator) -> Scores:
+    """Return the scores (samples, N) of bodies that are at known poses; raise ModelError as `followed`."""
+    return ensemble.stacked([scores for _, scores in followed(kind, state, at, samples, rng)])

@@ -12,13 +12,14 @@ of the pitch; one that moves comes to such a part.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from designs.hall_position.trust import fleet
-from designs.hall_position.trust.fleet import Kind
-from designs.hall_position.trust.motions import Each, Numbers, Pose
+from designs.hall_position.trust.fleet import EstimatorConfig
+from models import hall_motions as motions
+from models.hall_motions import Numbers, Pose
 from synth import numeric
 from synth.simulate import ensemble
+from synth.simulate.ensemble import Scores
 from synth.statespace import readonly
 
 FAR, TURNED = 0.5, np.radians(10)  # of the pitch, and rad, that starts are off at most
@@ -42,43 +43,25 @@ class Basin:
     wrong: int
 
 
-@dataclass(frozen=True, eq=False)
-class ColdStart:
-    """How many samples each body took until it was valid (N,), 0 for never; whether the last estimate is its place.
-
-    Of all samples `wrong` were valid elsewhere.
-    """
-
-    took: NDArray[np.int_]
-    found: NDArray[np.bool_]
-    wrong: int
-
-    @property
-    def valid(self) -> float:
-        """Return the share that became valid."""
-        return float((self.took > 0).mean())
-
-
-def basin(kind: Kind, bodies: int, yaw: float, samples: int = 60, seed: int = 0) -> Basin:
+def basin(kind: EstimatorConfig, bodies: int, yaw: float, samples: int = 60, seed: int = 0) -> Basin:
     """Return where starts lead about places anywhere in the pitch, at yaws in rad of up to `yaw` to either side.
 
     Raises ModelError for no body or sample, or a yaw that is none.
     """
     rng, pitch = np.random.default_rng(seed), kind.array.pitch
-    pose = fleet.anywhere(kind, bodies, yaw, rng)
+    pose = motions.anywhere(kind.array, bodies, yaw, rng)
     off, turned = FAR * pitch * rng.random(bodies), TURNED * rng.random(bodies)
-    start = _off(pose, off, rng.uniform(0, 2 * np.pi, bodies), turned * rng.choice([-1, 1], bodies))
-    state = fleet.placed(kind, start, certain=False)
-    seen = ensemble.stacked([scores for _, scores in fleet.followed(kind, state, lambda k: pose, samples, rng)])
+    start = pose.moved(off, rng.uniform(0, 2 * np.pi, bodies), turned * rng.choice([-1, 1], bodies))
+    scores = fleet.scored(kind, fleet.placed(kind, start, certain=False), motions.resting(pose), samples, rng)
     edges = [FAR * pitch * np.arange(BINS[0] + 1) / BINS[0], TURNED * np.arange(BINS[1] + 1) / BINS[1]]
     every, _, _ = np.histogram2d(off, turned, edges)
-    led = [np.histogram2d(off[right], turned[right], edges)[0] for right in (seen.right[0], seen.right[-1])]
+    led = [np.histogram2d(off[right], turned[right], edges)[0] for right in scores.right[[0, -1]]]
     with np.errstate(invalid="ignore"):
         first, then = (readonly(good / every) for good in led)
-    return Basin(readonly(edges[0][1:]), readonly(edges[1][1:]), first, then, bodies * samples, int(seen.wrong.sum()))
+    return Basin(readonly(edges[0][1:]), readonly(edges[1][1:]), first, then, bodies * samples, int(scores.wrong.sum()))
 
 
-def reach(kind: Kind, points: int, seed: int = 0) -> Numbers:
+def reach(kind: EstimatorConfig, points: int, seed: int = 0) -> Numbers:
     """Return how far all starts about a place may be off at yaw 0 to lead to it in the first sample, (points, points).
 
     In m, over X and Y of the pitch. Raises ModelError for no point.
@@ -88,28 +71,20 @@ def reach(kind: Kind, points: int, seed: int = 0) -> Numbers:
     rings = NEAR * pitch * np.arange(1, RINGS + 1) / RINGS
     X, Y, d, h = np.meshgrid(along, along, rings, 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS, indexing="ij")
     pose = Pose(X.ravel(), Y.ravel(), np.zeros(X.size))
-    state = fleet.placed(kind, _off(pose, d.ravel(), h.ravel()), certain=False)
-    ((_, seen),) = fleet.followed(kind, state, lambda k: pose, 1, rng)
-    right = seen.right.reshape(X.shape).all(axis=3)
+    state = fleet.placed(kind, pose.moved(d.ravel(), h.ravel()), certain=False)
+    right = fleet.scored(kind, state, motions.resting(pose), 1, rng).right.reshape(X.shape).all(axis=3)
     return readonly(rings[0] * np.cumprod(right, axis=2).sum(axis=2))
 
 
-def cold_start(kind: Kind, pose: Pose, samples: int, speed: float = 0.0, seed: int = 0) -> ColdStart:
-    """Start bodies that are at poses (n,), or leave them at a speed in m/s in any direction.
+def cold_start(kind: EstimatorConfig, pose: Pose, samples: int, speed: float = 0.0, seed: int = 0) -> Scores:
+    """Return the scores (samples, n) from `init` of bodies that are at poses (n,), or leave them at a speed in m/s.
 
-    Raises ModelError for no sample.
+    Each goes in a direction of its own. Raises ModelError for no sample.
     """
     rng, n = np.random.default_rng(seed), len(pose.X)
     heading = rng.uniform(0, 2 * np.pi, n)
 
     def at(k: int) -> Pose:
-        return _off(pose, speed * k * kind.time.period_s, heading)
+        return pose.moved(speed * k * fleet.TIME.period_s, heading)
 
-    state = ensemble.started(fleet.compiled(kind), n)
-    seen = ensemble.stacked([scores for _, scores in fleet.followed(kind, state, at, samples, rng)])
-    took = np.where(seen.valid.any(axis=0), 1 + seen.valid.argmax(axis=0), 0)
-    return ColdStart(took, seen.right[-1], int(seen.wrong.sum()))
-
-
-def _off(pose: Pose, by: Each, heading: Numbers, turned: Each = 0.0) -> Pose:
-    return Pose(pose.X + by * np.cos(heading), pose.Y + by * np.sin(heading), pose.yaw + turned)
+    return fleet.scored(kind, ensemble.started(fleet.compiled(kind), n), at, samples, rng)

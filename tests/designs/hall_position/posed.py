@@ -7,8 +7,10 @@ import numpy as np
 
 from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import channels, six_estimator
-from designs.hall_position.glsdc.six_parameters import Array, Tuning
+from designs.hall_position.glsdc.parameters import SpatialTuning as Tuning
 from designs.hall_position.reference_glsdc import Setup
+from models import hall_two_waves
+from models.hall_two_waves import SpatialArray as Array
 from synth.block import Block, unranged
 from synth.emit import write
 from synth.execute import host
@@ -20,9 +22,9 @@ TIME = Discrete(1 / 800)
 L = 0.0508
 ALPHA, BETA = 8.4 * 0.37502, -8.4 * 0.02146  # V: fabricated, 3 mm
 ANY = Array(((0.0, 0.0, 0.0), (L, 0.0, 0.0), (0.0, L, 0.0)), ALPHA, BETA)
-FOUR = layouts.placed(ANY, layouts.SPATIAL[4])
-FIVE = layouts.placed(ANY, layouts.SPATIAL[5])
-SIX = layouts.placed(ANY, layouts.SPATIAL[6])
+FOUR = hall_two_waves.placed(ANY, layouts.SPATIAL[4])
+FIVE = hall_two_waves.placed(ANY, layouts.SPATIAL[5])
+SIX = hall_two_waves.placed(ANY, layouts.SPATIAL[6])
 USUAL = Tuning()
 
 Columns = Mapping[str, Numbers]

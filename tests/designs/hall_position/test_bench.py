@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from designs.hall_position import bench, costs, random_steps, shipped
+from designs.hall_position import bench, config, costs, random_steps
 from synth.blocks import safety
 from synth.emit.write import Emitted
 from synth.errors import DesignError
@@ -24,15 +24,15 @@ from synth.verify.steps import Steps
 GENERATED = Path(__file__).parents[3] / "generated_c"
 LIMIT, AIM = 2800, 2000  # instructions of two sensors: what was asked for, by gcc -O2, and aimed at, contracted
 CEILINGS = {
-    shipped.NAME: {"gcc, newlib": 2400, "gcc, newlib, contracted": AIM},
-    shipped.THREE: {"gcc, newlib": 3800},
+    config.NAME: {"gcc, newlib": 2400, "gcc, newlib, contracted": AIM},
+    config.THREE: {"gcc, newlib": 3800},
 }
 GCC = pytest.mark.skipif("gcc" not in cross.available(), reason="arm-none-eabi-gcc is not installed")
 SHIPPED = {b.name: b for b in meter.builds() if b.compiler == "gcc"}
 # gcc copies a decision into each path that leads to it, where part of it is decided, and a limit into each place that
 # has one, where only rounding comes beyond it. Without copies each decision of the text is there once.
 ONCE = Build("gcc, no copies", "gcc", ("-Os", "-fno-thread-jumps"))
-THIN = {shipped.NAME: 400, shipped.THREE: 250}  # steps of a sequence in which decisions are looked for
+THIN = {config.NAME: 400, config.THREE: 250}  # steps of a sequence in which decisions are looked for
 EACH = 200  # steps of each sequence that is costly
 LATCH = 1 << safety.LATCH_BIT
 
@@ -57,19 +57,19 @@ def subject(name: str) -> Subject:
     return Subject(emitted, controller, {s.name: s for s in bench.sequences(controller, lambda _: None)})
 
 
-@pytest.mark.parametrize("name", shipped.PLACES)
+@pytest.mark.parametrize("name", config.PLACES)
 def test_the_replay_has_faults_and_in_the_end_latches(name: str) -> None:
     controller = subject(name).controller
     replay = controller.replay(bench.replay(controller))
     latched = (replay.faults & LATCH) != 0
     assert len(latched) == bench.REPLAY and int(np.argmax(latched)) == 9505 and latched[9505:].all()
-    seen = [k for k in range(2 * len(shipped.PLACES[name])) if (replay.faults[:9500] >> k & 1).any()]
+    seen = [k for k in range(2 * len(config.PLACES[name])) if (replay.faults[:9500] >> k & 1).any()]
     assert seen == [1, 2, 3] and np.count_nonzero(replay.faults[:9500]) < 100
     assert 0.1 < np.mean(replay.outputs["valid"]) < 1
 
 
 def test_the_sequences_search_restart_and_converge() -> None:
-    found = subject(shipped.NAME)
+    found = subject(config.NAME)
     motions = found.sequences["motions"]
     assert [s.name for s in found.sequences.values() if s.closed_loop] == ["motions", "turns", "yaws left"]
     out = steps.taken(found.controller, motions).outputs
@@ -82,7 +82,7 @@ def test_the_sequences_search_restart_and_converge() -> None:
 
 
 @GCC
-@pytest.mark.parametrize("name", shipped.PLACES)
+@pytest.mark.parametrize("name", config.PLACES)
 def test_every_decision_is_seen_both_ways(name: str) -> None:
     own = rivals.emitted(subject(name).emitted)
     found = meter.covered(own, meter.run(own, subject(name).every(THIN[name]), ONCE), ONCE)
@@ -92,7 +92,7 @@ def test_every_decision_is_seen_both_ways(name: str) -> None:
 @GCC
 def test_a_decision_that_nothing_takes_is_told() -> None:
     """The planted defect: a branch on a value that no step has."""
-    (emitted, _, _), name = subject(shipped.NAME), shipped.NAME
+    (emitted, _, _), name = subject(config.NAME), config.NAME
     planted = "    if (in->V_ax == 1.2345678f) { faults |= 1u << 30; }\n    return faults;"
     text = emitted.files[f"{name}.c"].replace("    return faults;", planted)
     own = rivals.emitted(Emitted({**emitted.files, f"{name}.c": text}, emitted.manifest))
@@ -107,27 +107,27 @@ def test_the_costliest_step_keeps_below_its_ceiling(name: str, build: str) -> No
     most = meter.run(rivals.emitted(subject(name).emitted), given, SHIPPED[build]).cost.instructions.max()
     ceiling = CEILINGS[name][build]
     assert 0.93 * ceiling < most <= ceiling
-    assert name != shipped.NAME or ceiling <= (AIM if build.endswith("contracted") else LIMIT)
+    assert name != config.NAME or ceiling <= (AIM if build.endswith("contracted") else LIMIT)
 
 
 @GCC
 def test_casadis_own_c_takes_twice_as_many() -> None:
-    found, build = subject(shipped.NAME), SHIPPED["gcc, newlib"]
+    found, build = subject(config.NAME), SHIPPED["gcc, newlib"]
     few = steps.thinned(found.sequences["motions"], 20)
-    rival = meter.run(rivals.casadi(shipped.block(), shimmed=True), few, build).cost.instructions
+    rival = meter.run(rivals.casadi(config.block(), shimmed=True), few, build).cost.instructions
     own = meter.run(rivals.emitted(found.emitted), few, build).cost.instructions
     assert rival.min() > 1.8 * own.max()
 
 
 def test_another_design_is_refused() -> None:
-    controller = subject(shipped.NAME).controller
+    controller = subject(config.NAME).controller
     other = SimpleNamespace(manifest={**controller.manifest, "design": "other"})
     with pytest.raises(DesignError, match="'other' is none of hall_position, hall_position_three"):
         bench.replay(other)  # type: ignore[arg-type]
 
 
 def test_random_steps_are_those_of_verification() -> None:
-    drawn, _ = random_steps.in_operation(random_steps.subject(shipped.NAME), bench.DRAWN)
-    found = subject(shipped.NAME).sequences["random"]
+    drawn, _ = random_steps.in_operation(random_steps.subject(config.NAME), bench.DRAWN)
+    found = subject(config.NAME).sequences["random"]
     assert len(found) == bench.DRAWN
     np.testing.assert_array_equal(found.states["estimator_yaw"], drawn["estimator_yaw"].astype(np.float32))

@@ -10,7 +10,7 @@ from functools import cache, partial
 import numpy as np
 import pytest
 
-from designs.hall_position import bench, costs, shipped
+from designs.hall_position import bench, config, costs
 from designs.hall_position.costs import BUILDS, Row, Subject
 from synth.emit import write
 from synth.emit.write import Emitted
@@ -29,7 +29,7 @@ emit_with_libm = partial(write.emit, libm=True)
 @cache
 def three() -> Emitted:
     """Return the C of three sensors."""
-    return emit_with_libm(shipped.block(shipped.THREE), np.float32)
+    return emit_with_libm(config.block(config.THREE), np.float32)
 
 
 @cache
@@ -50,7 +50,7 @@ def measured() -> Row:
 
 def looping(emitted: Emitted) -> Emitted:
     """Return the C with a loop before it returns."""
-    name = f"{shipped.THREE}.c"
+    name = f"{config.THREE}.c"
     loop = f"    for (volatile int k = 0; k < {TURNS}; ++k) {{}}\n    return faults;"
     planted = emitted.files[name].replace("    return faults;", loop)
     assert planted.count("volatile int k") == 1

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from designs.hall_position import bench, shipped
+from designs.hall_position import bench, config
 from designs.hall_position.glsdc import estimator
 from synth import contents, testing, workspace
 from synth.check import Check
@@ -34,17 +34,17 @@ def committed(name: str) -> tuple[dict[str, str], dict[str, Any]]:
 
 
 def test_the_workspace_finds_it(design: Design) -> None:
-    assert (design.name, design.scalar) == (shipped.NAME, np.float32)
+    assert (design.name, design.scalar) == (config.NAME, np.float32)
     block = design.bench.block()
-    assert block.name == design.name and block.time == shipped.TIME and block.time.period_s == 1 / 800
+    assert block.name == design.name and block.time == config.TIME and block.time.period_s == 1 / 800
     assert [s.name for s in block.inputs] == ["V_ax", "V_ay", "V_bx", "V_by"]
-    assert design.bench == workspace.Bench(shipped.block, bench.replay, bench.sequences, bench.FLOOR)
+    assert design.bench == workspace.Bench(config.block, bench.replay, bench.sequences, bench.FLOOR)
 
 
 def test_what_is_declared_is_the_guarded_estimator(design: Design) -> None:
     """Byte by byte what a guard and the estimator are together; once latched its states go on."""
     assert design.stage is not None
-    other = estimator.guarded(shipped.array(), shipped.TIME, shipped.TUNING)
+    other = estimator.guarded(config.array(), config.TIME, config.TUNING)
     texts = [write.emit(block, np.float32, libm=True).files for block in (design.stage.controller.block, other)]
     assert texts[0] == texts[1]
 
@@ -60,13 +60,13 @@ def test_defects_that_are_planted_are_found(design: Design) -> None:
     assert testing.unnoticed(design.stage) == []
 
 
-@pytest.mark.parametrize("name", shipped.PLACES)
+@pytest.mark.parametrize("name", config.PLACES)
 def test_its_manifest_says_when_it_latches(name: str) -> None:
     _, manifest = committed(name)
     assert manifest["safety"]["bad_samples"] == 5 and manifest["safety"]["safe_output"] == {}
     assert manifest["design"] == name and manifest["period_s"] == 1 / 800
     latched = [f for f in manifest["faults"] if f.get("latched")]
-    assert len(manifest["faults"]) == 2 * len(shipped.PLACES[name]) + 1 and [f["bit"] for f in latched] == [31]
+    assert len(manifest["faults"]) == 2 * len(config.PLACES[name]) + 1 and [f["bit"] for f in latched] == [31]
 
 
 def failed(found: tuple[Check, ...]) -> list[str]:
@@ -75,7 +75,7 @@ def failed(found: tuple[Check, ...]) -> list[str]:
 
 @needs_provers
 def test_the_committed_c_keeps_its_contract_over_the_whole_domain() -> None:
-    files, manifest = committed(shipped.NAME)
+    files, manifest = committed(config.NAME)
     proof = eva.prove(files, manifest)
     assert proof.proved == proof.expected > 100 and failed(proof.checks()) == []
     assert failed(nonfinite.compare(files, manifest).checks()) == []
@@ -85,8 +85,8 @@ def test_the_committed_c_keeps_its_contract_over_the_whole_domain() -> None:
 @needs_provers
 def test_a_state_beyond_its_bounds_is_told() -> None:
     """The planted defect."""
-    files, manifest = committed(shipped.NAME)
-    name, line = f"{shipped.NAME}.c", "state->estimator_motion_x = estimator_motion_x_next;"
+    files, manifest = committed(config.NAME)
+    name, line = f"{config.NAME}.c", "state->estimator_motion_x = estimator_motion_x_next;"
     assert files[name].count(line) == 1
     text = files[name].replace(line, "state->estimator_motion_x = 2.0f;")
     proof = eva.prove({**files, name: text}, manifest)
@@ -95,8 +95,8 @@ def test_a_state_beyond_its_bounds_is_told() -> None:
 
 @needs_provers
 def test_a_number_that_is_none_and_passes_is_told() -> None:
-    files, manifest = committed(shipped.NAME)
-    name = f"{shipped.NAME}.c"
+    files, manifest = committed(config.NAME)
+    name = f"{config.NAME}.c"
     deaf = files[name].replace("if (fabsf(V_ax) <= 5.0f) {", "if (!(fabsf(V_ax) > 5.0f)) {")
     assert deaf != files[name] and failed(nonfinite.compare({**files, name: deaf}, manifest).checks())
 

@@ -6,15 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from designs.hall_position import costs, page, shipped
-from designs.hall_position.accuracy import fisher, maps
+from designs.hall_position import config, costs, page
 from designs.hall_position.costs import Row
 from designs.hall_position.pages import accuracy, field, six, trust
 from designs.hall_position.paper import rows
 from designs.hall_position.paper.stage import Stage, grid
+from models import hall_accuracy, hall_fisher
 from synth.emit.write import Emitted
-from synth.report import sections
-from synth.report.audit import recipes
+from synth.report import audit, sections
 from synth.report.captions import Made, Rows
 from synth.report.page import Section, Table
 from synth.verify.cost import Cost
@@ -56,9 +55,10 @@ def test_every_part_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
     others = {(id(three), six.placed(STAGE, 4)): (row,)}
     monkeypatch.setattr(costs, "measure", lambda three, four: others[id(three), four])
     monkeypatch.setattr(sections, "cost", lambda found: Section("Cost of two sensors"))
-    cost = Cost(shipped.NAME, "cortex-m4f", 1e-3, (), (), (), {}, ())
-    few = [recipes(rows.ROWS)[n].row(STAGE, rows.printed()) for n in ("K-1", "K-8")]
-    html = page.report({shipped.THREE: three}, Evidence(shipped.NAME, (), ()), [], few, cost)
+    cost = Cost(config.NAME, "cortex-m4f", 1e-3, (), (), (), {}, ())
+    bench = rows.on(STAGE, rows.printed())
+    few = [audit.computed(bench.published[n], bench) for n in ("K-1", "K-8")]
+    html = page.report({config.THREE: three}, Evidence(config.NAME, (), ()), [], few, cost)
     assert len(html.encode()) < MOST and html.count("<svg") == len(set(re.findall(r"Figure (\d+)\.", html)))
     for text in (
         "Fig. 3",
@@ -87,7 +87,7 @@ def test_the_map_is_that_of_the_deviations(monkeypatch: pytest.MonkeyPatch) -> N
     found = accuracy._larger(STAGE.three, 0.1)
     along = STAGE.pitch * (np.arange(6) + 0.5) / 6
     for i, j in ((0, 0), (2, 5), (4, 1)):
-        expected = fisher.deviations(STAGE.three, np.array([[along[i]], [along[j]], [0.1]]))[:2].max()
+        expected = hall_fisher.deviations(STAGE.three, np.array([[along[i]], [along[j]], [0.1]]))[:2].max()
         assert found[i, j] == pytest.approx(expected, rel=1e-12)
     assert grid(STAGE.three, 6).shape == (3, 36)
 
@@ -116,7 +116,7 @@ def test_three_sensors_are_told_to_lose_rank_in_six_degrees_of_freedom(monkeypat
     section = six.section(STAGE)
     assert all(row[3] == "on lines" for row in rows_of(six.blocks(STAGE)["six.determinants"]))
     of = six.placed(STAGE, 4)
-    expected = 1e6 * maps.conditions(of, 8)[maps.LEVEL].deviations.max(axis=0)
+    expected = 1e6 * hall_accuracy.conditions(of, 8)[hall_accuracy.LEVEL].deviations.max(axis=0)
     shown = tables(section.sections[0])["Largest standard deviations over the pitch under conditions"].rows[0]
     assert shown[1:7] == pytest.approx(tuple(expected))
 

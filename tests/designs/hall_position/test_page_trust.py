@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from designs.hall_position import shipped
-from designs.hall_position.accuracy import layouts
+from designs.hall_position import config
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.pages import trust
 from designs.hall_position.trust import endurance, failures, fleet, starts
-from designs.hall_position.trust.fleet import Kind
-from designs.hall_position.trust.motions import Pose
+from designs.hall_position.trust.fleet import EstimatorConfig
+from models import hall_two_waves
+from models.hall_motions import Pose
 from synth.block import unranged
 from synth.emit import write
 from synth.execute import host
@@ -20,13 +20,13 @@ from synth.report.captions import Made, Rows
 from synth.report.page import Table
 from synth.simulate import ensemble
 
-TWO = {shipped.NAME: trust.kinds()[shipped.NAME]}
+TWO = {config.NAME: trust.kinds()[config.NAME]}
 
 
 @cache
-def with_libm(kind: Kind) -> host.Controller:
+def with_libm(kind: EstimatorConfig) -> host.Controller:
     """Return the same C with sines of libm, which is emitted in a tenth of the time."""
-    made = write.emit(unranged(estimator.guarded(kind.array, kind.time, kind.tuning)), np.float32, libm=True)
+    made = write.emit(unranged(estimator.guarded(kind.array, fleet.TIME, kind.tuning)), np.float32, libm=True)
     return host.load(made.files, made.manifest)
 
 
@@ -70,15 +70,16 @@ def test_what_is_valid_and_wrong_is_counted(monkeypatch: pytest.MonkeyPatch) -> 
 def test_cold_starts_are_shown_as_they_are() -> None:
     row = rows_of(trust.cold_starts(TWO)["trust.cold_starts"])[0]
     (kind,) = TWO.values()
-    grid = Pose(*layouts.poses(kind.array.pitch, 4, trust.YAWS))
+    grid = Pose(*hall_two_waves.poses(kind.array.pitch, 4, trust.YAWS))
     found = starts.cold_start(kind, grid, 60)
-    assert row[1:3] == pytest.approx((100 * found.found.mean(), 100 * found.valid))
-    assert row[4] == pytest.approx(1.25 * found.took.max())
+    took = found.first_valid
+    assert row[1:3] == pytest.approx((100 * found.right[-1].mean(), 100 * (took > 0).mean()))
+    assert row[4] == pytest.approx(1.25 * took.max())
 
 
 def test_motion_is_within_the_limits_that_are_derived() -> None:
     (kind,) = TWO.values()
-    row = trust._motion(shipped.NAME, kind)
+    row = trust._motion(config.NAME, kind)
     within = endurance.limits(kind)
     assert row[1:4] == (within.speed, within.acceleration, 800)
     assert row[6] == 0

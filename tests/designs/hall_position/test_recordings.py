@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from designs.hall_position import bench, shipped
+from designs.hall_position import bench, config
 from designs.hall_position.design import DESIGN
 from designs.hall_position.glsdc import channels
 from synth.blocks import safety
@@ -34,7 +34,7 @@ def committed(name: str) -> tuple[dict[str, str], dict[str, Any], dict[str, Any]
     return {p.name: p.read_text() for p in folder.glob("*.[ch]")}, manifest, vectors
 
 
-@pytest.mark.parametrize("name", shipped.PLACES)
+@pytest.mark.parametrize("name", config.PLACES)
 def test_regeneration_gives_the_committed_bytes(name: str) -> None:
     folder = ROOT / "generated_c" / name
     fresh = {file: text for file, text in made()[name].files.items() if file != "vectors.json"}
@@ -43,17 +43,17 @@ def test_regeneration_gives_the_committed_bytes(name: str) -> None:
     assert {p.name for p in folder.iterdir()} == {*fresh, "vectors.json"}
 
 
-@pytest.mark.parametrize("name", shipped.PLACES)
+@pytest.mark.parametrize("name", config.PLACES)
 def test_no_constant_is_near_where_rounding_turns(name: str) -> None:
     """What libm leaves of a constant in its last bits cannot change the single-precision number that is committed."""
-    constants = shipped.block(name).constants
+    constants = config.block(name).constants
     assert len(constants) == 6
     for c in constants:
         ends = c.value + np.array([-1, 1]) * LAST_BITS * np.spacing(abs(c.value))
         assert len(set(ends.astype(np.float32))) == 1, c.name
 
 
-@pytest.mark.parametrize("name", shipped.PLACES)
+@pytest.mark.parametrize("name", config.PLACES)
 def test_the_committed_c_answers_its_vectors(name: str) -> None:
     """To the last bit: without contraction no compiler has a choice, and the C calls nothing of libm but roots."""
     files, manifest, recorded = committed(name)
@@ -68,7 +68,7 @@ def test_the_committed_c_answers_its_vectors(name: str) -> None:
     assert any((other.outputs[n] != np.array(v, dtype=np.float32)).any() for n, v in recorded["outputs"].items())
 
 
-@pytest.mark.parametrize("name", shipped.PLACES)
+@pytest.mark.parametrize("name", config.PLACES)
 def test_the_vectors_find_the_place_and_hold_bad_samples(name: str) -> None:
     _, _, recorded = committed(name)
     words, out = np.array(recorded["faults"]), {n: np.array(v) for n, v in recorded["outputs"].items()}
@@ -77,7 +77,7 @@ def test_the_vectors_find_the_place_and_hold_bad_samples(name: str) -> None:
     wanted[bench.LOST] = 1 << 2
     wanted[bench.LOST.start + channels.BAD_SAMPLES - 1 :] |= 1 << safety.LATCH_BIT
     np.testing.assert_array_equal(words, wanted)
-    way, pitch, valid = bench.way(), shipped.array(name).pitch, out["valid"] > 0
+    way, pitch, valid = bench.way(), config.array(name).pitch, out["valid"] > 0
     assert np.ptp(way.X) > 2 * pitch and valid[SEARCH : bench.BAD.start].all() and valid.mean() > 0.5
     for axis, true in (("X", way.X), ("Y", way.Y)):
         off = (out[axis] - true + pitch / 2) % pitch - pitch / 2  # pitches are counted from init on
@@ -85,7 +85,7 @@ def test_the_vectors_find_the_place_and_hold_bad_samples(name: str) -> None:
         # They are those of a body at rest: the damping adds what it holds back of a motion.
         assert np.abs(deviations).max() < 10 and np.sqrt(np.mean(deviations**2)) < 1.2
     survives = valid[bench.BAD].all() and valid[bench.LOST].all()
-    assert survives == (name == shipped.THREE)
+    assert survives == (name == config.THREE)
 
 
 @pytest.mark.parametrize("compiler", ["host", "zig"])
@@ -97,21 +97,19 @@ def test_no_warning(compiler: str) -> None:
 
 
 def test_the_field_is_that_of_the_fabricated_matrix() -> None:
-    array = shipped.array()
+    array = config.array()
     np.testing.assert_allclose([array.alpha, array.beta], [8.4 * 0.37502, -8.4 * 0.02146], rtol=3e-4)
     np.testing.assert_allclose(np.array(array.positions) / array.pitch, [[-0.375] * 2, [0.375] * 2], rtol=1e-12)
-    assert len(shipped.array(shipped.THREE).positions) == 3 and array.deviation == 1e-3
+    assert len(config.array(config.THREE).positions) == 3 and array.deviation == 1e-3
 
 
-@pytest.mark.parametrize("name", shipped.PLACES)
+@pytest.mark.parametrize("name", config.PLACES)
 def test_the_numbers_are_told(name: str) -> None:
     document = json.loads((ROOT / "generated_c" / name / "gains.json").read_text())
-    array, told = shipped.array(name), document["design"]
+    array, told = config.array(name), document["design"]
     k = {c: v["value"] for c, v in document["constants"].items()}
     p = np.linspace(-3, 3, 100)
     series = sum(k[f"estimator_field_{n}"] * np.sin(p) ** n for n in (1, 3, 5))
     np.testing.assert_allclose(series, told["alpha_V"] * np.sin(p) + told["beta_V"] * np.sin(5 * p), atol=1e-6)
     np.testing.assert_allclose(np.array(told["positions_pitches"]) * told["pitch_m"], array.positions, rtol=1e-12)
-    assert told["period_s"] == shipped.TIME.period_s and told["tuning"] == pytest.approx(
-        vars(shipped.TUNING), rel=1e-11
-    )
+    assert told["period_s"] == config.TIME.period_s and told["tuning"] == pytest.approx(vars(config.TUNING), rel=1e-11)

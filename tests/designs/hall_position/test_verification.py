@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from designs.hall_position import random_steps, reference_guard, shipped, verification
+from designs.hall_position import config, random_steps, reference_guard, verification
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.random_steps import Subject
 from designs.hall_position.reference_glsdc import Setup
@@ -24,7 +24,7 @@ from synth.verify.agree import Stepped
 from synth.verify.suite import Witnesses
 
 SIZES = {"motions": 4000, "random": 2000, "edge": 1000}
-PAIR = shipped.NAME
+PAIR = config.NAME
 
 
 @cache
@@ -243,6 +243,6 @@ def test_evidence_is_of_both_estimators(monkeypatch: pytest.MonkeyPatch) -> None
     )
     for whole, sizes, samples in ((True, verification.WHOLE, 10_000_000), (False, verification.QUICK, 100_000)):
         found = verification.verify(heard.append, whole)
-        wanted = [f"{name} {each}" for name in shipped.PLACES for each in (sizes, samples)]
+        wanted = [f"{name} {each}" for name in config.PLACES for each in (sizes, samples)]
         assert found.design == PAIR and [c.name for c in found.checks] == wanted
     assert verification.WHOLE["motions"] == 100_000 and len(heard) == 8

@@ -6,11 +6,12 @@ from functools import cache
 
 import numpy as np
 
-import designs.hall_position.trust.motions as motions
 from designs.hall_position import reference
 from designs.hall_position.glsdc import channels, estimator
-from designs.hall_position.glsdc.parameters import Array, Tuning
+from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.reference_glsdc import Setup
+from models import hall_motions as motions
+from models.hall_two_waves import PlanarArray as Array
 from synth.block import Block, unranged
 from synth.emit import write
 from synth.execute import host
@@ -59,8 +60,7 @@ def compiled(array: Array, tuning: Tuning = USUAL, scalar: type[np.floating] = n
 
 def setup(array: Array, tuning: Tuning = USUAL) -> Setup:
     """Return what the reference needs to know."""
-    weights = array.weights or (1.0,) * len(array.positions)
-    return Setup(vars(array) | vars(tuning) | {"weights": weights})
+    return Setup(vars(array) | vars(tuning))
 
 
 def noisy(array: Array, pose: Pose, seed: int = 0) -> Numbers:

@@ -8,8 +8,9 @@ import pytest
 
 from designs.hall_position import reference, reference_glsdc
 from designs.hall_position.glsdc import channels
-from designs.hall_position.glsdc.parameters import Array, Tuning
+from designs.hall_position.glsdc.parameters import Tuning
 from models import concentrated_field, hall_array
+from models.hall_two_waves import PlanarArray as Array
 from synth.errors import ModelError
 from synth.statespace import Array as Numbers
 from tests import tolerances
@@ -51,7 +52,7 @@ def rms(values: Numbers) -> float:
 
 def test_the_voltages_here_are_those_of_the_sensor_model() -> None:
     field = concentrated_field.fitted({1: ALPHA / 8.4, 5: BETA / 8.4}, 3e-3, concentrated_field.values())
-    sensors = replace(hall_array.sensors(THREE.positions), volume=(0.0, 0.0, 0.0))
+    sensors = hall_array.points(THREE.positions)
     predicted, pose = hall_array.planar(sensors, field).function(), places(20, 0, 3.0)
     for X, Y, yaw, V in zip(pose.X, pose.Y, pose.yaw, volts(THREE, pose), strict=True):
         np.testing.assert_allclose(predicted(ca.DM([X, Y, yaw]))[0].full().ravel(), V.ravel(), rtol=0, atol=EXACT)
@@ -202,8 +203,6 @@ def test_a_singular_place_is_passed() -> None:
     ("change", "message"),
     [
         ({"positions": ((0.0, 0.0), (0.0, 0.0))}, "two places"),
-        ({"weights": (1.0,)}, "1 weights for 2 sensors"),
-        ({"weights": (1.0, 0.0)}, "weights positive"),
         ({"alpha": 0.0}, "alpha is 0.0"),
         ({"beta": float("nan")}, "must be finite"),
     ],
@@ -219,15 +218,6 @@ def test_an_array_that_cannot_be_is_refused(change: dict[str, object], message: 
 def test_a_tuning_that_cannot_be_is_refused(change: dict[str, float]) -> None:
     with pytest.raises(ModelError, match=f"{next(iter(change))} is"):
         Tuning(**change)  # type: ignore[arg-type]
-
-
-def test_a_weighted_sensor_counts_for_more() -> None:
-    heavy, pose = replace(TWO, weights=(1.0, 4.0)), places(100, 14, 0.02)
-    found = [
-        compiled(a).batch(records(a, known(a, pose)), given(a, volts(a, pose))).outputs["deviation_yaw"]
-        for a in (heavy, TWO)
-    ]
-    assert (found[0] < found[1]).all()
 
 
 def test_voltages_are_named_by_sensor_and_axis() -> None:

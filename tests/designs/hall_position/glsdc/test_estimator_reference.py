@@ -5,8 +5,8 @@ import pytest
 
 from designs.hall_position import reference, reference_glsdc, reference_rounding
 from designs.hall_position.glsdc import channels
-from designs.hall_position.glsdc.parameters import Array
 from designs.hall_position.reference_glsdc import Setup
+from models.hall_two_waves import PlanarArray as Array
 from synth.execute import host
 from synth.statespace import Array as Numbers
 from tests import tolerances

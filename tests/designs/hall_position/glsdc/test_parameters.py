@@ -5,10 +5,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from designs.hall_position import shipped
-from designs.hall_position.glsdc import channels, estimator, six_estimator, six_parameters
-from designs.hall_position.glsdc.parameters import Array, Tuning
-from designs.hall_position.trust import fleet
+from designs.hall_position import config
+from designs.hall_position.glsdc import channels, estimator, six_estimator
+from designs.hall_position.glsdc.parameters import SpatialTuning, Tuning
+from models.hall_two_waves import PlanarArray as Array
+from models.hall_two_waves import SpatialArray
 from synth.errors import DesignError, ModelError, TimingError
 from synth.timing import Continuous
 from tests.designs.hall_position.posed import FOUR
@@ -24,16 +25,16 @@ def array(**given: Any) -> Array:
     return Array(**usual | given)
 
 
-def six(**given: Any) -> six_parameters.Array:
+def six(**given: Any) -> SpatialArray:
     usual: dict[str, Any] = {"positions": SIX_PLACES, "alpha": 3.0, "beta": -0.1}
-    return six_parameters.Array(**usual | given)
+    return SpatialArray(**usual | given)
 
 
 @pytest.mark.parametrize("of", [list, np.array])
-def test_places_and_weights_may_be_lists_or_arrays(of: Any) -> None:
-    given = array(positions=of([of(r) for r in PLACES]), weights=of([1.0, 4.0]), alpha=np.float32(3))
-    assert given == array(weights=(1.0, 4.0)) and hash(given) == hash(array(weights=(1.0, 4.0)))
-    assert type(given.alpha) is type(given.positions[1][0]) is type(given.weights[0]) is float
+def test_places_may_be_lists_or_arrays(of: Any) -> None:
+    given = array(positions=of([of(r) for r in PLACES]), alpha=np.float32(3))
+    assert given == array() and hash(given) == hash(array())
+    assert type(given.alpha) is type(given.positions[1][0]) is float
     assert six(positions=of([of(r) for r in SIX_PLACES])) == six()
 
 
@@ -73,13 +74,7 @@ def test_more_sensors_than_are_named_are_refused() -> None:
     assert len(channels.voltages(len(six(positions=many[:26]).positions))) == 52
 
 
-@pytest.mark.parametrize("weights", [2.0, ("a", 1.0), (1.0, True), (1.0, float("nan")), ((1.0, 1.0), (1.0, 1.0)), None])
-def test_what_are_no_weights_is_refused(weights: Any) -> None:
-    with pytest.raises(ModelError, match="weights"):
-        array(weights=weights)
-
-
-@pytest.mark.parametrize("of", [Tuning, six_parameters.Tuning])
+@pytest.mark.parametrize("of", [Tuning, SpatialTuning])
 def test_each_figure_of_a_tuning_is_a_number_or_refused(of: Any) -> None:
     for name in of.__dataclass_fields__:
         for value in NONE:
@@ -87,7 +82,7 @@ def test_each_figure_of_a_tuning_is_a_number_or_refused(of: Any) -> None:
                 of(**{name: value})
 
 
-@pytest.mark.parametrize(("of", "name"), [(Tuning, "iterations"), (six_parameters.Tuning, "corrections")])
+@pytest.mark.parametrize(("of", "name"), [(Tuning, "iterations"), (SpatialTuning, "corrections")])
 def test_what_is_counted_is_a_whole_number(of: Any, name: str) -> None:
     for counted in (name, "pitches"):
         for value in (2.5, 2.0, 0, 1001):
@@ -98,18 +93,16 @@ def test_what_is_counted_is_a_whole_number(of: Any, name: str) -> None:
 
 @pytest.mark.parametrize("time", [None, Continuous(), 1 / 800])
 def test_an_estimator_takes_a_period(time: Any) -> None:
-    two = shipped.array()
+    two = config.array()
     for made, given in ((estimator, two), (six_estimator, FOUR)):
         with pytest.raises(TimingError, match=r"`time` of `block.build` is .*: give a Discrete"):
             made.guarded(given, time)
     with pytest.raises(TimingError, match=r"`time` of `block.build` is .*: give a Discrete"):
         estimator.estimator(two, time)
-    with pytest.raises(TimingError, match="period"):
-        fleet.Kind(two, time=time)
 
 
 @pytest.mark.parametrize("name", ["hall", "", None, ["hall_position"]])
 def test_what_does_not_ship_is_refused(name: Any) -> None:
-    for made in (shipped.array, shipped.block):
+    for made in (config.array, config.block):
         with pytest.raises(DesignError, match="give one of hall_position, hall_position_three"):
             made(name)

@@ -7,10 +7,10 @@ import pytest
 from scipy import optimize
 
 from designs.hall_position import reference_glsdc
-from designs.hall_position.accuracy import layouts, six_field
 from designs.hall_position.glsdc import channels, six_estimator
-from designs.hall_position.glsdc.six_parameters import Array
 from designs.hall_position.reference_glsdc import Setup
+from models import hall_two_waves
+from models.hall_two_waves import SpatialArray as Array
 from synth.errors import ModelError
 from synth.execute import host
 from synth.statespace import Array as Numbers
@@ -186,7 +186,7 @@ def test_errors_are_as_large_as_it_says(array: Array) -> None:
 def test_the_deviations_are_those_of_cramer_and_rao() -> None:
     pose = places(100, 4)
     found = compiled(FOUR).batch(records(FOUR, known(FOUR, pose)), given(FOUR, volts(FOUR, pose))).outputs
-    H = six_field.rows(FOUR, pose)
+    H = hall_two_waves.rows(FOUR, pose)
     bound = 1e-3 * np.sqrt(np.diagonal(np.linalg.inv(H.transpose(0, 2, 1) @ H), axis1=1, axis2=2))
     for i, name in enumerate(six_estimator.OUTPUTS):
         # The damping makes them smaller, by what it decides instead of the voltages: 1 % at most.
@@ -226,13 +226,13 @@ def test_where_rank_is_lost_it_is_damped() -> None:
     three = replace(FOUR, positions=FOUR.positions[:3])
     x, y, z = three.positions[0]
     doubled = replace(FOUR, positions=(*three.positions, (x + 1e-9, y, z)))
-    at = layouts.level(three, layouts.poses(three.pitch, 60)).reshape(60, 60, 6)
-    D = np.linalg.det(six_field.rows(three, at.reshape(-1, 6))).reshape(60, 60)
+    at = hall_two_waves.level(three, hall_two_waves.poses(three.pitch, 60)).reshape(60, 60, 6)
+    D = np.linalg.det(hall_two_waves.rows(three, at.reshape(-1, 6))).reshape(60, 60)
     i, j = np.argwhere(np.sign(D[:-1]) != np.sign(D[1:]))[0]
     low, high = at[i, j].copy(), at[i + 1, j].copy()
     for _ in range(50):
         middle = (low + high) / 2
-        same = np.sign(np.linalg.det(six_field.rows(three, middle[np.newaxis]))[0]) == np.sign(D[i, j])
+        same = np.sign(np.linalg.det(hall_two_waves.rows(three, middle[np.newaxis]))[0]) == np.sign(D[i, j])
         low, high = (middle, high) if same else (low, middle)
     pose = low[np.newaxis]
     for array, lost in ((doubled, 1), (FOUR, 0)):
@@ -282,7 +282,7 @@ def test_a_refused_sensor_is_left_out_where_one_is_to_spare() -> None:
     found = replayed(FIVE, pose[0], V)
     off = errors(found, pose)[10:]
     left = replace(FIVE, positions=(FIVE.positions[0], *FIVE.positions[2:]))
-    H = six_field.rows(left, pose[0])
+    H = hall_two_waves.rows(left, pose[0])
     bound = 1e-3 * np.sqrt(np.diagonal(np.linalg.inv(H.transpose(0, 2, 1) @ H), axis1=1, axis2=2))
     sure = found["valid"][10:] > 0
     assert sure.mean() > 0.9 and np.median(found["deviation_X"][20] / bound[:, 0]) == pytest.approx(1, rel=1e-2)

@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from designs.hall_position import shipped
+from designs.hall_position import config
 from designs.hall_position.loop import closed_loop
 from designs.planar_6dof import lqg
 from models import hall_sections as sensing
@@ -128,15 +128,14 @@ def test_places_within_the_pitch_are_those_of_the_position() -> None:
 def test_the_planar_controllers_law_is_taken_as_it_is_but_for_what_makes_it_ready() -> None:
     plant = planar_stage.plant()
     blocks = lqg.law(plant)
-    changed = [closed_loop._from_known(b) for b in blocks]
+    *changed, gate = closed_loop.driven(blocks, TIME)
     ready, known = sensing.READY.name, closed_loop.KNOWN.name
-    assert {b.name for b, c in zip(blocks, changed, strict=True) if b is not c} == {"lqg_x", "lqg_y", "lqg_phi"}
-    assert all(known in c.symbol and ready not in c.symbol for c in changed if c.name.startswith("lqg_"))
-    gated = [g for b in changed for g in closed_loop._gated(b, TIME)]
-    assert [g.name for g in gated][-1] == "known_gate"
-    assert names(gated[-1].outputs) == names(allocation.COMPUTED)
+    other = {b.name for b, c in zip(blocks, changed, strict=True) if names(b.inputs) != names(c.inputs)}
+    assert other == {"lqg_x", "lqg_y", "lqg_phi"}
+    assert all(known in c.symbol and ready not in c.symbol for c in changed if c.name in other)
+    assert gate.name == "known_gate" and names(gate.outputs) == names(allocation.COMPUTED)
 
 
 def test_a_source_takes_three_sensors() -> None:
     with pytest.raises(ModelError, match="2 sensors: the stage reads 3"):
-        closed_loop.controller(lqg.NAME, planar_stage.plant(), TIME, [], closed_loop.Source(shipped.array()))
+        closed_loop.controller(lqg.NAME, planar_stage.plant(), TIME, [], closed_loop.Source(config.array()))

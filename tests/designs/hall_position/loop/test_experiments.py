@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from designs.hall_position import shipped
+from designs.hall_position import config
 from designs.hall_position.loop import closed_loop, experiments, sources, stage_loop
 from designs.hall_position.loop.stage_loop import Loop
 from designs.hall_position.pages import loops as page_loops
@@ -30,11 +30,11 @@ def loops() -> dict[str, Loop]:
 def planted(old: str, new: str) -> Loop:
     """Return the calibrated loop with `old` in its C being `new`."""
     loop = loops()["calibrated"]
-    name = f"{loop.block.name}.c"
+    name = f"{loop.rig.stage.controller.name}.c"
     text = loop.emitted.files[name]
     assert text.count(old) == 1
     wrong = host.load({**loop.emitted.files, name: text.replace(old, new)}, loop.emitted.manifest)
-    return replace(loop, controller=wrong)
+    return replace(loop, rig=replace(loop.rig, controller=wrong))
 
 
 def failed(found: Experiment) -> set[str]:
@@ -90,7 +90,7 @@ def test_a_position_that_is_not_held_in_dropouts_is_told(old: str, new: str, tol
 
 
 def test_what_a_wrong_sample_makes_of_the_position_is_the_linear_loops() -> None:
-    source, plant = closed_loop.Source(shipped.array(shipped.THREE)), planar_stage.plant()
+    source, plant = closed_loop.Source(config.array(config.THREE)), planar_stage.plant()
     block = closed_loop.controller(lqg.NAME, plant, lqg.TIME, lqg.law(plant), source).rounded(np.float32)
     found = page_loops.opened(source, block, {})
     T = lqg.TIME.period_s
@@ -144,8 +144,8 @@ def test_the_estimate_costs_some_times_as_much() -> None:
 
 def test_both_controllers_have_the_same_wires() -> None:
     plant = planar_stage.plant()
-    source = loops()["calibrated"].block
+    source = loops()["calibrated"].rig.stage.controller.block
     sections = lqg.controller(plant)
     assert names(source.inputs) == names(sections.inputs) and names(source.outputs) == names(sections.outputs)
     assert source.faults == sections.faults
-    assert closed_loop.stage_places(plant)[1][0] == plant.parameter("spacing").value
+    assert planar_stage.hall_places(plant)[1][0] == plant.parameter("spacing").value

@@ -8,11 +8,10 @@ import pytest
 from scipy.optimize import least_squares
 
 from designs.hall_position.accuracy.layouts import PUBLISHED
-from designs.hall_position.paper import errors, estimate, field, rank
+from designs.hall_position.paper import errors, field, rank
 from designs.hall_position.paper import rows as paper
 from designs.hall_position.paper.stage import Stage, grid
-from models import concentrated_field, hall_array
-from models.hall_chain import Chain
+from models import concentrated_field, hall_array, hall_correction
 from synth.report import audit
 from synth.report.audit import Printed, Row
 
@@ -24,7 +23,7 @@ l, W = 50.8e-3, 2 * np.pi / 50.8e-3
 
 @pytest.fixture(scope="module")
 def rows() -> dict[str, Row]:
-    return {r.id: r for r in paper.on(STAGE, PRINTED)}
+    return {r.id: r for r in paper.rows()}
 
 
 # Worked out apart from this code, to the digits given: (row, figure, value, one unit of the last digit).
@@ -88,7 +87,7 @@ def test_figures_are_the_known_ones(rows: dict[str, Row], name: str, figure: str
 
 def test_verdicts_and_completeness(rows: dict[str, Row]) -> None:
     assert {name: str(r.verdict) for name, r in rows.items()} == VERDICTS
-    assert set(rows) == set(audit.recipes(paper.ROWS)) and sorted(rows) == sorted(PRINTED)
+    assert sorted(rows) == sorted(PRINTED)
     assert all(r.why.startswith("Rule") and r.published.where for r in rows.values())
     assert [r.document()["id"] for r in rows.values()] == list(rows)
 
@@ -97,7 +96,14 @@ def recomputed(name: str, stage: Stage = STAGE, **numbers: str) -> Row:
     """Return a row of a changed stage or with other numbers in the print."""
     of = PRINTED[name]
     changed = {k: Printed(text, of.numbers[k].unit) for k, text in numbers.items()}
-    return audit.recipes(paper.ROWS)[name].row(stage, {name: replace(of, numbers={**of.numbers, **changed})})
+    row = replace(of, numbers={**of.numbers, **changed})
+    return audit.computed(row, paper.on(stage, {**PRINTED, name: row}))
+
+
+def computed_by(name: str, **functions: object) -> Row:
+    """Return a row that some functions are given in place of those of its name."""
+    bench = paper.on(STAGE, PRINTED)
+    return audit.computed(PRINTED[name], replace(bench, functions={**bench.functions, **functions}))
 
 
 @pytest.mark.parametrize(
@@ -108,15 +114,15 @@ def recomputed(name: str, stage: Stage = STAGE, **numbers: str) -> Row:
         ("K-3", STAGE, {"second": "3"}),
         ("K-4", Stage(height=1e-3), {}),  # the waves that (2) has not are three times as large
         ("K-4", IDEAL, {}),
-        ("K-5", Stage(chain=Chain(sensitivity=0.1)), {}),
+        ("K-5", Stage(sensitivity=0.1), {}),
         ("K-6", Stage(height=1e-3), {}),
         ("K-6", STAGE, {"accuracy": "0.2"}),
         ("K-7", STAGE, {"alpha": "0.05"}),
         ("K-8", STAGE, {"factor": "3"}),
         ("K-9", IDEAL, {}),
         ("K-9", STAGE, {"uncalibrated": "5.9"}),
-        ("K-10", Stage(chain=Chain(sensitivity=0.1)), {}),
-        ("K-11", Stage(chain=Chain(noise=0.1)), {}),
+        ("K-10", Stage(sensitivity=0.1), {}),
+        ("K-11", Stage(noise=0.1), {}),
         ("K-12", STAGE, {"offset": "0.5"}),
     ],
 )
@@ -124,27 +130,20 @@ def test_a_defect_changes_the_verdict(name: str, stage: Stage, numbers: dict[str
     assert str(recomputed(name, stage, **numbers).verdict) == "N"
 
 
-def test_verdicts_on_layouts_follow_their_figures(monkeypatch: pytest.MonkeyPatch) -> None:
-    none = replace(rank.singular_points.of_pair(STAGE.pair, 0.05), at=np.zeros((0, 2)))
-    with monkeypatch.context() as patched:
-        patched.setattr(rank.singular_points, "of_pair", lambda *_: none)
-        assert str(recomputed("K-13").verdict) == "R"
-    offset = replace(STAGE.three, c=0.1)  # an offset of all voltages tells quarter turns apart
-    other = Stage()
-    other.__dict__["three"] = offset
-    assert str(recomputed("K-15", other).verdict) == "N"
-    by_waves = errors.by_waves
-    with monkeypatch.context() as patched:
-        patched.setattr(errors, "by_waves", lambda s, of: by_waves(s, of) * 10 ** (len(of.positions) - 2))
-        assert str(recomputed("K-14").verdict) == "N"
+def test_verdicts_on_layouts_follow_their_figures() -> None:
+    assert str(computed_by("K-13", singular_points=lambda *_: np.zeros((0, 2))).verdict) == "R"
+    offset = rank.changes(replace(STAGE.three, c=0.1))  # an offset of all voltages tells quarter turns apart
+    assert str(computed_by("K-15", changes=lambda _: offset).verdict) == "N"
+    worse = computed_by("K-14", by_waves=lambda s, of: errors.by_waves(s, of) * 10 ** (len(of.positions) - 2))
+    assert str(worse.verdict) == "N"
 
 
 CHEAP = ("K-1", "K-2", "K-3", "K-4", "K-5", "K-8", "K-12")
 CHANGED = {
     "strong": Stage(strong=1.44),
     "weak": Stage(weak=1.11),
-    "sensitivity": Stage(chain=Chain(sensitivity=0.41)),
-    "noise": Stage(chain=Chain(noise=1.1e-3)),
+    "sensitivity": Stage(sensitivity=0.41),
+    "noise": Stage(noise=1.1e-3),
 }
 
 
@@ -165,22 +164,22 @@ def test_rows_depend_on_what_they_name(rows: dict[str, Row], parameter: str) -> 
 def test_a_correction_is_the_least_squares_solution_of_the_sensor_model() -> None:
     rng = np.random.default_rng(1)
     q = np.vstack([rng.uniform(0, l, (2, 30)), rng.uniform(-1, 1, 30)])
-    read = estimate.turned(estimate.volts(STAGE.three, q), -q[2])
+    read = hall_correction.turned(hall_correction.volts(STAGE.three, q), -q[2])
     at = q + 1e-4 * rng.standard_normal(q.shape) * [[1], [1], [30]]
     waves = concentrated_field.fitted(
         {1: STAGE.three.alpha / 8.4, 5: STAGE.three.beta / 8.4}, 3e-3, concentrated_field.values()
     )
-    sensors = replace(hall_array.sensors(STAGE.three.positions), volume=(0.0, 0.0, 0.0))
+    sensors = hall_array.points(STAGE.three.positions)
     model = hall_array.planar(sensors, waves).function()
     for known in (False, True):
-        found = estimate.correction(STAGE.three, read, at, known)
+        found = hall_correction.correction(STAGE.three, read, at, known)
         for k in range(30):
             volts, H = (v.full() for v in model(at[:, k]))
             e = read[:, :, k].T.ravel() - volts.ravel()
             n = 2 if known else 3
             expected = np.linalg.lstsq(H[:, :n], e, rcond=None)[0]
             np.testing.assert_allclose(found[:n, k], expected, rtol=1e-6, atol=1e-12)
-    end = estimate.settled(STAGE.three, read, at, 1.0, 12)
+    end = hall_correction.settled(STAGE.three, read, at, 1.0, 12)
     np.testing.assert_allclose(end, q, rtol=0, atol=1e-10)
 
 

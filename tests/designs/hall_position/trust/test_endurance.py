@@ -5,14 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from designs.hall_position import shipped
+from designs.hall_position import config
 from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.trust import endurance, fleet
-from designs.hall_position.trust.endurance import Limits
-from designs.hall_position.trust.fleet import Kind
+from designs.hall_position.trust.fleet import EstimatorConfig
+from models import hall_motions as motions
+from models.hall_motions import Limits
 from synth.execute import host
 
-TWO, THREE = (Kind(shipped.array(name)) for name in (shipped.NAME, shipped.THREE))
+TWO, THREE = (EstimatorConfig(config.array(name)) for name in (config.NAME, config.THREE))
 BODIES, SAMPLES = 2000, 250
 
 
@@ -53,9 +54,9 @@ def test_two_sensors_stay_with_it_and_are_not_valid_where_they_lose_rank() -> No
 
 def test_motions_creep_and_swing() -> None:
     """Within the limits, and half of them come close to these."""
-    rng, limits, T = np.random.default_rng(0), endurance.limits(TWO), TWO.time.period_s
-    at = endurance.motion(TWO, 400, limits, rng, endurance.SLOWEST)
-    found = [at(k * T) for k in range(4000)]
+    rng, limits, T = np.random.default_rng(0), endurance.limits(TWO), fleet.TIME.period_s
+    at = motions.sines(TWO.array, fleet.TIME, 400, limits, rng, endurance.SLOWEST)
+    found = [at(k) for k in range(4000)]
     X, Y, yaw = (np.array([getattr(p, name) for p in found]) for name in ("X", "Y", "yaw"))
     speed = np.abs(np.diff(X, axis=0)).max(axis=0) / T
     size = np.hypot(np.diff(X, 2, axis=0), np.diff(Y, 2, axis=0)).max(axis=0) / T**2
@@ -68,7 +69,7 @@ def test_motions_creep_and_swing() -> None:
 def test_an_estimate_that_is_valid_wherever_it_converges_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     stepped = fleet.stepped
 
-    def careless(kind: Kind, state: host.Records, volts: fleet.Numbers) -> host.Batch:
+    def careless(kind: EstimatorConfig, state: host.Records, volts: fleet.Numbers) -> host.Batch:
         batch = stepped(kind, state, volts)
         return batch._replace(outputs=batch.outputs | {"valid": batch.outputs["converged"]})
 
@@ -79,7 +80,7 @@ def test_an_estimate_that_is_valid_wherever_it_converges_is_seen(monkeypatch: py
 
 
 def test_the_checks_tell_a_body_that_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
-    kind = Kind(TWO.array)
+    kind = EstimatorConfig(TWO.array)
     sound = endurance.checks("two", kind, 500, 50)
     assert all(c.passed for c in sound) and [c.found for c in sound[:2]] == [0, 0] and "25000 samples" in sound[0].about
     limits = endurance.limits(kind)

@@ -6,26 +6,27 @@ from typing import Any
 import numpy as np
 import pytest
 
-from designs.hall_position import shipped
-from designs.hall_position.accuracy import fisher, layouts
+from designs.hall_position import config
+from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.trust import endurance, failures, fleet
-from designs.hall_position.trust.endurance import Limits
 from designs.hall_position.trust.failures import FAILURES, SOON
-from designs.hall_position.trust.fleet import Kind
+from designs.hall_position.trust.fleet import EstimatorConfig
+from models import hall_accuracy, hall_fisher, hall_two_waves
+from models.hall_motions import Limits
 from synth.errors import ModelError
 from synth.execute import host
 
-THREE = Kind(shipped.array(shipped.THREE))
+THREE = EstimatorConfig(config.array(config.THREE))
 # The field as well known as the noise lets residuals tell, ten deviations.
-FOUR = Kind(layouts.placed(shipped.array(), layouts.SPARE), Tuning(residual=0.01))
+FOUR = EstimatorConfig(hall_two_waves.placed(config.array(), layouts.SPARE), Tuning(residual=0.01))
 MOVING = Limits(0.5, 5.0)
 BODIES = 500
 
 
 def test_the_layout_leaves_any_three_of_four_sensors_with_no_singular_place() -> None:
-    q = layouts.poses(FOUR.array.pitch, 40, np.radians(np.linspace(-5, 5, 5)))
-    assert layouts.cost(FOUR.array, q, spare=True) < 11e-6
+    q = hall_two_waves.poses(FOUR.array.pitch, 40, np.radians(np.linspace(-5, 5, 5)))
+    assert hall_accuracy.cost(FOUR.array, q, spare=True) < 11e-6
 
 
 @pytest.mark.parametrize("within", [None, MOVING], ids=["at rest", "moving"])
@@ -74,8 +75,8 @@ def test_what_is_not_seen_does_little_harm() -> None:
     hidden = np.isfinite(dead)
     assert np.isfinite(stuck).all() and stuck.max() < 2e-5
     assert 0 < hidden.mean() < 0.1 and np.nanmax(dead) < 1e-4
-    at = layouts.poses(FOUR.array.pitch, 32)[0] + FOUR.array.positions[0][0]
-    read = fisher.field(FOUR.array, FOUR.array.wave_number * at).reshape(32, 32)
+    at = hall_two_waves.poses(FOUR.array.pitch, 32)[0] + FOUR.array.positions[0][0]
+    read = hall_fisher.field(FOUR.array, FOUR.array.wave_number * at).reshape(32, 32)
     assert np.abs(read[hidden]).max() < 0.05  # V: a true zero
     assert np.isnan(failures.unseen(FOUR, "saturated", 1, 24)).all()
 
@@ -88,7 +89,7 @@ def test_without_a_failure_nothing_is_flagged() -> None:
 def test_an_estimate_without_flags_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     stepped = fleet.stepped
 
-    def blind(kind: Kind, state: host.Records, volts: fleet.Numbers) -> host.Batch:
+    def blind(kind: EstimatorConfig, state: host.Records, volts: fleet.Numbers) -> host.Batch:
         """Goes on with all sensors and is always valid."""
         state["estimator_without"] = 0
         batch = stepped(kind, state, volts)

@@ -6,9 +6,9 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from designs.hall_position.accuracy import six_field
-from designs.hall_position.glsdc.six_parameters import Array, Tuning
-from models import hall_array
+from designs.hall_position.glsdc.parameters import SpatialTuning as Tuning
+from models import hall_array, hall_two_waves
+from models.hall_two_waves import SpatialArray as Array
 from synth.analyse.observability import information
 from synth.errors import ModelError
 from tests import tolerances
@@ -21,15 +21,15 @@ RAISED = Array(((0.02, 0.01, 2e-3), (-0.015, 0.024, -1e-3), (0.003, -0.02, 0.0))
 @pytest.mark.parametrize("array", [FOUR, RAISED])
 def test_rows_are_the_derivatives_of_the_sensor_model(array: Array) -> None:
     at = places(200, 0, yaw=3.0)
-    expected = information.jacobians(hall_array.spatial(*six_field.model(array)).measurement(), at)
-    np.testing.assert_allclose(six_field.rows(array, at), expected, rtol=0, atol=EXACT * np.abs(expected).max())
+    expected = information.jacobians(hall_array.spatial(*hall_two_waves.model(array)).measurement(), at)
+    np.testing.assert_allclose(hall_two_waves.rows(array, at), expected, rtol=0, atol=EXACT * np.abs(expected).max())
     forgetful = replace(array, positions=tuple((x, y, z + 1e-4) for x, y, z in array.positions))
-    assert np.abs(six_field.rows(forgetful, at) - expected).max() > 1e-4 * np.abs(expected).max()
+    assert np.abs(hall_two_waves.rows(forgetful, at) - expected).max() > 1e-4 * np.abs(expected).max()
 
 
 @pytest.mark.parametrize("array", [FOUR, RAISED])
 def test_the_voltages_of_these_tests_are_those_of_the_sensor_model(array: Array) -> None:
-    sensors, waves = six_field.model(array)
+    sensors, waves = hall_two_waves.model(array)
     f = hall_array.spatial(sensors, waves).function()
     for pose in places(20, 1, yaw=3.0):
         expected = np.array(f(ca.DM(pose))[0]).ravel()

@@ -6,9 +6,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from designs.hall_position.accuracy import fisher, singular_points
-from designs.hall_position.glsdc.parameters import Array
-from models import concentrated_field, hall_accuracy, hall_array
+from models import concentrated_field, hall_accuracy, hall_array, hall_fisher, hall_singular_points
+from models.hall_two_waves import PlanarArray as Array
 from synth.analyse.observability import isolated_zeros
 from synth.errors import ModelError
 
@@ -19,17 +18,17 @@ WAVES = concentrated_field.fitted({1: ALPHA / 8.4, 5: BETA / 8.4}, 3e-3, concent
 
 
 def test_the_published_point_is_exact_and_one_of_many() -> None:
-    found = singular_points.of_pair(PAIR, 0.0)
-    assert len(found.at) == 64
-    off = np.abs(found.at - [l / 8, 3 * l / 8]).max(axis=1)
+    found = hall_singular_points.of_pair(PAIR, 0.0)
+    assert len(found) == 64
+    off = np.abs(found - [l / 8, 3 * l / 8]).max(axis=1)
     assert off.min() < 1e-17  # an ulp of the place
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.05, -0.7])
 def test_the_sensor_model_loses_rank_there(yaw: float) -> None:
-    found = singular_points.of_pair(PAIR, yaw)
-    sensors = replace(hall_array.sensors(PLACES), volume=(0.0, 0.0, 0.0))
-    poses = np.column_stack([found.at, np.full(len(found.at), yaw)])
+    found = hall_singular_points.of_pair(PAIR, yaw)
+    sensors = hall_array.points(PLACES)
+    poses = np.column_stack([found, np.full(len(found), yaw)])
     assert len(poses) and (hall_accuracy.of_sensors(sensors, WAVES, poses, 0.01).condition > 1e12).all()
 
 
@@ -51,17 +50,17 @@ def determinants(yaw: float) -> ca.Function:
 
 @pytest.mark.parametrize("yaw", [0.0, 0.05])
 def test_no_drawn_start_leads_elsewhere(yaw: float) -> None:
-    known, D = singular_points.of_pair(PAIR, yaw), determinants(yaw)
+    known, D = hall_singular_points.of_pair(PAIR, yaw), determinants(yaw)
     at = np.random.default_rng(2).uniform(0, 2 * np.pi, (2, 600))
     many = D.map(at.shape[1])
     for _ in range(25):
         value, J = (each.full() for each in many(at))
         at = at - np.einsum("nij,jn->in", np.linalg.pinv(J.reshape(2, -1, 2).transpose(1, 0, 2)), value)
     ends = at[:, np.abs(many(at)[0].full()).max(axis=0) < 1e-10]
-    off = (ends.T[:, None] - 2 * np.pi / l * known.at + np.pi) % (2 * np.pi) - np.pi
+    off = (ends.T[:, None] - 2 * np.pi / l * known + np.pi) % (2 * np.pi) - np.pi
     near = np.abs(off).max(axis=2)
     assert near.min(axis=1).max() < 1e-5
-    assert len(set(near.argmin(axis=1).tolist())) > 0.9 * len(known.at)
+    assert len(set(near.argmin(axis=1).tolist())) > 0.9 * len(known)
 
 
 def test_a_point_that_is_not_met_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -75,29 +74,29 @@ def test_a_point_that_is_not_met_is_caught(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(isolated_zeros, "newton", forgetful)
     monkeypatch.setattr(isolated_zeros, "CUTS", 8)
     with pytest.raises(ModelError, match=r"near the phases 0.785\d, 2.35\d+ rad zeros meet"):
-        singular_points.of_pair(PAIR, 0.0)
+        hall_singular_points.of_pair(PAIR, 0.0)
 
 
 def test_cells_are_only_left_out_where_there_is_no_point() -> None:
-    points = singular_points.of_pair(PAIR, 0.05).at * 2 * np.pi / l
+    points = hall_singular_points.of_pair(PAIR, 0.05) * 2 * np.pi / l
     rng = np.random.default_rng(4)
     for half in (0.05, 0.01, 1e-3):
         cells = points.T + rng.uniform(-half, half, points.T.shape)
-        assert singular_points.possible(PAIR, 0.05, cells, half).all()
+        assert hall_singular_points.possible(PAIR, 0.05, cells, half).all()
 
 
 def test_half_a_pitch_apart_a_line_is_lost() -> None:
     with pytest.raises(ModelError, match=r"at X = .* no slope along X, which is lost on this whole line"):
-        singular_points.of_pair(replace(PAIR, positions=((0.0, 0.0), (l / 2, 0.3 * l))), 0.0)
+        hall_singular_points.of_pair(replace(PAIR, positions=((0.0, 0.0), (l / 2, 0.3 * l))), 0.0)
 
 
 def test_three_sensors_are_refused() -> None:
     with pytest.raises(ModelError, match="3 sensors"):
-        singular_points.of_pair(replace(PAIR, positions=(*PLACES, (0.0, 0.01))), 0.0)
+        hall_singular_points.of_pair(replace(PAIR, positions=(*PLACES, (0.0, 0.01))), 0.0)
 
 
 def test_deviations_have_no_bound_at_the_points() -> None:
-    found = singular_points.of_pair(PAIR, 0.05)
-    q = np.vstack([found.at.T, np.full(len(found.at), 0.05)])
-    assert (fisher.deviations(PAIR, q)[2] > 1e3).all()
-    assert (fisher.deviations(PAIR, q + np.array([[1e-4], [0.0], [0.0]]))[2] < 1.0).all()
+    found = hall_singular_points.of_pair(PAIR, 0.05)
+    q = np.vstack([found.T, np.full(len(found), 0.05)])
+    assert (hall_fisher.deviations(PAIR, q)[2] > 1e3).all()
+    assert (hall_fisher.deviations(PAIR, q + np.array([[1e-4], [0.0], [0.0]]))[2] < 1.0).all()

@@ -1,6 +1,6 @@
 """Where two sensors lose the yaw, X and Y: the points of the pitch at which their four voltages have rank 2, all found.
 
-With the rows [g, 0, h] and [0, k, m] of `fisher` the rank is lost, at a yaw, where both determinants vanish:
+With the rows [g, 0, h] and [0, k, m] of `hall_fisher` the rank is lost, at a yaw, where both determinants vanish:
 
     D_X = g_1 h_2 - g_2 h_1 = 0,    D_Y = k_1 m_2 - k_2 m_1 = 0.
 
@@ -8,7 +8,7 @@ Their zeros are isolated and proved by `synth.analyse.observability.isolated_zer
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from math import pi
 from typing import Any
@@ -17,54 +17,45 @@ import flint
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.hall_position.accuracy import fisher
-from designs.hall_position.glsdc import parameters
+from models import hall_fisher
+from models.hall_array import Array
+from models.hall_two_waves import PlanarArray
 from synth.analyse import precise
 from synth.analyse.observability import isolated_zeros
 from synth.errors import ModelError
 from synth.statespace import readonly
 
-Array = NDArray[np.float64]
 Ball = flint.arb
 
 CLEAR = 1e-9  # of alpha^2, rad: far above what double precision leaves of a determinant
 
 
-@dataclass(frozen=True, eq=False)
-class SingularPoints:
-    """All points `at` (n, 2) of the body's origin in a pitch, in m, where rank is lost at a yaw in rad."""
-
-    yaw: float
-    at: Array
-
-
-def of_pair(array: parameters.Array, yaw: float) -> SingularPoints:
-    """Return the singular points of two sensors at a yaw in rad.
+def of_pair(array: PlanarArray, yaw: float) -> Array:
+    """Return all points (n, 2) of the body's origin in a pitch, in m, where two sensors lose rank at a yaw in rad.
 
     Raises ModelError for other than two sensors, or where points are not isolated, as when both slopes of an axis
     vanish together: then X is lost on a whole line.
     """
     if len(array.positions) != 2:
-        raise ModelError(f"{len(array.positions)} sensors: the determinants are those of two, see fisher.worst")
-    array = replace(array, weights=())  # which multiply a determinant
+        raise ModelError(f"{len(array.positions)} sensors: the determinants are those of two, see hall_fisher.worst")
     _check_slopes(array, yaw)
     with precise.precision():
         pair = _Pair.of(array, yaw)
         equations = isolated_zeros.Equations(2, pair.values, partial(possible, array, yaw))
         points = [cube.at for cube in isolated_zeros.search(equations)]
         places = sorted([float(isolated_zeros.within_turn(v) / pair.w) for v in p] for p in points)
-    return SingularPoints(yaw, readonly(np.reshape(places, (-1, 2))))
+    return readonly(np.reshape(places, (-1, 2)))
 
 
-def possible(array: parameters.Array, yaw: float, cells: Array, half: float) -> NDArray[np.bool_]:
+def possible(array: PlanarArray, yaw: float, cells: Array, half: float) -> NDArray[np.bool_]:
     """Return which cells (2, N) no bound on the determinants keeps from holding a point."""
     q = np.vstack([cells, np.full(cells.shape[1], yaw)])
-    of, place = fisher.rows(array, q), fisher.turned(array, q[2])
+    of, place = hall_fisher.rows(array, q), hall_fisher.turned(array, q[2])
     open = np.ones(cells.shape[1], dtype=bool)
     for i, j in ((0, 1), (1, 0)):
         p, across = cells[i] + place[i], cells[j] + place[j]
-        dg = np.abs(fisher.field(array, p, 2)) * half + fisher.bend(array, 3) / 2 * half**2
-        dB = np.abs(fisher.field(array, across, 1)) * half + fisher.bend(array, 2) / 2 * half**2
+        dg = np.abs(hall_fisher.field(array, p, 2)) * half + hall_fisher.bend(array, 3) / 2 * half**2
+        dB = np.abs(hall_fisher.field(array, across, 1)) * half + hall_fisher.bend(array, 2) / 2 * half**2
         g, h, dh = np.abs(of.g[i]), np.abs(of.h[i]), dB + np.abs(place[j]) * dg
         D = of.g[i, 0] * of.h[i, 1] - of.g[i, 1] * of.h[i, 0]
         change = sum(g[a] * dh[b] + dg[a] * h[b] + dg[a] * dh[b] for a, b in ((0, 1), (1, 0)))
@@ -86,7 +77,7 @@ class _Pair:
     beta: Ball
 
     @staticmethod
-    def of(array: parameters.Array, yaw: float) -> "_Pair":
+    def of(array: PlanarArray, yaw: float) -> "_Pair":
         w = 2 * Ball.pi() / Ball(array.pitch)
         turn = Ball(yaw)
         s, c = turn.sin(), turn.cos()
@@ -112,13 +103,13 @@ class _Pair:
         return [g0 * h1 - g1 * h0 for (g0, h0), (g1, h1) in rows]
 
 
-def _check_slopes(array: parameters.Array, yaw: float) -> None:
+def _check_slopes(array: PlanarArray, yaw: float) -> None:
     """Raise ModelError where both slopes of an axis may vanish together, so that rank is lost on a line."""
-    for name, place in zip("XY", fisher.turned(array, np.array([yaw])), strict=True):
+    for name, place in zip("XY", hall_fisher.turned(array, np.array([yaw])), strict=True):
         half, along = pi / isolated_zeros.CELLS, isolated_zeros.grid(1)[0]
         for _ in range(isolated_zeros.CUTS):
-            slopes = np.abs(fisher.field(array, along + place, 1))
-            along = along[(slopes <= fisher.bend(array, 2) * half).all(axis=0)]
+            slopes = np.abs(hall_fisher.field(array, along + place, 1))
+            along = along[(slopes <= hall_fisher.bend(array, 2) * half).all(axis=0)]
             half /= 2
             along = np.concatenate([along - half, along + half])
         if along.size:

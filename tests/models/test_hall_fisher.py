@@ -7,9 +7,8 @@ from math import radians
 import numpy as np
 import pytest
 
-from designs.hall_position.accuracy import fisher
-from designs.hall_position.glsdc.parameters import Array
-from models import concentrated_field, hall_accuracy, hall_array
+from models import concentrated_field, hall_accuracy, hall_array, hall_fisher
+from models.hall_two_waves import PlanarArray as Array
 from synth.analyse.observability import worst_deviation
 from synth.errors import ModelError
 
@@ -26,42 +25,42 @@ def poses(count: int, seed: int = 3) -> np.ndarray:
 
 def test_deviations_are_those_of_the_sensor_model() -> None:
     q = poses(500)
-    sensors = replace(hall_array.sensors(PLACES), volume=(0.0, 0.0, 0.0))
+    sensors = hall_array.points(PLACES)
     expected = hall_accuracy.of_sensors(sensors, WAVES, q.T, hall_accuracy.spread(sensors))
     sound = expected.condition < 1e3
-    np.testing.assert_allclose(fisher.deviations(THREE, q).T[sound], expected.deviations[sound], rtol=1e-8)
+    np.testing.assert_allclose(hall_fisher.deviations(THREE, q).T[sound], expected.deviations[sound], rtol=1e-8)
     assert sound.sum() > 450
 
 
-def test_weights_and_the_constant_count() -> None:
-    array = Array(PLACES, 0.3, ALPHA, BETA, weights=(4.0, 1.0, 0.25))
+def test_the_constant_counts() -> None:
+    array = Array(PLACES, 0.3, ALPHA, BETA)
     q, d = poses(1)[:, 0], 1e-7
 
     def volts(at: np.ndarray) -> np.ndarray:
         c, s = np.cos(at[2]), np.sin(at[2])
         found = []
-        for (x, y), weight in zip(PLACES, (2.0, 1.0, 0.5), strict=True):
+        for x, y in PLACES:
             p = 2 * np.pi / l * np.array([at[0] + c * x - s * y, at[1] + s * x + c * y])
             B = 0.3 + ALPHA * np.sin(p) + BETA * np.sin(5 * p)
-            found += [weight * (c * B[0] + s * B[1]), weight * (c * B[1] - s * B[0])]
+            found += [c * B[0] + s * B[1], c * B[1] - s * B[0]]
         return np.array(found)
 
     H = np.column_stack([(volts(q + step) - volts(q - step)) / (2 * d) for step in d * np.eye(3)])
     expected = 1e-3 * np.sqrt(np.diag(np.linalg.inv(H.T @ H)))
-    np.testing.assert_allclose(fisher.deviations(array, q[:, None]).ravel(), expected, rtol=1e-5)
+    np.testing.assert_allclose(hall_fisher.deviations(array, q[:, None]).ravel(), expected, rtol=1e-5)
 
 
 def test_the_worst_without_yaw_is_that_of_the_added_sensor() -> None:
-    found = fisher.worst(THREE)
+    found = hall_fisher.worst(THREE)
     np.testing.assert_allclose(found.met * 1e6, [5.2803, 5.3084, 198.002], rtol=2e-5)
     assert (found.met <= found.bound).all() and (found.bound <= 1.0011 * found.met).all()
-    at = fisher.deviations(THREE, found.at.T)
+    at = hall_fisher.deviations(THREE, found.at.T)
     np.testing.assert_allclose(np.diag(at), found.met, rtol=1e-9)
 
 
 @pytest.mark.parametrize(("yaw", "largest"), [(5.0, 7.745), (15.0, 22.82), (45.0, 119.6)])
 def test_the_worst_over_yaw(yaw: float, largest: float) -> None:
-    found = fisher.worst(THREE, (radians(yaw), radians(yaw)), 1e-2)
+    found = hall_fisher.worst(THREE, (radians(yaw), radians(yaw)), 1e-2)
     assert max(found.met[:2]) * 1e6 <= largest * 1.001
     assert max(found.bound[:2]) * 1e6 >= largest * 0.999
     assert (found.bound <= 1.011 * found.met).all()
@@ -71,13 +70,15 @@ def exceeded(array: Array, half: np.ndarray, count: int = 4000) -> int:
     """Return how many poses drawn in drawn cells exceed the cell's bound."""
     rng = np.random.default_rng(5)
     q = rng.uniform(0, 2 * np.pi, (3, count))
-    _, bound = worst_deviation.bounded(partial(fisher.of_phases, array), partial(fisher.changes, array), q, half)
-    s = fisher.of_phases(array, q + half * np.sign(rng.uniform(-1, 1, q.shape)))
+    _, bound = worst_deviation.bounded(
+        partial(hall_fisher.of_phases, array), partial(hall_fisher.changes, array), q, half
+    )
+    s = hall_fisher.of_phases(array, q + half * np.sign(rng.uniform(-1, 1, q.shape)))
     assert np.isfinite(bound).all(axis=0).sum() > count / 10
     return int((s > bound).sum())
 
 
-@pytest.mark.parametrize("array", [THREE, replace(THREE, c=0.5, weights=(1.0, 3.0, 0.2))])
+@pytest.mark.parametrize("array", [THREE, replace(THREE, c=0.5)])
 @pytest.mark.parametrize("half", [(0.01, 0.01, 0.002), (0.001, 0.001, 0.001), (0.02, 0.0, 0.0), (0.0, 0.0, 0.01)])
 def test_no_pose_in_a_cell_exceeds_its_bound(array: Array, half: tuple[float, float, float]) -> None:
     assert exceeded(array, np.array(half)[:, None]) == 0
@@ -85,24 +86,24 @@ def test_no_pose_in_a_cell_exceeds_its_bound(array: Array, half: tuple[float, fl
 
 @pytest.mark.parametrize("part", [0, 1, 2])
 def test_a_bound_that_forgets_a_column_is_caught(part: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    right = fisher.changes
-    monkeypatch.setattr(fisher, "changes", lambda *of: right(*of) * np.where(np.arange(3) == part, 0.0, 1.0)[:, None])
+    right, kept = hall_fisher.changes, np.where(np.arange(3) == part, 0.0, 1.0)[:, None]
+    monkeypatch.setattr(hall_fisher, "changes", lambda *of: right(*of) * kept)
     assert any(exceeded(THREE, np.array(half)[:, None]) for half in ((0.01, 0, 0), (0, 0.01, 0), (0, 0, 0.01)))
 
 
 def test_two_sensors_have_no_bound(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(fisher, "MOST", 200_000)
+    monkeypatch.setattr(hall_fisher, "MOST", 200_000)
     with pytest.raises(ModelError, match="rank seems to be lost: add a sensor"):
-        fisher.worst(Array(PLACES[:2], 0.0, ALPHA, BETA))
+        hall_fisher.worst(Array(PLACES[:2], 0.0, ALPHA, BETA))
 
 
 def test_lost_rank_is_infinite() -> None:
     array = Array(((0.0, 0.0), (l / 2, 0.0)), 0.0, ALPHA, 0.0)
-    assert np.isinf(fisher.of_phases(array, np.array([[np.pi / 2], [0.0], [0.0]]))[0]) or (
-        fisher.deviations(array, np.array([[l / 4], [0.0], [0.0]]))[0] > 1e3
+    assert np.isinf(hall_fisher.of_phases(array, np.array([[np.pi / 2], [0.0], [0.0]]))[0]) or (
+        hall_fisher.deviations(array, np.array([[l / 4], [0.0], [0.0]]))[0] > 1e3
     )
 
 
 def test_yaws_in_the_wrong_order_are_refused() -> None:
     with pytest.raises(ModelError, match="give the lower first"):
-        fisher.worst(THREE, (0.1, -0.1))
+        hall_fisher.worst(THREE, (0.1, -0.1))

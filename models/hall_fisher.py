@@ -19,15 +19,14 @@ from functools import partial
 from math import ceil, hypot, pi
 
 import numpy as np
-from numpy.typing import NDArray
 
-from designs.hall_position.glsdc import parameters
+from models.hall_array import Array
+from models.hall_two_waves import PlanarArray
 from synth.analyse.observability import worst_deviation
 from synth.analyse.observability.worst_deviation import Worst
 from synth.errors import ModelError
 from synth.statespace import readonly
 
-Array = NDArray[np.float64]
 Range = tuple[float, float]
 
 START = 24  # cells along a pitch
@@ -48,35 +47,34 @@ class Rows:
         return np.concatenate([[self.g[0], none, self.h[0]], [none, self.g[1], self.h[1]]], axis=1)
 
 
-def field(array: parameters.Array, phase: Array, order: int = 0) -> Array:
+def field(array: PlanarArray, phase: Array, order: int = 0) -> Array:
     """Return B, or its derivative by the phase of an `order` up to 3, in V at phases in rad."""
     f, sign = ((np.sin, 1), (np.cos, 1), (np.sin, -1), (np.cos, -1))[order]
     waves = sign * (array.alpha * f(phase) + array.beta * 5**order * f(5 * phase))
     return waves if order else waves + array.c
 
 
-def bend(array: parameters.Array, order: int) -> float:
+def bend(array: PlanarArray, order: int) -> float:
     """Return a bound of the derivative of B of an order, V."""
     return array.alpha + 5**order * abs(array.beta)
 
 
-def turned(array: parameters.Array, yaw: Array) -> tuple[Array, Array]:
+def turned(array: PlanarArray, yaw: Array) -> tuple[Array, Array]:
     """Return the sensors' places (n, N) along X and Y from the body's origin, rad of phase, at yaws (N,) in rad."""
     x, y = array.wave_number * np.array(array.positions).T[:, :, None]
     return np.cos(yaw) * x - np.sin(yaw) * y, np.sin(yaw) * x + np.cos(yaw) * y
 
 
-def rows(array: parameters.Array, q: Array) -> Rows:
-    """Return the rows at phases of the body's origin and yaws q (3, N), rad, each by the root of its weight."""
+def rows(array: PlanarArray, q: Array) -> Rows:
+    """Return the rows at phases of the body's origin and yaws q (3, N), rad."""
     place = turned(array, q[2])
     p = [q[i] + place[i] for i in (0, 1)]
     B, g = ([field(array, phase, order) for phase in p] for order in (0, 1))
     h = B[1] - g[0] * place[1], g[1] * place[0] - B[0]
-    scale = np.array(array.scales)[:, None]
-    return Rows(scale * np.array(g), scale * np.array(h))
+    return Rows(np.array(g), np.array(h))
 
 
-def of_phases(array: parameters.Array, q: Array) -> Array:
+def of_phases(array: PlanarArray, q: Array) -> Array:
     """Return the deviations (3, N) in rad per V of noise at phases and yaws q (3, N) in rad; inf where rank is lost."""
     of = rows(array, q)
     N = (of.g**2).sum(axis=1)
@@ -88,25 +86,24 @@ def of_phases(array: parameters.Array, q: Array) -> Array:
     return np.where(np.isfinite(deviations), deviations, np.inf)
 
 
-def units(array: parameters.Array) -> Array:
+def units(array: PlanarArray) -> Array:
     """Return what a rad of each phase and of the yaw is, m and rad (3,)."""
     w = array.wave_number
     return np.array([1 / w, 1 / w, 1.0])
 
 
-def deviations(array: parameters.Array, q: Array) -> Array:
+def deviations(array: PlanarArray, q: Array) -> Array:
     """Return the deviations (3, N) of X, Y in m and yaw in rad at q (3, N) in m, m and rad; inf where rank is lost."""
     w = array.wave_number
     size = array.deviation * units(array)[:, None]
     return readonly(size * of_phases(array, np.array([w * q[0], w * q[1], q[2]])))
 
 
-def changes(array: parameters.Array, q: Array, half: Array) -> Array:
+def changes(array: PlanarArray, q: Array, half: Array) -> Array:
     """Return bounds (3, N) of how far the Jacobian's columns, in V, move in cells q +- half (3, N), rad."""
     place = turned(array, q[2])
     reach = array.wave_number * np.array([hypot(*r) for r in array.positions])[:, None]
     moved = [half[i] + reach * half[2] for i in (0, 1)]
-    scale = np.array(array.scales)[:, None]
     columns = []
     for i, j in ((0, 1), (1, 0)):
         p, q_across = q[i] + place[i], q[j] + place[j]
@@ -114,12 +111,12 @@ def changes(array: parameters.Array, q: Array, half: Array) -> Array:
         B = np.abs(field(array, q_across, 1)) * moved[j] + bend(array, 2) / 2 * moved[j] ** 2
         lever = reach * half[2]
         h = B + np.abs(place[j]) * g + (np.abs(field(array, p, 1)) + g) * lever
-        columns.append((scale * g, scale * h))
+        columns.append((g, h))
     (g, h), (k, m) = columns
     return np.sqrt(np.array([(g**2).sum(axis=0), (k**2).sum(axis=0), (h**2 + m**2).sum(axis=0)]))
 
 
-def worst(array: parameters.Array, yaw: Range = (0.0, 0.0), tolerance: float = 1e-3) -> Worst:
+def worst(array: PlanarArray, yaw: Range = (0.0, 0.0), tolerance: float = 1e-3) -> Worst:
     """Return the largest deviations of X, Y in m and yaw in rad in the pitch and over yaws, with a proved bound.
 
     Raises ModelError where that takes more than MOST cells, as where the rank is lost; the message tells where.

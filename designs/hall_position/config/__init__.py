@@ -12,10 +12,11 @@ import numpy as np
 
 from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import channels, estimator
-from designs.hall_position.glsdc.parameters import Array, Pair, Tuning
-from models import concentrated_field, hall_array
-from models.concentrated_field import STRONG, WEAK
-from models.hall_chain import Chain
+from designs.hall_position.glsdc.parameters import Tuning
+from designs.hall_position.paper.stage import Stage
+from models import hall_array, hall_two_waves
+from models.hall_array import Pair
+from models.hall_two_waves import PlanarArray as Array
 from synth import stage
 from synth.block import Block
 from synth.declaration import Controller
@@ -36,34 +37,21 @@ TUNING = Tuning()
 DIGITS = 6  # of the field, so that it is the same on every machine
 
 
-def array(name: str = NAME, chain: Chain | None = None) -> Array:
+def array(name: str = NAME) -> Array:
     """Return the sensors that ship under a name, their field in V and their noise.
 
     Raises DesignError for an unknown name.
     """
     if name not in tuple(PLACES):
         raise DesignError(f"'{name}' is none of the estimators that ship: give one of {', '.join(PLACES)}")
-    chain = chain or Chain()
-    alpha, beta = (digits.cut(chain.gain * b, DIGITS) for b in amplitudes())
-    pitch = concentrated_field.PARAMETERS[0].value
-    places = tuple((x * pitch, y * pitch) for x, y in PLACES[name])
-    return Array(places, 0.0, alpha, beta, pitch, chain.noise)
-
-
-def amplitudes() -> tuple[float, float]:
-    """Return alpha and beta of (2) for the fabricated matrix, T."""
-    cell = concentrated_field.fabricated(STRONG, WEAK)
-    waves = concentrated_field.waves(cell, [(1, 0), (5, 0)], concentrated_field.values())
-    first, fifth = (float(concentrated_field.amplitude(w, hall_array.HEIGHT)) for w in waves)
-    return first, fifth
+    of = Stage().array(PLACES[name])
+    return replace(of, alpha=digits.cut(of.alpha, DIGITS), beta=digits.cut(of.beta, DIGITS))
 
 
 def plant(of: Array) -> Plant:
     """Return the sensors on a body that moves over the field of (2)."""
-    sensors = replace(hall_array.sensors(of.positions), volume=(0.0, 0.0, 0.0))
-    flux = {n: v / sensors.chain.gain for n, v in ((1, of.alpha), (5, of.beta))}
-    waves = concentrated_field.fitted(flux, hall_array.HEIGHT, concentrated_field.values())
-    return hall_array.plant(sensors, waves, channels.voltages(len(of.positions)), TUNING.pitches * of.pitch)
+    volts = channels.voltages(len(of.positions))
+    return hall_array.plant(*hall_two_waves.model(of), volts, TUNING.pitches * of.pitch)
 
 
 def controller(name: str = NAME) -> Controller:

@@ -9,6 +9,7 @@ it to grow twofold each time.
 """
 
 from dataclasses import dataclass
+from math import ceil, log2
 
 import casadi as ca
 
@@ -36,6 +37,11 @@ class Phasor:
 def of(angle: ca.SX) -> Phasor:
     """Return the phasor of a small angle."""
     return Phasor(ca.cos(angle), ca.sin(angle))
+
+
+def halvings(limit: float) -> int:
+    """Return how often an angle up to a limit in rad is halved before its sine becomes a polynomial."""
+    return max(1, ceil(log2(limit / PART)))
 
 
 def reduced(angle: ca.SX, halvings: int, name: str, named: Named) -> Phasor:

@@ -1,25 +1,25 @@
-"""GLSDC as the paper tells of it, without damping, bound or memory, for many bodies at once.
+"""Gauss-Newton (GLSDC) as the paper tells of it, without damping, bound or memory, for many bodies at once.
 
     q <- q + alpha (H'H)^-1 H' (y - f(q)),    q = (X, Y, yaw), or (X, Y) where the yaw is known,
 
 and a correction that does not lower J = |y - f(q)|^2 is not made: the next one of that body is half as long. In the
 field's axes R(yaw) y - B has the length of y - R(yaw)' B, and by the phases w X, w Y its Jacobian has the rows
-[g, 0, h] and [0, k, m] of `fisher`.
+[g, 0, h] and [0, k, m] of `hall_fisher`.
 """
 
 import numpy as np
 
-from designs.hall_position.accuracy import fisher
-from designs.hall_position.glsdc import parameters
-from designs.hall_position.paper.stage import Array
+from models import hall_fisher
+from models.hall_array import Array
+from models.hall_two_waves import PlanarArray
 
 RANK = 1e-12  # of alpha^6 or alpha^4: a determinant that is none
 
 
-def volts(of: parameters.Array, q: Array) -> Array:
+def volts(of: PlanarArray, q: Array) -> Array:
     """Return what sensors read by model (2) at q (3, N) in m and rad: (2, sensors, N) in V, X first, field's axes."""
-    place = fisher.turned(of, q[2])
-    return np.array([fisher.field(of, of.wave_number * q[i] + place[i]) for i in (0, 1)])
+    place = hall_fisher.turned(of, q[2])
+    return np.array([hall_fisher.field(of, of.wave_number * q[i] + place[i]) for i in (0, 1)])
 
 
 def turned(seen: Array, yaw: Array) -> Array:
@@ -28,22 +28,20 @@ def turned(seen: Array, yaw: Array) -> Array:
     return np.array([c * seen[0] - s * seen[1], s * seen[0] + c * seen[1]])
 
 
-def residuals(of: parameters.Array, read: Array, q: Array) -> Array:
+def residuals(of: PlanarArray, read: Array, q: Array) -> Array:
     """Return what is read (2, sensors, N) in the body less what should be, by the field's axes, V."""
     return turned(read, q[2]) - volts(of, q)
 
 
-def cost(of: parameters.Array, read: Array, q: Array) -> Array:
+def cost(of: PlanarArray, read: Array, q: Array) -> Array:
     """Return J (N,) in V^2."""
     return np.asarray((residuals(of, read, q) ** 2).sum(axis=(0, 1)))
 
 
-def correction(of: parameters.Array, read: Array, q: Array, yaw_known: bool = False) -> Array:
+def correction(of: PlanarArray, read: Array, q: Array, yaw_known: bool = False) -> Array:
     """Return the whole correction (3, N) in m and rad, 0 where rank is lost in double precision."""
     w, free = of.wave_number, 2 if yaw_known else 3
-    rows = fisher.rows(of, np.array([w * q[0], w * q[1], q[2]]))
-    none = np.zeros_like(rows.g[0])
-    H = np.concatenate([[rows.g[0], none, rows.h[0]], [none, rows.g[1], rows.h[1]]], axis=1)[:free]
+    H = hall_fisher.rows(of, np.array([w * q[0], w * q[1], q[2]])).jacobian[:free]
     e = residuals(of, read, q).reshape(-1, q.shape[1])
     N, right = np.einsum("imn,jmn->nij", H, H), np.einsum("imn,mn->ni", H, e)
     whole = np.abs(np.linalg.det(N)) > RANK * of.alpha ** (2 * free)
@@ -52,9 +50,7 @@ def correction(of: parameters.Array, read: Array, q: Array, yaw_known: bool = Fa
     return found / np.array([[w], [w], [1.0]])
 
 
-def settled(
-    of: parameters.Array, read: Array, q: Array, scale: float, corrections: int, yaw_known: bool = False
-) -> Array:
+def settled(of: PlanarArray, read: Array, q: Array, scale: float, corrections: int, yaw_known: bool = False) -> Array:
     """Return q (3, N) after so many corrections, of bodies that read (2, sensors, N) V in their own axes."""
     J, part = cost(of, read, q), np.full(q.shape[1], scale)
     for _ in range(corrections):

@@ -1,0 +1,89 @@
+"""Hall voltages over (X, Y, yaw) as phasors: measurement model and Jacobian of two-axis sensors in the body's plane.
+
+R(yaw) V - B(P) is as long as V - R(yaw)' B, the residual of a sensor. In the field's axes the Jacobian is sparse,
+
+    X:  [g_X, 0, h_X],  g_X = B_X'(P_X),  h_X = B_Y - g_X o_Y      o = w R(yaw) r: the sensor's place about the centre
+    Y:  [0, g_Y, h_Y],  g_Y = B_Y'(P_Y),  h_Y = g_Y o_X - B_X      in rad of phase, B' by the phase
+
+A displaced phase is the predicted one turned by a small angle; sin(5 p) = sin(p) (5 - 20 sin(p)^2 + 16 sin(p)^4).
+
+Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 3.B.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import sqrt
+from typing import NamedTuple
+
+import casadi as ca
+
+from models.hall_two_waves import PlanarArray
+from synth.block import Constant
+from synth.blocks import phasor
+from synth.blocks.glsdc import Named, Vector
+from synth.blocks.phasor import Phasor
+from synth.signals import Signal
+
+POWERS = (1, 3, 5)  # of the sine, in alpha sin p + beta sin 5p
+
+
+@dataclass(frozen=True, eq=False)
+class Sensor:
+    """A sensor at a pose: its phases along X and Y, its place about the centre, rad, its voltages in field axes, V.
+
+    `field` are the constant and the coefficients of sin, sin^3 and sin^5, `slope` those of the derivative.
+    """
+
+    phases: tuple[Phasor, Phasor]
+    place: Phasor
+    volts: Phasor
+    field: Sequence[ca.SX]
+    slope: Sequence[ca.SX]
+
+
+class Row(NamedTuple):
+    """One voltage in field axes, e = g U + h T to first order."""
+
+    e: ca.SX
+    g: ca.SX
+    h: ca.SX
+
+
+def constants(array: PlanarArray) -> list[Constant]:
+    """Return the coefficients of the field by powers of the sine, and of its derivative by the phase."""
+    values = dict(zip(POWERS, (array.alpha + 5 * array.beta, -20 * array.beta, 16 * array.beta), strict=True))
+    about = "alpha sin p + beta sin 5p by powers of the sine"
+    field = [Constant(f"field_{n}", v, "V", about) for n, v in values.items()]
+    return [*field, *(Constant(f"slope_{n - 1}", n * v, "V", f"derivative of {about}") for n, v in values.items())]
+
+
+def turned(yaw: ca.SX, named: Named) -> tuple[Phasor, ca.SX]:
+    """Return the phasor of a small yaw, and 1 - cos, which is 2 sin^2 of its half."""
+    sine, half = ca.sin(yaw), sqrt(2) * ca.sin(yaw / 2)
+    named.append((Signal("turn_sine", "1", -1, 1, "of the yaw since the sample began"), sine))
+    named.append((Signal("half_sine", "1", -2, 2, "of half of it, times sqrt(2)"), half))
+    return Phasor(1 - half**2, sine), half**2
+
+
+def displaced(sensors: Sequence[Sensor], at: Vector, named: Named) -> list[Sensor]:
+    """Return sensors of a body that is displaced by (U, V, T)."""
+    turn, versine = turned(at[2], named)
+    return [_moved(s, at, turn, versine) for s in sensors]
+
+
+def _moved(s: Sensor, at: Vector, turn: Phasor, versine: ca.SX) -> Sensor:
+    x, y = s.place.cosine, s.place.sine
+    dx, dy = -x * versine - y * turn.sine, -y * versine + x * turn.sine
+    phases = s.phases[0].times(phasor.of(at[0] + dx)), s.phases[1].times(phasor.of(at[1] + dy))
+    return replace(s, phases=phases, place=Phasor(x + dx, y + dy), volts=s.volts.times(turn))
+
+
+def rows(s: Sensor) -> tuple[Row, Row]:
+    """Return the voltages of a sensor along X and Y."""
+    B, g = [], []
+    for p in s.phases:
+        q = p.sine**2
+        B.append(s.field[0] + p.sine * (s.field[1] + q * (s.field[2] + q * s.field[3])))
+        g.append(p.cosine * (s.slope[0] + q * (s.slope[1] + q * s.slope[2])))
+    x = Row(s.volts.cosine - B[0], g[0], B[1] - g[0] * s.place.sine)
+    return x, Row(s.volts.sine - B[1], g[1], g[1] * s.place.cosine - B[0])

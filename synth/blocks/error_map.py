@@ -1,0 +1,71 @@
+"""Error map: what a reference tells of the errors of measured coordinates, tabulated over the first two of them.
+
+    x_k estimated, X_k by the reference, (m,),  k = 1 .. N              scattered over the travel
+    D(x) = X - x                                                        linear on the triangles between samples
+    table_ij = D(low + i h, low + j h),   corrected = estimate + (bilinear between the nearest four of the table)
+
+It serves an estimate that is absolute and repeatable, so that what is mapped once holds. Values are rounded to a unit,
+far below the noise: the C then holds short numbers, alike on every machine.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from synth import numeric
+from synth.block import Block, Exprs, Step, build, table
+from synth.blocks import lookup_table
+from synth.blocks.lookup_table import Grid
+from synth.errors import ModelError
+from synth.signals import Signal
+from synth.statespace import Array, readonly
+from synth.timing import Discrete
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorMap:
+    """What is added to m coordinates at the points of a grid, `added` (m, n_x, n_y), in the coordinates' units.
+
+    Raises ModelError for values of another shape, or that are not finite.
+    """
+
+    grid: Grid
+    added: Array
+
+    def __post_init__(self) -> None:
+        shape = (*np.shape(self.added)[:1], *self.grid.size)
+        if np.shape(self.added) != shape or not np.isfinite(self.added).all():
+            raise ModelError(f"the map has values {np.shape(self.added)}: give finite ones for its points, {shape}")
+
+
+def fit(estimated: Array, reference: Array, grid: Grid, units: ArrayLike) -> ErrorMap:
+    """Return the map of estimates and references (N, m), rounded to `units` (m,).
+
+    Raises ModelError for samples that are none, and as `lookup_table.fitted`.
+    """
+    units = np.asarray(units, dtype=np.float64)
+    estimated = numeric.table("the samples' estimates", estimated, len(units))
+    reference = numeric.table("the samples' references", reference, len(units))
+    if len(estimated) != len(reference):
+        raise ModelError(f"{len(estimated)} estimates meet {len(reference)} references: give one for each")
+    errors = lookup_table.fitted(estimated[:, :2], reference - estimated, grid)
+    return ErrorMap(grid, readonly(np.moveaxis(np.rint(errors / units) * units, -1, 0)))
+
+
+def block(of: ErrorMap, time: Discrete, signals: Sequence[Signal], tag: str = "") -> Block:
+    """Return the Block ``error_map`` from m coordinates to each ``<name>_corrected``.
+
+    Raises ModelError for another number of signals.
+    """
+    if len(signals) != len(of.added):
+        raise ModelError(f"the map is of {len(of.added)} coordinates: give as many signals, not {len(signals)}")
+    tables = {s.name: table(f"map_{s.name}", added.ravel()) for s, added in zip(signals, of.added, strict=True)}
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        added = lookup_table.bilinear(tables, of.grid, *(u[s.name] for s in signals[:2]))
+        return Step({f"{name}_corrected": u[name] + added[name] for name in tables})
+
+    corrected = [replace(s, name=f"{s.name}_corrected") for s in signals]
+    return build("error_map", time, law, inputs=signals, outputs=corrected, tag=tag)
