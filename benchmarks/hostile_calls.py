@@ -14,11 +14,13 @@ from benchmarks.hostile_examples import (
     RATE,
     TIME,
     Call,
+    K,
     T,
     U,
     Y,
     example_linear,
     example_linear_signals,
+    example_loop,
     example_regulator,
     example_resting_loop,
     example_scaled,
@@ -27,7 +29,7 @@ from benchmarks.hostile_examples import (
     model,
     usual,
 )
-from synth.analyse import lie, relative_degree, resting
+from synth.analyse import lie, relative_degree, resting, worst
 from synth.analyse.observability import placement
 from synth.blocks import safety
 from synth.signals import Parameter
@@ -130,6 +132,8 @@ def own() -> Mapping[str, Call]:
         "transfer.check_turns": {"late": 1e-3, "top": 10.0},
         "refinement.log": {"value": np.array([1 + 1j])},
         "trim.trim": {"plant": maglev, "fixed": {"gap": 0.02}, "free": ["current"]},
+        "worst.Figure": {"name": "f", "unit": "1", "of": lambda loop: 1.0, "largest": False},
+        "worst.search": {"loop": example_loop, "parameters": [K], "figure": worst.PHASE_MARGIN},
         "zero_dynamics.at_point": {"plant": maglev, "degree": relative_degree.of_plant(maglev)},
         "zero_dynamics.of_linear": {"degrees": [2]},
         "anti_windup.of_gain": {"controller": ([[-1.0]], [[1.0]], [[1.0]]), "E": [[-0.5]]},

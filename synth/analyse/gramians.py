@@ -6,10 +6,9 @@ Energy. With Phi(t) = exp(A t), or A^t in discrete time (sums for integrals),
     Wo = int Phi' C' C Phi dt      x' Wo x: output energy int y'y dt that x gives
     Hankel singular values         sqrt of the eigenvalues of Wc Wo, which no change of states alters
 
-A model with modes that do not decay has none; `over` integrates to a horizon instead. An input's share is its part of
+An unstable part has integrals backward in time: A = T diag(As, Au) T^-1 with Au in place of -Au, or of its inverse.
+Modes on the border have none; `over` integrates to a horizon instead. An input's share is its part of
 trace(Wc Wo) = sum of squared Hankel values; shares compare inputs in the units that they have.
-
-Library: no design uses it yet; docs/library.md has an example.
 """
 
 import warnings
@@ -21,7 +20,7 @@ import numpy as np
 import scipy.linalg
 
 from synth import arguments, show
-from synth.analyse import discretise, staircase, structure, transfer
+from synth.analyse import discretise, staircase, structure
 from synth.errors import ModelError, TimingError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.timing import Continuous
@@ -72,23 +71,25 @@ class Gramians:
 
 @arguments.checked
 def gramians(system: System) -> Gramians:
-    """Return the Gramians of a System over all time.
+    """Return the Gramians of a System over all time, those of its unstable part backward in time.
 
-    Raises SignalError as `statespace.of`; ModelError naming a mode that does not decay, by more than rounding of A.
+    Raises SignalError as `statespace.of`; ModelError naming a mode on the border of stability.
     """
     model = of(system)
     x = staircase.of_model(model).x
     A = model.A * x / x[:, None]
     continuous = isinstance(model.time, Continuous)
     moved = np.abs(A).sum(axis=1) if continuous else np.ones(len(A))  # what rounding of A moves of each state
-    span = _Span(lambda F, Q: _lyapunov(F, Q, continuous), lambda F, Q: -Q, "over all time")
     try:
-        noise = span.integral(A.T, np.diag(moved**2)) if transfer.decay(model.poles, model.time) else np.array([np.inf])
+        T, k = _stable_first(A, continuous)
+        span = _over_all_time(len(A), k, continuous)
+        back = _inverse(T)
+        noise = T @ span.integral((back @ A @ T).T, (back * moved) @ back.T) @ T.T
     except (np.linalg.LinAlgError, RuntimeWarning) as error:
-        raise _lasting(model) from error
+        raise _border(model) from error
     if len(A) and not np.linalg.norm(noise) < BORDER:
-        raise _lasting(model)
-    return _gramians(model, np.diag(x), span)
+        raise _border(model)
+    return _gramians(model, x[:, None] * T, span)
 
 
 @arguments.checked
@@ -115,6 +116,33 @@ def over(system: System, horizon_s: float) -> Gramians:
     if samples < 1:
         raise TimingError(f"the horizon of {horizon_s:g} s is shorter than a sample of {model.time.period_s:g} s")
     return _gramians(model, X, _over(f"{samples} samples", lambda F, Q: _summed(F, Q, samples)))
+
+
+def _stable_first(A: Array, continuous: bool) -> tuple[Array, int]:
+    """Return T for which T^-1 A T is block diagonal, and the order of its first block, which holds the stable modes."""
+    R, U, k = scipy.linalg.schur(A, sort="lhp" if continuous else "iuc") if len(A) else (A, A, 0)
+    T = np.eye(len(A))
+    if 0 < k < len(A):
+        T[:k, k:] = scipy.linalg.solve_sylvester(R[:k, :k], -R[k:, k:], -R[:k, k:])
+    return U @ T, k
+
+
+def _over_all_time(n: int, k: int, continuous: bool) -> _Span:
+    """Return the span over which the first k of n coordinates run forward in time, the others backward."""
+    sign = np.where(np.arange(n) < k, -1.0, 1.0)
+
+    def integral(F: Array, Q: Array) -> Array:
+        forward = _lyapunov(F[:k, :k], Q[:k, :k], continuous)
+        F, Q = F[k:, k:], Q[k:, k:]
+        if continuous:
+            return np.asarray(scipy.linalg.block_diag(forward, _lyapunov(-F, Q, continuous)))
+        back = _inverse(F)
+        return np.asarray(scipy.linalg.block_diag(forward, _lyapunov(back, back.T @ Q @ back, continuous)))
+
+    def edge(F: Array, Q: Array) -> Array:
+        return np.where(sign == sign[:, None], sign * Q, 0.0)
+
+    return _Span(integral, edge, "over all time" if k == n else "over the future of what decays, the past of the rest")
 
 
 def _over(span: str, gathered: Callable[[Array, Array], tuple[Array, Array]]) -> _Span:
@@ -193,14 +221,13 @@ def _shares(parts: Array, names: Sequence[str]) -> dict[str, float]:
     return {name: float(v) / total if total else 0.0 for name, v in zip(names, parts, strict=True)}
 
 
-def _lasting(model: StateSpace) -> ModelError:
+def _border(model: StateSpace) -> ModelError:
     roots = structure.poles(model).roots
     rates = structure.rates(np.array([r.value for r in roots]), model.time).real
-    k = int(np.argmax(rates))
-    hidden = 0 < abs(rates[k]) <= staircase.COUPLING * np.abs(rates).max()
-    worst, near = roots[k], ", within rounding of the fastest mode" if hidden else ""
+    k = int(np.argmin(np.abs(rates)))
+    worst, near = roots[k], ", within rounding of the fastest mode" if rates[k] and len(rates) > 1 else ""
     return ModelError(
         f"the model has no Gramian over all time: mode {structure.pair(worst.value)} in "
-        f"{structure.spelled(worst.states)} does not decay{near}; close a loop around it, take it out of the model, or "
-        "take `over` a horizon"
+        f"{structure.spelled(worst.states)} lies on the border of stability{near}; close a loop around it, "
+        "take it out of the model, or take `over` a horizon"
     )

@@ -43,12 +43,29 @@ def test_stable_gramians_are_those_of_slicot(seed: int) -> None:
     assert found.residual < tolerances.of("double") and found.span == "over all time"
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_unstable_parts_run_backward_in_time(seed: int) -> None:
+    """What T blkdiag(Ws, Wu) T' must be: the integral over the stable part's future and the unstable one's past."""
+    system = model(seed + 40, None)
+    found = gramians.gramians(system)
+    values, V = np.linalg.eig(system.A)
+    b = np.linalg.solve(V, system.B.astype(complex))
+    same_side = np.sign(values.real)[:, None] == np.sign(values.real)
+    sided = np.where(same_side, np.sign(values.real)[:, None] / (values[:, None] + values.conj()), 0.0)
+    np.testing.assert_allclose(found.Wc, (V @ (sided * (b @ b.conj().T)) @ V.conj().T).real, rtol=1e-6)
+
+
 def test_sampled_gramians_are_sums_over_the_samples() -> None:
-    A = np.array([[0.5, 0.2, 0.1], [0.0, -0.8, 0.3], [0.0, 0.0, 0.9]])
+    A = np.array([[0.5, 0.2, 0.1], [0.0, -0.8, 0.3], [0.0, 0.0, 2.0]])
     B, C = np.array([[1.0], [2.0], [1.0]]), np.array([[1.0, 0.0, 1.0]])
     found = gramians.gramians((A, B, C, [[0.0]], Discrete(1e-3)))
-    ahead = sum(np.outer(r := np.linalg.matrix_power(A, k) @ B, r) for k in range(400))
-    np.testing.assert_allclose(found.Wc, ahead, rtol=tolerances.of("settled"))
+    values, V = np.linalg.eig(A)
+    b = np.linalg.solve(V, B)
+    forward = [1, 1, 0] if values[2] == 2 else np.abs(values) < 1
+    ahead = sum(np.outer(r := V @ (np.asarray(forward)[:, None] * values[:, None] ** k * b), r) for k in range(400))
+    back = sum(np.outer(r := V @ (np.where(forward, 0, values**-k)[:, None] * b), r) for k in range(1, 100))
+    np.testing.assert_allclose(found.Wc, ahead + back, rtol=tolerances.of("settled"))
+    assert found.span == "over the future of what decays, the past of the rest"
 
 
 def test_one_mode_by_hand() -> None:
@@ -81,14 +98,16 @@ def test_a_weak_state_is_named_last() -> None:
     assert "x2" in found.directions[-1] and found.hankel[-1] < 1e-3 * found.hankel[0]
 
 
-def test_a_mode_that_does_not_decay_is_named_with_the_mend() -> None:
+def test_a_mode_on_the_border_is_named_with_the_mend() -> None:
     A = scipy.linalg.block_diag([[0.0, 1.0], [0.0, 0.0]], [[-1.0]])
     for seed in range(4):
         U = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0] if seed else np.eye(3)
         for time, M in ((Continuous(), A), (Discrete(1e-3), A + np.diag([1.0, 1.0, 0.5]))):
-            with pytest.raises(ModelError, match=r"mode .* in .* does not decay.*; close a loop .*over"):
+            with pytest.raises(
+                ModelError, match=r"mode .* in .* lies on the border of stability.*; close a loop .*over"
+            ):
                 gramians.gramians((U @ M @ U.T, U @ [[0.0], [1.0], [1.0]], time))
-    with pytest.raises(ModelError, match=r"mode 0 in x1 does not decay"):
+    with pytest.raises(ModelError, match=r"mode 0 in x1 lies"):
         gramians.gramians((A, [[0.0], [1.0], [1.0]]))
     gramians.gramians(([[-1e-9]], [[1.0]]))
 
@@ -98,7 +117,7 @@ def test_a_slow_mode_beside_a_fast_one_decays_where_the_matrix_tells_it() -> Non
     A = np.diag([-1e-4, -1e9])
     assert gramians.gramians((A, np.ones((2, 1)))).Wc[0, 0] == pytest.approx(5e3)
     U = np.linalg.qr(np.random.default_rng(0).normal(size=(2, 2)))[0]
-    with pytest.raises(ModelError, match="does not decay, within rounding of the fastest mode; close"):
+    with pytest.raises(ModelError, match="border of stability, within rounding of the fastest mode; close"):
         gramians.gramians((U @ A @ U.T, np.ones((2, 1))))
 
 

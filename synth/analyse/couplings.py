@@ -1,0 +1,158 @@
+"""How strongly inputs move and outputs show each mode of a linear model.
+
+The measure of Popov, Belevitch and Hautus for an eigenvalue s is the least singular value of [A - s I, B], or of
+[A - s I; C], in scaled units (`staircase.scaled`) with columns of B and rows of C of length 1: 0 out of reach or sight,
+1 at best. Of one input alone it is 0, too, where two modes have one eigenvalue.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from scipy.linalg import lapack
+
+from synth import arguments, show
+from synth.analyse import staircase, structure
+from synth.statespace import Array, Complex, System, of
+from synth.timing import Time
+
+CHUNK = 16  # modes that are taken together
+SMALL = 60  # states up to which a singular value decomposition is quicker than inverse iteration
+BLOCK, STEPS, SETTLED = 4, 60, 1e-4  # vectors, steps at most, and the relative change at which inverse iteration stops
+HUGE = 1e150  # its square is still a double
+WEAK = 1e-3  # a mode whose measure is less counts as weakly reached or seen
+
+Measures = tuple[float, dict[str, float]]
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """A mode with its measures: `reach` by all inputs, `sight` by all outputs, and by each alone."""
+
+    value: complex
+    states: structure.Direction
+    reach: float
+    sight: float
+    by_input: Mapping[str, float]
+    by_output: Mapping[str, float]
+
+
+@show.result
+class Couplings:
+    """The couplings of each mode, the slowest first."""
+
+    modes: tuple[Coupling, ...]
+    time: Time
+
+    @property
+    def weakly_reached(self) -> tuple[Coupling, ...]:
+        """The modes whose `reach` is below WEAK."""
+        return tuple(m for m in self.modes if m.reach < WEAK)
+
+    @property
+    def weakly_seen(self) -> tuple[Coupling, ...]:
+        """The modes whose `sight` is below WEAK."""
+        return tuple(m for m in self.modes if m.sight < WEAK)
+
+    def sheet(self) -> show.Sheet:
+        """Return one line for each mode or pair, and sentences on those that are weakly coupled."""
+        lines = [
+            f"Weakly {how}: mode {structure.pair(m.value)} in {structure.spelled(m.states)}."
+            for how, modes in (("reached", self.weakly_reached), ("seen", self.weakly_seen))
+            for m in modes
+            if m.value.imag >= 0
+        ]
+        rows = tuple(
+            (
+                structure.pair(m.value),
+                f"{m.reach:.2g}",
+                f"{m.sight:.2g}",
+                max(m.by_input, key=m.by_input.__getitem__, default=""),
+                max(m.by_output, key=m.by_output.__getitem__, default=""),
+                structure.spelled(m.states),
+            )
+            for m in self.modes
+            if m.value.imag >= 0
+        )
+        columns = ("mode", "reach", "sight", "best input", "best output", "states")
+        return show.Sheet(f"Couplings of the modes in {self.time}", tuple(lines), (show.Table(columns, rows),))
+
+
+@arguments.checked
+def couplings(system: System) -> Couplings:
+    """Return how strongly inputs move and outputs show each mode of a System; raise SignalError as `statespace.of`."""
+    model = of(system)
+    part = staircase.of_model(model)
+    roots = structure.poles(model).roots
+    values = np.unique([complex(r.value.real, abs(r.value.imag)) / part.rate for r in roots])  # one of each pair
+    reach = _measures(part.A, part.B, model.inputs, values)
+    sight = _measures(part.A.T, part.C.T, model.outputs, values)
+    found = []
+    for root in roots:
+        s = complex(root.value.real, abs(root.value.imag)) / part.rate
+        (by_all, by_input), (to_all, by_output) = reach[s], sight[s]
+        found.append(Coupling(root.value, root.states, by_all, to_all, by_input, by_output))
+    return Couplings(tuple(found), model.time)
+
+
+def _measures(A: Array, B: Array, names: Sequence[str], values: Complex) -> dict[complex, Measures]:
+    """Return for each s the least singular value of [A - s I, B], for all columns of B, made of length 1, and for each.
+
+    One Schur form A' = V T V^H serves all: the singular values are those of [T - s* I; B' V].
+    """
+    if not len(values):
+        return {}
+    size = np.linalg.norm(B, axis=0)
+    T, V = scipy.linalg.schur(A.T.astype(np.complex128), output="complex")
+    rows = (B / np.where(size > 0, size, 1.0)).T @ V
+    found = {}
+    for some in np.array_split(values, -(-len(values) // CHUNK)):
+        shifted = T - some.conj()[:, None, None] * np.eye(len(T))
+        whole, alone = shifted, np.zeros((len(names), len(some)))
+        for j in np.flatnonzero(size):
+            one = _with_row(shifted, rows[j])
+            alone[j] = [_least(R) for R in one]
+            whole = one if whole is shifted else _with_row(whole, rows[j])
+        every = alone.sum(axis=0) if np.count_nonzero(size) < 2 else [_least(R) for R in whole]
+        for s, most, each in zip(some, every, alone.T, strict=True):
+            found[complex(s)] = (float(most), {name: float(v) for name, v in zip(names, each, strict=True)})
+    return found
+
+
+def _with_row(T: Complex, row: Complex) -> Complex:
+    """Return the triangular factors (k, n, n) of matrices T (k, n, n), upper triangular, with one `row` (n,) below."""
+    R, r = T.copy(), np.tile(row, (len(T), 1))
+    for j in range(len(row)):
+        a, b = R[:, j, j].copy(), r[:, j].copy()
+        size = np.hypot(np.abs(a), np.abs(b))
+        a, b, size = (v[:, None] for v in (np.where(size > 0, a, 1.0), b, np.where(size > 0, size, 1.0)))
+        above, below = R[:, j, j:], r[:, j:]
+        R[:, j, j:], r[:, j:] = (a.conj() * above + b.conj() * below) / size, (a * below - b * above) / size
+    return R
+
+
+def _least(R: Complex) -> float:
+    if len(R) > SMALL and np.isfinite(found := _iterated(R)):
+        return found
+    return float(np.linalg.svd(R, compute_uv=False)[-1])
+
+
+def _iterated(R: Complex) -> float:
+    """Return the least singular value by inverse iteration on a block of vectors; NaN where the inverse overflows."""
+    diagonal = np.diag(R)
+    tiny = np.finfo(float).eps ** 2 * np.abs(R).max()
+    R = np.asfortranarray(R + np.diag(np.where(np.abs(diagonal) < tiny, tiny, 0.0)))
+    X, sigma = np.random.default_rng(0).normal(size=(len(R), BLOCK)).astype(np.complex128), np.inf
+    for _ in range(STEPS):
+        Y = lapack.ztrtrs(R, X, trans=2)[0]
+        if not np.abs(Y).max() < HUGE:
+            return np.nan
+        Z = lapack.ztrtrs(R, np.linalg.qr(Y)[0])[0]
+        if not np.abs(Z).max() < HUGE:
+            return np.nan
+        last, sigma = sigma, 1.0 / float(np.linalg.norm(Z, 2))
+        if last - sigma <= SETTLED * sigma:
+            return sigma
+        X = np.linalg.qr(Z)[0]
+    return np.nan

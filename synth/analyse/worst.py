@@ -1,0 +1,218 @@
+"""The worst of a figure of a loop over operating points and over the tolerances of parameters.
+
+    worst over points o and over p in the box |p_i - p_i0| <= tolerance_i |p_i0| of figure(loop(o, p))
+
+At each operating point the centre of the box and all its vertices are tried; from the two worst of them a bounded
+search without derivatives goes on, for a worst case may lie on an edge or inside. What is told is attained, at the
+values told; it is no proof that nothing in the box is worse.
+
+A loop that is not stable has no margin left: the figures here are 0, for a gain 1, and for the peak sensitivity inf.
+"""
+
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize
+
+from synth import arguments, show
+from synth.analyse import margins
+from synth.analyse.transfer import Loop
+from synth.errors import ModelError, SignalError, SynthError
+from synth.signals import Parameter
+from synth.signals import names as names_of
+from synth.statespace import Array
+
+MOST_PARAMETERS = 10  # with a tolerance: more have over a thousand vertices at each operating point
+STEPS = 30  # of each search, for each parameter
+STILL = 1e-6  # of the box, and of the figure: a search stops when it moves less
+FAR = 1e300  # stands for inf, with which the search cannot reckon
+
+LoopOf = Callable[[Mapping[str, float]], Loop]
+
+
+@arguments.checked
+@dataclass(frozen=True)
+class Figure:
+    """A scalar figure of a loop, in `unit`; the worst is the largest where `largest`, else the least."""
+
+    name: str
+    unit: str
+    of: Callable[[Loop], float]
+    largest: bool = False
+
+
+def _margin(name: str, unit: str, of: Callable[[margins.Margins], float], lost: float, largest: bool = False) -> Figure:
+    def figure(loop: Loop) -> float:
+        found = margins.of_loop(loop)
+        return of(found) if found.stable else lost
+
+    return Figure(name, unit, figure, largest)
+
+
+PHASE_MARGIN = _margin("phase margin", "degrees", lambda m: m.phase_margin, 0.0)
+GAIN_MARGIN = _margin("gain margin", "1", lambda m: m.gain_margin, 1.0)
+GAIN_REDUCTION = _margin("gain reduction margin", "1", lambda m: m.gain_reduction_margin, 1.0, largest=True)
+DELAY_MARGIN = _margin("delay margin", "s", lambda m: m.delay_margin, 0.0)
+MODULUS_MARGIN = _margin("modulus margin", "1", lambda m: m.modulus_margin, 0.0)
+PEAK_SENSITIVITY = _margin("peak sensitivity", "1", lambda m: m.peak_sensitivity, np.inf, largest=True)
+
+
+@dataclass(frozen=True)
+class Point:
+    """What was found at one operating point: the figure at the centre, at the worst vertex, and the worst, with where.
+
+    `where` maps parameters to values.
+    """
+
+    name: str
+    centre: float
+    vertex: float
+    worst: float
+    where: Mapping[str, float]
+
+
+@show.result
+class Worst:
+    """The worst `value` of a figure, attained at the operating point `at` with the parameters' values `where`."""
+
+    figure: Figure
+    value: float
+    at: str
+    where: Mapping[str, float]
+    points: tuple[Point, ...]
+    parameters: tuple[Parameter, ...]
+    evaluations: int
+
+    def sheet(self) -> show.Sheet:
+        """Return the worst, how it was searched, and what each operating point gives."""
+        values = ", ".join(f"{p.name} {self.where[p.name]:.6g} {p.unit}" for p in self.parameters)
+        unit = "" if self.figure.unit == "1" else f" {self.figure.unit}"
+        title = f"Worst {self.figure.name}: {show.number(self.value)}{unit}" + (f" at {self.at}" if self.at else "")
+        lines = (
+            *((f"with {values}",) if values else ()),
+            f"attained, not proved: centre and vertices of {len(self.points)} boxes of {len(self.parameters)} "
+            f"parameters, then a search from the two worst of each; {self.evaluations} loops",
+        )
+        columns = (
+            "operating point",
+            "centre",
+            "worst vertex",
+            "worst",
+            *(show.named(p.name, p.unit) for p in self.parameters),
+        )
+        rows = tuple(
+            (
+                p.name,
+                *(show.number(v) for v in (p.centre, p.vertex, p.worst, *(p.where[q.name] for q in self.parameters))),
+            )
+            for p in self.points
+        )
+        return show.Sheet(title, lines, (show.Table(columns, rows),))
+
+
+@arguments.checked
+def search(
+    loop: LoopOf,
+    parameters: Sequence[Parameter],
+    figure: Figure,
+    points: Mapping[str, Mapping[str, float]] | None = None,
+) -> Worst:
+    """Return the worst of a figure over the parameters' tolerances at each operating point.
+
+    `loop` gets the values of the parameters and of the operating point, by name; `points` maps the name of an operating
+    point to its values, in whatever units `loop` takes. A parameter of tolerance 0 stays at its value.
+
+    Raises SignalError for no point, a name that stands twice, a tolerance of a value 0, or too many parameters with a
+    tolerance; ModelError when the figure is no number or `loop` fails, with the values.
+    """
+    points = {"": {}} if points is None else points
+    _require(parameters, points)
+    free = [p for p in parameters if p.tolerance]
+    count = 0
+
+    def at(point: Mapping[str, float]) -> Callable[[Array], float]:
+        def bad(t: Array) -> float:
+            nonlocal count
+            count += 1
+            value = _value(loop, figure, {**point, **_placed(parameters, free, t)})
+            return -value if figure.largest else value
+
+        return bad
+
+    found = [_searched(name, at(values), parameters, free, figure) for name, values in points.items()]
+    worst = (max if figure.largest else min)(found, key=lambda p: p.worst)
+    return Worst(figure, worst.worst, worst.name, worst.where, tuple(found), tuple(parameters), count)
+
+
+def _require(parameters: Sequence[Parameter], points: Mapping[str, Mapping[str, float]]) -> None:
+    known = names_of(parameters)
+    if not points:
+        raise SignalError("no operating point is given: give one at least, or leave `points` out")
+    for name, values in points.items():
+        if both := [v for v in values if v in known]:
+            raise SignalError(f"the operating point '{name}' sets '{both[0]}', which is a parameter too: leave one out")
+    for p in parameters:
+        if p.tolerance and not p.value:
+            raise SignalError(
+                f"parameter '{p.name}' is 0 {p.unit} with the relative tolerance {p.tolerance:g}, which spans nothing: "
+                "give its range through another parameter"
+            )
+    count = sum(p.tolerance > 0 for p in parameters)
+    if count > MOST_PARAMETERS:
+        raise SignalError(
+            f"{count} parameters have a tolerance, whose box has 2^{count} vertices: keep {MOST_PARAMETERS} at most, "
+            "the others at tolerance 0"
+        )
+
+
+def _placed(parameters: Sequence[Parameter], free: Sequence[Parameter], t: Array) -> dict[str, float]:
+    """Return the values at t (free,) in -1 .. 1 across the box."""
+    moved = {p.name: p.value * (1 + p.tolerance * float(s)) for p, s in zip(free, t, strict=True)}
+    return {p.name: moved.get(p.name, p.value) for p in parameters}
+
+
+def _value(loop: LoopOf, figure: Figure, values: Mapping[str, float]) -> float:
+    told = ", ".join(f"{name} = {v:.6g}" for name, v in values.items())
+    try:
+        value = float(figure.of(loop(values)))
+    except SynthError as error:
+        raise ModelError(f"no {figure.name} at {told}: {error}") from error
+    except Exception as error:  # whatever the user's own function raises: without the values it cannot be found again
+        found = f"{type(error).__name__}: {error}"
+        raise ModelError(f"no {figure.name} at {told}: {found}; mend the loop or narrow the tolerances") from error
+    if np.isnan(value):
+        raise ModelError(f"the {figure.name} is no number at {told}: mend the loop or narrow the tolerances")
+    return value
+
+
+def _searched(
+    name: str,
+    bad: Callable[[Array], float],
+    parameters: Sequence[Parameter],
+    free: Sequence[Parameter],
+    figure: Figure,
+) -> Point:
+    """Return what is worst at one operating point; less is worse in `bad`."""
+    n, turned = len(free), -1.0 if figure.largest else 1.0
+    corners = [np.array(c) for c in itertools.product((-1.0, 1.0), repeat=n)] if n else []
+    tried = sorted([(bad(t), k, t) for k, t in enumerate([np.zeros(n), *corners])], key=lambda c: c[:2])
+    centre = next(value for value, k, _ in tried if k == 0)
+    vertex = next((value for value, k, _ in tried if k), centre)
+    searched = [_local(bad, t) for value, _, t in tried[:2] if n and np.isfinite(value)]
+    least, where = min([(tried[0][0], tried[0][2]), *searched], key=lambda c: c[0])
+    return Point(name, turned * centre, turned * vertex, turned * least, _placed(parameters, free, where))
+
+
+def _local(bad: Callable[[Array], float], start: Array) -> tuple[float, Array]:
+    """Return the least found by a simplex from `start`, reaching across the box.
+
+    It moves in angles a with t = sin(a), so that no side of the box flattens it.
+    """
+    angle = np.arcsin(start)
+    simplex = np.vstack([angle, angle + np.diag(np.where(angle == 0, np.pi / 4, -angle))])
+    limits = {"maxfev": STEPS * len(start), "xatol": STILL, "fatol": STILL * abs(min(bad(start), FAR))}
+    options = {"initial_simplex": simplex, **limits}
+    found = minimize(lambda a: float(np.clip(bad(np.sin(a)), -FAR, FAR)), angle, method="Nelder-Mead", options=options)
+    return float(found.fun), np.sin(found.x)
