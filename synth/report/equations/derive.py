@@ -5,7 +5,6 @@
 Signals inside a composition keep their names, and parts without a name get one, see `symbolic`.
 """
 
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
@@ -18,7 +17,7 @@ from synth.emit import lower
 from synth.emit.lower import Node
 from synth.errors import ModelError
 from synth.plant import Plant, symbols
-from synth.report.equations import glyphs, mathml, symbolic
+from synth.report.equations import glyphs, mathml, mathml_value, symbolic
 from synth.signals import Signal
 
 Symbols = Mapping[str, ca.SX]
@@ -232,4 +231,4 @@ def _told_apart(group: Group) -> Group:
 
 
 def _looks(name: str) -> str:
-    return re.sub(r"</?m(row|space)[^>]*>", "", glyphs.markup(name))
+    return mathml_value.key(glyphs.markup(name))

@@ -16,7 +16,7 @@ from synth.report.notation import number, readable
 from synth.signals import Signal, per_second
 
 LEGEND = (
-    "The equations are derived from the expressions that the C is made of, and compared with them at "
+    "The equations are derived from the expressions that the C is made of, and read back and compared with them at "
     f"{proof.POINTS} random points. Parts without a name of their own are numbered. A number that ends with an "
     "ellipsis is cut off. sat limits to the bounds below and above it, or, without any, to the range beside; a flag "
     "is 1 where it is true."

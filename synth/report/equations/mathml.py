@@ -1,4 +1,4 @@
-"""Presentation MathML of SymPy expressions, as browsers show it without scripts.
+"""Presentation MathML of SymPy expressions, as browsers show it without scripts; `mathml_value` reads it back.
 
 A number with more than DIGITS digits is cut off and ends with an ellipsis; the whole number stands in ``data-value``.
 """

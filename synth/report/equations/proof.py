@@ -1,23 +1,19 @@
-"""Proof of equations: each expression, as SymPy has it, gives what CasADi computes, at POINTS random points.
+"""Proof of equations: each formula, read back from its markup, gives what CasADi computes, at POINTS random points.
 
 Definitions are computed from each other in their order, as a reader would; derivatives, outputs, named signals and
 next states are compared, to TOLERANCE of the greatest value of each.
 """
 
-import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
 
 import casadi as ca
 import numpy as np
-import sympy as sp
-from scipy.special import erf
 
 from synth.block import Block
 from synth.emit import lower
 from synth.errors import ModelError
 from synth.plant import Plant
-from synth.report.equations import derive
+from synth.report.equations import derive, glyphs, mathml_value
 from synth.report.equations.derive import Equation, Group, Named
 from synth.signals import Signal
 from synth.statespace import Array
@@ -26,25 +22,6 @@ Values = Mapping[str, Array]
 POINTS, TOLERANCE, SEED = 48, 1e-9, 7
 SPREAD = 0.05  # of a parameter's or constant's value: by how much it varies
 WILD = 4  # powers of ten by which a Block's inputs leave their ranges in half of the points
-FUNCTIONS: Mapping[str, Callable[..., Any]] = {
-    **{n: getattr(np, n) for n in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "exp", "log", "sign", "floor", "ceil")},
-    **{n: getattr(np, f"arc{n[1:]}") for n in ("asin", "acos", "atan", "atan2", "asinh", "acosh", "atanh")},
-    **{n: getattr(np, n) for n in ("hypot", "log1p", "expm1")},
-    "erf": erf,
-    "Abs": np.abs,
-    "min": np.fmin,
-    "max": np.fmax,
-    "mod": np.fmod,
-    "lt": np.less,
-    "le": np.less_equal,
-    "eq": np.equal,
-    "ne": np.not_equal,
-    "and": np.logical_and,
-    "or": np.logical_or,
-    "not": np.logical_not,
-    "choose": lambda condition, first, other: np.where(condition != 0, first, other),
-    "sat": lambda x, low, high: np.fmax(np.fmin(x, high), low),
-}
 
 
 def plant(plant: Plant, groups: Sequence[Group], named: Named | None = None) -> None:
@@ -87,29 +64,25 @@ def check(
     """
     known = dict(loaded)
     points = len(next(iter(loaded.values())))
-    for equation in sorted((e for g in groups for e in g.equations), key=lambda e: (e.mark != "", e.order)):
-        with np.errstate(all="ignore"):
-            shown = np.broadcast_to(value(equation.expression, known, {**FUNCTIONS, **tables}), points)
+    for group, equation in sorted(
+        ((g, e) for g in groups for e in g.equations), key=lambda pair: (pair[1].mark != "", pair[1].order)
+    ):
+        shown = _shown(group, equation, known, tables, points)
         if not equation.mark:
             known[equation.name] = shown
         if equation.key in computed:
             _same(what, equation, shown, computed[equation.key])
 
 
-def value(expr: sp.Expr, names: Values, functions: Mapping[str, Callable[..., Any]] = FUNCTIONS) -> Array:
-    """Return what an expression amounts to where the names in it have these values (N,)."""
-    if isinstance(expr, sp.Symbol):
-        return names[expr.name]
-    if not expr.args:
-        return np.array(float(expr))
-    args = [np.asarray(value(a, names, functions), dtype=np.float64) for a in expr.args]
-    if isinstance(expr, sp.Add):
-        return np.asarray(sum(args))
-    if isinstance(expr, sp.Mul):
-        return np.asarray(math.prod(args))
-    if isinstance(expr, sp.Pow):
-        return np.asarray(args[0] ** args[1])
-    return np.asarray(functions[type(expr).__name__](*args), dtype=np.float64)
+def _shown(
+    group: Group, equation: Equation, known: Values, tables: Mapping[str, Callable[..., Array]], points: int
+) -> Array:
+    names = {
+        mathml_value.key(glyphs.markup(group.name(s.name))): known[s.name] for s in equation.expression.free_symbols
+    }
+    with np.errstate(all="ignore"):
+        found = mathml_value.value(group.right(equation), names, equation.limits, tables)
+    return np.broadcast_to(found, points)
 
 
 def _same(what: str, equation: Equation, shown: Array, computed: Array) -> None:

@@ -11,9 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from synth.errors import DesignError
-from synth.report.equations import glyphs, mathml
+from synth.report.equations import glyphs, mathml, mathml_value
 from synth.report.equations.symbolic import opaque, symbol
-from tests.report.equations import mathml_value
 
 NAMES = ("x", "g1", "k_s_phi")
 X = [symbol(name) for name in NAMES]

@@ -1,4 +1,4 @@
-"""The value of presentation MathML, read as a reader sees it: what a formula on the page amounts to, for its tests.
+"""The value of presentation MathML, read as a reader sees it: what a formula on the page amounts to.
 
     condition  = conjunct {∨ conjunct};    conjunct = negation {∧ negation};    negation = [¬] relation
     relation   = sum [(< | ≤ | = | ≠) sum];    sum = [−] term {(+ | −) term};    term = factor {[·] factor}
