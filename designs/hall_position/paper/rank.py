@@ -70,10 +70,8 @@ def conditions(stage: Stage) -> Array:
 
 def with_ninth(stage: Stage) -> Array:
     """Return the largest deviations of X, Y and yaw of all sensors at yaw 0, the 9th harmonic included."""
-    waves, of = (
-        stage.waves(concentrated_field.on_axes((1, 5, 9))),
-        hall_array.points(stage.three.positions, stage.chain),
-    )
+    waves = stage.waves(concentrated_field.on_axes((1, 5, 9)))
+    of = hall_array.points(stage.three.positions, stage.chain)
     at = hall_two_waves.poses(stage.pitch, FINE).T
     return hall_accuracy.of_sensors(of, waves, at, hall_accuracy.spread(of), stage.height).deviations.max(axis=0)
 
