@@ -10,7 +10,7 @@ import numpy as np
 from designs.hall_position import config, costs
 from designs.hall_position.loop import calibration
 from designs.hall_position.pages import accuracy, estimator, experiments, field, loops, six, trust
-from designs.hall_position.paper.stage import Stage
+from models.hall_stage import Stage
 from synth.emit.write import Emitted
 from synth.report import captions, page, sections, standard, template
 from synth.report.audit import Row

@@ -4,9 +4,9 @@ from math import radians
 
 import numpy as np
 
-from designs.hall_position.paper.stage import Stage, grid
 from models import hall_chain, hall_correction
 from models.hall_array import Array
+from models.hall_stage import Stage, grid
 from models.hall_two_waves import PlanarArray
 from synth.timing import Discrete
 

@@ -11,7 +11,7 @@ from math import radians
 import numpy as np
 
 from designs.hall_position.accuracy import layouts
-from designs.hall_position.paper.stage import KEPT, NUMBERS, Stage, grid
+from designs.hall_position.paper.field import KEPT
 from models import (
     concentrated_field,
     hall_accuracy,
@@ -21,6 +21,7 @@ from models import (
     hall_two_waves,
 )
 from models.hall_array import Array
+from models.hall_stage import NUMBERS, Stage, grid
 from models.hall_two_waves import PlanarArray
 from synth.analyse.observability.worst_deviation import Worst
 

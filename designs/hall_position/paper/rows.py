@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from designs.hall_position.paper import convergence, errors, field, rank
-from designs.hall_position.paper.stage import Stage
 from models import hall_singular_points
+from models.hall_stage import Stage
 from synth.report import audit, formulas
 from synth.report.audit import Published, Row
 from synth.report.formulas import Names

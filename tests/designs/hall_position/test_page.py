@@ -10,8 +10,8 @@ from designs.hall_position import config, costs, page
 from designs.hall_position.costs import Row
 from designs.hall_position.pages import accuracy, field, six, trust
 from designs.hall_position.paper import rows
-from designs.hall_position.paper.stage import Stage, grid
 from models import hall_accuracy, hall_fisher
+from models.hall_stage import Stage, grid
 from synth.emit.write import Emitted
 from synth.report import audit, sections, template
 from synth.report.captions import Made, Rows
