@@ -32,7 +32,7 @@ from synth.verify.rivals import Candidate
 from synth.verify.steps import Steps
 
 BUILDS = (Build("gcc -O2", "gcc"), Build("gcc -O2 contracted", "gcc", cross.CONTRACTED))
-ABSENT = "Not measured: arm-none-eabi-gcc is not installed."
+ABSENT = "Not measured: no emulator, or arm-none-eabi-gcc is not installed."
 COSTLY = ("random", "states anew", "random states and inputs", "rare among states anew")  # of bench: with the worst
 EACH, SIX = 100, 120  # steps of each of these, and of each kind in six degrees of freedom
 TRAVEL, YAW, TILT, GAP = 0.3, 0.09, 8e-3, 4e-4  # m, rad, rad, m, of a motion in six degrees of freedom

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from designs.hall_position import config
+from designs.hall_position import config, costs
 from designs.hall_position.loop import calibration
 from designs.hall_position.pages import accuracy, estimator, experiments, field, loops, six, trust
-from designs.hall_position.paper.stage import Stage
+from models.hall_stage import Stage
 from synth.emit.write import Emitted
 from synth.report import captions, page, sections, standard, template
 from synth.report.audit import Row
@@ -24,8 +24,6 @@ ABOUT = (
     "the field, its model, the estimator and what it tells where. This page was computed from the magnets' geometry; "
     "every figure on it was measured on the C that ships, or on the model that the C was derived from."
 )
-COSTS = "Cost of three sensors and of six degrees of freedom"
-ABSENT = page.Text("Not measured: no emulator or no cross compiler was installed.")
 
 
 def report(
@@ -47,7 +45,7 @@ def report(
         standard.audit(rows, ()),
         standard.verification(evidence),
         sections.cost(cost),
-        _others(files, cost, stage),
+        costs.section(costs.measure(files[config.THREE], six.placed(stage, 4)) if cost else ()),
         standard.files(files),
     ]
     inputs, outputs = "4 Hall voltages; 6 with a third sensor", "X, Y and yaw, their deviations, residual, flags"
@@ -65,12 +63,3 @@ def _blocks(stage: Stage, data: Mapping[str, Any], runs: Sequence[Experiment]) -
         **experiments.blocks(calibration.calibrated().map if runs else None, runs),
         **six.blocks(stage),
     }
-
-
-def _others(files: Mapping[str, Emitted], cost: Cost | None, stage: Stage) -> page.Section:
-    """Return what the other estimators cost, where the first one's was measured."""
-    if cost is None:
-        return page.Section(COSTS, (ABSENT,))
-    from designs.hall_position import costs  # which needs the extra `target`
-
-    return costs.section(costs.measure(files[config.THREE], six.placed(stage, 4)))

@@ -1,4 +1,4 @@
-"""Where sensors are in the body: the published layout, and those of the least `hall_accuracy.cost` that were found.
+"""Where sensors are in the body: those of the least `hall_accuracy.cost` that were found.
 
 Coordinates are in pitches. `hall_fisher.worst` proves what a planar layout is worth, between the points of a grid too.
 
@@ -14,7 +14,6 @@ from models.hall_array import Pair
 Places = tuple[Pair, ...]  # in pitches
 
 REACH = 0.64  # pitches, of the searches: as far as the published layout
-PUBLISHED: Places = ((-0.375, -0.375), (0.375, 0.375), (0.640, 0.613))  # the third was added to (3)
 LAYOUTS: dict[int, Places] = {  # by the yaws in degrees to either side; at worst, by proof, in um and urad:
     5: ((-0.132, 0.173), (0.106, -0.066), (0.385, -0.344)),  # 4.87, 5.14, 217, where PUBLISHED has 7.7, 7.0, 238
     15: ((0.269, -0.214), (-0.230, 0.285), (0.019, 0.035)),  # 4.83, 4.68, 258, where PUBLISHED has 199, 29, 4379

@@ -13,16 +13,15 @@ import numpy as np
 from designs.hall_position.accuracy import layouts
 from designs.hall_position.glsdc import channels, estimator
 from designs.hall_position.glsdc.parameters import Tuning
-from designs.hall_position.paper.stage import Stage
 from models import hall_array, hall_two_waves
 from models.hall_array import Pair
+from models.hall_stage import PUBLISHED, Stage
 from models.hall_two_waves import PlanarArray as Array
 from synth import stage
 from synth.block import Block
 from synth.declaration import Controller
 from synth.emit.c import digits
 from synth.errors import DesignError
-from synth.plant import Plant
 from synth.signals import names
 from synth.stage import Sensor
 from synth.timing import Discrete
@@ -31,7 +30,7 @@ NAME, THREE = "hall_position", "hall_position_three"
 TIME = Discrete(1 / 800)
 LAYOUT = 5  # degrees of yaw to either side, for which the three sensors are placed
 PLACES: Mapping[str, tuple[Pair, ...]] = MappingProxyType(
-    {NAME: layouts.PUBLISHED[:2], THREE: layouts.LAYOUTS[LAYOUT]}
+    {NAME: PUBLISHED[:2], THREE: layouts.LAYOUTS[LAYOUT]}
 )  # in pitches
 TUNING = Tuning()
 DIGITS = 6  # of the field, so that it is the same on every machine
@@ -48,16 +47,11 @@ def array(name: str = NAME) -> Array:
     return replace(of, alpha=digits.cut(of.alpha, DIGITS), beta=digits.cut(of.beta, DIGITS))
 
 
-def plant(of: Array) -> Plant:
-    """Return the sensors on a body that moves over the field of (2)."""
-    volts = channels.voltages(len(of.positions))
-    return hall_array.plant(*hall_two_waves.model(of), volts, TUNING.pitches * of.pitch)
-
-
 def controller(name: str = NAME) -> Controller:
     """Return the guarded estimator that ships under a name; raise DesignError for an unknown one."""
     of = array(name)
-    body = plant(of)
+    volts = channels.voltages(len(of.positions))
+    body = hall_array.plant(*hall_two_waves.model(of), volts, TUNING.pitches * of.pitch)
     around = stage.interface(
         body,
         sensors=[Sensor(s.name) for s in body.outputs],

@@ -13,6 +13,7 @@ from functools import cache
 
 import numpy as np
 
+from designs.hall_position.config import TIME
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.loop import closed_loop
 from designs.hall_position.loop.closed_loop import PITCH, Source
@@ -26,9 +27,7 @@ from synth.emit.c import digits
 from synth.execute import build
 from synth.statespace import Array as Numbers
 from synth.statespace import readonly
-from synth.timing import Discrete
 
-TIME = Discrete(1 / 800)
 DIGITS = 5  # of the field
 MAPPED, CELL = 0.027, 1e-3  # m: to where, and by what spacing, the error is tabulated
 UNITS = (1e-8, 1e-8, 1e-6)  # m, m, rad: a hundredth of the noise

@@ -65,20 +65,16 @@ def loops(libm: bool = False) -> Mapping[str, Loop]:
 def run(progress: Callable[[str], None]) -> list[Experiment]:
     """Run every experiment; `progress` hears what comes next."""
     progress("calibration")
-    both, done = loops(), list[Experiment]()
+    both = loops()
     calibrated = both["calibrated"]
-    parts: dict[str, Callable[[], list[Experiment]]] = {
-        "standstill": lambda: [standstill(calibrated)],
-        "step of 4 mm": lambda: [step(both[name], name) for name in both],
-        "zigzag": lambda: zigzags(both),
-        "staircase": lambda: [staircase(calibrated)],
-        "dropouts": lambda: [dropouts(calibrated), loss(calibrated)],
-        "sources": lambda: [sources.experiment({**sources.others(), sources.PLACED: calibrated})],
-    }
-    for name, part in parts.items():
-        progress(name)
-        done += part()
-    return done
+    progress("standstill and steps of 4 mm")
+    done = [standstill(calibrated), *(step(both[name], name) for name in both)]
+    progress("zigzags and staircase")
+    done += [*zigzags(both), staircase(calibrated)]
+    progress("dropouts")
+    done += [dropouts(calibrated), loss(calibrated)]
+    progress("sources")
+    return [*done, sources.experiment({**sources.others(), sources.PLACED: calibrated})]
 
 
 def standstill(loop: Loop) -> Experiment:

@@ -6,12 +6,12 @@ from math import radians
 import numpy as np
 from matplotlib.figure import Figure
 
-from designs.hall_position.accuracy.layouts import LAYOUTS, PUBLISHED
+from designs.hall_position.accuracy.layouts import LAYOUTS
 from designs.hall_position.pages import drawings
 from designs.hall_position.paper import errors, rank
-from designs.hall_position.paper.stage import Stage, grid
 from models import hall_correction, hall_fisher, hall_singular_points
 from models.hall_array import Array
+from models.hall_stage import PUBLISHED, Stage, grid
 from models.hall_two_waves import PlanarArray
 from synth.report import charts, maps
 from synth.report.captions import Made, Rows

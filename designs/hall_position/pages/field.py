@@ -6,11 +6,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from designs.hall_position.paper import field as audited
-from designs.hall_position.paper.stage import Stage
 from models import concentrated_field, hall_array, hall_figures, hall_scan
 from models.concentrated_field import CROSS, PARAMETERS, on_axes
 from models.hall_figures import Surface
 from models.hall_scan import Decay, Fit
+from models.hall_stage import Stage
 from synth.report import charts, maps
 from synth.report.captions import Made, Rows
 from synth.report.charts import Chart, Line

@@ -5,12 +5,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from designs.hall_position.accuracy import layouts
-from designs.hall_position.accuracy.layouts import LAYOUTS, PUBLISHED
+from designs.hall_position.accuracy.layouts import LAYOUTS
 from designs.hall_position.glsdc.parameters import SpatialTuning
 from designs.hall_position.pages import drawings
 from designs.hall_position.paper import errors
-from designs.hall_position.paper.stage import Stage
 from models import hall_accuracy, hall_array, hall_two_waves
+from models.hall_stage import PUBLISHED, Stage
 from models.hall_two_waves import SpatialArray
 from synth.analyse.observability.information import Accuracy
 from synth.report import figures, maps, page

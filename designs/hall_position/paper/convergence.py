@@ -4,9 +4,9 @@ from math import radians
 
 import numpy as np
 
-from designs.hall_position.paper.stage import Stage, grid
 from models import hall_chain, hall_correction
 from models.hall_array import Array
+from models.hall_stage import Stage, grid
 from models.hall_two_waves import PlanarArray
 from synth.timing import Discrete
 
@@ -50,11 +50,9 @@ def treads(stage: Stage, step: float, yaw_known: bool) -> Array:
     of, time = stage.pair, Discrete(PERIOD)
     q = grid(of, ALONG)
     size = 2 * len(of.positions) * q.shape[1]
-    noise = hall_chain.noise(stage.chain, time, (size, (STEPS + 1) * TREAD), SEED).T.reshape(
-        STEPS + 1, TREAD, 2, -1, q.shape[1]
-    )
+    noise = hall_chain.noise(stage.chain, time, (size, (STEPS + 1) * TREAD), SEED).T
     found, at = [], q
-    for stair, more in enumerate(noise):
+    for stair, more in enumerate(noise.reshape(STEPS + 1, TREAD, 2, -1, q.shape[1])):
         true = q + np.array([[step * stair], [0.0], [0.0]])
         clean = hall_correction.volts(of, true)
         for now in more:

@@ -6,9 +6,10 @@ from functools import lru_cache
 import numpy as np
 
 from designs.hall_position.paper import field
-from designs.hall_position.paper.stage import KEPT, PER_PITCH, Stage, grid
+from designs.hall_position.paper.field import KEPT
 from models import concentrated_field, hall_array, hall_correction
 from models.hall_array import Array
+from models.hall_stage import PER_PITCH, Stage, grid
 from models.hall_two_waves import PlanarArray
 from synth.statespace import readonly
 

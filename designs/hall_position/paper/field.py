@@ -9,12 +9,13 @@ from functools import lru_cache
 
 import numpy as np
 
-from designs.hall_position.paper.stage import KEPT, PER_PITCH, Stage
 from models import concentrated_field, hall_array, hall_figures, hall_scan
 from models.concentrated_field import STRONG
 from models.hall_array import Array
+from models.hall_stage import PER_PITCH, Stage
 from synth.synthesise.identify.logs import Log
 
+KEPT = 8  # results of each kind, for those that are asked for more than once
 ODD = (1, 3, 5, 7, 9, 11, 13)
 NONE = 1e-6  # T: no wave
 PLACES = 480  # over a pitch

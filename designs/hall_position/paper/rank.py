@@ -11,7 +11,7 @@ from math import radians
 import numpy as np
 
 from designs.hall_position.accuracy import layouts
-from designs.hall_position.paper.stage import KEPT, NUMBERS, Stage, grid
+from designs.hall_position.paper.field import KEPT
 from models import (
     concentrated_field,
     hall_accuracy,
@@ -21,6 +21,7 @@ from models import (
     hall_two_waves,
 )
 from models.hall_array import Array
+from models.hall_stage import NUMBERS, Stage, grid
 from models.hall_two_waves import PlanarArray
 from synth.analyse.observability.worst_deviation import Worst
 
@@ -70,10 +71,8 @@ def conditions(stage: Stage) -> Array:
 
 def with_ninth(stage: Stage) -> Array:
     """Return the largest deviations of X, Y and yaw of all sensors at yaw 0, the 9th harmonic included."""
-    waves, of = (
-        stage.waves(concentrated_field.on_axes((1, 5, 9))),
-        hall_array.points(stage.three.positions, stage.chain),
-    )
+    waves = stage.waves(concentrated_field.on_axes((1, 5, 9)))
+    of = hall_array.points(stage.three.positions, stage.chain)
     at = hall_two_waves.poses(stage.pitch, FINE).T
     return hall_accuracy.of_sensors(of, waves, at, hall_accuracy.spread(of), stage.height).deviations.max(axis=0)
 

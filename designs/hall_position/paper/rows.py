@@ -4,29 +4,21 @@ All rows follow from the matrix, the sensors and model (2); what the loop does i
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from designs.hall_position.paper import convergence, errors, field, rank
-from designs.hall_position.paper.stage import Stage
 from models import hall_singular_points
-from synth.report import audit
+from models.hall_stage import Stage
+from synth.report import audit, formulas
 from synth.report.audit import Published, Row
+from synth.report.formulas import Names
 
 UNITS = {"um": 1e-6, "mm": 1e-3, "mV": 1e-3}
+MODULES = (convergence, errors, field, rank)  # whose functions the formulas name
 NUMPY = (np.degrees, np.diff, np.hypot, np.isfinite, np.maximum, np.mean, np.median, np.percentile, np.radians, np.std)
-
-
-@dataclass(frozen=True, eq=False)
-class Bench:
-    """What formulas name: the stage's parameters, functions of it, and what the paper prints by row."""
-
-    parameters: Mapping[str, float]
-    functions: Mapping[str, Any]
-    published: Mapping[str, Published]
 
 
 def rows() -> Iterator[Row]:
@@ -35,13 +27,10 @@ def rows() -> Iterator[Row]:
     yield from audit.rows((), bench, bench.published)
 
 
-def on(stage: Stage, prints: Mapping[str, Published]) -> Bench:
+def on(stage: Stage, prints: Mapping[str, Published]) -> Names:
     """Return what the rows that follow from a stage and a print are computed from."""
-    modules = (convergence, errors, field, rank)
-    own = (v for m in modules for v in vars(m).values() if getattr(v, "__module__", "") == m.__name__)
-    functions = {f.__name__: f for f in (*own, *NUMPY, Stage)}
-    functions["singular_points"] = hall_singular_points.of_pair
-    return Bench(asdict(stage), {**functions, **UNITS}, prints)
+    functions = {**formulas.defined(MODULES), **{f.__name__: f for f in (*NUMPY, Stage)}, **UNITS}
+    return Names(asdict(stage), functions | {"singular_points": hall_singular_points.of_pair}, prints)
 
 
 def printed() -> dict[str, Published]:

@@ -10,6 +10,7 @@ from math import pi
 
 import numpy as np
 
+from designs.hall_position.config import TIME
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.glsdc.parameters import Tuning
 from models import hall_motions as motions
@@ -20,11 +21,8 @@ from synth.block import unranged
 from synth.execute import build, host
 from synth.simulate import ensemble
 from synth.simulate.ensemble import Scores
-from synth.timing import Discrete
 
-TIME = Discrete(1 / 800)
 USUAL = Tuning()
-FULL = 2 * pi
 
 
 @dataclass(frozen=True)
@@ -71,7 +69,7 @@ def moving(kind: EstimatorConfig, at: Course) -> host.Records:
 
 def wrapped(angle: Numbers) -> Numbers:
     """Return angles within half a turn."""
-    return (angle + pi) % FULL - pi
+    return (angle + pi) % (2 * pi) - pi
 
 
 def stepped(kind: EstimatorConfig, state: host.Records, volts: Numbers) -> host.Batch:

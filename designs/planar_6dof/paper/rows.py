@@ -5,30 +5,20 @@ formulas in published.toml; no verdict is stored.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from designs.planar_6dof.paper import filter, gains, records
 from models import axis_figures, motor_figures, planar_stage, platen_figures, switching_figures
 from synth.plant import Plant
-from synth.report import audit
+from synth.report import audit, formulas
 from synth.report.audit import Published, Row
+from synth.report.formulas import Names
 from synth.simulate.rig import Rig
 
 UNITS = {"mm": 1e-3, "um": 1e-6, "inch": 25.4e-3}  # in m
 FIGURES = (motor_figures, platen_figures, switching_figures, axis_figures)  # of the physics
 MODULES = (*FIGURES, filter, gains, records)  # whose functions the formulas name
 OPTIMAL = {f"Y-{n}" for n in (*range(10, 16), *range(36, 42))}  # the rows of planar_6dof_lqg
-
-
-@dataclass(frozen=True, eq=False)
-class Scope:
-    """What formulas name: the plant's parameters, SI, functions and units, and what the paper prints by row."""
-
-    parameters: Mapping[str, float]
-    functions: Mapping[str, Any]
-    published: Mapping[str, Published]
 
 
 def leadlag(loop: Rig) -> Iterator[Row]:
@@ -41,13 +31,11 @@ def lqg(loop: Rig) -> Iterator[Row]:
     return audit.rows((), scope(loop=loop), {id: p for id, p in printed().items() if id in OPTIMAL})
 
 
-def scope(plant: Plant | None = None, prints: Mapping[str, Published] | None = None, loop: Rig | None = None) -> Scope:
+def scope(plant: Plant | None = None, prints: Mapping[str, Published] | None = None, loop: Rig | None = None) -> Names:
     """Return what rows are computed from, the plant and the print as published where no others are given."""
     plant = plant or planar_stage.plant()
-    own = (v for module in MODULES for v in vars(module).values() if getattr(v, "__module__", "") == module.__name__)
-    functions = {value.__name__: value for value in own}
-    parameters = {p.name: p.value for p in plant.parameters}
-    return Scope(parameters, {**functions, **UNITS, "plant": plant, "loop": loop}, prints or printed())
+    functions = {**formulas.defined(MODULES), **UNITS, "plant": plant, "loop": loop}
+    return Names({p.name: p.value for p in plant.parameters}, functions, prints or printed())
 
 
 def printed() -> dict[str, Published]:

@@ -10,12 +10,12 @@ from designs.hall_position import config, costs, page
 from designs.hall_position.costs import Row
 from designs.hall_position.pages import accuracy, field, six, trust
 from designs.hall_position.paper import rows
-from designs.hall_position.paper.stage import Stage, grid
 from models import hall_accuracy, hall_fisher
+from models.hall_stage import Stage, grid
 from synth.emit.write import Emitted
-from synth.report import audit, sections
+from synth.report import audit, sections, template
 from synth.report.captions import Made, Rows
-from synth.report.page import Section, Table
+from synth.report.page import Section, Table, Text
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 
@@ -78,8 +78,13 @@ def test_every_part_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
     assert titles == sorted(titles) and "3\u202f795" in html
 
 
-def test_without_a_measured_cost_no_other_is_measured() -> None:
-    assert page._others({}, None, STAGE).blocks == (page.ABSENT,) and page.COSTS == costs.TITLE
+def test_without_a_measured_cost_no_other_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+    parts: list[Section] = []
+    monkeypatch.setattr(page, "_blocks", lambda *_: {})
+    monkeypatch.setattr(six, "section", lambda _: Section("Six degrees of freedom"))
+    monkeypatch.setattr(template, "assembled", lambda *given: str(parts.extend(given[3])))
+    page.report({}, Evidence(config.NAME, (), ()), [], [], None)
+    assert [part.blocks for part in parts if part.title == costs.TITLE] == [(Text(costs.ABSENT),)]
 
 
 def test_the_map_is_that_of_the_deviations(monkeypatch: pytest.MonkeyPatch) -> None:

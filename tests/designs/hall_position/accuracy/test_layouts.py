@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from designs.hall_position.accuracy import layouts
-from designs.hall_position.accuracy.layouts import LAYOUTS, PUBLISHED
+from designs.hall_position.accuracy.layouts import LAYOUTS
 from models import hall_accuracy, hall_fisher, hall_two_waves
+from models.hall_stage import PUBLISHED
 from models.hall_two_waves import PlanarArray, SpatialArray
 from synth.analyse.observability import placement
 from synth.errors import ModelError

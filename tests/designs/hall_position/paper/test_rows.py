@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from designs.hall_position.accuracy.layouts import PUBLISHED
 from designs.hall_position.paper import errors, field, rank
 from designs.hall_position.paper import rows as paper
-from designs.hall_position.paper.stage import Stage, grid
 from models import concentrated_field, hall_array, hall_correction
+from models.hall_stage import PUBLISHED, Stage, grid
 from synth.report import audit
 from synth.report.audit import Printed, Row
 

@@ -1,8 +1,10 @@
-"""What the audit's rows are computed of: the matrix as printed, sensors, their chain, and model (2) above it.
+"""The stage of two-axis Hall sensors over a Halbach magnet matrix as printed: their chain, and model (2) above it.
 
     alpha_n = s A_n(z),    A_n the amplitude of sin(n w X) in B_X above the blocks that were made, s in V/T.
 
 Sensors are at +-(3/8, 3/8) l about the body's origin: the paper gives the spacing (3) only, whose first is (3/4) l.
+
+Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", (2), (3), section 3.A.
 """
 
 from collections.abc import Sequence
@@ -11,7 +13,6 @@ from functools import cached_property
 
 import numpy as np
 
-from designs.hall_position.accuracy.layouts import PUBLISHED
 from models import concentrated_field, finite_matrix, hall_array, hall_two_waves
 from models.concentrated_field import STRONG, WEAK, Cell, Order, Wave
 from models.finite_matrix import Scan
@@ -19,7 +20,7 @@ from models.hall_array import Array, Pair
 from models.hall_chain import Chain
 from models.hall_two_waves import PlanarArray
 
-KEPT = 8  # results of each kind, for those that are asked for more than once
+PUBLISHED: tuple[Pair, ...] = ((-0.375, -0.375), (0.375, 0.375), (0.640, 0.613))  # pitches; a third was added to (3)
 PER_PITCH = 40  # points of a scan, so that sensors of (3/8) l stand on points
 NUMBERS = (1, 5)  # of model (2)
 
