@@ -19,7 +19,7 @@ from benchmarks import parts
 from designs.planar_6dof import bench, interface, loop, lqg
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import experiments as of_leadlag
-from designs.planar_6dof_lqg import core, full_order
+from designs.planar_6dof_lqg import core
 from designs.planar_6dof_lqg import experiments as of_lqg
 from models import planar_stage
 from models.planar_allocation import HORIZONTAL
@@ -71,7 +71,7 @@ def wholes() -> Iterator[Subject]:
     plant = planar_stage.plant()
     yield whole("lead-lag", leadlag.controller(plant), of_leadlag.ALL)
     yield whole("LQG", lqg.controller(plant), of_lqg.ALL)
-    yield whole("LQG, full order", lqg.controller(plant, regulate=full_order.full_order), of_lqg.ALL)
+    yield whole("LQG, full order", lqg.controller(plant, regulate=core.full_order), of_lqg.ALL)
 
 
 def whole(name: str, block: Block, experiments: Sequence[Run]) -> Subject:
@@ -88,8 +88,7 @@ def whole(name: str, block: Block, experiments: Sequence[Run]) -> Subject:
 
 def cores() -> Iterator[Subject]:
     """Yield the two cores, with small errors and with random states and errors."""
-    orders: tuple[full_order.Order, ...] = ("reduced", "full")
-    for order in orders:
+    for order in core.ORDERS:
         block = core.block(order)
         emitted = write.emit(unranged(block), np.float32)
         controller = host.load(emitted.files, emitted.manifest)

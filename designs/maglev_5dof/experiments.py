@@ -12,7 +12,6 @@ from math import pi
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from designs.maglev_5dof import control
 from designs.maglev_5dof.control import OMEGA0, RESOLUTION
@@ -26,8 +25,8 @@ from synth.simulate.experiments import Run
 from synth.simulate.rig import Rig, Wires
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
+from synth.statespace import Array
 
-Array = NDArray[np.float64]
 Make = Callable[..., Experiment]
 
 SETTLE, AFTER = 1.0, 8.0  # s before a step, and after it
@@ -45,6 +44,8 @@ WIRES: Wires = {f"i_d{j}": f"i_d{j}" for j in control.MOTORS} | {"u_x": "i_q2", 
 NO_ROTATION: Wires = {**WIRES, **{f"i_d{j}": {f"i_d{k}": 0.25 for k in control.MOTORS} for j in control.MOTORS}}
 Y_LIMITS, XZ_LIMITS, THETA_LIMITS, WRONG_LIMITS = (0.20, 2.2, 4.0), (0.25, 2.0, 3.5), (0.20, 2.2, 4.0), (0.40, 3.3, 6.0)
 TRACKED = {"y": 50e-6, "x": 2e-6, "z": 2e-6, "theta": 25e-6}  # m, rad: mean errors of the 4-DOF tracking
+STABLE = "the axis stays stable over the spring's tolerance"
+TILTED: Mapping[str, Any] = {"axis": "phi", "target": 0.5e-3, "about": STABLE, "settles": True}
 LEVEL: Mapping[str, Any] = {"about": "in the paper's configuration", "actuators": NO_ROTATION}
 LOCKED: Mapping[str, Any] = {"about": "in the paper's configuration", "locked": ("x", "z")}
 
@@ -246,30 +247,21 @@ def _wrong_spring(mrad: int, factor: float) -> Run:
     return _run(f"theta_{mrad}_springs_{factor:.2f}", title, _step, {"k_s_theta": factor}, **step)
 
 
-def _phi_spring(factor: float) -> Run:
-    title = f"phi by 0.5 mrad, the true guide spring {factor:g} of the assumed one"
-    step: Any = {"axis": "phi", "target": 0.5e-3, "about": "the axis stays stable over the spring's tolerance"}
-    return _run(f"phi_springs_{factor:g}", title, _response, {"k_s_phi": factor}, settles=True, **step)
-
-
-def _lost_encoder(gap: float) -> Run:
-    title = f"Safe output from {gap * 1e3:g} mm after the loss of an encoder"
-    return _run(f"set_down_{gap * 1e3:g}", title, _set_down, gap=gap)
-
-
+PHI_SPRING = "phi by 0.5 mrad, the true guide spring {:g} of the assumed one"
+LOST = "Safe output from {:g} mm after the loss of an encoder"
 WINDUP = "x from -50 to 50 mm at 30 mm gap, {} anti-windup"
 ALL = (
     *(_gap(a, b, _step, limits=Y_LIMITS) for a, b in ((22, 29), (29, 22), (20, 27), (27, 20))),
     *(_run(f"{s}_30", f"{s} by 30 mm", _step, axis=s, target=0.03, limits=XZ_LIMITS) for s in "xz"),
     *(_theta(mrad, _step, limits=THETA_LIMITS) for mrad in (5, 10)),
     *(_wrong_spring(mrad, factor) for factor in (0.8, 1 / 1.2, 1.2, 1 / 0.8) for mrad in (5, 10)),
-    *(_phi_spring(factor) for factor in (0.7, 1.0, 1.3)),
+    *(_run(f"phi_springs_{k:g}", PHI_SPRING.format(k), _response, {"k_s_phi": k}, **TILTED) for k in (0.7, 1.0, 1.3)),
     *(_gap(a, b, _response, "paper_", ", v_phi = v_theta = 0", **LEVEL) for a, b in ((22, 29), (29, 22))),
     *(_theta(mrad, _response, "paper_", ", x and z locked", **LOCKED) for mrad in (5, 10)),
     _run("ellipse", "3-DOF ellipse (Fig. 6)", _tracking, four=False),
     _run("tracking", "4-DOF tracking (Figs. 7, 8)", _tracking, four=True),
     *(_run(f"windup_{kind}", WINDUP.format(kind), _windup, wound=kind == "with") for kind in ("with", "without")),
     _run("lift_off", "Lift-off from the 31 mm stop, ramp of 1 s to 25 mm", _lift_off),
-    *(_lost_encoder(gap) for gap in (0.0181, 0.020, 0.025, 0.030)),
+    *(_run(f"set_down_{mm:g}", LOST.format(mm), _set_down, gap=mm / 1e3) for mm in (18.1, 20, 25, 30)),
     _run("zero_current", "Zero current from 25 mm, for comparison", _zero_current),
 )

@@ -49,7 +49,8 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
     pair = ("c64", double), ("c32", single)
     in_single = agree.compare("random steps", *pair, FLOOR, by.block, np.float32)
     progress("edge steps")
-    edge = suite.compare("edge steps", by, *edge_steps(by.block, EDGE_STEPS), EDGE_FLOOR)
+    drawn = sampling.edge_steps(by.block, np.random.default_rng(SEED + 1), EDGE_STEPS)
+    edge = suite.compare("edge steps", by, *drawn, EDGE_FLOOR)
     progress("replays of closed loops")
     rigs = [Rig(stage, stage.plant, c) for c in (by.c32, by.c64)]
     compared += suite.replay(by, replays(rigs[1], WHOLE_REPLAY if whole else QUICK_REPLAY), FLOOR)
@@ -67,7 +68,7 @@ def random_steps(block: Block, n: int) -> tuple[Columns, Columns]:
     """Draw n independent (states, inputs) over the domain; the platen is near its set-points, so that few saturate.
 
     The last currents are those that hold a level platen at each motor's gap, within half an ampere. Steps with a direct
-    current near its limit but not at it, where the room of i_q falls steeply, are left to `edge_steps`.
+    current near its limit but not at it, where the room of i_q falls steeply, are left to the edge steps.
     """
     states, inputs = _in_operation(block, n + n // 4)
     outputs = reference.step(states, inputs)[1]
@@ -75,11 +76,6 @@ def random_steps(block: Block, n: int) -> tuple[Columns, Columns]:
     cornered = np.any((size > CORNER * control.DIRECT) & (size < control.DIRECT), axis=0)
     kept = np.flatnonzero(~cornered)[:n]
     return {s: v[kept] for s, v in states.items()}, {s: v[kept] for s, v in inputs.items()}
-
-
-def edge_steps(block: Block, n: int) -> tuple[Columns, Columns]:
-    """Draw n independent (states, inputs) anywhere in the declared bounds, with inputs on ends and on no numbers."""
-    return sampling.edge_steps(block, np.random.default_rng(SEED + 1), n)
 
 
 def _in_operation(block: Block, n: int) -> tuple[Columns, Columns]:

@@ -7,10 +7,8 @@ failures    from samples of the travel on: a Hall channel, a sensor, an axis or 
 """
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from designs.planar_6dof import interface
 from designs.planar_6dof.loop import Array
@@ -19,6 +17,7 @@ from models import hall_sections as sensing
 from models import planar_allocation as allocation
 from synth.execute import host
 from synth.verify import steps
+from synth.verify.sampling import Columns
 from synth.verify.steps import Steps
 
 FLOOR = 1.0  # A, below which a difference of currents is absolute: a phase is a projection of up to 1.26 A
@@ -35,7 +34,6 @@ GROUPS = (
     HALL,
 )
 BOUND = sensing.RESIDUAL * hall_calibration.of(planar_stage.plant()).amplitude  # V, from which on two sensors disagree
-Columns = dict[str, NDArray[Any]]
 
 
 def own(controller: host.Controller) -> list[Steps]:

@@ -14,7 +14,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from designs.planar_6dof import filtering, interface
 from models import halbach, planar_stage
@@ -26,9 +26,8 @@ from synth.declaration import Stage
 from synth.execute import build, host
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory
+from synth.statespace import Array
 from synth.timing import Discrete, period
-
-Array = NDArray[np.float64]
 
 SUBSTEPS = 2  # of a sample: psi swings at 214 rad/s, 0.13 in half of 1.25 ms
 

@@ -26,7 +26,7 @@ from models import planar_allocation as allocation
 from models import planar_stage
 from models.planar_allocation import AXES
 from models.planar_stage import commutation_matrix
-from synth.analyse import disk, linearise, loop, margins, trim
+from synth.analyse import linearise, loop, margins, trim
 from synth.block import Block
 from synth.plant import Plant
 from synth.signals import names
@@ -141,11 +141,6 @@ def horizontal(both: Parts) -> dict[str, StateSpace]:
     cuts = {"currents": HORIZONTAL, "positions": allocation.HORIZONTAL}
     cuts["both"] = (*HORIZONTAL, *allocation.HORIZONTAL)
     return {name: opened(both, cut) for name, cut in cuts.items()}
-
-
-def disks(whole: Mapping[str, StateSpace]) -> dict[str, disk.DiskMargin]:
-    """Return the disk margin at each cut, all of its channels varied at once."""
-    return {name: disk.of_loop(L) for name, L in whole.items()}
 
 
 def scaled(L: StateSpace, sizes: Mapping[str, float]) -> StateSpace:

@@ -21,8 +21,8 @@ from synth.block import Block
 from synth.errors import SignalError
 from synth.plant import Plant
 from synth.verify import agree, sampling
+from synth.verify.sampling import Columns
 
-Columns = dict[str, NDArray[Any]]
 SEED = 20_060_711
 INSIDE = sampling.MARGIN
 UNREADY, SUSPECTED, FAILED = 0.02, 0.02, 0.1  # shares of samples

@@ -45,11 +45,10 @@ SHORT = 1.0  # s
 LARGEST = {"x": 1e-7, "y": 1e-7, "phi": 1e-6, "z": 1e-8, "theta": 1e-7, "psi": 1e-6}
 # m, rad rms: with converters, of which a count, 0.84 um or 0.1 mrad, falls otherwise now and then; a tenth of the noise
 COUNTED = {"x": 1.3e-6, "y": 1.3e-6, "phi": 3e-5}
-Progress = Callable[[str], None]
 Compared = tuple[agree.Agreement, list[Check]]
 
 
-def verify(subject: Subject, progress: Progress, replay_s: float) -> Evidence:
+def verify(subject: Subject, progress: Callable[[str], None], replay_s: float) -> Evidence:
     """Compare all witnesses; `replay_s` is how much of the tour the others replay, in s."""
     by = suite.witnesses(subject.block, subject.reference, interface.SURROGATE_ERROR)
     progress("random steps")

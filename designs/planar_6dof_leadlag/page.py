@@ -1,10 +1,21 @@
-"""What the report of the lead-lag design adds to that of the planar stage."""
+"""What the report of the lead-lag design adds to that of the planar stage: its words, and its loops.
 
+The loops are shown as shipped, as printed, and as printed but on positions that nothing filters. The paper's crossovers
+and margins are those of the third kind: (21), (22) without the filters (6)-(16).
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 
-from designs.planar_6dof import page
+from designs.planar_6dof import filtering, loops, page
+from designs.planar_6dof.loops import OpenLoop
 from designs.planar_6dof.paper import rows
-from designs.planar_6dof_leadlag import control, loops
+from designs.planar_6dof_leadlag import control
+from designs.planar_6dof_leadlag.control import TIME
+from models import hall_sections as sensing
+from models.planar_allocation import AXES, HORIZONTAL
+from synth.block import Block
 from synth.plant import Plant
 
 LINE = "six lead-lag loops, (21)-(25), those of x, y and φ on filtered positions"
@@ -24,8 +35,33 @@ BESIDE = {
 def contents(plant: Plant) -> page.Contents:
     """Return what is said of this design; report.md asks for the crossovers that the paper prints, in Hz."""
     printed = {f"crossover_{row}": rows.printed()[row]["crossover"].text for row in ("Y-7", "Y-8")}
-    block, opened = control.controller(plant), loops.all_loops(plant)
+    block, opened = control.controller(plant), all_loops(plant)
     return page.Contents(block, LINE, EQUATIONS, opened, BESIDE, values=printed)
+
+
+def all_loops(plant: Plant) -> list[OpenLoop]:
+    """Return the six loops of each kind; what is printed of one axis is closed with the others as shipped."""
+    shipped, printed = control.law(plant), control.law(plant, "published")
+    opened = loops.of_block(plant, whole(plant, filtering.blocks(TIME), shipped), AXES, "as shipped")
+    for axis in AXES:
+        law = loops.exchanged(shipped, printed, axis)
+        opened += loops.of_block(plant, whole(plant, filtering.blocks(TIME), law), [axis], "as printed")
+        if axis in HORIZONTAL:
+            opened += loops.of_block(plant, whole(plant, unfiltered(axis), law), [axis], "as printed, unfiltered")
+    return opened
+
+
+def whole(plant: Plant, filters: Sequence[Block], law: Sequence[Block]) -> Block:
+    """Return the controller of filters and a law."""
+    return loops.whole(plant, TIME, [sensing.sensing(plant, TIME), *filters], law)
+
+
+def unfiltered(axis: str) -> list[Block]:
+    """Return the filters, of which that of one axis passes its raw position on and predicts as before."""
+    return [
+        replace(b, output={**b.output, axis: b.symbol[f"{axis}_raw"]}) if axis in b.output else b
+        for b in filtering.blocks(TIME)
+    ]
 
 
 report = partial(page.report, contents)

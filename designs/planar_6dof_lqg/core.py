@@ -1,34 +1,61 @@
-"""The LQG cores alone, three errors in and three currents out, as (33) and (40) have them: no delay, no prediction.
+"""The LQG in full order beside the reduced one, whose saving is counted against it: the cores, and the regulator.
+
+The cores have three errors in and three currents out, as (33) and (40) have them: no delay, no prediction.
 
     (x, y, phi) less set-points --->[ core ]---> (i_B + i_A)/2, (i_B - i_A)/2, i_C --->[ rows ]---> i_AQ, i_BQ, i_CQ
 
-They are what `control` is built on, and are there to count what the reduced order saves. In the half sum and the half
-difference of the currents of A and B, (26) is three axes, and a core is three compensators of one error each. Each is
-realised by its modes, in which it has the fewest products: the integral, and what is stable,
+In the half sum and the half difference of the currents of A and B, (26) is three axes, and a core is three compensators
+of one error each. Each is realised by its modes, in which it has the fewest products: the integral, and what is stable,
 
     I+ = I + r e,   p+ = lambda p + b e,    i = p + I + d e         lambda real (33), d not 0, or complex (40), d = 0:
 
 p and b are then complex, and i has the real part of p. As |Re lambda| + |Im lambda| < 1, p stays in its bounds by
 itself; the integral is limited.
+
+The regulator works on full-order Kalman filters, Y(36)-(46), of position and rate of one axis:
+
+    x^ = x- + M (q - x-),    x-+ = A x^ + B f    white acceleration of PROCESS_NOISE
+
+`spent` counts instructions of a step on an emulated Cortex-M4F. Both orders answer the same recorded inputs, those of
+the shipped controller at rest; the cores alone get small errors.
 """
 
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import Literal
 
+import casadi as ca
 import numpy as np
 
-from designs.planar_6dof import lqg
-from designs.planar_6dof.lqg import CURRENTS, OBSERVER_POLE, STATES, TIME
+from designs.planar_6dof import interface, lqg, vertical
+from designs.planar_6dof.lqg import CURRENTS, MEASURED, OBSERVER_POLE, STATES, TIME, Axis, Regulate
+from designs.planar_6dof.page import REST
 from designs.planar_6dof.vertical import MARGIN, POSITIONS
-from designs.planar_6dof_lqg.full_order import NOISE, PROCESS_NOISE, Order
+from models import planar_stage
+from models.hall_sections import READY
 from models.planar_allocation import HORIZONTAL, LIMIT
 from synth.analyse import discretise, interconnect
-from synth.block import Block
+from synth.block import Block, Constant, Exprs, State
 from synth.blocks import linear_block
 from synth.compose import compose
+from synth.emit import write
+from synth.execute import host
+from synth.plant import Plant
+from synth.report import page
 from synth.signals import Signal
+from synth.simulate.experiment import Experiment
 from synth.statespace import Array, StateSpace, readonly
 from synth.synthesise.observers import kalman, reduced_compensator, reduced_observer
+from synth.verify import operations
+from synth.verify.agree import Columns
 
+NOISE = {"x": 5e-5, "y": 5e-5, "phi": 1e-3}  # m, rad, of a sample: (9) and (46), that of phi is not printed
+PROCESS_NOISE = {"x": 0.3, "y": 0.3, "phi": 3.0}  # m^2/s^3, rad^2/s^3: densities of acceleration
+FASTEST = 20.0  # m/s, rad/s, of an estimate
+Order = Literal["reduced", "full"]
+ORDERS: tuple[Order, ...] = ("reduced", "full")
+STEPS, SKIPPED = 200, 100
+ERROR = 1e-6  # m, rad: of what a core is given
 MODES = ("i_y", "i_phi", "i_x")
 TO_MODES = readonly([[0.5, 0.5, 0.0], [-0.5, 0.5, 0.0], [0.0, 0.0, 1.0]])
 FROM_MODES = readonly([[1, -1, 0], [1, 1, 0], [0, 0, 1]])
@@ -111,3 +138,73 @@ def _modes(whole: StateSpace, axis: str, mode: str) -> tuple[Array, Array, float
     residues = (whole.C[row] @ V) * np.linalg.solve(V, whole.B[:, column])
     own = (np.abs(residues) > SMALL * np.abs(residues).max()) & (poles.imag >= 0)
     return poles[own], residues[own], float(whole.D[row, column])
+
+
+def axis_estimator(axis: Axis) -> kalman.Estimator:
+    """Return the full-order filter of position and rate, pushed by white acceleration."""
+    W, V = [PROCESS_NOISE[axis.name]], [NOISE[axis.name] ** 2]
+    return kalman.sampled(lqg.continuous(axis), W, V, TIME.period_s, G=[[0.0], [1.0]], exact=True)
+
+
+def full_order(plant: Plant, axis: Axis) -> Block:
+    """Return the regulator of one axis on the Kalman filter of its position and rate."""
+    kalman_filter, T, q = axis_estimator(axis), TIME.period_s, MEASURED[axis.name]
+    per, force = lqg.per_position(axis.name), vertical.DEMAND[axis.name].unit.replace(" ", "/")
+    constants = [
+        Constant("on_position", axis.k1, per, "(49): k1"),
+        Constant("on_rate", axis.k2, f"{per} s", "(49): k2"),
+        Constant("into_position", float(kalman_filter.M[0, 0]), "1", "(40): M"),
+        Constant("into_rate", float(kalman_filter.M[1, 0]), "1/s", "(40): M"),
+        Constant("period", T, "s", "T"),
+        Constant("moved", axis.b * T**2 / 2, f"{q.unit}/{force}", "b T^2 / 2"),
+        Constant("sped", axis.b * T, f"{q.unit}/s/{force}", "b T"),
+    ]
+
+    def estimate(u: Exprs, x: Exprs, k: Exprs) -> tuple[ca.SX, dict[str, ca.SX]]:
+        surprise = ca.if_else(u[READY.name], u[q.name] - x["position"], 0)
+        rate = x["rate"] + k["into_rate"] * surprise
+        before = ca.if_else(u[READY.name], x["position"], u[q.name])
+        position = before + k["into_position"] * surprise + k["period"] * rate + k["moved"] * x["force"]
+        after = {"position": position, "rate": rate + k["sped"] * x["force"]}
+        return k["on_position"] * (u[q.name] - position) - k["on_rate"] * after["rate"], after
+
+    expected = [Signal("position", q.unit, q.low, q.high), Signal("rate", f"{q.unit}/s", -FASTEST, FASTEST)]
+    states = [State(replace(s, about="expected at this sample"), 0.0) for s in expected]
+    most = axis.k1 * 4 * q.high + axis.k2 * (FASTEST + 2 * float(kalman_filter.M[1, 0]) * q.high)
+    return lqg.regulator(plant, axis, estimate, states, constants, 1.1 * most)
+
+
+REGULATORS: Mapping[Order, Regulate] = {"reduced": lqg.reduced_order, "full": full_order}
+
+
+def spent(experiments: Sequence[Experiment]) -> tuple[page.Block, ...]:
+    """Return what both orders cost, by each compiler that is installed; nothing without a standstill to replay."""
+    rest = [e.trajectory.measured for e in experiments if e.name == REST]
+    rows = [row for measured in rest[:1] for row in _rows(measured)]
+    columns = ("step", "order", "states", "operations", "build", "instructions, mean", "instructions, most")
+    caption = f"The full order beside the reduced one: {STEPS} steps at rest, Cortex-M4F"
+    return (page.Table(caption, columns, tuple(rows)),) if rows else ()
+
+
+def _rows(measured: Columns) -> Iterator[tuple[page.Cell, ...]]:
+    part = slice(SKIPPED, SKIPPED + STEPS)
+    at_rest = {name: np.asarray(v)[part] for name, v in measured.items()}
+    small = {axis: ERROR * np.sin(np.arange(STEPS) + i) for i, axis in enumerate(HORIZONTAL)}
+    for order in ORDERS:
+        yield from _counted("core alone, (33) and (40)", order, block(order), small)
+    for order in ORDERS:
+        yield from _counted(
+            "whole controller", order, lqg.controller(planar_stage.plant(), regulate=REGULATORS[order]), at_rest
+        )
+
+
+def _counted(what: str, order: Order, of: Block, inputs: Columns) -> Iterator[tuple[page.Cell, ...]]:
+    from synth.verify import meter, rivals, steps  # needs the extra `target`
+
+    emitted = write.emit(of, np.float32, error=interface.SURROGATE_ERROR[np.float32])
+    recorded = steps.recorded(host.load(emitted.files, emitted.manifest), "at rest", dict(inputs), closed_loop=True)
+    assert emitted.program is not None
+    arithmetic = sum(operations.of_program(emitted.program).values())
+    for build in meter.builds():
+        n = meter.run(rivals.emitted(emitted), recorded, build).cost.instructions
+        yield what, order, len(of.states), arithmetic, build.name, float(n.mean()), int(n.max())

@@ -2,14 +2,16 @@
 
 from collections.abc import Mapping
 from functools import cache, partial
+from typing import Any
 
-from designs.planar_6dof import assembly, lqg
+from designs.planar_6dof import assembly, emitted, lqg, vertical
 from designs.planar_6dof.paper import rows
 from designs.planar_6dof.random_steps import Columns, Subject
-from designs.planar_6dof_lqg import experiments, gains, page, reference
+from designs.planar_6dof_lqg import experiments, page, reference
 from models import planar_stage
 from models.planar_allocation import HORIZONTAL
 from synth.block import Block
+from synth.emit.c import digits
 from synth.statespace import Array
 
 
@@ -26,4 +28,50 @@ def subject() -> Subject:
     return Subject(block, reference.step, size=0.1, step=0.06, at_rest=partial(at_rest, block))
 
 
-DESIGN = assembly.design(lqg.NAME, lqg.TIME, subject, gains.gains, experiments.ALL, rows.lqg, page.report)
+def gains() -> dict[str, Any]:
+    """Return (49) with its weights, plant, rate and certificate, the observers, and the vertical compensators.
+
+    Beside (49) stands the gain of the weights that are printed with it.
+    """
+    plant = planar_stage.plant()
+    shipped, printed = lqg.gain(), lqg.gain(lqg.PRINTED_WEIGHTS)
+    return {
+        "plant": "(31) as printed: q'' = B i in x, y and phi, with their rates d, f, v and their integrals z1, z2, z3",
+        "period_s": lqg.TIME.period_s,
+        "method": "lqrd: the integral of x'Q x + u'u with u held over a period, u = K x",
+        "states": list(lqg.STATES),
+        "weights_Q": list(lqg.WEIGHTS),
+        "weight_R": 1.0,
+        "K": _rows(shipped.K),
+        "poles": [digits.pole(z) for z in shipped.poles],
+        "certificate": digits.certificate(shipped.certificate),
+        "printed_weights": {
+            "weights_Q": list(lqg.PRINTED_WEIGHTS),
+            "K": {name: [digits.cut(v, 6) for v in row] for name, row in _rows(printed.K).items()},
+            "certificate": digits.certificate(printed.certificate),
+        },
+        "axes": {axis.name: _axis(axis) for axis in lqg.axes(plant)},
+        "compensators": emitted.compensators(vertical.loops(lqg.TIME)),
+    }
+
+
+def _rows(K: Array) -> dict[str, list[float]]:
+    return {name: [float(v) + 0.0 for v in row] for name, row in zip(lqg.CURRENTS, K, strict=True)}
+
+
+def _axis(axis: lqg.Axis) -> dict[str, Any]:
+    """Return an axis' gains, on position, rate and the sum of errors, and its observer of the rate."""
+    observer = lqg.observer(axis)
+    numbers = {"F": observer.F, "G": observer.G, "H": observer.H, "L": observer.L}
+    return {
+        "b": digits.cut(axis.b, 12),
+        "gains": {name: digits.cut(getattr(axis, name), 12) for name in ("k1", "k2", "k3")},
+        "observer": {
+            "pole": lqg.OBSERVER_POLE[axis.name],
+            "poles": [digits.pole(z) for z in observer.poles],
+            **{name: digits.cut(float(m[0, 0]), 12) for name, m in numbers.items()},
+        },
+    }
+
+
+DESIGN = assembly.design(lqg.NAME, lqg.TIME, subject, gains, experiments.ALL, rows.lqg, page.report)

@@ -8,9 +8,10 @@ import numpy as np
 from designs.planar_6dof import loops as shared
 from designs.planar_6dof import lqg, page
 from designs.planar_6dof.lqg import ERROR, TIME
-from designs.planar_6dof_lqg import loops, orders
+from designs.planar_6dof_lqg import core, loops
 from models import planar_allocation as allocation
 from models import planar_stage
+from synth.analyse import disk
 from synth.plant import Plant
 from synth.report import figures, multivariable, sections
 from synth.report.page import Figure, Section, Text
@@ -29,7 +30,7 @@ LOW, HIGH, POINTS = 0.3, 0.999, 300  # Hz, of the Nyquist frequency, points of s
 def contents(plant: Plant) -> page.Contents:
     """Return what is said of this design."""
     block, opened, whole = lqg.controller(plant), loops.all_loops(plant), (_whole(plant),)
-    values, cost = _values(plant), orders.spent
+    values, cost = _values(plant), core.spent
     return page.Contents(block, LINE, EQUATIONS, opened, BESIDE, whole, False, True, values, cost)
 
 
@@ -43,7 +44,7 @@ def _values(plant: Plant) -> dict[str, Value]:
 def _whole(plant: Plant) -> Section:
     found = loops.horizontals(plant)
     refused = f"The gain H of (42) is no choice. The library refuses it: {loops.refusal().replace('-1', '−1')}."
-    disks = {label: shared.disks(each) for label, each in found.items()}
+    disks = {label: {cut: disk.of_loop(L) for cut, L in each.items()} for label, each in found.items()}
     drawn = figures.svg(multivariable.disks(disks[loops.SHIPPED]), "disks")
     shipped = Figure(drawn, "Disk margin over frequency, as shipped, by where the loop is opened.")
     return Section("The horizontal loop as a whole", (*_singular(found), sections.disks(disks), shipped, Text(refused)))

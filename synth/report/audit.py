@@ -9,35 +9,29 @@ A row compares figures v_i with the numbers that a paper prints. Its verdict is 
 A figure v agrees with a printed number when |v - printed| is below one unit of the last printed digit, so that
 both rounding and cutting off count as agreement.
 
-An audit is a published.toml, which holds what is printed and the rule of each verdict, and how a row is recomputed: by
-formulas in the same file (`formulas`), in which a printed number stands for its value, in a verdict for a `Printed`,
+An audit is a published.toml, which holds what is printed, the rule of each verdict, and how each row is recomputed: by
+formulas (`formulas`) of parameters, printed numbers and functions of a `Scope`. A printed number stands for its value,
+in a verdict for a `Printed`,
 
     [F-1.computed]
     stiffness = "mass * F-2.rate ** 2"
     frequency = ["sqrt(stiffness / mass) / (2 * pi)", "Hz", "frequency of the free stage"]
     as_printed = "F-1.frequency.agrees(frequency)"
-
-or, where that takes more, by a function of what the audit is computed from:
-
-    @audit.recomputes("F-1", "mass", "F-2.stiffness")
-    def frequency(bench: Bench, printed: Published) -> Outcome: ...
 """
 
 import math
 import tomllib
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal, InvalidOperation
 from enum import StrEnum
 from pathlib import Path
 from types import ModuleType
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any
 
 from synth.errors import DesignError
 from synth.report import formulas
 from synth.report.formulas import Formula
-
-Subject = TypeVar("Subject")
 
 VERDICTS = ("as_printed", "corrected")  # the formulas of a row that say whether its figures meet the print
 
@@ -143,50 +137,19 @@ class Row:
         }
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """What a row recomputes: (name, value, unit) of each figure, and whether they meet the print.
-
-    They meet it `as_printed`, or only `corrected`, after the correction that the row's rule states.
-    """
-
-    figures: Iterable[tuple[str, float, str]]
-    as_printed: bool
-    corrected: bool = False
-
-
-@dataclass(frozen=True)
-class Recipe(Generic[Subject]):
-    """The function that recomputes a row, with what its figures follow from: parameters, and printed numbers."""
-
-    id: str
-    depends: tuple[str, ...]
-    recompute: Callable[[Subject, Published], Outcome]
-
-    def row(self, subject: Subject, prints: Mapping[str, Published]) -> Row:
-        """Return the row as recomputed from a subject; "F-1.*" in `depends` is every number that F-1 prints."""
-        printed = prints[self.id]
-        outcome = self.recompute(subject, printed)
-        verdict = judge(outcome.as_printed, outcome.corrected)
-        return row(printed, outcome.figures, verdict, printed.rule, _expanded(self.depends, prints))
-
-
-def recomputes(id: str, *depends: str) -> Callable[[Callable[[Subject, Published], Outcome]], Recipe[Subject]]:
-    """Mark the function that recomputes the row `id`, whose figures follow from `depends`."""
-    return lambda recompute: Recipe(id, depends, recompute)
-
-
-class Scope(Protocol):
+@dataclass(frozen=True, eq=False)
+class Scope:
     """What formulas name: parameters by name in SI units, further functions and constants, and what is printed."""
 
-    @property
-    def parameters(self) -> Mapping[str, float]: ...
+    parameters: Mapping[str, float]
+    functions: Mapping[str, Any]
+    published: Mapping[str, Published]
 
-    @property
-    def functions(self) -> Mapping[str, Any]: ...
 
-    @property
-    def published(self) -> Mapping[str, Published]: ...
+def functions(*modules: ModuleType) -> dict[str, Any]:
+    """Return the functions and classes that modules define, by name."""
+    own = (value for m in modules for value in vars(m).values() if getattr(value, "__module__", "") == m.__name__)
+    return {value.__name__: value for value in own}
 
 
 def computed(printed: Published, scope: Scope) -> Row:
@@ -205,32 +168,12 @@ def computed(printed: Published, scope: Scope) -> Row:
     return row(printed, figures, verdict, printed.rule, sorted(depends))
 
 
-def recipes(modules: Iterable[ModuleType]) -> dict[str, Recipe[Any]]:
-    """Return the recipes that modules define, by row."""
-    return {each.id: each for module in modules for each in vars(module).values() if isinstance(each, Recipe)}
+def rows(scope: Scope, ids: Iterable[str] | None = None) -> Iterator[Row]:
+    """Yield rows by id, all that are printed where no `ids` are given, each when it is computed.
 
-
-def rows(modules: Iterable[ModuleType], subject: Any, prints: Mapping[str, Published]) -> Iterator[Row]:
-    """Yield the rows that some modules or formulas recompute, in the order of `prints`, each when it is computed.
-
-    The subject of rows with formulas is a `Scope`.
-
-    Raises DesignError for a row that is not among `prints`, and as `row` and `computed`.
+    Raises DesignError as `computed`.
     """
-    known = recipes(modules)
-    if missing := [id for id in known if id not in prints]:
-        raise DesignError(f"{', '.join(missing)} is recomputed, but not printed: add it to published.toml")
-    for id, printed in prints.items():
-        if id in known:
-            yield known[id].row(subject, prints)
-        elif printed.computed:
-            yield computed(printed, subject)
-
-
-def _expanded(depends: Iterable[str], prints: Mapping[str, Published]) -> Iterator[str]:
-    for source in depends:
-        id, _, number = source.partition(".")
-        yield from (f"{id}.{n}" for n in prints[id].numbers) if number == "*" else (source,)
+    return (computed(scope.published[id], scope) for id in (scope.published if ids is None else ids))
 
 
 def judge(as_printed: bool, corrected: bool = False) -> Verdict:

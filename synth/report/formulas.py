@@ -11,10 +11,10 @@ import ast
 import math
 import re
 from collections import ChainMap
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from types import CodeType, ModuleType
+from types import CodeType
 from typing import Any
 
 from synth.errors import DesignError
@@ -31,21 +31,6 @@ FUNCTIONS: Mapping[str, Any] = {
     **{name: getattr(math, name) for name in _OF_MATH},
 }
 _PRINTED = re.compile(r"\b([A-Z]+-\w+\.\w+)")
-
-
-@dataclass(frozen=True, eq=False)
-class Names:
-    """What formulas name, an `audit.Scope`: parameters, functions and constants, and what is printed by row."""
-
-    parameters: Mapping[str, float]
-    functions: Mapping[str, Any]
-    published: Mapping[str, Any]
-
-
-def defined(modules: Iterable[ModuleType]) -> dict[str, Any]:
-    """Return the functions and classes that modules define, by name."""
-    values = ((module.__name__, value) for module in modules for value in vars(module).values())
-    return {value.__name__: value for module, value in values if getattr(value, "__module__", "") == module}
 
 
 @dataclass(frozen=True)

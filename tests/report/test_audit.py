@@ -3,13 +3,12 @@
 import json
 from math import inf, nan
 from pathlib import Path
-from types import ModuleType
 
 import pytest
 
 from synth.errors import DesignError
-from synth.report import audit
-from synth.report.audit import Outcome, Printed, Verdict, judge
+from synth.report import audit, formulas
+from synth.report.audit import Printed, Verdict, judge
 
 TEXT = """
 [A-1]
@@ -99,45 +98,37 @@ def test_digits_must_stand_in_quotes() -> None:
         audit.published(TEXT.replace('["7", "mm"]', '[7.50, "mm"]'))
 
 
-def module(**members: object) -> ModuleType:
-    made = ModuleType("rows")
-    vars(made).update(members)
-    return made
-
-
-PRINTS = audit.published(
+TWO_ROWS = (
     TEXT
     + """
+computed = { pole = ["A-1.pole", "1/s", "pole"], as_printed = "A-1.pole.agrees(pole)" }
+
 [A-2]
 paper = "A"
 where = "Fig. 2"
 text = "it is late"
 rule = "Rule: within a millimetre."
 numbers = { late = ["7", "mm"] }
+[A-2.computed]
+late = ["A-2.late + m", "mm", "late"]
+corrected = "A-2.late.agrees(late - m)"
 """
 )
 
 
-@audit.recomputes("A-1", "m", "A-1.*")
-def pole(subject: float, printed: audit.Published) -> Outcome:
-    return Outcome([("pole", subject, "1/s")], printed["pole"].agrees(subject))
-
-
-@audit.recomputes("A-2", "A-2.late")
-def late(subject: float, printed: audit.Published) -> Outcome:
-    return Outcome([("late", subject, "mm")], False, printed["late"].agrees(subject + 9.61))
-
-
-def test_rows_come_in_the_order_of_the_print_with_their_rules() -> None:
-    first, second = audit.rows([module(late=late), module(pole=pole, other=3)], -2.61, PRINTS)
-    assert (first.id, first.verdict, first.why, first.depends) == ("A-1", "R", "", ("m", "A-1.pole", "A-1.step"))
-    assert (second.id, second.verdict, second.depends) == ("A-2", "RC", ("A-2.late",))
+def test_rows_come_in_the_order_asked_for_or_in_that_of_the_print_with_their_rules() -> None:
+    scope = audit.Scope({"m": 9.61}, {}, audit.published(TWO_ROWS))
+    first, second = audit.rows(scope)
+    assert (first.id, first.verdict, first.why, first.depends) == ("A-1", "R", "", ("A-1.pole",))
+    assert (second.id, second.verdict, second.depends) == ("A-2", "RC", ("A-2.late", "m"))
     assert second.why == "Rule: within a millimetre."
+    assert [row.id for row in audit.rows(scope, ["A-2", "A-1"])] == ["A-2", "A-1"]
 
 
-def test_a_row_that_is_not_printed_is_refused() -> None:
-    with pytest.raises(DesignError, match="A-2 is recomputed, but not printed: add it"):
-        list(audit.rows([module(pole=pole, late=late)], 1.0, audit.published(TEXT)))
+def test_functions_are_those_that_a_module_defines() -> None:
+    named = audit.functions(audit, formulas)
+    assert named["judge"] is judge and named["evaluate"] is formulas.evaluate
+    assert "Decimal" not in named
 
 
 def test_the_prints_of_a_folder_are_read(tmp_path: Path) -> None:

@@ -32,13 +32,11 @@ computed = { half = ["F-2.rate / 2", "Hz", "half"], as_printed = "half < F-2.rat
 PRINTS = audit.published(TEXT)
 
 
-class Scope:
-    parameters, published = {"stiffness": 200.0, "mass": 9.0}, PRINTS
-    functions = {"doubled": lambda v: 2 * v}  # noqa: RUF012
+SCOPE = audit.Scope({"stiffness": 200.0, "mass": 9.0}, {"doubled": lambda v: 2 * v}, PRINTS)
 
 
 def test_rows_are_recomputed_by_their_formulas() -> None:
-    first, second = audit.rows([], Scope(), PRINTS)
+    first, second = audit.rows(SCOPE)
     assert [(f.name, f.unit) for f in first.recomputed] == [("frequency", "Hz"), ("twice it", "Hz")]
     assert first["frequency"] == pytest.approx(1.5915, abs=1e-4) and first["twice it"] == 2 * first["frequency"]
     assert (first.verdict, first.why) == ("RC", "Rule: within one unit of the last printed digit.")
@@ -46,12 +44,12 @@ def test_rows_are_recomputed_by_their_formulas() -> None:
 
 
 def test_a_row_is_data_that_another_process_can_read() -> None:
-    rows = list(audit.rows([], Scope(), PRINTS))
+    rows = list(audit.rows(SCOPE))
     assert pickle.loads(pickle.dumps(rows)) == rows
 
 
 def test_a_row_depends_on_what_its_figures_name_and_on_no_more() -> None:
-    (first, _) = audit.rows([], Scope(), PRINTS)
+    (first, _) = audit.rows(SCOPE)
     assert first.depends == ("F-1.mass", "stiffness")
 
 

@@ -12,25 +12,23 @@ import numpy as np
 from designs.hall_position.paper import convergence, errors, field, rank
 from models import hall_singular_points
 from models.hall_stage import Stage
-from synth.report import audit, formulas
-from synth.report.audit import Published, Row
-from synth.report.formulas import Names
+from synth.report import audit
+from synth.report.audit import Published, Row, Scope
 
 UNITS = {"um": 1e-6, "mm": 1e-3, "mV": 1e-3}
-MODULES = (convergence, errors, field, rank)  # whose functions the formulas name
 NUMPY = (np.degrees, np.diff, np.hypot, np.isfinite, np.maximum, np.mean, np.median, np.percentile, np.radians, np.std)
 
 
 def rows() -> Iterator[Row]:
     """Yield the rows, each when it is computed."""
-    bench = on(Stage(), printed())
-    yield from audit.rows((), bench, bench.published)
+    return audit.rows(on(Stage(), printed()))
 
 
-def on(stage: Stage, prints: Mapping[str, Published]) -> Names:
+def on(stage: Stage, prints: Mapping[str, Published]) -> Scope:
     """Return what the rows that follow from a stage and a print are computed from."""
-    functions = {**formulas.defined(MODULES), **{f.__name__: f for f in (*NUMPY, Stage)}, **UNITS}
-    return Names(asdict(stage), functions | {"singular_points": hall_singular_points.of_pair}, prints)
+    functions = audit.functions(convergence, errors, field, rank) | {f.__name__: f for f in (*NUMPY, Stage)}
+    functions["singular_points"] = hall_singular_points.of_pair
+    return Scope(asdict(stage), {**functions, **UNITS}, prints)
 
 
 def printed() -> dict[str, Published]:

@@ -12,9 +12,9 @@ the six whole periods up to 20 s. Shorter runs keep these proportions.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from scipy.linalg import expm
@@ -27,7 +27,6 @@ from synth.declaration import Stage
 from synth.emit import write
 from synth.execute import host
 from synth.plant import Plant
-from synth.report.audit import Published
 from synth.report.formulas import Formula, near
 from synth.simulate import metrics
 from synth.simulate.conditions import Sine
@@ -62,7 +61,7 @@ class Poles(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Bench:
-    """The stage and the plant under audit, what is printed, functions for formulas, and how long tracking runs, s.
+    """The stage and the plant under audit, and how long tracking runs, s.
 
     `cells` is the fineness of the slotted field. Of the guide springs, "known" means in plant and (12), "unknown" in
     the plant alone, "absent" in neither.
@@ -70,21 +69,8 @@ class Bench:
 
     stage: Stage
     plant: Plant
-    published: Mapping[str, Published]
-    own: Mapping[str, Any] = field(default_factory=dict)
     duration_s: float = experiments.TRACK_TO
     cells: int = 12
-
-    @property
-    def parameters(self) -> dict[str, float]:
-        """The plant's parameters by name, SI."""
-        return {p.name: p.value for p in self.plant.parameters}
-
-    @property
-    def functions(self) -> dict[str, Any]:
-        """What formulas name: `bench` and `plant` of the parameters that a row follows from, and functions of these."""
-        of_parameters = {"bench": lambda **_: self, "plant": lambda **_: self.plant}
-        return {**self.own, **of_parameters, "mm": 1e-3, "cells": self.cells}
 
     @cached_property
     def without_springs(self) -> Plant:

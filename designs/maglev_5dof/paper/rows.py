@@ -3,36 +3,30 @@
 Everything is computed from the parameters of the plant that is given; a verdict is never stored.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from designs.maglev_5dof.paper import bench as benches
 from designs.maglev_5dof.paper.bench import BY_GROUP, Bench
 from models import maglev_figures
 from synth.declaration import Stage
-from synth.plant import Plant
 from synth.report import audit
-from synth.report.audit import Published, Row
+from synth.report.audit import Published, Row, Scope
 
 FORMULAS = (benches, maglev_figures)  # what formulas may name: what these define and import
 
 
 def rows(stage: Stage) -> Iterator[Row]:
     """Yield the rows F-1 to F-19 for the stage's parameters, each when it is computed."""
-    return on(bench(stage, stage.plant))
+    return audit.rows(scope(Bench(stage, stage.plant), printed()))
 
 
-def bench(stage: Stage, plant: Plant, **fields: Any) -> Bench:
-    """Return what rows are computed from; `fields` are further ones of `Bench`."""
+def scope(bench: Bench, prints: Mapping[str, Published]) -> Scope:
+    """Return what rows are computed from; `bench` and `plant` name the parameters that a row follows from."""
     functions = {name: value for module in FORMULAS for name, value in vars(module).items()}
-    return Bench(stage, plant, printed(), functions, **fields)
-
-
-def on(bench: Bench) -> Iterator[Row]:
-    """Yield the rows as recomputed on a bench of given plant, length of runs and fineness of the field."""
-    return audit.rows((), bench, bench.published)
+    functions |= {"bench": lambda **_: bench, "plant": lambda **_: bench.plant, "mm": 1e-3, "cells": bench.cells}
+    return Scope({p.name: p.value for p in bench.plant.parameters}, functions, prints)
 
 
 def printed() -> dict[str, Published]:

@@ -9,29 +9,22 @@ estimated one falls through a half. Noise is white, with the stage at rest.
 from functools import cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 from designs.planar_6dof import filtering
-from synth.statespace import StateSpace
+from synth.statespace import Array, StateSpace
 from synth.synthesise.observers import belief, kalman, noise
 from synth.timing import Discrete, period
-
-Array = NDArray[np.float64]
 
 SECONDS = 1.0  # after which the recursions are compared
 NEAR = 1e-2  # relative: a gain this near to the steady one has converged
 
 
-def model(period_s: float) -> StateSpace:
-    """Return (11), (12) of one axis, from the jerk."""
-    return filtering.model("x", Discrete(period_s))
-
-
 @cache
 def steady(q: float, period_s: float, deviation: float) -> kalman.Estimator:
     """Return the steady filter of one axis."""
-    return kalman.discrete(model(period_s), np.array([q]), np.array([deviation**2]), ("jerk",))
+    return kalman.discrete(filtering.model("x", Discrete(period_s)), np.array([q]), np.array([deviation**2]), ("jerk",))
 
 
 def half_power(form: StateSpace) -> float:
@@ -58,7 +51,7 @@ def passed(form: StateSpace) -> float:
 @cache
 def position_gains(q: float, period_s: float, deviation: float, p0: float, update: bool) -> Array:
     """Return the gain of the position (N,) over a second from P_0 = p0 I, with or without an update of P."""
-    axis, V = model(period_s), deviation**2
+    axis, V = filtering.model("x", Discrete(period_s)), deviation**2
     W = q * axis.B @ axis.B.T
     now, history = belief.initial(axis, p0 * np.ones(3)), []
     for _ in range(round(SECONDS / period_s)):

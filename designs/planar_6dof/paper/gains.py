@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solve_continuous_are
 from scipy.optimize import linear_sum_assignment
 
@@ -21,14 +20,12 @@ from designs.planar_6dof import lqg
 from designs.planar_6dof.lqg import STATES, WEIGHTS
 from synth import timing
 from synth.analyse import discretise, structure
-from synth.statespace import StateSpace
+from synth.statespace import Array, StateSpace
 from synth.synthesise.feedback import lqr
 from synth.synthesise.observers import kalman, reduced_compensator, reduced_observer
 from synth.timing import Continuous
 
-Array = NDArray[np.float64]
-
-POSITIONS, INTEGRALS, RATES = STATES[:3], STATES[3:6], STATES[6:]
+POSITIONS, INTEGRALS = STATES[:3], STATES[3:6]
 ROW = {"x": 2, "z1": 2, "d": 2}  # of K in which the gain of a state stands without a minus; else 1
 SAME = 1e-9  # distance of poles in z that are one
 

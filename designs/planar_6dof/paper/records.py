@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage, signal
 
 from designs.planar_6dof import experiments
@@ -12,10 +11,8 @@ from models import axis_figures
 from models.axis_figures import Margin, Step
 from synth.report.audit import Printed
 from synth.simulate.rig import Rig
+from synth.statespace import Array
 
-Array = NDArray[np.float64]
-
-OVERSHOOT = 0.25  # relative: "around 20 %" is 15 to 25 %
 FIGURE_8 = {"x": 20e-6, "y": 100e-6, "phi": 0.01 * np.pi / 180}  # m, rad
 STEP = 50e-6  # m, of x in Fig. 10
 RECORD = 20.0  # s, of x whose spectrum is taken, after a second in which its step settles
@@ -49,11 +46,6 @@ def meets(margin: Margin, crossover: Printed, phase: Printed) -> bool:
 def in_bounds(step: Step, rise: Printed, settling: Printed) -> bool:
     """Return whether a step is as fast as printed, ms."""
     return 1e3 * step.rise < rise.value and 1e3 * step.settled < settling.value
-
-
-def overshoots(step: Step, printed: Printed) -> bool:
-    """Return whether a step overshoots by about as much as printed."""
-    return abs(step.overshoot / printed.value - 1) <= OVERSHOOT
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,8 @@ from pathlib import Path
 from designs.planar_6dof.paper import filter, gains, records
 from models import axis_figures, motor_figures, planar_stage, platen_figures, switching_figures
 from synth.plant import Plant
-from synth.report import audit, formulas
-from synth.report.audit import Published, Row
-from synth.report.formulas import Names
+from synth.report import audit
+from synth.report.audit import Published, Row, Scope
 from synth.simulate.rig import Rig
 
 UNITS = {"mm": 1e-3, "um": 1e-6, "inch": 25.4e-3}  # in m
@@ -23,19 +22,19 @@ OPTIMAL = {f"Y-{n}" for n in (*range(10, 16), *range(36, 42))}  # the rows of pl
 
 def leadlag(loop: Rig) -> Iterator[Row]:
     """Yield the rows of sections 3.1 and 5.2: motors, platen, Hall sensors, lead-lag loops."""
-    return audit.rows((), scope(loop=loop), {id: p for id, p in printed().items() if id not in OPTIMAL})
+    return audit.rows(scope(loop=loop), [id for id in printed() if id not in OPTIMAL])
 
 
 def lqg(loop: Rig) -> Iterator[Row]:
     """Yield the rows of sections 3.2 and 5.3: optimal gains, Kalman filter; (26) is taken as printed."""
-    return audit.rows((), scope(loop=loop), {id: p for id, p in printed().items() if id in OPTIMAL})
+    return audit.rows(scope(loop=loop), [id for id in printed() if id in OPTIMAL])
 
 
-def scope(plant: Plant | None = None, prints: Mapping[str, Published] | None = None, loop: Rig | None = None) -> Names:
+def scope(plant: Plant | None = None, prints: Mapping[str, Published] | None = None, loop: Rig | None = None) -> Scope:
     """Return what rows are computed from, the plant and the print as published where no others are given."""
     plant = plant or planar_stage.plant()
-    functions = {**formulas.defined(MODULES), **UNITS, "plant": plant, "loop": loop}
-    return Names({p.name: p.value for p in plant.parameters}, functions, prints or printed())
+    parameters = {p.name: p.value for p in plant.parameters}
+    return Scope(parameters, {**audit.functions(*MODULES), **UNITS, "plant": plant, "loop": loop}, prints or printed())
 
 
 def printed() -> dict[str, Published]:

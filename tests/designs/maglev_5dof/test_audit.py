@@ -147,13 +147,13 @@ def test_the_nonlinear_step_is_that_of_a_loop_written_out_by_hand(rows: dict[str
 
 
 def bench(**changed: float) -> Bench:
-    return paper.bench(DESIGN.stage, PLANT.with_parameters(**changed), duration_s=SHORT, cells=COARSE)
+    return Bench(DESIGN.stage, PLANT.with_parameters(**changed), SHORT, COARSE)
 
 
 def row(name: str, on: Bench, printed: Published | None = None) -> Row:
     """Return a row as recomputed on a bench, as printed or with another print of it."""
     published = {**PRINTS, name: printed or PRINTS[name]}
-    return audit.computed(published[name], replace(on, published=published))
+    return audit.computed(published[name], paper.scope(on, published))
 
 
 def recomputed(names: Iterable[str], **changed: float) -> dict[str, Row]:
@@ -166,7 +166,7 @@ SHARED = bench()
 
 @pytest.fixture(scope="module")
 def nominal() -> dict[str, Row]:
-    return {r.id: r for r in paper.on(SHARED)}
+    return {r.id: r for r in audit.rows(paper.scope(SHARED, PRINTS))}
 
 
 def moved(before: Row, after: Row) -> bool:

@@ -16,7 +16,6 @@ from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import design as leadlag_design
 from designs.planar_6dof_leadlag import reference as leadlag_reference
 from designs.planar_6dof_lqg import design as lqg_design
-from designs.planar_6dof_lqg import gains as lqg_gains
 from designs.planar_6dof_lqg import reference as lqg_reference
 from models import planar_stage
 from synth.block import Block
@@ -113,7 +112,7 @@ def test_no_warning(double: bool, compiler: str) -> None:
 
 
 def test_the_lqg_gains_are_those_of_49_and_of_the_reference() -> None:
-    design = lqg_gains.gains()
+    design = lqg_design.gains()
     K, printed = design["K"], rows.printed()["Y-10"]
     for current, states in (("i_AQ", ("y", "phi", "z2", "z3")), ("i_CQ", ("x", "z1"))):
         for state in states:

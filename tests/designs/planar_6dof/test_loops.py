@@ -8,7 +8,7 @@ import pytest
 
 from designs.planar_6dof import interface, loops, lqg
 from designs.planar_6dof_leadlag import control as leadlag
-from designs.planar_6dof_leadlag import loops as own
+from designs.planar_6dof_leadlag import page as own
 from models import planar_allocation as allocation
 from models import planar_stage
 from synth.analyse import disk, margins
@@ -157,7 +157,7 @@ def test_margins_over_a_pitch_scatter_little(opened: dict[str, loops.Parts], cas
 
 def test_disk_margins_of_a_diagonal_loop_are_those_of_its_axes(opened: dict[str, loops.Parts]) -> None:
     whole = loops.horizontal(opened["lqg"])
-    found = loops.disks(whole)
+    found = {name: disk.of_loop(L) for name, L in whole.items()}
     alone = [disk.of_loop(loops.opened(opened["lqg"], [a])).lower for a in HORIZONTAL]
     assert found["positions"].lower == pytest.approx(min(alone), rel=1e-3)
     assert found["both"].lower < 0.6 * found["positions"].lower

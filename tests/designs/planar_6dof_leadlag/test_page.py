@@ -16,7 +16,7 @@ from tests.designs.planar_6dof import short_runs
 def test_it_shows_all_that_is_handed_in(monkeypatch: pytest.MonkeyPatch) -> None:
     short_runs.coarse(monkeypatch)
     monkeypatch.setattr(
-        page.loops, "all_loops", lambda p: shared.of_block(p, control.controller(p), ("x", "psi"), "as shipped")
+        page, "all_loops", lambda p: shared.of_block(p, control.controller(p), ("x", "psi"), "as shipped")
     )
     runs = short_runs.runs(loops.of(control.controller(planar_stage.plant())))
     bad = replace(runs[0], name="bad", title="Planted", checks=(Check("rise", 0.03, 0.025, "s"),))

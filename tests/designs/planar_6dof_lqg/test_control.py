@@ -7,7 +7,7 @@ import pytest
 
 from designs.planar_6dof import lqg, random_steps
 from designs.planar_6dof_lqg import reference
-from designs.planar_6dof_lqg.full_order import REGULATORS, Order
+from designs.planar_6dof_lqg.core import REGULATORS, Order
 from models import planar_allocation as allocation
 from synth.analyse import loop
 from synth.block import Block

@@ -5,7 +5,7 @@ import pytest
 
 from designs.planar_6dof import lqg
 from designs.planar_6dof_lqg import core
-from designs.planar_6dof_lqg.full_order import Order
+from designs.planar_6dof_lqg.core import Order
 from models.planar_allocation import HORIZONTAL
 from synth.analyse import loop
 from synth.block import unranged

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from designs.planar_6dof import loops as shared
 from designs.planar_6dof import lqg
 from designs.planar_6dof.loops import OpenLoop
 from designs.planar_6dof.lqg import TIME
@@ -11,6 +10,7 @@ from designs.planar_6dof_lqg import loops
 from models import planar_allocation as allocation
 from models import planar_stage
 from models.planar_allocation import AXES, HORIZONTAL, VERTICAL
+from synth.analyse import disk
 from synth.errors import ModelError
 from synth.report import multivariable
 from tests.designs.planar_6dof import analytic
@@ -76,7 +76,7 @@ def test_one_axis_as_printed_is_psi_that_is_not_stable(found: Found) -> None:
 def test_the_whole_horizontal_loop() -> None:
     """Prediction and allocation gain margin, the printed weights more; S at the currents tells of motor C's yaw."""
     whole = loops.horizontals(PLANT)
-    disks = {label: shared.disks(each) for label, each in whole.items()}
+    disks = {label: {cut: disk.of_loop(L) for cut, L in each.items()} for label, each in whole.items()}
     for cut in ("currents", "positions", "both"):
         least = [disks[label][cut].lower for label in (loops.PRINTED, loops.SHIPPED, loops.REWEIGHTED)]
         assert least == sorted(least) and all(d[cut].certified for d in disks.values())

@@ -9,12 +9,14 @@ import scipy.linalg
 import scipy.signal
 from scipy.optimize import brentq
 
+from designs.planar_6dof import filtering
 from designs.planar_6dof.paper import filter, gains
 from designs.planar_6dof.paper.records import prominent
 from synth.report.audit import Published, Row
 from synth.report.formulas import Formula
 from synth.synthesise.feedback import lqr
 from synth.synthesise.observers import belief, kalman
+from synth.timing import Discrete
 from tests.designs.planar_6dof.paper import recomputed
 from tests.designs.planar_6dof.paper.recomputed import (
     PRINTED,
@@ -166,7 +168,7 @@ def test_the_bandwidth_is_that_of_scipys_filter(
     assert rows[name][f"bandwidth at {case}"] == pytest.approx(brentq(excess, 5, 0.4 * rate), rel=1e-6)
     needed = next(f for f in rows[name].recomputed if f.name.startswith("deviation"))
     wanted = PRINTED[name]["bandwidth"].value
-    better = kalman.discrete(filter.model(1e-3), [q], [needed.value**2], ("jerk",))
+    better = kalman.discrete(filtering.model("x", Discrete(1e-3)), [q], [needed.value**2], ("jerk",))
     assert filter.half_power(better.current()) == pytest.approx(wanted, rel=1e-6)
 
 
@@ -180,7 +182,7 @@ def test_simulated_noise_is_let_through_as_the_row_says(rows: dict[str, Row]) ->
 
 
 def test_the_recursion_is_that_of_covariances_written_out(rows: dict[str, Row]) -> None:
-    axis = filter.model(T)
+    axis = filtering.model("x", Discrete(T))
     A, C, Gamma, R = axis.A, axis.C, axis.B, 25e-10
     P, found = 1e8 * np.eye(3), []
     for _ in range(200):
