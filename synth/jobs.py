@@ -61,7 +61,6 @@ def run(jobs: Sequence[Job], say: Callable[[str, str], None], processes: int | N
     waiting = list(jobs)
     try:
         while waiting or running:
-            waiting = _skip_failed(waiting, outcomes)
             while len(running) < (processes or cores()) and (job := _ready(waiting, outcomes)):
                 waiting.remove(job)
                 running.append(_start(job))
@@ -69,6 +68,7 @@ def run(jobs: Sequence[Job], say: Callable[[str, str], None], processes: int | N
                 if (outcome := _heard(each, say)) is not None:
                     outcomes[each.job.name] = outcome
                     running.remove(each)
+            waiting = _skip_failed(waiting, outcomes)
     finally:
         for each in running:
             each.process.terminate()

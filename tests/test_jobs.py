@@ -1,0 +1,58 @@
+"""Jobs side by side: what fails stops what comes after it and nothing else, and the run ends."""
+
+import os
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from synth.errors import DesignError
+from synth.jobs import Job, Progress, run
+
+
+def gives(value: Any) -> Callable[[Progress], Any]:
+    def job(say: Progress) -> Any:
+        say(f"makes {value}")
+        return value
+
+    return job
+
+
+def refuses(say: Progress) -> None:
+    raise DesignError("the stage has no plant")
+
+
+def crashes(say: Progress) -> None:
+    raise ZeroDivisionError("a defect")
+
+
+def dies(say: Progress) -> None:
+    os._exit(3)
+
+
+@pytest.mark.parametrize("processes", [1, 2])
+@pytest.mark.parametrize(
+    ("job", "error", "expected"),
+    [
+        (refuses, "the stage has no plant", True),
+        (crashes, "ZeroDivisionError: a defect", False),
+        (dies, "its process ended with status 3", False),
+    ],
+)
+def test_what_comes_after_a_failed_job_is_not_run_and_the_run_ends(
+    job: Callable[[Progress], Any], error: str, expected: bool, processes: int
+) -> None:
+    """The failed job is the last that runs: nothing is left to wait for."""
+    jobs = [Job("emit", "a", job), Job("verify", "a", gives(1), ("emit",)), Job("report", "a", gives(2), ("verify",))]
+    outcomes = run(jobs, lambda about, line: None, processes)
+    assert error in outcomes["emit"].error and outcomes["emit"].expected is expected
+    assert outcomes["verify"].error == "not run: emit failed"
+    assert outcomes["report"].error in ("not run: emit failed", "not run: verify failed")
+
+
+def test_other_jobs_finish_and_tell_their_progress() -> None:
+    lines: list[tuple[str, str]] = []
+    jobs = [Job("a", "first", refuses), Job("b", "second", gives(2)), Job("c", "second", gives(3), ("b",))]
+    outcomes = run(jobs, lambda about, line: lines.append((about, line)), 1)
+    assert [(o.value, o.error) for o in outcomes.values()] == [(None, "the stage has no plant"), (2, ""), (3, "")]
+    assert list(outcomes) == ["a", "b", "c"] and lines == [("second", "makes 2"), ("second", "makes 3")]
