@@ -10,6 +10,7 @@ import sys
 from collections.abc import Iterator, Mapping
 from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 from elftools.elf.constants import SH_FLAGS
 from elftools.elf.elffile import ELFFile
@@ -42,7 +43,7 @@ def machine_code(sources: Mapping[str, str], compiler: str, level: str) -> str:
 
 def _loaded_contents(elf: ELFFile) -> Iterator[tuple[object, ...]]:
     """Yield the bytes of each section that is loaded and not written to, and what its relocations refer to."""
-    symbols = elf.get_section_by_name(".symtab")
+    symbols: Any = elf.get_section_by_name(".symtab")
     for section in elf.iter_sections():
         if section["sh_flags"] & SH_FLAGS.SHF_ALLOC and not section["sh_flags"] & SH_FLAGS.SHF_WRITE:
             yield section["sh_type"], section.data()
