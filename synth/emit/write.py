@@ -12,6 +12,7 @@ from synth.block import Block
 from synth.emit import pipeline
 from synth.emit.c import c_text, layout, manifest
 from synth.emit.lower import Program
+from synth.emit.passes import calls
 
 
 @dataclass(frozen=True)
@@ -42,12 +43,13 @@ def emit(
     over the declared ranges.
     """
     shipped = block.rounded(scalar)
-    memory = layout.layout(shipped, scalar)
     printed = pipeline.reduce(shipped, scalar, libm, error)
-    source = pipeline.source(printed, memory)
+    outlined = pipeline.outline(printed)
+    memory = layout.layout(shipped, scalar, calls.owners(outlined.program))
+    source = pipeline.source(outlined, memory)
     texts = {
         f"{block.name}.c": "".join(f"{line.text}\n" for line in source),
-        f"{block.name}.h": c_text.header(shipped, memory),
+        f"{block.name}.h": c_text.header(shipped, memory, outlined.program),
     }
     document = manifest.manifest(shipped, memory, texts, printed.surrogates, source)
     shipped_gains = {

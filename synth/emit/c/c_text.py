@@ -6,10 +6,11 @@
 The constants stand in the step, which alone reads them.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from textwrap import wrap
 
 from synth.block import Block, Fault
+from synth.emit.c import routines
 from synth.emit.c.expressions import constant, literal
 from synth.emit.c.kinds import kinds
 from synth.emit.c.layout import Layout, Struct
@@ -24,10 +25,12 @@ def _meaning(fault: Fault) -> str:
     return f"{fault.suspect}: contradicts the others" if fault.suspect else "latched: safe output until init"
 
 
-def header(block: Block, layout: Layout) -> str:
+def header(block: Block, layout: Layout, program: Program) -> str:
     """Return the text of <name>.h."""
+    types = routines.state_types(block, program)
     guard = f"{block.name.upper()}_H"
-    structs = "\n\n".join(_struct(block.name, s) for s in layout.structs)
+    structs = "\n".join(routines.state_structs(block, program, layout))
+    structs += "\n" + "\n\n".join(_struct(block.name, s, types) for s in layout.structs)
     checks = "\n".join(
         f"extern char {block.name}_{s.kind}_size_is_{s.size}[(sizeof({s.type}) == {s.size}u) ? 1 : -1];"
         for s in layout.structs
@@ -47,8 +50,12 @@ def header(block: Block, layout: Layout) -> str:
     )
 
 
-def _struct(name: str, struct: Struct) -> str:
-    rows = [f"    {f.ctype} {f.name};".ljust(40) + f"/* {prose(f.comment)} */" for f in struct.fields]
+def _struct(name: str, struct: Struct, types: Mapping[str, str]) -> str:
+    rows = [
+        routines.state_member(f, types) if f.part else f"    {f.ctype} {f.name};".ljust(40) + f"/* {prose(f.comment)} */"
+        for f in struct.fields
+    ]
+    rows = list(dict.fromkeys(rows))
     return "typedef struct {\n" + "\n".join(rows) + f"\n}} {struct.type};"
 
 
@@ -60,7 +67,7 @@ def source(
     block: Block, program: Program, surrogates: Sequence[Surrogate], layout: Layout, body: Sequence[Line]
 ) -> list[Line]:
     """Return the lines of <name>.c around the `body` of its step."""
-    used = {n.op for n in program.nodes}
+    used = {n.op for q in (program, *(c.routine.program for c in program.calls.values())) for n in q.nodes}
     parts = [f"/* {block.name}. Generated: do not edit. */", f'#include "{block.name}.h"']
     parts += ["#include <math.h>"] if used & (LIBM | {"clamp"}) else []
     parts += ["#include <stdbool.h>"] if "logical" in kinds(program) else []
@@ -80,8 +87,9 @@ def source(
         parts += ["    if (holds) {", "        value = 1u;", "    }", "    return value;", "}", ""]
     for surrogate in surrogates:
         parts += [*_polynomial(surrogate, layout), ""]
-    parts += [*_init(block, layout), "", _step_head(block.name), "{", *_constants(block, program, layout)]
-    return [*map(Line, parts), *body, Line("}")]
+    called = routines.functions(block, program, layout)
+    step = [*_init(block, layout), "", _step_head(block.name), "{", *_constants(block, program, layout)]
+    return [*map(Line, parts), *called, *map(Line, step), *body, Line("}")]
 
 
 def _polynomial(s: Surrogate, layout: Layout) -> list[str]:
@@ -125,8 +133,9 @@ def _constants(block: Block, program: Program, layout: Layout) -> list[str]:
 
 def _init(block: Block, layout: Layout) -> list[str]:
     rows = []
+    paths = {f.name: f.path for f in layout.state.fields}
     for s in block.states:
         value = f"{int(s.initial)}u" if s.integer else literal(s.initial, layout.scalar).c
-        rows.append(f"    state->{s.name} = {value};")
+        rows.append(f"    state->{paths[s.name]} = {value};")
     rows += [f"    state->{f.name} = 0u;" for f in layout.state.fields if f.name == "reserved"]
     return [f"void {block.name}_init({block.name}_state_t *state)", "{", *rows, "}"]

@@ -14,7 +14,7 @@ INFIX |= {"eq": ("==", 2), "ne": ("!=", 2), "and": ("&&", 1), "or": ("||", 0)}
 ATOM = 9
 RESERVED = LIBM | {f"{function}f" for function in LIBM}
 RESERVED |= {"state", "in", "out", "faults", "min", "max", "limit", "flag", "bool", "true", "false", "uint32_t"}
-INLINE = ("literal", "constant")  # printed wherever they are read
+INLINE = ("literal", "constant", "argument", "parameter")  # printed wherever they are read
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,11 @@ class Expressions:
 
     def ctype(self, k: int) -> str:
         """Return the type of a variable that holds node k."""
-        return {"logical": "bool", "integer": "uint32_t"}.get(self.kinds[k], CTYPES[self.scalar])
+        return self.ctype_of(self.kinds[k])
+
+    def ctype_of(self, kind: str) -> str:
+        """Return the type of a variable of a kind."""
+        return {"logical": "bool", "integer": "uint32_t"}.get(kind, CTYPES[self.scalar])
 
     def as_kind(self, k: int, kind: str) -> Text:
         """Return node k as a value of a kind."""
@@ -77,6 +81,10 @@ class Expressions:
             return literal(node.value, self.scalar)
         if op in ("input", "state", "constant"):
             return Text({"input": f"in->{node.name}", "state": f"state->{node.name}"}.get(op, constant(node.name)))
+        if op == "argument":
+            return Text(node.name)
+        if op == "parameter":
+            return Text(f"parameters->{node.name}")
         if op == "not":
             return Text("!" + self.condition(args[0]).inside(7), 7)
         if op in ("and", "or"):

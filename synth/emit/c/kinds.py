@@ -27,6 +27,8 @@ def kinds(p: Program) -> list[str]:
             kind = "number"
         elif node.op == "bit" or (node.op == "state" and node.name in p.integers):
             kind = "integer"
+        elif node.op in ("argument", "result"):
+            kind = p.typed[node.name]
         elif node.op == "choose":
             kind = _chosen(p, node, args[1:])
         elif whole and "integer" in args and (node.op == "add" or (node.op == "sub" and k in counted)):

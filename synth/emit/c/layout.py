@@ -3,8 +3,9 @@
 With 8-byte scalars an odd count of 4-byte members is filled up by an explicit `reserved`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
@@ -27,6 +28,12 @@ class Member:
     low: float
     high: float
     about: str
+    part: str = ""
+
+    @property
+    def path(self) -> str:
+        """What C writes after the struct's name: the member, in the struct of its Block where that has one."""
+        return f"{self.part}.{self.name.removeprefix(f'{self.part}_')}" if self.part else self.name
 
     @property
     def comment(self) -> str:
@@ -64,8 +71,8 @@ class Layout:
         return (self.input, self.output, self.state)
 
 
-def layout(block: Block, scalar: type[np.floating]) -> Layout:
-    """Lay out a Block's structs for a scalar type.
+def layout(block: Block, scalar: type[np.floating], parts: Mapping[str, str] = MappingProxyType({})) -> Layout:
+    """Lay out a Block's structs for a scalar type; `parts` names by state the Block of the composition with a struct.
 
     Raises EmitError for a type that is neither float32 nor float64, for a Block without input or output, and for a
     bound that the type cannot hold.
@@ -78,7 +85,7 @@ def layout(block: Block, scalar: type[np.floating]) -> Layout:
         scalar,
         _struct(block.name, "input", [(s, real) for s in block.inputs], scalar),
         _struct(block.name, "output", [(s, real) for s in block.outputs], scalar),
-        _struct(block.name, "state", states or [(_EMPTY, whole)], scalar),
+        _struct(block.name, "state", states or [(_EMPTY, whole)], scalar, parts),
     )
 
 
@@ -93,7 +100,13 @@ def _bound(value: float, signal: Signal, scalar: type[np.floating]) -> float:
 _EMPTY = Signal("reserved", "1", 0, 1, "C knows no empty struct")
 
 
-def _struct(name: str, kind: str, members: Sequence[tuple[Signal, str]], scalar: type[np.floating]) -> Struct:
+def _struct(
+    name: str,
+    kind: str,
+    members: Sequence[tuple[Signal, str]],
+    scalar: type[np.floating],
+    parts: Mapping[str, str] = MappingProxyType({}),
+) -> Struct:
     if not members:
         raise EmitError(f"block '{name}' has no {kind}, and C knows no empty struct: give it at least one")
     ordered = sorted(members, key=lambda m: -_SIZE[m[1]])
@@ -102,6 +115,7 @@ def _struct(name: str, kind: str, members: Sequence[tuple[Signal, str]], scalar:
         ordered.append((Signal("reserved", "1", 0, 1, "fills the struct up"), "uint32_t"))
     fields, offset = [], 0
     for s, c in ordered:
-        fields.append(Member(s.name, offset, c, s.unit, _bound(s.low, s, scalar), _bound(s.high, s, scalar), s.about))
+        low, high = (_bound(end, s, scalar) for end in (s.low, s.high))
+        fields.append(Member(s.name, offset, c, s.unit, low, high, s.about, parts.get(s.name, "")))
         offset += _SIZE[c]
     return Struct(kind, f"{name}_{kind}_t", offset, tuple(fields))

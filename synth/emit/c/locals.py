@@ -158,9 +158,9 @@ def _computed(block: Sequence[Statement]) -> Iterator[int]:
 def _count(p: Program, block: Sequence[Statement], reads: Counter[int]) -> None:
     """Count how often the text reads each node; from the end, as what is read by nothing is not printed."""
     for s in reversed(block):
-        if isinstance(s, Let) and reads[s.node]:
+        if isinstance(s, Let) and (reads[s.node] or p.nodes[s.node].op == "call"):
             node = p.nodes[s.node]
-            reads.update(_read(node))
+            reads.update(_read(p, node))
         elif isinstance(s, Assign | Store):
             reads[s.node] += 1
         elif isinstance(s, Branch):
@@ -169,7 +169,9 @@ def _count(p: Program, block: Sequence[Statement], reads: Counter[int]) -> None:
             reads.update([s.condition, *(start for _, start in s.declared if start is not None)])
 
 
-def _read(node: Node) -> Sequence[int]:
+def _read(p: Program, node: Node) -> Sequence[int]:
+    if node.op == "call":
+        return node.args[: len(p.calls[node.name].routine.arguments)]
     if node.op == "within":
         return node.args[:1]
     return node.args[::2] if node.op == "clamp" else node.args * (2 if node.op == "sq" else 1)

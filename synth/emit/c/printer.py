@@ -14,6 +14,8 @@ from synth.emit.c.expressions import Expressions, Text, mask
 from synth.emit.c.kinds import kinds
 from synth.emit.c.locals import LOADS
 from synth.emit.lower import Node, Program
+from synth.emit.passes import schedule
+from synth.emit.passes.calls import Routine
 from synth.emit.passes.statements import About, Assign, Branch, Let, Statement, Store
 
 _WIDTH = 108
@@ -32,6 +34,11 @@ def body(block: Block, p: Program, statements: Sequence[Statement], scalar: type
     return _Printer(block, p, statements, scalar).lines()
 
 
+def routine(block: Block, r: Routine, scalar: type[np.floating]) -> list[Line]:
+    """Return the lines of a routine between its braces."""
+    return _Printer(block, r.program, schedule.statements(r.program), scalar).routine(r)
+
+
 class _Printer:
     """Prints the statements of one program."""
 
@@ -41,8 +48,22 @@ class _Printer:
         self.p, self.statements, self.kinds = program, statements, kinds(program)
         self.locals = variables.assign(block, program, statements, self.kinds)
         self.c = Expressions(program, self.kinds, scalar)
+        self.name = block.name
+        self.returned: dict[str, str] = {}
         self.printed: list[Line] = []
         self.tag = ""
+
+    def routine(self, routine: Routine) -> list[Line]:
+        """Return the lines of a routine's body."""
+        self._block(self.statements, 1)
+        self.tag = ""
+        texts = {r.name: self.c.as_kind(self.p.returns[r.name], r.kind).c for r in routine.results}
+        if len(texts) == 1:
+            self._put(f"return {texts[routine.results[0].name]};", 1)
+        elif texts:
+            fields = ", ".join(f".{name} = {text}" for name, text in texts.items())
+            self._put(f"return ({self.name}_{routine.name}_t){{{fields}}};", 1)
+        return self.printed
 
     def lines(self) -> list[Line]:
         """Return the lines."""
@@ -89,9 +110,15 @@ class _Printer:
 
     def _let(self, k: int, depth: int) -> None:
         """Give node k a line of its own, or let it wait to be printed inside its reader."""
+        node = self.p.nodes[k]
+        if node.op == "call":
+            self._call(node, depth)
+            return
         if not self.locals.reads[k]:
             return
-        node = self.p.nodes[k]
+        if node.op == "result":
+            self.c.text[k] = Text(self.returned[node.name])
+            return
         text = self.c.of(k)
         waits = self.locals.reads[k] <= 1 and k not in self.locals.name and node.op not in LOADS
         if waits and len(text.c) < _WIDTH:
@@ -134,11 +161,29 @@ class _Printer:
         self._put("}", depth)
 
     def _store(self, s: Store, depth: int) -> None:
-        if s.struct == "word":
+        if s.struct == "word" or self.p.nodes[s.node].op == "call":
             return
         kind = "integer" if s.struct == "state" and s.name in self.p.integers else "real"
         pointer = "state" if s.struct == "state" else "out"
         self._put(f"{pointer}->{s.name} = {self.c.as_kind(s.node, kind).c};", depth)
+
+    def _call(self, node: Node, depth: int) -> None:
+        """Call a routine; what it returns has the name of the signal that it is, or stands in a struct of the call's."""
+        call = self.p.calls[node.name]
+        routine = call.routine
+        passed = [f"&state->{call.block}"] if routine.states else []
+        passed += [f"&{call.block}_{routine.name}"] if routine.parameters else []
+        passed += [self.c.as_kind(a, r.kind).c for a, r in zip(node.args, routine.arguments, strict=False)]
+        text = f"{self.name}_{routine.name}({', '.join(passed)});"
+        if len(routine.results) == 1:
+            name = self.locals.names.free(call.names[0])
+            text = f"const {self.c.ctype_of(routine.results[0].kind)} {name} = {text}"
+            self.returned[f"{node.name}.{routine.results[0].name}"] = name
+        elif routine.results:
+            name = self.locals.names.free(node.name)
+            text = f"const {self.name}_{routine.name}_t {name} = {text}"
+            self.returned |= {f"{node.name}.{r.name}": f"{name}.{r.name}" for r in routine.results}
+        self._put(text, depth)
 
     def _put(self, text: str, depth: int) -> None:
         self.printed.append(Line("    " * depth + text, self.tag))

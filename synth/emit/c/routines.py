@@ -1,0 +1,115 @@
+"""Text of what a step calls: structs of the Blocks' states and parameters, and the functions that several Blocks share.
+
+    typedef struct { .. } <name>_<part>_state_t;                        in the header, a member of the state
+    static const <name>_<part>_parameters_t <block>_<part> = { .. };    one for each Block
+    static inline <type> <name>_<part>(..state.., ..parameters.., ..)   called once a Block
+"""
+
+from collections.abc import Mapping, Sequence
+from textwrap import wrap
+
+import numpy as np
+
+from synth.block import Block, Constant
+from synth.emit.c import printer
+from synth.emit.c.expressions import literal
+from synth.emit.c.layout import Layout, Member
+from synth.emit.c.printer import Line, prose
+from synth.emit.lower import Node, Program
+from synth.emit.passes import calls
+from synth.emit.passes.calls import Routine
+
+WIDTH = 116
+
+
+def state_types(block: Block, p: Program) -> dict[str, str]:
+    """Return by Block of the composition the type of its struct of states."""
+    found: dict[str, str] = {}
+    for blocks in calls.forms(p).values():
+        part = calls.common(blocks) or blocks[0]
+        name, n = part, 2
+        while f"{block.name}_{name}_state_t" in found.values():
+            name, n = f"{part}_{n}", n + 1
+        found |= dict.fromkeys(blocks, f"{block.name}_{name}_state_t")
+    return found
+
+
+def state_structs(block: Block, p: Program, layout: Layout) -> list[str]:
+    """Return the typedefs of the Blocks' states, each once."""
+    types = state_types(block, p)
+    first = {kind: part for part, kind in reversed(types.items())}
+    texts = []
+    for kind, part in first.items():
+        fields = [f for f in layout.state.fields if f.part == part]
+        rows = [f"    {f.ctype} {f.path.split('.')[1]};".ljust(40) + f"/* {f.unit}: {prose(f.about)} */" for f in fields]
+        texts.append("typedef struct {\n" + "\n".join(rows) + f"\n}} {kind};\n")
+    return texts
+
+
+def functions(block: Block, p: Program, layout: Layout) -> list[Line]:
+    """Return the types, the parameters and the functions of all routines."""
+    lines: list[Line] = []
+    for routine in {c.routine.name: c.routine for c in p.calls.values()}.values():
+        used = [c for c in p.calls.values() if c.routine.name == routine.name]
+        constants = {c.name: c for c in block.constants}
+        if routine.parameters:
+            lines += map(Line, _parameters(block, routine, used, constants, layout))
+        if len(routine.results) > 1:
+            rows = [f"    {_ctype(r.kind, layout)} {r.name};" for r in routine.results]
+            lines += map(Line, ["typedef struct {", *rows, f"}} {block.name}_{routine.name}_t;", ""])
+        lines += [Line(_head(block, routine, used[0].block, p, layout)), Line("{")]
+        lines += map(Line, _shared(routine, constants, layout))
+        lines += [*printer.routine(block, routine, layout.scalar), Line("}"), Line("")]
+    return lines
+
+
+def _ctype(kind: str, layout: Layout) -> str:
+    return {"logical": "bool", "integer": "uint32_t"}.get(kind, layout.ctype)
+
+
+def _parameters(
+    block: Block, routine: Routine, used: Sequence[calls.Call], constants: Mapping[str, Constant], layout: Layout
+) -> list[str]:
+    """Return the struct of what differs from Block to Block, and each Block's values."""
+    kind = f"{block.name}_{routine.name}_parameters_t"
+    rows = ["typedef struct {"]
+    for name, node in zip(routine.parameters, used[0].numbers, strict=True):
+        about = constants.get(node.name)
+        comment = f"/* {about.unit}; {prose(about.source)} */" if about else ""
+        rows.append((f"    {layout.ctype} {name};".ljust(40) + comment).rstrip())
+    rows.append(f"}} {kind};")
+    for call in used:
+        values = [_value(node, constants, layout.scalar) for node in call.numbers]
+        head = f"static const {kind} {call.block}_{routine.name} = "
+        text = head + "{" + ", ".join(values) + "};"
+        rows += wrap(text, WIDTH, subsequent_indent=" " * 4, break_on_hyphens=False)
+    return [*rows, ""]
+
+
+def _value(node: Node, constants: Mapping[str, Constant], scalar: type[np.floating]) -> str:
+    return literal(constants[node.name].value if node.op == "constant" else node.value, scalar).c
+
+
+def _head(block: Block, routine: Routine, part: str, p: Program, layout: Layout) -> str:
+    state = f"{state_types(block, p)[part]} *state" if routine.states else ""
+    state = f"const {state}" if state and not routine.program.next else state
+    parameters = f"const {block.name}_{routine.name}_parameters_t *parameters" if routine.parameters else ""
+    passed = [f"{_ctype(a.kind, layout)} {a.name}" for a in routine.arguments]
+    kinds = [r.kind for r in routine.results]
+    returned = f"{block.name}_{routine.name}_t" if len(kinds) > 1 else _ctype(kinds[0], layout) if kinds else "void"
+    arguments = ", ".join(filter(None, [state, parameters, *passed]))
+    return f"static inline {returned} {block.name}_{routine.name}({arguments})"
+
+
+def _shared(routine: Routine, constants: Mapping[str, Constant], layout: Layout) -> list[str]:
+    rows = [
+        f"    static const {layout.ctype} {local} = {literal(constants[name].value, layout.scalar).c};".ljust(64)
+        + f"/* {constants[name].unit}; {prose(constants[name].source)} */"
+        for local, name in routine.constants.items()
+    ]
+    return [*rows, ""] if rows else []
+
+
+def state_member(f: Member, types: Mapping[str, str]) -> str:
+    """Return the member of the state for a Block's struct."""
+    return f"    {types[f.part]} {f.part};"
