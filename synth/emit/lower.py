@@ -94,6 +94,7 @@ class Program:
     calls: Mapping[str, Any] = field(default_factory=dict)
     typed: Mapping[str, str] = field(default_factory=dict)
     returns: Mapping[str, int] = field(default_factory=dict)
+    pointer: bool = False
 
     def moved(self, nodes: tuple[Node, ...], index: Sequence[int]) -> "Program":
         """Return the program with new nodes, where the old node k is now the node index[k]; dead nodes are dropped."""

@@ -79,6 +79,8 @@ class Expressions:
         op, args = node.op, node.args
         if op == "literal":
             return literal(node.value, self.scalar)
+        if op == "state" and self.p.pointer:
+            return Text(f"*{node.name}", 7)
         if op in ("input", "state", "constant"):
             return Text({"input": f"in->{node.name}", "state": f"state->{node.name}"}.get(op, constant(node.name)))
         if op == "argument":

@@ -164,8 +164,9 @@ class _Printer:
         if s.struct == "word" or self.p.nodes[s.node].op == "call":
             return
         kind = "integer" if s.struct == "state" and s.name in self.p.integers else "real"
-        pointer = "state" if s.struct == "state" else "out"
-        self._put(f"{pointer}->{s.name} = {self.c.as_kind(s.node, kind).c};", depth)
+        place = f"{'state' if s.struct == 'state' else 'out'}->{s.name}"
+        place = f"*{s.name}" if self.p.pointer else place
+        self._put(f"{place} = {self.c.as_kind(s.node, kind).c};", depth)
 
     def _call(self, node: Node, depth: int) -> None:
         """Call a routine; what it returns has the name of the signal that it is, or stands in a struct of the call's."""
@@ -176,7 +177,8 @@ class _Printer:
         passed += [self.c.as_kind(a, r.kind).c for a, r in zip(node.args, routine.arguments, strict=False)]
         text = f"{self.name}_{routine.name}({', '.join(passed)});"
         if len(routine.results) == 1:
-            name = self.locals.names.free(call.names[0])
+            result = self.p.nodes.index(Node("result", (self.p.nodes.index(node),), name=f"{node.name}.{routine.results[0].name}"))
+            name = self.locals.name.get(result) or self.locals.names.free(call.names[0])
             text = f"const {self.c.ctype_of(routine.results[0].kind)} {name} = {text}"
             self.returned[f"{node.name}.{routine.results[0].name}"] = name
         elif routine.results:

@@ -41,6 +41,7 @@ class Routine:
     results: tuple[Argument, ...]
     states: tuple[str, ...]
     constants: Mapping[str, str]
+    pointer: bool
 
 
 @dataclass(frozen=True)
@@ -51,6 +52,7 @@ class Call:
     block: str
     numbers: tuple[Node, ...]
     names: tuple[str, ...]
+    states: Mapping[str, str]
 
 
 def outlined(p: Program, constants: Mapping[str, float]) -> Program:
@@ -63,8 +65,9 @@ def outlined(p: Program, constants: Mapping[str, float]) -> Program:
         routine = _routine(p, group, taken, constants)
         for part, form in group:
             numbers = [p.nodes[form.numbers[k]] for k in _different(p, group, constants)]
+            states = {local: state for state, local in part.local.items() if local in routine.states}
             names = tuple(_name(p, k) or f"{part.key}_{r.name}" for k, r in zip(part.results, routine.results, strict=True))
-            calls[part.key] = Call(routine, part.block, tuple(numbers), names)
+            calls[part.key] = Call(routine, part.state, tuple(numbers), names, states)
             parts[part.key] = (part, form)
     return _Rewriter(p, parts, calls).program()
 
@@ -144,7 +147,7 @@ def _routine(
         elif k in form.arguments:
             node = Node("argument", name=arguments[form.arguments.index(k)].name)
         elif node.op == "state":
-            node = replace(node, name=node.name.removeprefix(f"{part.block}_"))
+            node = replace(node, name=part.local[node.name])
         elif k in form.numbers and form.numbers.index(k) in parameters:
             node = Node("parameter", name=parameters[form.numbers.index(k)])
         elif node.op == "constant":
@@ -155,21 +158,21 @@ def _routine(
         return index[k]
 
     outputs = {a.name: place(k) for a, k in zip(results, part.results, strict=True)}
-    states = {state.removeprefix(f"{part.block}_"): k for state, k in part.next.items()}
+    states = {part.local[state]: k for state, k in part.next.items()}
     next = {name: place(k) for name, k in states.items()}
     loads = [n.name for n in nodes if n.op == "state"]
-    integers = frozenset(s for s in (*states, *loads) if f"{part.block}_{s}" in p.integers)
+    integers = frozenset(local for state, local in part.local.items() if state in p.integers)
     marks = tuple(
         (Named(replace(n.signal, name=common([n.signal.name]) or n.signal.name), part_name, n.tag), index[k])
         for n, k in p.marks
         if k in part.region and k not in part.results
     )
     typed = {a.name: a.kind for a in arguments}
-    made = Program(tuple(nodes), marks, {}, next, integers, None, p.polynomials, typed=typed, returns=outputs)
+    made = Program(tuple(nodes), marks, {}, next, integers, None, p.polynomials, pointer=part.pointer, typed=typed, returns=outputs)
     name = _Names(taken).free(f"{part_name}_{part.phase}" if part.phase else part_name)
     order = tuple(dict.fromkeys((*states, *loads)))
     shared = {local: p.nodes[k].name for k, local in fixed.items()}
-    return Routine(name, made, tuple(arguments), tuple(parameters.values()), tuple(results), order, shared)
+    return Routine(name, made, tuple(arguments), tuple(parameters.values()), tuple(results), order, shared, part.pointer)
 
 
 def _local(p: Program, column: Sequence[int]) -> str:
@@ -199,7 +202,7 @@ class _Rewriter:
         next = {name: self.place(k) for name, k in p.next.items() if name not in stored}
         for key, (part, _) in self.parts.items():
             if part.next:
-                next[part.block] = self.store(key, part)
+                next[part.state] = self.store(key, part)
         word = None if p.word is None else self.place(p.word)
         marks = tuple((n, self.place(k)) for n, k in p.marks if k not in self.within or k in self.index or self.is_result(k))
         typed = {f"{key}.{r.name}": r.kind for key, call in self.calls.items() for r in call.routine.results}
@@ -232,7 +235,7 @@ class _Rewriter:
         if key not in self.called:
             part, form = self.parts[key]
             args = [self.place(k) for k in form.arguments]
-            args += [self.load(part.block)] if self.calls[key].routine.states else []
+            args += [self.load(part.state)] if self.calls[key].routine.states else []
             # The next states are stored after the signals have read the present ones.
             before = f"{part.block}_output"
             args += [self.call(before)] if part.phase == "update" and before in self.parts else []
@@ -247,19 +250,20 @@ class _Rewriter:
         if part.held is None:
             return self.call(key)
         condition, arm = part.held
-        sides = (self.call(key), self.load(part.block))
+        sides = (self.call(key), self.load(part.state))
         return self.put(Node("choose", (self.place(condition), *(sides if arm == 0 else sides[::-1]))))
 
 
 def owners(p: Program) -> dict[str, str]:
     """Return by state the Block whose struct it belongs to, of the Blocks that are called."""
-    return {f"{c.block}_{state}": c.block for c in p.calls.values() for state in c.routine.states}
+    called = [c for c in p.calls.values() if not c.routine.pointer]
+    return {state: c.block for c in called for state in c.states.values()}
 
 
 def forms(p: Program) -> dict[tuple[tuple[str, ...], ...], tuple[str, ...]]:
     """Return for each set of states that several Blocks have the Blocks that have it."""
     states: dict[str, dict[str, None]] = {}
-    for call in p.calls.values():
+    for call in (c for c in p.calls.values() if not c.routine.pointer):
         states.setdefault(call.block, {}).update(dict.fromkeys(call.routine.states))
     found: dict[tuple[str, ...], list[str]] = {}
     for block, names in states.items():

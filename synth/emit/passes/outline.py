@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 from synth.emit.c.kinds import kinds
 from synth.emit.lower import Node, Program
+from synth.emit.passes import lanes
 
 LEAVES = ("input", "state", "constant", "literal")
 NOT_OUTLINED = ("table", "within")
@@ -31,11 +32,19 @@ class Part:
     next: Mapping[str, int]
     results: tuple[int, ...]
     held: tuple[int, int] | None
+    local: Mapping[str, str]
+    roots: tuple[int, ...]
     phase: str = ""
+    pointer: bool = False
 
     @property
     def key(self) -> str:
         return f"{self.block}_{self.phase}" if self.phase else self.block
+
+    @property
+    def state(self) -> str:
+        """The name of the states together: the Block's, or that of a lane's one state."""
+        return next(iter(self.local)) if self.pointer else self.block
 
 
 @dataclass(frozen=True)
@@ -104,7 +113,11 @@ def _part(
     own = {state: k for state, k in carriers.items() if p.owner(state) == block}
     holds = {held.get(state) for state in own}
     stores = {p.next[state] for state in own} - region
-    return Part(block, region, own, _results(p, region, stores), holds.pop() if len(holds) == 1 else None)
+    local = {s: s.removeprefix(f"{block}_") for s in p.next if p.owner(s) == block}
+    roots = tuple(k for _, k in p.marks if k in region)
+    return Part(
+        block, region, own, _results(p, region, stores), holds.pop() if len(holds) == 1 else None, local, roots
+    )
 
 
 def _results(p: Program, region: frozenset[int], stores: set[int]) -> tuple[int, ...]:
@@ -160,8 +173,8 @@ def form(p: Program, part: Part) -> Form:
         if node.op in ("constant", "literal"):
             numbers.append(k)
             return (node.op, len(numbers))
-        if node.op == "state" and p.owner(node.name) == part.block:
-            return ("state", node.name.removeprefix(part.block))
+        if node.op == "state" and node.name in part.local:
+            return ("state", part.local[node.name])
         arguments.append(k)
         return ("argument", len(arguments))
 
@@ -176,19 +189,82 @@ def form(p: Program, part: Part) -> Form:
                 places[k] = (node.op, name, len(places), k in part.results, *args)
         return places[k]
 
-    roots = [k for _, k in p.marks if k in part.region]
+    roots = [k for k in part.roots if k in part.region]
     roots += [k for k in part.results if k not in roots]
     shape = [visit(k) for k in roots]
-    shape += [(state.removeprefix(part.block), visit(k)) for state, k in part.next.items()]
+    shape += [(part.local[state], visit(k)) for state, k in part.next.items()]
     return Form(tuple(shape), tuple(arguments), tuple(numbers))
 
 
 def alike(p: Program) -> list[list[tuple[Part, Form]]]:
     """Return the Parts with one canonical form, where there are at least two of them and they are worth a function."""
     found: dict[tuple[object, ...], list[tuple[Part, Form]]] = defaultdict(list)
-    for whole in parts(p):
+    every = parts(p)
+    for whole in every:
         for part in split(p, whole):
             if len(part.region) >= FEWEST and not any(p.nodes[k].op in NOT_OUTLINED for k in part.region):
                 made = form(p, part)
                 found[(part.phase, *made.shape)].append((part, made))
-    return [group for group in found.values() if len(group) > 1]
+    groups = [group for group in found.values() if len(group) > 1]
+    done = {part.block for group in groups for part, _ in group}
+    for whole in every:
+        if whole.block not in done:
+            groups += _within(p, whole)
+    return groups
+
+
+def _within(p: Program, whole: Part) -> list[list[tuple[Part, Form]]]:
+    """Return the lanes of a Block that are worth a function."""
+    held = {n.args[0] for s, k in p.next.items() if (n := p.nodes[k]).op == "choose" and Node("state", name=s) in
+            [p.nodes[a] for a in n.args[1:]] and p.nodes[n.args[0]].op != "le"}
+    region = frozenset(
+        k for k in whole.region
+        if not (p.nodes[k].op == "choose" and p.nodes[k].args[0] in held) and p.nodes[k].op not in NOT_OUTLINED
+    )
+    roots = {k for _, k in p.marks if k in region} | (set(whole.results) & region)
+    roots |= {k for k in whole.next.values() if k in region}
+    roots |= {a for k, n in enumerate(p.nodes) if k not in region for a in n.args if a in region}
+    found = []
+    for group in lanes.Forest(p, region, roots).grow():
+        made = [_lane(p, whole, lane, trees) for lane, trees in group.regions()]
+        forms = [(part, form(p, part)) for part in made]
+        if len({f.shape for _, f in forms}) == 1 and _is_worthwhile(forms[0]):
+            found.append(forms)
+    return found
+
+
+def _is_worthwhile(of: tuple[Part, Form]) -> bool:
+    part, made = of
+    return len(part.region) >= FEWEST and len(part.region) > len(made.arguments) + len(part.results)
+
+
+def _lane(p: Program, whole: Part, lane: tuple[int, ...], region: frozenset[int]) -> Part:
+    loads = {p.nodes[a].name for k in region for a in p.nodes[k].args if p.nodes[a].op == "state"}
+    alone = [s for s in loads & set(p.next) if _is_alone(p, region, s)]
+    pointer = len(alone) == 1
+    own = {alone[0]: _carried(p, alone[0], region)} if pointer else {}
+    stores = {p.next[s] for s in own} - region
+    held = None
+    if pointer and p.next[alone[0]] not in region:
+        node = p.nodes[p.next[alone[0]]]
+        held = (node.args[0], 0 if node.args[1] in region else 1)
+    local = {s: "last" for s in own}
+    name = next((n.signal.name for r in lane for n, k in p.marks if k == r), f"{whole.block}_{lane[0]}")
+    return Part(name, region, own, _results(p, region, stores), held, local, lane, pointer=pointer)
+
+
+def _carried(p: Program, state: str, region: frozenset[int]) -> int:
+    k = p.next[state]
+    return k if k in region else next(a for a in p.nodes[k].args[1:] if a in region)
+
+
+def _is_alone(p: Program, region: frozenset[int], state: str) -> bool:
+    """Tell whether a region alone reads a state and computes its next value."""
+    k = p.next[state]
+    node, load = p.nodes[k], Node("state", name=state)
+    if k not in region and not (
+        node.op == "choose" and load in [p.nodes[a] for a in node.args[1:]] and any(a in region for a in node.args[1:])
+    ):
+        return False
+    readers = {u for u, n in enumerate(p.nodes) for a in n.args if p.nodes[a] == load}
+    return readers <= region | ({k} - region)
