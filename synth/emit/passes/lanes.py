@@ -74,7 +74,7 @@ class Forest:
 
     def grow(self) -> list[Group]:
         """Merge groups until no more can be; return those of two lanes or more."""
-        while self._merge_once():
+        while self._merge_once() or self._split_once():
             pass
         for g in self.groups:
             g.trees = self.tree
@@ -85,6 +85,24 @@ class Forest:
             if len(group.lanes) > 1 and any(self._try(group, lower) for lower in self._edges(group)):
                 return True
         return False
+
+    def _split_once(self) -> bool:
+        """Split a group whose lanes read whole groups of others, each lane one, in one place."""
+        for group in self.groups:
+            for read in self._edges(group) if len(group.lanes) > 2 else ():
+                by_lower: dict[int, list[int]] = defaultdict(list)
+                for i, k in enumerate(read):
+                    by_lower[id(self.of[k])].append(i)
+                whole = all(len(self.of[read[some[0]]].lanes) == len(some) > 1 for some in by_lower.values())
+                if len(by_lower) > 1 and whole and group not in (self.of[k] for k in read):
+                    self._replace(group, [[group.lanes[i] for i in some] for some in by_lower.values()])
+                    return True
+        return False
+
+    def _replace(self, group: Group, parts: Sequence[list[Lane]]) -> None:
+        made = [Group(lanes, group.size) for lanes in parts]
+        self.groups = [g for g in self.groups if g is not group] + made
+        self.of |= {r: g for g in made for lane in g.lanes for r in lane}
 
     def _edges(self, group: Group) -> Iterator[list[int]]:
         """Yield for each place of the lanes where all read a root the roots that they read there, by lane."""

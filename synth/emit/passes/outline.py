@@ -235,7 +235,7 @@ def _within(p: Program, whole: Part) -> list[list[tuple[Part, Form]]]:
 
 def _is_worthwhile(of: tuple[Part, Form]) -> bool:
     part, made = of
-    return len(part.region) >= FEWEST and len(part.region) > len(made.arguments) + len(part.results)
+    return len(part.region) >= FEWEST - part.pointer and len(part.region) > len(made.arguments) + len(part.results) - 1
 
 
 def _lane(p: Program, whole: Part, lane: tuple[int, ...], region: frozenset[int]) -> Part:
