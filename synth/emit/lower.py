@@ -95,6 +95,8 @@ class Program:
     typed: Mapping[str, str] = field(default_factory=dict)
     returns: Mapping[str, int] = field(default_factory=dict)
     pointer: bool = False
+    paths: Mapping[str, str] = field(default_factory=dict)
+    by_value: bool = False
 
     def moved(self, nodes: tuple[Node, ...], index: Sequence[int]) -> "Program":
         """Return the program with new nodes, where the old node k is now the node index[k]; dead nodes are dropped."""

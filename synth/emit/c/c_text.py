@@ -120,6 +120,7 @@ def _table(name: str, values: Sequence[float], layout: Layout) -> list[str]:
 
 def _constants(block: Block, program: Program, layout: Layout) -> list[str]:
     read = {n.name for n in program.nodes if n.op == "constant"}
+    read |= {n.name for call in program.calls.values() if call.routine.by_value for n in call.numbers}
     rows = [
         f"    static const {layout.ctype} {constant(c.name)} = {literal(c.value, layout.scalar).c};".ljust(64)
         + f"/* {c.unit}; {prose(c.source)} */"

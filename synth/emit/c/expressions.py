@@ -82,11 +82,12 @@ class Expressions:
         if op == "state" and self.p.pointer:
             return Text(f"*{node.name}", 7)
         if op in ("input", "state", "constant"):
-            return Text({"input": f"in->{node.name}", "state": f"state->{node.name}"}.get(op, constant(node.name)))
+            place = self.p.paths.get(node.name, node.name)
+            return Text({"input": f"in->{node.name}", "state": f"state->{place}"}.get(op, constant(node.name)))
         if op == "argument":
             return Text(node.name)
         if op == "parameter":
-            return Text(f"parameters->{node.name}")
+            return Text(node.name if self.p.by_value else f"parameters->{node.name}")
         if op == "not":
             return Text("!" + self.condition(args[0]).inside(7), 7)
         if op in ("and", "or"):

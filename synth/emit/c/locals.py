@@ -73,12 +73,17 @@ def _named(p: Program, names: Names, shared: dict[int, int]) -> dict[int, str]:
     roots += [] if p.word is None else [(WORD, p.word)]
     roots += [(f"{name}_next", _carrier(p, name, node)) for name, node in p.next.items()]
     for name, node in roots:
-        if node not in named and p.nodes[node].op not in (*LOADS, *INLINE):
+        if node not in named and p.nodes[node].op not in (*LOADS, *INLINE) and not _is_member(p, p.nodes[node]):
             named[node] = WORD if node == p.word else names.free(name)
     for node, root in shared.items():
         if node in named and root not in named:
             named[root] = named[node]
     return named
+
+
+def _is_member(p: Program, node: Node) -> bool:
+    """Tell whether a node is one of several results of a call, which have the names of a struct's members."""
+    return node.op == "result" and len(p.calls[node.name.split(".")[0]].routine.results) > 1
 
 
 def _carrier(p: Program, state: str, k: int) -> int:

@@ -10,7 +10,7 @@ import numpy as np
 
 from synth.block import Block
 from synth.emit.c import locals as variables
-from synth.emit.c.expressions import Expressions, Text, mask
+from synth.emit.c.expressions import Expressions, Text, constant, literal, mask
 from synth.emit.c.kinds import kinds
 from synth.emit.c.locals import LOADS
 from synth.emit.lower import Node, Program
@@ -164,7 +164,7 @@ class _Printer:
         if s.struct == "word" or self.p.nodes[s.node].op == "call":
             return
         kind = "integer" if s.struct == "state" and s.name in self.p.integers else "real"
-        place = f"{'state' if s.struct == 'state' else 'out'}->{s.name}"
+        place = f"state->{self.p.paths.get(s.name, s.name)}" if s.struct == "state" else f"out->{s.name}"
         place = f"*{s.name}" if self.p.pointer else place
         self._put(f"{place} = {self.c.as_kind(s.node, kind).c};", depth)
 
@@ -173,7 +173,10 @@ class _Printer:
         call = self.p.calls[node.name]
         routine = call.routine
         passed = [f"&state->{call.block}"] if routine.states else []
-        passed += [f"&{call.block}_{routine.name}"] if routine.parameters else []
+        if routine.by_value:
+            passed += [constant(n.name) if n.name else literal(n.value, self.c.scalar).c for n in call.numbers]
+        elif routine.parameters:
+            passed += [f"&{call.block}_{routine.name}"]
         passed += [self.c.as_kind(a, r.kind).c for a, r in zip(node.args, routine.arguments, strict=False)]
         text = f"{self.name}_{routine.name}({', '.join(passed)});"
         if len(routine.results) == 1:

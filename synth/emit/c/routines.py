@@ -16,7 +16,7 @@ from synth.emit.c.expressions import literal
 from synth.emit.c.layout import Layout, Member
 from synth.emit.c.printer import Line, prose
 from synth.emit.lower import Node, Program
-from synth.emit.passes import calls
+from synth.emit.passes import calls, words
 from synth.emit.passes.calls import Routine
 
 WIDTH = 116
@@ -26,7 +26,7 @@ def state_types(block: Block, p: Program) -> dict[str, str]:
     """Return by Block of the composition the type of its struct of states."""
     found: dict[str, str] = {}
     for blocks in calls.forms(p).values():
-        part = calls.common(blocks) or blocks[0]
+        part = words.common(blocks) or blocks[0]
         name, n = part, 2
         while f"{block.name}_{name}_state_t" in found.values():
             name, n = f"{part}_{n}", n + 1
@@ -52,7 +52,7 @@ def functions(block: Block, p: Program, layout: Layout) -> list[Line]:
     for routine in {c.routine.name: c.routine for c in p.calls.values()}.values():
         used = [c for c in p.calls.values() if c.routine.name == routine.name]
         constants = {c.name: c for c in block.constants}
-        if routine.parameters:
+        if routine.parameters and not routine.by_value:
             lines += map(Line, _parameters(block, routine, used, constants, layout))
         if len(routine.results) > 1:
             rows = [f"    {_ctype(r.kind, layout)} {r.name};" for r in routine.results]
@@ -97,6 +97,8 @@ def _head(block: Block, routine: Routine, part: str, p: Program, layout: Layout)
         state = f"{kind} *{routine.states[0]}" if routine.pointer else f"{state_types(block, p)[part]} *state"
     state = f"const {state}" if state and not routine.program.next else state
     parameters = f"const {block.name}_{routine.name}_parameters_t *parameters" if routine.parameters else ""
+    if routine.by_value:
+        parameters = ", ".join(f"{layout.ctype} {name}" for name in routine.parameters)
     passed = [f"{_ctype(a.kind, layout)} {a.name}" for a in routine.arguments]
     kinds = [r.kind for r in routine.results]
     returned = f"{block.name}_{routine.name}_t" if len(kinds) > 1 else _ctype(kinds[0], layout) if kinds else "void"

@@ -14,7 +14,7 @@ from typing import NamedTuple
 from synth.block import Named
 from synth.emit.c.kinds import kinds
 from synth.emit.lower import Node, Program
-from synth.emit.passes import outline
+from synth.emit.passes import outline, words
 from synth.emit.passes.outline import Form, Part
 from synth.signals import Signal
 
@@ -43,6 +43,11 @@ class Routine:
     constants: Mapping[str, str]
     pointer: bool
 
+    @property
+    def by_value(self) -> bool:
+        """Whether the parameters are passed as numbers: so few need no struct."""
+        return len(self.parameters) <= 3
+
 
 @dataclass(frozen=True)
 class Call:
@@ -69,7 +74,8 @@ def outlined(p: Program, constants: Mapping[str, float]) -> Program:
             names = tuple(_name(p, k) or f"{part.key}_{r.name}" for k, r in zip(part.results, routine.results, strict=True))
             calls[part.key] = Call(routine, part.state, tuple(numbers), names, states)
             parts[part.key] = (part, form)
-    return _Rewriter(p, parts, calls).program()
+    made = _Rewriter(p, parts, calls).program()
+    return replace(made, paths={s: f"{part}.{s.removeprefix(f'{part}_')}" for s, part in owners(made).items()})
 
 
 def _different(p: Program, group: Sequence[tuple[Part, Form]], constants: Mapping[str, float]) -> list[int]:
@@ -80,17 +86,6 @@ def _different(p: Program, group: Sequence[tuple[Part, Form]], constants: Mappin
 
 def _value(node: Node, constants: Mapping[str, float]) -> float:
     return constants[node.name] if node.op == "constant" else node.value
-
-
-def common(names: Sequence[str]) -> str:
-    """Return the words that names between underscores have in common in the same places, "" for none.
-
-    ``regulator_x_sum`` and ``regulator_z_sum`` have ``regulator_sum`` in common.
-    """
-    words = [name.split("_") for name in names]
-    if len({len(w) for w in words}) > 1:
-        return ""
-    return "_".join(column[0] for column in zip(*words, strict=True) if len(set(column)) == 1)
 
 
 def _name(p: Program, k: int) -> str:
@@ -121,7 +116,7 @@ def _routine(
     """Return the function that the Parts of a group have in common, from the nodes of the first."""
     (part, form), kind = group[0], kinds(p)
     names = _Names({"state", "parameters"})
-    part_name = common([q.block for q, _ in group]) or part.block
+    part_name = part.routine or words.common([q.block for q, _ in group]) or part.block
     arguments = [
         Argument(names.free(_local(p, column) or f"input_{k + 1}"), kind[column[0]])
         for k, column in enumerate(zip(*(f.arguments for _, f in group), strict=True))
@@ -131,8 +126,8 @@ def _routine(
         for k, column in enumerate(zip(*(q.results for q, _ in group), strict=True))
     ]
     parameters = {
-        column: names.free(_parameter(p, group, column, part_name) or f"k_{n + 1}")
-        for n, column in enumerate(_different(p, group, constants))
+        column: names.free(_parameter(p, group, column, part_name) or _role(p, part, form.numbers[column]))
+        for column in _different(p, group, constants)
     }
     nodes: list[Node] = []
     index: dict[int, int] = {}
@@ -163,12 +158,12 @@ def _routine(
     loads = [n.name for n in nodes if n.op == "state"]
     integers = frozenset(local for state, local in part.local.items() if state in p.integers)
     marks = tuple(
-        (Named(replace(n.signal, name=common([n.signal.name]) or n.signal.name), part_name, n.tag), index[k])
+        (Named(replace(n.signal, name=words.common([n.signal.name]) or n.signal.name), part_name, n.tag), index[k])
         for n, k in p.marks
         if k in part.region and k not in part.results
     )
     typed = {a.name: a.kind for a in arguments}
-    made = Program(tuple(nodes), marks, {}, next, integers, None, p.polynomials, pointer=part.pointer, typed=typed, returns=outputs)
+    made = Program(tuple(nodes), marks, {}, next, integers, None, p.polynomials, pointer=part.pointer, by_value=len(parameters) <= 3, typed=typed, returns=outputs)
     name = _Names(taken).free(f"{part_name}_{part.phase}" if part.phase else part_name)
     order = tuple(dict.fromkeys((*states, *loads)))
     shared = {local: p.nodes[k].name for k, local in fixed.items()}
@@ -176,13 +171,22 @@ def _routine(
 
 
 def _local(p: Program, column: Sequence[int]) -> str:
-    return common([_name(p, k) for k in column])
+    return words.common([_name(p, k) for k in column])
 
 
 def _parameter(p: Program, group: Sequence[tuple[Part, Form]], place: int, part_name: str) -> str:
     """Return what the Parts call a number, without the Blocks' names."""
     names = [p.nodes[form.numbers[place]].name for _, form in group]
-    return common(names).removeprefix(f"{part_name}_") if all(names) else ""
+    return words.common(names).removeprefix(f"{part_name}_") if all(names) else ""
+
+
+def _role(p: Program, part: Part, number: int) -> str:
+    """Return what a number without a name is to the operation that reads it."""
+    reader = next(p.nodes[k] for k in sorted(part.region) if number in p.nodes[k].args)
+    place = reader.args.index(number)
+    if reader.op in ("le", "lt"):
+        return "low" if place == 0 else "high"
+    return {"clamp": "high", "mul": "factor", "min": "bound", "max": "bound"}.get(reader.op, "offset")
 
 
 class _Rewriter:

@@ -6,13 +6,13 @@ whose next states depend on what others make of its signals, such as a regulator
 functions: one for its signals and one for its next states.
 """
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from synth.emit.c.kinds import kinds
 from synth.emit.lower import Node, Program
-from synth.emit.passes import lanes
+from synth.emit.passes import lanes, words
 
 LEAVES = ("input", "state", "constant", "literal")
 NOT_OUTLINED = ("table", "within")
@@ -36,6 +36,7 @@ class Part:
     roots: tuple[int, ...]
     phase: str = ""
     pointer: bool = False
+    routine: str = ""
 
     @property
     def key(self) -> str:
@@ -73,14 +74,24 @@ def parts(p: Program) -> list[Part]:
 def _carriers(p: Program) -> tuple[dict[str, int], dict[str, tuple[int, int]]]:
     """Return for each state the node of its next value, without the choice that a safe output holds it by."""
     carriers, held = dict(p.next), {}
-    users = p.users()
+    users, conditions = p.users(), hold_conditions(p)
     for state, k in p.next.items():
         node, load = p.nodes[k], Node("state", name=state)
-        if node.op == "choose" and users[k] == [] and p.nodes[node.args[0]].op != "le":
+        if node.op == "choose" and users[k] == [] and node.args[0] in conditions:
             arms = [p.nodes[a] == load for a in node.args[1:]]
             if sum(arms) == 1:
                 carriers[state], held[state] = node.args[2 if arms[0] else 1], (node.args[0], arms.index(False))
     return carriers, held
+
+
+def hold_conditions(p: Program) -> set[int]:
+    """Return the conditions under which several states stay as they are: a latch, rather than one input's range."""
+    counts = Counter(
+        n.args[0]
+        for s, k in p.next.items()
+        if (n := p.nodes[k]).op == "choose" and Node("state", name=s) in [p.nodes[a] for a in n.args[1:]]
+    )
+    return {k for k, count in counts.items() if count > 1}
 
 
 def _closures(p: Program, owner: Mapping[int, str]) -> dict[str, frozenset[int]]:
@@ -215,8 +226,7 @@ def alike(p: Program) -> list[list[tuple[Part, Form]]]:
 
 def _within(p: Program, whole: Part) -> list[list[tuple[Part, Form]]]:
     """Return the lanes of a Block that are worth a function."""
-    held = {n.args[0] for s, k in p.next.items() if (n := p.nodes[k]).op == "choose" and Node("state", name=s) in
-            [p.nodes[a] for a in n.args[1:]] and p.nodes[n.args[0]].op != "le"}
+    held = hold_conditions(p)
     region = frozenset(
         k for k in whole.region
         if not (p.nodes[k].op == "choose" and p.nodes[k].args[0] in held) and p.nodes[k].op not in NOT_OUTLINED
@@ -226,11 +236,27 @@ def _within(p: Program, whole: Part) -> list[list[tuple[Part, Form]]]:
     roots |= {a for k, n in enumerate(p.nodes) if k not in region for a in n.args if a in region}
     found = []
     for group in lanes.Forest(p, region, roots).grow():
-        made = [_lane(p, whole, lane, trees) for lane, trees in group.regions()]
+        made = _named(p, whole, [_lane(p, whole, lane, trees) for lane, trees in group.regions()])
         forms = [(part, form(p, part)) for part in made]
         if len({f.shape for _, f in forms}) == 1 and _is_worthwhile(forms[0]):
             found.append(forms)
     return found
+
+
+def _named(p: Program, whole: Part, parts: list[Part]) -> list[Part]:
+    """Name lanes after their one result, or else after their Block, and each by what tells its names apart."""
+    marked = {k: n.signal.name for n, k in reversed(p.marks)}
+    columns = list(zip(*(part.roots for part in parts), strict=True))
+    named = [column for column in columns if all(k in marked for k in column)]
+    if not named:
+        return parts
+    names = [marked[k] for k in named[0]]
+    shared = words.common(names)
+    routine = shared if len(parts[0].results) == 1 and shared else whole.block
+    return [
+        replace(part, block=f"{routine}_{words.without(name, shared)}" if shared else name, routine=routine)
+        for part, name in zip(parts, names, strict=True)
+    ]
 
 
 def _is_worthwhile(of: tuple[Part, Form]) -> bool:
