@@ -71,7 +71,7 @@ def outlined(p: Program, constants: Mapping[str, float]) -> Program:
         for part, form in group:
             numbers = [p.nodes[form.numbers[k]] for k in _different(p, group, constants)]
             states = {local: state for state, local in part.local.items() if local in routine.states}
-            names = tuple(_name(p, k) or f"{part.key}_{r.name}" for k, r in zip(part.results, routine.results, strict=True))
+            names = tuple(_name(p, k) or f"{part.key}_{r.name}" for k, r in zip(form.results, routine.results, strict=True))
             calls[part.key] = Call(routine, part.state, tuple(numbers), names, states)
             parts[part.key] = (part, form)
     made = _Rewriter(p, parts, calls).program()
@@ -123,7 +123,7 @@ def _routine(
     ]
     results = [
         Argument(names.free(_local(p, column) or f"output_{k + 1}"), kind[column[0]])
-        for k, column in enumerate(zip(*(q.results for q, _ in group), strict=True))
+        for k, column in enumerate(zip(*(f.results for _, f in group), strict=True))
     ]
     parameters = {
         column: names.free(_parameter(p, group, column, part_name) or _role(p, part, form.numbers[column]))
@@ -152,7 +152,7 @@ def _routine(
         index[k] = len(nodes) - 1
         return index[k]
 
-    outputs = {a.name: place(k) for a, k in zip(results, part.results, strict=True)}
+    outputs = {a.name: place(k) for a, k in zip(results, form.results, strict=True)}
     states = {part.local[state]: k for state, k in part.next.items()}
     next = {name: place(k) for name, k in states.items()}
     loads = [n.name for n in nodes if n.op == "state"]
@@ -232,8 +232,8 @@ class _Rewriter:
 
     def result(self, k: int) -> int:
         key = self.within[k]
-        routine, part = self.calls[key].routine, self.parts[key][0]
-        return self.put(Node("result", (self.call(key),), name=f"{key}.{routine.results[part.results.index(k)].name}"))
+        routine, form = self.calls[key].routine, self.parts[key][1]
+        return self.put(Node("result", (self.call(key),), name=f"{key}.{routine.results[form.results.index(k)].name}"))
 
     def call(self, key: str) -> int:
         if key not in self.called:

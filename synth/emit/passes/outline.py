@@ -55,6 +55,7 @@ class Form:
     shape: tuple[object, ...]
     arguments: tuple[int, ...]
     numbers: tuple[int, ...]
+    results: tuple[int, ...]
 
 
 def parts(p: Program) -> list[Part]:
@@ -204,7 +205,8 @@ def form(p: Program, part: Part) -> Form:
     roots += [k for k in part.results if k not in roots]
     shape = [visit(k) for k in roots]
     shape += [(part.local[state], visit(k)) for state, k in part.next.items()]
-    return Form(tuple(shape), tuple(arguments), tuple(numbers))
+    results = tuple(k for k in places if k in part.results)
+    return Form(tuple(shape), tuple(arguments), tuple(numbers), results)
 
 
 def alike(p: Program) -> list[list[tuple[Part, Form]]]:
