@@ -54,6 +54,18 @@ class Forest:
             by_template[t.template].append(r)
         self.groups = [Group([(r,) for r in rs], len(self.tree[rs[0]].nodes)) for rs in by_template.values()]
         self.of = {r: g for g in self.groups for lane in g.lanes for r in lane}
+        self.needs = {r: sorted({k for k in t.leaves if k in self.tree}) for r, t in self.tree.items()}
+        self.outer = self._through_outside()
+        self.refused: set[tuple[int, int]] = set()
+        self.kept: list[Group] = []
+
+    def _through_outside(self) -> dict[int, set[int]]:
+        """Return for each root the other roots that it needs through nodes outside the region."""
+        passed: dict[int, set[int]] = {}
+        for k, node in enumerate(self.p.nodes):
+            if k not in self.region:
+                passed[k] = set().union(*(passed.get(a, {self.root_of.get(a, a)}) for a in node.args))
+        return {r: set().union(*(passed.get(a, set()) for a in t.leaves)) & self.tree.keys() for r, t in self.tree.items()}
 
     def _tree(self, root: int) -> Tree:
         nodes: list[int] = []
@@ -81,10 +93,14 @@ class Forest:
         return [g for g in self.groups if len(g.lanes) > 1]
 
     def _merge_once(self) -> bool:
-        for group in sorted(self.groups, key=lambda g: -len(g.lanes) * g.size):
-            if len(group.lanes) > 1 and any(self._try(group, lower) for lower in self._edges(group)):
-                return True
-        return False
+        merged = False
+        for first in sorted(self.groups, key=lambda g: -len(g.lanes) * g.size):
+            group = first
+            while len(group.lanes) > 1 and self.of[group.lanes[0][0]] is group:
+                if not any(self._try(group, read) for read in self._edges(group)):
+                    break
+                merged, group = True, self.of[group.lanes[0][0]]
+        return merged
 
     def _split_once(self) -> bool:
         """Split a group whose lanes read whole groups of others, each lane one, in one place."""
@@ -127,21 +143,31 @@ class Forest:
 
     def _merged(self, group: Group, lower: Group, lanes: list[Lane]) -> bool:
         made = Group(lanes, group.size + lower.size)
-        before = dict(self.of)
-        self.of |= {r: made for lane in lanes for r in lane}
-        if not self._ordered(made):
-            self.of = before
+        if (id(group), id(lower)) in self.refused or not self._ordered(made):
+            self.refused.add((id(group), id(lower)))
             return False
+        self.kept += [group, lower]  # an id names one group for ever
+        self.of |= {r: made for lane in lanes for r in lane}
         self.groups = [g for g in self.groups if g not in (group, lower)] + [made]
         return True
 
     def _ordered(self, made: Group) -> bool:
         """Tell whether no lane of a group needs itself through others."""
-        return all(not self._needs_itself({k for r in lane for k in self.tree[r].nodes}) for lane in made.lanes)
+        return not any(self._needs_itself(lane) for lane in made.lanes)
 
-    def _needs_itself(self, lane: set[int]) -> bool:
-        reached = set(lane)
-        for k in range(min(lane), max(lane) + 1):
-            if k not in lane and any(a in reached for a in self.p.nodes[k].args):
-                reached.add(k)
-        return any(a in reached - lane for k in lane for a in self.p.nodes[k].args)
+    def _needs_itself(self, lane: Lane) -> bool:
+        """Tell whether a root of a lane needs another one of it through roots that are not in it."""
+        inside, low = set(lane), min(lane)
+        stack = [k for r in lane for k in (*self.needs[r], *self.outer[r]) if k not in inside]
+        stack += []
+        if any(k in inside for r in lane for k in self.outer[r]):
+            return True
+        seen = set(stack)
+        while stack:
+            for k in (*self.needs[r := stack.pop()], *self.outer[r]):
+                if k in inside:
+                    return True
+                if k > low and k not in seen:
+                    seen.add(k)
+                    stack.append(k)
+        return False
