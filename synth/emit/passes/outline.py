@@ -176,7 +176,8 @@ def _depends_on_itself(p: Program, region: frozenset[int]) -> bool:
 
 def form(p: Program, part: Part) -> Form:
     """Return the canonical form of a Part."""
-    places: dict[int, tuple[object, ...]] = {}
+    places: dict[int, int] = {}
+    shape: list[tuple[object, ...]] = []  # an entry a node, which refers to others by their places
     arguments: list[int] = []
     numbers: list[int] = []
 
@@ -184,29 +185,29 @@ def form(p: Program, part: Part) -> Form:
         node = p.nodes[k]
         if node.op in ("constant", "literal"):
             numbers.append(k)
-            return (node.op, len(numbers))
+            return (node.op,)
         if node.op == "state" and node.name in part.local:
             return ("state", part.local[node.name])
         arguments.append(k)
-        return ("argument", len(arguments))
+        return ("argument",)
 
-    def visit(k: int) -> tuple[object, ...]:
+    def visit(k: int) -> int:
         if k not in places:
             node = p.nodes[k]
-            if k not in part.region:
-                places[k] = leaf(k)
-            else:
+            if k in part.region:
                 name = node.name if node.op in ("polynomial", *NOT_OUTLINED) else ""
-                args = [visit(a) for a in node.args]
-                places[k] = (node.op, name, len(places), k in part.results, *args)
+                entry = (node.op, name, k in part.results, *(visit(a) for a in node.args))
+            else:
+                entry = leaf(k)
+            places[k] = len(shape)
+            shape.append(entry)
         return places[k]
 
     roots = [k for k in part.roots if k in part.region]
-    roots += [k for k in part.results if k not in roots]
-    shape = [visit(k) for k in roots]
-    shape += [(part.local[state], visit(k)) for state, k in part.next.items()]
+    ends = [visit(k) for k in (*roots, *(k for k in part.results if k not in roots))]
+    stores = [(part.local[state], visit(k)) for state, k in part.next.items()]
     results = tuple(k for k in places if k in part.results)
-    return Form(tuple(shape), tuple(arguments), tuple(numbers), results)
+    return Form((*shape, *ends, *stores), tuple(arguments), tuple(numbers), results)
 
 
 def alike(p: Program) -> list[list[tuple[Part, Form]]]:
