@@ -107,10 +107,10 @@ def servo(
     return ServoLaw((Axis(plant, inverse, dict(modes), dict(weights), effort, estimator, anti_windup, set_point),))
 
 
-def _require_known(what: str, given: Mapping[str, float], known: Sequence[str]) -> None:
-    if unknown := [name for name in given if name not in known]:
+def _require_known(what: str, values: Mapping[str, float], known: Sequence[str]) -> None:
+    if unknown := [name for name in values if name not in known]:
         raise SignalError(f"{what} of the axis: '{unknown[0]}' is not one of {', '.join(known)}: correct the name")
-    _require_positive(what, given, "the inverse square of the unit")
+    _require_positive(what, values, "the inverse square of the unit")
 
 
 def _require_positive(what: str, values: Mapping[Any, float], unit: str) -> None:

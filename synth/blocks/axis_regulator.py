@@ -189,11 +189,11 @@ def synthesise(axis: Axis, time: Discrete, delay: int = 1) -> Regulator:
     regulator = servos.of_gain(held, undelayed.model, _delayed(undelayed, delay))
     filter, form = _filter(axis, held, T)
     observed = servos.estimated(regulator, form)
-    wound = windup.back_calculation(observed, axis.anti_windup)
+    compensator = windup.back_calculation(observed, axis.anti_windup)
     feedforward = _feedforward(axis, regulator, T)
-    controller = _with_reference(leapfrog_form.controller(observed, wound.controller), axis, feedforward)
+    controller = _with_reference(leapfrog_form.controller(observed, compensator.controller), axis, feedforward)
     controller = _with_states_ahead(controller, undelayed.plant, form, delay)
-    return Regulator(axis, time, delay, undelayed, observed, filter, wound, feedforward, controller)
+    return Regulator(axis, time, delay, undelayed, observed, filter, compensator, feedforward, controller)
 
 
 def _weight(axis: Axis) -> Array:
@@ -225,8 +225,8 @@ def _delayed(undelayed: servos.Servo, delay: int) -> Array:
         for _ in range(delay):
             late.append((row * into)[0, 0])
             row = row * step
-        ahead = [row[0, j] for j in range(n + k)]
-        return type(row)([[*ahead[:n], *reversed(late), *ahead[n:]]])
+        advanced = [row[0, j] for j in range(n + k)]
+        return type(row)([[*advanced[:n], *reversed(late), *advanced[n:]]])
 
     return precise.resolved(compute, "the gain for the delay")
 
@@ -235,10 +235,10 @@ def _filter(axis: Axis, held: StateSpace, period_s: float) -> tuple[filters.Esti
     """Return the Kalman filter, and the estimator of the states and of the commands on their way."""
     model, process = axis.model, axis.estimator.process
     G = np.eye(len(model.states))[:, [model.states.index(name) for name in process]]
-    found = filters.sampled(model, list(process.values()), axis.estimator.sensor, period_s, G=G, exact=True)
+    estimator = filters.sampled(model, list(process.values()), axis.estimator.sensor, period_s, G=G, exact=True)
     none = np.zeros((len(held.states) - len(model.states), 1))
-    L, M = (readonly(np.vstack([gain, none])) for gain in (found.L, found.M))
-    return found, replace(found, model=held, L=L, M=M).current()
+    L, M = (readonly(np.vstack([gain, none])) for gain in (estimator.L, estimator.M))
+    return estimator, replace(estimator, model=held, L=L, M=M).current()
 
 
 def _feedforward(axis: Axis, regulator: servos.Servo, period_s: float) -> float:
@@ -271,9 +271,9 @@ def _with_reference(controller: StateSpace, axis: Axis, feedforward: float) -> S
 def _with_states_ahead(controller: StateSpace, plant: StateSpace, form: StateSpace, delay: int) -> StateSpace:
     """Return the controller with the further outputs ``<state>_ahead``: the model's states when its command acts."""
     n = len(plant.states)
-    ahead = np.linalg.matrix_power(plant.A, delay)
+    advance = np.linalg.matrix_power(plant.A, delay)
     late = [np.linalg.matrix_power(plant.A, delay - 1 - j) @ plant.B for j in range(delay)]
-    onto = np.hstack([ahead, *late])
+    onto = np.hstack([advance, *late])
     C, D = onto @ form.C, onto @ form.D
     rows, direct = np.zeros((n, len(controller.states))), np.zeros((n, len(controller.inputs)))
     rows[:, [controller.states.index(name) for name in form.states]] = C

@@ -137,12 +137,12 @@ class Factorised:
     def solve(self, choose: Choose) -> list[ca.SX]:
         """Return where the gradient leads, from the last unknown on."""
         n = len(self.forward)
-        ends, moved = [ca.SX(0)] * n, [ca.SX(0)] * n
+        ends, moves = [ca.SX(0)] * n, [ca.SX(0)] * n
         for i in reversed(range(n)):
             step = self.forward[i] * self.factors.inverse[i]
             for k in range(i + 1, n):
-                step -= self.factors.lower[k][i] * moved[k]
-            ends[i], moved[i] = choose(i, step)
+                step -= self.factors.lower[k][i] * moves[k]
+            ends[i], moves[i] = choose(i, step)
         return ends
 
 

@@ -54,8 +54,8 @@ def block(
     """
     model = of(system)
     time = Discrete(period(model.time))
-    for kind, given in (("inputs", inputs), ("outputs", outputs), ("states", states)):
-        _require_same(name, kind, names(given), getattr(model, kind))
+    for kind, signals in (("inputs", inputs), ("outputs", outputs), ("states", states)):
+        _require_same(name, kind, names(signals), getattr(model, kind))
     columns = (*states, *inputs)
     next = [_Row(f"next_{s.name}", s, v) for s, v in zip(states, np.hstack([model.A, model.B]), strict=True)]
     out = [_Row(s.name, s, v) for s, v in zip(outputs, np.hstack([model.C, model.D]), strict=True)]
@@ -100,11 +100,11 @@ def _first(name: str, model: StateSpace, start: Start, states: Sequence[Signal])
     return [row for row in rows if row.values.any()]
 
 
-def _require_same(name: str, kind: str, given: Sequence[str], known: Sequence[str]) -> None:
-    if tuple(given) != tuple(known):
+def _require_same(name: str, kind: str, actual: Sequence[str], required: Sequence[str]) -> None:
+    if tuple(actual) != tuple(required):
         raise SignalError(
-            f"block '{name}': the {kind} given are {', '.join(given) or 'none'}, but the model's are "
-            f"{', '.join(known) or 'none'}: give one signal for each, in this order"
+            f"block '{name}': the {kind} given are {', '.join(actual) or 'none'}, but the model's are "
+            f"{', '.join(required) or 'none'}: give one signal for each, in this order"
         )
 
 

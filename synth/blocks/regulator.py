@@ -76,8 +76,10 @@ def block(
     ]
     if excess:
         per = f"{error.unit}/" + excess.unit.translate({ord(" "): "/", ord("/"): " "})
-        wound = zip(eta, model.E[:, 0], strict=True)
-        constants += [Constant(f"{s}_excess", float(v), per, f"{tag}: anti-windup into {s}") for s, v in wound]
+        anti_windup_gains = zip(eta, model.E[:, 0], strict=True)
+        constants += [
+            Constant(f"{s}_excess", float(v), per, f"{tag}: anti-windup into {s}") for s, v in anti_windup_gains
+        ]
     return build(
         name,
         time,

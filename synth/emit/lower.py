@@ -118,11 +118,11 @@ class Program:
 
     def users(self) -> list[list[int]]:
         """Return for each node the nodes that read it, once for each reading."""
-        found: list[list[int]] = [[] for _ in self.nodes]
+        users: list[list[int]] = [[] for _ in self.nodes]
         for k, node in enumerate(self.nodes):
             for a in node.args:
-                found[a].append(k)
-        return found
+                users[a].append(k)
+        return users
 
 
 def program(block: Block) -> Program:
@@ -132,8 +132,8 @@ def program(block: Block) -> Program:
     """
     loads = [*(("input", s.name) for s in block.inputs), *(("state", s.name) for s in block.states)]
     loads += [("constant", c.name) for c in block.constants]
-    wanted = [e for _, e in block.inside] + list(block.output.values()) + list(block.next.values())
-    shared = ca.cse(wanted)
+    exprs = [e for _, e in block.inside] + list(block.output.values()) + list(block.next.values())
+    shared = ca.cse(exprs)
     f = ca.Function("step", [ca.vcat([block.symbol[n] for _, n in loads])], [ca.vcat(shared)])
     tables: dict[str, tuple[float, ...]] = {}
     nodes, results = walk(f, loads, tables)

@@ -41,20 +41,18 @@ def emit(
     Raises EmitError for a scalar type or an operation without a form in C, and for an operation that is not proved safe
     over the declared ranges.
     """
-    shipped = block.rounded(scalar)
-    memory = layout.layout(shipped, scalar)
-    printed = pipeline.reduce(shipped, scalar, libm, error)
+    rounded = block.rounded(scalar)
+    memory = layout.layout(rounded, scalar)
+    printed = pipeline.reduce(rounded, scalar, libm, error)
     source = pipeline.source(printed, memory)
     texts = {
         f"{block.name}.c": "".join(f"{line.text}\n" for line in source),
-        f"{block.name}.h": c_text.header(shipped, memory),
+        f"{block.name}.h": c_text.header(rounded, memory),
     }
-    document = manifest.manifest(shipped, memory, texts, printed.surrogates, source)
-    shipped_gains = {
-        "constants": {c.name: {"value": c.value, "unit": c.unit, "from": c.source} for c in shipped.constants}
-    }
+    document = manifest.manifest(rounded, memory, texts, printed.surrogates, source)
+    constants = {"constants": {c.name: {"value": c.value, "unit": c.unit, "from": c.source} for c in rounded.constants}}
     texts["manifest.json"] = manifest.dumps(document)
-    texts["gains.json"] = manifest.dumps(shipped_gains | dict(gains or {}))
+    texts["gains.json"] = manifest.dumps(constants | dict(gains or {}))
     return Emitted(texts, json.loads(texts["manifest.json"]), printed.program)
 
 

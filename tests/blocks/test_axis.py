@@ -44,14 +44,14 @@ def mass(stiffness: float = 0.0) -> StateSpace:
 
 
 def asked(model: Any = None, **changed: Any) -> axis.ServoLaw:
-    given = {
+    arguments = {
         "modes": {0.0: 5.0},
         "weights": {"q": 1e8, "v": 1e2},
         "effort": 1e-2,
         "estimator": NOISE,
         "anti_windup": 10.0,
     }
-    return axis.servo(mass() if model is None else model, **(given | changed))
+    return axis.servo(mass() if model is None else model, **(arguments | changed))
 
 
 def made(delay: int = 1, **changed: Any) -> Regulator:
@@ -62,19 +62,19 @@ def made(delay: int = 1, **changed: Any) -> Regulator:
 def test_all_gains_are_those_of_the_reference(name: str) -> None:
     """Doubling, a filter and Ackermann's formula in 60 digits, written without the toolkit."""
     law = DESIGN.Z if name == "z" else DESIGN.X
-    found, gains = axis_regulator.synthesise(law.axes[0], TIME, 1), REFERENCE.gains(name)
-    controller, k = found.controller, len(gains.on_eta[0])
+    regulator, gains = axis_regulator.synthesise(law.axes[0], TIME, 1), REFERENCE.gains(name)
+    controller, k = regulator.controller, len(gains.on_eta[0])
     expected = {
         "on_eta": controller.C[:1, :k],
         "E": controller.B[:k, 3:4],
-        "L": found.filter.L,
-        "M": found.filter.M,
-        "on_x": found.servo.K_x[:, :2],
-        "on_late": found.servo.K_x[:, 2:],
+        "L": regulator.filter.L,
+        "M": regulator.filter.M,
+        "on_x": regulator.servo.K_x[:, :2],
+        "on_late": regulator.servo.K_x[:, 2:],
     }
     for field, values in expected.items():
         np.testing.assert_allclose(values, getattr(gains, field), rtol=1e-13, err_msg=field)
-    assert found.feedforward == pytest.approx(gains.on_r, rel=1e-13)
+    assert regulator.feedforward == pytest.approx(gains.on_r, rel=1e-13)
 
 
 def test_the_delay_costs_poles_at_zero_and_nothing_else() -> None:
@@ -105,10 +105,10 @@ def test_the_error_of_a_mode_dies_out_at_its_speed(modes: dict[float, float], to
 
 
 def test_nothing_of_the_modes_is_left_in_another_plant() -> None:
-    found = made(1, modes={0.0: 5.0, 60.0: 4.0}, model=mass(50.0))
-    assert found.servo.steady.vanishes
+    regulator = made(1, modes={0.0: 5.0, 60.0: 4.0}, model=mass(50.0))
+    assert regulator.servo.steady.vanishes
     other = loop.sampled(mass(500.0), TIME.period_s, TIME.period_s)
-    assert found.servo.around(other).vanishes
+    assert regulator.servo.around(other).vanishes
 
 
 def test_the_left_out_set_point_weight_cancels_the_pole_of_the_integrator() -> None:
@@ -133,8 +133,8 @@ def settling(regulator: Regulator, samples: int = 4000) -> float:
 
 def test_the_states_ahead_are_those_of_the_plant() -> None:
     for delay in (0, 1, 2):
-        found = made(delay)
-        plant, law = loop.sampled(mass(), TIME.period_s, delay * TIME.period_s), found.controller
+        regulator = made(delay)
+        plant, law = loop.sampled(mass(), TIME.period_s, delay * TIME.period_s), regulator.controller
         x, c, seen, ahead = np.zeros(len(plant.A)), np.zeros(len(law.A)), [], []
         x[0] = 1e-3
         for _ in range(600):
@@ -149,13 +149,13 @@ def test_the_states_ahead_are_those_of_the_plant() -> None:
 
 
 def around(**changed: Any) -> Interface:
-    given = {
+    arguments = {
         "sensors": [Sensor("z"), Sensor("x")],
         "set_points": [SetPoint("z_ref", "z", -5e-4, 5e-4), SetPoint("x_ref", "x", -8e-4, 8e-4)],
         "actuators": [Actuator("i1", 0.0, 100.0), Actuator("i2", 0.0, 100.0)],
         "disturbances": ["hum"],
     }
-    return stage.interface(DESIGN.PLANT, **(given | changed))
+    return stage.interface(DESIGN.PLANT, **(arguments | changed))
 
 
 def test_a_saturated_axis_keeps_its_states_within_bounds_that_it_reaches_a_good_part_of() -> None:
@@ -183,10 +183,10 @@ def test_a_loop_that_forgets_the_delay_loses_its_margin() -> None:
     late = replace(forgetful, interface=around())
     points = {"mid": {"z": 0.0}}
     require = {"phase_margin": 30.0, "modulus_margin": 0.5}
-    found = {c.name: robustness.checks(robustness.opened(robustness.of_controller(c, DESIGN.PLANT, points)), require)
+    checks = {c.name: robustness.checks(robustness.opened(robustness.of_controller(c, DESIGN.PLANT, points)), require)
              for c in (late, sound)}  # fmt: skip
-    assert all(check.passed for check in found["sound"])
-    assert not all(check.passed for check in found["late"])
+    assert all(check.passed for check in checks["sound"])
+    assert not all(check.passed for check in checks["late"])
 
 
 def two_coils() -> plants.Plant:
@@ -226,8 +226,8 @@ def test_axes_of_one_inverse_are_decoupled_wherever_they_stand() -> None:
     plant, interface, laws = beam()
     controller = stage.controller("beam", TIME, interface, [axis.decoupled(laws)])
     points = {"mid": {}, "corner": {"h": 5e-4, "a": 5e-3}}
-    found = robustness.opened(robustness.of_controller(controller, plant, points), ["h", "a"])
-    by = {(o.point, o.signal): o.margin("modulus_margin") for o in found}
+    loops = robustness.opened(robustness.of_controller(controller, plant, points), ["h", "a"])
+    by = {(o.point, o.signal): o.margin("modulus_margin") for o in loops}
     for name in ("h", "a"):
         assert by["mid", name] > 0.5 and by["corner", name] == pytest.approx(by["mid", name], rel=1e-3)
 

@@ -52,8 +52,8 @@ def test_a_sine_is_answered_as_the_first_order_hold_of_D(omega: float) -> None:
     z = np.exp(1j * omega * T)
     response = (C @ np.linalg.solve(z * np.eye(2) - A, B) + D)[0, 0]
     tail = slice(100, None)
-    wanted = 0.5 * np.imag(response * z**k)
-    np.testing.assert_allclose(rates[tail], wanted[tail], rtol=0, atol=tolerances.of("settled") * omega)
+    exact = 0.5 * np.imag(response * z**k)
+    np.testing.assert_allclose(rates[tail], exact[tail], rtol=0, atol=tolerances.of("settled") * omega)
     continuous = 1j * omega * W**2 / (1j * omega + W) ** 2
     # a sine is linear between samples, and free of images of itself, to some (w T)^2
     assert abs(response / continuous - 1) < (omega * T) ** 2

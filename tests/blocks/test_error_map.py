@@ -48,18 +48,20 @@ def places() -> np.ndarray:
 
 def answered(of: ErrorMap, scalar: type[np.floating], at: np.ndarray) -> np.ndarray:
     made = write.emit(unranged(error_map.block(of, TIME, SIGNALS)), scalar)
-    found = host.load(made.files, made.manifest).replay(dict(zip(NAMES, at.T, strict=True))).outputs
-    return np.stack([found[f"{name}_corrected"] for name in NAMES], axis=1)
+    outputs = host.load(made.files, made.manifest).replay(dict(zip(NAMES, at.T, strict=True))).outputs
+    return np.stack([outputs[f"{name}_corrected"] for name in NAMES], axis=1)
 
 
 def test_linear_errors_are_taken_off_to_the_maps_unit() -> None:
     estimated, reference = scattered()
-    found = error_map.fit(estimated, reference, GRID, UNITS)
+    fitted = error_map.fit(estimated, reference, GRID, UNITS)
     inside = np.all([np.abs(estimated[:, k]) < -GRID.low[k] for k in (0, 1)], axis=0)
-    left = (correct(found, estimated) - reference)[inside]
+    left = (correct(fitted, estimated) - reference)[inside]
     assert np.all(np.abs(left) <= UNITS)
     assert np.abs(estimated - reference)[inside].max() > 1e-4
-    np.testing.assert_allclose(np.rint(found.added / UNITS[:, None, None]) * UNITS[:, None, None], found.added, atol=0)
+    np.testing.assert_allclose(
+        np.rint(fitted.added / UNITS[:, None, None]) * UNITS[:, None, None], fitted.added, atol=0
+    )
 
 
 @pytest.mark.parametrize(("scalar", "most"), [(np.float64, 1e-15), (np.float32, 1e-8)])

@@ -34,10 +34,10 @@ def solver(of: Descent) -> ca.Function:
     H = ca.jacobian(waves([ca.SX(0), ca.SX(0)]), q)
     rows = [ca.horzsplit(row) for row in ca.vertsplit(H)]
     factors = glsdc.factorise(rows, DAMPING, MOST)
-    found = glsdc.descend(glsdc.fixed_jacobian(factors, rows, residuals, DAMPING, named), of)
+    solution = glsdc.descend(glsdc.fixed_jacobian(factors, rows, residuals, DAMPING, named), of)
     assert len(named) == of.corrections
     variances = ca.vcat(glsdc.variances(factors))
-    return ca.Function("f", [q, V], [ca.vcat(found.at), found.converged, found.first.cost, variances, H])
+    return ca.Function("f", [q, V], [ca.vcat(solution.at), solution.converged, solution.first.cost, variances, H])
 
 
 def read(at: Array) -> Array:
@@ -80,6 +80,6 @@ def test_variances_are_those_of_the_inverse(most: float) -> None:
     q = np.array([1.0, 2.0])
     H = np.asarray(solver(USUAL)(q, read(q))[-1]) * [1, 100]
     rows = [[ca.SX(v) for v in row] for row in H]
-    found = [float(v) for v in glsdc.variances(glsdc.factorise(rows, DAMPING, most))]
+    variances = [float(v) for v in glsdc.variances(glsdc.factorise(rows, DAMPING, most))]
     exact = np.linalg.inv(H.T @ H + np.diag(DAMPING)).diagonal()
-    assert np.allclose(found, exact, rtol=1e-12) == (most > 1)
+    assert np.allclose(variances, exact, rtol=1e-12) == (most > 1)

@@ -31,8 +31,8 @@ MODEL = StateSpace(
 )  # fmt: skip
 
 
-def made(model: StateSpace = MODEL, **given: list[Signal]) -> Block:
-    signals = {"inputs": INPUTS, "outputs": OUTPUTS, "states": STATES} | given
+def made(model: StateSpace = MODEL, **changes: list[Signal]) -> Block:
+    signals = {"inputs": INPUTS, "outputs": OUTPUTS, "states": STATES} | changes
     return linear_block.block("linear", model, tag="(1)", **signals)
 
 
@@ -63,8 +63,8 @@ def by_c(block: Block, u: np.ndarray) -> np.ndarray:
 def test_the_block_steps_the_model() -> None:
     u = np.random.default_rng(0).uniform(-1, 1, (200, 2))
     expected = recursion(MODEL, u)
-    for found in (by_casadi(made(), u), by_c(made(), u)):
-        np.testing.assert_allclose(found, expected, rtol=DOUBLE, atol=DOUBLE)
+    for outputs in (by_casadi(made(), u), by_c(made(), u)):
+        np.testing.assert_allclose(outputs, expected, rtol=DOUBLE, atol=DOUBLE)
 
 
 @pytest.mark.parametrize("letter", "ABCD")
@@ -104,9 +104,9 @@ def test_only_entries_that_multiply_are_constants() -> None:
 
 
 def test_what_it_steps_is_read_back() -> None:
-    found = loop.linearised(made(), {}, {"u": 0.0, "v": 0.0})
+    linear = loop.linearised(made(), {}, {"u": 0.0, "v": 0.0})
     for letter in "ABCD":
-        np.testing.assert_array_equal(getattr(found, letter), getattr(MODEL, letter))
+        np.testing.assert_array_equal(getattr(linear, letter), getattr(MODEL, letter))
 
 
 def test_states_stay_in_their_ranges() -> None:
@@ -123,8 +123,8 @@ def test_arrays_and_python_control_are_models_too() -> None:
     for system in (arrays, control.ss(*arrays[:4], 1e-3, **labels)):
         model = of(system)
         signals = {
-            kind: [replace(s, name=name) for s, name in zip(given, getattr(model, kind), strict=True)]
-            for kind, given in (("inputs", INPUTS), ("outputs", OUTPUTS), ("states", STATES))
+            kind: [replace(s, name=name) for s, name in zip(wired, getattr(model, kind), strict=True)]
+            for kind, wired in (("inputs", INPUTS), ("outputs", OUTPUTS), ("states", STATES))
         }
         block = linear_block.block("linear", system, tag="(1)", **signals)
         np.testing.assert_allclose(by_casadi(block, u), recursion(MODEL, u), rtol=DOUBLE, atol=DOUBLE)

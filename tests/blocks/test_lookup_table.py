@@ -16,8 +16,8 @@ GRID = Grid((-1.0, 2.0), 0.5, (5, 3))
 
 def bilinear(values: np.ndarray, x: float, y: float) -> float:
     place = [ca.SX.sym(name) for name in "xy"]
-    found = lookup_table.bilinear({"v": table("v", values.ravel())}, GRID, *place)["v"]
-    return float(ca.Function("f", place, [found])(x, y))
+    value = lookup_table.bilinear({"v": table("v", values.ravel())}, GRID, *place)["v"]
+    return float(ca.Function("f", place, [value])(x, y))
 
 
 def test_a_bilinear_function_is_kept_and_its_edge_counts_beyond() -> None:

@@ -34,9 +34,9 @@ def gain() -> lqr.Gain:
 
 
 def block(**changes: object) -> Block:
-    given: dict[str, object] = {"gain": gain(), "frequencies": FREQUENCIES, "error": ERROR, "rate": RATE}
-    given |= {"demand": DEMAND, "bounds": BOUNDS, "tag": "test", **changes}
-    return regulator.block("reg", TIME, **given)  # type: ignore[arg-type]
+    arguments: dict[str, object] = {"gain": gain(), "frequencies": FREQUENCIES, "error": ERROR, "rate": RATE}
+    arguments |= {"demand": DEMAND, "bounds": BOUNDS, "tag": "test", **changes}
+    return regulator.block("reg", TIME, **arguments)  # type: ignore[arg-type]
 
 
 def last_errors(reference: float, omega: float, regulator_frequency: float = OMEGA) -> float:
@@ -67,36 +67,36 @@ def test_another_sine_does() -> None:
 def test_the_block_is_the_sampled_internal_model() -> None:
     """By xi = T eta it is xi' = Phi_d xi + N_d e + E_d excess, w = K (e, de, xi), sampled by SciPy's exponential."""
     E = np.array([0.1, -0.2, 0.3])
-    found = loop.linearised(block(anti_windup=(EXCESS, E)), {}, {"e": 0, "de": 0, "excess": 0})
+    linear = loop.linearised(block(anti_windup=(EXCESS, E)), {}, {"e": 0, "de": 0, "excess": 0})
     model, to_xi = internal_model.exosystem(FREQUENCIES), internal_model.leapfrog(FREQUENCIES, T).T
     M = np.zeros((5, 5))
     M[:3, :3], M[:3, 3:] = model.Phi, np.column_stack([model.N[:, 0], E])
     held = scipy.linalg.expm(M * T)
     back = np.linalg.inv(to_xi)
-    np.testing.assert_allclose(to_xi @ found.A @ back, held[:3, :3], rtol=0, atol=tolerances.of("settled"))
-    np.testing.assert_allclose(to_xi @ found.B[:, [0, 2]], held[:3, 3:], rtol=tolerances.of("settled"))
-    np.testing.assert_allclose(np.hstack([found.D[:, :2], found.C @ back]), gain().K, rtol=tolerances.of("settled"))
-    assert found.inputs == ("e", "de", "excess") and found.D[0, 2] == 0 and not found.B[:, 1].any()
+    np.testing.assert_allclose(to_xi @ linear.A @ back, held[:3, :3], rtol=0, atol=tolerances.of("settled"))
+    np.testing.assert_allclose(to_xi @ linear.B[:, [0, 2]], held[:3, 3:], rtol=tolerances.of("settled"))
+    np.testing.assert_allclose(np.hstack([linear.D[:, :2], linear.C @ back]), gain().K, rtol=tolerances.of("settled"))
+    assert linear.inputs == ("e", "de", "excess") and linear.D[0, 2] == 0 and not linear.B[:, 1].any()
     without = loop.linearised(block(), {}, {"e": 0, "de": 0})
     assert without.inputs == ("e", "de") and without.states == ("sum", "p1", "q1")
-    np.testing.assert_array_equal(without.A, found.A)
+    np.testing.assert_array_equal(without.A, linear.A)
 
 
 def test_a_regulator_of_two_sines_has_a_pair_for_each() -> None:
     frequencies = (OMEGA, 2.0)
     augmented = internal_model.augmented(DOUBLE, frequencies)
     wide = lqr.lqr(augmented, np.diag([1e4, 1e2, 1e8, 1e5, 1e6, 1e5]), [[1.0]])
-    found = block(gain=wide, frequencies=frequencies, bounds=(100.0,) * 4)
-    assert [s.name for s in found.states] == ["p1", "q1", "p2", "q2"]
-    A = loop.linearised(found, {}, {"e": 0, "de": 0}).A
+    two_sines = block(gain=wide, frequencies=frequencies, bounds=(100.0,) * 4)
+    assert [s.name for s in two_sines.states] == ["p1", "q1", "p2", "q2"]
+    A = loop.linearised(two_sines, {}, {"e": 0, "de": 0}).A
     poles = np.linalg.eigvals(A)
     np.testing.assert_allclose(np.sort(np.angle(poles)) / T, [-OMEGA, -2.0, 2.0, OMEGA], rtol=tolerances.of("settled"))
 
 
 @pytest.mark.parametrize("omega", [3.0, OMEGA, 12.0])
 def test_the_closed_loop_is_stable_and_infinite_gain_sits_at_the_exosystem(omega: float) -> None:
-    found = loop.linearised(block(), {}, {"e": 0, "de": 0})
-    at = abs(found.response(np.exp(1j * omega * T) * (1 + 1e-9))[0, 0, 0])
+    linear = loop.linearised(block(), {}, {"e": 0, "de": 0})
+    at = abs(linear.response(np.exp(1j * omega * T) * (1 + 1e-9))[0, 0, 0])
     assert (at > 1e6) == (omega == OMEGA)
 
 
@@ -113,11 +113,11 @@ def run(tuned: Block, eta: Sequence[float], errors: Sequence[float]) -> np.ndarr
 
 
 def test_a_state_that_would_leave_its_bounds_stands_still() -> None:
-    found = run(block(bounds=TIGHT), [0, 0, 0], [3e-4] * 40)
-    assert (np.abs(found) <= TIGHT).all()
-    assert found[2, 0] == pytest.approx(9e-4) and (found[2:, 0] == found[2, 0]).all()  # 12e-4 would be too much
-    assert found[:, 1].max() <= TIGHT[1] and np.unique(found[:, 1]).size > 3
-    back = run(block(bounds=TIGHT), found[-1], [-3e-4] * 2)
+    states = run(block(bounds=TIGHT), [0, 0, 0], [3e-4] * 40)
+    assert (np.abs(states) <= TIGHT).all()
+    assert states[2, 0] == pytest.approx(9e-4) and (states[2:, 0] == states[2, 0]).all()  # 12e-4 would be too much
+    assert states[:, 1].max() <= TIGHT[1] and np.unique(states[:, 1]).size > 3
+    back = run(block(bounds=TIGHT), states[-1], [-3e-4] * 2)
     assert back[-1, 0] == pytest.approx(3e-4)  # the other way it moves at once
 
 
@@ -135,9 +135,9 @@ def turns(tuned: Block, p: float, q: float) -> bool:
     """Tell whether the oscillation from p, q in parts of its bounds changes sign twice a period in 20 periods."""
     start = [0.0, p * TIGHT[1], q * TIGHT[2]]
     period = round(2 * np.pi / OMEGA / T)
-    found = run(tuned, start, [0.0] * (20 * period))
-    crossings = np.count_nonzero(np.diff(np.sign(found[:, 2])) != 0)
-    return bool(38 <= crossings <= 42 and np.abs(found).max(axis=0)[2] <= TIGHT[2])
+    states = run(tuned, start, [0.0] * (20 * period))
+    crossings = np.count_nonzero(np.diff(np.sign(states[:, 2])) != 0)
+    return bool(38 <= crossings <= 42 and np.abs(states).max(axis=0)[2] <= TIGHT[2])
 
 
 @pytest.mark.parametrize("p", [-1.0, -0.5, 0.0, 0.9, 1.0])

@@ -112,8 +112,8 @@ def from_bits(bits: np.ndarray) -> dict[str, np.ndarray]:
     return dict(zip(NAMES, np.ascontiguousarray(bits.T).view(f32), strict=True))
 
 
-def disagreements(found: host.Controller, u: Mapping[str, np.ndarray], safety: Safety = SAFE) -> int:
-    replay, (force, faults) = found.replay(u), recursion(u, safety)
+def disagreements(controller: host.Controller, u: Mapping[str, np.ndarray], safety: Safety = SAFE) -> int:
+    replay, (force, faults) = controller.replay(u), recursion(u, safety)
     return int((replay.outputs["force"] != force).sum() + (replay.faults != faults).sum())
 
 
@@ -279,7 +279,7 @@ def test_what_is_compared_is_complete_whatever_becomes_of_others() -> None:
     block = guard(TIME, INPUTS, 2, ("reading",))
     step, x, seen = block.function(), block.initial, []
     at = [[s.name for s in block.outputs].index(n) for n in ("complete", "ready", "latched")]
-    for reading, angle, told in (
+    for reading, angle, suspected in (
         (0.02, 9, 0),
         (0.02, 0.1, 0),
         (9, 0.1, 0),
@@ -288,7 +288,7 @@ def test_what_is_compared_is_complete_whatever_becomes_of_others() -> None:
         (0.02, 9, 0),
     ):
         next, y = step(
-            x, [{"reading": reading, "angle": angle, "suspected": told}.get(s.name, 0) for s in block.inputs]
+            x, [{"reading": reading, "angle": angle, "suspected": suspected}.get(s.name, 0) for s in block.inputs]
         )
         x = next.full().ravel()
         seen.append(tuple(float(y[i]) for i in at))
@@ -305,8 +305,8 @@ def readings(held: bool, values: Sequence[float]) -> list[float]:
 
 def test_what_is_not_held_is_the_initial_value_whenever_it_is_refused() -> None:
     values = [np.nan, 0.02, np.nan, 0.0322 + 1e-6, 0.03, -np.inf]
-    initial, found = INPUTS[0].initial, f32([0.031, 0.02, 0.031, 0.031, 0.03, 0.031]).tolist()
-    assert readings(False, values) == found and found[0] == f32(initial)
+    initial, expected = INPUTS[0].initial, f32([0.031, 0.02, 0.031, 0.031, 0.03, 0.031]).tolist()
+    assert readings(False, values) == expected and expected[0] == f32(initial)
     assert readings(True, values) == f32([0.031, 0.02, 0.02, 0.02, 0.03, 0.03]).tolist()
 
 
@@ -340,11 +340,11 @@ def counting() -> Block:
 def states_after(block: Block, rows: Sequence[Mapping[str, Any]]) -> list[dict[str, float]]:
     made = emit(block, f32)
     loaded = host.load(made.files, made.manifest)
-    state, found = loaded.init(), []
+    state, states = loaded.init(), []
     for row in rows:
         loaded.step(state, {**GOOD, **row})
-        found.append({n: float(state[n]) for n in state.dtype.names or ()})
-    return found
+        states.append({n: float(state[n]) for n in state.dtype.names or ()})
+    return states
 
 
 def test_once_latched_nothing_but_the_guard_and_the_slew_moves() -> None:
@@ -378,13 +378,13 @@ def test_what_is_computed_in_range_is_limited_no_more(width: float, limits: int)
     made = passed_on(width)
     code = made.files["passed.c"]
     assert code[code.index("passed_step(") :].count("limit(") == limits
-    found = host.load(made.files, made.manifest)
+    controller = host.load(made.files, made.manifest)
     wishes = np.repeat([0.018, 0.031, 0.018], 20)
     u = {n: np.full(60, v) for n, v in GOOD.items()} | {
         "wish": wishes,
         "angle": np.where(np.arange(60) > 30, np.nan, 0.1),
     }
-    force = found.replay(u).outputs["force"]
+    force = controller.replay(u).outputs["force"]
     reach = f32(min(width, FORCE.high))
     assert force.min() == -reach and force.max() == reach and force[-1] == 2.5
 
@@ -440,14 +440,14 @@ READING, ANGLE = 1 << 3, 1 << 4  # after the bits of the inputs
 
 def watched() -> Block:
     """The guarded law with a Block that suspects, from the next sample on, what it is told to."""
-    told = [Signal(f"tell_{n}", "1", 0, 1) for n in SUSPICIOUS]
+    flags = [Signal(f"tell_{n}", "1", 0, 1) for n in SUSPICIOUS]
     kept = [State(Signal(f"told_{n}", "1", 0, 1), 0, True) for n in SUSPICIOUS]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         return Step({n: x[f"told_{n}"] for n in SUSPICIOUS}, {f"told_{n}": u[f"tell_{n}"] > 0.5 for n in SUSPICIOUS})
 
     outputs = [Signal(n, "1", 0, 1) for n in SUSPICIOUS]
-    watch = build("watch", TIME, law, inputs=told, outputs=outputs, states=kept)
+    watch = build("watch", TIME, law, inputs=flags, outputs=outputs, states=kept)
     force = build(
         "law",
         TIME,
@@ -456,18 +456,20 @@ def watched() -> Block:
         outputs=[Signal("force_computed", "A", -1, 1)],
     )
     blocks = [guard(TIME, INPUTS, 5, ("reading", "angle")), watch, force, safe_output(TIME, [FORCE], SAFE)]
-    return compose("watched", blocks, inputs=[*NAMES, *(s.name for s in told)], outputs=["force"])
+    return compose("watched", blocks, inputs=[*NAMES, *(s.name for s in flags)], outputs=["force"])
 
 
 def answered(
-    told: Sequence[str], change: Callable[[str], str] = str, **given: Sequence[float]
+    suspects: Sequence[str], change: Callable[[str], str] = str, **inputs: Sequence[float]
 ) -> tuple[list[int], np.ndarray]:
     """Return fault words and forces where each sample tells of those that the letters s, r, a name."""
     made = emit(watched(), f32)
-    found = host.load(dict(made.files) | {"watched.c": change(made.files["watched.c"])}, made.manifest)
-    u = {n: np.full(len(told), v, f32) for n, v in GOOD.items()} | {n: np.array(v, f32) for n, v in given.items()}
-    u |= {f"tell_{n}": np.array([letter in t for t in told], f32) for letter, n in zip("sra", SUSPICIOUS, strict=True)}
-    run = found.replay(u)
+    controller = host.load(dict(made.files) | {"watched.c": change(made.files["watched.c"])}, made.manifest)
+    u = {n: np.full(len(suspects), v, f32) for n, v in GOOD.items()} | {n: np.array(v, f32) for n, v in inputs.items()}
+    u |= {
+        f"tell_{n}": np.array([letter in t for t in suspects], f32) for letter, n in zip("sra", SUSPICIOUS, strict=True)
+    }
+    run = controller.replay(u)
     return run.faults.tolist(), run.outputs["force"]
 
 
@@ -485,9 +487,9 @@ def test_a_suspect_sets_its_bit_as_long_as_it_is_suspected_and_its_value_is_pass
     assert follows()
 
 
-@pytest.mark.parametrize(("told", "bits"), [("sr", READING), ("sa", ANGLE), ("sra", READING | ANGLE), ("s", 0)])
-def test_whatever_is_suspected_it_latches(told: str, bits: int) -> None:
-    faults, _ = answered([told] * 8)
+@pytest.mark.parametrize(("suspects", "bits"), [("sr", READING), ("sa", ANGLE), ("sra", READING | ANGLE), ("s", 0)])
+def test_whatever_is_suspected_it_latches(suspects: str, bits: int) -> None:
+    faults, _ = answered([suspects] * 8)
     assert faults == [0, *[bits] * 4, *[bits | LATCHED] * 3]
 
 

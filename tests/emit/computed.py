@@ -101,8 +101,8 @@ class _Step:
         if node.op in ("mul", "sq", "twice"):
             factors = (args[0], self.scalar(2)) if node.op == "twice" else (args[0], args[-1])
             self._product(k, *factors)
-        if node.op in ("add", "sub") and (found := self._sum(node, args)) is not None:
-            return found
+        if node.op in ("add", "sub") and (total := self._sum(node, args)) is not None:
+            return total
         if node.op in ("min", "max"):
             first = args[0] < args[1] if node.op == "min" else args[0] > args[1]
             return self._passed(k, node.args[0 if first else 1])

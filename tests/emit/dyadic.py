@@ -111,14 +111,14 @@ class Draw:
             if v.places <= PLACES and (v.bound <= BOUND or self.rng.random() < 0.1):
                 return v.e
 
-    def next_real(self, own: SX) -> SX:
+    def next_real(self, state: SX) -> SX:
         c, d = self.condition(), self.condition()
         return [
-            lambda: own,
+            lambda: state,
             lambda: self.x[REALS[self.one(len(REALS))]],
-            lambda: ca.if_else(c, own, self.real()),
-            lambda: ca.if_else(c, self.real(), own),
-            lambda: ca.if_else(c, self.real(), ca.if_else(d, own, self.real())),
+            lambda: ca.if_else(c, state, self.real()),
+            lambda: ca.if_else(c, self.real(), state),
+            lambda: ca.if_else(c, self.real(), ca.if_else(d, state, self.real())),
             self.real,
             self.real,
         ][self.one(7)]()
@@ -193,16 +193,16 @@ def drawn(seed: int) -> Block:
     """Return a random Block: one, or three wired to each other; with two faults."""
     rng = np.random.default_rng(seed)
     names = [str(n) for n in rng.permutation(AWKWARD)] if seed % 3 == 0 else [f"m{i}" for i in range(len(AWKWARD))]
-    given = [signal(n, -4, 4) for n in (names[:3] if seed % 2 else ("a", "b", "c"))]
+    inputs = [signal(n, -4, 4) for n in (names[:3] if seed % 2 else ("a", "b", "c"))]
     if seed % 4 < 2:
-        block, flags = part(rng, "rb", given, ["y", "z", "w"], names[3:12]), ("flag_rb", "flag_rb")
+        block, flags = part(rng, "rb", inputs, ["y", "z", "w"], names[3:12]), ("flag_rb", "flag_rb")
     else:
         link = {n: signal(n, -BOUND, BOUND) for n in ("y", "z", "w", "v")}
-        first = part(rng, "one", given, ["y", "z"], names[3:7])
-        second = part(rng, "two", [*given[:1], link["y"], link["v"]], ["w"], names[7:10])
+        first = part(rng, "one", inputs, ["y", "z"], names[3:7])
+        second = part(rng, "two", [*inputs[:1], link["y"], link["v"]], ["w"], names[7:10])
         third = build("hold", TIME, _hold, inputs=[link["z"]], outputs=[link["v"]], states=[State(link["v"], 1)])
         wired, flags = [(first, second, third)[i] for i in rng.permutation(3)], ("flag_one", "flag_two")
-        block = compose("rb", wired, inputs=[s.name for s in given], outputs=["w", "y", "z", "v", *flags])
+        block = compose("rb", wired, inputs=[s.name for s in inputs], outputs=["w", "y", "z", "v", *flags])
     faults = (Fault(int(rng.integers(31)), flags[0], None), Fault(31, flags[1], None))
     return replace(block, name=f"rb{seed}", faults=faults, safety=Safety(1, {}, {}, "test"))
 

@@ -222,10 +222,10 @@ def suspects() -> Block:
     """Return a Block whose fault word has bits under a common condition, in a row and not, of numbers as well."""
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        a, b, c, told = u["a"], u["b"], u["c"], x["told"]
-        under = {n: ca.logic_and(told, e) for n, e in (("p", a < 0), ("q", c), ("r", x["n"]))}
+        a, b, c, flag = u["a"], u["b"], u["c"], x["told"]
+        under = {n: ca.logic_and(flag, e) for n, e in (("p", a < 0), ("q", c), ("r", x["n"]))}
         return Step(
-            under | {"wide": b > 1, "other": ca.logic_and(a < 0, told)}, {"told": a < b, "n": ca.fmin(x["n"], 3)}
+            under | {"wide": b > 1, "other": ca.logic_and(a < 0, flag)}, {"told": a < b, "n": ca.fmin(x["n"], 3)}
         )
 
     block = make("suspects", law, "p q r wide other", [State(signal("told", 0, 1), 0, True), *count()])

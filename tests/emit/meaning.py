@@ -47,8 +47,8 @@ def value(node: Node, args: Sequence[Any], loads: Mapping[str, Any]) -> Any:
         return node.value
     if node.op == "bit":
         return int(args[0]) | int(node.value)
-    found = OPERATIONS.get(node.op, getattr(math, node.op, None))(*args)
-    return int(found) if isinstance(found, bool) else found
+    y = OPERATIONS.get(node.op, getattr(math, node.op, None))(*args)
+    return int(y) if isinstance(y, bool) else y
 
 
 def interpret(program: Program, loads: Mapping[str, Any]) -> list[Any]:

@@ -29,8 +29,8 @@ class Advance:
         """Return what differs by more than rtol max(1, |value|): next states and outputs by name, and "faults"."""
         pairs = [(f"next {n}", v, other.next[n]) for n, v in self.next.items()]
         pairs += [(n, v, other.outputs[n]) for n, v in self.outputs.items()]
-        found = [n for n, v, w in pairs if not (np.abs(v - w) <= rtol * np.maximum(1, np.abs(w))).all()]
-        return found + ([] if np.array_equal(self.word, other.word) else ["faults"])
+        differing = [n for n, v, w in pairs if not (np.abs(v - w) <= rtol * np.maximum(1, np.abs(w))).all()]
+        return differing + ([] if np.array_equal(self.word, other.word) else ["faults"])
 
 
 def by_casadi(block: Block, x: NDArray[np.float64], u: NDArray[np.float64]) -> Advance:
@@ -46,16 +46,16 @@ def by_casadi(block: Block, x: NDArray[np.float64], u: NDArray[np.float64]) -> A
 def by_c(library: ctypes.CDLL, block: Block, made: Emitted, x: NDArray[np.float64], u: NDArray[np.float64]) -> Advance:
     """Take one step of a Block's C from each state."""
     count = x.shape[1]
-    state, given, out = (np.zeros(count, host.dtype(role, made.manifest)) for role in ("state", "input", "output"))
+    state, inputs, out = (np.zeros(count, host.dtype(role, made.manifest)) for role in ("state", "input", "output"))
     for records, rows, names in (
         (state, x, [s.name for s in block.states]),
-        (given, u, [s.name for s in block.inputs]),
+        (inputs, u, [s.name for s in block.inputs]),
     ):
         for name, row in zip(names, rows, strict=True):
             records[name] = row
     step = library[made.manifest["functions"]["step"]]
     step.restype, step.argtypes = ctypes.c_uint32, [ctypes.c_void_p] * 3
-    word = [step(*(a.ctypes.data + k * a.itemsize for a in (state, given, out))) for k in range(count)]
+    word = [step(*(a.ctypes.data + k * a.itemsize for a in (state, inputs, out))) for k in range(count)]
     next = {s.name: state[s.name].astype(np.float64) for s in block.states}
     return Advance(next, {s.name: out[s.name].astype(np.float64) for s in block.outputs}, np.array(word, np.uint32))
 
@@ -72,9 +72,9 @@ def wrong(
 ) -> dict[str, list[str]]:
     """Emit, compile and step Blocks from dyadic samples; return by name what differs from CasADi."""
     made = [emit(b, scalar, **options) for b in blocks]
-    library, found = together(made), {}
+    library, differing = together(made), {}
     for b, e in zip(blocks, made, strict=True):
         x, u = dyadic.samples(b, count)
         if different := by_c(library, b, e, x, u).unlike(by_casadi(b, x, u), rtol):
-            found[b.name] = different
-    return found
+            differing[b.name] = different
+    return differing

@@ -141,8 +141,8 @@ def grouped() -> tuple[lower.Program, int]:
     """Return a program with bits 1 and 2 in a row under a < 1, bit 3 alone, bit 4 under a < 1; and that condition."""
 
     def law(u: Any, x: Any, k: Any) -> Step:
-        told, b = u["a"] < 1, u["b"]
-        return Step({n: ca.logic_and(told, b < i) for i, n in enumerate("pqr")} | {"s": ca.logic_or(told, b < 0)})
+        flag, b = u["a"] < 1, u["b"]
+        return Step({n: ca.logic_and(flag, b < i) for i, n in enumerate("pqr")} | {"s": ca.logic_or(flag, b < 0)})
 
     block = make(law, "p q r s")
     faults = [Fault(bit, name) for bit, name in ((1, "p"), (2, "q"), (3, "s"), (4, "r"))]
@@ -162,9 +162,9 @@ def wrong_words(program: lower.Program) -> int:
 
 
 def test_faults_in_a_row_under_one_condition_are_looked_at_under_it() -> None:
-    program, told = grouped()
+    program, condition = grouped()
     assert wrong_words(program) == 0
-    under = [n for n in program.nodes if n.op == "choose" and n.args[0] == told]
+    under = [n for n in program.nodes if n.op == "choose" and n.args[0] == condition]
     assert len(under) == 2 and not any(n.op == "and" for n in program.nodes)
 
 

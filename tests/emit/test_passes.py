@@ -43,8 +43,8 @@ def run(emitted: Emitted, a: np.ndarray) -> host.Replay:
 def test_states_that_change_places_are_loaded_before_they_are_stored() -> None:
     states = (State(signal("p"), 0.25), State(signal("q"), -0.5))
     block = made(lambda u, x, k: Step({"y": x["p"] - x["q"]}, {"p": x["q"], "q": x["p"]}), states)
-    found = run(emit(block, np.float32), np.zeros(5))
-    np.testing.assert_array_equal(found.outputs["y"], [0.75, -0.75, 0.75, -0.75, 0.75])
+    emitted = run(emit(block, np.float32), np.zeros(5))
+    np.testing.assert_array_equal(emitted.outputs["y"], [0.75, -0.75, 0.75, -0.75, 0.75])
 
 
 def test_a_state_that_stands_still_on_one_side_is_stored_on_the_other_only() -> None:
@@ -52,10 +52,10 @@ def test_a_state_that_stands_still_on_one_side_is_stored_on_the_other_only() -> 
         total = x["s"] + u["a"]
         return Step({"y": x["s"]}, {"s": ca.if_else(ca.fabs(total) <= 2, total, x["s"])})
 
-    found = emit(made(law, (State(signal("s", -2, 2), 0),)), np.float32)
-    assert re.search(r"if \(fabsf\(s_next\) <= 2\.0f\) \{\s+state->s = s_next;\s+\}", text(found))
-    assert "else" not in text(found) and "min(" not in text(found)
-    y = run(found, np.full(6, 0.75)).outputs["y"]
+    emitted = emit(made(law, (State(signal("s", -2, 2), 0),)), np.float32)
+    assert re.search(r"if \(fabsf\(s_next\) <= 2\.0f\) \{\s+state->s = s_next;\s+\}", text(emitted))
+    assert "else" not in text(emitted) and "min(" not in text(emitted)
+    y = run(emitted, np.full(6, 0.75)).outputs["y"]
     np.testing.assert_array_equal(y, [0, 0.75, 1.5, 1.5, 1.5, 1.5])
 
 
@@ -93,19 +93,19 @@ def test_a_limit_that_ranges_prove_idle_is_dropped_and_a_needed_one_stays() -> N
     ],
 )
 def test_what_is_not_safe_everywhere_is_refused(law: Any, named: str) -> None:
-    with pytest.raises(EmitError) as told:
+    with pytest.raises(EmitError) as error:
         emit(made(law), np.float32)
-    assert named in str(told.value) and "'y' (block 'made')" in str(told.value)
+    assert named in str(error.value) and "'y' (block 'made')" in str(error.value)
 
 
 @pytest.mark.parametrize(("scalar", "bound"), [(np.float32, 2e-7), (np.float64, 1e-14)])
 def test_a_function_of_one_variable_becomes_a_polynomial_that_keeps_its_certificate(scalar: Any, bound: float) -> None:
     block = made(lambda u, x, k: Step({"y": ca.exp(-u["a"]) / (u["a"] + 1)}), low=0.25)
-    found = emit(block, scalar)
-    (surrogate,) = found.manifest["surrogates"]
-    assert surrogate["max_relative_error"] <= bound and "exp" not in text(found)
+    emitted = emit(block, scalar)
+    (surrogate,) = emitted.manifest["surrogates"]
+    assert surrogate["max_relative_error"] <= bound and "exp" not in text(emitted)
     a = np.linspace(0.25, 1, 4001).astype(scalar)
-    y = run(found, a).outputs["y"].astype(np.float64)
+    y = run(emitted, a).outputs["y"].astype(np.float64)
     true = np.array([math.exp(-v) / (v + 1) for v in a.astype(np.float64)])
     assert np.max(np.abs(y / true - 1)) <= surrogate["max_relative_error"] + 4e-16
     with_libm = emit(block, scalar, libm=True)
@@ -118,27 +118,27 @@ def test_a_named_function_is_kept_apart_and_equal_ones_share_a_polynomial() -> N
         named = [(signal(f"h{i}", 0, 3), v) for i, v in enumerate(h)]
         return Step({"y": h[0] ** 2 * h[1]}, {"s": u["a"]}, named)
 
-    found = emit(made(law, (State(signal("s"), 0),)), np.float32)
-    assert [s["tag"] for s in found.manifest["surrogates"]] == ["h0"]
-    assert text(found).count("h0_polynomial(") == 2 and "h0 * h0" in text(found)
+    emitted = emit(made(law, (State(signal("s"), 0),)), np.float32)
+    assert [s["tag"] for s in emitted.manifest["surrogates"]] == ["h0"]
+    assert text(emitted).count("h0_polynomial(") == 2 and "h0 * h0" in text(emitted)
 
 
 def test_constants_are_folded_but_keep_their_meaning() -> None:
     constants = [Constant("k", 3.0, "1", "gain"), Constant("h", 0.1, "1", "filter")]
     block = made(lambda u, x, k: Step({"y": 2 * (k["k"] * (k["h"] * u["a"])) / 4}), constants=constants)
-    found = emit(block, np.float32)
-    assert "k_x_h = 0.3" in text(found) and "gain; times h" in text(found)
-    assert run(found, np.array([1.0])).outputs["y"][0] == pytest.approx(0.15, rel=1e-6)
+    emitted = emit(block, np.float32)
+    assert "k_x_h = 0.3" in text(emitted) and "gain; times h" in text(emitted)
+    assert run(emitted, np.array([1.0])).outputs["y"][0] == pytest.approx(0.15, rel=1e-6)
 
 
 def test_every_line_of_the_step_has_a_tag_and_every_tag_its_lines() -> None:
     guard = safety.guard(TIME, [safety.Guarded(signal("u"), 0.0, True)], 3)
-    found = emit(guard, np.float32)
-    lines = found.files["guard.c"].split("\n")
+    emitted = emit(guard, np.float32)
+    lines = emitted.files["guard.c"].split("\n")
     start = next(i for i, line in enumerate(lines, 1) if "guard_step(" in line)
-    runs = sorted(r for rs in found.manifest["trace"].values() for r in rs)
+    runs = sorted(r for rs in emitted.manifest["trace"].values() for r in rs)
     assert all(first <= last for first, last in runs)
     assert all(a[1] < b[0] for a, b in pairwise(runs)) and runs[0][0] > start
     traced = {n for first, last in runs for n in range(first, last + 1)}
-    told = {n for n, line in enumerate(lines, 1) if n > start + 1 and line.strip() not in ("", "}")}
-    assert {n for n in told if "return" not in lines[n - 1]} <= traced
+    statements = {n for n, line in enumerate(lines, 1) if n > start + 1 and line.strip() not in ("", "}")}
+    assert {n for n in statements if "return" not in lines[n - 1]} <= traced

@@ -115,12 +115,12 @@ def test_a_table_may_be_named_as_what_the_c_needs(name: str, scalar: type[np.flo
     block = build("lookup", Discrete(1e-3), law, inputs=[PLACE], outputs=[answer], states=states, constants=[high])
     place = np.array([-3.0, 1.5, 2.5, 3.5, 0.5])
     made = emit(block, scalar)
-    found = host.load(made.files, made.manifest).replay({"place": place}).outputs["answer"]
+    answers = host.load(made.files, made.manifest).replay({"place": place}).outputs["answer"]
     f, n, expected = block.function(), 0.0, []
     for p in place:
         n, y = (float(v) for v in f(n, p))
         expected.append(y)
-    np.testing.assert_allclose(found, expected, rtol=2.0**-20)
+    np.testing.assert_allclose(answers, expected, rtol=2.0**-20)
 
 
 @pytest.mark.parametrize("name", ["while", "null", "jac", "two__underscores"])
@@ -154,9 +154,9 @@ def test_a_table_that_is_none_is_refused(name: str, values: tuple[float, ...]) -
 
 def test_a_lookup_is_enclosed_by_the_values_that_it_may_find() -> None:
     ends = np.array([[0.0, 1.5], [1.0, 3.99], [4.0, 4.0], [-np.inf, np.inf]]).T
-    found = lookup(VALUES, Interval(ends[0], ends[1], np.zeros(4, bool)))
-    np.testing.assert_array_equal(found.low, [-2.5, -2.5, 11.0, -2.5])
-    np.testing.assert_array_equal(found.high, [0.1, 3.0, 11.0, 11.0])
+    y = lookup(VALUES, Interval(ends[0], ends[1], np.zeros(4, bool)))
+    np.testing.assert_array_equal(y.low, [-2.5, -2.5, 11.0, -2.5])
+    np.testing.assert_array_equal(y.high, [0.1, 3.0, 11.0, 11.0])
 
 
 @pytest.mark.skipif(not shutil.which("frama-c"), reason="Frama-C: apt-get install frama-c-base")

@@ -126,18 +126,18 @@ def growth() -> dict[str, float]:
 
 @pytest.mark.slow
 def test_emission_grows_with_the_number_of_axes_and_no_faster() -> None:
-    found = growth()
-    assert all(3.5 < ratio < 4.1 for ratio in found.values()), found
+    ratios = growth()
+    assert all(3.5 < ratio < 4.1 for ratio in ratios.values()), ratios
 
 
 @pytest.mark.slow
 def test_a_search_through_all_nodes_for_each_axis_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     plain = replace._arguments
 
-    def searched(program: Any, users: Any, found: Any, f: Any) -> Any:
+    def searched(program: Any, users: Any, node_ranges: Any, f: Any) -> Any:
         for k in range(len(program.nodes)):
             replace._reciprocal(program, k, f.variable)
-        return plain(program, users, found, f)
+        return plain(program, users, node_ranges, f)
 
     monkeypatch.setattr(replace, "_arguments", searched)
     assert growth()["calls"] > 4.1

@@ -59,11 +59,11 @@ def certify(p: Polynomial, g: Enclosure, allowed: float) -> Certificate:
         return Certificate(argued(p, g, low, high), 0)
     sides = _sides(float(low), float(high))
     tau = _threshold(sides, len(p.coefficients))
-    found = _tried(p, g, sides, tau, allowed)
+    certificate = _tried(p, g, sides, tau, allowed)
     left, right = max(low, flint.arb(-tau), key=float), min(high, flint.arb(tau), key=float)
-    if found.max_relative_error > allowed or not left < right:
-        return found
-    return Certificate(max(found.max_relative_error, argued(p, g, left, right)), found.checked_values)
+    if certificate.max_relative_error > allowed or not left < right:
+        return certificate
+    return Certificate(max(certificate.max_relative_error, argued(p, g, left, right)), certificate.checked_values)
 
 
 def argued(p: Polynomial, g: Enclosure, low: flint.arb, high: flint.arb) -> float:
@@ -74,10 +74,10 @@ def argued(p: Polynomial, g: Enclosure, low: flint.arb, high: flint.arb) -> floa
     for left, right in itertools.pairwise([low, *(x.mid() for x in inner), high]):
         x = ((left + right) / 2).mid()
         half = (right - x).max(x - left).upper()
-        b, found = g.about(x, half), polynomial.about(p, x, half, g.power)
-        apart = size((flint.arb_poly(found) - flint.arb_poly(b)).coeffs()) + g.error
-        lost = polynomial.rounding(p, x + flint.arb(0, half), g.power)
-        worst = max(worst, _ratio(apart + lost, abs(b[0]) - size(b[1:]) - g.error))
+        b, c = g.about(x, half), polynomial.about(p, x, half, g.power)
+        distance = size((flint.arb_poly(c) - flint.arb_poly(b)).coeffs()) + g.error
+        rounding = polynomial.rounding(p, x + flint.arb(0, half), g.power)
+        worst = max(worst, _ratio(distance + rounding, abs(b[0]) - size(b[1:]) - g.error))
     return worst
 
 
@@ -122,8 +122,10 @@ def _tried(
     for run in itertools.chain.from_iterable(runs[k::SWEEPS] for k in range(SWEEPS)):
         x = run.x
         truth, bound = values(g, x)
-        ways = (polynomial.run(p, x, way) for way in (polynomial.separate, polynomial.fused))
-        error = (float(np.max([np.max(np.abs((found - truth) / truth)) for found in ways])) + bound) / (1 - bound)
+        variants = (polynomial.run(p, x, multiply_add) for multiply_add in (polynomial.separate, polynomial.fused))
+        error = (float(np.max([np.max(np.abs((computed - truth) / truth)) for computed in variants])) + bound) / (
+            1 - bound
+        )
         count += len(x)
         if not error <= allowed:
             return Certificate(error if np.isfinite(error) else np.inf, count)

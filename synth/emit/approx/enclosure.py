@@ -75,10 +75,10 @@ def enclose(f: Analytic, low: float, high: float, what: str) -> Enclosure:
     vanishes = low <= 0 <= high and f(flint.acb(0)).is_zero()
     parity = _parity(f, low, high, vanishes)
     ends = (low, high) if parity == "none" else (-max(-low, high), max(-low, high))
-    found = _interpolated(f, flint.arb(ends[0]), flint.arb(ends[1]), int(vanishes), parity, what)
-    check_between(found, f, what)
-    _check_nonzero(found, what)
-    return found
+    enclosure = _interpolated(f, flint.arb(ends[0]), flint.arb(ends[1]), int(vanishes), parity, what)
+    check_between(enclosure, f, what)
+    _check_nonzero(enclosure, what)
+    return enclosure
 
 
 def size(coefficients: Sequence[flint.arb]) -> flint.arb:
@@ -86,21 +86,23 @@ def size(coefficients: Sequence[flint.arb]) -> flint.arb:
     return sum((abs(c) for c in coefficients), flint.arb(0))
 
 
-def check_between(found: Enclosure, f: Analytic, what: str) -> None:
+def check_between(enclosure: Enclosure, f: Analytic, what: str) -> None:
     """Compare with f at the ends and halfway between the points of interpolation, where the distance peaks.
 
     Raises EmitError where the bound does not hold: then f has broken its promise, or the bound is wrong.
     """
-    count = found.series.length() + found.series.length() % 2  # an even number of points; the last term may be 0
-    points = [found.middle + found.radius * (flint.arb(j) / count).cos_pi().mid() for j in range(count + 1)]
-    for x, inside in zip(points, found.at(points), strict=True):
-        if x == 0 and found.power:
+    count = (
+        enclosure.series.length() + enclosure.series.length() % 2
+    )  # an even number of points; the last term may be 0
+    points = [enclosure.middle + enclosure.radius * (flint.arb(j) / count).cos_pi().mid() for j in range(count + 1)]
+    for x, inside in zip(points, enclosure.at(points), strict=True):
+        if x == 0 and enclosure.power:
             continue
-        distance = abs(f(flint.acb(x)).real / x**found.power - inside)
-        if not distance.lower() <= found.error:
+        distance = abs(f(flint.acb(x)).real / x**enclosure.power - inside)
+        if not distance.lower() <= enclosure.error:
             raise EmitError(
                 f"{what}: at {float(x):.9g} its enclosing polynomial is {float(distance):.2g} away, the bound is "
-                f"{float(found.error):.2g}; the function must return a ball that is not finite where it is not analytic"
+                f"{float(enclosure.error):.2g}; the function must return a ball that is not finite where it is not analytic"
             )
 
 
@@ -188,17 +190,17 @@ def _largest(f: Analytic, middle: flint.arb, radius: flint.arb, rho: flint.arb) 
     return None
 
 
-def _check_nonzero(found: Enclosure, what: str) -> None:
-    pieces = [(found.middle, found.radius)]
+def _check_nonzero(enclosure: Enclosure, what: str) -> None:
+    pieces = [(enclosure.middle, enclosure.radius)]
     while pieces:
         x, half = pieces.pop()
-        b = found.about(x, half)
-        if abs(b[0]) > size(b[1:]) + found.error:
+        b = enclosure.about(x, half)
+        if abs(b[0]) > size(b[1:]) + enclosure.error:
             continue
-        if half < found.radius / 2**20:
-            beside = ", and not just in a simple zero at 0" if found.power else ""
+        if half < enclosure.radius / 2**20:
+            beside = ", and not just in a simple zero at 0" if enclosure.power else ""
             raise EmitError(
-                f"{_named(what, found.low, found.high)} is 0, or too close to it, near {float(x):.6g}{beside}: no "
+                f"{_named(what, enclosure.low, enclosure.high)} is 0, or too close to it, near {float(x):.6g}{beside}: no "
                 "relative error can be held; keep the library function, or leave the place outside the range"
             )
         pieces += [(x - half / 2, half / 2), (x + half / 2, half / 2)]

@@ -47,8 +47,8 @@ def _levelled(y: Sequence[flint.arb], g: Sequence[flint.arb], reference: list[in
     """Solve q(y_i) + (-1)^i e g_i = g_i at the points of reference for q and e."""
     count = len(reference) - 1
     rows = [[*_powers(y[i], flint.arb(1), count), g[i] if j % 2 else -g[i]] for j, i in enumerate(reference)]
-    found = flint.arb_mat(rows).solve(flint.arb_mat([[g[i]] for i in reference])).mid().entries()
-    return flint.arb_poly(found[:-1]), abs(float(found[-1]))
+    solution = flint.arb_mat(rows).solve(flint.arb_mat([[g[i]] for i in reference])).mid().entries()
+    return flint.arb_poly(solution[:-1]), abs(float(solution[-1]))
 
 
 def _peaks(errors: list[float], count: int) -> list[int]:
@@ -71,17 +71,17 @@ def rounded(
 
     With H the inverse of the normal matrix of the free coefficients, moving c_k by d moves them all by H e_k d / H_kk.
     """
-    c, n, found = list(coefficients), len(coefficients), list[float]()
+    c, n, fixed = list(coefficients), len(coefficients), list[float]()
     basis = flint.arb_mat([_powers(x, 1 / value, n) for x, value in zip(v, g, strict=True)])
     H = (basis.transpose() * basis).inv()
     for k in range(n):
-        found.append(float(scalar(float(c[k]))))
-        pivot, moved = H[k, k], found[k] - c[k]
+        fixed.append(float(scalar(float(c[k]))))
+        pivot, error = H[k, k], fixed[k] - c[k]
         change = [H[j, k] / pivot for j in range(k, n)]
-        c[k:] = [a + b * moved for a, b in zip(c[k:], change, strict=True)]
+        c[k:] = [a + b * error for a, b in zip(c[k:], change, strict=True)]
         column = flint.arb_mat(n, 1, [flint.arb(0)] * k + change)
         H = (H - column * column.transpose() * pivot).mid()  # c_k is free no more
-    return tuple(found)
+    return tuple(fixed)
 
 
 def _powers(x: flint.arb, first: flint.arb, count: int) -> list[flint.arb]:

@@ -130,7 +130,7 @@ def _sample(g: Enclosure, low: float, high: float) -> tuple[Scalars, NDArray[np.
 
 def _search(task: _Task, allowed: float) -> Polynomial:
     """Try degree after degree; return the first polynomial that is certified."""
-    approximation, found = np.inf, Polynomial(task.low, task.high, 0.0, 1.0, "none", (0.0,), task.scalar)
+    approximation, closest = np.inf, Polynomial(task.low, task.high, 0.0, 1.0, "none", (0.0,), task.scalar)
     for n in range(_terms(task.g)):
         best = minimax.fit(task.y, task.values, n)
         approximation = min(approximation, best.error)
@@ -141,11 +141,11 @@ def _search(task: _Task, allowed: float) -> Polynomial:
                 p = _certified(p, task.g, allowed)
             if p.max_relative_error <= allowed:
                 return p
-            found = min(found, p, key=lambda p: p.max_relative_error)
+            closest = min(closest, p, key=lambda p: p.max_relative_error)
         if best.error * ROUNDING < allowed:
             break
-    reached = f"; with rounding within {found.max_relative_error:.3g} (degree {found.degree})"
-    if not np.isfinite(found.max_relative_error):
+    reached = f"; with rounding within {closest.max_relative_error:.3g} (degree {closest.degree})"
+    if not np.isfinite(closest.max_relative_error):
         reached = "; their coefficients leave the type" if approximation <= allowed else ""
     raise EmitError(
         f"{task.what} on [{task.low:.9g}, {task.high:.9g}] in {task.scalar.__name__}: polynomials of degree up to "
@@ -169,8 +169,8 @@ def _candidates(task: _Task, series: flint.arb_poly) -> list[Polynomial]:
         steps = range(math.floor(task.low / step), math.ceil(task.high / step) + 1)
         centres += [float(task.scalar(k * step)) for k in steps]
     centres = [task.like.centre] if task.like else centres
-    found = [_rounded(task, series, c) for c in dict.fromkeys(centres)]
-    return [_estimated(p, task) for p in found if p is not None]
+    polynomials = [_rounded(task, series, c) for c in dict.fromkeys(centres)]
+    return [_estimated(p, task) for p in polynomials if p is not None]
 
 
 def _rounded(task: _Task, series: flint.arb_poly, centre: float) -> Polynomial | None:
@@ -179,26 +179,26 @@ def _rounded(task: _Task, series: flint.arb_poly, centre: float) -> Polynomial |
     Return None where they leave it nevertheless.
     """
     g, even = task.g, task.g.parity != "none"
-    reach = max(abs(task.low - centre), abs(task.high - centre))
+    half_width = max(abs(task.low - centre), abs(task.high - centre))
     some = slice(None, None, POINTS // (2 * (DEGREE + 1)))
-    for scale in (task.like.scale,) if task.like else (1.0, 2.0 ** -math.frexp(reach)[1]):
+    for scale in (task.like.scale,) if task.like else (1.0, 2.0 ** -math.frexp(half_width)[1]):
         # y = shift + slope v, where v is the variable of the program: t or t^2
         shift = flint.arb(-1) if even else (centre - g.middle) / g.radius
         slope = 2 / (g.high * scale) ** 2 if even else 1 / (g.radius * scale)
         v = [(y - shift) / slope for y in task.y[some]]
         values = [value / scale**g.power for value in task.values[some]]
         c = [term / scale**g.power for term in series(flint.arb_poly([shift, slope])).coeffs()]
-        c = _cleared(c, flint.arb(reach * scale) ** (2 if even else 1), max(map(abs, values), key=float))
+        c = _cleared(c, flint.arb(half_width * scale) ** (2 if even else 1), max(map(abs, values), key=float))
         if all(_fits(term, task.scalar) for term in c):
-            found = minimax.rounded(c, v, values, task.scalar)
+            coefficients = minimax.rounded(c, v, values, task.scalar)
             vanishing = (0.0,) if g.power and not even else ()
-            return Polynomial(task.low, task.high, centre, scale, g.parity, vanishing + found, task.scalar)
+            return Polynomial(task.low, task.high, centre, scale, g.parity, vanishing + coefficients, task.scalar)
     return None
 
 
-def _cleared(c: Sequence[flint.arb], reach: flint.arb, largest: flint.arb) -> list[flint.arb]:
+def _cleared(c: Sequence[flint.arb], bound: flint.arb, largest: flint.arb) -> list[flint.arb]:
     """Return the coefficients, 0 in place of those that never count where |v| <= reach."""
-    return [flint.arb(0) if abs(term) * reach**k < NOTHING * largest else term for k, term in enumerate(c)]
+    return [flint.arb(0) if abs(term) * bound**k < NOTHING * largest else term for k, term in enumerate(c)]
 
 
 def _fits(c: flint.arb, scalar: type[np.floating]) -> bool:
@@ -219,12 +219,12 @@ def _estimated(p: Polynomial, task: _Task) -> Polynomial:
 
 
 def _certified(p: Polynomial, g: Enclosure, allowed: float) -> Polynomial:
-    found = certificate.certify(p, g, allowed)
-    error = found.max_relative_error
+    bound = certificate.certify(p, g, allowed)
+    error = bound.max_relative_error
     return replace(
         p,
         max_relative_error=min(_up(error), allowed) if error <= allowed else error,
-        checked_values=found.checked_values,
+        checked_values=bound.checked_values,
     )
 
 

@@ -63,10 +63,10 @@ def find(program: Program, ranges: Sequence[Range]) -> tuple[Univariate, ...]:
 
 def _varying(program: Program) -> list[bool]:
     """Return for each node whether it depends on an input or a state."""
-    found: list[bool] = []
+    varies: list[bool] = []
     for node in program.nodes:
-        found.append(node.op in ("input", "state") or any(found[a] for a in node.args))
-    return found
+        varies.append(node.op in ("input", "state") or any(varies[a] for a in node.args))
+    return varies
 
 
 def _common(above: list[int | None], depth: list[int], a: int | None, b: int | None) -> int | None:
@@ -81,7 +81,7 @@ def _trails(program: Program, ranges: Sequence[Range]) -> dict[int, _Trail]:
     A named signal that is such a function with libm in it stands by itself: what is computed from it takes it as it is.
     So naming decides which functions are kept apart.
     """
-    found: dict[int, _Trail] = {}
+    trails: dict[int, _Trail] = {}
     above: list[int | None] = []
     depth: list[int] = []
     varies = _varying(program)
@@ -91,20 +91,20 @@ def _trails(program: Program, ranges: Sequence[Range]) -> dict[int, _Trail]:
         v = args[0] if args else None
         for a in args[1:]:
             v = _common(above, depth, v, a)
-        if v is not None and ranges[v].finite and (trail := _trail(program, ranges, varies, found, named, k, v)):
-            found[k] = trail
-        if k in named and k in found and found[k].transcendental:
+        if v is not None and ranges[v].finite and (trail := _trail(program, ranges, varies, trails, named, k, v)):
+            trails[k] = trail
+        if k in named and k in trails and trails[k].transcendental:
             v = None
         above.append(v)
         depth.append(0 if v is None else depth[v] + 1)
-    return found
+    return trails
 
 
 def _trail(
     program: Program,
     ranges: Sequence[Range],
     varies: list[bool],
-    found: dict[int, _Trail],
+    trails: dict[int, _Trail],
     named: set[int],
     k: int,
     v: int,
@@ -114,7 +114,7 @@ def _trail(
     ops = {n: program.nodes[n].op for n in inside}
     if not all((op in _COMPLEX or op in _NUMBERS) and ranges[n].finite for n, op in ops.items()):
         return None
-    below = found.get(v, _Trail(v, False))
+    below = trails.get(v, _Trail(v, False))
     below = _Trail(v, False) if v in named and below.transcendental else below
     transcendental = any(op in TRANSCENDENTAL and varies[n] for n, op in ops.items())
     return _Trail(below.variable, below.transcendental or transcendental)
@@ -122,13 +122,13 @@ def _trail(
 
 def cone(program: Program, root: int, variable: int) -> list[int]:
     """Return the nodes that `root` needs beyond `variable`, in order, both included."""
-    found, waiting = {variable}, [root]
+    nodes, waiting = {variable}, [root]
     while waiting:
         k = waiting.pop()
-        if k not in found:
-            found.add(k)
+        if k not in nodes:
+            nodes.add(k)
             waiting += program.nodes[k].args
-    return sorted(found)
+    return sorted(nodes)
 
 
 def _absorbs(trails: dict[int, _Trail], user: int, k: int) -> bool:

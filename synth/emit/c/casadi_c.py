@@ -17,12 +17,12 @@ def functions(functions: Sequence[ca.Function], name: str) -> dict[str, str]:
 
     Raises EmitError when there is no function, when two share a name, or when `name` is no identifier of C.
     """
-    found = [f.name() for f in functions]
+    names = [f.name() for f in functions]
     if not re.fullmatch(r"[A-Za-z]\w*", name):
         raise EmitError(f"C file: found the name {name!r}, need an identifier; use letters, digits and underscores")
-    if not found or len(set(found)) < len(found):
+    if not names or len(set(names)) < len(names):
         raise EmitError(
-            f"CasADi functions of '{name}': found {found}, need at least one and no name twice; rename them"
+            f"CasADi functions of '{name}': found {names}, need at least one and no name twice; rename them"
         )
     generator = ca.CodeGenerator(name, {"with_header": False})
     for f in functions:

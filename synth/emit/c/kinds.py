@@ -13,10 +13,10 @@ def kinds(p: Program) -> list[str]:
 
     A difference of integers may be below 0: it is one only where nothing but an integer state takes it.
     """
-    found: list[str] = []
+    kind_of: list[str] = []
     counted = _counted(p)
     for k, node in enumerate(p.nodes):
-        args = [found[a] for a in node.args]
+        args = [kind_of[a] for a in node.args]
         whole = all(
             k == "integer" or (k == "number" and is_whole(p.nodes[a])) for a, k in zip(node.args, args, strict=True)
         )
@@ -31,8 +31,8 @@ def kinds(p: Program) -> list[str]:
             kind = _chosen(p, node, args[1:])
         elif whole and "integer" in args and (node.op == "add" or (node.op == "sub" and k in counted)):
             kind = "integer"
-        found.append(kind)
-    return found
+        kind_of.append(kind)
+    return kind_of
 
 
 def _counted(p: Program) -> set[int]:

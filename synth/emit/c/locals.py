@@ -24,11 +24,11 @@ class Names:
     def __init__(self, taken: set[str]) -> None:
         self.taken, self.count = taken, 0
 
-    def free(self, wanted: str) -> str:
+    def free(self, stem: str) -> str:
         """Return a name that is not taken, and take it."""
-        name, n = wanted, 2
+        name, n = stem, 2
         while name in self.taken:
-            name, n = f"{wanted}_{n}", n + 1
+            name, n = f"{stem}_{n}", n + 1
         self.taken.add(name)
         return name
 

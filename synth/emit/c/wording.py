@@ -21,13 +21,13 @@ def signal(program: Program, k: int) -> str:
 
 
 def _cone(program: Program, k: int) -> set[int]:
-    found, waiting = set[int](), [k]
+    nodes, waiting = set[int](), [k]
     while waiting:
         k = waiting.pop()
-        if k not in found:
-            found.add(k)
+        if k not in nodes:
+            nodes.add(k)
             waiting += program.nodes[k].args
-    return found
+    return nodes
 
 
 def expression(program: Program, k: int, spelled: bool = True) -> str:
@@ -64,6 +64,6 @@ def values(block: Block, program: Program, leaves: Sequence[int], low: Array, hi
     rows = []
     for leaf, first, last in zip(leaves, low, high, strict=True):
         name = expression(program, leaf, spelled=False)
-        found = f"{first:.9g}" if first == last else f"{first:.9g} .. {last:.9g}"
-        rows.append(f"{name} = {found}" + (f" {units[name]}" if name in units else ""))
+        text = f"{first:.9g}" if first == last else f"{first:.9g} .. {last:.9g}"
+        rows.append(f"{name} = {text}" + (f" {units[name]}" if name in units else ""))
     return ", ".join(rows)

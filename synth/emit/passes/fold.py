@@ -59,8 +59,8 @@ class _Folder:
     def make(self, node: Node) -> int:
         """Return the place of a node with folded arguments, or of what equals it."""
         rule = _RULES.get(node.op)
-        found = rule(self, *node.args) if rule else None
-        return self.place(node) if found is None else found
+        replacement = rule(self, *node.args) if rule else None
+        return self.place(node) if replacement is None else replacement
 
 
 def _neg(f: _Folder, a: int) -> int | None:
@@ -141,8 +141,8 @@ def _extreme(op: str) -> Callable[[_Folder, int, int], int | None]:
 
 def _limit(f: _Folder, a: int, b: int) -> int | None:
     """Read max(min(x, h), -h) as a limit of x to h on both sides."""
-    if (found := _extreme("max")(f, a, b)) is not None:
-        return found
+    if (number := _extreme("max")(f, a, b)) is not None:
+        return number
     for inner, low in ((f.nodes[a], b), (f.nodes[b], a)):
         if inner.op == "min":
             for x, high in (inner.args, inner.args[::-1]):

@@ -42,12 +42,12 @@ def redundant(program: Program, proved: tuple[ranges.Range, ...]) -> dict[int, i
     The argument is followed through others that are redundant. (a < b) ? a : b is b where either is no number, and of
     two zeros of unlike sign it gives the second: a tie at 0 replaces nothing by the first.
     """
-    found: dict[int, int] = {}
+    equal: dict[int, int] = {}
     for k in range(len(program.nodes)):
         same = _same(program, k, proved)
         if same is not None:
-            found[k] = found.get(same, same)
-    return found
+            equal[k] = equal.get(same, same)
+    return equal
 
 
 def _same(program: Program, k: int, proved: tuple[ranges.Range, ...]) -> int | None:

@@ -147,10 +147,10 @@ class Regions:
             seen.add(k)
             if node.op == "state" and node.name in early:
                 continue
-            for side, own in enumerate(sides):
+            for side, sunk in enumerate(sides):
                 users = [u for u in self.users[k] if u in self.members and not self._passes_over(u, k, chosen)]
-                if all(u in own or (u in chosen and self._only(u, k, side)) for u in users):
-                    own.add(k)
+                if all(u in sunk or (u in chosen and self._only(u, k, side)) for u in users):
+                    sunk.add(k)
                     for a in node.args:
                         heappush(heap, -a)
         return sides

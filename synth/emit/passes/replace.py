@@ -50,15 +50,17 @@ def replaced(
 
     A function that no polynomial replaces at the relative error, such as one with a zero inside its range, stays.
     """
-    found = ranges.analyse(program, bounds, scalar)
+    node_ranges = ranges.analyse(program, bounds, scalar)
     names, users = _names(program), program.users()
     best: dict[int, tuple[int, Polynomial]] = {}
     first: dict[int, Polynomial] = {}
-    for f in univariate.find(program, found):
-        key = univariate.key(program, found, f.root, f.variable)
+    for f in univariate.find(program, node_ranges):
+        key = univariate.key(program, node_ranges, f.root, f.variable)
         tasks = {
-            k: _Task(key, reciprocal, found[k].low, found[k].high, scalar, error, names.get(f.root, "function"))
-            for k, reciprocal in _arguments(program, users, found, f).items()
+            k: _Task(
+                key, reciprocal, node_ranges[k].low, node_ranges[k].high, scalar, error, names.get(f.root, "function")
+            )
+            for k, reciprocal in _arguments(program, users, node_ranges, f).items()
         }
         with suppress(EmitError):
             k = min(tasks, key=lambda k: (_degree(tasks[k]), k == f.variable))
@@ -73,14 +75,14 @@ def _names(program: Program) -> dict[int, str]:
 
 
 def _arguments(
-    program: Program, users: Sequence[Sequence[int]], found: Sequence[ranges.Range], f: univariate.Univariate
+    program: Program, users: Sequence[Sequence[int]], node_ranges: Sequence[ranges.Range], f: univariate.Univariate
 ) -> dict[int, _Reciprocal | None]:
     """Return the nodes in which a root may be written: its variable, and reciprocals of it that are computed anyway."""
     cone = set(univariate.cone(program, f.root, f.variable))
-    own = {k for k in cone if cone.issuperset(users[k])} | {f.root}
-    near = sorted({k for a in users[f.variable] for k in users[a]} - own)
+    internal = {k for k in cone if cone.issuperset(users[k])} | {f.root}
+    near = sorted({k for a in users[f.variable] for k in users[a]} - internal)
     candidates = {k: _reciprocal(program, k, f.variable) for k in near}
-    return {f.variable: None} | {k: c for k, c in candidates.items() if c and found[k].finite}
+    return {f.variable: None} | {k: c for k, c in candidates.items() if c and node_ranges[k].finite}
 
 
 def _reciprocal(program: Program, k: int, variable: int) -> _Reciprocal | None:
@@ -113,9 +115,9 @@ def _shared(task: _Task, like: Polynomial | None) -> Polynomial:
     """Fit in the t of another polynomial of the same argument, unless that takes a higher degree."""
     if like is not None and like.parity == "none":
         with suppress(EmitError):
-            found = _fitted(task, like)
-            if found.parity == "none" and found.degree <= _degree(task):
-                return found
+            polynomial = _fitted(task, like)
+            if polynomial.parity == "none" and polynomial.degree <= _degree(task):
+                return polynomial
     return _fitted(task, None)
 
 
@@ -153,7 +155,7 @@ def _rewritten(
     nodes: list[Node] = []
     known: dict[Node, int] = {}
     index: dict[int, int] = {}
-    made: dict[Polynomial, Surrogate] = {}
+    surrogates: dict[Polynomial, Surrogate] = {}
 
     def place(op: str, *args: int, value: float = 0.0, name: str = "") -> int:
         node = Node(op, args, value, name)
@@ -164,14 +166,14 @@ def _rewritten(
 
     def evaluated(k: int) -> int:
         variable, p = best[k]
-        if p not in made:
-            name = _free(names.get(k, f"f{len(made) + 1}"), {s.name for s in made.values()})
-            made[p] = Surrogate(name, names.get(k, name), _variable(program, names, variable), p)
+        if p not in surrogates:
+            name = _free(names.get(k, f"f{len(surrogates) + 1}"), {s.name for s in surrogates.values()})
+            surrogates[p] = Surrogate(name, names.get(k, name), _variable(program, names, variable), p)
         t = index[variable]
         t = place("sub" if p.centre > 0 else "add", t, place("literal", value=abs(p.centre))) if p.centre else t
         t = place("mul", place("literal", value=p.scale), t) if p.scale != 1 else t
         v = t if p.parity == "none" else place("sq", t)
-        q = place("polynomial", v, name=made[p].name)
+        q = place("polynomial", v, name=surrogates[p].name)
         return place("mul", t, q) if p.parity == "odd" else q
 
     waiting = list(range(len(program.nodes)))[::-1]
@@ -184,8 +186,10 @@ def _rewritten(
             n = program.nodes[k]
             args = tuple(index[a] for a in n.args) if k not in best else ()
             index[k] = evaluated(k) if k in best else place(n.op, *args, value=n.value, name=n.name)
-    moved = program.moved(tuple(nodes), [index[k] for k in range(len(program.nodes))])
-    return replace(moved, polynomials={s.name: s.polynomial for s in made.values()}), tuple(made.values())
+    rewritten = program.moved(tuple(nodes), [index[k] for k in range(len(program.nodes))])
+    return replace(rewritten, polynomials={s.name: s.polynomial for s in surrogates.values()}), tuple(
+        surrogates.values()
+    )
 
 
 def _free(signal: str, taken: set[str]) -> str:

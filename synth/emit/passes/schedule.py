@@ -67,8 +67,8 @@ class _Level:
         last: dict[int, int] = {}
         waiting: dict[int, list[Demand]] = {}
         for d in self.pending:
-            own = by_block.get(self.p.owner(str(d.place[1])), -1) if d.place[0] == "state" else -1
-            waiting.setdefault(max(own, self._last(d.node, places, last)), []).append(d)
+            block_place = by_block.get(self.p.owner(str(d.place[1])), -1) if d.place[0] == "state" else -1
+            waiting.setdefault(max(block_place, self._last(d.node, places, last)), []).append(d)
         return waiting
 
     def _last(self, k: int, places: dict[int, int], known: dict[int, int]) -> int:
@@ -142,17 +142,17 @@ class _Level:
             if self.regions.is_read(c) or c == self.p.word:
                 start = next((a for a, side in zip(arms, region.sides, strict=True) if a not in side), None)
                 declared.append((c, start))
-                for arm, found in zip(arms, inner, strict=True):
+                for arm, arm_demands in zip(arms, inner, strict=True):
                     if arm != start:
-                        found.append(Demand(arm, ("choice", c)))
+                        arm_demands.append(Demand(arm, ("choice", c)))
             for d in self.regions.demands.get(c, ()):
                 held = any(self.regions.is_load(a, d.place) for a in arms)
                 if d.place[0] == "word" or (self.regions.is_read(c) and not held):
                     continue
                 met.append(d)
-                for arm, found in zip(arms, inner, strict=True):
+                for arm, arm_demands in zip(arms, inner, strict=True):
                     if not self.regions.is_load(arm, d.place):
-                        found.append(Demand(arm, d.place))
+                        arm_demands.append(Demand(arm, d.place))
         then, other = (
             tuple(_Level(self.p, self.users, members, demands).written())
             for members, demands in zip(region.sides, inner, strict=True)

@@ -65,12 +65,12 @@ def prove(low: Array, high: Array, whole: Mask, judge: Judge, signed: bool, budg
     points = _corners(low, high, whole)
     cells, hulls, signs = 0, list[dict[int, Interval]](), dict[bool, Array]()
     while True:
-        found = judge(low, high, False)
+        judgement = judge(low, high, False)
         cells += low.shape[1]
-        hulls.append({k: _hull(a, found.holds) for k, a in found.watched.items()})
-        if found.holds.all():
+        hulls.append({k: _hull(a, judgement.holds) for k, a in judgement.watched.items()})
+        if judgement.holds.all():
             return Verdict(True, cells, {k: _joined([h[k] for h in hulls]) for k in hulls[0]})
-        low, high = low[:, ~found.holds], high[:, ~found.holds]
+        low, high = low[:, ~judgement.holds], high[:, ~judgement.holds]
         points = np.hstack([points, _middle(low, high, whole)])
         tried = judge(points, points, True)
         worst = _worst(tried, points, low, high, cells)
@@ -105,8 +105,8 @@ def _weights(low: Array, high: Array, judge: Judge) -> Array:
     """Return (d,) how much what is watched varies along one side alone, over its length: what to halve first."""
     middle = low + (high - low) / 2
     free = np.eye(len(low), dtype=bool)
-    found = judge(np.where(free, low, middle).T, np.where(free, high, middle).T, False)
-    spread = [a.high.astype(np.float64) - a.low for a in found.watched.values()]
+    judgement = judge(np.where(free, low, middle).T, np.where(free, high, middle).T, False)
+    spread = [a.high.astype(np.float64) - a.low for a in judgement.watched.values()]
     weight = np.max([np.where(np.isfinite(s), s, 0) for s in spread], axis=0) * np.ones(len(low))
     # Every side gets a little weight, so that none stays long for ever.
     weight = weight / weight.max() + 1e-3 if weight.max() > 0 else np.ones(len(low))
@@ -119,9 +119,9 @@ def _halved(low: Array, high: Array, whole: Mask, weight: Array) -> tuple[Array,
     middle = _middle(low, high, whole)[at]
     upper, lower = low.copy(), high.copy()
     # Between neighbours in the scalar type nothing lies: each becomes a cell of its own.
-    apart = (middle <= low[at]) | (middle >= high[at])
-    lower[at] = np.where(apart, low[at], middle)
-    upper[at] = np.where(apart, high[at], np.where(whole[side], middle + 1, middle))
+    adjacent = (middle <= low[at]) | (middle >= high[at])
+    lower[at] = np.where(adjacent, low[at], middle)
+    upper[at] = np.where(adjacent, high[at], np.where(whole[side], middle + 1, middle))
     return np.hstack([low, upper]), np.hstack([lower, high])
 
 

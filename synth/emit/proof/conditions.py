@@ -42,27 +42,27 @@ def known(
     """
     node = nodes[condition]
     if node.op == "not":
-        found = known(nodes, whole, node.args[0], not holds, R)
+        narrowed = known(nodes, whole, node.args[0], not holds, R)
     elif node.op in ("and", "or"):
         first, second = (known(nodes, whole, a, holds, R) for a in node.args)
-        found = merged((first, second)) if (node.op == "and") == holds else _hulls(first, second)
+        narrowed = merged((first, second)) if (node.op == "and") == holds else _hulls(first, second)
     elif node.op in LOGICAL:
-        found = _comparison(nodes, whole, node, holds, R)
+        narrowed = _comparison(nodes, whole, node, holds, R)
     else:
-        found = _flag(nodes, whole, condition, holds, R)
+        narrowed = _flag(nodes, whole, condition, holds, R)
     if node.op in LOGICAL:
         side = np.full_like(R[condition].low, holds)
-        found[condition] = meet(R[condition], Interval(side, side, np.zeros_like(R[condition].nan)))
-    return found
+        narrowed[condition] = meet(R[condition], Interval(side, side, np.zeros_like(R[condition].nan)))
+    return narrowed
 
 
 def merged(parts: Iterable[Known]) -> Known:
     """Return what is known where all parts are."""
-    found: Known = {}
+    narrowed: Known = {}
     for part in parts:
         for k, a in part.items():
-            found[k] = meet(found[k], a) if k in found else a
-    return found
+            narrowed[k] = meet(narrowed[k], a) if k in narrowed else a
+    return narrowed
 
 
 def _hulls(first: Known, second: Known) -> Known:

@@ -114,15 +114,15 @@ def _mul(a: Interval, b: Interval) -> Interval:
 
 def _sq(a: Interval) -> Interval:
     ends = [a.low * a.low, a.high * a.high]
-    found = _hull(ends, a.nan)
-    return Interval(np.where(a.zero, 0, found.low), found.high, a.nan)
+    squares = _hull(ends, a.nan)
+    return Interval(np.where(a.zero, 0, squares.low), squares.high, a.nan)
 
 
 def _div(a: Interval, b: Interval) -> Interval:
     ends = [x / y for x in (a.low, a.high) for y in (b.low, b.high)]
-    found = _hull([np.where(np.isnan(e), 0, e) for e in ends], a.nan | b.nan)
-    nan = found.nan | (a.zero & b.zero) | (a.infinite & b.infinite)
-    return Interval(np.where(b.zero, -inf, found.low), np.where(b.zero, inf, found.high), nan)
+    quotient = _hull([np.where(np.isnan(e), 0, e) for e in ends], a.nan | b.nan)
+    nan = quotient.nan | (a.zero & b.zero) | (a.infinite & b.infinite)
+    return Interval(np.where(b.zero, -inf, quotient.low), np.where(b.zero, inf, quotient.high), nan)
 
 
 def _inv(a: Interval) -> Interval:
@@ -148,9 +148,9 @@ def _max(a: Interval, b: Interval) -> Interval:
 
 def _clamp(x: Interval, low: Interval, high: Interval) -> Interval:
     # fabs(x) <= high ? x : (x < 0) ? low : high, where low is -high; should high be negative, x is never given
-    found, odd = _max(_min(x, high), low), (high.low < 0) | high.nan
-    outer = _hull([found.low, found.high, low.low, low.high, high.low, high.high], low.nan | high.nan)
-    return Interval(np.where(odd, outer.low, found.low), np.where(odd, outer.high, found.high), outer.nan)
+    limited, odd = _max(_min(x, high), low), (high.low < 0) | high.nan
+    outer = _hull([limited.low, limited.high, low.low, low.high, high.low, high.high], low.nan | high.nan)
+    return Interval(np.where(odd, outer.low, limited.low), np.where(odd, outer.high, limited.high), outer.nan)
 
 
 def _sqrt(a: Interval) -> Interval:

@@ -95,8 +95,8 @@ def _wave(name: str, top: float) -> Callable[[int, Interval], Interval]:
 def _tan(ulps: int, a: Interval) -> Interval:
     pole = _holds(a, pi / 2, pi)
     low, high = (np.where(pole, 0, side) for side in (a.low, a.high))
-    found = _growing("tan")(ulps, Interval(low, high, a.nan))
-    return Interval(np.where(pole, -inf, found.low), np.where(pole, inf, found.high), a.nan | a.infinite)
+    tangent = _growing("tan")(ulps, Interval(low, high, a.nan))
+    return Interval(np.where(pole, -inf, tangent.low), np.where(pole, inf, tangent.high), a.nan | a.infinite)
 
 
 def _cosh(ulps: int, a: Interval) -> Interval:
@@ -113,10 +113,10 @@ def _atan2(ulps: int, y: Interval, x: Interval) -> Interval:
     # Away from the cut along x <= 0 the extremes over a box lie in its corners.
     free = ((x.low > 0) | (y.low > 0) | (y.high < 0)) & ~x.infinite & ~y.infinite
     sides = [[np.where(free, side, 1) for side in (a.low, a.high)] for a in (y, x)]
-    found = [_at("atan2", ulps, v, u) for v in sides[0] for u in sides[1]]
+    corners = [_at("atan2", ulps, v, u) for v in sides[0] for u in sides[1]]
     round_ = _at("atan2", ulps, np.zeros_like(y.low), -np.ones_like(y.low)).high
-    low = np.where(free, np.minimum.reduce([f.low for f in found]), -round_)
-    high = np.where(free, np.maximum.reduce([f.high for f in found]), round_)
+    low = np.where(free, np.minimum.reduce([f.low for f in corners]), -round_)
+    high = np.where(free, np.maximum.reduce([f.high for f in corners]), round_)
     return Interval(low, high, y.nan | x.nan)
 
 

@@ -75,14 +75,14 @@ def bounds(block: Block, scalar: type[np.floating]) -> dict[str, Range]:
     Raises EmitError for a number that the scalar type cannot hold.
     """
     memory = layout(block, scalar)
-    found = {f.name: Range(f.low, f.high) for s in (memory.input, memory.state) for f in s.fields}
-    found |= {f.input: Range(-inf, inf, True) for f in block.faults if f.input}
+    box = {f.name: Range(f.low, f.high) for s in (memory.input, memory.state) for f in s.fields}
+    box |= {f.input: Range(-inf, inf, True) for f in block.faults if f.input}
     with np.errstate(over="ignore"):
         constants = {c.name: float(scalar(c.value)) for c in block.constants}
     for name, value in constants.items():
         if not np.isfinite(value):
             raise EmitError(f"constant '{name}' is not finite in {memory.ctype}: scale the expression")
-    return found | {name: Range(value, value) for name, value in constants.items()}
+    return box | {name: Range(value, value) for name, value in constants.items()}
 
 
 def analyse(program: Program, bounds: Mapping[str, Range], scalar: type[np.floating]) -> tuple[Range, ...]:
@@ -97,14 +97,14 @@ def analyse(program: Program, bounds: Mapping[str, Range], scalar: type[np.float
 
 def loads(program: Program, bounds: Mapping[str, Range], scalar: type[np.floating]) -> dict[int, Interval]:
     """Return the interval of each load of the program."""
-    found = {}
+    intervals = {}
     for k, node in enumerate(program.nodes):
         if node.op in LOADS:
             if node.name not in bounds:
                 raise EmitError(f"the {node.op} '{node.name}' has no range: declare it in the Block")
             r = bounds[node.name]
-            found[k] = interval(r.low, r.high, r.nan, scalar)
-    return found
+            intervals[k] = interval(r.low, r.high, r.nan, scalar)
+    return intervals
 
 
 def structure(program: Program) -> Structure:
@@ -122,9 +122,9 @@ def structure(program: Program) -> Structure:
     anew = {}
     for k, node in enumerate(nodes):
         if node.op in SELECTIONS:
-            told = conditions.compared(nodes, node.args[0])
+            narrowed = conditions.compared(nodes, node.args[0])
             for position, arm in enumerate(node.args[1:], 1):
-                anew[k, position] = between(behind, told, (arm,))
+                anew[k, position] = between(behind, narrowed, (arm,))
     return Structure(program, tuple(behind), frozenset(products), frozenset(whole), anew)
 
 
@@ -149,19 +149,19 @@ def between(behind: Iterable[int], sources: Iterable[int], ends: Iterable[int]) 
     mask, reached = sum(1 << k for k in sources), reduce(int.__or__, (behind[k] for k in ends), 0)
     first = min(sources, default=0)
     reached >>= first
-    found = []
+    nodes = []
     while reached:  # bit by bit: what is reached is little beside the whole program
         k = first + (reached & -reached).bit_length() - 1
         reached &= reached - 1
         if behind[k] & mask and k not in sources:
-            found.append(k)
-    return tuple(found)
+            nodes.append(k)
+    return tuple(nodes)
 
 
 def enclose(
     s: Structure,
     arithmetic: Arithmetic,
-    given: Mapping[int, Interval],
+    known: Mapping[int, Interval],
     nodes: Iterable[int],
     proved: Mapping[int, Interval] | None = None,
     deep: bool = True,
@@ -172,7 +172,7 @@ def enclose(
 
     Raises EmitError for an operation without an enclosure.
     """
-    R, proved = dict(given), proved or {}
+    R, proved = dict(known), proved or {}
     with np.errstate(all="ignore"):
         for k in nodes:
             node = s.program.nodes[k]
@@ -220,14 +220,14 @@ def _arm(
 ) -> tuple[Interval, Mask]:
     """Return the interval of an arm where it is taken, and where it cannot be; a gate's other arm is 0."""
     args = s.program.nodes[k].args
-    told, dead = under(s, [(args[0], position == 1)], R)
+    narrowed, dead = under(s, [(args[0], position == 1)], R)
     if position == len(args):
         return point(0, arithmetic.scalar), dead
     node, anew = args[position], s.anew[k, position]
-    if node in told:
-        return told[node], dead
+    if node in narrowed:
+        return narrowed[node], dead
     if deep and 0 < len(anew) <= _SMALL:
-        inside = enclose(s, arithmetic, {**R, **told}, anew, deep=False)
+        inside = enclose(s, arithmetic, {**R, **narrowed}, anew, deep=False)
         return meet(inside[node], R[node]), dead
     return R[node], dead
 
@@ -237,10 +237,10 @@ def under(
 ) -> tuple[dict[int, Interval], Mask]:
     """Return what is known where each (condition, holds) is so, and where they cannot all be."""
     p = s.program
-    told = conditions.merged(conditions.known(p.nodes, s.whole, c, holds, R) for c, holds in decided)
-    dead = reduce(np.logical_or, (a.empty for a in told.values()), np.array([False]))
+    narrowed = conditions.merged(conditions.known(p.nodes, s.whole, c, holds, R) for c, holds in decided)
+    dead = reduce(np.logical_or, (a.empty for a in narrowed.values()), np.array([False]))
     kept = {}
-    for k, a in told.items():
+    for k, a in narrowed.items():
         void = a.low > a.high
         kept[k] = Interval(np.where(void, R[k].low, a.low), np.where(void, R[k].high, a.high), a.nan)
     return kept, dead
@@ -250,11 +250,11 @@ def inductive(program: Program, ranges: tuple[Range, ...], block: Block, scalar:
     """Raise EmitError unless each next state lies in its declared bounds, rounded as in the layout."""
     box = bounds(block, scalar)
     for state in block.states:
-        found, declared = ranges[program.next[state.name]], box[state.name]
-        if found.nan or found.low < declared.low or found.high > declared.high:
+        next_range, declared = ranges[program.next[state.name]], box[state.name]
+        if next_range.nan or next_range.low < declared.low or next_range.high > declared.high:
             unit = state.signal.unit
-            what = " or no number" if found.nan else ""
+            what = " or no number" if next_range.nan else ""
             raise EmitError(
-                f"state '{state.name}' may become {found.low:.9g} .. {found.high:.9g} {unit}{what}, but its declared "
+                f"state '{state.name}' may become {next_range.low:.9g} .. {next_range.high:.9g} {unit}{what}, but its declared "
                 f"bounds are {declared.low:.9g} .. {declared.high:.9g} {unit}: limit its next value to them"
             )

@@ -68,9 +68,9 @@ def require_safe(
     for claim in claims:
         if _met(s, claim, R):
             continue
-        found = _proof(s, arithmetic, R, proved, claim, block)
-        if found and not claim.guards:
-            proved |= found
+        narrowed = _proof(s, arithmetic, R, proved, claim, block)
+        if narrowed and not claim.guards:
+            proved |= narrowed
             R = enclose(s, arithmetic, first, range(len(program.nodes)), proved)
     _require_counters(s, R, block)
     return tuple(Range(float(a.low[0]), float(a.high[0]), bool(a.nan[0])) for a in (R[k] for k in range(len(R))))
@@ -98,17 +98,17 @@ def _met(s: Structure, claim: _Claim, R: Mapping[int, Interval]) -> bool:
 
 def arms(program: Program) -> list[frozenset[Guard]]:
     """Return for each node under which conditions alone it is used."""
-    found: list[frozenset[Guard] | None] = [None] * len(program.nodes)
+    guards_of: list[frozenset[Guard] | None] = [None] * len(program.nodes)
     for k in program.ends():
-        found[k] = frozenset()
-    for k in range(len(found) - 1, -1, -1):
-        node, own = program.nodes[k], found[k] or frozenset()
+        guards_of[k] = frozenset()
+    for k in range(len(guards_of) - 1, -1, -1):
+        node, inherited = program.nodes[k], guards_of[k] or frozenset()
         for position, a in enumerate(node.args):
             chosen = node.op in SELECTIONS and position > 0
-            way = own | {(node.args[0], position == 1)} if chosen else own
-            before = found[a]
-            found[a] = way if before is None else before & way
-    return [guards or frozenset() for guards in found]
+            way = inherited | {(node.args[0], position == 1)} if chosen else inherited
+            before = guards_of[a]
+            guards_of[a] = way if before is None else before & way
+    return [guards or frozenset() for guards in guards_of]
 
 
 def leaves(s: Structure, R: Mapping[int, Interval], tops: Sequence[int], near: bool) -> tuple[int, ...]:
@@ -117,7 +117,7 @@ def leaves(s: Structure, R: Mapping[int, Interval], tops: Sequence[int], near: b
     Cut `near` the tops, at every limited or chosen value: there are fewer leaves, but some that vary together are taken
     to vary each on its own.
     """
-    nodes, found, seen = s.program.nodes, set[int](), set[int]()
+    nodes, cut, seen = s.program.nodes, set[int](), set[int]()
     waiting = [a for t in tops for a in (nodes[t].args or (t,))] if near else list(tops)
     while waiting:
         k = waiting.pop()
@@ -128,10 +128,10 @@ def leaves(s: Structure, R: Mapping[int, Interval], tops: Sequence[int], near: b
         bounded = R[k].finite[0]
         limited = node.op in _LIMITING and bounded and (near or not all(R[a].finite[0] for a in node.args))
         if limited or (node.op in LOADS and bounded):
-            found.add(k)
+            cut.add(k)
         elif node.op not in LOADS:
             waiting += node.args
-    return tuple(sorted(found))
+    return tuple(sorted(cut))
 
 
 def _proof(
@@ -143,14 +143,14 @@ def _proof(
     block: Block,
 ) -> dict[int, Interval]:
     """Return narrower intervals that prove the claim; raise EmitError where bisection does not."""
-    told, void = under(s, claim.guards, R)
-    inside = enclose(s, arithmetic, {**R, **told}, between(s.behind, told, [claim.k]))
+    narrowed, void = under(s, claim.guards, R)
+    inside = enclose(s, arithmetic, {**R, **narrowed}, between(s.behind, narrowed, [claim.k]))
     if void.any() or _met(s, claim, inside):
         return {}
     cut, verdict = tuple[int, ...](), bisection.Verdict(False, 0)
     for near in (True, False):
-        if (wanted := leaves(s, inside, claim.watched, near)) and wanted != cut:
-            cut = wanted
+        if (candidate := leaves(s, inside, claim.watched, near)) and candidate != cut:
+            cut = candidate
             low, high = (np.array([getattr(inside[k], side)[0] for k in cut]) for side in ("low", "high"))
             whole = np.array([k in s.whole for k in cut])
             judge = _judge(s, arithmetic, inside, proved, claim, cut)
@@ -179,9 +179,9 @@ def _judge(
         mode, n = pointwise if exact else arithmetic, low.shape[1]
         cells = {k: Interval(low[i], high[i], np.zeros(n, bool)) for i, k in enumerate(cut)}
         inside = enclose(s, mode, {**R, **cells}, cone, None if exact else proved)
-        told, void = under(s, claim.guards, inside)
-        if told:
-            inside = enclose(s, mode, {**inside, **told}, between(s.behind, told, [claim.k]))
+        narrowed, void = under(s, claim.guards, inside)
+        if narrowed:
+            inside = enclose(s, mode, {**inside, **narrowed}, between(s.behind, narrowed, [claim.k]))
         with np.errstate(all="ignore"):
             result, sides = inside[claim.k], [inside[a] for a in args]
             met, failed = claim.demand.met(result, sides) | void, claim.demand.failed(result, sides) & ~void
@@ -247,8 +247,8 @@ def _require_counters(s: Structure, R: Mapping[int, Interval], block: Block) -> 
         if not state.integer or s.program.nodes[k].op in LOGICAL:
             continue
         if k not in s.whole or R[k].low[0] < 0 or R[k].high[0] >= 2.0**32:
-            found = f"{R[k].low[0]:.9g} .. {R[k].high[0]:.9g}" + ("" if k in s.whole else ", not always whole")
+            range_text = f"{R[k].low[0]:.9g} .. {R[k].high[0]:.9g}" + ("" if k in s.whole else ", not always whole")
             raise EmitError(
-                f"integer state '{state.name}' may become {found}: it becomes 32 bits without sign, so limit it to "
+                f"integer state '{state.name}' may become {range_text}: it becomes 32 bits without sign, so limit it to "
                 "0 .. 4294967295 and compute it from whole numbers alone"
             )

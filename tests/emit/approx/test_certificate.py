@@ -53,12 +53,12 @@ def test_a_fused_multiply_add_rounds_once() -> None:
     a[0], b[0] = 2.0**-12 * (1 + 2.0**-18), 2.0**-12 * (1 - 2.0**-18)
     with mpmath.workprec(24):
         for term in (c, np.float32(1 + 2.0**-23), np.float32(-1 - 2.0**-22)):
-            found = polynomial.fused(a, b, term)
+            fused = polynomial.fused(a, b, term)
             exact = [
                 float(mpmath.fsum([mpmath.fmul(float(u), float(v), exact=True), float(term)]))
                 for u, v in zip(a, b, strict=True)
             ]
-            assert found.tolist() == exact
+            assert fused.tolist() == exact
     twice = (a.astype(np.float64) * b + 1 + 2.0**-23).astype(np.float32)
     assert twice[0] != polynomial.fused(a, b, np.float32(1 + 2.0**-23))[0]
 
@@ -110,14 +110,14 @@ def test_a_truth_that_is_not_as_close_as_it_says_is_noticed(defect: str) -> None
     g = enclosed("L_h", NARROW)
     with precision(enclosure.BITS):
         terms = g.series.coeffs()
-        found = {
+        defects = {
             "short": replace(g, series=flint.arb_poly(terms[:-8])),
             "sure": replace(g, error=g.error * flint.arb(2) ** -60),
             "wrong": replace(g, series=flint.arb_poly([terms[0] * (1 + flint.arb(2) ** -60), *terms[1:]])),
         }[defect]
         enclosure.check_between(g, on_balls("L_h"), "L_h")
         with pytest.raises(EmitError, match=r"enclosing polynomial is .* away"):
-            enclosure.check_between(found, on_balls("L_h"), "L_h")
+            enclosure.check_between(defects, on_balls("L_h"), "L_h")
 
 
 def test_a_function_that_hides_its_branch_cut_is_noticed() -> None:

@@ -73,8 +73,10 @@ def test_the_force_coefficients_of_these_tests_are_those_of_the_model() -> None:
     model = pmlsm.coefficients(gap, {name: ca.SX(value) for name, value in P.items()})
     for g in (0.0124, 0.0245, 0.0366):
         for name, value in coefficients(mpmath.mpf(g), POINTS).items():
-            found = float(ca.Function("f", [gap], [getattr(model, name)])(g))
-            assert found == pytest.approx(float(value), rel=1e-14)  # some 30 operations in double, none cancels much
+            coefficient = float(ca.Function("f", [gap], [getattr(model, name)])(g))
+            assert coefficient == pytest.approx(
+                float(value), rel=1e-14
+            )  # some 30 operations in double, none cancels much
 
 
 @pytest.mark.parametrize(("name", "ends", "scalar", "eps", "degree"), SINGLE + DOUBLE)
@@ -106,13 +108,13 @@ def test_a_polynomial_is_evaluated_in_its_scalar_type(
     p = fitted(name, ends, scalar, 2e-7 if scalar is np.float32 else 1e-14)
     x = drawn(p, 100)
     with mpmath.workprec(bits):
-        for v, found in zip(x, p.evaluate(x), strict=True):
+        for v, evaluated in zip(x, p.evaluate(x), strict=True):
             t = (mpmath.mpf(float(v)) - p.centre) * p.scale
             variable = t if p.parity == "none" else t * t
             q = mpmath.mpf(p.coefficients[-1])
             for c in p.coefficients[-2::-1]:
                 q = c + variable * q
-            assert float(q * t if p.parity == "odd" else q) == float(found)
+            assert float(q * t if p.parity == "odd" else q) == float(evaluated)
 
 
 def test_odd_and_even_functions_keep_their_symmetry() -> None:
@@ -149,10 +151,12 @@ def test_an_enclosure_holds_what_is_computed_in_a_ball_and_little_more() -> None
         for middle in np.linspace(0.2 * ends[0] + 0.8 * ends[1], ends[1], 5)[:-1]:
             ball = flint.arb(float(middle), 1e-5)
             x = np.linspace(middle - 9e-6, middle + 9e-6, 200).astype(np.float32)
-            values, found = p.evaluate(x), p.enclose(ball)
-            assert all(found.contains(flint.arb(float(v))) for v in values)
+            values, enclosure = p.evaluate(x), p.enclose(ball)
+            assert all(enclosure.contains(flint.arb(float(v))) for v in values)
             spread = float(values.max() - values.min())
-            assert float(found.rad()) < spread + 2e-6 * abs(float(values[0]))  # interval Horner in a ball this small
+            assert float(enclosure.rad()) < spread + 2e-6 * abs(
+                float(values[0])
+            )  # interval Horner in a ball this small
 
 
 @pytest.mark.parametrize(

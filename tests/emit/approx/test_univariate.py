@@ -42,10 +42,10 @@ def found_in(law: Callable[[Any, Any], dict[str, ca.SX] | ca.SX], guarded: str =
     return program, analysed, univariate.find(program, analysed)
 
 
-def shapes(found: Found) -> list[tuple[str, str]]:
+def shapes(analysis: Found) -> list[tuple[str, str]]:
     """Return operation of the root, and operation or name of the variable."""
-    nodes = found[0].nodes
-    return [(nodes[f.root].op, nodes[f.variable].name or nodes[f.variable].op) for f in found[2]]
+    nodes = analysis[0].nodes
+    return [(nodes[f.root].op, nodes[f.variable].name or nodes[f.variable].op) for f in analysis[2]]
 
 
 def gap(u: Any) -> ca.SX:
@@ -58,8 +58,8 @@ def force(g: ca.SX, k: Any) -> ca.SX:
 
 
 def test_a_force_law_is_one_function_of_the_gap() -> None:
-    program, analysed, found = found_in(lambda u, k: u["c"] * force(gap(u), k))
-    (f,) = found
+    program, analysed, functions = found_in(lambda u, k: u["c"] * force(gap(u), k))
+    (f,) = functions
     assert program.nodes[f.variable].op == "sub"
     assert {program.nodes[u].op for u in program.users()[f.root]} == {"mul"}
     evaluate = univariate.function(univariate.key(program, analysed, f.root, f.variable))
@@ -104,8 +104,8 @@ def test_roots_that_are_multiples_of_one_node_are_that_node() -> None:
         s = k["k"] * ca.exp(ca.sin(u["a"]))
         return {"y": 2 * s * u["b"], "z": (7 - s) * u["b"], "w": s * u["c"]}
 
-    program, _, found = found_in(law)
-    assert shapes((program, (), found)) == [("mul", "a")] and len(program.users()[found[0].root]) == 3
+    program, _, functions = found_in(law)
+    assert shapes((program, (), functions)) == [("mul", "a")] and len(program.users()[functions[0].root]) == 3
 
     def unlike(u: Any, k: Any) -> dict[str, ca.SX]:
         s = ca.sin(u["a"])
@@ -131,8 +131,8 @@ def test_a_state_is_a_variable_too() -> None:
         states=states,
     )
     program = lower.program(block)
-    found = univariate.find(program, ranges.analyse(program, ranges.bounds(block, F64), F64))
-    assert shapes((program, (), found)) == [(program.nodes[program.outputs["y"]].op, "s")]
+    functions = univariate.find(program, ranges.analyse(program, ranges.bounds(block, F64), F64))
+    assert shapes((program, (), functions)) == [(program.nodes[program.outputs["y"]].op, "s")]
 
 
 def test_a_diamond_meets_again_where_it_opened() -> None:
@@ -178,8 +178,8 @@ COMPLEX: dict[str, Callable[[complex], complex]] = {
 @pytest.mark.parametrize("z", [0.5 + 0j, 0.3 - 0.2j, 0.7 + 1.5j])
 def test_operations_on_complex_numbers(op: str, z: complex) -> None:
     f = univariate.function((("variable", (), 0.0), (op, (0,), 0.0)))
-    found = f(flint.acb(z.real, z.imag))
-    assert complex(found) == pytest.approx(COMPLEX[op](z), rel=1e-13)
+    y = f(flint.acb(z.real, z.imag))
+    assert complex(y) == pytest.approx(COMPLEX[op](z), rel=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -204,12 +204,12 @@ def test_a_ball_over_a_pole_or_a_cut_gives_nothing_finite(op: str, ball: flint.a
 
 
 def test_equal_functions_have_equal_keys_and_others_are_refused() -> None:
-    program, analysed, found = found_in(lambda u, k: force(u["a"], k) * force(u["b"], k) * ca.sin(u["c"]))
-    assert len({f.variable for f in found}) == 3
-    keys = [univariate.key(program, analysed, f.root, f.variable) for f in found]
+    program, analysed, functions = found_in(lambda u, k: force(u["a"], k) * force(u["b"], k) * ca.sin(u["c"]))
+    assert len({f.variable for f in functions}) == 3
+    keys = [univariate.key(program, analysed, f.root, f.variable) for f in functions]
     assert len(keys) == 3 and len(set(keys)) == 2
     with pytest.raises(EmitError, match=r"no analytic function of node \d+: it needs 'b'"):
-        univariate.key(program, analysed, program.outputs["y"], found[0].variable)
+        univariate.key(program, analysed, program.outputs["y"], functions[0].variable)
 
 
 def test_a_block_without_such_functions_has_none() -> None:

@@ -98,8 +98,8 @@ def tree(rng: np.random.Generator, leaves: list[Value], depth: int) -> Value:
     if kind < 6:
         return Value(compared[kind], 1, 0)
     made = [chosen(compared[int(rng.integers(6))], a, b), Value(ca.logic_not(a.e), 1, 0)]
-    found = made[kind - 6] if kind < 8 else combined((kind - 8) % 9, a, b, b.e)
-    return found if found.exact() else a
+    value = made[kind - 6] if kind < 8 else combined((kind - 8) % 9, a, b, b.e)
+    return value if value.exact() else a
 
 
 def trees(count: int = 80) -> Block:
@@ -146,9 +146,9 @@ def c_files(block: Block, scalar: type[np.floating]) -> dict[str, str]:
 
 def unlike(block: Block, scalar: type[np.floating], change: Callable[[str], str] = str, rtol: float = 0.0) -> list[str]:
     """Return what the C, changed, gives other than CasADi."""
-    found, (x, u) = made(block, scalar), dyadic.samples(block, 800)
-    library = stepped.together([found], change)
-    return stepped.by_c(library, block, found, x, u).unlike(stepped.by_casadi(block, x, u), rtol)
+    emitted, (x, u) = made(block, scalar), dyadic.samples(block, 800)
+    library = stepped.together([emitted], change)
+    return stepped.by_c(library, block, emitted, x, u).unlike(stepped.by_casadi(block, x, u), rtol)
 
 
 @pytest.mark.parametrize("scalar", [F32, F64])
@@ -164,8 +164,8 @@ def test_operations_equal_casadi_to_rounding() -> None:
 
 
 def test_a_replay_from_init_equals_casadi() -> None:
-    block, found = memory(), made(memory(), F32)
-    controller, (_, u) = host.load(found.files, found.manifest), dyadic.samples(block, 1500)
+    block, emitted = memory(), made(memory(), F32)
+    controller, (_, u) = host.load(emitted.files, emitted.manifest), dyadic.samples(block, 1500)
     replay = controller.replay(dict(zip("abc", u, strict=True)))
     f, x, rows = block.function(), block.initial, []
     for sample in u.T:
@@ -283,8 +283,8 @@ def test_literals_read_back_exactly(scalar: type[np.floating]) -> None:
     table = f"{c} table[] = {{{rows}}};\nint count(void) {{ return (int)(sizeof table / sizeof table[0]); }}\n"
     library = host.ctypes.CDLL(str(compiler.shared_library({"table.c": table})))
     element = host.ctypes.c_float if scalar is F32 else host.ctypes.c_double
-    found = np.array((element * library.count()).in_dll(library, "table"), dtype=scalar)
-    np.testing.assert_array_equal(found.view(np.uint8), values.astype(scalar).view(np.uint8))
+    compiled = np.array((element * library.count()).in_dll(library, "table"), dtype=scalar)
+    np.testing.assert_array_equal(compiled.view(np.uint8), values.astype(scalar).view(np.uint8))
 
 
 @pytest.mark.parametrize(("value", "scalar"), [(np.nan, F64), (np.inf, F32), (1e39, F32)])

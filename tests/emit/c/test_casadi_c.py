@@ -19,10 +19,10 @@ STRETCH = ca.Function("stretch", [x], [3 * x])
 
 def call(files: dict[str, str], name: str, values: list[float]) -> list[float]:
     double_p = ctypes.POINTER(ctypes.c_double)
-    given, result = (ctypes.c_double * 2)(*values), (ctypes.c_double * 2)()
+    inputs, result = (ctypes.c_double * 2)(*values), (ctypes.c_double * 2)()
     function = getattr(ctypes.CDLL(str(host_compiler.shared_library(files))), name)
     status = function(
-        (double_p * 1)(ctypes.cast(given, double_p)),
+        (double_p * 1)(ctypes.cast(inputs, double_p)),
         (double_p * 1)(ctypes.cast(result, double_p)),
         (ctypes.c_longlong * 1)(),
         (ctypes.c_double * 8)(),

@@ -15,8 +15,8 @@ def test_cut_drops_last_bits() -> None:
 
 @pytest.mark.parametrize("value", [1.0, 1e-17, 1.0000001e-17, 9.99e-5, 0.0123, 1.7e300])
 def test_a_bound_is_above_in_two_digits(value: float) -> None:
-    found = digits.bound(value)
-    assert value <= found <= 1.1 * value and found == float(f"{found:.1e}")
+    bound = digits.bound(value)
+    assert value <= bound <= 1.1 * value and bound == float(f"{bound:.1e}")
 
 
 def test_the_bound_of_nothing_is_nothing() -> None:

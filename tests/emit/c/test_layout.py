@@ -38,16 +38,16 @@ def aligned(struct: Struct) -> np.dtype:
 @pytest.mark.parametrize("scalar", [np.float32, np.float64])
 @pytest.mark.parametrize(("reals", "integers"), list(product([0, 1, 2], [0, 1, 2, 3])))
 def test_members_lie_without_padding(scalar: type[np.floating], reals: int, integers: int) -> None:
-    found = layout(make(3, 1, reals, integers), scalar)
-    for struct in found.structs:
+    memory = layout(make(3, 1, reals, integers), scalar)
+    for struct in memory.structs:
         dtype = aligned(struct)
         assert [f.offset for f in struct.fields] == [dtype.fields[f.name][1] for f in struct.fields]
         assert struct.size == dtype.itemsize == sum(np.dtype(TYPES[f.ctype]).itemsize for f in struct.fields)
-    names = [f.name for f in found.state.fields]
-    wanted = [f"r{i}" for i in range(reals)] + [f"n{i}" for i in range(integers)]
-    assert names[: len(wanted)] == wanted if scalar is np.float64 else set(wanted) <= set(names)
+    names = [f.name for f in memory.state.fields]
+    expected = [f"r{i}" for i in range(reals)] + [f"n{i}" for i in range(integers)]
+    assert names[: len(expected)] == expected if scalar is np.float64 else set(expected) <= set(names)
     filled = scalar is np.float64 and reals > 0 and integers % 2 == 1
-    assert names[len(wanted) :] == (["reserved"] if filled or not wanted else [])
+    assert names[len(expected) :] == (["reserved"] if filled or not expected else [])
 
 
 def test_the_oracle_sees_padding() -> None:
@@ -59,10 +59,10 @@ def test_the_oracle_sees_padding() -> None:
 
 @pytest.mark.parametrize("scalar", [np.float32, np.float64])
 def test_bounds_are_those_that_the_step_can_hold(scalar: type[np.floating]) -> None:
-    found: Layout = layout(make(1, 1, 1, 0), scalar)
-    assert [s.fields[0].high for s in found.structs] == [float(scalar(0.1))] * 3
-    assert found.input.fields[0].comment == "m, 0 .. 0.1: a length"
-    assert (found.ctype, found.input.type) == ("float" if scalar is np.float32 else "double", "box_input_t")
+    memory: Layout = layout(make(1, 1, 1, 0), scalar)
+    assert [s.fields[0].high for s in memory.structs] == [float(scalar(0.1))] * 3
+    assert memory.input.fields[0].comment == "m, 0 .. 0.1: a length"
+    assert (memory.ctype, memory.input.type) == ("float" if scalar is np.float32 else "double", "box_input_t")
 
 
 @pytest.mark.parametrize(

@@ -123,15 +123,15 @@ def body(lines: list[str], name: str) -> range:
 
 def trace_defects(lines: list[str], trace: Mapping[str, list[list[int]]], name: str) -> list[str]:
     """Return what is wrong with a trace: lines outside the step, runs out of order or shared, lines left out."""
-    inside, found, covered = body(lines, name), [], list[int]()
+    inside, defects, covered = body(lines, name), [], list[int]()
     for tag, runs in trace.items():
         if not all(first <= last for first, last in runs) or not all(a[1] < b[0] for a, b in pairwise(runs)):
-            found.append(f"{tag}: out of order")
+            defects.append(f"{tag}: out of order")
         covered += [line for first, last in runs for line in range(first, last + 1)]
-    found += [f"{line} twice" for line in set(covered) if covered.count(line) > 1]
-    found += [f"{line} outside" for line in covered if line not in inside]
+    defects += [f"{line} twice" for line in set(covered) if covered.count(line) > 1]
+    defects += [f"{line} outside" for line in covered if line not in inside]
     left = [line for line in inside if line not in covered and not IDLE.fullmatch(lines[line - 1])]
-    return found + [f"{line} left out" for line in left]
+    return defects + [f"{line} left out" for line in left]
 
 
 @pytest.mark.parametrize("block", BLOCKS, ids=lambda b: b.name)
@@ -163,8 +163,8 @@ def test_lines_belong_to_the_block_that_computes_them() -> None:
     assert sorted(trace) == titles
 
     def of(text: str) -> list[str]:
-        found = [i for i, line in enumerate(lines, 1) if text in line and i in body(lines, "stage")]
-        return [tag for i in found for tag, runs in trace.items() if any(a <= i <= b for a, b in runs)]
+        numbers = [i for i, line in enumerate(lines, 1) if text in line and i in body(lines, "stage")]
+        return [tag for i in numbers for tag, runs in trace.items() if any(a <= i <= b for a, b in runs)]
 
     assert of("gain_polynomial(") == ["law: F(3), F(4)"]
     assert set(of("state->guard_")) == {titles[0]}
@@ -198,16 +198,16 @@ SCHEMA: dict[str, Any] = {
 }
 
 
-def misfits(found: Any, schema: Any, where: str = "") -> list[str]:
+def misfits(value: Any, schema: Any, where: str = "") -> list[str]:
     """Return where a document has other keys or kinds of values than the schema."""
     if isinstance(schema, list):
-        return [m for i, item in enumerate(found) for m in misfits(item, schema[0], f"{where}[{i}]")]
+        return [m for i, item in enumerate(value) for m in misfits(item, schema[0], f"{where}[{i}]")]
     if isinstance(schema, dict):
-        if not isinstance(found, dict) or found.keys() != schema.keys():
-            return [f"{where}: {found}"]
-        return [m for key in schema for m in misfits(found[key], schema[key], f"{where}.{key}")]
+        if not isinstance(value, dict) or value.keys() != schema.keys():
+            return [f"{where}: {value}"]
+        return [m for key in schema for m in misfits(value[key], schema[key], f"{where}.{key}")]
     kinds = (int, float) if schema is float else (schema,)
-    return [] if isinstance(found, kinds) and not isinstance(found, bool) else [f"{where}: {found}"]
+    return [] if isinstance(value, kinds) and not isinstance(value, bool) else [f"{where}: {value}"]
 
 
 def test_the_document_has_the_keys_and_kinds_that_are_promised() -> None:
@@ -276,14 +276,19 @@ def test_what_does_not_latch_has_no_safety() -> None:
 
 def test_the_safety_is_that_of_the_blocks_and_the_c_keeps_it() -> None:
     made = emit(frozen(stage()), np.float64, error=1e-5)
-    told = made.manifest["safety"]
-    assert told == {"bad_samples": 3, "safe_output": {"force": 0.0}, "slew_per_s": {"force": 5.0}, "reason": "at rest"}
+    safety = made.manifest["safety"]
+    assert safety == {
+        "bad_samples": 3,
+        "safe_output": {"force": 0.0},
+        "slew_per_s": {"force": 5.0},
+        "reason": "at rest",
+    }
     replay = host.load(made.files, made.manifest).replay({"gap": [0.5] * 4 + [9.0] * 400, "wish": [1.0] * 404})
     latched, force = np.flatnonzero(replay.faults >> LATCH_BIT)[0], replay.outputs["force"]
-    assert latched == 4 + told["bad_samples"] - 1
+    assert latched == 4 + safety["bad_samples"] - 1
     steps = np.abs(np.diff(force[latched - 1 :]))
-    assert force[-1] == told["safe_output"]["force"]
-    assert steps.max() == pytest.approx(told["slew_per_s"]["force"] * TIME.period_s)
+    assert force[-1] == safety["safe_output"]["force"]
+    assert steps.max() == pytest.approx(safety["slew_per_s"]["force"] * TIME.period_s)
 
 
 def test_an_output_that_passes_a_safe_one_on_has_its_safety() -> None:

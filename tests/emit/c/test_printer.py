@@ -48,8 +48,8 @@ def test_random_blocks_replayed_from_init_follow_casadi() -> None:
         for sample in u.T:
             next, y = f(x, sample)
             x = next.full().ravel()
-            found = controller.step(state, {s.name: v for s, v in zip(block.inputs, sample, strict=True)})
-            assert [found.outputs[s.name] for s in block.outputs] == list(y.full().ravel())
+            replay = controller.step(state, {s.name: v for s, v in zip(block.inputs, sample, strict=True)})
+            assert [replay.outputs[s.name] for s in block.outputs] == list(y.full().ravel())
             assert [state[s.name] for s in block.states] == list(x)
 
 
@@ -127,11 +127,11 @@ def text(block: Block, scalar: type[np.floating] = F32) -> str:
 
 def side(code: str, condition: str) -> tuple[str, str]:
     """Return the two sides of the `if` on a condition, at the outermost level of the step."""
-    found = re.search(
+    match = re.search(
         rf"^    if \({re.escape(condition)}\) \{{\n(.*?)^    \}}(?: else \{{\n(.*?)^    \}})?$", code, re.M | re.S
     )
-    assert found, code
-    return found[1], found[2] or ""
+    assert match, code
+    return match[1], match[2] or ""
 
 
 def test_what_only_one_side_needs_stands_on_that_side() -> None:
@@ -222,8 +222,8 @@ def test_lines_after_a_branch_belong_to_the_block_before_it() -> None:
     """The tag that a side ends with says nothing of the other side."""
     block = hazards.stored_by_an_earlier_block()
     shipped = block.rounded(F64)
-    found = pipeline.reduce(shipped, F64)
-    lines = pipeline.source(found, layout.layout(shipped, F64))
+    reduced = pipeline.reduce(shipped, F64)
+    lines = pipeline.source(reduced, layout.layout(shipped, F64))
     tags = {line.text.strip(): line.tag for line in lines}
     assert tags["state->hold_x = a;"] == "hold" and tags["} else {"] == "use" and tags["out->z = z;"] == "use"
 
@@ -274,8 +274,8 @@ def test_names_that_the_c_needs_may_be_those_of_constants(scalar: type[np.floati
 
 def kinds(law: Callable[..., Step], states: Sequence[State] = ()) -> dict[str, str]:
     program = fold.folded(lower.program(hazards.make("kinds", law, "y", [*states, *hazards.count()])))
-    found = carriers.kinds(program)
-    return {"y": found[program.outputs["y"]]} | {f"next {n}": found[k] for n, k in program.next.items()}
+    kind_of = carriers.kinds(program)
+    return {"y": kind_of[program.outputs["y"]]} | {f"next {n}": kind_of[k] for n, k in program.next.items()}
 
 
 @pytest.mark.parametrize(

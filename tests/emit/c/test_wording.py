@@ -26,8 +26,8 @@ def test_operations_are_spelled_as_in_c() -> None:
 
 def test_a_long_expression_is_cut_short() -> None:
     nodes = [A] + [Node("mul", (k, k)) for k in range(30)]
-    found = wording.expression(Program(tuple(nodes), (), {}, {}), 30)
-    assert len(found) <= 160 and "(...)" in found and found.startswith("(")
+    text = wording.expression(Program(tuple(nodes), (), {}, {}), 30)
+    assert len(text) <= 160 and "(...)" in text and text.startswith("(")
 
 
 def test_signals_stand_for_what_computes_them_and_carry_their_units() -> None:

@@ -63,7 +63,7 @@ def on_fractions(program: Program) -> Program:
 
 def differing(count: int = 300) -> list[int]:
     """Return the seeds of programs that folding changes, on fractions where nothing is divided by 0."""
-    found, tried = [], 0
+    failures, tried = [], 0
     for seed in range(count):
         program = drawn(seed, (*OFTEN, *UNARY, *BINARY, "limit", "limit"), NUMBERS)
         folded = fold.folded(program)
@@ -75,10 +75,10 @@ def differing(count: int = 300) -> list[int]:
             before, after = (on_fraction(p, loads) for p in (program, folded))
             tried += before is not None
             if before is not None and before != after:
-                found.append(seed)
+                failures.append(seed)
                 break
     assert tried > count / 3
-    return found
+    return failures
 
 
 def powers_of_two(program: Program) -> bool:
@@ -144,7 +144,7 @@ def number(value: float) -> Node:
 
 
 @pytest.mark.parametrize(
-    ("nodes", "found"),
+    ("nodes", "expected"),
     [
         ([number(2), number(3), Node("add", (5, 6))], "5"),
         ([number(2), number(3), Node("max", (5, 6))], "3"),
@@ -186,8 +186,8 @@ def number(value: float) -> Node:
         ),
     ],
 )
-def test_a_rule_rewrites(nodes: list[Node], found: str) -> None:
-    assert tree(folded(*nodes)) == found
+def test_a_rule_rewrites(nodes: list[Node], expected: str) -> None:
+    assert tree(folded(*nodes)) == expected
 
 
 @pytest.mark.parametrize(
@@ -203,8 +203,8 @@ def test_a_rule_rewrites(nodes: list[Node], found: str) -> None:
     ],
 )
 def test_named_constants_are_not_folded_away(nodes: list[Node]) -> None:
-    wanted = {LEAVES[a].name for n in nodes for a in n.args if a < len(LEAVES)}
-    assert {n.name for n in folded(*nodes).nodes if n.op != "literal" and not n.args} == wanted
+    names = {LEAVES[a].name for n in nodes for a in n.args if a < len(LEAVES)}
+    assert {n.name for n in folded(*nodes).nodes if n.op != "literal" and not n.args} == names
 
 
 SPECIAL = (nan, inf, -inf, 0.0, -0.0, 1.0, -1.0, 2.0, 2.5, -2.5, 1e308, 5e-324)

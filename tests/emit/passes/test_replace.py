@@ -65,35 +65,37 @@ def test_functions_of_one_variable_are_found_and_replaced() -> None:
         "y z",
         constants=[Constant("k", 0.1, "1", "test")],
     )
-    program, found = replaced(block)
+    program, surrogates = replaced(block)
     assert operations(program) == ["polynomial", "polynomial"]
-    assert {(s.tag, s.name, s.variable) for s in found} == {
+    assert {(s.tag, s.name, s.variable) for s in surrogates} == {
         ("f1_polynomial", "f1_polynomial", "a"),
         ("z", "z_polynomial", "b"),
     }
-    assert program.polynomials == {s.name: s.polynomial for s in found}
-    assert all((s.polynomial.low, s.polynomial.high) == (LOW, HIGH) for s in found)
+    assert program.polynomials == {s.name: s.polynomial for s in surrogates}
+    assert all((s.polynomial.low, s.polynomial.high) == (LOW, HIGH) for s in surrogates)
 
 
 def test_the_variable_may_be_any_value() -> None:
     for e, variable in ((lambda a, b: a * b, "(a * b)"), (lambda a, b: a * b + a, "(a * b) + a")):
-        program, (found,) = replaced(make(lambda u, k, e=e: {"y": ca.exp(e(u["a"], u["b"]))}))
-        assert found.variable == variable and operations(program) == ["polynomial"]
+        program, (surrogate,) = replaced(make(lambda u, k, e=e: {"y": ca.exp(e(u["a"], u["b"]))}))
+        assert surrogate.variable == variable and operations(program) == ["polynomial"]
 
 
 def test_a_function_of_two_variables_stays() -> None:
-    program, found = replaced(make(lambda u, k: {"y": ca.atan2(u["a"], u["b"])}))
-    assert not found and "atan2" in {n.op for n in program.nodes}
+    program, surrogates = replaced(make(lambda u, k: {"y": ca.atan2(u["a"], u["b"])}))
+    assert not surrogates and "atan2" in {n.op for n in program.nodes}
 
 
 def test_a_function_with_a_zero_inside_the_range_stays() -> None:
-    program, found = replaced(make(lambda u, k: {"y": ca.sin(u["a"] - 0.375), "z": ca.exp(u["b"])}, "y z"))
-    assert operations(program) == ["polynomial", "sin"] and [s.tag for s in found] == ["z"]
+    program, surrogates = replaced(make(lambda u, k: {"y": ca.sin(u["a"] - 0.375), "z": ca.exp(u["b"])}, "y z"))
+    assert operations(program) == ["polynomial", "sin"] and [s.tag for s in surrogates] == ["z"]
 
 
 def test_equal_functions_share_one_polynomial() -> None:
-    program, found = replaced(make(lambda u, k: {"y": ca.exp(u["a"]) * u["b"], "z": ca.exp(u["b"]) * u["a"]}, "y z"))
-    assert len(found) == 1 and operations(program) == ["polynomial", "polynomial"]
+    program, surrogates = replaced(
+        make(lambda u, k: {"y": ca.exp(u["a"]) * u["b"], "z": ca.exp(u["b"]) * u["a"]}, "y z")
+    )
+    assert len(surrogates) == 1 and operations(program) == ["polynomial", "polynomial"]
 
 
 def test_functions_of_unlike_ranges_do_not_share() -> None:
@@ -120,8 +122,8 @@ def like_named() -> Block:
 
 
 def test_like_named_signals_get_polynomials_of_their_own() -> None:
-    _, found = replaced(like_named())
-    assert [s.name for s in found] == ["gain_polynomial", "gain_2_polynomial"]
+    _, surrogates = replaced(like_named())
+    assert [s.name for s in surrogates] == ["gain_polynomial", "gain_2_polynomial"]
     made = emit(like_named(), F32, error=COARSE)
     controller = host.load(made.files, made.manifest)
     out = controller.step(controller.init(), {"a": 0.5, "b": 0.25}).outputs
@@ -134,12 +136,12 @@ def shifted() -> Block:
 
 
 def test_a_reciprocal_that_is_computed_anyway_is_the_variable() -> None:
-    program, (found,) = replaced(shifted())
-    assert found.variable == "1 / (a + 0.125)"
+    program, (surrogate,) = replaced(shifted())
+    assert surrogate.variable == "1 / (a + 0.125)"
     assert [n.op for n in program.nodes if n.op in ("div", "inv")] == ["inv"]
     alone = make(lambda u, k: {"y": ca.exp(0.5 / (u["a"] + 0.125)) + 1}, inputs="a")
     _, (other,) = replaced(alone)
-    assert other.variable == "a" and found.polynomial.degree < other.polynomial.degree
+    assert other.variable == "a" and surrogate.polynomial.degree < other.polynomial.degree
 
 
 # --- certificates on the emitted C ---
@@ -154,8 +156,8 @@ def error(made: Emitted, f: Callable[[Any], Any], scalar: type[np.floating]) -> 
     """Return the largest relative error of output y as a function f of input a, over random inputs."""
     controller = host.load(made.files, made.manifest)
     x = draws(LOW, HIGH, scalar)
-    given: dict[str, Any] = {"a": x} | ({"b": 0.25} if "b" in (controller.inputs.names or ()) else {})
-    y = controller.replay(given).outputs["y"]
+    inputs: dict[str, Any] = {"a": x} | ({"b": 0.25} if "b" in (controller.inputs.names or ()) else {})
+    y = controller.replay(inputs).outputs["y"]
     with mpmath.workprec(120):
         truth = [f(mpmath.mpf(float(v))) for v in x]
         return float(max(abs(mpmath.mpf(float(v)) / t - 1) for v, t in zip(y, truth, strict=True)))

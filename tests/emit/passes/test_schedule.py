@@ -76,17 +76,17 @@ def execute(program: Program, loads: Mapping[str, Any]) -> dict[str, Any]:
     """Return outputs, next states and word after the statements of a program."""
     machine = Machine(program, dict(loads))
     machine.block(schedule.statements(program), ChainMap())
-    found = {f"next {n}": machine.memory[n] for n in program.next}
-    found |= {n: machine.stored.get(("out", n)) for n in program.outputs}
-    return found | {"word": machine.stored.get(("word", ""))}
+    stored = {f"next {n}": machine.memory[n] for n in program.next}
+    stored |= {n: machine.stored.get(("out", n)) for n in program.outputs}
+    return stored | {"word": machine.stored.get(("word", ""))}
 
 
 def expected(program: Program, loads: Mapping[str, Any]) -> dict[str, Any]:
     values = interpret(program, loads)
-    found = {f"next {n}": values[k] for n, k in program.next.items()} | {
+    results = {f"next {n}": values[k] for n, k in program.next.items()} | {
         n: values[k] for n, k in program.outputs.items()
     }
-    return found | {"word": None if program.word is None else values[program.word]}
+    return results | {"word": None if program.word is None else values[program.word]}
 
 
 def lowered(block: Block) -> Program:
@@ -95,7 +95,7 @@ def lowered(block: Block) -> Program:
 
 def defects(blocks: Sequence[Block]) -> list[str]:
     """Return the names of Blocks whose statements fail the machine or give something else than the program."""
-    found = []
+    defective = []
     for block in blocks:
         printed = pipeline.reduce(block, np.float64, libm=True)
         program = printed.program
@@ -109,9 +109,9 @@ def defects(blocks: Sequence[Block]) -> list[str]:
             except (AssertionError, KeyError):
                 right = False
             if not right:
-                found.append(block.name)
+                defective.append(block.name)
                 break
-    return found
+    return defective
 
 
 @pytest.mark.slow
@@ -178,8 +178,8 @@ def stores(statements: Sequence[Statement]) -> list[str]:
 
 
 def only_branch(statements: Sequence[Statement]) -> Branch:
-    (found,) = (s for s in statements if isinstance(s, Branch))
-    return found
+    (branch,) = (s for s in statements if isinstance(s, Branch))
+    return branch
 
 
 def one(law: Callable[..., Step], outputs: str = "y", states: Sequence[State] = ()) -> Program:

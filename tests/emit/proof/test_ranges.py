@@ -47,8 +47,8 @@ def of_output(law: Callable[..., ca.SX], *inputs: Signal, guarded: str = "", sca
     block = make(lambda u, x, k: Step({"y": law(u)}), inputs)
     if guarded:
         block = replace(block, faults=(Fault(0, "y", guarded),))
-    program, found = analysed(block, scalar)
-    return found[program.outputs["y"]]
+    program, node_ranges = analysed(block, scalar)
+    return node_ranges[program.outputs["y"]]
 
 
 # --- every value lies in its range ---
@@ -63,12 +63,15 @@ def test_no_value_leaves_its_range(
 ) -> None:
     program, box = drawn
     box = {n: Range(float(scalar(r.low)), float(scalar(r.high)), r.nan) for n, r in box.items()}
-    found, rng = ranges.analyse(program, box, scalar), np.random.default_rng(seed)
-    same = limits.redundant(program, found)
+    node_ranges, rng = ranges.analyse(program, box, scalar), np.random.default_rng(seed)
+    same = limits.redundant(program, node_ranges)
     for loads in states(program, box, rng, 8):
         for choices in (None, rng):
             values = compute(program, loads, scalar, choices)
-            assert not strays(values, found), (loads, [(k, values[k], found[k]) for k in strays(values, found)])
+            assert not strays(values, node_ranges), (
+                loads,
+                [(k, values[k], node_ranges[k]) for k in strays(values, node_ranges)],
+            )
         plain = compute(program, loads, scalar)
         for k, a in same.items():  # equal to the bit, signs of zeros included
             assert (np.isnan(plain[k]) and np.isnan(plain[a])) or plain[k].tobytes() == plain[a].tobytes(), (
@@ -89,8 +92,8 @@ def without(arithmetic: Arithmetic, program: Program, box: dict[str, Range]) -> 
     return [Range(float(R[k].low[0]), float(R[k].high[0]), bool(R[k].nan[0])) for k in range(len(R))]
 
 
-def found_out(program: Program, box: dict[str, Range], found: Any, loads: dict[str, float]) -> bool:
-    return any(strays(compute(program, loads, F32, np.random.default_rng(i)), found) for i in range(40))
+def found_out(program: Program, box: dict[str, Range], node_ranges: Any, loads: dict[str, float]) -> bool:
+    return any(strays(compute(program, loads, F32, np.random.default_rng(i)), node_ranges) for i in range(40))
 
 
 @pytest.mark.parametrize("way", ["neg", "choose", "min", ""])
@@ -116,11 +119,11 @@ def test_a_libm_that_errs_stays_in_the_range_and_leaves_one_that_trusts_it() -> 
 
 
 def test_a_range_too_narrow_by_one_number_is_seen() -> None:
-    program, found = analysed(make(lambda u, x, k: Step({"y": 3 * u["a"]}), (signal("a", -2, 1.7),)))
+    program, node_ranges = analysed(make(lambda u, x, k: Step({"y": 3 * u["a"]}), (signal("a", -2, 1.7),)))
     values = compute(program, {"a": 1.7}, F32)
     k = program.outputs["y"]
-    assert found[k].high == values[k] and not strays(values, found)
-    assert strays(values, [replace(r, high=float(np.nextafter(F32(r.high), F32(-inf)))) for r in found])
+    assert node_ranges[k].high == values[k] and not strays(values, node_ranges)
+    assert strays(values, [replace(r, high=float(np.nextafter(F32(r.high), F32(-inf)))) for r in node_ranges])
 
 
 # --- guards and conditions ---
@@ -175,17 +178,17 @@ def test_a_guard_bounds_any_bit_pattern(law: Callable[..., ca.SX], expected: Ran
     ],
 )
 def test_conditions_narrow_what_they_compare(law: Callable[..., ca.SX], expected: Range) -> None:
-    found = of_output(law, U, signal("v", -0.5, 2))
+    y = of_output(law, U, signal("v", -0.5, 2))
     # Contraction and the neighbours of a strict bound take a unit or two.
-    assert [found.low, found.high] == pytest.approx([expected.low, expected.high], rel=1e-6) and not found.nan
+    assert [y.low, y.high] == pytest.approx([expected.low, expected.high], rel=1e-6) and not y.nan
 
 
 def counter(law: Callable[..., ca.SX], high: float = 5) -> Range:
     block = make(
         lambda u, x, k: Step({"y": 0}, {"n": law(u, x["n"])}), (U,), states=[State(signal("n", 0, high), 0, True)]
     )
-    program, found = analysed(block)
-    return found[program.next["n"]]
+    program, node_ranges = analysed(block)
+    return node_ranges[program.next["n"]]
 
 
 def test_counters_are_whole() -> None:
@@ -205,16 +208,16 @@ def clamped(low: float, high: float, gain: float = 1.0) -> tuple[Block, Program,
         (signal("u", -1, 1),),
         states=[State(signal("s", low, high), 0)],
     )
-    program, found = analysed(block)
-    ranges.inductive(program, found, block, F32)
-    return block, program, limits.redundant(program, found)
+    program, node_ranges = analysed(block)
+    ranges.inductive(program, node_ranges, block, F32)
+    return block, program, limits.redundant(program, node_ranges)
 
 
 def test_a_clamp_that_does_nothing_is_redundant_and_one_that_does_is_not() -> None:
     for low, high, expected in ((-1, 1, "input"), (-2, 1.5, "input"), (-1, 0.99999, "min"), (-0.99, 3, None)):
         _, program, same = clamped(low, high)
-        found = same.get(program.next["s"])
-        assert (None if found is None else program.nodes[found].op) == expected
+        replacement = same.get(program.next["s"])
+        assert (None if replacement is None else program.nodes[replacement].op) == expected
     _, program, same = clamped(-1, 3)
     assert {program.nodes[k].op for k in same} == {"min", "max"}
     _, program, same = clamped(-0.5, 3)
@@ -224,8 +227,8 @@ def test_a_clamp_that_does_nothing_is_redundant_and_one_that_does_is_not() -> No
 def redundant_of(law: Callable[..., ca.SX], *inputs: Signal, guarded: str = "") -> list[str]:
     block = make(lambda u, x, k: Step({"y": law(u)}), inputs)
     block = replace(block, faults=(Fault(0, "y", guarded),)) if guarded else block
-    program, found = analysed(block)
-    return [program.nodes[k].op for k in limits.redundant(program, found)]
+    program, node_ranges = analysed(block)
+    return [program.nodes[k].op for k in limits.redundant(program, node_ranges)]
 
 
 def test_no_number_keeps_a_clamp_and_a_tie_of_zeros_too() -> None:
@@ -259,14 +262,10 @@ def test_bounds_are_those_of_the_layout() -> None:
         states=[State(signal("s", -0.3, 0.7), 0)],
         constants=[Constant("k", 0.1, "1", "test")],
     )
-    found = ranges.bounds(replace(block, faults=(Fault(3, "y", "v"),)), F32)
+    box = ranges.bounds(replace(block, faults=(Fault(3, "y", "v"),)), F32)
     tenth = float(F32(0.1))
-    assert (
-        found["u"] == Range(-tenth, tenth)
-        and found["k"] == Range(tenth, tenth)
-        and found["v"] == Range(-inf, inf, True)
-    )
-    assert found["s"] == Range(float(F32(-0.3)), float(F32(0.7)))
+    assert box["u"] == Range(-tenth, tenth) and box["k"] == Range(tenth, tenth) and box["v"] == Range(-inf, inf, True)
+    assert box["s"] == Range(float(F32(-0.3)), float(F32(0.7)))
     huge = replace(block, constants=(Constant("k", 1e39, "1", "test"),))
     with pytest.raises(EmitError, match="constant 'k' is not finite in float"):
         ranges.bounds(huge, F32)
@@ -285,17 +284,17 @@ def test_what_is_not_known_is_refused() -> None:
 
 def test_a_guard_block_hands_on_numbers_within_range() -> None:
     block = safety.guard(TIME, [safety.Guarded(signal("u", -1, 2), 0.5, True)], 4)
-    program, found = analysed(block)
-    assert found[program.outputs["u_held"]] == Range(-1, 2) == found[program.next["last_u"]]
-    ranges.inductive(program, found, block, F32)
+    program, node_ranges = analysed(block)
+    assert node_ranges[program.outputs["u_held"]] == Range(-1, 2) == node_ranges[program.next["last_u"]]
+    ranges.inductive(program, node_ranges, block, F32)
 
 
 def test_the_values_of_a_controller_lie_in_its_ranges() -> None:
     block = control.controller(maglev_stage.plant()).block.rounded(F32)
     program = lower.program(block)
     box, rng = ranges.bounds(block, F32), np.random.default_rng(1)
-    found = ranges.analyse(program, box, F32)
-    ranges.inductive(program, found, block, F32)
-    assert all(found[k].finite for k in program.outputs.values())
+    node_ranges = ranges.analyse(program, box, F32)
+    ranges.inductive(program, node_ranges, block, F32)
+    assert all(node_ranges[k].finite for k in program.outputs.values())
     for loads in states(program, box, rng, 25):
-        assert not strays(compute(program, loads, F32, rng), found)
+        assert not strays(compute(program, loads, F32, rng), node_ranges)

@@ -44,8 +44,8 @@ def make(law: Law, *inputs: Signal, guarded: str = "", **fields: Any) -> Block:
 def proved(block: Block, scalar: type[np.floating] = F32) -> Mapping[str, Range]:
     block = block.rounded(scalar)
     program = lower.program(block)
-    found = safe.require_safe(program, ranges.analyse(program, ranges.bounds(block, scalar), scalar), block, scalar)
-    return {n: found[k] for n, k in (program.outputs | program.next).items()}
+    narrowed = safe.require_safe(program, ranges.analyse(program, ranges.bounds(block, scalar), scalar), block, scalar)
+    return {n: narrowed[k] for n, k in (program.outputs | program.next).items()}
 
 
 def refusal(block: Block, scalar: type[np.floating] = F32) -> str:
