@@ -17,7 +17,7 @@ import numpy as np
 from synth.analyse import reach
 from synth.block import Block
 from synth.blocks import axis_inverse, axis_regulator, linear_block
-from synth.blocks.axis_inverse import MARGIN, Command, rounded_up
+from synth.blocks.axis_inverse import MARGIN, Command, round_up
 from synth.blocks.axis_regulator import Axis, Regulator
 from synth.declaration import Interface
 from synth.errors import SignalError
@@ -88,12 +88,12 @@ def _servo(regulator: Regulator, wires: _Wires, interface: Interface) -> Block:
     bound = MARGIN * float(np.abs(model.C[0]) @ bounds + np.abs(model.D[0]) @ largest)
     excess = command.excess_signal(bound + wires.bounds[1])
     inputs = (wires.error, command.limited, wires.measured, excess, wires.reference)
-    ahead = axis_inverse.states_ahead(axis)
+    ahead = axis_inverse.predicted_states(axis)
     shown = model.select([model.outputs[0], *(f"{name}_ahead" for name in ahead)], model.inputs)
     renamed = dict(zip(model.inputs, (s.name for s in inputs), strict=True)) | {model.outputs[0]: command.name}
     return linear_block.block(
         f"servo_{axis.output}",
-        _with_error_turned(shown).renamed(renamed),
+        _with_negated_error(shown).renamed(renamed),
         inputs=inputs,
         outputs=[command.signal(bound), *ahead.values()],
         states=[Signal(n, model.unit(n) or "1", -b, b) for n, b in zip(model.states, bounds, strict=True)],
@@ -102,7 +102,7 @@ def _servo(regulator: Regulator, wires: _Wires, interface: Interface) -> Block:
     )
 
 
-def _with_error_turned(model: StateSpace) -> StateSpace:
+def _with_negated_error(model: StateSpace) -> StateSpace:
     """Return the model with its first input, the error, counted as in a stage: the set-point less the measurement."""
     sign = np.where(np.arange(len(model.inputs)) == 0, -1.0, 1.0)
     return replace(model, B=model.B * sign, D=model.D * sign)
@@ -125,4 +125,4 @@ def _state_bounds(model: StateSpace, wires: _Wires) -> Array:
     others, inputs = [0, 1, 2, 4], tuple(model.inputs[i] for i in (0, 1, 2, 4))
     form = (model.A - E @ command, B[:, others], command, direct[:, others])
     held = StateSpace(*form, model.states, inputs, model.outputs[:1], model.time)
-    return np.array([rounded_up(MARGIN * float(b)) for b in reach.states(held, wires.bounds)])
+    return np.array([round_up(MARGIN * float(b)) for b in reach.states(held, wires.bounds)])

@@ -26,7 +26,7 @@ from synth.timing import Discrete
 
 MARGIN = 1.1  # of a bound: room for rounding, and for what lies between the points at which it is taken
 POINTS, SEED = 256, 11  # scattered over the plant's box, beside its vertices
-BEYOND = 4.0  # times what the actuators can make: demands up to which the law's inputs are bounded
+DEMAND_FACTOR = 4.0  # times what the actuators can make: demands up to which the law's inputs are bounded
 UNBOUNDED = 1e30  # an inner signal of which no range is promised
 
 
@@ -64,15 +64,15 @@ def _inverse(axis: Axis) -> Linearisation:
     return axis.inverse
 
 
-def states_ahead(axis: Axis) -> dict[str, Signal]:
+def predicted_states(axis: Axis) -> dict[str, Signal]:
     """Return the signals of those predicted states of an axis that the inverse takes, by the plant's name."""
     if axis.inverse is None:
         return {}
-    taken = _entering(axis.inverse)
+    taken = _states_in_law(axis.inverse)
     return {s.name: replace(s, name=f"{s.name}_ahead") for s in taken if s.name in axis.model.states}
 
 
-def _entering(inverse: Linearisation) -> list[Signal]:
+def _states_in_law(inverse: Linearisation) -> list[Signal]:
     """Return the plant's states that the law or the decoupling matrix takes."""
     model = inverse.degree.model
     exprs = ca.vertcat(inverse.u, ca.vec(inverse.degree.decoupling), inverse.degree.drift)
@@ -92,7 +92,7 @@ def blocks(time: Discrete, axes: Sequence[Axis], commands: Mapping[str, Command]
             f"the feedback linearisation takes the demand of '{missing[0]}' too: join the axes of "
             f"{', '.join(outputs)} by axis.decoupled"
         )
-    at = _Places(inverse, _states(inverse, axes, interface))
+    at = _StateSignals(inverse, _states(inverse, axes, interface))
     actuators, bounds = _actuators(inverse, interface), _actuator_bounds(inverse, commands)
     demands = [commands[name].signal() for name in outputs]
     sent = [interface.demand(a, b) for a, b in zip(actuators, bounds, strict=True)]
@@ -122,7 +122,7 @@ def blocks(time: Discrete, axes: Sequence[Axis], commands: Mapping[str, Command]
 
 
 @dataclass(frozen=True, eq=False)
-class _Places:
+class _StateSignals:
     """The signals that stand for the plant's states in the law, by state."""
 
     inverse: Linearisation
@@ -138,9 +138,9 @@ class _Places:
 
 
 def _states(inverse: Linearisation, axes: Sequence[Axis], interface: Interface) -> dict[str, Signal]:
-    ahead = {name: s for axis in axes for name, s in states_ahead(axis).items()}
+    ahead = {name: s for axis in axes for name, s in predicted_states(axis).items()}
     sensors = {s.of: s.name for s in interface.sensors}
-    for state in _entering(inverse):
+    for state in _states_in_law(inverse):
         if state.name not in ahead:
             if state.name not in sensors:
                 raise SignalError(
@@ -160,7 +160,7 @@ def _actuators(inverse: Linearisation, interface: Interface) -> list[str]:
     return [actuators[name] for name in inverse.inputs]
 
 
-def _scattered(inverse: Linearisation, ranges: Mapping[str, tuple[float, float]]) -> tuple[Array, Array]:
+def _sample_points(inverse: Linearisation, ranges: Mapping[str, tuple[float, float]]) -> tuple[Array, Array]:
     """Return points of the plant's box and of further ranges: states (n, k) and the others (m, k), vertices first."""
     states = inverse.degree.model.states
     signals = [*states, *(Signal(name, "1", low, high) for name, (low, high) in ranges.items())]
@@ -174,22 +174,22 @@ def _demand_bound(inverse: Linearisation, output: str, interface: Interface) -> 
     signals = {a.of: interface.signals[a.name] for a in interface.actuators}
     degree, i = inverse.degree, inverse.degree.outputs.index(output)
     ranges = [signals.get(s.name, s) for s in degree.model.inputs]
-    x, u = _scattered(inverse, {s.name: (s.low, s.high) for s in ranges})
+    x, u = _sample_points(inverse, {s.name: (s.low, s.high) for s in ranges})
     symbols = ca.SX.sym("u", len(u))
     made = degree.drift[i] + ca.mtimes(degree.decoupling[i, :], symbols)
     function = ca.Function("made", [inverse.x, symbols], [ca.densify(made)])
-    return rounded_up(MARGIN * float(np.abs(np.asarray(function(x, u))).max()))
+    return round_up(MARGIN * float(np.abs(np.asarray(function(x, u))).max()))
 
 
 def _actuator_bounds(inverse: Linearisation, commands: Mapping[str, Command]) -> list[float]:
     """Return how large the law's inputs become in the plant's box, for demands beyond what the actuators can make."""
     outputs = names(inverse.degree.model.outputs)
-    reached = {name: BEYOND * commands[name].limited.high for name in outputs}
-    x, w = _scattered(inverse, {f"w_{name}": (-b, b) for name, b in reached.items()})
-    return [rounded_up(MARGIN * float(v)) for v in np.abs(np.asarray(inverse.law(x, w))).max(axis=1)]
+    reached = {name: DEMAND_FACTOR * commands[name].limited.high for name in outputs}
+    x, w = _sample_points(inverse, {f"w_{name}": (-b, b) for name, b in reached.items()})
+    return [round_up(MARGIN * float(v)) for v in np.abs(np.asarray(inverse.law(x, w))).max(axis=1)]
 
 
-def rounded_up(value: float) -> float:
+def round_up(value: float) -> float:
     """Return a bound in two digits, so that it is alike on every machine; 1e-30 for none."""
     if not value:
         return 1e-30

@@ -115,16 +115,16 @@ class Regulator:
             "weights": dict(axis.weights),
             "weights_of_internal_model": internal_weights(axis.modes, axis.weights[axis.output]).tolist(),
             "effort": axis.effort,
-            "K": [_cut(v) for v in self.servo.K[0]],
-            "set_point_gain": _cut(self.feedforward),
+            "K": [_six_digits(v) for v in self.servo.K[0]],
+            "set_point_gain": _six_digits(self.feedforward),
             "process_noise": dict(axis.estimator.process),
             "sensor_noise": dict(axis.estimator.sensor),
-            "L": [_cut(v) for v in self.filter.L[:, 0]],
-            "M": [_cut(v) for v in self.filter.M[:, 0]],
+            "L": [_six_digits(v) for v in self.filter.L[:, 0]],
+            "M": [_six_digits(v) for v in self.filter.M[:, 0]],
             "anti_windup_per_s": axis.anti_windup,
-            "E": [_cut(v) for v in self.anti_windup.E[: len(self.servo.K_xi[0]), 0]],
+            "E": [_six_digits(v) for v in self.anti_windup.E[: len(self.servo.K_xi[0]), 0]],
             "certificate": {
-                "slowest_decay_per_s": _cut(self.slowest_decay()),
+                "slowest_decay_per_s": _six_digits(self.slowest_decay()),
                 "error_dies_out": self.servo.steady.vanishes,
                 "kalman_residual_is_small": bool(certificate.defect.max() <= 1e-9 * np.abs(certificate.X).max()),
             },
@@ -135,7 +135,7 @@ class Regulator:
         return float(-np.log(np.abs(self.servo.poles).max()) / self.time.period_s)
 
 
-def _cut(value: float) -> float:
+def _six_digits(value: float) -> float:
     return float(f"{value:.6g}")
 
 
@@ -186,13 +186,13 @@ def synthesise(axis: Axis, time: Discrete, delay: int = 1) -> Regulator:
     model, T, frequencies = axis.model, time.period_s, list(axis.modes)
     undelayed = optimal_servo.lqrd(model, frequencies, _weight(axis), [axis.effort], T, exact=True)
     held = loop.sampled(model, T, delay * T)
-    regulator = servos.of_gain(held, undelayed.model, _delayed(undelayed, delay))
+    regulator = servos.of_gain(held, undelayed.model, _gain_for_delay(undelayed, delay))
     filter, form = _filter(axis, held, T)
     observed = servos.estimated(regulator, form)
     compensator = windup.back_calculation(observed, axis.anti_windup)
     feedforward = _feedforward(axis, regulator, T)
     controller = _with_reference(leapfrog_form.controller(observed, compensator.controller), axis, feedforward)
-    controller = _with_states_ahead(controller, undelayed.plant, form, delay)
+    controller = _with_predicted_states(controller, undelayed.plant, form, delay)
     return Regulator(axis, time, delay, undelayed, observed, filter, compensator, feedforward, controller)
 
 
@@ -208,7 +208,7 @@ def _weight(axis: Axis) -> Array:
     return Q
 
 
-def _delayed(undelayed: servos.Servo, delay: int) -> Array:
+def _gain_for_delay(undelayed: servos.Servo, delay: int) -> Array:
     """Return K on the states, the commands on their way, the oldest first, and xi: each entry rounded once."""
     plant, model = undelayed.plant, undelayed.model
     n, k = len(plant.A), len(model.Phi)
@@ -268,7 +268,7 @@ def _with_reference(controller: StateSpace, axis: Axis, feedforward: float) -> S
     return replace(controller, B=B, D=D, inputs=(*controller.inputs, name), units=units)
 
 
-def _with_states_ahead(controller: StateSpace, plant: StateSpace, form: StateSpace, delay: int) -> StateSpace:
+def _with_predicted_states(controller: StateSpace, plant: StateSpace, form: StateSpace, delay: int) -> StateSpace:
     """Return the controller with the further outputs ``<state>_ahead``: the model's states when its command acts."""
     n = len(plant.states)
     advance = np.linalg.matrix_power(plant.A, delay)

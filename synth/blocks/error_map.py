@@ -50,7 +50,7 @@ def fit(estimated: Array, reference: Array, grid: Grid, units: ArrayLike) -> Err
     reference = numeric.table("the samples' references", reference, len(units))
     if len(estimated) != len(reference):
         raise ModelError(f"{len(estimated)} estimates meet {len(reference)} references: give one for each")
-    errors = lookup_table.fitted(estimated[:, :2], reference - estimated, grid)
+    errors = lookup_table.interpolate_samples(estimated[:, :2], reference - estimated, grid)
     return ErrorMap(grid, readonly(np.moveaxis(np.rint(errors / units) * units, -1, 0)))
 
 

@@ -77,13 +77,13 @@ class Solution(Generic[N]):
 class Descent:
     """How many `corrections`, and the `bounds` of each unknown of d.
 
-    By rounding a cost may rise by `slack` and by the part `rounding` of itself. A decrease up to `settled` is small.
+    By rounding a cost may rise by `slack` and by the part `rounding` of itself. A decrease up to `decrease_tolerance` is small.
     """
 
     corrections: int
     bounds: tuple[Signal, ...]
     slack: float
-    settled: float
+    decrease_tolerance: float
     rounding: float = 0.0
 
 
@@ -96,7 +96,7 @@ def descend(weigh: Callable[[int, Vector], Trial[N]], of: Descent) -> Solution[N
         better = trial.cost <= (1 + of.rounding) * lowest + of.slack
         best, lowest = _choose(better, trial.at, best), ca.if_else(better, trial.cost, lowest)
     untried = _next(trial, ca.SX(1), best, of)
-    converged = ca.logic_and(better, trial.normal.decrease <= of.settled)
+    converged = ca.logic_and(better, trial.normal.decrease <= of.decrease_tolerance)
     return Solution(_choose(converged, untried, best), first, trial, converged)
 
 

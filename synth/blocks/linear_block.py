@@ -59,7 +59,7 @@ def block(
     columns = (*states, *inputs)
     next = [_Row(f"next_{s.name}", s, v) for s, v in zip(states, np.hstack([model.A, model.B]), strict=True)]
     out = [_Row(s.name, s, v) for s, v in zip(outputs, np.hstack([model.C, model.D]), strict=True)]
-    first = [] if start is None else _first(name, model, start, states)
+    first = [] if start is None else _start_rows(name, model, start, states)
     constants = [
         Constant(_name(row, c), float(v), _unit(row.signal, c), f"{tag}: {row.label} from {c.name}")
         for row in (*next, *out, *first)
@@ -86,7 +86,7 @@ def block(
     return build(name, time, law, inputs=inputs, outputs=outputs, states=kept, constants=constants, tag=tag)
 
 
-def _first(name: str, model: StateSpace, start: Start, states: Sequence[Signal]) -> list[_Row]:
+def _start_rows(name: str, model: StateSpace, start: Start, states: Sequence[Signal]) -> list[_Row]:
     """Return what the first inputs add to each state that they move, over states and inputs."""
     n, m = model.B.shape
     if not isinstance(start, Start):

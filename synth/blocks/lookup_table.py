@@ -19,7 +19,7 @@ from synth.errors import ModelError
 from synth.signals import Signal
 from synth.statespace import Array, readonly
 
-MOST = 2**20  # points: whole numbers of single precision tell as many apart, and a controller holds no more
+MAX_POINTS = 2**20  # points: whole numbers of single precision tell as many apart, and a controller holds no more
 
 
 @dataclass(frozen=True)
@@ -37,8 +37,8 @@ class Grid:
         numeric.positive("the grid's spacing", self.spacing)
         for n in self.size:
             numeric.whole("the number of points along a side of the grid", n, 2)
-        if self.size[0] * self.size[1] > MOST:
-            raise ModelError(f"the grid has {self.size} points: give a wider spacing, {MOST} points are the most")
+        if self.size[0] * self.size[1] > MAX_POINTS:
+            raise ModelError(f"the grid has {self.size} points: give a wider spacing, {MAX_POINTS} points are the most")
 
     @property
     def axes(self) -> tuple[Array, Array]:
@@ -58,7 +58,7 @@ def square(reach: float, spacing: float) -> Grid:
     return Grid((-n * spacing, -n * spacing), spacing, (2 * n + 1, 2 * n + 1))
 
 
-def fitted(at: Array, values: Array, grid: Grid) -> Array:
+def interpolate_samples(at: Array, values: Array, grid: Grid) -> Array:
     """Return values (n_x, n_y, m) on a grid from samples (N, m) at scattered places (N, 2).
 
     Raises ModelError for samples that make no triangle, or a grid that reaches beyond them.

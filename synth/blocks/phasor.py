@@ -17,7 +17,7 @@ from synth.block import clip
 from synth.blocks.glsdc import Named
 from synth.signals import Signal
 
-PART = 1.2  # rad: angles whose sine and cosine become polynomials are smaller
+MAX_ANGLE = 1.2  # rad: angles whose sine and cosine become polynomials are smaller
 UNIT, TWICE = Signal("unit", "1", -1, 1), Signal("twice", "1", -2, 2)
 
 
@@ -41,7 +41,7 @@ def of(angle: ca.SX) -> Phasor:
 
 def halvings(limit: float) -> int:
     """Return how often an angle up to a limit in rad is halved before its sine becomes a polynomial."""
-    return max(1, ceil(log2(limit / PART)))
+    return max(1, ceil(log2(limit / MAX_ANGLE)))
 
 
 def reduced(angle: ca.SX, halvings: int, name: str, named: Named) -> Phasor:

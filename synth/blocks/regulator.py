@@ -67,7 +67,7 @@ def block(
         w = k["k_e"] * u[error.name] + k["k_de"] * u[rate.name]
         return Step({demand.name: sum((k[f"k_{s}"] * x[s] for s in eta), start=w)}, next)
 
-    gains = zip(("e", "de", *eta), [*gain.K[0, :2], *_transformed(gain.K[0, 2:], model.T)], strict=True)
+    gains = zip(("e", "de", *eta), [*gain.K[0, :2], *_exact_product(gain.K[0, 2:], model.T)], strict=True)
     constants = [Constant(f"k_{s}", float(v), "1/s" if s == "de" else "1/s^2", f"{tag}: gain on {s}") for s, v in gains]
     turns = [f * time.period_s for f in sorted(frequencies) if f]
     constants += [
@@ -92,7 +92,7 @@ def block(
     )
 
 
-def _transformed(K: Array, T: Array) -> list[float]:
+def _exact_product(K: Array, T: Array) -> list[float]:
     """Return K T, each entry rounded once."""
     exact = [[Fraction(float(v)) for v in row] for row in T.T]
     return [float(sum(Fraction(float(k)) * t for k, t in zip(K, column, strict=True))) for column in exact]

@@ -72,7 +72,7 @@ def guard(
     Raises SignalError for more inputs and suspects than the fault word has bits, for fewer than one bad sample, for an
     initial value outside its range, or for a suspected name that is no measurement or stands twice.
     """
-    _require(inputs, bad_samples, suspected)
+    _check_guard(inputs, bad_samples, suspected)
     kept = [g for g in inputs if g.held]
     measured = [g.signal.name for g in inputs if g.measurement]
     suspects = [_flag(f"suspect_{name}", "contradicts the other measurements") for name in suspected]
@@ -117,7 +117,7 @@ def guard(
         ],
         outputs=outputs,
         states=states,
-        constants=[_in_place(g) for g in inputs if not g.held],
+        constants=[_replacement(g) for g in inputs if not g.held],
         tag="range acceptance, hold, latch",
     )
     faults = [Fault(i, f"fault_{g.signal.name}", g.signal.name) for i, g in enumerate(inputs)]
@@ -192,7 +192,7 @@ def frozen(block: Block) -> Block:
     return replace(block, next={**block.next, **held})
 
 
-def _require(inputs: Sequence[Guarded], bad_samples: int, suspected: Sequence[str]) -> None:
+def _check_guard(inputs: Sequence[Guarded], bad_samples: int, suspected: Sequence[str]) -> None:
     if len(inputs) + len(suspected) > LATCH_BIT:
         raise SignalError(
             f"{len(inputs)} inputs are guarded and {len(suspected)} may be suspects, but the fault word has "
@@ -209,7 +209,7 @@ def _require(inputs: Sequence[Guarded], bad_samples: int, suspected: Sequence[st
             )
 
 
-def _in_place(g: Guarded) -> Constant:
+def _replacement(g: Guarded) -> Constant:
     if not g.signal.low <= g.initial <= g.signal.high:
         raise SignalError(
             f"the initial value {g.initial} of '{g.signal.name}' is outside {g.signal.low} .. {g.signal.high}: "

@@ -91,12 +91,12 @@ class Program:
     titles: Mapping[str, str] = field(default_factory=dict)
     tables: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
-    def moved(self, nodes: tuple[Node, ...], index: Sequence[int]) -> "Program":
+    def with_nodes(self, nodes: tuple[Node, ...], index: Sequence[int]) -> "Program":
         """Return the program with new nodes, where the old node k is now the node index[k]; dead nodes are dropped."""
         outputs, next = ({name: index[k] for name, k in ends.items()} for ends in (self.outputs, self.next))
         marks = tuple((named, index[k]) for named, k in self.marks)
         word = None if self.word is None else index[self.word]
-        return _pruned(replace(self, nodes=nodes, marks=marks, outputs=outputs, next=next, word=word))
+        return _without_dead_nodes(replace(self, nodes=nodes, marks=marks, outputs=outputs, next=next, word=word))
 
     def substituted(self, equal: Mapping[int, int]) -> "Program":
         """Return the program in which each node of `equal` is read as the earlier node that it equals."""
@@ -104,7 +104,7 @@ class Program:
         for k in range(len(self.nodes)):
             index.append(index[equal[k]] if k in equal else k)
         nodes = tuple(replace(n, args=tuple(index[a] for a in n.args)) for n in self.nodes)
-        return self.moved(nodes, index)
+        return self.with_nodes(nodes, index)
 
     def owner(self, state: str) -> str:
         """Return the Block of the composition that a state belongs to: the longest name that leads its own, or ""."""
@@ -142,14 +142,14 @@ def program(block: Block) -> Program:
     tail = results[count:]
     outputs = dict(zip(block.output, tail, strict=False))
     next = dict(zip(block.next, tail[len(outputs) :], strict=True))
-    word = _word(nodes, [(outputs[fault.output], fault.bit) for fault in block.faults])
+    word = _fault_word(nodes, [(outputs[fault.output], fault.bit) for fault in block.faults])
     outputs = {s.name: outputs[s.name] for s in block.outputs}
     titles = {n.block: f"{n.block}: {n.tag}" if n.tag else n.block for n, _ in block.inside}
     integers = frozenset([s.name for s in block.states if s.integer])
-    return _pruned(Program(tuple(nodes), marks, outputs, next, integers, word, titles=titles, tables=tables))
+    return _without_dead_nodes(Program(tuple(nodes), marks, outputs, next, integers, word, titles=titles, tables=tables))
 
 
-def _word(nodes: list[Node], faults: Sequence[tuple[int, int]]) -> int | None:
+def _fault_word(nodes: list[Node], faults: Sequence[tuple[int, int]]) -> int | None:
     """Append the fault word: each bit is set where its flag is; return its place, None without faults.
 
     Flags in a row that hold under a common condition alone are looked at under that condition.
@@ -208,14 +208,14 @@ def walk(
             slot[o[0]] = add(Node("literal", value=f.instruction_constant(k)))
         elif op == ca.OP_CALL:
             called = terms[k].which_function()
-            _keep(called, tables, [name for _, name in loads])
+            _add_table(called, tables, [name for _, name in loads])
             slot[o[0]] = add(Node("table", (slot[i[0]],), name=called.name()))
         else:
             slot[o[0]] = add(_operation(op, tuple(slot[a] for a in i), nodes, unary, binary))
     return nodes, results
 
 
-def _keep(called: ca.Function, tables: dict[str, tuple[float, ...]], taken: Sequence[str]) -> None:
+def _add_table(called: ca.Function, tables: dict[str, tuple[float, ...]], taken: Sequence[str]) -> None:
     """Add a function's numbers to `tables`; raise EmitError unless it is a table of its own name."""
     name, steps = called.name(), range(called.n_instructions())
     if [called.instruction_id(k) for k in steps] != list(LOOKUP):
@@ -245,7 +245,7 @@ def _operation(
     return Node(binary[op], args)
 
 
-def _pruned(p: Program) -> Program:
+def _without_dead_nodes(p: Program) -> Program:
     """Drop nodes that nothing needs any more, and marks on them."""
     live = set(p.ends())
     for k in range(len(p.nodes) - 1, -1, -1):

@@ -37,12 +37,12 @@ def reduce(block: Block, scalar: type[np.floating], libm: bool = False, error: f
     Raises EmitError for an operation without a form in C, for one that is not proved safe, and for a state or an output
     that may leave its declared range.
     """
-    constants, program, polynomials = _reduced(block, scalar, libm, error)
+    constants, program, polynomials = _run_passes(block, scalar, libm, error)
     return Reduced(replace(block, constants=constants), program, polynomials)
 
 
 @cache.kept
-def _reduced(
+def _run_passes(
     block: Block, scalar: type[np.floating], libm: bool, error: float | None
 ) -> tuple[tuple[Constant, ...], Program, tuple[Surrogate, ...]]:
     """Return the constants, program and surrogates of a Reduced: all of it that is data, and can be kept."""
@@ -52,15 +52,15 @@ def _reduced(
     safe.require_safe(program, ranges.analyse(program, bounds, scalar), block, scalar)
     polynomials: tuple[Surrogate, ...] = ()
     if not libm:
-        program, polynomials = surrogates.replaced(program, bounds, scalar, error)
+        program, polynomials = surrogates.replace_functions(program, bounds, scalar, error)
     program = limits.without_idle(program, bounds, scalar)
-    program = fold.gathered(program)
+    program = fold.with_constant_products(program)
     program = limits.without_certified(program, polynomials, scalar)
     block = replace(block, constants=(*block.constants, *_products(block, program, scalar)))
     proved = ranges.analyse(program, ranges.bounds(block, scalar), scalar)
     narrowed = safe.require_safe(program, proved, block, scalar)
-    ranges.inductive(program, proved, block, scalar)
-    safe.require_declared(program, narrowed, block, scalar)
+    ranges.require_inductive(program, proved, block, scalar)
+    safe.require_output_ranges(program, narrowed, block, scalar)
     kinds.require_whole(program, proved)
     return block.constants, _without_certificates(program), polynomials
 

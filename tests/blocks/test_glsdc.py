@@ -16,7 +16,7 @@ SOURCES = np.array([[0.0, 0.0], [4.0, 0.0], [0.0, 3.0], [5.0, 5.0]])
 DAMPING = (1e-6, 1e-6)
 MOST = 4 / DAMPING[0]  # a column holds four cosines
 BOUNDS = tuple(Signal(name, "m", -2, 2) for name in "xy")
-USUAL = Descent(6, BOUNDS, slack=1e-8, settled=1e-8)  # of a deviation of 1 mm
+USUAL = Descent(6, BOUNDS, slack=1e-8, decrease_tolerance=1e-8)  # of a deviation of 1 mm
 
 
 @cache
@@ -71,7 +71,7 @@ def rises(of: Descent) -> float:
 
 def test_no_sample_raises_the_cost() -> None:
     assert rises(USUAL) <= 5e-8
-    assert rises(Descent(6, BOUNDS, slack=1e9, settled=1e-8)) > 0.1  # without the check it does
+    assert rises(Descent(6, BOUNDS, slack=1e9, decrease_tolerance=1e-8)) > 0.1  # without the check it does
 
 
 @pytest.mark.parametrize("most", [1e4 * MOST, 1e-3])

@@ -31,11 +31,11 @@ def test_a_bilinear_function_is_kept_and_its_edge_counts_beyond() -> None:
 def test_linear_samples_are_fitted_exactly() -> None:
     at = np.random.default_rng(0).uniform((-2, 1), (2, 4), (200, 2))
     values = np.column_stack([at @ [1.0, 2.0], at @ [-3.0, 0.5] + 1])
-    fitted = lookup_table.fitted(at, values, GRID)
+    fitted = lookup_table.interpolate_samples(at, values, GRID)
     x, y = np.meshgrid(*GRID.axes, indexing="ij")
     np.testing.assert_allclose(fitted, np.stack([x + 2 * y, -3 * x + 0.5 * y + 1], axis=-1), rtol=1e-12, atol=1e-12)
     with pytest.raises(ModelError, match="no samples lie about"):
-        lookup_table.fitted(at, values, lookup_table.square(5.0, 1.0))
+        lookup_table.interpolate_samples(at, values, lookup_table.square(5.0, 1.0))
 
 
 @pytest.mark.parametrize("spacing", [0, -1e-3, float("nan"), None, "1", True])

@@ -56,5 +56,5 @@ def test_what_no_proof_reaches_is_refused_too() -> None:
 
 
 def test_without_the_proof_the_manifest_would_claim_what_the_c_does_not_keep(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(safe, "require_declared", lambda *_: None)
+    monkeypatch.setattr(safe, "require_output_ranges", lambda *_: None)
     assert emit(made(lambda a: 3 * a), np.float64).manifest["structs"]["output"]["fields"][0]["high"] == 1.0

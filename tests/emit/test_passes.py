@@ -79,7 +79,7 @@ def test_a_limit_that_ranges_prove_idle_is_dropped_and_a_needed_one_stays() -> N
     clamp = next(k for k, n in enumerate(kept.program.nodes) if n.op == "clamp")
     loose = kept.program.substituted({clamp: kept.program.nodes[clamp].args[0]})
     with pytest.raises(EmitError, match=r"state 's' may become -3 \.\. 3"):
-        ranges.inductive(
+        ranges.require_inductive(
             loose, ranges.analyse(loose, ranges.bounds(needed, np.float32), np.float32), needed, np.float32
         )
 

@@ -104,7 +104,7 @@ def test_a_needed_limit_that_is_dropped_is_noticed(width: float, monkeypatch: py
     def all_idle(program: lower.Program, proved: Any) -> dict[int, int]:
         return {k: n.args[0] for k, n in enumerate(program.nodes) if n.op in LIMITS}
 
-    monkeypatch.setattr(limits, "redundant", all_idle)
+    monkeypatch.setattr(limits, "find_redundant", all_idle)
     with pytest.raises(EmitError, match=rf"state 'x' may become .* but its declared bounds are -{width} .. {width} 1"):
         reduce(filtered(width))
     reduce(filtered(2.5))

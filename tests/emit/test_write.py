@@ -132,14 +132,14 @@ def test_emission_grows_with_the_number_of_axes_and_no_faster() -> None:
 
 @pytest.mark.slow
 def test_a_search_through_all_nodes_for_each_axis_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    plain = replace._arguments
+    plain = replace._candidate_variables
 
     def searched(program: Any, users: Any, node_ranges: Any, f: Any) -> Any:
         for k in range(len(program.nodes)):
             replace._reciprocal(program, k, f.variable)
         return plain(program, users, node_ranges, f)
 
-    monkeypatch.setattr(replace, "_arguments", searched)
+    monkeypatch.setattr(replace, "_candidate_variables", searched)
     assert growth()["calls"] > 4.1
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.emit.approx import polynomial
-from synth.emit.approx.enclosure import Enclosure, size
+from synth.emit.approx.enclosure import Enclosure, one_norm
 from synth.emit.approx.polynomial import Polynomial, Scalars
 
 WORK = 3.2e8  # values times (coefficients + 8): under a second
@@ -56,17 +56,17 @@ def certify(p: Polynomial, g: Enclosure, allowed: float) -> Certificate:
     """Bound the relative error of `p` as a stand-in for the function that `g` encloses."""
     low, high = (flint.arb(0), g.high) if p.parity != "none" else (g.low, g.high)
     if p.scalar is np.float64:
-        return Certificate(argued(p, g, low, high), 0)
+        return Certificate(bound_in_balls(p, g, low, high), 0)
     sides = _sides(float(low), float(high))
     tau = _threshold(sides, len(p.coefficients))
-    certificate = _tried(p, g, sides, tau, allowed)
+    certificate = _check_floats(p, g, sides, tau, allowed)
     left, right = max(low, flint.arb(-tau), key=float), min(high, flint.arb(tau), key=float)
     if certificate.max_relative_error > allowed or not left < right:
         return certificate
-    return Certificate(max(certificate.max_relative_error, argued(p, g, left, right)), certificate.checked_values)
+    return Certificate(max(certificate.max_relative_error, bound_in_balls(p, g, left, right)), certificate.checked_values)
 
 
-def argued(p: Polynomial, g: Enclosure, low: flint.arb, high: flint.arb) -> float:
+def bound_in_balls(p: Polynomial, g: Enclosure, low: flint.arb, high: flint.arb) -> float:
     """Bound the relative error on [low, high] in ball arithmetic; inf where no bound is found."""
     worst = 0.0
     # Shortest at the ends of the range, where the error of a best polynomial swings fastest.
@@ -74,10 +74,10 @@ def argued(p: Polynomial, g: Enclosure, low: flint.arb, high: flint.arb) -> floa
     for left, right in itertools.pairwise([low, *(x.mid() for x in inner), high]):
         x = ((left + right) / 2).mid()
         half = (right - x).max(x - left).upper()
-        b, c = g.about(x, half), polynomial.about(p, x, half, g.power)
-        distance = size((flint.arb_poly(c) - flint.arb_poly(b)).coeffs()) + g.error
-        rounding = polynomial.rounding(p, x + flint.arb(0, half), g.power)
-        worst = max(worst, _ratio(distance + rounding, abs(b[0]) - size(b[1:]) - g.error))
+        b, c = g.expansion(x, half), polynomial.expansion(p, x, half, g.power)
+        distance = one_norm((flint.arb_poly(c) - flint.arb_poly(b)).coeffs()) + g.error
+        rounding = polynomial.rounding_bound(p, x + flint.arb(0, half), g.power)
+        worst = max(worst, _ratio(distance + rounding, abs(b[0]) - one_norm(b[1:]) - g.error))
     return worst
 
 
@@ -115,14 +115,14 @@ def _runs(sides: list[tuple[float, float, int]], tau: float) -> Iterator[Run]:
             yield Run(max(first, base), min(last, base + RUN - 1), sign)
 
 
-def _tried(
+def _check_floats(
     p: Polynomial, g: Enclosure, sides: list[tuple[float, float, int]], tau: float, allowed: float
 ) -> Certificate:
     worst, count, runs = 0.0, 0, list(_runs(sides, tau))
     for run in itertools.chain.from_iterable(runs[k::SWEEPS] for k in range(SWEEPS)):
         x = run.x
-        truth, bound = values(g, x)
-        variants = (polynomial.run(p, x, multiply_add) for multiply_add in (polynomial.separate, polynomial.fused))
+        truth, bound = reference_values(g, x)
+        variants = (polynomial.run(p, x, multiply_add) for multiply_add in (polynomial.multiply_then_add, polynomial.fused_multiply_add))
         error = (float(np.max([np.max(np.abs((computed - truth) / truth)) for computed in variants])) + bound) / (
             1 - bound
         )
@@ -133,7 +133,7 @@ def _tried(
     return Certificate(worst, count)
 
 
-def values(g: Enclosure, x: Scalars) -> tuple[NDArray[np.float64], float]:
+def reference_values(g: Enclosure, x: Scalars) -> tuple[NDArray[np.float64], float]:
     """Return f in double at floats x in order, all different from 0, and a bound of the relative error of each.
 
     The bound has room for the rounding of a difference from f and of its quotient by f.
@@ -141,7 +141,7 @@ def values(g: Enclosure, x: Scalars) -> tuple[NDArray[np.float64], float]:
     wide = x.astype(np.float64)
     middle = float(wide[0] + wide[-1]) / 2
     half = max(abs(float(wide[-1]) - middle), abs(middle) * 2.0**-30)
-    b = g.about(flint.arb(middle), flint.arb(half))
+    b = g.expansion(flint.arb(middle), flint.arb(half))
     c = [float(v) for v in b]
     small = 2.0**-44 * abs(c[0])
     while len(c) > 1 and abs(c[-1]) < small:
@@ -151,6 +151,6 @@ def values(g: Enclosure, x: Scalars) -> tuple[NDArray[np.float64], float]:
         value *= w
         value += term
     # Two operations a term, and as much again for w; four for x g, the difference and the quotient.
-    lost = g.error + size([v - d for v, d in zip(b, c, strict=False)]) + size(b[len(c) :])
-    lost += flint.arb(2) ** -52 * (2 * len(c) + 4) * size(b)
+    lost = g.error + one_norm([v - d for v, d in zip(b, c, strict=False)]) + one_norm(b[len(c) :])
+    lost += flint.arb(2) ** -52 * (2 * len(c) + 4) * one_norm(b)
     return value * wide if g.power else value, _ratio(lost, flint.arb(float(np.min(np.abs(value)))) - lost)

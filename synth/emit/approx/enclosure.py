@@ -26,8 +26,8 @@ Analytic = Callable[[flint.acb], flint.acb]
 Parity = Literal["none", "even", "odd"]
 
 BITS = 384  # taking G about another point costs 1.3 bits for each of at most MOST coefficients
-MOST = 160
-CLOSE = flint.arb(2) ** -72  # G is to be this close to g, relative to the least |g|
+MAX_POINTS = 160
+ACCURACY = flint.arb(2) ** -72  # G is to be this close to g, relative to the least |g|
 ELLIPSES = (32, 16, 8, 6, 4.75, 4, 3.5, 3, 2.5, 2, 1.75, 1.5)
 SQUARES = 600  # that many are tried to cover an ellipse before f counts as singular in it
 _MEND = "narrow the range or keep the library function"
@@ -61,7 +61,7 @@ class Enclosure:
         """Return G at points x in the range."""
         return self.series.evaluate([(x - self.middle) / self.radius for x in points], "iter")
 
-    def about(self, x: flint.arb, half: flint.arb) -> list[flint.arb]:
+    def expansion(self, x: flint.arb, half: flint.arb) -> list[flint.arb]:
         """Return the coefficients b_k of G(x + half w) = sum b_k w^k."""
         return self.series(flint.arb_poly([(x - self.middle) / self.radius, half / self.radius])).coeffs()
 
@@ -75,18 +75,18 @@ def enclose(f: Analytic, low: float, high: float, what: str) -> Enclosure:
     vanishes = low <= 0 <= high and f(flint.acb(0)).is_zero()
     parity = _parity(f, low, high, vanishes)
     ends = (low, high) if parity == "none" else (-max(-low, high), max(-low, high))
-    enclosure = _interpolated(f, flint.arb(ends[0]), flint.arb(ends[1]), int(vanishes), parity, what)
-    check_between(enclosure, f, what)
+    enclosure = _interpolate(f, flint.arb(ends[0]), flint.arb(ends[1]), int(vanishes), parity, what)
+    check_bound(enclosure, f, what)
     _check_nonzero(enclosure, what)
     return enclosure
 
 
-def size(coefficients: Sequence[flint.arb]) -> flint.arb:
+def one_norm(coefficients: Sequence[flint.arb]) -> flint.arb:
     """Return the sum of the absolute values: it bounds a polynomial where |w| <= 1."""
     return sum((abs(c) for c in coefficients), flint.arb(0))
 
 
-def check_between(enclosure: Enclosure, f: Analytic, what: str) -> None:
+def check_bound(enclosure: Enclosure, f: Analytic, what: str) -> None:
     """Compare with f at the ends and halfway between the points of interpolation, where the distance peaks.
 
     Raises EmitError where the bound does not hold: then f has broken its promise, or the bound is wrong.
@@ -112,12 +112,12 @@ def _parity(f: Analytic, low: float, high: float, vanishes: bool) -> Parity:
         return "none"
     points = [flint.arb(max(-low, high)) * k / 7 for k in range(1, 8)]
     pairs = [(f(flint.acb(x)).real, f(flint.acb(-x)).real) for x in points]
-    if all(abs(a + b) < abs(a) * CLOSE for a, b in pairs):
+    if all(abs(a + b) < abs(a) * ACCURACY for a, b in pairs):
         return "odd" if vanishes else "none"
-    return "even" if not vanishes and all(abs(a - b) < abs(a) * CLOSE for a, b in pairs) else "none"
+    return "even" if not vanishes and all(abs(a - b) < abs(a) * ACCURACY for a, b in pairs) else "none"
 
 
-def _interpolated(f: Analytic, low: flint.arb, high: flint.arb, power: int, parity: Parity, what: str) -> Enclosure:
+def _interpolate(f: Analytic, low: flint.arb, high: flint.arb, power: int, parity: Parity, what: str) -> Enclosure:
     middle, radius = (low + high) / 2, (high - low) / 2
 
     def g(z: flint.arb) -> flint.arb:
@@ -126,46 +126,46 @@ def _interpolated(f: Analytic, low: flint.arb, high: flint.arb, power: int, pari
 
     least = min((abs(g(z)).lower() for z in (flint.arb(k).sin() for k in range(1, 6))), key=float)
     if not least > 0:
-        raise EmitError(f"{_named(what, low, high)} is not finite, is 0 or not known to a digit somewhere; {_MEND}")
-    count, error = _points(f, low, high, power, least, what)
+        raise EmitError(f"{_describe(what, low, high)} is not finite, is 0 or not known to a digit somewhere; {_MEND}")
+    count, error = _point_count(f, low, high, power, least, what)
     nodes = [(flint.arb(2 * j + 1) / (2 * count)).cos_pi() for j in range(count)]
     balls = flint.arb_poly.interpolate(nodes, [g(z) for z in nodes], "newton").coeffs()
     left_out = [c for k, c in enumerate(balls) if k % 2 and parity != "none"]
     kept = [flint.arb(0) if k % 2 and parity != "none" else c.mid() for k, c in enumerate(balls)]
-    error = (error + size(left_out) + size([c.rad() for c in balls])).upper()
-    if not error < 4 * CLOSE * least:
+    error = (error + one_norm(left_out) + one_norm([c.rad() for c in balls])).upper()
+    if not error < 4 * ACCURACY * least:
         raise EmitError(
-            f"{_named(what, low, high)} is enclosed to {float(error / least):.2g} of its least value, need "
-            f"{float(4 * CLOSE):.2g}; give its constants exactly, not as wide balls"
+            f"{_describe(what, low, high)} is enclosed to {float(error / least):.2g} of its least value, need "
+            f"{float(4 * ACCURACY):.2g}; give its constants exactly, not as wide balls"
         )
     return Enclosure(low, high, power, parity, flint.arb_poly(kept), error)
 
 
-def _points(
+def _point_count(
     f: Analytic, low: flint.arb, high: flint.arb, power: int, least: flint.arb, what: str
 ) -> tuple[int, flint.arb]:
     """Return how many points suffice by the best of the ellipses, and the bound with that many."""
-    best = (MOST + 1, flint.arb(0))
+    best = (MAX_POINTS + 1, flint.arb(0))
     for rho in map(flint.arb, ELLIPSES):
-        largest = _largest(f, (low + high) / 2, (high - low) / 2, rho)
+        largest = _bound_on_ellipse(f, (low + high) / 2, (high - low) / 2, rho)
         if largest is None:
             continue
         # x is at least this far from 0 on the ellipse, and |f / x| is largest on it.
         far = (high - low) / 2 * ((rho + 1 / rho) / 2 - 1)
         factor = 4 * largest / far**power / (rho - 1)
         for count in range(2, best[0], 2):
-            if (bound := factor / rho ** (count - 1)) < CLOSE * least:
+            if (bound := factor / rho ** (count - 1)) < ACCURACY * least:
                 best = (count, bound)
                 break
-    if best[0] > MOST:
+    if best[0] > MAX_POINTS:
         raise EmitError(
-            f"{_named(what, low, high)} is not analytic in the range, has a singularity close by or varies too much; "
+            f"{_describe(what, low, high)} is not analytic in the range, has a singularity close by or varies too much; "
             + _MEND
         )
     return best
 
 
-def _largest(f: Analytic, middle: flint.arb, radius: flint.arb, rho: flint.arb) -> flint.arb | None:
+def _bound_on_ellipse(f: Analytic, middle: flint.arb, radius: flint.arb, rho: flint.arb) -> flint.arb | None:
     """Return a bound of |f| inside the ellipse; None where f is not finite in a square, however small.
 
     The upper half suffices: f is real on the axis, so that its values below are the conjugates of those above.
@@ -194,17 +194,17 @@ def _check_nonzero(enclosure: Enclosure, what: str) -> None:
     pieces = [(enclosure.middle, enclosure.radius)]
     while pieces:
         x, half = pieces.pop()
-        b = enclosure.about(x, half)
-        if abs(b[0]) > size(b[1:]) + enclosure.error:
+        b = enclosure.expansion(x, half)
+        if abs(b[0]) > one_norm(b[1:]) + enclosure.error:
             continue
         if half < enclosure.radius / 2**20:
             beside = ", and not just in a simple zero at 0" if enclosure.power else ""
             raise EmitError(
-                f"{_named(what, enclosure.low, enclosure.high)} is 0, or too close to it, near {float(x):.6g}{beside}: no "
+                f"{_describe(what, enclosure.low, enclosure.high)} is 0, or too close to it, near {float(x):.6g}{beside}: no "
                 "relative error can be held; keep the library function, or leave the place outside the range"
             )
         pieces += [(x - half / 2, half / 2), (x + half / 2, half / 2)]
 
 
-def _named(what: str, low: flint.arb, high: flint.arb) -> str:
+def _describe(what: str, low: flint.arb, high: flint.arb) -> str:
     return f"{what} on [{float(low):.9g}, {float(high):.9g}]"

@@ -33,7 +33,7 @@ def fit(y: Sequence[flint.arb], g: Sequence[flint.arb], degree: int) -> Fit:
     reference = [round(k * last / (degree + 1)) for k in range(degree + 2)]
     best = Fit(flint.arb_poly([]), np.inf)
     for _ in range(ROUNDS):
-        series, level = _levelled(y, g, reference)
+        series, level = _solve_on_reference(y, g, reference)
         errors = [float(q / v - 1) for q, v in zip(series.evaluate(list(y), "iter"), g, strict=True)]
         worst = max(map(abs, errors))
         best = Fit(series, worst) if worst < best.error else best
@@ -43,7 +43,7 @@ def fit(y: Sequence[flint.arb], g: Sequence[flint.arb], degree: int) -> Fit:
     return best
 
 
-def _levelled(y: Sequence[flint.arb], g: Sequence[flint.arb], reference: list[int]) -> tuple[flint.arb_poly, float]:
+def _solve_on_reference(y: Sequence[flint.arb], g: Sequence[flint.arb], reference: list[int]) -> tuple[flint.arb_poly, float]:
     """Solve q(y_i) + (-1)^i e g_i = g_i at the points of reference for q and e."""
     count = len(reference) - 1
     rows = [[*_powers(y[i], flint.arb(1), count), g[i] if j % 2 else -g[i]] for j, i in enumerate(reference)]
@@ -64,7 +64,7 @@ def _peaks(errors: list[float], count: int) -> list[int]:
     return peaks
 
 
-def rounded(
+def round_coefficients(
     coefficients: Sequence[flint.arb], v: Sequence[flint.arb], g: Sequence[flint.arb], scalar: type[np.floating]
 ) -> tuple[float, ...]:
     """Round the coefficients of q(v) to the scalar type, c_0 first; q / g at the points v is to change little.

@@ -16,7 +16,7 @@ import flint
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from synth.emit.approx.enclosure import Parity, size
+from synth.emit.approx.enclosure import Parity, one_norm
 
 Scalars = NDArray[np.floating]
 MultiplyAdd = Callable[[Scalars, Scalars, np.floating], Scalars]
@@ -51,12 +51,12 @@ class Polynomial:
 
     def evaluate(self, x: ArrayLike) -> Scalars:
         """Return what C computes at x (any shape), multiplication and addition rounded separately."""
-        return run(self, np.asarray(x, self.scalar), separate)
+        return run(self, np.asarray(x, self.scalar), multiply_then_add)
 
     def enclose(self, x: flint.arb) -> flint.arb:
         """Return a ball around everything that C may compute in the ball x, contracted or not."""
-        first, *others = about(self, x.mid(), x.rad())
-        return first + flint.arb(0, (size(others) + rounding(self, x)).upper())
+        first, *others = expansion(self, x.mid(), x.rad())
+        return first + flint.arb(0, (one_norm(others) + rounding_bound(self, x)).upper())
 
 
 def run(p: Polynomial, x: Scalars, multiply_add: MultiplyAdd) -> Scalars:
@@ -71,12 +71,12 @@ def run(p: Polynomial, x: Scalars, multiply_add: MultiplyAdd) -> Scalars:
     return t * q if p.parity == "odd" else q
 
 
-def separate(a: Scalars, b: Scalars, c: np.floating) -> Scalars:
+def multiply_then_add(a: Scalars, b: Scalars, c: np.floating) -> Scalars:
     """Return c + a b, the product rounded before the sum."""
     return c + a * b
 
 
-def fused(a: Scalars, b: Scalars, c: np.floating) -> Scalars:
+def fused_multiply_add(a: Scalars, b: Scalars, c: np.floating) -> Scalars:
     """Return c + a b in float32, rounded once.
 
     The product is exact in double. Where rounding the sum to double makes it a tie between two floats that it is not,
@@ -93,7 +93,7 @@ def fused(a: Scalars, b: Scalars, c: np.floating) -> Scalars:
     return total.astype(np.float32)
 
 
-def about(p: Polynomial, x: flint.arb, half: flint.arb, power: int = 0) -> list[flint.arb]:
+def expansion(p: Polynomial, x: flint.arb, half: flint.arb, power: int = 0) -> list[flint.arb]:
     """Return the coefficients b_k of p(x + half w) / (x + half w)^power = sum b_k w^k, without rounding.
 
     The power is 1 only for a polynomial that has t = scale x as a factor.
@@ -105,28 +105,28 @@ def about(p: Polynomial, x: flint.arb, half: flint.arb, power: int = 0) -> list[
     return (q * factor).coeffs() or [flint.arb(0)]
 
 
-def rounding(p: Polynomial, x: flint.arb, power: int = 0) -> flint.arb:
+def rounding_bound(p: Polynomial, x: flint.arb, power: int = 0) -> flint.arb:
     """Bound |computed - exact| / |x|^power in the ball x, products that underflow included.
 
     With power 1 the last operation is the product with t, and its underflow is left out.
     """
     tiny = flint.arb(float(np.finfo(p.scalar).tiny))
     t = (x - p.centre) * p.scale
-    dt = _half_unit(t, p.scalar) if p.centre else flint.arb(0)
-    v, dv = (t, dt) if p.parity == "none" else (t * t, _half_unit(t * t, p.scalar) + tiny)
+    dt = _half_ulp(t, p.scalar) if p.centre else flint.arb(0)
+    v, dv = (t, dt) if p.parity == "none" else (t * t, _half_ulp(t * t, p.scalar) + tiny)
     first = 1 if power and p.parity == "none" else 0
     q, dq = flint.arb(p.coefficients[-1]), flint.arb(0)
     for c in p.coefficients[-2 : first - len(p.coefficients) - 1 : -1]:
         product, lost = v * q, abs(v) * dq + (abs(q) + dq) * dv
-        lost += _half_unit(abs(product) + lost, p.scalar) + tiny
-        q, dq = c + product, lost + _half_unit(abs(c + product) + lost, p.scalar)
+        lost += _half_ulp(abs(product) + lost, p.scalar) + tiny
+        q, dq = c + product, lost + _half_ulp(abs(c + product) + lost, p.scalar)
     last = dq + (abs(q) + dq) * float(np.finfo(p.scalar).eps) / 2
     if power:
         return p.scale * last
     return abs(t) * last + tiny if p.parity == "odd" else dq
 
 
-def _half_unit(size: flint.arb, scalar: type[np.floating]) -> flint.arb:
+def _half_ulp(size: flint.arb, scalar: type[np.floating]) -> flint.arb:
     """Bound what rounding to nearest moves a number of at most this size: half a unit in its last place."""
     mantissa, exponent = abs(size).upper().man_exp()
     if mantissa == 0:

@@ -28,7 +28,7 @@ DEGREE = 24
 POINTS = 16 * (DEGREE + 1)  # at least 16 in each swing of the error
 STEPS: dict[type[np.floating], int] = {np.float32: 6, np.float64: 4}  # up to 2^these centres, and few bits for each
 SAMPLES = (64, 1024)  # pieces of the range, and values in each
-NOTHING = flint.arb(2) ** -100
+NEGLIGIBLE = flint.arb(2) ** -100
 FAR = 8
 TRIALS = 3  # certificates for one degree: where these fail, so will the others
 ROUNDING = 64  # where approximation takes less than this part of eps and none holds, more terms will not help
@@ -85,7 +85,7 @@ def least_degree(
     _check(low, high, scalar, allowed, what)
     with precision(enclosure.BITS):
         task = _task(f, low, high, scalar, what, None)
-        for n in range(_terms(task.g)):
+        for n in range(_max_terms(task.g)):
             if minimax.fit(task.y, task.values, n).error <= allowed:
                 return (n if task.g.parity == "none" else 2 * n) + task.g.power
     raise EmitError(
@@ -124,21 +124,21 @@ def _sample(g: Enclosure, low: float, high: float) -> tuple[Scalars, NDArray[np.
         middle = low + (2 * k + 1) * half
         x = (middle + half * ((2 * np.arange(count) + 1) / count - 1)).astype(np.float32)
         x = x[x != 0]
-        parts.append((x, certificate.values(g, x)[0]))
+        parts.append((x, certificate.reference_values(g, x)[0]))
     return np.concatenate([x for x, _ in parts]), np.concatenate([v for _, v in parts])
 
 
 def _search(task: _Task, allowed: float) -> Polynomial:
     """Try degree after degree; return the first polynomial that is certified."""
     approximation, closest = np.inf, Polynomial(task.low, task.high, 0.0, 1.0, "none", (0.0,), task.scalar)
-    for n in range(_terms(task.g)):
+    for n in range(_max_terms(task.g)):
         best = minimax.fit(task.y, task.values, n)
         approximation = min(approximation, best.error)
         if best.error > allowed:
             continue
         for p in sorted(_candidates(task, best.series), key=lambda p: p.max_relative_error)[:TRIALS]:
             if p.max_relative_error <= allowed:
-                p = _certified(p, task.g, allowed)
+                p = _certify(p, task.g, allowed)
             if p.max_relative_error <= allowed:
                 return p
             closest = min(closest, p, key=lambda p: p.max_relative_error)
@@ -154,7 +154,7 @@ def _search(task: _Task, allowed: float) -> Polynomial:
     )
 
 
-def _terms(g: Enclosure) -> int:
+def _max_terms(g: Enclosure) -> int:
     return (DEGREE - g.power) // (1 if g.parity == "none" else 2) + 1
 
 
@@ -169,11 +169,11 @@ def _candidates(task: _Task, series: flint.arb_poly) -> list[Polynomial]:
         steps = range(math.floor(task.low / step), math.ceil(task.high / step) + 1)
         centres += [float(task.scalar(k * step)) for k in steps]
     centres = [task.like.centre] if task.like else centres
-    polynomials = [_rounded(task, series, c) for c in dict.fromkeys(centres)]
-    return [_estimated(p, task) for p in polynomials if p is not None]
+    polynomials = [_fit_about_centre(task, series, c) for c in dict.fromkeys(centres)]
+    return [_with_error_estimate(p, task) for p in polynomials if p is not None]
 
 
-def _rounded(task: _Task, series: flint.arb_poly, centre: float) -> Polynomial | None:
+def _fit_about_centre(task: _Task, series: flint.arb_poly, centre: float) -> Polynomial | None:
     """Take the fit about a centre and round it; where coefficients would leave the type, scale t to [-1, 1].
 
     Return None where they leave it nevertheless.
@@ -188,24 +188,24 @@ def _rounded(task: _Task, series: flint.arb_poly, centre: float) -> Polynomial |
         v = [(y - shift) / slope for y in task.y[some]]
         values = [value / scale**g.power for value in task.values[some]]
         c = [term / scale**g.power for term in series(flint.arb_poly([shift, slope])).coeffs()]
-        c = _cleared(c, flint.arb(half_width * scale) ** (2 if even else 1), max(map(abs, values), key=float))
+        c = _without_negligible(c, flint.arb(half_width * scale) ** (2 if even else 1), max(map(abs, values), key=float))
         if all(_fits(term, task.scalar) for term in c):
-            coefficients = minimax.rounded(c, v, values, task.scalar)
+            coefficients = minimax.round_coefficients(c, v, values, task.scalar)
             vanishing = (0.0,) if g.power and not even else ()
             return Polynomial(task.low, task.high, centre, scale, g.parity, vanishing + coefficients, task.scalar)
     return None
 
 
-def _cleared(c: Sequence[flint.arb], bound: flint.arb, largest: flint.arb) -> list[flint.arb]:
+def _without_negligible(c: Sequence[flint.arb], bound: flint.arb, largest: flint.arb) -> list[flint.arb]:
     """Return the coefficients, 0 in place of those that never count where |v| <= reach."""
-    return [flint.arb(0) if abs(term) * bound**k < NOTHING * largest else term for k, term in enumerate(c)]
+    return [flint.arb(0) if abs(term) * bound**k < NEGLIGIBLE * largest else term for k, term in enumerate(c)]
 
 
 def _fits(c: flint.arb, scalar: type[np.floating]) -> bool:
     return c == 0 or abs(math.frexp(float(c))[1]) <= EXPONENTS[scalar]
 
 
-def _estimated(p: Polynomial, task: _Task) -> Polynomial:
+def _with_error_estimate(p: Polynomial, task: _Task) -> Polynomial:
     """Return the polynomial with an estimate of its error, to two digits, so that near ties go by the order.
 
     float32: the largest in the sample. float64: the largest bound of its rounding at some of the points.
@@ -214,21 +214,21 @@ def _estimated(p: Polynomial, task: _Task) -> Polynomial:
         error = float(np.max(np.abs(p.evaluate(task.sample) / task.truth - 1)))
     else:
         some = list(zip(task.x, task.values, strict=True))[:: POINTS // 20]
-        error = max(float(polynomial.rounding(p, x, task.g.power) / abs(v)) for x, v in some)
-    return replace(p, max_relative_error=_up(error))
+        error = max(float(polynomial.rounding_bound(p, x, task.g.power) / abs(v)) for x, v in some)
+    return replace(p, max_relative_error=_round_up(error))
 
 
-def _certified(p: Polynomial, g: Enclosure, allowed: float) -> Polynomial:
+def _certify(p: Polynomial, g: Enclosure, allowed: float) -> Polynomial:
     bound = certificate.certify(p, g, allowed)
     error = bound.max_relative_error
     return replace(
         p,
-        max_relative_error=min(_up(error), allowed) if error <= allowed else error,
+        max_relative_error=min(_round_up(error), allowed) if error <= allowed else error,
         checked_values=bound.checked_values,
     )
 
 
-def _up(value: float) -> float:
+def _round_up(value: float) -> float:
     """Round up to two digits; what is not a number is inf."""
     if not np.isfinite(value):
         return np.inf

@@ -25,7 +25,7 @@ Key = tuple[tuple[str, tuple[int, ...], float], ...]
 
 TRANSCENDENTAL = frozenset({"sin", "cos", "tan", "asin", "acos", "atan", "exp", "log", "sinh", "cosh", "tanh"})
 _NUMBERS = frozenset({"literal", "constant"})
-_NOWHERE = flint.acb("nan")
+_NOT_ANALYTIC = flint.acb("nan")
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Univariate:
 
 
 @dataclass(frozen=True)
-class _Trail:
+class _Dependence:
     """How a node comes from its variable: whether a function of libm lies between them."""
 
     variable: int
@@ -50,7 +50,7 @@ def find(program: Program, ranges: Sequence[Range]) -> tuple[Univariate, ...]:
     Of roots that differ by a factor and an offset only, what they share is returned instead. Where a part of one is
     read elsewhere too, it is a root of its own.
     """
-    trails = _trails(program, ranges)
+    trails = _dependences(program, ranges)
     users = program.users()
     kept = set(program.ends())
     roots = [
@@ -58,10 +58,10 @@ def find(program: Program, ranges: Sequence[Range]) -> tuple[Univariate, ...]:
         for k, trail in trails.items()
         if trail.transcendental and (k in kept or not all(_absorbs(trails, u, k) for u in users[k]))
     ]
-    return tuple(Univariate(k, trails[k].variable) for k in sorted(_merged(program, trails, roots)))
+    return tuple(Univariate(k, trails[k].variable) for k in sorted(_merge_scaled_roots(program, trails, roots)))
 
 
-def _varying(program: Program) -> list[bool]:
+def _depends_on_signals(program: Program) -> list[bool]:
     """Return for each node whether it depends on an input or a state."""
     varies: list[bool] = []
     for node in program.nodes:
@@ -69,29 +69,29 @@ def _varying(program: Program) -> list[bool]:
     return varies
 
 
-def _common(above: list[int | None], depth: list[int], a: int | None, b: int | None) -> int | None:
+def _common_dominator(above: list[int | None], depth: list[int], a: int | None, b: int | None) -> int | None:
     while a is not None and b is not None and a != b:
         a, b = (above[a], b) if depth[a] >= depth[b] else (a, above[b])
     return a if a == b else None
 
 
-def _trails(program: Program, ranges: Sequence[Range]) -> dict[int, _Trail]:
+def _dependences(program: Program, ranges: Sequence[Range]) -> dict[int, _Dependence]:
     """Return the trail of each node that is an analytic function of another one.
 
     A named signal that is such a function with libm in it stands by itself: what is computed from it takes it as it is.
     So naming decides which functions are kept apart.
     """
-    trails: dict[int, _Trail] = {}
+    trails: dict[int, _Dependence] = {}
     above: list[int | None] = []
     depth: list[int] = []
-    varies = _varying(program)
+    varies = _depends_on_signals(program)
     named = {k for _, k in program.marks}
     for k, node in enumerate(program.nodes):
         args = [a for a in node.args if varies[a]]
         v = args[0] if args else None
         for a in args[1:]:
-            v = _common(above, depth, v, a)
-        if v is not None and ranges[v].finite and (trail := _trail(program, ranges, varies, trails, named, k, v)):
+            v = _common_dominator(above, depth, v, a)
+        if v is not None and ranges[v].finite and (trail := _dependence(program, ranges, varies, trails, named, k, v)):
             trails[k] = trail
         if k in named and k in trails and trails[k].transcendental:
             v = None
@@ -100,24 +100,24 @@ def _trails(program: Program, ranges: Sequence[Range]) -> dict[int, _Trail]:
     return trails
 
 
-def _trail(
+def _dependence(
     program: Program,
     ranges: Sequence[Range],
     varies: list[bool],
-    trails: dict[int, _Trail],
+    trails: dict[int, _Dependence],
     named: set[int],
     k: int,
     v: int,
-) -> _Trail | None:
+) -> _Dependence | None:
     """Return how node k comes from its dominator v, and on from v's own variable; None where it is not analytic."""
     inside = [n for n in cone(program, k, v) if n != v]
     ops = {n: program.nodes[n].op for n in inside}
     if not all((op in _COMPLEX or op in _NUMBERS) and ranges[n].finite for n, op in ops.items()):
         return None
-    below = trails.get(v, _Trail(v, False))
-    below = _Trail(v, False) if v in named and below.transcendental else below
+    below = trails.get(v, _Dependence(v, False))
+    below = _Dependence(v, False) if v in named and below.transcendental else below
     transcendental = any(op in TRANSCENDENTAL and varies[n] for n, op in ops.items())
-    return _Trail(below.variable, below.transcendental or transcendental)
+    return _Dependence(below.variable, below.transcendental or transcendental)
 
 
 def cone(program: Program, root: int, variable: int) -> list[int]:
@@ -131,29 +131,29 @@ def cone(program: Program, root: int, variable: int) -> list[int]:
     return sorted(nodes)
 
 
-def _absorbs(trails: dict[int, _Trail], user: int, k: int) -> bool:
+def _absorbs(trails: dict[int, _Dependence], user: int, k: int) -> bool:
     """Return whether k lies between a user of it and the user's variable."""
     return user in trails and trails[user].transcendental and trails[user].variable != k
 
 
-def _merged(program: Program, trails: dict[int, _Trail], roots: list[int]) -> set[int]:
+def _merge_scaled_roots(program: Program, trails: dict[int, _Dependence], roots: list[int]) -> set[int]:
     """Replace roots that are a number times the same node, plus a number, by the last node that they share."""
-    varies = _varying(program)
-    chains = {k: _scaled(program, trails, varies, k) for k in roots}
+    varies = _depends_on_signals(program)
+    chains = {k: _linear_chain(program, trails, varies, k) for k in roots}
     groups: dict[int, list[int]] = {}
     for k in roots:
         groups.setdefault(chains[k][-1], []).append(k)
     return {max(set(chains[group[0]]).intersection(*(chains[k] for k in group))) for group in groups.values()}
 
 
-def _scaled(program: Program, trails: dict[int, _Trail], varies: list[bool], k: int) -> list[int]:
+def _linear_chain(program: Program, trails: dict[int, _Dependence], varies: list[bool], k: int) -> list[int]:
     """Return k and the nodes below it that it is a multiple of, plus a number, as long as libm is below them."""
     node = program.nodes[k]
     varying = [a for a in node.args if varies[a]]
     linear = node.op in ("add", "sub", "mul", "neg", "twice") or (node.op == "div" and varying == [node.args[0]])
     if not linear or len(varying) != 1 or varying[0] not in trails or not trails[varying[0]].transcendental:
         return [k]
-    return [k, *_scaled(program, trails, varies, varying[0])]
+    return [k, *_linear_chain(program, trails, varies, varying[0])]
 
 
 def key(program: Program, ranges: Sequence[Range], root: int, variable: int) -> Key:
@@ -203,7 +203,7 @@ def function(key: Key) -> Analytic:
     return f
 
 
-def _off(x: flint.arb, y: flint.arb) -> bool:
+def _off_branch_cut(x: flint.arb, y: flint.arb) -> bool:
     """Return whether x + i y is surely not on the real axis from 1 or -1 outwards."""
     return not y.contains(0) or bool(abs(x) < 1)
 
@@ -219,9 +219,9 @@ _COMPLEX: dict[str, Callable[..., flint.acb]] = {
     "div": lambda a, b: a / b,
     "sqrt": lambda a: a.sqrt(analytic=True),
     "log": lambda a: a.log(analytic=True),
-    "asin": lambda a: a.asin() if _off(a.real, a.imag) else _NOWHERE,
-    "acos": lambda a: a.acos() if _off(a.real, a.imag) else _NOWHERE,
-    "atan": lambda a: a.atan() if _off(a.imag, a.real) else _NOWHERE,
+    "asin": lambda a: a.asin() if _off_branch_cut(a.real, a.imag) else _NOT_ANALYTIC,
+    "acos": lambda a: a.acos() if _off_branch_cut(a.real, a.imag) else _NOT_ANALYTIC,
+    "atan": lambda a: a.atan() if _off_branch_cut(a.imag, a.real) else _NOT_ANALYTIC,
     **{
         name: (lambda a, name=name: getattr(a, name)()) for name in ("exp", "sin", "cos", "tan", "sinh", "cosh", "tanh")
     },

@@ -12,7 +12,7 @@ def cut(value: float, digits: int) -> float:
     return float(f"{value:.{digits}g}")
 
 
-def bound(value: float) -> float:
+def round_up(value: float) -> float:
     """Return a value of 0 or more rounded up to two digits."""
     if value == 0:
         return 0.0
@@ -29,6 +29,6 @@ def certificate(solution: riccati.Riccati) -> dict[str, float]:
     """Return how far a Riccati solution is from one, of its largest weight and of its largest entry."""
     weight = max(float(np.abs(solution.Q).max()), float(np.abs(solution.R).max()))
     return {
-        "relative_residual_below": bound(float(solution.defect.max()) / weight),
-        "relative_forward_error_estimate": bound(float((solution.step / np.abs(solution.X).max()).max())),
+        "relative_residual_below": round_up(float(solution.defect.max()) / weight),
+        "relative_forward_error_estimate": round_up(float((solution.step / np.abs(solution.X).max()).max())),
     }

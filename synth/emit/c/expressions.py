@@ -132,8 +132,8 @@ class Expressions:
             one, zero = (literal(v, self.scalar).c for v in (1.0, 0.0))
             return Text(f"{self.condition(k).inside(6)} ? {one} : {zero}", -1)
         if self.kinds[k] == "integer":
-            return Text(f"({CTYPES[self.scalar]}){self.known(k).inside(7)}", 7)
-        return self.known(k)
+            return Text(f"({CTYPES[self.scalar]}){self.operand(k).inside(7)}", 7)
+        return self.operand(k)
 
     def integer(self, k: int) -> Text:
         """Return node k as a uint32_t."""
@@ -142,16 +142,16 @@ class Expressions:
             return Text(f"{int(node.value)}u")
         if self.kinds[k] == "logical":
             return Text(f"flag({self.condition(k).c})")
-        return self.known(k) if self.kinds[k] == "integer" else Text(f"(uint32_t)({self.value(k).c})", 7)
+        return self.operand(k) if self.kinds[k] == "integer" else Text(f"(uint32_t)({self.value(k).c})", 7)
 
     def condition(self, k: int) -> Text:
         """Return node k as a truth value."""
         if self.kinds[k] == "logical":
-            return self.known(k)
+            return self.operand(k)
         zero = "0u" if self.kinds[k] == "integer" else literal(0.0, self.scalar).c
-        return Text(f"{self.known(k).inside(3)} != {zero}", 2)
+        return Text(f"{self.operand(k).inside(3)} != {zero}", 2)
 
-    def known(self, k: int) -> Text:
+    def operand(self, k: int) -> Text:
         """Return the text of node k, which stands already or is printed wherever it is read."""
         node = self.p.nodes[k]
         return self.of(k) if node.op in INLINE else self.text[k]

@@ -14,7 +14,7 @@ def kinds(p: Program) -> list[str]:
     A difference of integers may be below 0: it is one only where nothing but an integer state takes it.
     """
     kind_of: list[str] = []
-    counted = _counted(p)
+    counted = _only_in_counters(p)
     for k, node in enumerate(p.nodes):
         args = [kind_of[a] for a in node.args]
         whole = all(
@@ -28,14 +28,14 @@ def kinds(p: Program) -> list[str]:
         elif node.op == "bit" or (node.op == "state" and node.name in p.integers):
             kind = "integer"
         elif node.op == "choose":
-            kind = _chosen(p, node, args[1:])
+            kind = _kind_of_choice(p, node, args[1:])
         elif whole and "integer" in args and (node.op == "add" or (node.op == "sub" and k in counted)):
             kind = "integer"
         kind_of.append(kind)
     return kind_of
 
 
-def _counted(p: Program) -> set[int]:
+def _only_in_counters(p: Program) -> set[int]:
     """Return the nodes that reach nothing but integer states, and these through arms of choices alone."""
     other = {*p.outputs.values(), *(k for name, k in p.next.items() if name not in p.integers)}
     for k in range(len(p.nodes) - 1, -1, -1):
@@ -48,7 +48,7 @@ def is_whole(node: Node) -> bool:
     return 0 <= node.value < 2**32 and node.value == int(node.value)
 
 
-def _chosen(p: Program, node: Node, arms: Sequence[str]) -> str:
+def _kind_of_choice(p: Program, node: Node, arms: Sequence[str]) -> str:
     literals = [p.nodes[a] for a, kind in zip(node.args[1:], arms, strict=True) if kind == "number"]
     flags = all(n.value in (0.0, 1.0) for n in literals)
     if set(arms) <= {"logical", "number"} and flags:

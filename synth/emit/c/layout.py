@@ -82,7 +82,7 @@ def layout(block: Block, scalar: type[np.floating]) -> Layout:
     )
 
 
-def _bound(value: float, signal: Signal, scalar: type[np.floating]) -> float:
+def _rounded_bound(value: float, signal: Signal, scalar: type[np.floating]) -> float:
     with np.errstate(over="ignore"):
         bound = float(scalar(value))
     if not np.isfinite(bound):
@@ -102,6 +102,6 @@ def _struct(name: str, kind: str, members: Sequence[tuple[Signal, str]], scalar:
         ordered.append((Signal("reserved", "1", 0, 1, "fills the struct up"), "uint32_t"))
     fields, offset = [], 0
     for s, c in ordered:
-        fields.append(Member(s.name, offset, c, s.unit, _bound(s.low, s, scalar), _bound(s.high, s, scalar), s.about))
+        fields.append(Member(s.name, offset, c, s.unit, _rounded_bound(s.low, s, scalar), _rounded_bound(s.high, s, scalar), s.about))
         offset += _SIZE[c]
     return Struct(kind, f"{name}_{kind}_t", offset, tuple(fields))

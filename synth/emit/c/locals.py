@@ -42,14 +42,14 @@ class Names:
 class Locals:
     """By node: how often the text reads it, what it is called, the choice whose variable it shares, where it starts.
 
-    `handed` are the loads that are assigned before anything is stored: the member itself may stand for them.
+    `direct_loads` are the loads that are assigned before anything is stored: the member itself may stand for them.
     """
 
     reads: Counter[int]
     name: dict[int, str]
     shared: dict[int, int]
     starts: dict[int, int | None]
-    handed: set[int]
+    direct_loads: set[int]
     names: Names
 
 
@@ -58,15 +58,15 @@ def assign(block: Block, program: Program, statements: Sequence[Statement], kind
     reads: Counter[int] = Counter()
     _count(program, statements, reads)
     starts = {c: start for b in _branches(statements) for c, start in b.declared}
-    shared = _shared(program, statements, kinds, starts)
+    shared = _shared_variables(program, statements, kinds, starts)
     taken = {*RESERVED, *(constant(c.name) for c in block.constants)}
     taken |= {n.name for n in program.nodes if n.op == "polynomial"}
     taken |= {constant(n.name) for n in program.nodes if n.op == "table"}
     names = Names(taken)
-    return Locals(reads, _named(program, names, shared), shared, starts, set(_handed(program, statements)), names)
+    return Locals(reads, _name_nodes(program, names, shared), shared, starts, set(_direct_loads(program, statements)), names)
 
 
-def _named(p: Program, names: Names, shared: dict[int, int]) -> dict[int, str]:
+def _name_nodes(p: Program, names: Names, shared: dict[int, int]) -> dict[int, str]:
     """Name what carries a signal, the fault word, and what becomes a next state."""
     named: dict[int, str] = {}
     roots = [(mark.signal.name, node) for mark, node in p.marks]
@@ -91,7 +91,7 @@ def _carrier(p: Program, state: str, k: int) -> int:
     return k
 
 
-def _shared(
+def _shared_variables(
     p: Program, statements: Sequence[Statement], kinds: Sequence[str], starts: dict[int, int | None]
 ) -> dict[int, int]:
     """Map a choice to the variable that it carries on.
@@ -101,14 +101,14 @@ def _shared(
     shared: dict[int, int] = {}
     users, ends = p.users(), set(p.ends())
     for branch in _branches(statements):
-        inside = set(_computed((*branch.then, *branch.other)))
+        inside = set(_definitions((*branch.then, *branch.other)))
         for c, start in branch.declared:
-            if start in starts and kinds[start] == kinds[c] and _leads(users, ends, start, c, inside):
+            if start in starts and kinds[start] == kinds[c] and _leads_only_to(users, ends, start, c, inside):
                 shared[c] = shared.get(start, start)
     return shared
 
 
-def _leads(users: Sequence[Sequence[int]], ends: set[int], start: int, choice: int, inside: set[int]) -> bool:
+def _leads_only_to(users: Sequence[Sequence[int]], ends: set[int], start: int, choice: int, inside: set[int]) -> bool:
     """Tell whether all that comes from a node leads to a choice, through nodes inside its branch."""
     seen, stack = {choice}, [start]
     while stack:
@@ -131,7 +131,7 @@ def _branches(block: Sequence[Statement]) -> Iterator[Branch]:
             yield from _branches(s.other)
 
 
-def _handed(p: Program, block: Sequence[Statement]) -> Iterator[int]:
+def _direct_loads(p: Program, block: Sequence[Statement]) -> Iterator[int]:
     """Yield the loads that are assigned before anything is stored: the member itself may stand for such a one."""
     loaded: set[int] = set()
     for s in block:
@@ -140,19 +140,19 @@ def _handed(p: Program, block: Sequence[Statement]) -> Iterator[int]:
         elif isinstance(s, Assign) and s.node in loaded:
             yield s.node
         elif isinstance(s, Branch):
-            yield from _handed(p, s.then)
-            yield from _handed(p, s.other)
+            yield from _direct_loads(p, s.then)
+            yield from _direct_loads(p, s.other)
         if isinstance(s, Store | Branch):
             loaded.clear()
 
 
-def _computed(block: Sequence[Statement]) -> Iterator[int]:
+def _definitions(block: Sequence[Statement]) -> Iterator[int]:
     for s in block:
         if isinstance(s, Let):
             yield s.node
         elif isinstance(s, Branch):
             yield from (c for c, _ in s.declared)
-            yield from _computed((*s.then, *s.other))
+            yield from _definitions((*s.then, *s.other))
 
 
 def _count(p: Program, block: Sequence[Statement], reads: Counter[int]) -> None:
@@ -160,7 +160,7 @@ def _count(p: Program, block: Sequence[Statement], reads: Counter[int]) -> None:
     for s in reversed(block):
         if isinstance(s, Let) and reads[s.node]:
             node = p.nodes[s.node]
-            reads.update(_read(node))
+            reads.update(_printed_operands(node))
         elif isinstance(s, Assign | Store):
             reads[s.node] += 1
         elif isinstance(s, Branch):
@@ -169,7 +169,7 @@ def _count(p: Program, block: Sequence[Statement], reads: Counter[int]) -> None:
             reads.update([s.condition, *(start for _, start in s.declared if start is not None)])
 
 
-def _read(node: Node) -> Sequence[int]:
+def _printed_operands(node: Node) -> Sequence[int]:
     if node.op == "within":
         return node.args[:1]
     return node.args[::2] if node.op == "clamp" else node.args * (2 if node.op == "sq" else 1)

@@ -70,7 +70,7 @@ class _Printer:
 
     def _assignment(self, s: Assign, variable: str) -> str:
         node = self.p.nodes[s.node]
-        if node.op == "bit" and self.c.known(node.args[0]).c == variable:
+        if node.op == "bit" and self.c.operand(node.args[0]).c == variable:
             return f"{variable} |= {mask(node)};"
         return f"{variable} = {self.c.as_kind(s.node, self.kinds[s.choice]).c};"
 
@@ -97,10 +97,10 @@ class _Printer:
         if waits and len(text.c) < _WIDTH:
             self.c.text[k] = text
             return
-        if k in self.locals.handed and self.locals.reads[k] == 1:
+        if k in self.locals.direct_loads and self.locals.reads[k] == 1:
             self.c.text[k] = text
             return
-        name = self.locals.name.get(k) or self._fresh(node)
+        name = self.locals.name.get(k) or self._new_name(node)
         self.c.text[k] = Text(name)
         self._put(f"const {self.c.ctype(k)} {name} = {text.c};", depth)
         if node.op == "within":
@@ -143,7 +143,7 @@ class _Printer:
     def _put(self, text: str, depth: int) -> None:
         self.printed.append(Line("    " * depth + text, self.tag))
 
-    def _fresh(self, node: Node) -> str:
+    def _new_name(self, node: Node) -> str:
         return self.locals.names.free(node.name) if node.op in LOADS else self.locals.names.next()
 
 

@@ -16,7 +16,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from synth.emit.lower import LOGICAL, Node, Program
-from synth.emit.proof.safe import Guard, arms
+from synth.emit.proof.safe import Guard, node_guards
 
 _ARITHMETIC: dict[str, Callable[[float, float], float]] = {
     "add": operator.add,
@@ -47,7 +47,7 @@ class _Folder:
         node = self.nodes[k]
         return node.value if node.op == "literal" else None
 
-    def scaled(self, k: int) -> tuple[float, int]:
+    def split_factor(self, k: int) -> tuple[float, int]:
         """Read node k as l x; l is 1 where no number stands before it."""
         node = self.nodes[k]
         if node.op == "neg":
@@ -66,7 +66,7 @@ class _Folder:
 def _neg(f: _Folder, a: int) -> int | None:
     if (l := f.number(a)) is not None:
         return f.literal(-l)
-    l, x = f.scaled(a)
+    l, x = f.split_factor(a)
     return None if l == 1 else times(f, -l, x)
 
 
@@ -74,7 +74,7 @@ def times(f: _Folder, l: float, x: int) -> int:
     """Return l x."""
     if (number := f.number(x)) is not None:
         return f.literal(l * number)
-    m, x = f.scaled(x)
+    m, x = f.split_factor(x)
     l *= m
     if l == 1:
         return x
@@ -89,7 +89,7 @@ def times(f: _Folder, l: float, x: int) -> int:
 
 
 def _mul(f: _Folder, a: int, b: int) -> int | None:
-    (l, x), (m, y) = f.scaled(a), f.scaled(b)
+    (l, x), (m, y) = f.split_factor(a), f.split_factor(b)
     for number, other in ((f.number(a), b), (f.number(b), a)):
         if number is not None:
             return times(f, number, other)
@@ -102,7 +102,7 @@ def _div(f: _Folder, a: int, b: int) -> int | None:
     top, bottom = f.number(a), f.number(b)
     if bottom is not None and bottom != 0:
         return times(f, 1 / bottom, a) if top is None else f.literal(top / bottom)
-    (l, x), (m, y) = (top, a) if top is not None else f.scaled(a), f.scaled(b)
+    (l, x), (m, y) = (top, a) if top is not None else f.split_factor(a), f.split_factor(b)
     if m in (0.0, 1.0):
         return None
     if top is not None:
@@ -111,7 +111,7 @@ def _div(f: _Folder, a: int, b: int) -> int | None:
 
 
 def _inv(f: _Folder, a: int) -> int | None:
-    return _div(f, f.literal(1.0), a) if f.number(a) or f.scaled(a)[0] != 1 else None
+    return _div(f, f.literal(1.0), a) if f.number(a) or f.split_factor(a)[0] != 1 else None
 
 
 def _sum(f: _Folder, op: str, a: int, b: int) -> int | None:
@@ -122,10 +122,10 @@ def _sum(f: _Folder, op: str, a: int, b: int) -> int | None:
         return a
     if first == 0:
         return b if op == "add" else _neg(f, b) or f.place(Node("neg", (b,)))
-    l, x = f.scaled(b)
+    l, x = f.split_factor(b)
     if l < 0:
         return f.make(Node("sub" if op == "add" else "add", (a, times(f, -l, x))))
-    l, x = f.scaled(a)
+    l, x = f.split_factor(a)
     if l < 0 and op == "add":
         return f.make(Node("sub", (b, times(f, -l, x))))
     return None
@@ -212,10 +212,10 @@ _RULES: dict[str, Callable[..., int | None]] = {
 
 def folded(p: Program) -> Program:
     """Return a program that computes the same values, to rounding, from fewer operations."""
-    return _shared_divisions(_rebuilt(p, lambda f, node, _: f.make(node)))
+    return _share_divisions(_rebuild(p, lambda f, node, _: f.make(node)))
 
 
-def gathered(p: Program) -> Program:
+def with_constant_products(p: Program) -> Program:
     """Return the program that multiplies by two named constants at once: k1 (k2 x) = (k1 k2) x.
 
     Nothing else may read k2 x. A product of constants stands in `products`, and is no factor of another one.
@@ -240,21 +240,21 @@ def gathered(p: Program) -> Program:
             return f.place(node)
         return f.place(Node("mul", (f.place(Node("constant", name=merged[old])), f.nodes[node.args[1]].args[1])))
 
-    return _rebuilt(replace(p, products=products), make)
+    return _rebuild(replace(p, products=products), make)
 
 
-def _rebuilt(p: Program, make: Callable[[_Folder, Node, Node], int]) -> Program:
+def _rebuild(p: Program, make: Callable[[_Folder, Node, Node], int]) -> Program:
     """Return the program with every node passed through `make`, arguments first, beside what it was."""
     f = _Folder()
     index: list[int] = []
     for node in p.nodes:
         index.append(make(f, replace(node, args=tuple(index[a] for a in node.args)), node))
-    return p.moved(tuple(f.nodes), index)
+    return p.with_nodes(tuple(f.nodes), index)
 
 
-def _shared_divisions(p: Program) -> Program:
+def _share_divisions(p: Program) -> Program:
     """Divide once by what is divided by more than once, where it is divided by it anyway."""
-    guards = arms(p)
+    guards = node_guards(p)
     divisors: dict[int, list[frozenset[Guard]]] = {}
     for k, n in enumerate(p.nodes):
         if n.op in ("div", "inv"):
@@ -269,4 +269,4 @@ def _shared_divisions(p: Program) -> Program:
             return f.make(Node("mul", (top, inverse)))
         return inverse if number == 1 else f.place(Node("mul", (top, inverse)))
 
-    return _rebuilt(p, make)
+    return _rebuild(p, make)

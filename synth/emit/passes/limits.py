@@ -14,7 +14,7 @@ from synth.emit.proof.ranges import SELECTIONS
 
 def without_idle(program: Program, bounds: Mapping[str, ranges.Range], scalar: type[np.floating]) -> Program:
     """Return the program without the limits that its ranges prove idle."""
-    while idle := redundant(program, ranges.analyse(program, bounds, scalar)):
+    while idle := find_redundant(program, ranges.analyse(program, bounds, scalar)):
         program = fold.folded(program.substituted(idle))
     return program
 
@@ -36,7 +36,7 @@ def without_certified(program: Program, surrogates: Sequence[Surrogate], scalar:
     return replace(program, nodes=tuple(nodes))
 
 
-def redundant(program: Program, proved: tuple[ranges.Range, ...]) -> dict[int, int]:
+def find_redundant(program: Program, proved: tuple[ranges.Range, ...]) -> dict[int, int]:
     """Return for each min, max, clamp or choice that always equals one of its arguments that argument.
 
     The argument is followed through others that are redundant. (a < b) ? a : b is b where either is no number, and of

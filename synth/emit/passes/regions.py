@@ -32,7 +32,7 @@ class Region:
 
 
 @dataclass(frozen=True)
-class Written:
+class WrittenRegion:
     """A region as a statement: its choices, the nodes of outside that it reads, and the demands that it meets."""
 
     choices: list[int]
@@ -52,7 +52,7 @@ class Regions:
         for d in demands:
             self.demands.setdefault(d.node, []).append(d)
         self.first_of: dict[int, int] = {}  # by choice, the first of its region
-        self.written_of: dict[int, Written] = {}  # by choice or sunk node
+        self.written_of: dict[int, WrittenRegion] = {}  # by choice or sunk node
 
     def is_read(self, choice: int) -> bool:
         """Tell whether a node of this level reads the choice; what others read is a demand here."""
@@ -63,7 +63,7 @@ class Regions:
         node = self.p.nodes[k]
         return place == (node.op, node.name) and node.op == "state"
 
-    def write(self, write: Callable[[Region], Written]) -> None:
+    def write(self, write: Callable[[Region], WrittenRegion]) -> None:
         """Find and write the regions, later choices first: what one takes in is no region of this level."""
         by_condition: dict[int, list[int]] = {}
         for k in sorted(self.members):
@@ -72,18 +72,18 @@ class Regions:
         for condition, group in sorted(by_condition.items(), key=lambda item: -item[1][-1]):
             choices = self._independent([c for c in group if c not in self.written_of])
             region = Region(condition, choices, self._whole_sides(choices, by_condition))
-            if self._circular(region):
+            if self._is_circular(region):
                 kept: list[int] = []
                 for c in choices:
                     region = Region(condition, [*kept, c], self._whole_sides([*kept, c], by_condition))
-                    kept += [] if self._circular(region) else [c]
+                    kept += [] if self._is_circular(region) else [c]
                 region = Region(condition, kept, self._whole_sides(kept, by_condition))
-            if region.choices and self._worthwhile(region):
+            if region.choices and self._is_worthwhile(region):
                 written = write(region)
                 self.first_of |= dict.fromkeys(region.choices, region.choices[0])
                 self.written_of |= dict.fromkeys([*region.choices, *region.sides[0], *region.sides[1]], written)
 
-    def _circular(self, region: Region) -> bool:
+    def _is_circular(self, region: Region) -> bool:
         """Tell whether one choice of a region needs another through regions, each of which is written as a whole."""
         first = min(region.choices, default=0)
         others = {(self.written_of[c].choices[-1], c) for c in self.first_of.values()}
@@ -135,7 +135,7 @@ class Regions:
     def _sides(self, choices: list[int], taken: set[int]) -> tuple[set[int], set[int]]:
         sides: tuple[set[int], set[int]] = (set(), set())
         chosen = set(choices)
-        early = self._stored_elsewhere(choices)
+        early = self._states_stored_first(choices)
         heap = [-a for c in choices for a in self.p.nodes[c].args[1:]]
         heapify(heap)
         seen: set[int] = set()
@@ -148,14 +148,14 @@ class Regions:
             if node.op == "state" and node.name in early:
                 continue
             for side, sunk in enumerate(sides):
-                users = [u for u in self.users[k] if u in self.members and not self._passes_over(u, k, chosen)]
-                if all(u in sunk or (u in chosen and self._only(u, k, side)) for u in users):
+                users = [u for u in self.users[k] if u in self.members and not self._skips_operand(u, k, chosen)]
+                if all(u in sunk or (u in chosen and self._reads_on_side_only(u, k, side)) for u in users):
                     sunk.add(k)
                     for a in node.args:
                         heappush(heap, -a)
         return sides
 
-    def _stored_elsewhere(self, choices: list[int]) -> set[str | int]:
+    def _states_stored_first(self, choices: list[int]) -> set[str | int]:
         """Return the states whose store at this level waits for none of the choices, so that it may come first."""
         reached, stack = set(choices), list(choices)
         while stack:
@@ -166,25 +166,25 @@ class Regions:
         waiting = (d for some in self.demands.values() for d in some if d.place[0] == "state")
         return {d.place[1] for d in waiting if d.node not in reached}
 
-    def _passes_over(self, user: int, k: int, chosen: set[int]) -> bool:
+    def _skips_operand(self, user: int, k: int, chosen: set[int]) -> bool:
         """Tell whether a user of node k is written without reading it: it only leaves the state that k loads."""
         if user in self.written_of:
             return k not in self.written_of[user].reads
-        return user in chosen and self._holds(user, k)
+        return user in chosen and self._only_keeps(user, k)
 
-    def _holds(self, choice: int, k: int) -> bool:
+    def _only_keeps(self, choice: int, k: int) -> bool:
         """Tell whether a choice reads node k only to leave the state that k loads as it is."""
         places = [d.place for d in self.demands.get(choice, ())]
         read = self.p.nodes[choice].args
         alone = read.count(k) == 1 and read[0] != k
         return not self.is_read(choice) and alone and all(self.is_load(k, q) for q in places)
 
-    def _only(self, choice: int, k: int, side: int) -> bool:
+    def _reads_on_side_only(self, choice: int, k: int, side: int) -> bool:
         """Tell whether a choice reads node k on this side only."""
         args = self.p.nodes[choice].args
         return args[1 + side] == k and args[0] != k and args[2 - side] != k
 
-    def _worthwhile(self, region: Region) -> bool:
+    def _is_worthwhile(self, region: Region) -> bool:
         """An `if` pays for more than two choices, and where a side has something to compute or leaves a state alone.
 
         A short one stays a choice unless its first arm is composed: cppcheck takes the parentheses away from that arm,

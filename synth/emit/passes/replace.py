@@ -43,7 +43,7 @@ class _Reciprocal:
     d: float
 
 
-def replaced(
+def replace_functions(
     program: Program, bounds: Mapping[str, ranges.Range], scalar: type[np.floating], error: float | None = None
 ) -> tuple[Program, tuple[Surrogate, ...]]:
     """Return the program with polynomials for its functions of one variable, and these polynomials.
@@ -60,13 +60,13 @@ def replaced(
             k: _Task(
                 key, reciprocal, node_ranges[k].low, node_ranges[k].high, scalar, error, names.get(f.root, "function")
             )
-            for k, reciprocal in _arguments(program, users, node_ranges, f).items()
+            for k, reciprocal in _candidate_variables(program, users, node_ranges, f).items()
         }
         with suppress(EmitError):
             k = min(tasks, key=lambda k: (_degree(tasks[k]), k == f.variable))
-            best[f.root] = (k, _shared(tasks[k], first.get(k)))
+            best[f.root] = (k, _fit_in_argument_of(tasks[k], first.get(k)))
             first.setdefault(k, best[f.root][1])
-    return _rewritten(program, names, best)
+    return _rewrite(program, names, best)
 
 
 def _names(program: Program) -> dict[int, str]:
@@ -74,7 +74,7 @@ def _names(program: Program) -> dict[int, str]:
     return names | {k: named.signal.name for named, k in reversed(program.marks)}
 
 
-def _arguments(
+def _candidate_variables(
     program: Program, users: Sequence[Sequence[int]], node_ranges: Sequence[ranges.Range], f: univariate.Univariate
 ) -> dict[int, _Reciprocal | None]:
     """Return the nodes in which a root may be written: its variable, and reciprocals of it that are computed anyway."""
@@ -111,7 +111,7 @@ class _Task:
     what: str
 
 
-def _shared(task: _Task, like: Polynomial | None) -> Polynomial:
+def _fit_in_argument_of(task: _Task, like: Polynomial | None) -> Polynomial:
     """Fit in the t of another polynomial of the same argument, unless that takes a higher degree."""
     if like is not None and like.parity == "none":
         with suppress(EmitError):
@@ -140,16 +140,16 @@ def _fitted(task: _Task, like: Polynomial | None) -> Polynomial:
 
 def _function(task: _Task) -> Analytic:
     f = univariate.function(task.key)
-    return _of(f, task.reciprocal, task.scalar) if task.reciprocal else f
+    return _in_reciprocal(f, task.reciprocal, task.scalar) if task.reciprocal else f
 
 
-def _of(f: Analytic, reciprocal: _Reciprocal, scalar: type[np.floating]) -> Analytic:
+def _in_reciprocal(f: Analytic, reciprocal: _Reciprocal, scalar: type[np.floating]) -> Analytic:
     """Return f as a function of u = l / (v + d), with l and d as they are printed."""
     l, d = (flint.acb(float(scalar(value))) for value in (reciprocal.l, reciprocal.d))
     return lambda u: f(l / u - d)
 
 
-def _rewritten(
+def _rewrite(
     program: Program, names: Mapping[int, str], best: Mapping[int, tuple[int, Polynomial]]
 ) -> tuple[Program, tuple[Surrogate, ...]]:
     nodes: list[Node] = []
@@ -167,8 +167,8 @@ def _rewritten(
     def evaluated(k: int) -> int:
         variable, p = best[k]
         if p not in surrogates:
-            name = _free(names.get(k, f"f{len(surrogates) + 1}"), {s.name for s in surrogates.values()})
-            surrogates[p] = Surrogate(name, names.get(k, name), _variable(program, names, variable), p)
+            name = _unused_name(names.get(k, f"f{len(surrogates) + 1}"), {s.name for s in surrogates.values()})
+            surrogates[p] = Surrogate(name, names.get(k, name), _describe_variable(program, names, variable), p)
         t = index[variable]
         t = place("sub" if p.centre > 0 else "add", t, place("literal", value=abs(p.centre))) if p.centre else t
         t = place("mul", place("literal", value=p.scale), t) if p.scale != 1 else t
@@ -186,19 +186,19 @@ def _rewritten(
             n = program.nodes[k]
             args = tuple(index[a] for a in n.args) if k not in best else ()
             index[k] = evaluated(k) if k in best else place(n.op, *args, value=n.value, name=n.name)
-    rewritten = program.moved(tuple(nodes), [index[k] for k in range(len(program.nodes))])
+    rewritten = program.with_nodes(tuple(nodes), [index[k] for k in range(len(program.nodes))])
     return replace(rewritten, polynomials={s.name: s.polynomial for s in surrogates.values()}), tuple(
         surrogates.values()
     )
 
 
-def _free(signal: str, taken: set[str]) -> str:
+def _unused_name(signal: str, taken: set[str]) -> str:
     """Return a name for the polynomial of a signal; signals of unlike Blocks may have one name."""
     candidates = (f"{signal}{n}_polynomial" for n in ("", *(f"_{i}" for i in range(2, len(taken) + 3))))
     return next(name for name in candidates if name not in taken)
 
 
-def _variable(program: Program, names: Mapping[int, str], k: int) -> str:
+def _describe_variable(program: Program, names: Mapping[int, str], k: int) -> str:
     """Say what a node is: a signal, a reciprocal, a sum or a difference of others, or else an expression."""
     node = program.nodes[k]
     sides = [names.get(a) or wording.expression(program, a, spelled=False) for a in node.args]
@@ -206,4 +206,4 @@ def _variable(program: Program, names: Mapping[int, str], k: int) -> str:
         return names.get(k) or wording.expression(program, k, spelled=False)
     if node.op in ("add", "sub"):
         return f"{sides[0]} {'+' if node.op == 'add' else '-'} {sides[1]}"
-    return f"{sides[0] if node.op == 'div' else 1} / ({_variable(program, names, node.args[-1])})"
+    return f"{sides[0] if node.op == 'div' else 1} / ({_describe_variable(program, names, node.args[-1])})"

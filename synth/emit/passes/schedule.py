@@ -11,7 +11,7 @@ into an `if`; that it is only where the store, if the level has one, waits for a
 from collections.abc import Sequence
 
 from synth.emit.lower import Node, Program
-from synth.emit.passes.regions import Demand, Region, Regions, Written
+from synth.emit.passes.regions import Demand, Region, Regions, WrittenRegion
 from synth.emit.passes.statements import About, Assign, Branch, Let, Statement, Store, reads
 
 INLINE = ("literal", "constant")
@@ -23,7 +23,7 @@ def statements(p: Program) -> tuple[Statement, ...]:
     demands += [Demand(k, ("out", name)) for name, k in p.outputs.items()]
     demands += [] if p.word is None else [Demand(p.word, ("word", ""))]
     whole = {k for k, node in enumerate(p.nodes) if node.op not in INLINE}
-    return tuple(_Level(p, p.users(), whole, demands).written())
+    return tuple(_Level(p, p.users(), whole, demands).statements())
 
 
 class _Level:
@@ -40,7 +40,7 @@ class _Level:
         self.done: set[int] = set()
         self.out: list[Statement] = []
 
-    def written(self) -> list[Statement]:
+    def statements(self) -> list[Statement]:
         """Return the statements: signals in order, each demand as soon as the signals below it stand."""
         marked: dict[int, int] = {}
         for i, (_, k) in enumerate(self.p.marks):
@@ -130,9 +130,9 @@ class _Level:
         self._compute(d.node)
         if d in self.pending:  # a branch may have met it
             del self.pending[d]
-            self.out.append(_stored(d))
+            self.out.append(_store_statement(d))
 
-    def _branch(self, region: Region) -> Written:
+    def _branch(self, region: Region) -> WrittenRegion:
         """Write one `if`: demands that only a choice feeds, or that a side leaves as they are, are met inside."""
         inner: tuple[list[Demand], list[Demand]] = ([], [])
         declared: list[tuple[int, int | None]] = []
@@ -154,16 +154,16 @@ class _Level:
                     if not self.regions.is_load(arm, d.place):
                         arm_demands.append(Demand(arm, d.place))
         then, other = (
-            tuple(_Level(self.p, self.users, members, demands).written())
+            tuple(_Level(self.p, self.users, members, demands).statements())
             for members, demands in zip(region.sides, inner, strict=True)
         )
         branch = Branch(region.condition, tuple(declared), then, other)
         inside = region.sides[0].union(region.sides[1], region.choices)
         outside = dict.fromkeys(k for k in reads(self.p, [branch]) if k not in inside)
-        return Written(region.choices, branch, outside, met)
+        return WrittenRegion(region.choices, branch, outside, met)
 
 
-def _stored(d: Demand) -> Statement:
+def _store_statement(d: Demand) -> Statement:
     struct, name = d.place
     if struct == "choice":
         assert isinstance(name, int)

@@ -18,7 +18,7 @@ from synth.emit.proof.interval import Array, Interval, Mask
 BUDGET = 20_000
 _CORNERS = 8  # sides up to which all corners are tried
 _SECTIONS = 64
-_VANISHED = 1e-3  # of the larger value between the points: a quantity that jumps over 0 stays larger
+_VANISHING_RATIO = 1e-3  # of the larger value between the points: a quantity that jumps over 0 stays larger
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ def prove(low: Array, high: Array, whole: Mask, judge: Judge, signed: bool, budg
         cells += low.shape[1]
         hulls.append({k: _hull(a, judgement.holds) for k, a in judgement.watched.items()})
         if judgement.holds.all():
-            return Verdict(True, cells, {k: _joined([h[k] for h in hulls]) for k in hulls[0]})
+            return Verdict(True, cells, {k: _join([h[k] for h in hulls]) for k in hulls[0]})
         low, high = low[:, ~judgement.holds], high[:, ~judgement.holds]
         points = np.hstack([points, _middle(low, high, whole)])
         tried = judge(points, points, True)
@@ -82,7 +82,7 @@ def prove(low: Array, high: Array, whole: Mask, judge: Judge, signed: bool, budg
         open_ = (high > low).any(axis=0)
         if not open_.all() or cells + 2 * low.shape[1] > budget:
             return worst
-        low, high = _halved(low, high, whole, weight)
+        low, high = _halve(low, high, whole, weight)
         points = np.zeros((len(low), 0), low.dtype)
 
 
@@ -113,7 +113,7 @@ def _weights(low: Array, high: Array, judge: Judge) -> Array:
     return weight / np.maximum((high - low).astype(np.float64), np.finfo(low.dtype).tiny)
 
 
-def _halved(low: Array, high: Array, whole: Mask, weight: Array) -> tuple[Array, Array]:
+def _halve(low: Array, high: Array, whole: Mask, weight: Array) -> tuple[Array, Array]:
     side = (weight[:, None] * (high - low).astype(np.float64)).argmax(axis=0)
     at = (side, np.arange(low.shape[1]))
     middle = _middle(low, high, whole)[at]
@@ -130,7 +130,7 @@ def _hull(a: Interval, mask: Mask) -> Interval:
     return Interval(low.min(keepdims=True), high.max(keepdims=True), np.array([(a.nan & mask).any()]))
 
 
-def _joined(parts: list[Interval]) -> Interval:
+def _join(parts: list[Interval]) -> Interval:
     low, high = np.minimum.reduce([p.low for p in parts]), np.maximum.reduce([p.high for p in parts])
     return Interval(low, high, np.logical_or.reduce([p.nan for p in parts]))
 
@@ -162,5 +162,5 @@ def _crossing(signs: dict[bool, Array], judge: Judge) -> tuple[Array, float] | N
             return None
         narrower = (t[turn - 1], t[turn])
         if value[k] == 0 or not narrower[1] - narrower[0] < last - first or narrower[1] - narrower[0] < 1e-17:
-            return (points[:, k], float(value[k])) if abs(value[k]) <= _VANISHED * size else None
+            return (points[:, k], float(value[k])) if abs(value[k]) <= _VANISHING_RATIO * size else None
         first, last = narrower

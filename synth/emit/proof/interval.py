@@ -62,12 +62,12 @@ def point(value: float, scalar: type[np.floating]) -> Interval:
     return interval(value, value, False, scalar)
 
 
-def meet(a: Interval, b: Interval) -> Interval:
+def intersection(a: Interval, b: Interval) -> Interval:
     """Return what lies in both."""
     return Interval(np.maximum(a.low, b.low), np.minimum(a.high, b.high), a.nan & b.nan)
 
 
-def either(a: Interval, b: Interval) -> Interval:
+def hull(a: Interval, b: Interval) -> Interval:
     """Return the hull of both, of one alone where the other is empty."""
     no_a, no_b = a.low > a.high, b.low > b.high
     low = np.where(no_a, b.low, np.where(no_b, a.low, np.minimum(a.low, b.low)))
@@ -157,7 +157,7 @@ def _sqrt(a: Interval) -> Interval:
     return Interval(np.sqrt(np.maximum(a.low, 0)), np.sqrt(np.maximum(a.high, 0)), a.nan | (a.low < 0))
 
 
-def _ordered(below: Callable[[Array, Array], Mask]) -> Callable[[Interval, Interval], Interval]:
+def _comparison(below: Callable[[Array, Array], Mask]) -> Callable[[Interval, Interval], Interval]:
     def compared(a: Interval, b: Interval) -> Interval:
         return _logical(below(a.high, b.low) & ~(a.nan | b.nan), below(a.low, b.high), a.low.dtype.type)
 
@@ -190,8 +190,8 @@ EXACT: dict[str, Callable[..., Interval]] = {
     "max": _max,
     "clamp": _clamp,
     "within": _clamp,
-    "lt": _ordered(np.less),
-    "le": _ordered(np.less_equal),
+    "lt": _comparison(np.less),
+    "le": _comparison(np.less_equal),
     "eq": _eq,
     "ne": lambda a, b: _not(_eq(a, b)),
     "not": _not,

@@ -17,7 +17,17 @@ from synth.block import Block
 from synth.emit.c.layout import layout
 from synth.emit.lower import LOGICAL, Node, Program
 from synth.emit.proof import conditions, libm
-from synth.emit.proof.interval import Interval, Mask, interval, lookup, meet, point, polynomial, truth, unrounded
+from synth.emit.proof.interval import (
+    Interval,
+    Mask,
+    intersection,
+    interval,
+    lookup,
+    point,
+    polynomial,
+    truth,
+    unrounded,
+)
 from synth.errors import EmitError
 
 SELECTIONS = frozenset({"choose", "when"})
@@ -27,7 +37,7 @@ _PASSING = frozenset(
     {"neg", "choose", "when", "min", "max", "clamp", "within"}
 )  # a product gets into a sum through these too
 _KEEPING_WHOLE = frozenset({"neg", "fabs", "add", "sub", "mul", "sq", "twice", "min", "max", "clamp"})
-_SMALL = 40  # nodes of an arm that are computed anew under its condition
+_SMALL = 40  # nodes of an arm that are recomputed under its condition
 
 
 @dataclass(frozen=True)
@@ -57,16 +67,16 @@ class Arithmetic:
 class Structure:
     """A program with what follows from its shape.
 
-    Bit j of `behind[k]` says that node k is node j or depends on it. `products` may enter a sum unrounded. `whole` are
-    the nodes with whole values only. `anew` lists for (selection, position of an arm) what is computed anew under the
+    Bit j of `ancestors[k]` says that node k is node j or depends on it. `products` may enter a sum unrounded. `whole` are
+    the nodes with whole values only. `recomputed` lists for (selection, position of an arm) what is recomputed under the
     condition, last the arm itself.
     """
 
     program: Program
-    behind: tuple[int, ...]
+    ancestors: tuple[int, ...]
     products: frozenset[int]
     whole: frozenset[int]
-    anew: Mapping[tuple[int, int], tuple[int, ...]]
+    recomputed: Mapping[tuple[int, int], tuple[int, ...]]
 
 
 def bounds(block: Block, scalar: type[np.floating]) -> dict[str, Range]:
@@ -110,30 +120,30 @@ def loads(program: Program, bounds: Mapping[str, Range], scalar: type[np.floatin
 def structure(program: Program) -> Structure:
     """Return what the analysis needs to know of a program's shape."""
     nodes = program.nodes
-    behind: list[int] = []
+    ancestors: list[int] = []
     products: set[int] = set()
     whole: set[int] = set()
     for k, node in enumerate(nodes):
-        behind.append(reduce(int.__or__, (behind[a] for a in node.args), 1 << k))
-        if _unrounded(nodes, node) or (node.op in _PASSING and not products.isdisjoint(node.args)):
+        ancestors.append(reduce(int.__or__, (ancestors[a] for a in node.args), 1 << k))
+        if _may_stay_unrounded(nodes, node) or (node.op in _PASSING and not products.isdisjoint(node.args)):
             products.add(k)
-        if _whole(program, node, whole):
+        if _is_whole(program, node, whole):
             whole.add(k)
-    anew = {}
+    recomputed = {}
     for k, node in enumerate(nodes):
         if node.op in SELECTIONS:
-            narrowed = conditions.compared(nodes, node.args[0])
+            narrowed = conditions.narrowable_nodes(nodes, node.args[0])
             for position, arm in enumerate(node.args[1:], 1):
-                anew[k, position] = between(behind, narrowed, (arm,))
-    return Structure(program, tuple(behind), frozenset(products), frozenset(whole), anew)
+                recomputed[k, position] = nodes_between(ancestors, narrowed, (arm,))
+    return Structure(program, tuple(ancestors), frozenset(products), frozenset(whole), recomputed)
 
 
-def _unrounded(nodes: Sequence[Node], node: Node) -> bool:
+def _may_stay_unrounded(nodes: Sequence[Node], node: Node) -> bool:
     """Return whether a compiler may leave a value unrounded inside a sum; it also multiplies instead of halving."""
     return node.op in _PRODUCTS or (node.op == "div" and nodes[node.args[1]].op in ("literal", "constant"))
 
 
-def _whole(program: Program, node: Node, whole: set[int]) -> bool:
+def _is_whole(program: Program, node: Node, whole: set[int]) -> bool:
     """Return whether a value is whole: floating-point sums and products of whole numbers are, and what is cut off."""
     if node.op == "literal":
         return float(node.value).is_integer()
@@ -143,17 +153,17 @@ def _whole(program: Program, node: Node, whole: set[int]) -> bool:
     return kept or (node.op == "state" and node.name in program.integers)
 
 
-def between(behind: Iterable[int], sources: Iterable[int], ends: Iterable[int]) -> tuple[int, ...]:
+def nodes_between(ancestors: Iterable[int], sources: Iterable[int], ends: Iterable[int]) -> tuple[int, ...]:
     """Return the nodes on the ways from `sources`, which are left out, to `ends`, in order."""
-    behind, sources = list(behind), set(sources)
-    mask, reached = sum(1 << k for k in sources), reduce(int.__or__, (behind[k] for k in ends), 0)
+    ancestors, sources = list(ancestors), set(sources)
+    mask, reached = sum(1 << k for k in sources), reduce(int.__or__, (ancestors[k] for k in ends), 0)
     first = min(sources, default=0)
     reached >>= first
     nodes = []
     while reached:  # bit by bit: what is reached is little beside the whole program
         k = first + (reached & -reached).bit_length() - 1
         reached &= reached - 1
-        if behind[k] & mask and k not in sources:
+        if ancestors[k] & mask and k not in sources:
             nodes.append(k)
     return tuple(nodes)
 
@@ -168,7 +178,7 @@ def enclose(
 ) -> dict[int, Interval]:
     """Return `given` with the intervals of `nodes`, computed in order from it; loads are kept as given.
 
-    What is `proved` of a node narrows it. Unless `deep`, arms are not computed anew under their conditions.
+    What is `proved` of a node narrows it. Unless `deep`, arms are not recomputed under their conditions.
 
     Raises EmitError for an operation without an enclosure.
     """
@@ -177,13 +187,13 @@ def enclose(
         for k in nodes:
             node = s.program.nodes[k]
             if node.op not in LOADS:
-                a = _selected(s, arithmetic, k, R, deep) if node.op in SELECTIONS else _computed(s, arithmetic, node, R)
+                a = _select(s, arithmetic, k, R, deep) if node.op in SELECTIONS else _transfer(s, arithmetic, node, R)
                 a = Interval(np.ceil(a.low), np.floor(a.high), a.nan) if k in s.whole else a
-                R[k] = meet(a, proved[k]) if k in proved else a
+                R[k] = intersection(a, proved[k]) if k in proved else a
     return R
 
 
-def _computed(s: Structure, arithmetic: Arithmetic, node: Node, R: Mapping[int, Interval]) -> Interval:
+def _transfer(s: Structure, arithmetic: Arithmetic, node: Node, R: Mapping[int, Interval]) -> Interval:
     if node.op == "literal":
         return point(node.value, arithmetic.scalar)
     if node.op == "bit":  # of a word of 32 bits, which the scalar type holds to rounding only
@@ -203,7 +213,7 @@ def _computed(s: Structure, arithmetic: Arithmetic, node: Node, R: Mapping[int, 
     return libm.transfer(node.op, args, arithmetic.ulps)
 
 
-def _selected(s: Structure, arithmetic: Arithmetic, k: int, R: Mapping[int, Interval], deep: bool) -> Interval:
+def _select(s: Structure, arithmetic: Arithmetic, k: int, R: Mapping[int, Interval], deep: bool) -> Interval:
     """Return the hull of the arms that can be taken, each under its condition."""
     condition = truth(R[s.program.nodes[k].args[0]])
     (then, dead), (other, lost) = (_arm(s, arithmetic, k, position, R, deep) for position in (1, 2))
@@ -220,24 +230,24 @@ def _arm(
 ) -> tuple[Interval, Mask]:
     """Return the interval of an arm where it is taken, and where it cannot be; a gate's other arm is 0."""
     args = s.program.nodes[k].args
-    narrowed, dead = under(s, [(args[0], position == 1)], R)
+    narrowed, dead = narrow_under(s, [(args[0], position == 1)], R)
     if position == len(args):
         return point(0, arithmetic.scalar), dead
-    node, anew = args[position], s.anew[k, position]
+    node, recomputed = args[position], s.recomputed[k, position]
     if node in narrowed:
         return narrowed[node], dead
-    if deep and 0 < len(anew) <= _SMALL:
-        inside = enclose(s, arithmetic, {**R, **narrowed}, anew, deep=False)
-        return meet(inside[node], R[node]), dead
+    if deep and 0 < len(recomputed) <= _SMALL:
+        inside = enclose(s, arithmetic, {**R, **narrowed}, recomputed, deep=False)
+        return intersection(inside[node], R[node]), dead
     return R[node], dead
 
 
-def under(
+def narrow_under(
     s: Structure, decided: Iterable[tuple[int, bool]], R: Mapping[int, Interval]
 ) -> tuple[dict[int, Interval], Mask]:
     """Return what is known where each (condition, holds) is so, and where they cannot all be."""
     p = s.program
-    narrowed = conditions.merged(conditions.known(p.nodes, s.whole, c, holds, R) for c, holds in decided)
+    narrowed = conditions.intersect(conditions.narrow(p.nodes, s.whole, c, holds, R) for c, holds in decided)
     dead = reduce(np.logical_or, (a.empty for a in narrowed.values()), np.array([False]))
     kept = {}
     for k, a in narrowed.items():
@@ -246,7 +256,7 @@ def under(
     return kept, dead
 
 
-def inductive(program: Program, ranges: tuple[Range, ...], block: Block, scalar: type[np.floating]) -> None:
+def require_inductive(program: Program, ranges: tuple[Range, ...], block: Block, scalar: type[np.floating]) -> None:
     """Raise EmitError unless each next state lies in its declared bounds, rounded as in the layout."""
     box = bounds(block, scalar)
     for state in block.states:

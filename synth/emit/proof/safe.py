@@ -16,7 +16,7 @@ from synth.block import Block
 from synth.emit.c import wording
 from synth.emit.c.layout import layout
 from synth.emit.lower import LOGICAL, Program
-from synth.emit.proof import bisection, demands
+from synth.emit.proof import bisection, obligations
 from synth.emit.proof.interval import Array, Interval, interval
 from synth.emit.proof.ranges import (
     LOADS,
@@ -24,10 +24,10 @@ from synth.emit.proof.ranges import (
     Arithmetic,
     Range,
     Structure,
-    between,
     enclose,
+    narrow_under,
+    nodes_between,
     structure,
-    under,
 )
 from synth.errors import EmitError
 
@@ -40,7 +40,7 @@ class _Claim:
     """A demand on node k, whose deciding nodes are `watched`, where the guards are as they are."""
 
     k: int
-    demand: demands.Demand
+    obligation: obligations.Obligation
     watched: tuple[int, ...]
     guards: frozenset[Guard]
 
@@ -58,17 +58,17 @@ def require_safe(
     first = {k: interval(r.low, r.high, r.nan, scalar) for k, r in enumerate(ranges)}
     R, proved = first, dict[int, Interval]()
     ends = [*program.outputs.values(), *program.next.values()]
-    guards = arms(program)
+    guards = node_guards(program)
     claims = [
         _Claim(k, d, tuple(node.args[i] for i in d.watched), guards[k])
         for k, node in enumerate(program.nodes)
-        if (d := demands.of(node.op, len(program.tables.get(node.name, ()))))
+        if (d := obligations.of(node.op, len(program.tables.get(node.name, ()))))
     ]
-    claims += [_Claim(k, demands.FINITE, (k,), frozenset()) for k in dict.fromkeys(ends)]
+    claims += [_Claim(k, obligations.FINITE, (k,), frozenset()) for k in dict.fromkeys(ends)]
     for claim in claims:
-        if _met(s, claim, R):
+        if _holds(s, claim, R):
             continue
-        narrowed = _proof(s, arithmetic, R, proved, claim, block)
+        narrowed = _prove(s, arithmetic, R, proved, claim, block)
         if narrowed and not claim.guards:
             proved |= narrowed
             R = enclose(s, arithmetic, first, range(len(program.nodes)), proved)
@@ -76,7 +76,7 @@ def require_safe(
     return tuple(Range(float(a.low[0]), float(a.high[0]), bool(a.nan[0])) for a in (R[k] for k in range(len(R))))
 
 
-def require_declared(program: Program, ranges: tuple[Range, ...], block: Block, scalar: type[np.floating]) -> None:
+def require_output_ranges(program: Program, ranges: tuple[Range, ...], block: Block, scalar: type[np.floating]) -> None:
     """Raise EmitError, by name, for an output that is not proved to stay in its declared range.
 
     The range is the layout's, rounded to the scalar type: what the manifest tells.
@@ -86,17 +86,17 @@ def require_declared(program: Program, ranges: tuple[Range, ...], block: Block, 
     for field in layout(block, scalar).output.fields:
         if field.name in program.outputs:
             k = program.outputs[field.name]
-            claim = _Claim(k, demands.between(field.low, field.high, field.unit), (k,), frozenset())
-            if not _met(s, claim, R):
-                _proof(s, arithmetic, R, {}, claim, block)
+            claim = _Claim(k, obligations.between(field.low, field.high, field.unit), (k,), frozenset())
+            if not _holds(s, claim, R):
+                _prove(s, arithmetic, R, {}, claim, block)
 
 
-def _met(s: Structure, claim: _Claim, R: Mapping[int, Interval]) -> bool:
+def _holds(s: Structure, claim: _Claim, R: Mapping[int, Interval]) -> bool:
     with np.errstate(all="ignore"):
-        return bool(claim.demand.met(R[claim.k], [R[a] for a in s.program.nodes[claim.k].args]).all())
+        return bool(claim.obligation.holds(R[claim.k], [R[a] for a in s.program.nodes[claim.k].args]).all())
 
 
-def arms(program: Program) -> list[frozenset[Guard]]:
+def node_guards(program: Program) -> list[frozenset[Guard]]:
     """Return for each node under which conditions alone it is used."""
     guards_of: list[frozenset[Guard] | None] = [None] * len(program.nodes)
     for k in program.ends():
@@ -134,7 +134,7 @@ def leaves(s: Structure, R: Mapping[int, Interval], tops: Sequence[int], near: b
     return tuple(sorted(cut))
 
 
-def _proof(
+def _prove(
     s: Structure,
     arithmetic: Arithmetic,
     R: Mapping[int, Interval],
@@ -143,9 +143,9 @@ def _proof(
     block: Block,
 ) -> dict[int, Interval]:
     """Return narrower intervals that prove the claim; raise EmitError where bisection does not."""
-    narrowed, void = under(s, claim.guards, R)
-    inside = enclose(s, arithmetic, {**R, **narrowed}, between(s.behind, narrowed, [claim.k]))
-    if void.any() or _met(s, claim, inside):
+    narrowed, void = narrow_under(s, claim.guards, R)
+    inside = enclose(s, arithmetic, {**R, **narrowed}, nodes_between(s.ancestors, narrowed, [claim.k]))
+    if void.any() or _holds(s, claim, inside):
         return {}
     cut, verdict = tuple[int, ...](), bisection.Verdict(False, 0)
     for near in (True, False):
@@ -154,7 +154,7 @@ def _proof(
             low, high = (np.array([getattr(inside[k], side)[0] for k in cut]) for side in ("low", "high"))
             whole = np.array([k in s.whole for k in cut])
             judge = _judge(s, arithmetic, inside, proved, claim, cut)
-            verdict = bisection.prove(low, high, whole, judge, claim.demand.signed)
+            verdict = bisection.prove(low, high, whole, judge, claim.obligation.signed)
             if verdict.proved:
                 return {k: a for k, a in verdict.hull.items() if not a.empty[0]}
     raise EmitError(_refusal(s.program, inside, claim, block, cut, verdict))
@@ -171,7 +171,7 @@ def _judge(
     """Return what judges cells of the leaves `cut`."""
     args = s.program.nodes[claim.k].args
     ends = [*claim.watched, *(c for c, _ in claim.guards)]
-    cone = between(s.behind, cut, ends)
+    cone = nodes_between(s.ancestors, cut, ends)
     cone = cone if claim.k in cone or claim.k in cut else (*cone, claim.k)
     pointwise = replace(arithmetic, ulps=0, contracted=False)
 
@@ -179,13 +179,13 @@ def _judge(
         mode, n = pointwise if exact else arithmetic, low.shape[1]
         cells = {k: Interval(low[i], high[i], np.zeros(n, bool)) for i, k in enumerate(cut)}
         inside = enclose(s, mode, {**R, **cells}, cone, None if exact else proved)
-        narrowed, void = under(s, claim.guards, inside)
+        narrowed, void = narrow_under(s, claim.guards, inside)
         if narrowed:
-            inside = enclose(s, mode, {**inside, **narrowed}, between(s.behind, narrowed, [claim.k]))
+            inside = enclose(s, mode, {**inside, **narrowed}, nodes_between(s.ancestors, narrowed, [claim.k]))
         with np.errstate(all="ignore"):
             result, sides = inside[claim.k], [inside[a] for a in args]
-            met, failed = claim.demand.met(result, sides) | void, claim.demand.failed(result, sides) & ~void
-            value = np.where(void, np.nan, claim.demand.value(sides if claim.demand.watched else [result]))
+            met, failed = claim.obligation.holds(result, sides) | void, claim.obligation.fails(result, sides) & ~void
+            value = np.where(void, np.nan, claim.obligation.value(sides if claim.obligation.watched else [result]))
         kept = {k: inside[k] for k in (*claim.watched, claim.k)}
         watched = {
             k: Interval(np.where(void, inf, a.low), np.where(void, -inf, a.high), a.nan) for k, a in kept.items()
@@ -205,9 +205,9 @@ def _refusal(
     verdict: bisection.Verdict,
 ) -> str:
     watched = ", ".join(f"`{wording.expression(program, k)}`" for k in claim.watched)
-    if not claim.demand.watched:
+    if not claim.obligation.watched:
         what = f"{_end(program, claim.k)} = {watched} of block '{block.name}'"
-        origin = _origin(program, R, claim.k) if claim.demand is demands.FINITE else claim.k
+        origin = _origin(program, R, claim.k) if claim.obligation is obligations.FINITE else claim.k
         begins = "" if origin == claim.k else f"; it begins at `{wording.expression(program, origin)}`"
     else:
         op = program.nodes[claim.k].op
@@ -218,13 +218,13 @@ def _refusal(
     if not cut:
         where = "nothing bounds what it is computed from"
     elif verdict.fails:
-        where = f"violated: {claim.demand.quantity} is {verdict.value:.6g} at {point}"
+        where = f"violated: {claim.obligation.quantity} is {verdict.value:.6g} at {point}"
     else:
         where = (
-            f"not proved in {verdict.cells} cells: {claim.demand.quantity} comes nearest, {verdict.value:.6g}, at "
+            f"not proved in {verdict.cells} cells: {claim.obligation.quantity} comes nearest, {verdict.value:.6g}, at "
             f"{point}, in the cell {cell}"
         )
-    return f"{what} is not safe: {claim.demand.need}; {where}{begins}; {claim.demand.mend}"
+    return f"{what} is not safe: {claim.obligation.need}; {where}{begins}; {claim.obligation.mend}"
 
 
 def _end(program: Program, k: int) -> str:

@@ -76,15 +76,15 @@ def leads(users: Any, ends: set[int], start: int, choice: int, inside: set[int])
     return start not in ends and (inside | {choice}).issuperset(users[start])
 
 
-def handed(p: Program, block: Sequence[Any]) -> list[int]:
+def every_load(p: Program, block: Sequence[Any]) -> list[int]:
     """Take every load of a state for one that may be read where it is assigned."""
     return [k for k, node in enumerate(p.nodes) if node.op == "state"]
 
 
 PLANTED: list[tuple[Any, str, Callable[..., Any]]] = [
-    (variables, "_leads", leads),
-    (variables, "_handed", handed),
-    (carriers, "_counted", lambda p: set(range(len(p.nodes)))),
+    (variables, "_leads_only_to", leads),
+    (variables, "_direct_loads", every_load),
+    (carriers, "_only_in_counters", lambda p: set(range(len(p.nodes)))),
     (carriers, "is_whole", lambda node: True),
     (fold, "_truth", lambda f, a: a),
     (c_text, "literal", lambda value, scalar: expressions.literal(round(value, 1), scalar)),

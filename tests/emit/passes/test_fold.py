@@ -121,7 +121,7 @@ RULES: dict[str, Any] = {
 }
 TABLED: dict[str, Any] = {
     "sub": fold._RULES["add"],
-    "neg": lambda f, a: None if f.scaled(a)[0] == 1 else f.scaled(a)[1],
+    "neg": lambda f, a: None if f.split_factor(a)[0] == 1 else f.split_factor(a)[1],
     "choose": lambda f, c, a, b: a if f.nodes[c].op == "not" else None,
     "inv": lambda f, a: a,
     "max": lambda f, a, b: f.place(Node("clamp", (a, b, b))) if f.nodes[a].op == "min" else None,

@@ -10,7 +10,7 @@ from tests.emit.passes.trees import LEAVES, A, B, K, L, folded, tree
 
 
 def gathered(*nodes: Node) -> Program:
-    return fold.gathered(folded(*nodes, leaves=[*LEAVES, Node("constant", name="m")]))
+    return fold.with_constant_products(folded(*nodes, leaves=[*LEAVES, Node("constant", name="m")]))
 
 
 M = 5
@@ -25,7 +25,7 @@ def test_three_constants_become_two() -> None:
     """The third is not lost."""
     program = gathered(Node("mul", (M, A)), Node("mul", (L, 6)), Node("mul", (K, 7)))
     assert tree(program) == "mul(k, mul(l_x_m, a))" and program.products == {"l_x_m": ("l", "m")}
-    assert fold.gathered(program).products == {"l_x_m": ("l", "m"), "k_x_l_x_m": ("k", "l_x_m")}
+    assert fold.with_constant_products(program).products == {"l_x_m": ("l", "m"), "k_x_l_x_m": ("k", "l_x_m")}
 
 
 def test_what_is_read_elsewhere_too_is_not_gathered() -> None:
@@ -36,7 +36,7 @@ def test_what_is_read_elsewhere_too_is_not_gathered() -> None:
 def test_a_name_that_is_taken_is_not_given_again() -> None:
     leaves = [*LEAVES, Node("constant", name="k_x_l")]
     nodes = [Node("mul", (L, A)), Node("mul", (K, 6)), Node("mul", (5, B)), Node("add", (7, 8))]
-    assert not fold.gathered(folded(*nodes, leaves=leaves)).products
+    assert not fold.with_constant_products(folded(*nodes, leaves=leaves)).products
 
 
 def test_a_block_keeps_its_constants() -> None:

@@ -52,7 +52,7 @@ def replaced(
     block: Block, scalar: type[np.floating] = F32, error: float | None = COARSE
 ) -> tuple[lower.Program, tuple[Surrogate, ...]]:
     shipped = block.rounded(scalar)
-    return replace.replaced(fold.folded(lower.program(shipped)), ranges.bounds(shipped, scalar), scalar, error)
+    return replace.replace_functions(fold.folded(lower.program(shipped)), ranges.bounds(shipped, scalar), scalar, error)
 
 
 def operations(program: lower.Program) -> list[str]:

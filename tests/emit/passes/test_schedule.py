@@ -134,7 +134,7 @@ def stored_at_once(self: Any, d: Any) -> None:
         self._compute(d.node)
         if d in self.pending:
             del self.pending[d]
-            self.out.append(schedule._stored(d))
+            self.out.append(schedule._store_statement(d))
 
 
 def held_though_it_decides(self: Any, choice: int, k: int) -> bool:
@@ -146,9 +146,9 @@ def held_though_it_decides(self: Any, choice: int, k: int) -> bool:
 
 PLANTED: dict[str, Callable[..., Any]] = {
     "_meet": stored_at_once,
-    "_holds": held_though_it_decides,
-    "_stored_elsewhere": lambda self, choices: set(),
-    "_passes_over": lambda self, user, k, chosen: user in self.written_of or (user in chosen and self._holds(user, k)),
+    "_only_keeps": held_though_it_decides,
+    "_states_stored_first": lambda self, choices: set(),
+    "_skips_operand": lambda self, user, k, chosen: user in self.written_of or (user in chosen and self._only_keeps(user, k)),
     "is_read": lambda self, choice: False,
     "is_load": lambda self, k, place: place[0] == "state" and self.p.nodes[k].op == "state",
 }

@@ -25,8 +25,8 @@ def told(*nodes: Node, holds: bool, x: Side, y: Side = (0, 1, False), whole: boo
         args = [R[a] for a in node.args]
         R[k] = transfer(node.op, args, 4)
     last = len(every) - 1
-    narrowed = conditions.known(every, frozenset({0, 1, 2}) if whole else frozenset(), last, holds, R)
-    assert set(narrowed) <= conditions.compared(every, last)
+    narrowed = conditions.narrow(every, frozenset({0, 1, 2}) if whole else frozenset(), last, holds, R)
+    assert set(narrowed) <= conditions.narrowable_nodes(every, last)
     return {k: (float(a.low[0]), float(a.high[0]), bool(a.nan[0])) for k, a in narrowed.items()}
 
 
@@ -81,11 +81,11 @@ def test_whole_numbers_step_by_one() -> None:
         ((-4, 5, False), (-4, 5, False)),
     ):
         R = {0: interval(*x, F32)}
-        narrowed = conditions.known(LOADS, frozenset({0}), 0, True, R)[0]
+        narrowed = conditions.narrow(LOADS, frozenset({0}), 0, True, R)[0]
         assert (narrowed.low[0], narrowed.high[0], narrowed.nan[0]) == expected
-        zero = conditions.known(LOADS, frozenset({0}), 0, False, R)[0]
+        zero = conditions.narrow(LOADS, frozenset({0}), 0, False, R)[0]
         assert zero.low[0] == zero.high[0] == 0
-    assert conditions.known(LOADS, frozenset(), 0, True, {0: interval(0, 5, True, F32)}) == {}
+    assert conditions.narrow(LOADS, frozenset(), 0, True, {0: interval(0, 5, True, F32)}) == {}
 
 
 def test_what_cannot_be_is_empty() -> None:
@@ -110,7 +110,7 @@ def test_no_value_that_meets_a_random_condition_is_lost(holds: bool) -> None:
         for k, node in enumerate(nodes[2:], 2):
             R[k] = interval(1, 1, False, F32) if k == 2 else transfer(node.op, [R[a] for a in node.args], 4)
         last = len(nodes) - 1
-        narrowed = conditions.known(nodes, frozenset(), last, holds, R)
+        narrowed = conditions.narrow(nodes, frozenset(), last, holds, R)
         for x in grid:
             for y in grid:
                 values = compute(program, {"x": x, "y": y}, F32)

@@ -64,7 +64,7 @@ def test_no_value_leaves_its_range(
     program, box = drawn
     box = {n: Range(float(scalar(r.low)), float(scalar(r.high)), r.nan) for n, r in box.items()}
     node_ranges, rng = ranges.analyse(program, box, scalar), np.random.default_rng(seed)
-    same = limits.redundant(program, node_ranges)
+    same = limits.find_redundant(program, node_ranges)
     for loads in states(program, box, rng, 8):
         for choices in (None, rng):
             values = compute(program, loads, scalar, choices)
@@ -209,8 +209,8 @@ def clamped(low: float, high: float, gain: float = 1.0) -> tuple[Block, Program,
         states=[State(signal("s", low, high), 0)],
     )
     program, node_ranges = analysed(block)
-    ranges.inductive(program, node_ranges, block, F32)
-    return block, program, limits.redundant(program, node_ranges)
+    ranges.require_inductive(program, node_ranges, block, F32)
+    return block, program, limits.find_redundant(program, node_ranges)
 
 
 def test_a_clamp_that_does_nothing_is_redundant_and_one_that_does_is_not() -> None:
@@ -228,7 +228,7 @@ def redundant_of(law: Callable[..., ca.SX], *inputs: Signal, guarded: str = "") 
     block = make(lambda u, x, k: Step({"y": law(u)}), inputs)
     block = replace(block, faults=(Fault(0, "y", guarded),)) if guarded else block
     program, node_ranges = analysed(block)
-    return [program.nodes[k].op for k in limits.redundant(program, node_ranges)]
+    return [program.nodes[k].op for k in limits.find_redundant(program, node_ranges)]
 
 
 def test_no_number_keeps_a_clamp_and_a_tie_of_zeros_too() -> None:
@@ -246,13 +246,13 @@ def test_a_state_that_leaves_its_bounds_is_named() -> None:
     with pytest.raises(
         EmitError, match=r"state 's' may become -0\.5 \.\. 0\.75 m, but its declared bounds are -0\.5 \.\. 0\.5 m"
     ):
-        ranges.inductive(*analysed(grown), grown, F32)
+        ranges.require_inductive(*analysed(grown), grown, F32)
     passing = replace(block, next={"s": ca.fmin(0.5, ca.fmax(-0.5, block.symbol["u"]))}, faults=(Fault(0, "y", "u"),))
     with pytest.raises(EmitError, match="or no number"):
-        ranges.inductive(*analysed(passing), passing, F32)
+        ranges.require_inductive(*analysed(passing), passing, F32)
     many = make(lambda u, x, k: Step({"y": 0}, {"n": x["n"] + 1}), (U,), states=[State(signal("n", 0, 5), 0, True)])
     with pytest.raises(EmitError, match=r"state 'n' may become 1 \.\. 6"):
-        ranges.inductive(*analysed(many), many, F32)
+        ranges.require_inductive(*analysed(many), many, F32)
 
 
 def test_bounds_are_those_of_the_layout() -> None:
@@ -286,7 +286,7 @@ def test_a_guard_block_hands_on_numbers_within_range() -> None:
     block = safety.guard(TIME, [safety.Guarded(signal("u", -1, 2), 0.5, True)], 4)
     program, node_ranges = analysed(block)
     assert node_ranges[program.outputs["u_held"]] == Range(-1, 2) == node_ranges[program.next["last_u"]]
-    ranges.inductive(program, node_ranges, block, F32)
+    ranges.require_inductive(program, node_ranges, block, F32)
 
 
 def test_the_values_of_a_controller_lie_in_its_ranges() -> None:
@@ -294,7 +294,7 @@ def test_the_values_of_a_controller_lie_in_its_ranges() -> None:
     program = lower.program(block)
     box, rng = ranges.bounds(block, F32), np.random.default_rng(1)
     node_ranges = ranges.analyse(program, box, F32)
-    ranges.inductive(program, node_ranges, block, F32)
+    ranges.require_inductive(program, node_ranges, block, F32)
     assert all(node_ranges[k].finite for k in program.outputs.values())
     for loads in states(program, box, rng, 25):
         assert not strays(compute(program, loads, F32, rng), node_ranges)
