@@ -1,8 +1,8 @@
-"""One control axis: exact sampled-data servo LQG of one output by one command, with the loop's delay and anti-windup.
+"""Sampled-data servo LQG of one axis (MATLAB `lqi` with `kalman`), with the loop's delay and anti-windup.
 
-    r --->(+)--- e ---> [ internal model of the modes ] --- xi --->[ K_xi ]---+          (MATLAB `lqi` with `kalman`)
+    r --->(+)--- e ---> [ internal model of the modes ] --- xi --->[ K_xi ]---+
          - ^                                                                  v
-           y -------> [ Kalman filter, predicts x(k + d) ] --- x^ ---->[ K_x ]+--- u ---> limit ---> late by d samples
+           y -------> [ Kalman filter, predicts x(k + d) ] --- x^ ---->[ K_x ]+--- u ---> limit ---> delay, d samples
                                 ^-------------- u as limited ------------------------------'
 
 The command is held over each period T and acts d samples after it is computed. K minimises
@@ -10,11 +10,12 @@ The command is held over each period T and acts d samples after it is computed. 
     int ( sum_s w_s s^2  +  effort u^2  +  sum_i 2^(f_i > 0) v_i^2 w_y |z_i|^2 ) dt
 
 with the weights w_s of the states and w_y of the output y, and for each mode of frequency f_i the oscillator
-z_i' = j f_i z_i + e, an integrator for 0. While the loop is fast, e = -k z costs least in the mean over a turn when z_i
-decays at the rate v_i: the value of a mode is the speed in 1/s at which its error dies out, and not a weight.
+z_i' = j f_i z_i + e (an integrator for f_i = 0). While the loop is fast, e = -k z has the least mean cost over one
+period when z_i decays at the rate v_i. A mode is therefore specified by the speed v_i in 1/s at which its error decays,
+not by a weight.
 
-The cost before u acts is not in its power. So the gain for the delay d is that of the undelayed loop on the state d
-samples ahead, which the model predicts from the estimate and from the commands on their way:
+u cannot change the cost before it acts. The gain for the delay d is therefore the gain of the undelayed loop, applied
+to the state d samples later. The model predicts that state from the estimate and from the commands in the delay line:
 
     u(k) = K [x; xi](k + d),    [x; xi](k + 1) = [A 0; N C Phi] [x; xi](k) + [B; 0] u(k - d).
 
@@ -42,10 +43,10 @@ from synth.timing import Discrete
 
 @dataclass(frozen=True)
 class Kalman:
-    """A Kalman filter to design: densities of white noise on states' derivatives, variances of the samples.
+    """Noise for which a Kalman filter is designed.
 
-    `process` {state: density} is in the unit of the state's derivative squared times s, like m^2/s^3 for a speed;
-    `sensor` {output: variance} in the output's unit squared.
+    `process` {state: density} is white noise on the state's derivative, in the derivative's unit squared times s, for
+    example m^2/s^3 for a speed; `sensor` {output: variance} is that of the samples, in the output's unit squared.
     """
 
     process: Mapping[str, float]
@@ -54,9 +55,9 @@ class Kalman:
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """What one axis is asked for; `axis.servo` says what each field means.
+    """Specification of one axis; `axis.servo` documents each field.
 
-    The command of `model` is an input of the plant, or what `inverse` makes of the plant's inputs.
+    The input of `model` is an input of the plant or, with an `inverse`, the demand on it.
     """
 
     model: StateSpace
@@ -100,7 +101,7 @@ class Regulator:
     controller: StateSpace
 
     def document(self) -> dict[str, Any]:
-        """Return gains, weights, plant, rate and certificate for gains.json, alike on every machine."""
+        """Return gains, weights, plant, rate and certificate for gains.json, the same on every machine."""
         axis, plant = self.axis, self.axis.model
         certificate = self.filter.certificate
         return {
@@ -140,11 +141,11 @@ def _six_digits(value: float) -> float:
 
 
 def internal_weights(modes: Mapping[float, float], weight: float) -> Array:
-    """Return the weight (k, k) on xi that lets the error of each mode die out at its speed in 1/s.
+    """Return the weight (k, k) on xi for which the error of each mode decays at its speed in 1/s.
 
-    `modes` is {frequency in rad/s: speed}, `weight` that on the output. The oscillators z_i are combinations of xi:
-    with p(s) the product of all modes' factors and p_i without that of mode i, z_i = p_i(d/dt) d/dt xi1 and
-    p_i(d/dt) f_i xi1, the integrator p_i(d/dt) xi1.
+    `modes` is {frequency in rad/s: speed}; `weight` is the weight on the output. The oscillators z_i are combinations
+    of xi. With p(s) the product of all modes' factors and p_i the product without mode i, the two parts of z_i are
+    p_i(d/dt) d/dt xi1 and p_i(d/dt) f_i xi1; an integrator is p_i(d/dt) xi1.
 
     Raises SignalError as `internal_model.exosystem`.
     """
@@ -161,7 +162,7 @@ def internal_weights(modes: Mapping[float, float], weight: float) -> Array:
 
 
 def _product(frequencies: Sequence[float]) -> list[Fraction]:
-    """Return the coefficients, lowest first, of the product of s for 0 and s^2 + f^2 for each other frequency."""
+    """Return the coefficients, lowest first, of the product over f of s for f = 0 and s^2 + f^2 otherwise."""
     coefficients = [Fraction(1)]
     for f in frequencies:
         factor = [Fraction(f) ** 2, Fraction(0), Fraction(1)] if f else [Fraction(0), Fraction(1)]
@@ -176,7 +177,7 @@ def _product(frequencies: Sequence[float]) -> list[Fraction]:
 def synthesise(axis: Axis, time: Discrete, delay: int = 1) -> Regulator:
     """Return the axis at a sample period, for a command that acts `delay` whole samples after its measurement.
 
-    Every number of it is alike on every machine.
+    All its numbers are the same on every machine.
 
     Raises SignalError for a delay below 0 or a mode at or above the Nyquist frequency; ModelError as `kalman.sampled`,
     `optimal_servo.lqrd` and `anti_windup.back_calculation`.
@@ -209,7 +210,7 @@ def _weight(axis: Axis) -> Array:
 
 
 def _gain_for_delay(undelayed: servos.Servo, delay: int) -> Array:
-    """Return K on the states, the commands on their way, the oldest first, and xi: each entry rounded once."""
+    """Return K on the states, the delay line (oldest command first) and xi, each entry rounded once."""
     plant, model = undelayed.plant, undelayed.model
     n, k = len(plant.A), len(model.Phi)
 
@@ -232,7 +233,7 @@ def _gain_for_delay(undelayed: servos.Servo, delay: int) -> Array:
 
 
 def _filter(axis: Axis, held: StateSpace, period_s: float) -> tuple[filters.Estimator, StateSpace]:
-    """Return the Kalman filter, and the estimator of the states and of the commands on their way."""
+    """Return the Kalman filter, and the estimator of the states and of the delay line."""
     model, process = axis.model, axis.estimator.process
     G = np.eye(len(model.states))[:, [model.states.index(name) for name in process]]
     estimator = filters.sampled(model, list(process.values()), axis.estimator.sensor, period_s, G=G, exact=True)
@@ -260,7 +261,7 @@ def _feedforward(axis: Axis, regulator: servos.Servo, period_s: float) -> float:
 
 
 def _with_reference(controller: StateSpace, axis: Axis, feedforward: float) -> StateSpace:
-    """Return the controller with the further input ``<output>_reference``, straight to the command."""
+    """Return the controller with an additional input ``<output>_reference`` that feeds through to the command."""
     name, unit = f"{axis.output}_reference", axis.model.unit(axis.output)
     B = np.hstack([controller.B, np.zeros((len(controller.states), 1))])
     D = np.hstack([controller.D, [[feedforward]]])
@@ -269,7 +270,7 @@ def _with_reference(controller: StateSpace, axis: Axis, feedforward: float) -> S
 
 
 def _with_predicted_states(controller: StateSpace, plant: StateSpace, form: StateSpace, delay: int) -> StateSpace:
-    """Return the controller with the further outputs ``<state>_ahead``: the model's states when its command acts."""
+    """Return the controller with additional outputs ``<state>_ahead``: the model's states when its command acts."""
     n = len(plant.states)
     advance = np.linalg.matrix_power(plant.A, delay)
     late = [np.linalg.matrix_power(plant.A, delay - 1 - j) @ plant.B for j in range(delay)]

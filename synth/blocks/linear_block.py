@@ -1,10 +1,10 @@
-"""A sampled linear model as a Block: x+ = A x + B u, y = C x + D u.
+"""Discrete state-space model as a Block (Simulink "Discrete State-Space"): x+ = A x + B u, y = C x + D u.
 
-An entry of 0 costs nothing and one of 1 or -1 no multiplication. Every other entry is a Constant, ``<output>_from_<u>``
-or ``next_<state>_from_<u>``, so that emission rounds it once and the C shows where it belongs.
+An entry of 0 produces no code, and an entry of 1 or -1 no multiplication. Every other entry is a Constant,
+``<output>_from_<u>`` or ``next_<state>_from_<u>``: emission rounds it once, and the C shows which entry it is.
 
-With a Start the state is a after init, and the first step takes x = a + G u, limited to its range, with its own inputs:
-an estimate then begins at the first measurement (`estimator_start`), not with a transient from 0.
+With a Start the state is a after init. The first step takes x = a + G u, limited to its range, with its own inputs u.
+An estimate then begins at the first measurement (`estimator_start`), without a transient from 0.
 """
 
 from collections.abc import Sequence
@@ -26,7 +26,7 @@ STARTED = Signal("started", "1", 0, 1, "the first sample is over")
 
 @dataclass(frozen=True, eq=False)
 class _Row:
-    """What one row of [A, B] or [C, D] computes, `values` (n + m,) over states and inputs."""
+    """The signal that one row of [A, B] or [C, D] computes, and its `values` (n + m,) over states and inputs."""
 
     label: str
     signal: Signal
@@ -44,13 +44,13 @@ def block(
     tag: str,
     start: Start | None = None,
 ) -> Block:
-    """Return the step of a sampled model whose signals are given in its order and by its names.
+    """Return the step of a sampled model; the signals have its names and its order.
 
-    States are limited to their ranges. They start at 0, or with the first inputs as `start` says, which a further state
-    ``started`` tells apart.
+    States are limited to their ranges. They start at 0 or, with a `start`, from the first inputs; an additional state
+    ``started`` then marks that the first sample is over.
 
-    Raises TimingError for a continuous model; SignalError when a signal is not the model's, a name stands twice, or a
-    start does not fit the model.
+    Raises TimingError for a continuous model; SignalError when a signal is not the model's, a name is listed twice, or
+    a start does not fit the model.
     """
     model = of(system)
     time = Discrete(period(model.time))
@@ -87,7 +87,7 @@ def block(
 
 
 def _start_rows(name: str, model: StateSpace, start: Start, states: Sequence[Signal]) -> list[_Row]:
-    """Return what the first inputs add to each state that they move, over states and inputs."""
+    """Return the rows of G, over states and inputs, of the states on which the first inputs act."""
     n, m = model.B.shape
     if not isinstance(start, Start):
         raise SignalError(f"block '{name}': the start is a {type(start).__name__}: give a Start")

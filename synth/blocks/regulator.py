@@ -1,9 +1,9 @@
-"""The internal-model regulator as a Block: F(14)-(17) for one axis, exactly discretised.
+"""Internal-model regulator (servo compensator) of one axis as a Block: F(14)-(17), exactly discretised.
 
     w = K (e, de, xi),   xi' = Phi_d xi + N_d e + E_d (u_limited - u_demanded)
 
-in the coordinates of `internal_model.Leapfrog`: xi = T eta, so that the gain on eta is K T. The last term is the
-anti-windup; an axis without it leaves it out.
+in the coordinates of `internal_model.Leapfrog`: xi = T eta, and the gain on eta is K T. The last term is the
+anti-windup (back-calculation); it is optional.
 """
 
 from collections.abc import Sequence
@@ -39,11 +39,11 @@ def block(
     """Return the regulator of one axis, from the error e = q - q_ref and its rate de to the demand w.
 
     `gain` is (1, 2 + n) on (e, de, xi) for the exosystem of `frequencies` in rad/s, of order n; `bounds` (n,) limits
-    |eta| in the error's unit: a state that would leave them stands still. `anti_windup` is the signal
-    u_limited - u_demanded and E (n,).
+    |eta| in the error's unit: a state whose next value would exceed its bound keeps its value. `anti_windup` is the
+    signal u_limited - u_demanded and E (n,).
 
-    Raises SignalError when the gain's or the bounds' size does not fit the exosystem, or the units of rate and demand
-    not the error's.
+    Raises SignalError when the size of the gain or of the bounds does not fit the exosystem, or the units of rate and
+    demand do not fit the error's.
     """
     _require_units(error, rate, demand)
     excess, E = anti_windup or (None, None)

@@ -142,7 +142,7 @@ def test_another_function_is_refused() -> None:
     def law(u: Any, x: Any, k: Any) -> Step:
         return Step({"value": called(u["place"])})
 
-    with pytest.raises(EmitError, match="'called', which is no table"):
+    with pytest.raises(EmitError, match="'called', which is not a table"):
         lower.program(build("lookup", Discrete(1e-3), law, inputs=[PLACE], outputs=[OUT]))
 
 

@@ -1,10 +1,10 @@
-"""Polynomials in place of functions of one variable: the cheapest of which every value computed is close enough.
+"""Polynomial surrogate of a function of one variable: the cheapest one with a certified relative error.
 
-    |p(x) - f(x)| <= eps |f(x)|    for every x of the scalar type in [low, high], all rounding included
+    |p(x) - f(x)| <= eps |f(x)|    for every x of the scalar type in [low, high], including all rounding
 
-The degree is the least for which a centre is found. Of the centres for one degree those with the smallest errors (of a
-sample in float32, of a bound of the rounding in float64) are certified first, and the first that holds is taken. Odd
-and even functions become polynomials in x^2.
+The degree is the smallest for which some centre of expansion gives a certificate. For each degree the candidate centres
+are sorted by estimated error (of a sample in float32, of a rounding bound in float64), and the first that is certified
+is the result. Odd and even functions become polynomials in x^2.
 """
 
 import math
@@ -23,20 +23,20 @@ from synth.emit.approx.polynomial import Polynomial, Scalars
 from synth.errors import EmitError
 
 EPS: dict[type[np.floating], float] = {np.float32: 2e-7, np.float64: 1e-14}
-EXPONENTS: dict[type[np.floating], int] = {np.float32: 96, np.float64: 960}  # of the coefficients, at most, either sign
+EXPONENTS: dict[type[np.floating], int] = {np.float32: 96, np.float64: 960}  # largest |exponent| of a coefficient
 DEGREE = 24
-POINTS = 16 * (DEGREE + 1)  # at least 16 in each swing of the error
-STEPS: dict[type[np.floating], int] = {np.float32: 6, np.float64: 4}  # up to 2^these centres, and few bits for each
+POINTS = 16 * (DEGREE + 1)  # at least 16 in each oscillation of the error
+STEPS: dict[type[np.floating], int] = {np.float32: 6, np.float64: 4}  # up to 2^STEPS centres, each of few bits
 SAMPLES = (64, 1024)  # pieces of the range, and values in each
 NEGLIGIBLE = flint.arb(2) ** -100
 FAR = 8
-TRIALS = 3  # certificates for one degree: where these fail, so will the others
-ROUNDING = 64  # where approximation takes less than this part of eps and none holds, more terms will not help
+TRIALS = 3  # certificates attempted for one degree: if these fail, the others fail too
+ROUNDING = 64  # if the approximation error is below eps / 64 and no certificate holds, more terms do not help
 
 
 @dataclass(frozen=True, eq=False)
 class _Task:
-    """What is approximated: `values` of g at points y in [-1, 1] that stand for x or x^2; a sample of x and f in it."""
+    """An approximation problem: `values` of g at points y in [-1, 1], scaled x or x^2; a sample of x and f at it."""
 
     low: float
     high: float
@@ -60,12 +60,12 @@ def fit(
     what: str = "function",
     like: Polynomial | None = None,
 ) -> Polynomial:
-    """Return a polynomial for f, called `what`, on [low, high]; `eps` is 2e-7 in float32 and 1e-14 in float64.
+    """Return a polynomial for f, called `what`, on [low, high]; `eps` defaults to 2e-7 in float32, 1e-14 in float64.
 
-    With `like` it is one in the same t as that polynomial. f keeps the promise that `enclosure` asks for.
+    With `like` it is a polynomial in the same t as `like`. f satisfies the contract of `enclosure`.
 
-    Raises EmitError for ends that are not two rising numbers of the type, where f is not analytic in the range and
-    around it or has a zero there other than a simple one at x = 0, and where no degree up to 24 reaches eps.
+    Raises EmitError for ends that are not two increasing numbers of the type, if f is not analytic in the range and
+    around it or has a zero there other than a simple one at x = 0, and if no degree up to 24 achieves eps.
     """
     allowed = EPS.get(scalar, 0.0) if eps is None else eps
     low, high = float(low), float(high)
@@ -77,7 +77,7 @@ def fit(
 def least_degree(
     f: Analytic, low: float, high: float, scalar: type[np.floating], eps: float | None = None, what: str = "function"
 ) -> int:
-    """Return the least degree at which a polynomial without rounding comes within `eps` of f; arguments as for `fit`.
+    """Return the smallest degree of a polynomial, without rounding, within `eps` of f; arguments as for `fit`.
 
     Raises EmitError as `fit`.
     """
@@ -129,7 +129,7 @@ def _sample(g: Enclosure, low: float, high: float) -> tuple[Scalars, NDArray[np.
 
 
 def _search(task: _Task, allowed: float) -> Polynomial:
-    """Try degree after degree; return the first polynomial that is certified."""
+    """Return the first polynomial that is certified, for increasing degrees."""
     approximation, closest = np.inf, Polynomial(task.low, task.high, 0.0, 1.0, "none", (0.0,), task.scalar)
     for n in range(_max_terms(task.g)):
         best = minimax.fit(task.y, task.values, n)
@@ -159,9 +159,9 @@ def _max_terms(g: Enclosure) -> int:
 
 
 def _candidates(task: _Task, series: flint.arb_poly) -> list[Polynomial]:
-    """Return the polynomial rounded about each centre, with an estimate of its error; without a centre first."""
+    """Return the rounded polynomial about each centre, with an estimate of its error; the one without centre first."""
     width = task.high - task.low
-    # Far from 0 the terms of a polynomial in x itself cancel to nothing.
+    # Far from 0 the terms of a polynomial in x itself cancel.
     centres = [0.0] if max(-task.low, task.high) <= FAR * width else []
     if task.g.parity == "none" and not task.g.power:
         # Multiples of a power of two: x - centre is then mostly exact.
@@ -174,9 +174,9 @@ def _candidates(task: _Task, series: flint.arb_poly) -> list[Polynomial]:
 
 
 def _fit_about_centre(task: _Task, series: flint.arb_poly, centre: float) -> Polynomial | None:
-    """Take the fit about a centre and round it; where coefficients would leave the type, scale t to [-1, 1].
+    """Expand the fit about a centre and round it; if coefficients would leave the type's range, scale t to [-1, 1].
 
-    Return None where they leave it nevertheless.
+    Return None if they leave it even then.
     """
     g, even = task.g, task.g.parity != "none"
     half_width = max(abs(task.low - centre), abs(task.high - centre))
@@ -188,7 +188,9 @@ def _fit_about_centre(task: _Task, series: flint.arb_poly, centre: float) -> Pol
         v = [(y - shift) / slope for y in task.y[some]]
         values = [value / scale**g.power for value in task.values[some]]
         c = [term / scale**g.power for term in series(flint.arb_poly([shift, slope])).coeffs()]
-        c = _without_negligible(c, flint.arb(half_width * scale) ** (2 if even else 1), max(map(abs, values), key=float))
+        c = _without_negligible(
+            c, flint.arb(half_width * scale) ** (2 if even else 1), max(map(abs, values), key=float)
+        )
         if all(_fits(term, task.scalar) for term in c):
             coefficients = minimax.round_coefficients(c, v, values, task.scalar)
             vanishing = (0.0,) if g.power and not even else ()
@@ -197,7 +199,7 @@ def _fit_about_centre(task: _Task, series: flint.arb_poly, centre: float) -> Pol
 
 
 def _without_negligible(c: Sequence[flint.arb], bound: flint.arb, largest: flint.arb) -> list[flint.arb]:
-    """Return the coefficients, 0 in place of those that never count where |v| <= reach."""
+    """Return the coefficients with 0 in place of those that are negligible for |v| <= bound."""
     return [flint.arb(0) if abs(term) * bound**k < NEGLIGIBLE * largest else term for k, term in enumerate(c)]
 
 
@@ -206,9 +208,9 @@ def _fits(c: flint.arb, scalar: type[np.floating]) -> bool:
 
 
 def _with_error_estimate(p: Polynomial, task: _Task) -> Polynomial:
-    """Return the polynomial with an estimate of its error, to two digits, so that near ties go by the order.
+    """Return the polynomial with an estimate of its error, to two digits, so that the order decides near ties.
 
-    float32: the largest in the sample. float64: the largest bound of its rounding at some of the points.
+    float32: the largest error in the sample. float64: the largest rounding bound at some of the points.
     """
     if p.scalar is np.float32:
         error = float(np.max(np.abs(p.evaluate(task.sample) / task.truth - 1)))
@@ -229,7 +231,7 @@ def _certify(p: Polynomial, g: Enclosure, allowed: float) -> Polynomial:
 
 
 def _round_up(value: float) -> float:
-    """Round up to two digits; what is not a number is inf."""
+    """Round up to two digits; NaN and infinity become inf."""
     if not np.isfinite(value):
         return np.inf
     return float(Context(prec=2, rounding=ROUND_CEILING).create_decimal(Decimal(value)))

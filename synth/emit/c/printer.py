@@ -1,6 +1,6 @@
-"""Printing: scheduled statements become lines of C, each with the tag of the equation that it came from.
+"""Code printer: scheduled statements to lines of C, each tagged with the equation that it computes.
 
-Locals are `const` unless an `if` gives them their value.
+Locals are `const` unless an `if` assigns their value.
 """
 
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ _WIDTH = 108
 
 @dataclass(frozen=True)
 class Line:
-    """One line of C and the Block, with its equation, that it computes; empty for none."""
+    """One line of C, tagged with its Block and equation; the tag may be empty."""
 
     text: str
     tag: str = ""
@@ -88,7 +88,7 @@ class _Printer:
             self._put(f"/* {tag} */", depth)
 
     def _let(self, k: int, depth: int) -> None:
-        """Give node k a line of its own, or let it wait to be printed inside its reader."""
+        """Print node k as a local variable, or keep its text for the expression that reads it."""
         if not self.locals.reads[k]:
             return
         node = self.p.nodes[k]
@@ -148,5 +148,5 @@ class _Printer:
 
 
 def prose(text: str) -> str:
-    """Return a text that neither opens nor closes a comment."""
+    """Return a text in which C comment delimiters are broken up."""
     return text.replace("*/", "* /").replace("/*", "/ *")

@@ -1,14 +1,14 @@
-"""Folding: the same values from fewer operations. Each rule rewrites one node; a second pass shares divisions.
+"""Constant folding and algebraic simplification. Each rule rewrites one node; a second pass shares reciprocals.
 
     numbers         l1 op l2,  l1 (l2 x) = (l1 l2) x,  x / l = (1/l) x,  l1 / (l2 x) = (l1/l2) / x,  x + 0, 1 x
     signs           a - (-b),  -(l x) = (-l) x
     choices         not c ? a : b = c ? b : a,  c ? a : (c ? b : d) = c ? a : d,  a gate is a choice with 0
-    limits          max(min(x, h), -h)  is a limit of x to +-h, with one comparison while x is inside
-    intervals       -h <= x && x <= h  is  |x| <= h, also for what is no number
+    limits          max(min(x, h), -h)  is a clamp of x to -h .. h, with one comparison while x is inside
+    intervals       -h <= x && x <= h  is  |x| <= h, also for NaN
     constants       k1 (k2 x) = (k1 k2) x for named constants, the product rounded to the scalar type once
     divisions       a / d and b / d, or 1/d: one reciprocal, and products
 
-Numbers are folded in double and rounded once, where they are printed.
+Numbers are folded in double and rounded once, when they are printed.
 """
 
 import operator
@@ -28,7 +28,7 @@ _ARITHMETIC: dict[str, Callable[[float, float], float]] = {
 
 
 class _Folder:
-    """Nodes so far, each once, in the order of computation."""
+    """The nodes of the new program, each once (value numbering), in the order of computation."""
 
     def __init__(self) -> None:
         self.nodes: list[Node] = []
@@ -48,7 +48,7 @@ class _Folder:
         return node.value if node.op == "literal" else None
 
     def split_factor(self, k: int) -> tuple[float, int]:
-        """Read node k as l x; l is 1 where no number stands before it."""
+        """Split node k into a number l and a node x with k = l x; l is 1 for a node without a numeric factor."""
         node = self.nodes[k]
         if node.op == "neg":
             return -1.0, node.args[0]
@@ -57,7 +57,7 @@ class _Folder:
         return 1.0, k
 
     def make(self, node: Node) -> int:
-        """Return the place of a node with folded arguments, or of what equals it."""
+        """Return the index of a node with folded arguments, after simplification."""
         rule = _RULES.get(node.op)
         replacement = rule(self, *node.args) if rule else None
         return self.place(node) if replacement is None else replacement
@@ -71,7 +71,7 @@ def _neg(f: _Folder, a: int) -> int | None:
 
 
 def times(f: _Folder, l: float, x: int) -> int:
-    """Return l x."""
+    """Return the index of l x."""
     if (number := f.number(x)) is not None:
         return f.literal(l * number)
     m, x = f.split_factor(x)
@@ -140,7 +140,7 @@ def _extreme(op: str) -> Callable[[_Folder, int, int], int | None]:
 
 
 def _limit(f: _Folder, a: int, b: int) -> int | None:
-    """Read max(min(x, h), -h) as a limit of x to h on both sides."""
+    """Recognise max(min(x, h), -h) as a clamp of x to -h .. h."""
     if (number := _extreme("max")(f, a, b)) is not None:
         return number
     for inner, low in ((f.nodes[a], b), (f.nodes[b], a)):
@@ -211,14 +211,14 @@ _RULES: dict[str, Callable[..., int | None]] = {
 
 
 def folded(p: Program) -> Program:
-    """Return a program that computes the same values, to rounding, from fewer operations."""
+    """Return a program that computes the same values, up to rounding, with fewer operations."""
     return _share_divisions(_rebuild(p, lambda f, node, _: f.make(node)))
 
 
 def with_constant_products(p: Program) -> Program:
-    """Return the program that multiplies by two named constants at once: k1 (k2 x) = (k1 k2) x.
+    """Return the program with one factor in place of two named constants: k1 (k2 x) = (k1 k2) x.
 
-    Nothing else may read k2 x. A product of constants stands in `products`, and is no factor of another one.
+    This requires that no other node reads k2 x. The products are listed in `products`; none is a factor of another.
     """
     users, kept = p.users(), set(p.ends())
     products = dict(p.products)
@@ -244,7 +244,7 @@ def with_constant_products(p: Program) -> Program:
 
 
 def _rebuild(p: Program, make: Callable[[_Folder, Node, Node], int]) -> Program:
-    """Return the program with every node passed through `make`, arguments first, beside what it was."""
+    """Return the program rebuilt node by node: `make` gets the node with new arguments, and the old node."""
     f = _Folder()
     index: list[int] = []
     for node in p.nodes:
@@ -253,7 +253,7 @@ def _rebuild(p: Program, make: Callable[[_Folder, Node, Node], int]) -> Program:
 
 
 def _share_divisions(p: Program) -> Program:
-    """Divide once by what is divided by more than once, where it is divided by it anyway."""
+    """Replace divisions by the same divisor by one reciprocal, if one of them is executed whenever any other is."""
     guards = node_guards(p)
     divisors: dict[int, list[frozenset[Guard]]] = {}
     for k, n in enumerate(p.nodes):

@@ -1,7 +1,7 @@
-"""Regions: the choices on one condition that become one `if`, and what is sunk into its sides.
+"""If-conversion regions: the choices on one condition that become one `if`, and code sinking into its sides.
 
-A node is *sunk* into a side of a condition when every use of it is on that side: uses are followed from the end, so a
-node's users are decided before the node itself. A choice that only leaves a state as it is does not use its load.
+A node is *sunk* into a side of a condition if every use of it is on that side. Nodes are visited backwards, so a node's
+users are decided before the node itself. A choice that only leaves a state unchanged does not use the state's load.
 """
 
 from collections.abc import Callable, Sequence
@@ -16,7 +16,7 @@ _COMPOSED = frozenset(("add", "sub", "mul", "div", "sq", "inv", "lt", "le", "eq"
 
 @dataclass(frozen=True)
 class Demand:
-    """A node whose value goes to places: (struct, member), or ("choice", node)."""
+    """A node and a destination of its value: (struct, member), or ("choice", node)."""
 
     node: int
     place: tuple[str, str | int]
@@ -24,7 +24,7 @@ class Demand:
 
 @dataclass(frozen=True)
 class Region:
-    """The choices on one condition at one level, and what is sunk into either side."""
+    """The choices on one condition at one level, and the nodes sunk into each side."""
 
     condition: int
     choices: list[int]
@@ -33,7 +33,7 @@ class Region:
 
 @dataclass(frozen=True)
 class WrittenRegion:
-    """A region as a statement: its choices, the nodes of outside that it reads, and the demands that it meets."""
+    """A region as a statement: its choices, the outside nodes that it reads, and the demands that it meets."""
 
     choices: list[int]
     branch: Branch
@@ -42,7 +42,7 @@ class WrittenRegion:
 
 
 class Regions:
-    """The regions of one level of statements, with the nodes that belong to it and what is demanded of it."""
+    """The regions of one level of statements, with the nodes that belong to it and its demands."""
 
     def __init__(
         self, p: Program, users: Sequence[Sequence[int]], members: set[int], demands: Sequence[Demand]
@@ -55,16 +55,16 @@ class Regions:
         self.written_of: dict[int, WrittenRegion] = {}  # by choice or sunk node
 
     def is_read(self, choice: int) -> bool:
-        """Tell whether a node of this level reads the choice; what others read is a demand here."""
+        """Tell whether a node of this level reads the choice; reads by other levels are demands here."""
         return any(u in self.members for u in self.users[choice])
 
     def is_load(self, k: int, place: tuple[str, str | int]) -> bool:
-        """Tell whether node k loads the state that is stored at a place."""
+        """Tell whether `place` is the state that node k loads."""
         node = self.p.nodes[k]
         return place == (node.op, node.name) and node.op == "state"
 
     def write(self, write: Callable[[Region], WrittenRegion]) -> None:
-        """Find and write the regions, later choices first: what one takes in is no region of this level."""
+        """Find and write the regions, later choices first; choices inside a region form no region of this level."""
         by_condition: dict[int, list[int]] = {}
         for k in sorted(self.members):
             if self.p.nodes[k].op == "choose":
@@ -84,7 +84,7 @@ class Regions:
                 self.written_of |= dict.fromkeys([*region.choices, *region.sides[0], *region.sides[1]], written)
 
     def _is_circular(self, region: Region) -> bool:
-        """Tell whether one choice of a region needs another through regions, each of which is written as a whole."""
+        """Tell whether one choice of a region depends on another through other regions, each written as a whole."""
         first = min(region.choices, default=0)
         others = {(self.written_of[c].choices[-1], c) for c in self.first_of.values()}
         for last, low in sorted(others, reverse=True):
@@ -102,7 +102,7 @@ class Regions:
         return False
 
     def _whole_sides(self, choices: list[int], by_condition: dict[int, list[int]]) -> tuple[set[int], set[int]]:
-        """Sink into both sides, but take in the choices on another condition together or not at all."""
+        """Sink nodes into both sides, but the choices on another condition only all together."""
         kept = set(self.written_of)
         while True:
             sides = self._sides(choices, kept)
@@ -117,7 +117,7 @@ class Regions:
             kept |= split
 
     def _independent(self, choices: list[int]) -> list[int]:
-        """Return the choices of which none needs another."""
+        """Return the choices that do not depend on one of the earlier ones."""
         kept: list[int] = []
         reached: set[int] = set()
         for c in choices:
@@ -156,7 +156,7 @@ class Regions:
         return sides
 
     def _states_stored_first(self, choices: list[int]) -> set[str | int]:
-        """Return the states whose store at this level waits for none of the choices, so that it may come first."""
+        """Return the states whose store at this level depends on none of the choices and may precede them."""
         reached, stack = set(choices), list(choices)
         while stack:
             for u in self.users[stack.pop()]:
@@ -167,13 +167,13 @@ class Regions:
         return {d.place[1] for d in waiting if d.node not in reached}
 
     def _skips_operand(self, user: int, k: int, chosen: set[int]) -> bool:
-        """Tell whether a user of node k is written without reading it: it only leaves the state that k loads."""
+        """Tell whether a user of node k is written without reading it, because it only keeps the state that k loads."""
         if user in self.written_of:
             return k not in self.written_of[user].reads
         return user in chosen and self._only_keeps(user, k)
 
     def _only_keeps(self, choice: int, k: int) -> bool:
-        """Tell whether a choice reads node k only to leave the state that k loads as it is."""
+        """Tell whether a choice reads node k only to keep the state that k loads."""
         places = [d.place for d in self.demands.get(choice, ())]
         read = self.p.nodes[choice].args
         alone = read.count(k) == 1 and read[0] != k
@@ -185,10 +185,10 @@ class Regions:
         return args[1 + side] == k and args[0] != k and args[2 - side] != k
 
     def _is_worthwhile(self, region: Region) -> bool:
-        """An `if` pays for more than two choices, and where a side has something to compute or leaves a state alone.
+        """Tell whether an `if` pays: for more than two choices or sunk nodes, or to avoid storing an unchanged state.
 
-        A short one stays a choice unless its first arm is composed: cppcheck takes the parentheses away from that arm,
-        and then misses them.
+        Fewer choices stay conditional expressions, unless a first arm is a compound expression: cppcheck removes the
+        parentheses of that arm and then reports them as missing.
         """
         arms = {self.p.nodes[c].args[1] for c in region.choices} & region.sides[0]
         bare = any(self.p.nodes[a].op in _COMPOSED for a in arms)

@@ -1,9 +1,9 @@
-"""Replacement: functions of one variable in a program become certified polynomials.
+"""Surrogate pass: certified polynomials replace functions of one variable in a program.
 
-    root = f(v)   ->   root = p(v - c),   or   root = p(l/(v + d) - c)   where the program computes l/(v + d) anyway
+    root = f(v)   ->   root = p(v - c),   or   root = p(l/(v + d) - c)   if the program computes l/(v + d) anyway
 
-A reciprocal takes poles and branch points below the range away from it, so that a much lower degree may do. Functions
-of one variable share it, and equal functions share their polynomial.
+A reciprocal moves poles and branch points below the range away from it, and a much lower degree may suffice. Functions
+of one variable share its argument, and equal functions share their polynomial.
 """
 
 import functools
@@ -27,7 +27,7 @@ from synth.errors import EmitError
 
 @dataclass(frozen=True)
 class Surrogate:
-    """A polynomial that stands for signal `tag` as a function of `variable`, with its name in C."""
+    """A polynomial that approximates signal `tag` as a function of `variable`, with its name in C."""
 
     name: str
     tag: str
@@ -46,9 +46,9 @@ class _Reciprocal:
 def replace_functions(
     program: Program, bounds: Mapping[str, ranges.Range], scalar: type[np.floating], error: float | None = None
 ) -> tuple[Program, tuple[Surrogate, ...]]:
-    """Return the program with polynomials for its functions of one variable, and these polynomials.
+    """Return the program with polynomials in place of its functions of one variable, and these polynomials.
 
-    A function that no polynomial replaces at the relative error, such as one with a zero inside its range, stays.
+    A function that no polynomial approximates to the relative error, such as one with a zero in its range, stays.
     """
     node_ranges = ranges.analyse(program, bounds, scalar)
     names, users = _names(program), program.users()
@@ -77,7 +77,7 @@ def _names(program: Program) -> dict[int, str]:
 def _candidate_variables(
     program: Program, users: Sequence[Sequence[int]], node_ranges: Sequence[ranges.Range], f: univariate.Univariate
 ) -> dict[int, _Reciprocal | None]:
-    """Return the nodes in which a root may be written: its variable, and reciprocals of it that are computed anyway."""
+    """Return the nodes as functions of which a root may be written: its variable, and reciprocals of it."""
     cone = set(univariate.cone(program, f.root, f.variable))
     internal = {k for k in cone if cone.issuperset(users[k])} | {f.root}
     near = sorted({k for a in users[f.variable] for k in users[a]} - internal)
@@ -100,7 +100,7 @@ def _reciprocal(program: Program, k: int, variable: int) -> _Reciprocal | None:
 
 @dataclass(frozen=True)
 class _Task:
-    """What is fitted: the function of `key` of a variable, in that or in its reciprocal, on a range of it."""
+    """A fit: the function of `key`, in its variable or in its reciprocal, on a range of either."""
 
     key: Key
     reciprocal: _Reciprocal | None
@@ -112,7 +112,7 @@ class _Task:
 
 
 def _fit_in_argument_of(task: _Task, like: Polynomial | None) -> Polynomial:
-    """Fit in the t of another polynomial of the same argument, unless that takes a higher degree."""
+    """Fit in the scaled argument t of `like`, unless that needs a higher degree."""
     if like is not None and like.parity == "none":
         with suppress(EmitError):
             polynomial = _fitted(task, like)
@@ -124,7 +124,7 @@ def _fit_in_argument_of(task: _Task, like: Polynomial | None) -> Polynomial:
 @functools.cache
 @cache.kept
 def _degree(task: _Task) -> float:
-    """Return about the degree that a polynomial will need, infinite where none will do."""
+    """Estimate the degree that a polynomial needs; infinity if none suffices."""
     try:
         return surrogate.least_degree(_function(task), task.low, task.high, task.scalar, task.error, task.what)
     except EmitError:
@@ -134,7 +134,7 @@ def _degree(task: _Task) -> float:
 @functools.cache
 @cache.kept
 def _fitted(task: _Task, like: Polynomial | None) -> Polynomial:
-    """Fit a function, once: designs evaluate one function at many signals, and are emitted many times."""
+    """Fit a function; the results are cached, because designs evaluate one function at many signals."""
     return surrogate.fit(_function(task), task.low, task.high, task.scalar, task.error, task.what, like)
 
 
@@ -144,7 +144,7 @@ def _function(task: _Task) -> Analytic:
 
 
 def _in_reciprocal(f: Analytic, reciprocal: _Reciprocal, scalar: type[np.floating]) -> Analytic:
-    """Return f as a function of u = l / (v + d), with l and d as they are printed."""
+    """Return f as a function of u = l / (v + d), with l and d rounded to the scalar type."""
     l, d = (flint.acb(float(scalar(value))) for value in (reciprocal.l, reciprocal.d))
     return lambda u: f(l / u - d)
 
@@ -164,7 +164,7 @@ def _rewrite(
             nodes.append(node)
         return known[node]
 
-    def evaluated(k: int) -> int:
+    def place_polynomial(k: int) -> int:
         variable, p = best[k]
         if p not in surrogates:
             name = _unused_name(names.get(k, f"f{len(surrogates) + 1}"), {s.name for s in surrogates.values()})
@@ -185,7 +185,7 @@ def _rewrite(
         elif k not in index:
             n = program.nodes[k]
             args = tuple(index[a] for a in n.args) if k not in best else ()
-            index[k] = evaluated(k) if k in best else place(n.op, *args, value=n.value, name=n.name)
+            index[k] = place_polynomial(k) if k in best else place(n.op, *args, value=n.value, name=n.name)
     rewritten = program.with_nodes(tuple(nodes), [index[k] for k in range(len(program.nodes))])
     return replace(rewritten, polynomials={s.name: s.polynomial for s in surrogates.values()}), tuple(
         surrogates.values()
@@ -193,13 +193,13 @@ def _rewrite(
 
 
 def _unused_name(signal: str, taken: set[str]) -> str:
-    """Return a name for the polynomial of a signal; signals of unlike Blocks may have one name."""
+    """Return an unused name for the polynomial of a signal; signals of different Blocks may have the same name."""
     candidates = (f"{signal}{n}_polynomial" for n in ("", *(f"_{i}" for i in range(2, len(taken) + 3))))
     return next(name for name in candidates if name not in taken)
 
 
 def _describe_variable(program: Program, names: Mapping[int, str], k: int) -> str:
-    """Say what a node is: a signal, a reciprocal, a sum or a difference of others, or else an expression."""
+    """Describe a node: as a signal, a reciprocal, a sum or difference of others, or else as an expression."""
     node = program.nodes[k]
     sides = [names.get(a) or wording.expression(program, a, spelled=False) for a in node.args]
     if k in names or node.op not in ("inv", "div", "add", "sub"):

@@ -1,11 +1,11 @@
-"""Scheduling: a lowered program becomes statements, in the order in which a person would write them.
+"""Instruction scheduling: a lowered program becomes statements in a readable order with short live ranges.
 
-Signals of the composition come in its order; each next state is stored as soon as the signals that it needs stand, so
-that little is kept alive. Choices on one condition become one `if`: what only one side needs is computed on that side
-only, and a state that a side leaves as it is is not stored there.
+Signals of the composition are computed in its order. Each next state is stored as soon as the signals that it needs
+are computed. Choices on one condition become one `if`: a value that only one side needs is computed on that side only,
+and a side that leaves a state unchanged does not store it.
 
-No state is loaded after it is stored: at a level of statements its load comes before its store, unless the load is sunk
-into an `if`; that it is only where the store, if the level has one, waits for a choice of this `if`.
+No state is loaded after it is stored. On each level of statements the load precedes the store, unless the load is sunk
+into an `if`. It is sunk only if the store, where the level has one, depends on a choice of this `if`.
 """
 
 from collections.abc import Sequence
@@ -27,7 +27,7 @@ def statements(p: Program) -> tuple[Statement, ...]:
 
 
 class _Level:
-    """One block of statements: the nodes that belong to it and what is demanded of it."""
+    """One level of statements: the nodes that belong to it and its demands."""
 
     def __init__(self, p: Program, users: list[list[int]], members: set[int], demands: Sequence[Demand]) -> None:
         self.p, self.users, self.members = p, users, members
@@ -41,7 +41,7 @@ class _Level:
         self.out: list[Statement] = []
 
     def statements(self) -> list[Statement]:
-        """Return the statements: signals in order, each demand as soon as the signals below it stand."""
+        """Return the statements: signals in order, each demand as soon as the signals that it needs are computed."""
         marked: dict[int, int] = {}
         for i, (_, k) in enumerate(self.p.marks):
             if k in self.members and k not in self.sunk:
@@ -58,7 +58,7 @@ class _Level:
         return self.out
 
     def _waiting(self, marked: dict[int, int]) -> dict[int, list[Demand]]:
-        """Return by the place of a marked node in the order the demands for which it is the last that they wait for.
+        """Group the demands by the last marked node, counted in order, for which each of them waits.
 
         A next state waits for the signals that it needs, and for those of its own Block.
         """
@@ -72,7 +72,7 @@ class _Level:
         return waiting
 
     def _last(self, k: int, places: dict[int, int], known: dict[int, int]) -> int:
-        """Return the place of the last marked node that node k needs or is, -1 for none; `known` has earlier ones."""
+        """Return the place of the last marked node among node k and its operands, -1 for none; `known` is a memo."""
         first = self.first_of.get
         stack = [first(k, k)]
         while stack:
@@ -85,7 +85,7 @@ class _Level:
         return known[first(k, k)]
 
     def _needs(self, k: int) -> Sequence[int]:
-        """Return what must stand before node k is computed: for a choice, all that its `if` needs from outside."""
+        """Return the nodes to compute before node k; for a choice, all that its `if` needs from outside."""
         if k not in self.first_of:
             return self.p.nodes[k].args
         written = self.written_of[k]
@@ -133,7 +133,7 @@ class _Level:
             self.out.append(_store_statement(d))
 
     def _branch(self, region: Region) -> WrittenRegion:
-        """Write one `if`: demands that only a choice feeds, or that a side leaves as they are, are met inside."""
+        """Write one `if`; demands that only a choice supplies, or that a side leaves unchanged, are met inside it."""
         inner: tuple[list[Demand], list[Demand]] = ([], [])
         declared: list[tuple[int, int | None]] = []
         met: list[Demand] = []

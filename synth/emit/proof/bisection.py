@@ -1,8 +1,8 @@
-"""Bisection: a claim about every point of a box, proved on cells that are halved until it holds on each.
+"""Branch and bound: proves a claim on every point of a box by bisection into cells on each of which it holds.
 
-    box = low..high (d,) -> cells -> the claim holds on a cell, or the cell is halved along the side that matters most
+    box = low..high (d,) -> cells -> the claim holds on a cell, or the cell is halved along its most influential side
 
-Meanwhile the middle of every open cell is tried: a point where the claim fails ends the search, and so do two points
+Meanwhile the centre of every open cell is evaluated. The search ends at a point where the claim fails, or at two points
 between which the quantity that must not vanish changes its sign.
 """
 
@@ -16,16 +16,16 @@ import numpy as np
 from synth.emit.proof.interval import Array, Interval, Mask
 
 BUDGET = 20_000
-_CORNERS = 8  # sides up to which all corners are tried
+_CORNERS = 8  # largest dimension for which all corners are evaluated
 _SECTIONS = 64
-_VANISHING_RATIO = 1e-3  # of the larger value between the points: a quantity that jumps over 0 stays larger
+_VANISHING_RATIO = 1e-3  # to the larger value at the ends: a quantity that jumps over 0 stays larger
 
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """What is known of n cells: whether the claim holds, or fails, on all of each; `value` (n,) must not vanish.
+    """Evaluation of n cells: whether the claim holds, or fails, on the whole cell; `value` (n,) must not vanish.
 
-    `watched` are intervals (n,) by node, empty on cells that count for nothing.
+    `watched` are intervals (n,) by node; they are empty on infeasible cells.
     """
 
     holds: Mask
@@ -34,13 +34,13 @@ class Judgement:
     watched: dict[int, Interval]
 
 
-# From cells low (d, n), high (d, n), and whether they are points that are to be computed as C would, not enclosed.
+# Arguments: cells low (d, n), high (d, n), and whether they are points to compute as C does, without enclosure.
 Judge = Callable[[Array, Array, bool], Judgement]
 
 
 @dataclass(frozen=True, eq=False)
 class Verdict:
-    """Whether the claim is proved, and the hull of what was watched; else the worst cell and a point (d,) in it.
+    """Whether the claim is proved, with the hull of the watched intervals; else the worst cell and a point (d,) in it.
 
     `fails`: the claim fails at the point, or the quantity changes its sign there.
     """
@@ -56,9 +56,9 @@ class Verdict:
 
 
 def prove(low: Array, high: Array, whole: Mask, judge: Judge, signed: bool, budget: int = BUDGET) -> Verdict:
-    """Prove a claim on the box low..high (d,) of the scalar type, or find where it fails; `whole` (d,) are whole.
+    """Prove a claim on the box low..high (d,) of the scalar type, or find where it fails.
 
-    `signed`: the judged value may have either sign but not both.
+    `whole` (d,) marks coordinates with whole values only. `signed`: the value may have either sign but not both.
     """
     weight = _weights(low, high, judge)
     low, high = low[:, None], high[:, None]
@@ -102,13 +102,13 @@ def _corners(low: Array, high: Array, whole: Mask) -> Array:
 
 
 def _weights(low: Array, high: Array, judge: Judge) -> Array:
-    """Return (d,) how much what is watched varies along one side alone, over its length: what to halve first."""
+    """Return (d,) the variation of the watched intervals along each side alone, per length: bisection priorities."""
     middle = low + (high - low) / 2
     free = np.eye(len(low), dtype=bool)
     judgement = judge(np.where(free, low, middle).T, np.where(free, high, middle).T, False)
     spread = [a.high.astype(np.float64) - a.low for a in judgement.watched.values()]
     weight = np.max([np.where(np.isfinite(s), s, 0) for s in spread], axis=0) * np.ones(len(low))
-    # Every side gets a little weight, so that none stays long for ever.
+    # Every side has a minimum weight, so that each is halved eventually.
     weight = weight / weight.max() + 1e-3 if weight.max() > 0 else np.ones(len(low))
     return weight / np.maximum((high - low).astype(np.float64), np.finfo(low.dtype).tiny)
 
@@ -118,7 +118,7 @@ def _halve(low: Array, high: Array, whole: Mask, weight: Array) -> tuple[Array, 
     at = (side, np.arange(low.shape[1]))
     middle = _middle(low, high, whole)[at]
     upper, lower = low.copy(), high.copy()
-    # Between neighbours in the scalar type nothing lies: each becomes a cell of its own.
+    # No number of the scalar type lies between neighbours: each of them becomes a cell.
     adjacent = (middle <= low[at]) | (middle >= high[at])
     lower[at] = np.where(adjacent, low[at], middle)
     upper[at] = np.where(adjacent, high[at], np.where(whole[side], middle + 1, middle))
@@ -136,7 +136,7 @@ def _join(parts: list[Interval]) -> Interval:
 
 
 def _worst(tried: Judgement, points: Array, low: Array, high: Array, cells: int) -> Verdict:
-    """Return the lowest point that fails, else the open cell, and its middle, where the value is nearest to 0."""
+    """Return the failing point of the smallest value; else the open cell whose value at its centre is closest to 0."""
     if tried.fails.any():
         k = int(np.where(tried.fails, tried.value, inf).argmin())
         at = points[:, k]
@@ -147,7 +147,7 @@ def _worst(tried: Judgement, points: Array, low: Array, high: Array, cells: int)
 
 
 def _crossing(signs: dict[bool, Array], judge: Judge) -> tuple[Array, float] | None:
-    """Return the point between two points where the value changes its sign, and the value; None where it jumps."""
+    """Return a point between two points where the value crosses 0, and the value there; None if it jumps."""
     ends = [signs[False].astype(np.float64), signs[True].astype(np.float64)]
     span, first, last = ends[1] - ends[0], 0.0, 1.0
     size: float | None = None

@@ -1,10 +1,10 @@
-"""Conditions: what is known about values where a condition of the program holds, or fails.
+"""Constraint propagation: narrower intervals of values where a condition of the program holds or fails.
 
-    low <= u && u <= high   true:  low <= u <= high, and u is a number
-                            false: nothing about u that one interval can say
+    low <= u && u <= high   true:  low <= u <= high, and u is not NaN
+                            false: no information that one interval can express
     fabs(u) <= h            true:  -h <= u <= h
 
-A comparison with no number is false, so that only a comparison that holds says that its sides are numbers.
+A comparison with NaN is false. Only a comparison that holds therefore implies that its sides are not NaN.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -19,7 +19,7 @@ Narrowing = dict[int, Interval]
 
 
 def narrowable_nodes(nodes: Sequence[Node], condition: int) -> frozenset[int]:
-    """Return the nodes of which `known` may say something."""
+    """Return the nodes whose intervals `narrow` may narrow."""
     node = nodes[condition]
     if node.op in ("and", "or", "not"):
         return frozenset({condition}).union(*(narrowable_nodes(nodes, a) for a in node.args))
@@ -29,7 +29,7 @@ def narrowable_nodes(nodes: Sequence[Node], condition: int) -> frozenset[int]:
 
 
 def _chain(nodes: Sequence[Node], k: int) -> frozenset[int]:
-    """Return a node and what is reached through signs and absolute values."""
+    """Return a node and its operands through negations and absolute values."""
     return frozenset({k}) | (_chain(nodes, nodes[k].args[0]) if nodes[k].op in ("neg", "fabs") else frozenset())
 
 
@@ -38,7 +38,7 @@ def narrow(
 ) -> Narrowing:
     """Return narrower intervals of nodes where the condition holds, or fails; R maps each node to its interval.
 
-    `whole` are the nodes whose values are whole numbers. Where an interval is empty the condition cannot be so.
+    `whole` are the nodes with whole values only. An empty interval means that the condition cannot hold, or fail.
     """
     node = nodes[condition]
     if node.op == "not":
@@ -57,7 +57,7 @@ def narrow(
 
 
 def intersect(parts: Iterable[Narrowing]) -> Narrowing:
-    """Return what is known where all parts are."""
+    """Return the intersection of several narrowings."""
     narrowed: Narrowing = {}
     for part in parts:
         for k, a in part.items():
@@ -69,8 +69,10 @@ def _hulls(first: Narrowing, second: Narrowing) -> Narrowing:
     return {k: hull(first[k], second[k]) for k in first.keys() & second.keys()}
 
 
-def _narrow_flag(nodes: Sequence[Node], whole: frozenset[int], k: int, holds: bool, R: Mapping[int, Interval]) -> Narrowing:
-    """Return what is known of a number that stands as a condition: it is 0 or not."""
+def _narrow_flag(
+    nodes: Sequence[Node], whole: frozenset[int], k: int, holds: bool, R: Mapping[int, Interval]
+) -> Narrowing:
+    """Return the narrowing of a number that is used as a condition: it is 0 or not."""
     a = R[k]
     if not holds:
         zero = np.zeros_like(a.low)
@@ -96,13 +98,13 @@ def _narrow_comparison(
         a, b = (Interval(s.low, s.high, np.zeros_like(s.nan)) for s in _narrow_by_order(a, b, node.op == "lt", steps))
     else:
         below, above = _narrow_by_order(b, a, node.op == "le", steps)
-        # Where the other side is no number, the comparison fails whatever this side is.
+        # If the other side is NaN, the comparison fails whatever this side is.
         a, b = _unless(b.nan, above, a), _unless(a.nan, below, b)
     return intersect((_propagate(nodes, i, a), _propagate(nodes, j, b)))
 
 
 def _narrow_by_order(a: Interval, b: Interval, strictly: bool, steps: bool) -> tuple[Interval, Interval]:
-    """Narrow a and b by a <= b, or a < b; in `steps` both are whole."""
+    """Narrow a and b by a <= b, or a < b; `steps`: both are whole."""
     low, high = a.low, b.high
     if strictly:
         bound = low.dtype.type(inf)
@@ -116,7 +118,7 @@ def _unless(mask: Array, narrowed: Interval, before: Interval) -> Interval:
 
 
 def _propagate(nodes: Sequence[Node], k: int, a: Interval) -> Narrowing:
-    """Return what an interval of node k says of k and of what k is the negative or the absolute value of."""
+    """Propagate an interval of node k back through negations and absolute values."""
     op = nodes[k].op
     if op == "neg":
         return {k: a} | _propagate(nodes, nodes[k].args[0], Interval(-a.high, -a.low, a.nan))

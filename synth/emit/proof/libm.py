@@ -1,7 +1,7 @@
-"""Intervals of libm's functions: what a library that errs by a few units in the last place may return.
+"""Interval extensions of libm's functions: enclosures of results with an error of a few units in the last place.
 
-The exact value comes from balls (Arb), so that the ends are the same on every machine. It is assumed that a library
-errs by no more than ULPS units and that what it returns has the sign of the exact value, or is 0.
+The exact value comes from ball arithmetic (Arb), so the ends are the same on every machine. The assumptions are that
+the library errs by no more than ULPS units, and that its result has the sign of the exact value, or is 0.
 """
 
 from collections.abc import Callable
@@ -16,17 +16,17 @@ from synth.emit.proof.interval import EXACT, Array, Interval, Mask
 
 ULPS = 4
 _BITS = 96
-_SLACK = 1e-9  # in periods: how near an extremum or a pole counts as inside
+_SLACK = 1e-9  # in periods: an extremum or a pole this close to the interval counts as inside
 _FAR = 1e6  # periods beyond which _SLACK is not resolved
 
-# What the functions are at an infinity, and in double precision well before it.
+# The functions' limits at infinity, which they attain in double precision well before it.
 _HUGE = 1e4
 _LIMITS = {"exp": (0.0, inf), "sinh": (-inf, inf), "cosh": (inf, inf), "tanh": (-1.0, 1.0)}
 
 
 @lru_cache(maxsize=1 << 17)
 def _ball(name: str, *x: float) -> tuple[float, float, float]:
-    """Return doubles around the exact value, and its sign, which is kept where they are 0."""
+    """Return doubles below and above the exact value, and its sign, which is kept even if they are 0."""
     if abs(x[0]) > _HUGE and name in _LIMITS:
         limit = _LIMITS[name][x[0] > 0]
         return limit, limit, -1.0 if limit < 0 else 1.0
@@ -40,7 +40,7 @@ def _ball(name: str, *x: float) -> tuple[float, float, float]:
 
 
 def _at_points(name: str, ulps: int, *x: Array) -> Interval:
-    """Return what libm may give at points (n,)."""
+    """Return the values that libm may return at points (n,)."""
     stacked = np.stack(np.broadcast_arrays(*x))
     columns, place = np.unique(stacked, axis=1, return_inverse=True)
     balls = [_ball(name, *map(float, column)) for column in columns.T]
@@ -48,7 +48,7 @@ def _at_points(name: str, ulps: int, *x: Array) -> Interval:
     scalar = x[0].dtype.type
     low, high = low.astype(scalar), high.astype(scalar)
     if ulps:
-        # Twice the units: the interval may continue where they are twice as large. One more for this rounding.
+        # Twice the units, because the interval may extend to where they are twice as large; one more for this rounding.
         low, high = _move_by_ulps(low, -2 * ulps - 1), _move_by_ulps(high, 2 * ulps + 1)
         low, high = np.where(sign >= 0, np.maximum(low, 0), low), np.where(sign <= 0, np.minimum(high, 0), high)
         low, high = np.where(sign == 0, 0, low), np.where(sign == 0, 0, high)
@@ -56,7 +56,7 @@ def _at_points(name: str, ulps: int, *x: Array) -> Interval:
 
 
 def _move_by_ulps(v: Array, units: int) -> Array:
-    """Move by units in the last place; from an infinity inwards only."""
+    """Move by units in the last place; an infinity moves inwards only."""
     big = np.finfo(v.dtype).max
     inward = np.where((units < 0) == (v > 0), np.sign(v) * big, v)
     return np.where(np.isinf(v), inward, v + units * np.spacing(np.abs(np.clip(v, -big, big))))
@@ -70,12 +70,12 @@ def _monotone(name: str) -> Callable[[int, Interval], Interval]:
 
 
 def _clip_to_domain(a: Interval, low: float, high: float) -> Interval:
-    """Return the part of `a` in a function's domain; what lies outside gives no number."""
+    """Return the intersection of `a` with a function's domain; values outside give NaN."""
     return Interval(np.clip(a.low, low, high), np.clip(a.high, low, high), a.nan | (a.low < low) | (a.high > high))
 
 
 def _may_contain(a: Interval, first: float, period: float) -> Mask:
-    """Return whether first + k period, k whole, may lie in the interval."""
+    """Return whether first + k period may lie in the interval for some whole k."""
     low, high = ((side.astype(np.float64) - first) / period for side in (a.low, a.high))
     return (np.floor(high + _SLACK) >= np.ceil(low - _SLACK)) | (np.maximum(np.abs(low), np.abs(high)) > _FAR)
 
@@ -110,7 +110,7 @@ def _acos(ulps: int, a: Interval) -> Interval:
 
 
 def _atan2(ulps: int, y: Interval, x: Interval) -> Interval:
-    # Away from the cut along x <= 0 the extremes over a box lie in its corners.
+    # Away from the branch cut along x <= 0 the extremes over a box lie at its corners.
     free = ((x.low > 0) | (y.low > 0) | (y.high < 0)) & ~x.infinite & ~y.infinite
     sides = [[np.where(free, side, 1) for side in (a.low, a.high)] for a in (y, x)]
     corners = [_at_points("atan2", ulps, v, u) for v in sides[0] for u in sides[1]]
@@ -134,5 +134,8 @@ FUNCTIONS: dict[str, Callable[..., Interval]] = {
 
 
 def transfer(op: str, args: list[Interval], ulps: int) -> Interval:
-    """Return where the result of an operation lies; `ulps` is the error of libm. Raises KeyError for one unknown."""
+    """Transfer function: return the range of an operation's result; `ulps` is the error of libm.
+
+    Raises KeyError for an unknown operation.
+    """
     return FUNCTIONS[op](ulps, *args) if op in FUNCTIONS else EXACT[op](*args)

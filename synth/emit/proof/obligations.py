@@ -1,4 +1,4 @@
-"""What operations ask of their arguments: a denominator that is not 0, a root of what is not negative, and so on."""
+"""Proof obligations of operations: a nonzero denominator, a nonnegative argument of a root, and so on."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,9 +13,10 @@ Test = Callable[[Interval, list[Interval]], Mask]  # of an operation's result an
 
 @dataclass(frozen=True)
 class Obligation:
-    """What an operation needs: `met` and `failed` are sure; `value` must not vanish, if `signed` not change its sign.
+    """A condition that an operation needs: `holds` and `fails` are both certain, otherwise it is undecided.
 
-    `watched` are the positions of the arguments that decide.
+    `value` must not vanish and, if `signed`, must not change its sign. `watched` are the positions of the arguments on
+    which the condition depends.
     """
 
     need: str
@@ -100,7 +101,7 @@ _OF: dict[str, Obligation] = {
 
 
 def of(op: str, size: int) -> Obligation | None:
-    """Return what an operation demands, None for nothing; `size` is how many values a table has."""
+    """Return the obligation of an operation, or None; `size` is the number of values of a table."""
     if op == "table":
         need = f"its index must lie in 0 .. {size - 1}"
         return _inside(
@@ -120,7 +121,7 @@ FINITE = Obligation(
 
 
 def between(low: float, high: float, unit: str) -> Obligation:
-    """Return the demand that a result itself, in `unit`, lies in low .. high."""
+    """Return the obligation that a result itself, in `unit`, lies in low .. high."""
 
     def holds(y: Interval, args: list[Interval]) -> Mask:
         return (y.low >= low) & (y.high <= high) & ~y.nan

@@ -1,9 +1,10 @@
-"""Ranges: between which numbers each value of a program lies, for every state in its box and every input.
+"""Range analysis (value analysis by intervals): bounds of each value of a program, over all states and inputs.
 
     R_k = [low, high] contains node k as computed in the scalar type, for all x in the declared bounds and all u
 
-Inputs that the Block guards may be any bit pattern. Where a compiler may contract a b + c into one rounding, R_k holds
-both results. In the arms of a choice the condition narrows what it compares, and what follows from that.
+Inputs that the Block guards may be any bit pattern. Where a compiler may contract a b + c into one rounding, R_k
+contains both results. In the arms of a choice the condition narrows the values that it compares, and values computed
+from them.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -37,12 +38,12 @@ _PASSING = frozenset(
     {"neg", "choose", "when", "min", "max", "clamp", "within"}
 )  # a product gets into a sum through these too
 _KEEPING_WHOLE = frozenset({"neg", "fabs", "add", "sub", "mul", "sq", "twice", "min", "max", "clamp"})
-_SMALL = 40  # nodes of an arm that are recomputed under its condition
+_SMALL = 40  # largest number of nodes of an arm that are recomputed under its condition
 
 
 @dataclass(frozen=True)
 class Range:
-    """The values low..high, ends included; `nan`: it may also be no number."""
+    """The values low..high, ends included; `nan`: the value may also be NaN."""
 
     low: float
     high: float
@@ -50,7 +51,7 @@ class Range:
 
     @property
     def finite(self) -> bool:
-        """Whether it is surely a finite number."""
+        """Whether every value is a finite number."""
         return self.low > -inf and self.high < inf and not self.nan
 
 
@@ -65,11 +66,11 @@ class Arithmetic:
 
 @dataclass(frozen=True, eq=False)
 class Structure:
-    """A program with what follows from its shape.
+    """A program with properties of its graph.
 
-    Bit j of `ancestors[k]` says that node k is node j or depends on it. `products` may enter a sum unrounded. `whole` are
-    the nodes with whole values only. `recomputed` lists for (selection, position of an arm) what is recomputed under the
-    condition, last the arm itself.
+    Bit j of `ancestors[k]` means that node k is node j or depends on it. `products` may enter a sum unrounded. `whole`
+    are the nodes with whole values only. `recomputed` maps (selection, position of an arm) to the nodes that are
+    recomputed under the condition; the last one is the arm itself.
     """
 
     program: Program
@@ -82,7 +83,7 @@ class Structure:
 def bounds(block: Block, scalar: type[np.floating]) -> dict[str, Range]:
     """Return the range of each input, state and constant; those of inputs and states are rounded as in the layout.
 
-    Raises EmitError for a number that the scalar type cannot hold.
+    Raises EmitError for a number that the scalar type cannot represent.
     """
     memory = layout(block, scalar)
     box = {f.name: Range(f.low, f.high) for s in (memory.input, memory.state) for f in s.fields}
@@ -98,7 +99,7 @@ def bounds(block: Block, scalar: type[np.floating]) -> dict[str, Range]:
 def analyse(program: Program, bounds: Mapping[str, Range], scalar: type[np.floating]) -> tuple[Range, ...]:
     """Return the range of each node when computed in `scalar`, rounding to nearest; `bounds` gives that of each load.
 
-    Raises EmitError for an operation or a load that is not known.
+    Raises EmitError for an unknown operation or load.
     """
     s = structure(program)
     R = enclose(s, Arithmetic(scalar), loads(program, bounds, scalar), range(len(program.nodes)))
@@ -118,7 +119,7 @@ def loads(program: Program, bounds: Mapping[str, Range], scalar: type[np.floatin
 
 
 def structure(program: Program) -> Structure:
-    """Return what the analysis needs to know of a program's shape."""
+    """Return the properties of a program's graph that the analysis needs."""
     nodes = program.nodes
     ancestors: list[int] = []
     products: set[int] = set()
@@ -139,12 +140,12 @@ def structure(program: Program) -> Structure:
 
 
 def _may_stay_unrounded(nodes: Sequence[Node], node: Node) -> bool:
-    """Return whether a compiler may leave a value unrounded inside a sum; it also multiplies instead of halving."""
+    """Return whether a compiler may leave a value unrounded inside a sum; a division may become a multiplication."""
     return node.op in _PRODUCTS or (node.op == "div" and nodes[node.args[1]].op in ("literal", "constant"))
 
 
 def _is_whole(program: Program, node: Node, whole: set[int]) -> bool:
-    """Return whether a value is whole: floating-point sums and products of whole numbers are, and what is cut off."""
+    """Return whether a value is whole, as are floating-point sums and products of whole numbers, and floors."""
     if node.op == "literal":
         return float(node.value).is_integer()
     if node.op in SELECTIONS:
@@ -154,13 +155,13 @@ def _is_whole(program: Program, node: Node, whole: set[int]) -> bool:
 
 
 def nodes_between(ancestors: Iterable[int], sources: Iterable[int], ends: Iterable[int]) -> tuple[int, ...]:
-    """Return the nodes on the ways from `sources`, which are left out, to `ends`, in order."""
+    """Return the nodes on the paths from `sources`, which are excluded, to `ends`, in order."""
     ancestors, sources = list(ancestors), set(sources)
     mask, reached = sum(1 << k for k in sources), reduce(int.__or__, (ancestors[k] for k in ends), 0)
     first = min(sources, default=0)
     reached >>= first
     nodes = []
-    while reached:  # bit by bit: what is reached is little beside the whole program
+    while reached:  # bit by bit: few of the program's nodes are reached
         k = first + (reached & -reached).bit_length() - 1
         reached &= reached - 1
         if ancestors[k] & mask and k not in sources:
@@ -176,9 +177,9 @@ def enclose(
     proved: Mapping[int, Interval] | None = None,
     deep: bool = True,
 ) -> dict[int, Interval]:
-    """Return `given` with the intervals of `nodes`, computed in order from it; loads are kept as given.
+    """Return `known` with the intervals of `nodes`, computed in order from it; loads are not recomputed.
 
-    What is `proved` of a node narrows it. Unless `deep`, arms are not recomputed under their conditions.
+    `proved` intervals narrow those of their nodes. Unless `deep`, arms are not recomputed under their conditions.
 
     Raises EmitError for an operation without an enclosure.
     """
@@ -196,7 +197,7 @@ def enclose(
 def _transfer(s: Structure, arithmetic: Arithmetic, node: Node, R: Mapping[int, Interval]) -> Interval:
     if node.op == "literal":
         return point(node.value, arithmetic.scalar)
-    if node.op == "bit":  # of a word of 32 bits, which the scalar type holds to rounding only
+    if node.op == "bit":  # of a 32-bit word, which the scalar type represents only up to rounding
         low, high = R[node.args[0]].low, unrounded(R[node.args[0]]).high + arithmetic.scalar(node.value)
         return Interval(low, high, R[node.args[0]].nan)
     if node.op == "mul" and node.args[0] == node.args[1]:
@@ -228,7 +229,7 @@ def _select(s: Structure, arithmetic: Arithmetic, k: int, R: Mapping[int, Interv
 def _arm(
     s: Structure, arithmetic: Arithmetic, k: int, position: int, R: Mapping[int, Interval], deep: bool
 ) -> tuple[Interval, Mask]:
-    """Return the interval of an arm where it is taken, and where it cannot be; a gate's other arm is 0."""
+    """Return the interval of an arm where it is taken, and where it cannot be taken; a gate's other arm is 0."""
     args = s.program.nodes[k].args
     narrowed, dead = narrow_under(s, [(args[0], position == 1)], R)
     if position == len(args):
@@ -245,7 +246,7 @@ def _arm(
 def narrow_under(
     s: Structure, decided: Iterable[tuple[int, bool]], R: Mapping[int, Interval]
 ) -> tuple[dict[int, Interval], Mask]:
-    """Return what is known where each (condition, holds) is so, and where they cannot all be."""
+    """Return the intervals narrowed by all (condition, holds), and where these contradict each other."""
     p = s.program
     narrowed = conditions.intersect(conditions.narrow(p.nodes, s.whole, c, holds, R) for c, holds in decided)
     dead = reduce(np.logical_or, (a.empty for a in narrowed.values()), np.array([False]))
@@ -263,8 +264,8 @@ def require_inductive(program: Program, ranges: tuple[Range, ...], block: Block,
         next_range, declared = ranges[program.next[state.name]], box[state.name]
         if next_range.nan or next_range.low < declared.low or next_range.high > declared.high:
             unit = state.signal.unit
-            what = " or no number" if next_range.nan else ""
+            what = " or NaN" if next_range.nan else ""
             raise EmitError(
-                f"state '{state.name}' may become {next_range.low:.9g} .. {next_range.high:.9g} {unit}{what}, but its declared "
-                f"bounds are {declared.low:.9g} .. {declared.high:.9g} {unit}: limit its next value to them"
+                f"state '{state.name}' may become {next_range.low:.9g} .. {next_range.high:.9g} {unit}{what}, but its "
+                f"declared bounds are {declared.low:.9g} .. {declared.high:.9g} {unit}: limit its next value to them"
             )

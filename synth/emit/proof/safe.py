@@ -1,9 +1,9 @@
-"""Safety of a program: no division by 0, no argument outside a function's domain, no number that is not finite.
+"""Safety proof of a program: no division by 0, no argument outside a function's domain, every result finite.
 
-For each operation with a demand D on its arguments, D(r(x, u)) is to hold for all states x in their box and all inputs.
-The plain enclosure proves most of them. Where it does not, the argument's cone is cut at leaves, signals whose ranges
-are known, and their box is bisected: with cells small enough the enclosures no longer suffer from values that vary
-together. An operation that is used in an arm of a choice only is judged where the condition has the arm taken.
+For each operation with an obligation D on its arguments r, D(r(x, u)) must hold for all states x in their box and all
+inputs u. Interval analysis alone proves most of them. For the others, the argument's cone is cut at leaves, signals
+with known ranges, and their box is bisected: in small cells the overestimation by dependent values vanishes. An
+operation that is used only in an arm of a choice is checked only where the condition selects that arm.
 """
 
 from collections.abc import Mapping, Sequence
@@ -37,7 +37,7 @@ Guard = tuple[int, bool]  # a condition, and whether it holds where a value is u
 
 @dataclass(frozen=True, eq=False)
 class _Claim:
-    """A demand on node k, whose deciding nodes are `watched`, where the guards are as they are."""
+    """An obligation of node k, which depends on the nodes `watched`, wherever the guards hold."""
 
     k: int
     obligation: obligations.Obligation
@@ -48,11 +48,11 @@ class _Claim:
 def require_safe(
     program: Program, ranges: tuple[Range, ...], block: Block, scalar: type[np.floating]
 ) -> tuple[Range, ...]:
-    """Return the ranges, narrowed by what had to be proved; each output and next state is then finite.
+    """Return the ranges, narrowed by the proofs; each output and next state is then finite.
 
-    Raises EmitError for an operation whose demand is not proved, or an output or next state that may not be finite, or
-    an integer state whose next value is not whole or does not fit 32 bits. It says whether a violation was found or
-    only no proof, and where.
+    Raises EmitError for an operation whose obligation is not proved, an output or next state that may not be finite, or
+    an integer state whose next value is not whole or does not fit 32 bits. The message distinguishes a violation from a
+    missing proof, and says where.
     """
     s, arithmetic = structure(program), Arithmetic(scalar)
     first = {k: interval(r.low, r.high, r.nan, scalar) for k, r in enumerate(ranges)}
@@ -79,7 +79,7 @@ def require_safe(
 def require_output_ranges(program: Program, ranges: tuple[Range, ...], block: Block, scalar: type[np.floating]) -> None:
     """Raise EmitError, by name, for an output that is not proved to stay in its declared range.
 
-    The range is the layout's, rounded to the scalar type: what the manifest tells.
+    The range is that of the layout and the manifest, rounded to the scalar type.
     """
     s, arithmetic = structure(program), Arithmetic(scalar)
     R = {k: interval(r.low, r.high, r.nan, scalar) for k, r in enumerate(ranges)}
@@ -97,7 +97,7 @@ def _holds(s: Structure, claim: _Claim, R: Mapping[int, Interval]) -> bool:
 
 
 def node_guards(program: Program) -> list[frozenset[Guard]]:
-    """Return for each node under which conditions alone it is used."""
+    """Return for each node the conditions under which alone it is used."""
     guards_of: list[frozenset[Guard] | None] = [None] * len(program.nodes)
     for k in program.ends():
         guards_of[k] = frozenset()
@@ -105,17 +105,17 @@ def node_guards(program: Program) -> list[frozenset[Guard]]:
         node, inherited = program.nodes[k], guards_of[k] or frozenset()
         for position, a in enumerate(node.args):
             chosen = node.op in SELECTIONS and position > 0
-            way = inherited | {(node.args[0], position == 1)} if chosen else inherited
+            along = inherited | {(node.args[0], position == 1)} if chosen else inherited
             before = guards_of[a]
-            guards_of[a] = way if before is None else before & way
+            guards_of[a] = along if before is None else before & along
     return [guards or frozenset() for guards in guards_of]
 
 
 def leaves(s: Structure, R: Mapping[int, Interval], tops: Sequence[int], near: bool) -> tuple[int, ...]:
-    """Return where to cut the cone of `tops`: loads and values that are limited although what they come from is not.
+    """Return where to cut the cone of `tops`: at loads, and at limited values whose operands are unbounded.
 
-    Cut `near` the tops, at every limited or chosen value: there are fewer leaves, but some that vary together are taken
-    to vary each on its own.
+    With `near` the cut is close to the tops, at every limited or chosen value: this gives fewer leaves, but treats
+    dependent ones as independent.
     """
     nodes, cut, seen = s.program.nodes, set[int](), set[int]()
     waiting = [a for t in tops for a in (nodes[t].args or (t,))] if near else list(tops)
@@ -168,7 +168,7 @@ def _judge(
     claim: _Claim,
     cut: tuple[int, ...],
 ) -> bisection.Judge:
-    """Return what judges cells of the leaves `cut`."""
+    """Return the function that judges cells of the leaves `cut`."""
     args = s.program.nodes[claim.k].args
     ends = [*claim.watched, *(c for c, _ in claim.guards)]
     cone = nodes_between(s.ancestors, cut, ends)
@@ -234,7 +234,7 @@ def _end(program: Program, k: int) -> str:
 
 
 def _origin(program: Program, R: Mapping[int, Interval], k: int) -> int:
-    """Return the first node behind k that may not be finite."""
+    """Return the first node in the computation of k that may not be finite."""
     for a in program.nodes[k].args:
         if not R[a].finite[0]:
             return _origin(program, R, a)
@@ -247,8 +247,9 @@ def _require_counters(s: Structure, R: Mapping[int, Interval], block: Block) -> 
         if not state.integer or s.program.nodes[k].op in LOGICAL:
             continue
         if k not in s.whole or R[k].low[0] < 0 or R[k].high[0] >= 2.0**32:
-            range_text = f"{R[k].low[0]:.9g} .. {R[k].high[0]:.9g}" + ("" if k in s.whole else ", not always whole")
+            not_whole = "" if k in s.whole else ", not always whole"
+            range_text = f"{R[k].low[0]:.9g} .. {R[k].high[0]:.9g}{not_whole}"
             raise EmitError(
-                f"integer state '{state.name}' may become {range_text}: it becomes 32 bits without sign, so limit it to "
-                "0 .. 4294967295 and compute it from whole numbers alone"
+                f"integer state '{state.name}' may become {range_text}: C holds it in 32 bits without sign, so limit it "
+                "to 0 .. 4294967295 and compute it from whole numbers alone"
             )

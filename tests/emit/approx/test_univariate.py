@@ -208,7 +208,7 @@ def test_equal_functions_have_equal_keys_and_others_are_refused() -> None:
     assert len({f.variable for f in functions}) == 3
     keys = [univariate.key(program, analysed, f.root, f.variable) for f in functions]
     assert len(keys) == 3 and len(set(keys)) == 2
-    with pytest.raises(EmitError, match=r"no analytic function of node \d+: it needs 'b'"):
+    with pytest.raises(EmitError, match=r"not an analytic function of node \d+: it needs 'b'"):
         univariate.key(program, analysed, program.outputs["y"], functions[0].variable)
 
 

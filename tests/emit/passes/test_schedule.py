@@ -148,7 +148,9 @@ PLANTED: dict[str, Callable[..., Any]] = {
     "_meet": stored_at_once,
     "_only_keeps": held_though_it_decides,
     "_states_stored_first": lambda self, choices: set(),
-    "_skips_operand": lambda self, user, k, chosen: user in self.written_of or (user in chosen and self._only_keeps(user, k)),
+    "_skips_operand": lambda self, user, k, chosen: (
+        user in self.written_of or (user in chosen and self._only_keeps(user, k))
+    ),
     "is_read": lambda self, choice: False,
     "is_load": lambda self, k, place: place[0] == "state" and self.p.nodes[k].op == "state",
 }

@@ -115,5 +115,8 @@ def test_hulls_and_meets() -> None:
     empty = one(3, 2)
     assert ends(interval.hull(empty, one(0, 1))) == (0, 1, False) == ends(interval.hull(one(0, 1), empty))
     assert ends(interval.hull(one(0, 1), one(4, 5, True))) == (0, 5, True)
-    assert interval.intersection(one(0, 1), one(2, 3)).empty[0] and not interval.intersection(one(0, 2), one(2, 3)).empty[0]
+    assert (
+        interval.intersection(one(0, 1), one(2, 3)).empty[0]
+        and not interval.intersection(one(0, 2), one(2, 3)).empty[0]
+    )
     assert ends(interval.truth(one(0, 0, True))) == (0, 1, False)

@@ -248,7 +248,7 @@ def test_a_state_that_leaves_its_bounds_is_named() -> None:
     ):
         ranges.require_inductive(*analysed(grown), grown, F32)
     passing = replace(block, next={"s": ca.fmin(0.5, ca.fmax(-0.5, block.symbol["u"]))}, faults=(Fault(0, "y", "u"),))
-    with pytest.raises(EmitError, match="or no number"):
+    with pytest.raises(EmitError, match="or NaN"):
         ranges.require_inductive(*analysed(passing), passing, F32)
     many = make(lambda u, x, k: Step({"y": 0}, {"n": x["n"] + 1}), (U,), states=[State(signal("n", 0, 5), 0, True)])
     with pytest.raises(EmitError, match=r"state 'n' may become 1 \.\. 6"):
