@@ -1,4 +1,4 @@
-"""GLSDC of a place from waves of four sources: the least-squares solution, in its bounds, at no higher cost."""
+"""GLSDC of a position from waves of four sources: the least-squares solution, within its bounds, at no higher cost."""
 
 from functools import cache
 
@@ -48,7 +48,7 @@ def cost(q: Array, d: Array, V: Array) -> float:
     return float(((V - read(q + d)) ** 2).sum() + (DAMPING * d) @ d)
 
 
-def test_it_finds_the_least_squares_solution() -> None:
+def test_the_result_is_the_least_squares_solution() -> None:
     rng = np.random.default_rng(1)
     for at in rng.uniform(1, 2, (20, 2)):
         V, q = read(at) + 1e-3 * rng.standard_normal(len(SOURCES)), at + rng.uniform(-0.05, 0.05, 2)
@@ -58,7 +58,7 @@ def test_it_finds_the_least_squares_solution() -> None:
 
 
 def rises(of: Descent) -> float:
-    """Return by how much the cost rises at most, over waves that no place has."""
+    """Return the largest rise of the cost, for waves that no position produces."""
     rng = np.random.default_rng(2)
     worst = -np.inf
     for _ in range(300):
@@ -76,7 +76,7 @@ def test_no_sample_raises_the_cost() -> None:
 
 @pytest.mark.parametrize("most", [1e4 * MOST, 1e-3])
 def test_variances_are_those_of_the_inverse(most: float) -> None:
-    """Unless the entries of L come to their bound, as they do where columns are longer than is said."""
+    """They differ if the entries of L are at their bound, as for columns longer than `most` allows."""
     q = np.array([1.0, 2.0])
     H = np.asarray(solver(USUAL)(q, read(q))[-1]) * [1, 100]
     rows = [[ca.SX(v) for v in row] for row in H]

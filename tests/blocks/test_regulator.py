@@ -1,4 +1,4 @@
-"""The regulator in a loop leaves no error at the frequencies of its exosystem, and fits its gain, units and plant."""
+"""Internal-model regulator in a loop: no error at its exosystem's frequencies; checks of gain, units and plant."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -58,7 +58,7 @@ def test_a_sine_of_the_exosystem_and_a_constant_force_leave_no_error() -> None:
     assert last_errors(0.5, OMEGA) < tolerances.of("settled")
 
 
-def test_another_sine_does() -> None:
+def test_a_sine_outside_the_exosystem_leaves_an_error() -> None:
     assert last_errors(0.5, 1.3 * OMEGA) > 1e-3
     assert last_errors(0.5, OMEGA, regulator_frequency=1.02 * OMEGA) > 1e-5
     assert last_errors(0.0, OMEGA, regulator_frequency=1.02 * OMEGA) < tolerances.of("settled")  # the force alone
@@ -112,7 +112,7 @@ def run(tuned: Block, eta: Sequence[float], errors: Sequence[float]) -> np.ndarr
     return np.array(path)
 
 
-def test_a_state_that_would_leave_its_bounds_stands_still() -> None:
+def test_a_state_that_would_leave_its_bounds_keeps_its_value() -> None:
     states = run(block(bounds=TIGHT), [0, 0, 0], [3e-4] * 40)
     assert (np.abs(states) <= TIGHT).all()
     assert states[2, 0] == pytest.approx(9e-4) and (states[2:, 0] == states[2, 0]).all()  # 12e-4 would be too much
@@ -122,7 +122,7 @@ def test_a_state_that_would_leave_its_bounds_stands_still() -> None:
 
 
 def still(tuned: Block) -> Block:
-    """The planted defect: all states stand still where one would leave its bounds."""
+    """Planted defect: all states keep their values where one would leave its bounds."""
     names, inside = [s.name for s in tuned.states], ca.SX(1)
     free = block(bounds=(1e9, 1e9, 1e9))
     moved = ca.substitute([free.next[n] for n in names], list(free.symbol.values()), list(tuned.symbol.values()))
@@ -132,7 +132,7 @@ def still(tuned: Block) -> Block:
 
 
 def turns(tuned: Block, p: float, q: float) -> bool:
-    """Tell whether the oscillation from p, q in parts of its bounds changes sign twice a period in 20 periods."""
+    """Tell whether the oscillation from p, q, relative to the bounds, changes sign twice per period for 20 periods."""
     start = [0.0, p * TIGHT[1], q * TIGHT[2]]
     period = round(2 * np.pi / OMEGA / T)
     states = run(tuned, start, [0.0] * (20 * period))
@@ -142,12 +142,12 @@ def turns(tuned: Block, p: float, q: float) -> bool:
 
 @pytest.mark.parametrize("p", [-1.0, -0.5, 0.0, 0.9, 1.0])
 @pytest.mark.parametrize("q", [-1.0, 0.3, 1.0])
-def test_an_oscillation_at_its_bounds_keeps_turning(p: float, q: float) -> None:
+def test_an_oscillation_at_its_bounds_continues(p: float, q: float) -> None:
     """It never locks: of two neighbours at their bounds the rotation takes one inwards."""
     assert turns(block(bounds=TIGHT), p, q)
 
 
-def test_states_that_stand_still_together_would_lock() -> None:
+def test_freezing_all_states_together_would_lock() -> None:
     assert not turns(still(block(bounds=TIGHT)), 1.0, 1.0)
 
 
@@ -179,6 +179,6 @@ def test_units_follow_from_the_terms() -> None:
         ({"frequencies": (0.0, 700.0)}, "must lie below 628.319 rad/s"),
     ],
 )
-def test_what_does_not_fit_is_refused(changes: dict[str, object], message: str) -> None:
+def test_arguments_that_do_not_fit_are_refused(changes: dict[str, object], message: str) -> None:
     with pytest.raises(SignalError, match=message):
         block(**changes)

@@ -16,7 +16,7 @@ from synth.errors import EmitError
 from synth.signals import Signal
 from synth.timing import Discrete
 from tests.emit import dyadic, hazards
-from tests.emit.meaning import interpret
+from tests.emit.semantics import interpret
 
 F32, F64 = np.float32, np.float64
 LIMITS = ("min", "max", "clamp")
@@ -51,12 +51,12 @@ def count(reduced: Reduced, *ops: str) -> int:
         (lambda u, x, k: Step({"y": ca.exp(300 * u["b"])}), "is not safe: it must be a finite number"),
     ],
 )
-def test_what_is_not_safe_is_refused(law: Callable[..., Step], what: str) -> None:
+def test_an_unsafe_operation_is_refused(law: Callable[..., Step], what: str) -> None:
     with pytest.raises(EmitError, match=what):
         reduce(make(law), libm=True)
 
 
-def test_what_a_choice_makes_safe_is_accepted() -> None:
+def test_an_operation_that_a_choice_makes_safe_is_accepted() -> None:
     def law(u: Any, x: Any, k: Any) -> Step:
         a, b = u["a"], u["b"]
         return Step({"y": ca.if_else(a > 0.5, b / a, ca.if_else(a < -0.5, b * b / a, 0))})
@@ -65,8 +65,8 @@ def test_what_a_choice_makes_safe_is_accepted() -> None:
     assert count(reduced, "div", "inv") == 2
 
 
-def filtered(width: float, gain: float = 0.5) -> Block:
-    """Return x' = gain x + (1 - gain) a, in bounds of +-width: inside them by itself where width >= 2."""
+def filter_block(width: float, gain: float = 0.5) -> Block:
+    """Return x' = gain x + (1 - gain) a limited to -width .. width; the limit is idle for width >= 2."""
     return make(
         lambda u, x, k: Step({"y": x["x"]}, {"x": gain * x["x"] + (1 - gain) * u["a"]}),
         states=[State(signal("x", -width, width), 0)],
@@ -74,12 +74,12 @@ def filtered(width: float, gain: float = 0.5) -> Block:
 
 
 def test_an_idle_limit_is_dropped_and_a_needed_one_stays() -> None:
-    assert count(reduce(filtered(2.5)), *LIMITS) == 0
-    assert count(reduce(filtered(1.5)), *LIMITS) == 1
-    assert count(reduce(filtered(2.5, gain=2.0)), *LIMITS) == 1
+    assert count(reduce(filter_block(2.5)), *LIMITS) == 0
+    assert count(reduce(filter_block(1.5)), *LIMITS) == 1
+    assert count(reduce(filter_block(2.5, gain=2.0)), *LIMITS) == 1
 
 
-def test_limits_inside_one_another_are_dropped_down_to_the_narrowest() -> None:
+def test_nested_limits_are_reduced_to_the_narrowest() -> None:
     def law(u: Any, x: Any, k: Any) -> Step:
         y = u["a"] * 3
         for width in (5.0, 7.0, 9.0):
@@ -100,20 +100,20 @@ def test_a_choice_that_is_always_taken_is_dropped() -> None:
 
 
 @pytest.mark.parametrize("width", [1.5, 1.75])
-def test_a_needed_limit_that_is_dropped_is_noticed(width: float, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_dropping_a_needed_limit_is_detected(width: float, monkeypatch: pytest.MonkeyPatch) -> None:
     def all_idle(program: lower.Program, proved: Any) -> dict[int, int]:
         return {k: n.args[0] for k, n in enumerate(program.nodes) if n.op in LIMITS}
 
     monkeypatch.setattr(limits, "find_redundant", all_idle)
     with pytest.raises(EmitError, match=rf"state 'x' may become .* but its declared bounds are -{width} .. {width} 1"):
-        reduce(filtered(width))
-    reduce(filtered(2.5))
+        reduce(filter_block(width))
+    reduce(filter_block(2.5))
 
 
 @pytest.mark.slow
 def test_a_reduced_program_computes_what_its_block_computes() -> None:
     for seed in range(40):
-        block = dyadic.drawn(seed)
+        block = dyadic.random_block(seed)
         reduced, x_u = reduce(block, F64), dyadic.samples(block, 8)
         plain = lower.program(block)
         constants = {c.name: c.value for c in reduced.block.constants}
@@ -132,7 +132,7 @@ GAINS = [Constant(n, v, "1/s", f"source of {n}") for n, v in (("k", 0.1), ("l", 
 
 
 @pytest.mark.parametrize("scalar", [F32, F64])
-def test_products_of_constants_are_rounded_once_and_say_where_they_come_from(scalar: type[np.floating]) -> None:
+def test_products_of_constants_are_rounded_once_and_name_their_factors(scalar: type[np.floating]) -> None:
     reduced = reduce(make(lambda u, x, k: Step({"y": k["k"] * (k["l"] * u["a"])}), constants=GAINS), scalar)
     made = reduced.block.constants[-1]
     assert made.name == "k_x_l" and made.source == "source of k; times l"
@@ -140,7 +140,7 @@ def test_products_of_constants_are_rounded_once_and_say_where_they_come_from(sca
     assert [n.name for n in reduced.program.nodes if n.op == "constant"] == ["k_x_l"]
 
 
-def test_products_that_a_dropped_limit_makes_possible_are_made() -> None:
+def test_dropping_a_limit_allows_products_of_constants() -> None:
     limited = make(lambda u, x, k: Step({"y": k["k"] * clip(k["l"] * u["a"], signal("v", -9, 9))}), constants=GAINS)
     assert [n.name for n in reduce(limited).program.nodes if n.op == "constant"] == ["k_x_l"]
 
@@ -149,14 +149,14 @@ def counters(law: Callable[..., Step], high: float = 7) -> Block:
     return make(law, states=[State(Signal(n, "1", 0, high), 0, True) for n in ("n", "m")])
 
 
-def test_a_count_down_needs_no_more_than_its_condition() -> None:
+def test_a_countdown_is_safe_by_its_condition_alone() -> None:
     def law(u: Any, x: Any, k: Any) -> Step:
         return Step({"y": u["a"]}, {"n": ca.if_else(x["n"] > 0, x["n"] - 1, 7), "m": x["m"]})
 
     reduce(counters(law))
 
 
-def test_a_count_that_may_pass_32_bits_is_refused() -> None:
+def test_a_counter_that_may_overflow_32_bits_is_refused() -> None:
     def law(u: Any, x: Any, k: Any) -> Step:
         return Step({"y": ca.if_else(x["n"] + x["m"] < 3, u["a"], 0)}, {"n": ca.fmin(x["n"] + 1, 3e9), "m": x["m"]})
 
@@ -183,8 +183,8 @@ def test_hazards_reduce_to_fewer_nodes() -> None:
         assert len(reduce(block).program.nodes) <= len(fold.folded(lower.program(block)).nodes)
 
 
-def rotated(certificate: Any) -> Block:
-    """Return a law whose output is within 1.5, which intervals do not see, and a certificate that says how large."""
+def rotation_block(certificate: Any) -> Block:
+    """Return a law whose output is within 1.5, which intervals cannot prove, with a certificate of this bound."""
 
     def law(u: Any, x: Any, k: Any) -> Step:
         y = clip(u["b"] * (0.4 * ca.cos(u["a"] / 2)) + u["b"] * (0.3 * ca.sin(u["a"] / 2)), signal("y", -1.51, 1.51))
@@ -198,9 +198,9 @@ def test_a_limit_that_a_certificate_proves_idle_is_not_printed() -> None:
     def proved(u: float, e: float) -> float:
         return 1.5 * (1 + e) * (1 + 6 * u)
 
-    reduced = reduce(rotated(proved))
+    reduced = reduce(rotation_block(proved))
     assert count(reduced, "within") == 1 and count(reduced, "clamp") == 0
-    text = write.emit(rotated(proved), F32).files["made.c"]
+    text = write.emit(rotation_block(proved), F32).files["made.c"]
     assert "/*@ admit -1.51f <= y <= 1.51f; */" in text and "limit(" not in text
     assert (
         ranges.analyse(reduced.program, ranges.bounds(reduced.block, F32), F32)[reduced.program.outputs["y"]].high
@@ -208,7 +208,7 @@ def test_a_limit_that_a_certificate_proves_idle_is_not_printed() -> None:
     )
 
 
-def test_a_limit_stays_where_the_certificate_does_not_reach_or_libm_computes() -> None:
-    assert count(reduce(rotated(lambda u, e: 1.5101)), "clamp") == 1
-    assert count(reduce(rotated(lambda u, e: 1.5 * (1 + e))), "clamp") == 0
-    assert count(reduce(rotated(lambda u, e: 1.5 * (1 + e)), libm=True), "clamp") == 1
+def test_a_limit_stays_if_the_certificate_is_too_weak_or_libm_is_used() -> None:
+    assert count(reduce(rotation_block(lambda u, e: 1.5101)), "clamp") == 1
+    assert count(reduce(rotation_block(lambda u, e: 1.5 * (1 + e))), "clamp") == 0
+    assert count(reduce(rotation_block(lambda u, e: 1.5 * (1 + e)), libm=True), "clamp") == 1

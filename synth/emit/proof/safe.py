@@ -250,6 +250,6 @@ def _require_counters(s: Structure, R: Mapping[int, Interval], block: Block) -> 
             not_whole = "" if k in s.whole else ", not always whole"
             range_text = f"{R[k].low[0]:.9g} .. {R[k].high[0]:.9g}{not_whole}"
             raise EmitError(
-                f"integer state '{state.name}' may become {range_text}: C holds it in 32 bits without sign, so limit it "
-                "to 0 .. 4294967295 and compute it from whole numbers alone"
+                f"integer state '{state.name}' may become {range_text}: C holds it in 32 bits without sign, so limit "
+                "it to 0 .. 4294967295 and compute it from whole numbers alone"
             )

@@ -21,14 +21,14 @@ from synth.emit.passes.regions import Regions
 from synth.emit.passes.statements import About, Assign, Branch, Let, Statement, Store
 from tests.emit import dyadic, hazards
 from tests.emit.dyadic import TIME, signal
-from tests.emit.meaning import interpret, value
+from tests.emit.semantics import interpret, value
 
 SEEDS = range(80)
 
 
 @dataclass
 class Machine:
-    """Executes statements; its own asserts say what no schedule may do."""
+    """Executes statements; its asserts express what every schedule must satisfy."""
 
     program: Program
     memory: dict[str, Any]
@@ -81,7 +81,7 @@ def execute(program: Program, loads: Mapping[str, Any]) -> dict[str, Any]:
     return stored | {"word": machine.stored.get(("word", ""))}
 
 
-def expected(program: Program, loads: Mapping[str, Any]) -> dict[str, Any]:
+def reference_results(program: Program, loads: Mapping[str, Any]) -> dict[str, Any]:
     values = interpret(program, loads)
     results = {f"next {n}": values[k] for n, k in program.next.items()} | {
         n: values[k] for n, k in program.outputs.items()
@@ -89,7 +89,7 @@ def expected(program: Program, loads: Mapping[str, Any]) -> dict[str, Any]:
     return results | {"word": None if program.word is None else values[program.word]}
 
 
-def lowered(block: Block) -> Program:
+def lower_block(block: Block) -> Program:
     return fold.folded(lower.program(block))
 
 
@@ -105,7 +105,7 @@ def defects(blocks: Sequence[Block]) -> list[str]:
             loads |= {s.name: float(v) for s, v in zip(block.inputs, u[:, k], strict=True)}
             loads |= {c.name: c.value for c in printed.block.constants}
             try:
-                right = execute(program, loads) == expected(program, loads)
+                right = execute(program, loads) == reference_results(program, loads)
             except (AssertionError, KeyError):
                 right = False
             if not right:
@@ -121,7 +121,7 @@ def test_hazards_are_scheduled_right() -> None:
 
 @pytest.mark.slow
 def test_random_blocks_are_scheduled_right() -> None:
-    blocks = [(dyadic.drawn, dyadic.withheld)[seed // 4 % 2](seed) for seed in SEEDS]
+    blocks = [(dyadic.random_block, dyadic.random_holding_block)[seed // 4 % 2](seed) for seed in SEEDS]
     assert not defects(blocks)
     programs = [pipeline.reduce(b, np.float64, libm=True).program for b in blocks]
     branches = [s for p in programs for s in everywhere(schedule.statements(p)) if isinstance(s, Branch)]
@@ -138,7 +138,7 @@ def stored_at_once(self: Any, d: Any) -> None:
 
 
 def held_though_it_decides(self: Any, choice: int, k: int) -> bool:
-    """Take a state that a choice holds for unread, though it is the condition as well."""
+    """Treat a state that a choice holds as unread although it is also the condition."""
     places = [d.place for d in self.demands.get(choice, ())]
     alone = self.p.nodes[choice].args[1:].count(k) == 1 and not self.is_read(choice)
     return alone and all(self.is_load(k, q) for q in places)
@@ -159,7 +159,10 @@ PLANTED: dict[str, Callable[..., Any]] = {
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PLANTED)
 def test_a_planted_defect_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    blocks = [*hazards.BLOCKS, *(make(seed) for seed in SEEDS[:40] for make in (dyadic.drawn, dyadic.withheld))]
+    blocks = [
+        *hazards.BLOCKS,
+        *(make(seed) for seed in SEEDS[:40] for make in (dyadic.random_block, dyadic.random_holding_block)),
+    ]
     monkeypatch.setattr(schedule._Level if name == "_meet" else Regions, name, PLANTED[name])
     assert any(defects([b]) for b in blocks)
 
@@ -185,7 +188,7 @@ def only_branch(statements: Sequence[Statement]) -> Branch:
 
 
 def one(law: Callable[..., Step], outputs: str = "y", states: Sequence[State] = ()) -> Program:
-    return lowered(hazards.make("one", law, outputs, states))
+    return lower_block(hazards.make("one", law, outputs, states))
 
 
 def unlimited(program: Program) -> Program:
@@ -193,7 +196,7 @@ def unlimited(program: Program) -> Program:
     return program.substituted({k: n.args[0] for k, n in enumerate(program.nodes) if n.op in ("min", "max", "clamp")})
 
 
-def test_what_one_side_needs_is_computed_on_that_side_only() -> None:
+def test_a_value_that_one_side_needs_is_computed_on_that_side_only() -> None:
     def law(u: Any, x: Any, k: Any) -> Step:
         a, b, c = u["a"], u["b"], u["c"]
         both = ca.exp(a) + 1
@@ -208,7 +211,7 @@ def test_what_one_side_needs_is_computed_on_that_side_only() -> None:
     assert stores(branch.then) == stores(branch.other) == ["y", "z"]
 
 
-def test_what_is_used_elsewhere_too_is_computed_outside() -> None:
+def test_a_value_that_is_used_elsewhere_is_computed_outside() -> None:
     def law(u: Any, x: Any, k: Any) -> Step:
         s = ca.sin(u["c"])
         return Step({"y": ca.if_else(u["a"] < u["b"], s * 3 + u["a"] * 5, u["c"] * 7 - 1), "z": s})
@@ -218,7 +221,7 @@ def test_what_is_used_elsewhere_too_is_computed_outside() -> None:
     assert "sin" not in operations(program, (*branch.then, *branch.other))
 
 
-def test_a_state_that_a_side_leaves_as_it_is_is_not_stored_there() -> None:
+def test_a_side_that_holds_a_state_does_not_store_it() -> None:
     def law(u: Any, x: Any, k: Any) -> Step:
         go = u["a"] < u["b"]
         return Step({"y": x["x"]}, {"x": ca.if_else(go, u["c"], x["x"]), "z": ca.if_else(go, x["z"], u["b"])})
@@ -230,7 +233,7 @@ def test_a_state_that_a_side_leaves_as_it_is_is_not_stored_there() -> None:
     assert [n for n in stores(schedule.statements(program)) if n in ("x", "z")] == ["x", "z"]
 
 
-def test_a_state_that_stays_is_neither_loaded_nor_stored() -> None:
+def test_an_unchanged_state_is_neither_loaded_nor_stored() -> None:
     program = Program((lower.Node("state", name="x"), lower.Node("input", name="a")), (), {"y": 1}, {"x": 0})
     assert schedule.statements(program) == (Let(1), Store("out", "y", 1))
 
@@ -270,7 +273,7 @@ def test_a_state_is_loaded_on_the_side_that_reads_it_if_it_is_stored_later() -> 
     assert loads(program, [s for s in statements if s is not branch]) == ["early"]
 
 
-def test_a_state_that_another_if_leaves_as_it_is_is_loaded_where_it_is_read() -> None:
+def test_a_state_held_by_another_if_is_loaded_where_it_is_read() -> None:
     def law(u: Any, x: Any, k: Any) -> Step:
         read, turn, latched = u["a"] < 0, u["b"] < 0, u["c"] < 0
         y = ca.if_else(read, ca.sin(x["x"]) * u["b"], u["c"])
@@ -303,7 +306,7 @@ def test_a_block_stores_its_states_before_the_next_one_begins() -> None:
 
     first = build("p", TIME, law, inputs=[signal("a")], outputs=[signal("y")], states=[State(signal("x"), 0)])
     second = build("q", TIME, lambda u, x, k: Step({"z": ca.sin(u["y"])}), inputs=[signal("y")], outputs=[signal("z")])
-    program = lowered(compose("both", [second, first], inputs=["a"], outputs=["z"]))
+    program = lower_block(compose("both", [second, first], inputs=["a"], outputs=["z"]))
     statements = schedule.statements(program)
     (begins,) = (
         i
@@ -316,5 +319,5 @@ def test_a_block_stores_its_states_before_the_next_one_begins() -> None:
 def test_a_line_belongs_to_the_block_that_computes_it_first() -> None:
     first = build("p", TIME, lambda u, x, k: Step({"y": u["a"] * 3}), inputs=[signal("a")], outputs=[signal("y")])
     alias = build("q", TIME, lambda u, x, k: Step({"z": u["y"]}), inputs=[signal("y")], outputs=[signal("z")])
-    program = lowered(compose("both", [first, alias], inputs=["a"], outputs=["z"]))
+    program = lower_block(compose("both", [first, alias], inputs=["a"], outputs=["z"]))
     assert [program.marks[s.mark][0].block for s in schedule.statements(program) if isinstance(s, About)] == ["p"]

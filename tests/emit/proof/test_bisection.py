@@ -1,4 +1,4 @@
-"""Bisection on claims whose truth is known: proofs, points that fail, crossings, whole numbers, and the budget."""
+"""Bisection of claims with known truth: proofs, failing points, zero crossings, whole numbers, and the budget."""
 
 from collections.abc import Callable
 
@@ -43,7 +43,7 @@ def test_a_claim_that_fails_somewhere_gives_a_point() -> None:
     assert inside.fails and inside.point.max() <= 0.3
 
 
-def test_a_crossing_is_found_and_a_jump_is_none() -> None:
+def test_a_zero_crossing_is_distinguished_from_a_jump() -> None:
     def never_fails(low: Array, high: Array, exact: bool) -> Judgement:
         verdict = judge(lambda x: x - 0.3, 0.0)(low, high, exact)
         a = verdict.watched[7]
@@ -69,7 +69,7 @@ def test_whole_numbers_are_not_split_further() -> None:
     assert not bisection.prove(*box((0, 9)), away, False, 500).proved
 
 
-def test_the_budget_is_kept_and_the_open_cell_named() -> None:
+def test_the_budget_is_respected_and_the_open_cell_reported() -> None:
     log: list[int] = []
     verdict = bisection.prove(*box((0, 1), (0, 1)), judge(lambda x, y: x + y, 1.0, log), False, 300)
     assert not verdict.proved and verdict.cells == sum(log[1:]) <= 300  # the first call weighs the sides
@@ -77,7 +77,7 @@ def test_the_budget_is_kept_and_the_open_cell_named() -> None:
     assert (verdict.low <= verdict.point).all() and (verdict.point <= verdict.high).all() and verdict.high.max() < 1
 
 
-def test_the_side_that_matters_is_halved_first() -> None:
+def test_the_most_influential_side_is_halved_first() -> None:
     cells: dict[bool, int] = {}
     for swapped in (False, True):
         f: Callable[..., Array] = (lambda y, x: 0.05 + x + 1e-6 * y) if swapped else (lambda x, y: 0.05 + x + 1e-6 * y)

@@ -1,4 +1,4 @@
-"""Intervals of single operations: their ends are values wherever they can be, and what is infinite is kept."""
+"""Intervals of single operations: tight ends wherever possible, and correct infinities and NaN."""
 
 from collections.abc import Iterator
 from math import inf, nan
@@ -9,7 +9,7 @@ import pytest
 from synth.emit.lower import Node, Program
 from synth.emit.proof import interval
 from synth.emit.proof.interval import EXACT, Interval
-from tests.emit.computed import compute
+from tests.emit.c_arithmetic import compute
 
 F32, F64 = np.float32, np.float64
 MONOTONE = ("neg", "fabs", "add", "sub", "mul", "sq", "twice", "min", "max", "sqrt")
@@ -37,7 +37,7 @@ def boxes(rng: np.random.Generator, count: int, scalar: type[np.floating]) -> In
 @pytest.mark.parametrize("scalar", [F32, F64])
 @pytest.mark.parametrize("op", MONOTONE)
 def test_the_ends_are_values(op: str, scalar: type[np.floating]) -> None:
-    """Corners and zeros of the arguments reach both ends exactly, all intervals at once."""
+    """The corners and zeros of the arguments attain both ends exactly, for all intervals at once."""
     rng, count = np.random.default_rng(0), 60
     arity = 2 if op in ("add", "sub", "mul", "min", "max") else 1
     args = [boxes(rng, count, scalar) for _ in range(arity)]
@@ -85,11 +85,11 @@ def test_the_ends_are_values(op: str, scalar: type[np.floating]) -> None:
         ("or", [one(1, 2), one(0, 1)], (1, 1, False)),
     ],
 )
-def test_what_is_infinite_or_no_number(op: str, args: list[Interval], expected: tuple[float, float, bool]) -> None:
+def test_infinities_and_nan(op: str, args: list[Interval], expected: tuple[float, float, bool]) -> None:
     assert ends(EXACT[op](*args)) == expected
 
 
-def test_a_polynomial_is_enclosed_closely_and_with_its_rounding() -> None:
+def test_the_enclosure_of_a_polynomial_is_tight_and_includes_rounding() -> None:
     coefficients = (0.25, -1.5, 0.0, 0.75)
     y = interval.polynomial(coefficients, one(-1, 1), True)
     x = np.linspace(-1, 1, 2001)
@@ -104,14 +104,14 @@ def test_a_polynomial_is_enclosed_closely_and_with_its_rounding() -> None:
     assert apart.low[0] == apart.high[0] == F32(0.1) + F32(0.7) * F32(0.3)
 
 
-def test_the_pieces_of_a_polynomial_reach_from_end_to_end() -> None:
+def test_the_pieces_of_a_polynomial_cover_its_range() -> None:
     rng = np.random.default_rng(2)
     for low, high in np.sort(rng.normal(size=(300, 2)).astype(F32), axis=1):
         y = interval.polynomial((0.0, 1.0), one(low, high), False)
         assert (y.low[0], y.high[0]) == (low, high)
 
 
-def test_hulls_and_meets() -> None:
+def test_hulls_and_intersections() -> None:
     empty = one(3, 2)
     assert ends(interval.hull(empty, one(0, 1))) == (0, 1, False) == ends(interval.hull(one(0, 1), empty))
     assert ends(interval.hull(one(0, 1), one(4, 5, True))) == (0, 5, True)
