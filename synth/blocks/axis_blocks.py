@@ -51,10 +51,10 @@ def blocks(time: Discrete, axes: Sequence[Axis], interface: Interface) -> list[B
     """
     wires = {axis.output: _wires(axis, interface) for axis in axes}
     regulators = [axis_regulator.synthesise(axis, time, interface.delay) for axis in axes]
-    made = [_servo(regulator, wires[regulator.axis.output], interface) for regulator in regulators]
+    servo_blocks = [_servo(regulator, wires[regulator.axis.output], interface) for regulator in regulators]
     if axes[0].inverse is not None:
-        made += axis_inverse.blocks(time, axes, {name: w.command for name, w in wires.items()}, interface)
-    return made
+        servo_blocks += axis_inverse.blocks(time, axes, {name: w.command for name, w in wires.items()}, interface)
+    return servo_blocks
 
 
 def _wires(axis: Axis, interface: Interface) -> _Wires:
@@ -88,14 +88,14 @@ def _servo(regulator: Regulator, wires: _Wires, interface: Interface) -> Block:
     bound = MARGIN * float(np.abs(model.C[0]) @ bounds + np.abs(model.D[0]) @ largest)
     excess = command.excess_signal(bound + wires.bounds[1])
     inputs = (wires.error, command.limited, wires.measured, excess, wires.reference)
-    ahead = axis_inverse.predicted_states(axis)
-    shown = model.select([model.outputs[0], *(f"{name}_ahead" for name in ahead)], model.inputs)
-    renamed = dict(zip(model.inputs, (s.name for s in inputs), strict=True)) | {model.outputs[0]: command.name}
+    predicted = axis_inverse.predicted_states(axis)
+    selected = model.select([model.outputs[0], *(f"{name}_ahead" for name in predicted)], model.inputs)
+    names = dict(zip(model.inputs, (s.name for s in inputs), strict=True)) | {model.outputs[0]: command.name}
     return linear_block.block(
         f"servo_{axis.output}",
-        _with_negated_error(shown).renamed(renamed),
+        _with_negated_error(selected).renamed(names),
         inputs=inputs,
-        outputs=[command.signal(bound), *ahead.values()],
+        outputs=[command.signal(bound), *predicted.values()],
         states=[Signal(n, model.unit(n) or "1", -b, b) for n, b in zip(model.states, bounds, strict=True)],
         tag=f"servo of {axis.output}",
         start=_start(regulator, interface),
@@ -111,9 +111,9 @@ def _with_negated_error(model: StateSpace) -> StateSpace:
 def _start(regulator: Regulator, interface: Interface) -> linear_block.Start:
     """Return the start at rest at the first measurement, with the actuator's safe value in the delay line."""
     axis, plant = regulator.axis, regulator.servo.plant
-    late = [s for s in plant.states if s not in axis.model.states]
+    delay_line = [s for s in plant.states if s not in axis.model.states]
     safe = {a.of: a.safe for a in interface.actuators}.get(axis.command, 0.0)
-    values = dict.fromkeys(late, safe)
+    values = dict.fromkeys(delay_line, safe)
     return estimator_start.from_measurement(regulator.controller, plant, [axis.output], values=values)
 
 

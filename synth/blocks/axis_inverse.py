@@ -68,8 +68,8 @@ def predicted_states(axis: Axis) -> dict[str, Signal]:
     """Return {plant state: signal} for the states that an axis predicts and the inverse needs."""
     if axis.inverse is None:
         return {}
-    taken = _states_in_law(axis.inverse)
-    return {s.name: replace(s, name=f"{s.name}_ahead") for s in taken if s.name in axis.model.states}
+    needed = _states_in_law(axis.inverse)
+    return {s.name: replace(s, name=f"{s.name}_ahead") for s in needed if s.name in axis.model.states}
 
 
 def _states_in_law(inverse: Linearisation) -> list[Signal]:
@@ -92,32 +92,39 @@ def blocks(time: Discrete, axes: Sequence[Axis], commands: Mapping[str, Command]
             f"the feedback linearisation also needs the demand of '{missing[0]}': join the axes of "
             f"{', '.join(outputs)} by axis.decoupled"
         )
-    at = _StateSignals(inverse, _states(inverse, axes, interface))
+    state_signals = _StateSignals(inverse, _states(inverse, axes, interface))
     actuators, bounds = _actuators(inverse, interface), _actuator_bounds(inverse, commands)
     demands = [commands[name].signal() for name in outputs]
-    sent = [interface.demand(a, b) for a, b in zip(actuators, bounds, strict=True)]
+    actuator_demands = [interface.demand(a, b) for a, b in zip(actuators, bounds, strict=True)]
     excess = [interface.excess(a, b) for a, b in zip(actuators, bounds, strict=True)]
     computed = [interface.computed(a) for a in actuators]
 
     def invert(u: Exprs, x: Exprs, k: Exprs) -> Step:
         w = ca.vertcat(*(u[s.name] for s in demands))
-        i = ca.substitute(at.signals(inverse.u, u), inverse.w, w)
-        return Step({s.name: i[k] for k, s in enumerate(sent)})
+        i = ca.substitute(state_signals.signals(inverse.u, u), inverse.w, w)
+        return Step({s.name: i[k] for k, s in enumerate(actuator_demands)})
 
     def limited_demands(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        a, D = (at.signals(e, u) for e in (inverse.degree.drift, inverse.degree.decoupling))
-        added = ca.mtimes(D, ca.vertcat(*(u[s.name] for s in excess)))
+        a, D = (state_signals.signals(e, u) for e in (inverse.degree.drift, inverse.degree.decoupling))
+        excess_demands = ca.mtimes(D, ca.vertcat(*(u[s.name] for s in excess)))
         achieved = a + ca.mtimes(D, ca.vertcat(*(u[s.name] for s in computed)))
-        output = {commands[name].excess: added[i] for i, name in enumerate(outputs)}
+        output = {commands[name].excess: excess_demands[i] for i, name in enumerate(outputs)}
         limited = [commands[name].limited for name in outputs]
         return Step(output | {s.name: clip(achieved[i], s) for i, s in enumerate(limited)})
 
-    states, name = list(at.states.values()), "_".join(outputs)
-    back = [s for name in outputs for s in (commands[name].excess_signal(), commands[name].limited)]
+    states, name = list(state_signals.states.values()), "_".join(outputs)
+    limited_signals = [s for name in outputs for s in (commands[name].excess_signal(), commands[name].limited)]
     tag = f"feedback linearisation of {', '.join(outputs)}"
     return [
-        build(f"inverse_{name}", time, invert, inputs=[*states, *demands], outputs=sent, tag=tag),
-        build(f"made_{name}", time, limited_demands, inputs=[*states, *excess, *computed], outputs=back, tag=tag),
+        build(f"inverse_{name}", time, invert, inputs=[*states, *demands], outputs=actuator_demands, tag=tag),
+        build(
+            f"made_{name}",
+            time,
+            limited_demands,
+            inputs=[*states, *excess, *computed],
+            outputs=limited_signals,
+            tag=tag,
+        ),
     ]
 
 
@@ -138,17 +145,17 @@ class _StateSignals:
 
 
 def _states(inverse: Linearisation, axes: Sequence[Axis], interface: Interface) -> dict[str, Signal]:
-    ahead = {name: s for axis in axes for name, s in predicted_states(axis).items()}
+    signals = {name: s for axis in axes for name, s in predicted_states(axis).items()}
     sensors = {s.of: s.name for s in interface.sensors}
     for state in _states_in_law(inverse):
-        if state.name not in ahead:
+        if state.name not in signals:
             if state.name not in sensors:
                 raise SignalError(
                     f"the feedback linearisation needs '{state.name}', which no axis estimates and no sensor measures: "
                     "linearise its output too, or measure it"
                 )
-            ahead[state.name] = interface.held(sensors[state.name])
-    return ahead
+            signals[state.name] = interface.held(sensors[state.name])
+    return signals
 
 
 def _actuators(inverse: Linearisation, interface: Interface) -> list[str]:

@@ -222,12 +222,12 @@ def _gain_for_delay(undelayed: servos.Servo, delay: int) -> Array:
         for i in range(k):
             for j in range(n):
                 step[n + i, j] = driven[i, j]
-        late = []
+        delay_gains = []
         for _ in range(delay):
-            late.append((row * into)[0, 0])
+            delay_gains.append((row * into)[0, 0])
             row = row * step
         advanced = [row[0, j] for j in range(n + k)]
-        return type(row)([[*advanced[:n], *reversed(late), *advanced[n:]]])
+        return type(row)([[*advanced[:n], *reversed(delay_gains), *advanced[n:]]])
 
     return precise.resolved(compute, "the gain for the delay")
 
@@ -273,9 +273,9 @@ def _with_predicted_states(controller: StateSpace, plant: StateSpace, form: Stat
     """Return the controller with additional outputs ``<state>_ahead``: the model's states when its command acts."""
     n = len(plant.states)
     advance = np.linalg.matrix_power(plant.A, delay)
-    late = [np.linalg.matrix_power(plant.A, delay - 1 - j) @ plant.B for j in range(delay)]
-    onto = np.hstack([advance, *late])
-    C, D = onto @ form.C, onto @ form.D
+    from_commands = [np.linalg.matrix_power(plant.A, delay - 1 - j) @ plant.B for j in range(delay)]
+    prediction = np.hstack([advance, *from_commands])
+    C, D = prediction @ form.C, prediction @ form.D
     rows, direct = np.zeros((n, len(controller.states))), np.zeros((n, len(controller.inputs)))
     rows[:, [controller.states.index(name) for name in form.states]] = C
     for j, name in enumerate(form.inputs):

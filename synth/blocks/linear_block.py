@@ -68,22 +68,22 @@ def block(
     ]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        now = {**x, **u}
+        current = {**x, **u}
 
         def total(row: _Row, begin: ca.SX) -> ca.SX:
             terms = [(c, float(v)) for c, v in zip(columns, row.values, strict=True) if v]
-            return sum((k.get(_name(row, c), v) * now[c.name] for c, v in terms), start=begin)
+            return sum((k.get(_name(row, c), v) * current[c.name] for c, v in terms), start=begin)
 
-        begun = {row.signal.name: clip(total(row, x[row.signal.name]), row.signal) for row in first}
-        now |= {name: ca.if_else(x[STARTED.name], x[name], value) for name, value in begun.items()}
-        after = {row.signal.name: total(row, ca.SX(0)) for row in next}
-        after |= {} if start is None else {STARTED.name: ca.SX(1)}
-        return Step({row.signal.name: total(row, ca.SX(0)) for row in out}, after)
+        initial = {row.signal.name: clip(total(row, x[row.signal.name]), row.signal) for row in first}
+        current |= {name: ca.if_else(x[STARTED.name], x[name], value) for name, value in initial.items()}
+        next_values = {row.signal.name: total(row, ca.SX(0)) for row in next}
+        next_values |= {} if start is None else {STARTED.name: ca.SX(1)}
+        return Step({row.signal.name: total(row, ca.SX(0)) for row in out}, next_values)
 
     after_init = np.zeros(len(states)) if start is None else start.a
-    kept = [State(s, float(v)) for s, v in zip(states, after_init, strict=True)]
-    kept += [] if start is None else [State(STARTED, 0, integer=True)]
-    return build(name, time, law, inputs=inputs, outputs=outputs, states=kept, constants=constants, tag=tag)
+    block_states = [State(s, float(v)) for s, v in zip(states, after_init, strict=True)]
+    block_states += [] if start is None else [State(STARTED, 0, integer=True)]
+    return build(name, time, law, inputs=inputs, outputs=outputs, states=block_states, constants=constants, tag=tag)
 
 
 def _start_rows(name: str, model: StateSpace, start: Start, states: Sequence[Signal]) -> list[_Row]:

@@ -83,9 +83,9 @@ def bilinear(tables: Mapping[str, ca.Function], grid: Grid, x: ca.SX, y: ca.SX) 
     columns, looked_up = grid.size[1], {}
     corners = [i * columns + j + step for step in (0, 1, columns, columns + 1)]
     for name, table in tables.items():
-        here, above, right, across = (table(corner) for corner in corners)
-        rise, turn = above - here, (across - right) - (above - here)
-        looked_up[name] = here + f * (right - here) + g * (rise + f * turn)
+        v_00, v_01, v_10, v_11 = (table(corner) for corner in corners)
+        dy, dxdy = v_01 - v_00, (v_11 - v_10) - (v_01 - v_00)
+        looked_up[name] = v_00 + f * (v_10 - v_00) + g * (dy + f * dxdy)
     return looked_up
 
 

@@ -69,10 +69,10 @@ def block(
 
     gains = zip(("e", "de", *eta), [*gain.K[0, :2], *_exact_product(gain.K[0, 2:], model.T)], strict=True)
     constants = [Constant(f"k_{s}", float(v), "1/s" if s == "de" else "1/s^2", f"{tag}: gain on {s}") for s, v in gains]
-    turns = [f * time.period_s for f in sorted(frequencies) if f]
+    phases = [f * time.period_s for f in sorted(frequencies) if f]
     constants += [
-        Constant(f"c{j}", float(c), "1", f"{tag}: 2 - 2 cos(w T), w T = {turn:.6g}")
-        for j, (c, turn) in enumerate(zip(model.c, turns, strict=True), 1)
+        Constant(f"c{j}", float(c), "1", f"{tag}: 2 - 2 cos(w T), w T = {phase:.6g}")
+        for j, (c, phase) in enumerate(zip(model.c, phases, strict=True), 1)
     ]
     if excess:
         per = f"{error.unit}/" + excess.unit.translate({ord(" "): "/", ord("/"): " "})

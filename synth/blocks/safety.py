@@ -74,13 +74,13 @@ def guard(
     initial value outside its range, or for a suspected name that is not a measurement or is listed twice.
     """
     _check_guard(inputs, bad_samples, suspected)
-    kept = [g for g in inputs if g.held]
+    held_inputs = [g for g in inputs if g.held]
     measured = [g.signal.name for g in inputs if g.measurement]
     suspects = [_flag(f"suspect_{name}", "contradicts the other measurements") for name in suspected]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         good = {s.name: ca.logic_and(u[s.name] >= s.low, u[s.name] <= s.high) for s in (g.signal for g in inputs)}
-        last = {g.signal.name: x[f"last_{g.signal.name}"] for g in kept}
+        last = {g.signal.name: x[f"last_{g.signal.name}"] for g in held_inputs}
         held = {n: ca.if_else(good[n], u[n], last[n] if n in last else k[f"refused_{n}"]) for n in good}
         next = {f"last_{n}": held[n] for n in last}
         output = {f"{n}_held": held[n] for n in good} | {f"fault_{n}": ca.logic_not(good[n]) for n in good}
@@ -100,7 +100,7 @@ def guard(
             output |= {"latched": latched, "ready": x["ready"], "complete": complete}
         return Step(output, next)
 
-    states = [State(_renamed(g.signal, f"last_{g.signal.name}", "last good value"), g.initial) for g in kept]
+    states = [State(_renamed(g.signal, f"last_{g.signal.name}", "last good value"), g.initial) for g in held_inputs]
     left = Signal("left", "1", 1, max(bad_samples, 2), "samples with a bad measurement until it latches")
     flags = [_flag("latched", "safe output until init"), _flag("ready", "every measurement was good at once")]
     states += [State(left, bad_samples, True), *(State(f, 0, True) for f in flags)] if measured else []

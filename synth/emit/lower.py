@@ -216,13 +216,13 @@ def walk(
     return nodes, results
 
 
-def _add_table(called: ca.Function, tables: dict[str, tuple[float, ...]], taken: Sequence[str]) -> None:
+def _add_table(called: ca.Function, tables: dict[str, tuple[float, ...]], used_names: Sequence[str]) -> None:
     """Add a function's numbers to `tables`; raise EmitError unless it is a table of its own name."""
     name, steps = called.name(), range(called.n_instructions())
     if [called.instruction_id(k) for k in steps] != list(LOOKUP):
         raise EmitError(f"a law calls the function '{name}', which is not a table: write it out, or use block.table")
     numbers = tuple(called.instruction_MX(0).to_DM().full().ravel().tolist())
-    if name in taken or tables.get(name, numbers) != numbers:
+    if name in used_names or tables.get(name, numbers) != numbers:
         raise EmitError(f"table '{name}' has the name of another table, signal or constant: rename one of them")
     tables[name] = numbers
 

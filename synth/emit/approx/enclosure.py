@@ -132,14 +132,14 @@ def _interpolate(f: Analytic, low: flint.arb, high: flint.arb, power: int, parit
     nodes = [(flint.arb(2 * j + 1) / (2 * count)).cos_pi() for j in range(count)]
     balls = flint.arb_poly.interpolate(nodes, [g(z) for z in nodes], "newton").coeffs()
     left_out = [c for k, c in enumerate(balls) if k % 2 and parity != "none"]
-    kept = [flint.arb(0) if k % 2 and parity != "none" else c.mid() for k, c in enumerate(balls)]
+    coefficients = [flint.arb(0) if k % 2 and parity != "none" else c.mid() for k, c in enumerate(balls)]
     error = (error + one_norm(left_out) + one_norm([c.rad() for c in balls])).upper()
     if not error < 4 * ACCURACY * least:
         raise EmitError(
             f"{_describe(what, low, high)} is enclosed to {float(error / least):.2g} of its least value, need "
             f"{float(4 * ACCURACY):.2g}; give its constants exactly, not as wide balls"
         )
-    return Enclosure(low, high, power, parity, flint.arb_poly(kept), error)
+    return Enclosure(low, high, power, parity, flint.arb_poly(coefficients), error)
 
 
 def _point_count(

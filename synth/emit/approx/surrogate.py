@@ -180,13 +180,13 @@ def _fit_about_centre(task: _Task, series: flint.arb_poly, centre: float) -> Pol
     """
     g, even = task.g, task.g.parity != "none"
     half_width = max(abs(task.low - centre), abs(task.high - centre))
-    some = slice(None, None, POINTS // (2 * (DEGREE + 1)))
+    subset = slice(None, None, POINTS // (2 * (DEGREE + 1)))
     for scale in (task.like.scale,) if task.like else (1.0, 2.0 ** -math.frexp(half_width)[1]):
         # y = shift + slope v, where v is the variable of the program: t or t^2
         shift = flint.arb(-1) if even else (centre - g.middle) / g.radius
         slope = 2 / (g.high * scale) ** 2 if even else 1 / (g.radius * scale)
-        v = [(y - shift) / slope for y in task.y[some]]
-        values = [value / scale**g.power for value in task.values[some]]
+        v = [(y - shift) / slope for y in task.y[subset]]
+        values = [value / scale**g.power for value in task.values[subset]]
         c = [term / scale**g.power for term in series(flint.arb_poly([shift, slope])).coeffs()]
         c = _without_negligible(
             c, flint.arb(half_width * scale) ** (2 if even else 1), max(map(abs, values), key=float)
@@ -215,8 +215,8 @@ def _with_error_estimate(p: Polynomial, task: _Task) -> Polynomial:
     if p.scalar is np.float32:
         error = float(np.max(np.abs(p.evaluate(task.sample) / task.truth - 1)))
     else:
-        some = list(zip(task.x, task.values, strict=True))[:: POINTS // 20]
-        error = max(float(polynomial.rounding_bound(p, x, task.g.power) / abs(v)) for x, v in some)
+        points = list(zip(task.x, task.values, strict=True))[:: POINTS // 20]
+        error = max(float(polynomial.rounding_bound(p, x, task.g.power) / abs(v)) for x, v in points)
     return replace(p, max_relative_error=_round_up(error))
 
 

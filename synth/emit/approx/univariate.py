@@ -52,11 +52,11 @@ def find(program: Program, ranges: Sequence[Range]) -> tuple[Univariate, ...]:
     """
     dependences = _dependences(program, ranges)
     users = program.users()
-    kept = set(program.ends())
+    live_out = set(program.ends())
     roots = [
         k
         for k, dependence in dependences.items()
-        if dependence.transcendental and (k in kept or not all(_absorbs(dependences, u, k) for u in users[k]))
+        if dependence.transcendental and (k in live_out or not all(_absorbs(dependences, u, k) for u in users[k]))
     ]
     return tuple(
         Univariate(k, dependences[k].variable) for k in sorted(_merge_scaled_roots(program, dependences, roots))

@@ -14,7 +14,7 @@ from synth.emit.c.expressions import Expressions, Text, mask
 from synth.emit.c.kinds import kinds
 from synth.emit.c.locals import LOADS
 from synth.emit.lower import Node, Program
-from synth.emit.passes.statements import About, Assign, Branch, Let, Statement, Store
+from synth.emit.passes.statements import Annotation, Assign, Branch, Let, Statement, Store
 
 _WIDTH = 108
 
@@ -56,8 +56,8 @@ class _Printer:
 
     def _block(self, block: Sequence[Statement], depth: int) -> None:
         for s in block:
-            if isinstance(s, About):
-                self._about(s, depth)
+            if isinstance(s, Annotation):
+                self._annotate(s, depth)
             elif isinstance(s, Let):
                 self._let(s.node, depth)
             elif isinstance(s, Assign):
@@ -74,7 +74,7 @@ class _Printer:
             return f"{variable} |= {mask(node)};"
         return f"{variable} = {self.c.as_kind(s.node, self.kinds[s.choice]).c};"
 
-    def _about(self, s: About, depth: int) -> None:
+    def _annotate(self, s: Annotation, depth: int) -> None:
         owner = self.p.owner(s.state) if s.mark is None else self.p.marks[s.mark][0].block
         tag = prose(self.p.titles[owner]) if owner in self.p.titles else self.tag or "next states"
         if tag != self.tag:

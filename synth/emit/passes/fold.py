@@ -220,9 +220,9 @@ def with_constant_products(p: Program) -> Program:
 
     This requires that no other node reads k2 x. The products are listed in `products`; none is a factor of another.
     """
-    users, kept = p.users(), set(p.ends())
+    users, live_out = p.users(), set(p.ends())
     products = dict(p.products)
-    taken = {n.name for n in p.nodes}
+    used_names = {n.name for n in p.nodes}
     merged: dict[Node, str] = {}
     for node in p.nodes:
         first, second = (p.nodes[a] for a in node.args) if node.op == "mul" else (node, node)
@@ -230,8 +230,8 @@ def with_constant_products(p: Program) -> Program:
             continue
         pair = (first.name, p.nodes[second.args[0]].name)
         name = "_x_".join(pair)
-        free = name not in taken and products.get(name, pair) == pair
-        if free and len(users[node.args[1]]) == 1 and node.args[1] not in kept:
+        unused = name not in used_names and products.get(name, pair) == pair
+        if unused and len(users[node.args[1]]) == 1 and node.args[1] not in live_out:
             merged[node] = name
             products[name] = pair
 
@@ -259,7 +259,11 @@ def _share_divisions(p: Program) -> Program:
     for k, n in enumerate(p.nodes):
         if n.op in ("div", "inv"):
             divisors.setdefault(n.args[-1], []).append(guards[k])
-    shared = {d for d, where in divisors.items() if len(where) > 1 and frozenset.intersection(*where) in where}
+    shared = {
+        d
+        for d, guard_sets in divisors.items()
+        if len(guard_sets) > 1 and frozenset.intersection(*guard_sets) in guard_sets
+    }
 
     def make(f: _Folder, node: Node, old: Node) -> int:
         if node.op != "div" or old.args[1] not in shared:

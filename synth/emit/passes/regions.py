@@ -19,7 +19,7 @@ class Demand:
     """A node and a destination of its value: (struct, member), or ("choice", node)."""
 
     node: int
-    place: tuple[str, str | int]
+    destination: tuple[str, str | int]
 
 
 @dataclass(frozen=True)
@@ -58,10 +58,10 @@ class Regions:
         """Tell whether a node of this level reads the choice; reads by other levels are demands here."""
         return any(u in self.members for u in self.users[choice])
 
-    def is_load(self, k: int, place: tuple[str, str | int]) -> bool:
-        """Tell whether `place` is the state that node k loads."""
+    def is_load(self, k: int, destination: tuple[str, str | int]) -> bool:
+        """Tell whether `destination` is the state that node k loads."""
         node = self.p.nodes[k]
-        return place == (node.op, node.name) and node.op == "state"
+        return destination == (node.op, node.name) and node.op == "state"
 
     def write(self, write: Callable[[Region], WrittenRegion]) -> None:
         """Find and write the regions, later choices first; choices inside a region form no region of this level."""
@@ -73,11 +73,11 @@ class Regions:
             choices = self._independent([c for c in group if c not in self.written_of])
             region = Region(condition, choices, self._whole_sides(choices, by_condition))
             if self._is_circular(region):
-                kept: list[int] = []
+                acyclic: list[int] = []
                 for c in choices:
-                    region = Region(condition, [*kept, c], self._whole_sides([*kept, c], by_condition))
-                    kept += [] if self._is_circular(region) else [c]
-                region = Region(condition, kept, self._whole_sides(kept, by_condition))
+                    region = Region(condition, [*acyclic, c], self._whole_sides([*acyclic, c], by_condition))
+                    acyclic += [] if self._is_circular(region) else [c]
+                region = Region(condition, acyclic, self._whole_sides(acyclic, by_condition))
             if region.choices and self._is_worthwhile(region):
                 written = write(region)
                 self.first_of |= dict.fromkeys(region.choices, region.choices[0])
@@ -103,36 +103,36 @@ class Regions:
 
     def _whole_sides(self, choices: list[int], by_condition: dict[int, list[int]]) -> tuple[set[int], set[int]]:
         """Sink nodes into both sides, but the choices on another condition only all together."""
-        kept = set(self.written_of)
+        excluded = set(self.written_of)
         while True:
-            sides = self._sides(choices, kept)
+            sides = self._sides(choices, excluded)
             split: set[int] = set()
             for side in sides:
                 for k in side:
                     if self.p.nodes[k].op == "choose":
                         group = [c for c in by_condition[self.p.nodes[k].args[0]] if c not in self.written_of]
                         split.update(group if not side.issuperset(group) else ())
-            if not split - kept:
+            if not split - excluded:
                 return sides
-            kept |= split
+            excluded |= split
 
     def _independent(self, choices: list[int]) -> list[int]:
         """Return the choices that do not depend on one of the earlier ones."""
-        kept: list[int] = []
+        independent: list[int] = []
         reached: set[int] = set()
         for c in choices:
             if c in reached:
                 continue
-            kept.append(c)
+            independent.append(c)
             stack = [c]
             while stack:
                 for u in self.users[stack.pop()]:
                     if u not in reached:
                         reached.add(u)
                         stack.append(u)
-        return kept
+        return independent
 
-    def _sides(self, choices: list[int], taken: set[int]) -> tuple[set[int], set[int]]:
+    def _sides(self, choices: list[int], excluded: set[int]) -> tuple[set[int], set[int]]:
         sides: tuple[set[int], set[int]] = (set(), set())
         chosen = set(choices)
         early = self._states_stored_first(choices)
@@ -142,7 +142,7 @@ class Regions:
         while heap:
             k = -heappop(heap)
             node = self.p.nodes[k]
-            if k in seen or k not in self.members or k in taken or k in chosen or k in self.demands:
+            if k in seen or k not in self.members or k in excluded or k in chosen or k in self.demands:
                 continue
             seen.add(k)
             if node.op == "state" and node.name in early:
@@ -163,8 +163,8 @@ class Regions:
                 if u in self.members and u not in reached:
                     reached.add(u)
                     stack.append(u)
-        waiting = (d for some in self.demands.values() for d in some if d.place[0] == "state")
-        return {d.place[1] for d in waiting if d.node not in reached}
+        stores = (d for group in self.demands.values() for d in group if d.destination[0] == "state")
+        return {d.destination[1] for d in stores if d.node not in reached}
 
     def _skips_operand(self, user: int, k: int, chosen: set[int]) -> bool:
         """Tell whether a user of node k is written without reading it, because it only keeps the state that k loads."""
@@ -174,7 +174,7 @@ class Regions:
 
     def _only_keeps(self, choice: int, k: int) -> bool:
         """Tell whether a choice reads node k only to keep the state that k loads."""
-        places = [d.place for d in self.demands.get(choice, ())]
+        places = [d.destination for d in self.demands.get(choice, ())]
         read = self.p.nodes[choice].args
         alone = read.count(k) == 1 and read[0] != k
         return not self.is_read(choice) and alone and all(self.is_load(k, q) for q in places)
@@ -193,7 +193,7 @@ class Regions:
         arms = {self.p.nodes[c].args[1] for c in region.choices} & region.sides[0]
         bare = any(self.p.nodes[a].op in _COMPOSED for a in arms)
         held = any(
-            self.is_load(a, d.place)
+            self.is_load(a, d.destination)
             for c in region.choices
             for a in self.p.nodes[c].args[1:]
             for d in self.demands.get(c, [])

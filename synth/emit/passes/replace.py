@@ -80,8 +80,8 @@ def _candidate_variables(
     """Return the nodes as functions of which a root may be written: its variable, and reciprocals of it."""
     cone = set(univariate.cone(program, f.root, f.variable))
     internal = {k for k in cone if cone.issuperset(users[k])} | {f.root}
-    near = sorted({k for a in users[f.variable] for k in users[a]} - internal)
-    candidates = {k: _reciprocal(program, k, f.variable) for k in near}
+    neighbours = sorted({k for a in users[f.variable] for k in users[a]} - internal)
+    candidates = {k: _reciprocal(program, k, f.variable) for k in neighbours}
     return {f.variable: None} | {k: c for k, c in candidates.items() if c and node_ranges[k].finite}
 
 
@@ -187,15 +187,14 @@ def _rewrite(
             args = tuple(index[a] for a in n.args) if k not in best else ()
             index[k] = place_polynomial(k) if k in best else place(n.op, *args, value=n.value, name=n.name)
     rewritten = program.with_nodes(tuple(nodes), [index[k] for k in range(len(program.nodes))])
-    return replace(rewritten, polynomials={s.name: s.polynomial for s in surrogates.values()}), tuple(
-        surrogates.values()
-    )
+    polynomials = {s.name: s.polynomial for s in surrogates.values()}
+    return replace(rewritten, polynomials=polynomials), tuple(surrogates.values())
 
 
-def _unused_name(signal: str, taken: set[str]) -> str:
+def _unused_name(signal: str, used_names: set[str]) -> str:
     """Return an unused name for the polynomial of a signal; signals of different Blocks may have the same name."""
-    candidates = (f"{signal}{n}_polynomial" for n in ("", *(f"_{i}" for i in range(2, len(taken) + 3))))
-    return next(name for name in candidates if name not in taken)
+    candidates = (f"{signal}{n}_polynomial" for n in ("", *(f"_{i}" for i in range(2, len(used_names) + 3))))
+    return next(name for name in candidates if name not in used_names)
 
 
 def _describe_variable(program: Program, names: Mapping[int, str], k: int) -> str:

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 from synth.emit.lower import Node, Program
 from synth.emit.passes.regions import Demand, Region, Regions, WrittenRegion
-from synth.emit.passes.statements import About, Assign, Branch, Let, Statement, Store, reads
+from synth.emit.passes.statements import Annotation, Assign, Branch, Let, Statement, Store, reads
 
 INLINE = ("literal", "constant")
 
@@ -46,10 +46,10 @@ class _Level:
         for i, (_, k) in enumerate(self.p.marks):
             if k in self.members and k not in self.sunk:
                 marked.setdefault(k, i)
-        waiting = self._waiting(marked)
+        waiting = self._demands_by_last_signal(marked)
         for place, (k, i) in enumerate(marked.items()):
             if k not in self.done:
-                self.out.append(About(i))
+                self.out.append(Annotation(i))
                 self._compute(k)
             for d in waiting.get(place, ()):
                 self._meet(d)
@@ -57,7 +57,7 @@ class _Level:
             self._meet(d)
         return self.out
 
-    def _waiting(self, marked: dict[int, int]) -> dict[int, list[Demand]]:
+    def _demands_by_last_signal(self, marked: dict[int, int]) -> dict[int, list[Demand]]:
         """Group the demands by the last marked node, counted in order, for which each of them waits.
 
         A next state waits for the signals that it needs, and for those of its own Block.
@@ -67,29 +67,29 @@ class _Level:
         last: dict[int, int] = {}
         waiting: dict[int, list[Demand]] = {}
         for d in self.pending:
-            block_place = by_block.get(self.p.owner(str(d.place[1])), -1) if d.place[0] == "state" else -1
-            waiting.setdefault(max(block_place, self._last(d.node, places, last)), []).append(d)
+            block_place = by_block.get(self.p.owner(str(d.destination[1])), -1) if d.destination[0] == "state" else -1
+            waiting.setdefault(max(block_place, self._last_signal(d.node, places, last)), []).append(d)
         return waiting
 
-    def _last(self, k: int, places: dict[int, int], known: dict[int, int]) -> int:
+    def _last_signal(self, k: int, places: dict[int, int], known: dict[int, int]) -> int:
         """Return the place of the last marked node among node k and its operands, -1 for none; `known` is a memo."""
         first = self.first_of.get
         stack = [first(k, k)]
         while stack:
             n = stack[-1]
-            needs = [first(a, a) for a in self._needs(n) if a in self.members] if n in self.members else []
+            needs = [first(a, a) for a in self._dependencies(n) if a in self.members] if n in self.members else []
             missing = [a for a in needs if a not in known]
             stack += missing
             if not missing:
                 known[stack.pop()] = max([places.get(n, -1), *(known[a] for a in needs)])
         return known[first(k, k)]
 
-    def _needs(self, k: int) -> Sequence[int]:
+    def _dependencies(self, k: int) -> Sequence[int]:
         """Return the nodes to compute before node k; for a choice, all that its `if` needs from outside."""
         if k not in self.first_of:
             return self.p.nodes[k].args
         written = self.written_of[k]
-        stored = [self.loads.get(str(d.place[1])) for d in written.met if d.place[0] == "state"]
+        stored = [self.loads.get(str(d.destination[1])) for d in written.met if d.destination[0] == "state"]
         return [*written.reads, *(load for load in stored if load is not None and load not in self.sunk)]
 
     def _compute(self, k: int) -> None:
@@ -97,7 +97,9 @@ class _Level:
         while stack:
             n = stack[-1]
             missing = (
-                [a for a in self._needs(n) if a in self.members and a not in self.done] if n in self.members else []
+                [a for a in self._dependencies(n) if a in self.members and a not in self.done]
+                if n in self.members
+                else []
             )
             if n in self.done or n not in self.members:
                 stack.pop()
@@ -121,10 +123,10 @@ class _Level:
     def _meet(self, d: Demand) -> None:
         if d not in self.pending:
             return
-        struct, name = d.place
+        struct, name = d.destination
         if struct == "state":
             if d.node not in self.done:
-                self.out.append(About(None, str(name)))
+                self.out.append(Annotation(None, str(name)))
             if (load := self.loads.get(str(name))) is not None and load not in self.sunk:
                 self._compute(load)
         self._compute(d.node)
@@ -146,13 +148,13 @@ class _Level:
                     if arm != start:
                         arm_demands.append(Demand(arm, ("choice", c)))
             for d in self.regions.demands.get(c, ()):
-                held = any(self.regions.is_load(a, d.place) for a in arms)
-                if d.place[0] == "word" or (self.regions.is_read(c) and not held):
+                held = any(self.regions.is_load(a, d.destination) for a in arms)
+                if d.destination[0] == "word" or (self.regions.is_read(c) and not held):
                     continue
                 met.append(d)
                 for arm, arm_demands in zip(arms, inner, strict=True):
-                    if not self.regions.is_load(arm, d.place):
-                        arm_demands.append(Demand(arm, d.place))
+                    if not self.regions.is_load(arm, d.destination):
+                        arm_demands.append(Demand(arm, d.destination))
         then, other = (
             tuple(_Level(self.p, self.users, members, demands).statements())
             for members, demands in zip(region.sides, inner, strict=True)
@@ -164,7 +166,7 @@ class _Level:
 
 
 def _store_statement(d: Demand) -> Statement:
-    struct, name = d.place
+    struct, name = d.destination
     if struct == "choice":
         assert isinstance(name, int)
         return Assign(name, d.node)

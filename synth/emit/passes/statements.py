@@ -41,14 +41,14 @@ class Branch:
 
 
 @dataclass(frozen=True)
-class About:
+class Annotation:
     """The next statements compute a named signal (by its index in the marks), or the next state of this name."""
 
     mark: int | None
     state: str = ""
 
 
-Statement = Let | Store | Assign | Branch | About
+Statement = Let | Store | Assign | Branch | Annotation
 
 
 def reads(p: Program, block: Sequence[Statement]) -> Iterator[int]:

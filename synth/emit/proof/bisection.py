@@ -72,11 +72,11 @@ def prove(low: Array, high: Array, whole: Mask, judge: Judge, signed: bool, budg
             return Verdict(True, cells, {k: _join([h[k] for h in hulls]) for k in hulls[0]})
         low, high = low[:, ~judgement.holds], high[:, ~judgement.holds]
         points = np.hstack([points, _middle(low, high, whole)])
-        tried = judge(points, points, True)
-        worst = _worst(tried, points, low, high, cells)
+        at_points = judge(points, points, True)
+        worst = _worst(at_points, points, low, high, cells)
         if worst.fails:
             return worst
-        signs |= {side: points[:, mask.argmax()] for side, mask in _sides(tried) if mask.any()}
+        signs |= {side: points[:, mask.argmax()] for side, mask in _sides(at_points) if mask.any()}
         if signed and len(signs) == 2 and (crossing := _crossing(signs, judge)):
             return Verdict(False, cells, {}, True, crossing[0], crossing[0], *crossing)
         open_ = (high > low).any(axis=0)
@@ -86,8 +86,8 @@ def prove(low: Array, high: Array, whole: Mask, judge: Judge, signed: bool, budg
         points = np.zeros((len(low), 0), low.dtype)
 
 
-def _sides(tried: Judgement) -> list[tuple[bool, Mask]]:
-    return [(True, tried.value > 0), (False, tried.value < 0)]
+def _sides(at_points: Judgement) -> list[tuple[bool, Mask]]:
+    return [(True, at_points.value > 0), (False, at_points.value < 0)]
 
 
 def _middle(low: Array, high: Array, whole: Mask) -> Array:
@@ -135,13 +135,13 @@ def _join(parts: list[Interval]) -> Interval:
     return Interval(low, high, np.logical_or.reduce([p.nan for p in parts]))
 
 
-def _worst(tried: Judgement, points: Array, low: Array, high: Array, cells: int) -> Verdict:
+def _worst(at_points: Judgement, points: Array, low: Array, high: Array, cells: int) -> Verdict:
     """Return the failing point of the smallest value; else the open cell whose value at its centre is closest to 0."""
-    if tried.fails.any():
-        k = int(np.where(tried.fails, tried.value, inf).argmin())
+    if at_points.fails.any():
+        k = int(np.where(at_points.fails, at_points.value, inf).argmin())
         at = points[:, k]
-        return Verdict(False, cells, {}, True, at, at, at, float(tried.value[k]))
-    value = tried.value[-low.shape[1] :]
+        return Verdict(False, cells, {}, True, at, at, at, float(at_points.value[k]))
+    value = at_points.value[-low.shape[1] :]
     k = int(np.where(np.isnan(value), inf, np.abs(value)).argmin())
     return Verdict(False, cells, {}, False, low[:, k], high[:, k], points[:, k - low.shape[1]], float(value[k]))
 
@@ -157,10 +157,10 @@ def _crossing(signs: dict[bool, Array], judge: Judge) -> tuple[Array, float] | N
         value = judge(points, points, True).value
         size = np.abs(value[[0, -1]]).max() if size is None else size
         k = int(np.nanargmin(np.abs(value)))
-        turn = int((value >= 0).argmax())
-        if turn == 0 or np.isnan(value).any():
+        sign_change = int((value >= 0).argmax())
+        if sign_change == 0 or np.isnan(value).any():
             return None
-        narrower = (t[turn - 1], t[turn])
-        if value[k] == 0 or not narrower[1] - narrower[0] < last - first or narrower[1] - narrower[0] < 1e-17:
+        bracket = (t[sign_change - 1], t[sign_change])
+        if value[k] == 0 or not bracket[1] - bracket[0] < last - first or bracket[1] - bracket[0] < 1e-17:
             return (points[:, k], float(value[k])) if abs(value[k]) <= _VANISHING_RATIO * size else None
-        first, last = narrower
+        first, last = bracket

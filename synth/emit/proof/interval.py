@@ -97,8 +97,8 @@ def _hull(candidates: list[Array], nan: Mask) -> Interval:
 
 def _add(a: Interval, b: Interval) -> Interval:
     low, high = a.low + b.low, a.high + b.high
-    clash = ((a.high == inf) & (b.low == -inf)) | ((a.low == -inf) & (b.high == inf))
-    return Interval(np.where(np.isnan(low), -inf, low), np.where(np.isnan(high), inf, high), a.nan | b.nan | clash)
+    undefined = ((a.high == inf) & (b.low == -inf)) | ((a.low == -inf) & (b.high == inf))
+    return Interval(np.where(np.isnan(low), -inf, low), np.where(np.isnan(high), inf, high), a.nan | b.nan | undefined)
 
 
 def _neg(a: Interval) -> Interval:
@@ -107,9 +107,9 @@ def _neg(a: Interval) -> Interval:
 
 def _mul(a: Interval, b: Interval) -> Interval:
     ends = [x * y for x in (a.low, a.high) for y in (b.low, b.high)]
-    clash = (a.zero & b.infinite) | (a.infinite & b.zero)
+    undefined = (a.zero & b.infinite) | (a.infinite & b.zero)
     # 0 times an infinite end represents 0 times the finite numbers before it.
-    return _hull([np.where(np.isnan(e), 0, e) for e in ends], a.nan | b.nan | clash)
+    return _hull([np.where(np.isnan(e), 0, e) for e in ends], a.nan | b.nan | undefined)
 
 
 def _sq(a: Interval) -> Interval:

@@ -150,8 +150,8 @@ def _is_whole(program: Program, node: Node, whole: set[int]) -> bool:
         return float(node.value).is_integer()
     if node.op in SELECTIONS:
         return whole.issuperset(node.args[1:])
-    kept = node.op in LOGICAL or node.op == "floor" or (node.op in _KEEPING_WHOLE and whole.issuperset(node.args))
-    return kept or (node.op == "state" and node.name in program.integers)
+    preserved = node.op in LOGICAL or node.op == "floor" or (node.op in _KEEPING_WHOLE and whole.issuperset(node.args))
+    return preserved or (node.op == "state" and node.name in program.integers)
 
 
 def nodes_between(ancestors: Iterable[int], sources: Iterable[int], ends: Iterable[int]) -> tuple[int, ...]:
@@ -217,13 +217,13 @@ def _transfer(s: Structure, arithmetic: Arithmetic, node: Node, R: Mapping[int, 
 def _select(s: Structure, arithmetic: Arithmetic, k: int, R: Mapping[int, Interval], deep: bool) -> Interval:
     """Return the hull of the arms that can be taken, each under its condition."""
     condition = truth(R[s.program.nodes[k].args[0]])
-    (then, dead), (other, lost) = (_arm(s, arithmetic, k, position, R, deep) for position in (1, 2))
-    may, else_ = (condition.high > 0) & ~dead, (condition.low < 1) & ~lost
-    neither = ~(may | else_)
-    may, else_ = may | neither, else_ | neither
-    low = np.minimum(np.where(may, then.low, inf), np.where(else_, other.low, inf))
-    high = np.maximum(np.where(may, then.high, -inf), np.where(else_, other.high, -inf))
-    return Interval(low, high, (may & then.nan) | (else_ & other.nan))
+    (then, never_then), (other, never_other) = (_arm(s, arithmetic, k, position, R, deep) for position in (1, 2))
+    may_then, may_other = (condition.high > 0) & ~never_then, (condition.low < 1) & ~never_other
+    neither = ~(may_then | may_other)
+    may_then, may_other = may_then | neither, may_other | neither
+    low = np.minimum(np.where(may_then, then.low, inf), np.where(may_other, other.low, inf))
+    high = np.maximum(np.where(may_then, then.high, -inf), np.where(may_other, other.high, -inf))
+    return Interval(low, high, (may_then & then.nan) | (may_other & other.nan))
 
 
 def _arm(
@@ -231,16 +231,16 @@ def _arm(
 ) -> tuple[Interval, Mask]:
     """Return the interval of an arm where it is taken, and where it cannot be taken; a gate's other arm is 0."""
     args = s.program.nodes[k].args
-    narrowed, dead = narrow_under(s, [(args[0], position == 1)], R)
+    narrowed, infeasible = narrow_under(s, [(args[0], position == 1)], R)
     if position == len(args):
-        return point(0, arithmetic.scalar), dead
+        return point(0, arithmetic.scalar), infeasible
     node, recomputed = args[position], s.recomputed[k, position]
     if node in narrowed:
-        return narrowed[node], dead
+        return narrowed[node], infeasible
     if deep and 0 < len(recomputed) <= _SMALL:
         inside = enclose(s, arithmetic, {**R, **narrowed}, recomputed, deep=False)
-        return intersection(inside[node], R[node]), dead
-    return R[node], dead
+        return intersection(inside[node], R[node]), infeasible
+    return R[node], infeasible
 
 
 def narrow_under(
@@ -249,12 +249,12 @@ def narrow_under(
     """Return the intervals narrowed by all (condition, holds), and where these contradict each other."""
     p = s.program
     narrowed = conditions.intersect(conditions.narrow(p.nodes, s.whole, c, holds, R) for c, holds in decided)
-    dead = reduce(np.logical_or, (a.empty for a in narrowed.values()), np.array([False]))
-    kept = {}
+    infeasible = reduce(np.logical_or, (a.empty for a in narrowed.values()), np.array([False]))
+    feasible = {}
     for k, a in narrowed.items():
-        void = a.low > a.high
-        kept[k] = Interval(np.where(void, R[k].low, a.low), np.where(void, R[k].high, a.high), a.nan)
-    return kept, dead
+        empty = a.low > a.high
+        feasible[k] = Interval(np.where(empty, R[k].low, a.low), np.where(empty, R[k].high, a.high), a.nan)
+    return feasible, infeasible
 
 
 def require_inductive(program: Program, ranges: tuple[Range, ...], block: Block, scalar: type[np.floating]) -> None:

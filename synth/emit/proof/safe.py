@@ -111,14 +111,14 @@ def node_guards(program: Program) -> list[frozenset[Guard]]:
     return [guards or frozenset() for guards in guards_of]
 
 
-def leaves(s: Structure, R: Mapping[int, Interval], tops: Sequence[int], near: bool) -> tuple[int, ...]:
+def leaves(s: Structure, R: Mapping[int, Interval], tops: Sequence[int], at_limits: bool) -> tuple[int, ...]:
     """Return where to cut the cone of `tops`: at loads, and at limited values whose operands are unbounded.
 
-    With `near` the cut is close to the tops, at every limited or chosen value: this gives fewer leaves, but treats
+    With `at_limits` the cut is close to the tops, at every limited or chosen value: this gives fewer leaves, but treats
     dependent ones as independent.
     """
     nodes, cut, seen = s.program.nodes, set[int](), set[int]()
-    waiting = [a for t in tops for a in (nodes[t].args or (t,))] if near else list(tops)
+    waiting = [a for t in tops for a in (nodes[t].args or (t,))] if at_limits else list(tops)
     while waiting:
         k = waiting.pop()
         node = nodes[k]
@@ -126,7 +126,7 @@ def leaves(s: Structure, R: Mapping[int, Interval], tops: Sequence[int], near: b
             continue
         seen.add(k)
         bounded = R[k].finite[0]
-        limited = node.op in _LIMITING and bounded and (near or not all(R[a].finite[0] for a in node.args))
+        limited = node.op in _LIMITING and bounded and (at_limits or not all(R[a].finite[0] for a in node.args))
         if limited or (node.op in LOADS and bounded):
             cut.add(k)
         elif node.op not in LOADS:
@@ -143,13 +143,13 @@ def _prove(
     block: Block,
 ) -> dict[int, Interval]:
     """Return narrower intervals that prove the claim; raise EmitError where bisection does not."""
-    narrowed, void = narrow_under(s, claim.guards, R)
+    narrowed, infeasible = narrow_under(s, claim.guards, R)
     inside = enclose(s, arithmetic, {**R, **narrowed}, nodes_between(s.ancestors, narrowed, [claim.k]))
-    if void.any() or _holds(s, claim, inside):
+    if infeasible.any() or _holds(s, claim, inside):
         return {}
     cut, verdict = tuple[int, ...](), bisection.Verdict(False, 0)
-    for near in (True, False):
-        if (candidate := leaves(s, inside, claim.watched, near)) and candidate != cut:
+    for at_limits in (True, False):
+        if (candidate := leaves(s, inside, claim.watched, at_limits)) and candidate != cut:
             cut = candidate
             low, high = (np.array([getattr(inside[k], side)[0] for k in cut]) for side in ("low", "high"))
             whole = np.array([k in s.whole for k in cut])
@@ -169,7 +169,7 @@ def _judge(
     cut: tuple[int, ...],
 ) -> bisection.Judge:
     """Return the function that judges cells of the leaves `cut`."""
-    args = s.program.nodes[claim.k].args
+    args, obligation = s.program.nodes[claim.k].args, claim.obligation
     ends = [*claim.watched, *(c for c, _ in claim.guards)]
     cone = nodes_between(s.ancestors, cut, ends)
     cone = cone if claim.k in cone or claim.k in cut else (*cone, claim.k)
@@ -179,19 +179,19 @@ def _judge(
         mode, n = pointwise if exact else arithmetic, low.shape[1]
         cells = {k: Interval(low[i], high[i], np.zeros(n, bool)) for i, k in enumerate(cut)}
         inside = enclose(s, mode, {**R, **cells}, cone, None if exact else proved)
-        narrowed, void = narrow_under(s, claim.guards, inside)
+        narrowed, infeasible = narrow_under(s, claim.guards, inside)
         if narrowed:
             inside = enclose(s, mode, {**inside, **narrowed}, nodes_between(s.ancestors, narrowed, [claim.k]))
         with np.errstate(all="ignore"):
             result, sides = inside[claim.k], [inside[a] for a in args]
-            met, failed = claim.obligation.holds(result, sides) | void, claim.obligation.fails(result, sides) & ~void
-            value = np.where(void, np.nan, claim.obligation.value(sides if claim.obligation.watched else [result]))
-        kept = {k: inside[k] for k in (*claim.watched, claim.k)}
+            holds, fails = obligation.holds(result, sides) | infeasible, obligation.fails(result, sides) & ~infeasible
+            value = np.where(infeasible, np.nan, obligation.value(sides if obligation.watched else [result]))
         watched = {
-            k: Interval(np.where(void, inf, a.low), np.where(void, -inf, a.high), a.nan) for k, a in kept.items()
+            k: Interval(np.where(infeasible, inf, a.low), np.where(infeasible, -inf, a.high), a.nan)
+            for k, a in ((k, inside[k]) for k in (*claim.watched, claim.k))
         }
-        met, failed, value = (np.broadcast_to(v, (n,)) for v in (met, failed, value))
-        return bisection.Judgement(met, failed, value, watched)
+        holds, fails, value = (np.broadcast_to(v, (n,)) for v in (holds, fails, value))
+        return bisection.Judgement(holds, fails, value, watched)
 
     return judge
 
@@ -208,11 +208,11 @@ def _refusal(
     if not claim.obligation.watched:
         what = f"{_end(program, claim.k)} = {watched} of block '{block.name}'"
         origin = _origin(program, R, claim.k) if claim.obligation is obligations.FINITE else claim.k
-        begins = "" if origin == claim.k else f"; it begins at `{wording.expression(program, origin)}`"
+        origin_text = "" if origin == claim.k else f"; it begins at `{wording.expression(program, origin)}`"
     else:
         op = program.nodes[claim.k].op
         name = "division by" if op in ("div", "inv") else f"{op} of"
-        what, begins = f"the {name} {watched} in {wording.signal(program, claim.k)}", ""
+        what, origin_text = f"the {name} {watched} in {wording.signal(program, claim.k)}", ""
     point = wording.values(block, program, cut, verdict.point, verdict.point) if len(verdict.point) else ""
     cell = wording.values(block, program, cut, verdict.low, verdict.high) if len(verdict.low) else ""
     if not cut:
@@ -224,7 +224,7 @@ def _refusal(
             f"not proved in {verdict.cells} cells: {claim.obligation.quantity} comes nearest, {verdict.value:.6g}, at "
             f"{point}, in the cell {cell}"
         )
-    return f"{what} is not safe: {claim.obligation.need}; {where}{begins}; {claim.obligation.mend}"
+    return f"{what} is not safe: {claim.obligation.need}; {where}{origin_text}; {claim.obligation.mend}"
 
 
 def _end(program: Program, k: int) -> str:

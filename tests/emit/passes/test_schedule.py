@@ -18,7 +18,7 @@ from synth.emit import lower, pipeline
 from synth.emit.lower import Program
 from synth.emit.passes import fold, schedule
 from synth.emit.passes.regions import Regions
-from synth.emit.passes.statements import About, Assign, Branch, Let, Statement, Store
+from synth.emit.passes.statements import Annotation, Assign, Branch, Let, Statement, Store
 from tests.emit import dyadic, hazards
 from tests.emit.dyadic import TIME, signal
 from tests.emit.semantics import interpret, value
@@ -139,7 +139,7 @@ def stored_at_once(self: Any, d: Any) -> None:
 
 def held_though_it_decides(self: Any, choice: int, k: int) -> bool:
     """Treat a state that a choice holds as unread although it is also the condition."""
-    places = [d.place for d in self.demands.get(choice, ())]
+    places = [d.destination for d in self.demands.get(choice, ())]
     alone = self.p.nodes[choice].args[1:].count(k) == 1 and not self.is_read(choice)
     return alone and all(self.is_load(k, q) for q in places)
 
@@ -311,7 +311,7 @@ def test_a_block_stores_its_states_before_the_next_one_begins() -> None:
     (begins,) = (
         i
         for i, s in enumerate(statements)
-        if isinstance(s, About) and s.mark is not None and program.marks[s.mark][0].block == "q"
+        if isinstance(s, Annotation) and s.mark is not None and program.marks[s.mark][0].block == "q"
     )
     assert stores(statements[:begins]) == ["p_x"]
 
@@ -320,4 +320,4 @@ def test_a_line_belongs_to_the_block_that_computes_it_first() -> None:
     first = build("p", TIME, lambda u, x, k: Step({"y": u["a"] * 3}), inputs=[signal("a")], outputs=[signal("y")])
     alias = build("q", TIME, lambda u, x, k: Step({"z": u["y"]}), inputs=[signal("y")], outputs=[signal("z")])
     program = lower_block(compose("both", [first, alias], inputs=["a"], outputs=["z"]))
-    assert [program.marks[s.mark][0].block for s in schedule.statements(program) if isinstance(s, About)] == ["p"]
+    assert [program.marks[s.mark][0].block for s in schedule.statements(program) if isinstance(s, Annotation)] == ["p"]
