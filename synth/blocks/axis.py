@@ -101,7 +101,7 @@ def servo(
     if plant.outputs[0] not in weights:
         raise SignalError(f"there is no weight on '{plant.outputs[0]}', which scales the speeds of the modes: give one")
     if set_point is not None and not 0 <= set_point < np.inf:
-        raise SignalError(f"the part of the set-point is {set_point}: give a finite number of 0 or more")
+        raise SignalError(f"the weight of the set-point is {set_point}: give a finite number of 0 or more")
     return ServoLaw((Axis(plant, inverse, dict(modes), dict(weights), effort, estimator, anti_windup, set_point),))
 
 

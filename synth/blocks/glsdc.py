@@ -211,6 +211,6 @@ def dot(a: Vector, b: Vector) -> ca.SX:
 
 
 def total(terms: Iterable[ca.SX]) -> ca.SX:
-    """Return the sum, 0 without any term."""
+    """Return the sum of the terms, 0 if there are none."""
     terms = list(terms)
     return reduce(add, terms) if terms else ca.SX(0)

@@ -99,9 +99,9 @@ def _exact_product(K: Array, T: Array) -> list[float]:
 
 
 def _require_units(error: Signal, rate: Signal, demand: Signal) -> None:
-    """Refuse a rate that is not in the error's unit per s, or a demand that is not in that per s^2."""
+    """Raise SignalError unless the rate is in the error's unit per s and the demand in that unit per s^2."""
     for signal, per in ((rate, "/s"), (demand, "/s^2")):
         if dimension(signal.unit) != dimension(error.unit + per):
             raise SignalError(
-                f"'{signal.name}' is in {signal.unit}, but the error '{error.name}' asks for {error.unit}{per}"
+                f"'{signal.name}' is in {signal.unit}, but the error '{error.name}' needs {error.unit}{per}"
             )

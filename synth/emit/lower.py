@@ -52,7 +52,7 @@ BINARY = {
     ca.OP_IF_ELSE_ZERO: "when",
 }
 LOOKUP = (ca.OP_CONST, ca.OP_INPUT, ca.OP_GETNONZEROS_PARAM, ca.OP_OUTPUT)  # the instructions of a `block.table`
-# operations that need libm
+# Operations that need libm.
 LIBM = frozenset(
     {"exp", "log", "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "fabs", "atan2"}
 )

@@ -135,17 +135,17 @@ def test_the_predicted_states_are_those_of_the_plant() -> None:
     for delay in (0, 1, 2):
         regulator = regulator_for(delay)
         plant, law = loop.sampled(mass(), TIME.period_s, delay * TIME.period_s), regulator.controller
-        x, c, seen, ahead = np.zeros(len(plant.A)), np.zeros(len(law.A)), [], []
+        x, c, seen, predicted = np.zeros(len(plant.A)), np.zeros(len(law.A)), [], []
         x[0] = 1e-3
         for _ in range(600):
             q = float(plant.C[0] @ x)
             u = np.array([q, 0.0, q, 0.0, 0.0])
             u[1] = law.C[0] @ c + law.D[0] @ u
             seen.append(x[:2])
-            ahead.append(law.C[1:] @ c + law.D[1:] @ u)
+            predicted.append(law.C[1:] @ c + law.D[1:] @ u)
             c, x = law.A @ c + law.B @ u, plant.A @ x + plant.B[:, 0] * u[1]
-        late = np.array(seen)[200 + delay :] - np.array(ahead)[200 : 600 - delay]
-        assert np.abs(late).max() < 1e-9
+        errors = np.array(seen)[200 + delay :] - np.array(predicted)[200 : 600 - delay]
+        assert np.abs(errors).max() < 1e-9
 
 
 def around(**changed: Any) -> Interface:

@@ -125,10 +125,12 @@ def still(tuned: Block) -> Block:
     """Planted defect: all states keep their values where one would leave its bounds."""
     names, inside = [s.name for s in tuned.states], ca.SX(1)
     free = block(bounds=(1e9, 1e9, 1e9))
-    moved = ca.substitute([free.next[n] for n in names], list(free.symbol.values()), list(tuned.symbol.values()))
-    for s, v in zip(tuned.states, moved, strict=True):
+    next_values = ca.substitute([free.next[n] for n in names], list(free.symbol.values()), list(tuned.symbol.values()))
+    for s, v in zip(tuned.states, next_values, strict=True):
         inside = ca.logic_and(inside, ca.fabs(v) <= s.signal.high)
-    return replace(tuned, next={n: ca.if_else(inside, v, tuned.symbol[n]) for n, v in zip(names, moved, strict=True)})
+    return replace(
+        tuned, next={n: ca.if_else(inside, v, tuned.symbol[n]) for n, v in zip(names, next_values, strict=True)}
+    )
 
 
 def turns(tuned: Block, p: float, q: float) -> bool:
@@ -152,9 +154,9 @@ def test_freezing_all_states_together_would_lock() -> None:
 
 
 def test_units_follow_from_the_terms() -> None:
-    wound = block(anti_windup=(EXCESS, [1, 1, 1]))
-    assert {s.signal.unit for s in wound.states} == {"m"}
-    units = {c.name: c.unit for c in wound.constants}
+    with_anti_windup = block(anti_windup=(EXCESS, [1, 1, 1]))
+    assert {s.signal.unit for s in with_anti_windup.states} == {"m"}
+    units = {c.name: c.unit for c in with_anti_windup.constants}
     for name, source, target in (
         *((f"k_{s}", "m", "m/s^2") for s in ("e", "sum", "p1", "q1")),
         ("k_de", "m/s", "m/s^2"),
@@ -174,8 +176,8 @@ def test_units_follow_from_the_terms() -> None:
         ({"frequencies": (0.0,)}, r"the gain is \(1, 5\) and 3 bounds are given, but the exosystem of order 1"),
         ({"bounds": (1.0, 1.0)}, "2 bounds are given, but the exosystem of order 3"),
         ({"anti_windup": (EXCESS, [1.0])}, "has 1 entries, the internal model 3 states"),
-        ({"rate": replace(RATE, unit="m")}, "'de' is in m, but the error 'e' asks for m/s"),
-        ({"demand": replace(DEMAND, unit="N")}, r"'w' is in N, but the error 'e' asks for m/s\^2"),
+        ({"rate": replace(RATE, unit="m")}, "'de' is in m, but the error 'e' needs m/s"),
+        ({"demand": replace(DEMAND, unit="N")}, r"'w' is in N, but the error 'e' needs m/s\^2"),
         ({"frequencies": (0.0, 700.0)}, "must lie below 628.319 rad/s"),
     ],
 )

@@ -200,9 +200,9 @@ def states(program: Program, box: dict[str, Range], rng: np.random.Generator, co
     def one(r: Range, whole: bool) -> float:
         if whole:
             return float(rng.integers(int(r.low), int(r.high) + 1))
-        drawn = rng.choice([r.low, r.high, rng.choice(special), r.low + rng.random() * (r.high - r.low)])
+        sample = rng.choice([r.low, r.high, rng.choice(special), r.low + rng.random() * (r.high - r.low)])
         if r.nan:
             return float(rng.choice([rng.choice(special), rng.normal() * 10.0 ** rng.integers(-3, 4)]))
-        return float(np.clip(drawn, r.low, r.high)) if drawn == drawn else r.low
+        return float(np.clip(sample, r.low, r.high)) if sample == sample else r.low
 
     return [{n: one(r, n in program.integers) for n, r in box.items()} for _ in range(count)]

@@ -161,7 +161,7 @@ def combine(kind: int, a: Value, b: Value, c: SX) -> Value:
     ][kind]
 
 
-def part(
+def random_law(
     rng: np.random.Generator, name: str, inputs: Sequence[Signal], outputs: Sequence[str], named: list[str]
 ) -> Block:
     """Return a random Block; up to all of `named` become names of intermediate signals. An input `v` is read once."""
@@ -195,11 +195,11 @@ def random_block(seed: int) -> Block:
     names = [str(n) for n in rng.permutation(AWKWARD)] if seed % 3 == 0 else [f"m{i}" for i in range(len(AWKWARD))]
     inputs = [signal(n, -4, 4) for n in (names[:3] if seed % 2 else ("a", "b", "c"))]
     if seed % 4 < 2:
-        block, flags = part(rng, "rb", inputs, ["y", "z", "w"], names[3:12]), ("flag_rb", "flag_rb")
+        block, flags = random_law(rng, "rb", inputs, ["y", "z", "w"], names[3:12]), ("flag_rb", "flag_rb")
     else:
         link = {n: signal(n, -BOUND, BOUND) for n in ("y", "z", "w", "v")}
-        first = part(rng, "one", inputs, ["y", "z"], names[3:7])
-        second = part(rng, "two", [*inputs[:1], link["y"], link["v"]], ["w"], names[7:10])
+        first = random_law(rng, "one", inputs, ["y", "z"], names[3:7])
+        second = random_law(rng, "two", [*inputs[:1], link["y"], link["v"]], ["w"], names[7:10])
         third = build("hold", TIME, _hold, inputs=[link["z"]], outputs=[link["v"]], states=[State(link["v"], 1)])
         wired, flags = [(first, second, third)[i] for i in rng.permutation(3)], ("flag_one", "flag_two")
         block = compose("rb", wired, inputs=[s.name for s in inputs], outputs=["w", "y", "z", "v", *flags])

@@ -106,9 +106,9 @@ def test_dead_nodes_are_dropped_with_their_marks() -> None:
     program = lower.program(make(law))
     e, y = next(k for k, n in enumerate(program.nodes) if n.op == "exp"), program.outputs["y"]
     assert marked_nodes(program) == {"e": program.nodes[e], "y": program.nodes[y]}
-    shortened, gone = program.substituted({e: program.nodes[e].args[0]}), program.substituted({y: 0})
+    shortened, emptied = program.substituted({e: program.nodes[e].args[0]}), program.substituted({y: 0})
     assert [n.op for n in shortened.nodes] == ["input", "sin"] and marked_nodes(shortened)["e"].name == "b"
-    assert [n.op for n in gone.nodes] == ["input"] and list(marked_nodes(gone)) == ["y"]
+    assert [n.op for n in emptied.nodes] == ["input"] and list(marked_nodes(emptied)) == ["y"]
 
 
 def test_users_count_each_operand() -> None:

@@ -91,9 +91,8 @@ def check_bound(enclosure: Enclosure, f: Analytic, what: str) -> None:
 
     Raises EmitError if the bound does not hold: then f violates its contract, or the bound is wrong.
     """
-    count = (
-        enclosure.series.length() + enclosure.series.length() % 2
-    )  # an even number of points; the last term may be 0
+    length = enclosure.series.length()
+    count = length + length % 2  # an even number of points; the last coefficient may be 0
     points = [enclosure.middle + enclosure.radius * (flint.arb(j) / count).cos_pi().mid() for j in range(count + 1)]
     for x, inside in zip(points, enclosure.at(points), strict=True):
         if x == 0 and enclosure.power:

@@ -37,7 +37,7 @@ class Interval:
 
     @property
     def empty(self) -> Mask:
-        """Whether no value is left."""
+        """Whether the interval contains no value."""
         return (self.low > self.high) & ~self.nan
 
     @property

@@ -67,7 +67,7 @@ _OF: dict[str, Obligation] = {
     "div": _division(1),
     "inv": _division(0),
     "floor": _inside(
-        0, 2.0**31, "its argument must lie in 0 .. 2^31, as C cuts it off in 32 bits", "the argument", lambda x: x
+        0, 2.0**31, "its argument must lie in 0 .. 2^31, because C truncates it in 32 bits", "the argument", lambda x: x
     ),
     "sqrt": _inside(0, inf, "its argument must not be negative", "the argument", lambda x: x),
     "log": Obligation(

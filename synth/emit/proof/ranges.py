@@ -34,9 +34,8 @@ from synth.errors import EmitError
 SELECTIONS = frozenset({"choose", "when"})
 LOADS = frozenset({"input", "state", "constant"})
 _PRODUCTS = frozenset({"mul", "sq", "twice", "polynomial"})
-_PASSING = frozenset(
-    {"neg", "choose", "when", "min", "max", "clamp", "within"}
-)  # a product gets into a sum through these too
+# Operations that pass an unrounded product on to a sum.
+_PASSING = frozenset({"neg", "choose", "when", "min", "max", "clamp", "within"})
 _KEEPING_WHOLE = frozenset({"neg", "fabs", "add", "sub", "mul", "sq", "twice", "min", "max", "clamp"})
 _SMALL = 40  # largest number of nodes of an arm that are recomputed under its condition
 

@@ -216,13 +216,13 @@ def _refusal(
     point = wording.values(block, program, cut, verdict.point, verdict.point) if len(verdict.point) else ""
     cell = wording.values(block, program, cut, verdict.low, verdict.high) if len(verdict.low) else ""
     if not cut:
-        where = "nothing bounds what it is computed from"
+        where = "its operands are unbounded"
     elif verdict.fails:
         where = f"violated: {claim.obligation.quantity} is {verdict.value:.6g} at {point}"
     else:
         where = (
-            f"not proved in {verdict.cells} cells: {claim.obligation.quantity} comes nearest, {verdict.value:.6g}, at "
-            f"{point}, in the cell {cell}"
+            f"not proved in {verdict.cells} cells: {claim.obligation.quantity} is {verdict.value:.6g} at the worst "
+            f"point {point}, in the cell {cell}"
         )
     return f"{what} is not safe: {claim.obligation.need}; {where}{origin_text}; {claim.obligation.mend}"
 

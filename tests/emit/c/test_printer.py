@@ -221,9 +221,9 @@ def test_a_title_is_printed_where_the_block_changes() -> None:
 def test_lines_after_a_branch_belong_to_the_block_before_it() -> None:
     """The last tag of one side does not apply to the other side."""
     block = hazards.stored_by_an_earlier_block()
-    shipped = block.rounded(F64)
-    reduced = pipeline.reduce(shipped, F64)
-    lines = pipeline.source(reduced, layout.layout(shipped, F64))
+    rounded = block.rounded(F64)
+    reduced = pipeline.reduce(rounded, F64)
+    lines = pipeline.source(reduced, layout.layout(rounded, F64))
     tags = {line.text.strip(): line.tag for line in lines}
     assert tags["state->hold_x = a;"] == "hold" and tags["} else {"] == "use" and tags["out->z = z;"] == "use"
 

@@ -51,8 +51,8 @@ def make(law: Callable[..., Any], outputs: str = "y", name: str = "made", inputs
 def replace_functions(
     block: Block, scalar: type[np.floating] = F32, error: float | None = COARSE
 ) -> tuple[lower.Program, tuple[Surrogate, ...]]:
-    shipped = block.rounded(scalar)
-    return replace.replace_functions(fold.folded(lower.program(shipped)), ranges.bounds(shipped, scalar), scalar, error)
+    rounded = block.rounded(scalar)
+    return replace.replace_functions(fold.folded(lower.program(rounded)), ranges.bounds(rounded, scalar), scalar, error)
 
 
 def operations(program: lower.Program) -> list[str]:

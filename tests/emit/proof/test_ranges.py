@@ -57,11 +57,11 @@ def of_output(law: Callable[..., ca.SX], *inputs: Signal, guarded: str = "", sca
 @pytest.mark.slow
 @pytest.mark.parametrize("scalar", [F32, F64])
 @settings(max_examples=250, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
-@given(drawn=programs(), seed=st.integers(0, 2**32))
+@given(drawing=programs(), seed=st.integers(0, 2**32))
 def test_no_value_leaves_its_range(
-    scalar: type[np.floating], drawn: tuple[Program, dict[str, Range]], seed: int
+    scalar: type[np.floating], drawing: tuple[Program, dict[str, Range]], seed: int
 ) -> None:
-    program, box = drawn
+    program, box = drawing
     box = {n: Range(float(scalar(r.low)), float(scalar(r.high)), r.nan) for n, r in box.items()}
     node_ranges, rng = ranges.analyse(program, box, scalar), np.random.default_rng(seed)
     same = limits.find_redundant(program, node_ranges)

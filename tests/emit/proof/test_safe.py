@@ -55,7 +55,7 @@ def refusal(block: Block, scalar: type[np.floating] = F32) -> str:
 
 
 def place(text: str) -> dict[str, float]:
-    """Return the values after the last 'at' of an error message."""
+    """Return {signal: value in m} from an error message."""
     return {n: float(v) for n, v in re.findall(r"(\w+) = (-?[\d.]+(?:e[+-]?\d+)?)(?= m)", text)}
 
 
@@ -163,7 +163,7 @@ def test_an_arm_is_bisected_under_its_condition() -> None:
 
 def test_an_input_that_is_not_guarded_is_seen_at_the_output() -> None:
     text = refusal(make(lambda u: u["u"] + 1, guarded="u"))
-    assert "output 'y'" in text and "it begins at `u`" in text and "nothing bounds" in text
+    assert "output 'y'" in text and "it begins at `u`" in text and "its operands are unbounded" in text
 
 
 def test_next_states_and_counters_are_checked() -> None:
