@@ -1,4 +1,4 @@
-"""Gaussian least squares differential correction (GLSDC): damped Gauss-Newton with a fixed number of iterations.
+"""Gaussian least squares differential correction (GLSDC): damped Gauss-Newton of fixed length with a descent check.
 
     minimise  J(d) = |V - h(q + d)|^2 + d' damping d
 

@@ -542,9 +542,7 @@ def test_manifest_and_header_name_the_suspects() -> None:
 
 @pytest.mark.parametrize("suspected", [("wish",), ("reading", "reading"), ("nobody",)])
 def test_invalid_suspects_are_refused(suspected: tuple[str, ...]) -> None:
-    with pytest.raises(
-        SignalError, match=f"'{suspected[-1]}' is no measurement or one of them stands twice: name each"
-    ):
+    with pytest.raises(SignalError, match=f"'{suspected[-1]}' is not a measurement or one is listed twice: name each"):
         guard(TIME, INPUTS, 5, suspected)
     with pytest.raises(SignalError, match="among no measurements"):
         guard(TIME, INPUTS[2:], 5, suspected)
