@@ -1,6 +1,6 @@
-"""Memory layout of the three structs: members ordered by size, no padding, the same on every target.
+"""Memory layout of the three structs: members sorted by size, no padding, the same on every target.
 
-With 8-byte scalars an odd count of 4-byte members is filled up by an explicit `reserved`.
+With 8-byte scalars an explicit member `reserved` follows an odd number of 4-byte members.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,7 +19,7 @@ _SIZE = {"float": 4, "double": 8, "uint32_t": 4}
 
 @dataclass(frozen=True)
 class Member:
-    """One member: `low` and `high` are exact in the scalar type, as the step enforces them."""
+    """One member; `low` and `high` are rounded to the scalar type, and the step enforces them in that form."""
 
     name: str
     offset: int
@@ -72,10 +72,10 @@ class Layout:
 
 
 def layout(block: Block, scalar: type[np.floating], parts: Mapping[str, str] = MappingProxyType({})) -> Layout:
-    """Lay out a Block's structs for a scalar type; `parts` names by state the Block of the composition with a struct.
+    """Return the layout of a Block's structs for a scalar type; `parts` gives by state the Block that has a struct.
 
     Raises EmitError for a type that is neither float32 nor float64, for a Block without input or output, and for a
-    bound that the type cannot hold.
+    bound that the type cannot represent.
     """
     if scalar not in CTYPES:
         raise EmitError(f"scalar type {scalar} cannot be emitted: choose numpy.float32 or numpy.float64")
@@ -89,7 +89,7 @@ def layout(block: Block, scalar: type[np.floating], parts: Mapping[str, str] = M
     )
 
 
-def _bound(value: float, signal: Signal, scalar: type[np.floating]) -> float:
+def _rounded_bound(value: float, signal: Signal, scalar: type[np.floating]) -> float:
     with np.errstate(over="ignore"):
         bound = float(scalar(value))
     if not np.isfinite(bound):
@@ -115,7 +115,7 @@ def _struct(
         ordered.append((Signal("reserved", "1", 0, 1, "fills the struct up"), "uint32_t"))
     fields, offset = [], 0
     for s, c in ordered:
-        low, high = (_bound(end, s, scalar) for end in (s.low, s.high))
+        low, high = (_rounded_bound(end, s, scalar) for end in (s.low, s.high))
         fields.append(Member(s.name, offset, c, s.unit, low, high, s.about, parts.get(s.name, "")))
         offset += _SIZE[c]
     return Struct(kind, f"{name}_{kind}_t", offset, tuple(fields))
