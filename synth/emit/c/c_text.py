@@ -14,7 +14,7 @@ from synth.emit.c import routines
 from synth.emit.c.expressions import constant, literal
 from synth.emit.c.kinds import kinds
 from synth.emit.c.layout import Layout, Struct
-from synth.emit.c.printer import Line, prose
+from synth.emit.c.printer import Line, guard_function, prose
 from synth.emit.lower import LIBM, Program
 from synth.emit.passes.replace import Surrogate
 
@@ -85,11 +85,44 @@ def source(
     if any("flag(" in line.text for line in body if "/*" not in line.text):
         parts += ["static inline uint32_t flag(bool holds)", "{", "    uint32_t value = 0u;"]
         parts += ["    if (holds) {", "        value = 1u;", "    }", "    return value;", "}", ""]
+    parts += _inline(block) if program.calls or any(n.op == "guard" for n in program.nodes) else []
+    parts += _guards(block, program, layout)
     for surrogate in surrogates:
         parts += [*_polynomial(surrogate, layout), ""]
     called = routines.functions(block, program, layout)
     step = [*_init(block, layout), "", _step_head(block.name), "{", *_constants(block, program, layout)]
     return [*map(Line, parts), *called, *map(Line, step), *body, Line("}")]
+
+
+def _inline(block: Block) -> list[str]:
+    """Return the macro by which gcc and clang inline at every level: most functions work on a few numbers."""
+    inline = routines.inline(block)
+    return [
+        *("#if defined(__GNUC__)", f"#define {inline} static inline __attribute__((always_inline))"),
+        *("#else", f"#define {inline} static inline", "#endif", ""),
+    ]
+
+
+def _guards(block: Block, program: Program, layout: Layout) -> list[str]:
+    """Return the functions that guard an input, one for each form of range and fallback."""
+    lines: list[str] = []
+    t = layout.ctype
+    forms = {guard_function(program, n): n for n in program.nodes if n.op == "guard"}
+    for name, node in forms.items():
+        two = len(node.args) == 5
+        test = "(low <= value) && (value <= high)" if two else f"{'fabsf' if t == 'float' else 'fabs'}(value) <= high"
+        bounds = f"{t} low, {t} high" if two else f"{t} high"
+        kept, source = (f"{t} *last", "*last") if node.name else (f"{t} refused", "refused")
+        range, name = "low .. high" if two else "-high .. high", f"{block.name}_{name}"
+        lines += [
+            f"/* Return a value in {range}{', which `last` becomes' if node.name else ''}; "
+            f"for any other, set its fault bit and return {source}. */",
+            f"{routines.inline(block)} {t} {name}({t} value, {bounds}, {kept}, uint32_t bit, uint32_t *faults)",
+            *("{", f"    {t} held = value;"),
+            *([f"    if ({test}) {{", "        *last = value;", "    } else {"] if node.name else [f"    if (!({test})) {{"]),
+            *(f"        held = {source};", "        *faults |= bit;", "    }", "    return held;", "}", ""),
+        ]
+    return lines
 
 
 def _polynomial(s: Surrogate, layout: Layout) -> list[str]:

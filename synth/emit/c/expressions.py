@@ -106,6 +106,8 @@ class Expressions:
             return Text(f"{self.integer(args[0]).inside(2)} | {mask(node)}", 1)
         if op == "within":
             return self.text[args[0]]
+        if op == "accepted":
+            return Text(f"({self.operand(args[0]).c} & {mask(node)}) == 0u", 2)
         if op == "clamp":
             return Text(f"limit({self.value(args[0]).c}, {self.value(args[2]).c})")
         whole = self.kinds[k] == "integer" or self._counts(node)

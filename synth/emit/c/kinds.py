@@ -25,7 +25,9 @@ def kinds(p: Program) -> list[str]:
             kind = "logical"
         elif node.op == "literal":
             kind = "number"
-        elif node.op == "bit" or (node.op == "state" and node.name in p.integers):
+        elif node.op == "accepted":
+            kind = "logical"
+        elif node.op in ("bit", "guarded") or (node.op == "state" and node.name in p.integers):
             kind = "integer"
         elif node.op in ("argument", "result"):
             kind = p.typed[node.name]

@@ -106,18 +106,34 @@ def _shared_variables(
     That is the choice whose value it starts from, if every other reader of this value only leads to the new choice.
     """
     shared: dict[int, int] = {}
-    users, ends = p.users(), set(p.ends())
+    ends, outer = set(p.ends()), _enclosing(statements)
+    users = [[u for u in readers if p.nodes[u].op != "accepted"] for readers in p.users()]
     for branch in _branches(statements):
         inside = set(_definitions((*branch.then, *branch.other)))
         for c, start in branch.declared:
-            if start in starts and kinds[start] == kinds[c] and _leads_only_to(users, ends, start, c, inside):
+            if start is None or (start not in starts and p.nodes[start].op != "guarded") or kinds[start] != kinds[c]:
+                continue
+            assigned = {d for d in outer[c] if starts[d] == start and shared.get(d) == shared.get(start, start)}
+            if _leads_only_to(users, ends, start, {c, *assigned}, inside | assigned):
                 shared[c] = shared.get(start, start)
     return shared
 
 
-def _leads_only_to(users: Sequence[Sequence[int]], ends: set[int], start: int, choice: int, inside: set[int]) -> bool:
-    """Tell whether every use of node `start` leads to `choice`, through nodes inside its branch."""
-    seen, stack = {choice}, [start]
+def _enclosing(block: Sequence[Statement], outer: tuple[int, ...] = ()) -> dict[int, tuple[int, ...]]:
+    """Return by choice the choices of the branches that it is in."""
+    found: dict[int, tuple[int, ...]] = {}
+    for branch in (s for s in block if isinstance(s, Branch)):
+        declared = tuple(c for c, _ in branch.declared)
+        found |= dict.fromkeys(declared, outer)
+        found |= _enclosing((*branch.then, *branch.other), (*outer, *declared))
+    return found
+
+
+def _leads_only_to(
+    users: Sequence[Sequence[int]], ends: set[int], start: int, choices: set[int], inside: set[int]
+) -> bool:
+    """Tell whether every use of node `start` leads to one of `choices`, through nodes inside its branch."""
+    seen, stack = set(choices), [start]
     while stack:
         k = stack.pop()
         if k in ends:
@@ -165,7 +181,7 @@ def _definitions(block: Sequence[Statement]) -> Iterator[int]:
 def _count(p: Program, block: Sequence[Statement], reads: Counter[int]) -> None:
     """Count how often the text reads each node, backwards, because a node without readers is not printed."""
     for s in reversed(block):
-        if isinstance(s, Let) and (reads[s.node] or p.nodes[s.node].op == "call"):
+        if isinstance(s, Let) and (reads[s.node] or p.nodes[s.node].op in ("call", "guard")):
             node = p.nodes[s.node]
             reads.update(_printed_operands(p, node))
         elif isinstance(s, Assign | Store):
@@ -179,6 +195,8 @@ def _count(p: Program, block: Sequence[Statement], reads: Counter[int]) -> None:
 def _printed_operands(p: Program, node: Node) -> Sequence[int]:
     if node.op == "call":
         return node.args[: len(p.calls[node.name].routine.arguments)]
+    if node.op == "guard":
+        return [a for a in node.args[:-1] if p.nodes[a].op != "state"]
     if node.op == "within":
         return node.args[:1]
     return node.args[::2] if node.op == "clamp" else node.args * (2 if node.op == "sq" else 1)

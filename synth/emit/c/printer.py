@@ -114,7 +114,13 @@ class _Printer:
         if node.op == "call":
             self._call(node, depth)
             return
+        if node.op == "guard":
+            self._guard(k, depth)
+            return
         if not self.locals.reads[k]:
+            return
+        if node.op == "guarded" or (node.op == "input" and self._is_guarded(k)):
+            self.c.text[k] = Text(variables.WORD) if node.op == "guarded" else self.c.of(k)
             return
         if node.op == "result":
             self.c.text[k] = Text(self.returned[node.name])
@@ -161,12 +167,31 @@ class _Printer:
         self._put("}", depth)
 
     def _store(self, s: Store, depth: int) -> None:
-        if s.struct == "word" or self.p.nodes[s.node].op == "call":
+        if s.struct == "word" or self.p.nodes[s.node].op in ("call", "guard"):
             return
         kind = "integer" if s.struct == "state" and s.name in self.p.integers else "real"
         place = f"state->{self.p.paths.get(s.name, s.name)}" if s.struct == "state" else f"out->{s.name}"
         place = f"*{s.name}" if self.p.pointer else place
         self._put(f"{place} = {self.c.as_kind(s.node, kind).c};", depth)
+
+    def _guard(self, k: int, depth: int) -> None:
+        """Call the guard of an input, which stores the input or sets its bit of the fault word."""
+        node = self.p.nodes[k]
+        source, fallback, *bounds, word = node.args
+        if self.p.nodes[word].op == "literal":
+            self._put(f"uint32_t {variables.WORD} = 0u;", depth)
+        kept = f"&state->{self.p.paths.get(node.name, node.name)}" if node.name else self.c.operand(fallback).c
+        limits = [self.c.value(b).c for b in bounds]
+        passed = [self.c.operand(source).c, *limits, kept, mask(node), f"&{variables.WORD}"]
+        call = f"{self.name}_{guard_function(self.p, node)}({', '.join(passed)});"
+        name = self.locals.name.get(k) or self._new_name(self.p.nodes[source])
+        self.c.text[k] = Text(name)
+        self._put(f"const {self.c.ctype(k)} {name} = {call}" if self.locals.reads[k] else f"(void){call}", depth)
+
+    def _is_guarded(self, k: int) -> bool:
+        """Tell whether only a guard reads an input."""
+        readers = [n for n in self.p.nodes if k in n.args]
+        return len(readers) == 1 and readers[0].op == "guard"
 
     def _call(self, node: Node, depth: int) -> None:
         """Call a routine; what it returns has the name of the signal that it is, or stands in a struct of the call's."""
@@ -195,6 +220,12 @@ class _Printer:
 
     def _new_name(self, node: Node) -> str:
         return self.locals.names.free(node.name) if node.op in LOADS else self.locals.names.next()
+
+
+def guard_function(p: Program, node: Node) -> str:
+    """Return the name of the function of a guard, without the program's prefix."""
+    name = "guard" if len(node.args) == 5 else "guard_symmetric"
+    return name if node.name else f"{name}_replaced"
 
 
 def prose(text: str) -> str:

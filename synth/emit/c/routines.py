@@ -22,6 +22,11 @@ from synth.emit.passes.calls import Routine
 WIDTH = 116
 
 
+def inline(block: Block) -> str:
+    """Return the macro that begins a function."""
+    return f"{block.name.upper()}_INLINE"
+
+
 def state_types(block: Block, p: Program) -> dict[str, str]:
     """Return by Block of the composition the type of its struct of states."""
     found: dict[str, str] = {}
@@ -103,7 +108,7 @@ def _head(block: Block, routine: Routine, part: str, p: Program, layout: Layout)
     kinds = [r.kind for r in routine.results]
     returned = f"{block.name}_{routine.name}_t" if len(kinds) > 1 else _ctype(kinds[0], layout) if kinds else "void"
     arguments = ", ".join(filter(None, [state, parameters, *passed]))
-    return f"static inline {returned} {block.name}_{routine.name}({arguments})"
+    return f"{inline(block)} {returned} {block.name}_{routine.name}({arguments})"
 
 
 def _shared(routine: Routine, constants: Mapping[str, Constant], layout: Layout) -> list[str]:
