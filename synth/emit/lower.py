@@ -93,7 +93,6 @@ class Program:
     calls: Mapping[str, Any] = field(default_factory=dict)
     typed: Mapping[str, str] = field(default_factory=dict)
     returns: Mapping[str, int] = field(default_factory=dict)
-    pointer: bool = False
     paths: Mapping[str, str] = field(default_factory=dict)
     by_value: bool = False
 

@@ -23,7 +23,7 @@ from synth.emit import lower
 from synth.emit.c import c_text, kinds, printer
 from synth.emit.c.layout import Layout
 from synth.emit.lower import Program
-from synth.emit.passes import calls, fold, guards, limits, schedule
+from synth.emit.passes import calls, fold, guards, limits, schedule, slews
 from synth.emit.passes import replace as surrogates
 from synth.emit.passes.replace import Surrogate
 from synth.emit.proof import ranges, safe
@@ -81,7 +81,7 @@ def _without_certificates(program: Program) -> Program:
 def outline(reduced: Reduced) -> Reduced:
     """Return what is printed with a call for each Block that is like another."""
     values = {c.name: c.value for c in reduced.block.constants}
-    return replace(reduced, program=calls.outlined(guards.guarded(reduced.program), values))
+    return replace(reduced, program=calls.outlined(slews.slewed(guards.guarded(reduced.program)), values))
 
 
 def source(reduced: Reduced, memory: Layout) -> list[printer.Line]:

@@ -6,6 +6,7 @@
 The constants are local to the step, their only reader.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from textwrap import wrap
 
@@ -72,18 +73,9 @@ def source(
     parts += ["#include <math.h>"] if used & (LIBM | {"clamp"}) else []
     parts += ["#include <stdbool.h>"] if "logical" in kinds(program) else []
     parts += [""]
-    for op, sign in (("min", "<"), ("max", ">")):
-        if op in used:
-            t = layout.ctype
-            parts += [f"static inline {t} {op}({t} a, {t} b)", "{", f"    return (a {sign} b) ? a : b;", "}", ""]
-    if "clamp" in used:
-        t = layout.ctype
-        size, zero = "fabsf" if layout.ctype == "float" else "fabs", literal(0.0, layout.scalar).c
-        parts += [f"static inline {t} limit({t} x, {t} high)", "{"]
-        # for a negative high, max(min(x, high), -high) is -high for every x
-        parts += [f"    return ({size}(x) <= high) ? x : ((x < {zero}) ? -high : {size}(high));", "}", ""]
-    if any("flag(" in line.text for line in body if "/*" not in line.text):
-        parts += ["static inline uint32_t flag(bool holds)", "{", "    uint32_t value = 0u;"]
+    parts += _helpers(block.name, used, layout)
+    if any("_flag(" in line.text for line in body if "/*" not in line.text):
+        parts += [f"static inline uint32_t {block.name}_flag(bool holds)", "{", "    uint32_t value = 0u;"]
         parts += ["    if (holds) {", "        value = 1u;", "    }", "    return value;", "}", ""]
     parts += _inline(block) if program.calls or any(n.op == "guard" for n in program.nodes) else []
     parts += _guards(block, program, layout)
@@ -92,6 +84,24 @@ def source(
     called = routines.functions(block, program, layout)
     step = [*_init(block, layout), "", _step_head(block.name), "{", *_constants(block, program, layout)]
     return [*map(Line, parts), *called, *map(Line, step), *body, Line("}")]
+
+
+def _helpers(name: str, used: set[str], layout: Layout) -> list[str]:
+    """Return the functions of the operations that C has no operator for."""
+    t, parts = layout.ctype, []
+    for op, sign in (("min", "<"), ("max", ">")):
+        if op in used or "slew" in used:
+            head = f"static inline {t} {name}_{op}({t} a, {t} b)"
+            parts += [head, "{", f"    return (a {sign} b) ? a : b;", "}", ""]
+    if "clamp" in used:
+        size, zero = "fabsf" if t == "float" else "fabs", literal(0.0, layout.scalar).c
+        parts += [f"static inline {t} {name}_limit({t} x, {t} high)", "{"]
+        # for a negative high, max(min(x, high), -high) is -high for every x
+        parts += [f"    return ({size}(x) <= high) ? x : ((x < {zero}) ? -high : {size}(high));", "}", ""]
+    if "slew" in used:
+        parts += [f"static inline {t} {name}_slew({t} last, {t} target, {t} step)", "{"]
+        parts += [f"    return {name}_max({name}_min(target, last + step), last - step);", "}", ""]
+    return parts
 
 
 def _inline(block: Block) -> list[str]:
@@ -166,10 +176,14 @@ def _constants(block: Block, program: Program, layout: Layout) -> list[str]:
 
 
 def _init(block: Block, layout: Layout) -> list[str]:
-    rows = []
+    """Return the function that gives each member its initial value; C gives those that are not named 0."""
     paths = {f.name: f.path for f in layout.state.fields}
-    for s in block.states:
-        value = f"{int(s.initial)}u" if s.integer else literal(s.initial, layout.scalar).c
-        rows.append(f"    state->{paths[s.name]} = {value};")
-    rows += [f"    state->{f.name} = 0u;" for f in layout.state.fields if f.name == "reserved"]
-    return [f"void {block.name}_init({block.name}_state_t *state)", "{", *rows, "}"]
+    texts = {s.name: f"{int(s.initial)}u" if s.integer else literal(s.initial, layout.scalar).c for s in block.states}
+    named = {s.name: texts[s.name] for s in block.states if s.initial or math.copysign(1, s.initial) < 0}
+    first = layout.state.fields[0].name
+    named = named or {first: texts.get(first, "0u")}
+    rows = [f"        .{paths[name]} = {text}," for name, text in named.items()]
+    return [
+        *(f"void {block.name}_init({block.name}_state_t *state)", "{"),
+        *("    /* A member that is not named is 0. */", f"    *state = ({block.name}_state_t){{", *rows, "    };", "}"),
+    ]

@@ -13,7 +13,8 @@ INFIX = {"add": ("+", 4), "sub": ("-", 4), "mul": ("*", 5), "div": ("/", 5), "lt
 INFIX |= {"eq": ("==", 2), "ne": ("!=", 2), "and": ("&&", 1), "or": ("||", 0)}
 ATOM = 9
 RESERVED = LIBM | {f"{function}f" for function in LIBM}
-RESERVED |= {"state", "in", "out", "faults", "min", "max", "limit", "flag", "bool", "true", "false", "uint32_t"}
+RESERVED |= {"state", "in", "out", "faults", "parameters", "bool", "true", "false", "uint32_t"}
+HELPERS = ("min", "max", "limit", "flag", "slew")
 INLINE = ("literal", "constant", "argument", "parameter")  # printed wherever they are read
 
 
@@ -57,8 +58,8 @@ def literal(value: float, scalar: type[np.floating]) -> Text:
 class Expressions:
     """The text of nodes: `text` holds that of each node printed so far, a local's name or an expression."""
 
-    def __init__(self, program: Program, kinds: list[str], scalar: type[np.floating]) -> None:
-        self.p, self.kinds, self.scalar = program, kinds, scalar
+    def __init__(self, program: Program, kinds: list[str], scalar: type[np.floating], name: str) -> None:
+        self.p, self.kinds, self.scalar, self.name = program, kinds, scalar, name
         self.text: dict[int, Text] = {}
 
     def ctype(self, k: int) -> str:
@@ -82,8 +83,6 @@ class Expressions:
         op, args = node.op, node.args
         if op == "literal":
             return literal(node.value, self.scalar)
-        if op == "state" and self.p.pointer:
-            return Text(f"*{node.name}", 7)
         if op in ("input", "state", "constant"):
             place = self.p.paths.get(node.name, node.name)
             return Text({"input": f"in->{node.name}", "state": f"state->{place}"}.get(op, constant(node.name)))
@@ -109,7 +108,7 @@ class Expressions:
         if op == "accepted":
             return Text(f"({self.operand(args[0]).c} & {mask(node)}) == 0u", 2)
         if op == "clamp":
-            return Text(f"limit({self.value(args[0]).c}, {self.value(args[2]).c})")
+            return Text(f"{self.name}_limit({self.value(args[0]).c}, {self.value(args[2]).c})")
         whole = self.kinds[k] == "integer" or self._counts(node)
         sides = [self.integer(a) if whole else self.value(a) for a in args]
         return self._operation(node, sides)
@@ -140,7 +139,8 @@ class Expressions:
         if op == "floor":
             return Text(f"({CTYPES[self.scalar]})(uint32_t){sides[0].inside(7)}", 7)
         suffix = "f" if op in LIBM and self.scalar is np.float32 else ""
-        return Text(f"{op}{suffix}({', '.join(s.c for s in sides)})")
+        prefix = f"{self.name}_" if op in HELPERS else ""
+        return Text(f"{prefix}{op}{suffix}({', '.join(s.c for s in sides)})")
 
     def value(self, k: int) -> Text:
         """Return node k as a number of the scalar type."""
@@ -157,7 +157,7 @@ class Expressions:
         if node.op == "literal":
             return Text(f"{int(node.value)}u")
         if self.kinds[k] == "logical":
-            return Text(f"flag({self.condition(k).c})")
+            return Text(f"{self.name}_flag({self.condition(k).c})")
         return self.operand(k) if self.kinds[k] == "integer" else Text(f"(uint32_t)({self.value(k).c})", 7)
 
     def condition(self, k: int) -> Text:

@@ -108,13 +108,15 @@ def _shared_variables(
     shared: dict[int, int] = {}
     ends, outer = set(p.ends()), _enclosing(statements)
     users = [[u for u in readers if p.nodes[u].op != "accepted"] for readers in p.users()]
+    written = {*starts, *_definitions(statements)}
+    implicit = {k for k, n in enumerate(p.nodes) if n.op == "choose" and k not in written}  # in another one's branch
     for branch in _branches(statements):
         inside = set(_definitions((*branch.then, *branch.other)))
         for c, start in branch.declared:
             if start is None or (start not in starts and p.nodes[start].op != "guarded") or kinds[start] != kinds[c]:
                 continue
             assigned = {d for d in outer[c] if starts[d] == start and shared.get(d) == shared.get(start, start)}
-            if _leads_only_to(users, ends, start, {c, *assigned}, inside | assigned):
+            if _leads_only_to(users, ends, start, {c, *assigned}, inside | assigned | implicit):
                 shared[c] = shared.get(start, start)
     return shared
 

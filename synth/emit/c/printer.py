@@ -47,11 +47,11 @@ class _Printer:
     ) -> None:
         self.p, self.statements, self.kinds = program, statements, kinds(program)
         self.locals = variables.assign(block, program, statements, self.kinds)
-        self.c = Expressions(program, self.kinds, scalar)
+        self.c = Expressions(program, self.kinds, scalar, block.name)
         self.name = block.name
         self.returned: dict[str, str] = {}
         self.printed: list[Line] = []
-        self.tag = ""
+        self.tag = self.shown = ""
 
     def routine(self, routine: Routine) -> list[Line]:
         """Return the lines of a routine's body."""
@@ -78,12 +78,13 @@ class _Printer:
     def _block(self, block: Sequence[Statement], depth: int) -> None:
         for s in block:
             if isinstance(s, Annotation):
-                self._annotate(s, depth)
+                self._annotate(s)
             elif isinstance(s, Let):
                 self._let(s.node, depth)
             elif isinstance(s, Assign):
-                if s.node != self.locals.starts[s.choice]:
-                    self._put(self._assignment(s, self.c.text[s.choice].c), depth)
+                variable = self.c.text[s.choice].c
+                if s.node != self.locals.starts[s.choice] and self.c.text.get(s.node) != Text(variable):
+                    self._put(self._assignment(s, variable), depth)
             elif isinstance(s, Store):
                 self._store(s, depth)
             else:
@@ -95,18 +96,11 @@ class _Printer:
             return f"{variable} |= {mask(node)};"
         return f"{variable} = {self.c.as_kind(s.node, self.kinds[s.choice]).c};"
 
-    def _annotate(self, s: Annotation, depth: int) -> None:
+    def _annotate(self, s: Annotation) -> None:
         owner = self.p.owner(s.state) if s.mark is None else self.p.marks[s.mark][0].block
         tag = prose(self.p.titles[owner]) if owner in self.p.titles else self.tag or "next states"
         if tag != self.tag:
-            if (
-                self.printed
-                and self.printed[-1].text.strip() not in ("", "{")
-                and not self.printed[-1].text.endswith("{")
-            ):
-                self.printed.append(Line(""))
             self.tag = tag
-            self._put(f"/* {tag} */", depth)
 
     def _let(self, k: int, depth: int) -> None:
         """Print node k as a local variable, or keep its text for the expression that reads it."""
@@ -150,11 +144,13 @@ class _Printer:
             self._put(f"{self.c.ctype(c)} {name}{value};", depth)
             self.c.text[c] = Text(name)
         condition, tag = self.c.condition(s.condition), self.tag
-        before, self.printed = self.printed, []
-        self._block(s.then, depth + 1)
-        then, self.printed, self.tag = self.printed, [], tag
-        self._block(s.other, depth + 1)
-        other, self.printed, self.tag = self.printed, before, tag
+        before = self._with_title(depth)
+        sides = []
+        for side in (s.then, s.other):
+            self.printed, self.tag, self.shown = [], tag, tag
+            self._block(side, depth + 1)
+            sides.append(self.printed)
+        (then, other), self.printed, self.tag, self.shown = sides, before, tag, tag
         if then:
             self._put(f"if ({condition.c}) {{", depth)
             self.printed += then
@@ -171,7 +167,6 @@ class _Printer:
             return
         kind = "integer" if s.struct == "state" and s.name in self.p.integers else "real"
         place = f"state->{self.p.paths.get(s.name, s.name)}" if s.struct == "state" else f"out->{s.name}"
-        place = f"*{s.name}" if self.p.pointer else place
         self._put(f"{place} = {self.c.as_kind(s.node, kind).c};", depth)
 
     def _guard(self, k: int, depth: int) -> None:
@@ -216,7 +211,16 @@ class _Printer:
         self._put(text, depth)
 
     def _put(self, text: str, depth: int) -> None:
-        self.printed.append(Line("    " * depth + text, self.tag))
+        self._with_title(depth).append(Line("    " * depth + text, self.tag))
+
+    def _with_title(self, depth: int) -> list[Line]:
+        """Return the lines printed so far, with the title of the section where it is a new one."""
+        if self.tag not in ("", self.shown):
+            opened = not self.printed or self.printed[-1].text.strip() in ("", "{") or self.printed[-1].text.endswith("{")
+            self.printed += [] if opened else [Line("")]
+            self.printed.append(Line("    " * depth + f"/* {self.tag} */", self.tag))
+        self.shown = self.tag
+        return self.printed
 
     def _new_name(self, node: Node) -> str:
         return self.locals.names.free(node.name) if node.op in LOADS else self.locals.names.next()

@@ -98,8 +98,7 @@ def _value(node: Node, constants: Mapping[str, Constant], scalar: type[np.floati
 def _head(block: Block, routine: Routine, part: str, p: Program, layout: Layout) -> str:
     state = ""
     if routine.states:
-        kind = "uint32_t" if routine.program.integers else layout.ctype
-        state = f"{kind} *{routine.states[0]}" if routine.pointer else f"{state_types(block, p)[part]} *state"
+        state = f"{state_types(block, p)[part]} *state"
     state = f"const {state}" if state and not routine.program.next else state
     parameters = f"const {block.name}_{routine.name}_parameters_t *parameters" if routine.parameters else ""
     if routine.by_value:

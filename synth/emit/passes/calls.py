@@ -41,7 +41,6 @@ class Routine:
     results: tuple[Argument, ...]
     states: tuple[str, ...]
     constants: Mapping[str, str]
-    pointer: bool
 
     @property
     def by_value(self) -> bool:
@@ -72,7 +71,7 @@ def outlined(p: Program, constants: Mapping[str, float]) -> Program:
             numbers = [p.nodes[form.numbers[k]] for k in _different(p, group, constants)]
             states = {local: state for state, local in part.local.items() if local in routine.states}
             names = tuple(_name(p, k) or f"{part.key}_{r.name}" for k, r in zip(form.results, routine.results, strict=True))
-            calls[part.key] = Call(routine, part.state, tuple(numbers), names, states)
+            calls[part.key] = Call(routine, part.block, tuple(numbers), names, states)
             parts[part.key] = (part, form)
     made = _Rewriter(p, parts, calls).program()
     return replace(made, paths={s: f"{part}.{s.removeprefix(f'{part}_')}" for s, part in owners(made).items()})
@@ -116,7 +115,7 @@ def _routine(
     """Return the function that the Parts of a group have in common, from the nodes of the first."""
     (part, form), kind = group[0], kinds(p)
     names = _Names({"state", "parameters"})
-    part_name = part.routine or words.common([q.block for q, _ in group]) or part.block
+    part_name = words.common([q.block for q, _ in group]) or part.block
     arguments = [
         Argument(names.free(_local(p, column) or f"input_{k + 1}"), kind[column[0]])
         for k, column in enumerate(zip(*(f.arguments for _, f in group), strict=True))
@@ -163,11 +162,11 @@ def _routine(
         if k in part.region and k not in part.results
     )
     typed = {a.name: a.kind for a in arguments}
-    made = Program(tuple(nodes), marks, {}, next, integers, None, p.polynomials, pointer=part.pointer, by_value=len(parameters) <= 3, typed=typed, returns=outputs)
+    made = Program(tuple(nodes), marks, {}, next, integers, None, p.polynomials, by_value=len(parameters) <= 3, typed=typed, returns=outputs)
     name = _Names(taken).free(f"{part_name}_{part.phase}" if part.phase else part_name)
     order = tuple(dict.fromkeys((*states, *loads)))
     shared = {local: p.nodes[k].name for k, local in fixed.items()}
-    return Routine(name, made, tuple(arguments), tuple(parameters.values()), tuple(results), order, shared, part.pointer)
+    return Routine(name, made, tuple(arguments), tuple(parameters.values()), tuple(results), order, shared)
 
 
 def _local(p: Program, column: Sequence[int]) -> str:
@@ -206,7 +205,7 @@ class _Rewriter:
         next = {name: self.place(k) for name, k in p.next.items() if name not in stored}
         for key, (part, _) in self.parts.items():
             if part.next:
-                next[part.state] = self.store(key, part)
+                next[part.block] = self.store(key, part)
         word = None if p.word is None else self.place(p.word)
         marks = tuple((n, self.place(k)) for n, k in p.marks if k not in self.within or k in self.index or self.is_result(k))
         typed = {f"{key}.{r.name}": r.kind for key, call in self.calls.items() for r in call.routine.results}
@@ -239,7 +238,7 @@ class _Rewriter:
         if key not in self.called:
             part, form = self.parts[key]
             args = [self.place(k) for k in form.arguments]
-            args += [self.load(part.state)] if self.calls[key].routine.states else []
+            args += [self.load(part.block)] if self.calls[key].routine.states else []
             # The next states are stored after the signals have read the present ones.
             before = f"{part.block}_output"
             args += [self.call(before)] if part.phase == "update" and before in self.parts else []
@@ -254,20 +253,19 @@ class _Rewriter:
         if part.held is None:
             return self.call(key)
         condition, arm = part.held
-        sides = (self.call(key), self.load(part.state))
+        sides = (self.call(key), self.load(part.block))
         return self.put(Node("choose", (self.place(condition), *(sides if arm == 0 else sides[::-1]))))
 
 
 def owners(p: Program) -> dict[str, str]:
     """Return by state the Block whose struct it belongs to, of the Blocks that are called."""
-    called = [c for c in p.calls.values() if not c.routine.pointer]
-    return {state: c.block for c in called for state in c.states.values()}
+    return {state: c.block for c in p.calls.values() for state in c.states.values()}
 
 
-def forms(p: Program) -> dict[tuple[tuple[str, ...], ...], tuple[str, ...]]:
+def forms(p: Program) -> dict[tuple[str, ...], tuple[str, ...]]:
     """Return for each set of states that several Blocks have the Blocks that have it."""
     states: dict[str, dict[str, None]] = {}
-    for call in (c for c in p.calls.values() if not c.routine.pointer):
+    for call in p.calls.values():
         states.setdefault(call.block, {}).update(dict.fromkeys(call.routine.states))
     found: dict[tuple[str, ...], list[str]] = {}
     for block, names in states.items():

@@ -7,12 +7,10 @@ functions: one for its signals and one for its next states.
 """
 
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from synth.emit.c.kinds import kinds
 from synth.emit.lower import Node, Program
-from synth.emit.passes import lanes, words
 
 LEAVES = ("input", "state", "constant", "literal")
 NOT_OUTLINED = ("table", "within")
@@ -35,17 +33,10 @@ class Part:
     local: Mapping[str, str]
     roots: tuple[int, ...]
     phase: str = ""
-    pointer: bool = False
-    routine: str = ""
 
     @property
     def key(self) -> str:
         return f"{self.block}_{self.phase}" if self.phase else self.block
-
-    @property
-    def state(self) -> str:
-        """The name of the states together: the Block's, or that of a lane's one state."""
-        return next(iter(self.local)) if self.pointer else self.block
 
 
 @dataclass(frozen=True)
@@ -220,80 +211,4 @@ def alike(p: Program) -> list[list[tuple[Part, Form]]]:
                 made = form(p, part)
                 found[(part.phase, *made.shape)].append((part, made))
     groups = [group for group in found.values() if len(group) > 1]
-    done = {part.block for group in groups for part, _ in group}
-    for whole in every:
-        if whole.block not in done:
-            groups += _within(p, whole)
     return groups
-
-
-def _within(p: Program, whole: Part) -> list[list[tuple[Part, Form]]]:
-    """Return the lanes of a Block that are worth a function."""
-    held = hold_conditions(p)
-    region = frozenset(
-        k for k in whole.region
-        if not (p.nodes[k].op == "choose" and p.nodes[k].args[0] in held) and p.nodes[k].op not in NOT_OUTLINED
-    )
-    roots = {k for _, k in p.marks if k in region} | (set(whole.results) & region)
-    roots |= {k for k in whole.next.values() if k in region}
-    roots |= {a for k, n in enumerate(p.nodes) if k not in region for a in n.args if a in region}
-    found = []
-    for group in lanes.Forest(p, region, roots).grow():
-        made = _named(p, whole, [_lane(p, whole, lane, trees) for lane, trees in group.regions()])
-        forms = [(part, form(p, part)) for part in made]
-        if len({f.shape for _, f in forms}) == 1 and _is_worthwhile(forms[0]):
-            found.append(forms)
-    return found
-
-
-def _named(p: Program, whole: Part, parts: list[Part]) -> list[Part]:
-    """Name lanes after their one result, or else after their Block, and each by what tells its names apart."""
-    marked = {k: n.signal.name for n, k in reversed(p.marks)}
-    columns = list(zip(*(part.roots for part in parts), strict=True))
-    named = [column for column in columns if all(k in marked for k in column)]
-    if not named:
-        return parts
-    names = [marked[k] for k in named[0]]
-    shared = words.common(names)
-    routine = shared if len(parts[0].results) == 1 and shared else whole.block
-    return [
-        replace(part, block=f"{routine}_{words.without(name, shared)}" if shared else name, routine=routine)
-        for part, name in zip(parts, names, strict=True)
-    ]
-
-
-def _is_worthwhile(of: tuple[Part, Form]) -> bool:
-    part, made = of
-    return len(part.region) >= FEWEST - part.pointer and len(part.region) > len(made.arguments) + len(part.results) - 1
-
-
-def _lane(p: Program, whole: Part, lane: tuple[int, ...], region: frozenset[int]) -> Part:
-    loads = {p.nodes[a].name for k in region for a in p.nodes[k].args if p.nodes[a].op == "state"}
-    alone = [s for s in loads & set(p.next) if _is_alone(p, region, s)]
-    pointer = len(alone) == 1
-    own = {alone[0]: _carried(p, alone[0], region)} if pointer else {}
-    stores = {p.next[s] for s in own} - region
-    held = None
-    if pointer and p.next[alone[0]] not in region:
-        node = p.nodes[p.next[alone[0]]]
-        held = (node.args[0], 0 if node.args[1] in region else 1)
-    local = {s: "last" for s in own}
-    name = next((n.signal.name for r in lane for n, k in p.marks if k == r), f"{whole.block}_{lane[0]}")
-    return Part(name, region, own, _results(p, region, stores), held, local, lane, pointer=pointer)
-
-
-def _carried(p: Program, state: str, region: frozenset[int]) -> int:
-    k = p.next[state]
-    return k if k in region else next(a for a in p.nodes[k].args[1:] if a in region)
-
-
-def _is_alone(p: Program, region: frozenset[int], state: str) -> bool:
-    """Tell whether a region alone reads a state and computes its next value."""
-    k = p.next[state]
-    node, load = p.nodes[k], Node("state", name=state)
-    if k not in region and not (
-        node.op == "choose" and load in [p.nodes[a] for a in node.args[1:]] and any(a in region for a in node.args[1:])
-    ):
-        return False
-    readers = {u for u, n in enumerate(p.nodes) for a in n.args if p.nodes[a] == load}
-    return readers <= region | ({k} - region)
