@@ -6,7 +6,7 @@ that starts from the value of another choice and replaces it uses the same varia
 """
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 from synth.block import Block
@@ -43,6 +43,8 @@ class Locals:
     """By node: number of reads in the text, name, the choice whose variable it shares, its initial value.
 
     `direct_loads` are the loads that are assigned before any store: the expression may read the member itself.
+    `next_only` are nodes whose only name is that of a next state. `stored` maps a node that is only stored to the state
+    which then holds it for the others.
     """
 
     reads: Counter[int]
@@ -51,6 +53,8 @@ class Locals:
     starts: dict[int, int | None]
     direct_loads: set[int]
     names: Names
+    next_only: set[int]
+    stored: dict[int, str]
 
 
 def assign(block: Block, program: Program, statements: Sequence[Statement], kinds: Sequence[str]) -> Locals:
@@ -63,9 +67,12 @@ def assign(block: Block, program: Program, statements: Sequence[Statement], kind
     taken |= {n.name for n in program.nodes if n.op == "polynomial"}
     taken |= {constant(n.name) for n in program.nodes if n.op == "table"}
     names = Names(taken)
-    return Locals(
-        reads, _name_nodes(program, names, shared), shared, starts, set(_direct_loads(program, statements)), names
-    )
+    name = _name_nodes(program, names, shared)
+    marked = {program.word, *(k for _, k in program.marks), *starts, *shared.values()}
+    next_only = name.keys() - marked
+    stored = _only_stored(program, statements, kinds, reads, name.keys() - next_only)
+    loads = set(_direct_loads(program, statements)) | _loads_of_stored(program, stored, reads)
+    return Locals(reads, name, shared, starts, loads, names, next_only, stored)
 
 
 def _name_nodes(p: Program, names: Names, shared: dict[int, int]) -> dict[int, str]:
@@ -169,6 +176,34 @@ def _direct_loads(p: Program, block: Sequence[Statement]) -> Iterator[int]:
             yield from _direct_loads(p, s.other)
         if isinstance(s, Store | Branch):
             loaded.clear()
+
+
+def _only_stored(
+    p: Program, block: Sequence[Statement], kinds: Sequence[str], reads: Counter[int], named: Collection[int]
+) -> dict[int, str]:
+    """Return the unnamed nodes that the text only stores, in one block, each with the first state that it becomes.
+
+    Its store can stand where the node is computed, as no load of the state follows there.
+    """
+    found: dict[int, str] = {}
+    for place, s in enumerate(block):
+        if isinstance(s, Branch):
+            found |= _only_stored(p, s.then, kinds, reads, named) | _only_stored(p, s.other, kinds, reads, named)
+        if not isinstance(s, Let) or s.node in named or kinds[s.node] != "real" or p.nodes[s.node].op in LOADS:
+            continue
+        stores = {i: t for i, t in enumerate(block) if isinstance(t, Store) and t.node == s.node}
+        states = [(i, t.name) for i, t in stores.items() if t.struct == "state" and t.name not in p.integers]
+        if states and reads[s.node] == len(stores) > 1:
+            last, state = states[0]
+            between = {p.nodes[k] for k in _definitions(block[place:last])}
+            found |= {} if Node("state", name=state) in between else {s.node: state}
+    return found
+
+
+def _loads_of_stored(p: Program, stored: dict[int, str], reads: Counter[int]) -> set[int]:
+    """Return the loads that only the value reads which then replaces them in the state."""
+    loads = {k: n.name for k, n in enumerate(p.nodes) if n.op == "state" and reads[k] == 1}
+    return {a for k, state in stored.items() for a in p.nodes[k].args if loads.get(a) == state}
 
 
 def _definitions(block: Sequence[Statement]) -> Iterator[int]:

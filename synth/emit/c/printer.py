@@ -120,7 +120,13 @@ class _Printer:
             self.c.text[k] = Text(self.returned[node.name])
             return
         text = self.c.of(k)
-        waits = self.locals.reads[k] <= 1 and k not in self.locals.name and node.op not in LOADS
+        if k in self.locals.stored:
+            place = f"state->{self._path(self.locals.stored[k])}"
+            self._put(f"{place} = {text.c};", depth)
+            self.c.text[k] = Text(place)
+            return
+        unnamed = k not in self.locals.name or k in self.locals.next_only
+        waits = self.locals.reads[k] <= 1 and unnamed and node.op not in LOADS
         if waits and len(text.c) < _WIDTH:
             self.c.text[k] = text
             return
@@ -166,8 +172,13 @@ class _Printer:
         if s.struct == "word" or self.p.nodes[s.node].op in ("call", "guard"):
             return
         kind = "integer" if s.struct == "state" and s.name in self.p.integers else "real"
-        place = f"state->{self.p.paths.get(s.name, s.name)}" if s.struct == "state" else f"out->{s.name}"
+        place = f"state->{self._path(s.name)}" if s.struct == "state" else f"out->{s.name}"
+        if s.struct == "state" and self.locals.stored.get(s.node) == s.name:
+            return
         self._put(f"{place} = {self.c.as_kind(s.node, kind).c};", depth)
+
+    def _path(self, state: str) -> str:
+        return self.p.paths.get(state, state)
 
     def _guard(self, k: int, depth: int) -> None:
         """Call the guard of an input, which stores the input or sets its bit of the fault word."""
@@ -175,7 +186,7 @@ class _Printer:
         source, fallback, *bounds, word = node.args
         if self.p.nodes[word].op == "literal":
             self._put(f"uint32_t {variables.WORD} = 0u;", depth)
-        kept = f"&state->{self.p.paths.get(node.name, node.name)}" if node.name else self.c.operand(fallback).c
+        kept = f"&state->{self._path(node.name)}" if node.name else self.c.operand(fallback).c
         limits = [self.c.value(b).c for b in bounds]
         passed = [self.c.operand(source).c, *limits, kept, mask(node), f"&{variables.WORD}"]
         call = f"{self.name}_{guard_function(self.p, node)}({', '.join(passed)});"
