@@ -12,7 +12,6 @@ from synth.block import Block
 from synth.emit import pipeline
 from synth.emit.c import c_text, layout, manifest
 from synth.emit.lower import Program
-from synth.emit.passes import calls
 
 
 @dataclass(frozen=True)
@@ -44,8 +43,8 @@ def emit(
     """
     rounded = block.rounded(scalar)
     printed = pipeline.reduce(rounded, scalar, libm, error)
-    outlined = pipeline.outline(printed)
-    memory = layout.layout(rounded, scalar, calls.owners(outlined.program))
+    layout.layout(rounded, scalar)
+    outlined, memory = pipeline.outline(printed, scalar)
     source = pipeline.source(outlined, memory)
     texts = {
         f"{block.name}.c": "".join(f"{line.text}\n" for line in source),

@@ -3,8 +3,10 @@
 Locals are `const` unless an `if` assigns their value.
 """
 
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -31,19 +33,35 @@ class Line:
 
 def body(block: Block, p: Program, statements: Sequence[Statement], scalar: type[np.floating]) -> list[Line]:
     """Return the lines of the step function between its braces."""
-    return _Printer(block, p, statements, scalar).lines()
+    return _print(lambda late: _Printer(block, p, statements, scalar, late).lines)
 
 
 def routine(block: Block, r: Routine, scalar: type[np.floating]) -> list[Line]:
     """Return the lines of a routine between its braces."""
-    return _Printer(block, r.program, schedule.statements(r.program), scalar).routine(r)
+    statements = schedule.statements(r.program)
+    return _print(lambda late: partial(_Printer(block, r.program, statements, scalar, late).routine, r))
+
+
+def _print(printer: Callable[[set[str]], Callable[[], list[Line]]]) -> list[Line]:
+    """Print; a load that would be read after a store of its state is a local the next time."""
+    late: set[str] = set()
+    while True:
+        before = len(late)
+        lines = printer(late)()
+        if len(late) == before:
+            return lines
 
 
 class _Printer:
     """Prints the statements of one program."""
 
     def __init__(
-        self, block: Block, program: Program, statements: Sequence[Statement], scalar: type[np.floating]
+        self,
+        block: Block,
+        program: Program,
+        statements: Sequence[Statement],
+        scalar: type[np.floating],
+        late: set[str],
     ) -> None:
         self.p, self.statements, self.kinds = program, statements, kinds(program)
         self.locals = variables.assign(block, program, statements, self.kinds)
@@ -52,6 +70,7 @@ class _Printer:
         self.returned: dict[str, str] = {}
         self.printed: list[Line] = []
         self.tag = self.shown = ""
+        self.late, self.waiting = late, dict[str, str]()  # text of a load that no line has read yet, and its state
 
     def routine(self, routine: Routine) -> list[Line]:
         """Return the lines of a routine's body."""
@@ -130,7 +149,8 @@ class _Printer:
         if waits and len(text.c) < _WIDTH:
             self.c.text[k] = text
             return
-        if k in self.locals.direct_loads and self.locals.reads[k] == 1:
+        if self.locals.reads[k] == 1 and (k in self.locals.direct_loads or self._can_wait(node)):
+            self.waiting |= {} if k in self.locals.direct_loads else {text.c: node.name}
             self.c.text[k] = text
             return
         name = self.locals.name.get(k) or self._new_name(node)
@@ -222,7 +242,21 @@ class _Printer:
         self._put(text, depth)
 
     def _put(self, text: str, depth: int) -> None:
+        self._check_loads(text)
         self._with_title(depth).append(Line("    " * depth + text, self.tag))
+
+    def _can_wait(self, node: Node) -> bool:
+        return node.op == "state" and node.name not in self.late and node.name not in self.p.integers
+
+    def _check_loads(self, text: str) -> None:
+        """Note the loads that a line reads, and those that it would change before they are read."""
+        target, _, value = text.partition(" = ")
+        for place in [w for w in self.waiting if re.search(rf"{re.escape(w)}\b", value or text)]:
+            del self.waiting[place]
+        for place, state in list(self.waiting.items()):
+            owner = place.rsplit(".", 1)[0]
+            if target == place or re.search(rf"&{re.escape(owner)}\b", text):
+                self.late.add(state)
 
     def _with_title(self, depth: int) -> list[Line]:
         """Return the lines printed so far, with the title of the section where it is a new one."""

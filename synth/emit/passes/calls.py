@@ -59,9 +59,11 @@ class Call:
     states: Mapping[str, str]
 
 
-def outlined(p: Program, constants: Mapping[str, float]) -> Program:
-    """Return the program with a call for each Part that is like another; `constants` are the values by name."""
-    groups = outline.alike(p)
+Group = list[tuple[Part, Form]]
+
+
+def outlined(p: Program, constants: Mapping[str, float], groups: Sequence[Group]) -> Program:
+    """Return the program with a call for each Part of some groups; `constants` are the values by name."""
     taken: set[str] = set()
     calls: dict[str, Call] = {}
     parts: dict[str, tuple[Part, Form]] = {}
@@ -201,6 +203,10 @@ class _Rewriter:
     def program(self) -> Program:
         p = self.p
         stored = {state for part, _ in self.parts.values() for state in part.next}
+        held = {p.next[state] for state in stored}
+        for k in range(len(p.nodes)):
+            if k not in held and (k not in self.within or self.is_result(k)):
+                self.place(k)
         outputs = {name: self.place(k) for name, k in p.outputs.items()}
         next = {name: self.place(k) for name, k in p.next.items() if name not in stored}
         for key, (part, _) in self.parts.items():
@@ -209,9 +215,10 @@ class _Rewriter:
         word = None if p.word is None else self.place(p.word)
         marks = tuple((n, self.place(k)) for n, k in p.marks if k not in self.within or k in self.index or self.is_result(k))
         typed = {f"{key}.{r.name}": r.kind for key, call in self.calls.items() for r in call.routine.results}
-        return replace(
+        p = replace(
             p, nodes=tuple(self.nodes), marks=marks, outputs=outputs, next=next, word=word, calls=self.calls, typed=typed
         )
+        return p.with_nodes(p.nodes, range(len(p.nodes)))
 
     def is_result(self, k: int) -> bool:
         return k in self.parts[self.within[k]][0].results

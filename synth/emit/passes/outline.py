@@ -210,5 +210,4 @@ def alike(p: Program) -> list[list[tuple[Part, Form]]]:
             if len(part.region) >= FEWEST and not any(p.nodes[k].op in NOT_OUTLINED for k in part.region):
                 made = form(p, part)
                 found[(part.phase, *made.shape)].append((part, made))
-    groups = [group for group in found.values() if len(group) > 1]
-    return groups
+    return [group for group in found.values() if len(group) > 1]
