@@ -60,7 +60,7 @@ def loop(channels: int, states: int) -> StateSpace:
     return of((A, B, GAIN * C, np.zeros((channels, channels))))
 
 
-def compared(channels: int, states: int) -> Comparison:
+def compare(channels: int, states: int) -> Comparison:
     """Time python-control and this package on one loop, in turns."""
     L = loop(channels, states)
     theirs, w = L.to_control(), np.geomspace(SLOWEST / 10, FASTEST * 10, POINTS)
@@ -69,7 +69,7 @@ def compared(channels: int, states: int) -> Comparison:
         start = perf_counter()
         margin = control.disk_margins(theirs, w)[0]
         one = perf_counter()
-        found = disk.of_loop(L)
+        certified = disk.of_loop(L)
         two = perf_counter()
         disk.of_loop(L, certify=False)
         turn[:] = one - start, two - one, perf_counter() - two
@@ -84,9 +84,9 @@ def compared(channels: int, states: int) -> Comparison:
         faster,
         faster_grid,
         float(margin),
-        found.lower,
-        found.upper,
-        found.certified,
+        certified.lower,
+        certified.upper,
+        certified.certified,
     )
 
 
@@ -96,7 +96,7 @@ def table() -> Iterator[str]:
     names = ("channels", "states", *times, "its margin", "lower", "upper", "certified")
     yield "  ".join(names)
     for channels, states in SIZES:
-        c = compared(channels, states)
+        c = compare(channels, states)
         cells = (
             *(str(c.channels), str(c.states), f"{c.control_ms:.1f}", f"{c.certified_ms:.1f}", f"{c.faster:.1f}"),
             *(f"{c.grid_ms:.1f}", f"{c.faster_grid:.1f}", f"{c.control_margin:.6f}", f"{c.lower:.6f}"),

@@ -92,49 +92,49 @@ def is_checked(target: Any) -> bool:
 
 def library() -> dict[str, Callable[..., Any]]:
     """Return the public functions and constructors that take what a user gives, by module and name."""
-    found = {}
+    functions = {}
     for module in modules():
         short = module.__name__.rpartition(".")[2]
         for name, target in vars(module).items():
-            own = getattr(target, "__module__", None) == module.__name__ and not name.startswith("_")
-            if own and callable(target) and (is_checked(target) or f"{short}.{name}" in UNCHECKED):
-                found[f"{short}.{name}"] = target
-    return found
+            is_public = getattr(target, "__module__", None) == module.__name__ and not name.startswith("_")
+            if is_public and callable(target) and (is_checked(target) or f"{short}.{name}" in UNCHECKED):
+                functions[f"{short}.{name}"] = target
+    return functions
 
 
 def call(function: Callable[..., Any], arguments: Mapping[str, Any]) -> Any:
     """Call a function with arguments by name, and those of its ``*args`` by place."""
-    given = dict(arguments)
+    keywords = dict(arguments)
     further = [p.name for p in inspect.signature(function).parameters.values() if p.kind is p.VAR_POSITIONAL]
     for name in further:
-        values = given.pop(name)
-        return function(*(values if isinstance(values, list | tuple) else [values]), **given)
-    return function(**given)
+        values = keywords.pop(name)
+        return function(*(values if isinstance(values, list | tuple) else [values]), **keywords)
+    return function(**keywords)
 
 
 def example(name: str, function: Callable[..., Any]) -> dict[str, Any]:
     """Return arguments with which a function works: its own, else those of their names, else its defaults."""
-    own, usual = hostile_calls.own().get(name, {}), hostile_examples.usual()
-    given: dict[str, Any] = {}
+    specific, usual = hostile_calls.examples().get(name, {}), hostile_examples.usual()
+    arguments: dict[str, Any] = {}
     for p in inspect.signature(function).parameters.values():
-        if p.name in own:
-            given[p.name] = own[p.name]
+        if p.name in specific:
+            arguments[p.name] = specific[p.name]
         elif p.default is p.empty and p.kind is not p.VAR_KEYWORD:
-            given[p.name] = usual[p.name]
-    return given
+            arguments[p.name] = usual[p.name]
+    return arguments
 
 
 def cases(only: str = "") -> list[Case]:
     """Return all cases, in the order of the library, of the functions whose name contains `only`."""
-    found = []
+    all_cases = []
     for name, function in library().items():
         if only not in name:
             continue
         good = example(name, function)
         for p in inspect.signature(function).parameters.values():
             value = good.get(p.name, p.default)
-            found += [Case(name, function, {**good, p.name: bad}, p.name, how) for how, bad in mutations(value)]
-    return found
+            all_cases += [Case(name, function, {**good, p.name: bad}, p.name, how) for how, bad in mutations(value)]
+    return all_cases
 
 
 class TooSlow(BaseException):
@@ -142,7 +142,7 @@ class TooSlow(BaseException):
 
 
 @contextlib.contextmanager
-def _limited(seconds: float) -> Iterator[None]:
+def _time_limit(seconds: float) -> Iterator[None]:
     def stop(number: int, frame: FrameType | None) -> None:
         raise TooSlow
 
@@ -155,13 +155,13 @@ def _limited(seconds: float) -> Iterator[None]:
         signal.signal(signal.SIGALRM, before)
 
 
-def judge(case: Case, good: Any, limit_s: float = LIMIT_S) -> Outcome:
+def evaluate(case: Case, good: Any, limit_s: float = LIMIT_S) -> Outcome:
     """Call, and say what became of it; `good` is the answer of the example."""
     start = time.perf_counter()
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
-            with _limited(limit_s):
+            with _time_limit(limit_s):
                 answer = call(case.function, case.arguments)
                 if not inspect.isclass(case.function):
                     repr(answer)
@@ -174,11 +174,11 @@ def judge(case: Case, good: Any, limit_s: float = LIMIT_S) -> Outcome:
             kind, text = "raw error", f"{type(error).__name__}: {error}"
     seconds = time.perf_counter() - start
     if kind == "answer":
-        kind, text = _judge_answer(case, good, answer, [str(w.message) for w in caught])
+        kind, text = _classify_answer(case, good, answer, [str(w.message) for w in caught])
     return Outcome(kind, text.partition("\n")[0], seconds)
 
 
-def _judge_answer(case: Case, good: Any, answer: Any, caught: list[str]) -> tuple[str, str]:
+def _classify_answer(case: Case, good: Any, answer: Any, caught: list[str]) -> tuple[str, str]:
     was, now = _numbers(good), _numbers(answer)
     if (
         case.name not in NAN_MEANS
@@ -214,11 +214,11 @@ def search(
 ) -> list[tuple[Case, Outcome]]:
     """Return `calls` cases, or all if there are fewer, drawn by `seed` without replacement, with their outcomes."""
     every = cases(only)
-    drawn = [every[k] for k in np.random.default_rng(seed).permutation(len(every))[:calls]]
+    sample = [every[k] for k in np.random.default_rng(seed).permutation(len(every))[:calls]]
     good = {name: call(function, example(name, function)) for name, function in library().items() if only in name}
     outcomes = []
-    for k, case in enumerate(drawn):
-        outcomes.append((case, judge(case, good[case.name], limit_s)))
+    for k, case in enumerate(sample):
+        outcomes.append((case, evaluate(case, good[case.name], limit_s)))
         if progress and k % 500 == 499:
             print(f"{k + 1} calls", file=sys.stderr)  # noqa: T201
     return outcomes
@@ -235,8 +235,8 @@ def report(outcomes: Sequence[tuple[Case, Outcome]]) -> str:
     for case, outcome in outcomes:
         if outcome.is_defect:
             defects.setdefault((case.name, case.argument, outcome.kind, outcome.text[:100]), []).append(case)
-    for (name, argument, kind, text), found in sorted(defects.items()):
-        lines.append(f"{name}({argument} = {found[0].mutation}) {len(found)} x {kind}: {text}")
+    for (name, argument, kind, text), failing in sorted(defects.items()):
+        lines.append(f"{name}({argument} = {failing[0].mutation}) {len(failing)} x {kind}: {text}")
     return "\n".join(lines)
 
 
@@ -246,10 +246,10 @@ def main() -> None:
     parser.add_argument("--calls", type=int, default=10_000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", default="", help="functions whose name contains this")
-    given = parser.parse_args()
+    options = parser.parse_args()
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))  # what asks for more gets a MemoryError, a raw error
     faulthandler.dump_traceback_later(4 * LIMIT_S, repeat=True)  # names what no alarm interrupts
-    outcomes = search(given.calls, given.seed, given.only, progress=True)
+    outcomes = search(options.calls, options.seed, options.only, progress=True)
     print(report(outcomes))  # noqa: T201
     sys.exit(any(outcome.is_defect for _, outcome in outcomes))
 

@@ -41,7 +41,7 @@ from synth.timing import Continuous
 
 
 @functools.cache
-def own() -> Mapping[str, Call]:
+def examples() -> Mapping[str, Call]:
     """Return examples by function, where those of the names do not serve."""
     common = usual()
     maglev, held, stage = common["maglev"], common["sampled"], common["system"]

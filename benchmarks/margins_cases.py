@@ -92,7 +92,7 @@ def chain(zeros: Complex, poles: Complex, gain: float) -> StateSpace:
     """Return the loop as first- and second-order sections in series."""
     left, A, B, C, D = list(zeros), np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.array([[gain]])
     for group in _groups(poles):
-        taken = _taken(left, len(group))
+        taken = _take_zeros(left, len(group))
         b, a = ([float(v) for v in coefficients(np.array(r, dtype=complex), 1.0)] for r in (taken, group))
         b = [0.0] * (len(a) - len(b)) + b
         n = len(a) - 1
@@ -109,7 +109,7 @@ def _groups(roots: Complex) -> list[list[complex]]:
     return [*([r, r.conjugate()] for r in roots if r.imag > 0), *(real[k : k + 2] for k in range(0, len(real), 2))]
 
 
-def _taken(left: list[complex], count: int) -> list[complex]:
+def _take_zeros(left: list[complex], count: int) -> list[complex]:
     """Take `count` zeros or fewer from the list, conjugate pairs together."""
     pair = next((r for r in left if r.imag > 0), None)
     taken = [pair, pair.conjugate()] if pair is not None and count == 2 else [r for r in left if not r.imag][:count]

@@ -23,32 +23,34 @@ from synth.verify.steps import Steps
 FRAME = "frame"
 
 
-def measure(emitted: Emitted, given: Steps, build: meter.Build) -> dict[str, NDArray[np.int64]]:
+def measure(emitted: Emitted, stimulus: Steps, build: meter.Build) -> dict[str, NDArray[np.int64]]:
     """Return the instructions (N,) that each step issues by Block, in the order of the text, FRAME last.
 
     Raises CompileError as `meter.run`, and SignalError when there is no step.
     """
-    if not len(given):
+    if not len(stimulus):
         raise SignalError("parts of a step: found 0 steps, need 1 or more: give steps")
-    own = rivals.emitted(emitted)
-    path = meter.linked(own, build)
-    machine = meter.booted(own, build, path)
-    names, owner = _owners(emitted, machine.code, own.entry, path)
-    entry = _within(machine.code, own.entry)
-    found = []
+    candidate = rivals.emitted(emitted)
+    path = meter.linked(candidate, build)
+    machine = meter.booted(candidate, build, path)
+    names, owner = _owners(emitted, machine.code, candidate.entry, path)
+    entry = _in_function(machine.code, candidate.entry)
+    counted = []
     with recorder.attached(machine.engine) as record:
-        arguments = own.placed(machine, given).arguments
+        arguments = candidate.placed(machine, stimulus).arguments
         for k, row in enumerate(arguments, 1):
-            machine.calls(own.entry, row[np.newaxis])
+            machine.calls(candidate.entry, row[np.newaxis])
             record.call_ended()
             if record.is_filling or k == len(arguments):
                 path_taken = trace.follow(machine.code, record.take())
-                found.append(_counted(path_taken, owner, entry, len(names)))
-    counts = np.concatenate(found)
+                counted.append(_count_by_owner(path_taken, owner, entry, len(names)))
+    counts = np.concatenate(counted)
     return {name: counts[:, k] for k, name in enumerate(names)}
 
 
-def _counted(path: trace.Trace, owner: NDArray[np.intp], entry: NDArray[np.bool_], size: int) -> NDArray[np.int64]:
+def _count_by_owner(
+    path: trace.Trace, owner: NDArray[np.intp], entry: NDArray[np.bool_], size: int
+) -> NDArray[np.int64]:
     """Count a trace by call and owner (n, size); outside the entry's own code the last instruction inside it owns."""
     last = np.maximum.accumulate(np.where(entry[path.index], np.arange(len(path.index)), 0))
     call = np.repeat(np.arange(len(path.ends)), path.lengths)
@@ -56,7 +58,7 @@ def _counted(path: trace.Trace, owner: NDArray[np.intp], entry: NDArray[np.bool_
     return np.bincount(cells, minlength=len(path.ends) * size).reshape(-1, size)
 
 
-def _within(code: trace.Code, function: str) -> NDArray[np.bool_]:
+def _in_function(code: trace.Code, function: str) -> NDArray[np.bool_]:
     names = [f.name for f in code.program.functions]
     return np.asarray(code.function == names.index(function))
 
@@ -75,5 +77,5 @@ def _owners(emitted: Emitted, code: trace.Code, entry: str, path: Path) -> tuple
 
 
 def _blocks(runs: Mapping[str, list[list[int]]]) -> dict[int, str]:
-    found = {line: tag.split(":")[0] for tag, spans in runs.items() for a, b in spans for line in range(a, b + 1)}
-    return dict(sorted(found.items()))
+    by_line = {line: tag.split(":")[0] for tag, spans in runs.items() for a, b in spans for line in range(a, b + 1)}
+    return dict(sorted(by_line.items()))

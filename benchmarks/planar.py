@@ -31,8 +31,8 @@ from synth.verify import meter, rivals, steps, stimuli
 from synth.verify.steps import Steps
 
 BARS = {"lead-lag": 800, "LQG": 700, "LQG, full order": 700, "reduced core": 95, "full core": 100}
-COMMON = {True: 60, False: 12}  # closed-loop steps that CasADi's C is given, with the shim and as emitted
-SHARED = 500  # closed-loop steps that are taken apart
+COMMON_STEPS = {True: 60, False: 12}  # closed-loop steps that CasADi's C is given, with the shim and as emitted
+BREAKDOWN_STEPS = 500  # closed-loop steps that are taken apart
 CORE = 2000  # steps of a core
 PARTS = {"sensing": ("sensing", "heights"), "filters": ("filter_",), "law": ("loop_", "lqg_")}
 WIDTHS = (17, 20, 8, 9, 10, 15, 10)
@@ -66,23 +66,23 @@ class Costs:
     parts: Mapping[str, tuple[float, int]]
 
 
-def wholes() -> Iterator[Subject]:
+def controllers() -> Iterator[Subject]:
     """Yield the three controllers."""
     plant = planar_stage.plant()
-    yield whole("lead-lag", leadlag.controller(plant), of_leadlag.ALL)
-    yield whole("LQG", lqg.controller(plant), of_lqg.ALL)
-    yield whole("LQG, full order", lqg.controller(plant, regulate=core.full_order), of_lqg.ALL)
+    yield controller_subject("lead-lag", leadlag.controller(plant), of_leadlag.ALL)
+    yield controller_subject("LQG", lqg.controller(plant), of_lqg.ALL)
+    yield controller_subject("LQG, full order", lqg.controller(plant, regulate=core.full_order), of_lqg.ALL)
 
 
-def whole(name: str, block: Block, experiments: Sequence[Run]) -> Subject:
+def controller_subject(name: str, block: Block, experiments: Sequence[Run]) -> Subject:
     """Return a controller with every sequence of its bench."""
     emitted = write.emit(block, np.float32, error=interface.SURROGATE_ERROR[np.float32])
     controller = host.load(emitted.files, emitted.manifest)
     rig = loop.of(block, controller)
     runs = [experiment.run(rig) for experiment in experiments]
-    sequences = stimuli.sequences(rig, runs, lambda _: None, bench.own(controller))
+    sequences = stimuli.sequences(rig, runs, lambda _: None, bench.stimuli(controller))
     loops = steps.joined("closed loops", [s for s in sequences if s.closed_loop])
-    sound = steps.thinned(steps.without_faults(controller, loops), SHARED)
+    sound = steps.thinned(steps.without_faults(controller, loops), BREAKDOWN_STEPS)
     return Subject(name, block, emitted, controller, sound, steps.joined("all", sequences))
 
 
@@ -107,21 +107,21 @@ def measure(subject: Subject, build: meter.Build) -> Costs:
     """Measure a subject by a build, and CasADi's C beside it."""
     every = meter.run(rivals.emitted(subject.emitted), subject.every, build).cost.instructions
     worst = subject.every.part(np.array([np.argmax(every)]))
-    within, costliest = (parts.measure(subject.emitted, given, build) for given in (subject.within, worst))
-    found: dict[str, tuple[float, int]] = {}
+    within, costliest = (parts.measure(subject.emitted, sequence, build) for sequence in (subject.within, worst))
+    shares: dict[str, tuple[float, int]] = {}
     for block, n in within.items():
-        mean, most = found.get(part_of(block), (0.0, 0))
-        found[part_of(block)] = mean + float(n.mean()), most + int(costliest[block][0])
-    mean = sum(mean for mean, _ in found.values())
+        mean, most = shares.get(part_of(block), (0.0, 0))
+        shares[part_of(block)] = mean + float(n.mean()), most + int(costliest[block][0])
+    mean = sum(mean for mean, _ in shares.values())
     bar, ratios = BARS[subject.name], (_ratio(subject, build, True), _ratio(subject, build, False))
-    return Costs(subject.name, build.name, mean, int(every.max()), bar, ratios, found)
+    return Costs(subject.name, build.name, mean, int(every.max()), bar, ratios, shares)
 
 
 def _ratio(subject: Subject, build: meter.Build, shimmed: bool) -> float:
-    common = steps.thinned(subject.within, COMMON[shimmed])
+    common = steps.thinned(subject.within, COMMON_STEPS[shimmed])
     candidates = rivals.emitted(subject.emitted), rivals.casadi(subject.block, shimmed)
-    own, other = (meter.run(c, common, build).cost.instructions.mean() for c in candidates)
-    return float(other / own)
+    ours, casadis = (meter.run(c, common, build).cost.instructions.mean() for c in candidates)
+    return float(casadis / ours)
 
 
 def part_of(block: str) -> str:
@@ -129,7 +129,7 @@ def part_of(block: str) -> str:
     return next((part for part, starts in PARTS.items() if block.startswith(starts)), block.replace("_", " "))
 
 
-def compared(costs: Sequence[Costs]) -> Iterator[str]:
+def comparison_lines(costs: Sequence[Costs]) -> Iterator[str]:
     """Yield the lines that compare the subjects."""
     yield _line(("step of", "build", "mean", "most", "bar", "CasADi, float", "CasADi"))
     for c in costs:
@@ -137,7 +137,7 @@ def compared(costs: Sequence[Costs]) -> Iterator[str]:
         yield _line((c.subject, c.build, f"{c.mean:.0f}", str(c.most), str(c.bar), *ratios))
 
 
-def apart(costs: Costs) -> Iterator[str]:
+def breakdown_lines(costs: Costs) -> Iterator[str]:
     """Yield the lines of a step's parts."""
     yield _line((costs.subject, costs.build, "mean", "share", "costliest", "share"))
     for part, (mean, most) in {**costs.parts, "in all": (costs.mean, costs.most)}.items():
@@ -154,11 +154,11 @@ def _line(cells: Sequence[str]) -> str:
 
 def lines() -> Iterator[str]:
     """Yield every line, those of the parts last."""
-    costs = [measure(subject, build) for subject in (*wholes(), *cores()) for build in builds()]
-    yield from compared(costs)
+    costs = [measure(subject, build) for subject in (*controllers(), *cores()) for build in builds()]
+    yield from comparison_lines(costs)
     for each in costs:
         yield ""
-        yield from apart(each)
+        yield from breakdown_lines(each)
 
 
 if __name__ == "__main__":

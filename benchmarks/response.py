@@ -76,7 +76,7 @@ def in_turns(*calls: Callable[[], object]) -> Array:
     return 1e3 * times
 
 
-def compared(name: str, model: StateSpace) -> Comparison:
+def compare(name: str, model: StateSpace) -> Comparison:
     """Time the response of one model at 1,000 points of the axis."""
     theirs, s = model.to_control(), 1j * np.geomspace(1e-2, 1e3, POINTS)
     times = in_turns(lambda: theirs(s), lambda: model.response(s))
@@ -96,10 +96,10 @@ def norm(name: str, model: StateSpace) -> Norm:
         lambda: control.linfnorm(theirs),
         lambda: norms.norm_hinf(model),
     )
-    found = norms.norm_hinf(model)
+    bounds = norms.norm_hinf(model)
     first, second, third = np.median(times, axis=0).tolist()
     ratios = np.median(times[:, :2] / times[:, 2:], axis=0).tolist()
-    return Norm(name, first, second, third, ratios[0], ratios[1], found.lower, found.upper, found.certified)
+    return Norm(name, first, second, third, ratios[0], ratios[1], bounds.lower, bounds.upper, bounds.certified)
 
 
 def responses() -> Iterator[str]:
@@ -108,7 +108,7 @@ def responses() -> Iterator[str]:
     yield "  ".join(names)
     for states in SIZES:
         for name, model in ((f"dense {states}", dense(states)), (f"flexible {states}", disk.loop(CHANNELS, states))):
-            c = compared(name, model)
+            c = compare(name, model)
             cells = f"{c.control_ms:.1f}", f"{c.ms:.1f}", f"{c.faster:.1f}", f"{c.memory_MB:.1f}"
             yield "  ".join(
                 [c.name.ljust(len(names[0])), *(v.rjust(len(n)) for v, n in zip(cells, names[1:], strict=True))]

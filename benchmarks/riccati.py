@@ -123,8 +123,8 @@ def _cost(F: flint.arb_mat, W: flint.arb_mat, continuous: bool) -> flint.arb_mat
         return f[k][i] * (j == l) + f[l][j] * (i == k)
 
     equations = flint.arb_mat([[factor(*row, *column) for column in places] for row in places])
-    found = equations.solve(flint.arb_mat([[-W[i, j]] for i, j in places]), algorithm="approx")
-    return flint.arb_mat([[found[n * i + j, 0] for j in range(n)] for i in range(n)])
+    entries = equations.solve(flint.arb_mat([[-W[i, j]] for i, j in places]), algorithm="approx")
+    return flint.arb_mat([[entries[n * i + j, 0] for j in range(n)] for i in range(n)])
 
 
 def _identity(n: int) -> flint.arb_mat:
@@ -145,7 +145,7 @@ def outcome(p: Problem) -> Outcome:
     """Solve a problem in both ways."""
     reason, start = "", perf_counter()
     try:
-        found = riccati.solve((p.A, p.B, p.time), p.Q, p.R)
+        solution = riccati.solve((p.A, p.B, p.time), p.Q, p.R)
         ours = "solved"
     except SynthError as error:
         ours, reason = "refused", str(error)
@@ -155,9 +155,9 @@ def outcome(p: Problem) -> Outcome:
     if ours == "solved":
         ours = (
             "right"
-            if is_right(p, found.X, found.L)
+            if is_right(p, solution.X, solution.L)
             else "wrong"
-            if found.is_resolved
+            if solution.is_resolved
             else "gain lost in rounding, told"
         )
     return Outcome(ours, _scipys(p), reason, seconds)

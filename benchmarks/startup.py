@@ -33,7 +33,7 @@ class Startup:
 
 def measure(turns: int = TURNS) -> list[Startup]:
     """Return how long each process takes, over turns in which all are started."""
-    runs = [{name: _timed(script) for name, script in COMMANDS.items()} for _ in range(turns)]
+    runs = [{name: _time_script(script) for name, script in COMMANDS.items()} for _ in range(turns)]
     wall = {name: median(run[name][0] for run in runs) for name in COMMANDS}
     processor = {name: median(run[name][1] for run in runs) for name in COMMANDS}
     return [
@@ -41,7 +41,7 @@ def measure(turns: int = TURNS) -> list[Startup]:
     ]
 
 
-def _timed(script: str) -> tuple[float, float]:
+def _time_script(script: str) -> tuple[float, float]:
     start, before = perf_counter(), os.times()
     subprocess.run([sys.executable, "-c", script], stdout=subprocess.DEVNULL, check=True)
     after = os.times()

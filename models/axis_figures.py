@@ -110,7 +110,7 @@ def margin(axis: Axis, hold_s: float = 0.0, delay_s: float = 0.0) -> Margin:
 def sampled_margin(axis: Axis, period_s: float) -> Margin:
     """Return the margins of the sampled loop."""
     rule = lead_lag.prewarped(axis.compensator, period_s, 2 * pi * margin(axis).crossover)
-    return _margin(_sampled(axis, rule).L)
+    return _margin(_sampled_loop(axis, rule).L)
 
 
 @cache
@@ -119,24 +119,26 @@ def step(axis: Axis) -> Step:
     T = sensitivity.close(axis.plant, axis.compensator.model).T
     poles, V = np.linalg.eig(T.A)
     time: Array = np.arange(round(LONG / FINE), dtype=np.float64) * FINE
-    shares = (T.C @ V)[0] * np.linalg.solve(V, T.B)[:, 0] / poles
-    return measured(time, 1 + (np.exp(np.outer(time, poles)) @ shares).real)
+    residues = (T.C @ V)[0] * np.linalg.solve(V, T.B)[:, 0] / poles
+    return of_response(time, 1 + (np.exp(np.outer(time, poles)) @ residues).real)
 
 
 @cache
 def sampled_step(axis: Axis, period_s: float) -> Step:
     """Return the step of the sampled loop."""
     response = time_response.step_response(
-        _sampled(axis, lead_lag.tustin(axis.compensator, period_s, 1 / period_s)).T, LONG - period_s
+        _sampled_loop(axis, lead_lag.tustin(axis.compensator, period_s, 1 / period_s)).T, LONG - period_s
     )
-    return measured(response.time, response.outputs[:, 0, 0])
+    return of_response(response.time, response.outputs[:, 0, 0])
 
 
-def measured(time: Array, y: Array, band: float = BAND) -> Step:
+def of_response(time: Array, y: Array, band: float = BAND) -> Step:
     """Return the figures of a record y (N,) of a step from 0 to 1 at time[0], s."""
     outside = np.flatnonzero(np.abs(y - 1) > band)
     last = 0.0 if not len(outside) else time[outside[-1]] - time[0] if outside[-1] + 1 < len(y) else np.inf
-    return Step(_first(time, y, 0.9) - _first(time, y, 0.1), 100 * (float(y.max()) - 1), float(last))
+    return Step(
+        _first_time_above(time, y, 0.9) - _first_time_above(time, y, 0.1), 100 * (float(y.max()) - 1), float(last)
+    )
 
 
 def gain_at(axis: Axis, frequency: float) -> float:
@@ -145,7 +147,7 @@ def gain_at(axis: Axis, frequency: float) -> float:
     return float(abs(axis.plant.response(s)[0, 0, 0] * axis.compensator.model.response(s)[0, 0, 0]))
 
 
-def _sampled(axis: Axis, rule: lead_lag.LeadLag) -> sensitivity.ClosedLoop:
+def _sampled_loop(axis: Axis, rule: lead_lag.LeadLag) -> sensitivity.ClosedLoop:
     return sensitivity.close(loop.sampled(axis.plant, timing.period(rule.discrete.time)), rule.discrete)
 
 
@@ -155,6 +157,6 @@ def _margin(L: transfer.Loop) -> Margin:
     return Margin(last.frequency / (2 * pi), last.phase_margin, last.delay_margin, of_loop.stable)
 
 
-def _first(time: Array, y: Array, level: float) -> float:
+def _first_time_above(time: Array, y: Array, level: float) -> float:
     """Return the first time of a sample at or above a level."""
     return float(time[np.argmax(y >= level)]) if (y >= level).any() else np.inf

@@ -29,19 +29,19 @@ def function(name: str, points: Array, values: Array, bounds: Sequence[float]) -
     return ca.Function(name, arguments, [adding @ (factors[0] * factors[1])], {"never_inline": True})
 
 
-def _spline(at: ca.MX, points: Array, values: Array) -> ca.MX:
-    found = interpolate.make_interp_spline(points, values, k=DEGREE)
-    return ca.bspline(at, found.c.ravel(), [found.t.tolist()], [DEGREE], values.shape[1], {})
+def _spline(argument: ca.MX, points: Array, values: Array) -> ca.MX:
+    spline = interpolate.make_interp_spline(points, values, k=DEGREE)
+    return ca.bspline(argument, spline.c.ravel(), [spline.t.tolist()], [DEGREE], values.shape[1], {})
 
 
 def _terms(values: Array, bound: float) -> tuple[Array, Array]:
     """Return factors (n, r) whose products' sum is within `bound` of values (n, n): crosses through what is left."""
-    left, rows, columns = values.copy(), [], []
+    remainder, rows, columns = values.copy(), [], []
     for _ in range(len(values)):
-        i, j = np.unravel_index(np.argmax(np.abs(left)), left.shape)
-        if np.abs(left[i, j]) <= bound:
+        i, j = np.unravel_index(np.argmax(np.abs(remainder)), remainder.shape)
+        if np.abs(remainder[i, j]) <= bound:
             break
-        columns.append(left[:, j] / left[i, j])
-        rows.append(left[i].copy())
-        left -= np.outer(columns[-1], rows[-1])
+        columns.append(remainder[:, j] / remainder[i, j])
+        rows.append(remainder[i].copy())
+        remainder -= np.outer(columns[-1], rows[-1])
     return np.array(columns).reshape(-1, len(values)).T, np.array(rows).reshape(-1, len(values)).T

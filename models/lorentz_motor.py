@@ -38,7 +38,7 @@ from models import halbach
 from synth.signals import Parameter
 
 Values = Mapping[str, ca.SX]
-Reading = Literal["lorentz", "printed"]
+Variant = Literal["lorentz", "printed"]
 
 TABLE_1, TABLE_2 = "Table 1", "Table 2"
 PARAMETERS = (
@@ -80,7 +80,7 @@ def geometric_constant(p: Values) -> ca.SX:
     return ca.sqrt(2) * p["w"] * p["l"] ** 2 / pi**2 * (1 - ca.exp(-k * thickness(p))) * (1 - ca.exp(-k * p["Delta"]))
 
 
-def force_constant(p: Values, reading: Reading = "lorentz") -> ca.SX:
+def force_constant(p: Values, reading: Variant = "lorentz") -> ca.SX:
     """Return K in N/A at the gap z0. Source: (17), whose factor 1/2 is "printed"."""
     factor = {"lorentz": 3 / (2 * pi), "printed": 0.5}[reading]
     decay = ca.exp(-halbach.wave_number(p) * p["z0"])
@@ -107,7 +107,7 @@ def forces(
     return MotorForces(f_y, f_z)
 
 
-def commutated(i_q: ca.SX, i_d: ca.SX, y: ca.SX, p: Values) -> dict[str, ca.SX]:
+def phase_currents(i_q: ca.SX, i_d: ca.SX, y: ca.SX, p: Values) -> dict[str, ca.SX]:
     """Return the phase currents in A that make f_y = K i_q and f_z = K i_d at y in m; i_q, i_d are amplitudes in A."""
     angle = halbach.wave_number(p) * y
     alpha = ca.cos(angle) * i_q - ca.sin(angle) * i_d

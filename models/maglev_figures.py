@@ -21,12 +21,12 @@ from synth.analyse import magnitude
 from synth.plant import Plant
 from synth.signals import Signal
 
-READINGS = {
+VARIANTS = {
     "printed": pmlsm.PRINTED,
-    "coth2": pmlsm.Reading("coth2"),
+    "coth2": pmlsm.Variant("coth2"),
     "csch2": pmlsm.STRESS,
-    "squared": pmlsm.Reading("coth2", 2),
-    "pole_pairs": pmlsm.Reading(p_counts="pole_pairs"),
+    "squared": pmlsm.Variant("coth2", 2),
+    "pole_pairs": pmlsm.Variant(p_counts="pole_pairs"),
 }
 # (9): what (11) keeps and drops of y''
 DOMINANT, SMALL = ("a2", "a3", "a7"), ("a4", "a5", "a6", "a8", "a9")
@@ -50,7 +50,7 @@ class Inversion(NamedTuple):
 def balance(plant: Plant, reading: str) -> Callable[[float], pmlsm.Balance]:
     """Return what holds a quarter of the platen, by the gap in m."""
     p = maglev_stage.nominal(plant)
-    return pmlsm.balance(p["M_y"] * p["G"] / 4, p, READINGS[reading])
+    return pmlsm.balance(p["M_y"] * p["G"] / 4, p, VARIANTS[reading])
 
 
 def largest_current(plant: Plant, low: float, high: float, reading: str) -> float:
@@ -70,17 +70,17 @@ def gap_of_zero(plant: Plant, reading: str, quantity: str) -> float:
 
 def stress_ratio(plant: Plant, reading: str) -> float:
     """Return K_v2^2 / (4 K_v1 K_v3)."""
-    K = pmlsm.constants(maglev_stage.nominal(plant), READINGS[reading])
+    K = pmlsm.constants(maglev_stage.nominal(plant), VARIANTS[reading])
     return float(K.K_v2**2 / (4 * K.K_v1 * K.K_v3))
 
 
 def thrust(plant: Plant, gap: float, reading: str) -> float:
     """Return the thrust per rms ampere in N/A at a gap in m."""
-    return float(pmlsm.thrust(ca.SX(gap), ca.SX(-1.0), maglev_stage.nominal(plant), READINGS[reading]))
+    return float(pmlsm.thrust(ca.SX(gap), ca.SX(-1.0), maglev_stage.nominal(plant), VARIANTS[reading]))
 
 
 @lru_cache(maxsize=8)
-def slotted(plant: Plant, gap: float, cells: int) -> slotted_field.Forces:
+def slotted_forces(plant: Plant, gap: float, cells: int) -> slotted_field.Forces:
     """Return the forces of the slotted field at a gap in m."""
     return slotted_field.extrapolated(maglev_stage.geometry(plant), gap, cells).value
 
@@ -113,10 +113,10 @@ def dominance(plant: Plant, lv3: str, low: float, high: float, phi: float, theta
     model, gaps = _polynomial(plant, lv3), np.array([low, 0.025, high])
     box = [Signal(n, "rad", -end, end) for n, end in (("phi", phi), ("theta", theta))]
     terms = {n: model.coefficients[n] for n in (*DOMINANT, *SMALL)}
-    found = magnitude.magnitudes(terms, {**model.x, **model.u}, box, "y", gaps, {"u_x": 0.0, "u_z": 0.0})
-    least = np.min([found.of(n) for n in DOMINANT], axis=0)
-    dominated = bool((least > np.max([found.of(n) for n in SMALL], axis=0)).all())
-    return Dominance({n: found.of(n) for n in terms}, dominated)
+    magnitudes = magnitude.magnitudes(terms, {**model.x, **model.u}, box, "y", gaps, {"u_x": 0.0, "u_z": 0.0})
+    least = np.min([magnitudes.of(n) for n in DOMINANT], axis=0)
+    dominated = bool((least > np.max([magnitudes.of(n) for n in SMALL], axis=0)).all())
+    return Dominance({n: magnitudes.of(n) for n in terms}, dominated)
 
 
 def inversion(plant: Plant) -> Inversion:
@@ -125,16 +125,16 @@ def inversion(plant: Plant) -> Inversion:
     model = maglev_polynomial.simplified(full)
     w = {n: ca.SX.sym(f"w_{n}") for n in maglev_stage.RATE}
     law = inverse(model, w)
-    nominal, rest = _under(model, law), _under(full, law)
+    nominal, residual = _closed_loop(model, law), _closed_loop(full, law)
     zero = ca.vcat([*w.values(), *full.u.values()])
-    terms = {n: ca.substitute(rest[n], zero, ca.SX.zeros(zero.numel())) for n in ("y", "phi", "theta")}
+    terms = {n: ca.substitute(residual[n], zero, ca.SX.zeros(zero.numel())) for n in ("y", "phi", "theta")}
     gaps, angles = [mm * 1e-3 for mm in (18, 20, 25, 30, 31)], _box(plant, "phi", "theta")
-    found = [magnitude.magnitudes(terms, full.x, angles, "y", [gap], {}) for gap in gaps]
-    left = {n: max(float(at.of(n)[0]) for at in found) for n in terms}
-    return Inversion(sum(_vanishes(nominal[n] - w[n], model, w) for n in w), left)
+    magnitudes = [magnitude.magnitudes(terms, full.x, angles, "y", [gap], {}) for gap in gaps]
+    remainder = {n: max(float(at.of(n)[0]) for at in magnitudes) for n in terms}
+    return Inversion(sum(_vanishes(nominal[n] - w[n], model, w) for n in w), remainder)
 
 
-def _under(model: InputPolynomial, law: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
+def _closed_loop(model: InputPolynomial, law: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
     """Return the accelerations of a model under a law."""
     inputs = {**model.u, **model.v}
     old, new = ca.vcat(list(inputs.values())), ca.vcat([law[n] for n in inputs])

@@ -95,7 +95,7 @@ def _derivative(regulators: tuple[Regulator, ...], frequency: float, lv3: str) -
         d_xi.append(ca.mtimes(ca.DM(np.asarray(r.A)), z)[2:])
     inputs = maglev_polynomial.law(known, lv3, position, w)
     pose = {n: position.get(n, ca.SX(0)) for n in ("y", "phi", "theta")}
-    second = maglev_stage.accelerations(pose, inputs, true, maglev_stage.named_reading(lv3))
+    second = maglev_stage.accelerations(pose, inputs, true, maglev_stage.force_variant(lv3))
     slopes = [slope for s in position for slope in (speed[s], second[s])]
     arguments = [t, state, ca.vcat(list(true.values())), ca.vcat(list(known.values())), waves]
     return ca.Function("derivative", arguments, [ca.vcat([*slopes, *d_xi])], {"cse": True})

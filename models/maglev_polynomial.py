@@ -91,7 +91,7 @@ def input_polynomial(p: Exprs, lv3: str = "csch2") -> InputPolynomial:
     x = {name: ca.SX.sym(name) for name in ("y", "phi", "theta")}
     u = {name: ca.SX.sym(name) for name in ("u_x", "u_z")}
     v = {name: ca.SX.sym(name) for name in TRANSFORMED}
-    second = maglev_stage.accelerations(x, u | maglev_stage.input_transformation(v), p, maglev_stage.named_reading(lv3))
+    second = maglev_stage.accelerations(x, u | maglev_stage.input_transformation(v), p, maglev_stage.force_variant(lv3))
     coefficients = {name: _coefficient(second[q], v, monomial) for name, (q, monomial) in TERMS.items()}
     coefficients |= {f"h_{q}": ca.jacobian(second[q], u[f"u_{q}"]) for q in ("x", "z")}
     return InputPolynomial(x, u, v, coefficients)

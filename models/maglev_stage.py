@@ -66,13 +66,13 @@ INPUTS = (
     *(Signal(f"i_d{j}", "A", -PEAK, PEAK, f"direct current of motor {j}, rms") for j in (1, 2, 3, 4)),
     *(Signal(f"u_{n}", "A", -PEAK, PEAK, f"thrust current along {n.upper()}, rms") for n in "xz"),
 )
-TILTED, ROLLED = (
+GAP_1_3, GAP_2_4 = (
     (0.0168, 0.0322),
     (0.0124, 0.0366),
 )  # m: gaps of motors 1 and 3, 2 and 4, over the ranges of y and angles
 OUTPUTS = (
     *(signal for signal in STATES if signal.name in RATE),
-    *(Signal(f"g{j}", "m", *ends, f"gap of motor {j}") for j, ends in enumerate(2 * (TILTED, ROLLED), 1)),
+    *(Signal(f"g{j}", "m", *ends, f"gap of motor {j}") for j, ends in enumerate(2 * (GAP_1_3, GAP_2_4), 1)),
 )
 QUADRATURE = ("u_z", "u_x", "u_z", "u_x")  # of motors 1 to 4
 
@@ -110,7 +110,7 @@ def input_transformation(v: Exprs) -> dict[str, ca.SX]:
     }
 
 
-def accelerations(x: Exprs, u: Exprs, p: Exprs, reading: pmlsm.Reading = pmlsm.STRESS) -> dict[str, ca.SX]:
+def accelerations(x: Exprs, u: Exprs, p: Exprs, reading: pmlsm.Variant = pmlsm.STRESS) -> dict[str, ca.SX]:
     """Return y'', x'', z'' in m/s^2 and phi'', theta'' in rad/s^2 from y, phi, theta and the six currents.
 
     Source: (6), (7), with every quadratic term.
@@ -146,7 +146,7 @@ def plant(lv3: str = "csch2") -> Plant:
 
     Raises ModelError for another `lv3`.
     """
-    reading = named_reading(lv3)
+    reading = force_variant(lv3)
 
     def physics(x: Exprs, u: Exprs, p: Exprs) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
         second = accelerations(x, u, p, reading)
@@ -190,12 +190,12 @@ def parameter_symbols() -> dict[str, ca.SX]:
     return symbols(PARAMETERS)
 
 
-def named_reading(lv3: str) -> pmlsm.Reading:
+def force_variant(lv3: str) -> pmlsm.Variant:
     """Return the reading with the factor "csch2" or "coth2" in L_v3; raise ModelError for another."""
     if lv3 == "csch2":
-        return pmlsm.Reading("csch2")
+        return pmlsm.Variant("csch2")
     if lv3 == "coth2":
-        return pmlsm.Reading("coth2")
+        return pmlsm.Variant("coth2")
     raise ModelError(f"the factor in L_v3 is named '{lv3}': choose 'csch2', or 'coth2' as printed")
 
 
@@ -206,7 +206,7 @@ def geometry(plant: Plant) -> slotted_field.Geometry:
     return slotted_field.Geometry(poles=plant.parameter("p").value, **shared)
 
 
-def guides(plant: Plant, friction: Mapping[str, float], cells: int) -> ca.Function:
+def guide_disturbance(plant: Plant, friction: Mapping[str, float], cells: int) -> ca.Function:
     """Return the accelerations (10,) that friction and cogging add, a function of the state (10,) and t in s.
 
     F_s = -F_c tanh(v_s/SLIP) + 2 A(y) sin(2 pi s/t1), s = x, z, with F_c in N by axis; A is geometric through the
@@ -215,8 +215,8 @@ def guides(plant: Plant, friction: Mapping[str, float], cells: int) -> ca.Functi
     names = [s.name for s in plant.states]
     x, t = ca.SX.sym("x", len(names)), ca.SX.sym("t")
     state = dict(zip(names, ca.vertsplit(x), strict=True))
-    near, far = (slotted_field.forces(geometry(plant), g, cells).cogging for g in (0.020, 0.025))
-    amplitude = near * (far / near) ** ((state["y"] - 0.020) / 0.005)
+    at_20, at_25 = (slotted_field.forces(geometry(plant), g, cells).cogging for g in (0.020, 0.025))
+    amplitude = at_20 * (at_25 / at_20) ** ((state["y"] - 0.020) / 0.005)
     added = dict.fromkeys(names, ca.SX(0))
     for axis, force in friction.items():
         wave = ca.sin(2 * pi * state[axis] / plant.parameter("t1").value)

@@ -28,7 +28,7 @@ def G(l: float, w: float, area: float, Delta: float) -> float:
     return float(lorentz_motor.geometric_constant(constants({"l": l, "w": w, "area": area, "Delta": Delta})))
 
 
-def force_constant(p: Parameters, reading: lorentz_motor.Reading = "lorentz") -> float:
+def force_constant(p: Parameters, reading: lorentz_motor.Variant = "lorentz") -> float:
     """Return K in N/A."""
     return float(lorentz_motor.force_constant(constants(p), reading))
 
@@ -57,7 +57,7 @@ def ripple(p: Parameters) -> float:
 
 def currents(l: float, y: float) -> dict[str, float]:
     """Return the phase currents of i_Q = 1 A at y in m."""
-    phases = lorentz_motor.commutated(ca.SX(1), ca.SX(0), ca.SX(y), {"l": ca.SX(l)})
+    phases = lorentz_motor.phase_currents(ca.SX(1), ca.SX(0), ca.SX(y), {"l": ca.SX(l)})
     return {phase: float(i) for phase, i in phases.items()}
 
 

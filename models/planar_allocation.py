@@ -48,8 +48,8 @@ from synth.timing import Discrete
 
 LIMIT = planar_stage.LIMIT  # A
 QUADRATURE = 0.9 * LIMIT  # A
-SPARE = 3e-5  # of LIMIT: what rounding and polynomials may add to a phase, see `_phase`
-DIRECT = sqrt(((1 - SPARE) * LIMIT) ** 2 - QUADRATURE**2)  # A
+ROUNDING_MARGIN = 3e-5  # of LIMIT: what rounding and polynomials may add to a phase, see `_phase`
+DIRECT = sqrt(((1 - ROUNDING_MARGIN) * LIMIT) ** 2 - QUADRATURE**2)  # A
 AXES = planar_stage.AXES
 HORIZONTAL, VERTICAL = AXES[:3], AXES[3:]
 ROUNDING = 1e-14  # of a ratio of arms
@@ -104,32 +104,32 @@ def allocation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
         angle = clip(u[phi.name], YAW)
         cos, sin = ca.cos(angle), ca.sin(angle)
         d_x, d_y, d_phi, d_z, d_theta, d_psi = (u[s.name] for s in DEMANDS)
-        wanted_c = cos * d_x + sin * d_y
+        demand_c = cos * d_x + sin * d_y
         half = (cos * d_y - sin * d_x) / 2
-        left = ca.fmax(QUADRATURE - ca.fabs(d_phi), QUADRATURE / 2)
-        C = ca.fmax(ca.fmin(wanted_c, left), -left)
-        turn = clip(d_phi + _times(across, C), CURRENTS[0])
-        room = QUADRATURE - ca.fabs(turn)
-        half = ca.fmax(ca.fmin(half, room), -room)
-        front, back = d_z - d_theta, _times(rear, d_z) + 2 * d_theta
+        limit_c = ca.fmax(QUADRATURE - ca.fabs(d_phi), QUADRATURE / 2)
+        C = ca.fmax(ca.fmin(demand_c, limit_c), -limit_c)
+        yaw = clip(d_phi + _product(across, C), CURRENTS[0])
+        limit_half = QUADRATURE - ca.fabs(yaw)
+        half = ca.fmax(ca.fmin(half, limit_half), -limit_half)
+        front, back = d_z - d_theta, _product(rear, d_z) + 2 * d_theta
         Az, Bz, Cz = (clip(i, CURRENTS[3]) for i in (front + d_psi, front - d_psi, back))
-        currents = half - turn, half + turn, C, Az, Bz, Cz
+        currents = half - yaw, half + yaw, C, Az, Bz, Cz
         both, lifts = 2 * half, Az + Bz
-        made = (
+        achieved = (
             cos * C - sin * both,
             sin * C + cos * both,
-            turn - _times(across, C),
+            yaw - _product(across, C),
             k["part"] * (lifts + Cz),
             k["part"] * Cz - k["front_part"] * lifts,
             k["half"] * (Az - Bz),
         )
-        return Step(dict(zip((s.name for s in (*CURRENTS, *ACHIEVED)), (*currents, *made), strict=True)))
+        return Step(dict(zip((s.name for s in (*CURRENTS, *ACHIEVED)), (*currents, *achieved), strict=True)))
 
     inputs, outputs, tag = [*DEMANDS, phi], [*CURRENTS, *ACHIEVED], "Table 3, (17), limits"
     return build("allocation", time, law, inputs=inputs, outputs=outputs, constants=constants, tag=tag)
 
 
-def _times(ratio: float, value: ca.SX) -> ca.SX:
+def _product(ratio: float, value: ca.SX) -> ca.SX:
     """Return the product, without arithmetic where the arms are as printed."""
     return value if abs(ratio - 1) < ROUNDING else ratio * value
 
@@ -145,13 +145,13 @@ def commutation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
     turns = round(4 * b / l)
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        turned = clip(u[phi.name], YAW)
-        behind = b * ca.cos(turned) - turns * l / 4
-        back, named = _angle("back", u["within_x"] - c * ca.sin(turned), l)
-        front, more = _angle("front", u["within_y"] - behind, l)
+        angle = clip(u[phi.name], YAW)
+        behind = b * ca.cos(angle) - turns * l / 4
+        back, named = _cos_sin("back", u["within_x"] - c * ca.sin(angle), l)
+        front, named_front = _cos_sin("front", u["within_y"] - behind, l)
         for _ in range(turns):
             front = (front[1], -front[0])
-        yaw = 2 * pi / l * a * ca.sin(turned)
+        yaw = 2 * pi / l * a * ca.sin(angle)
         (cos, sin), (cy, sy) = front, (ca.cos(yaw), ca.sin(yaw))
         cc, ss, cs, sc = cos * cy, sin * sy, cos * sy, sin * cy
         angles = {"A": (cc + ss, sc - cs), "B": (cc - ss, sc + cs), "C": back}
@@ -162,12 +162,12 @@ def commutation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
             middle = -alpha / 2
             phases = (alpha, clip(middle + beta, PHASES[0]), clip(middle - beta, PHASES[0]))
             output |= {f"i_{motor}{p}_computed": i for p, i in zip(lorentz_motor.OFFSETS, phases, strict=True)}
-        return Step(output, named=[*named, *more], certified=dict.fromkeys(output, _phase))
+        return Step(output, named=[*named, *named_front], certified=dict.fromkeys(output, _phase_bound))
 
     return build("commutation", time, law, inputs=[*CURRENTS, *WITHIN, phi], outputs=COMPUTED, tag="(17) inverted")
 
 
-def _phase(u: float, e: float) -> float:
+def _phase_bound(u: float, e: float) -> float:
     """Return how large a phase current becomes at most, A, of an error u relative to each result, e to each sine.
 
     The two doublings make a unit vector of any sine, so that its error e is one of the angle alone. Of its length
@@ -177,7 +177,7 @@ def _phase(u: float, e: float) -> float:
     return hypot(QUADRATURE, DIRECT) * (1 + e) * (1 + 32 * u)
 
 
-def _angle(name: str, distance: ca.SX, l: float) -> tuple[tuple[ca.SX, ca.SX], list[tuple[Signal, ca.SX]]]:
+def _cos_sin(name: str, distance: ca.SX, l: float) -> tuple[tuple[ca.SX, ca.SX], list[tuple[Signal, ca.SX]]]:
     """Return cosine and sine of 2 pi / l times a distance in m, and what is named on the way, of its quarter q.
 
     With h = sin q cos q: cos 4q = 1 - 8 h^2, sin 4q = h (4 - 8 sin^2 q).

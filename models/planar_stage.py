@@ -112,12 +112,12 @@ def centres(x: Exprs, p: Exprs) -> dict[str, Place]:
 
 def motor_forces(x: Exprs, u: Exprs, p: Exprs, harmonics: Sequence[int] = (1,)) -> dict[str, lorentz_motor.MotorForces]:
     """Return each motor's force in N along its motion and up, from the phase currents `u` in A."""
-    found: dict[str, lorentz_motor.MotorForces] = {}
+    forces: dict[str, lorentz_motor.MotorForces] = {}
     for motor, at in centres(x, p).items():
         currents = {phase: u[f"i_{motor}{phase}"] for phase in lorentz_motor.OFFSETS}
         along = at.X if motor == "C" else at.Y
-        found[motor] = lorentz_motor.forces(along, at.lift, currents, p, harmonics)
-    return found
+        forces[motor] = lorentz_motor.forces(along, at.lift, currents, p, harmonics)
+    return forces
 
 
 def accelerations(x: Exprs, u: Exprs, p: Exprs, harmonics: Sequence[int] = (1,)) -> dict[str, ca.SX]:
@@ -143,13 +143,13 @@ def hall_places(plant: Plant) -> tuple[tuple[float, float], ...]:
 
 def hall_voltages(x: Exprs, p: Exprs, harmonics: Sequence[int] = halbach.HARMONICS) -> dict[str, ca.SX]:
     """Return V_ax .. V_cy in V: sensor A at the platen's centre, B a spacing along its x, C one along its y."""
-    found: dict[str, ca.SX] = {}
+    voltages: dict[str, ca.SX] = {}
     for sensor, r_x, r_y in (("a", 0, 0), ("b", p["spacing"], 0), ("c", 0, p["spacing"])):
         at = place(x, ca.SX(r_x), ca.SX(r_y))
         field = halbach.field(at.X, at.Y, p["height"] + at.lift, p, harmonics)
         pair = hall_sensor.voltages(field, x["phi"], p["sensitivity"], ca.SX(0))
-        found |= {f"V_{sensor}x": pair.u, f"V_{sensor}y": pair.v}
-    return found
+        voltages |= {f"V_{sensor}x": pair.u, f"V_{sensor}y": pair.v}
+    return voltages
 
 
 def laser_distances(x: Exprs, p: Exprs) -> dict[str, ca.SX]:
@@ -185,7 +185,7 @@ def commutation_matrix(plant: Plant, pose: Mapping[str, float]) -> Array:
     for k, (motor, at) in enumerate(centres({axis: ca.SX(v) for axis, v in pose.items()}, p).items()):
         for column, along in ((k, True), (k + len(MOTORS), False)):
             y = at.X if motor == "C" else at.Y
-            for phase, current in lorentz_motor.commutated(ca.SX(along), ca.SX(not along), y, p).items():
+            for phase, current in lorentz_motor.phase_currents(ca.SX(along), ca.SX(not along), y, p).items():
                 E[phases.index(f"i_{motor}{phase}"), column] = float(current)
     return readonly(E)
 
@@ -196,7 +196,7 @@ def plant(force_harmonics: Sequence[int] = (1,), field_harmonics: Sequence[int] 
     def physics(x: Exprs, u: Exprs, p: Exprs) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
         second = accelerations(x, u, p, force_harmonics)
         derivative = {q: x[v] for q, v in RATE.items()} | {v: second[q] for q, v in RATE.items()}
-        seen = hall_voltages(x, p, field_harmonics) | laser_distances(x, p)
-        return derivative, {q: x[q] for q in AXES} | seen
+        measurements = hall_voltages(x, p, field_harmonics) | laser_distances(x, p)
+        return derivative, {q: x[q] for q in AXES} | measurements
 
     return build("planar_stage", STATES, INPUTS, OUTPUTS, PARAMETERS, physics)

@@ -18,7 +18,7 @@ FORCES = tuple(f"{motor}{axis}" for motor in planar_stage.MOTORS for axis in "yz
 Accelerations = Mapping[str, float]  # by axis
 
 
-def motions(p: Mapping[str, float]) -> dict[str, Accelerations]:
+def accelerations_per_force(p: Mapping[str, float]) -> dict[str, Accelerations]:
     """Return `accelerations` of each of FORCES."""
     return {force: accelerations(p, force) for force in FORCES}
 
@@ -32,18 +32,18 @@ def accelerations(p: Mapping[str, float], force: str) -> Accelerations:
     known, at = constants({s.name: s.value for s in plant.parameters}), dict.fromkeys(planar_stage.AXES, ca.SX(0))
     motor, centre = force[0], planar_stage.centres(at, known)[force[0]]
     i_q, i_d = (ca.SX(float(axis == force[1])) for axis in "yz")
-    phases = lorentz_motor.commutated(i_q, i_d, centre.X if motor == "C" else centre.Y, known)
+    phases = lorentz_motor.phase_currents(i_q, i_d, centre.X if motor == "C" else centre.Y, known)
     u = {f"i_{motor}{phase}": float(i) for phase, i in phases.items()}
     slopes = plant.f(np.zeros(len(plant.states)), [u.get(n, 0.0) for n in names(plant.inputs)], plant.values)
     slope = dict(zip(names(plant.states), np.asarray(slopes).ravel(), strict=True))
     return {axis: float(slope[planar_stage.RATE[axis]]) for axis in planar_stage.AXES}
 
 
-def moved_alone(made: Mapping[str, Accelerations], table: Mapping[str, Mapping[str, float]]) -> int:
+def decoupled_rows(accelerations: Mapping[str, Accelerations], table: Mapping[str, Mapping[str, float]]) -> int:
     """Return how many rows of a table of forces by axis accelerate that axis alone; `made` are `motions`."""
-    return sum(_moved(made, forces) == {axis} for axis, forces in table.items())
+    return sum(_accelerated_axes(accelerations, forces) == {axis} for axis, forces in table.items())
 
 
-def _moved(made: Mapping[str, Accelerations], forces: Mapping[str, float]) -> set[str]:
-    total = {n: sum(size * made[force][n] for force, size in forces.items()) for n in planar_stage.AXES}
-    return {n for n, a in total.items() if abs(a) > ALONE * max(abs(each[n]) for each in made.values())}
+def _accelerated_axes(accelerations: Mapping[str, Accelerations], forces: Mapping[str, float]) -> set[str]:
+    total = {n: sum(size * accelerations[force][n] for force, size in forces.items()) for n in planar_stage.AXES}
+    return {n for n, a in total.items() if abs(a) > ALONE * max(abs(each[n]) for each in accelerations.values())}

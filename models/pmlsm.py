@@ -33,7 +33,7 @@ Values = Mapping[str, ca.SX]
 
 
 @dataclass(frozen=True)
-class Reading:
+class Variant:
     """How the printed formulas are read; the default is what Maxwell's stress gives.
 
     `lv3` is the factor in L_v3, `kv2_power` the power of p in K_v2, `p_counts` what p stands for in (3) and (4).
@@ -44,8 +44,8 @@ class Reading:
     p_counts: Literal["poles", "pole_pairs"] = "poles"
 
 
-STRESS = Reading()
-PRINTED = Reading("coth2", 2, "pole_pairs")
+STRESS = Variant()
+PRINTED = Variant("coth2", 2, "pole_pairs")
 
 TABLE = "Table I"
 PARAMETERS = (
@@ -132,7 +132,7 @@ def magnet_field(g: ca.SX, p: Values) -> ca.SX:
     return sheet * ca.sinh(k * p["h_m"]) / ca.sinh(k * (p["h_m"] + g))
 
 
-def constants(p: Values, reading: Reading = STRESS) -> Constants:
+def constants(p: Values, reading: Variant = STRESS) -> Constants:
     """Return K_h, K_v1, K_v2, K_v3. Source: (3), (4), with p and its power in K_v2 as `reading` says."""
     k, k_w1 = ca.pi / p["tau"], winding_factor(p)
     poles = p["p"] if reading.p_counts == "poles" else p["p"] / 2
@@ -146,7 +146,7 @@ def constants(p: Values, reading: Reading = STRESS) -> Constants:
     )
 
 
-def coefficients(g: ca.SX, p: Values, reading: Reading = STRESS) -> Coefficients:
+def coefficients(g: ca.SX, p: Values, reading: Variant = STRESS) -> Coefficients:
     """Return L_h, L_v1, L_v2, L_v3 at the gap `g` in m. Source: (3), (4), with the factor in L_v3 as `reading` says."""
     height = ca.pi / p["tau"] * (p["h_m"] + g)
     lambda_, K_c, B = permeance_factor(g, p), carter_coefficient(g, p), magnet_field(g, p)
@@ -159,12 +159,12 @@ def coefficients(g: ca.SX, p: Values, reading: Reading = STRESS) -> Coefficients
     )
 
 
-def thrust(g: ca.SX, i_q: ca.SX, p: Values, reading: Reading = STRESS) -> ca.SX:
+def thrust(g: ca.SX, i_q: ca.SX, p: Values, reading: Variant = STRESS) -> ca.SX:
     """Return F_H = -K_h L_h(g) i_q in N, for a gap in m and an rms current in A. Source: (1)."""
     return -constants(p, reading).K_h * coefficients(g, p, reading).L_h * i_q
 
 
-def normal_force(g: ca.SX, i_d: ca.SX, i_q: ca.SX, p: Values, reading: Reading = STRESS) -> ca.SX:
+def normal_force(g: ca.SX, i_d: ca.SX, i_q: ca.SX, p: Values, reading: Variant = STRESS) -> ca.SX:
     """Return F_V = -K_v1 L_v1 + K_v2 L_v2 i_d - K_v3 L_v3 (i_d^2 + i_q^2) in N, positive when it opens the gap.
 
     `g` is the gap in m, `i_d` and `i_q` are rms currents in A. Source: (2).
@@ -193,7 +193,7 @@ class Balance:
         return -2 * self.free / (self.linear + sqrt(D)) if D >= 0 else nan
 
 
-def balance(load: ca.SX, p: Values, reading: Reading = STRESS) -> Callable[[float], Balance]:
+def balance(load: ca.SX, p: Values, reading: Variant = STRESS) -> Callable[[float], Balance]:
     """Return the balance of a `load` in N, downwards, by the gap in m; parameters are numbers. Source: (2)."""
     g = ca.SX.sym("g")
     K, L = constants(p, reading), coefficients(g, p, reading)

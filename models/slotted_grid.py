@@ -70,7 +70,7 @@ def grid(geometry: Geometry, gap: float, cells: int) -> Grid:
     _check(geometry, gap, cells)
     b, pitch = geometry.opening, geometry.tau / SLOTS_PER_POLE
     even = np.linspace(0.0, 1.0, 2 * cells + 1)
-    column = np.r_[b * _both_ends(2 * cells)[:-1], b + (pitch - b) * _both_ends(cells)[:-1]]
+    column = np.r_[b * _graded_at_both_ends(2 * cells)[:-1], b + (pitch - b) * _graded_at_both_ends(cells)[:-1]]
     x = np.r_[np.add.outer(pitch * np.arange(SLOTS_PER_POLE), column).ravel(), geometry.tau]
     half, low = gap / 2, geometry.h_m + gap / 2
     y = np.r_[
@@ -98,7 +98,7 @@ def _check(geometry: Geometry, gap: float, cells: int) -> None:
         raise ValueError(f"magnet width {geometry.tau_p} m reaches the pole pitch {geometry.tau} m; reduce tau_p")
 
 
-def _both_ends(n: int) -> Array:
+def _graded_at_both_ends(n: int) -> Array:
     s = np.linspace(0.0, 1.0, n + 1)
     return s * s * (3 - 2 * s)
 

@@ -30,11 +30,13 @@ def scan(p: Parameters, places: Array, harmonics: tuple[int, ...] = halbach.HARM
 
     `places` (N,) lie along x in pitches from a strong block; parameters that `p` leaves out are as published.
     """
-    every, X = {**PUBLISHED, **p}, ca.SX.sym("X")
-    V = planar_stage.hall_voltages(dict.fromkeys(planar_stage.AXES, ca.SX(0)) | {"x": X}, constants(every), harmonics)
+    parameters, X = {**PUBLISHED, **p}, ca.SX.sym("X")
+    V = planar_stage.hall_voltages(
+        dict.fromkeys(planar_stage.AXES, ca.SX(0)) | {"x": X}, constants(parameters), harmonics
+    )
     pair = ca.vertcat(V["V_ax"], V["V_bx"])
     read = ca.Function("read", [X], [ca.vertcat(pair, ca.jacobian(pair, X))])
-    return np.asarray(read.map(len(places))((places * every["l"]).reshape(1, -1)))
+    return np.asarray(read.map(len(places))((places * parameters["l"]).reshape(1, -1)))
 
 
 def phase(l: float, spacing: float) -> float:

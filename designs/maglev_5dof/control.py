@@ -206,19 +206,21 @@ def decoupling(plant: Plant, restored: bool = True) -> Block:
         i_d = {n: clip(i, lifting) for n, i in direct.items()}
         demand = maglev_stage.thrust_currents(w, motors, values)
         pairs = {"u_x": (i_d["i_d2"], i_d["i_d4"]), "u_z": (i_d["i_d1"], i_d["i_d3"])}
-        thrust = {n: _limited(demand[n], *pair) for n, pair in pairs.items()}
+        thrust = {n: _limit_thrust(demand[n], *pair) for n, pair in pairs.items()}
         output = {f"{n}_computed": i for n, i in (i_d | thrust).items()}
         output |= {f"excess_{n[-1]}": thrust[n] - demand[n] for n in thrust}
-        named = [pair for j, m, square in zip(MOTORS, motors, squares, strict=True) for pair in _named(j, m, square)]
-        named += [(Signal(f"{n}_demand", "A", -1e6, 1e6), demand[n]) for n in thrust]
-        return Step(output, named=named)
+        named_signals = [
+            pair for j, m, square in zip(MOTORS, motors, squares, strict=True) for pair in _named_forces(j, m, square)
+        ]
+        named_signals += [(Signal(f"{n}_demand", "A", -1e6, 1e6), demand[n]) for n in thrust]
+        return Step(output, named=named_signals)
 
     inputs = [*HELD, *angles, *(a.demand for a in AXES), *before]
     outputs = [*(INTERFACE.computed(s.name) for s in CURRENTS), *(a.excess for a in AXES if a.excess)]
     return build("decoupling", TIME, law, inputs=inputs, outputs=outputs, tag="F(8), F(12), limits")
 
 
-def _named(j: int, m: pmlsm.ForceLaw, square: ca.SX) -> list[tuple[Signal, ca.SX]]:
+def _named_forces(j: int, m: pmlsm.ForceLaw, square: ca.SX) -> list[tuple[Signal, ca.SX]]:
     """Return what the C names of a motor's forces."""
     return [
         (Signal(f"thrust_{j}", "N/A", 0, 100), m.h),
@@ -230,13 +232,13 @@ def _named(j: int, m: pmlsm.ForceLaw, square: ca.SX) -> list[tuple[Signal, ca.SX
     ]
 
 
-def _limited(thrust: ca.SX, *direct: ca.SX) -> ca.SX:
+def _limit_thrust(thrust: ca.SX, *direct: ca.SX) -> ca.SX:
     """Return the thrust current within what the direct currents of its two motors leave of CURRENT."""
     room = ca.sqrt(CURRENT**2 - ca.fmax(direct[0] ** 2, direct[1] ** 2))
     return ca.fmax(ca.fmin(thrust, room), -room)
 
 
-def shares() -> Block:
+def thrust_allocation() -> Block:
     """Return the Block that gives both motors of an axis its thrust current."""
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
@@ -250,7 +252,7 @@ def laws(plant: Plant, restored: bool = True, wound: bool = True) -> list[Block]
     loops: list[Block] = []
     for a in AXES:
         loops += [derivative_filter.block(f"filter_{a.name}", TIME, a.error, a.rate, FILTER), regulator_block(a, wound)]
-    return [kinematics(plant), errors(), *loops, decoupling(plant, restored), shares()]
+    return [kinematics(plant), errors(), *loops, decoupling(plant, restored), thrust_allocation()]
 
 
 def controller(plant: Plant, restored: bool = True, wound: bool = True) -> stage.Controller:

@@ -43,7 +43,7 @@ COURSES = {  # of the 4-DOF tracking, F section IV-B
 WIRES: Wires = {f"i_d{j}": f"i_d{j}" for j in control.MOTORS} | {"u_x": "i_q2", "u_z": "i_q1"}
 NO_ROTATION: Wires = {**WIRES, **{f"i_d{j}": {f"i_d{k}": 0.25 for k in control.MOTORS} for j in control.MOTORS}}
 Y_LIMITS, XZ_LIMITS, THETA_LIMITS, WRONG_LIMITS = (0.20, 2.2, 4.0), (0.25, 2.0, 3.5), (0.20, 2.2, 4.0), (0.40, 3.3, 6.0)
-TRACKED = {"y": 50e-6, "x": 2e-6, "z": 2e-6, "theta": 25e-6}  # m, rad: mean errors of the 4-DOF tracking
+TRACKING_LIMITS = {"y": 50e-6, "x": 2e-6, "z": 2e-6, "theta": 25e-6}  # m, rad: mean errors of the 4-DOF tracking
 STABLE = "the axis stays stable over the spring's tolerance"
 TILTED: Mapping[str, Any] = {"axis": "phi", "target": 0.5e-3, "about": STABLE, "settles": True}
 LEVEL: Mapping[str, Any] = {"about": "in the paper's configuration", "actuators": NO_ROTATION}
@@ -156,7 +156,7 @@ def _response(
 def _tracking(rig: Rig, four: bool) -> Experiment:
     trajectory, courses = tracking(rig, four)
     errors, y = mean_errors(trajectory, courses), trajectory["y"]
-    limits = TRACKED if four else {}
+    limits = TRACKING_LIMITS if four else {}
     checks = [Check(f"mean |e_{n}|", errors[n], limit, UNITS[n], "10 to 60 s") for n, limit in limits.items()]
     beyond = float(max(control.GAP[0] - y.min(), y.max() - control.GAP[1]))
     checks.append(Check("y leaves 18 .. 31 mm by", beyond, 0.0, "m"))
@@ -168,7 +168,7 @@ def _tracking(rig: Rig, four: bool) -> Experiment:
 
 
 @cache
-def unwound(scalar: str) -> host.Controller:
+def without_anti_windup(scalar: str) -> host.Controller:
     """Return the controller without its anti-windup, compiled in a scalar type by name."""
     kind, plant = np.dtype(scalar).type, maglev_stage.plant()
     return build.compiled(control.controller(plant, wound=False).block, kind, error=control.SURROGATE_ERROR[kind])
@@ -176,7 +176,7 @@ def unwound(scalar: str) -> host.Controller:
 
 def _windup(rig: Rig, wound: bool) -> Experiment:
     """Step x by 100 mm at a gap of 30 mm with the anti-windup (17), or without it."""
-    bare = replace(rig, controller=unwound(np.dtype(rig.controller.scalar).name))
+    bare = replace(rig, controller=without_anti_windup(np.dtype(rig.controller.scalar).name))
     about = "the stops along x are taken away, so that the overshoot shows"
     without, run = (_response(used, "x", 0.05, about, -0.05, gap=0.030) for used in (bare, rig))
     if not wound:
@@ -225,8 +225,8 @@ def _run(name: str, title: str, make: Make, springs: Mapping[str, float] | None 
 
     def carried_out(rig: Rig, name: str) -> Experiment:
         true = {spring: rig.plant.parameter(spring).value * factor for spring, factor in (springs or {}).items()}
-        made = make(replace(rig, plant=rig.plant.with_parameters(**true)), **options)
-        return replace(made, name=name, title=title)
+        experiment = make(replace(rig, plant=rig.plant.with_parameters(**true)), **options)
+        return replace(experiment, name=name, title=title)
 
     return Run(name, carried_out)
 

@@ -26,10 +26,10 @@ BESIDE = {  # rows of the audit that say what the paper shows of an experiment
 
 def report(stage: Stage, files: Any, evidence: Any, runs: Any, rows: Any, cost: Any) -> str:
     """Return the report as one HTML document; arguments as `template.report`."""
-    drawn = {run.name: (_path(run),) for run in runs if run.name == "ellipse"}
-    style = standard.Shown(experiments.UNITS, experiments.COUNTS, shown.beside(BESIDE, rows), drawn, LONGEST, WINDOW)
-    opened = standard.loops(robustness.opened(verification.loops(stage)))
-    extra = template.Extra(_values(stage.plant), [opened], maglev_stage.factors, shown=style)
+    paths = {run.name: (_path(run),) for run in runs if run.name == "ellipse"}
+    style = standard.Shown(experiments.UNITS, experiments.COUNTS, shown.beside(BESIDE, rows), paths, LONGEST, WINDOW)
+    loop_part = standard.loops(robustness.opened(verification.loops(stage)))
+    extra = template.Extra(_values(stage.plant), [loop_part], maglev_stage.factors, shown=style)
     return template.report(stage, files, evidence, runs, rows, cost, extra)
 
 
@@ -43,5 +43,5 @@ def _values(plant: Plant) -> dict[str, Value]:
 
 def _path(run: Experiment) -> page.Figure:
     set_point, path = (np.array([source[n] for n in ("x", "z", "y")]) for source in (run.references, run.trajectory))
-    drawn = figures.svg(figures.path_3d(set_point, path, ("x", "z", "y")), "path-ellipse")
-    return page.Figure(drawn, "The path through space")
+    svg = figures.svg(figures.path_3d(set_point, path, ("x", "z", "y")), "path-ellipse")
+    return page.Figure(svg, "The path through space")

@@ -127,7 +127,7 @@ def motor(g: Array, p: Parameters) -> Motor:
 @cache
 def constants(restored: bool = True) -> Constants:
     """Return the constants; `restored=False` is F(12) as printed."""
-    model, filter = reference_gains.turning(), reference_gains.derivative_filter()
+    model, filter = reference_gains.internal_model(), reference_gains.derivative_filter()
     K = np.array([model.in_eta(reference_gains.gain(WEIGHTS[s])) for s in AXES])
     return Constants(Parameters(), K, float(model.c), np.array([float(v) for v in model.E]), filter, restored)
 
@@ -198,7 +198,7 @@ def direct_currents(w: Array, at: Array, m: Motor, load: Array, k: Constants) ->
     return np.array([s1 * (odd - d) / 2, s2 * (even + c) / 2, s3 * (odd + d) / 2, s4 * (even - c) / 2])
 
 
-def limited(u: Array, first: Array, second: Array) -> Array:
+def limit_thrust(u: Array, first: Array, second: Array) -> Array:
     """Return thrust currents within what the direct currents of their two motors leave of CURRENT. F section III."""
     room = np.sqrt(CURRENT**2 - np.maximum(first**2, second**2))
     return np.clip(u, -room, room)
@@ -216,7 +216,7 @@ def currents(w: Array, q: Array, gaps: Array, before: Array, k: Constants) -> tu
     i_d = np.clip(direct_currents(w, q, m, m.a + m.c * squares, k), -DIRECT, DIRECT)
     first, second = [1, 0], [3, 2]  # motors 2 and 4 along x, 1 and 3 along z
     demanded = (-np.array([p.M_x, p.M_z]) * w[1:3].T).T / (m.h[first] + m.h[second])
-    u = limited(demanded, i_d[first], i_d[second])
+    u = limit_thrust(demanded, i_d[first], i_d[second])
     excess = np.zeros_like(w)
     excess[1:3] = u - demanded
     return np.concatenate([i_d, u]), excess
@@ -236,8 +236,8 @@ def step(
     v, filtered = rate(e, filters, ready, k)
     w = demand(e, v, eta, k)
     computed, excess = currents(w, q, values[:4], last, k)
-    moved = np.array([*filtered, *model_step(e, excess, eta, k)])
-    after |= zip(MEMORY, np.where(latched, memory, moved.reshape(memory.shape)), strict=True)
+    next_memory = np.array([*filtered, *model_step(e, excess, eta, k)])
+    after |= zip(MEMORY, np.where(latched, memory, next_memory.reshape(memory.shape)), strict=True)
     out = np.where(latched, np.clip([*SAFE.values()], last.T - SLEW, last.T + SLEW).T, computed)
     after |= zip(LAST, out, strict=True)
     return after, dict(zip(OUTPUTS, np.concatenate([out[:4], out[QUADRATURE]]), strict=True)), word

@@ -40,7 +40,7 @@ def gain(weights: Sequence[float]) -> Array:
 
 
 @dataclass(frozen=True)
-class Turning:
+class InternalModel:
     """One sample of the internal model in eta = (sum, p, q), T of xi = T eta, and what E adds to eta."""
 
     c: mpmath.mpf
@@ -50,11 +50,11 @@ class Turning:
     def in_eta(self, K: Array) -> Array:
         """Return K (5,) on (e, e', eta) from K on (e, e', xi)."""
         with mpmath.workdps(60):
-            turned = mpmath.matrix([K[2:].tolist()]) * self.T
-            return np.array([K[0], K[1], *(float(turned[0, j]) for j in range(3))])
+            K_eta = mpmath.matrix([K[2:].tolist()]) * self.T
+            return np.array([K[0], K[1], *(float(K_eta[0, j]) for j in range(3))])
 
 
-def turning() -> Turning:
+def internal_model() -> InternalModel:
     """Return the internal model of one period in eta. F(14), (15), (17).
 
     Both forms are driven by e alone, so that (N, Phi N, Phi^2 N) = T (B, A B, A^2 B). The anti-windup enters p before
@@ -66,13 +66,15 @@ def turning() -> Turning:
         held = mpmath.expm(mpmath.matrix(rows) / SAMPLES_PER_S)
         c = 3 - held[0, 0] - held[1, 1] - held[2, 2]  # the trace of a rotation by w T is 2 cos(w T)
         A = mpmath.matrix([[1, 0, 0], [0, 1, c], [0, -1, 1 - c]])
-        T = _driven(held[:3, :3], held[:3, 3]) * mpmath.inverse(_driven(A, mpmath.matrix([1, 0, 1])))
+        T = _controllability_matrix(held[:3, :3], held[:3, 3]) * mpmath.inverse(
+            _controllability_matrix(A, mpmath.matrix([1, 0, 1]))
+        )
         E = mpmath.lu_solve(T, held[:3, 4])
         E[2] += E[1]
-        return Turning(c, T, E)
+        return InternalModel(c, T, E)
 
 
-def _driven(A: mpmath.matrix, B: mpmath.matrix) -> mpmath.matrix:
+def _controllability_matrix(A: mpmath.matrix, B: mpmath.matrix) -> mpmath.matrix:
     columns = [B, A * B, A * A * B]
     return mpmath.matrix([[column[i] for column in columns] for i in range(3)])
 

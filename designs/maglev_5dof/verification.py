@@ -42,15 +42,15 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
     """Compare all witnesses, over the `whole` replay or over a short one."""
     by = standard.witnesses(stage)
     progress("random steps")
-    drawn = random_steps(by.block, RANDOM_STEPS)
-    compared = suite.compare("random steps", by, *drawn, FLOOR)
-    share = float(np.mean(saturated(by.of["c64"](*drawn).outputs)))
-    double, single = suite.in_single(by, *drawn)
+    samples = random_steps(by.block, RANDOM_STEPS)
+    compared = suite.compare("random steps", by, *samples, FLOOR)
+    share = float(np.mean(is_saturated(by.of["c64"](*samples).outputs)))
+    double, single = suite.in_single(by, *samples)
     pair = ("c64", double), ("c32", single)
     in_single = agree.compare("random steps", *pair, FLOOR, by.block, np.float32)
     progress("edge steps")
-    drawn = sampling.edge_steps(by.block, np.random.default_rng(SEED + 1), EDGE_STEPS)
-    edge = suite.compare("edge steps", by, *drawn, EDGE_FLOOR)
+    samples = sampling.edge_steps(by.block, np.random.default_rng(SEED + 1), EDGE_STEPS)
+    edge = suite.compare("edge steps", by, *samples, EDGE_FLOOR)
     progress("replays of closed loops")
     rigs = [Rig(stage, stage.plant, c) for c in (by.c32, by.c64)]
     compared += suite.replay(by, replays(rigs[1], WHOLE_REPLAY if whole else QUICK_REPLAY), FLOOR)
@@ -73,9 +73,9 @@ def random_steps(block: Block, n: int) -> tuple[Columns, Columns]:
     states, inputs = _in_operation(block, n + n // 4)
     outputs = reference.step(states, inputs)[1]
     size = np.abs([outputs[f"i_d{j}"] for j in control.MOTORS])
-    cornered = np.any((size > CORNER * control.DIRECT) & (size < control.DIRECT), axis=0)
-    kept = np.flatnonzero(~cornered)[:n]
-    return {s: v[kept] for s, v in states.items()}, {s: v[kept] for s, v in inputs.items()}
+    near_limit = np.any((size > CORNER * control.DIRECT) & (size < control.DIRECT), axis=0)
+    chosen = np.flatnonzero(~near_limit)[:n]
+    return {s: v[chosen] for s, v in states.items()}, {s: v[chosen] for s, v in inputs.items()}
 
 
 def _in_operation(block: Block, n: int) -> tuple[Columns, Columns]:
@@ -97,21 +97,21 @@ def _in_operation(block: Block, n: int) -> tuple[Columns, Columns]:
             states[f"regulator_{name}_{eta}"] = rng.normal(0, NEAR * bound, n)
     states |= {"guard_ready": (rng.uniform(size=n) < 0.98).astype(float), "guard_latched": np.zeros(n)}
     for s in control.CURRENTS:
-        held = holding(inputs[f"y{s.name[-1]}"]) if s.name.startswith("i_d") else 0.0
+        held = holding_current(inputs[f"y{s.name[-1]}"]) if s.name.startswith("i_d") else 0.0
         last = held + rng.uniform(-0.5, 0.5, n)
         states[f"safe_output_last_{s.name}"] = np.clip(last, s.low + INSIDE, s.high - INSIDE)
     return states, inputs
 
 
-def holding(gap: NDArray[np.float64]) -> NDArray[np.float64]:
+def holding_current(gap: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the direct current in A with which a motor at a gap in m carries a quarter of the platen, F(2)."""
     p = reference.Parameters()
     m = reference.motor(gap, p)
-    missing = m.a - p.M_y * p.G / 4
-    return 2 * missing / (m.b + np.sqrt(m.b**2 - 4 * m.c * missing))
+    load = m.a - p.M_y * p.G / 4
+    return 2 * load / (m.b + np.sqrt(m.b**2 - 4 * m.c * load))
 
 
-def saturated(outputs: agree.Columns) -> NDArray[np.bool_]:
+def is_saturated(outputs: agree.Columns) -> NDArray[np.bool_]:
     """Tell for each sample whether some motor stands at its limit."""
     motors = [np.hypot(outputs[f"i_d{j}"], outputs[f"i_q{j}"]) for j in control.MOTORS]
     return np.max(motors, axis=0) > control.DIRECT * (1 - 1e-9)
@@ -158,6 +158,6 @@ def vectors(rig: Rig) -> Mapping[str, Any]:
     return rig.run(time[-1] + rig.period_s, {"y": 0.031}, references, overrides={"x": bad}).measured
 
 
-def phases(inputs: Mapping[str, Any], outputs: Mapping[str, Any]) -> Mapping[str, Any]:
+def commutation_inputs(inputs: Mapping[str, Any], outputs: Mapping[str, Any]) -> Mapping[str, Any]:
     """Return the inputs of the commutation that follows the controller."""
     return dict(outputs) | {n: inputs[n] for n in ("x", "z")}

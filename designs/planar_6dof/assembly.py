@@ -32,16 +32,16 @@ def design(
     """
     replays = {False: QUICK_REPLAY, True: WHOLE_REPLAY}
     return stage.design(
-        interface.declared(name, time, lambda: subject().block),
+        interface.declare_controller(name, time, lambda: subject().block),
         planar_stage.plant(halbach.HARMONICS),
         surrogate_error=interface.SURROGATE_ERROR,
         substeps=loop.SUBSTEPS,
         experiments=experiments,
         limited=tuple(verification.COUNTS),  # the last pitch of the travel is their bound
         gains=lambda _: gains(),
-        recording=emitted.recorded,
+        recording=emitted.record_inputs,
         verify=lambda _, progress, whole: verification.verify(subject(), progress, replays[whole]),
-        audit=lambda made: audit(declared.rig(made, made.scalar)),
-        bench=partial(declared.bench, own=bench.own, floor=bench.FLOOR),
+        audit=lambda shipped: audit(declared.rig(shipped, shipped.scalar)),
+        bench=partial(declared.bench, own=bench.stimuli, floor=bench.FLOOR),
         report=lambda _, *arguments: report(*arguments),
     )

@@ -25,7 +25,7 @@ TRAVEL = 16_000  # steps
 PERIODS = {"x": 1370, "y": 1690, "phi": 913, "z": 251, "theta": 317, "psi": 173}  # samples, of the travel
 YAWS = (1.0, 0.3, 0.1, 0.03, 0.0)  # of the yaw's range: polynomials make a turned motor's current a little smaller
 SEED = 1975
-REACH = {axis: allocation.BOX[axis].high for axis in allocation.AXES}  # m, rad
+HALF_RANGE = {axis: allocation.BOX[axis].high for axis in allocation.AXES}  # m, rad
 HALL = planar_stage.HALL
 GROUPS = (
     *((name,) for name in HALL),
@@ -36,18 +36,18 @@ GROUPS = (
 BOUND = sensing.RESIDUAL * hall_calibration.of(planar_stage.plant()).amplitude  # V, from which on two sensors disagree
 
 
-def own(controller: host.Controller) -> list[Steps]:
+def stimuli(controller: host.Controller) -> list[Steps]:
     """Return the travel, with demands beyond the motors too, and what fails on it."""
     rng = np.random.default_rng(SEED)
-    way = steps.recorded(controller, "travel", travel(rng))
-    far = steps.joined("saturated", [steps.recorded(controller, "", travel(rng, yaw)) for yaw in YAWS])
-    once = failures(way, rng)
+    along = steps.recorded(controller, "travel", travel(rng))
+    saturated = steps.joined("saturated", [steps.recorded(controller, "", travel(rng, yaw)) for yaw in YAWS])
+    once = failures(along, rng)
     again = Steps("failures again", steps.taken(controller, once).states, once.inputs)
-    named = Steps("failures named", steps.taken(controller, again).states, once.inputs)
-    return [way, far, once, again, named]
+    isolated = Steps("failures named", steps.taken(controller, again).states, once.inputs)
+    return [along, saturated, once, again, isolated]
 
 
-def seen(pose: Mapping[str, Array]) -> Columns:
+def sensor_values(pose: Mapping[str, Array]) -> Columns:
     """Return what the sensors read without noise, V and m, at poses (N,) by axis, m and rad."""
     columns = planar_stage.plant().output_values(pose)
     return {name: columns[name] for name in interface.SENSORS}
@@ -60,25 +60,29 @@ def poses(rng: np.random.Generator, yaw: float = 1.0) -> dict[str, Array]:
     """
     periods = {axis: n * rng.uniform(0.9, 1.1) for axis, n in PERIODS.items()}
     sines = {axis: np.sin(2 * np.pi / n * np.arange(TRAVEL)) for axis, n in periods.items()}
-    columns = {axis: REACH[axis] * np.clip(1.035 * sine, -1, 1) for axis, sine in sines.items()}
+    columns = {axis: HALF_RANGE[axis] * np.clip(1.035 * sine, -1, 1) for axis, sine in sines.items()}
     return columns | {"phi": yaw * columns["phi"]}
 
 
-def travel(rng: np.random.Generator, far: float | None = None) -> Columns:
+def travel(rng: np.random.Generator, yaw_share: float | None = None) -> Columns:
     """Return inputs (N,) along a travel with noise; set-points are off by any order of magnitude, half of them alike.
 
     With `far`, then a part of the yaw's range, those of z, theta and psi are off by more than the motors can do, and at
     half of the samples all are.
     """
-    at, noise = poses(rng, 1.0 if far is None else far), interface.INTERFACE.sensors[0].noise
-    columns = seen(at)
+    pose, noise = poses(rng, 1.0 if yaw_share is None else yaw_share), interface.INTERFACE.sensors[0].noise
+    columns = sensor_values(pose)
     for name in HALL:
         columns[name] = columns[name] + rng.normal(0, noise, TRAVEL)
-    together, sizes = rng.uniform(size=TRAVEL) < 0.5, 10.0 ** rng.uniform(-5, 1, (len(REACH), TRAVEL))
-    for (axis, high), size in zip(REACH.items(), sizes, strict=True):
-        alike = sizes[0] if far is None else 2
-        part = alike if far is not None and axis in allocation.VERTICAL else np.where(together, alike, size)
-        columns[f"{axis}_ref"] = np.clip(at[axis] + high * part * rng.choice((-1, 1), TRAVEL), -high, high)
+    all_alike, sizes = rng.uniform(size=TRAVEL) < 0.5, 10.0 ** rng.uniform(-5, 1, (len(HALF_RANGE), TRAVEL))
+    for (axis, high), size in zip(HALF_RANGE.items(), sizes, strict=True):
+        common_size = sizes[0] if yaw_share is None else 2
+        error_size = (
+            common_size
+            if yaw_share is not None and axis in allocation.VERTICAL
+            else np.where(all_alike, common_size, size)
+        )
+        columns[f"{axis}_ref"] = np.clip(pose[axis] + high * error_size * rng.choice((-1, 1), TRAVEL), -high, high)
     return columns
 
 

@@ -47,18 +47,18 @@ def pitch(plant: Plant) -> Figure:
 
 def yaw_maps(plant: Plant, yaw: float = 6e-3, doubt: float = 1e-3) -> Figure:
     """Draw over a pitch the error of the raw yaw, at a yaw that is known to `doubt`, and its noise, rad."""
-    turned, level = sensing_maps.error_map(plant, yaw, 0.0, doubt, POINTS), sensing_maps.error_map(plant, points=POINTS)
-    shown = [
-        Map(f"error of raw φ at {1e3 * yaw:g} mrad, mrad", 1e3 * turned.error["phi"]),
+    at_yaw, level = sensing_maps.error_map(plant, yaw, 0.0, doubt, POINTS), sensing_maps.error_map(plant, points=POINTS)
+    panels = [
+        Map(f"error of raw φ at {1e3 * yaw:g} mrad, mrad", 1e3 * at_yaw.error["phi"]),
         Map(f"noise of raw φ for {1e6 * sensing_maps.NOISE:g} µm, mrad rms", 1e3 * level.noise["phi"]),
     ]
-    return maps.signed(shown, _over_pitch(plant), IN_PLANE)
+    return maps.signed(panels, _over_pitch(plant), IN_PLANE)
 
 
-def unnoticed(plant: Plant, silent: Mapping[str, NDArray[np.bool_]]) -> Figure:
+def undetected_failures(plant: Plant, silent: Mapping[str, NDArray[np.bool_]]) -> Figure:
     """Draw over a pitch where the failure (n, n) of a voltage is not noticed."""
-    shown = [Map(f"{name}: {100 * v.mean():.0f} % of the places", v.astype(float)) for name, v in silent.items()]
-    return maps.maps(shown, _over_pitch(plant), (0.0, 1.0), log=False, label="1: not noticed", labels=IN_PLANE)
+    panels = [Map(f"{name}: {100 * v.mean():.0f} % of the places", v.astype(float)) for name, v in silent.items()]
+    return maps.maps(panels, _over_pitch(plant), (0.0, 1.0), log=False, label="1: not noticed", labels=IN_PLANE)
 
 
 def _over_pitch(plant: Plant) -> tuple[maps.Side, maps.Side]:
@@ -84,16 +84,16 @@ def spectra(records: Mapping[str, Array], period_s: float) -> Figure:
 def circle(set_point: Sequence[Array], path: Sequence[Array]) -> Figure:
     """Draw Fig. 9: y over x in m, and how far the path is from its radius, by the angle of the set-point."""
     (x, y), (u, v) = path, set_point
-    angle, off = np.unwrap(np.arctan2(v, u)), 1e6 * ((x - u) + 1j * (y - v))
-    turned = off * np.exp(-1j * angle)  # outward, and along the path
-    grown = np.hypot(u, v) > 0.999 * np.hypot(u, v).max()
-    ways = [
+    angle, offset = np.unwrap(np.arctan2(v, u)), 1e6 * ((x - u) + 1j * (y - v))
+    error = offset * np.exp(-1j * angle)  # outward, and along the path
+    at_radius = np.hypot(u, v) > 0.999 * np.hypot(u, v).max()
+    lines = [
         Line(1e3 * u, 1e3 * v, "set-point", {"color": "#bbbbbb", "lw": 4.0}),
         Line(1e3 * x, 1e3 * y, "true path", {"color": COLOURS[0]}),
     ]
     errors = []
-    for label, values in (("outward", turned.real[grown]), ("along the path", turned.imag[grown])):
+    for label, values in (("outward", error.real[at_radius]), ("along the path", error.imag[at_radius])):
         keep = figures.decimate(values)
-        errors.append(Line(np.degrees(angle[grown][keep]), values[keep], label, {"lw": 0.7}))
-    plane = Chart(ways, "x, mm", "y, mm", options={"aspect": "equal"})
+        errors.append(Line(np.degrees(angle[at_radius][keep]), values[keep], label, {"lw": 0.7}))
+    plane = Chart(lines, "x, mm", "y, mm", options={"aspect": "equal"})
     return charts.draw([plane, Chart(errors, "angle of the set-point, °", "true error, µm")], 4.0, (1, 1.25))

@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 
 from designs.planar_6dof.interface import NOISE_PRINTED
-from designs.planar_6dof.loop import Array, noise_of, seen, simulate, with_noise
+from designs.planar_6dof.loop import Array, measured_positions, position_noise, simulate, with_noise
 from models import planar_stage, planar_voltages
 from synth.check import Check
 from synth.simulate import metrics
@@ -24,8 +24,8 @@ from synth.simulate.scenario import Trajectory, sample_times
 
 SETTLE, AFTER = 0.5, 2.0  # s before a step, and after it
 REST, SHORT = 10.0, 5.0  # s of standstill, of which the first is left out; behind amplifiers
-SUPPLIES, FINE = (planar_voltages.STATED, 24.0), 8  # V; substeps of a sample, for an amplifier's lag of 0.25 ms
-SMALL = {"x": "um", "y": "um", "phi": "urad", "z": "um", "theta": "urad", "psi": "urad"}  # 1e-6 m, 1e-6 rad
+SUPPLIES, FINE = (planar_voltages.RATED_VOLTAGE, 24.0), 8  # V; substeps of a sample, for an amplifier's lag of 0.25 ms
+MICRO_UNITS = {"x": "um", "y": "um", "phi": "urad", "z": "um", "theta": "urad", "psi": "urad"}  # 1e-6 m, 1e-6 rad
 HORIZONTAL = planar_stage.AXES[:3]
 
 
@@ -66,7 +66,7 @@ class Limits:
     voltage: float
 
 
-def _stepped(loop: Rig, name: str, axis: str, height: float, title: str, limits: Limits | None) -> Experiment:
+def _make_step(loop: Rig, name: str, axis: str, height: float, title: str, limits: Limits | None) -> Experiment:
     return step_experiment(loop, step(loop, axis, height), name, title, limits)
 
 
@@ -74,7 +74,7 @@ def steps(
     heights: Mapping[str, float],
     titles: Mapping[str, str],
     limits: Limits | None,
-    make: Callable[..., Experiment] = _stepped,
+    make: Callable[..., Experiment] = _make_step,
     suffix: str = "",
 ) -> tuple[Run, ...]:
     """Return a step of each axis by its height in m or rad, as `make` makes it; the names end with a suffix."""
@@ -89,24 +89,24 @@ def step(loop: Rig, axis: str, height: float, after: float = AFTER) -> StepRun:
     time = sample_times(SETTLE + after, loop.period_s)
     reference = np.where(time < SETTLE, 0.0, height)
     noisy, ideal = (simulate(each, SETTLE + after, {axis: reference}, {}) for each in (loop, loop.ideal))
-    shown, shown_ideal = (seen(loop, run)[f"{axis}_raw"] for run in (noisy, ideal))
+    shown, shown_ideal = (measured_positions(loop, run)[f"{axis}_raw"] for run in (noisy, ideal))
     return StepRun(axis, height, int(np.argmax(time >= SETTLE)), noisy, ideal, shown, shown_ideal, reference)
 
 
 def step_experiment(loop: Rig, run: StepRun, name: str, title: str, limits: Limits | None) -> Experiment:
     """Return a step as an experiment; without `limits` its metrics are figures alone."""
-    measured, small = step_metrics(run), SMALL[run.axis]
-    shown, true = run.shown_ideal[-1] / run.height - 1, run.ideal[run.axis][-1] / run.height - 1
+    measured, small = step_metrics(run), MICRO_UNITS[run.axis]
+    measured_error, true_error = run.shown_ideal[-1] / run.height - 1, run.ideal[run.axis][-1] / run.height - 1
     last = run.noisy[run.axis][-round(1.0 / loop.period_s) :]
     figures = measured | {
-        "error at the end as shown, without noise, of the step": shown,
-        "true error at the end, without noise, of the step": true,
+        "error at the end as shown, without noise, of the step": measured_error,
+        "true error at the end, without noise, of the step": true_error,
         f"noise of the true {run.axis} in the last second, {small} rms": float(np.std(last)) / 1e-6,
     }
     for other in (a for a in HORIZONTAL if a != run.axis):
-        figures[f"{other} moves without noise by, {SMALL[other]}"] = np.abs(run.ideal[other]).max() / 1e-6
-    figures |= planar_voltages.figures(loop.plant, run.noisy, run.ideal)
-    checks = [Check("error at the end as shown, without noise", abs(shown), 1e-3, "1", "of the step")]
+        figures[f"{other} moves without noise by, {MICRO_UNITS[other]}"] = np.abs(run.ideal[other]).max() / 1e-6
+    figures |= planar_voltages.voltage_figures(loop.plant, run.noisy, run.ideal)
+    checks = [Check("error at the end as shown, without noise", abs(measured_error), 1e-3, "1", "of the step")]
     if limits:
         about, settling = "of the twin without noise, as its sensors show it", measured["settling into 5 %, s"]
         checks += [
@@ -132,7 +132,7 @@ def step_metrics(run: StepRun) -> dict[str, float]:
     }
 
 
-def settled(loop: Rig, values: Array) -> Array:
+def after_settling(loop: Rig, values: Array) -> Array:
     """Return a record of the standstill without its first second."""
     return values[round(1.0 / loop.period_s) :]
 
@@ -141,13 +141,13 @@ def _standstill(loop: Rig, name: str, noise: float | None = None) -> Experiment:
     """Return the standstill with the noise of Fig. 5, or with another one, a position's in m."""
     case = loop if noise is None else with_noise(loop, noise)
     run = simulate(case, REST, {}, {})
-    figures = rest_figures(case, run) | planar_voltages.figures(case.plant, run, None)
-    return _at_rest(case, name, f"At rest, noise of {1e6 * noise_of(case):g} um rms", run, figures)
+    figures = rest_figures(case, run) | planar_voltages.voltage_figures(case.plant, run, None)
+    return _at_rest(case, name, f"At rest, noise of {1e6 * position_noise(case):g} um rms", run, figures)
 
 
-def _amplified(loop: Rig, name: str, volts: float) -> Experiment:
+def _with_amplifiers(loop: Rig, name: str, volts: float) -> Experiment:
     """Return the standstill behind amplifiers of a supply in V."""
-    case = replace(loop, plant=planar_voltages.amplified(volts))
+    case = replace(loop, plant=planar_voltages.plant_with_amplifiers(volts))
     run = simulate(case, SHORT, {}, {}, substeps=FINE)
     return _at_rest(case, name, f"At rest, amplifiers of {volts:g} V", run, rest_figures(case, run))
 
@@ -160,18 +160,20 @@ def _at_rest(loop: Rig, name: str, title: str, run: Trajectory, figures: Mapping
 STANDSTILLS = (
     Run("standstill", _standstill),
     Run("standstill_printed_noise", partial(_standstill, noise=NOISE_PRINTED)),
-    *(Run(f"standstill_{volts:g}_V", partial(_amplified, volts=volts)) for volts in SUPPLIES),
+    *(Run(f"standstill_{volts:g}_V", partial(_with_amplifiers, volts=volts)) for volts in SUPPLIES),
 )
 
 
 def rest_figures(loop: Rig, run: Trajectory) -> dict[str, float]:
     """Return the noise of the six axes at rest, and that of x, y and phi as measured and as filtered."""
-    shown, figures = seen(loop, run), {}
+    measured, figures = measured_positions(loop, run), {}
     for axis in HORIZONTAL:
-        for what, values in (("true", run[axis]), ("filtered", shown[axis]), ("raw", shown[f"{axis}_raw"])):
-            figures[f"{what} {axis}, {SMALL[axis]} rms"] = float(np.std(settled(loop, values))) / 1e-6
+        for what, values in (("true", run[axis]), ("filtered", measured[axis]), ("raw", measured[f"{axis}_raw"])):
+            figures[f"{what} {axis}, {MICRO_UNITS[axis]} rms"] = float(np.std(after_settling(loop, values))) / 1e-6
     upright = planar_stage.AXES[3:]
-    return figures | {f"true {a}, {SMALL[a]} rms": 1e6 * float(np.std(settled(loop, run[a]))) for a in upright}
+    return figures | {
+        f"true {a}, {MICRO_UNITS[a]} rms": 1e6 * float(np.std(after_settling(loop, run[a]))) for a in upright
+    }
 
 
 def usual(run: Trajectory) -> tuple[Check, ...]:
@@ -184,4 +186,4 @@ def usual(run: Trajectory) -> tuple[Check, ...]:
 
 def _about(loop: Rig) -> str:
     """Return what the sensors are."""
-    return f"noise of {1e6 * noise_of(loop):g} um rms in a Hall sensor's position, 16 bits, one sample of delay"
+    return f"noise of {1e6 * position_noise(loop):g} um rms in a Hall sensor's position, 16 bits, one sample of delay"

@@ -17,7 +17,7 @@ from functools import cache, partial
 import numpy as np
 
 from designs.planar_6dof import interface
-from designs.planar_6dof.loop import Array, seen
+from designs.planar_6dof.loop import Array, measured_positions
 from models import hall_calibration, planar_stage
 from models import hall_sections as sensing
 from synth.check import Check
@@ -38,9 +38,9 @@ PLACES = 12  # of a survey, all over a pitch, from each of which the platen move
 SPEEDS = (0.0, 0.02, 0.08)  # m/s, of a survey
 HALL = planar_stage.HALL
 SLEW = interface.SLEW * (1 + 1e-5)  # A/s: single precision of 1.26 A over a sample
-PROMPT = 5  # samples
-SHOWN = {"nan": np.nan, "zero": 0.0, "stuck": None}
-WORDS = {"nan": "reads NaN", "zero": "drops to zero", "stuck": "sticks"}
+ISOLATION_LIMIT = 5  # samples
+FAULT_VALUES = {"nan": np.nan, "zero": 0.0, "stuck": None}
+FAULT_TEXTS = {"nan": "reads NaN", "zero": "drops to zero", "stuck": "sticks"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,18 +78,18 @@ class Failed:
 
 def fail(loop: Rig, channel: str, kind: str, start: Place = START, speed: Place = REST) -> Failed:
     """Run the stage with a channel that fails after FAILURE seconds and stays so, at a `speed` in m/s."""
-    gone = np.maximum(sample_times(DURATION, loop.period_s) - MOVES, 0.0)
-    courses = {f"{axis}_ref": at + speed[axis] * gone for axis, at in start.items()}
-    f = failure.fail(loop, channel, SHOWN[kind], FAILURE, DURATION, courses, start)
-    beyond = (residuals(loop, f.run) > 1) & (np.arange(len(gone)) >= f.sample)
+    moving_s = np.maximum(sample_times(DURATION, loop.period_s) - MOVES, 0.0)
+    references = {f"{axis}_ref": at + speed[axis] * moving_s for axis, at in start.items()}
+    f = failure.fail(loop, channel, FAULT_VALUES[kind], FAILURE, DURATION, references, start)
+    beyond = (residuals(loop, f.run) > 1) & (np.arange(len(moving_s)) >= f.sample)
     return Failed(f, f.first(beyond[: len(f.words)]))
 
 
 def residuals(loop: Rig, run: Trajectory) -> Array:
     """Return rho (N,) of `hall_sections`, 0 where the word names a channel already."""
-    shown, A = seen(loop, run), hall_calibration.of(loop.plant).amplitude
+    measured, A = measured_positions(loop, run), hall_calibration.of(loop.plant).amplitude
     bounds = {s.name: sensing.POWER * A**2 if s.unit == "V^2" else sensing.RESIDUAL * A for s in sensing.RESIDUALS}
-    rho = np.sqrt(np.sum([(shown[name] / bound) ** 2 for name, bound in bounds.items()], axis=0))
+    rho = np.sqrt(np.sum([(measured[name] / bound) ** 2 for name, bound in bounds.items()], axis=0))
     bits = failure.bits(loop)
     return np.where(run.faults & np.bitwise_or.reduce([bits[name] for name in HALL]), 0.0, rho)
 
@@ -97,7 +97,7 @@ def residuals(loop: Rig, run: Trajectory) -> Array:
 def _by_channel(loop: Rig, name: str, kind: str, moving: bool) -> Experiment:
     """Return what one kind of failure does, over all channels."""
     runs = [fail(loop, channel, kind, START, SPEED if moving else REST) for channel in HALL]
-    title = f"A Hall channel {WORDS[kind]} {'in motion' if moving else 'at rest'}"
+    title = f"A Hall channel {FAULT_TEXTS[kind]} {'in motion' if moving else 'at rest'}"
     about = f"each of six channels by itself after {FAILURE:g} s; shown is "
     return _experiment(name, title, about, runs, _figures(runs), checks(runs, kind, moving))
 
@@ -134,27 +134,29 @@ def checks(runs: Sequence[Failed], kind: str, moving: bool) -> list[Check]:
     early = max(int(np.count_nonzero(f.run.faults[: f.sample])) for f in each)
     rows = [
         Check("samples with a fault before the failure", float(early), 0.0, "1"),
-        _slew(runs),
+        _slew_check(runs),
         Check("current left at the end after a latch", max(f.left() for f in each), 0.0, "A"),
     ]
     if kind == "nan":
         late = max(_or_never(f.latched) for f in each)
         return [*rows, Check("samples until the latch", late, interface.BAD_SAMPLES - 1.0, "1", "every channel")]
-    rows.append(_prompt(runs))
+    rows.append(_isolation_check(runs))
     if kind == "zero" or moving:
-        unnoticed = float(sum(f.latched is None for f in each))
-        rows.append(Check("channels whose failure is not noticed", unnoticed, 0.0, "1", "in 1 s"))
+        undetected = float(sum(f.latched is None for f in each))
+        rows.append(Check("channels whose failure is not noticed", undetected, 0.0, "1", "in 1 s"))
     return rows
 
 
-def _slew(runs: Sequence[Failed]) -> Check:
+def _slew_check(runs: Sequence[Failed]) -> Check:
     fastest = max(f.failure.slew() for f in runs)
     return Check("change of a current from the latch on", fastest, SLEW, "A/s", "declared: 126")
 
 
-def _prompt(runs: Sequence[Failed]) -> Check:
-    slow = max(f.unanswered for f in runs)
-    return Check("samples from a residual out of bounds to the channel's name or the latch", slow, PROMPT, "1")
+def _isolation_check(runs: Sequence[Failed]) -> Check:
+    slowest = max(f.unanswered for f in runs)
+    return Check(
+        "samples from a residual out of bounds to the channel's name or the latch", slowest, ISOLATION_LIMIT, "1"
+    )
 
 
 @cache
@@ -176,30 +178,30 @@ def survey(loop: Rig, name: str, kind: str, speeds: Sequence[float] = SPEEDS) ->
         for start, way in places()
         for v in speeds
     ]
-    noticed = [f for f in runs if f.contradicted is not None]
-    named = [f for f in noticed if f.failure.named is not None]
-    otherwise = [f.failure for f in runs if f.contradicted is None and f.failure.latched is not None]
-    silent = [f.failure.excursion for f in runs if f.failure.latched is None]
+    detected = [f for f in runs if f.contradicted is not None]
+    isolated = [f for f in detected if f.failure.named is not None]
+    latched_otherwise = [f.failure for f in runs if f.contradicted is None and f.failure.latched is not None]
+    undetected = [f.failure.excursion for f in runs if f.failure.latched is None]
     figures = {
         "runs": float(len(runs)),
-        "with a residual out of its bound, %": 100 * len(noticed) / len(runs),
-        "latched by other means alone, %": 100 * len(otherwise) / len(runs),
-        "of those noticed, the channel is named, %": 100 * len(named) / len(noticed),
-        "of those noticed, it is named alone, %": 100 * sum(not f.others for f in named) / len(noticed),
-        "sound channels named beside it, mean": float(np.mean([len(f.others) for f in named])),
-        "furthest astray where nothing is noticed, um": 1e6 * max(silent, default=0.0),
+        "with a residual out of its bound, %": 100 * len(detected) / len(runs),
+        "latched by other means alone, %": 100 * len(latched_otherwise) / len(runs),
+        "of those noticed, the channel is named, %": 100 * len(isolated) / len(detected),
+        "of those noticed, it is named alone, %": 100 * sum(not f.others for f in isolated) / len(detected),
+        "sound channels named beside it, mean": float(np.mean([len(f.others) for f in isolated])),
+        "furthest astray where nothing is noticed, um": 1e6 * max(undetected, default=0.0),
     }
     at = ", ".join(f"{1e3 * v:g}" for v in speeds)
     about = f"each channel at {PLACES} places, at {at} mm/s; shown is "
-    title = f"A Hall channel {WORDS[kind]}, anywhere"
-    return _experiment(name, title, about, runs, figures, (_prompt(runs), _slew(runs)))
+    title = f"A Hall channel {FAULT_TEXTS[kind]}, anywhere"
+    return _experiment(name, title, about, runs, figures, (_isolation_check(runs), _slew_check(runs)))
 
 
 ALL = (
     *(
         Run(f"{kind}_{'moving' if moving else 'resting'}", partial(_by_channel, kind=kind, moving=moving))
         for moving in (False, True)
-        for kind in SHOWN
+        for kind in FAULT_VALUES
     ),
     *(Run(f"{kind}_anywhere", partial(survey, kind=kind)) for kind in ("zero", "stuck")),
 )

@@ -75,12 +75,12 @@ def block(axis: str, time: Discrete) -> Block:
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         e = u[raw.name] - x["p"]
         now, v, a = (x[n] + k[f"k_{n}"] * e for n in "psh")
-        ahead = {"p": now + (v + a), "s": (v + a) + a, "h": a}
-        kept = u["ready"]
-        for value in ahead.values():
-            kept = ca.logic_and(kept, ca.fabs(value) <= predicted.high)
-        next = {n: ca.if_else(kept, value, u[raw.name] if n == "p" else 0) for n, value in ahead.items()}
-        return Step({axis: ca.if_else(kept, now, u[raw.name]), predicted.name: x["p"]}, next)
+        prediction = {"p": now + (v + a), "s": (v + a) + a, "h": a}
+        in_bounds = u["ready"]
+        for value in prediction.values():
+            in_bounds = ca.logic_and(in_bounds, ca.fabs(value) <= predicted.high)
+        next = {n: ca.if_else(in_bounds, value, u[raw.name] if n == "p" else 0) for n, value in prediction.items()}
+        return Step({axis: ca.if_else(in_bounds, now, u[raw.name]), predicted.name: x["p"]}, next)
 
     about = {"p": "predicted position", "s": "T velocity", "h": "T^2/2 acceleration"}
     states = [State(replace(predicted, name=n, about=what), 0.0) for n, what in about.items()]

@@ -53,14 +53,16 @@ SENSORS = tuple(s.name for s in INTERFACE.sensors)
 INPUTS, OUTPUTS = stage.guarded(INTERFACE), INTERFACE.outputs
 
 
-def controller(name: str, plant: Plant, time: Discrete, sensed: Sequence[Block], law: Sequence[Block]) -> Block:
+def controller(name: str, plant: Plant, time: Discrete, sensing_blocks: Sequence[Block], law: Sequence[Block]) -> Block:
     """Return the whole controller, from six Hall voltages, three distances and six set-points to nine currents.
 
     `sensed` go from held voltages to positions, `law` from positions and held set-points to computed currents.
     """
-    return stage.controller(name, time, INTERFACE, [*sensed, vertical.vertical_kinematics(plant, time), *law]).block
+    return stage.controller(
+        name, time, INTERFACE, [*sensing_blocks, vertical.vertical_kinematics(plant, time), *law]
+    ).block
 
 
-def declared(name: str, time: Discrete, block: Callable[[], Block]) -> Controller:
+def declare_controller(name: str, time: Discrete, block: Callable[[], Block]) -> Controller:
     """Return a controller of this interface as it is declared; its Block is made when it is first asked for."""
     return Controller(name, time, INTERFACE, lambda: Composition((), (), block()))

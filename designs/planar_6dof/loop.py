@@ -35,8 +35,8 @@ SUBSTEPS = 2  # of a sample: psi swings at 214 rad/s, 0.13 in half of 1.25 ms
 def of(block: Block, controller: host.Controller | None = None) -> Rig:
     """Return the loop of a controller, as compiled here or as shipped, on motors that see the field's harmonics."""
     plant = planar_stage.plant(halbach.HARMONICS)
-    declared = interface.declared(block.name, Discrete(period(block.time)), lambda: block)
-    return Rig(Stage(declared, plant, substeps=SUBSTEPS), plant, controller or compiled(block))
+    declared = interface.declare_controller(block.name, Discrete(period(block.time)), lambda: block)
+    return Rig(Stage(declared, plant, substeps=SUBSTEPS), plant, controller or compile_block(block))
 
 
 def growing_circle(time: Array, radius: float, rate: float, growth: float) -> dict[str, Array]:
@@ -61,26 +61,26 @@ def with_noise(rig: Rig, noise: float) -> Rig:
     return rig.with_interface(sensors=noisy)
 
 
-def noise_of(rig: Rig) -> float:
+def position_noise(rig: Rig) -> float:
     """Return the deviation of a position in m that the Hall sensors' noise is."""
     return rig.noise * rig.stage.interface.sensors[0].noise / interface.VOLTS_PER_METRE
 
 
-def seen(rig: Rig, trajectory: Trajectory) -> dict[str, Array]:
+def measured_positions(rig: Rig, trajectory: Trajectory) -> dict[str, Array]:
     """Return raw and filtered positions, ``x_raw`` and ``x``, as the controller has them in a run."""
     predicted = any(s.name.startswith("filter_") for s in rig.stage.controller.block.states)
-    return positions(trajectory, rig.period_s, predicted)
+    return positions_of_run(trajectory, rig.period_s, predicted)
 
 
-def positions(run: Trajectory, period_s: float, predicted: bool = True) -> dict[str, Array]:
+def positions_of_run(run: Trajectory, period_s: float, predicted: bool = True) -> dict[str, Array]:
     """Return `seen` of a run at a period in s by a controller whose filters predict, or which has none."""
-    columns = _compiled_view(period_s, predicted).replay(run.measured).outputs
+    columns = _position_controller(period_s, predicted).replay(run.measured).outputs
     return {name: np.asarray(values, dtype=np.float64) for name, values in columns.items()}
 
 
 @cache
-def _compiled_view(period_s: float, predicted: bool) -> host.Controller:
-    return compiled(view(Discrete(period_s), predicted))
+def _position_controller(period_s: float, predicted: bool) -> host.Controller:
+    return compile_block(view(Discrete(period_s), predicted))
 
 
 def view(time: Discrete, predicted: bool = True) -> Block:
@@ -94,6 +94,6 @@ def view(time: Discrete, predicted: bool = True) -> Block:
     return unranged(compose("view", parts, inputs=[g.signal.name for g in interface.INPUTS], outputs=outputs))
 
 
-def compiled(block: Block, scalar: type[np.floating] = np.float32) -> host.Controller:
+def compile_block(block: Block, scalar: type[np.floating] = np.float32) -> host.Controller:
     """Return the C of a Block as shipped, compiled."""
     return build.compiled(block, scalar, error=interface.SURROGATE_ERROR[scalar])

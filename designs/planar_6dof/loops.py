@@ -37,7 +37,7 @@ from synth.verify import agree
 Place = Mapping[str, float]  # m and rad, by axis
 
 MIDDLE: Place = dict.fromkeys(AXES, 0.0)  # of the travel
-SETTLED = 50  # samples after which the filters have come to rest
+SETTLING_SAMPLES = 50  # samples after which the filters have come to rest
 PHASES, SENSED = names(planar_stage.INPUTS), interface.SENSORS
 MOTORS = names(allocation.CURRENTS)
 HORIZONTAL = MOTORS[:3]
@@ -66,29 +66,29 @@ def parts(plant: Plant, block: Block, place: Place = MIDDLE, delay: float = 1) -
     """Return both parts of the loop of a whole controller with the platen at rest at a place."""
     pose = {**MIDDLE, **place}
     stage = linearise.linearise(plant, trim.trim(plant, pose, []))
-    shown = stage.select(SENSED, ()).C[:, [stage.states.index(axis) for axis in AXES]]
-    K = loop.linearised(block, *resting(plant, block, pose))
-    return around(stage.select(AXES, PHASES), K, shown, commutation_matrix(plant, pose), delay)
+    C = stage.select(SENSED, ()).C[:, [stage.states.index(axis) for axis in AXES]]
+    K = loop.linearised(block, *rest_point(plant, block, pose))
+    return around(stage.select(AXES, PHASES), K, C, commutation_matrix(plant, pose), delay)
 
 
-def around(stage: StateSpace, controller: StateSpace, shown: Array, E: Array, delay: float = 1) -> Parts:
+def around(stage: StateSpace, controller: StateSpace, measurement: Array, E: Array, delay: float = 1) -> Parts:
     """Return both parts of a loop from phases and a controller of sensors, which show positions by `shown` (9, 6)."""
     K = controller.select(PHASES, SENSED)
-    B, C, D = K.B @ shown, 2 / 3 * E.T @ K.C, 2 / 3 * E.T @ K.D @ shown
+    B, C, D = K.B @ measurement, 2 / 3 * E.T @ K.C, 2 / 3 * E.T @ K.D @ measurement
     motors = replace(stage, B=stage.B @ E, D=stage.D @ E, inputs=MOTORS)
     return Parts(motors, replace(K, B=B, C=C, D=D, inputs=AXES, outputs=MOTORS), delay)
 
 
-def resting(plant: Plant, block: Block, place: Place) -> tuple[dict[str, float], dict[str, float]]:
+def rest_point(plant: Plant, block: Block, place: Place) -> tuple[dict[str, float], dict[str, float]]:
     """Return states and inputs of the controller with the platen at rest at its set-points, as its sensors show it."""
-    read, view = plant.output_values(place), simulated.view(block.time)
-    measured = {name: float(read[name][0]) for name in SENSED}
-    shown = _held(view, dict.fromkeys(names(view.inputs), 0.0) | measured, SETTLED).outputs
-    inputs = measured | {f"{a}_ref": float(shown[a][-1]) if a in shown else place.get(a, 0.0) for a in AXES}
-    return {name: float(v[0]) for name, v in _held(block, inputs, 2).states.items()}, inputs
+    outputs, view = plant.output_values(place), simulated.view(block.time)
+    measured = {name: float(outputs[name][0]) for name in SENSED}
+    positions = _hold_inputs(view, dict.fromkeys(names(view.inputs), 0.0) | measured, SETTLING_SAMPLES).outputs
+    inputs = measured | {f"{a}_ref": float(positions[a][-1]) if a in positions else place.get(a, 0.0) for a in AXES}
+    return {name: float(v[0]) for name, v in _hold_inputs(block, inputs, 2).states.items()}, inputs
 
 
-def _held(block: Block, inputs: Mapping[str, float], samples: int) -> agree.Stepped:
+def _hold_inputs(block: Block, inputs: Mapping[str, float], samples: int) -> agree.Stepped:
     """Return what a Block makes of some samples of constant inputs, from init."""
     start, columns = {s.name: s.initial for s in block.states}, {n: np.full(samples, v) for n, v in inputs.items()}
     return agree.recorded(agree.casadi(block), start, columns)
@@ -118,16 +118,16 @@ def whole(plant: Plant, time: Discrete, sensed: Sequence[Block], law: Sequence[B
     return interface.controller("whole", plant, time, sensed, law).rounded(np.float32)
 
 
-def exchanged(law: Sequence[Block], other: Sequence[Block], axis: str) -> list[Block]:
+def with_axis_of(law: Sequence[Block], other: Sequence[Block], axis: str) -> list[Block]:
     """Return a law whose Blocks of one axis are those of another law: only its own loop is then as there."""
-    own = {b.name: b for b in other if b.name.endswith(f"_{axis}")}
-    return [own.get(b.name, b) for b in law]
+    replacement = {b.name: b for b in other if b.name.endswith(f"_{axis}")}
+    return [replacement.get(b.name, b) for b in law]
 
 
 def spread(pitch: float, places: int) -> list[Place]:
     """Return places spread over a pitch in x and in y."""
-    within = (pitch * ((np.arange(places) + 0.5) / places - 0.5)).tolist()
-    return [{"x": within[k], "y": within[3 * k % places]} for k in range(places)]
+    offsets = (pitch * ((np.arange(places) + 0.5) / places - 0.5)).tolist()
+    return [{"x": offsets[k], "y": offsets[3 * k % places]} for k in range(places)]
 
 
 def over_pitch(plant: Plant, block: Block, places: int = 7) -> list[dict[str, margins.Margins]]:

@@ -86,7 +86,7 @@ def gain(weights: Sequence[float] = WEIGHTS) -> lqr.Gain:
     return lqr.lqrd(model(), weights, np.eye(3), TIME.period_s, exact=True)
 
 
-def demanded(plant: Plant) -> Array:
+def demand_gain(plant: Plant) -> Array:
     """Return K (3, 9) of the demands f_x, f_y in N and m_phi in N m, by the states of (31)."""
     k, a, K = PER_AMPERE * plant.parameter("M").value, plant.parameter("a").value, gain().K
     return readonly([k * K[2], k * (K[0] + K[1]), k * a * (K[1] - K[0])])
@@ -95,20 +95,20 @@ def demanded(plant: Plant) -> Array:
 def axes(plant: Plant) -> tuple[Axis, ...]:
     """Return x, y and phi with their gains from positions to demands."""
     k, a, scales = PER_AMPERE * plant.parameter("M").value, plant.parameter("a").value, allocation.scales(plant)
-    pushed = {"x": PER_AMPERE / k, "y": PER_AMPERE / k, "phi": YAW_PER_AMPERE / (k * a)}
+    acceleration = {"x": PER_AMPERE / k, "y": PER_AMPERE / k, "phi": YAW_PER_AMPERE / (k * a)}
     rows = []
-    for i, (name, row) in enumerate(zip(HORIZONTAL, -demanded(plant), strict=True)):
+    for i, (name, row) in enumerate(zip(HORIZONTAL, -demand_gain(plant), strict=True)):
         k1, k2, k3 = (row[[i, 6 + i, 3 + i]] / scales[name]).tolist()
-        rows.append(Axis(name, pushed[name] * scales[name], k1, k2, k3 * TIME.period_s))
+        rows.append(Axis(name, acceleration[name] * scales[name], k1, k2, k3 * TIME.period_s))
     return tuple(rows)
 
 
 def continuous(axis: Axis) -> StateSpace:
     """Return q'' = b f with the states q and its rate."""
-    made, rate, unit = vertical.DEMAND[axis.name], RATES[axis.name], POSITIONS[axis.name].unit
+    demand, rate, unit = vertical.DEMAND[axis.name], RATES[axis.name], POSITIONS[axis.name].unit
     A, B = np.eye(2, k=1), readonly([[0.0], [axis.b]])
-    units, states = {axis.name: unit, rate: f"{unit}/s", made.name: made.unit}, (axis.name, rate)
-    return StateSpace(A, B, np.eye(1, 2), np.zeros((1, 1)), states, (made.name,), states[:1], Continuous(), units)
+    units, states = {axis.name: unit, rate: f"{unit}/s", demand.name: demand.unit}, (axis.name, rate)
+    return StateSpace(A, B, np.eye(1, 2), np.zeros((1, 1)), states, (demand.name,), states[:1], Continuous(), units)
 
 
 def observer(axis: Axis, pole: float | None = None) -> reduced_observer.ReducedObserver:
@@ -156,20 +156,20 @@ def regulator(
     The integral and the force that acts until the next sample are added to the states.
     """
     q, r = MEASURED[axis.name], REFERENCES[axis.name]
-    wanted, driven = vertical.DEMAND[axis.name], vertical.MADE[axis.name]
+    demand_signal, achieved = vertical.DEMAND[axis.name], vertical.ACHIEVED_DEMAND[axis.name]
     k, f1 = axis.k1 + axis.k3, allocation.achievable_bound(plant)[axis.name]
     integral, g = MARGIN * (most + f1), axis.k3 / k
 
     def law(u: Exprs, x: Exprs, c: Exprs) -> Step:
         w, after = estimate(u, x, c)
         error = u[r.name] - u[q.name]
-        integral = c["kept"] * x["integral"] + c["driven"] * (u[driven.name] - w)
+        integral = c["kept"] * x["integral"] + c["driven"] * (u[achieved.name] - w)
         if most := ERROR.get(axis.name):
-            near = ca.fabs(error) <= most
-            error = ca.if_else(near, error, ca.if_else(error < 0, -most, most))
-            integral = ca.if_else(near, integral, c["kept"] * x["integral"])
+            is_small = ca.fabs(error) <= most
+            error = ca.if_else(is_small, error, ca.if_else(error < 0, -most, most))
+            integral = ca.if_else(is_small, integral, c["kept"] * x["integral"])
         demand = c["on_error"] * error + (w + x["integral"])
-        return Step({wanted.name: demand}, after | {"integral": integral, "force": u[driven.name]})
+        return Step({demand_signal.name: demand}, after | {"integral": integral, "force": u[achieved.name]})
 
     all_constants = [
         Constant("on_error", k, per_position(axis.name), "(49): k1 + k3 T"),
@@ -179,11 +179,13 @@ def regulator(
     ]
     all_states = [
         *states,
-        State(Signal("integral", wanted.unit, -integral, integral, "of the error"), 0.0),
-        State(Signal("force", wanted.unit, -f1, f1, "that acts until the next sample"), 0.0),
+        State(Signal("integral", demand_signal.unit, -integral, integral, "of the error"), 0.0),
+        State(Signal("force", demand_signal.unit, -f1, f1, "that acts until the next sample"), 0.0),
     ]
-    inputs, tag, name = [q, r, driven, READY], "(28)-(35), (49)", f"lqg_{axis.name}"
-    return build(name, TIME, law, inputs=inputs, outputs=[wanted], states=all_states, constants=all_constants, tag=tag)
+    inputs, tag, name = [q, r, achieved, READY], "(28)-(35), (49)", f"lqg_{axis.name}"
+    return build(
+        name, TIME, law, inputs=inputs, outputs=[demand_signal], states=all_states, constants=all_constants, tag=tag
+    )
 
 
 def per_position(axis: str) -> str:

@@ -102,11 +102,11 @@ def gain(q: float, T: float) -> Array:
         roots = mpmath.polyroots([a - ratio * b for a, b in zip(sixth, square, strict=True)], 500, extraprec=500)
         p = [z for z in roots if abs(z) < 1]
         A = mpmath.matrix([[1, 1, 1], [0, 1, 2], [0, 0, 1]])
-        wanted = mpmath.eye(3)
+        characteristic = mpmath.eye(3)
         for z in p:
-            wanted = wanted * (A - z * mpmath.eye(3))
-        seen = mpmath.matrix([[1, 0, 0], [1, 1, 1], [1, 2, 4]])  # C, C A, C A^2
-        K = mpmath.lu_solve(A, wanted * mpmath.lu_solve(seen, mpmath.matrix([0, 0, 1])))
+            characteristic = characteristic * (A - z * mpmath.eye(3))
+        observability = mpmath.matrix([[1, 0, 0], [1, 1, 1], [1, 2, 4]])  # C, C A, C A^2
+        K = mpmath.lu_solve(A, characteristic * mpmath.lu_solve(observability, mpmath.matrix([0, 0, 1])))
         return np.array([float(mpmath.re(k)) for k in K])
 
 
@@ -117,7 +117,7 @@ def initial_state() -> dict[str, Array]:
     return {name: np.array(0.0) for name in names}
 
 
-def filters_at_rest() -> dict[str, Array]:
+def initial_filter_state() -> dict[str, Array]:
     """Return the state of the filters after init, by name."""
     return {f"filter_{axis}_{part}": np.array(0.0) for axis in DENSITY for part in "psh"}
 
@@ -151,7 +151,7 @@ class Pair:
         return np.where(near, np.where(self.c < 0, back, f), np.where(self.s < 0, -PITCH / 4, PITCH / 4) - f)
 
 
-def predicted(state: Columns) -> dict[str, Array]:
+def predicted_pose(state: Columns) -> dict[str, Array]:
     """Return x, y and phi as the filters predict them."""
     return {axis: state[f"filter_{axis}_p"] for axis in DENSITY}
 
@@ -175,46 +175,48 @@ def sense(
     rho = np.sqrt((r1**2 + r2**2) / (RESIDUAL * A) ** 2 + (x.m**2 + y.m**2) / (POWER * A**2) ** 2)
     residuals = {"m_x": x.m, "m_y": y.m, "r_1": r1, "r_2": r2}
     before = np.asarray(state["sensing_doubt"])
-    doubt = (ready > 0) & complete & (rho > np.where(before > 0, AGAIN, 1))
-    sure = complete & ~doubt
-    out = residuals | {"phi_raw": np.clip(phi + np.where(sure, step, 0), -YAW, YAW)}
+    contradiction = (ready > 0) & complete & (rho > np.where(before > 0, AGAIN, 1))
+    accepted = complete & ~contradiction
+    out = residuals | {"phi_raw": np.clip(phi + np.where(accepted, step, 0), -YAW, YAW)}
     after = {
-        "sensing_doubt": np.where(doubt, MEMORY, np.where(sure, np.maximum(before - 1, 0), before)),
-        "sensing_named": np.where(doubt & (before > 0), 1.0, state["sensing_named"]),
+        "sensing_doubt": np.where(contradiction, MEMORY, np.where(accepted, np.maximum(before - 1, 0), before)),
+        "sensing_named": np.where(contradiction & (before > 0), 1.0, state["sensing_named"]),
     }
     for name, value in (residuals | {"s_x": x.s, "s_y": y.s, "phi": phi}).items():
-        after[f"sensing_first_{name}"] = np.where(doubt & (before == 0), value, state[f"sensing_first_{name}"])
+        after[f"sensing_first_{name}"] = np.where(contradiction & (before == 0), value, state[f"sensing_first_{name}"])
     for axis, pair in (("x", x), ("y", y)):
         offset, within = state[f"sensing_offset_{axis}"], state[f"sensing_within_{axis}"]
         off = pair.place + offset - predicted[axis]
-        turn = np.where(np.abs(off) > PITCH / 2, np.where(off > 0, -PITCH, PITCH), 0)
-        moved = np.where(np.abs(offset + turn) <= COUNT * PITCH, offset + turn, offset)
-        out[f"{axis}_raw"] = np.where(sure, pair.place + moved, predicted[axis])
-        out[f"within_{axis}"] = np.where(sure, pair.place, within)
-        after[f"sensing_offset_{axis}"] = np.where(sure, moved, offset)
+        correction = np.where(np.abs(off) > PITCH / 2, np.where(off > 0, -PITCH, PITCH), 0)
+        next_offset = np.where(np.abs(offset + correction) <= COUNT * PITCH, offset + correction, offset)
+        out[f"{axis}_raw"] = np.where(accepted, pair.place + next_offset, predicted[axis])
+        out[f"within_{axis}"] = np.where(accepted, pair.place, within)
+        after[f"sensing_offset_{axis}"] = np.where(accepted, next_offset, offset)
         after[f"sensing_within_{axis}"] = out[f"within_{axis}"]
     return out, after
 
 
 def suspects(state: Columns, A: float) -> dict[str, Array]:
     """Return for each voltage whether it may be the wrong one, from what a contradiction first showed."""
-    seen = {name: np.asarray(state[f"sensing_first_{name}"]) for name in FIRST}
+    first = {name: np.asarray(state[f"sensing_first_{name}"]) for name in FIRST}
     least_r, least_m, nearly, small = PART_R * RESIDUAL * A, PART_M * POWER * A**2, NEARLY * A**2, SMALL * A**2
-    m, r = (np.abs([seen["m_x"], seen["m_y"]]), np.array([seen["r_2"], seen["r_1"]]))
-    there, beside = m > least_m, np.abs(r) > least_r
-    big = np.sqrt(np.sum((r / (RESIDUAL * A)) ** 2 + (m / (POWER * A**2)) ** 2, axis=0)) > BIG
-    lost = (np.abs(seen["phi"]) > KNOWN) | (~big & np.all(there, axis=0))
-    turned, wrong = np.any(beside, axis=0), {}
+    m, r = (np.abs([first["m_x"], first["m_y"]]), np.array([first["r_2"], first["r_1"]]))
+    m_exceeds, r_exceeds = m > least_m, np.abs(r) > least_r
+    is_jump = np.sqrt(np.sum((r / (RESIDUAL * A)) ** 2 + (m / (POWER * A**2)) ** 2, axis=0)) > BIG
+    is_ambiguous = (np.abs(first["phi"]) > KNOWN) | (~is_jump & np.all(m_exceeds, axis=0))
+    any_r_exceeds, wrong = np.any(r_exceeds, axis=0), {}
     for i, (s, c, other) in enumerate((("V_ax", "V_bx", "V_cx"), ("V_ay", "V_cy", "V_by"))):
-        before = seen["s_x" if i == 0 else "s_y"]
-        mended = np.abs((before + r[i]) ** 2 - before**2)
-        wrong[s] = np.where(big, beside[i] & ((mended < small) | (m[i] >= nearly)), turned | there[i])
-        wrong[c] = np.where(big, m[i] > mended + nearly, there[i])
-        wrong[other] = np.where(big, beside[i] & (m[i] < nearly), turned)
-    return {name: one | lost for name, one in wrong.items()}
+        before = first["s_x" if i == 0 else "s_y"]
+        change = np.abs((before + r[i]) ** 2 - before**2)
+        wrong[s] = np.where(is_jump, r_exceeds[i] & ((change < small) | (m[i] >= nearly)), any_r_exceeds | m_exceeds[i])
+        wrong[c] = np.where(is_jump, m[i] > change + nearly, m_exceeds[i])
+        wrong[other] = np.where(is_jump, r_exceeds[i] & (m[i] < nearly), any_r_exceeds)
+    return {name: flag | is_ambiguous for name, flag in wrong.items()}
 
 
-def estimate(state: Columns, raw: Columns, ready: Array, k: Constants) -> tuple[dict[str, Array], dict[str, Array]]:
+def filter_positions(
+    state: Columns, raw: Columns, ready: Array, k: Constants
+) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return the filtered x, y, phi and the filters' next states. Y(6)-(16)."""
     out, after = {}, {}
     for axis, bound in BOUND.items():
@@ -222,11 +224,11 @@ def estimate(state: Columns, raw: Columns, ready: Array, k: Constants) -> tuple[
         predicted = [state[f"filter_{axis}_{part}"] for part in "psh"]
         p, s, h = (v + K * (measured - predicted[0]) for v, K in zip(predicted, k.gain[axis], strict=True))
         next = [p + s + h, s + 2 * h, h]
-        kept = (ready > 0) & np.all(np.abs(next) <= bound, axis=0)
-        out[axis] = np.where(kept, p, measured)
-        rests = measured, np.zeros_like(measured), np.zeros_like(measured)
-        for part, value, rest in zip("psh", next, rests, strict=True):
-            after[f"filter_{axis}_{part}"] = np.where(kept, value, rest)
+        in_bounds = (ready > 0) & np.all(np.abs(next) <= bound, axis=0)
+        out[axis] = np.where(in_bounds, p, measured)
+        at_rest = measured, np.zeros_like(measured), np.zeros_like(measured)
+        for part, value, rest in zip("psh", next, at_rest, strict=True):
+            after[f"filter_{axis}_{part}"] = np.where(in_bounds, value, rest)
     return out, after
 
 
@@ -234,6 +236,6 @@ def step(
     state: Columns, v: Columns, flags: tuple[Array, Array], k: Constants
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return all outputs and the next state of sensing and filters for one sample of held voltages."""
-    raw, after = sense(state, v, flags, predicted(state), k)
-    pose, moved = estimate(state, raw, flags[0], k)
-    return raw | pose, after | moved
+    raw, after = sense(state, v, flags, predicted_pose(state), k)
+    pose, after_filters = filter_positions(state, raw, flags[0], k)
+    return raw | pose, after | after_filters

@@ -39,14 +39,14 @@ PUBLISHED = {
     "theta": (900.0, 80.0413, 604.199),
     "psi": (1100.0, 80.0413, 604.199),
 }
-PART = {"z": 0.65, "theta": 0.5, "psi": 0.15}  # of the published gain at low frequencies
+GAIN_SHARE = {"z": 0.65, "theta": 0.5, "psi": 0.15}  # of the published gain at low frequencies
 RESET = 10.0  # rad/s
 COMPARED = 2 * pi * 30  # rad/s, at which sampled and continuous compensators are compared
 LASER = 5e-4  # m
 DISTANCES = tuple(Signal(f"{name}_held", "m", -LASER, LASER, "laser distance") for name in planar_stage.LASERS)
-REACH = {"x": 0.4, "y": 0.4, "phi": 0.1, "z": LASER, "theta": 0.01, "psi": 0.01}  # m, rad: of what is measured
-POSITIONS = {axis: replace(BOX[axis], low=-high, high=high) for axis, high in REACH.items()}
-DEMAND, MADE = (dict(zip(AXES, signals, strict=True)) for signals in (DEMANDS, ACHIEVED))  # of each axis
+MEASURED_RANGE = {"x": 0.4, "y": 0.4, "phi": 0.1, "z": LASER, "theta": 0.01, "psi": 0.01}  # m, rad: of what is measured
+POSITIONS = {axis: replace(BOX[axis], low=-high, high=high) for axis, high in MEASURED_RANGE.items()}
+DEMAND, ACHIEVED_DEMAND = (dict(zip(AXES, signals, strict=True)) for signals in (DEMANDS, ACHIEVED))  # of each axis
 EQUATION = {"x": "21", "y": "21", "phi": "22", "z": "23", "theta": "24", "psi": "25"}
 MARGIN = 1.01  # of states over what bounds them: rounding stays below it
 REFERENCES = {axis: replace(BOX[axis], name=f"{axis}_ref_held", about="set-point") for axis in AXES}
@@ -72,8 +72,8 @@ def compensator(axis: str, time: Discrete, variant: Variant = "shipped") -> lead
     """Return the continuous compensator of z, theta or psi, from m to N or rad to N m. Source: (23)-(25)."""
     gain, zero, pole = PUBLISHED[axis]
     if variant == "shipped":
-        nearer = 2 / time.period_s
-        gain, pole = PART[axis] * gain * nearer / pole, nearer
+        new_pole = 2 / time.period_s
+        gain, pole = GAIN_SHARE[axis] * gain * new_pole / pole, new_pole
     return lead_lag.Compensator(gain, (-zero, -RESET), (-pole, 0.0))
 
 
@@ -99,16 +99,16 @@ def block(plant: Plant, axis: str, K: lead_lag.LeadLag, time: Discrete) -> Block
     K has two zeros, the second one that of the reset, a pole and an integrator, in this order. Both states stay in
     their ranges as long as the position does, and what is made is within `achievable_bound`.
     """
-    position, reference, wanted, driven = POSITIONS[axis], REFERENCES[axis], DEMAND[axis], MADE[axis]
+    position, reference, demand, achieved = POSITIONS[axis], REFERENCES[axis], DEMAND[axis], ACHIEVED_DEMAND[axis]
     (z1, z2), p = (float(z.real) for z in K.zeros), pole(K)
     direct, into_lag = (v / allocation.scales(plant)[axis] for v in (K.gain, K.gain * (p - z1)))
     most = MARGIN * abs(into_lag) * (position.high + reference.high) / (1 - abs(p))
     integral = MARGIN * allocation.achievable_bound(plant)[axis]
     states = [
-        State(Signal("integral", wanted.unit, -integral, integral, "of the error"), 0.0),
-        State(Signal("lag", wanted.unit, -most, most, "what the lead takes back"), 0.0),
+        State(Signal("integral", demand.unit, -integral, integral, "of the error"), 0.0),
+        State(Signal("lag", demand.unit, -most, most, "what the lead takes back"), 0.0),
     ]
-    per, tag = f"{wanted.unit}/{position.unit}", f"({EQUATION[axis]})"
+    per, tag = f"{demand.unit}/{position.unit}", f"({EQUATION[axis]})"
     constants = [
         Constant("direct", direct, per, f"{tag}: gain of the error"),
         Constant("into_lag", into_lag, per, f"{tag}: gain times pole less zero"),
@@ -120,9 +120,9 @@ def block(plant: Plant, axis: str, K: lead_lag.LeadLag, time: Discrete) -> Block
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         error = u[reference.name] - u[position.name]
         lag = k["into_lag"] * error + (k["pole"] * x["lag"] if p else 0)
-        integral = k["reset"] * x["integral"] + k["driven"] * u[driven.name]
-        return Step({wanted.name: k["direct"] * error + x["lag"] + x["integral"]}, {"integral": integral, "lag": lag})
+        integral = k["reset"] * x["integral"] + k["driven"] * u[achieved.name]
+        return Step({demand.name: k["direct"] * error + x["lag"] + x["integral"]}, {"integral": integral, "lag": lag})
 
-    inputs = [position, reference, driven]
+    inputs = [position, reference, achieved]
     name = f"loop_{axis}"
-    return build(name, time, law, inputs=inputs, outputs=[wanted], states=states, constants=constants, tag=tag)
+    return build(name, time, law, inputs=inputs, outputs=[demand], states=states, constants=constants, tag=tag)

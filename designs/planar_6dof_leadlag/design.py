@@ -21,7 +21,7 @@ def gains() -> dict[str, Any]:
     return {
         "plant": "M q'' = f in x and y, Izz phi'' = m; M z'' = f - Kz z, and so for theta and psi",
         "period_s": control.TIME.period_s,
-        "parts_of_the_published_gain": control.PART | vertical.PART,
+        "parts_of_the_published_gain": control.GAIN_SHARE | vertical.GAIN_SHARE,
         "compensators": emitted.compensators(control.loops()),
         "filters": emitted.filters(control.TIME),
     }

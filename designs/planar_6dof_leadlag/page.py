@@ -35,20 +35,22 @@ BESIDE = {
 def contents(plant: Plant) -> page.Contents:
     """Return what is said of this design; report.md asks for the crossovers that the paper prints, in Hz."""
     printed = {f"crossover_{row}": rows.printed()[row]["crossover"].text for row in ("Y-7", "Y-8")}
-    block, opened = control.controller(plant), all_loops(plant)
-    return page.Contents(block, LINE, EQUATIONS, opened, BESIDE, values=printed)
+    block, open_loops = control.controller(plant), all_loops(plant)
+    return page.Contents(block, LINE, EQUATIONS, open_loops, BESIDE, values=printed)
 
 
 def all_loops(plant: Plant) -> list[OpenLoop]:
     """Return the six loops of each kind; what is printed of one axis is closed with the others as shipped."""
     shipped, printed = control.law(plant), control.law(plant, "published")
-    opened = loops.of_block(plant, whole(plant, filtering.blocks(TIME), shipped), AXES, "as shipped")
+    open_loops = loops.of_block(plant, whole(plant, filtering.blocks(TIME), shipped), AXES, "as shipped")
     for axis in AXES:
-        law = loops.exchanged(shipped, printed, axis)
-        opened += loops.of_block(plant, whole(plant, filtering.blocks(TIME), law), [axis], "as printed")
+        law = loops.with_axis_of(shipped, printed, axis)
+        open_loops += loops.of_block(plant, whole(plant, filtering.blocks(TIME), law), [axis], "as printed")
         if axis in HORIZONTAL:
-            opened += loops.of_block(plant, whole(plant, unfiltered(axis), law), [axis], "as printed, unfiltered")
-    return opened
+            open_loops += loops.of_block(
+                plant, whole(plant, without_filter(axis), law), [axis], "as printed, unfiltered"
+            )
+    return open_loops
 
 
 def whole(plant: Plant, filters: Sequence[Block], law: Sequence[Block]) -> Block:
@@ -56,7 +58,7 @@ def whole(plant: Plant, filters: Sequence[Block], law: Sequence[Block]) -> Block
     return loops.whole(plant, TIME, [sensing.sensing(plant, TIME), *filters], law)
 
 
-def unfiltered(axis: str) -> list[Block]:
+def without_filter(axis: str) -> list[Block]:
     """Return the filters, of which that of one axis passes its raw position on and predicts as before."""
     return [
         replace(b, output={**b.output, axis: b.symbol[f"{axis}_raw"]}) if axis in b.output else b

@@ -61,7 +61,7 @@ TO_MODES = readonly([[0.5, 0.5, 0.0], [-0.5, 0.5, 0.0], [0.0, 0.0, 1.0]])
 FROM_MODES = readonly([[1, -1, 0], [1, 1, 0], [0, 0, 1]])
 INTEGRALS = STATES[3:6]
 PLANT = [0, 1, 2, 6, 7, 8]  # of the states of (31), those of (26)
-REACH = 2 * LIMIT  # A, of an integral
+INTEGRAL_LIMIT = 2 * LIMIT  # A, of an integral
 SMALL = 1e-9  # of the largest residue: that of another axis
 
 
@@ -114,20 +114,24 @@ def _compensator(whole: StateSpace, axis: str, mode: str) -> Block:
     error = replace(POSITIONS[axis], about="less its set-point")
     poles, b, d = _modes(whole, axis, mode)
     stable = int(np.argmin(np.abs(poles)))
-    pole, into, sum_into = poles[stable], b[stable], float(b[np.argmax(np.abs(poles))].real)
-    size = MARGIN * (abs(into.real) + abs(into.imag)) * error.high / (1 - abs(pole.real) - abs(pole.imag))
-    kept: tuple[str, ...]
+    pole, input_gain, integral_gain = poles[stable], b[stable], float(b[np.argmax(np.abs(poles))].real)
+    size = MARGIN * (abs(input_gain.real) + abs(input_gain.imag)) * error.high / (1 - abs(pole.real) - abs(pole.imag))
+    names: tuple[str, ...]
     if pole.imag:
         A = [[pole.real, -pole.imag, 0], [pole.imag, pole.real, 0], [0, 0, 1]]
-        B, C, kept = [2 * into.real, 2 * into.imag, sum_into], [1, 0, 1], ("real", "imaginary", "integral")
+        B, C, names = (
+            [2 * input_gain.real, 2 * input_gain.imag, integral_gain],
+            [1, 0, 1],
+            ("real", "imaginary", "integral"),
+        )
     else:
-        A, B, C, kept = [[pole.real, 0], [0, 1]], [into.real, sum_into], [1, 1], ("real", "integral")
+        A, B, C, names = [[pole.real, 0], [0, 1]], [input_gain.real, integral_gain], [1, 1], ("real", "integral")
     arrays = (readonly(A), readonly([[v] for v in B]), readonly([C]), readonly([[d]]))
-    model = StateSpace(*arrays, kept, (axis,), (mode,), TIME)
-    bounds = {name: REACH if name == "integral" else 2 * size for name in kept}
-    states = [Signal(name, "A", -bounds[name], bounds[name]) for name in kept]
-    most = MARGIN * (sum(abs(c) * bounds[name] for c, name in zip(C, kept, strict=True)) + abs(d) * error.high)
-    output = Signal(mode, "A", -most, most)
+    model = StateSpace(*arrays, names, (axis,), (mode,), TIME)
+    bounds = {name: INTEGRAL_LIMIT if name == "integral" else 2 * size for name in names}
+    states = [Signal(name, "A", -bounds[name], bounds[name]) for name in names]
+    bound = MARGIN * (sum(abs(c) * bounds[name] for c, name in zip(C, names, strict=True)) + abs(d) * error.high)
+    output = Signal(mode, "A", -bound, bound)
     return linear_block.block(axis, model, inputs=[error], outputs=[output], states=states, tag="(33), (40), (49)")
 
 
@@ -136,8 +140,8 @@ def _modes(whole: StateSpace, axis: str, mode: str) -> tuple[Array, Array, float
     row, column = whole.outputs.index(mode), whole.inputs.index(axis)
     poles, V = np.linalg.eig(whole.A)
     residues = (whole.C[row] @ V) * np.linalg.solve(V, whole.B[:, column])
-    own = (np.abs(residues) > SMALL * np.abs(residues).max()) & (poles.imag >= 0)
-    return poles[own], residues[own], float(whole.D[row, column])
+    observable = (np.abs(residues) > SMALL * np.abs(residues).max()) & (poles.imag >= 0)
+    return poles[observable], residues[observable], float(whole.D[row, column])
 
 
 def axis_estimator(axis: Axis) -> kalman.Estimator:
@@ -168,8 +172,8 @@ def full_order(plant: Plant, axis: Axis) -> Block:
         after = {"position": position, "rate": rate + k["sped"] * x["force"]}
         return k["on_position"] * (u[q.name] - position) - k["on_rate"] * after["rate"], after
 
-    expected = [Signal("position", q.unit, q.low, q.high), Signal("rate", f"{q.unit}/s", -FASTEST, FASTEST)]
-    states = [State(replace(s, about="expected at this sample"), 0.0) for s in expected]
+    predictions = [Signal("position", q.unit, q.low, q.high), Signal("rate", f"{q.unit}/s", -FASTEST, FASTEST)]
+    states = [State(replace(s, about="expected at this sample"), 0.0) for s in predictions]
     most = axis.k1 * 4 * q.high + axis.k2 * (FASTEST + 2 * float(kalman_filter.M[1, 0]) * q.high)
     return lqg.regulator(plant, axis, estimate, states, constants, 1.1 * most)
 
@@ -177,7 +181,7 @@ def full_order(plant: Plant, axis: Axis) -> Block:
 REGULATORS: Mapping[Order, Regulate] = {"reduced": lqg.reduced_order, "full": full_order}
 
 
-def spent(experiments: Sequence[Experiment]) -> tuple[page.Block, ...]:
+def cost_table(experiments: Sequence[Experiment]) -> tuple[page.Block, ...]:
     """Return what both orders cost, by each compiler that is installed; nothing without a standstill to replay."""
     rest = [e.trajectory.measured for e in experiments if e.name == REST]
     rows = [row for measured in rest[:1] for row in _rows(measured)]
@@ -187,18 +191,18 @@ def spent(experiments: Sequence[Experiment]) -> tuple[page.Block, ...]:
 
 
 def _rows(measured: Columns) -> Iterator[tuple[page.Cell, ...]]:
-    part = slice(SKIPPED, SKIPPED + STEPS)
-    at_rest = {name: np.asarray(v)[part] for name, v in measured.items()}
-    small = {axis: ERROR * np.sin(np.arange(STEPS) + i) for i, axis in enumerate(HORIZONTAL)}
+    window = slice(SKIPPED, SKIPPED + STEPS)
+    at_rest = {name: np.asarray(v)[window] for name, v in measured.items()}
+    small_errors = {axis: ERROR * np.sin(np.arange(STEPS) + i) for i, axis in enumerate(HORIZONTAL)}
     for order in ORDERS:
-        yield from _counted("core alone, (33) and (40)", order, block(order), small)
+        yield from _count_instructions("core alone, (33) and (40)", order, block(order), small_errors)
     for order in ORDERS:
-        yield from _counted(
+        yield from _count_instructions(
             "whole controller", order, lqg.controller(planar_stage.plant(), regulate=REGULATORS[order]), at_rest
         )
 
 
-def _counted(what: str, order: Order, of: Block, inputs: Columns) -> Iterator[tuple[page.Cell, ...]]:
+def _count_instructions(what: str, order: Order, of: Block, inputs: Columns) -> Iterator[tuple[page.Cell, ...]]:
     from synth.verify import meter, rivals, steps  # needs the extra `target`
 
     emitted = write.emit(of, np.float32, error=interface.SURROGATE_ERROR[np.float32])

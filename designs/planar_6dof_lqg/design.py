@@ -34,7 +34,7 @@ def gains() -> dict[str, Any]:
     Beside (49) stands the gain of the weights that are printed with it.
     """
     plant = planar_stage.plant()
-    shipped, printed = lqg.gain(), lqg.gain(lqg.PRINTED_WEIGHTS)
+    shipped, of_printed_weights = lqg.gain(), lqg.gain(lqg.PRINTED_WEIGHTS)
     return {
         "plant": "(31) as printed: q'' = B i in x, y and phi, with their rates d, f, v and their integrals z1, z2, z3",
         "period_s": lqg.TIME.period_s,
@@ -47,8 +47,8 @@ def gains() -> dict[str, Any]:
         "certificate": digits.certificate(shipped.certificate),
         "printed_weights": {
             "weights_Q": list(lqg.PRINTED_WEIGHTS),
-            "K": {name: [digits.cut(v, 6) for v in row] for name, row in _rows(printed.K).items()},
-            "certificate": digits.certificate(printed.certificate),
+            "K": {name: [digits.cut(v, 6) for v in row] for name, row in _rows(of_printed_weights.K).items()},
+            "certificate": digits.certificate(of_printed_weights.certificate),
         },
         "axes": {axis.name: _axis(axis) for axis in lqg.axes(plant)},
         "compensators": emitted.compensators(vertical.loops(lqg.TIME)),

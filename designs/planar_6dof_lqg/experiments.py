@@ -28,8 +28,8 @@ def large_step(loop: Rig, name: str) -> Experiment:
     """Return a step of x that takes the motors to their limit, which the paper does not make."""
     experiment = shared.step_experiment(loop, shared.step(loop, "x", LARGE), name, "x by 60 mm", None)
     overshoot = Check("overshoot", experiment.figures["overshoot"], 0.05, "1", "at the motors' limits")
-    turned = float(np.abs(experiment.trajectory["phi"]).max())
-    yaw = Check("greatest yaw", turned, 5e-3, "rad", "a fifth of what the sensors tell")
+    greatest_yaw = float(np.abs(experiment.trajectory["phi"]).max())
+    yaw = Check("greatest yaw", greatest_yaw, 5e-3, "rad", "a fifth of what the sensors tell")
     return replace(experiment, checks=(*experiment.checks, overshoot, yaw))
 
 

@@ -33,16 +33,16 @@ ROW = {"x": 2, "y": 1, "phi": 1}  # of K in which an axis has its gains
 def all_loops(plant: Plant) -> list[OpenLoop]:
     """Return the six loops of each kind; another kind of one axis is closed with the other axes as shipped."""
     shipped, printed = lqg.law(plant), lqg.law(plant, variant="published")
-    opened = shared.of_block(plant, whole(plant, shipped), AXES, SHIPPED)
+    open_loops = shared.of_block(plant, whole(plant, shipped), AXES, SHIPPED)
     for axis in AXES:
-        other, label = (reweighted(plant), REWEIGHTED) if axis in HORIZONTAL else (printed, "as printed")
-        opened += shared.of_block(plant, whole(plant, shared.exchanged(shipped, other, axis)), [axis], label)
-    return opened + shared.of_parts(as_printed(plant), HORIZONTAL, PRINTED)
+        other, label = (law_of_printed_weights(plant), REWEIGHTED) if axis in HORIZONTAL else (printed, "as printed")
+        open_loops += shared.of_block(plant, whole(plant, shared.with_axis_of(shipped, other, axis)), [axis], label)
+    return open_loops + shared.of_parts(as_printed(plant), HORIZONTAL, PRINTED)
 
 
 def horizontals(plant: Plant) -> dict[str, dict[str, StateSpace]]:
     """Return the loop of x, y and phi of each kind."""
-    laws = {SHIPPED: lqg.law(plant), REWEIGHTED: reweighted(plant)}
+    laws = {SHIPPED: lqg.law(plant), REWEIGHTED: law_of_printed_weights(plant)}
     both = {label: shared.parts(plant, whole(plant, law)) for label, law in laws.items()}
     return {label: shared.horizontal(each) for label, each in (both | {PRINTED: as_printed(plant)}).items()}
 
@@ -52,15 +52,15 @@ def whole(plant: Plant, law: Sequence[Block]) -> Block:
     return shared.whole(plant, TIME, lqg.sensed(plant), law)
 
 
-def reweighted(plant: Plant) -> list[Block]:
+def law_of_printed_weights(plant: Plant) -> list[Block]:
     """Return the law with the gains that lqrd makes of (47)."""
     law = lqg.law(plant)
     for axis in lqg.axes(plant):
-        law = shared.exchanged(law, [lqg.reduced_order(plant, _reweighted(axis))], axis.name)
+        law = shared.with_axis_of(law, [lqg.reduced_order(plant, _axis_of_printed_weights(axis))], axis.name)
     return law
 
 
-def _reweighted(axis: Axis) -> Axis:
+def _axis_of_printed_weights(axis: Axis) -> Axis:
     i = STATES.index(axis.name)
     rows = (lqg.gain(w).K[ROW[axis.name]] for w in (lqg.PRINTED_WEIGHTS, lqg.WEIGHTS))
     k1, k3, k2 = (float(a[n] / b[n]) for a, b in [tuple(rows)] for n in (i, 3 + i, 6 + i))
@@ -75,11 +75,11 @@ def as_printed(plant: Plant) -> Parts:
 
 def gain_of_42() -> Array:
     """Return H (3, 6) of (42), on x, y, phi, z1, z2, z3."""
-    own, other, integral = (rows.printed()["Y-12"][name].value for name in ("own", "other", "integral"))
-    return readonly(np.hstack([other + (own - other) * np.eye(3), integral * np.eye(3)]))
+    diagonal, other, integral = (rows.printed()["Y-12"][name].value for name in ("own", "other", "integral"))
+    return readonly(np.hstack([other + (diagonal - other) * np.eye(3), integral * np.eye(3)]))
 
 
-def refusal() -> str:
+def rejection_message() -> str:
     """Return what the library says of an observer with the gain of (42).
 
     Raises ModelError when it takes it.

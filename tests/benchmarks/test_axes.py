@@ -11,7 +11,7 @@ from synth.emit.write import Emitted
 
 @pytest.fixture(scope="module")
 def grown() -> axes.Growth:
-    return axes.grown(64)
+    return axes.measure_growth(64)
 
 
 def test_sixty_four_axes_compute_what_casadi_does(grown: axes.Growth) -> None:

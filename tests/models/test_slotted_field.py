@@ -188,7 +188,7 @@ def _order() -> float:
 
 def test_order_is_two_and_needs_the_grading(monkeypatch: pytest.MonkeyPatch) -> None:
     assert _order() == pytest.approx(2.0, abs=0.15)
-    monkeypatch.setattr(slotted_grid, "_both_ends", lambda n: np.linspace(0.0, 1.0, n + 1))
+    monkeypatch.setattr(slotted_grid, "_graded_at_both_ends", lambda n: np.linspace(0.0, 1.0, n + 1))
     assert _order() < 1.75
 
 

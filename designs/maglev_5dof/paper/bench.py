@@ -47,7 +47,7 @@ GROUPS["turning"] = (*GROUPS["level"], "r", "I_z", "k_s_theta")  # and while it 
 BY_GROUP = {name: Formula(f"dict({', '.join(f'{n}={n}' for n in group)})") for name, group in GROUPS.items()}
 SPRINGS = ("k_s_phi", "k_s_theta")
 FRICTION = {"x": 1.8, "z": 1.3}  # N of guide friction, fitted to the two printed errors of the ellipse
-KEPT = 32  # runs that the rows share
+CACHED_RUNS = 32  # runs that the rows share
 SAMPLE = 1e-3  # s, at which the continuous responses are judged
 
 
@@ -60,7 +60,7 @@ class Poles(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Bench:
+class AuditSetup:
     """The stage and the plant under audit, and how long tracking runs, s.
 
     `cells` is the fineness of the slotted field. Of the guide springs, "known" means in plant and (12), "unknown" in
@@ -83,8 +83,8 @@ class Bench:
         return plant, self.plant if springs == "known" else self.without_springs
 
 
-@lru_cache(maxsize=KEPT)
-def ideal(bench: Bench, four: bool, springs: Springs, lv3: str = "csch2") -> Motion:
+@lru_cache(maxsize=CACHED_RUNS)
+def ideal(bench: AuditSetup, four: bool, springs: Springs, lv3: str = "csch2") -> Motion:
     """Return the ideal 4-DOF tracking or ellipse under (12), with this reading of L_v3 in plant and law."""
     courses = {axis: experiments.COURSES[axis] for axis in ("y", "x", "z")}
     if four:
@@ -104,7 +104,7 @@ def run(
     return maglev_loop.run(*plants, regulators, courses, start, (duration_s, SAMPLE), lv3)
 
 
-def ideal_errors(bench: Bench, four: bool, springs: Springs, lv3: str = "csch2") -> dict[str, float]:
+def ideal_errors(bench: AuditSetup, four: bool, springs: Springs, lv3: str = "csch2") -> dict[str, float]:
     """Return the mean |e| of an ideal run by axis, um or urad; NaN when the gap left its range."""
     motion, start = ideal(bench, four, springs, lv3), bench.duration_s / 5
     if np.isfinite(motion.left_at):
@@ -117,26 +117,26 @@ def meets(errors: Mapping[str, float], printed: Mapping[str, float]) -> bool:
     return all(near(errors[name], 0.1, value) for name, value in printed.items())
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=CACHED_RUNS)
 def encoder_errors(
-    bench: Bench, four: bool, restored: bool, springs: Springs = "known", guided: bool = False
+    bench: AuditSetup, four: bool, restored: bool, springs: Springs = "known", guided: bool = False
 ) -> dict[str, float]:
     """Return the mean |e| by axis of the compiled loop, um or urad; `guided` adds friction and cogging."""
     plant, known = bench.pair(springs)
-    added = maglev_stage.guides(bench.plant, FRICTION, bench.cells) if guided else None
+    added = maglev_stage.guide_disturbance(bench.plant, FRICTION, bench.cells) if guided else None
     rig = Rig(bench.stage, plant, _controller(known, restored), disturbance=added)
     trajectory, courses = experiments.tracking(rig, four, bench.duration_s)
     return {a: 1e6 * e for a, e in experiments.mean_errors(trajectory, courses, bench.duration_s / 6).items()}
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=CACHED_RUNS)
 def _controller(known: Plant, restored: bool) -> host.Controller:
-    emitted = _emitted(tuple((p.name, p.value) for p in known.parameters), restored)
+    emitted = _emit(tuple((p.name, p.value) for p in known.parameters), restored)
     return host.load(emitted.files, emitted.manifest)
 
 
 @cache.kept
-def _emitted(parameters: tuple[tuple[str, float], ...], restored: bool) -> write.Emitted:
+def _emit(parameters: tuple[tuple[str, float], ...], restored: bool) -> write.Emitted:
     """Return the C of the controller that knows some parameters of the plant: nothing else of it counts.
 
     The library computes the functions, which for new parameters none has fitted.
@@ -151,7 +151,7 @@ def axis(name: str) -> control.Axis:
     return next(a for a in control.AXES if a.name == name)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=CACHED_RUNS)
 def regulator(axis: control.Axis) -> Regulator:
     """Return the regulator of an axis."""
     return Regulator(axis.name, control.gain(axis).K, control.axis_plant(axis).A)

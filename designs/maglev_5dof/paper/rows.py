@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from designs.maglev_5dof.paper import bench as benches
-from designs.maglev_5dof.paper.bench import BY_GROUP, Bench
+from designs.maglev_5dof.paper.bench import BY_GROUP, AuditSetup
 from models import maglev_figures
 from synth.declaration import Stage
 from synth.report import audit
@@ -19,10 +19,10 @@ FORMULAS = (benches, maglev_figures)  # what formulas may name: what these defin
 
 def rows(stage: Stage) -> Iterator[Row]:
     """Yield the rows F-1 to F-19 for the stage's parameters, each when it is computed."""
-    return audit.rows(scope(Bench(stage, stage.plant), printed()))
+    return audit.rows(scope(AuditSetup(stage, stage.plant), printed()))
 
 
-def scope(bench: Bench, prints: Mapping[str, Published]) -> Scope:
+def scope(bench: AuditSetup, prints: Mapping[str, Published]) -> Scope:
     """Return what rows are computed from; `bench` and `plant` name the parameters that a row follows from."""
     functions = {name: value for module in FORMULAS for name, value in vars(module).items()}
     functions |= {"bench": lambda **_: bench, "plant": lambda **_: bench.plant, "mm": 1e-3, "cells": bench.cells}

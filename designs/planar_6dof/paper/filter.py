@@ -42,7 +42,7 @@ def half_power(form: StateSpace) -> float:
     return float(brentq(excess_at, grid[last], grid[last + 1], xtol=1e-10)) if last + 1 < len(grid) else np.inf
 
 
-def passed(form: StateSpace) -> float:
+def noise_gain(form: StateSpace) -> float:
     """Return the deviation of the estimated position over that of a white measurement."""
     X = noise.stationary(form.A, form.B @ form.B.T, form.time)
     return float(np.sqrt((form.C @ X @ form.C.T + form.D @ form.D.T)[0, 0]))
@@ -61,7 +61,7 @@ def position_gains(q: float, period_s: float, deviation: float, p0: float, updat
     return np.array(history)
 
 
-def converged(gains: Array, final: float) -> int:
+def samples_to_converge(gains: Array, final: float) -> int:
     """Return after how many samples gains (N,) stay near the final one."""
     return int(np.flatnonzero(np.abs(gains / final - 1) > NEAR)[-1]) + 1
 

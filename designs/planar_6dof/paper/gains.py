@@ -46,12 +46,12 @@ def model(of: Stage, integrals: bool) -> StateSpace:
 
 
 @cache
-def sampled(of: Stage) -> StateSpace:
+def sampled_model(of: Stage) -> StateSpace:
     """Return (31), (32) sampled with the currents held."""
     return discretise.zero_order_hold(model(of, True), of.period_s)
 
 
-def one(of: Stage, axis: str) -> tuple[StateSpace, float]:
+def axis_model(of: Stage, axis: str) -> tuple[StateSpace, float]:
     """Return an axis with its integral and rate and one input, and the weight on that input for R = I."""
     k = POSITIONS.index(axis)
     b = of.per_ampere if axis == "x" else 2 * (of.per_ampere if axis == "y" else of.turning)
@@ -75,7 +75,7 @@ def matrix(size: Mapping[str, float]) -> Array:
 
 
 @cache
-def weights(of: Stage, axis: str, wanted: tuple[float, ...]) -> Mapping[str, float]:
+def weights(of: Stage, axis: str, gains: tuple[float, ...]) -> Mapping[str, float]:
     """Return the diagonal weights on an axis, its integral and its rate for which lqrd gives three gains K.
 
     K and the cost-to-go X of the sampled model are linear in the weights q on state and input, W(q) over a period:
@@ -84,31 +84,31 @@ def weights(of: Stage, axis: str, wanted: tuple[float, ...]) -> Mapping[str, flo
 
     nine equations in the six entries of X and the three of q.
     """
-    chain, r = one(of, axis)
-    sampled, K = discretise.zero_order_hold(chain, of.period_s), np.array([wanted])
+    chain, r = axis_model(of, axis)
+    sampled, K = discretise.zero_order_hold(chain, of.period_s), np.array([gains])
     closed, both = sampled.A - sampled.B @ K, np.vstack([np.eye(3), -K])
     flow = np.vstack([np.hstack([chain.A, chain.B]), np.zeros((1, 4))])
 
-    def left(x: Array, q: Array) -> Array:
+    def residual(x: Array, q: Array) -> Array:
         X, W = np.zeros((3, 3)), discretise.gramian(flow, np.diag(np.append(q[:3], q[3:] * r)), of.period_s).W
         X[np.triu_indices(3)] = x
         X = X + np.triu(X, 1).T
         cost = closed.T @ X @ closed - X + both.T @ W @ both
         return np.append(cost[np.triu_indices(3)], sampled.B.T @ X @ closed + (W @ both)[3:])
 
-    columns = np.array([left(e[:6], e[6:]) for e in np.eye(10)]).T
+    columns = np.array([residual(e[:6], e[6:]) for e in np.eye(10)]).T
     solution = np.linalg.solve(columns[:, :9], -columns[:, 9])
     return dict(zip(chain.states, solution[6:].tolist(), strict=True))
 
 
-def unsampled_gain(of: Stage, theta: float) -> Array:
+def continuous_gain(of: Stage, theta: float) -> Array:
     """Return the gain of (41) for (26), (27) with Theta = theta I and L Psi L' = I."""
     return kalman.continuous(model(of, False), np.eye(6), theta * np.eye(3)).L
 
 
-def misapplied(of: Stage, theta: float) -> Array:
+def continuous_gain_of_sampled_model(of: Stage, theta: float) -> Array:
     """Return H (3, 6) of the continuous (41) for the sampled A22, A12, Theta = theta I and L Psi L' = theta ones."""
-    held = sampled(of)
+    held = sampled_model(of)
     A12 = held.A[:6, 6:]
     sigma = solve_continuous_are(held.A[6:, 6:].T, A12.T, np.full((3, 3), theta), theta * np.eye(6))
     return np.asarray(sigma @ A12.T / theta)
@@ -116,7 +116,7 @@ def misapplied(of: Stage, theta: float) -> Array:
 
 def greatest_pole(of: Stage, H: Array) -> float:
     """Return the greatest |z| of A22 - H A12."""
-    held = sampled(of)
+    held = sampled_model(of)
     return float(np.abs(np.linalg.eigvals(held.A[6:, 6:] - H @ held.A[:6, 6:])).max())
 
 
@@ -163,13 +163,13 @@ def _observer_gain(held: StateSpace, pole: float) -> Array:
     return (1 - pole) / timing.period(held.time) * np.eye(3, 6)
 
 
-def unobservable(of: Stage, integrals: bool, shown: bool = False) -> int:
+def unobservable_modes(of: Stage, integrals: bool, shown: bool = False) -> int:
     """Return how many modes no output of `model` shows; `shown` takes the integrals as outputs, too."""
     m = model(of, integrals)
     return len(structure.unmoved(m.A.T, np.eye(9, 6) if shown else m.C.T, m.states, m.time))
 
 
-def uncontrollable(of: Stage, integrals: bool) -> int:
+def uncontrollable_modes(of: Stage, integrals: bool) -> int:
     """Return how many modes no input of `model` moves."""
     m = model(of, integrals)
     return len(structure.unmoved(m.A, m.B, m.states, m.time))

@@ -6,7 +6,7 @@ import numpy as np
 from scipy import ndimage, signal
 
 from designs.planar_6dof import experiments
-from designs.planar_6dof.loop import seen, simulate
+from designs.planar_6dof.loop import measured_positions, simulate
 from models import axis_figures
 from models.axis_figures import Margin, Step
 from synth.report.audit import Printed
@@ -23,8 +23,8 @@ NEIGHBOURS = 31  # lines
 
 def noise_at_rest(loop: Rig, duration_s: float) -> dict[str, float]:
     """Return the rms of x and y in m behind the filter (6)-(16), which is what the lead-lag controller acts on."""
-    shown = seen(loop, simulate(loop, duration_s, {}, {}))
-    return {axis: float(np.std(experiments.settled(loop, shown[axis]))) for axis in "xy"}
+    shown = measured_positions(loop, simulate(loop, duration_s, {}, {}))
+    return {axis: float(np.std(experiments.after_settling(loop, shown[axis]))) for axis in "xy"}
 
 
 def recorded_step(loop: Rig, axis: str, printed: float) -> Step:
@@ -35,7 +35,7 @@ def recorded_step(loop: Rig, axis: str, printed: float) -> Step:
 
 def of_record(time: Array, y: Array) -> Step:
     """Return the figures of a step from 0 to 1, its band as wide as the noise of the last quarter of the record."""
-    return axis_figures.measured(time, y, max(axis_figures.BAND, float(np.abs(y[-len(y) // 4 :] - 1).max())))
+    return axis_figures.of_response(time, y, max(axis_figures.BAND, float(np.abs(y[-len(y) // 4 :] - 1).max())))
 
 
 def meets(margin: Margin, crossover: Printed, phase: Printed) -> bool:
@@ -64,10 +64,10 @@ class Line:
 def of_step(loop: Rig) -> Line:
     """Return the most prominent line of x as measured, over RECORD, once its step has settled."""
     run = experiments.step(loop, "x", STEP, 1.0 + RECORD)
-    return prominent(run.shown[run.sample + round(1.0 / loop.period_s) :], loop.period_s)
+    return prominent_line(run.shown[run.sample + round(1.0 / loop.period_s) :], loop.period_s)
 
 
-def prominent(x: Array, period_s: float) -> Line:
+def prominent_line(x: Array, period_s: float) -> Line:
     """Return the most prominent line of a record x (N,)."""
     frequency, power = signal.welch(x, 1 / period_s, nperseg=2 * len(x) // (SEGMENTS + 1), detrend="linear")
     around = ndimage.median_filter(power, NEIGHBOURS, mode="nearest")

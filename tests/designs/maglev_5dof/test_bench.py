@@ -63,10 +63,10 @@ def test_the_sequences_reach_what_they_are_there_for(controller: host.Controller
 
 @pytest.mark.parametrize("build", BUILDS, ids=[b.compiler for b in BUILDS])
 def test_every_decision_is_seen_both_ways(build: meter.Build, sequences: dict[str, Steps]) -> None:
-    own = rivals.emitted(EMITTED)
+    candidate = rivals.emitted(EMITTED)
     short = [steps.thinned(s, 50 if s.closed_loop else 5000) for s in sequences.values()]
-    found = meter.covered(own, meter.run(own, steps.joined("all", short), build), build)
-    assert found.decisions > 40 and not found.missing, found.missing
+    coverage = meter.covered(candidate, meter.run(candidate, steps.joined("all", short), build), build)
+    assert coverage.decisions > 40 and not coverage.missing, coverage.missing
 
 
 def test_the_replay_is_the_hosts_to_the_bit(inputs: dict[str, Any]) -> None:

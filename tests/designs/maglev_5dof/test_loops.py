@@ -78,13 +78,13 @@ def test_closing_a_loop_gives_poles_of_the_whole_one(loops: robustness.Loops, op
 def test_margins(opened: Opened) -> None:
     assert opened.keys() == MARGINS.keys()
     for key, (phase, gain, peak) in MARGINS.items():
-        found = opened[key].margins
-        assert found.stable
-        fastest = max(found.gain_crossings, key=lambda c: c.frequency)
-        highest = max(found.phase_crossings, key=lambda c: c.frequency)
+        margins = opened[key].margins
+        assert margins.stable
+        fastest = max(margins.gain_crossings, key=lambda c: c.frequency)
+        highest = max(margins.phase_crossings, key=lambda c: c.frequency)
         assert fastest.phase_margin == pytest.approx(phase, abs=0.06), key
         assert highest.gain_margin == pytest.approx(gain, rel=5e-3), key
-        assert found.peak_sensitivity == pytest.approx(peak, abs=6e-3), key
+        assert margins.peak_sensitivity == pytest.approx(peak, abs=6e-3), key
 
 
 def test_the_compensation_lies_in_the_loop(loops: robustness.Loops, opened: Opened) -> None:

@@ -103,8 +103,8 @@ def test_steps_are_those_of_the_double_integrator(restored: Run) -> None:
     """Restored and within its limits, the law leaves F(13) with the hold and the delay; without the delay it shows."""
     for axis, height, column in (("y", 0.007, STEP), ("x", 0.01, SMALL)):
         expected = linear_step(axis, height, 3000)
-        found = restored.error(axis, column)
-        assert np.max(np.abs(found - expected)) < 6e-3 * height
+        error = restored.error(axis, column)
+        assert np.max(np.abs(error - expected)) < 6e-3 * height
         prompt = linear_step(axis, height, 3000, delayed=False)
         assert np.max(np.abs(prompt - expected)) > 7e-3 * height
 

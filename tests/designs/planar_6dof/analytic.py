@@ -72,7 +72,7 @@ def kalman(axis: str, time: Discrete, z: Array) -> tuple[Array, Array]:
 
 def lead_lag(axis: str, time: Discrete, published: bool = False) -> Transfer:
     """Return (21)-(25) by Tustin's rule, from the printed numbers."""
-    print_, part = rows.printed(), 1.0 if published else (leadlag.PART | vertical.PART)[axis]
+    print_, part = rows.printed(), 1.0 if published else (leadlag.GAIN_SHARE | vertical.GAIN_SHARE)[axis]
 
     def C(z: Array) -> Array:
         s = 2 / time.period_s * (z - 1) / (z + 1)
@@ -97,7 +97,7 @@ def optimal(plant: Plant, axis: str, weights: tuple[float, ...] = lqg.WEIGHTS) -
 
     def C(z: Array) -> Array:
         # Of a position 1: x3, the current i of the sample before and the sum, then i itself.
-        found = []
+        rows = []
         for v in z:
             # i = -k1 (1 + T r + b T^2/2 i/z) - k2 (r + b T i/z) - k3 (1 + s),  r = x3 + L,  s = 1/(z - 1)
             # z x3 = p x3 - L (1 - p) + (b T - L b T^2/2) i/z
@@ -105,8 +105,8 @@ def optimal(plant: Plant, axis: str, weights: tuple[float, ...] = lqg.WEIGHTS) -
             fixed = L - L * (1 - p) / (v - p)
             on_rate = k1 * T + k2
             left = 1 + k1 * pushed * T**2 / 2 / v + k2 * pushed * T / v + on_rate * a
-            found.append((k1 + on_rate * fixed + k3 * (1 + 1 / (v - 1))) / left)
-        return np.array(found) * pushed * plant.parameter(INERTIA[axis]).value
+            rows.append((k1 + on_rate * fixed + k3 * (1 + 1 / (v - 1))) / left)
+        return np.array(rows) * pushed * plant.parameter(INERTIA[axis]).value
 
     return C
 

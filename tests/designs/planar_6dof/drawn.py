@@ -28,7 +28,7 @@ def at_rest() -> dict[str, float]:
 
 def compiled(law: Sequence[Block], time: Discrete, filtered: bool = False) -> host.Controller:
     """Return a law in float64 with the positions known, its set-points called as they are held."""
-    parts = [*opened.seen(PLANT, time, filtered), *law]
+    parts = [*opened.sensing_blocks(PLANT, time, filtered), *law]
     inputs = [f"{a}_seen" for a in allocation.HORIZONTAL] + [*planar_stage.LASERS, *opened.REFERENCES]
     block = compose("known", parts, inputs=[*inputs, *opened.ready(parts)], outputs=[*opened.ACTUATORS])
     emitted = write.emit(unranged(block), np.float64)
@@ -46,8 +46,8 @@ def run(
     known = controller.inputs.names or ()
     rest = dict.fromkeys(opened.REFERENCES, 0.0) | ({"ready": ready} if "ready" in known else {})
     sensors = {f"{a}_seen": a for a in allocation.HORIZONTAL} | {d: d for d in planar_stage.LASERS}
-    given = rest | {f"{a}_ref_held": v for a, v in references.items()}
-    scenario = Scenario(duration_s, start or {}, sensors, opened.ACTUATORS, references=given)
+    inputs = rest | {f"{a}_ref_held": v for a, v in references.items()}
+    scenario = Scenario(duration_s, start or {}, sensors, opened.ACTUATORS, references=inputs)
     return closed_loop.simulate(PLANT, controller, scenario)
 
 

@@ -89,26 +89,26 @@ def motion(n: int, columns: int, seed: int) -> dict[str, Array]:
     """Sines of 0.2 to 1 Hz in x, y and phi, (n, columns), that begin anywhere in the middle pitch."""
     rng = np.random.default_rng(seed)
     t = np.arange(n)[:, None] * TIME.period_s
-    found = {}
+    pose = {}
     for axis, size, start in (("x", 0.06, 0.4 * L), ("y", 0.06, 0.4 * L), ("phi", 4e-3, 0.0)):
         rate, turn = rng.uniform(0.2, 1.0, columns), rng.uniform(0, 2 * np.pi, columns)
         wave = size * rng.uniform(0.2, 1, columns) * np.sin(2 * np.pi * rate * t + turn)
-        found[axis] = wave - wave[0] + rng.uniform(-start, start, columns)
-    return found
+        pose[axis] = wave - wave[0] + rng.uniform(-start, start, columns)
+    return pose
 
 
 def start(predicted: bool, n: int) -> dict[str, Array]:
     """Return the reference's states (n,) after init."""
-    rest = reference_sensing.filters_at_rest() if predicted else {"sensing_phi_raw": np.array(0.0)}
+    rest = reference_sensing.initial_filter_state() if predicted else {"sensing_phi_raw": np.array(0.0)}
     return {name: np.zeros(n) + v for name, v in (reference_sensing.initial_state() | rest).items()}
 
 
-def stepped(
+def reference_step(
     state: Columns, v: Columns, flags: tuple[Array, Array], predicted: bool
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return outputs and next states of the reference, with its filters or predicting the sample before."""
-    told = {f"suspect_{name}": one for name, one in reference_sensing.suspects(state, A).items()}
-    told |= {"suspected": state["sensing_named"]}
+    suspicion = {f"suspect_{name}": one for name, one in reference_sensing.suspects(state, A).items()}
+    suspicion |= {"suspected": state["sensing_named"]}
     if predicted:
         out, after = reference_sensing.step(state, v, flags, REFERENCE)
     else:
@@ -116,4 +116,4 @@ def stepped(
         last["phi"] = state["sensing_phi_raw"]
         out, after = reference_sensing.sense(state, v, flags, last, REFERENCE)
         after["sensing_phi_raw"] = out["phi_raw"]
-    return out | told, after
+    return out | suspicion, after

@@ -43,10 +43,10 @@ def emitted(block: Block) -> write.Emitted:
     return write.emit(block, np.float64, error=interface.SURROGATE_ERROR[np.float64])
 
 
-def told(at: Bench, witness: agree.Witness) -> bool:
+def is_detected(at: Bench, witness: agree.Witness) -> bool:
     """Tell whether a witness fails one of the checks against the sound C."""
-    found = {"casadi": witness(at.states, at.inputs), "c64": at.c64}
-    ((_, checks),) = verification.compared("planted", at.subject, found)
+    pair = {"casadi": witness(at.states, at.inputs), "c64": at.c64}
+    ((_, checks),) = verification.compare_witnesses("planted", at.subject, pair)
     return not all(c.passed for c in checks)
 
 
@@ -91,6 +91,6 @@ def require_witnesses(evidence: Evidence, samples: Mapping[str, int]) -> None:
     kinds = {"random steps", "edge steps", *replays}
     assert pairs == {(k, n, "c64") for k in kinds for n in suite.OTHERS} | {("random steps", "c64", "c32")}
     assert len(set(replays)) == 4
-    found = {a.what: a.samples for a in evidence.agreements if a.first == "reference"}
-    assert {what: found[what] for what in samples} == samples
+    by_case = {a.what: a.samples for a in evidence.agreements if a.first == "reference"}
+    assert {what: by_case[what] for what in samples} == samples
     assert evidence.document()["passed"] is True

@@ -48,10 +48,10 @@ def poses(n: int, seed: int, lift: float, yaw: float) -> dict[str, Array]:
 def sensed(block: Block, pose: Columns) -> dict[str, Array]:
     """Return the outputs of the sensing Block at poses (N,) that are predicted as they are."""
     n = len(pose["x"])
-    given = held(sensing_maps.voltages(PLANT, pose)) | {"ready": np.ones(n), "complete": np.ones(n)}
-    given |= {f"{axis}_predicted": pose[axis] for axis in filtering.AXES}
+    inputs = held(sensing_maps.voltages(PLANT, pose)) | {"ready": np.ones(n), "complete": np.ones(n)}
+    inputs |= {f"{axis}_predicted": pose[axis] for axis in filtering.AXES}
     state = np.tile(block.initial[:, None], n)
-    y = block.function().map(n)(state, np.array([given[s.name] for s in block.inputs]))[1].full()
+    y = block.function().map(n)(state, np.array([inputs[s.name] for s in block.inputs]))[1].full()
     return dict(zip((s.name for s in block.outputs), y, strict=True))
 
 
@@ -60,8 +60,8 @@ def changed(block: Block, **constants: float) -> Block:
 
 
 def errors(block: Block, pose: Columns) -> dict[str, Array]:
-    found = sensed(block, pose)
-    return {axis: found[f"{axis}_raw"] - pose[axis] for axis in filtering.AXES}
+    outputs = sensed(block, pose)
+    return {axis: outputs[f"{axis}_raw"] - pose[axis] for axis in filtering.AXES}
 
 
 # The field's fits.
@@ -111,16 +111,16 @@ def test_the_error_map_tells_them_and_the_noise() -> None:
 
 
 def test_the_noise_of_the_map_is_that_of_noisy_samples() -> None:
-    found = sensing_maps.error_map(PLANT, points=8)
-    i, j = np.unravel_index(found.noise["phi"].argmin(), found.noise["phi"].shape)
+    error_map = sensing_maps.error_map(PLANT, points=8)
+    i, j = np.unravel_index(error_map.noise["phi"].argmin(), error_map.noise["phi"].shape)
     n = 4000
-    u = noisy(sensing_maps.voltages(PLANT, {"x": np.full(n, found.place[i]), "y": np.full(n, found.place[j])}))
+    u = noisy(sensing_maps.voltages(PLANT, {"x": np.full(n, error_map.place[i]), "y": np.full(n, error_map.place[j])}))
     block = sensing.sensing(PLANT, TIME)
-    given = held(u) | {"x_predicted": np.full(n, found.place[i]), "y_predicted": np.full(n, found.place[j])}
-    given |= {"phi_predicted": np.zeros(n), "ready": np.ones(n), "complete": np.ones(n)}
-    y = block.function().map(n)(np.tile(block.initial[:, None], n), np.array([given[s.name] for s in block.inputs]))
+    inputs = held(u) | {"x_predicted": np.full(n, error_map.place[i]), "y_predicted": np.full(n, error_map.place[j])}
+    inputs |= {"phi_predicted": np.zeros(n), "ready": np.ones(n), "complete": np.ones(n)}
+    y = block.function().map(n)(np.tile(block.initial[:, None], n), np.array([inputs[s.name] for s in block.inputs]))
     raw = y[1].full()[:3]
-    expected = [found.noise[axis][i, j] for axis in filtering.AXES]
+    expected = [error_map.noise[axis][i, j] for axis in filtering.AXES]
     np.testing.assert_allclose(raw.std(axis=1), expected, rtol=0.05)  # 4000 samples, and curvature
 
 
@@ -174,17 +174,17 @@ def seams(pose: Columns, axis: str) -> np.ndarray:
 @pytest.mark.parametrize("predicted", [True, False])
 def test_sections_and_pitches_join_in_both_directions(predicted: bool) -> None:
     pose = way(0.11, 16_000)
-    clean, found = (replayed(pose, noise, predicted=predicted) for noise in (False, True))
+    clean, noisy = (replayed(pose, noise, predicted=predicted) for noise in (False, True))
     for axis in "xy":
         at = seams(pose, axis)
-        steps = {kind: np.diff(run[f"{axis}_raw"] - pose[axis]) for kind, run in (("clean", clean), ("noisy", found))}
+        steps = {kind: np.diff(run[f"{axis}_raw"] - pose[axis]) for kind, run in (("clean", clean), ("noisy", noisy))}
         others = np.delete(steps["noisy"], at - 1)
         assert len(at) > 30 and {-1, 1} <= set(np.sign(np.diff(pose[axis])[at - 1]))
         # By construction there is no jump: what is left at a seam is the noise of any sample.
         assert np.abs(steps["clean"][at - 1]).max() < 0.05 * rms(others)
         assert rms(steps["noisy"][at - 1]) < 1.5 * rms(others)
         assert np.mean(np.abs(steps["noisy"][at - 1]) > 3 * rms(others)) <= 0.02
-        counts = pitches(found, axis)
+        counts = pitches(noisy, axis)
         assert set(counts) == ({-2, -1, 0, 1, 2} if axis == "x" else {-1, 0, 1})
         assert np.abs(pose[axis] - L * counts).max() < 0.51 * L
 
@@ -204,12 +204,12 @@ def test_a_circle_of_200_mm_is_followed(scalar: type[np.floating]) -> None:
     pose = {"x": 0.1 * np.sin(angle), "y": 0.1 * np.cos(angle) - 0.1}
     pose["y"] = np.concatenate([np.linspace(0, 0.1, 2000), pose["y"] + 0.1])  # from the middle to its top first
     pose["x"] = np.concatenate([np.zeros(2000), pose["x"]])
-    found = replayed(pose, noise=True, scalar=scalar)
+    outputs = replayed(pose, noise=True, scalar=scalar)
     for axis in "xy":
-        assert np.abs(found[f"{axis}_raw"] - pose[axis]).max() < 5.5 * 65e-6  # five and a half times the noise
-        settled = (found[axis] - pose[axis])[3000:]
-        assert rms(settled) < 0.4 * 54e-6 + 5e-6 and np.abs(np.diff(pitches(found, axis))).max() == 1
-    assert {*pitches(found, "x")} == {-2, -1, 0, 1, 2}
+        assert np.abs(outputs[f"{axis}_raw"] - pose[axis]).max() < 5.5 * 65e-6  # five and a half times the noise
+        settled = (outputs[axis] - pose[axis])[3000:]
+        assert rms(settled) < 0.4 * 54e-6 + 5e-6 and np.abs(np.diff(pitches(outputs, axis))).max() == 1
+    assert {*pitches(outputs, "x")} == {-2, -1, 0, 1, 2}
 
 
 def running_sum(s: Array, c: Array) -> float:
@@ -268,6 +268,6 @@ def test_what_a_step_costs(predicted: bool, most: int) -> None:
     made = write.emit(unranged(alone), np.float32)
     pose = {k: v[:, 0] for k, v in motion(300, 1, 0).items()}
     inputs = seen(noisy(sensing_maps.voltages(PLANT, pose)))
-    given = steps.recorded(host.load(made.files, made.manifest), "motion", inputs)
+    stimulus = steps.recorded(host.load(made.files, made.manifest), "motion", inputs)
     build = next(b for b in meter.builds() if b.compiler == cross.available()[-1])
-    assert meter.run(rivals.emitted(made), given, build).cost.instructions.max() <= most
+    assert meter.run(rivals.emitted(made), stimulus, build).cost.instructions.max() <= most

@@ -34,10 +34,10 @@ def test_heights_undo_the_lasers() -> None:
     y = np.asarray(PLANT.h.map(100)(x, np.zeros((9, 100)), np.tile(PLANT.values[:, None], 100)))
     distances = dict(zip(names(PLANT.outputs), y, strict=True))
     held = {f"{d}_held": distances[d] for d in planar_stage.LASERS}
-    found = agree.casadi(vertical.vertical_kinematics(PLANT, RATES[0]))({}, held).outputs
-    other = reference_control.heights(distances)
+    outputs = agree.casadi(vertical.vertical_kinematics(PLANT, RATES[0]))({}, held).outputs
+    other = reference_control.vertical_kinematics(distances)
     for axis in allocation.VERTICAL:
-        for seen in (found[axis], other[axis]):
+        for seen in (outputs[axis], other[axis]):
             np.testing.assert_allclose(seen, pose[axis], rtol=0, atol=1e-3 * DOUBLE)
 
 
@@ -51,15 +51,15 @@ def test_the_parts_are_the_sampled_compensator(time: Discrete) -> None:
     """With what is made wired to what is demanded, a loop has the response of `lead_lag`'s model."""
     z = np.exp(1j * np.geomspace(1e-3, np.pi, 40))
     for axis, K in every_loop(time):
-        wanted, driven = vertical.DEMAND[axis], vertical.MADE[axis]
-        unlimited = opened.passed(time, {driven.name: wanted.name}, wanted.unit)
+        demand, achieved = vertical.DEMAND[axis], vertical.ACHIEVED_DEMAND[axis]
+        unlimited = opened.renaming_blocks(time, {achieved.name: demand.name}, demand.unit)
         block = vertical.block(PLANT, axis, K, time)
-        inputs = [s.name for s in block.inputs if s.name != driven.name]
-        whole = compose("whole", [block, *unlimited], inputs=inputs, outputs=[wanted.name])
+        inputs = [s.name for s in block.inputs if s.name != achieved.name]
+        whole = compose("whole", [block, *unlimited], inputs=inputs, outputs=[demand.name])
         model = loop.linearised(whole, {}, dict.fromkeys(inputs, 0.0))
-        found = model.channel(wanted.name, vertical.REFERENCES[axis].name).response(z)
-        found = allocation.scales(PLANT)[axis] * found
-        np.testing.assert_allclose(found, K.discrete.response(z), rtol=1e-9)  # z - 1 is 1e-3 at the least
+        response = model.channel(demand.name, vertical.REFERENCES[axis].name).response(z)
+        response = allocation.scales(PLANT)[axis] * response
+        np.testing.assert_allclose(response, K.discrete.response(z), rtol=1e-9)  # z - 1 is 1e-3 at the least
 
 
 @pytest.mark.parametrize("time", RATES)
@@ -104,11 +104,11 @@ MARGINS = {
 def test_margins_as_shipped(axis: str) -> None:
     laws = ((leadlag.law(PLANT), leadlag.TIME), (lqg.law(PLANT), lqg.TIME))
     for (law, time), (phase, gain, peak) in zip(laws, MARGINS[axis], strict=True):
-        found = opened.margins_of(law, time, axis, filtered=False)
-        assert found.stable
-        assert found.phase_margin == pytest.approx(phase, abs=0.1)
-        assert found.gain_margin == pytest.approx(gain, abs=0.01)
-        assert found.peak_sensitivity == pytest.approx(peak, abs=0.01)
+        margins = opened.margins_of(law, time, axis, filtered=False)
+        assert margins.stable
+        assert margins.phase_margin == pytest.approx(phase, abs=0.1)
+        assert margins.gain_margin == pytest.approx(gain, abs=0.01)
+        assert margins.peak_sensitivity == pytest.approx(peak, abs=0.01)
 
 
 def test_as_printed_psi_is_unstable_with_a_sample_of_delay_and_theta_almost() -> None:

@@ -42,13 +42,13 @@ def test_margins(variant: str, filtered: bool, expected: dict[str, tuple[float, 
     # With the vertical loops as shipped: those as printed are unstable, in whatever loop is opened.
     horizontal = control.law(PLANT, variant)[:3]
     law = [*horizontal, *control.law(PLANT)[3:]]
-    found = opened.margins_of(law, control.TIME, axis, filtered)
+    margins = opened.margins_of(law, control.TIME, axis, filtered)
     crossover, phase, gain, peak = expected[axis]
-    assert found.stable
-    assert found.gain_crossings[-1].frequency / (2 * np.pi) == pytest.approx(crossover, abs=0.02)
-    assert found.phase_margin == pytest.approx(phase, abs=0.1)
-    assert found.gain_margin == pytest.approx(gain, abs=0.01)
-    assert found.peak_sensitivity == pytest.approx(peak, abs=0.01)
+    assert margins.stable
+    assert margins.gain_crossings[-1].frequency / (2 * np.pi) == pytest.approx(crossover, abs=0.02)
+    assert margins.phase_margin == pytest.approx(phase, abs=0.1)
+    assert margins.gain_margin == pytest.approx(gain, abs=0.01)
+    assert margins.peak_sensitivity == pytest.approx(peak, abs=0.01)
 
 
 def test_a_second_sample_of_delay_is_seen() -> None:
@@ -72,7 +72,7 @@ def test_a_step_beyond_the_motors_does_not_wind_up() -> None:
     """30 mm in x with the published gain: the motors stand at their limit, and the step does not overshoot."""
     law = [*control.law(PLANT, "published")[:3], *control.law(PLANT)[3:]]
     run = drawn.run(drawn.compiled(law, control.TIME), 1.5, {"x": 0.03})
-    assert np.count_nonzero(random_steps.saturated(run.commands)) > 5
+    assert np.count_nonzero(random_steps.is_saturated(run.commands)) > 5
     assert drawn.overshoot(run["x"], 0.03) < 1e-3
     assert run["x"][-1] == pytest.approx(0.03, rel=1e-3)
 

@@ -65,10 +65,10 @@ def test_the_printed_weights_do_not_make_49() -> None:
 
 
 def test_demands_fall_apart_into_axes() -> None:
-    K, own = lqg.demanded(PLANT), np.zeros((3, 9), dtype=bool)
+    K, diagonal = lqg.demand_gain(PLANT), np.zeros((3, 9), dtype=bool)
     for i in range(3):
-        own[i, [i, 3 + i, 6 + i]] = True
-    assert not K[~own].any() and (K[own] < 0).all()
+        diagonal[i, [i, 3 + i, 6 + i]] = True
+    assert not K[~diagonal].any() and (K[diagonal] < 0).all()
     per_ampere = [allocation.scales(PLANT)[a] / PLANT.parameter(n).value for a, n in INERTIA.items()]
     np.testing.assert_allclose([a.b for a in lqg.axes(PLANT)], per_ampere, rtol=DOUBLE)
     assert list(INERTIA) == [a.name for a in lqg.axes(PLANT)]
@@ -80,13 +80,13 @@ def test_demands_fall_apart_into_axes() -> None:
 @pytest.mark.parametrize("order", MARGINS)
 @pytest.mark.parametrize("axis", allocation.HORIZONTAL)
 def test_margins(order: Order, axis: str) -> None:
-    found = opened.margins_of(lqg.law(PLANT, regulate=REGULATORS[order]), lqg.TIME, axis, filtered=False)
+    margins = opened.margins_of(lqg.law(PLANT, regulate=REGULATORS[order]), lqg.TIME, axis, filtered=False)
     crossover, phase, gain, peak = MARGINS[order][axis]
-    assert found.stable
-    assert found.gain_crossings[-1].frequency / (2 * np.pi) == pytest.approx(crossover, abs=0.02)
-    assert found.phase_margin == pytest.approx(phase, abs=0.1)
-    assert found.gain_margin == pytest.approx(gain, abs=0.01)
-    assert found.peak_sensitivity == pytest.approx(peak, abs=0.01)
+    assert margins.stable
+    assert margins.gain_crossings[-1].frequency / (2 * np.pi) == pytest.approx(crossover, abs=0.02)
+    assert margins.phase_margin == pytest.approx(phase, abs=0.1)
+    assert margins.gain_margin == pytest.approx(gain, abs=0.01)
+    assert margins.peak_sensitivity == pytest.approx(peak, abs=0.01)
 
 
 def test_poles_of_the_loop_are_the_regulators_and_the_observers() -> None:
@@ -98,8 +98,8 @@ def test_poles_of_the_loop_are_the_regulators_and_the_observers() -> None:
         regulated = np.linalg.eigvals(A - B @ [[axis.k1, axis.k2, axis.k3]])
         L = opened.of_axis(lqg.law(PLANT), lqg.TIME, axis.name, filtered=False)
         poles = np.linalg.eigvals(L.A - L.B @ L.C)
-        for wanted in (*regulated, lqg.OBSERVER_POLE[axis.name]):
-            assert np.abs(poles - wanted).min() < tolerances.of("multiple_root"), axis.name
+        for pole in (*regulated, lqg.OBSERVER_POLE[axis.name]):
+            assert np.abs(poles - pole).min() < tolerances.of("multiple_root"), axis.name
         assert np.abs(regulated).max() < 0.96
 
 
@@ -108,8 +108,8 @@ def test_what_the_observers_pole_costs(monkeypatch: pytest.MonkeyPatch, axis: st
     for p, expected in PEAKS[axis].items():
         monkeypatch.setitem(lqg.OBSERVER_POLE, axis, p)
         L = opened.of_axis(lqg.law(PLANT), lqg.TIME, axis, filtered=False)
-        found = opened.margins.of_loop(L)
-        assert found.stable and found.peak_sensitivity == pytest.approx(expected, abs=0.01)
+        margins = opened.margins.of_loop(L)
+        assert margins.stable and margins.peak_sensitivity == pytest.approx(expected, abs=0.01)
         if p in CURRENTS.get(axis, {}):
             assert NOISE[axis] * demand(axis, p) == pytest.approx(CURRENTS[axis][p], abs=0.005)
 
@@ -208,13 +208,17 @@ def test_a_step_beyond_the_motors_does_not_wind_up(monkeypatch: pytest.MonkeyPat
     law = unbounded(monkeypatch)
     deaf = law
     for axis in ("x", "phi"):
-        deaf = [*loop.cut(deaf, f"made_{axis}"), *opened.passed(lqg.TIME, {f"made_{axis}": f"d_{axis}"}, "A")]
+        deaf = [*loop.cut(deaf, f"made_{axis}"), *opened.renaming_blocks(lqg.TIME, {f"made_{axis}": f"d_{axis}"}, "A")]
     assert len(deaf) == len(law) + 2
     runs = [drawn.run(drawn.compiled(each, lqg.TIME), 0.6, {"x": 5e-3}) for each in (law, deaf)]
-    told, untold = (drawn.overshoot(run["x"], 5e-3) for run in runs)
-    assert np.count_nonzero(random_steps.saturated(runs[0].commands)) > 20
+    with_anti_windup, without = (drawn.overshoot(run["x"], 5e-3) for run in runs)
+    assert np.count_nonzero(random_steps.is_saturated(runs[0].commands)) > 20
     # A motor's 1.13 A along its motion leave 55 %.
-    assert told < 0.6 and not untold < 2 * told and runs[0]["x"][-1] == pytest.approx(5e-3, rel=1e-6)
+    assert (
+        with_anti_windup < 0.6
+        and not without < 2 * with_anti_windup
+        and runs[0]["x"][-1] == pytest.approx(5e-3, rel=1e-6)
+    )
 
 
 # axis: height in m, overshoot
@@ -252,7 +256,7 @@ def test_it_starts_at_rest_wherever_the_platen_is(order: Order) -> None:
 
 def test_gains_are_those_of_the_reference() -> None:
     for axis in lqg.axes(PLANT):
-        other, found = reference.axes()[axis.name], lqg.observer(axis)
+        other, observer = reference.axes()[axis.name], lqg.observer(axis)
         pairs = ((axis.b, other.b), (axis.k1, other.k_q), (axis.k2, other.k_v), (axis.k3, other.k_z))
-        for mine, theirs in (*pairs, (found.F[0, 0], other.p)):
+        for mine, theirs in (*pairs, (observer.F[0, 0], other.p)):
             assert mine == pytest.approx(theirs, rel=DOUBLE)

@@ -19,9 +19,9 @@ ROOT = Path(__file__).parents[3]
 def test_it_shows_the_whole_loop_and_what_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     loop = loops.of(lqg.controller(planar_stage.plant()))
     short_runs.coarse(monkeypatch)
-    found = shared.parts(planar_stage.plant(), lqg.controller(planar_stage.plant()))
-    monkeypatch.setattr(page.loops, "all_loops", lambda _: shared.of_parts(found, ("x", "psi"), "as shipped"))
-    monkeypatch.setattr(page.loops, "horizontals", lambda _: {"as shipped": shared.horizontal(found)})
+    parts = shared.parts(planar_stage.plant(), lqg.controller(planar_stage.plant()))
+    monkeypatch.setattr(page.loops, "all_loops", lambda _: shared.of_parts(parts, ("x", "psi"), "as shipped"))
+    monkeypatch.setattr(page.loops, "horizontals", lambda _: {"as shipped": shared.horizontal(parts)})
     step = experiments.step_experiment(loop, experiments.step(loop, "x", 50e-6, 1.5), "step_x", "x by 50 um", None)
     gains = (ROOT / "generated_c" / lqg.NAME / "gains.json").read_text()
     html = page.report({lqg.NAME: Emitted({"gains.json": gains}, {})}, Evidence(lqg.NAME, (), ()), [step], [], None)
