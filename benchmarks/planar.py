@@ -34,7 +34,7 @@ BARS = {"lead-lag": 800, "LQG": 700, "LQG, full order": 700, "reduced core": 95,
 COMMON_STEPS = {True: 60, False: 12}  # closed-loop steps that CasADi's C is given, with the shim and as emitted
 BREAKDOWN_STEPS = 500  # closed-loop steps that are taken apart
 CORE = 2000  # steps of a core
-PARTS = {"sensing": ("sensing", "heights"), "filters": ("filter_",), "law": ("loop_", "lqg_")}
+PARTS = {"sensing": ("sensing", "vertical_kinematics"), "filters": ("filter_",), "law": ("loop_", "lqg_")}
 WIDTHS = (17, 20, 8, 9, 10, 15, 10)
 
 

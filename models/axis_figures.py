@@ -71,7 +71,7 @@ class Step:
 
     rise: float
     overshoot: float
-    settled: float
+    settling: float
 
 
 def vertical(inertia: float, spring: float, gain: float, lead: float, lag: float, reset: float) -> Axis:

@@ -82,13 +82,21 @@ HELD = tuple(Signal(f"{name}_held", "V", -VOLTAGE, VOLTAGE, "Hall sensor and axi
 READY = Signal("ready", "1", 0, 1, "every measurement was good at once")
 COMPLETE = Signal("complete", "1", 0, 1, "every voltage is good")
 FAR = PITCHES * planar_stage.plant().parameter("l").value
-OFFSETS = tuple(Signal(f"offset_{a}", "m", -FAR, FAR, "whole pitches from the middle") for a in "xy")
+OFFSETS = tuple(Signal(f"offset_{a}", "m", -FAR, FAR, f"whole pitches from the middle, along {a}") for a in "xy")
 HALF = FAR / PITCHES / 2
-WITHIN = tuple(Signal(f"within_{a}", "m", -HALF, HALF, "raw position from the middle of its pitch") for a in "xy")
+WITHIN = tuple(
+    Signal(f"within_{a}", "m", -HALF, HALF, f"raw position along {a}, from the middle of its pitch") for a in "xy"
+)
 RATIOS = tuple(Signal(f"ratio_{a}", "1", -1, 1, "of the smaller voltage of a pair to the larger one") for a in "xy")
 RESIDUALS = (
-    *(Signal(f"m_{a}", "V^2", -1000, 1000, "squared amplitude of a pair, less that of the field") for a in "xy"),
-    *(Signal(f"r_{i}", "V", -50, 50, "difference of two sensors, less that of the predicted yaw") for i in "12"),
+    *(
+        Signal(f"m_{a}", "V^2", -1000, 1000, f"squared amplitude of the pair of {a}, less that of the field")
+        for a in "xy"
+    ),
+    *(
+        Signal(f"r_{i}", "V", -50, 50, f"{difference}, less what the predicted yaw makes of it")
+        for i, difference in (("1", "V_by - V_ay"), ("2", "V_cx - V_ax"))
+    ),
 )
 SUSPECTED = Signal(safety.SUSPECTED, "1", 0, 1, "the voltages contradict each other")
 SUSPECTS = tuple(Signal(f"suspect_{name}", "1", 0, 1, f"{name} contradicts the others") for name in HALL)
@@ -124,12 +132,12 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
         within = {axis: _place(pair, ratio[axis], k, cal) for axis, pair in (("x", X), ("y", Y))}
         offset = {axis: _nearest(at, x[f"offset_{axis}"], expected[axis], l) for axis, at in within.items()}
         known, squared = ca.logic_and(u["ready"], u["complete"]), _squared(r1, r2, X.m, Y.m, A)
-        beyond = ca.logic_or(x["doubt"], squared > (RESIDUAL * A) ** 2)
+        beyond = ca.logic_or(x["contradiction_left"], squared > (RESIDUAL * A) ** 2)
         doubt = ca.if_else(known, ca.logic_and(squared > (AGAIN * RESIDUAL * A) ** 2, beyond), 0)
         sure = ca.logic_and(ca.logic_not(doubt), u["complete"])
         output = {yaw: clip(phi + ca.if_else(sure, _turn(X, Y, (h1, h2), (r1, r2), k, A), 0), RAW["phi"])}
         next: dict[str, ca.SX] = {}
-        first = ca.logic_and(doubt, ca.logic_not(x["doubt"]))
+        first = ca.logic_and(doubt, ca.logic_not(x["contradiction_left"]))
         seen = {"m_x": X.m, "m_y": Y.m, "r_1": r1, "r_2": r2}
         for name, value in (seen | {"s_x": X.s, "s_y": Y.s, "phi": phi}).items():
             next[f"first_{name}"] = ca.if_else(first, value, x[f"first_{name}"])
@@ -140,26 +148,36 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
             output[f"{axis}_raw"] = ca.if_else(sure, at + offset[axis], held)
             output[f"within_{axis}"] = next[f"within_{axis}"]
         next |= {} if predicted else {yaw: output[yaw]}
-        again = ca.logic_and(doubt, x["doubt"])
-        waited = ca.if_else(ca.logic_and(sure, x["doubt"]), x["doubt"] - 1, x["doubt"])
-        next |= {"doubt": ca.if_else(doubt, MEMORY, waited), "named": ca.if_else(again, 1, x["named"])}
-        output |= {f"suspect_{name}": one for name, one in _suspects(x, A).items()} | {SUSPECTED.name: x["named"]}
+        again = ca.logic_and(doubt, x["contradiction_left"])
+        waited = ca.if_else(
+            ca.logic_and(sure, x["contradiction_left"]), x["contradiction_left"] - 1, x["contradiction_left"]
+        )
+        next |= {
+            "contradiction_left": ca.if_else(doubt, MEMORY, waited),
+            "contradiction_confirmed": ca.if_else(again, 1, x["contradiction_confirmed"]),
+        }
+        output |= {f"suspect_{name}": one for name, one in _suspects(x, A).items()} | {
+            SUSPECTED.name: x["contradiction_confirmed"]
+        }
         named = list(zip(RATIOS, ratio.values(), strict=True))
         return Step(output | seen, next, named, {s.name: lambda u, e: RATIOS[0].high for s in RATIOS})
 
     inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE]
     outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS]
-    states, constants, tag = _states(predicted), _constants(cal), "(1)-(5)"
+    states, constants, tag = _states(predicted), _constants(cal), "position and yaw, (1)-(5)"
     return build("sensing", time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
 
 
 def _states(predicted: bool) -> list[State]:
-    doubt = Signal("doubt", "1", 0, MEMORY, "samples for which a contradiction is still remembered")
-    named = Signal("named", "1", 0, 1, "a contradiction is confirmed")
-    first = [*RESIDUALS, *(Signal(f"s_{axis}", "V", -2 * VOLTAGE, 2 * VOLTAGE, "voltage") for axis in "xy")]
-    first.append(replace(PREDICTED["phi"], name="phi", about="yaw"))
-    shown = [replace(s, name=f"first_{s.name}", about=f"{s.about}, as a contradiction first shows it") for s in first]
-    last = [] if predicted else [replace(RAW["phi"], about="of the sample before")]
+    doubt = Signal("contradiction_left", "1", 0, MEMORY, "samples for which a contradiction is still remembered")
+    named = Signal("contradiction_confirmed", "1", 0, 1, "1 once a second contradiction has confirmed the first")
+    first = [
+        *RESIDUALS,
+        *(Signal(f"s_{axis}", "V", -2 * VOLTAGE, 2 * VOLTAGE, f"sine voltage of {axis}") for axis in "xy"),
+    ]
+    first.append(replace(PREDICTED["phi"], name="phi", about="predicted yaw"))
+    shown = [replace(s, name=f"first_{s.name}", about=f"{s.about}, at the first contradiction") for s in first]
+    last = [] if predicted else [replace(RAW["phi"], about="raw yaw of the sample before")]
     reals = (*shown, *OFFSETS, *WITHIN, *last)
     return [*(State(s, 0, True) for s in (doubt, named)), *(State(s, 0.0) for s in reals)]
 
@@ -169,10 +187,10 @@ def _constants(cal: hall_calibration.Calibration) -> list[Constant]:
     slope = [(f"slope_{n}", v, f"1/V^{2 * n + 2}") for n, v in enumerate(cal.slope)]
     power = [(f"power_{n}", v, unit) for n, (v, unit) in enumerate(zip(cal.power, _POWERS, strict=True))]
     fits = [
-        Constant(name, v, unit, f"{name.partition('_')[0]} in the calculated field")
+        Constant(name, v, unit, f"fit of the {name.partition('_')[0]} in the calculated field")
         for name, v, unit in (*position, *slope, *power)
     ]
-    return [*fits, Constant("third", 2 * WEIGHT / cal.amplitude**2, "1/V^2", "2 W / A^2")]
+    return [*fits, Constant("amplitude_weight", 2 * WEIGHT / cal.amplitude**2, "1/V^2", "2 W / A^2")]
 
 
 _POWERS = ("V^2", "1/V^2", "1/V^6")
@@ -193,8 +211,8 @@ def _turn(X: _Pair, Y: _Pair, h: tuple[ca.SX, ca.SX], r: tuple[ca.SX, ca.SX], k:
     """Return the yaw less the predicted one, rad; h3 is half of h_3."""
     h3 = X.s * (Y.s - Y.c) + Y.s * (X.s - X.c)
     (h1, h2), (r1, r2) = h, r
-    information = h1**2 + h2**2 + 2 * k["third"] * h3**2 + REGULAR * A**2
-    return (h1 * r1 - h2 * r2 + k["third"] * (h3 * (X.m - Y.m))) / information
+    information = h1**2 + h2**2 + 2 * k["amplitude_weight"] * h3**2 + REGULAR * A**2
+    return (h1 * r1 - h2 * r2 + k["amplitude_weight"] * (h3 * (X.m - Y.m))) / information
 
 
 def _place(p: _Pair, r: ca.SX, k: Exprs, cal: hall_calibration.Calibration) -> ca.SX:

@@ -21,7 +21,7 @@ with B = B_Z of the array along y, and f_z the same with -B_Y. With the fundamen
     G = (sqrt(2) w l^2 / pi^2) (1 - exp(-gamma Gamma)) (1 - exp(-gamma Delta))
 
 (17) prints 1/2 where the integral gives 3 / (2 pi): the distribution factor 3/pi of bands of 60 degrees is missing, and
-the printed force is 4.7 % too large. `Reading` names the choice. The harmonics 5 and 9 of the field make a ripple.
+the printed force is 4.7 % too large. `Variant` names the choice. The harmonics 5 and 9 of the field make a ripple.
 
 Source: Yu, Kim, "Design of Precision Positioner with Hall-effect Sensors and Multivariable Control Methodology", (17),
 Tables 1 and 2.
@@ -80,9 +80,9 @@ def geometric_constant(p: Values) -> ca.SX:
     return ca.sqrt(2) * p["w"] * p["l"] ** 2 / pi**2 * (1 - ca.exp(-k * thickness(p))) * (1 - ca.exp(-k * p["Delta"]))
 
 
-def force_constant(p: Values, reading: Variant = "lorentz") -> ca.SX:
+def force_constant(p: Values, variant: Variant = "lorentz") -> ca.SX:
     """Return K in N/A at the gap z0. Source: (17), whose factor 1/2 is "printed"."""
-    factor = {"lorentz": 3 / (2 * pi), "printed": 0.5}[reading]
+    factor = {"lorentz": 3 / (2 * pi), "printed": 0.5}[variant]
     decay = ca.exp(-halbach.wave_number(p) * p["z0"])
     return factor * p["mu0_M0"] * turn_density(p) * p["Nm"] * geometric_constant(p) * decay
 

@@ -43,40 +43,40 @@ class Inversion(NamedTuple):
     """How many axes of (11) are double integrators under (12), and the greatest |q''| that is left of (9) at w = 0."""
 
     axes: int
-    left: Mapping[str, float]
+    residual: Mapping[str, float]
 
 
 @lru_cache(maxsize=8)
-def balance(plant: Plant, reading: str) -> Callable[[float], pmlsm.Balance]:
+def balance(plant: Plant, variant: str) -> Callable[[float], pmlsm.Balance]:
     """Return what holds a quarter of the platen, by the gap in m."""
     p = maglev_stage.nominal(plant)
-    return pmlsm.balance(p["M_y"] * p["G"] / 4, p, VARIANTS[reading])
+    return pmlsm.balance(p["M_y"] * p["G"] / 4, p, VARIANTS[variant])
 
 
-def largest_current(plant: Plant, low: float, high: float, reading: str) -> float:
+def largest_current(plant: Plant, low: float, high: float, variant: str) -> float:
     """Return the largest direct current in A that holds the platen between two gaps in m; NaN where none does."""
-    return float(np.max([abs(balance(plant, reading)(gap).current) for gap in np.linspace(low, high, 27)]))
+    return float(np.max([abs(balance(plant, variant)(gap).current) for gap in np.linspace(low, high, 27)]))
 
 
-def gap_of_zero(plant: Plant, reading: str, quantity: str) -> float:
+def gap_of_zero(plant: Plant, variant: str, quantity: str) -> float:
     """Return the gap in m, from 5 to 100 mm, at which a quantity of the balance changes its sign; NaN without one."""
 
     def value(gap: float) -> float:
-        return float(getattr(balance(plant, reading)(gap), quantity))
+        return float(getattr(balance(plant, variant)(gap), quantity))
 
     ends = 0.005, 0.1
     return nan if value(ends[0]) * value(ends[1]) > 0 else float(brentq(value, *ends, xtol=1e-12))
 
 
-def stress_ratio(plant: Plant, reading: str) -> float:
+def stress_ratio(plant: Plant, variant: str) -> float:
     """Return K_v2^2 / (4 K_v1 K_v3)."""
-    K = pmlsm.constants(maglev_stage.nominal(plant), VARIANTS[reading])
+    K = pmlsm.constants(maglev_stage.nominal(plant), VARIANTS[variant])
     return float(K.K_v2**2 / (4 * K.K_v1 * K.K_v3))
 
 
-def thrust(plant: Plant, gap: float, reading: str) -> float:
+def thrust(plant: Plant, gap: float, variant: str) -> float:
     """Return the thrust per rms ampere in N/A at a gap in m."""
-    return float(pmlsm.thrust(ca.SX(gap), ca.SX(-1.0), maglev_stage.nominal(plant), VARIANTS[reading]))
+    return float(pmlsm.thrust(ca.SX(gap), ca.SX(-1.0), maglev_stage.nominal(plant), VARIANTS[variant]))
 
 
 @lru_cache(maxsize=8)

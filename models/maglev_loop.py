@@ -35,11 +35,11 @@ class Regulator:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Errors in m and rad by axis at the times (N,); `left_at` is when the gap left its range, s, or infinity."""
+    """Errors in m and rad by axis at the times (N,); `exit_time` is when the gap left its range, s, or infinity."""
 
     time: Array
     error: Mapping[str, Array]
-    left_at: float
+    exit_time: float
 
 
 def run(

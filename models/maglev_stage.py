@@ -110,15 +110,15 @@ def input_transformation(v: Exprs) -> dict[str, ca.SX]:
     }
 
 
-def accelerations(x: Exprs, u: Exprs, p: Exprs, reading: pmlsm.Variant = pmlsm.STRESS) -> dict[str, ca.SX]:
+def accelerations(x: Exprs, u: Exprs, p: Exprs, variant: pmlsm.Variant = pmlsm.STRESS) -> dict[str, ca.SX]:
     """Return y'', x'', z'' in m/s^2 and phi'', theta'' in rad/s^2 from y, phi, theta and the six currents.
 
     Source: (6), (7), with every quadratic term.
     """
     g = gaps(x, p)
     motors = list(zip(g, (u[f"i_d{j}"] for j in (1, 2, 3, 4)), (u[name] for name in QUADRATURE), strict=True))
-    F_V = [pmlsm.normal_force(gap, i_d, i_q, p, reading) for gap, i_d, i_q in motors]
-    F_H = [pmlsm.thrust(gap, i_q, p, reading) for gap, _, i_q in motors]
+    F_V = [pmlsm.normal_force(gap, i_d, i_q, p, variant) for gap, i_d, i_q in motors]
+    F_H = [pmlsm.thrust(gap, i_q, p, variant) for gap, _, i_q in motors]
     return {
         "y": p["G"] + sum(F_V) / p["M_y"],
         "x": (F_H[1] + F_H[3]) / p["M_x"],
@@ -146,10 +146,10 @@ def plant(lv3: str = "csch2") -> Plant:
 
     Raises ModelError for another `lv3`.
     """
-    reading = force_variant(lv3)
+    variant = force_variant(lv3)
 
     def physics(x: Exprs, u: Exprs, p: Exprs) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
-        second = accelerations(x, u, p, reading)
+        second = accelerations(x, u, p, variant)
         derivative = {q: x[v] for q, v in RATE.items()} | {v: second[q] for q, v in RATE.items()}
         named_gaps = {f"g{j}": g for j, g in enumerate(gaps(x, p), 1)}
         return derivative, {q: x[q] for q in RATE} | named_gaps
@@ -191,7 +191,7 @@ def parameter_symbols() -> dict[str, ca.SX]:
 
 
 def force_variant(lv3: str) -> pmlsm.Variant:
-    """Return the reading with the factor "csch2" or "coth2" in L_v3; raise ModelError for another."""
+    """Return the variant with the factor "csch2" or "coth2" in L_v3; raise ModelError for another."""
     if lv3 == "csch2":
         return pmlsm.Variant("csch2")
     if lv3 == "coth2":

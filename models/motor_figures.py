@@ -28,9 +28,9 @@ def G(l: float, w: float, area: float, Delta: float) -> float:
     return float(lorentz_motor.geometric_constant(constants({"l": l, "w": w, "area": area, "Delta": Delta})))
 
 
-def force_constant(p: Parameters, reading: lorentz_motor.Variant = "lorentz") -> float:
+def force_constant(p: Parameters, variant: lorentz_motor.Variant = "lorentz") -> float:
     """Return K in N/A."""
-    return float(lorentz_motor.force_constant(constants(p), reading))
+    return float(lorentz_motor.force_constant(constants(p), variant))
 
 
 def lorentz_force(p: Parameters, y: float) -> tuple[float, float]:

@@ -28,7 +28,7 @@ it. DIRECT holds theta and psi at 2 mrad against their springs, both at once. C 
 its torque back: by what the yaw demands of them, to half of QUADRATURE at least. With less for the yaw the platen turns
 on while C pushes its most; with more, noise in the yaw would limit C. i_CQ stands for d_x' in the currents of A and B.
 Of these yaw comes first and y has what it leaves: a platen that turns too far is lost, one that is late is not.
-`made_*` are the demands that the limited currents meet, for anti-windup.
+`achieved_*` are the demands that the limited currents meet, for anti-windup.
 
 Source: Yu, Kim, section 5.1, (17), Table 3.
 """
@@ -57,7 +57,8 @@ BOX = {s.name: s for s in planar_stage.STATES}
 YAW = replace(BOX["phi"], low=-0.075, high=0.075)  # rad: what the filter leaves of raw yaws within 0.025
 DEMANDS = tuple(Signal(f"d_{axis}", "A", -1e5, 1e5, f"demand over the scale of {axis}") for axis in AXES)
 ACHIEVED = tuple(
-    replace(s, name=f"made_{axis}", about="by the limited currents") for axis, s in zip(AXES, DEMANDS, strict=True)
+    replace(s, name=f"achieved_{axis}", about="demand that the limited currents achieve")
+    for axis, s in zip(AXES, DEMANDS, strict=True)
 )
 CURRENTS = tuple(
     Signal(f"i_{motor}{axis}", "A", -bound, bound, f"{what} current of motor {motor}, peak of a phase")
@@ -96,8 +97,8 @@ def allocation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
     across, rear = c / (2 * a), 2 * b / c
     constants = [
         Constant("half", 0.5, "1", "Table 3: 1/2"),
-        Constant("part", c / (2 * (b + c)), "1", "Table 3: c/(2 (b + c))"),
-        Constant("front_part", b / (2 * (b + c)), "1", "Table 3: b/(2 (b + c))"),
+        Constant("rear_share", c / (2 * (b + c)), "1", "Table 3: c/(2 (b + c))"),
+        Constant("front_share", b / (2 * (b + c)), "1", "Table 3: b/(2 (b + c))"),
     ]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
@@ -119,13 +120,13 @@ def allocation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
             cos * C - sin * both,
             sin * C + cos * both,
             yaw - _product(across, C),
-            k["part"] * (lifts + Cz),
-            k["part"] * Cz - k["front_part"] * lifts,
+            k["rear_share"] * (lifts + Cz),
+            k["rear_share"] * Cz - k["front_share"] * lifts,
             k["half"] * (Az - Bz),
         )
         return Step(dict(zip((s.name for s in (*CURRENTS, *ACHIEVED)), (*currents, *achieved), strict=True)))
 
-    inputs, outputs, tag = [*DEMANDS, phi], [*CURRENTS, *ACHIEVED], "Table 3, (17), limits"
+    inputs, outputs, tag = [*DEMANDS, phi], [*CURRENTS, *ACHIEVED], "motor currents, Table 3, (17)"
     return build("allocation", time, law, inputs=inputs, outputs=outputs, constants=constants, tag=tag)
 
 
@@ -147,7 +148,7 @@ def commutation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         angle = clip(u[phi.name], YAW)
         behind = b * ca.cos(angle) - turns * l / 4
-        back, named = _cos_sin("back", u["within_x"] - c * ca.sin(angle), l)
+        back, named = _cos_sin("rear", u["within_x"] - c * ca.sin(angle), l)
         front, named_front = _cos_sin("front", u["within_y"] - behind, l)
         for _ in range(turns):
             front = (front[1], -front[0])
@@ -164,7 +165,14 @@ def commutation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
             output |= {f"i_{motor}{p}_computed": i for p, i in zip(lorentz_motor.OFFSETS, phases, strict=True)}
         return Step(output, named=[*named, *named_front], certified=dict.fromkeys(output, _phase_bound))
 
-    return build("commutation", time, law, inputs=[*CURRENTS, *WITHIN, phi], outputs=COMPUTED, tag="(17) inverted")
+    return build(
+        "commutation",
+        time,
+        law,
+        inputs=[*CURRENTS, *WITHIN, phi],
+        outputs=COMPUTED,
+        tag="phase currents, (17) inverted",
+    )
 
 
 def _phase_bound(u: float, e: float) -> float:

@@ -58,12 +58,12 @@ PARAMETERS = (
 AXES = ("x", "y", "phi", "z", "theta", "psi")
 RATE = {axis: f"v{axis}" if axis in "xyz" else f"w{axis}" for axis in AXES}
 STATES = (
-    Signal("x", "m", -0.11, 0.11, "of the mass centre, from a strong block's centre"),
-    Signal("y", "m", -0.10, 0.10),
+    Signal("x", "m", -0.11, 0.11, "position of the mass centre along X, from a strong block's centre"),
+    Signal("y", "m", -0.10, 0.10, "position of the mass centre along Y"),
     Signal("phi", "rad", -0.02, 0.02, "yaw"),
-    Signal("z", "m", -2e-4, 2e-4, "up from the nominal gap"),
-    Signal("theta", "rad", -2e-3, 2e-3, "about X"),
-    Signal("psi", "rad", -2e-3, 2e-3, "about Y"),
+    Signal("z", "m", -2e-4, 2e-4, "height above the nominal gap"),
+    Signal("theta", "rad", -2e-3, 2e-3, "tilt about X"),
+    Signal("psi", "rad", -2e-3, 2e-3, "tilt about Y"),
     *(Signal(f"v{axis}", "m/s", -1.0, 1.0) for axis in "xy"),
     Signal("wphi", "rad/s", -5.0, 5.0),
     Signal("vz", "m/s", -0.1, 0.1),
@@ -78,10 +78,16 @@ INPUTS = tuple(
 )
 HALL = tuple(f"V_{sensor}{axis}" for sensor in "abc" for axis in "xy")
 LASERS = ("d1", "d2", "d3")
+ABOUT = {
+    **{name: f"voltage of Hall sensor {name[2].upper()} along {name[3]}" for name in HALL},
+    "d1": "laser distance at the front left, up from nominal",
+    "d2": "laser distance at the front right, up from nominal",
+    "d3": "laser distance at the rear, up from nominal",
+}
 OUTPUTS = (
     *(signal for signal in STATES if signal.name in AXES),
-    *(Signal(name, "V", -10.0, 10.0, "Hall sensor and axis") for name in HALL),
-    *(Signal(name, "m", -5e-4, 5e-4, "laser distance, up from nominal") for name in LASERS),
+    *(Signal(name, "V", -10.0, 10.0, ABOUT[name]) for name in HALL),
+    *(Signal(name, "m", -5e-4, 5e-4, ABOUT[name]) for name in LASERS),
 )
 
 

@@ -15,7 +15,7 @@ Every function takes `p`, the parameters by name: symbols or numbers.
 
 Readings of the print. It says "3 pole pairs" for p, K_v2 ~ 1/p^2 and L_v3 ~ coth^2. Maxwell's stress of a current sheet
 between two irons gives p = 6 poles, K_v2 ~ 1/p (only then K_v2^2 = 4 K_v1 K_v3) and L_v3 ~ csch^2: the tangential field
-on the sheet lowers the attraction by the missing coth^2 - csch^2 = 1. `Reading` names each choice.
+on the sheet lowers the attraction by the missing coth^2 - csch^2 = 1. `Variant` names each choice.
 
 Source: Fulford, Maggiore, Apkarian, "Control of a 5DOF Magnetically Levitated Positioning Stage", (1)-(4), Table I.
 """
@@ -132,25 +132,25 @@ def magnet_field(g: ca.SX, p: Values) -> ca.SX:
     return sheet * ca.sinh(k * p["h_m"]) / ca.sinh(k * (p["h_m"] + g))
 
 
-def constants(p: Values, reading: Variant = STRESS) -> Constants:
-    """Return K_h, K_v1, K_v2, K_v3. Source: (3), (4), with p and its power in K_v2 as `reading` says."""
+def constants(p: Values, variant: Variant = STRESS) -> Constants:
+    """Return K_h, K_v1, K_v2, K_v3. Source: (3), (4), with p and its power in K_v2 as `variant` says."""
     k, k_w1 = ca.pi / p["tau"], winding_factor(p)
-    poles = p["p"] if reading.p_counts == "poles" else p["p"] / 2
+    poles = p["p"] if variant.p_counts == "poles" else p["p"] / 2
     magnets = p["L_A"] * p["p_m"]
     charge = p["H_c"] * p["mu0"] * ca.sinh(k * p["h_m"]) * ca.sin(k * p["tau_p"] / 2)
     return Constants(
         K_h=12 * ca.sqrt(2) * p["W"] * k_w1 * magnets * charge / (ca.pi * poles),
         K_v1=magnets * p["tau"] / (4 * p["mu0"]),
-        K_v2=3 * ca.sqrt(2) * magnets * p["W"] * k_w1 / poles**reading.kv2_power,
+        K_v2=3 * ca.sqrt(2) * magnets * p["W"] * k_w1 / poles**variant.kv2_power,
         K_v3=18 * magnets * p["W"] ** 2 * k_w1**2 * p["mu0"] / (p["tau"] * poles**2),
     )
 
 
-def coefficients(g: ca.SX, p: Values, reading: Variant = STRESS) -> Coefficients:
-    """Return L_h, L_v1, L_v2, L_v3 at the gap `g` in m. Source: (3), (4), with the factor in L_v3 as `reading` says."""
+def coefficients(g: ca.SX, p: Values, variant: Variant = STRESS) -> Coefficients:
+    """Return L_h, L_v1, L_v2, L_v3 at the gap `g` in m. Source: (3), (4), with the factor in L_v3 as `variant` says."""
     height = ca.pi / p["tau"] * (p["h_m"] + g)
     lambda_, K_c, B = permeance_factor(g, p), carter_coefficient(g, p), magnet_field(g, p)
-    stress = {"csch2": 1 / ca.sinh(height) ** 2, "coth2": 1 / ca.tanh(height) ** 2}[reading.lv3]
+    stress = {"csch2": 1 / ca.sinh(height) ** 2, "coth2": 1 / ca.tanh(height) ** 2}[variant.lv3]
     return Coefficients(
         L_h=lambda_ / (K_c * ca.sinh(height)),
         L_v1=lambda_ * B**2,
@@ -159,17 +159,17 @@ def coefficients(g: ca.SX, p: Values, reading: Variant = STRESS) -> Coefficients
     )
 
 
-def thrust(g: ca.SX, i_q: ca.SX, p: Values, reading: Variant = STRESS) -> ca.SX:
+def thrust(g: ca.SX, i_q: ca.SX, p: Values, variant: Variant = STRESS) -> ca.SX:
     """Return F_H = -K_h L_h(g) i_q in N, for a gap in m and an rms current in A. Source: (1)."""
-    return -constants(p, reading).K_h * coefficients(g, p, reading).L_h * i_q
+    return -constants(p, variant).K_h * coefficients(g, p, variant).L_h * i_q
 
 
-def normal_force(g: ca.SX, i_d: ca.SX, i_q: ca.SX, p: Values, reading: Variant = STRESS) -> ca.SX:
+def normal_force(g: ca.SX, i_d: ca.SX, i_q: ca.SX, p: Values, variant: Variant = STRESS) -> ca.SX:
     """Return F_V = -K_v1 L_v1 + K_v2 L_v2 i_d - K_v3 L_v3 (i_d^2 + i_q^2) in N, positive when it opens the gap.
 
     `g` is the gap in m, `i_d` and `i_q` are rms currents in A. Source: (2).
     """
-    K, L = constants(p, reading), coefficients(g, p, reading)
+    K, L = constants(p, variant), coefficients(g, p, variant)
     return -K.K_v1 * L.L_v1 + K.K_v2 * L.L_v2 * i_d - K.K_v3 * L.L_v3 * (i_d**2 + i_q**2)
 
 
@@ -193,16 +193,16 @@ class Balance:
         return -2 * self.free / (self.linear + sqrt(D)) if D >= 0 else nan
 
 
-def balance(load: ca.SX, p: Values, reading: Variant = STRESS) -> Callable[[float], Balance]:
+def balance(load: ca.SX, p: Values, variant: Variant = STRESS) -> Callable[[float], Balance]:
     """Return the balance of a `load` in N, downwards, by the gap in m; parameters are numbers. Source: (2)."""
     g = ca.SX.sym("g")
-    K, L = constants(p, reading), coefficients(g, p, reading)
+    K, L = constants(p, variant), coefficients(g, p, variant)
     terms = ca.Function("balance", [g], [load - K.K_v1 * L.L_v1, K.K_v2 * L.L_v2, -K.K_v3 * L.L_v3])
     return lambda gap: Balance(*map(float, terms(gap)))
 
 
 def force_law(g: ca.SX, p: Values) -> ForceLaw:
-    """Return (1) and (2) at the gap `g` in m, for the reading STRESS, with all four coefficients from the thrust's h.
+    """Return (1) and (2) at the gap `g` in m, for the variant STRESS, with all four coefficients from the thrust's h.
 
     With S = B_pmy1 sinh(k (h_m + g)), which does not depend on the gap, K_v2 S = K_h and K_v2^2 = 4 K_v1 K_v3, so that
 

@@ -6,7 +6,7 @@ The published gains come from continuous LQR; they are used at 1 kHz as the pape
 beside them in gains.json. Readings where the paper is silent: the phi loop takes the theta loop's weights, which are
 not published for it; a motor's limit is on sqrt(i_d^2 + i_q^2), levitation first; each motor's forces are taken at its
 own measured gap, and what i_q^2 attracts at the thrust current of the sample before. Two things are changed, and
-`restored=False` leaves F(12) as printed: what it drops of i_d^2 is put back at the currents of the sample before, and
+`corrected=False` leaves F(12) as printed: what it drops of i_d^2 is put back at the currents of the sample before, and
 only a part of the guides' springs is compensated.
 """
 
@@ -146,8 +146,8 @@ def gain(axis: Axis) -> lqr.Gain:
     return lqr.lqr(axis_plant(axis), np.diag(axis.weights), np.eye(1), exact=True)
 
 
-def regulator_block(axis: Axis, wound: bool = True) -> Block:
-    """Return the regulator of one axis, F(14)-(17), or F(14)-(16) when `wound` is false."""
+def regulator_block(axis: Axis, anti_windup: bool = True) -> Block:
+    """Return the regulator of one axis, F(14)-(17), or F(14)-(16) when `anti_windup` is false."""
     return regulator.block(
         f"regulator_{axis.name}",
         TIME,
@@ -157,7 +157,7 @@ def regulator_block(axis: Axis, wound: bool = True) -> Block:
         rate=axis.rate,
         demand=axis.demand,
         bounds=ETA_BOUNDS,
-        anti_windup=(axis.excess, ANTI_WINDUP) if axis.excess and wound else None,
+        anti_windup=(axis.excess, ANTI_WINDUP) if axis.excess and anti_windup else None,
         tag="F(14)-(17)" if axis.excess else "F(14)-(16)",
     )
 
@@ -171,7 +171,7 @@ def kinematics(plant: Plant) -> Block:
         return Step(maglev_stage.kinematics(y1, y2, y3, y4, r))
 
     outputs = [a.position for a in AXES if a.name in POSE]
-    return build("kinematics", TIME, law, inputs=HELD, outputs=outputs, tag="F(5) inverted")
+    return build("kinematics", TIME, law, inputs=HELD, outputs=outputs, tag="pose from the gaps, F(5)")
 
 
 def errors() -> Block:
@@ -181,25 +181,25 @@ def errors() -> Block:
         return Step({a.error.name: u[a.position.name] - u[a.reference.name] for a in AXES})
 
     inputs = [s for a in AXES for s in (a.position, a.reference)]
-    return build("errors", TIME, law, inputs=inputs, outputs=[a.error for a in AXES], tag="F(14) e")
+    return build("errors", TIME, law, inputs=inputs, outputs=[a.error for a in AXES], tag="tracking errors, F(14)")
 
 
-def decoupling(plant: Plant, restored: bool = True) -> Block:
+def decoupling(plant: Plant, corrected: bool = True) -> Block:
     """Return the Block from demanded accelerations to limited currents, F(8) and F(12).
 
     Each motor's forces are taken at its own measured gap. The attraction by i_d^2 + i_q^2 is taken at the currents of
-    the sample before, so that the rest is linear; where it is not `restored`, that of i_d^2 is left out as in F(11).
+    the sample before, so that the rest is linear; where it is not `corrected`, that of i_d^2 is left out as in F(11).
     Each motor keeps hypot(i_d, i_q) <= CURRENT with i_d served first.
     """
     lifting, values = Signal("i", "A", -DIRECT, DIRECT), maglev_stage.nominal(plant)
-    values |= {n: part * values[n] for n, part in COMPENSATED.items()} if restored else {}
+    values |= {n: part * values[n] for n, part in COMPENSATED.items()} if corrected else {}
     angles = [a.position for a in AXES if a.name in ("phi", "theta")]
     before = [INTERFACE.before(s.name) for s in CURRENTS]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         motors = [pmlsm.force_law(u[s.name], values) for s in HELD]
         squares = [u[f"{thrust}_before"] ** 2 for thrust in maglev_stage.QUADRATURE]
-        if restored:
+        if corrected:
             squares = [i_q + u[f"i_d{j}_before"] ** 2 for j, i_q in zip(MOTORS, squares, strict=True)]
         w = {a.name: u[a.demand.name] for a in AXES}
         direct = maglev_stage.direct_currents(w, u, squares, motors, values)
@@ -217,14 +217,14 @@ def decoupling(plant: Plant, restored: bool = True) -> Block:
 
     inputs = [*HELD, *angles, *(a.demand for a in AXES), *before]
     outputs = [*(INTERFACE.computed(s.name) for s in CURRENTS), *(a.excess for a in AXES if a.excess)]
-    return build("decoupling", TIME, law, inputs=inputs, outputs=outputs, tag="F(8), F(12), limits")
+    return build("decoupling", TIME, law, inputs=inputs, outputs=outputs, tag="direct and thrust currents, F(8), F(12)")
 
 
 def _named_forces(j: int, m: pmlsm.ForceLaw, square: ca.SX) -> list[tuple[Signal, ca.SX]]:
     """Return what the C names of a motor's forces."""
     return [
-        (Signal(f"thrust_{j}", "N/A", 0, 100), m.h),
-        (Signal(f"pull_{j}", "A^2/N", 0, 100), m.ratio),
+        (Signal(f"thrust_per_ampere_{j}", "N/A", 0, 100), m.h),
+        (Signal(f"half_a_over_h2_{j}", "A^2/N", 0, 100), m.ratio),
         (Signal(f"half_a_{j}", "N", 0, 1e3), m.half_a),
         (Signal(f"half_c_{j}", "N/A^2", 0, 10), m.half_c),
         (Signal(f"half_load_{j}", "N", 0, 1e3), m.half_a + m.half_c * square),
@@ -244,20 +244,23 @@ def thrust_allocation() -> Block:
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         return Step({f"i_q{j}": u[name] for j, name in enumerate(maglev_stage.QUADRATURE, 1)})
 
-    return build("shares", TIME, law, inputs=CURRENTS[4:], outputs=OUTPUTS[4:], tag="F(6)")
+    return build("thrust_allocation", TIME, law, inputs=CURRENTS[4:], outputs=OUTPUTS[4:], tag="F(6)")
 
 
-def laws(plant: Plant, restored: bool = True, wound: bool = True) -> list[Block]:
-    """Return the laws for the stage's parameters; `wound=False` leaves the anti-windup out."""
+def laws(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> list[Block]:
+    """Return the laws for the stage's parameters; `anti_windup=False` leaves the anti-windup out."""
     loops: list[Block] = []
     for a in AXES:
-        loops += [derivative_filter.block(f"filter_{a.name}", TIME, a.error, a.rate, FILTER), regulator_block(a, wound)]
-    return [kinematics(plant), errors(), *loops, decoupling(plant, restored), thrust_allocation()]
+        loops += [
+            derivative_filter.block(f"filter_{a.name}", TIME, a.error, a.rate, FILTER),
+            regulator_block(a, anti_windup),
+        ]
+    return [kinematics(plant), errors(), *loops, decoupling(plant, corrected), thrust_allocation()]
 
 
-def controller(plant: Plant, restored: bool = True, wound: bool = True) -> stage.Controller:
+def controller(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> stage.Controller:
     """Return the whole controller, from six encoders and five set-points to the motors' currents."""
-    return stage.controller(NAME, TIME, INTERFACE, lambda: laws(plant, restored, wound), names(OUTPUTS))
+    return stage.controller(NAME, TIME, INTERFACE, lambda: laws(plant, corrected, anti_windup), names(OUTPUTS))
 
 
 def phase_currents(plant: Plant) -> Block:
@@ -287,6 +290,6 @@ def phase_currents(plant: Plant) -> Block:
     held = [replace(g.signal, name=f"{g.signal.name}_held") for g in guarded]
     blocks = [
         safety.guard(TIME, guarded, BAD_SAMPLES),
-        build("commutation", TIME, law, inputs=held, outputs=outputs, tag="inverse Park"),
+        build("commutation", TIME, law, inputs=held, outputs=outputs, tag="phase currents, inverse Park"),
     ]
     return compose(f"{NAME}_phase", blocks, inputs=names(g.signal for g in guarded), outputs=names(outputs))

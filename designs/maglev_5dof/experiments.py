@@ -171,15 +171,15 @@ def _tracking(rig: Rig, four: bool) -> Experiment:
 def without_anti_windup(scalar: str) -> host.Controller:
     """Return the controller without its anti-windup, compiled in a scalar type by name."""
     kind, plant = np.dtype(scalar).type, maglev_stage.plant()
-    return build.compiled(control.controller(plant, wound=False).block, kind, error=control.SURROGATE_ERROR[kind])
+    return build.compiled(control.controller(plant, anti_windup=False).block, kind, error=control.SURROGATE_ERROR[kind])
 
 
-def _windup(rig: Rig, wound: bool) -> Experiment:
+def _windup(rig: Rig, anti_windup: bool) -> Experiment:
     """Step x by 100 mm at a gap of 30 mm with the anti-windup (17), or without it."""
     bare = replace(rig, controller=without_anti_windup(np.dtype(rig.controller.scalar).name))
     about = "the stops along x are taken away, so that the overshoot shows"
     without, run = (_response(used, "x", 0.05, about, -0.05, gap=0.030) for used in (bare, rig))
-    if not wound:
+    if not anti_windup:
         return without
     ratio = run.figures["overshoot"] / without.figures["overshoot"]
     check = Check("overshoot with over overshoot without", ratio, 0.9, "1", "the anti-windup must matter here")
@@ -260,7 +260,7 @@ ALL = (
     *(_theta(mrad, _response, "paper_", ", x and z locked", **LOCKED) for mrad in (5, 10)),
     _run("ellipse", "3-DOF ellipse (Fig. 6)", _tracking, four=False),
     _run("tracking", "4-DOF tracking (Figs. 7, 8)", _tracking, four=True),
-    *(_run(f"windup_{kind}", WINDUP.format(kind), _windup, wound=kind == "with") for kind in ("with", "without")),
+    *(_run(f"windup_{kind}", WINDUP.format(kind), _windup, anti_windup=kind == "with") for kind in ("with", "without")),
     _run("lift_off", "Lift-off from the 31 mm stop, ramp of 1 s to 25 mm", _lift_off),
     *(_run(f"set_down_{mm:g}", LOST.format(mm), _set_down, gap=mm / 1e3) for mm in (18.1, 20, 25, 30)),
     _run("zero_current", "Zero current from 25 mm, for comparison", _zero_current),

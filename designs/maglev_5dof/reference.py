@@ -32,7 +32,7 @@ CURRENT = 7 / sqrt(2)  # A rms, 7 A peak, F section II
 DIRECT = CURRENT * (1 - 1e-4)  # the limit of i_d
 BAD_SAMPLES = 5
 SLEW = 100.0 / 1000  # A in a sample
-COMPENSATED = {"phi": 0.75, "theta": 0.95}  # the part of each guide spring that the restored law cancels
+COMPENSATED = {"phi": 0.75, "theta": 0.95}  # the part of each guide spring that the corrected law cancels
 BOX = {"y": (0.018, 0.031), "phi": (-0.003, 0.003), "theta": (-0.014, 0.014)}
 ODD, EVEN = (0.0168, 0.0322), (0.0124, 0.0366)  # gaps of motors 1, 3 and 2, 4
 LIMITS = {"y1": ODD, "y2": EVEN, "y3": ODD, "y4": EVEN, "x": (-0.1, 0.1), "z": (-0.1, 0.1)}
@@ -95,7 +95,7 @@ class Motor:
 class Constants:
     """K (5, 5) on (e, e', eta) by axis; c and E (3,) of eta; fade, rho and h of the filter.
 
-    `restored` puts back the squares of i_d that F(11) drops.
+    `corrected` puts back the squares of i_d that F(11) drops.
     """
 
     parameters: Parameters
@@ -103,7 +103,7 @@ class Constants:
     c: float
     E: Array
     filter: tuple[float, float, float]
-    restored: bool = True
+    corrected: bool = True
 
 
 def motor(g: Array, p: Parameters) -> Motor:
@@ -125,11 +125,11 @@ def motor(g: Array, p: Parameters) -> Motor:
 
 
 @cache
-def constants(restored: bool = True) -> Constants:
-    """Return the constants; `restored=False` is F(12) as printed."""
+def constants(corrected: bool = True) -> Constants:
+    """Return the constants; `corrected=False` is F(12) as printed."""
     model, filter = reference_gains.internal_model(), reference_gains.derivative_filter()
     K = np.array([model.in_eta(reference_gains.gain(WEIGHTS[s])) for s in AXES])
-    return Constants(Parameters(), K, float(model.c), np.array([float(v) for v in model.E]), filter, restored)
+    return Constants(Parameters(), K, float(model.c), np.array([float(v) for v in model.E]), filter, corrected)
 
 
 def rows(columns: Columns, names: Iterable[str]) -> Array:
@@ -187,7 +187,7 @@ def direct_currents(w: Array, at: Array, m: Motor, load: Array, k: Constants) ->
     The forces f_j = b_j i_dj have a given sum f, differences f3 - f1 = d and f2 - f4 = c, and the currents obey
     i_d1 + i_d3 = i_d2 + i_d4, which is F(8): one linear equation in f1 + f3. F(12).
     """
-    p, (part_phi, part_theta) = k.parameters, COMPENSATED.values() if k.restored else (1.0, 1.0)
+    p, (part_phi, part_theta) = k.parameters, COMPENSATED.values() if k.corrected else (1.0, 1.0)
     (w_y, _, _, w_phi, w_theta), (_, _, _, phi, theta) = w, at
     f = p.M_y * (w_y - p.G) + sum(load)
     d = p.I / p.r * (w_phi + part_phi * p.k_s_phi * phi) + load[2] - load[0]
@@ -207,11 +207,11 @@ def limit_thrust(u: Array, first: Array, second: Array) -> Array:
 def currents(w: Array, q: Array, gaps: Array, before: Array, k: Constants) -> tuple[Array, Array]:
     """Return i_d1..i_d4, u_x, u_z (6, n) and by axis (5, n) u limited less u demanded. F(12), (17), levitation first.
 
-    The attraction by i_q^2 and, where the law is `restored`, by i_d^2 is that of the currents `before`, one sample ago.
+    The attraction by i_q^2 and, where the law is `corrected`, by i_d^2 is that of the currents `before`, one sample ago.
     """
     p, m = k.parameters, motor(gaps, k.parameters)
     squares = before[QUADRATURE] ** 2
-    if k.restored:
+    if k.corrected:
         squares = squares + before[:4] ** 2
     i_d = np.clip(direct_currents(w, q, m, m.a + m.c * squares, k), -DIRECT, DIRECT)
     first, second = [1, 0], [3, 2]  # motors 2 and 4 along x, 1 and 3 along z

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
 
-from designs.planar_6dof import bench, emitted, interface, loop, verification
+from designs.planar_6dof import artefacts, bench, interface, loop, verification
 from designs.planar_6dof.random_steps import Subject
 from models import halbach, planar_stage
 from synth import declared, stage
@@ -39,7 +39,7 @@ def design(
         experiments=experiments,
         limited=tuple(verification.COUNTS),  # the last pitch of the travel is their bound
         gains=lambda _: gains(),
-        recording=emitted.record_inputs,
+        recording=artefacts.record_inputs,
         verify=lambda _, progress, whole: verification.verify(subject(), progress, replays[whole]),
         audit=lambda shipped: audit(declared.rig(shipped, shipped.scalar)),
         bench=partial(declared.bench, own=bench.stimuli, floor=bench.FLOOR),

@@ -33,7 +33,7 @@ HORIZONTAL = planar_stage.AXES[:3]
 class StepRun:
     """A step of an axis by `height` (m, rad) at time[sample]: with noise, and its twin without.
 
-    `shown` and `shown_ideal` are the raw positions (N,), as the sensors show them.
+    `measured` and `measured_ideal` are the raw positions (N,), as the sensors show them.
     """
 
     axis: str
@@ -41,8 +41,8 @@ class StepRun:
     sample: int
     noisy: Trajectory
     ideal: Trajectory
-    shown: Array
-    shown_ideal: Array
+    measured: Array
+    measured_ideal: Array
     reference: Array
 
     @property
@@ -53,7 +53,7 @@ class StepRun:
     @property
     def response(self) -> Array:
         """The twin's position from the step on, as its sensors show it."""
-        return self.shown_ideal[self.sample :]
+        return self.measured_ideal[self.sample :]
 
 
 @dataclass(frozen=True)
@@ -89,14 +89,14 @@ def step(loop: Rig, axis: str, height: float, after: float = AFTER) -> StepRun:
     time = sample_times(SETTLE + after, loop.period_s)
     reference = np.where(time < SETTLE, 0.0, height)
     noisy, ideal = (simulate(each, SETTLE + after, {axis: reference}, {}) for each in (loop, loop.ideal))
-    shown, shown_ideal = (measured_positions(loop, run)[f"{axis}_raw"] for run in (noisy, ideal))
-    return StepRun(axis, height, int(np.argmax(time >= SETTLE)), noisy, ideal, shown, shown_ideal, reference)
+    measured, measured_ideal = (measured_positions(loop, run)[f"{axis}_raw"] for run in (noisy, ideal))
+    return StepRun(axis, height, int(np.argmax(time >= SETTLE)), noisy, ideal, measured, measured_ideal, reference)
 
 
 def step_experiment(loop: Rig, run: StepRun, name: str, title: str, limits: Limits | None) -> Experiment:
     """Return a step as an experiment; without `limits` its metrics are figures alone."""
     measured, small = step_metrics(run), MICRO_UNITS[run.axis]
-    measured_error, true_error = run.shown_ideal[-1] / run.height - 1, run.ideal[run.axis][-1] / run.height - 1
+    measured_error, true_error = run.measured_ideal[-1] / run.height - 1, run.ideal[run.axis][-1] / run.height - 1
     last = run.noisy[run.axis][-round(1.0 / loop.period_s) :]
     figures = measured | {
         "error at the end as shown, without noise, of the step": measured_error,

@@ -59,7 +59,7 @@ class Failed:
         return tuple(name for name in self.failure.others if name in HALL)
 
     @property
-    def unanswered(self) -> float:
+    def isolation_delay(self) -> float:
         """Samples from the first residual out of bounds to the channel's name or the latch, inf if there is neither.
 
         A latch counts where nobody is named at it: what others have been is no answer.
@@ -70,7 +70,7 @@ class Failed:
         return min((float(n - self.contradicted) for n in answers if n is not None), default=np.inf)
 
     @property
-    def coasting(self) -> float:
+    def coasting_speed(self) -> float:
         """How fast the platen goes on without current at the end, m/s, 0 without a latch."""
         run = self.failure.run
         return 0.0 if self.failure.latched is None else float(np.hypot(run["vx"][-1], run["vy"][-1]))
@@ -119,7 +119,7 @@ def _figures(runs: Sequence[Failed]) -> dict[str, float]:
             f"samples until the latch, {f.sensor}": _or_never(f.latched),
             f"sound channels named, {f.sensor}": len(each.others),
             f"furthest astray before the latch, {f.sensor}, um": 1e6 * f.excursion,
-            f"coasts at, {f.sensor}, mm/s": 1e3 * each.coasting,
+            f"coasts at, {f.sensor}, mm/s": 1e3 * each.coasting_speed,
         }
     return figures
 
@@ -153,7 +153,7 @@ def _slew_check(runs: Sequence[Failed]) -> Check:
 
 
 def _isolation_check(runs: Sequence[Failed]) -> Check:
-    slowest = max(f.unanswered for f in runs)
+    slowest = max(f.isolation_delay for f in runs)
     return Check(
         "samples from a residual out of bounds to the channel's name or the latch", slowest, ISOLATION_LIMIT, "1"
     )

@@ -82,10 +82,10 @@ def block(axis: str, time: Discrete) -> Block:
         next = {n: ca.if_else(in_bounds, value, u[raw.name] if n == "p" else 0) for n, value in prediction.items()}
         return Step({axis: ca.if_else(in_bounds, now, u[raw.name]), predicted.name: x["p"]}, next)
 
-    about = {"p": "predicted position", "s": "T velocity", "h": "T^2/2 acceleration"}
+    about = {"p": "predicted position", "s": "predicted velocity times T", "h": "predicted acceleration times T^2/2"}
     states = [State(replace(predicted, name=n, about=what), 0.0) for n, what in about.items()]
     inputs, outputs = [raw, sensing.READY], [replace(predicted, name=axis, about="filtered"), predicted]
-    name, tag = f"filter_{axis}", "(6)-(16)"
+    name, tag = f"filter_{axis}", "Kalman filter, (6)-(16)"
     return build(name, time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
 
 

@@ -35,13 +35,19 @@ SURROGATE_ERROR: Mapping[type[np.floating], float] = {np.float32: 2e-5, np.float
 
 
 VOLTS_PER_METRE = hall_calibration.of(planar_stage.plant()).volts_per_metre  # of the fundamental where it is 0
-_HALL = partial(Sensor, resolution=ADC, noise=NOISE * VOLTS_PER_METRE, held=False, about="Hall sensor and axis")
-_LASER = partial(Sensor, resolution=LASER_RESOLUTION, noise=LASER_NOISE, about="laser distance")
+_HALL = partial(Sensor, resolution=ADC, noise=NOISE * VOLTS_PER_METRE, held=False)
+_LASER = partial(Sensor, resolution=LASER_RESOLUTION, noise=LASER_NOISE)
 INTERFACE = stage.interface(
     planar_stage.plant(),
     sensors=[
-        *(_HALL(name, low=-sensing.VOLTAGE, high=sensing.VOLTAGE) for name in planar_stage.HALL),
-        *(_LASER(name, low=-vertical.LASER, high=vertical.LASER) for name in planar_stage.LASERS),
+        *(
+            _HALL(name, low=-sensing.VOLTAGE, high=sensing.VOLTAGE, about=planar_stage.ABOUT[name])
+            for name in planar_stage.HALL
+        ),
+        *(
+            _LASER(name, low=-vertical.LASER, high=vertical.LASER, about=planar_stage.ABOUT[name])
+            for name in planar_stage.LASERS
+        ),
     ],
     set_points=[SetPoint(f"{a}_ref", a, s.low, s.high, about=s.about) for a, s in vertical.REFERENCES.items()],
     actuators=[Actuator(name, safe=0.0, slew_per_s=SLEW) for name in names(planar_stage.INPUTS)],

@@ -122,12 +122,12 @@ def reduced_order(plant: Plant, axis: Axis) -> Block:
     """Return the regulator of one axis on the observer of its rate alone; x3 is kept in units of what it demands."""
     observed, T = observer(axis), TIME.period_s
     q, f1 = MEASURED[axis.name], allocation.achievable_bound(plant)[axis.name]
-    on_rate, on_force = axis.k1 * T + axis.k2, axis.b * T * (axis.k1 * T / 2 + axis.k2)
-    F, G, H, L = float(observed.F[0, 0]), *(on_rate * float(m[0, 0]) for m in (observed.G, observed.H, observed.L))
+    rate_gain, achieved_gain = axis.k1 * T + axis.k2, axis.b * T * (axis.k1 * T / 2 + axis.k2)
+    F, G, H, L = float(observed.F[0, 0]), *(rate_gain * float(m[0, 0]) for m in (observed.G, observed.H, observed.L))
     x3 = MARGIN * (abs(G) * q.high + abs(H) * f1) / (1 - abs(F))
     per = per_position(axis.name)
     constants = [
-        Constant("on_force", on_force, "1", "(49): b T (k1 T / 2 + k2)"),
+        Constant("achieved_gain", achieved_gain, "1", "(49): b T (k1 T / 2 + k2)"),
         Constant("L", L, per, "(33): (k1 T + k2) L, L = (1 - p) / T"),
         Constant("F", F, "1", "(35): A22 - L A12"),
         Constant("G", G, per, "(33): (k1 T + k2) (F L + A21 - L A11)"),
@@ -137,12 +137,12 @@ def reduced_order(plant: Plant, axis: Axis) -> Block:
     def estimate(u: Exprs, x: Exprs, k: Exprs) -> tuple[ca.SX, dict[str, ca.SX]]:
         seen = k["L"] * u[q.name]
         now = ca.if_else(u[READY.name], x["x3"], -seen)
-        after = k["F"] * now + k["G"] * u[q.name] + k["H"] * x["force"]
-        return -(now + seen + k["on_force"] * x["force"]), {"x3": after}
+        after = k["F"] * now + k["G"] * u[q.name] + k["H"] * x["achieved"]
+        return -(now + seen + k["achieved_gain"] * x["achieved"]), {"x3": after}
 
     unit = vertical.DEMAND[axis.name].unit
-    state = State(Signal("x3", unit, -x3, x3, "for the estimated rate less L position"), 0.0)
-    return regulator(plant, axis, estimate, [state], constants, x3 + L * q.high + on_force * f1)
+    state = State(Signal("x3", unit, -x3, x3, "estimated rate less L times the position, as a demand"), 0.0)
+    return regulator(plant, axis, estimate, [state], constants, x3 + L * q.high + achieved_gain * f1)
 
 
 Estimate = Callable[[Exprs, Exprs, Exprs], tuple[ca.SX, dict[str, ca.SX]]]
@@ -163,26 +163,28 @@ def regulator(
     def law(u: Exprs, x: Exprs, c: Exprs) -> Step:
         w, after = estimate(u, x, c)
         error = u[r.name] - u[q.name]
-        integral = c["kept"] * x["integral"] + c["driven"] * (u[achieved.name] - w)
+        integral = c["integral_decay"] * x["integral"] + c["integral_input"] * (u[achieved.name] - w)
         if most := ERROR.get(axis.name):
             is_small = ca.fabs(error) <= most
             error = ca.if_else(is_small, error, ca.if_else(error < 0, -most, most))
-            integral = ca.if_else(is_small, integral, c["kept"] * x["integral"])
-        demand = c["on_error"] * error + (w + x["integral"])
-        return Step({demand_signal.name: demand}, after | {"integral": integral, "force": u[achieved.name]})
+            integral = ca.if_else(is_small, integral, c["integral_decay"] * x["integral"])
+        demand = c["error_gain"] * error + (w + x["integral"])
+        return Step({demand_signal.name: demand}, after | {"integral": integral, "achieved": u[achieved.name]})
 
     all_constants = [
-        Constant("on_error", k, per_position(axis.name), "(49): k1 + k3 T"),
-        Constant("kept", 1 - g, "1", "(49): 1 - k3 T / (k1 + k3 T)"),
-        Constant("driven", g, "1", "(49): k3 T / (k1 + k3 T)"),
+        Constant("error_gain", k, per_position(axis.name), "(49): k1 + k3 T"),
+        Constant("integral_decay", 1 - g, "1", "(49): 1 - k3 T / (k1 + k3 T)"),
+        Constant("integral_input", g, "1", "(49): k3 T / (k1 + k3 T)"),
         *constants,
     ]
     all_states = [
         *states,
-        State(Signal("integral", demand_signal.unit, -integral, integral, "of the error"), 0.0),
-        State(Signal("force", demand_signal.unit, -f1, f1, "that acts until the next sample"), 0.0),
+        State(Signal("integral", demand_signal.unit, -integral, integral, "integral of the error"), 0.0),
+        State(
+            Signal("achieved", demand_signal.unit, -f1, f1, "achieved demand, which acts until the next sample"), 0.0
+        ),
     ]
-    inputs, tag, name = [q, r, achieved, READY], "(28)-(35), (49)", f"lqg_{axis.name}"
+    inputs, tag, name = [q, r, achieved, READY], "reduced-order LQG, (28)-(35), (49)", f"lqg_{axis.name}"
     return build(
         name, TIME, law, inputs=inputs, outputs=[demand_signal], states=all_states, constants=all_constants, tag=tag
     )

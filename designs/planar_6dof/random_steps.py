@@ -32,7 +32,10 @@ ENDS, DEAD = 0.25, 0.02  # shares of inputs at a special value, and of samples i
 RESTING = 0.2  # share of edge steps with a flag because of which no law is computed
 TINY = 1e-100  # V: the square of a smaller one is 0 or may be
 LAW = ("loop_", "lqg_")  # its Blocks
-SENSING, UNCONSTRAINED = ("sensing_", "filter_"), ("sensing_doubt", "sensing_first_")  # of which any value will do
+SENSING, UNCONSTRAINED = (
+    ("sensing_", "filter_"),
+    ("sensing_contradiction_left", "sensing_first_"),
+)  # of which any value will do
 PREDICTED, VELOCITY_STEP, ACCELERATION_STEP = (
     3e-5,
     1e-5,
@@ -67,7 +70,9 @@ def in_operation(subject: Subject, plant: Plant, n: int, seed: int = SEED) -> tu
     middle = {a: ((s.low + s.high) / 2, (s.high - s.low) / 2) for a, s in box.items()}
     pose = {a: sampling.inside(box[a], at + half * rng.uniform(-1, 1, n)) for a, (at, half) in middle.items()}
     known = {"guard_latched": np.zeros(n), "guard_ready": _random_flags(rng, n, 1 - UNREADY)}
-    known |= {"sensing_named": _random_flags(rng, n, SUSPECTED)} | _sensing_states(plant, pose, rng, n)
+    known |= {"sensing_contradiction_confirmed": _random_flags(rng, n, SUSPECTED)} | _sensing_states(
+        plant, pose, rng, n
+    )
     known |= _random_law_states(subject, plant, pose, rng, n)
     if unknown := [s for s in states if s.startswith(SENSING) and s not in known and not s.startswith(UNCONSTRAINED)]:
         raise SignalError(f"'{block.name}' remembers {', '.join(unknown)}: say what that is where the platen is known")
@@ -112,7 +117,9 @@ def at_the_edges(block: Block, n: int, seed: int = SEED) -> tuple[Columns, Colum
     """
     rng = np.random.default_rng(seed + 1)
     states, inputs = sampling.anywhere(block, rng, n + n // 20, INSIDE)
-    states |= {flag: _random_flags(rng, n + n // 20, RESTING) for flag in ("guard_latched", "sensing_named")}
+    states |= {
+        flag: _random_flags(rng, n + n // 20, RESTING) for flag in ("guard_latched", "sensing_contradiction_confirmed")
+    }
     all_same = rng.uniform(size=n + n // 20) < DEAD
     same = np.take(sampling.SPECIAL, rng.integers(0, len(sampling.SPECIAL), len(all_same)))
     for s in block.inputs:
@@ -162,10 +169,10 @@ def _random_law_states(
 
 def _saturating_error(block: Block, plant: Plant, axis: str) -> float:
     """Return the error in m or rad whose demand is what the motors meet at most."""
-    direct = [c.value for c in block.constants if c.name in (f"loop_{axis}_direct", f"lqg_{axis}_on_error")]
-    if len(direct) != 1:
-        raise SignalError(f"'{block.name}' has {len(direct)} gains of the error of {axis}: one is needed to draw steps")
-    return allocation.authority(plant)[axis] / direct[0]
+    gains = [c.value for c in block.constants if c.name in (f"loop_{axis}_gain", f"lqg_{axis}_error_gain")]
+    if len(gains) != 1:
+        raise SignalError(f"'{block.name}' has {len(gains)} gains of the error of {axis}: one is needed to draw steps")
+    return allocation.authority(plant)[axis] / gains[0]
 
 
 def _random_flags(rng: np.random.Generator, n: int, share: float) -> NDArray[Any]:

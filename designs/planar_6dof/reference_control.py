@@ -109,15 +109,15 @@ _LEADING = {"phi": 1, "z": 3, "theta": 3, "psi": 3}  # the force that 1 A makes 
 
 def demand(axis: str, k: Compensator, e: Array, state: Columns) -> Array:
     """Return the force or torque that an axis wants for the error e. (21)-(25)."""
-    return k.D * e + scales()[axis] * (state[f"loop_{axis}_lag"] + state[f"loop_{axis}_integral"])
+    return k.D * e + scales()[axis] * (state[f"loop_{axis}_lead"] + state[f"loop_{axis}_integral"])
 
 
 def next_compensator_state(axis: str, k: Compensator, e: Array, achieved: Array, state: Columns) -> dict[str, Array]:
     """Return the next states of a compensator, whose reset follows what is made."""
     scale = scales()[axis]
-    lag = k.p * state[f"loop_{axis}_lag"] + k.D * (k.p - k.z1) * e / scale
+    lead = k.p * state[f"loop_{axis}_lead"] + k.D * (k.p - k.z1) * e / scale
     integral = state[f"loop_{axis}_integral"]
-    return {f"loop_{axis}_lag": lag, f"loop_{axis}_integral": integral + (1 - k.z2) * (achieved / scale - integral)}
+    return {f"loop_{axis}_lead": lead, f"loop_{axis}_integral": integral + (1 - k.z2) * (achieved / scale - integral)}
 
 
 def guard(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array, Array]:
@@ -130,7 +130,7 @@ def guard(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, 
         good = {s: np.abs(read[s]) <= high for s, high in LIMITS.items()}
     values = {s: np.where(good[s], read[s], 0.0 if s in HALL else state[f"guard_last_{s}"]) for s in LIMITS}
     after = {f"guard_last_{s}": value for s, value in values.items() if s not in HALL}
-    confirmed = np.asarray(state["sensing_named"]) > 0
+    confirmed = np.asarray(state["sensing_contradiction_confirmed"]) > 0
     suspected = reference_sensing.suspects(state, reference_sensing.harmonic(1))
     flags = [~good[s] for s in LIMITS] + [confirmed & suspected[s] for s in HALL]
     word = np.sum([np.where(flag, 1 << bit, 0) for bit, flag in enumerate(flags)], axis=0)
@@ -187,7 +187,7 @@ def phases(currents: Mapping[str, tuple[Array, Array]], q: Columns) -> dict[str,
 def initial_state(axes: tuple[str, ...]) -> dict[str, Array]:
     """Return the state after init of guard, output and the compensators of `axes`, by name."""
     names = [f"guard_last_{s}" for s in LIMITS if s not in HALL] + [f"safe_output_last_{s}" for s in PHASES]
-    names += [f"loop_{axis}_{part}" for axis in axes for part in ("integral", "lag")]
+    names += [f"loop_{axis}_{part}" for axis in axes for part in ("integral", "lead")]
     return {name: np.array(0.0) for name in (*names, "guard_latched", "guard_ready")} | {
         "guard_left": np.array(float(BAD_SAMPLES))
     }

@@ -113,7 +113,11 @@ def gain(q: float, T: float) -> Array:
 def initial_state() -> dict[str, Array]:
     """Return the state after init, by name."""
     names = [f"sensing_{what}_{axis}" for what in ("offset", "within") for axis in "xy"]
-    names += ["sensing_doubt", "sensing_named", *(f"sensing_first_{name}" for name in FIRST)]
+    names += [
+        "sensing_contradiction_left",
+        "sensing_contradiction_confirmed",
+        *(f"sensing_first_{name}" for name in FIRST),
+    ]
     return {name: np.array(0.0) for name in names}
 
 
@@ -174,13 +178,17 @@ def sense(
     step = (h1 * r1 - h2 * r2 + weight * h3 * r3) / information
     rho = np.sqrt((r1**2 + r2**2) / (RESIDUAL * A) ** 2 + (x.m**2 + y.m**2) / (POWER * A**2) ** 2)
     residuals = {"m_x": x.m, "m_y": y.m, "r_1": r1, "r_2": r2}
-    before = np.asarray(state["sensing_doubt"])
+    before = np.asarray(state["sensing_contradiction_left"])
     contradiction = (ready > 0) & complete & (rho > np.where(before > 0, AGAIN, 1))
     accepted = complete & ~contradiction
     out = residuals | {"phi_raw": np.clip(phi + np.where(accepted, step, 0), -YAW, YAW)}
     after = {
-        "sensing_doubt": np.where(contradiction, MEMORY, np.where(accepted, np.maximum(before - 1, 0), before)),
-        "sensing_named": np.where(contradiction & (before > 0), 1.0, state["sensing_named"]),
+        "sensing_contradiction_left": np.where(
+            contradiction, MEMORY, np.where(accepted, np.maximum(before - 1, 0), before)
+        ),
+        "sensing_contradiction_confirmed": np.where(
+            contradiction & (before > 0), 1.0, state["sensing_contradiction_confirmed"]
+        ),
     }
     for name, value in (residuals | {"s_x": x.s, "s_y": y.s, "phi": phi}).items():
         after[f"sensing_first_{name}"] = np.where(contradiction & (before == 0), value, state[f"sensing_first_{name}"])

@@ -106,7 +106,7 @@ def share_checks(states: Columns, c64: agree.Stepped) -> list[Check]:
     """Return the shares of random steps at limits, and of those from which no position is taken or no law computed."""
     least, most = AT_A_LIMIT
     limited = float(np.mean(random_steps.is_saturated(c64.outputs)))
-    before, after = states["sensing_doubt"], c64.states["sensing_doubt"]
+    before, after = states["sensing_contradiction_left"], c64.states["sensing_contradiction_left"]
     passed_over = float(np.mean(after != np.maximum(before - 1, 0)))  # else the memory of contradictions fades
     return [
         Check("share of random steps at a limit", limited, most, "1"),

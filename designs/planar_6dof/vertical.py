@@ -1,6 +1,6 @@
 """The vertical axes z, theta, psi, from three laser distances to demands of force and torques, by (23)-(25).
 
-    [d1]   [1  -r   r] [z    ]       d1..d3 --->[ heights ]---> z, theta, psi ---+
+    [d1]   [1  -r   r] [z    ]       d1..d3 --->[ kinematics ]-> z, theta, psi --+
     [d2] = [1  -r  -r] [theta]                                                   v -
     [d3]   [1   r   0] [psi  ]       set-points ------------------------------->(+)--->[ K(z) ]---> d_z, d_theta, d_psi
 
@@ -49,7 +49,18 @@ POSITIONS = {axis: replace(BOX[axis], low=-high, high=high) for axis, high in ME
 DEMAND, ACHIEVED_DEMAND = (dict(zip(AXES, signals, strict=True)) for signals in (DEMANDS, ACHIEVED))  # of each axis
 EQUATION = {"x": "21", "y": "21", "phi": "22", "z": "23", "theta": "24", "psi": "25"}
 MARGIN = 1.01  # of states over what bounds them: rounding stays below it
-REFERENCES = {axis: replace(BOX[axis], name=f"{axis}_ref_held", about="set-point") for axis in AXES}
+_QUANTITY = {
+    "x": "position along X",
+    "y": "position along Y",
+    "phi": "yaw",
+    "z": "height",
+    "theta": "tilt about X",
+    "psi": "tilt about Y",
+}
+REFERENCES = {
+    axis: replace(BOX[axis], name=f"{axis}_ref_held", about=f"set-point of the {what}")
+    for axis, what in _QUANTITY.items()
+}
 # The raw yaw is one to first order: at (-16.8, 8.3) mm of a pitch 15 mrad read as 10.3, and the loop of an upright
 # platen is lost beyond 10. Near there one that is tilted by 2 mrad is lost at 8 already.
 REFERENCES["phi"] = replace(REFERENCES["phi"], low=-0.008, high=0.008)
@@ -65,7 +76,7 @@ def vertical_kinematics(plant: Plant, time: Discrete) -> Block:
         return Step({"z": (front + back) / 2, "theta": (back - front) / (2 * r), "psi": (left - right) / (2 * r)})
 
     outputs = [POSITIONS[axis] for axis in ("z", "theta", "psi")]
-    return build("heights", time, law, inputs=DISTANCES, outputs=outputs, tag="laser distances inverted")
+    return build("vertical_kinematics", time, law, inputs=DISTANCES, outputs=outputs, tag="z and tilts from distances")
 
 
 def compensator(axis: str, time: Discrete, variant: Variant = "shipped") -> lead_lag.Compensator:
@@ -101,28 +112,30 @@ def block(plant: Plant, axis: str, K: lead_lag.LeadLag, time: Discrete) -> Block
     """
     position, reference, demand, achieved = POSITIONS[axis], REFERENCES[axis], DEMAND[axis], ACHIEVED_DEMAND[axis]
     (z1, z2), p = (float(z.real) for z in K.zeros), pole(K)
-    direct, into_lag = (v / allocation.scales(plant)[axis] for v in (K.gain, K.gain * (p - z1)))
-    most = MARGIN * abs(into_lag) * (position.high + reference.high) / (1 - abs(p))
+    gain, lead_input = (v / allocation.scales(plant)[axis] for v in (K.gain, K.gain * (p - z1)))
+    most = MARGIN * abs(lead_input) * (position.high + reference.high) / (1 - abs(p))
     integral = MARGIN * allocation.achievable_bound(plant)[axis]
     states = [
-        State(Signal("integral", demand.unit, -integral, integral, "of the error"), 0.0),
-        State(Signal("lag", demand.unit, -most, most, "what the lead takes back"), 0.0),
+        State(Signal("integral", demand.unit, -integral, integral, "integral of the error"), 0.0),
+        State(Signal("lead", demand.unit, -most, most, "state of the lead filter"), 0.0),
     ]
     per, tag = f"{demand.unit}/{position.unit}", f"({EQUATION[axis]})"
     constants = [
-        Constant("direct", direct, per, f"{tag}: gain of the error"),
-        Constant("into_lag", into_lag, per, f"{tag}: gain times pole less zero"),
-        *([Constant("pole", p, "1", f"{tag}: pole in z")] if p else []),
-        Constant("reset", z2, "1", f"{tag}: zero of the integrator in z"),
-        Constant("driven", 1 - z2, "1", f"{tag}: 1 less that"),
+        Constant("gain", gain, per, f"{tag}: gain on the error"),
+        Constant("lead_input", lead_input, per, f"{tag}: gain times (lead_pole - zero)"),
+        *([Constant("lead_pole", p, "1", f"{tag}: pole of the lead filter in z")] if p else []),
+        Constant("integral_decay", z2, "1", f"{tag}: zero of the integral action in z"),
+        Constant("integral_input", 1 - z2, "1", f"{tag}: 1 - integral_decay"),
     ]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         error = u[reference.name] - u[position.name]
-        lag = k["into_lag"] * error + (k["pole"] * x["lag"] if p else 0)
-        integral = k["reset"] * x["integral"] + k["driven"] * u[achieved.name]
-        return Step({demand.name: k["direct"] * error + x["lag"] + x["integral"]}, {"integral": integral, "lag": lag})
+        lead = k["lead_input"] * error + (k["lead_pole"] * x["lead"] if p else 0)
+        integral = k["integral_decay"] * x["integral"] + k["integral_input"] * u[achieved.name]
+        return Step({demand.name: k["gain"] * error + x["lead"] + x["integral"]}, {"integral": integral, "lead": lead})
 
     inputs = [position, reference, achieved]
     name = f"loop_{axis}"
-    return build(name, time, law, inputs=inputs, outputs=[demand], states=states, constants=constants, tag=tag)
+    return build(
+        name, time, law, inputs=inputs, outputs=[demand], states=states, constants=constants, tag=f"lead-lag, {tag}"
+    )

@@ -3,7 +3,7 @@
 from functools import cache
 from typing import Any
 
-from designs.planar_6dof import assembly, emitted, vertical
+from designs.planar_6dof import artefacts, assembly, vertical
 from designs.planar_6dof.paper import rows
 from designs.planar_6dof.random_steps import Subject
 from designs.planar_6dof_leadlag import control, experiments, page, reference
@@ -22,8 +22,8 @@ def gains() -> dict[str, Any]:
         "plant": "M q'' = f in x and y, Izz phi'' = m; M z'' = f - Kz z, and so for theta and psi",
         "period_s": control.TIME.period_s,
         "parts_of_the_published_gain": control.GAIN_SHARE | vertical.GAIN_SHARE,
-        "compensators": emitted.compensators(control.loops()),
-        "filters": emitted.filters(control.TIME),
+        "compensators": artefacts.compensators(control.loops()),
+        "filters": artefacts.filters(control.TIME),
     }
 
 

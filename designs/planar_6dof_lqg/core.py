@@ -155,22 +155,22 @@ def full_order(plant: Plant, axis: Axis) -> Block:
     kalman_filter, T, q = axis_estimator(axis), TIME.period_s, MEASURED[axis.name]
     per, force = lqg.per_position(axis.name), vertical.DEMAND[axis.name].unit.replace(" ", "/")
     constants = [
-        Constant("on_position", axis.k1, per, "(49): k1"),
-        Constant("on_rate", axis.k2, f"{per} s", "(49): k2"),
-        Constant("into_position", float(kalman_filter.M[0, 0]), "1", "(40): M"),
-        Constant("into_rate", float(kalman_filter.M[1, 0]), "1/s", "(40): M"),
+        Constant("position_gain", axis.k1, per, "(49): k1"),
+        Constant("rate_gain", axis.k2, f"{per} s", "(49): k2"),
+        Constant("M_position", float(kalman_filter.M[0, 0]), "1", "(40): M"),
+        Constant("M_rate", float(kalman_filter.M[1, 0]), "1/s", "(40): M"),
         Constant("period", T, "s", "T"),
-        Constant("moved", axis.b * T**2 / 2, f"{q.unit}/{force}", "b T^2 / 2"),
-        Constant("sped", axis.b * T, f"{q.unit}/s/{force}", "b T"),
+        Constant("B_position", axis.b * T**2 / 2, f"{q.unit}/{force}", "b T^2 / 2"),
+        Constant("B_rate", axis.b * T, f"{q.unit}/s/{force}", "b T"),
     ]
 
     def estimate(u: Exprs, x: Exprs, k: Exprs) -> tuple[ca.SX, dict[str, ca.SX]]:
-        surprise = ca.if_else(u[READY.name], u[q.name] - x["position"], 0)
-        rate = x["rate"] + k["into_rate"] * surprise
+        innovation = ca.if_else(u[READY.name], u[q.name] - x["position"], 0)
+        rate = x["rate"] + k["M_rate"] * innovation
         before = ca.if_else(u[READY.name], x["position"], u[q.name])
-        position = before + k["into_position"] * surprise + k["period"] * rate + k["moved"] * x["force"]
-        after = {"position": position, "rate": rate + k["sped"] * x["force"]}
-        return k["on_position"] * (u[q.name] - position) - k["on_rate"] * after["rate"], after
+        position = before + k["M_position"] * innovation + k["period"] * rate + k["B_position"] * x["achieved"]
+        after = {"position": position, "rate": rate + k["B_rate"] * x["achieved"]}
+        return k["position_gain"] * (u[q.name] - position) - k["rate_gain"] * after["rate"], after
 
     predictions = [Signal("position", q.unit, q.low, q.high), Signal("rate", f"{q.unit}/s", -FASTEST, FASTEST)]
     states = [State(replace(s, about="expected at this sample"), 0.0) for s in predictions]

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from functools import cache, partial
 from typing import Any
 
-from designs.planar_6dof import assembly, emitted, lqg, vertical
+from designs.planar_6dof import artefacts, assembly, lqg, vertical
 from designs.planar_6dof.paper import rows
 from designs.planar_6dof.random_steps import Columns, Subject
 from designs.planar_6dof_lqg import experiments, page, reference
@@ -51,7 +51,7 @@ def gains() -> dict[str, Any]:
             "certificate": digits.certificate(of_printed_weights.certificate),
         },
         "axes": {axis.name: _axis(axis) for axis in lqg.axes(plant)},
-        "compensators": emitted.compensators(vertical.loops(lqg.TIME)),
+        "compensators": artefacts.compensators(vertical.loops(lqg.TIME)),
     }
 
 

@@ -89,7 +89,9 @@ def sampled(b: float, weights: tuple[float, float, float], R: float) -> tuple[mp
 
 def initial_state() -> dict[str, Array]:
     """Return the state after init, by name."""
-    names = [f"lqg_{axis}_{part}" for axis in HORIZONTAL for part in ("x3", "integral", "force")] + ["sensing_phi_raw"]
+    names = [f"lqg_{axis}_{part}" for axis in HORIZONTAL for part in ("x3", "integral", "achieved")] + [
+        "sensing_phi_raw"
+    ]
     return shared.initial_state(UPRIGHT) | sensing.initial_state() | {name: np.array(0.0) for name in names}
 
 
@@ -101,7 +103,7 @@ def observer_state(name: str, q: Array, ready: Array, state: Columns) -> Array:
 
 def demand(name: str, q: Array, r: Array, ready: Array, state: Columns) -> tuple[Array, Array]:
     """Return the demand of an axis, and how far it is from what the error and the integral make. (33), (49)."""
-    k, T, f1 = axes()[name], float(PERIOD), state[f"lqg_{name}_force"]
+    k, T, f1 = axes()[name], float(PERIOD), state[f"lqg_{name}_achieved"]
     v = observer_state(name, q, ready, state) + (1 - k.p) / T * q
     q1, v1 = q + T * v + k.b * T**2 / 2 * f1, v + k.b * T * f1
     w = -k.k_q * (q1 - q) - k.k_v * v1
@@ -118,14 +120,14 @@ def next_regulator_state(
     name: str, q: Array, r: Array, ready: Array, achieved: Array, state: Columns
 ) -> dict[str, Array]:
     """Return the next observer, integral and force of an axis; the integral fades while the error is large. (33)."""
-    k, T, f1, w = axes()[name], float(PERIOD), state[f"lqg_{name}_force"], demand(name, q, r, ready, state)[1]
+    k, T, f1, w = axes()[name], float(PERIOD), state[f"lqg_{name}_achieved"], demand(name, q, r, ready, state)[1]
     L, g = (1 - k.p) / T, k.k_z / (k.k_q + k.k_z)
     observer = k.p * observer_state(name, q, ready, state) - L * (1 - k.p) * q + k.b * T * (1 - L * T / 2) * f1
     integral = state[f"lqg_{name}_integral"]
     return {
         f"lqg_{name}_x3": rate_gain(k) * observer,
         f"lqg_{name}_integral": integral + g * (np.where(np.abs(r - q) <= ERROR[name], achieved - w, 0) - integral),
-        f"lqg_{name}_force": achieved,
+        f"lqg_{name}_achieved": achieved,
     }
 
 

@@ -92,14 +92,14 @@ def test_the_plant_is_what_is_printed(lv3: str) -> None:
 def test_a_planted_sign_error_is_found(term: str, monkeypatch: pytest.MonkeyPatch) -> None:
     right = pmlsm.normal_force
 
-    def wrong(g: ca.SX, i_d: ca.SX, i_q: ca.SX, p: Mapping[str, ca.SX], reading: pmlsm.Variant) -> ca.SX:
-        K, L = pmlsm.constants(p, reading), pmlsm.coefficients(g, p, reading)
+    def wrong(g: ca.SX, i_d: ca.SX, i_q: ca.SX, p: Mapping[str, ca.SX], variant: pmlsm.Variant) -> ca.SX:
+        K, L = pmlsm.constants(p, variant), pmlsm.coefficients(g, p, variant)
         part = {
             "v1": -K.K_v1 * L.L_v1,
             "v2": K.K_v2 * L.L_v2 * i_d,
             "v3": -K.K_v3 * L.L_v3 * (i_d**2 + i_q**2),
         }[term]
-        return right(g, i_d, i_q, p, reading) - 2 * part
+        return right(g, i_d, i_q, p, variant) - 2 * part
 
     monkeypatch.setattr(pmlsm, "normal_force", wrong)
     assert worst_difference(maglev_stage.plant(), "csch2") > 0.1

@@ -177,7 +177,7 @@ def test_what_the_motors_can_do_is_done(allocated: dict[str, agree.Witness], wit
     out = allocated[witness]({}, u).outputs
     for axis, demand in zip(allocation.AXES, allocation.DEMANDS, strict=True):
         size = allocation.authority(PLANT)[axis]
-        np.testing.assert_allclose(out[f"made_{axis}"], u[demand.name], rtol=0, atol=DOUBLE * size)
+        np.testing.assert_allclose(out[f"achieved_{axis}"], u[demand.name], rtol=0, atol=DOUBLE * size)
 
 
 def test_currents_are_those_of_the_reference(allocated: dict[str, agree.Witness]) -> None:
@@ -192,7 +192,7 @@ def test_currents_are_those_of_the_reference(allocated: dict[str, agree.Witness]
         for axis, force in made.items():
             most = allocation.authority(PLANT)[axis]
             met = force / SCALES[axis]
-            np.testing.assert_allclose(out[f"made_{axis}"], met, rtol=0, atol=max(1, size) * DOUBLE * most)
+            np.testing.assert_allclose(out[f"achieved_{axis}"], met, rtol=0, atol=max(1, size) * DOUBLE * most)
 
 
 def test_limits_put_yaw_first_and_leave_the_vertical_axes_their_part(allocated: dict[str, agree.Witness]) -> None:
@@ -206,7 +206,7 @@ def test_limits_put_yaw_first_and_leave_the_vertical_axes_their_part(allocated: 
         most = allocation.QUADRATURE / (2 if m == "C" else 1)  # C leaves the others half for the yaw
         assert np.mean(np.abs(i_q) >= most * (1 - DOUBLE)) > 0.45
         assert np.abs(i_d).max() == allocation.DIRECT
-    made, straight = np.array([out[f"made_{axis}"] for axis in allocation.AXES]), np.abs(u["phi"]) <= BOX_YAW
+    made, straight = np.array([out[f"achieved_{axis}"] for axis in allocation.AXES]), np.abs(u["phi"]) <= BOX_YAW
     bounds = (allocation.achievable_bound, allocation.authority)
     reach, most = (np.array(list(v(PLANT).values()))[:, None] for v in bounds)
     assert (np.abs(made) <= reach * (1 + DOUBLE)).all()
@@ -217,11 +217,11 @@ def test_yaw_is_held_where_x_and_y_are_beyond_the_motors(allocated: dict[str, ag
     """C pushes as far as it can, A and B take back its torque, and with what is left they push along y."""
     u = {s.name: np.zeros(1) for s in allocation.DEMANDS} | {"phi": np.zeros(1), "d_x": [100.0], "d_y": [100.0]}
     out = allocated["c64"]({}, {n: np.asarray(v) for n, v in u.items()}).outputs
-    assert out["made_phi"] == pytest.approx(0.0, abs=DOUBLE) and out["i_CQ"] == allocation.QUADRATURE
+    assert out["achieved_phi"] == pytest.approx(0.0, abs=DOUBLE) and out["i_CQ"] == allocation.QUADRATURE
     u["d_x"] = np.array([0.5])
     out = allocated["c64"]({}, {n: np.asarray(v) for n, v in u.items()}).outputs
-    assert out["made_phi"] == pytest.approx(0.0, abs=DOUBLE) and out["made_x"] == pytest.approx(0.5)
-    assert out["made_y"] == pytest.approx(2 * (allocation.QUADRATURE - 0.5))
+    assert out["achieved_phi"] == pytest.approx(0.0, abs=DOUBLE) and out["achieved_x"] == pytest.approx(0.5)
+    assert out["achieved_y"] == pytest.approx(2 * (allocation.QUADRATURE - 0.5))
 
 
 def test_the_cosine_of_a_quarter_is_proved_and_that_of_a_place_beyond_its_pitch_is_not() -> None:
@@ -238,7 +238,7 @@ def test_the_functions_of_the_angle_become_polynomials() -> None:
     text = write.emit(unranged(allocation.commutation(PLANT, TIME)), np.float64).files["commutation.c"]
     step = text[text.index("commutation_step(") :]
     assert not re.search(r"\b(sin|cos)f?\(", step)
-    assert all(f"quarter_sine_{motors}_polynomial(" in step for motors in ("back", "front"))
+    assert all(f"quarter_sine_{motors}_polynomial(" in step for motors in ("rear", "front"))
 
 
 def test_scales_are_those_of_the_reference_and_leave_ratios_of_arms() -> None:
@@ -270,7 +270,7 @@ def test_authority_is_what_all_motors_make_together(allocated: dict[str, agree.W
         u = dict(zip((s.name for s in allocation.DEMANDS), achievable[:, None], strict=True)) | {"phi": np.zeros(1)}
         part = (allocation.QUADRATURE if axis in allocation.HORIZONTAL else allocation.DIRECT) / allocation.LIMIT
         part *= {"x": 0.5, "phi": 0.75}.get(axis, 1.0)
-        assert allocated["c64"]({}, u).outputs[f"made_{axis}"] == pytest.approx(part * most, rel=DOUBLE), axis
+        assert allocated["c64"]({}, u).outputs[f"achieved_{axis}"] == pytest.approx(part * most, rel=DOUBLE), axis
 
 
 def test_k_is_the_lorentz_integrals_and_not_as_printed() -> None:

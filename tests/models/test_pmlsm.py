@@ -40,8 +40,8 @@ def stress_forces(g: float, i_d: float, i_q: float, height: float) -> tuple[floa
     return area * abs(np.mean(B_x * B_y)) / mu0, -area * np.mean(B_y**2 - B_x**2) / (2 * mu0)
 
 
-def law(g: float, i_d: float, i_q: float, reading: pmlsm.Variant) -> tuple[float, float]:
-    F_H, F_V = pmlsm.thrust(g, i_q, SMOOTH, reading), pmlsm.normal_force(g, i_d, i_q, SMOOTH, reading)
+def law(g: float, i_d: float, i_q: float, variant: pmlsm.Variant) -> tuple[float, float]:
+    F_H, F_V = pmlsm.thrust(g, i_q, SMOOTH, variant), pmlsm.normal_force(g, i_d, i_q, SMOOTH, variant)
     return abs(float(F_H)), float(F_V)
 
 
@@ -55,10 +55,10 @@ def test_forces_are_maxwells_stress(g: float, i_d: float, i_q: float, height: fl
 
 
 @pytest.mark.parametrize(
-    "reading", [pmlsm.Variant(lv3="coth2"), pmlsm.Variant(kv2_power=2), pmlsm.Variant(p_counts="pole_pairs")]
+    "variant", [pmlsm.Variant(lv3="coth2"), pmlsm.Variant(kv2_power=2), pmlsm.Variant(p_counts="pole_pairs")]
 )
-def test_each_printed_reading_contradicts_maxwells_stress(reading: pmlsm.Variant) -> None:
-    assert law(0.025, 2.0, 3.0, reading) != pytest.approx(stress_forces(0.025, 2.0, 3.0, 0.5), rel=0.02)
+def test_each_printed_reading_contradicts_maxwells_stress(variant: pmlsm.Variant) -> None:
+    assert law(0.025, 2.0, 3.0, variant) != pytest.approx(stress_forces(0.025, 2.0, 3.0, 0.5), rel=0.02)
 
 
 GAP_TABLE = [  # mm: B_pmy1 T, F0 N, 4 F0 / weight, dF_V/di_d N/A, F_H N/A
@@ -92,15 +92,15 @@ def test_the_constants_belong_together(g: float) -> None:
 
 @pytest.mark.parametrize(("power", "real"), [(1, True), (2, False)])
 def test_the_printed_square_leaves_no_holding_current_at_25_mm(power: int, real: bool) -> None:
-    reading = pmlsm.Variant(lv3="coth2", kv2_power=2 if power == 2 else 1)
-    K, L = pmlsm.constants(NOMINAL, reading), pmlsm.coefficients(0.025, NOMINAL, reading)
+    variant = pmlsm.Variant(lv3="coth2", kv2_power=2 if power == 2 else 1)
+    K, L = pmlsm.constants(NOMINAL, variant), pmlsm.coefficients(0.025, NOMINAL, variant)
     deficit = K.K_v1 * L.L_v1 - WEIGHT / 4
     assert ((K.K_v2 * L.L_v2) ** 2 >= 4 * K.K_v3 * L.L_v3 * deficit) is real
 
 
 def test_three_pole_pairs_for_p_double_the_thrust() -> None:
-    reading = pmlsm.Variant(p_counts="pole_pairs")
-    assert -pmlsm.thrust(0.025, 1.0, NOMINAL, reading) == pytest.approx(24.976, abs=5e-4)
+    variant = pmlsm.Variant(p_counts="pole_pairs")
+    assert -pmlsm.thrust(0.025, 1.0, NOMINAL, variant) == pytest.approx(24.976, abs=5e-4)
 
 
 def test_winding_factor() -> None:
@@ -136,12 +136,12 @@ MOTORS = [
 GAPS = np.linspace(0.0124, 0.0366, 30).tolist()
 
 
-def law_errors(changed: dict[str, float], reading: pmlsm.Variant) -> np.ndarray:
+def law_errors(changed: dict[str, float], variant: pmlsm.Variant) -> np.ndarray:
     """Return how far a, b, c and h of the force law are from constants times coefficients, relatively, at most."""
     p, worst = NOMINAL | changed, np.zeros(4)
-    K = pmlsm.constants(p, reading)
+    K = pmlsm.constants(p, variant)
     for g in GAPS:
-        law, L = pmlsm.force_law(g, p), pmlsm.coefficients(g, p, reading)
+        law, L = pmlsm.force_law(g, p), pmlsm.coefficients(g, p, variant)
         ours = np.array([2 * law.half_a, law.b, 2 * law.half_c, law.h], dtype=float)
         printed = np.array([K.K_v1 * L.L_v1, K.K_v2 * L.L_v2, K.K_v3 * L.L_v3, K.K_h * L.L_h], dtype=float)
         worst = np.maximum(worst, np.abs(ours / printed - 1))
@@ -162,10 +162,10 @@ def test_another_power_of_p_has_another_force_law() -> None:
 def test_lift_thrust_and_attractions_are_sides_of_one_triangle(changed: dict[str, float]) -> None:
     """b^2 = h^2 + 4 a c, from the printed factors alone; not so with coth^2."""
     p = NOMINAL | changed
-    for reading, holds in ((pmlsm.STRESS, True), (pmlsm.Variant("coth2"), False)):
-        K = pmlsm.constants(p, reading)
+    for variant, holds in ((pmlsm.STRESS, True), (pmlsm.Variant("coth2"), False)):
+        K = pmlsm.constants(p, variant)
         for g in GAPS:
-            L = pmlsm.coefficients(g, p, reading)
+            L = pmlsm.coefficients(g, p, variant)
             b, h, ac = K.K_v2 * L.L_v2, K.K_h * L.L_h, K.K_v1 * L.L_v1 * K.K_v3 * L.L_v3
             assert (abs((h**2 + 4 * ac) / b**2 - 1) < 1e-14) is holds
 

@@ -4,7 +4,7 @@ Ideal loops are those of `models.maglev_loop`, free of sampling, filters and enc
 and none reaches 7 A peak. The linear loop is e'' = w of (13) in place of law and plant.
 
 "Encoders" is the compiled controller at 1 kHz on encoders of 10 um with its filters and one sample of delay: with the
-printed law (12), or `restored`, with the shipped law, which puts back the squares of i_d that (11) drops and cancels
+printed law (12), or `corrected`, with the shipped law, which puts back the squares of i_d that (11) drops and cancels
 the guide springs in part. Both laws take squares of currents one sample late, and each motor at its own measured gap.
 
 Tracking errors are means of |e|, with encoders from 10 to 60 s. Ideal runs are periodic by 12 s, and the mean is over
@@ -85,7 +85,7 @@ class AuditSetup:
 
 @lru_cache(maxsize=CACHED_RUNS)
 def ideal(bench: AuditSetup, four: bool, springs: Springs, lv3: str = "csch2") -> Motion:
-    """Return the ideal 4-DOF tracking or ellipse under (12), with this reading of L_v3 in plant and law."""
+    """Return the ideal 4-DOF tracking or ellipse under (12), with this factor in L_v3 in plant and law."""
     courses = {axis: experiments.COURSES[axis] for axis in ("y", "x", "z")}
     if four:
         courses |= {"phi": Sine(0.0, control.OMEGA0), "theta": experiments.COURSES["theta"]}
@@ -107,7 +107,7 @@ def run(
 def ideal_errors(bench: AuditSetup, four: bool, springs: Springs, lv3: str = "csch2") -> dict[str, float]:
     """Return the mean |e| of an ideal run by axis, um or urad; NaN when the gap left its range."""
     motion, start = ideal(bench, four, springs, lv3), bench.duration_s / 5
-    if np.isfinite(motion.left_at):
+    if np.isfinite(motion.exit_time):
         return dict.fromkeys(motion.error, np.nan)
     return {axis: 1e6 * metrics.mean_absolute(motion.time, e, start) for axis, e in motion.error.items()}
 
@@ -119,30 +119,30 @@ def meets(errors: Mapping[str, float], printed: Mapping[str, float]) -> bool:
 
 @lru_cache(maxsize=CACHED_RUNS)
 def encoder_errors(
-    bench: AuditSetup, four: bool, restored: bool, springs: Springs = "known", guided: bool = False
+    bench: AuditSetup, four: bool, corrected: bool, springs: Springs = "known", guided: bool = False
 ) -> dict[str, float]:
     """Return the mean |e| by axis of the compiled loop, um or urad; `guided` adds friction and cogging."""
     plant, known = bench.pair(springs)
     added = maglev_stage.guide_disturbance(bench.plant, FRICTION, bench.cells) if guided else None
-    rig = Rig(bench.stage, plant, _controller(known, restored), disturbance=added)
+    rig = Rig(bench.stage, plant, _controller(known, corrected), disturbance=added)
     trajectory, courses = experiments.tracking(rig, four, bench.duration_s)
     return {a: 1e6 * e for a, e in experiments.mean_errors(trajectory, courses, bench.duration_s / 6).items()}
 
 
 @lru_cache(maxsize=CACHED_RUNS)
-def _controller(known: Plant, restored: bool) -> host.Controller:
-    emitted = _emit(tuple((p.name, p.value) for p in known.parameters), restored)
+def _controller(known: Plant, corrected: bool) -> host.Controller:
+    emitted = _emit(tuple((p.name, p.value) for p in known.parameters), corrected)
     return host.load(emitted.files, emitted.manifest)
 
 
 @cache.kept
-def _emit(parameters: tuple[tuple[str, float], ...], restored: bool) -> write.Emitted:
+def _emit(parameters: tuple[tuple[str, float], ...], corrected: bool) -> write.Emitted:
     """Return the C of the controller that knows some parameters of the plant: nothing else of it counts.
 
     The library computes the functions, which for new parameters none has fitted.
     """
     known = maglev_stage.plant().with_parameters(**dict(parameters))
-    emitted = write.emit(control.controller(known, restored).block, np.float64, libm=True)
+    emitted = write.emit(control.controller(known, corrected).block, np.float64, libm=True)
     return replace(emitted, program=None)
 
 

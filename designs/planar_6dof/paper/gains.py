@@ -35,14 +35,14 @@ class Stage:
     """b in m/s^2/A and c in rad/s^2/A of (26), and the sample period in s."""
 
     per_ampere: float
-    turning: float
+    yaw_per_ampere: float
     period_s: float
 
 
 @cache
 def model(of: Stage, integrals: bool) -> StateSpace:
     """Return (31), (32), or (26), (27) without the integrals, in continuous time."""
-    return lqg.model(of.per_ampere, of.turning, integrals)
+    return lqg.model(of.per_ampere, of.yaw_per_ampere, integrals)
 
 
 @cache
@@ -54,7 +54,7 @@ def sampled_model(of: Stage) -> StateSpace:
 def axis_model(of: Stage, axis: str) -> tuple[StateSpace, float]:
     """Return an axis with its integral and rate and one input, and the weight on that input for R = I."""
     k = POSITIONS.index(axis)
-    b = of.per_ampere if axis == "x" else 2 * (of.per_ampere if axis == "y" else of.turning)
+    b = of.per_ampere if axis == "x" else 2 * (of.per_ampere if axis == "y" else of.yaw_per_ampere)
     A, B = np.array([[0.0, 0, 1], [1, 0, 0], [0, 0, 0]]), np.array([[0.0], [0], [b]])
     chain = StateSpace(A, B, np.eye(1, 3), np.zeros((1, 1)), STATES[k::3], ("i",), (axis,), Continuous())
     return chain, 1.0 if axis == "x" else 2.0

@@ -45,7 +45,7 @@ def meets(margin: Margin, crossover: Printed, phase: Printed) -> bool:
 
 def in_bounds(step: Step, rise: Printed, settling: Printed) -> bool:
     """Return whether a step is as fast as printed, ms."""
-    return 1e3 * step.rise < rise.value and 1e3 * step.settled < settling.value
+    return 1e3 * step.rise < rise.value and 1e3 * step.settling < settling.value
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Line:
 def of_step(loop: Rig) -> Line:
     """Return the most prominent line of x as measured, over RECORD, once its step has settled."""
     run = experiments.step(loop, "x", STEP, 1.0 + RECORD)
-    return prominent_line(run.shown[run.sample + round(1.0 / loop.period_s) :], loop.period_s)
+    return prominent_line(run.measured[run.sample + round(1.0 / loop.period_s) :], loop.period_s)
 
 
 def prominent_line(x: Array, period_s: float) -> Line:

@@ -379,7 +379,7 @@ class TestLaw:
         q, w = samples
         rng = np.random.default_rng(7)
         before = rng.uniform(-3, 3, (len(q["y"]), 6)).T
-        out, _ = self.currents(w, q, self.gaps(q), before, reference.constants(restored=False))
+        out, _ = self.currents(w, q, self.gaps(q), before, reference.constants(corrected=False))
         i_d, i_q = self.stacked(out)[:4], self.stacked(before)[4:]
         free = np.max(np.abs(i_d), axis=0) < 0.99 * reference.CURRENT
         assert np.mean(free) > 0.5
@@ -387,7 +387,7 @@ class TestLaw:
         np.testing.assert_allclose(i_d[:, free], expected[:, free], atol=1e-11)
         assert np.max(np.abs(i_d[:, free] - self.printed(q, w, 0 * i_q)[:, free])) > 1e-3
 
-    def reached(self, samples: tuple[dict[str, Array], dict[str, Array]], restored: bool) -> Callable[[str], Array]:
+    def reached(self, samples: tuple[dict[str, Array], dict[str, Array]], corrected: bool) -> Callable[[str], Array]:
         """Return the errors in acceleration of the full plant, but for what is left of the springs, off the limits.
 
         The pose and the demands stand still until the currents do.
@@ -395,23 +395,23 @@ class TestLaw:
         q, w = samples
         out = np.tile([*reference.SAFE.values()], (len(q["y"]), 1)).T
         for _ in range(40):
-            out, excess = self.currents(w, q, self.gaps(q), out, reference.constants(restored=restored))
+            out, excess = self.currents(w, q, self.gaps(q), out, reference.constants(corrected=corrected))
         u = self.stacked(out)
         free = (np.max(np.abs(u), axis=0) < 0.9 * reference.CURRENT) & (excess == 0).all(axis=0)
         assert np.mean(free) > 0.5
         derivative = self.at(q["y"], q["phi"], q["theta"], u)
         for row, axis, k_s in ((7, "phi", P.k_s_phi), (9, "theta", P.k_s_theta)):
-            derivative[row] += (1 - reference.COMPENSATED[axis] if restored else 0) * k_s * q[axis]
+            derivative[row] += (1 - reference.COMPENSATED[axis] if corrected else 0) * k_s * q[axis]
         rows = ODE | {"x": 3, "z": 5}
         return lambda s: np.abs(derivative[rows[s]] - w[s])[free]
 
     def test_double_integrators(self, samples: tuple[dict[str, Array], dict[str, Array]]) -> None:
-        """F(13): x and z obey it exactly, y, phi and theta too where the law is restored, else but for i_d^2."""
-        restored, printed = self.reached(samples, True), self.reached(samples, False)
+        """F(13): x and z obey it exactly, y, phi and theta too where the law is corrected, else but for i_d^2."""
+        corrected, printed = self.reached(samples, True), self.reached(samples, False)
         for s in ("x", "z"):
-            assert np.max(restored(s)) < 1e-12
+            assert np.max(corrected(s)) < 1e-12
         for s in ODE:
-            assert np.max(restored(s)) < 1e-10
+            assert np.max(corrected(s)) < 1e-10
         assert np.mean(printed("y")) > 1e-2
 
     def test_currents_of_the_sample_before_leave_an_error_of_their_change(
@@ -440,10 +440,10 @@ class TestLaw:
         ]
         assert all(abs(currents[0][0] - other[0]) > 1e-2 for other in currents[1:])
 
-    @pytest.mark.parametrize("restored", [True, False])
-    def test_motor_limit(self, restored: bool) -> None:
+    @pytest.mark.parametrize("corrected", [True, False])
+    def test_motor_limit(self, corrected: bool) -> None:
         rng, n = np.random.default_rng(3), 20_000
-        state, out, _ = reference.step(any_state(rng, n), any_inputs(rng, n), reference.constants(restored=restored))
+        state, out, _ = reference.step(any_state(rng, n), any_inputs(rng, n), reference.constants(corrected=corrected))
         rms = np.max([np.hypot(out[f"i_d{j}"], out[f"i_q{j}"]) for j in range(1, 5)], axis=0)
         assert np.all(rms <= 7 / sqrt(2) * (1 + 1e-15))
         assert np.mean(rms > 4.949) > 0.5

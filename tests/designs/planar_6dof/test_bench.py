@@ -45,7 +45,7 @@ COSTLY = 500  # steps of each of those where the costliest steps are
 # What nothing takes both ways: how many decisions of a line, and why.
 UNREACHABLE = (
     (r"if \(\(guard_ready .*(fabsf.*){3}", 1, "an acceleration beyond its bound has a velocity beyond it"),
-    (r"if \(\w+ && !(\w+|\(sensing_doubt != 0u\))\) \{", 1, "one of them is known from above"),
+    (r"if \(\w+ && !(\w+|\(sensing_contradiction_left != 0u\))\) \{", 1, "one of them is known from above"),
 )
 LATCH = 1 << safety.LATCH_BIT
 
@@ -161,7 +161,7 @@ def test_every_input_fails_and_each_hall_channel_is_suspected(design: Subject) -
     for sequence in (sequences["failures"], sequences["failures again"]):
         after = steps.taken(controller, sequence).states
         named |= {flag for flag in flags if np.any(after[flag] > sequence.states[flag])}
-    assert {"sensing_doubt", "sensing_named"} <= named
+    assert {"sensing_contradiction_left", "sensing_contradiction_confirmed"} <= named
     faults = steps.taken(controller, sequences["failures named"]).faults
     bits = [1 << f["bit"] for f in controller.manifest["faults"] if f.get("suspect")]
     assert len(bits) == len(planar_stage.HALL) and all({0, bit} == set((faults & bit).tolist()) for bit in bits)
@@ -205,7 +205,7 @@ def test_what_the_failures_are_for_is_told_without_them() -> None:
     candidate = rivals.emitted(lqg.emitted)
     sound = steps.thinned(lqg.sequences["travel"], THIN)
     left = unexplained(meter.covered(candidate, meter.run(candidate, sound, build), build).missing)
-    assert any("sensing_named" in line for line in left)
+    assert any("sensing_contradiction_confirmed" in line for line in left)
     assert any("5.0f" in line for line in left)
 
 

@@ -79,7 +79,7 @@ def outcomes(columns: int, predicted: bool) -> dict[tuple[str, bool], Outcome]:
         u[name][at:, which == j] = u[name][at, which == j] if stuck else 0.0
     state, named, word_named, over = start(predicted, len(which)), [], [], []
     for i in range(n):
-        flags = np.full(len(which), float(i > 0)), ~(state["sensing_named"] > 0)  # the guard's
+        flags = np.full(len(which), float(i > 0)), ~(state["sensing_contradiction_confirmed"] > 0)  # the guard's
         out, state = reference_step(state, {k: v[i] for k, v in u.items()}, flags, predicted)
         word_named.append(out["suspected"] > 0)
         named.append([out[f"suspect_{v}"] > 0 for v in HALL])

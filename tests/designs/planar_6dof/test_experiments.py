@@ -173,7 +173,7 @@ def test_a_failed_channel_is_the_one_that_is_named(lead: Rig) -> None:
         assert f.failure.named == 0 and f.failure.latched == 4 and not f.others and f.contradicted is None
     late = failures.fail(loops.with_noise(lead, 0.0), "V_ax", "stuck")
     assert late.failure.named is None and late.failure.latched is None
-    assert late.failure.left() == 0 == late.failure.slew() == late.unanswered
+    assert late.failure.left() == 0 == late.failure.slew() == late.isolation_delay
 
 
 def test_noise_is_no_failure(lead: Rig, optimal: Rig) -> None:

@@ -209,10 +209,10 @@ def changed_parameter(plant: Plant, name: str) -> Plant:
     [
         ("leadlag", "filter_x_k_s", "x"),
         ("leadlag", "filter_phi_k_p", "phi"),
-        ("leadlag", "loop_y_direct", "y"),
+        ("leadlag", "loop_y_gain", "y"),
         ("leadlag", "loop_psi_driven", "psi"),
         ("lqg", "lqg_x_H", "x"),
-        ("lqg", "lqg_phi_on_force", "phi"),
+        ("lqg", "lqg_phi_achieved_gain", "phi"),
         ("lqg", "sensing_position_1", "y"),
     ],
 )

@@ -159,7 +159,7 @@ def yaw_gain(block: Block) -> float:
 def test_without_the_amplitudes_the_yaw_is_lost_where_both_differences_are_blind() -> None:
     block = sensing.sensing(PLANT, TIME)
     assert yaw_gain(block) > 0.7  # what harmonics do to h_3 is left out
-    assert yaw_gain(changed(block, third=0.0)) < 0.6  # 0 where both vanish: between the points of the grid
+    assert yaw_gain(changed(block, amplitude_weight=0.0)) < 0.6  # 0 where both vanish: between the points of the grid
 
 
 # Seams, counts, long ways.

@@ -62,7 +62,7 @@ def disagreement(n: int, columns: int, predicted: bool = True) -> float:
         by_c = np.array([*(batch.outputs[name] for name in outputs), *(records[name] for name in names)])
         apart = np.maximum(np.abs(np.vstack([y, x]) - expected), np.abs(by_c - expected))
         gap, size = np.maximum(gap, apart.max(axis=1)), np.maximum(size, np.abs(expected).max(axis=1))
-    assert size[names.index("sensing_doubt") + len(outputs)] >= sensing.MEMORY
+    assert size[names.index("sensing_contradiction_left") + len(outputs)] >= sensing.MEMORY
     assert all(one.any() for one in reference_sensing.suspects(state, A).values())  # every branch was taken
     return float((gap / size).max())
 

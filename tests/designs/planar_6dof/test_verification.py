@@ -83,7 +83,7 @@ def test_single_precision_that_is_wrong_does_not_pass(monkeypatch: pytest.Monkey
     subject = SUBJECTS["leadlag"]
     sound = loop_of(subject)
     assert all(c.passed for c in verification.single_against_double(sound, sound))
-    name = "loop_y_direct"
+    name = "loop_y_gain"
     off = tuple(replace(c, value=1.001 * c.value) if c.name == name else c for c in subject.block.constants)
     wrong = replace(sound, controller=loops.compile_block(replace(subject.block, constants=off)))
     failed = [c.name for c in verification.single_against_double(sound, wrong) if not c.passed]

@@ -323,7 +323,7 @@ def _swapped_phases(patch: pytest.MonkeyPatch) -> Plant:
 
 def _no_distribution_factor(patch: pytest.MonkeyPatch) -> Plant:
     right = lorentz_motor.force_constant
-    patch.setattr(lorentz_motor, "force_constant", lambda p, reading="lorentz": right(p, "lorentz"))
+    patch.setattr(lorentz_motor, "force_constant", lambda p, variant="lorentz": right(p, "lorentz"))
     return PLANT
 
 
