@@ -1,11 +1,11 @@
-"""How emission grows with the number of axes: n axes in one Block, n = 1, 2, 4 .. 64.
+"""Scaling of emission with the number of axes: n axes in one Block, n = 1, 2, 4 .. 64.
 
     q_k - r_k --->[ filter_k ]---> e_k, de_k --->[ regulator_k ]---> w_k --->[ m_k w_k, limits ]---> i_k
 
-Each axis is a derivative filter, an internal-model regulator and a limited current; all slew to a safe output together.
-The fault word has 31 bits for inputs, too few for 64 axes, so that at every n the first axis alone is guarded: the
-others' inputs are taken to lie in their declared ranges. The C is compiled with STRICT_FLAGS, and one step from each of
-many random states is compared with CasADi's evaluation of the Block.
+Each axis is a derivative filter, an internal-model regulator and a limited current. All currents slew to a safe output
+together. The fault word has 31 bits for inputs, too few for 64 axes, so only the first axis is guarded at every n. The
+inputs of the others are assumed to be in their declared ranges. The C is compiled with STRICT_FLAGS, and one step from
+each of many random states is compared with CasADi's evaluation of the Block.
 """
 
 import sys
@@ -38,8 +38,8 @@ BOUNDS = (600.0, 250.0, 500.0)  # m, of the internal model
 STROKE, REACH, CURRENT = 0.1, 0.05, 5.0  # m, m, A
 PER_ACCELERATION = 0.1  # A s^2/m
 BAD_SAMPLES = 5
-SAMPLES = 2000  # random steps that are compared
-NEAR = 1e-3  # of a state's range, where the currents are not limited
+SAMPLES = 2000  # compared random steps
+NEAR = 1e-3  # of a state's range: there the currents are not limited
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ def block(n: int) -> Block:
 
 
 def safe(n: int) -> safety.Safety:
-    """Return where n currents go once the first position has been bad for long."""
+    """Return the safe output of n currents after several bad samples of the first position."""
     names = [f"i{k}" for k in range(1, n + 1)]
     return safety.Safety(BAD_SAMPLES, dict.fromkeys(names, 0.0), dict.fromkeys(names, 50.0), "an example")
 
@@ -123,7 +123,7 @@ def _gain() -> lqr.Gain:
 def measure_growth(n: int) -> Growth:
     """Compose, emit, compile strictly and compare n axes.
 
-    Raises CompileError for a warning of the compiler.
+    Raises CompileError when the compiler warns.
     """
     start = process_time()
     controller = block(n)
@@ -139,14 +139,14 @@ def measure_growth(n: int) -> Growth:
 def disagreement(controller_block: Block, double: write.Emitted) -> float:
     """Return the worst difference of the float64 C from CasADi's evaluation over random steps.
 
-    That is, of an output, of max(1 A, |i|), or of a next state, of its range.
+    Differences of outputs are relative to max(1 A, |i|), those of next states to their ranges.
     """
     controller = host.load(double.files, double.manifest)
     x = host.columns(steps.drawn(controller, SAMPLES).states)
     for s in controller_block.states:
         if s.name.startswith(("filter", "regulator")):
-            x[s.name][::2] *= NEAR  # elsewhere the limits hide what differs
-    # Nothing but the first axis' guard keeps inputs in range.
+            x[s.name][::2] *= NEAR  # elsewhere the limits hide differences
+    # Only the first axis has a guard that keeps its inputs in range.
     u = host.columns(steps.in_range(controller, SAMPLES).inputs)
     expected, computed = agree.casadi(controller_block.rounded(np.float64))(x, u), agree.emitted(controller)(x, u)
     agreement = agree.compare("random steps", ("casadi", expected), ("c64", computed), 1.0, controller_block)

@@ -1,10 +1,10 @@
-"""Disk margins beside python-control with SLICOT: time, and what a grid misses.
+"""Disk margins compared with python-control and SLICOT: time, and the error of a frequency grid.
 
         L = g sum_k phi_k (a_k + b_k s) phi_k' / (s^2 + 2 zeta_k w_k s + w_k^2),        p channels, n/2 modes
 
-of a flexible stage with fixed random modes phi_k. python-control takes mu at 400 frequencies with SLICOT's ab13md and
-claims nothing between them. Here the margin comes once with its certificate for all frequencies and once without. The
-times are wall clock on one thread, medians of runs that take turns; a ratio is the median of the ratios within a turn.
+of a flexible stage with fixed random modes phi_k. python-control computes mu at 400 frequencies with SLICOT's ab13md,
+without a bound between them. The toolkit's margin is timed with its certificate for all frequencies and without. Times
+are wall clock on one thread, medians of alternating runs; a ratio is the median of the ratios within a turn.
 """
 
 import os

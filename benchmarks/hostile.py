@@ -1,16 +1,16 @@
-"""Hostile calls: each public function of the library, called with one argument that is wrong.
+"""Fuzzing of the library's interface: each public function is called with one wrong argument.
 
     python -m benchmarks.hostile [--calls 10000] [--seed 0] [--only lqr]
 
-For each function and constructor of the vocabulary, of analyse, of synthesise and of blocks there is a call that works
-(`hostile_calls`). Each argument in turn is then replaced: by another kind of thing (a number for a list, a text,
-None, a bool), by another shape or size, by NaN, infinity, 1e300 and 1e-300, by nothing, by a masked array, by a wrong
-name, and by the same value in another form, for which the answer must be the same. A call must answer or raise a
-SynthError, within `LIMIT_S`. Everything else is a defect: another error, NaN in an answer whose example has none, a
-warning of NumPy beside an answer, another answer to the same value, or a longer time.
+For each function and constructor of the vocabulary, of analyse, of synthesise and of blocks there is a valid call
+(`hostile_calls`). Each argument in turn is then replaced: by another type (a number for a list, a text, None, a bool),
+by another shape or size, by NaN, infinity, 1e300 and 1e-300, by an empty value, by a masked array, by a wrong name, and
+by the same value in another form, for which the answer must be the same. A call must return or raise a SynthError
+within `LIMIT_S`. Everything else is a defect: another error, NaN in an answer whose example has none, a warning of
+NumPy with an answer, another answer to the same value, or a longer time.
 
-Functions that take what others have read already, like NumPy arrays or Arb balls, are left out:
-`synth.arguments.checked` marks the others.
+Internal functions, which take checked values like NumPy arrays or Arb balls, are left out: `synth.arguments.checked`
+marks the others.
 """
 
 import argparse
@@ -42,7 +42,7 @@ from synth.errors import SynthError
 LIMIT_S = 5.0
 MEMORY = 4 << 30  # bytes
 VOCABULARY = ("signals", "timing", "plant", "statespace", "conversions", "fault", "block", "compose", "check")
-UNCHECKED = ("timing.Discrete", "check.Check", "safety.Guarded", "logs.Log")  # constructors that read for themselves
+UNCHECKED = ("timing.Discrete", "check.Check", "safety.Guarded", "logs.Log")  # check their own arguments
 NAN_MEANS = {
     "structure.poles": "the damping of a pole at 0",
     "structure.transmission_zeros": "the damping of a zero at 0",
@@ -64,7 +64,7 @@ class Case:
 
 @dataclasses.dataclass(frozen=True)
 class Outcome:
-    """What became of a call: "answer", "refused" or a defect, with its error or warning, and the seconds it took."""
+    """The outcome of a call: "answer", "refused" or a defect, with its error or warning, and the seconds it took."""
 
     kind: str
     text: str
@@ -72,7 +72,7 @@ class Outcome:
 
     @property
     def is_defect(self) -> bool:
-        """Whether the library should have done otherwise."""
+        """Whether the outcome is a defect of the library."""
         return self.kind not in ("answer", "refused")
 
 
@@ -85,13 +85,13 @@ def modules() -> list[ModuleType]:
 
 
 def is_checked(target: Any) -> bool:
-    """Tell whether `arguments.checked` stands at a function or constructor."""
+    """Return whether a function or constructor is decorated with `arguments.checked`."""
     code = getattr(target.__init__ if inspect.isclass(target) else target, "__code__", None)
     return code is not None and code.co_filename.endswith("arguments.py")
 
 
 def library() -> dict[str, Callable[..., Any]]:
-    """Return the public functions and constructors that take what a user gives, by module and name."""
+    """Return the public functions and constructors with checked arguments, by module and name."""
     functions = {}
     for module in modules():
         short = module.__name__.rpartition(".")[2]
@@ -103,7 +103,7 @@ def library() -> dict[str, Callable[..., Any]]:
 
 
 def call(function: Callable[..., Any], arguments: Mapping[str, Any]) -> Any:
-    """Call a function with arguments by name, and those of its ``*args`` by place."""
+    """Call a function with arguments by name, and those of its ``*args`` by position."""
     keywords = dict(arguments)
     further = [p.name for p in inspect.signature(function).parameters.values() if p.kind is p.VAR_POSITIONAL]
     for name in further:
@@ -113,7 +113,7 @@ def call(function: Callable[..., Any], arguments: Mapping[str, Any]) -> Any:
 
 
 def example(name: str, function: Callable[..., Any]) -> dict[str, Any]:
-    """Return arguments with which a function works: its own, else those of their names, else its defaults."""
+    """Return valid arguments of a function: specific ones, else those by argument name, else its defaults."""
     specific, usual = hostile_calls.examples().get(name, {}), hostile_examples.usual()
     arguments: dict[str, Any] = {}
     for p in inspect.signature(function).parameters.values():
@@ -138,7 +138,7 @@ def cases(only: str = "") -> list[Case]:
 
 
 class TooSlow(BaseException):
-    """A call ran into the limit; no handler of the library for errors stops it."""
+    """A call exceeded the time limit; a BaseException, which no handler of the library catches."""
 
 
 @contextlib.contextmanager
@@ -156,7 +156,7 @@ def _time_limit(seconds: float) -> Iterator[None]:
 
 
 def evaluate(case: Case, good: Any, limit_s: float = LIMIT_S) -> Outcome:
-    """Call, and say what became of it; `good` is the answer of the example."""
+    """Run a case and return its outcome; `good` is the answer of the example."""
     start = time.perf_counter()
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -247,8 +247,8 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", default="", help="functions whose name contains this")
     options = parser.parse_args()
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))  # what asks for more gets a MemoryError, a raw error
-    faulthandler.dump_traceback_later(4 * LIMIT_S, repeat=True)  # names what no alarm interrupts
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))  # a call that needs more gets a MemoryError, a raw error
+    faulthandler.dump_traceback_later(4 * LIMIT_S, repeat=True)  # shows a call that no alarm interrupts
     outcomes = search(options.calls, options.seed, options.only, progress=True)
     print(report(outcomes))  # noqa: T201
     sys.exit(any(outcome.is_defect for _, outcome in outcomes))

@@ -1,4 +1,4 @@
-"""Calls that work, by function, where the examples of `hostile_examples` by the names of arguments do not serve."""
+"""Valid calls by function, where the examples of `hostile_examples` by argument name do not apply."""
 
 import functools
 import tempfile
@@ -42,7 +42,7 @@ from synth.timing import Continuous
 
 @functools.cache
 def examples() -> Mapping[str, Call]:
-    """Return examples by function, where those of the names do not serve."""
+    """Return examples by function, where those by argument name do not apply."""
     common = usual()
     maglev, held, stage = common["maglev"], common["sampled"], common["system"]
     x, g, u = ca.SX.sym("x"), ca.SX.sym("g"), ca.SX.sym("u")

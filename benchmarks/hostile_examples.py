@@ -1,6 +1,7 @@
-"""Calls that work, one for each public function: `benchmarks.hostile` then spoils one argument at a time.
+"""Valid arguments of the public functions, of which `benchmarks.hostile` replaces one at a time.
 
-An argument has the example of its function in `hostile_calls`, else that of its name in `usual`, else its default.
+The example of an argument is that of its function in `hostile_calls`, else that of its name in `usual`, else its
+default.
 """
 
 import dataclasses

@@ -1,4 +1,4 @@
-"""Calls that work of functions that take what a stage declares: its controller, its loops, its control axes."""
+"""Valid calls of the functions on a declared stage: its controller, its loops, its control axes."""
 
 from collections.abc import Mapping
 

@@ -1,4 +1,4 @@
-"""Calls of the vocabulary that work: signals, times, models and Blocks."""
+"""Valid calls of the vocabulary: signals, times, models and Blocks."""
 
 from collections.abc import Mapping
 
@@ -27,7 +27,7 @@ from synth.timing import Continuous
 
 
 def examples() -> Mapping[str, Call]:
-    """Return examples by function, where those of the names do not serve."""
+    """Return examples by function, where those by argument name do not apply."""
     common = usual()
     stage, u = common["system"], ca.SX.sym("u")
     return {

@@ -1,11 +1,11 @@
-"""Margins of random loops beside the truth, found by brute force: is a margin ever reported larger than it is?
+"""Stability margins of random loops compared with brute force: no margin may be reported too large.
 
     L = k prod (s - z) / prod (s - p),   1 to 12 poles, integrators and unstable poles among them
 
 as transfer function, as state space, sampled (periods down to 1e-5 of the fastest time constant) as either, or with an
-exact delay and hold. The truth comes from values of L alone, on a grid dense at all poles and zeros and refined by
-bisection: from the factors, for a sampled state-space model from its matrices, and for a sampled transfer function,
-whose coefficients hardly tell its poles, from the coefficients in 60 digits.
+exact delay and hold. The true margins follow from values of L alone, on a grid that is dense at all poles and zeros
+and refined by bisection. L is evaluated from the factors, for a sampled state-space model from its matrices, and for a
+sampled transfer function, whose poles are ill-conditioned, from the coefficients in 60 digits.
 """
 
 import argparse
@@ -23,9 +23,9 @@ from synth.errors import SynthError
 from synth.statespace import Array
 
 TOLERANCE = 1e-4  # relative: by how much a reported margin may exceed the truth
-LIMIT_S = 2.0  # of processor time, so that a busy machine judges nothing
+LIMIT_S = 2.0  # of processor time, which does not depend on other load
 POINTS = 3000
-CAP = 1e6  # factors on the gain beyond it, or below its inverse, count as none
+CAP = 1e6  # gain margins beyond it, or below its inverse, count as infinite
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Truth:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What the library returned for a case: margins with their excess over the truth, or why it refused."""
+    """The result of the library for a case: the largest excess of a margin over the truth, or its error."""
 
     case: Case
     excess: float
@@ -85,7 +85,7 @@ def _grid(case: Case) -> Array:
 
 
 def _sign_changes(f: Callable[[Array], Array], w: Array, value: Array) -> Array:
-    """Return where f changes sign, by bisection of all brackets at once."""
+    """Return the sign changes of f, by bisection of all brackets at once."""
     k = np.flatnonzero(np.sign(value[:-1]) * np.sign(value[1:]) < 0)
     a, b, rising = w[k], w[k + 1], value[k] < 0
     for _ in range(45):
@@ -109,7 +109,7 @@ def _modulus_margin(case: Case, w: Array, value: Complex) -> float:
 
 
 def compare_with_truth(case: Case) -> Outcome:
-    """Return what the library says of a case beside the truth."""
+    """Return the library's margins of a case compared with the truth."""
     start = process_time()
     try:
         reported = margins.of_loop(case.loop)

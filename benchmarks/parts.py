@@ -1,11 +1,11 @@
-"""Where a step's instructions go: each is charged to the Block whose lines of the emitted C it comes from.
+"""Instruction profile of a step by Block: each instruction is attributed to a line of the emitted C and its Block.
 
     instructions[k] = sum over Blocks and FRAME of parts[block][k]
 
-An instruction belongs to the line that the compiler's line table gives it; text of another function that the compiler
-has put in, to the line of the call, and so does all that a called function executes. The line's Block is that of the
-comment above it, the manifest's `trace`. The sum is exact. The shares are as good as text and table: what is computed
-once for two Blocks is charged to one of them, and what has no line of a Block, such as saving registers, to the FRAME.
+An instruction belongs to the line of the compiler's line table. Instructions of inlined and called functions belong to
+the line of the call. The Block of a line is that of the comment above it, from `trace` of the manifest. The sum is
+exact. The shares depend on text and line table: an expression shared by two Blocks is attributed to one of them, and
+instructions without a line of a Block, such as saving registers, to the FRAME.
 """
 
 from collections.abc import Mapping
@@ -51,7 +51,7 @@ def measure(emitted: Emitted, stimulus: Steps, build: meter.Build) -> dict[str, 
 def _count_by_owner(
     path: trace.Trace, owner: NDArray[np.intp], entry: NDArray[np.bool_], size: int
 ) -> NDArray[np.int64]:
-    """Count a trace by call and owner (n, size); outside the entry's own code the last instruction inside it owns."""
+    """Count a trace by call and owner (n, size); outside the entry the last instruction inside it counts."""
     last = np.maximum.accumulate(np.where(entry[path.index], np.arange(len(path.index)), 0))
     call = np.repeat(np.arange(len(path.ends)), path.lengths)
     cells = call * size + owner[path.index[last]]
@@ -64,7 +64,7 @@ def _in_function(code: trace.Code, function: str) -> NDArray[np.bool_]:
 
 
 def _owners(emitted: Emitted, code: trace.Code, entry: str, path: Path) -> tuple[list[str], NDArray[np.intp]]:
-    """Return the names of the owners, and for each instruction (I,) of an image which one it is."""
+    """Return the names of the owners, and the index of the owner of each instruction (I,) of an image."""
     source = f"{emitted.manifest['design']}.c"
     blocks = _blocks(emitted.manifest["trace"])
     names = [*dict.fromkeys(blocks.values()), FRAME]

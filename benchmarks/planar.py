@@ -1,12 +1,11 @@
-"""What a step of the planar controllers costs on an emulated Cortex-M4F, by gcc: whole, in parts, and the cores alone.
+"""Cost of a step of the planar controllers on an emulated Cortex-M4F, by gcc: whole, by part, and the cores alone.
 
     whole   sensing, filters, law, allocation, commutation and guard: lead-lag, LQG of reduced and of full order
     cores   the LQG regulators alone, from three errors to three currents
-    CasADi  its own C of the same Blocks over some of the same steps: as emitted, and with a float shim (`rivals`)
+    CasADi  CasADi's own C of the same Blocks over some of the same steps: as emitted, and with a float shim
 
 `mean` is over steps of closed loops without a fault, `most` over all sequences: instructions that are issued. For a
-core `small` errors leave every state within its bounds. Which part an instruction belongs to is `benchmarks.parts`'s
-word: gcc's line table.
+core `small` errors leave every state within its bounds. `benchmarks.parts` attributes instructions to parts.
 """
 
 import sys
@@ -31,8 +30,8 @@ from synth.verify import meter, rivals, steps, stimuli
 from synth.verify.steps import Steps
 
 BARS = {"lead-lag": 800, "LQG": 700, "LQG, full order": 700, "reduced core": 95, "full core": 100}
-COMMON_STEPS = {True: 60, False: 12}  # closed-loop steps that CasADi's C is given, with the shim and as emitted
-BREAKDOWN_STEPS = 500  # closed-loop steps that are taken apart
+COMMON_STEPS = {True: 60, False: 12}  # closed-loop steps for CasADi's C, with the shim and as emitted
+BREAKDOWN_STEPS = 500  # closed-loop steps of the instruction profile
 CORE = 2000  # steps of a core
 PARTS = {"sensing": ("sensing", "vertical_kinematics"), "filters": ("filter_",), "law": ("loop_", "lqg_")}
 WIDTHS = (17, 20, 8, 9, 10, 15, 10)
@@ -54,7 +53,7 @@ class Subject:
 class Costs:
     """Instructions of a subject by a build: mean and most, and the mean of CasADi's C, shimmed and not, over ours.
 
-    `parts` are, by part of the step, the mean and what the costliest step has.
+    `parts` has for each part of the step the mean and the count in the costliest step.
     """
 
     subject: str
@@ -104,7 +103,7 @@ def builds() -> list[meter.Build]:
 
 
 def measure(subject: Subject, build: meter.Build) -> Costs:
-    """Measure a subject by a build, and CasADi's C beside it."""
+    """Measure a subject by a build, and CasADi's C for comparison."""
     every = meter.run(rivals.emitted(subject.emitted), subject.every, build).cost.instructions
     worst = subject.every.part(np.array([np.argmax(every)]))
     within, costliest = (parts.measure(subject.emitted, sequence, build) for sequence in (subject.within, worst))

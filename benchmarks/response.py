@@ -1,12 +1,12 @@
-"""Frequency responses and H-infinity norms beside python-control with SLICOT: time and memory.
+"""Frequency responses and H-infinity norms compared with python-control and SLICOT: time and memory.
 
-A frequency response takes 1,000 points on the axis (tb05ad there: one at a time from the Hessenberg form). The models
-are dense with random entries, and flexible stages of n/2 lightly damped modes, with two inputs and outputs. An
-H-infinity norm here comes with its proof; python-control's `norm` checks the poles and calls ab13dd, `linfnorm` calls
-it alone.
+A frequency response has 1,000 points on the axis (python-control: tb05ad, one at a time from the Hessenberg form). The
+models are dense with random entries, and flexible stages of n/2 lightly damped modes, with two inputs and outputs. The
+toolkit's H-infinity norm includes its proof; python-control's `norm` checks the poles and calls ab13dd, `linfnorm`
+calls ab13dd alone.
 
-The times are of the processor on one thread, so that other work on the machine matters little; each is the median of
-runs that take turns, and a ratio is the median of the ratios within a turn. Memory is the peak of what is allocated.
+Times are processor times on one thread, which depend little on other load. Each is the median of alternating runs, and
+a ratio is the median of the ratios within a turn. Memory is the peak of allocated memory.
 """
 
 import os

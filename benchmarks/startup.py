@@ -1,7 +1,7 @@
-"""How long a prompt waits: `synth --help`, `import synth` and `synth emit`'s imports, beside `import control`.
+"""Start-up time: `synth --help`, `import synth` and the imports of `synth emit`, compared with `import control`.
 
-Each is a process of its own, started in turn with the others; the figures are medians over the turns, of the wall clock
-and of the processor. The interpreter alone shows what no package can save.
+Each is a separate process, and all are started in turn. Figures are medians over the turns of wall clock and processor
+time. The interpreter alone is the lower bound.
 """
 
 import os

@@ -1,12 +1,12 @@
-"""What an optimal gain costs beside plain SciPy: Riccati solutions with their certificate, and lqrd.
+"""Time of optimal gains compared with plain SciPy: Riccati solutions with certificate, and lqrd.
 
     CARE, DARE   riccati.solve beside solve_continuous_are, solve_discrete_are
     lqrd         lqr.lqrd beside the exponential of Van Loan's block matrix, solve_discrete_are and one linear solve
 
 Both run in turn on one core, and times are medians. Residuals are those of `riccati.certify`, for SciPy's X too: sums
-in twice the precision of double, each entry beside the absolute terms it is left of. The stiff model has poles from
-1e-2 to 1e5 1/s, one of ten unstable. At n = 200 the solutions are sensitive to their data: so few inputs move half the
-modes.
+in twice double precision, each entry relative to the sum of its absolute terms. The stiff model has poles from
+1e-2 to 1e5 1/s, one of ten unstable. At n = 200 the solutions are sensitive to their data because few inputs move many
+unstable modes.
 """
 
 import os
@@ -104,7 +104,7 @@ def compare_lqrd(p: Problem, runs: int) -> Comparison:
 
 
 def _plain_lqrd(p: Problem) -> tuple[Array, Array]:
-    """Return X and K as one would compute them with SciPy alone."""
+    """Return X and K computed with SciPy alone."""
     n, m = p.B.shape
     F = np.block([[p.A, p.B], [np.zeros((m, n + m))]])
     W = np.block([[p.Q, p.N], [p.N.T, p.R]])

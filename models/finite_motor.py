@@ -1,4 +1,4 @@
-"""Forces and torques of one planar motor over a magnet matrix of finite size, for a unit current in each phase.
+"""Forces and torques of one planar motor over a finite magnet matrix, per unit current in each phase.
 
     x ^   half A  -B   C  -A  ..   C  half A      g(x)      Bands as in `models.lorentz_motor`, cut by a window of Nm
       |   +---+---+---+---+-- .. -+---+---+   _             pitches about the motor's centre, where a band A lies: at
@@ -7,16 +7,16 @@
       |   |   |   |   |   |       |   |   |   _|            where a band runs along x; g is 1 over the conductors.
       +-> y  --- end turns, from band to band --
 
-End turns in the bands' plane are as wide and high as bands; g falls to 0 across them, and a turn is w wide in the mean.
-Three phases cannot have them all there; raised by d they matter about exp(-2 pi d / l) of that, which is RAISED for the
-height of the winding, the least. Without them g is 1 over w, 0 beyond, and nothing runs along y. The paper prints
-neither the end turns nor which band lies in the middle.
+End turns in the plane of the bands are as wide and high as the bands. g falls to 0 across them, and a turn has the mean
+width w. Three phases cannot all have their end turns there. Raised by d, end turns contribute about exp(-2 pi d / l) of
+that, which is RAISED_END_TURNS for the least possible d, the height of the winding. Without end turns g is 1 over w and
+0 beyond, and no current runs along y. The paper prints neither the end turns nor which band lies in the middle.
 
 In a field of exponentials exp(i k.r - kappa z) (`models.finite_matrix`) about the centre's place R the integrals of
 j x B and of r x (j x B) over the conductors are products of moments int x^a g exp(i kx x) dx, int y^b t exp(i ky y) dy
 and of integrals over the height: forces and torques over R are Fourier series with known coefficients. Torques are
-about the middle of the window, half way up. A motor turned by phi sees k turned against it: "yaw" is the derivative by
-phi at phi = 0, in the motor's own frame.
+about the middle of the window, half way up. In the frame of a motor turned by phi, k turns by -phi: "yaw" is the
+derivative by phi at phi = 0, in the frame of the motor.
 """
 
 from collections.abc import Callable, Sequence
@@ -42,12 +42,12 @@ THICKNESS = 6 * VALUES["area"] / VALUES["l"]  # m
 DENSITY = VALUES["turns"] / VALUES["area"]  # 1/m^2
 GAP, DECAY = VALUES["z0"], 2 * pi / VALUES["l"]  # m, 1/m
 RAISED_END_TURNS = exp(-DECAY * THICKNESS)
-NODES = 24  # of Gauss in a cell: exact to rounding for what the series holds
+NODES = 24  # Gauss-Legendre nodes in a cell: exact to rounding for every harmonic of the series
 
 
 @dataclass(frozen=True)
 class Cell:
-    """A stretch from low to high, m, over which a function goes in a straight line from `start` to `end`."""
+    """An interval from low to high, m, over which a function is linear from `start` to `end`."""
 
     low: float
     high: float
@@ -91,8 +91,8 @@ def width_profile(flat: bool) -> tuple[Cell, ...]:
 def maps(series: Series, phase: str, order: Order, half_width: float, end_turns: float = RAISED_END_TURNS) -> Array:
     """Return the COMPONENTS (6, n, n) in N/A and N m/A for centres on the grid up to `reach` in m, x first.
 
-    With `order` "lift" it is what a lift by d in m adds, over d, to exp(-2 pi d / l) times the value. `end_turns` is
-    what they matter, 1 in the bands' plane.
+    With `order` "lift" it is the derivative by a lift d in m of the value times exp(2 pi d / l). `end_turns` is the
+    weight of the end turns, 1 in the plane of the bands.
     """
     scale, parts = _potential_at_gap(series, order), ((True, end_turns), (False, 1 - end_turns))
     wrenches = [[weight * c for c in _wrench(series, phase, order, flat)] for flat, weight in parts if weight]

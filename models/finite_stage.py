@@ -1,23 +1,23 @@
-"""The planar stage over a magnet matrix of finite size: motors and Hall sensors see the field of its blocks.
+"""The planar stage over a finite magnet matrix, whose blocks' field drives the motors and the Hall sensors.
 
-With the force F_i and the torque T_i of each motor in the platen's frame (`models.finite_motor`), at its centre r_i,
+With the force F_i and torque T_i of each motor in the frame of the platen (`models.finite_motor`), at its centre r_i,
 
     M (x'', y'')  = R(phi) sum F_i,xy             Izz phi''   = sum (a_i F_y - b_i F_x + T_z)     r_i = (a_i, b_i)
     M z''         = sum F_z - Kz z                Ixx theta'' = sum (b_i F_z + T_x) - K_theta theta
                                                   Iyy psi''   = sum (-a_i F_z + T_y) - K_psi psi
 
-which are (18)-(20) with what the closed force law leaves out: forces across a motor's motion and torques about its own
-centre. That centre is as high as the mass centre, as in (18)-(20). F_i and T_i are linear in the phase currents; at a
-lift d and a yaw phi, within 0.3 mm and 20 mrad, the map is
+which are (18)-(20) with the terms that the closed force law neglects: forces across a motor's motion and torques about
+its own centre. That centre is as high as the mass centre, as in (18)-(20). F_i and T_i are linear in the phase
+currents; at a lift d and a yaw phi, within 0.3 mm and 20 mrad, the map is
 
     exp(-2 pi d / l) (W + d W_lift) + phi W_yaw
 
-with tables of W, W_lift and W_yaw over the matrix. Tilt moves a motor's centre up and down and does nothing else.
-Motor C is one of the others turned by -90 degrees, and the matrix is its own mirror image in X = Y with every magnet
+with tables of W, W_lift and W_yaw over the matrix. A tilt only lifts a motor's centre.
+Motor C is one of the others rotated by -90 degrees, and the matrix is its own mirror image in X = Y with every magnet
 reversed: its map at (X, Y), phi is theirs at (Y, X), -phi with x and y exchanged and torques reversed.
 
-The Hall sensors' gain is the one at which the fundamental in the middle pitch is that of `models.halbach`, which the
-controllers are calibrated for. The tables hold l, w, Nm, area and Delta: with another value everything is NaN.
+The gain of the Hall sensors makes the fundamental in the middle pitch equal to that of `models.halbach`, for which the
+controllers are calibrated. The tables hold for one l, w, Nm, area and Delta: with another value everything is NaN.
 """
 
 from collections.abc import Mapping
@@ -38,18 +38,18 @@ from synth.statespace import Array
 
 Exprs = Mapping[str, ca.SX]
 
-MOTOR_RANGE, SENSOR_RANGE = 0.131, 0.152  # m: the travel and the arms of the motors, those of the sensors
+MOTOR_RANGE, SENSOR_RANGE = 0.131, 0.152  # m: half widths of the tables: travel plus arms
 FORCE_HARMONICS, FIELD_HARMONICS = 16, 24  # of a pitch
 HEIGHT = next(p.value for p in planar_stage.PARAMETERS if p.name == "height")  # m
 FIXED = ("l", "w", "Nm", "area", "Delta")
-FORCE, TORQUE, FLUX = 2e-3, 5e-5, 2e-5  # N/A, N m/A, T: what the tables' sums of products may leave out
-RANGE = {"value": 1.0, "lift": 3e-4, "yaw": 0.02}  # by which they are multiplied: 1, m, rad
+FORCE, TORQUE, FLUX = 2e-3, 5e-5, 2e-5  # N/A, N m/A, T: largest error of the tables' sums of products
+RANGE = {"value": 1.0, "lift": 3e-4, "yaw": 0.02}  # the largest factor of each table: 1, m, rad
 COMPONENTS, PHASES = finite_motor.COMPONENTS, finite_motor.PHASES
 
 
 @dataclass(frozen=True, eq=False)
 class Tables:
-    """Maps (X, Y) in m to a motor's wrenches (54,), by order, phase and component, and to B_X and its lift's (2,)."""
+    """Functions of (X, Y) in m: a motor's wrenches (54,) by order, phase, component; B_X with its lift term (2,)."""
 
     motor: ca.Function
     flux: ca.Function
@@ -58,7 +58,7 @@ class Tables:
 
 @cache
 def tables(made: bool, end_turns: float) -> Tables:
-    """Return the tables of the matrix as made or of ideal blocks."""
+    """Return the tables of the matrix as built, or of ideal blocks."""
     blocks = finite_matrix.made() if made else finite_matrix.ideal()
     return Tables(_motor(blocks, end_turns), *_flux(blocks))
 
@@ -104,7 +104,7 @@ def wrenches(x: Exprs, u: Exprs, p: Exprs, fitted: Tables) -> dict[str, dict[str
 
 
 def _mirrored(w: Exprs) -> dict[str, ca.SX]:
-    """Return the wrench in a mirror X = Y, of currents reversed once more."""
+    """Return the wrench mirrored in X = Y, for reversed currents."""
     forces = {"f_x": w["f_y"], "f_y": w["f_x"], "f_z": w["f_z"]}
     return forces | {"m_x": -w["m_y"], "m_y": -w["m_x"], "m_z": -w["m_z"]}
 
@@ -137,7 +137,7 @@ def accelerations(x: Exprs, u: Exprs, p: Exprs, fitted: Tables) -> dict[str, ca.
 
 
 def flux_density(at: Place, p: Exprs, fitted: Tables) -> Field:
-    """Return the flux density in T at a Hall sensor, along X and Y; along Z it is not known."""
+    """Return the flux density in T at a Hall sensor along X and Y; along Z it is NaN."""
     lift = at.lift + p["height"] - HEIGHT
     decay = _scale(p) * ca.exp(-finite_motor.DECAY * lift)
 
@@ -161,10 +161,10 @@ def hall_voltages(x: Exprs, p: Exprs, fitted: Tables) -> dict[str, ca.SX]:
 
 
 def closed_law_deviations(made: bool, radius: float) -> dict[tuple[str, str], float]:
-    """Return what of a motor departs from the closed law, for places of the platen up to `radius` in m from the middle.
+    """Return how a motor deviates from the closed force law, for the platen up to `radius` in m from the middle.
 
-    Forces are per A of the quadrature or the direct current, over K, and in the middle pitch unless they say otherwise;
-    torques are about the motor's own centre. Keys are what is told, and its unit.
+    Forces are per A of the quadrature or the direct current, over K, and in the middle pitch unless stated otherwise.
+    Torques are about the motor's own centre. Keys are (quantity, unit).
     """
     series = finite_matrix.series(finite_matrix.made() if made else finite_matrix.ideal(), FORCE_HARMONICS)
     y, K = series.grid(MOTOR_RANGE), float(lorentz_motor.force_constant({n: ca.SX(v) for n, v in VALUES.items()}))
@@ -192,14 +192,14 @@ def closed_law_deviations(made: bool, radius: float) -> dict[tuple[str, str], fl
 
 
 def _within_travel(y: Array, radius: float) -> NDArray[np.bool_]:
-    """Return where on the grid (n, n), across the motion and along it, a motor's centre comes to."""
+    """Return which points of the grid (n, n), across the motion and along it, a motor's centre reaches."""
     a, b, c = (next(p.value for p in planar_stage.PARAMETERS if p.name == name) for name in "abc")
     across, along = y[:, None], y[None, :]
     return np.any([np.hypot(across - u, along - v) <= radius for u, v in ((-a, -b), (a, -b), (c, 0.0))], axis=0)
 
 
 def plant(made: bool = True, end_turns: float = finite_motor.RAISED_END_TURNS) -> Plant:
-    """Return the stage over blocks as made or ideal, of windings with end turns in their plane or without."""
+    """Return the stage over blocks as built or ideal, with end turns of weight `end_turns`."""
     fitted = tables(made, end_turns)
 
     def physics(x: Exprs, u: Exprs, p: Exprs) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:

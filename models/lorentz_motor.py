@@ -1,4 +1,4 @@
-"""Forces of one three-phase planar motor: a flat winding without iron above a magnet matrix.
+"""Lorentz forces of one three-phase ironless planar motor above a magnet matrix, and its commutation.
 
        one pitch l of the winding, along the motion y          each band: width l/6, height Gamma, length w across,
        +----+----+----+----+----+----+                         eta0 turns per m^2; Nm pitches in all
@@ -21,7 +21,7 @@ with B = B_Z of the array along y, and f_z the same with -B_Y. With the fundamen
     G = (sqrt(2) w l^2 / pi^2) (1 - exp(-gamma Gamma)) (1 - exp(-gamma Delta))
 
 (17) prints 1/2 where the integral gives 3 / (2 pi): the distribution factor 3/pi of bands of 60 degrees is missing, and
-the printed force is 4.7 % too large. `Variant` names the choice. The harmonics 5 and 9 of the field make a ripple.
+the printed force is 4.7 % too large. `Variant` names the choice. The harmonics 5 and 9 of the field cause force ripple.
 
 Source: Yu, Kim, "Design of Precision Positioner with Hall-effect Sensors and Multivariable Control Methodology", (17),
 Tables 1 and 2.
@@ -65,7 +65,7 @@ class MotorForces:
 
 
 def turn_density(p: Values) -> ca.SX:
-    """Return eta0 in 1/m^2: the turns over the area of a winding."""
+    """Return eta0 in 1/m^2: turns over the area of a winding."""
     return p["turns"] / p["area"]
 
 
@@ -92,7 +92,7 @@ def forces(
 ) -> MotorForces:
     """Return the forces in N on a winding at y in m along the motion, lifted by z in m above the gap z0.
 
-    `currents` in A by phase; `harmonics` of the field beside the fundamental make the ripple.
+    `currents` in A by phase; `harmonics` of the field beside the fundamental cause ripple.
     """
     k = halbach.wave_number(p)
     f_y, f_z = ca.SX(0), ca.SX(0)

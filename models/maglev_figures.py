@@ -1,4 +1,4 @@
-"""Figures of the levitated platen, by its plant: levitation, thrust, the dominant terms of (9), its inverse (12).
+"""Figures of the levitated platen: levitation current, thrust, dominant terms of (9), and the inverse (12).
 
 The four motors hold the platen level at a gap g when 4 F_V(g, i_d) + M_y G = 0, a quadratic in i_d: `pmlsm.balance`.
 (9) is the full model (6), (7) as a polynomial in v; its coefficients are maximised over the box of angles, as in (10).
@@ -33,14 +33,14 @@ DOMINANT, SMALL = ("a2", "a3", "a7"), ("a4", "a5", "a6", "a8", "a9")
 
 
 class Dominance(NamedTuple):
-    """The maxima (3,) of |a2| .. |a9| over the angles at three gaps, and whether a2, a3, a7 exceed all others there."""
+    """The maxima (3,) of |a2| .. |a9| over the angles at three gaps, and whether a2, a3, a7 exceed the others there."""
 
     greatest: Mapping[str, np.ndarray]
     dominated: bool
 
 
 class Inversion(NamedTuple):
-    """How many axes of (11) are double integrators under (12), and the greatest |q''| that is left of (9) at w = 0."""
+    """How many axes of (11) are double integrators under (12), and the greatest |q''| of (9) under it at w = 0."""
 
     axes: int
     residual: Mapping[str, float]
@@ -48,7 +48,7 @@ class Inversion(NamedTuple):
 
 @lru_cache(maxsize=8)
 def balance(plant: Plant, variant: str) -> Callable[[float], pmlsm.Balance]:
-    """Return what holds a quarter of the platen, by the gap in m."""
+    """Return the force balance of a motor that holds a quarter of the platen, as a function of the gap in m."""
     p = maglev_stage.nominal(plant)
     return pmlsm.balance(p["M_y"] * p["G"] / 4, p, VARIANTS[variant])
 
@@ -120,7 +120,7 @@ def dominance(plant: Plant, lv3: str, low: float, high: float, phi: float, theta
 
 
 def inversion(plant: Plant) -> Inversion:
-    """Return what (12) makes of (11) and of (9): (13), and what remains on the full model."""
+    """Return (11) under (12), which is (13), and the residual accelerations of the full model (9) under it."""
     full = _polynomial(plant)
     model = maglev_polynomial.simplified(full)
     w = {n: ca.SX.sym(f"w_{n}") for n in maglev_stage.RATE}

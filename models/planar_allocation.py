@@ -1,4 +1,4 @@
-"""From forces and torques on the platen to the phase currents of its three motors, and what the limits leave of them.
+"""Allocation of forces and torques on the platen to its three motors under current limits, and their commutation.
 
     w = T F       w = (f_x, f_y, m_phi, f_z, m_theta, m_psi) in the platen's frame       Table 3 with arms
                   F = (f_Ay, f_By, f_Cx, f_Az, f_Bz, f_Cz), f = K i                      (17)
@@ -11,24 +11,25 @@
     f_Bz    0   0   0   1  -b   -a
     f_Cz    0   0   0   1   c    0
 
-K is that of the Lorentz integral; (17) as printed is pi/3 of it. It is taken at the nominal gap: a lift by z makes the
-force exp(-gamma z) of the demand, 2.4 % at 0.2 mm.
+K is that of the Lorentz integral, at the nominal gap; (17) as printed is pi/3 times as large. At a lift z the force is
+exp(-gamma z) times the demand, 2.4 % less at 0.2 mm.
 
-The laws demand currents d = w / scale, so that what is left of T and K is ratios of arms, most of them 1 or 1/2:
+The control laws demand currents d = w / scale. What remains of T and K are ratios of arms, most of them 1 or 1/2:
 
     scale   x, y: K    phi, psi: 2 a K    z: 2 (b + c) K / c    theta: 2 (b + c) K
 
     i_CQ = d_x',   i_AQ, i_BQ = d_y'/2 -+ (d_phi + c/(2 a) d_x'),   i_AD, i_BD = d_z - d_theta +- d_psi,
     i_CD = 2 b/c d_z + 2 d_theta
 
-d_x, d_y come in the matrix' frame and are turned by phi into d_x', d_y'.
+d_x, d_y are in the frame of the matrix and are rotated by phi into d_x', d_y' of the platen.
 
-Limits. Each motor keeps |i_Q| <= QUADRATURE and |i_D| <= DIRECT, so that hypot(i_Q, i_D) <= 1.26 A and no phase exceeds
-it. DIRECT holds theta and psi at 2 mrad against their springs, both at once. C is limited before A and B, which take
-its torque back: by what the yaw demands of them, to half of QUADRATURE at least. With less for the yaw the platen turns
-on while C pushes its most; with more, noise in the yaw would limit C. i_CQ stands for d_x' in the currents of A and B.
-Of these yaw comes first and y has what it leaves: a platen that turns too far is lost, one that is late is not.
-`achieved_*` are the demands that the limited currents meet, for anti-windup.
+Limits. Each motor keeps |i_Q| <= QUADRATURE and |i_D| <= DIRECT. Then hypot(i_Q, i_D) <= 1.26 A, and no phase exceeds
+1.26 A. DIRECT suffices to hold theta and psi at 2 mrad against their springs at the same time. i_CQ is limited first,
+to QUADRATURE less |d_phi| but at least to half of QUADRATURE, because A and B must compensate the torque of C. If less
+were reserved for the yaw, the platen would keep turning while C is at its limit. If more were, yaw noise would limit C.
+The limited i_CQ replaces d_x' in the currents of A and B. There the yaw has priority over y: a platen that turns too
+far loses its position measurement, a platen that lags behind does not. `achieved_*` are the demands that the limited
+currents achieve, for anti-windup.
 
 Source: Yu, Kim, section 5.1, (17), Table 3.
 """
@@ -52,10 +53,10 @@ ROUNDING_MARGIN = 3e-5  # of LIMIT: what rounding and polynomials may add to a p
 DIRECT = sqrt(((1 - ROUNDING_MARGIN) * LIMIT) ** 2 - QUADRATURE**2)  # A
 AXES = planar_stage.AXES
 HORIZONTAL, VERTICAL = AXES[:3], AXES[3:]
-ROUNDING = 1e-14  # of a ratio of arms
+ROUNDING = 1e-14  # largest deviation of a ratio of arms that counts as 1
 BOX = {s.name: s for s in planar_stage.STATES}
-YAW = replace(BOX["phi"], low=-0.075, high=0.075)  # rad: what the filter leaves of raw yaws within 0.025
-DEMANDS = tuple(Signal(f"d_{axis}", "A", -1e5, 1e5, f"demand over the scale of {axis}") for axis in AXES)
+YAW = replace(BOX["phi"], low=-0.075, high=0.075)  # rad: range of the filtered yaw for raw yaws within 0.025
+DEMANDS = tuple(Signal(f"d_{axis}", "A", -1e5, 1e5, f"demand of {axis} over its scale") for axis in AXES)
 ACHIEVED = tuple(
     replace(s, name=f"achieved_{axis}", about="demand that the limited currents achieve")
     for axis, s in zip(AXES, DEMANDS, strict=True)
@@ -72,7 +73,7 @@ WITHIN = hall_sections.WITHIN
 
 
 def scales(plant: Plant) -> dict[str, float]:
-    """Return for each axis the force in N or torque in N m of a demand of 1 A."""
+    """Return the force in N or torque in N m of a demand of 1 A, by axis."""
     a, b, c = (plant.parameter(name).value for name in "abc")
     side, lever = 2 * a, 2 * (b + c)
     arms = {"x": 1.0, "y": 1.0, "phi": side, "z": lever / c, "theta": lever, "psi": side}
@@ -80,19 +81,19 @@ def scales(plant: Plant) -> dict[str, float]:
 
 
 def authority(plant: Plant) -> dict[str, float]:
-    """Return for each axis the demand in A that the motors meet with LIMIT each, and no more is."""
+    """Return the largest demand in A that the motors can meet, each with LIMIT, by axis."""
     most = force_constant(plant) * LIMIT * np.abs(wrench(plant)).sum(axis=1)
     return {axis: float(w) / scale for w, (axis, scale) in zip(most, scales(plant).items(), strict=True)}
 
 
 def achievable_bound(plant: Plant) -> dict[str, float]:
-    """Return for each axis a bound in A of what is met of its demand, however the yaw within YAW shares x and y."""
+    """Return a bound in A on the achieved demand of each axis, for every yaw within YAW."""
     most = authority(plant)
     return most | {"x": most["x"] + YAW.high * most["y"], "y": most["y"] + YAW.high * most["x"]}
 
 
 def allocation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
-    """Return the Block from demands and the yaw `phi` to limited currents and what these meet of each demand."""
+    """Return the Block from demands and the yaw `phi` to limited currents and the demands that these achieve."""
     a, b, c = (plant.parameter(name).value for name in "abc")
     across, rear = c / (2 * a), 2 * b / c
     constants = [
@@ -131,16 +132,17 @@ def allocation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
 
 
 def _product(ratio: float, value: ca.SX) -> ca.SX:
-    """Return the product, without arithmetic where the arms are as printed."""
+    """Return ratio * value; a ratio of 1, as for the printed arms, costs no operation."""
     return value if abs(ratio - 1) < ROUNDING else ratio * value
 
 
 def commutation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
     """Return the Block from the motors' currents, the place within the pitch and the yaw `phi` to nine phase currents.
 
-    The angle comes from the distance to the middle of the pitch. A quarter of it is at most 50 degrees, where the
-    cosine is the root of what the sine's square leaves, and two doublings make it whole. Motors A and B lie b behind:
-    that many quarters of a pitch are turned without arithmetic, and the rest is part of the distance.
+    The electrical angle follows from the distance to the middle of the pitch. A quarter of it is at most 50 degrees,
+    for which cos = sqrt(1 - sin^2); two angle doublings give the whole angle. Motors A and B lie b behind the centre.
+    Whole quarter pitches of b are rotations by 90 degrees, which cost no operation; the remainder is added to the
+    distance.
     """
     l, a, b, c = (plant.parameter(name).value for name in ("l", "a", "b", "c"))
     turns = round(4 * b / l)
@@ -176,24 +178,24 @@ def commutation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
 
 
 def _phase_bound(u: float, e: float) -> float:
-    """Return how large a phase current becomes at most, A, of an error u relative to each result, e to each sine.
+    """Return a bound on a phase current in A, for a relative rounding error u and a relative error e of the sines.
 
-    The two doublings make a unit vector of any sine, so that its error e is one of the angle alone. Of its length
-    roundings make 18 u while 1 - sin^2 is 0.4 or more; the yaw's vector is longer by e at most, its product with the
-    other by 3 u; i_Q and i_D are so by 2 u; and the phases of a current R long come to R (1 + 6 u).
+    The two doublings make a unit vector of any sine, so its error e only affects the angle. Rounding changes the length
+    of this vector by at most 18 u while 1 - sin^2 >= 0.4. The vector of the yaw is longer by at most e, its product
+    with the other by 3 u, i_Q and i_D by 2 u. A current vector of length R has phases of at most R (1 + 6 u).
     """
     return hypot(QUADRATURE, DIRECT) * (1 + e) * (1 + 32 * u)
 
 
 def _cos_sin(name: str, distance: ca.SX, l: float) -> tuple[tuple[ca.SX, ca.SX], list[tuple[Signal, ca.SX]]]:
-    """Return cosine and sine of 2 pi / l times a distance in m, and what is named on the way, of its quarter q.
+    """Return cosine and sine of 4 q = 2 pi / l times a distance in m, and the named expressions of the quarter angle q.
 
     With h = sin q cos q: cos 4q = 1 - 8 h^2, sin 4q = h (4 - 8 sin^2 q).
     """
     sin = ca.sin(pi / (2 * l) * distance)
     h = sin * ca.sqrt(1 - sin**2)
     named = [
-        (Signal(f"distance_{name}", "m", -l, l, "to the middle of the pitch"), distance),
+        (Signal(f"distance_{name}", "m", -l, l, "distance to the middle of the pitch"), distance),
         (Signal(f"quarter_sine_{name}", "1", -1, 1), sin),
     ]
     return (1 - 8 * h**2, h * (4 - 8 * sin**2)), named

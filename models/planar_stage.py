@@ -1,4 +1,4 @@
-"""A platen on air bearings, driven in six axes by three planar motors over a magnet matrix.
+"""Equations of motion of a platen on air bearings, driven in six axes by three planar motors over a magnet matrix.
 
         Y ^        [  C  ]  --> f_Cx         motor centres in the platen: A (-a, -b), B (a, -b), C (0, c)
           |                                  theta, psi, phi  rotations about X, Y, Z; z up
@@ -12,12 +12,12 @@
     Ixx theta'' = c f_Cz - b (f_Az + f_Bz) - K_theta theta                                                   (20)
     Iyy psi''   = a (f_Az - f_Bz) - K_psi psi
 
-Each motor's forces (`models.lorentz_motor`) follow from its phase currents and from the place of its own centre in the
+Each motor's forces (`models.lorentz_motor`) follow from its phase currents and the position of its own centre over the
 matrix, x + R(phi) r_i, at its own gap. Three two-axis Hall sensors (`models.hall_sensor`) and three laser distance
 sensors see the platen.
 
-The arms are not printed. (26) holds 117.15 = K a / Izz. With b = a and c = 2 a the rows x and z of Table 3, taken with
-unit coefficients, move these axes alone; (26) leaves out the yaw of motor C that the row x compensates.
+The arms are not printed. (26) contains 117.15 = K a / Izz. With b = a and c = 2 a the rows x and z of Table 3, with
+unit coefficients, move these axes alone. (26) neglects the yaw torque of motor C, which the row x compensates.
 
 Source: Yu, Kim, "Design of Precision Positioner with Hall-effect Sensors and Multivariable Control Methodology",
 (17)-(20), Tables 1 to 3.
@@ -93,7 +93,7 @@ OUTPUTS = (
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """A point of the platen: where it is in the matrix, X, Y in m, and how far it is lifted, m."""
+    """A point of the platen: its position X, Y over the matrix and its lift, m."""
 
     X: ca.SX
     Y: ca.SX
@@ -101,14 +101,14 @@ class Place:
 
 
 def place(x: Exprs, r_x: ca.SX, r_y: ca.SX) -> Place:
-    """Return where the platen's point (r_x, r_y) in m is, for the pose `x` by name; tilts count to first order."""
+    """Return the position of the platen's point (r_x, r_y) in m for the pose `x` by name; tilts to first order."""
     c, s = ca.cos(x["phi"]), ca.sin(x["phi"])
     lift = x["z"] + x["theta"] * r_y - x["psi"] * r_x
     return Place(x["x"] + c * r_x - s * r_y, x["y"] + s * r_x + c * r_y, lift)
 
 
 def centres(x: Exprs, p: Exprs) -> dict[str, Place]:
-    """Return where the centre of each motor is."""
+    """Return the position of each motor's centre."""
     return {
         "A": place(x, -p["a"], -p["b"]),
         "B": place(x, p["a"], -p["b"]),
@@ -142,7 +142,7 @@ def accelerations(x: Exprs, u: Exprs, p: Exprs, harmonics: Sequence[int] = (1,))
 
 
 def hall_places(plant: Plant) -> tuple[tuple[float, float], ...]:
-    """Return where Hall sensors A, B and C are in the platen, m."""
+    """Return the positions of Hall sensors A, B and C in the platen, m."""
     spacing = plant.parameter("spacing").value
     return (0.0, 0.0), (spacing, 0.0), (0.0, spacing)
 
@@ -159,14 +159,14 @@ def hall_voltages(x: Exprs, p: Exprs, harmonics: Sequence[int] = halbach.HARMONI
 
 
 def laser_distances(x: Exprs, p: Exprs) -> dict[str, ca.SX]:
-    """Return d1, d2, d3 in m: the lift of three points of the platen, at its left and right front and at its back."""
+    """Return d1, d2, d3 in m: the lift of three points of the platen, front left, front right and rear."""
     arm = p["laser_arm"]
     points = ((-arm, -arm), (arm, -arm), (ca.SX(0), arm))
     return {name: place(x, *point).lift for name, point in zip(LASERS, points, strict=True)}
 
 
 def force_constant(plant: Plant) -> float:
-    """Return K in N/A, the Lorentz integral's."""
+    """Return K in N/A by the Lorentz integral."""
     return float(lorentz_motor.force_constant({p.name: ca.SX(p.value) for p in plant.parameters}))
 
 

@@ -1,13 +1,13 @@
-"""What voltages the nine phases need to make the currents of a run, and the stage behind amplifiers that lack them.
+"""Phase voltages that the currents of a run need, and the stage driven by amplifiers with limited supply voltage.
 
-With the forces' slopes J per ampere and the rates v of the six axes, J(q)' v is the voltage that the motion induces:
-times the currents it is the motors' power.
+With the forces per ampere J and the velocities v of the six axes, J(q)' v is the back-EMF: its product with the
+currents is the mechanical power of the motors.
 
-needed     Currents of a run are held over a sample. The voltage is counted as if the current had gone where it is in a
-           straight line during the sample before:  u_k = R i_k + L (i_k - i_k-1) / T + J(q_k)' v_k
-amplified  L di/dt = u - R i - J' v,  u = R i + J' v + L (i_wanted - i) / LAG, limited to a supply
+phase_voltages         Currents of a run are held over a sample. The voltage is that of a current which changes linearly
+                       over the sample before:  u_k = R i_k + L (i_k - i_k-1) / T + J(q_k)' v_k
+plant_with_amplifiers  L di/dt = u - R i - J' v,  u = R i + J' v + L (i_demand - i) / LAG, limited to a supply
 
-Table 1 states 6.525 V, which is R times 1.26 A and 4 % more: it leaves nothing for L di/dt at full current.
+Table 1 states 6.525 V, which is 4 % more than R times 1.26 A: almost nothing is left for L di/dt at full current.
 """
 
 from collections.abc import Mapping, Sequence
@@ -29,7 +29,7 @@ INERTIA = {"x": "M", "y": "M", "z": "M", "phi": "Izz", "theta": "Ixx", "psi": "I
 
 
 def phase_voltages(plant: Plant, run: Trajectory) -> Array:
-    """Return the voltages (9, N) that a run's currents need, V; at the first sample they come from 0."""
+    """Return the voltages (9, N) in V that the currents of a run need; before the first sample the currents are 0."""
     R, L = (plant.parameter(name).value for name in ("resistance", "inductance"))
     currents = np.array([run.applied[name] for name in names(planar_stage.INPUTS)])
     rate = np.diff(currents, axis=1, prepend=0.0) / (run.time[1] - run.time[0])
@@ -37,7 +37,7 @@ def phase_voltages(plant: Plant, run: Trajectory) -> Array:
 
 
 def back_emf(plant: Plant, run: Trajectory) -> Array:
-    """Return the voltages (9, N) that the motion of a run induces, V."""
+    """Return the back-EMF (9, N) of a run, V."""
     x, u, p = plant.f.sx_in()
     at = dict(zip(names(plant.states), ca.vertsplit(x), strict=True))
     slope = dict(zip(names(plant.states), ca.vertsplit(plant.f(x, u, p)), strict=True))
@@ -49,7 +49,7 @@ def back_emf(plant: Plant, run: Trajectory) -> Array:
 
 
 def plant_with_amplifiers(volts: float, harmonics: Sequence[int] = halbach.HARMONICS) -> Plant:
-    """Return the stage behind amplifiers of a supply in V, whose inputs are the currents wanted; it has 21 states."""
+    """Return the stage with amplifiers of a supply voltage in V; inputs are the demanded currents, 21 states."""
     current_states = {s.name: replace(s, name=f"true_{s.name}", low=-2.0, high=2.0) for s in planar_stage.INPUTS}
     states = (*planar_stage.STATES, *current_states.values())
 
@@ -71,7 +71,7 @@ def plant_with_amplifiers(volts: float, harmonics: Sequence[int] = halbach.HARMO
 
 
 def _back_emf(x: Exprs, i: ca.SX, p: Exprs, second: Exprs) -> ca.SX:
-    """Return the induced voltages (9, 1), from the accelerations as functions of the currents (9, 1)."""
+    """Return the back-EMF (9, 1) from the accelerations as functions of the currents (9, 1)."""
     power = ca.SX(0)
     for axis, inertia in INERTIA.items():
         power += p[inertia] * second[axis] * x[planar_stage.RATE[axis]]
@@ -79,7 +79,7 @@ def _back_emf(x: Exprs, i: ca.SX, p: Exprs, second: Exprs) -> ca.SX:
 
 
 def largest_current(run: Trajectory) -> float:
-    """Return the largest phase current that is commanded in a run, A."""
+    """Return the largest commanded phase current of a run, A."""
     return float(max(np.abs(run.applied[name]).max() for name in names(planar_stage.INPUTS)))
 
 

@@ -1,4 +1,4 @@
-"""Which axes of the platen forces of its motors accelerate, by (18)-(20): what Table 3 and (26) state.
+"""Which axes of the platen the motors' forces accelerate, by (18)-(20), to compare with Table 3 and (26).
 
 Source: Yu, Kim, section 5.1; see `planar_stage`.
 """
@@ -12,7 +12,7 @@ from models import lorentz_motor, planar_stage
 from models.motor_figures import constants
 from synth.signals import names
 
-ALONE = 1e-9  # of what one motor can do to an axis: less is rounding and leaves it at rest
+ALONE = 1e-9  # of the largest acceleration of an axis by one motor: less is rounding
 FORCES = tuple(f"{motor}{axis}" for motor in planar_stage.MOTORS for axis in "yz")
 
 Accelerations = Mapping[str, float]  # by axis
@@ -24,9 +24,9 @@ def accelerations_per_force(p: Mapping[str, float]) -> dict[str, Accelerations]:
 
 
 def accelerations(p: Mapping[str, float], force: str) -> Accelerations:
-    """Return the accelerations of the six axes, level at the matrix' middle, per ampere that makes one of FORCES.
+    """Return the accelerations of the six axes, level in the middle of the matrix, per ampere that makes one of FORCES.
 
-    Parameters that `p` leaves out are as published.
+    Parameters that are not in `p` are as published.
     """
     plant = planar_stage.plant().with_parameters(**p)
     known, at = constants({s.name: s.value for s in plant.parameters}), dict.fromkeys(planar_stage.AXES, ca.SX(0))
@@ -40,7 +40,7 @@ def accelerations(p: Mapping[str, float], force: str) -> Accelerations:
 
 
 def decoupled_rows(accelerations: Mapping[str, Accelerations], table: Mapping[str, Mapping[str, float]]) -> int:
-    """Return how many rows of a table of forces by axis accelerate that axis alone; `made` are `motions`."""
+    """Return how many rows of a table of forces by axis accelerate that axis alone."""
     return sum(_accelerated_axes(accelerations, forces) == {axis} for axis, forces in table.items())
 
 

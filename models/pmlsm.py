@@ -13,9 +13,10 @@ g is the gap in m; i_d, i_q are rms currents in A (a phase peaks at sqrt(2) i); 
 
 Every function takes `p`, the parameters by name: symbols or numbers.
 
-Readings of the print. It says "3 pole pairs" for p, K_v2 ~ 1/p^2 and L_v3 ~ coth^2. Maxwell's stress of a current sheet
-between two irons gives p = 6 poles, K_v2 ~ 1/p (only then K_v2^2 = 4 K_v1 K_v3) and L_v3 ~ csch^2: the tangential field
-on the sheet lowers the attraction by the missing coth^2 - csch^2 = 1. `Variant` names each choice.
+Variants of the printed formulas. The paper says "3 pole pairs" for p, K_v2 ~ 1/p^2 and L_v3 ~ coth^2. Maxwell's stress
+of a current sheet between two iron faces gives p = 6 poles, K_v2 ~ 1/p (only then K_v2^2 = 4 K_v1 K_v3) and L_v3 ~
+csch^2: the tangential field on the sheet lowers the attraction by the missing coth^2 - csch^2 = 1. `Variant` names each
+choice.
 
 Source: Fulford, Maggiore, Apkarian, "Control of a 5DOF Magnetically Levitated Positioning Stage", (1)-(4), Table I.
 """
@@ -34,9 +35,9 @@ Values = Mapping[str, ca.SX]
 
 @dataclass(frozen=True)
 class Variant:
-    """How the printed formulas are read; the default is what Maxwell's stress gives.
+    """A variant of the printed formulas; the default is the one that follows from Maxwell's stress.
 
-    `lv3` is the factor in L_v3, `kv2_power` the power of p in K_v2, `p_counts` what p stands for in (3) and (4).
+    `lv3` is the factor in L_v3, `kv2_power` the power of p in K_v2, `p_counts` the meaning of p in (3) and (4).
     """
 
     lv3: Literal["csch2", "coth2"] = "csch2"
@@ -61,7 +62,7 @@ PARAMETERS = (
     Parameter("tau", 57.15e-3, "m", 1e-4, TABLE),  # pole pitch
     Parameter("tau_p", 28.58e-3, "m", 2e-4, TABLE),  # magnet width
     Parameter("H_c", 875400.0, "A/m", 6e-5, "Table I; also taken as the magnets' surface charge sigma_m in (4)"),
-    Parameter("mu_rec", 1.0, "1", 0.05, "not printed: charge sheets, as (4) takes the magnets, have that of air"),
+    Parameter("mu_rec", 1.0, "1", 0.05, "not printed: charge sheets, as in (4), have that of air"),
     Parameter("mu0", 4e-7 * pi, "N/A^2", 1e-9, "CODATA 2018"),
 )
 
@@ -125,7 +126,7 @@ def magnet_field(g: ca.SX, p: Values) -> ca.SX:
     """Return B_pmy1, the amplitude in T of the magnets' fundamental at the stator.
 
     B_pmy1 = (4/pi) mu0 sigma_m sin(pi tau_p / (2 tau)) sinh(k h_m) / sinh(k (h_m + g)), sigma_m = H_c: charge sheets on
-    the magnets' faces between two irons of infinite permeability, which is also what K_h L_h in (3), (4) contains.
+    the magnets' faces between iron of infinite permeability. K_h L_h in (3), (4) contains the same field.
     """
     k = ca.pi / p["tau"]
     sheet = 4 / ca.pi * p["mu0"] * p["H_c"] * ca.sin(k * p["tau_p"] / 2)
@@ -202,7 +203,7 @@ def balance(load: ca.SX, p: Values, variant: Variant = STRESS) -> Callable[[floa
 
 
 def force_law(g: ca.SX, p: Values) -> ForceLaw:
-    """Return (1) and (2) at the gap `g` in m, for the variant STRESS, with all four coefficients from the thrust's h.
+    """Return (1) and (2) at the gap `g` in m, for the variant STRESS, all four coefficients from the thrust constant h.
 
     With S = B_pmy1 sinh(k (h_m + g)), which does not depend on the gap, K_v2 S = K_h and K_v2^2 = 4 K_v1 K_v3, so that
 

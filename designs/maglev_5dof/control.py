@@ -1,13 +1,13 @@
-"""The controller of the five-axis maglev stage as Blocks: F(8), (12), (14), (16), (17) between encoders and currents.
+"""Controller of the five-axis maglev stage as Blocks, from encoders to currents: F(8), (12), (14), (16), (17).
 
     encoders, set-points -> guard -> kinematics -> filters -> regulators -> decoupling and limits -> safe output
 
-The published gains come from continuous LQR; they are used at 1 kHz as the paper did, with the sampled-data optimum
-beside them in gains.json. Readings where the paper is silent: the phi loop takes the theta loop's weights, which are
-not published for it; a motor's limit is on sqrt(i_d^2 + i_q^2), levitation first; each motor's forces are taken at its
-own measured gap, and what i_q^2 attracts at the thrust current of the sample before. Two things are changed, and
-`corrected=False` leaves F(12) as printed: what it drops of i_d^2 is put back at the currents of the sample before, and
-only a part of the guides' springs is compensated.
+The published gains come from continuous LQR. They are used at 1 kHz as in the paper; gains.json lists the sampled-data
+optimum beside them. Assumptions where the paper gives no information: the phi loop has the weights of the theta loop;
+the current limit of a motor is on sqrt(i_d^2 + i_q^2), with priority for levitation; the forces of each motor are
+computed at its own measured gap; the attraction by i_q^2 is that of the thrust current of the sample before. The
+shipped law differs from F(12) in two points, which `corrected=False` undoes: it includes the attraction by i_d^2 at the
+currents of the sample before, and it compensates only a part of the guide springs.
 """
 
 from dataclasses import dataclass, replace
@@ -34,25 +34,25 @@ NAME = "maglev_5dof"
 TIME = Discrete(1e-3)
 OMEGA0 = 1.5 * pi  # rad/s, the frequency of the references, F section IV-B
 FREQUENCIES = (0.0, OMEGA0)  # rad/s, the exosystem of F(15)
-FILTER = 1000.0  # rad/s: 300 makes the phi loop unstable and 500 leaves it a peak sensitivity of 4.6
+FILTER = 1000.0  # rad/s: with 300 the phi loop is unstable, with 500 its peak sensitivity is 4.6
 CURRENT = maglev_stage.PEAK  # A rms, F section II
-DIRECT = CURRENT * (1 - 1e-4)  # of i_d: keeps the root of what it leaves of CURRENT away from 0
+DIRECT = CURRENT * (1 - 1e-4)  # A rms, limit of i_d: keeps sqrt(CURRENT^2 - i_d^2) away from 0
 RATED = 5 / sqrt(2)  # A rms, 5 A peak continuous, F section II
 ANTI_WINDUP = (7e-5, 7e-5, 7e-5)  # E_x = E_z, F section IV-A
-ETA_BOUNDS = (600.0, 3.0, 600.0)  # of the internal model's states
+ETA_BOUNDS = (600.0, 3.0, 600.0)  # of the states of the internal model
 BAD_SAMPLES = 5
-SAFE_CURRENT = 2.5  # A rms of i_d: lets the platen down from every gap of 18.1 mm or more
+SAFE_CURRENT = 2.5  # A rms of i_d: lowers the platen from every gap of 18.1 mm or more
 SLEW = 100.0  # A/s
 RESOLUTION = 10e-6  # m, F section II
-SURROGATE_ERROR = {np.float32: 5e-7, np.float64: 1e-14}  # relative; the force law itself is known to some 1e-3
+SURROGATE_ERROR = {np.float32: 5e-7, np.float64: 1e-14}  # relative; the force law itself is accurate to some 1e-3
 
-# The part of each guide spring that F(12) cancels: too much makes an axis unstable, too little only slow. Springs that
-# are weaker than assumed by 30 % (phi) and 20 % (theta) leave the axes stable.
+# The part of each guide spring that the law compensates: too much makes an axis unstable, too little slow. With
+# springs 30 % (phi) and 20 % (theta) weaker than assumed the axes are stable.
 COMPENSATED = {"k_s_phi": 0.75, "k_s_theta": 0.95}
 
 BOX = {s.name: (s.low, s.high) for s in maglev_stage.STATES if s.name in maglev_stage.RATE}  # m, rad
 GAP, MOTORS = BOX["y"], (1, 2, 3, 4)
-WIDE = 0.1  # m: twice the stroke, so that neither overshoot nor the give of a stop reads as a broken encoder
+WIDE = 0.1  # m: twice the stroke, to accept overshoot and the compliance of a stop
 
 INTERFACE = stage.interface(
     maglev_stage.plant(),
@@ -72,7 +72,7 @@ INTERFACE = stage.interface(
         *(Actuator(f"u_{n}", 0.0, SLEW) for n in "xz"),
     ],
     bad_samples=BAD_SAMPLES,
-    reason="zero current slams the platen up below 28.7 mm; 2.5 A rms lets it down from 18.1 mm and above",
+    reason="zero current pulls the platen up below 28.7 mm; 2.5 A rms lowers it from 18.1 mm and above",
 )
 CURRENTS = INTERFACE.outputs
 OUTPUTS = (
@@ -81,7 +81,7 @@ OUTPUTS = (
 )
 HELD = tuple(INTERFACE.held(f"y{j}") for j in MOTORS)
 ARM = 1 / (2 * INTERFACE.plant.parameter("r").value)  # 1/m
-# y, phi and theta in the heights of the four motors, F(5) about the level platen: where the loops are opened.
+# y, phi and theta from the gaps of the four motors, F(5) linearised: coordinates in which the loops are opened.
 POSE = {"y": {f"y{j}": 0.25 for j in MOTORS}, "phi": {"y3": ARM, "y1": -ARM}, "theta": {"y2": ARM, "y4": -ARM}}
 
 
@@ -117,7 +117,7 @@ class Axis:
 
     @property
     def excess(self) -> Signal | None:
-        """What the limit adds to the thrust current of x and z."""
+        """The limited less the demanded thrust current of x and z."""
         about = f"u_{self.name} limited less u_{self.name} demanded"
         return Signal(f"excess_{self.name}", "A", -1e6, 1e6, about) if self.name in "xz" else None
 
@@ -187,9 +187,9 @@ def errors() -> Block:
 def decoupling(plant: Plant, corrected: bool = True) -> Block:
     """Return the Block from demanded accelerations to limited currents, F(8) and F(12).
 
-    Each motor's forces are taken at its own measured gap. The attraction by i_d^2 + i_q^2 is taken at the currents of
-    the sample before, so that the rest is linear; where it is not `corrected`, that of i_d^2 is left out as in F(11).
-    Each motor keeps hypot(i_d, i_q) <= CURRENT with i_d served first.
+    The forces of each motor are computed at its own measured gap. The attraction by i_d^2 + i_q^2 is that of the sample
+    before, which makes the equations linear; without `corrected`, that of i_d^2 is neglected as in F(11). Each motor
+    keeps hypot(i_d, i_q) <= CURRENT with priority for i_d.
     """
     lifting, values = Signal("i", "A", -DIRECT, DIRECT), maglev_stage.nominal(plant)
     values |= {n: part * values[n] for n, part in COMPENSATED.items()} if corrected else {}
@@ -221,7 +221,7 @@ def decoupling(plant: Plant, corrected: bool = True) -> Block:
 
 
 def _named_forces(j: int, m: pmlsm.ForceLaw, square: ca.SX) -> list[tuple[Signal, ca.SX]]:
-    """Return what the C names of a motor's forces."""
+    """Return the named expressions of a motor's forces, for the C."""
     return [
         (Signal(f"thrust_per_ampere_{j}", "N/A", 0, 100), m.h),
         (Signal(f"half_a_over_h2_{j}", "A^2/N", 0, 100), m.ratio),
@@ -233,7 +233,7 @@ def _named_forces(j: int, m: pmlsm.ForceLaw, square: ca.SX) -> list[tuple[Signal
 
 
 def _limit_thrust(thrust: ca.SX, *direct: ca.SX) -> ca.SX:
-    """Return the thrust current within what the direct currents of its two motors leave of CURRENT."""
+    """Return the thrust current limited to sqrt(CURRENT^2 - i_d^2) of both of its motors."""
     room = ca.sqrt(CURRENT**2 - ca.fmax(direct[0] ** 2, direct[1] ** 2))
     return ca.fmax(ca.fmin(thrust, room), -room)
 
@@ -248,7 +248,7 @@ def thrust_allocation() -> Block:
 
 
 def laws(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> list[Block]:
-    """Return the laws for the stage's parameters; `anti_windup=False` leaves the anti-windup out."""
+    """Return the laws for the parameters of the stage, with or without anti-windup."""
     loops: list[Block] = []
     for a in AXES:
         loops += [
@@ -266,13 +266,13 @@ def controller(plant: Plant, corrected: bool = True, anti_windup: bool = True) -
 def phase_currents(plant: Plant) -> Block:
     """Return the commutation: 12 phase currents from the motors' direct and quadrature currents and the position.
 
-    Motors 2 and 4 lie along X, 1 and 3 along Z. Inputs are held while bad, and nothing latches here: the controller
-    that computes the currents does.
+    Motors 2 and 4 lie along X, 1 and 3 along Z. Bad inputs are held. This Block does not latch; the controller that
+    computes the currents does.
     """
     tau = ca.SX(plant.parameter("tau").value)
     along = [INTERFACE.signals[n] for n in "xz"]
     guarded = [safety.Guarded(s, SAFE_CURRENT if s.name.startswith("i_d") else 0.0, False) for s in (*OUTPUTS, *along)]
-    peak = 2 * CURRENT * (1 + 1e-6)  # both inputs at their limit, rounded
+    peak = 2 * CURRENT * (1 + 1e-6)  # both inputs at their limit, with rounding
     outputs = [
         Signal(f"i_{phase}{j}", "A", -peak, peak, f"phase {phase} of motor {j}, instantaneous")
         for j in MOTORS

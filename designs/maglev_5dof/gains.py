@@ -1,4 +1,4 @@
-"""What gains.json says of the axes: weights, gain, poles, certificate, and the sampled-data optimum beside them."""
+"""Contents of gains.json: weights, gain, poles and certificate of each axis, and the sampled-data optimum."""
 
 from dataclasses import replace
 from typing import Any
@@ -13,7 +13,7 @@ from synth.synthesise.servo import internal_model
 
 
 def document(scalar: type[np.floating]) -> dict[str, Any]:
-    """Return each axis' gain with the weights, plant and rate it came from, its certificate, and lqrd beside it."""
+    """Return each axis' gain with its weights, plant, period and certificate, and the gain by lqrd for comparison."""
     return {axis.name: _gain(axis, scalar) for axis in control.AXES}
 
 

@@ -1,4 +1,4 @@
-"""The maglev controller, one step of 1 ms, in NumPy from F(1)-(17): the witness against which generated C is held.
+"""The maglev controller, one step of 1 ms, from F(1)-(17): NumPy reference for the generated C.
 
     motor   F_V = -a + b i_d - c (i_d^2 + i_q^2), F_H = -h i_q, with a, b, c, h > 0 functions of the gap     F(1)-(4)
     stage   M_y y'' = M_y G + sum_j F_Vj;  M_x x'' = F_H2 + F_H4;  M_z z'' = F_H1 + F_H3                     F(5)-(7)
@@ -9,7 +9,7 @@
 The controller keeps xi = T eta, where one sample is sum' = sum + e and a rotation p' = p + c q, q' = q - p' + e.
 
 Constants come from `reference_gains` and are rounded once. `step` takes scalars or columns (n,) of n independent
-controllers; inside, those of the axes, motors or currents are rows of one array. Lengths in m, angles in rad, currents
+controllers; internally, axes, motors or currents are rows of one array. Lengths in m, angles in rad, currents
 in A rms.
 """
 
@@ -32,7 +32,7 @@ CURRENT = 7 / sqrt(2)  # A rms, 7 A peak, F section II
 DIRECT = CURRENT * (1 - 1e-4)  # the limit of i_d
 BAD_SAMPLES = 5
 SLEW = 100.0 / 1000  # A in a sample
-COMPENSATED = {"phi": 0.75, "theta": 0.95}  # the part of each guide spring that the corrected law cancels
+COMPENSATED = {"phi": 0.75, "theta": 0.95}  # the part of each guide spring that the corrected law compensates
 BOX = {"y": (0.018, 0.031), "phi": (-0.003, 0.003), "theta": (-0.014, 0.014)}
 ODD, EVEN = (0.0168, 0.0322), (0.0124, 0.0366)  # gaps of motors 1, 3 and 2, 4
 LIMITS = {"y1": ODD, "y2": EVEN, "y3": ODD, "y4": EVEN, "x": (-0.1, 0.1), "z": (-0.1, 0.1)}
@@ -95,7 +95,7 @@ class Motor:
 class Constants:
     """K (5, 5) on (e, e', eta) by axis; c and E (3,) of eta; fade, rho and h of the filter.
 
-    `corrected` puts back the squares of i_d that F(11) drops.
+    `corrected` includes the squares of i_d that F(11) neglects.
     """
 
     parameters: Parameters
@@ -138,7 +138,7 @@ def rows(columns: Columns, names: Iterable[str]) -> Array:
 
 
 def guard(state: Columns, inputs: Columns) -> tuple[Array, dict[str, Array], NDArray[Any]]:
-    """Return the values to use (11, n), the guard's next state and the fault word. NaN is in no range."""
+    """Return the values to use (11, n), the guard's next state and the fault word. NaN is outside every range."""
     u = rows(inputs, LIMITS)
     with np.errstate(invalid="ignore"):
         good = ((u.T >= LOW) & (u.T <= HIGH)).T
@@ -174,7 +174,7 @@ def demand(e: Array, v: Array, eta: Array, k: Constants) -> Array:
 
 
 def model_step(e: Array, excess: Array, eta: Array, k: Constants) -> list[Array]:
-    """Return the next eta, each (5, n); an entry that would leave its bounds stays as it is. F(14), (17)."""
+    """Return the next eta, each (5, n); an entry that would leave its bounds is kept. F(14), (17)."""
     total = eta[0] + e + k.E[0] * excess
     p = eta[1] + k.c * eta[2] + k.E[1] * excess
     q = eta[2] - p + e + k.E[2] * excess
@@ -199,7 +199,7 @@ def direct_currents(w: Array, at: Array, m: Motor, load: Array, k: Constants) ->
 
 
 def limit_thrust(u: Array, first: Array, second: Array) -> Array:
-    """Return thrust currents within what the direct currents of their two motors leave of CURRENT. F section III."""
+    """Return thrust currents limited to sqrt(CURRENT^2 - i_d^2) of both of their motors. F section III."""
     room = np.sqrt(CURRENT**2 - np.maximum(first**2, second**2))
     return np.clip(u, -room, room)
 
@@ -207,7 +207,7 @@ def limit_thrust(u: Array, first: Array, second: Array) -> Array:
 def currents(w: Array, q: Array, gaps: Array, before: Array, k: Constants) -> tuple[Array, Array]:
     """Return i_d1..i_d4, u_x, u_z (6, n) and by axis (5, n) u limited less u demanded. F(12), (17), levitation first.
 
-    The attraction by i_q^2 and, where the law is `corrected`, by i_d^2 is that of the currents `before`, one sample ago.
+    The attraction by i_q^2 and, for a `corrected` law, by i_d^2 is that of the currents `before`, one sample ago.
     """
     p, m = k.parameters, motor(gaps, k.parameters)
     squares = before[QUADRATURE] ** 2

@@ -1,7 +1,7 @@
-"""Constants of the maglev controller's loops in 60 digits, apart from the toolkit: regulator, internal model, filter.
+"""Constants of the maglev controller's loops in 60 digits, without the toolkit: regulator, internal model, filter.
 
 plant    e'' = w;   xi' = Phi xi + N e + E (u limited - u),   Phi with the eigenvalues 0, +-i w0           F(13)-(15)
-gain     w = K (e, e', xi) of the least integral of z' Q z + w^2                                           F(16)
+gain     w = K (e, e', xi) that minimises the integral of z' Q z + w^2                                           F(16)
 sample   xi = T eta, where sum' = sum + e and a rotation p' = p + c q, q' = q - p' + e                     F(17)
 """
 
@@ -41,7 +41,7 @@ def gain(weights: Sequence[float]) -> Array:
 
 @dataclass(frozen=True)
 class InternalModel:
-    """One sample of the internal model in eta = (sum, p, q), T of xi = T eta, and what E adds to eta."""
+    """One sample of the internal model in eta = (sum, p, q), T of xi = T eta, and the anti-windup input E of eta."""
 
     c: mpmath.mpf
     T: mpmath.matrix
@@ -57,8 +57,8 @@ class InternalModel:
 def internal_model() -> InternalModel:
     """Return the internal model of one period in eta. F(14), (15), (17).
 
-    Both forms are driven by e alone, so that (N, Phi N, Phi^2 N) = T (B, A B, A^2 B). The anti-windup enters p before
-    q is computed from it.
+    Both forms are driven by e alone, hence (N, Phi N, Phi^2 N) = T (B, A B, A^2 B). The anti-windup is added to p
+    before q is computed from p.
     """
     with mpmath.workdps(60):
         a, w2 = mpmath.mpf(ANTI_WINDUP), mpmath.mpf(OMEGA0) ** 2

@@ -1,8 +1,8 @@
-"""Verification of the emitted C beyond the standard: random steps about operation over the whole range of poses.
+"""Verification of the emitted C beyond the standard: random steps in operation over the whole range of poses.
 
-Most random steps leave the motors unsaturated, so that a difference is not hidden by a limit. Edge steps draw states
-anywhere in their bounds. Recorded inputs of closed loops are replayed from `init`, and 60 s of tracking in single
-precision are held against double.
+Most random steps do not saturate the motors, because a limit hides differences. Edge steps have states anywhere in
+their bounds. Recorded inputs of closed loops are replayed from `init`, and 60 s of tracking in single precision are
+compared with double.
 """
 
 from collections.abc import Callable, Mapping
@@ -25,12 +25,13 @@ from synth.verify.sampling import Columns
 QUICK_REPLAY, WHOLE_REPLAY = 5.0, 60.0  # s of a closed loop that the reference replays
 RANDOM_STEPS, EDGE_STEPS = 100_000, 20_000
 SEED = 20_090_901
-CORNER = 0.98  # of the limit of i_d: there the room sqrt(C^2 - i_d^2) of i_q has the slope -5, further on up to -70
-NEAR = 0.003  # of a bound: internal models whose part of the demand is what a motor can do
-INSIDE = 1e-8  # m, rad: a range ends at another number in single than in double precision
+CORNER = 0.98  # of the limit of i_d: there the limit sqrt(C^2 - i_d^2) of i_q has the slope -5, closer to it up to -70
+NEAR = 0.003  # of a bound: states of the internal model whose demand a motor can meet
+INSIDE = 1e-8  # m, rad: distance from the ends of a range, which differ between single and double precision
 FLOOR = 1.0  # A
-# A: edge steps demand up to 1e3 A of a motor, which the limit cuts. Where such demands cancel to less, the error of the
-# polynomials, up to 1e-14 of each term, counts a thousandfold: these currents are held against the limit.
+# A: edge steps demand up to 1e3 A of a motor, which is limited. Where such demands cancel, the error of the
+# polynomials, up to 1e-14 of each term, is a thousand times larger relative to the sum. These currents are compared
+# relative to the limit.
 EDGE_FLOOR = control.CURRENT
 POINTWISE = {"y": 1e-7, "x": 1e-7, "z": 1e-7, "phi": 5e-7, "theta": 5e-7}  # m, rad: single and double, ideal sensing
 MEANS = {"y": 1e-7, "x": 1e-7, "z": 1e-7, "phi": 2e-7, "theta": 2e-7}  # m, rad: mean errors, with encoders
@@ -65,10 +66,10 @@ def _unit(floor: float) -> str:
 
 
 def random_steps(block: Block, n: int) -> tuple[Columns, Columns]:
-    """Draw n independent (states, inputs) over the domain; the platen is near its set-points, so that few saturate.
+    """Draw n independent (states, inputs) over the domain; the platen is near its set-points, and few motors saturate.
 
     The last currents are those that hold a level platen at each motor's gap, within half an ampere. Steps with a direct
-    current near its limit but not at it, where the room of i_q falls steeply, are left to the edge steps.
+    current close below its limit, where the limit of i_q falls steeply, are left to the edge steps.
     """
     states, inputs = _in_operation(block, n + n // 4)
     outputs = reference.step(states, inputs)[1]
@@ -112,7 +113,7 @@ def holding_current(gap: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def is_saturated(outputs: agree.Columns) -> NDArray[np.bool_]:
-    """Tell for each sample whether some motor stands at its limit."""
+    """Return for each sample whether a motor is at its limit."""
     motors = [np.hypot(outputs[f"i_d{j}"], outputs[f"i_q{j}"]) for j in control.MOTORS]
     return np.max(motors, axis=0) > control.DIRECT * (1 - 1e-9)
 
@@ -120,7 +121,7 @@ def is_saturated(outputs: agree.Columns) -> NDArray[np.bool_]:
 def replays(rig: Rig, replay_s: float) -> dict[str, agree.Columns]:
     """Record the 4-DOF tracking with encoders, a saturated step, and faults up to the latch.
 
-    Single samples of y2 and x_ref are bad, four in a row of x, and in the end z for ever, which latches.
+    Single samples of y2 and x_ref are bad, then four in a row of x, and finally z permanently, which latches.
     """
     time = sample_times(2.0, rig.period_s)
     masks = {"y2": time % 0.25 < 1e-9, "x_ref": time % 0.3 < 1e-9, "x": (time > 0.8) & (time < 0.8045), "z": time > 1.5}

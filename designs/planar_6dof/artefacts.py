@@ -1,8 +1,8 @@
-"""What is committed of a planar controller beside its C: its numbers and test vectors.
+"""Files committed beside the C of a planar controller: gains and test vectors.
 
-The vectors are a second of a closed loop with noise. The platen starts at rest beside the corner of a pitch and goes
-out of it and back in x and y, over a border of its sections as well, while it yaws, lifts and tilts. A Hall channel is
-out of range for three samples and a set-point for ten.
+The test vectors are a second of a closed loop with noise. The platen starts at rest near the corner of a pitch and
+moves across the corner and back in x and y, and across a border of the sections, while it yaws, lifts and tilts. A Hall
+channel is out of range for three samples and a set-point for ten.
 """
 
 from collections.abc import Mapping
@@ -40,14 +40,14 @@ def record_inputs(rig: Rig) -> Mapping[str, NDArray[Any]]:
 
 
 def reference_paths(time: Array) -> dict[str, Array]:
-    """Return set-points (N,) by axis over samples (N,) in s: out and back once, x and y not together."""
+    """Return set-points (N,) by axis at times (N,) in s: forward and back once, x and y at different times."""
     part = time / time[-1]
     there = {axis: (1 - np.cos(2 * pi * part)) / 2 for axis in STROKE} | {"y": np.sin(pi * part) ** 4}
     return {axis: START.get(axis, 0.0) + way * there[axis] for axis, way in STROKE.items()}
 
 
 def compensators(parts: Mapping[str, lead_lag.LeadLag]) -> dict[str, Any]:
-    """Return lead-lag compensators by axis, continuous and sampled, with the error of sampling."""
+    """Return lead-lag compensators by axis, continuous and sampled, with the error of the sampled one."""
     return {axis: _compensator(axis, sampled, sampled.continuous) for axis, sampled in parts.items()}
 
 

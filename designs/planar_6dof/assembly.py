@@ -1,4 +1,4 @@
-"""From a planar controller, its reference and experiments to everything that the command line does with a design."""
+"""Assembly of a planar design from its controller, NumPy reference, experiments, audit and report."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
@@ -14,7 +14,7 @@ from synth.simulate.rig import Rig
 from synth.timing import Discrete
 from synth.workspace import Design
 
-QUICK_REPLAY, WHOLE_REPLAY = 5.0, 60.0  # s of a closed loop that the reference replays
+QUICK_REPLAY, WHOLE_REPLAY = 5.0, 60.0  # s of a closed loop that the witnesses replay
 
 
 def design(
@@ -26,9 +26,9 @@ def design(
     audit: Callable[[Rig], Iterator[Row]],
     report: Callable[..., str],
 ) -> Design:
-    """Return the design; `subject` makes its controller, `gains` says what gains.json does of it.
+    """Return the design; `subject` returns its controller and reference, `gains` the contents of gains.json.
 
-    `audit` makes the rows of the paper from the shipped loop.
+    `audit` yields the rows of the paper's audit, computed with the shipped loop.
     """
     replays = {False: QUICK_REPLAY, True: WHOLE_REPLAY}
     return stage.design(
@@ -37,7 +37,7 @@ def design(
         surrogate_error=interface.SURROGATE_ERROR,
         substeps=loop.SUBSTEPS,
         experiments=experiments,
-        limited=tuple(verification.COUNTS),  # the last pitch of the travel is their bound
+        limited=tuple(verification.COUNTS),  # their bounds are the last pitch of the travel
         gains=lambda _: gains(),
         recording=artefacts.record_inputs,
         verify=lambda _, progress, whole: verification.verify(subject(), progress, replays[whole]),

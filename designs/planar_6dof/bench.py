@@ -1,9 +1,9 @@
-"""Steps of the planar controllers over which their machine code is measured, beside the standard ones of `stimuli`.
+"""Stimuli for measuring the planar controllers, in addition to the standard ones of `synth.verify.stimuli`.
 
-travel      through all pitches both ways and all sections, yaw to its ends, set-points far away or near
-saturated   the same with demands beyond the motors, at large and small yaws
-failures    from samples of the travel on: a Hall channel, a sensor, an axis or all wrong in one of six ways,
-            in one sample, in two in a row (again), and once channels are named
+travel      through all pitches and sections in both directions, over the whole yaw range, with small and large errors
+saturated   the same with demands beyond the current limits, at large and small yaws
+failures    from states of the travel: a Hall channel, a sensor, an axis or all channels wrong in one of six ways,
+            in one sample, in two in a row (again), and after the fault is isolated (named)
 """
 
 from collections.abc import Mapping
@@ -20,10 +20,10 @@ from synth.verify import steps
 from synth.verify.sampling import Columns
 from synth.verify.steps import Steps
 
-FLOOR = 1.0  # A, below which a difference of currents is absolute: a phase is a projection of up to 1.26 A
+FLOOR = 1.0  # A, below which differences of currents count absolutely: a phase is a projection of up to 1.26 A
 TRAVEL = 16_000  # steps
-PERIODS = {"x": 1370, "y": 1690, "phi": 913, "z": 251, "theta": 317, "psi": 173}  # samples, of the travel
-YAWS = (1.0, 0.3, 0.1, 0.03, 0.0)  # of the yaw's range: polynomials make a turned motor's current a little smaller
+PERIODS = {"x": 1370, "y": 1690, "phi": 913, "z": 251, "theta": 317, "psi": 173}  # samples of a period of the travel
+YAWS = (1.0, 0.3, 0.1, 0.03, 0.0)  # of the yaw's range: the polynomials reduce the current of a motor at a yaw a little
 SEED = 1975
 HALF_RANGE = {axis: allocation.BOX[axis].high for axis in allocation.AXES}  # m, rad
 HALL = planar_stage.HALL
@@ -33,11 +33,11 @@ GROUPS = (
     *(tuple(n for n in HALL if n[3] == axis) for axis in "xy"),
     HALL,
 )
-BOUND = sensing.RESIDUAL * hall_calibration.of(planar_stage.plant()).amplitude  # V, from which on two sensors disagree
+BOUND = sensing.RESIDUAL * hall_calibration.of(planar_stage.plant()).amplitude  # V, of a residual
 
 
 def stimuli(controller: host.Controller) -> list[Steps]:
-    """Return the travel, with demands beyond the motors too, and what fails on it."""
+    """Return the travel, the saturated travel, and the failures from states of the travel."""
     rng = np.random.default_rng(SEED)
     along = steps.recorded(controller, "travel", travel(rng))
     saturated = steps.joined("saturated", [steps.recorded(controller, "", travel(rng, yaw)) for yaw in YAWS])
@@ -48,15 +48,15 @@ def stimuli(controller: host.Controller) -> list[Steps]:
 
 
 def sensor_values(pose: Mapping[str, Array]) -> Columns:
-    """Return what the sensors read without noise, V and m, at poses (N,) by axis, m and rad."""
+    """Return the sensor values without noise, V and m, at poses (N,) by axis, m and rad."""
     columns = planar_stage.plant().output_values(pose)
     return {name: columns[name] for name in interface.SENSORS}
 
 
 def poses(rng: np.random.Generator, yaw: float = 1.0) -> dict[str, Array]:
-    """Return the poses (N,) of a travel, m and rad: sines from the middle that stay at their ends for some time.
+    """Return the poses (N,) of a travel, m and rad: clipped sines from the middle.
 
-    That of the yaw is `yaw` of its range.
+    The amplitude of the yaw is `yaw` times its range.
     """
     periods = {axis: n * rng.uniform(0.9, 1.1) for axis, n in PERIODS.items()}
     sines = {axis: np.sin(2 * np.pi / n * np.arange(TRAVEL)) for axis, n in periods.items()}
@@ -65,10 +65,10 @@ def poses(rng: np.random.Generator, yaw: float = 1.0) -> dict[str, Array]:
 
 
 def travel(rng: np.random.Generator, yaw_share: float | None = None) -> Columns:
-    """Return inputs (N,) along a travel with noise; set-points are off by any order of magnitude, half of them alike.
+    """Return noisy inputs (N,) along a travel; errors have random orders of magnitude, half of them equal in all axes.
 
-    With `far`, then a part of the yaw's range, those of z, theta and psi are off by more than the motors can do, and at
-    half of the samples all are.
+    With `yaw_share`, a part of the yaw's range, the errors of z, theta and psi exceed what the motors can achieve, and
+    in half of the samples those of all axes do.
     """
     pose, noise = poses(rng, 1.0 if yaw_share is None else yaw_share), interface.INTERFACE.sensors[0].noise
     columns = sensor_values(pose)
@@ -87,7 +87,7 @@ def travel(rng: np.random.Generator, yaw_share: float | None = None) -> Columns:
 
 
 def failures(sound: Steps, rng: np.random.Generator) -> Steps:
-    """Return steps in each of which the Hall voltages of one of GROUPS are wrong, all in the same way."""
+    """Return steps in each of which the Hall voltages of one of GROUPS fail in the same way."""
     inputs, n, high = sound.inputs.copy(), len(sound), sensing.VOLTAGE
     group, way, other = rng.integers(0, len(GROUPS), n), rng.choice((0, 1, 2, 3, 4, 4, 4, 5), n), rng.permutation(n)
     for name in HALL:

@@ -1,17 +1,17 @@
-"""Experiments over a magnet matrix of finite size, beside the same ones on the closed force law.
+"""Experiments over a finite magnet matrix, compared with the same ones on the closed force law.
 
-The plant of `models.finite_stage`: blocks as they were made, end turns raised by the winding's height. Controllers know
-nothing of it: they allocate by the closed law, commutate by what the sensors show and are calibrated for a matrix
-without end. Each experiment is run on both plants with the same noise. Its bars:
+The plant is that of `models.finite_stage` with blocks as built and end turns raised by the height of the winding. The
+controllers are not changed: they allocate by the closed law, commutate by the measured position and are calibrated for
+an infinite matrix. Each experiment is run on both plants with the same noise. Its limits:
 
-    a step            what the paper states of it, as on the closed law. Of x, y and phi the others move by less than
-                      their noise; z, theta and psi stay in the plant's box: they do move by more than their noise
-    standstill        x, y and phi 15 % noisier at most: the forces are 7 % larger than the allocation takes them for,
-                      and so is the loops' gain. theta and psi stay within a tenth of their range
-    a motion          as shown, x and y stray by no more than their sensors' noise of 13 um; truly by no more than the
-                      1.4 mm that Kawato and Kim state of such sensors; the yaw stays within the range of 20 mrad
+    a step            the limits that the paper states, as on the closed law. The other axes of x, y and phi move by
+                      less than their noise. z, theta and psi move by more than their noise but stay in their range
+    standstill        the noise of x, y and phi is at most 15 % larger, because the forces and thus the loop gains are
+                      7 % larger than in the allocation. theta and psi stay within a tenth of their range
+    a motion          measured errors of x and y are at most the sensor noise of 13 um; true errors are at most the
+                      1.4 mm that Kawato and Kim state for such sensors; the yaw stays within its range of 20 mrad
 
-`forces` tells in what the motors differ from the closed law. Results: docs/decisions/planar_leadlag.md.
+`motor_deviations` compares the motors with the closed law. Results: docs/decisions/planar_leadlag.md.
 """
 
 from collections.abc import Mapping
@@ -42,12 +42,12 @@ AS_BUILT, IDEAL, CLOSED = "blocks as made", "ideal blocks", "closed law"
 
 
 def with_finite_matrix(loop: Rig, as_built: bool = True) -> Rig:
-    """Return the loop over the finite matrix, of blocks as made or ideal."""
+    """Return the loop over the finite matrix, with blocks as built or ideal."""
     return replace(loop, plant=finite_stage.plant(as_built))
 
 
 def step(loop: Rig, name: str, axis: str, height: float, title: str, limits: shared.Limits | None) -> Experiment:
-    """Return a step over the finite matrix, beside that of `loop`."""
+    """Return a step over the finite matrix, compared with that of `loop`."""
     finite, closed = with_finite_matrix(loop), shared.step(loop, axis, height)
     run = shared.step(finite, axis, height)
     experiment = shared.step_experiment(finite, run, name, f"{title}, finite matrix", limits)
@@ -65,13 +65,13 @@ def step(loop: Rig, name: str, axis: str, height: float, title: str, limits: sha
 
 
 def _excursions(run: shared.StepRun) -> dict[str, float]:
-    """Return how far each axis goes from where it was at the step, without noise, m and rad."""
+    """Return the largest excursion of each axis from its position at the step, without noise, m and rad."""
     k = run.sample
     return {axis: float(np.abs(run.ideal[axis][k:] - run.ideal[axis][k]).max()) for axis in AXES}
 
 
 def standstill(loop: Rig, name: str) -> Experiment:
-    """Return the standstill over the finite matrix, beside that of `loop`."""
+    """Return the standstill over the finite matrix, compared with that of `loop`."""
     finite = with_finite_matrix(loop)
     run, still = (simulate(each, shared.REST, {}, {}) for each in (finite, finite.ideal))
     noise, closed = _noise(finite, run, 1.0), _noise(loop, simulate(loop, shared.REST, {}, {}), 1.0)
@@ -94,26 +94,26 @@ STANDSTILL = Run("standstill_finite", standstill)
 
 
 def _noise(loop: Rig, run: Trajectory, since: float) -> dict[str, float]:
-    """Return the rms of each axis about its mean, m and rad, from a time in s on; one below 0 counts from the end."""
+    """Return the rms of each axis about its mean, m and rad, from a time in s on; negative times count from the end."""
     first = round(since / loop.period_s)
     return {axis: float(np.std(run[axis][first:])) for axis in AXES}
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A run along set-points x, y (N,) in m, judged over the samples `window` (N,)."""
+    """A run along set-points x, y (N,) in m, evaluated over the samples `window` (N,)."""
 
     run: Trajectory
     references: Mapping[str, Array]
     window: NDArray[np.bool_]
 
     def error(self, axis: str, at: Array | None = None) -> Array:
-        """Return the true error of x or y in the window, m, or that of another position `at` (N,)."""
+        """Return the true error of x or y in the window, m, or the error of another position `at` (N,)."""
         return np.asarray(((self.run[axis] if at is None else at) - self.references[axis])[self.window])
 
 
 def rms_errors(loop: Rig, motion: Motion) -> dict[str, float]:
-    """Return how far x and y are from where they should be, m rms: as the sensors show it and truly."""
+    """Return the rms errors of x and y, measured and true, m."""
     measured, errors = measured_positions(loop, motion.run), {}
     for axis in "xy":
         for what, at in (("as shown", measured[f"{axis}_raw"]), ("truly", motion.run[axis])):
@@ -122,9 +122,9 @@ def rms_errors(loop: Rig, motion: Motion) -> dict[str, float]:
 
 
 def motion_experiment(loop: Rig, experiment: Experiment, noiseless: Mapping[str, Motion]) -> Experiment:
-    """Return an experiment of a motion over the finite matrix with its bars.
+    """Return an experiment of a motion over the finite matrix with its limits.
 
-    `noiseless` are its twins without noise, by MADE and other names.
+    `noiseless` are the runs without noise, by AS_BUILT and other names.
     """
     errors = {name: rms_errors(loop, each) for name, each in noiseless.items()}
     figures = {f"error of {a} ({name}), um rms": 1e6 * v for name, e in errors.items() for a, v in e.items()}
@@ -144,7 +144,7 @@ def motion_experiment(loop: Rig, experiment: Experiment, noiseless: Mapping[str,
 
 @cache
 def motor_deviations(radius: float) -> dict[str, float]:
-    """Return how the motors depart from the closed law, the platen up to `radius` in m from the middle."""
+    """Return how the motors deviate from the closed law, with the platen up to `radius` in m from the middle."""
     return {
         f"{what} ({name}){unit}": value
         for name, as_built in ((AS_BUILT, True), (IDEAL, False))

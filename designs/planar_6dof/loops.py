@@ -1,18 +1,19 @@
-"""The loops as the hardware sees them: the whole controller, a sample of delay, the hold, and the stage at a place.
+"""Linear loops of the planar positioner: the whole controller, one sample of delay, the hold, and the stage.
 
     i_AQ .. i_CD                                              x .. psi
     ---*--->[ delay, hold, motors, stage, sampler ]-------*--->[ Hall sensors, lasers, controller ]---+
        ^                                                                                              |
        +----------------------------------------------------------------------------------------------+
 
-Controller and stage are linearised about the platen at rest. Guard, sensing, filters, law, allocation, commutation and
-safe output are in the controller as they ship, and with them the slope that the calibration of the Hall sensors has at
-this place. What goes around are the six positions and the currents of the three motors along their motion (Q) and up
-(D), which are the phases in coordinates that go along with the field:
+Controller and stage are linearised about the platen at rest at a place. The controller is the shipped one, with guard,
+sensing, filters, law, allocation, commutation and safe output, and with the local slope of the calibration of the Hall
+sensors. The signals of the loop are the six positions and the quadrature (Q) and direct (D) currents of the three
+motors, the phase currents in coordinates of the field:
 
     phases = E (i_Q, i_D),   (i_Q, i_D) = 2/3 E' phases         E'E = 3/2 I, for each motor
 
-A loop is opened at some of these signals, marked by *, the others closed: L = -(what comes back), and 1 + L is closed.
+A loop is opened at some of these signals, marked by *, with the others closed. L is minus the returned signal, so the
+closed loop has the characteristic function det(I + L).
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -37,7 +38,7 @@ from synth.verify import agree
 Place = Mapping[str, float]  # m and rad, by axis
 
 MIDDLE: Place = dict.fromkeys(AXES, 0.0)  # of the travel
-SETTLING_SAMPLES = 50  # samples after which the filters have come to rest
+SETTLING_SAMPLES = 50  # samples after which the filters are in steady state
 PHASES, SENSED = names(planar_stage.INPUTS), interface.SENSORS
 MOTORS = names(allocation.CURRENTS)
 HORIZONTAL = MOTORS[:3]
@@ -54,7 +55,7 @@ class Parts:
 
 @dataclass(frozen=True, eq=False)
 class OpenLoop:
-    """The loop of one axis, opened at its position, the `signal`, under a label, and its margins."""
+    """The loop of one axis, opened at its position `signal`, with a label and its margins."""
 
     signal: str
     label: str
@@ -63,7 +64,7 @@ class OpenLoop:
 
 
 def parts(plant: Plant, block: Block, place: Place = MIDDLE, delay: float = 1) -> Parts:
-    """Return both parts of the loop of a whole controller with the platen at rest at a place."""
+    """Return plant and controller of the loop of a whole controller, with the platen at rest at a place."""
     pose = {**MIDDLE, **place}
     stage = linearise.linearise(plant, trim.trim(plant, pose, []))
     C = stage.select(SENSED, ()).C[:, [stage.states.index(axis) for axis in AXES]]
@@ -72,7 +73,7 @@ def parts(plant: Plant, block: Block, place: Place = MIDDLE, delay: float = 1) -
 
 
 def around(stage: StateSpace, controller: StateSpace, measurement: Array, E: Array, delay: float = 1) -> Parts:
-    """Return both parts of a loop from phases and a controller of sensors, which show positions by `shown` (9, 6)."""
+    """Return a loop in motor currents and positions; `measurement` (9, 6) maps positions to sensor values."""
     K = controller.select(PHASES, SENSED)
     B, C, D = K.B @ measurement, 2 / 3 * E.T @ K.C, 2 / 3 * E.T @ K.D @ measurement
     motors = replace(stage, B=stage.B @ E, D=stage.D @ E, inputs=MOTORS)
@@ -80,7 +81,7 @@ def around(stage: StateSpace, controller: StateSpace, measurement: Array, E: Arr
 
 
 def rest_point(plant: Plant, block: Block, place: Place) -> tuple[dict[str, float], dict[str, float]]:
-    """Return states and inputs of the controller with the platen at rest at its set-points, as its sensors show it."""
+    """Return states and inputs of the controller with the platen at rest at its set-points, as measured."""
     outputs, view = plant.output_values(place), simulated.view(block.time)
     measured = {name: float(outputs[name][0]) for name in SENSED}
     positions = _hold_inputs(view, dict.fromkeys(names(view.inputs), 0.0) | measured, SETTLING_SAMPLES).outputs
@@ -89,15 +90,15 @@ def rest_point(plant: Plant, block: Block, place: Place) -> tuple[dict[str, floa
 
 
 def _hold_inputs(block: Block, inputs: Mapping[str, float], samples: int) -> agree.Stepped:
-    """Return what a Block makes of some samples of constant inputs, from init."""
+    """Return outputs and states of a Block after some samples of constant inputs, from init."""
     start, columns = {s.name: s.initial for s in block.states}, {n: np.full(samples, v) for n, v in inputs.items()}
     return agree.recorded(agree.casadi(block), start, columns)
 
 
 def opened(both: Parts, signals: Sequence[str]) -> StateSpace:
-    """Return L (p, p) from and to some of the axes and motor currents, all others closed.
+    """Return L (p, p), opened at some of the axes and motor currents, with all others closed.
 
-    Raises SignalError for a signal that is neither.
+    Raises SignalError for another signal.
     """
     sensors, actuators = ({name: name for name in ends} for ends in (both.plant.outputs, both.plant.inputs))
     return loop.opened(both.plant, both.controller, list(signals), sensors, actuators, both.delay)
@@ -119,7 +120,7 @@ def whole(plant: Plant, time: Discrete, sensed: Sequence[Block], law: Sequence[B
 
 
 def with_axis_of(law: Sequence[Block], other: Sequence[Block], axis: str) -> list[Block]:
-    """Return a law whose Blocks of one axis are those of another law: only its own loop is then as there."""
+    """Return a law with the Blocks of one axis taken from another law."""
     replacement = {b.name: b for b in other if b.name.endswith(f"_{axis}")}
     return [replacement.get(b.name, b) for b in law]
 
@@ -137,13 +138,13 @@ def over_pitch(plant: Plant, block: Block, places: int = 7) -> list[dict[str, ma
 
 
 def horizontal(both: Parts) -> dict[str, StateSpace]:
-    """Return the loop of x, y and phi opened at the motors' currents along their motion, at the positions, at both."""
+    """Return the loop of x, y and phi opened at the quadrature currents, at the positions, and at both."""
     cuts = {"currents": HORIZONTAL, "positions": allocation.HORIZONTAL}
     cuts["both"] = (*HORIZONTAL, *allocation.HORIZONTAL)
     return {name: opened(both, cut) for name, cut in cuts.items()}
 
 
 def scaled(L: StateSpace, sizes: Mapping[str, float]) -> StateSpace:
-    """Return L with some channels taken times a factor, by name, where they leave it and where they come back."""
+    """Return L with some channels scaled by a factor, by name: S L S^-1."""
     s = np.array([sizes.get(name, 1.0) for name in L.inputs])
     return replace(L, B=L.B / s, C=L.C * s[:, None], D=L.D * s[:, None] / s, units={})

@@ -1,23 +1,25 @@
-"""The reduced-order LQG regulators of the planar positioner at 800 Hz, Y(26)-(49), as Blocks.
+"""Reduced-order LQG regulators of the planar positioner at 800 Hz, Y(26)-(49), as Blocks (MATLAB `lqrd`).
 
-    A model of (26) with integrators (31), states (x y phi z1 z2 z3 d f v), u = (i_AQ, i_BQ, i_CQ), K of (49) by lqrd.
+The model is (26) with the integrators of (31): states (x y phi z1 z2 z3 d f v), inputs u = (i_AQ, i_BQ, i_CQ), and K of
+(49) by lqrd. The relation
 
         f_x = k i_C,   f_y = k (i_A + i_B),   m_phi = k a (i_B - i_A),   k = 13.2547 M
 
-    makes forces of its currents, so that the allocation compensates the yaw of motor C that (26) leaves out. In these K
-    falls apart into three axes q'' = b f, in which f is then over its scale in `planar_allocation`, in A. Each knows
-    the f1 that the motors make until the next sample, that of the sample before, and estimates the rate alone, with
-    L = (1 - p) / T:
+turns the currents into forces, for which the allocation also compensates the yaw torque of motor C that (26) neglects.
+In these forces K decouples into three axes q'' = b f, with f divided by its scale in `planar_allocation`, in A. Each
+axis knows f1, the achieved demand of the sample before, which acts until the next sample. It estimates the rate alone,
+with L = (1 - p) / T:
 
         v^  = x3 + L q,                     x3+ = F x3 + G q + H f1                                        (33), (35)
-        q1  = q + T v^ + b T^2/2 f1,        v1  = v^ + b T f1           where the axis is when f acts
+        q1  = q + T v^ + b T^2/2 f1,        v1  = v^ + b T f1           predictions for the time when f acts
         w   = k1 (q - q1) - k2 v1,          f = w + k (r - q) + I            k = k1 + k3 T
-        I+  = (1 - g) I + g (made - w),     f1+ = made                       g = k3 T / k
+        I+  = (1 - g) I + g (f_a - w),      f1+ = f_a                        g = k3 T / k
 
-While made = f this is I+ = I + k3 T (r - q) and f = k1 (r - q1) - k2 v1 + I+. At a limit I follows what is made with a
-time constant of T/g, some 20 ms. An error beyond ERROR counts as this, and the integral fades: the axis then comes to
-k ERROR / k2, from which the motors can stop it. Until every measurement has been good once the platen counts as at rest
-where it is. The choices of prediction, p and ERROR: docs/decisions/planar_lqg.md.
+f_a is the demand that the motors achieve. While f_a = f this is I+ = I + k3 T (r - q) and f = k1 (r - q1) - k2 v1 + I+.
+At a limit I follows f_a with the time constant T/g of some 20 ms (anti-windup). An error is clipped to ERROR, and the
+integral then decays: the axis moves at k ERROR / k2, a speed from which the motors can stop it. Until every measurement
+has been good once, the platen is assumed to be at rest. The choices of prediction, p and ERROR:
+docs/decisions/planar_lqg.md.
 """
 
 from collections.abc import Callable, Sequence
@@ -58,7 +60,7 @@ MEASURED = {axis: replace(POSITIONS[axis], name=f"{axis}_raw", about="as measure
 
 @dataclass(frozen=True)
 class Axis:
-    """One axis q'' = b d and its gains in A: d = k1 (r - q) - k2 q' + k3 sum (r - q)."""
+    """One axis q'' = b d with its gains in A: d = k1 (r - q) - k2 q' + k3 sum (r - q)."""
 
     name: str
     b: float
@@ -68,7 +70,7 @@ class Axis:
 
 
 def model(per_ampere: float = PER_AMPERE, yaw_per_ampere: float = YAW_PER_AMPERE, integrals: bool = True) -> StateSpace:
-    """Return (31), (32) with the currents as inputs, or (26), (27) without `integrals`, from what an ampere pushes."""
+    """Return (31), (32) with the currents as inputs, or (26), (27) without `integrals`."""
     A, B = np.zeros((9, 9)), np.zeros((9, 3))
     A[:3, 6:], A[3:6, :3] = np.eye(3), np.eye(3)
     B[6, 2] = B[7, 0] = B[7, 1] = per_ampere
@@ -119,7 +121,7 @@ def observer(axis: Axis, pole: float | None = None) -> reduced_observer.ReducedO
 
 
 def reduced_order(plant: Plant, axis: Axis) -> Block:
-    """Return the regulator of one axis on the observer of its rate alone; x3 is kept in units of what it demands."""
+    """Return the regulator of one axis with a reduced-order observer of its rate; x3 is in units of demand."""
     observed, T = observer(axis), TIME.period_s
     q, f1 = MEASURED[axis.name], allocation.achievable_bound(plant)[axis.name]
     rate_gain, achieved_gain = axis.k1 * T + axis.k2, axis.b * T * (axis.k1 * T / 2 + axis.k2)
@@ -153,7 +155,7 @@ def regulator(
 ) -> Block:
     """Return the regulator of one axis for `estimate(u, x, k) -> (w, next states)`, where |w| <= `most`.
 
-    The integral and the force that acts until the next sample are added to the states.
+    The states get the integral and the achieved demand, which acts until the next sample, in addition.
     """
     q, r = MEASURED[axis.name], REFERENCES[axis.name]
     demand_signal, achieved = vertical.DEMAND[axis.name], vertical.ACHIEVED_DEMAND[axis.name]
@@ -203,7 +205,7 @@ def law(plant: Plant, variant: Variant = "shipped", regulate: Regulate = reduced
 
 
 def sensed(plant: Plant) -> list[Block]:
-    """Return the Blocks from Hall voltages to positions as they are measured."""
+    """Return the Blocks from Hall voltages to measured positions."""
     return [sensing.sensing(plant, TIME, predicted=False)]
 
 

@@ -1,7 +1,7 @@
-"""The report of a planar design: what a design review reads, from report.md, report.toml and the computed blocks.
+"""Report of a planar design for a design review, from report.md, report.toml and computed figures and tables.
 
-Both designs share stage, sensing, filter, the pictures of experiments, failures, audit and verification; each adds its
-law and its loops.
+Both designs share the sections on stage, sensing, filter, experiments, failures, audit and verification. Each adds its
+control law and its loops.
 """
 
 import tomllib
@@ -42,25 +42,25 @@ ABOUT = (
 )
 SHOWN = Shown(
     {s.name: s.unit for s in (*planar_stage.STATES, *planar_stage.INPUTS, *planar_stage.OUTPUTS)},
-    latch=(0.1, 0.05),  # the platen then goes on without current
+    latch=(0.1, 0.05),  # the platen then coasts without current
     fine=5e-4,
     channels=planar_stage.HALL,
 )
-MAP_POINTS = 41  # places over a pitch in x and in y of a picture, one where voltages are 0
-PLACES = 9  # over a pitch in x and in y, from which what sticks is moved
+MAP_POINTS = 41  # places over a pitch in x and in y of a map, one at which voltages are 0
+PLACES = 9  # over a pitch in x and in y, from which the platen moves with a stuck channel
 REST, SPECTRUM, CIRCLE, FINITE = "standstill", "step_x", "circle", "_finite"  # runs by name
-OF_RUN = "run."  # how blocks begin that belong to a run
-SETTLING_S = 1.0  # s of a run that are left out
+OF_RUN = "run."  # prefix of the figures of a run
+SETTLING_S = 1.0  # s at the start of a run that are left out
 WINDOW_S = (1.0, 3.0)  # s of the standstill that are drawn
 
 
 @dataclass(frozen=True, eq=False)
 class Contents:
-    """What a design adds to its report: its controller, a line on its law and equations as printed, and loops.
+    """Contents that a design adds to its report: controller, a line on its law, printed equations, and loops.
 
-    `whole` are sections on several loops at once. `beside` gives the rows of the audit that an experiment stands
-    beside; `filtered` tells whether the law reads filtered positions, `spectrum` whether the paper draws one; `values`
-    are what its report.md asks for; `cost` follows the cost.
+    `whole` are sections on multivariable loops. `beside` maps experiments to rows of the audit; `filtered` tells
+    whether the law uses filtered positions, `spectrum` whether the paper shows a spectrum; `values` are those named in
+    its report.md; `cost` returns tables that follow the cost.
     """
 
     block: Block
@@ -83,7 +83,7 @@ def report(
     rows: Sequence[Row],
     cost: Cost | None,
 ) -> str:
-    """Return the whole report of a design as one HTML document, with every experiment that is handed in."""
+    """Return the report of a design as one HTML document, with all given experiments."""
     plant, cost_section = planar_stage.plant(), sections.cost(cost)
     design, data = contents(plant), tomllib.loads(Path(__file__).with_name("report.toml").read_text(encoding="utf-8"))
     block, time = design.block.rounded(np.float32), design.block.time
@@ -112,12 +112,12 @@ def report(
 
 
 def _forces(x: Symbols, u: Symbols, p: Symbols) -> dict[str, ca.SX]:
-    """Return the force of each motor along its motion by name, as the physics computes it."""
+    """Return the force of each motor along its motion by name, from the equations of motion."""
     return {f"f_{motor}": f.y for motor, f in planar_stage.motor_forces(x, u, p).items()}
 
 
 def _stage(plant: Plant, block: Block, filtered: bool) -> dict[str, Made]:
-    """Return figures and tables of the stage: what follows from its parameters, its sensing, loops and failures."""
+    """Return figures and tables of the stage: derived parameters, sensing, loops and failures."""
     K, M, a, Izz = allocation.force_constant(plant), *(plant.parameter(n).value for n in ("M", "a", "Izz"))
     filters = filtering.blocks(block.time) if filtered else []
     silent = sensing_maps.faults(plant, block.time, MAP_POINTS, filters)
@@ -147,7 +147,7 @@ def _stage(plant: Plant, block: Block, filtered: bool) -> dict[str, Made]:
 
 
 def _at_rest(runs: Sequence[Experiment], time: Discrete, design: Contents) -> dict[str, Made]:
-    """Return what a standstill shows of the filter, nothing where there is neither."""
+    """Return the figure of the filter at a standstill; nothing for a law without filters."""
     if not design.filtered:
         return {}
     rest = [e.trajectory for e in runs if e.name == REST]
@@ -161,7 +161,7 @@ def _at_rest(runs: Sequence[Experiment], time: Discrete, design: Contents) -> di
 
 
 def _run_figures(runs: Sequence[Experiment], time: Discrete, design: Contents) -> dict[str, Made]:
-    """Return the paths of circles, and the spectrum of a step where the paper draws one."""
+    """Return the paths of circles, and the spectrum of a step where the paper shows one."""
     rest = [e.trajectory for e in runs if e.name == REST]
     figures: dict[str, Made] = {}
     for e in runs:
@@ -183,7 +183,7 @@ def _spectrum(step: Trajectory, rest: Sequence[Trajectory], time: Discrete, filt
 def experiments(
     design: Contents, runs: Sequence[Experiment], rows: Sequence[Row], values: Mapping[str, Value]
 ) -> Section:
-    """Return every run with what the paper says beside it, that over a finite matrix as on the closed force law."""
+    """Return the section of all runs with the paper's statements; runs over the finite matrix get the same ones."""
     quoted = beside(design.beside, rows)
     texts = {e.name: readable(quoted.get(e.name.removesuffix(FINITE), "")) for e in runs}
     blocks = {name.removeprefix(OF_RUN): each for name, each in values.items() if name.startswith(OF_RUN)}
@@ -192,7 +192,7 @@ def experiments(
 
 
 def _readable(e: Experiment) -> Experiment:
-    """Return an experiment whose title and text are written as a reader writes them."""
+    """Return an experiment with title and text in readable notation."""
     about = readable(e.about) + ("; drawn around the latch" if window(e, SHOWN) else "")
     first, space, rest = readable(e.title).partition(" ")
     return replace(e, title=f"{SYMBOLS.get(first, first)}{space}{rest}", about=about)

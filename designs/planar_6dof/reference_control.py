@@ -1,13 +1,13 @@
-"""What both controllers of the planar positioner share beside sensing, in plain NumPy, for comparison: Y(17)-(25).
+"""NumPy reference of the planar controllers' common parts except sensing: Y(17)-(25).
 
-    guard      a value out of range is replaced by the last good, a Hall voltage by 0; five bad samples in a row latch,
-               and all are bad once Hall channels are suspects
+    guard      a value out of range is replaced by the last good one, a Hall voltage by 0; five bad samples in a row
+               latch, and every sample is bad once Hall channels are suspected
     vertical   d1..d3 are the lifts z + theta r_y - psi r_x of three points; compensators by Tustin's rule
-    motors     (f_Ay, f_By, f_Cx, f_Az, f_Bz, f_Cz) = T^-1 w, w turned into the platen's frame; i = f / K, limited
+    motors     (f_Ay, f_By, f_Cx, f_Az, f_Bz, f_Cz) = T^-1 w, w rotated into the platen's frame; i = f / K, limited
     phases     alpha + i beta = exp(i angle) (i_Q + i i_D), phases at 0, 120, 240 degrees of it                     (17)
 
 Y is Yu and Kim, "Design of Precision Positioner with Hall-effect Sensors and Multivariable Control Methodology".
-Written from its equations, with constants of its own. Arrays are columns: N platens advance one sample at a time.
+It is written from these equations with separate constants. Arrays are columns: N platens advance one sample at a time.
 """
 
 from collections.abc import Mapping
@@ -43,7 +43,7 @@ MEASUREMENTS = tuple(LIMITS)
 BOX = {"x": 0.11, "y": 0.10, "phi": 0.02, "z": 2e-4, "theta": 2e-3, "psi": 2e-3}
 LIMITS |= {f"{axis}_ref": high for axis, high in (BOX | {"phi": 0.008}).items()}
 PHASES = tuple(f"i_{motor}{phase}" for motor in CENTRES for phase in "ABC")
-VERTICAL = {  # (23)-(25): gain, zero, pole in rad/s, and the part of the gain at low frequencies that is used
+VERTICAL = {  # (23)-(25): gain, zero, pole in rad/s, and the factor on the gain at low frequencies
     "z": ("323252", "102.91", "776.828", "0.65"),
     "theta": ("900", "80.0413", "604.199", "0.5"),
     "psi": ("1100", "80.0413", "604.199", "0.15"),
@@ -51,7 +51,7 @@ VERTICAL = {  # (23)-(25): gain, zero, pole in rad/s, and the part of the gain a
 
 
 def force_constant() -> float:
-    """Return K in N/A: (17) with 3/pi, the distribution factor of bands of 60 degrees, and two pitches."""
+    """Return K in N/A: (17) with 3/pi, the distribution factor of bands of 60 degrees, and two pitches of winding."""
     thickness, across = 6 * AREA / PITCH, PITCH
     G = sqrt(2) * across * PITCH**2 / pi**2 * (1 - np.exp(-GAMMA * thickness)) * (1 - np.exp(-pi / 2))
     return float(0.5 * 3 / pi * 0.71 * TURNS / AREA * 2 * G * np.exp(-GAMMA * 2.3e-3))
@@ -92,10 +92,10 @@ def vertical(axis: str, T: Fraction) -> Compensator:
 
 @cache
 def scales() -> dict[str, float]:
-    """Return the force in N or torque in N m by which the demand of an axis, and the states that make it, are divided.
+    """Return the force in N or torque in N m by which the demand of an axis and the states behind it are divided.
 
-    They are the forces of 1 A: in motor C along x, in A and B together along y; half as much in each for phi and psi;
-    along z and about theta such that each of A and B has 1 A.
+    It is the force of 1 A in motor C along x, and in A and B together along y; for phi and psi half of it in each;
+    along z and about theta that at which A and B have 1 A each.
     """
     K, T = force_constant(), wrench()
     allocation_matrix = np.linalg.inv(T)
@@ -104,16 +104,16 @@ def scales() -> dict[str, float]:
     }
 
 
-_LEADING = {"phi": 1, "z": 3, "theta": 3, "psi": 3}  # the force that 1 A makes whole
+_LEADING = {"phi": 1, "z": 3, "theta": 3, "psi": 3}  # the force that 1 A defines
 
 
 def demand(axis: str, k: Compensator, e: Array, state: Columns) -> Array:
-    """Return the force or torque that an axis wants for the error e. (21)-(25)."""
+    """Return the force or torque that an axis demands for the error e. (21)-(25)."""
     return k.D * e + scales()[axis] * (state[f"loop_{axis}_lead"] + state[f"loop_{axis}_integral"])
 
 
 def next_compensator_state(axis: str, k: Compensator, e: Array, achieved: Array, state: Columns) -> dict[str, Array]:
-    """Return the next states of a compensator, whose reset follows what is made."""
+    """Return the next states of a compensator, whose integral follows the achieved demand."""
     scale = scales()[axis]
     lead = k.p * state[f"loop_{axis}_lead"] + k.D * (k.p - k.z1) * e / scale
     integral = state[f"loop_{axis}_integral"]
@@ -123,7 +123,7 @@ def next_compensator_state(axis: str, k: Compensator, e: Array, achieved: Array,
 def guard(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array, Array]:
     """Return the values to use, the guard's next state, the fault word, and whether every Hall voltage is good.
 
-    A value that is no number is in no range.
+    NaN is outside every range.
     """
     with np.errstate(invalid="ignore"):
         read = {s: np.asarray(inputs[s], dtype=np.float64) for s in LIMITS}
@@ -152,15 +152,15 @@ def vertical_kinematics(v: Columns) -> dict[str, Array]:
 
 
 def allocate(w: Columns, phi: Array) -> tuple[dict[str, tuple[Array, Array]], dict[str, Array]]:
-    """Return (i_Q, i_D) in A by motor, and what they make of each axis, for demands in the matrix' frame. Table 3."""
+    """Return (i_Q, i_D) in A by motor and the demands that they achieve, in the frame of the matrix. Table 3."""
     K, T, turn = force_constant(), wrench(), np.exp(-1j * np.clip(phi, -YAW, YAW))
     platen = (w["x"] + 1j * w["y"]) * turn
-    # C, whose torque A and B take back, leaves them up to half of what they can for the yaw.
+    # A and B compensate the torque of C, so C leaves them up to half of their limit for the yaw.
     limit_c = np.maximum(QUADRATURE - np.abs(w["phi"]) / (2 * ARM * K), QUADRATURE / 2)
     rear = np.clip(platen.real / K, -limit_c, limit_c)
     platen = K * rear + 1j * platen.imag
     demanded = np.linalg.inv(T) @ np.stack([platen.real, platen.imag, *(w[axis] for axis in AXES[2:])]) / K
-    yaw = np.clip((demanded[1] - demanded[0]) / 2, -QUADRATURE, QUADRATURE)  # of A and B comes first
+    yaw = np.clip((demanded[1] - demanded[0]) / 2, -QUADRATURE, QUADRATURE)  # has priority in A and B
     limit_half = QUADRATURE - np.abs(yaw)
     half = np.clip((demanded[0] + demanded[1]) / 2, -limit_half, limit_half)
     i_q = np.stack([half - yaw, half + yaw, demanded[2]])
@@ -172,7 +172,7 @@ def allocate(w: Columns, phi: Array) -> tuple[dict[str, tuple[Array, Array]], di
 
 
 def phases(currents: Mapping[str, tuple[Array, Array]], q: Columns) -> dict[str, Array]:
-    """Return the phase currents of the motors at the place within a pitch, (17) inverted."""
+    """Return the phase currents of the motors for a position within a pitch, (17) inverted."""
     phi, out = np.clip(q["phi"], -YAW, YAW), {}
     front, aside = q["within_y"] - ARM * np.cos(phi), ARM * np.sin(phi)
     back = q["within_x"] - 2 * ARM * np.sin(phi)
@@ -196,9 +196,9 @@ def initial_state(axes: tuple[str, ...]) -> dict[str, Array]:
 def finish_step(
     state: Columns, after: dict[str, Array], computed: Columns, T: Fraction
 ) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Return the next state, which stands still once latched but for the guard, and the phase currents.
+    """Return the next state, frozen once latched except for the guard, and the phase currents.
 
-    These are within their limit: as computed, or once latched on a slew to 0.
+    The currents are limited: as computed, or on a slew to 0 once latched.
     """
     latched, out, most = after["guard_latched"] > 0, {}, SLEW * float(T)
     next_state = {n: v if n.startswith("guard_") else np.where(latched, state[n], v) for n, v in after.items()}

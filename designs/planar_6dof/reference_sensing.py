@@ -1,11 +1,12 @@
-"""Hall sensing and Kalman filters of the planar positioner in plain NumPy, for comparison: Y(1)-(16).
+"""NumPy reference of the planar positioner's Hall sensing and Kalman filters: Y(1)-(16).
 
 Y is Yu and Kim, "Design of Precision Positioner with Hall-effect Sensors and Multivariable Control Methodology".
-Written from its equations, with constants and gains of its own. Arrays are columns: N platens advance one sample at a
-time.
+It is written from these equations with separate constants and gains. Arrays are columns: N platens advance one sample
+at a time.
 
-The gains of the filters come from the spectrum of the innovation instead of a Riccati equation. Held jerk w reaches the
-position as T^3/6 (z^2 + 4 z + 1) / (z - 1)^3, so that the poles of the filter are the roots inside the unit circle of
+The gains of the filters come from the spectrum of the innovation instead of a Riccati equation. The transfer function
+from the held jerk w to the position is T^3/6 (z^2 + 4 z + 1) / (z - 1)^3. The poles of the filter are the roots inside
+the unit circle of
 
     R (z - 1)^6 - q (T^3/6)^2 z (z^2 + 4 z + 1)^2 = 0
 """
@@ -34,12 +35,12 @@ DENSITY = {"x": 100.0, "y": 100.0, "phi": 1e5}  # (13)
 BOUND = {"x": 0.2, "y": 0.2, "phi": 0.05}  # m, rad: of a filter's states
 YAW = 0.025  # rad
 COUNT = 2  # pitches to either side
-WEIGHT, REGULAR, LEAST = 0.1, 0.01, 1e-6  # of the third equation, of its sum of squares; in the ratio of a pair
+WEIGHT, REGULAR, LEAST = 0.1, 0.01, 1e-6  # of the third equation; regularisation of the yaw and of a ratio
 RESIDUAL, POWER, NEARLY, SMALL = 0.08, 0.15, 0.1, 0.3  # of A, of A^2
 PART_M, PART_R, BIG, KNOWN = 0.2, 0.3, 1.5, 0.01  # of these, of rho, rad
 AGAIN = 0.5  # of rho
 MEMORY = 4.0  # samples
-FIRST = ("m_x", "m_y", "r_1", "r_2", "s_x", "s_y", "phi")  # what is kept of a contradiction
+FIRST = ("m_x", "m_y", "r_1", "r_2", "s_x", "s_y", "phi")  # values stored at the first contradiction
 TERMS, POINTS = 4, 64  # of the fitted position
 
 
@@ -128,7 +129,7 @@ def initial_filter_state() -> dict[str, Array]:
 
 @dataclass(frozen=True)
 class Pair:
-    """Voltages of one axis with the yaw turned back, V."""
+    """Voltages of one axis rotated back by the yaw, V."""
 
     s: Array
     c: Array
@@ -136,7 +137,7 @@ class Pair:
 
     @property
     def m(self) -> Array:
-        """The excess of the squares' sum over that of the field, V^2."""
+        """The sum of squares less that of the field, V^2."""
         product, q = (self.s * self.c) ** 2, self.k.power
         return self.s**2 + self.c**2 - (q[0] + q[1] * product + q[2] * product**2)
 
@@ -165,7 +166,7 @@ def sense(
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return raw position, that within its pitch and residuals, and the next state, from held voltages by name.
 
-    `flags` say whether every voltage has been good at once, and is. Y(1)-(5), Fig. 4.
+    `flags` say whether every voltage has been good in one sample, and is good in this one. Y(1)-(5), Fig. 4.
     """
     A, phi, (ready, complete) = k.amplitude, predicted["phi"], flags
     x = Pair(v["V_ax"] - phi * v["V_ay"], phi * v["V_ay"] - v["V_bx"], k)
@@ -205,7 +206,7 @@ def sense(
 
 
 def suspects(state: Columns, A: float) -> dict[str, Array]:
-    """Return for each voltage whether it may be the wrong one, from what a contradiction first showed."""
+    """Return for each voltage whether it may be wrong, from the values at the first contradiction."""
     first = {name: np.asarray(state[f"sensing_first_{name}"]) for name in FIRST}
     least_r, least_m, nearly, small = PART_R * RESIDUAL * A, PART_M * POWER * A**2, NEARLY * A**2, SMALL * A**2
     m, r = (np.abs([first["m_x"], first["m_y"]]), np.array([first["r_2"], first["r_1"]]))

@@ -1,21 +1,22 @@
-"""The vertical axes z, theta, psi, from three laser distances to demands of force and torques, by (23)-(25).
+"""Lead-lag control of the vertical axes z, theta, psi, from three laser distances to demands, (23)-(25).
 
     [d1]   [1  -r   r] [z    ]       d1..d3 --->[ kinematics ]-> z, theta, psi --+
     [d2] = [1  -r  -r] [theta]                                                   v -
     [d3]   [1   r   0] [psi  ]       set-points ------------------------------->(+)--->[ K(z) ]---> d_z, d_theta, d_psi
 
     published   K (s + a) (s + 10) / ((s + b) s), as printed
-    shipped     the same zeros, the pole b at 2/T, and a part of the gain at low frequencies
+    shipped     the same zeros, the pole b at 2/T, and a reduced gain at low frequencies
 
 Both are sampled by Tustin's rule; docs/decisions/planar_leadlag.md says why.
 
-Each loop is a lead and a reset, whose zero z2 is that of s + 10. The reset is driven by what the motors make:
+Each loop is a lead filter V and an integral I, whose zero z2 is that of s + 10. The integral is driven by the demand
+d_a that the motors achieve:
 
-    d = w + I,   I+ = z2 I + (1 - z2) made,   w = D e + V,   V+ = p V + D (p - z1) e,       e = set-point - position
+    d = w + I,   I+ = z2 I + (1 - z2) d_a,    w = D e + V,   V+ = p V + D (p - z1) e,       e = set-point - position
 
-all over the scale of the axis in `planar_allocation`, so that d is its demand in A. While made = d this is
-d = w (z - z2) / (z - 1). At a limit I goes to what is made, no further, with the time constant of the reset: there is
-no windup, and no limit to be computed. Source: Yu, Kim, section 5.2, (19), (20), (23)-(25).
+all divided by the scale of the axis in `planar_allocation`, so d is its demand in A. While d_a = d this is
+d = w (z - z2) / (z - 1). At a limit I converges to d_a with the time constant of the zero. This is anti-windup without
+a separate limit of the integral. Source: Yu, Kim, section 5.2, (19), (20), (23)-(25).
 """
 
 from collections.abc import Mapping
@@ -44,11 +45,11 @@ RESET = 10.0  # rad/s
 COMPARED = 2 * pi * 30  # rad/s, at which sampled and continuous compensators are compared
 LASER = 5e-4  # m
 DISTANCES = tuple(Signal(f"{name}_held", "m", -LASER, LASER, "laser distance") for name in planar_stage.LASERS)
-MEASURED_RANGE = {"x": 0.4, "y": 0.4, "phi": 0.1, "z": LASER, "theta": 0.01, "psi": 0.01}  # m, rad: of what is measured
+MEASURED_RANGE = {"x": 0.4, "y": 0.4, "phi": 0.1, "z": LASER, "theta": 0.01, "psi": 0.01}  # m, rad
 POSITIONS = {axis: replace(BOX[axis], low=-high, high=high) for axis, high in MEASURED_RANGE.items()}
 DEMAND, ACHIEVED_DEMAND = (dict(zip(AXES, signals, strict=True)) for signals in (DEMANDS, ACHIEVED))  # of each axis
 EQUATION = {"x": "21", "y": "21", "phi": "22", "z": "23", "theta": "24", "psi": "25"}
-MARGIN = 1.01  # of states over what bounds them: rounding stays below it
+MARGIN = 1.01  # of the states' ranges over their bounds, more than rounding
 _QUANTITY = {
     "x": "position along X",
     "y": "position along Y",
@@ -61,8 +62,8 @@ REFERENCES = {
     axis: replace(BOX[axis], name=f"{axis}_ref_held", about=f"set-point of the {what}")
     for axis, what in _QUANTITY.items()
 }
-# The raw yaw is one to first order: at (-16.8, 8.3) mm of a pitch 15 mrad read as 10.3, and the loop of an upright
-# platen is lost beyond 10. Near there one that is tilted by 2 mrad is lost at 8 already.
+# The raw yaw is exact to first order: at (-16.8, 8.3) mm of a pitch 15 mrad are measured as 10.3 mrad. There a level
+# platen loses its yaw loop beyond 10 mrad, and one tilted by 2 mrad already at 8 mrad.
 REFERENCES["phi"] = replace(REFERENCES["phi"], low=-0.008, high=0.008)
 
 
@@ -105,10 +106,10 @@ def pole(K: lead_lag.LeadLag) -> float:
 
 
 def block(plant: Plant, axis: str, K: lead_lag.LeadLag, time: Discrete) -> Block:
-    """Return the Block of one loop, from the position, the set-point and what is made to the demand.
+    """Return the Block of one loop, from the position, the set-point and the achieved demand to the demand.
 
-    K has two zeros, the second one that of the reset, a pole and an integrator, in this order. Both states stay in
-    their ranges as long as the position does, and what is made is within `achievable_bound`.
+    K has two zeros, the second one that of the integral, a pole and an integrator, in this order. Both states stay in
+    their ranges while the position does and the achieved demand is within `achievable_bound`.
     """
     position, reference, demand, achieved = POSITIONS[axis], REFERENCES[axis], DEMAND[axis], ACHIEVED_DEMAND[axis]
     (z1, z2), p = (float(z.real) for z in K.zeros), pole(K)

@@ -4,12 +4,12 @@
                                  v -
     set-points ---------------->(+)---> six loops ---> allocation ---> commutation ---> nine phase currents
                                             ^              |
-                                            +---- made ----+
+                                            +-- achieved --+
 
 published   (21), (22) as printed
-shipped     a part of their gain; of (23)-(25) see `vertical`
+shipped     (21), (22) with reduced gains; for (23)-(25) see `vertical`
 
-Sampled by Tustin's rule. The margins behind the filters (6)-(16): docs/decisions/planar_leadlag.md.
+Compensators are sampled by Tustin's rule. Margins with the filters (6)-(16): docs/decisions/planar_leadlag.md.
 """
 
 from designs.planar_6dof import filtering, interface, vertical

@@ -17,7 +17,7 @@ def subject() -> Subject:
 
 
 def gains() -> dict[str, Any]:
-    """Return the six compensators with what the paper prints of x, y and phi, and the filters."""
+    """Return the six compensators, the gain factors relative to the paper, and the filters."""
     return {
         "plant": "M q'' = f in x and y, Izz phi'' = m; M z'' = f - Kz z, and so for theta and psi",
         "period_s": control.TIME.period_s,

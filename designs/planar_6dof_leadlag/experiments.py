@@ -1,8 +1,8 @@
 """The lead-lag controller's experiments, Y section 5.2: steps (Fig. 8), the large circle (Fig. 9), and failures.
 
-The circle begins in the middle of the travel, its radius growing over GROWTH. Where the sensors switch at the borders
-of the eight sections of a pitch, the error of the raw position may jump by no more than three times what it changes
-from sample to sample elsewhere: the borders must not show in the noise.
+The circle begins in the middle of the travel; its radius grows during GROWTH. At the borders of the eight sections of a
+pitch the sensor that is read changes. There the error of the raw position may jump by at most three times the rms
+change from sample to sample elsewhere, so the borders do not exceed the noise.
 """
 
 from dataclasses import replace
@@ -24,7 +24,8 @@ from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
 
 TITLES = {"x": "x by 20 um", "y": "y by 100 um", "phi": "phi by 0.01 degrees"}
-# Y-9, whose band is not printed: into 2 % it takes 0.33 s. Around 20 % is within a quarter of it, as Y-9b is judged.
+# Y-9 does not print its settling band; into 2 % the step needs 0.33 s. The overshoot "around 20 %" of Y-9b has a
+# tolerance of a quarter.
 LIMITS = shared.Limits(rise=0.025, overshoot=0.25, settling=0.220, voltage=planar_voltages.RATED_VOLTAGE)
 RADIUS, RATE, GROWTH = 0.1, 0.2094, 5.0  # m, rad/s, s
 REVOLUTION = 2 * pi / RATE
@@ -33,21 +34,21 @@ JUMP = 3.0
 
 
 def circle(loop: Rig) -> Motion:
-    """Run a whole revolution after the radius has grown to RADIUS."""
+    """Run one revolution after the radius has grown to RADIUS."""
     time = sample_times(GROWTH + REVOLUTION, loop.period_s)
     references = growing_circle(time, RADIUS, RATE, GROWTH)
     return Motion(simulate(loop, GROWTH + REVOLUTION, references, {}), references, time >= GROWTH)
 
 
 def is_switching_sample(run: Trajectory, axis: str) -> NDArray[np.bool_]:
-    """Tell for each sample (N,) whether another sensor is read than in the one before, by what they measure."""
+    """Return for each sample (N,) whether the sensor that is read differs from that of the sample before."""
     s, c = (np.abs(run.measured[name]) for name in PAIRS[axis])
     first = s <= c
     return np.asarray(np.diff(first, prepend=first[0]))
 
 
 def jumps(loop: Rig, run: Trajectory, axis: str) -> tuple[Array, Array]:
-    """Return by how much the raw position's error changes at a switching sample, and at the others, m."""
+    """Return the changes of the raw position's error at switching samples, and at the others, m."""
     error = measured_positions(loop, run)[f"{axis}_raw"] - run[axis]
     change, switching = np.diff(error, prepend=error[0]), is_switching_sample(run, axis)
     return change[switching], change[~switching]
@@ -59,7 +60,7 @@ def circle_experiment(loop: Rig, name: str) -> Experiment:
 
 
 def _circle_experiment(loop: Rig, name: str, noisy: Motion, ideal: Motion) -> Experiment:
-    """Return a circle, with its twin without noise, as an experiment."""
+    """Return a circle with its run without noise as an experiment."""
     pitch = loop.plant.parameter("l").value
     figures, checks = planar_voltages.voltage_figures(loop.plant, noisy.run, ideal.run), []
     for axis in "xy":
@@ -90,7 +91,7 @@ def _circle_experiment(loop: Rig, name: str, noisy: Motion, ideal: Motion) -> Ex
 
 
 def finite_circle(loop: Rig, name: str) -> Experiment:
-    """Return the circle over the finite matrix, with what its motors do."""
+    """Return the circle over the finite matrix, with the deviations of its motors."""
     finite_loop, ideal = finite.with_finite_matrix(loop), finite.with_finite_matrix(loop, as_built=False)
     loops = {finite.CLOSED: loop, finite.AS_BUILT: finite_loop, finite.IDEAL: ideal}
     twins = {name: circle(each.ideal) for name, each in loops.items()}

@@ -1,4 +1,4 @@
-"""The lead-lag controller of the planar positioner, one step of 1 ms, in NumPy: the witness of the generated C.
+"""The lead-lag controller of the planar positioner, one step of 1 ms: NumPy reference of the generated C.
 
     guard, sensing and filters, six compensators (21)-(25), motors and phases: `reference_sensing`, `reference_control`
 
@@ -22,7 +22,7 @@ Columns = Mapping[str, Array]
 
 PERIOD = Fraction(1, 1000)  # s
 GAIN = {"x": "15000", "y": "15000", "phi": "35"}  # (21), (22)
-GAIN_SHARE = {"x": "0.4", "y": "0.4", "phi": "0.5"}  # of it that is used
+GAIN_SHARE = {"x": "0.4", "y": "0.4", "phi": "0.5"}  # factor on it in the shipped controller
 LEAD = {"x": "0.11", "y": "0.11", "phi": "0.12"}  # s
 LAG, RESET = Fraction("0.00088"), Fraction("0.1")  # s
 

@@ -1,23 +1,24 @@
-"""The LQG in full order beside the reduced one, whose saving is counted against it: the cores, and the regulator.
+"""Full-order and reduced-order LQG compared by their instruction counts: compensator cores, and whole controllers.
 
-The cores have three errors in and three currents out, as (33) and (40) have them: no delay, no prediction.
+A core maps three errors to three currents, as in (33) and (40), without delay compensation:
 
     (x, y, phi) less set-points --->[ core ]---> (i_B + i_A)/2, (i_B - i_A)/2, i_C --->[ rows ]---> i_AQ, i_BQ, i_CQ
 
-In the half sum and the half difference of the currents of A and B, (26) is three axes, and a core is three compensators
-of one error each. Each is realised by its modes, in which it has the fewest products: the integral, and what is stable,
+In the half sum and half difference of the currents of A and B, (26) decouples into three axes, and a core is three
+compensators of one error each. Each is realised in modal form, which has the fewest products: the integral and a stable
+mode,
 
     I+ = I + r e,   p+ = lambda p + b e,    i = p + I + d e         lambda real (33), d not 0, or complex (40), d = 0:
 
-p and b are then complex, and i has the real part of p. As |Re lambda| + |Im lambda| < 1, p stays in its bounds by
-itself; the integral is limited.
+In the complex case p and b are complex, and i takes the real part of p. Since |Re lambda| + |Im lambda| < 1, p is
+bounded without a limit; the integral is limited.
 
-The regulator works on full-order Kalman filters, Y(36)-(46), of position and rate of one axis:
+The full-order regulator uses Kalman filters, Y(36)-(46), of position and rate of one axis:
 
     x^ = x- + M (q - x-),    x-+ = A x^ + B f    white acceleration of PROCESS_NOISE
 
-`spent` counts instructions of a step on an emulated Cortex-M4F. Both orders answer the same recorded inputs, those of
-the shipped controller at rest; the cores alone get small errors.
+`cost_table` counts the instructions of a step on an emulated Cortex-M4F. Both orders get the same recorded inputs,
+those of the shipped controller at rest; the cores alone get small errors.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -49,20 +50,20 @@ from synth.synthesise.observers import kalman, reduced_compensator, reduced_obse
 from synth.verify import operations
 from synth.verify.agree import Columns
 
-NOISE = {"x": 5e-5, "y": 5e-5, "phi": 1e-3}  # m, rad, of a sample: (9) and (46), that of phi is not printed
-PROCESS_NOISE = {"x": 0.3, "y": 0.3, "phi": 3.0}  # m^2/s^3, rad^2/s^3: densities of acceleration
-FASTEST = 20.0  # m/s, rad/s, of an estimate
+NOISE = {"x": 5e-5, "y": 5e-5, "phi": 1e-3}  # m, rad rms, (9) and (46); that of phi is not printed
+PROCESS_NOISE = {"x": 0.3, "y": 0.3, "phi": 3.0}  # m^2/s^3, rad^2/s^3: spectral densities of acceleration
+FASTEST = 20.0  # m/s, rad/s: bound of an estimated rate
 Order = Literal["reduced", "full"]
 ORDERS: tuple[Order, ...] = ("reduced", "full")
 STEPS, SKIPPED = 200, 100
-ERROR = 1e-6  # m, rad: of what a core is given
+ERROR = 1e-6  # m, rad: amplitude of a core's errors
 MODES = ("i_y", "i_phi", "i_x")
 TO_MODES = readonly([[0.5, 0.5, 0.0], [-0.5, 0.5, 0.0], [0.0, 0.0, 1.0]])
 FROM_MODES = readonly([[1, -1, 0], [1, 1, 0], [0, 0, 1]])
 INTEGRALS = STATES[3:6]
-PLANT = [0, 1, 2, 6, 7, 8]  # of the states of (31), those of (26)
-INTEGRAL_LIMIT = 2 * LIMIT  # A, of an integral
-SMALL = 1e-9  # of the largest residue: that of another axis
+PLANT = [0, 1, 2, 6, 7, 8]  # indices of the states of (26) among those of (31)
+INTEGRAL_LIMIT = 2 * LIMIT  # A
+SMALL = 1e-9  # of the largest residue: smaller ones belong to another axis
 
 
 def compensator() -> reduced_compensator.Compensator:
@@ -75,7 +76,7 @@ def compensator() -> reduced_compensator.Compensator:
 
 
 def estimator() -> kalman.Estimator:
-    """Return the full-order filter (40) of (26), pushed by white accelerations."""
+    """Return the full-order filter (40) of (26), driven by white accelerations."""
     W, V = [PROCESS_NOISE[a] for a in HORIZONTAL], [NOISE[a] ** 2 for a in HORIZONTAL]
     return kalman.sampled(lqg.model(integrals=False), W, V, TIME.period_s, G=np.eye(6)[:, 3:], exact=True)
 
@@ -110,7 +111,7 @@ def block(order: Order) -> Block:
 
 
 def _compensator(whole: StateSpace, axis: str, mode: str) -> Block:
-    """Return the compensator from one error to its current, by its modes."""
+    """Return the compensator from one error to its current, in modal form."""
     error = replace(POSITIONS[axis], about="less its set-point")
     poles, b, d = _modes(whole, axis, mode)
     stable = int(np.argmin(np.abs(poles)))
@@ -136,7 +137,7 @@ def _compensator(whole: StateSpace, axis: str, mode: str) -> Block:
 
 
 def _modes(whole: StateSpace, axis: str, mode: str) -> tuple[Array, Array, float]:
-    """Return the poles (k,) from an error to its current, those of them that matter, each one's b (k,), and d."""
+    """Return the observable poles (k,) from an error to its current, their residues b (k,), and d."""
     row, column = whole.outputs.index(mode), whole.inputs.index(axis)
     poles, V = np.linalg.eig(whole.A)
     residues = (whole.C[row] @ V) * np.linalg.solve(V, whole.B[:, column])
@@ -145,13 +146,13 @@ def _modes(whole: StateSpace, axis: str, mode: str) -> tuple[Array, Array, float
 
 
 def axis_estimator(axis: Axis) -> kalman.Estimator:
-    """Return the full-order filter of position and rate, pushed by white acceleration."""
+    """Return the full-order filter of position and rate, driven by white acceleration."""
     W, V = [PROCESS_NOISE[axis.name]], [NOISE[axis.name] ** 2]
     return kalman.sampled(lqg.continuous(axis), W, V, TIME.period_s, G=[[0.0], [1.0]], exact=True)
 
 
 def full_order(plant: Plant, axis: Axis) -> Block:
-    """Return the regulator of one axis on the Kalman filter of its position and rate."""
+    """Return the regulator of one axis with a Kalman filter of its position and rate."""
     kalman_filter, T, q = axis_estimator(axis), TIME.period_s, MEASURED[axis.name]
     per, force = lqg.per_position(axis.name), vertical.DEMAND[axis.name].unit.replace(" ", "/")
     constants = [
@@ -173,7 +174,7 @@ def full_order(plant: Plant, axis: Axis) -> Block:
         return k["position_gain"] * (u[q.name] - position) - k["rate_gain"] * after["rate"], after
 
     predictions = [Signal("position", q.unit, q.low, q.high), Signal("rate", f"{q.unit}/s", -FASTEST, FASTEST)]
-    states = [State(replace(s, about="expected at this sample"), 0.0) for s in predictions]
+    states = [State(replace(s, about="predicted for this sample"), 0.0) for s in predictions]
     most = axis.k1 * 4 * q.high + axis.k2 * (FASTEST + 2 * float(kalman_filter.M[1, 0]) * q.high)
     return lqg.regulator(plant, axis, estimate, states, constants, 1.1 * most)
 
@@ -182,7 +183,7 @@ REGULATORS: Mapping[Order, Regulate] = {"reduced": lqg.reduced_order, "full": fu
 
 
 def cost_table(experiments: Sequence[Experiment]) -> tuple[page.Block, ...]:
-    """Return what both orders cost, by each compiler that is installed; nothing without a standstill to replay."""
+    """Return the cost of both orders for each installed compiler; nothing without a standstill to replay."""
     rest = [e.trajectory.measured for e in experiments if e.name == REST]
     rows = [row for measured in rest[:1] for row in _rows(measured)]
     columns = ("step", "order", "states", "operations", "build", "instructions, mean", "instructions, most")

@@ -1,10 +1,11 @@
-"""The LQG controller's loops: as shipped, with the printed weights (47), as (33) has it, and (42), which makes none.
+"""Loops of the LQG controller: as shipped, with the printed weights (47), and (33) as printed; and the gain (42).
 
-    as shipped        K of (49), the effect of the last currents predicted, the allocation of Table 3
-    weights (47)      the same with the K that lqrd makes of the printed weights
-    (33) as printed   K of (49) on the observer (33) alone, from ideal positions straight to i_AQ, i_BQ, i_CQ
+    as shipped        K of (49), prediction of the effect of the last currents, allocation of Table 3
+    weights (47)      the same with K by lqrd for the printed weights
+    (33) as printed   K of (49) with the observer (33) alone, from ideal positions directly to i_AQ, i_BQ, i_CQ
 
-The third has the poles of the observer as shipped, which the paper does not print, and a sample of delay like the rest.
+The third has the observer poles as shipped, which the paper does not print, and one sample of delay like the others. No
+observer exists with the gain (42).
 """
 
 from collections.abc import Sequence
@@ -48,12 +49,12 @@ def horizontals(plant: Plant) -> dict[str, dict[str, StateSpace]]:
 
 
 def whole(plant: Plant, law: Sequence[Block]) -> Block:
-    """Return the controller of a law, on positions as they are measured."""
+    """Return the controller of a law on measured positions."""
     return shared.whole(plant, TIME, lqg.sensed(plant), law)
 
 
 def law_of_printed_weights(plant: Plant) -> list[Block]:
-    """Return the law with the gains that lqrd makes of (47)."""
+    """Return the law with the gains by lqrd for the weights (47)."""
     law = lqg.law(plant)
     for axis in lqg.axes(plant):
         law = shared.with_axis_of(law, [lqg.reduced_order(plant, _axis_of_printed_weights(axis))], axis.name)
@@ -68,7 +69,7 @@ def _axis_of_printed_weights(axis: Axis) -> Axis:
 
 
 def as_printed(plant: Plant) -> Parts:
-    """Return the horizontal stage under (33) with K of (49), which leaves the yaw of motor C out."""
+    """Return the horizontal stage under (33) with K of (49), which neglects the yaw torque of motor C."""
     stage = shared.parts(plant, whole(plant, lqg.law(plant))).plant
     return Parts(stage.select(HORIZONTAL, CURRENTS), core.compensator().model)
 
@@ -80,13 +81,13 @@ def gain_of_42() -> Array:
 
 
 def rejection_message() -> str:
-    """Return what the library says of an observer with the gain of (42).
+    """Return the error message of the library for an observer with the gain of (42).
 
-    Raises ModelError when it takes it.
+    Raises ModelError when the library accepts it.
     """
     held = discretise.zero_order_hold(lqg.model(), TIME.period_s)
     try:
         reduced_observer.from_gain(held, STATES[:6], gain_of_42())
     except ModelError as error:
         return str(error)
-    raise ModelError("an observer with the gain of (42) was taken: its poles must decay now, and the report is wrong")
+    raise ModelError("an observer with the gain of (42) was accepted: its poles decay, so the report is wrong")

@@ -1,4 +1,4 @@
-"""What the report of the LQG design adds to that of the planar stage."""
+"""Report of the LQG design: its contents beyond the common report of the planar stage."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -28,14 +28,14 @@ LOW, HIGH, POINTS = 0.3, 0.999, 300  # Hz, of the Nyquist frequency, points of s
 
 
 def contents(plant: Plant) -> page.Contents:
-    """Return what is said of this design."""
+    """Return the contents of this design."""
     block, open_loops, whole = lqg.controller(plant), loops.all_loops(plant), (_whole(plant),)
     values, cost = _values(plant), core.cost_table
     return page.Contents(block, LINE, EQUATIONS, open_loops, BESIDE, whole, False, True, values, cost)
 
 
 def _values(plant: Plant) -> dict[str, Value]:
-    """Return what report.md asks for."""
+    """Return the values that are named in report.md."""
     stated = lqg.PER_AMPERE * plant.parameter("M").value
     errors = {f"{axis}_error_mm": 1e3 * ERROR[axis] for axis in "xy"}
     return {**errors, "weaker": 1 - allocation.force_constant(plant) / stated}

@@ -1,9 +1,9 @@
-"""The reduced-order LQG controller of the planar positioner, one step of 1.25 ms, in NumPy: the witness of the C.
+"""The reduced-order LQG controller of the planar positioner, one step of 1.25 ms: NumPy reference of the C.
 
-    (26) is three axes q'' = b s in s = i_C, (i_A + i_B)/2, (i_B - i_A)/2, of which each costs R s^2, R = 1, 2, 2.
+    (26) is three axes q'' = b s with s = i_C, (i_A + i_B)/2, (i_B - i_A)/2 and the costs R s^2, R = 1, 2, 2.
     (31) adds the integral of q. s = -K (q, z, q'), by (43)-(45) with the currents held, as MATLAB's lqrd
     v^ = x3 + L q, x3+ = p x3 - L (1 - p) q + (b T - L b T^2/2) s1,    L = (1 - p)/T                              (33)
-    s  = -K (q1 - r, z1, v1) one sample ahead, where s1, that of the sample before, has moved the axis
+    s  = -K (q1 - r, z1, v1) with q1, z1, v1 predicted one sample ahead under s1, the input of the sample before
 
 Gains are solved in 60 digits and rounded once. Every function takes scalars or columns (n,) of n independent
 controllers. Lengths in m, angles in rad, currents in A.
@@ -36,7 +36,7 @@ HORIZONTAL, UPRIGHT = ("x", "y", "phi"), ("z", "theta", "psi")
 
 @dataclass(frozen=True)
 class Axis:
-    """One axis in demands of the scale of `reference_control`: q'' = b d, d = -k (q, q', T z)."""
+    """One axis with demands in the scale of `reference_control`: q'' = b d, d = -k (q, q', T z)."""
 
     b: float
     k_q: float
@@ -65,7 +65,7 @@ def gain(b: float, weights: tuple[float, float, float], R: float) -> Array:
         E = mpmath.inverse(M)
         F, G, H = A - B * E * N.T, B * E * B.T, Q - N * E * N.T
         one = mpmath.eye(3)
-        for _ in range(12):  # structure-preserving doubling: H goes to the solution as 2^-2^k
+        for _ in range(12):  # structure-preserving doubling: the error of H decreases as 2^-2^k
             W = mpmath.inverse(one + G * H)
             F, G, H = F * W * F, G + F * W * G * F.T, H + F.T * H * W * F
         K = mpmath.inverse(M + B.T * H * B) * (B.T * H * A + N.T)
@@ -96,13 +96,13 @@ def initial_state() -> dict[str, Array]:
 
 
 def observer_state(name: str, q: Array, ready: Array, state: Columns) -> Array:
-    """Return x3 in m/s or rad/s, that of a platen at rest until every measurement has been good once. (33)."""
+    """Return x3 in m/s or rad/s; that of a platen at rest until every measurement has been good once. (33)."""
     k = axes()[name]
     return np.where(ready > 0, state[f"lqg_{name}_x3"] / rate_gain(k), -(1 - k.p) / float(PERIOD) * q)
 
 
 def demand(name: str, q: Array, r: Array, ready: Array, state: Columns) -> tuple[Array, Array]:
-    """Return the demand of an axis, and how far it is from what the error and the integral make. (33), (49)."""
+    """Return the demand of an axis, and its part w that does not come from error and integral. (33), (49)."""
     k, T, f1 = axes()[name], float(PERIOD), state[f"lqg_{name}_achieved"]
     v = observer_state(name, q, ready, state) + (1 - k.p) / T * q
     q1, v1 = q + T * v + k.b * T**2 / 2 * f1, v + k.b * T * f1
@@ -112,14 +112,14 @@ def demand(name: str, q: Array, r: Array, ready: Array, state: Columns) -> tuple
 
 
 def rate_gain(k: Axis) -> float:
-    """Return the gain of the estimated rate, in whose units x3 is kept."""
+    """Return the gain on the estimated rate, by which x3 is scaled."""
     return k.k_q * float(PERIOD) + k.k_v
 
 
 def next_regulator_state(
     name: str, q: Array, r: Array, ready: Array, achieved: Array, state: Columns
 ) -> dict[str, Array]:
-    """Return the next observer, integral and force of an axis; the integral fades while the error is large. (33)."""
+    """Return the next observer, integral and force of an axis; the integral decays while the error is clipped. (33)."""
     k, T, f1, w = axes()[name], float(PERIOD), state[f"lqg_{name}_achieved"], demand(name, q, r, ready, state)[1]
     L, g = (1 - k.p) / T, k.k_z / (k.k_q + k.k_z)
     observer = k.p * observer_state(name, q, ready, state) - L * (1 - k.p) * q + k.b * T * (1 - L * T / 2) * f1

@@ -1,6 +1,6 @@
-"""The audit of the maglev stage's paper, row by row: printed, recomputed, verdict.
+"""Audit of the maglev stage's paper, row by row: printed, recomputed, verdict.
 
-Everything is computed from the parameters of the plant that is given; a verdict is never stored.
+Everything is computed from the parameters of the given plant. No verdict is stored.
 """
 
 from collections.abc import Iterator, Mapping
@@ -14,7 +14,7 @@ from synth.declaration import Stage
 from synth.report import audit
 from synth.report.audit import Published, Row, Scope
 
-FORMULAS = (benches, maglev_figures)  # what formulas may name: what these define and import
+FORMULAS = (benches, maglev_figures)  # formulas may use all names of these modules
 
 
 def rows(stage: Stage) -> Iterator[Row]:
@@ -23,7 +23,7 @@ def rows(stage: Stage) -> Iterator[Row]:
 
 
 def scope(bench: AuditSetup, prints: Mapping[str, Published]) -> Scope:
-    """Return what rows are computed from; `bench` and `plant` name the parameters that a row follows from."""
+    """Return the scope of the formulas; `bench` and `plant` take the parameters that a row depends on."""
     functions = {name: value for module in FORMULAS for name, value in vars(module).items()}
     functions |= {"bench": lambda **_: bench, "plant": lambda **_: bench.plant, "mm": 1e-3, "cells": bench.cells}
     return Scope({p.name: p.value for p in bench.plant.parameters}, functions, prints)

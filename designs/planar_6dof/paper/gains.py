@@ -1,11 +1,11 @@
-"""The optimal gains for the audit's formulas: (49) by lqrd, (42) by the filter's Riccati equation, (33)-(35).
+"""Audit of the optimal gains: (49) by lqrd, (42) by the filter's Riccati equation, and (33)-(35).
 
 (26) has the states x, y, phi and their rates d, f, v; (31) adds the integrals z1, z2, z3. With b and c for the printed
 accelerations per ampere of (26), the yaw of motor C left out (Y-23),
 
     x'' = b i_C,    y'' = b (i_A + i_B),    phi'' = c (i_B - i_A)
 
-so that K falls into three loops of one input: i_C, i_A = i_B, and -i_A = i_B, the last two with the weight 2 on it.
+K decouples into three loops of one input each: i_C, i_A = i_B, and -i_A = i_B, the last two with input weight 2.
 """
 
 from collections.abc import Mapping
@@ -26,8 +26,8 @@ from synth.synthesise.observers import kalman, reduced_compensator, reduced_obse
 from synth.timing import Continuous
 
 POSITIONS, INTEGRALS = STATES[:3], STATES[3:6]
-ROW = {"x": 2, "z1": 2, "d": 2}  # of K in which the gain of a state stands without a minus; else 1
-SAME = 1e-9  # distance of poles in z that are one
+ROW = {"x": 2, "z1": 2, "d": 2}  # of K in which the gain of a state is positive; else 1
+SAME = 1e-9  # distance below which poles in z are equal
 
 
 @dataclass(frozen=True)
@@ -62,13 +62,13 @@ def axis_model(of: Stage, axis: str) -> tuple[StateSpace, float]:
 
 @cache
 def gains(of: Stage, q: tuple[float, ...] = WEIGHTS, r: float = 1.0) -> Mapping[str, float]:
-    """Return the size of each gain of lqrd, by state, for diagonal weights in the order of STATES."""
+    """Return the magnitude of each gain of lqrd, by state, for diagonal weights in the order of STATES."""
     K = -lqr.lqrd(model(of, True), np.array(q), r * np.ones(3), of.period_s).K
     return {n: float(K[ROW.get(n, 1), i]) for i, n in enumerate(STATES)}
 
 
 def matrix(size: Mapping[str, float]) -> Array:
-    """Return K (3, 9) of (49) from the sizes of its gains by state, u = -K x."""
+    """Return K (3, 9) of (49) from the magnitudes of its gains by state, u = -K x."""
     k = np.array([size[n] for n in STATES])
     x, y, phi = (np.tile(np.arange(3) == i, 3) * k for i in range(3))
     return np.array([y - phi, y + phi, x])
@@ -146,13 +146,13 @@ def shared_poles(held: StateSpace, K: Array, pole: float) -> int:
 
 
 def slowest(held: StateSpace, K: Array, axis: str) -> float:
-    """Return the greatest |z| of A - B K in an axis; it keeps the axes apart."""
+    """Return the greatest |z| of A - B K in an axis, which is decoupled from the others."""
     k = POSITIONS.index(axis)
     return float(np.abs(np.linalg.eigvals((held.A - held.B @ K)[k::3, k::3])).max())
 
 
 def is_reduced_order_loop(held: StateSpace, K: Array) -> bool:
-    """Tell whether (33) is the loop of a reduced-order observer with the sampled model."""
+    """Return whether (33) is the loop of a reduced-order observer with the sampled model."""
     L = _observer_gain(held, 0.5)
     observer = reduced_observer.from_gain(held, (*POSITIONS, *INTEGRALS), L)
     A = reduced_compensator.compensator(observer, -K).loop.A
@@ -164,12 +164,12 @@ def _observer_gain(held: StateSpace, pole: float) -> Array:
 
 
 def unobservable_modes(of: Stage, integrals: bool, shown: bool = False) -> int:
-    """Return how many modes no output of `model` shows; `shown` takes the integrals as outputs, too."""
+    """Return the number of unobservable modes of `model`; `shown` takes the integrals as outputs, too."""
     m = model(of, integrals)
     return len(structure.unmoved(m.A.T, np.eye(9, 6) if shown else m.C.T, m.states, m.time))
 
 
 def uncontrollable_modes(of: Stage, integrals: bool) -> int:
-    """Return how many modes no input of `model` moves."""
+    """Return the number of uncontrollable modes of `model`."""
     m = model(of, integrals)
     return len(structure.unmoved(m.A, m.B, m.states, m.time))

@@ -34,7 +34,7 @@ def test_steps_in_operation_are_near_it(subject: Subject) -> None:
 
 def test_a_state_of_another_name_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(random_steps, "UNCONSTRAINED", ("sensing_first_",))
-    with pytest.raises(SignalError, match="remembers sensing_contradiction_left: say what that is"):
+    with pytest.raises(SignalError, match="has the states sensing_contradiction_left with no value"):
         random_steps.in_operation(SUBJECTS["lqg"], PLANT, 10)
 
 

@@ -94,5 +94,5 @@ def test_the_gain_of_42_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     assert loops.gain_of_42()[0].tolist() == [1600, 0.0006, 0.0006, 1, 0, 0]
     good = np.hstack([240 * np.eye(3), np.zeros((3, 3))])
     monkeypatch.setattr(loops, "gain_of_42", lambda: good)
-    with pytest.raises(ModelError, match="was taken"):
+    with pytest.raises(ModelError, match="was accepted"):
         loops.rejection_message()
