@@ -23,7 +23,7 @@ def bars() -> magpylib.Collection:
     return oracle.bars(V["mu0_M0"])
 
 
-def mapped(series: finite_matrix.Series, order: finite_motor.Order, flat: bool) -> np.ndarray:
+def maps_of_phases(series: finite_matrix.Series, order: finite_motor.Order, flat: bool) -> np.ndarray:
     return np.array([finite_motor.maps(series, p, order, REACH, float(flat)) for p in "ABC"])
 
 
@@ -39,7 +39,7 @@ def assert_close(ours: np.ndarray, theirs: np.ndarray, scale: float = 1.0) -> No
 
 @pytest.mark.parametrize("flat", [True, False])
 def test_maps_are_the_lorentz_integral(bars: magpylib.Collection, flat: bool) -> None:
-    values = mapped(SERIES, "value", flat)
+    values = maps_of_phases(SERIES, "value", flat)
     for place in PLACES:
         x, y = (n * SERIES.spacing for n in place)
         assert_close(at(values, place), oracle.wrenches(bars, WIRES[flat], (x, y)))
@@ -49,11 +49,11 @@ def test_maps_of_blocks_as_made_are_the_lorentz_integral() -> None:
     series, place = finite_matrix.series(finite_matrix.made(), 16), (60, -74)
     blocks, wires = oracle.single(finite_matrix.made()), oracle.conductors(True, 3, 16, 4)
     theirs = oracle.wrenches(blocks, wires, (60 * series.spacing, -74 * series.spacing))
-    assert_close(at(mapped(series, "value", True), place), theirs)
+    assert_close(at(maps_of_phases(series, "value", True), place), theirs)
 
 
 def test_what_end_turns_matter_lies_between_none_and_flat() -> None:
-    none, flat = (mapped(SERIES, "value", f)[1] for f in (False, True))
+    none, flat = (maps_of_phases(SERIES, "value", f)[1] for f in (False, True))
     raised = finite_motor.maps(SERIES, "B", "value", REACH)
     np.testing.assert_allclose(raised, none + finite_motor.RAISED_END_TURNS * (flat - none), rtol=0, atol=1e-12)
     assert pytest.approx(np.exp(-2 * np.pi / 50.8 * 10.22), rel=1e-4) == finite_motor.RAISED_END_TURNS
@@ -63,7 +63,7 @@ def test_the_change_with_lift_and_yaw_is_that_of_the_integral(bars: magpylib.Col
     """By differences over 0.1 mm and 2 mrad, whose third orders are 1e-5 of the whole."""
     place, d, phi = (13, -40), 1e-4, 2e-3
     where = tuple(n * SERIES.spacing for n in place)
-    value, lifted, yawed = (at(mapped(SERIES, order, True), place) for order in finite_motor.ORDERS)
+    value, lifted, yawed = (at(maps_of_phases(SERIES, order, True), place) for order in finite_motor.ORDERS)
     theirs = {s: oracle.wrenches(bars, WIRES[True], where, lift=s * d) for s in (-1, 1)}
     slope = (theirs[1] - theirs[-1]) / (2 * d)
     assert_close(lifted - finite_motor.DECAY * value, slope, 1000)  # N/(A m), of 1700: over 0.3 mm 3e-4 N/A
@@ -77,7 +77,7 @@ def test_bands_in_another_order_are_caught(
 ) -> None:
     monkeypatch.setattr(lorentz_motor, "OFFSETS", order)
     series, theirs = finite_matrix.series(finite_matrix.ideal(), 16), oracle.wrenches(bars, WIRES[False], (0.0, 0.0))
-    assert np.abs(at(mapped(series, "value", False), (0, 0)) - theirs).max() > 5
+    assert np.abs(at(maps_of_phases(series, "value", False), (0, 0)) - theirs).max() > 5
 
 
 # The closed law
@@ -108,7 +108,7 @@ def test_the_closed_law_is_the_force_over_a_finite_matrix_of_ideal_blocks(bars: 
 def test_ripple_is_that_of_the_fifth_harmonic() -> None:
     """It makes a sixth of the pitch: the closed law with harmonics has it, but for 0.1 % of the windings' ends."""
     pitch = np.arange(-16, 16)
-    by_q = finite_motor.commutated_wrenches(mapped(SERIES, "value", False), SERIES.grid(REACH))[0]
+    by_q = finite_motor.commutated_wrenches(maps_of_phases(SERIES, "value", False), SERIES.grid(REACH))[0]
     middle = by_q.shape[-1] // 2
     ours = by_q[1, middle, middle + pitch]
     y, i = ca.SX.sym("y"), ca.SX(1)

@@ -21,7 +21,7 @@ def bars() -> magpylib.Collection:
     return oracle.bars(V["mu0_M0"])
 
 
-def stated(values: np.ndarray, lift: float, phi: float) -> np.ndarray:
+def tabulated_map(values: np.ndarray, lift: float, phi: float) -> np.ndarray:
     value, lifted, yawed = values.reshape(3, 3, 6)
     return np.exp(-finite_motor.DECAY * lift) * (value + lift * lifted) + phi * yawed
 
@@ -34,7 +34,7 @@ def test_tables_keep_their_stated_error(bars: magpylib.Collection, seed: int) ->
     x, y = rng.uniform(-0.12, 0.12, 2)
     for lift, phi, force, torque in ERRORS:
         for way in (-1, 1):
-            tabulated = stated(np.array(motor(x, y)), lift, way * phi)
+            tabulated = tabulated_map(np.array(motor(x, y)), lift, way * phi)
             off = np.abs(tabulated - oracle.wrenches(bars, WIRES, (x, y), way * phi, lift))
             assert off[:, :3].max() < force and off[:, 3:].max() < torque
 
@@ -44,11 +44,11 @@ def test_a_spline_that_is_too_coarse_is_caught(bars: magpylib.Collection, monkey
     monkeypatch.setattr(finite_stage, "FORCE_HARMONICS", 6)
     motor = finite_stage._motor(finite_matrix.ideal(), 0.0)
     x, y = 0.0123, -0.0457
-    off = np.abs(stated(np.array(motor(x, y)), 0.0, 0.0) - oracle.wrenches(bars, WIRES, (x, y)))
+    off = np.abs(tabulated_map(np.array(motor(x, y)), 0.0, 0.0) - oracle.wrenches(bars, WIRES, (x, y)))
     assert off[:, :3].max() > 2 * ERRORS[0][2]
 
 
-def accelerated(bars: magpylib.Collection, x: np.ndarray, u: np.ndarray) -> np.ndarray:
+def accelerations_by_quadrature(bars: magpylib.Collection, x: np.ndarray, u: np.ndarray) -> np.ndarray:
     """Return the accelerations x, y, phi, z, theta, psi of a level platen, from quadrature alone."""
     X, Y, phi, z, theta, psi = x[:6]
     c, s = np.cos(phi), np.sin(phi)
@@ -75,7 +75,7 @@ def test_the_plant_is_the_quadrature_of_its_three_motors(bars: magpylib.Collecti
     derivative = np.array(plant.f(x, u, plant.values)).ravel()
     second = [derivative[names(plant.states).index(planar_stage.RATE[axis])] for axis in planar_stage.AXES]
     inertia = np.array([V["M"], V["M"], V["Izz"], V["M"], V["Ixx"], V["Iyy"]])
-    off = np.abs(second - accelerated(bars, x, u)) * inertia
+    off = np.abs(second - accelerations_by_quadrature(bars, x, u)) * inertia
     assert off[[0, 1, 3]].max() < 0.01 and off[[2, 4, 5]].max() < 5e-4  # N of 6, N m of 0.2
 
 

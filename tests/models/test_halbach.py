@@ -12,7 +12,7 @@ P = {"l": ca.SX(l), "Delta": ca.SX(l / 4), "mu0_M0": ca.SX(m)}
 CYCLE = np.array([(0, 1), (-1, 0), (0, -1), (1, 0)])  # (along the array, up) of successive blocks
 
 
-def evaluated(points: np.ndarray) -> np.ndarray:
+def evaluate(points: np.ndarray) -> np.ndarray:
     X, Y, z = (ca.SX.sym(name) for name in "XYz")
     B = halbach.field(X, Y, z, P)
     return np.array(ca.Function("B", [X, Y, z], [B.x, B.y, B.z]).map(len(points))(*points.T)).reshape(3, -1).T
@@ -36,7 +36,7 @@ def test_a_finite_matrix_of_blocks_has_this_field_at_its_middle() -> None:
     rng = np.random.default_rng(1)
     points = np.column_stack([rng.uniform(-l / 2, l / 2, (40, 2)), rng.uniform(2e-3, 8e-3, 40)])
     theirs = blocks().getB(points)
-    difference = np.abs(evaluated(points) - theirs).max()
+    difference = np.abs(evaluate(points) - theirs).max()
     assert difference < 0.01 * 2 * float(halbach.amplitude(1, ca.SX(2e-3), P))  # what the ends of the matrix leave
 
 

@@ -36,7 +36,7 @@ def force_factors(g: float, lv3: str) -> dict[str, float]:
     }  # fmt: skip
 
 
-def printed(x: Mapping[str, float], u: Mapping[str, float], lv3: str = "csch2") -> np.ndarray:
+def printed_accelerations(x: Mapping[str, float], u: Mapping[str, float], lv3: str = "csch2") -> np.ndarray:
     """Return (6), (7) as printed, term by term."""
     P = VALUES
     r = P["r"]
@@ -79,7 +79,7 @@ def worst_difference(plant: Plant, lv3: str) -> float:
         dx = dict(zip(names(plant.states), derivative, strict=True))
         assert all(dx[q] == x[v] for q, v in maglev_stage.RATE.items())
         rates = np.array([dx[v] for v in maglev_stage.RATE.values()])
-        worst = max(worst, float(np.abs(rates - printed(x, u, lv3)).max()))
+        worst = max(worst, float(np.abs(rates - printed_accelerations(x, u, lv3)).max()))
     return worst
 
 
@@ -165,7 +165,7 @@ def inverse_errors(scale: float = 1.0) -> tuple[float, float]:
     worst = np.zeros(2)
     for at in random_v(50):
         u = at | {n: float(i) for n, i in maglev_stage.input_transformation(at).items()}
-        w = dict(zip(("y", "x", "z", "phi", "theta"), printed(at, u), strict=True))
+        w = dict(zip(("y", "x", "z", "phi", "theta"), printed_accelerations(at, u), strict=True))
         squares = [scale * s for s in true_squares(u)]
         direct = maglev_stage.direct_currents(w, at, squares, motors(at), VALUES)
         thrust = maglev_stage.thrust_currents(w, motors(at), VALUES)

@@ -73,7 +73,7 @@ def poses(n: int = N) -> dict[str, np.ndarray]:
     return columns
 
 
-def asked(q: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+def commutation_inputs(q: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Return what the commutation knows of a pose."""
     return {name: v for name, v in q.items() if name not in ("x", "y")}
 
@@ -118,7 +118,7 @@ def test_the_wrench_is_that_of_the_stage() -> None:
 def test_motors_make_what_is_commanded_anywhere(commutated: dict[str, agree.Witness], witness: str) -> None:
     """Over the travel, all pitches, their borders and the yaw: K i_Q along, K i_D up, to rounding."""
     q = poses()
-    along, up = forces(q, commutated[witness]({}, asked(q)).outputs)
+    along, up = forces(q, commutated[witness]({}, commutation_inputs(q)).outputs)
     for axis, made in (("Q", along), ("D", up)):
         commanded = K * np.array([q[f"i_{m}{axis}"] for m in planar_stage.MOTORS])
         np.testing.assert_allclose(made, commanded, rtol=0, atol=DOUBLE * K * allocation.LIMIT)
@@ -128,7 +128,7 @@ def test_phases_are_those_of_the_reference_and_within_the_limit(commutated: dict
     q = poses()
     currents = {m: (q[f"i_{m}Q"], q[f"i_{m}D"]) for m in planar_stage.MOTORS}
     expected = reference_control.phases(currents, q)
-    phases = commutated["c64"]({}, asked(q)).outputs
+    phases = commutated["c64"]({}, commutation_inputs(q)).outputs
     for name, i in expected.items():
         np.testing.assert_allclose(phases[f"{name}_computed"], i, rtol=0, atol=DOUBLE)
         assert np.abs(i).max() <= allocation.LIMIT * (1 + DOUBLE)
@@ -146,7 +146,7 @@ def test_no_phase_has_more_than_the_limit_though_no_limit_is_printed(scalar: typ
     emitted = write.emit(unranged(block), scalar, error=interface.SURROGATE_ERROR[scalar])
     text = emitted.files[f"{block.name}.c"]
     assert text.count("admit -1.26") == 9 and not re.search(r"i_.._computed = limit", text)
-    phases = agree.emitted(host.load(emitted.files, emitted.manifest))({}, asked(q)).outputs
+    phases = agree.emitted(host.load(emitted.files, emitted.manifest))({}, commutation_inputs(q)).outputs
     largest = max(np.abs(phases[s.name]).max() for s in allocation.COMPUTED)
     assert allocation.LIMIT * (1 - 2 * allocation.ROUNDING_MARGIN) < largest <= scalar(allocation.LIMIT)
 
@@ -166,7 +166,7 @@ def test_a_planted_place_is_found(parameter: str, off: float) -> None:
     """Motors that are 0.1 nm from where the commutation takes them, or 1 nm times the yaw, make other forces."""
     q = poses(1000)
     moved = PLANT.with_parameters(**{parameter: V[parameter] + off})
-    along, _ = forces(q, agree.casadi(allocation.commutation(moved, TIME))({}, asked(q)).outputs)
+    along, _ = forces(q, agree.casadi(allocation.commutation(moved, TIME))({}, commutation_inputs(q)).outputs)
     commanded = K * np.array([q[f"i_{m}Q"] for m in planar_stage.MOTORS])
     assert np.abs(along - commanded).max() > DOUBLE * K * allocation.LIMIT
 

@@ -22,7 +22,7 @@ def random_point(seed: int) -> tuple[np.ndarray, np.ndarray]:
     return rng.uniform(low, high), rng.uniform(-1, 1, 9)
 
 
-def written_out(x: np.ndarray, u: np.ndarray) -> np.ndarray:
+def expected_accelerations(x: np.ndarray, u: np.ndarray) -> np.ndarray:
     """Return the accelerations of (18)-(20) in the order x, y, phi, z, theta, psi."""
     X, Y, phi, z, theta, psi = x[:6]
     along, up = {}, {}
@@ -47,7 +47,9 @@ def test_the_plant_is_its_equations(seed: int) -> None:
     x, u = random_point(seed)
     derivative = ca.DM(PLANT.f(x, u, PLANT.values)).full().ravel()
     rates = x[[names(PLANT.states).index(planar_stage.RATE[axis]) for axis in planar_stage.AXES]]
-    expected = dict(zip((*planar_stage.AXES, *planar_stage.RATE.values()), [*rates, *written_out(x, u)], strict=True))
+    expected = dict(
+        zip((*planar_stage.AXES, *planar_stage.RATE.values()), [*rates, *expected_accelerations(x, u)], strict=True)
+    )
     np.testing.assert_allclose(derivative, [expected[n] for n in names(PLANT.states)], rtol=DOUBLE, atol=DOUBLE)
 
 

@@ -169,7 +169,7 @@ def nominal() -> dict[str, Row]:
     return {r.id: r for r in audit.rows(paper.scope(SHARED, PRINTS))}
 
 
-def moved(before: Row, after: Row) -> bool:
+def differs(before: Row, after: Row) -> bool:
     """Whether a figure changed by more than rounding, or came to exist or ceased to."""
     old, new = (np.array([f.value for f in r.recomputed]) for r in (before, after))
     return not np.allclose(old, new, rtol=1e-7, atol=1e-9, equal_nan=True)
@@ -177,7 +177,7 @@ def moved(before: Row, after: Row) -> bool:
 
 def wrong_dependences(before: dict[str, Row], after: dict[str, Row], parameter: str) -> list[str]:
     """Return the rows that moved without declaring the parameter, or declare it and did not move."""
-    return [n for n, r in before.items() if moved(r, after[n]) != (parameter in r.depends)]
+    return [n for n, r in before.items() if differs(r, after[n]) != (parameter in r.depends)]
 
 
 @pytest.mark.parametrize("parameter", NAMES)

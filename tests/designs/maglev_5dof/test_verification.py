@@ -56,7 +56,7 @@ def test_most_random_steps_are_near_operation(stage: Plant) -> None:
     assert all(np.std(after[n]) > 0 for n in after if n not in ("guard_latched", "guard_left", "guard_ready"))
 
 
-def _apart(agreement: agree.Agreement) -> bool:
+def _disagrees(agreement: agree.Agreement) -> bool:
     return max(agreement.worst, agreement.state_worst) > 1e3 * suite.EXACT or agreement.faults_differ > 0
 
 
@@ -98,7 +98,7 @@ def test_a_planted_change_in_the_c_is_caught(
     assert old in text
     before, _, after = text.rpartition(old)
     files = {**emitted.files, "maglev_5dof.c": before + new + after}
-    assert _apart(_worst(host.load(files, emitted.manifest), drawn))
+    assert _disagrees(_worst(host.load(files, emitted.manifest), drawn))
 
 
 def test_a_planted_sign_in_a_gain_is_caught(
@@ -107,14 +107,14 @@ def test_a_planted_sign_in_a_gain_is_caught(
     block = control.controller(stage).block
     constants = tuple(replace(c, value=-c.value) if c.name == "regulator_x_k_p1" else c for c in block.constants)
     emitted = _emitted(replace(block, constants=constants))
-    assert _apart(_worst(host.load(emitted.files, emitted.manifest), drawn))
+    assert _disagrees(_worst(host.load(emitted.files, emitted.manifest), drawn))
 
 
 def test_a_planted_sign_in_the_physics_is_caught(
     stage: Plant, drawn: tuple[verification.Columns, verification.Columns]
 ) -> None:
     wrong = stage.with_parameters(k_s_theta=-stage.parameter("k_s_theta").value)
-    assert _apart(_worst(_compiled(wrong), drawn))
+    assert _disagrees(_worst(_compiled(wrong), drawn))
 
 
 def test_the_plant_agrees_with_the_reference_plant() -> None:

@@ -33,15 +33,15 @@ def loop(plant: Plant, axis: str, C: Transfer, time: Discrete, filtered: bool, d
 
     def L(z: Array) -> Array:
         if axis in SPRING:
-            return C(z) * z**-delay * held(plant, axis, time.period_s, z)
-        g, rho = sensed(plant, axis)
+            return C(z) * z**-delay * held_plant(plant, axis, time.period_s, z)
+        g, rho = sensor_slopes(plant, axis)
         X, P = kalman(axis, time, z) if filtered else (np.ones_like(z), 1 / z)
-        return C(z) * g * X / (1 - rho * P) * z**-delay * held(plant, axis, time.period_s, z)
+        return C(z) * g * X / (1 - rho * P) * z**-delay * held_plant(plant, axis, time.period_s, z)
 
     return L
 
 
-def held(plant: Plant, axis: str, T: float, z: Array) -> Array:
+def held_plant(plant: Plant, axis: str, T: float, z: Array) -> Array:
     b = 1 / plant.parameter(INERTIA[axis]).value
     if axis not in SPRING:
         return b * T**2 / 2 * (z + 1) / (z - 1) ** 2
@@ -49,7 +49,7 @@ def held(plant: Plant, axis: str, T: float, z: Array) -> Array:
     return b * (1 - np.cos(w * T)) / w**2 * (z + 1) / (z**2 - 2 * np.cos(w * T) * z + 1)
 
 
-def sensed(plant: Plant, axis: str) -> tuple[float, float]:
+def sensor_slopes(plant: Plant, axis: str) -> tuple[float, float]:
     """Return g and rho, with S' = sum n A_n and C = sum A_n at the middle, where S is 0."""
     cal, p = hall_calibration.of(plant), {s.name: ca.SX(s.value) for s in plant.parameters}
     height = ca.SX(plant.parameter("height").value)

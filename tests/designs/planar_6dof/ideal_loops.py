@@ -33,7 +33,7 @@ def renaming_blocks(time: Discrete, wires: Mapping[str, str], unit: str) -> list
     return blocks
 
 
-def pitched(within: Signal, time: Discrete) -> Block:
+def place_in_pitch(within: Signal, time: Discrete) -> Block:
     """Return the Block from a position seen in the middle pitch, or in one beside it, to its place within the pitch."""
     position = Signal(f"{within.name[-1]}_seen", "m", -1e6, 1e6)
     l = within.high - within.low
@@ -50,7 +50,7 @@ def sensing_blocks(plant: Plant, time: Discrete, filtered: bool) -> list[Block]:
     """Return what makes raw and filtered positions of those of the plant, ``x_seen`` ..; unfiltered they are one."""
     blocks = renaming_blocks(time, {f"{d}_held": d for d in planar_stage.LASERS}, "m")
     blocks += renaming_blocks(time, {name: f"{name}_computed" for name in ACTUATORS}, "A")
-    blocks += [pitched(s, time) for s in allocation.WITHIN]
+    blocks += [place_in_pitch(s, time) for s in allocation.WITHIN]
     for axis, unit in (("x", "m"), ("y", "m"), ("phi", "rad")):
         blocks += renaming_blocks(time, {f"{axis}_raw": f"{axis}_seen"}, unit)
         blocks += [filtering.block(axis, time)] if filtered else renaming_blocks(time, {axis: f"{axis}_raw"}, unit)

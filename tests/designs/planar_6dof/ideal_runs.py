@@ -26,7 +26,7 @@ def at_rest() -> dict[str, float]:
     return {name: read[name] for name in (*planar_stage.HALL, *planar_stage.LASERS)}
 
 
-def compiled(law: Sequence[Block], time: Discrete, filtered: bool = False) -> host.Controller:
+def compile_law(law: Sequence[Block], time: Discrete, filtered: bool = False) -> host.Controller:
     """Return a law in float64 with the positions known, its set-points called as they are held."""
     parts = [*ideal_loops.sensing_blocks(PLANT, time, filtered), *law]
     inputs = [f"{a}_seen" for a in allocation.HORIZONTAL] + [*planar_stage.LASERS, *ideal_loops.REFERENCES]

@@ -41,12 +41,12 @@ def estimation(predicted: bool = True) -> Block:
 
 
 @cache
-def compiled(scalar: type[np.floating], predicted: bool = True) -> host.Controller:
+def compile_estimation(scalar: type[np.floating], predicted: bool = True) -> host.Controller:
     made = write.emit(unranged(estimation(predicted)), scalar)
     return host.load(made.files, made.manifest)
 
 
-def held(voltages: Columns) -> dict[str, Any]:
+def held_voltages(voltages: Columns) -> dict[str, Any]:
     return {f"{name}_held": v for name, v in voltages.items()}
 
 
@@ -55,17 +55,17 @@ def noisy(voltages: Columns, seed: int = 0) -> dict[str, Array]:
     return {name: v + SIGMA * rng.normal(size=v.shape) for name, v in voltages.items()}
 
 
-def seen(u: Columns) -> dict[str, Any]:
+def estimation_inputs(u: Columns) -> dict[str, Any]:
     """Return what the estimation reads of voltages (N,) that the guard accepts."""
-    return held(u) | {"ready": np.arange(len(u["V_ax"])) > 0, "complete": 1.0}
+    return held_voltages(u) | {"ready": np.arange(len(u["V_ax"])) > 0, "complete": 1.0}
 
 
-def replayed(
+def replay(
     pose: Columns, noise: bool = False, scalar: type[np.floating] = np.float64, predicted: bool = True
 ) -> host.Columns:
     """Return the outputs of the C along a trajectory (N,) that begins in the middle pitch."""
     u = sensing_maps.voltages(PLANT, pose)
-    return compiled(scalar, predicted).replay(seen(noisy(u) if noise else u)).outputs
+    return compile_estimation(scalar, predicted).replay(estimation_inputs(noisy(u) if noise else u)).outputs
 
 
 def pitches(run: host.Columns, axis: str) -> Array:
@@ -79,7 +79,7 @@ def rms(v: Array) -> float:
     return float(np.sqrt(np.mean(np.square(v))))
 
 
-def way(travel: float, n: int) -> dict[str, Array]:
+def forward_and_back(travel: float, n: int) -> dict[str, Array]:
     """To and fro through the middle: x up to `travel` and back to -travel, y the other way round at half the speed."""
     x = travel * np.interp(np.arange(n), [0, n / 4, 3 * n / 4, n], [0, 1, -1, 0])
     return {"x": x, "y": -0.5 * x}

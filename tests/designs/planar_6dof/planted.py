@@ -16,7 +16,7 @@ from synth.verify import agree, suite
 from synth.verify.evidence import Evidence
 
 PLANT = planar_stage.plant()
-DRAWN, EDGES = 30_000, 5000
+RANDOM_STEPS, EDGES = 30_000, 5000
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +32,7 @@ class Bench:
 
 def bench(subject: Subject, edges: int = EDGES) -> Bench:
     """Draw steps in operation and so many at the edges, and take them with the C in double precision."""
-    drawn = random_steps.in_operation(subject, PLANT, DRAWN), random_steps.at_the_edges(subject.block, edges)
+    drawn = random_steps.in_operation(subject, PLANT, RANDOM_STEPS), random_steps.at_the_edges(subject.block, edges)
     states, inputs = ({n: np.concatenate([a[n], b[n]]) for n in a} for a, b in zip(*drawn, strict=True))
     made = emitted(subject.block)
     return Bench(subject, states, inputs, made, agree.emitted(host.load(made.files, made.manifest))(states, inputs))

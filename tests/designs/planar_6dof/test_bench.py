@@ -84,7 +84,7 @@ BLOCKS = {d.DESIGN.name: d.subject().block for d in (leadlag, lqg_design)}
 
 
 @cache
-def replayed(name: str) -> dict[str, Any]:
+def recorded_inputs(name: str) -> dict[str, Any]:
     return dict(DESIGNS[name].bench.replay(subject(name).controller))
 
 
@@ -100,7 +100,7 @@ def sizes(outputs: dict[str, Any]) -> np.ndarray:
 
 
 def test_the_replay_has_faults_and_latches_in_the_end(design: Subject) -> None:
-    replay = design.controller.replay(replayed(design.emitted.manifest["design"]))
+    replay = design.controller.replay(recorded_inputs(design.emitted.manifest["design"]))
     words, latched = replay.faults, (replay.faults & LATCH) != 0
     first = int(np.argmax(latched))
     assert len(words) == stimuli.REPLAY and 9500 <= first < 9510 and latched[first:].all()
@@ -113,7 +113,7 @@ def test_the_replay_has_faults_and_latches_in_the_end(design: Subject) -> None:
 
 def test_the_replay_is_the_hosts_to_the_bit() -> None:
     lqg = subject("planar_6dof_lqg")
-    short = {name: column[-700:] for name, column in replayed("planar_6dof_lqg").items()}  # with the latch
+    short = {name: column[-700:] for name, column in recorded_inputs("planar_6dof_lqg").items()}  # with the latch
     checks = on_target.verify(lqg.emitted, short, "cortex-m4f", lambda _: None)
     assert checks and all(c.passed for c in checks), checks
 
@@ -167,7 +167,7 @@ def test_every_input_fails_and_each_hall_channel_is_suspected(design: Subject) -
     assert len(bits) == len(planar_stage.HALL) and all({0, bit} == set((faults & bit).tolist()) for bit in bits)
 
 
-def unexplained(missing: tuple[str, ...]) -> list[str]:
+def unexplained_decisions(missing: tuple[str, ...]) -> list[str]:
     """Return decisions that were not seen both ways and for which UNREACHABLE has no reason."""
     lines, left = Counter(text.split("; ")[-1] for text in missing), []
     for text in missing:
@@ -185,7 +185,7 @@ def test_every_decision_is_seen_both_ways(name: str, build: str) -> None:
     candidate = rivals.emitted(subject(name).emitted)
     coverage = meter.covered(candidate, meter.run(candidate, subject(name).every, BUILDS[build]), BUILDS[build])
     assert coverage.decisions > 60 and len(coverage.missing) < 20
-    assert not unexplained(coverage.missing), "\n".join(unexplained(coverage.missing))
+    assert not unexplained_decisions(coverage.missing), "\n".join(unexplained_decisions(coverage.missing))
 
 
 def test_a_decision_that_nothing_takes_is_told() -> None:
@@ -196,7 +196,7 @@ def test_a_decision_that_nothing_takes_is_told() -> None:
     )
     candidate = rivals.emitted(Emitted({**emitted.files, "planar_6dof_lqg.c": text}, emitted.manifest))
     coverage = meter.covered(candidate, meter.run(candidate, steps.thinned(every, 300), build), build)
-    assert [line for line in unexplained(coverage.missing) if "1.2345678f" in line]
+    assert [line for line in unexplained_decisions(coverage.missing) if "1.2345678f" in line]
 
 
 def test_what_the_failures_are_for_is_told_without_them() -> None:
@@ -204,7 +204,7 @@ def test_what_the_failures_are_for_is_told_without_them() -> None:
     lqg, build = subject("planar_6dof_lqg"), BUILDS[FIRST]
     candidate = rivals.emitted(lqg.emitted)
     sound = steps.thinned(lqg.sequences["travel"], THIN)
-    left = unexplained(meter.covered(candidate, meter.run(candidate, sound, build), build).missing)
+    left = unexplained_decisions(meter.covered(candidate, meter.run(candidate, sound, build), build).missing)
     assert any("sensing_contradiction_confirmed" in line for line in left)
     assert any("5.0f" in line for line in left)
 

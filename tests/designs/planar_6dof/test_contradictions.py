@@ -31,7 +31,7 @@ from tests.designs.planar_6dof.measured import (
     motion,
     noisy,
     reference_step,
-    replayed,
+    replay,
     rms,
     start,
 )
@@ -50,7 +50,7 @@ def test_nothing_is_suspected_in_1e5_noisy_samples(predicted: bool) -> None:
     t = np.arange(n) * TIME.period_s
     pose = {"x": 0.1 * np.sin(0.7 * t), "y": 0.09 * np.sin(1.1 * t), "phi": 6e-3 * np.sin(7 * t)}
     pose |= {"z": 2e-4 * np.sin(3 * t), "theta": 1e-3 * np.sin(2 * t), "psi": 1e-3 * np.sin(5 * t)}
-    run = replayed(pose, noise=True, scalar=np.float32, predicted=predicted)
+    run = replay(pose, noise=True, scalar=np.float32, predicted=predicted)
     assert not any(run[s.name].any() for s in (sensing.SUSPECTED, *sensing.SUSPECTS))
     assert all(np.abs(run[name]).max() > 0.3 * bound for name, bound in BOUNDS.items()) and rho(run).max() < 1.0
     assert rms(run["phi" if predicted else "phi_raw"] - pose["phi"]) < (2e-3 if predicted else 4e-3)

@@ -193,13 +193,13 @@ def test_noise_is_no_failure(lead: Rig, optimal: Rig) -> None:
 # Planted defects
 
 
-def planted(block: Block, name: str, factor: float) -> Block:
+def with_wrong_constant(block: Block, name: str, factor: float) -> Block:
     changed = tuple(replace(c, value=factor * c.value) if c.name == name else c for c in block.constants)
     assert changed != block.constants
     return replace(block, constants=changed)
 
 
-def failed(e: Experiment) -> set[str]:
+def failing_checks(e: Experiment) -> set[str]:
     return {c.name for c in e.checks if not c.passed}
 
 
@@ -210,7 +210,7 @@ def test_a_wrong_plant_is_caught(lead: Rig, parameter: str, factor: float) -> No
     bad = replace(lead, plant=wrong)
     run = experiments.step(bad, "x", FIGURE_8["x"])
     experiment = experiments.step_experiment(bad, run, "", "", leadlag_experiments.LIMITS)
-    assert failed(experiment) & {"rise", "overshoot", "settling"}
+    assert failing_checks(experiment) & {"rise", "overshoot", "settling"}
 
 
 def test_delay_counts_and_a_second_sample_is_caught(lead: Rig) -> None:
@@ -221,16 +221,16 @@ def test_delay_counts_and_a_second_sample_is_caught(lead: Rig) -> None:
         values.append(experiments.step_experiment(late, run, "", "", leadlag_experiments.LIMITS))
     beyond = [e.figures["overshoot"] for e in values]
     assert beyond[0] + 0.005 < beyond[1] < beyond[2] - 0.005
-    assert [failed(e) for e in values] == [set(), set(), {"overshoot"}]
+    assert [failing_checks(e) for e in values] == [set(), set(), {"overshoot"}]
 
 
 def test_a_jump_at_a_border_is_caught(lead: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     """A calibration that is 1 % too long leaves 0.13 mm between two sections."""
     monkeypatch.setattr(leadlag_experiments, "REVOLUTION", 8.0)
-    wrong = loops.compile_block(planted(loops.view(leadlag.TIME), "sensing_position_1", 1.01))
+    wrong = loops.compile_block(with_wrong_constant(loops.view(leadlag.TIME), "sensing_position_1", 1.01))
     monkeypatch.setattr(loops, "_position_controller", lambda period_s, predicted: wrong)
     experiment = leadlag_experiments.circle_experiment(lead, "circle")
-    assert failed(experiment) == {"jump of x at a switching sample", "jump of y at a switching sample"}
+    assert failing_checks(experiment) == {"jump of x at a switching sample", "jump of y at a switching sample"}
 
 
 def test_a_fault_is_caught(lead: Rig) -> None:

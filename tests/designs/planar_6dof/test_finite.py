@@ -38,7 +38,7 @@ def all_runs(lead: Rig) -> Runs:
     }
 
 
-def failed(e: Experiment) -> set[str]:
+def failing_checks(e: Experiment) -> set[str]:
     return {c.name for c in e.checks if not c.passed}
 
 
@@ -81,7 +81,7 @@ def test_the_circle(lead: Rig) -> None:
     }
     run = twins[finite.AS_BUILT].run
     e = finite.motion_experiment(there, Experiment("circle", "", "", run, ("x", "y")), twins)
-    assert len(e.checks) == 5 and not failed(e) and not run.faults.any()
+    assert len(e.checks) == 5 and not failing_checks(e) and not run.faults.any()
     for axis in "xy":
         assert e.figures[f"error of {axis} as shown (blocks as made), um rms"] == pytest.approx(6.6, abs=0.2)
         assert e.figures[f"error of {axis} as shown (closed law), um rms"] == pytest.approx(4.3, abs=0.2)
@@ -91,7 +91,7 @@ def test_the_circle(lead: Rig) -> None:
     astray = replace(
         twins[finite.AS_BUILT], references={a: r + 1.3e-3 for a, r in twins[finite.AS_BUILT].references.items()}
     )
-    assert failed(finite.motion_experiment(there, e, {finite.AS_BUILT: astray})) == {
+    assert failing_checks(finite.motion_experiment(there, e, {finite.AS_BUILT: astray})) == {
         *(f"error of {a} as shown" for a in "xy"),
         *(f"greatest true error of {a}" for a in "xy"),
     }
@@ -137,7 +137,7 @@ def test_a_plant_that_is_worse_is_caught(
     monkeypatch.setattr(finite, "with_finite_matrix", lambda loop: replace(loop, plant=wrong))
     limits = leadlag_experiments.LIMITS
     e = finite.standstill(lead, "") if experiment == "standstill" else finite.step(lead, "", "x", 20e-6, "", limits)
-    assert failed(e) & caught == caught
+    assert failing_checks(e) & caught == caught
 
 
 def test_the_noise_is_the_same_on_both_plants(lead: Rig) -> None:

@@ -194,7 +194,7 @@ def test_another_delay_is_caught(cases: dict[str, Case], name: str, delay: int) 
         assert distance(parts, cases[name], axis) > 0.5
 
 
-def planted(block: Block, name: str, factor: float) -> Block:
+def with_wrong_constant(block: Block, name: str, factor: float) -> Block:
     changed = tuple(replace(c, value=factor * c.value) if c.name == name else c for c in block.constants)
     assert changed != block.constants
     return replace(block, constants=changed)
@@ -217,7 +217,7 @@ def changed_parameter(plant: Plant, name: str) -> Plant:
     ],
 )
 def test_a_wrong_constant_is_caught(cases: dict[str, Case], name: str, constant: str, axis: str) -> None:
-    parts = loops.parts(PLANT, planted(cases[name][0], constant, 1.001))
+    parts = loops.parts(PLANT, with_wrong_constant(cases[name][0], constant, 1.001))
     assert distance(parts, cases[name], axis) > 1e-5
 
 

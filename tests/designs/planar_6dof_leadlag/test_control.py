@@ -30,7 +30,7 @@ def c64() -> host.Controller:
 
 @pytest.fixture(scope="module")
 def known() -> host.Controller:
-    return ideal_runs.compiled(control.law(PLANT), control.TIME, filtered=True)
+    return ideal_runs.compile_law(control.law(PLANT), control.TIME, filtered=True)
 
 
 @pytest.mark.parametrize("axis", allocation.HORIZONTAL)
@@ -71,7 +71,7 @@ def test_steps_of_the_stage(known: host.Controller, axis: str) -> None:
 def test_a_step_beyond_the_motors_does_not_wind_up() -> None:
     """30 mm in x with the published gain: the motors stand at their limit, and the step does not overshoot."""
     law = [*control.law(PLANT, "published")[:3], *control.law(PLANT)[3:]]
-    run = ideal_runs.run(ideal_runs.compiled(law, control.TIME), 1.5, {"x": 0.03})
+    run = ideal_runs.run(ideal_runs.compile_law(law, control.TIME), 1.5, {"x": 0.03})
     assert np.count_nonzero(random_steps.is_saturated(run.commands)) > 5
     assert ideal_runs.overshoot(run["x"], 0.03) < 1e-3
     assert run["x"][-1] == pytest.approx(0.03, rel=1e-3)

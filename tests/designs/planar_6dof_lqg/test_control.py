@@ -45,7 +45,7 @@ HEIGHTS = {"x": 50e-6, "y": 50e-6, "phi": np.radians(0.3)}
 
 @pytest.fixture(scope="module")
 def known() -> host.Controller:
-    return ideal_runs.compiled(lqg.law(PLANT), lqg.TIME)
+    return ideal_runs.compile_law(lqg.law(PLANT), lqg.TIME)
 
 
 def test_the_gain_is_that_of_49() -> None:
@@ -213,7 +213,7 @@ def test_a_step_beyond_the_motors_does_not_wind_up(monkeypatch: pytest.MonkeyPat
             *ideal_loops.renaming_blocks(lqg.TIME, {f"achieved_{axis}": f"d_{axis}"}, "A"),
         ]
     assert len(deaf) == len(law) + 2
-    runs = [ideal_runs.run(ideal_runs.compiled(each, lqg.TIME), 0.6, {"x": 5e-3}) for each in (law, deaf)]
+    runs = [ideal_runs.run(ideal_runs.compile_law(each, lqg.TIME), 0.6, {"x": 5e-3}) for each in (law, deaf)]
     with_anti_windup, without = (ideal_runs.overshoot(run["x"], 5e-3) for run in runs)
     assert np.count_nonzero(random_steps.is_saturated(runs[0].commands)) > 20
     # A motor's 1.13 A along its motion leave 55 %.
@@ -241,14 +241,14 @@ def test_large_steps_overshoot_little(known: host.Controller, axis: str) -> None
 
 
 def test_without_a_bound_of_the_error_a_large_step_loses_the_platen(monkeypatch: pytest.MonkeyPatch) -> None:
-    run = ideal_runs.run(ideal_runs.compiled(unbounded(monkeypatch), lqg.TIME), 0.6, {"x": 0.06})
+    run = ideal_runs.run(ideal_runs.compile_law(unbounded(monkeypatch), lqg.TIME), 0.6, {"x": 0.06})
     assert not np.abs(run["x"]).max() < 0.1
 
 
 @pytest.mark.parametrize("order", ["reduced", "full"])
 def test_it_starts_at_rest_wherever_the_platen_is(order: Order) -> None:
     """Its observer knows no rate before the first good sample; one that took itself for ready would see 5 m/s."""
-    controller = ideal_runs.compiled(lqg.law(PLANT, regulate=REGULATORS[order]), lqg.TIME)
+    controller = ideal_runs.compile_law(lqg.law(PLANT, regulate=REGULATORS[order]), lqg.TIME)
     first = np.r_[0.0, np.ones(159)]
     calm, kicked = (
         ideal_runs.run(controller, 0.2, {"x": 0.02}, start={"x": 0.02}, ready=flags)["x"] for flags in (first, 1.0)

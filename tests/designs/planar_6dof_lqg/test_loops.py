@@ -46,7 +46,7 @@ def printed(axis: str) -> analytic.Transfer:
 
     def C(z: np.ndarray) -> np.ndarray:
         # i = -k1 - k2 (x3 + L) - k3 / (z - 1),  z x3 = p x3 - L (1 - p) + (b T - L b T^2/2) i
-        g, rho = analytic.sensed(PLANT, axis)
+        g, rho = analytic.sensor_slopes(PLANT, axis)
         fed = (b * T - L * b * T**2 / 2) / (z - p)
         i = (k1 + k2 * (L - L * (1 - p) / (z - p)) + k3 / (z - 1)) / (1 + k2 * fed)
         ideal = (1 - rho / z) / g  # the positions of this kind are those of the stage

@@ -22,9 +22,9 @@ from tests.designs.planar_6dof.paper.recomputed import (
     PRINTED,
     RECORDED,
     assert_a_number_moves_what_depends_on_it,
-    changed,
     one,
     recorded,
+    with_other_digits,
     wrong_dependences,
 )
 
@@ -214,7 +214,7 @@ def test_a_printed_number_moves_the_rows_that_depend_on_it_and_no_other(
 def test_a_wrong_declaration_is_found(rows: dict[str, Row]) -> None:
     still = {"Y-13": rows["Y-13"]}
     assert wrong_dependences(rows, still, "Y-13.q") == ["Y-13"]
-    after = {"Y-13": replace(one("Y-13", published=changed({"Y-13.q": "110"})), depends=())}
+    after = {"Y-13": replace(one("Y-13", published=with_other_digits({"Y-13.q": "110"})), depends=())}
     assert wrong_dependences(rows, after, "Y-13.q") == ["Y-13"]
     assert {s for r in rows.values() for s in r.depends} <= set(NUMBERS)
 
@@ -248,7 +248,7 @@ STRUCTURE = {"Y-36", "Y-37"}  # statements that no printed number enters: see th
 
 @pytest.mark.parametrize(("name", "numbers", "verdict"), OTHER_PRINTS)
 def test_a_verdict_follows_the_print(name: str, numbers: dict[str, str], verdict: str) -> None:
-    assert VERDICTS[name] != verdict == one(name, published=changed(numbers)).verdict
+    assert VERDICTS[name] != verdict == one(name, published=with_other_digits(numbers)).verdict
 
 
 def test_every_verdict_can_change() -> None:
@@ -260,7 +260,7 @@ def test_the_gains_reproduce_as_printed_where_no_point_is_lost() -> None:
         row = published["Y-10"]
         return published | {"Y-10": replace(row, computed={**row.computed, "lost": Formula("1")})}
 
-    assert one("Y-10", published=kept(changed(WITH_POINTS))).verdict == "R"
+    assert one("Y-10", published=kept(with_other_digits(WITH_POINTS))).verdict == "R"
     assert one("Y-10", published=kept(PRINTED)).verdict == "N"
 
 
