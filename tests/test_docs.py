@@ -73,9 +73,17 @@ def test_the_tutorial_leads_to_a_verified_bearing(tmp_path: Path) -> None:
     synth(folder, "-m", "pytest", "-q", "-p", "no:cacheprovider")
 
 
-@pytest.mark.parametrize("page", ["add-a-force-law", "add-a-sensor", "add-a-regulator"])
-def test_a_change_of_a_new_stage_builds_with_every_check_passed(page: str, tmp_path: Path) -> None:
-    folder, _ = new.create(tmp_path, "my_stage")
+@pytest.mark.parametrize(
+    ("page", "name"),
+    [
+        ("your-own-stage", "flexure"),
+        ("add-a-force-law", "my_stage"),
+        ("add-a-sensor", "my_stage"),
+        ("add-a-regulator", "my_stage"),
+    ],
+)
+def test_a_change_of_a_new_stage_builds_with_every_check_passed(page: str, name: str, tmp_path: Path) -> None:
+    folder, _ = new.create(tmp_path, name)
     pages.apply(read(f"howto/{page}.md"), folder)
     synth(folder, *COMMAND, "build")
 
