@@ -57,6 +57,11 @@ def test_each_page_is_in_a_table_of_contents() -> None:
     assert {"howto", "explanation", "reference", "gallery", "decisions"} <= listed
 
 
+def test_the_links_of_the_readme_lead_somewhere() -> None:
+    links = re.findall(r"\]\(([^)#]+)\)", (ROOT / "README.md").read_text(encoding="utf-8"))
+    assert links and [link for link in links if not (ROOT / link).exists()] == []
+
+
 def test_the_names_beside_matlabs_are_there() -> None:
     for module, function in re.findall(r"`((?:analyse|synthesise)\.[a-z_.]+)\.([a-z_0-9]+)`", read("coming-from.md")):
         assert callable(getattr(importlib.import_module(f"synth.{module}"), function)), (module, function)
