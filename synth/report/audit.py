@@ -148,8 +148,8 @@ class Scope:
 
 def functions(*modules: ModuleType) -> dict[str, Any]:
     """Return the functions and classes that modules define, by name."""
-    own = (value for m in modules for value in vars(m).values() if getattr(value, "__module__", "") == m.__name__)
-    return {value.__name__: value for value in own}
+    defined = (value for m in modules for value in vars(m).values() if getattr(value, "__module__", "") == m.__name__)
+    return {value.__name__: value for value in defined}
 
 
 def computed(printed: Published, scope: Scope) -> Row:
@@ -194,37 +194,37 @@ def row(
 
     Raises DesignError when a name stands twice or there is no figure.
     """
-    found = tuple(Figure(name, float(value), unit) for name, value, unit in figures)
-    known = [f.name for f in found]
+    recomputed = tuple(Figure(name, float(value), unit) for name, value, unit in figures)
+    known = [f.name for f in recomputed]
     if not known or len(set(known)) < len(known):
         raise DesignError(f"row {published.id} has the figures {known}: give at least one, and each its own name")
-    return Row(published, found, verdict, why, tuple(depends))
+    return Row(published, recomputed, verdict, why, tuple(depends))
 
 
-def published(text: str) -> dict[str, Published]:
+def parse_published(text: str) -> dict[str, Published]:
     """Read the rows of a published.toml: `[ID]` with paper, where, text, rule and numbers = {name = ["14.3", "%"]}.
 
     `rule`, `numbers` and `computed` = {name = "formula" or ["formula", "unit", "figure"]} may be left out.
 
     Raises DesignError for a row without these, or a number that is none.
     """
-    return {name: _published(name, entry) for name, entry in tomllib.loads(text).items()}
+    return {name: _parse_row(name, entry) for name, entry in tomllib.loads(text).items()}
 
 
 def read(folder: Path) -> dict[str, Published]:
     """Read the published.toml of a folder, as `published`."""
-    return published((folder / "published.toml").read_text(encoding="utf-8"))
+    return parse_published((folder / "published.toml").read_text(encoding="utf-8"))
 
 
-def _published(name: str, entry: Mapping[str, Any]) -> Published:
+def _parse_row(name: str, entry: Mapping[str, Any]) -> Published:
     if missing := [key for key in ("paper", "where", "text") if not entry.get(key)]:
         raise DesignError(f"published row {name} lacks {', '.join(missing)}: say what is printed, and where")
-    numbers = {key: _printed(name, key, value) for key, value in entry.get("numbers", {}).items()}
+    numbers = {key: _parse_number(name, key, value) for key, value in entry.get("numbers", {}).items()}
     computed = {k: Formula(*[v] if isinstance(v, str) else v) for k, v in entry.get("computed", {}).items()}
     return Published(name, entry["paper"], entry["where"], entry["text"], numbers, entry.get("rule", ""), computed)
 
 
-def _printed(name: str, key: str, value: Any) -> Printed:
+def _parse_number(name: str, key: str, value: Any) -> Printed:
     try:
         digits, unit = value
         number = Decimal(digits)

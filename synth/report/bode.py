@@ -18,7 +18,7 @@ from matplotlib.ticker import FuncFormatter, MultipleLocator, NullFormatter
 from synth.analyse import margins
 from synth.analyse.margins import Margins
 from synth.errors import SignalError
-from synth.report.figures import COLOURS, styled
+from synth.report.figures import COLOURS, style_context
 from synth.statespace import Array, Complex, StateSpace
 from synth.timing import Discrete
 
@@ -39,16 +39,19 @@ class LoopCurve:
 
 
 def curve(
-    label: str, loop: StateSpace, found: Margins, low: float = 0.5, high: float = 1e4, points: int = 700
+    label: str, loop: StateSpace, loop_margins: Margins, low: float = 0.5, high: float = 1e4, points: int = 700
 ) -> LoopCurve:
     """Return a scalar loop's response from `low` rad/s to `high`, a sampled one's nearly to Nyquist, with its margins.
 
     Raises SignalError when the loop is not scalar.
     """
     top = min(high, NYQUIST * np.pi / loop.time.period_s) if isinstance(loop.time, Discrete) else high
-    crossings = [*(c.frequency for c in found.gain_crossings), *(c.frequency for c in found.phase_crossings)]
+    crossings = [
+        *(c.frequency for c in loop_margins.gain_crossings),
+        *(c.frequency for c in loop_margins.phase_crossings),
+    ]
     w = np.unique([*np.geomspace(low, top, points), *(f for f in crossings if low < f < top)])
-    return LoopCurve(label, w, margins.response(loop)(w), found)
+    return LoopCurve(label, w, margins.response(loop)(w), loop_margins)
 
 
 def phase(curve: LoopCurve) -> Array:
@@ -72,7 +75,7 @@ def bode_plot(curves: Sequence[LoopCurve]) -> Figure:
     if not 1 <= len(curves) <= MOST:
         raise SignalError(f"Bode plot has {len(curves)} loops: give 1 to {MOST}, more could not be told apart")
     widths = np.linspace(WIDEST, NARROWEST, max(len(curves), 3)).tolist()
-    with styled():
+    with style_context():
         figure = Figure(figsize=(9.0, 6.2), layout="constrained")
         gain, angle, sensitivity = figure.subplots(3, 1, sharex=True, height_ratios=(3, 3, 2))
         for c, colour, width in zip(curves, COLOURS, widths, strict=False):
@@ -97,8 +100,8 @@ def _draw(gain: Axes, angle: Axes, sensitivity: Axes, curve: LoopCurve, style: d
     look = {"ls": "", "ms": 4.5, "mfc": "white", "mec": style["color"], "zorder": 5}
     gains = [c.frequency for c in curve.margins.gain_crossings]
     phases = [c.frequency for c in curve.margins.phase_crossings]
-    for found, marker in ((gains, "o"), (phases, "D")):
-        at = np.array([w for w in found if curve.frequency[0] <= w <= curve.frequency[-1]]) / (2 * np.pi)
+    for crossings, marker in ((gains, "o"), (phases, "D")):
+        at = np.array([w for w in crossings if curve.frequency[0] <= w <= curve.frequency[-1]]) / (2 * np.pi)
         for axes, values in ((gain, level), (angle, degrees)):
             axes.plot(at, np.interp(at, f, values), marker=marker, **look)
 

@@ -33,7 +33,7 @@ def _block(name: str, each: Made, described: Mapping[str, Any], made: Mapping[st
     if name not in described:
         raise DesignError(f"'{name}' has no caption: describe it in report.toml as [blocks.\"{name}\"]")
     words = described[name]
-    caption = prose.filled(words["caption"], made)
+    caption = prose.fill_placeholders(words["caption"], made)
     if isinstance(each, Figure):
         return page.Figure(figures.svg(each, name.replace(".", "-")), caption, words.get("beside", ""))
     return page.Table(caption, tuple(words["columns"]), tuple(map(tuple, each)), words.get("digits", 4))

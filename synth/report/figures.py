@@ -80,7 +80,7 @@ class Panel:
     levels: tuple[tuple[str, float], ...] = ()
 
 
-def styled() -> AbstractContextManager[None]:
+def style_context() -> AbstractContextManager[None]:
     """Return the context in which every figure is made and written, whatever the user's own settings."""
     return matplotlib.style.context(["default", STYLE])
 
@@ -93,12 +93,12 @@ def svg(figure: Figure, name: str) -> str:
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]*", name):
         raise SignalError(f"figure name '{name}' cannot begin an id: use letters, digits, '_' and '-'")
     text = io.StringIO()
-    with styled(), matplotlib.rc_context({"svg.hashsalt": name}):
+    with style_context(), matplotlib.rc_context({"svg.hashsalt": name}):
         FigureCanvasSVG(figure).print_svg(text, metadata=_NO_METADATA)
-    return _slim(text.getvalue()[text.getvalue().index("<svg") :], name)
+    return _compact_svg(text.getvalue()[text.getvalue().index("<svg") :], name)
 
 
-def _slim(text: str, name: str) -> str:
+def _compact_svg(text: str, name: str) -> str:
     """Drop the ids that nothing refers to, put `name` before the others, and shorten the coordinates of paths."""
     used = set(re.findall(r"(?:url\(#|href=\"#)([^\")]+)", text))
     text = re.sub(r' id="([^"]*)"', lambda m: f' id="{name}-{m[1]}"' if m[1] in used else "", text)
@@ -119,11 +119,11 @@ def decimate(values: ArrayLike, points: int = POINTS) -> NDArray[np.intp]:
 
 def time_plot(time: ArrayLike, panels: Sequence[Panel], window: Window | None = None) -> Figure:
     """Draw panels (positions, currents, ...) above each other over time in s."""
-    with styled():
+    with style_context():
         figure = Figure(figsize=(9.0, 0.7 + 1.75 * len(panels)), layout="constrained")
         column = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
         for axes, panel in zip(column, panels, strict=True):
-            _signals(axes, np.asarray(time, dtype=np.float64), panel, window)
+            _plot_signals(axes, np.asarray(time, dtype=np.float64), panel, window)
             _legend(axes)
         _label_time(figure, column[-1:])
     return figure
@@ -149,12 +149,12 @@ def response(
     positions, errors = _panels(experiment, units, levels or {})
     if not any(e.curves for e in errors):
         return time_plot(time, positions, window)
-    with styled():
+    with style_context():
         figure = Figure(figsize=(9.0, 0.7 + 1.75 * len(positions)), layout="constrained")
         grid = figure.subplots(len(positions), 2, sharex="col", squeeze=False)
         for (left, right), position, error in zip(grid, positions, errors, strict=True):
-            _signals(left, time, position, window)
-            _errors(right, time, error) if error.curves else right.set_visible(False)
+            _plot_signals(left, time, position, window)
+            _plot_errors(right, time, error) if error.curves else right.set_visible(False)
         for axes in grid[0]:
             _legend(axes)
         _label_time(figure, (*grid[-1],))
@@ -166,12 +166,12 @@ def _panels(
 ) -> tuple[list[Panel], list[Panel]]:
     positions, errors = [], []
     for name in experiment.shown:
-        found, unit = np.asarray(experiment.trajectory[name], dtype=np.float64), units[name]
+        signal, unit = np.asarray(experiment.trajectory[name], dtype=np.float64), units[name]
         reference, symbol = experiment.references.get(name), SYMBOLS.get(name, name)
-        drawn = (Curve("true value", found),) + (() if reference is None else (Curve("set-point", reference, True),))
-        error = () if reference is None else (Curve("|true value − set-point|", found - reference),)
+        curves = (Curve("true value", signal),) + (() if reference is None else (Curve("set-point", reference, True),))
+        error = () if reference is None else (Curve("|true value − set-point|", signal - reference),)
         level = (("one count", levels[name]),) if name in levels else ()
-        positions.append(Panel(symbol, unit, drawn))
+        positions.append(Panel(symbol, unit, curves))
         errors.append(Panel(f"|error| of {symbol}", unit, error, level))
     return positions, errors
 
@@ -182,28 +182,28 @@ def path_3d(
     """Draw a path (3, N) through space over the broad path (3, N) of its set-point; the third coordinate points up."""
     shown, factor = COARSE.get(unit, (unit, 1.0))
     styles: tuple[dict[str, Any], ...] = ({"color": "#bbbbbb", "lw": 4.5}, {"color": COLOURS[0], "lw": 0.9})
-    with styled():
+    with style_context():
         figure = Figure(figsize=(6.0, 4.6))
         axes: Any = figure.add_axes((0.0, 0.03, 0.94, 0.97), projection="3d")
         for label, xyz, style in zip(("set-point", "true path"), (set_point, path), styles, strict=True):
-            axes.plot(*(factor * _along(np.asarray(xyz, dtype=np.float64), points)), label=label, **style)
+            axes.plot(*(factor * _decimate_path(np.asarray(xyz, dtype=np.float64), points)), label=label, **style)
         axes.set(**dict(zip(("xlabel", "ylabel", "zlabel"), (f"{n}, {shown}" for n in labels), strict=True)))
         axes.legend(loc="upper left")
     return figure
 
 
-def _along(path: Array, points: int) -> Array:
+def _decimate_path(path: Array, points: int) -> Array:
     """Return about `points` columns of a path (3, N), evenly spread in time, and the extremes of each coordinate."""
     even = np.linspace(0, path.shape[1] - 1, points).astype(int)
     return path[:, np.unique([*even, *path.argmin(axis=1), *path.argmax(axis=1)])]
 
 
-def _signals(axes: Axes, time: Array, panel: Panel, window: Window | None) -> None:
+def _plot_signals(axes: Axes, time: Array, panel: Panel, window: Window | None) -> None:
     unit, factor = COARSE.get(panel.unit, (panel.unit, 1.0))
     low, high = window or _span(time)
     inside = (time >= low) & (time <= high)
     for (k, curve), style in zip(enumerate(panel.curves), _styles(panel.curves), strict=True):
-        _fitting(time, panel, curve)
+        _require_length(time, panel, curve)
         v = factor * np.asarray(curve.values, dtype=np.float64)[inside]
         at = decimate(v)
         axes.plot(time[inside][at], v[at], label=curve.label, zorder=3 + k, **style)
@@ -212,9 +212,9 @@ def _signals(axes: Axes, time: Array, panel: Panel, window: Window | None) -> No
     axes.set(ylabel=f"{panel.quantity}, {unit}", xlim=(low, high))
 
 
-def _errors(axes: Axes, time: Array, panel: Panel) -> None:
+def _plot_errors(axes: Axes, time: Array, panel: Panel) -> None:
     unit, factor = FINE.get(panel.unit, (panel.unit, 1.0))
-    sizes = [np.abs(_fitting(time, panel, c)) for c in panel.curves]
+    sizes = [np.abs(_require_length(time, panel, c)) for c in panel.curves]
     greatest = max((float(np.nanmax(v)) for v in sizes if np.isfinite(v).any()), default=0.0)
     least = max(min((DEPTH * level for _, level in panel.levels), default=FLOOR * greatest), SMALLEST)
     for v, curve, style in zip(sizes, panel.curves, _styles(panel.curves), strict=True):
@@ -235,7 +235,7 @@ def _span(time: Array) -> Window:
     return float(time[0]), float(2 * time[-1] - time[-2]) if len(time) > 1 else float(time[0]) + 1.0
 
 
-def _fitting(time: Array, panel: Panel, curve: Curve) -> Array:
+def _require_length(time: Array, panel: Panel, curve: Curve) -> Array:
     v = np.asarray(curve.values, dtype=np.float64)
     if v.shape != time.shape:
         raise SignalError(f"'{curve.label}' of panel '{panel.quantity}' has {v.shape} values for {time.shape} times")

@@ -38,7 +38,7 @@ class Map:
 @contextmanager
 def panels(height: float, *shape: int, **options: Any) -> Iterator[tuple[Figure, Any]]:
     """Open a figure of the page's width, a height in inches, and its axes as `Figure.subplots` makes them."""
-    with figures.styled():
+    with figures.style_context():
         drawn = Figure(figsize=(9.0, height), layout="constrained")
         yield drawn, drawn.subplots(*shape, **options)
 
@@ -57,7 +57,7 @@ def maps(
     rows = -(-len(shown) // columns)
     with panels(3.0 * rows, rows, columns, sharex=True, sharey=True, squeeze=False) as (drawn, grid):
         for axes, each in zip(grid.flat, shown, strict=False):
-            _one(axes, each, sides, labels, cmap=PLAIN, norm=norm)
+            _draw_map(axes, each, sides, labels, cmap=PLAIN, norm=norm)
         for axes in grid.flat[len(shown) :]:
             axes.set_visible(False)
         for axes in grid.flat:
@@ -73,12 +73,12 @@ def signed(shown: Sequence[Map], sides: Sequence[Side], labels: tuple[str, str] 
     with panels(2.9, 1, len(shown)) as (drawn, grid):
         for axes, each in zip(np.atleast_1d(grid), shown, strict=True):
             high = float(np.nanmax(np.abs(each.values))) or 1.0
-            image = _one(axes, each, sides, labels, cmap=SIGNED, norm=Normalize(-high, high))
+            image = _draw_map(axes, each, sides, labels, cmap=SIGNED, norm=Normalize(-high, high))
             drawn.colorbar(image, ax=axes, shrink=0.8, format=SIGNS)
     return drawn
 
 
-def _one(axes: Axes, each: Map, sides: Sequence[Side], labels: tuple[str, str], **colours: Any) -> AxesImage:
+def _draw_map(axes: Axes, each: Map, sides: Sequence[Side], labels: tuple[str, str], **colours: Any) -> AxesImage:
     image = axes.imshow(each.values.T, origin="lower", extent=(*sides[0], *sides[1]), aspect="equal", **colours)
     axes.set(title=each.title, xlabel=labels[0], ylabel=labels[1])
     axes.grid(visible=False)

@@ -62,12 +62,12 @@ def quantities(values: Iterable[float], unit: str) -> tuple[str, ...]:
 
 def equation(text: str) -> Markup:
     """Return an equation as HTML: F_V, Kv_{1}, csch^2, e^{-k g}; names are slanted, _ lowers and ^ raises."""
-    found, at = [], 0
+    pieces, at = [], 0
     for match in _TOKEN.finditer(text):
-        found.append(_between(text[at : match.start()]))
-        found.append(_token(match))
+        pieces.append(_between(text[at : match.start()]))
+        pieces.append(_token(match))
         at = match.end()
-    return Markup("").join([*found, _between(text[at:])])
+    return Markup("").join([*pieces, _between(text[at:])])
 
 
 def _between(text: str) -> Markup:

@@ -183,8 +183,8 @@ def parts(sections: Iterable[Section], above: str = "") -> Iterator[Part]:
 
 def failures(parts: Iterable[Part]) -> tuple[tuple[Part, Check], ...]:
     """Return each check that did not pass, with the part whose own block holds it."""
-    own = ((p, c) for p in parts for b in p.section.blocks if isinstance(b, Checks) for c in b.checks)
-    return tuple((p, c) for p, c in own if not c.passed)
+    checks = ((p, c) for p in parts for b in p.section.blocks if isinstance(b, Checks) for c in b.checks)
+    return tuple((p, c) for p, c in checks if not c.passed)
 
 
 def render(report: Report) -> str:
@@ -199,18 +199,18 @@ def render(report: Report) -> str:
     environment.filters |= written | {"svg": _inline}
     environment.tests["text"] = lambda cell: isinstance(cell, str)
     template = resources.files(__package__).joinpath("page.html.j2").read_text(encoding="utf-8")
-    placed = tuple(parts(report.sections))
+    numbered = tuple(parts(report.sections))
     html = environment.from_string(template).render(
-        report=report, parts=placed, failures=failures(placed), kind=lambda block: type(block).__name__.lower()
+        report=report, parts=numbered, failures=failures(numbered), kind=lambda block: type(block).__name__.lower()
     )
-    if found := external(html):
-        raise DesignError(f"the report would load {', '.join(found)}: put all that it shows into the page itself")
+    if addresses := external_addresses(html):
+        raise DesignError(f"the report would load {', '.join(addresses)}: put all that it shows into the page itself")
     if twice := _repeated_ids(html):
         raise DesignError(f"the ids {', '.join(twice)} stand twice in the report: give each figure its own name")
     return html
 
 
-def external(html: str) -> tuple[str, ...]:
+def external_addresses(html: str) -> tuple[str, ...]:
     """Return what a browser would fetch, or follow, outside the page: addresses in attributes, styles and scripts."""
     reader = _Reader()
     reader.feed(html)

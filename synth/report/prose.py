@@ -36,13 +36,13 @@ class Part:
     parts: tuple["Part", ...] = ()
 
 
-def read(text: str, values: Mapping[str, Value]) -> Part:
+def parse(text: str, values: Mapping[str, Value]) -> Part:
     """Return prose as parts, those of the first level inside one without a title.
 
     Raises DesignError for an unknown placeholder, naming the known ones, a block inside a sentence, or a format that
     does not suit its value.
     """
-    titled = [(level, title, _blocks(body, values)) for level, title, body in _split(text)]
+    titled = [(level, title, _blocks(body, values)) for level, title, body in _split_at_titles(text)]
     first = titled[0][2]
     parts: list[Part] = []
     for level, title, blocks in titled[1:]:
@@ -53,32 +53,32 @@ def read(text: str, values: Mapping[str, Value]) -> Part:
     return Part("", first, tuple(parts))
 
 
-def placed(sections: Sequence[Section], parts: Sequence[Part]) -> tuple[Section, ...]:
+def merge(sections: Sequence[Section], parts: Sequence[Part]) -> tuple[Section, ...]:
     """Return sections with prose in front of their blocks; a part of another title follows the one before it."""
     placed = list(sections)
     at = 0
     for part in parts:
         same = next((k for k, s in enumerate(placed) if s.title == part.title), None)
         if same is None:
-            placed.insert(at, Section(part.title, part.blocks, placed_inside(part)))
+            placed.insert(at, Section(part.title, part.blocks, subsections(part)))
             at += 1
         else:
             old = placed[same]
-            placed[same] = replace(old, blocks=(*part.blocks, *old.blocks), sections=_inside(old, part))
+            placed[same] = replace(old, blocks=(*part.blocks, *old.blocks), sections=_merge_subsections(old, part))
             at = same + 1
     return tuple(placed)
 
 
-def placed_inside(part: Part) -> tuple[Section, ...]:
+def subsections(part: Part) -> tuple[Section, ...]:
     """Return the parts inside one as sections."""
-    return placed((), part.parts)
+    return merge((), part.parts)
 
 
-def _inside(section: Section, part: Part) -> tuple[Section, ...]:
-    return placed(section.sections, part.parts)
+def _merge_subsections(section: Section, part: Part) -> tuple[Section, ...]:
+    return merge(section.sections, part.parts)
 
 
-def _split(text: str) -> Iterator[tuple[int, str, str]]:
+def _split_at_titles(text: str) -> Iterator[tuple[int, str, str]]:
     """Yield (level, title, text) of each part, first what stands before any title."""
     level, title, body = 0, "", list[str]()
     fenced = False
@@ -99,7 +99,7 @@ def _blocks(text: str, values: Mapping[str, Value]) -> tuple[page.Block, ...]:
         match = _PLACEHOLDER.fullmatch(paragraph.strip())
         value = _value(match[1], values) if match else ""
         if isinstance(value, str | float | int):
-            words.append(_PLACEHOLDER.sub(lambda m: _written(m, values), paragraph))
+            words.append(_PLACEHOLDER.sub(lambda m: _escaped(m, values), paragraph))
         else:
             blocks += [*_text(words), value]
             words = []
@@ -108,10 +108,10 @@ def _blocks(text: str, values: Mapping[str, Value]) -> tuple[page.Block, ...]:
 
 def _text(paragraphs: Sequence[str]) -> list[page.Block]:
     text = "\n\n".join(paragraphs).strip()
-    return [rendered(text)] if text else []
+    return [render_markdown(text)] if text else []
 
 
-def rendered(text: str) -> page.Prose:
+def render_markdown(text: str) -> page.Prose:
     """Return Markdown as HTML, without images, titles and HTML of its own."""
     markdown = (
         MarkdownIt("commonmark", {"html": False, "typographer": False}).enable("table").disable(["image", "lheading"])
@@ -128,12 +128,12 @@ def _value(name: str, values: Mapping[str, Value]) -> Value:
     return values[name]
 
 
-def filled(text: str, values: Mapping[str, Value]) -> str:
+def fill_placeholders(text: str, values: Mapping[str, Value]) -> str:
     """Return a sentence with its placeholders filled in; raise DesignError as `read`."""
     return _PLACEHOLDER.sub(lambda m: _plain(m, values), text)
 
 
-def _written(match: re.Match[str], values: Mapping[str, Value]) -> str:
+def _escaped(match: re.Match[str], values: Mapping[str, Value]) -> str:
     return re.sub(r"([\\`*_{}\[\]<>#|!])", r"\\\1", _plain(match, values))
 
 

@@ -58,7 +58,7 @@ def experiment(
     caption = f"{run.title}: {run.about}."
     if run.references and window:
         caption += f" On the left {window[0]:g} to {window[1]:g} s."
-    measured = (Table("Measured", ("figure", "value", "unit"), _measured(run)),) if run.figures else ()
+    measured = (Table("Measured", ("figure", "value", "unit"), _measured_rows(run)),) if run.figures else ()
     checks = (Checks("Checks", run.checks),) if run.checks else ()
     return Section(run.title, (Figure(drawn, caption, beside), *measured, *checks))
 
@@ -101,10 +101,10 @@ def margins_ranges(margins: Sequence[Margins]) -> tuple[str, ...]:
     return tuple(f"{min(v):.3g} .. {max(v):.3g}" for v in (crossovers, *others))
 
 
-def disks(found: Mapping[str, Mapping[str, DiskMargin]]) -> Table:
+def disks(by_loop: Mapping[str, Mapping[str, DiskMargin]]) -> Table:
     """Return disk margins by loop and by where it is opened, all channels varied at once."""
     rows = []
-    for label, margins in found.items():
+    for label, margins in by_loop.items():
         for cut, m in margins.items():
             gains, hertz = f"{m.gain_low:.3g} .. {m.gain_high:.3g}", m.frequency / (2 * math.pi)
             rows.append((label, cut, m.lower, m.upper, gains, m.phase, hertz, "yes" if m.certified else "NO"))
@@ -112,9 +112,9 @@ def disks(found: Mapping[str, Mapping[str, DiskMargin]]) -> Table:
     return Table("Disk margins of all channels at once", (*columns, "all frequencies"), tuple(rows))
 
 
-def agreements(found: Iterable[Agreement]) -> Table:
+def agreements(compared: Iterable[Agreement]) -> Table:
     """Return how far each pair of witnesses is apart."""
-    rows = tuple(tuple(getattr(a, entry) for entry in AGREEMENT.values()) for a in found)
+    rows = tuple(tuple(getattr(a, entry) for entry in AGREEMENT.values()) for a in compared)
     return Table("Agreement of the witnesses; differences relative to max(floor, |value|)", tuple(AGREEMENT), rows)
 
 
@@ -124,16 +124,16 @@ def audit(rows: Iterable[Row]) -> Table:
     return Table(
         "Published figures recomputed. R: reproduces; RC: after the stated correction; N: does not",
         columns,
-        tuple((r.id, r.published.where, r.published.text, _recomputed(r), str(r.verdict), r.why) for r in rows),
+        tuple((r.id, r.published.where, r.published.text, _recomputed_text(r), str(r.verdict), r.why) for r in rows),
     )
 
 
-def cost(found: Cost | None) -> Section:
+def cost(measured: Cost | None) -> Section:
     """Return what the emitted step costs on a core, beside the C of other generators; None: nothing measured it."""
-    if found is None:
+    if measured is None:
         return Section("Cost", (Text("Not measured: no emulator or no cross compiler was installed."),))
-    rendered = (Table(t.caption, t.columns, t.rows, digits=6) for t in tables(found))
-    return Section("Cost", (Text(f"{NOTE} {'; '.join(found.absent)}."), *rendered))
+    rendered = (Table(t.caption, t.columns, t.rows, digits=6) for t in tables(measured))
+    return Section("Cost", (Text(f"{NOTE} {'; '.join(measured.absent)}."), *rendered))
 
 
 def files(texts: Mapping[str, str]) -> Table:
@@ -147,7 +147,7 @@ def _id(name: str) -> str:
     return "f-" + re.sub(r"[^A-Za-z0-9_-]", "_", name)
 
 
-def _measured(run: Experiment) -> tuple[tuple[Cell, ...], ...]:
+def _measured_rows(run: Experiment) -> tuple[tuple[Cell, ...], ...]:
     """Split 'mean |e_y|, um' into what is measured and its unit."""
     named = ((*(name.rsplit(", ", 1) if ", " in name else (name, "1")), value) for name, value in run.figures.items())
     return tuple((what, value, readable(unit)) for what, unit, value in named)
@@ -163,5 +163,5 @@ def _margins(curve: bode.LoopCurve) -> tuple[Cell, ...]:
     )
 
 
-def _recomputed(row: Row) -> str:
+def _recomputed_text(row: Row) -> str:
     return "\n".join(f"{f.name} {number(f.value, 5)} {readable(f.unit)}".rstrip() for f in row.recomputed)

@@ -173,7 +173,7 @@ def files(emitted: Mapping[str, Emitted]) -> Section:
     return Section(FILES, (sections.files(texts),))
 
 
-def listed(signals: Iterable[Signal]) -> str:
+def list_signals(signals: Iterable[Signal]) -> str:
     """Return signals as a text: how many, and which."""
     names = [s.name for s in signals]
     return f"{number(len(names))}: {', '.join(names)}"

@@ -64,8 +64,8 @@ def report(
     extra = extra or Extra()
     replaced = {s.title: s for s in extra.sections}
     made = [
-        *_computed(stage, gains(stage.name, files), evidence, replaced, extra),
-        standard.experiments(runs, extra.shown or shown(stage)),
+        *_computed_sections(stage, gains(stage.name, files), evidence, replaced, extra),
+        standard.experiments(runs, extra.shown or default_style(stage)),
         *((standard.audit(rows),) if rows else ()),
         standard.verification(evidence, FLOOR, is_margin),
         sections.cost(cost),
@@ -90,13 +90,13 @@ def assembled(
 
     Raises DesignError as `prose.read`.
     """
-    words = prose.read("\n\n".join(own_words(folder) for folder in (*shared, name)), values or {})
+    words = prose.parse("\n\n".join(design_prose(folder) for folder in (*shared, name)), values or {})
     summary = (Section("Summary", words.blocks),) if words.blocks else ()
-    placed = prose.placed(parts, words.parts)
+    placed = prose.merge(parts, words.parts)
     return page.render(page.Report(name, about, (*summary, *placed), tuple(facts)))
 
 
-def _computed(
+def _computed_sections(
     stage: Stage, gains: Mapping[str, Any], evidence: Evidence, replaced: Mapping[str, Section], extra: Extra
 ) -> list[Section]:
     """Return the sections that are computed for the report, those left out that the design replaces."""
@@ -118,12 +118,12 @@ def gains(name: str, files: Mapping[str, Emitted]) -> Mapping[str, Any]:
 
 def facts(stage: Stage) -> tuple[tuple[str, str], ...]:
     """Return what stands at the top of a stage's report."""
-    around, signals = stage.interface, stage.interface.signals
-    points = f"; set-points {', '.join(s.name for s in around.set_points)}" if around.set_points else ""
-    inputs = f"sensors {', '.join(s.name for s in around.sensors)}{points}"
-    outputs = ", ".join(f"{a.name} in {signals[a.name].unit}" for a in around.actuators)
-    shown = outputs or standard.listed(stage.controller.block.outputs)
-    delay = f"{around.delay} sample{'s' if around.delay != 1 else ''} from measurement to actuation"
+    interface, signals = stage.interface, stage.interface.signals
+    points = f"; set-points {', '.join(s.name for s in interface.set_points)}" if interface.set_points else ""
+    inputs = f"sensors {', '.join(s.name for s in interface.sensors)}{points}"
+    outputs = ", ".join(f"{a.name} in {signals[a.name].unit}" for a in interface.actuators)
+    shown = outputs or standard.list_signals(stage.controller.block.outputs)
+    delay = f"{interface.delay} sample{'s' if interface.delay != 1 else ''} from measurement to actuation"
     return (*standard.facts(stage.controller.time, stage.scalar, inputs, shown), ("delay", delay))
 
 
@@ -137,7 +137,7 @@ def loops(stage: Stage, required: Sequence[Check]) -> Section:
     return standard.loops(robustness.opened(opened), required, blocks)
 
 
-def shown(stage: Stage) -> Shown:
+def default_style(stage: Stage) -> Shown:
     """Return how a stage's experiments are shown: units and resolutions as declared."""
     plant = stage.plant
     signals = [*plant.states, *plant.inputs, *plant.outputs, *stage.interface.signals.values()]
@@ -152,24 +152,24 @@ def is_margin(check: Check) -> bool:
 
 def values(stage: Stage, rows: Sequence[Row]) -> dict[str, Value]:
     """Return what report.md may ask for of any stage."""
-    around, period = stage.interface, stage.controller.time.period_s
+    interface, period = stage.interface, stage.controller.time.period_s
     known: dict[str, Value] = {
         "name": stage.name,
         "period_ms": 1e3 * period,
         "rate_hz": 1 / period,
         "scalar": np.dtype(stage.scalar).name,
-        "delay": around.delay,
-        "bad_samples": around.bad_samples,
-        "reason": around.reason,
+        "delay": interface.delay,
+        "bad_samples": interface.bad_samples,
+        "reason": interface.reason,
     }
     known |= {f"plant.{p.name}": p.value for p in stage.plant.parameters}
     return known | {f"audit.{row.id}": row.published.text for row in rows}
 
 
-def own_words(name: str) -> str:
+def design_prose(name: str) -> str:
     """Return the text of a design's report.md, nothing where it has none."""
-    found = importlib.util.find_spec(f"designs.{name}") if importlib.util.find_spec("designs") else None
-    for folder in (found.submodule_search_locations or ()) if found else ():
+    package = importlib.util.find_spec(f"designs.{name}") if importlib.util.find_spec("designs") else None
+    for folder in (package.submodule_search_locations or ()) if package else ():
         if (path := Path(folder) / "report.md").is_file():
             return path.read_text(encoding="utf-8")
     return ""

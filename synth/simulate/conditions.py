@@ -64,9 +64,9 @@ class Conditions:
 
 def values(course: Course, time: Array) -> Array:
     """Return a course at times (N,) in s; raise SignalError for one that has another count of values."""
-    found = np.asarray(course(time) if callable(course) else course, dtype=np.float64)
-    if found.shape not in ((), time.shape):
+    samples = np.asarray(course(time) if callable(course) else course, dtype=np.float64)
+    if samples.shape not in ((), time.shape):
         raise SignalError(
-            f"a course has values of shape {found.shape}: give one, or one for each of {len(time)} samples"
+            f"a course has values of shape {samples.shape}: give one, or one for each of {len(time)} samples"
         )
-    return np.array(np.broadcast_to(found, time.shape))
+    return np.array(np.broadcast_to(samples, time.shape))

@@ -77,20 +77,20 @@ class Step:
     def run(self, rig: Rig) -> Experiment:
         """Run for a settling time before the step and four after it."""
         position, unit = _position(rig, self.set_point)
-        start = self.under.start.get(position, _point(rig, self.set_point).initial or 0.0)
+        start = self.under.start.get(position, _set_point(rig, self.set_point).initial or 0.0)
         target, time = start + self.height, sample_times(5 * self.settles_s, rig.period_s)
         course = np.where(time < self.settles_s, start, target)
         trajectory = _trajectory(rig, 5 * self.settles_s, {self.set_point: course}, self.under)
         k = int(np.argmax(time >= self.settles_s))
         y, band = trajectory[position], max(BAND * abs(self.height), _resolution(rig, position))
-        settled = metrics.settling_time(time[k:], y[k:] - target, band)
-        beyond = metrics.overshoot(y[k:], start, target)
+        settling_time = metrics.settling_time(time[k:], y[k:] - target, band)
+        overshoot = metrics.overshoot(y[k:], start, target)
         checks = [
-            Check("overshoot", beyond, self.overshoot, "1", f"of the step of {position}"),
-            Check("settling time", settled, self.settles_s, "s", f"{position} stays within {band:.3g} {unit}"),
+            Check("overshoot", overshoot, self.overshoot, "1", f"of the step of {position}"),
+            Check("settling time", settling_time, self.settles_s, "s", f"{position} stays within {band:.3g} {unit}"),
         ]
         if self.error is not None:
-            checks.append(_at_end(trajectory, position, target, self.error, unit))
+            checks.append(_final_error_check(trajectory, position, target, self.error, unit))
         title = f"{position} steps by {self.height:g} {unit}{self.under.text()}"
         figures = {"rise time, s": metrics.rise_time(time[k:], y[k:], start, target)}
         return _experiment(rig, self.name, title, trajectory, {position: course}, figures, checks)
@@ -156,12 +156,12 @@ class Hold:
         checks, courses, figures = [], {}, {}
         for name, limit in self.errors.items():
             position, unit = _position(rig, name)
-            r = float(self.under.start.get(position, _point(rig, name).initial or 0.0))
+            r = float(self.under.start.get(position, _set_point(rig, name).initial or 0.0))
             courses[position] = np.full(len(trajectory.time), r)
             error = trajectory[position] - r
             figures[f"largest |e_{position}| from the start, {unit}"] = float(np.abs(error).max())
             checks.append(
-                Check(f"largest |e_{position}|", _largest(error[late]), limit, unit, f"from {self.after_s:g} s on")
+                Check(f"largest |e_{position}|", _peak(error[late]), limit, unit, f"from {self.after_s:g} s on")
             )
         title = f"{', '.join(courses)} held{self.under.text()}"
         return _experiment(rig, self.name, title, trajectory, courses, figures, checks)
@@ -193,16 +193,18 @@ class LiftOff:
         time = sample_times(duration, rig.period_s)
         checks, shown, courses = [], {}, {}
         for name, end in self.to.items():
-            begin = self.under.start.get(_position(rig, name)[0], _point(rig, name).initial or 0.0)
-            courses[name] = Ramp(_inside(begin, _point(rig, name)), end, self.ramp_s / 4, self.ramp_s)(time)
+            begin = self.under.start.get(_position(rig, name)[0], _set_point(rig, name).initial or 0.0)
+            courses[name] = Ramp(_limited_to_range(begin, _set_point(rig, name)), end, self.ramp_s / 4, self.ramp_s)(
+                time
+            )
         trajectory = _trajectory(rig, duration, courses, self.under)
         for name, end in self.to.items():
             position, unit = _position(rig, name)
             shown[position], begin = courses[name], float(trajectory[position][0])
             if begin != end:
-                beyond = metrics.overshoot(trajectory[position], begin, end)
-                checks.append(Check(f"overshoot of {position}", beyond, self.overshoot, "1", "of the way"))
-            checks.append(_at_end(trajectory, position, end, self.error, unit))
+                overshoot = metrics.overshoot(trajectory[position], begin, end)
+                checks.append(Check(f"overshoot of {position}", overshoot, self.overshoot, "1", "of the way"))
+            checks.append(_final_error_check(trajectory, position, end, self.error, unit))
         return _experiment(rig, self.name, f"Start{self.under.text()}", trajectory, shown, {}, checks)
 
 
@@ -223,29 +225,29 @@ def run(rig: Rig, experiments: Sequence[Runnable], progress: Callable[[str], Non
 
 def _trajectory(rig: Rig, duration_s: float, courses: Mapping[str, Array], under: Conditions) -> Trajectory:
     time = sample_times(duration_s, rig.period_s)
-    around = rig.stage.interface
-    forcing: dict[str, Any] = dict.fromkeys(around.disturbances, 0.0)
+    interface = rig.stage.interface
+    forcing: dict[str, Any] = dict.fromkeys(interface.disturbances, 0.0)
     forcing |= {n: c if callable(c) else conditions.values(c, time) for n, c in under.disturbances.items()}
     plant = rig.plant.with_parameters(**under.parameters) if under.parameters else rig.plant
     options = {"forcing": forcing} | dict(under.options)
     return replace(rig, plant=plant).run(duration_s, under.start, courses, **options)
 
 
-def _point(rig: Rig, name: str) -> Any:
+def _set_point(rig: Rig, name: str) -> Any:
     points = {s.name: s for s in rig.stage.interface.set_points}
     if name not in points:
         raise SignalError(f"the stage has no set-point '{name}': name one of {', '.join(points) or 'none'}")
     return points[name]
 
 
-def _inside(value: float, point: Any) -> float:
+def _limited_to_range(value: float, point: Any) -> float:
     """Return a start within the set-point's range: a stop may lie outside it."""
     return float(np.clip(value, point.low, point.high))
 
 
 def _position(rig: Rig, set_point: str) -> tuple[str, str]:
     """Return the plant's state or output that a set-point is for, and its unit."""
-    of = _point(rig, set_point).of
+    of = _set_point(rig, set_point).of
     of = {s.name: s.of for s in rig.stage.interface.sensors}.get(of, of)
     known: dict[str, Signal] = {s.name: s for s in (*rig.plant.outputs, *rig.plant.states)}
     return of, known[of].unit
@@ -255,14 +257,14 @@ def _resolution(rig: Rig, position: str) -> float:
     return max((s.resolution for s in rig.stage.interface.sensors if s.of == position), default=0.0)
 
 
-def _largest(error: Array) -> float:
+def _peak(error: Array) -> float:
     return float(np.abs(error).max()) if error.size else np.nan
 
 
-def _at_end(trajectory: Trajectory, position: str, target: float, limit: float, unit: str) -> Check:
+def _final_error_check(trajectory: Trajectory, position: str, target: float, limit: float, unit: str) -> Check:
     last = trajectory.time >= (1 - END) * trajectory.time[-1]
     about = f"in the last {100 * END:g} % of the run"
-    return Check(f"|e_{position}| at the end", _largest(trajectory[position][last] - target), limit, unit, about)
+    return Check(f"|e_{position}| at the end", _peak(trajectory[position][last] - target), limit, unit, about)
 
 
 def _experiment(
@@ -276,13 +278,13 @@ def _experiment(
 ) -> Experiment:
     """Return the experiment with the check for faults and the actuators' largest values."""
     faulty = Check("samples with a fault bit", float(np.count_nonzero(trajectory.faults)), 0.0, "1")
-    around = rig.stage.interface
+    interface = rig.stage.interface
     used = {
         f"largest |{s.name}|, {s.unit}": float(np.abs(trajectory.commands[s.name]).max())
-        for s in around.outputs
+        for s in interface.outputs
         if s.name in trajectory.commands
     }
-    about = f"the full plant, sensors as declared, {around.delay} samples of delay"
+    about = f"the full plant, sensors as declared, {interface.delay} samples of delay"
     return Experiment(
         name, title, about, trajectory, tuple(courses), dict(courses), dict(figures) | used, (*checks, faulty)
     )

@@ -92,7 +92,7 @@ def fail(
     """
     time = sample_times(duration_s, rig.period_s)
     k = int(np.argmax(time >= at_s))
-    value = _reading(rig, sensor, k, courses, start) if shown is None else shown
+    value = _sound_reading(rig, sensor, k, courses, start) if shown is None else shown
     bad = Override(np.arange(len(time)) >= k, np.full(len(time), value))
     run = rig.run(duration_s, start, courses, overrides={sensor: bad})
     positions = {s.name: s.of for s in rig.stage.interface.set_points}
@@ -110,7 +110,7 @@ def bits(rig: Rig) -> dict[str, int]:
     return words
 
 
-def _reading(rig: Rig, sensor: str, k: int, courses: Mapping[str, Array], start: Mapping[str, float]) -> float:
+def _sound_reading(rig: Rig, sensor: str, k: int, courses: Mapping[str, Array], start: Mapping[str, float]) -> float:
     """Return what a sound sensor shows at sample k."""
     until = {name: course[: k + 1] for name, course in courses.items()}
     return float(rig.run((k + 1) * rig.period_s, start, until).measured[sensor][k])

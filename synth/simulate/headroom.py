@@ -19,7 +19,7 @@ from synth.simulate.experiment import Experiment
 
 LARGEST = 1 - 1e-6
 NAME = "largest |state| / bound"
-_AROUND = ("guard_", "safe_output_")
+_GUARD_PREFIXES = ("guard_", "safe_output_")
 _REAL = ("float", "double")
 
 
@@ -30,7 +30,7 @@ def ratios(controller: host.Controller, inputs: Mapping[str, ArrayLike]) -> dict
     """
     states = recording.states(controller, inputs)
     fields = controller.manifest["structs"]["state"]["fields"]
-    laws = [f for f in fields if f["ctype"] in _REAL and not f["name"].startswith(_AROUND)]
+    laws = [f for f in fields if f["ctype"] in _REAL and not f["name"].startswith(_GUARD_PREFIXES)]
     return {f["name"]: _ratio(states[f["name"]].astype(np.float64), f["low"], f["high"]) for f in laws}
 
 
@@ -44,12 +44,12 @@ def judged(experiment: Experiment, controller: host.Controller, limited: Collect
 
     `limited` are states that may; `controller` is the C in double precision.
     """
-    found = ratios(controller, experiment.trajectory.measured)
-    if not found:
+    peaks = ratios(controller, experiment.trajectory.measured)
+    if not peaks:
         return experiment
-    free = {name: r for name, r in found.items() if name not in limited}
-    largest = max(found, key=lambda name: found[name])
-    figures = {**experiment.figures, f"{NAME} ({largest})": found[largest]}
+    free = {name: r for name, r in peaks.items() if name not in limited}
+    largest = max(peaks, key=lambda name: peaks[name])
+    figures = {**experiment.figures, f"{NAME} ({largest})": peaks[largest]}
     if not free:
         return replace(experiment, figures=figures)
     worst = max(free, key=lambda name: free[name])

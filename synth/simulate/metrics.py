@@ -69,18 +69,18 @@ def rise_time(time: ArrayLike, y: ArrayLike, start: float, target: float) -> flo
     if step == 0 or not np.isfinite(step):
         raise SignalError(f"step from {start} to {target}: a rise time needs a finite step other than 0; give another")
     t, values = _series(time, y)
-    part = (values - start) / step
-    ends = [_crossed(t, part, level) for level in (0.1, 0.9)]
+    fraction = (values - start) / step
+    ends = [_crossing_time(t, fraction, level) for level in (0.1, 0.9)]
     return ends[1] - ends[0] if np.isfinite(ends[1]) else np.inf
 
 
-def _crossed(t: Array, part: Array, level: float) -> float:
+def _crossing_time(t: Array, fraction: Array, level: float) -> float:
     """Return when `part` (N,) first reaches `level`, linear between samples; inf if never."""
-    above = np.flatnonzero(part >= level)
+    above = np.flatnonzero(fraction >= level)
     if not above.size:
         return np.inf
     k = int(above[0])
-    return float(np.interp(level, part[k - 1 : k + 1], t[k - 1 : k + 1])) if k else float(t[0])
+    return float(np.interp(level, fraction[k - 1 : k + 1], t[k - 1 : k + 1])) if k else float(t[0])
 
 
 def settling_time(time: ArrayLike, error: ArrayLike, band: float) -> float:

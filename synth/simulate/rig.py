@@ -68,21 +68,21 @@ class Rig:
 
         Raises SignalError and WiringError as `closed_loop.simulate`.
         """
-        around, start = self.stage.interface, {**self.stage.start, **(start or {})}
+        interface, start = self.stage.interface, {**self.stage.start, **(start or {})}
         n = len(sample_times(duration_s, self.period_s))
-        rest = {s.name: start.get(s.of, s.initial) for s in around.set_points}
+        rest = {s.name: start.get(s.of, s.initial) for s in interface.set_points}
         commands = self.controller.outputs.names or ()
         fields: dict[str, Any] = {
-            "sensors": {s.name: s.of for s in around.sensors},
-            "actuators": self.actuators or self.stage.wires or {a.of: a.name for a in around.actuators},
+            "sensors": {s.name: s.of for s in interface.sensors},
+            "actuators": self.actuators or self.stage.wires or {a.of: a.name for a in interface.actuators},
             "references": rest | dict(references or {}),
             "encoders": self._encoders(),
             "noise": self._noise(n),
-            "hold": {a.name: a.safe for a in around.actuators if a.name in commands},
-            "forcing": dict.fromkeys(around.disturbances, 0.0),
+            "hold": {a.name: a.safe for a in interface.actuators if a.name in commands},
+            "forcing": dict.fromkeys(interface.disturbances, 0.0),
             "velocities": self.stage.velocities,
             "stops": self.stage.stops,
-            "delay": around.delay,
+            "delay": interface.delay,
             "substeps": self.stage.substeps,
         }
         scenario = Scenario(duration_s, start, **(fields | options))
@@ -90,10 +90,10 @@ class Rig:
 
     def at_rest(self) -> dict[str, float]:
         """Return the controller's inputs where the stage starts, without currents."""
-        around, start = self.stage.interface, self.stage.start
+        interface, start = self.stage.interface, self.stage.start
         outputs = self.plant.output_values(start)
-        sensors = {s.name: float(outputs[s.of][0]) for s in around.sensors}
-        return sensors | {s.name: float(start.get(s.of, s.initial or 0.0)) for s in around.set_points}
+        sensors = {s.name: float(outputs[s.of][0]) for s in interface.sensors}
+        return sensors | {s.name: float(start.get(s.of, s.initial or 0.0)) for s in interface.set_points}
 
     def _encoders(self) -> dict[str, Encoder]:
         return {s.name: Encoder(s.resolution) for s in self.stage.interface.sensors if self.quantised and s.resolution}

@@ -28,7 +28,7 @@ from synth.execute import host
 
 Columns = Mapping[str, NDArray[Any]]
 Floor = float | Mapping[str, float] | None
-IN_A_ROW = 1000  # samples that one call of CasADi steps through: more take memory and no less time
+CHUNK = 1000  # samples that one call of CasADi steps through: more take memory and no less time
 
 
 @dataclass(frozen=True)
@@ -80,14 +80,14 @@ def compare(
     Raises SignalError as `floors`.
     """
     (name, r), (other, v) = first, second
-    sizes = _sizes(r, floor, block)
+    sizes = _scales(r, floor, block)
     outputs, states = differences(r, v, floor, block)
     signal, sample, worst = _worst(outputs)
     state, _, state_worst = _worst(states)
-    gaps = {n: _gap(r.outputs[n], v.outputs[n]) for n in sizes}
+    gaps = {n: _absolute_difference(r.outputs[n], v.outputs[n]) for n in sizes}
     ulps = max(float(np.max(gap / np.spacing(sizes[n].astype(scalar)).astype(np.float64))) for n, gap in gaps.items())
-    unlike = int(np.count_nonzero(np.asarray(r.faults) != np.asarray(v.faults)))
-    return Agreement(name, other, what, len(r.faults), worst, signal, sample, ulps, unlike, state_worst, state)
+    faults_differ = int(np.count_nonzero(np.asarray(r.faults) != np.asarray(v.faults)))
+    return Agreement(name, other, what, len(r.faults), worst, signal, sample, ulps, faults_differ, state_worst, state)
 
 
 def differences(
@@ -97,12 +97,12 @@ def differences(
 
     Raises SignalError as `floors`.
     """
-    sizes, widths = _sizes(first, floor, block), {s.name: s.signal.high - s.signal.low for s in block.states}
-    outputs = {n: _gap(first.outputs[n], second.outputs[n]) / size for n, size in sizes.items()}
-    return outputs, {n: _gap(first.states[n], second.states[n]) / width for n, width in widths.items()}
+    sizes, widths = _scales(first, floor, block), {s.name: s.signal.high - s.signal.low for s in block.states}
+    outputs = {n: _absolute_difference(first.outputs[n], second.outputs[n]) / size for n, size in sizes.items()}
+    return outputs, {n: _absolute_difference(first.states[n], second.states[n]) / width for n, width in widths.items()}
 
 
-def _sizes(of: Stepped, floor: Floor, block: Block) -> dict[str, NDArray[np.float64]]:
+def _scales(of: Stepped, floor: Floor, block: Block) -> dict[str, NDArray[np.float64]]:
     """Return what the differences of outputs are relative to."""
     least = floors(floor, {s.name: (s.low, s.high) for s in block.outputs})
     return {n: np.maximum(least[n], np.abs(np.asarray(of.outputs[n], dtype=np.float64))) for n in least}
@@ -113,21 +113,21 @@ def floors(floor: Floor, ranges: Mapping[str, tuple[float, float]]) -> dict[str,
 
     Raises SignalError for a floor of no output, or one that is not finite and positive.
     """
-    own = floor if isinstance(floor, Mapping) else {} if floor is None else dict.fromkeys(ranges, floor)
-    if unknown := [n for n in own if n not in ranges]:
+    by_output = floor if isinstance(floor, Mapping) else {} if floor is None else dict.fromkeys(ranges, floor)
+    if unknown := [n for n in by_output if n not in ranges]:
         raise SignalError(
             f"floor of '{unknown[0]}': it is not one of the outputs {', '.join(ranges)}: correct the name"
         )
-    least = {n: own.get(n, max(abs(low), abs(high)) or 1.0) for n, (low, high) in ranges.items()}
+    least = {n: by_output.get(n, max(abs(low), abs(high)) or 1.0) for n, (low, high) in ranges.items()}
     for name, value in least.items():
         if not 0 < value < np.inf:
             raise SignalError(f"floor of '{name}' is {value}: give a finite positive number in the output's unit")
     return least
 
 
-def _gap(expected: Any, found: Any) -> NDArray[np.float64]:
+def _absolute_difference(expected: Any, actual: Any) -> NDArray[np.float64]:
     with np.errstate(invalid="ignore"):
-        gap = np.abs(np.asarray(found, dtype=np.float64) - np.asarray(expected, dtype=np.float64))
+        gap = np.abs(np.asarray(actual, dtype=np.float64) - np.asarray(expected, dtype=np.float64))
     return np.atleast_1d(np.where(np.isfinite(gap), gap, np.inf))
 
 
@@ -156,14 +156,14 @@ def emitted(controller: host.Controller) -> Witness:
 
 def casadi(block: Block) -> Witness:
     """Return CasADi's evaluation of the Block as a witness."""
-    return Evaluated(block, _with_faults(block))
+    return CasadiWitness(block, _with_fault_word(block))
 
 
 def casadi_own_c(block: Block, flags: Sequence[str] = ()) -> Witness:
     """Return CasADi's own C of the Block, compiled here, as a witness."""
-    f = _with_faults(block)
+    f = _with_fault_word(block)
     library = host_compiler.shared_library(casadi_c.functions([f], f"{block.name}_casadi"), flags)
-    return Evaluated(block, ca.external(f.name(), str(library)))
+    return CasadiWitness(block, ca.external(f.name(), str(library)))
 
 
 def reference(step: Callable[[Any, Any], tuple[Columns, Columns, Any]]) -> Witness:
@@ -180,7 +180,7 @@ def recorded(witness: Witness, states: Mapping[str, float], inputs: Columns) -> 
     """Run a witness over N recorded inputs in a row, (N,) or (N, copies), from one state, by one step at a time."""
     n, *copies = shape = next(iter(inputs.values())).shape
     now: Columns = {name: np.full(copies or 1, value) for name, value in states.items()}
-    if isinstance(witness, Evaluated) and not copies:
+    if isinstance(witness, CasadiWitness) and not copies:
         return witness.in_a_row(now, inputs)
     columns = {name: values.reshape(n, *(copies or [1])) for name, values in inputs.items()}
     rows: list[Stepped] = []
@@ -192,12 +192,12 @@ def recorded(witness: Witness, states: Mapping[str, float], inputs: Columns) -> 
     return Stepped(outputs, now, np.reshape([row.faults for row in rows], shape))
 
 
-def recorded_runs(witness: Witness, states: Mapping[str, float], runs: Sequence[Columns]) -> list[Stepped]:
+def run_each(witness: Witness, states: Mapping[str, float], runs: Sequence[Columns]) -> list[Stepped]:
     """Run a witness over recorded inputs (N,) of several runs, each from the same state.
 
     A witness that takes one step at a time takes it for all runs that last, side by side.
     """
-    if isinstance(witness, Evaluated):
+    if isinstance(witness, CasadiWitness):
         return [recorded(witness, states, run) for run in runs]
     lengths = [len(next(iter(run.values()))) for run in runs]
     order, ends = sorted(range(len(runs)), key=lambda j: -lengths[j]), sorted({0, *lengths})
@@ -210,17 +210,17 @@ def recorded_runs(witness: Witness, states: Mapping[str, float], runs: Sequence[
         both = recorded(witness, start, inputs)
         now = both.states
         for k, j in enumerate(going):
-            parts[j].append(_copy(both, k))
-    return [_in_a_row(of_run) for of_run in parts]
+            parts[j].append(_select_run(both, k))
+    return [_concatenate(of_run) for of_run in parts]
 
 
-def _copy(both: Stepped, k: int) -> Stepped:
+def _select_run(both: Stepped, k: int) -> Stepped:
     """Return one of several runs side by side."""
     outputs = {name: value[:, k] for name, value in both.outputs.items()}
     return Stepped(outputs, {name: value[k : k + 1] for name, value in both.states.items()}, both.faults[:, k])
 
 
-def _in_a_row(parts: Sequence[Stepped]) -> Stepped:
+def _concatenate(parts: Sequence[Stepped]) -> Stepped:
     """Return the parts of a run as one."""
     outputs = {name: np.concatenate([part.outputs[name] for part in parts]) for name in parts[0].outputs}
     return Stepped(outputs, parts[-1].states, np.concatenate([part.faults for part in parts]))
@@ -233,7 +233,7 @@ def replayed(controller: host.Controller, inputs: Columns) -> Stepped:
     return Stepped(replay.outputs, state, replay.faults)
 
 
-def _with_faults(block: Block) -> ca.Function:
+def _with_fault_word(block: Block) -> ca.Function:
     """Return (x, u) -> (x', y, fault word)."""
     f = block.function()
     x, u = f.sx_in()
@@ -247,7 +247,7 @@ def _with_faults(block: Block) -> ca.Function:
 
 
 @dataclass(frozen=True, eq=False)
-class Evaluated:
+class CasadiWitness:
     """A CasADi function (x, u) -> (x', y, fault word) of a Block as a witness."""
 
     block: Block
@@ -261,8 +261,8 @@ class Evaluated:
         """Return N steps in a row from one state. The loop over them is CasADi's, which starts its machine once."""
         x, u = self._read(states, inputs)
         x, recorded = x.reshape(-1, 1), []
-        for first in range(0, u.shape[1], IN_A_ROW):
-            part = u[:, first : first + IN_A_ROW]
+        for first in range(0, u.shape[1], CHUNK):
+            part = u[:, first : first + CHUNK]
             after, y, word = (np.asarray(r) for r in self.function.mapaccum(part.shape[1])(x, part))
             x = after[:, -1:]
             recorded.append((y, word))

@@ -69,21 +69,21 @@ def members(manifest: Mapping[str, Any], role: str) -> tuple[Member, ...]:
 
 def headers(files: Mapping[str, str]) -> tuple[str, ...]:
     """Return the names of the headers among emitted files; raise DesignError when there is none."""
-    return _ending(files, ".h")
+    return _files_with_suffix(files, ".h")
 
 
 def units(files: Mapping[str, str]) -> tuple[str, ...]:
     """Return the names of the C sources among emitted files; raise DesignError when there is none."""
-    return _ending(files, ".c")
+    return _files_with_suffix(files, ".c")
 
 
-def tool(command: str, package: str) -> str:
+def find_tool(command: str, package: str) -> str:
     """Return the path of a program.
 
     Raises CompileError, with the Debian package that brings it, when it is not on the PATH.
     """
-    if found := shutil.which(command):
-        return found
+    if path := shutil.which(command):
+        return path
     raise CompileError(f"{command}: not on the PATH, needed for the proofs: run `apt-get install {package}`")
 
 
@@ -93,10 +93,10 @@ def _elements(role: str, field: Mapping[str, Any]) -> list[Member]:
         raise DesignError(f"manifest, {role} '{name}': found the ctype {ctype!r}, need one of {', '.join(_TYPES)}")
     paths = [name] if count == 1 else [f"{name}[{k}]" for k in range(count)]
     lows, highs = (np.broadcast_to(np.asarray(field[end], dtype=np.float64), count) for end in ("low", "high"))
-    found = [Member(path, ctype, float(a), float(b)) for path, a, b in zip(paths, lows, highs, strict=True)]
-    for member in found:
+    elements = [Member(path, ctype, float(a), float(b)) for path, a, b in zip(paths, lows, highs, strict=True)]
+    for member in elements:
         _require_bounds(role, member)
-    return found
+    return elements
 
 
 def _require_bounds(role: str, member: Member) -> None:
@@ -111,8 +111,8 @@ def _require_bounds(role: str, member: Member) -> None:
         )
 
 
-def _ending(files: Mapping[str, str], suffix: str) -> tuple[str, ...]:
-    found = tuple(sorted(name for name in files if name.endswith(suffix)))
-    if not found:
+def _files_with_suffix(files: Mapping[str, str], suffix: str) -> tuple[str, ...]:
+    matching = tuple(sorted(name for name in files if name.endswith(suffix)))
+    if not matching:
         raise DesignError(f"emitted C: found {sorted(files)}, need a file that ends in {suffix}: add it")
-    return found
+    return matching

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 CLOCK_HZ = 168e6
-OWN = "synth"
+SYNTH = "synth"
 NOTE = (
     "Instructions, not cycles, and counted on the steps that were run, not a bound of the worst case. The share of the "
     "period is that of as many cycles at 168 MHz. The cycles are an estimate from the table that Arm publishes, for "
@@ -24,7 +24,7 @@ NOTE = (
 
 
 @dataclass(frozen=True)
-class Spread:
+class Summary:
     """The least, the mean and the most of a figure over some steps."""
 
     least: int
@@ -56,7 +56,7 @@ class Memory:
 
 
 @dataclass(frozen=True)
-class Figures:
+class StepCost:
     """One generator's step, by one build, over steps that all generators are given.
 
     `cycles` are the least and the most of an estimate, each over the steps. `functions` are mean instructions a step,
@@ -67,9 +67,9 @@ class Figures:
     generator: str
     build: str
     steps: int
-    issued: Spread
-    executed: Spread
-    cycles: tuple[Spread, Spread]
+    issued: Summary
+    executed: Summary
+    cycles: tuple[Summary, Summary]
     functions: Mapping[str, float]
     memory: Memory
     doubles: int
@@ -77,13 +77,13 @@ class Figures:
 
 
 @dataclass(frozen=True)
-class Measured:
+class SequenceCost:
     """What the emitted C issues in one named sequence, by one build."""
 
     name: str
     build: str
     steps: int
-    issued: Spread
+    issued: Summary
 
 
 @dataclass(frozen=True)
@@ -111,8 +111,8 @@ class Cost:
     design: str
     core: str
     period_s: float
-    compared: tuple[Figures, ...]
-    sequences: tuple[Measured, ...]
+    compared: tuple[StepCost, ...]
+    sequences: tuple[SequenceCost, ...]
     coverage: tuple[Coverage, ...]
     operations: Mapping[str, int]
     absent: tuple[str, ...]
@@ -121,10 +121,10 @@ class Cost:
         """Return the part of the period that so many instructions take, were each one cycle."""
         return issued / (CLOCK_HZ * self.period_s)
 
-    def ratio(self, found: Figures) -> float:
+    def ratio(self, figures: StepCost) -> float:
         """Return mean instructions of a generator over those of the first one by the same build."""
-        first = next(f for f in self.compared if f.build == found.build)
-        return found.issued.mean / first.issued.mean
+        first = next(f for f in self.compared if f.build == figures.build)
+        return figures.issued.mean / first.issued.mean
 
     @property
     def most(self) -> Mapping[str, int]:
@@ -151,14 +151,14 @@ class Cost:
             "shares": {build: self.share(most) for build, most in worst.items()},
             "most": worst,
             "instructions_per_operation": {
-                f.build: f.issued.mean / self.arithmetic for f in self.compared if f.generator == OWN
+                f.build: f.issued.mean / self.arithmetic for f in self.compared if f.generator == SYNTH
             },
         }
 
 
-def spread(values: NDArray[np.int64]) -> Spread:
+def summarise(values: NDArray[np.int64]) -> Summary:
     """Summarise a figure (N,), N >= 1."""
-    return Spread(int(values.min()), float(values.mean()), int(values.max()))
+    return Summary(int(values.min()), float(values.mean()), int(values.max()))
 
 
 class Table(NamedTuple):
@@ -169,12 +169,19 @@ class Table(NamedTuple):
     rows: tuple[tuple[str, ...], ...]
 
 
-def tables(found: Cost) -> tuple[Table, ...]:
+def tables(cost: Cost) -> tuple[Table, ...]:
     """Return the figures as tables, for a terminal or a page."""
-    return (_compared(found), _bytes(found), _functions(found), _sequences(found), _coverage(found), _operations(found))
+    return (
+        _comparison_table(cost),
+        _memory_table(cost),
+        _function_table(cost),
+        _sequence_table(cost),
+        _coverage_table(cost),
+        _operation_table(cost),
+    )
 
 
-def _compared(found: Cost) -> Table:
+def _comparison_table(cost: Cost) -> Table:
     columns = (
         *("generator", "build", "issued", "executed", "ratio", "period, %"),
         *("cycles, estimate", "outputs off, of range"),
@@ -182,56 +189,56 @@ def _compared(found: Cost) -> Table:
     rows = tuple(
         (
             *(f.generator, f.build, str(f.issued), str(f.executed)),
-            *(f"{found.ratio(f):.2f}", f"{100 * found.share(f.issued.mean):.3g}"),
+            *(f"{cost.ratio(f):.2f}", f"{100 * cost.share(f.issued.mean):.3g}"),
             *(f"{f.cycles[0].mean:.0f} .. {f.cycles[1].mean:.0f}", f"{f.difference:.1e}"),
         )
-        for f in found.compared
+        for f in cost.compared
     )
-    steps = found.compared[0].steps
-    caption = f"Instructions a step, least .. mean .. most, {found.core}, over the same {steps} closed-loop steps"
+    steps = cost.compared[0].steps
+    caption = f"Instructions a step, least .. mean .. most, {cost.core}, over the same {steps} closed-loop steps"
     return Table(caption, columns, rows)
 
 
-def _bytes(found: Cost) -> Table:
+def _memory_table(cost: Cost) -> Table:
     columns = (
         *("generator", "build", "code", "constants", "RAM of libm", "state", "inputs, outputs", "stack", "RAM in all"),
         "double symbols",
     )
     rows = []
-    for f in found.compared:
+    for f in cost.compared:
         m = f.memory
         sizes = (m.code, m.constants, m.data, m.state, m.signals, m.stack, m.working)
         rows.append((f.generator, f.build, *map(str, sizes), str(f.doubles)))
     return Table("Bytes, with all of libm that the step reaches", columns, tuple(rows))
 
 
-def _functions(found: Cost) -> Table:
+def _function_table(cost: Cost) -> Table:
     rows = tuple(
         (f.generator, f.build, ", ".join(f"{name} {mean:.0f}" for name, mean in f.functions.items()))
-        for f in found.compared
+        for f in cost.compared
     )
     return Table("Mean instructions a step by function, the costliest", ("generator", "build", "functions"), rows)
 
 
-def _sequences(found: Cost) -> Table:
-    by_name: dict[str, list[Measured]] = {}
-    for m in found.sequences:
+def _sequence_table(cost: Cost) -> Table:
+    by_name: dict[str, list[SequenceCost]] = {}
+    for m in cost.sequences:
         by_name.setdefault(m.name, []).append(m)
     rows = [(name, str(parts[0].steps), *(str(m.issued) for m in parts)) for name, parts in by_name.items()]
-    rows.append(("most", "", *(f"{n}: {100 * found.share(n):.3g} % of the period" for n in found.most.values())))
+    rows.append(("most", "", *(f"{n}: {100 * cost.share(n):.3g} % of the period" for n in cost.most.values())))
     caption = "Instructions of the emitted C by sequence: least .. mean .. most"
-    return Table(caption, ("sequence", "steps", *found.builds), tuple(rows))
+    return Table(caption, ("sequence", "steps", *cost.builds), tuple(rows))
 
 
-def _coverage(found: Cost) -> Table:
-    rows = tuple((c.build, str(c.decisions), str(c.both), "\n".join(c.missing) or "none") for c in found.coverage)
+def _coverage_table(cost: Cost) -> Table:
+    rows = tuple((c.build, str(c.decisions), str(c.both), "\n".join(c.missing) or "none") for c in cost.coverage)
     caption = "Decisions in the machine code of the emitted step"
     return Table(caption, ("build", "decisions", "seen both ways", "missing"), rows)
 
 
-def _operations(found: Cost) -> Table:
-    own = [f for f in found.compared if f.generator == OWN]
-    caption = f"Operations of the program, both sides of every choice: {found.arithmetic} of arithmetic and logic"
-    rows = [(name, str(n)) for name, n in found.operations.items()]
-    rows += [(f"instructions an operation, {f.build}", f"{f.issued.mean / found.arithmetic:.2f}") for f in own]
+def _operation_table(cost: Cost) -> Table:
+    emitted = [f for f in cost.compared if f.generator == SYNTH]
+    caption = f"Operations of the program, both sides of every choice: {cost.arithmetic} of arithmetic and logic"
+    rows = [(name, str(n)) for name, n in cost.operations.items()]
+    rows += [(f"instructions an operation, {f.build}", f"{f.issued.mean / cost.arithmetic:.2f}") for f in emitted]
     return Table(caption, ("operation", "count"), tuple(rows))

@@ -94,8 +94,8 @@ class Proof:
         trust += f"; {self.admitted} bounds taken over from certificates" if self.admitted else ""
         open_claims = max(len(self.unproved), self.expected - self.proved)
         return (
-            Check("Eva: alarms in one step", len(self.alarms), 0, "alarms", _first(scope + trust, self.alarms)),
-            Check("Eva: claims not proved", open_claims, 0, "claims", _first(scope, self.unproved)),
+            Check("Eva: alarms in one step", len(self.alarms), 0, "alarms", _summary(scope + trust, self.alarms)),
+            Check("Eva: claims not proved", open_claims, 0, "claims", _summary(scope, self.unproved)),
         )
 
 
@@ -107,9 +107,9 @@ def prove(files: Mapping[str, str], manifest: Mapping[str, Any]) -> Proof:
     """
     outputs, states = contract.members(manifest, "output"), contract.members(manifest, "state")
     admitted = sum(files[name].count(_ADMIT) for name in contract.units(files))
-    refuted = _refuted(files, _step_harness(files, manifest, _any)) if admitted else frozenset()
-    step, init = _analyses(files, (_step_harness(files, manifest, _any), _init_harness(files, manifest)))
-    step = _split_further(files, manifest, step)
+    refuted = _refuted_admissions(files, _step_harness(files, manifest, _draw_finite)) if admitted else frozenset()
+    step, init = _analyses(files, (_step_harness(files, manifest, _draw_finite), _init_harness(files, manifest)))
+    step = _analyse_split_inputs(files, manifest, step)
     return Proof(
         design=manifest["design"],
         proved=len(step.proved) + len(init.proved),
@@ -121,19 +121,19 @@ def prove(files: Mapping[str, str], manifest: Mapping[str, Any]) -> Proof:
     )
 
 
-def _split_further(files: Mapping[str, str], manifest: Mapping[str, Any], step: Analysis) -> Analysis:
+def _analyse_split_inputs(files: Mapping[str, str], manifest: Mapping[str, Any], step: Analysis) -> Analysis:
     """Analyse again with one input split, for each input, unless what is open stays so when every input is good."""
     if not step.open:
         return step
-    (good,) = _analyses(files, [_step_harness(files, manifest, _good)])
+    (good,) = _analyses(files, [_step_harness(files, manifest, _draw_in_range)])
     if step.open <= good.open:
         return step
     inputs = [m for m in contract.members(manifest, "input") if m.real]
-    harnesses = [_step_harness(files, manifest, partial(_split, m)) for m in inputs]
-    return reduce(_either, _analyses(files, harnesses), step)
+    harnesses = [_step_harness(files, manifest, partial(_draw_split, m)) for m in inputs]
+    return reduce(_combine, _analyses(files, harnesses), step)
 
 
-def _either(a: Analysis, b: Analysis) -> Analysis:
+def _combine(a: Analysis, b: Analysis) -> Analysis:
     return Analysis(a.proved | b.proved, a.alarms & b.alarms, a.unproved & b.unproved, a.trusted | b.trusted)
 
 
@@ -166,22 +166,22 @@ def _draw(struct: str, member: Member, low: str, high: str) -> str:
     return f"{struct}.{member.path} = {_DRAW[member.ctype]}({low}, {high});"
 
 
-def _any(member: Member) -> str:
+def _draw_finite(member: Member) -> str:
     return _draw("input", member, *_all_finite(member))
 
 
-def _good(member: Member) -> str:
+def _draw_in_range(member: Member) -> str:
     return _draw("input", member, member.literal(member.low), member.literal(member.high))
 
 
-def _split(chosen: Member, member: Member) -> str:
+def _draw_split(chosen: Member, member: Member) -> str:
     """Draw the chosen input in three parts that stay apart; on one line, so that all harnesses share their lines."""
     if member != chosen:
-        return _any(member)
+        return _draw_finite(member)
     least, most = _all_finite(member)
     low = _draw("input", member, least, member.literal(member.below()))
     high = _draw("input", member, member.literal(member.above()), most)
-    return f"/*@ split part; */ if (part == 0) {{ {_good(member)} }} else if (part == 1) {{ {low} }} else {{ {high} }}"
+    return f"/*@ split part; */ if (part == 0) {{ {_draw_in_range(member)} }} else if (part == 1) {{ {low} }} else {{ {high} }}"
 
 
 def _all_finite(member: Member) -> tuple[str, str]:
@@ -194,25 +194,25 @@ def _claims(struct: str, members: Sequence[Member]) -> list[str]:
     """One claim a line: a `check` leaves the state as it is, so that no claim helps the next."""
     lines = []
     for m in members:
-        value, (low, high) = f"{struct}.{m.path}", (_exact(m, v) for v in (m.low, m.high))
+        value, (low, high) = f"{struct}.{m.path}", (_exact_literal(m, v) for v in (m.low, m.high))
         lines += [f"//@ check \\is_finite({value});"] if m.real else []
         lines += [f"//@ check {low} <= {value};", f"//@ check {value} <= {high};"]
     return lines
 
 
-def _exact(member: Member, value: float) -> str:
+def _exact_literal(member: Member, value: float) -> str:
     # In a claim a literal is a real number; a suffix would have it read as a decimal and rounded.
     return float(value).hex() if member.real else str(int(value))
 
 
 def _analyses(files: Mapping[str, str], harnesses: Sequence[str]) -> list[Analysis]:
     with ThreadPoolExecutor(_PROCESSES) as pool:
-        return list(pool.map(lambda harness: eva_report.read(*_reported(files, harness)), harnesses))
+        return list(pool.map(lambda harness: eva_report.read(*_run_frama_c(files, harness)), harnesses))
 
 
-def _reported(files: Mapping[str, str], harness: str) -> tuple[list[dict[str, str]], str]:
+def _run_frama_c(files: Mapping[str, str], harness: str) -> tuple[list[dict[str, str]], str]:
     """Return Frama-C's properties and what it said."""
-    frama_c = contract.tool("frama-c", "frama-c-base")
+    frama_c = contract.find_tool("frama-c", "frama-c-base")
     with tempfile.TemporaryDirectory() as work:
         folder = Path(work)
         for name, text in {**files, HARNESS: harness}.items():
@@ -223,22 +223,24 @@ def _reported(files: Mapping[str, str], harness: str) -> tuple[list[dict[str, st
             return list(csv.DictReader(report, delimiter="\t", quoting=csv.QUOTE_NONE)), said
 
 
-def _refuted(files: Mapping[str, str], harness: str) -> frozenset[str]:
+def _refuted_admissions(files: Mapping[str, str], harness: str) -> frozenset[str]:
     """Return what is admitted although Eva, which may take it for granted no more, sees that it never holds.
 
     Behind such a bound nothing would be analysed any more.
     """
-    asked = {name: text.replace(_ADMIT, _CHECK) for name, text in files.items()}
-    rows, _ = _reported(asked, harness)
-    own = [row for row in rows if row["property kind"] == "user check" and row["file"] != HARNESS]
-    return frozenset(eva_report.told(row) for row in own if row["status"] not in ("Valid", "Unknown"))
+    checked_files = {name: text.replace(_ADMIT, _CHECK) for name, text in files.items()}
+    rows, _ = _run_frama_c(checked_files, harness)
+    source_rows = [row for row in rows if row["property kind"] == "user check" and row["file"] != HARNESS]
+    return frozenset(eva_report.property_text(row) for row in source_rows if row["status"] not in ("Valid", "Unknown"))
 
 
 def _run(command: Sequence[str], folder: Path) -> str:
     # Frama-C takes the working folder from the environment.
-    around = {**os.environ, "PWD": str(folder)}
+    environment = {**os.environ, "PWD": str(folder)}
     try:
-        done = subprocess.run(command, cwd=folder, env=around, capture_output=True, text=True, timeout=TIME_LIMIT_S)
+        done = subprocess.run(
+            command, cwd=folder, env=environment, capture_output=True, text=True, timeout=TIME_LIMIT_S
+        )
     except subprocess.TimeoutExpired as error:
         raise CompileError(
             f"Frama-C: no result within {TIME_LIMIT_S} s, need one: simplify the C, or split the design"
@@ -251,6 +253,6 @@ def _run(command: Sequence[str], folder: Path) -> str:
     return done.stdout
 
 
-def _first(scope: str, found: Sequence[str], shown: int = 3) -> str:
-    more = [f"and {len(found) - shown} more"] if len(found) > shown else []
-    return "; ".join([scope, *found[:shown], *more])
+def _summary(scope: str, details: Sequence[str], shown: int = 3) -> str:
+    more = [f"and {len(details) - shown} more"] if len(details) > shown else []
+    return "; ".join([scope, *details[:shown], *more])

@@ -66,9 +66,9 @@ class Campaign:
             f"{self.steps} steps in {self.runs} runs, {self.covered} edges and {self.features} features reached, "
             f"{self.corpus} inputs kept"
         )
-        told = "; ".join(filter(None, (about, self.finding)))
+        details = "; ".join(filter(None, (about, self.finding)))
         return (
-            Check("fuzzing: findings", int(bool(self.finding)), 0, "findings", told),
+            Check("fuzzing: findings", int(bool(self.finding)), 0, "findings", details),
             Check("fuzzing: steps missing", max(0, self.wanted - self.steps), 0, "steps", about),
         )
 
@@ -86,7 +86,7 @@ def run(files: Mapping[str, str], manifest: Mapping[str, Any], steps: int) -> Ca
         seeds = _seeds(folder)
         options = (f"-runs={runs}", f"-seed={_SEED}", f"-max_len={_LENGTH}", "-len_control=0", "-detect_leaks=0")
         command = [
-            *_same_addresses(),
+            *_fixed_address_command(),
             str(program),
             *options,
             "-print_final_stats=1",
@@ -94,11 +94,11 @@ def run(files: Mapping[str, str], manifest: Mapping[str, Any], steps: int) -> Ca
             f"-seed_inputs={seeds}",
         ]
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True, errors="replace")
-    return _told(manifest["design"], steps, done.returncode, done.stderr)
+    return _parse_log(manifest["design"], steps, done.returncode, done.stderr)
 
 
 def _build(files: Mapping[str, str], tables: str, folder: Path) -> Path:
-    clang = contract.tool("clang", "clang libclang-rt-14-dev")
+    clang = contract.find_tool("clang", "clang libclang-rt-14-dev")
     driver = resources.files("synth.verify").joinpath("fuzz.c").read_text(encoding="utf-8")
     for name, text in {**files, _TABLES: tables, _DRIVER: driver}.items():
         (folder / name).write_text(text, encoding="utf-8")
@@ -112,7 +112,7 @@ def _build(files: Mapping[str, str], tables: str, folder: Path) -> Path:
     return folder / "fuzz"
 
 
-def _same_addresses() -> tuple[str, ...]:
+def _fixed_address_command() -> tuple[str, ...]:
     """What to run the fuzzer under: its choices depend on addresses, which are the same each time where that may be."""
     fixed = ("setarch", "-R")
     may = shutil.which("setarch") and subprocess.run([*fixed, "true"], capture_output=True).returncode == 0
@@ -128,25 +128,25 @@ def _seeds(folder: Path) -> str:
     return ",".join(names)
 
 
-def _told(design: str, wanted: int, status: int, said: str) -> Campaign:
-    finding = found[0] if (found := _FINDINGS.findall(said)) else ""
+def _parse_log(design: str, requested: int, status: int, log: str) -> Campaign:
+    finding = findings[0] if (findings := _FINDINGS.findall(log)) else ""
     if status != 0 and not finding:
-        finding = f"the fuzzer ended with status {status}: {said[-300:]}"
+        finding = f"the fuzzer ended with status {status}: {log[-300:]}"
     return Campaign(
         design=design,
-        wanted=wanted,
-        steps=_last(r"^steps: (\d+)", said),
-        runs=_last(r"^stat::number_of_executed_units: +(\d+)", said),
-        covered=_last(r" cov: (\d+)", said),
-        features=_last(r" ft: (\d+)", said),
-        corpus=_last(r" corp: (\d+)", said),
+        wanted=requested,
+        steps=_last_count(r"^steps: (\d+)", log),
+        runs=_last_count(r"^stat::number_of_executed_units: +(\d+)", log),
+        covered=_last_count(r" cov: (\d+)", log),
+        features=_last_count(r" ft: (\d+)", log),
+        corpus=_last_count(r" corp: (\d+)", log),
         finding=finding.strip(),
     )
 
 
-def _last(pattern: str, said: str) -> int:
-    found = re.findall(pattern, said, re.MULTILINE)
-    return int(found[-1]) if found else 0
+def _last_count(pattern: str, log: str) -> int:
+    matches = re.findall(pattern, log, re.MULTILINE)
+    return int(matches[-1]) if matches else 0
 
 
 def _tables(files: Mapping[str, str], manifest: Mapping[str, Any]) -> str:

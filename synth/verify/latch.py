@@ -32,7 +32,7 @@ def verify(controller: host.Controller) -> tuple[Check, ...]:
     after = safety["bad_samples"] + min(max(slews), LONGEST) + 2
     fastest, left = dict.fromkeys(span, 0.0), dict.fromkeys(span, 0.0)
     for _ in range(RUNS):
-        replay = controller.replay(stimuli.lost(controller, BEFORE, after, rng))
+        replay = controller.replay(stimuli.loss_of_measurement(controller, BEFORE, after, rng))
         latched = int(np.argmax(replay.faults >> LATCH_BIT & 1))
         for name, target in safety["safe_output"].items():
             y = np.asarray(replay.outputs[name], dtype=np.float64)

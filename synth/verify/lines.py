@@ -31,7 +31,7 @@ class Lines:
 
 def read(path: Path) -> Lines:
     """Read the line table of a linked image; it is empty where nothing was compiled with -g."""
-    found: dict[int, tuple[str, int]] = {}
+    by_address: dict[int, tuple[str, int]] = {}
     with path.open("rb") as file:
         elf = ELFFile(file)
         if elf.has_dwarf_info():
@@ -40,9 +40,9 @@ def read(path: Path) -> Lines:
                 name = Path(unit.get_top_DIE().get_full_path()).name
                 program = info.line_program_for_CU(unit)
                 rows = [entry.state for entry in program.get_entries() if entry.state] if program else []
-                found |= {row.address: (name, row.line) for row in rows if not row.end_sequence}
-    ordered = sorted(found)
-    return Lines(tuple(ordered), tuple(found[a] for a in ordered))
+                by_address |= {row.address: (name, row.line) for row in rows if not row.end_sequence}
+    ordered = sorted(by_address)
+    return Lines(tuple(ordered), tuple(by_address[a] for a in ordered))
 
 
 @dataclass(frozen=True)
@@ -66,24 +66,24 @@ def calls(path: Path, function: str) -> tuple[Call, ...]:
             for unit in info.iter_CUs()
             for top in unit.get_top_DIE().iter_children()
             if top.tag == "DW_TAG_subprogram" and _name(top) == function
-            for die in _inlined(top)
+            for die in _inlined_calls(top)
             for low, high in _ranges(info, unit, die)
             if low < high
         )
 
 
 def _name(die: DIE) -> str:
-    found = die.attributes.get("DW_AT_name")
-    return found.value.decode() if found else ""
+    attribute = die.attributes.get("DW_AT_name")
+    return attribute.value.decode() if attribute else ""
 
 
-def _inlined(die: DIE) -> Iterator[DIE]:
+def _inlined_calls(die: DIE) -> Iterator[DIE]:
     """Yield the outermost inlined calls below an entry."""
     for child in die.iter_children():
         if child.tag == "DW_TAG_inlined_subroutine":
             yield child
         elif child.tag == "DW_TAG_lexical_block":
-            yield from _inlined(child)
+            yield from _inlined_calls(child)
 
 
 def _ranges(info: DWARFInfo, unit: CompileUnit, die: DIE) -> Iterator[tuple[int, int]]:

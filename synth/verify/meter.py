@@ -16,13 +16,13 @@ from synth.emit.write import Emitted
 from synth.errors import CompileError
 from synth.execute import cross, elf, host, image, recorder
 from synth.verify import cost, lines, operations, rivals, steps
-from synth.verify.cost import Cost, Coverage, Figures, Measured, Memory
+from synth.verify.cost import Cost, Coverage, Memory, SequenceCost, StepCost
 from synth.verify.rivals import Candidate
 from synth.verify.steps import Steps
 
 CORE = "cortex-m4f"
 COMMON = 500  # closed-loop steps that every generator is given: CasADi's as emitted takes 60,000 instructions each
-BRIEF, BRIEF_COMMON, DRAWN = 500, 25, 4000  # steps where a few seconds must do
+BRIEF_STEPS, BRIEF_COMMON, DRAWN = 500, 25, 4000  # steps where a few seconds must do
 FUNCTIONS = 8  # that are named
 _LINES = ("-g",)  # the line table alone: the code stays as it is
 
@@ -67,7 +67,7 @@ def builds() -> tuple[Build, ...]:
 
 
 def measure(
-    emitted: Emitted, block: Block, sequences: Sequence[Steps], told: Callable[[str], None], common: int = COMMON
+    emitted: Emitted, block: Block, sequences: Sequence[Steps], progress: Callable[[str], None], common: int = COMMON
 ) -> Cost:
     """Measure the float32 C of a Block over all sequences, and every generator over `common` steps of closed loops.
 
@@ -79,17 +79,17 @@ def measure(
     controller = host.load(emitted.files, emitted.manifest)
     loops = steps.joined("closed loops", [s for s in sequences if s.closed_loop])
     shared = steps.thinned(steps.without_faults(controller, loops), common)
-    own = rivals.emitted(emitted)
-    candidates = (own, rivals.casadi(block, shimmed=False), rivals.casadi(block, shimmed=True))
+    emitted_c = rivals.emitted(emitted)
+    candidates = (emitted_c, rivals.casadi(block, shimmed=False), rivals.casadi(block, shimmed=True))
     compared, measured, coverage = [], [], []
     for build in builds():
         for candidate in candidates:
-            told(f"{candidate.name} by {build.name}: {len(shared)} steps")
-            compared.append(figures(candidate, shared, build, controller))
-        told(f"{own.name} by {build.name}: {sum(map(len, sequences))} steps")
-        whole = run(own, steps.joined("all", sequences), build)
+            progress(f"{candidate.name} by {build.name}: {len(shared)} steps")
+            compared.append(step_cost(candidate, shared, build, controller))
+        progress(f"{emitted_c.name} by {build.name}: {sum(map(len, sequences))} steps")
+        whole = run(emitted_c, steps.joined("all", sequences), build)
         measured += _by_sequence(whole.cost.instructions, sequences, build)
-        coverage.append(covered(own, whole, build))
+        coverage.append(covered(emitted_c, whole, build))
     return Cost(
         block.name,
         CORE,
@@ -98,7 +98,7 @@ def measure(
         tuple(measured),
         tuple(coverage),
         operations.of_program(emitted.program) if emitted.program else operations.of_block(block, np.float32),
-        rivals.absent(),
+        rivals.not_measured(),
     )
 
 
@@ -108,23 +108,23 @@ def brief(emitted: Emitted, block: Block, inputs: Columns) -> Cost:
     Raises CompileError and SignalError as `measure`.
     """
     controller = host.load(emitted.files, emitted.manifest)
-    loop = steps.thinned(steps.recorded(controller, "closed loop", inputs, closed_loop=True), BRIEF)
+    loop = steps.thinned(steps.recorded(controller, "closed loop", inputs, closed_loop=True), BRIEF_STEPS)
     return measure(emitted, block, [loop, steps.drawn(controller, DRAWN)], lambda _: None, BRIEF_COMMON)
 
 
-def run(candidate: Candidate, given: Steps, build: Build) -> Run:
+def run(candidate: Candidate, sequence: Steps, build: Build) -> Run:
     """Measure a candidate over the given steps."""
     path = linked(candidate, build)
     machine = booted(candidate, build, path)
-    placed = candidate.placed(machine, given)
-    found = machine.measure(candidate.entry, placed.arguments).cost
-    return Run(found, placed.outputs(), machine.program.size(), path)
+    placed = candidate.placed(machine, sequence)
+    measured = machine.measure(candidate.entry, placed.arguments).cost
+    return Run(measured, placed.outputs(), machine.program.size(), path)
 
 
-def executed(candidate: Candidate, given: Steps, build: Build) -> NDArray[np.int64]:
+def count_executed(candidate: Candidate, sequence: Steps, build: Build) -> NDArray[np.int64]:
     """Count for each step (N,) the instructions that were not predicated false."""
     machine = booted(candidate, build, linked(candidate, build))
-    arguments = candidate.placed(machine, given).arguments
+    arguments = candidate.placed(machine, sequence).arguments
     counts = []
     with recorder.attached(machine.engine) as record:
         for row in arguments:
@@ -136,47 +136,47 @@ def executed(candidate: Candidate, given: Steps, build: Build) -> NDArray[np.int
     return np.concatenate(counts)
 
 
-def figures(candidate: Candidate, given: Steps, build: Build, controller: host.Controller) -> Figures:
+def step_cost(candidate: Candidate, sequence: Steps, build: Build, controller: host.Controller) -> StepCost:
     """Measure a candidate over the given steps and compare its outputs with those of the emitted C on this machine."""
-    found = run(candidate, given, build)
-    spent, size = found.cost, found.size
-    assert spent.cycles is not None
-    mean = {name: float(n.mean()) for name, n in list(spent.by_function.items())[:FUNCTIONS]}
+    measured = run(candidate, sequence, build)
+    machine_cost, size = measured.cost, measured.size
+    assert machine_cost.cycles is not None
+    mean = {name: float(n.mean()) for name, n in list(machine_cost.by_function.items())[:FUNCTIONS]}
     memory = Memory(
         code=size.code,
         constants=size.constants + size.literals,
         data=size.data,
         state=candidate.state,
         signals=candidate.signals,
-        stack=spent.stack_bytes,
+        stack=machine_cost.stack_bytes,
     )
-    return Figures(
+    return StepCost(
         generator=candidate.name,
         build=build.name,
-        steps=len(given),
-        issued=cost.spread(spent.instructions),
-        executed=cost.spread(executed(candidate, given, build)),
-        cycles=(cost.spread(spent.cycles.low), cost.spread(spent.cycles.high)),
+        steps=len(sequence),
+        issued=cost.summarise(machine_cost.instructions),
+        executed=cost.summarise(count_executed(candidate, sequence, build)),
+        cycles=(cost.summarise(machine_cost.cycles.low), cost.summarise(machine_cost.cycles.high)),
         functions=mean,
         memory=memory,
         doubles=len(cross.double_symbols(candidate.files, build.compiler, build.flags)),
-        difference=_difference(controller, given, found.outputs),
+        difference=_difference(controller, sequence, measured.outputs),
     )
 
 
-def covered(candidate: Candidate, found: Run, build: Build) -> Coverage:
+def covered(candidate: Candidate, measured: Run, build: Build) -> Coverage:
     """Return the decisions in a candidate's own functions that a run has reached, the missing ones in its words.
 
     A decision of an inlined function stands with the line that calls it.
     """
-    unseen = found.cost.missing
-    table = lines.read(found.path) if unseen else lines.Lines((), ())
-    inlined = lines.calls(found.path, candidate.entry) if unseen else ()
+    missing_sites = measured.cost.missing
+    table = lines.read(measured.path) if missing_sites else lines.Lines((), ())
+    inlined = lines.calls(measured.path, candidate.entry) if missing_sites else ()
     missing = [
         f"{s.function} at {s.address:#x}: `{s.text}` never {s.missing}{_source(candidate, table, inlined, s.address)}"
-        for s in unseen
+        for s in missing_sites
     ]
-    return Coverage(build.name, len(found.cost.sites), tuple(missing))
+    return Coverage(build.name, len(measured.cost.sites), tuple(missing))
 
 
 def _source(candidate: Candidate, table: lines.Lines, inlined: Sequence[lines.Call], address: int) -> str:
@@ -193,19 +193,21 @@ def linked(candidate: Candidate, build: Build) -> Path:
 
 def booted(candidate: Candidate, build: Build, path: Path) -> image.Image:
     """Return a fresh core with a candidate's linked image."""
-    own = cross.functions(candidate.files, CORE, build.compiler, (*build.flags, *_LINES))
-    return image.boot(elf.read(path), CORE, own)
+    covered_functions = cross.functions(candidate.files, CORE, build.compiler, (*build.flags, *_LINES))
+    return image.boot(elf.read(path), CORE, covered_functions)
 
 
-def _by_sequence(instructions: NDArray[np.int64], sequences: Sequence[Steps], build: Build) -> list[Measured]:
+def _by_sequence(instructions: NDArray[np.int64], sequences: Sequence[Steps], build: Build) -> list[SequenceCost]:
     ends = np.cumsum([len(s) for s in sequences])[:-1]
     parts = np.split(instructions, ends)
-    return [Measured(s.name, build.name, len(s), cost.spread(part)) for s, part in zip(sequences, parts, strict=True)]
+    return [
+        SequenceCost(s.name, build.name, len(s), cost.summarise(part)) for s, part in zip(sequences, parts, strict=True)
+    ]
 
 
-def _difference(controller: host.Controller, given: Steps, outputs: Columns) -> float:
+def _difference(controller: host.Controller, sequence: Steps, outputs: Columns) -> float:
     """Return the worst difference of an output from the emitted C's on this machine, of the output's range."""
-    expected = steps.taken(controller, given).outputs
+    expected = steps.taken(controller, sequence).outputs
     widths = {f["name"]: f["high"] - f["low"] for f in controller.manifest["structs"]["output"]["fields"]}
     gaps = [np.max(np.abs(outputs[n].astype(float) - v.astype(float))) / widths[n] for n, v in expected.items()]
     return float(max(gaps))

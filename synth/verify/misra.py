@@ -16,9 +16,9 @@ from synth.check import Check
 from synth.errors import CompileError
 from synth.verify import contract
 
-_WITNESS = "synth_witness.c"
-_WITNESS_TEXT = "int witness(int a);\nint witness(int a)\n{\n    return a + 010;\n}\n"
-_WITNESS_RULE = "misra-c2012-7.1"
+_KNOWN_FILE = "synth_witness.c"
+_KNOWN_TEXT = "int witness(int a);\nint witness(int a)\n{\n    return a + 010;\n}\n"
+_KNOWN_RULE = "misra-c2012-7.1"
 _OPTIONS = (
     "--addon=misra",
     "--std=c99",
@@ -59,22 +59,22 @@ def inspect(files: Mapping[str, str]) -> Report:
     Raises CompileError when cppcheck is missing, reports an error, or misses the known violation, and DesignError
     when there is no source.
     """
-    cppcheck = contract.tool("cppcheck", "cppcheck")
+    cppcheck = contract.find_tool("cppcheck", "cppcheck")
     units = contract.units(files)
     with tempfile.TemporaryDirectory() as work:
-        for name, text in {**files, _WITNESS: _WITNESS_TEXT}.items():
+        for name, text in {**files, _KNOWN_FILE: _KNOWN_TEXT}.items():
             (Path(work) / name).write_text(text, encoding="utf-8")
-        done = subprocess.run([cppcheck, *_OPTIONS, *units, _WITNESS], cwd=work, capture_output=True, text=True)
+        done = subprocess.run([cppcheck, *_OPTIONS, *units, _KNOWN_FILE], cwd=work, capture_output=True, text=True)
     rows = [line.split("\t") for line in done.stderr.splitlines() if line.count("\t") == 4]
     errors = [row for row in rows if row[1] == "error"]
     if done.returncode != 0 or errors:
         raise CompileError(
             f"cppcheck: reports an error, need none: mend the C\n{done.stdout[-1000:]}{done.stderr[-1000:]}"
         )
-    found = tuple(Finding(row[0], row[2], int(row[3])) for row in rows if row[0].startswith("misra-"))
-    if not any(f.rule == _WITNESS_RULE and f.file == _WITNESS for f in found):
+    findings = tuple(Finding(row[0], row[2], int(row[3])) for row in rows if row[0].startswith("misra-"))
+    if not any(f.rule == _KNOWN_RULE and f.file == _KNOWN_FILE for f in findings):
         raise CompileError(
-            f"cppcheck: its misra addon did not find the known violation of {_WITNESS_RULE}, need it to: it needs "
+            f"cppcheck: its misra addon did not find the known violation of {_KNOWN_RULE}, need it to: it needs "
             "python3 on the PATH and its addons, `apt-get install cppcheck python3`"
         )
-    return Report(tuple(sorted(files)), tuple(f for f in found if f.file != _WITNESS))
+    return Report(tuple(sorted(files)), tuple(f for f in findings if f.file != _KNOWN_FILE))

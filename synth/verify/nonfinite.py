@@ -52,7 +52,7 @@ _BODY = re.compile(r"^define [^\n]*@input_(\d+)_(\w+)\([^\n]*\n(.*?)^}", re.DOTA
 
 
 @dataclass(frozen=True)
-class Sameness:
+class Equivalence:
     """Which inputs were compared, how many specialised steps, and those that do otherwise than the largest number."""
 
     design: str
@@ -68,21 +68,21 @@ class Sameness:
         return (Check(name, len(self.different), 0, "steps", named),)
 
 
-def compare(files: Mapping[str, str], manifest: Mapping[str, Any]) -> Sameness:
+def compare(files: Mapping[str, str], manifest: Mapping[str, Any]) -> Equivalence:
     """Compare the specialised steps of emitted `{filename: text}` for every real input of `manifest`.
 
     Raises CompileError when clang is missing or refuses the C, and DesignError when the manifest is not whole.
     """
     inputs = [m for m in contract.members(manifest, "input") if m.real]
-    bodies = {(int(k), kind): body for k, kind, body in _BODY.findall(_specialised(files, manifest, inputs))}
+    bodies = {(int(k), kind): body for k, kind, body in _BODY.findall(_specialise(files, manifest, inputs))}
     special = [(k, kind) for k, m in enumerate(inputs) for kind in _VALUES[m.ctype] if kind != "largest"]
     different = [f"{inputs[k].path} = {kind}" for k, kind in special if bodies[k, kind] != bodies[k, "largest"]]
-    return Sameness(manifest["design"], tuple(m.path for m in inputs), len(special), tuple(different))
+    return Equivalence(manifest["design"], tuple(m.path for m in inputs), len(special), tuple(different))
 
 
-def _specialised(files: Mapping[str, str], manifest: Mapping[str, Any], inputs: list[Member]) -> str:
+def _specialise(files: Mapping[str, str], manifest: Mapping[str, Any], inputs: list[Member]) -> str:
     """The wrappers as clang's intermediate code, the step inlined into each."""
-    clang = contract.tool("clang", "clang")
+    clang = contract.find_tool("clang", "clang")
     with tempfile.TemporaryDirectory() as work:
         for name, text in {**files, _FILE: _wrappers(files, manifest, inputs)}.items():
             (Path(work) / name).write_text(text, encoding="utf-8")

@@ -27,11 +27,11 @@ def of_block(block: Block, scalar: type[np.floating]) -> dict[str, int]:
 
 def of_program(program: Program) -> dict[str, int]:
     """Count the operations of a program."""
-    found = Counter(_KINDS.get(n.op, n.op) for n in program.nodes if n.op != "polynomial")
+    counts = Counter(_KINDS.get(n.op, n.op) for n in program.nodes if n.op != "polynomial")
     for node in program.nodes:
         if node.op == "polynomial":
             c = program.polynomials[node.name].coefficients
-            found += Counter({"mul": len(c) - 1, "add": sum(1 for value in c[:-1] if value)})
+            counts += Counter({"mul": len(c) - 1, "add": sum(1 for value in c[:-1] if value)})
     kept = sum(program.nodes[k].op == "state" and program.nodes[k].name == name for name, k in program.next.items())
-    found["store"] = len(program.outputs) + len(program.next) - kept
-    return dict(found.most_common())
+    counts["store"] = len(program.outputs) + len(program.next) - kept
+    return dict(counts.most_common())

@@ -21,7 +21,7 @@ SUBSET_STEPS = 300_000
 
 
 def prove(
-    files: Mapping[str, str], manifest: Mapping[str, Any], whole: bool, told: Callable[[str], None]
+    files: Mapping[str, str], manifest: Mapping[str, Any], whole: bool, progress: Callable[[str], None]
 ) -> tuple[Check, ...]:
     """Run every proof on the .c and .h files of emitted `{filename: text}`; other files are left out.
 
@@ -31,13 +31,13 @@ def prove(
     """
     code = {name: text for name, text in files.items() if name.endswith((".c", ".h"))}
     steps = WHOLE_STEPS if whole else SUBSET_STEPS
-    told("Eva: every state in its bounds, all finite inputs")
+    progress("Eva: every state in its bounds, all finite inputs")
     checks = eva.prove(code, manifest).checks()
-    told("partial evaluation: inputs that are not finite")
+    progress("partial evaluation: inputs that are not finite")
     checks += nonfinite.compare(code, manifest).checks()
-    told(f"fuzzing: {steps} steps")
+    progress(f"fuzzing: {steps} steps")
     checks += fuzz.run(code, manifest, steps).checks()
-    told("cppcheck --addon=misra")
+    progress("cppcheck --addon=misra")
     checks += misra.inspect(code).checks()
-    told("latch: slew to the safe output")
+    progress("latch: slew to the safe output")
     return checks + latch.verify(host.load(code, manifest))

@@ -26,7 +26,7 @@ from synth.emit.write import Emitted
 from synth.errors import EmitError
 from synth.execute import host
 from synth.execute.image import Image
-from synth.verify.cost import OWN
+from synth.verify.cost import SYNTH
 from synth.verify.steps import Steps
 
 AS_EMITTED, SHIMMED = "casadi", "casadi, float"
@@ -48,7 +48,7 @@ static inline float synth_fmax(float x, float y) { return x > y ? x : y; }
 _SHIM += "".join(f"#define {name} {name}f\n" for name in _FUNCTIONS)
 
 
-class Placed(NamedTuple):
+class CallLayout(NamedTuple):
     """N calls laid out in a core's memory: their arguments (N, n), and what reads the outputs (N,) after them."""
 
     arguments: NDArray[np.int64]
@@ -67,22 +67,24 @@ class Candidate:
     entry: str
     state: int
     signals: int
-    placed: Callable[[Image, Steps], Placed]
+    placed: Callable[[Image, Steps], CallLayout]
 
 
-def emitted(made: Emitted) -> Candidate:
+def emitted(code: Emitted) -> Candidate:
     """Return the emitted C itself."""
-    manifest = made.manifest
-    taken = host.dtype("output", manifest)
-    state, given, out = (manifest["structs"][role]["size"] for role in ("state", "input", "output"))
+    manifest = code.manifest
+    output_struct = host.dtype("output", manifest)
+    state_size, input_size, output_size = (manifest["structs"][role]["size"] for role in ("state", "input", "output"))
 
-    def placed(image: Image, steps: Steps) -> Placed:
+    def placed(image: Image, steps: Steps) -> CallLayout:
         n = len(steps)
-        at = image.reserve(n * taken.itemsize)
-        columns = (image.place(steps.states), state), (image.place(steps.inputs), given), (at, out)
-        return Placed(_rows(n, *columns), lambda: host.columns(_read(image, at, n, taken)))
+        at = image.reserve(n * output_struct.itemsize)
+        columns = (image.place(steps.states), state_size), (image.place(steps.inputs), input_size), (at, output_size)
+        return CallLayout(_rows(n, *columns), lambda: host.columns(_read_array(image, at, n, output_struct)))
 
-    return Candidate(OWN, host.code(made.files), manifest["functions"]["step"], state, given + out, placed)
+    return Candidate(
+        SYNTH, host.code(code.files), manifest["functions"]["step"], state_size, input_size + output_size, placed
+    )
 
 
 def casadi(block: Block, shimmed: bool) -> Candidate:
@@ -99,15 +101,15 @@ def casadi(block: Block, shimmed: bool) -> Candidate:
     work = sum(map(int, _WORK.findall(text)))
     return Candidate(
         SHIMMED if shimmed else AS_EMITTED,
-        {f"{f.name()}.c": in_float(text) if shimmed else text},
+        {f"{f.name()}.c": in_single_precision(text) if shimmed else text},
         f.name(),
         4 * (2 * n_x + work),
         4 * (n_u + n_y),
-        lambda image, steps: _placed(block, f, image, steps),
+        lambda image, steps: _lay_out_casadi(block, f, image, steps),
     )
 
 
-def in_float(text: str) -> str:
+def in_single_precision(text: str) -> str:
     """Return CasADi's text with float literals and libm's float functions.
 
     Raises EmitError when it includes no <math.h>, behind which the macros go.
@@ -119,21 +121,21 @@ def in_float(text: str) -> str:
     return _LITERAL.sub(r"\1f", text).replace("#include <math.h>\n", _SHIM, 1)
 
 
-def absent() -> tuple[str, ...]:
+def not_measured() -> tuple[str, ...]:
     """Say of the other generators that are known why they are not measured."""
     installed = {name: importlib.util.find_spec(name) is not None for name in OTHERS}
-    why = {True: "installed, but nothing here drives it", False: "not installed"}
-    return tuple(f"{name}: {why[found]}; not measured" for name, found in installed.items())
+    reasons = {True: "installed, but nothing here drives it", False: "not installed"}
+    return tuple(f"{name}: {reasons[is_installed]}; not measured" for name, is_installed in installed.items())
 
 
 def _function(block: Block) -> ca.Function:
     f = block.function()
     x, u = f.sx_in()
-    found = ca.cse([ca.densify(e) for e in f.call([x, u])])
-    return ca.Function(f"{block.name}_casadi", [x, u], found, ["x", "u"], ["x_next", "y"])
+    results = ca.cse([ca.densify(e) for e in f.call([x, u])])
+    return ca.Function(f"{block.name}_casadi", [x, u], results, ["x", "u"], ["x_next", "y"])
 
 
-def _placed(block: Block, f: ca.Function, image: Image, steps: Steps) -> Placed:
+def _lay_out_casadi(block: Block, f: ca.Function, image: Image, steps: Steps) -> CallLayout:
     """Lay out `int f(const float **arg, float **res, casadi_int *iw, float *w, int mem)`."""
     n = len(steps)
     n_x, n_y = len(block.states), len(block.outputs)
@@ -145,10 +147,10 @@ def _placed(block: Block, f: ca.Function, image: Image, steps: Steps) -> Placed:
     scratch = (image.reserve(8 * f.sz_iw()), 0), (image.reserve(4 * f.sz_w()), 0), (0, 0)
 
     def outputs() -> host.Columns:
-        found = _read(image, y, n * n_y, np.dtype(np.float32)).reshape(n, n_y)
-        return {s.name: found[:, k] for k, s in enumerate(block.outputs)}
+        values = _read_array(image, y, n * n_y, np.dtype(np.float32)).reshape(n, n_y)
+        return {s.name: values[:, k] for k, s in enumerate(block.outputs)}
 
-    return Placed(_rows(n, arg, res, *scratch), outputs)
+    return CallLayout(_rows(n, arg, res, *scratch), outputs)
 
 
 def _vectors(records: host.Records, names: list[str]) -> NDArray[np.float32]:
@@ -169,5 +171,5 @@ def _rows(n: int, *columns: tuple[int, int]) -> NDArray[np.int64]:
     return np.stack([address + stride * k for address, stride in columns], axis=1)
 
 
-def _read(image: Image, address: int, n: int, dtype: np.dtype[Any]) -> NDArray[Any]:
+def _read_array(image: Image, address: int, n: int, dtype: np.dtype[Any]) -> NDArray[Any]:
     return np.frombuffer(image.read(address, n * dtype.itemsize), dtype)

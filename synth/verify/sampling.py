@@ -83,13 +83,13 @@ def in_operation(block: Block, rng: np.random.Generator, n: int, recorded: Steps
     size = 10.0 ** rng.uniform(*DISTANCES, n)
     x, u = recorded.states[chosen], recorded.inputs[chosen]
     states = {
-        s.name: x[s.name].astype(np.float64) if s.integer else _moved(s.signal, x[s.name], rng, size)
+        s.name: x[s.name].astype(np.float64) if s.integer else _perturbed(s.signal, x[s.name], rng, size)
         for s in block.states
     }
-    return states, {s.name: _moved(s, u[s.name], rng, size) for s in block.inputs}
+    return states, {s.name: _perturbed(s, u[s.name], rng, size) for s in block.inputs}
 
 
-def _moved(
+def _perturbed(
     signal: Signal, values: NDArray[Any], rng: np.random.Generator, size: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     by = size * (signal.high - signal.low) * rng.standard_normal(len(size))

@@ -29,7 +29,7 @@ WHOLE, QUICK = 5_000, 1_000  # samples of a closed loop that the other witnesses
 SEED = 20_260
 UNIT = "of the output's range or more"
 SINGLE = 1e-3  # of an output's range: single against double in one step
-OTHERWISE = 1e-3  # share of random steps that decide otherwise in single precision
+DIVERGENT_SHARE = 1e-3  # share of random steps that decide otherwise in single precision
 PATH = 1e-4  # of a sensor's range, where it has no resolution: the plant's path in single against double
 
 
@@ -59,12 +59,12 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
     rig = Rig(stage, stage.plant, by.c64)
     runs = _runs(rig, WHOLE if whole else QUICK)
     progress("random and edge steps")
-    agreements, checks = drawn(by, runs)
+    agreements, checks = compare_samples(by, runs)
     progress("replays of closed loops")
     compared = suite.replay(by, {f"replay of {name}": inputs for name, inputs in runs.items()}, None)
     agreements, checks = [*agreements, *compared], [*checks, *suite.exact(compared, UNIT)]
     progress("single against double")
-    checks += paths(stage, by)
+    checks += compare_paths(stage, by)
     if stage.operating_points and stage.require:
         progress("loops over the operating points")
         checks += robustness.checks(robustness.opened(over_tolerances(stage)), stage.require)
@@ -91,20 +91,20 @@ def over_tolerances(stage: Stage) -> robustness.Loops:
 def _runs(rig: Rig, n: int) -> dict[str, agree.Columns]:
     """Return recorded inputs of each experiment, at most n samples, and of a closed loop with faults."""
     runs = {e.name: e.trajectory.measured for e in (e.run(rig) for e in rig.stage.experiments)}
-    found: dict[str, agree.Columns] = {name: {s: v[:n] for s, v in u.items()} for name, u in runs.items()}
-    return found | {"faults": stimuli.closed_loop(rig, n).measured}
+    shortened: dict[str, agree.Columns] = {name: {s: v[:n] for s, v in u.items()} for name, u in runs.items()}
+    return shortened | {"faults": stimuli.closed_loop(rig, n).measured}
 
 
-def drawn(by: Witnesses, runs: Mapping[str, agree.Columns]) -> tuple[list[Agreement], list[Check]]:
+def compare_samples(by: Witnesses, runs: Mapping[str, agree.Columns]) -> tuple[list[Agreement], list[Check]]:
     """Compare the witnesses over random and edge steps, and single with double over the random ones."""
     pool = steps.joined("closed loops", [steps.recorded(by.c64, name, inputs) for name, inputs in runs.items()])
     random = sampling.in_operation(by.block, np.random.default_rng(SEED), RANDOM_STEPS, pool)
     edge = sampling.edge_steps(by.block, np.random.default_rng(SEED + 1), EDGE_STEPS)
-    found: list[Agreement] = []
+    agreements: list[Agreement] = []
     for what, drawn in (("random steps", random), ("edge steps", edge)):
-        found += suite.compare(what, by, *drawn, None)
+        agreements += suite.compare(what, by, *drawn, None)
     single, checks = in_single(by, *random)
-    return [*found, single], [*suite.exact(found, UNIT), *checks]
+    return [*agreements, single], [*suite.exact(agreements, UNIT), *checks]
 
 
 def in_single(
@@ -127,21 +127,21 @@ def in_single(
     share, unit = float(np.mean(~alike)), UNIT if floor is None else "of the output's floor or more"
     return a, [
         Check("random steps: single against double", a.worst, SINGLE, unit, a.signal),
-        Check("random steps: decisions otherwise in single precision", share, OTHERWISE, "1"),
+        Check("random steps: decisions otherwise in single precision", share, DIVERGENT_SHARE, "1"),
     ]
 
 
-def paths(stage: Stage, by: Witnesses) -> list[Check]:
+def compare_paths(stage: Stage, by: Witnesses) -> list[Check]:
     """Compare the plant's path under both types in each experiment, with ideal sensors."""
     rigs = [Rig(stage, stage.plant, c).ideal for c in (by.c64, by.c32)]
     return [
         check
         for experiment in stage.experiments
-        for check in _path(stage, experiment.name, [experiment.run(rig) for rig in rigs])
+        for check in _path_checks(stage, experiment.name, [experiment.run(rig) for rig in rigs])
     ]
 
 
-def _path(stage: Stage, name: str, runs: Sequence[Experiment]) -> list[Check]:
+def _path_checks(stage: Stage, name: str, runs: Sequence[Experiment]) -> list[Check]:
     checks = []
     for sensor in stage.interface.sensors:
         signal = stage.interface.signals[sensor.name]

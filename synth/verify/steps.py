@@ -94,9 +94,9 @@ def drawn(controller: host.Controller, n: int) -> Steps:
     rng = np.random.default_rng(SEED + 1)
     states, inputs = np.zeros(n, controller.state), np.zeros(n, controller.inputs)
     for f in _fields(controller, "state"):
-        states[f["name"]] = _often(rng, _uniform(rng, f, n), (f["low"], f["high"]), 0.4)
+        states[f["name"]] = _replace_some(rng, _uniform(rng, f, n), (f["low"], f["high"]), 0.4)
     for f in _fields(controller, "input"):
-        inputs[f["name"]] = _often(rng, _uniform(rng, f, n), (f["low"], f["high"], *_bad(f)), 0.1)
+        inputs[f["name"]] = _replace_some(rng, _uniform(rng, f, n), (f["low"], f["high"], *_invalid_values(f)), 0.1)
     return Steps("random states and inputs", states, inputs)
 
 
@@ -106,7 +106,7 @@ def anew(controller: host.Controller, steps: Steps, name: str) -> Steps:
     n, states = len(steps), steps.states.copy()
     share = rng.choice((0.0, 0.03, 0.5), n)
     for f in _fields(controller, "state"):
-        values = _often(rng, _uniform(rng, f, n), (f["low"], f["high"]), 0.4)
+        values = _replace_some(rng, _uniform(rng, f, n), (f["low"], f["high"]), 0.4)
         chosen = rng.uniform(size=n) < share
         states[f["name"]][chosen] = values[chosen]
     return Steps(name, states, steps.inputs)
@@ -117,12 +117,12 @@ def edges(controller: host.Controller, steps: Steps) -> Steps:
 
     One step of those given serves one value; there are some ten for each input.
     """
-    cases = [(f["name"], value) for f in _fields(controller, "input") for value in _edges(controller, f)]
-    found = steps.part(np.arange(len(cases)) % len(steps))
-    inputs = found.inputs.copy()
+    cases = [(f["name"], value) for f in _fields(controller, "input") for value in _edge_values(controller, f)]
+    base = steps.part(np.arange(len(cases)) % len(steps))
+    inputs = base.inputs.copy()
     for k, (name, value) in enumerate(cases):
         inputs[name][k] = value
-    return Steps("edges", found.states, inputs)
+    return Steps("edges", base.states, inputs)
 
 
 def shaken(controller: host.Controller, steps: Steps, name: str, times: int, size: float) -> Steps:
@@ -131,21 +131,24 @@ def shaken(controller: host.Controller, steps: Steps, name: str, times: int, siz
     They stay within their ranges.
     """
     rng = np.random.default_rng(SEED + 3)
-    found = joined(name, [steps] * times)
-    moved, sizes = (found.states.copy(), found.inputs.copy()), size * 10.0 ** rng.uniform(-3, 0, len(found))
-    for role, records in zip(("state", "input"), moved, strict=True):
+    repeated = joined(name, [steps] * times)
+    perturbed, sizes = (
+        (repeated.states.copy(), repeated.inputs.copy()),
+        size * 10.0 ** rng.uniform(-3, 0, len(repeated)),
+    )
+    for role, records in zip(("state", "input"), perturbed, strict=True):
         for f in (f for f in _fields(controller, role) if f["ctype"] not in _INTEGERS):
-            off = sizes * (f["high"] - f["low"]) * rng.uniform(-1, 1, len(found))
+            off = sizes * (f["high"] - f["low"]) * rng.uniform(-1, 1, len(repeated))
             records[f["name"]] = np.clip(records[f["name"]] + off, f["low"], f["high"])
-    return Steps(name, *moved)
+    return Steps(name, *perturbed)
 
 
 def rare(controller: host.Controller, steps: Steps, n: int) -> Steps:
     """Return the n steps whose fault word and integer states, before and after, occur least often among all."""
-    found = taken(controller, steps)
+    after = taken(controller, steps)
     whole = [f["name"] for f in _fields(controller, "state") if f["ctype"] in _INTEGERS]
-    key = found.faults.astype(np.uint64)
-    for states in (steps.states, found.states):
+    key = after.faults.astype(np.uint64)
+    for states in (steps.states, after.states):
         for name in whole:  # in whatever wraps around, equal flags stay equal
             key = key * np.uint64(0x9E3779B97F4A7C15) + states[name].astype(np.uint64)
     _, which, counts = np.unique(key, return_inverse=True, return_counts=True)
@@ -158,8 +161,8 @@ def at_ends(controller: host.Controller, steps: Steps, each: int, within: float 
 
     Or come `within` a part of the range. Raises SignalError when no step does.
     """
-    found, chosen = taken(controller, steps), []
-    for role, columns in (("output", found.outputs), ("state", host.columns(found.states))):
+    after, chosen = taken(controller, steps), []
+    for role, columns in (("output", after.outputs), ("state", host.columns(after.states))):
         for f in (f for f in _fields(controller, role) if f["ctype"] not in _INTEGERS):
             values, near = columns[f["name"]], within * (f["high"] - f["low"])
             ends = (values <= values.dtype.type(f["low"]) + near), (values >= values.dtype.type(f["high"]) - near)
@@ -192,17 +195,17 @@ def _fault_runs(
         after = LATCHED if bad == limit else GOOD
         columns = {name: np.full(GOOD + bad + after, float(value)) for name, value in good.items()}
         for name in names:
-            columns[name][GOOD : GOOD + bad] = np.resize(_bad(fields[name]), bad)
+            columns[name][GOOD : GOOD + bad] = np.resize(_invalid_values(fields[name]), bad)
         yield columns
 
 
-def _bad(field: Mapping[str, Any]) -> tuple[float, ...]:
+def _invalid_values(field: Mapping[str, Any]) -> tuple[float, ...]:
     low, high = field["low"], field["high"]
     beyond = _BEYOND * (high - low)
     return (np.nan, high + beyond, low - beyond, np.inf, -np.inf)
 
 
-def _edges(controller: host.Controller, field: Mapping[str, Any]) -> tuple[float, ...]:
+def _edge_values(controller: host.Controller, field: Mapping[str, Any]) -> tuple[float, ...]:
     """Return the ends of a field with the next number to either side, both zeros, and numbers at the limits."""
     scalar, info = controller.scalar, np.finfo(controller.scalar)
     ends = [scalar(field[end]) for end in ("low", "high")]
@@ -221,7 +224,7 @@ def _uniform(rng: np.random.Generator, field: Mapping[str, Any], n: int) -> NDAr
     return rng.uniform(low, high, n)
 
 
-def _often(
+def _replace_some(
     rng: np.random.Generator, values: NDArray[np.float64], others: Sequence[float], share: float
 ) -> NDArray[np.float64]:
     """Return the values with a share of them replaced by one of the others."""

@@ -44,34 +44,34 @@ def closed_loop(rig: Rig, n: int, beyond: float = np.nan) -> Trajectory:
     the last twentieth of the run the last sensor is lost. A bad sample is `beyond` the end of the range, by that part
     of it, or no number.
     """
-    around = rig.stage.interface
+    interface = rig.stage.interface
     k, lost = np.arange(n), n - n // 20
     rest = rig.at_rest()
-    references = {s.name: _swing(s, i, rest[s.name], k, lost) for i, s in enumerate(around.set_points)}
-    return rig.run(n * rig.period_s, {}, references, overrides=_bad(around, k, lost, beyond))
+    references = {s.name: _swinging_set_point(s, i, rest[s.name], k, lost) for i, s in enumerate(interface.set_points)}
+    return rig.run(n * rig.period_s, {}, references, overrides=_bad_samples(interface, k, lost, beyond))
 
 
-def _swing(point: SetPoint, i: int, rest: float, k: NDArray[np.int64], lost: int) -> NDArray[np.float64]:
+def _swinging_set_point(point: SetPoint, i: int, rest: float, k: NDArray[np.int64], lost: int) -> NDArray[np.float64]:
     size = SWING * (min(point.high - rest, rest - point.low) or (point.high - point.low) / 2)
     values = rest + size * np.sin(2 * np.pi * (TURNS + 2 * i) * k / len(k))
     jump = np.where(k >= lost - JUMP, size, 0.0)
     return np.clip(values + jump, point.low, point.high)
 
 
-def _bad(around: Interface, k: NDArray[np.int64], lost: int, beyond: float) -> dict[str, Override]:
-    n, names = len(k), [s.name for s in around.sensors]
+def _bad_samples(interface: Interface, k: NDArray[np.int64], lost: int, beyond: float) -> dict[str, Override]:
+    n, names = len(k), [s.name for s in interface.sensors]
     start = (6 * n) // 10
     masks = {name: k % (n // 10) == (n // 20 + 7 * i) % (n // 10) for i, name in enumerate(names[1:])}
-    masks[names[0]] = (k >= start) & (k < start + around.bad_samples - 1)
+    masks[names[0]] = (k >= start) & (k < start + interface.bad_samples - 1)
     masks[names[-1]] = masks[names[-1]] | (k >= lost)
-    masks |= {s.name: (k >= (8 * n) // 10) & (k < (8 * n) // 10 + 10) for s in around.set_points[:1]}
-    ends = {name: around.signals[name] for name in masks}
+    masks |= {s.name: (k >= (8 * n) // 10) & (k < (8 * n) // 10 + 10) for s in interface.set_points[:1]}
+    ends = {name: interface.signals[name] for name in masks}
     values = {name: s.high + beyond * (s.high - s.low) for name, s in ends.items()}
     return {name: Override(mask, np.full(n, values[name])) for name, mask in masks.items()}
 
 
 def sequences(
-    rig: Rig, experiments: Sequence[Experiment], progress: Callable[[str], None], own: Sequence[Steps] = ()
+    rig: Rig, experiments: Sequence[Experiment], progress: Callable[[str], None], design_steps: Sequence[Steps] = ()
 ) -> list[Steps]:
     """Return every sequence for a rig's controller, closed loops first; `experiments` were run with it.
 
@@ -81,29 +81,32 @@ def sequences(
     controller = rig.controller
     runs = {e.name: e.trajectory for e in experiments} | {"faults in motion": closed_loop(rig, REPLAY)}
     loops = [steps.recorded(controller, name, run.measured, closed_loop=True) for name, run in runs.items()]
-    return [*(steps.thinned(loop, EACH) for loop in loops), *excursions(controller, rig.at_rest(), loops, own)]
+    return [*(steps.thinned(loop, EACH) for loop in loops), *excursions(controller, rig.at_rest(), loops, design_steps)]
 
 
 def excursions(
-    controller: host.Controller, at_rest: Mapping[str, float], loops: Sequence[Steps], own: Sequence[Steps] = ()
+    controller: host.Controller,
+    at_rest: Mapping[str, float],
+    loops: Sequence[Steps],
+    design_steps: Sequence[Steps] = (),
 ) -> list[Steps]:
     """Return the sequences that need no closed loop, from inputs at rest.
 
     States of recorded `loops` and of the design's `own` steps are drawn anew.
     """
-    pools = [*([steps.joined("", loops)] if loops else []), *own]
+    pools = [*([steps.joined("", loops)] if loops else []), *design_steps]
     drawn = steps.drawn(controller, DRAWN)
-    wrong = [steps.anew(controller, steps.thinned(p, DRAWN), f"{p.name} states anew".lstrip()) for p in pools]
+    resampled = [steps.anew(controller, steps.thinned(p, DRAWN), f"{p.name} states anew".lstrip()) for p in pools]
     return [
-        *(steps.thinned(each, RANDOM) for each in own),
+        *(steps.thinned(each, RANDOM) for each in design_steps),
         *latches(controller, SEED),
         steps.faulty(controller, at_rest),
         steps.edges(controller, steps.thinned(pools[0], DRAWN)),
         steps.in_range(controller, RANDOM),
         drawn,
-        *wrong,
-        *(steps.rare(controller, each, RARE) for each in (*own, *wrong)),
-        steps.at_ends(controller, steps.joined("random", [drawn, *wrong, *own]), EACH_END),
+        *resampled,
+        *(steps.rare(controller, each, RARE) for each in (*design_steps, *resampled)),
+        steps.at_ends(controller, steps.joined("random", [drawn, *resampled, *design_steps]), EACH_END),
     ]
 
 
@@ -121,11 +124,13 @@ def latches(controller: host.Controller, seed: int) -> list[Steps]:
         (f["high"] - f["low"]) / safety["slew_per_s"][n] for n, f in fields.items() if n in safety["slew_per_s"]
     )
     after = safety["bad_samples"] + min(ceil(longest / controller.period_s), LONGEST) + steps.GOOD
-    runs = [steps.recorded(controller, "latches", lost(controller, lead, after, rng)) for lead in LEADS]
+    runs = [steps.recorded(controller, "latches", loss_of_measurement(controller, lead, after, rng)) for lead in LEADS]
     return [steps.joined("latches", [run.part(slice(lead, None)) for run, lead in zip(runs, LEADS, strict=True)])]
 
 
-def lost(controller: host.Controller, lead: int, after: int, rng: np.random.Generator) -> dict[str, NDArray[Any]]:
+def loss_of_measurement(
+    controller: host.Controller, lead: int, after: int, rng: np.random.Generator
+) -> dict[str, NDArray[Any]]:
     """Return inputs (lead + after,): anywhere in their ranges, and from `lead` on not a number."""
     inputs = controller.manifest["structs"]["input"]["fields"]
     columns = {f["name"]: rng.uniform(f["low"], f["high"], lead + after) for f in inputs}

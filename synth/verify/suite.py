@@ -59,7 +59,7 @@ def compare(what: str, by: Witnesses, states: Columns, inputs: Columns, floor: a
 def replay(by: Witnesses, runs: Mapping[str, Columns], floor: agree.Floor) -> list[Agreement]:
     """Compare each other witness with the C in double precision over the N recorded inputs of each run from `init`."""
     start = {s.name: s.initial for s in by.block.states}
-    others = {name: agree.recorded_runs(witness, start, list(runs.values())) for name, witness in by.others.items()}
+    others = {name: agree.run_each(witness, start, list(runs.values())) for name, witness in by.others.items()}
     return [
         agree.compare(what, (name, stepped[k]), ("c64", agree.replayed(by.c64, inputs)), floor, by.block)
         for k, (what, inputs) in enumerate(runs.items())

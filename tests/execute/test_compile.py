@@ -38,9 +38,9 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture(scope="module", params=["host", "zig"])
 def compiler(request: pytest.FixtureRequest) -> host.Compiler:
-    found = host.find_compiler() if request.param == "host" else host.zig_compiler()
-    assert found is not None, "the ziglang wheel belongs to the development extra: pip install -e .[dev]"
-    return found
+    chosen = host.find_compiler() if request.param == "host" else host.zig_compiler()
+    assert chosen is not None, "the ziglang wheel belongs to the development extra: pip install -e .[dev]"
+    return chosen
 
 
 def call(library: Path, name: str, *arguments: float) -> float:
@@ -104,8 +104,8 @@ def test_builders_at_the_same_time_agree_and_leave_nothing_behind(cache: Path, m
     # The usual place for temporary files may be another disk, from which no file moves whole.
     monkeypatch.setattr(tempfile, "tempdir", str(cache / "absent"))
     with ThreadPoolExecutor(4) as pool:
-        found = set(pool.map(lambda _: host.shared_library(AMPLIFY, compiler=compiler), range(8)))
-    assert len(found) == 1 and call(found.pop(), "amplify", 1.0) == 3.0
+        libraries = set(pool.map(lambda _: host.shared_library(AMPLIFY, compiler=compiler), range(8)))
+    assert len(libraries) == 1 and call(libraries.pop(), "amplify", 1.0) == 3.0
     assert not list(cache.glob("building-*"))
 
 

@@ -68,11 +68,13 @@ def test_names_of_double_arithmetic(name: str, double: bool) -> None:
 @pytest.mark.parametrize(("core", "in_hardware"), [("cortex-m4f", False), ("cortex-m7", True)])
 def test_the_core_decides_what_is_hardware(core: str, in_hardware: bool, compiler: str) -> None:
     text = "double f(double x, double y);\ndouble f(double x, double y) { return x * y; }\n"
-    needed = set().union(*(elf.undefined(path) for path in cross.objects({"f.c": text}, core, compiler)))
+    needed = set().union(*(elf.undefined_symbols(path) for path in cross.objects({"f.c": text}, core, compiler)))
     assert ("__aeabi_dmul" in needed) is not in_hardware
     # Neither core falls back to software for a float.
     single = {"f.c": SUM % "x * y"}
-    assert not any(n.startswith("__aeabi_f") for p in cross.objects(single, core, compiler) for n in elf.undefined(p))
+    assert not any(
+        n.startswith("__aeabi_f") for p in cross.objects(single, core, compiler) for n in elf.undefined_symbols(p)
+    )
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)
@@ -83,12 +85,12 @@ def test_an_image_holds_what_is_reached(compiler: str) -> None:
     float unreached(float x) { return cbrtf(x); }
     float entry(float x) { return 2.0f * reached(x); }
     """
-    found = elf.read(cross.link({"f.c": text}, ["entry"], "cortex-m4f", compiler))
-    names = {function.name for function in found.functions}
+    program = elf.read(cross.link({"f.c": text}, ["entry"], "cortex-m4f", compiler))
+    names = {function.name for function in program.functions}
     assert {"entry", "reached", "tanhf"} <= names and not {"unreached", "cbrtf", "main", "_start"} & names
     assert cross.functions({"f.c": text}, "cortex-m4f", compiler) == {"entry", "reached", "unreached"}
     with pytest.raises(CompileError, match="no function 'absent'"):
-        found.address("absent")
+        program.address("absent")
 
 
 def test_products_are_kept_and_told_apart() -> None:

@@ -29,7 +29,7 @@ text = "of a printed number alone"
 numbers = { rate = ["4", "Hz"] }
 computed = { half = ["F-2.rate / 2", "Hz", "half"], as_printed = "half < F-2.rate.value" }
 """
-PRINTS = audit.published(TEXT)
+PRINTS = audit.parse_published(TEXT)
 
 
 SCOPE = audit.Scope({"stiffness": 200.0, "mass": 9.0}, {"doubled": lambda v: 2 * v}, PRINTS)

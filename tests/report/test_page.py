@@ -87,7 +87,7 @@ def test_whatever_would_be_loaded_is_refused(planted: str) -> None:
 
 def test_what_lies_in_the_page_is_not_refused() -> None:
     inside = '<use href="#a-1"/><rect fill="url(#a-1)"/><image href="data:image/png;base64,AAAA"/></svg>'
-    assert page.external(page.render(report(GOOD, svg=SVG.replace("</svg>", inside)))) == ()
+    assert page.external_addresses(page.render(report(GOOD, svg=SVG.replace("</svg>", inside)))) == ()
 
 
 def test_a_failed_check_stands_in_the_summary_in_the_contents_and_in_its_table() -> None:

@@ -20,7 +20,7 @@ OWN = "# Model\nThe moved mass is {{ plant.M }} kg, read every {{ period_ms:g }}
 def report(monkeypatch: pytest.MonkeyPatch, words: str, **extra: Any) -> str:
     """Return the report without runs and without the loops, which take their time."""
     made = (Section(standard.LOOPS, (page.Checks("Required margins", (MARGIN,)),)),)
-    monkeypatch.setattr(template, "own_words", lambda name: words)
+    monkeypatch.setattr(template, "design_prose", lambda name: words)
     return template.report(STAGE, {}, EVIDENCE, (), (), None, Extra(sections=made, **extra))
 
 
@@ -37,16 +37,16 @@ def test_the_designs_own_words_and_blocks_stand_where_report_md_says(monkeypatch
     bench = page.Table("Where it stands", ("floor",), (("granite",),))
     html = report(monkeypatch, OWN, values={"bench": bench}, facts=(("payload", "1 kg"),))
     assert "The moved mass is 1.5 kg, read every 0.5 ms." in html and "<dd>1 kg</dd>" in html
-    model, own, law = (html.index(f" {title}</h2>") for title in ("Model", "Bench", "Control law"))
-    assert model < own < html.index("granite") < law
+    model, bench_section, law = (html.index(f" {title}</h2>") for title in ("Model", "Bench", "Control law"))
+    assert model < bench_section < html.index("granite") < law
 
 
 def test_units_and_counts_of_experiments_are_those_declared() -> None:
-    shown = template.shown(STAGE)
+    shown = template.default_style(STAGE)
     assert shown.units["z"] == "m" and shown.levels == {
         s.of: s.resolution for s in STAGE.interface.sensors if s.resolution
     }
 
 
 def test_a_design_without_words_of_its_own_has_none() -> None:
-    assert template.own_words("no_such_design") == ""
+    assert template.design_prose("no_such_design") == ""

@@ -52,8 +52,8 @@ def test_the_witnesses_alone_do_not_find_it(planted: Stage) -> None:
     by = suite.witnesses(planted.controller.block, PID.reference.step)
     others = {name: witness for name, witness in by.of.items() if name != "reference"}
     run = planted.experiments[0].run(Rig(planted, planted.plant, by.c64))
-    found = suite.replay(replace(by, of=others), {"step": run.trajectory.measured}, None)
-    assert [c for c in suite.exact(found, "A") if not c.passed] == []
+    agreements = suite.replay(replace(by, of=others), {"step": run.trajectory.measured}, None)
+    assert [c for c in suite.exact(agreements, "A") if not c.passed] == []
 
 
 def test_what_is_limited_on_purpose_may_stand_at_its_bound(planted: Stage) -> None:
@@ -65,6 +65,6 @@ def test_the_ratio_is_taken_about_the_middle_of_the_range() -> None:
     controller = declared.compiled(PID.DESIGN.stage, np.float64)
     n = 10
     inputs = {"z": np.zeros(n), "x": np.full(n, -1e-3), "z_ref": np.zeros(n), "x_ref": np.full(n, 8e-4)}
-    found = headroom.ratios(controller, inputs)
-    assert found["pid_x_last"] == pytest.approx(1) and found["pid_z_last"] == 0
-    assert set(found) == {f"pid_{axis}_{name}" for axis in "zx" for name in ("integral", "v", "last")}
+    ratios = headroom.ratios(controller, inputs)
+    assert ratios["pid_x_last"] == pytest.approx(1) and ratios["pid_z_last"] == 0
+    assert set(ratios) == {f"pid_{axis}_{name}" for axis in "zx" for name in ("integral", "v", "last")}

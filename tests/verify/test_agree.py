@@ -27,8 +27,8 @@ def worst(floor: agree.Floor) -> tuple[float, str]:
     words = np.zeros(1, np.uint32)
     right = agree.Stepped({"x": np.zeros(1), "angle": np.zeros(1)}, {}, words)
     wrong = agree.Stepped({"x": np.full(1, 1e-9), "angle": np.full(1, 3e-9)}, {}, words)
-    found = agree.compare("steps", ("right", right), ("wrong", wrong), floor, BLOCK)
-    return found.worst, found.signal
+    agreement = agree.compare("steps", ("right", right), ("wrong", wrong), floor, BLOCK)
+    return agreement.worst, agreement.signal
 
 
 def test_one_floor_for_all_hides_what_an_output_of_small_range_does() -> None:
@@ -70,28 +70,28 @@ def test_runs_of_any_lengths_are_as_each_alone() -> None:
 
     rng = np.random.default_rng(0)
     runs = [{"u": rng.uniform(-1, 1, n)} for n in (7, 20, 7, 3)]
-    for run, found in zip(runs, agree.recorded_runs(integrate, {"total": 0.5}, runs), strict=True):
+    for run, results in zip(runs, agree.run_each(integrate, {"total": 0.5}, runs), strict=True):
         alone = agree.recorded(integrate, {"total": 0.5}, run)
-        np.testing.assert_equal((found.outputs, found.states), (alone.outputs, alone.states))
-        np.testing.assert_array_equal(found.faults, alone.faults)
+        np.testing.assert_equal((results.outputs, results.states), (alone.outputs, alone.states))
+        np.testing.assert_array_equal(results.faults, alone.faults)
 
 
 @pytest.mark.parametrize("made", [agree.casadi, agree.casadi_own_c])
 def test_steps_in_a_row_are_the_steps_one_by_one(made: Callable[[Block], agree.Witness]) -> None:
     """Over the end of a part of `IN_A_ROW` samples, with a bad sample in each."""
     block = levitator.design().DESIGN.stage.controller.block
-    rng, n = np.random.default_rng(3), agree.IN_A_ROW + 30
+    rng, n = np.random.default_rng(3), agree.CHUNK + 30
     inputs = {s.name: rng.uniform(s.low, s.high, n) for s in block.inputs}
     for values in inputs.values():
         values[[5, -5]] = np.nan
     witness, start = made(block), {s.name: s.initial for s in block.states}
-    found, one_by_one = (agree.recorded(w, start, inputs) for w in (witness, lambda x, u: witness(x, u)))
-    np.testing.assert_equal(found.outputs, one_by_one.outputs)
-    np.testing.assert_equal(found.states, one_by_one.states)
-    assert np.array_equal(found.faults, one_by_one.faults) and len(set(found.faults)) > 1
+    in_a_row, one_by_one = (agree.recorded(w, start, inputs) for w in (witness, lambda x, u: witness(x, u)))
+    np.testing.assert_equal(in_a_row.outputs, one_by_one.outputs)
+    np.testing.assert_equal(in_a_row.states, one_by_one.states)
+    assert np.array_equal(in_a_row.faults, one_by_one.faults) and len(set(in_a_row.faults)) > 1
 
 
 def test_a_block_without_states_steps_in_a_row() -> None:
     inputs = {"x_in": np.array([1e-4, -2e-4]), "angle_in": np.array([1.0, 2.0])}
-    found = agree.recorded(agree.casadi(BLOCK), {}, inputs).outputs
-    np.testing.assert_equal(found, {"x": inputs["x_in"], "angle": inputs["angle_in"]})
+    outputs = agree.recorded(agree.casadi(BLOCK), {}, inputs).outputs
+    np.testing.assert_equal(outputs, {"x": inputs["x_in"], "angle": inputs["angle_in"]})

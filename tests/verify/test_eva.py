@@ -83,8 +83,8 @@ def test_a_planted_defect_is_not_proved(
 ) -> None:
     proof = eva.prove(planted(old, new), manifest)
     assert not all(check.passed for check in proof.checks())
-    assert any(alarm in told for told in proof.alarms) or not alarm
-    assert any(open_claim in told for told in proof.unproved) or not open_claim
+    assert any(alarm in text for text in proof.alarms) or not alarm
+    assert any(open_claim in text for text in proof.unproved) or not open_claim
 
 
 @needs_frama_c
@@ -148,7 +148,7 @@ def test_the_emitted_controller_with_wide_limits_is_not_proved(
     limits = highs[role] - highs["input"]
     wide = {name: widened(text, limits) for name, text in code.items()}
     assert wide != code
-    assert any(f"{role}." in told for told in eva.prove(wide, manifest).unproved)
+    assert any(f"{role}." in claim for claim in eva.prove(wide, manifest).unproved)
 
 
 @needs_frama_c
@@ -159,5 +159,5 @@ def test_what_is_admitted_is_counted(planted: Plant, manifest: dict[str, Any]) -
     assert (proof.alarms, proof.unproved, proof.admitted) == ((), (), 1)
     assert "1 bounds taken over from certificates" in proof.checks()[0].about
     unfit = "/*@ admit 2.0f <= i1 <= 1.0f; */"
-    found = eva.prove(planted("out->i1 = clamped(scale * i1, -4.95f, 4.95f);", f"{limited} {unfit}"), manifest)
-    assert not found.checks()[1].passed and "user check" in found.unproved[0]  # whatever follows would go unseen
+    refuted = eva.prove(planted("out->i1 = clamped(scale * i1, -4.95f, 4.95f);", f"{limited} {unfit}"), manifest)
+    assert not refuted.checks()[1].passed and "user check" in refuted.unproved[0]  # whatever follows would go unseen

@@ -96,9 +96,9 @@ def test_suspects_are_told_by_the_step_alone(planted: Plant, manifest: dict[str,
         "(good_g1 ? 0u : 0x00000001u) | (good_g2",
         "((state->xi > 0.0f) ? 0x100u : 0u) | (good_g1 ? 0u : 0x00000001u) | (good_g2",
     )
-    told = manifest | {"safety": {"bad_samples": 5}}
-    assert "fault word" in fuzz.run(files, told, STEPS).finding
-    named = told | {"faults": [*manifest["faults"], {"bit": 8, "suspect": "g1"}]}
+    extended = manifest | {"safety": {"bad_samples": 5}}
+    assert "fault word" in fuzz.run(files, extended, STEPS).finding
+    named = extended | {"faults": [*manifest["faults"], {"bit": 8, "suspect": "g1"}]}
     assert fuzz.run(files, named, STEPS).finding == ""
 
 

@@ -15,10 +15,10 @@ SLEW, SAFE = "slews at", "ends from its safe value by"
 
 def planted(monkeypatch: pytest.MonkeyPatch, **wrong: dict[str, float]) -> host.Controller:
     """Return two axes whose C has another safe output than their manifest tells."""
-    right, own = axes.block(2), safety.safe_output
+    right, original = axes.block(2), safety.safe_output
 
-    def other(time: object, outputs: object, given: safety.Safety) -> Block:
-        return own(time, outputs, safety.replace(given, **wrong))  # type: ignore[attr-defined, arg-type]
+    def other(time: object, outputs: object, limits: safety.Safety) -> Block:
+        return original(time, outputs, safety.replace(limits, **wrong))  # type: ignore[attr-defined, arg-type]
 
     if wrong:
         monkeypatch.setattr(axes.safety, "safe_output", other)

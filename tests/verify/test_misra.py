@@ -39,8 +39,8 @@ def test_a_planted_violation_is_found(planted: Plant, old: str, new: str, rule: 
 @needs_cppcheck
 def test_a_violation_in_a_header_is_found(files: dict[str, str]) -> None:
     header = files["hover.h"].replace("#endif", "typedef int hover_unused_t;\n#endif")
-    found = misra.inspect(files | {"hover.h": header}).findings
-    assert ("misra-c2012-2.3", "hover.h") in {(f.rule, f.file) for f in found}
+    findings = misra.inspect(files | {"hover.h": header}).findings
+    assert ("misra-c2012-2.3", "hover.h") in {(f.rule, f.file) for f in findings}
 
 
 @needs_cppcheck

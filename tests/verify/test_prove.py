@@ -25,11 +25,11 @@ def short(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_sound_c_passes_at_either_depth(
     files: dict[str, str], manifest: dict[str, Any], whole: bool, steps: int
 ) -> None:
-    told: list[str] = []
-    checks = prove.prove(files | {"gains.json": "{}"}, manifest, whole, told.append)
+    messages: list[str] = []
+    checks = prove.prove(files | {"gains.json": "{}"}, manifest, whole, messages.append)
     assert all(check.passed for check in checks)
     steps_told = ["Eva", "partial evaluation", "fuzzing", "cppcheck --addon=misra", "latch"]
-    assert [line.split(":")[0] for line in told] == steps_told
+    assert [line.split(":")[0] for line in messages] == steps_told
     assert any(f"{steps} steps" in check.about for check in checks if check.name == "fuzzing: findings")
 
 

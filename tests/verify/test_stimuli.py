@@ -61,7 +61,7 @@ def test_the_replay_has_bad_samples_of_every_input_and_latches_in_the_end(contro
 
 def test_every_sequence_is_there_and_closed_loops_come_first(controller: host.Controller) -> None:
     rig = declared.rig(STAGE, np.float32)
-    found = stimuli.sequences(rig, [e.run(rig) for e in STAGE.experiments], lambda _: None)
-    assert [s.name for s in found if s.closed_loop] == ["step_z", "step_x", "faults in motion"]
-    assert all(s.closed_loop for s in found[:3]) and {"latches", "faults", "edges"} <= {s.name for s in found}
-    assert all(len(s) <= stimuli.EACH for s in found[:3])
+    sequences = stimuli.sequences(rig, [e.run(rig) for e in STAGE.experiments], lambda _: None)
+    assert [s.name for s in sequences if s.closed_loop] == ["step_z", "step_x", "faults in motion"]
+    assert all(s.closed_loop for s in sequences[:3]) and {"latches", "faults", "edges"} <= {s.name for s in sequences}
+    assert all(len(s) <= stimuli.EACH for s in sequences[:3])

@@ -15,7 +15,7 @@ LEAST = 4  # operations: what has fewer is as quickly read as said to be alike
 
 
 @dataclass(frozen=True)
-class Shown:
+class EquationWithCopies:
     """An equation that is shown, and its copies with the names that they have in place of its own."""
 
     equation: Equation
@@ -23,15 +23,15 @@ class Shown:
 
 
 @dataclass(frozen=True)
-class ShownGroup:
+class GroupWithCopies:
     """A group that is shown, and groups that are alike as a whole, with their names in place of its own."""
 
     group: Group
-    equations: tuple[Shown, ...]
+    equations: tuple[EquationWithCopies, ...]
     copies: tuple[tuple[Group, Mapping[str, str]], ...] = ()
 
 
-def of_groups(groups: Sequence[Group]) -> tuple[ShownGroup, ...]:
+def of_groups(groups: Sequence[Group]) -> tuple[GroupWithCopies, ...]:
     """Return the groups, each with those that are alike as a whole."""
     first: list[tuple[Group, list[tuple[Group, Mapping[str, str]]]]] = []
     for group in groups:
@@ -41,10 +41,10 @@ def of_groups(groups: Sequence[Group]) -> tuple[ShownGroup, ...]:
                 break
         else:
             first.append((group, []))
-    return tuple(ShownGroup(g, of_equations(g), tuple(copies)) for g, copies in first)
+    return tuple(GroupWithCopies(g, of_equations(g), tuple(copies)) for g, copies in first)
 
 
-def of_equations(group: Group) -> tuple[Shown, ...]:
+def of_equations(group: Group) -> tuple[EquationWithCopies, ...]:
     """Return the equations of a group, each with those that are alike."""
     first: list[tuple[Equation, list[tuple[Equation, Mapping[str, str]]]]] = []
     for equation in group.equations:
@@ -56,7 +56,7 @@ def of_equations(group: Group) -> tuple[Shown, ...]:
                 break
         else:
             first.append((equation, []))
-    return tuple(Shown(e, tuple(copies)) for e, copies in first)
+    return tuple(EquationWithCopies(e, tuple(copies)) for e, copies in first)
 
 
 def names_in_place(source: Equation, other: Equation) -> dict[str, str] | None:

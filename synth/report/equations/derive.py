@@ -55,12 +55,12 @@ class Equation:
     def shown(self) -> sp.Expr:
         """The right side as the page has it: a limit to the signal's own range without the bounds."""
         sat = symbolic.opaque("sat")
-        own = {
+        unbounded = {
             limited: sat(limited.args[0])
             for limited in sp.preorder_traversal(self.expression)
             if type(limited).__name__ == "sat" and _bounds(limited) == self.limits
         }
-        return self.expression.xreplace(own)
+        return self.expression.xreplace(unbounded)
 
 
 def _bounds(limited: sp.Expr) -> tuple[float, ...]:
@@ -128,16 +128,16 @@ def plant(plant: Plant, named: Named | None = None) -> tuple[Group, ...]:
             f"the physics of plant '{plant.name}' does not compute {', '.join(unused)}: name what it computes, built "
             "in the same way"
         )
-    inside = _defined(nodes, names, at, ends, outputs)
+    inside = _definitions(nodes, names, at, ends, outputs)
     states = {s.name for s in plant.states}
     inside = [e for e in inside if e.name not in states]  # a state that is an output too
-    cut = _cut(nodes, names, at, ends)
+    cut = _name_nodes(nodes, names, at, ends)
     moving = tuple(
         Equation(s.name, symbolic.expression(nodes, cut, k), k, symbolic.shape(nodes, cut, k), "", "rate", s)
         for s, k in rates.items()
     )
     groups = (Group("Definitions", tuple(inside)), Group("States", moving))
-    return tuple(_told_apart(g) for g in groups if g.equations)
+    return tuple(_with_distinct_names(g) for g in groups if g.equations)
 
 
 def block(block: Block) -> tuple[Group, ...]:
@@ -148,9 +148,9 @@ def block(block: Block) -> tuple[Group, ...]:
     marked = {named.signal.name: named for named, _ in program.marks}
     at = {named.signal.name: k for named, k in program.marks}
     ends = [*at.values(), *program.next.values()]
-    inside = _defined(nodes, names, at, ends, {name: named.signal for name, named in marked.items()})
+    inside = _definitions(nodes, names, at, ends, {name: named.signal for name, named in marked.items()})
     inside = [replace(e, owner=marked[e.name].block) if e.name in marked else e for e in inside]
-    signals, cut = {s.name: s.signal for s in block.states}, _cut(nodes, names, at, ends)
+    signals, cut = {s.name: s.signal for s in block.states}, _name_nodes(nodes, names, at, ends)
     following = [
         Equation(
             n,
@@ -164,25 +164,27 @@ def block(block: Block) -> tuple[Group, ...]:
         for n, k in program.next.items()
     ]
     tags = {named.block: named.tag for named, _ in block.inside}
-    equations = [*_owned(inside, following), *following]
+    equations = [*_assign_owners(inside, following), *following]
     owners = dict.fromkeys([*program.titles, *(e.owner for e in equations)])
     private = [s.name for s in block.states] + [c.name for c in block.constants]
     groups = []
     for owner in owners:
-        own = tuple(e for e in equations if e.owner == owner)
+        members = tuple(e for e in equations if e.owner == owner)
         local = {n: n[len(owner) + 1 :] for n in private if owner and n.startswith(f"{owner}_")}
-        if own:
-            groups.append(_told_apart(Group(owner or block.name, own, tags.get(owner, ""), local)))
+        if members:
+            groups.append(_with_distinct_names(Group(owner or block.name, members, tags.get(owner, ""), local)))
     return tuple(groups)
 
 
-def _cut(nodes: Sequence[Node], names: Mapping[int, str], at: Mapping[str, int], ends: Sequence[int]) -> dict[int, str]:
+def _name_nodes(
+    nodes: Sequence[Node], names: Mapping[int, str], at: Mapping[str, int], ends: Sequence[int]
+) -> dict[int, str]:
     """Return the names of loads, named values and of further parts by node; the first name of a node counts."""
     first = {k: name for name, k in reversed([*at.items()])}
-    return symbolic.cut(nodes, first | dict(names), ends)
+    return symbolic.name_parts(nodes, first | dict(names), ends)
 
 
-def _defined(
+def _definitions(
     nodes: Sequence[Node],
     names: Mapping[int, str],
     at: Mapping[str, int],
@@ -190,7 +192,7 @@ def _defined(
     signals: Mapping[str, Signal],
 ) -> list[Equation]:
     """Return what each named value and each part is, in the order of computation, and second names of one value."""
-    cut = _cut(nodes, names, at, ends)
+    cut = _name_nodes(nodes, names, at, ends)
     needed, _ = symbolic.live(nodes, ends)
     equations = []
     for k in needed:
@@ -206,7 +208,7 @@ def _defined(
     return equations
 
 
-def _owned(inside: Sequence[Equation], following: Sequence[Equation]) -> list[Equation]:
+def _assign_owners(inside: Sequence[Equation], following: Sequence[Equation]) -> list[Equation]:
     """Return definitions with each part that has no owner given to the Block that reads it, the last of several."""
     owner = {e.name: e.owner for e in inside if e.owner}
     signals = set(owner)
@@ -218,17 +220,17 @@ def _owned(inside: Sequence[Equation], following: Sequence[Equation]) -> list[Eq
     return [replace(e, owner=owner.get(e.name, "")) for e in inside]
 
 
-def _told_apart(group: Group) -> Group:
+def _with_distinct_names(group: Group) -> Group:
     """Return a group in which no two names look alike on the page: the second of them is written as it is."""
     names = {e.name for e in group.equations} | {s.name for e in group.equations for s in e.expression.free_symbols}
     local: dict[str, str] = {}
     taken: set[str] = set()
     for name in sorted(names, key=lambda n: (n in group.local, n)):
-        choices = (text for text in (group.name(name), name, f"={name}") if _looks(text) not in taken)
+        choices = (text for text in (group.name(name), name, f"={name}") if _appearance(text) not in taken)
         local[name] = next(choices)
-        taken.add(_looks(local[name]))
+        taken.add(_appearance(local[name]))
     return replace(group, local={name: text for name, text in local.items() if text != name})
 
 
-def _looks(name: str) -> str:
+def _appearance(name: str) -> str:
     return mathml_value.key(glyphs.markup(name))

@@ -10,7 +10,7 @@ from synth.block import Block
 from synth.plant import Plant
 from synth.report import page
 from synth.report.equations import copies, derive, glyphs, mathml, proof
-from synth.report.equations.copies import Shown, ShownGroup
+from synth.report.equations.copies import EquationWithCopies, GroupWithCopies
 from synth.report.equations.derive import Equation, Group, Named
 from synth.report.notation import number, readable
 from synth.signals import Signal, per_second
@@ -44,7 +44,7 @@ def block(block: Block, folded: Collection[str] = ()) -> tuple[page.Formulas | p
         groups = derive.block(block)
         proof.block(block, groups)
         shown = {g.group.title: _formulas(g) for g in copies.of_groups(groups)}
-    return tuple(_folded(f) if name in folded or len(f.rows) > FEW else f for name, f in shown.items())
+    return tuple(_fold(f) if name in folded or len(f.rows) > FEW else f for name, f in shown.items())
 
 
 def signals(caption: str, signals: Sequence[Signal]) -> page.Table:
@@ -59,30 +59,30 @@ def constants(block: Block) -> page.Table:
     return page.Table("Constants", ("name", "value", "unit", "computed from"), rows, digits=7)
 
 
-def _folded(formulas: page.Formulas) -> page.Folded:
+def _fold(formulas: page.Formulas) -> page.Folded:
     title = f"{formulas.title}, {len(formulas.rows)} lines"
     return page.Folded(title, (replace(formulas, title=""),))
 
 
-def _formulas(shown: ShownGroup) -> page.Formulas:
+def _formulas(shown: GroupWithCopies) -> page.Formulas:
     group = shown.group
     title = f"{group.title}: {group.tag}" if group.tag else group.title
     rows = [row for each in shown.equations for row in _rows(group, each)]
-    also = tuple((g.title, Markup(_in_place(names))) for g, names in shown.copies)
+    also = tuple((g.title, Markup(_substitutions(names))) for g, names in shown.copies)
     return page.Formulas(title, tuple(rows), also)
 
 
-def _rows(group: Group, shown: Shown) -> list[page.Formula]:
+def _rows(group: Group, shown: EquationWithCopies) -> list[page.Formula]:
     equation = shown.equation
     math = mathml.display(group.left(equation), "<mo>=</mo>", group.right(equation))
-    rows = [page.Formula(Markup(math), *_beside(equation))]
+    rows = [page.Formula(Markup(math), *_unit_and_range(equation))]
     if shown.copies:
         left = "<mo>,</mo>".join(group.left(other) for other, _ in shown.copies)
         rows.append(page.Formula(Markup(mathml.display(left)), "", "", _likewise(group, shown)))
     return rows
 
 
-def _likewise(group: Group, shown: Shown) -> Markup:
+def _likewise(group: Group, shown: EquationWithCopies) -> Markup:
     """Return what stands in the copies for each name of the equation."""
     changed = list(dict.fromkeys(name for _, names in shown.copies for name in names))
     parts = []
@@ -92,12 +92,12 @@ def _likewise(group: Group, shown: Shown) -> Markup:
     return Markup("likewise" + (f", with {'; '.join(parts)}" if parts else ""))
 
 
-def _in_place(names: Mapping[str, str]) -> str:
+def _substitutions(names: Mapping[str, str]) -> str:
     pairs = (f"{mathml.display(glyphs.markup(b))} for {mathml.display(glyphs.markup(a))}" for a, b in names.items())
     return ", ".join(pairs)
 
 
-def _beside(equation: Equation) -> tuple[str, str]:
+def _unit_and_range(equation: Equation) -> tuple[str, str]:
     signal = equation.signal
     if signal is None:
         return "", ""

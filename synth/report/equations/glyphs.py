@@ -40,5 +40,5 @@ def _subscript(part: str) -> list[str]:
     """Return the markup of one part of a subscript: i_d1 has d1, and phi3 a letter and a number."""
     match = re.fullmatch(r"([A-Za-z]*)(\d*)", part)
     word, digits = match.groups() if match else (part, "")
-    found = f"<mi>{escape(GREEK.get(word, word))}</mi>" if word else ""
-    return [found + (f"<mn>{digits}</mn>" if digits else "")]
+    letters = f"<mi>{escape(GREEK.get(word, word))}</mi>" if word else ""
+    return [letters + (f"<mn>{digits}</mn>" if digits else "")]

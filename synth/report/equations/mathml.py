@@ -66,7 +66,7 @@ def _piece(expr: sp.Expr) -> Piece:
     if isinstance(expr, sp.Add):
         return _lines(_terms(expr)), SUM
     if (isinstance(expr, sp.Number) and expr < 0) or (isinstance(expr, sp.Mul) and _negative(expr)):
-        return f"<mrow><mo>−</mo>{_within(-expr, PRODUCT)}</mrow>", SUM
+        return f"<mrow><mo>−</mo>{_parenthesised(-expr, PRODUCT)}</mrow>", SUM
     if isinstance(expr, sp.Mul) or (isinstance(expr, sp.Rational) and expr.q != 1):
         return _product(expr)
     if isinstance(expr, sp.Number):
@@ -76,7 +76,7 @@ def _piece(expr: sp.Expr) -> Piece:
     return _function(type(expr).__name__, [*expr.args])
 
 
-def _within(expr: sp.Expr, least: int) -> str:
+def _parenthesised(expr: sp.Expr, least: int) -> str:
     """Return an expression's markup, in parentheses unless it holds together as strongly as `least`."""
     markup, strength = _piece(expr)
     return markup if strength >= least else _bracketed("(", markup, ")")
@@ -99,7 +99,7 @@ def _terms(expr: sp.Add) -> list[str]:
     for k, term in enumerate(ordered):
         form = ' form="infix"' if k else ""
         sign = f"<mo{form}>−</mo>" if _negative(term) else f"<mo{form}>+</mo>" if k else ""
-        marked.append(sign + _within(-term if _negative(term) else term, PRODUCT))
+        marked.append(sign + _parenthesised(-term if _negative(term) else term, PRODUCT))
     return marked
 
 
@@ -121,11 +121,11 @@ def _product(expr: sp.Expr) -> Piece:
 
 
 def _factors(factors: Sequence[sp.Expr]) -> str:
-    found = [_within(factors[0], PRODUCT)]
+    pieces = [_parenthesised(factors[0], PRODUCT)]
     for before, factor in pairwise(factors):
         numbers = isinstance(factor, sp.Number) or (isinstance(before, sp.Number) and isinstance(factor, sp.Pow))
-        found += ["<mo>·</mo>" if numbers else TIMES, _within(factor, PRODUCT)]
-    return f"<mrow>{''.join(found)}</mrow>"
+        pieces += ["<mo>·</mo>" if numbers else TIMES, _parenthesised(factor, PRODUCT)]
+    return f"<mrow>{''.join(pieces)}</mrow>"
 
 
 def _power(expr: sp.Pow) -> Piece:
@@ -138,14 +138,14 @@ def _power(expr: sp.Pow) -> Piece:
         return f"<mroot><mrow>{_piece(base)[0]}</mrow><mn>{exponent.q}</mn></mroot>", ATOM
     above = _piece(exponent)[0]
     if isinstance(base, sp.Function) and exponent.is_Integer and type(base).__name__ in _PLAIN:
-        return _applied(f"<msup>{_word(type(base).__name__)}{above}</msup>", base.args), PRODUCT
-    return f"<msup>{_within(base, ATOM)}<mrow>{above}</mrow></msup>", POWER
+        return _application(f"<msup>{_word(type(base).__name__)}{above}</msup>", base.args), PRODUCT
+    return f"<msup>{_parenthesised(base, ATOM)}<mrow>{above}</mrow></msup>", POWER
 
 
 def _number(value: sp.Number) -> Piece:
     text = str(value) if isinstance(value, sp.Integer) else repr(float(value))
     mantissa, _, exponent = text.removesuffix(".0").partition("e")
-    shown = _cut(mantissa)
+    shown = _truncated(mantissa)
     whole = f' data-value="{mantissa}"' if shown != mantissa else ""
     written = f"<mn{whole}>{shown}</mn>"
     if not exponent:
@@ -154,7 +154,7 @@ def _number(value: sp.Number) -> Piece:
     return (power if mantissa == "1" else f"<mrow>{written}<mo>·</mo>{power}</mrow>"), PRODUCT
 
 
-def _cut(mantissa: str) -> str:
+def _truncated(mantissa: str) -> str:
     """Return a mantissa cut off after DIGITS digits behind its leading zeros, with an ellipsis for what is left out."""
     whole, _, part = mantissa.partition(".")
     leading = len(part) - len(part.lstrip("0")) if not whole.strip("0") else 0
@@ -177,15 +177,15 @@ def _function(kind: str, args: Sequence[sp.Expr]) -> Piece:
         return _bracketed(left, _piece(args[0])[0], right), ATOM
     if kind == "sat" and len(args) == 3:
         low, high = (f"<mrow>{_piece(a)[0]}</mrow>" for a in args[1:])
-        return _applied(f"<msubsup><mi>sat</mi>{low}{high}</msubsup>", args[:1]), ATOM
-    return _applied(_word(kind), args), ATOM
+        return _application(f"<msubsup><mi>sat</mi>{low}{high}</msubsup>", args[:1]), ATOM
+    return _application(_word(kind), args), ATOM
 
 
 def _word(kind: str) -> str:
     return f"<mi>{escape(WORDS.get(kind, kind))}</mi>"
 
 
-def _applied(head: str, args: Sequence[sp.Expr]) -> str:
+def _application(head: str, args: Sequence[sp.Expr]) -> str:
     whole = len(args) == 1 and type(args[0]).__name__ == "choose"  # then one pair of parentheses is enough
     inner = cases(args[0]) if whole else "<mo>,</mo>".join(_piece(a)[0] for a in args)
     return f"<mrow>{head}{APPLY}{_bracketed('(', inner, ')')}</mrow>"
@@ -206,7 +206,7 @@ def _condition(expr: sp.Expr) -> Piece:
     """Return what is compared; of a number, that it is not 0 is understood."""
     kind = type(expr).__name__
     if kind in RELATIONS:
-        first, second = (_within(a, SUM) for a in expr.args)
+        first, second = (_parenthesised(a, SUM) for a in expr.args)
         return f"<mrow>{first}<mo>{RELATIONS[kind]}</mo>{second}</mrow>", RELATION
     if kind in LOGIC:
         inside = (_condition(a) for a in _operands(kind, expr))

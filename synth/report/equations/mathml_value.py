@@ -59,10 +59,10 @@ def value(
     """
     tokens = _flat(ElementTree.fromstring(f"<mrow>{markup}</mrow>"))
     reader = _Reader(tokens, names, limits, {**FUNCTIONS, **(tables or {})})
-    found = reader.condition()
+    amount = reader.condition()
     if reader.next is not None:
         raise DesignError(f"the formula goes on behind its end with '{_key(reader.next)}': show it as one expression")
-    return found
+    return amount
 
 
 def _flat(element: Element) -> list[Element]:
@@ -110,16 +110,16 @@ class _Reader:
 
     def of(self, tokens: list[Element]) -> Array:
         reader = _Reader(tokens, self.names, self.limits, self.functions)
-        found = reader.condition()
+        amount = reader.condition()
         if reader.next is not None:
             raise DesignError(f"a part of the formula goes on with '{_key(reader.next)}': show it as one expression")
-        return found
+        return amount
 
-    def chain(self, found: Array, operand: Callable[[], Array], operators: Mapping[str, Callable[..., Any]]) -> Array:
+    def chain(self, left: Array, operand: Callable[[], Array], operators: Mapping[str, Callable[..., Any]]) -> Array:
         """Return what the value read and further operands amount to, operators between them, from left to right."""
         while sign := self.sign(*operators):
-            found = np.asarray(operators[sign](found, operand()), dtype=np.float64)
-        return found
+            left = np.asarray(operators[sign](left, operand()), dtype=np.float64)
+        return left
 
     def condition(self) -> Array:
         return self.chain(self.conjunct(), self.conjunct, {"∨": np.logical_or})
@@ -131,10 +131,10 @@ class _Reader:
         return _as_number(self.negation() == 0) if self.sign("¬") else self.relation()
 
     def relation(self) -> Array:
-        found = self.sum()
+        left = self.sum()
         if sign := self.sign(*_RELATIONS):
-            return _as_number(_RELATIONS[sign](found, self.sum()))
-        return found
+            return _as_number(_RELATIONS[sign](left, self.sum()))
+        return left
 
     def sum(self) -> Array:
         first = -self.term() if self.sign("−") else self.term()
@@ -148,10 +148,10 @@ class _Reader:
             return self.cases(self.take())
         if left := self.sign(*_FENCES):
             right, function = _FENCES[left]
-            found = self.condition()
+            inner = self.condition()
             if not self.sign(right):
                 raise DesignError(f"a formula opens '{left}' and does not close it: close it")
-            return function(found)
+            return function(inner)
         piece = self.take()
         if (following := self.next) is not None and following.tag == "mo" and following.text == _APPLY:
             return self.applied(piece)
@@ -190,8 +190,8 @@ class _Reader:
         name = head[0] if head.tag == "msup" else head
         if name.text not in self.functions:
             raise DesignError(f"a formula applies '{name.text}', which no reader knows as a function: write it out")
-        found = self.functions[str(name.text)](*args)
-        return np.asarray(found ** self.inside(head[1]) if head.tag == "msup" else found)
+        function_value = self.functions[str(name.text)](*args)
+        return np.asarray(function_value ** self.inside(head[1]) if head.tag == "msup" else function_value)
 
     def atom(self, piece: Element) -> Array:
         if piece.tag == "mn":
@@ -214,10 +214,10 @@ class _Reader:
         """Return what is raised to a power: one piece, or one pair of parentheses."""
         tokens = _flat(element)
         reader = _Reader(tokens, self.names, self.limits, self.functions)
-        found = reader.factor()
+        amount = reader.factor()
         if reader.next is not None:
             raise DesignError("a formula raises several pieces to a power: put them in parentheses")
-        return found
+        return amount
 
 
 def _number(piece: Element) -> float:

@@ -29,11 +29,11 @@ def plant(plant: Plant, groups: Sequence[Group], named: Named | None = None) -> 
     f, places = derive.plant_function(plant, named)
     rng = np.random.default_rng(SEED)
     values = np.array([p.value for p in plant.parameters])
-    points = np.vstack([_inside([*plant.states, *plant.inputs], rng), _varied(values, rng)])
+    points = np.vstack([_inside([*plant.states, *plant.inputs], rng), _perturbed(values, rng)])
     names = [s.name for group in (plant.states, plant.inputs, plant.parameters) for s in group]
     computed = _at(f, points)
-    found = {name: computed[k] for name, k in places.items()}
-    check(f"plant '{plant.name}'", groups, dict(zip(names, points, strict=True)), found, {})
+    expected = {name: computed[k] for name, k in places.items()}
+    check(f"plant '{plant.name}'", groups, dict(zip(names, points, strict=True)), expected, {})
 
 
 def block(block: Block, groups: Sequence[Group]) -> None:
@@ -47,7 +47,7 @@ def block(block: Block, groups: Sequence[Group]) -> None:
     for row, state in zip(points[len(block.inputs) :], block.states, strict=True):
         if state.integer:
             row[:] = rng.integers(int(state.signal.low), int(state.signal.high) + 1, POINTS)
-    points = np.vstack([points, _varied(np.array([c.value for c in block.constants]), rng)])
+    points = np.vstack([points, _perturbed(np.array([c.value for c in block.constants]), rng)])
     exprs = {named.signal.name: e for named, e in block.inside} | {f"{n} next": e for n, e in block.next.items()}
     f = ca.Function("block", [ca.vcat([block.symbol[n] for n in names])], [ca.vcat([*exprs.values()])])
     computed = dict(zip(exprs, _at(f, points), strict=True))
@@ -67,25 +67,25 @@ def check(
     for group, equation in sorted(
         ((g, e) for g in groups for e in g.equations), key=lambda pair: (pair[1].mark != "", pair[1].order)
     ):
-        shown = _shown(group, equation, known, tables, points)
+        shown = _evaluate(group, equation, known, tables, points)
         if not equation.mark:
             known[equation.name] = shown
         if equation.key in computed:
-            _same(what, equation, shown, computed[equation.key])
+            _require_equal(what, equation, shown, computed[equation.key])
 
 
-def _shown(
+def _evaluate(
     group: Group, equation: Equation, known: Values, tables: Mapping[str, Callable[..., Array]], points: int
 ) -> Array:
     names = {
         mathml_value.key(glyphs.markup(group.name(s.name))): known[s.name] for s in equation.expression.free_symbols
     }
     with np.errstate(all="ignore"):
-        found = mathml_value.value(group.right(equation), names, equation.limits, tables)
-    return np.broadcast_to(found, points)
+        shown = mathml_value.value(group.right(equation), names, equation.limits, tables)
+    return np.broadcast_to(shown, points)
 
 
-def _same(what: str, equation: Equation, shown: Array, computed: Array) -> None:
+def _require_equal(what: str, equation: Equation, shown: Array, computed: Array) -> None:
     finite = np.isfinite(computed)
     size, apart = np.abs(computed[finite]).max(initial=0.0), np.abs(shown[finite] - computed[finite]).max(initial=0.0)
     if not finite.any() or not np.array_equal(finite, np.isfinite(shown)) or apart > TOLERANCE * size:
@@ -104,7 +104,7 @@ def _inside(signals: Sequence[Signal], rng: np.random.Generator) -> Array:
     return np.where(rng.uniform(size=between.shape) < 0.25, ends, between)
 
 
-def _varied(values: Array, rng: np.random.Generator) -> Array:
+def _perturbed(values: Array, rng: np.random.Generator) -> Array:
     """Return random values (len, POINTS) near given ones."""
     size = np.where(values == 0, 1.0, np.abs(values))[:, None]
     return np.asarray(values[:, None] + SPREAD * size * rng.uniform(-1, 1, (len(values), POINTS)))

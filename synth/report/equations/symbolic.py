@@ -64,7 +64,7 @@ def symbol(name: str) -> sp.Symbol:
     return sp.Symbol(name, real=True)
 
 
-def cut(nodes: Sequence[Node], names: Mapping[int, str], ends: Sequence[int]) -> dict[int, str]:
+def name_parts(nodes: Sequence[Node], names: Mapping[int, str], ends: Sequence[int]) -> dict[int, str]:
     """Return `names` with a name for each further part of `ends` that needs one, numbered as they are computed.
 
     Raises DesignError when every letter for parts is taken.

@@ -102,12 +102,14 @@ def test_what_the_physics_does_not_compute_is_no_name_in_it() -> None:
 
 def planted(groups: tuple[Group, ...], name: str, change: Callable[[sp.Expr], sp.Expr]) -> tuple[Group, ...]:
     """Return the groups with one equation changed."""
-    found = [e for g in groups for e in g.equations if e.name == name]
-    assert found
+    matching = [e for g in groups for e in g.equations if e.name == name]
+    assert matching
     return tuple(
         replace(
             g,
-            equations=tuple(replace(e, expression=change(e.expression)) if e is found[0] else e for e in g.equations),
+            equations=tuple(
+                replace(e, expression=change(e.expression)) if e is matching[0] else e for e in g.equations
+            ),
         )
         for g in groups
     )
