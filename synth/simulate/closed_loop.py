@@ -1,14 +1,13 @@
-"""Simulate a plant in continuous time under compiled C in sampled time, T apart, with the whole loop in C.
+"""Closed-loop simulation of a continuous-time plant under compiled, sampled-time control; the whole loop runs in C.
 
     dx/dt = f(x, u(t), p) + d(x, t)                   by `substeps` steps of RK4 in each period
-    m_k = sensor(h(x(kT), u_{k-1}, p) + noise_k)      or the override's sample
+    m_k = sensor(h(x(kT), u_{k-1}, p) + noise_k)      or the sample of the override
     c_k = step(state, m_k, references_k)
     u(t) = M c_{k-delay} + forcing(t)                 for kT <= t < (k+1)T, with c_j = hold for j < 0
 
-Forcing is held over each substep, at its value in the middle of it.
-
-A hard stop is inelastic: after each substep the position is put back and the velocity into the stop is taken out. A
-locked coordinate keeps its position and velocity.
+Forcing is held over each substep at its value in the middle of the substep. A hard stop is inelastic: after each
+substep the position is limited to the stop, and the velocity into the stop is set to 0. A locked coordinate keeps its
+position and velocity.
 """
 
 import ctypes
@@ -44,7 +43,7 @@ _MEMBERS = (
 
 
 class _Loop(ctypes.Structure):
-    """`loop_t` of closed_loop.c, member for member."""
+    """`loop_t` of closed_loop.c, with the same members in the same order."""
 
     _fields_ = [
         (m, ctypes.c_int64 if m in _COUNTS else ctypes.c_double if m == "period" else ctypes.c_void_p) for m in _MEMBERS
@@ -58,11 +57,11 @@ def simulate(
     disturbance: ca.Function | None = None,
     flags: Sequence[str] = (),
 ) -> Trajectory:
-    """Run the scenario from `controller.init()`; `disturbance(x, t)` (n,) adds to dx/dt, in the states' units per s.
+    """Run the scenario from `controller.init()`; `disturbance(x, t)` (n,) is added to dx/dt, in state units per s.
 
     The plant's parameters enter at run time: one compilation, with `flags`, serves every `plant.with_parameters(...)`.
 
-    Raises SignalError for a name or value that does not fit and WiringError for a wire that does not.
+    Raises SignalError for an invalid name or value, and WiringError for an invalid connection.
     """
     time = sample_times(scenario.duration_s, controller.period_s)
     arrays = (
@@ -203,7 +202,7 @@ def _actuator_arrays(plant: Plant, controller: host.Controller, scenario: Scenar
 
 
 def _forcing(inputs: Mapping[str, Signal], scenario: Scenario, time: Array) -> Array:
-    """Return what is added to each input in each substep, (samples, substeps, inputs), in the inputs' units."""
+    """Return the forcing of each input in each substep, (samples, substeps, inputs), in the units of the inputs."""
     n, m = len(time), scenario.substeps
     period = scenario.duration_s / n if n == 1 else time[1]
     middles = time[:, None] + period * (np.arange(m) + 0.5) / m
@@ -216,7 +215,7 @@ def _forcing(inputs: Mapping[str, Signal], scenario: Scenario, time: Array) -> A
             )
         except (TypeError, ValueError) as error:
             raise SignalError(
-                f"forcing of '{name}' is no number at some time ({error}): {_forcing_needed(n, signal)}"
+                f"forcing of '{name}' is not a number at some time ({error}): {_forcing_needed(n, signal)}"
             ) from error
         if not callable(course) and values.shape not in ((), (n,)):
             raise SignalError(f"forcing of '{name}' is an array {values.shape}: {_forcing_needed(n, signal)}")
@@ -257,7 +256,7 @@ def _require_known(what: str, requested: Iterable[str], known: Iterable[str]) ->
 
 
 def _require_matching_signal(controller: host.Controller, role: str, name: str, signal: Signal) -> None:
-    """Refuse a wire between signals of unlike units, or to a member that is not one real number."""
+    """Raise WiringError for a connection of different units, or to a member that is not one real number."""
     field = next(f for f in controller.manifest["structs"][role]["fields"] if f["name"] == name)
     real = (field["ctype"], field["count"]) == ("float" if controller.scalar is np.float32 else "double", 1)
     if not real or dimension(field["unit"]) != dimension(signal.unit):

@@ -1,12 +1,12 @@
-"""Experiments as data: what is asked of a stage in closed loop, and the checks that this implies.
+"""Closed-loop experiments as data: requirements on the response of a stage, and the checks that follow.
 
-    Step      a set-point steps:          overshoot / step, settling time to a band of 2 % of it or one count
-    Track     set-points move:            mean |y - r| of the true positions, when the start has died out
-    Hold      set-points stand still:     max |y - r| under disturbances, when the start has died out
-    LiftOff   it starts elsewhere:        set-points ramp from there; overshoot / way, max |y - r| at the end
+    Step      step of a set-point:        overshoot / step, settling time to a band of 2 % of the step or one count
+    Track     moving set-points:          mean |y - r| of the true positions, after the initial transient
+    Hold      constant set-points:        max |y - r| under disturbances, after the initial transient
+    LiftOff   start at another position:  set-points ramp from there; overshoot / travel, max |y - r| at the end
 
-Positions are the plant's own, not what sensors show. Each experiment also checks that no fault bit was set and tells
-how far the actuators went. `run` carries experiments out on a rig.
+Positions are the true positions of the plant, not sensor readings. Each experiment also checks that no fault bit was
+set, and reports the largest actuator commands. `run` runs experiments on a rig.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -25,31 +25,31 @@ from synth.simulate.rig import Rig
 from synth.simulate.scenario import Array, Trajectory, sample_times
 
 BAND = 0.02  # of a step: the usual 2 % of the settling time
-END = 0.1  # of a run: its last part, in which the error at the end is taken
+END = 0.1  # of a run: its last part, in which the final error is measured
 
 
 class Runnable(Protocol):
-    """An experiment as data: a stage's own kinds have the same two members."""
+    """An experiment as data; further kinds that a stage defines have the same two members."""
 
     @property
     def name(self) -> str:
-        """A short name, one among all of a stage."""
+        """A short name, unique among the experiments of a stage."""
         ...
 
     def run(self, rig: Rig) -> Experiment:
-        """Carry the experiment out."""
+        """Run the experiment."""
         ...
 
 
 @dataclass(frozen=True)
 class Run:
-    """An experiment of a stage's own: its name, and what carries it out under this name."""
+    """An experiment that a stage defines by a function: its name, and `make(rig, name)`, which runs it."""
 
     name: str
     make: Callable[[Rig, str], Experiment]
 
     def run(self, rig: Rig) -> Experiment:
-        """Carry it out."""
+        """Run the experiment."""
         return self.make(rig, self.name)
 
 
@@ -57,8 +57,8 @@ class Run:
 class Step:
     """The set-point steps by `height` in its unit once the loop has settled.
 
-    `overshoot` is a part of the step, `settles_s` the time after which the position stays within the band; `error` the
-    largest |y - r| at the end, not checked where it is left out. `label` replaces the name.
+    `overshoot` is a fraction of the step, `settles_s` the limit of the settling time, `error` the limit of the final
+    |y - r|, None for no check. `under` gives the conditions of the run, `label` replaces the name.
     """
 
     set_point: str
@@ -98,9 +98,9 @@ class Step:
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """Set-points move on courses; the mean |y - r| after `after_s` is at most `mean_error`, one or {set-point: limit}.
+    """Set-points follow profiles; the mean |y - r| after `after_s` is at most `mean_error`, one or {set-point: limit}.
 
-    The run starts at rest where the courses start.
+    The run starts at rest at the start of the profiles.
     """
 
     set_points: Mapping[str, Course]
@@ -116,7 +116,7 @@ class Track:
         return self.label or f"track_{'_'.join(self.set_points)}"
 
     def run(self, rig: Rig) -> Experiment:
-        """Run from rest at the start of the courses."""
+        """Run from rest at the start of the profiles."""
         time = sample_times(self.duration_s, rig.period_s)
         courses = {name: conditions.values(course, time) for name, course in self.set_points.items()}
         positions = {name: _position(rig, name) for name in courses}
@@ -129,14 +129,14 @@ class Track:
             limit = self.mean_error[name] if isinstance(self.mean_error, Mapping) else self.mean_error
             mean = metrics.mean_absolute(time, trajectory[position] - course, self.after_s)
             checks.append(Check(f"mean |e_{position}|", mean, limit, unit, f"from {self.after_s:g} s on"))
-        title = f"{', '.join(p for p, _ in positions.values())} on a course{self.under.text()}"
+        title = f"Tracking of {', '.join(p for p, _ in positions.values())}{self.under.text()}"
         shown = {positions[name][0]: course for name, course in courses.items()}
         return _experiment(rig, self.name, title, trajectory, shown, {}, checks)
 
 
 @dataclass(frozen=True, eq=False)
 class Hold:
-    """Set-points stand where the run starts; |y - r| after `after_s` is at most the `errors` {set-point: limit}."""
+    """Set-points stay at the initial positions; |y - r| after `after_s` is at most `errors` {set-point: limit}."""
 
     errors: Mapping[str, float]
     duration_s: float = 1.0
@@ -150,7 +150,7 @@ class Hold:
         return self.label or f"hold_{'_'.join(self.errors)}"
 
     def run(self, rig: Rig) -> Experiment:
-        """Run from rest at the start."""
+        """Run from rest at the initial positions."""
         trajectory = _trajectory(rig, self.duration_s, {}, self.under)
         late = trajectory.time >= self.after_s
         checks, courses, figures = [], {}, {}
@@ -169,9 +169,9 @@ class Hold:
 
 @dataclass(frozen=True, eq=False)
 class LiftOff:
-    """The run starts at rest at `under.start`, at a stop or elsewhere; set-points ramp `to` their ends within `ramp_s`.
+    """The run starts at rest at `under.start`, for example at a stop; set-points ramp to the values `to` in `ramp_s`.
 
-    `overshoot` is a part of the way, `error` the largest |y - r| at the end.
+    `overshoot` is a fraction of the travel, `error` the limit of the final |y - r|.
     """
 
     to: Mapping[str, float]
@@ -188,7 +188,7 @@ class LiftOff:
         return self.label
 
     def run(self, rig: Rig) -> Experiment:
-        """Run with the ramp after a quarter of its time, for four times its time in all."""
+        """Run with a ramp that starts after `ramp_s` / 4, for `duration_s` or else 4 `ramp_s`."""
         duration = 4 * self.ramp_s if self.duration_s is None else self.duration_s
         time = sample_times(duration, rig.period_s)
         checks, shown, courses = [], {}, {}
@@ -203,13 +203,13 @@ class LiftOff:
             shown[position], begin = courses[name], float(trajectory[position][0])
             if begin != end:
                 overshoot = metrics.overshoot(trajectory[position], begin, end)
-                checks.append(Check(f"overshoot of {position}", overshoot, self.overshoot, "1", "of the way"))
+                checks.append(Check(f"overshoot of {position}", overshoot, self.overshoot, "1", "of the travel"))
             checks.append(_final_error_check(trajectory, position, end, self.error, unit))
         return _experiment(rig, self.name, f"Start{self.under.text()}", trajectory, shown, {}, checks)
 
 
 def run(rig: Rig, experiments: Sequence[Runnable], progress: Callable[[str], None]) -> list[Experiment]:
-    """Carry out experiments on a rig, each named to `progress` before it starts.
+    """Run experiments on a rig; `progress` receives the name of each before it starts.
 
     Raises SignalError for a name that is listed twice, or as `Rig.run`.
     """
@@ -241,12 +241,12 @@ def _set_point(rig: Rig, name: str) -> Any:
 
 
 def _limited_to_range(value: float, point: Any) -> float:
-    """Return a start within the set-point's range: a stop may lie outside it."""
+    """Return an initial value limited to the range of the set-point: a stop may lie outside it."""
     return float(np.clip(value, point.low, point.high))
 
 
 def _position(rig: Rig, set_point: str) -> tuple[str, str]:
-    """Return the plant's state or output that a set-point is for, and its unit."""
+    """Return the state or output of the plant that a set-point controls, and its unit."""
     of = _set_point(rig, set_point).of
     of = {s.name: s.of for s in rig.stage.interface.sensors}.get(of, of)
     known: dict[str, Signal] = {s.name: s for s in (*rig.plant.outputs, *rig.plant.states)}
@@ -276,7 +276,7 @@ def _experiment(
     figures: Mapping[str, float],
     checks: Sequence[Check],
 ) -> Experiment:
-    """Return the experiment with the check for faults and the actuators' largest values."""
+    """Return the experiment with the check for faults and the largest actuator commands."""
     faulty = Check("samples with a fault bit", float(np.count_nonzero(trajectory.faults)), 0.0, "1")
     interface = rig.stage.interface
     used = {

@@ -1,4 +1,4 @@
-"""The plant as compiled C: its functions by CasADi's code generator, in the loop of closed_loop.c."""
+"""Code generation for the plant: its functions by CasADi's code generator, compiled with closed_loop.c."""
 
 import ctypes
 from collections.abc import Callable, Sequence
@@ -24,7 +24,7 @@ HEADER = """#define N_X {x}
 
 
 def compile_loop(plant: Plant, disturbance: ca.Function | None, flags: Sequence[str]) -> Callable[..., None]:
-    """Return `synth_closed_loop` of closed_loop.c, compiled around the plant; it takes a pointer to its `loop_t`."""
+    """Compile closed_loop.c with the plant and return `synth_closed_loop`, which takes a pointer to a `loop_t`."""
     functions = [_with_dense_results(plant.f, "synth_plant_f"), _with_dense_results(plant.h, "synth_plant_h")]
     if disturbance is not None:
         n = len(plant.states)
@@ -39,7 +39,7 @@ def compile_loop(plant: Plant, disturbance: ca.Function | None, flags: Sequence[
 
 
 def _with_dense_results(f: ca.Function, name: str) -> ca.Function:
-    """The function under another name with every entry of its results stored, structural zeros too."""
+    """Return the function under another name with dense results: structural zeros are stored too."""
     arguments = f.sx_in()
     return ca.Function(name, arguments, ca.cse([ca.densify(result) for result in f.call(arguments)]))
 

@@ -1,4 +1,4 @@
-"""A rig: the plant of a stage under its compiled controller, with sensors, delay and stops, that runs scenarios.
+"""Simulation rig: the plant of a stage with its compiled controller, sensors, delay and stops.
 
 plant --> sensors (noise, resolution) --> compiled controller --> delay --> hold --> plant
 """
@@ -23,10 +23,10 @@ Wires = Mapping[str, str | Mapping[str, float]]
 
 @dataclass(frozen=True, eq=False)
 class Rig:
-    """A stage's plant under a compiled controller; `plant` may differ from the one that was declared.
+    """The plant of a stage under a compiled controller; `plant` may differ from the declared plant.
 
-    `quantised` False leaves the sensors' resolution out, `noise` scales their declared noise, drawn from `seed`;
-    `actuators` replaces the wires from controller outputs to plant inputs; `disturbance(x, t)` adds to dx/dt.
+    `quantised` False removes the resolution of the sensors; `noise` scales their declared noise, generated from `seed`;
+    `actuators` replaces the connections from controller outputs to plant inputs; `disturbance(x, t)` is added to dx/dt.
     """
 
     stage: Stage
@@ -45,11 +45,11 @@ class Rig:
 
     @property
     def ideal(self) -> "Rig":
-        """The same rig, its sensors without noise and resolution."""
+        """The same rig with ideal sensors: without noise and quantisation."""
         return replace(self, quantised=False, noise=0.0)
 
     def with_interface(self, **fields: Any) -> "Rig":
-        """Return the same rig with some fields of its interface replaced; the controller stays as it is."""
+        """Return the same rig with some fields of its interface replaced; the controller is unchanged."""
         controller = self.stage.controller
         declared = replace(controller, interface=replace(controller.interface, **fields))
         return replace(self, stage=replace(self.stage, controller=declared))
@@ -61,10 +61,10 @@ class Rig:
         references: Mapping[str, ArrayLike] | None = None,
         **options: Any,
     ) -> Trajectory:
-        """Simulate from rest at `start` (plant states, others as the stage starts) under set-points by name.
+        """Simulate from rest at `start` (plant states; others start as declared by the stage) under set-points by name.
 
-        A set-point is a constant or (N,); one that is not given stays where its position starts. `options` are further
-        fields of `Scenario`.
+        A set-point is a constant or (N,); a missing one stays at the initial position. `options` are further fields of
+        `Scenario`.
 
         Raises SignalError and WiringError as `closed_loop.simulate`.
         """
@@ -89,7 +89,7 @@ class Rig:
         return closed_loop.simulate(self.plant, self.controller, scenario, self.disturbance)
 
     def at_rest(self) -> dict[str, float]:
-        """Return the controller's inputs where the stage starts, without currents."""
+        """Return the controller inputs at the initial state of the stage, with zero plant inputs."""
         interface, start = self.stage.interface, self.stage.start
         outputs = self.plant.output_values(start)
         sensors = {s.name: float(outputs[s.of][0]) for s in interface.sensors}
@@ -99,7 +99,7 @@ class Rig:
         return {s.name: Encoder(s.resolution) for s in self.stage.interface.sensors if self.quantised and s.resolution}
 
     def _noise(self, n: int) -> dict[str, Array]:
-        """Return n samples of noise for each noisy sensor; fewer are the first of more."""
+        """Return n samples of noise for each noisy sensor; a shorter record is the beginning of a longer one."""
         sensors = self.stage.interface.sensors
         if not self.noise or not any(s.noise for s in sensors):
             return {}

@@ -1,4 +1,4 @@
-"""Calls on an emulated core: words and memory in and out, the stack, and what happens when code goes astray."""
+"""Calls on an emulated core: words and memory in and out, the stack, and what happens on invalid memory access."""
 
 import casadi as ca
 import numpy as np
@@ -83,10 +83,10 @@ def test_stack_that_is_claimed_or_written(body: str, taken: int) -> None:
         ("movs r0, #0; bx r0", "memory|instruction"),
     ],
 )
-def test_code_that_goes_astray_is_named(body: str, says: str) -> None:
-    machine = planted.loaded(assembly("astray", body), ["astray"])
-    with pytest.raises(SynthError, match=f"(?i)'astray' on the emulated cortex-m4f: .*({says}).* at 0x"):
-        machine.call("astray", 1)
+def test_invalid_accesses_are_reported(body: str, says: str) -> None:
+    machine = planted.loaded(assembly("invalid", body), ["invalid"])
+    with pytest.raises(SynthError, match=f"(?i)'invalid' on the emulated cortex-m4f: .*({says}).* at 0x"):
+        machine.call("invalid", 1)
 
 
 def test_code_that_flushes_to_zero_is_refused() -> None:

@@ -83,7 +83,7 @@ def test_variables_of_the_c_are_started() -> None:
         ),
     ],
 )
-def test_code_that_goes_astray_is_refused(statement: str, says: str) -> None:
+def test_code_that_faults_is_refused(statement: str, says: str) -> None:
     files, manifest = lag("float32")
     broken = files["lag.c"].replace("    const int good", f"    {statement}\n    const int good")
     with pytest.raises(SynthError, match=f"QEMU's cortex-m4f.*{says}"):
