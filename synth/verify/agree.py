@@ -1,14 +1,16 @@
-"""Agreement of independent witnesses of one step (x, u) -> (x', y, faults).
+"""Back-to-back comparison of independent implementations of one step (x, u) -> (x', y, faults).
 
-    reference   NumPy, written from the paper's equations, with gains of its own
-    casadi      CasADi's evaluation of the Block
-    casadi_c    CasADi's own C of the Block, double
+Each implementation is a witness: it serves as the oracle for the others.
+
+    reference   NumPy, written from the equations of the paper, with independently computed gains
+    casadi      evaluation of the Block by CasADi
+    casadi_c    C of the Block by CasADi's code generator, double precision
     c64, c32    the emitted C in double and in single precision
 
-A difference of the output v from the output r is |v - r| / max(floor, |r|), with the floor in the output's unit: one
-number for all, one for each output by name, or else the largest magnitude of its declared range. A difference of next
-states is relative to the width of the state's declared range. Every witness takes the same bits in: samples are drawn
-once, in the scalar type of the coarser witness.
+The difference of an output v from r is |v - r| / max(floor, |r|). The floor is in the unit of the output: one number
+for all outputs, one for each output by name, or by default the largest magnitude in the declared range. The difference
+of next states is relative to the width of the declared range of the state. Every witness receives the same bits:
+samples are generated once, in the scalar type of the less precise witness.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -28,7 +30,7 @@ from synth.execute import host
 
 Columns = Mapping[str, NDArray[Any]]
 Floor = float | Mapping[str, float] | None
-CHUNK = 1000  # samples that one call of CasADi steps through: more take memory and no less time
+CHUNK = 1000  # samples per call of CasADi's mapaccum: more samples take more memory and save no time
 
 
 @dataclass(frozen=True)
@@ -42,11 +44,11 @@ class Stepped:
 
 @dataclass(frozen=True)
 class Agreement:
-    """How far `second` is from `first` over `samples` steps: the worst difference of an output, its signal and sample.
+    """Difference of `second` from `first` over `samples` steps: the worst output difference, its signal and sample.
 
-    `state_worst` is the worst difference of a next state, and `state` its name. `ulps` is the worst difference of an
-    output in units in the last place of the second's scalar type at the value; `faults_differ` counts samples whose
-    fault words are unlike.
+    `state_worst` is the worst difference of a next state, and `state` its name. `ulps` is the worst output difference
+    in units in the last place of the scalar type of `second`; `faults_differ` counts samples with different fault
+    words.
     """
 
     first: str
@@ -75,7 +77,7 @@ def compare(
 ) -> Agreement:
     """Compare outputs, fault words and next states of two witnesses of the same N steps of a Block.
 
-    A value that is no number differs by infinity. A recorded run has the states after its last step only.
+    The difference of a NaN is infinite. A recorded run has the states after its last step only.
 
     Raises SignalError as `floors`.
     """
@@ -93,7 +95,7 @@ def compare(
 def differences(
     first: Stepped, second: Stepped, floor: Floor, block: Block
 ) -> tuple[dict[str, NDArray[np.float64]], dict[str, NDArray[np.float64]]]:
-    """Return the differences in each step of outputs and of next states (N,) by name, infinite for what is no number.
+    """Return the differences in each step of outputs and of next states (N,) by name, infinite for NaN.
 
     Raises SignalError as `floors`.
     """
@@ -103,15 +105,15 @@ def differences(
 
 
 def _scales(of: Stepped, floor: Floor, block: Block) -> dict[str, NDArray[np.float64]]:
-    """Return what the differences of outputs are relative to."""
+    """Return the scale (N,) of the relative difference of each output."""
     least = floors(floor, {s.name: (s.low, s.high) for s in block.outputs})
     return {n: np.maximum(least[n], np.abs(np.asarray(of.outputs[n], dtype=np.float64))) for n in least}
 
 
 def floors(floor: Floor, ranges: Mapping[str, tuple[float, float]]) -> dict[str, float]:
-    """Return the floor of each output, of whose (low, high) the largest magnitude serves where none is given.
+    """Return the floor of each output; the default is the largest magnitude in its range (low, high).
 
-    Raises SignalError for a floor of no output, or one that is not finite and positive.
+    Raises SignalError for a floor of an unknown output, or one that is not finite and positive.
     """
     by_output = floor if isinstance(floor, Mapping) else {} if floor is None else dict.fromkeys(ranges, floor)
     if unknown := [n for n in by_output if n not in ranges]:
@@ -132,7 +134,7 @@ def _absolute_difference(expected: Any, actual: Any) -> NDArray[np.float64]:
 
 
 def _worst(differences: Mapping[str, NDArray[np.float64]]) -> tuple[str, int, float]:
-    """Return the name, the sample and the size of the greatest difference."""
+    """Return the name, the sample and the size of the largest difference."""
     name = max(differences, key=lambda n: float(np.max(differences[n])), default="")
     if not name:
         return "", 0, 0.0
@@ -177,11 +179,11 @@ def reference(step: Callable[[Any, Any], tuple[Columns, Columns, Any]]) -> Witne
 
 
 def recorded(witness: Witness, states: Mapping[str, float], inputs: Columns) -> Stepped:
-    """Run a witness over N recorded inputs in a row, (N,) or (N, copies), from one state, by one step at a time."""
+    """Run a witness from one state over N consecutive recorded inputs, (N,) or (N, copies), step by step."""
     n, *copies = shape = next(iter(inputs.values())).shape
     now: Columns = {name: np.full(copies or 1, value) for name, value in states.items()}
     if isinstance(witness, CasadiWitness) and not copies:
-        return witness.in_a_row(now, inputs)
+        return witness.run(now, inputs)
     columns = {name: values.reshape(n, *(copies or [1])) for name, values in inputs.items()}
     rows: list[Stepped] = []
     for k in range(n):
@@ -195,7 +197,7 @@ def recorded(witness: Witness, states: Mapping[str, float], inputs: Columns) -> 
 def run_each(witness: Witness, states: Mapping[str, float], runs: Sequence[Columns]) -> list[Stepped]:
     """Run a witness over recorded inputs (N,) of several runs, each from the same state.
 
-    A witness that takes one step at a time takes it for all runs that last, side by side.
+    A witness that takes single steps advances all unfinished runs side by side.
     """
     if isinstance(witness, CasadiWitness):
         return [recorded(witness, states, run) for run in runs]
@@ -221,13 +223,13 @@ def _select_run(both: Stepped, k: int) -> Stepped:
 
 
 def _concatenate(parts: Sequence[Stepped]) -> Stepped:
-    """Return the parts of a run as one."""
+    """Concatenate consecutive parts of a run."""
     outputs = {name: np.concatenate([part.outputs[name] for part in parts]) for name in parts[0].outputs}
     return Stepped(outputs, parts[-1].states, np.concatenate([part.faults for part in parts]))
 
 
 def replayed(controller: host.Controller, inputs: Columns) -> Stepped:
-    """Run emitted C over N recorded inputs in a row, from `init`."""
+    """Run emitted C from `init` over N consecutive recorded inputs."""
     replay = controller.replay(inputs)
     state = {name: np.atleast_1d(replay.state[name]) for name in replay.state.dtype.names or ()}
     return Stepped(replay.outputs, state, replay.faults)
@@ -255,11 +257,11 @@ class CasadiWitness:
 
     def __call__(self, states: Columns, inputs: Columns) -> Stepped:
         """Return one step from each of N states."""
-        return self._stepped(*(np.asarray(r) for r in self.function(*self._read(states, inputs))))
+        return self._unstack(*(np.asarray(r) for r in self.function(*self._stack(states, inputs))))
 
-    def in_a_row(self, states: Columns, inputs: Columns) -> Stepped:
-        """Return N steps in a row from one state. The loop over them is CasADi's, which starts its machine once."""
-        x, u = self._read(states, inputs)
+    def run(self, states: Columns, inputs: Columns) -> Stepped:
+        """Return N consecutive steps from one state; CasADi's mapaccum runs the loop, which avoids a call per step."""
+        x, u = self._stack(states, inputs)
         x, recorded = x.reshape(-1, 1), []
         for first in range(0, u.shape[1], CHUNK):
             part = u[:, first : first + CHUNK]
@@ -267,14 +269,14 @@ class CasadiWitness:
             x = after[:, -1:]
             recorded.append((y, word))
         outputs, words = (np.hstack(rows) for rows in zip(*recorded, strict=True))
-        return self._stepped(x, outputs, words)
+        return self._unstack(x, outputs, words)
 
-    def _read(self, states: Columns, inputs: Columns) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _stack(self, states: Columns, inputs: Columns) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         x = [np.asarray(states[s.name], dtype=np.float64) for s in self.block.states]
         u = [np.asarray(inputs[s.name], dtype=np.float64) for s in self.block.inputs]
         return np.array(x), np.array(u)
 
-    def _stepped(self, after: NDArray[np.float64], y: NDArray[np.float64], word: NDArray[np.float64]) -> Stepped:
+    def _unstack(self, after: NDArray[np.float64], y: NDArray[np.float64], word: NDArray[np.float64]) -> Stepped:
         outputs = {s.name: row for s, row in zip(self.block.outputs, y, strict=True)}
         states = {s.name: row for s, row in zip(self.block.states, after, strict=True)}
         return Stepped(outputs, states, word[0].astype(np.uint32))

@@ -1,4 +1,4 @@
-"""What Eva says of a harness, read from Frama-C's report: proved claims, alarms, open claims, trusted contracts."""
+"""Parser of Frama-C's report of an Eva analysis: proved claims, alarms, unproved claims, trusted contracts."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ HARNESS = "synth_eva.c"
 
 @dataclass(frozen=True)
 class Analysis:
-    """Properties as text: the same one has the same text in every analysis of a harness."""
+    """Properties as text; a property has the same text in every analysis of a harness."""
 
     proved: frozenset[str]
     alarms: frozenset[str]
@@ -22,7 +22,7 @@ class Analysis:
 
 
 def read(rows: Sequence[Mapping[str, str]], said: str) -> Analysis:
-    """Sort Frama-C's properties: what is proved, what is an alarm, what is open."""
+    """Sort the properties of Frama-C into proved claims, alarms and unproved claims."""
     admitted = [row for row in rows if row["property kind"] == "user hypothesis"]
     source_rows = [row for row in rows if not row["directory"].startswith("FRAMAC_SHARE") and row not in admitted]
     ends = [row for row in source_rows if row["property"] == "\\false" and row["file"] == HARNESS]
@@ -32,7 +32,7 @@ def read(rows: Sequence[Mapping[str, str]], said: str) -> Analysis:
     ]
     alarms = [row for row in others if not row["property kind"].startswith("precondition")]
     unproved = [row for row in claims if row["status"] != "Valid"] + [row for row in others if row not in alarms]
-    # What is false must be seen to be false: were the end out of reach, every claim there would hold.
+    # Eva must refute the false claim at the end: if the end were unreachable, every claim there would hold.
     reached = [row["status"] for row in ends] == ["Invalid or unreachable"]
     return Analysis(
         proved=frozenset(property_text(row) for row in claims if row["status"] == "Valid"),

@@ -1,13 +1,13 @@
-"""Search for a broken contract with libFuzzer, AddressSanitizer and UndefinedBehaviorSanitizer.
+"""Fuzz test of the interface contract with libFuzzer, AddressSanitizer and UndefinedBehaviorSanitizer.
 
-Arbitrary bytes become runs of 16 steps, from `init` or from a state forced into its declared bounds S, with inputs of
-every bit pattern: raw bits, values in range, bounds and their neighbours outside. After each step
+The fuzzer turns arbitrary bytes into runs of 16 steps, from `init` or from a state limited to its declared bounds S,
+with inputs of every bit pattern: raw bits, values in range, bounds and the next numbers outside. After each step
 
     outputs in Y, all finite;  states in S;  fault bit k is 1 where input k is not finite or out of range, else 0;
-    the latch never falls, and from init rises only after the declared number of samples in a row with a bad input,
-    or with one that the step says is a suspect.
+    the latch is never reset, and from init it is set only after the declared number of consecutive samples with a
+    bad input, or with an input that the step marks as a suspect.
 
-A campaign finds defects and proves nothing; it runs the machine code, where `eva` reads the C.
+A campaign finds defects but proves nothing. It runs machine code, while `eva` analyses the C.
 """
 
 import re
@@ -46,13 +46,14 @@ _FINDINGS = re.compile(r"^(?:FINDING: .*|.*runtime error: .*|.*ERROR: \w+: .*)$"
 
 @dataclass(frozen=True)
 class Campaign:
-    """How many steps and runs were made, what corpus they left, and the first finding, empty where there is none.
+    """Result of a fuzzing campaign: steps, runs, size of the corpus, and the first finding, empty for none.
 
-    `covered` counts the edges of the program that were reached, `features` what libFuzzer told apart.
+    `requested` is the number of steps asked for, `covered` counts covered edges of the program, `features` those of
+    libFuzzer.
     """
 
     design: str
-    wanted: int
+    requested: int
     steps: int
     runs: int
     covered: int
@@ -61,7 +62,7 @@ class Campaign:
     finding: str
 
     def checks(self) -> tuple[Check, ...]:
-        """Return the campaign as figures that must be zero."""
+        """Return the campaign as counts that must be zero."""
         about = (
             f"{self.steps} steps in {self.runs} runs, {self.covered} edges and {self.features} features reached, "
             f"{self.corpus} inputs kept"
@@ -69,7 +70,7 @@ class Campaign:
         details = "; ".join(filter(None, (about, self.finding)))
         return (
             Check("fuzzing: findings", int(bool(self.finding)), 0, "findings", details),
-            Check("fuzzing: steps missing", max(0, self.wanted - self.steps), 0, "steps", about),
+            Check("fuzzing: steps missing", max(0, self.requested - self.steps), 0, "steps", about),
         )
 
 
@@ -77,7 +78,7 @@ def run(files: Mapping[str, str], manifest: Mapping[str, Any], steps: int) -> Ca
     """Run at least `steps` steps of emitted `{filename: text}`, or until the first finding; the seed is fixed.
 
     Raises CompileError when clang or its libFuzzer is missing, or refuses the C, and DesignError when the manifest is
-    not whole.
+    incomplete.
     """
     runs = -(-steps // STEPS_A_RUN)
     with tempfile.TemporaryDirectory() as work:
@@ -113,14 +114,14 @@ def _build(files: Mapping[str, str], tables: str, folder: Path) -> Path:
 
 
 def _fixed_address_command() -> tuple[str, ...]:
-    """What to run the fuzzer under: its choices depend on addresses, which are the same each time where that may be."""
+    """Return the command that fixes memory addresses, if permitted: the choices of the fuzzer depend on addresses."""
     fixed = ("setarch", "-R")
     may = shutil.which("setarch") and subprocess.run([*fixed, "true"], capture_output=True).returncode == 0
     return fixed if may else ()
 
 
 def _seeds(folder: Path) -> str:
-    """Name a few long random inputs to begin with: from nothing, libFuzzer takes long to grow a whole run."""
+    """Write long random inputs as the initial corpus and return their names; libFuzzer alone grows long runs slowly."""
     draw = np.random.default_rng(_SEED)
     names = [f"seed{k:02}" for k in range(_SEEDS)]
     for name in names:
@@ -134,7 +135,7 @@ def _parse_log(design: str, requested: int, status: int, log: str) -> Campaign:
         finding = f"the fuzzer ended with status {status}: {log[-300:]}"
     return Campaign(
         design=design,
-        wanted=requested,
+        requested=requested,
         steps=_last_count(r"^steps: (\d+)", log),
         runs=_last_count(r"^stat::number_of_executed_units: +(\d+)", log),
         covered=_last_count(r" cov: (\d+)", log),
@@ -179,7 +180,7 @@ def _table(name: str, struct: str, members: tuple[Member, ...]) -> str:
 
 
 def _faults(manifest: Mapping[str, Any], inputs: tuple[Member, ...]) -> list[str]:
-    """The fault table: bit, first member and number of members of each input that has a bit."""
+    """Return the fault table: bit, first member and number of members of each input that has a fault bit."""
     rows = []
     for fault in manifest["faults"]:
         if (name := fault.get("input")) is not None:

@@ -1,9 +1,9 @@
-"""The latch of compiled C against its manifest: each output slews to its safe value, no faster than is declared.
+"""Test of the fault latch of compiled C: each output slews to its safe value within the declared slew rate.
 
     latched from sample L on:   |y_k - y_{k-1}| <= s T,      y_k = safe value for all k >= L + (high - low)/(s T)
 
-Before the latch, inputs anywhere in their ranges take the outputs far from their safe values; then no measurement is a
-number.
+Before the latch, random inputs over their full ranges drive the outputs away from their safe values. Then every input
+becomes NaN.
 """
 
 from math import ceil
@@ -15,13 +15,13 @@ from synth.check import Check
 from synth.execute import host
 from synth.verify import stimuli
 
-SEED, RUNS, BEFORE = 31, 8, 50  # runs of random inputs, and samples of each before the measurements end
+SEED, RUNS, BEFORE = 31, 8, 50  # runs of random inputs, and samples of each before the loss of measurement
 LONGEST = 100_000  # samples of a slew
-ROUNDING = 16  # units in the last place of the output's range, of a move
+ROUNDING = 16  # of a change of the output, in units in the last place of its range
 
 
 def verify(controller: host.Controller) -> tuple[Check, ...]:
-    """Return for each output with a safe value its fastest move once latched, and how far it ends from that value."""
+    """Return for each output with a safe value its fastest slew after the latch and its final distance from it."""
     safety = controller.manifest.get("safety")
     if not safety or not safety["safe_output"]:
         return ()

@@ -1,7 +1,7 @@
-"""Which line of which source a machine address comes from: what a compiler writes with -g.
+"""Line table of a linked image: source file and line of a machine address, from the DWARF data of -g (`addr2line`).
 
-The line table names the line of a function's own text also where a compiler has put that text into its caller. `calls`
-are the places in a function where that happened, by the outermost call.
+For inlined code the line table names the line in the inlined function. `calls` gives the lines of the outermost calls
+that were inlined into a function.
 """
 
 from bisect import bisect_right
@@ -18,19 +18,19 @@ from elftools.elf.elffile import ELFFile
 
 @dataclass(frozen=True)
 class Lines:
-    """Rows of the line table in order of address; a row holds up to the next. `read` makes one."""
+    """Rows of the line table in order of address; each row is valid up to the next. `read` returns one."""
 
     addresses: tuple[int, ...]
     places: tuple[tuple[str, int], ...]
 
     def at(self, address: int) -> tuple[str, int]:
-        """Return file name and line, from 1, of what lies at an address; ("", 0) where no row says."""
+        """Return file name and line, from 1, of an address; ("", 0) if no row covers it."""
         k = bisect_right(self.addresses, address) - 1
         return self.places[k] if k >= 0 else ("", 0)
 
 
 def read(path: Path) -> Lines:
-    """Read the line table of a linked image; it is empty where nothing was compiled with -g."""
+    """Read the line table of a linked image; it is empty without -g."""
     by_address: dict[int, tuple[str, int]] = {}
     with path.open("rb") as file:
         elf = ELFFile(file)
@@ -47,7 +47,7 @@ def read(path: Path) -> Lines:
 
 @dataclass(frozen=True)
 class Call:
-    """Addresses from `low` up to `high`, without it, whose instructions stand for a call on a line of the caller."""
+    """An inlined call: addresses low <= a < high, and the line of the call in the caller."""
 
     low: int
     high: int
@@ -55,7 +55,7 @@ class Call:
 
 
 def calls(path: Path, function: str) -> tuple[Call, ...]:
-    """Return where other functions' text has been put into a function; none where nothing was compiled with -g."""
+    """Return the calls that were inlined into a function; empty without -g."""
     with path.open("rb") as file:
         elf = ELFFile(file)
         if not elf.has_dwarf_info():

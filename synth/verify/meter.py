@@ -1,7 +1,7 @@
-"""Measure steps as machine code on an emulated Cortex-M4F: every generator over the same steps, by the same compilers.
+"""Cost measurement of a step on an emulated Cortex-M4F: every generator over the same steps, by the same toolchains.
 
-Each step starts from the state that it is given, so that all generators see the same (x_k, u_k) and none drifts away.
-Needs the extra `target`.
+Each step starts from its recorded state. All generators therefore see the same (x_k, u_k), and no rounding difference
+accumulates. Needs the extra `target`.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -21,17 +21,17 @@ from synth.verify.rivals import Candidate
 from synth.verify.steps import Steps
 
 CORE = "cortex-m4f"
-COMMON = 500  # closed-loop steps that every generator is given: CasADi's as emitted takes 60,000 instructions each
-BRIEF_STEPS, BRIEF_COMMON, DRAWN = 500, 25, 4000  # steps where a few seconds must do
-FUNCTIONS = 8  # that are named
-_LINES = ("-g",)  # the line table alone: the code stays as it is
+COMMON = 500  # closed-loop steps for every generator; CasADi's C takes 60,000 instructions for each
+BRIEF_STEPS, BRIEF_COMMON, DRAWN = 500, 25, 4000  # steps for a measurement of a few seconds
+FUNCTIONS = 8  # functions that are listed
+_LINES = ("-g",)  # adds the line table; the code is unchanged
 
 
 Columns = Mapping[str, NDArray[Any]]
 
 
 class Build(NamedTuple):
-    """A compiler with what follows the flags of `cross.FLAGS`."""
+    """A toolchain: a compiler and its flags after those of `cross.FLAGS`."""
 
     name: str
     compiler: str
@@ -47,7 +47,7 @@ _BUILDS = (
 
 
 class Run(NamedTuple):
-    """One candidate over N steps by one build: the cost, the outputs, the bytes of the image and where it lies."""
+    """Measurement of one candidate over N steps by one build: cost, outputs, size and path of the image."""
 
     cost: image.Cost
     outputs: host.Columns
@@ -71,10 +71,10 @@ def measure(
 ) -> Cost:
     """Measure the float32 C of a Block over all sequences, and every generator over `common` steps of closed loops.
 
-    Steps with a fault are not among the common ones: a latched step skips the control law, which flatters the ratio.
+    The common steps exclude steps with a fault, because a latched step skips the control law and distorts the ratio.
 
-    Raises CompileError when no cross compiler is installed or one refuses a text, and SignalError when no sequence is
-    of a closed loop.
+    Raises CompileError when no cross compiler is installed or one refuses a source, and SignalError when no sequence
+    comes from a closed loop.
     """
     controller = host.load(emitted.files, emitted.manifest)
     loops = steps.joined("closed loops", [s for s in sequences if s.closed_loop])
@@ -103,7 +103,7 @@ def measure(
 
 
 def brief(emitted: Emitted, block: Block, inputs: Columns) -> Cost:
-    """Measure in a few seconds: some steps of one closed loop, and random states for the decisions.
+    """Measure in a few seconds: some steps of one closed loop, and random states for decision coverage.
 
     Raises CompileError and SignalError as `measure`.
     """
@@ -113,7 +113,7 @@ def brief(emitted: Emitted, block: Block, inputs: Columns) -> Cost:
 
 
 def run(candidate: Candidate, sequence: Steps, build: Build) -> Run:
-    """Measure a candidate over the given steps."""
+    """Measure a candidate over a sequence of steps."""
     path = linked(candidate, build)
     machine = booted(candidate, build, path)
     placed = candidate.placed(machine, sequence)
@@ -122,7 +122,7 @@ def run(candidate: Candidate, sequence: Steps, build: Build) -> Run:
 
 
 def count_executed(candidate: Candidate, sequence: Steps, build: Build) -> NDArray[np.int64]:
-    """Count for each step (N,) the instructions that were not predicated false."""
+    """Count the executed instructions of each step (N,), without those that are predicated false."""
     machine = booted(candidate, build, linked(candidate, build))
     arguments = candidate.placed(machine, sequence).arguments
     counts = []
@@ -137,7 +137,7 @@ def count_executed(candidate: Candidate, sequence: Steps, build: Build) -> NDArr
 
 
 def step_cost(candidate: Candidate, sequence: Steps, build: Build, controller: host.Controller) -> StepCost:
-    """Measure a candidate over the given steps and compare its outputs with those of the emitted C on this machine."""
+    """Measure a candidate over a sequence and compare its outputs with those of the emitted C on the host."""
     measured = run(candidate, sequence, build)
     machine_cost, size = measured.cost, measured.size
     assert machine_cost.cycles is not None
@@ -165,9 +165,9 @@ def step_cost(candidate: Candidate, sequence: Steps, build: Build, controller: h
 
 
 def covered(candidate: Candidate, measured: Run, build: Build) -> Coverage:
-    """Return the decisions in a candidate's own functions that a run has reached, the missing ones in its words.
+    """Return the decision coverage of a run in the functions of a candidate, with a text for each missing outcome.
 
-    A decision of an inlined function stands with the line that calls it.
+    For a decision in an inlined function the text gives the line of the call.
     """
     missing_sites = measured.cost.missing
     table = lines.read(measured.path) if missing_sites else lines.Lines((), ())
@@ -187,12 +187,12 @@ def _source(candidate: Candidate, table: lines.Lines, inlined: Sequence[lines.Ca
 
 
 def linked(candidate: Candidate, build: Build) -> Path:
-    """Return the image of a candidate by a build, with its line table."""
+    """Link the image of a candidate by a build, with its line table, and return its path."""
     return cross.link(candidate.files, [candidate.entry], CORE, build.compiler, (*build.flags, *_LINES))
 
 
 def booted(candidate: Candidate, build: Build, path: Path) -> image.Image:
-    """Return a fresh core with a candidate's linked image."""
+    """Load the linked image of a candidate into a core after reset."""
     covered_functions = cross.functions(candidate.files, CORE, build.compiler, (*build.flags, *_LINES))
     return image.boot(elf.read(path), CORE, covered_functions)
 
@@ -206,7 +206,7 @@ def _by_sequence(instructions: NDArray[np.int64], sequences: Sequence[Steps], bu
 
 
 def _difference(controller: host.Controller, sequence: Steps, outputs: Columns) -> float:
-    """Return the worst difference of an output from the emitted C's on this machine, of the output's range."""
+    """Return the worst difference of an output from the emitted C on the host, relative to the range of the output."""
     expected = steps.taken(controller, sequence).outputs
     widths = {f["name"]: f["high"] - f["low"] for f in controller.manifest["structs"]["output"]["fields"]}
     gaps = [np.max(np.abs(outputs[n].astype(float) - v.astype(float))) / widths[n] for n, v in expected.items()]

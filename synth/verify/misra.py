@@ -1,8 +1,8 @@
-"""Count what cppcheck's misra addon finds in emitted C.
+"""Static analysis of emitted C with the MISRA addon of cppcheck: the number of findings.
 
-The addon covers part of MISRA C:2012 and names rules by number. The claim is that count and no more: no compliance.
-A file that the addon never read has no findings either, so each run also reads a file with one known violation, an
-octal constant (rule 7.1), which must be found.
+The addon covers part of MISRA C:2012 and reports rules by number. The result is this count; it is not a claim of
+compliance. A file that the addon did not read has no findings either. Each run therefore also checks a file with one
+known violation, an octal constant (rule 7.1), which the addon must find.
 """
 
 import subprocess
@@ -30,7 +30,7 @@ _OPTIONS = (
 
 @dataclass(frozen=True)
 class Finding:
-    """One place and the rule, as the addon names it, that it breaks."""
+    """A violation: the rule, as the addon names it, and its file and line."""
 
     rule: str
     file: str
@@ -39,13 +39,13 @@ class Finding:
 
 @dataclass(frozen=True)
 class Report:
-    """The files that were read and the findings in them."""
+    """The analysed files and their findings."""
 
     files: tuple[str, ...]
     findings: tuple[Finding, ...]
 
     def checks(self) -> tuple[Check, ...]:
-        """Return the report as a figure that must be zero."""
+        """Return the report as a count that must be zero."""
         counts = Counter(finding.rule for finding in self.findings)
         places = {f.rule: f"{f.file}:{f.line}" for f in reversed(self.findings)}
         by_rule = [f"{rule} {count} times, first at {places[rule]}" for rule, count in sorted(counts.items())]

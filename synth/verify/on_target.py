@@ -1,11 +1,11 @@
-"""The emitted C as machine code of a Cortex-M against the same C on this machine, bit by bit.
+"""Bit-exact comparison of emitted C on an emulated Cortex-M with the same C on the host.
 
-    unicorn    every step from the recorded state x_k: outputs, fault word and x_{k+1}, so that by induction the
-               replay from `init` is the host's
+    unicorn    every step from the recorded state x_k: outputs, fault word and x_{k+1}; by induction the replay from
+               `init` then equals that of the host
     QEMU       the replay itself, on an M-class core with start-up code: outputs, fault words and the last state
 
-Contraction is off. With it on, the last bits are another compiler's choice: `drift` says how far a replay from `init`
-goes from the host's then, as a figure. Needs the extra `target`; QEMU and arm-none-eabi-gcc serve where they are.
+Contraction is off. With contraction the last bits depend on the compiler; `drift` measures how far a replay from `init`
+then deviates from the host. Needs the extra `target`; QEMU and arm-none-eabi-gcc are used if they are installed.
 """
 
 import shutil
@@ -29,9 +29,9 @@ SCALARS = {"cortex-m4f": "float32", "cortex-m7": "float64"}
 
 @dataclass(frozen=True)
 class Drift:
-    """How far a replay goes from the host's with contraction on: worst |i' - i| / max(floor, |i|), its output and step.
+    """Deviation of a replay with contraction from the host: worst |i' - i| / max(floor, |i|), its output and step.
 
-    `faults` counts the samples whose fault words are unlike.
+    `faults` counts the samples with different fault words.
     """
 
     core: str
@@ -45,17 +45,17 @@ class Drift:
 
 @dataclass(frozen=True, eq=False)
 class _HostResults:
-    """What this machine computes: the steps, and outputs, fault words and states (N,) after each."""
+    """Results of the host: the steps, and outputs, fault words and states (N,) after each."""
 
-    given: Steps
+    sequence: Steps
     after: host.Batch
 
 
 def verify(emitted: Emitted, inputs: Columns, core: str, progress: Callable[[str], None]) -> tuple[Check, ...]:
-    """Replay inputs (N,) on the core, by every compiler and emulator that is installed; count what differs in any bit.
+    """Replay inputs (N,) on the core by every installed compiler and emulator; count values that differ in any bit.
 
-    Raises DesignError when the core has no hardware for the scalar type, CompileError when no cross compiler is there
-    or the C is refused, SignalError for inputs that do not fit.
+    Raises DesignError when the core has no hardware for the scalar type, CompileError when no cross compiler is
+    installed or the C is refused, SignalError for invalid inputs.
     """
     scalar = emitted.manifest["scalar"]
     cross.find_core(core)
@@ -79,11 +79,11 @@ def verify(emitted: Emitted, inputs: Columns, core: str, progress: Callable[[str
 
 
 def drift(emitted: Emitted, inputs: Columns, core: str, floor: agree.Floor = None, compiler: str = "gcc") -> Drift:
-    """Replay inputs (N,) with contraction on and compare with the host's, where it is off.
+    """Replay inputs (N,) with contraction and compare with the host, which computes without it.
 
-    Below its floor, as `agree.floors` has it, a difference of an output is absolute.
+    For outputs smaller than their floor, see `agree.floors`, the difference is relative to the floor.
 
-    Raises CompileError when the compiler is not installed, SignalError for inputs or a floor that do not fit.
+    Raises CompileError when the compiler is not installed, SignalError for invalid inputs or an invalid floor.
     """
     expected = host.load(emitted.files, emitted.manifest).replay(inputs)
     contracted = target.load(emitted.files, emitted.manifest, core, compiler, cross.CONTRACTED).replay(inputs)
@@ -108,7 +108,7 @@ def _double_symbols_check(emitted: Emitted, compiler: str) -> Check:
 
 
 def _step_each(emulated: target.Target, sequence: Steps) -> host.Batch:
-    """Take one step from each of the given states on the core."""
+    """Take one step on the core from each state of the sequence."""
     machine = image.boot(emulated.program, emulated.core, emulated.covered)
     n = len(sequence)
     states, inputs, outputs = np.ascontiguousarray(sequence.states), sequence.inputs, np.zeros(n, emulated.outputs)
@@ -128,12 +128,12 @@ def _as_batch(replay: host.Replay) -> host.Batch:
 
 
 def _identity_checks(where: str, expected: _HostResults, actual: host.Batch) -> Sequence[Check]:
-    """Count output samples, states and fault words that are not the host's to the last bit."""
-    states_after = expected.after.states[-len(actual.states) :]  # a replay tells the last alone
+    """Count output samples, states and fault words that differ from the host in any bit."""
+    states_after = expected.after.states[-len(actual.states) :]  # a replay gives only the last state
     outputs = {n: _count_differing(v, actual.outputs[n]) for n, v in expected.after.outputs.items()}
     states = {n: _count_differing(states_after[n], actual.states[n]) for n in states_after.dtype.names or ()}
     faults = _count_differing(expected.after.faults, actual.faults)
-    steps = len(expected.given)
+    steps = len(expected.sequence)
     return (
         Check(
             f"{where}: outputs with other bits", sum(outputs.values()), 0, "values", _summary(steps, "steps", outputs)

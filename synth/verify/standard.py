@@ -1,11 +1,11 @@
-"""The standard verification of a declared stage: all witnesses over drawn steps and over closed loops.
+"""Standard verification of a declared stage: all witnesses over random steps and over closed loops.
 
-    random    steps of the stage's own closed loops, moved by any order of magnitude within their ranges
-    edge      states anywhere in their bounds, inputs on the ends of their ranges, beyond, or no numbers
+    random    steps of the closed loops of the stage, perturbed by various orders of magnitude within their ranges
+    edge      states uniform in their bounds, inputs at the ends of their ranges, beyond, or NaN
     replay    recorded inputs of closed loops from `init`, with bad samples up to the latch
 
-Single precision is held against double from the same bits where both decide alike, and in closed loops with ideal
-sensors by the true path of the plant.
+Single precision is compared with double in two ways: from the same bits in steps where both take the same decisions,
+and by the true path of the plant in closed loops with ideal sensors.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -29,12 +29,12 @@ WHOLE, QUICK = 5_000, 1_000  # samples of a closed loop that the other witnesses
 SEED = 20_260
 UNIT = "of the output's range or more"
 SINGLE = 1e-3  # of an output's range: single against double in one step
-DIVERGENT_SHARE = 1e-3  # share of random steps that decide otherwise in single precision
-PATH = 1e-4  # of a sensor's range, where it has no resolution: the plant's path in single against double
+DIVERGENT_SHARE = 1e-3  # fraction of random steps whose decisions differ in single precision
+PATH = 1e-4  # of the range of a sensor without resolution: path of the plant in single against double
 
 
 def require_reference(stage: Stage) -> Reference:
-    """Return a stage's reference; raise DesignError for a stage without one."""
+    """Return the reference of a stage; raise DesignError for a stage without one."""
     if stage.reference is None:
         raise DesignError(
             f"design '{stage.name}' has no reference: give `reference`, a NumPy step (states, inputs) -> (states', "
@@ -44,7 +44,7 @@ def require_reference(stage: Stage) -> Reference:
 
 
 def witnesses(stage: Stage) -> Witnesses:
-    """Return the witnesses of a stage's controller; raise DesignError for a stage without a reference."""
+    """Return the witnesses of the controller of a stage; raise DesignError for a stage without a reference."""
     reference = require_reference(stage)
     return suite.witnesses(stage.controller.block, reference, stage.surrogate_error)
 
@@ -72,7 +72,7 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
 
 
 def loops(stage: Stage) -> robustness.Loops:
-    """Return the loops of a stage at its operating points, its constants rounded as they ship."""
+    """Return the loops of a stage at its operating points, with constants rounded as in the emitted C."""
     return robustness.of_controller(
         stage.controller,
         stage.plant,
@@ -84,12 +84,12 @@ def loops(stage: Stage) -> robustness.Loops:
 
 
 def over_tolerances(stage: Stage) -> robustness.Loops:
-    """Return the loops of a stage with its plant as declared and at the corners of the named tolerances."""
+    """Return the loops of a stage for the nominal plant and for the corners of the declared tolerances."""
     return replace(loops(stage), cases=(robustness.NOMINAL, *robustness.corners(stage.plant, stage.tolerances)))
 
 
 def _runs(rig: Rig, n: int) -> dict[str, agree.Columns]:
-    """Return recorded inputs of each experiment, at most n samples, and of a closed loop with faults."""
+    """Return the recorded inputs of each experiment, at most n samples, and of a closed loop with faults."""
     runs = {e.name: e.trajectory.measured for e in (e.run(rig) for e in rig.stage.experiments)}
     shortened: dict[str, agree.Columns] = {name: {s: v[:n] for s, v in u.items()} for name, u in runs.items()}
     return shortened | {"faults": stimuli.closed_loop(rig, n).measured}
@@ -114,9 +114,9 @@ def in_single(
     floor: agree.Floor = None,
     counts: Mapping[str, float] | None = None,
 ) -> tuple[Agreement, list[Check]]:
-    """Compare single with double precision from the same bits, where both decide alike.
+    """Compare single with double precision from the same bits, in steps where both take the same decisions.
 
-    `counts` are real states that a decision lets jump, each with its least jump: they decide alike, too.
+    `counts` are real states that jump with a decision, each with its least jump; a smaller difference counts as equal.
     """
     double, single = suite.in_single(by, states, inputs)
     alike = suite.decide_alike(by.block, double, single)
@@ -132,7 +132,7 @@ def in_single(
 
 
 def compare_paths(stage: Stage, by: Witnesses) -> list[Check]:
-    """Compare the plant's path under both types in each experiment, with ideal sensors."""
+    """Compare the path of the plant under both scalar types in each experiment, with ideal sensors."""
     rigs = [Rig(stage, stage.plant, c).ideal for c in (by.c64, by.c32)]
     return [
         check

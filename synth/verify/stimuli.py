@@ -1,12 +1,12 @@
-"""Stimuli of a compiled controller: which steps are counted, replayed on a target, and committed as test vectors.
+"""Stimuli of a compiled controller, for cost measurement, replay on a target and committed test vectors.
 
-    closed loops     each experiment, and set-points that swing while samples are bad, up to the latch
-    latches          from outputs at their limits on no measurement is good, until every slew has ended
-    faults, edges    every input bad alone and all at once; every input on the last number accepted and on the next
-    random           inputs in range; states and inputs anywhere, and those of closed loops with some states anew
-    rare, at ends    of these, those whose flags few others have, and those that come to the end of a range
+    closed loops     each experiment, and swinging set-points with bad samples, up to the latch
+    latches          loss of all measurements while outputs are at their limits, until every slew has ended
+    faults, edges    every input bad, alone and all at once; every input at the last accepted number and at the next one
+    random           inputs in range; random states and inputs; closed loops with some states resampled
+    rare, at ends    of these steps, those with the least frequent flags, and those that reach the end of a range
 
-All but the closed loops know a controller by its manifest alone.
+All sequences except the closed loops need only the manifest of a controller.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -27,22 +27,22 @@ from synth.verify.steps import Steps
 
 REPLAY, VECTORS = 10_000, 1000  # steps
 EACH = 1000  # steps of each closed loop
-SWING = 0.2  # of a set-point's range, to either side of rest
-TURNS = 3.0  # of the first set-point in a recording; the others have more
-JUMP = 20  # samples before the latch: the set-points jump, so that the actuators are far from their safe values
+SWING = 0.2  # of the range of a set-point, to both sides of rest
+TURNS = 3.0  # periods of the first set-point in a recording; the others have more
+JUMP = 20  # samples before the latch at which the set-points jump, to move the actuators away from their safe values
 RANDOM, DRAWN, RARE, EACH_END = 2000, 20_000, 1000, 40
-LEADS = (3, 40, 333)  # samples of random inputs before measurements end
+LEADS = (3, 40, 333)  # samples of random inputs before the loss of measurement
 LONGEST = 20_000  # samples of a slew
-BEYOND = 0.5  # of a range: how far beyond its end the bad samples of test vectors are, which JSON has to hold
+BEYOND = 0.5  # of a range: distance of the bad samples of test vectors from its end; JSON cannot hold NaN
 SEED = 2026
 
 
 def closed_loop(rig: Rig, n: int, beyond: float = np.nan) -> Trajectory:
-    """Run n samples in which the set-points swing about rest; sensors and set-points are bad for some, up to the latch.
+    """Run n samples with set-points that swing about rest, and with bad sensor and set-point samples up to a latch.
 
-    The first sensor has a run of bad samples one short of the latch, the others single ones, a set-point ten, and for
-    the last twentieth of the run the last sensor is lost. A bad sample is `beyond` the end of the range, by that part
-    of it, or no number.
+    The first sensor has one bad sample less than the latch needs, the others have single bad samples, a set-point has
+    ten. The last sensor fails for the last twentieth of the run. A bad sample is beyond the end of its range by the
+    fraction `beyond` of the range, or NaN.
     """
     interface = rig.stage.interface
     k, lost = np.arange(n), n - n // 20
@@ -73,9 +73,9 @@ def _bad_samples(interface: Interface, k: NDArray[np.int64], lost: int, beyond: 
 def sequences(
     rig: Rig, experiments: Sequence[Experiment], progress: Callable[[str], None], design_steps: Sequence[Steps] = ()
 ) -> list[Steps]:
-    """Return every sequence for a rig's controller, closed loops first; `experiments` were run with it.
+    """Return every sequence for the controller of a rig, closed loops first; `experiments` were run with it.
 
-    `own` are further steps of the design's.
+    `design_steps` are further steps that the design defines.
     """
     progress("sequences")
     controller = rig.controller
@@ -92,7 +92,7 @@ def excursions(
 ) -> list[Steps]:
     """Return the sequences that need no closed loop, from inputs at rest.
 
-    States of recorded `loops` and of the design's `own` steps are drawn anew.
+    States of recorded `loops` and of `design_steps` are resampled.
     """
     pools = [*([steps.joined("", loops)] if loops else []), *design_steps]
     drawn = steps.drawn(controller, DRAWN)
@@ -111,10 +111,10 @@ def excursions(
 
 
 def latches(controller: host.Controller, seed: int) -> list[Steps]:
-    """Record how the outputs go to their safe values: after random inputs no measurement is good.
+    """Record the slew of the outputs to their safe values: after random inputs all measurements are NaN.
 
-    Inputs anywhere in their ranges take the outputs to their limits, from where the slew is longest. There is none of a
-    controller that has no safe output.
+    Random inputs over their full ranges drive the outputs to their limits, where the slew is longest. The result is
+    empty for a controller without safe outputs.
     """
     safety, rng = controller.manifest["safety"], np.random.default_rng(seed)
     if not safety or not safety["slew_per_s"]:
@@ -131,7 +131,7 @@ def latches(controller: host.Controller, seed: int) -> list[Steps]:
 def loss_of_measurement(
     controller: host.Controller, lead: int, after: int, rng: np.random.Generator
 ) -> dict[str, NDArray[Any]]:
-    """Return inputs (lead + after,): anywhere in their ranges, and from `lead` on not a number."""
+    """Return inputs (lead + after,): random in their ranges, and NaN from sample `lead` on."""
     inputs = controller.manifest["structs"]["input"]["fields"]
     columns = {f["name"]: rng.uniform(f["low"], f["high"], lead + after) for f in inputs}
     for values in columns.values():
