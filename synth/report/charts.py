@@ -16,9 +16,9 @@ LEVEL = {"color": "#666666", "ls": "--", "lw": 0.9}
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """A curve (n,) in the units shown; `style` is matplotlib's, by default the next of COLOURS, thin.
+    """A curve (n,) in the displayed units; `style` is that of matplotlib, default a thin line in the next of COLOURS.
 
-    One without a label is left out of the legend.
+    A curve without a label is not in the legend.
     """
 
     x: ArrayLike
@@ -29,10 +29,10 @@ class Line:
 
 @dataclass(frozen=True, eq=False)
 class Chart:
-    """Curves that share axes, and levels across them.
+    """Curves that share axes, and horizontal lines at `levels`.
 
-    `log` names the axes with logarithmic scales, "x", "y" or both; `legend` is a place inside the axes, "above" them,
-    "figure" for one above all charts, or ""; `options` are further arguments of `matplotlib.axes.Axes.set`.
+    `log` names the axes with logarithmic scales, "x", "y" or both; `legend` is a location inside the axes, "above",
+    "figure" for one legend above all charts, or ""; `options` are further arguments of `matplotlib.axes.Axes.set`.
     """
 
     lines: Sequence[Line]

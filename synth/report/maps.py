@@ -1,6 +1,6 @@
-"""Maps over a plane: values on a grid over X and Y as pictures, with one scale for all or one about 0 for each.
+"""Colour maps of values on a grid over X and Y, with one common scale or one symmetric scale each.
 
-Places come as they are shown, in mm unless labels say otherwise.
+Positions are in the displayed unit, mm unless the labels state another.
 """
 
 from collections.abc import Iterator, Sequence
@@ -23,12 +23,12 @@ from synth.statespace import Array
 SIGNED, PLAIN = "RdBu_r", "viridis"
 PLANE = ("X, mm", "Y, mm")
 Side = tuple[float, float]
-SIGNS = FuncFormatter(lambda v, _: f"{v:.4g}".replace("-", "−"))  # minus signs as such
+SIGNS = FuncFormatter(lambda v, _: f"{v:.4g}".replace("-", "−"))  # with typographic minus signs
 
 
 @dataclass(frozen=True, eq=False)
 class Map:
-    """Values (n, n) over X and Y, X changing slowest; marks (m, 2) are places."""
+    """Values (n, n) over X (first index) and Y; marks (m, 2) are positions."""
 
     title: str
     values: Array | NDArray[np.bool_]
@@ -37,7 +37,7 @@ class Map:
 
 @contextmanager
 def panels(height: float, *shape: int, **options: Any) -> Iterator[tuple[Figure, Any]]:
-    """Open a figure of the page's width, a height in inches, and its axes as `Figure.subplots` makes them."""
+    """Yield a figure of page width and given height in inches, and its axes from `Figure.subplots`."""
     with figures.style_context():
         drawn = Figure(figsize=(9.0, height), layout="constrained")
         yield drawn, drawn.subplots(*shape, **options)
@@ -52,7 +52,7 @@ def maps(
     label: str = "",
     labels: tuple[str, str] = PLANE,
 ) -> Figure:
-    """Draw maps between two `sides` each, as `labels` say, with one scale; what is beyond it has the end's colour."""
+    """Draw maps with axis ranges `sides` and a common colour scale; values beyond it have the colour of its end."""
     norm: Normalize = LogNorm(*scale) if log else Normalize(*scale)
     rows = -(-len(shown) // columns)
     with panels(3.0 * rows, rows, columns, sharex=True, sharey=True, squeeze=False) as (drawn, grid):
@@ -69,7 +69,7 @@ def maps(
 
 
 def signed(shown: Sequence[Map], sides: Sequence[Side], labels: tuple[str, str] = PLANE) -> Figure:
-    """Draw maps of values about 0 between two `sides` each, as `labels` say, each map with its own scale."""
+    """Draw maps with axis ranges `sides`, each with its own colour scale, symmetric about 0."""
     with panels(2.9, 1, len(shown)) as (drawn, grid):
         for axes, each in zip(np.atleast_1d(grid), shown, strict=True):
             high = float(np.nanmax(np.abs(each.values))) or 1.0
@@ -90,13 +90,13 @@ def _draw_map(axes: Axes, each: Map, sides: Sequence[Side], labels: tuple[str, s
 
 
 def plain_log(axes: Axes) -> None:
-    """Label a logarithmic axis by plain numbers, 1, 2 and 5 of each decade."""
+    """Label a logarithmic axis by plain numbers, at 1, 2 and 5 of each decade."""
     axes.yaxis.set_major_locator(LogLocator(10, (1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter(SIGNS)
     axes.yaxis.set_minor_formatter(NullFormatter())
 
 
 def signs(axes: Axes) -> None:
-    """Write minus signs of both axes as such."""
+    """Use typographic minus signs on both axes."""
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter(SIGNS)

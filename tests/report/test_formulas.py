@@ -61,7 +61,7 @@ def test_an_attribute_is_no_name() -> None:
     ("text", "match"),
     [
         ("stifness / 2", "names 'stifness', which is neither a value above it nor a parameter: use one of .*stiffness"),
-        ("stiffness /", "'stiffness /' is no expression"),
+        ("stiffness /", "'stiffness /' is not an expression"),
         ("open('x')", "names 'open'"),
     ],
 )

@@ -126,7 +126,7 @@ def test_text_is_shown_as_text() -> None:
 
 def test_two_figures_with_the_same_ids_are_refused() -> None:
     blocks = (Figure(SVG, "one"), Figure(SVG, "two"))
-    with pytest.raises(DesignError, match="a-1 stand twice"):
+    with pytest.raises(DesignError, match="a-1 are used twice"):
         page.render(Report("r", "", (Section("s", blocks),)))
 
 

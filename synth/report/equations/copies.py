@@ -1,6 +1,6 @@
-"""Equations that are alike but for the names in them: shown once, with what stands for what in the others.
+"""Equations of equal form: shown once, with the names that the others have instead.
 
-Two equations are alike when one becomes the other, as shown, by putting other names for those in it.
+Two equations have equal form when renaming the symbols of one, as displayed, gives the other.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,12 +11,12 @@ import sympy as sp
 from synth.report.equations import symbolic
 from synth.report.equations.derive import Equation, Group
 
-LEAST = 4  # operations: what has fewer is as quickly read as said to be alike
+LEAST = 4  # operations: shorter equations are shown in full
 
 
 @dataclass(frozen=True)
 class EquationWithCopies:
-    """An equation that is shown, and its copies with the names that they have in place of its own."""
+    """A displayed equation, and the equations of equal form with their replaced names."""
 
     equation: Equation
     copies: tuple[tuple[Equation, Mapping[str, str]], ...] = ()
@@ -24,7 +24,7 @@ class EquationWithCopies:
 
 @dataclass(frozen=True)
 class GroupWithCopies:
-    """A group that is shown, and groups that are alike as a whole, with their names in place of its own."""
+    """A displayed group of equations, and the groups of equal form with their replaced names."""
 
     group: Group
     equations: tuple[EquationWithCopies, ...]
@@ -32,7 +32,7 @@ class GroupWithCopies:
 
 
 def of_groups(groups: Sequence[Group]) -> tuple[GroupWithCopies, ...]:
-    """Return the groups, each with those that are alike as a whole."""
+    """Return the distinct groups, each with the groups of equal form."""
     first: list[tuple[Group, list[tuple[Group, Mapping[str, str]]]]] = []
     for group in groups:
         for source, copies in first:
@@ -45,7 +45,7 @@ def of_groups(groups: Sequence[Group]) -> tuple[GroupWithCopies, ...]:
 
 
 def of_equations(group: Group) -> tuple[EquationWithCopies, ...]:
-    """Return the equations of a group, each with those that are alike."""
+    """Return the distinct equations of a group, each with the equations of equal form."""
     first: list[tuple[Equation, list[tuple[Equation, Mapping[str, str]]]]] = []
     for equation in group.equations:
         for source, copies in first:
@@ -60,7 +60,7 @@ def of_equations(group: Group) -> tuple[EquationWithCopies, ...]:
 
 
 def names_in_place(source: Equation, other: Equation) -> dict[str, str] | None:
-    """Return the names that turn the right side of one equation into that of the other, None where none do."""
+    """Return the renaming that turns the right side of one equation into that of the other, None without one."""
     if source.shape[0] != other.shape[0] or len(source.shape[1]) != len(other.shape[1]):
         return None
     names = dict(zip(source.shape[1], other.shape[1], strict=True))
@@ -71,7 +71,7 @@ def names_in_place(source: Equation, other: Equation) -> dict[str, str] | None:
 
 
 def _group_names(source: Group, other: Group) -> dict[str, str] | None:
-    """Return what stands in another group for the names in the first, as on the page; None where they are unlike."""
+    """Return the renaming of displayed names that turns one group into the other, None without one."""
     if len(source.equations) != len(other.equations) or source.title == other.title:
         return None
     whole: dict[str, str] = {}

@@ -2,7 +2,7 @@
 
     plant   dx/dt = f(x, u, p),  y = h(x, u, p)          Block   x+ = f(x, u, k),  y = h(x, u, k)
 
-Signals inside a composition keep their names, and parts without a name get one, see `symbolic`.
+Internal signals of a composition keep their names; unnamed subexpressions get names, see `symbolic`.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -27,10 +27,10 @@ Mark = Literal["", "rate", "next"]
 
 @dataclass(frozen=True)
 class Equation:
-    """`name` = `expression`, of the Block `owner`; the name is that of a rate dx/dt or a next state x+ as `mark` says.
+    """`name` = `expression`, of the Block `owner`; `mark` says if the left side is a rate dx/dt or a next state x+.
 
-    `order` is where it is computed, `signal` tells unit and range where they are declared. `shape` is what is computed
-    without the names that stand in it, and these names.
+    `order` is the position in the computation, `signal` has the declared unit and range. `shape` is the structure of
+    the expression without names, and these names.
     """
 
     name: str
@@ -43,17 +43,17 @@ class Equation:
 
     @property
     def key(self) -> str:
-        """What tells the equation from all others."""
+        """A key that identifies the equation."""
         return f"{self.name} {self.mark}".strip()
 
     @property
     def limits(self) -> tuple[float, float] | None:
-        """The range of its signal, to which a limit without bounds on the page limits; None without a signal."""
+        """The range of its signal, which a saturation displayed without bounds refers to; None without a signal."""
         return None if self.signal is None else (self.signal.low, self.signal.high)
 
     @property
     def shown(self) -> sp.Expr:
-        """The right side as the page has it: a limit to the signal's own range without the bounds."""
+        """The displayed right side: a saturation at the range of the signal has no bounds."""
         sat = symbolic.opaque("sat")
         unbounded = {
             limited: sat(limited.args[0])
@@ -69,7 +69,7 @@ def _bounds(limited: sp.Expr) -> tuple[float, ...]:
 
 @dataclass(frozen=True)
 class Group:
-    """Equations that belong together: of one Block or of a plant; `local` gives names that differ on the page."""
+    """Equations of one Block or of a plant; `local` maps names to displayed names that differ."""
 
     title: str
     equations: tuple[Equation, ...]
@@ -77,7 +77,7 @@ class Group:
     local: Mapping[str, str] = field(default_factory=dict)
 
     def name(self, name: str) -> str:
-        """Return what a name is called on the page."""
+        """Return the displayed form of a name."""
         return self.local.get(name, name)
 
     def left(self, equation: Equation) -> str:
@@ -94,9 +94,9 @@ class Group:
 
 
 def plant_function(plant: Plant, named: Named | None = None) -> tuple[ca.Function, dict[str, int]]:
-    """Return a plant as a function of one column (x, u, p), and the names of what it computes with their places.
+    """Return a plant as a function of one column (x, u, p), and the row of each result by name.
 
-    These are the expressions of `named`, the rates, as ``<state> rate``, and the outputs.
+    The results are the expressions of `named`, the rates, as ``<state> rate``, and the outputs.
     """
     x, u, p = symbols(plant.states), symbols(plant.inputs), symbols(plant.parameters)
     inside = dict(named(x, u, p)) if named else {}
@@ -111,9 +111,9 @@ def plant_function(plant: Plant, named: Named | None = None) -> tuple[ca.Functio
 def plant(plant: Plant, named: Named | None = None) -> tuple[Group, ...]:
     """Return the definitions of a plant, and the derivatives of its states.
 
-    `named(x, u, p)` gives expressions that the physics computes, like forces, a name each.
+    `named(x, u, p)` gives names to expressions that the physics computes, such as forces.
 
-    Raises ModelError where a named expression is none that the physics computes.
+    Raises ModelError for a named expression that the physics does not compute.
     """
     f, places = plant_function(plant, named)
     loads = [("load", s.name) for group in (plant.states, plant.inputs, plant.parameters) for s in group]
@@ -130,7 +130,7 @@ def plant(plant: Plant, named: Named | None = None) -> tuple[Group, ...]:
         )
     inside = _definitions(nodes, names, at, ends, outputs)
     states = {s.name for s in plant.states}
-    inside = [e for e in inside if e.name not in states]  # a state that is an output too
+    inside = [e for e in inside if e.name not in states]  # a state that is also an output
     cut = _name_nodes(nodes, names, at, ends)
     moving = tuple(
         Equation(s.name, symbolic.expression(nodes, cut, k), k, symbolic.shape(nodes, cut, k), "", "rate", s)
@@ -141,7 +141,7 @@ def plant(plant: Plant, named: Named | None = None) -> tuple[Group, ...]:
 
 
 def block(block: Block) -> tuple[Group, ...]:
-    """Return the equations of a Block: of each Block of the composition its signals, and its states' next values."""
+    """Return the equations of a Block: for each Block of the composition its signals and its next states."""
     program = lower.program(block)
     nodes = program.nodes
     names = {k: n.name for k, n in enumerate(nodes) if n.op in ("input", "state", "constant")}
@@ -179,7 +179,7 @@ def block(block: Block) -> tuple[Group, ...]:
 def _name_nodes(
     nodes: Sequence[Node], names: Mapping[int, str], at: Mapping[str, int], ends: Sequence[int]
 ) -> dict[int, str]:
-    """Return the names of loads, named values and of further parts by node; the first name of a node counts."""
+    """Return the names of loads, named values and further parts by node; the first name of a node counts."""
     first = {k: name for name, k in reversed([*at.items()])}
     return symbolic.name_parts(nodes, first | dict(names), ends)
 
@@ -191,7 +191,7 @@ def _definitions(
     ends: Sequence[int],
     signals: Mapping[str, Signal],
 ) -> list[Equation]:
-    """Return what each named value and each part is, in the order of computation, and second names of one value."""
+    """Return the definition of each named value and part in the order of computation, and of further names."""
     cut = _name_nodes(nodes, names, at, ends)
     needed, _ = symbolic.live(nodes, ends)
     equations = []
@@ -209,7 +209,7 @@ def _definitions(
 
 
 def _assign_owners(inside: Sequence[Equation], following: Sequence[Equation]) -> list[Equation]:
-    """Return definitions with each part that has no owner given to the Block that reads it, the last of several."""
+    """Return definitions in which each part without an owner belongs to the last Block that reads it."""
     owner = {e.name: e.owner for e in inside if e.owner}
     signals = set(owner)
     for e in sorted([*inside, *following], key=lambda e: -e.order):
@@ -221,7 +221,7 @@ def _assign_owners(inside: Sequence[Equation], following: Sequence[Equation]) ->
 
 
 def _with_distinct_names(group: Group) -> Group:
-    """Return a group in which no two names look alike on the page: the second of them is written as it is."""
+    """Return a group whose displayed names all differ: of two equal ones the second is written literally."""
     names = {e.name for e in group.equations} | {s.name for e in group.equations for s in e.expression.free_symbols}
     local: dict[str, str] = {}
     taken: set[str] = set()

@@ -1,6 +1,6 @@
-"""Names as presentation MathML: a letter with what follows as its subscript.
+"""Names as presentation MathML: a letter with the remaining characters as its subscript.
 
-k_s_phi, i_d1, wphi and Kv1 have subscripts; Greek letters are written as such, longer words upright.
+k_s_phi, i_d1, wphi and Kv1 have subscripts; names of Greek letters become Greek letters, longer words are upright.
 """
 
 import re
@@ -17,12 +17,12 @@ _SPLIT = re.compile(
 
 
 def symbol(name: str) -> Markup:
-    """Return a name as a formula of its own."""
+    """Return a name as a separate formula."""
     return Markup(f'<math display="inline"><mrow>{markup(name)}</mrow></math>')
 
 
 def markup(text: str) -> str:
-    """Return the markup of a name; one that begins with '=' is written as it is."""
+    """Return the markup of a name; one that begins with '=' is written literally."""
     if text.startswith("="):
         return f"<mi>{escape(text[1:])}</mi>"
     head, *tail = text.split("_")

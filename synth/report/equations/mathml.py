@@ -1,6 +1,6 @@
-"""Presentation MathML of SymPy expressions, as browsers show it without scripts; `mathml_value` reads it back.
+"""Presentation MathML of SymPy expressions for browsers without scripts; `mathml_value` evaluates it.
 
-A number with more than DIGITS digits is cut off and ends with an ellipsis; the whole number stands in ``data-value``.
+A number with more than DIGITS digits is truncated and ends with an ellipsis; ``data-value`` has the full number.
 """
 
 import re
@@ -14,19 +14,19 @@ from synth.report.equations import glyphs
 from synth.report.equations.symbolic import opaque
 
 DIGITS = 6
-WIDTH = 64  # characters of a sum before it is continued on the next line
+WIDTH = 64  # characters of a sum on one line
 WORDS = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "asinh": "arsinh", "acosh": "arcosh", "atanh": "artanh"}
 WORDS |= {"log": "ln", "sign": "sgn", "atan2": "atan2"}
 RELATIONS = {"lt": "&lt;", "le": "≤", "eq": "=", "ne": "≠"}
 LOGIC = {"and": "∧", "or": "∨"}
-SUM, PRODUCT, POWER, ATOM = 1, 2, 3, 4  # how strongly a piece holds together
+SUM, PRODUCT, POWER, ATOM = 1, 2, 3, 4  # operator precedence of a piece
 RELATION, CONJUNCTION = 0, -1
 TIMES, APPLY = '<mo>&#x2062;</mo><mspace width="0.15em"></mspace>', "<mo>&#x2061;</mo>"
 Piece = tuple[str, int]
 
 
 def expression(expr: sp.Expr) -> str:
-    """Return the markup of an expression, long sums on several lines."""
+    """Return the markup of an expression; long sums use several lines."""
     return cases(expr) if type(expr).__name__ == "choose" else _piece(expr)[0]
 
 
@@ -50,7 +50,7 @@ def _lines(terms: Sequence[str]) -> str:
 
 
 def _width(markup: str) -> int:
-    """Return about how many characters wide a piece is shown; of a fraction the wider half counts."""
+    """Return the approximate width of a piece in characters; a fraction counts two thirds."""
     halves = re.sub(r"<mfrac>|</mfrac>", "", markup)
     shown = len(re.sub(r"<[^>]*>|&[^;]*;", "", halves))
     return shown * 2 // 3 if halves != markup else shown
@@ -77,7 +77,7 @@ def _piece(expr: sp.Expr) -> Piece:
 
 
 def _parenthesised(expr: sp.Expr, least: int) -> str:
-    """Return an expression's markup, in parentheses unless it holds together as strongly as `least`."""
+    """Return the markup of an expression, in parentheses if its precedence is below `least`."""
     markup, strength = _piece(expr)
     return markup if strength >= least else _bracketed("(", markup, ")")
 
@@ -93,7 +93,7 @@ def _negative(expr: sp.Expr) -> bool:
 
 
 def _terms(expr: sp.Add) -> list[str]:
-    """Return the terms with their signs, a positive one first where there is one."""
+    """Return the terms with their signs, positive terms first."""
     ordered = sorted(expr.as_ordered_terms(), key=_negative)
     marked = []
     for k, term in enumerate(ordered):
@@ -155,7 +155,7 @@ def _number(value: sp.Number) -> Piece:
 
 
 def _truncated(mantissa: str) -> str:
-    """Return a mantissa cut off after DIGITS digits behind its leading zeros, with an ellipsis for what is left out."""
+    """Return a mantissa truncated to DIGITS significant digits, with an ellipsis for the omitted ones."""
     whole, _, part = mantissa.partition(".")
     leading = len(part) - len(part.lstrip("0")) if not whole.strip("0") else 0
     keep = max(DIGITS - len(whole.lstrip("0")) + leading, 1)
@@ -186,13 +186,13 @@ def _word(kind: str) -> str:
 
 
 def _application(head: str, args: Sequence[sp.Expr]) -> str:
-    whole = len(args) == 1 and type(args[0]).__name__ == "choose"  # then one pair of parentheses is enough
+    whole = len(args) == 1 and type(args[0]).__name__ == "choose"  # one pair of parentheses is enough
     inner = cases(args[0]) if whole else "<mo>,</mo>".join(_piece(a)[0] for a in args)
     return f"<mrow>{head}{APPLY}{_bracketed('(', inner, ')')}</mrow>"
 
 
 def cases(expr: sp.Expr) -> str:
-    """Return the markup of a choice with its conditions below each other."""
+    """Return the markup of a choice, one condition per row."""
     rows = []
     while type(expr).__name__ == "choose":
         condition, value, expr = expr.args
@@ -203,7 +203,7 @@ def cases(expr: sp.Expr) -> str:
 
 
 def _condition(expr: sp.Expr) -> Piece:
-    """Return what is compared; of a number, that it is not 0 is understood."""
+    """Return the markup of a condition; a number means that it is not 0."""
     kind = type(expr).__name__
     if kind in RELATIONS:
         first, second = (_parenthesised(a, SUM) for a in expr.args)

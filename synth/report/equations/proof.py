@@ -1,7 +1,7 @@
-"""Proof of equations: each formula, read back from its markup, gives what CasADi computes, at POINTS random points.
+"""Test of displayed equations: each formula, evaluated from its markup, must agree with CasADi at POINTS random points.
 
-Definitions are computed from each other in their order, as a reader would; derivatives, outputs, named signals and
-next states are compared, to TOLERANCE of the greatest value of each.
+Definitions are evaluated in their order. Derivatives, outputs, named signals and next states are compared, to TOLERANCE
+of the largest value of each.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -20,12 +20,12 @@ from synth.statespace import Array
 
 Values = Mapping[str, Array]
 POINTS, TOLERANCE, SEED = 48, 1e-9, 7
-SPREAD = 0.05  # of a parameter's or constant's value: by how much it varies
-WILD = 4  # powers of ten by which a Block's inputs leave their ranges in half of the points
+SPREAD = 0.05  # relative variation of parameters and constants
+WILD = 4  # powers of ten by which the inputs of a Block exceed their ranges in half of the points
 
 
 def plant(plant: Plant, groups: Sequence[Group], named: Named | None = None) -> None:
-    """Hold that equations are those of a plant; raise ModelError, naming the equation, where they are not."""
+    """Check displayed equations against a plant; raise ModelError that names the first different equation."""
     f, places = derive.plant_function(plant, named)
     rng = np.random.default_rng(SEED)
     values = np.array([p.value for p in plant.parameters])
@@ -37,7 +37,7 @@ def plant(plant: Plant, groups: Sequence[Group], named: Named | None = None) -> 
 
 
 def block(block: Block, groups: Sequence[Group]) -> None:
-    """Hold that equations are those of a Block; raise ModelError, naming the equation, where they are not."""
+    """Check displayed equations against a Block; raise ModelError that names the first different equation."""
     rng = np.random.default_rng(SEED)
     names = [*(s.name for s in block.inputs), *(s.name for s in block.states), *(c.name for c in block.constants)]
     signals = [*block.inputs, *(s.signal for s in block.states)]
@@ -58,9 +58,9 @@ def block(block: Block, groups: Sequence[Group]) -> None:
 def check(
     what: str, groups: Sequence[Group], loaded: Values, computed: Values, tables: Mapping[str, Callable[..., Array]]
 ) -> None:
-    """Hold that the equations as shown give what is `computed` (N,) by key where what is loaded has these values.
+    """Check that the displayed equations give the values `computed` (N,) by key for the values `loaded`.
 
-    Raises ModelError, naming the equation, where they do not.
+    Raises ModelError that names the first different equation.
     """
     known = dict(loaded)
     points = len(next(iter(loaded.values())))
@@ -97,7 +97,7 @@ def _require_equal(what: str, equation: Equation, shown: Array, computed: Array)
 
 
 def _inside(signals: Sequence[Signal], rng: np.random.Generator) -> Array:
-    """Return random points (signals, POINTS) in the ranges, a quarter of the values at an end."""
+    """Return random points (signals, POINTS) in the ranges, with a quarter of the values at a range end."""
     low, high = (np.array([getattr(s, end) for s in signals]).reshape(-1, 1) for end in ("low", "high"))
     between = rng.uniform(low, high, (len(signals), POINTS))
     ends = np.where(rng.uniform(size=between.shape) < 0.5, low, high)
@@ -105,7 +105,7 @@ def _inside(signals: Sequence[Signal], rng: np.random.Generator) -> Array:
 
 
 def _perturbed(values: Array, rng: np.random.Generator) -> Array:
-    """Return random values (len, POINTS) near given ones."""
+    """Return random perturbations (len, POINTS) of the values."""
     size = np.where(values == 0, 1.0, np.abs(values))[:, None]
     return np.asarray(values[:, None] + SPREAD * size * rng.uniform(-1, 1, (len(values), POINTS)))
 
