@@ -150,10 +150,10 @@ def identify_compiler(command: tuple[str, ...], mend: str, machine_flags: tuple[
     Raises CompileError, with the `mend`, when the command cannot be run.
     """
     try:
-        said = subprocess.run([*command, "--version"], capture_output=True, text=True, check=True).stdout
+        version_text = subprocess.run([*command, "--version"], capture_output=True, text=True, check=True).stdout
     except (OSError, subprocess.CalledProcessError) as error:
         raise CompileError(f"C compiler: `{shlex.join(command)} --version` fails ({error}); {mend}") from error
-    return Compiler(command, said.strip(), machine_flags)
+    return Compiler(command, version_text.strip(), machine_flags)
 
 
 def _units(sources: Mapping[str, str]) -> list[str]:

@@ -47,13 +47,13 @@ class Chart:
 
 def draw(charts: Sequence[Chart], height: float, widths: Sequence[float] | None = None) -> Figure:
     """Draw charts side by side, `height` in inches, of equal or relative `widths`."""
-    with maps.panels(height, 1, len(charts), squeeze=False, width_ratios=widths) as (drawn, grid):
+    with maps.panels(height, 1, len(charts), squeeze=False, width_ratios=widths) as (figure, grid):
         for axes, chart in zip(grid.flat, charts, strict=True):
             _draw(axes, chart)
         if charts[0].legend == "figure":
             labelled = grid[0, 0].get_legend_handles_labels()
-            drawn.legend(*labelled, loc="outside upper right", ncols=len(labelled[0]), frameon=False)
-    return drawn
+            figure.legend(*labelled, loc="outside upper right", ncols=len(labelled[0]), frameon=False)
+    return figure
 
 
 def _draw(axes: Any, chart: Chart) -> None:

@@ -39,8 +39,8 @@ class Map:
 def panels(height: float, *shape: int, **options: Any) -> Iterator[tuple[Figure, Any]]:
     """Yield a figure of page width and given height in inches, and its axes from `Figure.subplots`."""
     with figures.style_context():
-        drawn = Figure(figsize=(9.0, height), layout="constrained")
-        yield drawn, drawn.subplots(*shape, **options)
+        figure = Figure(figsize=(9.0, height), layout="constrained")
+        yield figure, figure.subplots(*shape, **options)
 
 
 def maps(
@@ -55,27 +55,27 @@ def maps(
     """Draw maps with axis ranges `sides` and a common colour scale; values beyond it have the colour of its end."""
     norm: Normalize = LogNorm(*scale) if log else Normalize(*scale)
     rows = -(-len(shown) // columns)
-    with panels(3.0 * rows, rows, columns, sharex=True, sharey=True, squeeze=False) as (drawn, grid):
+    with panels(3.0 * rows, rows, columns, sharex=True, sharey=True, squeeze=False) as (figure, grid):
         for axes, each in zip(grid.flat, shown, strict=False):
             _draw_map(axes, each, sides, labels, cmap=PLAIN, norm=norm)
         for axes in grid.flat[len(shown) :]:
             axes.set_visible(False)
         for axes in grid.flat:
             axes.label_outer()
-        bar = drawn.colorbar(ScalarMappable(norm, PLAIN), ax=grid, shrink=0.85, extend="both", label=label)
+        bar = figure.colorbar(ScalarMappable(norm, PLAIN), ax=grid, shrink=0.85, extend="both", label=label)
         if log:
             plain_log(bar.ax)
-    return drawn
+    return figure
 
 
 def signed(shown: Sequence[Map], sides: Sequence[Side], labels: tuple[str, str] = PLANE) -> Figure:
     """Draw maps with axis ranges `sides`, each with its own colour scale, symmetric about 0."""
-    with panels(2.9, 1, len(shown)) as (drawn, grid):
+    with panels(2.9, 1, len(shown)) as (figure, grid):
         for axes, each in zip(np.atleast_1d(grid), shown, strict=True):
             high = float(np.nanmax(np.abs(each.values))) or 1.0
             image = _draw_map(axes, each, sides, labels, cmap=SIGNED, norm=Normalize(-high, high))
-            drawn.colorbar(image, ax=axes, shrink=0.8, format=SIGNS)
-    return drawn
+            figure.colorbar(image, ax=axes, shrink=0.8, format=SIGNS)
+    return figure
 
 
 def _draw_map(axes: Axes, each: Map, sides: Sequence[Side], labels: tuple[str, str], **colours: Any) -> AxesImage:

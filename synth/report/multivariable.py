@@ -49,7 +49,7 @@ def singular(L: StateSpace, frequency: ArrayLike) -> Singular:
 
 def singular_values(loops: Mapping[str, Singular]) -> Figure:
     """Draw the singular values of L, S and T, one colour per loop."""
-    drawn = []
+    panels = []
     for letter, (low, high) in DECIBELS.items():
         levels = {label: 20 * np.log10(getattr(each, letter)) for label, each in loops.items()}
         highest = max(float(level.max()) for level in levels.values())
@@ -60,8 +60,8 @@ def singular_values(loops: Mapping[str, Singular]) -> Figure:
         ]
         limits = {"ylim": (low, high if letter == "L" else max(high, 5 * np.ceil(highest / 5)))}
         title = f"singular values of {letter}, dB"
-        drawn.append(Chart(lines, HERTZ, "", title, (0.0,), log="x", legend="figure", options=limits))
-    return charts.draw(drawn, 3.8)
+        panels.append(Chart(lines, HERTZ, "", title, (0.0,), log="x", legend="figure", options=limits))
+    return charts.draw(panels, 3.8)
 
 
 def disks(margins: Mapping[str, DiskMargin]) -> Figure:

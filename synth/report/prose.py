@@ -59,18 +59,18 @@ def parse(text: str, values: Mapping[str, Value]) -> Part:
 
 def merge(sections: Sequence[Section], parts: Sequence[Part]) -> tuple[Section, ...]:
     """Put text before the blocks of sections of the same title; other parts become sections in reading order."""
-    placed = list(sections)
+    merged = list(sections)
     at = 0
     for part in parts:
-        same = next((k for k, s in enumerate(placed) if s.title == part.title), None)
+        same = next((k for k, s in enumerate(merged) if s.title == part.title), None)
         if same is None:
-            placed.insert(at, Section(part.title, part.blocks, subsections(part)))
+            merged.insert(at, Section(part.title, part.blocks, subsections(part)))
             at += 1
         else:
-            old = placed[same]
-            placed[same] = replace(old, blocks=(*part.blocks, *old.blocks), sections=_merge_subsections(old, part))
+            old = merged[same]
+            merged[same] = replace(old, blocks=(*part.blocks, *old.blocks), sections=_merge_subsections(old, part))
             at = same + 1
-    return tuple(placed)
+    return tuple(merged)
 
 
 def subsections(part: Part) -> tuple[Section, ...]:

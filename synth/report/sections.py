@@ -54,13 +54,13 @@ def experiment(
 
     Raises SignalError when a unit is missing.
     """
-    drawn = figures.svg(figures.response(run, units, levels, window), _id(run.name))
+    plot = figures.svg(figures.response(run, units, levels, window), _id(run.name))
     caption = f"{run.title}: {run.about}."
     if run.references and window:
         caption += f" On the left {window[0]:g} to {window[1]:g} s."
     measured = (Table("Measured", ("figure", "value", "unit"), _measured_rows(run)),) if run.figures else ()
     checks = (Checks("Checks", run.checks),) if run.checks else ()
-    return Section(run.title, (Figure(drawn, caption, beside), *measured, *checks))
+    return Section(run.title, (Figure(plot, caption, beside), *measured, *checks))
 
 
 def loop(title: str, name: str, curves: Sequence[bode.LoopCurve]) -> Section:
@@ -71,10 +71,10 @@ def loop(title: str, name: str, curves: Sequence[bode.LoopCurve]) -> Section:
     Raises SignalError when there is no curve.
     """
     worst = sorted(curves, key=lambda c: c.margins.modulus_margin)[: bode.MOST]
-    drawn = figures.svg(bode.bode_plot([c for c in curves if c in worst]), _id(name))
+    plot = figures.svg(bode.bode_plot([c for c in curves if c in worst]), _id(name))
     which = f" The {bode.MOST} loops with the least modulus margins are shown." if len(curves) > bode.MOST else ""
     caption = f"{title}: open loop and sensitivity. Dots mark |L| = 1, diamonds mark negative real L.{which}"
-    return Section(title, (Figure(drawn, caption), margins_table(title, curves)))
+    return Section(title, (Figure(plot, caption), margins_table(title, curves)))
 
 
 def margins_table(caption: str, curves: Iterable[bode.LoopCurve]) -> Table:
@@ -150,7 +150,7 @@ def _id(name: str) -> str:
 def _measured_rows(run: Experiment) -> tuple[tuple[Cell, ...], ...]:
     """Split 'mean |e_y|, um' into quantity and unit."""
     named = ((*(name.rsplit(", ", 1) if ", " in name else (name, "1")), value) for name, value in run.figures.items())
-    return tuple((what, value, readable(unit)) for what, unit, value in named)
+    return tuple((quantity, value, readable(unit)) for quantity, unit, value in named)
 
 
 def _margins(curve: bode.LoopCurve) -> tuple[Cell, ...]:

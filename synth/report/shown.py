@@ -45,8 +45,10 @@ def beside(figures: Beside, rows: Sequence[Row]) -> dict[str, str]:
     """
     printed = {row.id: row.published for row in rows}
     return {
-        name: ". ".join(f"{figure or printed[row].where}: {printed[row].text}" for row, figure in of if row in printed)
-        for name, of in figures.items()
+        name: ". ".join(
+            f"{figure or printed[row].where}: {printed[row].text}" for row, figure in entries if row in printed
+        )
+        for name, entries in figures.items()
     }
 
 
@@ -77,12 +79,12 @@ def in_fine_units(run: Experiment, shown: Shown) -> tuple[Experiment, Shown]:
 def by_channel(measured: Mapping[str, float], channels: Sequence[str]) -> tuple[page.Table, ...]:
     """Return measured values as a table with one row per channel, nothing if any value has no channel."""
     measured = {name: value for name, value in measured.items() if not name.startswith(HEADROOM)}
-    of = {name: next((c for c in channels if c in name), "") for name in measured}
-    if not measured or not all(of.values()):
+    channel_of = {name: next((c for c in channels if c in name), "") for name in measured}
+    if not measured or not all(channel_of.values()):
         return ()
-    what = {name: readable(name.replace(f", {c}", "").replace(c, "it")) for name, c in of.items()}
-    columns, rows = tuple(dict.fromkeys(what.values())), dict.fromkeys(of.values())
-    values = {(of[name], what[name]): value for name, value in measured.items()}
+    quantity_of = {name: readable(name.replace(f", {c}", "").replace(c, "it")) for name, c in channel_of.items()}
+    columns, rows = tuple(dict.fromkeys(quantity_of.values())), dict.fromkeys(channel_of.values())
+    values = {(channel_of[name], quantity_of[name]): value for name, value in measured.items()}
     cells: list[tuple[page.Cell, ...]] = [(c, *(values.get((c, n), math.nan) for n in columns)) for c in rows]
     return (page.Table("Measured, by channel", ("channel", *columns), tuple(cells)),)
 

@@ -129,16 +129,22 @@ def experiments(runs: Sequence[Experiment], shown: Shown, blocks: Sequence[page.
 
     Raises SignalError when a unit is missing.
     """
-    near = _headroom(runs)
-    return Section(EXPERIMENTS, (*blocks, *near), tuple(_experiment(run, shown) for run in runs))
+    headroom = _headroom(runs)
+    return Section(EXPERIMENTS, (*blocks, *headroom), tuple(_experiment(run, shown) for run in runs))
 
 
 def _experiment(run: Experiment, shown: Shown) -> Section:
-    table, drawn, part = by_channel(run.figures, shown.channels), shown.drawn.get(run.name, ()), window(run, shown)
+    table, extra_blocks, time_window = (
+        by_channel(run.figures, shown.channels),
+        shown.drawn.get(run.name, ()),
+        window(run, shown),
+    )
     measured = {} if table else with_units(run.figures, shown.units)
-    fine, by = in_fine_units(replace(run, figures=measured), shown)
-    section = sections.experiment(fine, by.units, by.levels, part, shown.beside.get(run.name, ""))
-    return Section(section.title, (*section.blocks, *table, *drawn), section.sections)
+    fine, fine_shown = in_fine_units(replace(run, figures=measured), shown)
+    section = sections.experiment(
+        fine, fine_shown.units, fine_shown.levels, time_window, shown.beside.get(run.name, "")
+    )
+    return Section(section.title, (*section.blocks, *table, *extra_blocks), section.sections)
 
 
 def _headroom(runs: Sequence[Experiment]) -> tuple[page.Table, ...]:

@@ -63,7 +63,7 @@ def report(
     """
     extra = extra or Extra()
     replaced = {s.title: s for s in extra.sections}
-    made = [
+    computed = [
         *_computed_sections(stage, gains(stage.name, files), evidence, replaced, extra),
         standard.experiments(runs, extra.shown or default_style(stage)),
         *((standard.audit(rows),) if rows else ()),
@@ -72,7 +72,7 @@ def report(
         standard.files(files),
     ]
     known = {**values(stage, rows), **extra.values}
-    parts = [replaced.get(s.title, s) for s in made]
+    parts = [replaced.get(s.title, s) for s in computed]
     return assembled(stage.name, stage.about, (*facts(stage), *extra.facts), parts, known)
 
 
@@ -92,8 +92,8 @@ def assembled(
     """
     words = prose.parse("\n\n".join(design_prose(folder) for folder in (*shared, name)), values or {})
     summary = (Section("Summary", words.blocks),) if words.blocks else ()
-    placed = prose.merge(parts, words.parts)
-    return page.render(page.Report(name, about, (*summary, *placed), tuple(facts)))
+    merged = prose.merge(parts, words.parts)
+    return page.render(page.Report(name, about, (*summary, *merged), tuple(facts)))
 
 
 def _computed_sections(
@@ -101,13 +101,13 @@ def _computed_sections(
 ) -> list[Section]:
     """Return the sections that are computed for the report, except for those that the design replaces."""
     block = stage.controller.block.rounded(stage.scalar)
-    made = {
+    makers = {
         standard.MODEL: lambda: standard.model(stage.plant, extra.named),
         standard.LAW: lambda: standard.law(block),
         standard.GAINS: lambda: standard.gains(gains),
         standard.LOOPS: lambda: loops(stage, [c for c in evidence.checks if is_margin(c)]),
     }
-    return [replaced[title] if title in replaced else make() for title, make in made.items()]
+    return [replaced[title] if title in replaced else make() for title, make in makers.items()]
 
 
 def gains(name: str, files: Mapping[str, Emitted]) -> Mapping[str, Any]:

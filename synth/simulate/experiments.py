@@ -213,14 +213,14 @@ def run(rig: Rig, experiments: Sequence[Runnable], progress: Callable[[str], Non
 
     Raises SignalError for a name that is listed twice, or as `Rig.run`.
     """
-    listed = [experiment.name for experiment in experiments]
-    if twice := [name for k, name in enumerate(listed) if name in listed[:k]]:
+    names = [experiment.name for experiment in experiments]
+    if twice := [name for k, name in enumerate(names) if name in names[:k]]:
         raise SignalError(f"two experiments are called '{twice[0]}': give one of them a label")
-    done = []
+    results = []
     for experiment in experiments:
         progress(experiment.name)
-        done.append(experiment.run(rig))
-    return done
+        results.append(experiment.run(rig))
+    return results
 
 
 def _trajectory(rig: Rig, duration_s: float, courses: Mapping[str, Array], under: Conditions) -> Trajectory:
@@ -247,10 +247,10 @@ def _limited_to_range(value: float, point: Any) -> float:
 
 def _position(rig: Rig, set_point: str) -> tuple[str, str]:
     """Return the state or output of the plant that a set-point controls, and its unit."""
-    of = _set_point(rig, set_point).of
-    of = {s.name: s.of for s in rig.stage.interface.sensors}.get(of, of)
+    position = _set_point(rig, set_point).of
+    position = {s.name: s.of for s in rig.stage.interface.sensors}.get(position, position)
     known: dict[str, Signal] = {s.name: s for s in (*rig.plant.outputs, *rig.plant.states)}
-    return of, known[of].unit
+    return position, known[position].unit
 
 
 def _resolution(rig: Rig, position: str) -> float:

@@ -70,12 +70,12 @@ class Rig:
         """
         interface, start = self.stage.interface, {**self.stage.start, **(start or {})}
         n = len(sample_times(duration_s, self.period_s))
-        rest = {s.name: start.get(s.of, s.initial) for s in interface.set_points}
+        default_set_points = {s.name: start.get(s.of, s.initial) for s in interface.set_points}
         commands = self.controller.outputs.names or ()
         fields: dict[str, Any] = {
             "sensors": {s.name: s.of for s in interface.sensors},
             "actuators": self.actuators or self.stage.wires or {a.of: a.name for a in interface.actuators},
-            "references": rest | dict(references or {}),
+            "references": default_set_points | dict(references or {}),
             "encoders": self._encoders(),
             "noise": self._noise(n),
             "hold": {a.name: a.safe for a in interface.actuators if a.name in commands},
@@ -103,5 +103,5 @@ class Rig:
         sensors = self.stage.interface.sensors
         if not self.noise or not any(s.noise for s in sensors):
             return {}
-        drawn = np.random.default_rng(self.seed).standard_normal((n, len(sensors))).T
-        return {s.name: self.noise * s.noise * row for s, row in zip(sensors, drawn, strict=True) if s.noise}
+        noise = np.random.default_rng(self.seed).standard_normal((n, len(sensors))).T
+        return {s.name: self.noise * s.noise * row for s, row in zip(sensors, noise, strict=True) if s.noise}

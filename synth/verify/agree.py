@@ -104,10 +104,10 @@ def differences(
     return outputs, {n: _absolute_difference(first.states[n], second.states[n]) / width for n, width in widths.items()}
 
 
-def _scales(of: Stepped, floor: Floor, block: Block) -> dict[str, NDArray[np.float64]]:
+def _scales(results: Stepped, floor: Floor, block: Block) -> dict[str, NDArray[np.float64]]:
     """Return the scale (N,) of the relative difference of each output."""
     least = floors(floor, {s.name: (s.low, s.high) for s in block.outputs})
-    return {n: np.maximum(least[n], np.abs(np.asarray(of.outputs[n], dtype=np.float64))) for n in least}
+    return {n: np.maximum(least[n], np.abs(np.asarray(results.outputs[n], dtype=np.float64))) for n in least}
 
 
 def floors(floor: Floor, ranges: Mapping[str, tuple[float, float]]) -> dict[str, float]:
@@ -181,17 +181,17 @@ def reference(step: Callable[[Any, Any], tuple[Columns, Columns, Any]]) -> Witne
 def recorded(witness: Witness, states: Mapping[str, float], inputs: Columns) -> Stepped:
     """Run a witness from one state over N consecutive recorded inputs, (N,) or (N, copies), step by step."""
     n, *copies = shape = next(iter(inputs.values())).shape
-    now: Columns = {name: np.full(copies or 1, value) for name, value in states.items()}
+    current: Columns = {name: np.full(copies or 1, value) for name, value in states.items()}
     if isinstance(witness, CasadiWitness) and not copies:
-        return witness.run(now, inputs)
+        return witness.run(current, inputs)
     columns = {name: values.reshape(n, *(copies or [1])) for name, values in inputs.items()}
     rows: list[Stepped] = []
     for k in range(n):
-        stepped = witness(now, {name: values[k] for name, values in columns.items()})
-        now = stepped.states
+        stepped = witness(current, {name: values[k] for name, values in columns.items()})
+        current = stepped.states
         rows.append(Stepped(stepped.outputs, {}, stepped.faults))
     outputs = {name: np.reshape([row.outputs[name] for row in rows], shape) for name in rows[0].outputs}
-    return Stepped(outputs, now, np.reshape([row.faults for row in rows], shape))
+    return Stepped(outputs, current, np.reshape([row.faults for row in rows], shape))
 
 
 def run_each(witness: Witness, states: Mapping[str, float], runs: Sequence[Columns]) -> list[Stepped]:
@@ -200,26 +200,26 @@ def run_each(witness: Witness, states: Mapping[str, float], runs: Sequence[Colum
     A witness that takes single steps advances all unfinished runs side by side.
     """
     if isinstance(witness, CasadiWitness):
-        return [recorded(witness, states, run) for run in runs]
-    lengths = [len(next(iter(run.values()))) for run in runs]
+        return [recorded(witness, states, inputs) for inputs in runs]
+    lengths = [len(next(iter(inputs.values()))) for inputs in runs]
     order, ends = sorted(range(len(runs)), key=lambda j: -lengths[j]), sorted({0, *lengths})
     parts: list[list[Stepped]] = [[] for _ in runs]
-    now: Mapping[str, Any] = states
+    current: Mapping[str, Any] = states
     for first, last in pairwise(ends):
-        going = [j for j in order if lengths[j] >= last]
-        inputs = {name: np.stack([runs[j][name][first:last] for j in going], axis=1) for name in runs[0]}
-        start = {name: value if first == 0 else value[: len(going)] for name, value in now.items()}
-        both = recorded(witness, start, inputs)
-        now = both.states
-        for k, j in enumerate(going):
-            parts[j].append(_select_run(both, k))
+        active = [j for j in order if lengths[j] >= last]
+        inputs = {name: np.stack([runs[j][name][first:last] for j in active], axis=1) for name in runs[0]}
+        start = {name: value if first == 0 else value[: len(active)] for name, value in current.items()}
+        combined = recorded(witness, start, inputs)
+        current = combined.states
+        for k, j in enumerate(active):
+            parts[j].append(_select_run(combined, k))
     return [_concatenate(of_run) for of_run in parts]
 
 
-def _select_run(both: Stepped, k: int) -> Stepped:
+def _select_run(combined: Stepped, k: int) -> Stepped:
     """Return one of several runs side by side."""
-    outputs = {name: value[:, k] for name, value in both.outputs.items()}
-    return Stepped(outputs, {name: value[k : k + 1] for name, value in both.states.items()}, both.faults[:, k])
+    outputs = {name: value[:, k] for name, value in combined.outputs.items()}
+    return Stepped(outputs, {name: value[k : k + 1] for name, value in combined.states.items()}, combined.faults[:, k])
 
 
 def _concatenate(parts: Sequence[Stepped]) -> Stepped:

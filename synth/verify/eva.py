@@ -219,9 +219,9 @@ def _run_frama_c(files: Mapping[str, str], harness: str) -> tuple[list[dict[str,
         for name, text in {**files, HARNESS: harness}.items():
             (folder / name).write_text(text, encoding="utf-8")
         command = [frama_c, *_OPTIONS, *contract.units(files), HARNESS, "-then", f"-report-csv={_REPORT}"]
-        said = _run(command, folder)
+        log = _run(command, folder)
         with (folder / _REPORT).open(encoding="utf-8", newline="") as report:
-            return list(csv.DictReader(report, delimiter="\t", quoting=csv.QUOTE_NONE)), said
+            return list(csv.DictReader(report, delimiter="\t", quoting=csv.QUOTE_NONE)), log
 
 
 def _refuted_admissions(files: Mapping[str, str], harness: str) -> frozenset[str]:

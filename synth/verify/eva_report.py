@@ -21,7 +21,7 @@ class Analysis:
         return self.alarms | self.unproved
 
 
-def read(rows: Sequence[Mapping[str, str]], said: str) -> Analysis:
+def read(rows: Sequence[Mapping[str, str]], log: str) -> Analysis:
     """Sort the properties of Frama-C into proved claims, alarms and unproved claims."""
     admitted = [row for row in rows if row["property kind"] == "user hypothesis"]
     source_rows = [row for row in rows if not row["directory"].startswith("FRAMAC_SHARE") and row not in admitted]
@@ -38,14 +38,14 @@ def read(rows: Sequence[Mapping[str, str]], said: str) -> Analysis:
         proved=frozenset(property_text(row) for row in claims if row["status"] == "Valid"),
         alarms=frozenset(map(property_text, alarms)),
         unproved=frozenset(map(property_text, unproved)) | (frozenset() if reached else {"the end is never reached"}),
-        trusted=_trusted_functions(said),
+        trusted=_trusted_functions(log),
     )
 
 
-def _trusted_functions(said: str) -> frozenset[str]:
+def _trusted_functions(log: str) -> frozenset[str]:
     marker = "using specification for function "
-    named = [line.split(marker)[1].strip() for line in said.splitlines() if marker in line]
-    return frozenset(name for name in named if not name.startswith("Frama_C_"))
+    functions = [line.split(marker)[1].strip() for line in log.splitlines() if marker in line]
+    return frozenset(name for name in functions if not name.startswith("Frama_C_"))
 
 
 def property_text(row: Mapping[str, str]) -> str:

@@ -30,7 +30,7 @@ def verify(controller: host.Controller) -> tuple[Check, ...]:
     span = {n: fields[n]["high"] - fields[n]["low"] for n in safety["safe_output"]}
     slews = [ceil(span[n] / (rate * period)) for n, rate in safety["slew_per_s"].items()]
     after = safety["bad_samples"] + min(max(slews), LONGEST) + 2
-    fastest, left = dict.fromkeys(span, 0.0), dict.fromkeys(span, 0.0)
+    fastest, remaining = dict.fromkeys(span, 0.0), dict.fromkeys(span, 0.0)
     for _ in range(RUNS):
         replay = controller.replay(stimuli.loss_of_measurement(controller, BEFORE, after, rng))
         latched = int(np.argmax(replay.faults >> LATCH_BIT & 1))
@@ -38,11 +38,11 @@ def verify(controller: host.Controller) -> tuple[Check, ...]:
             y = np.asarray(replay.outputs[name], dtype=np.float64)
             moves = np.abs(np.diff(y[max(latched - 1, 0) :]))
             fastest[name] = max(fastest[name], float(moves.max()) / period)
-            left[name] = max(left[name], abs(float(y[-1]) - float(controller.scalar(target))))
+            remaining[name] = max(remaining[name], abs(float(y[-1]) - float(controller.scalar(target))))
     eps = float(np.finfo(controller.scalar).eps)
     checks = []
     for name, rate in safety["slew_per_s"].items():
         unit, rounding = fields[name]["unit"], ROUNDING * eps * span[name]
         checks.append(Check(f"latched: {name} slews at", fastest[name], rate + rounding / period, f"{unit}/s"))
-        checks.append(Check(f"latched: {name} ends from its safe value by", left[name], rounding, unit))
+        checks.append(Check(f"latched: {name} ends from its safe value by", remaining[name], rounding, unit))
     return tuple(checks)

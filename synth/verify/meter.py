@@ -81,7 +81,7 @@ def measure(
     shared = steps.thinned(steps.without_faults(controller, loops), common)
     emitted_c = rivals.emitted(emitted)
     candidates = (emitted_c, rivals.casadi(block, shimmed=False), rivals.casadi(block, shimmed=True))
-    compared, measured, coverage = [], [], []
+    compared, measured, coverages = [], [], []
     for build in builds():
         for candidate in candidates:
             progress(f"{candidate.name} by {build.name}: {len(shared)} steps")
@@ -89,14 +89,14 @@ def measure(
         progress(f"{emitted_c.name} by {build.name}: {sum(map(len, sequences))} steps")
         whole = run(emitted_c, steps.joined("all", sequences), build)
         measured += _by_sequence(whole.cost.instructions, sequences, build)
-        coverage.append(covered(emitted_c, whole, build))
+        coverages.append(covered(emitted_c, whole, build))
     return Cost(
         block.name,
         CORE,
         block.time.period_s,
         tuple(compared),
         tuple(measured),
-        tuple(coverage),
+        tuple(coverages),
         operations.of_program(emitted.program) if emitted.program else operations.of_block(block, np.float32),
         rivals.not_measured(),
     )
@@ -116,9 +116,9 @@ def run(candidate: Candidate, sequence: Steps, build: Build) -> Run:
     """Measure a candidate over a sequence of steps."""
     path = linked(candidate, build)
     machine = booted(candidate, build, path)
-    placed = candidate.placed(machine, sequence)
-    measured = machine.measure(candidate.entry, placed.arguments).cost
-    return Run(measured, placed.outputs(), machine.program.size(), path)
+    layout = candidate.placed(machine, sequence)
+    measured = machine.measure(candidate.entry, layout.arguments).cost
+    return Run(measured, layout.outputs(), machine.program.size(), path)
 
 
 def count_executed(candidate: Candidate, sequence: Steps, build: Build) -> NDArray[np.int64]:

@@ -63,9 +63,9 @@ class Equivalence:
     def checks(self) -> tuple[Check, ...]:
         """Return the comparison as a count that must be zero."""
         about = f"{self.compared} steps specialised for NaN or infinity at one of {len(self.inputs)} inputs"
-        named = "; ".join([about, *self.different[:3]])
+        summary = "; ".join([about, *self.different[:3]])
         name = "inputs not finite: steps unlike the one for a finite input out of range"
-        return (Check(name, len(self.different), 0, "steps", named),)
+        return (Check(name, len(self.different), 0, "steps", summary),)
 
 
 def compare(files: Mapping[str, str], manifest: Mapping[str, Any]) -> Equivalence:

@@ -154,6 +154,6 @@ def _count_differing(expected: NDArray[Any], actual: NDArray[Any]) -> int:
     return int(np.count_nonzero((a != b).any(axis=1)))
 
 
-def _summary(n: int, of: str, counts: Mapping[str, int]) -> str:
+def _summary(n: int, kind: str, counts: Mapping[str, int]) -> str:
     differing = [f"{name} {count} times" for name, count in counts.items() if count]
-    return "; ".join([f"{len(counts)} members of {n} {of}", *differing[:3]])
+    return "; ".join([f"{len(counts)} members of {n} {kind}", *differing[:3]])

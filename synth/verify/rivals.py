@@ -76,14 +76,14 @@ def emitted(code: Emitted) -> Candidate:
     output_struct = host.dtype("output", manifest)
     state_size, input_size, output_size = (manifest["structs"][role]["size"] for role in ("state", "input", "output"))
 
-    def placed(image: Image, steps: Steps) -> CallLayout:
+    def lay_out(image: Image, steps: Steps) -> CallLayout:
         n = len(steps)
         at = image.reserve(n * output_struct.itemsize)
         columns = (image.place(steps.states), state_size), (image.place(steps.inputs), input_size), (at, output_size)
         return CallLayout(_rows(n, *columns), lambda: host.columns(_read_array(image, at, n, output_struct)))
 
     return Candidate(
-        SYNTH, host.code(code.files), manifest["functions"]["step"], state_size, input_size + output_size, placed
+        SYNTH, host.code(code.files), manifest["functions"]["step"], state_size, input_size + output_size, lay_out
     )
 
 

@@ -97,5 +97,5 @@ def _perturbed(
 
 def inside(signal: Signal, values: NDArray[Any], margin: float = MARGIN) -> NDArray[np.float64]:
     """Return values limited to the range of a signal, reduced by `margin` times its width on both sides."""
-    off = margin * (signal.high - signal.low)
-    return np.clip(values, signal.low + off, signal.high - off)
+    margin_width = margin * (signal.high - signal.low)
+    return np.clip(values, signal.low + margin_width, signal.high - margin_width)

@@ -55,16 +55,16 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
     Raises DesignError for a stage without a reference.
     """
     progress("witnesses")
-    by = witnesses(stage)
-    rig = Rig(stage, stage.plant, by.c64)
+    witness_set = witnesses(stage)
+    rig = Rig(stage, stage.plant, witness_set.c64)
     runs = _runs(rig, WHOLE if whole else QUICK)
     progress("random and edge steps")
-    agreements, checks = compare_samples(by, runs)
+    agreements, checks = compare_samples(witness_set, runs)
     progress("replays of closed loops")
-    compared = suite.replay(by, {f"replay of {name}": inputs for name, inputs in runs.items()}, None)
+    compared = suite.replay(witness_set, {f"replay of {name}": inputs for name, inputs in runs.items()}, None)
     agreements, checks = [*agreements, *compared], [*checks, *suite.exact(compared, UNIT)]
     progress("single against double")
-    checks += compare_paths(stage, by)
+    checks += compare_paths(stage, witness_set)
     if stage.operating_points and stage.require:
         progress("loops over the operating points")
         checks += robustness.checks(robustness.opened(over_tolerances(stage)), stage.require)
@@ -95,20 +95,22 @@ def _runs(rig: Rig, n: int) -> dict[str, agree.Columns]:
     return shortened | {"faults": stimuli.closed_loop(rig, n).measured}
 
 
-def compare_samples(by: Witnesses, runs: Mapping[str, agree.Columns]) -> tuple[list[Agreement], list[Check]]:
+def compare_samples(witness_set: Witnesses, runs: Mapping[str, agree.Columns]) -> tuple[list[Agreement], list[Check]]:
     """Compare the witnesses over random and edge steps, and single with double over the random ones."""
-    pool = steps.joined("closed loops", [steps.recorded(by.c64, name, inputs) for name, inputs in runs.items()])
-    random = sampling.in_operation(by.block, np.random.default_rng(SEED), RANDOM_STEPS, pool)
-    edge = sampling.edge_steps(by.block, np.random.default_rng(SEED + 1), EDGE_STEPS)
+    pool = steps.joined(
+        "closed loops", [steps.recorded(witness_set.c64, name, inputs) for name, inputs in runs.items()]
+    )
+    random = sampling.in_operation(witness_set.block, np.random.default_rng(SEED), RANDOM_STEPS, pool)
+    edge = sampling.edge_steps(witness_set.block, np.random.default_rng(SEED + 1), EDGE_STEPS)
     agreements: list[Agreement] = []
-    for what, drawn in (("random steps", random), ("edge steps", edge)):
-        agreements += suite.compare(what, by, *drawn, None)
-    single, checks = in_single(by, *random)
+    for what, stimulus in (("random steps", random), ("edge steps", edge)):
+        agreements += suite.compare(what, witness_set, *stimulus, None)
+    single, checks = in_single(witness_set, *random)
     return [*agreements, single], [*suite.exact(agreements, UNIT), *checks]
 
 
 def in_single(
-    by: Witnesses,
+    witness_set: Witnesses,
     states: sampling.Columns,
     inputs: sampling.Columns,
     floor: agree.Floor = None,
@@ -118,12 +120,12 @@ def in_single(
 
     `counts` are real states that jump with a decision, each with its least jump; a smaller difference counts as equal.
     """
-    double, single = suite.in_single(by, states, inputs)
-    alike = suite.decide_alike(by.block, double, single)
+    double, single = suite.in_single(witness_set, states, inputs)
+    alike = suite.decide_alike(witness_set.block, double, single)
     for name, jump in (counts or {}).items():
         alike &= np.abs(double.states[name] - single.states[name].astype(np.float64)) < jump
     pair = ("c64", suite.part(double, alike)), ("c32", suite.part(single, alike))
-    a = agree.compare("random steps", *pair, floor, by.block, np.float32)
+    a = agree.compare("random steps", *pair, floor, witness_set.block, np.float32)
     share, unit = float(np.mean(~alike)), UNIT if floor is None else "of the output's floor or more"
     return a, [
         Check("random steps: single against double", a.worst, SINGLE, unit, a.signal),
@@ -131,9 +133,9 @@ def in_single(
     ]
 
 
-def compare_paths(stage: Stage, by: Witnesses) -> list[Check]:
+def compare_paths(stage: Stage, witness_set: Witnesses) -> list[Check]:
     """Compare the path of the plant under both scalar types in each experiment, with ideal sensors."""
-    rigs = [Rig(stage, stage.plant, c).ideal for c in (by.c64, by.c32)]
+    rigs = [Rig(stage, stage.plant, c).ideal for c in (witness_set.c64, witness_set.c32)]
     return [
         check
         for experiment in stage.experiments

@@ -138,8 +138,8 @@ def shaken(controller: host.Controller, steps: Steps, name: str, times: int, siz
     )
     for role, records in zip(("state", "input"), perturbed, strict=True):
         for f in (f for f in _fields(controller, role) if f["ctype"] not in _INTEGERS):
-            off = sizes * (f["high"] - f["low"]) * rng.uniform(-1, 1, len(repeated))
-            records[f["name"]] = np.clip(records[f["name"]] + off, f["low"], f["high"])
+            perturbation = sizes * (f["high"] - f["low"]) * rng.uniform(-1, 1, len(repeated))
+            records[f["name"]] = np.clip(records[f["name"]] + perturbation, f["low"], f["high"])
     return Steps(name, *perturbed)
 
 
@@ -164,8 +164,11 @@ def at_ends(controller: host.Controller, steps: Steps, each: int, within: float 
     after, chosen = taken(controller, steps), []
     for role, columns in (("output", after.outputs), ("state", host.columns(after.states))):
         for f in (f for f in _fields(controller, role) if f["ctype"] not in _INTEGERS):
-            values, near = columns[f["name"]], within * (f["high"] - f["low"])
-            ends = (values <= values.dtype.type(f["low"]) + near), (values >= values.dtype.type(f["high"]) - near)
+            values, tolerance = columns[f["name"]], within * (f["high"] - f["low"])
+            ends = (
+                (values <= values.dtype.type(f["low"]) + tolerance),
+                (values >= values.dtype.type(f["high"]) - tolerance),
+            )
             chosen += [np.flatnonzero(end)[:each] for end in ends]
     picked = steps.part(np.unique(np.concatenate(chosen)))
     return joined(f"{steps.name}, at ends", [picked] if len(picked) else [])
@@ -209,7 +212,7 @@ def _edge_values(controller: host.Controller, field: Mapping[str, Any]) -> tuple
     """Return the range ends of a field, the next numbers on both sides, both zeros, and the extreme numbers."""
     scalar, info = controller.scalar, np.finfo(controller.scalar)
     ends = [scalar(field[end]) for end in ("low", "high")]
-    beside = [float(np.nextafter(e, scalar(way))) for e in ends for way in (-np.inf, np.inf)]
+    beside = [float(np.nextafter(e, scalar(direction))) for e in ends for direction in (-np.inf, np.inf)]
     return (*map(float, ends), *beside, 0.0, -0.0, float(info.tiny), float(info.max), float(-info.max))
 
 

@@ -45,25 +45,29 @@ def closed_loop(rig: Rig, n: int, beyond: float = np.nan) -> Trajectory:
     fraction `beyond` of the range, or NaN.
     """
     interface = rig.stage.interface
-    k, lost = np.arange(n), n - n // 20
+    k, loss_start = np.arange(n), n - n // 20
     rest = rig.at_rest()
-    references = {s.name: _swinging_set_point(s, i, rest[s.name], k, lost) for i, s in enumerate(interface.set_points)}
-    return rig.run(n * rig.period_s, {}, references, overrides=_bad_samples(interface, k, lost, beyond))
+    references = {
+        s.name: _swinging_set_point(s, i, rest[s.name], k, loss_start) for i, s in enumerate(interface.set_points)
+    }
+    return rig.run(n * rig.period_s, {}, references, overrides=_bad_samples(interface, k, loss_start, beyond))
 
 
-def _swinging_set_point(point: SetPoint, i: int, rest: float, k: NDArray[np.int64], lost: int) -> NDArray[np.float64]:
+def _swinging_set_point(
+    point: SetPoint, i: int, rest: float, k: NDArray[np.int64], loss_start: int
+) -> NDArray[np.float64]:
     size = SWING * (min(point.high - rest, rest - point.low) or (point.high - point.low) / 2)
     values = rest + size * np.sin(2 * np.pi * (TURNS + 2 * i) * k / len(k))
-    jump = np.where(k >= lost - JUMP, size, 0.0)
+    jump = np.where(k >= loss_start - JUMP, size, 0.0)
     return np.clip(values + jump, point.low, point.high)
 
 
-def _bad_samples(interface: Interface, k: NDArray[np.int64], lost: int, beyond: float) -> dict[str, Override]:
+def _bad_samples(interface: Interface, k: NDArray[np.int64], loss_start: int, beyond: float) -> dict[str, Override]:
     n, names = len(k), [s.name for s in interface.sensors]
     start = (6 * n) // 10
     masks = {name: k % (n // 10) == (n // 20 + 7 * i) % (n // 10) for i, name in enumerate(names[1:])}
     masks[names[0]] = (k >= start) & (k < start + interface.bad_samples - 1)
-    masks[names[-1]] = masks[names[-1]] | (k >= lost)
+    masks[names[-1]] = masks[names[-1]] | (k >= loss_start)
     masks |= {s.name: (k >= (8 * n) // 10) & (k < (8 * n) // 10 + 10) for s in interface.set_points[:1]}
     ends = {name: interface.signals[name] for name in masks}
     values = {name: s.high + beyond * (s.high - s.low) for name, s in ends.items()}
@@ -95,7 +99,7 @@ def excursions(
     States of recorded `loops` and of `design_steps` are resampled.
     """
     pools = [*([steps.joined("", loops)] if loops else []), *design_steps]
-    drawn = steps.drawn(controller, DRAWN)
+    random_steps = steps.drawn(controller, DRAWN)
     resampled = [steps.anew(controller, steps.thinned(p, DRAWN), f"{p.name} states anew".lstrip()) for p in pools]
     return [
         *(steps.thinned(each, RANDOM) for each in design_steps),
@@ -103,10 +107,10 @@ def excursions(
         steps.faulty(controller, at_rest),
         steps.edges(controller, steps.thinned(pools[0], DRAWN)),
         steps.in_range(controller, RANDOM),
-        drawn,
+        random_steps,
         *resampled,
         *(steps.rare(controller, each, RARE) for each in (*design_steps, *resampled)),
-        steps.at_ends(controller, steps.joined("random", [drawn, *resampled, *design_steps]), EACH_END),
+        steps.at_ends(controller, steps.joined("random", [random_steps, *resampled, *design_steps]), EACH_END),
     ]
 
 

@@ -45,21 +45,23 @@ def witnesses(block: Block, reference: Reference, error: Mapping[type[np.floatin
     return Witnesses(block, others | {"casadi_c": agree.casadi_own_c(block), "c64": agree.emitted(c64)}, c64, c32)
 
 
-def compare(what: str, by: Witnesses, states: Columns, inputs: Columns, floor: agree.Floor) -> list[Agreement]:
+def compare(what: str, witness_set: Witnesses, states: Columns, inputs: Columns, floor: agree.Floor) -> list[Agreement]:
     """Compare each other witness with the C in double precision over N steps (x, u)."""
-    c64 = by.of["c64"](states, inputs)
+    c64 = witness_set.of["c64"](states, inputs)
     return [
-        agree.compare(what, (name, witness(states, inputs)), ("c64", c64), floor, by.block)
-        for name, witness in by.others.items()
+        agree.compare(what, (name, witness(states, inputs)), ("c64", c64), floor, witness_set.block)
+        for name, witness in witness_set.others.items()
     ]
 
 
-def replay(by: Witnesses, runs: Mapping[str, Columns], floor: agree.Floor) -> list[Agreement]:
+def replay(witness_set: Witnesses, runs: Mapping[str, Columns], floor: agree.Floor) -> list[Agreement]:
     """Compare each other witness with the C in double precision over the N recorded inputs of each run from `init`."""
-    start = {s.name: s.initial for s in by.block.states}
-    others = {name: agree.run_each(witness, start, list(runs.values())) for name, witness in by.others.items()}
+    start = {s.name: s.initial for s in witness_set.block.states}
+    others = {name: agree.run_each(witness, start, list(runs.values())) for name, witness in witness_set.others.items()}
     return [
-        agree.compare(what, (name, stepped[k]), ("c64", agree.replayed(by.c64, inputs)), floor, by.block)
+        agree.compare(
+            what, (name, stepped[k]), ("c64", agree.replayed(witness_set.c64, inputs)), floor, witness_set.block
+        )
         for k, (what, inputs) in enumerate(runs.items())
         for name, stepped in others.items()
     ]
@@ -78,10 +80,10 @@ def exact(agreements: Sequence[Agreement], unit: str) -> list[Check]:
     return checks
 
 
-def in_single(by: Witnesses, states: Columns, inputs: Columns) -> tuple[Stepped, Stepped]:
+def in_single(witness_set: Witnesses, states: Columns, inputs: Columns) -> tuple[Stepped, Stepped]:
     """Return the steps of the C in double and in single precision, from the same values rounded to single."""
     x, u = ({n: v.astype(np.float32) for n, v in columns.items()} for columns in (states, inputs))
-    return agree.emitted(by.c64)(x, u), agree.emitted(by.c32)(x, u)
+    return agree.emitted(witness_set.c64)(x, u), agree.emitted(witness_set.c32)(x, u)
 
 
 def decide_alike(block: Block, first: Stepped, second: Stepped) -> NDArray[np.bool_]:

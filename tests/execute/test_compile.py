@@ -1,4 +1,4 @@
-"""Compiled code must be the code that was given, and a refused source must say why."""
+"""Compiled code must correspond to its source, and a refused source must give the reason."""
 
 import ctypes
 import shlex
@@ -61,7 +61,7 @@ def test_products_are_rounded_before_they_are_added(compiler: host.Compiler) -> 
 
 
 @needs_fma
-def test_code_is_for_any_processor_of_the_kind_not_for_this_one(compiler: host.Compiler) -> None:
+def test_code_runs_on_every_processor_of_the_architecture(compiler: host.Compiler) -> None:
     e = 2.0**-30
     assert call(host.shared_library(RESIDUE, ("-ffp-contract=fast",), compiler), "residue", 1 + e, 1 - e) == 0.0
 

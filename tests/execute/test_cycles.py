@@ -78,7 +78,7 @@ ALL = {**CORE, **FPU, **PAIRS, **WAITS, **DIVISIONS, **PREDICATED}
 
 @pytest.fixture(scope="module")
 def planted() -> image.Image:
-    """Every body as a function of its own, in one image."""
+    """Return one image with each body as a separate function."""
     names = [f"f{k}" for k in range(len(ALL))]
     texts = [text for n, body in zip(names, ALL, strict=True) for text in assembly(n, f"{body}; bx lr").values()]
     return loaded({"all.c": "".join(texts)}, names)
@@ -121,7 +121,7 @@ def test_no_call_depends_on_the_one_before(body: str, low: int) -> None:
 
 
 @pytest.mark.parametrize("line", ["vrintz.f32 s0, s1", "vadd.f64 d0, d1, d2", "vcvt.f64.f32 d0, s1"])
-def test_what_a_cortex_m4_does_not_have_is_named(line: str) -> None:
+def test_instructions_without_a_row_are_named(line: str) -> None:
     machine = loaded(assembly("f", f".fpu fpv5-d16; {line}; bx lr"), ["f"], core="cortex-m7")
     with pytest.raises(SynthError, match=f"`{line}` at .* has no row"):
         cycles.estimate(cycles.timing(machine.code), path_of(machine))

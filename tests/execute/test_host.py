@@ -1,4 +1,4 @@
-"""The compiled step must see the very bits it is given, and a manifest that lies must be refused."""
+"""The compiled step receives inputs bit for bit, and a wrong manifest is refused."""
 
 from copy import deepcopy
 from typing import Any
@@ -162,7 +162,7 @@ def test_a_manifest_that_disagrees_with_the_struct_is_refused(document: dict[str
         ({**manifest("float32"), "structs": {}}, "struct 'input'"),
     ],
 )
-def test_a_manifest_that_is_not_whole_is_refused(document: dict[str, Any], says: str) -> None:
+def test_an_incomplete_manifest_is_refused(document: dict[str, Any], says: str) -> None:
     with pytest.raises(DesignError, match=says):
         host.load(files("float32"), document)
 

@@ -106,7 +106,7 @@ def test_subnormals_are_kept() -> None:
     assert machine.call("halve", 1) == 0
 
 
-def test_what_is_not_there_is_named() -> None:
+def test_missing_functions_are_named() -> None:
     machine = planted.loaded(assembly("f", "bx lr"), ["f"])
     for run in (lambda: machine.call("g"), lambda: machine.measure("g", np.array([[0]]))):
         with pytest.raises(CompileError, match="no function 'g'"):
@@ -118,7 +118,7 @@ def test_what_is_not_there_is_named() -> None:
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)
-def test_casadis_own_c_is_measured_alike(compiler: str) -> None:
+def test_c_of_casadi_can_be_measured(compiler: str) -> None:
     """`int f(const double **arg, double **res, long long *iw, double *w, int mem)` over N argument vectors."""
     x, y = ca.SX.sym("x", 3), ca.SX.sym("y")
     f = ca.Function("f", [x, y], [ca.dot(x, x) * y, ca.if_else(y > 0, x[0] - y, x[1] * y)])

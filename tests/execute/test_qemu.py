@@ -41,7 +41,7 @@ def test_a_contracted_product_is_seen() -> None:
 
 @installed
 def test_both_emulators_agree_on_a_design_with_its_libm() -> None:
-    """The same compiler's libm runs in both, so that even its last bits are the same."""
+    """Both emulators run the libm of the same compiler, so even the last bits are equal."""
     files = {path.name: path.read_text() for path in MAGLEV.glob("*.[ch]")}
     manifest = json.loads((MAGLEV / "manifest.json").read_text())
     inputs = json.loads((MAGLEV / "vectors.json").read_text())["inputs"]
@@ -91,7 +91,7 @@ def test_code_that_faults_is_refused(statement: str, says: str) -> None:
 
 
 @installed
-def test_a_run_without_end_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_that_does_not_terminate_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(qemu, "_TIMEOUT_S", 1.0)
     files, manifest = lag("float32")
     endless = files["lag.c"].replace("    const int good", "    for (;;) state->ticks = 0u;\n    const int good")
@@ -112,7 +112,7 @@ def test_inputs_and_manifests_that_do_not_fit_are_named() -> None:
         qemu.load(files, manifest, "cortex-m0")
 
 
-def test_what_is_not_installed_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_missing_emulator_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(CompileError, match=r"no qemu-system-arm on the PATH.*install"):
         qemu.load(*lag("float32"))

@@ -102,7 +102,7 @@ def test_an_emitted_block_in_double_on_the_cortex_m7(compiler: str) -> None:
 
 @pytest.mark.parametrize("compiler", COMPILERS)
 def test_the_recorded_steps_of_a_design(compiler: str) -> None:
-    """As long as the C calls libm, which is another on every machine, its last bits are too."""
+    """Libm differs between machines; as long as the C calls it, the last bits differ."""
     files = {path.name: path.read_text() for path in MAGLEV.glob("*.[ch]")}
     manifest = json.loads((MAGLEV / "manifest.json").read_text())
     inputs = json.loads((MAGLEV / "vectors.json").read_text())["inputs"]
@@ -135,7 +135,7 @@ def test_cost_of_a_step(compiler: str) -> None:
     assert len(lively.cost.sites) == len(cost.sites)
 
 
-def test_what_init_alone_reaches_is_no_part_of_the_step() -> None:
+def test_functions_reached_only_by_init_are_not_counted() -> None:
     files, manifest = lag("float32")
     pick = "unsigned pick(unsigned n);\nunsigned pick(unsigned n) { return n > 9u ? n * n : 7u; }\n"
     init = files["lag.c"].replace("state->ticks = 7u", "unsigned pick(unsigned n); state->ticks = pick(state->bad)")

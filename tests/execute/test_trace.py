@@ -21,15 +21,15 @@ def directions(cost: image.Cost) -> list[tuple[str, int, int]]:
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)
-def test_what_is_predicated_false_counts(compiler: str) -> None:
+def test_instructions_predicated_false_count(compiler: str) -> None:
     results, cost = loaded("clamp", CLAMP, compiler).measure("clamp", np.array([[5, 0], [2, 1], [2, 0]]))
     # cmp, ite, both moves, cbz and bx always; adds only where r1 is not 0.
     assert cost.instructions.tolist() == [6, 7, 6] and results.tolist() == [10, 21, 20]
     assert {name: n.tolist() for name, n in cost.by_function.items()} == {"clamp": [6, 7, 6]}
 
 
-def test_the_emulators_own_record_leaves_them_out() -> None:
-    """Why `follow` must put them back: were the hook ahead of the test, it would count 6 instructions here, not 5."""
+def test_the_record_of_the_emulator_omits_them() -> None:
+    """The emulator records 5 of these 6 instructions: its hook runs after the test of the condition."""
     machine = loaded("clamp", CLAMP)
     with recorder.attached(machine.engine) as record:
         machine.call("clamp", 5, 0)
@@ -58,7 +58,7 @@ def test_loops_and_calls_count_by_function() -> None:
     assert directions(cost) == [("bne", 3, 2)]
 
 
-def test_missing_directions_are_listed() -> None:
+def test_uncovered_outcomes_are_listed() -> None:
     machine = loaded("clamp", CLAMP)
     cost = machine.measure("clamp", np.array([[5, 0], [6, 0]])).cost
     assert directions(cost) == [("movgt", 2, 0), ("cbz", 2, 0)]
@@ -69,7 +69,7 @@ def test_missing_directions_are_listed() -> None:
     assert not both.missing and len(both.sites) == 2
 
 
-def test_what_is_never_reached_is_missing() -> None:
+def test_unreached_decisions_are_missing() -> None:
     body = "cmp r0, #0; beq 1f; cmp r1, #0; beq 1f; movs r0, #1; 1: bx lr"
     cost = loaded("both", body).measure("both", np.array([[0, 0]])).cost
     assert [site.missing for site in cost.sites] == ["not taken", "reached"]
@@ -104,8 +104,8 @@ def test_a_long_record_is_evaluated_in_parts(monkeypatch: pytest.MonkeyPatch) ->
         machine.measure("sum", np.array([[1, 100]]))
 
 
-def test_measuring_does_not_hang_on() -> None:
-    """Code that ran without a record is measured, and after the measurement it runs without one."""
+def test_measurement_ends_with_the_call() -> None:
+    """Code can be measured after it ran without a recorder, and runs without one after the measurement."""
     machine = loaded("sum", LOOP)
     assert machine.call("sum", 2, 3) == 6
     assert machine.measure("sum", np.array([[2, 3]])).cost.instructions.tolist() == [12]
@@ -123,7 +123,7 @@ def test_an_impossible_path_is_refused() -> None:
             trace.follow(code, wrong)
 
 
-def test_addresses_are_told_apart_by_function() -> None:
+def test_addresses_map_to_functions() -> None:
     program = loaded("sum", LOOP).program
     first = program.functions[[f.name for f in program.functions].index("sum")]
     inside = program.function_at(np.array([first.address, first.address + first.size - 2]))

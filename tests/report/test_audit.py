@@ -1,4 +1,4 @@
-"""The generic part of an audit: what counts as agreement, how a verdict follows, what the JSON holds."""
+"""Audit: criterion of agreement, verdicts, and the JSON document."""
 
 import json
 from math import inf, nan
@@ -31,7 +31,7 @@ def test_the_last_digit_is_that_of_the_print(text: str, digit: float) -> None:
     assert Printed(text, "1").last_digit == pytest.approx(digit, rel=1e-12)
 
 
-def test_nothing_agrees_that_is_no_number() -> None:
+def test_nan_never_agrees() -> None:
     assert not Printed("14.3", "%").agrees(nan)
     assert not Printed("14.3", "%").agrees(inf)
 
@@ -93,7 +93,7 @@ def test_a_published_row_that_lacks_something_is_refused(wrong: str, right: str)
         audit.parse_published(TEXT.replace(wrong, right))
 
 
-def test_digits_must_stand_in_quotes() -> None:
+def test_digits_must_be_quoted() -> None:
     with pytest.raises(DesignError, match="in quotes"):
         audit.parse_published(TEXT.replace('["7", "mm"]', '[7.50, "mm"]'))
 

@@ -1,4 +1,4 @@
-"""Drawings and rows take their captions from data; what is not described is refused."""
+"""Drawings and rows get their captions from data; a missing description is refused."""
 
 import pytest
 from matplotlib.figure import Figure

@@ -1,4 +1,4 @@
-"""The page shows what a step costs, says what the figures are, and says so when nothing was measured."""
+"""The page shows the cost of a step with its notes, or states that nothing was measured."""
 
 from dataclasses import replace
 
@@ -36,13 +36,13 @@ def shown(cost: Cost | None) -> str:
     return page.render(page.Report("stage", "about", (sections.cost(cost),)))
 
 
-def test_the_section_holds_figures_and_what_they_are() -> None:
+def test_the_section_shows_values_and_their_meaning() -> None:
     html = shown(COST)
     for said in ("not cycles", "780 .. 784 .. 790", "70.00", "1210 .. 1440", "__adddf3 11506", "0.5 % of the period"):
         assert said in html, said
     assert "symforce: not installed" in html and "if (a &lt; b)" in html
-    assert "instructions an operation, gcc, newlib" in html and ">4.00<" in html.replace(" ", "")
+    assert "instructions per operation, gcc, newlib" in html and ">4.00<" in html.replace(" ", "")
 
 
-def test_a_cost_that_was_not_measured_is_said() -> None:
+def test_a_missing_measurement_is_stated() -> None:
     assert "Not measured" in shown(None) and "instructions" not in shown(None).lower().split("not measured")[1]

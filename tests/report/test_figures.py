@@ -1,4 +1,4 @@
-"""Figures: what is drawn is the data, no spike is lost, and the same data give the same bytes."""
+"""Plots show the data, keep every spike, and give equal bytes for equal data."""
 
 import re
 from collections.abc import Callable

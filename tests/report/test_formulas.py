@@ -1,4 +1,4 @@
-"""Formulas of an audit: what they may name, what they follow from, and which of them are refused."""
+"""Formulas of an audit: permitted names, dependencies, and refused expressions."""
 
 import pickle
 

@@ -1,4 +1,4 @@
-"""Prose: Markdown with placeholders goes among the sections, and what it asks for wrongly is refused by name."""
+"""Report text: Markdown with placeholders is merged with the sections; unknown placeholders are refused by name."""
 
 import pytest
 
@@ -33,7 +33,7 @@ def sections() -> tuple[Section, ...]:
     return (Section("Model", (page.Text("standard"),)), Section("Verification"), Section("Files"))
 
 
-def test_prose_stands_in_front_of_the_section_of_its_title_and_makes_others() -> None:
+def test_text_precedes_the_section_of_its_title_or_makes_a_new_one() -> None:
     words = prose.parse(TEXT, VALUES)
     placed = prose.merge(sections(), words.parts)
     assert [s.title for s in placed] == ["Model", "Our own", "Verification", "Files"]

@@ -187,7 +187,7 @@ def test_actuators_may_mix_commands_and_forcing(mass: Plant, level: Level) -> No
     assert np.allclose(trajectory.applied["j"], [2.0, *(2.0 + 0.5 * trim + 0.25 * current)], rtol=1e-15)
 
 
-def test_an_infinite_command_reaches_only_the_input_that_listens(mass: Plant, level: Level) -> None:
+def test_an_infinite_command_reaches_only_connected_inputs(mass: Plant, level: Level) -> None:
     scenario = replace(BASE, actuators={"i": "current", "j": "overflow"}, hold={"current": 1.5})
     trajectory = closed_loop.simulate(mass, level("float64"), scenario)
     assert np.isinf(trajectory.applied["j"][1:]).all()
@@ -232,7 +232,7 @@ def test_forcing_is_added_to_what_is_commanded_in_each_substep(mass: Plant, leve
 
 
 @pytest.mark.parametrize("scalar", ["float32", "float64"])
-def test_sensors_are_wrong_as_they_say(magnet: Plant, level: Level, scalar: str) -> None:
+def test_sensor_errors_are_those_declared(magnet: Plant, level: Level, scalar: str) -> None:
     controller = level(scalar)
     analogue = Analogue(0.0, 0.04, bits=12, noise=2e-5, offset=1e-5, gain_error=1e-3, seed=5)
     for sensor in (Encoder(0.0, 1e-5, -1e-3), Encoder(1e-6, 2e-5, 1e-3), analogue, replace(analogue, low=0.0208)):
@@ -304,7 +304,7 @@ def test_a_trajectory_is_read_by_name_and_not_written(mass: Plant, level: Level)
         ({"duration_s": 0.0}, SignalError, "duration is 0.0 s"),
     ],
 )
-def test_what_does_not_fit_is_named(
+def test_invalid_arguments_are_named(
     mass: Plant, level: Level, changes: dict[str, Any], error: type[Exception], says: str
 ) -> None:
     with pytest.raises(error, match=says):

@@ -47,14 +47,14 @@ def test_mean_absolute_error_over_a_window() -> None:
     assert metrics.mean_absolute([0, 1, 2], [5, -1, 3], 1, 2) == 2.0
 
 
-def test_what_never_happens_takes_for_ever() -> None:
+def test_missing_events_take_infinite_time() -> None:
     assert metrics.settling_time(TIME, error(TIME) + 1, 0.1) == np.inf
     assert metrics.settling_time([0, 1, 2], [0.0, 0.0, 1.0], 0.1) == np.inf
     assert metrics.settling_time([3, 4, 5], [0.0, 0.0, 0.0], 0.1) == 0.0
     assert metrics.first_exit(TIME, error(TIME), -1, 1) == np.inf
 
 
-def test_a_sample_that_is_no_number_is_no_success() -> None:
+def test_nan_samples_are_outside_every_band() -> None:
     assert metrics.settling_time([0, 1, 2], [0.0, np.nan, 0.0], 0.1) == 2.0
     assert metrics.settling_time([0, 1, 2], [0.0, 0.0, np.nan], 0.1) == np.inf
     assert np.isnan(metrics.overshoot([0.0, np.nan], 0, 1))
@@ -82,7 +82,7 @@ def test_no_overshoot_is_zero() -> None:
         (lambda: metrics.mean_absolute([0, 1], [0, 1], 5, 6), "no sample in 5 .. 6 s"),
     ],
 )
-def test_what_cannot_be_judged_is_refused(call, says: str) -> None:
+def test_invalid_responses_are_refused(call, says: str) -> None:
     with pytest.raises(SignalError, match=says):
         call()
 

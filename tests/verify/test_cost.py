@@ -1,4 +1,4 @@
-"""The cost of a step: every generator over the same steps, counts known by hand, and defects that the figures show."""
+"""Cost of a step: all generators over the same steps, counts known by hand, and defects that the counts reveal."""
 
 import json
 from collections.abc import Sequence
@@ -32,7 +32,7 @@ CLAMP = "cmp r0, #3; ite gt; movgt r0, #10; movle r0, #20; cbz r1, 1f; adds r0, 
 
 
 def silent(_: str) -> None:
-    """Hear nothing."""
+    """Ignore progress messages."""
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +68,7 @@ def test_every_generator_computes_the_same_step(design_cost: Cost) -> None:
         assert f.difference <= (0 if f.generator == cost.SYNTH and "contracted" not in f.build else 1e-5)
 
 
-def test_double_arithmetic_is_seen_and_priced(design_cost: Cost) -> None:
+def test_double_arithmetic_is_detected_and_measured(design_cost: Cost) -> None:
     for ours, plain, shimmed in zip(*(of(design_cost, g) for g in ("synth", "casadi", "casadi, float")), strict=True):
         assert ours.doubles == shimmed.doubles == 0
         # This Block calls fmin and fmax alone, which clang narrows by itself.
@@ -99,17 +99,17 @@ def test_counts_are_consistent(design_cost: Cost, sequences: Sequence[Steps]) ->
 
 
 def test_common_steps_have_no_fault(design_cost: Cost) -> None:
-    """A latched step is cheap for the emitted C alone: it would flatter the ratio."""
+    """A latched step is cheap only for the emitted C and would distort the ratio."""
     latched = min(m.issued.least for m in design_cost.sequences if m.name == "faults")
     assert all(f.issued.least > latched + 20 for f in of(design_cost, "synth"))
 
 
-def test_all_decisions_are_seen(design_cost: Cost) -> None:
+def test_all_decisions_are_covered(design_cost: Cost) -> None:
     assert [c.build for c in design_cost.coverage] == [b.name for b in meter.builds()]
     assert all(c.decisions == c.both > 10 for c in design_cost.coverage), design_cost.coverage
 
 
-def test_the_document_is_strict_json_and_says_what_the_figures_are(design_cost: Cost) -> None:
+def test_the_document_is_strict_json_with_units_and_notes(design_cost: Cost) -> None:
     document = json.loads(json.dumps(design_cost.document(), allow_nan=False))
     assert "not cycles" in document["note"] and document["core"] == "cortex-m4f"
     assert len(document["ratios"]) == len(design_cost.compared) and set(document["shares"]) == set(document["most"])
@@ -120,8 +120,10 @@ def test_the_document_is_strict_json_and_says_what_the_figures_are(design_cost: 
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)
-def test_a_lost_branch_shows_with_its_line(compiler: str, controller: host.Controller, sequences: list[Steps]) -> None:
-    """No fault, no latch: the ways that only they take are missing, each with the line of C that it belongs to."""
+def test_an_uncovered_branch_is_reported_with_its_line(
+    compiler: str, controller: host.Controller, sequences: list[Steps]
+) -> None:
+    """Without faults the branches of fault handling and latch are uncovered, each reported with its line of C."""
     emitted, build = rivals.emitted(EMITTED), BUILDS[compiler]
     lost = meter.covered(emitted, meter.run(emitted, sequences[0], build), build)
     assert lost.both < lost.decisions and len(lost.missing) == lost.decisions - lost.both
@@ -129,7 +131,7 @@ def test_a_lost_branch_shows_with_its_line(compiler: str, controller: host.Contr
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)
-def test_a_branch_that_nothing_takes_shows(compiler: str, sequences: list[Steps]) -> None:
+def test_an_unreachable_branch_is_reported(compiler: str, sequences: list[Steps]) -> None:
     text = EMITTED.files["axes_2.c"].replace(
         "    return faults;", "    if (in->q1 == 0.0123456f) { state->guard_ready = 7u; }\n    return faults;"
     )
@@ -141,8 +143,10 @@ def test_a_branch_that_nothing_takes_shows(compiler: str, sequences: list[Steps]
     assert all("q1 == 0.0123456f" in line for line in lost.missing)
 
 
-def test_another_law_is_a_difference(controller: host.Controller, sequences: list[Steps]) -> None:
-    """The planted defect: a rival that computes something else is not taken for a cheaper one."""
+def test_a_different_control_law_is_reported_as_a_difference(
+    controller: host.Controller, sequences: list[Steps]
+) -> None:
+    """Planted defect: a baseline that computes something else must not count as cheaper."""
     text = rivals.casadi(MADE, shimmed=True).files["axes_2_casadi.c"]
     assert "1.0000000000000001e-01f" in text  # amperes per m/s^2
     wrong = text.replace("1.0000000000000001e-01f", "1.1e-01f")
@@ -151,7 +155,7 @@ def test_another_law_is_a_difference(controller: host.Controller, sequences: lis
     assert meter.step_cost(planted, steps.thinned(sequences[0], 20), build, controller).difference > 1e-4
 
 
-def test_executed_leaves_out_what_is_predicated_false() -> None:
+def test_instructions_predicated_false_are_not_counted_as_executed() -> None:
     """cmp, ite, one of two moves, cbz, bx; and adds where r1 is not 0."""
 
     def placed(machine: image.Image, sequence: Steps) -> CallLayout:
@@ -193,7 +197,7 @@ def functions_of_libm() -> Block:
 
 
 def test_the_shim_is_single_precision_everywhere() -> None:
-    """The planted defect is CasADi's own text: double calls are found in it, and promotions."""
+    """Planted defect: the unmodified C of CasADi contains double calls and promotions."""
     plain, shimmed = (rivals.casadi(functions_of_libm(), shimmed=s).files for s in (False, True))
     assert cross.double_symbols(shimmed) == () and len(cross.double_symbols(plain)) > 20
     strict = ("-std=c99", "-Wdouble-promotion", "-Wfloat-conversion", "-Werror")
@@ -259,7 +263,7 @@ def test_no_closed_loop_and_no_compiler_are_named(sequences: list[Steps], monkey
 
 
 def test_a_state_of_the_block_is_one_of_casadi() -> None:
-    """Counters and flags are floats to CasADi; each stands where the Block has it."""
+    """CasADi stores counters and flags as floats, in the order of the Block."""
 
     def law(u: dict[str, ca.SX], x: dict[str, ca.SX], k: dict[str, ca.SX]) -> Step:
         count = ca.fmin(x["count"] + 1, 9)

@@ -1,4 +1,4 @@
-"""cppcheck's misra addon is quiet on clean C, finds a planted violation, and is seen to have worked."""
+"""The MISRA addon of cppcheck reports nothing for clean C, finds planted violations, and is known to have run."""
 
 import shutil
 from collections.abc import Callable
@@ -49,7 +49,7 @@ def test_c_that_cannot_be_read_is_named(planted: Plant) -> None:
         misra.inspect(planted("if (latched) {", "if (latched) {{"))
 
 
-def test_an_addon_that_finds_nothing_is_not_believed(
+def test_an_addon_that_misses_the_known_violation_is_refused(
     files: dict[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     blind = tmp_path / "cppcheck"

@@ -1,4 +1,4 @@
-"""Machine code against this machine's, bit by bit: what is the same passes, and each planted defect fails its row."""
+"""Bit-exact comparison of target and host: equal code passes, and each planted defect fails its check."""
 
 import re
 import shutil
@@ -23,7 +23,7 @@ FADE = re.compile(r"(filter_2_fade = )([\d.]+)")
 
 
 def inputs(n: int = 400) -> dict[str, Any]:
-    """Both axes swing; then the guarded one reads nonsense for some samples, and in the end for good."""
+    """Both axes swing; the guarded one has bad samples for some time, and permanently at the end."""
     time = np.arange(n) * 1e-3
     q1 = 0.003 * np.sin(40 * time)
     q1[[40, 41, 90]], q1[n - 50 :] = np.nan, np.inf
@@ -31,7 +31,7 @@ def inputs(n: int = 400) -> dict[str, Any]:
 
 
 def silent(_: str) -> None:
-    """Hear nothing."""
+    """Ignore progress messages."""
 
 
 def failed(checks: tuple[Check, ...]) -> list[str]:
@@ -39,7 +39,7 @@ def failed(checks: tuple[Check, ...]) -> list[str]:
 
 
 @pytest.mark.parametrize("core", SCALARS)
-def test_the_machine_code_is_the_hosts_to_the_bit(core: str) -> None:
+def test_target_and_host_are_bit_identical(core: str) -> None:
     messages: list[str] = []
     checks = on_target.verify(EMITTED[core], inputs(), core, messages.append)
     assert not failed(checks), checks
@@ -55,7 +55,7 @@ def test_the_machine_code_is_the_hosts_to_the_bit(core: str) -> None:
 
 
 def planted(core: str, change: Callable[[str], str]) -> Callable[..., Any]:
-    """Return a `load` that builds changed C for the core, while the host keeps what was emitted."""
+    """Return a `load` that builds changed C for the core; the host keeps the emitted C."""
     load = target.load
 
     def loaded(files: Mapping[str, str], *arguments: Any) -> target.Target:
@@ -105,7 +105,7 @@ def test_contraction_breaks_the_identity(monkeypatch: pytest.MonkeyPatch) -> Non
 
 @pytest.mark.parametrize("core", SCALARS)
 def test_a_planted_double_is_a_failed_check(core: str) -> None:
-    """On the Cortex-M7, which has doubles in hardware, there is nothing to look for."""
+    """The Cortex-M7 has doubles in hardware and no such check."""
     made = EMITTED[core]
     text = made.files["axes_2.c"].replace("const float q2 = in->q2;", "const float q2 = (float)(in->q2 * 0.1 * 10.0);")
     checks = on_target.verify(Emitted(made.files | {"axes_2.c": text}, made.manifest), inputs(), core, silent)
@@ -118,15 +118,15 @@ def test_a_planted_double_is_a_failed_check(core: str) -> None:
 
 @with_gcc
 @pytest.mark.parametrize(("core", "bound"), [("cortex-m4f", 1e-4), ("cortex-m7", 1e-12)])
-def test_drift_is_a_figure(core: str, bound: float) -> None:
-    """Fused products move last bits: a few hundred of them after 400 steps, and no fault word."""
+def test_drift_is_bounded(core: str, bound: float) -> None:
+    """Fused products change the last bits, a few hundred units after 400 steps, but no fault word."""
     drift = on_target.drift(EMITTED[core], inputs(), core, 1.0)
     assert (drift.core, drift.compiler, drift.steps, drift.faults) == (core, "gcc", 400, 0)
     assert 0 < drift.worst < bound and drift.output in ("i1", "i2") and 0 <= drift.step < 400
 
 
 @with_gcc
-def test_drift_shows_another_law(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_drift_detects_a_different_law(monkeypatch: pytest.MonkeyPatch) -> None:
     made = EMITTED["cortex-m4f"]
     before = on_target.drift(made, inputs(), "cortex-m4f", 1.0)
     slower = planted("cortex-m4f", lambda c: FADE.sub(r"\g<1>0.3", c))
@@ -135,7 +135,7 @@ def test_drift_shows_another_law(monkeypatch: pytest.MonkeyPatch) -> None:
     assert drift.output == "i2" and drift.worst > 1e-3 > before.worst
 
 
-def test_what_does_not_fit_is_named() -> None:
+def test_invalid_arguments_are_named() -> None:
     with pytest.raises(DesignError, match="cortex-m7: found C in float32, need float64"):
         on_target.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m7", silent)
     with pytest.raises(CompileError, match="core: found 'cortex-m0'"):

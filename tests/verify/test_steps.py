@@ -1,4 +1,4 @@
-"""Steps must be what they say: a recording is the replay, draws keep their bounds, fault runs reach the latch."""
+"""Stimuli: a recording equals the replay, random steps keep their bounds, fault runs reach the latch."""
 
 import numpy as np
 import pytest
@@ -41,7 +41,7 @@ def test_parts_joins_and_thinning_keep_the_steps(controller: host.Controller) ->
         steps.joined("none", [])
 
 
-def test_draws_keep_the_bounds_of_states_and_leave_those_of_inputs(controller: host.Controller) -> None:
+def test_random_states_are_within_bounds_and_inputs_also_outside(controller: host.Controller) -> None:
     selected = steps.drawn(controller, 4000)
     for field in controller.manifest["structs"]["state"]["fields"]:
         values = selected.states[field["name"]]
@@ -59,7 +59,7 @@ def test_fault_runs_reach_the_latch_and_stay(controller: host.Controller) -> Non
     assert not steps.taken(controller, steps.without_faults(controller, selected)).faults.any()
 
 
-def test_some_states_are_drawn_anew_and_others_kept(controller: host.Controller) -> None:
+def test_some_states_are_resampled_and_others_kept(controller: host.Controller) -> None:
     original = steps.in_range(controller, 3000)
     selected = steps.anew(controller, original, "anew")
     assert selected.inputs.tobytes() == original.inputs.tobytes() and selected.name == "anew"
@@ -71,7 +71,7 @@ def test_some_states_are_drawn_anew_and_others_kept(controller: host.Controller)
         assert values.min() == field["low"] and values.max() == field["high"]
 
 
-def test_edges_lie_on_both_sides_of_what_is_accepted(controller: host.Controller) -> None:
+def test_edges_are_on_both_sides_of_the_accepted_range(controller: host.Controller) -> None:
     good = steps.recorded(controller, "good", dict.fromkeys(("q1", "q2", "r1", "r2"), np.full(5, 0.01)))
     selected = steps.edges(controller, good)
     words, q = steps.taken(controller, selected).faults, selected.inputs["q1"]
@@ -81,7 +81,7 @@ def test_edges_lie_on_both_sides_of_what_is_accepted(controller: host.Controller
     assert np.all(sum(selected.inputs[n] != np.float32(0.01) for n in ("q1", "q2", "r1", "r2")) == 1)
 
 
-def test_shaken_steps_stay_near_and_within_bounds(controller: host.Controller) -> None:
+def test_perturbed_steps_stay_close_and_within_bounds(controller: host.Controller) -> None:
     original = steps.drawn(controller, 500)
     selected = steps.shaken(controller, original, "shaken", 3, 1e-4)
     assert len(selected) == 1500
@@ -92,7 +92,7 @@ def test_shaken_steps_stay_near_and_within_bounds(controller: host.Controller) -
         assert selected.states[field["name"]].max() <= field["high"]
 
 
-def test_rare_steps_are_those_with_rare_words(controller: host.Controller) -> None:
+def test_rare_steps_have_rare_fault_words(controller: host.Controller) -> None:
     bad = steps.faulty(controller, dict.fromkeys(("q1", "q2", "r1", "r2"), 0.01))
     usual = steps.recorded(controller, "usual", dict.fromkeys(("q1", "q2", "r1", "r2"), np.full(3000, 0.01)))
     selected = steps.rare(controller, steps.joined("mixed", [usual, bad]), len(bad) // 2)

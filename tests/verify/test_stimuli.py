@@ -1,4 +1,4 @@
-"""Stimuli reach what they are there for: a latch far from the safe outputs, which a wrong slew changes."""
+"""Stimuli are effective: the latch is reached far from the safe outputs, and a wrong slew rate is detected."""
 
 from dataclasses import replace
 
@@ -21,7 +21,7 @@ def controller() -> host.Controller:
 
 @pytest.fixture(scope="module")
 def doubled() -> host.Controller:
-    """The planted defect: the outputs go to their safe values twice as fast as declared."""
+    """Planted defect: the outputs slew to their safe values twice as fast as declared."""
     faster = tuple(replace(a, slew_per_s=2 * a.slew_per_s) for a in PID.INTERFACE.actuators)
     laws = [law for made in STAGE.controller.laws for law in made.blocks]
     made = PID.stage.controller("levitator_pid", PID.TIME, replace(PID.INTERFACE, actuators=faster), laws)

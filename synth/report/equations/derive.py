@@ -151,7 +151,7 @@ def block(block: Block) -> tuple[Group, ...]:
     inside = _definitions(nodes, names, at, ends, {name: named.signal for name, named in marked.items()})
     inside = [replace(e, owner=marked[e.name].block) if e.name in marked else e for e in inside]
     signals, cut = {s.name: s.signal for s in block.states}, _name_nodes(nodes, names, at, ends)
-    following = [
+    next_states = [
         Equation(
             n,
             symbolic.symbol(cut[k]) if k in cut else symbolic.expression(nodes, cut, k),
@@ -164,7 +164,7 @@ def block(block: Block) -> tuple[Group, ...]:
         for n, k in program.next.items()
     ]
     tags = {named.block: named.tag for named, _ in block.inside}
-    equations = [*_assign_owners(inside, following), *following]
+    equations = [*_assign_owners(inside, next_states), *next_states]
     owners = dict.fromkeys([*program.titles, *(e.owner for e in equations)])
     private = [s.name for s in block.states] + [c.name for c in block.constants]
     groups = []
@@ -208,15 +208,15 @@ def _definitions(
     return equations
 
 
-def _assign_owners(inside: Sequence[Equation], following: Sequence[Equation]) -> list[Equation]:
+def _assign_owners(inside: Sequence[Equation], next_states: Sequence[Equation]) -> list[Equation]:
     """Return definitions in which each part without an owner belongs to the last Block that reads it."""
     owner = {e.name: e.owner for e in inside if e.owner}
     signals = set(owner)
-    for e in sorted([*inside, *following], key=lambda e: -e.order):
-        mine = e.owner or owner.get(e.name, "")
+    for e in sorted([*inside, *next_states], key=lambda e: -e.order):
+        equation_owner = e.owner or owner.get(e.name, "")
         for s in e.expression.free_symbols:
-            if s.name not in signals and mine:
-                owner[s.name] = mine
+            if s.name not in signals and equation_owner:
+                owner[s.name] = equation_owner
     return [replace(e, owner=owner.get(e.name, "")) for e in inside]
 
 
@@ -224,11 +224,11 @@ def _with_distinct_names(group: Group) -> Group:
     """Return a group whose displayed names all differ: of two equal ones the second is written literally."""
     names = {e.name for e in group.equations} | {s.name for e in group.equations for s in e.expression.free_symbols}
     local: dict[str, str] = {}
-    taken: set[str] = set()
+    used: set[str] = set()
     for name in sorted(names, key=lambda n: (n in group.local, n)):
-        choices = (text for text in (group.name(name), name, f"={name}") if _appearance(text) not in taken)
+        choices = (text for text in (group.name(name), name, f"={name}") if _appearance(text) not in used)
         local[name] = next(choices)
-        taken.add(_appearance(local[name]))
+        used.add(_appearance(local[name]))
     return replace(group, local={name: text for name, text in local.items() if text != name})
 
 

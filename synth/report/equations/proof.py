@@ -87,12 +87,13 @@ def _evaluate(
 
 def _require_equal(what: str, equation: Equation, shown: Array, computed: Array) -> None:
     finite = np.isfinite(computed)
-    size, apart = np.abs(computed[finite]).max(initial=0.0), np.abs(shown[finite] - computed[finite]).max(initial=0.0)
-    if not finite.any() or not np.array_equal(finite, np.isfinite(shown)) or apart > TOLERANCE * size:
+    size = np.abs(computed[finite]).max(initial=0.0)
+    difference = np.abs(shown[finite] - computed[finite]).max(initial=0.0)
+    if not finite.any() or not np.array_equal(finite, np.isfinite(shown)) or difference > TOLERANCE * size:
         raise ModelError(
-            f"{what}: the equation of '{equation.name}' as shown is off by {apart:.3g} where the greatest value is "
-            f"{size:.3g}, of {len(computed)} points {finite.sum()} are finite, and {np.isfinite(shown).sum()} as "
-            "shown: write the expression with other functions, or show a page of your own"
+            f"{what}: the equation of '{equation.name}' as shown is off by {difference:.3g}, the largest value is "
+            f"{size:.3g}; of {len(computed)} points {finite.sum()} are finite in CasADi and {np.isfinite(shown).sum()} "
+            "as shown: write the expression with other functions, or replace this section in the report"
         )
 
 

@@ -150,9 +150,9 @@ def live(nodes: Sequence[Node], ends: Sequence[int]) -> tuple[list[int], list[in
     return sorted(needed), users
 
 
-def _free_letter(taken: Collection[str]) -> str:
+def _free_letter(used: Collection[str]) -> str:
     for letter in LETTERS:
-        if not any(re.fullmatch(rf"{letter}_?\d*", name) for name in taken):
+        if not any(re.fullmatch(rf"{letter}_?\d*", name) for name in used):
             return letter
     raise DesignError(f"the letters {', '.join(LETTERS)} are taken by signals: rename one of them")
 
