@@ -73,9 +73,8 @@ def zig_compiler() -> Compiler | None:
         return None
     command = (sys.executable, "-m", "ziglang", "cc")
     # By default zig builds for the processor it runs on; code in a shared cache would then trap on other processors.
-    return identify_compiler(
-        command, "reinstall the wheel: `pip install --force-reinstall ziglang`", ("-mcpu=baseline",)
-    )
+    mend = "reinstall the wheel: `pip install --force-reinstall ziglang`"
+    return identify_compiler(command, mend, ("-mcpu=baseline",))
 
 
 def shared_library(sources: Mapping[str, str], flags: Sequence[str] = (), compiler: Compiler | None = None) -> Path:

@@ -82,11 +82,8 @@ TABLE = (
 _ROWS = {name: row for row in TABLE for name in row.names.split()}
 _UNKNOWN = "unknown"
 _NO_ROW = Row("", 0, 0, "", kind=_UNKNOWN)
-_LATE_RESULT = (
-    "arithmetic",
-    "accumulate",
-    "divide",
-)  # the result is available one cycle late: section 7.2.3, second note
+# Their result is available one cycle late: section 7.2.3, second note.
+_LATE_RESULT = ("arithmetic", "accumulate", "divide")
 _FPU_KINDS = (*_LATE_RESULT, "float", "float load", "float store")
 _CORE_BITS = {ARM_REG_R0 + n: 1 << n for n in range(13)} | {ARM_REG_SP: 1 << 13, ARM_REG_LR: 1 << 14}
 _FLOAT_BITS = {ARM_REG_S0 + n: 1 << n for n in range(32)} | {ARM_REG_D0 + n: 3 << 2 * n for n in range(16)}

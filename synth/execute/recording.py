@@ -20,12 +20,8 @@ def states(controller: host.Controller, inputs: Mapping[str, ArrayLike]) -> Reco
     states, outputs = np.zeros(n + 1, controller.state), np.zeros((), controller.outputs)
     states[0] = controller.init()
     step = ctypes.CFUNCTYPE(ctypes.c_uint32, *[ctypes.c_void_p] * 3)(controller.step_address)
-    state_address, input_address, size, width = (
-        states.ctypes.data,
-        input_records.ctypes.data,
-        states.itemsize,
-        input_records.itemsize,
-    )
+    state_address, size = states.ctypes.data, states.itemsize
+    input_address, width = input_records.ctypes.data, input_records.itemsize
     for k in range(n):
         states[k + 1] = states[k]
         step(state_address + (k + 1) * size, input_address + k * width, outputs.ctypes.data)

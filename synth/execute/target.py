@@ -114,10 +114,8 @@ def load(
     )
     for entry in entries:
         program.address(entry)
-    step_functions = cross.functions(code, core, compiler, flags) & {
-        function.name for function in step_program.functions
-    }
-    return Target(manifest, dtypes["input"], dtypes["output"], dtypes["state"], core, program, step_functions)
+    covered = cross.functions(code, core, compiler, flags) & {f.name for f in step_program.functions}
+    return Target(manifest, dtypes["input"], dtypes["output"], dtypes["state"], core, program, covered)
 
 
 def _records(image: Image, address: int, like: host.Records) -> host.Records:

@@ -23,11 +23,8 @@ from synth.report.page import Section
 
 Value = str | float | page.Block
 _PLACEHOLDER = re.compile(r"\{\{\s*([A-Za-z]\w*(?:[.-]\w+)*)\s*(?::([^{}]*?))?\s*\}\}")
-_NAME, _OPEN, _CLOSE = (
-    re.compile(r"\$([A-Za-z]\w*)\$"),
-    "\ue000",
-    "\ue001",
-)  # private-use characters, without meaning in Markdown
+_NAME = re.compile(r"\$([A-Za-z]\w*)\$")
+_OPEN, _CLOSE = "\ue000", "\ue001"  # private-use characters, without meaning in Markdown
 _TITLE = re.compile(r"^(#{1,2}) +(.+?)\s*#*$")
 
 

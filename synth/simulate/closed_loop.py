@@ -210,9 +210,7 @@ def _forcing(inputs: Mapping[str, Signal], scenario: Scenario, time: Array) -> A
     for j, (name, signal) in enumerate(inputs.items()):
         course = scenario.forcing.get(name, 0.0)
         try:
-            values = (
-                np.vectorize(course, otypes=[np.float64])(middles) if callable(course) else np.asarray(course, float)
-            )
+            values = np.vectorize(course, otypes=[float])(middles) if callable(course) else np.asarray(course, float)
         except (TypeError, ValueError) as error:
             raise SignalError(
                 f"forcing of '{name}' is not a number at some time ({error}): {_forcing_needed(n, signal)}"

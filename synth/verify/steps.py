@@ -132,10 +132,8 @@ def shaken(controller: host.Controller, steps: Steps, name: str, times: int, siz
     """
     rng = np.random.default_rng(SEED + 3)
     repeated = joined(name, [steps] * times)
-    perturbed, sizes = (
-        (repeated.states.copy(), repeated.inputs.copy()),
-        size * 10.0 ** rng.uniform(-3, 0, len(repeated)),
-    )
+    perturbed = repeated.states.copy(), repeated.inputs.copy()
+    sizes = size * 10.0 ** rng.uniform(-3, 0, len(repeated))
     for role, records in zip(("state", "input"), perturbed, strict=True):
         for f in (f for f in _fields(controller, role) if f["ctype"] not in _INTEGERS):
             perturbation = sizes * (f["high"] - f["low"]) * rng.uniform(-1, 1, len(repeated))
