@@ -99,7 +99,7 @@ def require_plain_floats(where: str, fpscr: int) -> None:
 def link(
     sources: Mapping[str, str], entries: Sequence[str], core: str, compiler: str = "zig", flags: Sequence[str] = ()
 ) -> Path:
-    """Link all `.c` of `{filename: text}` with libm into an image that holds what the functions `entries` reach.
+    """Link all `.c` of `{filename: text}` with libm into an image with all functions that `entries` reach.
 
     `flags` come after FLAGS and override them.
 

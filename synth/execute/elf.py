@@ -128,9 +128,7 @@ def defined_functions(path: Path) -> frozenset[str]:
 def _symbols(elf: Any) -> list[Any]:
     table = elf.get_section_by_name(".symtab")
     if table is None:
-        raise CompileError(
-            "machine code: found no symbol table, need one to tell functions apart: leave out the flag -s"
-        )
+        raise CompileError("machine code: found no symbol table, need one to identify functions: leave out the flag -s")
     return list(table.iter_symbols())
 
 

@@ -181,7 +181,7 @@ def dtype(role: str, manifest: Mapping[str, Any]) -> np.dtype[np.void]:
     except (KeyError, ValueError, TypeError) as error:
         raise DesignError(
             f"manifest, struct '{role}': {type(error).__name__} {error}; needed are type, size and, for each field, "
-            f"name, offset, count and one ctype of {', '.join(SCALARS)}: emit the C anew"
+            f"name, offset, count and one ctype of {', '.join(SCALARS)}: emit the C again"
         ) from error
 
 

@@ -64,7 +64,7 @@ def members(manifest: Mapping[str, Any], role: str) -> tuple[Member, ...]:
     except (KeyError, TypeError) as error:
         raise DesignError(
             f"manifest, struct '{role}': {type(error).__name__} {error}; each field needs name, count, ctype, low and "
-            "high: emit the C anew"
+            "high: emit the C again"
         ) from error
 
 

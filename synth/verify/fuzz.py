@@ -186,6 +186,6 @@ def _faults(manifest: Mapping[str, Any], inputs: tuple[Member, ...]) -> list[str
         if (name := fault.get("input")) is not None:
             places = [k for k, m in enumerate(inputs) if m.path.split("[")[0] == name]
             if not places:
-                raise DesignError(f"manifest, fault bit {fault['bit']}: there is no input '{name}': emit the C anew")
+                raise DesignError(f"manifest, fault bit {fault['bit']}: there is no input '{name}': emit the C again")
             rows.append(f"{{{1 << fault['bit']:#x}u, {places[0]}u, {len(places)}u}}")
     return rows or ["{0u, 0u, 0u}"]

@@ -116,7 +116,7 @@ def in_single_precision(text: str) -> str:
     """
     if "#include <math.h>\n" not in text:
         raise EmitError(
-            "CasADi's C: found no `#include <math.h>`, need it to put the float shim behind: adapt the shim"
+            "CasADi's C: found no `#include <math.h>`, need it to insert the float shim after it: adapt the shim"
         )
     return _LITERAL.sub(r"\1f", text).replace("#include <math.h>\n", _SHIM, 1)
 

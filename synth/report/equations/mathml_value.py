@@ -61,7 +61,7 @@ def value(
     reader = _Reader(tokens, names, limits, {**FUNCTIONS, **(tables or {})})
     amount = reader.condition()
     if reader.next is not None:
-        raise DesignError(f"the formula goes on behind its end with '{_key(reader.next)}': show it as one expression")
+        raise DesignError(f"the formula continues after its end with '{_key(reader.next)}': show it as one expression")
     return amount
 
 
@@ -112,7 +112,7 @@ class _Reader:
         reader = _Reader(tokens, self.names, self.limits, self.functions)
         amount = reader.condition()
         if reader.next is not None:
-            raise DesignError(f"a part of the formula goes on with '{_key(reader.next)}': show it as one expression")
+            raise DesignError(f"a part of the formula continues with '{_key(reader.next)}': show it as one expression")
         return amount
 
     def chain(self, left: Array, operand: Callable[[], Array], operators: Mapping[str, Callable[..., Any]]) -> Array:
@@ -189,7 +189,7 @@ class _Reader:
             return np.fmax(np.fmin(args[0], self.limits[1]), self.limits[0])
         name = head[0] if head.tag == "msup" else head
         if name.text not in self.functions:
-            raise DesignError(f"a formula applies '{name.text}', which no reader knows as a function: write it out")
+            raise DesignError(f"a formula applies '{name.text}', which is not a known function: write it out")
         function_value = self.functions[str(name.text)](*args)
         return np.asarray(function_value ** self.evaluate_element(head[1]) if head.tag == "msup" else function_value)
 
@@ -228,7 +228,7 @@ def _number(piece: Element) -> float:
     if whole is None:
         return float(shown)
     if not shown.endswith("…") or not whole.startswith(shown[:-1]):
-        raise DesignError(f"a formula shows {shown} for {whole}: cut the number off, with an ellipsis")
+        raise DesignError(f"a formula shows {shown} for {whole}: truncate the number, with an ellipsis")
     return float(whole)
 
 

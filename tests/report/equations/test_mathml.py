@@ -104,12 +104,12 @@ def test_missing_parentheses_change_the_value() -> None:
     ("markup", "message"),
     [
         ("<mi>q</mi>", "which has no value"),
-        ("<mi>x</mi><mi>x</mi>", "goes on behind its end"),
+        ("<mi>x</mi><mi>x</mi>", "continues after its end"),
         ("<mi>x</mi><mo>+</mo>", "ends where a value is needed"),
         ("<mo>(</mo><mi>x</mi>", "does not close it"),
         ("<msup><mrow><mi>x</mi><mo>+</mo><mn>1</mn></mrow><mn>2</mn></msup>", "raises several pieces"),
-        ('<mn data-value="1.2346">1.2345…</mn>', "cut the number off"),
-        ("<mi>sine</mi><mo>\u2061</mo><mo>(</mo><mi>x</mi><mo>)</mo>", "no reader knows"),
+        ('<mn data-value="1.2346">1.2345…</mn>', "truncate the number"),
+        ("<mi>sine</mi><mo>\u2061</mo><mo>(</mo><mi>x</mi><mo>)</mo>", "is not a known function"),
     ],
 )
 def test_invalid_markup_is_refused(markup: str, message: str) -> None:
