@@ -82,7 +82,7 @@ def design(
     _check_frequencies(integral_corner, crossover, np.pi / Discrete(period_s).period_s)
     sampled = loop.sampled(model, period_s, delay_s)
 
-    def shaped(lead: float, gain: float = 1.0) -> LeadLag:
+    def sampled_compensator(lead: float, gain: float = 1.0) -> LeadLag:
         compensator = method(_compensator(model, crossover, integral_corner, sections, lead, gain), period_s, crossover)
         if not isinstance(compensator, LeadLag):
             raise SignalError(
@@ -90,7 +90,7 @@ def design(
             )
         return compensator
 
-    flat, z = shaped(0.0).discrete, np.exp(1j * crossover * period_s)
+    flat, z = sampled_compensator(0.0).discrete, np.exp(1j * crossover * period_s)
     plant_response = complex(transfer.response(sampled)(crossover)[0])
     if abs(plant_response) == 0:
         raise ModelError(f"the sampled plant has a zero at {crossover:g} rad/s: ask for another crossover")
@@ -99,13 +99,13 @@ def design(
     needed = float(np.degrees(np.angle(required / flat_response)))
 
     def lead_of(lead: float) -> float:
-        return float(np.degrees(np.angle(shaped(lead).discrete.response(z)[0, 0, 0] / flat_response)))
+        return float(np.degrees(np.angle(sampled_compensator(lead).discrete.response(z)[0, 0, 0] / flat_response)))
 
     lead = _solve_lead(
-        lead_of, needed, most_lead, crossover, sections, _phase_lost(model, plant_response, crossover), phase_margin
+        lead_of, needed, most_lead, crossover, sections, _phase_lag(model, plant_response, crossover), phase_margin
     )
-    gain = abs(required) / abs(shaped(lead).discrete.response(z)[0, 0, 0])
-    return _check_design(shaped(lead, gain), sampled, crossover, phase_margin, lead)
+    gain = abs(required) / abs(sampled_compensator(lead).discrete.response(z)[0, 0, 0])
+    return _check_design(sampled_compensator(lead, gain), sampled, crossover, phase_margin, lead)
 
 
 def _check_angles(phase_margin: float, sections: int, most_lead: float) -> None:
@@ -146,7 +146,7 @@ def _compensator(
     return Compensator(*at, Continuous(), f"{e}_error", f"{u}_command", known)
 
 
-def _phase_lost(plant: StateSpace, sampled: complex, w: float) -> float:
+def _phase_lag(plant: StateSpace, sampled: complex, w: float) -> float:
     """Return the phase lag of hold and delay at w in degrees."""
     return float(np.degrees(np.angle(transfer.response(plant)(w)[0] / sampled)))
 
