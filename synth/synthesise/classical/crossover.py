@@ -154,23 +154,23 @@ def _phase_lag(plant: StateSpace, sampled: complex, w: float) -> float:
 def _solve_lead(
     lead_of: Callable[[float], float],
     needed: float,
-    most: float,
+    limit: float,
     crossover: float,
     sections: int,
-    lost: float,
+    lag: float,
     margin: float,
 ) -> float:
     """Return the lead of one section, in degrees, for a total lead of `needed`."""
-    low, high = lead_of(-most), lead_of(most)
+    low, high = lead_of(-limit), lead_of(limit)
     if not low <= needed <= high:
         more = "lower the crossover, shorten the delay or the period, or ask for less margin"
         more = f"use two sections, {more}" if sections == 1 and needed > 0 else more
         raise ModelError(
             f"a phase margin of {margin:g} degrees at {crossover:g} rad/s needs {needed:.4g} degrees of lead, but "
-            f"{sections} section{'s' if sections > 1 else ''} of at most {most:g} degrees give {low:.4g} to {high:.4g};"
-            f" hold and delay take {lost:.4g}: {more}; if that is far off, change the sign of the plant"
+            f"{sections} section{'s' if sections > 1 else ''} of at most {limit:g} degrees give {low:.4g} to "
+            f"{high:.4g}; hold and delay take {lag:.4g}: {more}; if that is far off, change the sign of the plant"
         )
-    return float(brentq(lambda v: lead_of(v) - needed, -most, most, xtol=1e-13, rtol=1e-14))
+    return float(brentq(lambda v: lead_of(v) - needed, -limit, limit, xtol=1e-13, rtol=1e-14))
 
 
 def _check_design(

@@ -56,8 +56,8 @@ class Problem:
         S0[list(self.free), range(k, k + f)] = 1.0
         start = np.vstack([x0, np.tile(S0.ravel(order="F")[:, None], spans)])
         outputs = self.steps(start, self.u, np.tile(theta[:k, None], self.u.shape[1]))[1]
-        each = np.asarray(ca.DM(outputs)).T[:: self.substeps].reshape(spans, -1, 1 + k + f, p)
-        g, J = each[:, :, 0].reshape(-1, p), each[:, :, 1:].transpose(0, 1, 3, 2)
+        blocks = np.asarray(ca.DM(outputs)).T[:: self.substeps].reshape(spans, -1, 1 + k + f, p)
+        g, J = blocks[:, :, 0].reshape(-1, p), blocks[:, :, 1:].transpose(0, 1, 3, 2)
         if not self.separate_starts:
             return g, J[0]
         return g, bordered.Jacobian(J[..., :k].reshape(-1, p, k), J[..., k:])

@@ -198,5 +198,5 @@ def _measurement_update(P: Array, C: Array, V: Array) -> tuple[Array, Array]:
         cp = c * p
         m = precise.middle((cp * c.transpose() + v).solve(cp).transpose())
         joseph = precise.identity(len(P)) - m * c
-        after = precise.rounded(joseph * p * joseph.transpose() + m * v * m.transpose())
-        return precise.rounded(m), (after + after.T) / 2
+        posterior = precise.rounded(joseph * p * joseph.transpose() + m * v * m.transpose())
+        return precise.rounded(m), (posterior + posterior.T) / 2

@@ -24,9 +24,9 @@ class Balance:
     bilinear: doubling.Bilinear
 
     @staticmethod
-    def of(stated: Equation) -> "Balance":
-        D, E = stated.scales()
-        scaled = stated.scaled(D, E)
+    def of(equation: Equation) -> "Balance":
+        D, E = equation.scales()
+        scaled = equation.scaled(D, E)
         return Balance(scaled, D, E, doubling.bilinear_map(scaled))
 
     def unscale(self, solution: Solution) -> Solution:

@@ -131,7 +131,7 @@ def _newton_limit(problem: _Problem, X: Mat) -> Mat | None:
 
     Each step squares the error; the last one leaves 1e-70.
     """
-    last, halved = np.inf, 0
+    last, slow_steps = np.inf, 0
     for _ in range(STEPS):
         try:
             balls = problem.newton(X)
@@ -141,8 +141,8 @@ def _newton_limit(problem: _Problem, X: Mat) -> Mat | None:
         change = precise.norm(X - previous)
         if change <= 1e-40 * precise.norm(X):
             return X if _is_resolved(balls) else None
-        halved, last = (halved + 1 if change > last / 4 else 0), change
-        if halved > HALVED:
+        slow_steps, last = (slow_steps + 1 if change > last / 4 else 0), change
+        if slow_steps > HALVED:
             return None
     return None
 

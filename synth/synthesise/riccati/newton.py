@@ -62,19 +62,19 @@ def refine(equation: Equation, X: Array, bilinear: Bilinear) -> CertifiedSolutio
             decay = decay if decay and last < KEPT else doubling.stable_map(closed, bilinear)
             if decay is None:
                 return None
-            now = _Iterate.of(equation, Solution(X, L, closed, defect, decay.gramian(defect)))
-            if not np.isfinite(now.error):
+            iterate = _Iterate.of(equation, Solution(X, L, closed, defect, decay.gramian(defect)))
+            if not np.isfinite(iterate.error):
                 return None
-            if T is None and now.error < STALLED:
+            if T is None and iterate.error < STALLED:
                 T = equation.terms(X)
-                condition = _condition(T, now.size, decay)
-            stalled = T is not None and now.error > last / 2
-            best = now if best is None or not stalled else best
-            if T is not None and (stalled or now.is_fine(condition)):
+                condition = _condition(T, iterate.size, decay)
+            stalled = T is not None and iterate.error > last / 2
+            best = iterate if best is None or not stalled else best
+            if T is not None and (stalled or iterate.is_fine(condition)):
                 return best.certify(equation, T, condition)
-            X, last = X + now.solution.step, now.error
-            follows = now.error < SMALL and now.error * condition < 1
-            defect, L = now.update_residual(equation, X) if follows else equation.residual(X)
+            X, last = X + iterate.solution.step, iterate.error
+            follows = iterate.error < SMALL and iterate.error * condition < 1
+            defect, L = iterate.update_residual(equation, X) if follows else equation.residual(X)
     except np.linalg.LinAlgError:
         return None
     return None
@@ -95,11 +95,11 @@ class _Iterate:
         size = sizes(solution.X)
         step = solution.step if equation.continuous else solution.step @ solution.closed
         added = np.linalg.solve(equation.weight(solution.X), equation.B.T @ step)
-        more, L = (np.abs(v / size).max(axis=1) for v in (added, solution.L))
+        added_L, L = (np.abs(v / size).max(axis=1) for v in (added, solution.L))
         forward = float((np.abs(solution.step) / size / size[:, None]).max())
-        if not (LOOSER * more <= FINE * L).all():
+        if not (LOOSER * added_L <= FINE * L).all():
             L = np.maximum(L, CANCELLED * (equation.gain_terms(solution.X) / size).max(axis=1))
-        error = max(forward, LOOSER * float((more / np.where(L > 0, L, 1.0)).max()))
+        error = max(forward, LOOSER * float((added_L / np.where(L > 0, L, 1.0)).max()))
         return _Iterate(solution, np.asarray(added), size, forward, error)
 
     def is_fine(self, condition: float) -> bool:

@@ -153,22 +153,22 @@ def solve(
 
 def solve_checked(model: StateSpace, Q: Array, R: Array, N: Array, exact: bool) -> Riccati:
     """Solve as `solve` does, for weights that `checked_weights` returned."""
-    stated = _equation(model, Q, R, N)
-    balance = Balance.of(stated)
-    certified = _first_certified(model, stated, balance)
+    equation = _equation(model, Q, R, N)
+    balance = Balance.of(equation)
+    certified = _first_certified(model, equation, balance)
     solution = balance.unscale(certified.solution)
     if exact:
-        solution = exact_riccati.solve(stated, solution.X)
+        solution = exact_riccati.solve(equation, solution.X)
         certified = balance.certify(solution)
     start = solution if solution.exact_poles is not None else None
     exact_poles = (
-        (lambda: (start or exact_riccati.solve(stated, solution.X)).poles()) if len(model.states) <= BALLS else None
+        (lambda: (start or exact_riccati.solve(equation, solution.X)).poles()) if len(model.states) <= BALLS else None
     )
     marginal = solvability.marginal_poles(
-        model, stated, certified.poles, certified.condition > newton.RIGID, exact_poles
+        model, equation, certified.poles, certified.condition > newton.RIGID, exact_poles
     )
     solvability.require_unique_gain(model, balance.scaled.weight(certified.solution.X))
-    return _with_certificate(model, stated, solution, certified, balance, marginal)
+    return _with_certificate(model, equation, solution, certified, balance, marginal)
 
 
 @arguments.checked

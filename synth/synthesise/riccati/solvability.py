@@ -40,7 +40,7 @@ SEEN = 1e-10  # of the largest eigenvalue of Q
 
 
 def marginal_poles(
-    model: StateSpace, stated: Equation, poles: Complex, rigid: bool, exact: Callable[[], Complex] | None
+    model: StateSpace, equation: Equation, poles: Complex, rigid: bool, exact: Callable[[], Complex] | None
 ) -> Complex:
     """Return the poles that decay, but by less than the rounding of the model; usually there are none.
 
@@ -51,20 +51,20 @@ def marginal_poles(
     Raises ModelError unless all poles of the loop decay.
     """
     size = float(np.abs(poles).max())
-    if stated.continuous:
+    if equation.continuous:
         doubtful = -poles.real < np.maximum(MARGIN * (size or 1.0), DAMPING * np.abs(poles))
     else:
         doubtful = 1 - np.abs(poles) < MARGIN
     marginal = np.zeros(0, dtype=np.complex128)
     searched = doubtful.any() or (rigid and exact is not None)
-    if searched and (error := hidden_mode_error(model, stated)) is not None:
+    if searched and (error := hidden_mode_error(model, equation)) is not None:
         poles = _poles_in_ball_arithmetic(error, exact)
-        rates = -poles.real if stated.continuous else 1 - np.abs(poles)
-        if not stated.continuous and rates.min() < UNIT * len(poles):
+        rates = -poles.real if equation.continuous else 1 - np.abs(poles)
+        if not equation.continuous and rates.min() < UNIT * len(poles):
             raise error
         marginal = poles[rates <= 2 * rates.min()]
-    if not decays(poles, stated.continuous):
-        slowest = poles[np.argmax(poles.real if stated.continuous else np.abs(poles))]
+    if not decays(poles, equation.continuous):
+        slowest = poles[np.argmax(poles.real if equation.continuous else np.abs(poles))]
         raise ModelError(
             f"the Riccati equation's solution leaves the pole {slowest:.4g}, which does not decay: "
             "scale the weights and the states to similar size"

@@ -82,12 +82,12 @@ def evaluate(system: System, errors: Sequence[str] | str, exosystem: internal_mo
 
     Raises SignalError for an error that is no output, or as `internal_model.of`; ModelError for a pole at a mode.
     """
-    model, ends = of(system), arguments.names("errors", errors)
-    loop, modes = model.select(ends, model.inputs), internal_model.of(exosystem).modes
+    model, names = of(system), arguments.names("errors", errors)
+    loop, modes = model.select(names, model.inputs), internal_model.of(exosystem).modes
     poles, shape = loop.poles, (len(modes), *loop.D.shape)
     if (pole := spectrum.unstable_pole(loop.A, loop.time)) is not None:
-        endless = readonly(np.full(shape, np.inf))
-        return SteadyError(modes, ends, loop.inputs, endless, endless, poles, pole, loop.time)
+        infinite = readonly(np.full(shape, np.inf))
+        return SteadyError(modes, names, loop.inputs, infinite, infinite, poles, pole, loop.time)
     exact = [_taylor(loop, mode) for mode in modes]
     frequencies = [*_frequencies(poles, loop.time), *(_point(m.value, loop.time) for m in modes)]
     size = np.max([_signal_size(loop, complex(v)) for v in frequencies], axis=0)
@@ -97,7 +97,7 @@ def evaluate(system: System, errors: Sequence[str] | str, exosystem: internal_mo
         for mode, T in zip(modes, exact, strict=True)
     ]
     response = readonly([T[0] for T in exact])
-    return SteadyError(modes, ends, loop.inputs, response, readonly(relative_error), poles, None, loop.time)
+    return SteadyError(modes, names, loop.inputs, response, readonly(relative_error), poles, None, loop.time)
 
 
 @arguments.checked
