@@ -33,7 +33,7 @@ def random_model(seed: int, n: int = 5, m: int = 2, p: int = 2, time: Time | Non
 
 
 def misses(observer: ReducedObserver, steps: int = 60, seed: int = 0) -> Array:
-    """Run plant and observer from different states under a random input; return x^ - x (steps, n) over the size of x."""
+    """Run plant and observer from two states under a random input; return x^ - x (steps, n) over the size of x."""
     model, model_of_observer = observer.model, observer.state_space()
     rng = np.random.default_rng(seed)
     rows = dict(zip(model.states, np.hstack([np.eye(len(model.A)), 0 * model.B]), strict=True))
