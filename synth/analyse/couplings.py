@@ -1,8 +1,8 @@
-"""How strongly inputs move and outputs show each mode of a linear model.
+"""Modal controllability and observability: Popov-Belevitch-Hautus (PBH) measures of each mode of a linear model.
 
-The measure of Popov, Belevitch and Hautus for an eigenvalue s is the least singular value of [A - s I, B], or of
-[A - s I; C], in scaled units (`staircase.scaled`) with columns of B and rows of C of length 1: 0 out of reach or sight,
-1 at best. Of one input alone it is 0, too, where two modes have one eigenvalue.
+The measure of an eigenvalue s is the least singular value of [A - s I, B], or of [A - s I; C], in scaled units
+(`staircase.scaled`) with columns of B and rows of C of length 1. It is 0 for an uncontrollable or unobservable mode and
+1 at best. The measure of one input alone is also 0 if two modes have the same eigenvalue.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,18 +17,18 @@ from synth.analyse import staircase, structure
 from synth.statespace import Array, Complex, System, of
 from synth.timing import Time
 
-CHUNK = 16  # modes that are taken together
+CHUNK = 16  # modes in one batch
 SMALL = 60  # states up to which a singular value decomposition is quicker than inverse iteration
 BLOCK, STEPS, SETTLED = 4, 60, 1e-4  # vectors, steps at most, and the relative change at which inverse iteration stops
 HUGE = 1e150  # its square is still a double
-WEAK = 1e-3  # a mode whose measure is less counts as weakly reached or seen
+WEAK = 1e-3  # a mode with a smaller measure counts as weakly controllable or observable
 
 Measures = tuple[float, dict[str, float]]
 
 
 @dataclass(frozen=True)
 class Coupling:
-    """A mode with its measures: `reach` by all inputs, `sight` by all outputs, and by each alone."""
+    """A mode with its measures, for all signals and for each: `reach` (controllability) and `sight` (observability)."""
 
     value: complex
     states: structure.Direction
@@ -47,16 +47,16 @@ class Couplings:
 
     @property
     def weakly_reached(self) -> tuple[Coupling, ...]:
-        """The modes whose `reach` is below WEAK."""
+        """The modes with a controllability measure below WEAK."""
         return tuple(m for m in self.modes if m.reach < WEAK)
 
     @property
     def weakly_seen(self) -> tuple[Coupling, ...]:
-        """The modes whose `sight` is below WEAK."""
+        """The modes with an observability measure below WEAK."""
         return tuple(m for m in self.modes if m.sight < WEAK)
 
     def sheet(self) -> show.Sheet:
-        """Return one line for each mode or pair, and sentences on those that are weakly coupled."""
+        """Return one row for each mode or pair, and a line for each weakly coupled one."""
         lines = [
             f"Weakly {how}: mode {structure.pair(m.value)} in {structure.spelled(m.states)}."
             for how, modes in (("reached", self.weakly_reached), ("seen", self.weakly_seen))
@@ -81,7 +81,7 @@ class Couplings:
 
 @arguments.checked
 def couplings(system: System) -> Couplings:
-    """Return how strongly inputs move and outputs show each mode of a System; raise SignalError as `statespace.of`."""
+    """Return the PBH measures of each mode of a System; raise SignalError as `statespace.of`."""
     model = of(system)
     part = staircase.of_model(model)
     roots = structure.poles(model).roots
@@ -97,7 +97,7 @@ def couplings(system: System) -> Couplings:
 
 
 def _measures(A: Array, B: Array, names: Sequence[str], values: Complex) -> dict[complex, Measures]:
-    """Return for each s the least singular value of [A - s I, B], for all columns of B, made of length 1, and for each.
+    """Return for each s the least singular value of [A - s I, B] with unit columns of B, for all and for each.
 
     One Schur form A' = V T V^H serves all: the singular values are those of [T - s* I; B' V].
     """

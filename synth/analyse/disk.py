@@ -1,4 +1,4 @@
-"""Disk margins: how far gains and phases of all channels of a loop may go astray at once, each in its own way.
+"""Disk margins (MATLAB `diskmargin`): simultaneous and independent gain and phase variations of all channels of a loop.
 
          r --->(+)---> [ f ] ---> [ L ] ---+---> y          f = diag(f_1 .. f_p),  1 + L f = 0 is the closed loop
                -^                          |
@@ -7,12 +7,13 @@
     f_i = (1 + (1 - sigma)/2 delta_i) / (1 - (1 + sigma)/2 delta_i),        |delta_i| < alpha, complex
 
 The loop stays stable for all such f exactly when alpha <= 1 / mu(S + (sigma - 1)/2 I) at all frequencies, where
-S = 1/(1 + L) and mu is the structured singular value for diag(delta) (Seiler, Packard, Gahinet 2020). The least of that
-over w is the disk margin. The skew sigma is 0 for gains that rise and fall by the same factor, 1 for a margin of S,
--1 for one of T = L/(1 + L). f covers all gains between two factors, and all phases up to an angle.
+S = 1/(1 + L) and mu is the structured singular value for diag(delta) (Seiler, Packard, Gahinet 2020). The minimum over
+w is the disk margin. The skew sigma is 0 for gains that rise and fall by the same factor, 1 for a margin of S, and -1
+for a margin of T = L/(1 + L). f covers all gains between two factors and all phases up to an angle.
 
-`sensitivity.close` gives the loop of a plant and a controller, opened at the inputs, the outputs or both; `each` takes
-one channel of L at a time and leaves the others as they are. A sampled loop is taken on z = exp(i w T), exactly.
+`of_loop` varies all channels at once (multiloop), `each` varies one channel at a time (loop-at-a-time).
+`sensitivity.close` gives the loop of a plant and a controller, opened at the inputs, the outputs or both. A sampled
+loop is evaluated exactly, on z = exp(i w T).
 """
 
 from collections.abc import Mapping
@@ -33,10 +34,10 @@ Matrices = tuple[Array, Array, Array, Array]
 class DiskMargin:
     """The disk margin of a loop with p channels: it lies between `lower` and `upper`.
 
-    No f with |delta_i| < `lower` destabilises the loop; when `certified`, that has been shown for all frequencies, else
-    at the grid's points alone. `delta` (p,), of modulus `upper`, puts a closed-loop pole at `frequency` rad/s.
-    `curve` (k,) is the margin at each of `frequencies` (k,), 0 and infinity or Nyquist among them: a lower bound, tight
-    to 1 % or so away from its least values.
+    No f with |delta_i| < `lower` destabilises the loop. If `certified`, this is proved for all frequencies, otherwise
+    only at the points of the grid. `delta` (p,), of modulus `upper`, puts a closed-loop pole at `frequency` rad/s.
+    `curve` (k,) is the margin at each of `frequencies` (k,), which include 0 and infinity or Nyquist: a lower bound,
+    tight to about 1 % away from its least values.
     """
 
     channels: tuple[str, ...]
@@ -59,12 +60,12 @@ class DiskMargin:
 
     @property
     def alpha(self) -> float:
-        """The disk margin that holds: `lower`."""
+        """The guaranteed disk margin: `lower`."""
         return self.lower
 
     @property
     def gain_low(self) -> float:
-        """The factor below 1 down to which all gains may fall at once; below 0, no positive gain is too low."""
+        """The factor to which all gains may decrease at once; below 0, no positive gain is too low."""
         a, b = _halves(self.skew)
         if b * self.alpha <= -1 or (np.isinf(self.alpha) and b <= 0):
             return -np.inf
@@ -72,7 +73,7 @@ class DiskMargin:
 
     @property
     def gain_high(self) -> float:
-        """The factor above 1 up to which all gains may rise at once; inf when none is too high."""
+        """The factor to which all gains may increase at once; inf if no gain is too high."""
         a, b = _halves(self.skew)
         if np.isinf(self.alpha) or b * self.alpha >= 1:
             return np.inf
@@ -80,7 +81,7 @@ class DiskMargin:
 
     @property
     def phase(self) -> float:
-        """The angle in degrees by which all phases may turn at once, inf when any may."""
+        """The angle in degrees by which all phases may change at once, inf if any change is tolerated."""
         a, b = _halves(self.skew)
         if np.isinf(self.alpha) or self.alpha * abs(self.skew) > 2:
             return np.inf if self.skew else 180.0
@@ -90,19 +91,19 @@ class DiskMargin:
 
     @property
     def worst(self) -> Mapping[str, complex]:
-        """`delta` by the names of the channels."""
+        """`delta` by channel name."""
         return dict(zip(self.channels, self.delta.tolist(), strict=True))
 
     @property
     def factors(self) -> Complex:
-        """f (p,) for `delta`: the factors on the channels that make the loop oscillate at `frequency`."""
+        """f (p,) for `delta`: the channel factors that make the loop oscillate at `frequency`."""
         a, b = _halves(self.skew)
         with np.errstate(all="ignore"):
             f = (1 + a * self.delta) / (1 - b * self.delta)
         return np.where(np.isfinite(f), f, np.inf)
 
     def sheet(self) -> show.Sheet:
-        """Return margin, gains, phase, and the worst factor of each channel."""
+        """Return the margin, its gains and phase, and the worst factor of each channel."""
         n = show.number
         proof = "shown for all frequencies" if self.certified else "seen on a grid, not shown between its points"
         lines = (
@@ -122,12 +123,12 @@ class DiskMargin:
 
 @arguments.checked
 def of_loop(loop: System, skew: float = 0.0, certify: bool = True) -> DiskMargin:
-    """Return the disk margin of a loop L (p, p), all channels varied at once; they are called as L's inputs.
+    """Return the multiloop disk margin of L (p, p): all channels vary at once. Channels have the names of L's inputs.
 
-    Without `certify` the margin is that of a grid, refined around its peak, and nothing is claimed between its points.
+    Without `certify`, the margin is that of a grid refined around its peak, with no claim between the grid points.
 
     Raises SignalError when L is not square or the skew is not finite; ModelError when 1 + L has no inverse or the
-    closed loop does not decay.
+    closed loop is not stable.
     """
     model = of(loop)
     return _margin(_closed(model, skew), model.inputs, skew, certify)
@@ -135,7 +136,7 @@ def of_loop(loop: System, skew: float = 0.0, certify: bool = True) -> DiskMargin
 
 @arguments.checked
 def each(loop: System, skew: float = 0.0) -> Mapping[str, DiskMargin]:
-    """Return the disk margin of each channel of a loop, the others left as they are, by the names of L's inputs.
+    """Return the loop-at-a-time disk margins: that of each channel, with the others nominal, by name of L's input.
 
     Raises as `of_loop`.
     """
@@ -152,7 +153,7 @@ def _halves(skew: float) -> tuple[float, float]:
 
 
 def _closed(loop: StateSpace, skew: float) -> StateSpace:
-    """Return S + (sigma - 1)/2 I of a square loop whose closed loop decays."""
+    """Return S + (sigma - 1)/2 I of a square loop with a stable closed loop."""
     p = len(loop.inputs)
     if not p or p != len(loop.outputs):
         raise SignalError(
@@ -177,7 +178,7 @@ def _require_decay(A: Array, time: Time) -> None:
         found = ", ".join(show.number(s) for s in poles[lasting & (poles.imag >= 0)].tolist())
         raise ModelError(
             f"the closed loop does not decay: it has poles at {found}, and so no margin; stabilise the loop first "
-            "(its feedback is negative, 1 + L: turn the sign if yours is in L)"
+            "(the feedback is negative, 1 + L: change the sign if L contains it)"
         )
 
 

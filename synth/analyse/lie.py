@@ -1,4 +1,4 @@
-"""Plants that are affine in their inputs, and derivatives along them.
+"""Input-affine plants and their Lie derivatives.
 
     dx/dt = f(x) + G(x) u,    y = h(x) + E(x) u,    x (n,), u (m,), y (p,)
 
@@ -27,7 +27,7 @@ from synth.signals import Signal, names
 class Affine:
     """The plant called `name` as f (n,), G (n, m), h (p,), E (p, m) in the symbols of `box`: states and parameters.
 
-    Structural zeros of G and E are entries that vanish all over the domain. `held` has the inputs that stand still.
+    Structural zeros of G and E are entries that vanish on the whole domain. `held` has the inputs that are constant.
     """
 
     name: str
@@ -48,20 +48,20 @@ class Affine:
 
     def along_drift(self, e: ca.SX) -> ca.SX:
         """Return L_f e for each entry of e (k,)."""
-        return ca.cse(ca.jtimes(e, self.x, self.f))  # without it the length grows as the factorial of the order
+        return ca.cse(ca.jtimes(e, self.x, self.f))  # without cse the length grows as the factorial of the order
 
     def along_inputs(self, e: ca.SX) -> ca.SX:
-        """Return L_G e (k, m) for the entries of e (k,), with zeros taken out."""
+        """Return L_G e (k, m) for the entries of e (k,), with structural zeros."""
         return rounding.without_zeros(ca.cse(ca.mtimes(ca.jacobian(e, self.x), self.G)), self.box)
 
 
 @arguments.checked
 def affine(plant: Plant, outputs: Sequence[str] | None = None, held: Mapping[str, float] | None = None) -> Affine:
-    """Return the plant in affine form: the named `outputs`, all when left out, and the inputs that are not `held`.
+    """Return the plant in affine form, with the named `outputs`, by default all, and the inputs that are not `held`.
 
-    `held` gives inputs that stand still, by name, in their units.
+    `held` gives the constant values of inputs, by name, in their units.
 
-    Raises SignalError for a name that is not the plant's, ModelError when an equation is not affine in the inputs.
+    Raises SignalError for a name that the plant does not have, ModelError if an equation is not affine in the inputs.
     """
     held = dict(held or {})
     rows = _rows(plant, outputs)
@@ -112,7 +112,7 @@ def _require_affine(
     parts: tuple[ca.SX, ca.SX, ca.SX],
     box: Box,
 ) -> None:
-    """Refuse equations e (k,) that are not e(u with u_j = base_j) + slope_j (u_j - base_j) for every input j."""
+    """Raise ModelError unless e (k,) = e(u with u_j = base_j) + slope_j (u_j - base_j) for every input j."""
     whole, slopes, base = parts
     m = base.numel()
     u, inputs = box.symbols[-m:], box.signals[-m:]

@@ -1,15 +1,15 @@
-"""Magnitudes over a box: how large terms grow, and how near a matrix comes to being singular.
+"""Maxima of terms, and the least determinant and largest condition number of a matrix, over a box of signals.
 
 For expressions e_i(s), a matrix M(s) and a box S of signals s = (s_1, ..., s_d),
 
     max over S of |e_i|,    min over S of |det M|,    max over S of cond_2(M).
 
-Method. Values on a grid that contains the vertices, then local refinement within the box from the best grid points
-(from the gradient for |e_i| and |det M|, by a simplex for the condition number). A change of sign of det M is followed
-by bisection to a point where M is singular. The figures are attained in S; that nothing larger hides between the grid
-points is as sure as the grid is fine, no proof.
+Method. The functions are evaluated on a grid that contains the vertices and then optimised locally from the best grid
+points, by gradient for |e_i| and |det M| and by simplex for the condition number. If det M changes sign, bisection
+finds a point where M is singular. All results are attained in S. They are not proved to be global: a higher value may
+lie between the grid points.
 
-Source: the maximisation is (10) of Fulford, Maggiore, Apkarian, the matrix that of (12).
+Source: Fulford, Maggiore, Apkarian, equations (10) for the maximisation and (12) for the matrix.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -29,12 +29,12 @@ from synth.statespace import Array, readonly
 Exprs = Mapping[str, ca.SX]
 
 GRID = 9  # points along each signal
-SEEDS = 3  # grid points that are refined
+SEEDS = 3  # best grid points, from which the local optimisation starts
 
 
 @dataclass(frozen=True, eq=False)
 class Magnitudes:
-    """Maxima (k, t) of |term j| over a box at each of k points along one signal; `worst` (k, t, d) says where.
+    """Maxima (k, t) of |term j| over a box at each of k points along one signal; `worst` (k, t, d) has their locations.
 
     `box` names the d signals of the box in order; values are in the units of terms and signals.
     """
@@ -55,9 +55,9 @@ class Magnitudes:
 
 @dataclass(frozen=True)
 class Conditioning:
-    """How near a matrix comes to being singular over a box, and the signals' values there.
+    """The least |det| and the largest condition number of a matrix over a box, and the signals' values there.
 
-    `min_abs_det` is 0 where the determinant changes sign. `max_cond` is in the 2-norm and depends on units.
+    `min_abs_det` is 0 if the determinant changes sign. `max_cond` is in the 2-norm and depends on units.
     """
 
     min_abs_det: float
@@ -99,7 +99,7 @@ def magnitudes(
 
 @arguments.checked
 def conditioning(matrix: ca.SX, symbols: Exprs, box: Sequence[Signal]) -> Conditioning:
-    """Return min |det| and max cond of a square `matrix` over `box`, and where they are.
+    """Return min |det| and max cond of a square `matrix` over `box`, and their locations.
 
     `symbols` maps the names in `box` to the symbols in `matrix`.
 
@@ -198,7 +198,7 @@ def _zero_between(expr: _Compiled, start: Array, end: Array) -> Array:
 
 
 def _descend(expr: _Compiled, start: Array, sign: float) -> tuple[float, Array]:
-    """Return the value and place that descent of sign * expr within the box leads to."""
+    """Return the local minimum of sign * expr within the box, from `start`, and its location."""
     scale = abs(expr.slope(start)[0]) or 1.0
 
     def objective(unit: Array) -> tuple[float, Array]:

@@ -1,4 +1,4 @@
-"""The largest singular value of a stable model's response over all frequencies, by its modes, with branch and bound.
+"""H-infinity norm of a stable model in modal form, by branch and bound over frequency.
 
     M(w) = sum_k R_k / (v - p_k) + D,     v = i w  or  v = exp(i w)
 
@@ -7,10 +7,11 @@ singular value is convex: over an interval of length h
 
     sigma_max(M) <= max of both ends + h^2/8 sum_k |R_k| k_k + the modes' error
 
-with k_k >= |d^2/dw^2 1/(v - p_k)|: 2/|v - p_k|^3 on the axis, |v + p_k|/|v - p_k|^3 on the circle, where p_k is
-nearest. The poles' frequencies cut the axis, so that this is at one of the ends. Far beyond the fastest pole the
-variable is x = 1/w, with 2 |p_k| / |i - p_k x|^3. An interval in which the bound passes the level (1 + e) max sigma is
-cut into as many as the bound asks for. All intervals of a sweep are treated at once.
+with k_k >= |d^2/dw^2 1/(v - p_k)|: 2/|v - p_k|^3 on the axis, |v + p_k|/|v - p_k|^3 on the circle, at the point of the
+interval closest to p_k. The frequencies of the poles divide the axis, which puts this point at an end. Far above the
+fastest pole the variable is x = 1/w, with 2 |p_k| / |i - p_k x|^3. An interval whose bound exceeds the level
+(1 + e) max sigma is subdivided, into a number of pieces that follows from the bound. A sweep treats all intervals at
+once.
 """
 
 from dataclasses import dataclass, replace
@@ -22,11 +23,11 @@ from synth.analyse.modal import EPS, Modes
 from synth.statespace import Array, Complex
 
 SWEEPS = 40
-MOST = 20_000  # intervals of one sweep: beyond, the response is too flat to be bounded so
+MOST = 20_000  # intervals of one sweep: above it the response is too flat for this method
 ENTRIES = 2**20  # intervals times poles, likewise
 RATIO = 1.6  # of the distances of the first cuts from the peak
 TINY = 1e-300
-PIECES = 8  # of an interval, at most
+PIECES = 8  # of a subdivided interval, at most
 LEVELS = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)  # e, relative
 FAR = 20.0  # times the fastest pole: the end of the axis
 SMALL = 0.7  # of the level: below it the Frobenius norm serves as the singular value
@@ -35,7 +36,7 @@ UP = 1 + 1e-12  # covers the rounding of singular values and of the bound
 
 @dataclass(frozen=True, eq=False)
 class Bound:
-    """`value` is attained at `w` rad/s or rad, and nothing passes (1 + margin) value."""
+    """`value` is attained at `w` rad/s or rad, and sigma_max <= (1 + margin) value everywhere."""
 
     value: float
     w: float
@@ -49,7 +50,7 @@ class Axis:
     modes: Modes
 
     def edges(self) -> Array:
-        """Return the frequencies that cut the axis: the ends and those of the poles."""
+        """Return the frequencies that divide the axis: its ends and the poles' frequencies."""
         poles = self.modes.poles[self.modes.poles.imag >= 0]
         w = np.abs(np.angle(poles)) if self.modes.sampled else poles.imag
         return np.sort(np.concatenate([[0.0, _end(self.modes)], w]))
@@ -75,7 +76,7 @@ class Axis:
 
 @dataclass(frozen=True, eq=False)
 class Distance:
-    """x = 1/w from 0, which is infinity, to the end of the axis."""
+    """x = 1/w from 0 (infinite frequency) to the end of the axis."""
 
     modes: Modes
 
@@ -95,7 +96,7 @@ class Distance:
 
 
 def peak(modes: Modes) -> Bound | None:
-    """Return the peak, proved to the least of the margins for which that is possible; None where there is none."""
+    """Return the peak with the least margin that can be proved; None if none can."""
     axis = Axis(modes)
     edges = axis.edges()
     start = _start(axis, edges)
@@ -104,7 +105,7 @@ def peak(modes: Modes) -> Bound | None:
     bound = _covered(axis, _refined(axis, edges, start), start)
     if bound is None or modes.sampled or _far(modes) < (1 + bound.margin) * bound.value:
         return bound
-    return _covered(Distance(modes), np.array([0.0, 1 / edges[-1] * (1 + 4 * EPS)]), bound)  # so that both meet
+    return _covered(Distance(modes), np.array([0.0, 1 / edges[-1] * (1 + 4 * EPS)]), bound)  # 4 EPS: the ranges overlap
 
 
 def _far(modes: Modes) -> float:
@@ -114,7 +115,7 @@ def _far(modes: Modes) -> float:
 
 
 def _refined(axis: Axis, edges: Array, bound: Bound) -> Array:
-    """Return the edges and more around the peak, the closer the nearer to it."""
+    """Return the edges with more points around the peak, denser close to it."""
     if not bound.w < edges[-1]:
         return edges
     w = np.array([bound.w])
@@ -133,7 +134,7 @@ def error(modes: Modes, w: float) -> float:
 
 
 def _start(axis: Axis, w: Array) -> Bound:
-    """Return the local maximum that is found from the best of the frequencies w (k,) and infinity."""
+    """Return the local maximum from the best of the frequencies w (k,) and infinity."""
     modes = axis.modes
     M = modes.response(axis.inverses(w)[0])
     if not modes.sampled:
@@ -142,7 +143,7 @@ def _start(axis: Axis, w: Array) -> Bound:
 
 
 def _end(modes: Modes) -> float:
-    """Return the end of the axis, for a sampled model not below pi."""
+    """Return the end of the axis; for a sampled model pi, rounded up."""
     return float(np.nextafter(np.pi, 4.0)) if modes.sampled else FAR * float(np.abs(modes.poles).max())
 
 
@@ -170,7 +171,7 @@ def _derivatives(modes: Modes, w: float) -> tuple[Complex, Complex, Complex]:
 
 
 def _covered(chart: Axis | Distance, edges: Array, bound: Bound) -> Bound | None:
-    """Return the bound that holds between the edges, too; None where the sweeps or the margins do not suffice."""
+    """Return a bound that also holds between the edges; None if the sweeps or the margins do not suffice."""
     a, b, t = edges[:-1], edges[1:], edges
     first, second = slice(-1), slice(1, None)
     for _ in range(SWEEPS):
@@ -197,7 +198,7 @@ def _covered(chart: Axis | Distance, edges: Array, bound: Bound) -> Bound | None
 
 
 def _raised(bound: Bound, highest: float) -> Bound | None:
-    """Return the bound with the least margin that leaves room above the `highest` end; None where none does."""
+    """Return the bound with the least margin that lies clear above the `highest` end; None without one."""
     for margin in LEVELS:
         if margin >= bound.margin and highest < (1 + 0.9 * margin) * bound.value:
             return replace(bound, margin=margin)
@@ -205,7 +206,7 @@ def _raised(bound: Bound, highest: float) -> Bound | None:
 
 
 def _cut(a: Array, b: Array, asked: Array) -> tuple[Array, Array]:
-    """Return the intervals a .. b, each cut into about as many as are asked for."""
+    """Return the intervals a .. b, each divided into about `asked` pieces."""
     count = np.maximum(np.where(asked < PIECES, np.ceil(asked), PIECES), 2).astype(np.intp)
     place = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
     a, b, count = np.repeat(a, count), np.repeat(b, count), np.repeat(count, count)
@@ -213,7 +214,7 @@ def _cut(a: Array, b: Array, asked: Array) -> tuple[Array, Array]:
 
 
 def _values(M: Complex, small: float) -> Array:
-    """Return sigma_max of each M (k, p, m), or where it is small a bound."""
+    """Return sigma_max of each M (k, p, m), or an upper bound if it is below `small`."""
     if min(M.shape[1:]) > 2:
         values = np.sqrt((M.real**2 + M.imag**2).sum(axis=(1, 2)))
         large = ~(values <= small)

@@ -1,13 +1,13 @@
-"""The largest singular value of a stable model's response over all frequencies, between two bounds.
+"""H-infinity norm of a stable model, between a lower and an upper bound.
 
     M(s) = C (s I - A)^-1 B + D,       peak = max over 0 <= w <= inf of sigma_max(M(i w))
 
-`modal_peak` finds and proves it where the eigenvectors of A are far from dependent. Elsewhere the search starts at the
-poles' frequencies and climbs by Newton's method. Then `bounded_real` is asked for a proof that g = (1 + e) sigma is an
-upper bound, with weights W that take up half of e. Where there is none, the eigenvalues of the Hamiltonian cut the axis
-into intervals, in the middle of one of which the response is higher if it is higher anywhere (Boyd, Balakrishnan 1990;
-Bruinsma, Steinbuch 1990), and the climb starts there; else e is raised. The lower bound is the value at w, less what
-rounding may have added to it.
+`modal_peak` finds and proves the peak if the eigenvectors of A are far from dependent. Otherwise the search starts at
+the frequencies of the poles and climbs by Newton's method. `bounded_real` then tries to prove that g = (1 + e) sigma is
+an upper bound, with weights W that use half of e. If it fails, the eigenvalues of the Hamiltonian divide the axis into
+intervals. If the response exceeds g anywhere, it does so in the middle of one of them (Boyd, Balakrishnan 1990;
+Bruinsma, Steinbuch 1990), and the climb restarts there; otherwise e is raised. The lower bound is the value at w less a
+bound of its rounding error.
 """
 
 from dataclasses import dataclass, replace
@@ -24,12 +24,12 @@ from synth.timing import Continuous
 
 LEVELS = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)  # e, relative
 TINY = 1e-300
-LEAST = 1e-4  # of the state that goes farthest: one that goes less far counts as going so far
+LEAST = 1e-4  # of the largest amplitude of a state: the least amplitude used for a weight
 
 
 @dataclass(frozen=True, eq=False)
 class Peak:
-    """`lower` <= max sigma_max <= `upper`, inf where that is not proved; `value`, in double, at `frequency`.
+    """`lower` <= max sigma_max <= `upper`, which is inf without a proof; `value`, in double, at `frequency`.
 
     The frequency is in rad/s, or rad per sample.
     """
@@ -41,7 +41,7 @@ class Peak:
 
 
 def peak(model: StateSpace, poles: Complex, V: Array) -> Peak:
-    """Return the peak of a model all of whose modes decay, from its poles (n,) and eigenvectors V (n, n), real."""
+    """Return the peak of a stable model, from its poles (n,) and real eigenvectors V (n, n)."""
     continuous = isinstance(model.time, Continuous)
     modes = modal.of(model.A, model.B, model.C, model.D, poles, V, not continuous) if len(poles) else None
     bound = modal_peak.peak(modes) if modes else None
@@ -55,7 +55,7 @@ def peak(model: StateSpace, poles: Complex, V: Array) -> Peak:
 
 
 def _by_modes(model: StateSpace, modes: Modes, bound: Bound) -> Peak:
-    """Return the peak with the bound that the modes prove."""
+    """Return the peak with the upper bound from the modal form."""
     value, w = bound.value, bound.w
     lower = max(0.0, value * (1 - 16 * sum(model.D.shape) * EPS) - modal_peak.error(modes, w))
     if lower < (1 - modal_peak.LEVELS[0] / 4) * value:
@@ -66,7 +66,7 @@ def _by_modes(model: StateSpace, modes: Modes, bound: Bound) -> Peak:
 
 
 def _by_energy(model: StateSpace, continuous: bool) -> Peak:
-    """Return the peak with the bound that a Lyapunov matrix proves."""
+    """Return the peak with the upper bound from a Lyapunov matrix."""
     A, B, C = resolvent.balanced(model.A, model.B, model.C)
     given = A, B, C, model.D
     if continuous:
@@ -76,7 +76,7 @@ def _by_energy(model: StateSpace, continuous: bool) -> Peak:
     if w <= 1:
         found = _proved(given, form, w, states)
         return replace(found, frequency=2 * float(np.arctan(found.frequency)))
-    # Nearer to Nyquist M(-z) is searched, for which -1 becomes 1 and s becomes 1/s: infinity has fewer digits than 0.
+    # Near Nyquist M(-z) is searched: it maps z = -1 to 1 and s to 1/s, and s near 0 has more digits than near infinity.
     given = -A, -B, C, model.D
     form = schur_response.warped(*given)
     found = _proved(given, form, *_start(form))
@@ -84,7 +84,7 @@ def _by_energy(model: StateSpace, continuous: bool) -> Peak:
 
 
 def _proved(given: Matrices, form: Matrices, w: float, states: Array) -> Peak:
-    """Return the peak of `given`, in continuous time `form`, searched from w with `states` (n,) for the weights."""
+    """Return the peak of `model`, with continuous-time equivalent `form`; search from w, weights from `states` (n,)."""
     continuous, (A, _, C, _) = form is given, form
     value, w = _climb(form, w)
     value = max(value, EPS * float(states.max(initial=0.0)) * float(np.abs(C).max(initial=0.0)))
@@ -102,11 +102,11 @@ def _proved(given: Matrices, form: Matrices, w: float, states: Array) -> Peak:
 
 
 def _start(form: Matrices) -> tuple[float, Array]:
-    """Return the best of the poles' frequencies, 0 and infinity, and how far each state (n,) goes at them at most."""
+    """Return the best of the poles' frequencies, 0 and infinity, and the largest amplitude of each state (n,) there."""
     A, B, C, D = form
     schur = resolvent.schur(A)
     pairs = schur.poles[schur.poles.imag >= 0]
-    square = pairs.imag**2 - pairs.real**2  # of the frequency at which a pair alone has its peak, where it has one
+    square = pairs.imag**2 - pairs.real**2  # of the resonant frequency of the pair alone, if it has one
     w = np.concatenate([[0.0], np.where(square > 0, np.sqrt(np.abs(square)), np.abs(pairs))])
     X = np.tensordot(schur.U, schur.solve(1j * w, (schur.U.T @ B)[:, :, None]), 1)
     M = np.tensordot(C, X, 1).transpose(2, 0, 1) + D
@@ -116,7 +116,7 @@ def _start(form: Matrices) -> tuple[float, Array]:
 
 
 def _highest(form: Matrices, frequencies: Array) -> float:
-    """Return the frequency at which the response is highest."""
+    """Return the frequency with the largest gain."""
     A, B, C, D = form
     values = np.linalg.svd(resolvent.response(A, B, C, D, (1j * frequencies).astype(np.complex128)), compute_uv=False)[
         :, 0
@@ -145,7 +145,7 @@ def _derivatives(form: Matrices, w: float) -> tuple[Complex, Complex, Complex]:
 
 
 def _attained(given: Matrices, w: float, continuous: bool) -> float:
-    """Return a lower bound of sigma_max at a frequency w of s, whatever has been rounded.
+    """Return a rigorous lower bound of sigma_max at a frequency w of s.
 
     With R (v I - A) = I - E, |E| < 1, a residual r of X leaves an error of at most |R| |r| / (1 - |E|).
     """

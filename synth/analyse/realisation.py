@@ -1,11 +1,11 @@
-"""Minimal realisation: the same response C (s I - A)^-1 B + D with the least number of states.
+"""Minimal realisation (MATLAB `minreal`): the same response C (s I - A)^-1 B + D with the least number of states.
 
-In scaled coordinates x = X x~ an orthonormal Z (n, k) spans what inputs reach and outputs show (Kalman), and
+In scaled coordinates x = X x~, an orthonormal Z (n, k) spans the controllable and observable part (Kalman), and
 
     (Z' A~ Z, Z' B~, C~ Z, D)
 
-has the response of (A, B, C, D). A state that lies in the span stays as it is, with its name and unit; the others are
-replaced by fewer new ones, orthonormal combinations in scaled units.
+has the response of (A, B, C, D). A state in the span of Z stays, with its name and unit. Fewer new states replace the
+others: orthonormal combinations of them in scaled units.
 """
 
 from dataclasses import dataclass, replace
@@ -19,16 +19,16 @@ from synth.errors import ModelError
 from synth.statespace import Array, StateSpace, System, of
 from synth.timing import Continuous
 
-SAME = 1e-8  # of the response at a point: a part that is left out for its coupling below COUPLING changes it by less
-CUTS = (1e-8, 1e-9, 1e-10, staircase.COUPLING)  # tried in turn: but for the last, what they leave out is in rounding
+SAME = 1e-8  # of the response: removal of a part with coupling below COUPLING changes it by less
+CUTS = (1e-8, 1e-9, 1e-10, staircase.COUPLING)  # tried in order until the response changes by rounding only
 ROUNDING = 10 * np.finfo(float).eps  # of |C| |(s I - A)^-1| |B|, times the condition of s I - A
-CLEAR = 100.0  # of the largest coupling left out: when the least one kept is not above this, the order is uncertain
+CLEAR = 100.0  # of the largest coupling left out: the order is uncertain unless the least one kept is larger
 POINTS = 12  # points at which the two responses are compared
 
 
 @dataclass(frozen=True)
 class Fewer:
-    """A lesser number of states and the relative change of the response that comes with it."""
+    """A lower order and the relative change of the response that it causes."""
 
     order: int
     difference: float
@@ -36,13 +36,13 @@ class Fewer:
 
 @show.result
 class Minimal:
-    """The minimal `model`, the modes that left it, and the largest difference of the responses.
+    """The minimal `model`, the removed modes, and the largest difference of the responses.
 
-    No input moved the modes `unmoved`, no output showed those `unseen`; directions are in the states of the model as it
-    was. `removed` are the states that are no longer there, `added` those that were not there before. `difference` is
-    relative, over points from below the slowest to above the fastest pole. `gap` holds the least coupling that was kept
-    and the largest that was left out, of 1 at best: the order is certain when they lie far apart. `fewer` is an order
-    that hardly changes the response, yet by more than rounding explains.
+    The modes `unmoved` are uncontrollable, the modes `unseen` unobservable; directions are in the original states.
+    `removed` are the states that were removed, `added` the new ones. `difference` is relative, over points from below
+    the slowest to above the fastest pole. `gap` holds the least coupling kept and the largest left out, 1 at best: the
+    order is certain if they are far apart. `fewer` is a lower order that changes the response little, but by more than
+    rounding explains.
     """
 
     model: StateSpace
@@ -55,7 +55,7 @@ class Minimal:
     fewer: Fewer | None
 
     def sheet(self) -> show.Sheet:
-        """Return the counts, the new states and a line for each mode that left."""
+        """Return the counts, the new states and a row for each removed mode."""
         lines = [f"States: {', '.join(self.model.states) or 'none'}; the responses differ by {self.difference:.1e}."]
         if self.gap.left:
             doubt = "" if self.gap.ratio > CLEAR else "; they lie so close that the order is uncertain"
@@ -63,7 +63,7 @@ class Minimal:
         if self.fewer:
             lines.append(
                 f"{self.fewer.order} states change the response by {self.fewer.difference:.0e}: more than rounding "
-                "explains, so that the others were kept; they may be surplus."
+                "explains. The others are kept; they may be superfluous."
             )
         if self.removed:
             lines.append(f"Gone: {', '.join(self.removed)}.")
@@ -83,9 +83,9 @@ class Minimal:
 
 @arguments.checked
 def minimal(system: System) -> Minimal:
-    """Return a System without the parts that no input moves or no output shows.
+    """Return a System without its uncontrollable and unobservable parts.
 
-    Raises SignalError as `statespace.of` and `staircase.scaled`; ModelError when the response of what is left differs.
+    Raises SignalError as `statespace.of` and `staircase.scaled`; ModelError if the response changes.
     """
     model = of(system)
     part = staircase.of_model(model)
@@ -119,7 +119,7 @@ def _kept(model: StateSpace, part: staircase.Scaled, kept: Array) -> tuple[State
 
 
 def _place(column: Array) -> int:
-    """Return the place of the one state that a column of Z stands for, their number where it stands for several."""
+    """Return the index of the only state in a column of Z, or the number of states if it combines several."""
     states = np.flatnonzero(column)
     return int(states[0]) if len(states) == 1 else len(column)
 
@@ -135,7 +135,7 @@ def _names(model: StateSpace, Z: Array) -> tuple[tuple[str, ...], tuple[str, ...
 
 @dataclass(frozen=True, eq=False)
 class _Difference:
-    """How far two responses lie `apart` (k,) at some points, their `size` (k,), and what `rounding` (k,) may do."""
+    """The difference `apart` (k,) of two responses, their `size` (k,) and the effect of `rounding` (k,), at points."""
 
     apart: Array
     size: Array
@@ -143,21 +143,21 @@ class _Difference:
 
     @property
     def in_rounding(self) -> bool:
-        """Tell whether there are points and rounding explains the difference at each."""
+        """Whether there are points and rounding explains the difference at each."""
         return bool(len(self.apart) and (self.apart <= self.rounding).all())
 
     @property
     def relative(self) -> float:
-        """The largest difference over the size, which is known no better than to its rounding."""
+        """The largest difference over the size; the size is at least the rounding over SAME."""
         size = np.maximum(self.size, self.rounding / SAME)
         return float((self.apart / np.where(size > 0, size, 1.0)).max(initial=0.0))
 
 
 def _compare(one: StateSpace, other: StateSpace, part: staircase.Scaled) -> _Difference:
-    """Compare two responses in the scaled inputs and outputs of `one`, of which `part` is the scaled model.
+    """Compare two responses in the scaled inputs and outputs of `one`; `part` is the scaled model of `one`.
 
-    The points lie on a ray that leaves s = 0 to the right, from below the slowest to above the fastest pole; those at
-    which rounding alone moves the response of `one` by a tenth of SAME are left out.
+    The points lie on a ray from s = 0 into the right half-plane, from below the slowest to above the fastest pole.
+    Points where rounding alone changes the response of `one` by a tenth of SAME are omitted.
     """
     v = _points(one)
     shifted = (v / part.rate)[:, None, None] * np.eye(len(part.A)) - part.A
@@ -172,7 +172,7 @@ def _compare(one: StateSpace, other: StateSpace, part: staircase.Scaled) -> _Dif
 
 def _points(model: StateSpace) -> NDArray[np.complex128]:
     rates = np.abs(structure.rates(model.poles, model.time))
-    least = 2.0**-staircase.LARGEST  # slower is an integrator, faster a delay
+    least = 2.0**-staircase.LARGEST  # a slower mode is an integrator, a faster one a delay
     known = rates[(rates > least) & (rates < 1 / least)]
     low, high = (0.1 * known.min(), 10 * known.max()) if len(known) else (1.0, 1.0)
     s = np.geomspace(low, high, POINTS) * np.exp(0.7j)
@@ -187,9 +187,9 @@ def _response(model: StateSpace, points: NDArray[np.complex128]) -> NDArray[np.c
 
 @arguments.checked
 def connected(model: StateSpace) -> StateSpace:
-    """Return the model without the states that no input reaches or that reach no output, told by zeros of A, B, C.
+    """Return the model without structurally uncontrollable or unobservable states, from the zeros of A, B, C.
 
-    The response is the same function.
+    The response stays the same.
     """
     moves = model.A != 0
     reached, seen = (model.B != 0).any(axis=1), (model.C != 0).any(axis=0)

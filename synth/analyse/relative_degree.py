@@ -1,12 +1,12 @@
-"""Vector relative degree of a plant that is affine in its inputs, dx/dt = f + G u, y = h + E u.
+"""Vector relative degree and decoupling matrix of an input-affine plant, dx/dt = f + G u, y = h + E u.
 
-r_i is the least number of derivatives of y_i in which an input shows: L_G L_f^k h_i = 0 for k < r_i - 1, and
+r_i is the order of the first derivative of y_i that contains an input: L_G L_f^k h_i = 0 for k < r_i - 1, and
 
     d^r_i y_i / dt^r_i = a_i(x) + D_i(x) u,    a_i = L_f^r_i h_i,    D_i = L_G L_f^(r_i - 1) h_i,
 
-or r_i = 0 with a_i = h_i and D_i = E_i where an input enters y_i itself. D (p, m) is the decoupling matrix, a (p,) the
-drift. The degree is defined where D has rank p: D_i must not vanish, nor depend on the other rows. What is zero all
-over the domain is told by `rounding.vanish`; where D loses rank at points of the domain only, by `singularity.worst`.
+or r_i = 0 with a_i = h_i and D_i = E_i if an input enters y_i itself. D (p, m) is the decoupling matrix, a (p,) the
+drift. The degree is defined where D has rank p: D_i must not vanish, nor depend on the other rows. `rounding.vanish`
+decides which expressions vanish on the whole domain; `singularity.worst` finds single points where D loses rank.
 
 Source: Isidori, Nonlinear Control Systems, 5.1.
 """
@@ -31,7 +31,7 @@ RANK = 1e-9  # of the largest singular value: below it, rows of scaled size coun
 
 @dataclass(frozen=True)
 class Rows:
-    """Which rows of D are independent at almost every point, by output, and on which of them each other row depends."""
+    """The outputs whose rows of D are independent almost everywhere, and the rows on which each other row depends."""
 
     independent: tuple[str, ...]
     dependent: Mapping[str, tuple[str, ...]]
@@ -41,7 +41,7 @@ class Rows:
 class RelativeDegree:
     """Degrees (p,) of `model`'s outputs, with decoupling matrix D (p, m) and drift a (p,) in the symbols `model.x`.
 
-    `chains` holds y_i and its derivatives below the degree, `rows` tells which rows of D are independent.
+    `chains` holds y_i and its derivatives below the degree; `rows` lists the independent rows of D.
     """
 
     model: Affine
@@ -53,17 +53,17 @@ class RelativeDegree:
 
     @cached_property
     def lost(self) -> Mapping[str, singularity.Worst]:
-        """Where in the domain each row of D comes nearest to vanishing, by output.
+        """The point of the domain where each row of D is closest to vanishing, by output.
 
-        Raises ModelError where D is not finite.
+        Raises ModelError if D is not finite.
         """
         return {name: singularity.worst(self._scaled([i])) for i, name in enumerate(self.outputs)}
 
     @cached_property
     def worst(self) -> singularity.Worst | None:
-        """Where in the domain D comes nearest to losing rank p, None where it has it nowhere.
+        """The point of the domain where D is closest to losing rank p; None if the rank is below p everywhere.
 
-        Raises ModelError where D is not finite.
+        Raises ModelError if D is not finite.
         """
         return None if self.rows.dependent else singularity.worst(self.scaled)
 
@@ -74,7 +74,7 @@ class RelativeDegree:
 
     @property
     def scaled(self) -> singularity.Scaled:
-        """The decoupling matrix in half ranges of the inputs and rows over their largest norms."""
+        """The decoupling matrix, with columns in half ranges of the inputs and rows divided by their largest norms."""
         return self._scaled(range(len(self.degrees)))
 
     def _scaled(self, rows: Sequence[int]) -> singularity.Scaled:
@@ -83,11 +83,11 @@ class RelativeDegree:
 
     @cached_property
     def authority(self) -> Mapping[str, float]:
-        """How far the inputs' half ranges reach through D_i over how far the drift a_i does, by output; inf without it.
+        """Control authority by output: max |D_i| u over max |a_i|, u the inputs' half ranges; inf without drift.
 
-        Each is the largest at scattered points of the domain.
+        Each maximum is over scattered points of the domain.
 
-        Raises ModelError where D or a is not finite.
+        Raises ModelError if D or a is not finite.
         """
         points = np.hstack([box.scatter(self.model.states, rounding.POINTS, seed) for seed in rounding.SEEDS])
         both = np.abs(self.model.box.evaluated(ca.densify(ca.horzcat(self.decoupling, self.drift)), points))
@@ -97,7 +97,7 @@ class RelativeDegree:
         return dict(zip(self.outputs, found, strict=True))
 
     def require_defined(self) -> None:
-        """Raise ModelError, saying where and why, unless D has rank p all over the domain."""
+        """Raise ModelError, with point and cause, unless D has rank p on the whole domain."""
         if self.worst is None:
             raise ModelError(f"the relative degree of plant '{self.model.name}' is not defined: {self._dependence()}")
         if self.worst.singular and len(self.degrees) == 1:
@@ -129,7 +129,7 @@ class RelativeDegree:
         return f"nonsingular in the domain, condition up to {worst.condition:.4g} at {worst.where}"
 
     def sheet(self) -> show.Sheet:
-        """Return the degrees, where each row comes nearest to vanishing, and the matrix's worst condition."""
+        """Return the degrees, the point where each row is closest to vanishing, and the matrix's worst condition."""
         n, total = len(self.model.states), sum(self.degrees)
         if self.worst is None:
             lines = [f"not defined: {self._dependence()}"]
@@ -151,9 +151,9 @@ class RelativeDegree:
 def of_plant(
     plant: Plant, outputs: Sequence[str] | None = None, held: Mapping[str, float] | None = None
 ) -> RelativeDegree:
-    """Return the vector relative degree of the named `outputs`, all when left out, by the inputs that are not `held`.
+    """Return the vector relative degree of `outputs`, by default all, for the inputs that are not `held`.
 
-    Raises SignalError and ModelError as `lie.affine`; ModelError when no input reaches an output.
+    Raises SignalError and ModelError as `lie.affine`; ModelError if no input affects an output.
     """
     return of_affine(lie.affine(plant, outputs, held))
 
@@ -162,7 +162,7 @@ def of_plant(
 def of_affine(model: Affine) -> RelativeDegree:
     """Return the vector relative degree of a plant in affine form.
 
-    Raises ModelError when no input reaches an output, or a derivative is not finite in the domain.
+    Raises ModelError if no input affects an output, or a derivative is not finite in the domain.
     """
     found = [_chain(model, i) for i in range(len(model.outputs))]
     D, drift = (model.box.with_values(ca.vcat([parts[k] for parts in found])) for k in (1, 2))
@@ -200,7 +200,7 @@ def _rows(D: ca.SX, model: Affine) -> Rows:
 
 
 def _sampled(D: ca.SX, model: Affine) -> tuple[Array, Array]:
-    """Return D (k, p, m) at scattered points, rows and columns scaled there, and the rounding errors' bounds."""
+    """Return D (k, p, m) at scattered points, with rows and columns scaled, and the bounds of its rounding errors."""
     points = np.hstack([box.scatter(model.states, rounding.POINTS, seed) for seed in rounding.SEEDS])
     both = ca.horzcat(ca.densify(D), rounding.bound(D))
     evaluated = model.box.evaluated(both, points).transpose(2, 0, 1)
@@ -220,7 +220,7 @@ def _full(values: Array, noise: Array) -> Array:
 
 
 def _support(values: Array, kept: Sequence[int], i: int) -> list[int]:
-    """Return the rows among `kept` of which row i is made, judged where those are best conditioned."""
+    """Return the rows among `kept` whose combination is row i, from points where they are best conditioned."""
     least = np.linalg.svd(values[:, kept], compute_uv=False)[:, -1]
     best = np.argsort(-least, kind="stable")[: len(least) // 4]
     parts = [np.abs(np.linalg.lstsq(values[k][kept].T, values[k, i], rcond=None)[0]) for k in best]

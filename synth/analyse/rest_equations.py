@@ -1,8 +1,9 @@
-"""The equations of a resting loop, in the plant's states x, all its inputs u and the controller's state c.
+"""Equilibrium equations of a sampled closed loop, in the plant's states x and inputs u and the controller's state c.
 
     T f(x, u, p) = 0,   F(c, S h(x, u, p)) - c = 0,   U G(c, S h(x, u, p)) - u = 0
 
-each relative to half the width of its signal's range; Newton's method with the shortest step, and where to start it.
+each relative to half the width of its signal's range. Newton's method with the minimum-norm step solves them, from
+starting points that this module also gives.
 """
 
 from collections.abc import Iterator, Mapping
@@ -21,9 +22,9 @@ from synth.signals import Signal, names
 from synth.statespace import Array
 
 ITERATIONS = 60
-LATER = (0, 1, 10, 100, 1000, 10_000)  # samples of the simulated loop from which Newton's method starts
-COUNTING = 100_000  # samples that counters and flags may take to stand still
-RANK = 1e-12  # singular values of the scaled equations below this part of the largest count as zero
+LATER = (0, 1, 10, 100, 1000, 10_000)  # samples of the simulated loop at which Newton's method starts
+COUNTING = 100_000  # samples within which counters and flags must become constant
+RANK = 1e-12  # of the largest singular value of the scaled equations: a smaller one counts as zero
 SUBSTEPS = 4  # of the Runge-Kutta method in a period
 
 Wires = Mapping[str, str | Mapping[str, float]]
@@ -35,10 +36,11 @@ class ClosedLoop:
     """A plant under a controller.
 
     `sensors[controller input] = plant output`; `actuators[plant input] = controller output`, or a sum of them,
-    {controller output: weight}. Commands act `delay` samples late. Other inputs of the controller are references, other
-    inputs of the plant disturbances. `coordinates` {name: {sensor: weight}} are sums of sensors at which it may open.
+    {controller output: weight}. Commands act with a delay of `delay` samples. Other inputs of the controller are
+    references, other inputs of the plant disturbances. `coordinates` {name: {sensor: weight}} are sums of sensors at
+    which the loop can open.
 
-    Raises SignalError for a wire whose ends are not known.
+    Raises SignalError for a wire with an unknown end.
     """
 
     plant: Plant
@@ -73,7 +75,7 @@ class ClosedLoop:
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """Plant's states x, all inputs u, all controller's states, and the scaled residual of each equation."""
+    """The plant's states x and inputs u, the controller's states, and the scaled residual of each equation."""
 
     x: Array
     u: Array
@@ -87,11 +89,11 @@ class Trial:
 
 @dataclass(frozen=True, eq=False)
 class Equations:
-    """The equations of rest, as functions of x, u and the controller's state; `scale` is that of the unknowns.
+    """The equilibrium equations, as functions of x, u and the controller's state; `scale` is that of the unknowns.
 
-    `residual` returns for each unknown its change in a period, relative to its scale, `slope` the Jacobian of that by
-    the scaled unknowns; `step` the controller's next state and the inputs that it commands; `flow` the plant's next
-    state.
+    `residual` returns the change of each unknown in a period, relative to its scale, and `slope` its Jacobian with
+    respect to the scaled unknowns. `step` returns the controller's next state and the inputs that it commands, `flow`
+    the plant's next state.
     """
 
     unknowns: tuple[Signal, ...]
@@ -157,7 +159,7 @@ def _runge_kutta(plant: Plant, x: ca.SX, u: ca.SX, p: Array, T: float) -> ca.SX:
 
 
 def starts(equations: Equations, closed: ClosedLoop, near: OperatingPoint) -> Iterator[Trial]:
-    """Yield where the simulated loop is after some samples, commands one sample late, as long as it is finite."""
+    """Yield the simulated loop after some samples, with a command delay of one sample, as long as it is finite."""
     x, u, state = near.x.copy(), near.u.copy(), closed.controller.initial
     for before, until in pairwise((0, *LATER)):
         for _ in range(before, until):
@@ -169,7 +171,7 @@ def starts(equations: Equations, closed: ClosedLoop, near: OperatingPoint) -> It
 
 
 def rest_from(equations: Equations, trial: Trial) -> Trial:
-    """Solve for the real unknowns with counters and flags held, and step these until all stand still."""
+    """Solve for the real unknowns with counters and flags held, step these, and repeat until all are constant."""
     for _ in range(len(trial.state) + 1):
         trial = _newton(equations, trial)
         counted = _counted(equations, trial)
@@ -195,7 +197,7 @@ def _newton(equations: Equations, trial: Trial) -> Trial:
 
 
 def _counted(equations: Equations, trial: Trial) -> Trial | None:
-    """Return the trial with counters and flags where they stand still with the rest held; None where they do not."""
+    """Return the trial with counters and flags in their steady state, all else held; None if they have none."""
     state = trial.state.copy()
     whole = np.setdiff1d(np.arange(len(state)), equations.real)
     seen: set[bytes] = set()

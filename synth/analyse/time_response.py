@@ -1,13 +1,13 @@
-"""Step and impulse responses, exactly at equally spaced times (`control.step_response`, MATLAB `step` and `impulse`).
+"""Step and impulse responses, exact at equally spaced times (`control.step_response`, MATLAB `step` and `impulse`).
 
     continuous   step      y(t) = C int_0^t exp(A s) ds B + D          impulse   y(t) = C exp(A t) B          D = 0
     sampled      step      y(k) = C sum_(i<k) A^i B + D                impulse   y(0) = D,  y(k) = C A^(k-1) B
 
-One exponential over the interval between two times, of [[A, B], [0, 0]], gives x+ = F x + G exactly; the rest is that
-recursion. One input at a time is excited, all others and the initial states are 0.
+One matrix exponential of [[A, B], [0, 0]] over the interval gives the exact recursion x+ = F x + G. One input at a time
+is excited; the other inputs and the initial states are 0.
 
-The impulse of a sampled model is the unit pulse: 1 at the first sample, 0 after it. So its response is the sequence of
-Markov parameters and sums up to the step response. MATLAB and python-control give a pulse of 1/T instead, of area 1.
+The impulse of a sampled model is the unit pulse: 1 at the first sample, 0 after it. Its response is the sequence of
+Markov parameters, whose sum is the step response. MATLAB and python-control use a pulse of height 1/T instead (area 1).
 """
 
 import numpy as np
@@ -19,18 +19,18 @@ from synth.errors import ModelError, TimingError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.timing import Continuous
 
-DECADES = 3.0  # by which the slowest mode decays, or grows, in the time that is shown unless one is given
-POINTS = 500  # at least, of a continuous model
+DECADES = 3.0  # of decay, or growth, of the slowest mode in the default duration
+POINTS = 500  # at least, for a continuous model
 MOST = 20_000
-PER_TURN = 20  # points in a period of the fastest mode that oscillates
-BAND = 0.02  # of the final value: within it a step response has settled
+PER_TURN = 20  # points in a period of the fastest oscillating mode
+BAND = 0.02  # of the final value: tolerance of the settling time
 
 
 @show.result
 class TimeResponse:
-    """Outputs (k, p, m) at `time` (k,) in seconds: output i when input j alone gets the `signal`, a step or an impulse.
+    """Outputs (k, p, m) at `time` (k,) in seconds: output i for a `signal` (step or impulse) at input j alone.
 
-    `final` (p, m) is where a step response of a model that decays ends, None otherwise.
+    `final` (p, m) is the final value of the step response of a stable model, None otherwise.
     """
 
     signal: str
@@ -43,7 +43,7 @@ class TimeResponse:
     final: Array | None = None
 
     def sheet(self) -> show.Sheet:
-        """Return final value, overshoot, rise and settling time of each channel of a step, and the peak of all."""
+        """Return final value, overshoot, rise and settling time of each channel for a step, and each peak."""
         labels = [[show.named(*pair) for pair in zip(*part, strict=True)] for part in self._signals()]
         rows = tuple(
             (f"{labels[1][j]} -> {labels[0][i]}", *self._figures(i, j)) for i, j in np.ndindex(*self.outputs.shape[1:])
@@ -74,11 +74,11 @@ class TimeResponse:
 def step_response(system: System, duration_s: float | None = None, interval_s: float | None = None) -> TimeResponse:
     """Return the response to a unit step at each input in turn, from 0 to `duration_s` every `interval_s` seconds.
 
-    Left out, the duration is that in which the slowest mode decays, or the fastest growing one grows, by a factor of
-    1000, and the interval shows its oscillations with 500 points or more. A sampled model keeps its own interval.
+    By default the slowest mode decays, or the fastest growing mode grows, by a factor of 1000 within the duration, and
+    the interval resolves the oscillations with at least 500 points. A sampled model keeps its own interval.
 
     Raises SignalError as `statespace.of`; TimingError for a time that is not positive, more than 20,000 intervals, or
-    an interval of a sampled model; ModelError when a mode grows beyond what a double holds.
+    an interval for a sampled model; ModelError when a mode overflows double precision.
     """
     model = of(system)
     time, F, G = _recursion(model, duration_s, interval_s)
@@ -91,14 +91,14 @@ def step_response(system: System, duration_s: float | None = None, interval_s: f
 def impulse_response(system: System, duration_s: float | None = None, interval_s: float | None = None) -> TimeResponse:
     """Return the response to a unit impulse at each input in turn; a sampled model gets 1 at its first sample.
 
-    Times and errors are those of `step_response`; besides, raises ModelError for a continuous model with D other than
-    0, whose response holds an impulse itself.
+    Times and errors are those of `step_response`. Also raises ModelError for a continuous model with D other than 0,
+    whose response contains an impulse.
     """
     model = of(system)
     if isinstance(model.time, Continuous) and model.D.any():
         i, j = np.argwhere(model.D)[0]
         raise ModelError(
-            f"the impulse response holds an impulse at t = 0, D[{model.outputs[i]}, {model.inputs[j]}] is "
+            f"the impulse response contains an impulse at t = 0, D[{model.outputs[i]}, {model.inputs[j]}] is "
             f"{show.number(model.D[i, j])}: give the model with D = 0 for all that follows"
         )
     time, F, _ = _recursion(model, duration_s, interval_s)
@@ -153,7 +153,7 @@ def _held(model: StateSpace, interval: float) -> tuple[Array, Array]:
 
 
 def _rates(model: StateSpace) -> NDArray[np.complex128]:
-    """Return the poles in 1/s (n,), of a sampled model without those at z = 0."""
+    """Return the poles in 1/s (n,); for a sampled model without those at z = 0."""
     poles = model.poles
     if isinstance(model.time, Continuous):
         return poles
@@ -161,7 +161,7 @@ def _rates(model: StateSpace) -> NDArray[np.complex128]:
 
 
 def _duration(model: StateSpace) -> float:
-    """Return the time in which all modes that decay do so by 1000, or the fastest that grows does."""
+    """Return the time for all stable modes to decay by 1000, or for the fastest growing mode to grow by 1000."""
     rates = _rates(model)
     size = float(np.abs(rates).max(initial=0.0))
     lasting = np.abs(rates.real) <= 1e-9 * np.abs(rates) + 1e-14 * size
@@ -179,7 +179,7 @@ def _count(model: StateSpace, span: float) -> int:
 
 
 def _final(model: StateSpace) -> Array | None:
-    """Return C (-A)^-1 B + D, for a sampled model C (I - A)^-1 B + D, of a model that decays."""
+    """Return C (-A)^-1 B + D, for a sampled model C (I - A)^-1 B + D; None unless it is stable."""
     if not transfer.decay(model.poles, model.time):
         return None
     resolvent = -model.A if isinstance(model.time, Continuous) else np.eye(len(model.A)) - model.A
@@ -196,7 +196,7 @@ def _response(signal: str, model: StateSpace, time: Array, outputs: Array, final
 
 
 def _first(time: Array, y: Array, level: float) -> float:
-    """Return when y first reaches a level, by linear interpolation between the times; inf if it does not."""
+    """Return the time when y first reaches a level, by linear interpolation; inf if it does not."""
     above = y >= level
     if not above.any():
         return np.inf
@@ -205,7 +205,7 @@ def _first(time: Array, y: Array, level: float) -> float:
 
 
 def _settled(time: Array, y: Array) -> str:
-    """Return the first of the times from which on y stays within the band around 1, "" if it is still outside."""
+    """Return the settling time, after which y stays within BAND of 1, as text; "" if it is still outside."""
     outside = np.flatnonzero(np.abs(y - 1) > BAND)
     if not outside.size:
         return show.number(time[0])

@@ -1,9 +1,9 @@
-"""Crossings of a loop in double precision, followed on a grid: for more states than polynomials bear.
+"""Gain and phase crossings of a loop of high order, traced on a frequency grid in double precision.
 
-Between the nodes of `transfer.trace` each crossing and the least |1 + L| are found by bracketing, and a pair of
-crossings inside one interval by the turn between them. Where |L| = 1 or L < 0 over a whole stretch (an all-pass, an
-undamped loop), the crossings returned are the worst of the stretch. A crossing between nodes may be missed: whoever
-relies on them verifies them.
+Bracketing between the nodes of `transfer.trace` locates each crossing and the least |1 + L|. A pair of crossings inside
+one interval shows as an extremum between them. If |L| = 1 or L < 0 over a whole stretch (an all-pass, an undamped
+loop), only the worst crossings of the stretch are returned. A crossing between nodes may be missed, so the caller must
+verify the result.
 """
 
 from collections.abc import Callable
@@ -18,9 +18,9 @@ from synth.analyse.transfer import Curve
 from synth.errors import ModelError
 from synth.statespace import Array, Complex
 
-FLAT = 1e-10  # log |L| or sin(arg L) stays below it over neighbouring nodes only where it is 0 all along
-NEAR = 0.3  # neighbours differ by half of it at most: a turn farther from 0 does not reach it
-REAL = 1e-6  # of |L|: a larger imaginary part where it changes sign is a pole
+FLAT = 1e-10  # log |L| or sin(arg L) below it at neighbouring nodes counts as 0 on the whole stretch
+NEAR = 0.3  # neighbours differ by at most half of it: an extremum farther from 0 does not reach 0
+REAL = 1e-6  # of |L|: a sign change of a larger imaginary part is a pole
 
 
 def of_curve(curve: Curve) -> Crossings:
@@ -33,7 +33,7 @@ def of_curve(curve: Curve) -> Crossings:
 
 
 def _unit(curve: Curve) -> list[float]:
-    """Return where |L| = 1; of a stretch the worst for the phase and for a delay."""
+    """Return the frequencies with |L| = 1; for a stretch, those with the least phase and delay margins."""
     value, w = refinement.log(curve.value), curve.w
     found = [] if len(w) < 3 else _roots(lambda v: refinement.log(curve.L(v)), w, value)
     _require_parity(found, value)
@@ -44,7 +44,7 @@ def _unit(curve: Curve) -> list[float]:
 
 
 def _require_parity(crossings: list[float], value: Array) -> None:
-    """Raise ModelError when crossings do not lead from log |L| at one end to the other, but for stretches of zeros."""
+    """Raise ModelError if the number of crossings does not fit log |L| at the ends; skipped for stretches of zeros."""
     if len(value) < 3 or _stretches(value) or (np.abs(value[[0, -1]]) <= FLAT).any():
         return
     first, last = np.exp(value[[0, -1]])
@@ -56,7 +56,7 @@ def _require_parity(crossings: list[float], value: Array) -> None:
 
 
 def _real(curve: Curve, unit: list[float]) -> list[float]:
-    """Return where L is real; of a stretch where |L| is 1, as at each of `unit`, or nearest to it."""
+    """Return the frequencies with L real; for a stretch, those of `unit` (|L| = 1), or where |L| is closest to 1."""
 
     def sine(v: Array | float) -> Array:
         return _sine(curve.L(v))
@@ -74,14 +74,14 @@ def _sine(value: Complex) -> Array:
 
 
 def _stretches(value: Array) -> list[slice]:
-    """Return the runs of three or more nodes on which `value` is 0 but for rounding."""
+    """Return the runs of three or more nodes where `value` is 0 within rounding."""
     flat = np.concatenate([[False], np.abs(value) < FLAT, [False]])
     edges = np.flatnonzero(np.diff(flat.astype(int)))
     return [slice(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a >= 3]
 
 
 def _roots(f: Callable[[float], NDArray[np.float64]], w: Array, value: Array) -> list[float]:
-    """Return where f is zero, from its `value` on w, but for stretches of zeros."""
+    """Return the zeros of f, from its `value` on w, without stretches of zeros."""
     w, value = _with_turns(f, w, value)
     signs = np.sign(value)
     for run in _stretches(value):
@@ -93,7 +93,7 @@ def _roots(f: Callable[[float], NDArray[np.float64]], w: Array, value: Array) ->
 
 
 def _root(f: Callable[[float], NDArray[np.float64]], a: float, b: float) -> float:
-    """Return where f is zero between a and b, at the nearer end where rounding has moved the zero beyond."""
+    """Return the zero of f between a and b, or the closer end if rounding has moved the zero outside."""
     at_a, at_b = (float(np.ravel(f(v))[0]) for v in (a, b))
     if at_a * at_b >= 0:
         return a if abs(at_a) <= abs(at_b) else b
@@ -101,10 +101,10 @@ def _root(f: Callable[[float], NDArray[np.float64]], a: float, b: float) -> floa
 
 
 def _with_turns(f: Callable[[float], NDArray[np.float64]], w: Array, value: Array) -> tuple[Array, Array]:
-    """Return the nodes and, where f turns between them beyond 0 and back, the point of the turn."""
+    """Return the nodes and each extremum of f between nodes that lies beyond 0."""
     size, sign = np.abs(value), np.sign(value)
     turns = (size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:]) & (size[1:-1] < NEAR)
-    turns &= size[1:-1] < 4 * (np.maximum(size[:-2], size[2:]) - size[1:-1])  # a smooth turn goes down by less
+    turns &= size[1:-1] < 4 * (np.maximum(size[:-2], size[2:]) - size[1:-1])  # bound for a smooth extremum
     turns &= w[2:] - w[:-2] > 16 * refinement.NARROW * w[2:]
     turns &= (sign[1:-1] == sign[:-2]) & (sign[1:-1] == sign[2:]) & (size[1:-1] > FLAT)
     for k in np.flatnonzero(turns) + 1:
@@ -121,7 +121,7 @@ def _scaled(f: Callable[[float], NDArray[np.float64]], factor: float) -> Callabl
 
 
 def _least(f: Callable[[float], float], a: float, b: float) -> tuple[float, float]:
-    """Return where f is least in a bracket, which may be far narrower than a, and its value."""
+    """Return the minimiser of f in a bracket, which may be far narrower than a, and its value."""
     found = minimize_scalar(lambda t: f(a + (b - a) * t), bounds=(0, 1), method="bounded", options={"xatol": 1e-9})
     return float(a + (b - a) * found.x), float(found.fun)
 
@@ -133,7 +133,7 @@ def _peak(curve: Curve) -> tuple[float, float]:
         (float(distance.min()), float(w[distance.argmin()]))
     ]
     falling = np.flatnonzero((distance[1:-1] <= distance[:-2]) & (distance[1:-1] <= distance[2:])) + 1
-    near = falling[distance[falling] < 1.2 * distance.min()]  # neighbours differ by less, and a flat S has many
+    near = falling[distance[falling] < 1.2 * distance.min()]  # neighbours differ by less; a flat S has many minima
     for k in near[np.argsort(distance[near], kind="stable")[:20]]:
         where, least = _least(lambda v: float(abs(1 + curve.L(v)[0])), w[k - 1], w[k + 1])
         candidates.append((least, where))

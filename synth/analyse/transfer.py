@@ -1,12 +1,12 @@
-"""A scalar loop along the frequency axis: s = i w, or z = exp(i w T) up to w = pi/T for a sampled loop.
+"""Frequency response of a scalar loop: s = i w, or z = exp(i w T) up to w = pi/T for a sampled loop.
 
     L(s) = (C (s I - A)^-1 B + D) exp(-s tau) (1 - exp(-s T)) / (s T)
 
-A StateSpace is the first factor alone. `Delayed` has the other two as well, exactly: a computation delay tau, and the
-mean effect of a sample hold of period T; with them 1 + L has infinitely many zeros.
+A StateSpace is the first factor alone. `Delayed` also has the other two, exactly: a computation delay tau and the
+average effect of a zero-order hold of period T. With them 1 + L has infinitely many zeros.
 
-The grid is dense at the poles of L and of the closed loop and refined until neighbours differ little, in phase too,
-which turns at a zero.
+The frequency grid of `trace` is dense at the poles of L and of the closed loop. It is refined until gain and phase
+differ little between neighbours.
 """
 
 from collections.abc import Callable, Mapping
@@ -24,35 +24,35 @@ from synth.timing import Continuous, Discrete, Time
 
 Response = Callable[[ArrayLike], Complex]
 
-ZERO = 1e-12  # of the fastest rate: a slower one may be the rounding error of an integrator
-QUIET = 1e-2  # a delayed loop is followed until |L| stays this near to its last value, and for two turns at least
-ILL_POSED = "the loop passes its input straight on with the factor -1: 1 + L has no inverse; delay it"
-TURNS = 1000  # of the delay over the whole grid: beyond, the loop is refused
+ZERO = 1e-12  # of the fastest rate: a slower one may be an integrator with rounding error
+QUIET = 1e-2  # a delayed loop is traced until |L| stays this close to its limit, and for at least two turns
+ILL_POSED = "the loop has the direct feedthrough -1: 1 + L has no inverse; delay it"
+TURNS = 1000  # of the delay over the whole grid: more is an error
 
 
 @arguments.checked
 @show.result
 class Delayed:
-    """A scalar continuous model whose output is late by `delay_s` and, where `hold_s` is not 0, held over `hold_s`."""
+    """A scalar continuous model with its output delayed by `delay_s` and, unless 0, held over `hold_s`."""
 
     model: StateSpace
     delay_s: float
     hold_s: float = 0.0
 
     def sheet(self) -> show.Sheet:
-        """Return the two times, and the model under them."""
+        """Return the delay, the hold and the model."""
         under = self.model.sheet()
         line = f"delay {self.delay_s:g} s, hold {self.hold_s:g} s, both exact"
         return show.Sheet(f"{under.title}, delayed", (line,), under.tables)
 
 
 Loop = System | Delayed
-"""What has a frequency response: a System, or a Delayed."""
+"""A System or a Delayed."""
 
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """L on frequencies w (N,) in rad/s, rising; `ends` has L at w = 0 and at pi/T or infinity, where it has no pole."""
+    """L on rising frequencies w (N,) in rad/s; `ends` has L at w = 0 and at pi/T or infinity, unless it has a pole."""
 
     L: Response
     w: Array
@@ -80,13 +80,13 @@ def delayed(system: System, delay_s: float, hold_s: float = 0.0) -> Delayed:
 
 @arguments.checked
 def read(loop: Loop) -> StateSpace | Delayed:
-    """Return a loop as a StateSpace or a Delayed; raise SignalError when it has another count of signals than one."""
+    """Return a loop as a StateSpace or a Delayed; raise SignalError unless it has one input and one output."""
     return loop if isinstance(loop, Delayed) else scalar(of(loop))
 
 
 @arguments.checked
 def scalar(model: StateSpace) -> StateSpace:
-    """Return the model; raise SignalError when it has not one input and one output."""
+    """Return the model; raise SignalError unless it has one input and one output."""
     if (len(model.inputs), len(model.outputs)) != (1, 1):
         raise SignalError(f"the loop has inputs {model.inputs} and outputs {model.outputs}: open it at one signal")
     return model
@@ -94,9 +94,9 @@ def scalar(model: StateSpace) -> StateSpace:
 
 @arguments.checked
 def response(loop: Loop) -> Response:
-    """Return w (k,) rad/s -> L (k,) of a scalar loop; exactly on a pole, L right beside it.
+    """Return the function w (k,) rad/s -> L (k,) of a scalar loop; exactly on a pole it gives L just beside it.
 
-    Raises SignalError when the loop is not scalar; w -> L raises ModelError at a pole that has nothing beside it, at 0.
+    Raises SignalError when the loop is not scalar. The function raises ModelError at a pole at w = 0.
     """
     found = read(loop)
     moving = _moving(found.model if isinstance(found, Delayed) else found)
@@ -128,7 +128,7 @@ def _moving(model: StateSpace) -> Response:
 
 @arguments.checked
 def closed_poles(model: StateSpace, factor: complex = 1.0) -> Complex:
-    """Return the zeros of 1 + factor L, in 1/s or in z; raise ModelError where the input passes straight on as -1."""
+    """Return the zeros of 1 + factor L, in 1/s or in z; raise ModelError if 1 + factor D is 0."""
     D = factor * float(scalar(model).D[0, 0])
     if D == -1:
         raise ModelError(ILL_POSED)
@@ -136,12 +136,12 @@ def closed_poles(model: StateSpace, factor: complex = 1.0) -> Complex:
 
 
 def decay(poles: Complex, time: Time) -> bool:
-    """Tell whether all poles decay, by more than the rounding error of the matrix that they belong to."""
+    """Tell whether all poles are stable, by more than the rounding error of their matrix."""
     return not lasting(poles, time).any()
 
 
 def lasting(poles: Complex, time: Time) -> NDArray[np.bool_]:
-    """Tell of each pole whether it does not decay by more than the rounding error of the matrix that it belongs to."""
+    """Tell for each pole whether it is undamped or unstable, up to the rounding error of its matrix."""
     if isinstance(time, Continuous):
         return np.asarray(poles.real >= -1e-14 * np.abs(poles).max(initial=0.0))
     return np.asarray(np.abs(poles) >= 1 - 1e-14)
@@ -151,12 +151,12 @@ def lasting(poles: Complex, time: Time) -> NDArray[np.bool_]:
 def trace(
     loop: StateSpace | Delayed, low: float | None = None, high: float | None = None, L: Response | None = None
 ) -> Curve:
-    """Return L between `low` and `high` rad/s on a grid fine enough for every crossing to show; `L` where it is known.
+    """Return L between `low` and `high` rad/s on a grid that resolves every crossing; `L` if available.
 
-    Left out, `low` lies below and `high` above all poles; a sampled loop always goes up to Nyquist.
+    By default `low` lies below and `high` above all poles; a sampled loop always extends to Nyquist.
 
-    Raises SignalError when low and high are not 0 < low < high; ModelError when 1 + L has no inverse, or when a delay
-    is too long for the loop to be followed.
+    Raises SignalError unless 0 < low < high; ModelError if 1 + L has no inverse, or if a delay is too long to trace the
+    loop.
     """
     model = loop.model if isinstance(loop, Delayed) else loop
     L, closed, poles = L or response(loop), _closed_rates(loop), _rates(model.poles, model)
@@ -180,7 +180,7 @@ def trace(
 
 @arguments.checked
 def check_limits(low: float | None, high: float | None) -> None:
-    """Raise SignalError when limits in rad/s are not 0 < low < high."""
+    """Raise SignalError unless the limits in rad/s are 0 < low < high."""
     for name, v in (("low", low), ("high", high)):
         if v is not None and (not isinstance(v, Real) or isinstance(v, bool) or not 0 < v < np.inf):
             raise SignalError(f"`{name}` is {v!r}: give a finite frequency above 0 in rad/s, or leave it out")
@@ -190,7 +190,7 @@ def check_limits(low: float | None, high: float | None) -> None:
 
 @arguments.checked
 def check_turns(late: float, top: float) -> None:
-    """Raise ModelError when a delay in s turns a loop too often below `top` rad/s for it to be followed."""
+    """Raise ModelError if the delay in s gives the loop too many turns below `top` rad/s to trace it."""
     if top * late > 2 * np.pi * TURNS:
         raise ModelError(
             f"the loop is delayed by {late:g} s and must be followed up to {top:.3g} rad/s, more than {TURNS} "
@@ -226,14 +226,14 @@ def _span(
 
 
 def _settled(L: Response, last: float, start: float, top: float) -> float:
-    """Return a frequency above which |L| stays within QUIET of its last value, `top` if there is none."""
+    """Return a frequency above which |L| stays within QUIET of its limit `last`, or `top` if there is none."""
     w = np.geomspace(start, top, 2000)
     moving = np.flatnonzero(np.abs(np.abs(L(w)) - last) >= QUIET)
     return float(w[min(moving[-1] + 1, len(w) - 1)]) if moving.size else float(w[0])
 
 
 def _grid(rates: Complex, start: float, top: float, nodes: list[Array]) -> Array:
-    """Return frequencies from start to top, denser towards each lightly damped pole, and the given nodes."""
+    """Return frequencies from start to top, denser towards each lightly damped pole, and `nodes`."""
     points = [np.geomspace(start, top, 400), *nodes]
     for s in rates[rates.imag > start]:
         width = max(abs(s.real), 4 * NARROW * s.imag)
@@ -243,7 +243,7 @@ def _grid(rates: Complex, start: float, top: float, nodes: list[Array]) -> Array
     w = w[(w >= start) & (w <= top)]
     undamped = rates.imag[(np.abs(rates.real) < NARROW * rates.imag) & (rates.imag > start)]
     w = w[(np.abs(w[:, None] - undamped) > NARROW / 2 * w[:, None]).all(axis=1)]
-    # Poles that nearly coincide seed nearly the same nodes; a bracket between such twins would hold no peak.
+    # Poles that nearly coincide give nearly equal nodes; a bracket between these would contain no peak.
     return w[np.append(np.diff(w) > NARROW * w[1:], True)]
 
 
@@ -253,7 +253,7 @@ def ends(loop: StateSpace | Delayed) -> dict[float, float]:
     scalar(loop.model if isinstance(loop, Delayed) else loop)
     if isinstance(loop, Delayed):
         last = 0.0 if loop.hold_s else float(loop.model.D[0, 0])
-        return _real(loop.model, {0.0: 0.0}) | {np.inf: -abs(last) if loop.delay_s else last}  # it circles for ever
+        return _real(loop.model, {0.0: 0.0}) | {np.inf: -abs(last) if loop.delay_s else last}  # L circles
     if isinstance(loop.time, Continuous):
         return _real(loop, {0.0: 0.0}) | {np.inf: float(loop.D[0, 0])}
     return _real(loop, {0.0: 1.0, np.pi / loop.time.period_s: -1.0})

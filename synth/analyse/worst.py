@@ -1,12 +1,12 @@
-"""The worst of a figure of a loop over operating points and over the tolerances of parameters.
+"""Worst-case margins of a loop over operating points and parameter tolerances (compare MATLAB `wcmargin`).
 
     worst over points o and over p in the box |p_i - p_i0| <= tolerance_i |p_i0| of figure(loop(o, p))
 
-At each operating point the centre of the box and all its vertices are tried; from the two worst of them a bounded
-search without derivatives goes on, for a worst case may lie on an edge or inside. What is told is attained, at the
-values told; it is no proof that nothing in the box is worse.
+At each operating point the search evaluates the centre of the box and all its vertices. It continues from the two worst
+with a bounded derivative-free search, because the worst case may lie on an edge or inside. The reported value is
+attained at the reported parameters. It is not proved to be the worst in the box.
 
-A loop that is not stable has no margin left: the figures here are 0, for a gain 1, and for the peak sensitivity inf.
+An unstable loop has no margin left: its figures are 0, 1 for a gain, and inf for the peak sensitivity.
 """
 
 import itertools
@@ -24,10 +24,10 @@ from synth.signals import Parameter
 from synth.signals import names as names_of
 from synth.statespace import Array
 
-MOST_PARAMETERS = 10  # with a tolerance: more have over a thousand vertices at each operating point
+MOST_PARAMETERS = 10  # with a tolerance: 2^10 vertices at each operating point
 STEPS = 30  # of each search, for each parameter
-STILL = 1e-6  # of the box, and of the figure: a search stops when it moves less
-FAR = 1e300  # stands for inf, with which the search cannot reckon
+STILL = 1e-6  # of the box, and of the figure: a search stops at smaller changes
+FAR = 1e300  # replaces inf, which the search cannot use
 
 LoopOf = Callable[[Mapping[str, float]], Loop]
 
@@ -35,7 +35,7 @@ LoopOf = Callable[[Mapping[str, float]], Loop]
 @arguments.checked
 @dataclass(frozen=True)
 class Figure:
-    """A scalar figure of a loop, in `unit`; the worst is the largest where `largest`, else the least."""
+    """A scalar figure of a loop, in `unit`; the worst is the largest if `largest`, otherwise the least."""
 
     name: str
     unit: str
@@ -61,9 +61,9 @@ PEAK_SENSITIVITY = _margin("peak sensitivity", "1", lambda m: m.peak_sensitivity
 
 @dataclass(frozen=True)
 class Point:
-    """What was found at one operating point: the figure at the centre, at the worst vertex, and the worst, with where.
+    """The figure at one operating point: at the centre, at the worst vertex, and the worst of all.
 
-    `where` maps parameters to values.
+    `where` has the parameters of the worst.
     """
 
     name: str
@@ -86,7 +86,7 @@ class Worst:
     evaluations: int
 
     def sheet(self) -> show.Sheet:
-        """Return the worst, how it was searched, and what each operating point gives."""
+        """Return the worst, the extent of the search, and the values at each operating point."""
         values = ", ".join(f"{p.name} {self.where[p.name]:.6g} {p.unit}" for p in self.parameters)
         unit = "" if self.figure.unit == "1" else f" {self.figure.unit}"
         title = f"Worst {self.figure.name}: {show.number(self.value)}{unit}" + (f" at {self.at}" if self.at else "")
@@ -122,10 +122,10 @@ def search(
     """Return the worst of a figure over the parameters' tolerances at each operating point.
 
     `loop` gets the values of the parameters and of the operating point, by name; `points` maps the name of an operating
-    point to its values, in whatever units `loop` takes. A parameter of tolerance 0 stays at its value.
+    point to its values, in the units that `loop` takes. A parameter of tolerance 0 stays at its value.
 
-    Raises SignalError for no point, a name that stands twice, a tolerance of a value 0, or too many parameters with a
-    tolerance; ModelError when the figure is no number or `loop` fails, with the values.
+    Raises SignalError for no point, a duplicate name, a tolerance of a value 0, or too many parameters with a
+    tolerance; ModelError with the values if the figure is NaN or `loop` fails.
     """
     points = {"": {}} if points is None else points
     _require(parameters, points)
@@ -149,10 +149,10 @@ def search(
 def _require(parameters: Sequence[Parameter], points: Mapping[str, Mapping[str, float]]) -> None:
     known = names_of(parameters)
     if not points:
-        raise SignalError("no operating point is given: give one at least, or leave `points` out")
+        raise SignalError("there is no operating point: give at least one, or leave `points` out")
     for name, values in points.items():
         if both := [v for v in values if v in known]:
-            raise SignalError(f"the operating point '{name}' sets '{both[0]}', which is a parameter too: leave one out")
+            raise SignalError(f"the operating point '{name}' sets '{both[0]}', also a parameter: leave one out")
     for p in parameters:
         if p.tolerance and not p.value:
             raise SignalError(
@@ -162,13 +162,13 @@ def _require(parameters: Sequence[Parameter], points: Mapping[str, Mapping[str, 
     count = sum(p.tolerance > 0 for p in parameters)
     if count > MOST_PARAMETERS:
         raise SignalError(
-            f"{count} parameters have a tolerance, whose box has 2^{count} vertices: keep {MOST_PARAMETERS} at most, "
+            f"{count} parameters have a tolerance, whose box has 2^{count} vertices: keep at most {MOST_PARAMETERS}, "
             "the others at tolerance 0"
         )
 
 
 def _placed(parameters: Sequence[Parameter], free: Sequence[Parameter], t: Array) -> dict[str, float]:
-    """Return the values at t (free,) in -1 .. 1 across the box."""
+    """Return the parameters at t (free,), -1 .. 1 from one end of each tolerance to the other."""
     moved = {p.name: p.value * (1 + p.tolerance * float(s)) for p, s in zip(free, t, strict=True)}
     return {p.name: moved.get(p.name, p.value) for p in parameters}
 
@@ -179,11 +179,11 @@ def _value(loop: LoopOf, figure: Figure, values: Mapping[str, float]) -> float:
         value = float(figure.of(loop(values)))
     except SynthError as error:
         raise ModelError(f"no {figure.name} at {told}: {error}") from error
-    except Exception as error:  # whatever the user's own function raises: without the values it cannot be found again
+    except Exception as error:  # any error of the user's function: the values make it reproducible
         found = f"{type(error).__name__}: {error}"
         raise ModelError(f"no {figure.name} at {told}: {found}; mend the loop or narrow the tolerances") from error
     if np.isnan(value):
-        raise ModelError(f"the {figure.name} is no number at {told}: mend the loop or narrow the tolerances")
+        raise ModelError(f"the {figure.name} is NaN at {told}: mend the loop or narrow the tolerances")
     return value
 
 
@@ -194,7 +194,7 @@ def _searched(
     free: Sequence[Parameter],
     figure: Figure,
 ) -> Point:
-    """Return what is worst at one operating point; less is worse in `bad`."""
+    """Return the worst at one operating point; a smaller `objective` is worse."""
     n, turned = len(free), -1.0 if figure.largest else 1.0
     corners = [np.array(c) for c in itertools.product((-1.0, 1.0), repeat=n)] if n else []
     tried = sorted([(bad(t), k, t) for k, t in enumerate([np.zeros(n), *corners])], key=lambda c: c[:2])
@@ -206,9 +206,9 @@ def _searched(
 
 
 def _local(bad: Callable[[Array], float], start: Array) -> tuple[float, Array]:
-    """Return the least found by a simplex from `start`, reaching across the box.
+    """Return the minimum from a simplex search from `start` that spans the box.
 
-    It moves in angles a with t = sin(a), so that no side of the box flattens it.
+    The variables are angles a with t = sin(a), which keeps the simplex from collapsing on a side of the box.
     """
     angle = np.arcsin(start)
     simplex = np.vstack([angle, angle + np.diag(np.where(angle == 0, np.pi / 4, -angle))])

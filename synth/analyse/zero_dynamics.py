@@ -1,7 +1,7 @@
-"""Zero dynamics at an equilibrium: how the states move that the outputs do not show while they are held at rest.
+"""Zero dynamics at an equilibrium: the motion of the states while the inputs keep all outputs at zero.
 
-With relative degrees r_i and the linear model dx/dt = A x + B u, y = C x + D u, as many inputs as outputs, the outputs
-stay at rest on the subspace Z of all x with C_i A^k x = 0, k < r_i, under the input that keeps C_i A^r_i x + D_i u = 0:
+For relative degrees r_i and a linear model dx/dt = A x + B u, y = C x + D u with as many inputs as outputs, the outputs
+stay zero on the subspace Z of all x with C_i A^k x = 0, k < r_i, under the input that keeps C_i A^r_i x + D_i u = 0:
 
     dz/dt = Z^T (A - B D*^-1 C*) Z z,   C*_i = C_i A^r_i,   D*_i = C_i A^(r_i - 1) B,   x = Z z,
 
@@ -34,16 +34,16 @@ from synth.statespace import Array, StateSpace, System
 
 Verdict = Literal["none", "minimum phase", "not minimum phase", "not hyperbolic"]
 
-SLOW = 1e-6  # of the model's norm: what it adds to the norm of its zero dynamics, for their size
+SLOW = 1e-6  # of the model's norm: added to the norm of the zero dynamics to give their size
 AXIS = 1e-6  # of that size: real parts this small count as 0; a double eigenvalue scatters by 1e-8
-AGREED = 1e-5  # of that size: what the two ways may differ by, as eigenvalues of multiplicity 2 or 3 scatter
+AGREED = 1e-5  # of that size: allowed difference of the two methods; eigenvalues of multiplicity 2 or 3 scatter
 SINGULAR = 1e8  # condition of D* from which the degree counts as undefined
 AT_REST = 1e-6  # of a state's half range per second
 
 
 @dataclass(frozen=True)
 class Mode:
-    """An eigenvalue in 1/s, and the states that move most in it, in half ranges."""
+    """An eigenvalue in 1/s, and its dominant states, measured in half ranges."""
 
     value: complex
     states: tuple[str, ...]
@@ -51,11 +51,11 @@ class Mode:
 
 @show.result
 class ZeroDynamics:
-    """The modes of the zero dynamics, the transmission `zeros` of the pencil, and how far apart they are.
+    """The modes of the zero dynamics, the transmission `zeros` of the pencil, and their distance.
 
-    `distance` is the largest of paired values, over the size of the dynamics.
-    `verdict`: "none" where the order is 0; "minimum phase" where all modes decay; "not minimum phase" where one grows;
-    "not hyperbolic" where none grows and one lies on the imaginary axis, so that the linear model does not decide.
+    `distance` is the largest distance of paired values, over the size of the dynamics.
+    `verdict`: "none" if the order is 0; "minimum phase" if all modes decay; "not minimum phase" if one grows;
+    "not hyperbolic" if none grows and one lies on the imaginary axis: the linear model then does not decide.
     """
 
     modes: tuple[Mode, ...]
@@ -70,7 +70,7 @@ class ZeroDynamics:
 
     @property
     def agreed(self) -> bool:
-        """Whether the two ways to the zeros agree."""
+        """Whether the two methods give the same zeros."""
         return self.distance <= AGREED
 
     def sheet(self) -> show.Sheet:
@@ -96,10 +96,10 @@ class ZeroDynamics:
 def at_point(plant: Plant, degree: RelativeDegree, point: OperatingPoint, weight: Array | None = None) -> ZeroDynamics:
     """Return the zero dynamics of the plant's outputs and inputs in `degree` at the equilibrium `point`.
 
-    Where there are more inputs than outputs, `weight` W (m, m) gives those of the least u' W u.
+    With more inputs than outputs, `weight` W (m, m) selects the inputs of least u' W u.
 
-    Raises SignalError when the point is another plant's, ModelError when it is no equilibrium, does not have the inputs
-    that the degree holds, or the decoupling matrix is singular there.
+    Raises SignalError if the point belongs to another plant; ModelError if it is not an equilibrium, if its held inputs
+    differ from those of `degree`, or if the decoupling matrix is singular there.
     """
     model = linearise.linearise(plant, point).select(degree.outputs, names(degree.model.inputs))
     _require_same(plant, degree, point)
@@ -117,7 +117,7 @@ def at_point(plant: Plant, degree: RelativeDegree, point: OperatingPoint, weight
 def of_linear(system: System, degrees: Sequence[int], sizes: Mapping[str, float] | None = None) -> ZeroDynamics:
     """Return the zero dynamics of a continuous model with relative `degrees` (p,).
 
-    `sizes` gives the half range of each state, by name, 1 when left out: which states move most is told in them.
+    `sizes` gives the half range of each state, by name, by default 1; it is the unit for the dominant states.
 
     Raises SignalError when the numbers do not fit, ModelError when the decoupling matrix is singular.
     """
@@ -195,7 +195,7 @@ def _require_regular(D: Array, model: StateSpace) -> None:
 
 
 def _pencil_zeros(model: StateSpace, count: int) -> NDArray[np.complex128]:
-    """Return the `count` least eigenvalues of the pencil P; the others are the infinite ones, sum r + p of them."""
+    """Return the `count` least eigenvalues of the pencil P; the other sum r + p eigenvalues are infinite."""
     n, m = model.B.shape
     rate = float(np.linalg.norm(model.A)) or 1.0
     P = np.block([[model.A / rate, model.B], [model.C, model.D]])

@@ -117,5 +117,5 @@ def test_a_direct_path_of_minus_one_under_a_hold_is_well_posed() -> None:
 def test_a_loop_that_stays_beside_one_is_refused_before_it_fills_the_memory(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(delayed_crossings, "MOST_INTERVALS", 500)
     flat = control.tf([1.0, 1.0 + 1e-15], [1.0, 1.0])
-    with pytest.raises(ModelError, match="cannot be told apart"):
+    with pytest.raises(ModelError, match="cannot be separated"):
         margins.of_loop(transfer.delayed(flat * 0.9999999999999, 0.1))

@@ -206,7 +206,7 @@ def test_nothing_gathers_where_nothing_is_weighted_or_moves() -> None:
 
 
 def test_what_cannot_be_gathered_is_refused() -> None:
-    with pytest.raises(ModelError, match=r"beyond what a double holds within 1 s: take a shorter period"):
+    with pytest.raises(ModelError, match=r"a mode overflows double precision within 1 s: take a shorter period"):
         discretise.gramian([[1e3]], [[1.0]], 1.0)
     with pytest.raises(SignalError, match=r"W is not symmetric: \[0, 1\] is 1.0, \[1, 0\] is 0.0"):
         discretise.gramian(np.eye(2), [[1, 1], [0, 1]], T)

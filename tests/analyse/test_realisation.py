@@ -145,7 +145,7 @@ def test_the_order_is_found_in_coordinates_far_from_orthogonal() -> None:
         system, order = blended(seed)
         found = realisation.minimal(system)
         if len(found.model.A) != order:
-            assert found.fewer is not None and found.fewer.order == order and "may be surplus" in str(found), seed
+            assert found.fewer is not None and found.fewer.order == order and "may be superfluous" in str(found), seed
             told += 1
     assert told <= 3
 

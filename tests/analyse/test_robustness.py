@@ -139,7 +139,7 @@ def test_loops_open_at_coordinates_of_sensors_in_place_of_these() -> None:
 @pytest.mark.parametrize(
     ("weights", "message"),
     [
-        ({"a": {"z": 1.0}, "b": {"z": 2.0}}, "the coordinates a, b depend on each other"),
+        ({"a": {"z": 1.0}, "b": {"z": 2.0}}, "the coordinates a, b are linearly dependent"),
         ({"x": {"z": 1.0}}, "at 'x', which is a sensor and a coordinate"),
         ({"a": {"w": 1.0}}, "the wire from 'w' to 'a': 'w' is not one of"),
     ],

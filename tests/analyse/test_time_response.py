@@ -119,6 +119,6 @@ def test_what_has_no_response_is_refused(call: Any, kind: type[SynthError], text
 
 
 def test_an_impulse_through_D_is_refused_in_continuous_time_alone() -> None:
-    with pytest.raises(ModelError, match=r"holds an impulse at t = 0, D\[y\[0\], u\[0\]\] is 1: give the model with D"):
+    with pytest.raises(ModelError, match=r"contains an impulse at t = 0, D\[y\[0\], u\[0\]\] is 1: give the model with D"):
         time_response.impulse_response((S + 2) / (S + 1))
     assert time_response.impulse_response(of(([[0.5]], [[1.0]], [[1.0]], [[2.0]], Discrete(0.1)))).outputs[0, 0, 0] == 2

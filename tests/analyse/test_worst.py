@@ -145,7 +145,7 @@ def test_what_cannot_be_searched_is_refused() -> None:
     k = [parameter("k", 5.0, 0.2)]
     with pytest.raises(SignalError, match=r"parameter 'zero' is 0 N with the relative tolerance 0.1"):
         worst.search(lambda v: integrator(1.0), [parameter("zero", 0.0, 0.1, "N")], worst.PHASE_MARGIN)
-    with pytest.raises(SignalError, match="sets 'k', which is a parameter too"):
+    with pytest.raises(SignalError, match="sets 'k', also a parameter"):
         worst.search(lambda v: integrator(1.0), k, worst.PHASE_MARGIN, {"here": {"k": 1.0}})
     with pytest.raises(SignalError, match="no operating point"):
         worst.search(lambda v: integrator(1.0), k, worst.PHASE_MARGIN, {})

@@ -4,7 +4,7 @@ With the Jacobian H = dh/dq (m, n) at a place,
 
     cov q >= sigma^2 (H'H)^-1 = sigma^2 V S^-2 V',    H diag(1/size) = U S V',
 
-where size_j says how much a unit of unknown j counts: a lever in m for an angle beside displacements in m. The
+where size_j weights unknown j: for example a lever arm in m for an angle, to compare it with displacements in m. The
 condition number is S_1 / S_n. Rank is lost where S_n is below the rounding of S_1, as in `numpy.linalg.matrix_rank`.
 
 Source: Kay, "Fundamentals of Statistical Signal Processing: Estimation Theory", section 3.7.
@@ -48,10 +48,10 @@ def jacobians(h: ca.Function, q: ArrayLike) -> Array:
 
 @arguments.checked
 def accuracy(H: ArrayLike, sigma: float, sizes: ArrayLike) -> Accuracy:
-    """Return what measurements of deviation sigma tell of n unknowns, by Jacobians H (N, m, n) and `sizes` (n,).
+    """Return the Cramér-Rao bounds of n unknowns, for Jacobians H (N, m, n), noise sigma and `sizes` (n,).
 
-    Deviations are in the unknowns' own units. Raises ModelError for Jacobians or sizes that are none, and for a sigma
-    that is not above 0.
+    Deviations are in the units of the unknowns. Raises ModelError for Jacobians or sizes of the wrong shape or not
+    finite, sizes that are not positive, and a sigma that is not above 0.
     """
     _check_sigma(sigma)
     rows, size = _weighed(H, sizes)
@@ -66,10 +66,10 @@ def accuracy(H: ArrayLike, sigma: float, sizes: ArrayLike) -> Accuracy:
 
 @arguments.checked
 def bias(H: ArrayLike, extra: ArrayLike, sizes: ArrayLike) -> Array:
-    """Return by how much least squares err (N, n) where measurements (N, m) have `extra` that h does not know.
+    """Return the bias (N, n) of least squares if the measurements have an unmodelled part `extra` (N, m).
 
-    To first order, (H'H)^-1 H' extra. Raises ModelError for arguments that do not fit each other, and naming the first
-    place at which rank is lost.
+    To first order, (H'H)^-1 H' extra. Raises ModelError for arguments that do not fit each other, and at the first
+    place where rank is lost.
     """
     rows, size = _weighed(H, sizes)
     beyond = arguments.real("measurements", extra)
@@ -84,12 +84,12 @@ def bias(H: ArrayLike, extra: ArrayLike, sizes: ArrayLike) -> Array:
 
 @arguments.checked
 def largest_deviation(H: ArrayLike, sigma: float, sizes: ArrayLike, lost: int = 0) -> float:
-    """Return the largest deviation over N places, times its size; with `lost`, after the loss of any so many rows.
+    """Return the largest deviation over N places, times its size; with `lost`, after the loss of that many rows.
 
-    Rows are lost in groups that follow each other, as the two axes of one sensor do. Where rank is lost the information
-    is held at LEAST of the largest, so that a search sees a large number instead of none.
+    Rows are lost in consecutive groups, for example the two axes of one sensor; the worst group counts. The information
+    is at least LEAST of the largest, which keeps the value finite for a search even where rank is lost.
 
-    Raises ModelError for Jacobians or sizes that are none, and unless the rows make whole groups.
+    Raises ModelError for invalid Jacobians or sizes, and unless the rows make whole groups.
     """
     _check_sigma(sigma)
     rows, _ = _weighed(H, sizes)
@@ -101,7 +101,7 @@ def largest_deviation(H: ArrayLike, sigma: float, sizes: ArrayLike, lost: int = 
     return max(_largest(whole - gone, sigma) for gone in (each if lost else [np.zeros((n, n))]))
 
 
-LEAST = 1e-9  # of the largest information, below which a deviation is not told from an infinite one
+LEAST = 1e-9  # of the largest information, added to the diagonal to keep deviations finite
 
 
 def _largest(information: Array, sigma: float) -> float:
