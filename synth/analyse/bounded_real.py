@@ -93,18 +93,18 @@ def _inequality(X: Array, model: Matrices, level: float, continuous: bool) -> tu
     XJ, products = twofold.product(X, J), twofold.product(Y.T, Y) - twofold.product(level * one, level * one.T)
     size = _largest(X, J)
     if continuous:
-        upper = twofold.Twofold(_embedded(XJ.high, m), _embedded(XJ.low, m))
-        change, size = upper + upper.T, _embedded(size, m) + _embedded(size, m).T
+        upper = twofold.Twofold(_pad_rows(XJ.high, m), _pad_rows(XJ.low, m))
+        change, size = upper + upper.T, _pad_rows(size, m) + _pad_rows(size, m).T
     else:
-        change = twofold.product(J.T, XJ) - _embedded(_embedded(X, m).T, m)
+        change = twofold.product(J.T, XJ) - _pad_rows(_pad_rows(X, m).T, m)
         size = 2 * n * np.outer(np.abs(J).max(axis=0, initial=0.0), size.max(axis=0, initial=0.0))
     H = -(change + products).rounded()
     size = size + _largest(Y.T, Y) + level**2 * (one @ one.T)
     terms = max(n, len(Y))
-    return (H + H.T) / 2, 2 * EPS * np.abs(H) + 16 * (terms + 4) * EPS * twofold.lost(terms) * size
+    return (H + H.T) / 2, 2 * EPS * np.abs(H) + 16 * (terms + 4) * EPS * twofold.relative_rounding(terms) * size
 
 
-def _embedded(M: Array, rows: int) -> Array:
+def _pad_rows(M: Array, rows: int) -> Array:
     return np.vstack([M, np.zeros((rows, M.shape[1]))])
 
 

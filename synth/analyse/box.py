@@ -38,9 +38,9 @@ class Box:
         Raises ModelError where one is not finite.
         """
         function = ca.Function("e", [self.symbols, self.constants], [ca.densify(ca.vec(exprs))])
-        found = np.asarray(function(points, self.values)).reshape(exprs.size2(), exprs.size1(), -1).transpose(1, 0, 2)
-        require_finite("the model or a derivative of it", found, self.signals, points)
-        return found
+        values = np.asarray(function(points, self.values)).reshape(exprs.size2(), exprs.size1(), -1).transpose(1, 0, 2)
+        require_finite("the model or a derivative of it", values, self.signals, points)
+        return values
 
 
 def scatter(box: Sequence[Signal], count: int, seed: int) -> Array:

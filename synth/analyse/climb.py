@@ -19,7 +19,7 @@ NEAR = 1e-5  # relative gain: the step after a smaller one gains about its squar
 CONVERGED = 1e-9  # relative gain: a step with a smaller one is not taken
 
 
-def climb(derivatives: Derivatives, w: float) -> tuple[float, float]:
+def local_maximum(derivatives: Derivatives, w: float) -> tuple[float, float]:
     """Return the local maximum of sigma_max near w and its location; `derivatives(w)` returns M, M', M'' (p, m)."""
     value, step, gain = _newton(derivatives, w)
     for _ in range(STEPS):
@@ -56,7 +56,7 @@ def _coupling(first: Complex, sigma: Array) -> float:
     """
     top, k = max(float(sigma[0]), TINY), len(sigma)
     a, b = first[1:k, 0], first[0, 1:k].conj()
-    apart = np.maximum(top - sigma[1:], 1e-3 * top)
-    pairs = np.abs(a + b) ** 2 / apart + np.abs(a - b) ** 2 / (top + sigma[1:])
+    gaps = np.maximum(top - sigma[1:], 1e-3 * top)
+    pairs = np.abs(a + b) ** 2 / gaps + np.abs(a - b) ** 2 / (top + sigma[1:])
     others = (np.abs(first[k:, 0]) ** 2).sum() + (np.abs(first[0, k:]) ** 2).sum()
     return float((first[0, 0].imag ** 2 + others) / top + pairs.sum() / 2)

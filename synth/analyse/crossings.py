@@ -93,15 +93,15 @@ def _phase_crossings(loop: Rational, N: Polynomial, D: Polynomial) -> tuple[Cros
     magnitude = squared_magnitude(D)
     poles_and_zeros = squared_magnitude(N) * magnitude
     if F.degree() >= 0:
-        candidates = _values_at_zeros(loop, N, D, _without(F, poles_and_zeros))
+        candidates = _values_at_zeros(loop, N, D, _without_common_zeros(F, poles_and_zeros))
     else:  # L is real at all frequencies: |L| is closest to 1 where it is 1 or stationary
         stationary = R.derivative() * magnitude - R * magnitude.derivative()
         unit = squared_magnitude(N) - magnitude
-        candidates = _values_at_zeros(loop, N, D, _without(stationary * unit, poles_and_zeros))
+        candidates = _values_at_zeros(loop, N, D, _without_common_zeros(stationary * unit, poles_and_zeros))
     return tuple(c for c in candidates if c.L.real < 0)
 
 
-def _without(P: Polynomial, factor: Polynomial) -> Polynomial:
+def _without_common_zeros(P: Polynomial, factor: Polynomial) -> Polynomial:
     """Return P without the zeros that it shares with `factor`: L is 0 or has a pole there."""
     common = P.gcd(factor)
     while common.degree() > 0 and not P.is_zero():
@@ -116,19 +116,19 @@ def _least_distance(loop: Rational, ends: Mapping[float, float], low: float, hig
     candidates = [(abs(1 + v), w) for w, v in ends.items()]
     if D.degree() <= SMALL:
         P, Q = squared_magnitude(N + D), squared_magnitude(D)
-        stationary = _values_at_zeros(loop, N, D, _without(P.derivative() * Q - P * Q.derivative(), Q))
-        inside = [c for c in stationary if low <= c.frequency <= high] + _limits(loop, N, D, low, high)
+        stationary = _values_at_zeros(loop, N, D, _without_common_zeros(P.derivative() * Q - P * Q.derivative(), Q))
+        inside = [c for c in stationary if low <= c.frequency <= high] + _crossings_at_limits(loop, N, D, low, high)
         return min(candidates + [(abs(1 + c.L), c.frequency) for c in inside])
     L = zpk.of_rational(loop)
-    slowest = float(np.abs(loop.closed[loop.closed != 0]).min(initial=np.inf))
+    slowest = float(np.abs(loop.closed_loop_poles[loop.closed_loop_poles != 0]).min(initial=np.inf))
     start = loop.axis_point(low) if low else min(zpk.lowest_frequency(L), zpk.BELOW * slowest)
-    grid = zpk.frequency_grid(L, start, loop.closed)
+    grid = zpk.frequency_grid(L, start, loop.closed_loop_poles)
     top = loop.axis_point(high) if np.isfinite(high) else float(grid[-1])
     distance, v = zpk.least_distance(L, zpk.interval_ends(L, grid, top, turning=False))
     return min([*candidates, (distance, loop.frequency(v))])
 
 
-def _limits(loop: Rational, N: Polynomial, D: Polynomial, low: float, high: float) -> list[Crossing]:
+def _crossings_at_limits(loop: Rational, N: Polynomial, D: Polynomial, low: float, high: float) -> list[Crossing]:
     """Return L at the limits other than 0 and infinity, unless it has a pole there."""
     limits = [w for w in (low, high) if 0 < loop.axis_point(w) < np.inf]
     with precise.precision(4 * rational.BITS):

@@ -70,7 +70,7 @@ def _gain_crossings(L: ZeroPoleGain, grid: Array, top: float) -> list[float]:
     """Return the frequencies of |L| = 1, which do not depend on a delay; the zeros of the hold divide the axis."""
     if L.hold_s:
         transfer.check_turns(L.delay_s, top)
-    return _zeros(L.log_gain, _size_bounds(L), zpk.interval_ends(L, grid, top, turning=bool(L.hold_s)), np.inf)
+    return _zeros(L.log_gain, _log_gain_bounds(L), zpk.interval_ends(L, grid, top, turning=bool(L.hold_s)), np.inf)
 
 
 def _envelope(L: ZeroPoleGain, w: Array) -> Array:
@@ -95,7 +95,7 @@ def _phase_crossings(
         top = further
 
 
-def _size_bounds(L: ZeroPoleGain) -> Bounds:
+def _log_gain_bounds(L: ZeroPoleGain) -> Bounds:
     def bounds(a: Array, b: Array) -> tuple[Array, Array, Array, Array]:
         slope, range_ = L.log_gain_slope(a, b), L.log_gain_bounds(a, b)
         low, high = _mean_value(L.log_gain((a + b) / 2), (b - a) / 2, *slope)
@@ -133,7 +133,7 @@ def _zeros(f: Callable[[Array], Array], bounds: Bounds, nodes: Array, period: fl
         monotone = (slope_low > 0) | (slope_high < 0)
         narrow = b - a <= NARROW * b
         for x, y in zip(a[maybe & monotone], b[maybe & monotone], strict=True):
-            zeros += _bracketed(f, float(x), float(y), period)
+            zeros += _zeros_of_monotone(f, float(x), float(y), period)
         zeros += [float(v) for v in ((a + b) / 2)[maybe & narrow & ~monotone]]
         a, b = a[maybe & ~monotone & ~narrow], b[maybe & ~monotone & ~narrow]
         middle = (a + b) / 2
@@ -141,7 +141,7 @@ def _zeros(f: Callable[[Array], Array], bounds: Bounds, nodes: Array, period: fl
     return _distinct(sorted(zeros))
 
 
-def _bracketed(f: Callable[[Array], Array], a: float, b: float, period: float) -> list[float]:
+def _zeros_of_monotone(f: Callable[[Array], Array], a: float, b: float, period: float) -> list[float]:
     """Return the zeros modulo `period` of a function that is monotone between a and b.
 
     The ends are moved just inside, because f may jump there; a zero on an end then shows within ROUNDING of it.

@@ -35,7 +35,7 @@ LINK = 2.0**-40  # of the largest balanced entry: replaces zeros when rows or co
 
 
 @dataclass(frozen=True, eq=False)
-class Ramp:
+class FirstOrderHold:
     """x+ = F x + G u + H (u+ - u): F (n, n), G (n, m), H (n, m)."""
 
     F: Array
@@ -68,7 +68,7 @@ def gramian(F: ArrayLike, W: ArrayLike, period_s: float, exact: bool = False) ->
         i, j = np.argwhere(W != W.T)[0]
         raise SignalError(f"W is not symmetric: [{i}, {j}] is {W[i, j]}, [{j}, {i}] is {W[j, i]}; give (W + W') / 2")
     T = _period(period_s).period_s
-    M, W = _van_loan(F, W, T) if exact else _doubled(F, W, T)
+    M, W = _van_loan(F, W, T) if exact else _by_doubling(F, W, T)
     return Propagation(readonly(M), readonly(W))
 
 
@@ -89,7 +89,7 @@ def zero_order_hold(system: System, period_s: float) -> StateSpace:
 
 
 @arguments.checked
-def first_order_hold(A: ArrayLike, B: ArrayLike, period_s: float) -> Ramp:
+def first_order_hold(A: ArrayLike, B: ArrayLike, period_s: float) -> FirstOrderHold:
     """Return the exact response over one period to an input that is linear between samples; A (n, n), B (n, m).
 
     Raises SignalError for shapes that do not fit or entries that are not finite; TimingError when the period is not
@@ -102,7 +102,7 @@ def first_order_hold(A: ArrayLike, B: ArrayLike, period_s: float) -> Ramp:
     M = np.zeros((n + 2 * m, n + 2 * m))
     M[:n, :n], M[:n, n : n + m], M[n : n + m, n + m :] = A, B, np.eye(m)
     E = _exponential(M, T, columns_over_T=m)
-    return Ramp(*(readonly(E[:n, part]) for part in (slice(n), slice(n, n + m), slice(n + m, None))))
+    return FirstOrderHold(*(readonly(E[:n, part]) for part in (slice(n), slice(n, n + m), slice(n + m, None))))
 
 
 @arguments.checked
@@ -129,7 +129,7 @@ def with_delay(system: System, samples: int = 1) -> StateSpace:
     return replace(model, A=A, B=B, C=C, D=D, states=(*model.states, *(new for new, _ in names)), units=units)
 
 
-def _doubled(F: Array, W: Array, period_s: float) -> tuple[Array, Array]:
+def _by_doubling(F: Array, W: Array, period_s: float) -> tuple[Array, Array]:
     """Return M and W(T) in double precision, from balanced F: x = D z with powers of 2 in the diagonal D."""
     D = balancing(F)
     Ft, W = F * D / D[:, None] * period_s, W * D * D[:, None] * period_s
@@ -192,8 +192,8 @@ def _van_loan(F: Array, W: Array, period_s: float) -> tuple[Array, Array]:
         G = flint.arb_mat([[E[i, n + j] for j in range(n)] for i in range(n)])
         return M.transpose() * G
 
-    gathered = precise.resolved(compute, f"the integral over {period_s:g} s")
-    return _exponential(F, period_s), (gathered + gathered.T) / 2
+    integral = precise.resolved(compute, f"the integral over {period_s:g} s")
+    return _exponential(F, period_s), (integral + integral.T) / 2
 
 
 def _period(period_s: float) -> Discrete:

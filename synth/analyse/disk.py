@@ -66,7 +66,7 @@ class DiskMargin:
     @property
     def gain_low(self) -> float:
         """The factor to which all gains may decrease at once; below 0, no positive gain is too low."""
-        a, b = _halves(self.skew)
+        a, b = _skew_factors(self.skew)
         if b * self.alpha <= -1 or (np.isinf(self.alpha) and b <= 0):
             return -np.inf
         return (1 - a * self.alpha) / (1 + b * self.alpha) if np.isfinite(self.alpha) else -a / b
@@ -74,7 +74,7 @@ class DiskMargin:
     @property
     def gain_high(self) -> float:
         """The factor to which all gains may increase at once; inf if no gain is too high."""
-        a, b = _halves(self.skew)
+        a, b = _skew_factors(self.skew)
         if np.isinf(self.alpha) or b * self.alpha >= 1:
             return np.inf
         return (1 + a * self.alpha) / (1 - b * self.alpha)
@@ -82,7 +82,7 @@ class DiskMargin:
     @property
     def phase(self) -> float:
         """The angle in degrees by which all phases may change at once, inf if any change is tolerated."""
-        a, b = _halves(self.skew)
+        a, b = _skew_factors(self.skew)
         if np.isinf(self.alpha) or self.alpha * abs(self.skew) > 2:
             return np.inf if self.skew else 180.0
         square = self.alpha**2
@@ -97,7 +97,7 @@ class DiskMargin:
     @property
     def factors(self) -> Complex:
         """f (p,) for `delta`: the channel factors that make the loop oscillate at `frequency`."""
-        a, b = _halves(self.skew)
+        a, b = _skew_factors(self.skew)
         with np.errstate(all="ignore"):
             f = (1 + a * self.delta) / (1 - b * self.delta)
         return np.where(np.isfinite(f), f, np.inf)
@@ -131,7 +131,7 @@ def of_loop(loop: System, skew: float = 0.0, certify: bool = True) -> DiskMargin
     closed loop is not stable.
     """
     model = of(loop)
-    return _margin(_closed(model, skew), model.inputs, skew, certify)
+    return _margin(_shifted_sensitivity(model, skew), model.inputs, skew, certify)
 
 
 @arguments.checked
@@ -141,18 +141,18 @@ def each(loop: System, skew: float = 0.0) -> Mapping[str, DiskMargin]:
     Raises as `of_loop`.
     """
     model = of(loop)
-    closed = _closed(model, skew)
+    closed = _shifted_sensitivity(model, skew)
     return {
         name: _margin(closed.select((output,), (name,)), (name,), skew, certify=True)
         for name, output in zip(closed.inputs, closed.outputs, strict=True)
     }
 
 
-def _halves(skew: float) -> tuple[float, float]:
+def _skew_factors(skew: float) -> tuple[float, float]:
     return (1 - skew) / 2, (1 + skew) / 2
 
 
-def _closed(loop: StateSpace, skew: float) -> StateSpace:
+def _shifted_sensitivity(loop: StateSpace, skew: float) -> StateSpace:
     """Return S + (sigma - 1)/2 I of a square loop with a stable closed loop."""
     p = len(loop.inputs)
     if not p or p != len(loop.outputs):
@@ -168,16 +168,16 @@ def _closed(loop: StateSpace, skew: float) -> StateSpace:
     R = np.linalg.inv(through)
     A = loop.A - loop.B @ R @ loop.C
     _require_decay(A, loop.time)
-    return replace(loop, A=A, B=loop.B @ R, C=-R @ loop.C, D=R - _halves(skew)[0] * np.eye(p))
+    return replace(loop, A=A, B=loop.B @ R, C=-R @ loop.C, D=R - _skew_factors(skew)[0] * np.eye(p))
 
 
 def _require_decay(A: Array, time: Time) -> None:
     poles = np.linalg.eigvals(A).astype(np.complex128)
-    lasting = transfer.lasting(poles, time)
+    lasting = transfer.not_decaying(poles, time)
     if lasting.any():
-        found = ", ".join(show.number(s) for s in poles[lasting & (poles.imag >= 0)].tolist())
+        listed = ", ".join(show.number(s) for s in poles[lasting & (poles.imag >= 0)].tolist())
         raise ModelError(
-            f"the closed loop does not decay: it has poles at {found}, and so no margin; stabilise the loop first "
+            f"the closed loop does not decay: it has poles at {listed}, and so no margin; stabilise the loop first "
             "(the feedback is negative, 1 + L: change the sign if L contains it)"
         )
 

@@ -79,16 +79,16 @@ def gramians(system: System) -> Gramians:
     x = staircase.of_model(model).x
     A = model.A * x / x[:, None]
     continuous = isinstance(model.time, Continuous)
-    moved = np.abs(A).sum(axis=1) if continuous else np.ones(len(A))  # the effect of rounding of A on each state
+    noise_size = np.abs(A).sum(axis=1) if continuous else np.ones(len(A))  # the effect of rounding of A on each state
     try:
         T, k = _stable_first(A, continuous)
         span = _over_all_time(len(A), k, continuous)
         back = _inverse(T)
-        noise = T @ span.integral((back @ A @ T).T, (back * moved) @ back.T) @ T.T
+        noise = T @ span.integral((back @ A @ T).T, (back * noise_size) @ back.T) @ T.T
     except (np.linalg.LinAlgError, RuntimeWarning) as error:
-        raise _border(model) from error
+        raise _border_error(model) from error
     if len(A) and not np.linalg.norm(noise) < BORDER:
-        raise _border(model)
+        raise _border_error(model)
     return _gramians(model, x[:, None] * T, span)
 
 
@@ -107,15 +107,15 @@ def over(system: System, horizon_s: float) -> Gramians:
         raise TimingError(f"the horizon is {horizon_s} s: give a finite positive time")
     if isinstance(model.time, Continuous):
 
-        def gathered(F: Array, Q: Array) -> tuple[Array, Array]:
-            found = discretise.gramian(F, Q, horizon_s) if len(F) else None
-            return (found.W, found.M) if found else (Q, F)
+        def propagate(F: Array, Q: Array) -> tuple[Array, Array]:
+            propagation = discretise.gramian(F, Q, horizon_s) if len(F) else None
+            return (propagation.W, propagation.M) if propagation else (Q, F)
 
-        return _gramians(model, X, _over(f"{horizon_s:g} s", gathered))
+        return _gramians(model, X, _finite_span(f"{horizon_s:g} s", propagate))
     samples = round(horizon_s / model.time.period_s)
     if samples < 1:
         raise TimingError(f"the horizon of {horizon_s:g} s is shorter than a sample of {model.time.period_s:g} s")
-    return _gramians(model, X, _over(f"{samples} samples", lambda F, Q: _summed(F, Q, samples)))
+    return _gramians(model, X, _finite_span(f"{samples} samples", lambda F, Q: _gramian_sum(F, Q, samples)))
 
 
 def _stable_first(A: Array, continuous: bool) -> tuple[Array, int]:
@@ -145,14 +145,14 @@ def _over_all_time(n: int, k: int, continuous: bool) -> _Span:
     return _Span(integral, edge, "over all time" if k == n else "over the future of what decays, the past of the rest")
 
 
-def _over(span: str, gathered: Callable[[Array, Array], tuple[Array, Array]]) -> _Span:
+def _finite_span(span: str, propagate: Callable[[Array, Array], tuple[Array, Array]]) -> _Span:
     """Return the span for which `propagate` gives W and the transition matrix M."""
 
     def edge(F: Array, Q: Array) -> Array:
-        M = gathered(F, Q)[1]
+        M = propagate(F, Q)[1]
         return M.T @ Q @ M - Q
 
-    return _Span(lambda F, Q: gathered(F, Q)[0], edge, f"over {span}")
+    return _Span(lambda F, Q: propagate(F, Q)[0], edge, f"over {span}")
 
 
 def _lyapunov(F: Array, Q: Array, continuous: bool) -> Array:
@@ -170,7 +170,7 @@ def _inverse(T: Array) -> Array:
     return np.asarray(np.linalg.inv(T), dtype=np.float64)
 
 
-def _summed(F: Array, Q: Array, samples: int) -> tuple[Array, Array]:
+def _gramian_sum(F: Array, Q: Array, samples: int) -> tuple[Array, Array]:
     """Return the sum of F'^k Q F^k for k below `samples`, by W(a + b) = W(a) + F'^a W(b) F^a, and F^samples."""
     W, power = np.zeros_like(Q), np.eye(len(F))
     for digit in f"{samples:b}":
@@ -221,7 +221,7 @@ def _shares(parts: Array, names: Sequence[str]) -> dict[str, float]:
     return {name: float(v) / total if total else 0.0 for name, v in zip(names, parts, strict=True)}
 
 
-def _border(model: StateSpace) -> ModelError:
+def _border_error(model: StateSpace) -> ModelError:
     roots = structure.poles(model).roots
     rates = structure.rates(np.array([r.value for r in roots]), model.time).real
     k = int(np.argmin(np.abs(rates)))

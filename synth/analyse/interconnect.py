@@ -39,13 +39,13 @@ def connect(models: Sequence[System], inputs: Sequence[str], outputs: Sequence[s
     if not parts:
         raise SignalError("there are no models to connect: give at least one")
     time = common(*(m.time for m in parts))
-    u, y, x = (_joined(kind, parts) for kind in ("inputs", "outputs", "states"))
+    u, y, x = (_unique_names(kind, parts) for kind in ("inputs", "outputs", "states"))
     if both := sorted(set(inputs) & set(y)):
         raise SignalError(f"'{both[0]}' is an external input and a model's output: rename one of them")
     units = {name: unit for m in parts for name, unit in m.units.items()}
     sources = (*y, *inputs)
-    own = {name: {name: 1.0} for name in u if name in sources}
-    wired = {**own, **wires}
+    direct = {name: {name: 1.0} for name in u if name in sources}
+    wired = {**direct, **wires}
     M = _matrix(wired, u, sources, units)
     for name in inputs:
         if not any(name in sums for sums in wired.values()):
@@ -87,7 +87,7 @@ def _times_s(unit: str) -> str:
     return "s" if unit == "1" else unit.removesuffix("/s") if unit.endswith("/s") else f"{unit} s"
 
 
-def _joined(kind: str, parts: Sequence[StateSpace]) -> tuple[str, ...]:
+def _unique_names(kind: str, parts: Sequence[StateSpace]) -> tuple[str, ...]:
     names = tuple(name for m in parts for name in getattr(m, kind))
     for name in names:
         if names.count(name) > 1:

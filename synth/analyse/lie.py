@@ -86,12 +86,12 @@ def affine(plant: Plant, outputs: Sequence[str] | None = None, held: Mapping[str
 
 def _rows(plant: Plant, outputs: Sequence[str] | None) -> list[int]:
     known = names(plant.outputs)
-    wanted = known if outputs is None else tuple(outputs)
-    if unknown := [n for n in wanted if n not in known]:
+    chosen = known if outputs is None else tuple(outputs)
+    if unknown := [n for n in chosen if n not in known]:
         raise SignalError(f"plant '{plant.name}' has no output '{unknown[0]}': it has {', '.join(known)}")
-    if not wanted or len(set(wanted)) < len(wanted):
-        raise SignalError(f"the outputs are ({', '.join(wanted)}): name at least one, and each once")
-    return [known.index(n) for n in wanted]
+    if not chosen or len(set(chosen)) < len(chosen):
+        raise SignalError(f"the outputs are ({', '.join(chosen)}): name at least one, and each once")
+    return [known.index(n) for n in chosen]
 
 
 def _inputs(plant: Plant, held: Mapping[str, float]) -> tuple[Signal, ...]:
@@ -122,9 +122,9 @@ def _require_affine(
         for k in np.flatnonzero(~rounding.vanish(ca.densify(rest), box)):
             bent.setdefault(equations[int(k)], []).append(input.name)
     if bent:
-        told = "; ".join(f"{equation} in {', '.join(bent[equation])}" for equation in equations if equation in bent)
+        terms = "; ".join(f"{equation} in {', '.join(bent[equation])}" for equation in equations if equation in bent)
         who = ", ".join(s.name for s in inputs if any(s.name in part for part in bent.values()))
         raise ModelError(
-            f"plant '{plant}' is not affine in its inputs: {told}. Put an integrator before {who} "
+            f"plant '{plant}' is not affine in its inputs: {terms}. Put an integrator before {who} "
             "(dynamic_extension.integrators), or declare the whole term as the input and invert it outside, or hold it"
         )

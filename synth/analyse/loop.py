@@ -85,7 +85,7 @@ def sampled(plant: System, period_s: float, delay_s: float = 0.0) -> StateSpace:
     and as `precise.resolved`.
     """
     time = Discrete(period_s)
-    return _late(of(plant), time, _number(delay_s) / time.period_s)
+    return _sample_with_delay(of(plant), time, _number(delay_s) / time.period_s)
 
 
 def _number(delay: float) -> float:
@@ -94,7 +94,7 @@ def _number(delay: float) -> float:
     return float(delay)
 
 
-def _late(plant: StateSpace, time: Discrete, samples: float) -> StateSpace:
+def _sample_with_delay(plant: StateSpace, time: Discrete, samples: float) -> StateSpace:
     T = time.period_s
     if not isinstance(plant.time, Continuous):
         raise TimingError(f"a model in {plant.time} was given to be sampled at {T:g} s: give the continuous model")
@@ -108,15 +108,15 @@ def _late(plant: StateSpace, time: Discrete, samples: float) -> StateSpace:
         )
     n, fraction = len(plant.A), samples - np.floor(samples)
     if abs(samples - whole) < WHOLE:
-        E = _split(plant, T, 0.0)
+        E = _held_response(plant, T, 0.0)
         return discretise.with_delay(replace(plant, A=E[:, :n], B=E[:, n + m :], time=time), whole)
-    return discretise.with_delay(_between(plant, time, fraction), int(samples))
+    return discretise.with_delay(_sample_with_fraction(plant, time, fraction), int(samples))
 
 
-def _between(plant: StateSpace, time: Discrete, fraction: float) -> StateSpace:
+def _sample_with_fraction(plant: StateSpace, time: Discrete, fraction: float) -> StateSpace:
     """Return the plant with its inputs held and delayed by a fraction of a period."""
     n, m = plant.B.shape
-    E = _split(plant, time.period_s, fraction)
+    E = _held_response(plant, time.period_s, fraction)
     A = np.block([[E[:, : n + m]], [np.zeros((m, n + m))]])
     B = np.vstack([E[:, n + m :], np.eye(m)])
     C, D = np.hstack([plant.C, plant.D]), np.zeros_like(plant.D)
@@ -125,7 +125,7 @@ def _between(plant: StateSpace, time: Discrete, fraction: float) -> StateSpace:
     return replace(plant, A=A, B=B, C=C, D=D, states=(*plant.states, *held), time=time, units=units)
 
 
-def _split(plant: StateSpace, T: float, fraction: float) -> Array:
+def _held_response(plant: StateSpace, T: float, fraction: float) -> Array:
     """Return [exp(A T), the effect of u[k-d-1], that of u[k-d]] (n, n + 2 m), rounded once."""
     n, m = plant.B.shape
     before, after = np.zeros((n + 2 * m, n + 2 * m)), np.zeros((n + 2 * m, n + 2 * m))
@@ -170,7 +170,7 @@ def opened(
     coordinates, or for a plant with direct feedthrough and no delay.
     """
     K = of(controller)
-    P = _late(of(plant), Discrete(period(K.time)), _number(delay))
+    P = _sample_with_delay(of(plant), Discrete(period(K.time)), _number(delay))
     if (P.D != 0).any():
         raise SignalError("the sampled plant has direct feedthrough: give the loop at least one sample of delay")
     signals = arguments.names("signals to open the loop at", signal)

@@ -91,7 +91,7 @@ def magnitudes(
         values = dict(held) | {along: float(point)}
         old, new = law.column("the symbols", symbols, values), ca.vcat(list(values.values()))
         exprs = [ca.substitute(ca.SX(expr), old, ca.SX(new)) for expr in terms.values()]
-        best.append([_largest(n, _compiled(e, free, box), box) for n, e in zip(terms, exprs, strict=True)])
+        best.append([_largest(n, _compile(e, free, box), box) for n, e in zip(terms, exprs, strict=True)])
     maxima = readonly([[value for value, _ in row] for row in best])
     worst = readonly([[_signals(box, at) for _, at in row] for row in best])
     return Magnitudes(along, readonly(points), tuple(terms), boxed, maxima, worst)
@@ -110,7 +110,7 @@ def conditioning(matrix: ca.SX, symbols: Exprs, box: Sequence[Signal]) -> Condit
     _require_box(box)
     boxed = names(box)
     free = law.column("the symbols", symbols, boxed)
-    det_value, det_at = _least_determinant(_compiled(ca.det(matrix), free, box), box)
+    det_value, det_at = _least_determinant(_compile(ca.det(matrix), free, box), box)
     evaluate = _function(ca.vec(matrix), free)
     n = matrix.size1()
 
@@ -143,13 +143,13 @@ def _require_box(signals: Sequence[Signal]) -> None:
 
 
 def _function(exprs: ca.SX, free: ca.SX) -> ca.Function:
-    own = {s.name() for s in ca.symvar(free)}
-    if left := sorted({s.name() for s in ca.symvar(exprs)} - own):
+    known = {s.name() for s in ca.symvar(free)}
+    if left := sorted({s.name() for s in ca.symvar(exprs)} - known):
         raise SignalError(f"the expression contains {', '.join(left)}: put each into the box, or hold it at a value")
     return ca.Function("e", [free], [ca.densify(exprs)])
 
 
-def _compiled(expr: ca.SX, free: ca.SX, box: Sequence[Signal]) -> _Compiled:
+def _compile(expr: ca.SX, free: ca.SX, box: Sequence[Signal]) -> _Compiled:
     value, gradient = _function(expr, free), _function(ca.jacobian(expr, free), free)
     width = 2 * boxes.half_widths(box)
 

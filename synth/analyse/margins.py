@@ -37,7 +37,7 @@ __all__ = ["GainCrossing", "Margins", "PhaseCrossing", "of_loop", "response"]
 EXACT_STATES = 50  # up to which a loop is a ratio of polynomials: their cost grows with the fourth power
 NOTHING = 1e-12  # |L| below it, or above its inverse, is rounding error: no crossing is reported
 MAX_UNCERTAINTY = 0.2  # of |L|: a larger uncertainty from rounding of the coefficients is an error
-FAR = 1e6  # the uncertainty of a gain factor beyond it, or below its inverse, is not checked
+CHECKED_FACTOR = 1e6  # the uncertainty of a gain factor beyond it, or below its inverse, is not checked
 SHOWN_UNCERTAINTY = 1e-4  # a larger uncertainty is reported
 VERGE = 1e-9  # of |1 + L|: a loop this close to oscillation has no margin to verify
 INSIDE = 0.99  # of a margin: the closed loop must have as many unstable poles there as without it
@@ -114,15 +114,15 @@ class Margins:
         if self.direct >= 1:
             lines = (*lines, f"Delay margin 0: |L| is {self.direct:.4g} at infinity, where any delay turns it onto -1.")
         if self.uncertainty > SHOWN_UNCERTAINTY:
-            opened = f"{100 * self.uncertainty:.2g} %"
-            lines = (*lines, f"Rounding of the numbers given leaves the margins uncertain by up to {opened}.")
+            percent = f"{100 * self.uncertainty:.2g} %"
+            lines = (*lines, f"Rounding of the numbers given leaves the margins uncertain by up to {percent}.")
         worst = (
             ("gain may rise by", show.number(self.gain_margin), "1"),
             ("gain may fall to", show.number(self.gain_reduction_margin), "1"),
             ("phase margin", show.number(self.phase_margin), "degrees"),
             ("delay margin", show.number(self.delay_margin), "s"),
             ("modulus margin", show.number(self.modulus_margin), "1"),
-            ("peak sensitivity", show.number(self.peak_sensitivity), f"at {_both(self.peak_frequency)}"),
+            ("peak sensitivity", show.number(self.peak_sensitivity), f"at {_frequency_text(self.peak_frequency)}"),
         )
         gains = [
             (*_pair(c.frequency), show.number(c.phase_margin), show.number(c.delay_margin)) for c in self.gain_crossings
@@ -141,7 +141,7 @@ def _pair(frequency: float) -> tuple[str, str]:
     return show.number(frequency), show.number(frequency / (2 * np.pi))
 
 
-def _both(frequency: float) -> str:
+def _frequency_text(frequency: float) -> str:
     return "{} rad/s, {} Hz".format(*_pair(frequency))
 
 
@@ -158,16 +158,16 @@ def of_loop(loop: Loop, low: float | None = None, high: float | None = None) -> 
     or when a margin fails its verification.
     """
     transfer.check_limits(low, high)
-    model = transfer.read(loop)
+    model = transfer.of_loop(loop)
     states = (model.model if isinstance(model, Delayed) else model).states
     if len(states) > EXACT_STATES:
-        return _verified(assessment.of_traced(model, low, high))
+        return _from_assessment(assessment.of_traced(model, low, high))
     if isinstance(model, Delayed) and (model.delay_s or model.hold_s):
-        return _verified(assessment.of_delayed(model, low, high))
-    return _verified(assessment.of_rational(model.model if isinstance(model, Delayed) else loop, low, high))
+        return _from_assessment(assessment.of_delayed(model, low, high))
+    return _from_assessment(assessment.of_rational(model.model if isinstance(model, Delayed) else loop, low, high))
 
 
-def _verified(loop: Assessment) -> Margins:
+def _from_assessment(loop: Assessment) -> Margins:
     """Return the verified margins of a loop; raise ModelError if they are undetermined or fail the verification."""
     crossings, direct = loop.crossings, abs(loop.crossings.ends.get(np.inf, 0.0))
     gains = tuple(_gain_crossing(c) for c in crossings.gain_crossings)
@@ -175,7 +175,7 @@ def _verified(loop: Assessment) -> Margins:
     negative = sorted((*crossings.phase_crossings, *ends), key=lambda c: c.frequency)
     phases = tuple(PhaseCrossing(c.frequency, -1 / c.L.real) for c in negative if NOTHING < -c.L.real < 1 / NOTHING)
     margins = Margins(loop.stable, gains, phases, crossings.peak, crossings.peak_frequency, direct)
-    uncertainty = max([0.0, *(_uncertainty(loop, name, w) for name, w in _deciding(margins))])
+    uncertainty = max([0.0, *(_uncertainty(loop, name, w) for name, w in _deciding_frequencies(margins))])
     if loop.is_whole:
         _verify(loop, margins)
     return replace(margins, uncertainty=uncertainty)
@@ -186,14 +186,14 @@ def _gain_crossing(crossing: Crossing) -> GainCrossing:
     return GainCrossing(w, float(np.degrees(above)), (above % (2 * np.pi)) / w if w else np.inf)
 
 
-def _deciding(margins: Margins) -> Iterator[tuple[str, float]]:
+def _deciding_frequencies(margins: Margins) -> Iterator[tuple[str, float]]:
     """Yield each margin that a crossing or the peak decides, with its frequency."""
     if margins.gain_crossings:
         yield "phase margin", min(margins.gain_crossings, key=lambda c: abs(c.phase_margin)).frequency
         yield "delay margin", min(margins.gain_crossings, key=lambda c: c.delay_margin).frequency
     factors = {"gain margin": margins.gain_margin, "gain reduction margin": margins.gain_reduction_margin}
     for name, factor in factors.items():
-        if 1 / FAR < factor < FAR:
+        if 1 / CHECKED_FACTOR < factor < CHECKED_FACTOR:
             yield name, next(c.frequency for c in margins.phase_crossings if c.gain_margin == factor)
     yield "modulus margin", margins.peak_frequency
 
@@ -216,7 +216,7 @@ def _verify(loop: Assessment, margins: Margins) -> None:
     nominal = loop.count_unstable(1.0)
     if np.isinf(nominal) or margins.modulus_margin < VERGE:
         return
-    for name, factor in _inside(margins):
+    for name, factor in _factors_inside(margins):
         count = loop.count_unstable(factor)
         if count != nominal:
             raise ModelError(
@@ -226,7 +226,7 @@ def _verify(loop: Assessment, margins: Margins) -> None:
             )
 
 
-def _inside(margins: Margins) -> Iterator[tuple[str, complex]]:
+def _factors_inside(margins: Margins) -> Iterator[tuple[str, complex]]:
     """Yield factors on the loop just within its margins."""
     yield "gain margin", min(margins.gain_margin**INSIDE, OUTERMOST)
     yield "gain reduction margin", max(margins.gain_reduction_margin**INSIDE, 1 / OUTERMOST)

@@ -75,12 +75,12 @@ def of(A: Array, B: Array, C: Array, D: Array, poles: Complex, V: Array, sampled
         return None
     terms = np.abs(A) @ V_size + V_size * np.abs(poles.real) + np.abs(other * poles.imag)
     E = np.abs(A @ V - V * poles.real + other * poles.imag) + rounding * terms
-    F = _inverted(W_size @ np.where(paired, E + E[:, pairs], E), rows)
+    F = _inverse_bound(W_size @ np.where(paired, E + E[:, pairs], E), rows)
     F = np.where(paired[:, None], (F + F[pairs]) / 2, F)
     drift = F.max(axis=1) * UP + (16 * EPS if sampled else 0.0)
     b, c = W @ B, C @ V
     b_size = np.abs(b)
-    db = _inverted(b_size + rounding * (W_size @ np.abs(B)), rows) - b_size + EPS * b_size
+    db = _inverse_bound(b_size + rounding * (W_size @ np.abs(B)), rows) - b_size + EPS * b_size
     dc = rounding * (np.abs(C) @ V_size)
     return _modes(poles, pairs, (b, db), (c, dc), D, drift, sampled)
 
@@ -102,7 +102,7 @@ def _largest(*matrices: NDArray[np.floating]) -> float:
     return max(float(np.abs(M).max(initial=0.0)) for M in matrices)
 
 
-def _inverted(X: Array, rows: Array) -> Array:
+def _inverse_bound(X: Array, rows: Array) -> Array:
     """Return a bound of |(I - G)^-1 x| for all |x| <= X (n, k), where |G| has the sums `rows` (n,)."""
     return (X + rows[:, None] * X.max(axis=0, initial=0.0) / (1 - rows.max(initial=0.0))) * UP
 

@@ -29,7 +29,7 @@ RATIO = 1.6  # of the distances of the first cuts from the peak
 TINY = 1e-300
 PIECES = 8  # of a subdivided interval, at most
 LEVELS = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)  # e, relative
-FAR = 20.0  # times the fastest pole: the end of the axis
+AXIS_END = 20.0  # times the fastest pole: the end of the axis
 SMALL = 0.7  # of the level: below it the Frobenius norm serves as the singular value
 UP = 1 + 1e-12  # covers the rounding of singular values and of the bound
 
@@ -45,7 +45,7 @@ class Bound:
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """The axis from 0 to FAR times the fastest pole, or the half circle."""
+    """The axis from 0 to AXIS_END times the fastest pole, or the half circle."""
 
     modes: Modes
 
@@ -102,19 +102,19 @@ def peak(modes: Modes) -> Bound | None:
     start = _start(axis, edges)
     if not 1 / modal.WIDE < start.value < modal.WIDE:
         return None
-    bound = _covered(axis, _refined(axis, edges, start), start)
-    if bound is None or modes.sampled or _far(modes) < (1 + bound.margin) * bound.value:
+    bound = _prove(axis, _refine_edges(axis, edges, start), start)
+    if bound is None or modes.sampled or _bound_beyond(modes) < (1 + bound.margin) * bound.value:
         return bound
-    return _covered(Distance(modes), np.array([0.0, 1 / edges[-1] * (1 + 4 * EPS)]), bound)  # 4 EPS: the ranges overlap
+    return _prove(Distance(modes), np.array([0.0, 1 / edges[-1] * (1 + 4 * EPS)]), bound)  # 4 EPS: the ranges overlap
 
 
-def _far(modes: Modes) -> float:
+def _bound_beyond(modes: Modes) -> float:
     """Return a bound of sigma_max beyond the end of the axis."""
     size = UP / (_end(modes) - np.abs(modes.poles))
     return float(size @ modes.sizes + modes.error(size[None])[0] + np.linalg.norm(modes.D)) * UP
 
 
-def _refined(axis: Axis, edges: Array, bound: Bound) -> Array:
+def _refine_edges(axis: Axis, edges: Array, bound: Bound) -> Array:
     """Return the edges with more points around the peak, denser close to it."""
     if not bound.w < edges[-1]:
         return edges
@@ -123,8 +123,8 @@ def _refined(axis: Axis, edges: Array, bound: Bound) -> Array:
     least = np.sqrt(4 * bound.margin * bound.value / max(bend, TINY))
     if not 0 < least < edges[-1]:
         return edges
-    apart = np.exp(np.arange(np.log(least), np.log(edges[-1]), np.log(RATIO)))
-    around = np.concatenate([bound.w - apart, w, bound.w + apart])
+    offsets = np.exp(np.arange(np.log(least), np.log(edges[-1]), np.log(RATIO)))
+    around = np.concatenate([bound.w - offsets, w, bound.w + offsets])
     return np.sort(np.concatenate([edges, around[(around > 0) & (around < edges[-1])]]))
 
 
@@ -139,19 +139,19 @@ def _start(axis: Axis, w: Array) -> Bound:
     M = modes.response(axis.inverses(w)[0])
     if not modes.sampled:
         w, M = np.append(w, np.inf), np.concatenate([M, modes.D[None]])
-    return _climbed(modes, float(w[_values(M, 0.0).argmax()]), LEVELS[0])
+    return _climb(modes, float(w[_gains(M, 0.0).argmax()]), LEVELS[0])
 
 
 def _end(modes: Modes) -> float:
     """Return the end of the axis; for a sampled model pi, rounded up."""
-    return float(np.nextafter(np.pi, 4.0)) if modes.sampled else FAR * float(np.abs(modes.poles).max())
+    return float(np.nextafter(np.pi, 4.0)) if modes.sampled else AXIS_END * float(np.abs(modes.poles).max())
 
 
-def _climbed(modes: Modes, w: float, margin: float) -> Bound:
+def _climb(modes: Modes, w: float, margin: float) -> Bound:
     """Return the local maximum near w, by Newton's method."""
     if np.isinf(w):
         return Bound(float(np.linalg.norm(modes.D, 2)), w, margin)
-    value, w = climb.climb(lambda at: _derivatives(modes, at), w)
+    value, w = climb.local_maximum(lambda at: _derivatives(modes, at), w)
     return Bound(value, min(w, 2 * np.pi - w) if modes.sampled else w, margin)
 
 
@@ -170,34 +170,34 @@ def _derivatives(modes: Modes, w: float) -> tuple[Complex, Complex, Complex]:
     return M[0] + modes.D, M[1], M[2]
 
 
-def _covered(chart: Axis | Distance, edges: Array, bound: Bound) -> Bound | None:
+def _prove(chart: Axis | Distance, edges: Array, bound: Bound) -> Bound | None:
     """Return a bound that also holds between the edges; None if the sweeps or the margins do not suffice."""
     a, b, t = edges[:-1], edges[1:], edges
     first, second = slice(-1), slice(1, None)
     for _ in range(SWEEPS):
         Z, size = chart.inverses(t)
-        values = _values(chart.modes.response(Z), SMALL * bound.value)
+        values = _gains(chart.modes.response(Z), SMALL * bound.value)
         if values.max() > bound.value * (1 + bound.margin / 4):
-            bound = _climbed(chart.modes, chart.frequency(float(t[values.argmax()])), bound.margin)
+            bound = _climb(chart.modes, chart.frequency(float(t[values.argmax()])), bound.margin)
         size = np.maximum(size[first], size[second])
         ends = np.maximum(values[first], values[second]) * UP + 2 * chart.modes.error(size)
-        raised = _raised(bound, float(ends.max()))
+        raised = _raise_margin(bound, float(ends.max()))
         if raised is None:
             return None
         bound = raised
         slack = (1 + bound.margin) * bound.value - ends
         bow = (b - a) ** 2 * chart.bend(a, b, size) * (UP / 8)
-        left = ~(bow <= slack)
-        if not left.any():
+        open_intervals = ~(bow <= slack)
+        if not open_intervals.any():
             return bound
-        a, b = _cut(a[left], b[left], np.sqrt(bow[left] / slack[left]))
+        a, b = _subdivide(a[open_intervals], b[open_intervals], np.sqrt(bow[open_intervals] / slack[open_intervals]))
         if len(a) > min(MOST, ENTRIES // len(chart.modes.poles)):
             return None
         t, first, second = np.concatenate([a, b]), slice(len(a)), slice(len(a), None)
     return None
 
 
-def _raised(bound: Bound, highest: float) -> Bound | None:
+def _raise_margin(bound: Bound, highest: float) -> Bound | None:
     """Return the bound with the least margin that lies clear above the `highest` end; None without one."""
     for margin in LEVELS:
         if margin >= bound.margin and highest < (1 + 0.9 * margin) * bound.value:
@@ -205,7 +205,7 @@ def _raised(bound: Bound, highest: float) -> Bound | None:
     return None
 
 
-def _cut(a: Array, b: Array, asked: Array) -> tuple[Array, Array]:
+def _subdivide(a: Array, b: Array, asked: Array) -> tuple[Array, Array]:
     """Return the intervals a .. b, each divided into about `asked` pieces."""
     count = np.maximum(np.where(asked < PIECES, np.ceil(asked), PIECES), 2).astype(np.intp)
     place = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
@@ -213,7 +213,7 @@ def _cut(a: Array, b: Array, asked: Array) -> tuple[Array, Array]:
     return a + (b - a) * (place / count), np.where(place + 1 < count, a + (b - a) * ((place + 1) / count), b)
 
 
-def _values(M: Complex, small: float) -> Array:
+def _gains(M: Complex, small: float) -> Array:
     """Return sigma_max of each M (k, p, m), or an upper bound if it is below `small`."""
     if min(M.shape[1:]) > 2:
         values = np.sqrt((M.real**2 + M.imag**2).sum(axis=(1, 2)))

@@ -85,15 +85,15 @@ def find(system: System) -> Search:
     n = len(system.low)
     origin = np.zeros(n)
     if system.is_root(origin):
-        return Search((_polished(system, origin),))
+        return Search((_newton(system, origin),))
     regions = [] if system.is_affine else [(np.inf, BOX_STARTS), *((radius, CLOSE_STARTS) for radius in CLOSE)]
     starts = [origin, *(z for radius, count in regions for z in _starts(system, radius, 0, count))]
-    ends = [_descended(system, z) for z in starts]
+    ends = [_levenberg_marquardt(system, z) for z in starts]
     roots = _roots(system, ends)
     for k in range(BALL_ROUNDS if roots and not system.is_affine else 0):
         radius = _least_distance(roots)
         points = _starts(system, radius, k * BALL_STARTS, BALL_STARTS)
-        roots += _roots(system, [_descended(system, z) for z in points])
+        roots += _roots(system, [_levenberg_marquardt(system, z) for z in points])
         if _least_distance(roots) >= radius * (1 - SAME_DISTANCE):
             break
     finite = [z for z in ends if np.isfinite(system.linear(z)[0]).all()]
@@ -114,13 +114,13 @@ def _starts(system: System, radius: float, skipped: int, count: int) -> Iterator
 
 
 def _roots(system: System, ends: Sequence[Array]) -> list[Array]:
-    return [_settled(system, z) for z in ends if system.is_root(z)]
+    return [_stationary_root(system, z) for z in ends if system.is_root(z)]
 
 
-def _settled(system: System, root: Array) -> Array:
+def _stationary_root(system: System, root: Array) -> Array:
     """Return the stationary root to which the descent from `root` leads."""
-    polished = _polished(system, root)
-    return polished if polished is not root else _polished(system, _slid(system, root))
+    polished = _newton(system, root)
+    return polished if polished is not root else _newton(system, _slide_along_roots(system, root))
 
 
 def _least_distance(roots: Sequence[Array]) -> float:
@@ -148,7 +148,7 @@ def _is_finite(pair: Pair) -> bool:
     return all(bool((np.abs(values) < HUGE).all()) for values in pair)
 
 
-def _descended(system: System, z: Array) -> Array:
+def _levenberg_marquardt(system: System, z: Array) -> Array:
     """Return the result of the Levenberg-Marquardt method from `z`: a root, or a local minimum of |f|."""
     pair, (least, damping, last) = system.linear(z), DAMPING
     if not _is_finite(pair):
@@ -160,17 +160,17 @@ def _descended(system: System, z: Array) -> Array:
             break
         rows = np.vstack([J / size, np.sqrt(damping) * np.eye(len(z))])
         step = np.linalg.lstsq(rows, np.concatenate([-f / size, np.zeros(len(z))]), rcond=None)[0]
-        tried = system.linear(z + step)
-        if not _is_finite(tried) or tried[0] @ tried[0] >= f @ f:
+        candidate = system.linear(z + step)
+        if not _is_finite(candidate) or candidate[0] @ candidate[0] >= f @ f:
             damping *= 10
         else:
-            z, pair, damping = z + step, tried, max(damping / 10, least)
+            z, pair, damping = z + step, candidate, max(damping / 10, least)
         if np.abs(step).max() < (1e-11 if system.is_root(z) else 1e-14):
             break
     return z
 
 
-def _slid(system: System, root: Array) -> Array:
+def _slide_along_roots(system: System, root: Array) -> Array:
     """Return a root closer to the origin, by steps along the set of roots, or `root`."""
     for _ in range(SLIDING_STEPS):
         f, J = system.linear(root)
@@ -180,15 +180,15 @@ def _slid(system: System, root: Array) -> Array:
         length = np.linalg.norm(root)
         if np.linalg.norm(step) <= 1e-9 * length:
             break
-        tried = (_restored(system, root + step / 2**k) for k in range(8))
-        nearer = next((z for z in tried if np.linalg.norm(z) < length * (1 - 1e-12) and system.is_root(z)), None)
+        candidates = (_gauss_newton(system, root + step / 2**k) for k in range(8))
+        nearer = next((z for z in candidates if np.linalg.norm(z) < length * (1 - 1e-12) and system.is_root(z)), None)
         if nearer is None:
             break
         root = nearer
     return root
 
 
-def _restored(system: System, z: Array) -> Array:
+def _gauss_newton(system: System, z: Array) -> Array:
     """Return the point after a few minimum-norm Gauss-Newton steps to f = 0."""
     for _ in range(6):
         f, J = system.linear(z)
@@ -198,7 +198,7 @@ def _restored(system: System, z: Array) -> Array:
     return z
 
 
-def _polished(system: System, z: Array) -> Array:
+def _newton(system: System, z: Array) -> Array:
     """Return the stationary point near the root `z`, or `z` itself if Newton's method gives nothing closer."""
     f, J = system.linear(z)
     if not _is_finite((f, J)):

@@ -45,7 +45,7 @@ class _Square:
     error: float
 
 
-Found = TypeVar("Found", _Square, peak_gain.Peak)
+Norm = TypeVar("Norm", _Square, peak_gain.Peak)
 
 
 @show.result
@@ -109,7 +109,7 @@ def norm_h2(system: System) -> NormH2:
     Raises SignalError as `statespace.of`; ModelError when the numbers exceed what a double holds.
     """
     model = of(system)
-    reason = _lasting(model.poles, model.time)[0]
+    reason = _infinite_because(model.poles, model.time)[0]
     if not reason and isinstance(model.time, Continuous) and model.D.any():
         i, j = np.argwhere(model.D)[0]
         reason = (
@@ -135,25 +135,25 @@ def norm_hinf(system: System) -> NormHinf:
     """
     model = of(system)
     poles, V = modal.eigen(model.A)
-    reason, w = _lasting(poles, model.time)
+    reason, w = _infinite_because(poles, model.time)
     if reason:
         return NormHinf(np.inf, w, np.inf, np.inf, model.time, reason)
     if not model.D.size:
         return NormHinf(0.0, 0.0, 0.0, 0.0, model.time)
-    found = _within_range(lambda: peak_gain.peak(model, poles, V), "H-infinity")
-    w = found.frequency
+    peak = _within_range(lambda: peak_gain.peak(model, poles, V), "H-infinity")
+    w = peak.frequency
     if not isinstance(model.time, Continuous):
         w = w / model.time.period_s
-    return NormHinf(found.value, w, found.lower, found.upper, model.time)
+    return NormHinf(peak.value, w, peak.lower, peak.upper, model.time)
 
 
-def _within_range(compute: Callable[[], Found], name: str) -> Found:
+def _within_range(compute: Callable[[], Norm], name: str) -> Norm:
     """Return `compute()`; raise ModelError when its numbers overflow double precision."""
     try:
         with np.errstate(all="ignore"):
-            found = compute()
-        if np.isfinite(found.value):
-            return found
+            norm = compute()
+        if np.isfinite(norm.value):
+            return norm
         cause: Exception | None = None
     except (OverflowError, ValueError, np.linalg.LinAlgError) as error:
         cause = error
@@ -162,7 +162,7 @@ def _within_range(compute: Callable[[], Found], name: str) -> Found:
     ) from cause
 
 
-def _lasting(poles: NDArray[np.complex128], time: Time) -> tuple[str, float]:
+def _infinite_because(poles: NDArray[np.complex128], time: Time) -> tuple[str, float]:
     """Return the reason why the norms are infinite, "" if they are finite, and the mode's frequency in rad/s."""
     if transfer.decay(poles, time):
         return "", 0.0

@@ -35,8 +35,8 @@ def count_unstable(loop: Delayed, factor: complex = 1.0, high: float | None = No
     scaled = replace(loop, model=replace(model, C=size * model.C, D=size * model.D))
     value = L or transfer.response(loop)
     curve = transfer.trace(scaled, None, high, lambda w: size * value(w))
-    above = _followed(model, curve, factor / size)
-    below = above if np.isreal(factor) else _followed(model, curve, np.conj(factor) / size)
+    above = _phase_change(model, curve, factor / size)
+    below = above if np.isreal(factor) else _phase_change(model, curve, np.conj(factor) / size)
     (_, first, _), (_, second, _) = above, below
     turn = sum(inside + after for inside, _, after in (above, below)) + float(np.angle(np.exp(1j * (first + second))))
     count = -turn / (2 * np.pi)
@@ -48,12 +48,12 @@ def count_unstable(loop: Delayed, factor: complex = 1.0, high: float | None = No
     return round(count)
 
 
-def _followed(model: StateSpace, curve: transfer.Curve, factor: complex) -> tuple[float, float, float]:
+def _phase_change(model: StateSpace, curve: transfer.Curve, factor: complex) -> tuple[float, float, float]:
     """Return the phase of g accumulated over the curve, its angle at the start, and its phase from the end to infinity.
 
     The half for w < 0 is the conjugate of that for the conjugate factor, and both meet at w = 0.
     """
-    w, value = refinement.refined(lambda v: factor * curve.L(v), curve.w, factor * curve.value)
+    w, value = refinement.refine(lambda v: factor * curve.L(v), curve.w, factor * curve.value)
     least = int(np.abs(1 + value).argmin())
     if abs(1 + value[least]) < RESOLVED:
         raise ModelError(

@@ -46,59 +46,59 @@ def peak(model: StateSpace, poles: Complex, V: Array) -> Peak:
     modes = modal.of(model.A, model.B, model.C, model.D, poles, V, not continuous) if len(poles) else None
     bound = modal_peak.peak(modes) if modes else None
     if modes is None or bound is None:
-        return _by_energy(model, continuous)
-    found = _by_modes(model, modes, bound)
+        return _from_lyapunov(model, continuous)
+    by_modes = _from_modes(model, modes, bound)
     if bound.margin == modal_peak.LEVELS[0]:
-        return found
-    other = _by_energy(model, continuous)
-    return other if other.upper - other.lower < found.upper - found.lower else found
+        return by_modes
+    other = _from_lyapunov(model, continuous)
+    return other if other.upper - other.lower < by_modes.upper - by_modes.lower else by_modes
 
 
-def _by_modes(model: StateSpace, modes: Modes, bound: Bound) -> Peak:
+def _from_modes(model: StateSpace, modes: Modes, bound: Bound) -> Peak:
     """Return the peak with the upper bound from the modal form."""
     value, w = bound.value, bound.w
     lower = max(0.0, value * (1 - 16 * sum(model.D.shape) * EPS) - modal_peak.error(modes, w))
     if lower < (1 - modal_peak.LEVELS[0] / 4) * value:
         at = float(np.tan(w / 2)) if modes.sampled else w
-        given = *resolvent.balanced(model.A, model.B, model.C), model.D
-        lower = max(lower, _attained(given, at, not modes.sampled))
+        matrices = *resolvent.balanced(model.A, model.B, model.C), model.D
+        lower = max(lower, _lower_bound(matrices, at, not modes.sampled))
     return Peak(lower, max(value, lower), (1 + bound.margin) * value, w)
 
 
-def _by_energy(model: StateSpace, continuous: bool) -> Peak:
+def _from_lyapunov(model: StateSpace, continuous: bool) -> Peak:
     """Return the peak with the upper bound from a Lyapunov matrix."""
     A, B, C = resolvent.balanced(model.A, model.B, model.C)
-    given = A, B, C, model.D
+    matrices = A, B, C, model.D
     if continuous:
-        return _proved(given, given, *_start(given))
-    form = schur_response.warped(*given)
+        return _prove(matrices, matrices, *_start(matrices))
+    form = schur_response.bilinear(*matrices)
     w, states = _start(form)
     if w <= 1:
-        found = _proved(given, form, w, states)
-        return replace(found, frequency=2 * float(np.arctan(found.frequency)))
+        peak = _prove(matrices, form, w, states)
+        return replace(peak, frequency=2 * float(np.arctan(peak.frequency)))
     # Near Nyquist M(-z) is searched: it maps z = -1 to 1 and s to 1/s, and s near 0 has more digits than near infinity.
-    given = -A, -B, C, model.D
-    form = schur_response.warped(*given)
-    found = _proved(given, form, *_start(form))
-    return replace(found, frequency=np.pi - 2 * float(np.arctan(found.frequency)))
+    matrices = -A, -B, C, model.D
+    form = schur_response.bilinear(*matrices)
+    peak = _prove(matrices, form, *_start(form))
+    return replace(peak, frequency=np.pi - 2 * float(np.arctan(peak.frequency)))
 
 
-def _proved(given: Matrices, form: Matrices, w: float, states: Array) -> Peak:
+def _prove(model: Matrices, form: Matrices, w: float, states: Array) -> Peak:
     """Return the peak of `model`, with continuous-time equivalent `form`; search from w, weights from `states` (n,)."""
-    continuous, (A, _, C, _) = form is given, form
+    continuous, (A, _, C, _) = form is model, form
     value, w = _climb(form, w)
     value = max(value, EPS * float(states.max(initial=0.0)) * float(np.abs(C).max(initial=0.0)))
     for margin in LEVELS if value else ():
         while True:
             level = (1 + margin) * value
             solution = bounded_real.solve(form, level, margin * level**2 / np.maximum(len(A) * states**2, TINY))
-            if solution.X is not None and bounded_real.is_proof(solution.X, given, level, continuous):
-                return Peak(_attained(given, w, continuous), value, level, w)
-            other, place = _climb(form, _highest(form, _middles(solution.eigenvalues)))
+            if solution.X is not None and bounded_real.is_proof(solution.X, model, level, continuous):
+                return Peak(_lower_bound(model, w, continuous), value, level, w)
+            other, place = _climb(form, _highest_frequency(form, _middles(solution.eigenvalues)))
             if other <= (1 + margin / 4) * value:
                 break
             value, w = other, place
-    return Peak(_attained(given, w, continuous), value, np.inf if value else 0.0, w)
+    return Peak(_lower_bound(model, w, continuous), value, np.inf if value else 0.0, w)
 
 
 def _start(form: Matrices) -> tuple[float, Array]:
@@ -115,7 +115,7 @@ def _start(form: Matrices) -> tuple[float, Array]:
     return float(np.append(w, np.inf)[values.argmax()]), np.maximum(states, LEAST * states.max(initial=0.0))
 
 
-def _highest(form: Matrices, frequencies: Array) -> float:
+def _highest_frequency(form: Matrices, frequencies: Array) -> float:
     """Return the frequency with the largest gain."""
     A, B, C, D = form
     values = np.linalg.svd(resolvent.response(A, B, C, D, (1j * frequencies).astype(np.complex128)), compute_uv=False)[
@@ -133,7 +133,7 @@ def _middles(eigenvalues: Complex) -> Array:
 def _climb(form: Matrices, w: float) -> tuple[float, float]:
     if np.isinf(w) or not len(form[0]):
         return float(np.linalg.norm(form[3], 2)), w
-    return climb.climb(lambda at: _derivatives(form, at), w)
+    return climb.local_maximum(lambda at: _derivatives(form, at), w)
 
 
 def _derivatives(form: Matrices, w: float) -> tuple[Complex, Complex, Complex]:
@@ -144,12 +144,12 @@ def _derivatives(form: Matrices, w: float) -> tuple[Complex, Complex, Complex]:
     return CR @ B + D, -1j * (CR @ RB), -2 * (CR @ (R @ RB))
 
 
-def _attained(given: Matrices, w: float, continuous: bool) -> float:
+def _lower_bound(model: Matrices, w: float, continuous: bool) -> float:
     """Return a rigorous lower bound of sigma_max at a frequency w of s.
 
     With R (v I - A) = I - E, |E| < 1, a residual r of X leaves an error of at most |R| |r| / (1 - |E|).
     """
-    A, B, C, D = given
+    A, B, C, D = model
     n, (p, m) = len(A), D.shape
     v = complex(0, w) if continuous else (1 + 1j * w) / (1 - 1j * w) if np.isfinite(w) else -1.0
     rounding = 8 * (n + 4) * EPS  # of complex sums of n products, and of v

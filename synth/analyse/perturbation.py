@@ -38,21 +38,21 @@ def of_rational(loop: Rational, frequency: float) -> Perturbation:
     """Return the effect of rounding of the coefficients at `frequency` rad/s, to first order."""
     if not loop.coefficients or np.isinf(frequency):
         return of_model(loop.model, frequency)
-    return _scaled(*_of_coefficients(*loop.coefficients, _point(loop.time, frequency)))
+    return _perturbation(*_of_coefficients(*loop.coefficients, _point(loop.time, frequency)))
 
 
 def of_model(model: StateSpace, frequency: float) -> Perturbation:
     """Return the effect of rounding of the entries of A, B, C, D at `frequency` rad/s, to first order."""
     if np.isinf(frequency):
         return Perturbation(2 * EPS, 2 * EPS)
-    return _scaled(*_of_matrices(model, _point(model.time, frequency)))
+    return _perturbation(*_of_matrices(model, _point(model.time, frequency)))
 
 
 def _point(time: Time, w: float) -> complex:
     return 1j * w if isinstance(time, Continuous) else complex(np.exp(1j * w * time.period_s))
 
 
-def _scaled(of_loop: float, of_closed: float) -> Perturbation:
+def _perturbation(of_loop: float, of_closed: float) -> Perturbation:
     return Perturbation(*(EPS * float(v) if np.isfinite(v) else np.inf for v in (of_loop, of_closed)))
 
 
@@ -69,10 +69,14 @@ def _of_coefficients(b: Array, a: Array, point: complex) -> tuple[float, float]:
 @np.errstate(all="ignore")
 def _of_matrices(model: StateSpace, point: complex) -> tuple[float, float]:
     A, b, c, d = model.A, model.B[:, 0], model.C[0], np.float64(model.D[0, 0])
-    opened, closed = (_inverse(point * np.eye(len(A)) - M) for M in (A, A - np.outer(b, c) / (1 + d)))
-    moved = np.abs(c @ opened) @ (np.abs(A) @ np.abs(opened @ b) + np.abs(b)) + np.abs(c) @ np.abs(opened @ b) + abs(d)
-    fed = np.abs(A) + (2 + abs(d) / abs(1 + d)) * np.abs(np.outer(b, c)) / abs(1 + d)
-    return moved / abs(c @ opened @ b + d), float(np.sum(np.abs(closed) * fed.T)) + abs(d) / abs(1 + d)
+    resolvent, closed = (_inverse(point * np.eye(len(A)) - M) for M in (A, A - np.outer(b, c) / (1 + d)))
+    numerator = (
+        np.abs(c @ resolvent) @ (np.abs(A) @ np.abs(resolvent @ b) + np.abs(b))
+        + np.abs(c) @ np.abs(resolvent @ b)
+        + abs(d)
+    )
+    sizes = np.abs(A) + (2 + abs(d) / abs(1 + d)) * np.abs(np.outer(b, c)) / abs(1 + d)
+    return numerator / abs(c @ resolvent @ b + d), float(np.sum(np.abs(closed) * sizes.T)) + abs(d) / abs(1 + d)
 
 
 def _inverse(M: NDArray[Any]) -> Complex:
@@ -87,7 +91,7 @@ def is_stable(loop: Rational) -> bool:
 
     Raises ModelError if rounding of the coefficients hides the answer.
     """
-    poles = loop.closed
+    poles = loop.closed_loop_poles
     if not poles.size:
         return True
     decay = _decay(poles, loop.time)

@@ -37,11 +37,11 @@ def matrix(values: ArrayLike) -> flint.arb_mat:
 def rounded(balls: flint.arb_mat) -> Array:
     """Return the midpoints (n, m), each rounded to the nearest double; below ZERO of the largest entry they are 0."""
     least = _least(balls)
-    found = np.zeros((balls.nrows(), balls.ncols()))
-    for i, j in np.ndindex(*found.shape):
+    values = np.zeros((balls.nrows(), balls.ncols()))
+    for i, j in np.ndindex(*values.shape):
         middle = balls[i, j].mid()
-        found[i, j] = 0.0 if abs(middle) < least else float(middle)
-    return found
+        values[i, j] = 0.0 if abs(middle) < least else float(middle)
+    return values
 
 
 def resolved(compute: Callable[[], flint.arb_mat], what: str) -> Array:

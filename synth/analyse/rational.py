@@ -62,7 +62,7 @@ class Rational:
         return self.N // self.common, self.D // self.common
 
     @cached_property
-    def closed(self) -> Complex:
+    def closed_loop_poles(self) -> Complex:
         """The closed-loop poles (n,) in s, including those that cancel in L; inf for a pole at z = -1."""
         N, D = self.reduced
         finite = np.concatenate([zeros(N + D), zeros(self.common)])
@@ -96,10 +96,10 @@ def of_system(system: System) -> Rational:
 def _integer_coefficients(b: Array, a: Array) -> tuple[Polynomial, Polynomial]:
     """Return polynomials with coefficients b and a, highest powers first, both times one power of 2."""
     shift = 1 << _bits(np.concatenate([b, a]))
-    return _scaled(b[::-1], shift), _scaled(a[::-1], shift)
+    return _integer_polynomial(b[::-1], shift), _integer_polynomial(a[::-1], shift)
 
 
-def _scaled(values: Array, shift: int) -> Polynomial:
+def _integer_polynomial(values: Array, shift: int) -> Polynomial:
     return flint.fmpz_poly([int(Fraction(float(v)) * shift) for v in values])
 
 
@@ -118,9 +118,9 @@ def _determinants(model: StateSpace) -> tuple[Polynomial, Polynomial]:
     whole = [[int(Fraction(float(v)) * (1 << k)) for v in row] for row in A]
     b_whole = [int(Fraction(float(v)) * (1 << (k - k_c))) for v in b]
     c_whole = [int(Fraction(float(v)) * (1 << k_c)) for v in c]
-    fed = [[whole[i][j] - b_whole[i] * c_whole[j] for j in range(n)] for i in range(n)]
-    D, opened = _characteristic(whole, k), _characteristic(fed, k)
-    return d.denominator * opened + (d.numerator - d.denominator) * D, d.denominator * D
+    feedback = [[whole[i][j] - b_whole[i] * c_whole[j] for j in range(n)] for i in range(n)]
+    D, closed = _characteristic(whole, k), _characteristic(feedback, k)
+    return d.denominator * closed + (d.numerator - d.denominator) * D, d.denominator * D
 
 
 def _characteristic(M: Sequence[Sequence[int]], k: int) -> Polynomial:

@@ -14,7 +14,7 @@ from synth.errors import ModelError, SignalError
 from synth.statespace import Array, System, of, readonly
 from synth.timing import period
 
-SETTLED = 1e-3  # q, at which the sum ends
+REMAINDER = 1e-3  # q, at which the sum ends
 BLOCK = 64  # samples summed at once
 SLOWEST = 1e-6  # of 1 - |z|: a slower mode counts as not decaying
 
@@ -50,8 +50,8 @@ def states(system: System, inputs: ArrayLike) -> Array:
     while np.isfinite(terms).all():
         total += np.abs(terms).sum(axis=1)
         terms, power = step @ terms, step @ power
-        if (np.abs(power) @ total <= SETTLED * total).all():
-            return readonly(total / (1 - SETTLED))
+        if (np.abs(power) @ total <= REMAINDER * total).all():
+            return readonly(total / (1 - REMAINDER))
     raise ModelError(
         f"the states {', '.join(model.states)} grow beyond what a double holds before they settle: choose units in "
         "which they are closer to 1"

@@ -27,7 +27,7 @@ POINTS = 12  # points at which the two responses are compared
 
 
 @dataclass(frozen=True)
-class Fewer:
+class LowerOrder:
     """A lower order and the relative change of the response that it causes."""
 
     order: int
@@ -38,7 +38,7 @@ class Fewer:
 class Minimal:
     """The minimal `model`, the removed modes, and the largest difference of the responses.
 
-    The modes `unmoved` are uncontrollable, the modes `unseen` unobservable; directions are in the original states.
+    `uncontrollable` and `unobservable` are the removed modes; directions are in the original states.
     `removed` are the states that were removed, `added` the new ones. `difference` is relative, over points from below
     the slowest to above the fastest pole. `gap` holds the least coupling kept and the largest left out, 1 at best: the
     order is certain if they are far apart. `fewer` is a lower order that changes the response little, but by more than
@@ -46,13 +46,13 @@ class Minimal:
     """
 
     model: StateSpace
-    unmoved: tuple[structure.Mode, ...]
-    unseen: tuple[structure.Mode, ...]
+    uncontrollable: tuple[structure.Mode, ...]
+    unobservable: tuple[structure.Mode, ...]
     removed: tuple[str, ...]
     added: tuple[str, ...]
     difference: float
     gap: staircase.Gap
-    fewer: Fewer | None
+    fewer: LowerOrder | None
 
     def sheet(self) -> show.Sheet:
         """Return the counts, the new states and a row for each removed mode."""
@@ -66,10 +66,10 @@ class Minimal:
                 "explains. The others are kept; they may be superfluous."
             )
         if self.removed:
-            lines.append(f"Gone: {', '.join(self.removed)}.")
+            lines.append(f"Removed: {', '.join(self.removed)}.")
         if self.added:
-            lines.append(f"New, combinations of those that are gone: {', '.join(self.added)}.")
-        kinds = (("no input moves it", self.unmoved), ("no output shows it", self.unseen))
+            lines.append(f"New, combinations of those removed: {', '.join(self.added)}.")
+        kinds = (("no input moves it", self.uncontrollable), ("no output shows it", self.unobservable))
         rows = tuple(
             (structure.pair(m.value), structure.spelled(m.direction), why)
             for why, modes in kinds
@@ -77,7 +77,7 @@ class Minimal:
             if m.value.imag >= 0
         )
         tables = (show.Table(("mode removed", "states", "why"), rows),) if rows else ()
-        before = len(self.model.states) + len(self.unmoved) + len(self.unseen)
+        before = len(self.model.states) + len(self.uncontrollable) + len(self.unobservable)
         return show.Sheet(f"Minimal model: {len(self.model.states)} of {before} states", tuple(lines), tables)
 
 
@@ -89,36 +89,45 @@ def minimal(system: System) -> Minimal:
     """
     model = of(system)
     part = staircase.of_model(model)
-    fewer: list[Fewer] = []
+    fewer: list[LowerOrder] = []
     for cut in CUTS:
-        found = staircase.kalman(part, cut)
-        left, added = _kept(model, part, found.kept)
-        apart = _compare(model, left, part)
-        if apart.in_rounding:
+        decomposition = staircase.kalman(part, cut)
+        left, added = _project(model, part, decomposition.kept)
+        compared = _compare(model, left, part)
+        if compared.in_rounding:
             break
-        fewer.append(Fewer(len(left.A), apart.relative))
-    near = [f for f in fewer if f.order < len(left.A) and f.difference <= SAME]
-    if apart.relative > SAME:
+        fewer.append(LowerOrder(len(left.A), compared.relative))
+    candidates = [f for f in fewer if f.order < len(left.A) and f.difference <= SAME]
+    if compared.relative > SAME:
         raise ModelError(
-            f"the minimal realisation changes the response by {apart.relative:.1e} of its size: a part of the model is "
-            f"coupled by no more than {staircase.COUPLING:.0e} yet acts; take it out of the model or couple it"
+            f"the minimal realisation changes the response by {compared.relative:.1e} of its size: a part of the model "
+            f"has a coupling of no more than {staircase.COUPLING:.0e} yet acts; take it out of the model or couple it"
         )
-    unmoved = structure.named_modes(found.unreached, part.B.T, part.rate, model.states)
-    unseen = structure.named_modes(found.unseen, part.C, part.rate, model.states)
+    uncontrollable = structure.named_modes(decomposition.uncontrollable, part.B.T, part.rate, model.states)
+    unobservable = structure.named_modes(decomposition.unobservable, part.C, part.rate, model.states)
     removed = tuple(name for name in model.states if name not in left.states)
-    return Minimal(left, unmoved, unseen, removed, added, apart.relative, found.gap, near[0] if near else None)
+    return Minimal(
+        left,
+        uncontrollable,
+        unobservable,
+        removed,
+        added,
+        compared.relative,
+        decomposition.gap,
+        candidates[0] if candidates else None,
+    )
 
 
-def _kept(model: StateSpace, part: staircase.Scaled, kept: Array) -> tuple[StateSpace, tuple[str, ...]]:
+def _project(model: StateSpace, part: staircase.Scaled, kept: Array) -> tuple[StateSpace, tuple[str, ...]]:
     """Return the model on an orthonormal basis `kept` (n, k) of scaled states, and the names that are new."""
-    Z = kept[:, np.argsort([_place(z) for z in kept.T], kind="stable")]
+    Z = kept[:, np.argsort([_single_state(z) for z in kept.T], kind="stable")]
     names, added = _names(model, Z)
-    size = np.array([1.0 if name in added else part.x[_place(z)] for name, z in zip(names, Z.T, strict=True)])
+    size = np.array([1.0 if name in added else part.x[_single_state(z)] for name, z in zip(names, Z.T, strict=True)])
     into, out = size[:, None] * Z.T / part.x, part.x[:, None] * Z / size
     return replace(model, A=into @ model.A @ out, B=into @ model.B, C=model.C @ out, states=names), added
 
 
-def _place(column: Array) -> int:
+def _single_state(column: Array) -> int:
     """Return the index of the only state in a column of Z, or the number of states if it combines several."""
     states = np.flatnonzero(column)
     return int(states[0]) if len(states) == 1 else len(column)
@@ -128,29 +137,29 @@ def _names(model: StateSpace, Z: Array) -> tuple[tuple[str, ...], tuple[str, ...
     """Return the names of the columns of Z and, of these, the new ones."""
     taken = {*model.states, *model.inputs, *model.outputs}
     fresh = (name for k in range(1, len(taken) + len(Z) + 1) if (name := f"part{k}") not in taken)
-    places = [_place(z) for z in Z.T]
+    places = [_single_state(z) for z in Z.T]
     names = tuple(model.states[k] if k < len(Z) else next(fresh) for k in places)
     return names, tuple(name for name, k in zip(names, places, strict=True) if k == len(Z))
 
 
 @dataclass(frozen=True, eq=False)
 class _Difference:
-    """The difference `apart` (k,) of two responses, their `size` (k,) and the effect of `rounding` (k,), at points."""
+    """The `error` (k,) of two responses, their `size` (k,) and the effect of `rounding` (k,), at points."""
 
-    apart: Array
+    error: Array
     size: Array
     rounding: Array
 
     @property
     def in_rounding(self) -> bool:
         """Whether there are points and rounding explains the difference at each."""
-        return bool(len(self.apart) and (self.apart <= self.rounding).all())
+        return bool(len(self.error) and (self.error <= self.rounding).all())
 
     @property
     def relative(self) -> float:
         """The largest difference over the size; the size is at least the rounding over SAME."""
         size = np.maximum(self.size, self.rounding / SAME)
-        return float((self.apart / np.where(size > 0, size, 1.0)).max(initial=0.0))
+        return float((self.error / np.where(size > 0, size, 1.0)).max(initial=0.0))
 
 
 def _compare(one: StateSpace, other: StateSpace, part: staircase.Scaled) -> _Difference:
@@ -166,8 +175,8 @@ def _compare(one: StateSpace, other: StateSpace, part: staircase.Scaled) -> _Dif
     v, most, least = v[good], sigma[good, 0], sigma[good, -1]
     a, b = (part.u * _response(model, v) / part.y[:, None] for model in (one, other))
     through = np.linalg.norm(part.C) * np.linalg.norm(part.B) / least
-    apart, size = (np.abs(M).max(axis=(1, 2), initial=0.0) for M in (a - b, a))
-    return _Difference(apart, size, ROUNDING * most / least * through)
+    error, size = (np.abs(M).max(axis=(1, 2), initial=0.0) for M in (a - b, a))
+    return _Difference(error, size, ROUNDING * most / least * through)
 
 
 def _points(model: StateSpace) -> NDArray[np.complex128]:
@@ -192,9 +201,10 @@ def connected(model: StateSpace) -> StateSpace:
     The response stays the same.
     """
     moves = model.A != 0
-    reached, seen = (model.B != 0).any(axis=1), (model.C != 0).any(axis=0)
+    controlled, observed = (model.B != 0).any(axis=1), (model.C != 0).any(axis=0)
     for _ in range(len(model.A)):
-        reached, seen = reached | moves[:, reached].any(axis=1), seen | moves[seen].any(axis=0)
-    keep = np.flatnonzero(reached & seen)
+        controlled = controlled | moves[:, controlled].any(axis=1)
+        observed = observed | moves[observed].any(axis=0)
+    keep = np.flatnonzero(controlled & observed)
     states = tuple(model.states[i] for i in keep)
     return replace(model, A=model.A[np.ix_(keep, keep)], B=model.B[keep], C=model.C[:, keep], states=states)

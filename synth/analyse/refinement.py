@@ -11,7 +11,7 @@ Response = Callable[[ArrayLike], Complex]
 NARROW = 1e-9  # of a frequency: least spacing of nodes; closer to an undamped pole L is rounding error
 
 
-def refined(L: Response, w: Array, value: Complex) -> tuple[Array, Complex]:
+def refine(L: Response, w: Array, value: Complex) -> tuple[Array, Complex]:
     """Return frequencies (k,) and L there, such that log L and log(1 + L) change little between neighbours.
 
     They include w, at which L is `value`.

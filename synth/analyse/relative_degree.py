@@ -91,10 +91,10 @@ class RelativeDegree:
         """
         points = np.hstack([box.scatter(self.model.states, rounding.POINTS, seed) for seed in rounding.SEEDS])
         both = np.abs(self.model.box.evaluated(ca.densify(ca.horzcat(self.decoupling, self.drift)), points))
-        reach = np.einsum("pmk,m->pk", both[:, :-1], box.half_widths(self.model.inputs)).max(axis=1)
+        effect = np.einsum("pmk,m->pk", both[:, :-1], box.half_widths(self.model.inputs)).max(axis=1)
         drift = both[:, -1].max(axis=1)
-        found = [float(r / a) if a else np.inf for r, a in zip(reach, drift, strict=True)]
-        return dict(zip(self.outputs, found, strict=True))
+        ratios = [float(r / a) if a else np.inf for r, a in zip(effect, drift, strict=True)]
+        return dict(zip(self.outputs, ratios, strict=True))
 
     def require_defined(self) -> None:
         """Raise ModelError, with point and cause, unless D has rank p on the whole domain."""
@@ -117,9 +117,9 @@ class RelativeDegree:
         if p > m:
             inputs = ", ".join(names(self.model.inputs))
             return f"{p} outputs ({', '.join(self.outputs)}) meet {m} inputs ({inputs}): choose as many outputs"
-        told = [f"that of '{name}' on {_quoted(others)}" for name, others in self.rows.dependent.items()]
+        dependences = [f"that of '{name}' on {_quote(others)}" for name, others in self.rows.dependent.items()]
         return (
-            f"rows of the decoupling matrix depend on others everywhere, {'; '.join(told)}. "
+            f"rows of the decoupling matrix depend on others everywhere, {'; '.join(dependences)}. "
             "Extend the plant by integrators (dynamic_extension.extend), or choose other outputs"
         )
 
@@ -164,10 +164,10 @@ def of_affine(model: Affine) -> RelativeDegree:
 
     Raises ModelError if no input affects an output, or a derivative is not finite in the domain.
     """
-    found = [_chain(model, i) for i in range(len(model.outputs))]
-    D, drift = (model.box.with_values(ca.vcat([parts[k] for parts in found])) for k in (1, 2))
-    degrees = tuple(chain.numel() for chain, _, _ in found)
-    chains = tuple(model.box.with_values(chain) for chain, _, _ in found)
+    derivatives = [_chain(model, i) for i in range(len(model.outputs))]
+    D, drift = (model.box.with_values(ca.vcat([parts[k] for parts in derivatives])) for k in (1, 2))
+    degrees = tuple(chain.numel() for chain, _, _ in derivatives)
+    chains = tuple(model.box.with_values(chain) for chain, _, _ in derivatives)
     return RelativeDegree(model, degrees, chains, D, drift, _rows(D, model))
 
 
@@ -188,18 +188,18 @@ def _chain(model: Affine, i: int) -> tuple[ca.SX, ca.SX, ca.SX]:
 
 def _rows(D: ca.SX, model: Affine) -> Rows:
     outputs = names(model.outputs)
-    values, noise = _sampled(D, model)
+    values, noise = _sample_decoupling(D, model)
     kept: list[int] = []
     dependent: dict[str, tuple[str, ...]] = {}
     for i, name in enumerate(outputs):
-        if _full(values[:, [*kept, i]], noise[:, [*kept, i]]).any():
+        if _has_full_rank(values[:, [*kept, i]], noise[:, [*kept, i]]).any():
             kept.append(i)
         else:
             dependent[name] = tuple(outputs[k] for k in _support(values, kept, i))
     return Rows(tuple(outputs[k] for k in kept), dependent)
 
 
-def _sampled(D: ca.SX, model: Affine) -> tuple[Array, Array]:
+def _sample_decoupling(D: ca.SX, model: Affine) -> tuple[Array, Array]:
     """Return D (k, p, m) at scattered points, with rows and columns scaled, and the bounds of its rounding errors."""
     points = np.hstack([box.scatter(model.states, rounding.POINTS, seed) for seed in rounding.SEEDS])
     both = ca.horzcat(ca.densify(D), rounding.bound(D))
@@ -211,7 +211,7 @@ def _sampled(D: ca.SX, model: Affine) -> tuple[Array, Array]:
     return evaluated[:, :, :m], rounding.LIMIT * evaluated[:, :, m:]
 
 
-def _full(values: Array, noise: Array) -> Array:
+def _has_full_rank(values: Array, noise: Array) -> Array:
     """Tell for each matrix (k, i, m) whether its rows are independent beyond the rounding error of its entries."""
     if values.shape[1] > values.shape[2]:
         return np.zeros(len(values), dtype=bool)
@@ -227,5 +227,5 @@ def _support(values: Array, kept: Sequence[int], i: int) -> list[int]:
     return [row for row, part in zip(kept, np.max(parts, axis=0), strict=True) if part > np.sqrt(RANK)]
 
 
-def _quoted(found: Sequence[str]) -> str:
-    return ", ".join(f"'{name}'" for name in found)
+def _quote(outputs: Sequence[str]) -> str:
+    return ", ".join(f"'{name}'" for name in outputs)

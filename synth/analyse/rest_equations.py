@@ -22,8 +22,8 @@ from synth.signals import Signal, names
 from synth.statespace import Array
 
 ITERATIONS = 60
-LATER = (0, 1, 10, 100, 1000, 10_000)  # samples of the simulated loop at which Newton's method starts
-COUNTING = 100_000  # samples within which counters and flags must become constant
+START_SAMPLES = (0, 1, 10, 100, 1000, 10_000)  # samples of the simulated loop at which Newton's method starts
+MOST_COUNTS = 100_000  # samples within which counters and flags must become constant
 RANK = 1e-12  # of the largest singular value of the scaled equations: a smaller one counts as zero
 SUBSTEPS = 4  # of the Runge-Kutta method in a period
 
@@ -108,7 +108,7 @@ class Equations:
     def trial(self, x: Array, u: Array, state: Array) -> Trial:
         return Trial(x, u, state, np.asarray(self.residual(x, u, state)).ravel())
 
-    def moved(self, at: Trial, by: Array) -> Trial:
+    def displaced(self, at: Trial, by: Array) -> Trial:
         n, m = len(at.x), len(self.acted)
         x, u, state = at.x + by[:n], at.u.copy(), at.state.copy()
         u[self.acted] += by[n : n + m]
@@ -158,10 +158,10 @@ def _runge_kutta(plant: Plant, x: ca.SX, u: ca.SX, p: Array, T: float) -> ca.SX:
     return x
 
 
-def starts(equations: Equations, closed: ClosedLoop, near: OperatingPoint) -> Iterator[Trial]:
+def starting_points(equations: Equations, closed: ClosedLoop, near: OperatingPoint) -> Iterator[Trial]:
     """Yield the simulated loop after some samples, with a command delay of one sample, as long as it is finite."""
     x, u, state = near.x.copy(), near.u.copy(), closed.controller.initial
-    for before, until in pairwise((0, *LATER)):
+    for before, until in pairwise((0, *START_SAMPLES)):
         for _ in range(before, until):
             state, commanded = (np.asarray(v).ravel() for v in equations.step(x, u, state))
             x, u = np.asarray(equations.flow(x, u)).ravel(), commanded
@@ -174,10 +174,10 @@ def rest_from(equations: Equations, trial: Trial) -> Trial:
     """Solve for the real unknowns with counters and flags held, step these, and repeat until all are constant."""
     for _ in range(len(trial.state) + 1):
         trial = _newton(equations, trial)
-        counted = _counted(equations, trial)
-        if counted is None or np.array_equal(counted.state, trial.state):
-            return trial if counted is not None else replace(trial, residual=np.array([np.inf]))
-        trial = counted
+        stepped = _step_counters(equations, trial)
+        if stepped is None or np.array_equal(stepped.state, trial.state):
+            return trial if stepped is not None else replace(trial, residual=np.array([np.inf]))
+        trial = stepped
     return trial
 
 
@@ -188,7 +188,7 @@ def _newton(equations: Equations, trial: Trial) -> Trial:
             return trial
         move = -equations.scale * np.linalg.lstsq(slope, trial.residual, rcond=RANK)[0]
         better = next(
-            (t for t in (equations.moved(trial, move / 2**i) for i in range(12)) if t.size < trial.size), None
+            (t for t in (equations.displaced(trial, move / 2**i) for i in range(12)) if t.size < trial.size), None
         )
         if better is None:
             return trial
@@ -196,12 +196,12 @@ def _newton(equations: Equations, trial: Trial) -> Trial:
     return trial
 
 
-def _counted(equations: Equations, trial: Trial) -> Trial | None:
+def _step_counters(equations: Equations, trial: Trial) -> Trial | None:
     """Return the trial with counters and flags in their steady state, all else held; None if they have none."""
     state = trial.state.copy()
     whole = np.setdiff1d(np.arange(len(state)), equations.real)
     seen: set[bytes] = set()
-    while state[whole].tobytes() not in seen and len(seen) < COUNTING:
+    while state[whole].tobytes() not in seen and len(seen) < MOST_COUNTS:
         seen.add(state[whole].tobytes())
         after = np.asarray(equations.step(trial.x, trial.u, state)[0]).ravel()
         if np.array_equal(after[whole], state[whole]):

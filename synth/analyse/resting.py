@@ -81,14 +81,14 @@ def solve(closed: ClosedLoop, references: Mapping[str, float], near: OperatingPo
     _check(closed, references, near)
     equations = rest_equations.of_loop(closed, references, near)
     least: rest_equations.Trial | None = None
-    for start in rest_equations.starts(equations, closed, near):
+    for start in rest_equations.starting_points(equations, closed, near):
         trial = rest_equations.rest_from(equations, start)
         if trial.size <= TOLERANCE:
             rest = _rest(closed, references, near, trial)
             _require_sound(rest)
             return rest
         least = trial if least is None or trial.size < least.size else least
-    raise _refusal(closed, equations, least)
+    raise _no_rest(closed, equations, least)
 
 
 def _check(closed: ClosedLoop, references: Mapping[str, float], near: OperatingPoint) -> None:
@@ -134,7 +134,7 @@ def _require_sound(rest: Rest) -> None:
         )
 
 
-def _refusal(closed: ClosedLoop, equations: rest_equations.Equations, trial: rest_equations.Trial | None) -> ModelError:
+def _no_rest(closed: ClosedLoop, equations: rest_equations.Equations, trial: rest_equations.Trial | None) -> ModelError:
     what = f"the loop of plant '{closed.plant.name}' under '{closed.controller.name}'"
     if trial is None or not np.isfinite(trial.residual).all() or len(trial.residual) < len(equations.unknowns):
         return ModelError(f"{what} has no rest: it is not finite, or counts without end; start it closer to its trim")

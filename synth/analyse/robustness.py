@@ -158,7 +158,9 @@ def one_at_a_time(plant: Plant) -> list[Case]:
 def _ends(plant: Plant, name: str) -> tuple[float, float]:
     p = plant.parameter(name)
     if not p.tolerance * abs(p.value):
-        raise SignalError(f"parameter '{name}' is {p.value} {p.unit} with tolerance {p.tolerance}: give both above 0")
+        raise SignalError(
+            f"parameter '{name}' is {p.value} {p.unit} with the tolerance {p.tolerance}: neither may be 0; set them"
+        )
     return p.value * (1 - p.tolerance), p.value * (1 + p.tolerance)
 
 

@@ -30,17 +30,17 @@ def bound(exprs: ca.SX) -> ca.SX:
     f = ca.Function("f", [symbols], [ca.densify(exprs)])
     value: dict[int, ca.SX] = {}
     error: dict[int, ca.SX] = {}
-    found = ca.SX.zeros(*exprs.shape)
+    errors = ca.SX.zeros(*exprs.shape)
     for k in range(f.n_instructions()):
         op, i, o = f.instruction_id(k), f.instruction_input(k), f.instruction_output(k)
         if op == ca.OP_OUTPUT:
-            found[o[1]] = error[i[0]]
+            errors[o[1]] = error[i[0]]
         elif op in (ca.OP_INPUT, ca.OP_CONST):
             value[o[0]] = symbols[i[1]] if op == ca.OP_INPUT else ca.SX(f.instruction_constant(k))
             error[o[0]] = ca.SX(0)
         else:
             value[o[0]], error[o[0]] = _step(op, [value[a] for a in i], [error[a] for a in i])
-    return found
+    return errors
 
 
 def vanish(exprs: ca.SX, within: Box) -> NDArray[np.bool_]:

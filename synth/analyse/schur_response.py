@@ -76,12 +76,12 @@ def of(model: StateSpace) -> Response:
     """Return the response of a model without a pole at z = -1."""
     A, B, C, D = model.A, model.B, model.C, model.D
     if not isinstance(model.time, Continuous):
-        A, B, C, D = warped(*resolvent.balanced(A, B, C), D)
+        A, B, C, D = bilinear(*resolvent.balanced(A, B, C), D)
     A, B, C = resolvent.balanced(A, B, C)
     return Response(A, B, C, D, resolvent.schur(A), model)
 
 
-def warped(A: Array, B: Array, C: Array, D: Array) -> tuple[Array, Array, Array, Array]:
+def bilinear(A: Array, B: Array, C: Array, D: Array) -> tuple[Array, Array, Array, Array]:
     """Return A, B, C, D in s = (z - 1)/(z + 1) from those in z, which have no pole at z = -1."""
     one, root = np.eye(len(A)), np.sqrt(2)
     inverse = np.linalg.inv(A + one)

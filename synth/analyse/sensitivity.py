@@ -102,8 +102,8 @@ class ClosedLoop:
     @property
     def Ti(self) -> StateSpace:
         """K P (I + K P)^-1, d -> -u."""
-        found = self._from("d", "u")
-        return self._compensating(replace(found, C=0.0 - found.C, D=0.0 - found.D))
+        model = self._from("d", "u")
+        return self._compensating(replace(model, C=0.0 - model.C, D=0.0 - model.D))
 
     @property
     def both(self) -> StateSpace:
@@ -134,7 +134,7 @@ class ClosedLoop:
 
     def sheet(self) -> show.Sheet:
         """Return the signals by letter, the meaning of each transfer function, and the poles."""
-        named = tuple((letter, ", ".join(self.whole.labels(found))) for letter, found in self.signals.items())
+        named = tuple((letter, ", ".join(self.whole.labels(entries))) for letter, entries in self.signals.items())
         arrows = tuple((f"{name}: {what}", f"{start} -> {end}") for name, (start, end, what) in ARROWS.items())
         state = "stable" if self.stable else "NOT STABLE"
         poles = ", ".join(show.number(p) for p in self.poles)
@@ -167,8 +167,8 @@ def close(plant: System, controller: System) -> ClosedLoop:
         "y": tuple(y),
     }
     units = _units(P, K, signals)
-    P = _named(P, "plant_", signals["v"], signals["y"], units)
-    K = _named(K, "controller_", signals["e"], signals["u"], units)
+    P = _rename(P, "plant_", signals["v"], signals["y"], units)
+    K = _rename(K, "controller_", signals["e"], signals["u"], units)
     wires = {e: {r: 1.0, q: -1.0, n: -1.0} for e, r, q, n in _rows(signals, "eryn")}
     wires |= {f: {u: 1.0, d: 1.0} for f, u, d in _rows(signals, "vud")}
     outside, inside = (*signals["r"], *signals["d"], *signals["n"]), (*signals["u"], *signals["y"])
@@ -214,11 +214,13 @@ def _units(P: StateSpace, K: StateSpace, signals: Mapping[str, tuple[str, ...]])
     """Return the units of all signals; the terms of a sum have the same unit."""
     outer = [P.unit(a) or K.unit(b) for a, b in zip(P.outputs, K.inputs, strict=True)]
     inner = [P.unit(a) or K.unit(b) for a, b in zip(P.inputs, K.outputs, strict=True)]
-    told = [(letter, outer if letter in "rney" else inner) for letter in signals]
-    return {name: unit for letter, found in told for name, unit in zip(signals[letter], found, strict=True) if unit}
+    by_letter = [(letter, outer if letter in "rney" else inner) for letter in signals]
+    return {
+        name: unit for letter, units in by_letter for name, unit in zip(signals[letter], units, strict=True) if unit
+    }
 
 
-def _named(
+def _rename(
     model: StateSpace, prefix: str, inputs: tuple[str, ...], outputs: tuple[str, ...], units: Mapping[str, str]
 ) -> StateSpace:
     states = {f"{prefix}{name}": model.units.get(name) for name in model.states}

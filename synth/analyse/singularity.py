@@ -30,10 +30,10 @@ from synth.statespace import Array, readonly
 
 GRID = 9  # points along each of up to DENSE signals
 DENSE = 4
-SPREAD = 2000  # points of the sequence, for more signals
+SEQUENCE_POINTS = 2000  # points of the sequence, for more signals
 SEEDS = 3  # points from which the simplex starts
 CONDITION_LIMIT = 1e8
-NOTABLE = 1e-9  # relative: a refined point must be worse by more than this to replace its starting point
+IMPROVEMENT = 1e-9  # relative: a refined point must be worse by more than this to replace its starting point
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,17 +152,17 @@ def worst(matrix: Scaled) -> Worst:
     condition = matrix.condition(points)
     seeds = np.argsort(-condition, kind="stable")[:SEEDS]
     if np.isinf(condition[seeds[0]]):
-        return _told(matrix, np.inf, points[:, seeds[0]])
+        return _worst_at(matrix, np.inf, points[:, seeds[0]])
     if (crossing := _crossing(matrix, points)) is not None:
-        return _told(matrix, np.inf, crossing)
+        return _worst_at(matrix, np.inf, crossing)
     if not len(points):
-        return _told(matrix, float(condition[0]), points[:, 0])
+        return _worst_at(matrix, float(condition[0]), points[:, 0])
     best, at = float(condition[seeds[0]]), points[:, seeds[0]]
     for k in seeds:
-        value, refined = _refined(matrix, points[:, k])
-        if value > best * (1 + NOTABLE):
+        value, refined = _refine(matrix, points[:, k])
+        if value > best * (1 + IMPROVEMENT):
             best, at = value, refined
-    return _told(matrix, best, at)
+    return _worst_at(matrix, best, at)
 
 
 @arguments.checked
@@ -197,7 +197,7 @@ def _points(signals: Sequence[Signal]) -> Array:
 
     vertices = np.array(list(product((0.0, 1.0), repeat=min(d, 10))))
     vertices = np.hstack([vertices, np.full((len(vertices), d - vertices.shape[1]), 0.5)])
-    spread = qmc.Halton(d, scramble=False).random(SPREAD)
+    spread = qmc.Halton(d, scramble=False).random(SEQUENCE_POINTS)
     return box.within(signals, np.vstack([np.full((1, d), 0.5), vertices, spread]).T)
 
 
@@ -222,7 +222,7 @@ def _crossing(matrix: Scaled, points: Array) -> Array | None:
     return at
 
 
-def _refined(matrix: Scaled, start: Array) -> tuple[float, Array]:
+def _refine(matrix: Scaled, start: Array) -> tuple[float, Array]:
     low, width = start * 0 + [s.low for s in matrix.box], 2 * box.half_widths(matrix.box)
 
     def least(unit: Array) -> float:
@@ -235,15 +235,15 @@ def _refined(matrix: Scaled, start: Array) -> tuple[float, Array]:
     return float(matrix.condition(at[:, None])[0]), at
 
 
-def _told(matrix: Scaled, condition: float, at: Array) -> Worst:
+def _worst_at(matrix: Scaled, condition: float, at: Array) -> Worst:
     named = dict(zip(names(matrix.box), map(float, at), strict=True))
-    enough = _enough(matrix, at) if np.isinf(condition) and len(at) > 1 else None
+    enough = _decisive_signal(matrix, at) if np.isinf(condition) and len(at) > 1 else None
     if enough is not None:
         return Worst(condition, named, box.where(matrix.box[enough : enough + 1], at[[enough]]))
     return Worst(condition, named, box.where(matrix.box, at) or "every point")
 
 
-def _enough(matrix: Scaled, at: Array) -> int | None:
+def _decisive_signal(matrix: Scaled, at: Array) -> int | None:
     """Return the index of a signal whose value alone makes the matrix singular, for any values of the others."""
     points = box.scatter(matrix.box, rounding.POINTS, rounding.SEEDS[0])
     for k, value in enumerate(at):

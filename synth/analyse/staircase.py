@@ -107,7 +107,7 @@ class Split:
 
 def split(A: Array, B: Array, cut: float = COUPLING) -> Split:
     """Return the controllable subspace of a scaled pair, A (n, n), B (n, m), and its complement; tolerance `cut`."""
-    reached, gap = _reached(A, B, cut)
+    reached, gap = _controllable_subspace(A, B, cut)
     rest = _complement(reached)
     return Split(_complement(rest), rest, gap)
 
@@ -116,25 +116,25 @@ def _complement(basis: Array) -> Array:
     """Return an orthonormal basis (n, n - k) of the complement of `basis` (n, k), coordinate axes first."""
     n, k = basis.shape
     free = np.abs(basis).max(axis=1, initial=0.0) <= COUPLING
-    found = np.zeros((n, n - k))
+    complement = np.zeros((n, n - k))
     alone = int(free.sum())
-    found[free, :alone] = np.eye(alone)
+    complement[free, :alone] = np.eye(alone)
     if alone < n:
-        found[~free, alone:] = np.linalg.svd(basis[~free])[0][:, k:]
-    return found
+        complement[~free, alone:] = np.linalg.svd(basis[~free])[0][:, k:]
+    return complement
 
 
 @dataclass(frozen=True, eq=False)
 class Kalman:
     """The controllable and observable part, basis `kept` (n, k), orthonormal, scaled; and the modes outside it.
 
-    `unreached` holds the uncontrollable eigenvalues with left vectors w, w^H B = 0; `unseen` the controllable but
+    `uncontrollable` holds eigenvalues with left vectors w, w^H B = 0; `unobservable` holds the controllable but
     unobservable ones with right vectors v, C v = 0; each vector is a column (n,). `gap` is the least of all decisions.
     """
 
     kept: Array
-    unreached: tuple[Complex, Complex]
-    unseen: tuple[Complex, Complex]
+    uncontrollable: tuple[Complex, Complex]
+    unobservable: tuple[Complex, Complex]
     gap: Gap
 
 
@@ -145,15 +145,17 @@ def kalman(part: Scaled, cut: float = COUPLING) -> Kalman:
     over the whole staircase and may count as a coupling. The angles between the two subspaces, in contrast, are either
     right angles or far from it.
     """
-    reach, sight = split(part.A, part.B, cut), split(part.A.T, part.C.T, cut)
-    _, cosines, V = np.linalg.svd(sight.inside.T @ reach.inside)
+    controllable, observable = split(part.A, part.B, cut), split(part.A.T, part.C.T, cut)
+    _, cosines, V = np.linalg.svd(observable.inside.T @ controllable.inside)
     k = int((cosines > OVERLAP).sum())
     rest = _complement(V[:k].T)
     inside = _complement(rest)
-    A = reach.inside.T @ part.A @ reach.inside
-    unreached, unseen = modes(part.A.T, reach.outside), modes(A, rest)
-    gap = min(reach.gap, sight.gap, _gap(cosines, OVERLAP), key=lambda g: g.ratio)
-    return Kalman(reach.inside @ inside, unreached, (unseen[0], reach.inside @ unseen[1]), gap)
+    A = controllable.inside.T @ part.A @ controllable.inside
+    uncontrollable, unobservable = modes(part.A.T, controllable.outside), modes(A, rest)
+    gap = min(controllable.gap, observable.gap, _gap(cosines, OVERLAP), key=lambda g: g.ratio)
+    return Kalman(
+        controllable.inside @ inside, uncontrollable, (unobservable[0], controllable.inside @ unobservable[1]), gap
+    )
 
 
 def _gap(sigma: Array, cut: float) -> Gap:
@@ -182,9 +184,9 @@ def unreached(part: Scaled) -> tuple[Complex, Complex]:
         return values, w
     every, W = modes(part.A.T, np.eye(len(part.A)))
     size = np.linalg.norm(part.B, axis=0)
-    reach = np.abs(W.T @ (part.B / np.where(size > 0, size, 1.0))).max(axis=1, initial=0.0)
+    coupling = np.abs(W.T @ (part.B / np.where(size > 0, size, 1.0))).max(axis=1, initial=0.0)
     known = np.abs(every[:, None] - values[true]) <= RESIDUAL * (np.abs(every)[:, None] + np.abs(values[true]))
-    new = (reach <= COUPLING) & ~known.any(axis=1)
+    new = (coupling <= COUPLING) & ~known.any(axis=1)
     return np.concatenate([values[true], every[new]]), np.hstack([w[:, true], W[:, new]])
 
 
@@ -248,19 +250,19 @@ def _finite(A: Array, B: Array, C: Array, D: Array) -> tuple[Complex, Complex]:
     return values.astype(np.complex128), (quiet @ vectors).astype(np.complex128)
 
 
-def _reached(A: Array, B: Array, cut: float) -> tuple[Array, Gap]:
+def _controllable_subspace(A: Array, B: Array, cut: float) -> tuple[Array, Gap]:
     """Return an orthonormal basis (n, k) of the controllable subspace of (A, B)."""
     size = np.linalg.norm(B, axis=0)
     new, sigma = _range(B[:, size > COUPLING] / size[size > COUPLING], cut)
-    basis, found = new, [sigma]
+    basis, sigmas = new, [sigma]
     step = A / (np.linalg.norm(A) or 1.0)
     while new.shape[1] and basis.shape[1] < len(A):
         new = step @ new
         for _ in range(2):  # twice: reorthogonalisation against rounding
             new = new - basis @ (basis.T @ new)
         new, sigma = _range(new, cut)
-        basis, found = np.hstack([basis, new]), [*found, sigma]
-    return basis, _gap(np.concatenate(found), cut)
+        basis, sigmas = np.hstack([basis, new]), [*sigmas, sigma]
+    return basis, _gap(np.concatenate(sigmas), cut)
 
 
 def _range(M: Array, cut: float) -> tuple[Array, Array]:

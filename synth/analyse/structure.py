@@ -134,17 +134,17 @@ def transmission_zeros(system: System) -> Zeros:
     """
     model = of(system)
     part = staircase.of_model(model)
-    seen = staircase.kalman(part)
-    Z = seen.kept
-    found = staircase.zeros(Z.T @ part.A @ Z, Z.T @ part.B, part.C @ Z, part.D)
-    nothing = np.zeros((0, len(found.values)), dtype=np.complex128)
-    u, y = (found.u, nothing) if found.right else (nothing, found.u)
+    minimal = staircase.kalman(part)
+    Z = minimal.kept
+    zeros = staircase.zeros(Z.T @ part.A @ Z, Z.T @ part.B, part.C @ Z, part.D)
+    nothing = np.zeros((0, len(zeros.values)), dtype=np.complex128)
+    u, y = (zeros.u, nothing) if zeros.right else (nothing, zeros.u)
     return Zeros(
-        _roots(model, found.values * part.rate, Z @ found.x, u, y),
-        found.rank,
+        _roots(model, zeros.values * part.rate, Z @ zeros.x, u, y),
+        zeros.rank,
         model.D.shape,
-        named_modes(seen.unreached, part.B.T, part.rate, model.states),
-        named_modes(seen.unseen, part.C, part.rate, model.states),
+        named_modes(minimal.uncontrollable, part.B.T, part.rate, model.states),
+        named_modes(minimal.unobservable, part.C, part.rate, model.states),
         model.time,
     )
 
@@ -232,22 +232,22 @@ def spelled(direction: Direction) -> str:
     return listed if len(direction) <= NAMED else f"{listed} and {len(direction) - NAMED} more"
 
 
-def named_modes(found: tuple[Complex, Complex], C: Array, rate: float, states: Sequence[str]) -> tuple[Mode, ...]:
+def named_modes(modes: tuple[Complex, Complex], C: Array, rate: float, states: Sequence[str]) -> tuple[Mode, ...]:
     """Return scaled eigenvalues (k,) with vectors (n, k) as modes; the norm of C v, C (p, n), is the measure."""
     return tuple(
         Mode(complex(s * rate), float(np.linalg.norm(C @ v)), direction(v, states))
-        for s, v in zip(found[0], found[1].T, strict=True)
+        for s, v in zip(modes[0], modes[1].T, strict=True)
     )
 
 
 def _roots(model: StateSpace, values: Complex, x: Complex, u: Complex, y: Complex) -> tuple[Root, ...]:
-    found = []
+    roots = []
     for k, (s, rate) in enumerate(zip(values, rates(values, model.time), strict=True)):
         size = float(np.abs(rate))
         damping = float(0.0 - np.real(rate) / size) if 0 < size < np.inf else (1.0 if size else np.nan)
         along = (direction(v[:, k], who) for v, who in ((x, model.states), (u, model.inputs), (y, model.outputs)))
-        found.append(Root(complex(s), damping, size / (2 * np.pi), *along))
-    return tuple(sorted(found, key=lambda r: (r.frequency, r.value.real, r.value.imag)))
+        roots.append(Root(complex(s), damping, size / (2 * np.pi), *along))
+    return tuple(sorted(roots, key=lambda r: (r.frequency, r.value.real, r.value.imag)))
 
 
 def _tables(kind: str, roots: Sequence[Root]) -> tuple[show.Table, ...]:

@@ -55,8 +55,8 @@ class _Points:
     def refine(self, k: int) -> None:
         """Minimise the bound at point k."""
         if not self.fine[k]:
-            found = ssv.upper(self.M[k : k + 1], FINE)
-            self.bound[k], self.scaling[k], self.fine[k] = found.value[0], found.scaling[0], True
+            upper = ssv.upper(self.M[k : k + 1], FINE)
+            self.bound[k], self.scaling[k], self.fine[k] = upper.value[0], upper.scaling[0], True
 
     def add(self, M: Response, frequencies: Array, tolerance: float) -> None:
         """Add frequencies, with bounds minimised to the tolerance."""
@@ -76,9 +76,9 @@ class _Points:
 
 def _points(M: Response, frequencies: Array, tolerance: float) -> _Points:
     response = M.at(frequencies)
-    found = ssv.upper(response, tolerance)
+    upper = ssv.upper(response, tolerance)
     fine = np.full(len(frequencies), tolerance <= FINE)
-    return _Points(frequencies, response, found.value, found.scaling, fine)
+    return _Points(frequencies, response, upper.value, upper.scaling, fine)
 
 
 def over_frequency(model: StateSpace, certify: bool = True) -> Peak:
@@ -90,13 +90,18 @@ def over_frequency(model: StateSpace, certify: bool = True) -> Peak:
     points = _points(M, grid(M.poles), COARSE)
     _climb(M, points)
     top = points.highest(points.w >= 0)
-    level, certified = _covered(M, points) if certify else (float(points.bound[top]), False)
+    level, certified = _prove(M, points) if certify else (float(points.bound[top]), False)
     highest = _highest(points)
     level *= 1 + 2 * max(_rounding(M, points, k) for k in highest)
-    found = {k: ssv.lower(points.M[k]) for k in highest}
-    k = max((k for k in found if 0 < points.w[k] < np.inf or _is_real(found[k].delta)), key=lambda k: found[k].value)
+    lower_bounds = {k: ssv.lower(points.M[k]) for k in highest}
+    k = max(
+        (k for k in lower_bounds if 0 < points.w[k] < np.inf or _is_real(lower_bounds[k].delta)),
+        key=lambda k: lower_bounds[k].value,
+    )
     order, w = np.argsort(points.w), M.unwarped(points.w)
-    return Peak(level, certified, found[k].value, found[k].delta, float(w[k]), w[order], points.bound[order])
+    return Peak(
+        level, certified, lower_bounds[k].value, lower_bounds[k].delta, float(w[k]), w[order], points.bound[order]
+    )
 
 
 def _rounding(M: Response, points: _Points, k: int) -> float:
@@ -147,25 +152,25 @@ def _is_real(delta: Complex) -> bool:
     return bool((np.abs(delta.imag) <= 1e-9 * np.abs(delta)).all())
 
 
-def _covered(M: Response, points: _Points) -> tuple[float, bool]:
+def _prove(M: Response, points: _Points) -> tuple[float, bool]:
     """Return an upper bound of mu over frequency, and whether it is proved for all frequencies."""
-    peak, left = float(points.bound[points.highest(points.w >= 0)]), [(0.0, np.inf)]
+    peak, undecided = float(points.bound[points.highest(points.w >= 0)]), [(0.0, np.inf)]
     if not peak:
         return 0.0, True  # M vanishes at more points than it has poles: M = 0
     for margin in (e for count, e in LEVELS for _ in range(count)):
         while True:
-            k = _chosen(M, points, left[-1])
+            k = _highest_inside(M, points, undecided[-1])
             if points.bound[k] <= peak:
                 break
             peak = float(points.bound[k])
         level = (1 + margin) * peak
-        left += _above(M, points.scaling[k], level, left.pop())
-        if not left:
+        undecided += _above(M, points.scaling[k], level, undecided.pop())
+        if not undecided:
             return level, True
     return peak, False
 
 
-def _chosen(M: Response, points: _Points, interval: Interval) -> int:
+def _highest_inside(M: Response, points: _Points, interval: Interval) -> int:
     """Return the highest point inside the interval, or a new one in its middle if it has none."""
     a, b = interval
     inside = ((points.w > a) & (points.w < b)) | ((points.w == a) & (a == 0)) | ((points.w == b) & np.isinf(b))
@@ -183,13 +188,13 @@ def _above(M: Response, x: Array, level: float, interval: Interval) -> list[Inte
     ends = np.concatenate([[a], cuts[np.append(np.diff(cuts) > 1e-12 * cuts[1:], True)[: len(cuts)]], [b]])
     middles = np.where(np.isinf(ends[1:]), 2 * ends[:-1] + M.size, 0.5 * (ends[:-1] + ends[1:]))
     below = ssv.gain(M.at(middles), x) < level
-    found: list[Interval] = []
+    intervals: list[Interval] = []
     for low, high, done in zip(ends[:-1], ends[1:], below, strict=True):
-        if not done and found and found[-1][1] == low:
-            found[-1] = (found[-1][0], float(high))
+        if not done and intervals and intervals[-1][1] == low:
+            intervals[-1] = (intervals[-1][0], float(high))
         elif not done:
-            found.append((float(low), float(high)))
-    return found
+            intervals.append((float(low), float(high)))
+    return intervals
 
 
 def hamiltonian_eigenvalues(M: Response, x: Array, level: float) -> Complex:

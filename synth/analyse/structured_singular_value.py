@@ -21,7 +21,7 @@ from scipy.optimize import minimize
 from synth.statespace import Array, Complex
 
 STEPS = 100  # of Newton's method at most; about ten are usual, more where singular values meet
-CENTRED = 0.5  # Newton decrement below which t decreases
+CENTRED_DECREMENT = 0.5  # Newton decrement below which t decreases
 STARTS = 12  # of the power iteration, from random phases with a fixed seed
 ROUNDS = 50  # of the power iteration
 
@@ -53,7 +53,7 @@ def gain(M: Complex, x: Array) -> Array:
     return np.asarray(np.linalg.svd(scaled(M, x), compute_uv=False)[..., 0])
 
 
-def balanced(M: Complex, sweeps: int = 4) -> Array:
+def osborne_scaling(M: Complex, sweeps: int = 4) -> Array:
     """Return x = d^2 (k, p) that gives row i and column i of D M D^-1 similar sizes (Osborne).
 
     Entries below 1e-8 of the largest count as 1e-8 of it; this keeps the scales of a reducible matrix finite.
@@ -73,16 +73,16 @@ def balanced(M: Complex, sweeps: int = 4) -> Array:
 
 def upper(M: Complex, tolerance: float = 1e-6) -> Upper:
     """Return the least upper bound over D for each matrix of M (k, p, p), within a relative `tolerance`."""
-    x = balanced(M)
+    x = osborne_scaling(M)
     value = gain(M, x)
     if M.shape[-1] > 1:
         busy = np.flatnonzero(value > 0)
-        x[busy], relative = _centred(M[busy] / value[busy, None, None], x[busy], tolerance)
+        x[busy], relative = _central_path(M[busy] / value[busy, None, None], x[busy], tolerance)
         value[busy] *= relative
     return Upper(value, x)
 
 
-def _centred(M: Complex, x: Array, tolerance: float) -> tuple[Array, Array]:
+def _central_path(M: Complex, x: Array, tolerance: float) -> tuple[Array, Array]:
     """Return the best x and its sigma_max along the central path; M (k, p, p), gains near 1."""
     near = max(2 * tolerance / M.shape[-1], 1e-10)
     best, least, busy = x.copy(), np.full(len(M), np.inf), np.arange(len(M))
@@ -97,7 +97,7 @@ def _centred(M: Complex, x: Array, tolerance: float) -> tuple[Array, Array]:
         t = np.maximum(t, least[busy] * (1 + 0.5 * near))
         outside = size >= t  # the step was too long: halve it
         step, decrement = _newton(N, G, np.where(outside, 1.1 * size, t))
-        centred = (decrement < CENTRED) & ~outside
+        centred = (decrement < CENTRED_DECREMENT) & ~outside
         following = np.where(outside[:, None], np.sqrt(last * x), x * np.exp(step))
         last = np.where(outside[:, None], last, x)
         stay = ~centred | (t > least[busy] * (1 + near))
@@ -134,8 +134,8 @@ def lower(M: Complex) -> Lower:
     if not M.any():
         return Lower(0.0, np.full(len(M), np.inf + 0j))
     phases = _power(M)
-    found = np.abs(np.linalg.eigvals(M * np.exp(1j * phases)[:, None, :])).max(axis=1)
-    tried = [_improved(M, phases[k]) for k in np.argsort(found)[:-3:-1]] if len(M) > 1 else [phases[0]]
+    radii = np.abs(np.linalg.eigvals(M * np.exp(1j * phases)[:, None, :])).max(axis=1)
+    tried = [_ascend(M, phases[k]) for k in np.argsort(radii)[:-3:-1]] if len(M) > 1 else [phases[0]]
     return max((_certificate(M, phi) for phi in tried), key=lambda c: c.value)
 
 
@@ -168,7 +168,7 @@ def _sign(values: Complex) -> Complex:
     return np.asarray(np.where(size > 0, values / np.maximum(size, 1e-300), 1.0))
 
 
-def _improved(M: Complex, phases: Array) -> Array:
+def _ascend(M: Complex, phases: Array) -> Array:
     def cost(phi: Array) -> tuple[float, Array]:
         values, right = np.linalg.eig(M * np.exp(1j * phi))
         k = np.abs(values).argmax()

@@ -65,9 +65,10 @@ class TimeResponse:
         final = float(self.final[i, j])
         if not final:
             return (n(final), "", "", "", *peak)
-        risen = [_first(self.time, y / final, level) for level in (0.1, 0.9)]
+        risen = [_first_crossing(self.time, y / final, level) for level in (0.1, 0.9)]
         rise = n(risen[1] - risen[0]) if np.isfinite(risen).all() else ""
-        return (n(final), f"{max(0.0, float((y / final).max()) - 1):.2%}", rise, _settled(self.time, y / final), *peak)
+        overshoot = f"{max(0.0, float((y / final).max()) - 1):.2%}"
+        return (n(final), overshoot, rise, _settling_time(self.time, y / final), *peak)
 
 
 @arguments.checked
@@ -141,11 +142,11 @@ def _recursion(model: StateSpace, duration_s: float | None, interval_s: float | 
     count = int(np.floor(span / interval * (1 + 1e-12)))
     if not 1 <= count <= MOST:
         raise TimingError(f"{span:g} s hold {count} intervals of {interval:g} s: give times for 1 to {MOST} of them")
-    F, G = (model.A, model.B) if not isinstance(model.time, Continuous) else _held(model, interval)
+    F, G = (model.A, model.B) if not isinstance(model.time, Continuous) else _discretise(model, interval)
     return interval * np.arange(count + 1, dtype=np.float64), F, G
 
 
-def _held(model: StateSpace, interval: float) -> tuple[Array, Array]:
+def _discretise(model: StateSpace, interval: float) -> tuple[Array, Array]:
     n, m = model.B.shape
     M = np.block([[model.A, model.B], [np.zeros((m, n + m))]])
     E = discretise.gramian(M, np.zeros_like(M), interval).M
@@ -195,7 +196,7 @@ def _response(signal: str, model: StateSpace, time: Array, outputs: Array, final
     return TimeResponse(signal, *values, model.outputs, model.inputs, units, input_units, ends)
 
 
-def _first(time: Array, y: Array, level: float) -> float:
+def _first_crossing(time: Array, y: Array, level: float) -> float:
     """Return the time when y first reaches a level, by linear interpolation; inf if it does not."""
     above = y >= level
     if not above.any():
@@ -204,7 +205,7 @@ def _first(time: Array, y: Array, level: float) -> float:
     return float(time[0] if not k else time[k - 1] + (time[k] - time[k - 1]) * (level - y[k - 1]) / (y[k] - y[k - 1]))
 
 
-def _settled(time: Array, y: Array) -> str:
+def _settling_time(time: Array, y: Array) -> str:
     """Return the settling time, after which y stays within BAND of 1, as text; "" if it is still outside."""
     outside = np.flatnonzero(np.abs(y - 1) > BAND)
     if not outside.size:

@@ -25,22 +25,22 @@ REAL = 1e-6  # of |L|: a sign change of a larger imaginary part is a pole
 
 def of_curve(curve: Curve) -> Crossings:
     """Return the crossings of a traced loop."""
-    unit = _unit(curve)
-    at = {f: complex(curve.L(f)[0]) for f in _real(curve, unit)}
+    unit = _unit_gain_frequencies(curve)
+    at = {f: complex(curve.L(f)[0]) for f in _real_axis_frequencies(curve, unit)}
     negative = [Crossing(f, v) for f, v in sorted(at.items()) if abs(v.imag) <= REAL * abs(v) and v.real < 0]
     gain = tuple(Crossing(f, complex(curve.L(f)[0])) for f in unit)
     return Crossings(gain, tuple(negative), curve.ends, *_peak(curve))
 
 
-def _unit(curve: Curve) -> list[float]:
+def _unit_gain_frequencies(curve: Curve) -> list[float]:
     """Return the frequencies with |L| = 1; for a stretch, those with the least phase and delay margins."""
     value, w = refinement.log(curve.value), curve.w
-    found = [] if len(w) < 3 else _roots(lambda v: refinement.log(curve.L(v)), w, value)
-    _require_parity(found, value)
+    frequencies = [] if len(w) < 3 else _roots(lambda v: refinement.log(curve.L(v)), w, value)
+    _require_parity(frequencies, value)
     for run in _stretches(value):
         above = np.angle(-curve.value[run])
-        found += [float(w[run][np.abs(above).argmin()]), float(w[run][(above % (2 * np.pi) / w[run]).argmin()])]
-    return sorted(set(found))
+        frequencies += [float(w[run][np.abs(above).argmin()]), float(w[run][(above % (2 * np.pi) / w[run]).argmin()])]
+    return sorted(set(frequencies))
 
 
 def _require_parity(crossings: list[float], value: Array) -> None:
@@ -55,18 +55,18 @@ def _require_parity(crossings: list[float], value: Array) -> None:
         )
 
 
-def _real(curve: Curve, unit: list[float]) -> list[float]:
+def _real_axis_frequencies(curve: Curve, unit: list[float]) -> list[float]:
     """Return the frequencies with L real; for a stretch, those of `unit` (|L| = 1), or where |L| is closest to 1."""
 
     def sine(v: Array | float) -> Array:
         return _sine(curve.L(v))
 
     value, w = _sine(curve.value), curve.w
-    found = _roots(sine, w, value)
+    frequencies = _roots(sine, w, value)
     for run in _stretches(value):
         inside = [f for f in unit if w[run][0] <= f <= w[run][-1]]
-        found += inside or [float(w[run][np.abs(refinement.log(curve.value[run])).argmin()])]
-    return sorted(set(found))
+        frequencies += inside or [float(w[run][np.abs(refinement.log(curve.value[run])).argmin()])]
+    return sorted(set(frequencies))
 
 
 def _sine(value: Complex) -> Array:
@@ -82,14 +82,14 @@ def _stretches(value: Array) -> list[slice]:
 
 def _roots(f: Callable[[float], NDArray[np.float64]], w: Array, value: Array) -> list[float]:
     """Return the zeros of f, from its `value` on w, without stretches of zeros."""
-    w, value = _with_turns(f, w, value)
+    w, value = _with_extrema(f, w, value)
     signs = np.sign(value)
     for run in _stretches(value):
         signs[run] = np.nan
-    found = [float(v) for v in w[signs == 0]]
+    roots = [float(v) for v in w[signs == 0]]
     for k in np.flatnonzero(signs[:-1] * signs[1:] < 0):
-        found.append(_root(f, float(w[k]), float(w[k + 1])))
-    return sorted(found)
+        roots.append(_root(f, float(w[k]), float(w[k + 1])))
+    return sorted(roots)
 
 
 def _root(f: Callable[[float], NDArray[np.float64]], a: float, b: float) -> float:
@@ -100,7 +100,7 @@ def _root(f: Callable[[float], NDArray[np.float64]], a: float, b: float) -> floa
     return float(brentq(lambda v: float(np.ravel(f(v))[0]), a, b, xtol=1e-12 * a, rtol=1e-13))
 
 
-def _with_turns(f: Callable[[float], NDArray[np.float64]], w: Array, value: Array) -> tuple[Array, Array]:
+def _with_extrema(f: Callable[[float], NDArray[np.float64]], w: Array, value: Array) -> tuple[Array, Array]:
     """Return the nodes and each extremum of f between nodes that lies beyond 0."""
     size, sign = np.abs(value), np.sign(value)
     turns = (size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:]) & (size[1:-1] < NEAR)
@@ -108,22 +108,22 @@ def _with_turns(f: Callable[[float], NDArray[np.float64]], w: Array, value: Arra
     turns &= w[2:] - w[:-2] > 16 * refinement.NARROW * w[2:]
     turns &= (sign[1:-1] == sign[:-2]) & (sign[1:-1] == sign[2:]) & (size[1:-1] > FLAT)
     for k in np.flatnonzero(turns) + 1:
-        where, least = _least(_scaled(f, sign[k]), w[k - 1], w[k + 1])
+        where, least = _least(_scalar_function(f, sign[k]), w[k - 1], w[k + 1])
         if least < 0:
             at = int(np.searchsorted(w, where))
             w, value = np.insert(w, at, where), np.insert(value, at, sign[k] * least)
-            return _with_turns(f, w, value)
+            return _with_extrema(f, w, value)
     return w, value
 
 
-def _scaled(f: Callable[[float], NDArray[np.float64]], factor: float) -> Callable[[float], float]:
+def _scalar_function(f: Callable[[float], NDArray[np.float64]], factor: float) -> Callable[[float], float]:
     return lambda v: factor * float(np.ravel(f(v))[0])
 
 
 def _least(f: Callable[[float], float], a: float, b: float) -> tuple[float, float]:
     """Return the minimiser of f in a bracket, which may be far narrower than a, and its value."""
-    found = minimize_scalar(lambda t: f(a + (b - a) * t), bounds=(0, 1), method="bounded", options={"xatol": 1e-9})
-    return float(a + (b - a) * found.x), float(found.fun)
+    minimum = minimize_scalar(lambda t: f(a + (b - a) * t), bounds=(0, 1), method="bounded", options={"xatol": 1e-9})
+    return float(a + (b - a) * minimum.x), float(minimum.fun)
 
 
 def _peak(curve: Curve) -> tuple[float, float]:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from synth import arguments, show
-from synth.analyse.refinement import NARROW, refined
+from synth.analyse.refinement import NARROW, refine
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, Complex, StateSpace, System, of
 from synth.timing import Continuous, Discrete, Time
@@ -79,7 +79,7 @@ def delayed(system: System, delay_s: float, hold_s: float = 0.0) -> Delayed:
 
 
 @arguments.checked
-def read(loop: Loop) -> StateSpace | Delayed:
+def of_loop(loop: Loop) -> StateSpace | Delayed:
     """Return a loop as a StateSpace or a Delayed; raise SignalError unless it has one input and one output."""
     return loop if isinstance(loop, Delayed) else scalar(of(loop))
 
@@ -98,18 +98,18 @@ def response(loop: Loop) -> Response:
 
     Raises SignalError when the loop is not scalar. The function raises ModelError at a pole at w = 0.
     """
-    found = read(loop)
-    moving = _moving(found.model if isinstance(found, Delayed) else found)
+    scalar_loop = of_loop(loop)
+    moving = _rational_response(scalar_loop.model if isinstance(scalar_loop, Delayed) else scalar_loop)
 
     def L(frequencies: ArrayLike) -> Complex:
         w = np.atleast_1d(np.asarray(frequencies, dtype=np.float64))
-        late = _lateness(found, w) if isinstance(found, Delayed) else 1.0
+        late = _delay_and_hold(scalar_loop, w) if isinstance(scalar_loop, Delayed) else 1.0
         return np.asarray(late * moving(w))
 
     return L
 
 
-def _moving(model: StateSpace) -> Response:
+def _rational_response(model: StateSpace) -> Response:
     """Return w (k,) -> C (v I - A)^-1 B + D (k,)."""
     time = model.time
 
@@ -137,10 +137,10 @@ def closed_poles(model: StateSpace, factor: complex = 1.0) -> Complex:
 
 def decay(poles: Complex, time: Time) -> bool:
     """Tell whether all poles are stable, by more than the rounding error of their matrix."""
-    return not lasting(poles, time).any()
+    return not not_decaying(poles, time).any()
 
 
-def lasting(poles: Complex, time: Time) -> NDArray[np.bool_]:
+def not_decaying(poles: Complex, time: Time) -> NDArray[np.bool_]:
     """Tell for each pole whether it is undamped or unstable, up to the rounding error of its matrix."""
     if isinstance(time, Continuous):
         return np.asarray(poles.real >= -1e-14 * np.abs(poles).max(initial=0.0))
@@ -164,7 +164,7 @@ def trace(
     turning = loop.delay_s + loop.hold_s / 2 if isinstance(loop, Delayed) else 0.0
     nodes = [np.zeros(0)]
     if turning:
-        top = high or max(_settled(L, abs(ends(loop)[np.inf]), start, top), 4 * np.pi / turning)
+        top = high or max(_quiet_frequency(L, abs(ends(loop)[np.inf]), start, top), 4 * np.pi / turning)
         check_turns(turning, top)
         nodes = [np.arange(start, top, 0.3 / turning)]
     if not 0 < start < top:
@@ -173,7 +173,7 @@ def trace(
     first = np.asarray(L(w[:1]))
     if first.shape != (1,) or first.dtype.kind not in "fc":
         raise SignalError(f"`L` gives {arguments.found(first)} for one frequency: give a function w (k,) -> L (k,)")
-    w, value = refined(L, w, np.asarray(L(w)))
+    w, value = refine(L, w, np.asarray(L(w)))
     w.flags.writeable = value.flags.writeable = False
     return Curve(L, w, value, ends(loop))
 
@@ -198,7 +198,7 @@ def check_turns(late: float, top: float) -> None:
         )
 
 
-def _lateness(loop: Delayed, w: Array) -> Complex:
+def _delay_and_hold(loop: Delayed, w: Array) -> Complex:
     x = w * loop.hold_s / 2
     return np.asarray(np.sinc(x / np.pi) * np.exp(-1j * (w * loop.delay_s + x)))
 
@@ -225,7 +225,7 @@ def _span(
     return low or float(np.clip(1e-2 * slowest, min(bottom, 1e-2), 1e-2)), float(top)
 
 
-def _settled(L: Response, last: float, start: float, top: float) -> float:
+def _quiet_frequency(L: Response, last: float, start: float, top: float) -> float:
     """Return a frequency above which |L| stays within QUIET of its limit `last`, or `top` if there is none."""
     w = np.geomspace(start, top, 2000)
     moving = np.flatnonzero(np.abs(np.abs(L(w)) - last) >= QUIET)
@@ -253,16 +253,16 @@ def ends(loop: StateSpace | Delayed) -> dict[float, float]:
     scalar(loop.model if isinstance(loop, Delayed) else loop)
     if isinstance(loop, Delayed):
         last = 0.0 if loop.hold_s else float(loop.model.D[0, 0])
-        return _real(loop.model, {0.0: 0.0}) | {np.inf: -abs(last) if loop.delay_s else last}  # L circles
+        return _real_values(loop.model, {0.0: 0.0}) | {np.inf: -abs(last) if loop.delay_s else last}  # L circles
     if isinstance(loop.time, Continuous):
-        return _real(loop, {0.0: 0.0}) | {np.inf: float(loop.D[0, 0])}
-    return _real(loop, {0.0: 1.0, np.pi / loop.time.period_s: -1.0})
+        return _real_values(loop, {0.0: 0.0}) | {np.inf: float(loop.D[0, 0])}
+    return _real_values(loop, {0.0: 1.0, np.pi / loop.time.period_s: -1.0})
 
 
-def _real(model: StateSpace, points: dict[float, float]) -> dict[float, float]:
-    found = {}
+def _real_values(model: StateSpace, points: dict[float, float]) -> dict[float, float]:
+    values = {}
     for w, v in points.items():
         sigma = np.linalg.svd(v * np.eye(len(model.A)) - model.A, compute_uv=False)
         if sigma.size == 0 or sigma[-1] > 1e-12 * sigma[0]:
-            found[w] = float(model.response(v)[0, 0, 0].real)
-    return found
+            values[w] = float(model.response(v)[0, 0, 0].real)
+    return values

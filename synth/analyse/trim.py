@@ -147,12 +147,13 @@ def _numeric(unknown: ca.SX, held: ca.SX, results: Sequence[ca.SX], values: Arra
         buffer.set_arg(1, values.data)
     buffer.set_res(0, result.data)
 
-    def called(z: Array, _owner: object = buffer) -> tuple[Array, Array]:  # `evaluate` alone does not keep the buffer
+    # `evaluate` alone does not keep the buffer alive: the default argument does.
+    def evaluate_at(z: Array, _owner: object = buffer) -> tuple[Array, Array]:
         argument[:] = z
         evaluate()
         return result[: value.numel()].copy(), result[value.numel() :].reshape(slope.shape, order="F").copy()
 
-    return called
+    return evaluate_at
 
 
 def _roots(plant: Plant, problem: _Problem, free: tuple[str, ...], fixed: tuple[str, ...]) -> tuple[Array, ...]:

@@ -26,8 +26,8 @@ from synth.statespace import Array
 
 MOST_PARAMETERS = 10  # with a tolerance: 2^10 vertices at each operating point
 STEPS = 30  # of each search, for each parameter
-STILL = 1e-6  # of the box, and of the figure: a search stops at smaller changes
-FAR = 1e300  # replaces inf, which the search cannot use
+SMALL_CHANGE = 1e-6  # of the box, and of the figure: a search stops at smaller changes
+LARGE = 1e300  # replaces inf, which the search cannot use
 
 LoopOf = Callable[[Mapping[str, float]], Loop]
 
@@ -45,8 +45,8 @@ class Figure:
 
 def _margin(name: str, unit: str, of: Callable[[margins.Margins], float], lost: float, largest: bool = False) -> Figure:
     def figure(loop: Loop) -> float:
-        found = margins.of_loop(loop)
-        return of(found) if found.stable else lost
+        loop_margins = margins.of_loop(loop)
+        return of(loop_margins) if loop_margins.stable else lost
 
     return Figure(name, unit, figure, largest)
 
@@ -133,17 +133,17 @@ def search(
     count = 0
 
     def at(point: Mapping[str, float]) -> Callable[[Array], float]:
-        def bad(t: Array) -> float:
+        def objective(t: Array) -> float:
             nonlocal count
             count += 1
-            value = _value(loop, figure, {**point, **_placed(parameters, free, t)})
+            value = _value(loop, figure, {**point, **_parameter_values(parameters, free, t)})
             return -value if figure.largest else value
 
-        return bad
+        return objective
 
-    found = [_searched(name, at(values), parameters, free, figure) for name, values in points.items()]
-    worst = (max if figure.largest else min)(found, key=lambda p: p.worst)
-    return Worst(figure, worst.worst, worst.name, worst.where, tuple(found), tuple(parameters), count)
+    worst_points = [_search_point(name, at(values), parameters, free, figure) for name, values in points.items()]
+    worst = (max if figure.largest else min)(worst_points, key=lambda p: p.worst)
+    return Worst(figure, worst.worst, worst.name, worst.where, tuple(worst_points), tuple(parameters), count)
 
 
 def _require(parameters: Sequence[Parameter], points: Mapping[str, Mapping[str, float]]) -> None:
@@ -162,57 +162,62 @@ def _require(parameters: Sequence[Parameter], points: Mapping[str, Mapping[str, 
     count = sum(p.tolerance > 0 for p in parameters)
     if count > MOST_PARAMETERS:
         raise SignalError(
-            f"{count} parameters have a tolerance, whose box has 2^{count} vertices: keep at most {MOST_PARAMETERS}, "
+            f"{count} parameters have a tolerance, whose box has 2^{count} vertices: keep {MOST_PARAMETERS} at most, "
             "the others at tolerance 0"
         )
 
 
-def _placed(parameters: Sequence[Parameter], free: Sequence[Parameter], t: Array) -> dict[str, float]:
+def _parameter_values(parameters: Sequence[Parameter], free: Sequence[Parameter], t: Array) -> dict[str, float]:
     """Return the parameters at t (free,), -1 .. 1 from one end of each tolerance to the other."""
-    moved = {p.name: p.value * (1 + p.tolerance * float(s)) for p, s in zip(free, t, strict=True)}
-    return {p.name: moved.get(p.name, p.value) for p in parameters}
+    varied = {p.name: p.value * (1 + p.tolerance * float(s)) for p, s in zip(free, t, strict=True)}
+    return {p.name: varied.get(p.name, p.value) for p in parameters}
 
 
 def _value(loop: LoopOf, figure: Figure, values: Mapping[str, float]) -> float:
-    told = ", ".join(f"{name} = {v:.6g}" for name, v in values.items())
+    location = ", ".join(f"{name} = {v:.6g}" for name, v in values.items())
     try:
         value = float(figure.of(loop(values)))
     except SynthError as error:
-        raise ModelError(f"no {figure.name} at {told}: {error}") from error
+        raise ModelError(f"no {figure.name} at {location}: {error}") from error
     except Exception as error:  # any error of the user's function: the values make it reproducible
-        found = f"{type(error).__name__}: {error}"
-        raise ModelError(f"no {figure.name} at {told}: {found}; mend the loop or narrow the tolerances") from error
+        message = f"{type(error).__name__}: {error}"
+        raise ModelError(
+            f"no {figure.name} at {location}: {message}; mend the loop or narrow the tolerances"
+        ) from error
     if np.isnan(value):
-        raise ModelError(f"the {figure.name} is NaN at {told}: mend the loop or narrow the tolerances")
+        raise ModelError(f"the {figure.name} is NaN at {location}: mend the loop or narrow the tolerances")
     return value
 
 
-def _searched(
+def _search_point(
     name: str,
-    bad: Callable[[Array], float],
+    objective: Callable[[Array], float],
     parameters: Sequence[Parameter],
     free: Sequence[Parameter],
     figure: Figure,
 ) -> Point:
     """Return the worst at one operating point; a smaller `objective` is worse."""
-    n, turned = len(free), -1.0 if figure.largest else 1.0
+    n, sign = len(free), -1.0 if figure.largest else 1.0
     corners = [np.array(c) for c in itertools.product((-1.0, 1.0), repeat=n)] if n else []
-    tried = sorted([(bad(t), k, t) for k, t in enumerate([np.zeros(n), *corners])], key=lambda c: c[:2])
-    centre = next(value for value, k, _ in tried if k == 0)
-    vertex = next((value for value, k, _ in tried if k), centre)
-    searched = [_local(bad, t) for value, _, t in tried[:2] if n and np.isfinite(value)]
-    least, where = min([(tried[0][0], tried[0][2]), *searched], key=lambda c: c[0])
-    return Point(name, turned * centre, turned * vertex, turned * least, _placed(parameters, free, where))
+    evaluated = sorted([(objective(t), k, t) for k, t in enumerate([np.zeros(n), *corners])], key=lambda c: c[:2])
+    centre = next(value for value, k, _ in evaluated if k == 0)
+    vertex = next((value for value, k, _ in evaluated if k), centre)
+    searched = [_simplex_search(objective, t) for value, _, t in evaluated[:2] if n and np.isfinite(value)]
+    least, where = min([(evaluated[0][0], evaluated[0][2]), *searched], key=lambda c: c[0])
+    return Point(name, sign * centre, sign * vertex, sign * least, _parameter_values(parameters, free, where))
 
 
-def _local(bad: Callable[[Array], float], start: Array) -> tuple[float, Array]:
+def _simplex_search(objective: Callable[[Array], float], start: Array) -> tuple[float, Array]:
     """Return the minimum from a simplex search from `start` that spans the box.
 
     The variables are angles a with t = sin(a), which keeps the simplex from collapsing on a side of the box.
     """
     angle = np.arcsin(start)
     simplex = np.vstack([angle, angle + np.diag(np.where(angle == 0, np.pi / 4, -angle))])
-    limits = {"maxfev": STEPS * len(start), "xatol": STILL, "fatol": STILL * abs(min(bad(start), FAR))}
+    size = abs(min(objective(start), LARGE))
+    limits = {"maxfev": STEPS * len(start), "xatol": SMALL_CHANGE, "fatol": SMALL_CHANGE * size}
     options = {"initial_simplex": simplex, **limits}
-    found = minimize(lambda a: float(np.clip(bad(np.sin(a)), -FAR, FAR)), angle, method="Nelder-Mead", options=options)
-    return float(found.fun), np.sin(found.x)
+    minimum = minimize(
+        lambda a: float(np.clip(objective(np.sin(a)), -LARGE, LARGE)), angle, method="Nelder-Mead", options=options
+    )
+    return float(minimum.fun), np.sin(minimum.x)

@@ -209,11 +209,11 @@ def _pencil_zeros(model: StateSpace, count: int) -> NDArray[np.complex128]:
 
 def _distance(values: NDArray[np.complex128], zeros: NDArray[np.complex128], size: float) -> float:
     """Return the largest distance of paired values, over the size."""
-    apart = np.abs(values[:, None] - zeros[None, :])
-    if not np.isfinite(apart).all():
+    distances = np.abs(values[:, None] - zeros[None, :])
+    if not np.isfinite(distances).all():
         return np.inf
-    rows, columns = linear_sum_assignment(apart)
-    return float(apart[rows, columns].max(initial=0.0)) / (size or 1.0)
+    rows, columns = linear_sum_assignment(distances)
+    return float(distances[rows, columns].max(initial=0.0)) / (size or 1.0)
 
 
 def _verdict(real: Array, size: float) -> Verdict:

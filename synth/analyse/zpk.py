@@ -76,7 +76,7 @@ class ZeroPoleGain:
         rising, falling = self.signs > 0, self.signs < 0
         below = low[:, rising].sum(axis=1) - high[:, falling].sum(axis=1)
         above = high[:, rising].sum(axis=1) - low[:, falling].sum(axis=1)
-        held = self._held_slope(a, b)
+        held = self._hold_slope(a, b)
         return below + held[0], above + held[1]
 
     def log_gain_bounds(self, a: Array, b: Array) -> tuple[Array, Array]:
@@ -88,7 +88,7 @@ class ZeroPoleGain:
         rising, falling = self.signs > 0, self.signs < 0
         below = low[:, rising].sum(axis=1) - high[:, falling].sum(axis=1)
         above = high[:, rising].sum(axis=1) - low[:, falling].sum(axis=1)
-        held = self._held_range(a, b)
+        held = self._hold_bounds(a, b)
         return self.log_k + below + held[0], self.log_k + above + held[1]
 
     def _distances(self, a: Array, b: Array) -> tuple[Array, Array]:
@@ -96,7 +96,7 @@ class ZeroPoleGain:
         near = np.where(low > 0, low, np.where(high < 0, -high, 0.0))
         return near, np.maximum(np.abs(low), np.abs(high))
 
-    def _held_slope(self, a: Array, b: Array) -> tuple[Array, Array]:
+    def _hold_slope(self, a: Array, b: Array) -> tuple[Array, Array]:
         """Return bounds of d log |sin x / x| / dw: cot x falls over each lobe; no interval extends over two lobes."""
         if not self.hold_s:
             return np.zeros(len(a)), np.zeros(len(a))
@@ -106,7 +106,7 @@ class ZeroPoleGain:
             high = 1 / np.tan(x) - 1 / y
         return low * self.hold_s / 2, high * self.hold_s / 2
 
-    def _held_range(self, a: Array, b: Array) -> tuple[Array, Array]:
+    def _hold_bounds(self, a: Array, b: Array) -> tuple[Array, Array]:
         if not self.hold_s:
             return np.zeros(len(a)), np.zeros(len(a))
         x, y = self._inside_lobe(a, b)
@@ -136,11 +136,11 @@ def lowest_frequency(L: ZeroPoleGain) -> float:
     """Return a frequency below which the loop is its asymptote and |L| does not cross 1."""
     sizes = np.abs(L.roots)
     rates = [float(sizes[sizes > 0].min(initial=np.inf)), 1 / L.delay_s if L.delay_s else np.inf]
-    apart = BELOW * (min(rates) if np.isfinite(min(rates)) else 1.0)
+    lowest = BELOW * (min(rates) if np.isfinite(min(rates)) else 1.0)
     slope = float(L.signs[sizes == 0].sum())
     if not slope:
-        return apart
-    return min(apart, apart * float(np.exp(-L.log_gain(np.array([apart]))[0] / slope)) / 10)
+        return lowest
+    return min(lowest, lowest * float(np.exp(-L.log_gain(np.array([lowest]))[0] / slope)) / 10)
 
 
 def frequency_grid(L: ZeroPoleGain, low: float, closed: NDArray[np.complex128] | None = None) -> Array:
@@ -188,10 +188,10 @@ def least_distance(L: ZeroPoleGain, nodes: Array) -> tuple[float, float]:
         kept = (bound < least * (1 - TIGHT)) & (b - a > NARROW * b)
         a, b, middle = a[kept], b[kept], middle[kept]
         a, b = np.concatenate([a, middle]), np.concatenate([middle, b])
-    return _polished(L, least, where, width)
+    return _refine_minimum(L, least, where, width)
 
 
-def _polished(L: ZeroPoleGain, least: float, where: float, width: float) -> tuple[float, float]:
+def _refine_minimum(L: ZeroPoleGain, least: float, where: float, width: float) -> tuple[float, float]:
     """Return the local minimum of |1 + L| within a width of `where`."""
 
     def distance(t: float) -> float:

@@ -71,8 +71,8 @@ def test_a_loop_that_hardly_touches_minus_one_is_not_taken_for_far() -> None:
     """|L| = 1 touched from below by a resonance: an interval that stays undecided counts as a crossing."""
     zeta = 0.05
     touching = control.tf([2 * zeta * np.sqrt(1 - zeta**2)], [1, 2 * zeta, 1])
-    found = margins.of_loop(transfer.delayed(touching, 0.3))
-    assert found.phase_margin < 180 and found.gain_crossings[0].frequency == pytest.approx(
+    loop_margins = margins.of_loop(transfer.delayed(touching, 0.3))
+    assert loop_margins.phase_margin < 180 and loop_margins.gain_crossings[0].frequency == pytest.approx(
         np.sqrt(1 - 2 * zeta**2), rel=1e-6
     )
 
@@ -89,11 +89,11 @@ def test_a_loop_that_hardly_touches_minus_one_is_not_taken_for_far() -> None:
 def test_a_crossing_on_a_node_is_kept(
     numerator: list[float], denominator: list[float], delay: float, crossings: list[float] | None
 ) -> None:
-    found = margins.of_loop(transfer.delayed(control.tf(numerator, denominator), delay))
+    loop_margins = margins.of_loop(transfer.delayed(control.tf(numerator, denominator), delay))
     plain = margins.of_loop(control.tf(numerator, denominator))
     expected = [c.frequency for c in plain.gain_crossings] if crossings is None else crossings
-    assert [c.frequency for c in found.gain_crossings] == pytest.approx(expected, rel=1e-9)
-    for c, d in zip(found.gain_crossings, plain.gain_crossings, strict=True):
+    assert [c.frequency for c in loop_margins.gain_crossings] == pytest.approx(expected, rel=1e-9)
+    for c, d in zip(loop_margins.gain_crossings, plain.gain_crossings, strict=True):
         turned = d.phase_margin - np.degrees(delay * d.frequency)
         assert (c.phase_margin - turned) % 360 == pytest.approx(0, abs=1e-6) or (
             c.phase_margin - turned
@@ -102,16 +102,20 @@ def test_a_crossing_on_a_node_is_kept(
 
 @pytest.mark.parametrize("b", [[-1.0, 1.0], [1.0, 1.0], [-2.0, -2.0]])
 def test_a_delayed_loop_of_gain_one_at_all_frequencies_bears_no_delay(b: list[float]) -> None:
-    found = margins.of_loop(transfer.delayed(control.tf(b, [abs(b[0]), abs(b[0])]), 0.1))
-    assert not found.stable and found.delay_margin == 0 and found.phase_margin == pytest.approx(0, abs=1e-6)
+    loop_margins = margins.of_loop(transfer.delayed(control.tf(b, [abs(b[0]), abs(b[0])]), 0.1))
+    assert (
+        not loop_margins.stable
+        and loop_margins.delay_margin == 0
+        and loop_margins.phase_margin == pytest.approx(0, abs=1e-6)
+    )
 
 
 def test_a_direct_path_of_minus_one_under_a_hold_is_well_posed() -> None:
     """L = -s / (s + 1), late and held: nearly that of a direct path beside -1."""
-    found, beside = (
+    loop_margins, beside = (
         margins.of_loop(transfer.delayed(([[-1.0]], [[1.0]], [[1.0]], [[d]]), 0.1, 0.1)) for d in (-1.0, -1 + 1e-9)
     )
-    assert found.stable and found.gain_margin == pytest.approx(beside.gain_margin, rel=1e-6)
+    assert loop_margins.stable and loop_margins.gain_margin == pytest.approx(beside.gain_margin, rel=1e-6)
 
 
 def test_a_loop_that_stays_beside_one_is_refused_before_it_fills_the_memory(monkeypatch: pytest.MonkeyPatch) -> None:

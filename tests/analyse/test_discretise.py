@@ -135,23 +135,23 @@ def gathered(seed: int, spread: float) -> tuple[np.ndarray, np.ndarray, np.ndarr
     return F * D / D[:, None], (W + W.T) / 2, D
 
 
-def off(found: np.ndarray, exact: np.ndarray, D: np.ndarray) -> float:
+def off(computed: np.ndarray, exact: np.ndarray, D: np.ndarray) -> float:
     """The largest error of a quadratic form over its largest entry, both in the units before scaling."""
-    found, exact = (v / D / D[:, None] for v in (found, exact))
-    return float(np.abs(found - exact).max() / np.abs(exact).max())
+    computed, exact = (v / D / D[:, None] for v in (computed, exact))
+    return float(np.abs(computed - exact).max() / np.abs(exact).max())
 
 
 @settings(derandomize=True, max_examples=30, deadline=None)
 @given(st.integers(0, 10**6), st.sampled_from([0.0, 3.0, 6.0]), st.floats(1e-4, 0.3))
 def test_what_gathers_over_a_period_agrees_with_ball_arithmetic(seed: int, spread: float, period_s: float) -> None:
     F, W, D = gathered(seed, spread)
-    found, exact = discretise.gramian(F, W, period_s), discretise.gramian(F, W, period_s, exact=True)
+    propagation, exact = discretise.gramian(F, W, period_s), discretise.gramian(F, W, period_s, exact=True)
     growth = max(1.0, np.abs(F * D[:, None] / D).sum(axis=1).max() * period_s)
-    assert off(found.W, exact.W, D) <= tolerances.of("folded") * growth
-    M, E = found.M * D[:, None] / D, exact.M * D[:, None] / D
+    assert off(propagation.W, exact.W, D) <= tolerances.of("folded") * growth
+    M, E = propagation.M * D[:, None] / D, exact.M * D[:, None] / D
     assert np.abs(M - E).max() <= tolerances.of("folded") * growth * max(1.0, np.abs(E).max())
-    np.testing.assert_array_equal(found.W, found.W.T)
-    values = np.linalg.eigvalsh(found.W / D / D[:, None])
+    np.testing.assert_array_equal(propagation.W, propagation.W.T)
+    values = np.linalg.eigvalsh(propagation.W / D / D[:, None])
     assert values[0] >= -tolerances.of("folded") * values[-1]
 
 
@@ -161,9 +161,11 @@ def test_what_gathers_over_a_period_agrees_with_quadrature(exact: bool) -> None:
     nodes, weights = np.polynomial.legendre.leggauss(24)
     flows = [scipy.linalg.expm(F * T / 2 * (v + 1)) for v in nodes]
     integral = T / 2 * sum(w * M.T @ W @ M for w, M in zip(weights, flows, strict=True))
-    found = discretise.gramian(F, W, T, exact=exact)
-    np.testing.assert_allclose(found.W, integral, rtol=0, atol=tolerances.of("quadrature") * np.abs(integral).max())
-    np.testing.assert_allclose(found.M, scipy.linalg.expm(F * T), rtol=0, atol=tolerances.of("double"))
+    propagation = discretise.gramian(F, W, T, exact=exact)
+    np.testing.assert_allclose(
+        propagation.W, integral, rtol=0, atol=tolerances.of("quadrature") * np.abs(integral).max()
+    )
+    np.testing.assert_allclose(propagation.M, scipy.linalg.expm(F * T), rtol=0, atol=tolerances.of("double"))
     transposed = discretise.gramian(F.T, W, T, exact=exact).W  # another integral unless F is symmetric
     assert np.abs(transposed - integral).max() > 1e-3 * np.abs(integral).max()
 
@@ -171,19 +173,19 @@ def test_what_gathers_over_a_period_agrees_with_quadrature(exact: bool) -> None:
 def test_a_slow_mode_beside_a_fast_one_keeps_its_digits() -> None:
     """Modes a_i: W_ij = (exp((a_i + a_j) T) - 1) / (a_i + a_j); one block exponential in double overflows."""
     a, period_s = np.array([-1e6, -1e-3, 1e-3, -40.0]), 1.0
-    found = discretise.gramian(np.diag(a), np.ones((4, 4)), period_s)
+    propagation = discretise.gramian(np.diag(a), np.ones((4, 4)), period_s)
     rate = a + a[:, None]
     known = np.where(rate == 0, period_s, np.expm1(rate * period_s) / np.where(rate == 0, 1, rate))
-    np.testing.assert_allclose(found.W, known, rtol=tolerances.of("folded"))
-    np.testing.assert_allclose(np.diag(found.M)[1:3], np.exp(a[1:3]), rtol=tolerances.of("folded"))
+    np.testing.assert_allclose(propagation.W, known, rtol=tolerances.of("folded"))
+    np.testing.assert_allclose(np.diag(propagation.M)[1:3], np.exp(a[1:3]), rtol=tolerances.of("folded"))
     with np.errstate(all="ignore"):
         block = scipy.linalg.expm(np.block([[-np.diag(a), np.ones((4, 4))], [np.zeros((4, 4)), np.diag(a)]]))
         assert not np.isfinite(block).all()
 
 
 def test_what_has_decayed_keeps_its_relative_precision() -> None:
-    found = discretise.gramian(np.diag([-300.0, -200.0]), np.eye(2), 1.0)
-    np.testing.assert_allclose(np.diag(found.M), np.exp([-300.0, -200.0]), rtol=1e3 * tolerances.of("folded"))
+    propagation = discretise.gramian(np.diag([-300.0, -200.0]), np.eye(2), 1.0)
+    np.testing.assert_allclose(np.diag(propagation.M), np.exp([-300.0, -200.0]), rtol=1e3 * tolerances.of("folded"))
 
 
 def test_a_chain_of_integrators_gathers_its_closed_form() -> None:
@@ -191,11 +193,11 @@ def test_a_chain_of_integrators_gathers_its_closed_form() -> None:
     n = 5
     W, i = np.zeros((n, n)), np.arange(n)
     W[0, 0] = 1
-    found = discretise.gramian(np.diag(np.ones(n - 1), 1), W, T)
+    propagation = discretise.gramian(np.diag(np.ones(n - 1), 1), W, T)
     factorial = np.array([1.0, 1, 2, 6, 24])
     known = T ** (i + i[:, None] + 1) / (factorial * factorial[:, None] * (i + i[:, None] + 1))
-    np.testing.assert_allclose(found.W, known, rtol=1e2 * tolerances.of("last_bit"))
-    np.testing.assert_allclose(found.M, scipy.linalg.expm(np.diag(np.ones(n - 1), 1) * T), rtol=1e-14, atol=1e-25)
+    np.testing.assert_allclose(propagation.W, known, rtol=1e2 * tolerances.of("last_bit"))
+    np.testing.assert_allclose(propagation.M, scipy.linalg.expm(np.diag(np.ones(n - 1), 1) * T), rtol=1e-14, atol=1e-25)
 
 
 def test_nothing_gathers_where_nothing_is_weighted_or_moves() -> None:

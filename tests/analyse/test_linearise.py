@@ -39,8 +39,8 @@ def differences(stage: Plant, at: OperatingPoint) -> tuple[np.ndarray, ...]:
     return tuple(slope(*pair) for pair in pairs)
 
 
-def agrees(model: StateSpace, found: tuple[np.ndarray, ...]) -> bool:
-    pairs = zip((model.A, model.B, model.C, model.D), found, strict=True)
+def agrees(model: StateSpace, numeric: tuple[np.ndarray, ...]) -> bool:
+    pairs = zip((model.A, model.B, model.C, model.D), numeric, strict=True)
     return all(np.allclose(M, N, rtol=1e-7, atol=1e-6) for M, N in pairs)
 
 
@@ -56,10 +56,10 @@ def test_jacobians_are_the_limits_of_differences() -> None:
 
 def test_a_wrong_sign_or_place_is_found() -> None:
     stage, at = tilted()
-    model, found = linearise(stage, at), differences(stage, at)
-    assert not agrees(replace(model, B=-model.B), found)
+    model, numeric = linearise(stage, at), differences(stage, at)
+    assert not agrees(replace(model, B=-model.B), numeric)
     elsewhere = trim(stage, {"y": 0.0231, "theta": 0.006, "phi": -0.001}, DIRECT)
-    assert not agrees(linearise(stage, elsewhere), found)
+    assert not agrees(linearise(stage, elsewhere), numeric)
 
 
 @pytest.mark.parametrize(("lv3", "pole"), [("coth2", 37.33), ("csch2", 37.76)])

@@ -122,8 +122,8 @@ def test_a_plant_with_any_delay_is_sampled_exactly(samples: float) -> None:
     A, B, C = np.array([[0, 1, 0], [-900, 0, 2], [0, 0, -50.0]]), rng.normal(size=(3, 2)), rng.normal(size=(2, 3))
     D, u = rng.normal(size=(2, 2)), rng.normal(size=(15, 2))
     expected = held(u, samples * T, A, B, C, D)
-    found = stepped(loop.sampled((A, B, C, D), T, samples * T), u)
-    np.testing.assert_allclose(found, expected, rtol=0, atol=tolerances.of("double"))
+    y = stepped(loop.sampled((A, B, C, D), T, samples * T), u)
+    np.testing.assert_allclose(y, expected, rtol=0, atol=tolerances.of("double"))
     late = stepped(loop.sampled((A, B, C, D), T, (samples + 0.5) * T), u)
     assert np.abs(late - expected).max() > 1e-3
 
@@ -144,14 +144,14 @@ def test_the_poles_of_a_delayed_sampled_loop_near_those_of_a_finely_sampled_one(
     coarse = loop.sampled(P, T, 1.5 * T)
     closed = coarse.A + coarse.B @ (K @ np.hstack([np.eye(2), np.zeros((2, 2))]))[None]
     fine = loop.sampled(P, T / 10, 0.0)
-    x, commands, told = np.array([1.0, 0.0]), [0.0] * 15, []
+    x, commands, outputs = np.array([1.0, 0.0]), [0.0] * 15, []
     z = np.concatenate([x, [0.0, 0.0]])
     for k in range(200):
         if k % 10 == 0:
-            told.append(np.abs(x - z[:2]).max())
+            outputs.append(np.abs(x - z[:2]).max())
             z, command = closed @ z, float(K @ x)
         x, commands = fine.A @ x + fine.B[:, 0] * commands[0], [*commands[1:], command]
-    assert max(told) < tolerances.of("double") < np.abs(x).max()
+    assert max(outputs) < tolerances.of("double") < np.abs(x).max()
 
 
 def test_a_loop_is_opened_with_a_fraction_of_a_sample_too() -> None:
@@ -194,9 +194,9 @@ def test_a_mode_that_no_double_holds_over_a_period_is_refused(delay: float) -> N
 def test_without_a_delay_the_sampled_plant_is_that_of_the_hold() -> None:
     rng = np.random.default_rng(5)
     P = StateSpace(rng.normal(size=(3, 3)), rng.normal(size=(3, 2)), np.eye(3), np.zeros((3, 2)), *NAMES, Continuous())
-    found, expected = loop.sampled(P, T), discretise.zero_order_hold(P, T)
-    assert np.array_equal(found.A, expected.A) and np.array_equal(found.B, expected.B)
-    assert (found.states, found.inputs, found.time) == (expected.states, expected.inputs, TIME)
+    sampled, expected = loop.sampled(P, T), discretise.zero_order_hold(P, T)
+    assert np.array_equal(sampled.A, expected.A) and np.array_equal(sampled.B, expected.B)
+    assert (sampled.states, sampled.inputs, sampled.time) == (expected.states, expected.inputs, TIME)
 
 
 def sorted_like(poles: np.ndarray) -> np.ndarray:
@@ -225,8 +225,8 @@ def test_the_loop_at_the_position_is_the_product_of_its_parts() -> None:
 
 def test_the_stiffness_of_the_magnet_is_its_lower_gain_margin() -> None:
     """At rest L = -K_p / 4: the gain may fall to 4/30 before the magnet wins."""
-    found = margins.of_loop(opened("q"))
-    assert found.stable and found.gain_reduction_margin == pytest.approx(4 / KP, rel=1e-6)
+    loop_margins = margins.of_loop(opened("q"))
+    assert loop_margins.stable and loop_margins.gain_reduction_margin == pytest.approx(4 / KP, rel=1e-6)
 
 
 def test_inputs_that_are_not_wired_stay_at_rest_and_names_say_what_is_what() -> None:
@@ -238,12 +238,12 @@ def test_inputs_that_are_not_wired_stay_at_rest_and_names_say_what_is_what() -> 
 def test_jacobians_agree_with_differences_off_rest() -> None:
     block = compose("pd", blocks(), inputs=["encoder", "feed"], outputs=["force"])
     at, h = {"encoder": 0.3, "feed": 1.0}, 1e-6
-    found, f = loop.linearised(block, {"rater_last": 0.2}, at), block.function()
+    jacobians, f = loop.linearised(block, {"rater_last": 0.2}, at), block.function()
     up, down = (np.array(f([0.2], [0.3 + d, 1.0])[1]).item() for d in (h, -h))
-    assert found.D[0, 0] == pytest.approx((up - down) / (2 * h), rel=1e-6)
-    assert found.D[0, 0] == pytest.approx(-KP - KD / T - 15 * 0.3**2, rel=tolerances.of("double"))
-    np.testing.assert_array_equal(found.A, [[0]])
-    np.testing.assert_allclose(found.C, [[KD / T]])
+    assert jacobians.D[0, 0] == pytest.approx((up - down) / (2 * h), rel=1e-6)
+    assert jacobians.D[0, 0] == pytest.approx(-KP - KD / T - 15 * 0.3**2, rel=tolerances.of("double"))
+    np.testing.assert_array_equal(jacobians.A, [[0]])
+    np.testing.assert_allclose(jacobians.C, [[KD / T]])
 
 
 def test_names_that_are_not_known_are_refused() -> None:

@@ -23,14 +23,14 @@ def test_no_rounding_of_the_numbers_given_moves_the_loop_by_more_than_told(seed:
     system, other = control.tf(b, a, T), control.tf(*moved, T)
     if matrices:
         model = of(system)
-        given = (model.A, model.B, model.C, model.D)
-        parts = [M * (1 + magnified * perturbation.EPS * rng.uniform(-1, 1, M.shape)) for M in given]
+        exact = (model.A, model.B, model.C, model.D)
+        parts = [M * (1 + magnified * perturbation.EPS * rng.uniform(-1, 1, M.shape)) for M in exact]
         system, other = model, of((*parts, Discrete(T)))
     w = 30.0
     z = np.exp(1j * w * T)
     L, L2 = (complex(of(v).response(z)[0, 0, 0]) for v in (system, other))
-    told = perturbation.of_rational(rational.of_system(system), w).of_loop
-    assert abs(L2 / L - 1) < magnified * told * 1.1
+    bound = perturbation.of_rational(rational.of_system(system), w).of_loop
+    assert abs(L2 / L - 1) < magnified * bound * 1.1
     assert perturbation.of_rational(rational.of_system(system), w).of_closed > 0
 
 
@@ -38,10 +38,10 @@ def test_the_bound_of_a_transfer_function_is_reached_by_rounding_its_worst_way()
     """At z = 1 all coefficients of a denominator move it alike when each moves the way of its sign."""
     T = 1e-3
     a = np.poly(np.exp(np.array([-1.0, -2.0, -5.0]) * T))
-    told = perturbation.of_rational(rational.of_system(control.tf([1.0], a, T)), 0.0)
+    bound = perturbation.of_rational(rational.of_system(control.tf([1.0], a, T)), 0.0)
     moved = a * (1 - 2.0**-40 * np.sign(a))
     reached = abs(a.sum() / moved.sum() - 1)
-    assert reached / (2.0**-40 / perturbation.EPS) == pytest.approx(told.of_loop, rel=0.05)
+    assert reached / (2.0**-40 / perturbation.EPS) == pytest.approx(bound.of_loop, rel=0.05)
 
 
 def test_a_loop_whose_stability_rounding_hides_is_refused_and_a_hidden_integrator_is_not_stable() -> None:

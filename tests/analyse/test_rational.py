@@ -61,12 +61,16 @@ def test_hidden_modes_are_closed_loop_poles_and_no_part_of_the_loop() -> None:
     hidden = of((np.diag([-1.0, -5.0]), [[1.0], [0.0]], [[2.0, 1.0]], [[0.0]]))
     loop = rational.of_system(hidden)
     assert [p.degree() for p in loop.reduced] == [0, 1]
-    assert sorted(loop.closed.real) == pytest.approx([-5.0, -3.0])
+    assert sorted(loop.closed_loop_poles.real) == pytest.approx([-5.0, -3.0])
 
 
 def test_a_pole_at_minus_one_is_counted() -> None:
     loop = rational.of_system(control.tf([1.0], [1.0, 0.0], 0.1))  # z + 1 = 0
-    assert np.isinf(loop.closed).all() and not perturbation.is_stable(loop) and rational.count_unstable(loop, 1.0) == 1
+    assert (
+        np.isinf(loop.closed_loop_poles).all()
+        and not perturbation.is_stable(loop)
+        and rational.count_unstable(loop, 1.0) == 1
+    )
 
 
 @pytest.mark.parametrize("factor", [1.0, 0.3, 2.0 * I, 3.0 * np.exp(0.7j)])

@@ -34,7 +34,7 @@ def worst(i: int, samples: int) -> float:
 def test_each_bound_is_attained() -> None:
     bounds = reach.states(model(A), LARGEST)
     attained = np.array([worst(i, 3000) for i in range(3)])
-    assert (attained <= bounds).all() and (bounds <= attained * (1 + 2 * reach.SETTLED)).all()
+    assert (attained <= bounds).all() and (bounds <= attained * (1 + 2 * reach.REMAINDER)).all()
 
 
 def test_no_random_input_exceeds_the_bounds() -> None:

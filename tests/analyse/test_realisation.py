@@ -45,11 +45,11 @@ def planted(seed: int, time: Time = CONTINUOUS) -> tuple[StateSpace, list[float]
 @given(st.integers(0, 10**6))
 def test_planted_modes_leave_and_the_response_stays(seed: int) -> None:
     model, unreached, unseen = planted(seed, Discrete(1e-3) if seed % 2 else CONTINUOUS)
-    found = realisation.minimal(model)
-    assert sorted(m.value.real for m in found.unmoved) == pytest.approx(unreached, rel=1e-7)
-    assert sorted(m.value.real for m in found.unseen) == pytest.approx(unseen, rel=1e-7)
-    assert len(found.model.A) == len(model.A) - len(unreached) - len(unseen)
-    before, after = model.response(POINTS), found.model.response(POINTS)
+    minimal = realisation.minimal(model)
+    assert sorted(m.value.real for m in minimal.uncontrollable) == pytest.approx(unreached, rel=1e-7)
+    assert sorted(m.value.real for m in minimal.unobservable) == pytest.approx(unseen, rel=1e-7)
+    assert len(minimal.model.A) == len(model.A) - len(unreached) - len(unseen)
+    before, after = model.response(POINTS), minimal.model.response(POINTS)
     np.testing.assert_allclose(after, before, rtol=0, atol=1e-9 * np.abs(before).max(axis=(0, 1), keepdims=True).max())
 
 
@@ -57,8 +57,8 @@ def test_the_order_is_that_of_slicot() -> None:
     for seed in range(10):
         model, *_ = planted(seed)
         part = staircase.of_model(model)  # SLICOT's cut depends on units
-        wanted = control.minreal(control.ss(part.A, part.B, part.C, part.D), tol=1e-9, verbose=False)
-        assert len(realisation.minimal(model).model.A) == wanted.nstates
+        reference = control.minreal(control.ss(part.A, part.B, part.C, part.D), tol=1e-9, verbose=False)
+        assert len(realisation.minimal(model).model.A) == reference.nstates
 
 
 def test_states_that_survive_untouched_keep_name_unit_and_rows() -> None:
@@ -70,40 +70,43 @@ def test_states_that_survive_untouched_keep_name_unit_and_rows() -> None:
     states = ("a", "va", "b", "vb", "slide", "speed", "heat")
     units = {"slide": "m", "speed": "m/s", "a": "m", "f": "N"}
     model = StateSpace(A, B, C, np.zeros((2, 2)), states, ("f", "g"), ("sum", "part1"), CONTINUOUS, units)
-    found = realisation.minimal(model)
-    assert found.model.states == ("slide", "speed", "part2", "part3"), "part1 is an output"
-    assert found.model.units == {"slide": "m", "speed": "m/s", "f": "N"}
-    np.testing.assert_array_equal(found.model.A[:2, :2], A[4:6, 4:6])
-    np.testing.assert_array_equal(found.model.B[:2], B[4:6])
-    assert found.removed == ("a", "va", "b", "vb", "heat") and found.added == ("part2", "part3")
-    assert {frozenset(m.states) for m in found.unmoved} == {frozenset(("a", "va", "b", "vb"))}
-    assert [(m.value, m.states) for m in found.unseen] == [(-7, ("heat",))]
-    np.testing.assert_allclose(found.model.response(POINTS), model.response(POINTS), atol=tolerances.of("double"))
-    assert "Minimal model: 4 of 7 states" in str(found)
-    assert "-0.05 +- 1.9994i" in str(found) and "no input moves it" in str(found)
+    minimal = realisation.minimal(model)
+    assert minimal.model.states == ("slide", "speed", "part2", "part3"), "part1 is an output"
+    assert minimal.model.units == {"slide": "m", "speed": "m/s", "f": "N"}
+    np.testing.assert_array_equal(minimal.model.A[:2, :2], A[4:6, 4:6])
+    np.testing.assert_array_equal(minimal.model.B[:2], B[4:6])
+    assert minimal.removed == ("a", "va", "b", "vb", "heat") and minimal.added == ("part2", "part3")
+    assert {frozenset(m.states) for m in minimal.uncontrollable} == {frozenset(("a", "va", "b", "vb"))}
+    assert [(m.value, m.states) for m in minimal.unobservable] == [(-7, ("heat",))]
+    np.testing.assert_allclose(minimal.model.response(POINTS), model.response(POINTS), atol=tolerances.of("double"))
+    assert "Minimal model: 4 of 7 states" in str(minimal)
+    assert "-0.05 +- 1.9994i" in str(minimal) and "no input moves it" in str(minimal)
 
 
 def test_a_minimal_model_comes_back_as_it_was() -> None:
     A, B, C = [[0.0, 1e-3], [-1e5, -0.1]], [[0.0], [3.0]], [[1e6, 0.0]]
-    found = realisation.minimal((A, B, C, [[0.0]]))
-    for letter, wanted in zip("ABC", (A, B, C), strict=True):
-        np.testing.assert_array_equal(getattr(found.model, letter), wanted)
-    assert not (found.removed or found.added or found.unmoved or found.unseen) and found.difference == 0
+    minimal = realisation.minimal((A, B, C, [[0.0]]))
+    for letter, original in zip("ABC", (A, B, C), strict=True):
+        np.testing.assert_array_equal(getattr(minimal.model, letter), original)
+    assert (
+        not (minimal.removed or minimal.added or minimal.uncontrollable or minimal.unobservable)
+        and minimal.difference == 0
+    )
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_a_chain_of_integrators_in_any_coordinates_is_minimal(seed: int) -> None:
     U = np.linalg.qr(np.random.default_rng(seed).normal(size=(4, 4)))[0]
     A = U @ np.diag(np.ones(3), 1) @ U.T
-    found = realisation.minimal((A, U @ np.eye(4, 1, -3), np.eye(1, 4) @ U.T))
-    assert len(found.model.A) == 4 and not found.added
+    minimal = realisation.minimal((A, U @ np.eye(4, 1, -3), np.eye(1, 4) @ U.T))
+    assert len(minimal.model.A) == 4 and not minimal.added
     cut = realisation.minimal((A, U @ np.eye(4, 1, -2), np.eye(1, 4) @ U.T))
-    assert len(cut.model.A) == 3 and len(cut.unmoved) == 1
+    assert len(cut.model.A) == 3 and len(cut.uncontrollable) == 1
 
 
 def test_a_model_without_response_keeps_its_direct_term() -> None:
-    found = realisation.minimal(([[-1.0]], [[0.0]], [[1.0]], [[2.0]]))
-    assert found.model.states == () and found.model.D == [[2.0]] and found.removed == ("x1",)
+    minimal = realisation.minimal(([[-1.0]], [[0.0]], [[1.0]], [[2.0]]))
+    assert minimal.model.states == () and minimal.model.D == [[2.0]] and minimal.removed == ("x1",)
 
 
 def test_a_part_left_out_that_acts_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -111,8 +114,10 @@ def test_a_part_left_out_that_acts_is_caught(monkeypatch: pytest.MonkeyPatch) ->
     whole = staircase.kalman
 
     def careless(part: staircase.Scaled, cut: float) -> staircase.Kalman:
-        found = whole(part, cut)
-        return staircase.Kalman(found.kept[:, :-1], found.unreached, found.unseen, found.gap)
+        decomposition = whole(part, cut)
+        return staircase.Kalman(
+            decomposition.kept[:, :-1], decomposition.uncontrollable, decomposition.unobservable, decomposition.gap
+        )
 
     model, *_ = planted(3)
     monkeypatch.setattr(staircase, "kalman", careless)
@@ -140,32 +145,34 @@ def blended(seed: int) -> tuple[tuple[np.ndarray, ...], int]:
 
 def test_the_order_is_found_in_coordinates_far_from_orthogonal() -> None:
     """Also where the response is zero. The staircase may lose more digits than its cut, which must be told then."""
-    told = 0
+    warnings = 0
     for seed in range(60):
         system, order = blended(seed)
-        found = realisation.minimal(system)
-        if len(found.model.A) != order:
-            assert found.fewer is not None and found.fewer.order == order and "may be superfluous" in str(found), seed
-            told += 1
-    assert told <= 3
+        minimal = realisation.minimal(system)
+        if len(minimal.model.A) != order:
+            assert (
+                minimal.fewer is not None and minimal.fewer.order == order and "may be superfluous" in str(minimal)
+            ), seed
+            warnings += 1
+    assert warnings <= 3
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_a_response_of_zero_has_no_states(seed: int) -> None:
     U = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
-    found = realisation.minimal((U @ np.diag([-1.0, -2, -3]) @ U.T, U @ np.eye(3, 1), np.array([[0.0, 1, 1]]) @ U.T))
-    assert found.model.states == () and found.gap.kept > 1e-3 and found.gap.left < 1e-13
-    assert "Least coupling kept" in str(found) and "uncertain" not in str(found)
-    near = replace(found, gap=staircase.Gap(2e-11, 5e-12))
+    minimal = realisation.minimal((U @ np.diag([-1.0, -2, -3]) @ U.T, U @ np.eye(3, 1), np.array([[0.0, 1, 1]]) @ U.T))
+    assert minimal.model.states == () and minimal.gap.kept > 1e-3 and minimal.gap.left < 1e-13
+    assert "Least coupling kept" in str(minimal) and "uncertain" not in str(minimal)
+    near = replace(minimal, gap=staircase.Gap(2e-11, 5e-12))
     assert "they lie so close that the order is uncertain" in str(near)
 
 
 def test_what_couples_weakly_yet_above_rounding_is_kept_and_told() -> None:
     U = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0]
     A = U @ np.diag([-1.0, -2, -3]) @ U.T
-    found = realisation.minimal((A, U @ [[1.0], [1.0], [3e-10]], np.ones((1, 3)) @ U.T))
-    assert len(found.model.A) == 3 and found.fewer is not None and found.fewer.order == 2
-    assert 1e-12 < found.fewer.difference < 1e-9
+    minimal = realisation.minimal((A, U @ [[1.0], [1.0], [3e-10]], np.ones((1, 3)) @ U.T))
+    assert len(minimal.model.A) == 3 and minimal.fewer is not None and minimal.fewer.order == 2
+    assert 1e-12 < minimal.fewer.difference < 1e-9
 
 
 @pytest.mark.filterwarnings("error")
@@ -178,5 +185,5 @@ def test_sizes_at_the_ends_of_the_range_are_refused_or_right() -> None:
 
 
 def test_a_python_control_system_is_read() -> None:
-    found = realisation.minimal(control.ss(np.diag([-1.0, -2.0]), [[1.0], [0.0]], [[1.0, 1.0]], 0))
-    assert [m.value for m in found.unmoved] == [-2]
+    minimal = realisation.minimal(control.ss(np.diag([-1.0, -2.0]), [[1.0], [0.0]], [[1.0, 1.0]], 0))
+    assert [m.value for m in minimal.uncontrollable] == [-2]

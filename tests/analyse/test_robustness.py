@@ -54,25 +54,25 @@ def test_a_decoupled_axis_has_the_margins_of_its_own_linear_loop(nominal: list[r
     z = np.exp(1j * T * np.geomspace(1.0, 3000.0, 40))
     controller = np.array([(C @ np.linalg.solve(v * np.eye(len(A)) - A, on_y + on_u * D))[0, 0] + D for v in z])
     L = -P.response(z)[:, 0, 0] * controller
-    found = next(o for o in nominal if (o.point, o.signal) == ("low", "x")).L.response(z)[:, 0, 0]
-    np.testing.assert_allclose(found, L, rtol=1e-5)
+    response = next(o for o in nominal if (o.point, o.signal) == ("low", "x")).L.response(z)[:, 0, 0]
+    np.testing.assert_allclose(response, L, rtol=1e-5)
 
 
 def test_the_worst_loop_is_named_with_its_parameters() -> None:
     cases = [robustness.NOMINAL, *robustness.corners(DESIGN.PLANT, ["k", "m"])]
-    found = robustness.opened(loops({"mid": {"z": 0.0}}, cases), ["i2"])
-    (check,) = robustness.checks(found, {"modulus_margin": 0.5})
-    least = min(found, key=lambda o: o.margins.modulus_margin)
+    open_loops = robustness.opened(loops({"mid": {"z": 0.0}}, cases), ["i2"])
+    (check,) = robustness.checks(open_loops, {"modulus_margin": 0.5})
+    least = min(open_loops, key=lambda o: o.margins.modulus_margin)
     assert check.passed and check.found == 0.5 - least.margins.modulus_margin
     assert dict(least.case) == {"k": pytest.approx(8.8), "m": pytest.approx(0.285)}  # the largest gain
     assert f"of 5 loops is {least.margins.modulus_margin:.4g} at i2, mid, k = 8.8, m = 0.285" in check.about
 
 
 def test_a_margin_that_is_missed_fails_and_so_does_a_loop_that_is_not_stable() -> None:
-    found = robustness.opened(loops({"mid": {"z": 0.0}}, [{"K": 80.0}]), ["z"])  # four times the gain
+    open_loops = robustness.opened(loops({"mid": {"z": 0.0}}, [{"K": 80.0}]), ["z"])  # four times the gain
     require = {"phase_margin": 30.0, "gain_margin": 1.5, "modulus_margin": 0.5}
-    lost = {c.name: c for c in robustness.checks(found, require)}
-    assert not found[0].margins.stable and "not stable" in lost["phase margin falls short by"].about
+    lost = {c.name: c for c in robustness.checks(open_loops, require)}
+    assert not open_loops[0].margins.stable and "not stable" in lost["phase margin falls short by"].about
     assert lost["phase margin falls short by"].found == 30.0 and lost["modulus margin falls short by"].found == 0.5
     assert lost["gain margin falls short by"].found == 0.5 and not any(c.passed for c in lost.values())
     sound = robustness.checks(robustness.opened(loops({"mid": {"z": 0.0}}), ["z"]), {"phase_margin": 80.0})
@@ -80,10 +80,10 @@ def test_a_margin_that_is_missed_fails_and_so_does_a_loop_that_is_not_stable() -
 
 
 def test_disk_margins_are_no_larger_than_those_of_one_channel(nominal: list[robustness.OpenLoop]) -> None:
-    found = robustness.disks(loops(), "low")
+    disk_margins = robustness.disks(loops(), "low")
     single = min(disk.of_loop(o.L).upper for o in nominal if o.point == "low" and o.signal in ("i1", "i2"))
-    assert found["actuators"].lower <= single * (1 + 1e-6)
-    assert found["both"].upper < found["sensors"].lower
+    assert disk_margins["actuators"].lower <= single * (1 + 1e-6)
+    assert disk_margins["both"].upper < disk_margins["sensors"].lower
 
 
 def test_tolerances_are_taken_one_at_a_time_or_in_all_corners() -> None:
@@ -105,7 +105,7 @@ def test_what_is_not_known_is_refused_by_name(nominal: list[robustness.OpenLoop]
         robustness.rest(loops(), "mid")
     with pytest.raises(SignalError, match="no operating points"):
         loops({})
-    with pytest.raises(SignalError, match="'phase' is no margin"):
+    with pytest.raises(SignalError, match="'phase' is not a known margin"):
         robustness.checks(nominal, {"phase": 1.0})
     with pytest.raises(SignalError, match="no loop to check"):
         robustness.checks([], {"phase_margin": 1.0})

@@ -39,8 +39,12 @@ def test_rounding_noise_does_not_steer_the_scaling() -> None:
     noise = 1e-17 * np.random.default_rng(0).normal(size=(10, 11)) * 1000
     M = np.block([[A, B], [C, np.zeros((2, 3))]])
     M = np.where(M == 0, noise, M)
-    found = staircase.kalman(staircase.scaled(M[:8, :8], M[:8, 8:], M[8:, :8], M[8:, 8:]))
-    assert found.kept.shape[1] == 4 and len(found.unreached[0]) == 2 and len(found.unseen[0]) == 2
+    decomposition = staircase.kalman(staircase.scaled(M[:8, :8], M[:8, 8:], M[8:, :8], M[8:, 8:]))
+    assert (
+        decomposition.kept.shape[1] == 4
+        and len(decomposition.uncontrollable[0]) == 2
+        and len(decomposition.unobservable[0]) == 2
+    )
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -49,25 +53,25 @@ def test_a_split_is_orthonormal_and_keeps_coordinates(seed: int) -> None:
     mixed = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     A = scipy.linalg.block_diag(mixed @ np.diag([-1.0, -1.0, -2.0]) @ mixed.T, [[-3.0]], [[-4.0]])
     B = np.vstack([mixed @ [[1.0], [0.0], [1.0]], [[1.0]], [[0.0]]])
-    found = staircase.split(A, B)
-    both = np.hstack([found.inside, found.outside])
+    split = staircase.split(A, B)
+    both = np.hstack([split.inside, split.outside])
     np.testing.assert_allclose(both.T @ both, np.eye(5), atol=tolerances.of("double"))
-    np.testing.assert_array_equal(found.inside[:, 0], np.eye(5)[3])
-    np.testing.assert_array_equal(found.outside[:, 0], np.eye(5)[4])
-    assert np.abs(found.outside.T @ B).max() < tolerances.of("double")
-    assert np.abs(found.outside.T @ A @ found.inside).max() < tolerances.of("double")
+    np.testing.assert_array_equal(split.inside[:, 0], np.eye(5)[3])
+    np.testing.assert_array_equal(split.outside[:, 0], np.eye(5)[4])
+    assert np.abs(split.outside.T @ B).max() < tolerances.of("double")
+    assert np.abs(split.outside.T @ A @ split.inside).max() < tolerances.of("double")
 
 
 @settings(derandomize=True, max_examples=30, deadline=None)
 @given(st.integers(0, 10**6))
 def test_zeros_come_with_vectors_at_which_the_pencil_is_singular(seed: int) -> None:
     A, B, C, D = matrices(seed)
-    found = staircase.zeros(A, B, C, 0 * D if seed % 2 else D)
-    if not found.right:
+    zeros = staircase.zeros(A, B, C, 0 * D if seed % 2 else D)
+    if not zeros.right:
         A, B, C, D = A.T, C.T, B.T, D.T
     D = 0 * D if seed % 2 else D
-    for s, x, u in zip(found.values, found.x.T, found.u.T, strict=True):
-        if found.rank == min(D.shape):
+    for s, x, u in zip(zeros.values, zeros.x.T, zeros.u.T, strict=True):
+        if zeros.rank == min(D.shape):
             size = np.linalg.norm(np.concatenate([x, u])) * max(1.0, abs(s))
             assert np.linalg.norm(A @ x - s * x + B @ u) < tolerances.of("zeros") * size
             assert np.linalg.norm(C @ x + D @ u) < tolerances.of("zeros") * size

@@ -64,9 +64,9 @@ def test_an_undriven_integrator_beside_driven_ones_is_found_in_any_coordinates(s
     """Computed eigenvalues of the three integrators scatter by 1e-8, at which no input vector is orthogonal."""
     U = orthogonal(3, np.random.default_rng(seed))
     A = U @ np.array([[0, 1, 0], [0, 0, 0], [0, 0, 0.0]]) @ U.T
-    found = structure.unmoved(A, U @ [[0], [1], [0]], named(3), CONTINUOUS)
-    assert [m.value for m in found] == pytest.approx([0], abs=tolerances.of("double"))
-    assert found[0].measure < tolerances.of("double")
+    modes = structure.unmoved(A, U @ [[0], [1], [0]], named(3), CONTINUOUS)
+    assert [m.value for m in modes] == pytest.approx([0], abs=tolerances.of("double"))
+    assert modes[0].measure < tolerances.of("double")
     assert not structure.unmoved(A, U @ [[0, 0], [1, 0], [0, 1]], named(3), CONTINUOUS)
 
 
@@ -80,8 +80,8 @@ def test_the_modes_planted_out_of_reach_are_those_found(seed: int) -> None:
     B = np.vstack([rng.normal(size=(n, m)), np.zeros((k, m))])
     U, units = orthogonal(n + k, rng), 10.0 ** rng.uniform(-3, 3, n + k)
     A, B = units[:, None] * (U @ A @ U.T) / units, units[:, None] * (U @ B)
-    found = sorted(mode.value.real for mode in structure.unmoved(A, B, named(n + k), CONTINUOUS))
-    assert found == pytest.approx(list(planted), rel=1e-6)
+    rates = sorted(mode.value.real for mode in structure.unmoved(A, B, named(n + k), CONTINUOUS))
+    assert rates == pytest.approx(list(planted), rel=1e-6)
     with_inputs = np.hstack([B, np.linalg.norm(A) * U[:, n:] * units[:, None]])
     assert not structure.unmoved(A, with_inputs, named(n + k), CONTINUOUS)
 
@@ -145,25 +145,25 @@ def random_model(seed: int) -> StateSpace:
     return StateSpace(plain.A, plain.B, plain.C, D, plain.states, plain.inputs, plain.outputs, CONTINUOUS)
 
 
-def nearest(found: np.ndarray, wanted: np.ndarray) -> float:
+def nearest(roots: np.ndarray, reference: np.ndarray) -> float:
     """Return the largest distance of a pairing by size, relative to the largest value or 1."""
-    assert len(found) == len(wanted)
-    left = list(found)
+    assert len(roots) == len(reference)
+    left = list(roots)
     worst = 0.0
-    for w in wanted:
+    for w in reference:
         k = int(np.argmin(np.abs(np.array(left) - w)))
         worst = max(worst, abs(left.pop(k) - w))
-    return worst / max(1.0, float(np.abs(wanted).max(initial=0.0)))
+    return worst / max(1.0, float(np.abs(reference).max(initial=0.0)))
 
 
 @settings(derandomize=True, max_examples=60, deadline=None)
 @given(st.integers(0, 10**6))
 def test_transmission_zeros_are_those_of_slicot_in_any_units(seed: int) -> None:
     model = random_model(seed)
-    wanted, rank = slicot_zeros(model)
-    found = structure.transmission_zeros(in_units(model, seed))
-    assert nearest(found.values, wanted) < tolerances.of("zeros")
-    assert found.rank == rank and not found.unmoved and not found.unseen
+    reference, rank = slicot_zeros(model)
+    zeros = structure.transmission_zeros(in_units(model, seed))
+    assert nearest(zeros.values, reference) < tolerances.of("zeros")
+    assert zeros.rank == rank and not zeros.unmoved and not zeros.unseen
 
 
 def slicot_zeros(model: StateSpace) -> tuple[np.ndarray, int]:
@@ -187,9 +187,9 @@ def planted_zeros(zeros: list[float], seed: int) -> StateSpace:
 @pytest.mark.parametrize("zeros", [[3.0, -0.5], [1e4, -1e-3], [2.0, 2.0]])
 def test_planted_zeros_are_found_with_directions(zeros: list[float]) -> None:
     model = planted_zeros(zeros, 1)
-    found = structure.transmission_zeros(model)
-    np.testing.assert_allclose(sorted(found.values.real), sorted(zeros), rtol=1e-9)
-    for root in found.roots:
+    computed = structure.transmission_zeros(model)
+    np.testing.assert_allclose(sorted(computed.values.real), sorted(zeros), rtol=1e-9)
+    for root in computed.roots:
         G = model.response(root.value)[0]
         u = np.array([root.inputs.get(name, 0.0) for name in model.inputs])
         if len(root.inputs) == 2 and zeros[0] != zeros[1]:  # no component was left out: the inputs as scaled
@@ -217,11 +217,11 @@ def test_a_late_response_has_no_spurious_zeros_while_the_bare_pencil_shows_some(
 def test_modes_outside_the_response_are_no_zeros_and_are_named() -> None:
     A = np.diag([-1.0, -2.0, -3.0, -4.0])
     model = system(A, [[1], [1], [0], [1]], [[1, 1, 1, 0]])
-    found = structure.transmission_zeros(model)
-    assert found.values == pytest.approx([-1.5])
-    assert [(m.value, m.states) for m in found.unmoved] == [(-3, ("x2",))]
-    assert [(m.value, m.states) for m in found.unseen] == [(-4, ("x3",))]
-    assert "No input moves mode -3 in x2." in str(found) and "No output shows mode -4 in x3." in str(found)
+    zeros = structure.transmission_zeros(model)
+    assert zeros.values == pytest.approx([-1.5])
+    assert [(m.value, m.states) for m in zeros.unmoved] == [(-3, ("x2",))]
+    assert [(m.value, m.states) for m in zeros.unseen] == [(-4, ("x3",))]
+    assert "No input moves mode -3 in x2." in str(zeros) and "No output shows mode -4 in x3." in str(zeros)
     assert nearest(control.zeros(model.to_control()), np.array([-1.5, -3, -4])) < 1e-9, "the invariant zeros"
 
 
@@ -238,23 +238,23 @@ def test_fewer_outputs_than_inputs_give_the_direction_of_the_outputs() -> None:
 
 def test_a_response_without_full_rank_says_so() -> None:
     twice = system(np.diag([-1.0, -2.0]), np.eye(2), [[1, 1], [2, 2]])
-    found = structure.transmission_zeros(twice)
-    assert found.rank == 1 and "rank 1 at every s though it has 2 outputs and 2 inputs" in str(found)
-    assert all(not (r.states or r.inputs or r.outputs) for r in found.roots)
+    zeros = structure.transmission_zeros(twice)
+    assert zeros.rank == 1 and "rank 1 at every s though it has 2 outputs and 2 inputs" in str(zeros)
+    assert all(not (r.states or r.inputs or r.outputs) for r in zeros.roots)
 
 
 def test_poles_print_damping_frequency_and_states_in_any_units() -> None:
     w = 2 * np.pi * 100
     model = system([[0, 1, 0], [-w * w, -0.02 * w, 0], [0, 0, 0]], [[0], [1], [1]], [[1, 0, 1]])
     for seed in range(4):
-        found = structure.poles(in_units(model, seed))
-        rest, one, other = found.roots
+        poles = structure.poles(in_units(model, seed))
+        rest, one, other = poles.roots
         assert rest.value == 0 and np.isnan(rest.damping) and tuple(rest.states) == ("x2",)
         assert one.value == pytest.approx(other.value.conjugate())
         assert one.damping == pytest.approx(0.01) and one.frequency == pytest.approx(100)
         assert set(one.states) == {"x0", "x1"}
-    assert str(found).splitlines()[1].split() == ["pole", "damping", "frequency", "[Hz]", "states"]
-    assert str(found).splitlines()[3].startswith("-6.2832 +- 628.29i     0.01             100")
+    assert str(poles).splitlines()[1].split() == ["pole", "damping", "frequency", "[Hz]", "states"]
+    assert str(poles).splitlines()[3].startswith("-6.2832 +- 628.29i     0.01             100")
 
 
 def test_sampled_poles_have_the_damping_of_the_rate_that_they_stand_for() -> None:

@@ -83,8 +83,8 @@ def test_roots_that_tie_are_told_and_the_larger_is_taken() -> None:
 
     point = trim(toy(law), {}, ["F1", "F2"])
     assert (point["F1"], point["F2"]) == pytest.approx((2.0, 0.0), abs=1e-12)
-    told = [(tie["F1"], tie["F2"]) for tie in point.ties]
-    assert told == [pytest.approx(root, abs=1e-12) for root in ((0.0, 2.0), (0.0, -2.0), (-2.0, 0.0))]
+    ties = [(tie["F1"], tie["F2"]) for tie in point.ties]
+    assert ties == [pytest.approx(root, abs=1e-12) for root in ((0.0, 2.0), (0.0, -2.0), (-2.0, 0.0))]
     assert not trim(maglev_stage.plant("coth2"), {"y": 0.018}, DIRECT).ties
 
 

@@ -54,7 +54,7 @@ def accuracy(H: ArrayLike, sigma: float, sizes: ArrayLike) -> Accuracy:
     finite, sizes that are not positive, and a sigma that is not above 0.
     """
     _check_sigma(sigma)
-    rows, size = _weighed(H, sizes)
+    rows, size = _scale_columns(H, sizes)
     S, V = np.linalg.svd(rows, full_matrices=False)[1:]
     n = rows.shape[2]
     lost = (S[:, -1] <= S[:, 0] * np.finfo(np.float64).eps * rows.shape[1]) | (rows.shape[1] < n)
@@ -71,7 +71,7 @@ def bias(H: ArrayLike, extra: ArrayLike, sizes: ArrayLike) -> Array:
     To first order, (H'H)^-1 H' extra. Raises ModelError for arguments that do not fit each other, and at the first
     place where rank is lost.
     """
-    rows, size = _weighed(H, sizes)
+    rows, size = _scale_columns(H, sizes)
     beyond = arguments.real("measurements", extra)
     if beyond.shape != rows.shape[:2] or not np.isfinite(beyond).all():
         raise ModelError(f"the measurements have the shape {beyond.shape}: give finite ones, {rows.shape[:2]}")
@@ -92,25 +92,25 @@ def largest_deviation(H: ArrayLike, sigma: float, sizes: ArrayLike, lost: int = 
     Raises ModelError for invalid Jacobians or sizes, and unless the rows make whole groups.
     """
     _check_sigma(sigma)
-    rows, _ = _weighed(H, sizes)
+    rows, _ = _scale_columns(H, sizes)
     m, n = rows.shape[1:]
     if lost < 0 or (lost and m % lost):
         raise ModelError(f"{m} rows do not make groups of {lost}: give the number of rows of a sensor, or 0")
     each = [h.transpose(0, 2, 1) @ h for h in np.split(rows, m // lost if lost else 1, axis=1)]
     whole = np.sum(each, axis=0)
-    return max(_largest(whole - gone, sigma) for gone in (each if lost else [np.zeros((n, n))]))
+    return max(_largest_finite_deviation(whole - removed, sigma) for removed in (each if lost else [np.zeros((n, n))]))
 
 
 LEAST = 1e-9  # of the largest information, added to the diagonal to keep deviations finite
 
 
-def _largest(information: Array, sigma: float) -> float:
+def _largest_finite_deviation(information: Array, sigma: float) -> float:
     n = information.shape[1]
     held = information + max(LEAST * information.max(), np.finfo(np.float64).tiny) * np.eye(n)
     return float(sigma * np.sqrt(np.diagonal(np.linalg.inv(held), axis1=1, axis2=2).max()))
 
 
-def _weighed(H: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:
+def _scale_columns(H: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:
     """Return H (N, m, n) over sizes, and the sizes (n,); raise ModelError unless all are finite and sizes above 0."""
     rows, size = arguments.real("Jacobians", H), arguments.real("sizes", sizes)
     if rows.ndim != 3 or not rows.size or not np.isfinite(rows).all():

@@ -79,14 +79,14 @@ def search(of: Equations) -> list[Cube]:
     for cut in range(CUTS):
         cells = cells[:, of.possible(cells, half)]
         if cut >= FIRST:
-            cells = _outside(cubes, cells, half)
-            cubes += _new(of, cubes, cells)
-            cells = _outside(cubes, cells, half)
+            cells = _uncovered_cells(cubes, cells, half)
+            cubes += _new_cubes(of, cubes, cells)
+            cells = _uncovered_cells(cubes, cells, half)
         if not cells.size:
             return cubes
         half /= 2
         cells = np.hstack([cells + half * np.array(corner)[:, None] for corner in product((-1, 1), repeat=of.n)])
-    raise ModelError(f"{_near(cells[:, 0])} zeros meet or lie on a line: change the equations slightly")
+    raise ModelError(f"{_place(cells[:, 0])} zeros meet or lie on a line: change the equations slightly")
 
 
 def grid(n: int) -> Array:
@@ -104,13 +104,13 @@ def within_turn(phase: Ball) -> Ball:
     return (turns - turns.floor().mid()) * 2 * Ball.pi()
 
 
-def _new(of: Equations, known: list[Cube], cells: Array) -> list[Cube]:
+def _new_cubes(of: Equations, known: list[Cube], cells: Array) -> list[Cube]:
     """Return a cube about each further zero to which Newton's method leads from the cells (n, N)."""
     cubes: list[Cube] = []
     for start in cells.T[:: ceil(cells.shape[1] / STARTS) or 1]:
         end = newton(of, start)
         if end is not None and all(_distance(end, c.at) > SAME for c in (*known, *cubes)):
-            cubes.append(_certified(of, end))
+            cubes.append(_isolate(of, end))
     return cubes
 
 
@@ -126,21 +126,21 @@ def newton(of: Equations, start: Array) -> Place | None:
     return at if max(abs(float(v)) for v in step) < 1e-60 else None
 
 
-def _certified(of: Equations, at: Place) -> Cube:
+def _isolate(of: Equations, at: Place) -> Cube:
     """Return the largest of CUBES about a zero that is proved to contain no other."""
     n = of.n
     inverse = precise.middle(of.slopes(at).inv())
-    moved = inverse * of.values(at)
+    offset = inverse * of.values(at)
     for half in CUBES:
         box = [v + Ball(0, half) for v in at]
         left = flint.arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)]) - inverse * of.slopes(box)
-        reach = [abs(moved[i, 0]) + sum((abs(left[i, j]) for j in range(n)), Ball(0)) * half for i in range(n)]
-        if all(r < half for r in reach):
+        bounds = [abs(offset[i, 0]) + sum((abs(left[i, j]) for j in range(n)), Ball(0)) * half for i in range(n)]
+        if all(r < half for r in bounds):
             return Cube(at, half)
-    raise ModelError(f"{_near([float(v) for v in at])} two zeros meet or lie on a line: change the equations slightly")
+    raise ModelError(f"{_place([float(v) for v in at])} two zeros meet or lie on a line: change the equations slightly")
 
 
-def _outside(cubes: list[Cube], cells: Array, half: float) -> Array:
+def _uncovered_cells(cubes: list[Cube], cells: Array, half: float) -> Array:
     """Return the cells (n, N) that no cube covers."""
     inside = np.zeros(cells.shape[1], dtype=bool)
     for cube in cubes:
@@ -157,5 +157,5 @@ def _within_half_turn(phase: Array) -> Array:
     return (phase + pi) % (2 * pi) - pi
 
 
-def _near(phases: Sequence[float] | Array) -> str:
+def _place(phases: Sequence[float] | Array) -> str:
     return "near the phases " + ", ".join(f"{v:.4f}" for v in phases) + " rad"

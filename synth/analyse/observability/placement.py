@@ -96,8 +96,8 @@ def improve(fine: Cost, start: ArrayLike, within: Square, effort: Effort) -> Arr
     rng, least = np.random.default_rng(effort.seed), _value(fine, best / grid)
     for step in STEPS:
         for _ in range(effort.tries):
-            drawn = rng.normal(size=best.size) * (rng.random(best.size) < 0.5)
-            other = np.clip(best + np.round(step * drawn), -most, most)
+            direction = rng.normal(size=best.size) * (rng.random(best.size) < 0.5)
+            other = np.clip(best + np.round(step * direction), -most, most)
             value = _value(fine, other / grid)
             if value < least:
                 best, least = other, value

@@ -73,8 +73,8 @@ def search(
             ended = np.maximum(ended, bound[:, ~open].max(axis=1, initial=0.0))
             kept.append(part[open])
         if done > most or not np.isfinite(met).all():
-            raise ModelError(_unbounded(met, at, done))
-        q, half = _cut(q[:, np.concatenate(kept)], half)
+            raise ModelError(_no_bound_message(met, at, done))
+        q, half = _halve(q[:, np.concatenate(kept)], half)
     return Worst(readonly(met), readonly(ended), readonly(at), done)
 
 
@@ -85,21 +85,21 @@ def bounded(deviations: Deviations, changes: Changes, q: ArrayLike, half: ArrayL
     Raises SignalError unless the arguments are matrices, ModelError for shapes that do not fit each other.
     """
     middles, sides = arguments.matrix("the middles", q), arguments.matrix("the half sides", half)
-    s, moved = (
+    s, moves = (
         arguments.matrix(name, f)
         for name, f in (("deviations", deviations(middles)), ("changes", changes(middles, sides)))
     )
     if (
-        not (s.shape == moved.shape == middles.shape)
+        not (s.shape == moves.shape == middles.shape)
         or sides.shape != (len(middles), 1)
         or not np.isfinite([*middles.flat, *sides.flat]).all()
     ):
         raise ModelError(
-            f"cells {middles.shape} with half sides {sides.shape} have deviations {s.shape} and changes {moved.shape}: "
+            f"cells {middles.shape} with half sides {sides.shape} have deviations {s.shape} and changes {moves.shape}: "
             "give (n, N) of each, half sides (n, 1), and finite places"
         )
     with np.errstate(invalid="ignore"):
-        left = 1 - (moved * s).sum(axis=0)
+        left = 1 - (moves * s).sum(axis=0)
     sound = left > 0  # False for NaN
     return s, np.where(sound, s * (1 + ROUNDING) / np.where(sound, left, 1.0), np.inf)
 
@@ -116,13 +116,13 @@ def _cells(low: Sequence[float], high: Sequence[float], counts: Sequence[int]) -
     return np.array([each.ravel() for each in grid]), np.array(steps)[:, None] / 2
 
 
-def _cut(q: Array, half: Array) -> tuple[Array, Array]:
+def _halve(q: Array, half: Array) -> tuple[Array, Array]:
     """Return the cells halved along each side that is not 0."""
     signs = product(*((-0.5, 0.5) if side > 0 else (0.0,) for side in half.ravel()))
     return np.hstack([q + half * np.array(sign)[:, None] for sign in signs]), half / 2
 
 
-def _unbounded(met: Array, at: Array, cells: int) -> str:
+def _no_bound_message(met: Array, at: Array, cells: int) -> str:
     i = int(met.argmax())
     place = ", ".join(f"{v:.6g}" for v in at[i])
     return (
