@@ -79,7 +79,7 @@ def of_traced(loop: StateSpace | Delayed, low: float | None, high: float | None)
     def count_unstable(factor: complex) -> float:
         if isinstance(loop, Delayed):
             return nyquist.count_unstable(loop, factor, high)
-        return int(transfer.not_decaying(transfer.closed_poles(loop, factor), loop.time).sum())
+        return int(transfer.not_decaying(transfer.closed_loop_poles(loop, factor), loop.time).sum())
 
     return Assessment(
         traced_crossings.of_curve(transfer.trace(loop, low, high)),

@@ -15,8 +15,8 @@ Derivatives = Callable[[float], tuple[Complex, Complex, Complex]]
 
 STEPS = 8
 TINY = 1e-300
-NEAR = 1e-5  # relative gain: the step after a smaller one gains about its square, and is not taken
-CONVERGED = 1e-9  # relative gain: a step with a smaller one is not taken
+NEAR = 1e-5  # relative gain below which no further step follows: that would gain about its square
+CONVERGED = 1e-9  # relative gain below which the climb ends
 
 
 def local_maximum(derivatives: Derivatives, w: float) -> tuple[float, float]:

@@ -76,7 +76,8 @@ class Couplings:
             if m.value.imag >= 0
         )
         columns = ("mode", "controllability", "observability", "best input", "best output", "states")
-        return show.Sheet(f"Couplings of the modes in {self.time}", tuple(lines), (show.Table(columns, rows),))
+        title = f"Modal controllability and observability in {self.time}"
+        return show.Sheet(title, tuple(lines), (show.Table(columns, rows),))
 
 
 @arguments.checked
@@ -111,16 +112,16 @@ def _measures(A: Array, B: Array, names: Sequence[str], values: Complex) -> dict
         shifted = T - some.conj()[:, None, None] * np.eye(len(T))
         whole, alone = shifted, np.zeros((len(names), len(some)))
         for j in np.flatnonzero(size):
-            one = _with_row(shifted, rows[j])
+            one = _append_row(shifted, rows[j])
             alone[j] = [_least_singular_value(R) for R in one]
-            whole = one if whole is shifted else _with_row(whole, rows[j])
+            whole = one if whole is shifted else _append_row(whole, rows[j])
         every = alone.sum(axis=0) if np.count_nonzero(size) < 2 else [_least_singular_value(R) for R in whole]
         for s, most, each in zip(some, every, alone.T, strict=True):
             measures[complex(s)] = (float(most), {name: float(v) for name, v in zip(names, each, strict=True)})
     return measures
 
 
-def _with_row(T: Complex, row: Complex) -> Complex:
+def _append_row(T: Complex, row: Complex) -> Complex:
     """Return the triangular factors (k, n, n) of matrices T (k, n, n), upper triangular, with one `row` (n,) below."""
     R, r = T.copy(), np.tile(row, (len(T), 1))
     for j in range(len(row)):

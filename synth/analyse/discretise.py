@@ -81,7 +81,7 @@ def zero_order_hold(system: System, period_s: float) -> StateSpace:
     """
     model = of(system)
     if not isinstance(model.time, Continuous):
-        raise TimingError(f"a model in {model.time} was given to be sampled: give the continuous model")
+        raise TimingError(f"a model in {model.time} cannot be sampled again: give the continuous model")
     time = _period(period_s)
     n, m = model.B.shape
     E = _exponential(np.block([[model.A, model.B], [np.zeros((m, n + m))]]), time.period_s)

@@ -105,7 +105,7 @@ class DiskMargin:
     def sheet(self) -> show.Sheet:
         """Return the margin, its gains and phase, and the worst factor of each channel."""
         n = show.number
-        proof = "shown for all frequencies" if self.certified else "seen on a grid, not shown between its points"
+        proof = "proved for all frequencies" if self.certified else "that of a grid, not proved between its points"
         lines = (
             f"{n(self.lower)} <= alpha <= {n(self.upper)}, skew {n(self.skew)}; the lower bound is {proof}",
             f"all gains may change at once by factors from {n(self.gain_low)} to {n(self.gain_high)}, or all phases "

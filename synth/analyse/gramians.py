@@ -142,7 +142,8 @@ def _over_all_time(n: int, k: int, continuous: bool) -> _Span:
     def edge(F: Array, Q: Array) -> Array:
         return np.where(sign == sign[:, None], sign * Q, 0.0)
 
-    return _Span(integral, edge, "over all time" if k == n else "over the future of what decays, the past of the rest")
+    text = "over all time" if k == n else "forward in time for stable modes, backward for unstable ones"
+    return _Span(integral, edge, text)
 
 
 def _finite_span(span: str, propagate: Callable[[Array, Array], tuple[Array, Array]]) -> _Span:

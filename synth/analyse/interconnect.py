@@ -91,7 +91,7 @@ def _unique_names(kind: str, parts: Sequence[StateSpace]) -> tuple[str, ...]:
     names = tuple(name for m in parts for name in getattr(m, kind))
     for name in names:
         if names.count(name) > 1:
-            raise SignalError(f"'{name}' stands {names.count(name)} times among the models' {kind}: rename one")
+            raise SignalError(f"'{name}' is listed {names.count(name)} times among the models' {kind}: rename one")
     return names
 
 

@@ -64,8 +64,8 @@ def affine(plant: Plant, outputs: Sequence[str] | None = None, held: Mapping[str
     Raises SignalError for a name that the plant does not have, ModelError if an equation is not affine in the inputs.
     """
     held = dict(held or {})
-    rows = _rows(plant, outputs)
-    inputs = _inputs(plant, held)
+    rows = _output_rows(plant, outputs)
+    inputs = _free_inputs(plant, held)
     x, u = (ca.vertcat(*(ca.SX.sym(s.name) for s in part)) for part in (plant.states, inputs))
     free = dict(zip(names(inputs), ca.vertsplit(u), strict=True))
     everything = ca.vertcat(*(free[s.name] if s.name in free else ca.SX(held[s.name]) for s in plant.inputs))
@@ -84,7 +84,7 @@ def affine(plant: Plant, outputs: Sequence[str] | None = None, held: Mapping[str
     return Affine(plant.name, plant.states, inputs, outs, of_states, f, G, h, E, held)
 
 
-def _rows(plant: Plant, outputs: Sequence[str] | None) -> list[int]:
+def _output_rows(plant: Plant, outputs: Sequence[str] | None) -> list[int]:
     known = names(plant.outputs)
     chosen = known if outputs is None else tuple(outputs)
     if unknown := [n for n in chosen if n not in known]:
@@ -94,7 +94,7 @@ def _rows(plant: Plant, outputs: Sequence[str] | None) -> list[int]:
     return [known.index(n) for n in chosen]
 
 
-def _inputs(plant: Plant, held: Mapping[str, float]) -> tuple[Signal, ...]:
+def _free_inputs(plant: Plant, held: Mapping[str, float]) -> tuple[Signal, ...]:
     known = names(plant.inputs)
     if unknown := [n for n in held if n not in known]:
         raise SignalError(f"plant '{plant.name}' has no input '{unknown[0]}' to hold: it has {', '.join(known)}")

@@ -97,7 +97,7 @@ def _number(delay: float) -> float:
 def _sample_with_delay(plant: StateSpace, time: Discrete, samples: float) -> StateSpace:
     T = time.period_s
     if not isinstance(plant.time, Continuous):
-        raise TimingError(f"a model in {plant.time} was given to be sampled at {T:g} s: give the continuous model")
+        raise TimingError(f"a model in {plant.time} cannot be sampled at {T:g} s: give the continuous model")
     if not (np.isfinite(samples) and samples >= 0):
         raise TimingError(f"the delay is {samples * T:g} s: it must be finite and 0 or more")
     whole, m = round(samples), plant.B.shape[1]

@@ -91,7 +91,7 @@ def magnitudes(
         values = dict(held) | {along: float(point)}
         old, new = law.column("the symbols", symbols, values), ca.vcat(list(values.values()))
         exprs = [ca.substitute(ca.SX(expr), old, ca.SX(new)) for expr in terms.values()]
-        best.append([_largest(n, _compile(e, free, box), box) for n, e in zip(terms, exprs, strict=True)])
+        best.append([_largest_value(n, _compile(e, free, box), box) for n, e in zip(terms, exprs, strict=True)])
     maxima = readonly([[value for value, _ in row] for row in best])
     worst = readonly([[_signals(box, at) for _, at in row] for row in best])
     return Magnitudes(along, readonly(points), tuple(terms), boxed, maxima, worst)
@@ -160,7 +160,7 @@ def _compile(expr: ca.SX, free: ca.SX, box: Sequence[Signal]) -> _Compiled:
     return _Compiled(lambda unit: np.asarray(value(_signals(box, unit))).ravel(), slope)
 
 
-def _largest(name: str, expr: _Compiled, box: Sequence[Signal]) -> tuple[float, Array]:
+def _largest_value(name: str, expr: _Compiled, box: Sequence[Signal]) -> tuple[float, Array]:
     unit = boxes.grid(len(box), GRID)
     values = expr.values(unit)
     boxes.require_finite(f"term '{name}'", values, box, boxes.within(box, unit))

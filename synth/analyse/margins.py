@@ -109,13 +109,13 @@ class Margins:
     def sheet(self) -> show.Sheet:
         """Return the margins, then each crossing."""
         lines = (
-            () if self.stable else ("Not stable: what follows tells how far the loop is from its verge, not safety.",)
+            () if self.stable else ("Not stable: the values below are distances to the stability limit, not margins.",)
         )
         if self.direct >= 1:
-            lines = (*lines, f"Delay margin 0: |L| is {self.direct:.4g} at infinity, where any delay turns it onto -1.")
+            lines = (*lines, f"Delay margin 0: |L| is {self.direct:.4g} at infinity, any delay destabilises it.")
         if self.uncertainty > SHOWN_UNCERTAINTY:
             percent = f"{100 * self.uncertainty:.2g} %"
-            lines = (*lines, f"Rounding of the numbers given leaves the margins uncertain by up to {percent}.")
+            lines = (*lines, f"Rounding of the coefficients makes the margins uncertain by up to {percent}.")
         worst = (
             ("gain may rise by", show.number(self.gain_margin), "1"),
             ("gain may fall to", show.number(self.gain_reduction_margin), "1"),
@@ -204,7 +204,7 @@ def _uncertainty(loop: Assessment, name: str, frequency: float) -> float:
     part = change.of_closed if is_modulus else change.of_loop
     if part > MAX_UNCERTAINTY and (loop.stable or not is_modulus):
         raise ModelError(
-            f"the {name}, decided at {frequency:.6g} rad/s, is not determined by the numbers given: their rounding to "
+            f"the {name}, decided at {frequency:.6g} rad/s, is not determined by the coefficients: their rounding to "
             f"double alone may change {'1 + L' if is_modulus else 'L'} there by {100 * part:.3g} %; give the loop as a "
             "state-space model (loop.sampled), or sample it more slowly"
         )

@@ -118,7 +118,7 @@ def norm_h2(system: System) -> NormH2:
         )
     if reason:
         return NormH2(np.inf, 0.0, model.time, reason)
-    square = _within_range(lambda: _square(model), "H2")
+    square = _require_finite(lambda: _square(model), "H2")
     error = square.error / (2 * square.value) + 4 * EPS if square.value else square.error
     return NormH2(float(np.sqrt(square.value)), error, model.time)
 
@@ -140,14 +140,14 @@ def norm_hinf(system: System) -> NormHinf:
         return NormHinf(np.inf, w, np.inf, np.inf, model.time, reason)
     if not model.D.size:
         return NormHinf(0.0, 0.0, 0.0, 0.0, model.time)
-    peak = _within_range(lambda: peak_gain.peak(model, poles, V), "H-infinity")
+    peak = _require_finite(lambda: peak_gain.peak(model, poles, V), "H-infinity")
     w = peak.frequency
     if not isinstance(model.time, Continuous):
         w = w / model.time.period_s
     return NormHinf(peak.value, w, peak.lower, peak.upper, model.time)
 
 
-def _within_range(compute: Callable[[], Norm], name: str) -> Norm:
+def _require_finite(compute: Callable[[], Norm], name: str) -> Norm:
     """Return `compute()`; raise ModelError when its numbers overflow double precision."""
     try:
         with np.errstate(all="ignore"):

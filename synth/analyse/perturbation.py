@@ -103,7 +103,7 @@ def is_stable(loop: Rational) -> bool:
     if (decay <= SLOW).any():
         return False
     raise ModelError(
-        f"rounding of the numbers given hides whether the closed loop is stable: it may move its poles near "
+        f"rounding of the coefficients hides whether the closed loop is stable: it may move its poles near "
         f"{hidden[0]:.4g} rad/s across the boundary; give the loop as a state-space model (loop.sampled), or sample it "
         "more slowly"
     )

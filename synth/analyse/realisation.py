@@ -69,7 +69,7 @@ class Minimal:
             lines.append(f"Removed: {', '.join(self.removed)}.")
         if self.added:
             lines.append(f"New, combinations of those removed: {', '.join(self.added)}.")
-        kinds = (("no input moves it", self.uncontrollable), ("no output shows it", self.unobservable))
+        kinds = (("uncontrollable", self.uncontrollable), ("unobservable", self.unobservable))
         rows = tuple(
             (structure.pair(m.value), structure.spelled(m.direction), why)
             for why, modes in kinds

@@ -102,7 +102,7 @@ class RelativeDegree:
             raise ModelError(f"the relative degree of plant '{self.model.name}' is not defined: {self._dependence()}")
         if self.worst.singular and len(self.degrees) == 1:
             raise ModelError(
-                f"the relative degree of '{self.outputs[0]}' is not defined at {self.worst.where}: no input shows in "
+                f"the relative degree of '{self.outputs[0]}' is not defined at {self.worst.where}: no input enters "
                 f"its derivative {self.degrees[0]} there; shrink the ranges of the signals, or choose another output"
             )
         if self.worst.singular:

@@ -84,8 +84,8 @@ def solve(closed: ClosedLoop, references: Mapping[str, float], near: OperatingPo
     for start in rest_equations.starting_points(equations, closed, near):
         trial = rest_equations.rest_from(equations, start)
         if trial.size <= TOLERANCE:
-            rest = _rest(closed, references, near, trial)
-            _require_sound(rest)
+            rest = _equilibrium(closed, references, near, trial)
+            _require_no_fault(rest)
             return rest
         least = trial if least is None or trial.size < least.size else least
     raise _no_rest(closed, equations, least)
@@ -102,7 +102,7 @@ def _check(closed: ClosedLoop, references: Mapping[str, float], near: OperatingP
     linearise.require_point(closed.plant, near)
 
 
-def _rest(
+def _equilibrium(
     closed: ClosedLoop, references: Mapping[str, float], near: OperatingPoint, trial: rest_equations.Trial
 ) -> Rest:
     plant, block = closed.plant, closed.controller
@@ -117,7 +117,7 @@ def _rest(
     return Rest(closed, point, state, inputs, trial.size)
 
 
-def _require_sound(rest: Rest) -> None:
+def _require_no_fault(rest: Rest) -> None:
     """Raise ModelError if the controller raises a fault at equilibrium."""
     block = rest.closed.controller
     flags = [f.output for f in block.faults]

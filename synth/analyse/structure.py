@@ -107,8 +107,8 @@ class Zeros:
                 f"The response has rank {self.rank} at every s though it has {self.shape[0]} outputs and "
                 f"{self.shape[1]} inputs: some combination of inputs moves no output; no directions are defined."
             )
-        lines += [f"No input moves mode {_number(m.value)} in {spelled(m.direction)}." for m in self.unmoved]
-        lines += [f"No output shows mode {_number(m.value)} in {spelled(m.direction)}." for m in self.unseen]
+        lines += [f"Uncontrollable mode {_number(m.value)} in {spelled(m.direction)}." for m in self.unmoved]
+        lines += [f"Unobservable mode {_number(m.value)} in {spelled(m.direction)}." for m in self.unseen]
         title = f"Transmission zeros in {self.time}: {len(self.roots)}"
         return show.Sheet(title, tuple(lines), _tables("zero", self.roots))
 

@@ -108,7 +108,7 @@ def _with_extrema(f: Callable[[float], NDArray[np.float64]], w: Array, value: Ar
     turns &= w[2:] - w[:-2] > 16 * refinement.NARROW * w[2:]
     turns &= (sign[1:-1] == sign[:-2]) & (sign[1:-1] == sign[2:]) & (size[1:-1] > FLAT)
     for k in np.flatnonzero(turns) + 1:
-        where, least = _least(_scalar_function(f, sign[k]), w[k - 1], w[k + 1])
+        where, least = _bracketed_minimum(_scalar_function(f, sign[k]), w[k - 1], w[k + 1])
         if least < 0:
             at = int(np.searchsorted(w, where))
             w, value = np.insert(w, at, where), np.insert(value, at, sign[k] * least)
@@ -120,7 +120,7 @@ def _scalar_function(f: Callable[[float], NDArray[np.float64]], factor: float) -
     return lambda v: factor * float(np.ravel(f(v))[0])
 
 
-def _least(f: Callable[[float], float], a: float, b: float) -> tuple[float, float]:
+def _bracketed_minimum(f: Callable[[float], float], a: float, b: float) -> tuple[float, float]:
     """Return the minimiser of f in a bracket, which may be far narrower than a, and its value."""
     minimum = minimize_scalar(lambda t: f(a + (b - a) * t), bounds=(0, 1), method="bounded", options={"xatol": 1e-9})
     return float(a + (b - a) * minimum.x), float(minimum.fun)
@@ -135,7 +135,7 @@ def _peak(curve: Curve) -> tuple[float, float]:
     falling = np.flatnonzero((distance[1:-1] <= distance[:-2]) & (distance[1:-1] <= distance[2:])) + 1
     near = falling[distance[falling] < 1.2 * distance.min()]  # neighbours differ by less; a flat S has many minima
     for k in near[np.argsort(distance[near], kind="stable")[:20]]:
-        where, least = _least(lambda v: float(abs(1 + curve.L(v)[0])), w[k - 1], w[k + 1])
+        where, least = _bracketed_minimum(lambda v: float(abs(1 + curve.L(v)[0])), w[k - 1], w[k + 1])
         candidates.append((least, where))
     least, where = min(candidates)
     return (1 / least if least > 0 else np.inf), where

@@ -69,7 +69,7 @@ def delayed(system: System, delay_s: float, hold_s: float = 0.0) -> Delayed:
     model = scalar(of(system))
     if not isinstance(model.time, Continuous):
         raise TimingError(
-            f"a loop in {model.time} was given to be delayed by {delay_s:g} s: sample its plant with loop.sampled, "
+            f"a loop in {model.time} cannot be delayed by {delay_s:g} s: sample its plant with loop.sampled, "
             "which takes the delay, or give the continuous loop"
         )
     for what, seconds in (("delay", delay_s), ("hold", hold_s)):
@@ -127,7 +127,7 @@ def _rational_response(model: StateSpace) -> Response:
 
 
 @arguments.checked
-def closed_poles(model: StateSpace, factor: complex = 1.0) -> Complex:
+def closed_loop_poles(model: StateSpace, factor: complex = 1.0) -> Complex:
     """Return the zeros of 1 + factor L, in 1/s or in z; raise ModelError if 1 + factor D is 0."""
     D = factor * float(scalar(model).D[0, 0])
     if D == -1:
@@ -159,7 +159,7 @@ def trace(
     loop.
     """
     model = loop.model if isinstance(loop, Delayed) else loop
-    L, closed, poles = L or response(loop), _closed_rates(loop), _rates(model.poles, model)
+    L, closed, poles = L or response(loop), _closed_loop_rates(loop), _rates(model.poles, model)
     start, top = _span(model, closed, poles, low, high)
     turning = loop.delay_s + loop.hold_s / 2 if isinstance(loop, Delayed) else 0.0
     nodes = [np.zeros(0)]
@@ -193,7 +193,7 @@ def check_turns(late: float, top: float) -> None:
     """Raise ModelError if the delay in s gives the loop too many turns below `top` rad/s to trace it."""
     if top * late > 2 * np.pi * TURNS:
         raise ModelError(
-            f"the loop is delayed by {late:g} s and must be followed up to {top:.3g} rad/s, more than {TURNS} "
+            f"the loop is delayed by {late:g} s and must be traced up to {top:.3g} rad/s, more than {TURNS} "
             f"turns: give `high` below {2 * np.pi * TURNS / late:.3g} rad/s, or lower the loop's bandwidth"
         )
 
@@ -203,10 +203,10 @@ def _delay_and_hold(loop: Delayed, w: Array) -> Complex:
     return np.asarray(np.sinc(x / np.pi) * np.exp(-1j * (w * loop.delay_s + x)))
 
 
-def _closed_rates(loop: StateSpace | Delayed) -> Complex:
+def _closed_loop_rates(loop: StateSpace | Delayed) -> Complex:
     if isinstance(loop, StateSpace):
-        return _rates(closed_poles(loop), loop)
-    return loop.model.poles if loop.model.D[0, 0] == -1 else closed_poles(loop.model)
+        return _rates(closed_loop_poles(loop), loop)
+    return loop.model.poles if loop.model.D[0, 0] == -1 else closed_loop_poles(loop.model)
 
 
 def _rates(poles: Complex, model: StateSpace) -> Complex:

@@ -36,7 +36,7 @@ Verdict = Literal["none", "minimum phase", "not minimum phase", "not hyperbolic"
 
 SLOW = 1e-6  # of the model's norm: added to the norm of the zero dynamics to give their size
 AXIS = 1e-6  # of that size: real parts this small count as 0; a double eigenvalue scatters by 1e-8
-AGREED = 1e-5  # of that size: allowed difference of the two methods; eigenvalues of multiplicity 2 or 3 scatter
+TOLERANCE = 1e-5  # of that size: allowed difference of the two methods; eigenvalues of multiplicity 2 or 3 scatter
 SINGULAR = 1e8  # condition of D* from which the degree counts as undefined
 AT_REST = 1e-6  # of a state's half range per second
 
@@ -71,21 +71,21 @@ class ZeroDynamics:
     @property
     def agreed(self) -> bool:
         """Whether the two methods give the same zeros."""
-        return self.distance <= AGREED
+        return self.distance <= TOLERANCE
 
     def sheet(self) -> show.Sheet:
         """Return the verdict and each mode with its states."""
         if not self.modes:
             return show.Sheet("Zero dynamics: none, the degree is full")
         meaning = {
-            "minimum phase": "they decay",
-            "not minimum phase": "one grows unseen while the outputs rest: choose other outputs",
+            "minimum phase": "all modes decay",
+            "not minimum phase": "a mode grows while the outputs stay at zero: choose other outputs",
             "not hyperbolic": "a mode on the imaginary axis: the linear model does not decide",
         }
         word = "agree" if self.agreed else "DISAGREE"
         lines = (
             meaning[self.verdict],
-            f"restricted dynamics and pencil {word}: {self.distance:.1e} of their size apart",
+            f"restricted dynamics and pencil {word}: relative difference {self.distance:.1e}",
         )
         rows = tuple((show.number(mode.value), ", ".join(mode.states)) for mode in self.modes)
         table = show.Table(("mode [1/s]", "states"), rows)
@@ -102,10 +102,10 @@ def at_point(plant: Plant, degree: RelativeDegree, point: OperatingPoint, weight
     differ from those of `degree`, or if the decoupling matrix is singular there.
     """
     model = linearise.linearise(plant, point).select(degree.outputs, names(degree.model.inputs))
-    _require_same(plant, degree, point)
+    _require_matching(plant, degree, point)
     if weight is not None:
         weight = arguments.fitting("weight", weight, len(model.inputs), len(model.inputs))
-        star = _stars(model, degree.degrees)[1]
+        star = _highest_derivatives(model, degree.degrees)[1]
         N = np.linalg.solve(weight, star.T)
         shares = tuple(f"share_of_{name}" for name in degree.outputs)
         model = replace(model, B=model.B @ N, D=model.D @ N, inputs=shares)
@@ -129,7 +129,7 @@ def of_linear(system: System, degrees: Sequence[int], sizes: Mapping[str, float]
         )
     T = np.array([(sizes or {}).get(name, 1.0) for name in model.states])
     scaled = _scaled(model, T)
-    C, D = _stars(scaled, degrees)
+    C, D = _highest_derivatives(scaled, degrees)
     _require_regular(D, model)
     chains = _chains(scaled, degrees)
     Z = scipy.linalg.null_space(chains / np.linalg.norm(chains, axis=1, keepdims=True)) if len(chains) else np.eye(n)
@@ -146,7 +146,7 @@ def of_linear(system: System, degrees: Sequence[int], sizes: Mapping[str, float]
     return ZeroDynamics(modes, zeros, _distance(values, zeros, size), _verdict(values.real, size))
 
 
-def _require_same(plant: Plant, degree: RelativeDegree, point: OperatingPoint) -> None:
+def _require_matching(plant: Plant, degree: RelativeDegree, point: OperatingPoint) -> None:
     rates = np.abs(np.asarray(plant.f(point.x, point.u, point.p)).ravel())
     if not (rates <= AT_REST * box.half_widths(plant.states)).all():
         worst = int(np.argmax(rates / box.half_widths(plant.states)))
@@ -176,7 +176,7 @@ def _chains(model: StateSpace, degrees: Sequence[int]) -> Array:
     return np.array(rows).reshape(-1, len(model.A))
 
 
-def _stars(model: StateSpace, degrees: Sequence[int]) -> tuple[Array, Array]:
+def _highest_derivatives(model: StateSpace, degrees: Sequence[int]) -> tuple[Array, Array]:
     """Return C* and D*."""
     power = np.linalg.matrix_power
     C = np.array([c @ power(model.A, r) for c, r in zip(model.C, degrees, strict=True)])

@@ -1,4 +1,4 @@
-"""The couplings of modes do not depend on units, and what hardly moves or shows is named."""
+"""Modal controllability and observability do not depend on units; weakly coupled modes are named."""
 
 import control
 import numpy as np
@@ -15,13 +15,13 @@ from tests import tolerances
 
 
 def axes(eps: float) -> StateSpace:
-    """Return a driven mass on a spring, and another one that the force moves and the encoder sees by `eps` only."""
+    """Return a driven mass on a spring, and another one coupled to force and encoder by `eps` only."""
     A = scipy.linalg.block_diag([[0.0, 1.0], [-4.0, -0.1]], [[0.0, 1.0], [-9.0, -0.2]])
     B, C = [[0.0, 0.0], [1.0, 0.0], [0.0, 0.0], [eps, 1.0]], [[1.0, 0.0, eps, 0.0], [0.0, 0.0, 1.0, 0.0]]
     return StateSpace(A, B, C, np.zeros((2, 2)), ("gap", "speed", "tilt", "rate"), ("f", "g"), ("y", "z"), Continuous())
 
 
-def test_what_hardly_moves_is_named_with_its_best_input() -> None:
+def test_weakly_coupled_modes_are_named_with_their_best_input() -> None:
     whole = couplings.couplings(axes(1e-6))
     assert not whole.weakly_controllable and not whole.weakly_observable
     slow, fast = whole.modes[0], whole.modes[2]
@@ -53,7 +53,7 @@ def test_measures_are_the_same_in_other_units(seed: int) -> None:
         )
 
 
-def test_a_mode_out_of_reach_has_the_measure_zero_and_is_the_one_that_a_minimal_model_leaves_out() -> None:
+def test_an_uncontrollable_mode_has_measure_zero_and_is_not_in_the_minimal_model() -> None:
     U = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
     A, B, C = U @ np.diag([-1.0, -2.0, -3.0]) @ U.T, U @ [[1.0], [0.0], [1.0]], np.eye(3) @ U.T
     measures = couplings.couplings((A, B, C))
@@ -62,7 +62,7 @@ def test_a_mode_out_of_reach_has_the_measure_zero_and_is_the_one_that_a_minimal_
     assert [m.value for m in realisation.minimal((A, B, C)).uncontrollable] == pytest.approx([-2])
 
 
-def test_one_input_cannot_move_two_modes_of_one_value() -> None:
+def test_one_input_cannot_control_two_modes_of_one_eigenvalue() -> None:
     measures = couplings.couplings(control.ss(-np.eye(2), [[1.0], [1.0]], np.eye(2), 0, 1e-3))
     assert measures.time == Discrete(1e-3)
     assert all(m.controllability < tolerances.of("double") and m.observability > 0.5 for m in measures.modes)
@@ -101,7 +101,7 @@ def test_sizes_at_the_ends_of_the_range_are_refused_or_right() -> None:
         couplings.couplings(([[-1e308]], [[1.0]], [[1.0]]))
 
 
-def test_a_model_without_inputs_is_out_of_reach() -> None:
+def test_a_model_without_inputs_is_uncontrollable() -> None:
     measures = couplings.couplings(([[-1.0]], np.zeros((1, 0)), [[1.0]]))
     assert (
         measures.modes[0].controllability == 0

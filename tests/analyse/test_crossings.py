@@ -1,4 +1,4 @@
-"""Crossings that a grid misses, and those of loops whose frequency response is traced."""
+"""Crossings that a grid misses, and crossings of traced loops."""
 
 import control
 import numpy as np
@@ -67,8 +67,8 @@ def test_a_pair_of_crossings_closer_than_the_grid_is_found(above: float, monkeyp
     assert above > 1e-4 or len(margins.of_loop(L).gain_crossings) == 0
 
 
-def test_an_undamped_loop_is_real_all_along() -> None:
-    """L = 1 / (s^2 + 1) < 0 above 1 rad/s: whatever the gain, a pole is on the axis; the margin told is 1."""
+def test_an_undamped_loop_is_real_at_all_frequencies() -> None:
+    """L = 1 / (s^2 + 1) < 0 above 1 rad/s: for every gain a pole is on the axis; the reported margin is 1."""
     loop_margins = margins.of_loop(loop([1], [1, 0, 1]))
     assert not loop_margins.stable and loop_margins.phase_margin == pytest.approx(0, abs=1e-6)
     assert [c.gain_margin for c in loop_margins.phase_crossings] == pytest.approx([1], rel=EXACT)
@@ -99,7 +99,7 @@ def test_a_resonance_just_below_nyquist_is_found(below: float) -> None:
         assert off_boundary(L, np.exp(-1j * np.radians(c.phase_margin)), c.frequency) < 1e-9
 
 
-def test_a_loop_of_many_states_is_traced_and_meets_the_polynomials(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_traced_loop_of_many_states_agrees_with_the_polynomials(monkeypatch: pytest.MonkeyPatch) -> None:
     w, zeta = np.geomspace(0.5, 200, 15), np.linspace(0.005, 0.05, 15)
     model = modal(w, zeta)
     exact = margins.of_loop(model)
@@ -121,8 +121,8 @@ def modal(w: np.ndarray, zeta: np.ndarray) -> StateSpace:
     return of((A, B, C, [[0.0]]))
 
 
-def test_a_traced_crossing_that_is_left_out_fails_the_verification(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The planted defect: nothing but the closed loop's poles tells."""
+def test_an_omitted_traced_crossing_fails_the_verification(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The planted defect: only the closed-loop poles reveal it."""
     L = loop([4.0], [1, 3, 3, 1])
     monkeypatch.setattr(margins, "EXACT_STATES", 0)
     assert margins.of_loop(L).gain_margin == pytest.approx(2, rel=EXACT)
@@ -137,7 +137,7 @@ def test_a_traced_crossing_that_is_left_out_fails_the_verification(monkeypatch: 
 
 
 def test_many_lightly_damped_modes_are_traced_or_refused() -> None:
-    """The brackets of the trace come from other roundings than the search within them."""
+    """The brackets of the trace and the search inside them have different rounding errors."""
     w = np.geomspace(1, 100, 29)
     loop_margins = margins.of_loop(modal_rates(w, 1e-8))
     assert loop_margins.stable and len(loop_margins.gain_crossings) % 2 == 0
@@ -150,7 +150,7 @@ def modal_rates(w: np.ndarray, zeta: float) -> StateSpace:
     return of((model.A, model.B, C, model.D))
 
 
-def test_a_traced_crossing_that_is_lost_alone_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_single_omitted_traced_crossing_is_detected(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(margins, "EXACT_STATES", 0)
     L = loop([4.0], [1, 3, 3, 1])
     roots = traced_crossings._roots

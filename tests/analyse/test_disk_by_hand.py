@@ -62,7 +62,7 @@ def test_the_spinning_satellite_is_robust_in_each_channel_and_fragile_in_both() 
 
 
 def test_static_loops() -> None:
-    """L = diag(3, 1): S - 1/2 = diag(-1/4, 0), so that f_1 = -1/3 destabilises; L = 1: nothing does but f = -1."""
+    """L = diag(3, 1): S - 1/2 = diag(-1/4, 0), so f_1 = -1/3 destabilises; L = 1: only f = -1 does."""
     empty = np.zeros((0, 0)), np.zeros((0, 2)), np.zeros((2, 0))
     margin = disk.of_loop((*empty, np.diag([3.0, 1.0])))
     assert margin.certified and margin.alpha == pytest.approx(4.0, rel=LEVEL)
@@ -107,7 +107,7 @@ def test_an_unstable_closed_loop_is_refused_with_its_poles() -> None:
         disk.each(([[-1.0]], [[0.0]], [[0.0]], [[0.0]], Discrete(0.1)))
 
 
-def test_what_cannot_be_read_is_refused() -> None:
+def test_invalid_loops_are_refused() -> None:
     with pytest.raises(SignalError, match="as many outputs as inputs"):
         disk.of_loop(([[-1.0]], [[1.0, 2.0]], [[1.0]]))
     with pytest.raises(SignalError, match="the skew is nan"):
@@ -118,12 +118,12 @@ def test_what_cannot_be_read_is_refused() -> None:
         disk.of_loop(([[-1.0]], [[1.0]], [[1.0]], [[-1.0]]))
 
 
-def test_a_margin_prints_what_it_claims() -> None:
+def test_a_disk_margin_prints_its_certificate() -> None:
     margin = disk.of_loop(sensitivity.close(*satellite()).Li)
     text = repr(margin)
-    assert "Disk margin of 2 channels in continuous time: 0.09975" in text and "shown for all frequencies" in text
+    assert "Disk margin of 2 channels in continuous time: 0.09975" in text and "proved for all frequencies" in text
     assert "0.90499 to 1.105" in text and "5.7106 deg" in text and "\nu1 " in text and "|f|" in text
-    assert "not shown between" in repr(disk.of_loop(sensitivity.close(*satellite()).Li, certify=False))
+    assert "not proved between" in repr(disk.of_loop(sensitivity.close(*satellite()).Li, certify=False))
     assert list(margin.worst.items()) == [("u1", margin.delta[0]), ("u2", margin.delta[1])]
     with pytest.raises(ValueError, match="read-only"):
         margin.curve[0] = 1.0

@@ -45,7 +45,7 @@ def test_stable_gramians_are_those_of_slicot(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(6))
 def test_unstable_parts_run_backward_in_time(seed: int) -> None:
-    """What T blkdiag(Ws, Wu) T' must be: the integral over the stable part's future and the unstable one's past."""
+    """T blkdiag(Ws, Wu) T' is the integral forward in time for the stable part, backward for the unstable one."""
     system = model(seed + 40, None)
     grams = gramians.gramians(system)
     values, V = np.linalg.eig(system.A)
@@ -65,11 +65,11 @@ def test_sampled_gramians_are_sums_over_the_samples() -> None:
     ahead = sum(np.outer(r := V @ (np.asarray(forward)[:, None] * values[:, None] ** k * b), r) for k in range(400))
     back = sum(np.outer(r := V @ (np.where(forward, 0, values**-k)[:, None] * b), r) for k in range(1, 100))
     np.testing.assert_allclose(grams.Wc, ahead + back, rtol=tolerances.of("settled"))
-    assert grams.span == "over the future of what decays, the past of the rest"
+    assert grams.span == "forward in time for stable modes, backward for unstable ones"
 
 
 def test_one_mode_by_hand() -> None:
-    """x' = -a x + b u + 2 b w, y = c x: Wc = 5 b^2 / 2 a, Wo = c^2 / 2 a, and w has four fifths of it."""
+    """x' = -a x + b u + 2 b w, y = c x: Wc = 5 b^2 / 2 a, Wo = c^2 / 2 a, and w has the share 4/5."""
     a, b, c = 3.0, 2.0, 0.5
     grams = gramians.gramians(([[-a]], [[b, 2 * b]], [[c]]))
     assert grams.Wc[0, 0] == pytest.approx(5 * b * b / (2 * a)) and grams.Wo[0, 0] == pytest.approx(c * c / (2 * a))
@@ -98,7 +98,7 @@ def test_a_weak_state_is_named_last() -> None:
     assert "x2" in grams.directions[-1] and grams.hankel[-1] < 1e-3 * grams.hankel[0]
 
 
-def test_a_mode_on_the_border_is_named_with_the_mend() -> None:
+def test_a_mode_on_the_stability_boundary_is_named_with_the_mend() -> None:
     A = scipy.linalg.block_diag([[0.0, 1.0], [0.0, 0.0]], [[-1.0]])
     for seed in range(4):
         U = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0] if seed else np.eye(3)
@@ -112,8 +112,8 @@ def test_a_mode_on_the_border_is_named_with_the_mend() -> None:
     gramians.gramians(([[-1e-9]], [[1.0]]))
 
 
-def test_a_slow_mode_beside_a_fast_one_decays_where_the_matrix_tells_it() -> None:
-    """-1e-4 beside -1e9 is exact on the diagonal; turned, rounding of the fast mode alone moves it by 1e-7."""
+def test_a_slow_mode_beside_a_fast_one_is_resolved_on_the_diagonal() -> None:
+    """-1e-4 beside -1e9 is exact on the diagonal; in other coordinates, rounding of the fast mode moves it by 1e-7."""
     A = np.diag([-1e-4, -1e9])
     assert gramians.gramians((A, np.ones((2, 1)))).Wc[0, 0] == pytest.approx(5e3)
     U = np.linalg.qr(np.random.default_rng(0).normal(size=(2, 2)))[0]
@@ -163,7 +163,7 @@ def test_over_a_horizon_agrees_with_quadrature_and_with_sums() -> None:
         np.testing.assert_allclose(grams.Wc, Wc, rtol=tolerances.of("settled"))
 
 
-def test_horizons_without_sense_are_refused() -> None:
+def test_invalid_horizons_are_refused() -> None:
     with pytest.raises(TimingError, match=r"`horizon_s` of .* is 'x': give a number of seconds"):
         gramians.over(([[0.0]], [[1.0]]), "x")  # type: ignore[arg-type]
     for horizon in (0.0, -1.0, np.nan, np.inf):
@@ -181,5 +181,5 @@ def test_the_residual_catches_a_wrong_integral(monkeypatch: pytest.MonkeyPatch) 
     assert gramians.gramians(system).residual > 1e-3
 
 
-def test_a_python_control_system_is_read() -> None:
+def test_a_python_control_system_is_accepted() -> None:
     assert gramians.gramians(control.ss(-1, 1, 1, 0)).hankel == pytest.approx([0.5])

@@ -132,7 +132,7 @@ def test_the_largest_condition_number_is_met_where_a_row_is_largest() -> None:
     assert conditioning.max_cond == pytest.approx(2.0) and conditioning.cond_at["Y"] == pytest.approx(1.0)
 
 
-def test_bad_requests_are_refused() -> None:
+def test_invalid_arguments_are_refused() -> None:
     with pytest.raises(SignalError, match="contains T"):
         magnitude.conditioning(T, SYMBOLS, BOX)
     with pytest.raises(SignalError, match="no symbol for Z"):

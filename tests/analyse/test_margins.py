@@ -66,7 +66,7 @@ def test_an_unstable_plants_lower_gain_margin_lies_at_zero_frequency() -> None:
     assert maglev.gain_reduction_margin == pytest.approx(0.25, rel=EXACT)
 
 
-def test_an_input_that_passes_straight_on_crosses_at_infinity() -> None:
+def test_direct_feedthrough_crosses_at_infinity() -> None:
     loop_margins = margins.of_loop(loop([-0.5, 0, 0], [1, 2, 1]))
     assert loop_margins.gain_margin == pytest.approx(2, rel=EXACT)
     assert loop_margins.phase_crossings[-1].frequency == np.inf
@@ -140,7 +140,7 @@ def test_a_crossing_below_180_degrees_needs_most_of_a_turn_of_delay() -> None:
 
 
 @pytest.mark.parametrize("k", [0.5, 1.0, 2.0])
-def test_a_sampled_loop_bears_the_whole_samples_below_its_delay_margin_and_no_more(k: float) -> None:
+def test_a_sampled_loop_is_stable_up_to_its_delay_margin_in_whole_samples(k: float) -> None:
     T = 0.01
     L = discretise.zero_order_hold(loop([20 * k, 60 * k], [1, 8, 0]), T)
     samples = margins.of_loop(L).delay_margin / T
@@ -148,8 +148,8 @@ def test_a_sampled_loop_bears_the_whole_samples_below_its_delay_margin_and_no_mo
     assert below >= 3 and decays(discretise.with_delay(L, below)) and not decays(discretise.with_delay(L, below + 1))
 
 
-def test_a_continuous_loop_bears_its_delay_margin_and_no_more() -> None:
-    """A Padé delay of order 8 stands in for the delay."""
+def test_a_continuous_loop_is_stable_up_to_its_delay_margin() -> None:
+    """A Padé delay of order 8 replaces the delay."""
     L = loop([20, 60], [1, 8, 0])
     most = margins.of_loop(L).delay_margin
     for factor, bears in ((0.99, True), (1.01, False)):
@@ -157,7 +157,7 @@ def test_a_continuous_loop_bears_its_delay_margin_and_no_more() -> None:
         assert (np.roots(np.polyadd(late.num[0][0], late.den[0][0])).real < 0).all() == bears
 
 
-def test_a_loop_without_states_and_one_without_gain_are_served() -> None:
+def test_margins_of_a_static_loop_and_of_a_zero_loop() -> None:
     still = StateSpace(np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), [[-0.5]], (), ("u",), ("y",), Continuous())
     assert margins.of_loop(still).gain_margin == 2 and margins.of_loop(still).peak_sensitivity == 2
     nothing = margins.of_loop(gain(loop([1], [1, 1]), 0.0))
@@ -190,10 +190,10 @@ def test_a_closed_loop_pole_lies_on_the_boundary_at_each_crossing(seed: int, sam
     for frequency, factor in crossings:
         assert off_boundary(L, factor, frequency) < 1e-6
     (frequency, factor), *_ = crossings
-    assert off_boundary(L, factor * np.exp(0.01j), frequency) > 1e-6  # a hundredth of a radian is seen
+    assert off_boundary(L, factor * np.exp(0.01j), frequency) > 1e-6  # the test detects 0.01 rad
 
 
-def test_radians_for_degrees_would_be_seen() -> None:
+def test_radians_for_degrees_would_be_detected() -> None:
     """The planted defect."""
     L = loop([5], [1, 1, 0])
     (crossing,) = margins.of_loop(L).gain_crossings
@@ -201,7 +201,7 @@ def test_radians_for_degrees_would_be_seen() -> None:
     assert off_boundary(L, np.exp(-1j * crossing.phase_margin), crossing.frequency) > 0.1
 
 
-def test_an_all_pass_tells_the_worst_of_its_crossings() -> None:
+def test_an_all_pass_returns_its_worst_crossings() -> None:
     """L = (s^2 - s + 1) / (s^2 + s + 1) is -1 at 1 rad/s; at 0.999 of its gain nothing crosses."""
     L = loop([1, -1, 1], [1, 1, 1])
     loop_margins = margins.of_loop(L)
@@ -213,7 +213,7 @@ def test_an_all_pass_tells_the_worst_of_its_crossings() -> None:
     assert sampled.phase_margin < 1e-3 and len(sampled.gain_crossings) <= 2
 
 
-def test_a_loop_that_stays_at_one_bears_no_delay() -> None:
+def test_a_loop_of_gain_one_at_infinity_has_no_delay_margin() -> None:
     for D, pole in ((2.0, 3.0), (1.0, 3.0), (-1.5, 1.0)):
         loop_margins = margins.of_loop(loop([D, 0.5], [1, pole]))
         assert (
@@ -223,11 +223,13 @@ def test_a_loop_that_stays_at_one_bears_no_delay() -> None:
         )
         assert not margins.of_loop(transfer.delayed(loop([D, 0.5], [1, pole]), 1e-3)).stable
     loop_margins = margins.of_loop(loop([2, 1], [1, 3]))
-    assert loop_margins.stable and loop_margins.gain_crossings[0].delay_margin > 0  # which alone would be wrong
+    assert (
+        loop_margins.stable and loop_margins.gain_crossings[0].delay_margin > 0
+    )  # the crossing alone would give the wrong margin
     assert margins.of_loop(loop([0.9, 1], [1, 3])).delay_margin == np.inf
 
 
-def test_each_kind_of_system_is_read() -> None:
+def test_each_kind_of_system_is_accepted() -> None:
     arrays = ([[0.0]], [[1.0]], [[5.0]], [[0.0]])
     for system in (arrays, (*arrays, Continuous()), control.tf([5], [1, 0]), control.ss([[0]], [[1]], [[5]], [[0]])):
         assert margins.of_loop(system).gain_crossings[0].frequency == pytest.approx(5, rel=EXACT)
@@ -243,7 +245,7 @@ def test_margins_print_in_both_units_of_frequency() -> None:
     assert "NOT STABLE" in repr(margins.of_loop(loop([2], [-1, 1])))
 
 
-def test_crossings_far_below_the_fastest_pole_count_and_limits_leave_others_out() -> None:
+def test_crossings_far_below_the_fastest_pole_count_and_limits_exclude_others() -> None:
     L = control.tf([0.5e9], [1, 1e9, 0])
     assert margins.of_loop(L).gain_crossings[0].frequency == pytest.approx(0.5, rel=EXACT)
     three = control.tf([20.0], np.poly([-1.0, -2.0, -3.0]))
@@ -257,7 +259,7 @@ def test_crossings_far_below_the_fastest_pole_count_and_limits_leave_others_out(
 
 
 def test_an_all_pass_that_is_minus_one_at_rest_has_no_phase_margin() -> None:
-    """L = -1 / z: at w = 0 it is -1, and a delay of one sample and no less turns Nyquist onto -1."""
+    """L = -1 / z: at w = 0 it is -1, and a delay of exactly one sample moves L at Nyquist to -1."""
     loop_margins = margins.of_loop(control.tf([-1.0], [1.0, 0.0], 1.0))
     assert (
         not loop_margins.stable

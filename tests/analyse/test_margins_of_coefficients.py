@@ -68,18 +68,18 @@ LAGS_20_US = fraction(
     ids=["maglev", "lags"],
 )
 def test_a_fast_sampled_transfer_function_keeps_its_gain_margin(L: object, gain: float, low: float) -> None:
-    """Its poles crowd at z = 1; the margins are those of the coefficients, from roots in 60 digits."""
+    """Its poles cluster at z = 1; the margins are those of the coefficients, from roots in 60 digits."""
     loop_margins = margins.of_loop(L)
     assert loop_margins.stable and loop_margins.gain_margin == pytest.approx(gain, rel=1e-7)
     assert loop_margins.gain_reduction_margin == pytest.approx(low, rel=1e-7)
-    assert 1e-4 < loop_margins.uncertainty < margins.MAX_UNCERTAINTY and "leaves the margins uncertain by" in repr(
+    assert 1e-4 < loop_margins.uncertainty < margins.MAX_UNCERTAINTY and "makes the margins uncertain by" in repr(
         loop_margins
     )
 
 
 @pytest.mark.parametrize("L", [MAGLEV_10_US, LAGS_20_US], ids=["maglev", "lags"])
 def test_coefficients_that_no_longer_determine_a_margin_are_refused(L: object) -> None:
-    with pytest.raises(ModelError, match=r"(not determined by the numbers given|hides whether).*loop\.sampled"):
+    with pytest.raises(ModelError, match=r"(not determined by the coefficients|hides whether).*loop\.sampled"):
         margins.of_loop(L)
 
 

@@ -1,4 +1,4 @@
-"""The bound by the modes against SLICOT and exact arithmetic, and against planted defects."""
+"""The bound from the modal form against SLICOT and exact arithmetic, and against planted defects."""
 
 from dataclasses import replace
 from typing import Any
@@ -18,7 +18,7 @@ TWO_PEAKS = of(0.3 * lag(0.01) + 1e4 / (S**2 + 2 * S + 1e4))  # 15 at 1 rad/s, 5
 
 
 def modes(model: StateSpace, wrong: float = 0.0) -> Any:
-    """Return the modes from poles and eigenvectors that are wrong by so much, relative to the slowest decay."""
+    """Return the modes from poles and eigenvectors with a planted error, relative to the slowest decay."""
     poles, V = modal.eigen(model.A)
     sampled = not isinstance(model.time, Continuous)
     rng = np.random.default_rng(len(V))
@@ -29,7 +29,7 @@ def modes(model: StateSpace, wrong: float = 0.0) -> Any:
 
 
 def assert_holds(model: StateSpace, wrong: float = 0.0) -> None:
-    """Assert that the bound holds the norm between its two sides."""
+    """Assert that the norm lies between the two bounds."""
     modal_form = modes(model, wrong)
     bound = modal_peak.peak(modal_form)
     assert bound is not None
@@ -39,7 +39,7 @@ def assert_holds(model: StateSpace, wrong: float = 0.0) -> None:
 
 @pytest.mark.parametrize("wrong", [0.0, 1e-9, 1e-7, 1e-5, 1e-3])
 def test_the_bound_holds_however_wrong_poles_and_eigenvectors_are(wrong: float) -> None:
-    """The first is what LAPACK gives; the others lie, and the residual knows."""
+    """The first is from LAPACK; the others are wrong, and the residual accounts for it."""
     proved = 0
     for seed in range(40):
         model = random_model(seed, 0.0)
@@ -86,7 +86,7 @@ def test_the_second_derivative_stays_below_its_bound() -> None:
                 assert second.max() <= bend * (t[1] - t[0]) ** 2 * (1 + 1e-6) + 1e-13 * np.abs(M).max()
 
 
-def test_a_start_at_the_lower_peak_is_made_good(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_start_at_the_lower_peak_still_finds_the_higher_one(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(modal_peak, "_start", lambda axis, w: modal_peak._climb(axis.modes, 0.97, 1e-6))
     assert_holds(TWO_PEAKS)
     assert modal_peak.peak(modes(TWO_PEAKS)).w > 90  # type: ignore[union-attr]
@@ -96,7 +96,7 @@ def without_an_interval(axis: Axis, edges: Any, bound: Bound) -> Any:
     return edges[edges < 50]
 
 
-def test_an_interval_that_is_forgotten_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_omitted_interval_is_detected(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(modal_peak, "_start", lambda axis, w: modal_peak._climb(axis.modes, 0.97, 1e-6))
     monkeypatch.setattr(modal_peak, "_refine_edges", without_an_interval)
     monkeypatch.setattr(modal_peak, "_bound_beyond", lambda modes: 0.0)
@@ -104,8 +104,8 @@ def test_an_interval_that_is_forgotten_is_noticed(monkeypatch: pytest.MonkeyPatc
         assert_holds(TWO_PEAKS)
 
 
-def test_a_pole_that_the_bound_forgets_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Neither cut at nor counted in the second derivative, its peak passes between two points."""
+def test_a_pole_omitted_from_the_bound_is_detected(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without the pole in the edges and in the second derivative, its peak lies between two points."""
     pole, edges, bend = 100.0, Axis.edges, Axis.bend
 
     def forgetful(axis: Axis, a: Any, b: Any, size: Any) -> Any:
@@ -120,15 +120,15 @@ def test_a_pole_that_the_bound_forgets_is_noticed(monkeypatch: pytest.MonkeyPatc
         assert_holds(TWO_PEAKS)
 
 
-def test_modes_without_their_error_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_modes_without_their_error_are_detected(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(modal.Modes, "error", lambda modes, a: np.zeros(len(a)))
     assert_holds(TWO_PEAKS)
     with pytest.raises(AssertionError):
         assert_holds(TWO_PEAKS, 1e-3)
 
 
-def test_no_modes_prove_a_model_stable_that_is_not() -> None:
-    """A pole at +1e-12 that is taken for one at -1e-12."""
+def test_no_modal_form_proves_an_unstable_model_stable() -> None:
+    """A pole at +1e-12 that counts as one at -1e-12."""
     A, poles = np.diag([1e-12, -1.0]), np.array([-1e-12, -1.0 + 0j])
     modal_form = modal.of(A, np.ones((2, 1)), np.ones((1, 2)), np.zeros((1, 1)), poles, np.eye(2), sampled=False)
     assert modal_form is not None and modal_peak.peak(modal_form) is None

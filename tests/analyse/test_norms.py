@@ -58,11 +58,11 @@ def slicot_h2(model: StateSpace) -> float:
 def test_200_random_models_are_certified_and_agree_with_slicot(
     seeds: list[int], by_modes: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    gap = 2e-6 if by_modes else 2e-4  # rounding decides whether seed 31 asks for 1e-5 of the Lyapunov matrix
+    gap = 2e-6 if by_modes else 2e-4  # rounding decides whether seed 31 needs the level 1e-5 of the Lyapunov matrix
     if not by_modes:
         monkeypatch.setattr(modal, "of", lambda *args: None)
     for seed in seeds:
-        model, plain = random_model(seed), random_model(seed, 0.0)  # SLICOT loses digits in unlike units
+        model, plain = random_model(seed), random_model(seed, 0.0)  # SLICOT loses digits in badly scaled units
         norm, theirs = norms.norm_hinf(model), slicot_hinf(plain)
         assert norm.certified and norm.upper <= (1 + gap) * norm.lower
         assert norm.lower * (1 - 1e-9) <= theirs <= norm.upper * (1 + 1e-9)
@@ -106,7 +106,7 @@ def test_a_static_gain_is_its_largest_singular_value() -> None:
 
 
 def test_a_narrow_peak_is_found_and_proved_as_far_as_rounding_allows() -> None:
-    """1e-6 wide in frequency: any grid that does not know of the pole steps over it."""
+    """1e-6 wide in frequency: any grid without the pole misses it."""
     system = lag(LIGHT) + 100 / (S + 1)
     norm = norms.norm_hinf(system)
     expected = slicot_hinf(of(system))
@@ -114,7 +114,7 @@ def test_a_narrow_peak_is_found_and_proved_as_far_as_rounding_allows() -> None:
     assert norms.norm_h2(lag(LIGHT)).value == pytest.approx(1 / np.sqrt(4 * LIGHT), rel=1e-9)
 
 
-def test_a_peak_that_no_pole_tells_of_is_found() -> None:
+def test_a_peak_away_from_all_poles_is_found() -> None:
     """Twelve equal lags in companion form, whose poles scatter by 1 %; a notch below and a lead above."""
     system = (S**2 + 0.02 * S + 1) / (S + 1) ** 2 * 30 * (S + 3) / (S + 100) / (0.1 * S + 1)
     norm = norms.norm_hinf(system)
@@ -131,7 +131,7 @@ def test_a_peak_that_no_pole_tells_of_is_found() -> None:
         (1 / (Z + 1.5), np.pi / 0.5, "the pole at -1.5 does not decay"),
     ],
 )
-def test_a_mode_that_lasts_makes_both_norms_infinite(system: Any, frequency: float, text: str) -> None:
+def test_an_undamped_mode_makes_both_norms_infinite(system: Any, frequency: float, text: str) -> None:
     hinf = norms.norm_hinf(system)
     assert float(hinf) == hinf.lower == np.inf and hinf.frequency == pytest.approx(frequency) and hinf.certified
     for norm in (hinf, norms.norm_h2(system)):
@@ -171,14 +171,14 @@ def test_nothing_proves_a_level_below_the_peak() -> None:
             assert X is None or not bounded_real.is_proof(X, MATRICES, level, continuous=True)
 
 
-def test_no_solution_proves_a_model_stable_that_is_not() -> None:
+def test_no_lyapunov_matrix_proves_an_unstable_model_stable() -> None:
     A = np.diag([-1.0, 1.0])
     matrices = A, np.ones((2, 1)), np.ones((1, 2)), np.zeros((1, 1))
     for X in (np.eye(2), np.diag([1.0, -1.0]), bounded_real.solve(matrices, 10.0, np.full(2, 1e-3)).X):
         assert not bounded_real.is_proof(X, matrices, 10.0, continuous=True)
 
 
-def test_a_matrix_is_definite_only_beyond_what_is_not_known_of_it() -> None:
+def test_a_matrix_is_definite_only_beyond_its_uncertainty() -> None:
     H = np.array([[1.0, 1.0 - 1e-8], [1.0 - 1e-8, 1.0]])  # eigenvalues 1e-8 and 2
     assert bounded_real.is_positive_definite(H, np.zeros((2, 2)))
     assert not bounded_real.is_positive_definite(H, np.full((2, 2), 0.6e-8))
@@ -187,7 +187,7 @@ def test_a_matrix_is_definite_only_beyond_what_is_not_known_of_it() -> None:
     assert bounded_real.is_positive_definite(np.diag([1e-300, 1e300]), np.zeros((2, 2)))
 
 
-def test_a_climb_that_misses_the_peak_is_made_good(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_climb_to_the_wrong_peak_is_corrected(monkeypatch: pytest.MonkeyPatch) -> None:
     """Started far from the higher of two peaks, the search finds it by the eigenvalues of the Hamiltonian."""
     system = of(0.3 * lag(0.01) + 1e4 / (S**2 + 2 * S + 1e4))
     right, start = norms.norm_hinf(system), peak_gain._start

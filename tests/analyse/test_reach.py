@@ -21,7 +21,7 @@ def model(A: np.ndarray, time: Continuous | Discrete | None = None) -> StateSpac
 
 
 def worst(i: int, samples: int) -> float:
-    """Return x_i after the input that moves it farthest: each u_j(N - 1 - k) has the sign of (A^k B)_ij."""
+    """Return x_i after its worst input: each u_j(N - 1 - k) has the sign of (A^k B)_ij."""
     x, power, signs = np.zeros(3), np.eye(3), []
     for _ in range(samples):
         signs.append(np.sign(power @ B)[i])

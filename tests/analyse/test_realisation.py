@@ -1,4 +1,4 @@
-"""The minimal realisation keeps the response, the names that it can, and tells what it removed."""
+"""The minimal realisation keeps the response and possible names, and reports removed modes."""
 
 from dataclasses import replace
 
@@ -19,8 +19,8 @@ CONTINUOUS = Continuous()
 POINTS = np.array([0.3 + 0.2j, 2j, 5.0, 0.01j])
 
 
-def planted(seed: int, time: Time = CONTINUOUS) -> tuple[StateSpace, list[float], list[float]]:
-    """Return a random model in random coordinates and units with modes out of reach and out of sight."""
+def model_with_hidden_modes(seed: int, time: Time = CONTINUOUS) -> tuple[StateSpace, list[float], list[float]]:
+    """Return a random model in random coordinates and units with uncontrollable and unobservable modes."""
     rng = np.random.default_rng(seed)
     n, r, o, m, p = (int(rng.integers(low, 4)) for low in (1, 0, 0, 1, 1))
     unreached, unseen = np.sort(rng.uniform(0.1, 0.4, r)), np.sort(rng.uniform(0.5, 0.9, o))
@@ -43,8 +43,8 @@ def planted(seed: int, time: Time = CONTINUOUS) -> tuple[StateSpace, list[float]
 
 @settings(derandomize=True, max_examples=40, deadline=None)
 @given(st.integers(0, 10**6))
-def test_planted_modes_leave_and_the_response_stays(seed: int) -> None:
-    model, unreached, unseen = planted(seed, Discrete(1e-3) if seed % 2 else CONTINUOUS)
+def test_hidden_modes_are_removed_and_the_response_stays(seed: int) -> None:
+    model, unreached, unseen = model_with_hidden_modes(seed, Discrete(1e-3) if seed % 2 else CONTINUOUS)
     minimal = realisation.minimal(model)
     assert sorted(m.value.real for m in minimal.uncontrollable) == pytest.approx(unreached, rel=1e-7)
     assert sorted(m.value.real for m in minimal.unobservable) == pytest.approx(unseen, rel=1e-7)
@@ -55,14 +55,14 @@ def test_planted_modes_leave_and_the_response_stays(seed: int) -> None:
 
 def test_the_order_is_that_of_slicot() -> None:
     for seed in range(10):
-        model, *_ = planted(seed)
+        model, *_ = model_with_hidden_modes(seed)
         part = staircase.of_model(model)  # SLICOT's cut depends on units
         reference = control.minreal(control.ss(part.A, part.B, part.C, part.D), tol=1e-9, verbose=False)
         assert len(realisation.minimal(model).model.A) == reference.nstates
 
 
-def test_states_that_survive_untouched_keep_name_unit_and_rows() -> None:
-    """Two equal masses driven by one force: their difference is out of reach; the slide beside them stays as it is."""
+def test_unaffected_states_keep_name_unit_and_rows() -> None:
+    """Two equal masses driven by one force: their difference is uncontrollable; the slide stays unchanged."""
     pair = np.kron(np.eye(2), [[0.0, 1.0], [-4.0, -0.1]])
     A = scipy.linalg.block_diag(pair, [[0.0, 1.0], [0.0, -3.0]], [[-7.0]])
     B = np.array([[0.0, 0], [1, 0], [0, 0], [1, 0], [0, 0], [0, 2], [1, 0]])
@@ -80,10 +80,10 @@ def test_states_that_survive_untouched_keep_name_unit_and_rows() -> None:
     assert [(m.value, m.states) for m in minimal.unobservable] == [(-7, ("heat",))]
     np.testing.assert_allclose(minimal.model.response(POINTS), model.response(POINTS), atol=tolerances.of("double"))
     assert "Minimal model: 4 of 7 states" in str(minimal)
-    assert "-0.05 +- 1.9994i" in str(minimal) and "no input moves it" in str(minimal)
+    assert "-0.05 +- 1.9994i" in str(minimal) and "uncontrollable" in str(minimal)
 
 
-def test_a_minimal_model_comes_back_as_it_was() -> None:
+def test_a_minimal_model_stays_unchanged() -> None:
     A, B, C = [[0.0, 1e-3], [-1e5, -0.1]], [[0.0], [3.0]], [[1e6, 0.0]]
     minimal = realisation.minimal((A, B, C, [[0.0]]))
     for letter, original in zip("ABC", (A, B, C), strict=True):
@@ -109,8 +109,8 @@ def test_a_model_without_response_keeps_its_direct_term() -> None:
     assert minimal.model.states == () and minimal.model.D == [[2.0]] and minimal.removed == ("x1",)
 
 
-def test_a_part_left_out_that_acts_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Planted: one state too many is thrown away."""
+def test_removal_of_an_active_part_is_detected(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Planted: one state too many is removed."""
     whole = staircase.kalman
 
     def careless(part: staircase.Scaled, cut: float) -> staircase.Kalman:
@@ -119,24 +119,24 @@ def test_a_part_left_out_that_acts_is_caught(monkeypatch: pytest.MonkeyPatch) ->
             decomposition.kept[:, :-1], decomposition.uncontrollable, decomposition.unobservable, decomposition.gap
         )
 
-    model, *_ = planted(3)
+    model, *_ = model_with_hidden_modes(3)
     monkeypatch.setattr(staircase, "kalman", careless)
     with pytest.raises(ModelError, match="minimal realisation changes the response by"):
         realisation.minimal(model)
 
 
-def blended(seed: int) -> tuple[tuple[np.ndarray, ...], int]:
+def kalman_form(seed: int) -> tuple[tuple[np.ndarray, ...], int]:
     """Return A, B, C without direct term in coordinates far from orthogonal, all four parts of Kalman's form at random.
 
     The order of the part that is reached and seen comes with it; it may be 0.
     """
     rng = np.random.default_rng(seed)
     sizes, m, p = rng.integers(0, 5, 4), int(rng.integers(1, 3)), int(rng.integers(1, 3))
-    kind = np.repeat(range(4), sizes)  # reached and seen, reached only, seen only, neither
+    kind = np.repeat(range(4), sizes)  # controllable and observable, controllable only, observable only, neither
     n, reached, seen = len(kind), np.isin(kind, (0, 1)), np.isin(kind, (0, 2))
     A = rng.normal(size=(n, n))
-    A[np.ix_(~reached, reached)] = 0.0  # nothing reached moves what is not
-    A[np.ix_(seen, ~seen)] = 0.0  # nothing unseen moves what is seen
+    A[np.ix_(~reached, reached)] = 0.0  # controllable states do not drive uncontrollable ones
+    A[np.ix_(seen, ~seen)] = 0.0  # unobservable states do not drive observable ones
     B, C = rng.normal(size=(n, m)) * reached[:, None], rng.normal(size=(p, n)) * seen
     T = rng.normal(size=(n, n))
     back, x = np.linalg.inv(T), 10.0 ** rng.uniform(-5, 5, n)
@@ -144,10 +144,10 @@ def blended(seed: int) -> tuple[tuple[np.ndarray, ...], int]:
 
 
 def test_the_order_is_found_in_coordinates_far_from_orthogonal() -> None:
-    """Also where the response is zero. The staircase may lose more digits than its cut, which must be told then."""
+    """Also where the response is zero. If the staircase loses more digits than its cut, the result must report it."""
     warnings = 0
     for seed in range(60):
-        system, order = blended(seed)
+        system, order = kalman_form(seed)
         minimal = realisation.minimal(system)
         if len(minimal.model.A) != order:
             assert (
@@ -167,7 +167,7 @@ def test_a_response_of_zero_has_no_states(seed: int) -> None:
     assert "they lie so close that the order is uncertain" in str(near)
 
 
-def test_what_couples_weakly_yet_above_rounding_is_kept_and_told() -> None:
+def test_weak_coupling_above_rounding_is_kept_and_reported() -> None:
     U = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0]
     A = U @ np.diag([-1.0, -2, -3]) @ U.T
     minimal = realisation.minimal((A, U @ [[1.0], [1.0], [3e-10]], np.ones((1, 3)) @ U.T))
@@ -184,6 +184,6 @@ def test_sizes_at_the_ends_of_the_range_are_refused_or_right() -> None:
             realisation.minimal(([[A]], [[B]], [[1.0]]))
 
 
-def test_a_python_control_system_is_read() -> None:
+def test_a_python_control_system_is_accepted() -> None:
     minimal = realisation.minimal(control.ss(np.diag([-1.0, -2.0]), [[1.0], [0.0]], [[1.0, 1.0]], 0))
     assert [m.value for m in minimal.uncontrollable] == [-2]

@@ -1,4 +1,4 @@
-"""The transfers of a closed loop against matrix algebra, a recursion written out, and python-control."""
+"""Sensitivity functions against matrix algebra, an explicit recursion, and python-control."""
 
 from dataclasses import replace
 
@@ -53,7 +53,7 @@ def test_each_transfer_is_what_its_formula_says(seed: int, sampled: bool) -> Non
         np.testing.assert_allclose(model.response(v)[0], value, rtol=0, atol=1e-10 * np.abs(value).max(), err_msg=name)
     np.testing.assert_allclose(closed.S.response(v) + closed.T.response(v), np.eye(p)[None], atol=1e-10)
     if m > 1 or p > 1:
-        assert Pv.shape != Kv.shape or np.abs(Pv @ Kv - Kv @ Pv).max() > 1e-6  # input and output are told apart
+        assert Pv.shape != Kv.shape or np.abs(Pv @ Kv - Kv @ Pv).max() > 1e-6  # input and output are distinguished
 
 
 def test_the_signals_are_those_of_the_diagram() -> None:
@@ -99,7 +99,7 @@ def test_names_and_units_come_from_the_plant() -> None:
         "Ti": (("f_disturbance [N]",), ("f_compensation [N]",)),
     }
     assert closed.whole.labels(closed.whole.states) == ("plant_q [m]", "plant_v [m/s]", "controller_lag [m s]")
-    # a unit that only the controller knows is that of the plant's signal too
+    # a unit given only by the controller applies to the plant's signal as well
     bare = sensitivity.close(replace(stage(), units={}), controller())
     assert bare.T.labels(bare.T.outputs) == ("q [m]",)
 
@@ -118,7 +118,7 @@ def test_python_control_closes_the_same_loop() -> None:
     np.testing.assert_allclose(np.sort_complex(control.feedback(P * K, 1).poles()), closed.poles, rtol=1e-9)
 
 
-def test_margins_are_read_off_l_and_peak_sensitivity_off_s() -> None:
+def test_margins_follow_from_L_and_peak_sensitivity_from_S() -> None:
     closed = sensitivity.close(stage(), controller())
     loop_margins = margins.of_loop(closed.L)
     w = np.sort(
@@ -130,13 +130,13 @@ def test_margins_are_read_off_l_and_peak_sensitivity_off_s() -> None:
     )
 
 
-def test_a_loop_with_the_sign_turned_is_not_stable() -> None:
+def test_a_loop_with_the_wrong_sign_is_not_stable() -> None:
     wrong = replace(controller(), C=-controller().C, D=-controller().D)
     assert not sensitivity.close(stage(), wrong).stable
     assert "NOT STABLE" in repr(sensitivity.close(stage(), wrong))
 
 
-def test_a_sampled_controller_asks_for_the_sampled_plant() -> None:
+def test_a_sampled_controller_needs_a_sampled_plant() -> None:
     K = controller(Discrete(T))
     with pytest.raises(TimingError, match=r"sample the plant with loop.sampled\(plant, 0.01, delay_s\)"):
         sensitivity.close(stage(), K)
@@ -146,7 +146,7 @@ def test_a_sampled_controller_asks_for_the_sampled_plant() -> None:
     assert closed.L.time == Discrete(T) and "plant_f_held" in closed.whole.states
 
 
-def test_what_does_not_fit_is_refused() -> None:
+def test_mismatched_plants_and_controllers_are_refused() -> None:
     two = random(np.random.default_rng(0), 2, 2, 2, Continuous())
     with pytest.raises(SignalError, match="give the controller an input for each output"):
         sensitivity.close(stage(), two)
@@ -160,7 +160,7 @@ def test_what_does_not_fit_is_refused() -> None:
         sensitivity.close(one, ([[-1.0]], [[1.0]], [[1.0]], [[-2.0]]))
 
 
-def test_each_kind_of_system_is_read() -> None:
+def test_each_kind_of_system_is_accepted() -> None:
     arrays = ([[0.0]], [[1.0]], [[5.0]], [[0.0]])
     systems = (arrays, control.tf([5], [1, 0]))
     values = [sensitivity.close(P, K).T.response(3j)[0, 0, 0] for P in systems for K in systems]

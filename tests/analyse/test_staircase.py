@@ -1,4 +1,4 @@
-"""Scaling sees neither units nor rounding noise; splits are orthonormal; deflation keeps the zeros of the pencil."""
+"""Scaling is independent of units and rounding noise; splits are orthonormal; deflation keeps the zeros."""
 
 import numpy as np
 import pytest
@@ -77,27 +77,27 @@ def test_zeros_come_with_vectors_at_which_the_pencil_is_singular(seed: int) -> N
             assert np.linalg.norm(C @ x + D @ u) < tolerances.of("zeros") * size
 
 
-def unmoved(A: np.ndarray, B: list[float]) -> list[tuple[complex, tuple[str, ...]]]:
+def uncontrollable_modes(A: np.ndarray, B: list[float]) -> list[tuple[complex, tuple[str, ...]]]:
     names = tuple(f"x{k + 1}" for k in range(len(A)))
     return [(m.value, m.states) for m in structure.unmoved(A, np.array([B]).T, names, Continuous())]
 
 
 @pytest.mark.parametrize("fast", [-1e11, 1e11, -1e14])
-def test_beside_a_fast_mode_the_slow_ones_are_told_apart(fast: float) -> None:
-    """The staircase alone takes 1 and 2 for one value, 1.5, of which a combination is out of reach."""
-    assert unmoved(np.diag([fast, 1.0, 2.0]), [1.0, 1.0, 1.0]) == []
-    assert unmoved(np.diag([fast, 1.0, 2.0, 3.0]), [1.0, 1.0, 1.0, 0.0]) == [(3, ("x4",))]
-    twice = unmoved(np.diag([fast, 1.0, 1.0, 2.0]), [1.0, 1.0, 1.0, 1.0])
+def test_slow_modes_beside_a_fast_one_are_resolved(fast: float) -> None:
+    """The staircase alone merges 1 and 2 into one uncontrollable mode at 1.5."""
+    assert uncontrollable_modes(np.diag([fast, 1.0, 2.0]), [1.0, 1.0, 1.0]) == []
+    assert uncontrollable_modes(np.diag([fast, 1.0, 2.0, 3.0]), [1.0, 1.0, 1.0, 0.0]) == [(3, ("x4",))]
+    twice = uncontrollable_modes(np.diag([fast, 1.0, 1.0, 2.0]), [1.0, 1.0, 1.0, 1.0])
     assert [value for value, _ in twice] == pytest.approx([1]) and set(twice[0][1]) == {"x2", "x3"}
     chain = scipy.linalg.block_diag([[0.0, 1.0], [0.0, 0.0]], [[fast]])
-    assert unmoved(chain, [0.0, 1.0, 1.0]) == []
-    assert [value for value, _ in unmoved(chain, [1.0, 0.0, 1.0])] == pytest.approx([0])
+    assert uncontrollable_modes(chain, [0.0, 1.0, 1.0]) == []
+    assert [value for value, _ in uncontrollable_modes(chain, [1.0, 0.0, 1.0])] == pytest.approx([0])
 
 
-def test_a_slow_mode_beside_a_fast_one_decays_where_the_matrix_tells_it() -> None:
+def test_a_slow_mode_beside_a_fast_one_is_resolved_on_the_diagonal() -> None:
     A = np.diag([-1e-4, -1e9])
-    assert unmoved(A, [0.0, 1.0]) == []
-    assert unmoved(A - np.diag([-2e-4, 0.0]), [0.0, 1.0]) == [(1e-4, ("x1",))]
+    assert uncontrollable_modes(A, [0.0, 1.0]) == []
+    assert uncontrollable_modes(A - np.diag([-2e-4, 0.0]), [0.0, 1.0]) == [(1e-4, ("x1",))]
     U = np.linalg.qr(np.random.default_rng(0).normal(size=(2, 2)))[0]
     with pytest.raises(ModelError, match=r"this is within rounding of the fastest mode, 1e.09"):
         structure.check_stabilisable((U @ A @ U.T, U @ [[0.0], [1.0]]))

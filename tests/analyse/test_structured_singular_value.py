@@ -9,7 +9,7 @@ from tests import tolerances
 
 Complex = np.typing.NDArray[np.complex128]
 EXACT = tolerances.of("double")
-BOUND = 1e-6  # to which `upper` follows the path of centres
+BOUND = 1e-6  # tolerance of `upper` on the central path
 
 
 def matrices(count: int, p: int, seed: int = 0) -> Complex:
@@ -56,7 +56,7 @@ def test_the_delta_of_the_lower_bound_makes_the_determinant_vanish(p: int) -> No
         lower = ssv.lower(M)
         assert np.abs(lower.delta) == pytest.approx(1 / lower.value, rel=EXACT)
         assert least_determinant(M, lower.delta) < EXACT
-        assert least_determinant(M, 0.99 * lower.delta) > 1e-4  # nothing vanishes just inside
+        assert least_determinant(M, 0.99 * lower.delta) > 1e-4  # no zero just inside
 
 
 def test_matrices_whose_mu_is_known() -> None:
@@ -68,7 +68,7 @@ def test_matrices_whose_mu_is_known() -> None:
     M, d = matrices(1, 4, seed=3)[0], np.exp(3 * rng.standard_normal(4))
     cases = np.stack([triangular, rank_one, M, M * d[:, None] / d])
     bounds = ssv.upper(cases).value
-    # The triangular case is reached as d goes to infinity, of which the search goes as far as 1e-4 asks for.
+    # The triangular case needs d -> inf; the search goes far enough for 1e-4.
     assert bounds[0] == pytest.approx(np.abs(np.diag(triangular)).max(), rel=1e-4)
     assert bounds[1] == pytest.approx(np.abs(u * v.conj()).sum(), rel=BOUND)
     assert bounds[2] == pytest.approx(bounds[3], rel=1e-4)
@@ -89,7 +89,7 @@ def test_parts_that_are_not_coupled_have_the_larger_of_their_mus() -> None:
 
 
 def test_balancing_alone_is_not_enough() -> None:
-    """A planted defect: with the balanced scaling for the least one the bound is too high by per cents."""
+    """A planted defect: with the balanced scaling instead of the optimal one the bound is too high by per cents."""
     M = matrices(40, 6, seed=6)
     least, balanced = ssv.upper(M).value, ssv.gain(M, ssv.osborne_scaling(M))
     assert (balanced >= least * (1 - EXACT)).all() and (balanced / least).max() > 1.01

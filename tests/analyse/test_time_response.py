@@ -113,7 +113,7 @@ def test_fast_and_slow_modes_are_exact_side_by_side() -> None:
     ],
 )
 @pytest.mark.parametrize("signal", ["step", "impulse"])
-def test_what_has_no_response_is_refused(call: Any, kind: type[SynthError], text: str, signal: str) -> None:
+def test_invalid_time_responses_are_refused(call: Any, kind: type[SynthError], text: str, signal: str) -> None:
     with pytest.raises(kind, match=text):
         call(getattr(time_response, f"{signal}_response"))
 

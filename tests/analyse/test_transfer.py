@@ -58,8 +58,8 @@ def test_unstable_poles_are_counted_as_the_lambert_function_counts_them(a: float
     assert count(transfer.delayed(tf([k], [1, a]), tau)) == lambert_count(a, k, tau)
 
 
-def test_a_delay_that_is_forgotten_by_half_a_sample_would_be_seen() -> None:
-    """The planted defect: at the verge of stability 1 % of the delay tells."""
+def test_a_delay_wrong_by_half_a_sample_would_be_detected() -> None:
+    """The planted defect: near the stability boundary 1 % of the delay matters."""
     verge = np.pi / 2 / 5
     assert [count(transfer.delayed(tf([5], [1, 0]), f * verge)) for f in (0.99, 1.01, 5.01)] == [0, 2, 4]
     assert [lambert_count(0.0, 5.0, f * verge) for f in (0.99, 1.01, 5.01)] == [0, 2, 4]
@@ -84,12 +84,12 @@ def test_unstable_poles_are_counted_as_a_pade_delay_counts_them(
 
 
 @pytest.mark.parametrize(("hidden", "unstable"), [(1.0, 1), (-1.0, 0)])
-def test_a_pole_that_the_loop_does_not_show_is_counted(hidden: float, unstable: int) -> None:
+def test_a_cancelled_pole_is_counted(hidden: float, unstable: int) -> None:
     loop = (np.diag([hidden, -2.0]), [[0.0], [1.0]], [[1.0, 5.0]], [[0.0]])
     assert count(transfer.delayed(loop, 0.1)) == unstable
 
 
-def test_a_direct_path_of_one_or_more_leaves_infinitely_many() -> None:
+def test_direct_feedthrough_of_one_or_more_gives_infinitely_many_unstable_poles() -> None:
     for D in (-2.0, 1.0):
         loop = transfer.delayed(tf([D, 2], [1, 1]), 0.1)
         loop_margins = margins.of_loop(loop)
@@ -98,7 +98,7 @@ def test_a_direct_path_of_one_or_more_leaves_infinitely_many() -> None:
     assert margins.of_loop(held).stable and margins.of_loop(held).direct == 0
 
 
-def test_on_the_verge_the_count_is_refused() -> None:
+def test_the_count_on_the_stability_boundary_is_refused() -> None:
     with pytest.raises(ModelError, match=r"\|1 \+ L\| is .* at 5 rad/s: rounding hides .*; change its gain"):
         margins.of_loop(transfer.delayed(tf([5], [1, 0]), np.pi / 10))
     with pytest.raises(ModelError, match="more than 1000 turns: give `high` below"):
@@ -122,7 +122,7 @@ def test_a_delayed_loop_of_an_integrator_has_its_closed_form() -> None:
     assert loop_margins.peak_frequency == pytest.approx(w[brute.argmax()], rel=1e-4)
 
 
-def test_a_small_delay_keeps_its_far_crossing_and_none_at_all_is_the_model_itself() -> None:
+def test_a_small_delay_keeps_its_high_crossing_and_no_delay_gives_the_model_itself() -> None:
     loop_margins = margins.of_loop(transfer.delayed(tf([5], [1, 0]), 1e-3))
     assert loop_margins.gain_margin == pytest.approx(np.pi / 2 / 1e-3 / 5, rel=EXACT)
     plain, none = (
@@ -132,7 +132,7 @@ def test_a_small_delay_keeps_its_far_crossing_and_none_at_all_is_the_model_itsel
     assert none.stable and none.gain_crossings == plain.gain_crossings
 
 
-def test_a_direct_path_below_one_crosses_for_ever() -> None:
+def test_direct_feedthrough_below_one_crosses_infinitely_often() -> None:
     loop_margins = margins.of_loop(transfer.delayed(tf([0.5, 2], [1, 1]), 0.1))
     assert loop_margins.stable and loop_margins.phase_crossings[-1].frequency == np.inf
     assert loop_margins.phase_crossings[-1].gain_margin == pytest.approx(2, rel=EXACT)
@@ -158,8 +158,8 @@ def test_the_positioners_loops_have_their_recomputed_margins(axis: str) -> None:
     assert abs(late.frequency / (2 * np.pi) - rows[1][0]) > 5e-3
 
 
-def test_what_is_no_delayed_loop_is_refused() -> None:
-    with pytest.raises(TimingError, match=r"discrete time of 0.1 s was given to be delayed .* sample its plant"):
+def test_invalid_delayed_loops_are_refused() -> None:
+    with pytest.raises(TimingError, match=r"discrete time of 0.1 s cannot be delayed .* sample its plant"):
         transfer.delayed(([[0.5]], [[1.0]], [[1.0]], [[0.0]], Discrete(0.1)), 0.1)
     for times in ((-0.1, 0.0), (np.nan, 0.0), (0.1, -1.0), (0.1, np.inf)):
         with pytest.raises(TimingError, match="it must be finite and 0 or more"):
@@ -172,7 +172,7 @@ def test_what_is_no_delayed_loop_is_refused() -> None:
         margins.of_loop(tf([1], [1, 1]), low=10.0, high=1.0)
 
 
-def test_each_kind_of_system_is_read_and_a_delayed_loop_prints() -> None:
+def test_each_kind_of_system_is_accepted_and_a_delayed_loop_prints() -> None:
     arrays = ([[-2.0]], [[1.0]], [[5.0]], [[0.0]])
     systems = (arrays, (*arrays, Continuous()), tf([5], [1, 2]))
     values = [transfer.response(s)(3.0)[0] for s in systems]
@@ -185,15 +185,15 @@ LIMITS += [{"high": v} for v in (np.nan, -1.0, 0, np.inf)] + [{"low": 10.0, "hig
 
 
 @pytest.mark.parametrize("limits", LIMITS, ids=str)
-def test_limits_that_are_no_range_of_frequencies_are_refused(limits: dict[str, float]) -> None:
-    """In a sampled loop too, though its `high` is Nyquist whatever is given."""
+def test_invalid_frequency_limits_are_refused(limits: dict[str, float]) -> None:
+    """Also for a sampled loop, although its upper limit is always Nyquist."""
     L = tf([3], [1, 1])
     for refused_loop in (L, transfer.delayed(L, 0.1), discretise.zero_order_hold(L, 0.1)):
         with pytest.raises(SignalError, match=r"give a finite frequency above 0|give 0 < low < high|give a number"):
             margins.of_loop(refused_loop, **limits)
 
 
-def test_on_an_undamped_pole_the_response_is_that_beside_it() -> None:
+def test_on_an_undamped_pole_the_response_is_that_just_beside_it() -> None:
     L = transfer.response(([[0, 1], [-1, 0]], [[0], [1]], [[1, 0]], [[0]]))
     assert abs(L(1.0)[0]) > 1e12
     with pytest.raises(ModelError, match="a pole"):

@@ -55,7 +55,7 @@ def test_sums_that_cancel_keep_what_is_left() -> None:
     tiny = 2.0**-60 * rng.normal(size=(3, 3))
     left = (double(X) + Y + tiny - X - Y).rounded()
     np.testing.assert_allclose(left, tiny, rtol=2.0**-40)
-    assert np.abs(((X + Y) + tiny) - X - Y - tiny).min() > 0  # in double nothing of it is left
+    assert np.abs(((X + Y) + tiny) - X - Y - tiny).min() > 0  # double loses it completely
 
 
 def test_parts_and_transposes_are_those_of_the_sum() -> None:

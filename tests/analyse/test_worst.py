@@ -1,4 +1,4 @@
-"""Worst cases against closed forms: at a vertex, on an edge, inside; what is not stable; what is printed."""
+"""Worst cases against closed forms: at a vertex, on an edge, inside; unstable loops; printed results."""
 
 from collections.abc import Mapping
 
@@ -38,14 +38,14 @@ def test_the_worst_phase_margin_is_at_the_vertex_of_high_gain_and_slow_pole() ->
     assert worst_case.where == pytest.approx({"k": 6.0, "pole": 2.7})
     assert worst_case.value == pytest.approx(phase_margin(6.0, 2.7), rel=1e-9)
     assert worst_case.points[0].centre == pytest.approx(phase_margin(5.0, 3.0), rel=1e-9)
-    assert worst_case.value < worst_case.points[0].centre - 3  # the centre alone, the planted defect, would flatter
+    assert worst_case.value < worst_case.points[0].centre - 3  # the centre alone, the planted defect, is too optimistic
     text = repr(worst_case)
     assert "with k 6 1, pole 2.7 1/s" in text and "attained, not proved" in text and "worst vertex" in text
     assert f"{worst_case.evaluations} loops" in text
 
 
 def test_each_figure_is_at_its_worst_where_the_gain_is_highest_or_lowest() -> None:
-    """L = k / (s + 1)^3: gain margin 8 / k; the others get worse with k too."""
+    """L = k / (s + 1)^3: gain margin 8 / k; the others get worse with k as well."""
 
     def lags(v: Mapping[str, float]) -> StateSpace:
         A = [[-1, 0, 0], [1, -1, 0], [0, 1, -1]]
@@ -103,7 +103,7 @@ def test_a_worst_case_inside_the_box_or_on_its_edge_is_found(inside: tuple[float
     assert hill.value == pytest.approx(-7.0, abs=1e-4)
 
 
-def test_each_operating_point_has_its_row_and_the_worst_of_them_is_told() -> None:
+def test_each_operating_point_has_its_row_and_the_worst_is_reported() -> None:
     points = {"slow": {"pole": 1.0}, "fast": {"pole": 9.0}}
     worst_case = worst.search(
         lambda v: integrator(v["k"], v["pole"]), [parameter("k", 5.0, 0.2)], worst.PHASE_MARGIN, points
@@ -117,7 +117,7 @@ def test_each_operating_point_has_its_row_and_the_worst_of_them_is_told() -> Non
 
 @pytest.mark.slow
 def test_a_plants_own_tolerances_are_searched() -> None:
-    """A mass on a spring under a sampled PD controller, built and linearised anew at each vertex."""
+    """A mass on a spring under a sampled PD controller, rebuilt and linearised at each vertex."""
     x, v, f = Signal("x", "m", -1, 1), Signal("v", "m/s", -1, 1), Signal("f", "N", -9, 9)
     parameters = [parameter("m", 2.0, 0.1, "kg"), parameter("c", 100.0, 0.3, "N/m"), parameter("spare", 1.0, 0.0)]
 
@@ -127,21 +127,21 @@ def test_a_plants_own_tolerances_are_searched() -> None:
     mass = plants.build("mass", [x, v], [f], [Signal("q", "m", -1, 1)], parameters, physics)
     K = ([[0.0]], [[1.0]], [[-2e4]], [[2.4e4]], 1e-3)  # 4e3 e + 2e4 (e - last e)
 
-    def opened(values: Mapping[str, float]) -> StateSpace:
+    def open_loop(values: Mapping[str, float]) -> StateSpace:
         changed = mass.with_parameters(**values)
         model = linearise.linearise(changed, trim.trim(changed, {"x": 0.0}, ["f"]))
         return sensitivity.close(loop.sampled(model.channel("q", "f"), 1e-3, 0.5e-3), K).L
 
-    worst_case = worst.search(opened, mass.parameters, worst.PHASE_MARGIN)
+    worst_case = worst.search(open_loop, mass.parameters, worst.PHASE_MARGIN)
     corners = {
-        (m, c): margins.of_loop(opened({"m": m, "c": c})).phase_margin for m in (1.8, 2.2) for c in (70.0, 130.0)
+        (m, c): margins.of_loop(open_loop({"m": m, "c": c})).phase_margin for m in (1.8, 2.2) for c in (70.0, 130.0)
     }
     (m, c), least = min(corners.items(), key=lambda item: item[1])
     assert worst_case.value == pytest.approx(least, rel=1e-6) and worst_case.value <= least * (1 + 1e-12)
     assert worst_case.where == pytest.approx({"m": m, "c": c, "spare": 1.0}, rel=1e-3)
 
 
-def test_what_cannot_be_searched_is_refused() -> None:
+def test_invalid_searches_are_refused() -> None:
     k = [parameter("k", 5.0, 0.2)]
     with pytest.raises(SignalError, match=r"parameter 'zero' is 0 N with the relative tolerance 0.1"):
         worst.search(lambda v: integrator(1.0), [parameter("zero", 0.0, 0.1, "N")], worst.PHASE_MARGIN)
@@ -158,7 +158,7 @@ def test_what_cannot_be_searched_is_refused() -> None:
 
 
 @pytest.mark.parametrize("what", ["division", "matrix", "name", "figure"])
-def test_whatever_fails_in_the_loop_is_told_with_the_values(what: str) -> None:
+def test_errors_in_the_loop_are_reported_with_the_values(what: str) -> None:
     """At k = 1, the end of the box, each fails in its own way."""
 
     def loop_of(v: Mapping[str, float]) -> StateSpace:
@@ -176,9 +176,9 @@ def test_whatever_fails_in_the_loop_is_told_with_the_values(what: str) -> None:
     assert type(raised.value.__cause__).__name__ == kind.split(":")[0]
 
 
-def test_a_stop_by_the_user_goes_through() -> None:
-    def stopped(v: Mapping[str, float]) -> StateSpace:
+def test_an_interrupt_by_the_user_propagates() -> None:
+    def interrupt(v: Mapping[str, float]) -> StateSpace:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        worst.search(stopped, [parameter("k", 2.0, 0.5)], worst.PHASE_MARGIN)
+        worst.search(interrupt, [parameter("k", 2.0, 0.5)], worst.PHASE_MARGIN)

@@ -1,4 +1,4 @@
-"""Information, its worst place, zeros of determinants and placement, on measurements whose answers are known."""
+"""Information, its worst case, zeros of determinants and placement, on measurements with known results."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -40,7 +40,7 @@ def test_lost_rank_has_no_deviation_and_no_bias() -> None:
     assert np.isinf(information.accuracy(H[1:, :1], 0.1, [1.0, 1.0]).deviations).all()  # fewer rows than unknowns
 
 
-def test_a_bias_is_what_least_squares_make_of_it() -> None:
+def test_the_bias_is_that_of_least_squares() -> None:
     H = np.random.default_rng(1).normal(size=(4, 5, 3))
     extra = H @ np.array([1.0, -2.0, 0.5]) + 0.0
     np.testing.assert_allclose(information.bias(H, extra, [1.0, 2.0, 3.0]), np.tile([1.0, -2.0, 0.5], (4, 1)))
@@ -64,13 +64,13 @@ def slope_change(q: np.ndarray, half: np.ndarray) -> np.ndarray:
     return np.abs(np.sin(q)) * half + half**2 / 2
 
 
-def test_the_worst_is_met_and_proved() -> None:
+def test_the_largest_deviation_is_attained_and_proved() -> None:
     worst = worst_deviation.search(slope_deviation, slope_change, [0.0], [6.0], [4], 1e-3)
     assert worst.met[0] == pytest.approx(1.0, rel=1e-3) and worst.at[0, 0] == pytest.approx(np.pi, abs=0.1)
     assert worst.met[0] <= 1.0 <= worst.bound[0] <= 1.0011 * worst.met[0]
 
 
-def test_a_bound_that_forgets_a_change_is_caught() -> None:
+def test_a_bound_without_one_change_is_detected() -> None:
     q = np.linspace(0.0, 6.0, 500)[None]
     half = np.array([[0.05]])
     for changes, exceeded in ((slope_change, False), (lambda q, h: 0 * q, True)):
@@ -121,7 +121,7 @@ def test_slopes_are_the_derivatives() -> None:
     np.testing.assert_allclose([[float(slopes[i, j]) for j in (0, 1)] for i in (0, 1)], expected, rtol=1e-15)
 
 
-def test_a_zero_that_newton_does_not_meet_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_zero_missed_by_newton_is_detected(monkeypatch: pytest.MonkeyPatch) -> None:
     right = isolated_zeros.newton
 
     def forgetful(*of: object) -> object:
@@ -134,7 +134,7 @@ def test_a_zero_that_newton_does_not_meet_is_caught(monkeypatch: pytest.MonkeyPa
         isolated_zeros.search(sines(0.5))
 
 
-def test_zeros_that_meet_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_double_zeros_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(isolated_zeros, "CUTS", 6)
     with precise.precision(), pytest.raises(ModelError, match="meet or lie on a line"):
         isolated_zeros.search(sines(1.0))
