@@ -16,8 +16,8 @@ the Cholesky factorisation from the diagonal, and factorises: success proves pos
     [  F   G  ]       F = A + B R^-1 D'C,     G = B R^-1 B',     Q = C'(I + D R^-1 D')C + W,     R = g^2 I - D'D
     [ -Q  -F' ]
 
-The Schur complement of H is then W > 0. With W = 0 the Hamiltonian has the eigenvalue i w exactly where g is a singular
-value of the response M(i w). The bilinear transformation of `schur_response` keeps X, so X also serves a sampled model.
+The Schur complement of H is then W > 0. With W = 0 the Hamiltonian has the eigenvalue i w where g is a singular value
+of the response M(i w). The bilinear transformation of `schur_response` keeps X, so X also serves a sampled model.
 """
 
 from dataclasses import dataclass

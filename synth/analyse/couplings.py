@@ -84,14 +84,14 @@ class Couplings:
 def couplings(system: System) -> Couplings:
     """Return the PBH measures of each mode of a System; raise SignalError as `statespace.of`."""
     model = of(system)
-    part = staircase.of_model(model)
+    scaled = staircase.of_model(model)
     roots = structure.poles(model).roots
-    values = np.unique([complex(r.value.real, abs(r.value.imag)) / part.rate for r in roots])  # one of each pair
-    controllability = _measures(part.A, part.B, model.inputs, values)
-    observability = _measures(part.A.T, part.C.T, model.outputs, values)
+    values = np.unique([complex(r.value.real, abs(r.value.imag)) / scaled.rate for r in roots])  # one of each pair
+    controllability = _measures(scaled.A, scaled.B, model.inputs, values)
+    observability = _measures(scaled.A.T, scaled.C.T, model.outputs, values)
     modes = []
     for root in roots:
-        s = complex(root.value.real, abs(root.value.imag)) / part.rate
+        s = complex(root.value.real, abs(root.value.imag)) / scaled.rate
         (by_all, by_input), (to_all, by_output) = controllability[s], observability[s]
         modes.append(Coupling(root.value, root.states, by_all, to_all, by_input, by_output))
     return Couplings(tuple(modes), model.time)
@@ -108,16 +108,16 @@ def _measures(A: Array, B: Array, names: Sequence[str], values: Complex) -> dict
     T, V = scipy.linalg.schur(A.T.astype(np.complex128), output="complex")
     rows = (B / np.where(size > 0, size, 1.0)).T @ V
     measures = {}
-    for some in np.array_split(values, -(-len(values) // CHUNK)):
-        shifted = T - some.conj()[:, None, None] * np.eye(len(T))
-        whole, alone = shifted, np.zeros((len(names), len(some)))
+    for batch in np.array_split(values, -(-len(values) // CHUNK)):
+        shifted = T - batch.conj()[:, None, None] * np.eye(len(T))
+        with_all, by_signal = shifted, np.zeros((len(names), len(batch)))
         for j in np.flatnonzero(size):
-            one = _append_row(shifted, rows[j])
-            alone[j] = [_least_singular_value(R) for R in one]
-            whole = one if whole is shifted else _append_row(whole, rows[j])
-        every = alone.sum(axis=0) if np.count_nonzero(size) < 2 else [_least_singular_value(R) for R in whole]
-        for s, most, each in zip(some, every, alone.T, strict=True):
-            measures[complex(s)] = (float(most), {name: float(v) for name, v in zip(names, each, strict=True)})
+            with_one = _append_row(shifted, rows[j])
+            by_signal[j] = [_least_singular_value(R) for R in with_one]
+            with_all = with_one if with_all is shifted else _append_row(with_all, rows[j])
+        of_all = by_signal.sum(axis=0) if np.count_nonzero(size) < 2 else [_least_singular_value(R) for R in with_all]
+        for s, measure, by_each in zip(batch, of_all, by_signal.T, strict=True):
+            measures[complex(s)] = (float(measure), {name: float(v) for name, v in zip(names, by_each, strict=True)})
     return measures
 
 

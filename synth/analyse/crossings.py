@@ -184,8 +184,8 @@ def _worst_of_all_pass(loop: Rational, N: Polynomial, D: Polynomial) -> tuple[Cr
     worst = at_minus_one or (at(_minimiser(lambda f: abs(angle(f)), w)),)
     if any(c.frequency for c in at_minus_one):
         return worst
-    late = [at(_minimiser(lambda f: (angle(f) % (2 * np.pi)) / f, w)), *(c for c in at_ends if c.frequency)]
-    return (*worst, min(late, key=lambda c: (float(np.angle(-c.L)) % (2 * np.pi)) / c.frequency))
+    by_delay = [at(_minimiser(lambda f: (angle(f) % (2 * np.pi)) / f, w)), *(c for c in at_ends if c.frequency)]
+    return (*worst, min(by_delay, key=lambda c: (float(np.angle(-c.L)) % (2 * np.pi)) / c.frequency))
 
 
 def _minimiser(f: Callable[[float], float], w: np.ndarray) -> float:

@@ -75,8 +75,8 @@ def _gain_crossings(L: ZeroPoleGain, grid: Array, top: float) -> list[float]:
 
 def _envelope(L: ZeroPoleGain, w: Array) -> Array:
     """Return |L| with the envelope of the hold's lobes in place of the lobes."""
-    held = np.minimum(1.0, 2 / np.maximum(w * L.hold_s, 1e-300))
-    return np.asarray(np.exp(np.minimum(replace(L, hold_s=0.0).log_gain(w), 700.0)) * held)
+    hold = np.minimum(1.0, 2 / np.maximum(w * L.hold_s, 1e-300))
+    return np.asarray(np.exp(np.minimum(replace(L, hold_s=0.0).log_gain(w), 700.0)) * hold)
 
 
 def _phase_crossings(
@@ -129,13 +129,13 @@ def _zeros(f: Callable[[Array], Array], bounds: Bounds, nodes: Array, period: fl
             )
         low, high, slope_low, slope_high = bounds(a, b)
         low, high = low - ROUNDING * (1 + np.abs(low)), high + ROUNDING * (1 + np.abs(high))
-        maybe = (low <= 0) & (high >= 0) if np.isinf(period) else np.floor(high / period) >= np.ceil(low / period)
+        may_cross = (low <= 0) & (high >= 0) if np.isinf(period) else np.floor(high / period) >= np.ceil(low / period)
         monotone = (slope_low > 0) | (slope_high < 0)
         narrow = b - a <= NARROW * b
-        for x, y in zip(a[maybe & monotone], b[maybe & monotone], strict=True):
+        for x, y in zip(a[may_cross & monotone], b[may_cross & monotone], strict=True):
             zeros += _zeros_of_monotone(f, float(x), float(y), period)
-        zeros += [float(v) for v in ((a + b) / 2)[maybe & narrow & ~monotone]]
-        a, b = a[maybe & ~monotone & ~narrow], b[maybe & ~monotone & ~narrow]
+        zeros += [float(v) for v in ((a + b) / 2)[may_cross & narrow & ~monotone]]
+        a, b = a[may_cross & ~monotone & ~narrow], b[may_cross & ~monotone & ~narrow]
         middle = (a + b) / 2
         a, b = np.concatenate([a, middle]), np.concatenate([middle, b])
     return _distinct(sorted(zeros))

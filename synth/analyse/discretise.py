@@ -116,14 +116,14 @@ def with_delay(system: System, samples: int = 1) -> StateSpace:
     model = of(system)
     if isinstance(model.time, Continuous) or samples < 0:
         raise TimingError(f"a delay of {samples} samples in {model.time}: sample the model and delay it by 0 or more")
-    (n, m), late = model.B.shape, samples * len(model.inputs)
-    if n + late > MOST_STATES:
-        raise TimingError(f"a delay of {samples} samples makes {n + late} states of {n}: take at most {MOST_STATES}")
-    if not late:
+    (n, m), added = model.B.shape, samples * len(model.inputs)
+    if n + added > MOST_STATES:
+        raise TimingError(f"a delay of {samples} samples makes {n + added} states of {n}: take at most {MOST_STATES}")
+    if not added:
         return model
-    A = np.block([[model.A, model.B, np.zeros((n, late - m))], [np.zeros((late, n)), np.eye(late, k=m)]])
-    B = np.vstack([np.zeros((n + late - m, m)), np.eye(m)])
-    C, D = np.hstack([model.C, model.D, np.zeros((len(model.C), late - m))]), np.zeros_like(model.D)
+    A = np.block([[model.A, model.B, np.zeros((n, added - m))], [np.zeros((added, n)), np.eye(added, k=m)]])
+    B = np.vstack([np.zeros((n + added - m, m)), np.eye(m)])
+    C, D = np.hstack([model.C, model.D, np.zeros((len(model.C), added - m))]), np.zeros_like(model.D)
     names = [(f"{name}_late{k + 1}", name) for k in range(samples) for name in model.inputs]
     units = {**model.units, **{new: model.units[name] for new, name in names if name in model.units}}
     return replace(model, A=A, B=B, C=C, D=D, states=(*model.states, *(new for new, _ in names)), units=units)
@@ -209,12 +209,12 @@ def _square(name: str, values: ArrayLike) -> Array:
 
 def _exponential(M: Array, period_s: float, columns_over_T: int = 0) -> Array:
     """Return exp(M T), its last columns divided by T, each entry rounded once."""
-    divided = len(M) - columns_over_T
+    first = len(M) - columns_over_T
 
     def compute() -> flint.arb_mat:
         T = flint.arb(period_s)
         scale = flint.arb_mat(np.eye(len(M)).tolist())
-        for j in range(divided, len(M)):
+        for j in range(first, len(M)):
             scale[j, j] = 1 / T
         return (precise.matrix(M) * T).exp() * scale
 

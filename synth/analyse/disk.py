@@ -162,10 +162,10 @@ def _shifted_sensitivity(loop: StateSpace, skew: float) -> StateSpace:
         )
     if not np.isfinite(skew):
         raise SignalError(f"the skew is {skew}: it must be finite; 0 is the balanced one")
-    through = np.eye(p) + loop.D
-    if equilibrate.is_singular(through):
+    feedthrough = np.eye(p) + loop.D
+    if equilibrate.is_singular(feedthrough):
         raise ModelError("1 + L has no inverse at infinite frequency, I + D is singular: put a delay into the loop")
-    R = np.linalg.inv(through)
+    R = np.linalg.inv(feedthrough)
     A = loop.A - loop.B @ R @ loop.C
     _require_decay(A, loop.time)
     return replace(loop, A=A, B=loop.B @ R, C=-R @ loop.C, D=R - _skew_factors(skew)[0] * np.eye(p))

@@ -32,10 +32,10 @@ Integral = Callable[[Array, Array], Array]
 
 @dataclass(frozen=True, eq=False)
 class _Span:
-    """W = `integral(F, Q)` of F'^t Q F^t over a time, and the `edge` that F' W + W F, or F' W F - W, must equal."""
+    """W = `integral(F, Q)` of F'^t Q F^t over a time, and the `boundary` that F' W + W F, or F' W F - W, must equal."""
 
     integral: Integral
-    edge: Integral
+    boundary: Integral
     text: str
 
 
@@ -83,8 +83,8 @@ def gramians(system: System) -> Gramians:
     try:
         T, k = _stable_first(A, continuous)
         span = _over_all_time(len(A), k, continuous)
-        back = _inverse(T)
-        noise = T @ span.integral((back @ A @ T).T, (back * noise_size) @ back.T) @ T.T
+        inverse = _inverse(T)
+        noise = T @ span.integral((inverse @ A @ T).T, (inverse * noise_size) @ inverse.T) @ T.T
     except (np.linalg.LinAlgError, RuntimeWarning) as error:
         raise _border_error(model) from error
     if len(A) and not np.linalg.norm(noise) < BORDER:
@@ -136,24 +136,24 @@ def _over_all_time(n: int, k: int, continuous: bool) -> _Span:
         F, Q = F[k:, k:], Q[k:, k:]
         if continuous:
             return np.asarray(scipy.linalg.block_diag(forward, _lyapunov(-F, Q, continuous)))
-        back = _inverse(F)
-        return np.asarray(scipy.linalg.block_diag(forward, _lyapunov(back, back.T @ Q @ back, continuous)))
+        inverse = _inverse(F)
+        return np.asarray(scipy.linalg.block_diag(forward, _lyapunov(inverse, inverse.T @ Q @ inverse, continuous)))
 
-    def edge(F: Array, Q: Array) -> Array:
+    def boundary(F: Array, Q: Array) -> Array:
         return np.where(sign == sign[:, None], sign * Q, 0.0)
 
     text = "over all time" if k == n else "forward in time for stable modes, backward for unstable ones"
-    return _Span(integral, edge, text)
+    return _Span(integral, boundary, text)
 
 
 def _finite_span(span: str, propagate: Callable[[Array, Array], tuple[Array, Array]]) -> _Span:
     """Return the span for which `propagate` gives W and the transition matrix M."""
 
-    def edge(F: Array, Q: Array) -> Array:
+    def boundary(F: Array, Q: Array) -> Array:
         M = propagate(F, Q)[1]
         return M.T @ Q @ M - Q
 
-    return _Span(lambda F, Q: propagate(F, Q)[0], edge, f"over {span}")
+    return _Span(lambda F, Q: propagate(F, Q)[0], boundary, f"over {span}")
 
 
 def _lyapunov(F: Array, Q: Array, continuous: bool) -> Array:
@@ -183,21 +183,21 @@ def _gramian_sum(F: Array, Q: Array, samples: int) -> tuple[Array, Array]:
 
 def _gramians(model: StateSpace, T: Array, span: _Span) -> Gramians:
     """Return the Gramians, computed in the coordinates T^-1 x."""
-    back = _inverse(T)
-    A, B, C = back @ model.A @ T, back @ model.B, model.C @ T
+    inverse = _inverse(T)
+    A, B, C = inverse @ model.A @ T, inverse @ model.B, model.C @ T
     Wc, Wo = span.integral(A.T, B @ B.T), span.integral(A, C.T @ C)
     left, right = _root(Wo), _root(Wc)
     _, hankel, V = np.linalg.svd(left.T @ right)
-    along = (T @ right @ V.T).T / staircase.of_model(model).x
+    directions = (T @ right @ V.T).T / staircase.of_model(model).x
     by_input = np.diag(B.T @ span.integral(A, Wo) @ B)
     by_output = np.diag(C @ span.integral(A.T, Wc) @ C.T)
     continuous = isinstance(model.time, Continuous)
     residuals = [_residual(F, Q, W, span, continuous) for F, Q, W in ((A.T, B @ B.T, Wc), (A, C.T @ C, Wo))]
     return Gramians(
         readonly(T @ Wc @ T.T),
-        readonly(back.T @ Wo @ back),
+        readonly(inverse.T @ Wo @ inverse),
         readonly(hankel),
-        tuple(structure.direction(v, model.states) for v in along),
+        tuple(structure.direction(v, model.states) for v in directions),
         _shares(by_input, model.inputs),
         _shares(by_output, model.outputs),
         max(residuals),
@@ -206,9 +206,9 @@ def _gramians(model: StateSpace, T: Array, span: _Span) -> Gramians:
 
 
 def _residual(F: Array, Q: Array, W: Array, span: _Span, continuous: bool) -> float:
-    left, edge = (F.T @ W + W @ F if continuous else F.T @ W @ F - W), span.edge(F, Q)
-    size = np.linalg.norm(F.T @ W) + np.linalg.norm(edge)
-    return float(np.linalg.norm(left - edge) / (size or 1.0))
+    left, boundary = (F.T @ W + W @ F if continuous else F.T @ W @ F - W), span.boundary(F, Q)
+    size = np.linalg.norm(F.T @ W) + np.linalg.norm(boundary)
+    return float(np.linalg.norm(left - boundary) / (size or 1.0))
 
 
 def _root(W: Array) -> Array:
@@ -226,9 +226,9 @@ def _border_error(model: StateSpace) -> ModelError:
     roots = structure.poles(model).roots
     rates = structure.rates(np.array([r.value for r in roots]), model.time).real
     k = int(np.argmin(np.abs(rates)))
-    worst, near = roots[k], ", within rounding of the fastest mode" if rates[k] and len(rates) > 1 else ""
+    worst, hint = roots[k], ", within rounding of the fastest mode" if rates[k] and len(rates) > 1 else ""
     return ModelError(
         f"the model has no Gramian over all time: mode {structure.pair(worst.value)} in "
-        f"{structure.spelled(worst.states)} lies on the border of stability{near}; close a loop around it, "
+        f"{structure.spelled(worst.states)} lies on the border of stability{hint}; close a loop around it, "
         "take it out of the model, or integrate over a horizon with `over`"
     )

@@ -68,14 +68,14 @@ def affine(plant: Plant, outputs: Sequence[str] | None = None, held: Mapping[str
     inputs = _free_inputs(plant, held)
     x, u = (ca.vertcat(*(ca.SX.sym(s.name) for s in part)) for part in (plant.states, inputs))
     free = dict(zip(names(inputs), ca.vertsplit(u), strict=True))
-    everything = ca.vertcat(*(free[s.name] if s.name in free else ca.SX(held[s.name]) for s in plant.inputs))
+    all_inputs = ca.vertcat(*(free[s.name] if s.name in free else ca.SX(held[s.name]) for s in plant.inputs))
     p = ca.vertcat(ca.SX(0, 1), *(ca.SX.sym(s.name) for s in plant.parameters))
-    whole = ca.vertcat(plant.f(x, everything, p), plant.h(x, everything, p)[rows])
+    stacked = ca.vertcat(plant.f(x, all_inputs, p), plant.h(x, all_inputs, p)[rows])
     base = ca.SX([float(np.clip(0.0, s.low, s.high)) for s in inputs])
-    slopes, level = (ca.substitute(e, u, base) for e in (ca.jacobian(whole, u), whole))
+    slopes, level = (ca.substitute(e, u, base) for e in (ca.jacobian(stacked, u), stacked))
     equations = [f"the rate of '{s.name}'" for s in plant.states] + [f"'{plant.outputs[k].name}'" for k in rows]
-    both = Box(ca.vertcat(x, u), (*plant.states, *inputs), p, plant.values)
-    _require_affine(plant.name, equations, (whole, slopes, base), both)
+    box_of_all = Box(ca.vertcat(x, u), (*plant.states, *inputs), p, plant.values)
+    _require_affine(plant.name, equations, (stacked, slopes, base), box_of_all)
     of_states = Box(x, plant.states, p, plant.values)
     slopes = rounding.without_zeros(slopes, of_states)
     ends = [0, len(plant.states), len(equations)]
@@ -113,18 +113,20 @@ def _require_affine(
     box: Box,
 ) -> None:
     """Raise ModelError unless e (k,) = e(u with u_j = base_j) + slope_j (u_j - base_j) for every input j."""
-    whole, slopes, base = parts
+    stacked, slopes, base = parts
     m = base.numel()
     u, inputs = box.symbols[-m:], box.signals[-m:]
-    bent: dict[str, list[str]] = {}
+    nonaffine: dict[str, list[str]] = {}
     for j, input in enumerate(inputs):
-        rest = whole - ca.substitute(whole, u[j], base[j]) - slopes[:, j] * (u[j] - base[j])
-        for k in np.flatnonzero(~rounding.vanish(ca.densify(rest), box)):
-            bent.setdefault(equations[int(k)], []).append(input.name)
-    if bent:
-        terms = "; ".join(f"{equation} in {', '.join(bent[equation])}" for equation in equations if equation in bent)
-        who = ", ".join(s.name for s in inputs if any(s.name in part for part in bent.values()))
+        remainder = stacked - ca.substitute(stacked, u[j], base[j]) - slopes[:, j] * (u[j] - base[j])
+        for k in np.flatnonzero(~rounding.vanish(ca.densify(remainder), box)):
+            nonaffine.setdefault(equations[int(k)], []).append(input.name)
+    if nonaffine:
+        terms = "; ".join(
+            f"{equation} in {', '.join(nonaffine[equation])}" for equation in equations if equation in nonaffine
+        )
+        input_names = ", ".join(s.name for s in inputs if any(s.name in part for part in nonaffine.values()))
         raise ModelError(
-            f"plant '{plant}' is not affine in its inputs: {terms}. Put an integrator before {who} "
+            f"plant '{plant}' is not affine in its inputs: {terms}. Put an integrator before {input_names} "
             "(dynamic_extension.integrators), or declare the whole term as the input and invert it outside, or hold it"
         )

@@ -176,11 +176,11 @@ def opened(
     signals = arguments.names("signals to open the loop at", signal)
     S = _wires(K.inputs, P.outputs, sensors)
     U = _wires(P.inputs, K.outputs, actuators)
-    b = _break(signals, P, K, S, U, sensors, actuators, coordinates or {})
-    A = np.block([[P.A + P.B @ b.U @ K.D @ b.S @ P.C, P.B @ b.U @ K.C], [K.B @ b.S @ P.C, K.A]])
-    B = np.vstack([P.B @ (b.U @ K.D @ b.into_controller + b.into_plant), K.B @ b.into_controller])
-    C = -np.hstack([b.of_controller @ K.D @ b.S @ P.C + b.of_plant @ P.C, b.of_controller @ K.C])
-    D = -b.of_controller @ K.D @ b.into_controller
+    wires = _break(signals, P, K, S, U, sensors, actuators, coordinates or {})
+    A = np.block([[P.A + P.B @ wires.U @ K.D @ wires.S @ P.C, P.B @ wires.U @ K.C], [K.B @ wires.S @ P.C, K.A]])
+    B = np.vstack([P.B @ (wires.U @ K.D @ wires.into_controller + wires.into_plant), K.B @ wires.into_controller])
+    C = -np.hstack([wires.of_controller @ K.D @ wires.S @ P.C + wires.of_plant @ P.C, wires.of_controller @ K.C])
+    D = -wires.of_controller @ K.D @ wires.into_controller
     states = tuple(f"plant_{s}" for s in P.states) + K.states
     units = {**K.units, **{f"plant_{s}": P.units[s] for s in P.states if s in P.units}}
     outs = tuple(f"{n}_out" for n in signals)
@@ -212,7 +212,7 @@ def _break(
     """Remove the wires to `signals`."""
     T = _weights(coordinates, K.inputs, signals)
     E = np.linalg.pinv(T)
-    b = _Break(
+    wires = _Break(
         S.copy(),
         U.copy(),
         *(np.zeros((len(names), len(signals))) for names in (K.inputs, P.inputs)),
@@ -220,8 +220,8 @@ def _break(
     )
     for j, name in enumerate(signals):
         if f"{name}_out" in K.outputs:
-            b.into_controller[:, j : j + 1] = _wires(K.inputs, (name,), {name: name})
-            b.of_controller[j] = _wires(("out",), K.outputs, {"out": f"{name}_out"})[0]
+            wires.into_controller[:, j : j + 1] = _wires(K.inputs, (name,), {name: name})
+            wires.of_controller[j] = _wires(("out",), K.outputs, {"out": f"{name}_out"})[0]
             continue
         kinds = [what for what, known in zip(KINDS, (sensors, actuators, coordinates), strict=True) if name in known]
         if len(kinds) != 1:
@@ -233,15 +233,15 @@ def _break(
             )
         if name in coordinates:
             row = list(coordinates).index(name)
-            b.into_controller[:, j], b.of_plant[j] = E[:, row], T[row] @ S
-            b.S[:] -= np.outer(E[:, row], T[row] @ S)
+            wires.into_controller[:, j], wires.of_plant[j] = E[:, row], T[row] @ S
+            wires.S[:] -= np.outer(E[:, row], T[row] @ S)
         elif name in sensors:
             i = K.inputs.index(name)
-            b.into_controller[i, j], b.of_plant[j], b.S[i] = 1, S[i], 0
+            wires.into_controller[i, j], wires.of_plant[j], wires.S[i] = 1, S[i], 0
         else:
             i = P.inputs.index(name)
-            b.into_plant[i, j], b.of_controller[j], b.U[i] = 1, U[i], 0
-    return b
+            wires.into_plant[i, j], wires.of_controller[j], wires.U[i] = 1, U[i], 0
+    return wires
 
 
 def _weights(coordinates: Mapping[str, Mapping[str, float]], inputs: Sequence[str], signals: Sequence[str]) -> Array:

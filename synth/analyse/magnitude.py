@@ -165,9 +165,9 @@ def _largest_value(name: str, expr: _Compiled, box: Sequence[Signal]) -> tuple[f
     values = expr.values(unit)
     boxes.require_finite(f"term '{name}'", values, box, boxes.within(box, unit))
     seeds = np.argsort(-np.abs(values))[:SEEDS]
-    tried = [_descend(expr, unit[:, k], -np.sign(values[k])) for k in seeds]
-    tried += [(float(values[k]), unit[:, k]) for k in seeds]
-    value, at = max(tried, key=lambda pair: abs(pair[0]))
+    candidates = [_descend(expr, unit[:, k], -np.sign(values[k])) for k in seeds]
+    candidates += [(float(values[k]), unit[:, k]) for k in seeds]
+    value, at = max(candidates, key=lambda pair: abs(pair[0]))
     return abs(value), at
 
 
@@ -176,13 +176,17 @@ def _least_determinant(det: _Compiled, box: Sequence[Signal]) -> tuple[float, Ar
     values = det.values(unit)
     boxes.require_finite("the determinant", values, box, boxes.within(box, unit))
     seeds = np.argsort(np.abs(values))[:SEEDS]
-    tried = [_descend(det, unit[:, k], np.sign(values[k])) for k in seeds]
-    tried += [(float(values[k]), unit[:, k]) for k in seeds]
-    signed = [*tried, (float(values.min()), unit[:, values.argmin()]), (float(values.max()), unit[:, values.argmax()])]
+    candidates = [_descend(det, unit[:, k], np.sign(values[k])) for k in seeds]
+    candidates += [(float(values[k]), unit[:, k]) for k in seeds]
+    signed = [
+        *candidates,
+        (float(values.min()), unit[:, values.argmin()]),
+        (float(values.max()), unit[:, values.argmax()]),
+    ]
     below, above = min(signed, key=lambda pair: pair[0]), max(signed, key=lambda pair: pair[0])
     if below[0] <= 0 <= above[0]:
         return 0.0, _zero_between(det, below[1], above[1])
-    value, at = min(tried, key=lambda pair: abs(pair[0]))
+    value, at = min(candidates, key=lambda pair: abs(pair[0]))
     return abs(value), at
 
 

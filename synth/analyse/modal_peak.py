@@ -69,7 +69,7 @@ class Axis:
         Z.imag /= -square
         return Z, size
 
-    def bend(self, a: Array, b: Array, size: Array) -> Array:
+    def curvature(self, a: Array, b: Array, size: Array) -> Array:
         """Return a bound (k,) of |M''| over intervals a .. b, in which 1/|v - p| is at most `size` (k, n)."""
         return np.asarray((size * size * size) @ (2 * self.modes.sizes))
 
@@ -89,7 +89,7 @@ class Distance:
         p, x = self.modes.poles, x[:, None]
         return x / (1j - p * x), x / (1 - np.abs(p) * x) * UP
 
-    def bend(self, a: Array, b: Array, size: Array) -> Array:
+    def curvature(self, a: Array, b: Array, size: Array) -> Array:
         """Return a bound (k,) of |M''| over intervals a .. b."""
         p = np.abs(self.modes.poles)
         return np.asarray((1 - p * b[:, None]) ** -3 @ (2 * p * self.modes.sizes))
@@ -119,8 +119,8 @@ def _refine_edges(axis: Axis, edges: Array, bound: Bound) -> Array:
     if not bound.w < edges[-1]:
         return edges
     w = np.array([bound.w])
-    bend = float(axis.bend(w, w, axis.inverses(w)[1])[0])
-    least = np.sqrt(4 * bound.margin * bound.value / max(bend, TINY))
+    curvature = float(axis.curvature(w, w, axis.inverses(w)[1])[0])
+    least = np.sqrt(4 * bound.margin * bound.value / max(curvature, TINY))
     if not 0 < least < edges[-1]:
         return edges
     offsets = np.exp(np.arange(np.log(least), np.log(edges[-1]), np.log(RATIO)))
@@ -186,11 +186,13 @@ def _prove(chart: Axis | Distance, edges: Array, bound: Bound) -> Bound | None:
             return None
         bound = raised
         slack = (1 + bound.margin) * bound.value - ends
-        bow = (b - a) ** 2 * chart.bend(a, b, size) * (UP / 8)
-        open_intervals = ~(bow <= slack)
+        interpolation = (b - a) ** 2 * chart.curvature(a, b, size) * (UP / 8)
+        open_intervals = ~(interpolation <= slack)
         if not open_intervals.any():
             return bound
-        a, b = _subdivide(a[open_intervals], b[open_intervals], np.sqrt(bow[open_intervals] / slack[open_intervals]))
+        a, b = _subdivide(
+            a[open_intervals], b[open_intervals], np.sqrt(interpolation[open_intervals] / slack[open_intervals])
+        )
         if len(a) > min(MOST, ENTRIES // len(chart.modes.poles)):
             return None
         t, first, second = np.concatenate([a, b]), slice(len(a)), slice(len(a), None)

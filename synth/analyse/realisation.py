@@ -88,26 +88,26 @@ def minimal(system: System) -> Minimal:
     Raises SignalError as `statespace.of` and `staircase.scaled`; ModelError if the response changes.
     """
     model = of(system)
-    part = staircase.of_model(model)
+    scaled = staircase.of_model(model)
     fewer: list[LowerOrder] = []
     for cut in CUTS:
-        decomposition = staircase.kalman(part, cut)
-        left, added = _project(model, part, decomposition.kept)
-        compared = _compare(model, left, part)
+        decomposition = staircase.kalman(scaled, cut)
+        reduced, added = _project(model, scaled, decomposition.kept)
+        compared = _compare(model, reduced, scaled)
         if compared.in_rounding:
             break
-        fewer.append(LowerOrder(len(left.A), compared.relative))
-    candidates = [f for f in fewer if f.order < len(left.A) and f.difference <= SAME]
+        fewer.append(LowerOrder(len(reduced.A), compared.relative))
+    candidates = [f for f in fewer if f.order < len(reduced.A) and f.difference <= SAME]
     if compared.relative > SAME:
         raise ModelError(
             f"the minimal realisation changes the response by {compared.relative:.1e} of its size: a part of the model "
             f"has a coupling of no more than {staircase.COUPLING:.0e} yet acts; take it out of the model or couple it"
         )
-    uncontrollable = structure.named_modes(decomposition.uncontrollable, part.B.T, part.rate, model.states)
-    unobservable = structure.named_modes(decomposition.unobservable, part.C, part.rate, model.states)
-    removed = tuple(name for name in model.states if name not in left.states)
+    uncontrollable = structure.named_modes(decomposition.uncontrollable, scaled.B.T, scaled.rate, model.states)
+    unobservable = structure.named_modes(decomposition.unobservable, scaled.C, scaled.rate, model.states)
+    removed = tuple(name for name in model.states if name not in reduced.states)
     return Minimal(
-        left,
+        reduced,
         uncontrollable,
         unobservable,
         removed,
@@ -118,12 +118,12 @@ def minimal(system: System) -> Minimal:
     )
 
 
-def _project(model: StateSpace, part: staircase.Scaled, kept: Array) -> tuple[StateSpace, tuple[str, ...]]:
+def _project(model: StateSpace, scaled: staircase.Scaled, kept: Array) -> tuple[StateSpace, tuple[str, ...]]:
     """Return the model on an orthonormal basis `kept` (n, k) of scaled states, and the names that are new."""
     Z = kept[:, np.argsort([_single_state(z) for z in kept.T], kind="stable")]
     names, added = _names(model, Z)
-    size = np.array([1.0 if name in added else part.x[_single_state(z)] for name, z in zip(names, Z.T, strict=True)])
-    into, out = size[:, None] * Z.T / part.x, part.x[:, None] * Z / size
+    size = np.array([1.0 if name in added else scaled.x[_single_state(z)] for name, z in zip(names, Z.T, strict=True)])
+    into, out = size[:, None] * Z.T / scaled.x, scaled.x[:, None] * Z / size
     return replace(model, A=into @ model.A @ out, B=into @ model.B, C=model.C @ out, states=names), added
 
 
@@ -162,19 +162,19 @@ class _Difference:
         return float((self.error / np.where(size > 0, size, 1.0)).max(initial=0.0))
 
 
-def _compare(one: StateSpace, other: StateSpace, part: staircase.Scaled) -> _Difference:
+def _compare(original: StateSpace, reduced: StateSpace, scaled: staircase.Scaled) -> _Difference:
     """Compare two responses in the scaled inputs and outputs of `one`; `part` is the scaled model of `one`.
 
     The points lie on a ray from s = 0 into the right half-plane, from below the slowest to above the fastest pole.
     Points where rounding alone changes the response of `one` by a tenth of SAME are omitted.
     """
-    v = _points(one)
-    shifted = (v / part.rate)[:, None, None] * np.eye(len(part.A)) - part.A
-    sigma = np.linalg.svd(shifted, compute_uv=False) if len(part.A) else np.ones((len(v), 1))
-    good = sigma[:, 0] * np.finfo(float).eps < 0.1 * SAME * sigma[:, -1]
-    v, most, least = v[good], sigma[good, 0], sigma[good, -1]
-    a, b = (part.u * _response(model, v) / part.y[:, None] for model in (one, other))
-    through = np.linalg.norm(part.C) * np.linalg.norm(part.B) / least
+    v = _points(original)
+    shifted = (v / scaled.rate)[:, None, None] * np.eye(len(scaled.A)) - scaled.A
+    sigma = np.linalg.svd(shifted, compute_uv=False) if len(scaled.A) else np.ones((len(v), 1))
+    resolved = sigma[:, 0] * np.finfo(float).eps < 0.1 * SAME * sigma[:, -1]
+    v, most, least = v[resolved], sigma[resolved, 0], sigma[resolved, -1]
+    a, b = (scaled.u * _response(model, v) / scaled.y[:, None] for model in (original, reduced))
+    through = np.linalg.norm(scaled.C) * np.linalg.norm(scaled.B) / least
     error, size = (np.abs(M).max(axis=(1, 2), initial=0.0) for M in (a - b, a))
     return _Difference(error, size, ROUNDING * most / least * through)
 
@@ -189,8 +189,8 @@ def _points(model: StateSpace) -> NDArray[np.complex128]:
 
 
 def _response(model: StateSpace, points: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    part = staircase.of_model(model)
-    A, B, C = part.A * part.rate, part.B * part.rate / part.u, part.C * part.y[:, None]
+    scaled = staircase.of_model(model)
+    A, B, C = scaled.A * scaled.rate, scaled.B * scaled.rate / scaled.u, scaled.C * scaled.y[:, None]
     return replace(model, A=A, B=B, C=C).response(points)
 
 

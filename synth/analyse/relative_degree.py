@@ -90,9 +90,9 @@ class RelativeDegree:
         Raises ModelError if D or a is not finite.
         """
         points = np.hstack([box.scatter(self.model.states, rounding.POINTS, seed) for seed in rounding.SEEDS])
-        both = np.abs(self.model.box.evaluated(ca.densify(ca.horzcat(self.decoupling, self.drift)), points))
-        effect = np.einsum("pmk,m->pk", both[:, :-1], box.half_widths(self.model.inputs)).max(axis=1)
-        drift = both[:, -1].max(axis=1)
+        terms = np.abs(self.model.box.evaluated(ca.densify(ca.horzcat(self.decoupling, self.drift)), points))
+        effect = np.einsum("pmk,m->pk", terms[:, :-1], box.half_widths(self.model.inputs)).max(axis=1)
+        drift = terms[:, -1].max(axis=1)
         ratios = [float(r / a) if a else np.inf for r, a in zip(effect, drift, strict=True)]
         return dict(zip(self.outputs, ratios, strict=True))
 
@@ -138,10 +138,10 @@ class RelativeDegree:
             lines = [f"sum {total} of {n} states: {rest}", f"decoupling matrix: {self._regularity(self.worst)}"]
         rows = []
         for signal, r, row in zip(self.model.outputs, self.degrees, range(len(self.degrees)), strict=True):
-            at = self.lost[signal.name]
+            worst = self.lost[signal.name]
             entering = [s.name for j, s in enumerate(self.model.inputs) if self.decoupling.sparsity().has_nz(row, j)]
-            over = f"{self.authority[signal.name]:.3g}"
-            rows.append((signal.name, str(r), ", ".join(entering), over, f"{at.condition:.4g}", at.where))
+            authority = f"{self.authority[signal.name]:.3g}"
+            rows.append((signal.name, str(r), ", ".join(entering), authority, f"{worst.condition:.4g}", worst.where))
         columns = ("output", "degree", "through", "inputs over drift", "largest over least row", "least at")
         table = show.Table(columns, tuple(rows))
         return show.Sheet(f"Relative degree of '{self.model.name}'", tuple(lines), (table,))
@@ -202,8 +202,8 @@ def _rows(D: ca.SX, model: Affine) -> Rows:
 def _sample_decoupling(D: ca.SX, model: Affine) -> tuple[Array, Array]:
     """Return D (k, p, m) at scattered points, with rows and columns scaled, and the bounds of its rounding errors."""
     points = np.hstack([box.scatter(model.states, rounding.POINTS, seed) for seed in rounding.SEEDS])
-    both = ca.horzcat(ca.densify(D), rounding.bound(D))
-    evaluated = model.box.evaluated(both, points).transpose(2, 0, 1)
+    terms = ca.horzcat(ca.densify(D), rounding.bound(D))
+    evaluated = model.box.evaluated(terms, points).transpose(2, 0, 1)
     m = len(model.inputs)
     evaluated = evaluated * np.tile(box.half_widths(model.inputs), 2)
     size = np.linalg.norm(evaluated[:, :, :m], axis=2, keepdims=True)

@@ -97,7 +97,7 @@ class Equations:
     """
 
     unknowns: tuple[Signal, ...]
-    acted: Array
+    actuated: Array
     real: Array
     scale: Array
     residual: ca.Function
@@ -109,9 +109,9 @@ class Equations:
         return Trial(x, u, state, np.asarray(self.residual(x, u, state)).ravel())
 
     def displaced(self, at: Trial, by: Array) -> Trial:
-        n, m = len(at.x), len(self.acted)
+        n, m = len(at.x), len(self.actuated)
         x, u, state = at.x + by[:n], at.u.copy(), at.state.copy()
-        u[self.acted] += by[n : n + m]
+        u[self.actuated] += by[n : n + m]
         state[self.real] += by[n + m :]
         return self.trial(x, u, state)
 
@@ -121,29 +121,31 @@ def of_loop(closed: ClosedLoop, references: Mapping[str, float], near: Operating
     x, u, c = ca.SX.sym("x", len(plant.states)), ca.SX.sym("u", len(plant.inputs)), ca.SX.sym("c", len(block.states))
     outputs = dict(zip(names(plant.outputs), ca.vertsplit(plant.h(x, u, near.p)), strict=True))
     measured = [outputs[closed.sensors[n]] if n in closed.sensors else references[n] for n in names(block.inputs)]
-    after, y = block.function()(c, ca.vcat(measured))
-    sent = dict(zip(names(block.outputs), ca.vertsplit(y), strict=True))
-    acted = [i for i, n in enumerate(names(plant.inputs)) if n in closed.actuators]
-    rows = [closed.mixing[plant.inputs[i].name] for i in acted]
+    next_state, y = block.function()(c, ca.vcat(measured))
+    commands = dict(zip(names(block.outputs), ca.vertsplit(y), strict=True))
+    actuated = [i for i, n in enumerate(names(plant.inputs)) if n in closed.actuators]
+    rows = [closed.mixing[plant.inputs[i].name] for i in actuated]
     commanded = ca.SX(u)
-    for i, row in zip(acted, rows, strict=True):
-        commanded[i] = sum((weight * sent[name] for name, weight in row.items()), start=ca.SX(0))
+    for i, row in zip(actuated, rows, strict=True):
+        commanded[i] = sum((weight * commands[name] for name, weight in row.items()), start=ca.SX(0))
     real = [i for i, s in enumerate(block.states) if not s.integer]
-    unknowns = (*plant.states, *(plant.inputs[i] for i in acted), *(block.states[i].signal for i in real))
+    unknowns = (*plant.states, *(plant.inputs[i] for i in actuated), *(block.states[i].signal for i in real))
     widths = np.array([s.high / 2 - s.low / 2 for s in unknowns])
     scale = np.where(np.isfinite(widths) & (widths > 0), widths, 1.0)
-    changes = ca.vertcat(T * plant.f(x, u, near.p), commanded[acted] - u[acted], after[real] - c[real]) / scale
-    free = ca.vertcat(x, u[acted], c[real])
+    changes = (
+        ca.vertcat(T * plant.f(x, u, near.p), commanded[actuated] - u[actuated], next_state[real] - c[real]) / scale
+    )
+    free = ca.vertcat(x, u[actuated], c[real])
     slope = ca.jacobian(changes, free) @ ca.diag(ca.DM(scale))
     places = [x, u, c]
     return Equations(
         unknowns,
-        np.array(acted, dtype=int),
+        np.array(actuated, dtype=int),
         np.array(real, dtype=int),
         scale,
         ca.Function("residual", places, [ca.densify(changes)]),
         ca.Function("slope", places, [ca.densify(slope)]),
-        ca.Function("step", places, [ca.densify(after), ca.densify(commanded)]),
+        ca.Function("step", places, [ca.densify(next_state), ca.densify(commanded)]),
         ca.Function("flow", [x, u], [_runge_kutta(plant, x, u, near.p, T)]),
     )
 
@@ -203,8 +205,8 @@ def _step_counters(equations: Equations, trial: Trial) -> Trial | None:
     seen: set[bytes] = set()
     while state[whole].tobytes() not in seen and len(seen) < MOST_COUNTS:
         seen.add(state[whole].tobytes())
-        after = np.asarray(equations.step(trial.x, trial.u, state)[0]).ravel()
-        if np.array_equal(after[whole], state[whole]):
+        next_state = np.asarray(equations.step(trial.x, trial.u, state)[0]).ravel()
+        if np.array_equal(next_state[whole], state[whole]):
             return equations.trial(trial.x, trial.u, state)
-        state[whole] = after[whole]
+        state[whole] = next_state[whole]
     return None

@@ -65,8 +65,10 @@ def open_loop(rest: Rest, signal: str | Sequence[str]) -> StateSpace:
     at all of them. At an actuator the loop opens before the delay and after the point where the controller observes the
     command. Arguments and errors are those of `loop.opened`.
     """
-    of = rest.closed
-    return loop.opened(rest.plant, rest.controller, signal, of.sensors, of.actuators, of.delay, of.coordinates)
+    closed = rest.closed
+    return loop.opened(
+        rest.plant, rest.controller, signal, closed.sensors, closed.actuators, closed.delay, closed.coordinates
+    )
 
 
 @arguments.checked

@@ -127,11 +127,11 @@ def of_controller(
         raise SignalError(
             "there are no operating points or no cases: give one of each at least, the middle of the range"
         )
-    around = controller.interface
-    wires = {a.of: a.name for a in around.actuators} if actuators is None else actuators
-    sensors = {s.name: s.of for s in around.sensors}
-    closed = ClosedLoop(plant, controller.block.rounded(scalar), sensors, wires, around.delay, coordinates or {})
-    return Loops(closed, around, dict(points), tuple(cases))
+    interface = controller.interface
+    wires = {a.of: a.name for a in interface.actuators} if actuators is None else actuators
+    sensors = {s.name: s.of for s in interface.sensors}
+    closed = ClosedLoop(plant, controller.block.rounded(scalar), sensors, wires, interface.delay, coordinates or {})
+    return Loops(closed, interface, dict(points), tuple(cases))
 
 
 @arguments.checked
@@ -172,14 +172,16 @@ def rest(loops: Loops, point: str, case: Case = NOMINAL) -> Rest:
     """
     if point not in loops.points:
         raise SignalError(f"there is no operating point '{point}': choose one of {', '.join(loops.points)}")
-    of = loops.closed
-    plant = of.plant.with_parameters(**case) if case else of.plant
+    closed = loops.closed
+    plant = closed.plant.with_parameters(**case) if case else closed.plant
     near = trim.trim(plant, dict(loops.points[point]), list(loops.actuators))
-    shown = np.asarray(plant.h(near.x, near.u, near.p)).ravel().tolist()
-    values = dict(zip(near.states, near.x.tolist(), strict=True)) | dict(zip(names(plant.outputs), shown, strict=True))
-    values |= {sensor: values[output] for sensor, output in of.sensors.items()}
+    outputs = np.asarray(plant.h(near.x, near.u, near.p)).ravel().tolist()
+    values = dict(zip(near.states, near.x.tolist(), strict=True)) | dict(
+        zip(names(plant.outputs), outputs, strict=True)
+    )
+    values |= {sensor: values[output] for sensor, output in closed.sensors.items()}
     references = {s.name: values[s.of] for s in loops.interface.set_points}
-    return resting.solve(replace(of, plant=plant), references, near)
+    return resting.solve(replace(closed, plant=plant), references, near)
 
 
 @arguments.checked
@@ -189,12 +191,14 @@ def opened(loops: Loops, signals: Sequence[str] | None = None) -> list[OpenLoop]
     Raises SignalError for an unknown signal; ModelError with the operating point if it has no equilibrium or margins.
     """
     chosen = loops.signals if signals is None else signals
-    rests = ((point, case, rest(loops, point, case)) for point, case in itertools.product(loops.points, loops.cases))
-    return [_open(point, case, signal, where) for point, case, where in rests for signal in chosen]
+    equilibria = (
+        (point, case, rest(loops, point, case)) for point, case in itertools.product(loops.points, loops.cases)
+    )
+    return [_open(point, case, signal, where) for point, case, where in equilibria for signal in chosen]
 
 
-def _open(point: str, case: Case, signal: str, where: Rest) -> OpenLoop:
-    L = resting.open_loop(where, signal)
+def _open(point: str, case: Case, signal: str, equilibrium: Rest) -> OpenLoop:
+    L = resting.open_loop(equilibrium, signal)
     return OpenLoop(point, case, signal, L, _margins(L, signal, point))
 
 
@@ -208,9 +212,9 @@ def _margins(L: StateSpace, signal: str, point: str) -> Margins:
 @arguments.checked
 def disks(loops: Loops, point: str, case: Case = NOMINAL) -> dict[str, disk.DiskMargin]:
     """Return the disk margins with all ``actuators``, all ``sensors`` or ``both`` varied at once, as `disk.of_loop`."""
-    where = rest(loops, point, case)
+    equilibrium = rest(loops, point, case)
     cuts = {"actuators": loops.actuators, "sensors": loops.sensors, "both": (*loops.actuators, *loops.sensors)}
-    return {name: disk.of_loop(resting.open_loop(where, list(signals))) for name, signals in cuts.items()}
+    return {name: disk.of_loop(resting.open_loop(equilibrium, list(signals))) for name, signals in cuts.items()}
 
 
 @arguments.checked

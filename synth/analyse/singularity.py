@@ -129,26 +129,26 @@ def scaled(
             f"a matrix {matrix.shape} of symbols {symbols.shape} has {len(labels)} rows, {len(inputs)} columns and "
             f"{len(signals)} signals named: give each row, each column and each symbol a name"
         )
-    if strange := {v.name() for v in ca.symvar(matrix)} - {v.name() for v in ca.symvar(symbols)}:
-        raise SignalError(f"the matrix contains {', '.join(sorted(strange))}: give each symbol its signal")
-    places = box.entering(matrix, symbols, signals)
-    entering = tuple(signals[k] for k in places)
-    function = ca.Function("M", [symbols[places]], [ca.densify(ca.vec(matrix))])
-    bare = Scaled(function, entering, tuple(inputs), tuple(labels), np.ones(len(labels)), 1.0)
-    values = bare.at(_points(entering))
+    if unknown := {v.name() for v in ca.symvar(matrix)} - {v.name() for v in ca.symvar(symbols)}:
+        raise SignalError(f"the matrix contains {', '.join(sorted(unknown))}: give each symbol its signal")
+    indices = box.entering(matrix, symbols, signals)
+    entering = tuple(signals[k] for k in indices)
+    function = ca.Function("M", [symbols[indices]], [ca.densify(ca.vec(matrix))])
+    unscaled = Scaled(function, entering, tuple(inputs), tuple(labels), np.ones(len(labels)), 1.0)
+    values = unscaled.at(_points(entering))
     rows = np.linalg.norm(values, axis=2).max(axis=0)
     if not rows.all():
         raise ModelError(f"the row of '{labels[int(rows.argmin())]}' is zero all over the domain: no input enters it")
     strongest = float(np.linalg.norm(values / rows[:, None], 2, axis=(1, 2)).max())
-    return replace(bare, rows=readonly(rows), strongest=strongest)
+    return replace(unscaled, rows=readonly(rows), strongest=strongest)
 
 
 @arguments.checked
 def worst(matrix: Scaled) -> Worst:
     """Return the point of its box where the matrix is singular or closest to singular."""
     points = _points(matrix.box)
-    off = (points - box.centre(matrix.box)[:, None]) / box.half_widths(matrix.box)[:, None]
-    points = points[:, np.argsort(np.abs(off).sum(axis=0), kind="stable")]  # the point closest to the centre wins a tie
+    distance = (points - box.centre(matrix.box)[:, None]) / box.half_widths(matrix.box)[:, None]
+    points = points[:, np.argsort(np.abs(distance).sum(axis=0), kind="stable")]  # the closest to the centre wins a tie
     condition = matrix.condition(points)
     seeds = np.argsort(-condition, kind="stable")[:SEEDS]
     if np.isinf(condition[seeds[0]]):
@@ -184,9 +184,9 @@ def mapped(
     axes = [np.linspace(s.low, s.high, GRID) for s in (first, second)]
     points = np.array([middle[n] for n in known])[:, None] * np.ones(GRID * GRID)
     points[[known.index(down), known.index(across)]] = [g.ravel() for g in np.meshgrid(*axes, indexing="ij")]
-    rest = {n: v for n, v in middle.items() if n not in (down, across)}
+    others = {n: v for n, v in middle.items() if n not in (down, across)}
     condition = readonly(matrix.condition(points).reshape(GRID, GRID))
-    return ConditionMap(what, first, second, (readonly(axes[0]), readonly(axes[1])), rest, condition)
+    return ConditionMap(what, first, second, (readonly(axes[0]), readonly(axes[1])), others, condition)
 
 
 def _points(signals: Sequence[Signal]) -> Array:

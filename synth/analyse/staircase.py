@@ -138,20 +138,20 @@ class Kalman:
     gap: Gap
 
 
-def kalman(part: Scaled, cut: float = COUPLING) -> Kalman:
+def kalman(model: Scaled, cut: float = COUPLING) -> Kalman:
     """Return the Kalman decomposition of a scaled model: its minimal part, and the other modes.
 
     The observable subspace is computed from the full model, not from the controllable part: there rounding has grown
     over the whole staircase and may count as a coupling. The angles between the two subspaces, in contrast, are either
     right angles or far from it.
     """
-    controllable, observable = split(part.A, part.B, cut), split(part.A.T, part.C.T, cut)
+    controllable, observable = split(model.A, model.B, cut), split(model.A.T, model.C.T, cut)
     _, cosines, V = np.linalg.svd(observable.inside.T @ controllable.inside)
     k = int((cosines > OVERLAP).sum())
     rest = _complement(V[:k].T)
     inside = _complement(rest)
-    A = controllable.inside.T @ part.A @ controllable.inside
-    uncontrollable, unobservable = modes(part.A.T, controllable.outside), modes(A, rest)
+    A = controllable.inside.T @ model.A @ controllable.inside
+    uncontrollable, unobservable = modes(model.A.T, controllable.outside), modes(A, rest)
     gap = min(controllable.gap, observable.gap, _gap(cosines, OVERLAP), key=lambda g: g.ratio)
     return Kalman(
         controllable.inside @ inside, uncontrollable, (unobservable[0], controllable.inside @ unobservable[1]), gap
@@ -170,24 +170,26 @@ def modes(A: Array, basis: Array) -> tuple[Complex, Complex]:
     return values.astype(np.complex128), (basis @ vectors).astype(np.complex128)
 
 
-def unreached(part: Scaled) -> tuple[Complex, Complex]:
+def unreached(model: Scaled) -> tuple[Complex, Complex]:
     """Return the uncontrollable scaled modes (k,), with left eigenvectors (n, k).
 
     The staircase cannot resolve modes that differ by rounding of the fastest mode; it then gives combinations that are
     not eigenvectors. Eigenvectors of A itself with w^H B = 0 replace them.
     """
-    values, w = modes(part.A.T, split(part.A, part.B).outside)
+    values, w = modes(model.A.T, split(model.A, model.B).outside)
     w = w / np.linalg.norm(w, axis=0)
-    allowed = RESIDUAL * (np.linalg.norm(part.A, axis=0)[:, None] + np.abs(values))
-    true = (np.abs(part.A.T @ w - values * w) <= allowed).all(axis=0)
-    if true.all():
+    allowed = RESIDUAL * (np.linalg.norm(model.A, axis=0)[:, None] + np.abs(values))
+    accurate = (np.abs(model.A.T @ w - values * w) <= allowed).all(axis=0)
+    if accurate.all():
         return values, w
-    every, W = modes(part.A.T, np.eye(len(part.A)))
-    size = np.linalg.norm(part.B, axis=0)
-    coupling = np.abs(W.T @ (part.B / np.where(size > 0, size, 1.0))).max(axis=1, initial=0.0)
-    known = np.abs(every[:, None] - values[true]) <= RESIDUAL * (np.abs(every)[:, None] + np.abs(values[true]))
+    candidates, W = modes(model.A.T, np.eye(len(model.A)))
+    size = np.linalg.norm(model.B, axis=0)
+    coupling = np.abs(W.T @ (model.B / np.where(size > 0, size, 1.0))).max(axis=1, initial=0.0)
+    known = np.abs(candidates[:, None] - values[accurate]) <= RESIDUAL * (
+        np.abs(candidates)[:, None] + np.abs(values[accurate])
+    )
     new = (coupling <= COUPLING) & ~known.any(axis=1)
-    return np.concatenate([values[true], every[new]]), np.hstack([w[:, true], W[:, new]])
+    return np.concatenate([values[accurate], candidates[new]]), np.hstack([w[:, accurate], W[:, new]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,8 +220,8 @@ def zeros(A: Array, B: Array, C: Array, D: Array) -> Zeros:
         return Zeros(values, len(d), basis @ vectors[: len(a)], vectors[len(a) :], right)
     a, b, c, d, _ = deflated(a.T, c.T, b.T, d.T, size)
     values, _ = _finite(a, b, c, d)
-    nothing = np.zeros((len(A), len(values)), dtype=np.complex128)
-    return Zeros(values, len(d), nothing, np.zeros((B.shape[1], len(values)), dtype=np.complex128), right)
+    undefined = np.zeros((len(A), len(values)), dtype=np.complex128)
+    return Zeros(values, len(d), undefined, np.zeros((B.shape[1], len(values)), dtype=np.complex128), right)
 
 
 def deflated(A: Array, B: Array, C: Array, D: Array, size: float) -> tuple[Array, Array, Array, Array, Array]:
@@ -233,10 +235,10 @@ def deflated(A: Array, B: Array, C: Array, D: Array, size: float) -> tuple[Array
         rank = int((sigma > size).sum())
         C, D = U.T @ C, (U.T @ D)[:rank]
         _, sigma, V = np.linalg.svd(C[rank:])
-        held = int((sigma > size).sum())
-        if not held:
+        forced = int((sigma > size).sum())
+        if not forced:
             return A, B, C[:rank], D, basis
-        zero, free = V[:held], V[held:].T
+        zero, free = V[:forced], V[forced:].T
         C, D = np.vstack([C[:rank] @ free, zero @ A @ free]), np.vstack([D, zero @ B])
         A, B, basis = free.T @ A @ free, free.T @ B, basis @ free
 

@@ -120,10 +120,10 @@ def poles(system: System) -> Poles:
     Raises SignalError as `statespace.of`.
     """
     model = of(system)
-    part = staircase.of_model(model)
-    values, vectors = staircase.modes(part.A, np.eye(len(part.A)))
+    scaled = staircase.of_model(model)
+    values, vectors = staircase.modes(scaled.A, np.eye(len(scaled.A)))
     nothing = np.zeros((0, len(values)), dtype=np.complex128)
-    return Poles(_roots(model, values * part.rate, vectors, nothing, nothing), model.time)
+    return Poles(_roots(model, values * scaled.rate, vectors, nothing, nothing), model.time)
 
 
 @arguments.checked
@@ -133,18 +133,18 @@ def transmission_zeros(system: System) -> Zeros:
     Raises SignalError as `statespace.of`.
     """
     model = of(system)
-    part = staircase.of_model(model)
-    minimal = staircase.kalman(part)
+    scaled = staircase.of_model(model)
+    minimal = staircase.kalman(scaled)
     Z = minimal.kept
-    zeros = staircase.zeros(Z.T @ part.A @ Z, Z.T @ part.B, part.C @ Z, part.D)
+    zeros = staircase.zeros(Z.T @ scaled.A @ Z, Z.T @ scaled.B, scaled.C @ Z, scaled.D)
     nothing = np.zeros((0, len(zeros.values)), dtype=np.complex128)
     u, y = (zeros.u, nothing) if zeros.right else (nothing, zeros.u)
     return Zeros(
-        _roots(model, zeros.values * part.rate, Z @ zeros.x, u, y),
+        _roots(model, zeros.values * scaled.rate, Z @ zeros.x, u, y),
         zeros.rank,
         model.D.shape,
-        named_modes(minimal.uncontrollable, part.B.T, part.rate, model.states),
-        named_modes(minimal.unobservable, part.C, part.rate, model.states),
+        named_modes(minimal.uncontrollable, scaled.B.T, scaled.rate, model.states),
+        named_modes(minimal.unobservable, scaled.C, scaled.rate, model.states),
         model.time,
     )
 
@@ -156,11 +156,11 @@ def unmoved(A: ArrayLike, B: ArrayLike, states: Sequence[str], time: Time) -> li
     Raises SignalError for other shapes or entries that are not finite.
     """
     A, B = arguments.fitting("A", A, len(states), len(states)), arguments.fitting("B", B, len(states))
-    part = staircase.scaled(A, B)
-    values, w = staircase.unreached(part)
-    slow = DECAY * np.linalg.norm(np.abs(w).T @ np.abs(part.A), axis=1)
-    lasting = values.real >= -slow if isinstance(time, Continuous) else np.abs(values) * part.rate >= 1 - DECAY
-    return list(named_modes((values[lasting], w[:, lasting]), part.B.T, part.rate, states))
+    scaled = staircase.scaled(A, B)
+    values, w = staircase.unreached(scaled)
+    slow = DECAY * np.linalg.norm(np.abs(w).T @ np.abs(scaled.A), axis=1)
+    lasting = values.real >= -slow if isinstance(time, Continuous) else np.abs(values) * scaled.rate >= 1 - DECAY
+    return list(named_modes((values[lasting], w[:, lasting]), scaled.B.T, scaled.rate, states))
 
 
 @arguments.checked
@@ -272,8 +272,8 @@ def _remark(mode: Mode, A: ArrayLike, time: Time) -> str:
     along = f"; its direction is {spelled(mode.direction)} (scaled)" if len(mode.direction) > 1 else ""
     size, fastest = abs(mode.value), float(np.abs(np.linalg.eigvals(np.asarray(A, dtype=float))).max())
     slow = mode.value.real < 0 or 0 < size <= 10 * staircase.COUPLING * fastest
-    lost = slow if isinstance(time, Continuous) else size < 1
-    return f"{along}; this is within rounding of the fastest mode, {fastest:.0e}" if lost else along
+    hidden = slow if isinstance(time, Continuous) else size < 1
+    return f"{along}; this is within rounding of the fastest mode, {fastest:.0e}" if hidden else along
 
 
 def _number(value: complex) -> str:

@@ -135,8 +135,8 @@ def lower(M: Complex) -> Lower:
         return Lower(0.0, np.full(len(M), np.inf + 0j))
     phases = _power(M)
     radii = np.abs(np.linalg.eigvals(M * np.exp(1j * phases)[:, None, :])).max(axis=1)
-    tried = [_ascend(M, phases[k]) for k in np.argsort(radii)[:-3:-1]] if len(M) > 1 else [phases[0]]
-    return max((_certificate(M, phi) for phi in tried), key=lambda c: c.value)
+    candidates = [_ascend(M, phases[k]) for k in np.argsort(radii)[:-3:-1]] if len(M) > 1 else [phases[0]]
+    return max((_certificate(M, phi) for phi in candidates), key=lambda c: c.value)
 
 
 def _certificate(M: Complex, phases: Array) -> Lower:

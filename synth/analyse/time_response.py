@@ -65,8 +65,8 @@ class TimeResponse:
         final = float(self.final[i, j])
         if not final:
             return (n(final), "", "", "", *peak)
-        risen = [_first_crossing(self.time, y / final, level) for level in (0.1, 0.9)]
-        rise = n(risen[1] - risen[0]) if np.isfinite(risen).all() else ""
+        times = [_first_crossing(self.time, y / final, level) for level in (0.1, 0.9)]
+        rise = n(times[1] - times[0]) if np.isfinite(times).all() else ""
         overshoot = f"{max(0.0, float((y / final).max()) - 1):.2%}"
         return (n(final), overshoot, rise, _settling_time(self.time, y / final), *peak)
 
@@ -175,8 +175,8 @@ def _duration(model: StateSpace) -> float:
 
 def _count(model: StateSpace, span: float) -> int:
     rates = _rates(model)
-    turning = np.abs(rates.imag[np.abs(rates.imag) > 0.1 * np.abs(rates.real)])
-    return int(np.clip(PER_TURN * span * turning.max(initial=0.0) / (2 * np.pi), POINTS, MOST / 2))
+    frequencies = np.abs(rates.imag[np.abs(rates.imag) > 0.1 * np.abs(rates.real)])
+    return int(np.clip(PER_TURN * span * frequencies.max(initial=0.0) / (2 * np.pi), POINTS, MOST / 2))
 
 
 def _final(model: StateSpace) -> Array | None:

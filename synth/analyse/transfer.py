@@ -99,12 +99,12 @@ def response(loop: Loop) -> Response:
     Raises SignalError when the loop is not scalar. The function raises ModelError at a pole at w = 0.
     """
     scalar_loop = of_loop(loop)
-    moving = _rational_response(scalar_loop.model if isinstance(scalar_loop, Delayed) else scalar_loop)
+    rational = _rational_response(scalar_loop.model if isinstance(scalar_loop, Delayed) else scalar_loop)
 
     def L(frequencies: ArrayLike) -> Complex:
         w = np.atleast_1d(np.asarray(frequencies, dtype=np.float64))
-        late = _delay_and_hold(scalar_loop, w) if isinstance(scalar_loop, Delayed) else 1.0
-        return np.asarray(late * moving(w))
+        factor = _delay_and_hold(scalar_loop, w) if isinstance(scalar_loop, Delayed) else 1.0
+        return np.asarray(factor * rational(w))
 
     return L
 
@@ -228,8 +228,8 @@ def _span(
 def _quiet_frequency(L: Response, last: float, start: float, top: float) -> float:
     """Return a frequency above which |L| stays within QUIET of its limit `last`, or `top` if there is none."""
     w = np.geomspace(start, top, 2000)
-    moving = np.flatnonzero(np.abs(np.abs(L(w)) - last) >= QUIET)
-    return float(w[min(moving[-1] + 1, len(w) - 1)]) if moving.size else float(w[0])
+    unsettled = np.flatnonzero(np.abs(np.abs(L(w)) - last) >= QUIET)
+    return float(w[min(unsettled[-1] + 1, len(w) - 1)]) if unsettled.size else float(w[0])
 
 
 def _grid(rates: Complex, start: float, top: float, nodes: list[Array]) -> Array:

@@ -79,7 +79,7 @@ def test_the_second_derivative_stays_below_its_bound() -> None:
             wide = b - a > 1e-6  # below, differences show rounding alone
             a, b = a[wide], b[wide]
             size = np.maximum(chart.inverses(a)[1], chart.inverses(b)[1])
-            for first, last, bend in zip(a, b, chart.bend(a, b, size), strict=True):
+            for first, last, bend in zip(a, b, chart.curvature(a, b, size), strict=True):
                 t = np.linspace(first, last, 52)
                 M = modal_form.response(chart.inverses(t)[0])
                 second = np.linalg.norm(M[2:] - 2 * M[1:-1] + M[:-2], 2, axis=(1, 2))
@@ -106,7 +106,7 @@ def test_an_omitted_interval_is_detected(monkeypatch: pytest.MonkeyPatch) -> Non
 
 def test_a_pole_omitted_from_the_bound_is_detected(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without the pole in the edges and in the second derivative, its peak lies between two points."""
-    pole, edges, bend = 100.0, Axis.edges, Axis.bend
+    pole, edges, bend = 100.0, Axis.edges, Axis.curvature
 
     def forgetful(axis: Axis, a: Any, b: Any, size: Any) -> Any:
         near = np.abs(np.abs(axis.modes.poles) - pole) < 1
@@ -115,7 +115,7 @@ def test_a_pole_omitted_from_the_bound_is_detected(monkeypatch: pytest.MonkeyPat
 
     monkeypatch.setattr(modal_peak, "_start", lambda axis, w: modal_peak._climb(axis.modes, 0.97, 1e-6))
     monkeypatch.setattr(Axis, "edges", lambda axis: (w := edges(axis))[np.abs(w - pole) > 1])
-    monkeypatch.setattr(Axis, "bend", forgetful)
+    monkeypatch.setattr(Axis, "curvature", forgetful)
     with pytest.raises(AssertionError):
         assert_holds(TWO_PEAKS)
 

@@ -72,14 +72,14 @@ def bias(H: ArrayLike, extra: ArrayLike, sizes: ArrayLike) -> Array:
     place where rank is lost.
     """
     rows, size = _scale_columns(H, sizes)
-    beyond = arguments.real("measurements", extra)
-    if beyond.shape != rows.shape[:2] or not np.isfinite(beyond).all():
-        raise ModelError(f"the measurements have the shape {beyond.shape}: give finite ones, {rows.shape[:2]}")
+    unmodelled = arguments.real("measurements", extra)
+    if unmodelled.shape != rows.shape[:2] or not np.isfinite(unmodelled).all():
+        raise ModelError(f"the measurements have the shape {unmodelled.shape}: give finite ones, {rows.shape[:2]}")
     lost = np.flatnonzero(~np.isfinite(accuracy(H, 1.0, sizes).condition))
     if lost.size:
         raise ModelError(f"rank is lost at {lost.size} of the places, the first is number {lost[0]}: leave it out")
     transposed = rows.transpose(0, 2, 1)
-    return readonly(np.linalg.solve(transposed @ rows, transposed @ beyond[:, :, None])[:, :, 0] / size)
+    return readonly(np.linalg.solve(transposed @ rows, transposed @ unmodelled[:, :, None])[:, :, 0] / size)
 
 
 @arguments.checked
@@ -96,9 +96,9 @@ def largest_deviation(H: ArrayLike, sigma: float, sizes: ArrayLike, lost: int = 
     m, n = rows.shape[1:]
     if lost < 0 or (lost and m % lost):
         raise ModelError(f"{m} rows do not make groups of {lost}: give the number of rows of a sensor, or 0")
-    each = [h.transpose(0, 2, 1) @ h for h in np.split(rows, m // lost if lost else 1, axis=1)]
-    whole = np.sum(each, axis=0)
-    return max(_largest_finite_deviation(whole - removed, sigma) for removed in (each if lost else [np.zeros((n, n))]))
+    parts = [h.transpose(0, 2, 1) @ h for h in np.split(rows, m // lost if lost else 1, axis=1)]
+    total = np.sum(parts, axis=0)
+    return max(_largest_finite_deviation(total - removed, sigma) for removed in (parts if lost else [np.zeros((n, n))]))
 
 
 LEAST = 1e-9  # of the largest information, added to the diagonal to keep deviations finite
@@ -106,8 +106,8 @@ LEAST = 1e-9  # of the largest information, added to the diagonal to keep deviat
 
 def _largest_finite_deviation(information: Array, sigma: float) -> float:
     n = information.shape[1]
-    held = information + max(LEAST * information.max(), np.finfo(np.float64).tiny) * np.eye(n)
-    return float(sigma * np.sqrt(np.diagonal(np.linalg.inv(held), axis1=1, axis2=2).max()))
+    regularised = information + max(LEAST * information.max(), np.finfo(np.float64).tiny) * np.eye(n)
+    return float(sigma * np.sqrt(np.diagonal(np.linalg.inv(regularised), axis1=1, axis2=2).max()))
 
 
 def _scale_columns(H: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:

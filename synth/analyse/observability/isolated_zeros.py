@@ -68,24 +68,24 @@ class Cube:
     half: float
 
 
-def search(of: Equations) -> list[Cube]:
+def search(equations: Equations) -> list[Cube]:
     """Return a cube about each zero; cells are halved until these cubes cover all. Call it in `precise.precision`.
 
     Raises ModelError if CUTS do not suffice, because zeros meet or lie on a line.
     """
     half = pi / CELLS
-    cells = grid(of.n)
+    cells = grid(equations.n)
     cubes: list[Cube] = []
     for cut in range(CUTS):
-        cells = cells[:, of.possible(cells, half)]
+        cells = cells[:, equations.possible(cells, half)]
         if cut >= FIRST:
             cells = _uncovered_cells(cubes, cells, half)
-            cubes += _new_cubes(of, cubes, cells)
+            cubes += _new_cubes(equations, cubes, cells)
             cells = _uncovered_cells(cubes, cells, half)
         if not cells.size:
             return cubes
         half /= 2
-        cells = np.hstack([cells + half * np.array(corner)[:, None] for corner in product((-1, 1), repeat=of.n)])
+        cells = np.hstack([cells + half * np.array(corner)[:, None] for corner in product((-1, 1), repeat=equations.n)])
     raise ModelError(f"{_place(cells[:, 0])} zeros meet or lie on a line: change the equations slightly")
 
 
@@ -104,37 +104,37 @@ def within_turn(phase: Ball) -> Ball:
     return (turns - turns.floor().mid()) * 2 * Ball.pi()
 
 
-def _new_cubes(of: Equations, known: list[Cube], cells: Array) -> list[Cube]:
+def _new_cubes(equations: Equations, known: list[Cube], cells: Array) -> list[Cube]:
     """Return a cube about each further zero to which Newton's method leads from the cells (n, N)."""
     cubes: list[Cube] = []
     for start in cells.T[:: ceil(cells.shape[1] / STARTS) or 1]:
-        end = newton(of, start)
+        end = newton(equations, start)
         if end is not None and all(_distance(end, c.at) > SAME for c in (*known, *cubes)):
-            cubes.append(_isolate(of, end))
+            cubes.append(_isolate(equations, end))
     return cubes
 
 
-def newton(of: Equations, start: Array) -> Place | None:
+def newton(equations: Equations, start: Array) -> Place | None:
     """Return the limit of Newton's method from a place (n,), None if it does not converge."""
     at = tuple(Ball(float(v)) for v in start)
     for _ in range(STEPS):
         try:
-            step = of.slopes(at).mid().solve(of.values(at).mid()).entries()
+            step = equations.slopes(at).mid().solve(equations.values(at).mid()).entries()
         except ZeroDivisionError:  # a singular matrix
             return None
         at = tuple((v - d).mid() for v, d in zip(at, step, strict=True))
     return at if max(abs(float(v)) for v in step) < 1e-60 else None
 
 
-def _isolate(of: Equations, at: Place) -> Cube:
+def _isolate(equations: Equations, at: Place) -> Cube:
     """Return the largest of CUBES about a zero that is proved to contain no other."""
-    n = of.n
-    inverse = precise.middle(of.slopes(at).inv())
-    offset = inverse * of.values(at)
+    n = equations.n
+    inverse = precise.middle(equations.slopes(at).inv())
+    offset = inverse * equations.values(at)
     for half in CUBES:
         box = [v + Ball(0, half) for v in at]
-        left = flint.arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)]) - inverse * of.slopes(box)
-        bounds = [abs(offset[i, 0]) + sum((abs(left[i, j]) for j in range(n)), Ball(0)) * half for i in range(n)]
+        error = flint.arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)]) - inverse * equations.slopes(box)
+        bounds = [abs(offset[i, 0]) + sum((abs(error[i, j]) for j in range(n)), Ball(0)) * half for i in range(n)]
         if all(r < half for r in bounds):
             return Cube(at, half)
     raise ModelError(f"{_place([float(v) for v in at])} two zeros meet or lie on a line: change the equations slightly")

@@ -97,10 +97,10 @@ def improve(fine: Cost, start: ArrayLike, within: Square, effort: Effort) -> Arr
     for step in STEPS:
         for _ in range(effort.tries):
             direction = rng.normal(size=best.size) * (rng.random(best.size) < 0.5)
-            other = np.clip(best + np.round(step * direction), -most, most)
-            value = _value(fine, other / grid)
+            candidate = np.clip(best + np.round(step * direction), -most, most)
+            value = _value(fine, candidate / grid)
             if value < least:
-                best, least = other, value
+                best, least = candidate, value
     return readonly(best / grid)
 
 

@@ -60,22 +60,22 @@ def search(
     """
     q, half = _cells(low, high, cells)
     n = len(q)
-    met, at, done = np.zeros(n), np.zeros((n, n)), 0
+    met, at, count = np.zeros(n), np.zeros((n, n)), 0
     ended = np.zeros(n)  # the largest bound of cells that are done with
     while q.shape[1]:
-        done += q.shape[1]
+        count += q.shape[1]
         kept = []
         for part in np.array_split(np.arange(q.shape[1]), ceil(q.shape[1] / AT_ONCE)):
             s, bound = bounded(deviations, changes, q[:, part], half)
             for i in np.flatnonzero(s.max(axis=1) > met):
                 met[i], at[i] = s[i].max(), q[:, part[s[i].argmax()]]
-            open = (bound > (1 + tolerance) * met[:, None]).any(axis=0)
-            ended = np.maximum(ended, bound[:, ~open].max(axis=1, initial=0.0))
-            kept.append(part[open])
-        if done > most or not np.isfinite(met).all():
-            raise ModelError(_no_bound_message(met, at, done))
+            undecided = (bound > (1 + tolerance) * met[:, None]).any(axis=0)
+            ended = np.maximum(ended, bound[:, ~undecided].max(axis=1, initial=0.0))
+            kept.append(part[undecided])
+        if count > most or not np.isfinite(met).all():
+            raise ModelError(_no_bound_message(met, at, count))
         q, half = _halve(q[:, np.concatenate(kept)], half)
-    return Worst(readonly(met), readonly(ended), readonly(at), done)
+    return Worst(readonly(met), readonly(ended), readonly(at), count)
 
 
 @arguments.checked
@@ -99,9 +99,9 @@ def bounded(deviations: Deviations, changes: Changes, q: ArrayLike, half: ArrayL
             "give (n, N) of each, half sides (n, 1), and finite places"
         )
     with np.errstate(invalid="ignore"):
-        left = 1 - (moves * s).sum(axis=0)
-    sound = left > 0  # False for NaN
-    return s, np.where(sound, s * (1 + ROUNDING) / np.where(sound, left, 1.0), np.inf)
+        denominators = 1 - (moves * s).sum(axis=0)
+    is_bounded = denominators > 0  # False for NaN
+    return s, np.where(is_bounded, s * (1 + ROUNDING) / np.where(is_bounded, denominators, 1.0), np.inf)
 
 
 def _cells(low: Sequence[float], high: Sequence[float], counts: Sequence[int]) -> tuple[Array, Array]:
