@@ -40,7 +40,7 @@ class Coupling:
 
 @show.result
 class Couplings:
-    """The couplings of each mode, the slowest first."""
+    """The PBH measures of each mode, the slowest first."""
 
     modes: tuple[Coupling, ...]
     time: Time

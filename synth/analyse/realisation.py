@@ -163,10 +163,10 @@ class _Difference:
 
 
 def _compare(original: StateSpace, reduced: StateSpace, scaled: staircase.Scaled) -> _Difference:
-    """Compare two responses in the scaled inputs and outputs of `one`; `part` is the scaled model of `one`.
+    """Compare two responses in the scaled inputs and outputs of `original`, whose scaled model is `scaled`.
 
     The points lie on a ray from s = 0 into the right half-plane, from below the slowest to above the fastest pole.
-    Points where rounding alone changes the response of `one` by a tenth of SAME are omitted.
+    Points where rounding alone changes the response of `original` by a tenth of SAME are omitted.
     """
     v = _points(original)
     shifted = (v / scaled.rate)[:, None, None] * np.eye(len(scaled.A)) - scaled.A

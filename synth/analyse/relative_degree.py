@@ -52,7 +52,7 @@ class RelativeDegree:
     rows: Rows
 
     @cached_property
-    def lost(self) -> Mapping[str, singularity.Worst]:
+    def worst_rows(self) -> Mapping[str, singularity.Worst]:
         """The point of the domain where each row of D is closest to vanishing, by output.
 
         Raises ModelError if D is not finite.
@@ -138,7 +138,7 @@ class RelativeDegree:
             lines = [f"sum {total} of {n} states: {rest}", f"decoupling matrix: {self._regularity(self.worst)}"]
         rows = []
         for signal, r, row in zip(self.model.outputs, self.degrees, range(len(self.degrees)), strict=True):
-            worst = self.lost[signal.name]
+            worst = self.worst_rows[signal.name]
             entering = [s.name for j, s in enumerate(self.model.inputs) if self.decoupling.sparsity().has_nz(row, j)]
             authority = f"{self.authority[signal.name]:.3g}"
             rows.append((signal.name, str(r), ", ".join(entering), authority, f"{worst.condition:.4g}", worst.where))

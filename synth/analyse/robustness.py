@@ -37,7 +37,7 @@ class _Requirement:
     """A margin: its unit, its value for an unstable loop, and the function that reads it."""
 
     unit: str
-    lost: float
+    if_unstable: float
     of: Callable[[Margins], float]
 
 
@@ -71,7 +71,7 @@ class OpenLoop:
     def margin(self, name: str) -> float:
         """Return one of REQUIREMENTS; an unstable loop has no margin left."""
         kind = REQUIREMENTS[name]
-        return float(kind.of(self.margins)) if self.margins.stable else kind.lost
+        return float(kind.of(self.margins)) if self.margins.stable else kind.if_unstable
 
 
 @dataclass(frozen=True, eq=False)

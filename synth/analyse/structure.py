@@ -165,7 +165,7 @@ def unmoved(A: ArrayLike, B: ArrayLike, states: Sequence[str], time: Time) -> li
 
 @arguments.checked
 def require_stabilisable(A: ArrayLike, B: ArrayLike, states: Sequence[str], inputs: Sequence[str], time: Time) -> None:
-    """Raise ModelError with the first uncontrollable mode that does not decay."""
+    """Raise ModelError for the first uncontrollable mode that does not decay."""
     for mode in unmoved(A, B, states, time):
         who = ", ".join(mode.states)
         raise ModelError(
@@ -176,7 +176,7 @@ def require_stabilisable(A: ArrayLike, B: ArrayLike, states: Sequence[str], inpu
 
 @arguments.checked
 def require_detectable(A: ArrayLike, C: ArrayLike, states: Sequence[str], what: str, time: Time) -> None:
-    """Raise ModelError with the first unobservable mode that does not decay; `what` is the name of C (p, n)."""
+    """Raise ModelError for the first unobservable mode that does not decay; `what` is the name of C (p, n)."""
     for mode in unmoved(arguments.matrix("A", A).T, arguments.matrix("C", C).T, states, time):
         who = ", ".join(mode.states)
         raise ModelError(
@@ -187,14 +187,14 @@ def require_detectable(A: ArrayLike, C: ArrayLike, states: Sequence[str], what: 
 
 @arguments.checked
 def check_stabilisable(system: System) -> None:
-    """Raise ModelError with the first uncontrollable mode of a System that does not decay."""
+    """Raise ModelError for the first uncontrollable mode of a System that does not decay."""
     model = of(system)
     require_stabilisable(model.A, model.B, model.states, model.inputs, model.time)
 
 
 @arguments.checked
 def check_detectable(system: System) -> None:
-    """Raise ModelError with the first unobservable mode of a System that does not decay."""
+    """Raise ModelError for the first unobservable mode of a System that does not decay."""
     model = of(system)
     require_detectable(model.A, model.C, model.states, ", ".join(model.outputs) or "no output", model.time)
 

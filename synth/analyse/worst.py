@@ -43,10 +43,12 @@ class Figure:
     largest: bool = False
 
 
-def _margin(name: str, unit: str, of: Callable[[margins.Margins], float], lost: float, largest: bool = False) -> Figure:
+def _margin(
+    name: str, unit: str, of: Callable[[margins.Margins], float], if_unstable: float, largest: bool = False
+) -> Figure:
     def figure(loop: Loop) -> float:
         loop_margins = margins.of_loop(loop)
-        return of(loop_margins) if loop_margins.stable else lost
+        return of(loop_margins) if loop_margins.stable else if_unstable
 
     return Figure(name, unit, figure, largest)
 
