@@ -125,7 +125,7 @@ def of_controller(
     """
     if not points or not cases:
         raise SignalError(
-            "there are no operating points or no cases: give one of each at least, the middle of the range"
+            "there are no operating points or no cases: give at least one of each, for example the middle of the range"
         )
     interface = controller.interface
     wires = {a.of: a.name for a in interface.actuators} if actuators is None else actuators

@@ -138,7 +138,7 @@ def scaled(
     values = unscaled.at(_points(entering))
     rows = np.linalg.norm(values, axis=2).max(axis=0)
     if not rows.all():
-        raise ModelError(f"the row of '{labels[int(rows.argmin())]}' is zero all over the domain: no input enters it")
+        raise ModelError(f"the row of '{labels[int(rows.argmin())]}' is zero on the whole domain: no input enters it")
     strongest = float(np.linalg.norm(values / rows[:, None], 2, axis=(1, 2)).max())
     return replace(unscaled, rows=readonly(rows), strongest=strongest)
 

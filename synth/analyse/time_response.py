@@ -100,7 +100,7 @@ def impulse_response(system: System, duration_s: float | None = None, interval_s
         i, j = np.argwhere(model.D)[0]
         raise ModelError(
             f"the impulse response contains an impulse at t = 0, D[{model.outputs[i]}, {model.inputs[j]}] is "
-            f"{show.number(model.D[i, j])}: give the model with D = 0 for all that follows"
+            f"{show.number(model.D[i, j])}: give the model with D = 0 for its response at t > 0"
         )
     time, F, _ = _recursion(model, duration_s, interval_s)
     if isinstance(model.time, Continuous):
@@ -135,7 +135,7 @@ def _recursion(model: StateSpace, duration_s: float | None, interval_s: float | 
         span = float(duration_s or _duration(model))
         interval = float(interval_s or span / _count(model, span))
     elif interval_s is not None:
-        raise TimingError(f"an interval of {interval_s:g} s was asked for in {model.time}: leave it out")
+        raise TimingError(f"a model in {model.time} has its own interval, but {interval_s:g} s was given: leave it out")
     else:
         interval = model.time.period_s
         span = float(duration_s or min(float(np.ceil(_duration(model) / interval)), MOST / 2) * interval)

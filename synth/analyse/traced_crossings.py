@@ -50,7 +50,7 @@ def _require_parity(crossings: list[float], value: Array) -> None:
     first, last = np.exp(value[[0, -1]])
     if len(crossings) % 2 != ((first > 1) != (last > 1)):
         raise ModelError(
-            f"{len(crossings)} crossings of |L| = 1 were found, which do not lead from {first:.3g} to {last:.3g}: the "
+            f"{len(crossings)} crossings of |L| = 1 were found, but |L| goes from {first:.3g} to {last:.3g}: the "
             "loop has too many lightly damped modes for double precision; leave some out"
         )
 

@@ -124,9 +124,7 @@ def of_linear(system: System, degrees: Sequence[int], sizes: Mapping[str, float]
     model = statespace.of(system)
     n, m = model.B.shape
     if len(degrees) != len(model.C) or m != len(model.C):
-        raise SignalError(
-            f"{len(degrees)} degrees, {len(model.C)} outputs and {m} inputs: zero dynamics need as many of each"
-        )
+        raise SignalError(f"{len(degrees)} degrees, {len(model.C)} outputs and {m} inputs: give equal numbers of each")
     T = np.array([(sizes or {}).get(name, 1.0) for name in model.states])
     scaled = _scaled(model, T)
     C, D = _highest_derivatives(scaled, degrees)
@@ -135,7 +133,7 @@ def of_linear(system: System, degrees: Sequence[int], sizes: Mapping[str, float]
     Z = scipy.linalg.null_space(chains / np.linalg.norm(chains, axis=1, keepdims=True)) if len(chains) else np.eye(n)
     if Z.shape[1] != n - len(chains):
         raise ModelError(
-            f"the degrees {tuple(degrees)} are not those of this model: the derivatives below them depend on each other"
+            f"the degrees {tuple(degrees)} are not those of this model: the derivatives below them are dependent"
         )
     F = Z.T @ (scaled.A - scaled.B @ np.linalg.solve(D, C)) @ Z
     values, vectors = np.linalg.eig(F)

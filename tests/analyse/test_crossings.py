@@ -155,5 +155,5 @@ def test_a_single_omitted_traced_crossing_is_detected(monkeypatch: pytest.Monkey
     L = loop([4.0], [1, 3, 3, 1])
     roots = traced_crossings._roots
     monkeypatch.setattr(traced_crossings, "_roots", lambda f, w, value: roots(f, w, value)[1:])
-    with pytest.raises(ModelError, match=r"0 crossings of \|L\| = 1 were found, which do not lead from 4 to"):
+    with pytest.raises(ModelError, match=r"0 crossings of \|L\| = 1 were found, but .L. goes from 4 to"):
         margins.of_loop(L)

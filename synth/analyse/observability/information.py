@@ -36,11 +36,11 @@ def jacobians(h: ca.Function, q: ArrayLike) -> Array:
     Raises ModelError unless h takes one column and returns one, and the places are finite, (N, n).
     """
     if h.n_in() != 1 or h.n_out() != 1 or h.size2_in(0) != 1 or h.size2_out(0) != 1:
-        raise ModelError(f"'{h.name()}' has {h.n_in()} inputs and {h.n_out()} outputs: give a column to a column")
+        raise ModelError(f"'{h.name()}' has {h.n_in()} inputs and {h.n_out()} outputs: give one column each")
     n, m = h.size1_in(0), h.size1_out(0)
     places = arguments.real("places", q)
     if places.ndim != 2 or places.shape[1] != n or not len(places) or not np.isfinite(places).all():
-        raise ModelError(f"the places have the shape {places.shape}: give finite numbers, (N, {n}), a row or more")
+        raise ModelError(f"the places have the shape {places.shape}: give finite numbers, (N, {n}), at least one row")
     x = ca.SX.sym("q", n)
     slopes = ca.Function("slopes", [x], [ca.jacobian(h(x), x)]).map(len(places))(places.T).full()
     return readonly(slopes.reshape(m, len(places), n).transpose(1, 0, 2))

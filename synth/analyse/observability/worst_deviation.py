@@ -107,7 +107,7 @@ def bounded(deviations: Deviations, changes: Changes, q: ArrayLike, half: ArrayL
 def _cells(low: Sequence[float], high: Sequence[float], counts: Sequence[int]) -> tuple[Array, Array]:
     """Return the centres (n, N) of cells, and half their sides (n, 1)."""
     if not len(low) == len(high) == len(counts) > 0 or min(counts) < 1:
-        raise ModelError(f"{len(low)} low and {len(high)} high ends meet {counts} cells: give one of each an unknown")
+        raise ModelError(f"{len(low)} low ends, {len(high)} high ends, cells {counts}: give one of each per unknown")
     if not all(a <= b for a, b in zip(low, high, strict=True)) or not np.isfinite([*low, *high]).all():
         raise ModelError(f"the box is from {list(low)} to {list(high)}: give finite ends, the lower ones first")
     steps = [(b - a) / n for a, b, n in zip(low, high, counts, strict=True)]
