@@ -194,11 +194,11 @@ def opened(loops: Loops, signals: Sequence[str] | None = None) -> list[OpenLoop]
     equilibria = (
         (point, case, rest(loops, point, case)) for point, case in itertools.product(loops.points, loops.cases)
     )
-    return [_open(point, case, signal, where) for point, case, where in equilibria for signal in chosen]
+    return [_open(point, case, signal, at_rest) for point, case, at_rest in equilibria for signal in chosen]
 
 
-def _open(point: str, case: Case, signal: str, equilibrium: Rest) -> OpenLoop:
-    L = resting.open_loop(equilibrium, signal)
+def _open(point: str, case: Case, signal: str, at_rest: Rest) -> OpenLoop:
+    L = resting.open_loop(at_rest, signal)
     return OpenLoop(point, case, signal, L, _margins(L, signal, point))
 
 
@@ -212,9 +212,9 @@ def _margins(L: StateSpace, signal: str, point: str) -> Margins:
 @arguments.checked
 def disks(loops: Loops, point: str, case: Case = NOMINAL) -> dict[str, disk.DiskMargin]:
     """Return the disk margins with all ``actuators``, all ``sensors`` or ``both`` varied at once, as `disk.of_loop`."""
-    equilibrium = rest(loops, point, case)
+    at_rest = rest(loops, point, case)
     cuts = {"actuators": loops.actuators, "sensors": loops.sensors, "both": (*loops.actuators, *loops.sensors)}
-    return {name: disk.of_loop(resting.open_loop(equilibrium, list(signals))) for name, signals in cuts.items()}
+    return {name: disk.of_loop(resting.open_loop(at_rest, list(signals))) for name, signals in cuts.items()}
 
 
 @arguments.checked
